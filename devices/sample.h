@@ -1,0 +1,43 @@
+#pragma once
+
+#include <string>
+#include <variant>
+
+#include "engine/math.h"
+
+/// What any device says, when, in which frame, how good.
+namespace headpin::devices {
+
+/// One measurement of one tracked sensor.
+struct TrackerSample {
+  Time device_time{};         ///< when it was measured, on the session's clock
+  Time host_time{};           ///< when its first byte reached us; 0 if it never crossed a wire
+  std::int64_t sequence = 0;  ///< counts up per station; a hole is a dropped sample
+  std::int32_t station = 1;   ///< 1..4; headpin has the head on 1 and the hand on 2
+  Pose X_TS;                  ///< sensor in the transmitter's frame [m]
+  char status = ' ';          ///< ' ' good, else the Fastrak's error letter
+  std::uint8_t buttons = 0;   ///< bit 0: stylus switch
+  std::string frame = "T";    ///< frame the pose is given in; "T" the transmitter
+
+  bool good() const { return status == ' '; }
+};
+
+/// State of the 3D mouse's buttons; sent at each change.
+struct MouseSample {
+  Time device_time{};
+  Time host_time{};
+  bool left_thumb = false;   ///< walk forward
+  bool right_thumb = false;  ///< walk backward
+  bool trigger = false;      ///< grab
+};
+
+using Sample = std::variant<TrackerSample, MouseSample>;
+
+inline Time device_time(const Sample& sample) {
+  return std::visit([](const auto& s) { return s.device_time; }, sample);
+}
+
+constexpr std::int32_t kHeadStation = 1;
+constexpr std::int32_t kHandStation = 2;
+
+}  // namespace headpin::devices

@@ -1,0 +1,62 @@
+#include "engine/math.h"
+
+namespace headpin {
+
+SinCos sin_cos(double angle) {
+  // Reduce to [-pi/4, pi/4] by a multiple of pi/2 in three parts (Cody and Waite), then Taylor.
+  constexpr double kTwoOverPi = 0.63661977236758134308;
+  constexpr double kPio2a = 1.57079632673412561417e+00;  // 33 bits of pi/2
+  constexpr double kPio2b = 6.07710050630396597660e-11;  // the next 33
+  constexpr double kPio2c = 2.02226624879595063154e-21;
+  const double n = std::floor(angle * kTwoOverPi + 0.5);
+  const double x = ((angle - n * kPio2a) - n * kPio2b) - n * kPio2c;
+  const double z = x * x;
+  const double s =
+      x + x * z *
+              (-1.0 / 6 +
+               z * (1.0 / 120 +
+                    z * (-1.0 / 5040 +
+                         z * (1.0 / 362880 +
+                              z * (-1.0 / 39916800 +
+                                   z * (1.0 / 6227020800.0 + z * (-1.0 / 1307674368000.0)))))));
+  const double c =
+      1.0 + z * (-0.5 + z * (1.0 / 24 +
+                             z * (-1.0 / 720 +
+                                  z * (1.0 / 40320 +
+                                       z * (-1.0 / 3628800 +
+                                            z * (1.0 / 479001600.0 +
+                                                 z * (-1.0 / 87178291200.0 +
+                                                      z * (1.0 / 20922789888000.0))))))));
+  switch (static_cast<std::int64_t>(n) & 3) {
+    case 0: return {s, c};
+    case 1: return {c, -s};
+    case 2: return {-s, -c};
+    default: return {-c, s};
+  }
+}
+
+Quat rotation(const Vec3& w_dt) {
+  const double angle = w_dt.norm();
+  if (angle == 0.0) return Quat::Identity();
+  const SinCos half = sin_cos(0.5 * angle);
+  const double s = half.sin / angle;
+  return {half.cos, s * w_dt.x(), s * w_dt.y(), s * w_dt.z()};
+}
+
+Vec3 rotation_vector(const Quat& q_AB) {
+  const double sign = q_AB.w() < 0.0 ? -1.0 : 1.0;
+  const Vec3 v = sign * q_AB.vec();
+  const double sine = v.norm();
+  if (sine < 1e-12) return 2.0 * v;
+  return 2.0 * std::atan2(sine, sign * q_AB.w()) / sine * v;
+}
+
+Pose interpolate(const Pose& a, const Pose& b, double s) {
+  const double sign = a.q.dot(b.q) < 0.0 ? -1.0 : 1.0;
+  Quat q;
+  q.coeffs() = (1.0 - s) * a.q.coeffs() + s * sign * b.q.coeffs();
+  q.normalize();
+  return {q, (1.0 - s) * a.p + s * b.p};
+}
+
+}  // namespace headpin

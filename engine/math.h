@@ -1,0 +1,87 @@
+#pragma once
+
+#include <chrono>
+#include <cmath>
+#include <cstdint>
+
+#include <Eigen/Dense>
+
+/// Poses, vectors and time: the only thing every folder shares.
+///
+/// Inside headpin: metre, kilogram, second, radian, double; stamps are integer microseconds.
+namespace headpin {
+
+using Vec2 = Eigen::Vector2d;
+using Vec3 = Eigen::Vector3d;
+using Mat3 = Eigen::Matrix3d;
+using Quat = Eigen::Quaterniond;
+
+/// A stamp or a span. Simulated time never reads the wall clock.
+using Time = std::chrono::microseconds;
+
+inline double seconds(Time t) { return 1e-6 * static_cast<double>(t.count()); }
+
+/// The stamp nearest to `s` seconds.
+inline Time microseconds(double s) { return Time{std::llround(s * 1e6)}; }
+
+/// Stamp of tick `n` of a clock of `rate_hz`: n / rate, rounded down to a whole microsecond.
+///
+/// Whole ratios stay whole: tick 2 n of 240 Hz and tick n of 120 Hz have the same stamp.
+inline Time tick_time(std::int64_t n, std::int64_t rate_hz) {
+  return Time{n / rate_hz * 1'000'000 + n % rate_hz * 1'000'000 / rate_hz};
+}
+
+/// Where frame B stands in frame A: a rotation, then a translation. X_AC = X_AB * X_BC.
+struct Pose {
+  Quat q = Quat::Identity();  ///< q_AB, unit
+  Vec3 p = Vec3::Zero();      ///< origin of B in A [m]
+
+  Vec3 operator*(const Vec3& p_BQ) const { return q * p_BQ + p; }
+  Pose operator*(const Pose& X_BC) const { return {q * X_BC.q, q * X_BC.p + p}; }
+  Pose inverse() const {
+    const Quat q_BA = q.conjugate();
+    return {q_BA, q_BA * -p};
+  }
+};
+
+/// How a frame moves: velocity of its origin [m/s] and angular velocity [rad/s].
+struct Twist {
+  Vec3 v = Vec3::Zero();
+  Vec3 w = Vec3::Zero();
+};
+
+template <typename T>
+struct Stamped {
+  Time time{};
+  T value{};
+};
+
+inline Mat3 skew(const Vec3& r) {
+  Mat3 m;
+  m << 0.0, -r.z(), r.y(), r.z(), 0.0, -r.x(), -r.y(), r.x(), 0.0;
+  return m;
+}
+
+/// Sine and cosine by our own series, so that every machine gets the same bits.
+///
+/// @param angle  [rad], |angle| <= 1e5; error below 2e-15 there
+struct SinCos {
+  double sin, cos;
+};
+SinCos sin_cos(double angle);
+
+/// Rotation by the vector `w_dt` (axis times angle [rad]), as a unit quaternion.
+Quat rotation(const Vec3& w_dt);
+
+/// The vector axis times angle [rad] that turns A into B, angle in [0, pi].
+///
+/// Uses atan2: for measuring, not for the step.
+Vec3 rotation_vector(const Quat& q_AB);
+
+/// Pose a fraction `s` of the way from `a` to `b`: straight line, shorter arc.
+///
+/// The quaternions are mixed linearly and normalised: exact at both ends and the middle, within
+/// 0.1 degree between for turns below 45 degrees, and free of transcendental functions.
+Pose interpolate(const Pose& a, const Pose& b, double s);
+
+}  // namespace headpin

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+
+#include "engine/math.h"
+
+namespace headpin::render {
+
+/// What one eye sees through: tangents of the four edges, and the depth range [m].
+struct Frustum {
+  double left, right, bottom, top;  ///< x/-z and y/-z at the edges of the picture
+  double near = 0.05;
+  double far = 40.0;
+};
+
+/// One camera: x right, y up, looking along -z.
+struct View {
+  Pose X_WE;
+  Frustum frustum;
+  int width = 360;   ///< pixels
+  int height = 240;  ///< pixels
+};
+
+/// Display and lenses of a head-mounted display, the same for both eyes but mirrored.
+struct Optics {
+  int width = 360;                     ///< pixels per eye
+  int height = 240;                    ///< pixels per eye
+  double horizontal_fov_deg = 75.0;    ///< per eye (Uno & Slater 1997, section 3)
+  double vertical_fov_deg = 40.0;      ///< per eye
+  double eye_distance = 0.064;         ///< between the eyes' centres [m]
+  double outward_deg = 0.0;            ///< how far each eye's axis is turned outward
+  double near = 0.05;                  ///< [m]
+  double far = 40.0;                   ///< [m]
+
+  /// Width of a pixel over its height: 1.405 for the default display.
+  double pixel_aspect() const;
+};
+
+/// The two views of a head: left first.
+///
+/// @param X_WD  head display: x right, y up, looking along -z, origin midway between the eyes
+std::array<View, 2> eyes(const Pose& X_WD, const Optics& optics);
+
+}  // namespace headpin::render

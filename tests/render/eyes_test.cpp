@@ -1,0 +1,53 @@
+#include "render/eyes.h"
+
+#include <gtest/gtest.h>
+
+namespace headpin::render {
+namespace {
+
+/// Where a point falls in a view: pixels from the left and from the top.
+Vec2 project(const View& view, const Vec3& p_W) {
+  const Vec3 p = view.X_WE.inverse() * p_W;
+  const Frustum& f = view.frustum;
+  return {view.width * (p.x() / -p.z() - f.left) / (f.right - f.left),
+          view.height * (f.top - p.y() / -p.z()) / (f.top - f.bottom)};
+}
+
+TEST(Eyes, FocalLengthsAreThoseOf75By40Degrees) {
+  const auto [left, right] = eyes({}, {});
+  const double fx = left.width / (left.frustum.right - left.frustum.left);
+  const double fy = left.height / (left.frustum.top - left.frustum.bottom);
+  EXPECT_NEAR(fx, 234.58, 0.01);  // 180 / tan 37.5
+  EXPECT_NEAR(fy, 329.70, 0.01);  // 120 / tan 20
+  EXPECT_NEAR(Optics{}.pixel_aspect(), fy / fx, 1e-12);
+}
+
+TEST(Eyes, DisparityIsFocalLengthTimesEyeDistanceOverDepth) {
+  const Optics optics;
+  const auto [left, right] = eyes({}, optics);
+  for (const double depth : {0.5, 1.0, 5.0, 20.0}) {
+    const Vec3 p(0.1, -0.2, -depth);
+    const double disparity = project(left, p).x() - project(right, p).x();
+    EXPECT_NEAR(disparity, 234.58 * optics.eye_distance / depth, 1e-3) << depth;
+    EXPECT_NEAR(project(left, p).y(), project(right, p).y(), 1e-9);
+  }
+}
+
+TEST(Eyes, NoEyeDistanceGivesTwoEqualViews) {
+  Optics optics;
+  optics.eye_distance = 0.0;
+  const auto [left, right] = eyes({rotation(Vec3(0.3, 0.1, 0.2)), Vec3(1, 2, 3)}, optics);
+  EXPECT_EQ(left.X_WE.p, right.X_WE.p);
+  EXPECT_EQ(left.X_WE.q.coeffs(), right.X_WE.q.coeffs());
+}
+
+TEST(Eyes, OutwardTurnSendsTheLeftEyeToTheLeft) {
+  Optics optics;
+  optics.outward_deg = 5.0;
+  const auto [left, right] = eyes({}, optics);
+  EXPECT_LT((left.X_WE.q * Vec3(0, 0, -1)).x(), 0.0);
+  EXPECT_GT((right.X_WE.q * Vec3(0, 0, -1)).x(), 0.0);
+}
+
+}  // namespace
+}  // namespace headpin::render
