@@ -1,8 +1,33 @@
-#include <CLI/CLI.hpp>
+#include <cstdlib>
 #include <iostream>
 
+#include "apps/command.h"
+
+namespace {
+
+/// Says what went wrong on one line, under the name of the command it went wrong in.
+int fail(const CLI::App& app, const std::exception& error, int code) {
+  std::string name = app.get_name();
+  for (const CLI::App* command : app.get_subcommands()) name += " " + command->get_name();
+  std::cerr << name << ": " << error.what() << "\n";
+  return code;
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
-  CLI::App app{"headpin: a headless immersive bowling simulator", "headpin"};
+  CLI::App app{"headpin: a headless immersive bowling simulator with a tracked-device layer",
+               "headpin"};
   app.require_subcommand(1);
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == EXIT_SUCCESS ? EXIT_SUCCESS : 2;
+  } catch (const headpin::apps::UsageError& error) {
+    return fail(app, error, 2);
+  } catch (const headpin::apps::TryAgain& error) {
+    return fail(app, error, 75);
+  } catch (const std::exception& error) {
+    return fail(app, error, 1);
+  }
 }
