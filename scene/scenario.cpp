@@ -1,1 +1,476 @@
 #include "scene/scenario.h"
+
+#include <fstream>
+#include <initializer_list>
+#include <limits>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+namespace headpin::scene {
+
+namespace {
+
+struct Range {
+  double low, high;
+};
+constexpr Range kAny{-std::numeric_limits<double>::max(), std::numeric_limits<double>::max()};
+constexpr Range kUnit{0.0, 1.0};
+
+using Choices = std::initializer_list<std::string_view>;
+
+// The fields, listed once: read, written and checked by the same list. A visitor takes
+// field(key, value, allowed, meaning) and section(key, meaning, part).
+
+template <typename V>
+void visit(V& v, Rates& r) {
+  v.field("physics_hz", r.physics_hz, Range{60, 100'000}, "steps per second, a multiple of 120");
+  v.field("frame_hz", r.frame_hz, Range{1, 1000}, "pictures of each eye per second");
+}
+
+template <typename V>
+void visit(V& v, Room& r) {
+  v.field("width", r.width, Range{1, 100}, "wall to wall, the lane in the middle");
+  v.field("height", r.height, Range{1, 100}, "floor to ceiling");
+  v.field("behind", r.behind, Range{0.5, 100}, "foul line to the wall behind the player");
+  v.field("ahead", r.ahead, Range{1, 100}, "foul line to the wall behind the skittles");
+}
+
+template <typename V>
+void visit(V& v, Lane& l) {
+  v.field("width", l.width, Range{0.2, 20}, "41.5 in: USBC");
+  v.field("head_pin", l.head_pin, Range{0.5, 50},
+          "foul line to head pin; 18.288 is regulation (60 ft: USBC)");
+}
+
+template <typename V>
+void visit(V& v, Rack& r) {
+  v.field("spots", r.spots, kAny,
+          "[x right, y away] from the head pin's spot; 12 in apart in a triangle: USBC");
+}
+
+template <typename V>
+void visit(V& v, SkittlePart& p) {
+  v.field("shape", p.shape, Choices{"ellipsoid", "cylinder", "cone"}, "");
+  v.field("radius", p.radius, Range{1e-3, 1}, "across the axis");
+  v.field("low", p.low, Range{0, 2}, "above the base");
+  v.field("high", p.high, Range{0, 2}, "above the base");
+}
+
+template <typename V>
+void visit(V& v, Skittle& s) {
+  v.field("height", s.height, Range{0.05, 2}, "15.000 in: USBC");
+  v.field("mass", s.mass, Range{0.01, 100}, "3 lb 8 oz: USBC");
+  v.field("parts", s.parts, kAny, "its true shape as collisions see it, base upwards");
+  v.field("profile", s.profile, kAny,
+          "[height above the base, radius] as eyes see it: USBC, necks from pin drawings");
+}
+
+template <typename V>
+void visit(V& v, Ball& b) {
+  v.field("radius", b.radius, Range{0.01, 1}, "8.54 in across: USBC allows 8.500 to 8.595");
+  v.field("mass", b.mass, Range{0.01, 100}, "15 lb: USBC allows 16");
+  v.field("home", b.home, Range{-100, 100}, "its centre on the stand, in the world");
+}
+
+template <typename V>
+void visit(V& v, Material& m) {
+  v.field("elasticity", m.elasticity, kUnit, "");
+  v.field("friction", m.friction, kUnit, "");
+}
+
+template <typename V>
+void visit(V& v, Materials& m) {
+  v.section("skittle", "0.7 and 0.7 make 0.49 a pair: Uno & Slater 1997, table 1", m.skittle);
+  v.section("ball", "", m.ball);
+  v.section("lane", "", m.lane);
+  v.section("wall", "", m.wall);
+}
+
+template <typename V>
+void visit(V& v, Collision& c) {
+  v.field("shape", c.shape, Choices{"true", "ellipsoid"}, "table 1");
+  v.field("detection", c.detection, Choices{"converged", "paper"},
+          "paper: the iteration stops at the cap, as in 1997");
+  v.field("iterations", c.iterations, Range{5, 20}, "cap of a query; 20 in the paper");
+  v.field("response", c.response, Choices{"paper", "coulomb"}, "");
+  v.field("gravity", c.gravity, Range{0, 1000}, "");
+  v.field("sleep", c.sleep, kAny, "bodies at rest are left alone until touched");
+}
+
+template <typename V>
+void visit(V& v, Hand& h) {
+  v.field("reach", h.reach, Range{0, 10}, "grabs a ball whose surface is this near");
+  v.field("grip", h.grip, Range{-1, 1}, "centre of the carried ball in the hand");
+  v.field("release_window_s", h.release_window_s, Range{0.01, 1},
+          "the release velocity is a line fitted over this");
+}
+
+template <typename V>
+void visit(V& v, Rig& r) {
+  v.field("X_WT", r.X_WT, kAny, "transmitter in the world; q is w, x, y, z");
+  v.field("X_SD", r.X_SD, kAny, "head's receiver to display");
+  v.field("X_SH", r.X_SH, kAny, "hand's receiver to virtual hand");
+  v.field("delay_s", r.delay_s, Range{0, 1},
+          "poses are read this long before now, between two samples; 0 holds the last");
+}
+
+template <typename V>
+void visit(V& v, Hmd& h) {
+  v.field("profile", h.profile, kAny, "name of the display");
+  v.field("width", h.width, Range{1, 16384}, "pixels of an eye: Uno & Slater 1997, section 3");
+  v.field("height", h.height, Range{1, 16384}, "");
+  v.field("horizontal_fov_deg", h.horizontal_fov_deg, Range{1, 170}, "of an eye: section 3");
+  v.field("vertical_fov_deg", h.vertical_fov_deg, Range{1, 170}, "of an eye: section 3");
+  v.field("eye_distance", h.eye_distance, Range{0, 1}, "64 mm between the LEEP lenses' axes");
+  v.field("outward_deg", h.outward_deg, Range{-60, 60}, "each eye's axis turned outward");
+}
+
+template <typename V>
+void visit(V& v, Scenario& s) {
+  v.field("name", s.name, kAny, "");
+  v.section("rates", "", s.rates);
+  v.section("room", "metre, kilogram, second unless a name says otherwise", s.room);
+  v.section("lane", "", s.lane);
+  v.section("rack", "", s.rack);
+  v.section("skittle", "", s.skittle);
+  v.section("ball", "", s.ball);
+  v.section("material", "", s.material);
+  v.section("collision", "", s.collision);
+  v.section("hand", "", s.hand);
+  v.section("rig", "", s.rig);
+  v.section("hmd", "", s.hmd);
+}
+
+/// Fills fields from a TOML table; refuses what it does not know.
+class Reader {
+ public:
+  Reader(const toml::table& table, std::string_view where, std::string path)
+      : table_(table), where_(where), path_(std::move(path)) {}
+
+  template <typename T, typename Allowed>
+  void field(std::string_view key, T& value, const Allowed& allowed, std::string_view) {
+    known_.insert(std::string(key));
+    if (const toml::node* node = table_.get(key))
+      read(*node, path_ + std::string(key), value, allowed);
+  }
+
+  template <typename T>
+  void section(std::string_view key, std::string_view, T& part) {
+    known_.insert(std::string(key));
+    const toml::node* node = table_.get(key);
+    if (!node) return;
+    if (!node->is_table()) refuse(*node, path_ + std::string(key), "a table");
+    Reader inner(*node->as_table(), where_, path_ + std::string(key) + ".");
+    visit(inner, part);
+    inner.finish();
+  }
+
+  /// To be called last: complains about the first key that no field asked for.
+  void finish() const {
+    for (const auto& [key, node] : table_) {
+      if (known_.contains(std::string(key.str()))) continue;
+      std::string names;
+      for (const std::string& name : known_) names += (names.empty() ? "" : ", ") + name;
+      throw std::invalid_argument(fmt::format("{}:{}: unknown key '{}{}'; known here: {}", where_,
+                                              key.source().begin.line, path_, key.str(), names));
+    }
+  }
+
+ private:
+  [[noreturn]] void refuse(const toml::node& node, const std::string& path,
+                           const std::string& expected) const {
+    std::ostringstream found;
+    node.visit([&](const auto& n) { found << toml::node_view<const toml::node>(&n); });
+    throw std::invalid_argument(fmt::format("{}:{}: {} must be {}, found {}", where_,
+                                            node.source().begin.line, path, expected, found.str()));
+  }
+
+  double number(const toml::node& node, const std::string& path, Range range) const {
+    const auto value = node.value<double>();
+    const bool is_number = node.is_integer() || node.is_floating_point();
+    if (!is_number || !value || !(*value >= range.low && *value <= range.high)) {
+      refuse(node, path,
+             range.high == kAny.high
+                 ? std::string("a finite number")
+                 : fmt::format("a number from {} to {}", range.low, range.high));
+    }
+    return *value;
+  }
+
+  /// The node as an array of `size` numbers (any number of them for size 0).
+  std::vector<double> numbers(const toml::node& node, const std::string& path, std::size_t size,
+                              Range range) const {
+    const toml::array* array = node.as_array();
+    if (!array || (size != 0 && array->size() != size)) {
+      refuse(node, path, fmt::format("an array of {} numbers", size));
+    }
+    std::vector<double> values;
+    for (const toml::node& item : *array) values.push_back(number(item, path, range));
+    return values;
+  }
+
+  void read(const toml::node& node, const std::string& path, double& value, Range range) const {
+    value = number(node, path, range);
+  }
+
+  void read(const toml::node& node, const std::string& path, std::int64_t& value,
+            Range range) const {
+    if (!node.is_integer()) refuse(node, path, "a whole number");
+    number(node, path, range);
+    value = *node.value<std::int64_t>();
+  }
+
+  void read(const toml::node& node, const std::string& path, bool& value, Range) const {
+    if (!node.is_boolean()) refuse(node, path, "true or false");
+    value = *node.value<bool>();
+  }
+
+  void read(const toml::node& node, const std::string& path, std::string& value, Range) const {
+    if (!node.is_string()) refuse(node, path, "a string");
+    value = *node.value<std::string>();
+  }
+
+  void read(const toml::node& node, const std::string& path, std::string& value,
+            const Choices& choices) const {
+    std::string names;
+    for (const std::string_view name : choices) {
+      if (node.is_string() && *node.value<std::string>() == name) {
+        value = name;
+        return;
+      }
+      names += (names.empty() ? "" : " or ") + fmt::format("\"{}\"", name);
+    }
+    refuse(node, path, names);
+  }
+
+  void read(const toml::node& node, const std::string& path, Vec3& value, Range range) const {
+    const std::vector<double> v = numbers(node, path, 3, range);
+    value = Vec3(v[0], v[1], v[2]);
+  }
+
+  void read(const toml::node& node, const std::string& path, Pose& value, Range) const {
+    const toml::table* table = node.as_table();
+    if (!table) refuse(node, path, "a table {p = [x, y, z], q = [w, x, y, z]}");
+    for (const auto& [key, item] : *table) {
+      if (key.str() == "p") {
+        read(item, path + ".p", value.p, Range{-1e4, 1e4});
+      } else if (key.str() == "q") {
+        const std::vector<double> q = numbers(item, path + ".q", 4, Range{-1.0, 1.0});
+        value.q = Quat(q[0], q[1], q[2], q[3]);
+        if (std::abs(value.q.norm() - 1.0) > 1e-9) refuse(item, path + ".q", "a unit quaternion");
+      } else {
+        refuse(node, path, "a table {p = [x, y, z], q = [w, x, y, z]}");
+      }
+    }
+  }
+
+  void read(const toml::node& node, const std::string& path, std::vector<Vec2>& value,
+            Range) const {
+    const toml::array* array = node.as_array();
+    if (!array || array->empty() || array->size() > 10'000) {
+      refuse(node, path, "an array of 1 to 10000 pairs of numbers");
+    }
+    value.clear();
+    for (const toml::node& item : *array) {
+      const std::vector<double> v = numbers(item, path, 2, Range{-100, 100});
+      value.emplace_back(v[0], v[1]);
+    }
+  }
+
+  void read(const toml::node& node, const std::string& path, std::vector<SkittlePart>& value,
+            Range) const {
+    const toml::array* array = node.as_array();
+    if (!array || array->empty() || array->size() > 16) refuse(node, path, "1 to 16 parts");
+    value.clear();
+    for (const toml::node& item : *array) {
+      if (!item.is_table()) refuse(item, path, "tables {shape, radius, low, high}");
+      Reader inner(*item.as_table(), where_, path + ".");
+      visit(inner, value.emplace_back());
+      inner.finish();
+      if (!(value.back().low < value.back().high)) refuse(item, path, "low below high");
+    }
+  }
+
+  const toml::table& table_;
+  std::string_view where_;
+  std::string path_;
+  std::set<std::string> known_;
+};
+
+/// A float as TOML wants it: shortest text that reads back to the same bits.
+std::string number_text(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".en") == std::string::npos) text += ".0";
+  return text;
+}
+
+/// Writes fields in their order, each with its meaning beside it.
+class Writer {
+ public:
+  template <typename T, typename Allowed>
+  void field(std::string_view key, const T& value, const Allowed&, std::string_view meaning) {
+    out_ += fmt::format("{} = {}", key, text(value));
+    if (!meaning.empty()) out_ += fmt::format("  # {}", meaning);
+    out_ += "\n";
+  }
+
+  template <typename T>
+  void section(std::string_view key, std::string_view meaning, T& part) {
+    const std::string outer = path_;
+    path_ += (path_.empty() ? "" : ".") + std::string(key);
+    out_ += fmt::format("\n[{}]{}\n", path_, meaning.empty() ? "" : fmt::format("  # {}", meaning));
+    visit(*this, part);
+    path_ = outer;
+  }
+
+  std::string out() && { return std::move(out_); }
+
+ private:
+  static std::string text(double value) { return number_text(value); }
+  static std::string text(std::int64_t value) { return fmt::format("{}", value); }
+  static std::string text(bool value) { return value ? "true" : "false"; }
+  static std::string text(const std::string& value) {
+    std::ostringstream quoted;
+    quoted << toml::value<std::string>(value);
+    return quoted.str();
+  }
+  static std::string text(const Vec3& v) {
+    return fmt::format("[{}, {}, {}]", text(v.x()), text(v.y()), text(v.z()));
+  }
+  static std::string text(const Pose& X) {
+    return fmt::format("{{p = {}, q = [{}, {}, {}, {}]}}", text(X.p), text(X.q.w()), text(X.q.x()),
+                       text(X.q.y()), text(X.q.z()));
+  }
+  static std::string text(const std::vector<Vec2>& points) {
+    std::string all = "[";
+    for (const Vec2& p : points) all += fmt::format("\n  [{}, {}],", text(p.x()), text(p.y()));
+    return all + "\n]";
+  }
+  static std::string text(const std::vector<SkittlePart>& parts) {
+    std::string all = "[";
+    for (const SkittlePart& p : parts) {
+      all += fmt::format("\n  {{shape = {}, radius = {}, low = {}, high = {}}},", text(p.shape),
+                         text(p.radius), text(p.low), text(p.high));
+    }
+    return all + "\n]";
+  }
+
+  std::string out_;
+  std::string path_;
+};
+
+toml::table parse_table(std::string_view text, std::string_view where) {
+  try {
+    return toml::parse(text, where);
+  } catch (const toml::parse_error& error) {
+    throw std::invalid_argument(
+        fmt::format("{}:{}: not TOML: {}", where, error.source().begin.line, error.description()));
+  }
+}
+
+void read_into(Scenario& scenario, const toml::table& table, std::string_view where) {
+  Reader reader(table, where, "");
+  visit(reader, scenario);
+  reader.finish();
+  if (scenario.rates.physics_hz % 120 != 0) {
+    throw std::invalid_argument(
+        fmt::format("{}: rates.physics_hz must be a multiple of 120, found {}", where,
+                    scenario.rates.physics_hz));
+  }
+}
+
+/// Rounded, so that the text of a scenario shows measures and not the noise of a product.
+double ten_micrometres(double length) {
+  return std::round(length * 1e5) / 1e5;
+}
+
+}  // namespace
+
+Scenario::Scenario() {
+  // Ten pins: pins 12 in = 0.3048 m apart, so rows 10.392 in = 0.26396 m apart (USBC).
+  for (int r = 0; r < 4; ++r) {
+    for (int i = 0; i <= r; ++i) {
+      rack.spots.emplace_back(ten_micrometres((i - 0.5 * r) * 0.3048),
+                              ten_micrometres(r * 0.26396));
+    }
+  }
+  skittle.parts = {{"cylinder", 0.0258, 0.0, 0.06},
+                   {"ellipsoid", 0.0605, 0.006, 0.226},
+                   {"cylinder", 0.0235, 0.18, 0.34},
+                   {"ellipsoid", 0.0325, 0.316, 0.381}};
+  const double inch = 0.0254;
+  for (const auto& [h, d] : {std::pair{0.0, 2.031},
+                             {0.75, 2.828},
+                             {2.25, 3.906},
+                             {3.375, 4.510},
+                             {4.5, 4.766},
+                             {5.875, 4.563},
+                             {7.25, 3.703},
+                             {8.625, 2.472},
+                             {9.375, 1.965},
+                             {10.0, 1.797},
+                             {10.875, 1.870},
+                             {11.75, 2.094},
+                             {12.625, 2.406},
+                             {13.5, 2.547},
+                             {15.0, 0.0}}) {
+    skittle.profile.emplace_back(ten_micrometres(h * inch), ten_micrometres(0.5 * d * inch));
+  }
+}
+
+Scenario parse_scenario(std::string_view toml, std::string_view where) {
+  Scenario scenario;
+  read_into(scenario, parse_table(toml, where), where);
+  return scenario;
+}
+
+Scenario load_scenario(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file) throw std::runtime_error(path + ": cannot be read");
+  return parse_scenario(text.str(), path);
+}
+
+std::string to_toml(const Scenario& scenario) {
+  Writer writer;
+  Scenario copy = scenario;  // the list of fields is one for reading and writing
+  visit(writer, copy);
+  return std::move(writer).out();
+}
+
+void set(Scenario& scenario, std::string_view assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string_view::npos || equals == 0) {
+    throw std::invalid_argument(
+        fmt::format("--set {}: expected key=value, such as ball.mass=5", assignment));
+  }
+  const std::string where = fmt::format("--set {}", assignment);
+  const std::string key(assignment.substr(0, equals));
+  const std::string value(assignment.substr(equals + 1));
+  toml::table table;
+  try {
+    table = toml::parse(key + " = " + value);
+  } catch (const toml::parse_error&) {  // a bare word is a string
+    table = parse_table(fmt::format("{} = '{}'", key, value), where);
+  }
+  read_into(scenario, table, where);
+}
+
+void set_elasticity(Materials& materials, double elasticity) {
+  for (Material* m : {&materials.skittle, &materials.ball, &materials.lane, &materials.wall}) {
+    m->elasticity = elasticity;
+  }
+}
+
+void set_friction(Materials& materials, double friction) {
+  for (Material* m : {&materials.skittle, &materials.ball, &materials.lane, &materials.wall}) {
+    m->friction = friction;
+  }
+}
+
+}  // namespace headpin::scene

@@ -1,3 +1,143 @@
 #pragma once
 
+#include <string>
+#include <string_view>
+#include <vector>
+
 #include "engine/math.h"
+
+/// Everything that is data about a session: the room, the skittles, the ball, the collision
+/// response, the rates, the rig and the display. One TOML file; a trial carries it whole.
+///
+/// Metre, kilogram, second unless a name says otherwise. The defaults are the paper's room.
+/// Where a measure comes from stands in the comment that `to_toml` writes beside it.
+namespace headpin::scene {
+
+/// A primitive of a skittle, on the skittle's axis, measured from its base.
+struct SkittlePart {
+  std::string shape = "ellipsoid";  ///< ellipsoid, cylinder or cone
+  double radius = 0.05;             ///< largest radius across the axis
+  double low = 0.0;                 ///< where it begins, above the base
+  double high = 0.1;                ///< where it ends; a cone has its tip there
+};
+
+struct Rates {
+  std::int64_t physics_hz = 240;
+  std::int64_t frame_hz = 60;
+};
+
+struct Room {
+  double width = 4.5;   ///< the lane lies in the middle
+  double height = 2.8;  ///<
+  double behind = 3.0;  ///< from the foul line back to the wall behind the player
+  double ahead = 7.6;   ///< from the foul line to the wall behind the skittles
+};
+
+struct Lane {
+  double width = 1.0541;
+  double head_pin = 6.0;  ///< from the foul line to the head pin's spot
+};
+
+struct Rack {
+  std::vector<Vec2> spots;  ///< from the head pin's spot: x right, y away from the player
+};
+
+struct Skittle {
+  double height = 0.381;
+  double mass = 1.588;
+  std::vector<SkittlePart> parts;  ///< its true shape, as the collisions see it
+  std::vector<Vec2> profile;       ///< (height above the base, radius), as the eyes see it
+};
+
+struct Ball {
+  double radius = 0.1085;
+  double mass = 6.8;
+  Vec3 home = Vec3(0.35, -0.25, 0.85);  ///< p_WB of the ball on its stand
+};
+
+/// What each object is made of (Uno & Slater 1997, table 1). A pair takes the product.
+struct Material {
+  double elasticity = 0.7;
+  double friction = 0.7;
+};
+
+struct Materials {
+  Material skittle, ball, lane, wall;
+};
+
+struct Collision {
+  std::string shape = "true";           ///< "true": the compound; "ellipsoid": one ellipsoid
+  std::string detection = "converged";  ///< "paper": stops at the cap
+  std::int64_t iterations = 20;         ///< cap on a query's iterations, 5..20
+  std::string response = "paper";       ///< "paper" or "coulomb"
+  double gravity = 9.81;
+  bool sleep = true;
+};
+
+struct Hand {
+  double reach = 0.18;                   ///< a ball whose surface is nearer than this is grabbed
+  Vec3 grip = Vec3(0.0, -0.03, -0.115);  ///< p_HB of the carried ball
+  double release_window_s = 0.060;       ///< the release velocity is fitted over this
+};
+
+/// Where the tracker stands and how the receivers are worn.
+struct Rig {
+  Pose X_WT;             ///< transmitter in the world
+  Pose X_SD;             ///< head's receiver -> display
+  Pose X_SH;             ///< hand's receiver -> virtual hand
+  double delay_s = 0.0;  ///< poses are read this long before now; 0 holds the last sample
+};
+
+struct Hmd {
+  std::string profile = "flight-helmet";
+  std::int64_t width = 360;
+  std::int64_t height = 240;
+  double horizontal_fov_deg = 75.0;
+  double vertical_fov_deg = 40.0;
+  double eye_distance = 0.064;
+  double outward_deg = 0.0;
+};
+
+struct Scenario {
+  std::string name = "paper-room";
+  Rates rates;
+  Room room;
+  Lane lane;
+  Rack rack;
+  Skittle skittle;
+  Ball ball;
+  Materials material;
+  Collision collision;
+  Hand hand;
+  Rig rig;
+  Hmd hmd;
+
+  Scenario();  ///< ten pins as in assets/scenarios/paper-room.toml
+};
+
+/// Reads a scenario; what the text leaves out keeps its default.
+///
+/// @param toml   the text
+/// @param where  name of the file, for messages
+/// @throws std::invalid_argument  naming file, line, key, what was found and what is allowed, for
+///         unknown keys, wrong types, values out of range and text that is not TOML
+Scenario parse_scenario(std::string_view toml, std::string_view where);
+
+/// The same from a file.
+/// @throws std::runtime_error  where it cannot be read
+Scenario load_scenario(const std::string& path);
+
+/// All of a scenario as TOML, each value with its meaning beside it; parse_scenario gives it back
+/// to the bit.
+std::string to_toml(const Scenario& scenario);
+
+/// Changes one value, written as on the command line: `ball.mass=5`, `collision.shape=ellipsoid`.
+///
+/// @throws std::invalid_argument  as parse_scenario
+void set(Scenario& scenario, std::string_view assignment);
+
+/// Gives every object the same elasticity or friction, as `--elasticity` and `--friction` do.
+void set_elasticity(Materials& materials, double elasticity);
+void set_friction(Materials& materials, double friction);
+
+}  // namespace headpin::scene
