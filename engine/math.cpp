@@ -12,26 +12,30 @@ SinCos sin_cos(double angle) {
   const double x = ((angle - n * kPio2a) - n * kPio2b) - n * kPio2c;
   const double z = x * x;
   const double s =
-      x + x * z *
-              (-1.0 / 6 +
-               z * (1.0 / 120 +
-                    z * (-1.0 / 5040 +
-                         z * (1.0 / 362880 +
-                              z * (-1.0 / 39916800 +
-                                   z * (1.0 / 6227020800.0 + z * (-1.0 / 1307674368000.0)))))));
+      x +
+      x * z *
+          (-1.0 / 6 +
+           z * (1.0 / 120 +
+                z * (-1.0 / 5040 + z * (1.0 / 362880 + z * (-1.0 / 39916800 +
+                                                            z * (1.0 / 6227020800.0 +
+                                                                 z * (-1.0 / 1307674368000.0)))))));
   const double c =
-      1.0 + z * (-0.5 + z * (1.0 / 24 +
-                             z * (-1.0 / 720 +
-                                  z * (1.0 / 40320 +
-                                       z * (-1.0 / 3628800 +
-                                            z * (1.0 / 479001600.0 +
-                                                 z * (-1.0 / 87178291200.0 +
-                                                      z * (1.0 / 20922789888000.0))))))));
+      1.0 +
+      z * (-0.5 + z * (1.0 / 24 +
+                       z * (-1.0 / 720 +
+                            z * (1.0 / 40320 + z * (-1.0 / 3628800 +
+                                                    z * (1.0 / 479001600.0 +
+                                                         z * (-1.0 / 87178291200.0 +
+                                                              z * (1.0 / 20922789888000.0))))))));
   switch (static_cast<std::int64_t>(n) & 3) {
-    case 0: return {s, c};
-    case 1: return {c, -s};
-    case 2: return {-s, -c};
-    default: return {-c, s};
+    case 0:
+      return {s, c};
+    case 1:
+      return {c, -s};
+    case 2:
+      return {-s, -c};
+    default:
+      return {-c, s};
   }
 }
 
@@ -46,9 +50,16 @@ Quat rotation(const Vec3& w_dt) {
 Vec3 rotation_vector(const Quat& q_AB) {
   const double sign = q_AB.w() < 0.0 ? -1.0 : 1.0;
   const Vec3 v = sign * q_AB.vec();
-  const double sine = v.norm();
+  const double sine = v.norm(), cosine = sign * q_AB.w();  // of half the angle
   if (sine < 1e-12) return 2.0 * v;
-  return 2.0 * std::atan2(sine, sign * q_AB.w()) / sine * v;
+  // Three halvings bring the tangent below 0.2; then the series of the arc tangent.
+  double t = sine / (1.0 + cosine);
+  t = t / (1.0 + std::sqrt(1.0 + t * t));
+  t = t / (1.0 + std::sqrt(1.0 + t * t));
+  const double z = t * t;
+  double arc = 0.0;
+  for (int k = 23; k >= 1; k -= 2) arc = 1.0 / k - z * arc;
+  return 16.0 * t * arc / sine * v;
 }
 
 Pose interpolate(const Pose& a, const Pose& b, double s) {

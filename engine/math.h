@@ -75,7 +75,7 @@ Quat rotation(const Vec3& w_dt);
 
 /// The vector axis times angle [rad] that turns A into B, angle in [0, pi].
 ///
-/// Uses atan2: for measuring, not for the step.
+/// By our own series, like sin_cos.
 Vec3 rotation_vector(const Quat& q_AB);
 
 /// Pose a fraction `s` of the way from `a` to `b`: straight line, shorter arc.
