@@ -1,7 +1,8 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <stdexcept>
+
+#include <CLI/CLI.hpp>
 
 /// The commands of `headpin`: one file each, joined to the program in main.cpp.
 ///

@@ -1,0 +1,55 @@
+#include "apps/frame_ranges.h"
+
+#include <charconv>
+
+#include <fmt/format.h>
+
+#include "apps/command.h"
+
+namespace headpin::apps {
+
+namespace {
+
+std::int64_t frame_number(std::string_view text, const std::string& all) {
+  std::int64_t value = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size() || value < 0) {
+    throw UsageError(fmt::format(
+        "--frames {}: expected numbers and ranges such as 10-20,35, found '{}'", all, text));
+  }
+  return value;
+}
+
+}  // namespace
+
+FrameRanges::FrameRanges(const std::string& text) {
+  std::string_view rest = text;
+  for (;;) {
+    const std::size_t comma = rest.find(',');
+    const std::string_view item = rest.substr(0, comma);
+    const std::size_t dash = item.find('-');
+    const std::int64_t first = frame_number(item.substr(0, dash), text);
+    const std::int64_t last =
+        dash == std::string_view::npos ? first : frame_number(item.substr(dash + 1), text);
+    if (last < first) throw UsageError(fmt::format("--frames {}: '{}' runs back", text, item));
+    ranges_.push_back({first, last});
+    if (comma == std::string_view::npos) return;
+    rest = rest.substr(comma + 1);
+  }
+}
+
+bool FrameRanges::contains(std::int64_t frame) const {
+  if (ranges_.empty()) return true;
+  for (const Range& r : ranges_) {
+    if (r.first <= frame && frame <= r.last) return true;
+  }
+  return false;
+}
+
+std::int64_t FrameRanges::count_below(std::int64_t count) const {
+  std::int64_t wanted = 0;
+  for (std::int64_t frame = 0; frame < count; ++frame) wanted += contains(frame);
+  return wanted;
+}
+
+}  // namespace headpin::apps
