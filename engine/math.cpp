@@ -39,9 +39,51 @@ SinCos sin_cos(double angle) {
   }
 }
 
+double exponential(double x) {
+  // x = n ln 2 + r with |r| <= ln 2 / 2, then Taylor by Horner.
+  constexpr double kLn2a = 6.93147180369123816490e-01;  // 33 bits of ln 2
+  constexpr double kLn2b = 1.90821492927058770002e-10;
+  if (x > 709.0) return HUGE_VAL;
+  if (x < -745.0) return 0.0;
+  const double n = std::floor(x / (kLn2a + kLn2b) + 0.5);
+  const double r = (x - n * kLn2a) - n * kLn2b;
+  double sum = 1.0;
+  for (int k = 14; k > 0; --k) sum = 1.0 + sum * r / k;
+  return std::ldexp(sum, static_cast<int>(n));
+}
+
+double logarithm(double x) {
+  // x = m 2^n with m around 1, then log m = 2 atanh((m - 1) / (m + 1)) by its series.
+  constexpr double kLn2a = 6.93147180369123816490e-01;
+  constexpr double kLn2b = 1.90821492927058770002e-10;
+  int n = 0;
+  double m = std::frexp(x, &n);
+  if (m < 0.70710678118654752440) {
+    m *= 2.0;
+    --n;
+  }
+  const double s = (m - 1.0) / (m + 1.0);
+  const double z = s * s;
+  double sum = 0.0;
+  for (int k = 23; k > 1; k -= 2) sum = (sum + 1.0 / k) * z;
+  return n * kLn2a + (2.0 * s * (1.0 + sum) + n * kLn2b);
+}
+
+double power(double base, double exponent) {
+  if (exponent == 0.0) return 1.0;
+  if (base == 0.0) return 0.0;
+  return exponential(exponent * logarithm(base));
+}
+
 Quat rotation(const Vec3& w_dt) {
-  const double angle = w_dt.norm();
-  if (angle == 0.0) return Quat::Identity();
+  const double square = w_dt.squaredNorm();
+  if (square < 0.01) {  // the common turn of one step: no root, no reduction of the angle
+    const double z = 0.25 * square;
+    const double c = 1.0 + z * (-0.5 + z * (1.0 / 24 + z * (-1.0 / 720 + z * (1.0 / 40320))));
+    const double s = 0.5 + z * (-1.0 / 12 + z * (1.0 / 240 + z * (-1.0 / 10080 + z / 725760)));
+    return {c, s * w_dt.x(), s * w_dt.y(), s * w_dt.z()};
+  }
+  const double angle = std::sqrt(square);
   const SinCos half = sin_cos(0.5 * angle);
   const double s = half.sin / angle;
   return {half.cos, s * w_dt.x(), s * w_dt.y(), s * w_dt.z()};

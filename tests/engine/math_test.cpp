@@ -1,8 +1,8 @@
 #include "engine/math.h"
 
-#include <gtest/gtest.h>
-
 #include <numbers>
+
+#include <gtest/gtest.h>
 
 namespace headpin {
 namespace {
@@ -12,6 +12,37 @@ TEST(SinCosTest, AgreesWithTheLibraryToRounding) {
     const SinCos mine = sin_cos(x);
     EXPECT_NEAR(mine.sin, std::sin(x), 2e-15) << x;
     EXPECT_NEAR(mine.cos, std::cos(x), 2e-15) << x;
+  }
+}
+
+TEST(ExponentialAndLogarithm, AgreeWithTheLibraryToRounding) {
+  for (double x = -20.0; x < 20.0; x += 0.0137) {
+    EXPECT_NEAR(exponential(x), std::exp(x), 1e-15 * std::exp(x)) << x;
+    const double y = std::exp(x);
+    EXPECT_NEAR(logarithm(y), std::log(y), 1e-15 * std::max(1.0, std::abs(std::log(y)))) << y;
+  }
+  EXPECT_EQ(exponential(-1000.0), 0.0);
+  EXPECT_EQ(exponential(0.0), 1.0);
+  EXPECT_EQ(logarithm(1.0), 0.0);
+}
+
+TEST(Power, AgreesWithTheLibraryAndKnowsItsEnds) {
+  for (double base = 0.01; base < 1.0; base += 0.013) {
+    for (double exponent = 0.001; exponent < 5.0; exponent += 0.0917) {
+      const double expected = std::pow(base, exponent);
+      EXPECT_NEAR(power(base, exponent), expected, 1e-14 * expected);
+    }
+  }
+  EXPECT_EQ(power(0.0, 0.25), 0.0);
+  EXPECT_EQ(power(1.0, 0.25), 1.0);
+  EXPECT_EQ(power(0.0, 0.0), 1.0);
+}
+
+TEST(Rotation, IsOnePieceWhereItsTwoFormulasMeet) {
+  for (double angle = 0.0999; angle < 0.1001; angle += 1e-6) {
+    const Quat q = rotation(Vec3(0.0, angle, 0.0));
+    EXPECT_NEAR(q.w(), std::cos(angle / 2), 2e-16);
+    EXPECT_NEAR(q.y(), std::sin(angle / 2), 2e-17);
   }
 }
 

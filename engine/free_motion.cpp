@@ -1,0 +1,106 @@
+#include "engine/free_motion.h"
+
+#include <array>
+#include <stdexcept>
+
+namespace headpin::engine {
+namespace {
+
+bool nearly_equal(double a, double b) {
+  return std::abs(a - b) <= 1e-9 * std::max(a, b);
+}
+
+}  // namespace
+
+Inertia principal_inertia(const Mat3& inertia_B) {
+  if (!inertia_B.allFinite() ||
+      (inertia_B - inertia_B.transpose()).norm() > 1e-9 * inertia_B.norm()) {
+    throw std::invalid_argument("inertia: expected a finite symmetric tensor");
+  }
+  Mat3 axes = Mat3::Identity();
+  Vec3 moments = inertia_B.diagonal();
+  if ((inertia_B - Mat3(moments.asDiagonal())).norm() > 1e-12 * inertia_B.norm()) {
+    const Eigen::SelfAdjointEigenSolver<Mat3> solver(inertia_B);
+    moments = solver.eigenvalues();
+    axes = solver.eigenvectors();
+  }
+  if (!(moments.minCoeff() > 0.0)) {
+    throw std::invalid_argument("inertia: expected positive principal moments, found " +
+                                std::to_string(moments.minCoeff()));
+  }
+  // The axis that stands alone: the two others are closest to each other.
+  int alone = 2;
+  double closest = std::abs(moments[0] - moments[1]);
+  for (int i = 1; i >= 0; --i) {
+    const double gap = std::abs(moments[(i + 1) % 3] - moments[(i + 2) % 3]);
+    if (gap < closest * (1.0 - 1e-9)) {
+      closest = gap;
+      alone = i;
+    }
+  }
+  const std::array<int, 3> order{(alone + 1) % 3, (alone + 2) % 3, alone};
+  Inertia result;
+  Mat3 R_BP;
+  for (int k = 0; k < 3; ++k) {
+    result.moments[k] = moments[order[static_cast<std::size_t>(k)]];
+    R_BP.col(k) = axes.col(order[static_cast<std::size_t>(k)]);
+  }
+  if (R_BP.determinant() < 0.0) R_BP.col(1) *= -1.0;
+  result.q_BP = Quat(R_BP).normalized();
+  double& i1 = result.moments[0];
+  double& i2 = result.moments[1];
+  if (nearly_equal(i1, i2)) i1 = i2 = 0.5 * (i1 + i2);
+  if (nearly_equal(i1, result.moments[2])) result.moments[2] = i1;
+  return result;
+}
+
+Mat3 inverse_inertia(const Inertia& inertia, const Quat& q_WB) {
+  const Mat3 R = (q_WB * inertia.q_BP).toRotationMatrix();
+  const Vec3 inv = inertia.moments.cwiseInverse();
+  // (1/I1) 1 + (1/I2 - 1/I1) e2 e2' + (1/I3 - 1/I1) e3 e3'
+  Mat3 result = inv[0] * Mat3::Identity();
+  const Vec3 e3 = R.col(2);
+  result += (inv[2] - inv[0]) * e3 * e3.transpose();
+  if (inv[1] != inv[0]) {
+    const Vec3 e2 = R.col(1);
+    result += (inv[1] - inv[0]) * e2 * e2.transpose();
+  }
+  return result;
+}
+
+Vec3 angular_momentum(const Inertia& inertia, const Quat& q_WB, const Vec3& w_WB) {
+  const Quat q_WP = q_WB * inertia.q_BP;
+  const Vec3 w_P = q_WP.conjugate() * w_WB;
+  return q_WP * Vec3(inertia.moments.cwiseProduct(w_P));
+}
+
+double turning_energy(const Inertia& inertia, const Quat& q_WB, const Vec3& w_WB) {
+  const Vec3 w_P = (q_WB * inertia.q_BP).conjugate() * w_WB;
+  return 0.5 * w_P.dot(inertia.moments.cwiseProduct(w_P));
+}
+
+void turn_freely(Quat& q_WB, Vec3& w_WB, const Inertia& inertia, double dt) {
+  const Vec3& I = inertia.moments;
+  if (I[0] == I[1] && I[0] == I[2]) {  // a ball: w stays
+    q_WB = rotation(w_WB * dt) * q_WB;
+    q_WB.normalize();
+    return;
+  }
+  Quat q_WP = q_WB * inertia.q_BP;
+  const Vec3 L_P = I.cwiseProduct(q_WP.conjugate() * w_WB);
+  const Vec3 L_W = q_WP * L_P;
+  const auto turn_second = [&](double span) {
+    const double L2 = (q_WP.conjugate() * L_W).y();
+    q_WP = q_WP * rotation(Vec3(0.0, (1.0 / I[1] - 1.0 / I[0]) * L2 * span, 0.0));
+  };
+  if (I[0] != I[1]) turn_second(0.5 * dt);
+  const double L3 = (q_WP.conjugate() * L_W).z();
+  q_WP = rotation(L_W * (dt / I[0])) * q_WP *
+         rotation(Vec3(0.0, 0.0, (1.0 / I[2] - 1.0 / I[0]) * L3 * dt));
+  if (I[0] != I[1]) turn_second(0.5 * dt);
+  q_WP.normalize();
+  w_WB = q_WP * Vec3((q_WP.conjugate() * L_W).cwiseQuotient(I));
+  q_WB = (q_WP * inertia.q_BP.conjugate()).normalized();
+}
+
+}  // namespace headpin::engine

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "engine/math.h"
+
+/// How a body turns when nothing touches it.
+namespace headpin::engine {
+
+/// Principal moments of inertia about the centre of mass, the one that stands alone last.
+struct Inertia {
+  Vec3 moments = Vec3::Ones();   ///< I1, I2, I3 [kg m^2]; I1 = I2 for a body of revolution
+  Quat q_BP = Quat::Identity();  ///< principal frame P in B
+};
+
+/// Principal moments and axes of an inertia tensor.
+///
+/// The third axis is the one whose moment differs most from the other two, so that a body of
+/// revolution has it as its axis. Moments within 1e-9 of each other count as equal.
+///
+/// @throws std::invalid_argument  unless symmetric, finite and positive definite
+Inertia principal_inertia(const Mat3& inertia_B);
+
+/// Inverse inertia of a body that stands as q_WB, in W [1/(kg m^2)].
+Mat3 inverse_inertia(const Inertia& inertia, const Quat& q_WB);
+
+/// Angular momentum about the centre of mass [kg m^2/s] and turning energy [J].
+Vec3 angular_momentum(const Inertia& inertia, const Quat& q_WB, const Vec3& w_WB);
+double turning_energy(const Inertia& inertia, const Quat& q_WB, const Vec3& w_WB);
+
+/// Turn a body freely for `dt`: angular momentum L stays exactly, energy too for I1 = I2.
+///
+/// The closed solution of a body of revolution, q' = exp(L dt / I1) q exp(e3 (1/I3 - 1/I1) L3 dt),
+/// with half a turn about the second axis, at rate (1/I2 - 1/I1) L2, before and after it when
+/// I1 != I2 (a splitting of the energy, symmetric, so the error of the turn is of order dt^2).
+void turn_freely(Quat& q_WB, Vec3& w_WB, const Inertia& inertia, double dt);
+
+}  // namespace headpin::engine
