@@ -372,15 +372,28 @@ toml::table parse_table(std::string_view text, std::string_view where) {
   }
 }
 
+/// What no single field can tell.
+void check(const Scenario& s, std::string_view where) {
+  if (s.rates.physics_hz % 120 != 0) {
+    throw std::invalid_argument(fmt::format(
+        "{}: rates.physics_hz must be a multiple of 120, found {}", where, s.rates.physics_hz));
+  }
+  for (const Vec2& spot : s.rack.spots) {
+    if (s.lane.head_pin + spot.y() > s.room.ahead - 0.1 ||
+        std::abs(spot.x()) > 0.5 * s.room.width - 0.1) {
+      throw std::invalid_argument(
+          fmt::format("{}: rack.spots must lie 0.1 m inside the room (width {}, ahead {}), found "
+                      "[{}, {}] from a head pin {} m down the lane",
+                      where, s.room.width, s.room.ahead, spot.x(), spot.y(), s.lane.head_pin));
+    }
+  }
+}
+
 void read_into(Scenario& scenario, const toml::table& table, std::string_view where) {
   Reader reader(table, where, "");
   visit(reader, scenario);
   reader.finish();
-  if (scenario.rates.physics_hz % 120 != 0) {
-    throw std::invalid_argument(
-        fmt::format("{}: rates.physics_hz must be a multiple of 120, found {}", where,
-                    scenario.rates.physics_hz));
-  }
+  check(scenario, where);
 }
 
 /// Rounded, so that the text of a scenario shows measures and not the noise of a product.
