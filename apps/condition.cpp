@@ -1,0 +1,53 @@
+#include "apps/condition.h"
+
+#include <fmt/format.h>
+
+namespace headpin::apps {
+
+bool Condition::changes() const {
+  return elasticity || friction || shape || response || detection || iterations || !set.empty();
+}
+
+void add_condition_options(CLI::App& command, Condition& condition) {
+  const std::string group = "Condition (what is not given stays as the trial has it)";
+  command
+      .add_option("--elasticity", condition.elasticity, "of every object, 0 to 1; pairs multiply")
+      ->check(CLI::Range(0.0, 1.0))
+      ->group(group);
+  command.add_option("--friction", condition.friction, "of every object, 0 to 1; pairs multiply")
+      ->check(CLI::Range(0.0, 1.0))
+      ->group(group);
+  command.add_option("--shape", condition.shape, "what skittles collide as: ellipsoid or true")
+      ->check(CLI::IsMember({"ellipsoid", "true"}))
+      ->group(group);
+  command.add_option("--response", condition.response, "paper or coulomb")
+      ->check(CLI::IsMember({"paper", "coulomb"}))
+      ->group(group);
+  command.add_option("--detection", condition.detection, "converged or paper")
+      ->check(CLI::IsMember({"converged", "paper"}))
+      ->group(group);
+  command.add_option("--iterations", condition.iterations, "cap of a detection query, 5 to 20")
+      ->check(CLI::Range(5, 20))
+      ->group(group);
+  command
+      .add_option("--set", condition.set, "any value of the scenario, KEY=VALUE; may be repeated")
+      ->group(group);
+}
+
+void apply(const Condition& condition, scene::Scenario& scenario) {
+  if (condition.elasticity) scene::set_elasticity(scenario.material, *condition.elasticity);
+  if (condition.friction) scene::set_friction(scenario.material, *condition.friction);
+  if (condition.shape) scenario.collision.shape = *condition.shape;
+  if (condition.response) scenario.collision.response = *condition.response;
+  if (condition.detection) scenario.collision.detection = *condition.detection;
+  if (condition.iterations) scenario.collision.iterations = *condition.iterations;
+  for (const std::string& assignment : condition.set) {
+    try {
+      scene::set(scenario, assignment);
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(error.what());
+    }
+  }
+}
+
+}  // namespace headpin::apps

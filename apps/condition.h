@@ -1,0 +1,28 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/command.h"
+#include "scene/scenario.h"
+
+namespace headpin::apps {
+
+/// The options that put a trial under another condition than the one it was recorded under.
+struct Condition {
+  std::optional<double> elasticity, friction;
+  std::optional<std::string> shape, response, detection;
+  std::optional<std::int64_t> iterations;
+  std::vector<std::string> set;
+
+  bool changes() const;
+};
+
+/// Adds --elasticity, --friction, --shape, --response, --detection, --iterations and --set.
+void add_condition_options(CLI::App& command, Condition& condition);
+
+/// @throws UsageError  for a value out of range or a key that does not exist
+void apply(const Condition& condition, scene::Scenario& scenario);
+
+}  // namespace headpin::apps
