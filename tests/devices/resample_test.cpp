@@ -5,7 +5,9 @@
 namespace headpin::devices {
 namespace {
 
-Pose at_x(double x) { return {Quat::Identity(), Vec3(x, 0.0, 0.0)}; }
+Pose at_x(double x) {
+  return {Quat::Identity(), Vec3(x, 0.0, 0.0)};
+}
 
 TEST(PoseTrackTest, MixesBetweenSamplesAndHoldsOutside) {
   PoseTrack track;

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <memory>
+#include <span>
+#include <string>
+
+#include "devices/source.h"
+#include "devices/trial.h"
+
+/// A trial on disk: one LCM event log, NAME.lcmlog, that lcm-logplayer can play.
+namespace headpin::devices {
+
+/// Reads a whole trial.
+///
+/// What cannot be used is passed over and counted, see Trial.
+///
+/// @throws std::runtime_error  when there is no such file, no event in it, no header, or a header
+///                             of a format version not known here
+Trial read_trial(const std::string& path);
+
+/// Reads whatever the bytes of a log hold, header or not; never throws for what is in them.
+Trial read_log(std::span<const std::uint8_t> bytes);
+
+/// When a session may know of a sample: when it arrived, or when it was measured if it never
+/// crossed a wire. Live and replayed sessions hand samples out by this one rule.
+Time available(const Sample& sample);
+
+/// A recording as a source: hands out the samples of a trial by the time they were available.
+class ReplaySource : public Source {
+ public:
+  explicit ReplaySource(std::vector<Sample> samples);
+
+  void poll(Time now, std::vector<Sample>& out) override;
+  bool exhausted() const override { return next_ == samples_.size(); }
+
+  /// When the last sample becomes available; 0 without any.
+  Time end() const { return samples_.empty() ? Time{} : available(samples_.back()); }
+
+ private:
+  std::vector<Sample> samples_;
+  std::size_t next_ = 0;
+};
+
+/// Writes a trial through liblcm's event log, each message whole before the next begins.
+///
+/// Every message goes to the file at once, so that a process killed at any moment leaves a log that
+/// reads up to its last whole event. When the disk is full the file is cut back to that event.
+class Recorder {
+ public:
+  struct Options {
+    bool overwrite = false;  ///< else an existing file is refused
+    /// Write under the final name from the start, so that what is there survives anything; else
+    /// beside it, as PATH.part, and renamed by close().
+    bool live = false;
+    Time epoch{};  ///< added to the stamps of LCM's event headers; wall clock of time 0, if any
+  };
+
+  /// Opens the file and writes the header, with format, software and schema put in.
+  ///
+  /// @throws std::runtime_error  when the file exists and is not to be overwritten, or cannot be
+  ///                             made
+  Recorder(const std::string& path, const TrialHeader& header, Options options);
+  Recorder(const std::string& path, const TrialHeader& header)
+      : Recorder(path, header, Options{}) {}
+
+  /// Without close(): a live file stays as it is, another one is removed.
+  ~Recorder();
+  Recorder(const Recorder&) = delete;
+  Recorder& operator=(const Recorder&) = delete;
+
+  /// @throws std::runtime_error  when nothing more can be written; what was written before stays
+  void write(const Sample& sample);
+  void write(const Event& event);
+  void write(const TickState& state);
+  void write(const FrameRecord& frame);
+
+  /// Writes the end event and gives the file its final name.
+  void close();
+
+ private:
+  struct File;
+  std::unique_ptr<File> file_;
+};
+
+}  // namespace headpin::devices

@@ -1,0 +1,106 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "devices/sample.h"
+#include "engine/math.h"
+
+/// What a trial is made of, as plain data: everything that went in and came out of one session.
+namespace headpin::devices {
+
+/// First message of every trial.
+struct TrialHeader {
+  std::string participant;
+  std::string condition;
+  std::uint64_t seed = 0;
+  std::string scenario;                 ///< TOML, whole
+  std::vector<std::string> body_names;  ///< of the bodies of each TickState, in their order
+
+  // Put in by the Recorder, whatever stands here.
+  std::int32_t format_version = 0;
+  std::string software_version;
+  std::string software_commit;
+  std::string schema;  ///< text of the .lcm files
+};
+
+constexpr std::int32_t kFormatVersion = 1;
+
+/// Something that happened. World frame W; what does not apply is zero or empty.
+struct Event {
+  Time time{};
+  std::int64_t tick = -1;  ///< of the simulation; -1 outside it
+  std::string kind;        ///< "grab", "release", "first_contact", "skittle_down", ...
+  std::vector<std::string> bodies;
+  Vec3 p_W = Vec3::Zero();  ///< where [m]
+  Vec3 j_W = Vec3::Zero();  ///< impulse on the first body [N s]
+  double value = 0.0;       ///< what the kind says
+  std::string detail;
+};
+
+/// Kind of the last event of a finished log; its value counts the messages before it.
+constexpr const char* kEndEvent = "end";
+/// Kinds that mark what was found in a recording without buttons.
+constexpr const char* kGrabFoundEvent = "grab_found";
+constexpr const char* kReleaseFoundEvent = "release_found";
+
+struct BodyState {
+  Pose X_WB;
+  Twist V_WB;
+  bool asleep = false;
+};
+
+/// The world after one tick.
+struct TickState {
+  Time time{};
+  std::int64_t tick = 0;
+  std::uint64_t hash = 0;  ///< of the bits of the whole simulated state
+  std::int32_t contacts = 0;
+  std::vector<BodyState> bodies;
+};
+
+/// One rendered frame.
+struct FrameRecord {
+  Time time{};
+  std::int64_t frame = 0;
+  std::int64_t tick = 0;
+  std::array<Pose, 2> X_WE;             ///< left and right eye: x right, y up, looking along -z
+  std::array<std::uint64_t, 2> hash{};  ///< of the pixels of each
+};
+
+/// What one channel of a log holds.
+struct Channel {
+  std::int64_t messages = 0;
+  std::int64_t bytes = 0;
+  Time first{}, last{};  ///< stamps of LCM's event headers
+};
+
+/// What was passed over when a log was read.
+struct Skipped {
+  std::int64_t bytes = 0;         ///< between events or of events that do not hold together
+  std::int64_t cut_bytes = 0;     ///< of an event the file ends in
+  std::int64_t undecodable = 0;   ///< messages on our channels with a wrong type or size
+  std::int64_t implausible = 0;   ///< messages with NaN, quaternions not unit, times out of range
+  std::int64_t other_trials = 0;  ///< a second header: what follows it is another trial
+
+  bool nothing() const { return bytes + cut_bytes + undecodable + implausible + other_trials == 0; }
+};
+
+/// A whole trial, as read from a log.
+struct Trial {
+  bool has_header = false;
+  TrialHeader header;
+  std::vector<Sample> samples;  ///< in the order of the log
+  std::vector<Event> events;    ///< without the end event
+  std::vector<TickState> states;
+  std::vector<FrameRecord> frames;
+
+  std::map<std::string, Channel> channels;  ///< foreign ones too
+  Skipped skipped;
+  std::int64_t backwards = 0;  ///< samples not later than the one before of the same device
+  bool complete = false;       ///< the end event is there, and all messages it counts
+};
+
+}  // namespace headpin::devices

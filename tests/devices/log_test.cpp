@@ -1,0 +1,549 @@
+#include "devices/log.h"
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <lcm/lcm.h>
+#include <sys/resource.h>
+
+#include "devices/event_log.h"
+#include "devices/messages.h"
+#include "devices/version.h"
+
+namespace headpin::devices {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+/// A folder of this process's own, empty.
+fs::path fresh_folder() {
+  std::string name = testing::TempDir() + "headpin_log_XXXXXX";
+  return mkdtemp(name.data());
+}
+
+Bytes read_bytes(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return Bytes(std::istreambuf_iterator<char>(file), {});
+}
+
+void write_bytes(const fs::path& path, std::span<const std::uint8_t> bytes) {
+  std::ofstream file(path, std::ios::binary);
+  file.write(reinterpret_cast<const char*>(bytes.data()),
+             static_cast<std::streamsize>(bytes.size()));
+}
+
+TrackerSample tracker(int i) {
+  TrackerSample sample;
+  sample.device_time = Time{8333 * i};
+  sample.sequence = i / 2;
+  sample.station = 1 + i % 2;
+  sample.X_TS = {rotation(Vec3(0.1 * i, 0.2, -0.3)), Vec3(0.01 * i, -1.0 / 3.0, 1e-9)};
+  sample.status = i == 3 ? 'W' : ' ';
+  sample.buttons = static_cast<std::uint8_t>(i & 1);
+  return sample;
+}
+
+TickState state(int tick) {
+  TickState state{
+      tick_time(tick, 240), tick, 0xfedcba9876543210u + static_cast<unsigned>(tick), tick % 3, {}};
+  for (int b = 0; b < 3; ++b) {
+    state.bodies.push_back({{rotation(Vec3(0.1 * b, 0.0, 0.0)), Vec3(b, 0.25, 0.125)},
+                            {Vec3(0.0, 7.5, -0.1), Vec3(b, 1.0, 2.0)},
+                            b == 1});
+  }
+  return state;
+}
+
+TrialHeader header() {
+  TrialHeader h;
+  h.participant = "P07";
+  h.condition = "e=0.7 f=0.7";
+  h.seed = 0xffffffffffffffffu;
+  h.scenario = "[ball]\nmass = 7.0  # \xc3\xa4\n";
+  h.body_names = {"ball", "skittle_1", "skittle_2"};
+  return h;
+}
+
+Event event() {
+  Event e{Time{5000},
+          1,
+          "first_contact",
+          {"ball", "skittle_1"},
+          Vec3(0.1, 5.0, 0.15),
+          Vec3(0.0, -3.0, 0.5),
+          6.5,
+          ""};
+  return e;
+}
+
+/// A short trial with some of everything: the header, then 12 samples, a button, an event, 6
+/// states, a frame.
+void record(const fs::path& path, Recorder::Options options = {}) {
+  Recorder recorder(path, header(), options);
+  for (int i = 0; i < 12; ++i) {
+    recorder.write(Sample(tracker(i)));
+    if (i % 2 == 0) recorder.write(state(i / 2));
+  }
+  recorder.write(Sample(MouseSample{Time{100'000}, Time{}, false, true, true}));
+  recorder.write(event());
+  recorder.write(FrameRecord{Time{16'666}, 1, 4, {tracker(1).X_TS, tracker(2).X_TS}, {7u, ~0ull}});
+  recorder.close();
+}
+constexpr int kMessages = 1 + 12 + 6 + 1 + 1 + 1;
+
+Bytes recorded() {
+  const fs::path path = fresh_folder() / "trial.lcmlog";
+  record(path);
+  return read_bytes(path);
+}
+
+bool same(const Pose& a, const Pose& b) {
+  return a.q.coeffs() == b.q.coeffs() && a.p == b.p;
+}
+
+TEST(LogTest, WhatWasWrittenIsReadBackToTheLastBit) {
+  const fs::path path = fresh_folder() / "trial.lcmlog";
+  record(path);
+  const Trial trial = read_trial(path);
+
+  EXPECT_TRUE(trial.complete);
+  EXPECT_TRUE(trial.skipped.nothing());
+  EXPECT_EQ(trial.header.participant, "P07");
+  EXPECT_EQ(trial.header.condition, "e=0.7 f=0.7");
+  EXPECT_EQ(trial.header.seed, 0xffffffffffffffffu);
+  EXPECT_EQ(trial.header.scenario, header().scenario);
+  EXPECT_EQ(trial.header.body_names, header().body_names);
+
+  ASSERT_EQ(trial.samples.size(), 13u);
+  for (int i = 0; i < 12; ++i) {
+    const auto& read = std::get<TrackerSample>(trial.samples[static_cast<std::size_t>(i)]);
+    const TrackerSample written = tracker(i);
+    EXPECT_EQ(read.device_time, written.device_time);
+    EXPECT_EQ(read.host_time, written.host_time);
+    EXPECT_EQ(read.sequence, written.sequence);
+    EXPECT_EQ(read.station, written.station);
+    EXPECT_TRUE(same(read.X_TS, written.X_TS));
+    EXPECT_EQ(read.status, written.status);
+    EXPECT_EQ(read.buttons, written.buttons);
+    EXPECT_EQ(read.frame, written.frame);
+  }
+  const auto& mouse = std::get<MouseSample>(trial.samples.back());
+  EXPECT_FALSE(mouse.left_thumb);
+  EXPECT_TRUE(mouse.right_thumb);
+  EXPECT_TRUE(mouse.trigger);
+
+  ASSERT_EQ(trial.events.size(), 1u);
+  EXPECT_EQ(trial.events[0].kind, event().kind);
+  EXPECT_EQ(trial.events[0].bodies, event().bodies);
+  EXPECT_EQ(trial.events[0].p_W, event().p_W);
+  EXPECT_EQ(trial.events[0].j_W, event().j_W);
+  EXPECT_EQ(trial.events[0].value, event().value);
+
+  ASSERT_EQ(trial.states.size(), 6u);
+  for (int i = 0; i < 6; ++i) {
+    const TickState& read = trial.states[static_cast<std::size_t>(i)];
+    const TickState written = state(i);
+    EXPECT_EQ(read.time, written.time);
+    EXPECT_EQ(read.tick, written.tick);
+    EXPECT_EQ(read.hash, written.hash);
+    EXPECT_EQ(read.contacts, written.contacts);
+    ASSERT_EQ(read.bodies.size(), 3u);
+    for (std::size_t b = 0; b < 3; ++b) {
+      EXPECT_TRUE(same(read.bodies[b].X_WB, written.bodies[b].X_WB));
+      EXPECT_EQ(read.bodies[b].V_WB.v, written.bodies[b].V_WB.v);
+      EXPECT_EQ(read.bodies[b].V_WB.w, written.bodies[b].V_WB.w);
+      EXPECT_EQ(read.bodies[b].asleep, written.bodies[b].asleep);
+    }
+  }
+  ASSERT_EQ(trial.frames.size(), 1u);
+  EXPECT_EQ(trial.frames[0].frame, 1);
+  EXPECT_EQ(trial.frames[0].tick, 4);
+  EXPECT_TRUE(same(trial.frames[0].X_WE[1], tracker(2).X_TS));
+  EXPECT_EQ(trial.frames[0].hash[1], ~0ull);
+}
+
+TEST(LogTest, SaysWhichSoftwareWroteItAndHowToReadIt) {
+  const fs::path path = fresh_folder() / "trial.lcmlog";
+  record(path);
+  const TrialHeader read = read_trial(path).header;
+  EXPECT_EQ(read.format_version, kFormatVersion);
+  EXPECT_EQ(read.software_version, software_version());
+  EXPECT_FALSE(read.software_version.empty());
+  for (const fs::directory_entry& type :
+       fs::directory_iterator(HEADPIN_SOURCE_DIR "/devices/types")) {
+    const Bytes text = read_bytes(type.path());
+    EXPECT_THAT(read.schema, HasSubstr(std::string(text.begin(), text.end()))) << type.path();
+  }
+}
+
+TEST(LogTest, LiblcmReadsTheSameEvents) {
+  const fs::path path = fresh_folder() / "trial.lcmlog";
+  record(path);
+  const Bytes bytes = read_bytes(path);
+  LogReader ours(bytes);
+  lcm_eventlog_t* theirs = lcm_eventlog_create(path.c_str(), "r");
+  ASSERT_NE(theirs, nullptr);
+  int events = 0;
+  while (lcm_eventlog_event_t* expected = lcm_eventlog_read_next_event(theirs)) {
+    const std::optional<LogEvent> found = ours.next();
+    ASSERT_TRUE(found.has_value());
+    EXPECT_EQ(found->number, expected->eventnum);
+    EXPECT_EQ(found->time.count(), expected->timestamp);
+    EXPECT_EQ(found->channel, expected->channel);
+    const auto* data = static_cast<const std::uint8_t*>(expected->data);
+    EXPECT_TRUE(std::ranges::equal(found->data, std::span(data, data + expected->datalen)));
+    lcm_eventlog_free_event(expected);
+    ++events;
+  }
+  lcm_eventlog_destroy(theirs);
+  EXPECT_EQ(events, kMessages + 1);  // and the end event
+  EXPECT_FALSE(ours.next().has_value());
+}
+
+TEST(LogTest, HeaderStampsNeverRunBackAndFollowTheMessages) {
+  const Bytes bytes = recorded();
+  LogReader reader(bytes);
+  Time last{};
+  while (const auto event = reader.next()) {
+    EXPECT_GE(event->time, last);
+    last = event->time;
+  }
+  EXPECT_EQ(last, Time{100'000});  // the button, the latest of all
+}
+
+TEST(LogTest, CutOffAnywhereItIsGoodUpToTheCut) {
+  const Bytes bytes = recorded();
+  std::vector<std::size_t> ends;  // of each event in the file
+  LogReader reader(bytes);
+  while (const auto event = reader.next()) {
+    ends.push_back(static_cast<std::size_t>(event->data.data() - bytes.data()) +
+                   event->data.size());
+  }
+  ASSERT_EQ(ends.back(), bytes.size());
+  for (std::size_t cut = 0; cut < bytes.size(); ++cut) {
+    const Trial trial = read_log(std::span(bytes).first(cut));
+    std::int64_t messages = 0;
+    for (const auto& [name, channel] : trial.channels) messages += channel.messages;
+    const auto whole = std::ranges::upper_bound(ends, cut) - ends.begin();
+    ASSERT_EQ(messages, whole) << "cut at " << cut;
+    ASSERT_FALSE(trial.complete) << "cut at " << cut;
+    const std::size_t end = whole == 0 ? 0 : ends[static_cast<std::size_t>(whole - 1)];
+    ASSERT_EQ(trial.skipped.cut_bytes, static_cast<std::int64_t>(cut - end)) << "cut at " << cut;
+    ASSERT_EQ(trial.skipped.bytes, 0) << "cut at " << cut;
+  }
+}
+
+TEST(LogTest, AFlippedByteCostsAtMostTwoMessages) {
+  const Bytes good = recorded();
+  std::mt19937 random(1);
+  for (int n = 0; n < 3000; ++n) {
+    Bytes bytes = good;
+    const std::size_t at = random() % bytes.size();
+    bytes[at] = static_cast<std::uint8_t>(bytes[at] ^ (1u + random() % 255u));
+    const Trial trial = read_log(bytes);
+    const std::size_t read = trial.has_header + trial.samples.size() + trial.states.size() +
+                             trial.events.size() + trial.frames.size();
+    // The one it is in; and the next, when a length now reaches into it.
+    ASSERT_GE(read + 2, static_cast<std::size_t>(kMessages)) << "byte " << at;
+  }
+}
+
+TEST(LogTest, RandomBytesNeverHurt) {
+  std::mt19937 random(2);
+  const Bytes good = recorded();
+  for (int n = 0; n < 2000; ++n) {
+    Bytes bytes = good;
+    const std::size_t from = random() % bytes.size();
+    const std::size_t size = std::min<std::size_t>(bytes.size() - from, random() % 200);
+    for (std::size_t i = 0; i < size; ++i) {
+      bytes[from + i] = static_cast<std::uint8_t>(random());
+    }
+    const Trial trial = read_log(bytes);
+    ASSERT_LE(trial.samples.size(), 13u);
+  }
+}
+
+TEST(LogTest, GarbageBetweenEventsLosesNoneOfThem) {
+  const Bytes good = recorded();
+  LogReader reader(good);
+  Bytes bytes;
+  std::mt19937 random(3);
+  std::int64_t garbage = 0;
+  std::size_t from = 0;
+  while (const auto event = reader.next()) {
+    const auto end =
+        static_cast<std::size_t>(event->data.data() - good.data()) + event->data.size();
+    bytes.insert(bytes.end(), good.begin() + static_cast<std::ptrdiff_t>(from),
+                 good.begin() + static_cast<std::ptrdiff_t>(end));
+    from = end;
+    for (auto i = 4 + random() % 40; i > 0; --i, ++garbage) {
+      bytes.push_back(static_cast<std::uint8_t>(random() % 0xED));  // never begins a magic word
+    }
+  }
+  const Trial trial = read_log(bytes);
+  EXPECT_TRUE(trial.complete);
+  EXPECT_EQ(trial.samples.size(), 13u);
+  EXPECT_EQ(trial.skipped.bytes, garbage);
+}
+
+/// Where the field of 4 bytes at `offset` of the header of the `n`th event stands.
+std::size_t header_field(const Bytes& bytes, int n, std::size_t offset) {
+  LogReader reader(bytes);
+  std::size_t start = 0;
+  for (int i = 0; i <= n; ++i) {
+    const auto event = reader.next();
+    start =
+        static_cast<std::size_t>(event->data.data() - bytes.data()) - event->channel.size() - 28;
+  }
+  return start + offset;
+}
+
+void put_int32(Bytes& bytes, std::size_t at, std::uint32_t value) {
+  for (std::size_t i = 0; i < 4; ++i) {
+    bytes[at + i] = static_cast<std::uint8_t>(value >> (24 - 8 * i));
+  }
+}
+
+TEST(LogTest, SizesThatLieCostOnlyTheirOwnEvent) {
+  for (const std::size_t field : {std::size_t{20}, std::size_t{24}}) {
+    for (const std::uint32_t lie : {0u, 1u, 300u, 2000u, 1000000u, 0x7fffffffu, 0x80000000u, ~0u}) {
+      Bytes bytes = recorded();
+      put_int32(bytes, header_field(bytes, 5, field), lie);
+      const Trial trial = read_log(bytes);
+      EXPECT_FALSE(trial.complete);
+      EXPECT_EQ(trial.samples.size() + trial.states.size(), 13u + 6u - 1u)
+          << "field " << field << " says " << lie;
+    }
+  }
+}
+
+/// A log of one event.
+Bytes one_event(const std::string& channel, const Bytes& data) {
+  Bytes bytes(28 + channel.size() + data.size());
+  put_int32(bytes, 0, 0xEDA1DA01u);
+  put_int32(bytes, 20, static_cast<std::uint32_t>(channel.size()));
+  put_int32(bytes, 24, static_cast<std::uint32_t>(data.size()));
+  const auto rest = std::ranges::copy(channel, bytes.begin() + 28).out;
+  std::ranges::copy(data, rest);
+  return bytes;
+}
+
+TEST(LogTest, ListsThatClaimMoreThanThereIsAreRefusedUnread) {
+  Bytes data;
+  encode(state(1), data);
+  const std::size_t count = 8 + 3 * 8 + 4;  // fingerprint, three stamps, contacts
+  for (const std::uint32_t lie : {0u, 2u, 4u, 0x7fffffffu, 0x80000000u, ~0u}) {
+    Bytes bytes = data;
+    put_int32(bytes, count, lie);
+    const Trial trial = read_log(one_event("STATE", bytes));
+    EXPECT_EQ(trial.skipped.undecodable, 1) << lie;
+    EXPECT_TRUE(trial.states.empty());
+  }
+}
+
+TEST(LogTest, StringsThatClaimMoreThanThereIsAreRefusedUnread) {
+  Bytes data;
+  encode(event(), data);
+  const std::size_t length = 8 + 2 * 8;  // fingerprint, two stamps, then the kind
+  for (const std::uint32_t lie : {0u, 1u, 5u, 0x7fffffffu, 0x80000000u, ~0u}) {
+    Bytes bytes = data;
+    put_int32(bytes, length, lie);
+    EXPECT_EQ(read_log(one_event("EVENT", bytes)).skipped.undecodable, 1) << lie;
+  }
+}
+
+TEST(LogTest, AWrongFingerprintIsPassedOverAndCounted) {
+  Bytes data;
+  encode(tracker(1), data);
+  data[3] ^= 1;
+  EXPECT_EQ(read_log(one_event("TRACKER", data)).skipped.undecodable, 1);
+  encode(tracker(1), data);
+  EXPECT_EQ(read_log(one_event("MOUSE3D", data)).skipped.undecodable, 1);
+}
+
+TEST(LogTest, NumbersThatCannotBeArePassedOverAndCounted) {
+  const auto implausible = [](TrackerSample sample) {
+    Bytes data;
+    encode(sample, data);
+    return read_log(one_event("TRACKER", data)).skipped.implausible;
+  };
+  EXPECT_EQ(implausible(tracker(1)), 0);
+  TrackerSample sample = tracker(1);
+  sample.X_TS.p.y() = std::nan("");
+  EXPECT_EQ(implausible(sample), 1);
+  sample = tracker(1);
+  sample.X_TS.q.coeffs() *= 1.01;
+  EXPECT_EQ(implausible(sample), 1);
+  sample = tracker(1);
+  sample.device_time = Time::min();
+  EXPECT_EQ(implausible(sample), 1);
+}
+
+TEST(LogTest, ForeignChannelsAreListedAndLeaveTheTrialWhole) {
+  Bytes bytes = recorded();
+  const Bytes foreign = one_event("LIDAR", {1, 2, 3});
+  bytes.insert(bytes.end(), foreign.begin(), foreign.end());
+  const Trial trial = read_log(bytes);
+  EXPECT_TRUE(trial.complete);
+  EXPECT_TRUE(trial.skipped.nothing());
+  EXPECT_EQ(trial.channels.at("LIDAR").messages, 1);
+  EXPECT_EQ(trial.channels.at("LIDAR").bytes, 3);
+}
+
+TEST(LogTest, AMessageLostOnTheWayMakesItIncomplete) {
+  Bytes bytes = recorded();
+  const std::size_t from = header_field(bytes, 4, 0), to = header_field(bytes, 5, 0);
+  bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(from),
+              bytes.begin() + static_cast<std::ptrdiff_t>(to));
+  const Trial trial = read_log(bytes);
+  EXPECT_TRUE(trial.skipped.nothing());
+  EXPECT_FALSE(trial.complete);
+}
+
+TEST(LogTest, ASecondTrialBehindTheFirstIsNotMixedIn) {
+  Bytes bytes = recorded();
+  const Bytes again = recorded();
+  bytes.insert(bytes.end(), again.begin(), again.end());
+  const Trial trial = read_log(bytes);
+  EXPECT_TRUE(trial.complete);
+  EXPECT_EQ(trial.samples.size(), 13u);
+  EXPECT_EQ(trial.skipped.other_trials, 1);
+}
+
+TEST(LogTest, TimesThatRunBackAreCountedPerDevice) {
+  const fs::path path = fresh_folder() / "trial.lcmlog";
+  {
+    Recorder recorder(path, header());
+    TrackerSample head = tracker(0), hand = tracker(1);
+    for (const int time : {1000, 2000, 1500, 3000, 3000}) {
+      head.device_time = Time{time};
+      recorder.write(Sample(head));
+    }
+    hand.device_time = Time{2500};  // behind the head's, but the first of its own
+    recorder.write(Sample(hand));
+    recorder.close();
+  }
+  const Trial trial = read_trial(path);
+  EXPECT_EQ(trial.backwards, 2);
+  EXPECT_EQ(trial.samples.size(), 6u);
+  EXPECT_TRUE(trial.complete);
+}
+
+TEST(LogTest, SaysWhatIsWrongWithAFileThatIsNoTrial) {
+  const fs::path folder = fresh_folder();
+  const auto message = [&](std::span<const std::uint8_t> bytes) -> std::string {
+    write_bytes(folder / "x.lcmlog", bytes);
+    try {
+      read_trial(folder / "x.lcmlog");
+    } catch (const std::runtime_error& error) {
+      return error.what();
+    }
+    return "read";
+  };
+  EXPECT_THAT(message({}), HasSubstr("not an LCM event log: no whole event in 0 bytes"));
+  EXPECT_THAT(message(Bytes(5000, 'x')), HasSubstr("no whole event in 5000 bytes"));
+  EXPECT_THAT(message(one_event("LIDAR", {1})), HasSubstr("no message on HEADPIN_TRIAL"));
+  TrialHeader later = header();
+  later.format_version = 2;
+  Bytes data;
+  encode(later, data);
+  EXPECT_THAT(message(one_event("HEADPIN_TRIAL", data)), HasSubstr("format version 2, expected 1"));
+  EXPECT_THROW(read_trial(folder / "missing.lcmlog"), std::runtime_error);
+  EXPECT_THROW(read_trial(folder), std::runtime_error);
+}
+
+TEST(RecorderTest, KeepsWhatIsThereUnlessToldToOverwrite) {
+  const fs::path path = fresh_folder() / "trial.lcmlog";
+  write_bytes(path, Bytes{1, 2, 3});
+  EXPECT_THROW(record(path), std::runtime_error);
+  EXPECT_THROW(record(path, {.live = true}), std::runtime_error);
+  EXPECT_EQ(read_bytes(path), (Bytes{1, 2, 3}));
+  record(path, {.overwrite = true});
+  EXPECT_TRUE(read_trial(path).complete);
+}
+
+TEST(RecorderTest, LeavesNothingUnderTheFinalNameWhenNotClosed) {
+  const fs::path folder = fresh_folder();
+  {
+    Recorder recorder(folder / "trial.lcmlog", header());
+    recorder.write(state(0));
+  }
+  EXPECT_TRUE(fs::is_empty(folder));
+}
+
+TEST(RecorderTest, KilledAtAnyMomentALiveLogHoldsAllThatWasWritten) {
+  const fs::path path = fresh_folder() / "live.lcmlog";
+  EXPECT_EXIT(
+      {
+        Recorder recorder(path, header(), {.live = true});
+        for (int tick = 0; tick < 100; ++tick) recorder.write(state(tick));
+        raise(SIGKILL);
+      },
+      testing::KilledBySignal(SIGKILL), "");
+  const Trial trial = read_trial(path);
+  EXPECT_EQ(trial.states.size(), 100u);
+  EXPECT_TRUE(trial.skipped.nothing());
+  EXPECT_FALSE(trial.complete);
+}
+
+/// Writes states until a file may not grow past 20000 bytes, which stands for a full disk; exits
+/// with how many were written.
+[[noreturn]] void record_until_full(const fs::path& path) {
+  signal(SIGXFSZ, SIG_IGN);
+  const rlimit limit{20'000, 20'000};
+  setrlimit(RLIMIT_FSIZE, &limit);
+  int written = 0;
+  try {
+    Recorder recorder(path, header(), {.live = true});
+    for (;; ++written) recorder.write(state(written));
+  } catch (const std::runtime_error& error) {
+    std::fprintf(stderr, "%s", error.what());
+  }
+  std::exit(written);
+}
+
+TEST(RecorderTest, AFullDiskIsAnErrorThatLosesNothingWrittenBefore) {
+  const fs::path path = fresh_folder() / "live.lcmlog";
+  const auto all_that_was_written = [&](int status) {
+    return WIFEXITED(status) && WEXITSTATUS(status) > 10 &&
+           static_cast<std::size_t>(WEXITSTATUS(status)) == read_trial(path).states.size();
+  };
+  EXPECT_EXIT(record_until_full(path), all_that_was_written,
+              "File too large; the events before it are kept");
+  EXPECT_TRUE(read_trial(path).skipped.nothing());
+  EXPECT_THROW(Recorder("/dev/full", header(), {.overwrite = true, .live = true}),
+               std::runtime_error);
+}
+
+TEST(ReplaySourceTest, HandsOutEachSampleOnceWhenItWasAvailable) {
+  TrackerSample late = tracker(1);
+  late.device_time = Time{1000};
+  late.host_time = Time{4000};  // measured first, known last
+  TrackerSample quick = tracker(2);
+  quick.device_time = Time{2000};
+  ReplaySource source({Sample(late), Sample(quick)});
+  EXPECT_EQ(source.end(), Time{4000});
+
+  std::vector<Sample> out;
+  source.poll(Time{1999}, out);
+  EXPECT_TRUE(out.empty());
+  source.poll(Time{2000}, out);
+  ASSERT_EQ(out.size(), 1u);
+  EXPECT_EQ(std::get<TrackerSample>(out[0]).station, quick.station);
+  EXPECT_FALSE(source.exhausted());
+  source.poll(Time{9000}, out);
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(std::get<TrackerSample>(out[1]).station, late.station);
+  EXPECT_TRUE(source.exhausted());
+}
+
+}  // namespace
+}  // namespace headpin::devices
