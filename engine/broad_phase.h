@@ -1,0 +1,59 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "engine/compound.h"
+
+/// Which moving bodies may meet: their bounds do.
+namespace headpin::engine {
+
+/// Two bodies by index, first < second.
+struct Pair {
+  std::uint32_t first = 0, second = 0;
+  friend bool operator==(const Pair&, const Pair&) = default;
+  friend auto operator<=>(const Pair&, const Pair&) = default;
+};
+
+/// Distance between the surfaces of two capsules, negative when they overlap [m].
+double distance(const Capsule& a, const Capsule& b);
+
+/// Finds the pairs of capsules that meet, in time proportional to their number.
+///
+/// Boxes round the capsules go into a grid whose cell is about the size of a body (bodies many
+/// cells large, a whole wall say, are kept aside and tested against everything), then the capsules
+/// of neighbours are compared. The static world is not in here: test it against moving bodies
+/// directly. All memory is kept from call to call.
+class BroadPhase {
+ public:
+  /// @param bounds_W  capsule of each body in the world; finite
+  /// @param moving    1 for bodies that move, 0 for those at rest; empty: all move. A pair of two
+  ///   bodies at rest is not reported.
+  /// @param margin    report also those closer than this [m]
+  /// @return          pairs by first, then second index; good until the next call
+  const std::vector<Pair>& find_pairs(std::span<const Capsule> bounds_W,
+                                      std::span<const std::uint8_t> moving = {},
+                                      double margin = 0.0);
+
+ private:
+  struct Box {
+    Vec3 low, high;
+  };
+  struct Cell {
+    std::int32_t x, y, z;
+  };
+  struct Entry {
+    std::uint32_t body;
+    Cell cell;
+  };
+
+  std::vector<Box> boxes_;
+  std::vector<std::uint32_t> large_;
+  std::vector<Entry> unsorted_, entries_;
+  std::vector<std::uint32_t> slots_;
+  std::vector<Pair> pairs_, found_;
+  std::vector<std::uint32_t> count_;
+};
+
+}  // namespace headpin::engine

@@ -1,0 +1,461 @@
+#include "engine/compound.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <stdexcept>
+
+#include "engine/non_colliding.h"
+
+namespace headpin::engine {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+bool is_half_space(const Part& part) {
+  return std::holds_alternative<HalfSpace>(part.shape);
+}
+
+/// How far the shape reaches along `n`, signed [m].
+double reach(const Part& part, const Vec3& n) {
+  return n.dot(part.X_BG * support(part.shape, part.X_BG.q.conjugate() * n));
+}
+
+/// Whether the part is a body of revolution about the line through the origin along unit `axis`.
+bool revolves(const Part& part, const Vec3& axis) {
+  if (const auto* e = std::get_if<Ellipsoid>(&part.shape)) {
+    const Vec3 off = part.X_BG.p - part.X_BG.p.dot(axis) * axis;
+    const double size = e->radii.maxCoeff();
+    if (off.norm() > 1e-12 * size) return false;
+    const Vec3 along = (part.X_BG.q.conjugate() * axis).cwiseAbs();
+    for (int i = 0; i < 3; ++i) {
+      const double r1 = e->radii[(i + 1) % 3], r2 = e->radii[(i + 2) % 3];
+      if (r1 == r2 && (along[i] > 1.0 - 1e-12 || r1 == e->radii[i])) return true;
+    }
+    return false;
+  }
+  if (!std::holds_alternative<Cylinder>(part.shape) && !std::holds_alternative<Cone>(part.shape)) {
+    return false;
+  }
+  const Vec3 off = part.X_BG.p - part.X_BG.p.dot(axis) * axis;
+  return off.norm() <= 1e-12 * bounding_radius(part.shape) &&
+         std::abs((part.X_BG.q * Vec3::UnitZ()).dot(axis)) > 1.0 - 1e-12;
+}
+
+/// A disc across the axis, and whether a round end (curved no more than the capsule) hangs on it.
+struct Outline {
+  double low, high;          // along the axis
+  double radius;             // largest distance from the axis
+  double low_rim, high_rim;  // radius of the discs at both ends
+  bool round;                // an ellipsoid on the axis
+};
+
+Outline outline(const Part& part, const Vec3& axis) {
+  Outline o{-reach(part, -axis), reach(part, axis), 0.0, 0.0, 0.0, false};
+  if (revolves(part, axis)) {
+    const Vec3 across = axis.unitOrthogonal();
+    o.radius = reach(part, across);
+    if (std::holds_alternative<Ellipsoid>(part.shape)) {
+      o.round = true;
+    } else if (std::holds_alternative<Cone>(part.shape)) {
+      const bool up = (part.X_BG.q * Vec3::UnitZ()).dot(axis) > 0.0;
+      (up ? o.low_rim : o.high_rim) = o.radius;
+    } else {
+      o.low_rim = o.high_rim = o.radius;
+    }
+    return o;
+  }
+  const Vec3 u = axis.unitOrthogonal(), v = axis.cross(u);
+  const double x = std::max(reach(part, u), reach(part, -u));
+  const double y = std::max(reach(part, v), reach(part, -v));
+  o.radius =
+      std::min(std::sqrt(x * x + y * y),
+               (part.X_BG.p - part.X_BG.p.dot(axis) * axis).norm() + bounding_radius(part.shape));
+  o.low_rim = o.high_rim = o.radius;
+  return o;
+}
+
+Capsule capsule_along(const std::vector<Part>& parts, const Vec3& axis) {
+  double radius = 0.0;
+  for (const Part& part : parts) radius = std::max(radius, outline(part, axis).radius);
+  // The end of the segment must lie high enough that its ball holds the top of every part: the rim
+  // of a disc, or an ellipsoid of this or a smaller radius, whose pole the ball touches from
+  // outside.
+  double low = kPi, high = -kPi;
+  bool first = true;
+  for (const Part& part : parts) {
+    const Outline o = outline(part, axis);
+    const double middle = 0.5 * (o.low + o.high);
+    const auto back = [&](double rim) {
+      return std::sqrt(std::max(0.0, radius * radius - rim * rim));
+    };
+    const double top =
+        o.round ? std::max(middle, o.high - radius) : std::max(o.high - back(o.high_rim), o.low);
+    const double bottom =
+        o.round ? std::min(middle, o.low + radius) : std::min(o.low + back(o.low_rim), o.high);
+    high = first ? top : std::max(high, top);
+    low = first ? bottom : std::min(low, bottom);
+    first = false;
+  }
+  if (low > high) low = high = 0.5 * (low + high);
+  return {low * axis, high * axis, radius};
+}
+
+double volume(const Capsule& c) {
+  return kPi * c.radius * c.radius * ((c.b - c.a).norm() + 4.0 / 3.0 * c.radius);
+}
+
+bool holds(const Capsule& c, const std::vector<Part>& parts, const Vec3& axis) {
+  for (const Part& part : parts) {
+    const Outline o = outline(part, axis);
+    const auto inside = [&](double z, double rim) {
+      const double a = c.a.dot(axis), b = c.b.dot(axis);
+      const double d = z < a ? a - z : z > b ? z - b : 0.0;
+      return d * d + rim * rim <= c.radius * c.radius * (1.0 + 1e-12);
+    };
+    if (!inside(o.low, o.low_rim) || !inside(o.high, o.high_rim)) return false;
+    if (o.round && !inside(0.5 * (o.low + o.high), o.radius)) return false;
+  }
+  return true;
+}
+
+}  // namespace
+
+Compound make_compound(std::vector<Part> parts) {
+  if (parts.empty()) throw std::invalid_argument("compound: no parts");
+  Compound c;
+  c.parts = std::move(parts);
+  bool unbounded = false;
+  for (const Part& part : c.parts) {
+    check(part.shape);
+    if (!part.X_BG.p.allFinite() || !(std::abs(part.X_BG.q.norm() - 1.0) < 1e-9)) {
+      throw std::invalid_argument("compound: pose of a " + kind(part.shape) +
+                                  " is not finite or its quaternion not unit");
+    }
+    c.part_radius.push_back(bounding_radius(part.shape));
+    c.bounding_radius = std::max(c.bounding_radius, part.X_BG.p.norm() + c.part_radius.back());
+    unbounded = unbounded || is_half_space(part);
+  }
+  if (unbounded) return c;
+  c.bounds = {Vec3::Zero(), Vec3::Zero(), c.bounding_radius};
+  for (const Vec3& axis : {Vec3(Vec3::UnitZ()), Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY())}) {
+    const Capsule along = capsule_along(c.parts, axis);
+    if (holds(along, c.parts, axis) && volume(along) < volume(c.bounds)) c.bounds = along;
+  }
+  return c;
+}
+
+namespace {
+
+/// Volume and its first and second moments about the origin: all that mass properties need.
+struct Moments {
+  double volume = 0.0;
+  Vec3 first = Vec3::Zero();   // integral of x
+  Mat3 second = Mat3::Zero();  // integral of x x'
+
+  void add(const Moments& m, const Pose& X) {
+    const Mat3 R = X.q.toRotationMatrix();
+    const Vec3 turned = R * m.first;
+    first += turned + m.volume * X.p;
+    second += R * m.second * R.transpose() + turned * X.p.transpose() + X.p * turned.transpose() +
+              m.volume * X.p * X.p.transpose();
+    volume += m.volume;
+  }
+};
+
+MassProperties weigh(const Moments& m, double density) {
+  MassProperties p;
+  p.mass = density * m.volume;
+  p.centre = m.first / m.volume;
+  const Mat3 about = m.second - m.volume * p.centre * p.centre.transpose();
+  p.inertia = density * (about.trace() * Mat3::Identity() - about);
+  return p;
+}
+
+Moments moments(const Ellipsoid& s) {
+  Moments m;
+  m.volume = 4.0 / 3.0 * kPi * s.radii.prod();
+  m.second = (m.volume / 5.0 * s.radii.cwiseProduct(s.radii)).asDiagonal();
+  return m;
+}
+
+Moments moments(const Cylinder& s) {
+  const double r2 = s.radius * s.radius, h2 = s.half_height * s.half_height;
+  Moments m;
+  m.volume = 2.0 * kPi * r2 * s.half_height;
+  m.second = (m.volume * Vec3(r2 / 4.0, r2 / 4.0, h2 / 3.0)).asDiagonal();
+  return m;
+}
+
+Moments moments(const Cone& s) {
+  const double r2 = s.radius * s.radius, h = s.height;
+  Moments m;
+  m.volume = kPi / 3.0 * r2 * h;
+  m.first = {0.0, 0.0, -0.25 * h * m.volume};
+  // Along z: 3/80 h^2 about the centre, which is h/4 below the middle.
+  m.second = (m.volume * Vec3(0.15 * r2, 0.15 * r2, 0.1 * h * h)).asDiagonal();
+  return m;
+}
+
+Moments moments(const Polyhedron& s) {
+  Moments m;
+  for (const Polyhedron::Face& face : s.faces()) {
+    const auto c = s.corners(face);
+    const Vec3 a = s.vertices()[c[0]] - s.centre();
+    for (std::size_t k = 1; k + 1 < c.size(); ++k) {
+      const Vec3 u = s.vertices()[c[k]] - s.centre(), v = s.vertices()[c[k + 1]] - s.centre();
+      // Tetrahedron with a corner at the centre.
+      const double volume = a.dot(u.cross(v)) / 6.0;
+      const Vec3 sum = a + u + v;
+      m.volume += volume;
+      m.first += volume / 4.0 * sum;
+      m.second +=
+          volume / 20.0 *
+          (a * a.transpose() + u * u.transpose() + v * v.transpose() + sum * sum.transpose());
+    }
+  }
+  Moments moved;
+  moved.add(m, {Quat::Identity(), s.centre()});
+  return moved;
+}
+
+Moments moments(const HalfSpace&) {
+  throw std::invalid_argument("mass_properties: a half-space has no mass");
+}
+
+Moments moments(const Shape& shape) {
+  return std::visit([](const auto& s) { return moments(s); }, shape);
+}
+
+bool overlap(const Part& a, const Part& b) {
+  Vec3 n = Vec3::Zero();
+  return !closest_points(a.shape, b.shape, a.X_BG.inverse() * b.X_BG, n, {}).separated;
+}
+
+/// Radius of a body of revolution about z at height z, zero outside it.
+double radius_at(const Part& part, double z) {
+  const double from_middle = z - part.X_BG.p.z();
+  if (const auto* e = std::get_if<Ellipsoid>(&part.shape)) {
+    const double c = reach(part, Vec3::UnitZ()) - part.X_BG.p.z();
+    const double r = reach(part, Vec3::UnitX());
+    return e && std::abs(from_middle) < c ? r * std::sqrt(1.0 - from_middle * from_middle / (c * c))
+                                          : 0.0;
+  }
+  if (const auto* c = std::get_if<Cylinder>(&part.shape)) {
+    return std::abs(from_middle) < c->half_height ? c->radius : 0.0;
+  }
+  const Cone& cone = std::get<Cone>(part.shape);
+  const double up = (part.X_BG.q * Vec3::UnitZ()).z() > 0.0 ? from_middle : -from_middle;
+  return std::abs(up) < 0.5 * cone.height ? cone.radius * (0.5 - up / cone.height) : 0.0;
+}
+
+// Slices between the heights where a part begins or ends; middles, so that ends need no care.
+Moments stacked_discs(const std::vector<Part>& parts) {
+  std::vector<double> cuts;
+  for (const Part& part : parts) {
+    cuts.push_back(reach(part, Vec3::UnitZ()));
+    cuts.push_back(-reach(part, -Vec3::UnitZ()));
+  }
+  std::sort(cuts.begin(), cuts.end());
+  const double slices = 20000.0 / (cuts.back() - cuts.front());
+  Moments m;
+  for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+    const double length = cuts[i + 1] - cuts[i];
+    const int count = 1 + static_cast<int>(slices * length);
+    const double dz = length / count;
+    for (int k = 0; k < count; ++k) {
+      const double z = cuts[i] + (k + 0.5) * dz;
+      double r = 0.0;
+      for (const Part& part : parts) r = std::max(r, radius_at(part, z));
+      const double slice = kPi * r * r * dz;
+      m.volume += slice;
+      m.first.z() += slice * z;
+      m.second += (slice * Vec3(r * r / 4.0, r * r / 4.0, z * z + dz * dz / 12.0)).asDiagonal();
+    }
+  }
+  return m;
+}
+
+struct Interval {
+  double low, high;  // empty when low > high
+};
+
+void keep_below(Interval& t, double offset, double slope) {  // offset + slope t <= 0
+  if (slope > 0.0) {
+    t.high = std::min(t.high, -offset / slope);
+  } else if (slope < 0.0) {
+    t.low = std::max(t.low, -offset / slope);
+  } else if (offset > 0.0) {
+    t = {1.0, 0.0};
+  }
+}
+
+void keep_quadratic(Interval& t, double a, double b, double c) {  // a t^2 + 2 b t + c <= 0, a >= 0
+  if (a < 1e-15) return keep_below(t, c, 2.0 * b);
+  const double root = b * b - a * c;
+  if (root < 0.0) {
+    t = {1.0, 0.0};
+    return;
+  }
+  t.low = std::max(t.low, (-b - std::sqrt(root)) / a);
+  t.high = std::min(t.high, (-b + std::sqrt(root)) / a);
+}
+
+/// Where the line p + t d runs inside the shape.
+Interval inside(const Shape& shape, const Vec3& p, const Vec3& d, Interval t) {
+  if (const auto* e = std::get_if<Ellipsoid>(&shape)) {
+    const Vec3 u = d.cwiseQuotient(e->radii), v = p.cwiseQuotient(e->radii);
+    keep_quadratic(t, u.dot(u), u.dot(v), v.dot(v) - 1.0);
+  } else if (const auto* c = std::get_if<Cylinder>(&shape)) {
+    keep_quadratic(t, d.x() * d.x() + d.y() * d.y(), d.x() * p.x() + d.y() * p.y(),
+                   p.x() * p.x() + p.y() * p.y() - c->radius * c->radius);
+    keep_below(t, p.z() - c->half_height, d.z());
+    keep_below(t, -p.z() - c->half_height, -d.z());
+  } else if (const auto* h = std::get_if<Polyhedron>(&shape)) {
+    for (const Polyhedron::Face& f : h->faces()) {
+      keep_below(t, f.normal.dot(p) - f.offset, f.normal.dot(d));
+    }
+  } else if (const auto* k = std::get_if<Cone>(&shape)) {
+    // Below the apex: rho <= (h/2 - z) r / h, both sides squared; the slab keeps the other nappe
+    // out.
+    const double slope = k->radius / k->height, z = p.z() - 0.5 * k->height;
+    const double a = d.x() * d.x() + d.y() * d.y() - slope * slope * d.z() * d.z();
+    const double b = d.x() * p.x() + d.y() * p.y() - slope * slope * d.z() * z;
+    const double c2 = p.x() * p.x() + p.y() * p.y() - slope * slope * z * z;
+    keep_below(t, z, d.z());
+    keep_below(t, -z - k->height, -d.z());
+    if (a >= 1e-15) {
+      keep_quadratic(t, a, b, c2);
+    } else if (a > -1e-15) {
+      keep_below(t, c2, 2.0 * b);
+    } else {  // steep line: inside the double cone outside the roots; take the lower nappe
+      const double root = std::sqrt(std::max(0.0, b * b - a * c2));
+      const double t1 = (-b + root) / a, t2 = (-b - root) / a;  // t1 <= t2
+      if (d.z() > 0.0) {
+        t.high = std::min(t.high, t1);
+      } else {
+        t.low = std::max(t.low, t2);
+      }
+    }
+  }
+  return t;
+}
+
+// Rods along z on a square grid of middles; their overlap with the union is exact.
+Moments bundled_rods(const std::vector<Part>& parts) {
+  constexpr int kRods = 600;
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const Part& part : parts) {
+    for (int i = 0; i < 3; ++i) {
+      low[i] = std::min(low[i], -reach(part, -Vec3::Unit(i)));
+      high[i] = std::max(high[i], reach(part, Vec3::Unit(i)));
+    }
+  }
+  const double dx = (high.x() - low.x()) / kRods, dy = (high.y() - low.y()) / kRods;
+  Moments m;
+  std::vector<Interval> pieces;
+  for (int i = 0; i < kRods; ++i) {
+    for (int j = 0; j < kRods; ++j) {
+      const Vec3 p(low.x() + (i + 0.5) * dx, low.y() + (j + 0.5) * dy, 0.0);
+      pieces.clear();
+      for (const Part& part : parts) {
+        const Pose X_GB = part.X_BG.inverse();
+        const Interval t =
+            inside(part.shape, X_GB * p, X_GB.q * Vec3::UnitZ(), {low.z(), high.z()});
+        if (t.low < t.high) pieces.push_back(t);
+      }
+      std::sort(pieces.begin(), pieces.end(),
+                [](const Interval& a, const Interval& b) { return a.low < b.low; });
+      double done = low.z();
+      for (const Interval& t : pieces) {
+        const double a = std::max(t.low, done), b = t.high;
+        if (b <= a) continue;
+        done = b;
+        const double volume = dx * dy * (b - a);
+        const Vec3 middle(p.x(), p.y(), 0.5 * (a + b));
+        m.volume += volume;
+        m.first += volume * middle;
+        m.second += volume * middle * middle.transpose();
+        m.second.diagonal() += volume / 12.0 * Vec3(dx * dx, dy * dy, (b - a) * (b - a));
+      }
+    }
+  }
+  return m;
+}
+
+}  // namespace
+
+MassProperties mass_properties(const Shape& shape, double density) {
+  return weigh(moments(shape), density);
+}
+
+MassProperties mass_properties(const Compound& compound, double density) {
+  const std::vector<Part>& parts = compound.parts;
+  if (std::any_of(parts.begin(), parts.end(), is_half_space)) moments(HalfSpace{});
+  bool any = false;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    for (std::size_t j = i + 1; j < parts.size() && !any; ++j) any = overlap(parts[i], parts[j]);
+  }
+  if (any) {
+    return weigh(is_revolution(compound) ? stacked_discs(parts) : bundled_rods(parts), density);
+  }
+  Moments m;
+  for (const Part& part : parts) m.add(moments(part.shape), part.X_BG);
+  return weigh(m, density);
+}
+
+bool is_revolution(const Compound& compound) {
+  return std::all_of(compound.parts.begin(), compound.parts.end(),
+                     [](const Part& part) { return revolves(part, Vec3::UnitZ()); });
+}
+
+namespace {
+
+/// The principal axes as the rotation least turned from the identity.
+Mat3 principal_axes(const Mat3& inertia) {
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(inertia);
+  const Mat3 v = solver.eigenvectors();
+  Mat3 best = Mat3::Identity();
+  double least = -4.0;
+  for (const auto& order : std::array<std::array<int, 3>, 6>{
+           {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}}}) {
+    for (int signs = 0; signs < 8; ++signs) {
+      Mat3 m;
+      for (int i = 0; i < 3; ++i) {
+        m.col(i) = (signs >> i & 1 ? -1.0 : 1.0) * v.col(order[static_cast<std::size_t>(i)]);
+      }
+      if (m.determinant() > 0.0 && m.trace() > least) {
+        least = m.trace();
+        best = m;
+      }
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+Centred about_centre(const Compound& compound, const MassProperties& mass) {
+  Centred c;
+  c.revolution = is_revolution(compound);
+  c.X_BC.p = mass.centre;
+  const Mat3& I = mass.inertia;
+  const double off_diagonal = std::max({std::abs(I(0, 1)), std::abs(I(0, 2)), std::abs(I(1, 2))});
+  if (!c.revolution && off_diagonal > 1e-9 * I.trace()) {
+    c.X_BC.q = Quat(principal_axes(I)).normalized();
+  }
+  const Mat3 R = c.X_BC.q.toRotationMatrix();
+  c.inertia = (R.transpose() * I * R).diagonal();
+  if (c.revolution) {
+    c.X_BC.p.x() = c.X_BC.p.y() = 0.0;
+    c.inertia.x() = c.inertia.y() = 0.5 * (c.inertia.x() + c.inertia.y());
+  }
+  c.mass = mass.mass;
+  std::vector<Part> parts = compound.parts;
+  const Pose X_CB = c.X_BC.inverse();
+  for (Part& part : parts) part.X_BG = X_CB * part.X_BG;
+  c.compound = make_compound(std::move(parts));
+  return c;
+}
+
+}  // namespace headpin::engine

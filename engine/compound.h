@@ -1,0 +1,75 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/shape.h"
+
+/// Compounds of posed parts, what bounds them, and what they weigh.
+namespace headpin::engine {
+
+/// All points within `radius` of the segment from `a` to `b`; a sphere when a = b.
+struct Capsule {
+  Vec3 a = Vec3::Zero(), b = Vec3::Zero();
+  double radius = 0.0;  ///< [m]
+};
+
+inline Capsule operator*(const Pose& X, const Capsule& c) {
+  return {X * c.a, X * c.b, c.radius};
+}
+
+struct Part {
+  Shape shape;
+  Pose X_BG;  ///< where the shape's frame G stands in the frame B of the compound
+};
+
+/// A solid made of convex parts, which may overlap. Made by `make_compound`.
+struct Compound {
+  std::vector<Part> parts;
+  double bounding_radius = 0.0;  ///< sphere about the origin of B [m]; infinite with a half-space
+  Capsule bounds;                ///< tight round long bodies, in B; meaningless with a half-space
+  std::vector<double> part_radius;  ///< sphere about the origin of each part's G [m]
+};
+
+/// @throws std::invalid_argument  with no parts or a part whose measures are not finite and
+/// positive
+Compound make_compound(std::vector<Part> parts);
+
+struct MassProperties {
+  double mass = 0.0;            ///< [kg]
+  Vec3 centre = Vec3::Zero();   ///< of mass, in the frame of the shape or compound [m]
+  Mat3 inertia = Mat3::Zero();  ///< about the centre, along the axes of that frame [kg m2]
+};
+
+/// Closed form for every shape.
+///
+/// @param density  [kg/m3]
+/// @throws std::invalid_argument  for a half-space
+MassProperties mass_properties(const Shape& shape, double density);
+
+/// Mass properties of the union of the parts: where parts overlap, matter counts once.
+///
+/// A single part, and parts whose bounding spheres are apart, are summed in closed form. Parts that
+/// share the axis z as bodies of revolution are cut into discs (relative error below 1e-6), others
+/// into rods along z, each of whose overlaps with the parts is exact (below 1e-3).
+///
+/// @param density  [kg/m3]
+/// @throws std::invalid_argument  with a half-space among the parts
+MassProperties mass_properties(const Compound& compound, double density);
+
+/// Whether every part is a body of revolution about the z axis of B.
+bool is_revolution(const Compound& compound);
+
+/// A compound moved to where dynamics wants it: origin at the centre of mass, principal axes.
+struct Centred {
+  Compound compound;            ///< the parts in the principal frame C
+  Pose X_BC;                    ///< C in the old frame B
+  double mass = 0.0;            ///< [kg]
+  Vec3 inertia = Vec3::Zero();  ///< principal moments, along x, y, z of C [kg m2]
+  bool revolution = false;      ///< about z of C; then inertia.x() == inertia.y()
+};
+
+/// A body of revolution about z keeps its axes (and its x and y moments are made equal), another
+/// one is turned to its principal axes, ordered so that C is the frame least turned from B.
+Centred about_centre(const Compound& compound, const MassProperties& mass);
+
+}  // namespace headpin::engine

@@ -1,0 +1,92 @@
+#include "engine/broad_phase.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/random_shapes.h"
+
+namespace headpin::engine {
+namespace {
+
+using test::Random;
+
+Vec3 point(Random& random, double r) {
+  return {random.uniform(-r, r), random.uniform(-r, r), random.uniform(-r, r)};
+}
+
+std::vector<Capsule> random_capsules(Random& random, int n, double room) {
+  std::vector<Capsule> capsules;
+  for (int i = 0; i < n; ++i) {
+    const Vec3 a = point(random, room);
+    const double length = i % 50 == 0 ? room : i % 3 == 0 ? 0.0 : 0.4;  // walls, balls, skittles
+    capsules.push_back({a, a + length * random.direction(), random.uniform(0.02, 0.15)});
+  }
+  return capsules;
+}
+
+// Sampled distance between two segments, and the capsules' distance beside it.
+TEST(CapsuleDistance, IsThatOfTheNearestSamples) {
+  Random random(8);
+  for (int i = 0; i < 200; ++i) {
+    Capsule a{point(random, 1.0), point(random, 1.0), 0.1},
+        b{point(random, 1.0), point(random, 1.0), 0.2};
+    if (i % 4 == 0) b.b = b.a + 0.7 * (a.b - a.a);  // parallel
+    if (i % 7 == 0) a.b = a.a;
+    if (i % 9 == 0) b.b = b.a;
+    double least = 1e9;
+    for (int s = 0; s <= 400; ++s) {
+      for (int t = 0; t <= 400; ++t) {
+        least =
+            std::min(least, (a.a + s / 400.0 * (a.b - a.a) - b.a - t / 400.0 * (b.b - b.a)).norm());
+      }
+    }
+    EXPECT_LE(distance(a, b), least - 0.3 + 1e-12);
+    EXPECT_NEAR(distance(a, b), least - 0.3, 0.01);  // half a sample of length 3.5 / 400
+  }
+}
+
+TEST(BroadPhase, FindsThePairsThatABruteSearchFinds) {
+  Random random(9);
+  BroadPhase broad_phase;
+  for (const int n : {0, 1, 2, 10, 100, 600}) {
+    const std::vector<Capsule> capsules = random_capsules(random, n, 0.15 * std::cbrt(n + 1));
+    for (const double margin : {0.0, 0.05}) {
+      std::vector<Pair> expected, expected_moving;
+      std::vector<std::uint8_t> moving(capsules.size());
+      for (std::uint8_t& m : moving) m = static_cast<std::uint8_t>(random.index(2));
+      for (std::uint32_t i = 0; i < capsules.size(); ++i) {
+        for (std::uint32_t j = i + 1; j < capsules.size(); ++j) {
+          if (distance(capsules[i], capsules[j]) > margin) continue;
+          expected.push_back({i, j});
+          if (moving[i] || moving[j]) expected_moving.push_back({i, j});
+        }
+      }
+      EXPECT_EQ(broad_phase.find_pairs(capsules, {}, margin), expected);
+      EXPECT_EQ(broad_phase.find_pairs(capsules, moving, margin), expected_moving);
+    }
+  }
+}
+
+// Ten skittles on their spots do not touch each other's bounds, though their spheres overlap.
+TEST(TenStandingSkittles, MakeNoPair) {
+  const Compound skittle =
+      make_compound({{Cylinder{0.0258, 0.03}, {Quat::Identity(), {0, 0, 0.03}}},
+                     {Ellipsoid{{0.0605, 0.0605, 0.11}}, {Quat::Identity(), {0, 0, 0.116}}},
+                     {Cylinder{0.0235, 0.08}, {Quat::Identity(), {0, 0, 0.26}}},
+                     {Ellipsoid{{0.0325, 0.0325, 0.0325}}, {Quat::Identity(), {0, 0, 0.3485}}}});
+  std::vector<Capsule> bounds;
+  for (int row = 0; row < 4; ++row) {
+    for (int i = 0; i <= row; ++i) {
+      const Vec3 spot(0.3048 * (i - 0.5 * row), 0.3048 * 0.8660254 * row, 0.0);
+      bounds.push_back(Pose{Quat::Identity(), spot} * skittle.bounds);
+    }
+  }
+  BroadPhase broad_phase;
+  EXPECT_TRUE(broad_phase.find_pairs(bounds).empty());
+  EXPECT_LT(skittle.bounds.radius, 0.061);
+  // A ball beside the head pin is one pair.
+  bounds.push_back({Vec3(0.1, -0.1, 0.108), Vec3(0.1, -0.1, 0.108), 0.108});
+  EXPECT_EQ(broad_phase.find_pairs(bounds), (std::vector<Pair>{{0, 10}}));
+}
+
+}  // namespace
+}  // namespace headpin::engine

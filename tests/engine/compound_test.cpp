@@ -1,0 +1,177 @@
+#include "engine/compound.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/random_shapes.h"
+
+namespace headpin::engine {
+namespace {
+
+using test::Random;
+
+constexpr double kInch = 0.0254;
+
+// Height above the base and diameter of a ten pin, inches (reference page "bowling").
+constexpr double kProfile[][2] = {{0, 2.031},      {0.75, 2.828},  {2.25, 3.906},   {3.375, 4.510},
+                                  {4.5, 4.766},    {5.875, 4.563}, {7.25, 3.703},   {8.625, 2.472},
+                                  {9.375, 1.965},  {10, 1.797},    {10.875, 1.870}, {11.75, 2.094},
+                                  {12.625, 2.406}, {13.5, 2.547}};
+
+double profile_radius(double z) {
+  const double h = z / kInch;
+  if (h >= 13.5) {  // the dome: a ball of radius 1.273 in whose top is at 15 in
+    const double d = h - (15.0 - 1.273);
+    return kInch * std::sqrt(std::max(0.0, 1.273 * 1.273 - d * d));
+  }
+  // A smooth curve through the table: cubics whose slope at a row is that of its two neighbours.
+  std::size_t i = 0;
+  while (kProfile[i + 1][0] < h) ++i;
+  const auto slope = [](std::size_t k) {
+    const std::size_t low = k == 0 ? 0 : k - 1, high = std::min(k + 1, std::size(kProfile) - 1);
+    return (kProfile[high][1] - kProfile[low][1]) / (kProfile[high][0] - kProfile[low][0]);
+  };
+  const double dh = kProfile[i + 1][0] - kProfile[i][0], s = (h - kProfile[i][0]) / dh;
+  const double d = (1 + 2 * s) * (1 - s) * (1 - s) * kProfile[i][1] +
+                   s * s * (3 - 2 * s) * kProfile[i + 1][1] +
+                   s * (1 - s) * (1 - s) * dh * slope(i) - s * s * (1 - s) * dh * slope(i + 1);
+  return 0.5 * kInch * d;
+}
+
+// A pin as a pile of discs that overlap their neighbours, with a core that is all overlap.
+Compound pin() {
+  std::vector<Part> parts;
+  constexpr int kDiscs = 300;
+  const double height = 15.0 * kInch, step = height / kDiscs;
+  for (int i = 0; i < kDiscs; ++i) {
+    const double z = (i + 0.5) * step;
+    parts.push_back({Cylinder{profile_radius(z), 0.5 * step}, {Quat::Identity(), {0, 0, z}}});
+  }
+  parts.push_back({Cylinder{0.02, 0.15}, {Quat::Identity(), {0, 0, 0.19}}});
+  parts.push_back({Ellipsoid{{0.04, 0.04, 0.08}}, {Quat::Identity(), {0, 0, 0.115}}});
+  parts.push_back({Cone{0.03, 0.2}, {Quat::Identity(), {0, 0, 0.15}}});
+  return make_compound(parts);
+}
+
+TEST(Pin, WeighsWhatTheTableOfMeasuresSays) {
+  const Compound c = pin();
+  ASSERT_TRUE(is_revolution(c));
+  const double volume = mass_properties(c, 1.0).mass;
+  EXPECT_NEAR(volume, 2.105e-3, 0.01 * 2.105e-3);
+  const MassProperties m = mass_properties(c, 1.588 / volume);
+  EXPECT_NEAR(m.mass, 1.588, 1e-9);
+  EXPECT_NEAR(m.centre.z(), 0.1474, 0.01 * 0.1474);
+  EXPECT_NEAR(m.inertia(2, 2), 1.97e-3, 0.01 * 1.97e-3);
+  EXPECT_NEAR(m.inertia(0, 0), 1.344e-2, 0.01 * 1.344e-2);
+}
+
+// A cylinder cut in two overlapping lengths weighs what the whole one does, however it is posed.
+TEST(Overlap, CountsOnce) {
+  const double density = 700.0;
+  const MassProperties whole = mass_properties(Cylinder{0.1, 0.3}, density);
+  const Part low{Cylinder{0.1, 0.2}, {Quat::Identity(), {0, 0, -0.1}}};
+  const Part high{Cylinder{0.1, 0.2}, {Quat::Identity(), {0, 0, 0.1}}};
+  const MassProperties two = mass_properties(make_compound({low, high}), density);
+  EXPECT_NEAR(two.mass, whole.mass, 1e-9 * whole.mass);
+  EXPECT_LT((two.inertia - whole.inertia).norm(), 1e-6 * whole.inertia.norm());
+  EXPECT_LT((two.centre - whole.centre).norm(), 1e-12);
+
+  const Pose X{Quat(0.6, 0.2, -0.3, 0.7).normalized(), {0.3, -0.2, 0.1}};
+  const MassProperties tilted = mass_properties(
+      make_compound({{low.shape, X * low.X_BG}, {high.shape, X * high.X_BG}}), density);
+  const Mat3 R = X.q.toRotationMatrix();
+  EXPECT_NEAR(tilted.mass, whole.mass, 1e-3 * whole.mass);
+  EXPECT_LT((tilted.centre - X * whole.centre).norm(), 1e-3 * 0.3);
+  EXPECT_LT((tilted.inertia - R * whole.inertia * R.transpose()).norm(),
+            1e-3 * whole.inertia.norm());
+}
+
+// Counting random points of a box is slow and certain.
+TEST(MassProperties, AgreeWithCountedPoints) {
+  Random random(5);
+  std::vector<Compound> compounds;
+  for (const test::Kind k :
+       {test::Kind::ellipsoid, test::Kind::cylinder, test::Kind::cone, test::Kind::hull}) {
+    compounds.push_back(
+        make_compound({{random_shape(random, k), {random.rotation(), {0.1, 0, 0.2}}}}));
+  }
+  compounds.push_back(
+      make_compound({{Cone{0.4, 0.9}, {random.rotation(), {0.2, 0.1, 0}}},
+                     {Ellipsoid{{0.3, 0.5, 0.2}}, {random.rotation(), {0, 0, 0.3}}},
+                     {test::box({0.4, 0.2, 0.1}), {random.rotation(), {0, 0.2, 0}}}}));
+  for (const Compound& c : compounds) {
+    const MassProperties m = mass_properties(c, 1.0);
+    const int n = 400000;
+    const double r = c.bounding_radius;
+    double hits = 0.0;
+    Vec3 first = Vec3::Zero();
+    Mat3 second = Mat3::Zero();
+    for (int i = 0; i < n; ++i) {
+      const Vec3 p(random.uniform(-r, r), random.uniform(-r, r), random.uniform(-r, r));
+      bool in = false;
+      for (const Part& part : c.parts) in = in || contains(part.shape, part.X_BG.inverse() * p);
+      if (!in) continue;
+      hits += 1.0;
+      first += p;
+      second += (p - m.centre) * (p - m.centre).transpose();
+    }
+    const double each = 8.0 * r * r * r / n;
+    const Mat3 inertia = each * (second.trace() * Mat3::Identity() - second);
+    // Four standard errors of a count of some 1e5 are 1.3 percent.
+    EXPECT_NEAR(m.mass, each * hits, 0.013 * m.mass) << kind(c.parts[0].shape);
+    EXPECT_LT((m.centre - first / hits).norm(), 0.01 * r) << kind(c.parts[0].shape);
+    EXPECT_LT((m.inertia - inertia).norm(), 0.03 * m.inertia.norm()) << kind(c.parts[0].shape);
+  }
+}
+
+TEST(AboutCentre, HasItsCentreOfMassAtTheOriginAndAxesAlongThePrincipalOnes) {
+  Random random(6);
+  const Pose X{random.rotation(), {0.3, -0.4, 0.5}};
+  const Compound c = make_compound({{test::box({0.1, 0.3, 0.2}), X}});
+  const Centred centred = about_centre(c, mass_properties(c, 500.0));
+  const MassProperties m = mass_properties(centred.compound, 500.0);
+  EXPECT_LT(m.centre.norm(), 1e-12);
+  EXPECT_NEAR(m.mass, 500.0 * 8 * 0.1 * 0.3 * 0.2, 1e-9);
+  EXPECT_LT((m.inertia - Mat3(centred.inertia.asDiagonal())).norm(), 1e-9 * m.inertia.norm());
+  EXPECT_FALSE(centred.revolution);
+}
+
+TEST(AboutCentre, LeavesTheAxisOfABodyOfRevolutionAlone) {
+  const Compound c = pin();
+  const Centred centred = about_centre(c, mass_properties(c, 754.0));
+  EXPECT_TRUE(centred.revolution);
+  EXPECT_EQ(centred.X_BC.q.coeffs(), Quat::Identity().coeffs());
+  EXPECT_EQ(centred.inertia.x(), centred.inertia.y());
+  EXPECT_LT(std::abs(mass_properties(centred.compound, 754.0).centre.z()), 1e-9);
+}
+
+TEST(Bounds, HoldEveryPart) {
+  Random random(7);
+  for (int i = 0; i < 100; ++i) {
+    std::vector<Part> parts;
+    const bool coaxial = i % 2 == 0;
+    for (int k = 0; k < 3; ++k) {
+      Shape shape = random_shape(random, static_cast<test::Kind>(random.index(coaxial ? 3 : 4)));
+      if (auto* e = std::get_if<Ellipsoid>(&shape); e && coaxial) e->radii.y() = e->radii.x();
+      const Vec3 p(0.0, 0.0, random.uniform(-1.0, 1.0));
+      const Pose upside_down{Quat(0.0, 1.0, 0.0, 0.0), p};
+      parts.push_back({shape, coaxial ? (k == 1 ? upside_down : Pose{Quat::Identity(), p})
+                                      : Pose{random.rotation(), p + 0.3 * random.direction()}});
+    }
+    const Compound c = make_compound(parts);
+    const Vec3 axis = c.bounds.b - c.bounds.a;
+    for (int j = 0; j < 500; ++j) {
+      const Vec3 n = random.direction();
+      for (const Part& part : c.parts) {
+        const Vec3 p = part.X_BG * support(part.shape, part.X_BG.q.conjugate() * n);
+        EXPECT_LE(p.norm(), c.bounding_radius * (1.0 + 1e-12));
+        const double t = axis.squaredNorm() > 0.0
+                             ? std::clamp((p - c.bounds.a).dot(axis) / axis.squaredNorm(), 0.0, 1.0)
+                             : 0.0;
+        EXPECT_LE((p - c.bounds.a - t * axis).norm(), c.bounds.radius * (1.0 + 1e-9));
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace headpin::engine

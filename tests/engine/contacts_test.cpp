@@ -1,0 +1,88 @@
+#include "engine/contacts.h"
+
+#include <gtest/gtest.h>
+
+#include "tests/support/random_shapes.h"
+
+namespace headpin::engine {
+namespace {
+
+using test::Kind;
+using test::Random;
+
+std::vector<ContactPoint> contacts(const Shape& a, const Pose& X_WA, const Shape& b,
+                                   const Pose& X_WB, double margin = 0.0) {
+  Vec3 n = Vec3::Zero();
+  QueryCounts counts;
+  std::vector<ContactPoint> out;
+  const int count = find_contacts(a, X_WA, b, X_WB, margin, n, {}, counts, out);
+  EXPECT_EQ(static_cast<std::size_t>(count), out.size());
+  return out;
+}
+
+// The deepest point of a body in the floor is as deep as its lowest point is low.
+TEST(OnAHalfSpace, TheDeepestContactIsTheLowestPoint) {
+  Random random(11);
+  for (const Kind k : {Kind::ellipsoid, Kind::cylinder, Kind::cone, Kind::hull}) {
+    for (int i = 0; i < 200; ++i) {
+      const Shape shape = random_shape(random, k);
+      const Pose X_WB{random.rotation(), {0.0, 0.0, 0.2}};
+      const Pose X_WA{random.rotation(), random.uniform(-0.3, 0.3) * random.direction()};
+      const Vec3 up = X_WA.q * Vec3::UnitZ();
+      const Vec3 lowest = X_WB * support(shape, X_WB.q.conjugate() * -up);
+      const double depth = (X_WA.p - lowest).dot(up);
+      const std::vector<ContactPoint> points = contacts(HalfSpace{}, X_WA, shape, X_WB);
+      ASSERT_EQ(points.empty(), depth < 0.0) << kind(shape);
+      double deepest = -1.0;
+      for (const ContactPoint& c : points) {
+        deepest = std::max(deepest, c.depth);
+        EXPECT_LT((c.n_AB_W - up).norm(), 1e-12);
+        // Half-way between plane and body point, which is in the body.
+        EXPECT_NEAR((c.p_W - X_WA.p).dot(up), -0.5 * c.depth, 1e-12);
+        EXPECT_TRUE(contains(shape, X_WB.inverse() * (c.p_W - 0.5 * c.depth * up), 1e-9));
+      }
+      if (!points.empty()) {
+        EXPECT_NEAR(deepest, depth, 1e-12) << kind(shape);
+      }
+    }
+  }
+}
+
+// A standing body's contact points lie round its centre, so that it can stand on them.
+TEST(OnAHalfSpace, AFlatBaseHasPointsRoundItsCentre) {
+  for (const Shape& shape :
+       {Shape(Cylinder{0.1, 0.2}), Shape(Cone{0.1, 0.4}), Shape(test::box({0.1, 0.1, 0.2}))}) {
+    const auto points =
+        contacts(HalfSpace{}, {}, shape, {Quat::Identity(), {0.0, 0.0, 0.2 - 1e-4}});
+    ASSERT_GE(points.size(), 3u) << kind(shape);
+    for (int i = 0; i < 36; ++i) {  // some point on either side of every line through the centre
+      const Vec3 across(std::cos(i * 0.1745), std::sin(i * 0.1745), 0.0);
+      double most = -1.0;
+      for (const ContactPoint& c : points) most = std::max(most, across.dot(c.p_W));
+      EXPECT_GT(most, 0.04) << kind(shape);
+      EXPECT_NEAR(points[0].depth, 1e-4, 1e-12);
+    }
+  }
+}
+
+TEST(OnAHalfSpace, ALyingCylinderHasBothEndsOfItsLowestLine) {
+  const Quat lying(std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0);
+  const auto points =
+      contacts(HalfSpace{}, {}, Cylinder{0.1, 0.2}, {lying, {0.0, 0.0, 0.1 - 1e-4}});
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_NEAR((points[0].p_W - points[1].p_W).norm(), 0.4, 1e-9);
+}
+
+TEST(TheOtherWayRound, NormalsTurnAndPointsStay) {
+  const Pose X_WB{Quat(0.9, 0.1, 0.2, 0.3).normalized(), {0.0, 0.1, 0.15}};
+  const auto ab = contacts(HalfSpace{}, {}, Cylinder{0.1, 0.2}, X_WB, 0.1);
+  const auto ba = contacts(Cylinder{0.1, 0.2}, X_WB, HalfSpace{}, {}, 0.1);
+  ASSERT_EQ(ab.size(), ba.size());
+  for (std::size_t i = 0; i < ab.size(); ++i) {
+    EXPECT_EQ(ab[i].p_W, ba[i].p_W);
+    EXPECT_EQ(ab[i].n_AB_W, Vec3(-ba[i].n_AB_W));
+  }
+}
+
+}  // namespace
+}  // namespace headpin::engine

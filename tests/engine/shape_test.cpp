@@ -1,0 +1,139 @@
+#include "engine/shape.h"
+
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/random_shapes.h"
+
+namespace headpin::engine {
+namespace {
+
+using test::Kind;
+using test::Random;
+
+constexpr Kind kKinds[] = {Kind::ellipsoid, Kind::cylinder, Kind::cone, Kind::hull};
+
+// No point of the shape lies further along n than the support point, and that point is in the
+// shape.
+TEST(Support, IsTheFurthestPointOfTheShape) {
+  Random random(1);
+  for (const Kind k : kKinds) {
+    for (int i = 0; i < 50; ++i) {
+      const Shape shape = random_shape(random, k);
+      const Vec3 n = random.direction();
+      const Vec3 p = support(shape, n);
+      EXPECT_TRUE(contains(shape, p, 1e-12)) << kind(shape);
+      for (int j = 0; j < 200; ++j) {
+        const Vec3 q = random.uniform(0.0, 0.9) * random.direction();
+        if (contains(shape, q)) {
+          EXPECT_LE(n.dot(q), n.dot(p) + 1e-12) << kind(shape);
+        }
+        EXPECT_LE(n.dot(support(shape, random.direction())), n.dot(p) + 1e-12);
+      }
+    }
+  }
+}
+
+// Poles, apexes, rims, zero and not finite directions: some point of the shape, never NaN.
+TEST(Support, IsAPointOfTheShapeForEveryDirection) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  const double inf = std::numeric_limits<double>::infinity();
+  Random random(2);
+  for (const Kind k : kKinds) {
+    const Shape shape = random_shape(random, k);
+    for (const double x : {0.0, -0.0, 1.0, -1.0, 1e-300, 1e300, nan, inf, -inf}) {
+      for (const double y : {0.0, 1.0, -1e-200, nan, inf}) {
+        for (const double z : {0.0, -0.0, 1.0, -1.0, 1e-300, 1e300, nan}) {
+          const Vec3 p = support(shape, Vec3(x, y, z));
+          ASSERT_TRUE(p.allFinite()) << kind(shape) << " " << x << " " << y << " " << z;
+          EXPECT_TRUE(contains(shape, p, 1e-12)) << kind(shape) << " " << x << " " << y << " " << z;
+        }
+      }
+    }
+  }
+}
+
+// W = grad^2 h: the support point moves by W dn when the normal does.
+TEST(CurvatureRadii, AreTheDerivativeOfTheSupportPoint) {
+  Random random(3);
+  for (const Kind k : {Kind::ellipsoid, Kind::cylinder, Kind::cone}) {
+    for (int i = 0; i < 100; ++i) {
+      const Shape shape = random_shape(random, k);
+      const Vec3 n = random.direction();
+      const Vec3 t = n.unitOrthogonal();
+      const double e = 1e-5;
+      const Vec3 before = support(shape, (n - e * t).normalized());
+      const Vec3 after = support(shape, (n + e * t).normalized());
+      const Vec3 moved = (after - before) / (2.0 * e);
+      if (moved.norm() > 1e3) continue;  // across a kink the point jumps
+      EXPECT_LT((curvature_radii(shape, n) * t - moved).norm(), 1e-6 * (1.0 + moved.norm()))
+          << kind(shape);
+    }
+  }
+}
+
+using Faces = std::vector<std::vector<std::uint32_t>>;
+
+std::string refusal(const std::vector<Vec3>& vertices, const Faces& faces) {
+  try {
+    Polyhedron polyhedron(vertices, faces);
+  } catch (const std::invalid_argument& e) {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Polyhedron, IsRefusedWithTheReason) {
+  using testing::HasSubstr;
+  const std::vector<Vec3> v = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  const Faces good = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}};
+  EXPECT_EQ(refusal(v, good), "");
+  EXPECT_THAT(refusal(v, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}}), HasSubstr("3 faces"));
+  EXPECT_THAT(refusal(v, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 1}}), HasSubstr("not closed"));
+  EXPECT_THAT(refusal(v, {{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}), HasSubstr("turned over"));
+  EXPECT_THAT(refusal(v, {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {0, 2, 3}}), HasSubstr("inside out"));
+  EXPECT_THAT(refusal(v, {{0, 2, 1}, {0, 1, 3}, {1, 2, 4}, {0, 3, 2}}), HasSubstr("vertex 4 of 4"));
+  EXPECT_THAT(refusal(v, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3}}), HasSubstr("2 corners"));
+  std::vector<Vec3> bad = v;
+  bad[2].y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THAT(refusal(bad, good), HasSubstr("vertex 2 is not finite"));
+  bad = v;
+  bad[3] = bad[0];
+  EXPECT_THAT(refusal(bad, good), HasSubstr("in one place"));
+  // An octahedron with one corner pushed in is closed, but a dent.
+  std::vector<Vec3> dent = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -0.2}};
+  const Faces octahedron = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                            {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  EXPECT_EQ(refusal(dent, octahedron), "");
+  dent[5].z() = 0.2;
+  EXPECT_THAT(refusal(dent, octahedron), HasSubstr("not convex"));
+  dent = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0.1}, {0, 0, 1}};
+  EXPECT_THAT(refusal(dent, {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}),
+              HasSubstr("not flat"));
+}
+
+// A climb over edges finds what a search over all corners finds.
+TEST(Polyhedron, ClimbsToTheFurthestCorner) {
+  Random random(4);
+  for (int i = 0; i < 20; ++i) {
+    const Polyhedron p = i == 0 ? test::box({1.0, 2.0, 3.0}) : test::random_hull(random, 10 * i);
+    for (int j = 0; j < 500; ++j) {
+      const Vec3 n = random.direction();
+      double most = -1e9;
+      for (const Vec3& v : p.vertices()) most = std::max(most, n.dot(v));
+      EXPECT_NEAR(n.dot(support(p, n)), most, 1e-12);
+    }
+  }
+}
+
+TEST(Shape, WithAMeasureThatIsNotPositiveIsRefused) {
+  EXPECT_NO_THROW(check(Ellipsoid{{1, 2, 3}}));
+  EXPECT_THROW(check(Ellipsoid{{1, 0, 3}}), std::invalid_argument);
+  EXPECT_THROW(check(Cylinder{-1, 1}), std::invalid_argument);
+  EXPECT_THROW(check(Cone{1, std::numeric_limits<double>::infinity()}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace headpin::engine
