@@ -1,0 +1,741 @@
+#include "devices/fastrak_emulator.h"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "fastrak_unit.h"
+
+namespace headpin::devices {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+using namespace std::chrono_literals;
+
+// One receiver at rest where the test puts it.
+FastrakMotion at(const Vec3& p_TS, const Quat& q_TS = Quat::Identity()) {
+  return [=](int, Time) { return FastrakTruth{{q_TS, p_TS}}; };
+}
+
+FastrakEmulatorOptions one_receiver() {
+  FastrakEmulatorOptions options = Unit::quiet();
+  options.receivers = 1;
+  return options;
+}
+
+Vec3 inches(double x, double y, double z) {
+  return kMetrePerInch * Vec3(x, y, z);
+}
+
+FastrakRecord ascii_record(const std::string& line, std::vector<int> items = {2, 4, 1},
+                           bool centimetres = false) {
+  const std::vector<std::uint8_t> bytes(line.begin(), line.end());
+  const auto record = decode_record(bytes, {std::move(items), false, centimetres});
+  EXPECT_TRUE(record.has_value()) << line;
+  return record.value_or(FastrakRecord{});
+}
+
+// --- Every command of the table --------------------------------------------------------------
+
+TEST(FastrakCommandTest, PAnswersOneRecordOfEveryActiveStationInOrder) {
+  Unit unit;
+  const std::string answer = unit.ask("P");
+  ASSERT_EQ(answer.size(), 94u);
+  EXPECT_EQ(answer.substr(0, 47), "01   15.75  -3.94  -3.94   0.00   0.00   0.00\r\n");
+  EXPECT_EQ(answer.substr(47), "02   15.75   0.00  -3.94   0.00   0.00   0.00\r\n");
+}
+
+TEST(FastrakCommandTest, SixtyRecordsASecondOfEachOfTwoStationsAfterC) {
+  Unit unit;
+  unit.type("f");
+  unit.type("O1,2,11,0\rO2,2,11,0\r");
+  unit.type("C");
+  unit.listen(100ms);
+  const std::string second = unit.listen(1s);
+  EXPECT_NEAR(static_cast<double>(second.size()) / 32.0, 120.0, 1.0);
+  unit.type("c");
+  unit.listen(20ms);  // the record in hand
+  EXPECT_EQ(unit.listen(1s), "");
+}
+
+TEST(FastrakCommandTest, FormatUnitCompensationAndStreamShowInTheStatus) {
+  Unit unit;
+  const auto flags = [&] { return unit.ask("S").substr(3, 3); };
+  EXPECT_EQ(flags(), "3F0");
+  unit.type("f");
+  EXPECT_EQ(flags(), "3F1");
+  unit.type("Fu");
+  EXPECT_EQ(flags(), "3F2");
+  unit.type("D");
+  EXPECT_EQ(flags(), "3F6");
+  unit.type("dU");
+  EXPECT_EQ(flags(), "3F0");
+}
+
+TEST(FastrakCommandTest, StatusIsFiftyFiveBytesOfThe1990sByDefault) {
+  Unit unit;
+  EXPECT_EQ(unit.ask("S"), "21S3F0  0      103.00OutputCompensat CPG2030-003-10  \r\n");
+  FastrakEmulatorOptions options = Unit::quiet();
+  options.tag_2012 = true;
+  Unit later(options);
+  EXPECT_EQ(later.ask("S").substr(9, 6), " F33  ");
+}
+
+TEST(FastrakCommandTest, AReadsBackAndComposes) {
+  Unit unit(one_receiver(), at(inches(20, 5, 0)));
+  EXPECT_EQ(unit.ask("A1\r"),
+            "21A   0.00   0.00   0.00  78.74   0.00   0.00   0.00  78.74   0.00\r\n");
+  unit.type("A1,10,0,0,10,10,0,0,0,0\r");  // +X along the old +Y, +Y along the old -X
+  const FastrakRecord moved = ascii_record(unit.ask("P"));
+  EXPECT_EQ(moved.position, Vec3(5, -10, 0));
+  EXPECT_EQ(moved.angles_deg, Vec3(-90, 0, 0));
+  unit.type("A1,5,0,0,6,0,0,5,1,0\r");  // in the present frame: 5 further along its +X
+  EXPECT_EQ(ascii_record(unit.ask("P")).position, Vec3(0, -10, 0));
+  EXPECT_EQ(unit.ask("A1\r"),
+            "21A  10.00   5.00   0.00  10.00   6.00   0.00   9.00   5.00   0.00\r\n");
+  unit.type("R1\r");
+  EXPECT_EQ(ascii_record(unit.ask("P")).position, Vec3(20, 5, 0));
+}
+
+TEST(FastrakCommandTest, PointsOnALineAreNoFrame) {
+  Unit unit;
+  EXPECT_THAT(unit.ask("A1,0,0,0,1,0,0,2,0,0\r"), HasSubstr("EC -3"));
+  EXPECT_THAT(unit.ask("A1\r"), HasSubstr("  78.74"));
+}
+
+TEST(FastrakCommandTest, GuidedAlignmentTakesThreePointsAndPrintsTheFrame) {
+  Vec3 tip = inches(10, 0, 0);
+  Unit unit(one_receiver(), [&](int, Time) { return FastrakTruth{{Quat::Identity(), tip}}; });
+  unit.type("A0\r");
+  EXPECT_EQ(unit.ask("P"), "");
+  tip = inches(10, 10, 0);
+  unit.listen(20ms);
+  EXPECT_EQ(unit.ask("P"), "");
+  tip = inches(5, 0, 0);
+  unit.listen(20ms);
+  EXPECT_EQ(unit.ask("P"),
+            "21A  10.00   0.00   0.00  10.00  10.00   0.00   5.00   0.00   0.00\r\n");
+  EXPECT_EQ(ascii_record(unit.ask("P")).position, Vec3(0, 5, 0));
+}
+
+TEST(FastrakCommandTest, BoresightReadsAsTheReferenceAngles) {
+  const Quat tilted = from_angles_deg(Vec3(30, -20, 10));
+  Unit unit(one_receiver(), at(inches(20, 0, 0), tilted));
+  EXPECT_EQ(unit.ask("G1\r"), "21G   0.00   0.00   0.00\r\n");
+  unit.type("B1\r");
+  FastrakRecord r = ascii_record(unit.ask("P"));
+  EXPECT_EQ(r.angles_deg, Vec3(0, 0, 0));
+  EXPECT_EQ(r.position, Vec3(20, 0, 0));  // boresight concerns the orientation only
+  unit.type("G1,15,5,-5\r");
+  EXPECT_EQ(ascii_record(unit.ask("P")).angles_deg, Vec3(15, 5, -5));
+  EXPECT_EQ(unit.ask("G1\r"), "21G  15.00   5.00  -5.00\r\n");
+  unit.type("b1\r");
+  EXPECT_EQ(ascii_record(unit.ask("P")).angles_deg, Vec3(30, -20, 10));
+  unit.type("B1\r");
+  unit.type("b*\r");
+  EXPECT_EQ(ascii_record(unit.ask("P")).angles_deg, Vec3(30, -20, 10));
+}
+
+TEST(FastrakCommandTest, StylusSwitchIsReportedOnlyInMouseModeAndActsInPointMode) {
+  bool down = false;
+  Unit unit(one_receiver(), [&](int, Time) {
+    FastrakTruth truth = still_motion(1, Time{});
+    truth.pressed = down;
+    return truth;
+  });
+  unit.type("O1,2,16,1\r");
+  unit.type("e1,0\r");
+  down = true;
+  EXPECT_EQ(unit.listen(1s), "");
+  EXPECT_EQ(unit.ask("P").substr(24), " 1\r\n");
+  unit.type("e1,1\r");
+  // Looked at every 333 ms; holding it repeats P.
+  EXPECT_EQ(unit.listen(1s).size(), 3u * 28u);
+  down = false;
+  unit.listen(1s);
+  unit.type("C");
+  unit.listen(100ms);
+  EXPECT_GT(unit.listen(500ms).size(), 0u);
+  down = true;
+  unit.listen(500ms);
+  EXPECT_EQ(unit.listen(500ms), "");  // the stream is off...
+  down = false;
+  unit.listen(500ms);
+  down = true;
+  unit.listen(500ms);
+  EXPECT_GT(unit.listen(500ms).size(), 0u);  // ...and on again
+}
+
+TEST(FastrakCommandTest, TheStationOfEMayBeLeftOut) {
+  Unit unit;
+  unit.type("e,0\r");
+  EXPECT_FALSE(unit.emulator.setup().point_mode);
+  unit.type("e1\r");
+  EXPECT_TRUE(unit.emulator.setup().point_mode);
+}
+
+TEST(FastrakCommandTest, HemisphereFlipsAllThreeSigns) {
+  Unit unit(one_receiver(), at(inches(-20, 3, 4)));
+  EXPECT_EQ(unit.ask("H1\r"), "21H   1.00   0.00   0.00\r\n");
+  EXPECT_EQ(ascii_record(unit.ask("P")).position, Vec3(20, -3, -4));
+  unit.type("H1,0,0,1\r");
+  unit.listen(20ms);  // until the next measurement
+  EXPECT_EQ(ascii_record(unit.ask("P")).position, Vec3(-20, 3, 4));
+  EXPECT_EQ(unit.ask("H1\r"), "21H   0.00   0.00   1.00\r\n");
+}
+
+TEST(FastrakCommandTest, HemisphereTrackingFollowsTheReceiverAround) {
+  Vec3 p = inches(20, 0, 0);
+  Unit unit(one_receiver(), [&](int, Time) { return FastrakTruth{{Quat::Identity(), p}}; });
+  unit.type("H1,0,0,0\r");
+  for (int degrees = 0; degrees <= 180; degrees += 2) {
+    const double a = degrees * std::numbers::pi / 180.0;
+    p = inches(20 * std::cos(a), 20 * std::sin(a), 0);
+    unit.listen(20ms);
+  }
+  EXPECT_EQ(ascii_record(unit.ask("P")).position.x(), -20.0);
+  EXPECT_EQ(unit.ask("H1\r"), "21H   0.00   0.00   0.00\r\n");
+}
+
+TEST(FastrakCommandTest, IncrementHoldsAReceiverThatDoesNotMove) {
+  Vec3 p = inches(20, 0, 0);
+  Unit unit(one_receiver(), [&](int, Time) { return FastrakTruth{{Quat::Identity(), p}}; });
+  EXPECT_EQ(unit.ask("I1\r"), "21I   0.00\r\n");
+  unit.type("I1,0.5\r");
+  EXPECT_EQ(unit.ask("I1\r"), "21I   0.50\r\n");
+  unit.type("C");
+  EXPECT_EQ(unit.listen(1s).size(), 47u);
+  p = inches(20.4, 0, 0);
+  EXPECT_EQ(unit.listen(1s), "");
+  p = inches(20.6, 0, 0);
+  EXPECT_EQ(unit.listen(1s).size(), 47u);
+}
+
+TEST(FastrakCommandTest, StationsSwitchOffAndOnWhereAReceiverIs) {
+  Unit unit;
+  EXPECT_EQ(unit.ask("l1\r"), "21l1100\r\n");
+  unit.type("l1,0\r");
+  EXPECT_EQ(unit.ask("l2\r"), "22l0100\r\n");
+  EXPECT_THAT(unit.ask("P"), StartsWith("02 "));
+  unit.type("l1,1\rl3,1\r");
+  EXPECT_EQ(unit.ask("l*\n"), "21l1100\r\n");  // no receiver at 3
+}
+
+TEST(FastrakCommandTest, TipOffsetMovesWithTheReceiver) {
+  FastrakEmulatorOptions options = one_receiver();
+  options.p_SN_stylus = inches(2.5, 0, 0);
+  Unit unit(options, at(inches(20, 0, 0), from_angles_deg(Vec3(90, 0, 0))));
+  EXPECT_EQ(unit.ask("N1\r"), "21N   2.500   0.000   0.000\r\n");
+  EXPECT_EQ(ascii_record(unit.ask("P")).position, Vec3(20, 2.5, 0));
+  unit.type("N1,0,0,1\r");
+  EXPECT_EQ(ascii_record(unit.ask("P")).position, Vec3(20, 0, 1));
+}
+
+TEST(FastrakCommandTest, OutputListsAreSetReadBackAndChecked) {
+  Unit unit;
+  EXPECT_EQ(unit.ask("O1\r"), "21O 2 4 1\r\n");
+  unit.type("O1,2,11,16,0\r");
+  EXPECT_EQ(unit.ask("O1\r"), "21O 21116 0\r\n");
+  EXPECT_EQ(unit.ask("O2\r"), "22O 2 4 1\r\n");  // each station its own
+  EXPECT_THAT(unit.ask("O1,2,40,1\r"), HasSubstr("EC -3 *PS  5 *FL 2 *ST 0"));
+  EXPECT_THAT(unit.ask("O1,18\r"), HasSubstr("EC -3"));  // early firmware only
+  std::string many = "O1";
+  for (int i = 0; i < 33; ++i) many += ",0";
+  EXPECT_THAT(unit.ask(many + "\r"), HasSubstr("EC -5"));
+  EXPECT_THAT(unit.ask("O1,52,61,52,61,52,61\r"), HasSubstr("EC -5"));  // 273 bytes
+  EXPECT_EQ(unit.ask("O1\r"), "21O 21116 0\r\n");
+  unit.type("O1,,4\r");  // an empty field keeps the stored item
+  EXPECT_EQ(unit.ask("O1\r"), "21O 2 4\r\n");
+  FastrakEmulatorOptions options = Unit::quiet();
+  options.early_firmware = true;
+  Unit early(options);
+  early.type("O1,18,19,20\rl2,0\rf");
+  EXPECT_EQ(early.ask("P").size(), 3u + 6 + 6 + 8);
+}
+
+TEST(FastrakCommandTest, PortSettingsActAtOnce) {
+  Unit unit;
+  unit.type("o96,N,8,0\r");
+  EXPECT_EQ(unit.emulator.baud(), 9600);
+  unit.type("S");
+  // One cycle, then 55 bytes at 960 a second.
+  EXPECT_EQ(unit.listen(64ms).size(), 53u);
+  EXPECT_EQ(unit.listen(3ms).size(), 2u);
+  EXPECT_THAT(unit.ask("o97\r"), HasSubstr("EC -3"));
+  EXPECT_THAT(unit.ask("o96,E,8\r"), HasSubstr("EC -3"));  // eight bits carry no parity
+  unit.type("o1152,,7\r");
+  EXPECT_EQ(unit.ask("l1\r"), "21l1100\r\n");
+}
+
+TEST(FastrakCommandTest, EnvelopesMarkTheRecord) {
+  Unit unit(one_receiver(), at(inches(20, 0, 0), from_angles_deg(Vec3(50, 0, 0))));
+  EXPECT_EQ(unit.ask("V1\r"), "21V  78.740  78.740  78.740 -78.740 -78.740 -78.740\r\n");
+  EXPECT_EQ(unit.ask("Q1\r"), "21Q 180.000  90.000 180.000-180.000 -90.000-180.000\r\n");
+  EXPECT_EQ(ascii_record(unit.ask("P")).error, ' ');
+  unit.type("V1,19\r");
+  EXPECT_EQ(ascii_record(unit.ask("P")).error, 'x');
+  EXPECT_EQ(unit.ask("T\r"), "2 T120 position envelope exceeded\r\n");
+  EXPECT_EQ(unit.ask("S").substr(6, 3), "120");
+  unit.type("V1,30\rQ1,45\r");
+  EXPECT_EQ(ascii_record(unit.ask("P")).error, 'y');
+  unit.type("Q1,60\r");
+  unit.type("T121,0\r");
+  EXPECT_EQ(ascii_record(unit.ask("P")).error, ' ');
+  EXPECT_EQ(unit.ask("S").substr(6, 3), "  0");
+  EXPECT_THAT(unit.ask("V1,-100\r"), HasSubstr("EC -3"));
+}
+
+TEST(FastrakCommandTest, MountingFrameTurnsTheTransmitter) {
+  Unit unit(one_receiver(), at(inches(20, 0, 0)));
+  unit.type("r1,90,0,0\r");
+  const FastrakRecord r = ascii_record(unit.ask("P"));
+  EXPECT_EQ(r.position, Vec3(0, 20, 0));
+  EXPECT_EQ(r.angles_deg, Vec3(90, 0, 0));
+  EXPECT_EQ(unit.ask("r1\r"), "21r  90.000   0.000   0.000\r\n");
+}
+
+TEST(FastrakCommandTest, FiltersAreSetReadBackAndDisabled) {
+  Unit unit;
+  EXPECT_FALSE(unit.emulator.setup().position_filter.enabled());
+  unit.type("x0.2,0.2,0.8,0.8\r");
+  EXPECT_EQ(unit.ask("x\r"), "2 x  0.200  0.200  0.800  0.800\r\n");
+  EXPECT_TRUE(unit.emulator.setup().position_filter.enabled());
+  EXPECT_FALSE(unit.emulator.setup().attitude_filter.enabled());
+  unit.type("x,1\r");
+  EXPECT_FALSE(unit.emulator.setup().position_filter.enabled());
+  unit.type("v5\r");
+  EXPECT_EQ(unit.ask("v\r"), "2 v  0.200  0.050  0.600  0.800\r\n");
+  unit.type("v2\r");
+  EXPECT_FALSE(unit.emulator.setup().attitude_filter.enabled());
+  EXPECT_THAT(unit.ask("v0.2,0.9,0.8,0.8\r"), HasSubstr("EC -3"));
+}
+
+TEST(FastrakCommandTest, IdentificationIsThirtyTwoCharacters) {
+  Unit unit;
+  EXPECT_EQ(unit.ask("X\r"), "2 XOutputCompensat CPG2030-003-10  \r\n");
+  unit.type("XLab 5, left side\r");
+  EXPECT_THAT(unit.ask("S"), HasSubstr("Lab 5, left side                \r\n"));
+  EXPECT_THAT(unit.ask("X123456789012345678901234567890123\r"), HasSubstr("EC -5"));
+  unit.type("W");
+  EXPECT_EQ(unit.ask("X\r"), "2 XOutputCompensat CPG2030-003-10  \r\n");
+}
+
+TEST(FastrakCommandTest, SyncModesAreReadBackAndTheVideoOneHasNoScreen) {
+  Unit unit(one_receiver());
+  EXPECT_EQ(unit.ask("y\r"), "2 y0\r\n");
+  unit.type("y2\r");
+  unit.listen(20ms);
+  EXPECT_EQ(ascii_record(unit.ask("P")).error, 'v');
+  EXPECT_EQ(unit.ask("y\r"), "2 y2\r\n");
+}
+
+TEST(FastrakCommandTest, WLoadsFactoryValues) {
+  Unit unit;
+  unit.type("fu");
+  unit.type("O1,2,0\rl1,0\rH2,0,0,1\rC");
+  unit.listen(100ms);
+  unit.type("W");
+  unit.listen(20ms);
+  EXPECT_EQ(unit.listen(200ms), "");
+  EXPECT_EQ(unit.ask("P").size(), 94u);
+  EXPECT_EQ(unit.ask("H2\r"), "22H   1.00   0.00   0.00\r\n");
+}
+
+TEST(FastrakCommandTest, SavedSetUpSurvivesReinitialisationButBoresightAndTipDoNot) {
+  Unit unit(one_receiver(), at(inches(20, 0, 0), from_angles_deg(Vec3(30, 0, 0))));
+  unit.type("u");
+  unit.type("O1,2,11,1\rH1,0,0,1\rN1,0,0,5\rB1\ry1\r");
+  unit.type("\x0b");
+  unit.type("l1\r");  // comes while it saves
+  EXPECT_EQ(unit.listen(2900ms), "");
+  EXPECT_EQ(unit.listen(200ms), "21l1000\r\n");
+  unit.type("O1,2,1\r");  // not saved
+  unit.type("\x19");
+  unit.type("S");
+  EXPECT_EQ(unit.listen(9900ms), "");
+  unit.listen(200ms);
+  EXPECT_EQ(unit.ask("S").substr(3, 3), "3F2");
+  EXPECT_EQ(unit.ask("O1\r"), "21O 211 1\r\n");
+  EXPECT_EQ(unit.ask("H1\r"), "21H   0.00   0.00   1.00\r\n");
+  EXPECT_EQ(unit.ask("N1\r"), "21N   0.000   0.000   0.000\r\n");
+  EXPECT_EQ(unit.ask("y\r"), "2 y0\r\n");
+  EXPECT_FALSE(unit.emulator.setup().stations[0].q_boresight.has_value());
+}
+
+TEST(FastrakCommandTest, WhatWasNotSavedIsLostAtPowerCycle) {
+  Unit unit;
+  unit.type("ufC");
+  unit.type("O1,2,0\r");
+  unit.listen(100ms);
+  unit.emulator.power_cycle(unit.now);
+  EXPECT_EQ(unit.listen(9900ms), "");
+  unit.listen(200ms);
+  EXPECT_EQ(unit.ask("P").size(), 94u);
+}
+
+TEST(FastrakCommandTest, XoffHoldsAndXonGoesOnWithTheSameByte) {
+  Unit unit;
+  unit.type("C");
+  std::string heard = unit.listen(503ms);
+  unit.type("\x13");
+  EXPECT_EQ(unit.listen(500ms), "");
+  unit.type("\x11");
+  heard += unit.listen(500ms);
+  for (std::size_t i = 0; i + 47 <= heard.size(); i += 47) {
+    EXPECT_THAT(heard.substr(i, 2), testing::AnyOf("01", "02"));
+    EXPECT_EQ(heard.substr(i + 45, 2), "\r\n");
+  }
+}
+
+// --- Grammar ---------------------------------------------------------------------------------
+
+TEST(FastrakGrammarTest, LinesEndInCrOrLfOrBoth) {
+  for (const std::string end : {"\r", "\n", "\r\n", "\n\r"}) {
+    Unit unit;
+    EXPECT_EQ(unit.ask("O1,2,11,0" + end + "O1" + end), "21O 211 0\r\n");
+    EXPECT_EQ(unit.ask("u" + end + "f" + end + "l1" + end), "21l1100\r\n");
+    EXPECT_EQ(unit.emulator.statistics().refused, 0);
+  }
+}
+
+TEST(FastrakGrammarTest, NumbersComeInEveryShapeTheManualAllows) {
+  for (const std::string number : {"3", "3.", "3.0", "3.0E+00", "+3.000", "    3.0000", "3.0 "}) {
+    Unit unit;
+    unit.type("H1," + number + ",0,0\r");
+    EXPECT_EQ(unit.ask("H1\r"), "21H   3.00   0.00   0.00\r\n") << number;
+  }
+  for (const std::string number :
+       {"x", "nan", "inf", "0x3", "3..0", "--3", "3 4", "+-3", "1e400"}) {
+    Unit unit;
+    EXPECT_THAT(unit.ask("H1," + number + ",0,0\r"), HasSubstr("*ERROR* EC -")) << number;
+    EXPECT_EQ(unit.ask("H1\r"), "21H   1.00   0.00   0.00\r\n") << number;
+  }
+}
+
+TEST(FastrakGrammarTest, EmptyFieldsKeepAndTrailingOnesMayBeDropped) {
+  Unit unit;
+  unit.type("H1,1,2,3\r");
+  unit.type("H1,,5\r");
+  EXPECT_EQ(unit.ask("H1\r"), "21H   1.00   5.00   3.00\r\n");
+  EXPECT_EQ(unit.ask("H1,\r\n"), "21H   1.00   5.00   3.00\r\n");  // as Vrui asks N1,
+}
+
+TEST(FastrakGrammarTest, CommandsComeTogetherAndInPieces) {
+  Unit unit;
+  for (const char c : std::string_view("O1,2,11,0\r")) unit.ask(std::string(1, c));
+  EXPECT_EQ(unit.ask("O1\ruS").substr(0, 11), "21O 211 0\r\n");
+  EXPECT_TRUE(unit.emulator.setup().centimetres);
+}
+
+TEST(FastrakGrammarTest, ControlBytesActInMidLine) {
+  Unit unit;
+  unit.type("C");
+  unit.listen(100ms);
+  unit.type("O1,2,\x13");
+  EXPECT_EQ(unit.listen(200ms), "");
+  unit.type("11,0\r\x11");
+  EXPECT_GT(unit.listen(200ms).size(), 0u);
+  unit.type("c");
+  unit.listen(100ms);
+  EXPECT_EQ(unit.ask("O1\r"), "21O 211 0\r\n");
+  unit.type(
+      "O1,2,\x19"
+      "4,1\r");
+  unit.listen(11s);
+  EXPECT_EQ(unit.ask("O1\r"), "21O 2 4 1\r\n");  // factory: the line went with the set-up
+}
+
+TEST(FastrakGrammarTest, AnUnknownLetterDoesNotTakeTheRestAlong) {
+  Unit unit;
+  EXPECT_EQ(unit.ask("tl1\r"), "2 E*ERROR* t *ERROR* EC-99 *PS  0 *FL 0 *ST 0\r\n21l1100\r\n");
+  unit.type("f");
+  EXPECT_EQ(unit.ask("Yt"), "");  // binary mode: refused in silence
+  EXPECT_EQ(unit.emulator.statistics().refused, 3);
+}
+
+TEST(FastrakGrammarTest, ABareReturnGetsALineAndABareLineFeedNothing) {
+  Unit unit;
+  EXPECT_EQ(unit.ask("\n"), "");
+  EXPECT_EQ(unit.ask("\r"), "");  // the other half of LF CR
+  EXPECT_EQ(unit.ask("u\r\n"), "");
+  EXPECT_THAT(unit.ask("\r"), StartsWith("2 E*ERROR*"));
+  EXPECT_THAT(unit.ask("\r"), StartsWith("2 E*ERROR*"));
+}
+
+TEST(FastrakGrammarTest, RefusalsSayWhereAndWhy) {
+  Unit unit;
+  EXPECT_EQ(unit.ask("H2,1,abc,0\r"), "2 E*ERROR* H2,1,abc,0 *ERROR* EC -2 *PS  5 *FL 2 *ST 1\r\n");
+  EXPECT_THAT(unit.ask("H\r"), HasSubstr("EC -1 *PS  1 *FL 0 *ST 0"));
+  EXPECT_THAT(unit.ask("H5,1\r"), HasSubstr("EC -3 *PS  1 *FL 0"));
+  EXPECT_THAT(unit.ask("l1,2\r"), HasSubstr("EC -3 *PS  3 *FL 1"));
+  EXPECT_THAT(unit.ask("X" + std::string(300, 'a') + "\r"), HasSubstr("EC -5"));
+}
+
+TEST(FastrakGrammarTest, AnyBytesWhateverLeaveItAnswering) {
+  std::mt19937 random(6);
+  const std::string alphabet = "PCcSFfUuDdWABbeGHIlNOoQRrTVvXxy0123456789,.-+E*\r\n \x0b\x11\x13";
+  for (int round = 0; round < 200; ++round) {
+    Unit unit(one_receiver());
+    for (int i = 0; i < 300; ++i) {
+      const char c =
+          random() % 20 == 0 ? static_cast<char>(random()) : alphabet[random() % alphabet.size()];
+      unit.type(std::string(1, c));
+      if (random() % 10 == 0) unit.listen(Time{1000 * static_cast<int>(random() % 20)});
+    }
+    unit.emulator.power_cycle(unit.now);
+    unit.listen(11s);
+    unit.type("Fo1152,N,8,0\rc");
+    unit.listen(1s);
+    EXPECT_THAT(unit.ask("S"), StartsWith("21S"));
+  }
+}
+
+// --- Timing ----------------------------------------------------------------------------------
+
+TEST(FastrakTimingTest, OneHundredAndTwentyCyclesAreShared) {
+  for (int receivers = 1; receivers <= 4; ++receivers) {
+    FastrakEmulatorOptions options = Unit::quiet();
+    options.receivers = receivers;
+    std::array<int, 4> count{};
+    options.on_record = [&](const FastrakSent& sent) {
+      ++count[static_cast<std::size_t>(sent.station - 1)];
+    };
+    Unit unit(options);
+    unit.type("O1,2,11,0\rO2,2,11,0\rO3,2,11,0\rO4,2,11,0\rfC");
+    unit.listen(10s);
+    for (int s = 0; s < 4; ++s) {
+      EXPECT_NEAR(count[static_cast<std::size_t>(s)], s < receivers ? 1200 / receivers : 0, 1);
+    }
+    EXPECT_EQ(unit.emulator.statistics().dropped, 0);
+  }
+}
+
+// fastrak.md section 8: 32-byte records of two receivers just fit 38400 baud at the full rate.
+TEST(FastrakTimingTest, TwoReceiversInBinaryJustFit38400) {
+  FastrakEmulatorOptions options = Unit::quiet();
+  options.baud = 38400;
+  Unit unit(options);
+  unit.type("O1,2,11,0\rO2,2,11,0\rfC");
+  unit.listen(10s);
+  EXPECT_EQ(unit.emulator.statistics().dropped, 0);
+  EXPECT_NEAR(static_cast<double>(unit.emulator.statistics().records), 1200.0, 3.0);
+}
+
+TEST(FastrakTimingTest, ASlowLineDropsWholeRecordsAndKeepsTheOrder) {
+  FastrakEmulatorOptions options = Unit::quiet();
+  options.baud = 9600;
+  Unit unit(options);
+  unit.type("C");
+  const std::string heard = unit.listen(10s);
+  EXPECT_LE(heard.size(), 9600u);
+  EXPECT_GT(unit.emulator.statistics().dropped, 0);
+  for (std::size_t i = 0; i + 47 <= heard.size(); i += 47) {
+    EXPECT_EQ(heard.substr(i, 2), i / 47 % 2 == 0 ? "01" : "02");
+    EXPECT_EQ(heard.substr(i + 45, 2), "\r\n");
+  }
+}
+
+TEST(FastrakTimingTest, AnIdleReaderCostsWholeRecords) {
+  Unit unit;
+  unit.type("C");
+  unit.listen(100ms);
+  for (int ms = 0; ms < 5000; ++ms) unit.emulator.due(unit.now += 1ms);  // nobody takes any
+  const std::string heard = unit.listen(1s);
+  EXPECT_GT(unit.emulator.statistics().dropped, 500);
+  const std::size_t first = heard.find("\r\n") + 2;
+  for (std::size_t i = first; i + 47 <= heard.size(); i += 47) {
+    EXPECT_THAT(heard.substr(i, 3), testing::AnyOf("01 ", "02 "));
+    EXPECT_EQ(heard.substr(i + 45, 2), "\r\n");
+  }
+}
+
+// The measurement is 3.75 ms older than the solution, and that leaves byte by byte.
+TEST(FastrakTimingTest, RecordsAreAsOldAsTheManualSays) {
+  FastrakEmulatorOptions options = one_receiver();
+  std::vector<FastrakSent> sent;
+  options.on_record = [&](const FastrakSent& record) { sent.push_back(record); };
+  Unit unit(options);
+  unit.type("C");
+  std::vector<Time> arrived;
+  Time now{};
+  std::size_t bytes = 0;
+  while (arrived.size() < 100) {
+    now += 10us;
+    const std::size_t n = unit.emulator.due(now).size();
+    unit.emulator.taken(n);
+    if (bytes % 47 == 0 && n > 0) arrived.push_back(now);
+    bytes += n;
+  }
+  const Time one_byte{87};  // 10 bits at 115200
+  for (std::size_t i = 0; i < 99; ++i) {
+    EXPECT_NEAR(static_cast<double>((arrived[i] - sent[i].measured).count()),
+                static_cast<double>((Time{3750} + one_byte).count()), 11.0);
+  }
+}
+
+TEST(FastrakTimingTest, AnswersComeAfterACycleAndInOnePiece) {
+  Unit unit;
+  unit.type("fC");
+  unit.listen(503ms);
+  unit.type("S");
+  const std::string heard = unit.listen(100ms);
+  const std::size_t at = heard.find("21S3F9");
+  ASSERT_NE(at, std::string::npos);
+  EXPECT_TRUE(decode_status(heard.substr(at, 55)));
+  Unit idle;
+  idle.type("S");
+  EXPECT_EQ(idle.listen(8ms), "");
+  EXPECT_EQ(idle.listen(6ms).size(), 55u);
+}
+
+TEST(FastrakTimingTest, EqualInputGivesEqualBytes) {
+  const auto run = [] {
+    FastrakEmulatorOptions options;
+    options.seed = 42;
+    options.faults = parse_faults("garbage=0.1,dropout=0.1,damage=0.05,metal=0.02");
+    Unit unit(options, circling_motion);
+    unit.type("fC");
+    return unit.listen(5s);
+  };
+  EXPECT_EQ(run(), run());
+}
+
+// --- Field -----------------------------------------------------------------------------------
+
+double spread(double range) {
+  FastrakEmulatorOptions options;
+  options.receivers = 1;
+  double sum = 0.0;
+  int count = 0;
+  options.on_record = [&](const FastrakSent& sent) {
+    const auto record = decode_record(sent.bytes, {{2, 11, 0}, true, true});
+    if (!record) return;
+    const double error = record->position.z() * kMetrePerCentimetre;
+    sum += error * error;
+    ++count;
+  };
+  Unit unit(options, at(Vec3(range, 0, 0)));
+  unit.type("uO1,2,11,0\rfC");
+  unit.listen(20s);
+  return std::sqrt(sum / count);
+}
+
+TEST(FastrakFieldTest, NoiseIsTheDataSheetsNearAndGrowsFar) {
+  // Deviation of 2400 samples: known to 1.5 percent, so 5 percent is more than three of those.
+  EXPECT_NEAR(spread(0.5), 0.0002 * 0.5, 0.05 * 0.0002 * 0.5);
+  const double far = 0.0002 * 1.524 * 8.0;  // twice 30 inches: eight times the share
+  EXPECT_NEAR(spread(1.524), far, 0.05 * far);
+}
+
+TEST(FastrakFieldTest, BeyondTenFeetTheSignalIsLow) {
+  Unit unit(one_receiver(), at(Vec3(3.2, 0, 0)));
+  EXPECT_EQ(ascii_record(unit.ask("P")).error, 'k');
+}
+
+// E-4: a filter of constant weight a lags behind a steady slew by (1 - a) / a cycles.
+TEST(FastrakFieldTest, AFilterLagsASteadySlewAsTheManualSays) {
+  const double speed = 0.05;  // m/s
+  Unit unit(one_receiver(), [&](int, Time t) {
+    return FastrakTruth{{Quat::Identity(), Vec3(0.3 + speed * seconds(t), 0, 0)}};
+  });
+  unit.type("uO1,52,1\rx0,0.05,0.05,0.5\r");
+  unit.listen(5s);
+  std::string line = unit.ask("P");
+  std::vector<FastrakSent> sent;
+  const double reported = ascii_record(line, {52, 1}, true).position.x() * kMetrePerCentimetre;
+  // The newest solution at the command: measured at a cycle's start + 1.75 ms.
+  const Time asked = unit.now - 100ms;
+  const std::int64_t cycle = (asked - Time{5500}).count() * 120 / 1'000'000;
+  const double truth = 0.3 + speed * seconds(tick_time(cycle, 120) + Time{1750});
+  EXPECT_NEAR((truth - reported) / speed, (1 - 0.05) / 0.05 / 120.0, 0.001);  // 158 ms
+}
+
+// --- Faults ----------------------------------------------------------------------------------
+
+FastrakEmulatorOptions with_faults(const std::string& spec) {
+  FastrakEmulatorOptions options;
+  options.faults = parse_faults(spec);
+  return options;
+}
+
+TEST(FastrakFaultTest, DeafToTheFirstStatusRequests) {
+  Unit unit(with_faults("deaf=2"));
+  EXPECT_EQ(unit.ask("S"), "");
+  EXPECT_EQ(unit.ask("S"), "");
+  EXPECT_EQ(unit.ask("S").size(), 55u);
+}
+
+TEST(FastrakFaultTest, SilenceIsDeafAndDumbAndEndsByItself) {
+  Unit unit(with_faults("silence=4@1"));
+  unit.type("C");
+  const std::string before = unit.listen(1100ms);
+  EXPECT_EQ(before.size() % 47, 0u);  // the record in hand was finished
+  unit.type("c");
+  EXPECT_EQ(unit.listen(3800ms), "");
+  EXPECT_GT(unit.listen(1s).size(), 0u);  // still streaming: the c was not heard
+}
+
+TEST(FastrakFaultTest, AStuckReceiverRepeatsItself) {
+  Unit unit(with_faults("noise=0,stuck=2@1-2"), circling_motion);
+  unit.listen(1200ms);
+  const std::string first = unit.ask("P"), second = unit.ask("P");
+  EXPECT_EQ(first.substr(47), second.substr(47));
+  EXPECT_NE(first.substr(0, 47), second.substr(0, 47));
+  unit.listen(1s);
+  EXPECT_NE(unit.ask("P").substr(47), first.substr(47));
+}
+
+TEST(FastrakFaultTest, AnUnpluggedReceiverSaysSoAndIsMissedAtTheNextStart) {
+  Unit unit(with_faults("noise=0,unplug=2@1"));
+  EXPECT_EQ(unit.ask("P").substr(47, 3), "02 ");
+  unit.listen(1s);
+  EXPECT_EQ(unit.ask("P").substr(47, 3), "02l");
+  unit.type("\x19");
+  unit.listen(11s);
+  EXPECT_EQ(unit.ask("l1\r"), "21l1000\r\n");
+}
+
+TEST(FastrakFaultTest, DropoutLosesItsShareWhole) {
+  Unit unit(with_faults("dropout=0.25"));
+  unit.type("C");
+  unit.listen(20s);
+  const auto& s = unit.emulator.statistics();
+  EXPECT_NEAR(static_cast<double>(s.lost) / static_cast<double>(s.lost + s.records), 0.25, 0.03);
+}
+
+TEST(FastrakFaultTest, MetalBendsTheFieldWithTheSquareOfTheDistance) {
+  Unit near(with_faults("noise=0,metal=0.05"), at(Vec3(0.5, 0, 0)));
+  Unit far(with_faults("noise=0,metal=0.05"), at(Vec3(1, 0, 0)));
+  const auto off = [](Unit& unit, double x) {
+    unit.type("ul2,0\rO1,52,1\r");
+    return (ascii_record(unit.ask("P"), {52, 1}, true).position - 100.0 * Vec3(x, 0, 0)).norm();
+  };
+  EXPECT_NEAR(off(near, 0.5), 1.25, 0.001);  // cm
+  EXPECT_NEAR(off(far, 1.0), 5.0, 0.001);
+}
+
+TEST(FastrakFaultTest, ASlowLineIsSlowerThanSet) {
+  Unit unit(with_faults("slow=1200"));
+  unit.type("C");
+  EXPECT_LE(unit.listen(10s).size(), 1201u);
+}
+
+TEST(FastrakFaultTest, BadSpecificationsAreNamed) {
+  for (const std::string spec :
+       {"noise", "noise=x", "dropout=2", "stuck=5@1", "stuck=1", "stuck=1@5-4", "silence=4",
+        "deaf=1.5", "loud=1", "=", ",", "slow=1", "silence=4@-1", "dropout=nan"}) {
+    EXPECT_THROW(parse_faults(spec), std::invalid_argument) << spec;
+  }
+  const FastrakFaults f = parse_faults("stuck=2@5-8,silence=4@10,deaf=3");
+  EXPECT_TRUE(f.stuck[0].when.holds(5s) && !f.stuck[0].when.holds(8s));
+  EXPECT_TRUE(f.silence[0].holds(13s) && !f.silence[0].holds(14s));
+  EXPECT_EQ(f.deaf, 3);
+}
+
+}  // namespace
+}  // namespace headpin::devices
