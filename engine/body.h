@@ -1,0 +1,41 @@
+#pragma once
+
+#include <string>
+
+#include "engine/compound.h"
+
+/// What a body is and how it moves.
+namespace headpin::engine {
+
+/// Surface of a body. A pair's elasticity and friction are the products of the two bodies' values.
+struct Material {
+  double elasticity = 0.7;  ///< 0 to 1
+  double friction = 0.7;    ///< 0 to 1: a rate (paper 2.2 b), or Coulomb's coefficient
+  /// How far from the foot of the normal a rolling body is carried, as it turns about its own axis
+  /// [m]; a pair adds both. Zero for what rolls well, some millimetres for what comes to rest.
+  double rolling_arm = 0.0;
+};
+
+/// Where a body is and how it moves. The origin of B is the centre of mass.
+struct State {
+  Pose X_WB = {};
+  Vec3 v_WB = Vec3::Zero();  ///< of the centre of mass [m/s]
+  Vec3 w_WB = Vec3::Zero();  ///< [rad/s]
+};
+
+enum class Kind {
+  fixed,   ///< floor, wall: never moves
+  driven,  ///< moves as it is told, infinitely heavy: a hand, a ball being carried
+  free,    ///< moves as forces tell it
+};
+
+struct Body {
+  std::string name = {};            ///< for messages
+  Compound shape = {};              ///< in B
+  double mass = 1.0;                ///< [kg]; of fixed and driven bodies used once they are free
+  Mat3 inertia = Mat3::Identity();  ///< about the centre of mass, along the axes of B [kg m^2]
+  Material material = {};
+  Kind kind = Kind::free;
+};
+
+}  // namespace headpin::engine

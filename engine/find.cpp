@@ -1,0 +1,135 @@
+#include <algorithm>
+
+#include "engine/stages.h"
+
+namespace headpin::engine::detail {
+namespace {
+
+constexpr double kMargin = 1e-3;     // gap at which resting bodies still have contact points [m]
+constexpr double kWakeSpeed = 1e-3;  // approach that counts as moving [m/s]
+constexpr double kWakeDepth = 1e-3;  // overlap that wakes whatever the speed [m]
+
+/// Half-spaces first, then pairs of bounded bodies; each by the smaller, then the larger number.
+std::uint64_t key_of(bool both_bounded, BodyId a, BodyId b) {
+  return std::uint64_t{both_bounded} << 63 | std::uint64_t{a} << 32 | b;
+}
+
+void add_candidate(World& world, std::uint64_t key, BodyId a, BodyId b, std::size_t& last) {
+  Scratch& s = world.scratch;
+  const std::size_t count = world.bodies[a].shape.parts.size() * world.bodies[b].shape.parts.size();
+  s.candidates.push_back(
+      {key, a, b, static_cast<std::uint32_t>(s.normals.size()), static_cast<std::uint32_t>(count)});
+  while (last < s.last_candidates.size() && s.last_candidates[last].key < key) ++last;
+  if (last < s.last_candidates.size() && s.last_candidates[last].key == key) {
+    const auto from = s.last_normals.begin() + s.last_candidates[last].first_normal;
+    s.normals.insert(s.normals.end(), from, from + static_cast<std::ptrdiff_t>(count));
+  } else {
+    s.normals.resize(s.normals.size() + count, Vec3::Zero());
+  }
+}
+
+/// Whether the two really meet within the step, and do not merely pass each other.
+bool really_touch(World& world, Touch touch) {
+  Scratch& s = world.scratch;
+  for (std::uint32_t k = 0; k < touch.points; ++k) {
+    if (s.points[touch.first_point + k].depth > kWakeDepth) return true;
+  }
+  const std::size_t count = s.points.size();
+  const bool meet = find_meeting(world, touch, kWakeSpeed).has_value();
+  s.points.resize(count);
+  return meet;
+}
+
+}  // namespace
+
+double reach(const World& world, BodyId a, BodyId b) {
+  const double dt = step_seconds(world);
+  const std::vector<double>& speed = world.scratch.top_speed;
+  return kMargin + (speed[a] + speed[b]) * dt + world.parameters.gravity_W.norm() * dt * dt;
+}
+
+int contacts_of(World& world, const Candidate& c, const Pose& X_WA, const Pose& X_WB,
+                double margin) {
+  Scratch& s = world.scratch;
+  return find_contacts(world.bodies[c.a].shape, X_WA, world.bodies[c.b].shape, X_WB, margin,
+                       std::span(s.normals).subspan(c.first_normal, c.normals),
+                       world.parameters.query, world.statistics.queries, s.points);
+}
+
+void find_pairs(World& world) {
+  Scratch& s = world.scratch;
+  const double dt = step_seconds(world);
+  const double fall = world.parameters.gravity_W.norm() * dt * dt;
+  for (std::size_t k = 0; k < s.bounded.size(); ++k) {
+    if (!s.moving[k]) continue;
+    const BodyId i = s.bounded[k];
+    s.bounds_W[k] = world.states[i].X_WB * world.bodies[i].shape.bounds;
+    s.bounds_W[k].radius += s.top_speed[i] * dt + fall;
+  }
+  s.candidates.clear();
+  s.normals.clear();
+  std::size_t last = 0;
+  for (const BodyId i : s.movers) {
+    for (const BodyId wall : s.unbounded) {
+      add_candidate(world, key_of(false, i, wall), i, wall, last);
+    }
+  }
+  for (const Pair& pair : s.broad_phase.find_pairs(s.bounds_W, s.moving, kMargin)) {
+    const BodyId a = s.bounded[pair.first], b = s.bounded[pair.second];
+    if (world.bodies[a].kind != Kind::free && world.bodies[b].kind != Kind::free) continue;
+    add_candidate(world, key_of(true, a, b), a, b, last);
+    ++world.statistics.pairs;
+  }
+}
+
+bool find_contacts(World& world) {
+  Scratch& s = world.scratch;
+  bool woken = false;
+  s.touches.clear();
+  s.points.clear();
+  std::size_t last = 0;
+  for (std::size_t k = 0; k < s.candidates.size(); ++k) {
+    const Candidate c = s.candidates[k];
+    const std::size_t first = s.points.size();
+    contacts_of(world, c, world.states[c.a].X_WB, world.states[c.b].X_WB, reach(world, c.a, c.b));
+    if (s.points.size() == first) continue;
+    const bool a_moves = is_mover(world, c.a), b_moves = is_mover(world, c.b);
+    const bool swapped = world.bodies[c.a].kind == Kind::fixed || (!a_moves && b_moves);
+    Touch touch;
+    touch.key = c.key;
+    touch.a = swapped ? c.b : c.a;
+    touch.b = swapped ? c.a : c.b;
+    touch.b_moves = a_moves && b_moves;
+    touch.candidate = static_cast<std::uint32_t>(k);
+    touch.first_point = static_cast<std::uint32_t>(first);
+    touch.points = static_cast<std::uint32_t>(s.points.size() - first);
+    if (swapped) turn_normals(s, touch);
+    for (const BodyId sleeper : {c.a, c.b}) {
+      if (world.asleep[sleeper] && really_touch(world, touch)) {
+        wake(world, sleeper);
+        woken = true;
+      }
+    }
+    if (!a_moves && !b_moves) {
+      s.points.resize(first);
+      continue;
+    }
+    while (last < s.last_touches.size() && s.last_touches[last].key < c.key) ++last;
+    touch.fresh = last == s.last_touches.size() || s.last_touches[last].key != c.key;
+    touch.last = static_cast<std::uint32_t>(last);
+    touch.met = !touch.fresh && s.last_touches[last].met;
+    const Material& ma = world.bodies[touch.a].material;
+    const Material& mb = world.bodies[touch.b].material;
+    touch.pair = {ma.elasticity * mb.elasticity, ma.friction * mb.friction};
+    if (!touch.fresh && s.last_touches[last].pair.friction == touch.pair.friction) {
+      touch.sliding = s.last_touches[last].sliding;
+    } else {
+      touch.sliding = world.response->sliding(touch.pair.friction, step_seconds(world),
+                                              world.parameters.friction_tau);
+    }
+    s.touches.push_back(touch);
+  }
+  return woken;
+}
+
+}  // namespace headpin::engine::detail

@@ -1,0 +1,110 @@
+#include <algorithm>
+#include <cmath>
+
+#include "engine/stages.h"
+
+namespace headpin::engine::detail {
+namespace {
+
+/// Bends the turn of a body by its impacts, its angular momentum kept.
+void bend_turn(State& state, const Inertia& inertia, const Vec3& lag_w) {
+  const Vec3 L = angular_momentum(inertia, state.X_WB.q, state.w_WB);
+  state.X_WB.q = rotation(-lag_w) * state.X_WB.q;
+  state.w_WB = inverse_inertia(inertia, state.X_WB.q) * L;
+}
+
+}  // namespace
+
+void move(World& world) {
+  Scratch& s = world.scratch;
+  const double dt = step_seconds(world);
+  const Vec3 half_fall = 0.5 * dt * dt * world.parameters.gravity_W;
+  for (const BodyId i : s.movers) {
+    State& state = world.states[i];
+    const Kink& kink = s.kinks[i];
+    // Velocities are those at the end. A free body fell with their mean; one that is carried moves
+    // with the end velocity, as its contacts were solved for.
+    state.X_WB.p += dt * state.v_WB - kink.lag_v;
+    if (!s.supported[i]) state.X_WB.p -= half_fall;
+    if (kink.time > 0.0) bend_turn(state, world.inertias[i], kink.lag_w);
+    turn_freely(state.X_WB.q, state.w_WB, world.inertias[i], dt);
+  }
+  for (const BodyId i : s.driven) {
+    State& state = world.states[i];
+    state.X_WB.p += dt * state.v_WB;
+    state.X_WB.q = (rotation(dt * state.w_WB) * state.X_WB.q).normalized();
+  }
+}
+
+void push_apart(World& world) {
+  Scratch& s = world.scratch;
+  const Parameters& p = world.parameters;
+  // The same part is taken back in a given time, whatever the step.
+  const double part = 1.0 - power(1.0 - p.push, 240.0 / p.rate_hz);
+  s.nudged.clear();
+  const auto note = [&](BodyId i) {
+    if (s.nudge_p[i].isZero(0.0) && s.nudge_w[i].isZero(0.0)) s.nudged.push_back(i);
+  };
+  for (const Touch& touch : s.touches) {
+    for (std::uint32_t k = 0; k < touch.rows; ++k) {
+      const ContactPoint& point = s.points[touch.first_point + k];
+      world.statistics.deepest_overlap = std::max(world.statistics.deepest_overlap, point.depth);
+      if (point.depth <= p.slop) continue;
+      const NormalRow& row = s.rows[touch.first_row + k];
+      const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
+      // What the nudges before have already taken back counts.
+      double apart = -row.n.dot(s.nudge_p[touch.a]) - row.ra_n.dot(s.nudge_w[touch.a]);
+      if (touch.b_moves) {
+        apart += row.n.dot(s.nudge_p[touch.b]) + row.rb_n.dot(s.nudge_w[touch.b]);
+      }
+      const double more = row.mass * (part * (point.depth - p.slop) - apart);
+      if (more <= 0.0) continue;
+      note(touch.a);
+      s.nudge_p[touch.a] -= more * ma.inv_mass * row.n;
+      s.nudge_w[touch.a] -= more * row.ia;
+      if (!touch.b_moves) continue;
+      note(touch.b);
+      s.nudge_p[touch.b] += more * mb.inv_mass * row.n;
+      s.nudge_w[touch.b] += more * row.ib;
+    }
+  }
+  for (const BodyId i : s.nudged) {
+    Pose& X_WB = world.states[i].X_WB;
+    X_WB.p += s.nudge_p[i];
+    X_WB.q = (rotation(s.nudge_w[i]) * X_WB.q).normalized();
+    s.nudge_p[i] = s.nudge_w[i] = Vec3::Zero();
+  }
+}
+
+void fall_asleep(World& world) {
+  Scratch& s = world.scratch;
+  const Parameters& p = world.parameters;
+  if (!p.sleep) return;
+  const auto enough = static_cast<std::int32_t>(std::ceil(p.sleep_after * p.rate_hz));
+  const double speed2 = p.sleep_speed * p.sleep_speed, spin2 = p.sleep_spin * p.sleep_spin;
+  bool any = false;
+  for (const BodyId i : s.movers) {
+    const State& state = world.states[i];
+    const bool still = state.v_WB.squaredNorm() < speed2 && state.w_WB.squaredNorm() < spin2;
+    world.still[i] = still ? world.still[i] + 1 : 0;
+    any |= world.still[i] >= enough;
+  }
+  if (!any) return;
+  // An island sleeps when its liveliest body has been still for long enough.
+  std::vector<std::int32_t>& calm = s.island_calm;
+  for (const BodyId i : s.movers) calm[i] = enough;
+  for (const BodyId i : s.movers) {
+    std::int32_t& c = calm[island_root(s.parent, i)];
+    c = std::min(c, world.still[i]);
+  }
+  for (const BodyId i : s.movers) {
+    const BodyId root = island_root(s.parent, i);
+    if (calm[root] < enough) continue;
+    world.states[i].v_WB = world.states[i].w_WB = Vec3::Zero();
+    world.asleep[i] = 1;
+    if (i != root) std::swap(world.sleeps_with[i], world.sleeps_with[root]);  // joins the ring
+    s.stale = true;
+  }
+}
+
+}  // namespace headpin::engine::detail

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <optional>
+
+#include "engine/world.h"
+
+/// The stages of a step, for world.cpp; users call `step`.
+namespace headpin::engine::detail {
+
+/// Pairs whose bounds meet, the bounds widened by how far a body comes within the step.
+void find_pairs(World& world);
+
+/// Contact points of those pairs. A sleeping body that something moving touches is woken.
+///
+/// @return  whether any body was woken: pairs and contacts must then be found again
+bool find_contacts(World& world);
+
+/// Impulses where bodies meet within the step, in fixed order, until no pair approaches.
+void resolve_impacts(World& world);
+
+/// Lasting contacts: elasticity 0, impulses accumulated and clamped, island by island.
+void sustain_contacts(World& world);
+
+/// Along the paths to the end of the step: exact for free bodies, by the end velocity for carried.
+void move(World& world);
+
+/// Takes overlaps back without adding speed.
+void push_apart(World& world);
+
+/// Islands that have been still for long enough are left out from now on.
+void fall_asleep(World& world);
+
+/// Free and awake: forces move it.
+inline bool is_mover(const World& world, BodyId i) {
+  return world.bodies[i].kind == Kind::free && world.asleep[i] == 0;
+}
+
+/// Where a body is at time `t` of the step, on the path it now has.
+Pose pose_at(const World& world, BodyId i, double t);
+
+/// Position alone: v t + g t^2 / 2, with the kinks of the impacts before.
+Vec3 position_at(const World& world, BodyId i, double t);
+
+/// Bound on the speed of any point of the body, now [m/s].
+inline double top_speed(const World& world, BodyId i) {
+  const State& s = world.states[i];
+  return s.v_WB.norm() + s.w_WB.norm() * world.bodies[i].shape.bounding_radius;
+}
+
+/// How far two bodies may be apart and yet meet within the step [m].
+double reach(const World& world, BodyId a, BodyId b);
+
+/// Appends contact points of two posed bodies, with the normals kept for them.
+int contacts_of(World& world, const Candidate& c, const Pose& X_WA, const Pose& X_WB,
+                double margin);
+
+/// Makes the touch's normals point from its A, which may be the candidate's B.
+void turn_normals(Scratch& s, const Touch& touch);
+
+/// Follows both paths within the step to where the surfaces meet faster than `threshold`.
+///
+/// At the start of the step they may be centimetres apart, and the normal some degrees off.
+/// @param touch  with points of the start of the step; gets those of the meeting
+/// @return       null when they pass each other, or meet more slowly or later
+struct Meeting {
+  ContactPoint point;
+  double time = 0.0;      ///< from the start of the step [s]
+  double approach = 0.0;  ///< [m/s]
+};
+std::optional<Meeting> find_meeting(World& world, Touch& touch, double threshold);
+
+/// Notes that two bodies met. @return whether for the first time
+bool note_meeting(World& world, Touch& touch);
+
+/// Representative of a body's island: the smallest number in it.
+BodyId island_root(std::vector<BodyId>& parent, BodyId i);
+
+inline Vec3 velocity_at(const State& s, const Vec3& r_W) {
+  return s.v_WB + s.w_WB.cross(r_W);
+}
+
+}  // namespace headpin::engine::detail

@@ -1,0 +1,406 @@
+#include <algorithm>
+
+#include "engine/stages.h"
+
+namespace headpin::engine::detail {
+namespace {
+
+/// A body whose axis is nearer to the normal than this stands; it has no rolling resistance.
+constexpr double kStanding = 0.9;
+
+constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+void push(State& state, const Mobility& m, const Vec3& F, const Vec3& inv_inertia_torque) {
+  state.v_WB += m.inv_mass * F;
+  state.w_WB += inv_inertia_torque;
+}
+
+// Where the touch's bodies were when its points were found.
+struct Arms {
+  Vec3 p_WA, p_WB;
+};
+
+Arms arms_of(const World& world, const Touch& touch) {
+  return {position_at(world, touch.a, touch.time), position_at(world, touch.b, touch.time)};
+}
+
+double last_impulse(const Scratch& s, const Touch& touch, std::uint32_t feature) {
+  if (touch.fresh) return 0.0;
+  const Touch& last = s.last_touches[touch.last];
+  for (std::uint32_t k = 0; k < last.rows; ++k) {
+    const NormalRow& row = s.last_rows[last.first_row + k];
+    if (row.feature == feature) return row.impulse;
+  }
+  return 0.0;
+}
+
+void add_normal_rows(World& world, Touch& touch) {
+  Scratch& s = world.scratch;
+  const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
+  State &sa = world.states[touch.a], &sb = world.states[touch.b];
+  const Arms arms = arms_of(world, touch);
+  const double rate = world.parameters.rate_hz;
+  touch.first_row = static_cast<std::uint32_t>(s.rows.size());
+  touch.rows = touch.points;
+  for (std::uint32_t k = 0; k < touch.points; ++k) {
+    const ContactPoint& p = s.points[touch.first_point + k];
+    NormalRow row;
+    row.feature = p.feature;
+    row.n = p.n_AB_W;
+    row.ra_n = (p.p_W - arms.p_WA).cross(row.n);
+    row.rb_n = (p.p_W - arms.p_WB).cross(row.n);
+    row.ia = ma.inv_inertia_W * row.ra_n;
+    double k_nn = ma.inv_mass + row.ra_n.dot(row.ia);
+    row.ib = Vec3::Zero();
+    if (touch.b_moves) {
+      row.ib = mb.inv_inertia_W * row.rb_n;
+      k_nn += mb.inv_mass + row.rb_n.dot(row.ib);
+    }
+    row.mass = 1.0 / k_nn;
+    row.allowed = p.depth < 0.0 ? -p.depth * rate : 0.0;
+    row.impulse = last_impulse(s, touch, p.feature);
+    if (row.impulse > 0.0) {
+      push(sa, ma, -row.impulse * row.n, -row.impulse * row.ia);
+      if (touch.b_moves) push(sb, mb, row.impulse * row.n, row.impulse * row.ib);
+    }
+    s.rows.push_back(row);
+  }
+}
+
+/// Normal and foot of the friction of a touch: its points, weighted by what they carry.
+struct Foot {
+  Vec3 p_W = Vec3::Zero(), n = Vec3::Zero();
+  double spread = 0.0;  // distance of the points from the foot [m]
+};
+
+Foot foot_of(const Scratch& s, const Touch& touch) {
+  double load = 0.0, nearest = -1e9;
+  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+    load += s.rows[touch.first_row + k].impulse;
+    nearest = std::max(nearest, s.points[touch.first_point + k].depth);
+  }
+  const auto weight = [&](std::uint32_t k) {
+    if (load > 0.0) return s.rows[touch.first_row + k].impulse / load;
+    return s.points[touch.first_point + k].depth > nearest - 1e-4 ? 1.0 : 0.0;
+  };
+  Foot foot;
+  double sum = 0.0;
+  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+    const double w = weight(k);
+    foot.p_W += w * s.points[touch.first_point + k].p_W;
+    foot.n += w * s.points[touch.first_point + k].n_AB_W;
+    sum += w;
+  }
+  foot.p_W /= sum;
+  foot.n.normalize();
+  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+    foot.spread += weight(k) / sum * (s.points[touch.first_point + k].p_W - foot.p_W).norm();
+  }
+  return foot;
+}
+
+Vec3 tangent(const Vec3& n) {
+  const Vec3 t = std::abs(n.x()) < 0.7 ? Vec3(0.0, n.z(), -n.y()) : Vec3(-n.z(), 0.0, n.x());
+  return t / std::sqrt(t.squaredNorm());
+}
+
+/// Axis about which a lying body rolls, across the normal; zero for one that stands or has none.
+Vec3 rolling_axis(const World& world, const Touch& touch, const Vec3& n) {
+  for (const BodyId i : {touch.a, touch.b}) {
+    if (world.bodies[i].kind != Kind::free || world.bodies[i].material.rolling_arm == 0.0) continue;
+    const Vec3 axis = world.states[i].X_WB.q * (world.inertias[i].q_BP * Vec3::UnitZ());
+    const double along = axis.dot(n);
+    if (std::abs(along) < kStanding) return (axis - along * n).normalized();
+  }
+  return Vec3::Zero();
+}
+
+void add_friction(World& world, Touch& touch, std::uint32_t index) {
+  Scratch& s = world.scratch;
+  const double arm =
+      world.bodies[touch.a].material.rolling_arm + world.bodies[touch.b].material.rolling_arm;
+  const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
+  State &sa = world.states[touch.a], &sb = world.states[touch.b];
+  const double kept = touch.sliding.kept;
+  const Foot foot = foot_of(s, touch);
+  FrictionRows f;
+  f.touch = index;
+  f.n = foot.n;
+  f.reach = foot.spread;
+  f.t[0] = tangent(f.n);
+  f.t[1] = f.n.cross(f.t[0]);
+  const Arms arms = arms_of(world, touch);
+  const Vec3 ra = foot.p_W - arms.p_WA, rb = foot.p_W - arms.p_WB;
+  Eigen::Matrix2d K = ma.inv_mass * Eigen::Matrix2d::Identity();
+  for (std::size_t i = 0; i < 2; ++i) {
+    f.ra_t[i] = ra.cross(f.t[i]);
+    f.ia[i] = ma.inv_inertia_W * f.ra_t[i];
+    f.rb_t[i] = rb.cross(f.t[i]);
+    f.ib[i] = touch.b_moves ? Vec3(mb.inv_inertia_W * f.rb_t[i]) : Vec3::Zero();
+  }
+  if (touch.b_moves) K += mb.inv_mass * Eigen::Matrix2d::Identity();
+  for (int i = 0; i < 2; ++i) {
+    for (int k = 0; k < 2; ++k) {
+      const auto ui = static_cast<std::size_t>(i), uk = static_cast<std::size_t>(k);
+      K(i, k) += f.ra_t[ui].dot(f.ia[uk]) + f.rb_t[ui].dot(f.ib[uk]);
+    }
+  }
+  // After the step a part `kept` of the slip u that there would be without friction shall be left:
+  // F = -(1 - kept) K^-1 u. With u' = u + K F that is u' + softness F = 0.
+  const double soft = kept < 1.0 ? kept / (1.0 - kept) : 0.0;
+  f.softness = soft * K;
+  const double det = K(0, 0) * K(1, 1) - K(0, 1) * K(1, 0);
+  f.inverse << K(1, 1), -K(0, 1), -K(1, 0), K(0, 0);
+  f.inverse *= (1.0 - kept) / det;
+  f.impulse = Vec2(touch.friction_W.dot(f.t[0]), touch.friction_W.dot(f.t[1]));
+  f.twist_ia = ma.inv_inertia_W * f.n;
+  f.twist_ib = touch.b_moves ? Vec3(mb.inv_inertia_W * f.n) : Vec3::Zero();
+  const double twist_k = f.n.dot(f.twist_ia + f.twist_ib);
+  f.twist_softness = soft * twist_k;
+  f.twist_mass = f.reach > 0.0 ? (1.0 - kept) / twist_k : 0.0;
+  f.twist = f.twist_mass > 0.0 ? touch.twist : 0.0;
+  f.axis = arm > 0.0 ? rolling_axis(world, touch, f.n) : Vec3::Zero();
+  f.roll_arm = f.axis.isZero(0.0) ? 0.0 : arm;
+  f.roll = 0.0;
+  f.roll_ia = f.roll_ib = Vec3::Zero();
+  if (f.roll_arm > 0.0) {
+    f.roll_ia = ma.inv_inertia_W * f.axis;
+    if (touch.b_moves) f.roll_ib = mb.inv_inertia_W * f.axis;
+    f.roll_mass = 1.0 / f.axis.dot(f.roll_ia + f.roll_ib);
+    f.roll = touch.roll;
+  }
+  const auto start = [&](State& state, const Mobility& m, double sign, const auto& i,
+                         const Vec3& twist_i, const Vec3& roll_i) {
+    push(state, m, sign * (f.impulse[0] * f.t[0] + f.impulse[1] * f.t[1]),
+         sign * (f.impulse[0] * i[0] + f.impulse[1] * i[1] + f.twist * twist_i + f.roll * roll_i));
+  };
+  start(sa, ma, 1.0, f.ia, f.twist_ia, f.roll_ia);
+  if (touch.b_moves) start(sb, mb, -1.0, f.ib, f.twist_ib, f.roll_ib);
+  s.friction.push_back(f);
+}
+
+/// One pass over the normal rows of a touch. @return largest change of a velocity [m/s]
+template <bool b_moves>
+double solve_normals(World& world, const Touch& touch, double& load) {
+  Scratch& s = world.scratch;
+  const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
+  State &sa = world.states[touch.a], &sb = world.states[touch.b];
+  double worst = 0.0;
+  load = 0.0;
+  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+    NormalRow& row = s.rows[touch.first_row + k];
+    const double approach =
+        row.n.dot(sa.v_WB - sb.v_WB) + row.ra_n.dot(sa.w_WB) - row.rb_n.dot(sb.w_WB);
+    const double impulse = std::max(0.0, row.impulse + row.mass * (approach - row.allowed));
+    const double more = impulse - row.impulse;
+    row.impulse = impulse;
+    load += impulse;
+    if (more == 0.0) continue;
+    push(sa, ma, -more * row.n, -more * row.ia);
+    if constexpr (b_moves) push(sb, mb, more * row.n, more * row.ib);
+    worst = std::max(worst, std::abs(more) / row.mass);
+  }
+  return worst;
+}
+
+template <bool b_moves>
+double solve_friction(World& world, const Touch& touch, FrictionRows& f, double load) {
+  Scratch& s = world.scratch;
+  const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
+  State &sa = world.states[touch.a], &sb = world.states[touch.b];
+  const bool carries = load > 0.0;
+  Vec2 slip, F = Vec2::Zero();
+  for (int i = 0; i < 2; ++i) {
+    const auto u = static_cast<std::size_t>(i);
+    slip[i] = f.t[u].dot(sa.v_WB - sb.v_WB) + f.ra_t[u].dot(sa.w_WB) - f.rb_t[u].dot(sb.w_WB);
+  }
+  if (carries) {
+    F = f.impulse - f.inverse * (slip + f.softness * f.impulse);
+    const double most = touch.sliding.limit * load, size = F.norm();
+    if (size > most) F *= most / size;
+  }
+  const Vec2 more = F - f.impulse;
+  f.impulse = F;
+  double twist = 0.0, roll = 0.0;
+  const Vec3 spin = sa.w_WB - sb.w_WB;
+  if (carries && f.twist_mass > 0.0) {
+    const double most = touch.sliding.limit * load * f.reach;
+    twist = f.twist - f.twist_mass * (f.n.dot(spin) + f.twist_softness * f.twist);
+    twist = std::clamp(twist, -most, most);
+  }
+  if (carries && f.roll_arm > 0.0) {
+    const double most = f.roll_arm * load;
+    roll = std::clamp(f.roll - f.roll_mass * f.axis.dot(spin), -most, most);
+  }
+  const double more_twist = twist - f.twist, more_roll = roll - f.roll;
+  f.twist = twist;
+  f.roll = roll;
+  const Vec3 F_W = more[0] * f.t[0] + more[1] * f.t[1];
+  push(sa, ma, F_W,
+       more[0] * f.ia[0] + more[1] * f.ia[1] + more_twist * f.twist_ia + more_roll * f.roll_ia);
+  if constexpr (b_moves) {
+    push(
+        sb, mb, -F_W,
+        -(more[0] * f.ib[0] + more[1] * f.ib[1] + more_twist * f.twist_ib + more_roll * f.roll_ib));
+  }
+  return F_W.norm() * ma.inv_mass;
+}
+
+template <bool b_moves>
+double solve(World& world, const Touch& touch, FrictionRows* friction) {
+  double load = 0.0;
+  const double worst = solve_normals<b_moves>(world, touch, load);
+  if (!friction) return worst;
+  return std::max(worst, solve_friction<b_moves>(world, touch, *friction, load));
+}
+
+/// Islands: movers joined by touches. Touches sorted by island, their own order kept.
+void find_islands(World& world) {
+  Scratch& s = world.scratch;
+  for (const BodyId i : s.movers) {
+    s.parent[i] = i;
+    s.island_number[i] = kNone;
+  }
+  for (const Touch& touch : s.touches) {
+    if (!touch.b_moves) continue;
+    const BodyId a = island_root(s.parent, touch.a), b = island_root(s.parent, touch.b);
+    s.parent[std::max(a, b)] = std::min(a, b);
+  }
+  // Number the islands by their first touch, count, and deal the touches out.
+  s.island_start.clear();
+  s.island_of.resize(s.touches.size());
+  for (std::size_t k = 0; k < s.touches.size(); ++k) {
+    std::uint32_t& n = s.island_number[island_root(s.parent, s.touches[k].a)];
+    if (n == kNone) {
+      n = static_cast<std::uint32_t>(s.island_start.size());
+      s.island_start.push_back(0);
+    }
+    s.island_of[k] = n;
+    ++s.island_start[n];
+  }
+  std::uint32_t sum = 0;
+  for (std::uint32_t& start : s.island_start) {
+    const std::uint32_t count = start;
+    start = sum;
+    sum += count;
+  }
+  s.order.resize(s.touches.size());
+  for (std::size_t k = 0; k < s.touches.size(); ++k) {
+    s.order[s.island_start[s.island_of[k]]++] = static_cast<std::uint32_t>(k);
+  }
+  // Each start is now the end of its island.
+}
+
+void solve_island(World& world, std::span<const std::uint32_t> touches) {
+  Scratch& s = world.scratch;
+  const Parameters& p = world.parameters;
+  for (const std::uint32_t k : touches) {
+    Touch& touch = s.touches[k];
+    if (touch.points > 0) add_normal_rows(world, touch);
+  }
+  const std::size_t first_friction = s.friction.size();
+  for (const std::uint32_t k : touches) {
+    Touch& touch = s.touches[k];
+    if (!touch.fresh) {
+      const Touch& last = s.last_touches[touch.last];
+      touch.friction_W = last.friction_W;
+      touch.twist = last.twist;
+      touch.roll = last.roll;
+    }
+    if (touch.rows > 0 && touch.sliding.kept < 1.0) add_friction(world, touch, k);
+  }
+  int pass = 0;
+  double worst = 0.0;
+  do {
+    worst = 0.0;
+    FrictionRows* friction = s.friction.data() + first_friction;
+    FrictionRows* const end = s.friction.data() + s.friction.size();
+    for (const std::uint32_t k : touches) {
+      const Touch& touch = s.touches[k];
+      if (touch.rows == 0) continue;
+      FrictionRows* const mine = friction != end && friction->touch == k ? friction++ : nullptr;
+      worst = std::max(worst, touch.b_moves ? solve<true>(world, touch, mine)
+                                            : solve<false>(world, touch, mine));
+    }
+    ++pass;
+  } while (worst > p.solver_residual && pass < p.solver_iterations);
+  ++world.statistics.islands;
+  world.statistics.solver_iterations += pass;
+  world.statistics.unsolved += worst > p.solver_residual ? 1 : 0;
+  world.statistics.residual = std::max(world.statistics.residual, worst);
+}
+
+/// Keeps what the next step starts from, and notes who is carried and who has met.
+void keep(World& world) {
+  Scratch& s = world.scratch;
+  for (const FrictionRows& f : s.friction) {
+    Touch& touch = s.touches[f.touch];
+    touch.friction_W = f.impulse[0] * f.t[0] + f.impulse[1] * f.t[1];
+    touch.twist = f.twist;
+    touch.roll = f.roll;
+  }
+  for (Touch& touch : s.touches) {
+    const NormalRow* strongest = nullptr;
+    double load = 0.0;
+    for (std::uint32_t k = 0; k < touch.rows; ++k) {
+      const NormalRow& row = s.rows[touch.first_row + k];
+      load += row.impulse;
+      if (!strongest || row.impulse > strongest->impulse) strongest = &row;
+    }
+    if (load <= 0.0) continue;
+    s.supported[touch.a] = 1;
+    if (touch.b_moves) s.supported[touch.b] = 1;
+    if (note_meeting(world, touch)) {
+      const std::ptrdiff_t k = strongest - (s.rows.data() + touch.first_row);
+      world.events.push_back({touch.a, touch.b,
+                              s.points[touch.first_point + static_cast<std::size_t>(k)].p_W,
+                              strongest->n, -load * strongest->n + touch.friction_W, 0.0, true});
+    }
+  }
+}
+
+/// Work and push of driven bodies within the lasting contacts.
+void book_driven(World& world) {
+  const Scratch& s = world.scratch;
+  for (const Touch& touch : s.touches) {
+    if (touch.rows == 0 || world.bodies[touch.b].kind != Kind::driven) continue;
+    const Arms arms = arms_of(world, touch);
+    const State& driven = world.states[touch.b];
+    const auto add = [&](const Vec3& F, const Vec3& p_W) {
+      world.pushed.energy += F.dot(velocity_at(driven, p_W - arms.p_WB));
+      world.pushed.momentum += F;
+      world.pushed.angular_momentum += p_W.cross(F);
+    };
+    for (std::uint32_t k = 0; k < touch.rows; ++k) {
+      const NormalRow& row = s.rows[touch.first_row + k];
+      add(-row.impulse * row.n, s.points[touch.first_point + k].p_W);
+    }
+    add(touch.friction_W, foot_of(s, touch).p_W);
+  }
+}
+
+}  // namespace
+
+BodyId island_root(std::vector<BodyId>& parent, BodyId i) {
+  while (parent[i] != i) {
+    parent[i] = parent[parent[i]];
+    i = parent[i];
+  }
+  return i;
+}
+
+void sustain_contacts(World& world) {
+  Scratch& s = world.scratch;
+  s.rows.clear();
+  s.friction.clear();
+  find_islands(world);
+  std::uint32_t start = 0;
+  for (const std::uint32_t end : s.island_start) {
+    solve_island(world, std::span(s.order).subspan(start, end - start));
+    start = end;
+  }
+  keep(world);
+  if (world.parameters.keep_ledger) book_driven(world);
+}
+
+}  // namespace headpin::engine::detail

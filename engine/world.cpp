@@ -1,0 +1,443 @@
+#include "engine/world.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdio>
+#include <stdexcept>
+#include <string>
+
+#include "engine/stages.h"
+
+namespace headpin::engine {
+namespace {
+
+std::string number(double x) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%g", x);
+  return text;
+}
+
+void expect(bool good, const std::string& what, const std::string& range, double found) {
+  if (!good) {
+    throw std::invalid_argument(what + ": expected " + range + ", found " + number(found));
+  }
+}
+
+void expect_between(double x, double low, double high, const std::string& what) {
+  expect(x >= low && x <= high, what, number(low) + " to " + number(high), x);
+}
+
+void check_parameters(const Parameters& p) {
+  expect_between(p.rate_hz, 1, 1'000'000, "rate_hz");
+  expect(p.gravity_W.norm() <= 1000.0, "gravity_W [m/s^2]", "at most 1000", p.gravity_W.norm());
+  expect_between(p.query.cap, 1, 1000, "query.cap");
+  expect_between(p.friction_tau, 1e-6, 1e6, "friction_tau [s]");
+  expect_between(p.impact_speed, 0.0, 100.0, "impact_speed [m/s]");
+  expect_between(p.impact_sweeps, 1, 1000, "impact_sweeps");
+  expect_between(p.solver_iterations, 1, 100'000, "solver_iterations");
+  expect_between(p.solver_residual, 0.0, 1.0, "solver_residual [m/s]");
+  expect_between(p.slop, 0.0, 0.1, "slop [m]");
+  expect_between(p.push, 0.0, 1.0, "push");
+  expect_between(p.sleep_speed, 0.0, 10.0, "sleep_speed [m/s]");
+  expect_between(p.sleep_spin, 0.0, 100.0, "sleep_spin [rad/s]");
+  expect_between(p.sleep_after, 0.0, 1e4, "sleep_after [s]");
+}
+
+std::string title(const World& world, BodyId i) {
+  const std::string& name = world.bodies[i].name;
+  return "body " + std::to_string(i) + (name.empty() ? "" : " '" + name + "'");
+}
+
+bool is_bounded(const Body& body) {
+  return std::isfinite(body.shape.bounding_radius);
+}
+
+void check_body(const Body& body, const std::string& who) {
+  const Material& m = body.material;
+  expect_between(m.elasticity, 0.0, 1.0, who + ": elasticity");
+  expect_between(m.friction, 0.0, 1.0, who + ": friction");
+  expect_between(m.rolling_arm, 0.0, 1.0, who + ": rolling_arm [m]");
+  if (body.shape.parts.empty()) throw std::invalid_argument(who + ": expected a shape with parts");
+  if (body.kind == Kind::fixed) return;
+  if (!is_bounded(body)) {
+    throw std::invalid_argument(who + ": a half-space must be fixed");
+  }
+  expect_between(body.mass, 1e-6, 1e6, who + ": mass [kg]");
+  try {
+    principal_inertia(body.inertia);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(who + ": " + error.what());
+  }
+}
+
+void check_state(const State& s, const std::string& who) {
+  const bool finite = s.X_WB.p.allFinite() && s.X_WB.q.coeffs().allFinite() && s.v_WB.allFinite() &&
+                      s.w_WB.allFinite();
+  if (!finite) throw std::invalid_argument(who + ": expected a finite pose and velocity");
+  const double norm = s.X_WB.q.norm();
+  expect(std::abs(norm - 1.0) < 1e-6, who + ": norm of its quaternion", "1", norm);
+}
+
+void check_number(const World& world, BodyId body) {
+  if (body < world.bodies.size()) return;
+  throw std::invalid_argument("body " + std::to_string(body) + ": there are " +
+                              std::to_string(world.bodies.size()));
+}
+
+/// Refuses a start from which nothing sensible can follow: one body deep inside another.
+void check_overlap(const World& world, const Body& body, const State& state,
+                   const std::string& who) {
+  std::vector<ContactPoint> points;
+  std::vector<Vec3> normals;
+  QueryCounts counts;
+  for (BodyId k = 0; k < world.bodies.size(); ++k) {
+    const Body& other = world.bodies[k];
+    if (body.kind != Kind::free && other.kind != Kind::free) continue;
+    const double size = std::min(body.shape.bounding_radius, other.shape.bounding_radius);
+    const double near = body.shape.bounding_radius + other.shape.bounding_radius;
+    if ((state.X_WB.p - world.states[k].X_WB.p).squaredNorm() > near * near) continue;
+    points.clear();
+    normals.assign(body.shape.parts.size() * other.shape.parts.size(), Vec3::Zero());
+    find_contacts(body.shape, state.X_WB, other.shape, world.states[k].X_WB, 0.0, normals, Query{},
+                  counts, points);
+    for (const ContactPoint& p : points) {
+      expect(p.depth <= 0.25 * size, who + ": overlap with " + title(world, k) + " [m]",
+             "at most " + number(0.25 * size), p.depth);
+    }
+  }
+}
+
+/// Lists made anew when bodies come, sleep, wake or change hands.
+void take_roll_call(World& world) {
+  detail::Scratch& s = world.scratch;
+  s.movers.clear();
+  s.driven.clear();
+  for (BodyId i = 0; i < world.bodies.size(); ++i) {
+    s.mobility[i] = {};
+    s.top_speed[i] = 0.0;
+    s.kinks[i] = {};
+    if (world.bodies[i].kind == Kind::driven) s.driven.push_back(i);
+    if (detail::is_mover(world, i)) s.movers.push_back(i);
+  }
+  for (std::size_t k = 0; k < s.bounded.size(); ++k) {
+    const BodyId i = s.bounded[k];
+    s.moving[k] = detail::is_mover(world, i) || world.bodies[i].kind == Kind::driven;
+    s.bounds_W[k] = world.states[i].X_WB * world.bodies[i].shape.bounds;
+  }
+  s.stale = false;
+}
+
+void prepare_bodies(World& world) {
+  detail::Scratch& s = world.scratch;
+  if (s.stale) take_roll_call(world);
+  for (const BodyId i : s.movers) {
+    s.mobility[i] = {1.0 / world.bodies[i].mass,
+                     inverse_inertia(world.inertias[i], world.states[i].X_WB.q)};
+    s.kinks[i] = {};
+    s.supported[i] = 0;
+    s.top_speed[i] = detail::top_speed(world, i);
+  }
+  for (const BodyId i : s.driven) s.top_speed[i] = detail::top_speed(world, i);
+}
+
+void apply_gravity(World& world) {
+  const Vec3 dv = step_seconds(world) * world.parameters.gravity_W;
+  for (const BodyId i : world.scratch.movers) world.states[i].v_WB += dv;
+}
+
+/// Keeps the contacts of this step as the start of the next one's.
+void remember(World& world) {
+  detail::Scratch& s = world.scratch;
+  std::swap(s.candidates, s.last_candidates);
+  std::swap(s.normals, s.last_normals);
+  std::swap(s.touches, s.last_touches);
+  std::swap(s.rows, s.last_rows);
+  world.statistics.contacts = static_cast<std::int64_t>(s.last_rows.size());
+  world.statistics.awake = static_cast<std::int64_t>(s.movers.size());
+}
+
+void stop_if_not_finite(const World& world) {
+  for (const BodyId i : world.scratch.movers) {
+    const State& s = world.states[i];
+    const double sum = s.X_WB.p.sum() + s.X_WB.q.coeffs().sum() + s.v_WB.sum() + s.w_WB.sum();
+    if (std::isfinite(sum)) continue;
+    throw std::runtime_error("tick " + std::to_string(world.tick) + ": " + title(world, i) +
+                             " is no longer at a finite place or speed");
+  }
+}
+
+/// Times the phases, if anyone wants to know.
+class Laps {
+ public:
+  explicit Laps(World& world) : world_(world), clock_(world.parameters.clock) {
+    if (clock_) last_ = clock_();
+  }
+  void operator()(Phase phase) {
+    if (!clock_) return;
+    const std::int64_t now = clock_();
+    world_.statistics.phase_ns[static_cast<std::size_t>(phase)] += now - last_;
+    last_ = now;
+  }
+
+ private:
+  World& world_;
+  std::int64_t (*clock_)();
+  std::int64_t last_ = 0;
+};
+
+/// Books, phase by phase, what the free bodies gain.
+class Books {
+ public:
+  explicit Books(World& world) : world_(world), keep_(world.parameters.keep_ledger) {
+    if (!keep_) return;
+    start_ = mark_ = balance(world);
+    world.ledger.hand += start_ - world.balance;  // what users changed between steps
+    world.struck = world.pushed = {};
+  }
+  /// Impulses are booked by their own sum: they act within the step, at velocities in between.
+  void book_impacts() {
+    if (!keep_) return;
+    add(world_.ledger.impact, world_.struck);
+    add(world_.ledger.hand, world_.pushed);
+    world_.pushed = {};
+  }
+  void begin() {
+    if (keep_) mark_ = balance(world_);
+  }
+  /// What was gained since begin(), less what driven bodies gave.
+  void end(Balance& account) {
+    if (!keep_) return;
+    add(account, balance(world_) - mark_ - world_.pushed);
+    add(world_.ledger.hand, world_.pushed);
+    world_.pushed = {};
+  }
+  /// The rest is free motion under gravity.
+  void close() {
+    if (!keep_) return;
+    world_.balance = balance(world_);
+    world_.ledger.gravity += world_.balance - start_ - booked_;
+  }
+
+ private:
+  void add(Balance& account, const Balance& gain) {
+    account += gain;
+    booked_ += gain;
+  }
+  World& world_;
+  bool keep_;
+  Balance start_, mark_, booked_;
+};
+
+class Fnv {
+ public:
+  void add(std::uint64_t bits) {
+    for (int k = 0; k < 8; ++k, bits >>= 8) hash_ = (hash_ ^ (bits & 0xff)) * 0x100000001b3;
+  }
+  void add(double x) { add(std::bit_cast<std::uint64_t>(x)); }
+  void add(const Vec3& v) {
+    for (int k = 0; k < 3; ++k) add(v[k]);
+  }
+  std::uint64_t value() const { return hash_; }
+
+ private:
+  std::uint64_t hash_ = 0xcbf29ce484222325;
+};
+
+}  // namespace
+
+Statistics& Statistics::operator+=(const Statistics& other) {
+  steps += other.steps;
+  pairs += other.pairs;
+  contacts += other.contacts;
+  queries.queries += other.queries.queries;
+  queries.iterations += other.queries.iterations;
+  queries.capped += other.queries.capped;
+  impacts += other.impacts;
+  impact_sweeps += other.impact_sweeps;
+  unfinished_impacts += other.unfinished_impacts;
+  pulls += other.pulls;
+  islands += other.islands;
+  solver_iterations += other.solver_iterations;
+  unsolved += other.unsolved;
+  residual = std::max(residual, other.residual);
+  deepest_overlap = std::max(deepest_overlap, other.deepest_overlap);
+  awake += other.awake;
+  for (std::size_t k = 0; k < phase_ns.size(); ++k) phase_ns[k] += other.phase_ns[k];
+  return *this;
+}
+
+World make_world(const Parameters& parameters) {
+  check_parameters(parameters);
+  World world;
+  world.parameters = parameters;
+  world.response = &response_named(parameters.response);
+  return world;
+}
+
+BodyId add_body(World& world, Body body, const State& state) {
+  const auto i = static_cast<BodyId>(world.bodies.size());
+  const std::string who =
+      "body " + std::to_string(i) + (body.name.empty() ? "" : " '" + body.name + "'");
+  check_body(body, who);
+  check_state(state, who);
+  check_overlap(world, body, state, who);
+  world.inertias.push_back(body.kind == Kind::fixed ? Inertia{} : principal_inertia(body.inertia));
+  detail::Scratch& s = world.scratch;
+  const std::size_t count = world.bodies.size() + 1;
+  if (is_bounded(body)) {
+    s.bounded.push_back(i);
+    s.moving.push_back(0);
+    s.bounds_W.emplace_back();
+  } else {
+    s.unbounded.push_back(i);
+  }
+  world.bodies.push_back(std::move(body));
+  world.states.push_back(state);
+  world.states.back().X_WB.q.normalize();
+  world.asleep.push_back(0);
+  world.still.push_back(0);
+  world.sleeps_with.push_back(i);
+  s.parent.resize(count);
+  s.island_number.resize(count);
+  s.island_calm.resize(count);
+  s.mobility.resize(count);
+  s.kinks.resize(count);
+  s.top_speed.resize(count);
+  s.supported.resize(count);
+  s.nudge_p.resize(count, Vec3::Zero());
+  s.nudge_w.resize(count, Vec3::Zero());
+  s.stale = true;
+  return i;
+}
+
+void set_state(World& world, BodyId body, const State& state) {
+  check_number(world, body);
+  check_state(state, title(world, body));
+  if (world.bodies[body].kind == Kind::fixed) {
+    throw std::invalid_argument(title(world, body) + ": is fixed, cannot be moved");
+  }
+  wake(world, body);
+  world.states[body] = state;
+  world.states[body].X_WB.q.normalize();
+}
+
+void set_kind(World& world, BodyId body, Kind kind) {
+  check_number(world, body);
+  Kind& now = world.bodies[body].kind;
+  if (now == kind) return;
+  if (now == Kind::fixed || kind == Kind::fixed) {
+    throw std::invalid_argument(title(world, body) + ": only free and driven can change");
+  }
+  wake(world, body);
+  now = kind;
+  world.scratch.stale = true;
+}
+
+void wake(World& world, BodyId body) {
+  check_number(world, body);
+  world.still[body] = 0;
+  if (!world.asleep[body]) return;
+  BodyId i = body;
+  do {
+    const BodyId next = world.sleeps_with[i];
+    world.asleep[i] = 0;
+    world.still[i] = 0;
+    world.sleeps_with[i] = i;
+    i = next;
+  } while (i != body);
+  world.scratch.stale = true;
+}
+
+void put_to_sleep(World& world, BodyId body) {
+  check_number(world, body);
+  if (world.bodies[body].kind != Kind::free) {
+    throw std::invalid_argument(title(world, body) + ": only a free body can sleep");
+  }
+  world.states[body].v_WB = world.states[body].w_WB = Vec3::Zero();
+  world.asleep[body] = 1;
+  world.scratch.stale = true;
+}
+
+void step(World& world) {
+  using namespace detail;
+  world.events.clear();
+  world.statistics = {};
+  world.statistics.steps = 1;
+  Books books(world);
+  Laps lap(world);
+  do {
+    prepare_bodies(world);
+    find_pairs(world);
+    lap(Phase::find_pairs);
+  } while (find_contacts(world));  // woken bodies have contacts of their own
+  lap(Phase::find_contacts);
+  resolve_impacts(world);
+  books.book_impacts();
+  lap(Phase::resolve_impacts);
+  apply_gravity(world);
+  lap(Phase::apply_gravity);
+  books.begin();
+  sustain_contacts(world);
+  books.end(world.ledger.sustained);
+  lap(Phase::sustain_contacts);
+  move(world);
+  stop_if_not_finite(world);
+  lap(Phase::move);
+  books.begin();
+  push_apart(world);
+  books.end(world.ledger.correction);
+  lap(Phase::push_apart);
+  books.begin();
+  fall_asleep(world);
+  books.end(world.ledger.sustained);
+  lap(Phase::fall_asleep);
+  books.close();
+  remember(world);
+  ++world.tick;
+}
+
+Balance balance(const World& world) {
+  Balance sum;
+  for (BodyId i = 0; i < world.bodies.size(); ++i) {
+    const Body& body = world.bodies[i];
+    if (body.kind != Kind::free) continue;
+    const State& s = world.states[i];
+    const Vec3 mv = body.mass * s.v_WB;
+    sum.energy += 0.5 * mv.dot(s.v_WB) + turning_energy(world.inertias[i], s.X_WB.q, s.w_WB) -
+                  body.mass * world.parameters.gravity_W.dot(s.X_WB.p);
+    sum.momentum += mv;
+    sum.angular_momentum +=
+        s.X_WB.p.cross(mv) + angular_momentum(world.inertias[i], s.X_WB.q, s.w_WB);
+  }
+  return sum;
+}
+
+std::uint64_t state_hash(const World& world) {
+  Fnv hash;
+  hash.add(static_cast<std::uint64_t>(world.tick));
+  for (BodyId i = 0; i < world.states.size(); ++i) {
+    const State& s = world.states[i];
+    hash.add(s.X_WB.p);
+    for (int k = 0; k < 4; ++k) hash.add(s.X_WB.q.coeffs()[k]);
+    hash.add(s.v_WB);
+    hash.add(s.w_WB);
+    hash.add(std::uint64_t{world.asleep[i]});
+  }
+  return hash.value();
+}
+
+namespace detail {
+
+bool note_meeting(World& world, Touch& touch) {
+  if (touch.met) return false;
+  touch.met = true;
+  const std::uint64_t key =
+      std::uint64_t{std::min(touch.a, touch.b)} << 32 | std::max(touch.a, touch.b);
+  const auto place = std::lower_bound(world.met.begin(), world.met.end(), key);
+  if (place != world.met.end() && *place == key) return false;
+  world.met.insert(place, key);
+  return true;
+}
+
+}  // namespace detail
+}  // namespace headpin::engine

@@ -1,0 +1,225 @@
+#include "engine/world.h"
+
+#include <limits>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/support/bowling.h"
+
+namespace headpin::engine {
+namespace {
+
+using testing::HasSubstr;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+template <typename F>
+std::string refusal(F&& f) {
+  try {
+    f();
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+std::string refusal_of(const Body& body, const State& state = {}) {
+  World world = make_world({});
+  return refusal([&] { add_body(world, body, state); });
+}
+
+TEST(AddBody, RefusesWhatCannotBeAndSaysWhatAndWhere) {
+  const Body good = ball_body({0.7, 0.7});
+  EXPECT_EQ(refusal_of(good), "accepted");
+  Body b = good;
+  b.mass = 0.0;
+  EXPECT_EQ(refusal_of(b), "body 0 'ball': mass [kg]: expected 1e-06 to 1e+06, found 0");
+  b.mass = kNan;
+  EXPECT_THAT(refusal_of(b), HasSubstr("mass"));
+  b.mass = 1e12;
+  EXPECT_THAT(refusal_of(b), HasSubstr("mass"));
+  b = good;
+  b.inertia = Mat3::Zero();
+  EXPECT_THAT(refusal_of(b), HasSubstr("body 0 'ball': inertia"));
+  b = good;
+  b.material.elasticity = 1.01;
+  EXPECT_EQ(refusal_of(b), "body 0 'ball': elasticity: expected 0 to 1, found 1.01");
+  b = good;
+  b.material.friction = -0.1;
+  EXPECT_THAT(refusal_of(b), HasSubstr("friction"));
+  b = good;
+  b.shape = floor_shape();
+  EXPECT_THAT(refusal_of(b), HasSubstr("half-space"));
+  State s;
+  s.X_WB.p.x() = kNan;
+  EXPECT_THAT(refusal_of(good, s), HasSubstr("finite"));
+  s = {};
+  s.w_WB.z() = std::numeric_limits<double>::infinity();
+  EXPECT_THAT(refusal_of(good, s), HasSubstr("finite"));
+  s = {};
+  s.X_WB.q = Quat(0.0, 0.0, 0.0, 0.0);
+  EXPECT_THAT(refusal_of(good, s), HasSubstr("quaternion"));
+}
+
+TEST(AddBody, RefusesABodyDeepInsideAnother) {
+  World world = make_world({});
+  add_body(world, floor_body({}));
+  State s;
+  s.X_WB.p.z() = 0.0;  // half of the ball below the lane
+  EXPECT_THAT(refusal([&] { add_body(world, ball_body({}), s); }),
+              HasSubstr("body 1 'ball': overlap with body 0 'lane'"));
+  s.X_WB.p.z() = kBallRadius;
+  add_body(world, ball_body({}), s);
+  EXPECT_THAT(refusal([&] { add_body(world, ball_body({}), s); }), HasSubstr("overlap"));
+}
+
+TEST(MakeWorld, RefusesParametersOutOfRange) {
+  EXPECT_EQ(refusal([] { make_world({.rate_hz = 0}); }), "rate_hz: expected 1 to 1e+06, found 0");
+  EXPECT_THAT(refusal([] { make_world({.gravity_W = Vec3(0, 0, kNan)}); }), HasSubstr("gravity"));
+  EXPECT_THAT(refusal([] { make_world({.response = "magic"}); }), HasSubstr("paper, coulomb"));
+  EXPECT_THAT(refusal([] { make_world({.friction_tau = 0.0}); }), HasSubstr("friction_tau"));
+}
+
+TEST(Step, StopsAndNamesTickAndBodyWhenAStateIsNoLongerFinite) {
+  World world = make_world({});
+  add_body(world, ball_body({}));
+  run(world, 0.1);
+  world.states[0].v_WB.x() = kNan;
+  try {
+    step(world);
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "tick 24: body 0 'ball' is no longer at a finite place or speed");
+  }
+}
+
+TEST(StateHash, ChangesWithEveryPartOfTheState) {
+  const Bowling b = bowling({});
+  const std::uint64_t hash = state_hash(b.world);
+  EXPECT_EQ(state_hash(World(b.world)), hash);
+  const auto changed = [&](auto&& change) {
+    World w = b.world;
+    change(w);
+    return state_hash(w);
+  };
+  EXPECT_NE(changed([](World& w) { ++w.tick; }), hash);
+  EXPECT_NE(changed([](World& w) { w.states[3].X_WB.p.x() += 1e-16; }), hash);
+  EXPECT_NE(changed([](World& w) { w.states[3].X_WB.q.x() += 1e-300; }), hash);
+  EXPECT_NE(changed([](World& w) { w.states[5].v_WB.y() = -0.0; }), hash);
+  EXPECT_NE(changed([](World& w) { w.states[5].w_WB.z() = 1e-9; }), hash);
+  EXPECT_NE(changed([](World& w) { w.asleep[7] = 1; }), hash);
+}
+
+TEST(Sleeper, StandsOnAnythingUntilItIsReallyTouched) {
+  // An ellipsoid on its tip: it cannot stand awake.
+  RackOptions o;
+  o.ball = false;
+  World world = make_world({});
+  add_body(world, floor_body({}));
+  Body egg = skittle_body({});
+  egg.shape = make_compound({{Ellipsoid{{0.0605, 0.0605, 0.19}}, Pose{}}});
+  State at;
+  at.X_WB.p = Vec3(0, 0, 0.19);
+  const BodyId sleeper = add_body(world, egg, at);
+  put_to_sleep(world, sleeper);
+  // One ball passes at 1 mm, the next one hits.
+  State passing;
+  passing.X_WB.p = Vec3(0.0605 + kBallRadius + 0.001, -1.0, 0.19);
+  passing.v_WB = Vec3(0, 6, 0);
+  world.parameters.gravity_W = Vec3::Zero();
+  const BodyId ball = add_body(world, ball_body({}), passing);
+  run(world, 0.5);
+  EXPECT_GT(world.states[ball].X_WB.p.y(), 1.0);
+  EXPECT_TRUE(is_asleep(world, sleeper));
+  EXPECT_EQ(world.states[sleeper].X_WB.p, at.X_WB.p);
+  passing.X_WB.p.x() -= 0.003;
+  set_state(world, ball, passing);
+  run(world, 0.5);
+  EXPECT_GT(world.states[sleeper].v_WB.norm(), 0.1);
+}
+
+TEST(Sleeper, IsWokenByADrivenBody) {
+  World world = make_world({});
+  add_body(world, floor_body({}));
+  State at;
+  at.X_WB.p = Vec3(0, 0, kSkittleHeight);
+  const BodyId skittle = add_body(world, skittle_body({}), at);
+  run(world, 1.0);
+  ASSERT_TRUE(is_asleep(world, skittle));
+  Body hand = ball_body({}, 0.05, 1.0);
+  hand.kind = Kind::driven;
+  State s;
+  s.X_WB.p = Vec3(-0.2, 0, 0.15);
+  s.v_WB = Vec3(0.5, 0, 0);
+  const BodyId palm = add_body(world, hand, s);
+  run(world, 0.1);
+  EXPECT_TRUE(is_asleep(world, skittle));
+  run(world, 0.9);
+  EXPECT_LT(upright(world.states[skittle]), 0.9);
+  EXPECT_NEAR(world.states[palm].X_WB.p.x(), 0.3, 1e-12);  // nothing stops a hand
+}
+
+TEST(SetKind, CarriesABallAndLetsItGoWithTheGivenVelocity) {
+  World world = make_world({});
+  add_body(world, floor_body({}));
+  State s;
+  s.X_WB.p = Vec3(0, 0, 1.0);
+  const BodyId ball = add_body(world, ball_body({}), s);
+  set_kind(world, ball, Kind::driven);
+  for (int i = 0; i < 24; ++i) {
+    s.X_WB.p = Vec3(0, 0.01 * i, 1.0);
+    s.v_WB = Vec3(0, 2.4, 0);
+    set_state(world, ball, s);
+    step(world);
+  }
+  EXPECT_NEAR(world.states[ball].X_WB.p.z(), 1.0, 1e-15);
+  set_kind(world, ball, Kind::free);
+  s = world.states[ball];
+  s.v_WB = Vec3(0, 3.0, 1.0);
+  set_state(world, ball, s);
+  run(world, 0.25);
+  EXPECT_NEAR(world.states[ball].X_WB.p.y(), s.X_WB.p.y() + 0.75, 1e-12);
+  EXPECT_NEAR(world.states[ball].X_WB.p.z(), 1.0 + 0.25 - 0.5 * 9.81 * 0.0625, 1e-12);
+}
+
+TEST(Events, TellTheFirstMeetingOfTwoBodiesOnce) {
+  Bowling b = bowling({});
+  int firsts = 0;
+  std::int64_t tick = 0;
+  for (int i = 0; i < 2 * 240; ++i) {
+    step(b.world);
+    for (const ContactEvent& e : b.world.events) {
+      EXPECT_NE(e.a, e.b);
+      EXPECT_NEAR(e.n_AB_W.norm(), 1.0, 1e-12);
+      const bool head_pin = (e.a == b.skittles[0] && e.b == b.balls[0]) ||
+                            (e.b == b.skittles[0] && e.a == b.balls[0]);
+      if (!head_pin || !e.first) continue;
+      ++firsts;
+      tick = b.world.tick;
+      EXPECT_GT(e.approach_speed, 4.0);
+      EXPECT_GT(e.impulse_W.norm(), 5.0);
+    }
+  }
+  EXPECT_EQ(firsts, 1);
+  // The ball's surface has 1.5 m less both radii to go at 6 m/s.
+  EXPECT_NEAR(static_cast<double>(tick) / 240, (1.5 - kBallRadius - 0.05) / 6.0, 0.02);
+}
+
+TEST(Statistics, CountWhatHappened) {
+  Bowling b = bowling({});
+  Statistics sum;
+  for (int i = 0; i < 480; ++i) {
+    step(b.world);
+    sum += b.world.statistics;
+  }
+  EXPECT_EQ(sum.steps, 480);
+  EXPECT_GT(sum.contacts, 480);
+  EXPECT_GT(sum.impacts, 5);
+  EXPECT_GE(sum.queries.queries, sum.pairs);
+  EXPECT_EQ(sum.unfinished_impacts, 0);
+  EXPECT_EQ(sum.phase_ns[0], 0);  // no clock, no times
+}
+
+}  // namespace
+}  // namespace headpin::engine

@@ -1,0 +1,98 @@
+#include "tests/support/bowling.h"
+
+#include <cmath>
+
+namespace headpin::engine {
+
+Compound skittle_shape() {
+  const auto at = [](double height) {
+    return Pose{Quat::Identity(), Vec3(0.0, 0.0, height - kSkittleHeight)};
+  };
+  return make_compound({{Cylinder{kBaseRadius, 0.03}, at(0.03)},
+                        {Ellipsoid{{0.0605, 0.0605, 0.110}}, at(0.116)},
+                        {Cylinder{0.0235, 0.08}, at(0.26)},
+                        {Ellipsoid{{0.0325, 0.0325, 0.0325}}, at(0.3485)}});
+}
+
+Compound floor_shape() {
+  return make_compound({{HalfSpace{}, Pose{}}});
+}
+
+Compound sphere_shape(double radius) {
+  return make_compound({{Ellipsoid{Vec3::Constant(radius)}, Pose{}}});
+}
+
+Body skittle_body(const Material& material) {
+  return {.name = "skittle",
+          .shape = skittle_shape(),
+          .mass = 1.5,
+          .inertia = Vec3(0.0145, 0.0145, 0.0021).asDiagonal(),
+          .material = material,
+          .kind = Kind::free};
+}
+
+Body ball_body(const Material& material, double radius, double mass) {
+  return {.name = "ball",
+          .shape = sphere_shape(radius),
+          .mass = mass,
+          .inertia = 0.4 * mass * radius * radius * Mat3::Identity(),
+          .material = material,
+          .kind = Kind::free};
+}
+
+Body floor_body(const Material& material) {
+  return {.name = "lane",
+          .shape = floor_shape(),
+          .mass = 1.0,
+          .inertia = Mat3::Identity(),
+          .material = material,
+          .kind = Kind::fixed};
+}
+
+Bowling bowling(const RackOptions& o) {
+  Bowling b;
+  b.world = make_world(o.parameters);
+  b.lane = add_body(b.world, floor_body(o.material));
+  Material heavy = o.material;
+  heavy.rolling_arm = 0.005;
+  const int across = static_cast<int>(std::ceil(std::sqrt(o.racks)));
+  for (int rack = 0; rack < o.racks; ++rack) {
+    const Vec3 origin(4.0 * (rack % across), 8.0 * (rack / across), 0.0);
+    for (int row = 0; row < 4; ++row) {
+      for (int k = 0; k <= row; ++k) {
+        const Vec3 spot(kSpacing * (k - 0.5 * row), kSpacing * 0.5 * std::sqrt(3.0) * row,
+                        kSkittleHeight);
+        State state;
+        state.X_WB.p = origin + spot;
+        b.skittles.push_back(add_body(b.world, skittle_body(heavy), state));
+      }
+    }
+    if (!o.ball) continue;
+    State state;
+    state.X_WB.p = origin + Vec3(o.ball_offset, -o.ball_distance, kBallRadius);
+    state.v_WB = Vec3(0.0, o.ball_speed, 0.0);
+    state.w_WB = Vec3(-o.ball_speed / kBallRadius, 0.0, 0.0);
+    b.balls.push_back(add_body(b.world, ball_body(o.material), state));
+  }
+  return b;
+}
+
+int skittles_down(const Bowling& b, int rack) {
+  int down = 0;
+  for (std::size_t k = 0; k < 10; ++k) {
+    const State& s = b.world.states[b.skittles[static_cast<std::size_t>(rack) * 10 + k]];
+    down += upright(s) < std::cos(30.0 * 3.14159265358979 / 180.0) || s.X_WB.p.z() < 0.0;
+  }
+  return down;
+}
+
+void run(World& world, double seconds) {
+  const std::int64_t end = world.tick + std::llround(seconds * world.parameters.rate_hz);
+  while (world.tick < end) step(world);
+}
+
+double upright(const State& state) {
+  return (state.X_WB.q * Vec3::UnitZ()).z();
+}
+
+}  // namespace headpin::engine
