@@ -6,6 +6,8 @@
 #include <type_traits>
 
 #include "engine/gjk.h"
+#include "engine/posed.h"
+#include "engine/stratified_newton.h"
 
 namespace headpin::engine {
 namespace {
@@ -15,58 +17,65 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// One evaluation: the furthest points along n and what they prove. S = p_A - p_B, h = n . S =
 /// -g(n).
 struct Support {
-  Vec3 p_A, p_B, S;
-  double h;
+  Vec3 s_A, s_B;  // S = s_A + s_B, B mirrored
+  Vec3 S;
+  double h = kInfinity;
 };
 
+/// Two posed shapes and how often they were asked.
 template <typename A, typename B>
-struct Query2 {
-  const A& a;
-  const B& b;
-  Mat3 R_AB;
-  Vec3 p_AB;
+struct Search {
+  A a;
+  B b;
   int evaluations = 0;
 
   Support operator()(const Vec3& n) {
     ++evaluations;
-    Support s;
-    s.p_A = support(a, n);
-    s.p_B = R_AB * support(b, Vec3(-(R_AB.transpose() * n))) + p_AB;
-    s.S = s.p_A - s.p_B;
+    Support s{a.support(n), b.support(n), Vec3::Zero(), 0.0};
+    s.S = s.s_A + s.s_B;
     s.h = n.dot(s.S);
     return s;
   }
+  Closest answer(const Support& s, const Vec3& n) const {
+    return {s.h < 0.0, -s.h, s.s_A, -s.s_B, n, evaluations, false};
+  }
 };
+
+/// Steps of the paper's iteration after the first one before Newton's.
+constexpr int kPaperSteps = 2;
+
+template <typename B>
+Vec3 centre_B(const B& b, const Pose& X_AB) {
+  if constexpr (std::is_same_v<B, Polyhedron>) return X_AB * centre(b);
+  return X_AB.p;
+}
 
 Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
   const double n2 = v.squaredNorm();
-  return n2 > 0.0 && std::isfinite(n2) ? Vec3(v / std::sqrt(n2)) : otherwise;
+  return n2 > 1e-200 && n2 < 1e200 ? Vec3(v / std::sqrt(n2)) : otherwise;
 }
 
-Closest answer(const Support& s, const Vec3& n, int iterations) {
-  return {s.h < 0.0, -s.h, s.p_A, s.p_B, n, iterations, false};
-}
-
+/// Nearest point of A - B, moved by -shift, to the origin.
 struct Distance {
+  enum End { nearest, inside, stopped };
+  End end = nearest;
   Simplex simplex;
-  Vec3 v;  // nearest point of the set to the origin
-  bool inside = false;
-  bool stopped = false;  // at a direction n with h(n) < stop_below
-  Vec3 n;
+  Vec3 v = Vec3::Zero();
+  Vec3 n = Vec3::UnitZ();  // stopped: h(n) < stop_below
   Support at_n;
 };
 
-// GJK on A - B moved by -shift. Ends early where h(n) < stop_below.
-template <typename A, typename B>
-Distance distance_from(Query2<A, B>& query, const Vec3& shift, const Vec3& n0, double size,
+// GJK. Ends early where h(n) < stop_below.
+template <typename S>
+Distance distance_from(S& search, const Vec3& shift, const Vec3& n0, double size,
                        double stop_below) {
   Distance d;
   Vec3 n = n0;
   double v2 = kInfinity;
   for (int step = 0; step < 64; ++step) {
-    const Support s = query(n);
+    const Support s = search(n);
     if (s.h < stop_below) {
-      d.stopped = true;
+      d.end = Distance::stopped;
       d.n = n;
       d.at_n = s;
       return d;
@@ -81,13 +90,13 @@ Distance distance_from(Query2<A, B>& query, const Vec3& shift, const Vec3& n0, d
     const Simplex before = d.simplex;
     const int k = d.simplex.count++;
     d.simplex.w[k] = w;
-    d.simplex.a[k] = s.p_A;
-    d.simplex.b[k] = s.p_B;
+    d.simplex.a[k] = s.s_A;
+    d.simplex.b[k] = s.s_B;
     const Vec3 v = d.simplex.reduce();
     const double now = v.squaredNorm();
     if (d.simplex.count == 4 || now <= 1e-30 * size * size) {
       d.v = v;
-      d.inside = true;
+      d.end = Distance::inside;
       return d;
     }
     if (now >= v2) {  // rounding: no progress any more
@@ -101,85 +110,132 @@ Distance distance_from(Query2<A, B>& query, const Vec3& shift, const Vec3& n0, d
   return d;
 }
 
-template <typename A, typename B>
-Closest converge(Query2<A, B>& query, Vec3 n, Support best, double size, const Query& q) {
-  // Look at A - B from outside, along the best normal: the nearest point has a better one.
+/// Looks at A - B from outside, along the best normal so far: the nearest point has a better one.
+template <typename S>
+Closest from_outside(S& search, Vec3 n, Support best, double size, double margin) {
   const double off = 0.1 * size;
-  Closest c = answer(best, n, 0);
+  Closest c = search.answer(best, n);
   for (int round = 0; round < 6; ++round) {
-    const Distance d = distance_from(query, (best.h + off) * n, n, size, -q.margin);
-    if (d.stopped) return answer(d.at_n, d.n, query.evaluations);
-    if (d.inside) break;
+    const Distance d = distance_from(search, (best.h + off) * n, n, size, -margin);
+    if (d.end == Distance::stopped) return search.answer(d.at_n, d.n);
+    if (d.end == Distance::inside) break;
     const Vec3 next = -d.v.normalized();
-    const Support s = query(next);
-    if (s.h < -q.margin) return answer(s, next, query.evaluations);
+    const Support s = search(next);
+    if (s.h < -margin) return search.answer(s, next);
     if (s.h <= best.h) {
-      c = answer(s, next, 0);
+      c = search.answer(s, next);
       c.p_A = d.simplex.p_A();
-      c.p_B = d.simplex.p_B();
+      c.p_B = -d.simplex.p_B();
     }
     const bool better = s.h < best.h - 1e-9 * size;
     n = next;
     best = s;
     if (!better) break;
   }
-  if (c.distance <= 0.0 &&
-      !contains(query.a, c.p_B, 1e-9 * size)) {  // B's point in A proves that they meet
-    const Distance d = distance_from(query, Vec3::Zero(), n, size, 0.0);
-    if (d.stopped) return answer(d.at_n, d.n, query.evaluations);
-  }
-  c.iterations = query.evaluations;
   return c;
 }
 
 double size_of(const Ellipsoid& s) {
-  return s.radii.minCoeff();
+  return s.radii.sum() / 3.0;
 }
 double size_of(const Cylinder& s) {
-  return std::min(s.radius, s.half_height);
+  return std::max(s.radius, s.half_height);
 }
 double size_of(const Cone& s) {
-  return 0.5 * std::min(s.radius, s.height);
+  return std::max(s.radius, 0.5 * s.height);
 }
 double size_of(const Polyhedron& s) {
-  double least = kInfinity;
-  for (const Polyhedron::Face& f : s.faces()) {
-    least = std::min(least, f.offset - f.normal.dot(s.centre()));
+  return s.vertices().front().norm();
+}
+
+template <typename A, typename B>
+inline constexpr bool kNewton = !std::is_same_v<A, Polyhedron> && !std::is_same_v<B, Polyhedron>;
+
+/// One step of the paper's iteration. S = A - B looked at from the plane's normal n; the point S
+/// lies on the wrong side of the origin when h >= 0. The mirror image of n in S (Chung and Wong
+/// 1996) would take away 2 (h / S.S) S; 1.5 was measured to leave fewest pairs unresolved.
+Vec3 turned(const Vec3& n, const Support& s) {
+  return unit_or(n - 1.5 * s.h / s.S.squaredNorm() * s.S, n);
+}
+
+// Up to the cap, as the paper has it: D parallel to N ends it, and so does a proof of separation.
+template <typename S>
+Closest paper(S& search, Vec3 n, const Support& first, int cap) {
+  Support s = first;
+  while (search.evaluations < cap) {
+    if ((s.S - s.h * n).squaredNorm() <= 1e-12 * s.S.squaredNorm()) return search.answer(s, n);
+    n = turned(n, s);
+    s = search(n);
+    if (s.h < 0.0) return search.answer(s, n);
   }
-  return least;
+  Closest c = search.answer(s, n);
+  c.capped = true;
+  return c;
+}
+
+/// Carries on from a normal that proves nothing until the closest points are found.
+template <typename A, typename B, typename S>
+__attribute__((noinline)) Closest converged(const A& a, const B& b, S& search, Vec3 n,
+                                            const Support& first, bool warm, const Vec3& line,
+                                            const Query& q) {
+  const double size = std::min(size_of(a), size_of(b));
+  Support best = first;
+  for (;;) {
+    if (!warm) {  // the paper's steps are cheap, and most pairs that are apart end here
+      Vec3 at = n;
+      Support s = best;
+      for (int step = 0; step < kPaperSteps; ++step) {
+        at = turned(at, s);
+        s = search(at);
+        if (s.h < -q.margin) return search.answer(s, at);
+        if (s.h < best.h) {
+          best = s;
+          n = at;
+        }
+      }
+    }
+    Closest c;
+    if constexpr (kNewton<A, B>) {
+      const Descent d = descend(search.a, search.b, n, size, q.margin, q.cap - search.evaluations);
+      search.evaluations += d.evaluations;
+      n = d.n;
+      best = {d.s_A, d.s_B, d.s_A + d.s_B, d.h};
+      c = d.end == Descent::unresolved ? from_outside(search, n, best, size, q.margin)
+                                       : search.answer(best, n);
+      c.capped = d.end == Descent::unresolved;
+    } else {
+      c = from_outside(search, n, best, size, q.margin);
+    }
+    // A point of both proves that they meet.
+    if (!c.separated && !contains(a, c.p_B, 1e-9 * size)) {
+      if (warm) {
+        warm = false;
+        n = unit_or(line, Vec3::UnitZ());
+        best = search(n);
+        continue;
+      }
+      const Distance d = distance_from(search, Vec3::Zero(), c.n_AB, size, 0.0);
+      if (d.end == Distance::stopped) c = search.answer(d.at_n, d.n);
+    }
+    c.iterations = search.evaluations;
+    return c;
+  }
 }
 
 template <typename A, typename B>
 Closest closest(const A& a, const B& b, const Pose& X_AB, Vec3& n_AB_cache, const Query& q) {
-  Query2<A, B> query{a, b, X_AB.q.toRotationMatrix(), X_AB.p};
-  const Vec3 line = X_AB.p + query.R_AB * centre(b) - centre(a);
-  Vec3 n = unit_or(n_AB_cache, unit_or(line, Vec3::UnitZ()));
-  Support best{};
-  Vec3 n_best = n;
-  best.h = kInfinity;
-  const int steps = q.mode == Query::paper ? q.cap : std::min(q.cap, 4);
-  Closest c;
-  for (int step = 1;; ++step) {
-    const Support s = query(n);
-    if (s.h < best.h || q.mode == Query::paper) {
-      best = s;
-      n_best = n;
-    }
-    const double S2 = s.S.squaredNorm();
-    // Certificate; or D parallel to n.
-    if (s.h < -q.margin || (s.S - s.h * n).squaredNorm() <= 1e-20 * S2) {
-      n_AB_cache = n;
-      return answer(s, n, step);
-    }
-    if (step == steps) break;
-    n = unit_or(n - 1.5 * s.h / S2 * s.S, n);
+  Search search{posed::pose_A(a), posed::pose_B(b, X_AB)};
+  const double c2 = n_AB_cache.squaredNorm();
+  const bool warm = c2 > 0.5 && c2 < 2.0;
+  const Vec3 line = centre_B(b, X_AB) - centre(a);
+  const Vec3 n = unit_or(warm ? n_AB_cache : line, Vec3::UnitZ());
+  const Support first = search(n);
+  if (first.h < -q.margin) {
+    n_AB_cache = n;
+    return search.answer(first, n);
   }
-  if (q.mode == Query::paper) {
-    c = answer(best, n_best, steps);
-    c.capped = true;
-  } else {
-    c = converge(query, n_best, best, std::min(size_of(a), size_of(b)), q);
-  }
+  const Closest c = q.mode == Query::paper ? paper(search, n, first, q.cap)
+                                           : converged(a, b, search, n, first, warm, line, q);
   n_AB_cache = c.n_AB;
   return c;
 }

@@ -1,0 +1,216 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "engine/shape.h"
+
+/// The shapes as a query sees them: posed in A's frame, with what Newton's method must know of one
+/// direction. Private to the engine; callers use non_colliding.h.
+///
+/// A query works on the difference A - B = A + (-B). B is therefore posed mirrored through the
+/// origin: its centre and axis change sign and one set of formulas serves both sides of the sum.
+namespace headpin::engine::posed {
+
+/// What a shape says of a direction n.
+struct At {
+  /// What is furthest: one point, or with n on a kink of the support function more than that.
+  enum Set { point, generator, disc };
+
+  Vec3 s;       ///< a furthest point; of a disc its centre
+  Vec3 t;       ///< points on rims: unit, along the rim
+  double bend;  ///< radii of curvature: bend t t' (rims; 0 elsewhere; not used by ellipsoids)
+  Set set;
+  int side;  ///< of the circle of kinks n . axis = c: +1, -1; 0 on it
+};
+
+/// A generator that is furthest as a whole: s + tau e for low <= tau <= high, s as in At.
+struct Generator {
+  Vec3 e;  ///< unit
+  double low, high;
+  double bend_high;  ///< At::bend when the high end is taken for s
+  int high_side;     ///< side of the circle on which the high end is furthest
+};
+
+/// Symmetric 2 x 2: radii of curvature in a basis of the plane across n.
+struct Bend {
+  double uu = 0.0, uv = 0.0, vv = 0.0;
+};
+
+inline constexpr double kOnKink = 1e-9;
+
+struct Ellipsoid {
+  static constexpr bool kKinks = false;
+  static constexpr double radius = 0.0;
+
+  Vec3 c;
+  double xx, yy, zz, xy, xz, yz;  ///< Q = R diag(radii^2) R'; s(n) = c + Q n / sqrt(n . Q n)
+
+  Vec3 times(const Vec3& n) const {
+    return {xx * n.x() + xy * n.y() + xz * n.z(), xy * n.x() + yy * n.y() + yz * n.z(),
+            xz * n.x() + yz * n.y() + zz * n.z()};
+  }
+  Vec3 support(const Vec3& n) const {
+    const Vec3 q = times(n);
+    return c + q / std::sqrt(n.dot(q));
+  }
+  At at(const Vec3& n) const { return {support(n), Vec3::Zero(), 0.0, At::point, 0}; }
+  void add_bend(const Vec3& n, const At& a, const Vec3& u, const Vec3& v, Bend& bend) const {
+    const Vec3 r = a.s - c;
+    const Vec3 Qu = times(u), Qv = times(v);
+    const double inverse = 1.0 / n.dot(r), ru = r.dot(u), rv = r.dot(v);
+    bend.uu += (u.dot(Qu) - ru * ru) * inverse;
+    bend.uv += (u.dot(Qv) - ru * rv) * inverse;
+    bend.vv += (v.dot(Qv) - rv * rv) * inverse;
+  }
+};
+
+/// What cylinders and cones share: an axis, and rims round it.
+struct Round {
+  static constexpr bool kKinks = true;
+
+  Vec3 c;     ///< centre
+  Vec3 axis;  ///< unit
+  double radius;
+  double half;  ///< half the height
+
+  /// The part of n across the axis, given z = n . axis. Near a pole it is a difference of almost
+  /// equal vectors, whose rounding must not come out along the axis: a point off the shape proves
+  /// nothing.
+  Vec3 across(const Vec3& n, double z) const {
+    Vec3 w = n - z * axis;
+    if (w.squaredNorm() < 1e-6 * z * z) w -= w.dot(axis) * axis;
+    return w;
+  }
+
+  static void add_bend(const Vec3&, const At& a, const Vec3& u, const Vec3& v, Bend& bend) {
+    const double tu = a.t.dot(u), tv = a.t.dot(v);
+    bend.uu += a.bend * tu * tu;
+    bend.uv += a.bend * tu * tv;
+    bend.vv += a.bend * tv * tv;
+  }
+};
+
+struct Cylinder : Round {
+  /// Height of the circle of side normals, n . axis = kink(), and its radius.
+  double kink() const { return 0.0; }
+  double kink_radius() const { return 1.0; }
+  /// Whether the pole with n . axis of this sign is a cap.
+  bool pole(double z) const { return z != 0.0; }
+
+  Vec3 support(const Vec3& n) const {
+    const double z = n.dot(axis);
+    const Vec3 w = across(n, z);
+    const double rho2 = w.squaredNorm();
+    const double k = rho2 > 0.0 ? radius / std::sqrt(rho2) : 0.0;
+    return c + k * w + std::copysign(half, z) * axis;
+  }
+  At at(const Vec3& n) const {
+    const double z = n.dot(axis);
+    const Vec3 w = across(n, z);
+    const double rho = w.norm();
+    if (rho < kOnKink) {
+      return {c + std::copysign(half, z) * axis, Vec3::Zero(), 0.0, At::disc, z > 0.0 ? 1 : -1};
+    }
+    const double inverse = 1.0 / rho, bend = radius * inverse;
+    const Vec3 t = inverse * axis.cross(n);
+    if (std::abs(z) < kOnKink) return {c + bend * w, t, bend, At::generator, 0};
+    return {c + bend * w + std::copysign(half, z) * axis, t, bend, At::point, z > 0.0 ? 1 : -1};
+  }
+  Generator generator(const Vec3&, At& a) const { return {axis, -half, half, a.bend, 1}; }
+};
+
+struct Cone : Round {   ///< apex at c + half axis
+  double sine, cosine;  ///< of the half angle at the apex
+
+  double kink() const { return sine; }
+  double kink_radius() const { return cosine; }
+  bool pole(double z) const { return z < 0.0; }
+
+  Vec3 support(const Vec3& n) const {
+    const double z = n.dot(axis);
+    const Vec3 w = across(n, z);
+    const double rho = w.norm();
+    if (z * cosine > rho * sine) return c + half * axis;
+    const double k = rho > 0.0 ? radius / rho : 0.0;
+    return c + k * w - half * axis;
+  }
+  At at(const Vec3& n) const {
+    const double z = n.dot(axis);
+    const Vec3 w = across(n, z);
+    const double rho = w.norm();
+    const double above = z * cosine - rho * sine;  // sine of the angle from the circle
+    if (above >= -kOnKink) {
+      return {c + half * axis, Vec3::Zero(), 0.0, above > kOnKink ? At::point : At::generator,
+              above > kOnKink ? 1 : 0};
+    }
+    if (rho < kOnKink) return {c - half * axis, Vec3::Zero(), 0.0, At::disc, -1};
+    const double inverse = 1.0 / rho, bend = radius * inverse;
+    return {c + bend * w - half * axis, inverse * axis.cross(n), bend, At::point, -1};
+  }
+  Generator generator(const Vec3& n, At& a) const {
+    const Vec3 w = n - n.dot(axis) * axis;
+    const double inverse = 1.0 / w.norm();
+    a.t = inverse * axis.cross(n);
+    return {sine * inverse * w - cosine * axis, 0.0, 2.0 * half / cosine, radius * inverse, -1};
+  }
+};
+
+struct Hull {
+  const engine::Polyhedron* shape;
+  Mat3 R;  ///< of the shape in A's frame
+  Vec3 p;
+  double sign;  ///< -1 when mirrored
+
+  Vec3 support(const Vec3& n) const {
+    return sign * (R * engine::support(*shape, Vec3(sign * (R.transpose() * n))) + p);
+  }
+};
+
+inline Ellipsoid pose_A(const engine::Ellipsoid& s) {
+  return {Vec3::Zero(),
+          s.radii.x() * s.radii.x(),
+          s.radii.y() * s.radii.y(),
+          s.radii.z() * s.radii.z(),
+          0.0,
+          0.0,
+          0.0};
+}
+inline Cylinder pose_A(const engine::Cylinder& s) {
+  return {{Vec3::Zero(), Vec3::UnitZ(), s.radius, s.half_height}};
+}
+inline Cone pose_A(const engine::Cone& s) {
+  const double slant = std::sqrt(s.radius * s.radius + s.height * s.height);
+  return {
+      {Vec3::Zero(), Vec3::UnitZ(), s.radius, 0.5 * s.height}, s.radius / slant, s.height / slant};
+}
+inline Hull pose_A(const engine::Polyhedron& s) {
+  return {&s, Mat3::Identity(), Vec3::Zero(), 1.0};
+}
+
+/// The z axis of B in A's frame.
+inline Vec3 z_axis(const Quat& q) {
+  return {2.0 * (q.x() * q.z() + q.w() * q.y()), 2.0 * (q.y() * q.z() - q.w() * q.x()),
+          1.0 - 2.0 * (q.x() * q.x() + q.y() * q.y())};
+}
+
+inline Ellipsoid pose_B(const engine::Ellipsoid& s, const Pose& X_AB) {
+  const Mat3 R = X_AB.q.toRotationMatrix();
+  const Vec3 r2 = s.radii.cwiseProduct(s.radii);
+  const auto q = [&](int i, int j) {
+    return R(i, 0) * R(j, 0) * r2.x() + R(i, 1) * R(j, 1) * r2.y() + R(i, 2) * R(j, 2) * r2.z();
+  };
+  return {-X_AB.p, q(0, 0), q(1, 1), q(2, 2), q(0, 1), q(0, 2), q(1, 2)};
+}
+inline Cylinder pose_B(const engine::Cylinder& s, const Pose& X_AB) {
+  return {{-X_AB.p, -z_axis(X_AB.q), s.radius, s.half_height}};
+}
+inline Cone pose_B(const engine::Cone& s, const Pose& X_AB) {
+  const double slant = std::sqrt(s.radius * s.radius + s.height * s.height);
+  return {{-X_AB.p, -z_axis(X_AB.q), s.radius, 0.5 * s.height}, s.radius / slant, s.height / slant};
+}
+inline Hull pose_B(const engine::Polyhedron& s, const Pose& X_AB) {
+  return {&s, X_AB.q.toRotationMatrix(), X_AB.p, -1.0};
+}
+
+}  // namespace headpin::engine::posed

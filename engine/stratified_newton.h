@@ -1,0 +1,317 @@
+#pragma once
+
+#include "engine/posed.h"
+
+/// Newton's method for the least depth of two of the paper's primitives. Private to the engine.
+///
+/// h(n) = n . S(n), the support function of A - B, is to be least over unit n. Where it is smooth a
+/// Newton step on the sphere does it: gradient g = S - h n, Hessian W - h 1 across n with W the
+/// radii of curvature. But contacts sit on its kinks most of the time: the circle of normals of a
+/// side (n . axis = c, a whole generator is furthest) and the pole of a cap (a whole disc is). So a
+/// step that would cross a kink ends on it, and the search stays there while generator or disc hold
+/// a point that makes S parallel to n; when they do not, it leaves by the end that comes nearest.
+namespace headpin::engine {
+
+struct Descent {
+  enum End { apart, least, unresolved };
+  End end = unresolved;
+  Vec3 n = Vec3::UnitZ();
+  double h = 0.0;
+  Vec3 s_A = Vec3::Zero(), s_B = Vec3::Zero();  ///< S = s_A + s_B, with B mirrored
+  int evaluations = 0;
+};
+
+namespace newton {
+
+using posed::At;
+using posed::Bend;
+using posed::Generator;
+
+inline constexpr double kLongestStep = 0.7;  // rad
+
+/// A curvature that a step may be divided by: small and negative ones become positive.
+inline double safe(double curvature, double floor) {
+  return curvature > floor ? curvature : floor + std::abs(curvature);
+}
+
+/// Two unit vectors across n and each other (Duff et al. 2017).
+inline void across(const Vec3& n, Vec3& u, Vec3& v) {
+  const double sign = std::copysign(1.0, n.z());
+  const double a = -1.0 / (sign + n.z()), b = n.x() * n.y() * a;
+  u = {1.0 + sign * n.x() * n.x() * a, sign * b, -sign * n.x()};
+  v = {b, sign + n.y() * n.y() * a, -n.y()};
+}
+
+/// The Newton step of the plane: -H^-1 g, H made positive.
+inline Vec2 step_of(const Bend& H, double gu, double gv, double floor) {
+  const double det = H.uu * H.vv - H.uv * H.uv, trace = H.uu + H.vv;
+  // Both eigenvalues are above the floor.
+  if (det > floor * trace - floor * floor && trace > 2.0 * floor) {
+    return Vec2(H.uv * gv - H.vv * gu, H.uv * gu - H.uu * gv) / det;
+  }
+  const double half = 0.5 * (H.uu - H.vv), root = std::sqrt(half * half + H.uv * H.uv);
+  const double high = safe(0.5 * trace + root, floor), low = safe(0.5 * trace - root, floor);
+  // Eigenvector of the higher: of [half uv; uv -half] with eigenvalue root.
+  Vec2 x = half > 0.0 ? Vec2(root + half, H.uv) : Vec2(H.uv, root - half);
+  const double length = x.norm();
+  x = length > 0.0 ? Vec2(x / length) : Vec2::UnitX();
+  const Vec2 y(-x.y(), x.x()), g(gu, gv);
+  return -x.dot(g) / high * x - y.dot(g) / low * y;
+}
+
+/// Of the two normals on both circles the one nearest to n; n itself where the circles do not meet.
+inline Vec3 on_both(const posed::Round& a, double ca, const posed::Round& b, double cb,
+                    const Vec3& n) {
+  const Vec3 across = a.axis.cross(b.axis);
+  const double sin2 = across.squaredNorm(), cosine = a.axis.dot(b.axis);
+  if (sin2 < 1e-20) return n;
+  const Vec3 in_plane = ((ca - cosine * cb) * a.axis + (cb - cosine * ca) * b.axis) / sin2;
+  const double up2 = 1.0 - in_plane.squaredNorm();
+  if (up2 < 0.0) return n;
+  const double up = std::sqrt(up2 / sin2);
+  return (in_plane + (n.dot(across) < 0.0 ? -up : up) * across).normalized();
+}
+
+template <typename Shape>
+Vec3 onto_circle(const Shape& s, const Vec3& n) {
+  const Vec3 w = n - n.dot(s.axis) * s.axis;
+  const double rho = w.norm();
+  if (!(rho > 0.0)) return n;
+  return s.kink() * s.axis + s.kink_radius() / rho * w;
+}
+
+/// Which side of the circle the direction lies on.
+template <typename Shape>
+int side_of(const Shape& s, const Vec3& n) {
+  return n.dot(s.axis) > s.kink() ? 1 : -1;
+}
+
+/// Whether the way from n to `next` went over the pole of a cap; then `next` becomes that pole.
+template <typename Shape>
+bool over_pole(const Shape& s, const Vec3& n, Vec3& next) {
+  const double z0 = n.dot(s.axis), z1 = next.dot(s.axis);
+  if (z0 * z1 <= 0.0 || !s.pole(z1)) return false;
+  if (n.dot(next) - z0 * z1 >= 0.0) return false;
+  next = z1 < 0.0 ? Vec3(-s.axis) : s.axis;
+  return true;
+}
+
+/// The point of a generator at tau becomes the furthest point.
+inline void move(At& a, const Generator& line, double tau, Vec3& g) {
+  a.s += tau * line.e;
+  g += tau * line.e;
+}
+
+/// The search leaves a generator by the end that is nearest to tau.
+inline void leave(At& a, const Generator& line, double tau, Vec3& g) {
+  const bool high = tau > 0.5 * (line.low + line.high);
+  move(a, line, high ? line.high : line.low, g);
+  if (high) a.bend = line.bend_high;
+  a.side = high ? line.high_side : -line.high_side;
+  a.set = At::point;
+}
+
+inline double outside(double tau, double low, double high) {
+  return std::max({low - tau, tau - high, 0.0});
+}
+
+}  // namespace newton
+
+/// Descends from n to a local minimum of h.
+///
+/// @param a, b    posed shapes, b mirrored
+/// @param n       unit
+/// @param size    of the smaller shape [m]: scale of tolerances
+/// @param margin  stops with `apart` where h < -margin
+/// @param cap     most evaluations
+template <typename A, typename B>
+Descent descend(const A& a, const B& b, Vec3 n, double size, double margin, int cap) {
+  using namespace newton;
+  const double tolerance = 1e-11 * size, floor = 0.02 * size;
+  Descent d;
+  Vec3 aim = n;                // where the last step wanted to go, kinks apart
+  int side_a = 0, side_b = 0;  // of the circles of kinks the step started from; 0: may cross
+  bool hold_a = false, hold_b = false, free_a = false, free_b = false;
+  // Where a step ends that meets a kink on its way.
+  const auto stop_at_kinks = [&](const Vec3& from, const Vec3& to) -> Vec3 {
+    Vec3 end = to;
+    if constexpr (A::kKinks) {
+      if (free_a && over_pole(a, from, end)) return end;
+    }
+    if constexpr (B::kKinks) {
+      if (free_b && over_pole(b, from, end)) return end;
+    }
+    bool over_a = false, over_b = false;
+    if constexpr (A::kKinks) over_a = side_a != 0 && side_of(a, to) != side_a;
+    if constexpr (B::kKinks) over_b = side_b != 0 && side_of(b, to) != side_b;
+    if constexpr (A::kKinks && B::kKinks) {
+      if ((over_a || hold_a) && (over_b || hold_b) && (over_a || over_b)) {
+        return on_both(a, a.kink(), b, b.kink(), to);
+      }
+    }
+    if constexpr (A::kKinks) {
+      if (over_a) return onto_circle(a, to);
+    }
+    if constexpr (B::kKinks) {
+      if (over_b) return onto_circle(b, to);
+    }
+    return to;
+  };
+  for (int k = 1; k <= cap; ++k) {
+    At at_a = a.at(n), at_b = b.at(n);
+    const Vec3 S = at_a.s + at_b.s;
+    const double h = n.dot(S);
+    d.evaluations = k;
+    const auto finish = [&](Descent::End end) {
+      d.end = end;
+      d.n = n;
+      d.h = h;
+      d.s_A = at_a.s;
+      d.s_B = at_b.s;
+    };
+    if (h < -margin) {
+      finish(Descent::apart);
+      return d;
+    }
+    if (k > 1 && h > d.h + 1e-13 * size) {  // too long a step: half of it
+      aim = (aim + d.n).normalized();
+      n = stop_at_kinks(d.n, aim);
+      continue;
+    }
+    finish(Descent::unresolved);
+
+    Vec3 g = S - h * n;
+    const At* held = nullptr;  // on whose circle the search stays
+    Vec3 S_low;                // S with the low ends of generators held
+    Generator line_a, line_b;
+    if constexpr (A::kKinks) {
+      if (at_a.set == At::generator) line_a = a.generator(n, at_a);
+    }
+    if constexpr (B::kKinks) {
+      if (at_b.set == At::generator) line_b = b.generator(n, at_b);
+    }
+    if (at_a.set == At::disc || at_b.set == At::disc) {
+      const auto nearest = [&](At& x, const Generator& line) {
+        if (x.set == At::generator)
+          move(x, line, std::clamp(-g.dot(line.e), line.low, line.high), g);
+      };
+      nearest(at_a, line_a);
+      nearest(at_b, line_b);
+      const double radius_a = at_a.set == At::disc ? a.radius : 0.0;
+      const double radius_b = at_b.set == At::disc ? b.radius : 0.0;
+      const double radius = radius_a + radius_b, off = g.norm();
+      if (off <= radius) {  // flat on flat, or something stands on the cap
+        at_a.s -= radius_a / radius * g;
+        at_b.s -= radius_b / radius * g;
+        finish(Descent::least);
+        return d;
+      }
+      const Vec3 out = g / off;
+      at_a.s -= radius_a * out;
+      at_b.s -= radius_b * out;
+      Bend H;
+      a.add_bend(n, at_a, out, Vec3::Zero(), H);
+      b.add_bend(n, at_b, out, Vec3::Zero(), H);
+      const double step = (off - radius) / safe(H.uu - h, floor);
+      if (0.5 * step * (off - radius) < tolerance) {
+        finish(Descent::least);
+        return d;
+      }
+      aim = (n - std::min(step, kLongestStep) * out).normalized();
+    } else {
+      if (at_a.set == At::generator && at_b.set == At::generator) {
+        const double det = n.dot(line_a.e.cross(line_b.e));
+        if (std::abs(det) > 1e-6) {  // crossed
+          const double ta = -n.dot(g.cross(line_b.e)) / det, tb = -n.dot(line_a.e.cross(g)) / det;
+          const double out_a = outside(ta, line_a.low, line_a.high);
+          const double out_b = outside(tb, line_b.low, line_b.high);
+          if (out_a == 0.0 && out_b == 0.0) {
+            move(at_a, line_a, ta, g);
+            move(at_b, line_b, tb, g);
+            finish(Descent::least);
+            return d;
+          }
+          out_a >= out_b ? leave(at_a, line_a, ta, g) : leave(at_b, line_b, tb, g);
+        } else {  // side by side: one long generator
+          const double same = line_a.e.dot(line_b.e) > 0.0 ? 1.0 : -1.0;
+          const double tau = -g.dot(line_a.e);
+          const double low = same > 0.0 ? line_b.low : -line_b.high;
+          const double high = same > 0.0 ? line_b.high : -line_b.low;
+          if (tau < line_a.low + low || tau > line_a.high + high) {
+            leave(at_a, line_a, tau, g);
+            leave(at_b, line_b, same * tau, g);
+          } else {
+            const double ta = std::clamp(tau, line_a.low, line_a.high);
+            S_low = S;
+            move(at_a, line_a, ta, g);
+            move(at_b, line_b, same * (tau - ta), g);
+            held = &at_a;
+          }
+        }
+      }
+      const auto stay = [&](At& x, const Generator& line) {
+        if (x.set != At::generator || held != nullptr) return;
+        const double tau = -g.dot(line.e);
+        if (tau < line.low || tau > line.high) {
+          leave(x, line, tau, g);
+        } else {
+          S_low = at_a.s + at_b.s;
+          move(x, line, tau, g);
+          held = &x;
+        }
+      };
+      stay(at_a, line_a);
+      stay(at_b, line_b);
+
+      if (held != nullptr) {  // along the circle
+        const Vec3 t = held->t;
+        Bend H;
+        a.add_bend(n, at_a, t, Vec3::Zero(), H);
+        b.add_bend(n, at_b, t, Vec3::Zero(), H);
+        const auto along = [&](const auto& s) {
+          if constexpr (std::decay_t<decltype(s)>::kKinks) {
+            const double c = s.kink(), rho = s.kink_radius();
+            const double curvature = safe(H.uu + (c * s.axis.dot(S_low) - h) / (rho * rho), floor);
+            const double gt = g.dot(t), step = -gt / curvature;
+            if (-0.5 * gt * step < tolerance) return true;
+            const Vec3 w = n - c * s.axis + std::clamp(step, -kLongestStep, kLongestStep) * t;
+            aim = c * s.axis + rho * w.normalized();
+          }
+          return false;
+        };
+        if (held == &at_a ? along(a) : along(b)) {
+          finish(Descent::least);
+          return d;
+        }
+      } else {
+        Vec3 u, v;
+        across(n, u, v);
+        Bend H;
+        a.add_bend(n, at_a, u, v, H);
+        b.add_bend(n, at_b, u, v, H);
+        H.uu -= h;
+        H.vv -= h;
+        const double gu = g.dot(u), gv = g.dot(v);
+        Vec2 step = step_of(H, gu, gv, floor);
+        if (-0.5 * (gu * step.x() + gv * step.y()) < tolerance) {
+          finish(Descent::least);
+          return d;
+        }
+        const double length = step.norm();
+        if (length > kLongestStep) step *= kLongestStep / length;
+        aim = (n + step.x() * u + step.y() * v).normalized();
+      }
+    }
+
+    side_a = at_a.side;
+    side_b = at_b.side;
+    hold_a = held == &at_a;
+    hold_b = held == &at_b;
+    free_a = at_a.set != At::disc;
+    free_b = at_b.set != At::disc;
+    n = stop_at_kinks(d.n, aim);
+  }
+  return d;
+}
+
+}  // namespace headpin::engine
