@@ -20,4 +20,7 @@ struct TryAgain : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+void add_compare(CLI::App& app);
+void add_replay(CLI::App& app);
+
 }  // namespace headpin::apps

@@ -19,6 +19,8 @@ int main(int argc, char** argv) {
   CLI::App app{"headpin: a headless immersive bowling simulator with a tracked-device layer",
                "headpin"};
   app.require_subcommand(1);
+  headpin::apps::add_replay(app);
+  headpin::apps::add_compare(app);
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -64,6 +64,8 @@ template <typename V>
 void visit(V& v, Skittle& s) {
   v.field("height", s.height, Range{0.05, 2}, "15.000 in: USBC");
   v.field("mass", s.mass, Range{0.01, 100}, "3 lb 8 oz: USBC");
+  v.field("rolling_arm", s.rolling_arm, Range{0, 0.1},
+          "rolling resistance: its load acts this far ahead; brings a skittle on its side to rest");
   v.field("parts", s.parts, kAny, "its true shape as collisions see it, base upwards");
   v.field("profile", s.profile, kAny,
           "[height above the base, radius] as eyes see it: USBC, necks from pin drawings");

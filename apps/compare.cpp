@@ -1,0 +1,168 @@
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "apps/simulate.h"
+#include "devices/log.h"
+
+namespace headpin::apps {
+
+namespace {
+
+struct Options {
+  std::string a, b;
+  bool json = false;
+};
+
+/// One trial as the comparison sees it.
+struct Side {
+  std::string path;
+  devices::Trial trial;
+  scene::Scenario scenario;
+};
+
+Side load(const std::string& path) {
+  Side side{path, devices::read_trial(path), {}};
+  side.scenario = scene::parse_scenario(side.trial.header.scenario, path + " (scenario)");
+  if (side.trial.states.empty()) {
+    throw std::runtime_error(path + ": expected states to compare, found none; `headpin replay " +
+                             path + " -o OUT.lcmlog` writes them");
+  }
+  return side;
+}
+
+struct FirstDifference {
+  std::int64_t tick;
+  double time_s;
+  std::string body;
+};
+
+/// The first tick, of those both have, whose bits differ; where one ends sooner, its next tick.
+std::optional<FirstDifference> first_difference(const Side& a, const Side& b) {
+  const auto& sa = a.trial.states;
+  const auto& sb = b.trial.states;
+  std::size_t i = 0, j = 0;
+  while (i < sa.size() && j < sb.size()) {
+    if (sa[i].tick < sb[j].tick) {
+      ++i;
+    } else if (sb[j].tick < sa[i].tick) {
+      ++j;
+    } else {
+      const auto body = first_different_body(sa[i], sb[j], a.trial.header.body_names);
+      if (body) return FirstDifference{sa[i].tick, seconds(sa[i].time), *body};
+      ++i, ++j;
+    }
+  }
+  if (i == sa.size() && j == sb.size()) return std::nullopt;
+  const devices::TickState& extra = i < sa.size() ? sa[i] : sb[j];
+  return FirstDifference{extra.tick, seconds(extra.time), ""};
+}
+
+/// Energy of the free bodies in a recorded state [J], height from the lane.
+double energy(engine::World& world, const devices::TickState& state) {
+  const std::size_t bodies = std::min(world.states.size(), state.bodies.size());
+  for (std::size_t i = 0; i < bodies; ++i) {
+    world.states[i] = {state.bodies[i].X_WB, state.bodies[i].V_WB.v, state.bodies[i].V_WB.w};
+  }
+  return engine::balance(world).energy;
+}
+
+nlohmann::json describe(const Side& side) {
+  const devices::Trial& trial = side.trial;
+  std::int64_t contacts = 0, touches = 0, down = 0;
+  nlohmann::json release, impact;
+  for (const devices::TickState& state : trial.states) contacts += state.contacts;
+  for (const devices::Event& event : trial.events) {
+    touches += event.kind == "touch" || event.kind == "first_contact";
+    down += event.kind == "skittle_down";
+    if (event.kind == "release" && release.is_null()) release = event.value;
+    if (event.kind == "first_contact" && impact.is_null()) impact = event.value;
+  }
+  scene::Session session = scene::make_session(side.scenario);
+  engine::set_kind(session.world, session.ball, engine::Kind::free);  // so that the ball counts
+  double highest = 0.0;
+  for (const devices::TickState& state : trial.states) {
+    highest = std::max(highest, energy(session.world, state));
+  }
+  return {{"trial", side.path},
+          {"elasticity", common_value(side.scenario.material, &scene::Material::elasticity)},
+          {"friction", common_value(side.scenario.material, &scene::Material::friction)},
+          {"shape", side.scenario.collision.shape},
+          {"response", side.scenario.collision.response},
+          {"ticks", trial.states.size()},
+          {"contacts", contacts},
+          {"touches", touches},
+          {"skittles_down", down},
+          {"release_speed_mps", release},
+          {"impact_speed_mps", impact},
+          {"highest_energy_j", highest},
+          {"final_energy_j", energy(session.world, trial.states.back())}};
+}
+
+std::string cell(const nlohmann::json& value) {
+  if (value.is_null()) return "-";
+  if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+void print(const nlohmann::json& result) {
+  if (result["first_difference_tick"].is_null()) {
+    fmt::print("equal to the bit, {} ticks\n\n", result["a"]["ticks"].dump());
+  } else {
+    const std::string body = result["first_difference_body"].get<std::string>();
+    fmt::print("first difference  tick {} ({} s){}\n\n", result["first_difference_tick"].dump(),
+               cell(result["first_difference_s"]), body.empty() ? "" : ", " + body);
+  }
+  const std::pair<const char*, const char*> rows[] = {{"", "trial"},
+                                                      {"elasticity", "elasticity"},
+                                                      {"friction", "friction"},
+                                                      {"shape", "shape"},
+                                                      {"response", "response"},
+                                                      {"ticks", "ticks"},
+                                                      {"contact points", "contacts"},
+                                                      {"pairs that touched", "touches"},
+                                                      {"skittles down", "skittles_down"},
+                                                      {"release [m/s]", "release_speed_mps"},
+                                                      {"first skittle [m/s]", "impact_speed_mps"},
+                                                      {"highest energy [J]", "highest_energy_j"},
+                                                      {"final energy [J]", "final_energy_j"}};
+  for (const auto& [label, key] : rows) {
+    fmt::print("{:<20}{:<28}{}\n", label, cell(result["a"][key]), cell(result["b"][key]));
+  }
+}
+
+void run(const Options& options) {
+  const Side a = load(options.a), b = load(options.b);
+  nlohmann::json result = {{"a", describe(a)},
+                           {"b", describe(b)},
+                           {"first_difference_tick", nullptr},
+                           {"first_difference_s", nullptr},
+                           {"first_difference_body", nullptr}};
+  if (const auto difference = first_difference(a, b)) {
+    result["first_difference_tick"] = difference->tick;
+    result["first_difference_s"] = difference->time_s;
+    result["first_difference_body"] = difference->body;
+  }
+  if (options.json) {
+    fmt::print("{}\n", result.dump());
+  } else {
+    print(result);
+  }
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command =
+      app.add_subcommand("compare", "hold two replayed trials against each other, tick by tick");
+  command->add_option("a", options->a, "a trial with states")->required();
+  command->add_option("b", options->b, "another")->required();
+  command->add_flag("--json", options->json, "print one JSON object");
+  command->footer("Example:\n  headpin compare rough.lcmlog smooth.lcmlog");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,109 @@
+#include "scene/bodies.h"
+
+#include <algorithm>
+#include <numbers>
+#include <stdexcept>
+
+namespace headpin::scene {
+
+namespace {
+
+Vec3 z(double height) {
+  return {0.0, 0.0, height};
+}
+
+engine::Part make_part(const SkittlePart& part) {
+  const double half = 0.5 * (part.high - part.low);
+  const Pose X_BG{Quat::Identity(), z(part.low + half)};
+  if (part.shape == "cylinder") return {engine::Cylinder{part.radius, half}, X_BG};
+  if (part.shape == "cone") return {engine::Cone{part.radius, 2.0 * half}, X_BG};
+  return {engine::Ellipsoid{Vec3(part.radius, part.radius, half)}, X_BG};
+}
+
+engine::Material surface(const Material& material, double rolling_arm = 0.0) {
+  return {material.elasticity, material.friction, rolling_arm};
+}
+
+/// A skittle's shape about its centre of mass, for the mass its scenario gives it.
+engine::Centred centred_skittle(const Scenario& scenario) {
+  const engine::Compound shape = skittle_shape(scenario.skittle, scenario.collision.shape);
+  const double volume = engine::mass_properties(shape, 1.0).mass;
+  return engine::about_centre(shape,
+                              engine::mass_properties(shape, scenario.skittle.mass / volume));
+}
+
+}  // namespace
+
+engine::Compound skittle_shape(const Skittle& skittle, const std::string& shape) {
+  if (shape == "ellipsoid") {
+    double radius = 0.0;
+    for (const SkittlePart& part : skittle.parts) radius = std::max(radius, part.radius);
+    const double half = 0.5 * skittle.height;
+    return engine::make_compound(
+        {{engine::Ellipsoid{Vec3(radius, radius, half)}, {Quat::Identity(), z(half)}}});
+  }
+  if (shape != "true") {
+    throw std::invalid_argument("skittle shape: expected true or ellipsoid, found " + shape);
+  }
+  std::vector<engine::Part> parts;
+  for (const SkittlePart& part : skittle.parts) parts.push_back(make_part(part));
+  return engine::make_compound(std::move(parts));
+}
+
+engine::Body skittle_body(const Scenario& scenario) {
+  const engine::Centred centred = centred_skittle(scenario);
+  return {.name = "skittle",
+          .shape = centred.compound,
+          .mass = centred.mass,
+          .inertia = centred.inertia.asDiagonal(),
+          .material = surface(scenario.material.skittle, scenario.skittle.rolling_arm)};
+}
+
+double centre_height(const Scenario& scenario) {
+  return centred_skittle(scenario).X_BC.p.z();
+}
+
+engine::Body ball_body(const Scenario& scenario) {
+  const Ball& ball = scenario.ball;
+  const double inertia = 0.4 * ball.mass * ball.radius * ball.radius;
+  return {.name = "ball",
+          .shape = engine::make_compound({{engine::Ellipsoid{Vec3::Constant(ball.radius)}, {}}}),
+          .mass = ball.mass,
+          .inertia = Vec3::Constant(inertia).asDiagonal(),
+          .material = surface(scenario.material.ball)};
+}
+
+std::vector<Plane> room_planes(const Scenario& scenario) {
+  const Room& room = scenario.room;
+  const double quarter = 0.5 * std::numbers::pi;
+  const auto plane = [&](const char* name, const Material& material, const Vec3& turn,
+                         const Vec3& p_WB) {
+    return Plane{{.name = name,
+                  .shape = engine::make_compound({{engine::HalfSpace{}, {}}}),
+                  .material = surface(material),
+                  .kind = engine::Kind::fixed},
+                 {rotation(turn), p_WB}};
+  };
+  const Materials& m = scenario.material;
+  // Each half-space is solid below its own z = 0, so its z is turned into the room.
+  return {plane("lane", m.lane, Vec3::Zero(), Vec3::Zero()),
+          plane("left wall", m.wall, Vec3(0.0, quarter, 0.0), Vec3(-0.5 * room.width, 0.0, 0.0)),
+          plane("right wall", m.wall, Vec3(0.0, -quarter, 0.0), Vec3(0.5 * room.width, 0.0, 0.0)),
+          plane("wall behind", m.wall, Vec3(-quarter, 0.0, 0.0), Vec3(0.0, -room.behind, 0.0)),
+          plane("wall ahead", m.wall, Vec3(quarter, 0.0, 0.0), Vec3(0.0, room.ahead, 0.0))};
+}
+
+engine::Parameters world_parameters(const Scenario& scenario) {
+  const Collision& c = scenario.collision;
+  engine::Parameters p;
+  p.rate_hz = static_cast<int>(scenario.rates.physics_hz);
+  p.gravity_W = Vec3(0.0, 0.0, -c.gravity);
+  p.response = c.response == "coulomb" ? "coulomb" : "paper";
+  p.query.mode =
+      c.detection == "paper" ? engine::Query::Mode::paper : engine::Query::Mode::converged;
+  p.query.cap = static_cast<int>(c.iterations);
+  p.sleep = c.sleep;
+  return p;
+}
+
+}  // namespace headpin::scene

@@ -1,0 +1,37 @@
+#pragma once
+
+#include "engine/world.h"
+#include "scene/scenario.h"
+
+/// What collides: the skittle, the ball, the floor and the walls of a scenario as bodies.
+namespace headpin::scene {
+
+/// A skittle's shape with its base's middle at the origin and its axis along z.
+///
+/// @param shape  "true": the compound of its parts; "ellipsoid": the one ellipsoid of its height
+/// and
+///               largest width (Uno & Slater 1997, table 1)
+/// @throws std::invalid_argument  for another shape
+engine::Compound skittle_shape(const Skittle& skittle, const std::string& shape);
+
+/// A skittle as a body: origin at its centre of mass, uniform density.
+engine::Body skittle_body(const Scenario& scenario);
+
+/// Height of the centre of mass of a skittle's body above its base [m].
+double centre_height(const Scenario& scenario);
+
+engine::Body ball_body(const Scenario& scenario);
+
+/// Floor or wall, and where it stands.
+struct Plane {
+  engine::Body body;
+  Pose X_WB;
+};
+
+/// The floor, then the walls: left, right, behind and ahead.
+std::vector<Plane> room_planes(const Scenario& scenario);
+
+/// How the world is stepped.
+engine::Parameters world_parameters(const Scenario& scenario);
+
+}  // namespace headpin::scene
