@@ -110,6 +110,287 @@ void stand(Footprint& foot, const Polyhedron& s, const Vec3& down, double above)
   if (right != lowest) foot.point(v[right], right);
 }
 
+/// Faces and generators within this angle of facing each other give more than one point [rad].
+constexpr double kFacing = 0.1;
+constexpr int kMaxCorners = 64;
+
+/// The flat or straight part of a surface that faces a direction: a polygon, a segment or a point.
+struct Patch {
+  Vec3 corner[kMaxCorners];
+  int count = 0;        // 1 point, 2 segment, 3.. polygon
+  double radius = 0.0;  // of the surface across a segment
+
+  void add(const Vec3& p) {
+    if (count < kMaxCorners) corner[count++] = p;
+  }
+};
+
+Patch patch(const Ellipsoid&, const Vec3&) {
+  return {};
+}
+Patch patch(const HalfSpace&, const Vec3&) {
+  return {};
+}
+
+// A disc becomes a polygon with corners on its rim, one of them furthest along n.
+void add_disc(Patch& out, double radius, double z, const Vec3& n) {
+  constexpr int kRim = 16;
+  constexpr double kCos = 0.92387953251128675613, kSin = 0.38268343236508977173;  // of 2 pi / 16
+  const double rho = std::sqrt(n.x() * n.x() + n.y() * n.y());
+  Vec2 u = rho > 1e-9 ? Vec2(n.x() / rho, n.y() / rho) : Vec2(Vec2::UnitX());
+  for (int i = 0; i < kRim; ++i) {
+    out.add({radius * u.x(), radius * u.y(), z});
+    u = {kCos * u.x() - kSin * u.y(), kSin * u.x() + kCos * u.y()};
+  }
+}
+
+Patch patch(const Cylinder& s, const Vec3& n) {
+  Patch out;
+  const double rho = std::sqrt(n.x() * n.x() + n.y() * n.y());
+  if (rho < kFacing) {
+    add_disc(out, s.radius, n.z() < 0.0 ? -s.half_height : s.half_height, n);
+  } else if (std::abs(n.z()) < kFacing) {
+    const double k = s.radius / rho;
+    out.add({k * n.x(), k * n.y(), -s.half_height});
+    out.add({k * n.x(), k * n.y(), s.half_height});
+    out.radius = s.radius;
+  }
+  return out;
+}
+
+Patch patch(const Cone& s, const Vec3& n) {
+  Patch out;
+  const double rho = std::sqrt(n.x() * n.x() + n.y() * n.y());
+  const double slant = std::sqrt(s.radius * s.radius + s.height * s.height);
+  if (rho < kFacing && n.z() < 0.0) {
+    add_disc(out, s.radius, -0.5 * s.height, n);
+  } else if (std::abs(s.height * n.z() - s.radius * rho) < kFacing * slant) {
+    const double k = s.radius / rho;
+    out.add({0.0, 0.0, 0.5 * s.height});
+    out.add({k * n.x(), k * n.y(), -0.5 * s.height});
+    out.radius = 0.5 * s.radius * slant / s.height;  // half-way up
+  }
+  return out;
+}
+
+Patch patch(const Polyhedron& s, const Vec3& n) {
+  Patch out;
+  const std::uint32_t v = s.furthest(n);
+  const Polyhedron::Face* facing = nullptr;
+  double most = 1.0 - 0.5 * kFacing * kFacing;
+  for (const std::uint32_t f : s.faces_at(v)) {
+    const double cosine = n.dot(s.faces()[f].normal);
+    if (cosine > most) {
+      most = cosine;
+      facing = &s.faces()[f];
+    }
+  }
+  if (facing != nullptr) {
+    const auto corners = s.corners(*facing);
+    const std::size_t step = (corners.size() + kMaxCorners - 1) / kMaxCorners;
+    for (std::size_t i = 0; i < corners.size(); i += step) out.add(s.vertices()[corners[i]]);
+    return out;
+  }
+  double least = kFacing;
+  std::uint32_t other = v;
+  for (const std::uint32_t w : s.neighbours(v)) {
+    const Vec3 along = s.vertices()[w] - s.vertices()[v];
+    const double sine = std::abs(n.dot(along)) / along.norm();
+    if (sine < least) {
+      least = sine;
+      other = w;
+    }
+  }
+  if (other != v) {
+    out.add(s.vertices()[v]);
+    out.add(s.vertices()[other]);
+  }
+  return out;
+}
+
+/// The plane across the contact normal; heights along it.
+struct Frame {
+  Vec3 origin, u, v, n;
+
+  Vec2 flat(const Vec3& p) const { return {u.dot(p - origin), v.dot(p - origin)}; }
+  double height(const Vec3& p) const { return n.dot(p - origin); }
+};
+
+/// A patch in the contact plane, with its height there: height(x) = level + slope . x.
+struct Sheet {
+  Vec2 corner[2 * kMaxCorners];
+  int count = 0;
+  double level = 0.0;
+  Vec2 slope = Vec2::Zero();
+
+  double height(const Vec2& x) const { return level + slope.dot(x); }
+  Vec2 edge(int i) const { return corner[(i + 1) % count] - corner[i]; }
+};
+
+double cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+Sheet lay(const Patch& patch, const Frame& frame) {
+  Sheet s;
+  s.count = patch.count;
+  for (int i = 0; i < patch.count; ++i) s.corner[i] = frame.flat(patch.corner[i]);
+  if (patch.count == 2) {
+    const Vec2 d = s.corner[1] - s.corner[0];
+    const double rise = frame.height(patch.corner[1]) - frame.height(patch.corner[0]);
+    s.slope = rise / std::max(d.squaredNorm(), 1e-300) * d;
+  } else {
+    // Three corners far apart span the plane.
+    const int j = patch.count / 3, k = 2 * patch.count / 3;
+    const Vec3 m = (patch.corner[j] - patch.corner[0]).cross(patch.corner[k] - patch.corner[0]);
+    const double up = m.dot(frame.n);
+    if (up != 0.0) s.slope = Vec2(m.dot(frame.u), m.dot(frame.v)) / -up;
+    if (up < 0.0) std::reverse(s.corner, s.corner + s.count);
+  }
+  s.level = frame.height(patch.corner[0]) - s.slope.dot(frame.flat(patch.corner[0]));
+  return s;
+}
+
+/// The part of a convex polygon or segment to the left of the line through p along d.
+void cut(Sheet& s, const Vec2& p, const Vec2& d) {
+  Vec2 kept[2 * kMaxCorners];
+  int count = 0;
+  const int edges = s.count == 2 ? 1 : s.count;
+  const auto keep = [&](const Vec2& x) {
+    if (count < 2 * kMaxCorners) kept[count++] = x;
+  };
+  for (int i = 0; i < s.count; ++i) {
+    const Vec2 &a = s.corner[i], &b = s.corner[(i + 1) % s.count];
+    const double side_a = cross(d, a - p), side_b = cross(d, b - p);
+    if (side_a >= 0.0) keep(a);
+    if (i < edges && (side_a >= 0.0) != (side_b >= 0.0)) {
+      keep(a + side_a / (side_a - side_b) * (b - a));
+    }
+  }
+  s.count = count;
+  std::copy(kept, kept + count, s.corner);
+}
+
+struct Candidate {
+  Vec2 x;
+  double height = 0.0, depth = 0.0;
+};
+
+/// What two patches share, as corners in the contact plane. Returns how many.
+int shared(const Patch& of_a, const Patch& of_b, const Sheet& a, const Sheet& b, Candidate* out) {
+  int count = 0;
+  if (of_a.count == 2 && of_b.count == 2) {
+    // Side on side: the stretch that both cover, if they are nearly parallel.
+    const Vec2 da = a.corner[1] - a.corner[0], db = b.corner[1] - b.corner[0];
+    const double length = da.norm(), turn = cross(da, db) / (length * db.norm());
+    if (!(std::abs(turn) < kFacing)) return 0;
+    const Vec2 t = da / length;
+    const double b0 = t.dot(b.corner[0] - a.corner[0]), b1 = t.dot(b.corner[1] - a.corner[0]);
+    const double low = std::max(0.0, std::min(b0, b1)), high = std::min(length, std::max(b0, b1));
+    if (!(low < high)) return 0;
+    for (const double s : {low, high}) {
+      const Vec2 xa = a.corner[0] + s * t;
+      const Vec2 xb = b.corner[0] + (s - b0) / (b1 - b0) * db;
+      // Round sides that part sideways by e are further apart than their lines by e^2 / 2 r.
+      const double e2 = (xa - xb).squaredNorm();
+      const double ha = a.height(xa), hb = b.height(xb);
+      const double lost = e2 / (2.0 * (of_a.radius + of_b.radius) + std::sqrt(e2) + 1e-300);
+      out[count++] = {0.5 * (xa + xb), 0.5 * (ha + hb), ha - hb - lost};
+    }
+    return count;
+  }
+  const bool a_first = of_a.count == 2 || of_b.count != 2;  // a segment is cut by the polygon
+  Sheet s = a_first ? a : b;
+  const Sheet& knife = a_first ? b : a;
+  for (int i = 0; i < knife.count && s.count > 0; ++i) cut(s, knife.corner[i], knife.edge(i));
+  for (int i = 0; i < s.count; ++i) {
+    const double ha = a.height(s.corner[i]), hb = b.height(s.corner[i]);
+    out[count++] = {s.corner[i], 0.5 * (ha + hb), ha - hb};
+  }
+  return count;
+}
+
+/// Up to four that reach furthest: the first, the furthest from it, and the furthest to both sides.
+int spread(const Candidate* all, int count, int first, int* chosen) {
+  chosen[0] = first;
+  int far = first;
+  for (int i = 0; i < count; ++i) {
+    if ((all[i].x - all[first].x).squaredNorm() > (all[far].x - all[first].x).squaredNorm())
+      far = i;
+  }
+  const Vec2 d = all[far].x - all[first].x;
+  const double least = 1e-6 * d.squaredNorm();
+  if (!(least > 0.0)) return 1;
+  chosen[1] = far;
+  int left = first, right = first;
+  double leftmost = least, rightmost = -least;
+  for (int i = 0; i < count; ++i) {
+    const double side = cross(d, all[i].x - all[first].x);
+    if (side > leftmost) {
+      leftmost = side;
+      left = i;
+    }
+    if (side < rightmost) {
+      rightmost = side;
+      right = i;
+    }
+  }
+  int n = 2;
+  if (left != first) chosen[n++] = left;
+  if (right != first) chosen[n++] = right;
+  return n;
+}
+
+/// All points of a contact whose deepest is known. Works in A's frame.
+int add_points(const Shape& a, const Shape& b, const Pose& X_WA, const Pose& X_AB, const Closest& c,
+               double margin, std::vector<ContactPoint>& out) {
+  const Vec3 n_AB_W = X_WA.q * c.n_AB;
+  const Vec3 middle = 0.5 * (c.p_A + c.p_B);
+  const Vec3 n_B = X_AB.q.conjugate() * -c.n_AB;
+  const auto facing = [](const Shape& s, const Vec3& n) {
+    return std::visit([&](const auto& shape) { return patch(shape, n); }, s);
+  };
+  const auto one = [&] {
+    out.push_back({X_WA * middle, n_AB_W, -c.distance, 0});
+    return 1;
+  };
+  if (std::holds_alternative<Ellipsoid>(a) || std::holds_alternative<Ellipsoid>(b)) return one();
+  const Patch patch_a = facing(a, c.n_AB);
+  if (patch_a.count < 2) return one();
+  Patch patch_b = facing(b, n_B);
+  if (patch_b.count < 2) return one();
+  for (int i = 0; i < patch_b.count; ++i) patch_b.corner[i] = X_AB * patch_b.corner[i];
+
+  Frame frame{middle, c.n_AB.unitOrthogonal(), Vec3::Zero(), c.n_AB};
+  frame.v = frame.n.cross(frame.u);
+  Candidate all[2 * kMaxCorners + 2];
+  int count = shared(patch_a, patch_b, lay(patch_a, frame), lay(patch_b, frame), all);
+  if (count == 0) return one();
+  int first = 0;
+  for (int i = 1; i < count; ++i) {
+    if (all[i].depth > all[first].depth) first = i;
+  }
+  // The deepest point itself, where no corner comes close to it.
+  double extent = 0.0;
+  for (int i = 0; i < count; ++i) extent = std::max(extent, all[i].x.norm());
+  if (all[first].depth < -c.distance - 1e-3 * extent) {
+    all[count] = {Vec2::Zero(), 0.0, -c.distance};
+    first = count++;
+  }
+  int chosen[kMaxPoints];
+  const int points = spread(all, count, first, chosen);
+  int added = 0;
+  for (int i = 0; i < points; ++i) {
+    const Candidate& x = all[chosen[i]];
+    if (x.depth < -margin) continue;
+    const Vec3 p_A = frame.origin + x.x.x() * frame.u + x.x.y() * frame.v + x.height * frame.n;
+    out.push_back(
+        {X_WA * p_A, n_AB_W, std::min(x.depth, -c.distance), static_cast<std::uint32_t>(i)});
+    ++added;
+  }
+  return added > 0 ? added : one();
+}
+
 }  // namespace
 
 int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin,
@@ -144,9 +425,12 @@ int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
   const Closest c = closest_points(a, b, X_AB, n_AB_cache, near);
   counts.iterations += c.iterations;
   counts.capped += c.capped ? 1 : 0;
-  if (c.distance > margin) return 0;
-  out.push_back({X_WA * (0.5 * (c.p_A + c.p_B)), X_WA.q * c.n_AB, -c.distance, 0});
-  return 1;
+  if (c.distance > margin || (c.separated && query.mode == Query::paper)) return 0;
+  if (query.mode == Query::paper) {  // one point, as equation (1) has it
+    out.push_back({X_WA * (0.5 * (c.p_A + c.p_B)), X_WA.q * c.n_AB, -c.distance, 0});
+    return 1;
+  }
+  return add_points(a, b, X_WA, X_AB, c, margin, out);
 }
 
 int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const Pose& X_WB,

@@ -58,26 +58,34 @@ Nearest of_tetrahedron(const Vec3* w) {
       (sum < 0.0 && v0 < 0.0 && v1 < 0.0 && v2 < 0.0 && v3 < 0.0)) {
     return {{0, 1, 2, 3}, {v0 / sum, v1 / sum, v2 / sum, v3 / sum}, 4, 0.0};
   }
-  return nearer(nearer(of_triangle(w, 0, 1, 3), of_triangle(w, 0, 2, 3)),
-                nearer(of_triangle(w, 1, 2, 3), of_triangle(w, 0, 1, 2)));
+  // Nearest are the faces that have the origin on their outside.
+  const double sign = sum < 0.0 ? -1.0 : 1.0;
+  Nearest best;
+  if (sum == 0.0 || sign * v0 <= 0.0) best = of_triangle(w, 1, 2, 3);
+  if (sum == 0.0 || sign * v1 <= 0.0) best = nearer(best, of_triangle(w, 0, 2, 3));
+  if (sum == 0.0 || sign * v2 <= 0.0) best = nearer(best, of_triangle(w, 0, 1, 3));
+  if (sum == 0.0 || sign * v3 <= 0.0) best = nearer(best, of_triangle(w, 0, 1, 2));
+  return best;
 }
 
 }  // namespace
 
-Vec3 Simplex::reduce() {
-  const Nearest nearest = count == 1   ? of_point(w, 0)
-                          : count == 2 ? of_segment(w, 0, 1)
-                          : count == 3 ? of_triangle(w, 0, 1, 2)
-                                       : of_tetrahedron(w);
+Vec3 Simplex::reduce(const Vec3& from) {
+  Vec3 x[4];
+  for (int i = 0; i < count; ++i) x[i] = w[i] - from;
+  const Nearest nearest = count == 1   ? of_point(x, 0)
+                          : count == 2 ? of_segment(x, 0, 1)
+                          : count == 3 ? of_triangle(x, 0, 1, 2)
+                                       : of_tetrahedron(x);
   count = nearest.count;
   Vec3 v = Vec3::Zero();
   for (int i = 0; i < count; ++i) {  // corners ascend, so nothing is overwritten before it is read
-    const int from = nearest.corner[i];
-    w[i] = w[from];
-    a[i] = a[from];
-    b[i] = b[from];
+    const int k = nearest.corner[i];
+    w[i] = w[k];
+    a[i] = a[k];
+    b[i] = b[k];
     weight[i] = nearest.weight[i];
-    v += weight[i] * w[i];
+    v += weight[i] * x[k];
   }
   return v;
 }

@@ -12,9 +12,24 @@ struct Simplex {
   double weight[4] = {0.0, 0.0, 0.0, 0.0};
   int count = 0;
 
-  /// Keeps the smallest part of the simplex that holds its point nearest to the origin, weights it,
-  /// and returns that point. With four points left the origin is inside.
-  Vec3 reduce();
+  void add(const Vec3& point, const Vec3& of_A, const Vec3& of_B) {
+    w[count] = point;
+    a[count] = of_A;
+    b[count] = of_B;
+    weight[count] = 1.0;
+    ++count;
+  }
+
+  /// Keeps the smallest part of the simplex that holds its point nearest to `from`, weights it, and
+  /// returns that point less `from`. With four points left `from` is inside.
+  Vec3 reduce(const Vec3& from);
+
+  bool holds(const Vec3& point) const {
+    for (int i = 0; i < count; ++i) {
+      if (w[i] == point) return true;
+    }
+    return false;
+  }
 
   Vec3 p_A() const { return mix(a); }
   Vec3 p_B() const { return mix(b); }

@@ -55,83 +55,67 @@ Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
   return n2 > 1e-200 && n2 < 1e200 ? Vec3(v / std::sqrt(n2)) : otherwise;
 }
 
-/// Nearest point of A - B, moved by -shift, to the origin.
-struct Distance {
-  enum End { nearest, inside, stopped };
-  End end = nearest;
-  Simplex simplex;
-  Vec3 v = Vec3::Zero();
-  Vec3 n = Vec3::UnitZ();  // stopped: h(n) < stop_below
-  Support at_n;
-};
-
-// GJK. Ends early where h(n) < stop_below.
+/// Proof of separation, if there is one: GJK from the origin, which stops at the first n with h <
+/// 0. Undecided (touching to rounding, or inside) counts as meeting.
 template <typename S>
-Distance distance_from(S& search, const Vec3& shift, const Vec3& n0, double size,
-                       double stop_below) {
-  Distance d;
-  Vec3 n = n0;
+bool apart(S& search, Vec3 n, double size, Closest& proof) {
+  Simplex simplex;
   double v2 = kInfinity;
+  Vec3 v = Vec3::Zero();
   for (int step = 0; step < 64; ++step) {
     const Support s = search(n);
-    if (s.h < stop_below) {
-      d.end = Distance::stopped;
-      d.n = n;
-      d.at_n = s;
-      return d;
+    if (s.h < 0.0) {
+      proof = search.answer(s, n);
+      return true;
     }
-    const Vec3 w = s.S - shift;
-    if (d.simplex.count > 0) {
-      bool known = false;
-      for (int i = 0; i < d.simplex.count; ++i) known = known || d.simplex.w[i] == w;
-      // v . w bounds the distance from below: close enough, or nothing new.
-      if (known || v2 - d.v.dot(w) <= 1e-8 * v2) return d;
-    }
-    const Simplex before = d.simplex;
-    const int k = d.simplex.count++;
-    d.simplex.w[k] = w;
-    d.simplex.a[k] = s.s_A;
-    d.simplex.b[k] = s.s_B;
-    const Vec3 v = d.simplex.reduce();
+    if (simplex.holds(s.S) || (step > 0 && v2 - v.dot(s.S) <= 1e-12 * v2)) return false;
+    simplex.add(s.S, s.s_A, s.s_B);
+    v = simplex.reduce(Vec3::Zero());
     const double now = v.squaredNorm();
-    if (d.simplex.count == 4 || now <= 1e-30 * size * size) {
-      d.v = v;
-      d.end = Distance::inside;
-      return d;
-    }
-    if (now >= v2) {  // rounding: no progress any more
-      d.simplex = before;
-      return d;
-    }
-    d.v = v;
+    if (simplex.count == 4 || now <= 1e-24 * size * size || now >= v2) return false;
     v2 = now;
     n = -v / std::sqrt(now);
   }
-  return d;
+  return false;
 }
 
-/// Looks at A - B from outside, along the best normal so far: the nearest point has a better one.
+/// Walks to a local minimum of h round the outside of A - B.
+///
+/// From a point p = (h + off) n outside, beyond the best plane so far, the nearest point of A - B
+/// has a normal whose plane is lower still, or p is already above a minimum. GJK finds that nearest
+/// point, and its simplex stays valid when p moves on, so p moves as soon as a step finds a lower
+/// plane.
 template <typename S>
 Closest from_outside(S& search, Vec3 n, Support best, double size, double margin) {
-  const double off = 0.1 * size;
-  Closest c = search.answer(best, n);
-  for (int round = 0; round < 6; ++round) {
-    const Distance d = distance_from(search, (best.h + off) * n, n, size, -margin);
-    if (d.end == Distance::stopped) return search.answer(d.at_n, d.n);
-    if (d.end == Distance::inside) break;
-    const Vec3 next = -d.v.normalized();
-    const Support s = search(next);
-    if (s.h < -margin) return search.answer(s, next);
-    if (s.h <= best.h) {
-      c = search.answer(s, next);
-      c.p_A = d.simplex.p_A();
-      c.p_B = -d.simplex.p_B();
+  const double off = 0.1 * size, tolerance = 1e-6 * size;
+  Simplex simplex;
+  Vec3 best_n = n, p = (best.h + off) * n;
+  simplex.add(best.S, best.s_A, best.s_B);
+  Vec3 v = simplex.reduce(p);
+  for (int step = 0; step < 60; ++step) {
+    const double length = v.norm();
+    if (!(length > 0.0)) break;
+    n = -v / length;
+    const Support s = search(n);
+    if (s.h < -margin) return search.answer(s, n);
+    // The plane across n keeps A - B at least this far from p; v is that far at most.
+    const double gap = length - (n.dot(p) - s.h);
+    const double gain = best.h - s.h;
+    if (gain > 0.0) {
+      best = s;
+      best_n = n;
     }
-    const bool better = s.h < best.h - 1e-9 * size;
-    n = next;
-    best = s;
-    if (!better) break;
+    if (gap <= tolerance && gain <= tolerance) break;
+    const bool known = simplex.holds(s.S);
+    if (known ? gain <= 0.0 : simplex.count == 4) break;  // rounding: no way on
+    if (gain > 0.0) p = (best.h + off) * best_n;
+    if (!known) simplex.add(s.S, s.s_A, s.s_B);
+    v = simplex.reduce(p);
   }
+  Closest c = search.answer(best, best_n);
+  // The points of A and B that make up the nearest point: with flat faces, S alone is some corner.
+  c.p_A = simplex.p_A();
+  c.p_B = -simplex.p_B();
   return c;
 }
 
@@ -214,8 +198,7 @@ __attribute__((noinline)) Closest converged(const A& a, const B& b, S& search, V
         best = search(n);
         continue;
       }
-      const Distance d = distance_from(search, Vec3::Zero(), c.n_AB, size, 0.0);
-      if (d.end == Distance::stopped) c = search.answer(d.at_n, d.n);
+      apart(search, c.n_AB, size, c);
     }
     c.iterations = search.evaluations;
     return c;

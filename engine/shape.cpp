@@ -159,6 +159,16 @@ Polyhedron::Polyhedron(std::vector<Vec3> vertices,
     neighbours_[fill[e.from]++] = e.to;
     neighbours_[fill[e.to]++] = e.from;
   }
+  faces_at_.resize(neighbours_.size());
+  fill.assign(first_neighbour_.begin(), first_neighbour_.end() - 1);
+  for (std::uint32_t f = 0; f < faces_.size(); ++f) {
+    for (const std::uint32_t i : corners(faces_[f])) {
+      if (fill[i] == first_neighbour_[i + 1]) {
+        refuse(name("vertex", i) + " has more faces than edges");
+      }
+      faces_at_[fill[i]++] = f;
+    }
+  }
   // One piece: V - E + F = 2 for each closed convex piece.
   if (vertices_.size() + faces_.size() != edges_.size() + 2) {
     refuse("not one closed surface: " + std::to_string(vertices_.size()) + " vertices - " +

@@ -68,6 +68,16 @@ class Polyhedron {
   std::span<const std::uint32_t> corners(const Face& face) const {
     return {corners_.data() + face.first, face.count};
   }
+  /// Faces that meet in a vertex.
+  std::span<const std::uint32_t> faces_at(std::uint32_t vertex) const {
+    return {faces_at_.data() + first_neighbour_[vertex],
+            first_neighbour_[vertex + 1] - first_neighbour_[vertex]};
+  }
+  /// Vertices joined to a vertex by an edge.
+  std::span<const std::uint32_t> neighbours(std::uint32_t vertex) const {
+    return {neighbours_.data() + first_neighbour_[vertex],
+            first_neighbour_[vertex + 1] - first_neighbour_[vertex]};
+  }
   /// Centre of the volume [m].
   const Vec3& centre() const { return centre_; }
 
@@ -104,7 +114,7 @@ class Polyhedron {
   std::vector<Face> faces_;
   std::vector<std::uint32_t> corners_;
   std::vector<Edge> edges_;
-  std::vector<std::uint32_t> first_neighbour_, neighbours_;
+  std::vector<std::uint32_t> first_neighbour_, neighbours_, faces_at_;  // as many faces as edges
   std::vector<std::uint32_t> start_;
   Vec3 centre_ = Vec3::Zero();
 };

@@ -84,5 +84,82 @@ TEST(TheOtherWayRound, NormalsTurnAndPointsStay) {
   }
 }
 
+// Whether some point lies on either side of every line through the centre, at least `arm` away.
+bool stands(const std::vector<ContactPoint>& points, const Vec3& centre, const Vec3& up,
+            double arm) {
+  for (int i = 0; i < 36; ++i) {
+    const Vec3 u = up.unitOrthogonal(), v = up.cross(u);
+    const Vec3 across = std::cos(i * 0.1745) * u + std::sin(i * 0.1745) * v;
+    double most = -1.0;
+    for (const ContactPoint& c : points) most = std::max(most, across.dot(c.p_W - centre));
+    if (most < arm) return false;
+  }
+  return true;
+}
+
+// Flat on flat in any pose: the points lie on both surfaces, as deep as the overlap, round the
+// middle.
+TEST(FlatOnFlat, HasPointsToStandOn) {
+  Random random(12);
+  const Shape bases[] = {Cylinder{0.1, 0.2}, Cone{0.1, 0.4}, test::box({0.1, 0.1, 0.2})};
+  const Shape tables[] = {Cylinder{0.3, 0.1}, test::box({0.3, 0.4, 0.1}), Cylinder{0.08, 0.1}};
+  for (const Shape& base : bases) {
+    for (const Shape& table : tables) {
+      for (int i = 0; i < 20; ++i) {
+        const Pose X_WA{random.rotation(), 2.0 * random.direction()};
+        const double depth = 1e-3 * random.uniform(0.1, 1.0);
+        const Pose X_WB =
+            X_WA * Pose{rotation({0, 0, random.uniform(0, 6)}), {0.0, 0.0, 0.3 - depth}};
+        const auto points = contacts(table, X_WA, base, X_WB, 1e-4);
+        ASSERT_GE(points.size(), 3u) << kind(base) << " on " << kind(table);
+        const Vec3 up = X_WA.q * Vec3::UnitZ();
+        EXPECT_TRUE(stands(points, X_WB * Vec3(0, 0, -0.2), up, 0.03));
+        for (const ContactPoint& c : points) {
+          EXPECT_NEAR(c.depth, depth, 1e-9);
+          EXPECT_LT((c.n_AB_W - up).norm(), 1e-6);
+          EXPECT_NEAR((X_WA.inverse() * c.p_W).z(), 0.1 - 0.5 * depth, 1e-9);
+        }
+      }
+    }
+  }
+}
+
+TEST(SideOnSide, HasBothEndsOfWhatTheyShare) {
+  Random random(13);
+  for (int i = 0; i < 50; ++i) {
+    const Pose X_WA{random.rotation(), random.direction()};
+    const Pose X_WB = X_WA * Pose{rotation({0, 0, random.uniform(0, 6)}), {0.199, 0.0, 0.1}};
+    const auto points = contacts(Cylinder{0.1, 0.3}, X_WA, Cylinder{0.1, 0.3}, X_WB, 1e-4);
+    ASSERT_EQ(points.size(), 2u);
+    EXPECT_NEAR((points[0].p_W - points[1].p_W).norm(), 0.5, 1e-6);
+    EXPECT_NEAR(points[0].depth, 1e-3, 1e-9);
+    EXPECT_NEAR(points[1].depth, 1e-3, 1e-9);
+  }
+}
+
+// A cone lying on its side on a cylinder's flank, along it: two points of the shared line.
+TEST(SideOnSide, WorksForConesToo) {
+  const Cone cone{0.1, 0.3};
+  const double slant = std::sqrt(0.1), sine = 0.1 / slant, cosine = 0.3 / slant;
+  // Turn the cone so that its generator in the direction -x becomes parallel to z.
+  const Vec3 inwards(cosine, 0.0, -sine);  // minus the outward normal of the generator at -x
+  const Quat q = Quat::FromTwoVectors(inwards, Vec3::UnitX());
+  const Vec3 middle = q * Vec3(-0.05, 0.0, 0.0);  // of the generator
+  const Pose X_AB{q, Vec3(0.2 - 1e-3, 0.0, 0.0) - middle};
+  const auto points = contacts(Cylinder{0.2, 0.5}, {}, cone, X_AB, 1e-4);
+  ASSERT_EQ(points.size(), 2u);
+  EXPECT_NEAR((points[0].p_W - points[1].p_W).norm(), slant, 1e-6);
+  EXPECT_NEAR(points[0].depth, 1e-3, 1e-8);
+}
+
+// Round things touch in one point.
+TEST(RoundOnAnything, HasOnePoint) {
+  const auto points = contacts(Ellipsoid{{0.1, 0.1, 0.1}}, {}, Cylinder{0.1, 0.3},
+                               {Quat::Identity(), {0.199, 0.0, 0.0}});
+  ASSERT_EQ(points.size(), 1u);
+  EXPECT_NEAR(points[0].depth, 1e-3, 1e-9);
+  EXPECT_LT((points[0].p_W - Vec3(0.0995, 0.0, 0.0)).norm(), 1e-9);
+}
+
 }  // namespace
 }  // namespace headpin::engine
