@@ -1,0 +1,159 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "devices/byte_stream.h"
+#include "devices/fastrak_codec.h"
+#include "devices/source.h"
+
+namespace headpin::devices {
+
+/// How a Fastrak is set up and watched.
+struct FastrakOptions {
+  /// Output list of all stations: a position, an orientation, anything else, and a space or CR LF
+  /// at the end, by which records are told apart.
+  std::vector<int> items = {2, 11, 16, 1};
+  bool binary = true;
+  bool centimetres = true;
+  std::array<bool, kFastrakStations> stations = {true, true, true, true};  ///< wanted, if plugged
+  Vec3 zenith = Vec3::UnitX();  ///< half-space of the receivers; 0,0,0: the unit follows them
+  int baud = 115200;            ///< the line's rate
+  bool search_baud = true;      ///< try the other rates when nothing is heard at this one
+  Time watchdog{2'000'000};     ///< without a record: start again
+  Time quiet{150'000};          ///< without a byte: the unit has stopped
+  Time answer{1'000'000};       ///< longest wait for an answer
+  Time command_gap{20'000};     ///< between commands
+  Time start_up{10'000'000};    ///< silence after ^Y
+};
+
+struct FastrakStatistics {
+  std::int64_t records = 0;        ///< samples handed out
+  std::int64_t flagged = 0;        ///< of these, with an error letter
+  std::int64_t skipped_bytes = 0;  ///< between records, that belong to none
+  std::int64_t missed = 0;         ///< cycles that brought no record, by the clock of the unit
+  std::int64_t drained_bytes = 0;  ///< thrown away while the unit was brought up
+  std::int64_t restarts = 0;       ///< by the watchdog
+  std::int64_t attempts = 0;       ///< to get a status, in all
+};
+
+/// Estimates when each record was measured, from when it arrived.
+///
+/// The unit measures every 1/120 s; records arrive late by what the line and the host add, never
+/// early. So the estimate keeps to whole cycles of the unit, follows at once when one arrives
+/// earlier than foreseen, and drifts only slowly when they come later.
+class FastrakClock {
+ public:
+  /// @param active_stations  1 to 4: they take turns, a cycle each
+  /// @param byte_time        of one byte on the line
+  FastrakClock(int active_stations, Time byte_time);
+
+  /// Time of the measurement behind a record, later than the one before.
+  ///
+  /// @param turn     place of its station among the active ones, from 0
+  /// @param arrival  of its first byte
+  /// @param behind   records that had arrived behind it by then
+  Time measured(int turn, Time arrival, int behind);
+
+  /// Number of the last record's cycle, the first one's being its turn; a hole is a record that did
+  /// not come.
+  std::int64_t cycle() const { return cycle_; }
+  bool started() const { return estimate_us_.has_value(); }
+
+ private:
+  int active_;
+  double lag_us_;
+  std::optional<double> estimate_us_;
+  int turn_ = 0;
+  std::int64_t cycle_ = 0;
+};
+
+/// A Fastrak at the end of a line, as a Source of TrackerSamples.
+///
+/// Brings the unit up in whatever state it was left: resumes it (^Q), stops it (c), throws away
+/// what it still says, asks for its status; breaks a half-typed line (CR) and re-initialises it
+/// (^Y) when no status comes, looks for it at other rates; then sets units, frames, lists and
+/// filters itself, checks the lists, and starts the stream. After two seconds without a record it
+/// starts over. Never blocks: each poll does what is due.
+///
+/// Sample times: `host_time` is the time of the poll that read the first byte, `device_time` the
+/// estimate of FastrakClock. `sequence` counts the station's cycles; a hole is a missing record.
+class FastrakDriver : public Source {
+ public:
+  /// @throws std::invalid_argument  when the list lacks a position, an orientation or an end
+  FastrakDriver(std::unique_ptr<ByteStream> stream, FastrakOptions options = {});
+
+  void poll(Time now, std::vector<Sample>& out) override;
+  bool exhausted() const override { return stream_->closed(); }
+
+  /// Brought up, records coming.
+  bool streaming() const { return phase_ == Phase::kStreaming; }
+  /// What it is doing, for people: "asking for the status (attempt 2)".
+  std::string activity() const;
+
+  const FastrakStatistics& statistics() const { return statistics_; }
+  /// The unit's own words at the last bring-up.
+  const std::optional<FastrakStatus>& unit() const { return unit_; }
+  /// Stations with a receiver that are switched on.
+  const std::array<bool, kFastrakStations>& active() const { return active_; }
+  /// To wait on with poll(2), or -1.
+  int descriptor() const { return stream_->descriptor(); }
+
+ private:
+  enum class Phase { kStopping, kStartingUp, kStatus, kSettingUp, kActive, kLists, kStreaming };
+  /// Where in the stream a read began, and when.
+  struct Arrival {
+    std::uint64_t position;
+    Time time;
+  };
+
+  void enter(Phase phase, Time now);
+  void start_over(Time now);
+  void try_again(Time now);
+  bool step(Time now);
+  void hear(Time now);
+  void speak(Time now);
+  bool said_all(Time now) const;
+  void drain();
+  void consume(std::size_t count);
+  Time arrival_of(std::uint64_t position) const;
+  void say(char letter, std::size_t station, std::string_view arguments);
+  void set_up();
+  void ask_next_list(Time now);
+  void read_records(Time now, std::vector<Sample>& out);
+  Pose pose_of(const FastrakRecord& record) const;
+  Time byte_time() const { return Time{10'000'000 / baud_ + 1}; }
+  Time answer_time() const { return options_.answer + 100 * byte_time(); }
+
+  std::unique_ptr<ByteStream> stream_;
+  FastrakOptions options_;
+  FastrakFormats formats_;
+  FastrakStatistics statistics_;
+  std::optional<FastrakStatus> unit_;
+  std::array<bool, kFastrakStations> active_{};
+
+  Phase phase_ = Phase::kStopping;
+  Time phase_began_{};
+  bool begun_ = false;
+  int attempt_ = 0;                ///< since the last record
+  int baud_;                       ///< of the line now
+  std::size_t station_asked_ = 0;  ///< index of the one whose list is being checked
+
+  std::deque<std::string> to_say_;  ///< one command each
+  Time may_speak_{};
+  Time heard_{};  ///< the last byte
+
+  std::vector<std::uint8_t> buffer_;
+  std::uint64_t position_ = 0;  ///< of the buffer's front in all that was read
+  std::deque<Arrival> arrivals_;
+  bool in_step_ = true;
+  std::optional<FastrakClock> clock_;
+  std::int64_t sequence_before_ = 0;  ///< where counting goes on after a restart
+  Time last_record_{};
+};
+
+}  // namespace headpin::devices

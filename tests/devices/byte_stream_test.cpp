@@ -1,0 +1,215 @@
+#include "devices/byte_stream.h"
+
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+#include <string>
+
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <termios.h>
+#include <unistd.h>
+
+namespace headpin::devices {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::size_t put(ByteStream& stream, const std::string& text) {
+  return stream.write(Bytes(reinterpret_cast<const std::uint8_t*>(text.data()), text.size()));
+}
+
+// What arrives until `count` bytes are there, or nothing came for two seconds.
+std::string get(ByteStream& stream, std::size_t count) {
+  std::string heard;
+  while (heard.size() < count) {
+    std::array<std::uint8_t, 256> bytes{};
+    const std::size_t n = stream.read(bytes);
+    heard.append(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n));
+    if (n == 0) {
+      pollfd state{stream.descriptor(), POLLIN, 0};
+      if (stream.descriptor() < 0 || ::poll(&state, 1, 2000) != 1) break;
+    }
+  }
+  return heard;
+}
+
+fs::path scratch(const std::string& name) {
+  fs::path folder = fs::path(testing::TempDir()) / ("byte_stream_" + std::to_string(getpid()));
+  fs::create_directories(folder);
+  return folder / name;
+}
+
+std::string every_byte() {
+  std::string all;
+  for (int b = 0; b < 256; ++b) all += static_cast<char>(b);
+  return all;
+}
+
+TEST(MemoryStreamTest, CarriesBytesBothWaysUpToItsCapacity) {
+  auto [a, b] = memory_streams(10);
+  EXPECT_EQ(put(*a, "hello"), 5u);
+  EXPECT_EQ(put(*a, "hello, world"), 5u);
+  EXPECT_EQ(put(*b, "back"), 4u);
+  EXPECT_EQ(get(*b, 10), "hellohello");
+  EXPECT_EQ(get(*a, 4), "back");
+  EXPECT_EQ(get(*a, 1), "");
+}
+
+TEST(MemoryStreamTest, ClosesWhenTheOtherEndIsGoneAndAllIsRead) {
+  auto [a, b] = memory_streams();
+  put(*a, "last");
+  a.reset();
+  EXPECT_FALSE(b->closed());
+  EXPECT_EQ(get(*b, 4), "last");
+  EXPECT_TRUE(b->closed());
+}
+
+TEST(PseudoTerminalTest, EveryByteGoesThroughUnchangedBothWays) {
+  PseudoTerminal pty;
+  const auto port = open_serial(pty.name(), 9600);
+  put(pty, every_byte());
+  EXPECT_EQ(get(*port, 256), every_byte());
+  put(*port, every_byte());
+  EXPECT_EQ(get(pty, 256), every_byte());
+}
+
+// A client that does not set its terminal up must not hear itself, nor lose control bytes.
+TEST(PseudoTerminalTest, IsRawWithoutEchoForAClientThatSetsNothing) {
+  PseudoTerminal pty;
+  const int fd = ::open(pty.name().c_str(), O_RDWR | O_NOCTTY);
+  const std::string typed = every_byte();
+  ASSERT_EQ(::write(fd, typed.data(), typed.size()), 256);
+  EXPECT_EQ(get(pty, 256), typed);
+  pollfd state{fd, POLLIN, 0};
+  EXPECT_EQ(::poll(&state, 1, 50), 0);
+  ::close(fd);
+}
+
+TEST(PseudoTerminalTest, SettingsAndServiceOutliveTheClients) {
+  PseudoTerminal pty;
+  for (int i = 0; i < 3; ++i) {
+    const auto port = open_serial(pty.name(), 38400);
+    put(*port, "c");
+    EXPECT_EQ(get(pty, 1), "c");
+    put(pty, "ok");
+    EXPECT_EQ(get(*port, 2), "ok");
+  }
+  EXPECT_EQ(pty.client_baud(), 38400);
+}
+
+TEST(PseudoTerminalTest, WhatWasSaidToNobodyIsLost) {
+  PseudoTerminal pty;
+  { const auto port = open_serial(pty.name(), 9600); }
+  std::string old(10000, 'x');
+  put(pty, old);
+  const int fd = ::open(pty.name().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);  // does not flush
+  std::array<std::uint8_t, 1> none{};
+  pty.read(none);  // the unit looks at its line
+  put(pty, "new");
+  pollfd state{fd, POLLIN, 0};
+  ASSERT_EQ(::poll(&state, 1, 2000), 1);
+  std::array<char, 64> heard{};
+  const ssize_t n = ::read(fd, heard.data(), heard.size());
+  EXPECT_EQ(std::string(heard.data(), static_cast<std::size_t>(n)), "new");
+  ::close(fd);
+}
+
+TEST(PseudoTerminalTest, AReaderWhoDoesNotReadStopsTheWriterAndNotTheProgram) {
+  PseudoTerminal pty;
+  const auto port = open_serial(pty.name(), 9600);
+  std::size_t taken = 0;
+  for (int i = 0; i < 1000; ++i) taken += put(pty, std::string(100, 'x'));
+  EXPECT_LT(taken, 100'000u);
+  EXPECT_GT(taken, 1000u);
+}
+
+TEST(PseudoTerminalTest, LinkPointsToItAndGoesWithIt) {
+  const fs::path link = scratch("link");
+  {
+    PseudoTerminal pty(link);
+    EXPECT_EQ(fs::read_symlink(link), pty.name());
+    PseudoTerminal second(link);  // takes the name over
+    EXPECT_EQ(fs::read_symlink(link), second.name());
+  }
+  EXPECT_FALSE(fs::exists(fs::symlink_status(link)));
+}
+
+TEST(PseudoTerminalTest, LinkReplacesALeftOverButNoFile) {
+  const fs::path stale = scratch("stale"), file = scratch("file");
+  fs::create_symlink("/dev/pts/nowhere", stale);
+  EXPECT_NO_THROW(PseudoTerminal pty(stale));
+  std::ofstream(file) << "mine";
+  EXPECT_THROW(PseudoTerminal pty(file), std::runtime_error);
+  EXPECT_EQ(fs::file_size(file), 4u);
+  EXPECT_THROW(PseudoTerminal pty("/no/such/folder/link"), std::runtime_error);
+}
+
+TEST(SerialTest, WhatIsNoTerminalIsRefusedByName) {
+  EXPECT_THROW(open_serial("/no/such/port", 9600), std::runtime_error);
+  EXPECT_THROW(open_serial("/dev/null", 9600), std::runtime_error);
+  PseudoTerminal pty;
+  EXPECT_THROW(open_serial(pty.name(), 12345), std::runtime_error);
+}
+
+TEST(SerialTest, APortThatIsPulledOutIsClosed) {
+  auto pty = std::make_unique<PseudoTerminal>();
+  const auto port = open_serial(pty->name(), 9600);
+  EXPECT_EQ(get(*port, 0), "");
+  EXPECT_FALSE(port->closed());
+  pty.reset();
+  std::array<std::uint8_t, 8> bytes{};
+  EXPECT_EQ(port->read(bytes), 0u);
+  EXPECT_TRUE(port->closed());
+}
+
+TEST(TcpServerTest, OneClientAfterTheOther) {
+  TcpServer server(0);
+  ASSERT_GT(server.port(), 0);
+  for (int i = 0; i < 3; ++i) {
+    const auto client = connect_tcp("127.0.0.1", server.port());
+    put(*client, "S");
+    EXPECT_EQ(get(server, 1), "S");
+    put(server, every_byte());
+    EXPECT_EQ(get(*client, 256), every_byte());
+  }
+}
+
+TEST(TcpServerTest, NobodyThereLosesTheBytes) {
+  TcpServer server(0);
+  EXPECT_EQ(put(server, "nobody"), 6u);
+  const auto client = connect_tcp("localhost", server.port());
+  EXPECT_EQ(put(server, "somebody"), 8u);
+  EXPECT_EQ(get(*client, 8), "somebody");
+}
+
+TEST(TcpServerTest, AReaderWhoDoesNotReadStopsTheWriter) {
+  TcpServer server(0);
+  const auto client = connect_tcp("127.0.0.1", server.port());
+  std::size_t taken = 0;
+  for (int i = 0; i < 100'000; ++i) taken += put(server, std::string(100, 'x'));
+  EXPECT_LT(taken, 10'000'000u);
+}
+
+TEST(TcpServerTest, ATakenPortIsAnError) {
+  TcpServer server(0);
+  EXPECT_THROW(TcpServer second(server.port()), std::runtime_error);
+  EXPECT_THROW(connect_tcp("127.0.0.1", 1), std::runtime_error);
+}
+
+TEST(TcpServerTest, TheClientSeesTheEnd) {
+  auto server = std::make_unique<TcpServer>(0);
+  const auto client = connect_tcp("127.0.0.1", server->port());
+  put(*server, "x");
+  EXPECT_EQ(get(*client, 1), "x");
+  server.reset();
+  pollfd state{client->descriptor(), POLLIN, 0};
+  ::poll(&state, 1, 2000);
+  std::array<std::uint8_t, 8> bytes{};
+  client->read(bytes);
+  EXPECT_TRUE(client->closed());
+}
+
+}  // namespace
+}  // namespace headpin::devices

@@ -1,0 +1,445 @@
+#include <cmath>
+#include <random>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+
+#include "devices/fastrak.h"
+#include "devices/fastrak_emulator.h"
+#include "devices/fastrak_geometry.h"
+
+namespace headpin::devices {
+namespace {
+
+using namespace std::chrono_literals;
+
+#ifdef __SANITIZE_ADDRESS__
+constexpr int kLess = 10;  // sanitizers run the long ones shorter
+#else
+constexpr int kLess = 1;
+#endif
+
+FastrakEmulatorOptions unit(const std::string& faults = "", int receivers = 2) {
+  FastrakEmulatorOptions options;
+  options.receivers = receivers;
+  options.faults = parse_faults(faults);
+  options.seed = 7;
+  return options;
+}
+
+struct Ends {
+  std::unique_ptr<ByteStream> unit, host;
+};
+
+Ends memory() {
+  auto [a, b] = memory_streams();
+  return {std::move(a), std::move(b)};
+}
+
+// A pseudo-terminal, its far end opened as a serial port.
+Ends terminal() {
+  auto pty = std::make_unique<PseudoTerminal>();
+  auto port = open_serial(pty->name(), 115200);
+  return {std::move(pty), std::move(port)};
+}
+
+// A unit and a driver at the two ends of a line, and a clock that the test turns.
+struct Bench {
+  Bench(FastrakEmulatorOptions unit_options, FastrakOptions options, Ends ends = memory())
+      : line(std::move(ends.unit)),
+        emulator(listened(std::move(unit_options)), circling_motion),
+        driver(std::move(ends.host), std::move(options)) {}
+  Bench(const Bench&) = delete;
+  Bench& operator=(const Bench&) = delete;
+
+  FastrakEmulatorOptions listened(FastrakEmulatorOptions options) {
+    options.on_record = [this](const FastrakSent& record) { sent.push_back(record); };
+    return options;
+  }
+
+  void run(Time span, Time step = 1ms) {
+    for (const Time end = now + span; now < end;) {
+      now += step;
+      if (!emulator.due(now).empty()) {
+        serve(emulator, *line, now);
+        settle(driver.descriptor());
+      } else {
+        serve(emulator, *line, now);
+      }
+      driver.poll(now, samples);
+    }
+  }
+
+  // A terminal hands bytes on a moment later, outside of the test's clock: wait for it.
+  static void settle(int descriptor) {
+    if (descriptor < 0) return;
+    pollfd state{descriptor, POLLIN, 0};
+    ::poll(&state, 1, 100);
+  }
+
+  bool run_until_streaming(Time patience = 60s) {
+    for (const Time end = now + patience; now < end && !driver.streaming();) run(5ms);
+    return driver.streaming();
+  }
+
+  std::vector<FastrakSent> sent;
+  std::vector<Sample> samples;
+  Time now{};
+  std::unique_ptr<ByteStream> line;
+  FastrakEmulator emulator;
+  FastrakDriver driver;
+};
+
+const TrackerSample& tracker(const Sample& sample) {
+  return std::get<TrackerSample>(sample);
+}
+
+// What a record of the unit says, computed apart from the driver.
+Pose expected_pose(const FastrakRecord& r, const FastrakOptions& options) {
+  const auto has = [&](int item) {
+    return std::find(options.items.begin(), options.items.end(), item) != options.items.end();
+  };
+  Pose X;
+  X.p = r.position * (options.centimetres ? 0.01 : 0.0254);
+  if (has(11) || has(61)) {
+    X.q = Quat(r.quaternion[0], r.quaternion[1], r.quaternion[2], r.quaternion[3]).normalized();
+  } else if (has(4) || has(54)) {
+    X.q = from_angles_deg(r.angles_deg).normalized();
+  } else {
+    X.q = Quat(r.attitude).normalized();
+  }
+  return X;
+}
+
+struct Tally {
+  std::size_t missing = 0;        // good records that did not arrive
+  std::size_t unmatched = 0;      // samples that are no record, in order
+  std::size_t refused_bytes = 0;  // of damaged records that were not taken
+};
+
+// Walks both in order: every undamaged record must be the next sample; a damaged one may be.
+Tally compare(const std::vector<FastrakSent>& sent, const std::vector<Sample>& samples,
+              const FastrakOptions& options) {
+  Tally tally;
+  const FastrakFormat format{options.items, options.binary, options.centimetres};
+  std::size_t next = 0;
+  for (const FastrakSent& record : sent) {
+    const auto decoded = decode_record(record.bytes, format);
+    bool same = false;
+    if (decoded && next < samples.size()) {
+      const TrackerSample& s = tracker(samples[next]);
+      const Pose X = expected_pose(*decoded, options);
+      same = s.station == decoded->station && s.status == decoded->error && s.X_TS.p == X.p &&
+             s.X_TS.q.coeffs() == X.q.coeffs() && s.buttons == (decoded->pressed ? 1 : 0);
+    }
+    if (same) {
+      ++next;
+    } else if (record.damaged) {
+      tally.refused_bytes += record.bytes.size();
+    } else {
+      ++tally.missing;
+    }
+  }
+  tally.unmatched = samples.size() - next;
+  return tally;
+}
+
+struct Setting {
+  std::vector<int> items;
+  bool binary, centimetres;
+};
+
+std::vector<Setting> all_settings() {
+  std::vector<Setting> settings;
+  for (const auto& items : {std::vector<int>{2, 11, 16, 1},
+                            {2, 4, 1},
+                            {2, 11, 0},
+                            {52, 61, 50},
+                            {2, 5, 6, 7, 66, 51}}) {
+    for (const bool binary : {false, true}) {
+      for (const bool centimetres : {false, true}) settings.push_back({items, binary, centimetres});
+    }
+  }
+  return settings;
+}
+
+const std::vector<std::string> kFaultSpecs = {"",
+                                              "noise=20",
+                                              "dropout=0.1",
+                                              "garbage=0.2",
+                                              "damage=0.1",
+                                              "garbage=0.2,damage=0.1,dropout=0.1",
+                                              "slow=9600",
+                                              "metal=0.1",
+                                              "stuck=1@2-4",
+                                              "unplug=2@4",
+                                              "deaf=2"};
+
+void every_good_record_arrives_once(Ends (*line)(), Time span) {
+  for (const Setting& setting : all_settings()) {
+    for (const std::string& faults : kFaultSpecs) {
+      SCOPED_TRACE(faults + (setting.binary ? " binary" : " ascii") +
+                   (setting.centimetres ? " cm " : " in ") + testing::PrintToString(setting.items));
+      FastrakOptions options;
+      options.items = setting.items;
+      options.binary = setting.binary;
+      options.centimetres = setting.centimetres;
+      options.start_up = 11s;
+      Bench bench(unit(faults), options, line());
+      ASSERT_TRUE(bench.run_until_streaming());
+      bench.run(span);
+      bench.emulator.set_faults(parse_faults("noise=0"));
+      bench.emulator.receive(Bytes(reinterpret_cast<const std::uint8_t*>("c"), 1), bench.now);
+      bench.run(400ms);  // the last ones, and the decision on what is left
+
+      const Tally tally = compare(bench.sent, bench.samples, options);
+      EXPECT_EQ(tally.missing, 0u);
+      EXPECT_EQ(tally.unmatched, 0u);
+      const auto& s = bench.driver.statistics();
+      EXPECT_EQ(static_cast<std::size_t>(s.skipped_bytes),
+                static_cast<std::size_t>(bench.emulator.statistics().garbage_bytes) +
+                    tally.refused_bytes);
+      EXPECT_EQ(s.restarts, 0);
+      EXPECT_GT(bench.samples.size(), 0u);
+    }
+  }
+}
+
+TEST(FastrakDriverTest, EveryGoodRecordArrivesOnceInOrderToTheLastBit) {
+  every_good_record_arrives_once(memory, 20s / kLess);
+}
+
+TEST(FastrakDriverTest, SoItDoesOverAPseudoTerminal) {
+  every_good_record_arrives_once(terminal, 2s / kLess);
+}
+
+TEST(FastrakDriverTest, AnHourOfStreamingLosesNothing) {
+  FastrakOptions options;
+  Bench bench(unit("garbage=0.02,damage=0.01,dropout=0.005", 4), options);
+  ASSERT_TRUE(bench.run_until_streaming());
+  for (int minute = 0; minute < 60 / kLess; ++minute) {
+    bench.run(1min, Time{2000});
+  }
+  bench.emulator.receive(Bytes(reinterpret_cast<const std::uint8_t*>("c"), 1), bench.now);
+  bench.run(400ms);
+  const Tally tally = compare(bench.sent, bench.samples, options);
+  EXPECT_EQ(tally.missing, 0u);
+  EXPECT_EQ(tally.unmatched, 0u);
+  const auto& s = bench.driver.statistics();
+  EXPECT_EQ(
+      static_cast<std::size_t>(s.skipped_bytes),
+      static_cast<std::size_t>(bench.emulator.statistics().garbage_bytes) + tally.refused_bytes);
+  EXPECT_GT(s.records, 425'000 / kLess);
+  EXPECT_EQ(s.restarts, 0);
+}
+
+// --- Time ------------------------------------------------------------------------------------
+
+TEST(FastrakDriverTest, TheEstimateIsTheMeasurementsTimeWithinAMillisecond) {
+  for (const int receivers : {1, 2, 4}) {
+    for (const Time step : {Time{500}, Time{1000}, Time{4000}}) {
+      SCOPED_TRACE(std::to_string(receivers) + " receivers, polled every " +
+                   std::to_string(step.count()) + " us");
+      Bench bench(unit("", receivers), {});
+      ASSERT_TRUE(bench.run_until_streaming());
+      bench.run(30s, step);
+      ASSERT_EQ(bench.sent.size(), bench.samples.size());
+      Time worst{};
+      for (std::size_t i = 240; i < bench.samples.size(); ++i) {  // after two seconds of listening
+        const TrackerSample& s = tracker(bench.samples[i]);
+        worst = std::max(worst, std::chrono::abs(s.device_time - bench.sent[i].measured));
+        EXPECT_GE(s.host_time, s.device_time);
+        EXPECT_GT(s.device_time, device_time(bench.samples[i - 1]));
+      }
+      EXPECT_LT(worst, step);  // what polling hides is the least that can be known
+    }
+  }
+}
+
+TEST(FastrakDriverTest, LatePollsDoNotBendTheEstimate) {
+  std::mt19937 random(8);
+  Bench bench(unit(), {});
+  ASSERT_TRUE(bench.run_until_streaming());
+  bench.run(2s);
+  const std::size_t first = bench.samples.size();
+  for (int i = 0; i < 500; ++i) {
+    const auto late = Time{1000 * (1 + static_cast<int>(random() % 40))};  // up to 40 ms at once
+    for (Time t{}; t < late; t += 1ms) serve(bench.emulator, *bench.line, bench.now += 1ms);
+    bench.driver.poll(bench.now, bench.samples);
+  }
+  ASSERT_EQ(bench.sent.size(), bench.samples.size());
+  for (std::size_t i = first; i < bench.samples.size(); ++i) {
+    EXPECT_LT(std::chrono::abs(device_time(bench.samples[i]) - bench.sent[i].measured), 3ms) << i;
+  }
+}
+
+TEST(FastrakDriverTest, AHoleInTheSequenceIsARecordThatWasLost) {
+  Bench bench(unit("dropout=0.1", 2), {});
+  ASSERT_TRUE(bench.run_until_streaming());
+  bench.run(30s);
+  EXPECT_GT(bench.emulator.statistics().lost, 200);
+  EXPECT_NEAR(static_cast<double>(bench.driver.statistics().missed),
+              static_cast<double>(bench.emulator.statistics().lost), 3.0);  // at both ends
+  std::array<std::int64_t, 2> last = {-1, -1};
+  std::int64_t holes = 0;
+  for (const Sample& sample : bench.samples) {
+    const TrackerSample& s = tracker(sample);
+    std::int64_t& previous = last[static_cast<std::size_t>(s.station - 1)];
+    EXPECT_GT(s.sequence, previous);
+    if (previous >= 0) holes += s.sequence - previous - 1;
+    previous = s.sequence;
+  }
+  EXPECT_NEAR(static_cast<double>(holes), static_cast<double>(bench.emulator.statistics().lost),
+              4.0);
+}
+
+// --- Bringing it up --------------------------------------------------------------------------
+
+TEST(FastrakDriverTest, TakesOverAUnitInWhateverStateItWasLeft) {
+  const std::vector<std::string> states = {
+      "",
+      "C",                                  // streaming in ASCII
+      "fuC",                                // in binary, centimetres
+      "O1,2,4\rO2,16\rfC",                  // records without an end
+      "C\x13",                              // streaming, suspended
+      "O1,2,11",                            // a half-typed line
+      "XC",                                 // a half-typed line that swallows what follows
+      "A1,10,0,0,10,10,0,0,0,0\rB1\rB2\r",  // other frames
+      "r1,90,0,0\rI1,50\rI2,50\rC",         // still receivers held back
+      "l1,0\rl2,0\r",                       // all stations off
+      "H1,-1,0,0\rH2,-1,0,0\rx5\rv5\r",     // wrong hemisphere, heavy filters
+      "e1,1\ry1\rXa unit\rD",
+      "fC\x0b"};  // saving a streaming set-up
+  for (const std::string& state : states) {
+    SCOPED_TRACE(testing::PrintToString(state));
+    FastrakOptions options;
+    Bench bench(unit("noise=0"), options);
+    bench.emulator.receive(Bytes(reinterpret_cast<const std::uint8_t*>(state.data()), state.size()),
+                           bench.now);
+    for (int ms = 0; ms < 300; ++ms) serve(bench.emulator, *bench.line, bench.now += 1ms);
+    ASSERT_TRUE(bench.run_until_streaming());
+    bench.sent.clear();
+    bench.run(1s);
+    ASSERT_GT(bench.samples.size(), 100u);
+    for (std::size_t i = 0; i < bench.samples.size(); ++i) {
+      const TrackerSample& s = tracker(bench.samples[i]);
+      const Pose truth = circling_motion(s.station, bench.sent[i].measured).X_TS;
+      EXPECT_LT((s.X_TS.p - truth.p).norm(), 1e-6);
+      EXPECT_LT(s.X_TS.q.angularDistance(truth.q), 1e-6);
+    }
+  }
+}
+
+TEST(FastrakDriverTest, AUnitThatIsJustStartingUpIsWaitedFor) {
+  Bench bench(unit(), {});
+  bench.emulator.power_cycle(bench.now);
+  EXPECT_TRUE(bench.run_until_streaming(30s));
+  EXPECT_GT(bench.now, 10s);
+}
+
+TEST(FastrakDriverTest, SilenceIsNoticedAndOvercome) {
+  Bench bench(unit("silence=4@10"), {});
+  bench.run(30s);
+  const auto& s = bench.driver.statistics();
+  EXPECT_GE(s.restarts, 1);
+  EXPECT_TRUE(bench.driver.streaming());
+  // In order, and none twice.
+  std::array<std::int64_t, 2> last = {-1, -1};
+  for (const Sample& sample : bench.samples) {
+    const TrackerSample& t = tracker(sample);
+    std::int64_t& previous = last[static_cast<std::size_t>(t.station - 1)];
+    EXPECT_GT(t.sequence, previous);
+    previous = t.sequence;
+  }
+  EXPECT_GT(device_time(bench.samples.back()), 29s);
+}
+
+TEST(FastrakDriverTest, APowerCycleIsOvercome) {
+  Bench bench(unit(), {});
+  ASSERT_TRUE(bench.run_until_streaming());
+  bench.run(2s);
+  bench.emulator.power_cycle(bench.now);
+  bench.run(40s);
+  EXPECT_TRUE(bench.driver.streaming());
+  EXPECT_EQ(bench.driver.statistics().restarts, 1);
+  EXPECT_GT(device_time(bench.samples.back()), bench.now - 100ms);
+}
+
+TEST(FastrakDriverTest, OnlyWantedStationsStream) {
+  FastrakOptions options;
+  options.stations = {false, true, false, false};
+  Bench bench(unit(), options);
+  ASSERT_TRUE(bench.run_until_streaming());
+  bench.run(200ms);
+  bench.samples.clear();
+  bench.run(1s);
+  EXPECT_NEAR(static_cast<double>(bench.samples.size()), 120.0, 1.0);  // the rate of one
+  for (const Sample& sample : bench.samples) EXPECT_EQ(tracker(sample).station, 2);
+}
+
+TEST(FastrakDriverTest, NobodyAtTheOtherEndIsNoFailure) {
+  auto [here, there] = memory_streams();
+  FastrakDriver driver(std::move(here), {});
+  std::vector<Sample> samples;
+  for (Time now{}; now < 120s; now += 10ms) driver.poll(now, samples);
+  EXPECT_TRUE(samples.empty());
+  EXPECT_GT(driver.statistics().attempts, 10);
+  EXPECT_FALSE(driver.exhausted());
+  there.reset();
+  EXPECT_TRUE(driver.exhausted());
+}
+
+TEST(FastrakDriverTest, AListThatCannotBeReadIsRefused) {
+  const auto with = [](std::vector<int> items) {
+    FastrakOptions options;
+    options.items = std::move(items);
+    FastrakDriver driver(std::move(memory_streams().first), options);
+  };
+  EXPECT_THROW(with({}), std::invalid_argument);
+  EXPECT_THROW(with({2, 1}), std::invalid_argument);          // no orientation
+  EXPECT_THROW(with({11, 1}), std::invalid_argument);         // no position
+  EXPECT_THROW(with({2, 11}), std::invalid_argument);         // no end
+  EXPECT_THROW(with({2, 11, 40, 1}), std::invalid_argument);  // no such item
+  EXPECT_NO_THROW(with({2, 5, 6, 7, 0}));
+}
+
+TEST(FastrakDriverTest, AnyBytesFromTheLineLeaveItAlive) {
+  std::mt19937 random(9);
+  auto [here, there] = memory_streams();
+  FastrakDriver driver(std::move(here), {});
+  std::vector<Sample> samples;
+  const std::string status = encode_status({}), on = encode_active(1, {true, true, false, false});
+  const std::string list = encode_list(1, std::vector<int>{2, 11, 16, 1});
+  for (Time now{}; now < 600s / kLess; now += 10ms) {
+    std::string noise;
+    switch (random() % 8) {
+      case 0:
+        noise = status;
+        break;
+      case 1:
+        noise = on;
+        break;
+      case 2:
+        noise = list;
+        break;
+      case 3:
+        noise = "22O 21116 1\r\n";
+        break;
+      case 4:
+        for (int i = 0; i < 50; ++i) noise += static_cast<char>(random());
+        break;
+      default:
+        break;
+    }
+    there->write(Bytes(reinterpret_cast<const std::uint8_t*>(noise.data()), noise.size()));
+    std::array<std::uint8_t, 256> said{};
+    while (there->read(said) > 0) {
+    }
+    driver.poll(now, samples);
+  }
+  EXPECT_TRUE(samples.empty());
+}
+
+}  // namespace
+}  // namespace headpin::devices
