@@ -6,7 +6,9 @@ namespace headpin::render {
 
 namespace {
 
-double radians(double deg) { return deg * std::numbers::pi / 180.0; }
+double radians(double deg) {
+  return deg * std::numbers::pi / 180.0;
+}
 
 }  // namespace
 

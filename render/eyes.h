@@ -23,14 +23,14 @@ struct View {
 
 /// Display and lenses of a head-mounted display, the same for both eyes but mirrored.
 struct Optics {
-  int width = 360;                     ///< pixels per eye
-  int height = 240;                    ///< pixels per eye
-  double horizontal_fov_deg = 75.0;    ///< per eye (Uno & Slater 1997, section 3)
-  double vertical_fov_deg = 40.0;      ///< per eye
-  double eye_distance = 0.064;         ///< between the eyes' centres [m]
-  double outward_deg = 0.0;            ///< how far each eye's axis is turned outward
-  double near = 0.05;                  ///< [m]
-  double far = 40.0;                   ///< [m]
+  int width = 360;                   ///< pixels per eye
+  int height = 240;                  ///< pixels per eye
+  double horizontal_fov_deg = 75.0;  ///< per eye (Uno & Slater 1997, section 3)
+  double vertical_fov_deg = 40.0;    ///< per eye
+  double eye_distance = 0.064;       ///< between the eyes' centres [m]
+  double outward_deg = 0.0;          ///< how far each eye's axis is turned outward
+  double near = 0.05;                ///< [m]
+  double far = 40.0;                 ///< [m]
 
   /// Width of a pixel over its height: 1.405 for the default display.
   double pixel_aspect() const;

@@ -1,0 +1,221 @@
+#include "render/image.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <csetjmp>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include <png.h>
+
+namespace headpin::render {
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+// Full light of one sample. Sixty-four of them (8 x 8) still fit an unsigned.
+constexpr unsigned kFullLight = 16383;
+
+double light_of_code(double code) {  // IEC 61966-2-1, both 0..1
+  return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
+}
+
+double code_of_light(double light) {
+  return light <= 0.0031308 ? 12.92 * light : 1.055 * std::pow(light, 1.0 / 2.4) - 0.055;
+}
+
+std::array<std::uint16_t, 256> make_light_table() {
+  std::array<std::uint16_t, 256> table{};
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const double light = light_of_code(static_cast<double>(i) / 255.0);
+    table[i] = static_cast<std::uint16_t>(std::lround(kFullLight * light));
+  }
+  return table;
+}
+
+/// Code of each mean light 0..kFullLight.
+Bytes make_code_table() {
+  Bytes table(kFullLight + 1);
+  for (std::size_t i = 0; i < table.size(); ++i) {
+    const double code = code_of_light(static_cast<double>(i) / kFullLight);
+    table[i] = static_cast<std::uint8_t>(std::lround(255.0 * code));
+  }
+  return table;
+}
+
+void append_to(png_structp png, png_bytep data, png_size_t size) {
+  auto& bytes = *static_cast<Bytes*>(png_get_io_ptr(png));
+  bytes.insert(bytes.end(), data, data + size);
+}
+
+void keep_message(png_structp png, png_const_charp message) {
+  std::snprintf(static_cast<char*>(png_get_error_ptr(png)), 128, "%s", message);
+  longjmp(png_jmpbuf(png), 1);
+}
+
+void ignore_warning(png_structp, png_const_charp) {}
+
+/// libpng leaves by longjmp, so nothing in here may have a destructor.
+bool encode(const Image& image, double pixel_aspect, Bytes* bytes, char* message) {
+  png_structp png =
+      png_create_write_struct(PNG_LIBPNG_VER_STRING, message, keep_message, ignore_warning);
+  png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
+  if (info == nullptr || setjmp(png_jmpbuf(png)) != 0) {
+    png_destroy_write_struct(&png, &info);
+    return false;
+  }
+  png_set_write_fn(png, bytes, append_to, nullptr);
+  png_set_compression_level(png, 1);
+  png_set_filter(png, 0, PNG_FILTER_UP);
+  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width),
+               static_cast<png_uint_32>(image.height), 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+  png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  png_set_pHYs(png, info, 10000, static_cast<png_uint_32>(std::lround(10000 * pixel_aspect)),
+               PNG_RESOLUTION_UNKNOWN);
+  png_write_info(png, info);
+  const std::size_t stride = 3 * static_cast<std::size_t>(image.width);
+  for (int y = 0; y < image.height; ++y) {
+    png_write_row(png, image.rgb.data() + static_cast<std::size_t>(y) * stride);
+  }
+  png_write_end(png, info);
+  png_destroy_write_struct(&png, &info);
+  return true;
+}
+
+std::runtime_error cannot(const char* what, const std::filesystem::path& path, int error) {
+  return std::runtime_error(std::string("cannot ") + what + " " + path.string() + ": " +
+                            std::strerror(error));
+}
+
+}  // namespace
+
+std::uint64_t pixel_hash(const Image& image) {
+  std::uint64_t hash = 14695981039346656037u;
+  for (const std::uint8_t byte : image.rgb) hash = (hash ^ byte) * 1099511628211u;
+  return hash;
+}
+
+Image side_by_side(const Image& left, const Image& right) {
+  if (left.height != right.height) {
+    throw std::invalid_argument("side by side: pictures " + std::to_string(left.height) + " and " +
+                                std::to_string(right.height) + " pixels high");
+  }
+  Image both{left.width + right.width, left.height, {}};
+  both.rgb.reserve(left.rgb.size() + right.rgb.size());
+  for (int y = 0; y < left.height; ++y) {
+    for (const Image* eye : {&left, &right}) {
+      const auto row = eye->rgb.begin() + std::ptrdiff_t{3} * eye->width * y;
+      both.rgb.insert(both.rgb.end(), row, row + std::ptrdiff_t{3} * eye->width);
+    }
+  }
+  return both;
+}
+
+Image average(std::span<const std::uint8_t> rgba, int width, int height, int samples) {
+  static const std::array<std::uint16_t, 256> light = make_light_table();
+  static const Bytes code = make_code_table();
+  const auto w = static_cast<std::size_t>(width);
+  const auto h = static_cast<std::size_t>(height);
+  const auto n = static_cast<std::size_t>(samples);
+  if (width < 1 || height < 1 || samples < 1 || samples > 8 || rgba.size() != 4 * w * h * n * n) {
+    throw std::invalid_argument("average: " + std::to_string(rgba.size()) + " bytes for " +
+                                std::to_string(width) + "x" + std::to_string(height) + " pixels");
+  }
+  Image image{width, height, Bytes(3 * w * h)};
+  std::vector<std::uint32_t> sum(3 * w);
+  const auto count = static_cast<std::uint32_t>(n * n);
+  for (std::size_t y = 0; y < h; ++y) {
+    std::fill(sum.begin(), sum.end(), count / 2);  // so that the division rounds
+    for (std::size_t sy = 0; sy < n; ++sy) {
+      const std::uint8_t* sample = rgba.data() + 4 * w * n * (n * (h - 1 - y) + sy);
+      for (std::size_t x = 0; x < w; ++x) {
+        for (std::size_t sx = 0; sx < n; ++sx, sample += 4) {
+          for (std::size_t c = 0; c < 3; ++c) sum[3 * x + c] += light[sample[c]];
+        }
+      }
+    }
+    std::uint8_t* row = image.rgb.data() + 3 * w * y;
+    for (std::size_t i = 0; i < 3 * w; ++i) row[i] = code[sum[i] / count];
+  }
+  return image;
+}
+
+std::vector<std::uint8_t> encode_png(const Image& image, double pixel_aspect) {
+  const std::size_t expected = 3 * static_cast<std::size_t>(std::max(image.width, 0)) *
+                               static_cast<std::size_t>(std::max(image.height, 0));
+  if (expected == 0 || image.rgb.size() != expected) {
+    throw std::invalid_argument("PNG: " + std::to_string(image.rgb.size()) + " bytes for " +
+                                std::to_string(image.width) + "x" + std::to_string(image.height));
+  }
+  if (!(pixel_aspect > 0.001 && pixel_aspect < 1000.0)) {
+    throw std::invalid_argument("PNG: pixel aspect " + std::to_string(pixel_aspect));
+  }
+  Bytes bytes;
+  bytes.reserve(image.rgb.size());  // mostly enough, and libpng never meets bad_alloc half way
+  std::array<char, 128> message{"out of memory"};
+  if (!encode(image, pixel_aspect, &bytes, message.data())) {
+    throw std::runtime_error(std::string("PNG: ") + message.data());
+  }
+  return bytes;
+}
+
+Image decode_png(std::span<const std::uint8_t> bytes) {
+  png_image png{};
+  png.version = PNG_IMAGE_VERSION;
+  Image image;
+  bool ok = png_image_begin_read_from_memory(&png, bytes.data(), bytes.size()) != 0;
+  if (ok) {
+    constexpr png_uint_32 kLargest = 16384;  // what OpenGL draws at most; hostile headers say more
+    if (png.width > kLargest || png.height > kLargest) {
+      png_image_free(&png);
+      throw std::runtime_error("PNG: larger than " + std::to_string(kLargest) + " pixels");
+    }
+    png.format = PNG_FORMAT_RGB;
+    image = {static_cast<int>(png.width), static_cast<int>(png.height), Bytes(PNG_IMAGE_SIZE(png))};
+    ok = png_image_finish_read(&png, nullptr, image.rgb.data(), 0, nullptr) != 0;
+  }
+  if (!ok) {
+    const std::string message = png.message;
+    png_image_free(&png);
+    throw std::runtime_error("PNG: " + message);
+  }
+  return image;
+}
+
+void write_png(const std::filesystem::path& path, const Image& image, double pixel_aspect) {
+  const Bytes bytes = encode_png(image, pixel_aspect);
+  std::filesystem::path part = path;
+  part += ".part";
+  std::FILE* file = std::fopen(part.c_str(), "wb");
+  if (file == nullptr) throw cannot("write", path, errno);
+  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
+  int error = written ? 0 : errno;
+  if (std::fclose(file) != 0 && error == 0) error = errno;
+  if (error == 0 && std::rename(part.c_str(), path.c_str()) != 0) error = errno;
+  if (error != 0) {
+    std::remove(part.c_str());
+    throw cannot("write", path, error);
+  }
+}
+
+Image read_png(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw cannot("read", path, errno);
+  const Bytes bytes{std::istreambuf_iterator<char>(file), {}};
+  try {
+    return decode_png(bytes);
+  } catch (const std::runtime_error& error) {
+    throw std::runtime_error(path.string() + ": " + error.what());
+  }
+}
+
+}  // namespace headpin::render

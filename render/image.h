@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+namespace headpin::render {
+
+/// A picture as it is shown: rows from the top, three bytes a pixel, sRGB.
+struct Image {
+  int width = 0;   ///< pixels
+  int height = 0;  ///< pixels
+  std::vector<std::uint8_t> rgb;
+
+  bool operator==(const Image&) const = default;
+};
+
+/// FNV-1a of the RGB bytes, 64 bit: what a trial's log keeps of a frame.
+std::uint64_t pixel_hash(const Image& image);
+
+/// Both eyes in one picture, the left one on the left.
+///
+/// @throws std::invalid_argument  when the heights differ
+Image side_by_side(const Image& left, const Image& right);
+
+/// One pixel from each square of `samples` x `samples`: the mean of their light, not of their
+/// codes.
+///
+/// @param rgba     sRGB bytes as OpenGL reads them, rows from the bottom, four bytes a sample
+/// @param width    of the result; the source is `samples` times as wide
+/// @param height   of the result
+/// @param samples  along each side, 1..8
+Image average(std::span<const std::uint8_t> rgba, int width, int height, int samples);
+
+/// The picture as a PNG file, fast: deflate level 1, "up" filter.
+///
+/// @param pixel_aspect  width of a pixel over its height, written as pHYs
+std::vector<std::uint8_t> encode_png(const Image& image, double pixel_aspect = 1.0);
+
+/// @throws std::runtime_error  when the bytes are no whole PNG; says what libpng says
+Image decode_png(std::span<const std::uint8_t> bytes);
+
+/// Writes beside `path` and renames: the file is whole or is not there.
+///
+/// @throws std::runtime_error  naming the file and the reason
+void write_png(const std::filesystem::path& path, const Image& image, double pixel_aspect = 1.0);
+
+/// @throws std::runtime_error  naming the file and the reason
+Image read_png(const std::filesystem::path& path);
+
+}  // namespace headpin::render

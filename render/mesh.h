@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "engine/math.h"
+
+namespace headpin::render {
+
+/// A colour in linear light from its usual web notation, 0xRRGGBB in sRGB.
+Vec3 srgb(std::uint32_t rgb);
+
+/// What the light does to a mesh.
+enum class Surface {
+  lit,    ///< colour is what it reflects; lamps and surroundings are worked out per pixel
+  baked,  ///< colour is the light it sends: walls, lamps
+  floor,  ///< baked, and takes shadows; polished to the degree of `gloss`, it mirrors
+};
+
+struct Vertex {
+  Eigen::Vector3f p;       ///< in the mesh frame G [m]
+  Eigen::Vector3f n;       ///< outward, unit
+  Eigen::Vector3f colour;  ///< linear light
+};
+
+/// Triangles, counter-clockwise seen from outside.
+struct Mesh {
+  Surface surface = Surface::lit;
+  double gloss = 0.0;  ///< 0 matt .. 1; for a floor the share of light mirrored straight down
+  std::vector<Vertex> vertices;
+  std::vector<std::uint32_t> indices;  ///< three a triangle
+};
+
+/// Adds the triangles of `part`, standing in the mesh at X_GP.
+void append(Mesh& mesh, const Mesh& part, const Pose& X_GP = {});
+
+/// Adds a flat four-sided face: corners counter-clockwise seen from outside.
+void append_face(Mesh& mesh, const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d,
+                 const Vec3& colour);
+
+/// A box with its faces outward, centred at the origin.
+Mesh box(const Vec3& size, const Vec3& colour);
+
+/// A circle of a turned body. Two rings at one place make a sharp edge, of shape or colour.
+struct Ring {
+  double z;     ///< along the axis [m]
+  double r;     ///< [m], 0 closes the body
+  Vec2 n;       ///< outward normal (along r, along z); need not be unit
+  Vec3 colour;  ///< linear light
+};
+
+/// Turns rings, listed from the bottom up the outside, about the z axis.
+///
+/// @param sides  faces around, 3 or more
+Mesh turned(std::span<const Ring> rings, int sides);
+
+/// Semi-axes a (across) and c (along z), centre at the origin.
+Mesh ellipsoid(double a, double c, int sides, int rings,
+               const std::function<Vec3(double z)>& colour);
+
+/// Surface where a field is zero: negative inside, growing outward, about a distance [m].
+///
+/// Naive surface nets (Gibson 1998): one vertex in each cell the surface passes, normals from the
+/// field's slope.
+///
+/// @param lo, hi  corners of the box that is searched; the surface must lie inside
+/// @param cell    edge of a cell [m]
+Mesh surface_of(const std::function<double(const Vec3&)>& field, const Vec3& lo, const Vec3& hi,
+                double cell, const Vec3& colour);
+
+}  // namespace headpin::render

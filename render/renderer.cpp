@@ -1,0 +1,579 @@
+#include "render/renderer.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <utility>
+
+#include "render/gl_functions.h"
+#include "render/shaders.h"
+
+namespace headpin::render {
+
+namespace {
+
+using Mat4 = Eigen::Matrix4d;
+
+constexpr int kShadowWidth = 512;    // texels across the shadow's box
+constexpr int kShadowHeight = 2048;  // and along it
+constexpr double kFaint = 0.02;      // share of light an occluder must take to be drawn
+
+constexpr double kEndless = 1e6;  // farther than anything drawn [m]
+constexpr std::array<const char*, DrawList::kLamps> kLampPlace{"lamp_p[0]", "lamp_p[1]",
+                                                               "lamp_p[2]", "lamp_p[3]"};
+constexpr std::array<const char*, DrawList::kLamps> kLampPower{"lamp_power[0]", "lamp_power[1]",
+                                                               "lamp_power[2]", "lamp_power[3]"};
+
+/// World (or any frame) from a frame that is moved and scaled.
+Mat4 matrix(const Pose& X, const Vec3& scale = Vec3::Ones()) {
+  Mat4 m = Mat4::Identity();
+  m.topLeftCorner<3, 3>() = X.q.toRotationMatrix() * scale.asDiagonal();
+  m.topRightCorner<3, 1>() = X.p;
+  return m;
+}
+
+/// Eye to clip space (OpenGL 3.3 compatibility specification, glFrustum, with tangents).
+Mat4 projection(const Frustum& f) {
+  Mat4 m = Mat4::Zero();
+  m(0, 0) = 2.0 / (f.right - f.left);
+  m(0, 2) = (f.right + f.left) / (f.right - f.left);
+  m(1, 1) = 2.0 / (f.top - f.bottom);
+  m(1, 2) = (f.top + f.bottom) / (f.top - f.bottom);
+  m(2, 2) = -(f.far + f.near) / (f.far - f.near);
+  m(2, 3) = -2.0 * f.far * f.near / (f.far - f.near);
+  m(3, 2) = -1.0;
+  return m;
+}
+
+Mat4 world_to_clip(const View& view) {
+  return projection(view.frustum) * matrix(view.X_WE.inverse());
+}
+
+/// The world seen in a horizontal mirror at height z.
+Mat4 mirrored_at(double z) {
+  Mat4 m = Mat4::Identity();
+  m(2, 2) = -1.0;
+  m(2, 3) = 2.0 * z;
+  return m;
+}
+
+/// World to the shadow's clip space: along the light, the box just inside.
+Mat4 world_to_shadow(const Shadow& shadow) {
+  Mat3 R_LW;  // light frame: x as near to W's as can be, z to the light
+  R_LW.row(2) = shadow.n_W.normalized();
+  R_LW.row(1) = shadow.n_W.cross(Vec3::UnitX()).normalized();
+  R_LW.row(0) = R_LW.row(1).cross(R_LW.row(2));
+  Vec3 lo = Vec3::Constant(std::numeric_limits<double>::infinity());
+  Vec3 hi = -lo;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 p_W((corner & 1) != 0 ? shadow.hi_W.x() : shadow.lo_W.x(),
+                   (corner & 2) != 0 ? shadow.hi_W.y() : shadow.lo_W.y(),
+                   (corner & 4) != 0 ? shadow.hi_W.z() : shadow.lo_W.z());
+    const Vec3 p_L = R_LW * p_W;
+    lo = lo.cwiseMin(p_L);
+    hi = hi.cwiseMax(p_L);
+  }
+  const Vec3 to_unit = 2.0 * (hi - lo).cwiseMax(1e-6).cwiseInverse();
+  Mat4 m = Mat4::Identity();
+  m.topLeftCorner<3, 3>() = Vec3(to_unit.x(), to_unit.y(), -to_unit.z()).asDiagonal() * R_LW;
+  m.topRightCorner<3, 1>() = -to_unit.cwiseProduct(0.5 * (hi + lo));
+  m(2, 3) = -m(2, 3);
+  return m;
+}
+
+/// A point on a patch, and the ball that darkens it. As the shader reads it.
+struct ContactVertex {
+  Eigen::Vector3f p, n;
+  Eigen::Vector4f ball;
+};
+
+/// Two triangles for each patch and occluder that reach each other.
+std::vector<ContactVertex> contact_vertices(const DrawList& list) {
+  std::vector<ContactVertex> vertices;
+  for (const Patch& patch : list.patches) {
+    const double width = patch.u_W.norm(), length = patch.v_W.norm();
+    const Vec3 u = patch.u_W / width, v = patch.v_W / length, n = u.cross(v);
+    for (const Occluder& ball : list.occluders) {
+      const Vec3 p = ball.p_W - patch.p_W;
+      const double height = n.dot(p);
+      if (height <= 0.0) continue;
+      // Beyond `far` the ball takes less than kFaint: height r^2 / far^3 = kFaint.
+      const double far = std::cbrt(height * ball.radius * ball.radius / kFaint);
+      if (far <= height) continue;
+      const double reach = std::sqrt(far * far - height * height);
+      const double u0 = std::max(0.0, u.dot(p) - reach), u1 = std::min(width, u.dot(p) + reach);
+      const double v0 = std::max(0.0, v.dot(p) - reach), v1 = std::min(length, v.dot(p) + reach);
+      if (u0 >= u1 || v0 >= v1) continue;
+      Eigen::Vector4f at;
+      at << ball.p_W.cast<float>(), static_cast<float>(ball.radius);
+      for (const auto& [a, b] : {std::pair{u0, v0}, std::pair{u1, v0}, std::pair{u1, v1},
+                                 std::pair{u0, v0}, std::pair{u1, v1}, std::pair{u0, v1}}) {
+        vertices.push_back({Vec3(patch.p_W + a * u + b * v).cast<float>(), n.cast<float>(), at});
+      }
+    }
+  }
+  return vertices;
+}
+
+/// Compiled shaders by name of their uniforms.
+class Program {
+ public:
+  Program(const Gl& gl, const char* vertex, const char* fragment) : gl_(&gl) {
+    name_ = gl.CreateProgram();
+    attach(GL_VERTEX_SHADER, vertex);
+    attach(GL_FRAGMENT_SHADER, fragment);
+    gl.LinkProgram(name_);
+    GLint ok = 0;
+    gl.GetProgramiv(name_, GL_LINK_STATUS, &ok);
+    if (ok == 0) {
+      std::array<char, 1024> log{};
+      gl.GetProgramInfoLog(name_, static_cast<GLsizei>(log.size()), nullptr, log.data());
+      throw std::runtime_error(std::string("shader does not link: ") + log.data());
+    }
+  }
+  ~Program() { gl_->DeleteProgram(name_); }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  void use() const { gl_->UseProgram(name_); }
+  void set(const char* uniform, const Mat4& m) const {
+    const Eigen::Matrix4f f = m.cast<float>();
+    gl_->UniformMatrix4fv(at(uniform), 1, GL_FALSE, f.data());
+  }
+  void set(const char* uniform, const Vec3& v) const {
+    const Eigen::Vector3f f = v.cast<float>();
+    gl_->Uniform3f(at(uniform), f.x(), f.y(), f.z());
+  }
+  void set(const char* uniform, double x) const {
+    gl_->Uniform1f(at(uniform), static_cast<float>(x));
+  }
+  void set(const char* uniform, int x) const { gl_->Uniform1i(at(uniform), x); }
+  void set(const char* uniform, std::uint32_t x) const { gl_->Uniform1ui(at(uniform), x); }
+
+ private:
+  void attach(GLenum kind, const char* source) const {
+    const GLuint shader = gl_->CreateShader(kind);
+    gl_->ShaderSource(shader, 1, &source, nullptr);
+    gl_->CompileShader(shader);
+    GLint ok = 0;
+    gl_->GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+    if (ok == 0) {
+      std::array<char, 1024> log{};
+      gl_->GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
+      throw std::runtime_error(std::string("shader does not compile: ") + log.data());
+    }
+    gl_->AttachShader(name_, shader);
+    gl_->DeleteShader(shader);
+  }
+  GLint at(const char* uniform) const { return gl_->GetUniformLocation(name_, uniform); }
+
+  const Gl* gl_;
+  GLuint name_ = 0;
+};
+
+/// A picture to draw into: colour and depth.
+class Target {
+ public:
+  Target(const Gl& gl, GLenum format, int width, int height)
+      : gl_(&gl), width_(width), height_(height) {
+    gl.GenFramebuffers(1, &buffer_);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, buffer_);
+    gl.GenRenderbuffers(2, parts_.data());
+    attach(parts_[0], format, GL_COLOR_ATTACHMENT0);
+    attach(parts_[1], GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT);
+    if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+      throw std::runtime_error("OpenGL cannot draw into " + std::to_string(width) + "x" +
+                               std::to_string(height) + " pixels");
+    }
+  }
+  ~Target() {
+    gl_->DeleteFramebuffers(1, &buffer_);
+    gl_->DeleteRenderbuffers(2, parts_.data());
+  }
+  Target(const Target&) = delete;
+  Target& operator=(const Target&) = delete;
+
+  bool fits(int width, int height) const { return width == width_ && height == height_; }
+  void use() const {
+    gl_->BindFramebuffer(GL_FRAMEBUFFER, buffer_);
+    gl_->Viewport(0, 0, width_, height_);
+  }
+
+ private:
+  void attach(GLuint part, GLenum format, GLenum where) const {
+    gl_->BindRenderbuffer(GL_RENDERBUFFER, part);
+    gl_->RenderbufferStorage(GL_RENDERBUFFER, format, width_, height_);
+    gl_->FramebufferRenderbuffer(GL_FRAMEBUFFER, where, GL_RENDERBUFFER, part);
+  }
+
+  const Gl* gl_;
+  int width_, height_;
+  GLuint buffer_ = 0;
+  std::array<GLuint, 2> parts_{};
+};
+
+/// Depth as the light sees it, compared and smoothed where it is read.
+class ShadowMap {
+ public:
+  explicit ShadowMap(const Gl& gl) : gl_(&gl) {
+    gl.GenTextures(1, &texture_);
+    gl.BindTexture(GL_TEXTURE_2D, texture_);
+    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, kShadowWidth, kShadowHeight, 0,
+                  GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    gl.GenFramebuffers(1, &buffer_);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, buffer_);
+    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, texture_, 0);
+    gl.DrawBuffer(GL_NONE);
+    gl.ReadBuffer(GL_NONE);
+  }
+  ~ShadowMap() {
+    gl_->DeleteFramebuffers(1, &buffer_);
+    gl_->DeleteTextures(1, &texture_);
+  }
+  ShadowMap(const ShadowMap&) = delete;
+  ShadowMap& operator=(const ShadowMap&) = delete;
+
+  void use() const {
+    gl_->BindFramebuffer(GL_FRAMEBUFFER, buffer_);
+    gl_->Viewport(0, 0, kShadowWidth, kShadowHeight);
+  }
+
+ private:
+  const Gl* gl_;
+  GLuint texture_ = 0, buffer_ = 0;
+};
+
+/// A mesh on the side of the context.
+struct Kept {
+  Surface surface;
+  double gloss;
+  GLuint arrays, vertices, indices;
+  GLsizei count;
+};
+
+Gl current_functions(GlContext& context) {
+  context.make_current();
+  const Gl gl = load_functions(context);
+  check_drawing(gl);
+  return gl;
+}
+
+}  // namespace
+
+struct Renderer::Impl {
+  Impl(std::unique_ptr<GlContext> with, Quality wanted)
+      : context(std::move(with)), gl(current_functions(*context)), quality(wanted) {
+    if (quality.samples < 1 || quality.samples > 8) {
+      throw std::invalid_argument("samples: " + std::to_string(quality.samples) +
+                                  ", expected 1 to 8");
+    }
+    gl.GetIntegerv(GL_MAX_RENDERBUFFER_SIZE, &largest);
+    gl.GenVertexArrays(1, &contact_arrays);
+    gl.BindVertexArray(contact_arrays);
+    gl.GenBuffers(1, &contact_buffer);
+    gl.BindBuffer(GL_ARRAY_BUFFER, contact_buffer);
+    attribute(0, 3, sizeof(ContactVertex), offsetof(ContactVertex, p));
+    attribute(1, 3, sizeof(ContactVertex), offsetof(ContactVertex, n));
+    attribute(2, 4, sizeof(ContactVertex), offsetof(ContactVertex, ball));
+  }
+
+  ~Impl() {
+    context->make_current();
+    for (const Kept& mesh : meshes) {
+      gl.DeleteVertexArrays(1, &mesh.arrays);
+      gl.DeleteBuffers(1, &mesh.vertices);
+      gl.DeleteBuffers(1, &mesh.indices);
+    }
+    gl.DeleteVertexArrays(1, &contact_arrays);
+    gl.DeleteBuffers(1, &contact_buffer);
+  }
+
+  void attribute(GLuint place, GLint numbers, std::size_t stride, std::size_t offset) const {
+    gl.EnableVertexAttribArray(place);
+    gl.VertexAttribPointer(place, numbers, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride),
+                           reinterpret_cast<const void*>(offset));
+  }
+
+  void check(const DrawList& list, const View& view) const {
+    for (const DrawItem& item : list.items) {
+      if (item.mesh < 0 || static_cast<std::size_t>(item.mesh) >= meshes.size()) {
+        throw std::invalid_argument("draw list: mesh " + std::to_string(item.mesh) + " of " +
+                                    std::to_string(meshes.size()));
+      }
+    }
+    if (list.lamps.size() > DrawList::kLamps) {
+      throw std::invalid_argument("draw list: " + std::to_string(list.lamps.size()) +
+                                  " lamps, at most " + std::to_string(DrawList::kLamps));
+    }
+    const int most = largest / quality.samples;
+    if (view.width < 1 || view.height < 1 || view.width > most || view.height > most) {
+      throw std::invalid_argument("view: " + std::to_string(view.width) + "x" +
+                                  std::to_string(view.height) + " pixels, expected 1 to " +
+                                  std::to_string(most));
+    }
+  }
+
+  void draw_elements(const Kept& mesh) const {
+    gl.BindVertexArray(mesh.arrays);
+    gl.DrawElements(GL_TRIANGLES, mesh.count, GL_UNSIGNED_INT, nullptr);
+  }
+
+  void draw_depth(const DrawList& list, const Mat4& view) const {
+    shadow_map.use();
+    gl.Clear(GL_DEPTH_BUFFER_BIT);
+    depth.use();
+    depth.set("view", view);
+    for (const DrawItem& item : list.items) {
+      if (!item.casts_shadow) continue;
+      depth.set("world", matrix(item.X_WG, item.scale));
+      draw_elements(meshes[static_cast<std::size_t>(item.mesh)]);
+    }
+  }
+
+  /// Draws the items of one surface, or of them only those that are mirrored.
+  void draw_items(const DrawList& list, Surface surface, bool only_mirrored, const Mat4& view,
+                  const Vec3& eye_W, const Mat4& shadow_view) const {
+    const Program& program = surface == Surface::lit     ? lit
+                             : surface == Surface::baked ? baked
+                                                         : floor;
+    program.use();
+    program.set("view", view);
+    program.set("lowest_z", only_mirrored ? list.mirror_z : -kEndless);
+    if (surface != Surface::baked) program.set("eye_W", eye_W);
+    if (surface == Surface::floor) {
+      program.set("shadow_view", shadow_view);
+      program.set("shadow_map", 0);
+      program.set("shadow_depth", quality.shadow ? list.shadow.depth : 0.0);
+    }
+    if (surface == Surface::lit) {
+      program.set("sky", list.sky);
+      program.set("ground", list.ground);
+      program.set("lamps", static_cast<int>(list.lamps.size()));
+      for (std::size_t i = 0; i < list.lamps.size(); ++i) {
+        program.set(kLampPlace[i], list.lamps[i].p_W);
+        program.set(kLampPower[i], list.lamps[i].power);
+      }
+    }
+    for (const DrawItem& item : list.items) {
+      const Kept& mesh = meshes[static_cast<std::size_t>(item.mesh)];
+      if (mesh.surface != surface || (only_mirrored && !item.mirrored)) continue;
+      program.set("world", matrix(item.X_WG, item.scale));
+      program.set("turn", matrix({item.X_WG.q, Vec3::Zero()}, item.scale.cwiseInverse()));
+      program.set("tint", item.tint);
+      if (surface == Surface::lit) program.set("gloss", mesh.gloss);
+      if (surface == Surface::floor) program.set("gloss", quality.mirror ? mesh.gloss : 0.0);
+      draw_elements(mesh);
+    }
+  }
+
+  void draw_mirrored(const DrawList& list, const Mat4& view, const Vec3& eye_W) const {
+    const Mat4 mirror = mirrored_at(list.mirror_z);
+    const Vec3 eye = (mirror * eye_W.homogeneous()).head<3>();
+    gl.FrontFace(GL_CW);
+    gl.Enable(GL_CLIP_DISTANCE0);
+    draw_items(list, Surface::lit, true, view * mirror, eye, Mat4::Identity());
+    draw_items(list, Surface::baked, true, view * mirror, eye, Mat4::Identity());
+    gl.Disable(GL_CLIP_DISTANCE0);
+    gl.FrontFace(GL_CCW);
+    gl.Clear(GL_DEPTH_BUFFER_BIT);  // the images stay, as colours behind the floor
+  }
+
+  void draw_contact(GLsizei count, const Mat4& view) const {
+    if (count == 0) return;
+    contact.use();
+    contact.set("view", view);
+    contact.set("faint", kFaint);
+    gl.Enable(GL_BLEND);
+    gl.BlendFunc(GL_ZERO, GL_SRC_COLOR);
+    gl.Enable(GL_POLYGON_OFFSET_FILL);
+    gl.PolygonOffset(-1.0F, -4.0F);
+    gl.DepthMask(GL_FALSE);
+    gl.BindVertexArray(contact_arrays);
+    gl.DrawArrays(GL_TRIANGLES, 0, count);
+    gl.DepthMask(GL_TRUE);
+    gl.Disable(GL_POLYGON_OFFSET_FILL);
+    gl.Disable(GL_BLEND);
+  }
+
+  /// Lays out the state every picture starts from.
+  void start() {
+    context->make_current();
+    gl.Enable(GL_DEPTH_TEST);
+    gl.DepthFunc(GL_LEQUAL);
+    gl.Enable(GL_CULL_FACE);
+    gl.CullFace(GL_BACK);
+    gl.FrontFace(GL_CCW);
+    gl.Disable(GL_BLEND);
+    gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+  }
+
+  /// Reports what OpenGL found wrong since it was last asked, by throwing.
+  void finish(const char* what) const {
+    const GLenum error = gl.GetError();
+    if (error != GL_NO_ERROR) {
+      throw std::runtime_error(std::string("OpenGL error ") + std::to_string(error) + " in " +
+                               what);
+    }
+  }
+
+  std::unique_ptr<GlContext> context;
+  Gl gl;
+  Quality quality;
+  std::vector<Kept> meshes;
+  Program lit{gl, shaders::kMeshVertex, shaders::kLitFragment};
+  Program baked{gl, shaders::kMeshVertex, shaders::kBakedFragment};
+  Program floor{gl, shaders::kMeshVertex, shaders::kFloorFragment};
+  Program contact{gl, shaders::kContactVertex, shaders::kContactFragment};
+  Program depth{gl, shaders::kDepthVertex, shaders::kDepthFragment};
+  ShadowMap shadow_map{gl};
+  std::unique_ptr<Target> target;        // of the last view's size, in samples
+  std::unique_ptr<Target> label_target;  // made when first asked for
+  std::unique_ptr<Program> label;
+  GLuint contact_arrays = 0, contact_buffer = 0;
+  GLint largest = 0;
+  std::vector<std::uint8_t> samples;
+};
+
+Renderer::Renderer(std::unique_ptr<GlContext> context, Quality quality)
+    : impl_(std::make_unique<Impl>(std::move(context), quality)) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+std::string Renderer::description() const {
+  impl_->context->make_current();
+  return describe(*impl_->context, impl_->gl);
+}
+
+int Renderer::add(const Mesh& mesh) {
+  Impl& r = *impl_;
+  for (const std::uint32_t i : mesh.indices) {
+    if (i >= mesh.vertices.size()) throw std::invalid_argument("mesh: index beyond its vertices");
+  }
+  r.context->make_current();
+  Kept kept{mesh.surface, mesh.gloss, 0, 0, 0, static_cast<GLsizei>(mesh.indices.size())};
+  r.gl.GenVertexArrays(1, &kept.arrays);
+  r.gl.BindVertexArray(kept.arrays);
+  r.gl.GenBuffers(1, &kept.vertices);
+  r.gl.BindBuffer(GL_ARRAY_BUFFER, kept.vertices);
+  r.gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(Vertex)),
+                  mesh.vertices.data(), GL_STATIC_DRAW);
+  r.attribute(0, 3, sizeof(Vertex), offsetof(Vertex, p));
+  r.attribute(1, 3, sizeof(Vertex), offsetof(Vertex, n));
+  r.attribute(2, 3, sizeof(Vertex), offsetof(Vertex, colour));
+  r.gl.GenBuffers(1, &kept.indices);
+  r.gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, kept.indices);
+  r.gl.BufferData(GL_ELEMENT_ARRAY_BUFFER,
+                  static_cast<GLsizeiptr>(mesh.indices.size() * sizeof(std::uint32_t)),
+                  mesh.indices.data(), GL_STATIC_DRAW);
+  r.finish("Renderer::add");
+  r.meshes.push_back(kept);
+  return static_cast<int>(r.meshes.size()) - 1;
+}
+
+void Renderer::draw(const DrawList& list, std::span<const View> views, std::span<Image> out) {
+  Impl& r = *impl_;
+  const Gl& gl = r.gl;
+  if (views.size() != out.size()) throw std::invalid_argument("draw: not one image for each view");
+  for (const View& view : views) r.check(list, view);
+  r.start();
+
+  const Mat4 shadow_clip = world_to_shadow(list.shadow);
+  const Mat4 shadow_view =  // to 0..1, as textures are read
+      matrix({Quat::Identity(), Vec3::Constant(0.5)}, Vec3::Constant(0.5)) * shadow_clip;
+  if (r.quality.shadow && list.shadow.depth > 0.0) r.draw_depth(list, shadow_clip);
+
+  std::vector<ContactVertex> contact;
+  if (r.quality.contact) contact = contact_vertices(list);
+  gl.BindBuffer(GL_ARRAY_BUFFER, r.contact_buffer);
+  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(contact.size() * sizeof(ContactVertex)),
+                contact.data(), GL_STREAM_DRAW);
+
+  gl.Enable(GL_FRAMEBUFFER_SRGB);
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    const View& view = views[i];
+    const int width = r.quality.samples * view.width, height = r.quality.samples * view.height;
+    if (r.target == nullptr || !r.target->fits(width, height)) {
+      r.target = std::make_unique<Target>(gl, GL_SRGB8_ALPHA8, width, height);
+    }
+    r.target->use();
+    const Eigen::Vector3f back = list.background.cast<float>();
+    gl.ClearColor(back.x(), back.y(), back.z(), 1.0F);
+    gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
+
+    const Mat4 clip = world_to_clip(view);
+    const Vec3 eye_W = view.X_WE.p;
+    if (r.quality.mirror) r.draw_mirrored(list, clip, eye_W);
+    r.draw_items(list, Surface::lit, false, clip, eye_W, shadow_view);
+    gl.Enable(GL_BLEND);
+    gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+    r.draw_items(list, Surface::floor, false, clip, eye_W, shadow_view);
+    gl.Disable(GL_BLEND);
+    r.draw_contact(static_cast<GLsizei>(contact.size()), clip);
+    r.draw_items(list, Surface::baked, false, clip, eye_W, shadow_view);
+
+    r.samples.resize(std::size_t{4} * static_cast<std::size_t>(width) *
+                     static_cast<std::size_t>(height));
+    gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, r.samples.data());
+    out[i] = average(r.samples, view.width, view.height, r.quality.samples);
+  }
+  gl.Disable(GL_FRAMEBUFFER_SRGB);
+  r.finish("Renderer::draw");
+}
+
+Labels Renderer::labels(const DrawList& list, const View& view) {
+  Impl& r = *impl_;
+  const Gl& gl = r.gl;
+  r.check(list, view);
+  r.start();
+  if (r.label == nullptr) {
+    r.label = std::make_unique<Program>(gl, shaders::kDepthVertex, shaders::kLabelFragment);
+  }
+  if (r.label_target == nullptr || !r.label_target->fits(view.width, view.height)) {
+    r.label_target = std::make_unique<Target>(gl, GL_R32UI, view.width, view.height);
+  }
+  r.label_target->use();
+  const std::array<GLuint, 4> nothing{};
+  gl.ClearBufferuiv(GL_COLOR, 0, nothing.data());
+  gl.Clear(GL_DEPTH_BUFFER_BIT);
+  r.label->use();
+  r.label->set("view", world_to_clip(view));
+  for (const DrawItem& item : list.items) {
+    r.label->set("world", matrix(item.X_WG, item.scale));
+    r.label->set("id", item.id);
+    r.draw_elements(r.meshes[static_cast<std::size_t>(item.mesh)]);
+  }
+
+  const auto width = static_cast<std::size_t>(view.width);
+  const auto height = static_cast<std::size_t>(view.height);
+  Labels labels{view.width, view.height, std::vector<std::uint32_t>(width * height),
+                std::vector<float>(width * height)};
+  gl.ReadPixels(0, 0, view.width, view.height, GL_RED_INTEGER, GL_UNSIGNED_INT, labels.id.data());
+  gl.ReadPixels(0, 0, view.width, view.height, GL_DEPTH_COMPONENT, GL_FLOAT, labels.depth.data());
+  r.finish("Renderer::labels");
+  for (std::size_t y = 0; y < height / 2; ++y) {  // rows come from the bottom
+    const auto swap_rows = [&](auto& rows) {
+      const auto low = rows.begin() + static_cast<std::ptrdiff_t>(y * width);
+      const auto high = rows.begin() + static_cast<std::ptrdiff_t>((height - 1 - y) * width);
+      std::swap_ranges(low, low + static_cast<std::ptrdiff_t>(width), high);
+    };
+    swap_rows(labels.id);
+    swap_rows(labels.depth);
+  }
+  const double n = view.frustum.near, f = view.frustum.far;
+  for (float& d : labels.depth) {
+    d = d == 1.0F ? std::numeric_limits<float>::infinity()
+                  : static_cast<float>(n * f / (f - static_cast<double>(d) * (f - n)));
+  }
+  return labels;
+}
+
+}  // namespace headpin::render

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "render/draw_list.h"
+#include "render/eyes.h"
+#include "render/gl_context.h"
+#include "render/image.h"
+#include "render/mesh.h"
+
+namespace headpin::render {
+
+/// What is spent on a picture. The effects are part of what a participant sees: log them.
+struct Quality {
+  int samples = 2;      ///< each pixel is the mean light of samples x samples, 1..8
+  bool contact = true;  ///< floors darken beneath and beside bodies
+  bool shadow = true;   ///< bodies cast shadows on floors
+  bool mirror = true;   ///< polished floors mirror what stands on them
+};
+
+/// What each pixel's centre sees.
+struct Labels {
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint32_t> id;  ///< DrawItem::id, 0 where nothing is; rows from the top
+  std::vector<float> depth;       ///< along the eye's -z [m], infinite where nothing is
+};
+
+/// Draws lists with one OpenGL context. Equal calls give equal bytes, whatever was drawn before.
+class Renderer {
+ public:
+  /// @throws std::runtime_error  when the context does not draw
+  explicit Renderer(std::unique_ptr<GlContext> context, Quality quality = {});
+  ~Renderer();
+  Renderer(Renderer&&) noexcept;
+  Renderer& operator=(Renderer&&) noexcept;
+
+  /// Keeps a mesh on the side of the context, for DrawItem::mesh.
+  int add(const Mesh& mesh);
+
+  /// One picture for each view, of the view's size.
+  ///
+  /// @throws std::invalid_argument  when the list names a mesh that was not added or has too many
+  ///                                lamps, when a view has no pixels or more than can be drawn, or
+  ///                                when there are not as many images as views
+  void draw(const DrawList& list, std::span<const View> views, std::span<Image> out);
+
+  /// Which item each pixel belongs to, and how far it is: truth for tests and segmentation.
+  ///
+  /// @throws std::invalid_argument  as draw()
+  Labels labels(const DrawList& list, const View& view);
+
+  /// Who draws: backend, renderer, OpenGL version. Pictures are equal where this is.
+  std::string description() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace headpin::render

@@ -1,0 +1,151 @@
+#pragma once
+
+/// GLSL of the renderer. All light is linear; the target encodes it as sRGB.
+namespace headpin::render::shaders {
+
+inline constexpr const char* kMeshVertex = R"(#version 330 core
+layout(location = 0) in vec3 p_G;
+layout(location = 1) in vec3 n_G;
+layout(location = 2) in vec3 colour_in;
+uniform mat4 world;     // mesh to world
+uniform mat4 turn;      // the same for normals
+uniform mat4 view;      // world to clip space
+uniform vec3 tint;
+uniform float lowest_z;
+out vec3 p_W;
+out vec3 n_W;
+out vec3 colour;
+void main() {
+  vec4 p = world * vec4(p_G, 1.0);
+  p_W = p.xyz;
+  n_W = mat3(turn) * n_G;
+  colour = tint * colour_in;
+  gl_ClipDistance[0] = p.z - lowest_z;  // what is below a mirror is not seen in it
+  gl_Position = view * p;
+}
+)";
+
+// Lamps (Lambert, Blinn), light of the surroundings from above and below, and their reflection.
+inline constexpr const char* kLitFragment = R"(#version 330 core
+in vec3 p_W;
+in vec3 n_W;
+in vec3 colour;
+uniform vec3 eye_W;
+uniform vec3 sky;
+uniform vec3 ground;
+uniform vec3 lamp_p[4];
+uniform vec3 lamp_power[4];
+uniform int lamps;
+uniform float gloss;
+out vec4 result;
+void main() {
+  vec3 n = normalize(n_W);
+  vec3 v = normalize(eye_W - p_W);
+  vec3 diffuse = mix(ground, sky, 0.5 + 0.5 * n.z);
+  vec3 shine = vec3(0.0);
+  for (int i = 0; i < lamps; ++i) {
+    vec3 l = lamp_p[i] - p_W;
+    float d2 = dot(l, l);
+    l *= inversesqrt(d2);
+    vec3 power = lamp_power[i] / d2;
+    diffuse += power * max(dot(n, l), 0.0);
+    float s = max(dot(n, normalize(l + v)), 0.0);
+    s *= s; s *= s; s *= s; s *= s; s *= s; s *= s;  // to the 64th
+    shine += power * s;
+  }
+  float graze = 1.0 - max(dot(n, v), 0.0);
+  float graze2 = graze * graze;
+  float fresnel = 0.04 + 0.5 * graze2 * graze2 * graze;  // Schlick, held down at the rim
+  vec3 r = reflect(-v, n);
+  shine += fresnel * mix(ground, sky, smoothstep(-0.2, 0.2, r.z));
+  result = vec4(colour * diffuse + gloss * shine, 1.0);
+}
+)";
+
+inline constexpr const char* kBakedFragment = R"(#version 330 core
+in vec3 p_W;
+in vec3 n_W;
+in vec3 colour;
+out vec4 result;
+void main() { result = vec4(colour, 1.0); }
+)";
+
+// Alpha is what the floor hides of its mirror image: Schlick 1994, but varnish mirrors half at
+// most.
+inline constexpr const char* kFloorFragment = R"(#version 330 core
+in vec3 p_W;
+in vec3 n_W;
+in vec3 colour;
+uniform vec3 eye_W;
+uniform float gloss;
+uniform mat4 shadow_view;
+uniform sampler2DShadow shadow_map;
+uniform float shadow_depth;
+out vec4 result;
+void main() {
+  float lit = 1.0;
+  if (shadow_depth > 0.0) {
+    vec4 s = shadow_view * vec4(p_W, 1.0);
+    lit = 1.0 - shadow_depth * (1.0 - texture(shadow_map, s.xyz));
+  }
+  float hidden = 1.0;
+  if (gloss > 0.0) {
+    float graze = 1.0 - max(dot(n_W, normalize(eye_W - p_W)), 0.0);
+    float graze2 = graze * graze;
+    hidden = 1.0 - mix(gloss, 0.5, graze2 * graze2 * graze);
+  }
+  result = vec4(colour * lit, hidden);
+}
+)";
+
+inline constexpr const char* kContactVertex = R"(#version 330 core
+layout(location = 0) in vec3 p_in;
+layout(location = 1) in vec3 n_in;
+layout(location = 2) in vec4 ball_in;
+uniform mat4 view;
+out vec3 p_W;
+out vec3 n_W;
+out vec4 ball;
+void main() {
+  p_W = p_in;
+  n_W = n_in;
+  ball = ball_in;
+  gl_Position = view * vec4(p_in, 1.0);
+}
+)";
+
+// Share of the sky's cosine-weighted light that a ball keeps from a point of a plane:
+// (r/d)^2 cos, less what is too faint to draw. The target is multiplied by the rest.
+inline constexpr const char* kContactFragment = R"(#version 330 core
+in vec3 p_W;
+in vec3 n_W;
+in vec4 ball;
+uniform float faint;
+out vec4 result;
+void main() {
+  vec3 d = ball.xyz - p_W;
+  float d2 = dot(d, d);
+  float taken = ball.w * ball.w * max(dot(n_W, d), 0.0) * inversesqrt(d2) / d2;
+  taken = clamp((taken - faint) / (1.0 - faint), 0.0, 0.95);
+  result = vec4(vec3(1.0 - taken), 1.0);
+}
+)";
+
+inline constexpr const char* kDepthVertex = R"(#version 330 core
+layout(location = 0) in vec3 p_G;
+uniform mat4 world;
+uniform mat4 view;
+void main() { gl_Position = view * (world * vec4(p_G, 1.0)); }
+)";
+
+inline constexpr const char* kDepthFragment = R"(#version 330 core
+void main() {}
+)";
+
+inline constexpr const char* kLabelFragment = R"(#version 330 core
+uniform uint id;
+out uint result;
+void main() { result = id; }
+)";
+
+}  // namespace headpin::render::shaders

@@ -1,0 +1,129 @@
+#include "scene/looks.h"
+
+#include <algorithm>
+
+#include "scene/hand_mesh.h"
+#include "scene/skittle_mesh.h"
+
+namespace headpin::scene {
+
+namespace {
+
+using render::DrawItem;
+using render::DrawList;
+using render::Occluder;
+
+constexpr int kRings = 26, kSides = 18;
+
+/// Three balls on the axis that fill a turned body about as well as it fills itself.
+std::vector<Occluder> occluders_of(const Outline& outline, double origin) {
+  std::vector<Occluder> balls;
+  const double height = outline.back().x();
+  for (const double share : {0.08, 0.3, 0.88}) {
+    const auto at = std::find_if(outline.begin(), outline.end(),
+                                 [&](const Vec2& p) { return p.x() >= share * height; });
+    balls.push_back({Vec3(0.0, 0.0, at->x() - origin), at->y()});
+  }
+  return balls;
+}
+
+void append_occluders(DrawList& list, const std::vector<Occluder>& of_body, const Pose& X_WB) {
+  for (const Occluder& ball : of_body) list.occluders.push_back({X_WB * ball.p_W, ball.radius});
+}
+
+}  // namespace
+
+RoomMeasures room_measures(const Scenario& scenario) {
+  RoomMeasures room;
+  room.width = scenario.room.width;
+  room.height = scenario.room.height;
+  room.behind = scenario.room.behind;
+  room.ahead = scenario.room.ahead;
+  room.lane_width = scenario.lane.width;
+  room.head_pin = scenario.lane.head_pin;
+  room.spots = scenario.rack.spots;
+  double last_row = 0.0;
+  for (const Vec2& spot : room.spots) last_row = std::max(last_row, spot.y());
+  room.deck_end = std::min(room.head_pin + last_row + 0.25, room.ahead);
+  room.masking_low = 2.2 * scenario.skittle.height;
+  return room;
+}
+
+Looks::Looks(render::Renderer& renderer, const Scenario& scenario, double skittle_centre)
+    : ball_radius(scenario.ball.radius) {
+  const Outline outline = smooth_outline(scenario.skittle.profile);
+  double widest = 0.0;
+  for (const Vec2& p : outline) widest = std::max(widest, p.y());
+  const double height = scenario.skittle.height;
+  const Outline ellipsoid = ellipsoid_outline(height, widest);
+  true_skittle = renderer.add(skittle_mesh(outline, skittle_centre, kRings, kSides));
+  ellipsoid_skittle = renderer.add(skittle_mesh(ellipsoid, 0.5 * height, kRings, kSides));
+  true_occluders = occluders_of(outline, skittle_centre);
+  ellipsoid_occluders = occluders_of(ellipsoid, 0.5 * height);
+  ball = renderer.add(ball_mesh(ball_radius, Vec3::UnitZ()));
+  open_hand = renderer.add(open_hand_mesh());
+  gripping_hand = renderer.add(gripping_hand_mesh(scenario.hand.grip, ball_radius));
+
+  const RoomMeasures measures = room_measures(scenario);
+  const RoomMeshes meshes = room_meshes(measures);
+  const auto still = [&](const render::Mesh& mesh, bool mirrored) {
+    DrawItem item;
+    item.mesh = renderer.add(mesh);
+    item.id = kRoomId;
+    item.mirrored = mirrored;
+    room.items.push_back(item);
+  };
+  still(meshes.lane, false);
+  still(meshes.approach, false);
+  still(meshes.beside, false);
+  still(meshes.front, true);
+  still(meshes.walls, false);
+
+  const Vec3 home = scenario.ball.home;
+  const double rim = home.z() - 0.78 * ball_radius;  // the ball lies in the stand's ring
+  DrawItem stand;
+  stand.mesh = renderer.add(stand_mesh(rim, ball_radius));
+  stand.X_WG.p = Vec3(home.x(), home.y(), 0.0);
+  stand.id = kStandId;
+  stand.casts_shadow = true;
+  stand.mirrored = true;
+  room.items.push_back(stand);
+  room.occluders.push_back({Vec3(home.x(), home.y(), 0.06), 0.13});
+
+  room.lamps = room_lamps(measures);
+  room.sky = room_ambient().sky;
+  room.ground = room_ambient().ground;
+  room.background = Vec3(0.16, 0.15, 0.13);
+  room.patches = floor_patches(measures);
+  const double reach = 0.5 * measures.lane_width + measures.gutter_width;
+  room.shadow = {Vec3(0.22, -0.30, 1.0).normalized(), Vec3(-reach, -1.5, -measures.gutter_depth),
+                 Vec3(reach, measures.ahead, 1.0), 0.38};
+}
+
+DrawList draw_list(const Looks& looks, const Moving& moving) {
+  DrawList list = looks.room;
+  const auto add = [&](int mesh, const Pose& X_WG, std::uint32_t id) {
+    DrawItem item;
+    item.mesh = mesh;
+    item.X_WG = X_WG;
+    item.id = id;
+    item.casts_shadow = true;
+    item.mirrored = true;
+    list.items.push_back(item);
+  };
+  std::uint32_t id = kFirstSkittleId;
+  for (const Pose& X_WB : moving.X_WB_skittles) {
+    add(moving.ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle, X_WB, id++);
+    append_occluders(list, moving.ellipsoids ? looks.ellipsoid_occluders : looks.true_occluders,
+                     X_WB);
+  }
+  add(looks.ball, moving.X_WB_ball, kBallId);
+  list.occluders.push_back({moving.X_WB_ball.p, looks.ball_radius});
+  if (moving.X_WH) {
+    add(moving.grips ? looks.gripping_hand : looks.open_hand, *moving.X_WH, kHandId);
+    list.occluders.push_back({moving.X_WH->p, 0.05});
+  }
+  return list;
+}
+
+}  // namespace headpin::scene

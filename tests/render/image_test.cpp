@@ -1,0 +1,186 @@
+#include "render/image.h"
+
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <random>
+#include <string>
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+namespace headpin::render {
+namespace {
+
+namespace fs = std::filesystem;
+
+Image noise(int width, int height, unsigned seed) {
+  std::mt19937 random(seed);
+  Image image{width, height, std::vector<std::uint8_t>(std::size_t(3) * width * height)};
+  for (std::uint8_t& byte : image.rgb) byte = static_cast<std::uint8_t>(random());
+  return image;
+}
+
+fs::path fresh_folder() {
+  std::string name = testing::TempDir() + "headpin_image_XXXXXX";
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("mkdtemp");
+  return name;
+}
+
+/// What a command prints on standard output.
+std::string output_of(const std::string& command) {
+  std::FILE* pipe = popen(command.c_str(), "r");
+  std::string text;
+  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) text += static_cast<char>(c);
+  EXPECT_EQ(pclose(pipe), 0) << command;
+  return text;
+}
+
+// The offset basis and two vectors of draft-eastlake-fnv: of nothing, of "a", of "foobar".
+TEST(PixelHash, IsFnv1a64) {
+  EXPECT_EQ(pixel_hash({}), 0xcbf29ce484222325u);
+  EXPECT_EQ(pixel_hash({0, 0, {'a'}}), 0xaf63dc4c8601ec8cu);
+  EXPECT_EQ(pixel_hash({0, 0, {'f', 'o', 'o', 'b', 'a', 'r'}}), 0x85944171f73967e8u);
+}
+
+// IEC 61966-2-1: half the light of white has code 255 (1.055 * 0.5^(1/2.4) - 0.055) = 187.5.
+TEST(Average, OfABlackAndWhiteCheckerIsHalfTheLightNotHalfTheCode) {
+  std::vector<std::uint8_t> checker;
+  for (const int white : {1, 0, 0, 1}) {
+    for (int c = 0; c < 4; ++c) checker.push_back(white ? 255 : 0);
+  }
+  const Image image = average(checker, 1, 1, 2);
+  EXPECT_EQ(image.rgb, (std::vector<std::uint8_t>{188, 188, 188}));
+}
+
+TEST(Average, OfEqualSamplesIsTheSampleForEveryCode) {
+  for (int samples = 1; samples <= 8; ++samples) {
+    for (int code = 0; code < 256; ++code) {
+      const std::vector<std::uint8_t> rgba(std::size_t(4) * samples * samples,
+                                           static_cast<std::uint8_t>(code));
+      ASSERT_EQ(average(rgba, 1, 1, samples).rgb[0], code) << samples << " x " << samples;
+    }
+  }
+}
+
+TEST(Average, TurnsRowsFromTheBottomIntoRowsFromTheTop) {
+  const std::vector<std::uint8_t> rgba{1, 2, 3, 255, 4, 5, 6, 255};  // one column, lower row first
+  EXPECT_EQ(average(rgba, 1, 2, 1).rgb, (std::vector<std::uint8_t>{4, 5, 6, 1, 2, 3}));
+}
+
+TEST(Average, RefusesABufferOfAnotherSize) {
+  EXPECT_THROW(average(std::vector<std::uint8_t>(15), 1, 1, 2), std::invalid_argument);
+  EXPECT_THROW(average({}, 0, 0, 2), std::invalid_argument);
+}
+
+TEST(SideBySide, KeepsTheLeftEyeOnTheLeftInEveryRow) {
+  const Image left = noise(3, 5, 1), right = noise(4, 5, 2);
+  const Image both = side_by_side(left, right);
+  ASSERT_EQ(both.width, 7);
+  for (int y = 0; y < 5; ++y) {
+    for (int x = 0; x < 7; ++x) {
+      const Image& eye = x < 3 ? left : right;
+      const int at = x < 3 ? x : x - 3;
+      for (int c = 0; c < 3; ++c) {
+        ASSERT_EQ(both.rgb[3 * (y * 7 + x) + c], eye.rgb[3 * (y * eye.width + at) + c]);
+      }
+    }
+  }
+  EXPECT_THROW(side_by_side(left, noise(3, 4, 3)), std::invalid_argument);
+}
+
+TEST(Png, ReadsBackAsItWasWritten) {
+  const fs::path folder = fresh_folder();
+  for (const auto& [width, height] : {std::pair{1, 1}, std::pair{360, 240}, std::pair{7, 3}}) {
+    const Image image = noise(width, height, 5);
+    write_png(folder / "image.png", image, 1.405);
+    EXPECT_EQ(read_png(folder / "image.png"), image);
+  }
+  fs::remove_all(folder);
+}
+
+// ffmpeg has its own decoder.
+TEST(Png, IsTheSamePictureToAnIndependentDecoder) {
+  const fs::path folder = fresh_folder();
+  const Image image = noise(36, 24, 7);
+  write_png(folder / "image.png", image, 1.405);
+  const std::string file = (folder / "image.png").string();
+  const std::string rgb = output_of("ffmpeg -v error -xerror -err_detect crccheck+explode -i " +
+                                    file + " -f rawvideo -pix_fmt rgb24 -");
+  EXPECT_EQ(std::vector<std::uint8_t>(rgb.begin(), rgb.end()), image.rgb);
+  fs::remove_all(folder);
+}
+
+// pHYs holds pixels per unit, across first: of wide pixels fewer go across (PNG, 11.3.4.3). ffmpeg
+// 5.1 takes the two numbers for the aspect itself and shows it the other way round.
+TEST(Png, HoldsTheAspectAsPixelsPerUnit) {
+  const std::vector<std::uint8_t> png = encode_png(noise(4, 4, 1), 1.5);
+  const std::string text(png.begin(), png.end());
+  const std::size_t at = text.find("pHYs");
+  ASSERT_NE(at, std::string::npos);
+  const auto number = [&](std::size_t i) {
+    return png[i] << 24 | png[i + 1] << 16 | png[i + 2] << 8 | png[i + 3];
+  };
+  EXPECT_EQ(number(at + 4), 10000);
+  EXPECT_EQ(number(at + 8), 15000);
+  EXPECT_EQ(png[at + 12], 0);  // unit unknown: an aspect
+}
+
+TEST(Png, RefusesEveryCutOffFile) {
+  const std::vector<std::uint8_t> png = encode_png(noise(9, 9, 3));
+  for (std::size_t size = 0; size + 12 < png.size(); ++size) {  // the last chunk says only "end"
+    EXPECT_THROW(decode_png(std::span(png).first(size)), std::runtime_error) << size;
+  }
+}
+
+TEST(Png, SurvivesDamage) {
+  const std::vector<std::uint8_t> png = encode_png(noise(9, 9, 3));
+  std::mt19937 random(4);
+  int refused = 0;
+  for (int i = 0; i < 2000; ++i) {
+    std::vector<std::uint8_t> damaged = png;
+    damaged[random() % png.size()] ^= static_cast<std::uint8_t>(1 + random() % 255);
+    try {
+      const Image image = decode_png(damaged);
+      EXPECT_EQ(image.rgb.size(), std::size_t(3) * image.width * image.height);
+    } catch (const std::runtime_error&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 1500);  // most bytes are image data, under a checksum
+}
+
+TEST(Png, RefusesAHeaderThatPromisesAHugePicture) {
+  std::vector<std::uint8_t> png = encode_png(noise(9, 9, 3));
+  png[16] = 0x7f;  // width
+  EXPECT_THROW(decode_png(png), std::runtime_error);
+}
+
+TEST(Png, RefusesAPictureWithoutPixels) {
+  EXPECT_THROW(encode_png({}), std::invalid_argument);
+  EXPECT_THROW(encode_png({2, 2, {1, 2, 3}}), std::invalid_argument);
+  EXPECT_THROW(encode_png(noise(2, 2, 1), 0.0), std::invalid_argument);
+}
+
+TEST(Png, NamesTheFileThatCannotBeWrittenOrRead) {
+  try {
+    write_png("/nowhere/image.png", noise(2, 2, 1));
+    FAIL();
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "cannot write /nowhere/image.png: No such file or directory");
+  }
+  EXPECT_THROW(read_png("/nowhere/image.png"), std::runtime_error);
+}
+
+TEST(Png, LeavesNothingBehindWhereTheFileDoesNotFit) {
+  const fs::path folder = fresh_folder();
+  std::signal(SIGXFSZ, SIG_IGN);
+  const rlimit small{1000, 1000};  // a disk that is full after 1000 bytes
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  EXPECT_THROW(write_png(folder / "image.png", noise(200, 200, 1)), std::runtime_error);
+  EXPECT_TRUE(fs::is_empty(folder));
+  fs::remove_all(folder);
+}
+
+}  // namespace
+}  // namespace headpin::render

@@ -1,0 +1,224 @@
+#include "scene/looks.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "scene/hand_mesh.h"
+#include "scene/skittle_mesh.h"
+
+namespace headpin::scene {
+namespace {
+
+using render::Image;
+using render::Labels;
+using render::View;
+
+constexpr double kCentre = 0.1474;  // of a ten-pin's mass above its base: bowling.md
+
+struct Seen {
+  Scenario scenario;
+  render::Renderer renderer{render::osmesa_context()};
+  Looks looks{renderer, scenario, kCentre};
+  std::vector<Pose> skittles;
+  Moving moving;
+
+  Seen() {
+    for (const Vec2& spot : scenario.rack.spots) {
+      skittles.push_back(
+          {Quat::Identity(), Vec3(spot.x(), scenario.lane.head_pin + spot.y(), kCentre)});
+    }
+    moving.X_WB_skittles = skittles;
+    moving.X_WB_ball.p = scenario.ball.home;
+  }
+  /// A head at the foul line, looking a little down at the skittles.
+  std::array<View, 2> views() const {
+    return render::eyes({rotation(Vec3(0.5 * std::numbers::pi - 0.15, 0, 0)), Vec3(0, -0.5, 1.65)},
+                        {});
+  }
+  Labels labels(const View& view) { return renderer.labels(draw_list(looks, moving), view); }
+};
+
+Vec2 project(const View& view, const Vec3& p_W) {
+  const Vec3 p = view.X_WE.inverse() * p_W;
+  const render::Frustum& f = view.frustum;
+  return {view.width * (p.x() / -p.z() - f.left) / (f.right - f.left),
+          view.height * (f.top - p.y() / -p.z()) / (f.top - f.bottom)};
+}
+
+struct Mask {
+  int count = 0;
+  Vec2 middle = Vec2::Zero();
+  Vec2 lo = Vec2::Constant(1e9), hi = Vec2::Constant(-1e9);
+};
+
+Mask mask(const Labels& labels, std::uint32_t id) {
+  Mask m;
+  for (int y = 0; y < labels.height; ++y) {
+    for (int x = 0; x < labels.width; ++x) {
+      if (labels.id[static_cast<std::size_t>(y * labels.width + x)] != id) continue;
+      const Vec2 p(x + 0.5, y + 0.5);
+      ++m.count;
+      m.middle += p;
+      m.lo = m.lo.cwiseMin(p);
+      m.hi = m.hi.cwiseMax(p);
+    }
+  }
+  if (m.count > 0) m.middle /= m.count;
+  return m;
+}
+
+TEST(Looks, ShowEverySkittleThatStandsWhereItStands) {
+  Seen seen;
+  for (const View& view : seen.views()) {
+    const Labels labels = seen.labels(view);
+    for (std::size_t i = 0; i < seen.skittles.size(); ++i) {
+      const Mask m = mask(labels, kFirstSkittleId + static_cast<std::uint32_t>(i));
+      ASSERT_GE(m.count, 8) << i;
+      const Vec3 p = seen.skittles[i].p;
+      const Vec2 foot = project(view, p - Vec3(0, 0, kCentre));
+      const Vec2 head = project(view, p + Vec3(0, 0, 0.381 - kCentre));
+      EXPECT_NEAR(m.lo.y() - 0.5, head.y(), 1.0) << i;  // its head hides behind no other
+      EXPECT_LT(m.hi.y() + 0.5, foot.y() + 1.5) << i;
+      EXPECT_NEAR(0.5 * (m.lo.x() + m.hi.x()), foot.x(), 1.6) << i;
+    }
+  }
+}
+
+TEST(Looks, ShowNoSkittleThatIsNotThere) {
+  Seen seen;
+  seen.moving.X_WB_skittles = std::span(seen.skittles).first(3);
+  const Labels labels = seen.labels(seen.views()[0]);
+  EXPECT_GT(mask(labels, kFirstSkittleId + 2).count, 0);
+  EXPECT_EQ(mask(labels, kFirstSkittleId + 3).count, 0);
+}
+
+TEST(Looks, ShowALyingSkittleWiderThanTall) {
+  Seen seen;
+  seen.skittles[0] = {rotation(Vec3(0, 0.5 * std::numbers::pi, 0)), Vec3(0.0, 5.5, 0.0605)};
+  const Mask m = mask(seen.labels(seen.views()[0]), kFirstSkittleId);
+  const Vec2 size = m.hi - m.lo;
+  EXPECT_GT(render::Optics{}.pixel_aspect() * size.x(), 2.0 * size.y());
+}
+
+// The room is closed: no look may go past its walls, from anywhere in it.
+TEST(Looks, HaveARoomWithoutHoles) {
+  Seen seen;
+  for (const Vec3& at : {Vec3(0, -1, 1.6), Vec3(-1.8, 3, 1.2), Vec3(1.5, 5, 0.4)}) {
+    for (int turn = 0; turn < 8; ++turn) {
+      for (const double tilt : {-1.2, -0.6, 0.0, 0.6, 1.2}) {
+        const Pose X_WD{rotation(Vec3(0, 0, turn * std::numbers::pi / 4)) *
+                            rotation(Vec3(0.5 * std::numbers::pi + tilt, 0, 0)),
+                        at};
+        const Labels labels = seen.labels(render::eyes(X_WD, {})[0]);
+        EXPECT_EQ(mask(labels, 0).count, 0) << at.transpose() << " " << turn << " " << tilt;
+      }
+    }
+  }
+}
+
+TEST(Looks, HideWhatTheHandIsInFrontOfInBothEyes) {
+  Seen seen;
+  seen.moving.X_WB_ball.p = Vec3(0.0, 0.5, 1.45);
+  seen.moving.X_WH = Pose{rotation(Vec3(0.5 * std::numbers::pi, 0, 0)), Vec3(0.0, 0.1, 1.5)};
+  for (const View& view : seen.views()) {
+    const Labels labels = seen.labels(view);
+    const Vec2 hand = project(view, seen.moving.X_WH->p);
+    const auto at = static_cast<std::size_t>(static_cast<int>(hand.y()) * labels.width +
+                                             static_cast<int>(hand.x()));
+    EXPECT_EQ(labels.id[at], kHandId);
+    EXPECT_LT(labels.depth[at], 0.65);
+    EXPECT_GT(mask(labels, kBallId).count, 50);
+  }
+}
+
+TEST(Looks, PutTheBallInTheHandThatGripsIt) {
+  Seen seen;
+  const Pose X_WH{rotation(Vec3(0.5 * std::numbers::pi, 0, 0)), Vec3(0.1, 0.2, 1.4)};
+  seen.moving.X_WH = X_WH;
+  seen.moving.grips = true;
+  seen.moving.X_WB_ball = {X_WH.q, X_WH * seen.scenario.hand.grip};
+  const Labels labels = seen.labels(seen.views()[0]);
+  EXPECT_GT(mask(labels, kBallId).count, 300);
+  EXPECT_GT(mask(labels, kHandId).count, 300);
+}
+
+// Its own hand may touch the ball but not fill it.
+TEST(GrippingHand, StaysOutsideTheBall) {
+  const Vec3 p_HB(0.0, -0.03, -0.115);
+  const render::Mesh hand = gripping_hand_mesh(p_HB, 0.1085);
+  double nearest = 1.0;
+  for (const render::Vertex& v : hand.vertices) {
+    nearest = std::min(nearest, (v.p.cast<double>() - p_HB).norm());
+  }
+  EXPECT_GT(nearest, 0.1085 - 0.012);  // half a finger sinks in
+  EXPECT_LT(nearest, 0.1085 + 0.005);
+}
+
+/// Volume by the divergence theorem.
+double volume(const render::Mesh& mesh) {
+  double sum = 0.0;
+  const auto corner = [&](std::size_t i) -> Vec3 {
+    return mesh.vertices[mesh.indices[i]].p.cast<double>();
+  };
+  for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+    sum += corner(i).dot(corner(i + 1).cross(corner(i + 2))) / 6.0;
+  }
+  return sum;
+}
+
+// bowling.md: 2.105 litres for the profile of a ten-pin, whose head is a ball; an ellipse from the
+// widest place of the head takes 0.3 % less.
+TEST(SkittleMesh, HasTheVolumeOfATenPin) {
+  const Outline outline = smooth_outline(Scenario().skittle.profile);
+  EXPECT_NEAR(volume(skittle_mesh(outline, kCentre, 100, 100)), 2.105e-3, 0.015e-3);
+}
+
+TEST(SkittleMesh, StandsOnItsBaseAndIsAsTallAndWideAsItsProfile) {
+  const Scenario scenario;
+  const render::Mesh mesh = skittle_mesh(smooth_outline(scenario.skittle.profile), kCentre, 26, 18);
+  Eigen::Vector3f lo = mesh.vertices[0].p, hi = lo;
+  for (const render::Vertex& v : mesh.vertices) {
+    lo = lo.cwiseMin(v.p);
+    hi = hi.cwiseMax(v.p);
+  }
+  EXPECT_NEAR(lo.z(), -kCentre, 1e-6);
+  EXPECT_NEAR(hi.z(), 0.381 - kCentre, 1e-6);
+  EXPECT_NEAR(hi.x(), 0.0605, 0.0003);  // a ring need not lie on the very belly
+}
+
+TEST(SkittleMesh, OfAnEllipsoidHasItsVolume) {
+  const render::Mesh mesh = skittle_mesh(ellipsoid_outline(0.38, 0.06), 0.19, 80, 80);
+  const double expected = 4.0 / 3.0 * std::numbers::pi * 0.06 * 0.06 * 0.19;
+  EXPECT_NEAR(volume(mesh), expected, 0.005 * expected);
+}
+
+TEST(SmoothOutline, GoesThroughItsPointsAndDoesNotSwingOutBetweenThem) {
+  const std::vector<Vec2> profile = Scenario().skittle.profile;
+  const Outline outline = smooth_outline(profile);
+  for (const Vec2& point : profile) {
+    const double nearest = (*std::min_element(outline.begin(), outline.end(),
+                                              [&](const Vec2& a, const Vec2& b) {
+                                                return (a - point).norm() < (b - point).norm();
+                                              }) -
+                            point)
+                               .norm();
+    EXPECT_LT(nearest, 1e-9);
+  }
+  for (std::size_t i = 1; i < outline.size(); ++i) {
+    EXPECT_GE(outline[i].x(), outline[i - 1].x() - 1e-12);
+    EXPECT_LE(outline[i].y(), 0.0608);
+  }
+}
+
+TEST(SmoothOutline, RefusesAProfileThatDoesNotRise) {
+  const std::vector<Vec2> back{{0.0, 0.1}, {0.2, 0.1}, {0.1, 0.1}};
+  EXPECT_THROW(smooth_outline(back), std::invalid_argument);
+  EXPECT_THROW(smooth_outline(std::span(back).first(2)), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace headpin::scene
