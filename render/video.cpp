@@ -1,0 +1,210 @@
+#include "render/video.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstring>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/socket.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char** environ;
+
+namespace headpin::render {
+
+namespace {
+
+std::filesystem::path with_suffix(std::filesystem::path path, const char* suffix) {
+  path += suffix;
+  return path;
+}
+
+/// "1.405" as ffmpeg wants it: a ratio of whole numbers.
+std::string ratio(double x) {
+  const long under = 10000, over = std::lround(x * under), common = std::gcd(over, under);
+  return std::to_string(over / common) + "/" + std::to_string(under / common);
+}
+
+std::vector<std::string> arguments(int width, int height, std::int64_t fps, double pixel_aspect,
+                                   const std::string& lossless, const std::string& copy) {
+  // The copy is 480 lines high or more, its pixels square, both sides even as 4:2:0 wants them.
+  const int times = height < 480 ? (480 + height - 1) / height : 1;
+  const int copy_height = 2 * ((times * height + 1) / 2);
+  const long copy_width = 2 * std::lround(0.5 * times * width * pixel_aspect);
+  const std::string size = std::to_string(width) + "x" + std::to_string(height);
+  const std::string scale = "scale=" + std::to_string(copy_width) + ":" +
+                            std::to_string(copy_height) +
+                            ":flags=bicubic:out_color_matrix=bt709:out_range=tv,setsar=1";
+  return {"ffmpeg", "-hide_banner", "-nostdin", "-loglevel", "error", "-xerror", "-y",
+          // What comes in.
+          "-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size", size, "-framerate",
+          std::to_string(fps), "-i", "pipe:0",
+          // Every byte of it.
+          "-map", "0:v", "-vf", "setsar=" + ratio(pixel_aspect) + ":max=10000", "-c:v",
+          "libx264rgb", "-preset", "ultrafast", "-qp", "0", "-metadata:s:v:0",
+          "stereo_mode=left_right", "-fflags", "+bitexact", "-f", "matroska", lossless,
+          // To look at.
+          "-map", "0:v", "-vf", scale, "-c:v", "libx264", "-preset", "veryfast", "-crf", "18",
+          "-pix_fmt", "yuv420p", "-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc",
+          "bt709", "-movflags", "+faststart", "-fflags", "+bitexact", "-f", "mp4", copy};
+}
+
+/// Runs ffmpeg between two files. Returns its process id.
+int spawn(std::vector<std::string> words, int input, int messages) {
+  std::vector<char*> argv;
+  for (std::string& word : words) argv.push_back(word.data());
+  argv.push_back(nullptr);
+  posix_spawn_file_actions_t actions;
+  posix_spawn_file_actions_init(&actions);
+  posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
+  posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+  posix_spawn_file_actions_adddup2(&actions, messages, STDERR_FILENO);
+  pid_t process = -1;
+  const int error = posix_spawnp(&process, argv[0], &actions, nullptr, argv.data(), environ);
+  posix_spawn_file_actions_destroy(&actions);
+  if (error != 0) {
+    throw std::runtime_error(std::string("cannot run ffmpeg, which makes videos: ") +
+                             std::strerror(error));
+  }
+  return process;
+}
+
+/// A file without a name.
+int scratch_file() {
+  std::string name = (std::filesystem::temp_directory_path() / "headpin-ffmpeg-XXXXXX").string();
+  const int file = mkostemp(name.data(), O_CLOEXEC);
+  if (file < 0) throw std::runtime_error("cannot write " + name + ": " + std::strerror(errno));
+  unlink(name.c_str());
+  return file;
+}
+
+/// Its last two thousand bytes, on one line.
+std::string text_of(int file) {
+  std::array<char, 2000> text{};
+  const off_t size = lseek(file, 0, SEEK_END);
+  const off_t from = std::max<off_t>(0, size - static_cast<off_t>(text.size()));
+  const ssize_t got = pread(file, text.data(), text.size(), from);
+  std::string line(text.data(), static_cast<std::size_t>(std::max<ssize_t>(0, got)));
+  while (!line.empty() && line.back() == '\n') line.pop_back();
+  std::replace(line.begin(), line.end(), '\n', ';');
+  return line;
+}
+
+}  // namespace
+
+VideoWriter::VideoWriter(const std::filesystem::path& path, int width, int height, std::int64_t fps,
+                         double pixel_aspect, bool force)
+    : path_(path), copy_(path), width_(width), height_(height) {
+  if (path.extension() != ".mkv") {
+    throw std::invalid_argument("video: expected a name that ends in .mkv, found " + path.string());
+  }
+  copy_.replace_extension(".mp4");
+  path_part_ = with_suffix(path_, ".part");
+  copy_part_ = with_suffix(copy_, ".part");
+  constexpr int kLargest = 16384;  // H.264's encoder takes no more
+  if (width < 2 || height < 2 || width > kLargest || height > kLargest || fps < 1 ||
+      !(pixel_aspect > 0.01 && pixel_aspect < 100.0)) {
+    throw std::invalid_argument("video: " + std::to_string(width) + "x" + std::to_string(height) +
+                                " pixels, " + std::to_string(fps) + " a second, pixel aspect " +
+                                std::to_string(pixel_aspect));
+  }
+  for (const std::filesystem::path& file : {path_, copy_}) {
+    if (!force && std::filesystem::exists(file)) {
+      throw std::runtime_error(file.string() + ": exists already; --force replaces it");
+    }
+  }
+  // A socket, not a pipe: send() can be told to fail where write() would raise SIGPIPE.
+  std::array<int, 2> ends{};
+  if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
+    throw std::runtime_error(std::string("cannot make a socket: ") + std::strerror(errno));
+  }
+  socket_ = ends[0];
+  try {
+    messages_ = scratch_file();
+    process_ = spawn(arguments(width, height, fps, pixel_aspect, path_part_, copy_part_), ends[1],
+                     messages_);
+  } catch (...) {
+    ::close(ends[0]);
+    ::close(ends[1]);
+    if (messages_ >= 0) ::close(messages_);
+    throw;
+  }
+  ::close(ends[1]);
+}
+
+VideoWriter::~VideoWriter() {
+  if (process_ >= 0) {
+    kill(process_, SIGKILL);
+    wait();
+    remove_parts();
+  }
+  ::close(messages_);
+}
+
+void VideoWriter::add(const Image& image) {
+  if (image.width != width_ || image.height != height_ ||
+      image.rgb.size() !=
+          std::size_t{3} * static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)) {
+    throw std::invalid_argument("video: a picture of " + std::to_string(image.width) + "x" +
+                                std::to_string(image.height) + " pixels, expected " +
+                                std::to_string(width_) + "x" + std::to_string(height_));
+  }
+  if (process_ < 0) throw std::runtime_error(path_.string() + ": the video has ended");
+  for (std::size_t sent = 0; sent < image.rgb.size();) {
+    const ssize_t n = send(socket_, image.rgb.data() + sent, image.rgb.size() - sent, MSG_NOSIGNAL);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail();
+    sent += static_cast<std::size_t>(n);
+  }
+  ++pictures_;
+}
+
+void VideoWriter::close() {
+  if (process_ < 0) return;
+  if (pictures_ == 0) {
+    kill(process_, SIGKILL);
+    wait();
+    remove_parts();
+    throw std::runtime_error(path_.string() + ": a video without pictures");
+  }
+  ::close(socket_);
+  socket_ = -1;
+  if (wait() != 0) fail();
+  std::filesystem::rename(path_part_, path_);
+  std::filesystem::rename(copy_part_, copy_);
+}
+
+/// Lets go of ffmpeg; its wait status.
+int VideoWriter::wait() {
+  if (socket_ >= 0) ::close(socket_);
+  socket_ = -1;
+  int status = 0;
+  while (process_ >= 0 && waitpid(process_, &status, 0) < 0 && errno == EINTR) continue;
+  process_ = -1;
+  return status;
+}
+
+void VideoWriter::fail() {
+  wait();
+  remove_parts();
+  const std::string said = text_of(messages_);
+  throw std::runtime_error(
+      path_.string() + ": ffmpeg has stopped: " + (said.empty() ? "it does not say why" : said));
+}
+
+void VideoWriter::remove_parts() const {
+  std::error_code ignored;
+  std::filesystem::remove(path_part_, ignored);
+  std::filesystem::remove(copy_part_, ignored);
+}
+
+}  // namespace headpin::render

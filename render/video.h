@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+
+#include "render/image.h"
+
+namespace headpin::render {
+
+/// Pictures become a video, through ffmpeg.
+///
+/// Two files: FILE.mkv keeps every byte (H.264 in RGB, lossless; pixel aspect and stereo mode are
+/// in the container), and FILE.mp4 beside it plays anywhere (4:2:0, square pixels). Both get their
+/// names in close(), when they are whole.
+class VideoWriter {
+ public:
+  /// @param path          the lossless file, .mkv
+  /// @param width         of both eyes side by side [pixels]
+  /// @param pixel_aspect  width of a pixel over its height
+  /// @param force         replace what is there
+  /// @throws std::invalid_argument  for another suffix, or a size or rate that is no video
+  /// @throws std::runtime_error     where the files exist, or ffmpeg cannot be run
+  VideoWriter(const std::filesystem::path& path, int width, int height, std::int64_t fps,
+              double pixel_aspect, bool force = false);
+
+  /// Without close(), stops ffmpeg and removes what it has written.
+  ~VideoWriter();
+  VideoWriter(const VideoWriter&) = delete;
+  VideoWriter& operator=(const VideoWriter&) = delete;
+
+  /// The next picture.
+  ///
+  /// @throws std::invalid_argument  when it is of another size
+  /// @throws std::runtime_error     with what ffmpeg says, when it has stopped
+  void add(const Image& image);
+
+  /// Ends the video: waits for ffmpeg and gives the files their names.
+  ///
+  /// @throws std::runtime_error  with what ffmpeg says, when it fails or no picture was added
+  void close();
+
+  /// The viewing copy.
+  const std::filesystem::path& copy() const { return copy_; }
+
+ private:
+  int wait();
+  void fail();
+  void remove_parts() const;
+
+  std::filesystem::path path_, copy_, path_part_, copy_part_;
+  int width_, height_;
+  std::int64_t pictures_ = 0;
+  int socket_ = -1;    ///< to ffmpeg's standard input
+  int messages_ = -1;  ///< a nameless file with what ffmpeg says
+  int process_ = -1;
+};
+
+}  // namespace headpin::render
