@@ -20,6 +20,7 @@ int main(int argc, char** argv) {
                "headpin"};
   app.require_subcommand(1);
   headpin::apps::add_replay(app);
+  headpin::apps::add_frames(app);
   headpin::apps::add_compare(app);
   try {
     app.parse(argc, argv);

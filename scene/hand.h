@@ -9,8 +9,10 @@ namespace headpin::scene {
 
 /// Velocity the ball leaves the hand with.
 ///
-/// Fits a line through the hand positions of the last `window` and carries its slope, and the
-/// turn from first to last sample, over to the centre of the ball.
+/// Fits a parabola to the hand's positions and turns of the last `window` and carries its slope at
+/// the release over to the centre of the ball. A straight line would lag by half the window: a
+/// swing gains some 40 m/s2, so it would throw 1.2 m/s too slow. Fewer than four samples still get
+/// the line.
 ///
 /// @param track   hand poses X_WH, oldest first; the last one is the release
 /// @param p_HB    centre of the ball in the hand [m]

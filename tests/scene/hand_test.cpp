@@ -34,6 +34,23 @@ TEST(ReleaseVelocity, OfATurningHandIsThatOfTheBallsCentre) {
   EXPECT_NEAR((ball.w - w).norm(), 0.0, 1e-10);
 }
 
+TEST(ReleaseVelocity, OfASpeedingHandIsThatAtTheRelease) {
+  const Vec3 a(1.0, 40.0, -3.0);
+  std::vector<Stamped<Pose>> track;
+  for (int i = 0; i < 6; ++i) {
+    const double t = seconds(Time{14'000 * i});
+    track.push_back({Time{14'000 * i}, {Quat::Identity(), 0.5 * a * t * t}});
+  }
+  const Twist ball = release_velocity(track, Vec3::Zero(), kWindow);
+  EXPECT_NEAR((ball.v - a * seconds(track.back().time)).norm(), 0.0, 1e-9);
+}
+
+TEST(ReleaseVelocity, OfAHandOnASlowTrackerIsThatOfALine) {
+  const auto sparse = steady(Vec3(0.0, 5.0, 1.0), Vec3::Zero(), Time{30'000}, 6);  // three in 60 ms
+  EXPECT_NEAR((release_velocity(sparse, Vec3::Zero(), kWindow).v - Vec3(0.0, 5.0, 1.0)).norm(), 0.0,
+              1e-9);
+}
+
 TEST(ReleaseVelocity, LooksBackOnlyOverTheWindow) {
   auto track = steady(Vec3(0.0, 5.0, 0.0), Vec3::Zero(), Time{10'000}, 12);
   track.front().value.p.x() = 100.0;  // long before the release
