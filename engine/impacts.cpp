@@ -69,14 +69,20 @@ void book(World& world, const Touch& touch, const Encounter& e, const Vec3& F, c
   outside.angular_momentum += p_W.cross(F);
 }
 
-/// Gives one impulse, if the pair has one coming. @return whether it had
-bool strike(World& world, Touch& touch, double threshold) {
+enum class Outcome { none, struck, woke };
+
+/// Gives one impulse, if the pair has one coming.
+Outcome strike(World& world, Touch& touch, double threshold) {
   Scratch& s = world.scratch;
-  if (!soonest(world, touch, threshold)) return false;
+  if (!soonest(world, touch, threshold)) return Outcome::none;
   const std::optional<Meeting> meeting = find_meeting(world, touch, threshold);
   if (!meeting) {
     touch.points = 0;  // they pass each other
-    return false;
+    return Outcome::none;
+  }
+  if (world.asleep[touch.b]) {
+    wake(world, touch.b);
+    return Outcome::woke;
   }
   const ContactPoint& point = meeting->point;
   const double t = meeting->time;
@@ -94,10 +100,21 @@ bool strike(World& world, Touch& touch, double threshold) {
   bend(world, touch.a, F, ra, t);
   if (touch.b_moves) bend(world, touch.b, -F, rb, t);
   if (world.parameters.keep_ledger) book(world, touch, e, F, point.p_W, rb);
-  world.events.push_back({touch.a, touch.b, point.p_W, point.n_AB_W, F, meeting->approach,
-                          note_meeting(world, touch)});
+  world.events.push_back({touch.a, touch.b, point.p_W, point.n_AB_W, F, meeting->approach, false});
   ++world.statistics.impacts;
-  return true;
+  return Outcome::struck;
+}
+
+/// Takes the step back to its start, its bodies as they were.
+void start_over(World& world) {
+  Scratch& s = world.scratch;
+  for (const BodyId i : s.movers) {
+    world.states[i].v_WB = s.start[i].v;
+    world.states[i].w_WB = s.start[i].w;
+  }
+  world.events.clear();
+  world.struck = world.pushed = {};
+  world.statistics.impacts = world.statistics.impact_sweeps = world.statistics.pulls = 0;
 }
 
 }  // namespace
@@ -146,24 +163,36 @@ void turn_normals(Scratch& s, const Touch& touch) {
   }
 }
 
-void resolve_impacts(World& world) {
+bool resolve_impacts(World& world) {
   const Parameters& p = world.parameters;
   Scratch& s = world.scratch;
   const double step_fall = p.gravity_W.norm() * step_seconds(world);
   const double threshold = std::max(p.impact_speed, 2.5 * step_fall);
-  for (int sweep = 0; sweep < p.impact_sweeps; ++sweep) {
-    bool any = false;
-    for (Touch& touch : s.touches) {
+  for (int sweep = 0;; ++sweep) {
+    s.coming.clear();
+    for (std::uint32_t k = 0; k < s.touches.size(); ++k) {
+      const Touch& touch = s.touches[k];
       if (s.top_speed[touch.a] + s.top_speed[touch.b] <= threshold) continue;
-      // As many points may need an impulse of their own.
-      for (std::uint32_t k = 0; k <= touch.points && strike(world, touch, threshold); ++k) {
-        any = true;
-      }
+      if (const auto m = soonest(world, touch, threshold)) s.coming.emplace_back(m->time, k);
     }
-    if (!any) return;
+    if (s.coming.empty()) return false;
+    if (sweep == p.impact_sweeps) break;
+    std::sort(s.coming.begin(), s.coming.end());  // as they happen; at the same time, by number
+    for (const auto& [time, k] : s.coming) {
+      Touch& touch = s.touches[k];
+      // As many points as there are may need an impulse each.
+      Outcome outcome = Outcome::struck;
+      for (std::uint32_t n = 0; n <= touch.points && outcome == Outcome::struck; ++n) {
+        outcome = strike(world, touch, threshold);
+      }
+      if (outcome != Outcome::woke) continue;
+      start_over(world);
+      return true;
+    }
     ++world.statistics.impact_sweeps;
   }
   ++world.statistics.unfinished_impacts;
+  return false;
 }
 
 }  // namespace headpin::engine::detail

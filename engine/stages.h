@@ -15,8 +15,11 @@ void find_pairs(World& world);
 /// @return  whether any body was woken: pairs and contacts must then be found again
 bool find_contacts(World& world);
 
-/// Impulses where bodies meet within the step, in fixed order, until no pair approaches.
-void resolve_impacts(World& world);
+/// Impulses where bodies meet within the step, one after the other as they happen, until no pair
+/// approaches.
+///
+/// @return  whether a sleeping body was hit: it is awake now, and the step must be started over
+bool resolve_impacts(World& world);
 
 /// Lasting contacts: elasticity 0, impulses accumulated and clamped, island by island.
 void sustain_contacts(World& world);
@@ -69,8 +72,9 @@ struct Meeting {
 };
 std::optional<Meeting> find_meeting(World& world, Touch& touch, double threshold);
 
-/// Notes that two bodies met. @return whether for the first time
-bool note_meeting(World& world, Touch& touch);
+/// Tells which of the step's events are the first between two bodies; drops lasting touches of
+/// bodies that had met before.
+void note_meetings(World& world);
 
 /// Representative of a body's island: the smallest number in it.
 BodyId island_root(std::vector<BodyId>& parent, BodyId i);

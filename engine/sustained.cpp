@@ -5,6 +5,10 @@
 namespace headpin::engine::detail {
 namespace {
 
+/// Friction that lost its load so often within a step is left out of it: where a pair is just about
+/// to part, its friction would come and go for ever.
+constexpr int kReleases = 4;
+
 /// A body whose axis is nearer to the normal than this stands; it has no rolling resistance.
 constexpr double kStanding = 0.9;
 
@@ -67,6 +71,37 @@ void add_normal_rows(World& world, Touch& touch) {
   }
 }
 
+template <int n>
+Block inverse_of(const Block& K) {
+  Block inverse = Block::Zero();
+  inverse.topLeftCorner<n, n>() = K.topLeftCorner<n, n>().inverse();
+  return inverse;
+}
+
+/// The rows of a touch solved as one: a base stands without any iteration.
+void add_block(World& world, Touch& touch) {
+  Scratch& s = world.scratch;
+  if (touch.rows < 2 || touch.rows > 4) return;
+  const std::span<const NormalRow> rows = std::span(s.rows).subspan(touch.first_row, touch.rows);
+  double inv_mass = s.mobility[touch.a].inv_mass;
+  if (touch.b_moves) inv_mass += s.mobility[touch.b].inv_mass;
+  Block K;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t k = 0; k <= i; ++k) {
+      double value = inv_mass * rows[i].n.dot(rows[k].n) + rows[i].ra_n.dot(rows[k].ia);
+      if (touch.b_moves) value += rows[i].rb_n.dot(rows[k].ib);
+      K(static_cast<int>(i), static_cast<int>(k)) = K(static_cast<int>(k), static_cast<int>(i)) =
+          value;
+    }
+    // Four points of one plane carry each other; this picks one of the ways to share the load.
+    K(static_cast<int>(i), static_cast<int>(i)) *= 1.0 + 1e-9;
+  }
+  touch.block = static_cast<std::uint32_t>(s.blocks.size());
+  s.blocks.push_back(rows.size() == 2   ? inverse_of<2>(K)
+                     : rows.size() == 3 ? inverse_of<3>(K)
+                                        : inverse_of<4>(K));
+}
+
 /// Normal and foot of the friction of a touch: its points, weighted by what they carry.
 struct Foot {
   Vec3 p_W = Vec3::Zero(), n = Vec3::Zero();
@@ -126,7 +161,7 @@ void add_friction(World& world, Touch& touch, std::uint32_t index) {
   FrictionRows f;
   f.touch = index;
   f.n = foot.n;
-  f.reach = foot.spread;
+  f.reach = foot.spread + arm;  // what rolls heavily pivots heavily, even on one point
   f.t[0] = tangent(f.n);
   f.t[1] = f.n.cross(f.t[0]);
   const Arms arms = arms_of(world, touch);
@@ -179,28 +214,69 @@ void add_friction(World& world, Touch& touch, std::uint32_t index) {
   s.friction.push_back(f);
 }
 
+template <bool b_moves>
+double approach_of(const NormalRow& row, const State& sa, const State& sb) {
+  const double approach = row.n.dot(sa.v_WB - sb.v_WB) + row.ra_n.dot(sa.w_WB);
+  return approach - row.rb_n.dot(sb.w_WB);
+}
+
+template <bool b_moves>
+void push_by(World& world, const Touch& touch, const NormalRow& row, double impulse) {
+  const Scratch& s = world.scratch;
+  push(world.states[touch.a], s.mobility[touch.a], -impulse * row.n, -impulse * row.ia);
+  if constexpr (b_moves) {
+    push(world.states[touch.b], s.mobility[touch.b], impulse * row.n, impulse * row.ib);
+  }
+}
+
+/// All rows of a touch at once, if they all press. @return whether they do
+template <bool b_moves>
+bool solve_as_block(World& world, const Touch& touch, double& worst) {
+  Scratch& s = world.scratch;
+  const State &sa = world.states[touch.a], &sb = world.states[touch.b];
+  NormalRow* const rows = s.rows.data() + touch.first_row;
+  Eigen::Vector4d excess = Eigen::Vector4d::Zero();
+  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+    excess[k] = approach_of<b_moves>(rows[k], sa, sb) - rows[k].allowed;
+  }
+  const Eigen::Vector4d more = s.blocks[touch.block] * excess;
+  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+    if (rows[k].impulse + more[k] < 0.0) return false;
+  }
+  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+    rows[k].impulse += more[k];
+    push_by<b_moves>(world, touch, rows[k], more[k]);
+    worst = std::max(worst, std::abs(excess[k]));
+  }
+  return true;
+}
+
 /// One pass over the normal rows of a touch. @return largest change of a velocity [m/s]
 template <bool b_moves>
-double solve_normals(World& world, const Touch& touch, double& load) {
-  Scratch& s = world.scratch;
-  const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
-  State &sa = world.states[touch.a], &sb = world.states[touch.b];
+double solve_normals(World& world, const Touch& touch) {
+  const State &sa = world.states[touch.a], &sb = world.states[touch.b];
+  NormalRow* const rows = world.scratch.rows.data() + touch.first_row;
   double worst = 0.0;
-  load = 0.0;
+  if (touch.rows >= 2 && touch.rows <= 4 && solve_as_block<b_moves>(world, touch, worst)) {
+    return worst;
+  }
   for (std::uint32_t k = 0; k < touch.rows; ++k) {
-    NormalRow& row = s.rows[touch.first_row + k];
-    const double approach =
-        row.n.dot(sa.v_WB - sb.v_WB) + row.ra_n.dot(sa.w_WB) - row.rb_n.dot(sb.w_WB);
-    const double impulse = std::max(0.0, row.impulse + row.mass * (approach - row.allowed));
+    NormalRow& row = rows[k];
+    const double excess = approach_of<b_moves>(row, sa, sb) - row.allowed;
+    const double impulse = std::max(0.0, row.impulse + row.mass * excess);
     const double more = impulse - row.impulse;
-    row.impulse = impulse;
-    load += impulse;
     if (more == 0.0) continue;
-    push(sa, ma, -more * row.n, -more * row.ia);
-    if constexpr (b_moves) push(sb, mb, more * row.n, more * row.ib);
+    row.impulse = impulse;
+    push_by<b_moves>(world, touch, row, more);
     worst = std::max(worst, std::abs(more) / row.mass);
   }
   return worst;
+}
+
+double load_of(const Scratch& s, const Touch& touch) {
+  double load = 0.0;
+  for (std::uint32_t k = 0; k < touch.rows; ++k) load += s.rows[touch.first_row + k].impulse;
+  return load;
 }
 
 template <bool b_moves>
@@ -208,7 +284,9 @@ double solve_friction(World& world, const Touch& touch, FrictionRows& f, double 
   Scratch& s = world.scratch;
   const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
   State &sa = world.states[touch.a], &sb = world.states[touch.b];
-  const bool carries = load > 0.0;
+  const bool carries = load > 0.0 && f.releases < kReleases;
+  if (f.carries && !carries) ++f.releases;
+  f.carries = carries;
   Vec2 slip, F = Vec2::Zero();
   for (int i = 0; i < 2; ++i) {
     const auto u = static_cast<std::size_t>(i);
@@ -248,9 +326,9 @@ double solve_friction(World& world, const Touch& touch, FrictionRows& f, double 
 
 template <bool b_moves>
 double solve(World& world, const Touch& touch, FrictionRows* friction) {
-  double load = 0.0;
-  const double worst = solve_normals<b_moves>(world, touch, load);
+  const double worst = solve_normals<b_moves>(world, touch);
   if (!friction) return worst;
+  const double load = load_of(world.scratch, touch);
   return std::max(worst, solve_friction<b_moves>(world, touch, *friction, load));
 }
 
@@ -296,7 +374,9 @@ void solve_island(World& world, std::span<const std::uint32_t> touches) {
   const Parameters& p = world.parameters;
   for (const std::uint32_t k : touches) {
     Touch& touch = s.touches[k];
-    if (touch.points > 0) add_normal_rows(world, touch);
+    if (touch.points == 0) continue;
+    add_normal_rows(world, touch);
+    add_block(world, touch);
   }
   const std::size_t first_friction = s.friction.size();
   for (const std::uint32_t k : touches) {
@@ -350,7 +430,8 @@ void keep(World& world) {
     if (load <= 0.0) continue;
     s.supported[touch.a] = 1;
     if (touch.b_moves) s.supported[touch.b] = 1;
-    if (note_meeting(world, touch)) {
+    if (!touch.met) {
+      touch.met = true;
       const std::ptrdiff_t k = strongest - (s.rows.data() + touch.first_row);
       world.events.push_back({touch.a, touch.b,
                               s.points[touch.first_point + static_cast<std::size_t>(k)].p_W,
@@ -392,6 +473,7 @@ BodyId island_root(std::vector<BodyId>& parent, BodyId i) {
 void sustain_contacts(World& world) {
   Scratch& s = world.scratch;
   s.rows.clear();
+  s.blocks.clear();
   s.friction.clear();
   find_islands(world);
   std::uint32_t start = 0;

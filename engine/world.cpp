@@ -133,6 +133,7 @@ void prepare_bodies(World& world) {
   for (const BodyId i : s.movers) {
     s.mobility[i] = {1.0 / world.bodies[i].mass,
                      inverse_inertia(world.inertias[i], world.states[i].X_WB.q)};
+    s.start[i] = {world.states[i].v_WB, world.states[i].w_WB};
     s.kinks[i] = {};
     s.supported[i] = 0;
     s.top_speed[i] = detail::top_speed(world, i);
@@ -301,6 +302,7 @@ BodyId add_body(World& world, Body body, const State& state) {
   s.island_number.resize(count);
   s.island_calm.resize(count);
   s.mobility.resize(count);
+  s.start.resize(count);
   s.kinks.resize(count);
   s.top_speed.resize(count);
   s.supported.resize(count);
@@ -365,15 +367,16 @@ void step(World& world) {
   world.statistics.steps = 1;
   Books books(world);
   Laps lap(world);
-  do {
+  for (bool woken = true; woken;) {  // a woken body has contacts of its own: once more, then
     prepare_bodies(world);
     find_pairs(world);
     lap(Phase::find_pairs);
-  } while (find_contacts(world));  // woken bodies have contacts of their own
-  lap(Phase::find_contacts);
-  resolve_impacts(world);
+    woken = find_contacts(world);
+    lap(Phase::find_contacts);
+    woken = woken || resolve_impacts(world);
+    lap(Phase::resolve_impacts);
+  }
   books.book_impacts();
-  lap(Phase::resolve_impacts);
   apply_gravity(world);
   lap(Phase::apply_gravity);
   books.begin();
@@ -392,6 +395,7 @@ void step(World& world) {
   books.end(world.ledger.sustained);
   lap(Phase::fall_asleep);
   books.close();
+  note_meetings(world);
   remember(world);
   ++world.tick;
 }
@@ -428,15 +432,14 @@ std::uint64_t state_hash(const World& world) {
 
 namespace detail {
 
-bool note_meeting(World& world, Touch& touch) {
-  if (touch.met) return false;
-  touch.met = true;
-  const std::uint64_t key =
-      std::uint64_t{std::min(touch.a, touch.b)} << 32 | std::max(touch.a, touch.b);
-  const auto place = std::lower_bound(world.met.begin(), world.met.end(), key);
-  if (place != world.met.end() && *place == key) return false;
-  world.met.insert(place, key);
-  return true;
+void note_meetings(World& world) {
+  std::erase_if(world.events, [&](ContactEvent& e) {
+    const std::uint64_t key = std::uint64_t{std::min(e.a, e.b)} << 32 | std::max(e.a, e.b);
+    const auto place = std::lower_bound(world.met.begin(), world.met.end(), key);
+    e.first = place == world.met.end() || *place != key;
+    if (e.first) world.met.insert(place, key);
+    return !e.first && e.approach_speed == 0.0;
+  });
 }
 
 }  // namespace detail

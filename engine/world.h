@@ -116,7 +116,8 @@ struct Touch {
   std::uint32_t last = 0;       ///< the same touch in the last step, unless fresh
   std::uint32_t first_point = 0, points = 0;
   std::uint32_t first_row = 0, rows = 0;
-  double time = 0.0;  ///< of its impact within the step [s]: when its points are right
+  std::uint32_t block = 0;  ///< of its rows in `blocks`, when it has 2 to 4
+  double time = 0.0;        ///< of its impact within the step [s]: when its points are right
   Coefficients pair;
   Sliding sliding;
   Vec3 friction_W = Vec3::Zero();  ///< impulse on A of the last step, to start from
@@ -137,9 +138,14 @@ struct NormalRow {
   std::uint32_t feature = 0;
 };
 
+/// Inverse of what the 2 to 4 normal rows of a touch do to each other; unused entries 0.
+using Block = Eigen::Matrix4d;
+
 /// Friction of a pair: slip along two tangents, twist about the normal, rolling about A's axis.
 struct FrictionRows {
   std::uint32_t touch = 0;
+  bool carries = false;
+  int releases = 0;  ///< how often it lost its load within the step
   std::array<Vec3, 2> t, ra_t, rb_t, ia, ib;
   Eigen::Matrix2d inverse;   ///< of the softened 2 x 2 block
   Eigen::Matrix2d softness;  ///< by which the block is softened
@@ -164,6 +170,7 @@ struct Scratch {
   std::vector<Touch> touches, last_touches;
   std::vector<ContactPoint> points;
   std::vector<NormalRow> rows, last_rows;
+  std::vector<Block> blocks;
   std::vector<FrictionRows> friction;
   std::vector<BodyId> parent;                // islands, as a union-find forest
   std::vector<std::uint32_t> island_number;  // of a root
@@ -171,7 +178,9 @@ struct Scratch {
   std::vector<std::uint32_t> island_of, island_start, order;
   std::vector<Mobility> mobility;
   std::vector<double> top_speed;  // of any point of a body [m/s]
+  std::vector<Twist> start;       // velocities at the start of the step
   std::vector<Kink> kinks;
+  std::vector<std::pair<double, std::uint32_t>> coming;  // impacts by time, and their touches
   std::vector<std::uint8_t> supported;  // a lasting contact carried it in this step
   std::vector<Vec3> nudge_p, nudge_w;
   std::vector<BodyId> nudged;
