@@ -27,7 +27,9 @@ struct Balance {
 
 /// What each phase has added since the start; their sum is the change of the whole.
 struct Ledger {
-  Balance gravity;     ///< free motion: its energy is the error of the integration alone
+  /// Free motion. A free body neither gains nor loses here; one that is carried gains the fall of a
+  /// step, which `sustained` takes away again.
+  Balance gravity;
   Balance hand;        ///< driven bodies, and bodies that were put, thrown, taken or let go
   Balance impact;      ///< impulses between free bodies and on what is fixed: energy never above 0
   Balance sustained;   ///< lasting contacts, friction, rolling resistance, falling asleep

@@ -70,12 +70,17 @@ void check_body(const Body& body, const std::string& who) {
   }
 }
 
-void check_state(const State& s, const std::string& who) {
+bool is_good(const State& s) {
+  return s.X_WB.p.allFinite() && s.v_WB.allFinite() && s.w_WB.allFinite() &&
+         std::abs(s.X_WB.q.norm() - 1.0) < 1e-6;
+}
+
+[[noreturn]] void refuse(const State& s, const std::string& who) {
   const bool finite = s.X_WB.p.allFinite() && s.X_WB.q.coeffs().allFinite() && s.v_WB.allFinite() &&
                       s.w_WB.allFinite();
-  if (!finite) throw std::invalid_argument(who + ": expected a finite pose and velocity");
-  const double norm = s.X_WB.q.norm();
-  expect(std::abs(norm - 1.0) < 1e-6, who + ": norm of its quaternion", "1", norm);
+  throw std::invalid_argument(
+      who + (finite ? ": norm of its quaternion: expected 1, found " + number(s.X_WB.q.norm())
+                    : ": expected a finite pose and velocity"));
 }
 
 void check_number(const World& world, BodyId body) {
@@ -280,7 +285,7 @@ BodyId add_body(World& world, Body body, const State& state) {
   const std::string who =
       "body " + std::to_string(i) + (body.name.empty() ? "" : " '" + body.name + "'");
   check_body(body, who);
-  check_state(state, who);
+  if (!is_good(state)) refuse(state, who);
   check_overlap(world, body, state, who);
   world.inertias.push_back(body.kind == Kind::fixed ? Inertia{} : principal_inertia(body.inertia));
   detail::Scratch& s = world.scratch;
@@ -314,7 +319,7 @@ BodyId add_body(World& world, Body body, const State& state) {
 
 void set_state(World& world, BodyId body, const State& state) {
   check_number(world, body);
-  check_state(state, title(world, body));
+  if (!is_good(state)) refuse(state, title(world, body));
   if (world.bodies[body].kind == Kind::fixed) {
     throw std::invalid_argument(title(world, body) + ": is fixed, cannot be moved");
   }

@@ -1,0 +1,122 @@
+#include <gtest/gtest.h>
+
+#include "tests/support/bowling.h"
+
+namespace headpin::engine {
+namespace {
+
+RackOptions kept() {
+  RackOptions o;
+  o.parameters.keep_ledger = true;
+  return o;
+}
+
+void expect_same(const Balance& a, const Balance& b, double tolerance) {
+  EXPECT_NEAR(a.energy, b.energy, tolerance);
+  EXPECT_NEAR((a.momentum - b.momentum).norm(), 0.0, tolerance);
+  EXPECT_NEAR((a.angular_momentum - b.angular_momentum).norm(), 0.0, tolerance);
+}
+
+TEST(Ledger, AddsUpToWhatTheBodiesHave) {
+  Bowling b = bowling(kept());
+  run(b.world, 3.0);
+  // Some 200 J and 40 kg m/s went through 720 steps of rounding.
+  expect_same(b.world.ledger.sum(), balance(b.world), 1e-9);
+}
+
+// Impulses only ever take energy (paper_impulse); lasting contacts too, to the solver's residual.
+TEST(Ledger, ShowsThatContactsOnlyTakeEnergy) {
+  for (const double elasticity : {0.0, 0.7, 1.0}) {
+    for (const double friction : {0.0, 0.7, 1.0}) {
+      RackOptions o = kept();
+      o.material = {elasticity, friction};
+      Bowling b = bowling(o);
+      const double start = balance(b.world).energy;
+      for (int i = 0; i < 3 * 240; ++i) {
+        const Ledger before = b.world.ledger;
+        step(b.world);
+        const Ledger& after = b.world.ledger;
+        EXPECT_LE(after.impact.energy - before.impact.energy, 1e-12 * start);
+        EXPECT_LE(after.sustained.energy - before.sustained.energy, 1e-9 * start)
+            << elasticity << " " << friction << " tick " << i;
+      }
+    }
+  }
+}
+
+TEST(Ledger, ChargesFreeFlightWithNothingButTheFall) {
+  World world = make_world({.keep_ledger = true});
+  State s;
+  s.v_WB = Vec3(1.0, 2.0, 3.0);
+  s.w_WB = Vec3(4.0, -5.0, 6.0);
+  add_body(world, skittle_body({}), s);
+  const Balance start = balance(world);
+  run(world, 1.0);
+  expect_same(world.ledger.hand, start, 1e-12);  // it was put there
+  EXPECT_NEAR(world.ledger.gravity.energy, 0.0, 1e-11);
+  EXPECT_NEAR((world.ledger.gravity.momentum - Vec3(0, 0, -1.5 * 9.81)).norm(), 0.0, 1e-11);
+  expect_same(world.ledger.impact, {}, 0.0);
+  expect_same(world.ledger.sustained, {}, 0.0);
+  expect_same(world.ledger.correction, {}, 0.0);
+}
+
+// Two free bodies: the impulse between them changes neither momentum.
+TEST(Ledger, FindsNoMomentumInImpactsBetweenFreeBodies) {
+  World world = make_world({.keep_ledger = true});
+  world.parameters.gravity_W = Vec3::Zero();
+  State s;
+  add_body(world, skittle_body({}), s);
+  s.X_WB.p = Vec3(0.05, -0.5, 0.03);
+  s.v_WB = Vec3(0.0, 6.0, 0.0);
+  add_body(world, ball_body({}), s);
+  const Balance start = balance(world);
+  run(world, 0.5);
+  EXPECT_LT(world.ledger.impact.energy, -1.0);
+  EXPECT_NEAR(world.ledger.impact.momentum.norm(), 0.0, 1e-12);
+  const Balance end = balance(world);
+  EXPECT_NEAR((end.momentum - start.momentum).norm(), 0.0, 1e-12);
+  // Paths bend where bodies meet within the step, so this momentum holds as well; the turn of a
+  // body within the step of its impact is of second order.
+  EXPECT_NEAR((end.angular_momentum - start.angular_momentum).norm(), 0.0, 1e-9);
+}
+
+// A hand at V that strikes a ball at rest, smooth and elastic, gives it 2 V: all of it hand's work.
+TEST(Ledger, ChargesAHandWithWhatItGives) {
+  World world = make_world({.keep_ledger = true});
+  world.parameters.gravity_W = Vec3::Zero();
+  const Material smooth{1.0, 0.0};
+  const BodyId ball = add_body(world, ball_body(smooth));
+  Body hand = ball_body(smooth, 0.05, 1.0);
+  hand.kind = Kind::driven;
+  State s;
+  s.X_WB.p = Vec3(-0.3, 0.0, 0.0);
+  s.v_WB = Vec3(2.0, 0.0, 0.0);
+  add_body(world, hand, s);
+  run(world, 0.5);
+  EXPECT_NEAR(world.states[ball].v_WB.x(), 4.0, 1e-12);
+  EXPECT_NEAR(world.ledger.hand.energy, 0.5 * 7.0 * 16.0, 1e-9);
+  EXPECT_NEAR(world.ledger.hand.momentum.x(), 28.0, 1e-9);
+  EXPECT_NEAR(world.ledger.impact.energy, 0.0, 1e-12);
+}
+
+// A hand that carries a skittle up slowly: its work is the height gained.
+TEST(Ledger, ChargesALiftingHandWithTheHeight) {
+  World world = make_world({.keep_ledger = true});
+  State s;
+  s.X_WB.p = Vec3(0.0, 0.0, kSkittleHeight);
+  const BodyId skittle = add_body(world, skittle_body({0.7, 0.7, 0.005}), s);
+  Body plate = ball_body({0.7, 0.7});
+  plate.shape = make_compound({{Cylinder{0.2, 0.01}, Pose{}}});
+  plate.kind = Kind::driven;
+  s.X_WB.p = Vec3(0.0, 0.0, -0.01);
+  s.v_WB = Vec3(0.0, 0.0, 0.1);
+  add_body(world, plate, s);
+  run(world, 0.1);  // it has taken up the speed of the plate
+  const double before = world.ledger.hand.energy;
+  run(world, 1.0);
+  EXPECT_NEAR(world.states[skittle].X_WB.p.z(), kSkittleHeight + 0.11, 1e-3);
+  EXPECT_NEAR(world.ledger.hand.energy - before, 1.5 * 9.81 * 0.1, 1e-2 * 1.5 * 9.81 * 0.1);
+}
+
+}  // namespace
+}  // namespace headpin::engine

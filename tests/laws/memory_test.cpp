@@ -1,0 +1,45 @@
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/bowling.h"
+
+namespace {
+std::atomic<long> allocations{0};
+}  // namespace
+
+// Counts every allocation of this program.
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* p = std::malloc(size)) return p;
+  throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept {
+  std::free(p);
+}
+void operator delete(void* p, std::size_t) noexcept {
+  std::free(p);
+}
+
+namespace headpin::engine {
+namespace {
+
+TEST(Step, AllocatesNothingOnceWarm) {
+  Bowling b = bowling({});
+  const std::vector<State> placed = b.world.states;
+  const auto play = [&] {
+    for (BodyId i = 1; i < placed.size(); ++i) set_state(b.world, i, placed[i]);
+    run(b.world, 3.0);
+  };
+  play();
+  const long warm = allocations;
+  play();
+  EXPECT_EQ(allocations, warm);
+  const auto something = std::make_unique<int>(1);
+  EXPECT_EQ(allocations, warm + 1);  // the counter counts
+}
+
+}  // namespace
+}  // namespace headpin::engine

@@ -1,0 +1,106 @@
+#include <gtest/gtest.h>
+
+#include "tests/support/bowling.h"
+
+namespace headpin::engine {
+namespace {
+
+struct Thrown {
+  World world;
+  BodyId ball = 0;
+  double slip() const {
+    const State& s = world.states[ball];
+    return s.v_WB.y() + s.w_WB.x() * kBallRadius;
+  }
+};
+
+Thrown sliding_ball(int rate_hz, const Material& material, std::string_view response = "paper") {
+  Thrown t{make_world({.rate_hz = rate_hz, .response = response})};
+  add_body(t.world, floor_body(material));
+  State s;
+  s.X_WB.p.z() = kBallRadius;
+  s.v_WB = Vec3(0.0, 6.0, 0.0);
+  t.ball = add_body(t.world, ball_body(material), s);
+  return t;
+}
+
+// The paper's friction is a rate: per tau = 1/60 s a part mu of the slip goes, at whatever step.
+TEST(SlidingBall, LosesSlipAtTheRateOfThePairAndNotOfTheStep) {
+  for (const double friction : {0.3, 0.7, 0.9}) {
+    const double mu = friction * friction;
+    for (const int rate : {60, 120, 240, 480, 1000}) {
+      Thrown t = sliding_ball(rate, {0.7, friction});
+      for (const double time : {1.0 / 60, 0.05, 0.1, 0.2}) {
+        while (static_cast<double>(t.world.tick) / rate < time - 1e-9) step(t.world);
+        const double passed = static_cast<double>(t.world.tick) / rate;
+        const double expected = 6.0 * std::pow(1.0 - mu, passed * 60.0);
+        EXPECT_NEAR(t.slip(), expected, 1e-6 * expected + 1e-12) << rate << " " << time;
+      }
+    }
+  }
+}
+
+// Angular momentum about the contact point stays: v ends at 5/7 of the start, whatever the rate.
+TEST(SlidingBall, EndsRollingAtFiveSeventhsOfItsSpeed) {
+  for (const std::string_view response : {"paper", "coulomb"}) {
+    for (const int rate : {60, 240, 1000}) {
+      Thrown t = sliding_ball(rate, {0.7, 0.7}, response);
+      run(t.world, 2.0);
+      EXPECT_NEAR(t.world.states[t.ball].v_WB.y(), 6.0 * 5.0 / 7.0, 1e-3) << response << rate;
+      EXPECT_NEAR(t.slip(), 0.0, 1e-9);
+      EXPECT_NEAR(t.world.states[t.ball].X_WB.p.z(), kBallRadius, 1e-9);
+    }
+  }
+}
+
+// Coulomb: the ball slows by mu g until 2/7 v / (mu g) has passed, then rolls.
+TEST(SlidingBallAfterCoulomb, SlowsByMuG) {
+  const double mu = 0.04, v = 6.0, g = 9.81;
+  Thrown t = sliding_ball(240, {0.7, 0.2}, "coulomb");
+  run(t.world, 1.0);
+  EXPECT_NEAR(t.world.states[t.ball].v_WB.y(), v - mu * g, 1e-9);
+  const double rolls_after = 2.0 / 7.0 * v / (mu * g);
+  run(t.world, rolls_after - 1.0 - 0.05);
+  EXPECT_GT(t.slip(), 0.01);
+  run(t.world, 0.1);
+  EXPECT_NEAR(t.slip(), 0.0, 1e-9);
+}
+
+TEST(SmoothBall, SlidesForEverWithoutTurning) {
+  Thrown t = sliding_ball(240, {0.7, 0.0});
+  run(t.world, 3.0);
+  EXPECT_EQ(t.world.states[t.ball].v_WB.y(), 6.0);
+  EXPECT_EQ(t.world.states[t.ball].w_WB, Vec3::Zero());
+}
+
+TEST(PerfectlyRoughBall, RollsFromTheFirstStep) {
+  Thrown t = sliding_ball(240, {0.7, 1.0});
+  step(t.world);
+  EXPECT_NEAR(t.slip(), 0.0, 1e-12);
+}
+
+// A round rod that rolls on its side carries its load an arm b ahead of its middle: it slows by
+// b g / (r (1 + I / (m r^2))), I being its inertia about its axis.
+TEST(LyingSkittle, IsBroughtToRestByItsRollingArm) {
+  const double r = 0.05, m = 1.5, axial = 0.5 * m * r * r, b = 0.005;
+  Body rod = skittle_body({0.7, 1.0, b});
+  rod.shape = make_compound({{Cylinder{r, 0.15}, Pose{}}});
+  rod.inertia = Vec3(0.0122, 0.0122, axial).asDiagonal();
+  for (const int rate : {60, 240, 1000}) {
+    World world = make_world({.rate_hz = rate});
+    add_body(world, floor_body({0.7, 1.0}));
+    State s;
+    s.X_WB = {rotation(Vec3(0.0, 1.57079632679489662, 0.0)), Vec3(0.0, 0.0, r)};  // axis along x
+    s.v_WB = Vec3(0.0, 1.0, 0.0);
+    s.w_WB = Vec3(-1.0 / r, 0.0, 0.0);
+    const BodyId i = add_body(world, rod, s);
+    run(world, 0.5);
+    const double slows = b * 9.81 / (r * (1.0 + axial / (m * r * r)));
+    EXPECT_NEAR(world.states[i].v_WB.y(), 1.0 - 0.5 * slows, 0.01 * 0.5 * slows) << rate;
+    run(world, 2.5);
+    EXPECT_TRUE(is_asleep(world, i)) << rate;
+  }
+}
+
+}  // namespace
+}  // namespace headpin::engine
