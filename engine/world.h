@@ -37,8 +37,8 @@ struct Parameters {
   double push = 0.2;                 ///< part of the rest taken back each 1/240 s
   bool sleep = true;                 ///< still islands are left out until something touches them
   double sleep_speed = 0.01;         ///< [m/s]
-  double sleep_spin = 0.05;          ///< [rad/s]
-  double sleep_after = 0.4;          ///< [s]
+  double sleep_spin = 0.03;          ///< [rad/s]
+  double sleep_after = 0.25;         ///< [s]
   bool keep_ledger = false;          ///< `World::ledger`; costs about a tenth of a step
   /// Reads a clock [ns] for `Statistics::phase_ns`. Never reaches the state. Null: no timing.
   std::int64_t (*clock)() = nullptr;

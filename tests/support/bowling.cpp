@@ -54,7 +54,7 @@ Bowling bowling(const RackOptions& o) {
   b.world = make_world(o.parameters);
   b.lane = add_body(b.world, floor_body(o.material));
   Material heavy = o.material;
-  heavy.rolling_arm = 0.005;
+  heavy.rolling_arm = 0.008;
   const int across = static_cast<int>(std::ceil(std::sqrt(o.racks)));
   for (int rack = 0; rack < o.racks; ++rack) {
     const Vec3 origin(4.0 * (rack % across), 8.0 * (rack / across), 0.0);
