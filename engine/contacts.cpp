@@ -405,7 +405,7 @@ int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
     for (std::size_t i = first; i < out.size(); ++i) out[i].n_AB_W = -out[i].n_AB_W;
     return count;
   }
-  const Pose X_AB = X_WA.inverse() * X_WB;
+  const Pose X_AB = relative(X_WA, X_WB);
   if (std::holds_alternative<HalfSpace>(a)) {
     ++counts.iterations;
     Footprint foot(X_WA, X_AB, margin, out);

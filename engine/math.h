@@ -48,6 +48,12 @@ struct Pose {
   }
 };
 
+/// Where B stands in A, both known in W: X_WA.inverse() * X_WB with one rotation less.
+inline Pose relative(const Pose& X_WA, const Pose& X_WB) {
+  const Quat q_AW = X_WA.q.conjugate();
+  return {q_AW * X_WB.q, q_AW * (X_WB.p - X_WA.p)};
+}
+
 /// How a frame moves: velocity of its origin [m/s] and angular velocity [rad/s].
 struct Twist {
   Vec3 v = Vec3::Zero();

@@ -1,0 +1,188 @@
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "engine/non_colliding.h"
+#include "engine/polyhedra.h"
+#include "tests/bench/report.h"
+#include "tests/support/paper_data.h"
+
+// The paper's comparison (section 2.1), again: 7 compound objects of 22 primitives, all 207 pairs
+// of primitives of different objects tested in every frame, no bounding volumes in front of either.
+namespace {
+
+using namespace headpin;
+using namespace headpin::engine;
+
+using Frames = std::vector<std::vector<Pose>>;
+
+/// Calls f(part, part, X_AB, number of the pair) for every pair of primitives of different objects.
+template <typename F>
+void each_pair(const std::vector<Compound>& objects, const std::vector<Pose>& X_W, F&& f) {
+  std::size_t pair = 0;
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    for (const Part& a : objects[i].parts) {
+      const Pose X_AW = (X_W[i] * a.X_BG).inverse();
+      for (std::size_t j = i + 1; j < objects.size(); ++j) {
+        for (const Part& b : objects[j].parts) f(a, b, X_AW * (X_W[j] * b.X_BG), pair++);
+      }
+    }
+  }
+}
+
+double by_features(const std::vector<Compound>& objects, const Frames& frames, EarlyOut early_out) {
+  int meeting = 0;
+  for (const std::vector<Pose>& X_W : frames) {
+    each_pair(objects, X_W, [&](const Part& a, const Part& b, const Pose& X_AB, std::size_t) {
+      meeting += intersect_by_features(std::get<Polyhedron>(a.shape), std::get<Polyhedron>(b.shape),
+                                       X_AB, early_out);
+    });
+  }
+  return meeting;
+}
+
+double non_colliding(const std::vector<Compound>& objects, const Frames& frames) {
+  int meeting = 0;
+  for (const std::vector<Pose>& X_W : frames) {
+    each_pair(objects, X_W, [&](const Part& a, const Part& b, const Pose& X_AB, std::size_t) {
+      Vec3 n = Vec3::Zero();
+      meeting += !closest_points(a.shape, b.shape, X_AB, n, {}).separated;
+    });
+  }
+  return meeting;
+}
+
+struct Point {
+  double polygons, full, early, vertices, parametric;  // microseconds a frame
+};
+
+std::string picture(const std::vector<Point>& points) {
+  constexpr double kLeft = 76, kTop = 52, kWidth = 560, kHeight = 360;
+  const double x0 = std::log10(150.0), x1 = std::log10(5500.0), y0 = std::log10(3.0),
+               y1 = std::log10(200000.0);
+  const auto x = [&](double v) { return kLeft + kWidth * (std::log10(v) - x0) / (x1 - x0); };
+  const auto y = [&](double v) {
+    return kTop + kHeight * (1.0 - (std::log10(v) - y0) / (y1 - y0));
+  };
+  std::string svg = fmt::format(
+      R"(<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 860 480" width="860" height="480" font-family="sans-serif" font-size="13">
+<rect width="860" height="480" fill="#ffffff"/>
+<text x="{}" y="24" font-size="16" font-weight="bold">Time for one frame: 7 objects, 22 primitives, 207 pairs</text>
+<text x="{}" y="42" fill="#555555">both axes logarithmic; no bounding volumes; ratios are baseline with early out / non-colliding on vertices</text>
+)",
+      kLeft, kLeft);
+  for (const double v : {10.0, 100.0, 1000.0, 10000.0, 100000.0}) {
+    svg += fmt::format(
+        "<line x1=\"{0}\" x2=\"{1}\" y1=\"{2:.1f}\" y2=\"{2:.1f}\" stroke=\"#dddddd\"/><text "
+        "x=\"{3}\" "
+        "y=\"{4:.1f}\" text-anchor=\"end\">{5} {6}</text>\n",
+        kLeft, kLeft + kWidth, y(v), kLeft - 8, y(v) + 4, v < 1000 ? v : v / 1000,
+        v < 1000 ? "us" : "ms");
+  }
+  for (const Point& p : points) {
+    svg += fmt::format(
+        "<line x1=\"{0:.1f}\" x2=\"{0:.1f}\" y1=\"{1}\" y2=\"{2}\" stroke=\"#eeeeee\"/><text "
+        "x=\"{0:.1f}\" y=\"{3}\" text-anchor=\"middle\">{4}</text>\n",
+        x(p.polygons), kTop, kTop + kHeight, kTop + kHeight + 18, p.polygons);
+  }
+  svg += fmt::format("<text x=\"{}\" y=\"{}\" text-anchor=\"middle\">polygons in all</text>\n",
+                     kLeft + kWidth / 2, kTop + kHeight + 40);
+  // The paper's claim at its two data sets: 2.5 to 8 times faster than the baseline.
+  std::string upper, lower;
+  for (const Point& p : points) {
+    if (p.polygons != 419 && p.polygons != 970) continue;
+    upper += fmt::format("{:.1f},{:.1f} ", x(p.polygons), y(p.early / 2.5));
+    lower = fmt::format("{:.1f},{:.1f} ", x(p.polygons), y(p.early / 8.0)) + lower;
+  }
+  svg += fmt::format(
+      "<polygon points=\"{}{}\" fill=\"#f2c14e\" fill-opacity=\"0.55\" stroke=\"#c9971c\"/>\n",
+      upper, lower);
+  struct Line {
+    const char* name;
+    const char* colour;
+    double Point::*value;
+    double down;
+  };
+  const Line lines[] = {{"baseline, every test made", "#8c2d19", &Point::full, 0},
+                        {"baseline, early out", "#d1603d", &Point::early, 0},
+                        {"non-colliding on vertices", "#1f6f8b", &Point::vertices, 0},
+                        {"non-colliding on parametric surfaces", "#3a9d5d", &Point::parametric, 0}};
+  for (const Line& line : lines) {
+    std::string path;
+    for (const Point& p : points) {
+      path += fmt::format("{:.1f},{:.1f} ", x(p.polygons), y(p.*line.value));
+    }
+    svg +=
+        fmt::format("<polyline points=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"2.5\"/>\n",
+                    path, line.colour);
+    for (const Point& p : points) {
+      svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"3.5\" fill=\"{}\"/>\n",
+                         x(p.polygons), y(p.*line.value), line.colour);
+    }
+    const Point& last = points.back();
+    svg += fmt::format("<text x=\"{:.1f}\" y=\"{:.1f}\" fill=\"{}\">{}</text>\n",
+                       x(last.polygons) + 10, y(last.*line.value) + 4, line.colour, line.name);
+  }
+  for (const Point& p : points) {
+    svg += fmt::format(
+        "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\" fill=\"#1f6f8b\" "
+        "font-weight=\"bold\">{:.1f}x</text>\n",
+        x(p.polygons), y(p.vertices) - 9, p.early / p.vertices);
+  }
+  svg += fmt::format(
+      "<rect x=\"{0}\" y=\"{1}\" width=\"14\" height=\"12\" fill=\"#f2c14e\" fill-opacity=\"0.55\" "
+      "stroke=\"#c9971c\"/><text x=\"{2}\" y=\"{3}\">2.5 to 8 times faster than the baseline with "
+      "early out: the paper, at 419 and 970</text>\n",
+      kLeft, 458, kLeft + 20, 468);
+  return svg + "</svg>\n";
+}
+
+}  // namespace
+
+int main() {
+  using headpin::bench::Row;
+  std::vector<Row> rows;
+  std::vector<Point> points;
+  for (const int polygons : {200, 419, 970, 2000, 4000}) {
+    const test::PaperData data = test::paper_data(polygons);
+    const Frames frames = test::paper_frames(7, 60, 0.9);
+    if (by_features(data.polyhedral, frames, EarlyOut::yes) !=
+        non_colliding(data.polyhedral, frames)) {
+      fmt::print(stderr, "paper: the methods disagree at {} polygons\n", polygons);
+      return 1;
+    }
+    const std::vector<double> s = bench::interleaved(
+        {{"early", [&] { return by_features(data.polyhedral, frames, EarlyOut::yes); }},
+         {"vertices", [&] { return non_colliding(data.polyhedral, frames); }},
+         {"parametric", [&] { return non_colliding(data.parametric, frames); }}},
+        polygons > 1000 ? 7 : 21);
+    const std::vector<double> full = bench::interleaved(
+        {{"full", [&] { return by_features(data.polyhedral, frames, EarlyOut::no); }}},
+        polygons > 1000 ? 1 : 5);
+    const double us = 1e6 / static_cast<double>(frames.size());
+    points.push_back(
+        {static_cast<double>(polygons), us * full[0], us * s[0], us * s[1], us * s[2]});
+    const Point& p = points.back();
+    const std::string at = std::to_string(polygons) + " polygons, ";
+    rows.push_back({at + "vertices", "us", p.vertices, "baseline with early out", p.early});
+    rows.push_back({at + "vertices", "us", p.vertices, "baseline without", p.full});
+    rows.push_back({at + "parametric", "us", p.parametric, "baseline with early out", p.early});
+  }
+  std::vector<double> x, ours, theirs, full;
+  for (const Point& p : points) {
+    if (p.polygons < 419) continue;
+    x.push_back(p.polygons);
+    ours.push_back(p.vertices);
+    theirs.push_back(p.early);
+    full.push_back(p.full);
+  }
+  rows.push_back({"growth exponent, 419 to 4000", "1", bench::growth_exponent(x, ours),
+                  "baseline with early out", bench::growth_exponent(x, theirs)});
+  rows.push_back({"growth exponent, 419 to 4000", "1", bench::growth_exponent(x, ours),
+                  "baseline without", bench::growth_exponent(x, full)});
+  bench::publish("paper", rows);
+  bench::write_text("out/bench/paper.svg", picture(points));
+  fmt::print("written: out/bench/paper.svg\n");
+}

@@ -1,0 +1,80 @@
+#include "tests/bench/report.h"
+
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace headpin::bench {
+
+volatile double sink = 0.0;
+
+void write_text(const std::string& path, const std::string& text) {
+  namespace fs = std::filesystem;
+  fs::create_directories(fs::path(path).parent_path());
+  const std::string beside = path + ".tmp";
+  {
+    std::ofstream out(beside, std::ios::binary);
+    out << text;
+    if (!out.flush()) throw std::runtime_error("cannot write " + beside);
+  }
+  fs::rename(beside, path);
+}
+
+void publish(const std::string& name, const std::vector<Row>& rows) {
+  std::size_t width = 4, peer_width = 4;
+  for (const Row& r : rows) {
+    width = std::max(width, r.name.size());
+    peer_width = std::max(peer_width, r.peer.size());
+  }
+  fmt::print("{:<{}}  {:>5}  {:>10}  {:<{}}  {:>10}  {:>7}\n", "case", width, "unit", "ours",
+             "peer", peer_width, "theirs", "ratio");
+  std::string json = "[\n";
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const Row& r = rows[i];
+    const double ratio = r.theirs / r.ours;
+    fmt::print("{:<{}}  {:>5}  {:>10.5g}  {:<{}}  {:>10.5g}  {:>7.3g}\n", r.name, width, r.unit,
+               r.ours, r.peer, peer_width, r.theirs, ratio);
+    json += fmt::format(
+        R"(  {{"case": "{}", "unit": "{}", "ours": {:.6g}, "peer": "{}", "theirs": {:.6g}, "ratio": {:.6g}}}{})",
+        r.name, r.unit, r.ours, r.peer, r.theirs, ratio, i + 1 < rows.size() ? ",\n" : "\n");
+  }
+  json += "]\n";
+  const std::string path = "out/bench/" + name + ".json";
+  write_text(path, json);
+  fmt::print("written: {}\n", path);
+}
+
+std::vector<double> interleaved(const std::vector<Contestant>& contestants, int rounds) {
+  std::vector<std::vector<double>> times(contestants.size());
+  for (const Contestant& c : contestants) sink = sink + c.run();  // warm up
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t i = 0; i < contestants.size(); ++i) {
+      const auto start = std::chrono::steady_clock::now();
+      sink = sink + contestants[i].run();
+      const auto stop = std::chrono::steady_clock::now();
+      times[i].push_back(std::chrono::duration<double>(stop - start).count());
+    }
+  }
+  std::vector<double> medians;
+  for (std::vector<double>& t : times) medians.push_back(median(t));
+  return medians;
+}
+
+double growth_exponent(const std::vector<double>& x, const std::vector<double>& y) {
+  double mx = 0.0, my = 0.0, xx = 0.0, xy = 0.0;
+  const double n = static_cast<double>(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    mx += std::log(x[i]) / n;
+    my += std::log(y[i]) / n;
+  }
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    xx += (std::log(x[i]) - mx) * (std::log(x[i]) - mx);
+    xy += (std::log(x[i]) - mx) * (std::log(y[i]) - my);
+  }
+  return xy / xx;
+}
+
+}  // namespace headpin::bench

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
+
+/// Timing side by side, and what came of it as a table and as JSON.
+namespace headpin::bench {
+
+/// One comparison: ratio = theirs / ours.
+struct Row {
+  std::string name;
+  std::string unit;
+  double ours = 0.0;
+  std::string peer;
+  double theirs = 0.0;
+};
+
+/// Prints the rows and writes them to out/bench/NAME.json under the current directory, as a list of
+/// {"case", "unit", "ours", "peer", "theirs", "ratio"}.
+///
+/// @throws std::runtime_error  when the file cannot be written
+void publish(const std::string& name, const std::vector<Row>& rows);
+
+/// Writes a text file beside its final name and renames it; makes the folder.
+void write_text(const std::string& path, const std::string& text);
+
+/// One contestant: does the whole job once and returns something that depends on all of it.
+struct Contestant {
+  std::string name;
+  std::function<double()> run;
+};
+
+/// Runs the contestants in turn, `rounds` times over, and returns the median time of each [s]. What
+/// disturbs the machine meanwhile disturbs them all.
+std::vector<double> interleaved(const std::vector<Contestant>& contestants, int rounds);
+
+inline double median(std::vector<double> v) {
+  std::sort(v.begin(), v.end());
+  return v[v.size() / 2];
+}
+
+/// Slope of log y over log x, least squares.
+double growth_exponent(const std::vector<double>& x, const std::vector<double>& y);
+
+/// Keeps a result alive.
+extern volatile double sink;
+
+}  // namespace headpin::bench
