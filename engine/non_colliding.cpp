@@ -29,7 +29,7 @@ struct Search {
   B b;
   int evaluations = 0;
 
-  Support operator()(const Vec3& n) {
+  HEADPIN_INLINE Support operator()(const Vec3& n) {
     ++evaluations;
     Support s{a.support(n), b.support(n), Vec3::Zero(), 0.0};
     s.S = s.s_A + s.s_B;
@@ -42,7 +42,7 @@ struct Search {
 };
 
 /// Steps of the paper's iteration after the first one before Newton's.
-constexpr int kPaperSteps = 2;
+constexpr int kPaperSteps = 1;
 
 template <typename B>
 Vec3 centre_B(const B& b, const Pose& X_AB) {
@@ -50,9 +50,9 @@ Vec3 centre_B(const B& b, const Pose& X_AB) {
   return X_AB.p;
 }
 
-Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
+HEADPIN_INLINE inline Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
   const double n2 = v.squaredNorm();
-  return n2 > 1e-200 && n2 < 1e200 ? Vec3(v / std::sqrt(n2)) : otherwise;
+  return n2 > 1e-200 && n2 < 1e200 ? Vec3(1.0 / std::sqrt(n2) * v) : otherwise;
 }
 
 /// Proof of separation, if there is one: GJK from the origin, which stops at the first n with h <
@@ -86,7 +86,8 @@ bool apart(S& search, Vec3 n, double size, Closest& proof) {
 /// point, and its simplex stays valid when p moves on, so p moves as soon as a step finds a lower
 /// plane.
 template <typename S>
-Closest from_outside(S& search, Vec3 n, Support best, double size, double margin) {
+__attribute__((flatten, noinline)) Closest from_outside(S& search, Vec3 n, Support best,
+                                                        double size, double margin) {
   const double off = 0.1 * size, tolerance = 1e-6 * size;
   Simplex simplex;
   Vec3 best_n = n, p = (best.h + off) * n;
@@ -165,21 +166,26 @@ __attribute__((noinline)) Closest converged(const A& a, const B& b, S& search, V
   const double size = std::min(size_of(a), size_of(b));
   Support best = first;
   for (;;) {
-    if (!warm) {  // the paper's steps are cheap, and most pairs that are apart end here
-      Vec3 at = n;
+    if (!warm) {     // the paper's steps are cheap, and most pairs that are apart end here
+      Vec3 raw = n;  // not unit: furthest points only ask for the direction
       Support s = best;
       for (int step = 0; step < kPaperSteps; ++step) {
-        at = turned(at, s);
-        s = search(at);
-        if (s.h < -q.margin) return search.answer(s, at);
+        const double along = raw.dot(s.S), S2 = s.S.squaredNorm();
+        if (!(S2 > 0.0)) break;
+        raw -= 1.5 * along / S2 * s.S;
+        const double inverse = 1.0 / raw.norm();
+        s = search(raw);
+        s.h *= inverse;
+        if (s.h < -q.margin) return search.answer(s, inverse * raw);
         if (s.h < best.h) {
           best = s;
-          n = at;
+          n = inverse * raw;
         }
       }
     }
     Closest c;
     if constexpr (kNewton<A, B>) {
+      if (warm) n = onto_kinks(search.a, search.b, n);
       const Descent d = descend(search.a, search.b, n, size, q.margin, q.cap - search.evaluations);
       search.evaluations += d.evaluations;
       n = d.n;
@@ -206,7 +212,8 @@ __attribute__((noinline)) Closest converged(const A& a, const B& b, S& search, V
 }
 
 template <typename A, typename B>
-Closest closest(const A& a, const B& b, const Pose& X_AB, Vec3& n_AB_cache, const Query& q) {
+__attribute__((flatten)) Closest closest(const A& a, const B& b, const Pose& X_AB, Vec3& n_AB_cache,
+                                         const Query& q) {
   Search search{posed::pose_A(a), posed::pose_B(b, X_AB)};
   const double c2 = n_AB_cache.squaredNorm();
   const bool warm = c2 > 0.5 && c2 < 2.0;

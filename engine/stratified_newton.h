@@ -34,6 +34,10 @@ inline double safe(double curvature, double floor) {
   return curvature > floor ? curvature : floor + std::abs(curvature);
 }
 
+inline Vec3 unit(const Vec3& v) {
+  return 1.0 / std::sqrt(v.squaredNorm()) * v;
+}
+
 /// Two unit vectors across n and each other (Duff et al. 2017).
 inline void across(const Vec3& n, Vec3& u, Vec3& v) {
   const double sign = std::copysign(1.0, n.z());
@@ -47,7 +51,7 @@ inline Vec2 step_of(const Bend& H, double gu, double gv, double floor) {
   const double det = H.uu * H.vv - H.uv * H.uv, trace = H.uu + H.vv;
   // Both eigenvalues are above the floor.
   if (det > floor * trace - floor * floor && trace > 2.0 * floor) {
-    return Vec2(H.uv * gv - H.vv * gu, H.uv * gu - H.uu * gv) / det;
+    return 1.0 / det * Vec2(H.uv * gv - H.vv * gu, H.uv * gu - H.uu * gv);
   }
   const double half = 0.5 * (H.uu - H.vv), root = std::sqrt(half * half + H.uv * H.uv);
   const double high = safe(0.5 * trace + root, floor), low = safe(0.5 * trace - root, floor);
@@ -117,6 +121,36 @@ inline double outside(double tau, double low, double high) {
 
 }  // namespace newton
 
+/// The kink next to a normal of the frame before, where there is one: contacts sit on kinks, and
+/// those of B have moved since. A wrong guess costs an evaluation.
+template <typename A, typename B>
+Vec3 onto_kinks(const A& a, const B& b, const Vec3& n) {
+  constexpr double kNear = 0.02;  // rad
+  bool near_a = false, near_b = false;
+  if constexpr (A::kKinks) {
+    const double z = n.dot(a.axis);
+    if (std::abs(z) > 1.0 - 0.5 * kNear * kNear && a.pole(z))
+      return z < 0.0 ? Vec3(-a.axis) : a.axis;
+    near_a = std::abs(z - a.kink()) < kNear * a.kink_radius();
+  }
+  if constexpr (B::kKinks) {
+    const double z = n.dot(b.axis);
+    if (std::abs(z) > 1.0 - 0.5 * kNear * kNear && b.pole(z))
+      return z < 0.0 ? Vec3(-b.axis) : b.axis;
+    near_b = std::abs(z - b.kink()) < kNear * b.kink_radius();
+  }
+  if constexpr (A::kKinks && B::kKinks) {
+    if (near_a && near_b) return newton::on_both(a, a.kink(), b, b.kink(), n);
+  }
+  if constexpr (A::kKinks) {
+    if (near_a) return newton::onto_circle(a, n);
+  }
+  if constexpr (B::kKinks) {
+    if (near_b) return newton::onto_circle(b, n);
+  }
+  return n;
+}
+
 /// Descends from n to a local minimum of h.
 ///
 /// @param a, b    posed shapes, b mirrored
@@ -125,28 +159,30 @@ inline double outside(double tau, double low, double high) {
 /// @param margin  stops with `apart` where h < -margin
 /// @param cap     most evaluations
 template <typename A, typename B>
-Descent descend(const A& a, const B& b, Vec3 n, double size, double margin, int cap) {
+__attribute__((flatten, noinline)) Descent descend(const A& a, const B& b, Vec3 n, double size,
+                                                   double margin, int cap) {
   using namespace newton;
   const double tolerance = 1e-11 * size, floor = 0.02 * size;
   Descent d;
   Vec3 aim = n;                // where the last step wanted to go, kinks apart
   int side_a = 0, side_b = 0;  // of the circles of kinks the step started from; 0: may cross
   bool hold_a = false, hold_b = false, free_a = false, free_b = false;
-  // Where a step ends that meets a kink on its way.
-  const auto stop_at_kinks = [&](const Vec3& from, const Vec3& to) -> Vec3 {
+  // Where a step ends that meets a kink on its way. A pole that was no better is not tried again.
+  const auto stop_at_kinks = [&](const Vec3& from, const Vec3& to, bool again) -> Vec3 {
     Vec3 end = to;
     if constexpr (A::kKinks) {
-      if (free_a && over_pole(a, from, end)) return end;
+      if (free_a && !again && over_pole(a, from, end)) return end;
     }
     if constexpr (B::kKinks) {
-      if (free_b && over_pole(b, from, end)) return end;
+      if (free_b && !again && over_pole(b, from, end)) return end;
     }
     bool over_a = false, over_b = false;
     if constexpr (A::kKinks) over_a = side_a != 0 && side_of(a, to) != side_a;
     if constexpr (B::kKinks) over_b = side_b != 0 && side_of(b, to) != side_b;
     if constexpr (A::kKinks && B::kKinks) {
       if ((over_a || hold_a) && (over_b || hold_b) && (over_a || over_b)) {
-        return on_both(a, a.kink(), b, b.kink(), to);
+        const Vec3 both = on_both(a, a.kink(), b, b.kink(), to);
+        if ((both - to).squaredNorm() < (to - from).squaredNorm()) return both;
       }
     }
     if constexpr (A::kKinks) {
@@ -174,8 +210,8 @@ Descent descend(const A& a, const B& b, Vec3 n, double size, double margin, int 
       return d;
     }
     if (k > 1 && h > d.h + 1e-13 * size) {  // too long a step: half of it
-      aim = (aim + d.n).normalized();
-      n = stop_at_kinks(d.n, aim);
+      aim = unit(aim + d.n);
+      n = stop_at_kinks(d.n, aim, true);
       continue;
     }
     finish(Descent::unresolved);
@@ -217,7 +253,7 @@ Descent descend(const A& a, const B& b, Vec3 n, double size, double margin, int 
         finish(Descent::least);
         return d;
       }
-      aim = (n - std::min(step, kLongestStep) * out).normalized();
+      aim = unit(n - std::min(step, kLongestStep) * out);
     } else {
       if (at_a.set == At::generator && at_b.set == At::generator) {
         const double det = n.dot(line_a.e.cross(line_b.e));
@@ -275,7 +311,7 @@ Descent descend(const A& a, const B& b, Vec3 n, double size, double margin, int 
             const double gt = g.dot(t), step = -gt / curvature;
             if (-0.5 * gt * step < tolerance) return true;
             const Vec3 w = n - c * s.axis + std::clamp(step, -kLongestStep, kLongestStep) * t;
-            aim = c * s.axis + rho * w.normalized();
+            aim = c * s.axis + rho * unit(w);
           }
           return false;
         };
@@ -299,7 +335,7 @@ Descent descend(const A& a, const B& b, Vec3 n, double size, double margin, int 
         }
         const double length = step.norm();
         if (length > kLongestStep) step *= kLongestStep / length;
-        aim = (n + step.x() * u + step.y() * v).normalized();
+        aim = unit(n + step.x() * u + step.y() * v);
       }
     }
 
@@ -309,7 +345,7 @@ Descent descend(const A& a, const B& b, Vec3 n, double size, double margin, int 
     hold_b = held == &at_b;
     free_a = at_a.set != At::disc;
     free_b = at_b.set != At::disc;
-    n = stop_at_kinks(d.n, aim);
+    n = stop_at_kinks(d.n, aim, false);
   }
   return d;
 }

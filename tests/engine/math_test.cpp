@@ -65,6 +65,14 @@ TEST(PoseTest, TimesItsInverseIsTheIdentity) {
   EXPECT_NEAR(rotation_vector(I.q).norm(), 0.0, 1e-15);
 }
 
+TEST(RelativePose, IsTheInverseOfTheOneTimesTheOther) {
+  const Pose X_WA{rotation(Vec3(0.3, 0.2, -1.0)), Vec3(1.0, 2.0, 3.0)};
+  const Pose X_WB{rotation(Vec3(-0.5, 0.7, 0.1)), Vec3(-2.0, 0.5, 0.0)};
+  const Pose expected = X_WA.inverse() * X_WB, X_AB = relative(X_WA, X_WB);
+  EXPECT_LT((X_AB.p - expected.p).norm(), 1e-15);
+  EXPECT_LT((X_AB.q.coeffs() - expected.q.coeffs()).norm(), 1e-15);
+}
+
 TEST(Interpolate, MeetsItsEndsAndTakesTheShorterArc) {
   const Pose a{rotation(Vec3(0.0, 0.0, 0.1)), Vec3(1.0, 0.0, 0.0)};
   Pose b{rotation(Vec3(0.0, 0.0, 0.5)), Vec3(3.0, 0.0, 0.0)};
