@@ -4,6 +4,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "scene/looks.h"
+
 namespace headpin::scene {
 
 namespace {
@@ -22,6 +24,17 @@ engine::Part make_part(const SkittlePart& part) {
 
 engine::Material surface(const Material& material, double rolling_arm = 0.0) {
   return {material.elasticity, material.friction, rolling_arm};
+}
+
+/// A box about the origin.
+engine::Polyhedron box(const Vec3& half) {
+  std::vector<Vec3> corners;
+  for (int i = 0; i < 8; ++i) {
+    corners.emplace_back(i & 1 ? half.x() : -half.x(), i & 2 ? half.y() : -half.y(),
+                         i & 4 ? half.z() : -half.z());
+  }
+  return {corners,
+          {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
 }
 
 /// A skittle's shape about its centre of mass, for the mass its scenario gives it.
@@ -73,24 +86,38 @@ engine::Body ball_body(const Scenario& scenario) {
           .material = surface(scenario.material.ball)};
 }
 
-std::vector<Plane> room_planes(const Scenario& scenario) {
+std::vector<Fixture> room_fixtures(const Scenario& scenario) {
   const Room& room = scenario.room;
-  const double quarter = 0.5 * std::numbers::pi;
-  const auto plane = [&](const char* name, const Material& material, const Vec3& turn,
-                         const Vec3& p_WB) {
-    return Plane{{.name = name,
-                  .shape = engine::make_compound({{engine::HalfSpace{}, {}}}),
-                  .material = surface(material),
-                  .kind = engine::Kind::fixed},
-                 {rotation(turn), p_WB}};
-  };
   const Materials& m = scenario.material;
-  // Each half-space is solid below its own z = 0, so its z is turned into the room.
-  return {plane("lane", m.lane, Vec3::Zero(), Vec3::Zero()),
-          plane("left wall", m.wall, Vec3(0.0, quarter, 0.0), Vec3(-0.5 * room.width, 0.0, 0.0)),
-          plane("right wall", m.wall, Vec3(0.0, -quarter, 0.0), Vec3(0.5 * room.width, 0.0, 0.0)),
-          plane("wall behind", m.wall, Vec3(-quarter, 0.0, 0.0), Vec3(0.0, -room.behind, 0.0)),
-          plane("wall ahead", m.wall, Vec3(quarter, 0.0, 0.0), Vec3(0.0, room.ahead, 0.0))};
+  const double quarter = 0.5 * std::numbers::pi;
+  std::vector<Fixture> fixtures;
+  const auto add = [&](const char* name, const Material& material, const engine::Shape& shape,
+                       const Pose& X_WB) {
+    fixtures.push_back({{.name = name,
+                         .shape = engine::make_compound({{shape, {}}}),
+                         .material = surface(material),
+                         .kind = engine::Kind::fixed},
+                        X_WB});
+  };
+  const auto add_plane = [&](const char* name, const Material& material, const Vec3& turn,
+                             const Vec3& p_WB) {
+    add(name, material, engine::HalfSpace{}, {rotation(turn), p_WB});
+  };
+  // A half-space is solid below its own z = 0, so its z is turned into the room.
+  add_plane("lane", m.lane, Vec3::Zero(), Vec3::Zero());
+  add_plane("left wall", m.wall, {0.0, quarter, 0.0}, {-0.5 * room.width, 0.0, 0.0});
+  add_plane("right wall", m.wall, {0.0, -quarter, 0.0}, {0.5 * room.width, 0.0, 0.0});
+  add_plane("wall behind", m.wall, {-quarter, 0.0, 0.0}, {0.0, -room.behind, 0.0});
+  add_plane("wall ahead", m.wall, {quarter, 0.0, 0.0}, {0.0, room.ahead, 0.0});
+
+  const std::vector<Block> blocks = front_blocks(room_measures(scenario));
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    static constexpr const char* kNames[] = {"left kick-back", "right kick-back", "masking panel"};
+    const Vec3 middle = 0.5 * (blocks[i].low_W + blocks[i].high_W);
+    add(kNames[i], m.wall, box(0.5 * (blocks[i].high_W - blocks[i].low_W)),
+        {Quat::Identity(), middle});
+  }
+  return fixtures;
 }
 
 engine::Parameters world_parameters(const Scenario& scenario) {

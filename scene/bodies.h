@@ -22,14 +22,14 @@ double centre_height(const Scenario& scenario);
 
 engine::Body ball_body(const Scenario& scenario);
 
-/// Floor or wall, and where it stands.
-struct Plane {
+/// What never moves, and where it stands.
+struct Fixture {
   engine::Body body;
   Pose X_WB;
 };
 
-/// The floor, then the walls: left, right, behind and ahead.
-std::vector<Plane> room_planes(const Scenario& scenario);
+/// The floor, the walls (left, right, behind, ahead), the kick-backs and the masking panel.
+std::vector<Fixture> room_fixtures(const Scenario& scenario);
 
 /// How the world is stepped.
 engine::Parameters world_parameters(const Scenario& scenario);

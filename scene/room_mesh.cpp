@@ -271,21 +271,19 @@ Mesh wall_mesh(const RoomMeasures& room, const Builder& build) {
 Mesh front_mesh(const RoomMeasures& room, const Builder& build) {
   Mesh mesh;
   mesh.surface = Surface::baked;
-  const double w = 0.5 * room.width, edge = gutter_edge(room) + 0.06, y = portal(room);
+  const double w = 0.5 * room.width, y = portal(room);
   const Vec3 blue = srgb(0x2d5f9a), navy = srgb(0x16233f), black = srgb(0x14161b);
   const Vec3 left(-w, room.ahead, 0.0);
   const double low = room.masking_low;
-  const double high = low + 0.62;
   // u x v points to the player.
   build.panel(mesh, left, {room.width, 0, 0}, {0, 0, low}, black);
   build.panel(mesh, left + Vec3(0, 0, low), {room.width, 0, 0}, {0, 0, room.height - low}, blue);
-  for (const double side : {-1.0, 1.0}) {
-    const double x = side > 0.0 ? edge : -edge - 0.08;
-    build.block(mesh, {x, y, 0.0}, {x + 0.08, room.ahead, low}, navy, srgb(0xc79a66));
-  }
-  build.block(mesh, {-edge - 0.08, y, low}, {edge + 0.08, y + 0.10, high}, navy, navy);
+  const std::vector<Block> blocks = front_blocks(room);
+  build.block(mesh, blocks[0].low_W, blocks[0].high_W, navy, srgb(0xc79a66));
+  build.block(mesh, blocks[1].low_W, blocks[1].high_W, navy, srgb(0xc79a66));
+  build.block(mesh, blocks[2].low_W, blocks[2].high_W, navy, navy);
   // Bands across the panel, just before it.
-  const double width = 2.0 * (edge + 0.08);
+  const double width = blocks[2].high_W.x() - blocks[2].low_W.x();
   const std::array<std::uint32_t, 3> bands{0xd9482b, 0xe9a23b, 0xf2e3b6};
   for (std::size_t i = 0; i < bands.size(); ++i) {
     const double z = low + 0.06 + 0.065 * static_cast<double>(i);
@@ -295,6 +293,14 @@ Mesh front_mesh(const RoomMeasures& room, const Builder& build) {
 }
 
 }  // namespace
+
+std::vector<Block> front_blocks(const RoomMeasures& room) {
+  const double inner = gutter_edge(room) + 0.06, outer = inner + 0.08;
+  const double y = portal(room), low = room.masking_low;
+  return {{{-outer, y, 0.0}, {-inner, room.ahead, low}},
+          {{inner, y, 0.0}, {outer, room.ahead, low}},
+          {{-outer, y, low}, {outer, y + 0.10, low + 0.62}}};
+}
 
 std::vector<Lamp> room_lamps(const RoomMeasures& room) {
   const Vec3 warm(1.0, 0.94, 0.84);

@@ -19,10 +19,19 @@ struct RoomMeasures {
   double head_pin = 6.0;   ///< from the foul line to the head pin's spot
   double deck_end = 7.05;  ///< where the lane ends, behind the last row
   double gutter_width = 0.235;
-  double gutter_depth = 0.0476;
+  double gutter_depth = 0.0;  ///< the floor is one plane to whatever rolls: gutters are drawn on it
   double masking_low = 0.85;  ///< lower edge of the panel that hangs before the skittles
   std::vector<Vec2> spots;    ///< of the skittles, from the head pin's: x right, y away
 };
+
+/// A solid with its sides along the world's axes, by two opposite corners.
+struct Block {
+  Vec3 low_W, high_W;
+};
+
+/// What stands around the skittles: the kick-backs to the left and right, and the masking panel
+/// that hangs between them. What is seen is what is hit.
+std::vector<Block> front_blocks(const RoomMeasures& room);
 
 struct RoomMeshes {
   render::Mesh lane;      ///< polished

@@ -152,8 +152,8 @@ Session make_session(const Scenario& scenario) {
   Session s;
   s.scenario = scenario;
   s.world = engine::make_world(world_parameters(scenario));
-  for (const Plane& plane : room_planes(scenario)) {
-    engine::add_body(s.world, plane.body, {plane.X_WB, Vec3::Zero(), Vec3::Zero()});
+  for (const Fixture& fixture : room_fixtures(scenario)) {
+    engine::add_body(s.world, fixture.body, {fixture.X_WB, Vec3::Zero(), Vec3::Zero()});
   }
   s.ball = engine::add_body(s.world, ball_body(scenario),
                             {{Quat::Identity(), scenario.ball.home}, Vec3::Zero(), Vec3::Zero()});
