@@ -23,5 +23,6 @@ struct TryAgain : std::runtime_error {
 void add_compare(CLI::App& app);
 void add_frames(CLI::App& app);
 void add_replay(CLI::App& app);
+void add_import(CLI::App& app);
 
 }  // namespace headpin::apps

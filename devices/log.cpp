@@ -241,4 +241,15 @@ void Recorder::close() {
   file_->closed = true;
 }
 
+void write(Recorder& recorder, std::span<const Sample> samples, std::span<const Event> events) {
+  auto event = events.begin();
+  for (const Sample& sample : samples) {
+    for (; event != events.end() && event->time < available(sample); ++event) {
+      recorder.write(*event);
+    }
+    recorder.write(sample);
+  }
+  for (; event != events.end(); ++event) recorder.write(*event);
+}
+
 }  // namespace headpin::devices

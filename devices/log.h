@@ -82,4 +82,7 @@ class Recorder {
   std::unique_ptr<File> file_;
 };
 
+/// Writes samples and events, each in the order they have, mixed by when they were available.
+void write(Recorder& recorder, std::span<const Sample> samples, std::span<const Event> events);
+
 }  // namespace headpin::devices

@@ -1,0 +1,138 @@
+#include <iostream>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "devices/catalogue_csv.h"
+#include "devices/event_log.h"
+#include "devices/log.h"
+#include "scene/throw.h"
+
+namespace headpin::apps {
+namespace {
+
+struct Options {
+  std::string file, output, scenario, participant, condition;
+  std::string units = "cm", heading = "release";
+  bool force = false, json = false;
+};
+
+double metres(const std::string& unit) {
+  return unit == "mm" ? 0.001 : unit == "cm" ? 0.01 : 1.0;
+}
+
+scene::Heading heading(const std::string& name) {
+  if (name == "gaze") return scene::Heading::kGaze;
+  return name == "keep" ? scene::Heading::kKeep : scene::Heading::kRelease;
+}
+
+devices::MotionRecording read_recording(const std::string& path, double unit_m) {
+  const devices::MappedFile file(path);
+  const auto* text = reinterpret_cast<const char*>(file.bytes().data());
+  return devices::parse_catalogue_csv({text, file.bytes().size()}, path, unit_m);
+}
+
+/// What was found in the recording, to be told from what was recorded.
+std::vector<devices::Event> found_events(const devices::MotionRecording& recording,
+                                         const scene::Throw& found,
+                                         const scene::Scenario& scenario) {
+  const auto event = [&](const char* kind, std::size_t sample) {
+    devices::Event e;
+    e.time = recording.times[sample];
+    e.kind = kind;
+    e.bodies = {"ball"};
+    e.p_W = scenario.rig.X_WT * (recording.right_hand[sample] * scenario.hand.grip);
+    return e;
+  };
+  std::vector<devices::Event> events = {event(devices::kGrabFoundEvent, found.grab),
+                                        event(devices::kReleaseFoundEvent, found.release)};
+  events[0].detail = "lowest point of the hand before the lift; the recording has no buttons";
+  events[1].detail = "the hand moves level, before it is fastest; the recording has no buttons";
+  events[1].value = found.V_TB.v.norm();
+  return events;
+}
+
+/// Seconds as one would write the stamp, 3.035 and not 3.0349999999999997.
+double decimal_seconds(Time time) {
+  return static_cast<double>(time.count()) / 1e6;
+}
+
+void run(const Options& options) {
+  const scene::Scenario base =
+      options.scenario.empty() ? scene::Scenario{} : scene::load_scenario(options.scenario);
+  const devices::MotionRecording recording = read_recording(options.file, metres(options.units));
+  scene::require_throw(recording, base.hand, options.file);
+  const scene::Throw found = scene::find_throw(recording, base.hand);
+  const scene::Scenario scenario =
+      scene::stand_thrower(base, recording, found, heading(options.heading));
+
+  devices::TrialHeader header;
+  header.participant = options.participant;
+  header.condition = options.condition;
+  header.scenario = scene::to_toml(scenario);
+  devices::Recorder recorder(options.output, header, {.overwrite = options.force});
+  devices::write(recorder, scene::to_samples(recording, found),
+                 found_events(recording, found, scenario));
+  recorder.close();
+
+  const std::size_t samples = recording.times.size();
+  const double duration = decimal_seconds(recording.times.back() - recording.times.front());
+  const double rate = static_cast<double>(samples - 1) / duration;
+  const double grab = decimal_seconds(recording.times[found.grab]);
+  const double release = decimal_seconds(recording.times[found.release]);
+  const double speed = found.V_TB.v.norm();
+  if (options.json) {
+    std::cout << nlohmann::ordered_json{{"trial", options.output},
+                                        {"samples", samples},
+                                        {"duration_s", duration},
+                                        {"rate_hz", rate},
+                                        {"peak_hand_speed_mps", found.peak_hand_speed},
+                                        {"grab_s", grab},
+                                        {"release_s", release},
+                                        {"release_speed_mps", speed}}
+              << "\n";
+    return;
+  }
+  std::cout << fmt::format(
+      "{}\n"
+      "  samples            {} of head and both hands\n"
+      "  duration           {:.3f} s\n"
+      "  rate               {:.1f} Hz\n"
+      "  peak hand speed    {:.2f} m/s\n"
+      "  grab, found        {:.3f} s\n"
+      "  release, found     {:.3f} s\n"
+      "  ball at release    {:.2f} m/s\n",
+      options.output, samples, duration, rate, found.peak_hand_speed, grab, release, speed);
+}
+
+}  // namespace
+
+void add_import(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("import", "Make a trial of a recorded throw");
+  const auto options = std::make_shared<Options>();
+  command->add_option("FILE", options->file, "CSV of the XR motion catalogue")->required();
+  command->add_option("-o,--output", options->output, "trial to write (.lcmlog)")->required();
+  command->add_option("--units", options->units, "unit of the positions: m, cm or mm")
+      ->check(CLI::IsMember({"m", "cm", "mm"}))
+      ->capture_default_str();
+  command
+      ->add_option("--heading", options->heading,
+                   "what heads down the lane: the ball at its release, the head's gaze before it, "
+                   "or keep: the recording's -z")
+      ->check(CLI::IsMember({"release", "gaze", "keep"}))
+      ->capture_default_str();
+  command->add_option("--scenario", options->scenario, "TOML file; the paper's room if not given");
+  command->add_option("--participant", options->participant, "who threw");
+  command->add_option("--condition", options->condition, "name of the condition");
+  command->add_flag("--force", options->force, "overwrite the output");
+  command->add_flag("--json", options->json, "print one JSON object");
+  command->footer(
+      "There are no buttons in such a file: grab and release are found, and marked as found.\n"
+      "What cannot be a person's throw is refused, with the reason.\n\n"
+      "Example:\n  headpin import throw.csv -o throw.lcmlog --heading gaze");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace headpin::apps

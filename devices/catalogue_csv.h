@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "engine/math.h"
+
+namespace headpin::devices {
+
+/// Head and both hands of one person, as recorded; entry i of each list is at times[i].
+///
+/// In the frame of the recording: right-handed, x right, y up, the floor at y = 0; a head or hand
+/// at rest has its axes along those, looking along -z.
+struct MotionRecording {
+  std::vector<Time> times;       ///< since the start, increasing
+  std::vector<Pose> head;        ///< [m]
+  std::vector<Pose> left_hand;   ///< [m]
+  std::vector<Pose> right_hand;  ///< [m]
+};
+
+/// Reads the CSV of the XR motion catalogue (Schell et al., cschell/kinematic-maze).
+///
+/// One line of column names: delta_time_ms (since the start), and for head, left_hand, right_hand
+/// NAME_pos_x.._z and NAME_rot_w, _x, _y, _z; in any order, others are ignored. Then a sample a
+/// line. Nothing is changed but the unit.
+///
+/// @param text    the whole file
+/// @param where   its name, for messages
+/// @param unit_m  what one unit of the positions is [m]; 0.01 as published
+/// @throws std::invalid_argument  naming line and column, for missing columns or fields, what is no
+///         finite number, quaternions whose length is not 1 to 1e-3, time that does not advance
+MotionRecording parse_catalogue_csv(std::string_view text, std::string_view where, double unit_m);
+
+}  // namespace headpin::devices

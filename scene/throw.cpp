@@ -1,0 +1,345 @@
+#include "scene/throw.h"
+
+#include <algorithm>
+#include <functional>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "scene/hand.h"
+
+namespace headpin::scene {
+namespace {
+
+using devices::MotionRecording;
+
+// What a body allows. Standing adults' eyes are 1.4 to 1.8 m up (5th percentile of women to 95th of
+// men); wider here for the young, the tall, and headsets worn high. Bowlers let the ball go at up
+// to 9.4 m/s.
+constexpr double kLowestHead = 1.2, kHighestHead = 2.1;       // m, median
+constexpr double kShortestReach = 0.5, kLongestReach = 1.25;  // m, head to hand, at its largest
+constexpr double kSlowestThrow = 3.0, kFastestHand = 10.5;    // m/s, hand at its fastest
+constexpr double kFastestHead = 3.0;                          // m/s
+constexpr double kLeastUpright = 0.7;  // cosine of the head's mean tilt before the release
+constexpr double kMostUpward = 0.2;    // sine of its mean look upward: the target is on the floor
+constexpr double kLeastAlong = 0.7;    // cosine between look and throw, from above
+constexpr double kLowestRate = 59.0, kHighestRate = 250.0;  // Hz; head-mounted displays: 60 and up
+constexpr double kLongestGap = 0.1;                         // s
+constexpr std::size_t kFewestSamples = 100;
+constexpr double kShortestDuration = 2.0;  // s
+
+const Vec3 kUp = Vec3::UnitY();
+
+Vec3 horizontal(const Vec3& v) {
+  return Vec3(v.x(), 0.0, v.z());
+}
+
+Vec3 velocity(const std::vector<Time>& times, const std::vector<Pose>& track, std::size_t i) {
+  const std::size_t before = i == 0 ? 0 : i - 1, after = std::min(i + 1, track.size() - 1);
+  return (track[after].p - track[before].p) / seconds(times[after] - times[before]);
+}
+
+template <typename Score>
+std::size_t best(std::size_t begin, std::size_t end, const Score& score) {
+  std::size_t best = begin;
+  for (std::size_t i = begin; i < end; ++i) {
+    if (score(i) > score(best)) best = i;
+  }
+  return best;
+}
+
+Twist ball_velocity(const MotionRecording& r, std::size_t release, const Vec3& p_HB, Time window) {
+  std::vector<Stamped<Pose>> track;
+  for (std::size_t i = 0; i <= release; ++i) {
+    if (r.times[i] >= r.times[release] - window) track.push_back({r.times[i], r.right_hand[i]});
+  }
+  return release_velocity(track, p_HB, window);
+}
+
+/// The second before the release, when the thrower has the ball in the air and the lane in sight.
+std::pair<std::size_t, std::size_t> swing(const MotionRecording& r, const Throw& found) {
+  constexpr Time kSwing{1'000'000};
+  std::size_t begin = found.release;
+  while (begin > 0 && r.times[begin - 1] >= r.times[found.release] - kSwing) --begin;
+  return {begin, found.release + 1};
+}
+
+Vec3 mean_look(const MotionRecording& r, const Throw& found) {
+  const auto [begin, end] = swing(r, found);
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = begin; i < end; ++i) sum += r.head[i].q * -Vec3::UnitZ();
+  return sum / static_cast<double>(end - begin);
+}
+
+double median_height(const std::vector<Pose>& track) {
+  std::vector<double> heights;
+  for (const Pose& pose : track) heights.push_back(pose.p.y());
+  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+  std::ranges::nth_element(heights, middle);
+  return *middle;
+}
+
+double fastest(const MotionRecording& r, const std::vector<Pose>& track) {
+  double speed = 0.0;
+  for (std::size_t i = 0; i < track.size(); ++i) {
+    speed = std::max(speed, velocity(r.times, track, i).norm());
+  }
+  return speed;
+}
+
+double longest_reach(const MotionRecording& r, const std::vector<Pose>& hand) {
+  double reach = 0.0;
+  for (std::size_t i = 0; i < hand.size(); ++i) {
+    reach = std::max(reach, (hand[i].p - r.head[i].p).norm());
+  }
+  return reach;
+}
+
+/// How far a hand is to the right of the head, on average over the swing.
+double mean_side(const MotionRecording& r, const Throw& found, const std::vector<Pose>& hand) {
+  const auto [begin, end] = swing(r, found);
+  double sum = 0.0;
+  for (std::size_t i = begin; i < end; ++i) {
+    const Vec3 look = horizontal(r.head[i].q * -Vec3::UnitZ()).normalized();
+    sum += (hand[i].p - r.head[i].p).dot(look.cross(kUp));
+  }
+  return sum / static_cast<double>(end - begin);
+}
+
+std::vector<std::string> problems_of_length(const MotionRecording& r) {
+  std::vector<std::string> problems;
+  const std::size_t n = r.times.size();
+  const double duration = n < 2 ? 0.0 : seconds(r.times.back() - r.times.front());
+  if (n < kFewestSamples || duration < kShortestDuration) {
+    problems.push_back(fmt::format("{} samples in {:.3g} s, expected at least {} in {} s", n,
+                                   duration, kFewestSamples, kShortestDuration));
+    return problems;
+  }
+  const double rate = static_cast<double>(n - 1) / duration;
+  if (rate < kLowestRate || rate > kHighestRate) {
+    problems.push_back(
+        fmt::format("{:.4g} samples a second, expected {} to {}", rate, kLowestRate, kHighestRate));
+  }
+  for (std::size_t i = 1; i < n; ++i) {
+    const double gap = seconds(r.times[i] - r.times[i - 1]);
+    if (gap > kLongestGap) {
+      problems.push_back(
+          fmt::format("nothing for {:.3g} s from {:.3g} s on, expected no gap above {}", gap,
+                      seconds(r.times[i - 1]), kLongestGap));
+      break;
+    }
+  }
+  return problems;
+}
+
+}  // namespace
+
+Throw find_throw(const MotionRecording& r, const Hand& hand) {
+  if (r.times.size() < 10) throw std::invalid_argument("a throw takes at least ten samples");
+  const std::size_t n = r.times.size();
+  const auto hand_velocity = [&](std::size_t i) { return velocity(r.times, r.right_hand, i); };
+  const auto hand_height = [&](std::size_t i) { return r.right_hand[i].p.y(); };
+  const auto level_speed = [&](std::size_t i) { return horizontal(hand_velocity(i)).norm(); };
+  const Time window = microseconds(hand.release_window_s);
+
+  Throw found;
+  const std::size_t peak = best(0, n, [&](std::size_t i) { return hand_velocity(i).norm(); });
+  found.peak_hand_speed = hand_velocity(peak).norm();
+
+  constexpr Time kBeforePeak{150'000};
+  const std::size_t fastest = std::max<std::size_t>(best(0, n, level_speed), 1);
+  found.release = fastest;
+  for (std::size_t i = fastest; i > 0 && r.times[i] >= r.times[fastest] - kBeforePeak; --i) {
+    if (r.times[i] - window < r.times.front()) break;
+    if (ball_velocity(r, i, Vec3::Zero(), window).v.y() <= 0.0) {
+      found.release = i;
+      break;
+    }
+  }
+  const std::size_t top = best(0, found.release, hand_height);
+  found.grab = best(0, top + 1, [&](std::size_t i) { return -hand_height(i); });
+  if (r.times[found.release] - window >= r.times.front()) {
+    found.V_TB = ball_velocity(r, found.release, hand.grip, window);
+  }
+  return found;
+}
+
+std::vector<std::string> why_no_throw(const MotionRecording& r, const Hand& hand) {
+  std::vector<std::string> problems = problems_of_length(r);
+  if (r.times.size() < kFewestSamples) return problems;
+
+  const auto expect = [&](const char* what, double value, double low, double high,
+                          const char* unit) {
+    if (value >= low && value <= high) return;
+    problems.push_back(
+        fmt::format("{} {:.3g} {}, expected {} to {}", what, value, unit, low, high));
+  };
+  const auto claim = [&](bool holds, std::string otherwise) {
+    if (!holds) problems.push_back(std::move(otherwise));
+  };
+
+  expect("the head is up", median_height(r.head), kLowestHead, kHighestHead, "m");
+  expect("the right hand goes from the head up to", longest_reach(r, r.right_hand), kShortestReach,
+         kLongestReach, "m");
+  expect("the left hand goes from the head up to", longest_reach(r, r.left_hand), 0.0,
+         kLongestReach, "m");
+
+  const Throw found = find_throw(r, hand);
+  expect("the right hand's fastest is", found.peak_hand_speed, kSlowestThrow, kFastestHand, "m/s");
+  expect("the left hand's fastest is", fastest(r, r.left_hand), 0.0, kFastestHand, "m/s");
+  expect("the head's fastest is", fastest(r, r.head), 0.0, kFastestHead, "m/s");
+
+  const Time release = r.times[found.release];
+  claim(
+      release - r.times[found.grab] > Time{300'000} && r.times.back() - release > Time{100'000},
+      fmt::format("the hand is fastest at {:.3g} s of {:.3g} to {:.3g} s: no room for lift, swing "
+                  "and follow-through",
+                  seconds(release), seconds(r.times.front()), seconds(r.times.back())));
+
+  const auto [begin, end] = swing(r, found);
+  double upright = 0.0;
+  for (std::size_t i = begin; i < end; ++i) upright += (r.head[i].q * kUp).y();
+  upright /= static_cast<double>(end - begin);
+  claim(upright > kLeastUpright,
+        fmt::format("the head is not upright: its up axis rises by {:.2f} of its length, expected "
+                    "more than {}",
+                    upright, kLeastUpright));
+  const Vec3 look = mean_look(r, found);
+  claim(look.y() < kMostUpward,
+        fmt::format("the head looks up ({:.2f} of its line of sight), expected less than {}",
+                    look.y(), kMostUpward));
+  const Vec3 along = horizontal(found.V_TB.v).normalized();
+  claim(horizontal(look).normalized().dot(along) > kLeastAlong,
+        fmt::format("the head looks towards x {:.2f}, z {:.2f}, not along the throw towards x "
+                    "{:.2f}, z {:.2f}",
+                    look.x(), look.z(), along.x(), along.z()));
+  const double right = mean_side(r, found, r.right_hand), left = mean_side(r, found, r.left_hand);
+  claim(right > 0.0 && right > left,
+        fmt::format("the right hand is not on the right: {:.2f} m right of the head, the left hand "
+                    "{:.2f} m",
+                    right, left));
+  return problems;
+}
+
+namespace {
+
+/// A common mistake, undone.
+struct Remedy {
+  const char* name;
+  std::function<void(Time&)> time;
+  std::function<void(Pose&)> pose;
+};
+
+MotionRecording remedied(MotionRecording r, const Remedy& remedy) {
+  if (remedy.time) std::ranges::for_each(r.times, remedy.time);
+  if (remedy.pose) {
+    for (auto* track : {&r.head, &r.left_hand, &r.right_hand}) {
+      std::ranges::for_each(*track, remedy.pose);
+    }
+  }
+  return r;
+}
+
+std::vector<Remedy> remedies() {
+  const auto scaled = [](double factor) { return [factor](Pose& pose) { pose.p *= factor; }; };
+  const auto slower = [](double factor) {
+    return [factor](Time& time) { time = microseconds(factor * seconds(time)); };
+  };
+  const auto mirrored = [](int axis) {
+    return [axis](Pose& pose) { pose.p[axis] = -pose.p[axis]; };
+  };
+  // A mirror turns a rotation about its own axis on, the others back.
+  const auto all_mirrored = [](int axis) {
+    return [axis](Pose& pose) {
+      pose.p[axis] = -pose.p[axis];
+      const double kept = pose.q.vec()[axis];
+      pose.q.vec() = -pose.q.vec();
+      pose.q.vec()[axis] = kept;
+    };
+  };
+  return {
+      {"in centimetres", {}, scaled(0.01)},
+      {"in metres", {}, scaled(100.0)},
+      {"in millimetres", {}, scaled(0.1)},
+      {"at a third of the size", {}, scaled(1.0 / 3.0)},
+      {"at three times the size", {}, scaled(3.0)},
+      {"with y and z exchanged", {}, [](Pose& pose) { std::swap(pose.p.y(), pose.p.z()); }},
+      {"with x mirrored", {}, mirrored(0)},
+      {"with y mirrored", {}, mirrored(1)},
+      {"with z mirrored", {}, mirrored(2)},
+      {"with x mirrored, rotations too", {}, all_mirrored(0)},
+      {"with z mirrored, rotations too", {}, all_mirrored(2)},
+      {"with its quaternions read as x, y, z, w",
+       {},
+       [](Pose& pose) { pose.q = Quat(pose.q.z(), pose.q.w(), pose.q.x(), pose.q.y()); }},
+      {"with its quaternions inverted", {}, [](Pose& pose) { pose.q = pose.q.conjugate(); }},
+      {"with time in seconds", slower(1000.0), {}},
+      {"with time in microseconds", slower(0.001), {}},
+      {"at half the speed", slower(2.0), {}},
+      {"at twice the speed", slower(0.5), {}},
+      {"at a tenth of the speed", slower(10.0), {}},
+      {"at ten times the speed", slower(0.1), {}},
+  };
+}
+
+}  // namespace
+
+void require_throw(const MotionRecording& recording, const Hand& hand, const std::string& where) {
+  const std::vector<std::string> problems = why_no_throw(recording, hand);
+  if (problems.empty()) return;
+  std::string message = fmt::format("{}: not a person's throw: {}", where, problems.front());
+  for (const Remedy& remedy : remedies()) {
+    if (why_no_throw(remedied(recording, remedy), hand).empty()) {
+      message += fmt::format("; it would be one {}", remedy.name);
+      break;
+    }
+  }
+  throw std::invalid_argument(message);
+}
+
+Scenario stand_thrower(Scenario scenario, const MotionRecording& recording, const Throw& found,
+                       Heading heading) {
+  Vec3 ahead = -Vec3::UnitZ();
+  if (heading == Heading::kRelease) ahead = horizontal(found.V_TB.v).normalized();
+  if (heading == Heading::kGaze) ahead = horizontal(mean_look(recording, found)).normalized();
+  // The world's x, y, z as they stand in the recording: right, ahead, up.
+  Mat3 R_TW;
+  R_TW << ahead.cross(kUp), ahead, kUp;
+  const Quat q_WT(R_TW.transpose());
+
+  const Vec3 p_TB = recording.right_hand[found.release] * scenario.hand.grip;
+  const Vec3 p_W = q_WT * -horizontal(p_TB);
+  scenario.rig.X_WT = {q_WT.normalized(), Vec3(p_W.x(), p_W.y(), 0.0)};
+  scenario.rig.X_SD = {};
+  scenario.rig.X_SH = {};
+  scenario.rig.delay_s = 0.020;
+  scenario.ball.home = scenario.rig.X_WT * (recording.right_hand[found.grab] * scenario.hand.grip);
+  return scenario;
+}
+
+std::vector<devices::Sample> to_samples(const MotionRecording& recording, const Throw& found) {
+  constexpr std::int32_t kLeftHandStation = 3;
+  std::vector<devices::Sample> samples;
+  for (std::size_t i = 0; i < recording.times.size(); ++i) {
+    const auto tracker = [&](std::int32_t station, const Pose& X_TS) {
+      devices::TrackerSample sample;
+      sample.device_time = recording.times[i];
+      sample.sequence = static_cast<std::int64_t>(i);
+      sample.station = station;
+      sample.X_TS = X_TS;
+      samples.emplace_back(sample);
+    };
+    tracker(devices::kHeadStation, recording.head[i]);
+    tracker(devices::kHandStation, recording.right_hand[i]);
+    tracker(kLeftHandStation, recording.left_hand[i]);
+    if (i == found.grab || i == found.release) {
+      devices::MouseSample mouse;
+      mouse.device_time = recording.times[i];
+      mouse.trigger = i == found.grab;
+      samples.emplace_back(mouse);
+    }
+  }
+  return samples;
+}
+
+}  // namespace headpin::scene

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "devices/catalogue_csv.h"
+#include "devices/sample.h"
+#include "scene/scenario.h"
+
+/// A throw in a recording that has no buttons: whether it is one, where it begins and ends, and how
+/// it is stood at the foul line.
+///
+/// T is the frame of the recording: y up, the floor at y = 0.
+namespace headpin::scene {
+
+/// Where in a recording the ball is taken and let go.
+struct Throw {
+  std::size_t grab = 0;          ///< sample at which the hand is lowest before the ball is lifted
+  std::size_t release = 0;       ///< last sample before the hand's fastest at which it moves level
+  double peak_hand_speed = 0.0;  ///< between neighbours of a sample [m/s]
+  Twist V_TB;                    ///< of the ball as it leaves the hand
+};
+
+/// Finds the throw of the right hand.
+///
+/// The hand's forward speed peaks where the swing turns upward, after the ball has gone: it leaves
+/// where the velocity fitted over the release window turns from falling to rising, or at the peak
+/// when it never falls within 0.15 s before.
+///
+/// @throws std::invalid_argument  with fewer than ten samples
+Throw find_throw(const devices::MotionRecording& recording, const Hand& hand);
+
+/// What a body does not allow: each a sentence with what was found and what was expected; none for
+/// a person's throw.
+///
+/// Looks at length and rate, height and uprightness of the head, reach and speed of the hands, the
+/// head looking along the throw, the right hand on the right.
+std::vector<std::string> why_no_throw(const devices::MotionRecording& recording, const Hand& hand);
+
+/// Refuses what cannot be a person's throw.
+///
+/// Where the recording would be one after a single common mistake is undone (unit, axis, order of
+/// the quaternion, scale of time), the message says which.
+///
+/// @param where  name of the file, for the message
+/// @throws std::invalid_argument
+void require_throw(const devices::MotionRecording& recording, const Hand& hand,
+                   const std::string& where);
+
+enum class Heading {
+  kRelease,  ///< the ball leaves straight down the lane
+  kGaze,     ///< the head looks straight down the lane in the second before
+  kKeep      ///< -z of the recording is down the lane
+};
+
+/// Stands the thrower in the world, by the rig alone.
+///
+/// The ball's centre is over the middle of the foul line when it is let go, the recording's floor
+/// is the lane, the stand holds the ball where the hand takes it. Poses are read 20 ms late, so
+/// that there is always a sample on both sides of uneven ones.
+Scenario stand_thrower(Scenario scenario, const devices::MotionRecording& recording,
+                       const Throw& found, Heading heading);
+
+/// The recording as device samples, in order of time: head, right and left hand as stations 1, 2
+/// and 3, and the trigger, down from grab to release.
+std::vector<devices::Sample> to_samples(const devices::MotionRecording& recording,
+                                        const Throw& found);
+
+}  // namespace headpin::scene

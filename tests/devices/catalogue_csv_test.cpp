@@ -1,0 +1,84 @@
+#include "devices/catalogue_csv.h"
+
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+namespace headpin::devices {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kHeader =
+    "delta_time_ms,head_pos_x,head_pos_y,head_pos_z,head_rot_w,head_rot_x,head_rot_y,head_rot_z,"
+    "left_hand_pos_x,left_hand_pos_y,left_hand_pos_z,left_hand_rot_w,left_hand_rot_x,"
+    "left_hand_rot_y,left_hand_rot_z,right_hand_pos_x,right_hand_pos_y,right_hand_pos_z,"
+    "right_hand_rot_w,right_hand_rot_x,right_hand_rot_y,right_hand_rot_z";
+const std::string kRow = ",1,170,3,1,0,0,0,-20,90,0,0,1,0,0,20,80,-5,0,0,0.6,-0.8\n";
+const std::string kGood = kHeader + "\n0" + kRow + "14" + kRow + "27.5" + kRow;
+
+std::string complaint(const std::string& text) {
+  try {
+    parse_catalogue_csv(text, "throw.csv", 0.01);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+/// kGood with the first `from` behind the header replaced.
+std::string with(const std::string& from, const std::string& to) {
+  std::string text = kGood;
+  return text.replace(text.find(from, kHeader.size()), from.size(), to);
+}
+
+TEST(CatalogueCsvTest, ReadsPosesInMetresAndKeepsEveryStamp) {
+  const MotionRecording recording = parse_catalogue_csv(kGood, "throw.csv", 0.01);
+  EXPECT_EQ(recording.times, (std::vector{Time{0}, Time{14'000}, Time{27'500}}));
+  ASSERT_EQ(recording.right_hand.size(), 3u);
+  EXPECT_TRUE(recording.head[1].p.isApprox(Vec3(0.01, 1.7, 0.03)));
+  EXPECT_TRUE(recording.left_hand[1].p.isApprox(Vec3(-0.2, 0.9, 0.0)));
+  EXPECT_EQ(recording.left_hand[1].q.coeffs(), Quat(0, 1, 0, 0).coeffs());
+  EXPECT_EQ(recording.right_hand[2].q.coeffs(), Quat(0, 0, 0.6, -0.8).coeffs());
+}
+
+TEST(CatalogueCsvTest, TakesColumnsInAnyOrderAndLinesHoweverEnded) {
+  std::string text = "\xef\xbb\xbfnote," + kHeader + "\r\nx, 5" + kRow + "\r\n\n";
+  const MotionRecording recording = parse_catalogue_csv(text, "throw.csv", 1.0);
+  ASSERT_EQ(recording.times, std::vector{Time{5'000}});
+  EXPECT_EQ(recording.head[0].p, Vec3(1, 170, 3));
+}
+
+TEST(CatalogueCsvTest, RefusesWhatIsNoRecordingAndSaysWhere) {
+  EXPECT_THAT(complaint(""), HasSubstr("column delta_time_ms is missing"));
+  std::string text = kGood;
+  EXPECT_THAT(complaint(text.replace(text.find("left_hand_rot_y"), 15, "left_hand_rot_q")),
+              HasSubstr("throw.csv: column left_hand_rot_y is missing"));
+  EXPECT_THAT(complaint(with(",170", ",nan")),
+              HasSubstr("throw.csv:2: head_pos_y: expected a finite number, found 'nan'"));
+  EXPECT_THAT(complaint(with(",170", ",inf")), HasSubstr("found 'inf'"));
+  EXPECT_THAT(complaint(with(",170", ",1e999")), HasSubstr("found '1e999'"));
+  EXPECT_THAT(complaint(with(",170", ",17O")), HasSubstr("found '17O'"));
+  EXPECT_THAT(complaint(with(",170", ",")), HasSubstr("found ''"));
+  EXPECT_THAT(complaint(with(",170", "")), HasSubstr("throw.csv:2: expected 22 fields, found 21"));
+  EXPECT_THAT(complaint(with(",0.6,-0.8", ",0.6,-0.7")),
+              HasSubstr("right_hand_rot: expected a unit quaternion, found one of length 0.92"));
+  EXPECT_THAT(complaint(with("\n14,", "\n0,")), HasSubstr("throw.csv:3: delta_time_ms"));
+  EXPECT_THAT(complaint(with("\n27.5,", "\n13,")),
+              HasSubstr("time must advance, found 0.013 s after 0.014 s"));
+  EXPECT_THAT(complaint(with("\n27.5,", "\n1e300,")), HasSubstr("out of range"));
+}
+
+TEST(CatalogueCsvTest, AFileCutAnywhereIsReadUpToThereOrRefused) {
+  for (std::size_t cut = 0; cut < kGood.size(); ++cut) {
+    const std::string text = kGood.substr(0, cut);
+    try {
+      EXPECT_LE(parse_catalogue_csv(text, "throw.csv", 0.01).times.size(), 3u);
+    } catch (const std::invalid_argument&) {
+    }
+  }
+}
+
+}  // namespace
+}  // namespace headpin::devices
