@@ -24,5 +24,6 @@ void add_compare(CLI::App& app);
 void add_frames(CLI::App& app);
 void add_replay(CLI::App& app);
 void add_import(CLI::App& app);
+void add_synthesize(CLI::App& app);
 
 }  // namespace headpin::apps

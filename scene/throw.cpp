@@ -19,12 +19,15 @@ using devices::MotionRecording;
 constexpr double kLowestHead = 1.2, kHighestHead = 2.1;       // m, median
 constexpr double kShortestReach = 0.5, kLongestReach = 1.25;  // m, head to hand, at its largest
 constexpr double kSlowestThrow = 3.0, kFastestHand = 10.5;    // m/s, hand at its fastest
+constexpr double kRestingHand = 0.35;                         // m/s
 constexpr double kFastestHead = 3.0;                          // m/s
 constexpr double kLeastUpright = 0.7;  // cosine of the head's mean tilt before the release
+constexpr double kMostRoll = 0.4;      // sine of the head's roll, but for a tenth of the time
 constexpr double kMostUpward = 0.2;    // sine of its mean look upward: the target is on the floor
-constexpr double kLeastAlong = 0.7;    // cosine between look and throw, from above
+constexpr double kLeastAtBall = 0.5;   // cosine between look and ball as it is taken
+constexpr double kLeastAlong = 0.906;  // cosine between look and throw from above, 25 degrees
 constexpr double kLowestRate = 59.0, kHighestRate = 250.0;  // Hz; head-mounted displays: 60 and up
-constexpr double kLongestGap = 0.1;                         // s
+constexpr double kLongestGap = 0.05;                        // s
 constexpr std::size_t kFewestSamples = 100;
 constexpr double kShortestDuration = 2.0;  // s
 
@@ -56,6 +59,11 @@ Twist ball_velocity(const MotionRecording& r, std::size_t release, const Vec3& p
   return release_velocity(track, p_HB, window);
 }
 
+/// Of the hand, fitted as the ball's will be.
+Vec3 hand_velocity_at(const MotionRecording& r, std::size_t i, const Hand& hand) {
+  return ball_velocity(r, i, Vec3::Zero(), microseconds(hand.release_window_s)).v;
+}
+
 /// The second before the release, when the thrower has the ball in the air and the lane in sight.
 std::pair<std::size_t, std::size_t> swing(const MotionRecording& r, const Throw& found) {
   constexpr Time kSwing{1'000'000};
@@ -71,12 +79,27 @@ Vec3 mean_look(const MotionRecording& r, const Throw& found) {
   return sum / static_cast<double>(end - begin);
 }
 
+/// The value that `part` of the values do not reach.
+double quantile(std::vector<double> values, double part) {
+  const auto at = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
+  std::ranges::nth_element(values, values.begin() + at);
+  return values[static_cast<std::size_t>(at)];
+}
+
+template <typename Value>
+std::vector<double> values(const std::vector<Pose>& track, const Value& value) {
+  std::vector<double> all;
+  for (const Pose& pose : track) all.push_back(value(pose));
+  return all;
+}
+
 double median_height(const std::vector<Pose>& track) {
-  std::vector<double> heights;
-  for (const Pose& pose : track) heights.push_back(pose.p.y());
-  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
-  std::ranges::nth_element(heights, middle);
-  return *middle;
+  return quantile(values(track, [](const Pose& pose) { return pose.p.y(); }), 0.5);
+}
+
+double usual_roll(const std::vector<Pose>& head) {
+  const auto roll = [](const Pose& pose) { return std::abs((pose.q * Vec3::UnitX()).y()); };
+  return quantile(values(head, roll), 0.9);
 }
 
 double fastest(const MotionRecording& r, const std::vector<Pose>& track) {
@@ -151,13 +174,16 @@ Throw find_throw(const MotionRecording& r, const Hand& hand) {
   found.release = fastest;
   for (std::size_t i = fastest; i > 0 && r.times[i] >= r.times[fastest] - kBeforePeak; --i) {
     if (r.times[i] - window < r.times.front()) break;
-    if (ball_velocity(r, i, Vec3::Zero(), window).v.y() <= 0.0) {
+    if (hand_velocity_at(r, i, hand).y() <= 0.0) {
       found.release = i;
       break;
     }
   }
-  const std::size_t top = best(0, found.release, hand_height);
-  found.grab = best(0, top + 1, [&](std::size_t i) { return -hand_height(i); });
+  // Lowest where it rests; a hand that never does has had the ball from the start.
+  for (std::size_t i = 0; i < found.release; ++i) {
+    const bool lower = found.grab == 0 || hand_height(i) < hand_height(found.grab);
+    if (hand_velocity(i).norm() < kRestingHand && lower) found.grab = i;
+  }
   if (r.times[found.release] - window >= r.times.front()) {
     found.V_TB = ball_velocity(r, found.release, hand.grip, window);
   }
@@ -166,7 +192,7 @@ Throw find_throw(const MotionRecording& r, const Hand& hand) {
 
 std::vector<std::string> why_no_throw(const MotionRecording& r, const Hand& hand) {
   std::vector<std::string> problems = problems_of_length(r);
-  if (r.times.size() < kFewestSamples) return problems;
+  if (!problems.empty()) return problems;  // nothing below can be measured
 
   const auto expect = [&](const char* what, double value, double low, double high,
                           const char* unit) {
@@ -190,11 +216,13 @@ std::vector<std::string> why_no_throw(const MotionRecording& r, const Hand& hand
   expect("the head's fastest is", fastest(r, r.head), 0.0, kFastestHead, "m/s");
 
   const Time release = r.times[found.release];
-  claim(
-      release - r.times[found.grab] > Time{300'000} && r.times.back() - release > Time{100'000},
-      fmt::format("the hand is fastest at {:.3g} s of {:.3g} to {:.3g} s: no room for lift, swing "
-                  "and follow-through",
-                  seconds(release), seconds(r.times.front()), seconds(r.times.back())));
+  if (release - r.times[found.grab] < Time{300'000} || r.times.back() - release < Time{100'000}) {
+    problems.push_back(fmt::format(
+        "the hand is fastest at {:.3g} s of {:.3g} to {:.3g} s: no room for lift, swing "
+        "and follow-through",
+        seconds(release), seconds(r.times.front()), seconds(r.times.back())));
+    return problems;
+  }
 
   const auto [begin, end] = swing(r, found);
   double upright = 0.0;
@@ -204,15 +232,27 @@ std::vector<std::string> why_no_throw(const MotionRecording& r, const Hand& hand
         fmt::format("the head is not upright: its up axis rises by {:.2f} of its length, expected "
                     "more than {}",
                     upright, kLeastUpright));
+  const double roll = usual_roll(r.head);
+  claim(roll < kMostRoll,
+        fmt::format("the head is held aslant: its right rises or falls by {:.2f} of its length, "
+                    "expected less than {}",
+                    roll, kMostRoll));
   const Vec3 look = mean_look(r, found);
   claim(look.y() < kMostUpward,
         fmt::format("the head looks up ({:.2f} of its line of sight), expected less than {}",
                     look.y(), kMostUpward));
-  const Vec3 along = horizontal(found.V_TB.v).normalized();
+  const Vec3 along = horizontal(hand_velocity_at(r, found.release, hand)).normalized();
   claim(horizontal(look).normalized().dot(along) > kLeastAlong,
         fmt::format("the head looks towards x {:.2f}, z {:.2f}, not along the throw towards x "
                     "{:.2f}, z {:.2f}",
                     look.x(), look.z(), along.x(), along.z()));
+  const Pose& head = r.head[found.grab];
+  const Vec3 at_ball = (r.right_hand[found.grab].p - head.p).normalized();
+  const double on_ball = at_ball.dot(head.q * -Vec3::UnitZ());
+  claim(found.grab == 0 || on_ball > kLeastAtBall,
+        fmt::format("the head does not look at the ball as the hand takes it: cosine {:.2f}, "
+                    "expected more than {}",
+                    on_ball, kLeastAtBall));
   const double right = mean_side(r, found, r.right_hand), left = mean_side(r, found, r.left_hand);
   claim(right > 0.0 && right > left,
         fmt::format("the right hand is not on the right: {:.2f} m right of the head, the left hand "

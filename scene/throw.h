@@ -15,7 +15,7 @@ namespace headpin::scene {
 
 /// Where in a recording the ball is taken and let go.
 struct Throw {
-  std::size_t grab = 0;          ///< sample at which the hand is lowest before the ball is lifted
+  std::size_t grab = 0;          ///< sample at which the hand rests lowest before the release
   std::size_t release = 0;       ///< last sample before the hand's fastest at which it moves level
   double peak_hand_speed = 0.0;  ///< between neighbours of a sample [m/s]
   Twist V_TB;                    ///< of the ball as it leaves the hand

@@ -1,0 +1,96 @@
+#include <iostream>
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "devices/log.h"
+#include "scene/arm_model.h"
+#include "scene/throw.h"
+
+namespace headpin::apps {
+namespace {
+
+struct Options {
+  std::string output, scenario, participant, condition;
+  scene::ThrowPlan plan;
+  double aim_deg = 0.0;
+  bool force = false, json = false;
+};
+
+void run(const Options& options) {
+  constexpr double kDegree = 0.0174532925199433;
+  scene::ThrowPlan plan = options.plan;
+  plan.aim = options.aim_deg * kDegree;
+  scene::Scenario scenario =
+      options.scenario.empty() ? scene::Scenario{} : scene::load_scenario(options.scenario);
+  scenario.rig = scene::synthetic_rig();
+  const scene::ThrowMotion motion = [&] {
+    try {
+      return scene::ThrowMotion(plan, scenario.hand);
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(error.what());
+    }
+  }();
+  scenario.ball.home = motion.hand(motion.grab()) * scenario.hand.grip;
+
+  devices::TrialHeader header;
+  header.participant = options.participant;
+  header.condition = options.condition;
+  header.seed = plan.seed;
+  header.scenario = scene::to_toml(scenario);
+  const std::vector<devices::Sample> samples = scene::sense(motion, scenario.rig, plan.seed);
+  devices::Recorder recorder(options.output, header, {.overwrite = options.force});
+  devices::write(recorder, samples, {});
+  recorder.close();
+
+  if (options.json) {
+    std::cout << nlohmann::ordered_json{{"trial", options.output},
+                                        {"seed", plan.seed},
+                                        {"samples", samples.size()},
+                                        {"duration_s", seconds(motion.duration())},
+                                        {"grab_s", seconds(motion.grab())},
+                                        {"release_s", seconds(motion.release())},
+                                        {"release_speed_mps", motion.ball_speed()}}
+              << "\n";
+    return;
+  }
+  std::cout << fmt::format(
+      "{}\n"
+      "  samples            {} of head, hand and trigger\n"
+      "  duration           {:.3f} s\n"
+      "  grab               {:.3f} s\n"
+      "  release            {:.3f} s\n"
+      "  ball at release    {:.2f} m/s\n",
+      options.output, samples.size(), seconds(motion.duration()), seconds(motion.grab()),
+      seconds(motion.release()), motion.ball_speed());
+}
+
+}  // namespace
+
+void add_synthesize(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("synthesize", "Make a trial by a model of the arm");
+  const auto options = std::make_shared<Options>();
+  command->add_option("-o,--output", options->output, "trial to write (.lcmlog)")->required();
+  command->add_option("--seed", options->plan.seed, "of swing, tremor and noise")
+      ->capture_default_str();
+  command->add_option("--speed", options->plan.speed, "of the ball at its release [m/s], 4 to 9")
+      ->capture_default_str();
+  command->add_option("--aim", options->aim_deg, "to the right of the lane [degrees], -10 to 10")
+      ->capture_default_str();
+  command->add_option("--duration", options->plan.duration_s, "of the trial [s]")
+      ->capture_default_str();
+  command->add_option("--scenario", options->scenario, "TOML file; the paper's room if not given");
+  command->add_option("--participant", options->participant, "who is said to have thrown");
+  command->add_option("--condition", options->condition, "name of the condition");
+  command->add_flag("--force", options->force, "overwrite the output");
+  command->add_flag("--json", options->json, "print one JSON object");
+  command->footer(
+      "A throw of an arm that moves with the least jerk and trembles, seen by a tracker with two\n"
+      "receivers and its noise. The same seed gives the same throw on every machine.\n\n"
+      "Example:\n  headpin synthesize -o trial.lcmlog --seed 7 --speed 6.5 --aim 1");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,296 @@
+#include "scene/arm_model.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "scene/hand.h"
+
+namespace headpin::scene {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kDegree = kPi / 180.0;
+
+/// SplitMix64 (Steele, Lea, Flood 2014): the same numbers everywhere, unlike std distributions.
+class Random {
+ public:
+  explicit Random(std::uint64_t seed) : state_(seed) {}
+
+  double uniform(double low, double high) {
+    constexpr double kUnit = 1.0 / 9007199254740992.0;  // 2^-53
+    return low + (high - low) * static_cast<double>(next() >> 11) * kUnit;
+  }
+
+  /// Standard normal to good approximation: the sum of twelve uniform numbers.
+  double normal() {
+    double sum = -6.0;
+    for (int i = 0; i < 12; ++i) sum += uniform(0.0, 1.0);
+    return sum;
+  }
+
+  Vec3 normal3() {
+    const double x = normal(), y = normal(), z = normal();
+    return {x, y, z};
+  }
+
+  Vec3 uniform3(double low, double high) {
+    const double x = uniform(low, high), y = uniform(low, high), z = uniform(low, high);
+    return {x, y, z};
+  }
+
+ private:
+  std::uint64_t next() {
+    std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
+    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
+    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
+    return z ^ z >> 31;
+  }
+
+  std::uint64_t state_;
+};
+
+double minimum_jerk(double s) {
+  return s * s * s * (10.0 + s * (-15.0 + 6.0 * s));
+}
+
+Quat about_x(double angle) {
+  return rotation(Vec3(angle, 0.0, 0.0));
+}
+Quat about_z(double angle) {
+  return rotation(Vec3(0.0, 0.0, angle));
+}
+
+// A person of 1.75 m, in metres, seconds and radians.
+constexpr double kShoulderHeight = 1.40, kShoulderAside = 0.20, kEyeHeight = 1.64;
+constexpr double kGrabTime = 1.2, kBackSwingEnd = 3.6;
+constexpr double kReleaseAngle = 12.0 * kDegree, kFollowThrough = 125.0 * kDegree;
+
+}  // namespace
+
+double MinimumJerk::at(double time) const {
+  if (time <= keys_.front().time) return keys_.front().value;
+  for (std::size_t i = 1; i < keys_.size(); ++i) {
+    const Key &a = keys_[i - 1], &b = keys_[i];
+    if (time < b.time) {
+      return a.value + (b.value - a.value) * minimum_jerk((time - a.time) / (b.time - a.time));
+    }
+  }
+  return keys_.back().value;
+}
+
+Vec3 ThrowMotion::Trembling::at(double time) const {
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t k = 0; k < amplitude.size(); ++k) {
+    for (int axis = 0; axis < 3; ++axis) {
+      sum[axis] += amplitude[k][axis] * sin_cos(rate[k][axis] * time + phase[k][axis]).sin;
+    }
+  }
+  return sum;
+}
+
+ThrowMotion::Joints ThrowMotion::joints(double forward_swing_s, double back_swing) {
+  const double end = kBackSwingEnd + forward_swing_s;
+  return {
+      .raise = {{0.2, 60.0 * kDegree},
+                {1.0, 28.0 * kDegree},
+                {1.4, 28.0 * kDegree},
+                {2.1, 70.0 * kDegree},
+                {2.5, 70.0 * kDegree},
+                {kBackSwingEnd, back_swing},
+                {end, kFollowThrough},
+                {end + 1.4, 15.0 * kDegree}},
+      .reach = {{0.2, 0.36},
+                {1.0, 0.60},
+                {1.4, 0.60},
+                {2.1, 0.45},
+                {2.5, 0.45},
+                {3.4, 0.64},
+                {end + 0.1, 0.64},
+                {end + 1.2, 0.55}},
+      .aside = {{0.2, 0.0}, {1.0, 40.0 * kDegree}, {1.4, 40.0 * kDegree}, {2.1, 0.0}},
+      .lean = {{0.2, 0.1},
+               {1.0, 0.4},
+               {1.4, 0.4},
+               {2.2, 0.1},
+               {3.0, 0.1},
+               {end - 0.1, 1.0},
+               {end + 1.6, 0.1}},
+      .pitch = {{0.1, -35.0 * kDegree},
+                {0.7, -46.0 * kDegree},
+                {1.4, -46.0 * kDegree},
+                {2.1, -20.0 * kDegree},
+                {end + 0.5, -12.0 * kDegree}},
+      .turn = {{0.1, 40.0 * kDegree}, {0.7, 24.0 * kDegree}, {1.4, 24.0 * kDegree}, {2.0, 0.0}},
+  };
+}
+
+ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
+    : joints_(joints(0.75, -75.0 * kDegree)) {
+  if (!(plan.speed >= 4.0 && plan.speed <= 9.0)) {
+    throw std::invalid_argument(
+        fmt::format("the arm throws at 4 to 9 m/s, found {} m/s", plan.speed));
+  }
+  if (!(std::abs(plan.aim) <= 10.0 * kDegree)) {
+    throw std::invalid_argument(
+        fmt::format("the arm aims at most 10 degrees aside, found {:.3g}", plan.aim / kDegree));
+  }
+  Random random(plan.seed);
+  const auto trembling = [&](double amplitude, double low_hz, double high_hz) {
+    Trembling t;
+    for (std::size_t k = 0; k < t.amplitude.size(); ++k) {
+      t.amplitude[k] = amplitude * random.uniform3(0.5, 1.0);
+      t.rate[k] = 2.0 * kPi * random.uniform3(low_hz, high_hz);
+      t.phase[k] = random.uniform3(0.0, 2.0 * kPi);
+    }
+    return t;
+  };
+  sway_ = trembling(0.003, 0.2, 0.6);
+  hand_shift_ = trembling(0.00015, 7.0, 11.0);
+  hand_turn_ = trembling(0.1 * kDegree, 7.0, 11.0);
+  head_turn_ = trembling(0.3 * kDegree, 0.3, 1.5);
+
+  // The swing is as quick as the speed asks for: the slower, the longer it takes.
+  const double speed = plan.speed * (1.0 + 0.01 * random.normal());
+  const double aim = plan.aim + 0.3 * kDegree * random.normal();
+  const double back_swing = -75.0 * kDegree + 3.0 * kDegree * random.normal();
+  const double released = (kReleaseAngle - back_swing) / (kFollowThrough - back_swing);
+  double low = 0.0, high = 1.0;  // part of the swing's time by which the arm is at that angle
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (minimum_jerk(middle) < released ? low : high) = middle;
+  }
+  grab_ = microseconds(kGrabTime);
+  double swing_s = 0.75;
+  for (int i = 0; i < 8; ++i) {
+    joints_ = joints(swing_s, back_swing);
+    release_ = microseconds(kBackSwingEnd + low * swing_s);
+    swing_s *= ball_at_release(hand).v.norm() / speed;
+  }
+  duration_ = microseconds(plan.duration_s);
+  const double shortest = kBackSwingEnd + swing_s + 0.5;
+  if (!(plan.duration_s >= shortest && plan.duration_s <= 600.0)) {
+    throw std::invalid_argument(
+        fmt::format("the throw takes {:.1f} s and is followed for at most 600 s, found {} s",
+                    shortest, plan.duration_s));
+  }
+
+  // Stand so that the ball leaves above the middle of the foul line, the way it is aimed.
+  const Vec3 v_MB = ball_at_release(hand).v;
+  speed_ = v_MB.norm();
+  const Vec3 ahead = Vec3(v_MB.x(), v_MB.y(), 0.0).normalized();
+  Mat3 R_MA;  // A: y where the ball goes
+  R_MA << ahead.cross(Vec3::UnitZ()), ahead, Vec3::UnitZ();
+  X_WM_.q = (about_z(-aim) * Quat(R_MA.transpose())).normalized();
+  const Vec3 p = X_WM_.q * (this->hand(release_) * hand.grip);
+  X_WM_.p = Vec3(-p.x(), -p.y(), 0.0);
+}
+
+Twist ThrowMotion::ball_at_release(const Hand& hand) const {
+  std::vector<Stamped<Pose>> track;
+  const Time window = microseconds(hand.release_window_s);
+  for (int i = 8; i >= 0; --i) {
+    const Time time = release_ - window * i / 8;
+    track.push_back({time, this->hand(time)});
+  }
+  return release_velocity(track, hand.grip, window);
+}
+
+Vec3 ThrowMotion::trunk(double t) const {
+  const double lean = joints_.lean.at(t);
+  return Vec3(0.0, 0.25 * lean, -0.10 * lean) + sway_.at(t);
+}
+
+Pose ThrowMotion::head(Time time) const {
+  const double t = seconds(time);
+  const Vec3 p_MD = Vec3(0.0, 0.10, kEyeHeight) + trunk(t);
+  const Quat q_MD = about_z(-joints_.turn.at(t)) * about_x(0.5 * kPi + joints_.pitch.at(t)) *
+                    rotation(head_turn_.at(t));
+  return X_WM_ * Pose{q_MD.normalized(), p_MD};
+}
+
+Pose ThrowMotion::hand(Time time) const {
+  const double t = seconds(time);
+  // Hanging, the palm looks ahead: fingers (-z) down, back of the hand (y) to the rear.
+  const Quat q_MH = about_z(-joints_.aside.at(t)) * about_x(joints_.raise.at(t)) * about_z(kPi) *
+                    rotation(hand_turn_.at(t));
+  const Vec3 p_MH = Vec3(kShoulderAside, 0.0, kShoulderHeight) + trunk(t) +
+                    q_MH * Vec3(0.0, 0.0, -joints_.reach.at(t)) + hand_shift_.at(t);
+  return X_WM_ * Pose{q_MH.normalized(), p_MH};
+}
+
+Pose ThrowMotion::left_hand(Time time) const {
+  const double t = seconds(time);
+  constexpr double kRaise = 25.0 * kDegree, kAside = 20.0 * kDegree, kReach = 0.5;
+  const Quat q_MH = about_z(kAside) * about_x(kRaise) * about_z(kPi);
+  const Vec3 p_MH =
+      Vec3(-kShoulderAside, 0.0, kShoulderHeight) + trunk(t) + q_MH * Vec3(0.0, 0.0, -kReach);
+  return X_WM_ * Pose{q_MH.normalized(), p_MH};
+}
+
+Rig synthetic_rig() {
+  const double h = std::sqrt(0.5);
+  // Columns of each rotation: where the second frame's x, y, z point in the first.
+  const Quat q_WT(0.0, h, h, 0.0);        // ahead, right, down
+  const Quat q_SD(0.5, -0.5, -0.5, 0.5);  // a receiver's axes are the transmitter's
+  Rig rig;
+  rig.X_WT = {q_WT, Vec3(0.4, -2.2, 1.1)};
+  rig.X_SD = {q_SD, Vec3(0.10, 0.0, 0.12)};  // eyes ahead of and below the top of the helmet
+  rig.X_SH = {q_SD, Vec3(0.04, 0.0, 0.03)};
+  rig.delay_s = 0.025;  // a receiver's interval and the latency
+  return rig;
+}
+
+std::vector<devices::Sample> sense(const ThrowMotion& motion, const Rig& rig, std::uint64_t seed,
+                                   const TrackerNoise& noise) {
+  Random random(~seed);  // not the motion's own numbers again
+  const Pose X_TW = rig.X_WT.inverse();
+  const Pose X_DS = rig.X_SD.inverse(), X_HS = rig.X_SH.inverse();
+  std::vector<devices::Sample> samples;
+  const auto trigger = [&](Time time, bool down) {
+    devices::MouseSample mouse;
+    mouse.device_time = time;
+    mouse.trigger = down;
+    samples.emplace_back(mouse);
+  };
+  Time last{-1};
+  for (std::int64_t cycle = 0; tick_time(cycle, 120) <= motion.duration(); ++cycle) {
+    devices::TrackerSample sample;
+    sample.device_time = tick_time(cycle, 120);
+    sample.host_time = sample.device_time + noise.latency;
+    sample.sequence = cycle / 2;
+    sample.station = cycle % 2 == 0 ? devices::kHeadStation : devices::kHandStation;
+    const Pose X_WS = cycle % 2 == 0 ? motion.head(sample.device_time) * X_DS
+                                     : motion.hand(sample.device_time) * X_HS;
+    sample.X_TS = X_TW * X_WS;
+    sample.X_TS.p += noise.per_range * sample.X_TS.p.norm() * random.normal3();
+    sample.X_TS.q = (sample.X_TS.q * rotation(noise.angle * random.normal3())).normalized();
+    for (const auto& [time, down] :
+         {std::pair{motion.grab(), true}, std::pair{motion.release(), false}}) {
+      if (last < time && time <= sample.device_time) trigger(time, down);
+    }
+    last = sample.device_time;
+    samples.emplace_back(sample);
+  }
+  return samples;
+}
+
+devices::MotionRecording record(const ThrowMotion& motion, std::uint64_t seed) {
+  Random random(~seed);
+  // Recording's frame: x right, y up, -z ahead; origin at the foul line.
+  const Pose X_TW{about_x(-0.5 * kPi), Vec3::Zero()};
+  devices::MotionRecording recording;
+  for (std::int64_t i = 0; tick_time(i, 72) <= motion.duration(); ++i) {
+    const double jitter_ms = random.uniform(-2.0, 2.0);
+    const double ms = std::max(0.0, std::floor(1e3 * seconds(tick_time(i, 72)) + jitter_ms));
+    const Time time = microseconds(1e-3 * ms);
+    recording.times.push_back(time);
+    recording.head.push_back(X_TW * motion.head(time));
+    recording.left_hand.push_back(X_TW * motion.left_hand(time));
+    recording.right_hand.push_back(X_TW * motion.hand(time));
+  }
+  return recording;
+}
+
+}  // namespace headpin::scene

@@ -1,0 +1,354 @@
+#include "scene/throw.h"
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <sstream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "devices/resample.h"
+#include "scene/arm_model.h"
+#include "scene/hand.h"
+
+namespace headpin::scene {
+namespace {
+
+using testing::AllOf;
+using testing::HasSubstr;
+
+/// A file of the motion catalogue as a table, to be spoilt.
+struct Csv {
+  std::vector<std::string> names;
+  std::vector<std::vector<double>> rows;
+
+  std::size_t column(const std::string& name) const {
+    return static_cast<std::size_t>(std::ranges::find(names, name) - names.begin());
+  }
+
+  /// Calls change(row, first column) for the columns that end in `suffix` of each tracked thing.
+  void each(const std::string& suffix,
+            const std::function<void(std::vector<double>&, std::size_t)>& change) {
+    for (const char* thing : {"head", "left_hand", "right_hand"}) {
+      for (auto& row : rows) change(row, column(thing + suffix));
+    }
+  }
+
+  std::string text() const {
+    std::string out = fmt::format("{}\n", fmt::join(names, ","));
+    for (const auto& row : rows) out += fmt::format("{}\n", fmt::join(row, ","));
+    return out;
+  }
+};
+
+Csv parse(const std::string& text) {
+  Csv csv;
+  std::istringstream lines(text);
+  std::string line, field;
+  for (bool first = true; std::getline(lines, line); first = false) {
+    std::istringstream fields(line);
+    if (!first) csv.rows.emplace_back();
+    while (std::getline(fields, field, ',')) {
+      if (first) csv.names.push_back(field);
+      if (!first) csv.rows.back().push_back(std::stod(field));
+    }
+  }
+  return csv;
+}
+
+/// The recording of a modelled throw as a file, in centimetres.
+std::string synthesized() {
+  const ThrowMotion motion({.seed = 3}, Hand{});
+  const devices::MotionRecording r = record(motion, 3);
+  std::string text = "delta_time_ms";
+  for (const char* thing : {"head", "left_hand", "right_hand"}) {
+    for (const char* field : {"pos_x", "pos_y", "pos_z", "rot_w", "rot_x", "rot_y", "rot_z"}) {
+      text += fmt::format(",{}_{}", thing, field);
+    }
+  }
+  for (std::size_t i = 0; i < r.times.size(); ++i) {
+    text += fmt::format("\n{}", r.times[i].count() / 1000);
+    for (const auto* track : {&r.head, &r.left_hand, &r.right_hand}) {
+      const Pose& X = (*track)[i];
+      text += fmt::format(",{},{},{},{},{},{},{}", 100.0 * X.p.x(), 100.0 * X.p.y(),
+                          100.0 * X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z());
+    }
+  }
+  return text + "\n";
+}
+
+const char* const kRecorded = HEADPIN_SHARED_DIR "/throws/liebers_labstudy21_bowling.csv";
+
+/// Each test runs on a modelled throw, and on a recorded one where that is at hand.
+class ThrowTest : public testing::TestWithParam<const char*> {
+ protected:
+  void SetUp() override {
+    if (GetParam() == std::string("Synthesized")) {
+      good_ = synthesized();
+      return;
+    }
+    std::ifstream file(kRecorded);
+    if (!file) GTEST_SKIP() << "no recorded throw at " << kRecorded;
+    good_.assign(std::istreambuf_iterator<char>(file), {});
+  }
+
+  devices::MotionRecording good() const {
+    return devices::parse_catalogue_csv(good_, "throw.csv", 0.01);
+  }
+
+  /// What is said of the good file, spoilt.
+  std::string complaint(const std::function<void(Csv&)>& spoil, double unit_m = 0.01) const {
+    Csv csv = parse(good_);
+    spoil(csv);
+    return complaint_about(csv.text(), unit_m);
+  }
+
+  std::string complaint_about(const std::string& text, double unit_m = 0.01) const {
+    try {
+      require_throw(devices::parse_catalogue_csv(text, "throw.csv", unit_m), Hand{}, "throw.csv");
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  std::string good_;
+};
+
+INSTANTIATE_TEST_SUITE_P(Of, ThrowTest, testing::Values("Synthesized", "Recorded"),
+                         [](const auto& throws) { return std::string(throws.param); });
+
+TEST_P(ThrowTest, AGoodOneIsAccepted) {
+  EXPECT_EQ(complaint([](Csv&) {}), "accepted");
+}
+
+TEST_P(ThrowTest, RefusesAnotherSizeThanAPersons) {
+  EXPECT_THAT(complaint([](Csv&) {}, 1.0),
+              AllOf(HasSubstr("the head is up 1"), HasSubstr("it would be one in centimetres")));
+  const auto scaled = [&](double factor) {
+    return complaint([&](Csv& csv) {
+      csv.each("_pos_x", [&](auto& row, std::size_t c) {
+        for (std::size_t i = c; i < c + 3; ++i) row[i] *= factor;
+      });
+    });
+  };
+  EXPECT_THAT(scaled(0.01), HasSubstr("it would be one in metres"));
+  EXPECT_THAT(scaled(10.0), HasSubstr("it would be one in millimetres"));
+  EXPECT_THAT(scaled(3.0), HasSubstr("it would be one at a third of the size"));
+  EXPECT_THAT(scaled(1.0 / 3.0), HasSubstr("it would be one at three times the size"));
+}
+
+TEST_P(ThrowTest, RefusesAnotherPaceThanAPersons) {
+  const auto scaled = [&](double factor) {
+    return complaint([&](Csv& csv) {
+      for (auto& row : csv.rows) row[csv.column("delta_time_ms")] *= factor;
+    });
+  };
+  EXPECT_THAT(scaled(2.0), AllOf(HasSubstr("samples a second, expected 59 to 250"),
+                                 HasSubstr("it would be one at twice the speed")));
+  EXPECT_THAT(scaled(0.5), AllOf(HasSubstr("the right hand's fastest is 1"),
+                                 HasSubstr("it would be one at half the speed")));
+  EXPECT_THAT(scaled(10.0), HasSubstr("it would be one at ten times the speed"));
+  EXPECT_THAT(scaled(0.1), HasSubstr("it would be one at a tenth of the speed"));
+  EXPECT_THAT(scaled(1000.0), HasSubstr("it would be one with time in microseconds"));
+  EXPECT_THAT(scaled(0.001), HasSubstr(" s, expected at least 100 in 2 s"));
+}
+
+TEST_P(ThrowTest, RefusesMirroredAxes) {
+  const auto mirrored = [&](const char* axis) {
+    return complaint(
+        [&](Csv& csv) { csv.each(axis, [](auto& row, std::size_t c) { row[c] = -row[c]; }); });
+  };
+  EXPECT_THAT(mirrored("_pos_x"), AllOf(HasSubstr("the right hand is not on the right"),
+                                        HasSubstr("it would be one with x mirrored")));
+  EXPECT_THAT(mirrored("_pos_y"),
+              AllOf(HasSubstr("the head is up -1."), HasSubstr("it would be one with y mirrored")));
+  EXPECT_THAT(mirrored("_pos_z"), AllOf(HasSubstr("not along the throw"),
+                                        HasSubstr("it would be one with z mirrored")));
+}
+
+TEST_P(ThrowTest, RefusesAMirroredPersonEvenWhenRotationsAgree) {
+  EXPECT_THAT(complaint([](Csv& csv) {
+                csv.each("_pos_x", [](auto& row, std::size_t c) { row[c] = -row[c]; });
+                csv.each("_rot_y", [](auto& row, std::size_t c) { row[c] = -row[c]; });
+                csv.each("_rot_z", [](auto& row, std::size_t c) { row[c] = -row[c]; });
+              }),
+              HasSubstr("the right hand is not on the right"));
+}
+
+TEST_P(ThrowTest, RefusesExchangedAxes) {
+  EXPECT_THAT(complaint([](Csv& csv) {
+                csv.each("_pos_y", [](auto& row, std::size_t c) { std::swap(row[c], row[c + 1]); });
+              }),
+              AllOf(HasSubstr("the head is up"), HasSubstr("it would be one with y and z")));
+}
+
+TEST_P(ThrowTest, RefusesAnyOtherOrderOfTheQuaternion) {
+  std::array<std::size_t, 4> order = {0, 1, 2, 3};
+  while (std::next_permutation(order.begin(), order.end())) {
+    // The modelled head turns too little for an exchange of x, y and z to show.
+    if (order[0] == 0 && GetParam() == std::string("Synthesized")) continue;
+    const std::string found = complaint([&](Csv& csv) {
+      csv.each("_rot_w", [&](auto& row, std::size_t c) {
+        const std::array q = {row[c], row[c + 1], row[c + 2], row[c + 3]};
+        for (std::size_t i = 0; i < 4; ++i) row[c + i] = q[order[i]];
+      });
+    });
+    EXPECT_THAT(found, HasSubstr("not a person's throw"))
+        << order[0] << order[1] << order[2] << order[3];
+    if (order == std::array<std::size_t, 4>{1, 2, 3, 0}) {
+      EXPECT_THAT(found, HasSubstr("with its quaternions read as x, y, z, w"));
+    }
+  }
+}
+
+TEST_P(ThrowTest, RefusesInvertedQuaternions) {
+  EXPECT_THAT(complaint([](Csv& csv) {
+                csv.each("_rot_w", [](auto& row, std::size_t c) { row[c] = -row[c]; });
+              }),
+              HasSubstr("it would be one with its quaternions inverted"));
+}
+
+TEST_P(ThrowTest, RefusesWhatIsNoRecording) {
+  EXPECT_THAT(complaint([](Csv& csv) {
+                csv.each("_rot_w", [](auto& row, std::size_t c) { row[c] *= 1.1; });
+              }),
+              HasSubstr("expected a unit quaternion"));
+  EXPECT_THAT(complaint([](Csv& csv) { std::swap(csv.rows[200], csv.rows[201]); }),
+              HasSubstr("time must advance"));
+  EXPECT_THAT(complaint([](Csv& csv) { csv.rows[300][5] = std::nan(""); }),
+              HasSubstr("throw.csv:302: head_rot_x: expected a finite number, found 'nan'"));
+  std::string text = good_;
+  EXPECT_THAT(complaint_about(text.replace(text.find("right_hand_pos_x"), 16, "right_hand")),
+              HasSubstr("column right_hand_pos_x is missing"));
+}
+
+TEST_P(ThrowTest, RefusesAFileTooShortForAThrow) {
+  const devices::MotionRecording recording = good();
+  const Throw found = find_throw(recording, Hand{});
+  const auto first = [&](std::size_t samples) {
+    return complaint([&](Csv& csv) { csv.rows.resize(samples); });
+  };
+  EXPECT_THAT(first(0), HasSubstr("0 samples in 0 s, expected at least 100 in 2 s"));
+  EXPECT_THAT(first(1), HasSubstr("1 samples"));
+  EXPECT_THAT(first(99), HasSubstr("99 samples"));
+  for (const std::size_t samples : {std::size_t{150}, found.release - 30, found.release - 5,
+                                    found.release, found.release + 2, found.release + 5}) {
+    EXPECT_THAT(first(samples), HasSubstr("not a person's throw")) << samples;
+  }
+}
+
+TEST_P(ThrowTest, RefusesAHoleInIt) {
+  EXPECT_THAT(
+      complaint([](Csv& csv) { csv.rows.erase(csv.rows.begin() + 100, csv.rows.begin() + 120); }),
+      HasSubstr("expected no gap above 0.05"));
+}
+
+TEST_P(ThrowTest, TheBallLeavesLevelJustBeforeTheHandIsFastest) {
+  const devices::MotionRecording r = good();
+  const Throw found = find_throw(r, Hand{});
+  EXPECT_LT(found.grab, found.release);
+  double fastest = 0.0;
+  std::size_t peak = 0;
+  for (std::size_t i = 1; i + 1 < r.times.size(); ++i) {
+    const Vec3 v =
+        (r.right_hand[i + 1].p - r.right_hand[i - 1].p) / seconds(r.times[i + 1] - r.times[i - 1]);
+    if (v.norm() > fastest) {
+      fastest = v.norm();
+      peak = i;
+    }
+  }
+  EXPECT_EQ(found.peak_hand_speed, fastest);
+  EXPECT_LE(found.release, peak);
+  EXPECT_LT(r.times[peak] - r.times[found.release], Time{150'000});
+}
+
+TEST_P(ThrowTest, EveryHeadingPutsTheBallOverTheFoulLineOnALevelFloor) {
+  const devices::MotionRecording r = good();
+  const Throw found = find_throw(r, Hand{});
+  for (const Heading heading : {Heading::kRelease, Heading::kGaze, Heading::kKeep}) {
+    const Scenario s = stand_thrower(Scenario{}, r, found, heading);
+    const Vec3 p_WB = s.rig.X_WT * (r.right_hand[found.release] * s.hand.grip);
+    EXPECT_NEAR(p_WB.x(), 0.0, 1e-12);
+    EXPECT_NEAR(p_WB.y(), 0.0, 1e-12);
+    // Heights stay what they were: up is y there and z here, both from the floor.
+    EXPECT_NEAR(p_WB.z(), (r.right_hand[found.release] * s.hand.grip).y(), 1e-12);
+    const Vec3 home = s.rig.X_WT * (r.right_hand[found.grab] * s.hand.grip);
+    EXPECT_LT((s.ball.home - home).norm(), 1e-12);
+  }
+}
+
+TEST_P(ThrowTest, EachHeadingSendsDownTheLaneWhatItNames) {
+  const devices::MotionRecording r = good();
+  const Throw found = find_throw(r, Hand{});
+  const auto q_WT = [&](Heading heading) {
+    return stand_thrower(Scenario{}, r, found, heading).rig.X_WT.q;
+  };
+  const Vec3 v_WB = q_WT(Heading::kRelease) * found.V_TB.v;
+  EXPECT_NEAR(v_WB.x(), 0.0, 1e-12);
+  EXPECT_GT(v_WB.y(), 3.0);
+  const Vec3 kept = q_WT(Heading::kKeep) * -Vec3::UnitZ();
+  EXPECT_TRUE(kept.isApprox(Vec3::UnitY(), 1e-12));
+  Vec3 look = Vec3::Zero();
+  for (std::size_t i = 0; i <= found.release; ++i) {
+    if (r.times[i] < r.times[found.release] - Time{1'000'000}) continue;
+    look += q_WT(Heading::kGaze) * r.head[i].q * -Vec3::UnitZ();
+  }
+  EXPECT_NEAR(look.x() / look.y(), 0.0, 1e-12);
+  EXPECT_GT(look.y(), 0.0);
+}
+
+TEST_P(ThrowTest, SamplesKeepEveryStampAndPose) {
+  const devices::MotionRecording r = good();
+  const Throw found = find_throw(r, Hand{});
+  std::size_t i = 0;
+  std::vector<std::pair<Time, bool>> trigger;
+  for (const devices::Sample& sample : to_samples(r, found)) {
+    if (const auto* mouse = std::get_if<devices::MouseSample>(&sample)) {
+      trigger.emplace_back(mouse->device_time, mouse->trigger);
+      continue;
+    }
+    const auto& tracker = std::get<devices::TrackerSample>(sample);
+    if (tracker.station != devices::kHandStation) continue;
+    EXPECT_EQ(tracker.device_time, r.times[i]);
+    EXPECT_EQ(tracker.X_TS.p, r.right_hand[i].p);
+    EXPECT_EQ(tracker.X_TS.q.coeffs(), r.right_hand[i].q.coeffs());
+    ++i;
+  }
+  EXPECT_EQ(i, r.times.size());
+  EXPECT_EQ(trigger, (std::vector<std::pair<Time, bool>>{{r.times[found.grab], true},
+                                                         {r.times[found.release], false}}));
+}
+
+TEST(RecordedThrowTest, IsFoundAsMeasuredByHand) {
+  std::ifstream file(kRecorded);
+  if (!file) GTEST_SKIP() << "no recorded throw at " << kRecorded;
+  const std::string text(std::istreambuf_iterator<char>(file), {});
+  const devices::MotionRecording r = devices::parse_catalogue_csv(text, kRecorded, 0.01);
+  const Throw found = find_throw(r, Hand{});
+  EXPECT_EQ(r.times.size(), 517u);
+  EXPECT_EQ(r.times.back(), Time{7'185'000});
+  // Read off a plot, to a sample or two.
+  EXPECT_NEAR(seconds(r.times[found.release]), 3.03, 0.015);
+  EXPECT_NEAR(seconds(r.times[found.grab]), 0.6, 0.03);
+  EXPECT_NEAR(found.peak_hand_speed, 7.7, 0.05);
+}
+
+TEST(SynthesizedThrowTest, IsFoundWhereTheModelLetGo) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const ThrowMotion motion({.seed = seed}, Hand{});
+    const devices::MotionRecording r = record(motion, seed);
+    EXPECT_EQ(why_no_throw(r, Hand{}), std::vector<std::string>{}) << "seed " << seed;
+    const Throw found = find_throw(r, Hand{});
+    // Found from the motion alone, so only about where the trigger was let go.
+    EXPECT_NEAR(seconds(r.times[found.release] - motion.release()), 0.0, 0.04) << "seed " << seed;
+    EXPECT_NEAR(seconds(r.times[found.grab] - motion.grab()), 0.0, 0.3) << "seed " << seed;
+    EXPECT_NEAR(found.V_TB.v.norm(), motion.ball_speed(), 0.5) << "seed " << seed;
+  }
+}
+
+}  // namespace
+}  // namespace headpin::scene
