@@ -23,6 +23,7 @@ int main(int argc, char** argv) {
   headpin::apps::add_frames(app);
   headpin::apps::add_compare(app);
   headpin::apps::add_import(app);
+  headpin::apps::add_info(app);
   headpin::apps::add_synthesize(app);
   try {
     app.parse(argc, argv);

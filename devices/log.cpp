@@ -97,13 +97,18 @@ Trial read_log(std::span<const std::uint8_t> bytes) {
   return trial;
 }
 
-Trial read_trial(const std::string& path) {
+Trial read_log(const std::string& path) {
   const MappedFile file(path);
   Trial trial = read_log(file.bytes());
   if (trial.channels.empty()) {
     throw std::runtime_error(path + ": not an LCM event log: no whole event in " +
                              std::to_string(file.bytes().size()) + " bytes");
   }
+  return trial;
+}
+
+Trial read_trial(const std::string& path) {
+  Trial trial = read_log(path);
   if (!trial.has_header) {
     std::string found;
     for (const auto& [name, channel] : trial.channels) found += (found.empty() ? "" : ", ") + name;

@@ -18,7 +18,12 @@ namespace headpin::devices {
 ///                             of a format version not known here
 Trial read_trial(const std::string& path);
 
-/// Reads whatever the bytes of a log hold, header or not; never throws for what is in them.
+/// Reads whatever a log holds, header or not.
+///
+/// @throws std::runtime_error  when there is no such file or no event in it
+Trial read_log(const std::string& path);
+
+/// The same from the bytes of a log; never throws for what is in them.
 Trial read_log(std::span<const std::uint8_t> bytes);
 
 /// When a session may know of a sample: when it arrived, or when it was measured if it never

@@ -203,7 +203,9 @@ bool plausible_pose(const Pose& pose) {
 struct Plausible {
   bool operator()(const TrialHeader&) const { return true; }
   bool operator()(const TrackerSample& s) const {
-    return plausible_time(s.device_time) && plausible_time(s.host_time) && plausible_pose(s.X_TS);
+    constexpr std::int64_t kMostSamples = 1'000'000'000'000'000;
+    return plausible_time(s.device_time) && plausible_time(s.host_time) && plausible_pose(s.X_TS) &&
+           s.sequence >= 0 && s.sequence < kMostSamples;
   }
   bool operator()(const MouseSample& s) const {
     return plausible_time(s.device_time) && plausible_time(s.host_time);

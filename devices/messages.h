@@ -43,7 +43,8 @@ bool is_trial_channel(std::string_view channel);
 /// The message on one of our channels; nothing when its type, its size or a length in it is wrong.
 std::optional<Message> decode(std::string_view channel, std::span<const std::uint8_t> bytes);
 
-/// Whether numbers are finite, quaternions unit to 1e-3, times less than 126 years from 0.
+/// Whether numbers are finite, quaternions unit to 1e-3, times less than 126 years from 0, counts
+/// not negative.
 bool plausible(const Message& message);
 
 }  // namespace headpin::devices

@@ -1,0 +1,256 @@
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "devices/log.h"
+
+namespace headpin::apps {
+namespace {
+
+using nlohmann::ordered_json;
+
+double decimal_seconds(Time time) {
+  return static_cast<double>(time.count()) / 1e6;
+}
+
+/// Text from a log, fit for a terminal.
+std::string shown(std::string text) {
+  const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
+  std::ranges::replace_if(text, control, '?');
+  return text.empty() ? "-" : text;
+}
+
+/// What one device sent.
+struct Device {
+  std::string name;
+  std::int64_t samples = 0;
+  Time first{}, last{};
+  Time longest_gap{};
+  std::int64_t lost = 0;  ///< holes in the sequence
+  std::int64_t bad = 0;   ///< with a status other than good
+
+  double rate_hz() const {
+    return last > first ? static_cast<double>(samples - 1) / seconds(last - first) : 0.0;
+  }
+};
+
+std::string name_of_station(std::int32_t station) {
+  if (station == devices::kHeadStation) return "head";
+  return station == devices::kHandStation ? "right hand" : fmt::format("station {}", station);
+}
+
+std::vector<Device> list_devices(const devices::Trial& trial) {
+  struct Entry {
+    Device device;
+    std::int64_t sequence = 0;
+  };
+  std::map<std::int32_t, Entry> stations;
+  Device mouse{"3D mouse", 0, {}, {}, {}, 0, 0};
+  const auto note_time = [](Device& device, Time time) {
+    if (device.samples++ == 0) device.first = device.last = time;
+    device.longest_gap = std::max(device.longest_gap, time - device.last);
+    device.last = std::max(device.last, time);
+  };
+  for (const devices::Sample& sample : trial.samples) {
+    const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
+    if (!tracker) {
+      note_time(mouse, devices::device_time(sample));
+      continue;
+    }
+    auto& [device, sequence] = stations[tracker->station];
+    if (device.samples > 0 && tracker->sequence > sequence) {
+      device.lost += tracker->sequence - sequence - 1;
+    }
+    sequence = tracker->sequence;
+    device.bad += !tracker->good();
+    note_time(device, tracker->device_time);
+  }
+  std::vector<Device> all;
+  for (auto& [station, entry] : stations) {
+    entry.device.name = name_of_station(station);
+    all.push_back(entry.device);
+  }
+  if (mouse.samples > 0) all.push_back(mouse);
+  return all;
+}
+
+/// From the first to the last thing with a time in the trial.
+Time duration(const devices::Trial& trial) {
+  std::optional<Time> first, last;
+  const auto take = [&](Time time) {
+    first = std::min(first.value_or(time), time);
+    last = std::max(last.value_or(time), time);
+  };
+  for (const devices::Sample& sample : trial.samples) take(devices::device_time(sample));
+  for (const devices::TickState& state : trial.states) take(state.time);
+  for (const devices::FrameRecord& frame : trial.frames) take(frame.time);
+  return first ? *last - *first : Time{};
+}
+
+/// What the simulation came to, as far as the events tell.
+struct Result {
+  std::int64_t skittles_down = 0;
+  std::optional<double> release_speed, impact_speed;
+};
+
+Result result(const devices::Trial& trial) {
+  Result r;
+  for (const devices::Event& event : trial.events) {
+    r.skittles_down += event.kind == "skittle_down";
+    if (event.kind == "release" && !r.release_speed) r.release_speed = event.value;
+    if (event.kind == "first_contact" && !r.impact_speed) r.impact_speed = event.value;
+  }
+  return r;
+}
+
+ordered_json to_json(const std::string& path, const devices::Trial& trial) {
+  ordered_json out{{"trial", path},
+                   {"format_version", trial.header.format_version},
+                   {"software_version", trial.header.software_version},
+                   {"software_commit", trial.header.software_commit},
+                   {"participant", trial.header.participant},
+                   {"condition", trial.header.condition},
+                   {"seed", trial.header.seed},
+                   {"duration_s", decimal_seconds(duration(trial))},
+                   {"complete", trial.complete},
+                   {"ticks", trial.states.size()},
+                   {"frames", trial.frames.size()}};
+  out["channels"] = ordered_json::object();
+  for (const auto& [name, channel] : trial.channels) {
+    out["channels"][name] = {{"messages", channel.messages}, {"bytes", channel.bytes}};
+  }
+  out["devices"] = ordered_json::array();
+  for (const Device& device : list_devices(trial)) {
+    out["devices"].push_back({{"device", device.name},
+                              {"samples", device.samples},
+                              {"rate_hz", device.rate_hz()},
+                              {"longest_gap_s", decimal_seconds(device.longest_gap)},
+                              {"lost", device.lost},
+                              {"bad", device.bad}});
+  }
+  out["events"] = ordered_json::array();
+  for (const devices::Event& event : trial.events) {
+    out["events"].push_back({{"time_s", decimal_seconds(event.time)},
+                             {"tick", event.tick},
+                             {"kind", event.kind},
+                             {"bodies", event.bodies},
+                             {"value", event.value},
+                             {"detail", event.detail}});
+  }
+  if (!trial.states.empty()) {
+    const Result r = result(trial);
+    out["result"] = {{"skittles", std::ranges::count_if(trial.header.body_names,
+                                                        [](const std::string& name) {
+                                                          return name.starts_with("skittle");
+                                                        })},
+                     {"skittles_down", r.skittles_down}};
+    if (r.release_speed) out["result"]["release_speed_mps"] = *r.release_speed;
+    if (r.impact_speed) out["result"]["impact_speed_mps"] = *r.impact_speed;
+  }
+  const devices::Skipped& skipped = trial.skipped;
+  out["skipped"] = {{"bytes", skipped.bytes},
+                    {"cut_bytes", skipped.cut_bytes},
+                    {"undecodable", skipped.undecodable},
+                    {"implausible", skipped.implausible},
+                    {"other_trials", skipped.other_trials}};
+  out["backwards"] = trial.backwards;
+  return out;
+}
+
+void print_skipped(const devices::Trial& trial) {
+  const auto line = [](std::int64_t count, const char* what) {
+    if (count > 0) std::cout << fmt::format("  {} {}\n", count, what);
+  };
+  if (trial.skipped.nothing() && trial.backwards == 0) return;
+  std::cout << "passed over\n";
+  line(trial.skipped.cut_bytes, "bytes of an event the file ends in");
+  line(trial.skipped.bytes, "bytes that belong to no event");
+  line(trial.skipped.undecodable, "messages with another type or size");
+  line(trial.skipped.implausible, "messages with numbers that cannot be");
+  line(trial.skipped.other_trials, "more trial in the same file, and what follows its header");
+  line(trial.backwards, "samples not later than the one before (kept)");
+}
+
+void print(const std::string& path, const devices::Trial& trial) {
+  std::cout << fmt::format("{}: {:.3f} s, {}\n", path, seconds(duration(trial)),
+                           trial.complete ? "complete" : "not complete");
+  if (trial.has_header) {
+    std::cout << fmt::format("  participant {}, condition {}, seed {}\n",
+                             shown(trial.header.participant), shown(trial.header.condition),
+                             trial.header.seed)
+              << fmt::format("  written by headpin {} ({})\n", shown(trial.header.software_version),
+                             shown(trial.header.software_commit));
+  } else {
+    std::cout << "  no trial: nothing on HEADPIN_TRIAL\n";
+  }
+  std::cout << "devices\n";
+  for (const Device& device : list_devices(trial)) {
+    std::cout << fmt::format("  {:<12} {:>7} samples", device.name, device.samples);
+    if (device.name != "3D mouse") {
+      std::cout << fmt::format("  {:6.1f} Hz  longest gap {:.3f} s  {} lost  {} bad",
+                               device.rate_hz(), seconds(device.longest_gap), device.lost,
+                               device.bad);
+    }
+    std::cout << "\n";
+  }
+  if (!trial.states.empty()) {
+    const Result r = result(trial);
+    std::cout << fmt::format("simulated\n  {} ticks, {} bodies, {} frames\n", trial.states.size(),
+                             trial.states.back().bodies.size(), trial.frames.size())
+              << fmt::format("  skittles down {}", r.skittles_down);
+    if (r.release_speed)
+      std::cout << fmt::format(", ball released at {:.2f} m/s", *r.release_speed);
+    if (r.impact_speed) std::cout << fmt::format(", struck at {:.2f} m/s", *r.impact_speed);
+    std::cout << "\n";
+  }
+  if (!trial.events.empty()) std::cout << "events\n";
+  for (const devices::Event& event : trial.events) {
+    std::cout << fmt::format("  {:9.3f} s  {:<14} {}\n", seconds(event.time), shown(event.kind),
+                             shown(fmt::format("{}", fmt::join(event.bodies, ", "))));
+  }
+  std::cout << "channels\n";
+  for (const auto& [name, channel] : trial.channels) {
+    std::cout << fmt::format("  {:<14} {:>8} messages {:>12} bytes\n", shown(name),
+                             channel.messages, channel.bytes);
+  }
+  print_skipped(trial);
+}
+
+}  // namespace
+
+void add_info(CLI::App& app) {
+  struct Options {
+    std::string trial;
+    bool json = false, scenario = false;
+  };
+  CLI::App* command = app.add_subcommand("info", "Tell what is in a trial");
+  const auto options = std::make_shared<Options>();
+  command->add_option("TRIAL", options->trial, "LCM event log")->required();
+  auto* json = command->add_flag("--json", options->json, "print one JSON object");
+  command->add_flag("--scenario", options->scenario, "print its scenario (TOML) and nothing else")
+      ->excludes(json);
+  command->footer(
+      "Reads any LCM event log, cut off or damaged ones as far as they go.\n\n"
+      "Example:\n  headpin info assets/trials/demo.lcmlog");
+  command->callback([options] {
+    if (options->scenario) {
+      std::cout << devices::read_trial(options->trial).header.scenario;
+      return;
+    }
+    const devices::Trial trial = devices::read_log(options->trial);
+    if (options->json) {
+      std::cout << to_json(options->trial, trial)
+                       .dump(-1, ' ', false, ordered_json::error_handler_t::replace)
+                << "\n";
+    } else {
+      print(options->trial, trial);
+    }
+  });
+}
+
+}  // namespace headpin::apps
