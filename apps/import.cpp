@@ -49,7 +49,7 @@ std::vector<devices::Event> found_events(const devices::MotionRecording& recordi
   std::vector<devices::Event> events = {event(devices::kGrabFoundEvent, found.grab),
                                         event(devices::kReleaseFoundEvent, found.release)};
   events[0].detail = "where the hand rests lowest; the recording has no buttons";
-  events[1].detail = "the hand moves level, before it is fastest; the recording has no buttons";
+  events[1].detail = "the hand rises out of the bottom of its swing; the recording has no buttons";
   events[1].value = found.V_TB.v.norm();
   return events;
 }

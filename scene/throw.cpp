@@ -169,16 +169,13 @@ Throw find_throw(const MotionRecording& r, const Hand& hand) {
   const std::size_t peak = best(0, n, [&](std::size_t i) { return hand_velocity(i).norm(); });
   found.peak_hand_speed = hand_velocity(peak).norm();
 
-  constexpr Time kBeforePeak{150'000};
   const std::size_t fastest = std::max<std::size_t>(best(0, n, level_speed), 1);
-  found.release = fastest;
-  for (std::size_t i = fastest; i > 0 && r.times[i] >= r.times[fastest] - kBeforePeak; --i) {
-    if (r.times[i] - window < r.times.front()) break;
-    if (hand_velocity_at(r, i, hand).y() <= 0.0) {
-      found.release = i;
-      break;
-    }
-  }
+  std::size_t swing = fastest;
+  constexpr Time kSwing{200'000};
+  while (swing > 0 && r.times[swing - 1] >= r.times[fastest] - kSwing) --swing;
+  const std::size_t lowest =
+      best(swing, fastest + 1, [&](std::size_t i) { return -hand_height(i); });
+  found.release = std::min(lowest + 1, fastest);
   // Lowest where it rests; a hand that never does has had the ball from the start.
   for (std::size_t i = 0; i < found.release; ++i) {
     const bool lower = found.grab == 0 || hand_height(i) < hand_height(found.grab);

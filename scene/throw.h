@@ -16,16 +16,16 @@ namespace headpin::scene {
 /// Where in a recording the ball is taken and let go.
 struct Throw {
   std::size_t grab = 0;          ///< sample at which the hand rests lowest before the release
-  std::size_t release = 0;       ///< last sample before the hand's fastest at which it moves level
+  std::size_t release = 0;       ///< sample at which the hand rises out of the bottom of its swing
   double peak_hand_speed = 0.0;  ///< between neighbours of a sample [m/s]
   Twist V_TB;                    ///< of the ball as it leaves the hand
 };
 
 /// Finds the throw of the right hand.
 ///
-/// The hand's forward speed peaks where the swing turns upward, after the ball has gone: it leaves
-/// where the velocity fitted over the release window turns from falling to rising, or at the peak
-/// when it never falls within 0.15 s before.
+/// The ball is laid down at the bottom of the swing: it leaves with the first sample at which the
+/// hand rises again, just before its forward speed peaks; at the peak itself when the hand does not
+/// fall within 0.2 s before.
 ///
 /// @throws std::invalid_argument  with fewer than ten samples
 Throw find_throw(const devices::MotionRecording& recording, const Hand& hand);
