@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "scene/hand.h"
-
 namespace headpin::scene {
 namespace {
 
@@ -166,7 +164,7 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
   for (int i = 0; i < 8; ++i) {
     joints_ = joints(swing_s, back_swing);
     release_ = microseconds(kBackSwingEnd + low * swing_s);
-    swing_s *= ball_at_release(hand).v.norm() / speed;
+    swing_s *= ball_at_release(hand).norm() / speed;
   }
   duration_ = microseconds(plan.duration_s);
   const double shortest = kBackSwingEnd + swing_s + 0.5;
@@ -177,7 +175,7 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
   }
 
   // Stand so that the ball leaves above the middle of the foul line, the way it is aimed.
-  const Vec3 v_MB = ball_at_release(hand).v;
+  const Vec3 v_MB = ball_at_release(hand);
   speed_ = v_MB.norm();
   const Vec3 ahead = Vec3(v_MB.x(), v_MB.y(), 0.0).normalized();
   Mat3 R_MA;  // A: y where the ball goes
@@ -187,14 +185,11 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
   X_WM_.p = Vec3(-p.x(), -p.y(), 0.0);
 }
 
-Twist ThrowMotion::ball_at_release(const Hand& hand) const {
-  std::vector<Stamped<Pose>> track;
-  const Time window = microseconds(hand.release_window_s);
-  for (int i = 8; i >= 0; --i) {
-    const Time time = release_ - window * i / 8;
-    track.push_back({time, this->hand(time)});
-  }
-  return release_velocity(track, hand.grip, window);
+Vec3 ThrowMotion::ball_at_release(const Hand& hand) const {
+  constexpr Time kStep{1000};
+  const Vec3 p_before = this->hand(release_ - kStep) * hand.grip;
+  const Vec3 p_after = this->hand(release_ + kStep) * hand.grip;
+  return (p_after - p_before) / seconds(2 * kStep);
 }
 
 Vec3 ThrowMotion::trunk(double t) const {

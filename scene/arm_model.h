@@ -69,7 +69,7 @@ class ThrowMotion {
   };
 
   static Joints joints(double forward_swing_s, double back_swing);
-  Twist ball_at_release(const Hand& hand) const;
+  Vec3 ball_at_release(const Hand& hand) const;  ///< its velocity
   Vec3 trunk(double t) const;
 
   Joints joints_;

@@ -13,7 +13,7 @@ namespace headpin::scene {
 namespace {
 
 constexpr double kDegree = 0.0174532925199433;
-constexpr std::uint64_t kSeedOne = 8665963850854081097u;
+constexpr std::uint64_t kSeedOne = 4939559700162162674u;
 
 TEST(MinimumJerkTest, StartsAndStopsWithoutSpeedOrJoltAndPeaksAt15Over8OfTheMean) {
   const MinimumJerk move = {{1.0, 2.0}, {3.0, 6.0}};
@@ -54,10 +54,14 @@ TEST(ArmModelTest, TheBallLeavesAsPlannedThroughTrackerAndNoise) {
       const double aim = 2.0 * kDegree;
       const ThrowMotion motion({.seed = seed, .speed = speed, .aim = aim}, hand);
       const Vec3 v = released(sense(motion, rig, seed), rig, hand).v;
-      // 1 % and 0.3 degrees of the thrower, at four deviations; and up to 8 ms from the last
-      // sample to the release, in which the swing still gains 30 m/s2.
-      EXPECT_NEAR(v.norm(), speed, 0.04 * speed + 0.25) << "seed " << seed;
-      EXPECT_NEAR(v.x() / v.y(), aim, 4.0 * 0.3 * kDegree + 0.5 * kDegree) << "seed " << seed;
+      // The thrower misses by 1 % and 0.3 degrees. The parabola through four samples h = 16.7 ms
+      // apart knows its slope to sqrt(1/5 + 9/4) / h of their noise, 0.5 mm: 0.05 m/s. Four
+      // deviations of both; and the last sample is up to h before the release, while the swing
+      // gains some 15 m/s2.
+      const double noise = 0.05, gain = 0.25;
+      EXPECT_NEAR(v.norm(), speed, 4.0 * std::hypot(0.01 * speed, noise) + gain) << "seed " << seed;
+      EXPECT_NEAR(v.x() / v.y(), aim, 4.0 * std::hypot(0.3 * kDegree, noise / speed))
+          << "seed " << seed;
       EXPECT_LT(std::abs(v.z()), 0.25 * speed) << "seed " << seed;
     }
   }
