@@ -1,0 +1,220 @@
+// The program as a user meets it: every command run for real, in a folder of its own.
+
+#include <array>
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+#include <sys/wait.h>
+
+#include "render/image.h"
+
+namespace headpin {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+struct Result {
+  int code;
+  std::string out, err;
+};
+
+std::string slurp(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+class CommandLine : public testing::Test {
+ protected:
+  CommandLine() {
+    std::string pattern = (fs::temp_directory_path() / "headpin-XXXXXX").string();
+    if (!mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder");
+    folder_ = pattern;
+  }
+  ~CommandLine() override { fs::remove_all(folder_); }
+
+  /// Runs `headpin ARGUMENTS` in the folder.
+  Result headpin(const std::string& arguments) const {
+    const std::string command = "cd '" + folder_.string() + "' && '" HEADPIN_PROGRAM "' " +
+                                arguments + " >out.txt 2>err.txt </dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + status, slurp(folder_ / "out.txt"),
+            slurp(folder_ / "err.txt")};
+  }
+
+  nlohmann::json json(const std::string& arguments) const {
+    const Result result = headpin(arguments);
+    EXPECT_EQ(result.code, 0) << arguments << "\n" << result.err;
+    return nlohmann::json::parse(result.out);
+  }
+
+  /// Fails with one line that says what is wrong, and leaves nothing under the output's name.
+  void expect_refusal(const std::string& arguments, int code, const std::string& says) const {
+    const Result result = headpin(arguments);
+    EXPECT_EQ(result.code, code) << arguments << "\n" << result.err;
+    EXPECT_THAT(result.err, HasSubstr(says)) << arguments;
+    if (code == 1) {
+      EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    }
+    for (const auto& entry : fs::directory_iterator(folder_)) {
+      EXPECT_THAT(entry.path().filename().string(), testing::Not(testing::StartsWith("OUT")))
+          << arguments;
+    }
+  }
+
+  fs::path folder_;
+};
+
+const std::string kDemo = HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog";
+
+TEST_F(CommandLine, EveryCommandHelpsWithAnExample) {
+  const Result top = headpin("--help");
+  EXPECT_EQ(top.code, 0);
+  std::istringstream lines(top.out.substr(top.out.find("Subcommands:")));
+  std::string line;
+  std::getline(lines, line);
+  int commands = 0;
+  while (std::getline(lines, line)) {
+    std::istringstream words(line);
+    std::string name;
+    if (line.rfind("  ", 0) != 0 || line[2] == ' ' || !(words >> name)) continue;
+    const Result help = headpin(name + " --help");
+    EXPECT_EQ(help.code, 0) << name;
+    EXPECT_THAT(help.out, HasSubstr("Example")) << name;
+    EXPECT_THAT(help.out, HasSubstr("headpin " + name)) << name;
+    ++commands;
+  }
+  EXPECT_GE(commands, 6);
+}
+
+TEST_F(CommandLine, WrongUseIsTwo) {
+  expect_refusal("", 2, "subcommand");
+  expect_refusal("bowl", 2, "bowl");
+  expect_refusal("replay", 2, "trial");
+  expect_refusal("replay " + kDemo + " --elasticity 1.2", 2, "--elasticity");
+  expect_refusal("replay " + kDemo + " --shape cube", 2, "--shape");
+  expect_refusal("replay " + kDemo + " --set ball.weight=3", 2, "unknown key 'ball.weight'");
+  expect_refusal("replay " + kDemo + " --set ball.mass=-3", 2, "ball.mass must be a number");
+  expect_refusal("frames " + kDemo + " -o OUT --frames 20-10", 2, "runs back");
+  expect_refusal("frames " + kDemo + " -o OUT --frames 99999", 2, "expected frames from 0");
+  expect_refusal("frames " + kDemo, 2, "nothing to write");
+}
+
+TEST_F(CommandLine, MissingAndDamagedFilesAreOneClearLine) {
+  std::ofstream(folder_ / "empty.lcmlog").flush();
+  std::ofstream(folder_ / "noise.lcmlog") << std::string(5000, 'x');
+  for (const std::string command : {"replay", "info", "frames -o OUT", "replay -o OUT.lcmlog"}) {
+    expect_refusal(command + " missing.lcmlog", 1, "missing.lcmlog");
+    expect_refusal(command + " empty.lcmlog", 1, "empty.lcmlog");
+    expect_refusal(command + " noise.lcmlog", 1, "noise.lcmlog");
+  }
+  expect_refusal("compare missing.lcmlog noise.lcmlog", 1, "missing.lcmlog");
+  expect_refusal("compare noise.lcmlog missing.lcmlog", 1, "noise.lcmlog");
+}
+
+TEST_F(CommandLine, ACutOffTrialReplaysUpToTheCut) {
+  ASSERT_EQ(headpin("replay " + kDemo + " -o whole.lcmlog").code, 0);
+  const std::string whole = slurp(folder_ / "whole.lcmlog");
+  std::ofstream(folder_ / "cut.lcmlog", std::ios::binary) << whole.substr(0, whole.size() * 2 / 3);
+  const nlohmann::json info = json("info cut.lcmlog --json");
+  EXPECT_EQ(info["complete"], false);
+  EXPECT_EQ(json("info whole.lcmlog --json")["complete"], true);
+  const nlohmann::json cut = json("replay cut.lcmlog --verify --json");
+  EXPECT_GT(cut["verified_ticks"].get<int>(), 100);
+}
+
+TEST_F(CommandLine, ReplayTellsWhatHappenedAndRepeatsToTheBit) {
+  const nlohmann::json first = json("replay " + kDemo + " -o a.lcmlog --json");
+  for (const char* key : {"skittles", "skittles_down", "release_speed_mps", "impact_speed_mps",
+                          "simulated_s", "realtime_factor", "ticks", "state_hash", "elasticity",
+                          "friction", "shape", "response", "version"}) {
+    EXPECT_TRUE(first.contains(key)) << key;
+  }
+  EXPECT_GT(first["skittles_down"].get<int>(), 0);
+  const nlohmann::json again = json("replay a.lcmlog -o b.lcmlog --verify --json");
+  EXPECT_EQ(again["state_hash"], first["state_hash"]);
+  EXPECT_EQ(again["verified_ticks"], first["ticks"]);
+  EXPECT_TRUE(json("compare a.lcmlog b.lcmlog --json")["first_difference_tick"].is_null());
+}
+
+TEST_F(CommandLine, AnotherConditionIsAnotherGameAndVerifyNamesTickAndBody) {
+  ASSERT_EQ(headpin("replay " + kDemo + " -o rough.lcmlog --friction 0.7 --elasticity 0.7").code,
+            0);
+  ASSERT_EQ(headpin("replay " + kDemo + " -o smooth.lcmlog --friction 0 --elasticity 1").code, 0);
+  const nlohmann::json compared = json("compare rough.lcmlog smooth.lcmlog --json");
+  EXPECT_GT(compared["first_difference_tick"].get<int>(), 0);
+  EXPECT_EQ(compared["first_difference_body"], "ball");
+  expect_refusal("replay rough.lcmlog --verify --friction 0.6", 1,
+                 "differs from the recording, first in the ball");
+  // The ball differs from where it first touches the lane.
+  const std::string tick = std::to_string(
+      json("compare rough.lcmlog smooth.lcmlog --json")["first_difference_tick"].get<int>());
+  expect_refusal("replay rough.lcmlog --verify --friction 0 --elasticity 1", 1, "tick " + tick);
+  expect_refusal("replay " + kDemo + " --verify", 1, "holds no states");
+}
+
+TEST_F(CommandLine, NothingIsOverwrittenUnasked) {
+  ASSERT_EQ(headpin("replay " + kDemo + " -o a.lcmlog").code, 0);
+  const std::string before = slurp(folder_ / "a.lcmlog");
+  expect_refusal("replay " + kDemo + " -o a.lcmlog --friction 0", 1, "a.lcmlog");
+  EXPECT_EQ(slurp(folder_ / "a.lcmlog"), before);
+  EXPECT_EQ(headpin("replay " + kDemo + " -o a.lcmlog --friction 0 --force").code, 0);
+  EXPECT_NE(slurp(folder_ / "a.lcmlog"), before);
+
+  ASSERT_EQ(headpin("frames " + kDemo + " -o pictures --frames 3").code, 0);
+  expect_refusal("frames " + kDemo + " -o pictures --frames 4", 1, "pictures: exists already");
+  EXPECT_TRUE(fs::exists(folder_ / "pictures/left_000003.png"));
+}
+
+TEST_F(CommandLine, FramesAreWhatTheirIndexSays) {
+  const nlohmann::json told =
+      json("frames " + kDemo + " -o pictures --frames 0,100-102,200 --json");
+  EXPECT_EQ(told["frames"], 5);
+  std::ifstream index(folder_ / "pictures/frames.csv");
+  std::string line;
+  std::getline(index, line);
+  std::vector<std::string> columns;
+  std::istringstream header(line);
+  for (std::string name; std::getline(header, name, ',');) columns.push_back(name);
+  ASSERT_EQ(columns.size(), 19u);
+  EXPECT_EQ(columns[10], "left_hash");
+  EXPECT_EQ(columns[18], "right_hash");
+  int rows = 0;
+  while (std::getline(index, line)) {
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    ASSERT_EQ(cells.size(), columns.size());
+    for (const auto& [eye, column] : {std::pair{"left", 10}, {"right", 18}}) {
+      char name[64];
+      std::snprintf(name, sizeof name, "%s_%06d.png", eye, std::stoi(cells[0]));
+      const render::Image image = render::read_png(folder_ / "pictures" / name);
+      EXPECT_EQ(image.width, 360);
+      EXPECT_EQ(image.height, 240);
+      EXPECT_EQ(std::stoull(cells[static_cast<std::size_t>(column)], nullptr, 16),
+                render::pixel_hash(image));
+    }
+    EXPECT_NE(cells[10], cells[18]) << "both eyes see the same";
+    EXPECT_EQ(std::stoi(cells[2]), 4 * std::stoi(cells[0]));  // 240 Hz and 60 Hz
+    ++rows;
+  }
+  EXPECT_EQ(rows, 5);
+}
+
+TEST_F(CommandLine, AFrameDrawnAloneEqualsTheOneInSequence) {
+  ASSERT_EQ(headpin("frames " + kDemo + " -o many --frames 150-156").code, 0);
+  ASSERT_EQ(headpin("frames " + kDemo + " -o one --frames 155").code, 0);
+  EXPECT_EQ(slurp(folder_ / "many/left_000155.png"), slurp(folder_ / "one/left_000155.png"));
+  EXPECT_EQ(slurp(folder_ / "many/right_000155.png"), slurp(folder_ / "one/right_000155.png"));
+}
+
+}  // namespace
+}  // namespace headpin
