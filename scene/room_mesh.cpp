@@ -286,7 +286,7 @@ Mesh front_mesh(const RoomMeasures& room, const Builder& build) {
   const double width = blocks[2].high_W.x() - blocks[2].low_W.x();
   const std::array<std::uint32_t, 3> bands{0xd9482b, 0xe9a23b, 0xf2e3b6};
   for (std::size_t i = 0; i < bands.size(); ++i) {
-    const double z = low + 0.06 + 0.065 * static_cast<double>(i);
+    const double z = low + 0.06 + 0.05 * static_cast<double>(i);
     build.panel(mesh, {-0.5 * width, y - 0.004, z}, {width, 0, 0}, {0, 0, 0.05}, srgb(bands[i]));
   }
   return mesh;
