@@ -149,8 +149,8 @@ void run(const Options& options) {
       if (!wanted.contains(frame.number)) continue;
       frame.tick = s.world.tick;
       frame.time = tick_time(frame.number, fps);
-      frame.views =
-          scene::see(spectator, s, scene::head_pose(s).value_or(first_head), frame.images);
+      frame.views = scene::see(
+          spectator, scene::glimpse(s, scene::head_pose(s).value_or(first_head)), frame.images);
       if (folder) folder->add(frame);
       if (video) video->add(render::side_by_side(frame.images[0], frame.images[1]));
       progress.show(++written);

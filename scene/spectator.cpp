@@ -1,7 +1,5 @@
 #include "scene/spectator.h"
 
-#include <vector>
-
 #include "scene/bodies.h"
 
 namespace headpin::scene {
@@ -17,24 +15,32 @@ render::Optics optics(const Hmd& hmd) {
   return o;
 }
 
-Spectator make_spectator(const Scenario& scenario) {
-  render::Renderer renderer(render::osmesa_context());
+Spectator make_spectator(const Scenario& scenario, const render::Quality& quality) {
+  render::Renderer renderer(render::osmesa_context(), quality);
   Looks looks(renderer, scenario, centre_height(scenario));
   return {std::move(renderer), std::move(looks), optics(scenario.hmd)};
 }
 
-std::array<render::View, 2> see(Spectator& spectator, const Session& session, const Pose& X_WD,
-                                std::array<render::Image, 2>& out) {
-  std::vector<Pose> X_WB_skittles;
+Glimpse glimpse(const Session& session, const Pose& X_WD) {
+  Glimpse g{.X_WD = X_WD,
+            .ellipsoids = session.scenario.collision.shape == "ellipsoid",
+            .X_WB_ball = session.world.states[session.ball].X_WB,
+            .X_WH = hand_pose(session),
+            .grips = session.player.grips};
   for (std::size_t i = session.first_skittle; i < session.world.states.size(); ++i) {
-    X_WB_skittles.push_back(session.world.states[i].X_WB);
+    g.X_WB_skittles.push_back(session.world.states[i].X_WB);
   }
-  const Moving moving{.X_WB_skittles = X_WB_skittles,
-                      .ellipsoids = session.scenario.collision.shape == "ellipsoid",
-                      .X_WB_ball = session.world.states[session.ball].X_WB,
-                      .X_WH = hand_pose(session),
-                      .grips = session.player.grips};
-  const std::array<render::View, 2> views = render::eyes(X_WD, spectator.optics);
+  return g;
+}
+
+std::array<render::View, 2> see(Spectator& spectator, const Glimpse& g,
+                                std::array<render::Image, 2>& out) {
+  const std::array<render::View, 2> views = render::eyes(g.X_WD, spectator.optics);
+  const Moving moving{.X_WB_skittles = g.X_WB_skittles,
+                      .ellipsoids = g.ellipsoids,
+                      .X_WB_ball = g.X_WB_ball,
+                      .X_WH = g.X_WH,
+                      .grips = g.grips};
   spectator.renderer.draw(draw_list(spectator.looks, moving), views, out);
   return views;
 }

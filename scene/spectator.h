@@ -1,6 +1,8 @@
 #pragma once
 
 #include <array>
+#include <optional>
+#include <vector>
 
 #include "render/renderer.h"
 #include "scene/looks.h"
@@ -19,13 +21,24 @@ struct Spectator {
 };
 
 /// @throws std::runtime_error  when nothing can be drawn on this machine; says why
-Spectator make_spectator(const Scenario& scenario);
+Spectator make_spectator(const Scenario& scenario, const render::Quality& quality = {});
+
+/// All that is needed to draw one moment of a session, so that it can be drawn later or elsewhere.
+struct Glimpse {
+  Pose X_WD;  ///< head display
+  std::vector<Pose> X_WB_skittles;
+  bool ellipsoids = false;
+  Pose X_WB_ball;
+  std::optional<Pose> X_WH;
+  bool grips = false;
+};
+
+Glimpse glimpse(const Session& session, const Pose& X_WD);
 
 /// Draws both eyes, left first.
 ///
-/// @param X_WD  head display in the world
-/// @return      the views drawn, X_WE of each eye in them
-std::array<render::View, 2> see(Spectator& spectator, const Session& session, const Pose& X_WD,
+/// @return  the views drawn, X_WE of each eye in them
+std::array<render::View, 2> see(Spectator& spectator, const Glimpse& glimpse,
                                 std::array<render::Image, 2>& out);
 
 }  // namespace headpin::scene
