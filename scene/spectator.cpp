@@ -23,6 +23,7 @@ Spectator make_spectator(const Scenario& scenario, const render::Quality& qualit
 
 Glimpse glimpse(const Session& session, const Pose& X_WD) {
   Glimpse g{.X_WD = X_WD,
+            .X_WB_skittles = {},
             .ellipsoids = session.scenario.collision.shape == "ellipsoid",
             .X_WB_ball = session.world.states[session.ball].X_WB,
             .X_WH = hand_pose(session),
