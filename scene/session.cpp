@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "devices/log.h"
 #include "scene/bodies.h"
 #include "scene/game.h"
 #include "scene/hand.h"
@@ -36,8 +37,10 @@ void take(Session& s, const devices::TrackerSample& sample) {
   if (!sample.good()) return;
   const Rig& rig = s.scenario.rig;
   const Pose X_WS = rig.X_WT * sample.X_TS;
-  if (sample.station == devices::kHeadStation)
+  if (sample.station == devices::kHeadStation) {
     s.player.head.push(sample.device_time, X_WS * rig.X_SD);
+    s.player.head_arrival = devices::available(sample);
+  }
   if (sample.station == devices::kHandStation)
     s.player.hand.push(sample.device_time, X_WS * rig.X_SH);
 }

@@ -17,6 +17,7 @@ namespace headpin::scene {
 struct Player {
   devices::PoseTrack head;                    ///< X_WD: display, x right, y up, looking along -z
   devices::PoseTrack hand;                    ///< X_WH
+  std::optional<Time> head_arrival;           ///< when its newest sample was known
   std::vector<devices::MouseSample> buttons;  ///< not yet acted upon, oldest first
   bool trigger = false;
   bool grips = false;
