@@ -157,7 +157,7 @@ void run(const Options& options) {
 void add_compare(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("compare", "hold two replayed trials against each other, tick by tick");
+      app.add_subcommand("compare", "Hold two replayed trials against each other, tick by tick");
   command->add_option("a", options->a, "a trial with states")->required();
   command->add_option("b", options->b, "another")->required();
   command->add_flag("--json", options->json, "print one JSON object");

@@ -187,7 +187,7 @@ void run(const Options& options) {
 void add_frames(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("frames", "draw what the participant saw: both eyes, frame by frame");
+      app.add_subcommand("frames", "Draw what the participant saw: both eyes, frame by frame");
   command->add_option("trial", options->trial, "a trial (.lcmlog), replayed or not")->required();
   command->add_option("-o,--output", options->folder,
                       "folder for left_NNNNNN.png, right_NNNNNN.png and frames.csv");

@@ -122,7 +122,7 @@ void run(const Options& options) {
 void add_replay(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command =
-      app.add_subcommand("replay", "simulate a trial again from its device samples");
+      app.add_subcommand("replay", "Simulate a trial again from its device samples");
   command->add_option("trial", options->trial, "a trial (.lcmlog)")->required();
   command->add_option("-o,--output", options->output,
                       "write the new trial, states and events in it");

@@ -1,10 +1,10 @@
 #include "apps/simulate.h"
 
 #include <cstring>
-#include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "devices/log.h"
 

@@ -161,6 +161,12 @@ TEST_F(CommandLine, AnotherConditionIsAnotherGameAndVerifyNamesTickAndBody) {
   expect_refusal("replay " + kDemo + " --verify", 1, "holds no states");
 }
 
+TEST_F(CommandLine, AValueIsSetWhereverItStands) {
+  const nlohmann::json heavy =
+      json("replay --set ball.mass=7.2 --set collision.sleep=false --json " + kDemo);
+  EXPECT_NE(heavy["state_hash"], json("replay --json " + kDemo)["state_hash"]);
+}
+
 TEST_F(CommandLine, NothingIsOverwrittenUnasked) {
   ASSERT_EQ(headpin("replay " + kDemo + " -o a.lcmlog").code, 0);
   const std::string before = slurp(folder_ / "a.lcmlog");
