@@ -30,8 +30,8 @@ void add_condition_options(CLI::App& command, Condition& condition) {
       ->check(CLI::Range(5, 20))
       ->group(group);
   command
-      .add_option("--set", condition.set, "any value of the scenario, KEY=VALUE
-      ->allow_extra_args(false); may be repeated")
+      .add_option("--set", condition.set, "any value of the scenario, KEY=VALUE; may be repeated")
+      ->allow_extra_args(false)
       ->group(group);
 }
 
