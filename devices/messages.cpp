@@ -40,7 +40,7 @@ Pose pose(const double (&position)[3], const double (&quaternion)[4]) {
 }
 
 template <typename Lcm>
-void encode_as(const Lcm& message, Bytes& out) {
+void encode_as(const Lcm& message, Buffer& out) {
   const int size = message.getEncodedSize();
   out.resize(static_cast<std::size_t>(size));
   const int written = message.encode(out.data(), 0, size);
@@ -226,7 +226,7 @@ struct Plausible {
 
 }  // namespace
 
-void encode(const TrialHeader& header, Bytes& out) {
+void encode(const TrialHeader& header, Buffer& out) {
   trial_t m;
   m.format_version = header.format_version;
   m.software_version = header.software_version;
@@ -241,7 +241,7 @@ void encode(const TrialHeader& header, Bytes& out) {
   encode_as(m, out);
 }
 
-void encode(const TrackerSample& sample, Bytes& out) {
+void encode(const TrackerSample& sample, Buffer& out) {
   tracked_device_t m;
   m.device_utime = sample.device_time.count();
   m.host_utime = sample.host_time.count();
@@ -254,7 +254,7 @@ void encode(const TrackerSample& sample, Bytes& out) {
   encode_as(m, out);
 }
 
-void encode(const MouseSample& sample, Bytes& out) {
+void encode(const MouseSample& sample, Buffer& out) {
   mouse3d_t m;
   m.device_utime = sample.device_time.count();
   m.host_utime = sample.host_time.count();
@@ -264,7 +264,7 @@ void encode(const MouseSample& sample, Bytes& out) {
   encode_as(m, out);
 }
 
-void encode(const Event& event, Bytes& out) {
+void encode(const Event& event, Buffer& out) {
   event_t m;
   m.utime = event.time.count();
   m.tick = event.tick;
@@ -278,7 +278,7 @@ void encode(const Event& event, Bytes& out) {
   encode_as(m, out);
 }
 
-void encode(const TickState& state, Bytes& out) {
+void encode(const TickState& state, Buffer& out) {
   state_t m;
   m.utime = state.time.count();
   m.tick = state.tick;
@@ -297,7 +297,7 @@ void encode(const TickState& state, Bytes& out) {
   encode_as(m, out);
 }
 
-void encode(const FrameRecord& frame, Bytes& out) {
+void encode(const FrameRecord& frame, Buffer& out) {
   frame_t m;
   m.utime = frame.time.count();
   m.frame = frame.frame;

@@ -21,17 +21,17 @@ constexpr std::string_view kEventChannel = "EVENT";
 constexpr std::string_view kStateChannel = "STATE";
 constexpr std::string_view kFrameChannel = "FRAME";
 
-using Bytes = std::vector<std::uint8_t>;
+using Buffer = std::vector<std::uint8_t>;
 
 /// Writes the message into `out`, which is resized; what it had room for is used again.
 ///
 /// @throws std::invalid_argument  when a list is longer than a message can hold
-void encode(const TrialHeader& header, Bytes& out);
-void encode(const TrackerSample& sample, Bytes& out);
-void encode(const MouseSample& sample, Bytes& out);
-void encode(const Event& event, Bytes& out);
-void encode(const TickState& state, Bytes& out);
-void encode(const FrameRecord& frame, Bytes& out);
+void encode(const TrialHeader& header, Buffer& out);
+void encode(const TrackerSample& sample, Buffer& out);
+void encode(const MouseSample& sample, Buffer& out);
+void encode(const Event& event, Buffer& out);
+void encode(const TickState& state, Buffer& out);
+void encode(const FrameRecord& frame, Buffer& out);
 
 /// Any message of a trial.
 using Message =

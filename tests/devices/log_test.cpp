@@ -29,9 +29,9 @@ fs::path fresh_folder() {
   return mkdtemp(name.data());
 }
 
-Bytes read_bytes(const fs::path& path) {
+Buffer read_bytes(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
-  return Bytes(std::istreambuf_iterator<char>(file), {});
+  return Buffer(std::istreambuf_iterator<char>(file), {});
 }
 
 void write_bytes(const fs::path& path, std::span<const std::uint8_t> bytes) {
@@ -99,7 +99,7 @@ void record(const fs::path& path, Recorder::Options options = {}) {
 }
 constexpr int kMessages = 1 + 12 + 6 + 1 + 1 + 1;
 
-Bytes recorded() {
+Buffer recorded() {
   const fs::path path = fresh_folder() / "trial.lcmlog";
   record(path);
   return read_bytes(path);
@@ -179,7 +179,7 @@ TEST(LogTest, SaysWhichSoftwareWroteItAndHowToReadIt) {
   EXPECT_FALSE(read.software_version.empty());
   for (const fs::directory_entry& type :
        fs::directory_iterator(HEADPIN_SOURCE_DIR "/devices/types")) {
-    const Bytes text = read_bytes(type.path());
+    const Buffer text = read_bytes(type.path());
     EXPECT_THAT(read.schema, HasSubstr(std::string(text.begin(), text.end()))) << type.path();
   }
 }
@@ -187,7 +187,7 @@ TEST(LogTest, SaysWhichSoftwareWroteItAndHowToReadIt) {
 TEST(LogTest, LiblcmReadsTheSameEvents) {
   const fs::path path = fresh_folder() / "trial.lcmlog";
   record(path);
-  const Bytes bytes = read_bytes(path);
+  const Buffer bytes = read_bytes(path);
   LogReader ours(bytes);
   lcm_eventlog_t* theirs = lcm_eventlog_create(path.c_str(), "r");
   ASSERT_NE(theirs, nullptr);
@@ -209,7 +209,7 @@ TEST(LogTest, LiblcmReadsTheSameEvents) {
 }
 
 TEST(LogTest, HeaderStampsNeverRunBackAndFollowTheMessages) {
-  const Bytes bytes = recorded();
+  const Buffer bytes = recorded();
   LogReader reader(bytes);
   Time last{};
   while (const auto event = reader.next()) {
@@ -220,7 +220,7 @@ TEST(LogTest, HeaderStampsNeverRunBackAndFollowTheMessages) {
 }
 
 TEST(LogTest, CutOffAnywhereItIsGoodUpToTheCut) {
-  const Bytes bytes = recorded();
+  const Buffer bytes = recorded();
   std::vector<std::size_t> ends;  // of each event in the file
   LogReader reader(bytes);
   while (const auto event = reader.next()) {
@@ -242,10 +242,10 @@ TEST(LogTest, CutOffAnywhereItIsGoodUpToTheCut) {
 }
 
 TEST(LogTest, AFlippedByteCostsAtMostTwoMessages) {
-  const Bytes good = recorded();
+  const Buffer good = recorded();
   std::mt19937 random(1);
   for (int n = 0; n < 3000; ++n) {
-    Bytes bytes = good;
+    Buffer bytes = good;
     const std::size_t at = random() % bytes.size();
     bytes[at] = static_cast<std::uint8_t>(bytes[at] ^ (1u + random() % 255u));
     const Trial trial = read_log(bytes);
@@ -258,9 +258,9 @@ TEST(LogTest, AFlippedByteCostsAtMostTwoMessages) {
 
 TEST(LogTest, RandomBytesNeverHurt) {
   std::mt19937 random(2);
-  const Bytes good = recorded();
+  const Buffer good = recorded();
   for (int n = 0; n < 2000; ++n) {
-    Bytes bytes = good;
+    Buffer bytes = good;
     const std::size_t from = random() % bytes.size();
     const std::size_t size = std::min<std::size_t>(bytes.size() - from, random() % 200);
     for (std::size_t i = 0; i < size; ++i) {
@@ -272,9 +272,9 @@ TEST(LogTest, RandomBytesNeverHurt) {
 }
 
 TEST(LogTest, GarbageBetweenEventsLosesNoneOfThem) {
-  const Bytes good = recorded();
+  const Buffer good = recorded();
   LogReader reader(good);
-  Bytes bytes;
+  Buffer bytes;
   std::mt19937 random(3);
   std::int64_t garbage = 0;
   std::size_t from = 0;
@@ -295,7 +295,7 @@ TEST(LogTest, GarbageBetweenEventsLosesNoneOfThem) {
 }
 
 /// Where the field of 4 bytes at `offset` of the header of the `n`th event stands.
-std::size_t header_field(const Bytes& bytes, int n, std::size_t offset) {
+std::size_t header_field(const Buffer& bytes, int n, std::size_t offset) {
   LogReader reader(bytes);
   std::size_t start = 0;
   for (int i = 0; i <= n; ++i) {
@@ -306,7 +306,7 @@ std::size_t header_field(const Bytes& bytes, int n, std::size_t offset) {
   return start + offset;
 }
 
-void put_int32(Bytes& bytes, std::size_t at, std::uint32_t value) {
+void put_int32(Buffer& bytes, std::size_t at, std::uint32_t value) {
   for (std::size_t i = 0; i < 4; ++i) {
     bytes[at + i] = static_cast<std::uint8_t>(value >> (24 - 8 * i));
   }
@@ -315,7 +315,7 @@ void put_int32(Bytes& bytes, std::size_t at, std::uint32_t value) {
 TEST(LogTest, SizesThatLieCostOnlyTheirOwnEvent) {
   for (const std::size_t field : {std::size_t{20}, std::size_t{24}}) {
     for (const std::uint32_t lie : {0u, 1u, 300u, 2000u, 1000000u, 0x7fffffffu, 0x80000000u, ~0u}) {
-      Bytes bytes = recorded();
+      Buffer bytes = recorded();
       put_int32(bytes, header_field(bytes, 5, field), lie);
       const Trial trial = read_log(bytes);
       EXPECT_FALSE(trial.complete);
@@ -326,8 +326,8 @@ TEST(LogTest, SizesThatLieCostOnlyTheirOwnEvent) {
 }
 
 /// A log of one event.
-Bytes one_event(const std::string& channel, const Bytes& data) {
-  Bytes bytes(28 + channel.size() + data.size());
+Buffer one_event(const std::string& channel, const Buffer& data) {
+  Buffer bytes(28 + channel.size() + data.size());
   put_int32(bytes, 0, 0xEDA1DA01u);
   put_int32(bytes, 20, static_cast<std::uint32_t>(channel.size()));
   put_int32(bytes, 24, static_cast<std::uint32_t>(data.size()));
@@ -337,11 +337,11 @@ Bytes one_event(const std::string& channel, const Bytes& data) {
 }
 
 TEST(LogTest, ListsThatClaimMoreThanThereIsAreRefusedUnread) {
-  Bytes data;
+  Buffer data;
   encode(state(1), data);
   const std::size_t count = 8 + 3 * 8 + 4;  // fingerprint, three stamps, contacts
   for (const std::uint32_t lie : {0u, 2u, 4u, 0x7fffffffu, 0x80000000u, ~0u}) {
-    Bytes bytes = data;
+    Buffer bytes = data;
     put_int32(bytes, count, lie);
     const Trial trial = read_log(one_event("STATE", bytes));
     EXPECT_EQ(trial.skipped.undecodable, 1) << lie;
@@ -350,18 +350,18 @@ TEST(LogTest, ListsThatClaimMoreThanThereIsAreRefusedUnread) {
 }
 
 TEST(LogTest, StringsThatClaimMoreThanThereIsAreRefusedUnread) {
-  Bytes data;
+  Buffer data;
   encode(event(), data);
   const std::size_t length = 8 + 2 * 8;  // fingerprint, two stamps, then the kind
   for (const std::uint32_t lie : {0u, 1u, 5u, 0x7fffffffu, 0x80000000u, ~0u}) {
-    Bytes bytes = data;
+    Buffer bytes = data;
     put_int32(bytes, length, lie);
     EXPECT_EQ(read_log(one_event("EVENT", bytes)).skipped.undecodable, 1) << lie;
   }
 }
 
 TEST(LogTest, AWrongFingerprintIsPassedOverAndCounted) {
-  Bytes data;
+  Buffer data;
   encode(tracker(1), data);
   data[3] ^= 1;
   EXPECT_EQ(read_log(one_event("TRACKER", data)).skipped.undecodable, 1);
@@ -371,7 +371,7 @@ TEST(LogTest, AWrongFingerprintIsPassedOverAndCounted) {
 
 TEST(LogTest, NumbersThatCannotBeArePassedOverAndCounted) {
   const auto implausible = [](TrackerSample sample) {
-    Bytes data;
+    Buffer data;
     encode(sample, data);
     return read_log(one_event("TRACKER", data)).skipped.implausible;
   };
@@ -388,8 +388,8 @@ TEST(LogTest, NumbersThatCannotBeArePassedOverAndCounted) {
 }
 
 TEST(LogTest, ForeignChannelsAreListedAndLeaveTheTrialWhole) {
-  Bytes bytes = recorded();
-  const Bytes foreign = one_event("LIDAR", {1, 2, 3});
+  Buffer bytes = recorded();
+  const Buffer foreign = one_event("LIDAR", {1, 2, 3});
   bytes.insert(bytes.end(), foreign.begin(), foreign.end());
   const Trial trial = read_log(bytes);
   EXPECT_TRUE(trial.complete);
@@ -399,7 +399,7 @@ TEST(LogTest, ForeignChannelsAreListedAndLeaveTheTrialWhole) {
 }
 
 TEST(LogTest, AMessageLostOnTheWayMakesItIncomplete) {
-  Bytes bytes = recorded();
+  Buffer bytes = recorded();
   const std::size_t from = header_field(bytes, 4, 0), to = header_field(bytes, 5, 0);
   bytes.erase(bytes.begin() + static_cast<std::ptrdiff_t>(from),
               bytes.begin() + static_cast<std::ptrdiff_t>(to));
@@ -409,8 +409,8 @@ TEST(LogTest, AMessageLostOnTheWayMakesItIncomplete) {
 }
 
 TEST(LogTest, ASecondTrialBehindTheFirstIsNotMixedIn) {
-  Bytes bytes = recorded();
-  const Bytes again = recorded();
+  Buffer bytes = recorded();
+  const Buffer again = recorded();
   bytes.insert(bytes.end(), again.begin(), again.end());
   const Trial trial = read_log(bytes);
   EXPECT_TRUE(trial.complete);
@@ -449,11 +449,11 @@ TEST(LogTest, SaysWhatIsWrongWithAFileThatIsNoTrial) {
     return "read";
   };
   EXPECT_THAT(message({}), HasSubstr("not an LCM event log: no whole event in 0 bytes"));
-  EXPECT_THAT(message(Bytes(5000, 'x')), HasSubstr("no whole event in 5000 bytes"));
+  EXPECT_THAT(message(Buffer(5000, 'x')), HasSubstr("no whole event in 5000 bytes"));
   EXPECT_THAT(message(one_event("LIDAR", {1})), HasSubstr("no message on HEADPIN_TRIAL"));
   TrialHeader later = header();
   later.format_version = 2;
-  Bytes data;
+  Buffer data;
   encode(later, data);
   EXPECT_THAT(message(one_event("HEADPIN_TRIAL", data)), HasSubstr("format version 2, expected 1"));
   EXPECT_THROW(read_trial(folder / "missing.lcmlog"), std::runtime_error);
@@ -462,10 +462,10 @@ TEST(LogTest, SaysWhatIsWrongWithAFileThatIsNoTrial) {
 
 TEST(RecorderTest, KeepsWhatIsThereUnlessToldToOverwrite) {
   const fs::path path = fresh_folder() / "trial.lcmlog";
-  write_bytes(path, Bytes{1, 2, 3});
+  write_bytes(path, Buffer{1, 2, 3});
   EXPECT_THROW(record(path), std::runtime_error);
   EXPECT_THROW(record(path, {.live = true}), std::runtime_error);
-  EXPECT_EQ(read_bytes(path), (Bytes{1, 2, 3}));
+  EXPECT_EQ(read_bytes(path), (Buffer{1, 2, 3}));
   record(path, {.overwrite = true});
   EXPECT_TRUE(read_trial(path).complete);
 }

@@ -70,7 +70,7 @@ TEST(ArmModelTest, TheBallLeavesAsPlannedThroughTrackerAndNoise) {
 TEST(ArmModelTest, TheSameSeedGivesTheSameBytesWhateverTheCompiler) {
   const auto fingerprint = [](std::uint64_t seed) {
     std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
-    devices::Bytes bytes;
+    devices::Buffer bytes;
     for (const devices::Sample& sample :
          sense(ThrowMotion({.seed = seed}, Hand{}), synthetic_rig(), seed)) {
       std::visit([&](const auto& s) { devices::encode(s, bytes); }, sample);
@@ -90,7 +90,7 @@ TEST(ArmModelTest, TheBundledTrialIsTheThrowOfItsSeed) {
   const std::vector<devices::Sample> expected = sense(
       ThrowMotion({.seed = trial.header.seed}, scenario.hand), scenario.rig, trial.header.seed);
   ASSERT_EQ(trial.samples.size(), expected.size());
-  devices::Bytes found_bytes, expected_bytes;
+  devices::Buffer found_bytes, expected_bytes;
   for (std::size_t i = 0; i < expected.size(); ++i) {
     std::visit([&](const auto& s) { devices::encode(s, found_bytes); }, trial.samples[i]);
     std::visit([&](const auto& s) { devices::encode(s, expected_bytes); }, expected[i]);

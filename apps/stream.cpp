@@ -1,0 +1,136 @@
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "devices/lcm_link.h"
+#include "devices/log.h"
+#include "scene/scenario.h"
+
+namespace headpin::apps {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+struct Options {
+  std::string trial, url;
+  double speed = 1.0;
+  bool json = false;
+};
+
+volatile std::sig_atomic_t stopped = 0;
+
+/// Sends the head's and the hand's samples also as poses in the world, for those who only know
+/// those.
+void publish_pose(devices::LcmLink& link, const scene::Rig& rig, const devices::Sample& sample) {
+  const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
+  if (!tracker || !tracker->good()) return;
+  const Pose X_WS = rig.X_WT * tracker->X_TS;
+  if (tracker->station == devices::kHeadStation) {
+    link.publish_pose("HEAD_POSE", tracker->device_time, X_WS * rig.X_SD);
+  }
+  if (tracker->station == devices::kHandStation) {
+    link.publish_pose("HAND_POSE", tracker->device_time, X_WS * rig.X_SH);
+  }
+}
+
+/// How late what was published left us, in milliseconds.
+struct Lateness {
+  std::vector<double> ms;
+
+  double quantile(double part) {
+    if (ms.empty()) return 0.0;
+    const auto at = static_cast<std::ptrdiff_t>(part * static_cast<double>(ms.size() - 1));
+    std::ranges::nth_element(ms, ms.begin() + at);
+    return ms[static_cast<std::size_t>(at)];
+  }
+};
+
+void run(const Options& options) {
+  const devices::Trial trial = devices::read_trial(options.trial);
+  if (trial.samples.empty()) throw std::runtime_error(options.trial + ": no samples to stream");
+  const scene::Rig rig = scene::parse_scenario(trial.header.scenario, options.trial).rig;
+  devices::LcmLink link(options.url);
+  std::signal(SIGINT, [](int) { stopped = 1; });
+  std::signal(SIGTERM, [](int) { stopped = 1; });
+
+  devices::ReplaySource source(trial.samples);
+  std::vector<devices::Sample> samples;
+  source.poll(source.end(), samples);
+  link.publish(trial.header);
+  const Time begin = devices::available(samples.front());
+  const Clock::time_point start = Clock::now();
+  Lateness lateness;
+  std::size_t sent = 0;
+  for (; sent < samples.size() && !stopped; ++sent) {
+    const devices::Sample& sample = samples[sent];
+    if (options.speed > 0.0) {
+      const double after = seconds(devices::available(sample) - begin) / options.speed;
+      const auto due =
+          start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(after));
+      // In pieces, so that a signal does not wait for the end of a long pause.
+      constexpr auto kNap = std::chrono::milliseconds(50);
+      while (!stopped && Clock::now() + kNap < due) std::this_thread::sleep_for(kNap);
+      if (stopped) break;
+      std::this_thread::sleep_until(due);
+      lateness.ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - due).count());
+    }
+    link.publish(sample);
+    publish_pose(link, rig, sample);
+  }
+  if (sent == samples.size()) {
+    devices::Event end;
+    end.time = source.end();
+    end.kind = devices::kEndEvent;
+    end.value = static_cast<double>(sent + 1);  // with the header
+    link.publish(end);
+  }
+
+  const double took = std::chrono::duration<double>(Clock::now() - start).count();
+  if (options.json) {
+    std::cout << nlohmann::ordered_json{{"samples", sent},
+                                        {"complete", sent == samples.size()},
+                                        {"duration_s", took},
+                                        {"lateness_median_ms", lateness.quantile(0.5)},
+                                        {"lateness_p99_ms", lateness.quantile(0.99)},
+                                        {"lateness_max_ms", lateness.quantile(1.0)}}
+              << "\n";
+    return;
+  }
+  std::cout << fmt::format("{} of {} samples in {:.3f} s", sent, samples.size(), took);
+  if (!lateness.ms.empty()) {
+    std::cout << fmt::format("; late by {:.3f} ms (median), {:.3f} ms (99 %), {:.3f} ms at most",
+                             lateness.quantile(0.5), lateness.quantile(0.99),
+                             lateness.quantile(1.0));
+  }
+  std::cout << "\n";
+}
+
+}  // namespace
+
+void add_stream(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("stream", "Publish a trial's samples over LCM as recorded");
+  const auto options = std::make_shared<Options>();
+  command->add_option("TRIAL", options->trial, "LCM event log")->required();
+  command->add_option("--lcm", options->url,
+                      "LCM URL; LCM_DEFAULT_URL or its default if not given");
+  command->add_option("--speed", options->speed, "times the recorded pace; 0: as fast as it goes")
+      ->check(CLI::Range(0.0, 1000.0))
+      ->capture_default_str();
+  command->add_flag("--json", options->json, "print one JSON object");
+  command->footer(
+      "TRACKER and MOUSE3D as recorded; HEAD_POSE and HAND_POSE in the world, as bot_core's\n"
+      "rigid_transform_t; HEADPIN_TRIAL first, so that what lcm-logger records is a trial "
+      "again.\n\n"
+      "Example:\n  headpin stream trial.lcmlog --lcm 'udpm://239.255.76.67:7667?ttl=0'");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,92 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "devices/source.h"
+#include "devices/trial.h"
+
+/// Samples and everything else of a trial over LCM: published as they happen, subscribed to as a
+/// source.
+namespace headpin::devices {
+
+/// One end of LCM, by whatever provider its URL names: udpm, file, memq, tcpq, mpudpm.
+class LcmLink {
+ public:
+  /// @param url  empty: LCM_DEFAULT_URL, else multicast on 239.255.76.67:7667 that stays on the
+  /// host
+  /// @throws std::runtime_error  when LCM cannot be opened there
+  explicit LcmLink(const std::string& url);
+  ~LcmLink();
+  LcmLink(const LcmLink&) = delete;
+  LcmLink& operator=(const LcmLink&) = delete;
+
+  /// @throws std::runtime_error  when it cannot be sent, as over multicast without a route
+  void publish(const TrialHeader& header);
+  void publish(const Sample& sample);
+  void publish(const Event& event);
+  void publish(const TickState& state);
+  void publish(const FrameRecord& frame);
+
+  /// bot_core's rigid_transform_t, for those who know nothing of headpin.
+  void publish_pose(const std::string& channel, Time time, const Pose& pose);
+
+  const std::string& url() const { return url_; }
+
+ private:
+  friend class LcmSource;
+  struct Lcm;
+  void send(const std::string& channel, std::span<const std::uint8_t> bytes);
+
+  std::string url_;
+  std::unique_ptr<Lcm> lcm_;
+  std::vector<std::uint8_t> bytes_;  // of the message at hand
+};
+
+/// Samples that others publish on TRACKER and MOUSE3D.
+///
+/// The publisher's clock is carried over to the session's when its first sample comes in, and again
+/// when it jumps by more than a second; a sample's stamps are then both on the session's clock.
+class LcmSource : public Source {
+ public:
+  struct Counts {
+    std::int64_t received = 0;
+    std::int64_t dropped = 0;      ///< the oldest, when more wait than the queue holds
+    std::int64_t undecodable = 0;  ///< another type or size
+    std::int64_t implausible = 0;  ///< NaN, quaternions not unit, times out of range
+    std::int64_t clock_jumps = 0;  ///< the publisher's clock, against the session's
+  };
+
+  /// @param link   must outlive this
+  /// @param queue  how many samples wait at most until they are polled
+  explicit LcmSource(LcmLink& link, std::size_t queue = 4096);
+  ~LcmSource() override;
+
+  /// Takes in what has arrived, without waiting, and stamps it with `now` as its host time, or with
+  /// just after the last poll, so that a replay hands it out at the same tick.
+  void receive(Time now);
+
+  void poll(Time now, std::vector<Sample>& out) override;
+  bool exhausted() const override { return false; }
+
+  const Counts& counts() const { return counts_; }
+
+ private:
+  struct Subscriptions;
+  void take(std::string_view channel, std::span<const std::uint8_t> bytes);
+
+  LcmLink& link_;
+  std::size_t queue_;
+  std::deque<Sample> waiting_;  // in the order they came
+  std::optional<Time> offset_;  // from the publisher's clock to the session's
+  Time receiving_{}, polled_{};
+  Counts counts_;
+  std::unique_ptr<Subscriptions> subscriptions_;
+};
+
+}  // namespace headpin::devices

@@ -1,0 +1,149 @@
+#include "devices/lcm_link.h"
+
+#include <filesystem>
+#include <stdexcept>
+
+#include <gtest/gtest.h>
+#include <lcm/lcm.h>
+
+#include "devices/event_log.h"
+#include "devices/log.h"
+#include "devices/messages.h"
+
+namespace headpin::devices {
+namespace {
+
+TrackerSample tracker(std::int64_t us, std::int32_t station = kHandStation) {
+  TrackerSample sample;
+  sample.device_time = Time{us};
+  sample.station = station;
+  sample.X_TS = {rotation(Vec3(0.1, 0.2, 0.3)), Vec3(1.0, 2.0, 3.0)};
+  return sample;
+}
+
+std::vector<Sample> poll(LcmSource& source, Time now) {
+  std::vector<Sample> out;
+  source.poll(now, out);
+  return out;
+}
+
+TEST(LcmLinkTest, WhatIsPublishedArrivesOnTheSessionsClock) {
+  LcmLink link("memq://");
+  LcmSource source(link);
+  link.publish(Sample(tracker(1'700'000'000'000'000)));
+  link.publish(Sample(MouseSample{Time{1'700'000'000'008'000}, Time{}, true, false, true}));
+  source.receive(Time{50'000});
+  const std::vector<Sample> out = poll(source, Time{60'000});
+  ASSERT_EQ(out.size(), 2u);
+  const auto& sample = std::get<TrackerSample>(out[0]);
+  EXPECT_EQ(sample.device_time, Time{50'000});
+  EXPECT_EQ(sample.host_time, Time{50'000});
+  EXPECT_EQ(sample.X_TS.p, tracker(0).X_TS.p);
+  const auto& mouse = std::get<MouseSample>(out[1]);
+  EXPECT_EQ(mouse.device_time, Time{58'000});  // 8 ms after the first, as the publisher says
+  EXPECT_TRUE(mouse.trigger);
+  EXPECT_EQ(source.counts().received, 2);
+}
+
+TEST(LcmLinkTest, ASampleIsHandedOutOnceAndNotBeforeItsTime) {
+  LcmLink link("memq://");
+  LcmSource source(link);
+  link.publish(Sample(tracker(0)));
+  link.publish(Sample(tracker(9'000)));  // measured after the tick at hand, by its own clock
+  source.receive(Time{100'000});
+  EXPECT_EQ(poll(source, Time{104'000}).size(), 1u);
+  EXPECT_TRUE(poll(source, Time{108'000}).empty());
+  EXPECT_EQ(poll(source, Time{112'000}).size(), 1u);
+  EXPECT_TRUE(poll(source, Time{900'000}).empty());
+}
+
+// A session polls ticks; what comes in after a poll must not look as if it had been there before.
+TEST(LcmLinkTest, AReplayHandsOutEverySampleAtTheSameTick) {
+  LcmLink link("memq://");
+  LcmSource source(link);
+  std::vector<Sample> recorded;
+  std::vector<std::pair<Time, std::size_t>> live;
+  for (int tick = 1; tick <= 40; ++tick) {
+    const Time now = tick_time(tick, 240);
+    link.publish(Sample(tracker(5000 + 4100 * tick, 1 + tick % 2)));
+    source.receive(tick % 3 == 0 ? now : now - Time{700});  // some in the instant of the last tick
+    if (tick % 5 == 0) continue;                            // a tick that comes late
+    const std::vector<Sample> out = poll(source, now);
+    recorded.insert(recorded.end(), out.begin(), out.end());
+    live.emplace_back(now, recorded.size());
+  }
+  ReplaySource replay(recorded);
+  std::vector<Sample> out;
+  for (const auto& [now, count] : live) {
+    replay.poll(now, out);
+    EXPECT_EQ(out.size(), count) << "at " << now.count() << " us";
+  }
+}
+
+TEST(LcmLinkTest, APublisherThatStartsAgainIsFollowed) {
+  LcmLink link("memq://");
+  LcmSource source(link);
+  link.publish(Sample(tracker(80'000'000)));
+  source.receive(Time{1'000'000});
+  link.publish(Sample(tracker(0)));
+  source.receive(Time{2'000'000});
+  const std::vector<Sample> out = poll(source, Time{3'000'000});
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(device_time(out[1]), Time{2'000'000});
+  EXPECT_EQ(source.counts().clock_jumps, 1);
+}
+
+TEST(LcmLinkTest, TheQueueIsBoundedAndWhatItDropsIsCounted) {
+  LcmLink link("memq://");
+  LcmSource source(link, 10);
+  for (int i = 0; i < 35; ++i) {
+    link.publish(Sample(tracker(i * 100)));
+    if (i % 5 == 4) source.receive(Time{i * 100});
+  }
+  const std::vector<Sample> out = poll(source, Time{1'000'000});
+  EXPECT_EQ(out.size(), 10u);
+  EXPECT_EQ(source.counts().received, 35);
+  EXPECT_EQ(source.counts().dropped, 25);
+}
+
+TEST(LcmLinkTest, ForeignAndImpossibleMessagesAreCountedAndPassedOver) {
+  LcmLink link("memq://");
+  LcmSource source(link);
+  TrackerSample bad = tracker(0);
+  bad.X_TS.p.x() = std::nan("");
+  link.publish(Sample(bad));
+  link.publish_pose("TRACKER", Time{0}, Pose{});
+  link.publish_pose("SOMETHING", Time{0}, Pose{});
+  source.receive(Time{1000});
+  EXPECT_TRUE(poll(source, Time{1'000'000}).empty());
+  EXPECT_EQ(source.counts().implausible, 1);
+  EXPECT_EQ(source.counts().undecodable, 1);
+}
+
+TEST(LcmLinkTest, PosesHaveTheBytesOfBotCoresType) {
+  std::string folder = testing::TempDir() + "headpin_lcm_XXXXXX";
+  const std::string path = std::string(mkdtemp(folder.data())) + "/poses.lcmlog";
+  {
+    LcmLink link("file://" + path + "?mode=w");
+    link.publish_pose("HEAD_POSE", Time{0x0102030405060708}, {Quat(1, 0, 0, 0), Vec3(2, 0, 0)});
+  }
+  const MappedFile file(path);
+  LogReader reader(file.bytes());
+  const auto event = reader.next();
+  ASSERT_TRUE(event.has_value());
+  EXPECT_EQ(event->channel, "HEAD_POSE");
+  ASSERT_EQ(event->data.size(), 8u + 8u + 3u * 8u + 4u * 8u);
+  // Behind the fingerprint: utime, trans, quat (w first), all big-endian.
+  EXPECT_EQ(event->data[8], 0x01);
+  EXPECT_EQ(event->data[15], 0x08);
+  EXPECT_EQ(event->data[16], 0x40);  // 2.0 = 0x4000...
+  EXPECT_EQ(event->data[40], 0x3f);  // 1.0 = 0x3ff0...
+  EXPECT_EQ(event->data[41], 0xf0);
+}
+
+TEST(LcmLinkTest, SaysWhichUrlItCannotOpen) {
+  EXPECT_THROW(LcmLink("nonsense://"), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace headpin::devices

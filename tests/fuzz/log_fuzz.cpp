@@ -1,0 +1,31 @@
+#include <cstdlib>
+
+#include "devices/log.h"
+#include "devices/messages.h"
+
+using namespace headpin;
+
+// Whatever a log holds: read_log comes back, and all it lets through can be written, read again
+// and replayed.
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  const devices::Trial trial = devices::read_log({data, size});
+
+  devices::Buffer bytes;
+  for (const devices::Sample& sample : trial.samples) {
+    std::visit([&](const auto& s) { devices::encode(s, bytes); }, sample);
+    const bool tracker = std::holds_alternative<devices::TrackerSample>(sample);
+    const auto again =
+        devices::decode(tracker ? devices::kTrackerChannel : devices::kMouseChannel, bytes);
+    if (!again || !devices::plausible(*again)) std::abort();
+  }
+  for (const devices::TickState& state : trial.states) {
+    devices::encode(state, bytes);
+    if (!devices::decode(devices::kStateChannel, bytes)) std::abort();
+  }
+
+  devices::ReplaySource source(trial.samples);
+  std::vector<devices::Sample> out;
+  source.poll(source.end(), out);
+  if (out.size() != trial.samples.size() || !source.exhausted()) std::abort();
+  return 0;
+}
