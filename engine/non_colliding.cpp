@@ -40,6 +40,8 @@ struct Search {
     return {s.h < 0.0, -s.h, s.s_A, -s.s_B, n, evaluations, false};
   }
 };
+template <typename A, typename B>
+Search(A, B) -> Search<A, B>;  // clang 14 does not deduce it of an aggregate
 
 /// Steps of the paper's iteration after the first one before Newton's.
 constexpr int kPaperSteps = 1;
