@@ -1,0 +1,173 @@
+/// Whole steps of the bowling scene beside Bullet, ODE and MuJoCo: same bodies, same start, 240 Hz,
+/// one core, in turn.
+
+#include <chrono>
+#include <cstdio>
+#include <functional>
+#include <optional>
+#include <stdexcept>
+
+#include "tests/bench/peers.h"
+#include "tests/bench/report.h"
+#include "tests/support/bowling.h"
+
+namespace headpin::bench {
+namespace {
+
+using Make = std::function<std::unique_ptr<Contender>(const Scene&)>;
+
+class Ours final : public Contender {
+ public:
+  explicit Ours(const Scene& scene) {
+    engine::RackOptions o;
+    o.parameters.sleep = scene.sleep;
+    o.ball = scene.ball;
+    o.ball_offset = scene.ball_offset;
+    o.racks = scene.racks;
+    bowling_ = engine::bowling(o);
+  }
+  void step() override { engine::step(bowling_.world); }
+  int skittles_down() const override {
+    int down = 0;
+    for (const engine::BodyId i : bowling_.skittles) {
+      down += engine::upright(bowling_.world.states[i]) < 0.86602540378443864676;
+    }
+    return down;
+  }
+
+ private:
+  engine::Bowling bowling_;
+};
+
+/// Microseconds per step.
+struct Times {
+  double mean = 0.0, median = 0.0, p99 = 0.0, peak = 0.0;
+};
+
+Times run_once(const Make& make, const Scene& scene, double seconds) {
+  const std::unique_ptr<Contender> contender = make(scene);
+  std::vector<double> steps(static_cast<std::size_t>(std::lround(seconds * 240)));
+  for (double& t : steps) {
+    const auto start = std::chrono::steady_clock::now();
+    contender->step();
+    t = std::chrono::duration<double, std::micro>(std::chrono::steady_clock::now() - start).count();
+  }
+  sink = sink + contender->skittles_down();
+  Times out;
+  for (const double t : steps) out.mean += t / static_cast<double>(steps.size());
+  std::sort(steps.begin(), steps.end());
+  out.median = steps[steps.size() / 2];
+  out.p99 = steps[steps.size() * 99 / 100];
+  out.peak = steps.back();
+  return out;
+}
+
+struct Entrant {
+  std::string name;
+  Make make;
+};
+
+const Entrant kOurs{"headpin", [](const Scene& s) { return std::make_unique<Ours>(s); }};
+const Entrant kBullet{"Bullet", make_bullet};
+const Entrant kOde{"ODE", make_ode};
+const Entrant kMujoco{"MuJoCo", make_mujoco};
+
+/// Runs in turn, ours first; the median run of each.
+std::vector<Times> compare(const std::vector<Entrant>& entrants, const Scene& scene, double seconds,
+                           int rounds) {
+  std::vector<std::vector<Times>> runs(entrants.size());
+  for (int round = 0; round < rounds; ++round) {
+    for (std::size_t i = 0; i < entrants.size(); ++i) {
+      runs[i].push_back(run_once(entrants[i].make, scene, seconds));
+    }
+  }
+  std::vector<Times> out;
+  for (const std::vector<Times>& r : runs) {
+    const auto middle = [&](double Times::*value) {
+      std::vector<double> all;
+      for (const Times& t : r) all.push_back(t.*value);
+      return median(all);
+    };
+    out.push_back(
+        {middle(&Times::mean), middle(&Times::median), middle(&Times::p99), middle(&Times::peak)});
+  }
+  return out;
+}
+
+void add_rows(std::vector<Row>& rows, const std::string& name, const std::vector<Entrant>& entrants,
+              const std::vector<Times>& times) {
+  const auto add = [&](const char* what, double Times::*value) {
+    for (std::size_t i = 1; i < entrants.size(); ++i) {
+      rows.push_back(
+          {name + ", " + what, "us", times[0].*value, entrants[i].name, times[i].*value});
+    }
+  };
+  add("mean", &Times::mean);
+  add("median", &Times::median);
+  add("p99", &Times::p99);
+  add("peak", &Times::peak);
+}
+
+double pins_down(const Make& make) {
+  int down = 0;
+  for (int k = 0; k < 41; ++k) {
+    Scene scene;
+    scene.ball_offset = -0.1 + 0.005 * k;
+    const std::unique_ptr<Contender> contender = make(scene);
+    for (int i = 0; i < 5 * 240; ++i) contender->step();
+    down += contender->skittles_down();
+  }
+  return down / 41.0;
+}
+
+void run(bool quick) {
+  const int rounds = quick ? 1 : 7;
+  const std::vector<Entrant> all{kOurs, kBullet, kOde, kMujoco}, sleepers{kOurs, kBullet, kOde};
+  std::vector<Row> rows;
+  const auto case_of = [&](const std::string& name, const std::vector<Entrant>& entrants,
+                           const Scene& scene, double seconds, int times) {
+    const std::vector<Times> t = compare(entrants, scene, seconds, times);
+    add_rows(rows, name, entrants, t);
+    return t;
+  };
+  run_once(kOurs.make, {}, 2.0);  // wakes the processor up
+  const std::vector<Times> game = case_of("rack and ball, sleep off", all, {}, 5.0, rounds);
+  case_of("rack and ball, sleep on", sleepers, {.sleep = true}, 5.0, rounds);
+  case_of("standing awake", all, {.ball = false}, 5.0, rounds);
+  case_of("standing asleep", sleepers, {.ball = false, .sleep = true}, 5.0, rounds);
+
+  // The first two seconds, when everything falls; each skittle in the same way.
+  std::vector<double> skittles, ours;
+  for (const int racks : {1, 10, 100, 1000}) {
+    if (quick && racks > 100) break;
+    const Scene scene{.racks = racks};
+    const std::vector<Times> t =
+        compare(racks > 10 ? std::vector<Entrant>{kOurs, kBullet} : sleepers, scene, 2.0,
+                racks < 1000 ? std::min(rounds, 3) : 1);
+    skittles.push_back(10.0 * racks);
+    ours.push_back(t[0].mean);
+    rows.push_back({std::to_string(10 * racks) + " skittles, 2 s, mean", "us", t[0].mean, "Bullet",
+                    t[1].mean});
+  }
+  rows.push_back({"growth with skittles, aim 1.08", "exponent", growth_exponent(skittles, ours),
+                  "linear", 1.0});
+  rows.push_back({"5 s game, aim 1000 x real time", "s", 1200e-6 * game[0].mean, "real time", 5.0});
+  const double mine = pins_down(kOurs.make);
+  rows.push_back({"pins down over 41 offsets", "pins", mine, "Bullet", pins_down(make_bullet)});
+  rows.push_back({"pins down over 41 offsets", "pins", mine, "ODE", pins_down(make_ode)});
+  rows.push_back({"pins down over 41 offsets", "pins", mine, "MuJoCo", pins_down(make_mujoco)});
+  publish("world", rows);
+}
+
+}  // namespace
+}  // namespace headpin::bench
+
+int main(int argc, char** argv) {
+  try {
+    headpin::bench::run(argc > 1 && std::string(argv[1]) == "--quick");
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "world_bench: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
