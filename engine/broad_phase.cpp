@@ -22,6 +22,9 @@ double distance(const Capsule& a, const Capsule& b) {
 
 namespace {
 
+/// So many bodies are compared directly, each with each: quicker than any grid.
+constexpr std::size_t kFew = 24;
+
 std::uint32_t hash(std::int32_t x, std::int32_t y, std::int32_t z) {
   return static_cast<std::uint32_t>(x) * 73856093u ^ static_cast<std::uint32_t>(y) * 19349663u ^
          static_cast<std::uint32_t>(z) * 83492791u;
@@ -47,6 +50,19 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
     const Vec3 r = Vec3::Constant(c.radius + 0.5 * margin);
     boxes_[i] = {c.a.cwiseMin(c.b) - r, c.a.cwiseMax(c.b) + r};
     extent += (boxes_[i].high - boxes_[i].low).maxCoeff();
+  }
+  const auto meet = [&](std::uint32_t i, std::uint32_t j) {
+    const Box &a = boxes_[i], &b = boxes_[j];
+    return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all() &&
+           distance(bounds_W[i], bounds_W[j]) <= margin;
+  };
+  if (n <= kFew) {
+    for (std::uint32_t i = 0; i < n; ++i) {
+      for (std::uint32_t j = i + 1; j < n; ++j) {
+        if ((moves(i) || moves(j)) && meet(i, j)) pairs_.push_back({i, j});
+      }
+    }
+    return pairs_;
   }
   // Twice the usual body: most then lie in one to four cells.
   const double cell = std::max(2.0 * extent / static_cast<double>(n), 1e-9);
@@ -83,11 +99,6 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
   entries_.resize(unsorted_.size());
   for (const Entry& e : unsorted_) entries_[count_[slot(e.cell)]++] = e;
 
-  const auto meet = [&](std::uint32_t i, std::uint32_t j) {
-    const Box &a = boxes_[i], &b = boxes_[j];
-    return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all() &&
-           distance(bounds_W[i], bounds_W[j]) <= margin;
-  };
   for (std::uint32_t k = 0; k < slots; ++k) {
     for (std::uint32_t i = slots_[k]; i < slots_[k + 1]; ++i) {
       for (std::uint32_t j = i + 1; j < slots_[k + 1]; ++j) {

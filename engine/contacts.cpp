@@ -433,6 +433,27 @@ int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
   return add_points(a, b, X_WA, X_AB, c, margin, out);
 }
 
+namespace {
+
+/// Whether two parts are further apart than `margin` by their bounding spheres alone, or one by its
+/// sphere above the plane of the other.
+bool well_apart(const Part& a, double radius_a, const Vec3& p_WGa, const Pose& X_WA, const Part& b,
+                double radius_b, const Vec3& p_WGb, const Pose& X_WB, double margin) {
+  const Vec3 r = p_WGb - p_WGa;
+  if (std::holds_alternative<HalfSpace>(b.shape)) {
+    const Vec3 up = X_WB.q * (b.X_BG.q * Vec3::UnitZ());
+    return -r.dot(up) > radius_a + margin;
+  }
+  if (std::holds_alternative<HalfSpace>(a.shape)) {
+    const Vec3 up = X_WA.q * (a.X_BG.q * Vec3::UnitZ());
+    return r.dot(up) > radius_b + margin;
+  }
+  const double reach = radius_a + radius_b + margin;
+  return r.squaredNorm() > reach * reach;
+}
+
+}  // namespace
+
 int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const Pose& X_WB,
                   double margin, std::span<Vec3> n_AB_caches, const Query& query,
                   QueryCounts& counts, std::vector<ContactPoint>& out) {
@@ -441,15 +462,18 @@ int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const 
   std::uint32_t pair = 0;
   for (std::size_t i = 0; i < a.parts.size(); ++i) {
     const Part& pa = a.parts[i];
-    const Pose X_WGa = X_WA * pa.X_BG;
+    const Vec3 p_WGa = X_WA * pa.X_BG.p;
     for (std::size_t j = 0; j < b.parts.size(); ++j, ++pair) {
       const Part& pb = b.parts[j];
-      const Pose X_WGb = X_WB * pb.X_BG;
-      const double reach = a.part_radius[i] + b.part_radius[j] + margin;
-      if ((X_WGb.p - X_WGa.p).squaredNorm() > reach * reach) continue;
+      const Vec3 p_WGb = X_WB * pb.X_BG.p;
+      if (well_apart(pa, a.part_radius[i], p_WGa, X_WA, pb, b.part_radius[j], p_WGb, X_WB,
+                     margin)) {
+        continue;
+      }
       const std::size_t first = out.size();
-      total += find_contacts(pa.shape, X_WGa, pb.shape, X_WGb, margin, n_AB_caches[pair], query,
-                             counts, out);
+      total +=
+          find_contacts(pa.shape, {X_WA.q * pa.X_BG.q, p_WGa}, pb.shape,
+                        {X_WB.q * pb.X_BG.q, p_WGb}, margin, n_AB_caches[pair], query, counts, out);
       for (std::size_t k = first; k < out.size(); ++k) out[k].feature |= pair << 16;
     }
   }

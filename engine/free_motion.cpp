@@ -10,6 +10,32 @@ bool nearly_equal(double a, double b) {
   return std::abs(a - b) <= 1e-9 * std::max(a, b);
 }
 
+Quat principal_frame(const Inertia& inertia, const Quat& q_WB) {
+  return inertia.aligned ? q_WB : Quat(q_WB * inertia.q_BP);
+}
+
+Vec3 third_axis(const Quat& q) {
+  return {2.0 * (q.x() * q.z() + q.w() * q.y()), 2.0 * (q.y() * q.z() - q.w() * q.x()),
+          1.0 - 2.0 * (q.x() * q.x() + q.y() * q.y())};
+}
+
+/// Length back to 1 from where a few products have left it: one step of Newton's root.
+void renormalize(Quat& q) {
+  q.coeffs() *= 1.5 - 0.5 * q.squaredNorm();
+}
+
+/// The closed solution of a body of revolution.
+void turn_about_axis(Quat& q_WP, Vec3& w_W, const Inertia& inertia, double dt) {
+  const double I1 = inertia.moments[0], I3 = inertia.moments[2], inv_I1 = inertia.inverse[0];
+  const double more = inertia.inverse[2] - inv_I1;
+  const Vec3 e3 = third_axis(q_WP);
+  const double w3 = e3.dot(w_W), L3 = I3 * w3;
+  const Vec3 L_W = I1 * w_W + ((I3 - I1) * w3) * e3;
+  q_WP = rotation(L_W * (inv_I1 * dt)) * q_WP * rotation(Vec3(0.0, 0.0, more * L3 * dt));
+  renormalize(q_WP);
+  w_W = inv_I1 * L_W + (more * L3) * third_axis(q_WP);
+}
+
 }  // namespace
 
 Inertia principal_inertia(const Mat3& inertia_B) {
@@ -51,18 +77,22 @@ Inertia principal_inertia(const Mat3& inertia_B) {
   double& i2 = result.moments[1];
   if (nearly_equal(i1, i2)) i1 = i2 = 0.5 * (i1 + i2);
   if (nearly_equal(i1, result.moments[2])) result.moments[2] = i1;
+  result.inverse = result.moments.cwiseInverse();
+  result.aligned = result.q_BP.vec().isZero(0.0);
   return result;
 }
 
 Mat3 inverse_inertia(const Inertia& inertia, const Quat& q_WB) {
-  const Mat3 R = (q_WB * inertia.q_BP).toRotationMatrix();
-  const Vec3 inv = inertia.moments.cwiseInverse();
+  const Vec3& inv = inertia.inverse;
+  const Quat q_WP = principal_frame(inertia, q_WB);
   // (1/I1) 1 + (1/I2 - 1/I1) e2 e2' + (1/I3 - 1/I1) e3 e3'
   Mat3 result = inv[0] * Mat3::Identity();
-  const Vec3 e3 = R.col(2);
-  result += (inv[2] - inv[0]) * e3 * e3.transpose();
+  if (inv[2] != inv[0]) {
+    const Vec3 e3 = third_axis(q_WP);
+    result += (inv[2] - inv[0]) * e3 * e3.transpose();
+  }
   if (inv[1] != inv[0]) {
-    const Vec3 e2 = R.col(1);
+    const Vec3 e2 = q_WP * Vec3::UnitY();
     result += (inv[1] - inv[0]) * e2 * e2.transpose();
   }
   return result;
@@ -80,26 +110,33 @@ double turning_energy(const Inertia& inertia, const Quat& q_WB, const Vec3& w_WB
 }
 
 void turn_freely(Quat& q_WB, Vec3& w_WB, const Inertia& inertia, double dt) {
-  const Vec3& I = inertia.moments;
+  const Vec3 &I = inertia.moments, &inv = inertia.inverse;
   if (I[0] == I[1] && I[0] == I[2]) {  // a ball: w stays
     q_WB = rotation(w_WB * dt) * q_WB;
-    q_WB.normalize();
+    renormalize(q_WB);
     return;
   }
-  Quat q_WP = q_WB * inertia.q_BP;
-  const Vec3 L_P = I.cwiseProduct(q_WP.conjugate() * w_WB);
-  const Vec3 L_W = q_WP * L_P;
-  const auto turn_second = [&](double span) {
-    const double L2 = (q_WP.conjugate() * L_W).y();
-    q_WP = q_WP * rotation(Vec3(0.0, (1.0 / I[1] - 1.0 / I[0]) * L2 * span, 0.0));
-  };
-  if (I[0] != I[1]) turn_second(0.5 * dt);
-  const double L3 = (q_WP.conjugate() * L_W).z();
-  q_WP = rotation(L_W * (dt / I[0])) * q_WP *
-         rotation(Vec3(0.0, 0.0, (1.0 / I[2] - 1.0 / I[0]) * L3 * dt));
-  if (I[0] != I[1]) turn_second(0.5 * dt);
-  q_WP.normalize();
-  w_WB = q_WP * Vec3((q_WP.conjugate() * L_W).cwiseQuotient(I));
+  if (I[0] == I[1] && inertia.aligned) {
+    turn_about_axis(q_WB, w_WB, inertia, dt);
+    return;
+  }
+  Quat q_WP = principal_frame(inertia, q_WB);
+  if (I[0] == I[1]) {
+    turn_about_axis(q_WP, w_WB, inertia, dt);
+  } else {
+    const Vec3 L_W = q_WP * Vec3(I.cwiseProduct(q_WP.conjugate() * w_WB));
+    const auto turn_second = [&] {
+      const double L2 = (q_WP.conjugate() * L_W).y();
+      q_WP = q_WP * rotation(Vec3(0.0, (inv[1] - inv[0]) * L2 * (0.5 * dt), 0.0));
+    };
+    turn_second();
+    const double L3 = (q_WP.conjugate() * L_W).z();
+    q_WP = rotation(L_W * (inv[0] * dt)) * q_WP *
+           rotation(Vec3(0.0, 0.0, (inv[2] - inv[0]) * L3 * dt));
+    turn_second();
+    renormalize(q_WP);
+    w_WB = q_WP * Vec3(inv.cwiseProduct(q_WP.conjugate() * L_W));
+  }
   q_WB = (q_WP * inertia.q_BP.conjugate()).normalized();
 }
 

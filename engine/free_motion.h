@@ -8,7 +8,9 @@ namespace headpin::engine {
 /// Principal moments of inertia about the centre of mass, the one that stands alone last.
 struct Inertia {
   Vec3 moments = Vec3::Ones();   ///< I1, I2, I3 [kg m^2]; I1 = I2 for a body of revolution
+  Vec3 inverse = Vec3::Ones();   ///< 1/I1, 1/I2, 1/I3
   Quat q_BP = Quat::Identity();  ///< principal frame P in B
+  bool aligned = true;           ///< P is B
 };
 
 /// Principal moments and axes of an inertia tensor.

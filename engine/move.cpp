@@ -39,8 +39,7 @@ void move(World& world) {
 void push_apart(World& world) {
   Scratch& s = world.scratch;
   const Parameters& p = world.parameters;
-  // The same part is taken back in a given time, whatever the step.
-  const double part = 1.0 - power(1.0 - p.push, 240.0 / p.rate_hz);
+  double part = 0.0;  // of an overlap that is taken back: as much in a given time at every rate
   s.nudged.clear();
   const auto note = [&](BodyId i) {
     if (s.nudge_p[i].isZero(0.0) && s.nudge_w[i].isZero(0.0)) s.nudged.push_back(i);
@@ -50,6 +49,7 @@ void push_apart(World& world) {
       const ContactPoint& point = s.points[touch.first_point + k];
       world.statistics.deepest_overlap = std::max(world.statistics.deepest_overlap, point.depth);
       if (point.depth <= p.slop) continue;
+      if (part == 0.0) part = 1.0 - power(1.0 - p.push, 240.0 / p.rate_hz);
       const NormalRow& row = s.rows[touch.first_row + k];
       const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
       // What the nudges before have already taken back counts.

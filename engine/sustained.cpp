@@ -48,7 +48,7 @@ void add_normal_rows(World& world, Touch& touch) {
   touch.rows = touch.points;
   for (std::uint32_t k = 0; k < touch.points; ++k) {
     const ContactPoint& p = s.points[touch.first_point + k];
-    NormalRow row;
+    NormalRow& row = s.rows.emplace_back();
     row.feature = p.feature;
     row.n = p.n_AB_W;
     row.ra_n = (p.p_W - arms.p_WA).cross(row.n);
@@ -67,7 +67,6 @@ void add_normal_rows(World& world, Touch& touch) {
       push(sa, ma, -row.impulse * row.n, -row.impulse * row.ia);
       if (touch.b_moves) push(sb, mb, row.impulse * row.n, row.impulse * row.ib);
     }
-    s.rows.push_back(row);
   }
 }
 
@@ -102,34 +101,46 @@ void add_block(World& world, Touch& touch) {
                                         : inverse_of<4>(K));
 }
 
-/// Normal and foot of the friction of a touch: its points, weighted by what they carry.
+/// Foot and normal of the friction of a touch: its points, weighted by what they carry.
 struct Foot {
   Vec3 p_W = Vec3::Zero(), n = Vec3::Zero();
-  double spread = 0.0;  // distance of the points from the foot [m]
+  double spread = 0.0;  // of the points about the foot, root of the mean square [m]
 };
 
 Foot foot_of(const Scratch& s, const Touch& touch) {
-  double load = 0.0, nearest = -1e9;
+  const NormalRow* const rows = s.rows.data() + touch.first_row;
+  const ContactPoint* const points = s.points.data() + touch.first_point;
+  if (touch.rows == 1) return {points[0].p_W, rows[0].n, 0.0};
+  double load = 0.0, deepest = points[0].depth;
   for (std::uint32_t k = 0; k < touch.rows; ++k) {
-    load += s.rows[touch.first_row + k].impulse;
-    nearest = std::max(nearest, s.points[touch.first_point + k].depth);
+    load += rows[k].impulse;
+    deepest = std::max(deepest, points[k].depth);
   }
+  // Nothing carried yet: those that touch first.
   const auto weight = [&](std::uint32_t k) {
-    if (load > 0.0) return s.rows[touch.first_row + k].impulse / load;
-    return s.points[touch.first_point + k].depth > nearest - 1e-4 ? 1.0 : 0.0;
+    return load > 0.0 ? rows[k].impulse : (points[k].depth > deepest - 1e-4 ? 1.0 : 0.0);
   };
   Foot foot;
-  double sum = 0.0;
+  const Vec3 from = points[0].p_W;
+  double sum = 0.0, squares = 0.0;
+  bool one_plane = true;
   for (std::uint32_t k = 0; k < touch.rows; ++k) {
     const double w = weight(k);
-    foot.p_W += w * s.points[touch.first_point + k].p_W;
-    foot.n += w * s.points[touch.first_point + k].n_AB_W;
+    const Vec3 r = points[k].p_W - from;
     sum += w;
+    foot.p_W += w * r;
+    foot.n += w * rows[k].n;
+    squares += w * r.squaredNorm();
+    one_plane = one_plane && rows[k].n == rows[0].n;
   }
-  foot.p_W /= sum;
-  foot.n.normalize();
-  for (std::uint32_t k = 0; k < touch.rows; ++k) {
-    foot.spread += weight(k) / sum * (s.points[touch.first_point + k].p_W - foot.p_W).norm();
+  const double inverse = 1.0 / sum;
+  foot.p_W *= inverse;
+  foot.spread = std::sqrt(std::max(0.0, squares * inverse - foot.p_W.squaredNorm()));
+  foot.p_W += from;
+  if (one_plane) {
+    foot.n = rows[0].n;
+  } else {
+    foot.n.normalize();
   }
   return foot;
 }
@@ -158,7 +169,7 @@ void add_friction(World& world, Touch& touch, std::uint32_t index) {
   State &sa = world.states[touch.a], &sb = world.states[touch.b];
   const double kept = touch.sliding.kept;
   const Foot foot = foot_of(s, touch);
-  FrictionRows f;
+  FrictionRows& f = s.friction.emplace_back();
   f.touch = index;
   f.n = foot.n;
   f.reach = foot.spread + arm;  // what rolls heavily pivots heavily, even on one point
@@ -166,20 +177,17 @@ void add_friction(World& world, Touch& touch, std::uint32_t index) {
   f.t[1] = f.n.cross(f.t[0]);
   const Arms arms = arms_of(world, touch);
   const Vec3 ra = foot.p_W - arms.p_WA, rb = foot.p_W - arms.p_WB;
-  Eigen::Matrix2d K = ma.inv_mass * Eigen::Matrix2d::Identity();
   for (std::size_t i = 0; i < 2; ++i) {
     f.ra_t[i] = ra.cross(f.t[i]);
     f.ia[i] = ma.inv_inertia_W * f.ra_t[i];
     f.rb_t[i] = rb.cross(f.t[i]);
     f.ib[i] = touch.b_moves ? Vec3(mb.inv_inertia_W * f.rb_t[i]) : Vec3::Zero();
   }
-  if (touch.b_moves) K += mb.inv_mass * Eigen::Matrix2d::Identity();
-  for (int i = 0; i < 2; ++i) {
-    for (int k = 0; k < 2; ++k) {
-      const auto ui = static_cast<std::size_t>(i), uk = static_cast<std::size_t>(k);
-      K(i, k) += f.ra_t[ui].dot(f.ia[uk]) + f.rb_t[ui].dot(f.ib[uk]);
-    }
-  }
+  const double inv_mass = touch.b_moves ? ma.inv_mass + mb.inv_mass : ma.inv_mass;
+  Eigen::Matrix2d K;
+  K(0, 0) = inv_mass + f.ra_t[0].dot(f.ia[0]) + f.rb_t[0].dot(f.ib[0]);
+  K(1, 1) = inv_mass + f.ra_t[1].dot(f.ia[1]) + f.rb_t[1].dot(f.ib[1]);
+  K(0, 1) = K(1, 0) = f.ra_t[0].dot(f.ia[1]) + f.rb_t[0].dot(f.ib[1]);
   // After the step a part `kept` of the slip u that there would be without friction shall be left:
   // F = -(1 - kept) K^-1 u. With u' = u + K F that is u' + softness F = 0.
   const double soft = kept < 1.0 ? kept / (1.0 - kept) : 0.0;
@@ -211,7 +219,6 @@ void add_friction(World& world, Touch& touch, std::uint32_t index) {
   };
   start(sa, ma, 1.0, f.ia, f.twist_ia, f.roll_ia);
   if (touch.b_moves) start(sb, mb, -1.0, f.ib, f.twist_ib, f.roll_ib);
-  s.friction.push_back(f);
 }
 
 template <bool b_moves>
