@@ -1,79 +1,14 @@
-// The program as a user meets it: every command run for real, in a folder of its own.
+#include "tests/apps/command_line.h"
 
 #include <array>
 #include <cstdio>
-#include <cstdlib>
-#include <filesystem>
-#include <fstream>
-#include <sstream>
-
-#include <gmock/gmock.h>
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
-#include <sys/wait.h>
 
 #include "render/image.h"
 
 namespace headpin {
 namespace {
 
-namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-struct Result {
-  int code;
-  std::string out, err;
-};
-
-std::string slurp(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
-class CommandLine : public testing::Test {
- protected:
-  CommandLine() {
-    std::string pattern = (fs::temp_directory_path() / "headpin-XXXXXX").string();
-    if (!mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder");
-    folder_ = pattern;
-  }
-  ~CommandLine() override { fs::remove_all(folder_); }
-
-  /// Runs `headpin ARGUMENTS` in the folder.
-  Result headpin(const std::string& arguments) const {
-    const std::string command = "cd '" + folder_.string() + "' && '" HEADPIN_PROGRAM "' " +
-                                arguments + " >out.txt 2>err.txt </dev/null";
-    const int status = std::system(command.c_str());
-    return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + status, slurp(folder_ / "out.txt"),
-            slurp(folder_ / "err.txt")};
-  }
-
-  nlohmann::json json(const std::string& arguments) const {
-    const Result result = headpin(arguments);
-    EXPECT_EQ(result.code, 0) << arguments << "\n" << result.err;
-    return nlohmann::json::parse(result.out);
-  }
-
-  /// Fails with one line that says what is wrong, and leaves nothing under the output's name.
-  void expect_refusal(const std::string& arguments, int code, const std::string& says) const {
-    const Result result = headpin(arguments);
-    EXPECT_EQ(result.code, code) << arguments << "\n" << result.err;
-    EXPECT_THAT(result.err, HasSubstr(says)) << arguments;
-    if (code == 1) {
-      EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
-    }
-    for (const auto& entry : fs::directory_iterator(folder_)) {
-      EXPECT_THAT(entry.path().filename().string(), testing::Not(testing::StartsWith("OUT")))
-          << arguments;
-    }
-  }
-
-  fs::path folder_;
-};
-
-const std::string kDemo = HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog";
 
 TEST_F(CommandLine, EveryCommandHelpsWithAnExample) {
   const Result top = headpin("--help");

@@ -1,0 +1,166 @@
+#include "devices/log.h"
+#include "tests/apps/command_line.h"
+
+namespace headpin {
+namespace {
+
+using testing::HasSubstr;
+
+class TrialCommands : public CommandLine {
+ protected:
+  /// Runs a line of shell in the folder, with $headpin the program.
+  Result shell(const std::string& line) const {
+    const std::string command = "cd '" + folder_.string() +
+                                "' && headpin='" HEADPIN_PROGRAM "' && { " + line +
+                                "; } >out.txt 2>err.txt </dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + status, slurp(folder_ / "out.txt"),
+            slurp(folder_ / "err.txt")};
+  }
+
+  devices::Trial trial(const std::string& name) const {
+    return devices::read_trial(folder_ / name);
+  }
+};
+
+const std::string kRecorded = HEADPIN_SHARED_DIR "/throws/liebers_labstudy21_bowling.csv";
+
+TEST_F(TrialCommands, ARecordedThrowIsImportedAndKnocksSkittlesOver) {
+  if (!std::filesystem::exists(kRecorded)) GTEST_SKIP() << "no recorded throw at " << kRecorded;
+  const nlohmann::json found = json("import " + kRecorded + " -o throw.lcmlog --json");
+  EXPECT_EQ(found["samples"], 517);
+  EXPECT_EQ(found["duration_s"], 7.185);
+  EXPECT_NEAR(found["rate_hz"].get<double>(), 71.8, 0.05);
+  EXPECT_NEAR(found["peak_hand_speed_mps"].get<double>(), 7.7, 0.05);
+  EXPECT_NEAR(found["release_s"].get<double>(), 3.03, 0.015);
+  EXPECT_NEAR(found["grab_s"].get<double>(), 0.6, 0.03);
+
+  const nlohmann::json game = json("replay throw.lcmlog -o game.lcmlog --json");
+  EXPECT_GT(game["skittles_down"].get<int>(), 0);
+  // What import says of the ball is what a session makes of the samples.
+  EXPECT_NEAR(game["release_speed_mps"].get<double>(), found["release_speed_mps"].get<double>(),
+              1e-6);
+  EXPECT_EQ(json("replay game.lcmlog --verify --json")["state_hash"], game["state_hash"]);
+  for (const char* heading : {"gaze", "keep"}) {
+    EXPECT_EQ(headpin("import " + kRecorded + " --force -o throw.lcmlog --heading " + heading).code,
+              0);
+  }
+  expect_refusal("import " + kRecorded + " -o OUT.lcmlog --units m", 1, "in centimetres");
+}
+
+TEST_F(TrialCommands, ImportRefusesInOneLineAndLeavesNothing) {
+  std::ofstream(folder_ / "bad.csv") << "delta_time_ms,head_pos_x\n0,1\n";
+  expect_refusal("import bad.csv -o OUT.lcmlog", 1, "bad.csv: column head_pos_y is missing");
+  expect_refusal("import missing.csv -o OUT.lcmlog", 1, "missing.csv: cannot open");
+  expect_refusal("import bad.csv", 2, "--output");
+  expect_refusal("import bad.csv -o OUT.lcmlog --heading north", 2, "--heading");
+  expect_refusal("import bad.csv -o OUT.lcmlog --units furlong", 2, "--units");
+}
+
+TEST_F(TrialCommands, ASeedIsAThrow) {
+  ASSERT_EQ(headpin("synthesize -o a.lcmlog --seed 7").code, 0);
+  ASSERT_EQ(headpin("synthesize -o b.lcmlog --seed 7").code, 0);
+  ASSERT_EQ(headpin("synthesize -o c.lcmlog --seed 8").code, 0);
+  EXPECT_EQ(slurp(folder_ / "a.lcmlog"), slurp(folder_ / "b.lcmlog"));
+  EXPECT_NE(slurp(folder_ / "a.lcmlog"), slurp(folder_ / "c.lcmlog"));
+  const nlohmann::json game = json("replay a.lcmlog --json");
+  EXPECT_NEAR(game["release_speed_mps"].get<double>(), 6.5, 0.5);
+  EXPECT_GT(game["skittles_down"].get<int>(), 0);
+  expect_refusal("synthesize -o a.lcmlog", 1, "a.lcmlog: exists already");
+  expect_refusal("synthesize -o OUT.lcmlog --speed 20", 2, "4 to 9 m/s");
+}
+
+TEST_F(TrialCommands, InfoTellsWhatIsInATrial) {
+  ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
+  const nlohmann::json info = json("info game.lcmlog --json");
+  EXPECT_EQ(info["complete"], true);
+  EXPECT_EQ(info["duration_s"].get<double>(), 7.008333);  // to the tick that has the last sample
+  EXPECT_EQ(info["channels"]["TRACKER"]["messages"], 841);
+  EXPECT_EQ(info["channels"]["STATE"]["messages"], info["ticks"]);
+  EXPECT_EQ(info["devices"][0]["device"], "head");
+  EXPECT_NEAR(info["devices"][0]["rate_hz"].get<double>(), 60.0, 1e-3);
+  EXPECT_EQ(info["devices"][1]["lost"], 0);
+  EXPECT_EQ(info["events"][0]["kind"], "grab");
+  EXPECT_EQ(info["result"]["skittles"], 10);
+  EXPECT_EQ(info["result"]["skittles_down"], json("replay " + kDemo + " --json")["skittles_down"]);
+  EXPECT_THAT(headpin("info game.lcmlog").out, HasSubstr("game.lcmlog: 7.008 s, complete"));
+  EXPECT_EQ(headpin("info game.lcmlog --scenario").out, trial("game.lcmlog").header.scenario);
+}
+
+TEST_F(TrialCommands, AStreamedTrialIsTheTrial) {
+  const nlohmann::json told =
+      json("stream " + kDemo + " --lcm 'file://stream.lcmlog?mode=w' --speed 0 --json");
+  EXPECT_EQ(told["samples"], trial("stream.lcmlog").samples.size());
+  EXPECT_TRUE(trial("stream.lcmlog").complete);
+  EXPECT_EQ(trial("stream.lcmlog").channels.at("HEAD_POSE").messages, 421);
+  EXPECT_EQ(trial("stream.lcmlog").channels.at("HAND_POSE").messages, 420);
+  EXPECT_EQ(json("replay stream.lcmlog --json")["state_hash"],
+            json("replay " + kDemo + " --json")["state_hash"]);
+  expect_refusal("stream " + kDemo + " --speed -1", 2, "--speed");
+}
+
+TEST_F(TrialCommands, AStreamKeepsThePaceOfTheRecording) {
+  const nlohmann::json told =
+      json("stream " + kDemo + " --lcm 'file://stream.lcmlog?mode=w' --speed 5 --json");
+  // A pause is never cut short; how much longer it gets depends on what else this machine does.
+  EXPECT_GE(told["duration_s"].get<double>(), 7.0 / 5.0);
+  EXPECT_LT(told["duration_s"].get<double>(), 7.0 / 5.0 + 1.0);
+  EXPECT_GE(told["lateness_median_ms"].get<double>(), 0.0);
+}
+
+TEST_F(TrialCommands, AnotherLanguageReadsEveryChannel) {
+  if (shell("python3 --version").code != 0) GTEST_SKIP() << "no python3";
+  ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
+  ASSERT_EQ(headpin("stream game.lcmlog --lcm 'file://stream.lcmlog?mode=w' --speed 0").code, 0);
+  ASSERT_EQ(shell("lcm-gen -p --ppath generated " HEADPIN_SOURCE_DIR "/devices/types/*.lcm").code,
+            0);
+  for (const std::string log : {"game.lcmlog", "stream.lcmlog"}) {
+    const Result read =
+        shell("python3 " HEADPIN_SOURCE_DIR "/tests/apps/read_trial.py generated " + log);
+    ASSERT_EQ(read.code, 0) << read.err;
+    std::string expected;
+    for (const auto& [name, channel] : trial(log).channels) {
+      expected += name + " " + std::to_string(channel.messages) + "\n";
+    }
+    EXPECT_EQ(read.out, expected);
+  }
+}
+
+/// A network of its own, with a multicast route, if this user may have one.
+class PrivateNetwork : public TrialCommands {
+ protected:
+  static constexpr const char* kNetwork =
+      "unshare -n sh -e -c 'ip link set lo up; ip link set lo multicast on; "
+      "ip route add 224.0.0.0/4 dev lo; ";
+  void SetUp() override {
+    if (shell(std::string(kNetwork) + "true'").code != 0) GTEST_SKIP() << "no private network";
+    if (shell("command -v lcm-logger lcm-logplayer").code != 0) GTEST_SKIP() << "no LCM tools";
+  }
+};
+
+TEST_F(PrivateNetwork, WhatLcmLoggerMakesOfAStreamOrAPlayedTrialReplaysTheSame) {
+  ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
+  const std::string record = "lcm-logger logged.lcmlog >/dev/null 2>&1 & logger=$!; sleep 0.5; ";
+  const std::string stop = "; sleep 0.5; kill -INT $logger; wait $logger || true'";
+  const auto expect_the_same = [&] {
+    EXPECT_TRUE(trial("logged.lcmlog").complete);
+    EXPECT_EQ(json("replay logged.lcmlog --json")["state_hash"],
+              json("replay game.lcmlog --json")["state_hash"]);
+    std::filesystem::remove(folder_ / "logged.lcmlog");
+  };
+
+  ASSERT_EQ(
+      shell(kNetwork + record + "$0 stream game.lcmlog --speed 10" + stop + " \"$headpin\"").code,
+      0)
+      << slurp(folder_ / "err.txt");
+  expect_the_same();
+
+  ASSERT_EQ(shell(kNetwork + record + "lcm-logplayer -s 5 game.lcmlog" + stop).code, 0)
+      << slurp(folder_ / "err.txt");
+  const nlohmann::json verified = json("replay logged.lcmlog --verify --json");
+  EXPECT_EQ(verified["verified_ticks"], trial("game.lcmlog").states.size());
+  expect_the_same();
+}
+
+}  // namespace
+}  // namespace headpin
