@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
   headpin::apps::add_replay(app);
   headpin::apps::add_frames(app);
   headpin::apps::add_compare(app);
+  headpin::apps::add_live(app);
   headpin::apps::add_stream(app);
   try {
     check_command(app, argc, argv);

@@ -1,5 +1,6 @@
 #include "apps/simulate.h"
 
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 
@@ -24,6 +25,7 @@ std::int64_t tick_count(const devices::Trial& trial, const scene::Scenario& scen
   const std::int64_t rate = scenario.rates.physics_hz;
   std::int64_t ticks = end.count() / 1'000'000 * rate;
   while (tick_time(ticks, rate) < end) ++ticks;
+  if (!trial.states.empty()) ticks = std::max(ticks, trial.states.back().tick);
   return ticks;
 }
 

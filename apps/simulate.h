@@ -20,7 +20,8 @@ struct LoadedTrial {
 };
 LoadedTrial load_trial(const std::string& path);
 
-/// Runs from the first tick to the one at which the last sample is known.
+/// Runs from the first tick to the one at which the last sample is known, or to the last one the
+/// trial recorded, whichever is later.
 ///
 /// @param each_tick  called after every tick
 void simulate(scene::Session& session, const devices::Trial& trial,

@@ -84,6 +84,21 @@ void LcmLink::publish(const FrameRecord& frame) {
   send(std::string(kFrameChannel), bytes_);
 }
 
+void LcmLink::publish(std::span<const ViewerLink> links) {
+  encode(links, bytes_);
+  send(kViewerLoadChannel, bytes_);
+}
+
+void LcmLink::publish(Time time, std::span<const ViewerPose> poses) {
+  encode(time, poses, bytes_);
+  send(kViewerDrawChannel, bytes_);
+}
+
+void LcmLink::publish(const EyePictures& eyes) {
+  encode(eyes, bytes_);
+  send(kEyesChannel, bytes_);
+}
+
 void LcmLink::publish_pose(const std::string& channel, Time time, const Pose& pose) {
   rigid_transform_t m;
   m.utime = time.count();

@@ -10,6 +10,7 @@
 
 #include "devices/source.h"
 #include "devices/trial.h"
+#include "devices/viewer_messages.h"
 
 /// Samples and everything else of a trial over LCM: published as they happen, subscribed to as a
 /// source.
@@ -32,6 +33,11 @@ class LcmLink {
   void publish(const Event& event);
   void publish(const TickState& state);
   void publish(const FrameRecord& frame);
+
+  /// For Drake's viewer, and for whoever wants to see what the eyes see.
+  void publish(std::span<const ViewerLink> links);
+  void publish(Time time, std::span<const ViewerPose> poses);
+  void publish(const EyePictures& eyes);
 
   /// bot_core's rigid_transform_t, for those who know nothing of headpin.
   void publish_pose(const std::string& channel, Time time, const Pose& pose);
