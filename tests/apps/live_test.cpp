@@ -1,0 +1,79 @@
+// A session in real time: fed by LCM's own player, stopped by signals, replayed to the bit.
+
+#include "devices/log.h"
+#include "tests/apps/command_line.h"
+
+namespace headpin {
+namespace {
+
+const std::string kDemo = HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog";
+
+class Live : public CommandLine {
+ protected:
+  /// Runs a shell script in the folder, in a network of its own that has a multicast route.
+  Result alone(const std::string& script) const {
+    std::ofstream(folder_ / "script.sh")
+        << "ip link set lo up\nip link set lo multicast on\nip route add 224.0.0.0/4 dev lo\n"
+        << "headpin=" HEADPIN_PROGRAM "\n"
+        << script << "\n";
+    const std::string command =
+        "cd '" + folder_.string() + "' && unshare -n sh script.sh >out.txt 2>err.txt </dev/null";
+    const int status = std::system(command.c_str());
+    return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + status, slurp(folder_ / "out.txt"),
+            slurp(folder_ / "err.txt")};
+  }
+
+  void SetUp() override {
+    if (alone("true").code != 0)
+      GTEST_SKIP() << "no private network: " << slurp(folder_ / "err.txt");
+    ASSERT_EQ(headpin("info " + kDemo + " --scenario").code, 0);
+    fs::copy(folder_ / "out.txt", folder_ / "room.toml");
+  }
+};
+
+TEST_F(Live, FedByLcmLogplayerItReplaysToTheSameHashes) {
+  const Result result = alone(
+      "$headpin live --lcm '' --scenario room.toml --record live.lcmlog --duration 9 --eyes png "
+      "--json"
+      " >live.json &\nsleep 1\nlcm-logplayer " +
+      kDemo + " >/dev/null\nwait $!");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const nlohmann::json live = nlohmann::json::parse(slurp(folder_ / "live.json"));
+  EXPECT_EQ(live["ticks"], 9 * 240);  // none skipped, whatever else the machine does
+  EXPECT_EQ(live["samples"], 843);
+  EXPECT_EQ(live["dropped_samples"], 0);
+  EXPECT_GT(live["frames"].get<int>(), 0);
+  EXPECT_GT(live["skittles_down"].get<int>(), 0);
+
+  const nlohmann::json replayed = json("replay live.lcmlog --verify --json");
+  EXPECT_EQ(replayed["verified_ticks"], live["ticks"]);
+  EXPECT_EQ(replayed["state_hash"], live["state_hash"]);
+  EXPECT_EQ(replayed["skittles_down"], live["skittles_down"]);
+}
+
+TEST_F(Live, AnInterruptEndsItCleanlyAndAKillLosesNothingWritten) {
+  const Result ended = alone(
+      "$headpin live --lcm '' --record ended.lcmlog --eyes none 2>/dev/null &\nsleep 1.5\n"
+      "kill -INT $!\nwait $!");
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_TRUE(devices::read_trial((folder_ / "ended.lcmlog").string()).complete);
+
+  alone(
+      "$headpin live --lcm '' --record killed.lcmlog --eyes none 2>/dev/null &\nsleep 1.5\n"
+      "kill -KILL $!\nwait $!");
+  const devices::Trial killed = devices::read_trial((folder_ / "killed.lcmlog").string());
+  EXPECT_FALSE(killed.complete);
+  EXPECT_GT(killed.states.size(), 50u);
+  EXPECT_EQ(killed.states.back().tick, static_cast<std::int64_t>(killed.states.size()));
+}
+
+TEST_F(Live, WithoutARouteItSaysWhatIsWrong) {
+  expect_refusal("live", 2, "nothing to listen to");
+  expect_refusal("live --fastrak missing-tty", 1, "missing-tty");
+  std::ofstream(folder_ / "taken.lcmlog") << "mine";
+  EXPECT_EQ(alone("$headpin live --lcm '' --record taken.lcmlog --duration 1").code, 1);
+  EXPECT_EQ(slurp(folder_ / "taken.lcmlog"), "mine");
+}
+
+}  // namespace
+}  // namespace headpin
