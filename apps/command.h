@@ -21,6 +21,7 @@ struct TryAgain : std::runtime_error {
 };
 
 void add_compare(CLI::App& app);
+void add_doctor(CLI::App& app);
 void add_frames(CLI::App& app);
 void add_live(CLI::App& app);
 void add_replay(CLI::App& app);

@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
   headpin::apps::add_frames(app);
   headpin::apps::add_compare(app);
   headpin::apps::add_live(app);
+  headpin::apps::add_doctor(app);
   headpin::apps::add_stream(app);
   try {
     check_command(app, argc, argv);

@@ -1,0 +1,106 @@
+#include <chrono>
+#include <memory>
+#include <thread>
+
+#include <dlfcn.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "apps/command.h"
+#include "devices/lcm_link.h"
+#include "scene/spectator.h"
+
+namespace headpin::apps {
+
+namespace {
+
+struct Finding {
+  std::string name;
+  bool works;
+  std::string says;  ///< what it is, or what is wrong
+  std::string remedy;
+};
+
+Finding look_at_osmesa() {
+  try {
+    scene::Spectator spectator = scene::make_spectator(scene::Scenario());
+    std::array<render::Image, 2> images;
+    scene::see(spectator, {.X_WD = {}, .X_WB_skittles = {}, .X_WB_ball = {}, .X_WH = {}}, images);
+    return {"osmesa", true, spectator.renderer.description(), ""};
+  } catch (const std::exception& error) {
+    return {"osmesa", false, error.what(), "apt-get install libosmesa6"};
+  }
+}
+
+/// Sends a sample to itself, as an LCM application does at its start.
+Finding look_at_multicast() {
+  const std::string remedy = "ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo";
+  try {
+    devices::LcmLink link("");
+    devices::LcmSource source(link);
+    devices::TrackerSample sample;
+    sample.station = 4;
+    link.publish(devices::Sample(sample));
+    for (int i = 0; i < 50; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      source.receive(Time{1'000'000});
+      if (source.counts().received > 0) return {"lcm_multicast", true, "a sample came back", ""};
+    }
+    return {"lcm_multicast", false, "what is sent does not come back", remedy};
+  } catch (const std::exception& error) {
+    return {"lcm_multicast", false, error.what(), remedy};
+  }
+}
+
+Finding look_for_library(const char* name, const char* file, const char* package) {
+  void* library = dlopen(file, RTLD_LAZY | RTLD_LOCAL);
+  if (!library) return {name, false, "not installed", fmt::format("apt-get install {}", package)};
+  dlclose(library);
+  return {name, true, file, ""};
+}
+
+Finding look_for_program(const char* name, const char* package) {
+  const char* path = std::getenv("PATH");
+  std::string_view rest = path ? path : "";
+  while (!rest.empty()) {
+    const std::size_t colon = rest.find(':');
+    const std::string candidate = fmt::format("{}/{}", rest.substr(0, colon), name);
+    if (access(candidate.c_str(), X_OK) == 0) return {name, true, candidate, ""};
+    rest = colon == std::string_view::npos ? "" : rest.substr(colon + 1);
+  }
+  return {name, false, "not installed", fmt::format("apt-get install {}", package)};
+}
+
+void run(bool json) {
+  const std::vector<Finding> findings = {look_at_osmesa(),
+                                         look_at_multicast(),
+                                         look_for_program("ffmpeg", "ffmpeg"),
+                                         look_for_program("lcm-logplayer", "liblcm-bin"),
+                                         look_for_library("egl", "libEGL.so.1", "libegl1"),
+                                         look_for_program("Rscript", "r-base-core")};
+  nlohmann::json all = nlohmann::json::object();
+  for (const Finding& f : findings) {
+    all[f.name] = {{"works", f.works}, {"says", f.says}, {"remedy", f.remedy}};
+    if (json) continue;
+    fmt::print("{:<15}{:<5}{}\n", f.name, f.works ? "ok" : "no", f.says);
+    if (!f.works) fmt::print("{:<20}type: {}\n", "", f.remedy);
+  }
+  if (json) fmt::print("{}\n", all.dump());
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& app) {
+  auto json = std::make_shared<bool>(false);
+  CLI::App* command = app.add_subcommand("doctor", "Tell what works on this machine");
+  command->add_flag("--json", *json, "print one JSON object");
+  command->footer(
+      "Only pictures need OSMesa, only videos ffmpeg; without a multicast route every command "
+      "works\n"
+      "with file:// and memq:// URLs. EGL and R are for what is to come.\n\nExample:\n  headpin "
+      "doctor");
+  command->callback([json] { run(*json); });
+}
+
+}  // namespace headpin::apps
