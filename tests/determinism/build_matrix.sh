@@ -1,0 +1,57 @@
+#!/usr/bin/env bash
+# Builds the engine with several compilers, levels and instruction sets, plays the same games with
+# each and compares the hash of every tick. Usage: build_matrix.sh [--quick]
+#   --quick  one low and one high level of each compiler instead of all
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/../.."
+levels=(-O1 -O2 -O3)
+[ "${1:-}" = --quick ] && levels=(-O1 -O3)
+work=build/matrix
+mkdir -p "$work"
+eigen=$(pkg-config --cflags eigen3)
+avx2=()
+grep -qs avx2 /proc/cpuinfo && avx2=(-mavx2)
+
+variants=()
+for compiler in g++ clang++; do
+  command -v "$compiler" >/dev/null || { echo "skipped: no $compiler"; continue; }
+  for level in "${levels[@]}"; do
+    if [ "${1:-}" = --quick ]; then
+      [ $level = -O1 ] && variants+=("$compiler -O1") || variants+=("$compiler -O3 ${avx2[*]}")
+      continue
+    fi
+    variants+=("$compiler $level")
+    [ ${#avx2[@]} -eq 0 ] || variants+=("$compiler $level -mavx2" "$compiler $level -mavx2 -mfma")
+  done
+done
+
+# The flags that carry the promise are those of engine/CMakeLists.txt.
+make_one() {
+  local name=${1// /} source
+  local dir=$work/$name
+  mkdir -p "$dir"
+  for source in engine/*.cpp tests/support/bowling.cpp tests/determinism/state_hash.cpp; do
+    # shellcheck disable=SC2086
+    $1 -std=c++20 -DNDEBUG -ffp-contract=off -DEIGEN_DONT_VECTORIZE -I. $eigen \
+      -c "$source" -o "$dir/$(basename "$source").o"
+  done
+  ${1%% *} "$dir"/*.o -o "$dir/state_hash"
+  "$dir/state_hash" >"$work/$name.txt"
+}
+export -f make_one
+export work eigen
+printf '%s\0' "${variants[@]}" | xargs -0 -P "$(nproc)" -I{} bash -euo pipefail -c 'make_one "{}"'
+
+reference=${variants[0]// /}
+cat "$work/$reference.txt"
+failed=0
+for variant in "${variants[@]}"; do
+  if cmp -s "$work/$reference.txt" "$work/${variant// /}.txt"; then
+    echo "same bits: $variant"
+  else
+    echo "DIFFERENT: $variant"
+    diff "$work/$reference.txt" "$work/${variant// /}.txt" || true
+    failed=1
+  fi
+done
+exit $failed
