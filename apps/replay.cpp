@@ -21,6 +21,33 @@ struct Options {
   bool verify = false, force = false, json = false;
 };
 
+/// Energy that each phase of the steps has added [J]; together the change of the whole.
+nlohmann::json ledger(const engine::World& world) {
+  const engine::Ledger& l = world.ledger;
+  return {{"gravity_j", l.gravity.energy},
+          {"hand_j", l.hand.energy},
+          {"impact_j", l.impact.energy},
+          {"sustained_j", l.sustained.energy},
+          {"correction_j", l.correction.energy}};
+}
+
+/// Caps, counts and residuals of all steps.
+nlohmann::json counts(const engine::Statistics& s) {
+  return {{"pairs", s.pairs},
+          {"contacts", s.contacts},
+          {"queries", s.queries.queries},
+          {"query_iterations", s.queries.iterations},
+          {"capped_queries", s.queries.capped},
+          {"impacts", s.impacts},
+          {"impact_sweeps", s.impact_sweeps},
+          {"unfinished_impacts", s.unfinished_impacts},
+          {"pulling_impulses", s.pulls},
+          {"solver_iterations", s.solver_iterations},
+          {"unsolved_islands", s.unsolved},
+          {"largest_residual_mps", s.residual},
+          {"deepest_overlap_m", s.deepest_overlap}};
+}
+
 /// What a replay comes to, as `--json` prints it.
 nlohmann::json summary(const scene::Session& s, double wall_s) {
   const scene::Scenario& scenario = s.scenario;
@@ -41,6 +68,8 @@ nlohmann::json summary(const scene::Session& s, double wall_s) {
           {"simulated_s", simulated_s},
           {"realtime_factor", simulated_s / wall_s},
           {"ticks", s.world.tick},
+          {"ledger", ledger(s.world)},
+          {"statistics", counts(s.statistics)},
           {"state_hash", fmt::format("{:016x}", engine::state_hash(s.world))}};
 }
 
@@ -103,7 +132,14 @@ void run(const Options& options) {
     progress.show(s.world.tick);
     start = std::chrono::steady_clock::now();
   });
-  if (recorder) recorder->close();
+  if (recorder) {
+    recorder->write(devices::Event{.time = session.now(),
+                                   .tick = session.world.tick,
+                                   .kind = "ledger",
+                                   .bodies = {},
+                                   .detail = ledger(session.world).dump()});
+    recorder->close();
+  }
 
   nlohmann::json result = summary(session, std::chrono::duration<double>(spent).count());
   if (verifier) result["verified_ticks"] = verifier->compared();

@@ -130,6 +130,7 @@ engine::Parameters world_parameters(const Scenario& scenario) {
       c.detection == "paper" ? engine::Query::Mode::paper : engine::Query::Mode::converged;
   p.query.cap = static_cast<int>(c.iterations);
   p.sleep = c.sleep;
+  p.keep_ledger = true;
   return p;
 }
 

@@ -45,7 +45,7 @@ struct Rack {
 struct Skittle {
   double height = 0.381;
   double mass = 1.588;
-  double rolling_arm = 0.003;      ///< what brings a skittle on its side to rest
+  double rolling_arm = 0.008;      ///< what brings a skittle on its side to rest
   std::vector<SkittlePart> parts;  ///< its true shape, as the collisions see it
   std::vector<Vec2> profile;       ///< (height above the base, radius), as the eyes see it
 };

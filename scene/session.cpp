@@ -191,6 +191,7 @@ void advance(Session& s, devices::Source& source) {
   drive_hand(s, now - delay(s));
   const double ball_speed = s.world.states[s.ball].v_WB.norm();
   engine::step(s.world);
+  s.statistics += s.world.statistics;
   note_contacts(s, ball_speed);
   note_fallen(s);
 }

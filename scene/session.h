@@ -40,6 +40,7 @@ struct Session {
   engine::BodyId first_skittle = 0;  ///< of scenario.rack.spots.size(), in the order of the spots
   Player player;
   Score score;
+  engine::Statistics statistics;  ///< of all steps so far
 
   // What the last tick took in and gave out.
   std::vector<devices::Sample> samples;

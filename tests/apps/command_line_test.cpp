@@ -74,6 +74,9 @@ TEST_F(CommandLine, ReplayTellsWhatHappenedAndRepeatsToTheBit) {
     EXPECT_TRUE(first.contains(key)) << key;
   }
   EXPECT_GT(first["skittles_down"].get<int>(), 0);
+  EXPECT_LT(first["ledger"]["impact_j"].get<double>(), -1.0);  // skittles and lane take energy
+  EXPECT_GT(first["ledger"]["hand_j"].get<double>(), 100.0);   // half of 6.8 kg at 6.6 m/s, squared
+  EXPECT_GT(first["statistics"]["impacts"].get<int>(), 10);
   const nlohmann::json again = json("replay a.lcmlog -o b.lcmlog --verify --json");
   EXPECT_EQ(again["state_hash"], first["state_hash"]);
   EXPECT_EQ(again["verified_ticks"], first["ticks"]);
