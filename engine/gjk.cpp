@@ -54,17 +54,20 @@ Nearest of_tetrahedron(const Vec3* w) {
   const double v0 = volume(w[1], w[2], w[3]), v1 = -volume(w[0], w[2], w[3]);
   const double v2 = volume(w[0], w[1], w[3]), v3 = -volume(w[0], w[1], w[2]);
   const double sum = v0 + v1 + v2 + v3;
-  if ((sum > 0.0 && v0 > 0.0 && v1 > 0.0 && v2 > 0.0 && v3 > 0.0) ||
-      (sum < 0.0 && v0 < 0.0 && v1 < 0.0 && v2 < 0.0 && v3 < 0.0)) {
+  // Four points of one face of A - B: rounding decides their signs, so all faces are looked at.
+  const double edges =
+      (w[1] - w[0]).squaredNorm() * (w[2] - w[0]).squaredNorm() * (w[3] - w[0]).squaredNorm();
+  const bool flat = sum * sum <= 1e-20 * edges;
+  const double sign = sum < 0.0 ? -1.0 : 1.0;
+  if (!flat && sign * v0 > 0.0 && sign * v1 > 0.0 && sign * v2 > 0.0 && sign * v3 > 0.0) {
     return {{0, 1, 2, 3}, {v0 / sum, v1 / sum, v2 / sum, v3 / sum}, 4, 0.0};
   }
   // Nearest are the faces that have the origin on their outside.
-  const double sign = sum < 0.0 ? -1.0 : 1.0;
   Nearest best;
-  if (sum == 0.0 || sign * v0 <= 0.0) best = of_triangle(w, 1, 2, 3);
-  if (sum == 0.0 || sign * v1 <= 0.0) best = nearer(best, of_triangle(w, 0, 2, 3));
-  if (sum == 0.0 || sign * v2 <= 0.0) best = nearer(best, of_triangle(w, 0, 1, 3));
-  if (sum == 0.0 || sign * v3 <= 0.0) best = nearer(best, of_triangle(w, 0, 1, 2));
+  if (flat || sign * v0 <= 0.0) best = of_triangle(w, 1, 2, 3);
+  if (flat || sign * v1 <= 0.0) best = nearer(best, of_triangle(w, 0, 2, 3));
+  if (flat || sign * v2 <= 0.0) best = nearer(best, of_triangle(w, 0, 1, 3));
+  if (flat || sign * v3 <= 0.0) best = nearer(best, of_triangle(w, 0, 1, 2));
   return best;
 }
 

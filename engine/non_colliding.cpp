@@ -89,10 +89,16 @@ bool apart(S& search, Vec3 n, double size, Closest& proof) {
 /// plane.
 template <typename S>
 __attribute__((flatten, noinline)) Closest from_outside(S& search, Vec3 n, Support best,
-                                                        double size, double margin) {
-  const double off = 0.1 * size, tolerance = 1e-6 * size;
+                                                        double size, double margin,
+                                                        double tolerance) {
+  const double off = 0.1 * size;
   Simplex simplex;
-  Vec3 best_n = n, p = (best.h + off) * n;
+  Vec3 best_n = n;
+  // Well apart, the origin itself is outside, and its nearest point is the answer.
+  const auto outside = [&]() -> Vec3 {
+    return best.h < -0.5 * off ? Vec3(Vec3::Zero()) : Vec3((best.h + off) * best_n);
+  };
+  Vec3 p = outside();
   simplex.add(best.S, best.s_A, best.s_B);
   Vec3 v = simplex.reduce(p);
   for (int step = 0; step < 60; ++step) {
@@ -111,7 +117,7 @@ __attribute__((flatten, noinline)) Closest from_outside(S& search, Vec3 n, Suppo
     if (gap <= tolerance && gain <= tolerance) break;
     const bool known = simplex.holds(s.S);
     if (known ? gain <= 0.0 : simplex.count == 4) break;  // rounding: no way on
-    if (gain > 0.0) p = (best.h + off) * best_n;
+    if (gain > 0.0) p = outside();
     if (!known) simplex.add(s.S, s.s_A, s.s_B);
     v = simplex.reduce(p);
   }
@@ -120,6 +126,129 @@ __attribute__((flatten, noinline)) Closest from_outside(S& search, Vec3 n, Suppo
   c.p_A = simplex.p_A();
   c.p_B = -simplex.p_B();
   return c;
+}
+
+/// The feature of a hull that is in view along n: a face, an edge or a vertex whose normals are
+/// near n.
+struct Feature {
+  const Polyhedron::Face* face = nullptr;
+  std::uint32_t from = 0, to = 0;  ///< of an edge; equal: a vertex
+};
+
+Feature in_view(const posed::Hull& hull, const Vec3& n, double near) {
+  const Polyhedron& shape = *hull.shape;
+  const std::uint32_t v = hull.last;
+  const Vec3 n_G = hull.sign * (hull.R.transpose() * n);
+  Feature f{nullptr, v, v};
+  double most = 1.0 - 0.5 * near * near;
+  for (const std::uint32_t k : shape.faces_at(v)) {
+    const double cosine = n_G.dot(shape.faces()[k].normal);
+    if (cosine > most) {
+      most = cosine;
+      f.face = &shape.faces()[k];
+    }
+  }
+  double least = near;
+  for (const std::uint32_t w : shape.neighbours(v)) {
+    const Vec3 along = shape.vertices()[w] - shape.vertices()[v];
+    const double sine = std::abs(n_G.dot(along)) / along.norm();
+    if (sine < least) {
+      least = sine;
+      f.to = w;
+    }
+  }
+  return f;
+}
+
+/// Whether a point of the face's plane lies in the face; if not, the edge that it is furthest
+/// beyond.
+bool in_face(const posed::Hull& hull, const Polyhedron::Face& face, const Vec3& p,
+             Feature& beyond) {
+  const auto corners = hull.shape->corners(face);
+  const Vec3 p_G = hull.R.transpose() * (hull.sign * p - hull.p);
+  double most = 0.0;
+  for (std::size_t k = 0; k < corners.size(); ++k) {
+    const std::uint32_t i = corners[k], j = corners[k + 1 < corners.size() ? k + 1 : 0];
+    const Vec3& a = hull.shape->vertices()[i];
+    const Vec3 along = hull.shape->vertices()[j] - a;
+    const double outside = (p_G - a).dot(along.cross(face.normal)) / along.norm();
+    if (outside > most) {
+      most = outside;
+      beyond.from = i;
+      beyond.to = j;
+    }
+  }
+  return most == 0.0;
+}
+
+template <typename F>
+Descent with_feature(const posed::Hull& hull, const Feature& f, F&& descend_on) {
+  if (f.from == f.to) return descend_on(posed::Point{hull.vertex(f.from)});
+  return descend_on(posed::edge(hull, f.from, f.to));
+}
+
+/// Newton's method with a hull's feature in place of the hull. The result counts when the whole
+/// hull reaches no further along the normal found; false when the guess was wrong.
+template <typename A, typename B>
+bool by_feature(Search<A, B>& search, Vec3 n, double size, const Query& q, double near,
+                Closest& c) {
+  constexpr bool hull_a = std::is_same_v<A, posed::Hull>, hull_b = std::is_same_v<B, posed::Hull>;
+  Feature fa, fb;
+  if constexpr (hull_a) fa = in_view(search.a, n, near);
+  if constexpr (hull_b) fb = in_view(search.b, n, near);
+  // A face: its normal is known, and what touches it must lie within it.
+  if (fa.face != nullptr || fb.face != nullptr) {
+    const bool of_a = fa.face != nullptr;
+    if constexpr (hull_a) {
+      if (of_a) n = search.a.normal(*fa.face);
+    }
+    if constexpr (hull_b) {
+      if (!of_a) n = search.b.normal(*fb.face);
+    }
+    const Support s = search(n);
+    if (s.h < -q.margin) {
+      c = search.answer(s, n);
+      return true;
+    }
+    if constexpr (hull_a) {
+      const Vec3 touching = s.h * n - s.s_B;
+      if (of_a && in_face(search.a, *fa.face, touching, fa)) {
+        c = search.answer({touching, s.s_B, s.S, s.h}, n);
+        return true;
+      }
+    }
+    if constexpr (hull_b) {
+      const Vec3 touching = s.h * n - s.s_A;
+      if (!of_a && in_face(search.b, *fb.face, touching, fb)) {
+        c = search.answer({s.s_A, touching, s.S, s.h}, n);
+        return true;
+      }
+    }
+  }
+  const auto on_b = [&](const auto& a) {
+    if constexpr (hull_b) {
+      return with_feature(search.b, fb,
+                          [&](const auto& b) { return descend(a, b, n, size, q.margin, q.cap); });
+    } else {
+      return descend(a, search.b, n, size, q.margin, q.cap);
+    }
+  };
+  Descent d;
+  if constexpr (hull_a) {
+    d = with_feature(search.a, fa, on_b);
+  } else {
+    d = on_b(search.a);
+  }
+  search.evaluations += d.evaluations;
+  if (d.end == Descent::unresolved) return false;
+  const Support s = search(d.n);
+  if (s.h < -q.margin) {
+    c = search.answer(s, d.n);
+    return true;
+  }
+  if (d.end == Descent::apart || s.h > d.h + 1e-10 * size) return false;
+  c = search.answer({d.s_A, d.s_B, s.S, s.h}, d.n);
+  return true;
 }
 
 double size_of(const Ellipsoid& s) {
@@ -192,11 +321,16 @@ __attribute__((noinline)) Closest converged(const A& a, const B& b, S& search, V
       search.evaluations += d.evaluations;
       n = d.n;
       best = {d.s_A, d.s_B, d.s_A + d.s_B, d.h};
-      c = d.end == Descent::unresolved ? from_outside(search, n, best, size, q.margin)
+      c = d.end == Descent::unresolved ? from_outside(search, n, best, size, q.margin, 1e-9 * size)
                                        : search.answer(best, n);
       c.capped = d.end == Descent::unresolved;
-    } else {
-      c = from_outside(search, n, best, size, q.margin);
+    } else if (!(warm && by_feature(search, n, size, q, 0.03, c))) {
+      // Polyhedra alone end exactly; with round shapes it is enough to come near the feature.
+      constexpr bool flat = std::is_same_v<A, B>;
+      c = from_outside(search, n, best, size, q.margin, flat ? 1e-8 * size : 1e-2 * size);
+      if (!flat && !(c.distance > q.margin) && !by_feature(search, c.n_AB, size, q, 0.05, c)) {
+        c = from_outside(search, c.n_AB, search(c.n_AB), size, q.margin, 1e-8 * size);
+      }
     }
     // A point of both proves that they meet.
     if (!c.separated && !contains(a, c.p_B, 1e-9 * size)) {

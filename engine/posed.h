@@ -165,12 +165,37 @@ struct Hull {
   const engine::Polyhedron* shape;
   Mat3 R;  ///< of the shape in A's frame
   Vec3 p;
-  double sign;  ///< -1 when mirrored
+  double sign;                 ///< -1 when mirrored
+  std::uint32_t last = kNone;  ///< the vertex answered last: the next one is near
 
-  HEADPIN_INLINE Vec3 support(const Vec3& n) const {
-    return sign * (R * engine::support(*shape, Vec3(sign * (R.transpose() * n))) + p);
+  static constexpr std::uint32_t kNone = 0xffffffff;
+
+  Vec3 support(const Vec3& n) {
+    const Vec3 n_G = sign * (R.transpose() * n);
+    last = last == kNone ? shape->furthest(n_G) : shape->climb(last, n_G);
+    return vertex(last);
   }
+  Vec3 vertex(std::uint32_t i) const { return sign * (R * shape->vertices()[i] + p); }
+  Vec3 normal(const engine::Polyhedron::Face& f) const { return sign * (R * f.normal); }
 };
+
+/// A vertex of a hull on its own.
+struct Point {
+  static constexpr bool kKinks = false;
+  static constexpr double radius = 0.0;
+
+  Vec3 c;
+
+  At at(const Vec3&) const { return {c, Vec3::Zero(), 0.0, At::point, 0}; }
+  static void add_bend(const Vec3&, const At&, const Vec3&, const Vec3&, Bend&) {}
+};
+
+/// An edge of a hull on its own is a cylinder without radius.
+inline Cylinder edge(const Hull& hull, std::uint32_t from, std::uint32_t to) {
+  const Vec3 a = hull.vertex(from), b = hull.vertex(to), d = b - a;
+  const double length = d.norm();
+  return {{0.5 * (a + b), d / length, 0.0, 0.5 * length}};
+}
 
 inline Ellipsoid pose_A(const engine::Ellipsoid& s) {
   return {Vec3::Zero(),
