@@ -25,11 +25,6 @@ namespace {
 /// So many bodies are compared directly, each with each: quicker than any grid.
 constexpr std::size_t kFew = 24;
 
-std::uint32_t hash(std::int32_t x, std::int32_t y, std::int32_t z) {
-  return static_cast<std::uint32_t>(x) * 73856093u ^ static_cast<std::uint32_t>(y) * 19349663u ^
-         static_cast<std::uint32_t>(z) * 83492791u;
-}
-
 }  // namespace
 
 const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_W,
@@ -51,10 +46,12 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
     boxes_[i] = {c.a.cwiseMin(c.b) - r, c.a.cwiseMax(c.b) + r};
     extent += (boxes_[i].high - boxes_[i].low).maxCoeff();
   }
-  const auto meet = [&](std::uint32_t i, std::uint32_t j) {
+  const auto boxes_meet = [&](std::uint32_t i, std::uint32_t j) {
     const Box &a = boxes_[i], &b = boxes_[j];
-    return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all() &&
-           distance(bounds_W[i], bounds_W[j]) <= margin;
+    return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all();
+  };
+  const auto meet = [&](std::uint32_t i, std::uint32_t j) {
+    return boxes_meet(i, j) && distance(bounds_W[i], bounds_W[j]) <= margin;
   };
   if (n <= kFew) {
     for (std::uint32_t i = 0; i < n; ++i) {
@@ -64,54 +61,86 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
     }
     return pairs_;
   }
-  // Twice the usual body: most then lie in one to four cells.
-  const double cell = std::max(2.0 * extent / static_cast<double>(n), 1e-9);
+  // Three times the usual body: most then lie in one or two cells.
+  const double cell = std::max(3.0 * extent / static_cast<double>(n), 1e-9);
   const double inverse = 1.0 / cell;
   const auto coordinate = [&](double x) {
     return static_cast<std::int32_t>(std::clamp(std::floor(x * inverse), -1e9, 1e9));
   };
 
-  unsorted_.clear();
   large_.clear();
+  std::int32_t least[3] = {}, most[3] = {};
+  bool any = false;
   for (std::uint32_t i = 0; i < n; ++i) {
-    const Box& box = boxes_[i];
-    if (!((box.high - box.low).maxCoeff() <= 4.0 * cell)) {
+    if (!((boxes_[i].high - boxes_[i].low).maxCoeff() <= 3.0 * cell)) {
       large_.push_back(i);
       continue;
     }
-    const Cell low{coordinate(box.low.x()), coordinate(box.low.y()), coordinate(box.low.z())};
-    const Cell high{coordinate(box.high.x()), coordinate(box.high.y()), coordinate(box.high.z())};
-    for (std::int32_t z = low.z; z <= high.z; ++z) {
-      for (std::int32_t y = low.y; y <= high.y; ++y) {
-        for (std::int32_t x = low.x; x <= high.x; ++x) unsorted_.push_back({i, {x, y, z}});
+    for (int k = 0; k < 3; ++k) {
+      const std::int32_t low = coordinate(boxes_[i].low[k]), high = coordinate(boxes_[i].high[k]);
+      least[k] = any ? std::min(least[k], low) : low;
+      most[k] = any ? std::max(most[k], high) : high;
+    }
+    any = true;
+  }
+  // A grid of powers of two, as wide as the bodies are spread, but of no more than four cells a
+  // body: a wider world is wrapped round it. Cells that fall together cost comparisons, no errors.
+  std::uint32_t bits[3] = {0, 0, 0};
+  for (std::uint32_t slots = 1; slots < 4 * n; slots *= 2) {
+    int widest = 0;
+    double width[3];
+    for (int k = 0; k < 3; ++k) {
+      width[k] =
+          std::ldexp(1.0 + most[k] - static_cast<double>(least[k]), -static_cast<int>(bits[k]));
+      if (width[k] > width[widest]) widest = k;
+    }
+    if (width[widest] <= 1.0) break;
+    ++bits[widest];
+  }
+  const auto slot = [&](std::int32_t x, std::int32_t y, std::int32_t z) {
+    const auto wrap = [&](std::int32_t c, int k) {
+      return static_cast<std::uint32_t>(c) & ((1u << bits[k]) - 1u);
+    };
+    return wrap(x, 0) | wrap(y, 1) << bits[0] | wrap(z, 2) << (bits[0] + bits[1]);
+  };
+
+  unsorted_.clear();
+  const std::uint32_t slots = 1u << (bits[0] + bits[1] + bits[2]);
+  slots_.assign(slots + 1, 0);
+  std::size_t next_large = 0;
+  for (std::uint32_t i = 0; i < n; ++i) {
+    if (next_large < large_.size() && large_[next_large] == i) {
+      ++next_large;
+      continue;
+    }
+    const Box& box = boxes_[i];
+    const std::int32_t x0 = coordinate(box.low.x()), x1 = coordinate(box.high.x());
+    const std::int32_t y0 = coordinate(box.low.y()), y1 = coordinate(box.high.y());
+    const std::int32_t z0 = coordinate(box.low.z()), z1 = coordinate(box.high.z());
+    for (std::int32_t z = z0; z <= z1; ++z) {
+      for (std::int32_t y = y0; y <= y1; ++y) {
+        for (std::int32_t x = x0; x <= x1; ++x) {
+          unsorted_.push_back({i, slot(x, y, z)});
+          ++slots_[unsorted_.back().slot + 1];
+        }
       }
     }
   }
-
   // Counting sort by slot; bodies stay in order inside a slot.
-  std::uint32_t slots = 16;
-  while (slots < 2 * unsorted_.size()) slots *= 2;
-  slots_.assign(slots + 1, 0);
-  const auto slot = [&](const Cell& c) { return hash(c.x, c.y, c.z) & (slots - 1); };
-  for (const Entry& e : unsorted_) ++slots_[slot(e.cell) + 1];
   for (std::uint32_t k = 0; k < slots; ++k) slots_[k + 1] += slots_[k];
   count_.assign(slots_.begin(), slots_.end() - 1);
   entries_.resize(unsorted_.size());
-  for (const Entry& e : unsorted_) entries_[count_[slot(e.cell)]++] = e;
+  for (const Entry& e : unsorted_) entries_[count_[e.slot]++] = e.body;
 
   for (std::uint32_t k = 0; k < slots; ++k) {
     for (std::uint32_t i = slots_[k]; i < slots_[k + 1]; ++i) {
       for (std::uint32_t j = i + 1; j < slots_[k + 1]; ++j) {
-        const Entry &a = entries_[i], &b = entries_[j];
-        if (a.cell.x != b.cell.x || a.cell.y != b.cell.y || a.cell.z != b.cell.z) continue;
-        if (!moves(a.body) && !moves(b.body)) continue;
+        const std::uint32_t a = entries_[i], b = entries_[j];
+        if (a == b || (!moves(a) && !moves(b)) || !boxes_meet(a, b)) continue;
         // Both may share several cells: only the lowest of what the boxes share reports them.
-        const Vec3 low = boxes_[a.body].low.cwiseMax(boxes_[b.body].low);
-        if (coordinate(low.x()) != a.cell.x || coordinate(low.y()) != a.cell.y ||
-            coordinate(low.z()) != a.cell.z) {
-          continue;
-        }
-        if (meet(a.body, b.body)) found_.push_back({a.body, b.body});
+        const Vec3 low = boxes_[a].low.cwiseMax(boxes_[b].low);
+        if (slot(coordinate(low.x()), coordinate(low.y()), coordinate(low.z())) != k) continue;
+        if (distance(bounds_W[a], bounds_W[b]) <= margin) found_.push_back({a, b});
       }
     }
   }
@@ -134,6 +163,8 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
       std::swap(pairs_[j], pairs_[j - 1]);
     }
   }
+  // Wrapped cells can report a pair twice.
+  pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
   return pairs_;
 }
 

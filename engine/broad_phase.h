@@ -40,18 +40,14 @@ class BroadPhase {
   struct Box {
     Vec3 low, high;
   };
-  struct Cell {
-    std::int32_t x, y, z;
-  };
   struct Entry {
-    std::uint32_t body;
-    Cell cell;
+    std::uint32_t body, slot;
   };
 
   std::vector<Box> boxes_;
   std::vector<std::uint32_t> large_;
-  std::vector<Entry> unsorted_, entries_;
-  std::vector<std::uint32_t> slots_;
+  std::vector<Entry> unsorted_;
+  std::vector<std::uint32_t> slots_, entries_;
   std::vector<Pair> pairs_, found_;
   std::vector<std::uint32_t> count_;
 };

@@ -326,7 +326,7 @@ double by_ode(const std::vector<OdeScene>& scenes) {
 
 // ---- tables
 
-constexpr int kRounds = 15;
+constexpr int kRounds = 25;
 
 void measure(const std::string& name, const std::vector<Scene>& scenes,
              std::vector<bench::Row>& rows) {

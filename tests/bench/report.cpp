@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -48,19 +49,17 @@ void publish(const std::string& name, const std::vector<Row>& rows) {
 }
 
 std::vector<double> interleaved(const std::vector<Contestant>& contestants, int rounds) {
-  std::vector<std::vector<double>> times(contestants.size());
+  std::vector<double> least(contestants.size(), std::numeric_limits<double>::infinity());
   for (const Contestant& c : contestants) sink = sink + c.run();  // warm up
   for (int round = 0; round < rounds; ++round) {
     for (std::size_t i = 0; i < contestants.size(); ++i) {
       const auto start = std::chrono::steady_clock::now();
       sink = sink + contestants[i].run();
       const auto stop = std::chrono::steady_clock::now();
-      times[i].push_back(std::chrono::duration<double>(stop - start).count());
+      least[i] = std::min(least[i], std::chrono::duration<double>(stop - start).count());
     }
   }
-  std::vector<double> medians;
-  for (std::vector<double>& t : times) medians.push_back(median(t));
-  return medians;
+  return least;
 }
 
 double growth_exponent(const std::vector<double>& x, const std::vector<double>& y) {

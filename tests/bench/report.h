@@ -34,14 +34,10 @@ struct Contestant {
   std::function<double()> run;
 };
 
-/// Runs the contestants in turn, `rounds` times over, and returns the median time of each [s]. What
-/// disturbs the machine meanwhile disturbs them all.
+/// Runs the contestants in turn, `rounds` times over, and returns the least time of each [s]: what
+/// comes between on a shared machine only ever adds, and the turns give all the same chance of a
+/// quiet moment.
 std::vector<double> interleaved(const std::vector<Contestant>& contestants, int rounds);
-
-inline double median(std::vector<double> v) {
-  std::sort(v.begin(), v.end());
-  return v[v.size() / 2];
-}
 
 /// Slope of log y over log x, least squares.
 double growth_exponent(const std::vector<double>& x, const std::vector<double>& y);
