@@ -43,9 +43,6 @@ struct Search {
 template <typename A, typename B>
 Search(A, B) -> Search<A, B>;  // clang 14 does not deduce it of an aggregate
 
-template <typename A, typename B>
-Search(A, B) -> Search<A, B>;  // clang 14 does not deduce it of an aggregate
-
 /// Steps of the paper's iteration after the first one before Newton's.
 constexpr int kPaperSteps = 1;
 
