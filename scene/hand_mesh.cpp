@@ -63,7 +63,7 @@ constexpr std::array<double, kFingers> kAhead{0.042, 0.045, 0.041, 0.034};     /
 render::Mesh open_hand_mesh() {
   std::vector<Bone> bones;
   const Vec3 wrist(0.0, 0.0, 0.055);
-  bones.push_back({wrist + Vec3(0.0, -0.004, 0.13), wrist, 0.034, 0.026});
+  bones.push_back({wrist + Vec3(0.0, -0.004, 0.07), wrist, 0.030, 0.026});
   for (std::size_t i = 0; i < kFingers; ++i) {
     const double x = kAcross[i], l = kLength[i];
     const Vec3 knuckle(x, 0.004, -kAhead[i]);
@@ -96,7 +96,7 @@ render::Mesh gripping_hand_mesh(const Vec3& p_HB, double radius) {
   std::vector<Bone> bones;
   const Vec3 wrist = at(-0.055, 0.0, 0.026);
   const Vec3 back = (out - 0.55 * over).normalized();
-  bones.push_back({wrist + 0.13 * back, wrist, 0.034, 0.026});
+  bones.push_back({wrist + 0.07 * back, wrist, 0.030, 0.026});
   for (std::size_t i = 0; i < kFingers; ++i) {
     const double x = kAcross[i], k = kAhead[i], l = kLength[i];
     bones.push_back({at(-0.045, 0.4 * x, 0.020), at(k, x, 0.014), 0.018, 0.0125});

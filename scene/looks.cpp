@@ -53,7 +53,7 @@ Looks::Looks(render::Renderer& renderer, const Scenario& scenario, double skittl
     : ball_radius(scenario.ball.radius) {
   const Outline outline = smooth_outline(scenario.skittle.profile);
   double widest = 0.0;
-  for (const Vec2& p : outline) widest = std::max(widest, p.y());
+  for (const SkittlePart& part : scenario.skittle.parts) widest = std::max(widest, part.radius);
   const double height = scenario.skittle.height;
   const Outline ellipsoid = ellipsoid_outline(height, widest);
   true_skittle = renderer.add(skittle_mesh(outline, skittle_centre, kRings, kSides));

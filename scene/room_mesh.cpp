@@ -138,6 +138,17 @@ class Builder {
   std::vector<Lamp> lamps_;
 };
 
+const Vec3 kWainscot = srgb(0x8a5a34);
+
+/// HEADPIN, seven rows of five squares a letter.
+constexpr std::array<std::array<int, 7>, 7> kName{{{0x11, 0x11, 0x11, 0x1f, 0x11, 0x11, 0x11},
+                                                   {0x1f, 0x10, 0x10, 0x1e, 0x10, 0x10, 0x1f},
+                                                   {0x0e, 0x11, 0x11, 0x1f, 0x11, 0x11, 0x11},
+                                                   {0x1e, 0x11, 0x11, 0x11, 0x11, 0x11, 0x1e},
+                                                   {0x1e, 0x11, 0x11, 0x1e, 0x10, 0x10, 0x10},
+                                                   {0x0e, 0x04, 0x04, 0x04, 0x04, 0x04, 0x0e},
+                                                   {0x11, 0x19, 0x15, 0x13, 0x11, 0x11, 0x11}}};
+
 double gutter_edge(const RoomMeasures& room) {
   return 0.5 * room.lane_width + room.gutter_width;
 }
@@ -179,7 +190,9 @@ Mesh beside_mesh(const RoomMeasures& room, const Builder& build) {
       Vec2 a = gutter_point(room, i), b = gutter_point(room, i + 1);
       if (side < 0.0) std::swap(a, b);
       const Vec3 from(side * a.x(), 0, a.y()), to(side * b.x(), 0, b.y());
-      build.panel(mesh, from, to - from, along, srgb(0x55585c), 0.5);
+      // Flat or not, it is shaded like a channel.
+      const double shade = 1.0 - 0.55 * sin_cos(std::numbers::pi * (i + 0.5) / kGutterFaces).sin;
+      build.panel(mesh, from, to - from, along, shade * srgb(0x6b6f74), 0.5);
     }
     // The near end of the gutter, under the foul line, and a strip of wood along its outer edge.
     const double strip = 0.06, inner = side > 0.0 ? edge : -edge - strip;
@@ -220,7 +233,7 @@ Mesh wall_mesh(const RoomMeasures& room, const Builder& build) {
   Mesh mesh;
   mesh.surface = Surface::baked;
   const double w = 0.5 * room.width, length = room.behind + room.ahead;
-  const Vec3 wood = srgb(0x8a5a34), rail = srgb(0xc79a66), cream = srgb(0xe8dcc0);
+  const Vec3 rail = srgb(0xc79a66), cream = srgb(0xefe4cb);
   const double dado = 0.9, cap = 0.06;
   // Each wall from its lower corner, left as one faces it.
   const std::array<std::pair<Vec3, Vec3>, 3> walls{
@@ -232,10 +245,18 @@ Mesh wall_mesh(const RoomMeasures& room, const Builder& build) {
     const int slats = static_cast<int>(along.norm() / 0.15);
     for (int i = 0; i < slats; ++i) {
       build.panel(mesh, corner + along * i / slats, along / slats, dado * up,
-                  wood * (1.0 + 0.10 * speckle(i, 11)), 0.45);
+                  kWainscot * (1.0 + 0.10 * speckle(i, 11)), 0.45);
     }
     build.panel(mesh, corner + dado * up, along, cap * up, rail);
-    build.panel(mesh, corner + (dado + cap) * up, along, (room.height - dado - cap) * up, cream);
+    // Stripes at the height of the eyes' lower view: walls that move show how fast one moves.
+    const std::array<std::pair<double, Vec3>, 5> stripes{
+        std::pair{dado + cap, cream}, std::pair{1.32, srgb(0xc9502f)}, std::pair{1.38, cream},
+        std::pair{1.42, srgb(0x2d5f9a)}, std::pair{1.48, cream}};
+    for (std::size_t i = 0; i < stripes.size(); ++i) {
+      const double end = i + 1 < stripes.size() ? stripes[i + 1].first : room.height;
+      build.panel(mesh, corner + stripes[i].first * up, along, (end - stripes[i].first) * up,
+                  stripes[i].second);
+    }
   }
   const Vec3 white = srgb(0xf0ece2);
   build.panel(mesh, {-w, -room.behind, room.height}, {0, length, 0}, {room.width, 0, 0}, white);
@@ -246,8 +267,8 @@ Mesh wall_mesh(const RoomMeasures& room, const Builder& build) {
   for (const auto& [corner, along] : walls) {
     const Vec3 past = out * along.normalized();
     const Vec3 from =
-        corner - past + out * past.cross(Vec3::UnitZ()).normalized() - under * Vec3::UnitZ();
-    build.panel(mesh, from, along + 2.0 * past, (dado + under) * Vec3::UnitZ(), wood, 1.0);
+        corner - past - out * past.cross(Vec3::UnitZ()).normalized() - under * Vec3::UnitZ();
+    build.panel(mesh, from, along + 2.0 * past, (dado + under) * Vec3::UnitZ(), kWainscot, 1.0);
     build.panel(mesh, from + (dado + under) * Vec3::UnitZ(), along + 2.0 * past,
                 (room.height - dado + out) * Vec3::UnitZ(), cream, 1.0);
   }
@@ -275,8 +296,13 @@ Mesh front_mesh(const RoomMeasures& room, const Builder& build) {
   const Vec3 blue = srgb(0x2d5f9a), navy = srgb(0x16233f), black = srgb(0x14161b);
   const Vec3 left(-w, room.ahead, 0.0);
   const double low = room.masking_low;
+  const double beside =
+      w - gutter_edge(room) - 0.1;  // of the wall, left and right of the kick-backs
   // u x v points to the player.
-  build.panel(mesh, left, {room.width, 0, 0}, {0, 0, low}, black);
+  build.panel(mesh, left, {beside, 0, 0}, {0, 0, low}, kWainscot);
+  build.panel(mesh, left + Vec3(beside, 0, 0), {room.width - 2.0 * beside, 0, 0}, {0, 0, low},
+              black);
+  build.panel(mesh, left + Vec3(room.width - beside, 0, 0), {beside, 0, 0}, {0, 0, low}, kWainscot);
   build.panel(mesh, left + Vec3(0, 0, low), {room.width, 0, 0}, {0, 0, room.height - low}, blue);
   const std::vector<Block> blocks = front_blocks(room);
   build.block(mesh, blocks[0].low_W, blocks[0].high_W, navy, srgb(0xc79a66));
@@ -288,6 +314,19 @@ Mesh front_mesh(const RoomMeasures& room, const Builder& build) {
   for (std::size_t i = 0; i < bands.size(); ++i) {
     const double z = low + 0.06 + 0.05 * static_cast<double>(i);
     build.panel(mesh, {-0.5 * width, y - 0.004, z}, {width, 0, 0}, {0, 0, 0.05}, srgb(bands[i]));
+  }
+  // The name above them, in squares.
+  const double square = 0.9 * width / (6 * kName.size()), top = low + 0.55;
+  for (std::size_t letter = 0; letter < kName.size(); ++letter) {
+    for (int row = 0; row < 7; ++row) {
+      for (int column = 0; column < 5; ++column) {
+        if ((kName[letter][static_cast<std::size_t>(row)] >> (4 - column) & 1) == 0) continue;
+        const double x =
+            -0.45 * width + square * (6.0 * static_cast<double>(letter) + 0.5 + column);
+        build.panel(mesh, {x, y - 0.004, top - square * (row + 1)}, {square, 0, 0}, {0, 0, square},
+                    srgb(0xf2e3b6));
+      }
+    }
   }
   return mesh;
 }
@@ -308,14 +347,14 @@ std::vector<Lamp> room_lamps(const RoomMeasures& room) {
   std::vector<Lamp> lamps;
   for (const double share : {0.16, 0.46, 0.76}) {
     const double y = -room.behind + share * (room.behind + room.ahead);
-    lamps.push_back({{0.0, y, z}, 1.9 * warm});
+    lamps.push_back({{0.0, y, z}, 2.3 * warm});
   }
-  lamps.push_back({{0.0, portal(room) + 0.25, room.masking_low + 0.1}, 0.28 * warm});
+  lamps.push_back({{0.0, portal(room) + 0.25, room.masking_low + 0.1}, 0.42 * warm});
   return lamps;
 }
 
 Ambient room_ambient() {
-  return {Vec3(0.26, 0.265, 0.28), Vec3(0.20, 0.165, 0.125)};
+  return {Vec3(0.31, 0.315, 0.33), Vec3(0.24, 0.20, 0.155)};
 }
 
 RoomMeshes room_meshes(const RoomMeasures& room) {

@@ -120,6 +120,24 @@ TEST(Looks, HaveARoomWithoutHoles) {
   }
 }
 
+TEST(Looks, HaveWallsAndFloorWhereTheRoomEnds) {
+  Seen seen;
+  const Room& room = seen.scenario.room;
+  const double quarter = 0.5 * std::numbers::pi;
+  const Vec3 at(0.0, 3.0, 2.0);
+  const auto depth = [&](const Vec3& turn, double pitch) {
+    const Pose X_WE{rotation(turn) * rotation(Vec3(quarter + pitch, 0, 0)), at};
+    const Labels labels = seen.labels({X_WE, {-0.1, 0.1, -0.1, 0.1}, 21, 21});
+    return labels.depth[10 * 21 + 10];
+  };
+  EXPECT_NEAR(depth({0, 0, quarter}, 0.0), 0.5 * room.width, 1e-3);
+  EXPECT_NEAR(depth({0, 0, -quarter}, 0.0), 0.5 * room.width, 1e-3);
+  EXPECT_NEAR(depth({0, 0, 0}, 0.0), room.ahead - at.y(), 1e-3);
+  EXPECT_NEAR(depth({0, 0, 2 * quarter}, 0.0), room.behind + at.y(), 1e-3);
+  EXPECT_NEAR(depth({0, 0, 0}, quarter), room.height - at.z(), 1e-3);
+  EXPECT_NEAR(depth({0, 0, 0}, -quarter), at.z(), 1e-3);
+}
+
 TEST(Looks, HideWhatTheHandIsInFrontOfInBothEyes) {
   Seen seen;
   seen.moving.X_WB_ball.p = Vec3(0.0, 0.5, 1.45);
