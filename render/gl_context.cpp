@@ -11,6 +11,13 @@
 
 #include "render/gl_functions.h"
 
+#ifdef __SANITIZE_ADDRESS__
+// OSMesa and the compiler under it keep some memory to the end of the process.
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:libOSMesa.so\nleak:libLLVM\n";
+}
+#endif
+
 namespace headpin::render {
 
 namespace {
