@@ -22,11 +22,12 @@ struct TryAgain : std::runtime_error {
 
 void add_compare(CLI::App& app);
 void add_doctor(CLI::App& app);
+void add_emulate(CLI::App& app);
 void add_frames(CLI::App& app);
-void add_live(CLI::App& app);
-void add_replay(CLI::App& app);
 void add_import(CLI::App& app);
 void add_info(CLI::App& app);
+void add_live(CLI::App& app);
+void add_replay(CLI::App& app);
 void add_stream(CLI::App& app);
 void add_synthesize(CLI::App& app);
 

@@ -42,6 +42,7 @@ int main(int argc, char** argv) {
   headpin::apps::add_live(app);
   headpin::apps::add_doctor(app);
   headpin::apps::add_stream(app);
+  headpin::apps::add_emulate(app);
   try {
     check_command(app, argc, argv);
     app.parse(argc, argv);

@@ -72,6 +72,9 @@ class PseudoTerminal : public ByteStream {
   /// The rate the client has set at its end [baud]; 0 when it is none of a Fastrak's.
   int client_baud() const;
 
+  /// From now on, bytes to and from a client at another rate arrive garbled; 0: any rate will do.
+  void expect_baud(int baud) { expected_baud_ = baud; }
+
   std::size_t read(std::span<std::uint8_t> out) override;
   std::size_t write(Bytes bytes) override;
   bool closed() const override { return false; }
@@ -79,10 +82,12 @@ class PseudoTerminal : public ByteStream {
 
  private:
   void forget_output_of_the_absence();
+  bool garbled() const { return expected_baud_ != 0 && client_baud() != expected_baud_; }
 
   int master_ = -1;
-  int slave_ = -1;    ///< kept open, so that settings survive the clients
-  int watch_ = -1;    ///< inotify: clients opening and closing
+  int slave_ = -1;  ///< kept open, so that settings survive the clients
+  int watch_ = -1;  ///< inotify: clients opening and closing
+  int expected_baud_ = 0;
   bool left_ = true;  ///< a client has closed it, or none was there yet
   std::string name_;
   std::string link_;

@@ -13,25 +13,10 @@
 #include "devices/fastrak_codec.h"
 #include "devices/fastrak_faults.h"
 #include "devices/fastrak_geometry.h"
+#include "devices/fastrak_motion.h"
 #include "engine/math.h"
 
 namespace headpin::devices {
-
-/// Where a receiver really is, and what else is true of it.
-struct FastrakTruth {
-  Pose X_TS;             ///< in the transmitter's frame: +X forward, +Y right, +Z down [m]
-  bool pressed = false;  ///< stylus switch; the unit has one, at station 1
-  char error = ' ';      ///< a letter it shall report by itself, e.g. as it was recorded
-};
-
-/// The truth about a station (1 to 4) at a time of the emulator's clock.
-using FastrakMotion = std::function<FastrakTruth(int station, Time time)>;
-
-/// All receivers at rest in front of the transmitter, side by side, 0.4 m away.
-FastrakTruth still_motion(int station, Time time);
-
-/// The same going round: a circle of 0.2 m radius in 4 s, turning with it.
-FastrakTruth circling_motion(int station, Time time);
 
 /// A data record as it was sent, for whoever compares.
 struct FastrakSent {

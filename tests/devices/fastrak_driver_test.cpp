@@ -234,6 +234,33 @@ TEST(FastrakDriverTest, AnHourOfStreamingLosesNothing) {
   EXPECT_EQ(s.restarts, 0);
 }
 
+// Ten minutes of the wall clock, for those who ask for it (--gtest_also_run_disabled_tests).
+TEST(FastrakDriverTest, DISABLED_TenMinutesInRealTimeOverAPseudoTerminal) {
+  Bench bench(unit("garbage=0.02,damage=0.01,dropout=0.005"), {}, terminal());
+  const auto start = std::chrono::steady_clock::now();
+  while (bench.now < 10min) {
+    pollfd state{bench.driver.descriptor(), POLLIN, 0};
+    ::poll(&state, 1, 1);
+    bench.now = std::chrono::duration_cast<Time>(std::chrono::steady_clock::now() - start);
+    serve(bench.emulator, *bench.line, bench.now);
+    bench.driver.poll(bench.now, bench.samples);
+  }
+  const auto& s = bench.driver.statistics();
+  std::printf("%lld records, %lld skipped bytes, %lld missed cycles, %lld restarts\n",
+              static_cast<long long>(s.records), static_cast<long long>(s.skipped_bytes),
+              static_cast<long long>(s.missed), static_cast<long long>(s.restarts));
+  bench.emulator.receive(Bytes(reinterpret_cast<const std::uint8_t*>("c"), 1), bench.now);
+  bench.run(400ms);
+  const Tally tally = compare(bench.sent, bench.samples, {});
+  EXPECT_EQ(tally.missing, 0u);
+  EXPECT_EQ(tally.unmatched, 0u);
+  EXPECT_EQ(
+      static_cast<std::size_t>(s.skipped_bytes),
+      static_cast<std::size_t>(bench.emulator.statistics().garbage_bytes) + tally.refused_bytes);
+  EXPECT_EQ(s.restarts, 0);
+  EXPECT_GT(s.records, 70'000);
+}
+
 // --- Time ------------------------------------------------------------------------------------
 
 TEST(FastrakDriverTest, TheEstimateIsTheMeasurementsTimeWithinAMillisecond) {

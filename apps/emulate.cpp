@@ -1,0 +1,332 @@
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstring>
+#include <memory>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "apps/command.h"
+#include "devices/fastrak_emulator.h"
+#include "devices/lcm_link.h"
+#include "devices/log.h"
+
+namespace headpin::apps {
+namespace {
+
+struct Options {
+  std::string trial, motion = "circle", lcm, link, faults, control, firmware = "103.00";
+  int tcp = -1, receivers = 2, baud = 115200;
+  std::uint64_t seed = 1;
+  double duration = 0.0;
+  bool tag_2012 = false, early = false, stylus = false, strict_baud = false, loop = false;
+  bool json = false;
+};
+
+volatile std::sig_atomic_t stopped = 0;
+
+/// Lines typed at a running emulator, from a named pipe or standard input.
+class Control {
+ public:
+  explicit Control(const std::string& path) {
+    if (path.empty()) return;
+    if (path == "-") {
+      fd_ = STDIN_FILENO;
+      fcntl(fd_, F_SETFL, fcntl(fd_, F_GETFL) | O_NONBLOCK);
+      return;
+    }
+    if (mkfifo(path.c_str(), 0600) == 0) {
+      made_ = path;
+    } else if (errno != EEXIST) {
+      throw std::runtime_error(path + ": " + std::strerror(errno));
+    }
+    struct stat file {};
+    // Open for writing too, so that it does not end with the first writer.
+    fd_ = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
+    if (fd_ < 0 || fstat(fd_, &file) != 0 || !S_ISFIFO(file.st_mode)) {
+      if (fd_ >= 0) ::close(fd_);
+      throw std::runtime_error(path + ": exists and is not a named pipe");
+    }
+  }
+  ~Control() {
+    if (fd_ > STDIN_FILENO) ::close(fd_);
+    if (!made_.empty()) unlink(made_.c_str());
+  }
+  Control(const Control&) = delete;
+  Control& operator=(const Control&) = delete;
+
+  int descriptor() const { return fd_; }
+
+  /// Whole lines that came since the last call.
+  std::vector<std::string> lines() {
+    std::array<char, 1024> bytes{};
+    ssize_t n = 0;
+    while (fd_ >= 0 && (n = ::read(fd_, bytes.data(), bytes.size())) > 0) {
+      text_.append(bytes.data(), static_cast<std::size_t>(n));
+    }
+    if (fd_ >= 0 && n == 0) fd_ = -1;  // the end of standard input
+    std::vector<std::string> whole;
+    for (std::size_t end = 0; (end = text_.find('\n')) != std::string::npos;) {
+      whole.push_back(text_.substr(0, end));
+      text_.erase(0, end + 1);
+    }
+    return whole;
+  }
+
+ private:
+  int fd_ = -1;
+  std::string made_, text_;
+};
+
+/// The line the unit hangs on.
+struct Line {
+  explicit Line(const Options& options) {
+    if (options.tcp >= 0) {
+      tcp = std::make_unique<devices::TcpServer>(options.tcp);
+    } else {
+      pty = std::make_unique<devices::PseudoTerminal>(options.link);
+    }
+  }
+  devices::ByteStream& stream() const {
+    if (tcp) return *tcp;
+    return *pty;
+  }
+  std::string name() const { return tcp ? fmt::format("127.0.0.1:{}", tcp->port()) : pty->name(); }
+
+  std::unique_ptr<devices::PseudoTerminal> pty;
+  std::unique_ptr<devices::TcpServer> tcp;
+};
+
+/// What the unit measures: a test pattern, or a recording that starts when records are asked for.
+struct Feed {
+  devices::FastrakMotion motion;
+  Time begin{}, length{};  ///< of a recording
+  bool loop = false, pressed = false;
+
+  devices::FastrakTruth at(int station, Time time) const {
+    Time t = time;
+    if (length > Time{}) {
+      t = time > begin ? time - begin : Time{};
+      if (loop) t %= length;
+    }
+    devices::FastrakTruth truth = motion(station, t);
+    truth.pressed = truth.pressed || pressed;
+    return truth;
+  }
+};
+
+/// What others publish on TRACKER and MOUSE3D: the newest sample of each.
+class LcmFeed {
+ public:
+  explicit LcmFeed(const std::string& url) : link_(url), source_(link_) {
+    for (int s = 0; s < devices::kFastrakStations; ++s) {
+      newest_[static_cast<std::size_t>(s)] = devices::still_motion(s + 1, Time{});
+    }
+  }
+
+  void poll(Time now) {
+    samples_.clear();
+    source_.receive(now);
+    source_.poll(now, samples_);
+    for (const devices::Sample& sample : samples_) {
+      if (const auto* mouse = std::get_if<devices::MouseSample>(&sample)) {
+        trigger_ = mouse->trigger;
+        continue;
+      }
+      const auto& tracker = std::get<devices::TrackerSample>(sample);
+      if (tracker.station < 1 || tracker.station > devices::kFastrakStations) continue;
+      newest_[static_cast<std::size_t>(tracker.station - 1)] = {
+          tracker.X_TS, (tracker.buttons & 1) != 0, tracker.status};
+    }
+  }
+
+  devices::FastrakTruth at(int station) const {
+    devices::FastrakTruth truth = newest_[static_cast<std::size_t>(station - 1)];
+    truth.pressed = truth.pressed || trigger_;
+    return truth;
+  }
+
+ private:
+  devices::LcmLink link_;
+  devices::LcmSource source_;
+  std::array<devices::FastrakTruth, devices::kFastrakStations> newest_;
+  bool trigger_ = false;
+  std::vector<devices::Sample> samples_;
+};
+
+Feed feed_of(const Options& options) {
+  Feed feed;
+  feed.loop = options.loop;
+  if (!options.trial.empty()) {
+    const devices::Trial trial = devices::read_trial(options.trial);
+    if (trial.samples.empty())
+      throw std::runtime_error(options.trial + ": no device samples in it");
+    feed.motion = devices::recorded_motion(trial.samples);
+    feed.length = devices::last_time(trial.samples);
+  } else {
+    feed.motion = options.motion == "still" ? devices::still_motion : devices::circling_motion;
+  }
+  return feed;
+}
+
+void obey(const std::string& line, devices::FastrakEmulator& emulator, Feed& feed, Time now) {
+  if (line == "power-cycle") {
+    emulator.power_cycle(now);
+  } else if (line == "press" || line == "release") {
+    feed.pressed = line == "press";
+  } else if (line == "rewind") {
+    feed.begin = now;
+  } else if (line.starts_with("faults")) {
+    emulator.set_faults(devices::parse_faults(line.size() > 7 ? line.substr(7) : ""));
+  } else if (line == "quit") {
+    stopped = 1;
+  } else if (!line.empty()) {
+    throw std::invalid_argument(
+        "control line '" + line +
+        "': expected power-cycle, press, release, rewind, faults SPEC or quit");
+  }
+}
+
+void run(const Options& options) {
+  Feed feed = feed_of(options);
+  std::unique_ptr<LcmFeed> lcm;
+  if (!options.lcm.empty()) {
+    lcm = std::make_unique<LcmFeed>(options.lcm);
+    feed.motion = [&lcm](int station, Time) { return lcm->at(station); };
+  }
+  devices::FastrakEmulatorOptions unit;
+  unit.receivers = options.receivers;
+  unit.baud = options.baud;
+  unit.early_firmware = options.early;
+  unit.tag_2012 = options.tag_2012;
+  unit.firmware = options.firmware;
+  unit.seed = options.seed;
+  if (options.stylus) unit.p_SN_stylus = Vec3(2.5 * devices::kMetrePerInch, 0.0, 0.0);
+  try {
+    unit.faults = devices::parse_faults(options.faults);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+  devices::FastrakEmulator emulator(
+      unit, [&feed](int station, Time time) { return feed.at(station, time); });
+
+  struct sigaction action {};
+  action.sa_handler = [](int) { stopped = 1; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+
+  Control control(options.control);
+  const Line line(options);
+  std::FILE* out = options.json ? stderr : stdout;
+  fmt::print(out, "{}\n", line.name());
+  fmt::print(out, "Fastrak{}, receivers {}, {} baud, measures {}; ends at SIGINT or SIGTERM\n",
+             options.link.empty() ? "" : " at " + options.link, options.receivers, options.baud,
+             !lcm ? (options.trial.empty() ? options.motion : options.trial) : options.lcm);
+  std::fflush(out);
+
+  const auto start = std::chrono::steady_clock::now();
+  const auto clock = [&] {
+    return std::chrono::duration_cast<Time>(std::chrono::steady_clock::now() - start);
+  };
+  bool asked = false;
+  while (!stopped && (options.duration <= 0.0 || clock() < microseconds(options.duration))) {
+    std::array<pollfd, 2> wait = {
+        {{line.stream().descriptor(), POLLIN, 0}, {control.descriptor(), POLLIN, 0}}};
+    ::poll(wait.data(), wait.size(), 1);
+    const Time now = clock();
+    for (const std::string& typed : control.lines()) {
+      try {
+        obey(typed, emulator, feed, now);
+      } catch (const std::invalid_argument& error) {
+        fmt::print(stderr, "headpin emulate: {}\n", error.what());
+      }
+    }
+    if (lcm) lcm->poll(now);
+    if (line.pty) line.pty->expect_baud(options.strict_baud ? emulator.baud() : 0);
+    devices::serve(emulator, line.stream(), now);
+    // A recording begins when somebody starts to listen, and again for the next one.
+    const bool asks = emulator.setup().continuous;
+    if (asks && !asked) feed.begin = now;
+    asked = asks;
+  }
+
+  const devices::FastrakEmulatorStatistics& s = emulator.statistics();
+  if (options.json) {
+    const nlohmann::json summary = {{"line", line.name()},
+                                    {"duration_s", seconds(clock())},
+                                    {"records", s.records},
+                                    {"dropped", s.dropped},
+                                    {"lost", s.lost},
+                                    {"damaged", s.damaged},
+                                    {"garbage_bytes", s.garbage_bytes},
+                                    {"commands", s.commands},
+                                    {"refused", s.refused}};
+    fmt::print("{}\n", summary.dump());
+  } else {
+    fmt::print("{} records sent, {} dropped whole, {} commands, {} refused\n", s.records, s.dropped,
+               s.commands, s.refused);
+  }
+}
+
+}  // namespace
+
+void add_emulate(CLI::App& app) {
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand(
+      "emulate", "be a Polhemus Fastrak on a pseudo-terminal or a TCP port, as a driver sees it");
+  auto* trial = command->add_option("trial", options->trial,
+                                    "feed it from a trial, from its start whenever a client "
+                                    "switches continuous output on");
+  command->add_option("--motion", options->motion, "a test pattern instead: circle or still")
+      ->check(CLI::IsMember({"still", "circle"}))
+      ->excludes(trial);
+  command
+      ->add_option("--lcm", options->lcm,
+                   "feed it from TRACKER and MOUSE3D at this LCM URL, as they come")
+      ->excludes(trial);
+  command->add_flag("--loop", options->loop, "repeat the trial instead of resting at its end")
+      ->needs(trial);
+  auto* tcp =
+      command->add_option("--tcp", options->tcp, "serve TCP at 127.0.0.1 on this port, 0 for any")
+          ->check(CLI::Range(0, 65535));
+  command->add_option("--link", options->link, "make this symbolic link to the terminal")
+      ->excludes(tcp);
+  command->add_option("--receivers", options->receivers, "receivers plugged in")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
+  command->add_option("--baud", options->baud, "rate set at its switches")
+      ->check(CLI::IsMember({2400, 4800, 9600, 19200, 38400, 57600, 115200}))
+      ->capture_default_str();
+  command
+      ->add_flag("--strict-baud", options->strict_baud,
+                 "clients that set another rate at the terminal get and give garbage")
+      ->excludes(tcp);
+  command->add_option("--faults", options->faults, "what goes wrong; see below");
+  command->add_option("--seed", options->seed, "of noise and faults")->capture_default_str();
+  command->add_option("--control", options->control,
+                      "named pipe (made if missing) or - for standard input, taking lines: "
+                      "power-cycle, press, release, rewind, faults SPEC, quit");
+  command->add_flag("--stylus", options->stylus,
+                    "receiver 1 is a stylus, its tip 2.5 inches ahead");
+  command->add_flag("--tag-2012", options->tag_2012, "status record as of firmware of 2012");
+  command->add_flag("--early-firmware", options->early, "output items 18 to 20 as well");
+  command->add_option("--firmware", options->firmware, "version in the status record, 6 characters")
+      ->capture_default_str();
+  command->add_option("--duration", options->duration, "end by itself after so many seconds")
+      ->check(CLI::PositiveNumber);
+  command->add_flag("--json", options->json,
+                    "print one JSON object at the end; the terminal's name goes to standard error");
+  command->footer("Faults, separated by commas (times in seconds from the start):\n" +
+                  devices::faults_help() +
+                  "\nExample:\n  headpin emulate --link /tmp/fastrak --motion circle --faults "
+                  "garbage=0.01,silence=4@20\n");
+  command->callback([options] { run(*options); });
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "devices/sample.h"
+
+/// What an emulated Fastrak measures: where its receivers really are, as a function of time.
+namespace headpin::devices {
+
+/// Where a receiver really is, and what else is true of it.
+struct FastrakTruth {
+  Pose X_TS;             ///< in the transmitter's frame: +X forward, +Y right, +Z down [m]
+  bool pressed = false;  ///< stylus switch; the unit has one, at station 1
+  char error = ' ';      ///< a letter it shall report by itself, e.g. as it was recorded
+};
+
+/// The truth about a station (1 to 4) at a time of the emulator's clock.
+using FastrakMotion = std::function<FastrakTruth(int station, Time time)>;
+
+/// All receivers at rest in front of the transmitter, side by side, 0.4 m away.
+FastrakTruth still_motion(int station, Time time);
+
+/// The same going round: a circle of 0.2 m radius in 4 s, turning with it.
+FastrakTruth circling_motion(int station, Time time);
+
+/// The motion of a recording: poses between its samples, held before the first and after the last.
+///
+/// Letters are those of the sample before; a press of the trigger of the 3D mouse, or of any
+/// station's switch, is a press of the unit's one switch. Stations that were not recorded rest as
+/// in `still_motion`.
+FastrakMotion recorded_motion(const std::vector<Sample>& samples);
+
+/// Time of a recording's last sample.
+Time last_time(const std::vector<Sample>& samples);
+
+}  // namespace headpin::devices

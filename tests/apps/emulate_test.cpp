@@ -1,0 +1,129 @@
+// headpin emulate as its users meet it: a program of its own, a terminal, a driver at the other
+// end.
+
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include "devices/fastrak.h"
+#include "devices/fastrak_motion.h"
+#include "devices/log.h"
+
+namespace headpin {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+
+class Emulate : public testing::Test {
+ protected:
+  Emulate() {
+    std::string pattern = (fs::temp_directory_path() / "headpin-XXXXXX").string();
+    if (!mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder");
+    folder_ = pattern;
+  }
+  ~Emulate() override {
+    if (child_ > 0) kill(child_, SIGKILL), waitpid(child_, nullptr, 0);
+    fs::remove_all(folder_);
+  }
+
+  void start(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {HEADPIN_PROGRAM, "emulate"});
+    child_ = fork();
+    if (child_ == 0) {
+      std::vector<char*> argv;
+      for (std::string& a : arguments) argv.push_back(a.data());
+      argv.push_back(nullptr);
+      if (!std::freopen((folder_ / "out").c_str(), "w", stdout)) _exit(126);
+      execv(argv[0], argv.data());
+      _exit(127);
+    }
+    for (int i = 0; i < 500 && !fs::exists(link()); ++i) std::this_thread::sleep_for(10ms);
+  }
+
+  /// Exit code after `signal`.
+  int end(int signal) {
+    kill(child_, signal);
+    int status = 0;
+    waitpid(std::exchange(child_, -1), &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  fs::path link() const { return folder_ / "fastrak"; }
+
+  fs::path folder_;
+  pid_t child_ = -1;
+};
+
+/// Polls in real time until there is enough to look at.
+std::vector<devices::Sample> listen(devices::FastrakDriver& driver, Time span) {
+  std::vector<devices::Sample> samples;
+  const auto start = std::chrono::steady_clock::now();
+  for (Time now{}; now < span && samples.size() < 100;) {
+    std::this_thread::sleep_for(1ms);
+    now = std::chrono::duration_cast<Time>(std::chrono::steady_clock::now() - start);
+    driver.poll(now, samples);
+  }
+  return samples;
+}
+
+TEST_F(Emulate, ADriverFindsTheUnitAtTheLinkAndTheLinkGoesWithIt) {
+  for (const int signal : {SIGINT, SIGTERM}) {
+    start({"--link", link(), "--motion", "still", "--faults", "noise=0"});
+    ASSERT_TRUE(fs::exists(link()));
+    devices::FastrakDriver driver(devices::open_serial(link(), 115200));
+    const auto samples = listen(driver, 3s);
+    EXPECT_GT(samples.size(), 60u);
+    for (const devices::Sample& sample : samples) {
+      const auto& s = std::get<devices::TrackerSample>(sample);
+      EXPECT_NEAR(s.X_TS.p.x(), 0.4, 1e-6);
+      EXPECT_TRUE(s.good());
+    }
+    EXPECT_EQ(driver.statistics().skipped_bytes, 0);
+    EXPECT_EQ(end(signal), 0);
+    EXPECT_FALSE(fs::exists(fs::symlink_status(link())));
+  }
+}
+
+// The receivers repeat the trial's poses, from its first one on, when the driver starts to listen.
+TEST_F(Emulate, ATrialBeginsWhenTheDriverStartsToListen) {
+  const fs::path trial = fs::path(HEADPIN_SOURCE_DIR) / "assets" / "trials" / "demo.lcmlog";
+  start({"--link", link(), "--faults", "noise=0", trial});
+  ASSERT_TRUE(fs::exists(link()));
+  devices::FastrakOptions options;
+  options.zenith = Vec3::Zero();
+  devices::FastrakDriver driver(devices::open_serial(link(), 115200), options);
+  const auto samples = listen(driver, 3s);
+  ASSERT_GT(samples.size(), 60u);
+  const devices::FastrakMotion recorded =
+      devices::recorded_motion(devices::read_trial(trial).samples);
+  const auto& first = std::get<devices::TrackerSample>(samples.front());
+  const Pose truth = recorded(first.station, Time{}).X_TS;
+  // Reported with r and -r alike; within the first tenth of a second it has not moved 5 cm.
+  EXPECT_LT(std::min((first.X_TS.p - truth.p).norm(), (first.X_TS.p + truth.p).norm()), 0.05);
+  EXPECT_EQ(end(SIGINT), 0);
+}
+
+// A client at another rate gets garbage, and one that searches finds the unit.
+TEST_F(Emulate, ADriverAtTheWrongRateFindsTheRightOneAndSetsItsOwn) {
+  start({"--link", link(), "--motion", "still", "--strict-baud", "--baud", "57600"});
+  ASSERT_TRUE(fs::exists(link()));
+  devices::FastrakOptions options;
+  options.start_up = 100ms;  // the unit cannot hear the ^Y
+  options.answer = 150ms;
+  options.quiet = 50ms;
+  devices::FastrakDriver driver(devices::open_serial(link(), 115200), options);
+  const auto samples = listen(driver, 8s);
+  EXPECT_GT(samples.size(), 60u);
+  EXPECT_EQ(end(SIGTERM), 0);
+}
+
+}  // namespace
+}  // namespace headpin
