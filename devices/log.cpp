@@ -141,7 +141,7 @@ struct Recorder::File {
   std::string path, written_path;
   Options options;
   lcm_eventlog_t* log = nullptr;
-  Buffer bytes;             // of the message at hand
+  Buffer bytes;            // of the message at hand
   std::int64_t size = 0;   // of the file, up to the last whole event
   std::int64_t count = 0;  // of messages
   Time last{};

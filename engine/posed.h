@@ -29,10 +29,10 @@ struct At {
 
 /// A generator that is furthest as a whole: s + tau e for low <= tau <= high, s as in At.
 struct Generator {
-  Vec3 e;  ///< unit
-  double low, high;
-  double bend_high;  ///< At::bend when the high end is taken for s
-  int high_side;     ///< side of the circle on which the high end is furthest
+  Vec3 e = Vec3::UnitZ();  ///< unit
+  double low = 0.0, high = 0.0;
+  double bend_high = 0.0;  ///< At::bend when the high end is taken for s
+  int high_side = 1;       ///< side of the circle on which the high end is furthest
 };
 
 /// Symmetric 2 x 2: radii of curvature in a basis of the plane across n.
