@@ -17,6 +17,7 @@
 #include "devices/fastrak.h"
 #include "devices/lcm_link.h"
 #include "devices/log.h"
+#include "devices/mouse3d.h"
 #include "devices/viewer_messages.h"
 #include "scene/spectator.h"
 #include "scene/viewer.h"
@@ -195,7 +196,8 @@ struct Live {
   scene::Session session;
   std::unique_ptr<devices::LcmLink> link;
   std::unique_ptr<devices::LcmSource> lcm;
-  std::unique_ptr<devices::FastrakDriver> fastrak;
+  devices::FastrakDriver* fastrak = nullptr;  ///< within `tracker`
+  std::unique_ptr<devices::Source> tracker;   ///< the Fastrak, its stylus switch as the trigger
   std::unique_ptr<devices::Recorder> recorder;
   Statistics statistics;
 };
@@ -266,8 +268,10 @@ Live open(const Options& options) {
   if (!options.fastrak.empty()) {
     devices::FastrakOptions unit;
     unit.baud = options.baud;
-    live.fastrak = std::make_unique<devices::FastrakDriver>(
+    auto driver = std::make_unique<devices::FastrakDriver>(
         devices::open_serial(options.fastrak, options.baud), unit);
+    live.fastrak = driver.get();
+    live.tracker = std::make_unique<devices::StylusMouse>(std::move(driver));
   }
   if (!options.record.empty()) {
     devices::TrialHeader header;
@@ -295,7 +299,7 @@ void run(const Options& options) {
   const scene::Scenario& scenario = live.session.scenario;
   std::vector<devices::Source*> list;
   if (live.lcm) list.push_back(live.lcm.get());
-  if (live.fastrak) list.push_back(live.fastrak.get());
+  if (live.tracker) list.push_back(live.tracker.get());
   Sources sources(list);
   Painter painter(scenario, options);
 
