@@ -255,6 +255,10 @@ void FastrakDriver::set_up() {
     say('b', s, "");
     say('r', s, ",0,0,0");
     say('I', s, ",0");
+    // No envelope within the unit's reach: 300 cm, where its factory one marks all beyond 200.
+    say('V', s,
+        options_.centimetres ? ",300,300,300,-300,-300,-300" : ",118,118,118,-118,-118,-118");
+    say('Q', s, ",180,90,180,-180,-90,-180");
     // Tracking starts from the half-space it is in, so that one is set first.
     if (options_.zenith.isZero()) say('H', s, ",1,0,0");
     say('H', s, zenith);

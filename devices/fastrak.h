@@ -76,9 +76,9 @@ class FastrakClock {
 ///
 /// Brings the unit up in whatever state it was left: resumes it (^Q), stops it (c), throws away
 /// what it still says, asks for its status; breaks a half-typed line (CR) and re-initialises it
-/// (^Y) when no status comes, looks for it at other rates; then sets units, frames, lists and
-/// filters itself, checks the lists, and starts the stream. After two seconds without a record it
-/// starts over. Never blocks: each poll does what is due.
+/// (^Y) when no status comes, looks for it at other rates; then sets units, frames, envelopes,
+/// lists and filters itself, checks the lists, and starts the stream. After two seconds without a
+/// record it starts over. Never blocks: each poll does what is due.
 ///
 /// Sample times: `host_time` is the time of the poll that read the first byte, `device_time` the
 /// estimate of FastrakClock. `sequence` counts the station's cycles; a hole is a missing record.

@@ -334,6 +334,7 @@ TEST(FastrakDriverTest, TakesOverAUnitInWhateverStateItWasLeft) {
       "XC",                                 // a half-typed line that swallows what follows
       "A1,10,0,0,10,10,0,0,0,0\rB1\rB2\r",  // other frames
       "r1,90,0,0\rI1,50\rI2,50\rC",         // still receivers held back
+      "V1,1,1,1\rV2,1,1,1\rQ1,1,1,1\rC",    // envelopes that mark every record
       "l1,0\rl2,0\r",                       // all stations off
       "H1,-1,0,0\rH2,-1,0,0\rx5\rv5\r",     // wrong hemisphere, heavy filters
       "e1,1\ry1\rXa unit\rD",
@@ -354,6 +355,7 @@ TEST(FastrakDriverTest, TakesOverAUnitInWhateverStateItWasLeft) {
       const Pose truth = circling_motion(s.station, bench.sent[i].measured).X_TS;
       EXPECT_LT((s.X_TS.p - truth.p).norm(), 1e-6);
       EXPECT_LT(s.X_TS.q.angularDistance(truth.q), 1e-6);
+      EXPECT_TRUE(s.good());
     }
   }
 }
