@@ -262,10 +262,6 @@ void FastrakDriver::set_up() {
     // Tracking starts from the half-space it is in, so that one is set first.
     if (options_.zenith.isZero()) say('H', s, ",1,0,0");
     say('H', s, zenith);
-    // The envelope of the factory ends 2 m from the transmitter: a swung hand leaves it, and its
-    // poses would come with the letter x. Ours ends where the unit's range does, at some 3 m.
-    say('V', s,
-        options_.centimetres ? ",300,300,300,-300,-300,-300" : ",118,118,118,-118,-118,-118");
     say('O', s, list_of(options_.items));
   }
   if (baud_ != options_.baud) {
