@@ -88,9 +88,9 @@ bool apart(S& search, Vec3 n, double size, Closest& proof) {
 /// point, and its simplex stays valid when p moves on, so p moves as soon as a step finds a lower
 /// plane.
 template <typename S>
-__attribute__((flatten, noinline)) Closest from_outside(S& search, Vec3 n, Support best,
-                                                        double size, double margin,
-                                                        double tolerance) {
+HEADPIN_FLATTEN __attribute__((noinline)) Closest from_outside(S& search, Vec3 n, Support best,
+                                                               double size, double margin,
+                                                               double tolerance) {
   const double off = 0.1 * size;
   Simplex simplex;
   Vec3 best_n = n;
@@ -348,8 +348,8 @@ __attribute__((noinline)) Closest converged(const A& a, const B& b, S& search, V
 }
 
 template <typename A, typename B>
-__attribute__((flatten)) Closest closest(const A& a, const B& b, const Pose& X_AB, Vec3& n_AB_cache,
-                                         const Query& q) {
+HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, Vec3& n_AB_cache,
+                                const Query& q) {
   Search search{posed::pose_A(a), posed::pose_B(b, X_AB)};
   const double c2 = n_AB_cache.squaredNorm();
   const bool warm = c2 > 0.5 && c2 < 2.0;

@@ -166,8 +166,8 @@ Vec3 onto_kinks(const A& a, const B& b, const Vec3& n) {
 /// @param margin  stops with `apart` where h < -margin
 /// @param cap     most evaluations
 template <typename A, typename B>
-__attribute__((flatten, noinline)) Descent descend(const A& a, const B& b, Vec3 n, double size,
-                                                   double margin, int cap) {
+HEADPIN_FLATTEN __attribute__((noinline)) Descent descend(const A& a, const B& b, Vec3 n,
+                                                          double size, double margin, int cap) {
   using namespace newton;
   const double tolerance = 1e-11 * size, floor = 0.02 * size;
   Descent d;
