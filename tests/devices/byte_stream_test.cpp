@@ -179,7 +179,7 @@ TEST(TcpServerTest, OneClientAfterTheOther) {
 TEST(TcpServerTest, NobodyThereLosesTheBytes) {
   TcpServer server(0);
   EXPECT_EQ(put(server, "nobody"), 6u);
-  const auto client = connect_tcp("localhost", server.port());
+  const auto client = connect_tcp("127.0.0.1", server.port());
   EXPECT_EQ(put(server, "somebody"), 8u);
   EXPECT_EQ(get(*client, 8), "somebody");
 }
