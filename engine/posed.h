@@ -10,7 +10,6 @@
 ///
 /// A query works on the difference A - B = A + (-B). B is therefore posed mirrored through the
 /// origin: its centre and axis change sign and one set of formulas serves both sides of the sum.
-// The compiler's own choice to call these costs a third of a query.
 // Inlining all of a search is worth a third of its time, and costs a sanitizer build minutes: its
 // checks are multiplied with every copy. There it is left to the compiler.
 #if defined(__SANITIZE_ADDRESS__)
