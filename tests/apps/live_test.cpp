@@ -55,14 +55,14 @@ TEST_F(Live, FedByLcmLogplayerItReplaysToTheSameHashes) {
 TEST_F(Live, AnInterruptEndsItCleanlyAndAKillLosesNothingWritten) {
   const Result ended = alone(
       "$headpin live --lcm '' --record ended.lcmlog --eyes none 2>/dev/null &\nwritten "
-      "ended.lcmlog 50000\n"
+      "ended.lcmlog 200000\n"
       "kill -INT $!\nwait $!");
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_TRUE(devices::read_trial((folder_ / "ended.lcmlog").string()).complete);
 
   alone(
       "$headpin live --lcm '' --record killed.lcmlog --eyes none 2>/dev/null &\nwritten "
-      "killed.lcmlog 50000\n"
+      "killed.lcmlog 200000\n"
       "kill -KILL $!\nwait $!");
   const devices::Trial killed = devices::read_trial((folder_ / "killed.lcmlog").string());
   EXPECT_FALSE(killed.complete);
