@@ -12,6 +12,9 @@
 namespace headpin::engine {
 namespace {
 
+template <typename S>
+inline constexpr bool kHull = std::is_same_v<S, posed::Hull>;
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// One evaluation: the furthest points along n and what they prove. S = p_A - p_B, h = n . S =
@@ -192,7 +195,7 @@ Descent with_feature(const posed::Hull& hull, const Feature& f, F&& descend_on) 
 template <typename A, typename B>
 bool by_feature(Search<A, B>& search, Vec3 n, double size, const Query& q, double near,
                 Closest& c) {
-  constexpr bool hull_a = std::is_same_v<A, posed::Hull>, hull_b = std::is_same_v<B, posed::Hull>;
+  constexpr bool hull_a = kHull<A>, hull_b = kHull<B>;
   Feature fa, fb;
   if constexpr (hull_a) fa = in_view(search.a, n, near);
   if constexpr (hull_b) fb = in_view(search.b, n, near);
@@ -225,12 +228,14 @@ bool by_feature(Search<A, B>& search, Vec3 n, double size, const Query& q, doubl
       }
     }
   }
+  const auto on_both = [&](const auto& a, const auto& b) {
+    return descend(a, b, n, size, q.margin, q.cap);
+  };
   const auto on_b = [&](const auto& a) {
     if constexpr (hull_b) {
-      return with_feature(search.b, fb,
-                          [&](const auto& b) { return descend(a, b, n, size, q.margin, q.cap); });
+      return with_feature(search.b, fb, [&](const auto& b) { return on_both(a, b); });
     } else {
-      return descend(a, search.b, n, size, q.margin, q.cap);
+      return on_both(a, search.b);
     }
   };
   Descent d;
@@ -264,9 +269,6 @@ double size_of(const Polyhedron& s) {
   return s.vertices().front().norm();
 }
 
-template <typename A, typename B>
-inline constexpr bool kNewton = !std::is_same_v<A, Polyhedron> && !std::is_same_v<B, Polyhedron>;
-
 /// One step of the paper's iteration. S = A - B looked at from the plane's normal n; the point S
 /// lies on the wrong side of the origin when h >= 0. The mirror image of n in S (Chung and Wong
 /// 1996) would take away 2 (h / S.S) S; 1.5 was measured to leave fewest pairs unresolved.
@@ -289,62 +291,87 @@ Closest paper(S& search, Vec3 n, const Support& first, int cap) {
   return c;
 }
 
-/// Carries on from a normal that proves nothing until the closest points are found.
-template <typename A, typename B, typename S>
-__attribute__((noinline)) Closest converged(const A& a, const B& b, S& search, Vec3 n,
-                                            const Support& first, bool warm, const Vec3& line,
-                                            const Query& q) {
-  const double size = std::min(size_of(a), size_of(b));
-  Support best = first;
-  for (;;) {
-    if (!warm) {     // the paper's steps are cheap, and most pairs that are apart end here
-      Vec3 raw = n;  // not unit: furthest points only ask for the direction
-      Support s = best;
-      for (int step = 0; step < kPaperSteps; ++step) {
-        const double along = raw.dot(s.S), S2 = s.S.squaredNorm();
-        if (!(S2 > 0.0)) break;
-        raw -= 1.5 * along / S2 * s.S;
-        const double inverse = 1.0 / raw.norm();
-        s = search(raw);
-        s.h *= inverse;
-        if (s.h < -q.margin) return search.answer(s, inverse * raw);
-        if (s.h < best.h) {
-          best = s;
-          n = inverse * raw;
-        }
-      }
-    }
-    Closest c;
-    if constexpr (kNewton<A, B>) {
-      if (warm) n = onto_kinks(search.a, search.b, n);
-      const Descent d = descend(search.a, search.b, n, size, q.margin, q.cap - search.evaluations);
-      search.evaluations += d.evaluations;
-      n = d.n;
-      best = {d.s_A, d.s_B, d.s_A + d.s_B, d.h};
-      c = d.end == Descent::unresolved ? from_outside(search, n, best, size, q.margin, 1e-9 * size)
-                                       : search.answer(best, n);
-      c.capped = d.end == Descent::unresolved;
-    } else if (!(warm && by_feature(search, n, size, q, 0.03, c))) {
-      // Polyhedra alone end exactly; with round shapes it is enough to come near the feature.
-      constexpr bool flat = std::is_same_v<A, B>;
-      c = from_outside(search, n, best, size, q.margin, flat ? 1e-8 * size : 1e-2 * size);
-      if (!flat && !(c.distance > q.margin) && !by_feature(search, c.n_AB, size, q, 0.05, c)) {
-        c = from_outside(search, c.n_AB, search(c.n_AB), size, q.margin, 1e-8 * size);
-      }
-    }
-    // A point of both proves that they meet.
-    if (!c.separated && !contains(a, c.p_B, 1e-9 * size)) {
-      if (warm) {
-        warm = false;
-        n = unit_or(line, Vec3::UnitZ());
-        best = search(n);
-        continue;
-      }
-      apart(search, c.n_AB, size, c);
-    }
-    c.iterations = search.evaluations;
-    return c;
+template <typename A, typename B>
+Closest settle_round(Search<A, B>& search, Vec3 n, double size, bool warm, const Query& q) {
+  if (warm) n = onto_kinks(search.a, search.b, n);
+  const Descent d = descend(search.a, search.b, n, size, q.margin, q.cap - search.evaluations);
+  search.evaluations += d.evaluations;
+  const Support best{d.s_A, d.s_B, d.s_A + d.s_B, d.h};
+  if (d.end != Descent::unresolved) return search.answer(best, d.n);
+  Closest c = from_outside(search, d.n, best, size, q.margin, 1e-9 * size);
+  c.capped = true;
+  return c;
+}
+
+template <typename A, typename B>
+Closest settle_hull(Search<A, B>& search, const Vec3& n, const Support& first, double size,
+                    bool warm, const Query& q) {
+  Closest c;
+  // A warm start is near the feature that the pair touched with.
+  if (warm && by_feature(search, n, size, q, 0.03, c)) return c;
+  // Polyhedra alone end exactly; with round shapes it is enough to come near the feature.
+  constexpr bool flat = kHull<A> && kHull<B>;
+  c = from_outside(search, n, first, size, q.margin, flat ? 1e-8 * size : 1e-2 * size);
+  if (flat || c.distance > q.margin || by_feature(search, c.n_AB, size, q, 0.05, c)) return c;
+  return from_outside(search, c.n_AB, search(c.n_AB), size, q.margin, 1e-8 * size);
+}
+
+/// From a normal that proves nothing to the closest points. A warm one is near.
+template <typename A, typename B>
+Closest settle(Search<A, B>& search, const Vec3& n, const Support& first, double size, bool warm,
+               const Query& q) {
+  if constexpr (kHull<A> || kHull<B>) {
+    return settle_hull(search, n, first, size, warm, q);
+  } else {
+    return settle_round(search, n, size, warm, q);
   }
+}
+
+/// From the line of centres: the paper's steps, which are cheap and the end of most pairs that are
+/// apart, and the way on from the best of them.
+template <typename A, typename B>
+Closest from_centres(Search<A, B>& search, Vec3 n, Support best, double size, const Query& q) {
+  Vec3 raw = n;  // not unit: furthest points only ask for the direction
+  Support s = best;
+  for (int step = 0; step < kPaperSteps; ++step) {
+    const double along = raw.dot(s.S), S2 = s.S.squaredNorm();
+    if (!(S2 > 0.0)) break;
+    raw -= 1.5 * along / S2 * s.S;
+    const double inverse = 1.0 / raw.norm();
+    s = search(raw);
+    s.h *= inverse;
+    if (s.h < -q.margin) return search.answer(s, inverse * raw);
+    if (s.h < best.h) {
+      best = s;
+      n = inverse * raw;
+    }
+  }
+  return settle(search, n, best, size, false, q);
+}
+
+/// Carries on from a normal that proves nothing until the closest points are found, and proven.
+template <typename A, typename B, typename S>
+__attribute__((noinline)) Closest converged(const A& a, const B& b, const Pose& X_AB, S& search,
+                                            const Vec3& n, const Support& first, bool warm,
+                                            const Vec3& line, const Query& q) {
+  const double size = std::min(size_of(a), size_of(b));
+  // A plane between the two is a proof, and so is a point of both.
+  const auto is_proven = [&](const Closest& c) {
+    return c.separated || contains(a, c.p_B, 1e-9 * size) ||
+           contains(b, X_AB.inverse() * c.p_A, 1e-9 * size);
+  };
+  Closest c;
+  if (warm) {
+    c = settle(search, n, first, size, true, q);
+    if (is_proven(c)) return c;
+    const Vec3 between = unit_or(line, Vec3::UnitZ());
+    c = from_centres(search, between, search(between), size, q);
+  } else {
+    c = from_centres(search, n, first, size, q);
+  }
+  if (!is_proven(c)) apart(search, c.n_AB, size, c);
+  c.iterations = search.evaluations;
+  return c;
 }
 
 template <typename A, typename B>
@@ -354,14 +381,23 @@ HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, Vec3& 
   const double c2 = n_AB_cache.squaredNorm();
   const bool warm = c2 > 0.5 && c2 < 2.0;
   const Vec3 line = centre_B(b, X_AB) - centre(a);
-  const Vec3 n = unit_or(warm ? n_AB_cache : line, Vec3::UnitZ());
-  const Support first = search(n);
-  if (first.h < -q.margin) {
-    n_AB_cache = n;
-    return search.answer(first, n);
+  // Furthest points only ask for the direction: no need to wait for the unit vector.
+  Vec3 n = warm ? n_AB_cache : line;
+  double n2 = warm ? c2 : line.squaredNorm();
+  if (!(n2 > 1e-200 && n2 < 1e200)) {
+    n = Vec3::UnitZ();
+    n2 = 1.0;
   }
-  const Closest c = q.mode == Query::paper ? paper(search, n, first, q.cap)
-                                           : converged(a, b, search, n, first, warm, line, q);
+  Support first = search(n);
+  if (std::abs(n2 - 1.0) > 1e-14) {
+    const double inverse = 1.0 / std::sqrt(n2);
+    n *= inverse;
+    first.h *= inverse;
+  }
+  const Closest c = first.h < -q.margin ? search.answer(first, n)
+                    : q.mode == Query::paper
+                        ? paper(search, n, first, q.cap)
+                        : converged(a, b, X_AB, search, n, first, warm, line, q);
   n_AB_cache = c.n_AB;
   return c;
 }

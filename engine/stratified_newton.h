@@ -54,14 +54,18 @@ inline void across(const Vec3& n, Vec3& u, Vec3& v) {
 }
 
 /// The Newton step of the plane: -H^-1 g, H made positive.
-inline Vec2 step_of(const Bend& H, double gu, double gv, double floor) {
+///
+/// @param[out] least  bound from below on the curvatures it divided by
+inline Vec2 step_of(const Bend& H, double gu, double gv, double floor, double& least) {
   const double det = H.uu * H.vv - H.uv * H.uv, trace = H.uu + H.vv;
   // Both eigenvalues are above the floor.
   if (det > floor * trace - floor * floor && trace > 2.0 * floor) {
+    least = det / trace;
     return 1.0 / det * Vec2(H.uv * gv - H.vv * gu, H.uv * gu - H.uu * gv);
   }
   const double half = 0.5 * (H.uu - H.vv), root = std::sqrt(half * half + H.uv * H.uv);
   const double high = safe(0.5 * trace + root, floor), low = safe(0.5 * trace - root, floor);
+  least = floor;
   // Eigenvector of the higher: of [half uv; uv -half] with eigenvalue root.
   Vec2 x = half > 0.0 ? Vec2(root + half, H.uv) : Vec2(H.uv, root - half);
   const double length = x.norm();
@@ -174,6 +178,7 @@ HEADPIN_FLATTEN __attribute__((noinline)) Descent descend(const A& a, const B& b
   Vec3 aim = n;                // where the last step wanted to go, kinks apart
   int side_a = 0, side_b = 0;  // of the circles of kinks the step started from; 0: may cross
   bool hold_a = false, hold_b = false, free_a = false, free_b = false;
+  double stiffness = 0.0;  // least curvature at the last step across a smooth part
   // Where a step ends that meets a kink on its way. A pole that was no better is not tried again.
   const auto stop_at_kinks = [&](const Vec3& from, const Vec3& to, bool again) -> Vec3 {
     Vec3 end = to;
@@ -327,6 +332,11 @@ HEADPIN_FLATTEN __attribute__((noinline)) Descent descend(const A& a, const B& b
           return d;
         }
       } else {
+        // Next to the minimum the curvatures of the step before will do.
+        if (g.squaredNorm() < tolerance * stiffness) {
+          finish(Descent::least);
+          return d;
+        }
         Vec3 u, v;
         across(n, u, v);
         Bend H;
@@ -335,13 +345,13 @@ HEADPIN_FLATTEN __attribute__((noinline)) Descent descend(const A& a, const B& b
         H.uu -= h;
         H.vv -= h;
         const double gu = g.dot(u), gv = g.dot(v);
-        Vec2 step = step_of(H, gu, gv, floor);
+        Vec2 step = step_of(H, gu, gv, floor, stiffness);
         if (-0.5 * (gu * step.x() + gv * step.y()) < tolerance) {
           finish(Descent::least);
           return d;
         }
-        const double length = step.norm();
-        if (length > kLongestStep) step *= kLongestStep / length;
+        const double length2 = step.squaredNorm();
+        if (length2 > kLongestStep * kLongestStep) step *= kLongestStep / std::sqrt(length2);
         aim = unit(n + step.x() * u + step.y() * v);
       }
     }
