@@ -1,5 +1,8 @@
 #include "tests/bench/report.h"
 
+#include <algorithm>
+#include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -60,6 +63,12 @@ std::vector<double> interleaved(const std::vector<Contestant>& contestants, int 
     }
   }
   return least;
+}
+
+double median(std::vector<double> values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
 }
 
 double growth_exponent(const std::vector<double>& x, const std::vector<double>& y) {

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <algorithm>
-#include <chrono>
-#include <cmath>
 #include <functional>
 #include <string>
 #include <vector>
@@ -38,6 +35,9 @@ struct Contestant {
 /// comes between on a shared machine only ever adds, and the turns give all the same chance of a
 /// quiet moment.
 std::vector<double> interleaved(const std::vector<Contestant>& contestants, int rounds);
+
+/// The upper one of two in the middle.
+double median(std::vector<double> values);
 
 /// Slope of log y over log x, least squares.
 double growth_exponent(const std::vector<double>& x, const std::vector<double>& y);
