@@ -9,30 +9,38 @@ namespace {
 
 constexpr double kSin120 = 0.86602540378443864676;
 
-/// A point of B found against the plane of half-space A; kept when no higher than the margin.
-class Footprint {
- public:
-  /// @param X_AB  shape B in the frame of the half-space
-  Footprint(const Pose& X_WA, const Pose& X_AB, double margin, std::vector<ContactPoint>& out)
-      : X_WA_(X_WA), n_AB_W_(X_WA.q * Vec3::UnitZ()), X_AB_(X_AB), margin_(margin), out_(out) {}
+/// Normals from the other of the two.
+void turn(std::span<ContactPoint> points) {
+  for (ContactPoint& p : points) p.n_AB_W = -p.n_AB_W;
+}
 
-  void point(const Vec3& p_B, std::uint32_t feature) {
-    Vec3 p_A = X_AB_ * p_B;
-    const double depth = -p_A.z();
-    if (depth < -margin_) return;
-    p_A.z() *= 0.5;
-    out_.push_back({X_WA_ * p_A, n_AB_W_, depth, feature});
-    ++count;
+/// The plane of a half-space, and contact points of shapes that stand on it.
+struct Ground {
+  Ground(const Pose& X_WP, double most, std::vector<ContactPoint>& points)
+      : up_W(X_WP.q * Vec3::UnitZ()), level(up_W.dot(X_WP.p)), margin(most), out(points) {}
+
+  double height(const Vec3& p_W) const { return up_W.dot(p_W) - level; }
+
+  /// Adds the points of a shape that are no higher than the margin; their normal is up.
+  void carry(const Shape& shape, const Pose& X_WG);
+
+  const Vec3 up_W;
+  const double level, margin;
+  std::vector<ContactPoint>& out;
+};
+
+/// A shape over the ground.
+struct Footprint {
+  const Ground& ground;
+  const Pose& X_WG;
+  Vec3 down;     // in G
+  double level;  // height of G's origin
+
+  void point(const Vec3& p_G, std::uint32_t feature) {
+    const double height = level - down.dot(p_G);
+    if (height > ground.margin) return;
+    ground.out.push_back({X_WG * p_G - 0.5 * height * ground.up_W, ground.up_W, -height, feature});
   }
-
-  int count = 0;
-
- private:
-  const Pose& X_WA_;
-  Vec3 n_AB_W_;
-  const Pose& X_AB_;
-  double margin_;
-  std::vector<ContactPoint>& out_;
 };
 
 /// Horizontal direction of steepest descent in the shape's frame; its x axis when it stands
@@ -391,35 +399,37 @@ int add_points(const Shape& a, const Shape& b, const Pose& X_WA, const Pose& X_A
   return added > 0 ? added : one();
 }
 
+void Ground::carry(const Shape& shape, const Pose& X_WG) {
+  Footprint foot{*this, X_WG, X_WG.q.conjugate() * -up_W, height(X_WG.p)};
+  std::visit(
+      [&](const auto& s) {
+        // Points p with down . p >= above are within the margin.
+        if constexpr (!std::is_same_v<std::decay_t<decltype(s)>, HalfSpace>) {
+          stand(foot, s, foot.down, foot.level - margin);
+        }
+      },
+      shape);
+}
+
 }  // namespace
 
 int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin,
                   Vec3& n_AB_cache, const Query& query, QueryCounts& counts,
                   std::vector<ContactPoint>& out) {
   ++counts.queries;
-  if (std::holds_alternative<HalfSpace>(b)) {  // the other way round, then turned back
-    if (std::holds_alternative<HalfSpace>(a)) return 0;
-    --counts.queries;
-    const std::size_t first = out.size();
+  const std::size_t first = out.size();
+  if (std::holds_alternative<HalfSpace>(a)) {
+    ++counts.iterations;
+    Ground(X_WA, margin, out).carry(b, X_WB);
+    return static_cast<int>(out.size() - first);
+  }
+  if (std::holds_alternative<HalfSpace>(b)) {
     const int count = find_contacts(b, X_WB, a, X_WA, margin, n_AB_cache, query, counts, out);
-    for (std::size_t i = first; i < out.size(); ++i) out[i].n_AB_W = -out[i].n_AB_W;
+    --counts.queries;
+    turn(std::span(out).subspan(first));
     return count;
   }
   const Pose X_AB = relative(X_WA, X_WB);
-  if (std::holds_alternative<HalfSpace>(a)) {
-    ++counts.iterations;
-    Footprint foot(X_WA, X_AB, margin, out);
-    const Vec3 down = X_AB.q.conjugate() * Vec3(0.0, 0.0, -1.0);
-    std::visit(
-        [&](const auto& s) {
-          // Points p of B with down . p >= above are within the margin.
-          if constexpr (!std::is_same_v<std::decay_t<decltype(s)>, HalfSpace>) {
-            stand(foot, s, down, X_AB.p.z() - margin);
-          }
-        },
-        b);
-    return foot.count;
-  }
   Query near = query;
   near.margin = margin;
   const Closest c = closest_points(a, b, X_AB, n_AB_cache, near);
@@ -435,30 +445,54 @@ int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
 
 namespace {
 
-/// Whether two parts are further apart than `margin` by their bounding spheres alone, or one by its
-/// sphere above the plane of the other.
-bool well_apart(const Part& a, double radius_a, const Vec3& p_WGa, const Pose& X_WA, const Part& b,
-                double radius_b, const Vec3& p_WGb, const Pose& X_WB, double margin) {
-  const Vec3 r = p_WGb - p_WGa;
-  if (std::holds_alternative<HalfSpace>(b.shape)) {
-    const Vec3 up = X_WB.q * (b.X_BG.q * Vec3::UnitZ());
-    return -r.dot(up) > radius_a + margin;
-  }
-  if (std::holds_alternative<HalfSpace>(a.shape)) {
-    const Vec3 up = X_WA.q * (a.X_BG.q * Vec3::UnitZ());
-    return r.dot(up) > radius_b + margin;
-  }
+/// Whether two parts are further apart than `margin` by their bounding spheres alone.
+bool well_apart(double radius_a, const Vec3& p_WGa, double radius_b, const Vec3& p_WGb,
+                double margin) {
   const double reach = radius_a + radius_b + margin;
-  return r.squaredNorm() > reach * reach;
+  return (p_WGb - p_WGa).squaredNorm() > reach * reach;
+}
+
+/// Of a compound over a half-space; their normals are up.
+void stand_on(const Pose& X_WP, const Compound& a, const Pose& X_WA, double margin,
+              QueryCounts& counts, std::vector<ContactPoint>& out) {
+  Ground ground(X_WP, margin, out);
+  const Vec3 up_A = X_WA.q.conjugate() * ground.up_W;
+  const double level = ground.height(X_WA.p);
+  for (std::uint32_t i = 0; i < a.parts.size(); ++i) {
+    const Part& part = a.parts[i];
+    if (level + up_A.dot(part.X_BG.p) > a.part_radius[i] + margin) continue;
+    ++counts.queries;
+    ++counts.iterations;
+    const std::size_t first = out.size();
+    ground.carry(part.shape, X_WA * part.X_BG);
+    for (std::size_t k = first; k < out.size(); ++k) out[k].feature |= i << 16;
+  }
+}
+
+bool is_half_space(const Compound& c) {
+  return c.parts.size() == 1 && std::holds_alternative<HalfSpace>(c.parts[0].shape);
 }
 
 }  // namespace
 
+std::size_t cache_size(const Compound& a, const Compound& b) {
+  return is_half_space(a) || is_half_space(b) ? 0 : a.parts.size() * b.parts.size();
+}
+
 int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const Pose& X_WB,
                   double margin, std::span<Vec3> n_AB_caches, const Query& query,
                   QueryCounts& counts, std::vector<ContactPoint>& out) {
-  assert(n_AB_caches.size() == a.parts.size() * b.parts.size());
-  int total = 0;
+  assert(n_AB_caches.size() == cache_size(a, b));
+  const std::size_t first = out.size();
+  if (is_half_space(b)) {
+    stand_on(X_WB * b.parts[0].X_BG, a, X_WA, margin, counts, out);
+    turn(std::span(out).subspan(first));
+    return static_cast<int>(out.size() - first);
+  }
+  if (is_half_space(a)) {
+    stand_on(X_WA * a.parts[0].X_BG, b, X_WB, margin, counts, out);
+    return static_cast<int>(out.size() - first);
+  }
   std::uint32_t pair = 0;
   for (std::size_t i = 0; i < a.parts.size(); ++i) {
     const Part& pa = a.parts[i];
@@ -466,18 +500,14 @@ int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const 
     for (std::size_t j = 0; j < b.parts.size(); ++j, ++pair) {
       const Part& pb = b.parts[j];
       const Vec3 p_WGb = X_WB * pb.X_BG.p;
-      if (well_apart(pa, a.part_radius[i], p_WGa, X_WA, pb, b.part_radius[j], p_WGb, X_WB,
-                     margin)) {
-        continue;
-      }
-      const std::size_t first = out.size();
-      total +=
-          find_contacts(pa.shape, {X_WA.q * pa.X_BG.q, p_WGa}, pb.shape,
-                        {X_WB.q * pb.X_BG.q, p_WGb}, margin, n_AB_caches[pair], query, counts, out);
-      for (std::size_t k = first; k < out.size(); ++k) out[k].feature |= pair << 16;
+      if (well_apart(a.part_radius[i], p_WGa, b.part_radius[j], p_WGb, margin)) continue;
+      const std::size_t start = out.size();
+      find_contacts(pa.shape, {X_WA.q * pa.X_BG.q, p_WGa}, pb.shape, {X_WB.q * pb.X_BG.q, p_WGb},
+                    margin, n_AB_caches[pair], query, counts, out);
+      for (std::size_t k = start; k < out.size(); ++k) out[k].feature |= pair << 16;
     }
   }
-  return total;
+  return static_cast<int>(out.size() - first);
 }
 
 }  // namespace headpin::engine

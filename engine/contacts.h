@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -43,10 +44,12 @@ int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
                   Vec3& n_AB_cache, const Query& query, QueryCounts& counts,
                   std::vector<ContactPoint>& out);
 
+/// How many normals two compounds keep: one per pair of parts, none with a half-space.
+std::size_t cache_size(const Compound& a, const Compound& b);
+
 /// The same for two compounds, part by part, by part number.
 ///
-/// @param n_AB_caches  one per pair of parts, a.parts.size() * b.parts.size() of them, b's number
-///   running faster
+/// @param n_AB_caches  `cache_size(a, b)` of them, b's part number running faster
 int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const Pose& X_WB,
                   double margin, std::span<Vec3> n_AB_caches, const Query& query,
                   QueryCounts& counts, std::vector<ContactPoint>& out);

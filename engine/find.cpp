@@ -16,7 +16,7 @@ std::uint64_t key_of(bool both_bounded, BodyId a, BodyId b) {
 
 void add_candidate(World& world, std::uint64_t key, BodyId a, BodyId b, std::size_t& last) {
   Scratch& s = world.scratch;
-  const std::size_t count = world.bodies[a].shape.parts.size() * world.bodies[b].shape.parts.size();
+  const std::size_t count = cache_size(world.bodies[a].shape, world.bodies[b].shape);
   s.candidates.push_back(
       {key, a, b, static_cast<std::uint32_t>(s.normals.size()), static_cast<std::uint32_t>(count)});
   while (last < s.last_candidates.size() && s.last_candidates[last].key < key) ++last;
@@ -43,9 +43,8 @@ bool really_touch(World& world, Touch touch) {
 }  // namespace
 
 double reach(const World& world, BodyId a, BodyId b) {
-  const double dt = step_seconds(world);
-  const std::vector<double>& speed = world.scratch.top_speed;
-  return kMargin + (speed[a] + speed[b]) * dt + world.parameters.gravity_W.norm() * dt * dt;
+  const Scratch& s = world.scratch;
+  return kMargin + (s.top_speed[a] + s.top_speed[b]) * step_seconds(world) + s.fall;
 }
 
 int contacts_of(World& world, const Candidate& c, const Pose& X_WA, const Pose& X_WB,
@@ -59,12 +58,12 @@ int contacts_of(World& world, const Candidate& c, const Pose& X_WA, const Pose& 
 void find_pairs(World& world) {
   Scratch& s = world.scratch;
   const double dt = step_seconds(world);
-  const double fall = world.parameters.gravity_W.norm() * dt * dt;
+  s.fall = world.parameters.gravity_W.norm() * dt * dt;
   for (std::size_t k = 0; k < s.bounded.size(); ++k) {
     if (!s.moving[k]) continue;
     const BodyId i = s.bounded[k];
     s.bounds_W[k] = world.states[i].X_WB * world.bodies[i].shape.bounds;
-    s.bounds_W[k].radius += s.top_speed[i] * dt + fall;
+    s.bounds_W[k].radius += s.top_speed[i] * dt + s.fall;
   }
   s.candidates.clear();
   s.normals.clear();

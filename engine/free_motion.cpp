@@ -82,6 +82,10 @@ Inertia principal_inertia(const Mat3& inertia_B) {
   return result;
 }
 
+Vec3 axis_of_revolution(const Inertia& inertia, const Quat& q_WB) {
+  return third_axis(principal_frame(inertia, q_WB));
+}
+
 Mat3 inverse_inertia(const Inertia& inertia, const Quat& q_WB) {
   const Vec3& inv = inertia.inverse;
   const Quat q_WP = principal_frame(inertia, q_WB);

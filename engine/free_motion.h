@@ -21,6 +21,9 @@ struct Inertia {
 /// @throws std::invalid_argument  unless symmetric, finite and positive definite
 Inertia principal_inertia(const Mat3& inertia_B);
 
+/// Third principal axis in W, unit: that of a body of revolution.
+Vec3 axis_of_revolution(const Inertia& inertia, const Quat& q_WB);
+
 /// Inverse inertia of a body that stands as q_WB, in W [1/(kg m^2)].
 Mat3 inverse_inertia(const Inertia& inertia, const Quat& q_WB);
 

@@ -14,6 +14,14 @@ constexpr double kStanding = 0.9;
 
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
+/// What B is to a touch: what has no velocity is left out of every sum.
+enum class Other { still, driven, moving };
+
+Other other_of(const World& world, const Touch& touch) {
+  if (touch.b_moves) return Other::moving;
+  return world.bodies[touch.b].kind == Kind::driven ? Other::driven : Other::still;
+}
+
 void push(State& state, const Mobility& m, const Vec3& F, const Vec3& inv_inertia_torque) {
   state.v_WB += m.inv_mass * F;
   state.w_WB += inv_inertia_torque;
@@ -38,10 +46,19 @@ double last_impulse(const Scratch& s, const Touch& touch, std::uint32_t feature)
   return 0.0;
 }
 
+template <Other other>
+void push_by(World& world, const Touch& touch, const NormalRow& row, double impulse) {
+  const Scratch& s = world.scratch;
+  push(world.states[touch.a], s.mobility[touch.a], -impulse * row.n, -impulse * row.ia);
+  if constexpr (other == Other::moving) {
+    push(world.states[touch.b], s.mobility[touch.b], impulse * row.n, impulse * row.ib);
+  }
+}
+
+template <Other other>
 void add_normal_rows(World& world, Touch& touch) {
   Scratch& s = world.scratch;
   const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
-  State &sa = world.states[touch.a], &sb = world.states[touch.b];
   const Arms arms = arms_of(world, touch);
   const double rate = world.parameters.rate_hz;
   touch.first_row = static_cast<std::uint32_t>(s.rows.size());
@@ -52,21 +69,17 @@ void add_normal_rows(World& world, Touch& touch) {
     row.feature = p.feature;
     row.n = p.n_AB_W;
     row.ra_n = (p.p_W - arms.p_WA).cross(row.n);
-    row.rb_n = (p.p_W - arms.p_WB).cross(row.n);
     row.ia = ma.inv_inertia_W * row.ra_n;
     double k_nn = ma.inv_mass + row.ra_n.dot(row.ia);
-    row.ib = Vec3::Zero();
-    if (touch.b_moves) {
+    if constexpr (other != Other::still) row.rb_n = (p.p_W - arms.p_WB).cross(row.n);
+    if constexpr (other == Other::moving) {
       row.ib = mb.inv_inertia_W * row.rb_n;
       k_nn += mb.inv_mass + row.rb_n.dot(row.ib);
     }
     row.mass = 1.0 / k_nn;
     row.allowed = p.depth < 0.0 ? -p.depth * rate : 0.0;
     row.impulse = last_impulse(s, touch, p.feature);
-    if (row.impulse > 0.0) {
-      push(sa, ma, -row.impulse * row.n, -row.impulse * row.ia);
-      if (touch.b_moves) push(sb, mb, row.impulse * row.n, row.impulse * row.ib);
-    }
+    if (row.impulse > 0.0) push_by<other>(world, touch, row, row.impulse);
   }
 }
 
@@ -78,17 +91,18 @@ Block inverse_of(const Block& K) {
 }
 
 /// The rows of a touch solved as one: a base stands without any iteration.
+template <Other other>
 void add_block(World& world, Touch& touch) {
   Scratch& s = world.scratch;
   if (touch.rows < 2 || touch.rows > 4) return;
   const std::span<const NormalRow> rows = std::span(s.rows).subspan(touch.first_row, touch.rows);
   double inv_mass = s.mobility[touch.a].inv_mass;
-  if (touch.b_moves) inv_mass += s.mobility[touch.b].inv_mass;
+  if constexpr (other == Other::moving) inv_mass += s.mobility[touch.b].inv_mass;
   Block K;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     for (std::size_t k = 0; k <= i; ++k) {
       double value = inv_mass * rows[i].n.dot(rows[k].n) + rows[i].ra_n.dot(rows[k].ia);
-      if (touch.b_moves) value += rows[i].rb_n.dot(rows[k].ib);
+      if constexpr (other == Other::moving) value += rows[i].rb_n.dot(rows[k].ib);
       K(static_cast<int>(i), static_cast<int>(k)) = K(static_cast<int>(k), static_cast<int>(i)) =
           value;
     }
@@ -154,97 +168,109 @@ Vec3 tangent(const Vec3& n) {
 Vec3 rolling_axis(const World& world, const Touch& touch, const Vec3& n) {
   for (const BodyId i : {touch.a, touch.b}) {
     if (world.bodies[i].kind != Kind::free || world.bodies[i].material.rolling_arm == 0.0) continue;
-    const Vec3 axis = world.states[i].X_WB.q * (world.inertias[i].q_BP * Vec3::UnitZ());
+    const Vec3 axis = axis_of_revolution(world.inertias[i], world.states[i].X_WB.q);
     const double along = axis.dot(n);
     if (std::abs(along) < kStanding) return (axis - along * n).normalized();
   }
   return Vec3::Zero();
 }
 
+/// What a body gives way to unit impulses of the friction rows, summed over the bodies that move.
+struct Yield {
+  Eigen::Matrix2d slip = Eigen::Matrix2d::Zero();
+  double twist = 0.0, roll = 0.0;
+};
+
+void add_side(const FrictionRows& f, FrictionSide& side, const Mobility& m, Yield& yield) {
+  for (std::size_t i = 0; i < 2; ++i) side.i[i] = m.inv_inertia_W * side.r_t[i];
+  const double off = side.r_t[0].dot(side.i[1]);
+  yield.slip(0, 0) += m.inv_mass + side.r_t[0].dot(side.i[0]);
+  yield.slip(1, 1) += m.inv_mass + side.r_t[1].dot(side.i[1]);
+  yield.slip(0, 1) += off;
+  yield.slip(1, 0) += off;
+  side.twist_i = m.inv_inertia_W * f.n;
+  yield.twist += f.n.dot(side.twist_i);
+  if (f.roll_arm == 0.0) return;
+  side.roll_i = m.inv_inertia_W * f.axis;
+  yield.roll += f.axis.dot(side.roll_i);
+}
+
+/// Impulses along the tangents, about the normal and about the rolling axis, on one body.
+void push_by(State& state, const Mobility& m, const FrictionRows& f, const FrictionSide& side,
+             const Vec2& slip, double twist, double roll) {
+  Vec3 turn = slip[0] * side.i[0] + slip[1] * side.i[1] + twist * side.twist_i;
+  if (f.roll_arm > 0.0) turn += roll * side.roll_i;
+  push(state, m, slip[0] * f.t[0] + slip[1] * f.t[1], turn);
+}
+
+template <Other other>
+void push_by(World& world, const Touch& touch, const FrictionRows& f, const Vec2& slip,
+             double twist, double roll) {
+  const Scratch& s = world.scratch;
+  push_by(world.states[touch.a], s.mobility[touch.a], f, f.a, slip, twist, roll);
+  if constexpr (other == Other::moving) {
+    push_by(world.states[touch.b], s.mobility[touch.b], f, f.b, -slip, -twist, -roll);
+  }
+}
+
+template <Other other>
 void add_friction(World& world, Touch& touch, std::uint32_t index) {
   Scratch& s = world.scratch;
-  const double arm =
-      world.bodies[touch.a].material.rolling_arm + world.bodies[touch.b].material.rolling_arm;
-  const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
-  State &sa = world.states[touch.a], &sb = world.states[touch.b];
   const double kept = touch.sliding.kept;
   const Foot foot = foot_of(s, touch);
   FrictionRows& f = s.friction.emplace_back();
   f.touch = index;
   f.n = foot.n;
-  f.reach = foot.spread + arm;  // what rolls heavily pivots heavily, even on one point
   f.t[0] = tangent(f.n);
   f.t[1] = f.n.cross(f.t[0]);
+  const double arm =
+      world.bodies[touch.a].material.rolling_arm + world.bodies[touch.b].material.rolling_arm;
+  f.axis = arm > 0.0 ? rolling_axis(world, touch, f.n) : Vec3::Zero();
+  f.roll_arm = f.axis.isZero(0.0) ? 0.0 : arm;
+  f.reach = foot.spread + arm;  // what rolls heavily pivots heavily, even on one point
+
   const Arms arms = arms_of(world, touch);
-  const Vec3 ra = foot.p_W - arms.p_WA, rb = foot.p_W - arms.p_WB;
-  for (std::size_t i = 0; i < 2; ++i) {
-    f.ra_t[i] = ra.cross(f.t[i]);
-    f.ia[i] = ma.inv_inertia_W * f.ra_t[i];
-    f.rb_t[i] = rb.cross(f.t[i]);
-    f.ib[i] = touch.b_moves ? Vec3(mb.inv_inertia_W * f.rb_t[i]) : Vec3::Zero();
+  Yield yield;
+  for (std::size_t i = 0; i < 2; ++i) f.a.r_t[i] = (foot.p_W - arms.p_WA).cross(f.t[i]);
+  add_side(f, f.a, s.mobility[touch.a], yield);
+  if constexpr (other != Other::still) {
+    for (std::size_t i = 0; i < 2; ++i) f.b.r_t[i] = (foot.p_W - arms.p_WB).cross(f.t[i]);
   }
-  const double inv_mass = touch.b_moves ? ma.inv_mass + mb.inv_mass : ma.inv_mass;
-  Eigen::Matrix2d K;
-  K(0, 0) = inv_mass + f.ra_t[0].dot(f.ia[0]) + f.rb_t[0].dot(f.ib[0]);
-  K(1, 1) = inv_mass + f.ra_t[1].dot(f.ia[1]) + f.rb_t[1].dot(f.ib[1]);
-  K(0, 1) = K(1, 0) = f.ra_t[0].dot(f.ia[1]) + f.rb_t[0].dot(f.ib[1]);
+  if constexpr (other == Other::moving) add_side(f, f.b, s.mobility[touch.b], yield);
+
   // After the step a part `kept` of the slip u that there would be without friction shall be left:
   // F = -(1 - kept) K^-1 u. With u' = u + K F that is u' + softness F = 0.
   const double soft = kept < 1.0 ? kept / (1.0 - kept) : 0.0;
+  const Eigen::Matrix2d& K = yield.slip;
   f.softness = soft * K;
-  const double det = K(0, 0) * K(1, 1) - K(0, 1) * K(1, 0);
   f.inverse << K(1, 1), -K(0, 1), -K(1, 0), K(0, 0);
-  f.inverse *= (1.0 - kept) / det;
+  f.inverse *= (1.0 - kept) / (K(0, 0) * K(1, 1) - K(0, 1) * K(1, 0));
+  f.twist_softness = soft * yield.twist;
+  f.twist_mass = f.reach > 0.0 ? (1.0 - kept) / yield.twist : 0.0;
+  f.roll_mass = f.roll_arm > 0.0 ? 1.0 / yield.roll : 0.0;
+
   f.impulse = Vec2(touch.friction_W.dot(f.t[0]), touch.friction_W.dot(f.t[1]));
-  f.twist_ia = ma.inv_inertia_W * f.n;
-  f.twist_ib = touch.b_moves ? Vec3(mb.inv_inertia_W * f.n) : Vec3::Zero();
-  const double twist_k = f.n.dot(f.twist_ia + f.twist_ib);
-  f.twist_softness = soft * twist_k;
-  f.twist_mass = f.reach > 0.0 ? (1.0 - kept) / twist_k : 0.0;
   f.twist = f.twist_mass > 0.0 ? touch.twist : 0.0;
-  f.axis = arm > 0.0 ? rolling_axis(world, touch, f.n) : Vec3::Zero();
-  f.roll_arm = f.axis.isZero(0.0) ? 0.0 : arm;
-  f.roll = 0.0;
-  f.roll_ia = f.roll_ib = Vec3::Zero();
-  if (f.roll_arm > 0.0) {
-    f.roll_ia = ma.inv_inertia_W * f.axis;
-    if (touch.b_moves) f.roll_ib = mb.inv_inertia_W * f.axis;
-    f.roll_mass = 1.0 / f.axis.dot(f.roll_ia + f.roll_ib);
-    f.roll = touch.roll;
-  }
-  const auto start = [&](State& state, const Mobility& m, double sign, const auto& i,
-                         const Vec3& twist_i, const Vec3& roll_i) {
-    push(state, m, sign * (f.impulse[0] * f.t[0] + f.impulse[1] * f.t[1]),
-         sign * (f.impulse[0] * i[0] + f.impulse[1] * i[1] + f.twist * twist_i + f.roll * roll_i));
-  };
-  start(sa, ma, 1.0, f.ia, f.twist_ia, f.roll_ia);
-  if (touch.b_moves) start(sb, mb, -1.0, f.ib, f.twist_ib, f.roll_ib);
+  f.roll = f.roll_arm > 0.0 ? touch.roll : 0.0;
+  push_by<other>(world, touch, f, f.impulse, f.twist, f.roll);
 }
 
-template <bool b_moves>
+template <Other other>
 double approach_of(const NormalRow& row, const State& sa, const State& sb) {
-  const double approach = row.n.dot(sa.v_WB - sb.v_WB) + row.ra_n.dot(sa.w_WB);
-  return approach - row.rb_n.dot(sb.w_WB);
-}
-
-template <bool b_moves>
-void push_by(World& world, const Touch& touch, const NormalRow& row, double impulse) {
-  const Scratch& s = world.scratch;
-  push(world.states[touch.a], s.mobility[touch.a], -impulse * row.n, -impulse * row.ia);
-  if constexpr (b_moves) {
-    push(world.states[touch.b], s.mobility[touch.b], impulse * row.n, impulse * row.ib);
-  }
+  const double approach = row.n.dot(sa.v_WB) + row.ra_n.dot(sa.w_WB);
+  if constexpr (other == Other::still) return approach;
+  return approach - (row.n.dot(sb.v_WB) + row.rb_n.dot(sb.w_WB));
 }
 
 /// All rows of a touch at once, if they all press. @return whether they do
-template <bool b_moves>
+template <Other other>
 bool solve_as_block(World& world, const Touch& touch, double& worst) {
   Scratch& s = world.scratch;
   const State &sa = world.states[touch.a], &sb = world.states[touch.b];
   NormalRow* const rows = s.rows.data() + touch.first_row;
   Eigen::Vector4d excess = Eigen::Vector4d::Zero();
   for (std::uint32_t k = 0; k < touch.rows; ++k) {
-    excess[k] = approach_of<b_moves>(rows[k], sa, sb) - rows[k].allowed;
+    excess[k] = approach_of<other>(rows[k], sa, sb) - rows[k].allowed;
   }
   const Eigen::Vector4d more = s.blocks[touch.block] * excess;
   for (std::uint32_t k = 0; k < touch.rows; ++k) {
@@ -252,29 +278,29 @@ bool solve_as_block(World& world, const Touch& touch, double& worst) {
   }
   for (std::uint32_t k = 0; k < touch.rows; ++k) {
     rows[k].impulse += more[k];
-    push_by<b_moves>(world, touch, rows[k], more[k]);
+    push_by<other>(world, touch, rows[k], more[k]);
     worst = std::max(worst, std::abs(excess[k]));
   }
   return true;
 }
 
 /// One pass over the normal rows of a touch. @return largest change of a velocity [m/s]
-template <bool b_moves>
+template <Other other>
 double solve_normals(World& world, const Touch& touch) {
   const State &sa = world.states[touch.a], &sb = world.states[touch.b];
   NormalRow* const rows = world.scratch.rows.data() + touch.first_row;
   double worst = 0.0;
-  if (touch.rows >= 2 && touch.rows <= 4 && solve_as_block<b_moves>(world, touch, worst)) {
+  if (touch.rows >= 2 && touch.rows <= 4 && solve_as_block<other>(world, touch, worst)) {
     return worst;
   }
   for (std::uint32_t k = 0; k < touch.rows; ++k) {
     NormalRow& row = rows[k];
-    const double excess = approach_of<b_moves>(row, sa, sb) - row.allowed;
+    const double excess = approach_of<other>(row, sa, sb) - row.allowed;
     const double impulse = std::max(0.0, row.impulse + row.mass * excess);
     const double more = impulse - row.impulse;
     if (more == 0.0) continue;
     row.impulse = impulse;
-    push_by<b_moves>(world, touch, row, more);
+    push_by<other>(world, touch, row, more);
     worst = std::max(worst, std::abs(more) / row.mass);
   }
   return worst;
@@ -286,57 +312,65 @@ double load_of(const Scratch& s, const Touch& touch) {
   return load;
 }
 
-template <bool b_moves>
+template <Other other>
 double solve_friction(World& world, const Touch& touch, FrictionRows& f, double load) {
-  Scratch& s = world.scratch;
-  const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
-  State &sa = world.states[touch.a], &sb = world.states[touch.b];
+  const State &sa = world.states[touch.a], &sb = world.states[touch.b];
   const bool carries = load > 0.0 && f.releases < kReleases;
   if (f.carries && !carries) ++f.releases;
   f.carries = carries;
-  Vec2 slip, F = Vec2::Zero();
-  for (int i = 0; i < 2; ++i) {
-    const auto u = static_cast<std::size_t>(i);
-    slip[i] = f.t[u].dot(sa.v_WB - sb.v_WB) + f.ra_t[u].dot(sa.w_WB) - f.rb_t[u].dot(sb.w_WB);
-  }
+  Vec2 F = Vec2::Zero();
+  double twist = 0.0, roll = 0.0;
   if (carries) {
+    Vec2 slip;
+    for (int i = 0; i < 2; ++i) {
+      const auto u = static_cast<std::size_t>(i);
+      slip[i] = f.t[u].dot(sa.v_WB) + f.a.r_t[u].dot(sa.w_WB);
+      if constexpr (other != Other::still) {
+        slip[i] -= f.t[u].dot(sb.v_WB) + f.b.r_t[u].dot(sb.w_WB);
+      }
+    }
     F = f.impulse - f.inverse * (slip + f.softness * f.impulse);
     const double most = touch.sliding.limit * load, size = F.norm();
     if (size > most) F *= most / size;
+
+    const Vec3 spin = other == Other::still ? sa.w_WB : Vec3(sa.w_WB - sb.w_WB);
+    if (f.twist_mass > 0.0) {
+      const double most_twist = most * f.reach;
+      twist = f.twist - f.twist_mass * (f.n.dot(spin) + f.twist_softness * f.twist);
+      twist = std::clamp(twist, -most_twist, most_twist);
+    }
+    if (f.roll_arm > 0.0) {
+      const double most_roll = f.roll_arm * load;
+      roll = std::clamp(f.roll - f.roll_mass * f.axis.dot(spin), -most_roll, most_roll);
+    }
   }
   const Vec2 more = F - f.impulse;
+  push_by<other>(world, touch, f, more, twist - f.twist, roll - f.roll);
   f.impulse = F;
-  double twist = 0.0, roll = 0.0;
-  const Vec3 spin = sa.w_WB - sb.w_WB;
-  if (carries && f.twist_mass > 0.0) {
-    const double most = touch.sliding.limit * load * f.reach;
-    twist = f.twist - f.twist_mass * (f.n.dot(spin) + f.twist_softness * f.twist);
-    twist = std::clamp(twist, -most, most);
-  }
-  if (carries && f.roll_arm > 0.0) {
-    const double most = f.roll_arm * load;
-    roll = std::clamp(f.roll - f.roll_mass * f.axis.dot(spin), -most, most);
-  }
-  const double more_twist = twist - f.twist, more_roll = roll - f.roll;
   f.twist = twist;
   f.roll = roll;
-  const Vec3 F_W = more[0] * f.t[0] + more[1] * f.t[1];
-  push(sa, ma, F_W,
-       more[0] * f.ia[0] + more[1] * f.ia[1] + more_twist * f.twist_ia + more_roll * f.roll_ia);
-  if constexpr (b_moves) {
-    push(
-        sb, mb, -F_W,
-        -(more[0] * f.ib[0] + more[1] * f.ib[1] + more_twist * f.twist_ib + more_roll * f.roll_ib));
-  }
-  return F_W.norm() * ma.inv_mass;
+  return more.norm() * world.scratch.mobility[touch.a].inv_mass;
 }
 
-template <bool b_moves>
+template <Other other>
 double solve(World& world, const Touch& touch, FrictionRows* friction) {
-  const double worst = solve_normals<b_moves>(world, touch);
+  const double worst = solve_normals<other>(world, touch);
   if (!friction) return worst;
   const double load = load_of(world.scratch, touch);
-  return std::max(worst, solve_friction<b_moves>(world, touch, *friction, load));
+  return std::max(worst, solve_friction<other>(world, touch, *friction, load));
+}
+
+/// Calls f.template operator()<other>() with what B of the touch is.
+template <typename F>
+decltype(auto) with_other(const World& world, const Touch& touch, F&& f) {
+  switch (other_of(world, touch)) {
+    case Other::still:
+      return f.template operator()<Other::still>();
+    case Other::driven:
+      return f.template operator()<Other::driven>();
+    default:
+      return f.template operator()<Other::moving>();
+  }
 }
 
 /// Islands: movers joined by touches. Touches sorted by island, their own order kept.
@@ -382,8 +416,10 @@ void solve_island(World& world, std::span<const std::uint32_t> touches) {
   for (const std::uint32_t k : touches) {
     Touch& touch = s.touches[k];
     if (touch.points == 0) continue;
-    add_normal_rows(world, touch);
-    add_block(world, touch);
+    with_other(world, touch, [&]<Other other> {
+      add_normal_rows<other>(world, touch);
+      add_block<other>(world, touch);
+    });
   }
   const std::size_t first_friction = s.friction.size();
   for (const std::uint32_t k : touches) {
@@ -394,7 +430,8 @@ void solve_island(World& world, std::span<const std::uint32_t> touches) {
       touch.twist = last.twist;
       touch.roll = last.roll;
     }
-    if (touch.rows > 0 && touch.sliding.kept < 1.0) add_friction(world, touch, k);
+    if (touch.rows == 0 || touch.sliding.kept == 1.0) continue;
+    with_other(world, touch, [&]<Other other> { add_friction<other>(world, touch, k); });
   }
   int pass = 0;
   double worst = 0.0;
@@ -406,8 +443,9 @@ void solve_island(World& world, std::span<const std::uint32_t> touches) {
       const Touch& touch = s.touches[k];
       if (touch.rows == 0) continue;
       FrictionRows* const mine = friction != end && friction->touch == k ? friction++ : nullptr;
-      worst = std::max(worst, touch.b_moves ? solve<true>(world, touch, mine)
-                                            : solve<false>(world, touch, mine));
+      worst = std::max(worst, with_other(world, touch, [&]<Other other> {
+                         return solve<other>(world, touch, mine);
+                       }));
     }
     ++pass;
   } while (worst > p.solver_residual && pass < p.solver_iterations);

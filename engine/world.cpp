@@ -102,7 +102,7 @@ void check_overlap(const World& world, const Body& body, const State& state,
     const double near = body.shape.bounding_radius + other.shape.bounding_radius;
     if ((state.X_WB.p - world.states[k].X_WB.p).squaredNorm() > near * near) continue;
     points.clear();
-    normals.assign(body.shape.parts.size() * other.shape.parts.size(), Vec3::Zero());
+    normals.assign(cache_size(body.shape, other.shape), Vec3::Zero());
     find_contacts(body.shape, state.X_WB, other.shape, world.states[k].X_WB, 0.0, normals, Query{},
                   counts, points);
     for (const ContactPoint& p : points) {

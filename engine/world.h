@@ -141,19 +141,26 @@ struct NormalRow {
 /// Inverse of what the 2 to 4 normal rows of a touch do to each other; unused entries 0.
 using Block = Eigen::Matrix4d;
 
+/// One body in the friction of a pair: levers of the tangents, and how unit impulses turn it.
+struct FrictionSide {
+  std::array<Vec3, 2> r_t, i;
+  Vec3 twist_i, roll_i;
+};
+
 /// Friction of a pair: slip along two tangents, twist about the normal, rolling about A's axis.
 struct FrictionRows {
   std::uint32_t touch = 0;
   bool carries = false;
   int releases = 0;  ///< how often it lost its load within the step
-  std::array<Vec3, 2> t, ra_t, rb_t, ia, ib;
+  std::array<Vec3, 2> t;
+  FrictionSide a, b;
   Eigen::Matrix2d inverse;   ///< of the softened 2 x 2 block
   Eigen::Matrix2d softness;  ///< by which the block is softened
   Vec2 impulse;
   double reach = 0.0;  ///< limit of the twist over load [m]
-  Vec3 n, twist_ia, twist_ib;
+  Vec3 n;
   double twist_mass = 0.0, twist_softness = 0.0, twist = 0.0;
-  Vec3 axis, roll_ia, roll_ib;
+  Vec3 axis;
   double roll_mass = 0.0, roll_arm = 0.0, roll = 0.0;
 };
 
@@ -178,6 +185,7 @@ struct Scratch {
   std::vector<std::uint32_t> island_of, island_start, order;
   std::vector<Mobility> mobility;
   std::vector<double> top_speed;  // of any point of a body [m/s]
+  double fall = 0.0;              // what gravity adds to its way within the step [m], at most
   std::vector<Twist> start;       // velocities at the start of the step
   std::vector<Kink> kinks;
   std::vector<std::pair<double, std::uint32_t>> coming;  // impacts by time, and their touches
