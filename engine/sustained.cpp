@@ -413,6 +413,8 @@ void find_islands(World& world) {
 void solve_island(World& world, std::span<const std::uint32_t> touches) {
   Scratch& s = world.scratch;
   const Parameters& p = world.parameters;
+  s.blocks.clear();
+  s.friction.clear();
   for (const std::uint32_t k : touches) {
     Touch& touch = s.touches[k];
     if (touch.points == 0) continue;
@@ -421,7 +423,6 @@ void solve_island(World& world, std::span<const std::uint32_t> touches) {
       add_block<other>(world, touch);
     });
   }
-  const std::size_t first_friction = s.friction.size();
   for (const std::uint32_t k : touches) {
     Touch& touch = s.touches[k];
     if (!touch.fresh) {
@@ -437,7 +438,7 @@ void solve_island(World& world, std::span<const std::uint32_t> touches) {
   double worst = 0.0;
   do {
     worst = 0.0;
-    FrictionRows* friction = s.friction.data() + first_friction;
+    FrictionRows* friction = s.friction.data();
     FrictionRows* const end = s.friction.data() + s.friction.size();
     for (const std::uint32_t k : touches) {
       const Touch& touch = s.touches[k];
@@ -449,21 +450,21 @@ void solve_island(World& world, std::span<const std::uint32_t> touches) {
     }
     ++pass;
   } while (worst > p.solver_residual && pass < p.solver_iterations);
-  ++world.statistics.islands;
-  world.statistics.solver_iterations += pass;
-  world.statistics.unsolved += worst > p.solver_residual ? 1 : 0;
-  world.statistics.residual = std::max(world.statistics.residual, worst);
-}
-
-/// Keeps what the next step starts from, and notes who is carried and who has met.
-void keep(World& world) {
-  Scratch& s = world.scratch;
   for (const FrictionRows& f : s.friction) {
     Touch& touch = s.touches[f.touch];
     touch.friction_W = f.impulse[0] * f.t[0] + f.impulse[1] * f.t[1];
     touch.twist = f.twist;
     touch.roll = f.roll;
   }
+  ++world.statistics.islands;
+  world.statistics.solver_iterations += pass;
+  world.statistics.unsolved += worst > p.solver_residual ? 1 : 0;
+  world.statistics.residual = std::max(world.statistics.residual, worst);
+}
+
+/// Notes who is carried and who has met.
+void keep(World& world) {
+  Scratch& s = world.scratch;
   for (Touch& touch : s.touches) {
     const NormalRow* strongest = nullptr;
     double load = 0.0;
@@ -518,8 +519,6 @@ BodyId island_root(std::vector<BodyId>& parent, BodyId i) {
 void sustain_contacts(World& world) {
   Scratch& s = world.scratch;
   s.rows.clear();
-  s.blocks.clear();
-  s.friction.clear();
   find_islands(world);
   std::uint32_t start = 0;
   for (const std::uint32_t end : s.island_start) {
