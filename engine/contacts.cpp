@@ -4,6 +4,8 @@
 #include <cassert>
 #include <type_traits>
 
+#include "engine/inlining.h"
+
 namespace headpin::engine {
 namespace {
 
@@ -453,8 +455,8 @@ bool well_apart(double radius_a, const Vec3& p_WGa, double radius_b, const Vec3&
 }
 
 /// Of a compound over a half-space; their normals are up.
-void stand_on(const Pose& X_WP, const Compound& a, const Pose& X_WA, double margin,
-              QueryCounts& counts, std::vector<ContactPoint>& out) {
+HEADPIN_FLATTEN void stand_on(const Pose& X_WP, const Compound& a, const Pose& X_WA, double margin,
+                              QueryCounts& counts, std::vector<ContactPoint>& out) {
   Ground ground(X_WP, margin, out);
   const Vec3 up_A = X_WA.q.conjugate() * ground.up_W;
   const double level = ground.height(X_WA.p);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "engine/inlining.h"
 #include "engine/shape.h"
 
 /// The shapes as a query sees them: posed in A's frame, with what Newton's method must know of one
@@ -10,16 +11,6 @@
 ///
 /// A query works on the difference A - B = A + (-B). B is therefore posed mirrored through the
 /// origin: its centre and axis change sign and one set of formulas serves both sides of the sum.
-// Inlining all of a search is worth a third of its time, and costs a sanitizer build minutes: its
-// checks are multiplied with every copy. There it is left to the compiler.
-#if defined(__SANITIZE_ADDRESS__)
-#define HEADPIN_INLINE
-#define HEADPIN_FLATTEN
-#else
-#define HEADPIN_INLINE __attribute__((always_inline))
-#define HEADPIN_FLATTEN __attribute__((flatten))
-#endif
-
 namespace headpin::engine::posed {
 
 /// What a shape says of a direction n.

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "engine/inlining.h"
 #include "engine/stages.h"
 
 namespace headpin::engine::detail {
@@ -410,7 +411,7 @@ void find_islands(World& world) {
   // Each start is now the end of its island.
 }
 
-void solve_island(World& world, std::span<const std::uint32_t> touches) {
+HEADPIN_FLATTEN void solve_island(World& world, std::span<const std::uint32_t> touches) {
   Scratch& s = world.scratch;
   const Parameters& p = world.parameters;
   s.blocks.clear();
