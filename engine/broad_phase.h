@@ -13,7 +13,7 @@ namespace headpin::engine {
 struct Pair {
   std::uint32_t first = 0, second = 0;
   friend bool operator==(const Pair&, const Pair&) = default;
-  friend auto operator<=>(const Pair&, const Pair&) = default;
+  friend auto operator<=>(const Pair&, const Pair&) = default;  // NOLINT(modernize-use-nullptr)
 };
 
 /// Distance between the surfaces of two capsules, negative when they overlap [m].

@@ -414,7 +414,7 @@ namespace {
 /// The principal axes as the rotation least turned from the identity.
 Mat3 principal_axes(const Mat3& inertia) {
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(inertia);
-  const Mat3 v = solver.eigenvectors();
+  const Mat3& v = solver.eigenvectors();
   Mat3 best = Mat3::Identity();
   double least = -4.0;
   for (const auto& order : std::array<std::array<int, 3>, 6>{

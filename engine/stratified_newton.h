@@ -101,14 +101,16 @@ int side_of(const Shape& s, const Vec3& n) {
   return n.dot(s.axis) > s.kink() ? 1 : -1;
 }
 
-/// Whether the way from n to `next` went over the pole of a cap; then `next` becomes that pole.
+/// Whether the way from n to `next` went over the pole of a cap.
 template <typename Shape>
-bool over_pole(const Shape& s, const Vec3& n, Vec3& next) {
+bool over_pole(const Shape& s, const Vec3& n, const Vec3& next) {
   const double z0 = n.dot(s.axis), z1 = next.dot(s.axis);
-  if (z0 * z1 <= 0.0 || !s.pole(z1)) return false;
-  if (n.dot(next) - z0 * z1 >= 0.0) return false;
-  next = z1 < 0.0 ? Vec3(-s.axis) : s.axis;
-  return true;
+  return z0 * z1 > 0.0 && s.pole(z1) && n.dot(next) - z0 * z1 < 0.0;
+}
+
+template <typename Shape>
+Vec3 pole_near(const Shape& s, const Vec3& n) {
+  return n.dot(s.axis) < 0.0 ? Vec3(-s.axis) : s.axis;
 }
 
 /// The point of a generator at tau becomes the furthest point.
@@ -181,12 +183,11 @@ HEADPIN_FLATTEN __attribute__((noinline)) Descent descend(const A& a, const B& b
   double stiffness = 0.0;  // least curvature at the last step across a smooth part
   // Where a step ends that meets a kink on its way. A pole that was no better is not tried again.
   const auto stop_at_kinks = [&](const Vec3& from, const Vec3& to, bool again) -> Vec3 {
-    Vec3 end = to;
     if constexpr (A::kKinks) {
-      if (free_a && !again && over_pole(a, from, end)) return end;
+      if (free_a && !again && over_pole(a, from, to)) return pole_near(a, to);
     }
     if constexpr (B::kKinks) {
-      if (free_b && !again && over_pole(b, from, end)) return end;
+      if (free_b && !again && over_pole(b, from, to)) return pole_near(b, to);
     }
     bool over_a = false, over_b = false;
     if constexpr (A::kKinks) over_a = side_a != 0 && side_of(a, to) != side_a;

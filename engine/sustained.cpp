@@ -467,22 +467,19 @@ HEADPIN_FLATTEN void solve_island(World& world, std::span<const std::uint32_t> t
 void keep(World& world) {
   Scratch& s = world.scratch;
   for (Touch& touch : s.touches) {
-    const NormalRow* strongest = nullptr;
-    double load = 0.0;
-    for (std::uint32_t k = 0; k < touch.rows; ++k) {
-      const NormalRow& row = s.rows[touch.first_row + k];
-      load += row.impulse;
-      if (!strongest || row.impulse > strongest->impulse) strongest = &row;
-    }
+    const double load = load_of(s, touch);
     if (load <= 0.0) continue;
     s.supported[touch.a] = 1;
     if (touch.b_moves) s.supported[touch.b] = 1;
     if (!touch.met) {
       touch.met = true;
-      const std::ptrdiff_t k = strongest - (s.rows.data() + touch.first_row);
-      world.events.push_back({touch.a, touch.b,
-                              s.points[touch.first_point + static_cast<std::size_t>(k)].p_W,
-                              strongest->n, -load * strongest->n + touch.friction_W, 0.0, true});
+      std::uint32_t k = 0;  // the row that carries most
+      for (std::uint32_t i = 1; i < touch.rows; ++i) {
+        if (s.rows[touch.first_row + i].impulse > s.rows[touch.first_row + k].impulse) k = i;
+      }
+      const Vec3& n = s.rows[touch.first_row + k].n;
+      world.events.push_back({touch.a, touch.b, s.points[touch.first_point + k].p_W, n,
+                              -load * n + touch.friction_W, 0.0, true});
     }
   }
 }

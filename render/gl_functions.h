@@ -29,6 +29,7 @@ namespace headpin::render {
 
 /// The functions of one context: gl.Clear(...) is glClear(...). Only for .cpp files of this folder.
 struct Gl {
+// NOLINTNEXTLINE(bugprone-macro-parentheses): a member's name
 #define HEADPIN_GL_MEMBER(name) decltype(&::gl##name) name = nullptr;
   HEADPIN_GL_FUNCTIONS(HEADPIN_GL_MEMBER)
 #undef HEADPIN_GL_MEMBER

@@ -107,7 +107,7 @@ Mesh surface_of(const std::function<double(const Vec3&)>& field, const Vec3& lo,
   for (int a = 0; a < 3; ++a)
     n[static_cast<std::size_t>(a)] = 2 + static_cast<int>((hi[a] - lo[a]) / cell);
   const auto index = [&](int x, int y, int z) {
-    return static_cast<std::size_t>((z * n[1] + y) * n[0] + x);
+    return static_cast<std::size_t>((std::ptrdiff_t{z} * n[1] + y) * n[0] + x);
   };
   const auto point = [&](int x, int y, int z) { return Vec3(lo + cell * Vec3(x, y, z)); };
 

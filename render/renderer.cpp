@@ -299,7 +299,7 @@ struct Renderer::Impl {
   void attribute(GLuint place, GLint numbers, std::size_t stride, std::size_t offset) const {
     gl.EnableVertexAttribArray(place);
     gl.VertexAttribPointer(place, numbers, GL_FLOAT, GL_FALSE, static_cast<GLsizei>(stride),
-                           reinterpret_cast<const void*>(offset));
+                           reinterpret_cast<const void*>(offset));  // NOLINT: as OpenGL has it
   }
 
   void check(const DrawList& list, const View& view) const {

@@ -61,6 +61,7 @@ std::vector<std::string> arguments(int width, int height, std::int64_t fps, doub
 /// Runs ffmpeg between two files. Returns its process id.
 int spawn(std::vector<std::string> words, int input, int messages) {
   std::vector<char*> argv;
+  argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
   argv.push_back(nullptr);
   posix_spawn_file_actions_t actions;

@@ -29,6 +29,7 @@ engine::Material surface(const Material& material, double rolling_arm = 0.0) {
 /// A box about the origin.
 engine::Polyhedron box(const Vec3& half) {
   std::vector<Vec3> corners;
+  corners.reserve(8);
   for (int i = 0; i < 8; ++i) {
     corners.emplace_back(i & 1 ? half.x() : -half.x(), i & 2 ? half.y() : -half.y(),
                          i & 4 ? half.z() : -half.z());

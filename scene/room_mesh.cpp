@@ -15,7 +15,6 @@ using render::Patch;
 using render::Ring;
 using render::srgb;
 using render::Surface;
-using render::Vertex;
 
 constexpr double kCell = 0.25;  // light is worked out this often on walls [m]
 

@@ -23,7 +23,8 @@ bool is_skittle(const Session& s, engine::BodyId body) {
   return body >= s.first_skittle;
 }
 
-devices::Event event(const Session& s, std::string kind, std::vector<engine::BodyId> bodies) {
+devices::Event event(const Session& s, std::string kind,
+                     const std::vector<engine::BodyId>& bodies) {
   devices::Event e;
   e.time = s.now();
   e.tick = s.world.tick;

@@ -89,6 +89,7 @@ double quantile(std::vector<double> values, double part) {
 template <typename Value>
 std::vector<double> values(const std::vector<Pose>& track, const Value& value) {
   std::vector<double> all;
+  all.reserve(track.size());
   for (const Pose& pose : track) all.push_back(value(pose));
   return all;
 }
