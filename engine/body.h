@@ -1,6 +1,8 @@
 #pragma once
 
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "engine/compound.h"
 
@@ -29,9 +31,23 @@ enum class Kind {
   free,    ///< moves as forces tell it
 };
 
+/// A compound that does not change, one for a body and all its copies: a hall of skittles then has
+/// one skittle's shape in the cache.
+class SharedCompound {
+ public:
+  SharedCompound() : SharedCompound(Compound{}) {}
+  SharedCompound(Compound compound) : shared_(std::make_shared<Compound>(std::move(compound))) {}
+
+  const Compound* operator->() const { return shared_.get(); }
+  const Compound& operator*() const { return *shared_; }
+
+ private:
+  std::shared_ptr<const Compound> shared_;
+};
+
 struct Body {
   std::string name = {};            ///< for messages
-  Compound shape = {};              ///< in B
+  SharedCompound shape = {};        ///< in B
   double mass = 1.0;                ///< [kg]; of fixed and driven bodies used once they are free
   Mat3 inertia = Mat3::Identity();  ///< about the centre of mass, along the axes of B [kg m^2]
   Material material = {};

@@ -16,7 +16,7 @@ std::uint64_t key_of(bool both_bounded, BodyId a, BodyId b) {
 
 void add_candidate(World& world, std::uint64_t key, BodyId a, BodyId b, std::size_t& last) {
   Scratch& s = world.scratch;
-  const std::size_t count = cache_size(world.bodies[a].shape, world.bodies[b].shape);
+  const std::size_t count = cache_size(*world.bodies[a].shape, *world.bodies[b].shape);
   s.candidates.push_back(
       {key, a, b, static_cast<std::uint32_t>(s.normals.size()), static_cast<std::uint32_t>(count)});
   while (last < s.last_candidates.size() && s.last_candidates[last].key < key) ++last;
@@ -50,7 +50,7 @@ double reach(const World& world, BodyId a, BodyId b) {
 int contacts_of(World& world, const Candidate& c, const Pose& X_WA, const Pose& X_WB,
                 double margin) {
   Scratch& s = world.scratch;
-  return find_contacts(world.bodies[c.a].shape, X_WA, world.bodies[c.b].shape, X_WB, margin,
+  return find_contacts(*world.bodies[c.a].shape, X_WA, *world.bodies[c.b].shape, X_WB, margin,
                        std::span(s.normals).subspan(c.first_normal, c.normals),
                        world.parameters.query, world.statistics.queries, s.points);
 }
@@ -62,7 +62,7 @@ void find_pairs(World& world) {
   for (std::size_t k = 0; k < s.bounded.size(); ++k) {
     if (!s.moving[k]) continue;
     const BodyId i = s.bounded[k];
-    s.bounds_W[k] = world.states[i].X_WB * world.bodies[i].shape.bounds;
+    s.bounds_W[k] = world.states[i].X_WB * world.bodies[i].shape->bounds;
     s.bounds_W[k].radius += s.top_speed[i] * dt + s.fall;
   }
   s.candidates.clear();

@@ -47,7 +47,7 @@ Vec3 position_at(const World& world, BodyId i, double t);
 /// Bound on the speed of any point of the body, now [m/s].
 inline double top_speed(const World& world, BodyId i) {
   const State& s = world.states[i];
-  return s.v_WB.norm() + s.w_WB.norm() * world.bodies[i].shape.bounding_radius;
+  return s.v_WB.norm() + s.w_WB.norm() * world.bodies[i].shape->bounding_radius;
 }
 
 /// How far two bodies may be apart and yet meet within the step [m].

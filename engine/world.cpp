@@ -49,7 +49,7 @@ std::string title(const World& world, BodyId i) {
 }
 
 bool is_bounded(const Body& body) {
-  return std::isfinite(body.shape.bounding_radius);
+  return std::isfinite(body.shape->bounding_radius);
 }
 
 void check_body(const Body& body, const std::string& who) {
@@ -57,7 +57,7 @@ void check_body(const Body& body, const std::string& who) {
   expect_between(m.elasticity, 0.0, 1.0, who + ": elasticity");
   expect_between(m.friction, 0.0, 1.0, who + ": friction");
   expect_between(m.rolling_arm, 0.0, 1.0, who + ": rolling_arm [m]");
-  if (body.shape.parts.empty()) throw std::invalid_argument(who + ": expected a shape with parts");
+  if (body.shape->parts.empty()) throw std::invalid_argument(who + ": expected a shape with parts");
   if (body.kind == Kind::fixed) return;
   if (!is_bounded(body)) {
     throw std::invalid_argument(who + ": a half-space must be fixed");
@@ -98,13 +98,13 @@ void check_overlap(const World& world, const Body& body, const State& state,
   for (BodyId k = 0; k < world.bodies.size(); ++k) {
     const Body& other = world.bodies[k];
     if (body.kind != Kind::free && other.kind != Kind::free) continue;
-    const double size = std::min(body.shape.bounding_radius, other.shape.bounding_radius);
-    const double near = body.shape.bounding_radius + other.shape.bounding_radius;
+    const double size = std::min(body.shape->bounding_radius, other.shape->bounding_radius);
+    const double near = body.shape->bounding_radius + other.shape->bounding_radius;
     if ((state.X_WB.p - world.states[k].X_WB.p).squaredNorm() > near * near) continue;
     points.clear();
-    normals.assign(cache_size(body.shape, other.shape), Vec3::Zero());
-    find_contacts(body.shape, state.X_WB, other.shape, world.states[k].X_WB, 0.0, normals, Query{},
-                  counts, points);
+    normals.assign(cache_size(*body.shape, *other.shape), Vec3::Zero());
+    find_contacts(*body.shape, state.X_WB, *other.shape, world.states[k].X_WB, 0.0, normals,
+                  Query{}, counts, points);
     for (const ContactPoint& p : points) {
       expect(p.depth <= 0.25 * size, who + ": overlap with " + title(world, k) + " [m]",
              "at most " + number(0.25 * size), p.depth);
@@ -127,7 +127,7 @@ void take_roll_call(World& world) {
   for (std::size_t k = 0; k < s.bounded.size(); ++k) {
     const BodyId i = s.bounded[k];
     s.moving[k] = detail::is_mover(world, i) || world.bodies[i].kind == Kind::driven;
-    s.bounds_W[k] = world.states[i].X_WB * world.bodies[i].shape.bounds;
+    s.bounds_W[k] = world.states[i].X_WB * world.bodies[i].shape->bounds;
   }
   s.stale = false;
 }

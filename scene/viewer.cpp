@@ -48,10 +48,10 @@ std::vector<devices::ViewerLink> viewer_links(const Session& session) {
          .colour = kWood}}});
   for (engine::BodyId i = 0; i < session.world.bodies.size(); ++i) {
     const engine::Body& body = session.world.bodies[i];
-    if (!std::isfinite(body.shape.bounding_radius)) continue;  // floor and walls
+    if (!std::isfinite(body.shape->bounding_radius)) continue;  // floor and walls
     const Vec3 colour = i == session.ball ? kBlue : i < session.ball ? kDark : kIvory;
     devices::ViewerLink link{body.name, {}};
-    for (const engine::Part& part : body.shape.parts)
+    for (const engine::Part& part : body.shape->parts)
       link.geometries.push_back(geometry_of(part, colour));
     links.push_back(std::move(link));
   }
@@ -72,7 +72,7 @@ std::vector<devices::ViewerPose> viewer_poses(const Session& session) {
   std::vector<devices::ViewerPose> poses{{"lane", {}}};
   for (std::size_t i = 0; i < session.world.bodies.size(); ++i) {
     const engine::Body& body = session.world.bodies[i];
-    if (!std::isfinite(body.shape.bounding_radius)) continue;
+    if (!std::isfinite(body.shape->bounding_radius)) continue;
     poses.push_back({body.name, session.world.states[i].X_WB});
   }
   poses.push_back({"head", head_pose(session).value_or(Pose{})});

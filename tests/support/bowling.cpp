@@ -55,6 +55,7 @@ Bowling bowling(const RackOptions& o) {
   b.lane = add_body(b.world, floor_body(o.material));
   Material heavy = o.material;
   heavy.rolling_arm = 0.008;
+  const Body skittle = skittle_body(heavy);
   const int across = static_cast<int>(std::ceil(std::sqrt(o.racks)));
   for (int rack = 0; rack < o.racks; ++rack) {
     const Vec3 origin(4.0 * (rack % across), 8.0 * (rack / across), 0.0);
@@ -64,7 +65,7 @@ Bowling bowling(const RackOptions& o) {
                         kSkittleHeight);
         State state;
         state.X_WB.p = origin + spot;
-        b.skittles.push_back(add_body(b.world, skittle_body(heavy), state));
+        b.skittles.push_back(add_body(b.world, skittle, state));
       }
     }
     if (!o.ball) continue;
