@@ -65,8 +65,11 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
   const double cell = std::max(3.0 * extent / static_cast<double>(n), 1e-9);
   const double inverse = 1.0 / cell;
   const auto coordinate = [&](double x) {
-    return static_cast<std::int32_t>(std::clamp(std::floor(x * inverse), -1e9, 1e9));
+    const double c = std::clamp(x * inverse, -1e9, 1e9);
+    const auto towards_zero = static_cast<std::int32_t>(c);
+    return towards_zero - (c < towards_zero ? 1 : 0);
   };
+  cells_.resize(n);
 
   large_.clear();
   std::int32_t least[3] = {}, most[3] = {};
@@ -76,10 +79,12 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
       large_.push_back(i);
       continue;
     }
+    Cells& c = cells_[i];
     for (int k = 0; k < 3; ++k) {
-      const std::int32_t low = coordinate(boxes_[i].low[k]), high = coordinate(boxes_[i].high[k]);
-      least[k] = any ? std::min(least[k], low) : low;
-      most[k] = any ? std::max(most[k], high) : high;
+      c.low[k] = coordinate(boxes_[i].low[k]);
+      c.high[k] = coordinate(boxes_[i].high[k]);
+      least[k] = any ? std::min(least[k], c.low[k]) : c.low[k];
+      most[k] = any ? std::max(most[k], c.high[k]) : c.high[k];
     }
     any = true;
   }
@@ -113,13 +118,10 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
       ++next_large;
       continue;
     }
-    const Box& box = boxes_[i];
-    const std::int32_t x0 = coordinate(box.low.x()), x1 = coordinate(box.high.x());
-    const std::int32_t y0 = coordinate(box.low.y()), y1 = coordinate(box.high.y());
-    const std::int32_t z0 = coordinate(box.low.z()), z1 = coordinate(box.high.z());
-    for (std::int32_t z = z0; z <= z1; ++z) {
-      for (std::int32_t y = y0; y <= y1; ++y) {
-        for (std::int32_t x = x0; x <= x1; ++x) {
+    const Cells& c = cells_[i];
+    for (std::int32_t z = c.low[2]; z <= c.high[2]; ++z) {
+      for (std::int32_t y = c.low[1]; y <= c.high[1]; ++y) {
+        for (std::int32_t x = c.low[0]; x <= c.high[0]; ++x) {
           unsorted_.push_back({i, slot(x, y, z)});
           ++slots_[unsorted_.back().slot + 1];
         }
@@ -138,8 +140,11 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
         const std::uint32_t a = entries_[i], b = entries_[j];
         if (a == b || (!moves(a) && !moves(b)) || !boxes_meet(a, b)) continue;
         // Both may share several cells: only the lowest of what the boxes share reports them.
-        const Vec3 low = boxes_[a].low.cwiseMax(boxes_[b].low);
-        if (slot(coordinate(low.x()), coordinate(low.y()), coordinate(low.z())) != k) continue;
+        const Cells &ca = cells_[a], &cb = cells_[b];
+        if (slot(std::max(ca.low[0], cb.low[0]), std::max(ca.low[1], cb.low[1]),
+                 std::max(ca.low[2], cb.low[2])) != k) {
+          continue;
+        }
         if (distance(bounds_W[a], bounds_W[b]) <= margin) found_.push_back({a, b});
       }
     }

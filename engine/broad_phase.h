@@ -40,11 +40,15 @@ class BroadPhase {
   struct Box {
     Vec3 low, high;
   };
+  struct Cells {
+    std::int32_t low[3], high[3];
+  };
   struct Entry {
     std::uint32_t body, slot;
   };
 
   std::vector<Box> boxes_;
+  std::vector<Cells> cells_;
   std::vector<std::uint32_t> large_;
   std::vector<Entry> unsorted_;
   std::vector<std::uint32_t> slots_, entries_;
