@@ -30,6 +30,7 @@ using Clock = std::chrono::steady_clock;
 
 struct Options {
   std::string lcm, fastrak, scenario, record, participant, eyes = "raw";
+  std::vector<std::string> hemispheres;
   int baud = 115200, samples = 1;
   double duration_s = 0.0;
   bool force = false, json = false, use_lcm = false;
@@ -268,6 +269,13 @@ Live open(const Options& options) {
   if (!options.fastrak.empty()) {
     devices::FastrakOptions unit;
     unit.baud = options.baud;
+    for (const std::string& hemisphere : options.hemispheres) {
+      try {
+        devices::read_zenith(hemisphere, unit.zenith);
+      } catch (const std::invalid_argument& error) {
+        throw UsageError(error.what());
+      }
+    }
     auto driver = std::make_unique<devices::FastrakDriver>(
         devices::open_serial(options.fastrak, options.baud), unit);
     live.fastrak = driver.get();
@@ -360,8 +368,17 @@ void add_live(CLI::App& app) {
   CLI::Option* lcm =
       command->add_option("--lcm", options->lcm,
                           "poses and buttons in, eyes and bodies out; \"\" is LCM's default URL");
-  command->add_option("--fastrak", options->fastrak, "poses from a Fastrak on this serial line");
+  CLI::Option* fastrak = command->add_option("--fastrak", options->fastrak,
+                                             "poses from a Fastrak on this serial line");
   command->add_option("--baud", options->baud, "of that line")->capture_default_str();
+  command
+      ->add_option("--hemisphere", options->hemispheres,
+                   "side of the transmitter that its receivers stay on, a direction in its frame "
+                   "(x ahead, y right, z down); 0,0,0: follow each from ahead; may be repeated; "
+                   "1,0,0 when not given")
+      ->type_name("[STATION:]X,Y,Z")
+      ->allow_extra_args(false)
+      ->needs(fastrak);
   command->add_option("--scenario", options->scenario,
                       "TOML file; the paper's room when not given");
   command->add_option("--record", options->record,

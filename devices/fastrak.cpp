@@ -1,6 +1,7 @@
 #include "devices/fastrak.h"
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <stdexcept>
 
@@ -72,6 +73,37 @@ std::string field(double value) {
 }
 
 }  // namespace
+
+void read_zenith(std::string_view text, FastrakZeniths& zeniths) {
+  const auto refuse = [&] {
+    throw std::invalid_argument(std::string("hemisphere '")
+                                    .append(text)
+                                    .append("': expected X,Y,Z or STATION:X,Y,Z, three finite "
+                                            "numbers and a station from 1 to 4"));
+  };
+  std::string_view rest = text;
+  std::optional<std::size_t> station;
+  if (const std::size_t colon = text.find(':'); colon != std::string_view::npos) {
+    if (colon != 1 || text[0] < '1' || text[0] >= '1' + kFastrakStations) refuse();
+    station = static_cast<std::size_t>(text[0] - '1');
+    rest.remove_prefix(2);
+  }
+  Vec3 zenith;
+  for (int i = 0; i < 3; ++i) {
+    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), zenith[i]);
+    if (error != std::errc() || !std::isfinite(zenith[i])) refuse();
+    rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
+    if (i == 2) break;
+    if (!rest.starts_with(',')) refuse();
+    rest.remove_prefix(1);
+  }
+  if (!rest.empty()) refuse();
+  if (station) {
+    zeniths[*station] = zenith;
+  } else {
+    zeniths.fill(zenith);
+  }
+}
 
 FastrakClock::FastrakClock(int active_stations, Time byte_time)
     : active_(std::max(1, active_stations)),
@@ -247,8 +279,6 @@ void FastrakDriver::set_up() {
   to_say_.emplace_back("e1,0\r");      // the stylus switch only reports
   to_say_.emplace_back("v,1\rx,1\r");  // no filters
   to_say_.emplace_back("y0\r");
-  const std::string zenith =
-      field(options_.zenith.x()) + field(options_.zenith.y()) + field(options_.zenith.z());
   for (std::size_t s = 0; s < kFastrakStations; ++s) {
     say('l', s, options_.stations[s] ? ",1" : ",0");
     say('R', s, "");
@@ -260,8 +290,9 @@ void FastrakDriver::set_up() {
         options_.centimetres ? ",300,300,300,-300,-300,-300" : ",118,118,118,-118,-118,-118");
     say('Q', s, ",180,90,180,-180,-90,-180");
     // Tracking starts from the half-space it is in, so that one is set first.
-    if (options_.zenith.isZero()) say('H', s, ",1,0,0");
-    say('H', s, zenith);
+    const Vec3 zenith = options_.zenith[s].stableNormalized();  // H takes two decimals
+    if (zenith.isZero()) say('H', s, ",1,0,0");
+    say('H', s, field(zenith.x()) + field(zenith.y()) + field(zenith.z()));
     say('O', s, list_of(options_.items));
   }
   if (baud_ != options_.baud) {

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <deque>
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "devices/byte_stream.h"
@@ -12,6 +14,21 @@
 #include "devices/source.h"
 
 namespace headpin::devices {
+
+/// A direction for each station.
+using FastrakZeniths = std::array<Vec3, kFastrakStations>;
+
+/// The factory's: every receiver ahead of the transmitter.
+inline FastrakZeniths zeniths_ahead() {
+  FastrakZeniths zeniths;
+  zeniths.fill(Vec3::UnitX());
+  return zeniths;
+}
+
+/// Reads `X,Y,Z`, for all stations, or `STATION:X,Y,Z`, into the zeniths.
+///
+/// @throws std::invalid_argument  naming the text and what was expected; nothing is changed then
+void read_zenith(std::string_view text, FastrakZeniths& zeniths);
 
 /// How a Fastrak is set up and watched.
 struct FastrakOptions {
@@ -21,14 +38,16 @@ struct FastrakOptions {
   bool binary = true;
   bool centimetres = true;
   std::array<bool, kFastrakStations> stations = {true, true, true, true};  ///< wanted, if plugged
-  Vec3 zenith = Vec3::UnitX();  ///< half-space of the receivers; 0,0,0: the unit follows them
-  int baud = 115200;            ///< the line's rate
-  bool search_baud = true;      ///< try the other rates when nothing is heard at this one
-  Time watchdog{2'000'000};     ///< without a record: start again
-  Time quiet{150'000};          ///< without a byte: the unit has stopped
-  Time answer{1'000'000};       ///< longest wait for an answer
-  Time command_gap{20'000};     ///< between commands
-  Time start_up{10'000'000};    ///< silence after ^Y
+  /// In T, into the half-space that a station's receiver stays in; of any length. 0,0,0: it starts
+  /// ahead of the transmitter, and the unit follows it from there.
+  FastrakZeniths zenith = zeniths_ahead();
+  int baud = 115200;          ///< the line's rate
+  bool search_baud = true;    ///< try the other rates when nothing is heard at this one
+  Time watchdog{2'000'000};   ///< without a record: start again
+  Time quiet{150'000};        ///< without a byte: the unit has stopped
+  Time answer{1'000'000};     ///< longest wait for an answer
+  Time command_gap{20'000};   ///< between commands
+  Time start_up{10'000'000};  ///< silence after ^Y
 };
 
 struct FastrakStatistics {

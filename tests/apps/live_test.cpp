@@ -70,6 +70,54 @@ TEST_F(Live, AnInterruptEndsItCleanlyAndAKillLosesNothingWritten) {
   EXPECT_EQ(killed.states.back().tick, static_cast<std::int64_t>(killed.states.size()));
 }
 
+/// A Fastrak of headpin's own at the end of a line.
+class LiveFastrak : public CommandLine {
+ protected:
+  /// The hand's samples of a session with the unit, once there are enough of them.
+  std::vector<devices::TrackerSample> hand(const std::string& trial, const std::string& options) {
+    std::ofstream(folder_ / "script.sh")
+        << "headpin=" HEADPIN_PROGRAM "\n"
+        << "samples() { grep -ao TRACKER live.lcmlog | wc -l; }\n"
+        << "$headpin emulate " << trial << " --link unit --faults noise=0 &\nunit=$!\n"
+        << "until [ -e unit ]; do sleep 0.02; done\n"
+        << "$headpin live --fastrak unit --record live.lcmlog --force --eyes none " << options
+        << " &\nlive=$!\n"
+        << "until [ -e live.lcmlog ]; do sleep 0.02; done\n"
+        << "while kill -0 $live && [ $(samples) -lt 200 ]; do sleep 0.02; done\n"
+        << "kill -INT $live; wait $live; code=$?; kill -INT $unit; wait $unit; exit $code\n";
+    const std::string command =
+        "cd '" + folder_.string() + "' && rm -f live.lcmlog && sh script.sh >out.txt 2>err.txt";
+    EXPECT_EQ(std::system(command.c_str()), 0) << slurp(folder_ / "err.txt");
+    std::vector<devices::TrackerSample> samples;
+    for (const devices::Sample& sample : devices::read_trial(folder_ / "live.lcmlog").samples) {
+      const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
+      if (tracker && tracker->station == devices::kHandStation) samples.push_back(*tracker);
+    }
+    EXPECT_GT(samples.size(), 50u);
+    return samples;
+  }
+};
+
+TEST_F(LiveFastrak, AHandOnTheOtherSideIsFlippedUnlessItsHemisphereIsGiven) {
+  devices::TrackerSample head, hand_behind;
+  head.X_TS.p = Vec3(0.8, 0.1, -0.6);
+  hand_behind.station = devices::kHandStation;
+  hand_behind.X_TS.p = Vec3(-0.5, 0.3, 0.2);
+  devices::Recorder recorder(folder_ / "behind.lcmlog", {});
+  recorder.write(head);
+  recorder.write(hand_behind);
+  recorder.close();
+  const auto expect_at = [&](const std::string& options, const Vec3& p) {
+    for (const devices::TrackerSample& sample : hand("behind.lcmlog", options)) {
+      EXPECT_LT((sample.X_TS.p - p).norm(), 1e-6) << options;
+    }
+  };
+  expect_at("", -hand_behind.X_TS.p);
+  expect_at("--hemisphere 2:-1,0,0", hand_behind.X_TS.p);
+  expect_at("--hemisphere 0,1,0", hand_behind.X_TS.p);  // where both are
+  expect_refusal("live --fastrak unit --hemisphere up", 2, "hemisphere 'up': expected X,Y,Z");
+}
+
 TEST_F(Live, WithoutARouteItSaysWhatIsWrong) {
   expect_refusal("live", 2, "nothing to listen to");
   expect_refusal("live --fastrak missing-tty", 1, "missing-tty");

@@ -46,9 +46,10 @@ Ends terminal() {
 
 // A unit and a driver at the two ends of a line, and a clock that the test turns.
 struct Bench {
-  Bench(FastrakEmulatorOptions unit_options, FastrakOptions options, Ends ends = memory())
+  Bench(FastrakEmulatorOptions unit_options, FastrakOptions options, Ends ends = memory(),
+        FastrakMotion motion = circling_motion)
       : line(std::move(ends.unit)),
-        emulator(listened(std::move(unit_options)), circling_motion),
+        emulator(listened(std::move(unit_options)), std::move(motion)),
         driver(std::move(ends.host), std::move(options)) {}
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
@@ -259,6 +260,52 @@ TEST(FastrakDriverTest, DISABLED_TenMinutesInRealTimeOverAPseudoTerminal) {
       static_cast<std::size_t>(bench.emulator.statistics().garbage_bytes) + tally.refused_bytes);
   EXPECT_EQ(s.restarts, 0);
   EXPECT_GT(s.records, 70'000);
+}
+
+// --- Hemisphere ------------------------------------------------------------------------------
+
+/// The head stays ahead of the transmitter; the hand begins there and circles all around it.
+FastrakTruth around_the_transmitter(int station, Time time) {
+  FastrakTruth truth = circling_motion(station, time);
+  if (station == kHandStation) truth.X_TS.p.x() -= 0.4;
+  return truth;
+}
+
+// The field of a dipole is the same at r and -r, so only a set hemisphere tells them apart.
+TEST(FastrakDriverTest, APositionIsRightInTheHemisphereOfItsStationAndFlippedInTheOther) {
+  for (const char* hemisphere : {"1,0,0", "2:-1,0,0", "2:0.003,0.004,0", "2:0,0,0"}) {
+    SCOPED_TRACE(hemisphere);
+    FastrakOptions options;
+    read_zenith(hemisphere, options.zenith);
+    Bench bench(unit("noise=0"), options, memory(), around_the_transmitter);
+    ASSERT_TRUE(bench.run_until_streaming());
+    bench.run(8s);
+    ASSERT_EQ(bench.sent.size(), bench.samples.size());
+    int flipped = 0;
+    for (std::size_t i = 0; i < bench.samples.size(); ++i) {
+      const TrackerSample& s = tracker(bench.samples[i]);
+      const Vec3 truth = around_the_transmitter(s.station, bench.sent[i].measured).X_TS.p;
+      const Vec3& zenith = options.zenith[static_cast<std::size_t>(s.station - 1)];
+      const bool outside = zenith.dot(truth) < 0.0;
+      EXPECT_LT((s.X_TS.p - (outside ? Vec3(-truth) : truth)).norm(), 1e-6) << i;
+      flipped += outside;
+    }
+    EXPECT_EQ(flipped == 0, options.zenith[1].isZero());  // as the unit follows the hand
+  }
+}
+
+TEST(FastrakDriverTest, HemispheresAreReadForOneStationOrAll) {
+  FastrakZeniths zeniths = zeniths_ahead();
+  read_zenith("3:0,-1,2.5e-1", zeniths);
+  EXPECT_EQ(zeniths[2], Vec3(0.0, -1.0, 0.25));
+  EXPECT_EQ(zeniths[1], Vec3::UnitX());
+  read_zenith("0,0,1", zeniths);
+  for (const Vec3& zenith : zeniths) EXPECT_EQ(zenith, Vec3::UnitZ());
+  for (const char* wrong : {"", "1,0", "1,0,0,0", "1,0,0 ", "5:1,0,0", "0:1,0,0", "12:1,0,0",
+                            ":1,0,0", "1:", "x,0,0", "nan,0,0", "inf,0,0", "1,,0"}) {
+    EXPECT_THROW(read_zenith(wrong, zeniths), std::invalid_argument) << wrong;
+  }
+  EXPECT_EQ(zeniths[0], Vec3::UnitZ());
 }
 
 // --- Time ------------------------------------------------------------------------------------
