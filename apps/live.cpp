@@ -43,12 +43,16 @@ extern "C" void ask_to_stop(int) {
   stop_asked = true;
 }
 
-/// Several sources as one: what each hands out, in the order of the sources.
+/// Several sources as one, each sample as soon as a replay would have it.
 class Sources : public devices::Source {
  public:
   explicit Sources(std::vector<devices::Source*> sources) : sources_(std::move(sources)) {}
   void poll(Time now, std::vector<devices::Sample>& out) override {
-    for (devices::Source* source : sources_) source->poll(now, out);
+    for (devices::Source* source : sources_) source->poll(now, waiting_);
+    std::ranges::stable_sort(waiting_, {}, devices::available);
+    const auto later = std::ranges::upper_bound(waiting_, now, {}, devices::available);
+    std::move(waiting_.begin(), later, std::back_inserter(out));
+    waiting_.erase(waiting_.begin(), later);
   }
   bool exhausted() const override {
     return std::ranges::all_of(sources_, [](const auto* source) { return source->exhausted(); });
@@ -56,6 +60,7 @@ class Sources : public devices::Source {
 
  private:
   std::vector<devices::Source*> sources_;
+  std::vector<devices::Sample> waiting_;
 };
 
 /// Frames wait for nobody: drawn in a thread of their own, one at a time; one that comes while

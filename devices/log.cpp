@@ -75,6 +75,10 @@ class Sorter {
     const auto [last, is_first] = last_time_.try_emplace(device(sample), time);
     if (!is_first && time <= last->second) ++trial_.backwards;
     last->second = time;
+    if (!trial_.states.empty() && available(sample) <= trial_.states.back().time) {
+      const Time then = trial_.states.back().time + Time{1};
+      std::visit([&](auto& s) { s.session_time = then; }, sample);
+    }
     trial_.samples.push_back(std::move(sample));
   }
 
@@ -124,7 +128,11 @@ Trial read_trial(const std::string& path) {
 }
 
 Time available(const Sample& sample) {
-  return std::visit([](const auto& s) { return std::max(s.device_time, s.host_time); }, sample);
+  return std::visit(
+      [](const auto& s) {
+        return std::max({s.device_time, s.host_time, s.session_time});
+      },
+      sample);
 }
 
 ReplaySource::ReplaySource(std::vector<Sample> samples) : samples_(std::move(samples)) {

@@ -20,6 +20,10 @@ Trial read_trial(const std::string& path);
 
 /// Reads whatever a log holds, header or not.
 ///
+/// A sample that was available before a state, but stands behind it, reached the session only then,
+/// as one does whose first byte came in one tick and whose last in the next. Its `session_time` is
+/// put just behind the state's.
+///
 /// @throws std::runtime_error  when there is no such file or no event in it
 Trial read_log(const std::string& path);
 
@@ -27,7 +31,8 @@ Trial read_log(const std::string& path);
 Trial read_log(std::span<const std::uint8_t> bytes);
 
 /// When a session may know of a sample: when it arrived, or when it was measured if it never
-/// crossed a wire. Live and replayed sessions hand samples out by this one rule.
+/// crossed a wire, or when a recorded session got it. Live and replayed sessions hand samples out
+/// by this one rule.
 Time available(const Sample& sample);
 
 /// A recording as a source: hands out the samples of a trial by the time they were available.

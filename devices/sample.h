@@ -18,6 +18,7 @@ struct TrackerSample {
   char status = ' ';          ///< ' ' good, else the Fastrak's error letter
   std::uint8_t buttons = 0;   ///< bit 0: stylus switch
   std::string frame = "T";    ///< frame the pose is given in; "T" the transmitter
+  Time session_time{};        ///< when a recorded session got it, if later than both; see read_log
 
   bool good() const { return status == ' '; }
 };
@@ -29,6 +30,7 @@ struct MouseSample {
   bool left_thumb = false;   ///< walk forward
   bool right_thumb = false;  ///< walk backward
   bool trigger = false;      ///< grab
+  Time session_time{};       ///< as in TrackerSample
 };
 
 using Sample = std::variant<TrackerSample, MouseSample>;

@@ -73,28 +73,22 @@ TEST_F(Live, AnInterruptEndsItCleanlyAndAKillLosesNothingWritten) {
 /// A Fastrak of headpin's own at the end of a line.
 class LiveFastrak : public CommandLine {
  protected:
-  /// The hand's samples of a session with the unit, once there are enough of them.
-  std::vector<devices::TrackerSample> hand(const std::string& trial, const std::string& options) {
+  /// Records a session with a unit that measures the trial, until it has so many samples.
+  devices::Trial session(const std::string& trial, const std::string& options, int samples) {
     std::ofstream(folder_ / "script.sh")
         << "headpin=" HEADPIN_PROGRAM "\n"
         << "samples() { grep -ao TRACKER live.lcmlog | wc -l; }\n"
-        << "$headpin emulate " << trial << " --link unit --faults noise=0 &\nunit=$!\n"
+        << "$headpin emulate " << trial << " --link unit --faults noise=0 --stylus &\nunit=$!\n"
         << "until [ -e unit ]; do sleep 0.02; done\n"
         << "$headpin live --fastrak unit --record live.lcmlog --force --eyes none " << options
         << " &\nlive=$!\n"
         << "until [ -e live.lcmlog ]; do sleep 0.02; done\n"
-        << "while kill -0 $live && [ $(samples) -lt 200 ]; do sleep 0.02; done\n"
+        << "while kill -0 $live && [ $(samples) -lt " << samples << " ]; do sleep 0.02; done\n"
         << "kill -INT $live; wait $live; code=$?; kill -INT $unit; wait $unit; exit $code\n";
     const std::string command =
         "cd '" + folder_.string() + "' && rm -f live.lcmlog && sh script.sh >out.txt 2>err.txt";
     EXPECT_EQ(std::system(command.c_str()), 0) << slurp(folder_ / "err.txt");
-    std::vector<devices::TrackerSample> samples;
-    for (const devices::Sample& sample : devices::read_trial(folder_ / "live.lcmlog").samples) {
-      const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
-      if (tracker && tracker->station == devices::kHandStation) samples.push_back(*tracker);
-    }
-    EXPECT_GT(samples.size(), 50u);
-    return samples;
+    return devices::read_trial(folder_ / "live.lcmlog");
   }
 };
 
@@ -108,14 +102,28 @@ TEST_F(LiveFastrak, AHandOnTheOtherSideIsFlippedUnlessItsHemisphereIsGiven) {
   recorder.write(hand_behind);
   recorder.close();
   const auto expect_at = [&](const std::string& options, const Vec3& p) {
-    for (const devices::TrackerSample& sample : hand("behind.lcmlog", options)) {
-      EXPECT_LT((sample.X_TS.p - p).norm(), 1e-6) << options;
+    for (const devices::Sample& sample : session("behind.lcmlog", options, 100).samples) {
+      const auto& tracker = std::get<devices::TrackerSample>(sample);
+      if (tracker.station != devices::kHandStation) continue;
+      EXPECT_LT((tracker.X_TS.p - p).norm(), 1e-6) << options;
     }
   };
   expect_at("", -hand_behind.X_TS.p);
   expect_at("--hemisphere 2:-1,0,0", hand_behind.X_TS.p);
   expect_at("--hemisphere 0,1,0", hand_behind.X_TS.p);  // where both are
   expect_refusal("live --fastrak unit --hemisphere up", 2, "hemisphere 'up': expected X,Y,Z");
+}
+
+// A record may begin in one tick and end in the next: the replay must not know it any earlier.
+TEST_F(LiveFastrak, ASessionReplaysToTheSameHashes) {
+  ASSERT_EQ(headpin("info " + kDemo + " --scenario").code, 0);
+  fs::copy(folder_ / "out.txt", folder_ / "room.toml");
+  const devices::Trial live =
+      session(kDemo, "--scenario room.toml --set rig.delay_s=0", 400);  // the ball is in the hand
+  EXPECT_TRUE(std::ranges::any_of(live.events, [](const auto& e) { return e.kind == "grab"; }));
+  const nlohmann::json replayed = json("replay live.lcmlog -o again.lcmlog --verify --json");
+  EXPECT_EQ(replayed["verified_ticks"], live.states.size());
+  EXPECT_EQ(json("replay again.lcmlog --verify --json")["state_hash"], replayed["state_hash"]);
 }
 
 TEST_F(Live, WithoutARouteItSaysWhatIsWrong) {

@@ -545,5 +545,32 @@ TEST(ReplaySourceTest, HandsOutEachSampleOnceWhenItWasAvailable) {
   EXPECT_TRUE(source.exhausted());
 }
 
+// As a record does whose first byte came in the tick before.
+TEST(ReplaySourceTest, ASampleThatASessionGotLateIsHandedOutLateAgain) {
+  const fs::path path = fresh_folder() / "late.lcmlog";
+  TrackerSample early = tracker(1), late = tracker(2);
+  early.device_time = early.host_time = Time{3000};
+  late.device_time = Time{1000};
+  late.host_time = Time{4000};
+  {
+    Recorder recorder(path, header());
+    recorder.write(early);
+    recorder.write(state(1));
+    recorder.write(late);
+    recorder.close();
+  }
+  const Time tick = read_trial(path).states[0].time;
+  ASSERT_GT(tick, late.host_time);
+  ReplaySource source(read_trial(path).samples);
+  std::vector<Sample> out;
+  source.poll(tick, out);
+  ASSERT_EQ(out.size(), 1u);
+  EXPECT_EQ(std::get<TrackerSample>(out[0]).station, early.station);
+  source.poll(tick + Time{1}, out);
+  ASSERT_EQ(out.size(), 2u);
+  EXPECT_EQ(std::get<TrackerSample>(out[1]).device_time, late.device_time);
+  EXPECT_EQ(std::get<TrackerSample>(out[1]).host_time, late.host_time);
+}
+
 }  // namespace
 }  // namespace headpin::devices
