@@ -108,7 +108,11 @@ void visit(V& v, Hand& h) {
   v.field("reach", h.reach, Range{0, 10}, "grabs a ball whose surface is this near");
   v.field("grip", h.grip, Range{-1, 1}, "centre of the carried ball in the hand");
   v.field("release_window_s", h.release_window_s, Range{0.01, 1},
-          "the release velocity is a line fitted over this");
+          "the release velocity is the slope of a parabola fitted over this");
+  v.field("release_window_most_s", h.release_window_most_s, Range{0.01, 1},
+          "and over up to this where the tracker is noisy");
+  v.field("release_accuracy", h.release_accuracy, Range{0, 1000},
+          "that is, while the fit knows it worse than this");
 }
 
 template <typename V>

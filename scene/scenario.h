@@ -79,6 +79,8 @@ struct Hand {
   double reach = 0.18;                   ///< a ball whose surface is nearer than this is grabbed
   Vec3 grip = Vec3(0.0, -0.03, -0.115);  ///< p_HB of the carried ball
   double release_window_s = 0.060;       ///< the release velocity is fitted over this
+  double release_window_most_s = 0.120;  ///< and over up to this where the tracker is noisy
+  double release_accuracy = 0.3;         ///< that is, while it is known worse than this [m/s]
 };
 
 /// Where the tracker stands and how the receivers are worn.

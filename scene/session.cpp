@@ -61,9 +61,9 @@ engine::State carried(const Session& s, Time time) {
   const auto last = std::upper_bound(track.begin(), track.end(), time,
                                      [](Time t, const auto& sample) { return t < sample.time; });
   const std::span<const Stamped<Pose>> seen(track.begin(), last);
-  const Time window = microseconds(hand.release_window_s);
+  const ReleaseWindow window = release_window(hand);
   Twist V_WB;
-  if (seen.size() >= 2 && seen[seen.size() - 2].time >= seen.back().time - window) {
+  if (seen.size() >= 2 && seen[seen.size() - 2].time >= seen.back().time - window.least) {
     V_WB = release_velocity(seen, hand.grip, window);
   }
   return {{X_WH.q * s.player.q_HB, X_WH * hand.grip}, V_WB.v, V_WB.w};

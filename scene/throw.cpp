@@ -51,17 +51,19 @@ std::size_t best(std::size_t begin, std::size_t end, const Score& score) {
   return best;
 }
 
-Twist ball_velocity(const MotionRecording& r, std::size_t release, const Vec3& p_HB, Time window) {
+Twist ball_velocity(const MotionRecording& r, std::size_t release, const Vec3& p_HB,
+                    const ReleaseWindow& window) {
   std::vector<Stamped<Pose>> track;
   for (std::size_t i = 0; i <= release; ++i) {
-    if (r.times[i] >= r.times[release] - window) track.push_back({r.times[i], r.right_hand[i]});
+    if (r.times[i] < r.times[release] - std::max(window.least, window.most)) continue;
+    track.push_back({r.times[i], r.right_hand[i]});
   }
   return release_velocity(track, p_HB, window);
 }
 
 /// Of the hand, fitted as the ball's will be.
 Vec3 hand_velocity_at(const MotionRecording& r, std::size_t i, const Hand& hand) {
-  return ball_velocity(r, i, Vec3::Zero(), microseconds(hand.release_window_s)).v;
+  return ball_velocity(r, i, Vec3::Zero(), release_window(hand)).v;
 }
 
 /// The second before the release, when the thrower has the ball in the air and the lane in sight.
@@ -164,7 +166,7 @@ Throw find_throw(const MotionRecording& r, const Hand& hand) {
   const auto hand_velocity = [&](std::size_t i) { return velocity(r.times, r.right_hand, i); };
   const auto hand_height = [&](std::size_t i) { return r.right_hand[i].p.y(); };
   const auto level_speed = [&](std::size_t i) { return horizontal(hand_velocity(i)).norm(); };
-  const Time window = microseconds(hand.release_window_s);
+  const ReleaseWindow window = release_window(hand);
 
   Throw found;
   const std::size_t peak = best(0, n, [&](std::size_t i) { return hand_velocity(i).norm(); });
@@ -182,7 +184,7 @@ Throw find_throw(const MotionRecording& r, const Hand& hand) {
     const bool lower = found.grab == 0 || hand_height(i) < hand_height(found.grab);
     if (hand_velocity(i).norm() < kRestingHand && lower) found.grab = i;
   }
-  if (r.times[found.release] - window >= r.times.front()) {
+  if (r.times[found.release] - window.least >= r.times.front()) {
     found.V_TB = ball_velocity(r, found.release, hand.grip, window);
   }
   return found;

@@ -34,7 +34,7 @@ Twist released(const std::vector<devices::Sample>& samples, const Rig& rig, cons
   for (const devices::Sample& sample : samples) {
     if (const auto* mouse = std::get_if<devices::MouseSample>(&sample)) {
       if (!mouse->trigger) {
-        return release_velocity(track, hand.grip, microseconds(hand.release_window_s));
+        return release_velocity(track, hand.grip, release_window(hand));
       }
       continue;
     }
