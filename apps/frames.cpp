@@ -11,6 +11,7 @@
 #include "apps/frame_ranges.h"
 #include "apps/progress.h"
 #include "apps/simulate.h"
+#include "devices/hmd.h"
 #include "render/video.h"
 #include "scene/spectator.h"
 
@@ -200,7 +201,12 @@ void add_frames(CLI::App& app) {
   command->add_flag("--force", options->force, "replace what is there");
   command->add_flag("--json", options->json, "print one JSON object");
   command->footer(
-      "Example:\n  headpin frames assets/trials/demo.lcmlog -o frames --video stereo.mkv");
+      "The display is the trial's own. To look through another, change it first:\n"
+      "  headpin replay TRIAL --set hmd.profile=NAME -o OTHER\nNAME is one of " +
+      devices::hmd_profile_names() +
+      "; a single value is changed likewise, as by --set hmd.eye_distance=0.06.\n\n"
+      "Example:\n  headpin frames assets/trials/demo.lcmlog -o frames --video "
+      "stereo.mkv");
   command->callback([options] { run(*options); });
 }
 

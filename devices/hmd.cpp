@@ -1,5 +1,6 @@
 #include "devices/hmd.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -42,14 +43,19 @@ std::span<const HmdProfile> hmd_profiles() {
   return kProfiles;
 }
 
-const HmdProfile& hmd_profile(std::string_view name) {
+std::string hmd_profile_names() {
   std::string names;
   for (const HmdProfile& profile : kProfiles) {
-    if (profile.name == name) return profile;
     names.append(names.empty() ? "" : ", ").append(profile.name);
   }
+  return names;
+}
+
+const HmdProfile& hmd_profile(std::string_view name) {
+  const auto found = std::ranges::find(kProfiles, name, &HmdProfile::name);
+  if (found != kProfiles.end()) return *found;
   throw std::invalid_argument(std::string("display '").append(name).append("': expected one of ") +
-                              names);
+                              hmd_profile_names());
 }
 
 Hmd::Hmd(const HmdProfile& p) : profile(p), eye_distance(p.eye_distance) {

@@ -31,6 +31,9 @@ struct HmdProfile {
 /// All profiles known; the first is the default.
 std::span<const HmdProfile> hmd_profiles();
 
+/// Their names, separated by commas.
+std::string hmd_profile_names();
+
 /// @throws std::invalid_argument  naming those there are
 const HmdProfile& hmd_profile(std::string_view name);
 

@@ -10,6 +10,8 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include "devices/hmd.h"
+
 namespace headpin::scene {
 
 namespace {
@@ -126,11 +128,13 @@ void visit(V& v, Rig& r) {
 
 template <typename V>
 void visit(V& v, Hmd& h) {
-  v.field("profile", h.profile, kAny, "name of the display");
-  v.field("width", h.width, Range{1, 16384}, "pixels of an eye: Uno & Slater 1997, section 3");
+  v.field("profile", h, kAny,
+          "one of " + devices::hmd_profile_names() + "; values given here override it");
+  v.field("width", h.width, Range{1, 16384},
+          "pixels of an eye; flight-helmet is Uno & Slater 1997, section 3");
   v.field("height", h.height, Range{1, 16384}, "");
-  v.field("horizontal_fov_deg", h.horizontal_fov_deg, Range{1, 170}, "of an eye: section 3");
-  v.field("vertical_fov_deg", h.vertical_fov_deg, Range{1, 170}, "of an eye: section 3");
+  v.field("horizontal_fov_deg", h.horizontal_fov_deg, Range{1, 170}, "of an eye");
+  v.field("vertical_fov_deg", h.vertical_fov_deg, Range{1, 170}, "of an eye");
   v.field("eye_distance", h.eye_distance, Range{0, 1}, "64 mm between the LEEP lenses' axes");
   v.field("outward_deg", h.outward_deg, Range{-60, 60}, "each eye's axis turned outward");
 }
@@ -253,6 +257,17 @@ class Reader {
     refuse(node, path, names);
   }
 
+  /// By the name of its profile, which sets all of it.
+  void read(const toml::node& node, const std::string& path, Hmd& value, Range range) const {
+    std::string name;
+    read(node, path, name, range);
+    try {
+      value = hmd_of_profile(name);
+    } catch (const std::invalid_argument&) {
+      refuse(node, path, "one of " + devices::hmd_profile_names());
+    }
+  }
+
   void read(const toml::node& node, const std::string& path, Vec3& value, Range range) const {
     const std::vector<double> v = numbers(node, path, 3, range);
     value = Vec3(v[0], v[1], v[2]);
@@ -344,6 +359,7 @@ class Writer {
     quoted << toml::value<std::string>(value);
     return quoted.str();
   }
+  static std::string text(const Hmd& hmd) { return text(hmd.profile); }
   static std::string text(const Vec3& v) {
     return fmt::format("[{}, {}, {}]", text(v.x()), text(v.y()), text(v.z()));
   }
@@ -409,7 +425,13 @@ double ten_micrometres(double length) {
 
 }  // namespace
 
-Scenario::Scenario() {
+Hmd hmd_of_profile(std::string_view name) {
+  const devices::HmdProfile& p = devices::hmd_profile(name);
+  return {std::string(p.name), p.width,        p.height,     p.horizontal_fov_deg,
+          p.vertical_fov_deg,  p.eye_distance, p.outward_deg};
+}
+
+Scenario::Scenario() : hmd(hmd_of_profile(devices::hmd_profiles().front().name)) {
   // Ten pins: pins 12 in = 0.3048 m apart, so rows 10.392 in = 0.26396 m apart (USBC).
   for (int r = 0; r < 4; ++r) {
     for (int i = 0; i <= r; ++i) {

@@ -91,15 +91,19 @@ struct Rig {
   double delay_s = 0.0;  ///< poses are read this long before now; 0 holds the last sample
 };
 
+/// The display: a profile of devices/hmd.h, and its values where nothing else is asked for.
 struct Hmd {
-  std::string profile = "flight-helmet";
-  std::int64_t width = 360;
-  std::int64_t height = 240;
-  double horizontal_fov_deg = 75.0;
-  double vertical_fov_deg = 40.0;
-  double eye_distance = 0.064;
+  std::string profile;
+  std::int64_t width = 0;
+  std::int64_t height = 0;
+  double horizontal_fov_deg = 0.0;
+  double vertical_fov_deg = 0.0;
+  double eye_distance = 0.0;
   double outward_deg = 0.0;
 };
+
+/// @throws std::invalid_argument  naming the profiles there are
+Hmd hmd_of_profile(std::string_view name);
 
 struct Scenario {
   std::string name = "paper-room";

@@ -7,6 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "devices/hmd.h"
+
 namespace headpin::scene {
 namespace {
 
@@ -26,13 +28,17 @@ TEST(ScenarioText, GivesBackEveryBit) {
   s.ball.mass = 0.1 + 0.2;  // no short decimal
   s.rig.X_WT = {rotation(Vec3(0.1, 0.2, 0.3)), Vec3(1.0 / 3.0, -0.0, 1e-7)};
   s.collision.shape = "ellipsoid";
-  s.hmd.profile = "a \"quoted\" name\nand a line";
+  s.name = "a \"quoted\" name\nand a line";
+  s.hmd = hmd_of_profile("flight-helmet-leep");
+  s.hmd.eye_distance = 0.0625;
   const std::string text = to_toml(s);
   const Scenario back = parse_scenario(text, "text");
   EXPECT_EQ(back.ball.mass, s.ball.mass);
   EXPECT_EQ(back.rig.X_WT.q.coeffs(), s.rig.X_WT.q.coeffs());
   EXPECT_EQ(back.rig.X_WT.p, s.rig.X_WT.p);
-  EXPECT_EQ(back.hmd.profile, s.hmd.profile);
+  EXPECT_EQ(back.name, s.name);
+  EXPECT_EQ(back.hmd.width, 208);
+  EXPECT_EQ(back.hmd.eye_distance, 0.0625);
   EXPECT_EQ(back.skittle.parts.size(), s.skittle.parts.size());
   EXPECT_EQ(to_toml(back), text);
 }
@@ -40,6 +46,26 @@ TEST(ScenarioText, GivesBackEveryBit) {
 TEST(ScenarioText, LeftOutMeansDefault) {
   EXPECT_EQ(to_toml(parse_scenario("", "empty")), to_toml(Scenario{}));
   EXPECT_EQ(parse_scenario("[ball]\nmass = 5", "x").ball.radius, Scenario{}.ball.radius);
+}
+
+TEST(ScenarioText, ADisplayIsItsProfileAndWhatOverridesIt) {
+  for (const devices::HmdProfile& profile : devices::hmd_profiles()) {
+    const Hmd hmd =
+        parse_scenario("[hmd]\nwidth = 100\nprofile = '" + std::string(profile.name) + "'", "x")
+            .hmd;
+    EXPECT_EQ(hmd.profile, profile.name);
+    EXPECT_EQ(hmd.width, 100);  // wherever in the table it stands
+    EXPECT_EQ(hmd.height, profile.height);
+    EXPECT_EQ(hmd.horizontal_fov_deg, profile.horizontal_fov_deg);
+    EXPECT_EQ(hmd.vertical_fov_deg, profile.vertical_fov_deg);
+    EXPECT_EQ(hmd.eye_distance, profile.eye_distance);
+    EXPECT_EQ(hmd.outward_deg, profile.outward_deg);
+    EXPECT_THAT(to_toml(Scenario{}), HasSubstr(std::string(profile.name)));  // so that it is found
+  }
+  EXPECT_EQ(refusal("\n[hmd]\nprofile = 'visor'"),
+            "lane.toml:3: hmd.profile must be one of flight-helmet, flight-helmet-square, "
+            "flight-helmet-leep, flight-helmet-elements, found 'visor'");
+  EXPECT_THAT(refusal("[hmd]\nprofile = 3"), HasSubstr("hmd.profile must be a string"));
 }
 
 TEST(ScenarioText, RefusalsNameFileLineKeyAndWhatIsAllowed) {
