@@ -284,6 +284,7 @@ void FastrakDriver::set_up() {
     say('R', s, "");
     say('b', s, "");
     say('r', s, ",0,0,0");
+    say('N', s, ",0,0,0");  // the pose of the receiver, also where it is a stylus
     say('I', s, ",0");
     // No envelope within the unit's reach: 300 cm, where its factory one marks all beyond 200.
     say('V', s,

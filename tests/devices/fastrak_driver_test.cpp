@@ -384,6 +384,7 @@ TEST(FastrakDriverTest, TakesOverAUnitInWhateverStateItWasLeft) {
       "V1,1,1,1\rV2,1,1,1\rQ1,1,1,1\rC",    // envelopes that mark every record
       "l1,0\rl2,0\r",                       // all stations off
       "H1,-1,0,0\rH2,-1,0,0\rx5\rv5\r",     // wrong hemisphere, heavy filters
+      "N1,2.5,0,0\rN2,0,3,0\r",             // tip offsets
       "e1,1\ry1\rXa unit\rD",
       "fC\x0b"};  // saving a streaming set-up
   for (const std::string& state : states) {
