@@ -26,7 +26,7 @@ struct Options {
   std::uint64_t seed = 1;
   double duration = 0.0;
   bool tag_2012 = false, early = false, stylus = false, strict_baud = false, loop = false;
-  bool json = false;
+  bool json = false, use_lcm = false;
 };
 
 volatile std::sig_atomic_t stopped = 0;
@@ -196,7 +196,7 @@ void obey(const std::string& line, devices::FastrakEmulator& emulator, Feed& fee
 void run(const Options& options) {
   Feed feed = feed_of(options);
   std::unique_ptr<LcmFeed> lcm;
-  if (!options.lcm.empty()) {
+  if (options.use_lcm) {
     lcm = std::make_unique<LcmFeed>(options.lcm);
     feed.motion = [&lcm](int station, Time) { return lcm->at(station); };
   }
@@ -227,7 +227,9 @@ void run(const Options& options) {
   fmt::print(out, "{}\n", line.name());
   fmt::print(out, "Fastrak{}, receivers {}, {} baud, measures {}; ends at SIGINT or SIGTERM\n",
              options.link.empty() ? "" : " at " + options.link, options.receivers, options.baud,
-             !lcm ? (options.trial.empty() ? options.motion : options.trial) : options.lcm);
+             lcm                     ? "LCM"
+             : options.trial.empty() ? options.motion
+                                     : options.trial);
   std::fflush(out);
 
   const auto start = std::chrono::steady_clock::now();
@@ -286,10 +288,12 @@ void add_emulate(CLI::App& app) {
   command->add_option("--motion", options->motion, "a test pattern instead: circle or still")
       ->check(CLI::IsMember({"still", "circle"}))
       ->excludes(trial);
-  command
-      ->add_option("--lcm", options->lcm,
-                   "feed it from TRACKER and MOUSE3D at this LCM URL, as they come")
-      ->excludes(trial);
+  auto* lcm =
+      command
+          ->add_option("--lcm", options->lcm,
+                       "feed it from TRACKER and MOUSE3D at this LCM URL, as they come; \"\" is "
+                       "LCM's default URL")
+          ->excludes(trial);
   command->add_flag("--loop", options->loop, "repeat the trial instead of resting at its end")
       ->needs(trial);
   auto* tcp =
@@ -326,7 +330,10 @@ void add_emulate(CLI::App& app) {
                   devices::faults_help() +
                   "\nExample:\n  headpin emulate --link /tmp/fastrak --motion circle --faults "
                   "garbage=0.01,silence=4@20\n");
-  command->callback([options] { run(*options); });
+  command->callback([options, lcm] {
+    options->use_lcm = lcm->count() > 0;
+    run(*options);
+  });
 }
 
 }  // namespace headpin::apps

@@ -118,6 +118,7 @@ class Painter {
       std::unique_ptr<devices::LcmLink> link;
       if (options.use_lcm && options.eyes != "none") {
         link = std::make_unique<devices::LcmLink>(options.lcm);
+        if (link->is_replay()) link.reset();
       }
       std::array<render::Image, 2> images;
       scene::see(spectator, {.X_WD = {}, .X_WB_skittles = {}, .X_WB_ball = {}, .X_WH = {}},
@@ -245,7 +246,7 @@ void print_line(const Live& live) {
 }
 
 void publish_scene(Live& live, bool whole) {
-  if (!live.link) return;
+  if (!live.link || live.link->is_replay()) return;
   if (whole) live.link->publish(scene::viewer_links(live.session));
   live.link->publish(live.session.now(), scene::viewer_poses(live.session));
 }
@@ -324,7 +325,11 @@ void run(const Options& options) {
   std::optional<Time> shown;  // arrival of the head sample in the last frame
   Time next_line{10'000'000};
   publish_scene(live, true);
-  while (!stop_asked && (end == Time{} || live.session.now() < end)) {
+  const auto over = [&] {  // at the end of a log there is nothing more to come
+    return (end != Time{} && live.session.now() >= end) ||
+           (live.lcm && live.lcm->exhausted() && !live.tracker);
+  };
+  while (!stop_asked && !over()) {
     const Time due = tick_time(live.session.world.tick + 1, rate);
     std::this_thread::sleep_until(start + due);
     const Clock::time_point woken = Clock::now();
@@ -372,7 +377,8 @@ void add_live(CLI::App& app) {
   CLI::App* command = app.add_subcommand("live", "Run a session in real time, recorded as it runs");
   CLI::Option* lcm =
       command->add_option("--lcm", options->lcm,
-                          "poses and buttons in, eyes and bodies out; \"\" is LCM's default URL");
+                          "poses and buttons in, eyes and bodies out; \"\" is LCM's default URL; a "
+                          "file:// is only read");
   CLI::Option* fastrak = command->add_option("--fastrak", options->fastrak,
                                              "poses from a Fastrak on this serial line");
   command->add_option("--baud", options->baud, "of that line")->capture_default_str();

@@ -47,6 +47,10 @@ LcmLink::LcmLink(const std::string& url) : url_(url), lcm_(std::make_unique<Lcm>
 
 LcmLink::~LcmLink() = default;
 
+bool LcmLink::is_replay() const {
+  return url_.starts_with("file:") && url_.find("mode=w") == std::string::npos;
+}
+
 void LcmLink::send(const std::string& channel, std::span<const std::uint8_t> bytes) {
   errno = 0;
   if (lcm_publish(lcm_->handle, channel.c_str(), bytes.data(),
@@ -146,8 +150,11 @@ void LcmSource::receive(Time now) {
   // No more at once than the queue holds, so that a flood cannot keep us here.
   for (std::size_t i = 0; i < queue_; ++i) {
     const int handled = lcm_handle_timeout(link_.lcm_->handle, 0);
-    if (handled < 0) throw std::runtime_error("LCM stopped: " + link_.url());
-    if (handled == 0) return;
+    if (handled < 0 && !link_.is_replay()) {
+      throw std::runtime_error("LCM stopped: " + link_.url());
+    }
+    ended_ = handled < 0;
+    if (handled <= 0) return;
   }
 }
 

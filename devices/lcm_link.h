@@ -43,6 +43,8 @@ class LcmLink {
   void publish_pose(const std::string& channel, Time time, const Pose& pose);
 
   const std::string& url() const { return url_; }
+  /// A log being read: what it holds comes in at its pace and ends, and nothing can be published.
+  bool is_replay() const;
 
  private:
   friend class LcmSource;
@@ -75,10 +77,13 @@ class LcmSource : public Source {
 
   /// Takes in what has arrived, without waiting, and stamps it with `now` as its host time, or with
   /// just after the last poll, so that a replay hands it out at the same tick.
+  ///
+  /// @throws std::runtime_error  when LCM stops, as a tcpq server does
   void receive(Time now);
 
   void poll(Time now, std::vector<Sample>& out) override;
-  bool exhausted() const override { return false; }
+  /// At the end of a log; anything else that ends is an error of receive().
+  bool exhausted() const override { return ended_ && waiting_.empty(); }
 
   const Counts& counts() const { return counts_; }
 
@@ -91,6 +96,7 @@ class LcmSource : public Source {
   std::deque<Sample> waiting_;  // in the order they came
   std::optional<Time> offset_;  // from the publisher's clock to the session's
   Time receiving_{}, polled_{};
+  bool ended_ = false;
   Counts counts_;
   std::unique_ptr<Subscriptions> subscriptions_;
 };

@@ -45,6 +45,26 @@ TEST(LcmLinkTest, WhatIsPublishedArrivesOnTheSessionsClock) {
   EXPECT_EQ(source.counts().received, 2);
 }
 
+TEST(LcmLinkTest, ALogEndsAndIsNotWrittenTo) {
+  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "headpin_link.log";
+  {
+    LcmLink log("file://" + path.string() + "?mode=w");
+    EXPECT_FALSE(log.is_replay());
+    log.publish(Sample(tracker(5'000)));
+  }
+  LcmLink link("file://" + path.string() + "?speed=0");
+  EXPECT_TRUE(link.is_replay());
+  EXPECT_THROW(link.publish(Sample(tracker(0))), std::runtime_error);
+  LcmSource source(link);
+  std::vector<Sample> out;
+  for (Time now{}; !source.exhausted(); now += Time{4'000}) {
+    source.receive(now);
+    source.poll(now, out);
+  }
+  EXPECT_EQ(out.size(), 1u);
+  std::filesystem::remove(path);
+}
+
 TEST(LcmLinkTest, ASampleIsHandedOutOnceAndNotBeforeItsTime) {
   LcmLink link("memq://");
   LcmSource source(link);
