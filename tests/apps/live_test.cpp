@@ -8,39 +8,89 @@ namespace {
 
 const std::string kDemo = HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog";
 
-class Live : public CommandLine {
+const Vec3 kBehind(-0.5, 0.3, 0.2);  // p_TS
+
+/// Sessions run by shell scripts that wait for what they need.
+class Sessions : public CommandLine {
  protected:
-  /// Runs a shell script in the folder, in a network of its own that has a multicast route.
-  Result alone(const std::string& script) const {
+  Result shell(const std::string& script, const std::string& wrapper = "") const {
     std::ofstream(folder_ / "script.sh")
-        << "ip link set lo up\nip link set lo multicast on\nip route add 224.0.0.0/4 dev lo\n"
         << "headpin=" HEADPIN_PROGRAM "\n"
         << "size() { stat -c %s \"$1\" 2>/dev/null || echo 0; }\n"
         << "written() { while [ $(size $1) -lt $2 ]; do sleep 0.02; done; }\n"  // FILE, BYTES
+        << "count() { grep -ao $2 $1 2>/dev/null | wc -l; }\n"                  // FILE, WORD
+        // PROCESS, FILE, WORD, COUNT: until there are so many, or the process is no more
+        << "counted() { while kill -0 $1 && [ $(count $2 $3) -lt $4 ]; do sleep 0.1; done; }\n"
+        << "there() { while kill -0 $1 && ! [ -e $2 ]; do sleep 0.02; done; }\n"  // PROCESS, FILE
+        << "interrupt() { kill -INT $1; wait $1; }\n"
         << script << "\n";
-    const std::string command =
-        "cd '" + folder_.string() + "' && unshare -n sh script.sh >out.txt 2>err.txt </dev/null";
+    const std::string command = "cd '" + folder_.string() + "' && " + wrapper +
+                                " sh script.sh >out.txt 2>err.txt </dev/null";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + status, slurp(folder_ / "out.txt"),
             slurp(folder_ / "err.txt")};
   }
 
+  /// Records a session with an emulated Fastrak until it has so many samples.
+  ///
+  /// @param feed  of the unit
+  static std::string fastrak_session(const std::string& feed, const std::string& options,
+                                     int samples) {
+    return "rm -f live.lcmlog\n$headpin emulate " + feed +
+           " --link unit --faults noise=0 --stylus &\nunit=$!\nthere $unit unit\n"
+           "publish\n"
+           "$headpin live --fastrak unit --record live.lcmlog --eyes none " +
+           options + " &\nlive=$!\ncounted $live live.lcmlog TRACKER " + std::to_string(samples) +
+           "\ninterrupt $live; code=$?\ninterrupt $unit\nexit $code";
+  }
+
+  /// A trial of a head and a hand at rest, the hand behind the transmitter.
+  void record_hand_behind() const {
+    devices::TrackerSample head, hand;
+    head.X_TS.p = Vec3(0.8, 0.1, -0.6);
+    hand.station = devices::kHandStation;
+    hand.X_TS.p = kBehind;
+    devices::Recorder recorder(folder_ / "behind.lcmlog", {});
+    recorder.write(head);
+    recorder.write(hand);
+    recorder.close();
+  }
+
+  void take_room_of_demo() {
+    ASSERT_EQ(headpin("info " + kDemo + " --scenario").code, 0);
+    fs::copy(folder_ / "out.txt", folder_ / "room.toml");
+  }
+
+  devices::Trial trial(const std::string& name) const {
+    return devices::read_trial(folder_ / name);
+  }
+};
+
+class Live : public Sessions {
+ protected:
+  /// In a network of its own that has a multicast route.
+  Result alone(const std::string& script) const {
+    return shell(
+        "ip link set lo up\nip link set lo multicast on\nip route add 224.0.0.0/4 dev lo\n" +
+            script,
+        "unshare -n");
+  }
+
   void SetUp() override {
     if (alone("true").code != 0)
       GTEST_SKIP() << "no private network: " << slurp(folder_ / "err.txt");
-    ASSERT_EQ(headpin("info " + kDemo + " --scenario").code, 0);
-    fs::copy(folder_ / "out.txt", folder_ / "room.toml");
+    take_room_of_demo();
   }
 };
 
 TEST_F(Live, FedByLcmLogplayerItReplaysToTheSameHashes) {
   const Result result = alone(
-      "$headpin live --lcm '' --scenario room.toml --record live.lcmlog --duration 10 --eyes png "
-      "--json >live.json &\nwritten live.lcmlog 50000\nlcm-logplayer " +
-      kDemo + " >/dev/null\nwait $!");
+      "$headpin live --lcm '' --scenario room.toml --record live.lcmlog --eyes png --json "
+      ">live.json &\nlive=$!\nwritten live.lcmlog 50000\nlcm-logplayer " +
+      kDemo + " >/dev/null\ncounted $live live.lcmlog TRACKER 841\ninterrupt $live");
   ASSERT_EQ(result.code, 0) << result.err;
   const nlohmann::json live = nlohmann::json::parse(slurp(folder_ / "live.json"));
-  EXPECT_EQ(live["ticks"], 10 * 240);  // none skipped, whatever else the machine does
+  EXPECT_EQ(live["ticks"], trial("live.lcmlog").states.size());  // none skipped
   EXPECT_EQ(live["samples"], 843);
   EXPECT_EQ(live["dropped_samples"], 0);
   EXPECT_GT(live["frames"].get<int>(), 0);
@@ -70,60 +120,86 @@ TEST_F(Live, AnInterruptEndsItCleanlyAndAKillLosesNothingWritten) {
   EXPECT_EQ(killed.states.back().tick, static_cast<std::int64_t>(killed.states.size()));
 }
 
-/// A Fastrak of headpin's own at the end of a line.
-class LiveFastrak : public CommandLine {
- protected:
-  /// Records a session with a unit that measures the trial, until it has so many samples.
-  devices::Trial session(const std::string& trial, const std::string& options, int samples) {
-    std::ofstream(folder_ / "script.sh")
-        << "headpin=" HEADPIN_PROGRAM "\n"
-        << "samples() { grep -ao TRACKER live.lcmlog | wc -l; }\n"
-        << "$headpin emulate " << trial << " --link unit --faults noise=0 --stylus &\nunit=$!\n"
-        << "until [ -e unit ]; do sleep 0.02; done\n"
-        << "$headpin live --fastrak unit --record live.lcmlog --force --eyes none " << options
-        << " &\nlive=$!\n"
-        << "until [ -e live.lcmlog ]; do sleep 0.02; done\n"
-        << "while kill -0 $live && [ $(samples) -lt " << samples << " ]; do sleep 0.02; done\n"
-        << "kill -INT $live; wait $live; code=$?; kill -INT $unit; wait $unit; exit $code\n";
-    const std::string command =
-        "cd '" + folder_.string() + "' && rm -f live.lcmlog && sh script.sh >out.txt 2>err.txt";
-    EXPECT_EQ(std::system(command.c_str()), 0) << slurp(folder_ / "err.txt");
-    return devices::read_trial(folder_ / "live.lcmlog");
-  }
-};
+using LiveFastrak = Sessions;
 
 TEST_F(LiveFastrak, AHandOnTheOtherSideIsFlippedUnlessItsHemisphereIsGiven) {
-  devices::TrackerSample head, hand_behind;
-  head.X_TS.p = Vec3(0.8, 0.1, -0.6);
-  hand_behind.station = devices::kHandStation;
-  hand_behind.X_TS.p = Vec3(-0.5, 0.3, 0.2);
-  devices::Recorder recorder(folder_ / "behind.lcmlog", {});
-  recorder.write(head);
-  recorder.write(hand_behind);
-  recorder.close();
+  record_hand_behind();
   const auto expect_at = [&](const std::string& options, const Vec3& p) {
-    for (const devices::Sample& sample : session("behind.lcmlog", options, 100).samples) {
+    const Result result = shell(fastrak_session("behind.lcmlog", options, 100));
+    ASSERT_EQ(result.code, 0) << result.err;
+    for (const devices::Sample& sample : trial("live.lcmlog").samples) {
       const auto& tracker = std::get<devices::TrackerSample>(sample);
       if (tracker.station != devices::kHandStation) continue;
       EXPECT_LT((tracker.X_TS.p - p).norm(), 1e-6) << options;
     }
   };
-  expect_at("", -hand_behind.X_TS.p);
-  expect_at("--hemisphere 2:-1,0,0", hand_behind.X_TS.p);
-  expect_at("--hemisphere 0,1,0", hand_behind.X_TS.p);  // where both are
+  expect_at("", -kBehind);
+  expect_at("--hemisphere 2:-1,0,0", kBehind);
+  expect_at("--hemisphere 0,1,0", kBehind);  // where both are
   expect_refusal("live --fastrak unit --hemisphere up", 2, "hemisphere 'up': expected X,Y,Z");
 }
 
 // A record may begin in one tick and end in the next: the replay must not know it any earlier.
 TEST_F(LiveFastrak, ASessionReplaysToTheSameHashes) {
-  ASSERT_EQ(headpin("info " + kDemo + " --scenario").code, 0);
-  fs::copy(folder_ / "out.txt", folder_ / "room.toml");
-  const devices::Trial live =
-      session(kDemo, "--scenario room.toml --set rig.delay_s=0", 400);  // the ball is in the hand
+  take_room_of_demo();
+  // The ball is in the hand by then.
+  const Result result =
+      shell(fastrak_session(kDemo, "--scenario room.toml --set rig.delay_s=0", 400));
+  ASSERT_EQ(result.code, 0) << result.err;
+  const devices::Trial live = trial("live.lcmlog");
   EXPECT_TRUE(std::ranges::any_of(live.events, [](const auto& e) { return e.kind == "grab"; }));
   const nlohmann::json replayed = json("replay live.lcmlog -o again.lcmlog --verify --json");
   EXPECT_EQ(replayed["verified_ticks"], live.states.size());
   EXPECT_EQ(json("replay again.lcmlog --verify --json")["state_hash"], replayed["state_hash"]);
+}
+
+TEST_F(Live, PosesPublishedToAnEmulatedFastrakComeOutAsItsRecords) {
+  record_hand_behind();
+  const Result result = alone("publish() { $headpin stream behind.lcmlog --lcm ''; }\n" +
+                              fastrak_session("--lcm ''", "--hemisphere 0,1,0", 100));
+  ASSERT_EQ(result.code, 0) << result.err;
+  int of_hand = 0;
+  for (const devices::Sample& sample : trial("live.lcmlog").samples) {
+    const auto& tracker = std::get<devices::TrackerSample>(sample);
+    const bool hand = tracker.station == devices::kHandStation;
+    EXPECT_LT((tracker.X_TS.p - (hand ? kBehind : Vec3(0.8, 0.1, -0.6))).norm(), 1e-6);
+    of_hand += hand;
+  }
+  EXPECT_GT(of_hand, 40);
+}
+
+TEST_F(Live, AnotherLanguageSeesWhatTheEyesAndTheViewerSee) {
+  if (shell("python3 --version").code != 0) GTEST_SKIP() << "no python3";
+  ASSERT_EQ(shell("lcm-gen -p --ppath generated " HEADPIN_SOURCE_DIR "/devices/types/*.lcm").code,
+            0);
+  for (const std::string eyes : {"raw", "png"}) {
+    const Result seen = alone(
+        "lcm-logger -q -f seen.lcmlog &\nlogger=$!\nthere $logger seen.lcmlog\n"
+        "$headpin live --lcm '' --scenario room.toml --record live.lcmlog --force --eyes " +
+        eyes + " &\nlive=$!\nwritten live.lcmlog 50000\n$headpin stream --lcm '' " + kDemo +
+        " &\nstream=$!\nfor channel in HEADPIN_EYES DRAKE_VIEWER_DRAW; "
+        "do\ncounted $live seen.lcmlog $channel 5\ndone\n"
+        "interrupt $live; code=$?\ninterrupt $stream\ninterrupt $logger\nexit $code");
+    ASSERT_EQ(seen.code, 0) << seen.err;
+    const Result read = shell("python3 -B " HEADPIN_SOURCE_DIR
+                              "/tests/apps/read_eyes.py generated seen.lcmlog live.lcmlog");
+    EXPECT_EQ(read.code, 0) << eyes << "\n" << read.out << read.err;
+  }
+}
+
+// file:// needs no network: the log plays at its pace, and the session ends with it.
+TEST_F(LiveFastrak, WithoutANetworkALogFeedsASessionOrAUnit) {
+  take_room_of_demo();
+  const std::string url = "file://" + kDemo;
+  const nlohmann::json live =
+      json("live --lcm '" + url + "' --scenario room.toml --record live.lcmlog --json");
+  EXPECT_EQ(live["samples"], 843);
+  EXPECT_GT(live["frames"].get<int>(), 0);
+  EXPECT_GT(live["skittles_down"].get<int>(), 0);
+  EXPECT_EQ(json("replay live.lcmlog --verify --json")["state_hash"], live["state_hash"]);
+  // The unit goes on measuring where the log left its receivers.
+  const Result unit = shell("$headpin emulate --lcm '" + url + "?speed=0' --duration 0.5");
+  EXPECT_EQ(unit.code, 0) << unit.err;
 }
 
 TEST_F(Live, WithoutARouteItSaysWhatIsWrong) {

@@ -4,9 +4,9 @@ usage: read_trial.py FOLDER_OF_GENERATED_CODE LOG
 """
 
 import collections
-import importlib
-import struct
 import sys
+
+from lcm_log import decode, events
 
 TYPES = {
     "HEADPIN_TRIAL": "trial_t",
@@ -19,24 +19,10 @@ TYPES = {
     "HAND_POSE": "rigid_transform_t",
 }
 
-
-def events(data):
-    at = 0
-    while at < len(data):
-        magic, _, _, channel_size, size = struct.unpack(">IqqII", data[at : at + 28])
-        assert magic == 0xEDA1DA01
-        at += 28
-        channel = data[at : at + channel_size].decode()
-        at += channel_size
-        yield channel, data[at : at + size]
-        at += size
-
-
 sys.path.insert(0, sys.argv[1])
 counts = collections.Counter()
-for channel, data in events(open(sys.argv[2], "rb").read()):
-    name = TYPES[channel]
-    message = getattr(importlib.import_module("headpin." + name), name).decode(data)
+for channel, data in events(sys.argv[2]):
+    message = decode(TYPES[channel], data)
     if channel in ("TRACKER", "HEAD_POSE", "HAND_POSE"):
         quaternion = message.quaternion if channel == "TRACKER" else message.quat
         assert abs(sum(q * q for q in quaternion) - 1.0) < 1e-9

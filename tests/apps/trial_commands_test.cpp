@@ -116,7 +116,7 @@ TEST_F(TrialCommands, AnotherLanguageReadsEveryChannel) {
             0);
   for (const std::string log : {"game.lcmlog", "stream.lcmlog"}) {
     const Result read =
-        shell("python3 " HEADPIN_SOURCE_DIR "/tests/apps/read_trial.py generated " + log);
+        shell("python3 -B " HEADPIN_SOURCE_DIR "/tests/apps/read_trial.py generated " + log);
     ASSERT_EQ(read.code, 0) << read.err;
     std::string expected;
     for (const auto& [name, channel] : trial(log).channels) {
