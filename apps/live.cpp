@@ -323,6 +323,7 @@ void run(const Options& options) {
   devices::TickState state;
   std::int64_t frame = 0;
   std::optional<Time> shown;  // arrival of the head sample in the last frame
+  Time lead{};                // of the frames' clock: brings them close behind the head's samples
   Time next_line{10'000'000};
   publish_scene(live, true);
   const auto over = [&] {  // at the end of a log there is nothing more to come
@@ -339,7 +340,7 @@ void run(const Options& options) {
     if (live.lcm) live.lcm->receive(due);
     run_tick(live, sources, state);
 
-    if (tick_time(frame, fps) <= live.session.now()) {
+    if (tick_time(frame, fps) - lead <= live.session.now()) {
       const std::optional<Pose> X_WD = scene::head_pose(live.session);
       if (X_WD) {
         Painter::Job job{frame,
@@ -348,7 +349,11 @@ void run(const Options& options) {
                          {},
                          scene::glimpse(live.session, *X_WD)};
         const std::optional<Time> arrival = live.session.player.head_arrival;
-        if (arrival != shown) job.sample = start + *arrival;  // latency is that of fresh samples
+        if (arrival != shown) {
+          job.sample = start + *arrival;  // latency is that of fresh samples
+          const Time tick = tick_time(1, rate);
+          if (live.session.now() - *arrival > tick) lead += tick;
+        }
         shown = arrival;
         if (!painter.offer(std::move(job))) ++live.statistics.late_frames;
       }
