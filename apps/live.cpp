@@ -234,6 +234,12 @@ nlohmann::json summary(const Live& live) {
   return j;
 }
 
+std::string fastrak_report(const devices::FastrakDriver& fastrak) {
+  const devices::FastrakStatistics& f = fastrak.statistics();
+  return fmt::format("; Fastrak {}, {} records missed, {} bytes skipped, {} restarts",
+                     fastrak.activity(), f.missed, f.skipped_bytes, f.restarts);
+}
+
 void print_line(const Live& live) {
   const Statistics& s = live.statistics;
   fmt::print(stderr,
@@ -241,8 +247,7 @@ void print_line(const Live& live) {
              "ms p99, {} dropped, {} overruns, {} skittles down{}\n",
              seconds(live.session.now()), s.samples, s.frames, s.late_frames, s.latency(0.5),
              s.latency(0.99), live.lcm ? live.lcm->counts().dropped : 0, s.overruns,
-             live.session.score.skittles_down(),
-             live.fastrak ? "; Fastrak " + live.fastrak->activity() : "");
+             live.session.score.skittles_down(), live.fastrak ? fastrak_report(*live.fastrak) : "");
 }
 
 void publish_scene(Live& live, bool whole) {
@@ -322,8 +327,9 @@ void run(const Options& options) {
   const Clock::time_point start = Clock::now();
   devices::TickState state;
   std::int64_t frame = 0;
-  std::optional<Time> shown;  // arrival of the head sample in the last frame
-  Time lead{};                // of the frames' clock: brings them close behind the head's samples
+  std::optional<Time> newest, shown;  // arrival of the head sample at hand, and in the last frame
+  Time since{};                       // when the session got the newest
+  Time lead{};  // of the frames' clock: brings them close behind the head's samples
   Time next_line{10'000'000};
   publish_scene(live, true);
   const auto over = [&] {  // at the end of a log there is nothing more to come
@@ -340,6 +346,10 @@ void run(const Options& options) {
     if (live.lcm) live.lcm->receive(due);
     run_tick(live, sources, state);
 
+    if (live.session.player.head_arrival != newest) {
+      newest = live.session.player.head_arrival;
+      since = live.session.now();
+    }
     if (tick_time(frame, fps) - lead <= live.session.now()) {
       const std::optional<Pose> X_WD = scene::head_pose(live.session);
       if (X_WD) {
@@ -348,13 +358,12 @@ void run(const Options& options) {
                          live.session.now(),
                          {},
                          scene::glimpse(live.session, *X_WD)};
-        const std::optional<Time> arrival = live.session.player.head_arrival;
-        if (arrival != shown) {
-          job.sample = start + *arrival;  // latency is that of fresh samples
+        if (newest != shown) {
+          job.sample = start + *newest;  // latency is that of fresh samples
           const Time tick = tick_time(1, rate);
-          if (live.session.now() - *arrival > tick) lead += tick;
+          if (live.session.now() - since > tick) lead += tick;
         }
-        shown = arrival;
+        shown = newest;
         if (!painter.offer(std::move(job))) ++live.statistics.late_frames;
       }
       publish_scene(live, frame % (5 * fps) == 0);  // for viewers that come later
