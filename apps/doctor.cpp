@@ -49,7 +49,8 @@ Finding look_at_multicast() {
     }
     return {"lcm_multicast", false, "what is sent does not come back", remedy};
   } catch (const std::exception& error) {
-    return {"lcm_multicast", false, error.what(), remedy};
+    const std::string says = error.what();
+    return {"lcm_multicast", false, says.substr(0, says.find(';')), remedy};
   }
 }
 
