@@ -452,7 +452,8 @@ void FastrakDriver::read_records(Time now, std::vector<Sample>& out) {
   }
   consume(done);
 
-  const auto stations = std::count(active_.begin(), active_.end(), true);
+  const auto stations =
+      std::max<std::ptrdiff_t>(1, std::count(active_.begin(), active_.end(), true));
   for (std::size_t i = 0; i < records.size(); ++i) {
     const auto& [record, arrival] = records[i];
     int behind = 0;

@@ -255,7 +255,7 @@ void FastrakEmulator::measure(std::size_t station, Time at) {
   solution.pressed = truth.pressed || (station != 0 && motion_(1, at).pressed);
   solution.measured = at;
   if (pulled_out && solution.valid) {
-    error_ = solution.error;
+    error_ = static_cast<unsigned char>(solution.error);
     return;
   }
 
@@ -292,7 +292,7 @@ void FastrakEmulator::measure(std::size_t station, Time at) {
   }
   solution.X_TS = X_TS;
   solution.valid = true;
-  if (solution.error != ' ') error_ = solution.error;
+  if (solution.error != ' ') error_ = static_cast<unsigned char>(solution.error);
 }
 
 void FastrakEmulator::look_at_switch(Time now) {
@@ -394,7 +394,7 @@ FastrakRecord FastrakEmulator::record_of(std::size_t station) {
   if (record.error == ' ') {
     if (outside(X.p, setup.position_envelope)) record.error = 'x';
     if (outside(record.angles_deg, setup.angle_envelope_deg)) record.error = 'y';
-    if (record.error != ' ') error_ = record.error;
+    if (record.error != ' ') error_ = static_cast<unsigned char>(record.error);
   }
   last_output_[station] = X.p;
   return record;
