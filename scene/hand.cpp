@@ -58,17 +58,18 @@ Twist release_velocity(std::span<const Stamped<Pose>> track, const Vec3& p_HB,
   std::size_t first = 0;      // in the window
   for (const Stamped<Pose>& sample : track) {
     const Time age = track.back().time - sample.time;
-    if (age > std::max(window.least, window.most)) continue;
+    if (age > window.longest()) continue;
     if (age > window.least) ++first;
     t.push_back(seconds(-age));
     p.push_back(sample.value.p - track.back().value.p);
     turn.push_back(rotation_vector(sample.value.q * track.back().value.q.conjugate()));
   }
-  if (t.size() < first + 2) {
+  if (t.size() < 2) {
     throw std::invalid_argument(fmt::format(
         "release velocity: expected two hand samples within {} s of the release, found {}",
-        seconds(window.least), t.size() - first));
+        seconds(window.longest()), t.size()));
   }
+  first = std::min(first, t.size() - 2);  // across a gap
   const auto fit = [&](const std::vector<Vec3>& y) {
     return slope_at_end(std::span(t).subspan(first), std::span(y).subspan(first));
   };

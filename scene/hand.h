@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <span>
 
 #include "scene/scenario.h"
@@ -16,6 +17,8 @@ struct ReleaseWindow {
   Time least{60'000};     ///< holds four samples of one of two 120 Hz receivers
   Time most{120'000};     ///< how far it grows when they are too noisy
   double accuracy = 0.3;  ///< it grows while the speed along an axis is known worse than this [m/s]
+
+  Time longest() const { return std::max(least, most); }
 };
 
 inline ReleaseWindow release_window(const Hand& hand) {
@@ -29,13 +32,14 @@ inline ReleaseWindow release_window(const Hand& hand) {
 /// the release over to the centre of the ball. A straight line would lag by half the window: a
 /// swing gains some 40 m/s2, so it would throw 1.2 m/s too slow. Fewer than four samples still get
 /// the line. How well the slope is known is told by what the parabola leaves of the positions;
-/// where that is not well enough, the window takes in one more sample, and so on.
+/// where that is not well enough, or only one sample is in it, the window takes in one more, and so
+/// on.
 ///
 /// @param track   hand poses X_WH, oldest first; the last one is the release
 /// @param p_HB    centre of the ball in the hand [m]
 /// @param window  how far back to look
 /// @return        v_WB [m/s] and w_WB [rad/s]
-/// @throws std::invalid_argument  with fewer than two samples in the least window
+/// @throws std::invalid_argument  with fewer than two samples in the longest window
 Twist release_velocity(std::span<const Stamped<Pose>> track, const Vec3& p_HB,
                        const ReleaseWindow& window);
 

@@ -63,7 +63,7 @@ engine::State carried(const Session& s, Time time) {
   const std::span<const Stamped<Pose>> seen(track.begin(), last);
   const ReleaseWindow window = release_window(hand);
   Twist V_WB;
-  if (seen.size() >= 2 && seen[seen.size() - 2].time >= seen.back().time - window.least) {
+  if (seen.size() >= 2 && seen[seen.size() - 2].time >= seen.back().time - window.longest()) {
     V_WB = release_velocity(seen, hand.grip, window);
   }
   return {{X_WH.q * s.player.q_HB, X_WH * hand.grip}, V_WB.v, V_WB.w};

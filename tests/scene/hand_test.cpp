@@ -108,9 +108,12 @@ TEST(ReleaseVelocity, OfAQuietHandIsThatOverTheShortestWindowToTheBit) {
   }
 }
 
-TEST(ReleaseVelocity, NeedsTwoSamples) {
+TEST(ReleaseVelocity, NeedsTwoSamplesOnEitherSideOfAGapAtLeast) {
+  const Vec3 v(0.0, 5.0, 0.0);
+  const auto gaps = steady(v, Vec3::Zero(), Time{70'000}, 3);
+  EXPECT_NEAR((release_velocity(gaps, Vec3::Zero(), kWindow).v - v).norm(), 0.0, 1e-9);
   EXPECT_THROW(release_velocity({}, Vec3::Zero(), kWindow), std::invalid_argument);
-  const auto sparse = steady(Vec3(0.0, 5.0, 0.0), Vec3::Zero(), Time{70'000}, 3);
+  const auto sparse = steady(v, Vec3::Zero(), Time{130'000}, 3);
   EXPECT_THROW(release_velocity(sparse, Vec3::Zero(), kWindow), std::invalid_argument);
 }
 
