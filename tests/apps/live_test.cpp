@@ -17,8 +17,9 @@ class Sessions : public CommandLine {
     std::ofstream(folder_ / "script.sh")
         << "headpin=" HEADPIN_PROGRAM "\n"
         << "size() { stat -c %s \"$1\" 2>/dev/null || echo 0; }\n"
-        << "written() { while [ $(size $1) -lt $2 ]; do sleep 0.02; done; }\n"  // FILE, BYTES
-        << "count() { grep -ao $2 $1 2>/dev/null | wc -l; }\n"                  // FILE, WORD
+        << "written() { for i in $(seq 3000); do test $(size $1) -ge $2 && break; sleep 0.02; "
+           "done; }\n"                                          // FILE, BYTES
+        << "count() { grep -ao $2 $1 2>/dev/null | wc -l; }\n"  // FILE, WORD
         // PROCESS, FILE, WORD, COUNT: until there are so many, or the process is no more
         << "counted() { while kill -0 $1 && [ $(count $2 $3) -lt $4 ]; do sleep 0.1; done; }\n"
         << "there() { while kill -0 $1 && ! [ -e $2 ]; do sleep 0.02; done; }\n"  // PROCESS, FILE

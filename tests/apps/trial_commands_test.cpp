@@ -140,28 +140,31 @@ class PrivateNetwork : public TrialCommands {
 
 TEST_F(PrivateNetwork, WhatLcmLoggerMakesOfAStreamOrAPlayedTrialReplaysTheSame) {
   ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
-  const std::string record =
-      "lcm-logger logged.lcmlog >/dev/null 2>&1 & logger=$!; "
-      "until [ -e logged.lcmlog ]; do sleep 0.05; done; sleep 0.5; ";
-  const std::string stop = "; sleep 1; kill -INT $logger; wait $logger || true'";
-  const auto expect_the_same = [&] {
-    EXPECT_TRUE(trial("logged.lcmlog").complete);
-    EXPECT_EQ(json("replay logged.lcmlog --json")["state_hash"],
-              json("replay game.lcmlog --json")["state_hash"]);
-    std::filesystem::remove(folder_ / "logged.lcmlog");
+  const auto hash = json("replay game.lcmlog --json")["state_hash"];
+  // Multicast loses messages on a busy machine; only a log without loss is asked for the same hash.
+  const std::string log = folder_ / "logged.lcmlog";
+  const auto log_of = [&](const std::string& player) {
+    std::string script = kNetwork;
+    script += "lcm-logger logged.lcmlog >/dev/null 2>&1 & logger=$!; for i in $(seq 200); do ";
+    script += "test -e logged.lcmlog && break; sleep 0.05; done; sleep 0.5; ";
+    script += player;
+    script += "; sleep 1; kill -INT $logger; wait $logger || true' \"$headpin\"";
+    for (int attempt = 0; attempt < 10; ++attempt) {
+      std::filesystem::remove(log);
+      const Result result = shell(script);
+      ASSERT_EQ(result.code, 0) << result.err;
+      if (devices::read_log(log).complete) return;
+    }
+    FAIL() << player << " never came through whole";
   };
 
-  ASSERT_EQ(
-      shell(kNetwork + record + "$0 stream game.lcmlog --speed 10" + stop + " \"$headpin\"").code,
-      0)
-      << slurp(folder_ / "err.txt");
-  expect_the_same();
+  log_of("$0 stream game.lcmlog --speed 5");
+  EXPECT_EQ(json("replay logged.lcmlog --json")["state_hash"], hash);
 
-  ASSERT_EQ(shell(kNetwork + record + "lcm-logplayer -s 5 game.lcmlog" + stop).code, 0)
-      << slurp(folder_ / "err.txt");
+  log_of("lcm-logplayer -s 5 game.lcmlog");
   const nlohmann::json verified = json("replay logged.lcmlog --verify --json");
   EXPECT_EQ(verified["verified_ticks"], trial("game.lcmlog").states.size());
-  expect_the_same();
+  EXPECT_EQ(verified["state_hash"], hash);
 }
 
 }  // namespace
