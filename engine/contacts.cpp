@@ -19,12 +19,14 @@ void turn(std::span<ContactPoint> points) {
 /// The plane of a half-space, and contact points of shapes that stand on it.
 struct Ground {
   Ground(const Pose& X_WP, double most, std::vector<ContactPoint>& points)
-      : up_W(X_WP.q * Vec3::UnitZ()), level(up_W.dot(X_WP.p)), margin(most), out(points) {}
+      : up_W(z_axis(X_WP.q)), level(up_W.dot(X_WP.p)), margin(most), out(points) {}
 
   double height(const Vec3& p_W) const { return up_W.dot(p_W) - level; }
 
   /// Adds the points of a shape that are no higher than the margin; their normal is up.
-  void carry(const Shape& shape, const Pose& X_WG);
+  ///
+  /// @param origin  of the shape's frame G: height over the ground [m]
+  void carry(const Shape& shape, const Mat3& R_WG, const Vec3& p_WG, double origin);
 
   const Vec3 up_W;
   const double level, margin;
@@ -34,14 +36,16 @@ struct Ground {
 /// A shape over the ground.
 struct Footprint {
   const Ground& ground;
-  const Pose& X_WG;
+  const Mat3& R_WG;
+  const Vec3& p_WG;
   Vec3 down;     // in G
   double level;  // height of G's origin
 
   void point(const Vec3& p_G, std::uint32_t feature) {
     const double height = level - down.dot(p_G);
     if (height > ground.margin) return;
-    ground.out.push_back({X_WG * p_G - 0.5 * height * ground.up_W, ground.up_W, -height, feature});
+    ground.out.push_back(
+        {R_WG * p_G + p_WG - 0.5 * height * ground.up_W, ground.up_W, -height, feature});
   }
 };
 
@@ -401,8 +405,8 @@ int add_points(const Shape& a, const Shape& b, const Pose& X_WA, const Pose& X_A
   return added > 0 ? added : one();
 }
 
-void Ground::carry(const Shape& shape, const Pose& X_WG) {
-  Footprint foot{*this, X_WG, X_WG.q.conjugate() * -up_W, height(X_WG.p)};
+void Ground::carry(const Shape& shape, const Mat3& R_WG, const Vec3& p_WG, double origin) {
+  Footprint foot{*this, R_WG, p_WG, -(R_WG.transpose() * up_W), origin};
   std::visit(
       [&](const auto& s) {
         // Points p with down . p >= above are within the margin.
@@ -413,31 +417,19 @@ void Ground::carry(const Shape& shape, const Pose& X_WG) {
       shape);
 }
 
-}  // namespace
-
-int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin,
-                  Vec3& n_AB_cache, const Query& query, QueryCounts& counts,
-                  std::vector<ContactPoint>& out) {
+/// Of two bounded shapes, B seen from A; where A is in the world is asked for when they meet.
+template <typename PoseOfA>
+int meet(const Shape& a, PoseOfA&& pose_of_a, const Shape& b, const Pose& X_AB, double margin,
+         Vec3& n_AB_cache, const Query& query, QueryCounts& counts,
+         std::vector<ContactPoint>& out) {
   ++counts.queries;
-  const std::size_t first = out.size();
-  if (std::holds_alternative<HalfSpace>(a)) {
-    ++counts.iterations;
-    Ground(X_WA, margin, out).carry(b, X_WB);
-    return static_cast<int>(out.size() - first);
-  }
-  if (std::holds_alternative<HalfSpace>(b)) {
-    const int count = find_contacts(b, X_WB, a, X_WA, margin, n_AB_cache, query, counts, out);
-    --counts.queries;
-    turn(std::span(out).subspan(first));
-    return count;
-  }
-  const Pose X_AB = relative(X_WA, X_WB);
   Query near = query;
   near.margin = margin;
   const Closest c = closest_points(a, b, X_AB, n_AB_cache, near);
   counts.iterations += c.iterations;
   counts.capped += c.capped ? 1 : 0;
   if (c.distance > margin || (c.separated && query.mode == Query::paper)) return 0;
+  const Pose X_WA = pose_of_a();
   if (query.mode == Query::paper) {  // one point, as equation (1) has it
     out.push_back({X_WA * (0.5 * (c.p_A + c.p_B)), X_WA.q * c.n_AB, -c.distance, 0});
     return 1;
@@ -445,28 +437,54 @@ int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
   return add_points(a, b, X_WA, X_AB, c, margin, out);
 }
 
+}  // namespace
+
+int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin,
+                  Vec3& n_AB_cache, const Query& query, QueryCounts& counts,
+                  std::vector<ContactPoint>& out) {
+  const std::size_t first = out.size();
+  if (std::holds_alternative<HalfSpace>(a)) {
+    ++counts.queries;
+    ++counts.iterations;
+    Ground ground(X_WA, margin, out);
+    ground.carry(b, X_WB.q.toRotationMatrix(), X_WB.p, ground.height(X_WB.p));
+    return static_cast<int>(out.size() - first);
+  }
+  if (std::holds_alternative<HalfSpace>(b)) {
+    const int count = find_contacts(b, X_WB, a, X_WA, margin, n_AB_cache, query, counts, out);
+    turn(std::span(out).subspan(first));
+    return count;
+  }
+  return meet(
+      a, [&] { return X_WA; }, b, relative(X_WA, X_WB), margin, n_AB_cache, query, counts, out);
+}
+
 namespace {
 
-/// Whether two parts are further apart than `margin` by their bounding spheres alone.
-bool well_apart(double radius_a, const Vec3& p_WGa, double radius_b, const Vec3& p_WGb,
-                double margin) {
-  const double reach = radius_a + radius_b + margin;
-  return (p_WGb - p_WGa).squaredNorm() > reach * reach;
+bool is_turned(const Part& part) {
+  return !part.X_BG.q.vec().isZero(0.0);
 }
 
 /// Of a compound over a half-space; their normals are up.
 HEADPIN_FLATTEN void stand_on(const Pose& X_WP, const Compound& a, const Pose& X_WA, double margin,
                               QueryCounts& counts, std::vector<ContactPoint>& out) {
   Ground ground(X_WP, margin, out);
-  const Vec3 up_A = X_WA.q.conjugate() * ground.up_W;
+  const Mat3 R_WA = X_WA.q.toRotationMatrix();
+  const Vec3 up_A = R_WA.transpose() * ground.up_W;
   const double level = ground.height(X_WA.p);
   for (std::uint32_t i = 0; i < a.parts.size(); ++i) {
     const Part& part = a.parts[i];
-    if (level + up_A.dot(part.X_BG.p) > a.part_radius[i] + margin) continue;
+    const double origin = level + up_A.dot(part.X_BG.p);
+    if (origin > a.part_radius[i] + margin) continue;
     ++counts.queries;
     ++counts.iterations;
     const std::size_t first = out.size();
-    ground.carry(part.shape, X_WA * part.X_BG);
+    const Vec3 p_WG = R_WA * part.X_BG.p + X_WA.p;
+    if (is_turned(part)) {
+      ground.carry(part.shape, (X_WA.q * part.X_BG.q).toRotationMatrix(), p_WG, origin);
+    } else {
+      ground.carry(part.shape, R_WA, p_WG, origin);
+    }
     for (std::size_t k = first; k < out.size(); ++k) out[k].feature |= i << 16;
   }
 }
@@ -495,18 +513,30 @@ int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const 
     stand_on(X_WA * a.parts[0].X_BG, b, X_WB, margin, counts, out);
     return static_cast<int>(out.size() - first);
   }
-  std::uint32_t pair = 0;
-  for (std::size_t i = 0; i < a.parts.size(); ++i) {
-    const Part& pa = a.parts[i];
-    const Vec3 p_WGa = X_WA * pa.X_BG.p;
-    for (std::size_t j = 0; j < b.parts.size(); ++j, ++pair) {
-      const Part& pb = b.parts[j];
-      const Vec3 p_WGb = X_WB * pb.X_BG.p;
-      if (well_apart(a.part_radius[i], p_WGa, b.part_radius[j], p_WGb, margin)) continue;
+  const Pose X_AB = relative(X_WA, X_WB);
+  const Mat3 R_AB = X_AB.q.toRotationMatrix();
+  for (std::size_t j = 0; j < b.parts.size(); ++j) {
+    const Part& pb = b.parts[j];
+    const Vec3 p_AGb = R_AB * pb.X_BG.p + X_AB.p;
+    for (std::size_t i = 0; i < a.parts.size(); ++i) {
+      const Part& pa = a.parts[i];
+      const Vec3 p_GaGb_A = p_AGb - pa.X_BG.p;
+      const double reach = a.part_radius[i] + b.part_radius[j] + margin;
+      if (p_GaGb_A.squaredNorm() > reach * reach) continue;
       const std::size_t start = out.size();
-      find_contacts(pa.shape, {X_WA.q * pa.X_BG.q, p_WGa}, pb.shape, {X_WB.q * pb.X_BG.q, p_WGb},
-                    margin, n_AB_caches[pair], query, counts, out);
-      for (std::size_t k = start; k < out.size(); ++k) out[k].feature |= pair << 16;
+      const std::size_t pair = i * b.parts.size() + j;
+      const auto pose_of_a = [&] { return X_WA * pa.X_BG; };
+      if (std::isfinite(reach)) {
+        Pose X_GaGb{is_turned(pb) ? X_AB.q * pb.X_BG.q : X_AB.q, p_GaGb_A};
+        if (is_turned(pa)) X_GaGb = Pose{pa.X_BG.q.conjugate(), Vec3::Zero()} * X_GaGb;
+        meet(pa.shape, pose_of_a, pb.shape, X_GaGb, margin, n_AB_caches[pair], query, counts, out);
+      } else {  // a half-space among them
+        find_contacts(pa.shape, pose_of_a(), pb.shape, X_WB * pb.X_BG, margin, n_AB_caches[pair],
+                      query, counts, out);
+      }
+      for (std::size_t k = start; k < out.size(); ++k) {
+        out[k].feature |= static_cast<std::uint32_t>(pair) << 16;
+      }
     }
   }
   return static_cast<int>(out.size() - first);

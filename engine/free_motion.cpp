@@ -14,9 +14,12 @@ Quat principal_frame(const Inertia& inertia, const Quat& q_WB) {
   return inertia.aligned ? q_WB : Quat(q_WB * inertia.q_BP);
 }
 
-Vec3 third_axis(const Quat& q) {
-  return {2.0 * (q.x() * q.z() + q.w() * q.y()), 2.0 * (q.y() * q.z() - q.w() * q.x()),
-          1.0 - 2.0 * (q.x() * q.x() + q.y() * q.y())};
+/// q * rotation(0, 0, angle).
+Quat turned_about_z(const Quat& q, double angle) {
+  const HalfAngle half = half_angle(angle * angle);
+  const double c = half.cosine, s = half.sine_by_angle * angle;
+  return {q.w() * c - q.z() * s, q.x() * c + q.y() * s, q.y() * c - q.x() * s,
+          q.w() * s + q.z() * c};
 }
 
 /// Length back to 1 from where a few products have left it: one step of Newton's root.
@@ -28,12 +31,12 @@ void renormalize(Quat& q) {
 void turn_about_axis(Quat& q_WP, Vec3& w_W, const Inertia& inertia, double dt) {
   const double I1 = inertia.moments[0], I3 = inertia.moments[2], inv_I1 = inertia.inverse[0];
   const double more = inertia.inverse[2] - inv_I1;
-  const Vec3 e3 = third_axis(q_WP);
+  const Vec3 e3 = z_axis(q_WP);
   const double w3 = e3.dot(w_W), L3 = I3 * w3;
   const Vec3 L_W = I1 * w_W + ((I3 - I1) * w3) * e3;
-  q_WP = rotation(L_W * (inv_I1 * dt)) * q_WP * rotation(Vec3(0.0, 0.0, more * L3 * dt));
+  q_WP = turned_about_z(rotation(L_W * (inv_I1 * dt)) * q_WP, more * L3 * dt);
   renormalize(q_WP);
-  w_W = inv_I1 * L_W + (more * L3) * third_axis(q_WP);
+  w_W = inv_I1 * L_W + (more * L3) * z_axis(q_WP);
 }
 
 }  // namespace
@@ -83,7 +86,7 @@ Inertia principal_inertia(const Mat3& inertia_B) {
 }
 
 Vec3 axis_of_revolution(const Inertia& inertia, const Quat& q_WB) {
-  return third_axis(principal_frame(inertia, q_WB));
+  return z_axis(principal_frame(inertia, q_WB));
 }
 
 Mat3 inverse_inertia(const Inertia& inertia, const Quat& q_WB) {
@@ -92,7 +95,7 @@ Mat3 inverse_inertia(const Inertia& inertia, const Quat& q_WB) {
   // (1/I1) 1 + (1/I2 - 1/I1) e2 e2' + (1/I3 - 1/I1) e3 e3'
   Mat3 result = inv[0] * Mat3::Identity();
   if (inv[2] != inv[0]) {
-    const Vec3 e3 = third_axis(q_WP);
+    const Vec3 e3 = z_axis(q_WP);
     result += (inv[2] - inv[0]) * e3 * e3.transpose();
   }
   if (inv[1] != inv[0]) {

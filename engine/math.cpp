@@ -75,18 +75,10 @@ double power(double base, double exponent) {
   return exponential(exponent * logarithm(base));
 }
 
-Quat rotation(const Vec3& w_dt) {
-  const double square = w_dt.squaredNorm();
-  if (square < 0.01) {  // the common turn of one step: no root, no reduction of the angle
-    const double z = 0.25 * square;
-    const double c = 1.0 + z * (-0.5 + z * (1.0 / 24 + z * (-1.0 / 720 + z * (1.0 / 40320))));
-    const double s = 0.5 + z * (-1.0 / 12 + z * (1.0 / 240 + z * (-1.0 / 10080 + z / 725760)));
-    return {c, s * w_dt.x(), s * w_dt.y(), s * w_dt.z()};
-  }
+HalfAngle half_of_large_angle(double square) {
   const double angle = std::sqrt(square);
   const SinCos half = sin_cos(0.5 * angle);
-  const double s = half.sin / angle;
-  return {half.cos, s * w_dt.x(), s * w_dt.y(), s * w_dt.z()};
+  return {half.cos, half.sin / angle};
 }
 
 Vec3 rotation_vector(const Quat& q_AB) {

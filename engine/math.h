@@ -88,8 +88,32 @@ double exponential(double x);
 double logarithm(double x);
 double power(double base, double exponent);
 
+/// Cosine of half an angle, and its sine over the angle, given the square of the angle.
+struct HalfAngle {
+  double cosine, sine_by_angle;
+};
+HalfAngle half_of_large_angle(double square);
+inline HalfAngle half_angle(double square) {
+  if (!(square < 0.01)) return half_of_large_angle(square);
+  // The common turn of one step: no root, no reduction of the angle.
+  const double z = 0.25 * square;
+  return {1.0 + z * (-0.5 + z * (1.0 / 24 + z * (-1.0 / 720 + z * (1.0 / 40320)))),
+          0.5 + z * (-1.0 / 12 + z * (1.0 / 240 + z * (-1.0 / 10080 + z * (1.0 / 725760))))};
+}
+
 /// Rotation by the vector `w_dt` (axis times angle [rad]), as a unit quaternion.
-Quat rotation(const Vec3& w_dt);
+inline Quat rotation(const Vec3& w_dt) {
+  const HalfAngle half = half_angle(w_dt.squaredNorm());
+  const double s = half.sine_by_angle;
+  return {half.cosine, s * w_dt.x(), s * w_dt.y(), s * w_dt.z()};
+}
+
+/// The z axis of B in A.
+inline Vec3 z_axis(const Quat& q_AB) {
+  return {2.0 * (q_AB.x() * q_AB.z() + q_AB.w() * q_AB.y()),
+          2.0 * (q_AB.y() * q_AB.z() - q_AB.w() * q_AB.x()),
+          1.0 - 2.0 * (q_AB.x() * q_AB.x() + q_AB.y() * q_AB.y())};
+}
 
 /// The vector axis times angle [rad] that turns A into B, angle in [0, pi].
 ///

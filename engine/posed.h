@@ -216,12 +216,6 @@ inline Hull pose_A(const engine::Polyhedron& s) {
   return {&s, Mat3::Identity(), Vec3::Zero(), 1.0};
 }
 
-/// The z axis of B in A's frame.
-inline Vec3 z_axis(const Quat& q) {
-  return {2.0 * (q.x() * q.z() + q.w() * q.y()), 2.0 * (q.y() * q.z() - q.w() * q.x()),
-          1.0 - 2.0 * (q.x() * q.x() + q.y() * q.y())};
-}
-
 inline Ellipsoid pose_B(const engine::Ellipsoid& s, const Pose& X_AB) {
   const Mat3 R = X_AB.q.toRotationMatrix();
   const Vec3 r2 = s.radii.cwiseProduct(s.radii);
