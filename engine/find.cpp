@@ -44,7 +44,8 @@ bool really_touch(World& world, Touch touch) {
 
 double reach(const World& world, BodyId a, BodyId b) {
   const Scratch& s = world.scratch;
-  return kMargin + (s.top_speed[a] + s.top_speed[b]) * step_seconds(world) + s.fall;
+  const double drift = (world.states[a].v_WB - world.states[b].v_WB).norm();
+  return kMargin + (drift + s.swing[a] + s.swing[b]) * step_seconds(world) + s.fall;
 }
 
 int contacts_of(World& world, const Candidate& c, const Pose& X_WA, const Pose& X_WB,

@@ -17,18 +17,15 @@ Vec3 relative_velocity(const World& world, const Touch& touch, const Vec3& ra, c
   return u;
 }
 
-/// When the point's gap closes, from what is known at touch.time.
-Meeting approach_of(const World& world, const Touch& touch, const ContactPoint& p) {
+/// When the point's gap closes at that speed, from what is known at touch.time.
+Meeting closing(const World& world, const Touch& touch, const ContactPoint& p, const Vec3& ra,
+                const Vec3& rb, double speed) {
   const Scratch& s = world.scratch;
-  const Vec3 ra = p.p_W - position_at(world, touch.a, touch.time);
-  const Vec3 rb = p.p_W - position_at(world, touch.b, touch.time);
   const Kink &ka = s.kinks[touch.a], &kb = s.kinks[touch.b];
   double gap = -p.depth;
   if (touch.time == 0.0) {  // impacts with others have bent the paths since
     gap += p.n_AB_W.dot(ka.lag_v + ka.lag_w.cross(ra) - kb.lag_v - kb.lag_w.cross(rb));
   }
-  const double speed = relative_velocity(world, touch, ra, rb, touch.time).dot(p.n_AB_W);
-  if (speed <= 0.0) return {p, 0.0, speed};
   const double fall = touch.b_moves ? 0.0 : 0.5 * world.parameters.gravity_W.dot(p.n_AB_W);
   double t = gap / speed;
   for (int k = 0; k < 3; ++k) t = gap / std::max(speed + fall * t, 0.5 * speed);
@@ -38,9 +35,15 @@ Meeting approach_of(const World& world, const Touch& touch, const ContactPoint& 
 /// Soonest among the touch's points that is fast enough.
 std::optional<Meeting> soonest(const World& world, const Touch& touch, double threshold) {
   std::optional<Meeting> best;
+  const Vec3 p_WA = position_at(world, touch.a, touch.time);
+  const Vec3 p_WB = position_at(world, touch.b, touch.time);
   for (std::uint32_t k = 0; k < touch.points; ++k) {
-    const Meeting m = approach_of(world, touch, world.scratch.points[touch.first_point + k]);
-    if (m.approach <= threshold || m.time > step_seconds(world)) continue;
+    const ContactPoint& p = world.scratch.points[touch.first_point + k];
+    const Vec3 ra = p.p_W - p_WA, rb = p.p_W - p_WB;
+    const double speed = relative_velocity(world, touch, ra, rb, touch.time).dot(p.n_AB_W);
+    if (speed <= threshold) continue;
+    const Meeting m = closing(world, touch, p, ra, rb, speed);
+    if (m.time > step_seconds(world)) continue;
     if (!best || m.time < best->time) best = m;
   }
   return best;
@@ -55,7 +58,7 @@ void bend(World& world, BodyId i, const Vec3& F, const Vec3& r, double t) {
   s.kinks[i].lag_v += t * dv;
   s.kinks[i].lag_w += t * dw;
   s.kinks[i].time = t;
-  s.top_speed[i] = top_speed(world, i);
+  note_speed(world, i);
 }
 
 void book(World& world, const Touch& touch, const Encounter& e, const Vec3& F, const Vec3& p_W,
@@ -119,9 +122,9 @@ void start_over(World& world) {
 
 }  // namespace
 
-Vec3 position_at(const World& world, BodyId i, double t) {
+Vec3 position_later(const World& world, BodyId i, double t) {
   const State& s = world.states[i];
-  if (t == 0.0 || world.bodies[i].kind == Kind::fixed) return s.X_WB.p;
+  if (world.bodies[i].kind == Kind::fixed) return s.X_WB.p;
   Vec3 p = s.X_WB.p + s.v_WB * t - world.scratch.kinks[i].lag_v;
   if (is_mover(world, i)) p += 0.5 * t * t * world.parameters.gravity_W;
   return p;

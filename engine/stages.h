@@ -42,12 +42,16 @@ inline bool is_mover(const World& world, BodyId i) {
 Pose pose_at(const World& world, BodyId i, double t);
 
 /// Position alone: v t + g t^2 / 2, with the kinks of the impacts before.
-Vec3 position_at(const World& world, BodyId i, double t);
+Vec3 position_later(const World& world, BodyId i, double t);
+inline Vec3 position_at(const World& world, BodyId i, double t) {
+  return t == 0.0 ? world.states[i].X_WB.p : position_later(world, i, t);
+}
 
-/// Bound on the speed of any point of the body, now [m/s].
-inline double top_speed(const World& world, BodyId i) {
+/// Notes bounds on how fast the body's points move, now.
+inline void note_speed(World& world, BodyId i) {
   const State& s = world.states[i];
-  return s.v_WB.norm() + s.w_WB.norm() * world.bodies[i].shape->bounding_radius;
+  world.scratch.swing[i] = s.w_WB.norm() * world.bodies[i].shape->bounding_radius;
+  world.scratch.top_speed[i] = s.v_WB.norm() + world.scratch.swing[i];
 }
 
 /// How far two bodies may be apart and yet meet within the step [m].

@@ -84,36 +84,40 @@ void add_normal_rows(World& world, Touch& touch) {
   }
 }
 
-template <int n>
-Block inverse_of(const Block& K) {
-  Block inverse = Block::Zero();
-  inverse.topLeftCorner<n, n>() = K.topLeftCorner<n, n>().inverse();
-  return inverse;
+/// Calls f.template operator()<n>() for the 2 to 4 rows of a touch that are solved as one.
+/// @return false for other numbers
+template <typename F>
+bool with_rows(const Touch& touch, F&& f) {
+  switch (touch.rows) {
+    case 2:
+      return f.template operator()<2>();
+    case 3:
+      return f.template operator()<3>();
+    case 4:
+      return f.template operator()<4>();
+    default:
+      return false;
+  }
 }
 
 /// The rows of a touch solved as one: a base stands without any iteration.
-template <Other other>
-void add_block(World& world, Touch& touch) {
-  Scratch& s = world.scratch;
-  if (touch.rows < 2 || touch.rows > 4) return;
-  const std::span<const NormalRow> rows = std::span(s.rows).subspan(touch.first_row, touch.rows);
+template <Other other, int n>
+void add_block(Scratch& s, Touch& touch) {
+  const NormalRow* const rows = s.rows.data() + touch.first_row;
   double inv_mass = s.mobility[touch.a].inv_mass;
   if constexpr (other == Other::moving) inv_mass += s.mobility[touch.b].inv_mass;
-  Block K;
-  for (std::size_t i = 0; i < rows.size(); ++i) {
-    for (std::size_t k = 0; k <= i; ++k) {
+  Eigen::Matrix<double, n, n> K;
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k <= i; ++k) {
       double value = inv_mass * rows[i].n.dot(rows[k].n) + rows[i].ra_n.dot(rows[k].ia);
       if constexpr (other == Other::moving) value += rows[i].rb_n.dot(rows[k].ib);
-      K(static_cast<int>(i), static_cast<int>(k)) = K(static_cast<int>(k), static_cast<int>(i)) =
-          value;
+      K(i, k) = K(k, i) = value;
     }
     // Four points of one plane carry each other; this picks one of the ways to share the load.
-    K(static_cast<int>(i), static_cast<int>(i)) *= 1.0 + 1e-9;
+    K(i, i) *= 1.0 + 1e-9;
   }
   touch.block = static_cast<std::uint32_t>(s.blocks.size());
-  s.blocks.push_back(rows.size() == 2   ? inverse_of<2>(K)
-                     : rows.size() == 3 ? inverse_of<3>(K)
-                                        : inverse_of<4>(K));
+  s.blocks.emplace_back().topLeftCorner<n, n>() = K.inverse();
 }
 
 /// Foot and normal of the friction of a touch: its points, weighted by what they carry.
@@ -264,20 +268,20 @@ double approach_of(const NormalRow& row, const State& sa, const State& sb) {
 }
 
 /// All rows of a touch at once, if they all press. @return whether they do
-template <Other other>
+template <Other other, int n>
 bool solve_as_block(World& world, const Touch& touch, double& worst) {
   Scratch& s = world.scratch;
   const State &sa = world.states[touch.a], &sb = world.states[touch.b];
   NormalRow* const rows = s.rows.data() + touch.first_row;
-  Eigen::Vector4d excess = Eigen::Vector4d::Zero();
-  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+  Eigen::Matrix<double, n, 1> excess, more;
+  for (int k = 0; k < n; ++k) {
     excess[k] = approach_of<other>(rows[k], sa, sb) - rows[k].allowed;
   }
-  const Eigen::Vector4d more = s.blocks[touch.block] * excess;
-  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+  more.noalias() = s.blocks[touch.block].topLeftCorner<n, n>() * excess;
+  for (int k = 0; k < n; ++k) {
     if (rows[k].impulse + more[k] < 0.0) return false;
   }
-  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+  for (int k = 0; k < n; ++k) {
     rows[k].impulse += more[k];
     push_by<other>(world, touch, rows[k], more[k]);
     worst = std::max(worst, std::abs(excess[k]));
@@ -291,7 +295,7 @@ double solve_normals(World& world, const Touch& touch) {
   const State &sa = world.states[touch.a], &sb = world.states[touch.b];
   NormalRow* const rows = world.scratch.rows.data() + touch.first_row;
   double worst = 0.0;
-  if (touch.rows >= 2 && touch.rows <= 4 && solve_as_block<other>(world, touch, worst)) {
+  if (with_rows(touch, [&]<int n> { return solve_as_block<other, n>(world, touch, worst); })) {
     return worst;
   }
   for (std::uint32_t k = 0; k < touch.rows; ++k) {
@@ -421,7 +425,10 @@ HEADPIN_FLATTEN void solve_island(World& world, std::span<const std::uint32_t> t
     if (touch.points == 0) continue;
     with_other(world, touch, [&]<Other other> {
       add_normal_rows<other>(world, touch);
-      add_block<other>(world, touch);
+      with_rows(touch, [&]<int n> {
+        add_block<other, n>(s, touch);
+        return true;
+      });
     });
   }
   for (const std::uint32_t k : touches) {

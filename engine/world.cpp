@@ -119,7 +119,7 @@ void take_roll_call(World& world) {
   s.driven.clear();
   for (BodyId i = 0; i < world.bodies.size(); ++i) {
     s.mobility[i] = {};
-    s.top_speed[i] = 0.0;
+    s.top_speed[i] = s.swing[i] = 0.0;
     s.kinks[i] = {};
     if (world.bodies[i].kind == Kind::driven) s.driven.push_back(i);
     if (detail::is_mover(world, i)) s.movers.push_back(i);
@@ -141,9 +141,9 @@ void prepare_bodies(World& world) {
     s.start[i] = {world.states[i].v_WB, world.states[i].w_WB};
     s.kinks[i] = {};
     s.supported[i] = 0;
-    s.top_speed[i] = detail::top_speed(world, i);
+    detail::note_speed(world, i);
   }
-  for (const BodyId i : s.driven) s.top_speed[i] = detail::top_speed(world, i);
+  for (const BodyId i : s.driven) detail::note_speed(world, i);
 }
 
 void apply_gravity(World& world) {
@@ -160,6 +160,22 @@ void remember(World& world) {
   std::swap(s.rows, s.last_rows);
   world.statistics.contacts = static_cast<std::int64_t>(s.last_rows.size());
   world.statistics.awake = static_cast<std::int64_t>(s.movers.size());
+}
+
+/// Whether time passes and nothing else: everything sleeps and no hand moves.
+bool all_rest(World& world) {
+  detail::Scratch& s = world.scratch;
+  if (s.stale) take_roll_call(world);
+  return s.movers.empty() && s.driven.empty();
+}
+
+/// A step of a world in which nothing moves: it has no contacts.
+void let_rest(World& world) {
+  detail::Scratch& s = world.scratch;
+  s.last_candidates.clear();
+  s.last_normals.clear();
+  s.last_touches.clear();
+  s.last_rows.clear();
 }
 
 void stop_if_not_finite(const World& world) {
@@ -309,6 +325,7 @@ BodyId add_body(World& world, Body body, const State& state) {
   s.mobility.resize(count);
   s.start.resize(count);
   s.kinks.resize(count);
+  s.swing.resize(count);
   s.top_speed.resize(count);
   s.supported.resize(count);
   s.nudge_p.resize(count, Vec3::Zero());
@@ -370,6 +387,11 @@ void step(World& world) {
   world.events.clear();
   world.statistics = {};
   world.statistics.steps = 1;
+  if (all_rest(world) && !world.parameters.keep_ledger) {
+    let_rest(world);
+    ++world.tick;
+    return;
+  }
   Books books(world);
   Laps lap(world);
   for (bool woken = true; woken;) {  // a woken body has contacts of its own: once more, then

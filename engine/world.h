@@ -133,12 +133,14 @@ struct Candidate {
 
 /// One contact point in the solver: approach along n at most `allowed`, impulse at least 0.
 struct NormalRow {
+  NormalRow() {}  // NOLINT: `= default` would have emplace_back clear it first
+
   Vec3 n, ra_n, rb_n, ia, ib;
   double mass = 0.0, allowed = 0.0, impulse = 0.0;
   std::uint32_t feature = 0;
 };
 
-/// Inverse of what the 2 to 4 normal rows of a touch do to each other; unused entries 0.
+/// Inverse of what the n = 2 to 4 normal rows of a touch do to each other: its first n x n entries.
 using Block = Eigen::Matrix4d;
 
 /// One body in the friction of a pair: levers of the tangents, and how unit impulses turn it.
@@ -149,6 +151,8 @@ struct FrictionSide {
 
 /// Friction of a pair: slip along two tangents, twist about the normal, rolling about A's axis.
 struct FrictionRows {
+  FrictionRows() {}  // NOLINT: likewise
+
   std::uint32_t touch = 0;
   bool carries = false;
   int releases = 0;  ///< how often it lost its load within the step
@@ -184,9 +188,9 @@ struct Scratch {
   std::vector<std::int32_t> island_calm;     // likewise: least number of still steps
   std::vector<std::uint32_t> island_of, island_start, order;
   std::vector<Mobility> mobility;
-  std::vector<double> top_speed;  // of any point of a body [m/s]
-  double fall = 0.0;              // what gravity adds to its way within the step [m], at most
-  std::vector<Twist> start;       // velocities at the start of the step
+  std::vector<double> swing, top_speed;  // of any point of a body: by its spin; in all [m/s]
+  double fall = 0.0;         // what gravity adds to its way within the step [m], at most
+  std::vector<Twist> start;  // velocities at the start of the step
   std::vector<Kink> kinks;
   std::vector<std::pair<double, std::uint32_t>> coming;  // impacts by time, and their touches
   std::vector<std::uint8_t> supported;  // a lasting contact carried it in this step
