@@ -39,6 +39,7 @@ struct Search {
     s.h = n.dot(s.S);
     return s;
   }
+  Search& search() { return *this; }
   Closest answer(const Support& s, const Vec3& n) const {
     return {s.h < 0.0, -s.h, s.s_A, -s.s_B, n, evaluations, false};
   }
@@ -349,11 +350,45 @@ Closest from_centres(Search<A, B>& search, Vec3 n, Support best, double size, co
   return settle(search, n, best, size, false, q);
 }
 
+/// The first look at a pair, along n of any length. Most pairs that are apart end here, so nothing
+/// is prepared that only a second look needs.
+template <typename A, typename B>
+struct Glance {
+  const A& a;
+  const B& b;
+  const Pose& X_AB;
+  int evaluations = 0;
+
+  HEADPIN_INLINE Vec3 s_A(const Vec3& n) const { return posed::pose_A(a).support(n); }
+  HEADPIN_INLINE Vec3 s_B(const Vec3& n) const {  // mirrored
+    if constexpr (std::is_same_v<B, Ellipsoid>) {
+      const Mat3 R_AB = X_AB.q.toRotationMatrix();
+      return R_AB * posed::pose_A(b).support(R_AB.transpose() * n) - X_AB.p;
+    } else {
+      return posed::pose_B(b, X_AB).support(n);
+    }
+  }
+  HEADPIN_INLINE Support operator()(const Vec3& n) {
+    ++evaluations;
+    Support s{s_A(n), s_B(n), Vec3::Zero(), 0.0};
+    s.S = s.s_A + s.s_B;
+    s.h = n.dot(s.S);
+    return s;
+  }
+  Search<decltype(posed::pose_A(a)), decltype(posed::pose_B(b, X_AB))> search() const {
+    return {posed::pose_A(a), posed::pose_B(b, X_AB), evaluations};
+  }
+};
+
 /// Carries on from a normal that proves nothing until the closest points are found, and proven.
-template <typename A, typename B, typename S>
-__attribute__((noinline)) Closest converged(const A& a, const B& b, const Pose& X_AB, S& search,
-                                            const Vec3& n, const Support& first, bool warm,
-                                            const Vec3& line, const Query& q) {
+template <typename A, typename B, typename Look>
+HEADPIN_FLATTEN __attribute__((noinline)) Closest converged(const A& a, const B& b,
+                                                            const Pose& X_AB, Look& look,
+                                                            const Vec3& n, const Support& first,
+                                                            bool warm, const Vec3& line,
+                                                            const Query& q) {
+  auto&& search = look.search();
+  if (q.mode == Query::paper) return paper(search, n, first, q.cap);
   const double size = std::min(size_of(a), size_of(b));
   // A plane between the two is a proof, and so is a point of both.
   const auto is_proven = [&](const Closest& c) {
@@ -374,12 +409,14 @@ __attribute__((noinline)) Closest converged(const A& a, const B& b, const Pose& 
   return c;
 }
 
+/// A normal is kept at length 1 when the pair was apart and at twice that when it met: then the
+/// first look is left out, as it would prove nothing.
 template <typename A, typename B>
 HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, Vec3& n_AB_cache,
                                 const Query& q) {
-  Search search{posed::pose_A(a), posed::pose_B(b, X_AB)};
+  constexpr bool hull = std::is_same_v<A, Polyhedron> || std::is_same_v<B, Polyhedron>;
   const double c2 = n_AB_cache.squaredNorm();
-  const bool warm = c2 > 0.5 && c2 < 2.0;
+  const bool warm = c2 > 0.5 && c2 < 8.0, met = warm && c2 > 2.0;
   const Vec3 line = centre_B(b, X_AB) - centre(a);
   // Furthest points only ask for the direction: no need to wait for the unit vector.
   Vec3 n = warm ? n_AB_cache : line;
@@ -388,17 +425,27 @@ HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, Vec3& 
     n = Vec3::UnitZ();
     n2 = 1.0;
   }
-  Support first = search(n);
+  auto look = [&] {
+    if constexpr (hull) {
+      return Search{posed::pose_A(a), posed::pose_B(b, X_AB)};  // it remembers the vertex
+    } else {
+      return Glance<A, B>{a, b, X_AB};
+    }
+  }();
+  Support first;
+  const bool looked = hull || !met || q.mode == Query::paper;
+  if (looked) first = look(n);
   if (std::abs(n2 - 1.0) > 1e-14) {
     const double inverse = 1.0 / std::sqrt(n2);
     n *= inverse;
     first.h *= inverse;
   }
-  const Closest c = first.h < -q.margin ? search.answer(first, n)
-                    : q.mode == Query::paper
-                        ? paper(search, n, first, q.cap)
-                        : converged(a, b, X_AB, search, n, first, warm, line, q);
-  n_AB_cache = c.n_AB;
+  if (looked && first.h < -q.margin) {
+    n_AB_cache = n;
+    return {first.h < 0.0, -first.h, first.s_A, -first.s_B, n, 1, false};
+  }
+  const Closest c = converged(a, b, X_AB, look, n, first, warm, line, q);
+  n_AB_cache = c.distance > q.margin ? c.n_AB : Vec3(2.0 * c.n_AB);
   return c;
 }
 

@@ -40,6 +40,11 @@ struct Bend {
 
 inline constexpr double kOnKink = 1e-9;
 
+/// Whether a shape is given in a frame of its own, centre at the origin and axis along z, which
+/// takes a third of the work out of it: `A` of a query is. Else it is `posed`.
+enum class Where { own, posed };
+
+template <Where where>
 struct Ellipsoid {
   static constexpr bool kKinks = false;
   static constexpr double radius = 0.0;
@@ -47,19 +52,24 @@ struct Ellipsoid {
   Vec3 c;
   double xx, yy, zz, xy, xz, yz;  ///< Q = R diag(radii^2) R'; s(n) = c + Q n / sqrt(n . Q n)
 
-  Vec3 times(const Vec3& n) const {
+  HEADPIN_INLINE Vec3 times(const Vec3& n) const {
+    if constexpr (where == Where::own) return {xx * n.x(), yy * n.y(), zz * n.z()};
     return {xx * n.x() + xy * n.y() + xz * n.z(), xy * n.x() + yy * n.y() + yz * n.z(),
             xz * n.x() + yz * n.y() + zz * n.z()};
   }
   HEADPIN_INLINE Vec3 support(const Vec3& n) const {
     const Vec3 q = times(n);
-    return c + q / std::sqrt(n.dot(q));
+    const Vec3 r = 1.0 / std::sqrt(n.dot(q)) * q;
+    if constexpr (where == Where::own) return r;
+    return c + r;
   }
   HEADPIN_INLINE At at(const Vec3& n) const {
     return {support(n), Vec3::Zero(), 0.0, At::point, 0};
   }
-  void add_bend(const Vec3& n, const At& a, const Vec3& u, const Vec3& v, Bend& bend) const {
-    const Vec3 r = a.s - c;
+  HEADPIN_INLINE void add_bend(const Vec3& n, const At& a, const Vec3& u, const Vec3& v,
+                               Bend& bend) const {
+    Vec3 r = a.s;
+    if constexpr (where == Where::posed) r -= c;
     const Vec3 Qu = times(u), Qv = times(v);
     const double inverse = 1.0 / n.dot(r), ru = r.dot(u), rv = r.dot(v);
     bend.uu += (u.dot(Qu) - ru * ru) * inverse;
@@ -69,6 +79,7 @@ struct Ellipsoid {
 };
 
 /// What cylinders and cones share: an axis, and rims round it.
+template <Where where>
 struct Round {
   static constexpr bool kKinks = true;
 
@@ -77,16 +88,37 @@ struct Round {
   double radius;
   double half;  ///< half the height
 
+  /// The part of n along the axis.
+  HEADPIN_INLINE double along(const Vec3& n) const {
+    if constexpr (where == Where::own) return n.z();
+    return n.dot(axis);
+  }
   /// The part of n across the axis, given z = n . axis. Near a pole it is a difference of almost
   /// equal vectors, whose rounding must not come out along the axis: a point off the shape proves
   /// nothing.
   HEADPIN_INLINE Vec3 across(const Vec3& n, double z) const {
+    if constexpr (where == Where::own) return {n.x(), n.y(), 0.0};
     Vec3 w = n - z * axis;
     if (w.squaredNorm() < 1e-6 * z * z) w -= w.dot(axis) * axis;
     return w;
   }
+  /// axis x n.
+  HEADPIN_INLINE Vec3 round(const Vec3& n) const {
+    if constexpr (where == Where::own) return {-n.y(), n.x(), 0.0};
+    return axis.cross(n);
+  }
+  /// The point at height z on the axis, and w off it; w is across the axis.
+  HEADPIN_INLINE Vec3 point(double z, const Vec3& w) const {
+    if constexpr (where == Where::own) return {w.x(), w.y(), z};
+    return c + w + z * axis;
+  }
+  HEADPIN_INLINE Vec3 point(double z) const {
+    if constexpr (where == Where::own) return {0.0, 0.0, z};
+    return c + z * axis;
+  }
 
-  static void add_bend(const Vec3&, const At& a, const Vec3& u, const Vec3& v, Bend& bend) {
+  HEADPIN_INLINE static void add_bend(const Vec3&, const At& a, const Vec3& u, const Vec3& v,
+                                      Bend& bend) {
     const double tu = a.t.dot(u), tv = a.t.dot(v);
     bend.uu += a.bend * tu * tu;
     bend.uv += a.bend * tu * tv;
@@ -94,7 +126,10 @@ struct Round {
   }
 };
 
-struct Cylinder : Round {
+template <Where where>
+struct Cylinder : Round<where> {
+  using Round<where>::axis, Round<where>::radius, Round<where>::half;
+
   /// Height of the circle of side normals, n . axis = kink(), and its radius.
   double kink() const { return 0.0; }
   double kink_radius() const { return 1.0; }
@@ -102,28 +137,31 @@ struct Cylinder : Round {
   bool pole(double z) const { return z != 0.0; }
 
   HEADPIN_INLINE Vec3 support(const Vec3& n) const {
-    const double z = n.dot(axis);
-    const Vec3 w = across(n, z);
+    const double z = this->along(n);
+    const Vec3 w = this->across(n, z);
     const double rho2 = w.squaredNorm();
     const double k = rho2 > 0.0 ? radius / std::sqrt(rho2) : 0.0;
-    return c + k * w + std::copysign(half, z) * axis;
+    return this->point(std::copysign(half, z), k * w);
   }
   HEADPIN_INLINE At at(const Vec3& n) const {
-    const double z = n.dot(axis);
-    const Vec3 w = across(n, z);
+    const double z = this->along(n);
+    const Vec3 w = this->across(n, z);
     const double rho = w.norm();
     if (rho < kOnKink) {
-      return {c + std::copysign(half, z) * axis, Vec3::Zero(), 0.0, At::disc, z > 0.0 ? 1 : -1};
+      return {this->point(std::copysign(half, z)), Vec3::Zero(), 0.0, At::disc, z > 0.0 ? 1 : -1};
     }
     const double inverse = 1.0 / rho, bend = radius * inverse;
-    const Vec3 t = inverse * axis.cross(n);
-    if (std::abs(z) < kOnKink) return {c + bend * w, t, bend, At::generator, 0};
-    return {c + bend * w + std::copysign(half, z) * axis, t, bend, At::point, z > 0.0 ? 1 : -1};
+    const Vec3 t = inverse * this->round(n);
+    if (std::abs(z) < kOnKink) return {this->point(0.0, bend * w), t, bend, At::generator, 0};
+    return {this->point(std::copysign(half, z), bend * w), t, bend, At::point, z > 0.0 ? 1 : -1};
   }
   Generator generator(const Vec3&, At& a) const { return {axis, -half, half, a.bend, 1}; }
 };
 
-struct Cone : Round {   ///< apex at c + half axis
+template <Where where>
+struct Cone : Round<where> {  ///< apex at c + half axis
+  using Round<where>::axis, Round<where>::radius, Round<where>::half;
+
   double sine, cosine;  ///< of the half angle at the apex
 
   double kink() const { return sine; }
@@ -131,30 +169,30 @@ struct Cone : Round {   ///< apex at c + half axis
   bool pole(double z) const { return z < 0.0; }
 
   HEADPIN_INLINE Vec3 support(const Vec3& n) const {
-    const double z = n.dot(axis);
-    const Vec3 w = across(n, z);
+    const double z = this->along(n);
+    const Vec3 w = this->across(n, z);
     const double rho = w.norm();
-    if (z * cosine > rho * sine) return c + half * axis;
+    if (2.0 * half * z > radius * rho) return this->point(half);
     const double k = rho > 0.0 ? radius / rho : 0.0;
-    return c + k * w - half * axis;
+    return this->point(-half, k * w);
   }
   HEADPIN_INLINE At at(const Vec3& n) const {
-    const double z = n.dot(axis);
-    const Vec3 w = across(n, z);
+    const double z = this->along(n);
+    const Vec3 w = this->across(n, z);
     const double rho = w.norm();
     const double above = z * cosine - rho * sine;  // sine of the angle from the circle
     if (above >= -kOnKink) {
-      return {c + half * axis, Vec3::Zero(), 0.0, above > kOnKink ? At::point : At::generator,
+      return {this->point(half), Vec3::Zero(), 0.0, above > kOnKink ? At::point : At::generator,
               above > kOnKink ? 1 : 0};
     }
-    if (rho < kOnKink) return {c - half * axis, Vec3::Zero(), 0.0, At::disc, -1};
+    if (rho < kOnKink) return {this->point(-half), Vec3::Zero(), 0.0, At::disc, -1};
     const double inverse = 1.0 / rho, bend = radius * inverse;
-    return {c + bend * w - half * axis, inverse * axis.cross(n), bend, At::point, -1};
+    return {this->point(-half, bend * w), inverse * this->round(n), bend, At::point, -1};
   }
   Generator generator(const Vec3& n, At& a) const {
-    const Vec3 w = n - n.dot(axis) * axis;
+    const Vec3 w = this->across(n, this->along(n));
     const double inverse = 1.0 / w.norm();
-    a.t = inverse * axis.cross(n);
+    a.t = inverse * this->round(n);
     return {sine * inverse * w - cosine * axis, 0.0, 2.0 * half / cosine, radius * inverse, -1};
   }
 };
@@ -189,25 +227,20 @@ struct Point {
 };
 
 /// An edge of a hull on its own is a cylinder without radius.
-inline Cylinder edge(const Hull& hull, std::uint32_t from, std::uint32_t to) {
+inline Cylinder<Where::posed> edge(const Hull& hull, std::uint32_t from, std::uint32_t to) {
   const Vec3 a = hull.vertex(from), b = hull.vertex(to), d = b - a;
   const double length = d.norm();
   return {{0.5 * (a + b), d / length, 0.0, 0.5 * length}};
 }
 
-inline Ellipsoid pose_A(const engine::Ellipsoid& s) {
-  return {Vec3::Zero(),
-          s.radii.x() * s.radii.x(),
-          s.radii.y() * s.radii.y(),
-          s.radii.z() * s.radii.z(),
-          0.0,
-          0.0,
-          0.0};
+inline Ellipsoid<Where::own> pose_A(const engine::Ellipsoid& s) {
+  const Vec3 r2 = s.radii.cwiseProduct(s.radii);
+  return {Vec3::Zero(), r2.x(), r2.y(), r2.z(), 0.0, 0.0, 0.0};
 }
-inline Cylinder pose_A(const engine::Cylinder& s) {
+inline Cylinder<Where::own> pose_A(const engine::Cylinder& s) {
   return {{Vec3::Zero(), Vec3::UnitZ(), s.radius, s.half_height}};
 }
-inline Cone pose_A(const engine::Cone& s) {
+inline Cone<Where::own> pose_A(const engine::Cone& s) {
   const double slant = std::sqrt(s.radius * s.radius + s.height * s.height);
   return {
       {Vec3::Zero(), Vec3::UnitZ(), s.radius, 0.5 * s.height}, s.radius / slant, s.height / slant};
@@ -216,7 +249,7 @@ inline Hull pose_A(const engine::Polyhedron& s) {
   return {&s, Mat3::Identity(), Vec3::Zero(), 1.0};
 }
 
-inline Ellipsoid pose_B(const engine::Ellipsoid& s, const Pose& X_AB) {
+inline Ellipsoid<Where::posed> pose_B(const engine::Ellipsoid& s, const Pose& X_AB) {
   const Mat3 R = X_AB.q.toRotationMatrix();
   const Vec3 r2 = s.radii.cwiseProduct(s.radii);
   const auto q = [&](int i, int j) {
@@ -224,10 +257,10 @@ inline Ellipsoid pose_B(const engine::Ellipsoid& s, const Pose& X_AB) {
   };
   return {-X_AB.p, q(0, 0), q(1, 1), q(2, 2), q(0, 1), q(0, 2), q(1, 2)};
 }
-inline Cylinder pose_B(const engine::Cylinder& s, const Pose& X_AB) {
+inline Cylinder<Where::posed> pose_B(const engine::Cylinder& s, const Pose& X_AB) {
   return {{-X_AB.p, -z_axis(X_AB.q), s.radius, s.half_height}};
 }
-inline Cone pose_B(const engine::Cone& s, const Pose& X_AB) {
+inline Cone<Where::posed> pose_B(const engine::Cone& s, const Pose& X_AB) {
   const double slant = std::sqrt(s.radius * s.radius + s.height * s.height);
   return {{-X_AB.p, -z_axis(X_AB.q), s.radius, 0.5 * s.height}, s.radius / slant, s.height / slant};
 }

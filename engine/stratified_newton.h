@@ -45,6 +45,11 @@ inline Vec3 unit(const Vec3& v) {
   return 1.0 / std::sqrt(v.squaredNorm()) * v;
 }
 
+/// 1 / sqrt(1 + x) for x below 1e-3, without the wait for a root and a division.
+inline double inverse_root_above_1(double x) {
+  return 1.0 + x * (-0.5 + x * (0.375 + x * (-0.3125 + x * 0.2734375)));
+}
+
 /// Two unit vectors across n and each other (Duff et al. 2017).
 inline void across(const Vec3& n, Vec3& u, Vec3& v) {
   const double sign = std::copysign(1.0, n.z());
@@ -75,8 +80,8 @@ inline Vec2 step_of(const Bend& H, double gu, double gv, double floor, double& l
 }
 
 /// Of the two normals on both circles the one nearest to n; n itself where the circles do not meet.
-inline Vec3 on_both(const posed::Round& a, double ca, const posed::Round& b, double cb,
-                    const Vec3& n) {
+template <typename A, typename B>
+Vec3 on_both(const A& a, double ca, const B& b, double cb, const Vec3& n) {
   const Vec3 across = a.axis.cross(b.axis);
   const double sin2 = across.squaredNorm(), cosine = a.axis.dot(b.axis);
   if (sin2 < 1e-20) return n;
@@ -89,7 +94,7 @@ inline Vec3 on_both(const posed::Round& a, double ca, const posed::Round& b, dou
 
 template <typename Shape>
 Vec3 onto_circle(const Shape& s, const Vec3& n) {
-  const Vec3 w = n - n.dot(s.axis) * s.axis;
+  const Vec3 w = s.across(n, s.along(n));
   const double rho = w.norm();
   if (!(rho > 0.0)) return n;
   return s.kink() * s.axis + s.kink_radius() / rho * w;
@@ -98,19 +103,19 @@ Vec3 onto_circle(const Shape& s, const Vec3& n) {
 /// Which side of the circle the direction lies on.
 template <typename Shape>
 int side_of(const Shape& s, const Vec3& n) {
-  return n.dot(s.axis) > s.kink() ? 1 : -1;
+  return s.along(n) > s.kink() ? 1 : -1;
 }
 
 /// Whether the way from n to `next` went over the pole of a cap.
 template <typename Shape>
 bool over_pole(const Shape& s, const Vec3& n, const Vec3& next) {
-  const double z0 = n.dot(s.axis), z1 = next.dot(s.axis);
+  const double z0 = s.along(n), z1 = s.along(next);
   return z0 * z1 > 0.0 && s.pole(z1) && n.dot(next) - z0 * z1 < 0.0;
 }
 
 template <typename Shape>
 Vec3 pole_near(const Shape& s, const Vec3& n) {
-  return n.dot(s.axis) < 0.0 ? Vec3(-s.axis) : s.axis;
+  return s.along(n) < 0.0 ? Vec3(-s.axis) : s.axis;
 }
 
 /// The point of a generator at tau becomes the furthest point.
@@ -141,13 +146,13 @@ Vec3 onto_kinks(const A& a, const B& b, const Vec3& n) {
   constexpr double kNear = 0.02;  // rad
   bool near_a = false, near_b = false;
   if constexpr (A::kKinks) {
-    const double z = n.dot(a.axis);
+    const double z = a.along(n);
     if (std::abs(z) > 1.0 - 0.5 * kNear * kNear && a.pole(z))
       return z < 0.0 ? Vec3(-a.axis) : a.axis;
     near_a = std::abs(z - a.kink()) < kNear * a.kink_radius();
   }
   if constexpr (B::kKinks) {
-    const double z = n.dot(b.axis);
+    const double z = b.along(n);
     if (std::abs(z) > 1.0 - 0.5 * kNear * kNear && b.pole(z))
       return z < 0.0 ? Vec3(-b.axis) : b.axis;
     near_b = std::abs(z - b.kink()) < kNear * b.kink_radius();
@@ -353,7 +358,8 @@ HEADPIN_FLATTEN __attribute__((noinline)) Descent descend(const A& a, const B& b
         }
         const double length2 = step.squaredNorm();
         if (length2 > kLongestStep * kLongestStep) step *= kLongestStep / std::sqrt(length2);
-        aim = unit(n + step.x() * u + step.y() * v);
+        aim = n + step.x() * u + step.y() * v;
+        aim *= length2 < 1e-3 ? inverse_root_above_1(length2) : 1.0 / aim.norm();
       }
     }
 

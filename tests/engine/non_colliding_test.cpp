@@ -587,12 +587,14 @@ TEST(WarmStart, WithAStaleOppositeOrMeaninglessNormalIsHarmless) {
     Shallow p = shallow(pool, i % 4, i / 4 % 4);
     if (i % 2) p.X_AB.p *= 1.0 + 0.06 / p.X_AB.p.norm();
     const Closest cold = query(p.a, p.b, p.X_AB);
-    for (Vec3 n : {Vec3(-cold.n_AB), pool.random.direction(), Vec3(nan, 0, 1), Vec3(inf, 0, 0),
+    // Of length 1 after a pair that was apart, 2 after one that met.
+    for (Vec3 n : {Vec3(-cold.n_AB), Vec3(-2.0 * cold.n_AB), pool.random.direction(),
+                   Vec3(2.0 * pool.random.direction()), Vec3(nan, 0, 1), Vec3(inf, 0, 0),
                    Vec3(1e-300, 0, 0), Vec3(5, 5, 5)}) {
       const Closest c = closest_points(p.a, p.b, p.X_AB, n, {});
       EXPECT_EQ(c.separated, cold.separated) << kind(p.a) << " " << kind(p.b);
       EXPECT_TRUE(std::isfinite(c.distance));
-      EXPECT_NEAR(n.norm(), 1.0, 1e-9);
+      EXPECT_LT((n - (c.separated ? 1.0 : 2.0) * c.n_AB).norm(), 1e-9);
     }
   }
 }
