@@ -263,22 +263,6 @@ double bounding_radius(const Shape& shape) {
   return std::numeric_limits<double>::infinity();
 }
 
-bool contains(const Ellipsoid& s, const Vec3& p, double tolerance) {
-  return p.cwiseQuotient(s.radii + Vec3::Constant(tolerance)).squaredNorm() <= 1.0;
-}
-
-bool contains(const Cylinder& s, const Vec3& p, double tolerance) {
-  const double r = s.radius + tolerance;
-  return p.x() * p.x() + p.y() * p.y() <= r * r && std::abs(p.z()) <= s.half_height + tolerance;
-}
-
-bool contains(const Cone& s, const Vec3& p, double tolerance) {
-  const double rho = std::sqrt(p.x() * p.x() + p.y() * p.y());
-  const double slant = std::sqrt(s.radius * s.radius + s.height * s.height);
-  return p.z() >= -0.5 * s.height - tolerance &&
-         s.height * rho + s.radius * (p.z() - 0.5 * s.height) <= tolerance * slant;
-}
-
 bool contains(const Polyhedron& s, const Vec3& p, double tolerance) {
   return std::all_of(s.faces().begin(), s.faces().end(), [&](const Polyhedron::Face& f) {
     return f.normal.dot(p) - f.offset <= tolerance;

@@ -200,9 +200,21 @@ double bounding_radius(const Shape& shape);
 /// Whether the point lies in the shape, or outside by no more than `tolerance` [m] (measured along
 /// axes and face normals; near corners up to a few times that).
 bool contains(const Shape& shape, const Vec3& p, double tolerance = 0.0);
-bool contains(const Ellipsoid& s, const Vec3& p, double tolerance = 0.0);
-bool contains(const Cylinder& s, const Vec3& p, double tolerance = 0.0);
-bool contains(const Cone& s, const Vec3& p, double tolerance = 0.0);
+inline bool contains(const Ellipsoid& s, const Vec3& p, double tolerance = 0.0) {
+  const Vec3 r = s.radii + Vec3::Constant(tolerance);
+  const double yz = r.y() * r.z(), xz = r.x() * r.z(), xy = r.x() * r.y();
+  return Vec3(p.x() * yz, p.y() * xz, p.z() * xy).squaredNorm() <= (xy * r.z()) * (xy * r.z());
+}
+inline bool contains(const Cylinder& s, const Vec3& p, double tolerance = 0.0) {
+  const double r = s.radius + tolerance;
+  return p.x() * p.x() + p.y() * p.y() <= r * r && std::abs(p.z()) <= s.half_height + tolerance;
+}
+inline bool contains(const Cone& s, const Vec3& p, double tolerance = 0.0) {
+  const double rho = std::sqrt(p.x() * p.x() + p.y() * p.y());
+  const double slant = std::sqrt(s.radius * s.radius + s.height * s.height);
+  return p.z() >= -0.5 * s.height - tolerance &&
+         s.height * rho + s.radius * (p.z() - 0.5 * s.height) <= tolerance * slant;
+}
 bool contains(const Polyhedron& s, const Vec3& p, double tolerance = 0.0);
 bool contains(const HalfSpace& s, const Vec3& p, double tolerance = 0.0);
 

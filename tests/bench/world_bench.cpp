@@ -150,6 +150,10 @@ void run(bool quick) {
     rows.push_back({std::to_string(10 * racks) + " skittles, 2 s, mean", "us", t[0].mean, "Bullet",
                     t[1].mean});
   }
+  if (!quick) {  // and whole games, which end lying still
+    const std::vector<Times> t = compare({kOurs, kBullet}, {.racks = 100}, 5.0, 3);
+    rows.push_back({"1000 skittles, 5 s, mean", "us", t[0].mean, "Bullet", t[1].mean});
+  }
   rows.push_back({"growth with skittles, aim 1.08", "exponent", growth_exponent(skittles, ours),
                   "linear", 1.0});
   rows.push_back(
