@@ -1,5 +1,7 @@
+#include <algorithm>
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -16,8 +18,16 @@ struct Options {
   std::string output, scenario, participant, condition;
   scene::ThrowPlan plan;
   double aim_deg = 0.0;
+  std::optional<double> duration_s;
   bool force = false, json = false;
 };
+
+/// Time for the ball to come to the skittles and for them to fall [s]: that of a plan for the
+/// paper's room, and what a longer lane takes a ball that rolls at two thirds of its first speed.
+double long_enough(const scene::ThrowPlan& plan, const scene::Scenario& scenario) {
+  const double further = std::max(0.0, scenario.lane.head_pin - scene::Scenario{}.lane.head_pin);
+  return plan.duration_s + further / (0.65 * plan.speed);
+}
 
 void run(const Options& options) {
   constexpr double kDegree = 0.0174532925199433;
@@ -26,6 +36,7 @@ void run(const Options& options) {
   scene::Scenario scenario =
       options.scenario.empty() ? scene::Scenario{} : scene::load_scenario(options.scenario);
   scenario.rig = scene::synthetic_rig();
+  plan.duration_s = options.duration_s.value_or(long_enough(plan, scenario));
   const scene::ThrowMotion motion = [&] {
     try {
       return scene::ThrowMotion(plan, scenario.hand);
@@ -79,8 +90,8 @@ void add_synthesize(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--aim", options->aim_deg, "to the right of the lane [degrees], -10 to 10")
       ->capture_default_str();
-  command->add_option("--duration", options->plan.duration_s, "of the trial [s]")
-      ->capture_default_str();
+  command->add_option("--duration", options->duration_s,
+                      "of the trial [s]; 7 in the paper's room, more when the lane is longer");
   command->add_option("--scenario", options->scenario, "TOML file; the paper's room if not given");
   command->add_option("--participant", options->participant, "who is said to have thrown");
   command->add_option("--condition", options->condition, "name of the condition");

@@ -70,6 +70,20 @@ TEST_F(TrialCommands, ASeedIsAThrow) {
   expect_refusal("synthesize -o OUT.lcmlog --speed 20", 2, "4 to 9 m/s");
 }
 
+// On 18 m as on the paper's 6 m the ball arrives before the trial ends.
+TEST_F(TrialCommands, AThrowDownALongLaneLastsLonger) {
+  std::ofstream(folder_ / "long.toml") << "[room]\nahead = 20.0\n[lane]\nhead_pin = 18.288\n";
+  for (const char* speed : {"4.5", "8"}) {
+    const std::string name = std::string("long_") + speed + ".lcmlog";
+    const nlohmann::json made =
+        json("synthesize --json --scenario long.toml -o " + name + " --speed " + speed);
+    EXPECT_GT(made["duration_s"].get<double>(), 9.0);
+    EXPECT_GT(json("replay --json " + name)["impact_speed_mps"].get<double>(), 2.0) << speed;
+  }
+  EXPECT_EQ(json("synthesize --json --scenario long.toml -o OUT2.lcmlog --duration 5")["duration_s"],
+            5.0);
+}
+
 TEST_F(TrialCommands, InfoTellsWhatIsInATrial) {
   ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
   const nlohmann::json info = json("info game.lcmlog --json");
