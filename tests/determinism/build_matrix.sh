@@ -32,7 +32,7 @@ make_one() {
   mkdir -p "$dir"
   for source in engine/*.cpp tests/support/bowling.cpp tests/determinism/state_hash.cpp; do
     # shellcheck disable=SC2086
-    $1 -std=c++20 -DNDEBUG -ffp-contract=off -DEIGEN_DONT_VECTORIZE -I. $eigen \
+    $1 -std=c++20 -DNDEBUG -ffp-contract=off -fno-tree-slp-vectorize -DEIGEN_DONT_VECTORIZE -I. $eigen \
       -c "$source" -o "$dir/$(basename "$source").o"
   done
   ${1%% *} "$dir"/*.o -o "$dir/state_hash"
