@@ -47,7 +47,7 @@ int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
 /// How many normals two compounds keep: one per pair of parts, none with a half-space.
 std::size_t cache_size(const Compound& a, const Compound& b);
 
-/// The same for two compounds, part by part, by part number.
+/// The same for two compounds: b's parts in their order, and for each of them a's.
 ///
 /// @param n_AB_caches  `cache_size(a, b)` of them, b's part number running faster
 int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const Pose& X_WB,

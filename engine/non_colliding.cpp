@@ -380,13 +380,13 @@ struct Glance {
   }
 };
 
-/// Carries on from a normal that proves nothing until the closest points are found, and proven.
+/// Carries on from a normal that proves nothing: until the closest points are found, and proven, or
+/// in the paper's mode to its cap.
 template <typename A, typename B, typename Look>
-HEADPIN_FLATTEN __attribute__((noinline)) Closest converged(const A& a, const B& b,
-                                                            const Pose& X_AB, Look& look,
-                                                            const Vec3& n, const Support& first,
-                                                            bool warm, const Vec3& line,
-                                                            const Query& q) {
+HEADPIN_FLATTEN __attribute__((noinline)) Closest carry_on(const A& a, const B& b, const Pose& X_AB,
+                                                           Look& look, const Vec3& n,
+                                                           const Support& first, bool warm,
+                                                           const Vec3& line, const Query& q) {
   auto&& search = look.search();
   if (q.mode == Query::paper) return paper(search, n, first, q.cap);
   const double size = std::min(size_of(a), size_of(b));
@@ -409,8 +409,8 @@ HEADPIN_FLATTEN __attribute__((noinline)) Closest converged(const A& a, const B&
   return c;
 }
 
-/// A normal is kept at length 1 when the pair was apart and at twice that when it met: then the
-/// first look is left out, as it would prove nothing.
+/// A normal is kept at length 1 when the pair was further apart than the margin and at twice that
+/// when it was closer: then round shapes go without the first look, as it would prove nothing.
 template <typename A, typename B>
 HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, Vec3& n_AB_cache,
                                 const Query& q) {
@@ -444,7 +444,7 @@ HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, Vec3& 
     n_AB_cache = n;
     return {first.h < 0.0, -first.h, first.s_A, -first.s_B, n, 1, false};
   }
-  const Closest c = converged(a, b, X_AB, look, n, first, warm, line, q);
+  const Closest c = carry_on(a, b, X_AB, look, n, first, warm, line, q);
   n_AB_cache = c.distance > q.margin ? c.n_AB : Vec3(2.0 * c.n_AB);
   return c;
 }

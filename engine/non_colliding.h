@@ -65,7 +65,8 @@ struct Query {
 
 /// @param X_AB        frame of b in the frame of a
 /// @param n_AB_cache  last normal of this pair in A's frame; zero, stale or not finite ones are
-///   harmless. Left as the normal to start from next time; its length says whether the pair met.
+///   harmless. Left as what to start from next time, and not unit: of length 1 after a pair further
+///   apart than the margin, 2 after a closer one. The normal itself is `Closest::n_AB`.
 /// @throws std::invalid_argument  for two half-spaces
 Closest closest_points(const Shape& a, const Shape& b, const Pose& X_AB, Vec3& n_AB_cache,
                        const Query& query);

@@ -54,7 +54,8 @@ inline void note_speed(World& world, BodyId i) {
   world.scratch.top_speed[i] = s.v_WB.norm() + world.scratch.swing[i];
 }
 
-/// How far two bodies may be apart and yet meet within the step [m].
+/// How far two bodies may be apart and yet meet within the step, as they move now [m]. What an
+/// impact within the step makes of it is seen in the next one.
 double reach(const World& world, BodyId a, BodyId b);
 
 /// Appends contact points of two posed bodies, with the normals kept for them.

@@ -162,7 +162,7 @@ void remember(World& world) {
   world.statistics.awake = static_cast<std::int64_t>(s.movers.size());
 }
 
-/// Whether time passes and nothing else: everything sleeps and no hand moves.
+/// Whether time passes and nothing else: everything sleeps and no body is driven.
 bool all_rest(World& world) {
   detail::Scratch& s = world.scratch;
   if (s.stale) take_roll_call(world);
@@ -302,6 +302,9 @@ BodyId add_body(World& world, Body body, const State& state) {
       "body " + std::to_string(i) + (body.name.empty() ? "" : " '" + body.name + "'");
   check_body(body, who);
   if (!is_good(state)) refuse(state, who);
+  if (body.kind == Kind::fixed && !(state.v_WB.isZero(0.0) && state.w_WB.isZero(0.0))) {
+    throw std::invalid_argument(who + ": is fixed, expected no velocity");
+  }
   check_overlap(world, body, state, who);
   world.inertias.push_back(body.kind == Kind::fixed ? Inertia{} : principal_inertia(body.inertia));
   detail::Scratch& s = world.scratch;

@@ -229,7 +229,7 @@ World make_world(const Parameters& parameters);
 /// @return  its number: bodies are counted from 0
 /// @throws std::invalid_argument  naming the body and the value that cannot be: mass or inertia not
 ///   finite and positive, coefficient outside 0 to 1, pose or velocity not finite, half-space that
-///   is not fixed
+///   is not fixed, fixed body with a velocity
 BodyId add_body(World& world, Body body, const State& state = {});
 
 /// Puts a body somewhere, as a hand does. A free body wakes with those that sleep beside it.

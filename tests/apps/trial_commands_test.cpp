@@ -80,8 +80,9 @@ TEST_F(TrialCommands, AThrowDownALongLaneLastsLonger) {
     EXPECT_GT(made["duration_s"].get<double>(), 9.0);
     EXPECT_GT(json("replay --json " + name)["impact_speed_mps"].get<double>(), 2.0) << speed;
   }
-  EXPECT_EQ(json("synthesize --json --scenario long.toml -o OUT2.lcmlog --duration 5")["duration_s"],
-            5.0);
+  EXPECT_EQ(
+      json("synthesize --json --scenario long.toml -o OUT2.lcmlog --duration 5")["duration_s"],
+      5.0);
 }
 
 TEST_F(TrialCommands, InfoTellsWhatIsInATrial) {

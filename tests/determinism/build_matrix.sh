@@ -9,19 +9,21 @@ levels=(-O1 -O2 -O3)
 work=build/matrix
 mkdir -p "$work"
 eigen=$(pkg-config --cflags eigen3)
-avx2=()
+avx2=() fma=()
 grep -qs avx2 /proc/cpuinfo && avx2=(-mavx2)
+grep -qsw fma /proc/cpuinfo && fma=(-mfma)
 
 variants=()
 for compiler in g++ clang++; do
   command -v "$compiler" >/dev/null || { echo "skipped: no $compiler"; continue; }
   for level in "${levels[@]}"; do
     if [ "${1:-}" = --quick ]; then
-      [ $level = -O1 ] && variants+=("$compiler -O1") || variants+=("$compiler -O3 ${avx2[*]}")
+      [ $level = -O1 ] && variants+=("$compiler -O1") || variants+=("$compiler -O3 ${avx2[*]} ${fma[*]}")
       continue
     fi
     variants+=("$compiler $level")
-    [ ${#avx2[@]} -eq 0 ] || variants+=("$compiler $level -mavx2" "$compiler $level -mavx2 -mfma")
+    [ ${#avx2[@]} -eq 0 ] || variants+=("$compiler $level ${avx2[*]}")
+    [ ${#fma[@]} -eq 0 ] || variants+=("$compiler $level ${avx2[*]} ${fma[*]}")
   done
 done
 
@@ -32,7 +34,8 @@ make_one() {
   mkdir -p "$dir"
   for source in engine/*.cpp tests/support/bowling.cpp tests/determinism/state_hash.cpp; do
     # shellcheck disable=SC2086
-    $1 -std=c++20 -DNDEBUG -ffp-contract=off -fno-tree-slp-vectorize -DEIGEN_DONT_VECTORIZE -I. $eigen \
+    $1 -std=c++20 -DNDEBUG -DEIGEN_DONT_VECTORIZE -I. $eigen \
+      -ffp-contract=off -fno-tree-vectorize -fno-tree-slp-vectorize \
       -c "$source" -o "$dir/$(basename "$source").o"
   done
   ${1%% *} "$dir"/*.o -o "$dir/state_hash"

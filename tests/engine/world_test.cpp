@@ -57,6 +57,11 @@ TEST(AddBody, RefusesWhatCannotBeAndSaysWhatAndWhere) {
   s = {};
   s.w_WB.z() = std::numeric_limits<double>::infinity();
   EXPECT_THAT(refusal_of(good, s), HasSubstr("finite"));
+  b = good;
+  b.kind = Kind::fixed;
+  s = {};
+  s.v_WB.x() = 1.0;
+  EXPECT_EQ(refusal_of(b, s), "body 0 'ball': is fixed, expected no velocity");
   s = {};
   s.X_WB.q = Quat(0.0, 0.0, 0.0, 0.0);
   EXPECT_THAT(refusal_of(good, s), HasSubstr("quaternion"));

@@ -184,7 +184,7 @@ TEST(RoomFixtures, NothingGetsOutOfTheRoom) {
     engine::add_body(world, fixture.body, {fixture.X_WB, Vec3::Zero(), Vec3::Zero()});
   }
   const engine::BodyId ball = engine::add_body(world, ball_body(scenario),
-                                               {{Quat::Identity(), Vec3(0.0, 6.5, 0.4)}, {}, {}});
+                                               {.X_WB = {Quat::Identity(), Vec3(0.0, 6.5, 0.4)}});
   int met_kick_back = 0;
   for (int i = 0; i < 60; ++i) {
     const SinCos turn = sin_cos(0.1047 * i);
