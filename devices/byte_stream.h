@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "devices/bytes.h"
+#include "engine/math.h"
 
 namespace headpin::devices {
 
@@ -19,12 +20,21 @@ class ByteStream {
   /// @return  how many; 0 when nothing has arrived or the other end is gone
   virtual std::size_t read(std::span<std::uint8_t> out) = 0;
 
+  /// The time it is, for whoever has a better clock than the one who asks and takes it to be `now`.
+  virtual Time time(Time now) const { return now; }
+
+  /// By when all that the last read returned had arrived; that read was at `now`.
+  virtual Time arrived(Time now) const { return now; }
+
   /// Hands over what the line takes now, from the front of `bytes`.
   /// @return  how many bytes were taken; the rest is the caller's to offer again
   virtual std::size_t write(Bytes bytes) = 0;
 
   /// True when nothing will ever arrive again.
   virtual bool closed() const = 0;
+
+  /// What keeps the line from carrying anything just now, for people; empty when nothing does.
+  virtual std::string trouble() const { return ""; }
 
   /// What to wait on with poll(2) until something arrives, or -1.
   virtual int descriptor() const { return -1; }

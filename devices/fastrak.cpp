@@ -10,8 +10,6 @@
 namespace headpin::devices {
 namespace {
 
-constexpr double kCycle_us = 1e6 / 120.0;
-constexpr double kLatency_us = 3750.0;  // mid-sampling to output (manual p. E-4)
 constexpr std::array<int, 7> kBauds = {115200, 57600, 38400, 19200, 9600, 4800, 2400};
 constexpr std::size_t kBufferLimit = 1 << 16;  // bytes; a unit sends 1 % of that in a second
 
@@ -105,37 +103,6 @@ void read_zenith(std::string_view text, FastrakZeniths& zeniths) {
   }
 }
 
-FastrakClock::FastrakClock(int active_stations, Time byte_time)
-    : active_(std::max(1, active_stations)),
-      lag_us_(kLatency_us + static_cast<double>(byte_time.count())) {}
-
-Time FastrakClock::measured(int turn, Time arrival, int behind) {
-  // Records that came behind it took a cycle each; so much older is this one.
-  const double seen = static_cast<double>(arrival.count()) - lag_us_ - behind * kCycle_us;
-  if (!estimate_us_) {
-    estimate_us_ = seen;
-    turn_ = turn;
-    cycle_ = turn;
-    return Time{std::llround(seen)};
-  }
-  // Cycles since the last one: as many as fit, of those in which it is this station's turn.
-  constexpr double kEarly = 0.25;  // of a cycle: how much earlier than foreseen is no cycle less
-  const int offset = (turn - turn_ + active_) % active_;
-  const double cycles = (seen - *estimate_us_) / kCycle_us + kEarly;
-  auto steps =
-      static_cast<std::int64_t>(std::floor((cycles - offset) / active_)) * active_ + offset;
-  if (steps < 1) steps = offset > 0 ? offset : active_;
-
-  const double foreseen = *estimate_us_ + static_cast<double>(steps) * kCycle_us;
-  const double late = seen - foreseen;
-  constexpr double kDrift = 1.0 / 512.0;  // share of a delay taken for the clock's own
-  const double estimate = foreseen + (late < 0.0 ? late : kDrift * late);
-  estimate_us_ = std::max(estimate, *estimate_us_ + 0.25 * kCycle_us);  // never back
-  turn_ = turn;
-  cycle_ += steps;
-  return Time{std::llround(*estimate_us_)};
-}
-
 FastrakDriver::FastrakDriver(std::unique_ptr<ByteStream> stream, FastrakOptions options)
     : stream_(std::move(stream)), options_(std::move(options)), baud_(options_.baud) {
   if (options_.items.empty()) throw std::invalid_argument("output list: empty");
@@ -164,7 +131,10 @@ std::string FastrakDriver::activity() const {
   return "";
 }
 
-void FastrakDriver::poll(Time now, std::vector<Sample>& out) {
+void FastrakDriver::poll(Time asked, std::vector<Sample>& out) {
+  // A session that is late asks for times gone by; the line knows how long the unit has said
+  // nothing.
+  const Time now = stream_->time(asked);
   if (!begun_) {
     begun_ = true;
     start_over(now);
@@ -172,7 +142,10 @@ void FastrakDriver::poll(Time now, std::vector<Sample>& out) {
   hear(now);
   while (step(now)) {
   }
-  if (phase_ == Phase::kStreaming) read_records(now, out);
+  if (phase_ == Phase::kStreaming) {
+    read_records(now);
+    hand_out(now, out);
+  }
   speak(now);
 }
 
@@ -183,7 +156,7 @@ void FastrakDriver::hear(Time now) {
   while (buffer_.size() < kBufferLimit) {
     const std::size_t n = stream_->read(bytes);
     if (n == 0) return;
-    arrivals_.push_back({position_ + buffer_.size(), now});
+    arrivals_.push_back({position_ + buffer_.size(), stream_->arrived(now)});
     buffer_.insert(buffer_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n));
     heard_ = now;
   }
@@ -315,7 +288,7 @@ void FastrakDriver::ask_next_list(Time now) {
   to_say_.emplace_back("C");
   const auto stations = static_cast<int>(std::count(active_.begin(), active_.end(), true));
   if (clock_) sequence_before_ += clock_->cycle() / std::max(1, stations) + 1;
-  clock_.emplace(stations, byte_time());
+  clock_.emplace(stations, byte_time(), fastrak_record_length(formats_[0]));
   in_step_ = true;
   last_record_ = now;
   enter(Phase::kStreaming, now);
@@ -423,15 +396,10 @@ Pose FastrakDriver::pose_of(const FastrakRecord& record) const {
   return X_TS;
 }
 
-void FastrakDriver::read_records(Time now, std::vector<Sample>& out) {
-  struct Record {
-    FastrakRecord record;
-    Time arrival;
-  };
-  std::vector<Record> records;
+void FastrakDriver::read_records(Time now) {
   // A record may be under way for its own length; after that, and three bytes, no more will come.
   const auto length = static_cast<int>(fastrak_record_length(formats_[0]));
-  const bool no_more = now - heard_ > Time{50'000} + length * byte_time();
+  const bool no_more = now - heard_ > Time{100'000} + length * byte_time();
   std::size_t done = 0;
   while (done < buffer_.size()) {
     const FastrakFound found =
@@ -444,25 +412,32 @@ void FastrakDriver::read_records(Time now, std::vector<Sample>& out) {
     }
     in_step_ = true;
     if (active_[static_cast<std::size_t>(found.record.station - 1)]) {
-      records.push_back({found.record, arrival_of(position_ + done)});
+      records_.push_back(found.record);
+      record_arrivals_.push_back(arrival_of(position_ + done));
+      last_record_ = now;
+      attempt_ = 0;
     } else {
       statistics_.skipped_bytes += static_cast<std::int64_t>(found.length);
     }
     done += found.length;
   }
   consume(done);
+}
 
+void FastrakDriver::hand_out(Time now, std::vector<Sample>& out) {
   const auto stations =
       std::max<std::ptrdiff_t>(1, std::count(active_.begin(), active_.end(), true));
-  for (std::size_t i = 0; i < records.size(); ++i) {
-    const auto& [record, arrival] = records[i];
-    int behind = 0;
-    for (std::size_t k = i + 1; k < records.size() && records[k].arrival == arrival; ++k) ++behind;
+  const std::vector<Time> arrivals(record_arrivals_.begin(), record_arrivals_.end());
+  for (std::size_t i = 0; i < arrivals.size(); ++i) {
+    const FastrakRecord& record = records_.front();
     const auto turn = std::count(active_.begin(), active_.begin() + record.station - 1, true);
     const std::int64_t before = clock_->started() ? clock_->cycle() + 1 : turn;
+    const std::optional<Time> measured =
+        clock_->measured(static_cast<int>(turn), std::span(arrivals).subspan(i), now);
+    if (!measured) return;
     TrackerSample sample;
-    sample.device_time = clock_->measured(static_cast<int>(turn), arrival, behind);
-    sample.host_time = arrival;
+    sample.device_time = *measured;
+    sample.host_time = arrivals[i];
     sample.sequence = sequence_before_ + clock_->cycle() / stations;
     sample.station = record.station;
     sample.X_TS = pose_of(record);
@@ -471,9 +446,9 @@ void FastrakDriver::read_records(Time now, std::vector<Sample>& out) {
     statistics_.missed += clock_->cycle() - before;
     ++statistics_.records;
     if (!sample.good()) ++statistics_.flagged;
-    last_record_ = now;
-    attempt_ = 0;
     out.push_back(std::move(sample));
+    records_.pop_front();
+    record_arrivals_.pop_front();
   }
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "devices/byte_stream.h"
+#include "devices/fastrak_clock.h"
 #include "devices/fastrak_codec.h"
 #include "devices/source.h"
 
@@ -60,37 +61,6 @@ struct FastrakStatistics {
   std::int64_t attempts = 0;       ///< to get a status, in all
 };
 
-/// Estimates when each record was measured, from when it arrived.
-///
-/// The unit measures every 1/120 s; records arrive late by what the line and the host add, never
-/// early. So the estimate keeps to whole cycles of the unit, follows at once when one arrives
-/// earlier than foreseen, and drifts only slowly when they come later.
-class FastrakClock {
- public:
-  /// @param active_stations  1 to 4: they take turns, a cycle each
-  /// @param byte_time        of one byte on the line
-  FastrakClock(int active_stations, Time byte_time);
-
-  /// Time of the measurement behind a record, later than the one before.
-  ///
-  /// @param turn     place of its station among the active ones, from 0
-  /// @param arrival  of its first byte
-  /// @param behind   records that had arrived behind it by then
-  Time measured(int turn, Time arrival, int behind);
-
-  /// Number of the last record's cycle, the first one's being its turn; a hole is a record that did
-  /// not come.
-  std::int64_t cycle() const { return cycle_; }
-  bool started() const { return estimate_us_.has_value(); }
-
- private:
-  int active_;
-  double lag_us_;
-  std::optional<double> estimate_us_;
-  int turn_ = 0;
-  std::int64_t cycle_ = 0;
-};
-
 /// A Fastrak at the end of a line, as a Source of TrackerSamples.
 ///
 /// Brings the unit up in whatever state it was left: resumes it (^Q), stops it (c), throws away
@@ -99,13 +69,15 @@ class FastrakClock {
 /// lists and filters itself, checks the lists, and starts the stream. After two seconds without a
 /// record it starts over. Never blocks: each poll does what is due.
 ///
-/// Sample times: `host_time` is the time of the poll that read the first byte, `device_time` the
-/// estimate of FastrakClock. `sequence` counts the station's cycles; a hole is a missing record.
+/// Sample times: `host_time` is when the stream says that the first byte had arrived, `device_time`
+/// the estimate of FastrakClock; the first quarter of a second is handed out when that has settled.
+/// `sequence` counts the station's cycles; a hole is a missing record.
 class FastrakDriver : public Source {
  public:
   /// @throws std::invalid_argument  when the list lacks a position, an orientation or an end
   FastrakDriver(std::unique_ptr<ByteStream> stream, FastrakOptions options = {});
 
+  /// Over a stream with a clock of its own, also samples that arrived after `now`.
   void poll(Time now, std::vector<Sample>& out) override;
   bool exhausted() const override { return stream_->closed(); }
 
@@ -143,7 +115,8 @@ class FastrakDriver : public Source {
   void say(char letter, std::size_t station, std::string_view arguments);
   void set_up();
   void ask_next_list(Time now);
-  void read_records(Time now, std::vector<Sample>& out);
+  void read_records(Time now);
+  void hand_out(Time now, std::vector<Sample>& out);
   Pose pose_of(const FastrakRecord& record) const;
   Time byte_time() const { return Time{10'000'000 / baud_ + 1}; }
   Time answer_time() const { return options_.answer + 100 * byte_time(); }
@@ -170,6 +143,8 @@ class FastrakDriver : public Source {
   std::uint64_t position_ = 0;  ///< of the buffer's front in all that was read
   std::deque<Arrival> arrivals_;
   bool in_step_ = true;
+  std::deque<FastrakRecord> records_;  ///< whole, not handed out yet
+  std::deque<Time> record_arrivals_;   ///< of each
   std::optional<FastrakClock> clock_;
   std::int64_t sequence_before_ = 0;  ///< where counting goes on after a restart
   Time last_record_{};

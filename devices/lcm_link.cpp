@@ -3,13 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <charconv>
+#include <cmath>
 #include <cstring>
 #include <stdexcept>
+#include <string_view>
 
 #include <fmt/format.h>
 #include <headpin/rigid_transform_t.hpp>
 #include <lcm/lcm.h>
 
+#include "devices/event_log.h"
 #include "devices/log.h"
 #include "devices/messages.h"
 
@@ -38,7 +42,93 @@ struct LcmLink::Lcm {
   }
 };
 
-LcmLink::LcmLink(const std::string& url) : url_(url), lcm_(std::make_unique<Lcm>()) {
+/// A log that plays: file://PATH, with speed=N (1; 0: all at once) and start_timestamp=N as liblcm
+/// knows them, read by our own reader, which no damage can hurt.
+class LcmLink::LogPlayer {
+ public:
+  explicit LogPlayer(const std::string& url)
+      : file_(path_of(url)), reader_(file_.bytes()), next_(reader_.next()) {
+    if (!next_) throw std::runtime_error(path_of(url) + ": not an LCM event log: no whole event");
+    for (std::string_view rest = options_of(url); !rest.empty();) {
+      const std::string_view option = rest.substr(0, rest.find('&'));
+      rest.remove_prefix(std::min(rest.size(), option.size() + 1));
+      take_option(url, option);
+    }
+    while (next_ && next_->time < begin_) next_ = reader_.next();
+    if (next_) last_ = next_->time;
+  }
+
+  /// For a log that is only read, unlike file://PATH?mode=w.
+  static bool reads(const std::string& url) {
+    return url.starts_with(kScheme) && options_of(url).find("mode=w") == std::string_view::npos &&
+           options_of(url).find("mode=a") == std::string_view::npos;
+  }
+
+  /// The next event that is due by `now`, counted from the first call.
+  std::optional<LogEvent> due(Time now) {
+    if (!start_) start_ = now;
+    if (!next_) return std::nullopt;
+    // Times that a log's writer cannot have meant are no reason to wait for years.
+    constexpr Time kLongestGap{60'000'000};
+    const Time gap = next_->time > last_ ? next_->time - last_ : Time{};
+    const Time at = played_ + (gap > kLongestGap ? Time{} : gap);
+    const double ahead = seconds(now - *start_) * speed_ - seconds(at);
+    if (speed_ > 0.0 && ahead < 0.0) return std::nullopt;
+    played_ = at;
+    last_ = next_->time;
+    const std::optional<LogEvent> event = next_;
+    next_ = reader_.next();
+    return event;
+  }
+  bool ended() const { return !next_; }
+
+ private:
+  static constexpr std::string_view kScheme = "file://";
+  static std::string path_of(const std::string& url) {
+    return url.substr(kScheme.size(), url.find('?') - kScheme.size());
+  }
+  static std::string_view options_of(std::string_view url) {
+    const std::size_t mark = url.find('?');
+    return mark == std::string_view::npos ? std::string_view() : url.substr(mark + 1);
+  }
+  void take_option(const std::string& url, std::string_view option) {
+    const std::size_t sign = option.find('=');
+    const std::string_view name = option.substr(0, sign);
+    const std::string_view value =
+        option.substr(sign == std::string_view::npos ? option.size() : sign + 1);
+    const auto number = [&](auto& into) {
+      const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), into);
+      return error == std::errc{} && end == value.data() + value.size();
+    };
+    std::int64_t begin = 0;
+    if (name == "mode" && value == "r") return;
+    if (name == "speed" && number(speed_) && speed_ >= 0.0 && std::isfinite(speed_)) return;
+    if (name == "start_timestamp" && number(begin)) {
+      begin_ = Time{begin};
+      return;
+    }
+    throw std::runtime_error(
+        fmt::format("{}: option '{}': expected speed=N (0: as fast as it goes), "
+                    "start_timestamp=MICROSECONDS or mode=r",
+                    url, option));
+  }
+
+  MappedFile file_;
+  LogReader reader_;
+  std::optional<LogEvent> next_;
+  double speed_ = 1.0;
+  Time begin_ = Time::min();
+  std::optional<Time> start_;  ///< on the session's clock
+  Time last_{};                ///< of the last event played, in the log
+  Time played_{};              ///< the same, since the first
+};
+
+LcmLink::LcmLink(const std::string& url) : url_(url) {
+  if (LogPlayer::reads(url)) {
+    log_ = std::make_unique<LogPlayer>(url);
+    return;
+  }
+  lcm_ = std::make_unique<Lcm>();
   lcm_->handle = lcm_create(url.empty() ? nullptr : url.c_str());
   if (!lcm_->handle) {
     throw std::runtime_error("cannot open LCM at " + shown(url) + hint_for(url));
@@ -47,11 +137,9 @@ LcmLink::LcmLink(const std::string& url) : url_(url), lcm_(std::make_unique<Lcm>
 
 LcmLink::~LcmLink() = default;
 
-bool LcmLink::is_replay() const {
-  return url_.starts_with("file:") && url_.find("mode=w") == std::string::npos;
-}
-
 void LcmLink::send(const std::string& channel, std::span<const std::uint8_t> bytes) {
+  if (log_)
+    throw std::runtime_error("cannot publish on " + channel + " at " + url_ + ": it is read");
   errno = 0;
   if (lcm_publish(lcm_->handle, channel.c_str(), bytes.data(),
                   static_cast<unsigned>(bytes.size())) >= 0) {
@@ -137,6 +225,7 @@ struct LcmSource::Subscriptions {
 
 LcmSource::LcmSource(LcmLink& link, std::size_t queue)
     : link_(link), queue_(queue), subscriptions_(std::make_unique<Subscriptions>()) {
+  if (link.is_replay()) return;
   subscriptions_->lcm = link.lcm_->handle;
   const int capacity = static_cast<int>(std::min<std::size_t>(queue, 1 << 20));
   subscriptions_->add(*this, kTrackerChannel, capacity);
@@ -145,20 +234,34 @@ LcmSource::LcmSource(LcmLink& link, std::size_t queue)
 
 LcmSource::~LcmSource() = default;
 
+void LcmSource::drain() {
+  if (link_.is_replay()) return;
+  draining_ = true;
+  receive(polled_);
+  draining_ = false;
+}
+
 void LcmSource::receive(Time now) {
   receiving_ = std::max(now, polled_ + Time{1});
   // No more at once than the queue holds, so that a flood cannot keep us here.
   for (std::size_t i = 0; i < queue_; ++i) {
-    const int handled = lcm_handle_timeout(link_.lcm_->handle, 0);
-    if (handled < 0 && !link_.is_replay()) {
-      throw std::runtime_error("LCM stopped: " + link_.url());
+    if (link_.is_replay()) {
+      const std::optional<LogEvent> event = link_.log_->due(now);
+      ended_ = link_.log_->ended();
+      if (!event) return;
+      if (event->channel == kTrackerChannel || event->channel == kMouseChannel) {
+        take(event->channel, event->data);
+      }
+      continue;
     }
-    ended_ = handled < 0;
-    if (handled <= 0) return;
+    const int handled = lcm_handle_timeout(link_.lcm_->handle, 0);
+    if (handled < 0) throw std::runtime_error("LCM stopped: " + link_.url());
+    if (handled == 0) return;
   }
 }
 
 void LcmSource::take(std::string_view channel, std::span<const std::uint8_t> bytes) {
+  if (draining_) return;
   const std::optional<Message> message = decode(channel, bytes);
   if (!message) {
     ++counts_.undecodable;
@@ -172,25 +275,64 @@ void LcmSource::take(std::string_view channel, std::span<const std::uint8_t> byt
   if (const auto* tracker = std::get_if<TrackerSample>(&*message)) sample = *tracker;
   if (const auto* mouse = std::get_if<MouseSample>(&*message)) sample = *mouse;
   ++counts_.received;
-
-  constexpr Time kJump{1'000'000};
-  std::visit(
-      [&](auto& s) {
-        const bool first = !offset_;
-        const Time ahead = s.device_time + offset_.value_or(Time{}) - receiving_;
-        if (first || ahead > kJump || ahead < -kJump) {
-          offset_ = receiving_ - s.device_time;
-          counts_.clock_jumps += !first;
-        }
-        s.device_time += *offset_;
-        s.host_time = receiving_;
-      },
-      sample);
+  std::visit([&](auto& s) { stamp(s); }, sample);
   waiting_.push_back(std::move(sample));
   if (waiting_.size() > queue_) {
     waiting_.pop_front();
     ++counts_.dropped;
   }
+}
+
+void LcmSource::stamp(TrackerSample& sample) {
+  Publisher& publisher = publishers_[sample.station];
+  sample.device_time = carried_over(publisher, sample.device_time);
+  sample.host_time = receiving_;
+}
+
+/// One message says little of what it is late itself, so it follows the station whose clock shows
+/// nearly the same.
+void LcmSource::stamp(MouseSample& sample) {
+  constexpr double kSameClock_us = 1e5;
+  const auto theirs_us = static_cast<double>(sample.device_time.count());
+  const auto off = [&](const auto& entry) {
+    const auto& [station, publisher] = entry;
+    return station == kMouse ? kSameClock_us
+                             : std::abs(publisher.clock.ours(theirs_us) -
+                                        static_cast<double>(receiving_.count()));
+  };
+  const auto nearest = std::ranges::min_element(publishers_, {}, off);
+  Publisher& mouse = publishers_[kMouse];
+  if (nearest != publishers_.end() && off(*nearest) < kSameClock_us) {
+    mouse.clock = nearest->second.clock;
+    mouse.theirs = sample.device_time;
+    mouse.device_time = Time{std::llround(mouse.clock.ours(theirs_us))};
+    mouse.host_time = receiving_;
+    ++mouse.samples;
+  } else {
+    carried_over(mouse, sample.device_time);
+  }
+  sample.device_time = mouse.device_time;
+  sample.host_time = receiving_;
+}
+
+Time LcmSource::carried_over(Publisher& publisher, Time theirs) {
+  constexpr double kJump_us = 1e6;
+  const auto theirs_us = static_cast<double>(theirs.count());
+  const auto seen_us = static_cast<double>(receiving_.count());
+  bool jumped = false;
+  if (publisher.clock.started() && std::abs(seen_us - publisher.clock.ours(theirs_us)) > kJump_us) {
+    publisher.clock = {};
+    ++counts_.clock_jumps;
+    jumped = true;
+  }
+  const bool first = publisher.samples++ == 0 || jumped;
+  Time ours{std::llround(publisher.clock.carry_over(theirs_us, seen_us))};
+  // What they measured later is later for us too, whatever was learnt of their clock.
+  if (!first && theirs > publisher.theirs) ours = std::max(ours, publisher.device_time + Time{1});
+  publisher.theirs = theirs;
+  publisher.device_time = ours;
+  publisher.host_time = receiving_;
+  return ours;
 }
 
 void LcmSource::poll(Time now, std::vector<Sample>& out) {

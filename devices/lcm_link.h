@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <deque>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
+#include "devices/clock_offset.h"
 #include "devices/source.h"
 #include "devices/trial.h"
 #include "devices/viewer_messages.h"
@@ -44,22 +46,26 @@ class LcmLink {
 
   const std::string& url() const { return url_; }
   /// A log being read: what it holds comes in at its pace and ends, and nothing can be published.
-  bool is_replay() const;
+  bool is_replay() const { return log_ != nullptr; }
 
  private:
   friend class LcmSource;
   struct Lcm;
+  class LogPlayer;
   void send(const std::string& channel, std::span<const std::uint8_t> bytes);
 
   std::string url_;
-  std::unique_ptr<Lcm> lcm_;
+  std::unique_ptr<Lcm> lcm_;  // unless a log is read, without liblcm
+  std::unique_ptr<LogPlayer> log_;
   std::vector<std::uint8_t> bytes_;  // of the message at hand
 };
 
 /// Samples that others publish on TRACKER and MOUSE3D.
 ///
-/// The publisher's clock is carried over to the session's when its first sample comes in, and again
-/// when it jumps by more than a second; a sample's stamps are then both on the session's clock.
+/// Each station has a publisher with a clock of its own. ClockOffset carries it over to the
+/// session's from the first sample on, and anew when it jumps by more than a second; a sample's
+/// stamps are then both on the session's clock. The mouse's few messages follow the station whose
+/// clock shows nearly the same.
 class LcmSource : public Source {
  public:
   struct Counts {
@@ -67,7 +73,18 @@ class LcmSource : public Source {
     std::int64_t dropped = 0;      ///< the oldest, when more wait than the queue holds
     std::int64_t undecodable = 0;  ///< another type or size
     std::int64_t implausible = 0;  ///< NaN, quaternions not unit, times out of range
-    std::int64_t clock_jumps = 0;  ///< the publisher's clock, against the session's
+    std::int64_t clock_jumps = 0;  ///< a publisher's clock, against the session's
+  };
+  static constexpr std::int32_t kMouse = 0;
+  /// Who publishes a station, or the mouse.
+  struct Publisher {
+    ClockOffset clock;
+    std::int64_t samples = 0;
+    Time theirs{};       ///< time of its newest sample as published
+    Time device_time{};  ///< the same on the session's clock
+    Time host_time{};    ///< when that came
+    /// What that came later than the one of its samples that was late the least.
+    Time late() const { return host_time - device_time; }
   };
 
   /// @param link   must outlive this
@@ -75,8 +92,13 @@ class LcmSource : public Source {
   explicit LcmSource(LcmLink& link, std::size_t queue = 4096);
   ~LcmSource() override;
 
+  /// Throws away what has arrived up to now. What waited while a session was made ready would say
+  /// nothing of the publishers' clocks.
+  void drain();
+
   /// Takes in what has arrived, without waiting, and stamps it with `now` as its host time, or with
-  /// just after the last poll, so that a replay hands it out at the same tick.
+  /// just after the last poll, so that a replay hands it out at the same tick. A time that is later
+  /// than the arrival does no harm; an earlier one makes all samples too early.
   ///
   /// @throws std::runtime_error  when LCM stops, as a tcpq server does
   void receive(Time now);
@@ -86,17 +108,22 @@ class LcmSource : public Source {
   bool exhausted() const override { return ended_ && waiting_.empty(); }
 
   const Counts& counts() const { return counts_; }
+  /// By station; kMouse is the mouse.
+  const std::map<std::int32_t, Publisher>& publishers() const { return publishers_; }
 
  private:
   struct Subscriptions;
+  void stamp(TrackerSample& sample);
+  void stamp(MouseSample& sample);
+  Time carried_over(Publisher& publisher, Time theirs);
   void take(std::string_view channel, std::span<const std::uint8_t> bytes);
 
   LcmLink& link_;
   std::size_t queue_;
   std::deque<Sample> waiting_;  // in the order they came
-  std::optional<Time> offset_;  // from the publisher's clock to the session's
+  std::map<std::int32_t, Publisher> publishers_;
   Time receiving_{}, polled_{};
-  bool ended_ = false;
+  bool ended_ = false, draining_ = false;
   Counts counts_;
   std::unique_ptr<Subscriptions> subscriptions_;
 };

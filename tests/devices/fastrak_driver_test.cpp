@@ -1,13 +1,22 @@
+#include <atomic>
 #include <cmath>
+#include <csignal>
+#include <mutex>
 #include <random>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <poll.h>
+#include <pthread.h>
+#include <sched.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include "devices/fastrak.h"
 #include "devices/fastrak_emulator.h"
 #include "devices/fastrak_geometry.h"
+#include "devices/stamped_stream.h"
 
 namespace headpin::devices {
 namespace {
@@ -348,6 +357,142 @@ TEST(FastrakDriverTest, LatePollsDoNotBendTheEstimate) {
   }
 }
 
+/// Whether each sample follows the one before of its station as its record did, to a millisecond,
+/// both counted in records of the unit.
+void expect_the_units_intervals(const std::vector<FastrakSent>& sent,
+                                const std::vector<Sample>& samples) {
+  ASSERT_GE(sent.size(), samples.size());
+  std::array<std::optional<std::size_t>, kFastrakStations> last;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const TrackerSample& s = tracker(samples[i]);
+    auto& before = last[static_cast<std::size_t>(s.station - 1)];
+    ASSERT_EQ(s.station, sent[i].station) << i;
+    if (before) {
+      const Time interval = s.device_time - device_time(samples[*before]);
+      const Time units = sent[i].measured - sent[*before].measured;
+      EXPECT_LE(std::chrono::abs(interval - units), 1ms)
+          << "sample " << i << ": " << interval.count() << " us after the one before, "
+          << units.count() << " at the unit";
+    }
+    before = i;
+  }
+}
+
+/// Cycles in which the unit said nothing, from the first of so many records to the last.
+std::int64_t skipped_cycles(const std::vector<FastrakSent>& sent, std::size_t records) {
+  std::int64_t skipped = 0;
+  for (std::size_t i = 1; i < records; ++i) {
+    skipped += std::llround(seconds(sent[i].measured - sent[i - 1].measured) * 120.0) - 1;
+  }
+  return skipped;
+}
+
+// A session whose ticks stand still for 20 ms each second, and make up for it at once.
+TEST(FastrakDriverTest, TicksThatComeLateBendNoIntervalAndLoseNothing) {
+  for (const int receivers : {1, 2, 4}) {
+    SCOPED_TRACE(std::to_string(receivers) + " receivers");
+    std::vector<FastrakSent> sent;
+    FastrakEmulatorOptions options = unit("", receivers);
+    options.on_record = [&](const FastrakSent& record) { sent.push_back(record); };
+    FastrakEmulator emulator(options, circling_motion);
+    Time now{};
+    auto [line, host] = memory_streams();
+    auto owned = std::make_unique<StampedStream>(std::move(host), [&now] { return now; });
+    StampedStream& stamped = *owned;
+    FastrakDriver driver(std::move(owned));
+    std::vector<Sample> samples;
+    std::int64_t tick = 0;
+    while (now < 60s) {
+      now += 1ms;
+      serve(emulator, *line, now);
+      stamped.listen();
+      if (now % 1s < 20ms) continue;
+      for (; tick_time(tick, 240) <= now; ++tick) driver.poll(tick_time(tick, 240), samples);
+    }
+    EXPECT_GT(samples.size(), 6500u);
+    EXPECT_EQ(driver.statistics().missed, 0);
+    EXPECT_EQ(driver.statistics().skipped_bytes, 0);
+    EXPECT_EQ(driver.statistics().restarts, 0);
+    expect_the_units_intervals(sent, samples);
+  }
+}
+
+/// Processes that want all of every core, for as long as this lives.
+class Hogs {
+ public:
+  explicit Hogs(int count) {
+    for (int i = 0; i < count; ++i) {
+      const pid_t child = fork();
+      if (child == 0) {
+        while (getppid() != 1) {  // ends with the test, whatever becomes of that
+        }
+        _exit(0);
+      }
+      if (child > 0) children_.push_back(child);
+    }
+  }
+  ~Hogs() {
+    for (const pid_t child : children_) kill(child, SIGKILL), waitpid(child, nullptr, 0);
+  }
+  Hogs(const Hogs&) = delete;
+  Hogs& operator=(const Hogs&) = delete;
+
+ private:
+  std::vector<pid_t> children_;
+};
+
+// In real time, over a pseudo-terminal, the unit in a thread of its own, every core taken.
+TEST(FastrakDriverTest, NeitherDoesALoadedMachine) {
+  const auto start = std::chrono::steady_clock::now();
+  const auto clock = [start] {
+    return std::chrono::duration_cast<Time>(std::chrono::steady_clock::now() - start);
+  };
+  std::mutex mutex;
+  std::vector<FastrakSent> sent;
+  FastrakEmulatorOptions options = unit("noise=0");
+  options.on_record = [&](const FastrakSent& record) {
+    const std::lock_guard lock(mutex);
+    sent.push_back(record);
+  };
+  PseudoTerminal pty;
+  FastrakEmulator emulator(options, circling_motion);
+  std::atomic<bool> over{false};
+  Time longest_pause{};
+  std::thread unit_thread([&] {
+    // A unit has a processor of its own; here that takes a right that not everybody has.
+    const sched_param first{.sched_priority = 1};
+    pthread_setschedparam(pthread_self(), SCHED_FIFO, &first);
+    for (Time last{}; !over;) {
+      pollfd line{pty.descriptor(), POLLIN, 0};
+      ::poll(&line, 1, 1);
+      const Time now = clock();
+      serve(emulator, pty, now);
+      longest_pause = std::max(longest_pause, now - std::exchange(last, now));
+    }
+  });
+  std::vector<Sample> samples;
+  FastrakStatistics statistics;
+  {
+    auto stamped = std::make_unique<StampedStream>(open_serial(pty.name(), 115200), clock);
+    stamped->start();
+    FastrakDriver driver(std::move(stamped));
+    const Hogs hogs(2 * static_cast<int>(std::thread::hardware_concurrency()));
+    for (std::int64_t tick = 1; samples.size() < 1000; ++tick) {
+      std::this_thread::sleep_until(start + tick_time(tick, 240));
+      driver.poll(tick_time(tick, 240), samples);
+      ASSERT_LT(clock(), 120s) << driver.activity();
+    }
+    statistics = driver.statistics();
+  }
+  over = true;
+  unit_thread.join();
+  if (longest_pause > 500ms) GTEST_SKIP() << "the unit itself stood still";
+  EXPECT_EQ(statistics.restarts, 0);
+  EXPECT_EQ(statistics.skipped_bytes, 0);
+  EXPECT_EQ(statistics.missed, skipped_cycles(sent, samples.size()));
+  expect_the_units_intervals(sent, samples);
+}
+
 TEST(FastrakDriverTest, AHoleInTheSequenceIsARecordThatWasLost) {
   Bench bench(unit("dropout=0.1", 2), {});
   ASSERT_TRUE(bench.run_until_streaming());
@@ -448,7 +593,7 @@ TEST(FastrakDriverTest, OnlyWantedStationsStream) {
   options.stations = {false, true, false, false};
   Bench bench(unit(), options);
   ASSERT_TRUE(bench.run_until_streaming());
-  bench.run(200ms);
+  bench.run(500ms);
   bench.samples.clear();
   bench.run(1s);
   EXPECT_NEAR(static_cast<double>(bench.samples.size()), 120.0, 1.0);  // the rate of one
