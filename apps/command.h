@@ -7,16 +7,12 @@
 /// The commands of `headpin`: one file each, joined to the program in main.cpp.
 ///
 /// Each adds its subcommand, options and example to `app` and does its work in the callback.
-/// A wrong use throws UsageError (exit code 2), a failed run any other exception (exit code 1);
-/// both are printed as one line on standard error.
+/// A wrong use throws UsageError (exit code 2), what another process is using files::Busy (75), a
+/// signal Stopped (128 + its number), any other failure another exception (1). main() says each on
+/// standard error.
 namespace headpin::apps {
 
 struct UsageError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
-
-/// Could not be done now, may work later (a port in use, say): exit code 75.
-struct TryAgain : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 

@@ -4,7 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/options.h"
 #include "apps/simulate.h"
+#include "apps/streams.h"
 #include "devices/log.h"
 
 namespace headpin::apps {
@@ -146,7 +148,7 @@ void run(const Options& options) {
     result["first_difference_body"] = difference->body;
   }
   if (options.json) {
-    fmt::print("{}\n", result.dump());
+    print_json(result);
   } else {
     print(result);
   }
@@ -160,7 +162,7 @@ void add_compare(CLI::App& app) {
       app.add_subcommand("compare", "Hold two replayed trials against each other, tick by tick");
   command->add_option("a", options->a, "a trial with states")->required();
   command->add_option("b", options->b, "another")->required();
-  command->add_flag("--json", options->json, "print one JSON object");
+  add_json(*command, options->json);
   command->footer("Example:\n  headpin compare rough.lcmlog smooth.lcmlog");
   command->callback([options] { run(*options); });
 }

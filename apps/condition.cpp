@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "apps/options.h"
+
 namespace headpin::apps {
 
 bool Condition::changes() const {
@@ -10,12 +12,11 @@ bool Condition::changes() const {
 
 void add_condition_options(CLI::App& command, Condition& condition) {
   const std::string group = "Condition (what is not given stays as the trial has it)";
-  command
-      .add_option("--elasticity", condition.elasticity, "of every object, 0 to 1; pairs multiply")
-      ->check(CLI::Range(0.0, 1.0))
+  command.add_option("--elasticity", condition.elasticity, "of every object; pairs multiply")
+      ->check(number_from(0, 1))
       ->group(group);
-  command.add_option("--friction", condition.friction, "of every object, 0 to 1; pairs multiply")
-      ->check(CLI::Range(0.0, 1.0))
+  command.add_option("--friction", condition.friction, "of every object; pairs multiply")
+      ->check(number_from(0, 1))
       ->group(group);
   command.add_option("--shape", condition.shape, "what skittles collide as: ellipsoid or true")
       ->check(CLI::IsMember({"ellipsoid", "true"}))

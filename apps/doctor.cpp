@@ -8,6 +8,8 @@
 #include <unistd.h>
 
 #include "apps/command.h"
+#include "apps/options.h"
+#include "apps/streams.h"
 #include "devices/lcm_link.h"
 #include "scene/spectator.h"
 
@@ -87,7 +89,7 @@ void run(bool json) {
     fmt::print("{:<15}{:<5}{}\n", f.name, f.works ? "ok" : "no", f.says);
     if (!f.works) fmt::print("{:<20}type: {}\n", "", f.remedy);
   }
-  if (json) fmt::print("{}\n", all.dump());
+  if (json) print_json(all);
 }
 
 }  // namespace
@@ -95,7 +97,7 @@ void run(bool json) {
 void add_doctor(CLI::App& app) {
   auto json = std::make_shared<bool>(false);
   CLI::App* command = app.add_subcommand("doctor", "Tell what works on this machine");
-  command->add_flag("--json", *json, "print one JSON object");
+  add_json(*command, *json);
   command->footer(
       "Only pictures need OSMesa, only videos ffmpeg; without a multicast route every command "
       "works\n"

@@ -1,9 +1,9 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
-#include <csignal>
 #include <cstring>
 #include <memory>
+#include <optional>
 
 #include <fcntl.h>
 #include <fmt/format.h>
@@ -13,6 +13,9 @@
 #include <unistd.h>
 
 #include "apps/command.h"
+#include "apps/options.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
 #include "devices/fastrak_emulator.h"
 #include "devices/lcm_link.h"
 #include "devices/log.h"
@@ -24,12 +27,10 @@ struct Options {
   std::string trial, motion = "circle", lcm, link, faults, control, firmware = "103.00";
   int tcp = -1, receivers = 2, baud = 115200;
   std::uint64_t seed = 1;
-  double duration = 0.0;
+  std::optional<double> duration;
   bool tag_2012 = false, early = false, stylus = false, strict_baud = false, loop = false;
   bool json = false, use_lcm = false;
 };
-
-volatile std::sig_atomic_t stopped = 0;
 
 /// Lines typed at a running emulator, from a named pipe or standard input.
 class Control {
@@ -175,7 +176,8 @@ Feed feed_of(const Options& options) {
   return feed;
 }
 
-void obey(const std::string& line, devices::FastrakEmulator& emulator, Feed& feed, Time now) {
+/// @return  false for the line that ends the emulator
+bool obey(const std::string& line, devices::FastrakEmulator& emulator, Feed& feed, Time now) {
   if (line == "power-cycle") {
     emulator.power_cycle(now);
   } else if (line == "press" || line == "release") {
@@ -184,13 +186,12 @@ void obey(const std::string& line, devices::FastrakEmulator& emulator, Feed& fee
     feed.begin = now;
   } else if (line.starts_with("faults")) {
     emulator.set_faults(devices::parse_faults(line.size() > 7 ? line.substr(7) : ""));
-  } else if (line == "quit") {
-    stopped = 1;
-  } else if (!line.empty()) {
+  } else if (!line.empty() && line != "quit") {
     throw std::invalid_argument(
         "control line '" + line +
         "': expected power-cycle, press, release, rewind, faults SPEC or quit");
   }
+  return line != "quit";
 }
 
 void run(const Options& options) {
@@ -216,10 +217,7 @@ void run(const Options& options) {
   devices::FastrakEmulator emulator(
       unit, [&feed](int station, Time time) { return feed.at(station, time); });
 
-  struct sigaction action {};
-  action.sa_handler = [](int) { stopped = 1; };
-  sigaction(SIGINT, &action, nullptr);
-  sigaction(SIGTERM, &action, nullptr);
+  watch_stop_signals();
 
   Control control(options.control);
   const Line line(options);
@@ -236,15 +234,16 @@ void run(const Options& options) {
   const auto clock = [&] {
     return std::chrono::duration_cast<Time>(std::chrono::steady_clock::now() - start);
   };
-  bool asked = false;
-  while (!stopped && (options.duration <= 0.0 || clock() < microseconds(options.duration))) {
+  bool asked = false, quit = false;
+  while (!quit && stop_signal() == 0 &&
+         (!options.duration || clock() < microseconds(*options.duration))) {
     std::array<pollfd, 2> wait = {
         {{line.stream().descriptor(), POLLIN, 0}, {control.descriptor(), POLLIN, 0}}};
     ::poll(wait.data(), wait.size(), 1);
     const Time now = clock();
     for (const std::string& typed : control.lines()) {
       try {
-        obey(typed, emulator, feed, now);
+        quit = quit || !obey(typed, emulator, feed, now);
       } catch (const std::invalid_argument& error) {
         fmt::print(stderr, "headpin emulate: {}\n", error.what());
       }
@@ -269,7 +268,7 @@ void run(const Options& options) {
                                     {"garbage_bytes", s.garbage_bytes},
                                     {"commands", s.commands},
                                     {"refused", s.refused}};
-    fmt::print("{}\n", summary.dump());
+    print_json(summary);
   } else {
     fmt::print("{} records sent, {} dropped whole, {} commands, {} refused\n", s.records, s.dropped,
                s.commands, s.refused);
@@ -312,7 +311,9 @@ void add_emulate(CLI::App& app) {
                  "clients that set another rate at the terminal get and give garbage")
       ->excludes(tcp);
   command->add_option("--faults", options->faults, "what goes wrong; see below");
-  command->add_option("--seed", options->seed, "of noise and faults")->capture_default_str();
+  command->add_option("--seed", options->seed, "of noise and faults")
+      ->check(seed())
+      ->capture_default_str();
   command->add_option("--control", options->control,
                       "named pipe (made if missing) or - for standard input, taking lines: "
                       "power-cycle, press, release, rewind, faults SPEC, quit");
@@ -322,8 +323,7 @@ void add_emulate(CLI::App& app) {
   command->add_flag("--early-firmware", options->early, "output items 18 to 20 as well");
   command->add_option("--firmware", options->firmware, "version in the status record, 6 characters")
       ->capture_default_str();
-  command->add_option("--duration", options->duration, "end by itself after so many seconds")
-      ->check(CLI::PositiveNumber);
+  add_duration(*command, options->duration, "end by itself after so many seconds");
   command->add_flag("--json", options->json,
                     "print one JSON object at the end; the terminal's name goes to standard error");
   command->footer("Faults, separated by commas (times in seconds from the start):\n" +

@@ -1,6 +1,4 @@
 #include <filesystem>
-#include <fstream>
-#include <future>
 #include <memory>
 #include <optional>
 
@@ -8,9 +6,13 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/frame_folder.h"
 #include "apps/frame_ranges.h"
+#include "apps/options.h"
 #include "apps/progress.h"
 #include "apps/simulate.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
 #include "devices/hmd.h"
 #include "render/video.h"
 #include "scene/spectator.h"
@@ -22,83 +24,10 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Options {
-  std::string trial, folder, video, frames;
+  std::string trial, frames;
+  std::optional<std::string> folder, video;
   std::int64_t fps = 0;
   bool force = false, json = false;
-};
-
-/// One rendered frame of both eyes.
-struct Frame {
-  std::int64_t number = 0, tick = 0;
-  Time time{};
-  std::array<render::View, 2> views;
-  std::array<render::Image, 2> images;
-};
-
-constexpr std::array<const char*, 2> kEyes = {"left", "right"};
-
-/// PNG files and their index in a folder that gets its name when all are there.
-class FolderSink {
- public:
-  FolderSink(const fs::path& folder, double pixel_aspect, bool force)
-      : folder_(folder), part_(folder.string() + ".part"), pixel_aspect_(pixel_aspect) {
-    if (fs::exists(folder_) && !force) {
-      throw std::runtime_error(folder_.string() + ": exists already; --force replaces it");
-    }
-    fs::remove_all(part_);
-    fs::create_directories(part_);
-    index_.open(part_ / "frames.csv");
-    index_ << "frame,time_s,tick";
-    for (const char* eye : kEyes) {
-      for (const char* name : {"x", "y", "z", "qw", "qx", "qy", "qz"})
-        index_ << ',' << eye << '_' << name;
-      index_ << ',' << eye << "_hash";
-    }
-    index_ << '\n';
-  }
-
-  ~FolderSink() {
-    writing_ = {};  // wait for what is still being written
-    std::error_code ignored;
-    fs::remove_all(part_, ignored);
-  }
-
-  /// Takes the frame over; the files are written while the next one is drawn.
-  void add(const Frame& frame) {
-    index_ << fmt::format("{},{:.6f},{}", frame.number, seconds(frame.time), frame.tick);
-    for (std::size_t eye = 0; eye < 2; ++eye) {
-      const Pose& X_WE = frame.views[eye].X_WE;
-      index_ << fmt::format(",{},{},{},{},{},{},{},{:016x}", X_WE.p.x(), X_WE.p.y(), X_WE.p.z(),
-                            X_WE.q.w(), X_WE.q.x(), X_WE.q.y(), X_WE.q.z(),
-                            render::pixel_hash(frame.images[eye]));
-    }
-    index_ << '\n';
-    wait();
-    writing_ = std::async(std::launch::async, [this, number = frame.number, images = frame.images] {
-      for (std::size_t eye = 0; eye < 2; ++eye) {
-        render::write_png(part_ / fmt::format("{}_{:06}.png", kEyes[eye], number), images[eye],
-                          pixel_aspect_);
-      }
-    });
-  }
-
-  void close() {
-    wait();
-    index_.close();
-    if (!index_) throw std::runtime_error((part_ / "frames.csv").string() + ": cannot be written");
-    fs::remove_all(folder_);
-    fs::rename(part_, folder_);
-  }
-
- private:
-  void wait() {
-    if (writing_.valid()) writing_.get();
-  }
-
-  fs::path folder_, part_;
-  double pixel_aspect_;
-  std::ofstream index_;
-  std::future<void> writing_;
 };
 
 /// Where the head is before any sample of it has come: where the first one will find it.
@@ -113,7 +42,7 @@ Pose first_head_pose(const LoadedTrial& loaded) {
 }
 
 void run(const Options& options) {
-  if (options.folder.empty() && options.video.empty()) {
+  if (!options.folder && !options.video) {
     throw UsageError("nothing to write: expected -o DIR, --video FILE or both");
   }
   const FrameRanges wanted = options.frames.empty() ? FrameRanges() : FrameRanges(options.frames);
@@ -124,12 +53,18 @@ void run(const Options& options) {
 
   scene::Spectator spectator = scene::make_spectator(loaded.scenario);
   const double pixel_aspect = spectator.optics.pixel_aspect();
-  std::optional<FolderSink> folder;
-  if (!options.folder.empty()) folder.emplace(options.folder, pixel_aspect, options.force);
+  watch_stop_signals();
+  std::optional<FrameFolder> folder;
+  if (options.folder) {
+    std::vector<fs::path> others = {options.trial};
+    if (options.video) others.push_back(*options.video);
+    folder.emplace(*options.folder, pixel_aspect,
+                   files::OutputFolder::Options{.overwrite = options.force, .others = others});
+  }
   std::optional<render::VideoWriter> video;
-  if (!options.video.empty()) {
-    video.emplace(options.video, 2 * spectator.optics.width, spectator.optics.height, fps,
-                  pixel_aspect, options.force);
+  if (options.video) {
+    video.emplace(*options.video, 2 * spectator.optics.width, spectator.optics.height, fps,
+                  pixel_aspect, options.force, std::vector<fs::path>{options.trial});
   }
 
   const Time end =
@@ -154,6 +89,7 @@ void run(const Options& options) {
           spectator, scene::glimpse(s, scene::head_pose(s).value_or(first_head)), frame.images);
       if (folder) folder->add(frame);
       if (video) video->add(render::side_by_side(frame.images[0], frame.images[1]));
+      check_stop();
       progress.show(++written);
     }
   };
@@ -171,12 +107,11 @@ void run(const Options& options) {
   if (video) video->close();
   if (folder) folder->close();
   if (options.json) {
-    fmt::print("{}\n", nlohmann::json{{"frames", written},
-                                      {"fps", fps},
-                                      {"width", spectator.optics.width},
-                                      {"height", spectator.optics.height},
-                                      {"renderer", spectator.renderer.description()}}
-                           .dump());
+    print_json({{"frames", written},
+                {"fps", fps},
+                {"width", spectator.optics.width},
+                {"height", spectator.optics.height},
+                {"renderer", spectator.renderer.description()}});
   } else {
     fmt::print("{} frames of two eyes, {}x{} each, drawn by {}\n", written, spectator.optics.width,
                spectator.optics.height, spectator.renderer.description());
@@ -190,16 +125,16 @@ void add_frames(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("frames", "Draw what the participant saw: both eyes, frame by frame");
   command->add_option("trial", options->trial, "a trial (.lcmlog), replayed or not")->required();
-  command->add_option("-o,--output", options->folder,
-                      "folder for left_NNNNNN.png, right_NNNNNN.png and frames.csv");
-  command->add_option(
-      "--video", options->video,
-      "both eyes side by side, lossless (.mkv); a copy beside it (.mp4) plays anywhere");
+  add_output(*command, "-o,--output", options->folder,
+             "folder for left_NNNNNN.png, right_NNNNNN.png and frames.csv: a new or empty one, or "
+             "with --force one that headpin filled");
+  add_output(*command, "--video", options->video,
+             "both eyes side by side, lossless (.mkv); a copy beside it (.mp4) plays anywhere");
   command->add_option("--frames", options->frames, "only these, such as 10-20,35");
   command->add_option("--fps", options->fps, "frames a second; the scenario's when not given")
       ->check(CLI::Range(1, 1000));
-  command->add_flag("--force", options->force, "replace what is there");
-  command->add_flag("--json", options->json, "print one JSON object");
+  add_force(*command, options->force);
+  add_json(*command, options->json);
   command->footer(
       "The display is the trial's own. To look through another, change it first:\n"
       "  headpin replay TRIAL --set hmd.profile=NAME -o OTHER\nNAME is one of " +

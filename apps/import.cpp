@@ -1,10 +1,14 @@
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/options.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
 #include "devices/catalogue_csv.h"
 #include "devices/event_log.h"
 #include "devices/log.h"
@@ -14,7 +18,8 @@ namespace headpin::apps {
 namespace {
 
 struct Options {
-  std::string file, output, scenario, participant, condition;
+  std::optional<std::string> output;
+  std::string file, scenario, participant, condition;
   std::string units = "cm", heading = "release";
   bool force = false, json = false;
 };
@@ -72,9 +77,13 @@ void run(const Options& options) {
   header.participant = options.participant;
   header.condition = options.condition;
   header.scenario = scene::to_toml(scenario);
-  devices::Recorder recorder(options.output, header, {.overwrite = options.force});
+  watch_stop_signals();
+  devices::Recorder recorder(
+      *options.output, header,
+      {.overwrite = options.force, .inputs = {options.file, options.scenario}});
   devices::write(recorder, scene::to_samples(recording, found),
                  found_events(recording, found, scenario));
+  check_stop();
   recorder.close();
 
   const std::size_t samples = recording.times.size();
@@ -84,15 +93,14 @@ void run(const Options& options) {
   const double release = decimal_seconds(recording.times[found.release]);
   const double speed = found.V_TB.v.norm();
   if (options.json) {
-    std::cout << nlohmann::ordered_json{{"trial", options.output},
-                                        {"samples", samples},
-                                        {"duration_s", duration},
-                                        {"rate_hz", rate},
-                                        {"peak_hand_speed_mps", found.peak_hand_speed},
-                                        {"grab_s", grab},
-                                        {"release_s", release},
-                                        {"release_speed_mps", speed}}
-              << "\n";
+    print_json({{"trial", *options.output},
+                {"samples", samples},
+                {"duration_s", duration},
+                {"rate_hz", rate},
+                {"peak_hand_speed_mps", found.peak_hand_speed},
+                {"grab_s", grab},
+                {"release_s", release},
+                {"release_speed_mps", speed}});
     return;
   }
   std::cout << fmt::format(
@@ -104,7 +112,7 @@ void run(const Options& options) {
       "  grab, found        {:.3f} s\n"
       "  release, found     {:.3f} s\n"
       "  ball at release    {:.2f} m/s\n",
-      options.output, samples, duration, rate, found.peak_hand_speed, grab, release, speed);
+      *options.output, samples, duration, rate, found.peak_hand_speed, grab, release, speed);
 }
 
 }  // namespace
@@ -113,7 +121,9 @@ void add_import(CLI::App& app) {
   CLI::App* command = app.add_subcommand("import", "Make a trial of a recorded throw");
   const auto options = std::make_shared<Options>();
   command->add_option("FILE", options->file, "CSV of the XR motion catalogue")->required();
-  command->add_option("-o,--output", options->output, "trial to write (.lcmlog)")->required();
+  add_output(*command, "-o,--output", options->output,
+             "trial to write (.lcmlog); - is standard output")
+      ->required();
   command->add_option("--units", options->units, "unit of the positions: m, cm or mm")
       ->check(CLI::IsMember({"m", "cm", "mm"}))
       ->capture_default_str();
@@ -126,8 +136,8 @@ void add_import(CLI::App& app) {
   command->add_option("--scenario", options->scenario, "TOML file; the paper's room if not given");
   command->add_option("--participant", options->participant, "who threw");
   command->add_option("--condition", options->condition, "name of the condition");
-  command->add_flag("--force", options->force, "overwrite the output");
-  command->add_flag("--json", options->json, "print one JSON object");
+  add_force(*command, options->force);
+  add_json(*command, options->json);
   command->footer(
       "There are no buttons in such a file: grab and release are found, and marked as found.\n"
       "What cannot be a person's throw is refused, with the reason.\n\n"

@@ -7,6 +7,8 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/options.h"
+#include "apps/streams.h"
 #include "devices/log.h"
 
 namespace headpin::apps {
@@ -231,7 +233,7 @@ void add_info(CLI::App& app) {
   CLI::App* command = app.add_subcommand("info", "Tell what is in a trial");
   const auto options = std::make_shared<Options>();
   command->add_option("TRIAL", options->trial, "LCM event log")->required();
-  auto* json = command->add_flag("--json", options->json, "print one JSON object");
+  auto* json = add_json(*command, options->json);
   command->add_flag("--scenario", options->scenario, "print its scenario (TOML) and nothing else")
       ->excludes(json);
   command->footer(
@@ -244,9 +246,7 @@ void add_info(CLI::App& app) {
     }
     const devices::Trial trial = devices::read_log(options->trial);
     if (options->json) {
-      std::cout << to_json(options->trial, trial)
-                       .dump(-1, ' ', false, ordered_json::error_handler_t::replace)
-                << "\n";
+      print_json(to_json(options->trial, trial));
     } else {
       print(options->trial, trial);
     }

@@ -1,8 +1,6 @@
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
-#include <csignal>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -13,6 +11,9 @@
 
 #include "apps/command.h"
 #include "apps/condition.h"
+#include "apps/options.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
 #include "devices/byte_stream.h"
 #include "devices/fastrak.h"
 #include "devices/lcm_link.h"
@@ -29,19 +30,14 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 struct Options {
-  std::string lcm, fastrak, scenario, record, participant, eyes = "raw";
+  std::string lcm, fastrak, scenario, participant, eyes = "raw";
+  std::optional<std::string> record;
   std::vector<std::string> hemispheres;
   int baud = 115200, samples = 1;
-  double duration_s = 0.0;
+  std::optional<double> duration_s;
   bool force = false, json = false, use_lcm = false;
   Condition condition;
 };
-
-std::atomic<bool> stop_asked{false};
-
-extern "C" void ask_to_stop(int) {
-  stop_asked = true;
-}
 
 /// Several sources as one, each sample as soon as a replay would have it.
 class Sources : public devices::Source {
@@ -292,16 +288,19 @@ Live open(const Options& options) {
     live.fastrak = driver.get();
     live.tracker = std::make_unique<devices::StylusMouse>(std::move(driver));
   }
-  if (!options.record.empty()) {
+  if (options.record) {
     devices::TrialHeader header;
     header.participant = options.participant;
     header.scenario = scene::to_toml(scenario);
     header.body_names = scene::body_names(live.session);
     const Time epoch =
         std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
-    live.recorder = std::make_unique<devices::Recorder>(
-        options.record, header,
-        devices::Recorder::Options{.overwrite = options.force, .live = true, .epoch = epoch});
+    live.recorder =
+        std::make_unique<devices::Recorder>(*options.record, header,
+                                            devices::Recorder::Options{.overwrite = options.force,
+                                                                       .live = true,
+                                                                       .inputs = {options.scenario},
+                                                                       .epoch = epoch});
   }
   return live;
 }
@@ -310,10 +309,7 @@ void run(const Options& options) {
   if (!options.use_lcm && options.fastrak.empty()) {
     throw UsageError("nothing to listen to: expected --lcm URL, --fastrak TTY or both");
   }
-  stop_asked = false;
-  std::signal(SIGINT, ask_to_stop);
-  std::signal(SIGTERM, ask_to_stop);
-
+  watch_stop_signals();
   Live live = open(options);
   const scene::Scenario& scenario = live.session.scenario;
   std::vector<devices::Source*> list;
@@ -323,7 +319,7 @@ void run(const Options& options) {
   Painter painter(scenario, options);
 
   const std::int64_t rate = scenario.rates.physics_hz, fps = scenario.rates.frame_hz;
-  const Time end = microseconds(options.duration_s);
+  const Time end = microseconds(options.duration_s.value_or(0.0));
   const Clock::time_point start = Clock::now();
   devices::TickState state;
   std::int64_t frame = 0;
@@ -336,7 +332,7 @@ void run(const Options& options) {
     return (end != Time{} && live.session.now() >= end) ||
            (live.lcm && live.lcm->exhausted() && !live.tracker);
   };
-  while (!stop_asked && !over()) {
+  while (stop_signal() == 0 && !over()) {
     const Time due = tick_time(live.session.world.tick + 1, rate);
     std::this_thread::sleep_until(start + due);
     const Clock::time_point woken = Clock::now();
@@ -381,7 +377,7 @@ void run(const Options& options) {
   }
   if (live.recorder) live.recorder->close();
   print_line(live);
-  if (options.json) fmt::print("{}\n", summary(live).dump());
+  if (options.json) print_json(summary(live));
 }
 
 }  // namespace
@@ -406,20 +402,18 @@ void add_live(CLI::App& app) {
       ->needs(fastrak);
   command->add_option("--scenario", options->scenario,
                       "TOML file; the paper's room when not given");
-  command->add_option("--record", options->record,
-                      "write the trial here, safe from the first event");
+  add_output(*command, "--record", options->record,
+             "write the trial here, safe from the first event");
   command->add_option("--participant", options->participant, "name in the trial");
-  command
-      ->add_option("--duration", options->duration_s, "seconds; until interrupted when not given")
-      ->check(CLI::PositiveNumber);
+  add_duration(*command, options->duration_s, "seconds; until interrupted when not given");
   command->add_option("--eyes", options->eyes, "raw, png or none, on HEADPIN_EYES")
       ->check(CLI::IsMember({"raw", "png", "none"}))
       ->capture_default_str();
   command->add_option("--samples", options->samples, "anti-aliasing: samples along a pixel's side")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
-  command->add_flag("--force", options->force, "overwrite the recording");
-  command->add_flag("--json", options->json, "print one JSON object at the end");
+  add_force(*command, options->force);
+  add_json(*command, options->json);
   add_condition_options(*command, options->condition);
   command->footer(
       "Example:\n  headpin live --lcm udpm://239.255.76.67:7667?ttl=0 --record session.lcmlog");

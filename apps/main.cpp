@@ -1,58 +1,105 @@
-#include <cstdlib>
-#include <iostream>
+#include <algorithm>
+#include <cstdio>
+#include <system_error>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
 #include "devices/version.h"
+#include "files/lock.h"
 
+namespace headpin::apps {
 namespace {
 
-/// Says what went wrong on one line, under the name of the command it went wrong in.
-int fail(const CLI::App& app, const std::exception& error, int code) {
+/// "headpin replay", as messages begin.
+std::string name_of(const CLI::App& app) {
   std::string name = app.get_name();
   for (const CLI::App* command : app.get_subcommands()) name += " " + command->get_name();
-  std::cerr << name << ": " << error.what() << "\n";
+  return name;
+}
+
+/// As much as fits twenty lines of a terminal, however long the key or path in it.
+std::string brief(std::string text) {
+  constexpr std::size_t kMost = 1600;
+  if (text.size() <= kMost) return text;
+  text.resize(kMost);
+  return text + " ...";
+}
+
+/// Says what went wrong under the name of the command it went wrong in; with --json as an object
+/// too.
+int fail(const CLI::App& app, bool json, const std::string& why, int code) {
+  const std::string name = name_of(app), message = brief(printable(why));
+  fmt::print(stderr, "{}: {}\n", name, message);
+  if (json) print_json({{"command", name}, {"error", message}, {"exit_code", code}});
   return code;
 }
 
 /// Refuses a first word that is no command, by name: the parser would only ask for one.
 void check_command(const CLI::App& app, int argc, const char* const* argv) {
-  if (argc < 2 || argv[1][0] == '-') return;
+  if (argc < 2) throw UsageError("expected a command; `headpin --help` lists them");
+  if (argv[1][0] == '-') return;
   std::string names;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
     if (command->get_name() == argv[1]) return;
     names += (names.empty() ? "" : ", ") + command->get_name();
   }
-  throw headpin::apps::UsageError("unknown command '" + std::string(argv[1]) + "'; one of " +
-                                  names);
+  throw UsageError("unknown command '" + std::string(argv[1]) + "'; one of " + names);
 }
 
-}  // namespace
-
-int main(int argc, char** argv) {
-  CLI::App app{"headpin: a headless immersive bowling simulator with a tracked-device layer",
-               "headpin"};
-  app.require_subcommand(1);
-  app.set_version_flag("--version", std::string("headpin ") + headpin::devices::software_version());
-  headpin::apps::add_synthesize(app);
-  headpin::apps::add_import(app);
-  headpin::apps::add_info(app);
-  headpin::apps::add_replay(app);
-  headpin::apps::add_frames(app);
-  headpin::apps::add_compare(app);
-  headpin::apps::add_live(app);
-  headpin::apps::add_doctor(app);
-  headpin::apps::add_stream(app);
-  headpin::apps::add_emulate(app);
+int run(CLI::App& app, int argc, char** argv) {
+  const bool json = std::any_of(
+      argv, argv + argc, [](const char* word) { return std::string_view(word) == "--json"; });
+  const auto failed = [&](const std::exception& error, int code) {
+    if (stop_signal() != 0) {  // what else failed is its consequence
+      return fail(app, json, Stopped(stop_signal()).what(), 128 + stop_signal());
+    }
+    return fail(app, json, error.what(), code);
+  };
   try {
     check_command(app, argc, argv);
     app.parse(argc, argv);
+    return EXIT_SUCCESS;
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == EXIT_SUCCESS ? EXIT_SUCCESS : 2;
-  } catch (const headpin::apps::UsageError& error) {
-    return fail(app, error, 2);
-  } catch (const headpin::apps::TryAgain& error) {
-    return fail(app, error, 75);
+    if (error.get_exit_code() == EXIT_SUCCESS) return app.exit(error);  // --help and --version
+    return fail(app, json, fmt::format("{}; see `{} --help`", error.what(), name_of(app)), 2);
+  } catch (const Stopped& error) {
+    return fail(app, json, error.what(), 128 + error.signal);
+  } catch (const UsageError& error) {
+    return failed(error, 2);
+  } catch (const files::Busy& error) {
+    return failed(error, 75);
+  } catch (const std::system_error& error) {
+    if (std::ferror(stdout)) return EXIT_SUCCESS;  // what fmt throws; told when it is closed
+    return failed(error, 1);
   } catch (const std::exception& error) {
-    return fail(app, error, 1);
+    return failed(error, 1);
   }
+}
+
+}  // namespace
+}  // namespace headpin::apps
+
+int main(int argc, char** argv) {
+  using namespace headpin;
+  apps::open_standard_streams();
+  CLI::App app{"headpin: a headless immersive bowling simulator with a tracked-device layer",
+               "headpin"};
+  app.require_subcommand(1);
+  app.set_version_flag("--version", std::string("headpin ") + devices::software_version());
+  apps::add_synthesize(app);
+  apps::add_import(app);
+  apps::add_info(app);
+  apps::add_replay(app);
+  apps::add_frames(app);
+  apps::add_compare(app);
+  apps::add_live(app);
+  apps::add_doctor(app);
+  apps::add_stream(app);
+  apps::add_emulate(app);
+  const int code = apps::run(app, argc, argv);
+  return apps::close_standard_output(apps::name_of(app), code);
 }

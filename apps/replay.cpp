@@ -1,13 +1,17 @@
 #include <chrono>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
 #include "apps/condition.h"
+#include "apps/options.h"
 #include "apps/progress.h"
 #include "apps/simulate.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
 #include "devices/log.h"
 #include "devices/version.h"
 
@@ -16,7 +20,8 @@ namespace headpin::apps {
 namespace {
 
 struct Options {
-  std::string trial, output;
+  std::string trial;
+  std::optional<std::string> output;
   Condition condition;
   bool verify = false, force = false, json = false;
 };
@@ -103,18 +108,20 @@ void run(const Options& options) {
   scene::Session session = scene::make_session(loaded.scenario);
 
   std::unique_ptr<devices::Recorder> recorder;
-  if (!options.output.empty()) {
+  if (options.output) {
     devices::TrialHeader header = loaded.trial.header;
     header.scenario = scene::to_toml(loaded.scenario);
     header.body_names = scene::body_names(session);
     recorder = std::make_unique<devices::Recorder>(
-        options.output, header, devices::Recorder::Options{.overwrite = options.force});
+        *options.output, header,
+        devices::Recorder::Options{.overwrite = options.force, .inputs = {options.trial}});
     for (const devices::Event& event : loaded.trial.events) {
       if (event.tick < 0) recorder->write(event);  // what was found before any simulation
     }
   }
   std::optional<Verifier> verifier;
   if (options.verify) verifier.emplace(loaded.trial, session);
+  watch_stop_signals();
 
   Progress progress("ticks", tick_count(loaded.trial, loaded.scenario));
   devices::TickState state;
@@ -130,6 +137,7 @@ void run(const Options& options) {
     }
     if (verifier) verifier->compare(state);
     progress.show(s.world.tick);
+    check_stop();
     start = std::chrono::steady_clock::now();
   });
   if (recorder) {
@@ -144,12 +152,12 @@ void run(const Options& options) {
   nlohmann::json result = summary(session, std::chrono::duration<double>(spent).count());
   if (verifier) result["verified_ticks"] = verifier->compared();
   if (options.json) {
-    fmt::print("{}\n", result.dump());
+    print_json(result);
   } else {
     print(result);
     if (verifier)
       fmt::print("{:<18}{} ticks equal the recording\n", "verified", verifier->compared());
-    if (recorder) fmt::print("{:<18}{}\n", "written", options.output);
+    if (recorder) fmt::print("{:<18}{}\n", "written", *options.output);
   }
 }
 
@@ -160,11 +168,11 @@ void add_replay(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("replay", "Simulate a trial again from its device samples");
   command->add_option("trial", options->trial, "a trial (.lcmlog)")->required();
-  command->add_option("-o,--output", options->output,
-                      "write the new trial, states and events in it");
+  add_output(*command, "-o,--output", options->output,
+             "write the new trial, states and events in it; - is standard output");
   command->add_flag("--verify", options->verify, "compare every tick with the trial's own states");
-  command->add_flag("--force", options->force, "overwrite the output");
-  command->add_flag("--json", options->json, "print one JSON object");
+  add_force(*command, options->force);
+  add_json(*command, options->json);
   add_condition_options(*command, options->condition);
   command->footer(
       "Example:\n  headpin replay assets/trials/demo.lcmlog -o smooth.lcmlog --friction 0 "

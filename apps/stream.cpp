@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <chrono>
-#include <csignal>
 #include <iostream>
 #include <memory>
 #include <thread>
@@ -9,6 +8,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/options.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
 #include "devices/lcm_link.h"
 #include "devices/log.h"
 #include "scene/scenario.h"
@@ -23,8 +25,6 @@ struct Options {
   double speed = 1.0;
   bool json = false;
 };
-
-volatile std::sig_atomic_t stopped = 0;
 
 /// Sends the head's and the hand's samples also as poses in the world, for those who only know
 /// those.
@@ -57,8 +57,7 @@ void run(const Options& options) {
   if (trial.samples.empty()) throw std::runtime_error(options.trial + ": no samples to stream");
   const scene::Rig rig = scene::parse_scenario(trial.header.scenario, options.trial).rig;
   devices::LcmLink link(options.url);
-  std::signal(SIGINT, [](int) { stopped = 1; });
-  std::signal(SIGTERM, [](int) { stopped = 1; });
+  watch_stop_signals();
 
   devices::ReplaySource source(trial.samples);
   std::vector<devices::Sample> samples;
@@ -68,7 +67,7 @@ void run(const Options& options) {
   const Clock::time_point start = Clock::now();
   Lateness lateness;
   std::size_t sent = 0;
-  for (; sent < samples.size() && !stopped; ++sent) {
+  for (; sent < samples.size() && stop_signal() == 0; ++sent) {
     const devices::Sample& sample = samples[sent];
     if (options.speed > 0.0) {
       const double after = seconds(devices::available(sample) - begin) / options.speed;
@@ -76,8 +75,8 @@ void run(const Options& options) {
           start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(after));
       // In pieces, so that a signal does not wait for the end of a long pause.
       constexpr auto kNap = std::chrono::milliseconds(50);
-      while (!stopped && Clock::now() + kNap < due) std::this_thread::sleep_for(kNap);
-      if (stopped) break;
+      while (stop_signal() == 0 && Clock::now() + kNap < due) std::this_thread::sleep_for(kNap);
+      if (stop_signal() != 0) break;
       std::this_thread::sleep_until(due);
       lateness.ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - due).count());
     }
@@ -92,15 +91,15 @@ void run(const Options& options) {
     link.publish(end);
   }
 
+  check_stop(fmt::format("after {} of {} samples", sent, samples.size()));
   const double took = std::chrono::duration<double>(Clock::now() - start).count();
   if (options.json) {
-    std::cout << nlohmann::ordered_json{{"samples", sent},
-                                        {"complete", sent == samples.size()},
-                                        {"duration_s", took},
-                                        {"lateness_median_ms", lateness.quantile(0.5)},
-                                        {"lateness_p99_ms", lateness.quantile(0.99)},
-                                        {"lateness_max_ms", lateness.quantile(1.0)}}
-              << "\n";
+    print_json({{"samples", sent},
+                {"complete", sent == samples.size()},
+                {"duration_s", took},
+                {"lateness_median_ms", lateness.quantile(0.5)},
+                {"lateness_p99_ms", lateness.quantile(0.99)},
+                {"lateness_max_ms", lateness.quantile(1.0)}});
     return;
   }
   std::cout << fmt::format("{} of {} samples in {:.3f} s", sent, samples.size(), took);
@@ -122,9 +121,9 @@ void add_stream(CLI::App& app) {
   command->add_option("--lcm", options->url,
                       "LCM URL; LCM_DEFAULT_URL or its default if not given");
   command->add_option("--speed", options->speed, "times the recorded pace; 0: as fast as it goes")
-      ->check(CLI::Range(0.0, 1000.0))
+      ->check(number_from(0, 1000))
       ->capture_default_str();
-  command->add_flag("--json", options->json, "print one JSON object");
+  add_json(*command, options->json);
   command->footer(
       "TRACKER and MOUSE3D as recorded; HEAD_POSE and HAND_POSE in the world, as bot_core's\n"
       "rigid_transform_t; HEADPIN_TRIAL first, so that what lcm-logger records is a trial "

@@ -7,6 +7,9 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/options.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
 #include "devices/log.h"
 #include "scene/arm_model.h"
 #include "scene/throw.h"
@@ -15,7 +18,8 @@ namespace headpin::apps {
 namespace {
 
 struct Options {
-  std::string output, scenario, participant, condition;
+  std::optional<std::string> output;
+  std::string scenario, participant, condition;
   scene::ThrowPlan plan;
   double aim_deg = 0.0;
   std::optional<double> duration_s;
@@ -52,19 +56,21 @@ void run(const Options& options) {
   header.seed = plan.seed;
   header.scenario = scene::to_toml(scenario);
   const std::vector<devices::Sample> samples = scene::sense(motion, scenario.rig, plan.seed);
-  devices::Recorder recorder(options.output, header, {.overwrite = options.force});
+  watch_stop_signals();
+  devices::Recorder recorder(*options.output, header,
+                             {.overwrite = options.force, .inputs = {options.scenario}});
   devices::write(recorder, samples, {});
+  check_stop();
   recorder.close();
 
   if (options.json) {
-    std::cout << nlohmann::ordered_json{{"trial", options.output},
-                                        {"seed", plan.seed},
-                                        {"samples", samples.size()},
-                                        {"duration_s", seconds(motion.duration())},
-                                        {"grab_s", seconds(motion.grab())},
-                                        {"release_s", seconds(motion.release())},
-                                        {"release_speed_mps", motion.ball_speed()}}
-              << "\n";
+    print_json({{"trial", *options.output},
+                {"seed", plan.seed},
+                {"samples", samples.size()},
+                {"duration_s", seconds(motion.duration())},
+                {"grab_s", seconds(motion.grab())},
+                {"release_s", seconds(motion.release())},
+                {"release_speed_mps", motion.ball_speed()}});
     return;
   }
   std::cout << fmt::format(
@@ -74,7 +80,7 @@ void run(const Options& options) {
       "  grab               {:.3f} s\n"
       "  release            {:.3f} s\n"
       "  ball at release    {:.2f} m/s\n",
-      options.output, samples.size(), seconds(motion.duration()), seconds(motion.grab()),
+      *options.output, samples.size(), seconds(motion.duration()), seconds(motion.grab()),
       seconds(motion.release()), motion.ball_speed());
 }
 
@@ -83,20 +89,25 @@ void run(const Options& options) {
 void add_synthesize(CLI::App& app) {
   CLI::App* command = app.add_subcommand("synthesize", "Make a trial by a model of the arm");
   const auto options = std::make_shared<Options>();
-  command->add_option("-o,--output", options->output, "trial to write (.lcmlog)")->required();
+  add_output(*command, "-o,--output", options->output,
+             "trial to write (.lcmlog); - is standard output")
+      ->required();
   command->add_option("--seed", options->plan.seed, "of swing, tremor and noise")
+      ->check(seed())
       ->capture_default_str();
-  command->add_option("--speed", options->plan.speed, "of the ball at its release [m/s], 4 to 9")
+  command->add_option("--speed", options->plan.speed, "of the ball at its release [m/s]")
+      ->check(number_from(4, 9))
       ->capture_default_str();
-  command->add_option("--aim", options->aim_deg, "to the right of the lane [degrees], -10 to 10")
+  command->add_option("--aim", options->aim_deg, "to the right of the lane [degrees]")
+      ->check(number_from(-10, 10))
       ->capture_default_str();
-  command->add_option("--duration", options->duration_s,
-                      "of the trial [s]; 7 in the paper's room, more when the lane is longer");
+  add_duration(*command, options->duration_s,
+               "of the trial [s]; 7 in the paper's room, more when the lane is longer");
   command->add_option("--scenario", options->scenario, "TOML file; the paper's room if not given");
   command->add_option("--participant", options->participant, "who is said to have thrown");
   command->add_option("--condition", options->condition, "name of the condition");
-  command->add_flag("--force", options->force, "overwrite the output");
-  command->add_flag("--json", options->json, "print one JSON object");
+  add_force(*command, options->force);
+  add_json(*command, options->json);
   command->footer(
       "A throw of an arm that moves with the least jerk and trembles, seen by a tracker with two\n"
       "receivers and its noise. The same seed gives the same throw on every machine.\n\n"

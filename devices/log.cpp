@@ -4,8 +4,8 @@
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
-#include <filesystem>
 #include <stdexcept>
+#include <utility>
 
 #include <fcntl.h>
 #include <lcm/lcm.h>
@@ -15,6 +15,7 @@
 #include "devices/event_log.h"
 #include "devices/messages.h"
 #include "devices/version.h"
+#include "files/output_file.h"
 
 namespace headpin::devices {
 namespace {
@@ -146,32 +147,32 @@ void ReplaySource::poll(Time now, std::vector<Sample>& out) {
 }
 
 struct Recorder::File {
-  std::string path, written_path;
+  std::string path;
   Options options;
+  files::OutputFile output;
   lcm_eventlog_t* log = nullptr;
   Buffer bytes;            // of the message at hand
   std::int64_t size = 0;   // of the file, up to the last whole event
   std::int64_t count = 0;  // of messages
   Time last{};
-  bool closed = false;
+
+  File(const std::string& name, const Options& how)
+      : path(name),
+        options(how),
+        output(name, {.overwrite = how.overwrite,
+                      .live = how.live,
+                      .standard_output = true,
+                      .inputs = how.inputs}) {
+    // liblcm opens by name only, and would open what is there; so it opens nothing.
+    std::FILE* file = fdopen(fcntl(output.descriptor(), F_DUPFD_CLOEXEC, 3), "w");
+    log = file ? lcm_eventlog_create("/dev/null", "w") : nullptr;
+    if (!log) throw std::runtime_error(path + ": cannot create: " + std::strerror(errno));
+    std::fclose(std::exchange(log->f, file));
+    setvbuf(log->f, nullptr, _IOFBF, 1 << 16);
+  }
 
   ~File() {
     if (log) lcm_eventlog_destroy(log);
-    if (!closed && !options.live) std::remove(written_path.c_str());
-  }
-
-  [[noreturn]] void fail(const std::string& doing) const {
-    throw std::runtime_error(path + ": " + doing + ": " + std::strerror(errno));
-  }
-
-  void open() {
-    const bool exists = std::filesystem::exists(path);
-    if (exists && !options.overwrite) {
-      throw std::runtime_error(path + ": exists already; --force overwrites it");
-    }
-    log = lcm_eventlog_create(written_path.c_str(), "w");
-    if (!log) fail("cannot create");
-    setvbuf(log->f, nullptr, _IOFBF, 1 << 16);
   }
 
   template <typename T>
@@ -205,11 +206,7 @@ struct Recorder::File {
 };
 
 Recorder::Recorder(const std::string& path, const TrialHeader& header, Options options)
-    : file_(std::make_unique<File>()) {
-  file_->path = path;
-  file_->written_path = options.live ? path : path + ".part";
-  file_->options = options;
-  file_->open();
+    : file_(std::make_unique<File>(path, options)) {
   TrialHeader stamped = header;
   stamped.format_version = kFormatVersion;
   stamped.software_version = software_version();
@@ -248,10 +245,7 @@ void Recorder::close() {
   write(end);
   lcm_eventlog_destroy(file_->log);
   file_->log = nullptr;
-  if (!file_->options.live && std::rename(file_->written_path.c_str(), file_->path.c_str()) != 0) {
-    file_->fail("cannot rename " + file_->written_path);
-  }
-  file_->closed = true;
+  file_->output.commit();
 }
 
 void write(Recorder& recorder, std::span<const Sample> samples, std::span<const Event> events) {

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <filesystem>
 #include <memory>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "devices/source.h"
 #include "devices/trial.h"
@@ -53,22 +55,24 @@ class ReplaySource : public Source {
 
 /// Writes a trial through liblcm's event log, each message whole before the next begins.
 ///
+/// The file is a files::OutputFile: whole under its name or not there, unless it is live.
 /// Every message goes to the file at once, so that a process killed at any moment leaves a log that
 /// reads up to its last whole event. When the disk is full the file is cut back to that event.
 class Recorder {
  public:
   struct Options {
     bool overwrite = false;  ///< else an existing file is refused
-    /// Write under the final name from the start, so that what is there survives anything; else
-    /// beside it, as PATH.part, and renamed by close().
-    bool live = false;
+    bool live = false;       ///< under the final name from the start, to survive anything
+    std::vector<std::filesystem::path> inputs = {};  ///< never to be written to
     Time epoch{};  ///< added to the stamps of LCM's event headers; wall clock of time 0, if any
   };
 
   /// Opens the file and writes the header, with format, software and schema put in.
   ///
+  /// @param path  `-` is standard output
   /// @throws std::runtime_error  when the file exists and is not to be overwritten, or cannot be
   ///                             made
+  /// @throws files::Busy         when another process is writing it
   Recorder(const std::string& path, const TrialHeader& header, Options options);
   Recorder(const std::string& path, const TrialHeader& header)
       : Recorder(path, header, Options{}) {}

@@ -15,6 +15,8 @@
 
 #include <png.h>
 
+#include "files/output_file.h"
+
 namespace headpin::render {
 
 namespace {
@@ -193,18 +195,9 @@ Image decode_png(std::span<const std::uint8_t> bytes) {
 
 void write_png(const std::filesystem::path& path, const Image& image, double pixel_aspect) {
   const Bytes bytes = encode_png(image, pixel_aspect);
-  std::filesystem::path part = path;
-  part += ".part";
-  std::FILE* file = std::fopen(part.c_str(), "wb");
-  if (file == nullptr) throw cannot("write", path, errno);
-  const bool written = std::fwrite(bytes.data(), 1, bytes.size(), file) == bytes.size();
-  int error = written ? 0 : errno;
-  if (std::fclose(file) != 0 && error == 0) error = errno;
-  if (error == 0 && std::rename(part.c_str(), path.c_str()) != 0) error = errno;
-  if (error != 0) {
-    std::remove(part.c_str());
-    throw cannot("write", path, error);
-  }
+  files::OutputFile file(path, {.overwrite = true});
+  file.write(bytes.data(), bytes.size());
+  file.commit();
 }
 
 Image read_png(const std::filesystem::path& path) {

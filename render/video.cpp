@@ -23,11 +23,6 @@ namespace headpin::render {
 
 namespace {
 
-std::filesystem::path with_suffix(std::filesystem::path path, const char* suffix) {
-  path += suffix;
-  return path;
-}
-
 /// "1.405" as ffmpeg wants it: a ratio of whole numbers.
 std::string ratio(double x) {
   const long under = 10000, over = std::lround(x * under), common = std::gcd(over, under);
@@ -35,7 +30,9 @@ std::string ratio(double x) {
 }
 
 std::vector<std::string> arguments(int width, int height, std::int64_t fps, double pixel_aspect,
-                                   const std::string& lossless, const std::string& copy) {
+                                   const std::string& lossless_path, const std::string& copy_path) {
+  // As `file:`, or ffmpeg takes what stands before a colon for a protocol.
+  const std::string lossless = "file:" + lossless_path, copy = "file:" + copy_path;
   // The copy is 480 lines high or more, its pixels square, both sides even as 4:2:0 wants them.
   const int times = height < 480 ? (480 + height - 1) / height : 1;
   const int copy_height = 2 * ((times * height + 1) / 2);
@@ -70,7 +67,12 @@ int spawn(std::vector<std::string> words, int input, int messages) {
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, messages, STDERR_FILENO);
   pid_t process = -1;
-  const int error = posix_spawnp(&process, argv[0], &actions, nullptr, argv.data(), environ);
+  // A group of its own: an interrupt at the terminal is ours to act upon.
+  posix_spawnattr_t attributes;
+  posix_spawnattr_init(&attributes);
+  posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
+  const int error = posix_spawnp(&process, argv[0], &actions, &attributes, argv.data(), environ);
+  posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) {
     throw std::runtime_error(std::string("cannot run ffmpeg, which makes videos: ") +
@@ -103,14 +105,13 @@ std::string text_of(int file) {
 }  // namespace
 
 VideoWriter::VideoWriter(const std::filesystem::path& path, int width, int height, std::int64_t fps,
-                         double pixel_aspect, bool force)
+                         double pixel_aspect, bool force,
+                         const std::vector<std::filesystem::path>& inputs)
     : path_(path), copy_(path), width_(width), height_(height) {
   if (path.extension() != ".mkv") {
     throw std::invalid_argument("video: expected a name that ends in .mkv, found " + path.string());
   }
   copy_.replace_extension(".mp4");
-  path_part_ = with_suffix(path_, ".part");
-  copy_part_ = with_suffix(copy_, ".part");
   constexpr int kLargest = 16384;  // H.264's encoder takes no more
   if (width < 2 || height < 2 || width > kLargest || height > kLargest || fps < 1 ||
       !(pixel_aspect > 0.01 && pixel_aspect < 100.0)) {
@@ -118,11 +119,10 @@ VideoWriter::VideoWriter(const std::filesystem::path& path, int width, int heigh
                                 " pixels, " + std::to_string(fps) + " a second, pixel aspect " +
                                 std::to_string(pixel_aspect));
   }
-  for (const std::filesystem::path& file : {path_, copy_}) {
-    if (!force && std::filesystem::exists(file)) {
-      throw std::runtime_error(file.string() + ": exists already; --force replaces it");
-    }
-  }
+  // ffmpeg seeks in what it writes.
+  const files::OutputFile::Options output{.overwrite = force, .regular = true, .inputs = inputs};
+  path_file_ = std::make_unique<files::OutputFile>(path_, output);
+  copy_file_ = std::make_unique<files::OutputFile>(copy_, output);
   // A socket, not a pipe: send() can be told to fail where write() would raise SIGPIPE.
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
@@ -131,8 +131,9 @@ VideoWriter::VideoWriter(const std::filesystem::path& path, int width, int heigh
   socket_ = ends[0];
   try {
     messages_ = scratch_file();
-    process_ = spawn(arguments(width, height, fps, pixel_aspect, path_part_, copy_part_), ends[1],
-                     messages_);
+    process_ =
+        spawn(arguments(width, height, fps, pixel_aspect, path_file_->part(), copy_file_->part()),
+              ends[1], messages_);
   } catch (...) {
     ::close(ends[0]);
     ::close(ends[1]);
@@ -180,8 +181,8 @@ void VideoWriter::close() {
   ::close(socket_);
   socket_ = -1;
   if (wait() != 0) fail();
-  std::filesystem::rename(path_part_, path_);
-  std::filesystem::rename(copy_part_, copy_);
+  path_file_->commit();
+  copy_file_->commit();
 }
 
 /// Lets go of ffmpeg; its wait status.
@@ -202,10 +203,9 @@ void VideoWriter::fail() {
       path_.string() + ": ffmpeg has stopped: " + (said.empty() ? "it does not say why" : said));
 }
 
-void VideoWriter::remove_parts() const {
-  std::error_code ignored;
-  std::filesystem::remove(path_part_, ignored);
-  std::filesystem::remove(copy_part_, ignored);
+void VideoWriter::remove_parts() {
+  path_file_.reset();
+  copy_file_.reset();
 }
 
 }  // namespace headpin::render

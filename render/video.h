@@ -2,7 +2,10 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <memory>
+#include <vector>
 
+#include "files/output_file.h"
 #include "render/image.h"
 
 namespace headpin::render {
@@ -10,18 +13,20 @@ namespace headpin::render {
 /// Pictures become a video, through ffmpeg.
 ///
 /// Two files: FILE.mkv keeps every byte (H.264 in RGB, lossless; pixel aspect and stereo mode are
-/// in the container), and FILE.mp4 beside it plays anywhere (4:2:0, square pixels). Both get their
-/// names in close(), when they are whole.
+/// in the container), and FILE.mp4 beside it plays anywhere (4:2:0, square pixels). Both are
+/// files::OutputFile and get their names in close(), when they are whole.
 class VideoWriter {
  public:
   /// @param path          the lossless file, .mkv
   /// @param width         of both eyes side by side [pixels]
   /// @param pixel_aspect  width of a pixel over its height
   /// @param force         replace what is there
+  /// @param inputs        files never to be written to
   /// @throws std::invalid_argument  for another suffix, or a size or rate that is no video
   /// @throws std::runtime_error     where the files exist, or ffmpeg cannot be run
   VideoWriter(const std::filesystem::path& path, int width, int height, std::int64_t fps,
-              double pixel_aspect, bool force = false);
+              double pixel_aspect, bool force = false,
+              const std::vector<std::filesystem::path>& inputs = {});
 
   /// Without close(), stops ffmpeg and removes what it has written.
   ~VideoWriter();
@@ -45,9 +50,10 @@ class VideoWriter {
  private:
   int wait();
   void fail();
-  void remove_parts() const;
+  void remove_parts();
 
-  std::filesystem::path path_, copy_, path_part_, copy_part_;
+  std::filesystem::path path_, copy_;
+  std::unique_ptr<files::OutputFile> path_file_, copy_file_;
   int width_, height_;
   std::int64_t pictures_ = 0;
   int socket_ = -1;    ///< to ffmpeg's standard input

@@ -1,4 +1,5 @@
-// An include points to a row below: apps > scene > devices | engine | render > engine/math.h.
+// An include points to a row below: apps > scene > devices | engine | render > engine/math.h |
+// files.
 
 #include <filesystem>
 #include <fstream>
@@ -19,7 +20,7 @@ struct Include {
 
 std::vector<Include> includes_of(const std::string& folder) {
   static const std::regex pattern(
-      R"(^\s*#\s*include\s*["<]((engine|devices|render|scene|apps|tests)/[^">]+)[">])");
+      R"(^\s*#\s*include\s*["<]((files|engine|devices|render|scene|apps|tests)/[^">]+)[">])");
   std::vector<Include> found;
   for (const auto& entry : fs::recursive_directory_iterator(HEADPIN_SOURCE_DIR "/" + folder)) {
     const std::string extension = entry.path().extension().string();
@@ -37,11 +38,12 @@ std::vector<Include> includes_of(const std::string& folder) {
 
 TEST(Layers, IncludesPointDownwards) {
   const std::map<std::string, std::set<std::string>> below = {
+      {"files", {"files"}},
       {"engine", {"engine"}},
-      {"devices", {"devices"}},
-      {"render", {"render"}},
-      {"scene", {"scene", "devices", "engine", "render"}},
-      {"apps", {"apps", "scene", "devices", "engine", "render"}},
+      {"devices", {"devices", "files"}},
+      {"render", {"render", "files"}},
+      {"scene", {"scene", "devices", "engine", "render", "files"}},
+      {"apps", {"apps", "scene", "devices", "engine", "render", "files"}},
   };
   for (const auto& [folder, allowed] : below) {
     const std::vector<Include> includes = includes_of(folder);

@@ -31,7 +31,7 @@ TEST_F(CommandLine, EveryCommandHelpsWithAnExample) {
 }
 
 TEST_F(CommandLine, WrongUseIsTwo) {
-  expect_refusal("", 2, "subcommand");
+  expect_refusal("", 2, "expected a command");
   expect_refusal("bowl", 2, "bowl");
   expect_refusal("replay", 2, "trial");
   expect_refusal("replay " + kDemo + " --elasticity 1.2", 2, "--elasticity");

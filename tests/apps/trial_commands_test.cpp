@@ -67,7 +67,7 @@ TEST_F(TrialCommands, ASeedIsAThrow) {
   EXPECT_NEAR(game["release_speed_mps"].get<double>(), 6.5, 0.5);
   EXPECT_GT(game["skittles_down"].get<int>(), 0);
   expect_refusal("synthesize -o a.lcmlog", 1, "a.lcmlog: exists already");
-  expect_refusal("synthesize -o OUT.lcmlog --speed 20", 2, "4 to 9 m/s");
+  expect_refusal("synthesize -o OUT.lcmlog --speed 20", 2, "from 4 to 9");
 }
 
 // On 18 m as on the paper's 6 m the ball arrives before the trial ends.

@@ -1,0 +1,65 @@
+#include "apps/options.h"
+
+#include <charconv>
+#include <cstdint>
+
+#include <fmt/format.h>
+
+namespace headpin::apps {
+
+namespace {
+
+/// Reads all of a text as a number.
+template <typename T>
+std::optional<T> whole(const std::string& text) {
+  T value{};
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return value;
+}
+
+}  // namespace
+
+CLI::Option* add_output(CLI::App& command, const std::string& names,
+                        std::optional<std::string>& value, const std::string& help) {
+  return command.add_option(names, value, help)
+      ->check(CLI::Validator(
+          [](std::string& name) {
+            return name.empty() ? std::string("expected a name, found none") : std::string();
+          },
+          ""));
+}
+
+CLI::Option* add_force(CLI::App& command, bool& value) {
+  return command.add_flag("--force", value, "replace what is there");
+}
+
+CLI::Option* add_json(CLI::App& command, bool& value) {
+  return command.add_flag("--json", value, "print one JSON object, also when it fails");
+}
+
+CLI::Option* add_duration(CLI::App& command, std::optional<double>& value,
+                          const std::string& help) {
+  return command.add_option("--duration", value, help)->check(number_from(0.001, 1e6));
+}
+
+CLI::Validator number_from(double low, double high) {
+  return CLI::Validator(
+      [low, high](std::string& text) {
+        const std::optional<double> value = whole<double>(text);
+        if (value && *value >= low && *value <= high) return std::string();
+        return fmt::format("expected a number from {} to {}, found {}", low, high, text);
+      },
+      fmt::format("{} to {}", low, high));
+}
+
+CLI::Validator seed() {
+  return CLI::Validator(
+      [](std::string& text) {
+        if (whole<std::uint64_t>(text)) return std::string();
+        return fmt::format("expected a whole number from 0 to 2^64 - 1, found {}", text);
+      },
+      "");
+}
+
+}  // namespace headpin::apps

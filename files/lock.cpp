@@ -1,0 +1,14 @@
+#include "files/lock.h"
+
+#include <cerrno>
+
+#include <sys/file.h>
+
+namespace headpin::files {
+
+bool lock(int descriptor) {
+  // A file system that knows no locks is no reason to refuse work.
+  return flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+}
+
+}  // namespace headpin::files

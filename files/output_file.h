@@ -1,0 +1,76 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "files/lock.h"
+
+namespace headpin::files {
+
+/// A file that gets its name when it is whole.
+///
+/// A regular file is written beside its place, under a name that nothing else has
+/// (NAME.PROCESS-N.part), and renamed by commit(); what stood there keeps its permissions. Symbolic
+/// links are followed, not replaced. A device or a named pipe is written into. `-` is standard
+/// output, where that is allowed: from then on, what is said on standard output goes to standard
+/// error.
+class OutputFile {
+ public:
+  struct Options {
+    bool overwrite = false;        ///< else a file that is there is refused
+    bool live = false;             ///< under its name from the start, whatever becomes of us
+    bool standard_output = false;  ///< `-` is allowed
+    bool regular = false;          ///< nothing but a regular file will do
+    std::vector<std::filesystem::path> inputs = {};  ///< never to be written to
+  };
+
+  /// @throws std::runtime_error  naming the path: empty, a folder, an input, there already,
+  ///                             write-protected, or not to be created
+  /// @throws Busy                when it is being written by another of us
+  OutputFile(std::string path, Options options);
+
+  /// Without commit(), removes what was written, unless it is live.
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  /// Open for writing.
+  int descriptor() const { return descriptor_; }
+  /// The name it has while it is written, for other programs to write to.
+  const std::filesystem::path& part() const { return part_; }
+
+  /// Writes all of it.
+  /// @throws std::runtime_error  naming the path and the reason
+  void write(const void* data, std::size_t size);
+
+  /// Closes it and gives it its name.
+  ///
+  /// @throws std::runtime_error  when the disk did not take it, another file has come to stand
+  ///                             there, or a live one was deleted while it was written
+  void commit();
+
+ private:
+  [[noreturn]] void fail(const std::string& doing) const;
+  void open_special();
+  void open_beside(bool exists);
+  void rename_to_target();
+
+  std::string path_;  ///< as the user wrote it, for messages
+  Options options_;
+  std::filesystem::path target_;  ///< where it will be, links followed
+  std::filesystem::path part_;
+  int descriptor_ = -1;
+};
+
+/// Whether two names lead to the same file, through links of any kind.
+bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
+
+/// Gives a file another name unless something has it; -1 and errno as rename().
+int rename_new(const std::filesystem::path& from, const std::filesystem::path& to);
+
+/// Where a name leads to: symbolic links followed, also one that points to nothing yet.
+/// @throws std::runtime_error  for links in a circle
+std::filesystem::path follow_links(std::filesystem::path path);
+
+}  // namespace headpin::files

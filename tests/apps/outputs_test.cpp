@@ -1,0 +1,131 @@
+// What the commands do to the user's files: nothing of theirs is lost, nothing half is left.
+
+#include <sys/stat.h>
+
+#include "tests/apps/command_line.h"
+
+namespace headpin {
+namespace {
+
+using testing::HasSubstr;
+
+class Outputs : public CommandLine {
+ protected:
+  /// Names and contents of all files in the folder, without what the harness keeps there.
+  std::map<std::string, std::string> everything() const {
+    std::map<std::string, std::string> all;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+      const std::string name = fs::relative(entry.path(), folder_);
+      if (name == "out.txt" || name == "err.txt") continue;
+      all[name] = entry.is_regular_file() ? slurp(entry.path()) : "";
+    }
+    return all;
+  }
+  /// Refused with a reason, and every file is as it was.
+  void expect_untouched(const std::string& arguments, int code, const std::string& says) const {
+    const auto before = everything();
+    const Result result = headpin(arguments);
+    EXPECT_EQ(result.code, code) << arguments << "\n" << result.err;
+    EXPECT_THAT(result.err, HasSubstr(says)) << arguments;
+    EXPECT_EQ(everything(), before) << arguments;
+  }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+  }
+};
+
+TEST_F(Outputs, FramesForcedKeepsWhatIsNotItsOwn) {
+  fs::create_directory(folder_ / "mine");
+  write("mine/precious.txt", "precious");
+  fs::copy_file(kDemo, folder_ / "mine/trial.lcmlog");
+  const std::string few = " --frames 3 --force";
+  expect_untouched("frames mine/trial.lcmlog -o mine" + few, 1, "mine: holds");
+  expect_untouched("frames " + kDemo + " -o mine" + few, 1, "which headpin did not write");
+  expect_untouched("frames " + kDemo + " -o ." + few, 1, "which headpin did not write");
+  expect_untouched("frames " + kDemo + " -o new --video new/stereo.mkv" + few, 1,
+                   "used by this very command");
+  write("new.part", "precious");
+  EXPECT_EQ(headpin("frames " + kDemo + " -o new/ --frames 3").code, 0);
+  EXPECT_TRUE(fs::exists(folder_ / "new/left_000003.png"));
+  EXPECT_EQ(slurp(folder_ / "new.part"), "precious");
+  EXPECT_EQ(headpin("frames " + kDemo + " -o new/ --frames 4 --force").code, 0);
+  EXPECT_FALSE(fs::exists(folder_ / "new/left_000003.png"));
+  EXPECT_TRUE(fs::exists(folder_ / "new/left_000004.png"));
+}
+
+TEST_F(Outputs, FramesFillTheFolderOneStandsIn) {
+  fs::create_directory(folder_ / "here");
+  const std::string line = "cd '" + (folder_ / "here").string() +
+                           "' && '" HEADPIN_PROGRAM "' frames " + kDemo +
+                           " -o . --frames 3 >/dev/null 2>&1";
+  EXPECT_EQ(std::system(line.c_str()), 0);
+  EXPECT_TRUE(fs::exists(folder_ / "here/frames.csv"));
+}
+
+TEST_F(Outputs, DevicesPipesAndLinksAreWrittenIntoAndStay) {
+  for (const std::string& command :
+       std::vector<std::string>{"replay " + kDemo + " -o ", std::string("synthesize -o ")}) {
+    EXPECT_EQ(headpin(command + "/dev/null --force").code, 0);
+    const Result full = headpin(command + "/dev/full --force");
+    EXPECT_EQ(full.code, 1);
+    EXPECT_THAT(full.err, HasSubstr("/dev/full: cannot write event 0: No space left"));
+  }
+  EXPECT_TRUE(fs::is_character_file("/dev/null") && fs::is_character_file("/dev/full"));
+  ASSERT_EQ(mkfifo((folder_ / "pipe.mkv").c_str(), 0600), 0);
+  expect_untouched("frames " + kDemo + " --frames 3 --force --video pipe.mkv", 1,
+                   "pipe.mkv: is no regular file");
+
+  write("old", "old");
+  fs::create_symlink("old", folder_ / "link");
+  expect_untouched("synthesize -o link", 1, "link: exists already");
+  EXPECT_EQ(headpin("synthesize -o link --force").code, 0);
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
+  EXPECT_EQ(json("info old --json")["complete"], true);
+}
+
+TEST_F(Outputs, TheInputIsNeverTheOutput) {
+  fs::copy_file(kDemo, folder_ / "a.lcmlog");
+  fs::create_symlink("a.lcmlog", folder_ / "link.lcmlog");
+  write("room.toml", "");
+  write("throw.csv", "x");
+  const std::string says = "is read by this very command";
+  expect_untouched("replay a.lcmlog -o a.lcmlog --force", 1, says);
+  expect_untouched("replay a.lcmlog -o link.lcmlog --force", 1, says);
+  expect_untouched("replay link.lcmlog -o ./a.lcmlog --force", 1, says);
+  expect_untouched("synthesize --scenario room.toml -o room.toml --force", 1, says);
+}
+
+TEST_F(Outputs, AnEmptyNameIsRefusedAndADashIsStandardOutput) {
+  for (const std::string& command : std::vector<std::string>{
+           "replay " + kDemo + " -o ''", std::string("synthesize -o ''"),
+           "frames " + kDemo + " -o ''", "frames " + kDemo + " --video ''",
+           std::string("import x.csv -o ''"), std::string("live --lcm memq:// --record ''")}) {
+    expect_untouched(command, 2, "expected a name");
+  }
+  expect_untouched("frames " + kDemo + " -o - --frames 3", 1, "-: cannot go to standard output");
+  const Result made = headpin("synthesize -o - --seed 7");
+  EXPECT_EQ(made.code, 0);
+  EXPECT_THAT(made.err, HasSubstr("ball at release"));
+  write("trial.lcmlog", made.out);
+  ASSERT_EQ(headpin("synthesize -o b.lcmlog --seed 7").code, 0);
+  EXPECT_EQ(made.out, slurp(folder_ / "b.lcmlog"));
+}
+
+TEST_F(Outputs, OddNamesAreNames) {
+  const std::string odd = "a b'\"\n\xff:%s -x";
+  std::string quoted = "\"$(printf 'a b\\047\\042\\nx\\377:%%s -x')\"";
+  fs::create_directory(folder_ / "odd place");
+  const Result made = headpin("synthesize --json -o " + quoted);
+  EXPECT_EQ(made.code, 0) << made.err;
+  EXPECT_NO_THROW(nlohmann::json::parse(made.out)) << made.out;
+  EXPECT_EQ(headpin("frames " + quoted + " --frames 3 -o 'odd place/" + "f:1' --video " +
+                    "'odd place/v:1.mkv'")
+                .code,
+            0);
+  EXPECT_TRUE(fs::exists(folder_ / "odd place/v:1.mkv"));
+  const Result missing = headpin("info 'no\nsuch'");
+  EXPECT_EQ(std::count(missing.err.begin(), missing.err.end(), '\n'), 1) << missing.err;
+}
+
+}  // namespace
+}  // namespace headpin

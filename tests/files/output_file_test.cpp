@@ -1,0 +1,171 @@
+#include "files/output_file.h"
+
+#include <thread>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tests/support/folder.h"
+
+namespace headpin::files {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+class OutputFileTest : public testing::Test {
+ protected:
+  static void write(const fs::path& path, const std::string& text, OutputFile::Options options) {
+    OutputFile file(path, options);
+    file.write(text.data(), text.size());
+    file.commit();
+  }
+  std::string refused(const fs::path& path, OutputFile::Options options = {}) const {
+    return complaint([&] { write(path, "new", options); });
+  }
+  std::size_t entries() const {
+    return static_cast<std::size_t>(
+        std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()));
+  }
+
+  TemporaryFolder folder_;
+  const OutputFile::Options force_{.overwrite = true};
+};
+
+TEST_F(OutputFileTest, AppearsWhenItIsWhole) {
+  {
+    OutputFile file(folder_ / "a", {});
+    file.write("x", 1);
+    EXPECT_FALSE(fs::exists(folder_ / "a"));
+    EXPECT_EQ(entries(), 1u);
+  }
+  EXPECT_EQ(entries(), 0u) << "dropped without commit()";
+  write(folder_ / "a", "whole", {});
+  EXPECT_EQ(slurp(folder_ / "a"), "whole");
+  EXPECT_EQ(entries(), 1u);
+}
+
+TEST_F(OutputFileTest, APartOfAnotherIsNeverTaken) {
+  const std::string part = "a." + std::to_string(getpid()) + "-0.part";
+  spit(folder_ / part, "somebody's");
+  spit(folder_ / "a.part", "somebody's");
+  OutputFile one(folder_ / "a", {}), two(folder_ / "a", {});
+  EXPECT_NE(one.part(), two.part());
+  one.commit();
+  EXPECT_THAT(complaint([&] { two.commit(); }), HasSubstr("exists by now"));
+  EXPECT_EQ(slurp(folder_ / part), "somebody's");
+  EXPECT_EQ(slurp(folder_ / "a.part"), "somebody's");
+  EXPECT_EQ(entries(), 3u);
+}
+
+TEST_F(OutputFileTest, WhatIsThereStaysUnlessForced) {
+  spit(folder_ / "a", "precious");
+  EXPECT_THAT(refused(folder_ / "a"), HasSubstr("a: exists already; --force replaces it"));
+  EXPECT_EQ(slurp(folder_ / "a"), "precious");
+  fs::permissions(folder_ / "a", fs::perms(0640));
+  EXPECT_EQ(refused(folder_ / "a", force_), "");
+  EXPECT_EQ(slurp(folder_ / "a"), "new");
+  EXPECT_EQ(fs::status(folder_ / "a").permissions(), fs::perms(0640));
+}
+
+TEST_F(OutputFileTest, LinksAreFollowedNotReplaced) {
+  fs::create_directory(folder_ / "far");
+  spit(folder_ / "far/a", "old");
+  fs::create_symlink("far/a", folder_ / "link");
+  fs::create_symlink("far/b", folder_ / "dangling");
+  fs::create_symlink("round", folder_ / "round");
+  EXPECT_EQ(refused(folder_ / "link", force_), "");
+  EXPECT_EQ(refused(folder_ / "dangling"), "");
+  EXPECT_TRUE(fs::is_symlink(folder_ / "link"));
+  EXPECT_TRUE(fs::is_symlink(folder_ / "dangling"));
+  EXPECT_EQ(slurp(folder_ / "far/a"), "new");
+  EXPECT_EQ(slurp(folder_ / "far/b"), "new");
+  EXPECT_THAT(refused(folder_ / "round"), HasSubstr("links in a circle"));
+}
+
+TEST_F(OutputFileTest, DevicesAndPipesAreWrittenIntoNeverReplaced) {
+  EXPECT_EQ(refused("/dev/null", force_), "");
+  EXPECT_THAT(refused("/dev/full", force_), HasSubstr("/dev/full: cannot be written: No space"));
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+  EXPECT_TRUE(fs::is_character_file("/dev/full"));
+  EXPECT_THAT(refused("/dev/null", {.overwrite = true, .regular = true}),
+              HasSubstr("no regular file"));
+
+  const fs::path pipe = folder_ / "pipe";
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0600), 0);
+  std::string read;
+  std::thread reader([&] { read = slurp(pipe); });
+  EXPECT_EQ(refused(pipe, force_), "");
+  reader.join();
+  EXPECT_EQ(read, "new");
+  EXPECT_TRUE(fs::is_fifo(pipe));
+  EXPECT_EQ(entries(), 1u);
+}
+
+TEST_F(OutputFileTest, AnInputIsNeverTheOutputUnderWhateverName) {
+  spit(folder_ / "in", "precious");
+  fs::create_symlink("in", folder_ / "link");
+  fs::create_hard_link(folder_ / "in", folder_ / "twin");
+  for (const char* name : {"in", "link", "twin", "./in"}) {
+    EXPECT_THAT(refused(folder_ / name, {.overwrite = true, .inputs = {folder_ / "in"}}),
+                HasSubstr("is read by this very command"));
+  }
+  EXPECT_EQ(slurp(folder_ / "in"), "precious");
+}
+
+TEST_F(OutputFileTest, NoNameAFolderAndAMissingFolderAreRefused) {
+  EXPECT_THAT(refused(""), HasSubstr("expected a name"));
+  EXPECT_THAT(refused("-"), HasSubstr("cannot go to standard output"));
+  EXPECT_THAT(refused(folder_.path(), force_), HasSubstr("is a folder"));
+  EXPECT_THAT(refused(folder_ / "none/a"), HasSubstr("cannot be created: No such file"));
+  EXPECT_THAT(refused(folder_ / "none/"), HasSubstr("cannot be created"));
+  EXPECT_EQ(entries(), 0u);
+}
+
+TEST_F(OutputFileTest, ALongNameIsANameToo) {
+  const std::string name(250, 'n');
+  EXPECT_EQ(refused(folder_ / name), "");
+  EXPECT_EQ(slurp(folder_ / name), "new");
+}
+
+TEST_F(OutputFileTest, ALiveOneIsThereFromTheStartAndNotForTwo) {
+  OutputFile file(folder_ / "a", {.live = true});
+  file.write("so far", 6);
+  EXPECT_EQ(slurp(folder_ / "a"), "so far");
+  EXPECT_THROW(OutputFile(folder_ / "a", {.overwrite = true, .live = true}), Busy);
+  EXPECT_THROW(OutputFile(folder_ / "a", force_), Busy);
+  EXPECT_EQ(slurp(folder_ / "a"), "so far");
+  EXPECT_EQ(entries(), 1u);
+  file.commit();
+  EXPECT_EQ(refused(folder_ / "a", force_), "");
+}
+
+TEST_F(OutputFileTest, ALiveOneThatWasDeletedSaysSo) {
+  OutputFile file(folder_ / "a", {.live = true});
+  fs::remove(folder_ / "a");
+  EXPECT_THAT(complaint([&] { file.commit(); }), HasSubstr("was deleted or replaced"));
+}
+
+TEST_F(OutputFileTest, OnStandardOutputWhatIsSaidGoesToStandardError) {
+  const fs::path out = folder_ / "out", said = folder_ / "said";
+  EXPECT_EXIT(
+      {
+        ASSERT_TRUE(std::freopen(out.c_str(), "w", stdout));
+        ASSERT_TRUE(std::freopen(said.c_str(), "w", stderr));
+        OutputFile file("-", {.standard_output = true});
+        std::puts("a word");
+        file.write("bytes", 5);
+        file.commit();
+        std::fflush(stdout);
+        std::_Exit(0);
+      },
+      testing::ExitedWithCode(0), "");
+  EXPECT_EQ(slurp(out), "bytes");
+  EXPECT_EQ(slurp(said), "a word\n");
+}
+
+}  // namespace
+}  // namespace headpin::files
