@@ -1,13 +1,17 @@
+#include <algorithm>
 #include <memory>
+#include <optional>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
 #include "apps/options.h"
-#include "apps/simulate.h"
 #include "apps/streams.h"
 #include "devices/log.h"
+#include "scene/score.h"
+#include "scene/totals.h"
+#include "scene/verifier.h"
 
 namespace headpin::apps {
 
@@ -52,7 +56,7 @@ std::optional<FirstDifference> first_difference(const Side& a, const Side& b) {
     } else if (sb[j].tick < sa[i].tick) {
       ++j;
     } else {
-      const auto body = first_different_body(sa[i], sb[j], a.trial.header.body_names);
+      const auto body = scene::first_different_body(sa[i], sb[j], a.trial.header.body_names);
       if (body) return FirstDifference{sa[i].tick, seconds(sa[i].time), *body};
       ++i, ++j;
     }
@@ -73,34 +77,33 @@ double energy(engine::World& world, const devices::TickState& state) {
 
 nlohmann::json describe(const Side& side) {
   const devices::Trial& trial = side.trial;
-  std::int64_t contacts = 0, touches = 0, down = 0;
-  nlohmann::json release, impact;
-  for (const devices::TickState& state : trial.states) contacts += state.contacts;
-  for (const devices::Event& event : trial.events) {
-    touches += event.kind == "touch" || event.kind == "first_contact";
-    down += event.kind == "skittle_down";
-    if (event.kind == "release" && release.is_null()) release = event.value;
-    if (event.kind == "first_contact" && impact.is_null()) impact = event.value;
+  const scene::Score score = scene::score(trial.events);
+  const auto number = [](const std::optional<double>& value) {
+    return value ? nlohmann::json(*value) : nlohmann::json();
+  };
+  scene::Stage stage = scene::make_stage(side.scenario);
+  for (const engine::BodyId ball : stage.balls) {
+    engine::set_kind(stage.world, ball, engine::Kind::free);  // so that it counts in the hand too
   }
-  scene::Session session = scene::make_session(side.scenario);
-  engine::set_kind(session.world, session.ball, engine::Kind::free);  // so that the ball counts
+  std::int64_t contacts = 0;
   double highest = 0.0;
   for (const devices::TickState& state : trial.states) {
-    highest = std::max(highest, energy(session.world, state));
+    contacts += state.contacts;
+    highest = std::max(highest, energy(stage.world, state));
   }
   return {{"trial", side.path},
-          {"elasticity", common_value(side.scenario.material, &scene::Material::elasticity)},
-          {"friction", common_value(side.scenario.material, &scene::Material::friction)},
+          {"elasticity", scene::common_value(side.scenario.material, &scene::Material::elasticity)},
+          {"friction", scene::common_value(side.scenario.material, &scene::Material::friction)},
           {"shape", side.scenario.collision.shape},
           {"response", side.scenario.collision.response},
           {"ticks", trial.states.size()},
           {"contacts", contacts},
-          {"touches", touches},
-          {"skittles_down", down},
-          {"release_speed_mps", release},
-          {"impact_speed_mps", impact},
+          {"touches", score.touches},
+          {"skittles_down", score.skittles_down},
+          {"release_speed_mps", number(score.release_speed)},
+          {"impact_speed_mps", number(score.impact_speed)},
           {"highest_energy_j", highest},
-          {"final_energy_j", energy(session.world, trial.states.back())}};
+          {"final_energy_j", energy(stage.world, trial.states.back())}};
 }
 
 std::string cell(const nlohmann::json& value) {

@@ -3,12 +3,9 @@
 #include <fmt/format.h>
 
 #include "apps/options.h"
+#include "engine/response.h"
 
 namespace headpin::apps {
-
-bool Condition::changes() const {
-  return elasticity || friction || shape || response || detection || iterations || !set.empty();
-}
 
 void add_condition_options(CLI::App& command, Condition& condition) {
   const std::string group = "Condition (what is not given stays as the trial has it)";
@@ -21,8 +18,14 @@ void add_condition_options(CLI::App& command, Condition& condition) {
   command.add_option("--shape", condition.shape, "what skittles collide as: ellipsoid or true")
       ->check(CLI::IsMember({"ellipsoid", "true"}))
       ->group(group);
-  command.add_option("--response", condition.response, "paper or coulomb")
-      ->check(CLI::IsMember({"paper", "coulomb"}))
+  std::string laws = "impulses of a collision; what is kept:";
+  std::vector<std::string> names;
+  for (const engine::Response& response : engine::responses()) {
+    laws += fmt::format("\n{}: {}", response.name, response.keeps);
+    names.emplace_back(response.name);
+  }
+  command.add_option("--response", condition.response, laws)
+      ->check(CLI::IsMember(names))
       ->group(group);
   command.add_option("--detection", condition.detection, "converged or paper")
       ->check(CLI::IsMember({"converged", "paper"}))

@@ -15,8 +15,6 @@ struct Condition {
   std::optional<std::string> shape, response, detection;
   std::optional<std::int64_t> iterations;
   std::vector<std::string> set;
-
-  bool changes() const;
 };
 
 /// Adds --elasticity, --friction, --shape, --response, --detection, --iterations and --set.

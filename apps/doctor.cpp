@@ -11,7 +11,7 @@
 #include "apps/options.h"
 #include "apps/streams.h"
 #include "devices/lcm_link.h"
-#include "scene/spectator.h"
+#include "scene/eyes.h"
 
 namespace headpin::apps {
 
@@ -26,10 +26,10 @@ struct Finding {
 
 Finding look_at_osmesa() {
   try {
-    scene::Spectator spectator = scene::make_spectator(scene::Scenario());
+    scene::Eyes eyes = scene::open_eyes(scene::make_stage(scene::Scenario()));
     std::array<render::Image, 2> images;
-    scene::see(spectator, {.X_WD = {}, .X_WB_skittles = {}, .X_WB_ball = {}, .X_WH = {}}, images);
-    return {"osmesa", true, spectator.renderer.description(), ""};
+    scene::see(eyes, {}, images);
+    return {"osmesa", true, eyes.renderer.description(), ""};
   } catch (const std::exception& error) {
     return {"osmesa", false, error.what(), "apt-get install libosmesa6"};
   }

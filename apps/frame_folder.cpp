@@ -1,5 +1,6 @@
 #include "apps/frame_folder.h"
 
+#include <array>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -25,7 +26,7 @@ FrameFolder::FrameFolder(const std::string& folder, double pixel_aspect,
   index_ << '\n';
 }
 
-void FrameFolder::add(const Frame& frame) {
+void FrameFolder::add(const scene::EyeFrame& frame) {
   index_ << fmt::format("{},{:.6f},{}", frame.number, seconds(frame.time), frame.tick);
   for (std::size_t eye = 0; eye < 2; ++eye) {
     const Pose& X_WE = frame.views[eye].X_WE;

@@ -1,28 +1,16 @@
 #pragma once
 
-#include <array>
-#include <cstdint>
 #include <fstream>
 #include <future>
 #include <string>
 
-#include "engine/math.h"
 #include "files/output_folder.h"
-#include "render/eyes.h"
-#include "render/image.h"
+#include "scene/eye_frames.h"
 
 namespace headpin::apps {
 
-/// One rendered frame of both eyes, left and right.
-struct Frame {
-  std::int64_t number = 0, tick = 0;
-  Time time{};
-  std::array<render::View, 2> views;
-  std::array<render::Image, 2> images;
-};
-
 /// PNG files and their index, frames.csv, in a folder where they appear when all are there.
-class FrameFolder {
+class FrameFolder : public scene::FrameSink {
  public:
   /// Without close(), leaves the folder as it was.
   /// @throws as files::OutputFolder
@@ -30,7 +18,7 @@ class FrameFolder {
               const files::OutputFolder::Options& options);
 
   /// Takes the frame over; the files are written while the next one is drawn.
-  void add(const Frame& frame);
+  void add(const scene::EyeFrame& frame) override;
 
   void close();
 

@@ -10,12 +10,14 @@
 #include "apps/frame_ranges.h"
 #include "apps/options.h"
 #include "apps/progress.h"
-#include "apps/simulate.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "devices/hmd.h"
+#include "devices/sources.h"
+#include "render/hmd.h"
 #include "render/video.h"
-#include "scene/spectator.h"
+#include "scene/eye_frames.h"
+#include "scene/recorded.h"
+#include "scene/verifier.h"
 
 namespace headpin::apps {
 
@@ -30,15 +32,27 @@ struct Options {
   bool force = false, json = false;
 };
 
-/// Where the head is before any sample of it has come: where the first one will find it.
-Pose first_head_pose(const LoadedTrial& loaded) {
-  for (const devices::Sample& sample : loaded.trial.samples) {
-    const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
-    if (tracker && tracker->station == devices::kHeadStation && tracker->good()) {
-      return loaded.scenario.rig.X_WT * tracker->X_TS * loaded.scenario.rig.X_SD;
-    }
+/// Both eyes side by side, as a video.
+class VideoSink : public scene::FrameSink {
+ public:
+  VideoSink(const Options& options, const render::Optics& optics, std::int64_t fps)
+      : writer_(*options.video, 2 * optics.width, optics.height, fps, optics.pixel_aspect(),
+                options.force, std::vector<fs::path>{options.trial}) {}
+
+  void add(const scene::EyeFrame& frame) override {
+    writer_.add(render::side_by_side(frame.images[0], frame.images[1]));
   }
-  throw std::runtime_error("expected samples of the head (station 1), found none");
+  void close() { writer_.close(); }
+
+ private:
+  render::VideoWriter writer_;
+};
+
+/// How many frames there are until a time.
+std::int64_t frames_until(Time end, std::int64_t fps) {
+  std::int64_t frames = 0;
+  while (tick_time(frames, fps) <= end) ++frames;
+  return frames;
 }
 
 void run(const Options& options) {
@@ -46,75 +60,64 @@ void run(const Options& options) {
     throw UsageError("nothing to write: expected -o DIR, --video FILE or both");
   }
   const FrameRanges wanted = options.frames.empty() ? FrameRanges() : FrameRanges(options.frames);
-  const LoadedTrial loaded = load_trial(options.trial);
-  scene::Session session = scene::make_session(loaded.scenario);
-  const std::int64_t fps = options.fps > 0 ? options.fps : loaded.scenario.rates.frame_hz;
-  const Pose first_head = first_head_pose(loaded);
-
-  scene::Spectator spectator = scene::make_spectator(loaded.scenario);
-  const double pixel_aspect = spectator.optics.pixel_aspect();
-  watch_stop_signals();
-  std::optional<FrameFolder> folder;
-  if (options.folder) {
-    std::vector<fs::path> others = {options.trial};
-    if (options.video) others.push_back(*options.video);
-    folder.emplace(*options.folder, pixel_aspect,
-                   files::OutputFolder::Options{.overwrite = options.force, .others = others});
-  }
-  std::optional<render::VideoWriter> video;
-  if (options.video) {
-    video.emplace(*options.video, 2 * spectator.optics.width, spectator.optics.height, fps,
-                  pixel_aspect, options.force, std::vector<fs::path>{options.trial});
-  }
-
-  const Time end =
-      tick_time(tick_count(loaded.trial, loaded.scenario), session.scenario.rates.physics_hz);
-  std::int64_t frames = 0;
-  while (tick_time(frames, fps) <= end) ++frames;
+  const scene::Recorded recorded = scene::load_trial(options.trial);
+  const devices::Trial& trial = recorded.trial;
+  const scene::Rates& rates = recorded.scenario.rates;
+  const std::int64_t fps = options.fps > 0 ? options.fps : rates.frame_hz;
+  const std::int64_t ticks = scene::tick_count(trial, rates.physics_hz);
+  const std::int64_t frames = frames_until(tick_time(ticks, rates.physics_hz), fps);
   const std::int64_t total = wanted.count_below(frames);
   if (total == 0) {
     throw UsageError(
         fmt::format("--frames {}: expected frames from 0 to {}", options.frames, frames - 1));
   }
+  const Pose X_WD_first = scene::first_head_pose(trial, recorded.scenario.rig);
+
+  scene::Session session = scene::make_session(recorded.scenario);
+  scene::Eyes eyes = scene::open_eyes(*session.stage);
+  std::vector<scene::FrameSink*> sinks;
+  watch_stop_signals();
+  std::optional<FrameFolder> folder;
+  if (options.folder) {
+    std::vector<fs::path> others = {options.trial};
+    if (options.video) others.push_back(*options.video);
+    sinks.push_back(&folder.emplace(
+        *options.folder, eyes.optics.pixel_aspect(),
+        files::OutputFolder::Options{.overwrite = options.force, .others = others}));
+  }
+  std::optional<VideoSink> video;
+  if (options.video) sinks.push_back(&video.emplace(options, eyes.optics, fps));
 
   Progress progress("frames", total);
-  Frame frame;
-  std::int64_t written = 0;
-  const auto draw_up_to_now = [&](const scene::Session& s) {
-    for (; frame.number < frames && tick_time(frame.number, fps) <= s.now(); ++frame.number) {
-      if (!wanted.contains(frame.number)) continue;
-      frame.tick = s.world.tick;
-      frame.time = tick_time(frame.number, fps);
-      frame.views = scene::see(
-          spectator, scene::glimpse(s, scene::head_pose(s).value_or(first_head)), frame.images);
-      if (folder) folder->add(frame);
-      if (video) video->add(render::side_by_side(frame.images[0], frame.images[1]));
-      check_stop();
-      progress.show(++written);
-    }
-  };
-  std::optional<Verifier> verifier;  // what is shown is what was recorded, or nothing is
-  if (!loaded.trial.states.empty()) verifier.emplace(loaded.trial, session);
-  devices::TickState state;
-  draw_up_to_now(session);
-  simulate(session, loaded.trial, [&](const scene::Session& s) {
-    if (verifier) {
-      scene::tick_state(s, state);
-      verifier->compare(state);
-    }
-    draw_up_to_now(s);
+  scene::FrameByFrame drawing(eyes,
+                              {.fps = fps,
+                               .frames = frames,
+                               .wanted = [&](std::int64_t frame) { return wanted.contains(frame); },
+                               .X_WD_first = X_WD_first,
+                               .progress = [&](std::int64_t drawn) { progress.show(drawn); }},
+                              sinks);
+  std::vector<scene::Observer*> observers;
+  std::optional<scene::Verifier> verifier;  // what is shown is what was recorded, or nothing is
+  if (!trial.states.empty()) observers.push_back(&verifier.emplace(trial.states, session));
+  observers.push_back(&drawing);
+
+  devices::ReplaySource source(trial.samples);
+  scene::NoPace pace;
+  scene::run(session, source, pace, observers, [&](const scene::Session& s) {
+    check_stop();
+    return s.tick >= ticks;
   });
   if (video) video->close();
   if (folder) folder->close();
   if (options.json) {
-    print_json({{"frames", written},
+    print_json({{"frames", drawing.drawn()},
                 {"fps", fps},
-                {"width", spectator.optics.width},
-                {"height", spectator.optics.height},
-                {"renderer", spectator.renderer.description()}});
+                {"width", eyes.optics.width},
+                {"height", eyes.optics.height},
+                {"renderer", eyes.renderer.description()}});
   } else {
-    fmt::print("{} frames of two eyes, {}x{} each, drawn by {}\n", written, spectator.optics.width,
-               spectator.optics.height, spectator.renderer.description());
+    fmt::print("{} frames of two eyes, {}x{} each, drawn by {}\n", drawing.drawn(),
+               eyes.optics.width, eyes.optics.height, eyes.renderer.description());
   }
 }
 
@@ -138,7 +141,7 @@ void add_frames(CLI::App& app) {
   command->footer(
       "The display is the trial's own. To look through another, change it first:\n"
       "  headpin replay TRIAL --set hmd.profile=NAME -o OTHER\nNAME is one of " +
-      devices::hmd_profile_names() +
+      render::hmd_profile_names() +
       "; a single value is changed likewise, as by --set hmd.eye_distance=0.06.\n\n"
       "Example:\n  headpin frames assets/trials/demo.lcmlog -o frames --video "
       "stereo.mkv");

@@ -12,6 +12,7 @@
 #include "devices/catalogue_csv.h"
 #include "devices/event_log.h"
 #include "devices/log.h"
+#include "scene/events.h"
 #include "scene/throw.h"
 
 namespace headpin::apps {
@@ -43,7 +44,7 @@ devices::MotionRecording read_recording(const std::string& path, double unit_m) 
 std::vector<devices::Event> found_events(const devices::MotionRecording& recording,
                                          const scene::Throw& found,
                                          const scene::Scenario& scenario) {
-  const auto event = [&](const char* kind, std::size_t sample) {
+  const auto event = [&](std::string_view kind, std::size_t sample) {
     devices::Event e;
     e.time = recording.times[sample];
     e.kind = kind;
@@ -51,8 +52,8 @@ std::vector<devices::Event> found_events(const devices::MotionRecording& recordi
     e.p_W = scenario.rig.X_WT * (recording.right_hand[sample] * scenario.hand.grip);
     return e;
   };
-  std::vector<devices::Event> events = {event(devices::kGrabFoundEvent, found.grab),
-                                        event(devices::kReleaseFoundEvent, found.release)};
+  std::vector<devices::Event> events = {event(scene::kind::grab_found, found.grab),
+                                        event(scene::kind::release_found, found.release)};
   events[0].detail = "where the hand rests lowest; the recording has no buttons";
   events[1].detail = "the hand rises out of the bottom of its swing; the recording has no buttons";
   events[1].value = found.V_TB.v.norm();

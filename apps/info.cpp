@@ -10,6 +10,7 @@
 #include "apps/options.h"
 #include "apps/streams.h"
 #include "devices/log.h"
+#include "scene/score.h"
 
 namespace headpin::apps {
 namespace {
@@ -94,22 +95,6 @@ Time duration(const devices::Trial& trial) {
   return first ? *last - *first : Time{};
 }
 
-/// What the simulation came to, as far as the events tell.
-struct Result {
-  std::int64_t skittles_down = 0;
-  std::optional<double> release_speed, impact_speed;
-};
-
-Result result(const devices::Trial& trial) {
-  Result r;
-  for (const devices::Event& event : trial.events) {
-    r.skittles_down += event.kind == "skittle_down";
-    if (event.kind == "release" && !r.release_speed) r.release_speed = event.value;
-    if (event.kind == "first_contact" && !r.impact_speed) r.impact_speed = event.value;
-  }
-  return r;
-}
-
 ordered_json to_json(const std::string& path, const devices::Trial& trial) {
   ordered_json out{{"trial", path},
                    {"format_version", trial.header.format_version},
@@ -145,7 +130,7 @@ ordered_json to_json(const std::string& path, const devices::Trial& trial) {
                              {"detail", event.detail}});
   }
   if (!trial.states.empty()) {
-    const Result r = result(trial);
+    const scene::Score r = scene::score(trial.events);
     out["result"] = {{"skittles", std::ranges::count_if(trial.header.body_names,
                                                         [](const std::string& name) {
                                                           return name.starts_with("skittle");
@@ -201,7 +186,7 @@ void print(const std::string& path, const devices::Trial& trial) {
     std::cout << "\n";
   }
   if (!trial.states.empty()) {
-    const Result r = result(trial);
+    const scene::Score r = scene::score(trial.events);
     std::cout << fmt::format("simulated\n  {} ticks, {} bodies, {} frames\n", trial.states.size(),
                              trial.states.back().bodies.size(), trial.frames.size())
               << fmt::format("  skittles down {}", r.skittles_down);

@@ -1,10 +1,6 @@
-#include <algorithm>
 #include <chrono>
-#include <condition_variable>
 #include <memory>
-#include <mutex>
 #include <optional>
-#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,22 +8,23 @@
 #include "apps/command.h"
 #include "apps/condition.h"
 #include "apps/options.h"
+#include "apps/quantile.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "devices/byte_stream.h"
 #include "devices/fastrak.h"
 #include "devices/lcm_link.h"
-#include "devices/log.h"
 #include "devices/mouse3d.h"
+#include "devices/sources.h"
 #include "devices/viewer_messages.h"
-#include "scene/spectator.h"
+#include "scene/eye_frames.h"
+#include "scene/totals.h"
+#include "scene/trial_writer.h"
 #include "scene/viewer.h"
 
 namespace headpin::apps {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
 
 struct Options {
   std::string lcm, fastrak, scenario, participant, eyes = "raw";
@@ -39,159 +36,54 @@ struct Options {
   Condition condition;
 };
 
-/// Several sources as one, each sample as soon as a replay would have it.
-class Sources : public devices::Source {
+/// Frames over LCM, raw or as PNG.
+class LcmEyes : public scene::FrameSink {
  public:
-  explicit Sources(std::vector<devices::Source*> sources) : sources_(std::move(sources)) {}
-  void poll(Time now, std::vector<devices::Sample>& out) override {
-    for (devices::Source* source : sources_) source->poll(now, waiting_);
-    std::ranges::stable_sort(waiting_, {}, devices::available);
-    const auto later = std::ranges::upper_bound(waiting_, now, {}, devices::available);
-    std::move(waiting_.begin(), later, std::back_inserter(out));
-    waiting_.erase(waiting_.begin(), later);
-  }
-  bool exhausted() const override {
-    return std::ranges::all_of(sources_, [](const auto* source) { return source->exhausted(); });
-  }
+  LcmEyes(const std::string& url, bool png, double pixel_aspect)
+      : link_(url), png_(png), pixel_aspect_(pixel_aspect) {}
 
- private:
-  std::vector<devices::Source*> sources_;
-  std::vector<devices::Sample> waiting_;
-};
-
-/// Frames wait for nobody: drawn in a thread of their own, one at a time; one that comes while
-/// another is drawn is late and dropped.
-class Painter {
- public:
-  struct Job {
-    std::int64_t frame = 0, tick = 0;
-    Time time{};
-    std::optional<Clock::time_point> sample;  ///< when the newest head sample in it arrived
-    scene::Glimpse glimpse;
-  };
-  struct Done {
-    devices::FrameRecord record;
-    std::optional<double> latency_ms;  ///< from that sample's arrival to the frame published
-  };
-
-  Painter(const scene::Scenario& scenario, const Options& options)
-      : thread_([this, scenario, options] { work(scenario, options); }) {
-    std::unique_lock lock(mutex_);
-    changed_.wait(lock, [this] { return ready_ || failure_; });
-  }
-  ~Painter() {
-    {
-      const std::lock_guard lock(mutex_);
-      closing_ = true;
-    }
-    changed_.notify_all();
-    thread_.join();
-  }
-
-  /// @return  whether the frame will be drawn
-  bool offer(Job job) {
-    {
-      const std::lock_guard lock(mutex_);
-      if (failure_) std::rethrow_exception(failure_);
-      if (job_ || busy_) return false;
-      job_ = std::move(job);
-    }
-    changed_.notify_all();
-    return true;
-  }
-
-  /// What was finished since the last call.
-  std::vector<Done> take_done() {
-    const std::lock_guard lock(mutex_);
-    return std::exchange(done_, {});
-  }
-
- private:
-  void work(const scene::Scenario& scenario, const Options& options) {
-    try {
-      scene::Spectator spectator =
-          scene::make_spectator(scenario, render::Quality{.samples = options.samples});
-      std::unique_ptr<devices::LcmLink> link;
-      if (options.use_lcm && options.eyes != "none") {
-        link = std::make_unique<devices::LcmLink>(options.lcm);
-        if (link->is_replay()) link.reset();
-      }
-      std::array<render::Image, 2> images;
-      scene::see(spectator, {.X_WD = {}, .X_WB_skittles = {}, .X_WB_ball = {}, .X_WH = {}},
-                 images);  // so that the first frame need not wait for shaders
-      std::unique_lock lock(mutex_);
-      ready_ = true;
-      changed_.notify_all();
-      for (;;) {
-        changed_.wait(lock, [this] { return job_ || closing_; });
-        if (!job_) return;
-        const Job job = std::move(*job_);
-        job_.reset();
-        busy_ = true;
-        lock.unlock();
-        Done done = paint(spectator, job, images, link.get(), options.eyes == "png");
-        lock.lock();
-        busy_ = false;
-        done_.push_back(std::move(done));
-      }
-    } catch (...) {
-      const std::lock_guard lock(mutex_);
-      failure_ = std::current_exception();
-      changed_.notify_all();
-    }
-  }
-
-  static Done paint(scene::Spectator& spectator, const Job& job,
-                    std::array<render::Image, 2>& images, devices::LcmLink* link, bool png) {
-    const auto views = scene::see(spectator, job.glimpse, images);
-    Done done;
-    done.record.time = job.time;
-    done.record.frame = job.frame;
-    done.record.tick = job.tick;
+  void add(const scene::EyeFrame& frame) override {
     std::array<std::vector<std::uint8_t>, 2> files;
-    for (std::size_t eye = 0; eye < 2; ++eye) {
-      done.record.X_WE[eye] = views[eye].X_WE;
-      done.record.hash[eye] = render::pixel_hash(images[eye]);
-      if (link && png)
-        files[eye] = render::encode_png(images[eye], spectator.optics.pixel_aspect());
+    for (std::size_t eye = 0; png_ && eye < 2; ++eye) {
+      files[eye] = render::encode_png(frame.images[eye], pixel_aspect_);
     }
-    if (link) {
-      link->publish({.sequence = static_cast<std::int32_t>(job.frame),
-                     .time = job.time,
-                     .width = images[0].width,
-                     .height = images[0].height,
-                     .png = png,
-                     .left = png ? files[0] : images[0].rgb,
-                     .right = png ? files[1] : images[1].rgb});
-    }
-    if (job.sample) {
-      done.latency_ms =
-          std::chrono::duration<double, std::milli>(Clock::now() - *job.sample).count();
-    }
-    return done;
+    link_.publish({.sequence = static_cast<std::int32_t>(frame.number),
+                   .time = frame.time,
+                   .width = frame.images[0].width,
+                   .height = frame.images[0].height,
+                   .png = png_,
+                   .left = png_ ? files[0] : frame.images[0].rgb,
+                   .right = png_ ? files[1] : frame.images[1].rgb});
   }
 
-  std::mutex mutex_;
-  std::condition_variable changed_;
-  std::optional<Job> job_;
-  std::vector<Done> done_;
-  std::exception_ptr failure_;
-  bool ready_ = false, busy_ = false, closing_ = false;
-  std::thread thread_;  // last, so that all it uses is there before it starts
+ private:
+  devices::LcmLink link_;
+  bool png_;
+  double pixel_aspect_;
 };
 
-struct Statistics {
-  std::int64_t samples = 0, frames = 0, late_frames = 0, overruns = 0;
-  std::vector<double> latencies_ms;
+/// The scene for Drake's viewer, at the frames' rate; whole every five seconds, for viewers that
+/// come later.
+class Viewer : public scene::Observer {
+ public:
+  explicit Viewer(devices::LcmLink& link) : link_(link) {}
 
-  double latency(double share) const {
-    if (latencies_ms.empty()) return 0.0;
-    std::vector<double> sorted = latencies_ms;
-    const auto at = sorted.begin() +
-                    static_cast<std::ptrdiff_t>(share * static_cast<double>(sorted.size() - 1));
-    std::nth_element(sorted.begin(), at, sorted.end());
-    return *at;
+  void start(const scene::Session& session) override { show(session, true); }
+  void tick(const scene::Session& session) override {
+    const std::int64_t fps = session.scenario().rates.frame_hz;
+    if (tick_time(frame_, fps) > session.now()) return;
+    show(session, frame_ % (5 * fps) == 0);
+    ++frame_;
   }
+
+ private:
+  void show(const scene::Session& session, bool whole) {
+    if (whole) link_.publish(scene::viewer_links(session));
+    link_.publish(session.now(), scene::viewer_poses(session));
+  }
+
+  devices::LcmLink& link_;
+  std::int64_t frame_ = 0;
 };
 
 /// Everything a live session holds.
@@ -201,23 +93,35 @@ struct Live {
   std::unique_ptr<devices::LcmSource> lcm;
   devices::FastrakDriver* fastrak = nullptr;  ///< within `tracker`
   std::unique_ptr<devices::Source> tracker;   ///< the Fastrak, its stylus switch as the trigger
-  std::unique_ptr<devices::Recorder> recorder;
-  Statistics statistics;
+  std::unique_ptr<scene::TrialWriter> writer;
+  scene::Totals totals;
+  std::unique_ptr<scene::RealTime> pace;
+  std::unique_ptr<scene::FramesBeside> eyes;
+  std::int64_t samples = 0, frames = 0;
+  std::vector<double> latencies_s;
+};
+
+/// Takes note of what was drawn and says every ten seconds how the session goes.
+class Reporter : public scene::Observer {
+ public:
+  explicit Reporter(Live& live) : live_(live) {}
+  void tick(const scene::Session& session) override;
+  void take_frames();
+
+ private:
+  Live& live_;
+  Time next_line_{10'000'000};
 };
 
 nlohmann::json summary(const Live& live) {
-  const Statistics& s = live.statistics;
-  nlohmann::json j = {
-      {"duration_s", seconds(live.session.now())},
-      {"ticks", live.session.world.tick},
-      {"samples", s.samples},
-      {"frames", s.frames},
-      {"late_frames", s.late_frames},
-      {"overruns", s.overruns},
-      {"latency_median_s", 1e-3 * s.latency(0.5)},
-      {"latency_p99_s", 1e-3 * s.latency(0.99)},
-      {"skittles_down", live.session.score.skittles_down()},
-      {"state_hash", fmt::format("{:016x}", engine::state_hash(live.session.world))}};
+  nlohmann::json j = scene::summary(live.session, live.totals.score());
+  j["duration_s"] = seconds(live.session.now());
+  j["samples"] = live.samples;
+  j["frames"] = live.frames;
+  j["late_frames"] = live.eyes->late();
+  j["overruns"] = live.pace->overruns();
+  j["latency_median_s"] = quantile(live.latencies_s, 0.5);
+  j["latency_p99_s"] = quantile(live.latencies_s, 0.99);
   j["dropped_samples"] = live.lcm ? live.lcm->counts().dropped : 0;
   if (live.fastrak) {
     const devices::FastrakStatistics& f = live.fastrak->statistics();
@@ -237,30 +141,58 @@ std::string fastrak_report(const devices::FastrakDriver& fastrak) {
 }
 
 void print_line(const Live& live) {
-  const Statistics& s = live.statistics;
   fmt::print(stderr,
              "{:7.1f} s  {} samples, {} frames ({} late), sample to frame {:.1f} ms median, {:.1f} "
              "ms p99, {} dropped, {} overruns, {} skittles down{}\n",
-             seconds(live.session.now()), s.samples, s.frames, s.late_frames, s.latency(0.5),
-             s.latency(0.99), live.lcm ? live.lcm->counts().dropped : 0, s.overruns,
-             live.session.score.skittles_down(), live.fastrak ? fastrak_report(*live.fastrak) : "");
+             seconds(live.session.now()), live.samples, live.frames, live.eyes->late(),
+             1e3 * quantile(live.latencies_s, 0.5), 1e3 * quantile(live.latencies_s, 0.99),
+             live.lcm ? live.lcm->counts().dropped : 0, live.pace->overruns(),
+             live.totals.score().skittles_down, live.fastrak ? fastrak_report(*live.fastrak) : "");
 }
 
-void publish_scene(Live& live, bool whole) {
-  if (!live.link || live.link->is_replay()) return;
-  if (whole) live.link->publish(scene::viewer_links(live.session));
-  live.link->publish(live.session.now(), scene::viewer_poses(live.session));
+void Reporter::take_frames() {
+  for (const scene::FramesBeside::Done& done : live_.eyes->take_done()) {
+    ++live_.frames;
+    if (done.latency_s) live_.latencies_s.push_back(*done.latency_s);
+    if (live_.writer) live_.writer->write(done.record);
+  }
 }
 
-/// One tick, and all that is said and written about it.
-void run_tick(Live& live, Sources& sources, devices::TickState& state) {
-  scene::advance(live.session, sources);
-  live.statistics.samples += static_cast<std::int64_t>(live.session.samples.size());
-  if (!live.recorder) return;
-  for (const devices::Sample& sample : live.session.samples) live.recorder->write(sample);
-  for (const devices::Event& event : live.session.events) live.recorder->write(event);
-  scene::tick_state(live.session, state);
-  live.recorder->write(state);
+void Reporter::tick(const scene::Session& session) {
+  live_.samples += static_cast<std::int64_t>(session.samples.size());
+  take_frames();
+  if (session.now() < next_line_) return;
+  print_line(live_);
+  next_line_ += Time{10'000'000};
+}
+
+std::unique_ptr<devices::FastrakDriver> open_fastrak(const Options& options) {
+  devices::FastrakOptions unit;
+  unit.baud = options.baud;
+  for (const std::string& hemisphere : options.hemispheres) {
+    try {
+      devices::read_zenith(hemisphere, unit.zenith);
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(error.what());
+    }
+  }
+  return std::make_unique<devices::FastrakDriver>(
+      devices::open_serial(options.fastrak, options.baud), unit);
+}
+
+std::unique_ptr<scene::FramesBeside> open_eyes(const Options& options,
+                                               std::shared_ptr<const scene::Stage> stage,
+                                               bool publish) {
+  return std::make_unique<scene::FramesBeside>(scene::FramesBeside::Makers{
+      .eyes =
+          [stage, samples = options.samples] {
+            return scene::open_eyes(*stage, render::Quality{.samples = samples});
+          },
+      .sink = [url = options.lcm, how = options.eyes,
+               publish](const scene::Eyes& eyes) -> std::unique_ptr<scene::FrameSink> {
+        if (!publish || how == "none") return nullptr;
+        return std::make_unique<LcmEyes>(url, how == "png", eyes.optics.pixel_aspect());
+      }});
 }
 
 Live open(const Options& options) {
@@ -274,33 +206,21 @@ Live open(const Options& options) {
     live.lcm = std::make_unique<devices::LcmSource>(*live.link);
   }
   if (!options.fastrak.empty()) {
-    devices::FastrakOptions unit;
-    unit.baud = options.baud;
-    for (const std::string& hemisphere : options.hemispheres) {
-      try {
-        devices::read_zenith(hemisphere, unit.zenith);
-      } catch (const std::invalid_argument& error) {
-        throw UsageError(error.what());
-      }
-    }
-    auto driver = std::make_unique<devices::FastrakDriver>(
-        devices::open_serial(options.fastrak, options.baud), unit);
+    auto driver = open_fastrak(options);
     live.fastrak = driver.get();
     live.tracker = std::make_unique<devices::StylusMouse>(std::move(driver));
   }
   if (options.record) {
     devices::TrialHeader header;
     header.participant = options.participant;
-    header.scenario = scene::to_toml(scenario);
-    header.body_names = scene::body_names(live.session);
     const Time epoch =
         std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
-    live.recorder =
-        std::make_unique<devices::Recorder>(*options.record, header,
-                                            devices::Recorder::Options{.overwrite = options.force,
-                                                                       .live = true,
-                                                                       .inputs = {options.scenario},
-                                                                       .epoch = epoch});
+    live.writer = std::make_unique<scene::TrialWriter>(
+        *options.record, header, live.session,
+        devices::Recorder::Options{.overwrite = options.force,
+                                   .live = true,
+                                   .inputs = {options.scenario},
+                                   .epoch = epoch});
   }
   return live;
 }
@@ -311,71 +231,30 @@ void run(const Options& options) {
   }
   watch_stop_signals();
   Live live = open(options);
-  const scene::Scenario& scenario = live.session.scenario;
   std::vector<devices::Source*> list;
   if (live.lcm) list.push_back(live.lcm.get());
   if (live.tracker) list.push_back(live.tracker.get());
-  Sources sources(list);
-  Painter painter(scenario, options);
+  devices::MergedSource source(list);
 
-  const std::int64_t rate = scenario.rates.physics_hz, fps = scenario.rates.frame_hz;
+  const bool publish = live.link && !live.link->is_replay();
+  live.eyes = open_eyes(options, live.session.stage, publish);
+  std::vector<scene::Observer*> observers = {&live.totals};
+  if (live.writer) observers.push_back(live.writer.get());
+  observers.push_back(live.eyes.get());
+  std::optional<Viewer> viewer;
+  if (publish) observers.push_back(&viewer.emplace(*live.link));
+  Reporter reporter(live);
+  observers.push_back(&reporter);
+
   const Time end = microseconds(options.duration_s.value_or(0.0));
-  const Clock::time_point start = Clock::now();
-  devices::TickState state;
-  std::int64_t frame = 0;
-  std::optional<Time> newest, shown;  // arrival of the head sample at hand, and in the last frame
-  Time since{};                       // when the session got the newest
-  Time lead{};  // of the frames' clock: brings them close behind the head's samples
-  Time next_line{10'000'000};
-  publish_scene(live, true);
-  const auto over = [&] {  // at the end of a log there is nothing more to come
-    return (end != Time{} && live.session.now() >= end) ||
-           (live.lcm && live.lcm->exhausted() && !live.tracker);
-  };
-  while (stop_signal() == 0 && !over()) {
-    const Time due = tick_time(live.session.world.tick + 1, rate);
-    std::this_thread::sleep_until(start + due);
-    const Clock::time_point woken = Clock::now();
-    // A tick that begins more than one tick late is an overrun; it is made all the same.
-    if (woken - (start + due) > std::chrono::microseconds(1'000'000 / rate))
-      ++live.statistics.overruns;
-    if (live.lcm) live.lcm->receive(due);
-    run_tick(live, sources, state);
-
-    if (live.session.player.head_arrival != newest) {
-      newest = live.session.player.head_arrival;
-      since = live.session.now();
-    }
-    if (tick_time(frame, fps) - lead <= live.session.now()) {
-      const std::optional<Pose> X_WD = scene::head_pose(live.session);
-      if (X_WD) {
-        Painter::Job job{frame,
-                         live.session.world.tick,
-                         live.session.now(),
-                         {},
-                         scene::glimpse(live.session, *X_WD)};
-        if (newest != shown) {
-          job.sample = start + *newest;  // latency is that of fresh samples
-          const Time tick = tick_time(1, rate);
-          if (live.session.now() - since > tick) lead += tick;
-        }
-        shown = newest;
-        if (!painter.offer(std::move(job))) ++live.statistics.late_frames;
-      }
-      publish_scene(live, frame % (5 * fps) == 0);  // for viewers that come later
-      ++frame;
-    }
-    for (const Painter::Done& done : painter.take_done()) {
-      ++live.statistics.frames;
-      if (done.latency_ms) live.statistics.latencies_ms.push_back(*done.latency_ms);
-      if (live.recorder) live.recorder->write(done.record);
-    }
-    if (live.session.now() >= next_line) {
-      print_line(live);
-      next_line += Time{10'000'000};
-    }
-  }
-  if (live.recorder) live.recorder->close();
+  live.pace =
+      std::make_unique<scene::RealTime>(tick_time(1, live.session.scenario().rates.physics_hz));
+  live.eyes->begin(live.pace->start());
+  scene::run(live.session, source, *live.pace, observers, [&](const scene::Session& s) {
+    return stop_signal() != 0 || (end != Time{} && s.now() >= end) || source.exhausted();
+  });
+  reporter.take_frames();
+  if (live.writer) live.writer->close(live.session);
   print_line(live);
   if (options.json) print_json(summary(live));
 }

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <string>
 
+#include "scene/run.h"
+
 namespace headpin::apps {
 
 /// One line on a terminal that says how far a long job is and when it will end; silent in a pipe.
@@ -23,6 +25,16 @@ class Progress {
   std::int64_t total_;
   bool terminal_;
   std::chrono::steady_clock::time_point start_, shown_;
+};
+
+/// The same for the ticks of a session.
+class ProgressLine : public scene::Observer {
+ public:
+  ProgressLine(std::string what, std::int64_t total) : progress_(std::move(what), total) {}
+  void tick(const scene::Session& session) override { progress_.show(session.tick); }
+
+ private:
+  Progress progress_;
 };
 
 }  // namespace headpin::apps

@@ -1,4 +1,3 @@
-#include <chrono>
 #include <memory>
 #include <optional>
 
@@ -9,11 +8,13 @@
 #include "apps/condition.h"
 #include "apps/options.h"
 #include "apps/progress.h"
-#include "apps/simulate.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "devices/log.h"
-#include "devices/version.h"
+#include "devices/sources.h"
+#include "scene/recorded.h"
+#include "scene/totals.h"
+#include "scene/trial_writer.h"
+#include "scene/verifier.h"
 
 namespace headpin::apps {
 
@@ -25,58 +26,6 @@ struct Options {
   Condition condition;
   bool verify = false, force = false, json = false;
 };
-
-/// Energy that each phase of the steps has added [J]; together the change of the whole.
-nlohmann::json ledger(const engine::World& world) {
-  const engine::Ledger& l = world.ledger;
-  return {{"gravity_j", l.gravity.energy},
-          {"hand_j", l.hand.energy},
-          {"impact_j", l.impact.energy},
-          {"sustained_j", l.sustained.energy},
-          {"correction_j", l.correction.energy}};
-}
-
-/// Caps, counts and residuals of all steps.
-nlohmann::json counts(const engine::Statistics& s) {
-  return {{"pairs", s.pairs},
-          {"contacts", s.contacts},
-          {"queries", s.queries.queries},
-          {"query_iterations", s.queries.iterations},
-          {"capped_queries", s.queries.capped},
-          {"impacts", s.impacts},
-          {"impact_sweeps", s.impact_sweeps},
-          {"unfinished_impacts", s.unfinished_impacts},
-          {"pulling_impulses", s.pulls},
-          {"solver_iterations", s.solver_iterations},
-          {"unsolved_islands", s.unsolved},
-          {"largest_residual_mps", s.residual},
-          {"deepest_overlap_m", s.deepest_overlap}};
-}
-
-/// What a replay comes to, as `--json` prints it.
-nlohmann::json summary(const scene::Session& s, double wall_s) {
-  const scene::Scenario& scenario = s.scenario;
-  const auto number = [](const std::optional<double>& value) {
-    return value ? nlohmann::json(*value) : nlohmann::json();
-  };
-  const double simulated_s = seconds(s.now());
-  return {{"version", devices::software_version()},
-          {"elasticity", common_value(scenario.material, &scene::Material::elasticity)},
-          {"friction", common_value(scenario.material, &scene::Material::friction)},
-          {"shape", scenario.collision.shape},
-          {"response", scenario.collision.response},
-          {"detection", scenario.collision.detection},
-          {"skittles", s.score.down.size()},
-          {"skittles_down", s.score.skittles_down()},
-          {"release_speed_mps", number(s.score.release_speed)},
-          {"impact_speed_mps", number(s.score.impact_speed)},
-          {"simulated_s", simulated_s},
-          {"realtime_factor", simulated_s / wall_s},
-          {"ticks", s.world.tick},
-          {"ledger", ledger(s.world)},
-          {"statistics", counts(s.statistics)},
-          {"state_hash", fmt::format("{:016x}", engine::state_hash(s.world))}};
-}
 
 std::string readable(const nlohmann::json& value, const char* unit) {
   if (value.is_null()) return "-";
@@ -103,53 +52,40 @@ void print(const nlohmann::json& s) {
 }
 
 void run(const Options& options) {
-  LoadedTrial loaded = load_trial(options.trial);
-  apply(options.condition, loaded.scenario);
-  scene::Session session = scene::make_session(loaded.scenario);
+  scene::Recorded recorded = scene::load_trial(options.trial);
+  const devices::Trial& trial = recorded.trial;
+  apply(options.condition, recorded.scenario);
+  scene::Session session = scene::make_session(recorded.scenario);
+  const std::int64_t ticks = scene::tick_count(trial, recorded.scenario.rates.physics_hz);
 
-  std::unique_ptr<devices::Recorder> recorder;
+  scene::Stopwatch stopwatch;
+  scene::Totals totals;
+  ProgressLine progress("ticks", ticks);
+  std::optional<scene::TrialWriter> writer;
+  std::optional<scene::Verifier> verifier;
+  std::vector<scene::Observer*> observers = {&stopwatch, &totals};
   if (options.output) {
-    devices::TrialHeader header = loaded.trial.header;
-    header.scenario = scene::to_toml(loaded.scenario);
-    header.body_names = scene::body_names(session);
-    recorder = std::make_unique<devices::Recorder>(
-        *options.output, header,
+    writer.emplace(
+        *options.output, trial.header, session,
         devices::Recorder::Options{.overwrite = options.force, .inputs = {options.trial}});
-    for (const devices::Event& event : loaded.trial.events) {
-      if (event.tick < 0) recorder->write(event);  // what was found before any simulation
+    for (const devices::Event& event : trial.events) {
+      if (event.tick < 0) writer->write(event);  // what was found before any simulation
     }
+    observers.push_back(&*writer);
   }
-  std::optional<Verifier> verifier;
-  if (options.verify) verifier.emplace(loaded.trial, session);
+  if (options.verify) observers.push_back(&verifier.emplace(trial.states, session));
+  observers.push_back(&progress);
+
   watch_stop_signals();
-
-  Progress progress("ticks", tick_count(loaded.trial, loaded.scenario));
-  devices::TickState state;
-  std::chrono::steady_clock::duration spent{};  // in the simulation alone
-  auto start = std::chrono::steady_clock::now();
-  simulate(session, loaded.trial, [&](const scene::Session& s) {
-    spent += std::chrono::steady_clock::now() - start;
-    if (recorder || verifier) scene::tick_state(s, state);
-    if (recorder) {
-      for (const devices::Sample& sample : s.samples) recorder->write(sample);
-      for (const devices::Event& event : s.events) recorder->write(event);
-      recorder->write(state);
-    }
-    if (verifier) verifier->compare(state);
-    progress.show(s.world.tick);
+  devices::ReplaySource source(trial.samples);
+  scene::run(session, source, stopwatch, observers, [&](const scene::Session& s) {
     check_stop();
-    start = std::chrono::steady_clock::now();
+    return s.tick >= ticks;
   });
-  if (recorder) {
-    recorder->write(devices::Event{.time = session.now(),
-                                   .tick = session.world.tick,
-                                   .kind = "ledger",
-                                   .bodies = {},
-                                   .detail = ledger(session.world).dump()});
-    recorder->close();
-  }
+  if (writer) writer->close(session);
 
-  nlohmann::json result = summary(session, std::chrono::duration<double>(spent).count());
+  nlohmann::json result = scene::summary(session, totals.score());
+  result["realtime_factor"] = seconds(session.now()) / stopwatch.spent_s();
   if (verifier) result["verified_ticks"] = verifier->compared();
   if (options.json) {
     print_json(result);
@@ -157,7 +93,7 @@ void run(const Options& options) {
     print(result);
     if (verifier)
       fmt::print("{:<18}{} ticks equal the recording\n", "verified", verifier->compared());
-    if (recorder) fmt::print("{:<18}{}\n", "written", *options.output);
+    if (writer) fmt::print("{:<18}{}\n", "written", *options.output);
   }
 }
 

@@ -27,7 +27,9 @@ void watch_stop_signals() {
     struct sigaction old {
     }, watch{};
     sigaction(number, nullptr, &old);
-    if (old.sa_handler == SIG_IGN) continue;
+    // A shell without job control starts what is behind an & with SIGINT ignored; whoever sends one
+    // to it all the same means it.
+    if (number == SIGHUP && old.sa_handler == SIG_IGN) continue;
     // No SA_RESTART, so that who waits is woken; the second one takes its usual course.
     watch.sa_handler = [](int signal) { came = signal; };
     watch.sa_flags = static_cast<int>(SA_RESETHAND);

@@ -9,11 +9,13 @@
 
 #include "apps/command.h"
 #include "apps/options.h"
+#include "apps/quantile.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "devices/lcm_link.h"
 #include "devices/log.h"
-#include "scene/scenario.h"
+#include "devices/sources.h"
+#include "scene/player.h"
 
 namespace headpin::apps {
 namespace {
@@ -31,26 +33,14 @@ struct Options {
 void publish_pose(devices::LcmLink& link, const scene::Rig& rig, const devices::Sample& sample) {
   const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
   if (!tracker || !tracker->good()) return;
-  const Pose X_WS = rig.X_WT * tracker->X_TS;
-  if (tracker->station == devices::kHeadStation) {
+  const Pose X_WS = scene::sensor_in_world(*tracker, rig);
+  if (tracker->station == rig.head_station) {
     link.publish_pose("HEAD_POSE", tracker->device_time, X_WS * rig.X_SD);
   }
-  if (tracker->station == devices::kHandStation) {
+  if (tracker->station == rig.hand_station) {
     link.publish_pose("HAND_POSE", tracker->device_time, X_WS * rig.X_SH);
   }
 }
-
-/// How late what was published left us, in milliseconds.
-struct Lateness {
-  std::vector<double> ms;
-
-  double quantile(double part) {
-    if (ms.empty()) return 0.0;
-    const auto at = static_cast<std::ptrdiff_t>(part * static_cast<double>(ms.size() - 1));
-    std::ranges::nth_element(ms, ms.begin() + at);
-    return ms[static_cast<std::size_t>(at)];
-  }
-};
 
 void run(const Options& options) {
   const devices::Trial trial = devices::read_trial(options.trial);
@@ -65,7 +55,7 @@ void run(const Options& options) {
   link.publish(trial.header);
   const Time begin = devices::available(samples.front());
   const Clock::time_point start = Clock::now();
-  Lateness lateness;
+  std::vector<double> lateness_ms;  // of what was published
   std::size_t sent = 0;
   for (; sent < samples.size() && stop_signal() == 0; ++sent) {
     const devices::Sample& sample = samples[sent];
@@ -78,7 +68,7 @@ void run(const Options& options) {
       while (stop_signal() == 0 && Clock::now() + kNap < due) std::this_thread::sleep_for(kNap);
       if (stop_signal() != 0) break;
       std::this_thread::sleep_until(due);
-      lateness.ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - due).count());
+      lateness_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - due).count());
     }
     link.publish(sample);
     publish_pose(link, rig, sample);
@@ -97,16 +87,16 @@ void run(const Options& options) {
     print_json({{"samples", sent},
                 {"complete", sent == samples.size()},
                 {"duration_s", took},
-                {"lateness_median_ms", lateness.quantile(0.5)},
-                {"lateness_p99_ms", lateness.quantile(0.99)},
-                {"lateness_max_ms", lateness.quantile(1.0)}});
+                {"lateness_median_ms", quantile(lateness_ms, 0.5)},
+                {"lateness_p99_ms", quantile(lateness_ms, 0.99)},
+                {"lateness_max_ms", quantile(lateness_ms, 1.0)}});
     return;
   }
   std::cout << fmt::format("{} of {} samples in {:.3f} s", sent, samples.size(), took);
-  if (!lateness.ms.empty()) {
+  if (!lateness_ms.empty()) {
     std::cout << fmt::format("; late by {:.3f} ms (median), {:.3f} ms (99 %), {:.3f} ms at most",
-                             lateness.quantile(0.5), lateness.quantile(0.99),
-                             lateness.quantile(1.0));
+                             quantile(lateness_ms, 0.5), quantile(lateness_ms, 0.99),
+                             quantile(lateness_ms, 1.0));
   }
   std::cout << "\n";
 }

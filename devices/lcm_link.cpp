@@ -16,6 +16,7 @@
 #include "devices/event_log.h"
 #include "devices/log.h"
 #include "devices/messages.h"
+#include "devices/sources.h"
 
 namespace headpin::devices {
 
@@ -275,7 +276,12 @@ void LcmSource::take(std::string_view channel, std::span<const std::uint8_t> byt
   if (const auto* tracker = std::get_if<TrackerSample>(&*message)) sample = *tracker;
   if (const auto* mouse = std::get_if<MouseSample>(&*message)) sample = *mouse;
   ++counts_.received;
-  std::visit([&](auto& s) { stamp(s); }, sample);
+  std::visit(
+      [&](auto& s) {
+        stamp(s);
+        s.session_time = Time{};  // another session's, if any
+      },
+      sample);
   waiting_.push_back(std::move(sample));
   if (waiting_.size() > queue_) {
     waiting_.pop_front();
@@ -336,6 +342,7 @@ Time LcmSource::carried_over(Publisher& publisher, Time theirs) {
 }
 
 void LcmSource::poll(Time now, std::vector<Sample>& out) {
+  receive(now);
   polled_ = std::max(polled_, now);
   std::ranges::stable_sort(waiting_, {}, available);
   for (; !waiting_.empty() && available(waiting_.front()) <= now; waiting_.pop_front()) {

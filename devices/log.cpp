@@ -14,6 +14,7 @@
 
 #include "devices/event_log.h"
 #include "devices/messages.h"
+#include "devices/sources.h"
 #include "devices/version.h"
 #include "files/output_file.h"
 
@@ -126,24 +127,6 @@ Trial read_trial(const std::string& path) {
                              std::to_string(kFormatVersion));
   }
   return trial;
-}
-
-Time available(const Sample& sample) {
-  return std::visit(
-      [](const auto& s) {
-        return std::max({s.device_time, s.host_time, s.session_time});
-      },
-      sample);
-}
-
-ReplaySource::ReplaySource(std::vector<Sample> samples) : samples_(std::move(samples)) {
-  std::ranges::stable_sort(samples_, {}, available);
-}
-
-void ReplaySource::poll(Time now, std::vector<Sample>& out) {
-  for (; next_ < samples_.size() && available(samples_[next_]) <= now; ++next_) {
-    out.push_back(samples_[next_]);
-  }
 }
 
 struct Recorder::File {

@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "devices/source.h"
 #include "devices/trial.h"
 
 /// A trial on disk: one LCM event log, NAME.lcmlog, that lcm-logplayer can play.
@@ -22,36 +21,15 @@ Trial read_trial(const std::string& path);
 
 /// Reads whatever a log holds, header or not.
 ///
-/// A sample that was available before a state, but stands behind it, reached the session only then,
-/// as one does whose first byte came in one tick and whose last in the next. Its `session_time` is
-/// put just behind the state's.
+/// Samples of a session say themselves when it got them. In logs from before they did, one that
+/// stands behind a state although it was there before it reached the session only then; its
+/// `session_time` is put just behind the state's.
 ///
 /// @throws std::runtime_error  when there is no such file or no event in it
 Trial read_log(const std::string& path);
 
 /// The same from the bytes of a log; never throws for what is in them.
 Trial read_log(std::span<const std::uint8_t> bytes);
-
-/// When a session may know of a sample: when it arrived, or when it was measured if it never
-/// crossed a wire, or when a recorded session got it. Live and replayed sessions hand samples out
-/// by this one rule.
-Time available(const Sample& sample);
-
-/// A recording as a source: hands out the samples of a trial by the time they were available.
-class ReplaySource : public Source {
- public:
-  explicit ReplaySource(std::vector<Sample> samples);
-
-  void poll(Time now, std::vector<Sample>& out) override;
-  bool exhausted() const override { return next_ == samples_.size(); }
-
-  /// When the last sample becomes available; 0 without any.
-  Time end() const { return samples_.empty() ? Time{} : available(samples_.back()); }
-
- private:
-  std::vector<Sample> samples_;
-  std::size_t next_ = 0;
-};
 
 /// Writes a trial through liblcm's event log, each message whole before the next begins.
 ///

@@ -7,8 +7,10 @@
 #include <headpin/event_t.hpp>
 #include <headpin/frame_t.hpp>
 #include <headpin/mouse3d_t.hpp>
+#include <headpin/mouse3d_v1_t.hpp>
 #include <headpin/state_t.hpp>
 #include <headpin/tracked_device_t.hpp>
+#include <headpin/tracked_device_v1_t.hpp>
 #include <headpin/trial_t.hpp>
 
 namespace headpin::devices {
@@ -116,31 +118,52 @@ std::optional<Message> decode_header(std::span<const std::uint8_t> bytes) {
   return header;
 }
 
-std::optional<Message> decode_tracker(std::span<const std::uint8_t> bytes) {
-  const auto m = decode_as<tracked_device_t>(
-      "llli"
-      "lll"
-      "llll"
-      "bis",
-      bytes);
-  if (!m) return std::nullopt;
+/// What both versions of the type have.
+template <typename Lcm>
+TrackerSample tracker_sample(const Lcm& m) {
   TrackerSample sample;
-  sample.device_time = Time{m->device_utime};
-  sample.host_time = Time{m->host_utime};
-  sample.sequence = m->sequence;
-  sample.station = m->station;
-  sample.X_TS = pose(m->position, m->quaternion);
-  sample.status = static_cast<char>(m->status);
-  sample.buttons = static_cast<std::uint8_t>(m->buttons);
-  sample.frame = m->frame;
+  sample.device_time = Time{m.device_utime};
+  sample.host_time = Time{m.host_utime};
+  sample.sequence = m.sequence;
+  sample.station = m.station;
+  sample.X_TS = pose(m.position, m.quaternion);
+  sample.status = static_cast<char>(m.status);
+  sample.buttons = static_cast<std::uint8_t>(m.buttons);
+  sample.frame = m.frame;
+  return sample;
+}
+
+std::optional<Message> decode_tracker(std::span<const std::uint8_t> bytes) {
+  if (const auto m = decode_as<tracked_device_t>("lllilllllllbisl", bytes)) {
+    TrackerSample sample = tracker_sample(*m);
+    sample.session_time = Time{m->session_utime};
+    return sample;
+  }
+  const auto v1 = decode_as<tracked_device_v1_t>("lllilllllllbis", bytes);
+  if (!v1) return std::nullopt;
+  return tracker_sample(*v1);
+}
+
+template <typename Lcm>
+MouseSample mouse_sample(const Lcm& m) {
+  MouseSample sample;
+  sample.device_time = Time{m.device_utime};
+  sample.host_time = Time{m.host_utime};
+  sample.left_thumb = m.left_thumb != 0;
+  sample.right_thumb = m.right_thumb != 0;
+  sample.trigger = m.trigger != 0;
   return sample;
 }
 
 std::optional<Message> decode_mouse(std::span<const std::uint8_t> bytes) {
-  const auto m = decode_as<mouse3d_t>("llbbb", bytes);
-  if (!m) return std::nullopt;
-  return MouseSample{Time{m->device_utime}, Time{m->host_utime}, m->left_thumb != 0,
-                     m->right_thumb != 0, m->trigger != 0};
+  if (const auto m = decode_as<mouse3d_t>("llbbbl", bytes)) {
+    MouseSample sample = mouse_sample(*m);
+    sample.session_time = Time{m->session_utime};
+    return sample;
+  }
+  const auto v1 = decode_as<mouse3d_v1_t>("llbbb", bytes);
+  if (!v1) return std::nullopt;
+  return mouse_sample(*v1);
 }
 
 std::optional<Message> decode_event(std::span<const std::uint8_t> bytes) {
@@ -196,6 +219,11 @@ bool plausible_time(Time time) {
   return -kLimit < time && time < kLimit;
 }
 
+bool plausible_times(const auto& sample) {
+  return plausible_time(sample.device_time) && plausible_time(sample.host_time) &&
+         plausible_time(sample.session_time);
+}
+
 bool plausible_pose(const Pose& pose) {
   return pose.p.allFinite() && std::abs(pose.q.norm() - 1.0) < 1e-3;
 }
@@ -204,12 +232,10 @@ struct Plausible {
   bool operator()(const TrialHeader&) const { return true; }
   bool operator()(const TrackerSample& s) const {
     constexpr std::int64_t kMostSamples = 1'000'000'000'000'000;
-    return plausible_time(s.device_time) && plausible_time(s.host_time) && plausible_pose(s.X_TS) &&
-           s.sequence >= 0 && s.sequence < kMostSamples;
+    return plausible_times(s) && plausible_pose(s.X_TS) && s.sequence >= 0 &&
+           s.sequence < kMostSamples;
   }
-  bool operator()(const MouseSample& s) const {
-    return plausible_time(s.device_time) && plausible_time(s.host_time);
-  }
+  bool operator()(const MouseSample& s) const { return plausible_times(s); }
   bool operator()(const Event& e) const {
     return plausible_time(e.time) && e.p_W.allFinite() && e.j_W.allFinite() &&
            std::isfinite(e.value);
@@ -251,6 +277,7 @@ void encode(const TrackerSample& sample, Buffer& out) {
   m.status = static_cast<std::int8_t>(sample.status);
   m.buttons = sample.buttons;
   m.frame = sample.frame;
+  m.session_utime = sample.session_time.count();
   encode_as(m, out);
 }
 
@@ -261,6 +288,7 @@ void encode(const MouseSample& sample, Buffer& out) {
   m.left_thumb = sample.left_thumb;
   m.right_thumb = sample.right_thumb;
   m.trigger = sample.trigger;
+  m.session_utime = sample.session_time.count();
   encode_as(m, out);
 }
 

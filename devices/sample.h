@@ -13,12 +13,12 @@ struct TrackerSample {
   Time device_time{};         ///< when it was measured, on the session's clock
   Time host_time{};           ///< when its first byte reached us; 0 if it never crossed a wire
   std::int64_t sequence = 0;  ///< counts up per station; a hole is a dropped sample
-  std::int32_t station = 1;   ///< 1..4; headpin has the head on 1 and the hand on 2
+  std::int32_t station = 1;   ///< 1..4
   Pose X_TS;                  ///< sensor in the transmitter's frame [m]
   char status = ' ';          ///< ' ' good, else the Fastrak's error letter
   std::uint8_t buttons = 0;   ///< bit 0: stylus switch
   std::string frame = "T";    ///< frame the pose is given in; "T" the transmitter
-  Time session_time{};        ///< when a recorded session got it, if later than both; see read_log
+  Time session_time{};        ///< of the tick at which a session got it; 0 outside one
 
   bool good() const { return status == ' '; }
 };
@@ -39,6 +39,7 @@ inline Time device_time(const Sample& sample) {
   return std::visit([](const auto& s) { return s.device_time; }, sample);
 }
 
+// Where headpin's own units have them; a scenario's rig says what is worn where.
 constexpr std::int32_t kHeadStation = 1;
 constexpr std::int32_t kHandStation = 2;
 

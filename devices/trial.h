@@ -32,7 +32,7 @@ constexpr std::int32_t kFormatVersion = 1;
 struct Event {
   Time time{};
   std::int64_t tick = -1;  ///< of the simulation; -1 outside it
-  std::string kind;        ///< "grab", "release", "first_contact", "skittle_down", ...
+  std::string kind;        ///< see scene/events.h
   std::vector<std::string> bodies;
   Vec3 p_W = Vec3::Zero();  ///< where [m]
   Vec3 j_W = Vec3::Zero();  ///< impulse on the first body [N s]
@@ -42,9 +42,6 @@ struct Event {
 
 /// Kind of the last event of a finished log; its value counts the messages before it.
 constexpr const char* kEndEvent = "end";
-/// Kinds that mark what was found in a recording without buttons.
-constexpr const char* kGrabFoundEvent = "grab_found";
-constexpr const char* kReleaseFoundEvent = "release_found";
 
 struct BodyState {
   Pose X_WB;

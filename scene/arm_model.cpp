@@ -255,7 +255,8 @@ std::vector<devices::Sample> sense(const ThrowMotion& motion, const Rig& rig, st
     sample.device_time = tick_time(cycle, 120);
     sample.host_time = sample.device_time + noise.latency;
     sample.sequence = cycle / 2;
-    sample.station = cycle % 2 == 0 ? devices::kHeadStation : devices::kHandStation;
+    sample.station =
+        static_cast<std::int32_t>(cycle % 2 == 0 ? rig.head_station : rig.hand_station);
     const Pose X_WS = cycle % 2 == 0 ? motion.head(sample.device_time) * X_DS
                                      : motion.hand(sample.device_time) * X_HS;
     sample.X_TS = X_TW * X_WS;

@@ -4,7 +4,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "scene/looks.h"
+#include "scene/room.h"
 
 namespace headpin::scene {
 
@@ -38,14 +38,6 @@ engine::Polyhedron box(const Vec3& half) {
           {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
 }
 
-/// A skittle's shape about its centre of mass, for the mass its scenario gives it.
-engine::Centred centred_skittle(const Scenario& scenario) {
-  const engine::Compound shape = skittle_shape(scenario.skittle, scenario.collision.shape);
-  const double volume = engine::mass_properties(shape, 1.0).mass;
-  return engine::about_centre(shape,
-                              engine::mass_properties(shape, scenario.skittle.mass / volume));
-}
-
 }  // namespace
 
 engine::Compound skittle_shape(const Skittle& skittle, const std::string& shape) {
@@ -64,17 +56,17 @@ engine::Compound skittle_shape(const Skittle& skittle, const std::string& shape)
   return engine::make_compound(std::move(parts));
 }
 
-engine::Body skittle_body(const Scenario& scenario) {
-  const engine::Centred centred = centred_skittle(scenario);
-  return {.name = "skittle",
-          .shape = centred.compound,
-          .mass = centred.mass,
-          .inertia = centred.inertia.asDiagonal(),
-          .material = surface(scenario.material.skittle, scenario.skittle.rolling_arm)};
-}
-
-double centre_height(const Scenario& scenario) {
-  return centred_skittle(scenario).X_BC.p.z();
+SkittleBody skittle_body(const Scenario& scenario) {
+  const engine::Compound shape = skittle_shape(scenario.skittle, scenario.collision.shape);
+  const double volume = engine::mass_properties(shape, 1.0).mass;
+  const engine::Centred centred =
+      engine::about_centre(shape, engine::mass_properties(shape, scenario.skittle.mass / volume));
+  return {{.name = "skittle",
+           .shape = centred.compound,
+           .mass = centred.mass,
+           .inertia = centred.inertia.asDiagonal(),
+           .material = surface(scenario.material.skittle, scenario.skittle.rolling_arm)},
+          centred.X_BC.p.z()};
 }
 
 engine::Body ball_body(const Scenario& scenario) {
@@ -92,31 +84,27 @@ std::vector<Fixture> room_fixtures(const Scenario& scenario) {
   const Materials& m = scenario.material;
   const double quarter = 0.5 * std::numbers::pi;
   std::vector<Fixture> fixtures;
-  const auto add = [&](const char* name, const Material& material, const engine::Shape& shape,
-                       const Pose& X_WB) {
-    fixtures.push_back({{.name = name,
+  const auto add = [&](const char* name, Role role, const engine::Shape& shape, const Pose& X_WB) {
+    fixtures.push_back({role,
+                        {.name = name,
                          .shape = engine::make_compound({{shape, {}}}),
-                         .material = surface(material),
+                         .material = surface(role == Role::lane ? m.lane : m.wall),
                          .kind = engine::Kind::fixed},
                         X_WB});
   };
-  const auto add_plane = [&](const char* name, const Material& material, const Vec3& turn,
-                             const Vec3& p_WB) {
-    add(name, material, engine::HalfSpace{}, {rotation(turn), p_WB});
+  const auto add_plane = [&](const char* name, Role role, const Vec3& turn, const Vec3& p_WB) {
+    add(name, role, engine::HalfSpace{}, {rotation(turn), p_WB});
   };
   // A half-space is solid below its own z = 0, so its z is turned into the room.
-  add_plane("lane", m.lane, Vec3::Zero(), Vec3::Zero());
-  add_plane("left wall", m.wall, {0.0, quarter, 0.0}, {-0.5 * room.width, 0.0, 0.0});
-  add_plane("right wall", m.wall, {0.0, -quarter, 0.0}, {0.5 * room.width, 0.0, 0.0});
-  add_plane("wall behind", m.wall, {-quarter, 0.0, 0.0}, {0.0, -room.behind, 0.0});
-  add_plane("wall ahead", m.wall, {quarter, 0.0, 0.0}, {0.0, room.ahead, 0.0});
+  add_plane("lane", Role::lane, Vec3::Zero(), Vec3::Zero());
+  add_plane("left wall", Role::wall, {0.0, quarter, 0.0}, {-0.5 * room.width, 0.0, 0.0});
+  add_plane("right wall", Role::wall, {0.0, -quarter, 0.0}, {0.5 * room.width, 0.0, 0.0});
+  add_plane("wall behind", Role::wall, {-quarter, 0.0, 0.0}, {0.0, -room.behind, 0.0});
+  add_plane("wall ahead", Role::wall, {quarter, 0.0, 0.0}, {0.0, room.ahead, 0.0});
 
-  const std::vector<Block> blocks = front_blocks(room_measures(scenario));
-  for (std::size_t i = 0; i < blocks.size(); ++i) {
-    static constexpr const char* kNames[] = {"left kick-back", "right kick-back", "masking panel"};
-    const Vec3 middle = 0.5 * (blocks[i].low_W + blocks[i].high_W);
-    add(kNames[i], m.wall, box(0.5 * (blocks[i].high_W - blocks[i].low_W)),
-        {Quat::Identity(), middle});
+  for (const Block& block : front_blocks(room_measures(scenario))) {
+    add(block.name, Role::wall, box(0.5 * (block.high_W - block.low_W)),
+        {Quat::Identity(), 0.5 * (block.low_W + block.high_W)});
   }
   return fixtures;
 }
@@ -126,7 +114,7 @@ engine::Parameters world_parameters(const Scenario& scenario) {
   engine::Parameters p;
   p.rate_hz = static_cast<int>(scenario.rates.physics_hz);
   p.gravity_W = Vec3(0.0, 0.0, -c.gravity);
-  p.response = c.response == "coulomb" ? "coulomb" : "paper";
+  p.response = engine::response_named(c.response).name;
   p.query.mode =
       c.detection == "paper" ? engine::Query::Mode::paper : engine::Query::Mode::converged;
   p.query.cap = static_cast<int>(c.iterations);

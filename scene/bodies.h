@@ -15,15 +15,20 @@ namespace headpin::scene {
 engine::Compound skittle_shape(const Skittle& skittle, const std::string& shape);
 
 /// A skittle as a body: origin at its centre of mass, uniform density.
-engine::Body skittle_body(const Scenario& scenario);
-
-/// Height of the centre of mass of a skittle's body above its base [m].
-double centre_height(const Scenario& scenario);
+struct SkittleBody {
+  engine::Body body;
+  double centre_height;  ///< of its centre of mass above its base [m]
+};
+SkittleBody skittle_body(const Scenario& scenario);
 
 engine::Body ball_body(const Scenario& scenario);
 
+/// What a body is in the game.
+enum class Role : std::uint8_t { lane, wall, ball, skittle };
+
 /// What never moves, and where it stands.
 struct Fixture {
+  Role role;
   engine::Body body;
   Pose X_WB;
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "scene/hand_mesh.h"
+#include "scene/room_mesh.h"
 #include "scene/skittle_mesh.h"
 
 namespace headpin::scene {
@@ -33,32 +34,17 @@ void append_occluders(DrawList& list, const std::vector<Occluder>& of_body, cons
 
 }  // namespace
 
-RoomMeasures room_measures(const Scenario& scenario) {
-  RoomMeasures room;
-  room.width = scenario.room.width;
-  room.height = scenario.room.height;
-  room.behind = scenario.room.behind;
-  room.ahead = scenario.room.ahead;
-  room.lane_width = scenario.lane.width;
-  room.head_pin = scenario.lane.head_pin;
-  room.spots = scenario.rack.spots;
-  double last_row = 0.0;
-  for (const Vec2& spot : room.spots) last_row = std::max(last_row, spot.y());
-  room.deck_end = std::min(room.head_pin + last_row + 0.25, room.ahead);
-  room.masking_low = 2.2 * scenario.skittle.height;
-  return room;
-}
-
-Looks::Looks(render::Renderer& renderer, const Scenario& scenario, double skittle_centre)
-    : ball_radius(scenario.ball.radius) {
+Looks::Looks(render::Renderer& renderer, const Stage& stage)
+    : ball_radius(stage.scenario.ball.radius) {
+  const Scenario& scenario = stage.scenario;
   const Outline outline = smooth_outline(scenario.skittle.profile);
   double widest = 0.0;
   for (const SkittlePart& part : scenario.skittle.parts) widest = std::max(widest, part.radius);
   const double height = scenario.skittle.height;
   const Outline ellipsoid = ellipsoid_outline(height, widest);
-  true_skittle = renderer.add(skittle_mesh(outline, skittle_centre, kRings, kSides));
+  true_skittle = renderer.add(skittle_mesh(outline, stage.skittle_centre, kRings, kSides));
   ellipsoid_skittle = renderer.add(skittle_mesh(ellipsoid, 0.5 * height, kRings, kSides));
-  true_occluders = occluders_of(outline, skittle_centre);
+  true_occluders = occluders_of(outline, stage.skittle_centre);
   ellipsoid_occluders = occluders_of(ellipsoid, 0.5 * height);
   ball = renderer.add(ball_mesh(ball_radius, Vec3::UnitZ()));
   open_hand = renderer.add(open_hand_mesh());
@@ -79,16 +65,18 @@ Looks::Looks(render::Renderer& renderer, const Scenario& scenario, double skittl
   still(meshes.front, true);
   still(meshes.walls, false);
 
-  const Vec3 home = scenario.ball.home;
-  const double rim = home.z() - 0.78 * ball_radius;  // the ball lies in the stand's ring
-  DrawItem stand;
-  stand.mesh = renderer.add(stand_mesh(rim, ball_radius));
-  stand.X_WG.p = Vec3(home.x(), home.y(), 0.0);
-  stand.id = kStandId;
-  stand.casts_shadow = true;
-  stand.mirrored = true;
-  room.items.push_back(stand);
-  room.occluders.push_back({Vec3(home.x(), home.y(), 0.06), 0.13});
+  for (const engine::BodyId one : stage.balls) {
+    const Vec3 home = stage.world.states[one].X_WB.p;
+    const double rim = home.z() - 0.78 * ball_radius;  // the ball lies in the stand's ring
+    DrawItem stand;
+    stand.mesh = renderer.add(stand_mesh(rim, ball_radius));
+    stand.X_WG.p = Vec3(home.x(), home.y(), 0.0);
+    stand.id = kStandId;
+    stand.casts_shadow = true;
+    stand.mirrored = true;
+    room.items.push_back(stand);
+    room.occluders.push_back({Vec3(home.x(), home.y(), 0.06), 0.13});
+  }
 
   room.lamps = room_lamps(measures);
   room.sky = room_ambient().sky;
@@ -111,14 +99,16 @@ DrawList draw_list(const Looks& looks, const Moving& moving) {
     item.mirrored = true;
     list.items.push_back(item);
   };
-  std::uint32_t id = kFirstSkittleId;
+  std::uint32_t skittle = kFirstSkittleId, ball = kFirstBallId;
   for (const Pose& X_WB : moving.X_WB_skittles) {
-    add(moving.ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle, X_WB, id++);
+    add(moving.ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle, X_WB, skittle++);
     append_occluders(list, moving.ellipsoids ? looks.ellipsoid_occluders : looks.true_occluders,
                      X_WB);
   }
-  add(looks.ball, moving.X_WB_ball, kBallId);
-  list.occluders.push_back({moving.X_WB_ball.p, looks.ball_radius});
+  for (const Pose& X_WB : moving.X_WB_balls) {
+    add(looks.ball, X_WB, ball++);
+    list.occluders.push_back({X_WB.p, looks.ball_radius});
+  }
   if (moving.X_WH) {
     add(moving.grips ? looks.gripping_hand : looks.open_hand, *moving.X_WH, kHandId);
     list.occluders.push_back({moving.X_WH->p, 0.05});

@@ -5,29 +5,22 @@
 
 #include "render/draw_list.h"
 #include "render/renderer.h"
-#include "scene/room_mesh.h"
-#include "scene/scenario.h"
+#include "scene/stage.h"
 
 /// From what the world knows to what the eyes see.
 namespace headpin::scene {
 
-/// The room of a scenario as it is drawn.
-RoomMeasures room_measures(const Scenario& scenario);
-
-/// DrawItem::id of what is seen; skittle i is kFirstSkittleId + i.
+/// DrawItem::id of what is seen; ball i is kFirstBallId + i, skittle i kFirstSkittleId + i.
 inline constexpr std::uint32_t kRoomId = 1;
-inline constexpr std::uint32_t kBallId = 2;
-inline constexpr std::uint32_t kHandId = 3;
-inline constexpr std::uint32_t kStandId = 4;
+inline constexpr std::uint32_t kHandId = 2;
+inline constexpr std::uint32_t kStandId = 3;
+inline constexpr std::uint32_t kFirstBallId = 10;
 inline constexpr std::uint32_t kFirstSkittleId = 100;
 
-/// Everything of a scenario that can be seen, kept by a renderer, and the light it is seen in.
+/// Everything of a stage that can be seen, kept by a renderer, and the light it is seen in.
 struct Looks {
   /// Adds all meshes to the renderer.
-  ///
-  /// @param skittle_centre  height of a true-shaped skittle's body origin above its base [m];
-  ///                        an ellipsoid's is half its height
-  Looks(render::Renderer& renderer, const Scenario& scenario, double skittle_centre);
+  Looks(render::Renderer& renderer, const Stage& stage);
 
   int true_skittle, ellipsoid_skittle, ball, open_hand, gripping_hand;
   render::DrawList room;  ///< what never moves, with light, patches and shadow box
@@ -39,7 +32,7 @@ struct Looks {
 struct Moving {
   std::span<const Pose> X_WB_skittles;
   bool ellipsoids = false;  ///< skittles look like the ellipsoids they are
-  Pose X_WB_ball;
+  std::span<const Pose> X_WB_balls;
   std::optional<Pose> X_WH;  ///< no hand is seen without
   bool grips = false;        ///< the hand is closed around the ball
 };

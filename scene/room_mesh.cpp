@@ -148,13 +148,6 @@ constexpr std::array<std::array<int, 7>, 7> kName{{{0x11, 0x11, 0x11, 0x1f, 0x11
                                                    {0x0e, 0x04, 0x04, 0x04, 0x04, 0x04, 0x0e},
                                                    {0x11, 0x19, 0x15, 0x13, 0x11, 0x11, 0x11}}};
 
-double gutter_edge(const RoomMeasures& room) {
-  return 0.5 * room.lane_width + room.gutter_width;
-}
-double portal(const RoomMeasures& room) {
-  return room.head_pin - 0.35;
-}
-
 constexpr int kGutterFaces = 6;
 
 /// Corner `i` of the gutter's round section: (x from the lane's middle, z).
@@ -182,7 +175,7 @@ Mesh approach_mesh(const RoomMeasures& room, const Builder& build) {
 Mesh beside_mesh(const RoomMeasures& room, const Builder& build) {
   Mesh mesh;
   mesh.surface = Surface::floor;
-  const double w = 0.5 * room.width, edge = gutter_edge(room);
+  const double w = 0.5 * room.width, edge = room.gutter_edge();
   const Vec3 along(0, room.ahead, 0);
   for (const double side : {-1.0, 1.0}) {
     for (int i = 0; i < kGutterFaces; ++i) {
@@ -291,12 +284,12 @@ Mesh wall_mesh(const RoomMeasures& room, const Builder& build) {
 Mesh front_mesh(const RoomMeasures& room, const Builder& build) {
   Mesh mesh;
   mesh.surface = Surface::baked;
-  const double w = 0.5 * room.width, y = portal(room);
+  const double w = 0.5 * room.width, y = room.portal();
   const Vec3 blue = srgb(0x2d5f9a), navy = srgb(0x16233f), black = srgb(0x14161b);
   const Vec3 left(-w, room.ahead, 0.0);
   const double low = room.masking_low;
   const double beside =
-      w - gutter_edge(room) - 0.1;  // of the wall, left and right of the kick-backs
+      w - room.gutter_edge() - 0.1;  // of the wall, left and right of the kick-backs
   // u x v points to the player.
   build.panel(mesh, left, {beside, 0, 0}, {0, 0, low}, kWainscot);
   build.panel(mesh, left + Vec3(beside, 0, 0), {room.width - 2.0 * beside, 0, 0}, {0, 0, low},
@@ -332,14 +325,6 @@ Mesh front_mesh(const RoomMeasures& room, const Builder& build) {
 
 }  // namespace
 
-std::vector<Block> front_blocks(const RoomMeasures& room) {
-  const double inner = gutter_edge(room) + 0.06, outer = inner + 0.08;
-  const double y = portal(room), low = room.masking_low;
-  return {{{-outer, y, 0.0}, {-inner, room.ahead, low}},
-          {{inner, y, 0.0}, {outer, room.ahead, low}},
-          {{-outer, y, low}, {outer, y + 0.10, low + 0.62}}};
-}
-
 std::vector<Lamp> room_lamps(const RoomMeasures& room) {
   const Vec3 warm(1.0, 0.94, 0.84);
   const double z = room.height - 0.12;
@@ -348,7 +333,7 @@ std::vector<Lamp> room_lamps(const RoomMeasures& room) {
     const double y = -room.behind + share * (room.behind + room.ahead);
     lamps.push_back({{0.0, y, z}, 2.3 * warm});
   }
-  lamps.push_back({{0.0, portal(room) + 0.25, room.masking_low + 0.1}, 0.42 * warm});
+  lamps.push_back({{0.0, room.portal() + 0.25, room.masking_low + 0.1}, 0.42 * warm});
   return lamps;
 }
 
@@ -363,7 +348,7 @@ RoomMeshes room_meshes(const RoomMeasures& room) {
 }
 
 std::vector<Patch> floor_patches(const RoomMeasures& room) {
-  const double w = 0.5 * room.width, edge = gutter_edge(room), lane = 0.5 * room.lane_width;
+  const double w = 0.5 * room.width, edge = room.gutter_edge(), lane = 0.5 * room.lane_width;
   const Vec3 along(0, room.ahead, 0);
   std::vector<Patch> patches{{{-w, -room.behind, 0}, {room.width, 0, 0}, {0, room.behind, 0}},
                              {{-lane, 0, 0}, {room.lane_width, 0, 0}, along},

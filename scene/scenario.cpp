@@ -1,7 +1,6 @@
 #include "scene/scenario.h"
 
 #include <fstream>
-#include <initializer_list>
 #include <limits>
 #include <set>
 #include <sstream>
@@ -10,7 +9,8 @@
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
-#include "devices/hmd.h"
+#include "engine/response.h"
+#include "render/hmd.h"
 
 namespace headpin::scene {
 
@@ -22,7 +22,13 @@ struct Range {
 constexpr Range kAny{-std::numeric_limits<double>::max(), std::numeric_limits<double>::max()};
 constexpr Range kUnit{0.0, 1.0};
 
-using Choices = std::initializer_list<std::string_view>;
+using Choices = std::vector<std::string_view>;
+
+Choices response_names() {
+  Choices names;
+  for (const engine::Response& response : engine::responses()) names.push_back(response.name);
+  return names;
+}
 
 // The fields, listed once: read, written and checked by the same list. A visitor takes
 // field(key, value, allowed, meaning) and section(key, meaning, part).
@@ -100,7 +106,7 @@ void visit(V& v, Collision& c) {
   v.field("detection", c.detection, Choices{"converged", "paper"},
           "paper: the iteration stops at the cap, as in 1997");
   v.field("iterations", c.iterations, Range{5, 20}, "cap of a query; 20 in the paper");
-  v.field("response", c.response, Choices{"paper", "coulomb"}, "");
+  v.field("response", c.response, response_names(), "");
   v.field("gravity", c.gravity, Range{0, 1000}, "");
   v.field("sleep", c.sleep, kAny, "bodies at rest are left alone until touched");
 }
@@ -119,6 +125,8 @@ void visit(V& v, Hand& h) {
 
 template <typename V>
 void visit(V& v, Rig& r) {
+  v.field("head_station", r.head_station, Range{1, 4}, "of the sensor worn on the head");
+  v.field("hand_station", r.hand_station, Range{1, 4}, "of the one on the 3D mouse in the hand");
   v.field("X_WT", r.X_WT, kAny, "transmitter in the world; q is w, x, y, z");
   v.field("X_SD", r.X_SD, kAny, "head's receiver to display");
   v.field("X_SH", r.X_SH, kAny, "hand's receiver to virtual hand");
@@ -129,14 +137,15 @@ void visit(V& v, Rig& r) {
 template <typename V>
 void visit(V& v, Hmd& h) {
   v.field("profile", h, kAny,
-          "one of " + devices::hmd_profile_names() + "; values given here override it");
-  v.field("width", h.width, Range{1, 16384},
+          "one of " + render::hmd_profile_names() + "; values given here override it");
+  render::Optics& o = h.optics;
+  v.field("width", o.width, Range{1, 16384},
           "pixels of an eye; flight-helmet is Uno & Slater 1997, section 3");
-  v.field("height", h.height, Range{1, 16384}, "");
-  v.field("horizontal_fov_deg", h.horizontal_fov_deg, Range{1, 170}, "of an eye");
-  v.field("vertical_fov_deg", h.vertical_fov_deg, Range{1, 170}, "of an eye");
-  v.field("eye_distance", h.eye_distance, Range{0, 1}, "64 mm between the LEEP lenses' axes");
-  v.field("outward_deg", h.outward_deg, Range{-60, 60}, "each eye's axis turned outward");
+  v.field("height", o.height, Range{1, 16384}, "");
+  v.field("horizontal_fov_deg", o.horizontal_fov_deg, Range{1, 170}, "of an eye");
+  v.field("vertical_fov_deg", o.vertical_fov_deg, Range{1, 170}, "of an eye");
+  v.field("eye_distance", o.eye_distance, Range{0, 1}, "64 mm between the LEEP lenses' axes");
+  v.field("outward_deg", o.outward_deg, Range{-60, 60}, "each eye's axis turned outward");
 }
 
 template <typename V>
@@ -234,6 +243,12 @@ class Reader {
     value = *node.value<std::int64_t>();
   }
 
+  void read(const toml::node& node, const std::string& path, int& value, Range range) const {
+    std::int64_t whole = 0;
+    read(node, path, whole, range);
+    value = static_cast<int>(whole);
+  }
+
   void read(const toml::node& node, const std::string& path, bool& value, Range) const {
     if (!node.is_boolean()) refuse(node, path, "true or false");
     value = *node.value<bool>();
@@ -264,7 +279,7 @@ class Reader {
     try {
       value = hmd_of_profile(name);
     } catch (const std::invalid_argument&) {
-      refuse(node, path, "one of " + devices::hmd_profile_names());
+      refuse(node, path, "one of " + render::hmd_profile_names());
     }
   }
 
@@ -353,6 +368,7 @@ class Writer {
  private:
   static std::string text(double value) { return number_text(value); }
   static std::string text(std::int64_t value) { return fmt::format("{}", value); }
+  static std::string text(int value) { return fmt::format("{}", value); }
   static std::string text(bool value) { return value ? "true" : "false"; }
   static std::string text(const std::string& value) {
     std::ostringstream quoted;
@@ -426,12 +442,11 @@ double ten_micrometres(double length) {
 }  // namespace
 
 Hmd hmd_of_profile(std::string_view name) {
-  const devices::HmdProfile& p = devices::hmd_profile(name);
-  return {std::string(p.name), p.width,        p.height,     p.horizontal_fov_deg,
-          p.vertical_fov_deg,  p.eye_distance, p.outward_deg};
+  const render::HmdProfile& profile = render::hmd_profile(name);
+  return {std::string(profile.name), profile.optics};
 }
 
-Scenario::Scenario() : hmd(hmd_of_profile(devices::hmd_profiles().front().name)) {
+Scenario::Scenario() : hmd(hmd_of_profile(render::hmd_profiles().front().name)) {
   // Ten pins: pins 12 in = 0.3048 m apart, so rows 10.392 in = 0.26396 m apart (USBC).
   for (int r = 0; r < 4; ++r) {
     for (int i = 0; i <= r; ++i) {

@@ -4,7 +4,9 @@
 #include <string_view>
 #include <vector>
 
+#include "devices/sample.h"
 #include "engine/math.h"
+#include "render/eyes.h"
 
 /// Everything that is data about a session: the room, the skittles, the ball, the collision
 /// response, the rates, the rig and the display. One TOML file; a trial carries it whole.
@@ -85,21 +87,19 @@ struct Hand {
 
 /// Where the tracker stands and how the receivers are worn.
 struct Rig {
-  Pose X_WT;             ///< transmitter in the world
-  Pose X_SD;             ///< head's receiver -> display
-  Pose X_SH;             ///< hand's receiver -> virtual hand
-  double delay_s = 0.0;  ///< poses are read this long before now; 0 holds the last sample
+  std::int64_t head_station = devices::kHeadStation;  ///< of the tracker's sensor on the head
+  std::int64_t hand_station =
+      devices::kHandStation;  ///< of the one on the 3D mouse in the right hand
+  Pose X_WT;                  ///< transmitter in the world
+  Pose X_SD;                  ///< head's receiver -> display
+  Pose X_SH;                  ///< hand's receiver -> virtual hand
+  double delay_s = 0.0;       ///< poses are read this long before now; 0 holds the last sample
 };
 
-/// The display: a profile of devices/hmd.h, and its values where nothing else is asked for.
+/// The display: a profile of render/hmd.h, and its values where nothing else is asked for.
 struct Hmd {
   std::string profile;
-  std::int64_t width = 0;
-  std::int64_t height = 0;
-  double horizontal_fov_deg = 0.0;
-  double vertical_fov_deg = 0.0;
-  double eye_distance = 0.0;
-  double outward_deg = 0.0;
+  render::Optics optics;
 };
 
 /// @throws std::invalid_argument  naming the profiles there are

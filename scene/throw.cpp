@@ -350,6 +350,8 @@ Scenario stand_thrower(Scenario scenario, const MotionRecording& recording, cons
   const Vec3 p_TB = recording.right_hand[found.release] * scenario.hand.grip;
   const Vec3 p_W = q_WT * -horizontal(p_TB);
   scenario.rig.X_WT = {q_WT.normalized(), Vec3(p_W.x(), p_W.y(), 0.0)};
+  scenario.rig.head_station = devices::kHeadStation;  // as to_samples has them
+  scenario.rig.hand_station = devices::kHandStation;
   scenario.rig.X_SD = {};
   scenario.rig.X_SH = {};
   scenario.rig.delay_s = 0.020;

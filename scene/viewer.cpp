@@ -13,31 +13,62 @@ std::vector<float> floats(const Vec3& v) {
   return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
 }
 
-ViewerGeometry geometry_of(const engine::Part& part, const Vec3& colour) {
-  ViewerGeometry g{.X_BG = part.X_BG, .measures = {}, .colour = colour};
-  if (const auto* ellipsoid = std::get_if<engine::Ellipsoid>(&part.shape)) {
-    g.type = ViewerGeometry::ellipsoid;
-    g.measures = floats(ellipsoid->radii);
-  } else if (const auto* cylinder = std::get_if<engine::Cylinder>(&part.shape)) {
-    g.type = ViewerGeometry::cylinder;
-    g.measures = {static_cast<float>(cylinder->radius),
-                  static_cast<float>(2.0 * cylinder->half_height)};
-  } else if (const auto* cone = std::get_if<engine::Cone>(&part.shape)) {
-    g.type = ViewerGeometry::cylinder;  // the viewer has no cones
-    g.measures = {static_cast<float>(0.5 * cone->radius), static_cast<float>(cone->height)};
-  } else if (const auto* polyhedron = std::get_if<engine::Polyhedron>(&part.shape)) {
-    Eigen::AlignedBox3d box;
-    for (const Vec3& vertex : polyhedron->vertices()) box.extend(vertex);
-    g.measures = floats(box.sizes());
-    g.X_BG.p += g.X_BG.q * box.center();
+Vec3 colour_of(Role role) {
+  switch (role) {
+    case Role::lane:
+      return kWood;
+    case Role::wall:
+      return kDark;
+    case Role::ball:
+      return kBlue;
+    case Role::skittle:
+      return kIvory;
   }
+  return kDark;
+}
+
+// What a shape looks like in its own frame G; an overload for each, so that a new one is asked for.
+
+ViewerGeometry looks_of(const engine::Ellipsoid& e) {
+  return {.type = ViewerGeometry::ellipsoid, .X_BG = {}, .measures = floats(e.radii)};
+}
+
+ViewerGeometry looks_of(const engine::Cylinder& c) {
+  return {.type = ViewerGeometry::cylinder,
+          .X_BG = {},
+          .measures = {static_cast<float>(c.radius), static_cast<float>(2.0 * c.half_height)}};
+}
+
+/// A cylinder of half its radius: the viewer has no cones.
+ViewerGeometry looks_of(const engine::Cone& c) {
+  return {.type = ViewerGeometry::cylinder,
+          .X_BG = {},
+          .measures = {static_cast<float>(0.5 * c.radius), static_cast<float>(c.height)}};
+}
+
+/// The box around it.
+ViewerGeometry looks_of(const engine::Polyhedron& polyhedron) {
+  Eigen::AlignedBox3d box;
+  for (const Vec3& vertex : polyhedron.vertices()) box.extend(vertex);
+  return {.X_BG = {Quat::Identity(), box.center()}, .measures = floats(box.sizes())};
+}
+
+/// Nothing: whoever looks must see past floors and walls.
+ViewerGeometry looks_of(const engine::HalfSpace&) {
+  return {.X_BG = {}, .measures = floats(Vec3::Zero())};
+}
+
+ViewerGeometry geometry_of(const engine::Part& part, const Vec3& colour) {
+  ViewerGeometry g = std::visit([](const auto& shape) { return looks_of(shape); }, part.shape);
+  g.X_BG = part.X_BG * g.X_BG;
+  g.colour = colour;
   return g;
 }
 
 }  // namespace
 
 std::vector<devices::ViewerLink> viewer_links(const Session& session) {
-  const Scenario& s = session.scenario;
+  const Scenario& s = session.scenario();
   const double length = s.room.ahead + s.room.behind;
   std::vector<devices::ViewerLink> links;
   links.push_back(
@@ -49,7 +80,7 @@ std::vector<devices::ViewerLink> viewer_links(const Session& session) {
   for (engine::BodyId i = 0; i < session.world.bodies.size(); ++i) {
     const engine::Body& body = session.world.bodies[i];
     if (!std::isfinite(body.shape->bounding_radius)) continue;  // floor and walls
-    const Vec3 colour = i == session.ball ? kBlue : i < session.ball ? kDark : kIvory;
+    const Vec3 colour = colour_of(session.stage->roles[i]);
     devices::ViewerLink link{body.name, {}};
     for (const engine::Part& part : body.shape->parts)
       link.geometries.push_back(geometry_of(part, colour));

@@ -11,6 +11,7 @@
 #include "devices/event_log.h"
 #include "devices/log.h"
 #include "devices/messages.h"
+#include "devices/sources.h"
 
 namespace headpin::devices {
 namespace {

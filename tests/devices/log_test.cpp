@@ -15,6 +15,7 @@
 
 #include "devices/event_log.h"
 #include "devices/messages.h"
+#include "devices/sources.h"
 #include "devices/version.h"
 
 namespace headpin::devices {

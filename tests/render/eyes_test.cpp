@@ -47,6 +47,8 @@ TEST(Eyes, OutwardTurnSendsTheLeftEyeToTheLeft) {
   const auto [left, right] = eyes({}, optics);
   EXPECT_LT((left.X_WE.q * Vec3(0, 0, -1)).x(), 0.0);
   EXPECT_GT((right.X_WE.q * Vec3(0, 0, -1)).x(), 0.0);
+  EXPECT_NEAR(left.X_WE.q.angularDistance(right.X_WE.q), 10.0 * 3.14159265 / 180.0, 1e-6);
+  EXPECT_DOUBLE_EQ((right.X_WE.p - left.X_WE.p).x(), optics.eye_distance);
 }
 
 }  // namespace

@@ -17,22 +17,22 @@ using render::Image;
 using render::Labels;
 using render::View;
 
-constexpr double kCentre = 0.1474;  // of a ten-pin's mass above its base: bowling.md
-
 struct Seen {
   Scenario scenario;
   render::Renderer renderer{render::osmesa_context()};
-  Looks looks{renderer, scenario, kCentre};
-  std::vector<Pose> skittles;
+  Stage stage = make_stage(scenario);
+  Looks looks{renderer, stage};
+  std::vector<Pose> skittles, balls{1};
   Moving moving;
 
   Seen() {
     for (const Vec2& spot : scenario.rack.spots) {
-      skittles.push_back(
-          {Quat::Identity(), Vec3(spot.x(), scenario.lane.head_pin + spot.y(), kCentre)});
+      skittles.push_back({Quat::Identity(),
+                          Vec3(spot.x(), scenario.lane.head_pin + spot.y(), stage.skittle_centre)});
     }
     moving.X_WB_skittles = skittles;
-    moving.X_WB_ball.p = scenario.ball.home;
+    balls[0].p = scenario.ball.home;
+    moving.X_WB_balls = balls;
   }
   /// A head at the foul line, looking a little down at the skittles.
   std::array<View, 2> views() const {
@@ -79,8 +79,8 @@ TEST(Looks, ShowEverySkittleThatStandsWhereItStands) {
       const Mask m = mask(labels, kFirstSkittleId + static_cast<std::uint32_t>(i));
       ASSERT_GE(m.count, 8) << i;
       const Vec3 p = seen.skittles[i].p;
-      const Vec2 foot = project(view, p - Vec3(0, 0, kCentre));
-      const Vec2 head = project(view, p + Vec3(0, 0, 0.381 - kCentre));
+      const Vec2 foot = project(view, p - Vec3(0, 0, seen.stage.skittle_centre));
+      const Vec2 head = project(view, p + Vec3(0, 0, 0.381 - seen.stage.skittle_centre));
       EXPECT_NEAR(m.lo.y() - 0.5, head.y(), 1.0) << i;  // its head hides behind no other
       EXPECT_LT(m.hi.y() + 0.5, foot.y() + 1.5) << i;
       EXPECT_NEAR(0.5 * (m.lo.x() + m.hi.x()), foot.x(), 1.6) << i;
@@ -140,7 +140,7 @@ TEST(Looks, HaveWallsAndFloorWhereTheRoomEnds) {
 
 TEST(Looks, HideWhatTheHandIsInFrontOfInBothEyes) {
   Seen seen;
-  seen.moving.X_WB_ball.p = Vec3(0.0, 0.5, 1.45);
+  seen.balls[0].p = Vec3(0.0, 0.5, 1.45);
   seen.moving.X_WH = Pose{rotation(Vec3(0.5 * std::numbers::pi, 0, 0)), Vec3(0.0, 0.1, 1.5)};
   for (const View& view : seen.views()) {
     const Labels labels = seen.labels(view);
@@ -149,7 +149,7 @@ TEST(Looks, HideWhatTheHandIsInFrontOfInBothEyes) {
                                              static_cast<int>(hand.x()));
     EXPECT_EQ(labels.id[at], kHandId);
     EXPECT_LT(labels.depth[at], 0.65);
-    EXPECT_GT(mask(labels, kBallId).count, 50);
+    EXPECT_GT(mask(labels, kFirstBallId).count, 50);
   }
 }
 
@@ -158,9 +158,9 @@ TEST(Looks, PutTheBallInTheHandThatGripsIt) {
   const Pose X_WH{rotation(Vec3(0.5 * std::numbers::pi, 0, 0)), Vec3(0.1, 0.2, 1.4)};
   seen.moving.X_WH = X_WH;
   seen.moving.grips = true;
-  seen.moving.X_WB_ball = {X_WH.q, X_WH * seen.scenario.hand.grip};
+  seen.balls[0] = {X_WH.q, X_WH * seen.scenario.hand.grip};
   const Labels labels = seen.labels(seen.views()[0]);
-  EXPECT_GT(mask(labels, kBallId).count, 300);
+  EXPECT_GT(mask(labels, kFirstBallId).count, 300);
   EXPECT_GT(mask(labels, kHandId).count, 300);
 }
 
@@ -192,19 +192,19 @@ double volume(const render::Mesh& mesh) {
 // widest place of the head takes 0.3 % less.
 TEST(SkittleMesh, HasTheVolumeOfATenPin) {
   const Outline outline = smooth_outline(Scenario().skittle.profile);
-  EXPECT_NEAR(volume(skittle_mesh(outline, kCentre, 100, 100)), 2.105e-3, 0.015e-3);
+  EXPECT_NEAR(volume(skittle_mesh(outline, 0.1474, 100, 100)), 2.105e-3, 0.015e-3);
 }
 
 TEST(SkittleMesh, StandsOnItsBaseAndIsAsTallAndWideAsItsProfile) {
   const Scenario scenario;
-  const render::Mesh mesh = skittle_mesh(smooth_outline(scenario.skittle.profile), kCentre, 26, 18);
+  const render::Mesh mesh = skittle_mesh(smooth_outline(scenario.skittle.profile), 0.1474, 26, 18);
   Eigen::Vector3f lo = mesh.vertices[0].p, hi = lo;
   for (const render::Vertex& v : mesh.vertices) {
     lo = lo.cwiseMin(v.p);
     hi = hi.cwiseMax(v.p);
   }
-  EXPECT_NEAR(lo.z(), -kCentre, 1e-6);
-  EXPECT_NEAR(hi.z(), 0.381 - kCentre, 1e-6);
+  EXPECT_NEAR(lo.z(), -0.1474, 1e-6);
+  EXPECT_NEAR(hi.z(), 0.381 - 0.1474, 1e-6);
   EXPECT_NEAR(hi.x(), 0.0605, 0.0003);  // a ring need not lie on the very belly
 }
 

@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "devices/hmd.h"
+#include "render/hmd.h"
 
 namespace headpin::scene {
 namespace {
@@ -30,15 +30,15 @@ TEST(ScenarioText, GivesBackEveryBit) {
   s.collision.shape = "ellipsoid";
   s.name = "a \"quoted\" name\nand a line";
   s.hmd = hmd_of_profile("flight-helmet-leep");
-  s.hmd.eye_distance = 0.0625;
+  s.hmd.optics.eye_distance = 0.0625;
   const std::string text = to_toml(s);
   const Scenario back = parse_scenario(text, "text");
   EXPECT_EQ(back.ball.mass, s.ball.mass);
   EXPECT_EQ(back.rig.X_WT.q.coeffs(), s.rig.X_WT.q.coeffs());
   EXPECT_EQ(back.rig.X_WT.p, s.rig.X_WT.p);
   EXPECT_EQ(back.name, s.name);
-  EXPECT_EQ(back.hmd.width, 208);
-  EXPECT_EQ(back.hmd.eye_distance, 0.0625);
+  EXPECT_EQ(back.hmd.optics.width, 208);
+  EXPECT_EQ(back.hmd.optics.eye_distance, 0.0625);
   EXPECT_EQ(back.skittle.parts.size(), s.skittle.parts.size());
   EXPECT_EQ(to_toml(back), text);
 }
@@ -49,17 +49,17 @@ TEST(ScenarioText, LeftOutMeansDefault) {
 }
 
 TEST(ScenarioText, ADisplayIsItsProfileAndWhatOverridesIt) {
-  for (const devices::HmdProfile& profile : devices::hmd_profiles()) {
+  for (const render::HmdProfile& profile : render::hmd_profiles()) {
     const Hmd hmd =
         parse_scenario("[hmd]\nwidth = 100\nprofile = '" + std::string(profile.name) + "'", "x")
             .hmd;
     EXPECT_EQ(hmd.profile, profile.name);
-    EXPECT_EQ(hmd.width, 100);  // wherever in the table it stands
-    EXPECT_EQ(hmd.height, profile.height);
-    EXPECT_EQ(hmd.horizontal_fov_deg, profile.horizontal_fov_deg);
-    EXPECT_EQ(hmd.vertical_fov_deg, profile.vertical_fov_deg);
-    EXPECT_EQ(hmd.eye_distance, profile.eye_distance);
-    EXPECT_EQ(hmd.outward_deg, profile.outward_deg);
+    EXPECT_EQ(hmd.optics.width, 100);  // wherever in the table it stands
+    EXPECT_EQ(hmd.optics.height, profile.optics.height);
+    EXPECT_EQ(hmd.optics.horizontal_fov_deg, profile.optics.horizontal_fov_deg);
+    EXPECT_EQ(hmd.optics.vertical_fov_deg, profile.optics.vertical_fov_deg);
+    EXPECT_EQ(hmd.optics.eye_distance, profile.optics.eye_distance);
+    EXPECT_EQ(hmd.optics.outward_deg, profile.optics.outward_deg);
     EXPECT_THAT(to_toml(Scenario{}), HasSubstr(std::string(profile.name)));  // so that it is found
   }
   EXPECT_EQ(refusal("\n[hmd]\nprofile = 'visor'"),

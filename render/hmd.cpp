@@ -1,0 +1,47 @@
+#include "render/hmd.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+namespace headpin::render {
+namespace {
+
+// Data, not code: who has another display adds a line.
+constexpr std::array<HmdProfile, 4> kProfiles = {{
+    {"flight-helmet",
+     "Uno & Slater 1997, section 3: Virtual Research Flight Helmet",
+     {.width = 360, .height = 240, .horizontal_fov_deg = 75.0, .vertical_fov_deg = 40.0}},
+    {"flight-helmet-square",
+     "as flight-helmet, with square elements at the same width",
+     {.width = 360, .height = 240, .horizontal_fov_deg = 75.0, .vertical_fov_deg = 54.18}},
+    {"flight-helmet-leep",
+     "Watson, Walker, Hodges, VRST 1997, after Robinett and Rolland 1992: 208 x 139 triads",
+     {.width = 208, .height = 139, .horizontal_fov_deg = 75.3, .vertical_fov_deg = 58.4}},
+    {"flight-helmet-elements",
+     "the same optics, its single-colour elements as brochures count them",
+     {.width = 360, .height = 240, .horizontal_fov_deg = 75.3, .vertical_fov_deg = 58.4}},
+}};
+
+}  // namespace
+
+std::span<const HmdProfile> hmd_profiles() {
+  return kProfiles;
+}
+
+std::string hmd_profile_names() {
+  std::string names;
+  for (const HmdProfile& profile : kProfiles) {
+    names.append(names.empty() ? "" : ", ").append(profile.name);
+  }
+  return names;
+}
+
+const HmdProfile& hmd_profile(std::string_view name) {
+  const auto found = std::ranges::find(kProfiles, name, &HmdProfile::name);
+  if (found != kProfiles.end()) return *found;
+  throw std::invalid_argument(std::string("display '").append(name).append("': expected one of ") +
+                              hmd_profile_names());
+}
+
+}  // namespace headpin::render

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "devices/trial.h"
+
+/// What can happen in a session: the kinds of devices::Event, each told here and nowhere else.
+namespace headpin::scene {
+
+namespace kind {
+inline constexpr std::string_view grab = "grab";
+inline constexpr std::string_view release = "release";
+inline constexpr std::string_view first_contact = "first_contact";
+inline constexpr std::string_view touch = "touch";
+inline constexpr std::string_view skittle_down = "skittle_down";
+inline constexpr std::string_view ledger = "ledger";
+inline constexpr std::string_view grab_found = "grab_found";
+inline constexpr std::string_view release_found = "release_found";
+}  // namespace kind
+
+/// One kind, for people.
+struct EventKind {
+  std::string_view name;
+  std::string_view when;
+  std::string_view point;  ///< what `point` is, in the world; empty where it is not used
+  std::string_view value;  ///< what `value` is; empty where it is not used
+};
+
+inline constexpr std::array<EventKind, 9> kEventKinds{{
+    {kind::grab, "the trigger took a ball", "the ball's centre", ""},
+    {kind::release, "the trigger let a ball go", "the ball's centre",
+     "speed it left the hand with [m/s]"},
+    {kind::first_contact, "a ball met a skittle for the first time since the skittles were set",
+     "of the contact", "the ball's speed just before [m/s]"},
+    {kind::touch, "two bodies met that had not met before, one of them a skittle", "of the contact",
+     "speed they approached each other with [m/s]"},
+    {kind::skittle_down, "a skittle leaned by more than 20 degrees", "the skittle's centre of mass",
+     "skittles down so far"},
+    {kind::ledger, "after the last tick: where the energy came from and went to, as JSON in detail",
+     "", ""},
+    {kind::grab_found, "in a recording without buttons: where a hand took the ball", "", ""},
+    {kind::release_found, "in a recording without buttons: where it let the ball go", "", ""},
+    {devices::kEndEvent, "last message of a finished log", "", "messages before it"},
+}};
+
+}  // namespace headpin::scene

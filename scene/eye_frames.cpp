@@ -1,0 +1,131 @@
+#include "scene/eye_frames.h"
+
+#include <utility>
+
+namespace headpin::scene {
+
+devices::FrameRecord record_of(const EyeFrame& frame) {
+  devices::FrameRecord record;
+  record.time = frame.time;
+  record.frame = frame.number;
+  record.tick = frame.tick;
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    record.X_WE[eye] = frame.views[eye].X_WE;
+    record.hash[eye] = render::pixel_hash(frame.images[eye]);
+  }
+  return record;
+}
+
+void FrameByFrame::tick(const Session& session) {
+  for (; frame_.number < plan_.frames; ++frame_.number) {
+    frame_.time = tick_time(frame_.number, plan_.fps);
+    if (frame_.time > session.now()) return;
+    if (!plan_.wanted(frame_.number)) continue;
+    frame_.tick = session.tick;
+    const Pose X_WD = head_pose(session).value_or(plan_.X_WD_first);
+    frame_.views = see(eyes_, glimpse(session, X_WD), frame_.images);
+    for (FrameSink* sink : sinks_) sink->add(frame_);
+    plan_.progress(++drawn_);
+  }
+}
+
+FramesBeside::FramesBeside(Makers makers)
+    : thread_([this, makers = std::move(makers)] { work(makers); }) {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return ready_ || failure_; });
+  if (!failure_) return;
+  lock.unlock();
+  thread_.join();
+  std::rethrow_exception(failure_);
+}
+
+FramesBeside::~FramesBeside() {
+  {
+    const std::lock_guard lock(mutex_);
+    closing_ = true;
+  }
+  changed_.notify_all();
+  thread_.join();
+}
+
+void FramesBeside::tick(const Session& session) {
+  const Rates& rates = session.scenario().rates;
+  const Time now = session.now();
+  if (session.player.head_arrival != newest_) {
+    newest_ = session.player.head_arrival;
+    since_ = now;
+  }
+  if (tick_time(frame_, rates.frame_hz) - lead_ > now) return;
+  const std::int64_t frame = frame_++;
+  const std::optional<Pose> X_WD = head_pose(session);
+  if (!X_WD) return;
+  Job job{frame, session.tick, now, {}, glimpse(session, *X_WD)};
+  if (newest_ != shown_) {
+    job.sample = start_ + *newest_;  // latency is that of fresh samples
+    const Time tick = tick_time(1, rates.physics_hz);
+    if (now - since_ > tick) lead_ += tick;
+  }
+  shown_ = newest_;
+  if (!offer(std::move(job))) ++late_;
+}
+
+/// @return  whether the frame will be drawn
+bool FramesBeside::offer(Job job) {
+  {
+    const std::lock_guard lock(mutex_);
+    if (failure_) std::rethrow_exception(failure_);
+    if (job_ || busy_) return false;
+    job_ = std::move(job);
+  }
+  changed_.notify_all();
+  return true;
+}
+
+std::vector<FramesBeside::Done> FramesBeside::take_done() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(done_, {});
+}
+
+void FramesBeside::work(const Makers& makers) {
+  try {
+    Eyes eyes = makers.eyes();
+    const std::unique_ptr<FrameSink> sink = makers.sink(eyes);
+    EyeFrame frame;
+    see(eyes, {}, frame.images);  // so that the first frame need not wait for shaders
+    std::unique_lock lock(mutex_);
+    ready_ = true;
+    changed_.notify_all();
+    for (;;) {
+      changed_.wait(lock, [this] { return job_ || closing_; });
+      if (!job_) return;
+      const Job job = std::move(*job_);
+      job_.reset();
+      busy_ = true;
+      lock.unlock();
+      Done done = draw(eyes, job, frame, sink.get());
+      lock.lock();
+      busy_ = false;
+      done_.push_back(std::move(done));
+    }
+  } catch (...) {
+    const std::lock_guard lock(mutex_);
+    failure_ = std::current_exception();
+    changed_.notify_all();
+  }
+}
+
+FramesBeside::Done FramesBeside::draw(Eyes& eyes, const Job& job, EyeFrame& frame,
+                                      FrameSink* sink) {
+  frame.number = job.frame;
+  frame.tick = job.tick;
+  frame.time = job.time;
+  frame.views = see(eyes, job.glimpse, frame.images);
+  Done done{record_of(frame), {}};
+  if (sink) sink->add(frame);
+  if (job.sample) {
+    done.latency_s = std::chrono::duration<double>(Clock::now() - *job.sample).count();
+  }
+  return done;
+}
+
+}  // namespace headpin::scene

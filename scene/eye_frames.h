@@ -1,0 +1,120 @@
+#pragma once
+
+#include <array>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+#include <vector>
+
+#include "scene/eyes.h"
+#include "scene/run.h"
+
+/// Frames of both eyes, drawn while a session runs.
+namespace headpin::scene {
+
+/// One drawn frame of both eyes, left first.
+struct EyeFrame {
+  std::int64_t number = 0, tick = 0;
+  Time time{};
+  std::array<render::View, 2> views;
+  std::array<render::Image, 2> images;
+};
+
+/// A frame as a trial keeps it.
+devices::FrameRecord record_of(const EyeFrame& frame);
+
+/// Where drawn frames go: a folder, a video, LCM.
+class FrameSink {
+ public:
+  virtual ~FrameSink() = default;
+  virtual void add(const EyeFrame& frame) = 0;
+};
+
+/// Draws every wanted frame at the first tick that is not before it; the session waits for it.
+class FrameByFrame : public Observer {
+ public:
+  struct Plan {
+    std::int64_t fps = 60;
+    std::int64_t frames = 0;                           ///< frames 0 .. frames - 1
+    std::function<bool(std::int64_t frame)> wanted;    ///< those of them to draw
+    Pose X_WD_first;                                   ///< head until a sample of it has come
+    std::function<void(std::int64_t drawn)> progress;  ///< told after each
+  };
+
+  /// @param eyes, sinks  must outlive this
+  FrameByFrame(Eyes& eyes, Plan plan, std::vector<FrameSink*> sinks)
+      : eyes_(eyes), plan_(std::move(plan)), sinks_(std::move(sinks)) {}
+
+  void start(const Session& session) override { tick(session); }
+  void tick(const Session& session) override;
+
+  std::int64_t drawn() const { return drawn_; }
+
+ private:
+  Eyes& eyes_;
+  Plan plan_;
+  std::vector<FrameSink*> sinks_;
+  EyeFrame frame_;
+  std::int64_t drawn_ = 0;
+};
+
+/// Draws in a thread of its own and makes the session wait for nothing: one frame at a time, and
+/// one that comes while another is drawn is late and dropped.
+class FramesBeside : public Observer {
+ public:
+  /// What was drawn.
+  struct Done {
+    devices::FrameRecord record;
+    std::optional<double> latency_s;  ///< from the head sample's arrival until the sink had it
+  };
+  /// Made in the drawing thread, which alone uses what they return.
+  struct Makers {
+    std::function<Eyes()> eyes;
+    std::function<std::unique_ptr<FrameSink>(const Eyes&)> sink;  ///< null: none
+  };
+  using Clock = RealTime::Clock;
+
+  /// Comes back when the first frame could be drawn at once.
+  /// @throws  what the makers throw
+  explicit FramesBeside(Makers makers);
+  ~FramesBeside() override;
+
+  /// From here on, time 0 of the session.
+  void begin(Clock::time_point start) { start_ = start; }
+
+  void tick(const Session& session) override;
+  /// What was finished since the last call.
+  std::vector<Done> take_done();
+  std::int64_t late() const { return late_; }
+
+ private:
+  struct Job {
+    std::int64_t frame = 0, tick = 0;
+    Time time{};
+    std::optional<Clock::time_point> sample;  ///< when the newest head sample in it arrived
+    Glimpse glimpse;
+  };
+
+  bool offer(Job job);
+  void work(const Makers& makers);
+  static Done draw(Eyes& eyes, const Job& job, EyeFrame& frame, FrameSink* sink);
+
+  Clock::time_point start_;
+  std::int64_t frame_ = 0, late_ = 0;
+  std::optional<Time> newest_, shown_;  // arrival of the head sample at hand, and in the last frame
+  Time since_{};                        // when the session got the newest
+  Time lead_{};  // of the frames' clock: brings them close behind the head's samples
+
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<Job> job_;
+  std::vector<Done> done_;
+  std::exception_ptr failure_;
+  bool ready_ = false, busy_ = false, closing_ = false;
+  std::thread thread_;  // last, so that all it uses is there before it starts
+};
+
+}  // namespace headpin::scene

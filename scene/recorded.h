@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+
+#include "devices/trial.h"
+#include "scene/scenario.h"
+
+/// A recorded trial, ready to be simulated again.
+namespace headpin::scene {
+
+struct Recorded {
+  devices::Trial trial;
+  Scenario scenario;  ///< the trial's own, read
+};
+
+/// @throws std::runtime_error     naming the file, for one that cannot be read or holds no samples
+/// @throws std::invalid_argument  as parse_scenario
+Recorded load_trial(const std::string& path);
+
+/// Ticks from the first one to that at which the last sample is known, or to the last one the trial
+/// recorded, whichever is later.
+///
+/// @param rate_hz  of the simulation
+std::int64_t tick_count(const devices::Trial& trial, std::int64_t rate_hz);
+
+/// X_WD where the first good sample of the head finds it: where it is taken to be until then.
+///
+/// @throws std::runtime_error  without one
+Pose first_head_pose(const devices::Trial& trial, const Rig& rig);
+
+}  // namespace headpin::scene

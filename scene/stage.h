@@ -1,0 +1,42 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "scene/bodies.h"
+
+/// What a scenario builds once and any number of runs share.
+namespace headpin::scene {
+
+/// The bodies of a scenario as they stand before anything has happened, and what each of them is.
+///
+/// Who is which body is told by its role alone, never by its number.
+struct Stage {
+  Scenario scenario;
+  engine::World world;      ///< at its start; a session steps a copy of it
+  std::vector<Role> roles;  ///< of the world's bodies, same numbers
+  engine::Body skittle;     ///< what each skittle is made as: its mass properties are found once
+  double skittle_centre = 0.0;  ///< height of a skittle's centre of mass above its base [m]
+
+  // Bodies of a role, in the order they were added.
+  std::vector<engine::BodyId> balls, skittles;
+};
+
+/// The room, a ball on its stand and a rack of skittles, as the scenario has them.
+Stage make_stage(const Scenario& scenario);
+
+/// Adds a ball that waits on a stand until it is taken.
+///
+/// @param home  p_WB of its centre
+engine::BodyId add_ball(Stage& stage, const Vec3& home);
+
+/// Adds a rack of skittles that stand until they are struck.
+///
+/// @param head_pin  where its first spot is, on the lane: x right, y away
+void add_rack(Stage& stage, const Vec2& head_pin);
+
+/// Names of the world's bodies, in their order: "lane", "ball", "skittle 1" ...
+std::vector<std::string> body_names(const Stage& stage);
+
+}  // namespace headpin::scene

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <chrono>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "scene/run.h"
+#include "scene/score.h"
+
+namespace headpin::scene {
+
+/// What a session comes to, summed up as it runs.
+class Totals : public Observer {
+ public:
+  void tick(const Session& session) override;
+
+  const Score& score() const { return score_; }
+
+ private:
+  Score score_;
+};
+
+/// Times the simulation alone: as the pace it starts with each tick, as the first observer it
+/// stops.
+class Stopwatch : public NoPace, public Observer {
+ public:
+  void wait_for(Time) override { start_ = std::chrono::steady_clock::now(); }
+  void tick(const Session&) override { spent_ += std::chrono::steady_clock::now() - start_; }
+
+  double spent_s() const { return std::chrono::duration<double>(spent_).count(); }
+
+ private:
+  std::chrono::steady_clock::time_point start_;
+  std::chrono::steady_clock::duration spent_{};
+};
+
+/// Elasticity or friction of all objects: a number where they agree, else one per object.
+nlohmann::json common_value(const Materials& materials, double Material::*coefficient);
+
+/// Energy that each phase of the steps has added [J]; together the change of the whole.
+nlohmann::json to_json(const engine::Ledger& ledger);
+
+/// What a session came to, as every command's `--json` tells it.
+nlohmann::json summary(const Session& session, const Score& score);
+
+}  // namespace headpin::scene

@@ -1,0 +1,41 @@
+#include "scene/trial_writer.h"
+
+#include <nlohmann/json.hpp>
+
+#include "scene/events.h"
+#include "scene/totals.h"
+
+namespace headpin::scene {
+
+namespace {
+
+devices::TrialHeader of_session(devices::TrialHeader header, const Session& session) {
+  header.scenario = to_toml(session.scenario());
+  header.body_names = body_names(*session.stage);
+  return header;
+}
+
+}  // namespace
+
+TrialWriter::TrialWriter(const std::string& path, devices::TrialHeader header,
+                         const Session& session, devices::Recorder::Options options)
+    : recorder_(path, of_session(std::move(header), session), options) {}
+
+void TrialWriter::tick(const Session& session) {
+  for (const devices::Sample& sample : session.samples) recorder_.write(sample);
+  for (const devices::Event& event : session.events) recorder_.write(event);
+  tick_state(session, state_);
+  recorder_.write(state_);
+}
+
+void TrialWriter::close(const Session& session) {
+  devices::Event ledger;
+  ledger.time = session.now();
+  ledger.tick = session.tick;
+  ledger.kind = kind::ledger;
+  ledger.detail = to_json(session.world.ledger).dump();
+  recorder_.write(ledger);
+  recorder_.close();
+}
+
+}  // namespace headpin::scene

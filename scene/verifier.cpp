@@ -1,0 +1,62 @@
+#include "scene/verifier.h"
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace headpin::scene {
+
+namespace {
+
+bool same_bits(const devices::BodyState& a, const devices::BodyState& b) {
+  const auto equal = [](const auto& x, const auto& y) {
+    return std::memcmp(x.data(), y.data(), sizeof(double) * static_cast<std::size_t>(x.size())) ==
+           0;
+  };
+  return equal(a.X_WB.p, b.X_WB.p) && equal(a.X_WB.q.coeffs(), b.X_WB.q.coeffs()) &&
+         equal(a.V_WB.v, b.V_WB.v) && equal(a.V_WB.w, b.V_WB.w) && a.asleep == b.asleep;
+}
+
+}  // namespace
+
+std::optional<std::string> first_different_body(const devices::TickState& a,
+                                                const devices::TickState& b,
+                                                std::span<const std::string> names) {
+  const std::size_t bodies = std::min(a.bodies.size(), b.bodies.size());
+  for (std::size_t i = 0; i < bodies; ++i) {
+    if (!same_bits(a.bodies[i], b.bodies[i])) {
+      return i < names.size() ? names[i] : fmt::format("body {}", i);
+    }
+  }
+  if (a.hash != b.hash || a.bodies.size() != b.bodies.size()) return std::string();
+  return std::nullopt;
+}
+
+Verifier::Verifier(std::span<const devices::TickState> states, const Session& session)
+    : states_(states), names_(body_names(*session.stage)) {
+  if (states_.empty()) {
+    throw std::runtime_error(
+        "the trial holds no states to compare with; expected one made by `headpin replay -o` or "
+        "`headpin live`");
+  }
+}
+
+void Verifier::tick(const Session& session) {
+  while (next_ < states_.size() && states_[next_].tick < session.tick) ++next_;
+  if (next_ == states_.size() || states_[next_].tick != session.tick) return;
+  tick_state(session, state_);
+  const auto body = first_different_body(state_, states_[next_], names_);
+  if (body) {
+    throw std::runtime_error(
+        fmt::format("tick {} ({:.6f} s) differs from the recording, first {}: expected state "
+                    "{:016x}, found {:016x}",
+                    state_.tick, seconds(state_.time),
+                    body->empty() ? "in what only the hash tells" : "in the " + *body,
+                    states_[next_].hash, state_.hash));
+  }
+  ++compared_;
+}
+
+}  // namespace headpin::scene

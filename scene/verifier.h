@@ -1,0 +1,39 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "devices/trial.h"
+#include "scene/run.h"
+
+namespace headpin::scene {
+
+/// Compares a state with a recorded one of the same tick: every bit of every body.
+/// @return  the body that differs, empty when only what the log leaves out does; nothing when equal
+std::optional<std::string> first_different_body(const devices::TickState& a,
+                                                const devices::TickState& b,
+                                                std::span<const std::string> names);
+
+/// Holds a run against the states that a trial recorded.
+class Verifier : public Observer {
+ public:
+  /// @param states  of the trial, rising by tick; must outlive this
+  /// @throws std::runtime_error  when there are none
+  Verifier(std::span<const devices::TickState> states, const Session& session);
+
+  /// @throws std::runtime_error  naming the tick, and the first body that differs
+  void tick(const Session& session) override;
+
+  std::int64_t compared() const { return compared_; }  ///< ticks found equal
+
+ private:
+  std::span<const devices::TickState> states_;
+  std::vector<std::string> names_;
+  devices::TickState state_;
+  std::size_t next_ = 0;
+  std::int64_t compared_ = 0;
+};
+
+}  // namespace headpin::scene

@@ -1,0 +1,81 @@
+#include "devices/sources.h"
+
+#include <gtest/gtest.h>
+
+#include "devices/messages.h"
+
+namespace headpin::devices {
+namespace {
+
+TrackerSample sample(std::int64_t station, std::int64_t device_us, std::int64_t host_us = 0) {
+  TrackerSample s;
+  s.station = static_cast<std::int32_t>(station);
+  s.device_time = Time{device_us};
+  s.host_time = Time{host_us};
+  return s;
+}
+
+std::vector<std::int32_t> stations(const std::vector<Sample>& samples) {
+  std::vector<std::int32_t> found;
+  for (const Sample& s : samples) found.push_back(std::get<TrackerSample>(s).station);
+  return found;
+}
+
+TEST(Available, IsTheLatestOfWhatASampleSays) {
+  TrackerSample s = sample(1, 3000, 2000);
+  EXPECT_EQ(available(s), Time{3000});
+  s.host_time = Time{4000};
+  EXPECT_EQ(available(s), Time{4000});
+  s.session_time = Time{8333};
+  EXPECT_EQ(available(s), Time{8333});
+  EXPECT_EQ(arrival(s), Time{4000});  // whatever the session made of it
+}
+
+TEST(Available, OfASessionsSampleComesBackFromItsMessage) {
+  TrackerSample tracker = sample(2, 1000, 2000);
+  tracker.session_time = Time{4166};
+  MouseSample mouse;
+  mouse.device_time = Time{1000};
+  mouse.trigger = true;
+  mouse.session_time = Time{8333};
+  Buffer bytes;
+  encode(tracker, bytes);
+  EXPECT_EQ(std::get<TrackerSample>(*decode(kTrackerChannel, bytes)).session_time, Time{4166});
+  encode(mouse, bytes);
+  EXPECT_EQ(std::get<MouseSample>(*decode(kMouseChannel, bytes)).session_time, Time{8333});
+}
+
+/// Hands out what it was given, all at once, whatever the time.
+class Eager : public Source {
+ public:
+  explicit Eager(std::vector<Sample> samples) : samples_(std::move(samples)) {}
+  void poll(Time, std::vector<Sample>& out) override {
+    out.insert(out.end(), samples_.begin(), samples_.end());
+    samples_.clear();
+  }
+  bool exhausted() const override { return samples_.empty(); }
+
+ private:
+  std::vector<Sample> samples_;
+};
+
+TEST(MergedSource, HandsOutEachSampleWhenAReplayWould) {
+  const std::vector<Sample> first = {sample(1, 1000), sample(2, 3000, 9000)};
+  const std::vector<Sample> second = {sample(3, 2000), sample(4, 8000)};
+  Eager a(first), b(second);
+  MergedSource merged({&a, &b});
+  std::vector<Sample> all = first;
+  all.insert(all.end(), second.begin(), second.end());
+  ReplaySource replay(all);
+  for (const std::int64_t now : {0, 1000, 2500, 8500, 9000}) {
+    std::vector<Sample> from_merged, from_replay;
+    merged.poll(Time{now}, from_merged);
+    replay.poll(Time{now}, from_replay);
+    EXPECT_EQ(stations(from_merged), stations(from_replay)) << now;
+    EXPECT_EQ(merged.exhausted(), replay.exhausted()) << now;
+  }
+  EXPECT_TRUE(merged.exhausted());
+}
+
+}  // namespace
+}  // namespace headpin::devices
