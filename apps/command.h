@@ -23,6 +23,7 @@ void add_frames(CLI::App& app);
 void add_import(CLI::App& app);
 void add_info(CLI::App& app);
 void add_live(CLI::App& app);
+void add_manual(CLI::App& app);
 void add_replay(CLI::App& app);
 void add_stream(CLI::App& app);
 void add_synthesize(CLI::App& app);

@@ -134,7 +134,8 @@ void add_import(CLI::App& app) {
                    "or keep: the recording's -z")
       ->check(CLI::IsMember({"release", "gaze", "keep"}))
       ->capture_default_str();
-  command->add_option("--scenario", options->scenario, "TOML file; the paper's room if not given");
+  command->add_option("--scenario", options->scenario,
+                      "its name, or a TOML file; the paper's room if not given");
   command->add_option("--participant", options->participant, "who threw");
   command->add_option("--condition", options->condition, "name of the condition");
   add_force(*command, options->force);

@@ -280,7 +280,7 @@ void add_live(CLI::App& app) {
       ->allow_extra_args(false)
       ->needs(fastrak);
   command->add_option("--scenario", options->scenario,
-                      "TOML file; the paper's room when not given");
+                      "its name, or a TOML file; the paper's room when not given");
   add_output(*command, "--record", options->record,
              "write the trial here, safe from the first event");
   command->add_option("--participant", options->participant, "name in the trial");

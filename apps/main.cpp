@@ -45,6 +45,7 @@ void check_command(const CLI::App& app, int argc, const char* const* argv) {
   std::string names;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
     if (command->get_name() == argv[1]) return;
+    if (command->get_group().empty()) continue;
     names += (names.empty() ? "" : ", ") + command->get_name();
   }
   throw UsageError("unknown command '" + std::string(argv[1]) + "'; one of " + names);
@@ -100,6 +101,7 @@ int main(int argc, char** argv) {
   apps::add_doctor(app);
   apps::add_stream(app);
   apps::add_emulate(app);
+  apps::add_manual(app);
   const int code = apps::run(app, argc, argv);
   return apps::close_standard_output(apps::name_of(app), code);
 }

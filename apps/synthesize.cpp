@@ -10,7 +10,9 @@
 #include "apps/options.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "devices/catalogue_csv.h"
 #include "devices/log.h"
+#include "files/output_file.h"
 #include "scene/arm_model.h"
 #include "scene/throw.h"
 
@@ -33,6 +35,38 @@ double long_enough(const scene::ThrowPlan& plan, const scene::Scenario& scenario
   return plan.duration_s + further / (0.65 * plan.speed);
 }
 
+/// As an event log, with what a tracker and a trigger say of the throw.
+/// @return  how many samples
+std::size_t write_trial(const Options& options, const scene::ThrowMotion& motion,
+                        const scene::Scenario& scenario, std::uint64_t seed) {
+  devices::TrialHeader header;
+  header.participant = options.participant;
+  header.condition = options.condition;
+  header.seed = seed;
+  header.scenario = scene::to_toml(scenario);
+  const std::vector<devices::Sample> samples = scene::sense(motion, scenario.rig, seed);
+  devices::Recorder recorder(*options.output, header,
+                             {.overwrite = options.force, .inputs = {options.scenario}});
+  devices::write(recorder, samples, {});
+  check_stop();
+  recorder.close();
+  return samples.size();
+}
+
+/// As the motion catalogue has throws: head and both hands, no trigger, in centimetres.
+/// @return  how many samples
+std::size_t write_csv(const Options& options, const scene::ThrowMotion& motion,
+                      std::uint64_t seed) {
+  const devices::MotionRecording recording = scene::record(motion, seed);
+  const std::string text = devices::to_catalogue_csv(recording, 0.01);
+  files::OutputFile file(*options.output,
+                         {.overwrite = options.force, .inputs = {options.scenario}});
+  file.write(text.data(), text.size());
+  check_stop();
+  file.commit();
+  return recording.times.size();
+}
+
 void run(const Options& options) {
   constexpr double kDegree = 0.0174532925199433;
   scene::ThrowPlan plan = options.plan;
@@ -50,23 +84,14 @@ void run(const Options& options) {
   }();
   scenario.ball.home = motion.hand(motion.grab()) * scenario.hand.grip;
 
-  devices::TrialHeader header;
-  header.participant = options.participant;
-  header.condition = options.condition;
-  header.seed = plan.seed;
-  header.scenario = scene::to_toml(scenario);
-  const std::vector<devices::Sample> samples = scene::sense(motion, scenario.rig, plan.seed);
   watch_stop_signals();
-  devices::Recorder recorder(*options.output, header,
-                             {.overwrite = options.force, .inputs = {options.scenario}});
-  devices::write(recorder, samples, {});
-  check_stop();
-  recorder.close();
-
+  const bool csv = options.output->ends_with(".csv");
+  const std::size_t samples = csv ? write_csv(options, motion, plan.seed)
+                                  : write_trial(options, motion, scenario, plan.seed);
   if (options.json) {
     print_json({{"trial", *options.output},
                 {"seed", plan.seed},
-                {"samples", samples.size()},
+                {"samples", samples},
                 {"duration_s", seconds(motion.duration())},
                 {"grab_s", seconds(motion.grab())},
                 {"release_s", seconds(motion.release())},
@@ -75,13 +100,14 @@ void run(const Options& options) {
   }
   std::cout << fmt::format(
       "{}\n"
-      "  samples            {} of head, hand and trigger\n"
+      "  samples            {} of {}\n"
       "  duration           {:.3f} s\n"
       "  grab               {:.3f} s\n"
       "  release            {:.3f} s\n"
       "  ball at release    {:.2f} m/s\n",
-      *options.output, samples.size(), seconds(motion.duration()), seconds(motion.grab()),
-      seconds(motion.release()), motion.ball_speed());
+      *options.output, samples, csv ? "head and both hands" : "head, hand and trigger",
+      seconds(motion.duration()), seconds(motion.grab()), seconds(motion.release()),
+      motion.ball_speed());
 }
 
 }  // namespace
@@ -89,8 +115,9 @@ void run(const Options& options) {
 void add_synthesize(CLI::App& app) {
   CLI::App* command = app.add_subcommand("synthesize", "Make a trial by a model of the arm");
   const auto options = std::make_shared<Options>();
-  add_output(*command, "-o,--output", options->output,
-             "trial to write (.lcmlog); - is standard output")
+  add_output(
+      *command, "-o,--output", options->output,
+      "trial to write (.lcmlog), or a recording as `import` reads it (.csv); - is standard output")
       ->required();
   command->add_option("--seed", options->plan.seed, "of swing, tremor and noise")
       ->check(seed())
@@ -103,7 +130,8 @@ void add_synthesize(CLI::App& app) {
       ->capture_default_str();
   add_duration(*command, options->duration_s,
                "of the trial [s]; 7 in the paper's room, more when the lane is longer");
-  command->add_option("--scenario", options->scenario, "TOML file; the paper's room if not given");
+  command->add_option("--scenario", options->scenario,
+                      "its name, or a TOML file; the paper's room if not given");
   command->add_option("--participant", options->participant, "who is said to have thrown");
   command->add_option("--condition", options->condition, "name of the condition");
   add_force(*command, options->force);

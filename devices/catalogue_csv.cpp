@@ -7,6 +7,7 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 namespace headpin::devices {
 namespace {
@@ -33,17 +34,34 @@ std::vector<std::string_view> split(std::string_view line) {
   return fields;
 }
 
+constexpr const char* kTimeColumn = "delta_time_ms";
+constexpr std::array<const char*, 3> kTracked = {"head", "left_hand", "right_hand"};
+constexpr std::array<const char*, 7> kPoseColumns = {"pos_x", "pos_y", "pos_z", "rot_w",
+                                                     "rot_x", "rot_y", "rot_z"};
+
+std::string pose_column(const std::string& tracked, std::size_t i) {
+  return tracked + "_" + kPoseColumns[i];
+}
+
 /// The file at hand: its column names, and the fields of one line.
 class Table {
  public:
-  Table(std::string_view where, std::string_view header) : where_(where), names_(split(header)) {}
+  /// @throws std::invalid_argument  naming every column of the catalogue that is not there
+  Table(std::string_view where, std::string_view header) : where_(where), names_(split(header)) {
+    std::vector<std::string> missing;
+    for (const std::string& name : catalogue_columns()) {
+      if (column(name) == names_.size()) missing.push_back(name);
+    }
+    if (missing.empty()) return;
+    throw std::invalid_argument(
+        fmt::format("{}:1: expected the {} columns of the catalogue, {} missing: {}", where_,
+                    catalogue_columns().size(),
+                    missing.size() == 1 ? "one is" : fmt::format("{} are", missing.size()),
+                    fmt::join(missing, ", ")));
+  }
 
   std::size_t column(const std::string& name) const {
-    const auto found = std::ranges::find(names_, name);
-    if (found == names_.end()) {
-      throw std::invalid_argument(fmt::format("{}: column {} is missing", where_, name));
-    }
-    return static_cast<std::size_t>(found - names_.begin());
+    return static_cast<std::size_t>(std::ranges::find(names_, name) - names_.begin());
   }
 
   void read(std::string_view line, std::size_t number) {
@@ -79,21 +97,16 @@ class Table {
 /// The seven columns of one tracked thing.
 struct PoseColumns {
   std::string name;
-  std::array<std::size_t, 3> position;
-  std::array<std::size_t, 4> rotation;
+  std::array<std::size_t, 7> columns;
 
   PoseColumns(const Table& table, const std::string& of) : name(of) {
-    std::size_t i = 0;
-    for (const char axis : {'x', 'y', 'z'}) position[i++] = table.column(of + "_pos_" + axis);
-    i = 0;
-    for (const char axis : {'w', 'x', 'y', 'z'}) rotation[i++] = table.column(of + "_rot_" + axis);
+    for (std::size_t i = 0; i < columns.size(); ++i) columns[i] = table.column(pose_column(of, i));
   }
 
   Pose read(const Table& table, double unit_m) const {
-    const auto value = [&](std::size_t column) { return table.value(column); };
-    const Pose pose{
-        Quat(value(rotation[0]), value(rotation[1]), value(rotation[2]), value(rotation[3])),
-        unit_m * Vec3(value(position[0]), value(position[1]), value(position[2]))};
+    const auto value = [&](std::size_t i) { return table.value(columns[i]); };
+    const Pose pose{Quat(value(3), value(4), value(5), value(6)),
+                    unit_m * Vec3(value(0), value(1), value(2))};
     if (!(std::abs(pose.q.norm() - 1.0) < 1e-3)) {
       table.fail(fmt::format("{}_rot: expected a unit quaternion, found one of length {:.6g}", name,
                              pose.q.norm()));
@@ -104,12 +117,35 @@ struct PoseColumns {
 
 }  // namespace
 
+std::vector<std::string> catalogue_columns() {
+  std::vector<std::string> all = {kTimeColumn};
+  for (const char* tracked : kTracked) {
+    for (std::size_t i = 0; i < kPoseColumns.size(); ++i) all.push_back(pose_column(tracked, i));
+  }
+  return all;
+}
+
+std::string to_catalogue_csv(const MotionRecording& recording, double unit_m) {
+  std::string text = fmt::format("{}\n", fmt::join(catalogue_columns(), ","));
+  for (std::size_t i = 0; i < recording.times.size(); ++i) {
+    text += fmt::format("{}", 1e3 * seconds(recording.times[i]));
+    for (const auto* poses : {&recording.head, &recording.left_hand, &recording.right_hand}) {
+      const Vec3 p = (*poses)[i].p / unit_m;
+      const Quat& q = (*poses)[i].q;
+      text += fmt::format(",{:.5f},{:.5f},{:.5f},{:.8f},{:.8f},{:.8f},{:.8f}", p.x(), p.y(), p.z(),
+                          q.w(), q.x(), q.y(), q.z());
+    }
+    text += '\n';
+  }
+  return text;
+}
+
 MotionRecording parse_catalogue_csv(std::string_view text, std::string_view where, double unit_m) {
   constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   Table table(where, take(text, '\n'));
-  const std::size_t time_ms = table.column("delta_time_ms");
-  const PoseColumns head(table, "head"), left(table, "left_hand"), right(table, "right_hand");
+  const std::size_t time_ms = table.column(kTimeColumn);
+  const PoseColumns head(table, kTracked[0]), left(table, kTracked[1]), right(table, kTracked[2]);
 
   MotionRecording recording;
   for (std::size_t line = 2; !text.empty(); ++line) {

@@ -11,6 +11,7 @@
 
 #include "engine/response.h"
 #include "render/hmd.h"
+#include "scene/scenario_files.h"
 
 namespace headpin::scene {
 
@@ -484,7 +485,8 @@ Scenario parse_scenario(std::string_view toml, std::string_view where) {
   return scenario;
 }
 
-Scenario load_scenario(const std::string& path) {
+Scenario load_scenario(const std::string& name_or_file) {
+  const std::string path = scenario_path(name_or_file);
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
   text << file.rdbuf();

@@ -130,9 +130,9 @@ struct Scenario {
 ///         unknown keys, wrong types, values out of range and text that is not TOML
 Scenario parse_scenario(std::string_view toml, std::string_view where);
 
-/// The same from a file.
+/// The same from a file, or by the name of one that comes with the program (scenario_files.h).
 /// @throws std::runtime_error  where it cannot be read
-Scenario load_scenario(const std::string& path);
+Scenario load_scenario(const std::string& name_or_file);
 
 /// All of a scenario as TOML, each value with its meaning beside it; parse_scenario gives it back
 /// to the bit.

@@ -51,10 +51,11 @@ TEST(CatalogueCsvTest, TakesColumnsInAnyOrderAndLinesHoweverEnded) {
 }
 
 TEST(CatalogueCsvTest, RefusesWhatIsNoRecordingAndSaysWhere) {
-  EXPECT_THAT(complaint(""), HasSubstr("column delta_time_ms is missing"));
+  EXPECT_THAT(complaint(""), HasSubstr("22 are missing: delta_time_ms, head_pos_x"));
   std::string text = kGood;
   EXPECT_THAT(complaint(text.replace(text.find("left_hand_rot_y"), 15, "left_hand_rot_q")),
-              HasSubstr("throw.csv: column left_hand_rot_y is missing"));
+              HasSubstr("throw.csv:1: expected the 22 columns of the catalogue, one is missing: "
+                        "left_hand_rot_y"));
   EXPECT_THAT(complaint(with(",170", ",nan")),
               HasSubstr("throw.csv:2: head_pos_y: expected a finite number, found 'nan'"));
   EXPECT_THAT(complaint(with(",170", ",inf")), HasSubstr("found 'inf'"));
@@ -68,6 +69,36 @@ TEST(CatalogueCsvTest, RefusesWhatIsNoRecordingAndSaysWhere) {
   EXPECT_THAT(complaint(with("\n27.5,", "\n13,")),
               HasSubstr("time must advance, found 0.013 s after 0.014 s"));
   EXPECT_THAT(complaint(with("\n27.5,", "\n1e300,")), HasSubstr("out of range"));
+}
+
+TEST(CatalogueCsvTest, AllMissingColumnsAreNamedAtOnce) {
+  const std::string said = complaint("delta_time_ms,head_pos_x,left_hand_rot_q\n0,1,2\n");
+  EXPECT_THAT(said, HasSubstr("20 are missing"));
+  for (const std::string& column : catalogue_columns()) {
+    const bool there = column == "delta_time_ms" || column == "head_pos_x";
+    EXPECT_EQ(said.find(column) == std::string::npos, there) << column;
+  }
+}
+
+TEST(CatalogueCsvTest, WhatIsWrittenReadsBack) {
+  EXPECT_THAT(kHeader, testing::StrEq([] {
+                std::string names;
+                for (const std::string& name : catalogue_columns()) {
+                  names += (names.empty() ? "" : ",") + name;
+                }
+                return names;
+              }()));
+  const MotionRecording recording = parse_catalogue_csv(kGood, "throw.csv", 0.01);
+  const MotionRecording again =
+      parse_catalogue_csv(to_catalogue_csv(recording, 0.001), "again.csv", 0.001);
+  EXPECT_EQ(again.times, recording.times);
+  for (std::size_t i = 0; i < recording.times.size(); ++i) {
+    for (const auto poses :
+         {&MotionRecording::head, &MotionRecording::left_hand, &MotionRecording::right_hand}) {
+      EXPECT_LT(((again.*poses)[i].p - (recording.*poses)[i].p).norm(), 1e-8);  // 5 digits of a mm
+      EXPECT_LT((again.*poses)[i].q.angularDistance((recording.*poses)[i].q), 1e-7);
+    }
+  }
 }
 
 TEST(CatalogueCsvTest, AFileCutAnywhereIsReadUpToThereOrRefused) {

@@ -1,0 +1,302 @@
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include "apps/command.h"
+#include "devices/version.h"
+#include "scene/scenario_files.h"
+
+// The manual pages and what completes a command line, written from the very options that the parser
+// reads, so that they cannot say anything else. The build calls this after linking.
+
+namespace headpin::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+std::vector<const CLI::App*> commands(const CLI::App& app) {
+  return app.get_subcommands([](const CLI::App* command) { return !command->get_group().empty(); });
+}
+
+std::vector<const CLI::Option*> options(const CLI::App& command, bool positional) {
+  return command.get_options(
+      [=](const CLI::Option* option) { return option->get_positional() == positional; });
+}
+
+/// `-o`, `--output`: every name of an option as it is typed.
+std::vector<std::string> names(const CLI::Option& option) {
+  std::vector<std::string> all;
+  for (const std::string& name : option.get_snames()) all.push_back("-" + name);
+  for (const std::string& name : option.get_lnames()) all.push_back("--" + name);
+  return all;
+}
+
+bool takes_value(const CLI::Option& option) {
+  return option.get_type_size() != 0;
+}
+
+bool may_be_repeated(const CLI::Option& option) {
+  return option.get_expected_max() >= CLI::detail::expected_max_vector_size;
+}
+
+/// The words a value may be; empty where it may be more than a few.
+std::vector<std::string> choices(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const std::size_t open = type.find('{'), close = type.find('}');
+  if (open == std::string::npos || close == std::string::npos) return {};
+  return CLI::detail::split(type.substr(open + 1, close - open - 1), ',');
+}
+
+/// What stands for the value: its kind, or the words it may be.
+std::string placeholder(const CLI::Option& option) {
+  if (const auto words = choices(option); !words.empty())
+    return fmt::format("{}", fmt::join(words, "|"));
+  const std::string type = option.get_type_name();
+  return type.starts_with("[") ? type : type.substr(0, type.find_first_of(": "));
+}
+
+/// Text as troff wants it.
+std::string roff(std::string_view text) {
+  std::string out;
+  bool line_begins = true;
+  for (const char c : text) {
+    if (line_begins && (c == '.' || c == '\'')) out += "\\&";
+    out += c == '\\' ? std::string("\\e") : c == '-' ? std::string("\\-") : std::string(1, c);
+    line_begins = c == '\n';
+  }
+  return out;
+}
+
+std::string trimmed(std::string_view text) {
+  const std::size_t first = text.find_first_not_of('\n');
+  if (first == std::string_view::npos) return {};
+  return std::string(text.substr(first, text.find_last_not_of(" \n") - first + 1));
+}
+
+std::string as_written(const char* heading, const std::string& text) {
+  if (text.empty()) return {};
+  return fmt::format(".SH {}\n.nf\n{}\n.fi\n", heading, roff(text));
+}
+
+std::string roff_option(const CLI::Option& option) {
+  std::string line;
+  for (const std::string& name : names(option)) {
+    line += fmt::format("{}\\fB{}\\fR", line.empty() ? "" : ", ", roff(name));
+  }
+  if (takes_value(option)) line += fmt::format(" \\fI{}\\fR", roff(placeholder(option)));
+  std::string says = option.get_description();
+  if (!option.get_default_str().empty())
+    says += fmt::format(" (default {})", option.get_default_str());
+  if (option.get_required()) says += " (needed)";
+  return fmt::format(".TP\n{}\n{}\n", line, roff(says));
+}
+
+std::string page_begins(const std::string& name, const std::string& says) {
+  const std::string title = CLI::detail::to_lower(name);
+  std::string upper = title;
+  std::ranges::transform(upper, upper.begin(), [](unsigned char c) { return std::toupper(c); });
+  return fmt::format(".TH {} 1 \"\" \"headpin {}\" \"headpin\"\n.SH NAME\n{} \\- {}\n", roff(upper),
+                     devices::software_version(), roff(title), roff(says));
+}
+
+constexpr const char* kExitStatus =
+    ".SH EXIT STATUS\n0 done, 1 failed (one line on standard error says why), 2 wrong use.\n";
+
+/// The manual page of one command.
+std::string page(const CLI::App& command) {
+  const std::string name = "headpin-" + command.get_name();
+  std::string synopsis = "\\fBheadpin " + roff(command.get_name()) + "\\fR";
+  std::string arguments;
+  for (const CLI::Option* option : options(command, true)) {
+    std::string word = option->get_name(true);
+    std::ranges::transform(word, word.begin(), [](unsigned char c) { return std::toupper(c); });
+    synopsis +=
+        option->get_required() ? " \\fI" + roff(word) + "\\fR" : " [\\fI" + roff(word) + "\\fR]";
+    arguments += fmt::format(".TP\n\\fI{}\\fR\n{}\n", roff(word), roff(option->get_description()));
+  }
+  std::string listed, group;
+  for (const CLI::Option* option : options(command, false)) {
+    if (option->get_group().empty()) continue;
+    if (option->get_group() != group && option->get_group() != "Options") {
+      group = option->get_group();
+      listed += fmt::format(".SS {}\n", roff(group));
+    }
+    listed += roff_option(*option);
+  }
+  const std::string footer = command.get_footer();
+  const std::size_t example = footer.rfind("Example:");
+  const bool has_example = example != std::string::npos;
+  return page_begins(name, command.get_description()) +
+         fmt::format(".SH SYNOPSIS\n{} [\\fIOPTIONS\\fR]\n", synopsis) +
+         (arguments.empty() ? "" : ".SH ARGUMENTS\n" + arguments) + ".SH OPTIONS\n" + listed +
+         as_written("NOTES", trimmed(footer.substr(0, has_example ? example : footer.size()))) +
+         (has_example ? as_written("EXAMPLE", trimmed(footer.substr(example + 8))) : "") +
+         kExitStatus + ".SH SEE ALSO\n.BR headpin (1)\n";
+}
+
+std::string overview(const CLI::App& app) {
+  std::string listed, see;
+  for (const CLI::App* command : commands(app)) {
+    listed += fmt::format(".TP\n\\fBheadpin {}\\fR\n{}\n", roff(command->get_name()),
+                          roff(command->get_description()));
+    see +=
+        fmt::format("{}.BR headpin\\-{} (1)", see.empty() ? "" : ",\n", roff(command->get_name()));
+  }
+  std::string scenarios;
+  for (const std::string& name : scene::scenario_names()) {
+    scenarios += (scenarios.empty() ? "" : ", ") + name;
+  }
+  return page_begins("headpin", "a headless immersive bowling simulator with tracked devices") +
+         ".SH SYNOPSIS\n\\fBheadpin\\fR \\fICOMMAND\\fR [\\fIARGUMENTS\\fR]\n"
+         ".SH DESCRIPTION\nSamples of trackers go in; a hand, a ball and skittles are simulated "
+         "from "
+         "them, to the bit;\nwhat happened and what each eye saw comes out. A trial is one LCM "
+         "event "
+         "log that has it all.\n.SH COMMANDS\n" +
+         listed + ".SH SCENARIOS\n" + roff(scenarios) + "\n" + kExitStatus + ".SH SEE ALSO\n" +
+         see + "\n";
+}
+
+/// Words in single quotes, as both shells take them.
+std::string single_quoted(std::string_view text) {
+  return "'" + CLI::detail::find_and_replace(std::string(text), "'", "'\\''") + "'";
+}
+
+/// The names that may stand for the value of this option, besides files.
+std::vector<std::string> known_names(const CLI::Option& option) {
+  return option.check_name("--scenario") ? scene::scenario_names() : std::vector<std::string>{};
+}
+
+std::string bash_completion(const CLI::App& app) {
+  std::string all, words, values;
+  for (const CLI::App* command : commands(app)) {
+    all += command->get_name() + " ";
+    std::vector<std::string> typed;
+    for (const CLI::Option* option : options(*command, false)) {
+      const std::vector<std::string> these = names(*option);
+      typed.insert(typed.end(), these.begin(), these.end());
+      if (!takes_value(*option)) continue;
+      const auto pattern = fmt::format("{0}:{1}", command->get_name(),
+                                       fmt::join(these, "|" + command->get_name() + ":"));
+      const auto files = known_names(*option);
+      if (const auto of = choices(*option); !of.empty()) {
+        values += fmt::format("    {}) words={} ;;\n", pattern,
+                              single_quoted(fmt::format("{}", fmt::join(of, " "))));
+      } else if (!files.empty()) {
+        values += fmt::format("    {}) words={}; files=yes ;;\n", pattern,
+                              single_quoted(fmt::format("{}", fmt::join(files, " "))));
+      } else {
+        values += fmt::format("    {}) files=yes ;;\n", pattern);
+      }
+    }
+    words += fmt::format("      {}) words={} ;;\n", command->get_name(),
+                         single_quoted(fmt::format("{}", fmt::join(typed, " "))));
+  }
+  return "# bash completion for headpin; written by the program\n"
+         "_headpin() {\n"
+         "  local word=${COMP_WORDS[COMP_CWORD]} words= files=\n"
+         "  COMPREPLY=()\n"
+         "  if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
+         "    mapfile -t COMPREPLY < <(compgen -W " +
+         single_quoted(all + "--help --version") +
+         " -- \"$word\")\n"
+         "    return\n"
+         "  fi\n"
+         "  case ${COMP_WORDS[1]}:${COMP_WORDS[COMP_CWORD-1]} in\n" +
+         values +
+         "    *)\n"
+         "      files=yes\n"
+         "      [[ $word == -* ]] && case ${COMP_WORDS[1]} in\n" +
+         words +
+         "      esac ;;\n"
+         "  esac\n"
+         "  [ -z \"$words\" ] || mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$word\")\n"
+         "  [ -z \"$files\" ] || mapfile -t -O \"${#COMPREPLY[@]}\" COMPREPLY < <(compgen -f -- "
+         "\"$word\")\n"
+         "}\n"
+         "complete -o filenames -F _headpin headpin\n";
+}
+
+std::string zsh_text(std::string text) {
+  for (const char* special : {"\\", ":", "[", "]"}) {
+    text = CLI::detail::find_and_replace(text, special, std::string("\\") + special);
+  }
+  return text;
+}
+
+std::string zsh_option(const CLI::Option& option) {
+  const std::vector<std::string> all = names(option);
+  const std::string several = all.size() > 1 ? fmt::format("{{{}}}", fmt::join(all, ",")) : all[0];
+  const std::string once =
+      may_be_repeated(option) ? "'*'" : single_quoted(fmt::format("({})", fmt::join(all, " ")));
+  std::string after = fmt::format("[{}]", zsh_text(option.get_description()));
+  if (takes_value(option)) {
+    const auto of = choices(option), files = known_names(option);
+    after += fmt::format(":{}:", zsh_text(placeholder(option)));
+    after += !of.empty()      ? fmt::format("({})", fmt::join(of, " "))
+             : !files.empty() ? fmt::format("{{compadd {}; _files}}", fmt::join(files, " "))
+                              : std::string("_files");
+  }
+  return fmt::format("        {}{}{} \\\n", once, several, single_quoted(after));
+}
+
+std::string zsh_completion(const CLI::App& app) {
+  std::string listed, each;
+  for (const CLI::App* command : commands(app)) {
+    listed += "    " + single_quoted(command->get_name() + ":" + command->get_description()) + "\n";
+    each += "    " + command->get_name() + ")\n      _arguments \\\n";
+    for (const CLI::Option* option : options(*command, false)) each += zsh_option(*option);
+    each += "        '*:file:_files' ;;\n";
+  }
+  return "#compdef headpin\n# written by the program\n"
+         "_headpin() {\n"
+         "  local -a commands=(\n" +
+         listed +
+         "  )\n"
+         "  if (( CURRENT == 2 )); then\n"
+         "    _describe command commands\n"
+         "    return\n"
+         "  fi\n"
+         "  shift words\n"
+         "  (( CURRENT-- ))\n"
+         "  case $words[1] in\n" +
+         each +
+         "  esac\n"
+         "}\n"
+         "_headpin \"$@\"\n";
+}
+
+void write(const fs::path& path, const std::string& text) {
+  std::ofstream file(path, std::ios::binary);
+  file << text;
+  file.close();
+  if (!file) throw std::runtime_error(path.string() + ": cannot be written");
+}
+
+void write_all(const CLI::App& app, const fs::path& folder) {
+  fs::create_directories(folder / "man1");
+  write(folder / "man1" / "headpin.1", overview(app));
+  for (const CLI::App* command : commands(app)) {
+    write(folder / "man1" / ("headpin-" + command->get_name() + ".1"), page(*command));
+  }
+  write(folder / "headpin.bash", bash_completion(app));
+  write(folder / "_headpin", zsh_completion(app));
+}
+
+}  // namespace
+
+void add_manual(CLI::App& app) {
+  const auto folder = std::make_shared<std::string>();
+  CLI::App* command =
+      app.add_subcommand("manual", "Write the manual pages and what completes a command line")
+          ->group("");  // for those who build; nobody else needs to see it
+  command->add_option("folder", *folder, "where to; man1/ is made in it")->required();
+  command->callback([&app, folder] { write_all(app, *folder); });
+}
+
+}  // namespace headpin::apps

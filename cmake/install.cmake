@@ -1,0 +1,36 @@
+# What `cmake --install` puts where, besides the libraries. Three components:
+#   program    headpin, its manual, completion, scenarios, message types
+#   engine     what it takes to build with the collision engine; needs Eigen alone
+#   libraries  the same for devices, render and scene
+include(CMakePackageConfigHelpers)
+configure_package_config_file(cmake/headpin-config.cmake.in headpin-config.cmake
+                              INSTALL_DESTINATION ${HEADPIN_CMAKE_DIR})
+write_basic_package_version_file(headpin-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/headpin-config.cmake
+              ${CMAKE_CURRENT_BINARY_DIR}/headpin-config-version.cmake
+        DESTINATION ${HEADPIN_CMAKE_DIR} COMPONENT engine)
+install(FILES LICENSE RENAME copyright
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libheadpin-dev COMPONENT engine)
+if(NOT HEADPIN_PROGRAM)
+  return()
+endif()
+
+install(FILES cmake/FindLCM.cmake DESTINATION ${HEADPIN_CMAKE_DIR} COMPONENT libraries)
+install(DIRECTORY assets/scenarios assets/trials assets/throws
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/headpin COMPONENT program)
+install(FILES LICENSE RENAME copyright
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/headpin COMPONENT program)
+install(FILES README.md CHANGELOG.md CITATION.cff
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/headpin COMPONENT program)
+
+# Manual and completion, as the program writes them after it was linked (apps/CMakeLists.txt).
+set(HEADPIN_ZSH_DIR ${CMAKE_INSTALL_DATADIR}/zsh/site-functions CACHE STRING
+    "Where zsh looks for completion")
+install(DIRECTORY ${PROJECT_BINARY_DIR}/manual/man1
+        DESTINATION ${CMAKE_INSTALL_MANDIR} COMPONENT program)
+install(FILES ${PROJECT_BINARY_DIR}/manual/headpin.bash RENAME headpin
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/bash-completion/completions COMPONENT program)
+install(FILES ${PROJECT_BINARY_DIR}/manual/_headpin
+        DESTINATION ${HEADPIN_ZSH_DIR} COMPONENT program)
+
+include(cmake/packages.cmake)

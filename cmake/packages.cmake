@@ -1,0 +1,52 @@
+# `./dev package`: Debian packages of the program and of the engine's development files.
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME headpin)
+set(CPACK_PACKAGE_VENDOR "headpin developers")
+set(CPACK_PACKAGE_CONTACT "headpin developers <developers@headpin.invalid>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
+set(CPACK_STRIP_FILES ON)
+set(CPACK_COMPONENTS_ALL program engine)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
+# Files and folders of a package are readable by all, whatever the builder's umask.
+set(CPACK_INSTALL_DEFAULT_DIRECTORY_PERMISSIONS OWNER_READ OWNER_WRITE OWNER_EXECUTE GROUP_READ
+    GROUP_EXECUTE WORLD_READ WORLD_EXECUTE)
+
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME headpin)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS libosmesa6)  # loaded at run time
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS ffmpeg)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "liblcm-bin, libheadpin-dev")
+set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
+"Headless immersive bowling with tracked devices
+ Re-creates and goes beyond the system of Uno & Slater (1997): samples of
+ trackers and buttons go in; a hand, a ball and skittles are simulated from
+ them, to the bit, under the collision response that is asked for; what each
+ eye saw comes out. Has an emulator of, and a driver for, the Polhemus Fastrak.")
+
+set(CPACK_DEBIAN_ENGINE_PACKAGE_NAME libheadpin-dev)
+set(CPACK_DEBIAN_ENGINE_PACKAGE_SECTION libdevel)
+set(CPACK_DEBIAN_ENGINE_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4)")
+set(CPACK_COMPONENT_ENGINE_DESCRIPTION
+"Collision engine of headpin (development files)
+ Tells of two convex shapes whether they are apart, with a plane that proves
+ it, or where, which way and how deep they meet; has the impulses of Uno &
+ Slater (1997) and Coulomb's; steps bodies that stand, roll, fall and repeat
+ to the bit.")
+
+# Each package says what changed, in Debian's form.
+string(TIMESTAMP now "%a, %d %b %Y %H:%M:%S +0000" UTC)  # of SOURCE_DATE_EPOCH where that is set
+foreach(package headpin libheadpin-dev)
+  set(changelog ${CMAKE_CURRENT_BINARY_DIR}/packages/${package}/changelog)
+  file(WRITE ${changelog} "${package} (${PROJECT_VERSION}) unstable; urgency=medium\n\n"
+       "  * What changed is told in CHANGELOG.md of the sources.\n\n"
+       " -- ${CPACK_PACKAGE_CONTACT}  ${now}\n")
+  execute_process(COMMAND gzip -9nf ${changelog} COMMAND_ERROR_IS_FATAL ANY)
+endforeach()
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/packages/headpin/changelog.gz
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/headpin COMPONENT program)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/packages/libheadpin-dev/changelog.gz
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libheadpin-dev COMPONENT engine)
+include(CPack)

@@ -1,0 +1,53 @@
+#include "scene/scenario_files.h"
+
+#include <algorithm>
+#include <filesystem>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace headpin::scene {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Empty where there is none.
+fs::path scenario_folder() {
+  std::error_code none;
+  const fs::path program = fs::read_symlink("/proc/self/exe", none).parent_path();
+  for (const char* data : {HEADPIN_DATA_FROM_PROGRAM, "share/headpin"}) {
+    const fs::path folder = (program / data / "scenarios").lexically_normal();
+    if (fs::is_directory(folder, none)) return folder;
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<std::string> scenario_names() {
+  std::vector<std::string> names;
+  const fs::path folder = scenario_folder();
+  if (folder.empty()) return names;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+  }
+  std::ranges::sort(names);
+  return names;
+}
+
+std::string scenario_path(std::string_view name_or_file) {
+  if (name_or_file.find_first_of("./") != std::string_view::npos) return std::string(name_or_file);
+  const std::vector<std::string> names = scenario_names();
+  if (std::ranges::find(names, name_or_file) == names.end()) {
+    throw std::invalid_argument(fmt::format(
+        "no scenario is called '{}'; expected a TOML file (./{} if it is one) or one of: {}",
+        name_or_file, name_or_file,
+        names.empty() ? "none, as none came with this program"
+                      : fmt::format("{}", fmt::join(names, ", "))));
+  }
+  return (scenario_folder() / fmt::format("{}.toml", name_or_file)).string();
+}
+
+}  // namespace headpin::scene

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// The scenarios that come with the program, by name.
+namespace headpin::scene {
+
+/// Names of the scenarios that are found, in order; empty where the program stands alone.
+///
+/// They are NAME.toml in share/headpin/scenarios, beside the running program in its build folder
+/// and beside its `bin` once installed, wherever that is.
+std::vector<std::string> scenario_names();
+
+/// The file that is meant by what a user wrote.
+///
+/// @param name_or_file  a name when it has neither dot nor slash (`german-ninepins`); else a file,
+///                      given back as it is
+/// @throws std::invalid_argument  for a name that is not there, with those that are
+std::string scenario_path(std::string_view name_or_file);
+
+}  // namespace headpin::scene

@@ -1,0 +1,103 @@
+#!/usr/bin/env bash
+# Installs what was built, moves it elsewhere, and uses all of it there.
+# usage: install_and_use.sh BUILD WORK COMPILER SANITIZE
+set -euo pipefail
+build=$1 work=$2 compiler=$3 flags=
+[ "$4" = ON ] && flags=-fsanitize=address,undefined
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+rm -rf "$work"
+mkdir -p "$work"
+cd "$work"
+
+fail() { echo "FAILED: $*"; exit 1; }
+quietly() { "$@" >log.txt 2>&1 || { cat log.txt; fail "$*"; }; }
+
+echo "== the program"
+quietly cmake --install "$build" --prefix "$work/first"
+mv first elsewhere
+prefix=$work/elsewhere
+headpin=$prefix/bin/headpin
+mkdir away
+(
+  cd away
+  env -i "$headpin" synthesize --scenario german-ninepins --seed 3 -o throw.lcmlog >/dev/null
+  env -i "$headpin" replay throw.lcmlog | grep -q "skittles down .* of 9" || fail "no ninepins"
+  env -i "$headpin" replay "$prefix/share/headpin/trials/demo.lcmlog" | grep -q "of 10"
+  env -i "$headpin" import "$prefix/share/headpin/throws/example.csv" -o own.lcmlog >/dev/null
+)
+for file in share/doc/headpin/copyright share/headpin/types/tracked_device_t.lcm; do
+  [ -s "$prefix/$file" ] || fail "$file is missing"
+done
+
+echo "== the manual"
+commands=$("$headpin" --help | sed -n '/^Subcommands:/,$p' | sed -n 's/^  \([a-z]\+\) .*/\1/p')
+[ "$(wc -w <<<"$commands")" -ge 10 ] || fail "commands not found in --help: $commands"
+for page in headpin $(printf 'headpin-%s ' $commands); do
+  file=$prefix/share/man/man1/$page.1.gz
+  [ -s "$file" ] || fail "$file is missing"
+  if command -v man >/dev/null; then
+    said=$(LC_ALL=C MANWIDTH=80 man --warnings -l "$file" 2>&1 >page.txt) || true
+    [ -z "$said" ] || fail "man $page: $said"
+    # Every option that --help knows is in its page.
+    [ "$page" = headpin ] || for option in $("$headpin" "${page#headpin-}" --help | grep -o -- '^  *\(-.,\)\?--[a-z-]*' | grep -o -- '--[a-z-]*'); do
+      grep -q -e "$option" page.txt || fail "$page does not tell of $option"
+    done
+  fi
+done
+[ "$(ls "$prefix/share/man/man1" | wc -l)" -eq $(($(wc -w <<<"$commands") + 1)) ] || fail "a page too many"
+
+echo "== completion in bash"
+completed() { # WORD... -> what the last may become
+  bash -c 'source "$1"; shift; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _headpin; printf "%s\n" "${COMPREPLY[@]}"' \
+    bash "$prefix/share/bash-completion/completions/headpin" "$@"
+}
+[ "$(completed headpin repl)" = replay ] || fail "headpin repl"
+[ "$(completed headpin replay --ela)" = --elasticity ] || fail "replay --ela"
+[ "$(completed headpin replay --shape ell)" = ellipsoid ] || fail "replay --shape ell"
+[ "$(completed headpin live --scenario german)" = german-ninepins ] || fail "live --scenario german"
+(cd away && touch "two words.lcmlog" && [ "$(completed headpin info two)" = "two words.lcmlog" ]) ||
+  fail "a file with a space"
+
+if command -v zsh >/dev/null; then
+  echo "== completion in zsh"
+  cat >complete.zsh <<'EOZ'
+zmodload zsh/zpty
+zpty z zsh -f -i
+zpty -w z "PS1='> '; fpath=($1 \$fpath); autoload -U compinit; compinit -u -D; bindkey '^I' complete-word; PATH=$2:\$PATH; print ready"
+zpty -r z line $'*\nready*'
+zpty -w -n z "headpin $3"$'\t'
+zpty -r z line "*headpin $4*" && print found
+EOZ
+  for pair in "repl replay" "replay\ --ela --elasticity" "replay\ --shape\ el ellipsoid"; do
+    eval "set -- $pair"
+    found=$(timeout 60 zsh -f complete.zsh "$prefix/share/zsh/site-functions" "$prefix/bin" "$1" "*$2") ||
+      fail "zsh: headpin $1"
+    [ "$found" = found ] || fail "zsh: headpin $1: $found"
+  done
+fi
+
+echo "== the libraries"
+client() { # NAME PREFIX [CMAKE-OPTION...]
+  local name=$1 at=$2
+  shift 2
+  quietly cmake -S "$here/$name" -B "$name" -G Ninja "-DCMAKE_PREFIX_PATH=$at" "-DCMAKE_CXX_COMPILER=$compiler" \
+    "-DCMAKE_CXX_FLAGS=$flags" "$@"
+  quietly cmake --build "$name"
+  "$name/client"
+}
+client client "$prefix"
+
+echo "== the engine alone, with Eigen alone"
+quietly cmake --install "$build" --prefix "$work/engine" --component engine
+[ -z "$(find engine -name '*headpin_devices*' -o -name '*scene*')" ] || fail "more than the engine"
+alone=()
+for package in PkgConfig fmt PNG LCM; do alone+=("-DCMAKE_DISABLE_FIND_PACKAGE_$package=ON"); done
+client engine_client "$work/engine" "${alone[@]}"
+folder=$(dirname "$(find engine -name headpin-engine.pc)")
+# shellcheck disable=SC2046
+"$compiler" $flags "$here/engine_client/client.cpp" -o with_pkg_config \
+  $(PKG_CONFIG_PATH=$folder pkg-config --cflags --libs headpin-engine)
+./with_pkg_config
+
+! grep -rIl -e "$build" -e "$work/first" -e "$(cd "$here/../.." && pwd)" elsewhere engine ||
+  fail "these name the folder they were made in"
