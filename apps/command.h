@@ -17,6 +17,7 @@ struct UsageError : std::runtime_error {
 };
 
 void add_compare(CLI::App& app);
+void add_conformance(CLI::App& app);
 void add_doctor(CLI::App& app);
 void add_emulate(CLI::App& app);
 void add_frames(CLI::App& app);

@@ -1,4 +1,5 @@
 #include <chrono>
+#include <fstream>
 #include <memory>
 #include <thread>
 
@@ -56,6 +57,18 @@ Finding look_at_multicast() {
   }
 }
 
+/// Raw eyes come in one message of half a megabyte; a subscriber's socket that holds less loses
+/// pieces of it, and with them the frame.
+Finding look_at_receive_buffer() {
+  constexpr long kEnough = 2'097'152;  // bytes: two frames, and what the kernel adds to each piece
+  long found = 0;
+  std::ifstream("/proc/sys/net/core/rmem_default") >> found;
+  return {"raw_eyes", found >= kEnough,
+          fmt::format("sockets hold {} bytes by default; live --eyes raw needs {}, png does not",
+                      found, kEnough),
+          fmt::format("sysctl -w net.core.rmem_max={0} net.core.rmem_default={0}", kEnough)};
+}
+
 Finding look_for_library(const char* name, const char* file, const char* package) {
   void* library = dlopen(file, RTLD_LAZY | RTLD_LOCAL);
   if (!library) return {name, false, "not installed", fmt::format("apt-get install {}", package)};
@@ -78,6 +91,7 @@ Finding look_for_program(const char* name, const char* package) {
 void run(bool json) {
   const std::vector<Finding> findings = {look_at_osmesa(),
                                          look_at_multicast(),
+                                         look_at_receive_buffer(),
                                          look_for_program("ffmpeg", "ffmpeg"),
                                          look_for_program("lcm-logplayer", "liblcm-bin"),
                                          look_for_library("egl", "libEGL.so.1", "libegl1"),

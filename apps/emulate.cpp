@@ -1,5 +1,6 @@
 #include <array>
 #include <cerrno>
+#include <charconv>
 #include <chrono>
 #include <cstring>
 #include <memory>
@@ -19,13 +20,16 @@
 #include "devices/fastrak_emulator.h"
 #include "devices/lcm_link.h"
 #include "devices/log.h"
+#include "scene/scenario.h"
 
 namespace headpin::apps {
 namespace {
 
 struct Options {
   std::string trial, motion = "circle", lcm, link, faults, control, firmware = "103.00";
-  int tcp = -1, receivers = 2, baud = 115200;
+  std::string place = "auto";
+  std::string tcp;
+  int receivers = 2, baud = 115200;
   std::uint64_t seed = 1;
   std::optional<double> duration;
   bool tag_2012 = false, early = false, stylus = false, strict_baud = false, loop = false;
@@ -85,11 +89,24 @@ class Control {
   std::string made_, text_;
 };
 
+/// @param where  PORT or ADDRESS:PORT
+std::unique_ptr<devices::TcpServer> serve_at(const std::string& where) {
+  const std::size_t colon = where.rfind(':');
+  const std::string digits = colon == std::string::npos ? where : where.substr(colon + 1);
+  int port = -1;
+  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
+  if (error != std::errc{} || end != digits.data() + digits.size() || port < 0 || port > 65535) {
+    throw UsageError("--tcp " + where + ": expected [ADDRESS:]PORT, a port from 0 to 65535");
+  }
+  if (colon == std::string::npos) return std::make_unique<devices::TcpServer>(port);
+  return std::make_unique<devices::TcpServer>(port, where.substr(0, colon));
+}
+
 /// The line the unit hangs on.
 struct Line {
   explicit Line(const Options& options) {
-    if (options.tcp >= 0) {
-      tcp = std::make_unique<devices::TcpServer>(options.tcp);
+    if (!options.tcp.empty()) {
+      tcp = serve_at(options.tcp);
     } else {
       pty = std::make_unique<devices::PseudoTerminal>(options.link);
     }
@@ -98,7 +115,7 @@ struct Line {
     if (tcp) return *tcp;
     return *pty;
   }
-  std::string name() const { return tcp ? fmt::format("127.0.0.1:{}", tcp->port()) : pty->name(); }
+  std::string name() const { return tcp ? tcp->name() : pty->name(); }
 
   std::unique_ptr<devices::PseudoTerminal> pty;
   std::unique_ptr<devices::TcpServer> tcp;
@@ -107,7 +124,9 @@ struct Line {
 /// What the unit measures: a test pattern, or a recording that starts when records are asked for.
 struct Feed {
   devices::FastrakMotion motion;
-  Time begin{}, length{};  ///< of a recording
+  devices::FastrakPlace place;  ///< of the transmitter, in a recording's frame
+  std::string says;             ///< what was chosen so that clients can use a recording
+  Time begin{}, length{};       ///< of a recording
   bool loop = false, pressed = false;
 
   devices::FastrakTruth at(int station, Time time) const {
@@ -161,6 +180,28 @@ class LcmFeed {
   std::vector<devices::Sample> samples_;
 };
 
+/// What a client gets that sets nothing itself.
+std::string place_report(const devices::FastrakPlace& place, const devices::Trial& trial,
+                         const Options& options) {
+  std::string text = fmt::format(
+      "{}: in inches until a client says otherwise; positions up to {:.2f} m along an axis are not "
+      "flagged{}",
+      options.trial, place.envelope,
+      place.envelope > devices::FastrakPlace().envelope ? " (factory: 2.00)" : "");
+  if (place.p_TP.isZero()) return text + "; transmitter where it was recorded";
+  const Vec3& p = place.p_TP;
+  text += fmt::format(
+      "; transmitter moved by {:.3f}, {:.3f}, {:.3f} m (ahead, right, down), so that all receivers "
+      "are ahead of it, {:.2f} m at most",
+      p.x(), p.y(), p.z(), place.farthest);
+  const scene::Rig rig = scene::parse_scenario(trial.header.scenario, options.trial).rig;
+  const Vec3 p_W = rig.X_WT * p;
+  return text + fmt::format(
+                    "; in the trial's room that is rig.X_WT p = [{:.4f}, {:.4f}, {:.4f}] "
+                    "(--place recorded leaves it there)",
+                    p_W.x(), p_W.y(), p_W.z());
+}
+
 Feed feed_of(const Options& options) {
   Feed feed;
   feed.loop = options.loop;
@@ -168,8 +209,10 @@ Feed feed_of(const Options& options) {
     const devices::Trial trial = devices::read_trial(options.trial);
     if (trial.samples.empty())
       throw std::runtime_error(options.trial + ": no device samples in it");
-    feed.motion = devices::recorded_motion(trial.samples);
+    if (options.place == "auto") feed.place = devices::place_for(trial.samples);
+    feed.motion = devices::seen_from(feed.place, devices::recorded_motion(trial.samples));
     feed.length = devices::last_time(trial.samples);
+    feed.says = place_report(feed.place, trial, options);
   } else {
     feed.motion = options.motion == "still" ? devices::still_motion : devices::circling_motion;
   }
@@ -177,10 +220,15 @@ Feed feed_of(const Options& options) {
 }
 
 /// @return  false for the line that ends the emulator
-bool obey(const std::string& line, devices::FastrakEmulator& emulator, Feed& feed, Time now) {
+bool obey(const std::string& line, devices::FastrakEmulator& emulator, Feed& feed, bool stylus,
+          Time now) {
   if (line == "power-cycle") {
     emulator.power_cycle(now);
   } else if (line == "press" || line == "release") {
+    if (!stylus) {
+      throw std::invalid_argument("control line '" + line +
+                                  "': no stylus is plugged in (--stylus)");
+    }
     feed.pressed = line == "press";
   } else if (line == "rewind") {
     feed.begin = now;
@@ -192,6 +240,13 @@ bool obey(const std::string& line, devices::FastrakEmulator& emulator, Feed& fee
         "': expected power-cycle, press, release, rewind, faults SPEC or quit");
   }
   return line != "quit";
+}
+
+/// The hand's receiver, where somebody plays a part; 0 when no stylus is plugged in.
+int stylus_of(const Options& options) {
+  if (!options.stylus) return 0;
+  const bool somebody = !options.trial.empty() || options.use_lcm;
+  return somebody ? std::min(options.receivers, devices::kHandStation) : 1;
 }
 
 void run(const Options& options) {
@@ -208,6 +263,8 @@ void run(const Options& options) {
   unit.tag_2012 = options.tag_2012;
   unit.firmware = options.firmware;
   unit.seed = options.seed;
+  unit.envelope = feed.place.envelope;
+  unit.stylus = stylus_of(options);
   if (options.stylus) unit.p_SN_stylus = Vec3(2.5 * devices::kMetrePerInch, 0.0, 0.0);
   try {
     unit.faults = devices::parse_faults(options.faults);
@@ -228,13 +285,16 @@ void run(const Options& options) {
              lcm                     ? "LCM"
              : options.trial.empty() ? options.motion
                                      : options.trial);
+  if (!feed.says.empty()) fmt::print(out, "{}\n", feed.says);
+  if (unit.stylus > 0) fmt::print(out, "receiver {} is a stylus\n", unit.stylus);
   std::fflush(out);
 
   const auto start = std::chrono::steady_clock::now();
   const auto clock = [&] {
     return std::chrono::duration_cast<Time>(std::chrono::steady_clock::now() - start);
   };
-  bool asked = false, quit = false;
+  std::int64_t started = 0;
+  bool quit = false;
   while (!quit && stop_signal() == 0 &&
          (!options.duration || clock() < microseconds(*options.duration))) {
     std::array<pollfd, 2> wait = {
@@ -243,7 +303,7 @@ void run(const Options& options) {
     const Time now = clock();
     for (const std::string& typed : control.lines()) {
       try {
-        quit = quit || !obey(typed, emulator, feed, now);
+        quit = quit || !obey(typed, emulator, feed, options.stylus, now);
       } catch (const std::invalid_argument& error) {
         fmt::print(stderr, "headpin emulate: {}\n", error.what());
       }
@@ -252,9 +312,9 @@ void run(const Options& options) {
     if (line.pty) line.pty->expect_baud(options.strict_baud ? emulator.baud() : 0);
     devices::serve(emulator, line.stream(), now);
     // A recording begins when somebody starts to listen, and again for the next one.
-    const bool asks = emulator.setup().continuous;
-    if (asks && !asked) feed.begin = now;
-    asked = asks;
+    const std::int64_t streams = emulator.statistics().streams;
+    if (streams > started) feed.begin = now;
+    started = streams;
   }
 
   const devices::FastrakEmulatorStatistics& s = emulator.statistics();
@@ -293,11 +353,22 @@ void add_emulate(CLI::App& app) {
                        "feed it from TRACKER and MOUSE3D at this LCM URL, as they come; \"\" is "
                        "LCM's default URL")
           ->excludes(trial);
+  command
+      ->add_option(
+          "--place", options->place,
+          "of the transmitter: recorded, or auto: moved if a client that sets no hemisphere "
+          "or envelope could not use the trial's poses else")
+      ->check(CLI::IsMember({"auto", "recorded"}))
+      ->needs(trial)
+      ->capture_default_str();
   command->add_flag("--loop", options->loop, "repeat the trial instead of resting at its end")
       ->needs(trial);
   auto* tcp =
-      command->add_option("--tcp", options->tcp, "serve TCP at 127.0.0.1 on this port, 0 for any")
-          ->check(CLI::Range(0, 65535));
+      command
+          ->add_option("--tcp", options->tcp,
+                       "serve TCP on this port, 0 for any, at 127.0.0.1 unless an address of "
+                       "this machine is given; headpin live --fastrak tcp:HOST:PORT")
+          ->type_name("[ADDRESS:]PORT");
   command->add_option("--link", options->link, "make this symbolic link to the terminal")
       ->excludes(tcp);
   command->add_option("--receivers", options->receivers, "receivers plugged in")
@@ -318,7 +389,8 @@ void add_emulate(CLI::App& app) {
                       "named pipe (made if missing) or - for standard input, taking lines: "
                       "power-cycle, press, release, rewind, faults SPEC, quit");
   command->add_flag("--stylus", options->stylus,
-                    "receiver 1 is a stylus, its tip 2.5 inches ahead");
+                    "the hand's receiver (2; 1 of a test pattern) is a stylus, its tip 2.5 inches "
+                    "ahead, its switch the trigger; without it the unit has no switch");
   command->add_flag("--tag-2012", options->tag_2012, "status record as of firmware of 2012");
   command->add_flag("--early-firmware", options->early, "output items 18 to 20 as well");
   command->add_option("--firmware", options->firmware, "version in the status record, 6 characters")

@@ -144,8 +144,13 @@ ordered_json to_json(const std::string& path, const devices::Trial& trial) {
                     {"cut_bytes", skipped.cut_bytes},
                     {"undecodable", skipped.undecodable},
                     {"implausible", skipped.implausible},
-                    {"other_trials", skipped.other_trials}};
+                    {"other_trials", skipped.other_trials},
+                    {"foreign", skipped.foreign},
+                    {"misdated", skipped.misdated}};
   out["backwards"] = trial.backwards;
+  out["late"] = trial.late;
+  out["longest_gap"] = {{"from_s", decimal_seconds(trial.longest_gap.from)},
+                        {"to_s", decimal_seconds(trial.longest_gap.to)}};
   return out;
 }
 
@@ -153,14 +158,22 @@ void print_skipped(const devices::Trial& trial) {
   const auto line = [](std::int64_t count, const char* what) {
     if (count > 0) std::cout << fmt::format("  {} {}\n", count, what);
   };
-  if (trial.skipped.nothing() && trial.backwards == 0) return;
+  if (const devices::Gap& gap = trial.longest_gap; gap.length() > devices::kLongestGap) {
+    std::cout << fmt::format("no sample from {:.3f} s to {:.3f} s\n", seconds(gap.from),
+                             seconds(gap.to));
+  }
+  if (trial.skipped.nothing() && trial.backwards == 0 && trial.late == 0) return;
   std::cout << "passed over\n";
   line(trial.skipped.cut_bytes, "bytes of an event the file ends in");
   line(trial.skipped.bytes, "bytes that belong to no event");
   line(trial.skipped.undecodable, "messages with another type or size");
   line(trial.skipped.implausible, "messages with numbers that cannot be");
   line(trial.skipped.other_trials, "more trial in the same file, and what follows its header");
+  line(trial.skipped.foreign, "poses in another frame than the transmitter's");
+  line(trial.skipped.misdated,
+       "samples and states with a time that those around them do not share");
   line(trial.backwards, "samples not later than the one before (kept)");
+  line(trial.late, "samples that the session got later than they were there (kept)");
 }
 
 void print(const std::string& path, const devices::Trial& trial) {

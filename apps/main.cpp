@@ -101,6 +101,7 @@ int main(int argc, char** argv) {
   apps::add_doctor(app);
   apps::add_stream(app);
   apps::add_emulate(app);
+  apps::add_conformance(app);
   apps::add_manual(app);
   const int code = apps::run(app, argc, argv);
   return apps::close_standard_output(apps::name_of(app), code);

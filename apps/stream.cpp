@@ -2,6 +2,7 @@
 #include <chrono>
 #include <iostream>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include <fmt/format.h>
@@ -52,11 +53,11 @@ void run(const Options& options) {
   devices::ReplaySource source(trial.samples);
   std::vector<devices::Sample> samples;
   source.poll(source.end(), samples);
-  link.publish(trial.header);
   const Time begin = devices::available(samples.front());
   const Clock::time_point start = Clock::now();
   std::vector<double> lateness_ms;  // of what was published
   std::size_t sent = 0;
+  std::optional<Clock::time_point> announced;
   for (; sent < samples.size() && stop_signal() == 0; ++sent) {
     const devices::Sample& sample = samples[sent];
     if (options.speed > 0.0) {
@@ -69,6 +70,11 @@ void run(const Options& options) {
       if (stop_signal() != 0) break;
       std::this_thread::sleep_until(due);
       lateness_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - due).count());
+    }
+    // Again and again, for those who begin to listen later.
+    if (!announced || Clock::now() - *announced >= std::chrono::seconds(1)) {
+      link.publish(trial.header);
+      announced = Clock::now();
     }
     link.publish(sample);
     publish_pose(link, rig, sample);
@@ -116,8 +122,8 @@ void add_stream(CLI::App& app) {
   add_json(*command, options->json);
   command->footer(
       "TRACKER and MOUSE3D as recorded; HEAD_POSE and HAND_POSE in the world, as bot_core's\n"
-      "rigid_transform_t; HEADPIN_TRIAL first, so that what lcm-logger records is a trial "
-      "again.\n\n"
+      "rigid_transform_t; HEADPIN_TRIAL first and every second, so that what lcm-logger records is "
+      "a\ntrial again, whenever it starts.\n\n"
       "Example:\n  headpin stream trial.lcmlog --lcm 'udpm://239.255.76.67:7667?ttl=0'");
   command->callback([options] { run(*options); });
 }

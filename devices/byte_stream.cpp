@@ -139,6 +139,22 @@ void prepare_socket(int fd) {
   fcntl(fd, F_SETFL, fcntl(fd, F_GETFL) | O_NONBLOCK);
 }
 
+/// Connects a socket that does not block; sets errno when that fails.
+bool connected(int fd, const addrinfo& to, std::chrono::milliseconds patience) {
+  if (::connect(fd, to.ai_addr, to.ai_addrlen) == 0) return true;
+  if (errno != EINPROGRESS) return false;
+  pollfd state{fd, POLLOUT, 0};
+  if (::poll(&state, 1, static_cast<int>(patience.count())) != 1) {
+    errno = ETIMEDOUT;
+    return false;
+  }
+  socklen_t size = sizeof errno;
+  int why = 0;
+  getsockopt(fd, SOL_SOCKET, SO_ERROR, &why, &size);
+  errno = why;
+  return why == 0;
+}
+
 /// One direction between two memory streams.
 struct Pipe {
   std::deque<std::uint8_t> bytes;
@@ -194,7 +210,8 @@ std::unique_ptr<ByteStream> open_serial(const std::string& path, int baud) {
   return std::make_unique<SerialPort>(path, baud);
 }
 
-std::unique_ptr<ByteStream> connect_tcp(const std::string& host, int port) {
+std::unique_ptr<ByteStream> connect_tcp(const std::string& host, int port,
+                                        std::chrono::milliseconds patience) {
   addrinfo hints{};
   hints.ai_family = AF_UNSPEC;
   hints.ai_socktype = SOCK_STREAM;
@@ -205,8 +222,8 @@ std::unique_ptr<ByteStream> connect_tcp(const std::string& host, int port) {
   }
   int fd = -1;
   for (const addrinfo* a = found; a && fd < 0; a = a->ai_next) {
-    fd = ::socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC, a->ai_protocol);
-    if (fd >= 0 && ::connect(fd, a->ai_addr, a->ai_addrlen) != 0) {
+    fd = ::socket(a->ai_family, a->ai_socktype | SOCK_CLOEXEC | SOCK_NONBLOCK, a->ai_protocol);
+    if (fd >= 0 && !connected(fd, *a, patience)) {
       const int why = errno;
       ::close(fd);
       errno = why;
@@ -320,7 +337,7 @@ std::size_t PseudoTerminal::write(Bytes bytes) {
   return n > 0 ? static_cast<std::size_t>(n) : 0;
 }
 
-TcpServer::TcpServer(int port) {
+TcpServer::TcpServer(int port, const std::string& host) : address_(host) {
   listener_ = ::socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
   if (listener_ < 0) fail("no socket");
   const int on = 1;
@@ -329,16 +346,17 @@ TcpServer::TcpServer(int port) {
   setsockopt(listener_, SOL_SOCKET, SO_SNDBUF, &kSocketBuffer, sizeof kSocketBuffer);
   sockaddr_in address{};
   address.sin_family = AF_INET;
-  address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
   address.sin_port = htons(static_cast<std::uint16_t>(port));
   socklen_t size = sizeof address;
-  if (bind(listener_, reinterpret_cast<const sockaddr*>(&address), size) != 0 ||
+  errno = EADDRNOTAVAIL;
+  if (inet_pton(AF_INET, host.c_str(), &address.sin_addr) != 1 ||
+      bind(listener_, reinterpret_cast<const sockaddr*>(&address), size) != 0 ||
       listen(listener_, 1) != 0 ||
       getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) != 0) {
     const int why = errno;
     ::close(listener_);
     errno = why;
-    fail("127.0.0.1:" + std::to_string(port));
+    fail(host + ":" + std::to_string(port));
   }
   port_ = ntohs(address.sin_port);
 }

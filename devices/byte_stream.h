@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <span>
@@ -52,9 +53,12 @@ std::unique_ptr<ByteStream> open_serial(const std::string& path, int baud);
 
 /// Connects to a byte stream on TCP.
 ///
-/// @param host  name or number
+/// @param host      name or number
+/// @param patience  how long to wait for an answer
 /// @throws std::runtime_error  when nobody answers there
-std::unique_ptr<ByteStream> connect_tcp(const std::string& host, int port);
+std::unique_ptr<ByteStream> connect_tcp(
+    const std::string& host, int port,
+    std::chrono::milliseconds patience = std::chrono::seconds(5));
 
 /// Two ends in one process: what one writes the other reads.
 ///
@@ -103,19 +107,22 @@ class PseudoTerminal : public ByteStream {
   std::string link_;
 };
 
-/// A server at the loopback address; one client at a time, a newcomer replaces the last one.
+/// A TCP server; one client at a time, a newcomer replaces the last one.
 ///
 /// What is written while nobody is connected is lost, as on a line with nobody at its end.
 class TcpServer : public ByteStream {
  public:
-  /// @param port  0 for any free one
-  /// @throws std::runtime_error  when the port is taken
-  explicit TcpServer(int port);
+  /// @param port     0 for any free one
+  /// @param address  of the interface to serve, a number; the default only this machine
+  /// @throws std::runtime_error  when the port is taken or the address is none of this machine's
+  explicit TcpServer(int port, const std::string& address = "127.0.0.1");
   ~TcpServer() override;
   TcpServer(const TcpServer&) = delete;
   TcpServer& operator=(const TcpServer&) = delete;
 
   int port() const { return port_; }
+  /// ADDRESS:PORT
+  std::string name() const { return address_ + ":" + std::to_string(port_); }
 
   std::size_t read(std::span<std::uint8_t> out) override;
   std::size_t write(Bytes bytes) override;
@@ -128,6 +135,7 @@ class TcpServer : public ByteStream {
 
   int listener_ = -1;
   int client_ = -1;
+  std::string address_;
   int port_ = 0;
 };
 

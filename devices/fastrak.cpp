@@ -1,9 +1,8 @@
 #include "devices/fastrak.h"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <stdexcept>
+#include <iterator>
 
 #include "devices/fastrak_geometry.h"
 
@@ -13,104 +12,16 @@ namespace {
 constexpr std::array<int, 7> kBauds = {115200, 57600, 38400, 19200, 9600, 4800, 2400};
 constexpr std::size_t kBufferLimit = 1 << 16;  // bytes; a unit sends 1 % of that in a second
 
-bool has_any(const std::vector<int>& items, std::initializer_list<int> wanted) {
-  return std::any_of(items.begin(), items.end(), [&](int item) {
-    return std::find(wanted.begin(), wanted.end(), item) != wanted.end();
-  });
-}
-
-bool has_quaternion(const std::vector<int>& items) {
-  return has_any(items, {11, 61, 20});
-}
-bool has_angles(const std::vector<int>& items) {
-  return has_any(items, {4, 54, 19});
-}
-bool has_matrix(const std::vector<int>& items) {
-  return has_any(items, {5, 55}) && has_any(items, {6, 56}) && has_any(items, {7, 57});
-}
-
-void check(const std::vector<int>& items) {
-  for (const int item : items) {
-    if (!is_fastrak_item(item, true)) {
-      throw std::invalid_argument("output list: item " + std::to_string(item) + " does not exist");
-    }
-  }
-  if (!has_any(items, {2, 52, 18})) {
-    throw std::invalid_argument("output list: expected a position (2, 52 or 18)");
-  }
-  if (!has_quaternion(items) && !has_angles(items) && !has_matrix(items)) {
-    throw std::invalid_argument(
-        "output list: expected an orientation (quaternion 11, 61, 20; angles 4, 54, 19; or "
-        "matrix 5 6 7, 55 56 57)");
-  }
-  if (!has_any({items.back()}, {0, 1, 50, 51})) {
-    throw std::invalid_argument("output list: expected a space (0) or CR LF (1) at its end");
-  }
-}
-
-std::string list_of(const std::vector<int>& items) {
-  std::string text;
-  for (const int item : items) text.append(",").append(std::to_string(item));
-  return text;
-}
-
-/// The first `length` bytes in a row that `decode` makes something of.
-template <typename Decode>
-auto find_answer(const std::vector<std::uint8_t>& bytes, std::size_t length, Decode decode) {
-  const std::string_view text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
-  for (std::size_t at = 0; at + length <= text.size(); ++at) {
-    if (auto answer = decode(text.substr(at, length))) return answer;
-  }
-  return decltype(decode(text))();
-}
-
-/// A number as the manual writes it, signed and with two decimals.
-std::string field(double value) {
-  const std::array<double, 1> one = {value};
-  return std::string(",").append(encode_columns(one, 7, 2));
-}
-
 }  // namespace
-
-void read_zenith(std::string_view text, FastrakZeniths& zeniths) {
-  const auto refuse = [&] {
-    throw std::invalid_argument(std::string("hemisphere '")
-                                    .append(text)
-                                    .append("': expected X,Y,Z or STATION:X,Y,Z, three finite "
-                                            "numbers and a station from 1 to 4"));
-  };
-  std::string_view rest = text;
-  std::optional<std::size_t> station;
-  if (const std::size_t colon = text.find(':'); colon != std::string_view::npos) {
-    if (colon != 1 || text[0] < '1' || text[0] >= '1' + kFastrakStations) refuse();
-    station = static_cast<std::size_t>(text[0] - '1');
-    rest.remove_prefix(2);
-  }
-  Vec3 zenith;
-  for (int i = 0; i < 3; ++i) {
-    const auto [end, error] = std::from_chars(rest.data(), rest.data() + rest.size(), zenith[i]);
-    if (error != std::errc() || !std::isfinite(zenith[i])) refuse();
-    rest.remove_prefix(static_cast<std::size_t>(end - rest.data()));
-    if (i == 2) break;
-    if (!rest.starts_with(',')) refuse();
-    rest.remove_prefix(1);
-  }
-  if (!rest.empty()) refuse();
-  if (station) {
-    zeniths[*station] = zenith;
-  } else {
-    zeniths.fill(zenith);
-  }
-}
 
 FastrakDriver::FastrakDriver(std::unique_ptr<ByteStream> stream, FastrakOptions options)
     : stream_(std::move(stream)), options_(std::move(options)), baud_(options_.baud) {
-  if (options_.items.empty()) throw std::invalid_argument("output list: empty");
-  check(options_.items);
+  check_items(options_.items);
   formats_.fill({options_.items, options_.binary, options_.centimetres});
 }
 
 std::string FastrakDriver::activity() const {
+  if (lost_) return stream_->trouble();
   const std::string attempt =
       " (attempt " + std::to_string(attempt_ + 1) + ", " + std::to_string(baud_) + " baud)";
   switch (phase_) {
@@ -123,7 +34,7 @@ std::string FastrakDriver::activity() const {
     case Phase::kSettingUp:
       return "setting it up";
     case Phase::kActive:
-    case Phase::kLists:
+    case Phase::kChecking:
       return "checking its set-up";
     case Phase::kStreaming:
       return "streaming";
@@ -135,11 +46,12 @@ void FastrakDriver::poll(Time asked, std::vector<Sample>& out) {
   // A session that is late asks for times gone by; the line knows how long the unit has said
   // nothing.
   const Time now = stream_->time(asked);
-  if (!begun_) {
-    begun_ = true;
-    start_over(now);
-  }
   hear(now);
+  const bool lost = !stream_->trouble().empty();
+  if (!begun_ || (lost_ && !lost)) start_over(now);
+  begun_ = true;
+  lost_ = lost;
+  if (lost) return;
   while (step(now)) {
   }
   if (phase_ == Phase::kStreaming) {
@@ -239,59 +151,62 @@ void FastrakDriver::try_again(Time now) {
   enter(Phase::kStopping, now);
 }
 
-/// Queues a line command for a station.
-void FastrakDriver::say(char letter, std::size_t station, std::string_view arguments) {
-  std::string command(1, letter);
-  command += static_cast<char>('1' + station);
-  to_say_.push_back(command.append(arguments).append("\r"));
+void FastrakDriver::say(std::vector<std::string> commands) {
+  std::ranges::move(commands, std::back_inserter(to_say_));
 }
 
-void FastrakDriver::set_up() {
-  to_say_.emplace_back(options_.centimetres ? "u" : "U");
-  to_say_.emplace_back("F");           // read-backs and refusals in a known format
-  to_say_.emplace_back("e1,0\r");      // the stylus switch only reports
-  to_say_.emplace_back("v,1\rx,1\r");  // no filters
-  to_say_.emplace_back("y0\r");
-  for (std::size_t s = 0; s < kFastrakStations; ++s) {
-    say('l', s, options_.stations[s] ? ",1" : ",0");
-    say('R', s, "");
-    say('b', s, "");
-    say('r', s, ",0,0,0");
-    say('N', s, ",0,0,0");  // the pose of the receiver, also where it is a stylus
-    say('I', s, ",0");
-    // No envelope within the unit's reach: 300 cm, where its factory one marks all beyond 200.
-    say('V', s,
-        options_.centimetres ? ",300,300,300,-300,-300,-300" : ",118,118,118,-118,-118,-118");
-    say('Q', s, ",180,90,180,-180,-90,-180");
-    // Tracking starts from the half-space it is in, so that one is set first.
-    const Vec3 zenith = options_.zenith[s].stableNormalized();  // H takes two decimals
-    if (zenith.isZero()) say('H', s, ",1,0,0");
-    say('H', s, field(zenith.x()) + field(zenith.y()) + field(zenith.z()));
-    say('O', s, list_of(options_.items));
-  }
-  if (baud_ != options_.baud) {
-    to_say_.push_back("o" + std::to_string(options_.baud / 100).append(",N,8,0\r"));
-  }
-}
-
-/// Asks for the list of the next active station, or starts the stream behind the last one.
-void FastrakDriver::ask_next_list(Time now) {
+/// Asks for the next thing to be checked, or starts the stream behind the last one.
+void FastrakDriver::ask_next(Time now) {
   drain();
   to_say_.clear();
-  while (station_asked_ < kFastrakStations && !active_[station_asked_]) ++station_asked_;
-  if (station_asked_ < kFastrakStations) {
-    say('O', station_asked_, "");
-    enter(Phase::kLists, now);
-    return;
+  if (checks_.empty()) {
+    start_stream(now);
+  } else {
+    say({question(checks_.front())});
+    enter(Phase::kChecking, now);
   }
-  to_say_.emplace_back(options_.binary ? "f" : "F");
-  to_say_.emplace_back("C");
+}
+
+void FastrakDriver::start_stream(Time now) {
+  say(stream_commands(options_));
   const auto stations = static_cast<int>(std::count(active_.begin(), active_.end(), true));
   if (clock_) sequence_before_ += clock_->cycle() / std::max(1, stations) + 1;
   clock_.emplace(stations, byte_time(), fastrak_record_length(formats_[0]));
   in_step_ = true;
   last_record_ = now;
   enter(Phase::kStreaming, now);
+}
+
+/// Waits until it says nothing, then asks who it is.
+bool FastrakDriver::stop(Time now) {
+  drain();
+  if (!said_all(now)) return false;
+  if (now - std::max(heard_, may_speak_) >= options_.quiet) {
+    say({"S"});
+    enter(Phase::kStatus, now);
+    return false;
+  }
+  // A unit that talks on has not understood.
+  const bool talks_on = now - phase_began_ > answer_time() + 8 * options_.quiet;
+  if (talks_on) try_again(now);
+  return talks_on;
+}
+
+/// Looks at what it answers to the check at hand.
+/// @return  as step() does; nothing when the set-up is not what records need
+std::optional<bool> FastrakDriver::check(Time now) {
+  const FastrakCheck& check = checks_.front();
+  const FastrakVerdict verdict = judge(check, options_, buffer_);
+  const bool silent = verdict == FastrakVerdict::kNoAnswer;
+  if (silent && now - phase_began_ < answer_time()) return false;
+  if (verdict != FastrakVerdict::kAsSaid) {
+    if (check.must) return std::nullopt;
+    unconfirmed_.push_back(question(check).substr(0, 2) +
+                           (silent ? ": no answer" : ": set, and reads otherwise"));
+  }
+  checks_.pop_front();
+  ask_next(now);
+  return true;
 }
 
 /// One step of the bring-up, if it is due. @return whether the next one may be due as well
@@ -304,32 +219,25 @@ bool FastrakDriver::step(Time now) {
       try_again(now);
       return true;
 
-    case Phase::kStopping: {
-      drain();
-      if (!said_all(now)) return false;
-      const Time since = now - std::max(heard_, may_speak_);
-      if (since < options_.quiet) {
-        // A unit that talks on has not understood.
-        if (waited > answer_time() + 8 * options_.quiet) {
-          try_again(now);
-          return true;
-        }
-        return false;
-      }
-      to_say_.emplace_back("S");
-      enter(Phase::kStatus, now);
-      return false;
-    }
+    case Phase::kStopping:
+      return stop(now);
 
-    case Phase::kStatus:
-      unit_ = find_answer(buffer_, kFastrakStatusLength, decode_status);
+    case Phase::kStatus: {
+      // A unit left at seven bits sends parity in the eighth.
+      std::vector<std::uint8_t> seven_bits = buffer_;
+      for (std::uint8_t& byte : seven_bits) byte &= 0x7F;
+      unit_ = find_answer(seven_bits, kFastrakStatusLength, decode_status);
       if (unit_) {
         drain();
-        set_up();
+        say(setup_commands(options_));
+        if (baud_ != options_.baud) {
+          say({std::string("o").append(std::to_string(options_.baud / 100)).append(",N,8,0\r")});
+        }
         enter(Phase::kSettingUp, now);
         return true;
       }
       break;
+    }
 
     case Phase::kSettingUp:
       if (!said_all(now)) return false;
@@ -338,31 +246,28 @@ bool FastrakDriver::step(Time now) {
         stream_->set_baud(baud_);
       }
       drain();
-      say('l', 0, "");
+      say({"l1\r"});
       enter(Phase::kActive, now);
       return false;
 
     case Phase::kActive:
       if (const auto on = find_answer(buffer_, 9, decode_active)) {
         active_ = *on;
-        station_asked_ = 0;
-        ask_next_list(now);
+        checks_ = {{}};  // the unit's own
+        unconfirmed_.clear();
+        for (int station = kFastrakStations; station >= 1; --station) {
+          if (!active_[static_cast<std::size_t>(station - 1)]) continue;
+          const std::vector<FastrakCheck> own = setup_checks(options_, station);
+          checks_.insert(checks_.begin(), own.begin(), own.end());
+        }
+        ask_next(now);
         return true;
       }
       break;
 
-    case Phase::kLists: {
-      const auto decode = [&](std::string_view line) {
-        return decode_list(line, static_cast<int>(station_asked_) + 1);
-      };
-      const auto list = find_answer(buffer_, 5 + 2 * options_.items.size(), decode);
-      if (list == options_.items) {
-        ++station_asked_;
-        ask_next_list(now);
-        return true;
-      }
+    case Phase::kChecking:
+      if (const auto more = check(now)) return *more;
       break;
-    }
 
     case Phase::kStreaming:
       if (now - last_record_ <= options_.watchdog) return false;
@@ -370,8 +275,8 @@ bool FastrakDriver::step(Time now) {
       start_over(now);
       return true;
   }
-  // Waiting for an answer.
-  if (waited < answer_time()) return false;
+  // Waiting for an answer, or got another one.
+  if (waited < answer_time() && phase_ != Phase::kChecking) return false;
   try_again(now);
   return true;
 }
@@ -381,14 +286,18 @@ bool FastrakDriver::step(Time now) {
 Pose FastrakDriver::pose_of(const FastrakRecord& record) const {
   Pose X_TS;
   X_TS.p = record.position * formats_[0].metre_per_unit();
-  const std::vector<int>& items = options_.items;
-  if (has_quaternion(items)) {
-    const auto& [w, x, y, z] = record.quaternion;
-    X_TS.q = Quat(w, x, y, z);
-  } else if (has_matrix(items)) {
-    X_TS.q = Quat(record.attitude);
-  } else {
-    X_TS.q = from_angles_deg(record.angles_deg);
+  switch (attitude_of(options_.items)) {
+    case FastrakAttitude::kQuaternion: {
+      const auto& [w, x, y, z] = record.quaternion;
+      X_TS.q = Quat(w, x, y, z);
+      break;
+    }
+    case FastrakAttitude::kMatrix:
+      X_TS.q = Quat(record.attitude);
+      break;
+    case FastrakAttitude::kAngles:
+      X_TS.q = from_angles_deg(record.angles_deg);
+      break;
   }
   // A record with an error letter may hold anything.
   const double norm = X_TS.q.norm();

@@ -6,50 +6,15 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "devices/byte_stream.h"
 #include "devices/fastrak_clock.h"
 #include "devices/fastrak_codec.h"
+#include "devices/fastrak_setup.h"
 #include "devices/source.h"
 
 namespace headpin::devices {
-
-/// A direction for each station.
-using FastrakZeniths = std::array<Vec3, kFastrakStations>;
-
-/// The factory's: every receiver ahead of the transmitter.
-inline FastrakZeniths zeniths_ahead() {
-  FastrakZeniths zeniths;
-  zeniths.fill(Vec3::UnitX());
-  return zeniths;
-}
-
-/// Reads `X,Y,Z`, for all stations, or `STATION:X,Y,Z`, into the zeniths.
-///
-/// @throws std::invalid_argument  naming the text and what was expected; nothing is changed then
-void read_zenith(std::string_view text, FastrakZeniths& zeniths);
-
-/// How a Fastrak is set up and watched.
-struct FastrakOptions {
-  /// Output list of all stations: a position, an orientation, anything else, and a space or CR LF
-  /// at the end, by which records are told apart.
-  std::vector<int> items = {2, 11, 16, 1};
-  bool binary = true;
-  bool centimetres = true;
-  std::array<bool, kFastrakStations> stations = {true, true, true, true};  ///< wanted, if plugged
-  /// In T, into the half-space that a station's receiver stays in; of any length. 0,0,0: it starts
-  /// ahead of the transmitter, and the unit follows it from there.
-  FastrakZeniths zenith = zeniths_ahead();
-  int baud = 115200;          ///< the line's rate
-  bool search_baud = true;    ///< try the other rates when nothing is heard at this one
-  Time watchdog{2'000'000};   ///< without a record: start again
-  Time quiet{150'000};        ///< without a byte: the unit has stopped
-  Time answer{1'000'000};     ///< longest wait for an answer
-  Time command_gap{20'000};   ///< between commands
-  Time start_up{10'000'000};  ///< silence after ^Y
-};
 
 struct FastrakStatistics {
   std::int64_t records = 0;        ///< samples handed out
@@ -65,9 +30,10 @@ struct FastrakStatistics {
 ///
 /// Brings the unit up in whatever state it was left: resumes it (^Q), stops it (c), throws away
 /// what it still says, asks for its status; breaks a half-typed line (CR) and re-initialises it
-/// (^Y) when no status comes, looks for it at other rates; then sets units, frames, envelopes,
-/// lists and filters itself, checks the lists, and starts the stream. After two seconds without a
-/// record it starts over. Never blocks: each poll does what is due.
+/// (^Y) when no status comes, looks for it at other rates; then sets port, units, frames,
+/// envelopes, lists and filters itself, reads back what records would be wrong without, and starts
+/// the stream. After two seconds without a record it starts over. Never blocks: each poll does what
+/// is due.
 ///
 /// Sample times: `host_time` is when the stream says that the first byte had arrived, `device_time`
 /// the estimate of FastrakClock; the first quarter of a second is handed out when that has settled.
@@ -83,19 +49,24 @@ class FastrakDriver : public Source {
 
   /// Brought up, records coming.
   bool streaming() const { return phase_ == Phase::kStreaming; }
+  /// What keeps the line from carrying anything, for people; empty when nothing does.
+  std::string trouble() const { return stream_->trouble(); }
   /// What it is doing, for people: "asking for the status (attempt 2)".
   std::string activity() const;
 
   const FastrakStatistics& statistics() const { return statistics_; }
   /// The unit's own words at the last bring-up.
   const std::optional<FastrakStatus>& unit() const { return unit_; }
+  /// Settings of which it said something else or nothing when they were read back at the last
+  /// bring-up, for people; none without which records would be wrong.
+  const std::vector<std::string>& unconfirmed() const { return unconfirmed_; }
   /// Stations with a receiver that are switched on.
   const std::array<bool, kFastrakStations>& active() const { return active_; }
   /// To wait on with poll(2), or -1.
   int descriptor() const { return stream_->descriptor(); }
 
  private:
-  enum class Phase { kStopping, kStartingUp, kStatus, kSettingUp, kActive, kLists, kStreaming };
+  enum class Phase { kStopping, kStartingUp, kStatus, kSettingUp, kActive, kChecking, kStreaming };
   /// Where in the stream a read began, and when.
   struct Arrival {
     std::uint64_t position;
@@ -106,15 +77,17 @@ class FastrakDriver : public Source {
   void start_over(Time now);
   void try_again(Time now);
   bool step(Time now);
+  bool stop(Time now);
+  std::optional<bool> check(Time now);
   void hear(Time now);
   void speak(Time now);
   bool said_all(Time now) const;
   void drain();
   void consume(std::size_t count);
   Time arrival_of(std::uint64_t position) const;
-  void say(char letter, std::size_t station, std::string_view arguments);
-  void set_up();
-  void ask_next_list(Time now);
+  void say(std::vector<std::string> commands);
+  void ask_next(Time now);
+  void start_stream(Time now);
   void read_records(Time now);
   void hand_out(Time now, std::vector<Sample>& out);
   Pose pose_of(const FastrakRecord& record) const;
@@ -131,9 +104,11 @@ class FastrakDriver : public Source {
   Phase phase_ = Phase::kStopping;
   Time phase_began_{};
   bool begun_ = false;
-  int attempt_ = 0;                ///< since the last record
-  int baud_;                       ///< of the line now
-  std::size_t station_asked_ = 0;  ///< index of the one whose list is being checked
+  bool lost_ = false;                ///< the line has hung up
+  int attempt_ = 0;                  ///< since the last record
+  int baud_;                         ///< of the line now
+  std::deque<FastrakCheck> checks_;  ///< to be asked; the front one has been
+  std::vector<std::string> unconfirmed_;
 
   std::deque<std::string> to_say_;  ///< one command each
   Time may_speak_{};

@@ -9,121 +9,23 @@
 namespace headpin::devices {
 namespace {
 
-constexpr std::int64_t kCycleRate = 120;     // per second, shared by the receivers (p. E-2)
-constexpr Time kCycle{8333};                 // 1 / kCycleRate
-constexpr Time kSolutionReady{5500};         // after the start of the field (p. E-2)
-constexpr Time kMidSampling{5500 - 3750};    // effective latency 3.75 ms (p. E-4)
-constexpr std::int64_t kSwitchCycles = 40;   // between looks at the stylus switch
-constexpr std::size_t kLongestLine = 254;    // bytes
-constexpr std::size_t kLongestRecord = 254;  // bytes (p. 57)
-constexpr std::size_t kMostItems = 32;       // (p. 57)
-constexpr std::size_t kOutboxLimit = 1024;   // bytes a reader may leave
-constexpr std::size_t kQueueLimit = 8192;    // bytes of answers waiting for the line
-constexpr std::size_t kHeldLimit = 1024;     // bytes of commands waiting for ^K
+constexpr std::int64_t kCycleRate = 120;    // per second, shared by the receivers (p. E-2)
+constexpr Time kCycle{8333};                // 1 / kCycleRate
+constexpr Time kSolutionReady{5500};        // after the start of the field (p. E-2)
+constexpr Time kMidSampling{5500 - 3750};   // effective latency 3.75 ms (p. E-4)
+constexpr std::int64_t kSwitchCycles = 40;  // between looks at the stylus switch
+constexpr std::size_t kLongestLine = 254;   // bytes
+constexpr std::size_t kOutboxLimit = 1024;  // bytes a reader may leave
+constexpr std::size_t kQueueLimit = 8192;   // bytes of answers waiting for the line
+constexpr std::size_t kHeldLimit = 1024;    // bytes of commands waiting for ^K
 
 constexpr std::string_view kImmediate = "PCcSFfUuDdW";
-constexpr std::string_view kLines = "ABbeGHIlNOoQRrTVvXxy";
 constexpr std::array<int, 7> kBauds = {2400, 4800, 9600, 19200, 38400, 57600, 115200};
 
 // What random numbers are drawn for.
 enum Purpose : std::uint64_t { kNoise = 0, kFaults = 16 };
 
-std::string blank_or(int number, std::size_t width) {
-  const std::string digits = std::to_string(number);
-  return std::string(width - std::min(width, digits.size()), ' ') + digits;
-}
-
-/// Thrown inside a line command; its field is counted from 0 after the letter.
-struct RefusedField {
-  FastrakRefusal why;
-  std::size_t field;
-};
-
-std::string_view trimmed(std::string_view text) {
-  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  return text;
-}
-
 }  // namespace
-
-/// A line command cut into its fields.
-struct FastrakEmulator::Line {
-  explicit Line(std::string_view whole) : text(whole), letter(whole.front()) {
-    std::size_t at = 1;
-    while (true) {
-      const std::size_t comma = text.find(',', at);
-      fields.push_back(trimmed(text.substr(at, comma - at)));
-      starts.push_back(at);
-      if (comma == std::string_view::npos) break;
-      at = comma + 1;
-    }
-  }
-
-  bool blank(std::size_t field) const { return field >= fields.size() || fields[field].empty(); }
-
-  /// True when nothing follows the fields before `first`: a read-back, with or without commas.
-  bool blank_from(std::size_t first) const {
-    for (std::size_t i = first; i < fields.size(); ++i) {
-      if (!blank(i)) return false;
-    }
-    return true;
-  }
-
-  double number(std::size_t field) const {
-    if (blank(field)) throw RefusedField{FastrakRefusal::kFieldMissing, field};
-    std::string_view digits = fields[field];
-    if (digits.front() == '+') digits.remove_prefix(1);
-    if (digits.starts_with("-") && fields[field].front() == '+') digits = {};
-    double value = 0.0;
-    const bool shaped = digits.find_first_not_of("0123456789.eE+-") == std::string_view::npos;
-    const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (!shaped || digits.empty() || read.ptr != digits.data() + digits.size()) {
-      throw RefusedField{FastrakRefusal::kNotNumeric, field};
-    }
-    if (read.ec != std::errc{}) throw RefusedField{FastrakRefusal::kOutOfRange, field};
-    return value;
-  }
-
-  double number(std::size_t field, double low, double high) const {
-    const double value = number(field);
-    if (!(value >= low && value <= high)) throw RefusedField{FastrakRefusal::kOutOfRange, field};
-    return value;
-  }
-
-  int whole(std::size_t field, int low, int high) const {
-    const double value = number(field, low, high);
-    if (value != std::floor(value)) throw RefusedField{FastrakRefusal::kOutOfRange, field};
-    return static_cast<int>(value);
-  }
-
-  /// Index 0 to 3 of the station in the first field.
-  std::size_t station() const {
-    return static_cast<std::size_t>(whole(0, 1, kFastrakStations)) - 1;
-  }
-
-  /// First station and one past the last: one, or all for `*`.
-  std::pair<std::size_t, std::size_t> stations() const {
-    if (!fields[0].empty() && fields[0] == "*") return {0, kFastrakStations};
-    const std::size_t s = station();
-    return {s, s + 1};
-  }
-
-  /// Fields from `first` on in place of the stored values; empty ones keep them.
-  template <std::size_t N>
-  std::array<double, N> merged(std::size_t first, std::array<double, N> stored,
-                               const std::array<double, N>& limits) const {
-    for (std::size_t i = 0; i < N; ++i) {
-      if (!blank(first + i)) stored[i] = number(first + i, -limits[i], limits[i]);
-    }
-    return stored;
-  }
-
-  std::string_view text;
-  char letter;
-  std::vector<std::string_view> fields;
-  std::vector<std::size_t> starts;  ///< of each field in `text`
-};
 
 FastrakEmulator::FastrakEmulator(FastrakEmulatorOptions options, FastrakMotion motion)
     : options_(std::move(options)), motion_(std::move(motion)) {
@@ -131,12 +33,22 @@ FastrakEmulator::FastrakEmulator(FastrakEmulatorOptions options, FastrakMotion m
     throw std::invalid_argument("receivers: expected 1 to 4, found " +
                                 std::to_string(options_.receivers));
   }
+  if (options_.stylus < 0 || options_.stylus > kFastrakStations) {
+    throw std::invalid_argument("stylus: expected a station from 1 to 4, or 0 for none, found " +
+                                std::to_string(options_.stylus));
+  }
   if (std::find(kBauds.begin(), kBauds.end(), options_.baud) == kBauds.end()) {
     throw std::invalid_argument(
         "baud: expected one of 2400 4800 9600 19200 38400 57600 115200, "
         "found " +
         std::to_string(options_.baud));
   }
+  memory_.early_firmware = options_.early_firmware;
+  memory_.plugged = [this](std::size_t s) { return plugged(s, commanded_); };
+  memory_.attitude = [this](std::size_t s) {
+    if (!solutions_[s].valid) measure(s, commanded_);
+    return outcome(s).q;
+  };
   eeprom_ = factory_setup(Time{0});
   start_up(Time{0});
   listening_from_ = Time{0};  // found switched on and ready
@@ -144,8 +56,14 @@ FastrakEmulator::FastrakEmulator(FastrakEmulatorOptions options, FastrakMotion m
 
 FastrakSetup FastrakEmulator::factory_setup(Time now) const {
   FastrakSetup setup;
-  setup.stations[0].p_SN = options_.p_SN_stylus;
-  for (std::size_t s = 0; s < setup.stations.size(); ++s) setup.stations[s].on = plugged(s, now);
+  if (options_.stylus > 0) {
+    setup.stations[static_cast<std::size_t>(options_.stylus - 1)].p_SN = options_.p_SN_stylus;
+  }
+  const Vec3 corner = Vec3::Constant(options_.envelope);
+  for (std::size_t s = 0; s < setup.stations.size(); ++s) {
+    setup.stations[s].on = plugged(s, now);
+    setup.stations[s].position_envelope = {corner, -corner};
+  }
   return setup;
 }
 
@@ -158,12 +76,17 @@ bool FastrakEmulator::plugged(std::size_t station, Time t) const {
                       });
 }
 
+bool FastrakEmulator::pressed(Time t) const {
+  return options_.stylus > 0 && plugged(static_cast<std::size_t>(options_.stylus - 1), t) &&
+         motion_(options_.stylus, t).pressed;
+}
+
 void FastrakEmulator::start_up(Time now) {
-  setup_ = eeprom_;
-  for (std::size_t s = 0; s < setup_.stations.size(); ++s) {
-    setup_.stations[s].on = setup_.stations[s].on && plugged(s, now);
+  memory_.setup = eeprom_;
+  for (std::size_t s = 0; s < memory_.setup.stations.size(); ++s) {
+    memory_.setup.stations[s].on = memory_.setup.stations[s].on && plugged(s, now);
   }
-  port_ = {options_.baud, 8, false};
+  memory_.port = {options_.baud, 8, false};
   drop_unsent();
   listening_from_ = now + options_.boot_time;
   saved_at_ = Time{0};
@@ -172,9 +95,9 @@ void FastrakEmulator::start_up(Time now) {
   position_weights_ = {};
   attitude_weights_ = {};
   last_output_ = {};
-  error_ = 0;
+  memory_.error = 0;
   switch_was_down_ = switched_off_ = false;
-  guided_.reset();
+  memory_.guided.reset();
   expected_.reset();
   suspended_ = false;
   line_.clear();
@@ -248,21 +171,20 @@ void FastrakEmulator::measure(std::size_t station, Time at) {
     if (stuck.station == number && stuck.when.holds(at)) when = stuck.when.from;
   }
   const FastrakTruth truth = motion_(number, when);
-  const FastrakStationSetup& setup = setup_.stations[station];
+  const FastrakStationSetup& setup = memory_.setup.stations[station];
 
   solution.error = pulled_out ? 'l' : truth.error;
-  // The one switch is wired to station 1, and any station's record may carry it.
-  solution.pressed = truth.pressed || (station != 0 && motion_(1, at).pressed);
+  solution.pressed = pressed(at);  // the unit has one switch; any station's record may carry it
   solution.measured = at;
   if (pulled_out && solution.valid) {
-    error_ = static_cast<unsigned char>(solution.error);
+    memory_.error = static_cast<unsigned char>(solution.error);
     return;
   }
 
   Pose X_TS = distort(truth.X_TS, options_.faults.metal);
   const double range = X_TS.p.norm();
   if (range > kFastrakRange && solution.error == ' ') solution.error = 'k';
-  if (setup_.sync == 2 && solution.error == ' ') solution.error = 'v';
+  if (memory_.setup.sync == 2 && solution.error == ' ') solution.error = 'v';
   const FastrakNoise noise = noise_at(range);
   Random random(options_.seed, kNoise + station,
                 static_cast<std::uint64_t>(tick_time(cycle_, kCycleRate).count()));
@@ -278,29 +200,29 @@ void FastrakEmulator::measure(std::size_t station, Time at) {
 
   if (solution.valid) {
     const Pose& last = solution.X_TS;
-    if (setup_.position_filter.enabled()) {
+    if (memory_.setup.position_filter.enabled()) {
       const double inches = (X_TS.p - last.p).norm() / kMetrePerInch;
-      const double a = position_weights_[station].next(setup_.position_filter, inches);
+      const double a = position_weights_[station].next(memory_.setup.position_filter, inches);
       X_TS.p = a * X_TS.p + (1.0 - a) * last.p;
     }
-    if (setup_.attitude_filter.enabled()) {
+    if (memory_.setup.attitude_filter.enabled()) {
       const double degrees =
           rotation_vector(last.q.conjugate() * X_TS.q).norm() * 180.0 / std::numbers::pi;
-      const double a = attitude_weights_[station].next(setup_.attitude_filter, degrees);
+      const double a = attitude_weights_[station].next(memory_.setup.attitude_filter, degrees);
       X_TS.q = interpolate({last.q, Vec3::Zero()}, {X_TS.q, Vec3::Zero()}, a).q;
     }
   }
   solution.X_TS = X_TS;
   solution.valid = true;
-  if (solution.error != ' ') error_ = static_cast<unsigned char>(solution.error);
+  if (solution.error != ' ') memory_.error = static_cast<unsigned char>(solution.error);
 }
 
 void FastrakEmulator::look_at_switch(Time now) {
-  const bool down = motion_(1, now).pressed;
+  const bool down = pressed(now);
   const bool pressed_now = down && !switch_was_down_;
   switch_was_down_ = down;
-  if (!setup_.point_mode) return;
-  if (setup_.continuous) {
+  if (!memory_.setup.point_mode) return;
+  if (memory_.setup.continuous) {
     if (pressed_now) switched_off_ = !switched_off_;
   } else if (down) {
     send_point(now);
@@ -309,9 +231,11 @@ void FastrakEmulator::look_at_switch(Time now) {
 
 void FastrakEmulator::pump(Time now) {
   const std::int64_t now_ns = now.count() * 1000;
-  const int baud =
-      options_.faults.slow_baud > 0 ? std::min(port_.baud, options_.faults.slow_baud) : port_.baud;
-  const int bits = 1 + port_.bits + (port_.parity ? 1 : 0) + 1;  // start, data, parity, stop
+  const int baud = options_.faults.slow_baud > 0
+                       ? std::min(memory_.port.baud, options_.faults.slow_baud)
+                       : memory_.port.baud;
+  const int bits =
+      1 + memory_.port.bits + (memory_.port.parity ? 1 : 0) + 1;  // start, data, parity, stop
   const std::int64_t byte_ns = bits * 1'000'000'000LL / baud;
   while (!queue_.empty() && !suspended_ && outbox_.size() < kOutboxLimit) {
     Message& message = queue_.front();
@@ -325,7 +249,7 @@ void FastrakEmulator::pump(Time now) {
     }
     if (start_ns + byte_ns > now_ns) return;
     const std::uint8_t byte = message.bytes[message.sent++];
-    outbox_.push_back(port_.bits == 7 ? byte & 0x7F : byte);
+    outbox_.push_back(memory_.port.bits == 7 ? byte & 0x7F : byte);
     line_free_ns_ = start_ns + byte_ns;
     if (message.sent < message.bytes.size()) continue;
     statistics_.records += static_cast<std::int64_t>(message.records.size());
@@ -356,11 +280,11 @@ bool FastrakEmulator::line_free() const {
 }
 
 FastrakFormat FastrakEmulator::format_of(std::size_t station) const {
-  return {setup_.stations[station].items, setup_.binary, setup_.centimetres};
+  return {memory_.setup.stations[station].items, memory_.setup.binary, memory_.setup.centimetres};
 }
 
 Pose FastrakEmulator::outcome(std::size_t station) const {
-  const FastrakStationSetup& setup = setup_.stations[station];
+  const FastrakStationSetup& setup = memory_.setup.stations[station];
   Pose X = solutions_[station].X_TS;
   X.p = X * setup.p_SN;
   X = frame_through(setup.p_TA[0], setup.p_TA[1], setup.p_TA[2]).value().inverse() * X;
@@ -369,7 +293,7 @@ Pose FastrakEmulator::outcome(std::size_t station) const {
 }
 
 FastrakRecord FastrakEmulator::record_of(std::size_t station) {
-  const FastrakStationSetup& setup = setup_.stations[station];
+  const FastrakStationSetup& setup = memory_.setup.stations[station];
   Pose X = outcome(station);
   if (setup.q_boresight) {
     X.q = X.q * setup.q_boresight->conjugate() * from_angles_deg(setup.boresight_deg);
@@ -394,21 +318,21 @@ FastrakRecord FastrakEmulator::record_of(std::size_t station) {
   if (record.error == ' ') {
     if (outside(X.p, setup.position_envelope)) record.error = 'x';
     if (outside(record.angles_deg, setup.angle_envelope_deg)) record.error = 'y';
-    if (record.error != ' ') error_ = static_cast<unsigned char>(record.error);
+    if (record.error != ' ') memory_.error = static_cast<unsigned char>(record.error);
   }
   last_output_[station] = X.p;
   return record;
 }
 
 void FastrakEmulator::offer(std::size_t station, Time now) {
-  if (!setup_.continuous || switched_off_) return;
+  if (!memory_.setup.continuous || switched_off_) return;
   if (!expected_ || !active(*expected_)) expected_ = next_active(kFastrakStations - 1);
   if (station != *expected_ || !line_free()) {
     ++statistics_.dropped;
     return;
   }
   expected_ = next_active(station);
-  const double increment = setup_.stations[station].increment;
+  const double increment = memory_.setup.stations[station].increment;
   if (increment > 0.0 && last_output_[station] &&
       (outcome(station).p - *last_output_[station]).norm() < increment) {
     return;
@@ -449,7 +373,7 @@ void FastrakEmulator::add_record(std::size_t station, Message& message) {
 }
 
 void FastrakEmulator::send_point(Time now) {
-  if (guided_) {
+  if (memory_.guided) {
     point_of_alignment(now);
     return;
   }
@@ -496,7 +420,7 @@ void FastrakEmulator::hear_all(Bytes bytes, Time now) {
       held_.insert(held_.end(), rest.begin(), rest.end());
       return;
     }
-    hear(port_.bits == 7 ? bytes[i] & 0x7F : bytes[i], now);
+    hear(memory_.port.bits == 7 ? bytes[i] & 0x7F : bytes[i], now);
   }
 }
 
@@ -520,7 +444,7 @@ void FastrakEmulator::hear(std::uint8_t byte, Time now) {
   } else if (kImmediate.find(c) != std::string_view::npos) {
     immediate(c, now);
     swallow_ = Swallow::kAnyEnd;
-  } else if (kLines.find(c) != std::string_view::npos) {
+  } else if (is_fastrak_line_command(c)) {
     line_ = c;
   } else if (c != ' ') {
     refuse(std::string_view(&c, 1), FastrakRefusal::kUnknownCommand, 0, 0, 1, now);
@@ -532,12 +456,13 @@ void FastrakEmulator::hear(std::uint8_t byte, Time now) {
 bool FastrakEmulator::control(std::uint8_t byte, Time now) {
   switch (byte) {
     case 0x0B:  // ^K
-      eeprom_ = setup_;
+      eeprom_ = memory_.setup;
       for (FastrakStationSetup& station : eeprom_.stations) {
         station.q_boresight.reset();
-        station.p_SN = Vec3::Zero();
       }
-      eeprom_.stations[0].p_SN = options_.p_SN_stylus;
+      for (std::size_t s = 0; s < kFastrakStations; ++s) {
+        eeprom_.stations[s].p_SN = factory_setup(now).stations[s].p_SN;
+      }
       if (eeprom_.sync == 1) eeprom_.sync = 0;
       saved_at_ = now + options_.save_time;
       break;
@@ -566,25 +491,26 @@ void FastrakEmulator::immediate(char command, Time now) {
       send_point(now);
       break;
     case 'C':
-      if (!setup_.continuous) expected_.reset();
-      setup_.continuous = true;
+      ++statistics_.streams;
+      if (!memory_.setup.continuous) expected_.reset();
+      memory_.setup.continuous = true;
       switched_off_ = false;
       break;
     case 'c':
-      setup_.continuous = false;
+      memory_.setup.continuous = false;
       switched_off_ = false;
       std::erase_if(queue_, [](const Message& m) { return m.stream && m.sent == 0; });
       break;
     case 'S': {
       if (++status_requests_ <= options_.faults.deaf) break;
       FastrakStatus status;
-      status.binary = setup_.binary;
-      status.centimetres = setup_.centimetres;
-      status.compensation = setup_.compensation;
-      status.continuous = setup_.continuous;
-      status.error = error_;
+      status.binary = memory_.setup.binary;
+      status.centimetres = memory_.setup.centimetres;
+      status.compensation = memory_.setup.compensation;
+      status.continuous = memory_.setup.continuous;
+      status.error = memory_.error;
       status.firmware = options_.firmware;
-      status.identification = setup_.identification;
+      status.identification = memory_.setup.identification;
       if (options_.tag_2012) {
         // The coding of the sensor map is not known; ours: one hex digit, bit 0 for station 1.
         int map = 0;
@@ -595,25 +521,25 @@ void FastrakEmulator::immediate(char command, Time now) {
       break;
     }
     case 'F':
-      setup_.binary = false;
+      memory_.setup.binary = false;
       break;
     case 'f':
-      setup_.binary = true;
+      memory_.setup.binary = true;
       break;
     case 'U':
-      setup_.centimetres = false;
+      memory_.setup.centimetres = false;
       break;
     case 'u':
-      setup_.centimetres = true;
+      memory_.setup.centimetres = true;
       break;
     case 'D':
-      setup_.compensation = true;
+      memory_.setup.compensation = true;
       break;
     case 'd':
-      setup_.compensation = false;
+      memory_.setup.compensation = false;
       break;
     case 'W':
-      setup_ = factory_setup(now);
+      memory_.setup = factory_setup(now);
       std::erase_if(queue_, [](const Message& m) { return m.stream && m.sent == 0; });
       break;
     default:
@@ -624,7 +550,7 @@ void FastrakEmulator::immediate(char command, Time now) {
 void FastrakEmulator::refuse(std::string_view command, FastrakRefusal why, std::size_t position,
                              std::size_t field, int station, Time now) {
   ++statistics_.refused;
-  if (!setup_.binary) reply(encode_refusal(command, why, position, field, station), now);
+  if (!memory_.setup.binary) reply(encode_refusal(command, why, position, field, station), now);
 }
 
 void FastrakEmulator::run_line(Time now) {
@@ -632,292 +558,33 @@ void FastrakEmulator::run_line(Time now) {
     refuse(line_, FastrakRefusal::kBufferLimit, kLongestLine, 0, 1, now);
     return;
   }
-  const Line line(line_);
+  commanded_ = now;
   try {
-    carry_out(line, now);
+    const std::string answer = carry_out(line_, memory_);
+    if (!answer.empty()) reply(answer, now);
     ++statistics_.commands;
-  } catch (const RefusedField& refused) {
-    const std::string_view first = line.fields[0];
-    const bool known = first.size() == 1 && first[0] >= '1' && first[0] <= '4';
-    const std::size_t position =
-        refused.field < line.starts.size() ? line.starts[refused.field] : line_.size();
-    refuse(line_, refused.why, position, refused.field, known ? first[0] - '0' : 1, now);
+  } catch (const FastrakRefused& refused) {
+    refuse(line_, refused.why, refused.position, refused.field, refused.station, now);
   }
-}
-
-bool FastrakEmulator::align(std::size_t station, const std::array<Vec3, 3>& points) {
-  std::array<Vec3, 3>& stored = setup_.stations[station].p_TA;
-  const Pose X_TA = frame_through(stored[0], stored[1], stored[2]).value();
-  const std::array<Vec3, 3> p_T = {X_TA * points[0], X_TA * points[1], X_TA * points[2]};
-  if (!frame_through(p_T[0], p_T[1], p_T[2])) return false;
-  stored = p_T;
-  return true;
+  for (std::size_t s = 0; s < kFastrakStations; ++s) {
+    if (!active(s)) solutions_[s].valid = false;
+  }
 }
 
 void FastrakEmulator::point_of_alignment(Time now) {
   if (!solutions_[0].valid) measure(0, now);
-  guided_->push_back(solutions_[0].X_TS * setup_.stations[0].p_SN);
-  if (guided_->size() < 3) return;
-  const std::array<Vec3, 3> points = {(*guided_)[0], (*guided_)[1], (*guided_)[2]};
-  guided_.reset();
-  for (std::size_t s = 0; s < kFastrakStations; ++s) {
-    if (!align(s, points)) {
+  memory_.guided->push_back(solutions_[0].X_TS * memory_.setup.stations[0].p_SN);
+  if (memory_.guided->size() < 3) return;
+  const std::array<Vec3, 3> points = {(*memory_.guided)[0], (*memory_.guided)[1],
+                                      (*memory_.guided)[2]};
+  memory_.guided.reset();
+  for (FastrakStationSetup& station : memory_.setup.stations) {
+    if (!align(station, points)) {
       refuse("A0", FastrakRefusal::kOutOfRange, 1, 0, 1, now);
       return;
     }
   }
-  carry_out(Line("A1"), now);  // shows the new frame
-}
-
-void FastrakEmulator::carry_out(const Line& line, Time now) {
-  const double unit = setup_.centimetres ? kMetrePerCentimetre : kMetrePerInch;
-  constexpr double kWidest7 = 999.99, kWidest8 = 999.999;  // what the read-back's columns hold
-  const auto answer = [&](int station, std::span<const double> values, int width, int decimals) {
-    reply(encode_reply(station, line.letter, encode_columns(values, width, decimals)), now);
-  };
-  // Three values, in the wire's unit: sets them, or reads them back when no field follows.
-  const auto three = [&](Vec3& stored, double metre, const std::array<double, 3>& limits, int width,
-                         int decimals) {
-    const int station = static_cast<int>(line.station()) + 1;
-    const std::array<double, 3> now_stored = {stored.x() / metre, stored.y() / metre,
-                                              stored.z() / metre};
-    if (line.blank_from(1)) {
-      answer(station, now_stored, width, decimals);
-    } else {
-      const auto v = line.merged(1, now_stored, limits);
-      stored = metre * Vec3(v[0], v[1], v[2]);
-    }
-  };
-  // A box: three largest values, then three smallest.
-  const auto box = [&](std::array<Vec3, 2>& stored, double metre,
-                       const std::array<double, 6>& limits) {
-    const int station = static_cast<int>(line.station()) + 1;
-    std::array<double, 6> values{};
-    for (std::size_t i = 0; i < 6; ++i) {
-      values[i] = stored[i / 3](static_cast<Eigen::Index>(i % 3)) / metre;
-    }
-    if (line.blank_from(1)) {
-      answer(station, values, 8, 3);
-      return;
-    }
-    values = line.merged(1, values, limits);
-    for (std::size_t i = 0; i < 3; ++i) {
-      if (values[i] < values[i + 3]) throw RefusedField{FastrakRefusal::kOutOfRange, i + 1};
-    }
-    stored = {metre * Vec3(values[0], values[1], values[2]),
-              metre * Vec3(values[3], values[4], values[5])};
-  };
-  constexpr std::array<double, 3> kAngles = {180.0, 90.0, 180.0};
-
-  switch (line.letter) {
-    case 'A': {
-      if (line.fields[0] == "0" && line.blank_from(1)) {
-        for (FastrakStationSetup& station : setup_.stations) {
-          station.p_TA = FastrakStationSetup{}.p_TA;
-        }
-        guided_.emplace();
-        break;
-      }
-      const std::size_t s = line.station();
-      // New points are given in the present frame; there, its own three stand at the factory's.
-      const std::array<Vec3, 3> start =
-          line.blank_from(1) ? setup_.stations[s].p_TA : FastrakStationSetup{}.p_TA;
-      std::array<double, 9> values{}, limits{};
-      for (std::size_t i = 0; i < 9; ++i) {
-        values[i] = start[i / 3](static_cast<Eigen::Index>(i % 3)) / unit;
-        limits[i] = kWidest7;
-      }
-      if (line.blank_from(1)) {
-        answer(static_cast<int>(s) + 1, values, 7, 2);
-        break;
-      }
-      values = line.merged(1, values, limits);
-      std::array<Vec3, 3> points;
-      for (std::size_t i = 0; i < 3; ++i) {
-        points[i] = unit * Vec3(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
-      }
-      if (!align(s, points)) throw RefusedField{FastrakRefusal::kOutOfRange, 1};
-      break;
-    }
-    case 'R': {
-      const auto [first, last] = line.stations();
-      for (std::size_t s = first; s < last; ++s) {
-        setup_.stations[s].p_TA = FastrakStationSetup{}.p_TA;
-      }
-      break;
-    }
-    case 'B': {
-      const auto [first, last] = line.stations();
-      for (std::size_t s = first; s < last; ++s) {
-        if (!active(s)) continue;
-        if (!solutions_[s].valid) measure(s, now);
-        setup_.stations[s].q_boresight = outcome(s).q;
-      }
-      break;
-    }
-    case 'b': {
-      const auto [first, last] = line.stations();
-      for (std::size_t s = first; s < last; ++s) setup_.stations[s].q_boresight.reset();
-      break;
-    }
-    case 'G':
-      three(setup_.stations[line.station()].boresight_deg, 1.0, kAngles, 7, 2);
-      break;
-    case 'H':
-      three(setup_.stations[line.station()].zenith, 1.0, {kWidest7, kWidest7, kWidest7}, 7, 2);
-      break;
-    case 'N':
-      three(setup_.stations[line.station()].p_SN, unit, {kWidest8, kWidest8, kWidest8}, 8, 3);
-      break;
-    case 'r':
-      three(setup_.stations[line.station()].mounting_deg, 1.0, kAngles, 8, 3);
-      break;
-    case 'I': {
-      const std::size_t s = line.station();
-      if (line.blank_from(1)) {
-        const std::array<double, 1> stored = {setup_.stations[s].increment / unit};
-        answer(static_cast<int>(s) + 1, stored, 7, 2);
-      } else {
-        setup_.stations[s].increment = unit * line.number(1, 0.0, kWidest7);
-      }
-      break;
-    }
-    case 'V': {
-      std::array<double, 6> limits{};
-      limits.fill(kWidest8);
-      box(setup_.stations[line.station()].position_envelope, unit, limits);
-      break;
-    }
-    case 'Q':
-      box(setup_.stations[line.station()].angle_envelope_deg, 1.0, {180, 90, 180, 180, 90, 180});
-      break;
-    case 'l': {
-      const auto [first, last] = line.stations();
-      if (line.blank_from(1)) {
-        std::array<bool, kFastrakStations> on{};
-        for (std::size_t s = 0; s < on.size(); ++s) on[s] = active(s);
-        reply(encode_active(static_cast<int>(first) + 1, on), now);
-        break;
-      }
-      const bool on = line.whole(1, 0, 1) == 1;
-      for (std::size_t s = first; s < last; ++s) {
-        setup_.stations[s].on = on && plugged(s, now);
-        if (!setup_.stations[s].on) solutions_[s].valid = false;
-      }
-      break;
-    }
-    case 'O': {
-      const std::size_t s = line.station();
-      std::vector<int>& items = setup_.stations[s].items;
-      if (line.blank_from(1)) {
-        reply(encode_list(static_cast<int>(s) + 1, items), now);
-        break;
-      }
-      std::vector<int> list;
-      for (std::size_t i = 1; i < line.fields.size(); ++i) {
-        if (i > kMostItems) throw RefusedField{FastrakRefusal::kBufferLimit, i};
-        const bool keeps = line.blank(i) && i <= items.size();
-        const int item = keeps ? items[i - 1] : line.whole(i, 0, 99);
-        if (!is_fastrak_item(item, options_.early_firmware)) {
-          throw RefusedField{FastrakRefusal::kOutOfRange, i};
-        }
-        list.push_back(item);
-      }
-      if (fastrak_record_length({list, false, false}) > kLongestRecord) {
-        throw RefusedField{FastrakRefusal::kBufferLimit, line.fields.size() - 1};
-      }
-      items = std::move(list);
-      break;
-    }
-    case 'e': {
-      // The station may be left out, and the unit does not look at it.
-      const bool alone = line.fields.size() == 1;
-      setup_.point_mode = line.whole(alone ? 0 : 1, 0, 1) == 1;
-      break;
-    }
-    case 'o': {
-      Port port = port_;
-      if (!line.blank(0)) {
-        port.baud = 100 * line.whole(0, 24, 1152);
-        if (std::find(kBauds.begin(), kBauds.end(), port.baud) == kBauds.end()) {
-          throw RefusedField{FastrakRefusal::kOutOfRange, 0};
-        }
-      }
-      if (!line.blank(1)) {
-        const std::string_view parity = line.fields[1];
-        if (parity != "N" && parity != "O" && parity != "E") {
-          throw RefusedField{FastrakRefusal::kOutOfRange, 1};
-        }
-        port.parity = parity != "N";
-      }
-      if (!line.blank(2)) port.bits = line.whole(2, 7, 8);
-      if (!line.blank(3)) line.whole(3, 0, 1);  // hardware handshake: a wire that is not here
-      if (port.bits == 8 && port.parity) throw RefusedField{FastrakRefusal::kOutOfRange, 1};
-      port_ = port;
-      break;
-    }
-    case 'T': {
-      const int number = line.blank(0) ? error_ : line.whole(0, 0, 122);
-      if (!line.blank(1)) {
-        line.whole(1, 0, 0);
-        error_ = 0;
-        break;
-      }
-      reply(
-          encode_reply(0, 'T', blank_or(number, 3) + " " + std::string(fastrak_error_text(number))),
-          now);
-      break;
-    }
-    case 'v':
-    case 'x': {
-      FastrakFilter& stored = line.letter == 'v' ? setup_.attitude_filter : setup_.position_filter;
-      const std::array<double, 4> values = {stored.sensitivity, stored.low, stored.high,
-                                            stored.factor};
-      if (line.blank_from(0)) {
-        answer(0, values, 7, 3);
-        break;
-      }
-      if (line.blank_from(1) && line.number(0) >= 2.0) {
-        // Macros (p. 77); the numbers are those of the maker's later trackers.
-        constexpr std::array<FastrakFilter, 4> kMacros = {{{0.2, 1.0, 0.8, 0.95},
-                                                           {0.2, 0.2, 0.8, 0.8},
-                                                           {0.2, 0.1, 0.7, 0.8},
-                                                           {0.2, 0.05, 0.6, 0.8}}};
-        stored = kMacros[static_cast<std::size_t>(line.whole(0, 2, 5)) - 2];
-        break;
-      }
-      const auto v = line.merged(0, values, {1.0, 1.0, 1.0, 1.0});
-      for (std::size_t i = 0; i < 4; ++i) {
-        if (v[i] < 0.0) throw RefusedField{FastrakRefusal::kOutOfRange, i};
-      }
-      if (v[1] < 1.0 && !(v[1] > 0.0 && v[1] <= v[2])) {
-        throw RefusedField{FastrakRefusal::kOutOfRange, 1};
-      }
-      stored = {v[0], v[1], v[2], v[3]};
-      break;
-    }
-    case 'X': {
-      const std::string_view text = line.text.substr(1);
-      if (text.empty()) {
-        std::string shown = setup_.identification;
-        shown.resize(32, ' ');
-        reply(encode_reply(0, 'X', shown), now);
-        break;
-      }
-      if (text.size() > 32) throw RefusedField{FastrakRefusal::kBufferLimit, 0};
-      setup_.identification = text;
-      break;
-    }
-    case 'y':
-      if (line.blank_from(0)) {
-        reply(encode_reply(0, 'y', std::to_string(setup_.sync)), now);
-      } else {
-        setup_.sync = line.whole(0, 0, 2);
-      }
-      break;
-    default:
-      break;
-  }
+  reply(alignment_answer(memory_, 0), now);  // shows the new frame
 }
 
 void serve(FastrakEmulator& emulator, ByteStream& stream, Time now) {

@@ -11,6 +11,7 @@
 
 #include "devices/byte_stream.h"
 #include "devices/fastrak_codec.h"
+#include "devices/fastrak_commands.h"
 #include "devices/fastrak_faults.h"
 #include "devices/fastrak_geometry.h"
 #include "devices/fastrak_motion.h"
@@ -32,8 +33,11 @@ struct FastrakEmulatorOptions {
   bool early_firmware = false;      ///< has the compact output items 18 to 20
   bool tag_2012 = false;            ///< status record with the "F3" tag of 2012
   std::string firmware = "103.00";  ///< 6 characters
-  Vec3 p_SN_stylus = Vec3::Zero();  ///< tip offset in the PROM of receiver 1; a stylus has some
-                                    ///< 2.5 inches along x, an ordinary receiver none [m]
+  int stylus = 1;                   ///< station whose receiver has the switch; 0: none has
+  Vec3 p_SN_stylus = Vec3::Zero();  ///< tip offset in that one's PROM; a stylus has some 2.5 inches
+                                    ///< along x, an ordinary receiver none [m]
+  double envelope = 2.0;            ///< the factory's: beyond it, along any axis, a position is
+                                    ///< flagged [m]
   std::uint64_t seed = 1;           ///< of noise and faults
   FastrakFaults faults;
   Time boot_time{10'000'000};                         ///< without answers after ^Y or power-on
@@ -48,35 +52,8 @@ struct FastrakEmulatorStatistics {
   std::int64_t damaged = 0;        ///< records sent with a flipped bit
   std::int64_t garbage_bytes = 0;  ///< random bytes sent between records
   std::int64_t commands = 0;       ///< understood
-  std::int64_t refused = 0;        ///< answered, in ASCII mode, by an error record
-};
-
-/// What the unit remembers of a station; factory values.
-struct FastrakStationSetup {
-  bool on = true;
-  std::vector<int> items = {2, 4, 1};
-  std::array<Vec3, 3> p_TA = {Vec3(0, 0, 0), Vec3(2, 0, 0), Vec3(0, 2, 0)};  ///< alignment [m]
-  std::optional<Quat> q_boresight;    ///< orientation at the command B
-  Vec3 boresight_deg = Vec3::Zero();  ///< angles it reads as
-  Vec3 zenith = Vec3::UnitX();        ///< 0,0,0: follows the receiver
-  double increment = 0.0;             ///< [m]
-  Vec3 p_SN = Vec3::Zero();           ///< tip offset [m]
-  Vec3 mounting_deg = Vec3::Zero();   ///< of the transmitter
-  std::array<Vec3, 2> position_envelope = {Vec3(2, 2, 2), Vec3(-2, -2, -2)};  ///< [m]
-  std::array<Vec3, 2> angle_envelope_deg = {Vec3(180, 90, 180), Vec3(-180, -90, -180)};
-};
-
-/// What the unit remembers; factory values.
-struct FastrakSetup {
-  std::array<FastrakStationSetup, kFastrakStations> stations;
-  bool binary = false;
-  bool centimetres = false;
-  bool compensation = false;
-  bool continuous = false;
-  bool point_mode = true;  ///< stylus switch acts like the command P (command e)
-  int sync = 0;
-  FastrakFilter position_filter, attitude_filter;
-  std::string identification = "OutputCompensat CPG2030-003-10";
+  std::int64_t streams = 0;  ///< of these, C: continuous output on, again or for the first time
+  std::int64_t refused = 0;  ///< answered, in ASCII mode, by an error record
 };
 
 /// A Fastrak seen from its serial line: answers commands like the box.
@@ -106,6 +83,8 @@ class FastrakEmulator {
   /// @param motion  asked at the middle of each measurement, for stations that are plugged in
   /// @throws std::invalid_argument  with other than 1 to 4 receivers or a rate a Fastrak lacks
   FastrakEmulator(FastrakEmulatorOptions options, FastrakMotion motion);
+  FastrakEmulator(const FastrakEmulator&) = delete;
+  FastrakEmulator& operator=(const FastrakEmulator&) = delete;
 
   /// Bytes from the host, complete or not, arriving at `now`.
   void receive(Bytes bytes, Time now);
@@ -124,16 +103,11 @@ class FastrakEmulator {
   void set_motion(FastrakMotion motion) { motion_ = std::move(motion); }
   void set_faults(const FastrakFaults& faults) { options_.faults = faults; }
 
-  const FastrakSetup& setup() const { return setup_; }
+  const FastrakSetup& setup() const { return memory_.setup; }
   const FastrakEmulatorStatistics& statistics() const { return statistics_; }
-  int baud() const { return port_.baud; }
+  int baud() const { return memory_.port.baud; }
 
  private:
-  struct Port {
-    int baud = 115200;
-    int bits = 8;
-    bool parity = false;
-  };
   /// Something that goes out in one piece.
   struct Message {
     std::vector<std::uint8_t> bytes;
@@ -151,7 +125,6 @@ class FastrakEmulator {
     bool pressed = false;
     bool valid = false;
   };
-  struct Line;
 
   // Time.
   void advance(Time now);
@@ -160,6 +133,7 @@ class FastrakEmulator {
   void measure(std::size_t station, Time at);
   bool silent(Time t) const;
   bool plugged(std::size_t station, Time t) const;
+  bool pressed(Time t) const;
   void start_up(Time now);
   void look_at_switch(Time now);
 
@@ -174,7 +148,7 @@ class FastrakEmulator {
   void queue(Message message);
   void drop_unsent();
   bool line_free() const;
-  bool active(std::size_t station) const { return setup_.stations[station].on; }
+  bool active(std::size_t station) const { return memory_.setup.stations[station].on; }
   std::optional<std::size_t> next_active(std::size_t after) const;
 
   // Commands.
@@ -183,18 +157,17 @@ class FastrakEmulator {
   bool control(std::uint8_t byte, Time now);
   void immediate(char command, Time now);
   void run_line(Time now);
-  void carry_out(const Line& line, Time now);
   void refuse(std::string_view command, FastrakRefusal why, std::size_t position, std::size_t field,
               int station, Time now);
   void point_of_alignment(Time now);
-  bool align(std::size_t station, const std::array<Vec3, 3>& points);
   FastrakSetup factory_setup(Time now) const;
 
   FastrakEmulatorOptions options_;
   FastrakMotion motion_;
   FastrakEmulatorStatistics statistics_;
-  FastrakSetup setup_, eeprom_;
-  Port port_;
+  FastrakMemory memory_;
+  Time commanded_{};  ///< when the command at hand came
+  FastrakSetup eeprom_;
 
   Time now_{};
   std::int64_t cycle_ = 0;          ///< next one to be run
@@ -205,11 +178,9 @@ class FastrakEmulator {
   std::array<Solution, kFastrakStations> solutions_;
   std::array<AdaptiveWeight, kFastrakStations> position_weights_, attitude_weights_;
   std::array<std::optional<Vec3>, kFastrakStations> last_output_;  ///< position reported [m]
-  int error_ = 0;                                                  ///< last built-in-test number
   int status_requests_ = 0;                                        ///< heard so far
-  bool switch_was_down_ = false;             ///< at the last look at the stylus switch
-  bool switched_off_ = false;                ///< continuous output, by the stylus switch
-  std::optional<std::vector<Vec3>> guided_;  ///< points of a guided alignment so far
+  bool switch_was_down_ = false;  ///< at the last look at the stylus switch
+  bool switched_off_ = false;     ///< continuous output, by the stylus switch
 
   std::optional<std::size_t> expected_;  ///< station whose record continuous output sends next
   bool suspended_ = false;               ///< between ^S and ^Q

@@ -5,6 +5,7 @@
 #include <memory>
 #include <numbers>
 
+#include "devices/fastrak_geometry.h"
 #include "devices/resample.h"
 
 namespace headpin::devices {
@@ -75,6 +76,40 @@ FastrakMotion recorded_motion(const std::vector<Sample>& samples) {
     truth.error = recording->errors[s].at(time, ' ');
     truth.pressed = recording->trigger.at(time, false);
     for (const Steps<bool>& each : recording->switches) truth.pressed |= each.at(time, false);
+    return truth;
+  };
+}
+
+FastrakPlace place_for(const std::vector<Sample>& samples) {
+  constexpr double kAhead = 0.3;  // nearer to the transmitter the field is no dipole's [m]
+  std::vector<Vec3> all;
+  for (const Sample& sample : samples) {
+    const auto* tracker = std::get_if<TrackerSample>(&sample);
+    if (tracker && tracker->good()) all.push_back(tracker->X_TS.p);
+  }
+  FastrakPlace place;
+  if (all.empty()) return place;
+  Vec3 low = all.front(), high = all.front();
+  for (const Vec3& p : all) low = low.cwiseMin(p), high = high.cwiseMax(p);
+  const auto farthest = [&] {
+    double most = 0.0;
+    for (const Vec3& p : all) most = std::max(most, (p - place.p_TP).norm());
+    return most;
+  };
+  if (low.x() <= 0.0 || farthest() > kFastrakRange) {
+    place.p_TP = Vec3(low.x() - kAhead, 0.5 * (low.y() + high.y()), 0.5 * (low.z() + high.z()));
+  }
+  place.farthest = farthest();
+  const double widest =
+      std::max((high - place.p_TP).cwiseAbs().maxCoeff(), (low - place.p_TP).cwiseAbs().maxCoeff());
+  if (widest > place.envelope) place.envelope = kFastrakRange;
+  return place;
+}
+
+FastrakMotion seen_from(const FastrakPlace& place, FastrakMotion motion) {
+  return [p_TP = place.p_TP, motion = std::move(motion)](int station, Time time) {
+    FastrakTruth truth = motion(station, time);
+    truth.X_TS.p -= p_TP;
     return truth;
   };
 }

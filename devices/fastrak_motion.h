@@ -11,7 +11,7 @@ namespace headpin::devices {
 /// Where a receiver really is, and what else is true of it.
 struct FastrakTruth {
   Pose X_TS;             ///< in the transmitter's frame: +X forward, +Y right, +Z down [m]
-  bool pressed = false;  ///< stylus switch; the unit has one, at station 1
+  bool pressed = false;  ///< its switch, if it is the stylus
   char error = ' ';      ///< a letter it shall report by itself, e.g. as it was recorded
 };
 
@@ -30,6 +30,21 @@ FastrakTruth circling_motion(int station, Time time);
 /// station's switch, is a press of the unit's one switch. Stations that were not recorded rest as
 /// in `still_motion`.
 FastrakMotion recorded_motion(const std::vector<Sample>& samples);
+
+/// Where a transmitter has to stand, and what its unit must have been told, for clients that set
+/// nothing themselves to be given a recording's poses as they were.
+struct FastrakPlace {
+  Vec3 p_TP = Vec3::Zero();  ///< of the new place P in the recorded one's frame, turned as that [m]
+  double envelope = 2.0;  ///< as FastrakEmulatorOptions has it; the factory's unless too small [m]
+  double farthest = 0.0;  ///< that a receiver gets from the new place [m]
+};
+
+/// The recorded place, if all receivers stay ahead of it, where the factory's hemisphere is, and in
+/// reach; else one behind them all, in the middle of their ways up and sideways.
+FastrakPlace place_for(const std::vector<Sample>& samples);
+
+/// The motion as seen from the new place.
+FastrakMotion seen_from(const FastrakPlace& place, FastrakMotion motion);
 
 /// Time of a recording's last sample.
 Time last_time(const std::vector<Sample>& samples);

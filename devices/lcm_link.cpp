@@ -70,7 +70,6 @@ class LcmLink::LogPlayer {
     if (!start_) start_ = now;
     if (!next_) return std::nullopt;
     // Times that a log's writer cannot have meant are no reason to wait for years.
-    constexpr Time kLongestGap{60'000'000};
     const Time gap = next_->time > last_ ? next_->time - last_ : Time{};
     const Time at = played_ + (gap > kLongestGap ? Time{} : gap);
     const double ahead = seconds(now - *start_) * speed_ - seconds(at);
@@ -273,7 +272,13 @@ void LcmSource::take(std::string_view channel, std::span<const std::uint8_t> byt
     return;
   }
   Sample sample;
-  if (const auto* tracker = std::get_if<TrackerSample>(&*message)) sample = *tracker;
+  if (const auto* tracker = std::get_if<TrackerSample>(&*message)) {
+    if (!tracker->in_transmitters_frame()) {
+      ++counts_.foreign;
+      return;
+    }
+    sample = *tracker;
+  }
   if (const auto* mouse = std::get_if<MouseSample>(&*message)) sample = *mouse;
   ++counts_.received;
   std::visit(

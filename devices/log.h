@@ -11,15 +11,23 @@
 /// A trial on disk: one LCM event log, NAME.lcmlog, that lcm-logplayer can play.
 namespace headpin::devices {
 
+/// A longer time without a sample is taken for damage, unless somebody says that it is meant.
+constexpr Time kLongestGap{60'000'000};
+
 /// Reads a whole trial.
 ///
 /// What cannot be used is passed over and counted, see Trial.
 ///
-/// @throws std::runtime_error  when there is no such file, no event in it, no header, or a header
-///                             of a format version not known here
-Trial read_trial(const std::string& path);
+/// @param longest_gap  time without a sample that is not yet refused
+/// @throws std::runtime_error  when there is no such file, no event in it, no header, a header of a
+///                             format version not known here, or a longer gap
+Trial read_trial(const std::string& path, Time longest_gap = kLongestGap);
 
 /// Reads whatever a log holds, header or not.
+///
+/// A sample or a state is dropped when its time, or a state's tick, jumps away from those before it
+/// and after it by more than a second, while the log's own stamps go on: a flipped bit does that.
+/// A jump that lasts, as of a publisher that started again, is kept.
 ///
 /// Samples of a session say themselves when it got them. In logs from before they did, one that
 /// stands behind a state although it was there before it reached the session only then; its

@@ -17,10 +17,12 @@ struct TrackerSample {
   Pose X_TS;                  ///< sensor in the transmitter's frame [m]
   char status = ' ';          ///< ' ' good, else the Fastrak's error letter
   std::uint8_t buttons = 0;   ///< bit 0: stylus switch
-  std::string frame = "T";    ///< frame the pose is given in; "T" the transmitter
+  std::string frame = "T";    ///< frame the pose is given in; "T", or nothing, the transmitter's
   Time session_time{};        ///< of the tick at which a session got it; 0 outside one
 
   bool good() const { return status == ' '; }
+  /// The only frame known here; sources pass over samples in any other, and count them.
+  bool in_transmitters_frame() const { return frame.empty() || frame == "T"; }
 };
 
 /// State of the 3D mouse's buttons; sent at each change.

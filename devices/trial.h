@@ -11,7 +11,7 @@
 /// What a trial is made of, as plain data: everything that went in and came out of one session.
 namespace headpin::devices {
 
-/// First message of every trial.
+/// First message of every trial; over LCM it is repeated for those who begin to listen later.
 struct TrialHeader {
   std::string participant;
   std::string condition;
@@ -24,6 +24,8 @@ struct TrialHeader {
   std::string software_version;
   std::string software_commit;
   std::string schema;  ///< text of the .lcm files
+
+  bool operator==(const TrialHeader&) const = default;
 };
 
 constexpr std::int32_t kFormatVersion = 1;
@@ -81,8 +83,19 @@ struct Skipped {
   std::int64_t undecodable = 0;   ///< messages on our channels with a wrong type or size
   std::int64_t implausible = 0;   ///< messages with NaN, quaternions not unit, times out of range
   std::int64_t other_trials = 0;  ///< a second header: what follows it is another trial
+  std::int64_t foreign = 0;       ///< samples in another frame than the transmitter's
+  std::int64_t misdated = 0;      ///< samples and states whose time, unlike those around them, is
+                                  ///< another than the log's
 
-  bool nothing() const { return bytes + cut_bytes + undecodable + implausible + other_trials == 0; }
+  bool nothing() const {
+    return bytes + cut_bytes + undecodable + implausible + other_trials + foreign + misdated == 0;
+  }
+};
+
+/// A time in which no sample became available.
+struct Gap {
+  Time from{}, to{};
+  Time length() const { return to - from; }
 };
 
 /// A whole trial, as read from a log.
@@ -97,6 +110,8 @@ struct Trial {
   std::map<std::string, Channel> channels;  ///< foreign ones too
   Skipped skipped;
   std::int64_t backwards = 0;  ///< samples not later than the one before of the same device
+  std::int64_t late = 0;       ///< samples that the session got later than when they were available
+  Gap longest_gap;             ///< from 0 to the first sample, or from one to the next
   bool complete = false;       ///< the end event is there, and all messages it counts
 };
 

@@ -1,6 +1,7 @@
 // headpin emulate as its users meet it: a program of its own, a terminal, a driver at the other
 // end.
 
+#include <algorithm>
 #include <chrono>
 #include <csignal>
 #include <cstdlib>
@@ -14,6 +15,7 @@
 
 #include "devices/fastrak.h"
 #include "devices/fastrak_motion.h"
+#include "devices/lasting_line.h"
 #include "devices/log.h"
 
 namespace headpin {
@@ -34,7 +36,9 @@ class Emulate : public testing::Test {
     fs::remove_all(folder_);
   }
 
+  /// Until the link is there, if one is asked for.
   void start(std::vector<std::string> arguments) {
+    const bool linked = std::ranges::find(arguments, "--link") != arguments.end();
     arguments.insert(arguments.begin(), {HEADPIN_PROGRAM, "emulate"});
     child_ = fork();
     if (child_ == 0) {
@@ -45,7 +49,8 @@ class Emulate : public testing::Test {
       execv(argv[0], argv.data());
       _exit(127);
     }
-    for (int i = 0; i < 500 && !fs::exists(link()); ++i) std::this_thread::sleep_for(10ms);
+    for (int i = 0; i < 500 && linked && !fs::exists(link()); ++i)
+      std::this_thread::sleep_for(10ms);
   }
 
   /// Exit code after `signal`.
@@ -122,6 +127,63 @@ TEST_F(Emulate, ADriverAtTheWrongRateFindsTheRightOneAndSetsItsOwn) {
   devices::FastrakDriver driver(devices::open_serial(link(), 115200), options);
   const auto samples = listen(driver, 60s);
   EXPECT_GT(samples.size(), 60u);
+  EXPECT_EQ(end(SIGTERM), 0);
+}
+
+/// Exit code and output of `headpin ARGUMENTS`.
+std::pair<int, std::string> headpin(const fs::path& folder, const std::string& arguments) {
+  const std::string out = (folder / "told").string();
+  const int status =
+      std::system(("'" HEADPIN_PROGRAM "' " + arguments + " >'" + out + "' 2>&1").c_str());
+  std::ifstream file(out);
+  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1,
+          std::string(std::istreambuf_iterator<char>(file), {})};
+}
+
+TEST_F(Emulate, ConformanceTellsWhichClientsTheUnitServes) {
+  start({"--link", link(), "--motion", "still"});
+  ASSERT_TRUE(fs::exists(link()));
+  const auto [served, table] =
+      headpin(folder_, "conformance '" + link().string() + "' --client VESS --seconds 0.5");
+  EXPECT_EQ(served, 0) << table;
+  EXPECT_NE(table.find("VESS                    passes"), std::string::npos) << table;
+  EXPECT_EQ(end(SIGTERM), 0);
+  // Its status record has a tag where a client of 2007 insists on blanks.
+  start({"--link", link(), "--motion", "still", "--tag-2012"});
+  ASSERT_TRUE(fs::exists(link()));
+  const auto [failed, why] = headpin(
+      folder_, "conformance '" + link().string() + "' --client 'VR Juggler 2007' --seconds 0.5");
+  EXPECT_EQ(failed, 1);
+  EXPECT_NE(why.find("FAILS: expected blanks in its columns 10 to 15"), std::string::npos) << why;
+  EXPECT_EQ(end(SIGTERM), 0);
+}
+
+// Two clients one after the other, the first gone without a word: each gets it from the start.
+TEST_F(Emulate, OverTcpEachClientGetsARunningTrial) {
+  const fs::path trial = fs::path(HEADPIN_SOURCE_DIR) / "assets" / "trials" / "demo.lcmlog";
+  start({"--tcp", "0", "--faults", "noise=0", trial});
+  const std::string line = [&] {
+    for (int i = 0; i < 500; ++i) {
+      std::ifstream file(folder_ / "out");
+      std::string name;
+      if (std::getline(file, name) && !file.eof()) return "tcp:" + name;
+      std::this_thread::sleep_for(10ms);
+    }
+    return std::string();
+  }();
+  ASSERT_TRUE(line.starts_with("tcp:127.0.0.1:")) << line;
+  const devices::Trial recorded = devices::read_trial(trial);
+  const devices::FastrakMotion motion = devices::seen_from(
+      devices::place_for(recorded.samples), devices::recorded_motion(recorded.samples));
+  for (int client = 0; client < 2; ++client) {
+    devices::FastrakOptions options;
+    options.zenith.fill(Vec3::Zero());
+    devices::FastrakDriver driver(devices::open_line(line, 115200), options);
+    const auto samples = listen(driver, 60s);
+    ASSERT_GT(samples.size(), 60u);
+    const auto& first = std::get<devices::TrackerSample>(samples.front());
+    EXPECT_LT((first.X_TS.p - motion(first.station, Time{}).X_TS.p).norm(), 0.05) << client;
+  }
   EXPECT_EQ(end(SIGTERM), 0);
 }
 

@@ -126,7 +126,7 @@ using LiveFastrak = Sessions;
 TEST_F(LiveFastrak, AHandOnTheOtherSideIsFlippedUnlessItsHemisphereIsGiven) {
   record_hand_behind();
   const auto expect_at = [&](const std::string& options, const Vec3& p) {
-    const Result result = shell(fastrak_session("behind.lcmlog", options, 100));
+    const Result result = shell(fastrak_session("behind.lcmlog --place recorded", options, 100));
     ASSERT_EQ(result.code, 0) << result.err;
     for (const devices::Sample& sample : trial("live.lcmlog").samples) {
       const auto& tracker = std::get<devices::TrackerSample>(sample);

@@ -258,6 +258,12 @@ TEST(LcmLinkTest, ForeignAndImpossibleMessagesAreCountedAndPassedOver) {
   EXPECT_TRUE(poll(source, Time{1'000'000}).empty());
   EXPECT_EQ(source.counts().implausible, 1);
   EXPECT_EQ(source.counts().undecodable, 1);
+  TrackerSample in_the_world = tracker(0);
+  in_the_world.frame = "W";
+  link.publish(Sample(in_the_world));
+  source.receive(Time{2'000'000});
+  EXPECT_TRUE(poll(source, Time{3'000'000}).empty());
+  EXPECT_EQ(source.counts().foreign, 1);
 }
 
 TEST(LcmLinkTest, PosesHaveTheBytesOfBotCoresType) {

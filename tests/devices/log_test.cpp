@@ -409,9 +409,32 @@ TEST(LogTest, AMessageLostOnTheWayMakesItIncomplete) {
   EXPECT_FALSE(trial.complete);
 }
 
+// As a logger gets it that begins to listen in the middle of a session.
+TEST(LogTest, AHeaderThatIsRepeatedIsTheSameTrials) {
+  const Buffer whole = recorded();
+  const auto first = whole.begin() + static_cast<std::ptrdiff_t>(header_field(whole, 1, 0));
+  const auto from = whole.begin() + static_cast<std::ptrdiff_t>(header_field(whole, 4, 0));
+  const auto later = whole.begin() + static_cast<std::ptrdiff_t>(header_field(whole, 8, 0));
+  Buffer bytes(from, later);
+  for (int i = 0; i < 2; ++i) bytes.insert(bytes.end(), whole.begin(), first);
+  bytes.insert(bytes.end(), later, whole.end());
+  const Trial trial = read_log(bytes);
+  EXPECT_TRUE(trial.has_header);
+  EXPECT_EQ(trial.header.participant, header().participant);
+  EXPECT_EQ(trial.skipped.other_trials, 0);
+  const Trial all = read_log(whole);
+  EXPECT_EQ(trial.samples.size() + trial.states.size(), all.samples.size() + all.states.size() - 3);
+  EXPECT_EQ(trial.events.size(), all.events.size());
+  EXPECT_FALSE(trial.complete);  // as it misses what came before
+}
+
 TEST(LogTest, ASecondTrialBehindTheFirstIsNotMixedIn) {
   Buffer bytes = recorded();
-  const Buffer again = recorded();
+  const fs::path path = fresh_folder() / "other.lcmlog";
+  TrialHeader other = header();
+  other.participant = "P08";
+  Recorder(path, other).close();
+  const Buffer again = read_bytes(path);
   bytes.insert(bytes.end(), again.begin(), again.end());
   const Trial trial = read_log(bytes);
   EXPECT_TRUE(trial.complete);
@@ -436,6 +459,89 @@ TEST(LogTest, TimesThatRunBackAreCountedPerDevice) {
   EXPECT_EQ(trial.backwards, 2);
   EXPECT_EQ(trial.samples.size(), 6u);
   EXPECT_TRUE(trial.complete);
+}
+
+/// Two minutes of a head and a hand, with states between.
+Buffer two_minutes() {
+  const fs::path path = fresh_folder() / "trial.lcmlog";
+  Recorder recorder(path, header());
+  for (int i = 1; i <= 1200; ++i) {
+    TrackerSample sample = tracker(i);
+    sample.device_time = Time{100'000 * i};
+    sample.host_time = sample.device_time + Time{5'000};
+    recorder.write(Sample(sample));
+    TickState at = state(24 * i);
+    recorder.write(at);
+  }
+  recorder.close();
+  return read_bytes(path);
+}
+
+// A flipped bit in a time, or in a tick, must not make a session last for years.
+TEST(LogTest, ATimeThatThoseAroundItDoNotShareIsPassedOver) {
+  const Buffer good = two_minutes();
+  const Trial whole = read_log(good);
+  ASSERT_TRUE(whole.skipped.nothing());
+  ASSERT_LT(whole.longest_gap.length(), Time{200'000});
+  std::mt19937 random(3);
+  std::map<std::string_view, int> seen;
+  LogReader reader(good);
+  while (const auto event = reader.next()) {
+    const bool sample = event->channel == kTrackerChannel;
+    if ((!sample && event->channel != kStateChannel) || random() % 20 != 0) continue;
+    // Behind the fingerprint: device and host time of a sample, time and tick of a state.
+    Buffer bytes = good;
+    const auto field =
+        static_cast<std::size_t>(event->data.data() - good.data()) + 8 + 8 * (random() % 2);
+    const auto bit = static_cast<unsigned>(20 + random() % 36);  // a second and more
+    bytes[field + 7 - bit / 8] ^= static_cast<std::uint8_t>(1u << (bit % 8));
+    const Trial trial = read_log(bytes);
+    const std::int64_t lost = trial.skipped.misdated + trial.skipped.implausible;
+    ASSERT_LE(lost, 1);
+    ASSERT_LT(trial.longest_gap.length(), Time{1'300'000}) << event->channel << " bit " << bit;
+    ASSERT_LT(trial.states.back().tick, 30'000) << "bit " << bit;
+    for (const Sample& s : trial.samples) ASSERT_LT(available(s), Time{125'000'000}) << bit;
+    ++seen[event->channel];
+  }
+  EXPECT_GT(seen[kTrackerChannel], 20);
+  EXPECT_GT(seen[kStateChannel], 20);
+}
+
+TEST(LogTest, ALongPauseNeedsAWord) {
+  const fs::path path = fresh_folder() / "trial.lcmlog";
+  {
+    Recorder recorder(path, header());
+    for (const int second : {1, 2, 3, 100, 101, 102}) {
+      TrackerSample sample = tracker(0);
+      sample.device_time = Time{1'000'000 * second};
+      recorder.write(Sample(sample));
+    }
+    recorder.close();
+  }
+  const Trial trial = read_log(path);
+  EXPECT_EQ(trial.samples.size(), 6u);
+  EXPECT_EQ(trial.longest_gap.from, Time{3'000'000});
+  EXPECT_EQ(trial.longest_gap.to, Time{100'000'000});
+  EXPECT_THAT([&] { read_trial(path); },
+              testing::ThrowsMessage<std::runtime_error>(
+                  HasSubstr("no sample for 97.0 s, from 3.000 s on; expected 60 s at most")));
+  EXPECT_EQ(read_trial(path, Time{97'000'000}).samples.size(), 6u);
+}
+
+TEST(LogTest, APoseInAnotherFrameIsRefusedAndCounted) {
+  const fs::path path = fresh_folder() / "trial.lcmlog";
+  {
+    Recorder recorder(path, header());
+    for (const char* frame : {"T", "", "W"}) {
+      TrackerSample sample = tracker(0);
+      sample.frame = frame;
+      recorder.write(Sample(sample));
+    }
+    recorder.close();
+  }
+  const Trial trial = read_trial(path);
+  EXPECT_EQ(trial.samples.size(), 2u);
+  EXPECT_EQ(trial.skipped.foreign, 1);
 }
 
 TEST(LogTest, SaysWhatIsWrongWithAFileThatIsNoTrial) {
