@@ -30,7 +30,7 @@ struct Side {
 };
 
 Side load(const std::string& path) {
-  Side side{path, devices::read_trial(path), {}};
+  Side side{path, devices::read_trial(path, Time::max()), {}};
   side.scenario = scene::parse_scenario(side.trial.header.scenario, path + " (scenario)");
   if (side.trial.states.empty()) {
     throw std::runtime_error(path + ": expected states to compare, found none; `headpin replay " +

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <poll.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -29,6 +30,7 @@ struct Options {
   std::string trial, motion = "circle", lcm, link, faults, control, firmware = "103.00";
   std::string place = "auto";
   std::string tcp;
+  double longest_gap = seconds(devices::kLongestGap);
   int receivers = 2, baud = 115200;
   std::uint64_t seed = 1;
   std::optional<double> duration;
@@ -206,7 +208,8 @@ Feed feed_of(const Options& options) {
   Feed feed;
   feed.loop = options.loop;
   if (!options.trial.empty()) {
-    const devices::Trial trial = devices::read_trial(options.trial);
+    const devices::Trial trial =
+        devices::read_trial(options.trial, microseconds(options.longest_gap));
     if (trial.samples.empty())
       throw std::runtime_error(options.trial + ": no device samples in it");
     if (options.place == "auto") feed.place = devices::place_for(trial.samples);
@@ -289,6 +292,7 @@ void run(const Options& options) {
   if (unit.stylus > 0) fmt::print(out, "receiver {} is a stylus\n", unit.stylus);
   std::fflush(out);
 
+  setpriority(PRIO_PROCESS, 0, -10);  // if it may: a unit has a processor of its own
   const auto start = std::chrono::steady_clock::now();
   const auto clock = [&] {
     return std::chrono::duration_cast<Time>(std::chrono::steady_clock::now() - start);
@@ -361,6 +365,7 @@ void add_emulate(CLI::App& app) {
       ->check(CLI::IsMember({"auto", "recorded"}))
       ->needs(trial)
       ->capture_default_str();
+  add_longest_gap(*command, options->longest_gap)->needs(trial);
   command->add_flag("--loop", options->loop, "repeat the trial instead of resting at its end")
       ->needs(trial);
   auto* tcp =

@@ -29,6 +29,7 @@ struct Options {
   std::string trial, frames;
   std::optional<std::string> folder, video;
   std::int64_t fps = 0;
+  double longest_gap = seconds(devices::kLongestGap);
   bool force = false, json = false;
 };
 
@@ -60,7 +61,8 @@ void run(const Options& options) {
     throw UsageError("nothing to write: expected -o DIR, --video FILE or both");
   }
   const FrameRanges wanted = options.frames.empty() ? FrameRanges() : FrameRanges(options.frames);
-  const scene::Recorded recorded = scene::load_trial(options.trial);
+  const scene::Recorded recorded =
+      scene::load_trial(options.trial, microseconds(options.longest_gap));
   const devices::Trial& trial = recorded.trial;
   const scene::Rates& rates = recorded.scenario.rates;
   const std::int64_t fps = options.fps > 0 ? options.fps : rates.frame_hz;
@@ -137,6 +139,7 @@ void add_frames(CLI::App& app) {
   command->add_option("--fps", options->fps, "frames a second; the scenario's when not given")
       ->check(CLI::Range(1, 1000));
   add_force(*command, options->force);
+  add_longest_gap(*command, options->longest_gap);
   add_json(*command, options->json);
   command->footer(
       "The display is the trial's own. To look through another, change it first:\n"

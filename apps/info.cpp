@@ -239,7 +239,7 @@ void add_info(CLI::App& app) {
       "Example:\n  headpin info assets/trials/demo.lcmlog");
   command->callback([options] {
     if (options->scenario) {
-      std::cout << devices::read_trial(options->trial).header.scenario;
+      std::cout << devices::read_trial(options->trial, Time::max()).header.scenario;
       return;
     }
     const devices::Trial trial = devices::read_log(options->trial);

@@ -1,9 +1,13 @@
 #include <chrono>
+#include <cstdlib>
 #include <memory>
 #include <optional>
+#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <sys/resource.h>
+#include <unistd.h>
 
 #include "apps/command.h"
 #include "apps/condition.h"
@@ -11,11 +15,12 @@
 #include "apps/quantile.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "devices/byte_stream.h"
 #include "devices/fastrak.h"
+#include "devices/lasting_line.h"
 #include "devices/lcm_link.h"
 #include "devices/mouse3d.h"
 #include "devices/sources.h"
+#include "devices/stamped_stream.h"
 #include "devices/viewer_messages.h"
 #include "scene/eye_frames.h"
 #include "scene/totals.h"
@@ -27,7 +32,7 @@ namespace headpin::apps {
 namespace {
 
 struct Options {
-  std::string lcm, fastrak, scenario, participant, eyes = "raw";
+  std::string lcm, fastrak, scenario, participant, eyes = "png";
   std::optional<std::string> record;
   std::vector<std::string> hemispheres;
   int baud = 115200, samples = 1;
@@ -35,6 +40,31 @@ struct Options {
   bool force = false, json = false, use_lcm = false;
   Condition condition;
 };
+
+/// Time on the session's clock, for those who stamp what arrives. It begins with the pace.
+struct SessionClock {
+  scene::RealTime::Clock::time_point start = scene::RealTime::Clock::now();
+  Time now() const {
+    return std::chrono::duration_cast<Time>(scene::RealTime::Clock::now() - start);
+  }
+};
+
+/// Ticks and readers go first; where that takes a right we lack, drawing gives way all the same.
+void go_first() {
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), -10);
+}
+
+/// For the thread that draws, and those that it starts: they take the cores that are left.
+void give_way() {
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 10);
+}
+
+/// Mesa's software renderer takes a thread a core unless it is told.
+void leave_a_core_to_ticks() {
+  const unsigned cores = std::thread::hardware_concurrency();
+  const std::string others = std::to_string(cores > 2 ? cores - 1 : 1);
+  setenv("LP_NUM_THREADS", others.c_str(), 0);
+}
 
 /// Frames over LCM, raw or as PNG.
 class LcmEyes : public scene::FrameSink {
@@ -91,6 +121,8 @@ struct Live {
   scene::Session session;
   std::unique_ptr<devices::LcmLink> link;
   std::unique_ptr<devices::LcmSource> lcm;
+  std::shared_ptr<SessionClock> clock = std::make_shared<SessionClock>();
+  devices::StampedStream* line = nullptr;     ///< within the Fastrak
   devices::FastrakDriver* fastrak = nullptr;  ///< within `tracker`
   std::unique_ptr<devices::Source> tracker;   ///< the Fastrak, its stylus switch as the trigger
   std::unique_ptr<scene::TrialWriter> writer;
@@ -109,7 +141,12 @@ class Reporter : public scene::Observer {
   void take_frames();
 
  private:
+  void report_unusable();
+
   Live& live_;
+  std::int64_t unusable_ = 0;  ///< messages that were reported
+  Time next_complaint_{};
+  std::string trouble_;  ///< of the Fastrak's line, as reported
   Time next_line_{10'000'000};
 };
 
@@ -136,18 +173,33 @@ nlohmann::json summary(const Live& live) {
 
 std::string fastrak_report(const devices::FastrakDriver& fastrak) {
   const devices::FastrakStatistics& f = fastrak.statistics();
-  return fmt::format("; Fastrak {}, {} records missed, {} bytes skipped, {} restarts",
-                     fastrak.activity(), f.missed, f.skipped_bytes, f.restarts);
+  std::string text = fmt::format("; Fastrak {}, {} records missed, {} bytes skipped, {} restarts",
+                                 fastrak.activity(), f.missed, f.skipped_bytes, f.restarts);
+  for (const std::string& setting : fastrak.unconfirmed()) text += ", " + setting;
+  return text;
+}
+
+/// How old the newest sample of each publisher is, and how late it came.
+std::string lcm_report(const Live& live) {
+  std::string text;
+  for (const auto& [station, publisher] : live.lcm->publishers()) {
+    if (station == devices::LcmSource::kMouse) continue;
+    text += fmt::format("; station {}: {:.0f} ms old, came {:.0f} ms late", station,
+                        1e3 * seconds(live.session.now() - publisher.device_time),
+                        1e3 * seconds(publisher.late()));
+  }
+  return text;
 }
 
 void print_line(const Live& live) {
   fmt::print(stderr,
              "{:7.1f} s  {} samples, {} frames ({} late), sample to frame {:.1f} ms median, {:.1f} "
-             "ms p99, {} dropped, {} overruns, {} skittles down{}\n",
+             "ms p99, {} dropped, {} overruns, {} skittles down{}{}\n",
              seconds(live.session.now()), live.samples, live.frames, live.eyes->late(),
              1e3 * quantile(live.latencies_s, 0.5), 1e3 * quantile(live.latencies_s, 0.99),
              live.lcm ? live.lcm->counts().dropped : 0, live.pace->overruns(),
-             live.totals.score().skittles_down, live.fastrak ? fastrak_report(*live.fastrak) : "");
+             live.totals.score().skittles_down, live.fastrak ? fastrak_report(*live.fastrak) : "",
+             live.lcm ? lcm_report(live) : "");
 }
 
 void Reporter::take_frames() {
@@ -158,15 +210,36 @@ void Reporter::take_frames() {
   }
 }
 
+/// Says at once, and then every ten seconds, what comes and cannot be used.
+void Reporter::report_unusable() {
+  if (live_.fastrak && live_.fastrak->trouble() != trouble_) {
+    trouble_ = live_.fastrak->trouble();
+    fmt::print(stderr, "{:7.1f} s  {}\n", seconds(live_.session.now()),
+               trouble_.empty() ? "the Fastrak's line is back" : trouble_);
+  }
+  if (!live_.lcm || live_.session.now() < next_complaint_) return;
+  const devices::LcmSource::Counts& counts = live_.lcm->counts();
+  const std::int64_t unusable = counts.undecodable + counts.implausible + counts.foreign;
+  if (unusable == unusable_) return;
+  fmt::print(stderr,
+             "{:7.1f} s  messages that cannot be used: {} of another type or size than TRACKER's "
+             "and MOUSE3D's, {} with numbers that cannot be, {} in another frame than \"T\"\n",
+             seconds(live_.session.now()), counts.undecodable, counts.implausible, counts.foreign);
+  unusable_ = unusable;
+  next_complaint_ = live_.session.now() + Time{10'000'000};
+}
+
 void Reporter::tick(const scene::Session& session) {
   live_.samples += static_cast<std::int64_t>(session.samples.size());
   take_frames();
+  report_unusable();
   if (session.now() < next_line_) return;
   print_line(live_);
   next_line_ += Time{10'000'000};
 }
 
-std::unique_ptr<devices::FastrakDriver> open_fastrak(const Options& options) {
+/// Its line read in a thread of its own, which `live.line` starts.
+std::unique_ptr<devices::FastrakDriver> open_fastrak(const Options& options, Live& live) {
   devices::FastrakOptions unit;
   unit.baud = options.baud;
   for (const std::string& hemisphere : options.hemispheres) {
@@ -176,8 +249,32 @@ std::unique_ptr<devices::FastrakDriver> open_fastrak(const Options& options) {
       throw UsageError(error.what());
     }
   }
-  return std::make_unique<devices::FastrakDriver>(
-      devices::open_serial(options.fastrak, options.baud), unit);
+  try {
+    auto line =
+        std::make_unique<devices::StampedStream>(devices::open_line(options.fastrak, options.baud),
+                                                 [clock = live.clock] { return clock->now(); });
+    live.line = line.get();
+    return std::make_unique<devices::FastrakDriver>(std::move(line), unit);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+}
+
+/// What this machine can draw at this look, measured on a frame of the empty room.
+void say_rate(scene::Eyes& eyes, bool png, std::int64_t wanted) {
+  using Clock = scene::RealTime::Clock;
+  std::array<render::Image, 2> images;
+  scene::see(eyes, {}, images);  // the first one waits for shaders
+  const Clock::time_point begin = Clock::now();
+  scene::see(eyes, {}, images);
+  for (const render::Image& image : images) {
+    if (png) render::encode_png(image, eyes.optics.pixel_aspect());
+  }
+  const double rate = 1.0 / std::chrono::duration<double>(Clock::now() - begin).count();
+  fmt::print(stderr, "eyes: some {:.0f} frames a second at this look, {} wanted{}\n", rate, wanted,
+             rate < static_cast<double>(wanted)
+                 ? "; those that are not drawn in time are left out, ticks never"
+                 : "");
 }
 
 std::unique_ptr<scene::FramesBeside> open_eyes(const Options& options,
@@ -185,8 +282,11 @@ std::unique_ptr<scene::FramesBeside> open_eyes(const Options& options,
                                                bool publish) {
   return std::make_unique<scene::FramesBeside>(scene::FramesBeside::Makers{
       .eyes =
-          [stage, samples = options.samples] {
-            return scene::open_eyes(*stage, render::Quality{.samples = samples});
+          [stage, samples = options.samples, png = publish && options.eyes == "png"] {
+            give_way();
+            scene::Eyes eyes = scene::open_eyes(*stage, render::Quality{.samples = samples});
+            say_rate(eyes, png, stage->scenario.rates.frame_hz);
+            return eyes;
           },
       .sink = [url = options.lcm, how = options.eyes,
                publish](const scene::Eyes& eyes) -> std::unique_ptr<scene::FrameSink> {
@@ -204,9 +304,10 @@ Live open(const Options& options) {
   if (options.use_lcm) {
     live.link = std::make_unique<devices::LcmLink>(options.lcm);
     live.lcm = std::make_unique<devices::LcmSource>(*live.link);
+    if (!live.link->is_replay()) live.lcm->use_clock([clock = live.clock] { return clock->now(); });
   }
   if (!options.fastrak.empty()) {
-    auto driver = open_fastrak(options);
+    auto driver = open_fastrak(options, live);
     live.fastrak = driver.get();
     live.tracker = std::make_unique<devices::StylusMouse>(std::move(driver));
   }
@@ -230,6 +331,7 @@ void run(const Options& options) {
     throw UsageError("nothing to listen to: expected --lcm URL, --fastrak TTY or both");
   }
   watch_stop_signals();
+  leave_a_core_to_ticks();
   Live live = open(options);
   std::vector<devices::Source*> list;
   if (live.lcm) list.push_back(live.lcm.get());
@@ -250,6 +352,10 @@ void run(const Options& options) {
   live.pace =
       std::make_unique<scene::RealTime>(tick_time(1, live.session.scenario().rates.physics_hz));
   live.eyes->begin(live.pace->start());
+  live.clock->start = live.pace->start();
+  go_first();
+  if (live.line) live.line->start();
+  if (live.lcm) live.lcm->drain();  // what waited while the eyes were opened
   scene::run(live.session, source, *live.pace, observers, [&](const scene::Session& s) {
     return stop_signal() != 0 || (end != Time{} && s.now() >= end) || source.exhausted();
   });
@@ -268,8 +374,8 @@ void add_live(CLI::App& app) {
       command->add_option("--lcm", options->lcm,
                           "poses and buttons in, eyes and bodies out; \"\" is LCM's default URL; a "
                           "file:// is only read");
-  CLI::Option* fastrak = command->add_option("--fastrak", options->fastrak,
-                                             "poses from a Fastrak on this serial line");
+  CLI::Option* fastrak = command->add_option(
+      "--fastrak", options->fastrak, "poses from a Fastrak on this serial line, or tcp:HOST:PORT");
   command->add_option("--baud", options->baud, "of that line")->capture_default_str();
   command
       ->add_option("--hemisphere", options->hemispheres,

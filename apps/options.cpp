@@ -38,6 +38,14 @@ CLI::Option* add_json(CLI::App& command, bool& value) {
   return command.add_flag("--json", value, "print one JSON object, also when it fails");
 }
 
+CLI::Option* add_longest_gap(CLI::App& command, double& value) {
+  return command
+      .add_option("--longest-gap", value,
+                  "seconds without a sample that the trial may have; more is taken for damage")
+      ->check(number_from(0.001, 1e6))
+      ->capture_default_str();
+}
+
 CLI::Option* add_duration(CLI::App& command, std::optional<double>& value,
                           const std::string& help) {
   return command.add_option("--duration", value, help)->check(number_from(0.001, 1e6));

@@ -24,6 +24,7 @@ struct Options {
   std::string trial;
   std::optional<std::string> output;
   Condition condition;
+  double longest_gap = seconds(devices::kLongestGap);
   bool verify = false, force = false, json = false;
 };
 
@@ -52,7 +53,7 @@ void print(const nlohmann::json& s) {
 }
 
 void run(const Options& options) {
-  scene::Recorded recorded = scene::load_trial(options.trial);
+  scene::Recorded recorded = scene::load_trial(options.trial, microseconds(options.longest_gap));
   const devices::Trial& trial = recorded.trial;
   apply(options.condition, recorded.scenario);
   scene::Session session = scene::make_session(recorded.scenario);
@@ -108,6 +109,7 @@ void add_replay(CLI::App& app) {
              "write the new trial, states and events in it; - is standard output");
   command->add_flag("--verify", options->verify, "compare every tick with the trial's own states");
   add_force(*command, options->force);
+  add_longest_gap(*command, options->longest_gap);
   add_json(*command, options->json);
   add_condition_options(*command, options->condition);
   command->footer(

@@ -25,7 +25,7 @@ using Clock = std::chrono::steady_clock;
 
 struct Options {
   std::string trial, url;
-  double speed = 1.0;
+  double speed = 1.0, longest_gap = seconds(devices::kLongestGap);
   bool json = false;
 };
 
@@ -44,7 +44,8 @@ void publish_pose(devices::LcmLink& link, const scene::Rig& rig, const devices::
 }
 
 void run(const Options& options) {
-  const devices::Trial trial = devices::read_trial(options.trial);
+  const devices::Trial trial =
+      devices::read_trial(options.trial, microseconds(options.longest_gap));
   if (trial.samples.empty()) throw std::runtime_error(options.trial + ": no samples to stream");
   const scene::Rig rig = scene::parse_scenario(trial.header.scenario, options.trial).rig;
   devices::LcmLink link(options.url);
@@ -119,6 +120,7 @@ void add_stream(CLI::App& app) {
   command->add_option("--speed", options->speed, "times the recorded pace; 0: as fast as it goes")
       ->check(number_from(0, 1000))
       ->capture_default_str();
+  add_longest_gap(*command, options->longest_gap);
   add_json(*command, options->json);
   command->footer(
       "TRACKER and MOUSE3D as recorded; HEAD_POSE and HAND_POSE in the world, as bot_core's\n"

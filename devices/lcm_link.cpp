@@ -4,6 +4,7 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
@@ -210,8 +211,10 @@ struct LcmSource::Subscriptions {
     lcm_subscription_t* subscription = lcm_subscribe(
         lcm, std::string(channel).c_str(),
         [](const lcm_recv_buf_t* received, const char* on, void* to) {
-          static_cast<LcmSource*>(to)->take(
-              on, {static_cast<const std::uint8_t*>(received->data), received->data_size});
+          auto* subscriber = static_cast<LcmSource*>(to);
+          subscriber->stamp_arrival(received->recv_utime);
+          subscriber->take(on,
+                           {static_cast<const std::uint8_t*>(received->data), received->data_size});
         },
         &source);
     if (!subscription) throw std::runtime_error("cannot subscribe to LCM");
@@ -258,6 +261,16 @@ void LcmSource::receive(Time now) {
     if (handled < 0) throw std::runtime_error("LCM stopped: " + link_.url());
     if (handled == 0) return;
   }
+}
+
+/// By the wall's clock, as LCM has it, when a message came that is handled only now.
+void LcmSource::stamp_arrival(std::int64_t wall_us) {
+  if (!clock_) return;
+  // In this order, so that a pause between the two makes it later and not earlier.
+  const Time wall =
+      std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
+  const Time waited = std::clamp(wall - Time{wall_us}, Time{0}, Time{1'000'000});
+  receiving_ = std::max(clock_() - waited, polled_ + Time{1});
 }
 
 void LcmSource::take(std::string_view channel, std::span<const std::uint8_t> bytes) {

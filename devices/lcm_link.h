@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -93,6 +94,10 @@ class LcmSource : public Source {
   explicit LcmSource(LcmLink& link, std::size_t queue = 4096);
   ~LcmSource() override;
 
+  /// From now on messages are stamped with when LCM got them on this clock, in place of the time at
+  /// which they are asked for; that is before they came when a session is late.
+  void use_clock(std::function<Time()> clock) { clock_ = std::move(clock); }
+
   /// Throws away what has arrived up to now. What waited while a session was made ready would say
   /// nothing of the publishers' clocks.
   void drain();
@@ -117,12 +122,14 @@ class LcmSource : public Source {
   void stamp(TrackerSample& sample);
   void stamp(MouseSample& sample);
   Time carried_over(Publisher& publisher, Time theirs);
+  void stamp_arrival(std::int64_t wall_us);
   void take(std::string_view channel, std::span<const std::uint8_t> bytes);
 
   LcmLink& link_;
   std::size_t queue_;
   std::deque<Sample> waiting_;  // in the order they came
   std::map<std::int32_t, Publisher> publishers_;
+  std::function<Time()> clock_;
   Time receiving_{}, polled_{};
   bool ended_ = false, draining_ = false;
   Counts counts_;

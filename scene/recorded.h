@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "devices/trial.h"
+#include "devices/log.h"
 #include "scene/scenario.h"
 
 /// A recorded trial, ready to be simulated again.
@@ -13,9 +13,10 @@ struct Recorded {
   Scenario scenario;  ///< the trial's own, read
 };
 
+/// @param longest_gap  see devices::read_trial
 /// @throws std::runtime_error     naming the file, for one that cannot be read or holds no samples
 /// @throws std::invalid_argument  as parse_scenario
-Recorded load_trial(const std::string& path);
+Recorded load_trial(const std::string& path, Time longest_gap = devices::kLongestGap);
 
 /// Ticks from the first one to that at which the last sample is known, or to the last one the trial
 /// recorded, whichever is later.

@@ -154,6 +154,52 @@ TEST_F(LiveFastrak, ASessionReplaysToTheSameHashes) {
   EXPECT_EQ(json("replay again.lcmlog --verify --json")["state_hash"], replayed["state_hash"]);
 }
 
+// At a terminal or behind an Ethernet adapter, the machine idle or busy: the same throw.
+TEST_F(LiveFastrak, ABusyMachineDoesNotChangeAThrow) {
+  take_room_of_demo();
+  const auto release_speed = [&](const std::string& line, int hogs) {
+    const Result result = shell(
+        "for i in $(seq " + std::to_string(hogs) +
+        "); do while :; do :; done & hogs=\"$hogs $!\"; done\n"
+        "rm -f unit out live.lcmlog\n"
+        "$headpin emulate " +
+        kDemo + " " + line +
+        " --faults noise=0 --stylus >out & unit=$!\n"
+        "while kill -0 $unit && ! grep -q Fastrak out; do sleep 0.02; done\n"
+        "case '" +
+        line +
+        "' in *tcp*) line=tcp:$(head -1 out);; *) line=unit;; esac\n"
+        "$headpin live --fastrak $line --scenario room.toml --record live.lcmlog --eyes none "
+        "--json >live.json & live=$!\n"
+        "counted $live live.lcmlog skittle_down 4\n"
+        "interrupt $live; code=$?\ntest -z \"$hogs\" || kill $hogs\ninterrupt $unit\nexit $code");
+    EXPECT_EQ(result.code, 0) << result.err;
+    const nlohmann::json live = nlohmann::json::parse(slurp(folder_ / "live.json"));
+    EXPECT_EQ(live["fastrak"]["missed"], 0) << line << ", " << hogs << " hogs";
+    EXPECT_EQ(live["fastrak"]["skipped_bytes"], 0) << line << ", " << hogs << " hogs";
+    return json("info live.lcmlog --json")["result"]["release_speed_mps"].get<double>();
+  };
+  const double speed = release_speed("--link unit", 0);
+  EXPECT_NEAR(speed, 6.6, 0.2);
+  EXPECT_NEAR(release_speed("--link unit", 4), speed, 0.1);
+  EXPECT_NEAR(release_speed("--tcp 0", 4), speed, 0.1);
+}
+
+TEST_F(LiveFastrak, AUnitThatIsSwitchedOffAndOnIsTakenUpAgain) {
+  const Result result = shell(
+      "$headpin emulate --link unit --motion circle & unit=$!\nthere $unit unit\n"
+      "$headpin live --fastrak unit --record live.lcmlog --eyes none & live=$!\n"
+      "counted $live live.lcmlog TRACKER 60\ninterrupt $unit\n"
+      "while kill -0 $live && ! grep -q 'unit hung up; waiting' err.txt; do sleep 0.05; done\n"
+      "before=$(count live.lcmlog TRACKER)\n"
+      "$headpin emulate --link unit --motion circle & unit=$!\n"
+      "counted $live live.lcmlog TRACKER $((before + 60))\n"
+      "interrupt $live; code=$?\ninterrupt $unit\nexit $code");
+  EXPECT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.err, testing::HasSubstr("the Fastrak's line is back"));
+  EXPECT_TRUE(trial("live.lcmlog").complete);
+}
+
 TEST_F(Live, PosesPublishedToAnEmulatedFastrakComeOutAsItsRecords) {
   record_hand_behind();
   const Result result = alone("publish() { $headpin stream behind.lcmlog --lcm ''; }\n" +
