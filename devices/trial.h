@@ -51,11 +51,15 @@ struct BodyState {
   bool asleep = false;
 };
 
-/// The world after one tick.
+/// The world after one tick: what can be seen of it, and what its hash is of.
+///
+/// Left out is what the solver keeps between ticks: last impulses and normals, how long a body has
+/// been still, which bodies fell asleep together, which have met. A world started from one of these
+/// goes on alike but not to the bit; for that, replay the samples from the start.
 struct TickState {
   Time time{};
   std::int64_t tick = 0;
-  std::uint64_t hash = 0;  ///< of the bits of the whole simulated state
+  std::uint64_t hash = 0;  ///< of the bits of tick, poses, velocities and sleep flags
   std::int32_t contacts = 0;
   std::vector<BodyState> bodies;
 };

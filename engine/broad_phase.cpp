@@ -25,6 +25,24 @@ namespace {
 /// So many bodies are compared directly, each with each: quicker than any grid.
 constexpr std::size_t kFew = 24;
 
+/// Coordinate of the cell in which a coordinate lies.
+std::int32_t cell_of(double x, double cells_per_metre) {
+  const double c = std::clamp(x * cells_per_metre, -1e9, 1e9);
+  const auto towards_zero = static_cast<std::int32_t>(c);
+  return towards_zero - (c < towards_zero ? 1 : 0);
+}
+
+/// Place of a cell in a grid of powers of two that the world is wrapped round.
+struct Slot {
+  std::uint32_t bits[3];
+  std::uint32_t operator()(std::int32_t x, std::int32_t y, std::int32_t z) const {
+    const auto wrap = [&](std::int32_t c, int k) {
+      return static_cast<std::uint32_t>(c) & ((1u << bits[k]) - 1u);
+    };
+    return wrap(x, 0) | wrap(y, 1) << bits[0] | wrap(z, 2) << (bits[0] + bits[1]);
+  }
+};
+
 }  // namespace
 
 const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_W,
@@ -35,6 +53,7 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
   const std::size_t n = bounds_W.size();
   const auto moves = [&](std::size_t i) { return moving.empty() || moving[i] != 0; };
   if (n < 2 || (!moving.empty() && std::find(moving.begin(), moving.end(), 1) == moving.end())) {
+    boxes_.clear();
     return pairs_;
   }
 
@@ -47,13 +66,13 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
     extent += (boxes_[i].high - boxes_[i].low).maxCoeff();
   }
   const auto boxes_meet = [&](std::uint32_t i, std::uint32_t j) {
-    const Box &a = boxes_[i], &b = boxes_[j];
-    return (a.low.array() <= b.high.array()).all() && (b.low.array() <= a.high.array()).all();
+    return boxes_[i].meets(boxes_[j]);
   };
   const auto meet = [&](std::uint32_t i, std::uint32_t j) {
     return boxes_meet(i, j) && distance(bounds_W[i], bounds_W[j]) <= margin;
   };
   if (n <= kFew) {
+    slots_.clear();
     for (std::uint32_t i = 0; i < n; ++i) {
       for (std::uint32_t j = i + 1; j < n; ++j) {
         if ((moves(i) || moves(j)) && meet(i, j)) pairs_.push_back({i, j});
@@ -63,12 +82,8 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
   }
   // Three times the usual body: most then lie in one or two cells.
   const double cell = std::max(3.0 * extent / static_cast<double>(n), 1e-9);
-  const double inverse = 1.0 / cell;
-  const auto coordinate = [&](double x) {
-    const double c = std::clamp(x * inverse, -1e9, 1e9);
-    const auto towards_zero = static_cast<std::int32_t>(c);
-    return towards_zero - (c < towards_zero ? 1 : 0);
-  };
+  const double inverse = cells_per_metre_ = 1.0 / cell;
+  const auto coordinate = [inverse](double x) { return cell_of(x, inverse); };
   cells_.resize(n);
 
   large_.clear();
@@ -102,12 +117,8 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
     if (width[widest] <= 1.0) break;
     ++bits[widest];
   }
-  const auto slot = [&](std::int32_t x, std::int32_t y, std::int32_t z) {
-    const auto wrap = [&](std::int32_t c, int k) {
-      return static_cast<std::uint32_t>(c) & ((1u << bits[k]) - 1u);
-    };
-    return wrap(x, 0) | wrap(y, 1) << bits[0] | wrap(z, 2) << (bits[0] + bits[1]);
-  };
+  std::copy_n(bits, 3, bits_);
+  const Slot slot{{bits[0], bits[1], bits[2]}};
 
   unsorted_.clear();
   const std::uint32_t slots = 1u << (bits[0] + bits[1] + bits[2]);
@@ -171,6 +182,38 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
   // Wrapped cells can report a pair twice.
   pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
   return pairs_;
+}
+
+void BroadPhase::find_near(const Capsule& bounds_W, std::vector<std::uint32_t>& out) const {
+  out.clear();
+  const Vec3 r = Vec3::Constant(bounds_W.radius);
+  const Box box{bounds_W.a.cwiseMin(bounds_W.b) - r, bounds_W.a.cwiseMax(bounds_W.b) + r};
+  const auto test = [&](std::uint32_t i) {
+    if (box.meets(boxes_[i])) out.push_back(i);
+  };
+  std::int32_t low[3], high[3];
+  double cells = 1.0;
+  for (int k = 0; k < 3; ++k) {
+    low[k] = cell_of(box.low[k], cells_per_metre_);
+    high[k] = cell_of(box.high[k], cells_per_metre_);
+    cells *= 1.0 + high[k] - static_cast<double>(low[k]);
+  }
+  if (slots_.empty() || cells > static_cast<double>(boxes_.size())) {
+    for (std::uint32_t i = 0; i < boxes_.size(); ++i) test(i);
+    return;
+  }
+  for (const std::uint32_t i : large_) test(i);
+  const Slot slot{{bits_[0], bits_[1], bits_[2]}};
+  for (std::int32_t z = low[2]; z <= high[2]; ++z) {
+    for (std::int32_t y = low[1]; y <= high[1]; ++y) {
+      for (std::int32_t x = low[0]; x <= high[0]; ++x) {
+        const std::uint32_t k = slot(x, y, z);
+        for (std::uint32_t e = slots_[k]; e < slots_[k + 1]; ++e) test(entries_[e]);
+      }
+    }
+  }
+  std::sort(out.begin(), out.end());
+  out.erase(std::unique(out.begin(), out.end()), out.end());
 }
 
 }  // namespace headpin::engine

@@ -36,9 +36,17 @@ class BroadPhase {
                                       std::span<const std::uint8_t> moving = {},
                                       double margin = 0.0);
 
+  /// Those of the last call whose boxes, as they were then, meet the box round a capsule.
+  ///
+  /// @param out  gets their numbers, rising, each once
+  void find_near(const Capsule& bounds_W, std::vector<std::uint32_t>& out) const;
+
  private:
   struct Box {
     Vec3 low, high;
+    bool meets(const Box& other) const {
+      return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+    }
   };
   struct Cells {
     std::int32_t low[3], high[3];
@@ -46,6 +54,9 @@ class BroadPhase {
   struct Entry {
     std::uint32_t body, slot;
   };
+  // The grid of the last call; no slots when bodies were compared directly.
+  double cells_per_metre_ = 0.0;
+  std::uint32_t bits_[3] = {};
 
   std::vector<Box> boxes_;
   std::vector<Cells> cells_;

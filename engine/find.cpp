@@ -9,11 +9,6 @@ constexpr double kMargin = 1e-3;     // gap at which resting bodies still have c
 constexpr double kWakeSpeed = 1e-3;  // approach that counts as moving [m/s]
 constexpr double kWakeDepth = 1e-3;  // overlap that wakes whatever the speed [m]
 
-/// Half-spaces first, then pairs of bounded bodies; each by the smaller, then the larger number.
-std::uint64_t key_of(bool both_bounded, BodyId a, BodyId b) {
-  return std::uint64_t{both_bounded} << 63 | std::uint64_t{a} << 32 | b;
-}
-
 void add_candidate(World& world, std::uint64_t key, BodyId a, BodyId b, std::size_t& last) {
   Scratch& s = world.scratch;
   const std::size_t count = cache_size(*world.bodies[a].shape, *world.bodies[b].shape);
@@ -38,6 +33,21 @@ bool really_touch(World& world, Touch touch) {
   const bool meet = find_meeting(world, touch, kWakeSpeed).has_value();
   s.points.resize(count);
   return meet;
+}
+
+/// Whether what a sleeper touches is moving, be it sideways or away: its support may be leaving.
+bool is_being_left(const World& world, const Touch& touch, BodyId sleeper) {
+  const BodyId other = sleeper == touch.a ? touch.b : touch.a;
+  const State& state = world.states[other];
+  const bool driven = world.bodies[other].kind == Kind::driven;
+  const double still = driven ? 0.0 : world.parameters.sleep_speed;
+  if (world.scratch.top_speed[other] <= still) return false;
+  for (std::uint32_t k = 0; k < touch.points; ++k) {
+    const ContactPoint& p = world.scratch.points[touch.first_point + k];
+    if (p.depth < -kRests) continue;
+    if (velocity_at(state, p.p_W - state.X_WB.p).norm() > still) return true;
+  }
+  return false;
 }
 
 }  // namespace
@@ -82,53 +92,70 @@ void find_pairs(World& world) {
   }
 }
 
+bool add_touch(World& world, std::uint32_t candidate, double t) {
+  Scratch& s = world.scratch;
+  const Candidate& c = s.candidates[candidate];
+  const std::size_t first = s.points.size();
+  const double margin = reach(world, c.a, c.b);
+  if (t == 0.0) {
+    contacts_of(world, c, world.states[c.a].X_WB, world.states[c.b].X_WB, margin);
+  } else {
+    contacts_of(world, c, pose_at(world, c.a, t), pose_at(world, c.b, t), margin);
+  }
+  if (s.points.size() == first) return false;
+  const bool a_moves = is_mover(world, c.a), b_moves = is_mover(world, c.b);
+  const bool swapped = world.bodies[c.a].kind == Kind::fixed || (!a_moves && b_moves);
+  Touch& touch = s.touches.emplace_back();
+  touch.key = c.key;
+  touch.a = swapped ? c.b : c.a;
+  touch.b = swapped ? c.a : c.b;
+  touch.b_moves = a_moves && b_moves;
+  touch.candidate = candidate;
+  touch.first_point = static_cast<std::uint32_t>(first);
+  touch.points = static_cast<std::uint32_t>(s.points.size() - first);
+  touch.time = t;
+  touch.fresh = true;
+  if (swapped) turn_normals(s, touch);
+  const Material& ma = world.bodies[touch.a].material;
+  const Material& mb = world.bodies[touch.b].material;
+  touch.pair = {ma.elasticity * mb.elasticity, ma.friction * mb.friction};
+  return true;
+}
+
 bool find_contacts(World& world) {
   Scratch& s = world.scratch;
   bool woken = false;
   s.touches.clear();
   s.points.clear();
   std::size_t last = 0;
-  for (std::size_t k = 0; k < s.candidates.size(); ++k) {
-    const Candidate c = s.candidates[k];
-    const std::size_t first = s.points.size();
-    contacts_of(world, c, world.states[c.a].X_WB, world.states[c.b].X_WB, reach(world, c.a, c.b));
-    if (s.points.size() == first) continue;
-    const bool a_moves = is_mover(world, c.a), b_moves = is_mover(world, c.b);
-    const bool swapped = world.bodies[c.a].kind == Kind::fixed || (!a_moves && b_moves);
-    Touch touch;
-    touch.key = c.key;
-    touch.a = swapped ? c.b : c.a;
-    touch.b = swapped ? c.a : c.b;
-    touch.b_moves = a_moves && b_moves;
-    touch.candidate = static_cast<std::uint32_t>(k);
-    touch.first_point = static_cast<std::uint32_t>(first);
-    touch.points = static_cast<std::uint32_t>(s.points.size() - first);
-    if (swapped) turn_normals(s, touch);
-    for (const BodyId sleeper : {c.a, c.b}) {
-      if (world.asleep[sleeper] && really_touch(world, touch)) {
+  for (std::uint32_t k = 0; k < s.candidates.size(); ++k) {
+    if (!add_touch(world, k, 0.0)) continue;
+    Touch& touch = s.touches.back();
+    for (const BodyId sleeper : {touch.a, touch.b}) {
+      if (world.asleep[sleeper] &&
+          (is_being_left(world, touch, sleeper) || really_touch(world, touch))) {
         wake(world, sleeper);
         woken = true;
       }
     }
-    if (!a_moves && !b_moves) {
-      s.points.resize(first);
+    if (!is_mover(world, touch.a) || woken) {
+      s.points.resize(touch.first_point);
+      s.touches.pop_back();
       continue;
     }
-    while (last < s.last_touches.size() && s.last_touches[last].key < c.key) ++last;
-    touch.fresh = last == s.last_touches.size() || s.last_touches[last].key != c.key;
+    while (last < s.last_touches.size() && s.last_touches[last].key < touch.key) ++last;
+    touch.fresh = last == s.last_touches.size() || s.last_touches[last].key != touch.key;
     touch.last = static_cast<std::uint32_t>(last);
     touch.met = !touch.fresh && s.last_touches[last].met;
-    const Material& ma = world.bodies[touch.a].material;
-    const Material& mb = world.bodies[touch.b].material;
-    touch.pair = {ma.elasticity * mb.elasticity, ma.friction * mb.friction};
     if (!touch.fresh && s.last_touches[last].pair.friction == touch.pair.friction) {
       touch.sliding = s.last_touches[last].sliding;
     } else {
       touch.sliding = world.response->sliding(touch.pair.friction, step_seconds(world),
                                               world.parameters.friction_tau);
     }
-    s.touches.push_back(touch);
   }
+  s.early_candidates = s.candidates.size();
+  s.early_touches = s.touches.size();
   return woken;
 }
 

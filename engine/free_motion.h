@@ -21,6 +21,11 @@ struct Inertia {
 /// @throws std::invalid_argument  unless symmetric, finite and positive definite
 Inertia principal_inertia(const Mat3& inertia_B);
 
+/// Whether all axes are alike, so that any turn goes on as it is.
+inline bool is_ball(const Inertia& inertia) {
+  return inertia.moments[0] == inertia.moments[1] && inertia.moments[0] == inertia.moments[2];
+}
+
 /// Third principal axis in W, unit: that of a body of revolution.
 Vec3 axis_of_revolution(const Inertia& inertia, const Quat& q_WB);
 
@@ -35,7 +40,8 @@ double turning_energy(const Inertia& inertia, const Quat& q_WB, const Vec3& w_WB
 ///
 /// The closed solution of a body of revolution, q' = exp(L dt / I1) q exp(e3 (1/I3 - 1/I1) L3 dt),
 /// with half a turn about the second axis, at rate (1/I2 - 1/I1) L2, before and after it when
-/// I1 != I2 (a splitting of the energy, symmetric, so the error of the turn is of order dt^2).
+/// I1 != I2 (a symmetric splitting of the energy, composed to fourth order, in parts of a tenth of
+/// a radian: the energy then stays to 1e-6 at any speed).
 void turn_freely(Quat& q_WB, Vec3& w_WB, const Inertia& inertia, double dt);
 
 }  // namespace headpin::engine

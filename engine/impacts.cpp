@@ -1,4 +1,7 @@
 #include <algorithm>
+#include <functional>
+#include <limits>
+#include <utility>
 
 #include "engine/stages.h"
 
@@ -6,58 +9,77 @@ namespace headpin::engine::detail {
 namespace {
 
 constexpr double kMeets = 1e-6;  // gap at which two surfaces count as met [m]
-constexpr int kQueries = 8;      // most queries on the way there
+constexpr int kQueries = 32;     // most queries on the way there; a few do unless they graze
+constexpr std::uint32_t kNone = ~std::uint32_t{0};
+constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// Velocity of A's point against B's at time `t` of the step, without this step's gravity of what
-/// does not fall. The point is given from the centres of mass.
-Vec3 relative_velocity(const World& world, const Touch& touch, const Vec3& ra, const Vec3& rb,
-                       double t) {
-  Vec3 u = velocity_at(world.states[touch.a], ra) - velocity_at(world.states[touch.b], rb);
-  if (!touch.b_moves) u += world.parameters.gravity_W * t;  // both fall: nothing to add
-  return u;
-}
+/// Where a body's centre of mass is at a time of the step, and how fast it and its turn are.
+struct Going {
+  Vec3 p_WB, v_WB, w_WB;
+};
 
-/// When the point's gap closes at that speed, from what is known at touch.time.
-Meeting closing(const World& world, const Touch& touch, const ContactPoint& p, const Vec3& ra,
-                const Vec3& rb, double speed) {
-  const Scratch& s = world.scratch;
-  const Kink &ka = s.kinks[touch.a], &kb = s.kinks[touch.b];
-  double gap = -p.depth;
-  if (touch.time == 0.0) {  // impacts with others have bent the paths since
-    gap += p.n_AB_W.dot(ka.lag_v + ka.lag_w.cross(ra) - kb.lag_v - kb.lag_w.cross(rb));
-  }
-  const double fall = touch.b_moves ? 0.0 : 0.5 * world.parameters.gravity_W.dot(p.n_AB_W);
-  double t = gap / speed;
-  for (int k = 0; k < 3; ++k) t = gap / std::max(speed + fall * t, 0.5 * speed);
-  return {p, std::max({touch.time + t, ka.time, kb.time}), speed};
+Going going(const World& world, BodyId i, double t) {
+  const State& s = world.states[i];
+  const double passed = t - world.scratch.clock[i];
+  if (passed == 0.0) return {s.X_WB.p, s.v_WB, s.w_WB};
+  return {position_at(world, i, t), s.v_WB + passed * pull_on(world, i), s.w_WB};
 }
 
 /// Soonest among the touch's points that is fast enough.
 std::optional<Meeting> soonest(const World& world, const Touch& touch, double threshold) {
   std::optional<Meeting> best;
-  const Vec3 p_WA = position_at(world, touch.a, touch.time);
-  const Vec3 p_WB = position_at(world, touch.b, touch.time);
+  const Going a = going(world, touch.a, touch.time), b = going(world, touch.b, touch.time);
   for (std::uint32_t k = 0; k < touch.points; ++k) {
     const ContactPoint& p = world.scratch.points[touch.first_point + k];
-    const Vec3 ra = p.p_W - p_WA, rb = p.p_W - p_WB;
-    const double speed = relative_velocity(world, touch, ra, rb, touch.time).dot(p.n_AB_W);
+    const Vec3 u = a.v_WB + a.w_WB.cross(p.p_W - a.p_WB) - b.v_WB - b.w_WB.cross(p.p_W - b.p_WB);
+    const double speed = u.dot(p.n_AB_W);
     if (speed <= threshold) continue;
-    const Meeting m = closing(world, touch, p, ra, rb, speed);
-    if (m.time > step_seconds(world)) continue;
-    if (!best || m.time < best->time) best = m;
+    const double gap = -p.depth;
+    double t = gap / speed;
+    if (world.scratch.falls[touch.a] != world.scratch.falls[touch.b]) {
+      const Vec3 g = pull_on(world, touch.a) - pull_on(world, touch.b);
+      const double fall = 0.5 * g.dot(p.n_AB_W);
+      for (int i = 0; i < 3; ++i) t = gap / std::max(speed + fall * t, 0.5 * speed);
+    }
+    const double time =
+        std::max({touch.time + t, world.scratch.clock[touch.a], world.scratch.clock[touch.b]});
+    if (time > step_seconds(world)) continue;
+    if (!best || time < best->time) best = {p, time, speed};
   }
   return best;
 }
 
-void bend(World& world, BodyId i, const Vec3& F, const Vec3& r, double t) {
+/// The touch's points at time `t` of the step, on the paths the two bodies now have.
+void look_again(World& world, Touch& touch, double t) {
   Scratch& s = world.scratch;
-  const Mobility& m = s.mobility[i];
-  const Vec3 dv = m.inv_mass * F, dw = m.inv_inertia_W * r.cross(F);
-  world.states[i].v_WB += dv;
-  world.states[i].w_WB += dw;
-  s.kinks[i].lag_v += t * dv;
-  s.kinks[i].lag_w += t * dw;
-  s.kinks[i].time = t;
+  const Candidate c = s.candidates[touch.candidate];
+  touch.time = t;
+  touch.first_point = static_cast<std::uint32_t>(s.points.size());
+  contacts_of(world, c, pose_at(world, c.a, t), pose_at(world, c.b, t),
+              reach(world, touch.a, touch.b));
+  touch.points = static_cast<std::uint32_t>(s.points.size()) - touch.first_point;
+  if (c.a != touch.a) turn_normals(s, touch);
+}
+
+/// Brings a body along its path to time `t` of the step.
+void advance(World& world, BodyId i, double t) {
+  Scratch& s = world.scratch;
+  if (s.impacts_of[i] == 0) {
+    s.place_struck[i] = static_cast<std::uint32_t>(s.struck.size());
+    s.struck.emplace_back(i, world.states[i]);
+  }
+  world.states[i] = state_at(world, i, t);
+  s.clock[i] = t;
+  s.mobility[i].inv_inertia_W = inverse_inertia(world.inertias[i], world.states[i].X_WB.q);
+}
+
+/// Gives an impulse to a body that is at its point's time; from then on it falls freely.
+void push(World& world, BodyId i, const Vec3& F, const Vec3& r) {
+  Scratch& s = world.scratch;
+  world.states[i].v_WB += s.mobility[i].inv_mass * F;
+  world.states[i].w_WB += s.mobility[i].inv_inertia_W * r.cross(F);
+  s.falls[i] = 1;
+  ++s.impacts_of[i];
   note_speed(world, i);
 }
 
@@ -72,89 +94,254 @@ void book(World& world, const Touch& touch, const Encounter& e, const Vec3& F, c
   outside.angular_momentum += p_W.cross(F);
 }
 
-enum class Outcome { none, struck, woke };
-
-/// Gives one impulse, if the pair has one coming.
-Outcome strike(World& world, Touch& touch, double threshold) {
+/// Brings the two bodies to where they meet and gives them their impulse.
+void strike(World& world, const Touch& touch, const Meeting& meeting) {
   Scratch& s = world.scratch;
-  if (!soonest(world, touch, threshold)) return Outcome::none;
-  const std::optional<Meeting> meeting = find_meeting(world, touch, threshold);
-  if (!meeting) {
-    touch.points = 0;  // they pass each other
-    return Outcome::none;
-  }
-  if (world.asleep[touch.b]) {
-    wake(world, touch.b);
-    return Outcome::woke;
-  }
-  const ContactPoint& point = meeting->point;
-  const double t = meeting->time;
-  const Vec3 ra = point.p_W - position_at(world, touch.a, t);
-  const Vec3 rb = point.p_W - position_at(world, touch.b, t);
+  const ContactPoint& point = meeting.point;
+  advance(world, touch.a, meeting.time);
+  if (touch.b_moves) advance(world, touch.b, meeting.time);
+  const Vec3 ra = point.p_W - world.states[touch.a].X_WB.p;
+  const Vec3 rb = point.p_W - position_at(world, touch.b, meeting.time);
   const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
-  Encounter e{point.n_AB_W, relative_velocity(world, touch, ra, rb, t),
+  Encounter e{point.n_AB_W,
+              velocity_at(world.states[touch.a], ra) - velocity_at(world.states[touch.b], rb),
               inverse_mass_at(ma.inv_mass, ma.inv_inertia_W, ra)};
   if (touch.b_moves) e.K_W += inverse_mass_at(mb.inv_mass, mb.inv_inertia_W, rb);
-  Vec3 F = world.response->impulse(e, touch.pair);
-  if (F.dot(e.n_AB_W) > 0.0) {  // it would pull the bodies together
-    F = impulse_inelastic_smooth(e);
-    ++world.statistics.pulls;
+  const double approach = e.u_W.dot(e.n_AB_W);
+  Vec3 F = Vec3::Zero();
+  if (approach > 0.0) {
+    F = world.response->impulse(e, touch.pair);
+    if (F.dot(e.n_AB_W) > 0.0) {  // it would pull the bodies together
+      F = impulse_inelastic_smooth(e);
+      ++world.statistics.pulls;
+    }
   }
-  bend(world, touch.a, F, ra, t);
-  if (touch.b_moves) bend(world, touch.b, -F, rb, t);
+  push(world, touch.a, F, ra);
+  if (touch.b_moves) push(world, touch.b, -F, rb);
+  if (approach <= 0.0) return;
   if (world.parameters.keep_ledger) book(world, touch, e, F, point.p_W, rb);
-  world.events.push_back({touch.a, touch.b, point.p_W, point.n_AB_W, F, meeting->approach, false});
+  world.events.push_back({touch.a, touch.b, point.p_W, point.n_AB_W, F, meeting.approach, false});
   ++world.statistics.impacts;
-  return Outcome::struck;
 }
 
 /// Takes the step back to its start, its bodies as they were.
 void start_over(World& world) {
-  Scratch& s = world.scratch;
-  for (const BodyId i : s.movers) {
-    world.states[i].v_WB = s.start[i].v;
-    world.states[i].w_WB = s.start[i].w;
-  }
+  for (const auto& [i, state] : world.scratch.struck) world.states[i] = state;
   world.events.clear();
   world.struck = world.pushed = {};
-  world.statistics.impacts = world.statistics.impact_sweeps = world.statistics.pulls = 0;
+  world.statistics.impacts = world.statistics.unfinished_impacts = world.statistics.pulls = 0;
 }
+
+/// The impacts of a step, soonest first.
+class Queue {
+ public:
+  Queue(World& world, double threshold)
+      : world_(world), s_(world.scratch), threshold_(threshold), limit_(world.parameters.impacts) {}
+
+  /// When the touch may bring an impact, as its points look now.
+  void note(std::uint32_t k) {
+    Touch& touch = s_.touches[k];
+    const std::optional<Meeting> m = soonest(world_, touch, threshold_);
+    set_due(k, m ? m->time : kNever);
+    if (!m && may_pass(touch)) touch.points = 0;
+  }
+
+  bool empty() const { return s_.coming.empty(); }
+
+  /// @return  whether a sleeping body was hit: the step is back at its start, that body awake
+  bool work_off() {
+    list_touches_of_bodies();
+    while (!s_.coming.empty()) {
+      const auto [due, k] = s_.coming.front();
+      std::pop_heap(s_.coming.begin(), s_.coming.end(), std::greater<>());
+      s_.coming.pop_back();
+      if (s_.touches[k].due == due && handle(k)) return true;
+    }
+    return false;
+  }
+
+ private:
+  void set_due(std::uint32_t k, double due) {
+    s_.touches[k].due = due;
+    if (due == kNever) return;
+    s_.coming.emplace_back(due, k);
+    std::push_heap(s_.coming.begin(), s_.coming.end(), std::greater<>());
+  }
+
+  /// Follows the touch that seems next; strikes if it is. @return whether it woke a body
+  bool handle(std::uint32_t k) {
+    Touch& touch = s_.touches[k];
+    if (std::max(s_.impacts_of[touch.a], s_.impacts_of[touch.b]) >= limit_) {
+      touch.due = kNever;
+      world_.statistics.unfinished_impacts = 1;
+      return false;
+    }
+    const std::optional<Meeting> meeting = find_meeting(world_, touch, threshold_);
+    if (!meeting) {
+      touch.points = 0;  // they pass each other
+      touch.due = kNever;
+      return false;
+    }
+    if (!s_.coming.empty() && meeting->time > s_.coming.front().first) {
+      if (meeting->time > touch.due) {
+        set_due(k, meeting->time);  // others come first
+        return false;
+      }
+    }
+    if (world_.asleep[touch.b]) {
+      wake(world_, touch.b);
+      start_over(world_);
+      return true;
+    }
+    strike(world_, touch, *meeting);
+    const BodyId a = touch.a, b = touch.b;
+    const bool b_moves = touch.b_moves;
+    turned(a, k);
+    if (b_moves) turned(b, k);
+    note(k);
+    return false;
+  }
+
+  /// Whether two that are about to touch gently pass each other instead.
+  bool may_pass(const Touch& touch) {
+    for (std::uint32_t n = 0; n < touch.points; ++n) {
+      if (s_.points[touch.first_point + n].depth > -kMeets) return false;  // they do touch
+    }
+    if (touch.points == 0 || was_loaded(touch)) return false;
+    const std::size_t count = s_.points.size();
+    Touch probe = touch;
+    const bool passes = soonest(world_, touch, 0.0) && !find_meeting(world_, probe, 0.0);
+    s_.points.resize(count);
+    return passes;
+  }
+
+  bool was_loaded(const Touch& touch) const {
+    if (touch.fresh) return false;
+    const Touch& last = s_.last_touches[touch.last];
+    for (std::uint32_t n = 0; n < last.rows; ++n) {
+      if (s_.last_rows[last.first_row + n].impulse > 0.0) return true;
+    }
+    return false;
+  }
+
+  /// The body has a new path: what it meets is looked at again.
+  void turned(BodyId i, std::uint32_t cause) {
+    each_touch_of(i, [&](std::uint32_t k) {
+      if (k == cause) return;
+      look_again(world_, s_.touches[k], s_.clock[i]);
+      note(k);
+    });
+    seek(i);
+  }
+
+  /// One that an impact made faster than it was sought for may meet others within the step.
+  void seek(BodyId i) {
+    const State& state = world_.states[i];
+    const Vec3 moved = state.X_WB.p - s_.struck[s_.place_struck[i]].second.X_WB.p;
+    const double far = (step_seconds(world_) - s_.clock[i]) * s_.top_speed[i];
+    if (moved.norm() + far <= s_.sought[i]) return;
+    for (const BodyId wall : s_.unbounded) meet_late(key_of(false, i, wall), i, wall);
+    Capsule bounds_W = state.X_WB * world_.bodies[i].shape->bounds;
+    bounds_W.radius += far + s_.fall;
+    s_.broad_phase.find_near(bounds_W, s_.near);
+    for (const std::uint32_t n : s_.near) {
+      const BodyId j = s_.bounded[n];
+      if (j == i || distance(bounds_W, s_.bounds_W[n]) > 0.0) continue;
+      meet_late(key_of(true, std::min(i, j), std::max(i, j)), std::min(i, j), std::max(i, j));
+    }
+  }
+
+  /// Adds the touch of a pair that had none at the start of the step, if it may meet now.
+  void meet_late(std::uint64_t key, BodyId a, BodyId b) {
+    bool known = false;
+    const auto is_it = [&](std::uint32_t k) { known = known || s_.touches[k].key == key; };
+    each_touch_of(a, is_it);
+    each_touch_of(b, is_it);
+    if (known) return;
+    const std::uint32_t candidate = candidate_of(key, a, b);
+    if (!add_touch(world_, candidate, std::max(s_.clock[a], s_.clock[b]))) return;
+    Touch& touch = s_.touches.back();
+    touch.sliding = world_.response->sliding(touch.pair.friction, step_seconds(world_),
+                                             world_.parameters.friction_tau);
+    const auto k = static_cast<std::uint32_t>(s_.touches.size() - 1);
+    list(k);
+    note(k);
+  }
+
+  std::uint32_t candidate_of(std::uint64_t key, BodyId a, BodyId b) {
+    const auto early = s_.candidates.begin() + static_cast<std::ptrdiff_t>(s_.early_candidates);
+    const auto place =
+        std::lower_bound(s_.candidates.begin(), early, key,
+                         [](const Candidate& c, std::uint64_t value) { return c.key < value; });
+    if (place != early && place->key == key) {
+      return static_cast<std::uint32_t>(place - s_.candidates.begin());
+    }
+    const std::size_t count = cache_size(*world_.bodies[a].shape, *world_.bodies[b].shape);
+    s_.candidates.push_back({key, a, b, static_cast<std::uint32_t>(s_.normals.size()),
+                             static_cast<std::uint32_t>(count)});
+    s_.normals.resize(s_.normals.size() + count, Vec3::Zero());
+    return static_cast<std::uint32_t>(s_.candidates.size() - 1);
+  }
+
+  // Each body's touches: a list from the newest to the oldest.
+
+  void list_touches_of_bodies() {
+    for (const BodyId i : s_.movers) s_.first_touch[i] = kNone;
+    for (std::uint32_t k = 0; k < s_.touches.size(); ++k) list(k);
+  }
+
+  void list(std::uint32_t k) {
+    Touch& touch = s_.touches[k];
+    touch.next[0] = std::exchange(s_.first_touch[touch.a], k);
+    if (touch.b_moves) touch.next[1] = std::exchange(s_.first_touch[touch.b], k);
+  }
+
+  template <typename F>
+  void each_touch_of(BodyId i, F&& f) {
+    if (!is_mover(world_, i)) return;
+    for (std::uint32_t k = s_.first_touch[i]; k != kNone;) {
+      const Touch& touch = s_.touches[k];
+      const std::uint32_t next = touch.next[touch.a == i ? 0 : 1];
+      f(k);
+      k = next;
+    }
+  }
+
+  World& world_;
+  Scratch& s_;
+  double threshold_;
+  int limit_;
+};
 
 }  // namespace
 
-Vec3 position_later(const World& world, BodyId i, double t) {
-  const State& s = world.states[i];
-  if (world.bodies[i].kind == Kind::fixed) return s.X_WB.p;
-  Vec3 p = s.X_WB.p + s.v_WB * t - world.scratch.kinks[i].lag_v;
-  if (is_mover(world, i)) p += 0.5 * t * t * world.parameters.gravity_W;
-  return p;
-}
-
-Pose pose_at(const World& world, BodyId i, double t) {
-  const State& s = world.states[i];
-  if (t == 0.0) return s.X_WB;
-  return {rotation(s.w_WB * t - world.scratch.kinks[i].lag_w) * s.X_WB.q, position_at(world, i, t)};
+State state_at(const World& world, BodyId i, double t) {
+  State s = world.states[i];
+  const double passed = t - world.scratch.clock[i];
+  const bool moves = is_mover(world, i) || world.bodies[i].kind == Kind::driven;
+  if (passed == 0.0 || !moves) return s;
+  s.X_WB.p = position_at(world, i, t);
+  s.v_WB += passed * pull_on(world, i);
+  if (world.bodies[i].kind == Kind::free) {
+    turn_freely(s.X_WB.q, s.w_WB, world.inertias[i], passed);
+  } else {
+    s.X_WB.q = (rotation(passed * s.w_WB) * s.X_WB.q).normalized();
+  }
+  return s;
 }
 
 std::optional<Meeting> find_meeting(World& world, Touch& touch, double threshold) {
   Scratch& s = world.scratch;
-  const Candidate c = s.candidates[touch.candidate];
-  const double margin = reach(world, touch.a, touch.b);
   std::optional<Meeting> m = soonest(world, touch, threshold);
   for (int k = 0; m && k < kQueries; ++k) {
-    touch.time = m->time;
-    touch.first_point = static_cast<std::uint32_t>(s.points.size());
-    contacts_of(world, c, pose_at(world, c.a, touch.time), pose_at(world, c.b, touch.time), margin);
-    touch.points = static_cast<std::uint32_t>(s.points.size()) - touch.first_point;
-    if (c.a != touch.a) turn_normals(s, touch);
-    m = soonest(world, touch, threshold);
-    if (!m) break;
-    const bool there = m->time <= touch.time || -m->point.depth <= kMeets || k == kQueries - 1;
+    const bool there = m->time <= touch.time || -m->point.depth <= kMeets;
     if (there) {
       m->time = touch.time;
       return m;
     }
-    s.points.resize(touch.first_point);
+    if (k > 0) s.points.resize(touch.first_point);
+    look_again(world, touch, m->time);
+    m = soonest(world, touch, threshold);
   }
   return std::nullopt;
 }
@@ -171,31 +358,13 @@ bool resolve_impacts(World& world) {
   Scratch& s = world.scratch;
   const double step_fall = p.gravity_W.norm() * step_seconds(world);
   const double threshold = std::max(p.impact_speed, 2.5 * step_fall);
-  for (int sweep = 0;; ++sweep) {
-    s.coming.clear();
-    for (std::uint32_t k = 0; k < s.touches.size(); ++k) {
-      const Touch& touch = s.touches[k];
-      if (s.top_speed[touch.a] + s.top_speed[touch.b] <= threshold) continue;
-      if (const auto m = soonest(world, touch, threshold)) s.coming.emplace_back(m->time, k);
-    }
-    if (s.coming.empty()) return false;
-    if (sweep == p.impact_sweeps) break;
-    std::sort(s.coming.begin(), s.coming.end());  // as they happen; at the same time, by number
-    for (const auto& [time, k] : s.coming) {
-      Touch& touch = s.touches[k];
-      // As many points as there are may need an impulse each.
-      Outcome outcome = Outcome::struck;
-      for (std::uint32_t n = 0; n <= touch.points && outcome == Outcome::struck; ++n) {
-        outcome = strike(world, touch, threshold);
-      }
-      if (outcome != Outcome::woke) continue;
-      start_over(world);
-      return true;
-    }
-    ++world.statistics.impact_sweeps;
+  s.coming.clear();
+  Queue queue(world, threshold);
+  for (std::uint32_t k = 0; k < s.touches.size(); ++k) {
+    const Touch& touch = s.touches[k];
+    if (s.top_speed[touch.a] + s.top_speed[touch.b] > threshold) queue.note(k);
   }
-  ++world.statistics.unfinished_impacts;
-  return false;
+  return !queue.empty() && queue.work_off();
 }
 
 }  // namespace headpin::engine::detail

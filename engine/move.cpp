@@ -4,30 +4,17 @@
 #include "engine/stages.h"
 
 namespace headpin::engine::detail {
-namespace {
-
-/// Bends the turn of a body by its impacts, its angular momentum kept.
-void bend_turn(State& state, const Inertia& inertia, const Vec3& lag_w) {
-  const Vec3 L = angular_momentum(inertia, state.X_WB.q, state.w_WB);
-  state.X_WB.q = rotation(-lag_w) * state.X_WB.q;
-  state.w_WB = inverse_inertia(inertia, state.X_WB.q) * L;
-}
-
-}  // namespace
-
 void move(World& world) {
   Scratch& s = world.scratch;
   const double dt = step_seconds(world);
-  const Vec3 half_fall = 0.5 * dt * dt * world.parameters.gravity_W;
   for (const BodyId i : s.movers) {
     State& state = world.states[i];
-    const Kink& kink = s.kinks[i];
+    const double left = dt - s.clock[i];
     // Velocities are those at the end. A free body fell with their mean; one that is carried moves
     // with the end velocity, as its contacts were solved for.
-    state.X_WB.p += dt * state.v_WB - kink.lag_v;
-    if (!s.supported[i]) state.X_WB.p -= half_fall;
-    if (kink.time > 0.0) bend_turn(state, world.inertias[i], kink.lag_w);
-    turn_freely(state.X_WB.q, state.w_WB, world.inertias[i], dt);
+    state.X_WB.p += left * state.v_WB;
+    if (!s.supported[i]) state.X_WB.p -= 0.5 * left * left * world.parameters.gravity_W;
+    turn_freely(state.X_WB.q, state.w_WB, world.inertias[i], left);
   }
   for (const BodyId i : s.driven) {
     State& state = world.states[i];

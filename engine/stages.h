@@ -7,6 +7,9 @@
 /// The stages of a step, for world.cpp; users call `step`.
 namespace headpin::engine::detail {
 
+/// Gap up to which one body lies on another [m].
+inline constexpr double kRests = 1e-4;
+
 /// Pairs whose bounds meet, the bounds widened by how far a body comes within the step.
 void find_pairs(World& world);
 
@@ -16,7 +19,7 @@ void find_pairs(World& world);
 bool find_contacts(World& world);
 
 /// Impulses where bodies meet within the step, one after the other as they happen, until no pair
-/// approaches.
+/// approaches. A body that is struck is brought to where that happens; `Scratch::clock` says when.
 ///
 /// @return  whether a sleeping body was hit: it is awake now, and the step must be started over
 bool resolve_impacts(World& world);
@@ -38,13 +41,21 @@ inline bool is_mover(const World& world, BodyId i) {
   return world.bodies[i].kind == Kind::free && world.asleep[i] == 0;
 }
 
-/// Where a body is at time `t` of the step, on the path it now has.
-Pose pose_at(const World& world, BodyId i, double t);
+/// A body at time `t` of the step, on the path it now has: exact where nothing touches it.
+State state_at(const World& world, BodyId i, double t);
+inline Pose pose_at(const World& world, BodyId i, double t) {
+  return t == world.scratch.clock[i] ? world.states[i].X_WB : state_at(world, i, t).X_WB;
+}
 
-/// Position alone: v t + g t^2 / 2, with the kinks of the impacts before.
-Vec3 position_later(const World& world, BodyId i, double t);
+/// What gravity does to the velocity of a body on its way to the next impact [m/s^2].
+inline Vec3 pull_on(const World& world, BodyId i) {
+  return world.scratch.falls[i] ? world.parameters.gravity_W : Vec3::Zero();
+}
 inline Vec3 position_at(const World& world, BodyId i, double t) {
-  return t == 0.0 ? world.states[i].X_WB.p : position_later(world, i, t);
+  const State& s = world.states[i];
+  const double passed = t - world.scratch.clock[i];
+  if (passed == 0.0) return s.X_WB.p;
+  return s.X_WB.p + passed * s.v_WB + 0.5 * passed * passed * pull_on(world, i);
 }
 
 /// Notes bounds on how fast the body's points move, now.
@@ -57,6 +68,15 @@ inline void note_speed(World& world, BodyId i) {
 /// How far two bodies may be apart and yet meet within the step, as they move now [m]. What an
 /// impact within the step makes of it is seen in the next one.
 double reach(const World& world, BodyId a, BodyId b);
+
+/// Key of a pair: half-spaces first, then bounded bodies; by the smaller, then the larger number.
+inline std::uint64_t key_of(bool both_bounded, BodyId a, BodyId b) {
+  return std::uint64_t{both_bounded} << 63 | std::uint64_t{a} << 32 | b;
+}
+
+/// Looks for contact points of a candidate at time `t` of the step; appends the touch if there are
+/// any.
+bool add_touch(World& world, std::uint32_t candidate, double t);
 
 /// Appends contact points of two posed bodies, with the normals kept for them.
 int contacts_of(World& world, const Candidate& c, const Pose& X_WA, const Pose& X_WB,

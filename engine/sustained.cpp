@@ -10,6 +10,9 @@ namespace {
 /// to part, its friction would come and go for ever.
 constexpr int kReleases = 4;
 
+/// Most islands are done after so many passes; the others are sped up.
+constexpr int kPlainPasses = 8;
+
 /// A body whose axis is nearer to the normal than this stands; it has no rolling resistance.
 constexpr double kStanding = 0.9;
 
@@ -61,7 +64,7 @@ void add_normal_rows(World& world, Touch& touch) {
   Scratch& s = world.scratch;
   const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
   const Arms arms = arms_of(world, touch);
-  const double rate = world.parameters.rate_hz;
+  const double left = std::max(step_seconds(world) - touch.time, 1e-9 * step_seconds(world));
   touch.first_row = static_cast<std::uint32_t>(s.rows.size());
   touch.rows = touch.points;
   for (std::uint32_t k = 0; k < touch.points; ++k) {
@@ -78,7 +81,7 @@ void add_normal_rows(World& world, Touch& touch) {
       k_nn += mb.inv_mass + row.rb_n.dot(row.ib);
     }
     row.mass = 1.0 / k_nn;
-    row.allowed = p.depth < 0.0 ? -p.depth * rate : 0.0;
+    row.allowed = p.depth < 0.0 ? -p.depth / left : 0.0;
     row.impulse = last_impulse(s, touch, p.feature);
     if (row.impulse > 0.0) push_by<other>(world, touch, row, row.impulse);
   }
@@ -148,7 +151,6 @@ Foot foot_of(const Scratch& s, const Touch& touch) {
     const Vec3 r = points[k].p_W - from;
     sum += w;
     foot.p_W += w * r;
-    foot.n += w * rows[k].n;
     squares += w * r.squaredNorm();
     one_plane = one_plane && rows[k].n == rows[0].n;
   }
@@ -156,11 +158,17 @@ Foot foot_of(const Scratch& s, const Touch& touch) {
   foot.p_W *= inverse;
   foot.spread = std::sqrt(std::max(0.0, squares * inverse - foot.p_W.squaredNorm()));
   foot.p_W += from;
-  if (one_plane) {
-    foot.n = rows[0].n;
-  } else {
-    foot.n.normalize();
+  foot.n = rows[0].n;
+  if (one_plane) return foot;
+  // Surfaces on both sides of a body share their tangents: their normals count as one.
+  std::uint32_t most = 0;
+  for (std::uint32_t k = 1; k < touch.rows; ++k) most = weight(k) > weight(most) ? k : most;
+  const Vec3 side = rows[most].n;
+  foot.n = Vec3::Zero();
+  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+    foot.n += std::copysign(weight(k), rows[k].n.dot(side)) * rows[k].n;
   }
+  foot.n.normalize();
   return foot;
 }
 
@@ -169,15 +177,27 @@ Vec3 tangent(const Vec3& n) {
   return t / std::sqrt(t.squaredNorm());
 }
 
-/// Axis about which a lying body rolls, across the normal; zero for one that stands or has none.
-Vec3 rolling_axis(const World& world, const Touch& touch, const Vec3& n) {
+/// How the bodies of a touch are kept from rolling.
+enum class Rolling { freely, about_axis, about_any };
+
+/// A lying body rolls heavily about its axis across the normal, a ball about any; one that stands
+/// does not roll.
+Rolling rolling_of(const World& world, const Touch& touch, const Vec3& n, Vec3& axis_W) {
   for (const BodyId i : {touch.a, touch.b}) {
     if (world.bodies[i].kind != Kind::free || world.bodies[i].material.rolling_arm == 0.0) continue;
+    if (is_ball(world.inertias[i])) return Rolling::about_any;
     const Vec3 axis = axis_of_revolution(world.inertias[i], world.states[i].X_WB.q);
     const double along = axis.dot(n);
-    if (std::abs(along) < kStanding) return (axis - along * n).normalized();
+    if (std::abs(along) >= kStanding) continue;
+    axis_W = (axis - along * n).normalized();
+    return Rolling::about_axis;
   }
-  return Vec3::Zero();
+  return Rolling::freely;
+}
+
+/// The part of a turn that rolling resistance acts on.
+Vec3 rolling_part(const FrictionRows& f, const Vec3& w) {
+  return f.rolls_any ? Vec3(w - f.n.dot(w) * f.n) : Vec3(f.axis.dot(w) * f.axis);
 }
 
 /// What a body gives way to unit impulses of the friction rows, summed over the bodies that move.
@@ -196,21 +216,22 @@ void add_side(const FrictionRows& f, FrictionSide& side, const Mobility& m, Yiel
   side.twist_i = m.inv_inertia_W * f.n;
   yield.twist += f.n.dot(side.twist_i);
   if (f.roll_arm == 0.0) return;
-  side.roll_i = m.inv_inertia_W * f.axis;
-  yield.roll += f.axis.dot(side.roll_i);
+  yield.roll += f.rolls_any ? std::max(f.t[0].dot(m.inv_inertia_W * f.t[0]),
+                                       f.t[1].dot(m.inv_inertia_W * f.t[1]))
+                            : f.axis.dot(m.inv_inertia_W * f.axis);
 }
 
-/// Impulses along the tangents, about the normal and about the rolling axis, on one body.
+/// Impulses along the tangents, about the normal and against rolling, on one body.
 void push_by(State& state, const Mobility& m, const FrictionRows& f, const FrictionSide& side,
-             const Vec2& slip, double twist, double roll) {
+             const Vec2& slip, double twist, const Vec3& roll) {
   Vec3 turn = slip[0] * side.i[0] + slip[1] * side.i[1] + twist * side.twist_i;
-  if (f.roll_arm > 0.0) turn += roll * side.roll_i;
+  if (f.roll_arm > 0.0) turn += m.inv_inertia_W * roll;
   push(state, m, slip[0] * f.t[0] + slip[1] * f.t[1], turn);
 }
 
 template <Other other>
 void push_by(World& world, const Touch& touch, const FrictionRows& f, const Vec2& slip,
-             double twist, double roll) {
+             double twist, const Vec3& roll) {
   const Scratch& s = world.scratch;
   push_by(world.states[touch.a], s.mobility[touch.a], f, f.a, slip, twist, roll);
   if constexpr (other == Other::moving) {
@@ -230,8 +251,10 @@ void add_friction(World& world, Touch& touch, std::uint32_t index) {
   f.t[1] = f.n.cross(f.t[0]);
   const double arm =
       world.bodies[touch.a].material.rolling_arm + world.bodies[touch.b].material.rolling_arm;
-  f.axis = arm > 0.0 ? rolling_axis(world, touch, f.n) : Vec3::Zero();
-  f.roll_arm = f.axis.isZero(0.0) ? 0.0 : arm;
+  f.axis = Vec3::Zero();
+  const Rolling rolling = arm > 0.0 ? rolling_of(world, touch, f.n, f.axis) : Rolling::freely;
+  f.rolls_any = rolling == Rolling::about_any;
+  f.roll_arm = rolling == Rolling::freely ? 0.0 : arm;
   f.reach = foot.spread + arm;  // what rolls heavily pivots heavily, even on one point
 
   const Arms arms = arms_of(world, touch);
@@ -256,7 +279,8 @@ void add_friction(World& world, Touch& touch, std::uint32_t index) {
 
   f.impulse = Vec2(touch.friction_W.dot(f.t[0]), touch.friction_W.dot(f.t[1]));
   f.twist = f.twist_mass > 0.0 ? touch.twist : 0.0;
-  f.roll = f.roll_arm > 0.0 ? touch.roll : 0.0;
+  f.roll = f.roll_arm > 0.0 ? rolling_part(f, touch.roll) : Vec3::Zero();
+  f.yields = 0.5 * K.trace();
   push_by<other>(world, touch, f, f.impulse, f.twist, f.roll);
 }
 
@@ -324,7 +348,8 @@ double solve_friction(World& world, const Touch& touch, FrictionRows& f, double 
   if (f.carries && !carries) ++f.releases;
   f.carries = carries;
   Vec2 F = Vec2::Zero();
-  double twist = 0.0, roll = 0.0;
+  double twist = 0.0;
+  Vec3 roll = Vec3::Zero();
   if (carries) {
     Vec2 slip;
     for (int i = 0; i < 2; ++i) {
@@ -346,7 +371,8 @@ double solve_friction(World& world, const Touch& touch, FrictionRows& f, double 
     }
     if (f.roll_arm > 0.0) {
       const double most_roll = f.roll_arm * load;
-      roll = std::clamp(f.roll - f.roll_mass * f.axis.dot(spin), -most_roll, most_roll);
+      roll = f.roll - f.roll_mass * rolling_part(f, spin);
+      if (const double much = roll.norm(); much > most_roll) roll *= most_roll / much;
     }
   }
   const Vec2 more = F - f.impulse;
@@ -377,6 +403,72 @@ decltype(auto) with_other(const World& world, const Touch& touch, F&& f) {
       return f.template operator()<Other::moving>();
   }
 }
+
+/// Conjugate gradients over the passes of an island, each pass a gradient (Silcowitz-Hansen,
+/// Niebe and Erleben 2010): what plain passes carry up a stack by one body each goes as a whole.
+class Acceleration {
+ public:
+  Acceleration(World& world, std::span<const std::uint32_t> touches)
+      : world_(world), s_(world.scratch), touches_(touches) {}
+
+  void before_pass() {
+    s_.before.clear();
+    each([&](double& impulse, double, auto&&) { s_.before.push_back(impulse); });
+    if (s_.along.size() < s_.before.size()) s_.along.resize(s_.before.size());
+  }
+
+  void after_pass() {
+    double now = 0.0;
+    std::size_t n = 0;
+    each([&](double& impulse, double yields, auto&&) {
+      const double more = impulse - s_.before[n++];
+      now += more * more * yields;
+    });
+    const double keep = last_ > 0.0 && now < last_ ? now / last_ : 0.0;
+    last_ = now;
+    n = 0;
+    each([&](double& impulse, double, auto&& push) {
+      const double more = keep > 0.0 ? keep * s_.along[n] : 0.0;
+      s_.along[n] = more + impulse - s_.before[n];
+      ++n;
+      if (more != 0.0) push(more);
+    });
+  }
+
+ private:
+  /// Calls f(impulse, velocity by a unit of it, how to add to it) for all of the island.
+  template <typename F>
+  void each(F&& f) {
+    std::size_t at = 0;
+    for (const std::uint32_t k : touches_) {
+      const Touch& touch = s_.touches[k];
+      if (touch.rows == 0) continue;
+      for (std::uint32_t n = 0; n < touch.rows; ++n) {
+        NormalRow& row = s_.rows[touch.first_row + n];
+        f(row.impulse, 1.0 / row.mass, [&](double more) {
+          more = std::max(more, -row.impulse);
+          row.impulse += more;
+          with_other(world_, touch, [&]<Other other> { push_by<other>(world_, touch, row, more); });
+        });
+      }
+      if (at == s_.friction.size() || s_.friction[at].touch != k) continue;
+      FrictionRows& rows = s_.friction[at++];
+      for (int n = 0; n < 2; ++n) {
+        f(rows.impulse[n], rows.yields, [&](double more) {
+          rows.impulse[n] += more;
+          with_other(world_, touch, [&]<Other other> {
+            push_by<other>(world_, touch, rows, more * Vec2::Unit(n), 0.0, Vec3::Zero());
+          });
+        });
+      }
+    }
+  }
+
+  World& world_;
+  Scratch& s_;
+  std::span<const std::uint32_t> touches_;
+  double last_ = 0.0;
+};
 
 /// Islands: movers joined by touches. Touches sorted by island, their own order kept.
 void find_islands(World& world) {
@@ -444,8 +536,10 @@ HEADPIN_FLATTEN void solve_island(World& world, std::span<const std::uint32_t> t
   }
   int pass = 0;
   double worst = 0.0;
+  Acceleration faster(world, touches);
   do {
     worst = 0.0;
+    if (pass >= kPlainPasses) faster.before_pass();
     FrictionRows* friction = s.friction.data();
     FrictionRows* const end = s.friction.data() + s.friction.size();
     for (const std::uint32_t k : touches) {
@@ -457,7 +551,9 @@ HEADPIN_FLATTEN void solve_island(World& world, std::span<const std::uint32_t> t
                        }));
     }
     ++pass;
-  } while (worst > p.solver_residual && pass < p.solver_iterations);
+    if (worst <= p.solver_residual || pass >= p.solver_iterations) break;
+    if (pass > kPlainPasses) faster.after_pass();
+  } while (true);
   for (const FrictionRows& f : s.friction) {
     Touch& touch = s.touches[f.touch];
     touch.friction_W = f.impulse[0] * f.t[0] + f.impulse[1] * f.t[1];
@@ -524,6 +620,7 @@ BodyId island_root(std::vector<BodyId>& parent, BodyId i) {
 void sustain_contacts(World& world) {
   Scratch& s = world.scratch;
   s.rows.clear();
+  for (const BodyId i : s.movers) s.supported[i] = 0;
   find_islands(world);
   std::uint32_t start = 0;
   for (const std::uint32_t end : s.island_start) {

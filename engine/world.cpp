@@ -33,7 +33,7 @@ void check_parameters(const Parameters& p) {
   expect_between(p.query.cap, 1, 1000, "query.cap");
   expect_between(p.friction_tau, 1e-6, 1e6, "friction_tau [s]");
   expect_between(p.impact_speed, 0.0, 100.0, "impact_speed [m/s]");
-  expect_between(p.impact_sweeps, 1, 1000, "impact_sweeps");
+  expect_between(p.impacts, 1, 1000, "impacts");
   expect_between(p.solver_iterations, 1, 100'000, "solver_iterations");
   expect_between(p.solver_residual, 0.0, 1.0, "solver_residual [m/s]");
   expect_between(p.slop, 0.0, 0.1, "slop [m]");
@@ -89,27 +89,49 @@ void check_number(const World& world, BodyId body) {
                               std::to_string(world.bodies.size()));
 }
 
-/// Refuses a start from which nothing sensible can follow: one body deep inside another.
-void check_overlap(const World& world, const Body& body, const State& state,
-                   const std::string& who) {
+/// Calls f(k, point) for the contact points of a body that stands there with each body k that
+/// `concerns` it.
+template <typename Concerns, typename F>
+void each_contact(const World& world, const Body& body, const Pose& X_WB, double margin,
+                  Concerns&& concerns, F&& f) {
   std::vector<ContactPoint> points;
   std::vector<Vec3> normals;
   QueryCounts counts;
   for (BodyId k = 0; k < world.bodies.size(); ++k) {
+    if (!concerns(k)) continue;
     const Body& other = world.bodies[k];
-    if (body.kind != Kind::free && other.kind != Kind::free) continue;
-    const double size = std::min(body.shape->bounding_radius, other.shape->bounding_radius);
-    const double near = body.shape->bounding_radius + other.shape->bounding_radius;
-    if ((state.X_WB.p - world.states[k].X_WB.p).squaredNorm() > near * near) continue;
+    const double near = body.shape->bounding_radius + other.shape->bounding_radius + margin;
+    if ((X_WB.p - world.states[k].X_WB.p).squaredNorm() > near * near) continue;
     points.clear();
     normals.assign(cache_size(*body.shape, *other.shape), Vec3::Zero());
-    find_contacts(*body.shape, state.X_WB, *other.shape, world.states[k].X_WB, 0.0, normals,
-                  Query{}, counts, points);
-    for (const ContactPoint& p : points) {
-      expect(p.depth <= 0.25 * size, who + ": overlap with " + title(world, k) + " [m]",
-             "at most " + number(0.25 * size), p.depth);
-    }
+    find_contacts(*body.shape, X_WB, *other.shape, world.states[k].X_WB, margin, normals, Query{},
+                  counts, points);
+    for (const ContactPoint& p : points) f(k, p);
   }
+}
+
+/// Refuses a start from which nothing sensible can follow: one body deep inside another.
+void check_overlap(const World& world, const Body& body, const State& state,
+                   const std::string& who) {
+  each_contact(
+      world, body, state.X_WB, 0.0,
+      [&](BodyId k) { return body.kind == Kind::free || world.bodies[k].kind == Kind::free; },
+      [&](BodyId k, const ContactPoint& p) {
+        const double most =
+            0.25 * std::min(body.shape->bounding_radius, world.bodies[k].shape->bounding_radius);
+        expect(p.depth <= most, who + ": overlap with " + title(world, k) + " [m]",
+               "at most " + number(most), p.depth);
+      });
+}
+
+/// A body that is taken away leaves nothing hanging in the air.
+void wake_with_what_rests_on(World& world, BodyId body) {
+  wake(world, body);
+  world.scratch.supported[body] = 0;
+  each_contact(
+      world, world.bodies[body], world.states[body].X_WB, detail::kRests,
+      [&](BodyId k) { return world.asleep[k] != 0; },
+      [&](BodyId k, const ContactPoint&) { wake(world, k); });
 }
 
 /// Lists made anew when bodies come, sleep, wake or change hands.
@@ -120,7 +142,7 @@ void take_roll_call(World& world) {
   for (BodyId i = 0; i < world.bodies.size(); ++i) {
     s.mobility[i] = {};
     s.top_speed[i] = s.swing[i] = 0.0;
-    s.kinks[i] = {};
+    s.falls[i] = 0;
     if (world.bodies[i].kind == Kind::driven) s.driven.push_back(i);
     if (detail::is_mover(world, i)) s.movers.push_back(i);
   }
@@ -135,25 +157,35 @@ void take_roll_call(World& world) {
 void prepare_bodies(World& world) {
   detail::Scratch& s = world.scratch;
   if (s.stale) take_roll_call(world);
+  for (const auto& [i, state] : s.struck) {
+    s.clock[i] = 0.0;
+    s.impacts_of[i] = 0;
+  }
+  s.struck.clear();
   for (const BodyId i : s.movers) {
     s.mobility[i] = {1.0 / world.bodies[i].mass,
                      inverse_inertia(world.inertias[i], world.states[i].X_WB.q)};
-    s.start[i] = {world.states[i].v_WB, world.states[i].w_WB};
-    s.kinks[i] = {};
-    s.supported[i] = 0;
+    s.falls[i] = !s.supported[i];
     detail::note_speed(world, i);
+    s.sought[i] = s.top_speed[i] * step_seconds(world);
   }
   for (const BodyId i : s.driven) detail::note_speed(world, i);
 }
 
 void apply_gravity(World& world) {
-  const Vec3 dv = step_seconds(world) * world.parameters.gravity_W;
+  const double dt = step_seconds(world);
+  const Vec3 dv = dt * world.parameters.gravity_W;
   for (const BodyId i : world.scratch.movers) world.states[i].v_WB += dv;
+  for (const auto& [i, state] : world.scratch.struck) {  // they have fallen up to their impact
+    world.states[i].v_WB -= world.scratch.clock[i] * world.parameters.gravity_W;
+  }
 }
 
 /// Keeps the contacts of this step as the start of the next one's.
 void remember(World& world) {
   detail::Scratch& s = world.scratch;
+  s.candidates.resize(s.early_candidates);  // those found late stand in no order
+  s.touches.resize(s.early_touches);
   std::swap(s.candidates, s.last_candidates);
   std::swap(s.normals, s.last_normals);
   std::swap(s.touches, s.last_touches);
@@ -188,36 +220,19 @@ void stop_if_not_finite(const World& world) {
   }
 }
 
-/// Times the phases, if anyone wants to know.
-class Laps {
- public:
-  explicit Laps(World& world) : world_(world), clock_(world.parameters.clock) {
-    if (clock_) last_ = clock_();
-  }
-  void operator()(Phase phase) {
-    if (!clock_) return;
-    const std::int64_t now = clock_();
-    world_.statistics.phase_ns[static_cast<std::size_t>(phase)] += now - last_;
-    last_ = now;
-  }
-
- private:
-  World& world_;
-  std::int64_t (*clock_)();
-  std::int64_t last_ = 0;
-};
-
-/// Books, phase by phase, what the free bodies gain.
+/// Books, phase by phase, what the free bodies gain. Where none moves there is nothing to book.
 class Books {
  public:
-  explicit Books(World& world) : world_(world), keep_(world.parameters.keep_ledger) {
+  Books(World& world, bool changed) : world_(world), keep_(world.parameters.keep_ledger) {
     if (!keep_) return;
-    start_ = mark_ = balance(world);
+    start_ = changed || !world.scratch.movers.empty() ? balance(world) : world.balance;
     world.ledger.hand += start_ - world.balance;  // what users changed between steps
+    world.balance = start_;
     world.struck = world.pushed = {};
   }
   /// Impulses are booked by their own sum: they act within the step, at velocities in between.
   void book_impacts() {
+    keep_ = keep_ && !world_.scratch.movers.empty();
     if (!keep_) return;
     add(world_.ledger.impact, world_.struck);
     add(world_.ledger.hand, world_.pushed);
@@ -275,7 +290,6 @@ Statistics& Statistics::operator+=(const Statistics& other) {
   queries.iterations += other.queries.iterations;
   queries.capped += other.queries.capped;
   impacts += other.impacts;
-  impact_sweeps += other.impact_sweeps;
   unfinished_impacts += other.unfinished_impacts;
   pulls += other.pulls;
   islands += other.islands;
@@ -284,7 +298,6 @@ Statistics& Statistics::operator+=(const Statistics& other) {
   residual = std::max(residual, other.residual);
   deepest_overlap = std::max(deepest_overlap, other.deepest_overlap);
   awake += other.awake;
-  for (std::size_t k = 0; k < phase_ns.size(); ++k) phase_ns[k] += other.phase_ns[k];
   return *this;
 }
 
@@ -326,8 +339,12 @@ BodyId add_body(World& world, Body body, const State& state) {
   s.island_number.resize(count);
   s.island_calm.resize(count);
   s.mobility.resize(count);
-  s.start.resize(count);
-  s.kinks.resize(count);
+  s.clock.resize(count);
+  s.falls.resize(count);
+  s.impacts_of.resize(count);
+  s.place_struck.resize(count);
+  s.first_touch.resize(count);
+  s.sought.resize(count);
   s.swing.resize(count);
   s.top_speed.resize(count);
   s.supported.resize(count);
@@ -343,7 +360,7 @@ void set_state(World& world, BodyId body, const State& state) {
   if (world.bodies[body].kind == Kind::fixed) {
     throw std::invalid_argument(title(world, body) + ": is fixed, cannot be moved");
   }
-  wake(world, body);
+  wake_with_what_rests_on(world, body);
   world.states[body] = state;
   world.states[body].X_WB.q.normalize();
 }
@@ -355,7 +372,7 @@ void set_kind(World& world, BodyId body, Kind kind) {
   if (now == Kind::fixed || kind == Kind::fixed) {
     throw std::invalid_argument(title(world, body) + ": only free and driven can change");
   }
-  wake(world, body);
+  wake_with_what_rests_on(world, body);
   now = kind;
   world.scratch.stale = true;
 }
@@ -368,6 +385,7 @@ void wake(World& world, BodyId body) {
   do {
     const BodyId next = world.sleeps_with[i];
     world.asleep[i] = 0;
+    world.scratch.supported[i] = 1;  // it lay on something
     world.still[i] = 0;
     world.sleeps_with[i] = i;
     i = next;
@@ -385,45 +403,73 @@ void put_to_sleep(World& world, BodyId body) {
   world.scratch.stale = true;
 }
 
+State outside_fixed(const World& world, BodyId body, const State& wanted) {
+  check_number(world, body);
+  if (!is_good(wanted)) refuse(wanted, title(world, body));
+  const Body& mine = world.bodies[body];
+  const auto is_fixed = [&](BodyId k) { return world.bodies[k].kind == Kind::fixed; };
+  State state = wanted;
+  Vec3& p = state.X_WB.p;
+  // In strides shorter than its thinnest part, so that it cannot pass through anything; each ends
+  // outside what is fixed.
+  const Vec3 start = world.states[body].X_WB.p;
+  const double stride =
+      0.25 * *std::min_element(mine.shape->part_radius.begin(), mine.shape->part_radius.end());
+  const int strides =
+      static_cast<int>(std::clamp(std::ceil((p - start).norm() / stride), 1.0, 10'000.0));
+  Vec3 pushed = Vec3::Zero();
+  for (int n = 1; n <= strides; ++n) {
+    const double rest = static_cast<double>(strides - n) / strides;
+    p = wanted.X_WB.p + rest * (start - wanted.X_WB.p) + pushed;
+    for (int pass = 0; pass < 16; ++pass) {
+      ContactPoint deepest;
+      each_contact(world, mine, state.X_WB, 0.0, is_fixed, [&](BodyId, const ContactPoint& c) {
+        if (c.depth > deepest.depth) deepest = c;
+      });
+      if (deepest.depth <= 0.0) break;
+      pushed -= deepest.depth * deepest.n_AB_W;
+      p -= deepest.depth * deepest.n_AB_W;
+    }
+  }
+  each_contact(world, mine, state.X_WB, detail::kRests, is_fixed,
+               [&](BodyId, const ContactPoint& c) {
+                 const Vec3 v = detail::velocity_at(state, c.p_W - p);
+                 state.v_WB -= std::max(0.0, v.dot(c.n_AB_W)) * c.n_AB_W;
+               });
+  return state;
+}
+
 void step(World& world) {
   using namespace detail;
   world.events.clear();
   world.statistics = {};
   world.statistics.steps = 1;
-  if (all_rest(world) && !world.parameters.keep_ledger) {
+  const bool changed = world.scratch.stale, rests = all_rest(world);
+  Books books(world, changed);
+  if (rests) {
     let_rest(world);
     ++world.tick;
     return;
   }
-  Books books(world);
-  Laps lap(world);
   for (bool woken = true; woken;) {  // a woken body has contacts of its own: once more, then
     prepare_bodies(world);
     find_pairs(world);
-    lap(Phase::find_pairs);
     woken = find_contacts(world);
-    lap(Phase::find_contacts);
     woken = woken || resolve_impacts(world);
-    lap(Phase::resolve_impacts);
   }
   books.book_impacts();
   apply_gravity(world);
-  lap(Phase::apply_gravity);
   books.begin();
   sustain_contacts(world);
   books.end(world.ledger.sustained);
-  lap(Phase::sustain_contacts);
   move(world);
   stop_if_not_finite(world);
-  lap(Phase::move);
   books.begin();
   push_apart(world);
   books.end(world.ledger.correction);
-  lap(Phase::push_apart);
   books.begin();
   fall_asleep(world);
   books.end(world.ledger.sustained);
-  lap(Phase::fall_asleep);
   books.close();
   note_meetings(world);
   remember(world);

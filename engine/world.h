@@ -1,17 +1,16 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>
 #include <vector>
 
 #include "engine/body.h"
-#include "engine/broad_phase.h"
 #include "engine/contacts.h"
 #include "engine/free_motion.h"
 #include "engine/ledger.h"
 #include "engine/response.h"
+#include "engine/scratch.h"
 
 /// Bodies that stand, roll, fall and collide at a fixed rate, and repeat to the bit.
 ///
@@ -19,9 +18,13 @@
 ///     const BodyId lane = add_body(world, {.name = "lane", .shape = floor, .kind = Kind::fixed});
 ///     const BodyId ball = add_body(world, ball_body, {.X_WB = X_WB, .v_WB = {0, 6, 0}});
 ///     while (world.tick < 5 * 240) step(world);
+///
+/// Time within a step: between steps all poses and velocities are those of `tick`. Within one,
+/// bodies that approach fast are followed along their paths to where they meet and get their
+/// impulses there, soonest first; each body that is struck then stands at the time of its last
+/// impact, the others still at the step's start. Lasting contacts are solved for the velocities at
+/// the end, from the points as they are by then; last, every body goes the rest of its way.
 namespace headpin::engine {
-
-using BodyId = std::uint32_t;
 
 struct Parameters {
   int rate_hz = 240;                    ///< steps a second
@@ -30,7 +33,7 @@ struct Parameters {
   Query query = {};                     ///< how collisions are detected; its margin is ours to set
   double friction_tau = 1.0 / 60.0;  ///< time in which a lasting contact applies its rate once [s]
   double impact_speed = 0.15;        ///< slower approaches are lasting contacts [m/s]
-  int impact_sweeps = 8;             ///< most passes over the impacts of a step
+  int impacts = 64;                  ///< most impacts of one body within a step
   int solver_iterations = 60;        ///< most passes over the lasting contacts of an island
   double solver_residual = 1e-6;     ///< stop when no velocity changed by more in a pass [m/s]
   double slop = 5e-5;                ///< overlap that is left alone [m]
@@ -40,24 +43,7 @@ struct Parameters {
   double sleep_spin = 0.03;          ///< [rad/s]
   double sleep_after = 0.25;         ///< [s]
   bool keep_ledger = false;          ///< `World::ledger`; costs about a tenth of a step
-  /// Reads a clock [ns] for `Statistics::phase_ns`. Never reaches the state. Null: no timing.
-  std::int64_t (*clock)() = nullptr;
 };
-
-/// The stages of a step, in order; `phase_names` has their names.
-enum class Phase {
-  find_pairs,
-  find_contacts,
-  resolve_impacts,
-  apply_gravity,
-  sustain_contacts,
-  move,
-  push_apart,
-  fall_asleep,
-};
-inline constexpr std::array<std::string_view, 8> phase_names{
-    "find_pairs",       "find_contacts", "resolve_impacts", "apply_gravity",
-    "sustain_contacts", "move",          "push_apart",      "fall_asleep"};
 
 /// One step in numbers, or the sum of many (largest values stay the largest).
 struct Statistics {
@@ -66,8 +52,7 @@ struct Statistics {
   std::int64_t contacts = 0;            ///< contact points
   QueryCounts queries;                  ///< of parts; `capped` among them
   std::int64_t impacts = 0;             ///< impulses given
-  std::int64_t impact_sweeps = 0;       ///< passes that gave any
-  std::int64_t unfinished_impacts = 0;  ///< steps that still had some after the last pass
+  std::int64_t unfinished_impacts = 0;  ///< steps in which a body had more than it may have
   std::int64_t pulls = 0;               ///< impulses that would have pulled, replaced by F00
   std::int64_t islands = 0;
   std::int64_t solver_iterations = 0;
@@ -75,7 +60,6 @@ struct Statistics {
   double residual = 0.0;         ///< largest change of a velocity in a last pass [m/s]
   double deepest_overlap = 0.0;  ///< [m]
   std::int64_t awake = 0;        ///< free bodies awake at the end of the step
-  std::array<std::int64_t, phase_names.size()> phase_ns{};
 
   Statistics& operator+=(const Statistics& other);
 };
@@ -90,117 +74,12 @@ struct ContactEvent {
   bool first = false;             ///< these two had not met before
 };
 
-namespace detail {
-
-/// What the step needs of a body beside its state.
-struct Mobility {
-  double inv_mass = 0.0;  ///< zero unless free and awake
-  Mat3 inv_inertia_W = Mat3::Zero();
-};
-
-/// How an impact within the step bends the path of a body: positions go by v t - lag.
-struct Kink {
-  double time = 0.0;          ///< of the last impact within the step [s]
-  Vec3 lag_v = Vec3::Zero();  ///< sum of velocity change times its time [m]
-  Vec3 lag_w = Vec3::Zero();  ///< [rad]
-};
-
-/// A pair of bodies close enough to meet within the step. A is free and awake.
-struct Touch {
-  std::uint64_t key = 0;  ///< touches are in the order of their keys
-  BodyId a = 0, b = 0;
-  bool b_moves = false;         ///< B is free and awake too
-  bool fresh = false;           ///< not there in the last step
-  bool met = false;             ///< the two have met before
-  std::uint32_t candidate = 0;  ///< whose normals it uses
-  std::uint32_t last = 0;       ///< the same touch in the last step, unless fresh
-  std::uint32_t first_point = 0, points = 0;
-  std::uint32_t first_row = 0, rows = 0;
-  std::uint32_t block = 0;  ///< of its rows in `blocks`, when it has 2 to 4
-  double time = 0.0;        ///< of its impact within the step [s]: when its points are right
-  Coefficients pair;
-  Sliding sliding;
-  Vec3 friction_W = Vec3::Zero();  ///< impulse on A of the last step, to start from
-  double twist = 0.0, roll = 0.0;
-};
-
-/// Last normals of the pairs of parts of two bodies whose bounds met.
-struct Candidate {
-  std::uint64_t key = 0;
-  BodyId a = 0, b = 0;
-  std::uint32_t first_normal = 0, normals = 0;
-};
-
-/// One contact point in the solver: approach along n at most `allowed`, impulse at least 0.
-struct NormalRow {
-  NormalRow() {}  // NOLINT: `= default` would have emplace_back clear it first
-
-  Vec3 n, ra_n, rb_n, ia, ib;
-  double mass = 0.0, allowed = 0.0, impulse = 0.0;
-  std::uint32_t feature = 0;
-};
-
-/// Inverse of what the n = 2 to 4 normal rows of a touch do to each other: its first n x n entries.
-using Block = Eigen::Matrix4d;
-
-/// One body in the friction of a pair: levers of the tangents, and how unit impulses turn it.
-struct FrictionSide {
-  std::array<Vec3, 2> r_t, i;
-  Vec3 twist_i, roll_i;
-};
-
-/// Friction of a pair: slip along two tangents, twist about the normal, rolling about A's axis.
-struct FrictionRows {
-  FrictionRows() {}  // NOLINT: likewise
-
-  std::uint32_t touch = 0;
-  bool carries = false;
-  int releases = 0;  ///< how often it lost its load within the step
-  std::array<Vec3, 2> t;
-  FrictionSide a, b;
-  Eigen::Matrix2d inverse;   ///< of the softened 2 x 2 block
-  Eigen::Matrix2d softness;  ///< by which the block is softened
-  Vec2 impulse;
-  double reach = 0.0;  ///< limit of the twist over load [m]
-  Vec3 n;
-  double twist_mass = 0.0, twist_softness = 0.0, twist = 0.0;
-  Vec3 axis;
-  double roll_mass = 0.0, roll_arm = 0.0, roll = 0.0;
-};
-
-/// Flat memory of a step, kept from step to step.
-struct Scratch {
-  bool stale = true;                       // who moves has changed
-  std::vector<BodyId> movers, driven;      // free and awake; driven
-  std::vector<BodyId> unbounded, bounded;  // fixed half-spaces; all others
-  std::vector<Capsule> bounds_W;           // of `bounded`
-  std::vector<std::uint8_t> moving;
-  BroadPhase broad_phase;
-  std::vector<Candidate> candidates, last_candidates;
-  std::vector<Vec3> normals, last_normals;
-  std::vector<Touch> touches, last_touches;
-  std::vector<ContactPoint> points;
-  std::vector<NormalRow> rows, last_rows;
-  std::vector<Block> blocks;
-  std::vector<FrictionRows> friction;
-  std::vector<BodyId> parent;                // islands, as a union-find forest
-  std::vector<std::uint32_t> island_number;  // of a root
-  std::vector<std::int32_t> island_calm;     // likewise: least number of still steps
-  std::vector<std::uint32_t> island_of, island_start, order;
-  std::vector<Mobility> mobility;
-  std::vector<double> swing, top_speed;  // of any point of a body: by its spin; in all [m/s]
-  double fall = 0.0;         // what gravity adds to its way within the step [m], at most
-  std::vector<Twist> start;  // velocities at the start of the step
-  std::vector<Kink> kinks;
-  std::vector<std::pair<double, std::uint32_t>> coming;  // impacts by time, and their touches
-  std::vector<std::uint8_t> supported;  // a lasting contact carried it in this step
-  std::vector<Vec3> nudge_p, nudge_w;
-  std::vector<BodyId> nudged;
-};
-
-}  // namespace detail
-
-/// Plain data; a copy goes on like the original. Change it between steps by the functions below.
+/// Plain data; a copy goes on like the original, to the bit. Change it between steps by the
+/// functions below.
+///
+/// A world made anew and given another's states and sleep flags goes on alike but not to the bit:
+/// it lacks the last impulses and normals, from which the next step's searches start (`scratch`),
+/// which bodies were carried in the last step (likewise), `still`, `sleeps_with` and `met`.
 struct World {
   Parameters parameters;
   std::int64_t tick = 0;
@@ -211,6 +90,7 @@ struct World {
   Statistics statistics;             ///< of the last step
   Ledger ledger;                     ///< since the start, when kept
 
+  // What the step keeps for itself.
   const Response* response = nullptr;
   std::vector<Inertia> inertias;
   std::vector<std::int32_t> still;  ///< steps for which a body has been still
@@ -232,10 +112,18 @@ World make_world(const Parameters& parameters);
 ///   is not fixed, fixed body with a velocity
 BodyId add_body(World& world, Body body, const State& state = {});
 
-/// Puts a body somewhere, as a hand does. A free body wakes with those that sleep beside it.
+/// Puts a body somewhere, as a hand does. It wakes with its island and with what rests on it.
 ///
 /// @throws std::invalid_argument  for a body that is not there, a fixed one, or a state not finite
 void set_state(World& world, BodyId body, const State& state);
+
+/// The state nearest to a wanted one that a body can be carried to from where it is: outside
+/// everything fixed, and without speed into it. Nothing moves; hand the result to `set_state`.
+///
+/// The body goes straight from its place towards the wanted one, already turned as it shall be,
+/// and slides along what it meets.
+/// @throws std::invalid_argument  for a body that is not there or a state not finite
+State outside_fixed(const World& world, BodyId body, const State& wanted);
 
 /// Takes a free body in hand (`driven`) or lets it go (`free`) with the state it has.
 ///
@@ -258,7 +146,7 @@ void step(World& world);
 Balance balance(const World& world);
 
 /// FNV-1a of the bits of tick, poses, velocities and sleep flags: 64 bits that two equal runs
-/// share.
+/// share. What a World keeps beside them is not in it; where it differs, the next states will.
 std::uint64_t state_hash(const World& world);
 
 inline double step_seconds(const World& world) {

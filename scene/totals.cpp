@@ -17,7 +17,6 @@ nlohmann::json to_json(const engine::Statistics& s) {
           {"query_iterations", s.queries.iterations},
           {"capped_queries", s.queries.capped},
           {"impacts", s.impacts},
-          {"impact_sweeps", s.impact_sweeps},
           {"unfinished_impacts", s.unfinished_impacts},
           {"pulling_impulses", s.pulls},
           {"solver_iterations", s.solver_iterations},

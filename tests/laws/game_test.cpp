@@ -85,11 +85,10 @@ TEST(Game, GoesOnToTheBitFromACopy) {
   EXPECT_EQ(state_hash(copy), state_hash(b.world));
 }
 
-TEST(Game, IsTheSameToTheBitWithTimersAndLedger) {
+TEST(Game, IsTheSameToTheBitWithTheLedger) {
   RackOptions o = throw_number(7);
   const std::vector<std::uint64_t> plain = hashes(o, 2.0);
   o.parameters.keep_ledger = true;
-  o.parameters.clock = [] { return std::int64_t{0}; };
   EXPECT_EQ(hashes(o, 2.0), plain);
 }
 

@@ -60,6 +60,58 @@ TEST(Ledger, ChargesFreeFlightWithNothingButTheFall) {
   expect_same(world.ledger.correction, {}, 0.0);
 }
 
+// Impacts fall anywhere into a step; what flies before and after them gains nothing by gravity.
+TEST(Ledger, FindsNoEnergyInTheFallOfABouncingBody) {
+  for (const int rate : {60, 240, 1000}) {
+    World world = make_world({.rate_hz = rate, .keep_ledger = true});
+    add_body(world, floor_body({1.0, 0.0}));
+    State s;
+    s.X_WB = {rotation(Vec3(0.4, 0.3, 0.0)), Vec3(0.0, 0.0, 1.0)};
+    add_body(world, skittle_body({1.0, 0.0}), s);
+    for (int i = 0; i < 3 * rate; ++i) {
+      step(world);
+      if (world.statistics.contacts > 0) continue;  // carried for a moment
+      EXPECT_NEAR(world.ledger.sum().energy, balance(world).energy, 1e-10);
+    }
+    const Ledger& l = world.ledger;
+    EXPECT_NEAR(l.gravity.energy + l.sustained.energy, 0.0, 0.02 * l.hand.energy) << rate;
+    EXPECT_NEAR(l.impact.energy, 0.0, 1e-10);
+  }
+}
+
+TEST(Ledger, ShowsThatCorrectionGivesHardlyAnyEnergy) {
+  for (const int rate : {120, 240, 1000}) {
+    RackOptions o = kept();
+    o.parameters.rate_hz = rate;
+    Bowling b = bowling(o);
+    const double start = balance(b.world).energy;
+    run(b.world, 3.0);
+    const Ledger& l = b.world.ledger;
+    EXPECT_GE(l.correction.energy, 0.0) << rate;
+    EXPECT_LE(l.correction.energy, 1e-3 * start) << rate;
+    // What is carried gains the fall of a step, which its contacts take away again.
+    EXPECT_LE(l.gravity.energy + l.sustained.energy, 0.0) << rate;
+  }
+}
+
+TEST(Ledger, OfAWorldAtRestNoticesWhatAHandChanges) {
+  RackOptions o = kept();
+  o.ball = false;
+  Bowling b = bowling(o);
+  run(b.world, 2.0);
+  ASSERT_EQ(b.world.statistics.contacts, 0);  // all sleep: the step was cut short
+  State s = b.world.states[b.skittles[3]];
+  const double hand = b.world.ledger.hand.energy;
+  s.X_WB.p.z() += 0.5;
+  set_state(b.world, b.skittles[3], s);
+  put_to_sleep(b.world, b.skittles[3]);  // it hangs there
+  step(b.world);
+  EXPECT_NEAR(b.world.ledger.hand.energy - hand, 1.5 * 9.81 * 0.5, 1e-9);
+  run(b.world, 0.1);
+  EXPECT_NEAR(b.world.ledger.hand.energy - hand, 1.5 * 9.81 * 0.5, 1e-9);
+  expect_same(b.world.ledger.sum(), balance(b.world), 1e-9);
+}
+
 // Two free bodies: the impulse between them changes neither momentum.
 TEST(Ledger, FindsNoMomentumInImpactsBetweenFreeBodies) {
   World world = make_world({.keep_ledger = true});

@@ -53,6 +53,31 @@ TEST(SlidingBall, EndsRollingAtFiveSeventhsOfItsSpeed) {
   }
 }
 
+// The paper's rate works on slip alone, so what stands on a slope creeps: each step leaves a part
+// `kept` of the slip, and gravity adds to it. The rate counts the impulse as the paper's, for a
+// body that would also turn, which the slope keeps this one from: 1 + m h^2 / I.
+TEST(BlockOnASlope, CreepsAtTheRateOfThePairAndNotOfTheStep) {
+  const double tilt = 10.0 / 57.29577951308232, mu = 0.49, tau = 1.0 / 60;
+  const Vec3 gravity = 9.81 * Vec3(0.0, std::sin(tilt), -std::cos(tilt));
+  for (const int rate : {120, 240, 480, 1000}) {
+    World world = make_world({.rate_hz = rate, .gravity_W = gravity, .sleep = false});
+    add_body(world, floor_body({0.7, 0.7}));
+    Body block = ball_body({0.7, 0.7});
+    block.shape = make_compound({{Cylinder{0.1, 0.03}, Pose{}}});
+    block.inertia = Vec3(0.02, 0.02, 0.035).asDiagonal();
+    State s;
+    s.X_WB.p.z() = 0.03;
+    const BodyId i = add_body(world, block, s);
+    run(world, 1.0);
+    const double kept = std::pow(1.0 - mu, 1.0 / (rate * tau));
+    const double turns = 1.0 + 7.0 * 0.03 * 0.03 / 0.02;
+    const double creep = turns * kept / (1.0 - kept) * gravity.y() / rate;
+    EXPECT_NEAR(world.states[i].v_WB.y(), creep, 1e-3 * creep) << rate;
+    // The law of fine steps, to the first order in the step.
+    EXPECT_NEAR(creep, -turns * gravity.y() * tau / std::log(1.0 - mu), gravity.y() / rate);
+  }
+}
+
 // Coulomb: the ball slows by mu g until 2/7 v / (mu g) has passed, then rolls.
 TEST(SlidingBallAfterCoulomb, SlowsByMuG) {
   const double mu = 0.04, v = 6.0, g = 9.81;
@@ -99,6 +124,25 @@ TEST(LyingSkittle, IsBroughtToRestByItsRollingArm) {
     EXPECT_NEAR(world.states[i].v_WB.y(), 1.0 - 0.5 * slows, 0.01 * 0.5 * slows) << rate;
     run(world, 2.5);
     EXPECT_TRUE(is_asleep(world, i)) << rate;
+  }
+}
+
+// A ball has no axis of its own: it slows alike whichever way it is turned and rolls.
+TEST(HeavyBall, IsSlowedByItsRollingArmAboutAnyAxis) {
+  const double b = 0.002, v = 1.0;
+  const double slows = b * 9.81 / (kBallRadius * 1.4);
+  for (const Vec3& turned : {Vec3(0, 0, 0), Vec3(1.1, 0, 0), Vec3(0.3, 0.9, -0.4)}) {
+    for (const double way : {0.0, 0.7, 2.0}) {
+      World world = make_world({});
+      add_body(world, floor_body({0.7, 1.0}));
+      State s;
+      s.X_WB = {rotation(turned), Vec3(0.0, 0.0, kBallRadius)};
+      s.v_WB = v * Vec3(std::cos(way), std::sin(way), 0.0);
+      s.w_WB = v / kBallRadius * Vec3(-std::sin(way), std::cos(way), 0.0);
+      const BodyId i = add_body(world, ball_body({0.7, 1.0, b}), s);
+      run(world, 2.0);
+      EXPECT_NEAR(world.states[i].v_WB.norm(), v - 2.0 * slows, 0.01 * 2.0 * slows) << way;
+    }
   }
 }
 

@@ -1,0 +1,166 @@
+#include <random>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/bowling.h"
+
+namespace headpin::engine {
+namespace {
+
+constexpr int kRates[] = {60, 120, 240, 480, 1000};
+
+/// Equal balls in a line along y, perfectly elastic and smooth; the first comes at 2 m/s.
+struct Line {
+  World world;
+  std::vector<BodyId> balls;
+};
+
+Line line(int count, double gap, int rate_hz, std::string_view response) {
+  const double radius = 0.05;
+  Line l{make_world({.rate_hz = rate_hz, .gravity_W = Vec3::Zero(), .response = response})};
+  for (int i = 0; i < count; ++i) {
+    State s;
+    s.X_WB.p.y() = i == 0 ? -0.0613 : i * (2.0 * radius + gap);
+    s.v_WB.y() = i == 0 ? 2.0 : 0.0;
+    l.balls.push_back(add_body(l.world, ball_body({1.0, 0.0}, radius, 1.0), s));
+  }
+  return l;
+}
+
+void expect_the_last_to_leave_alone(Line l, const std::string& what) {
+  const double start = balance(l.world).energy;
+  std::int64_t unfinished = 0;
+  while (l.world.tick < l.world.parameters.rate_hz) {
+    step(l.world);
+    unfinished += l.world.statistics.unfinished_impacts;
+  }
+  EXPECT_EQ(unfinished, 0) << what;
+  EXPECT_NEAR(balance(l.world).energy, start, 1e-9 * start) << what;
+  EXPECT_NEAR(l.world.states[l.balls.back()].v_WB.y(), 2.0, 0.02) << what;
+}
+
+// Several impacts fall into one step, each in the rest that the one before has left.
+TEST(NewtonsCradle, PassesTheSpeedOnWhateverTheGapsAndTheRate) {
+  for (const std::string_view response : {"paper", "coulomb"}) {
+    for (const int rate : kRates) {
+      for (const double gap : {0.0, 1e-6, 1e-4, 1e-3, 0.003, 0.01, 0.03, 0.1}) {
+        expect_the_last_to_leave_alone(line(5, gap, rate, response),
+                                       std::to_string(rate) + " Hz, gap " + std::to_string(gap));
+      }
+    }
+  }
+}
+
+TEST(TwelveTouchingBalls, PassTheSpeedOn) {
+  for (const std::string_view response : {"paper", "coulomb"}) {
+    for (const int rate : kRates) {
+      expect_the_last_to_leave_alone(line(12, 0.0, rate, response), std::to_string(rate));
+    }
+  }
+}
+
+// A ball that an impact makes faster than its surroundings were searched for meets the next one in
+// the same step: the positions tell, as nothing is ever found inside another.
+TEST(NewtonsCradle, FindsWhatAStruckBallReachesWithinTheStep) {
+  for (const double gap : {0.002, 0.005, 0.01}) {
+    Line l = line(3, gap, 60, "paper");
+    double deepest = 0.0;
+    while (l.world.tick < 30) {
+      step(l.world);
+      deepest = std::max(deepest, l.world.statistics.deepest_overlap);
+    }
+    EXPECT_LE(deepest, 2e-6) << gap;
+  }
+}
+
+TEST(ImpactsOfAStep, AreCountedWhenTheyAreMoreThanABodyMayHave) {
+  Line l = line(5, 0.0, 60, "paper");
+  l.world.parameters.impacts = 1;  // all but the two at the ends have two
+  std::int64_t unfinished = 0;
+  while (l.world.tick < 30) {
+    step(l.world);
+    unfinished += l.world.statistics.unfinished_impacts;
+  }
+  EXPECT_GT(unfinished, 0);
+}
+
+// Impulses act where the bodies are when they meet, with the inertia they then have.
+TEST(SmoothElasticGame, KeepsItsEnergyForTenSeconds) {
+  for (const auto& [rate, part] : {std::pair{240, 0.005}, std::pair{120, 0.02}}) {
+    RackOptions o;
+    o.parameters.rate_hz = rate;
+    o.parameters.sleep = false;
+    o.material = {1.0, 0.0};
+    Bowling b = bowling(o);
+    const double start = balance(b.world).energy;
+    run(b.world, 10.0);
+    EXPECT_NEAR(balance(b.world).energy, start, part * start) << rate;
+  }
+}
+
+TEST(SlenderRod, GainsNothingWhenItIsDropped) {
+  for (const double slenderness : {30.0, 3.0}) {
+    for (const std::string_view response : {"paper", "coulomb"}) {
+      std::mt19937 random(1);
+      std::normal_distribution<double> normal;
+      for (int drop = 0; drop < 20; ++drop) {
+        World world = make_world({.response = response});
+        add_body(world, floor_body({0.7, 0.7}));
+        Body rod = skittle_body({0.7, 0.7});
+        rod.shape = make_compound({{Cylinder{0.15 / slenderness, 0.15}, Pose{}}});
+        const MassProperties m = mass_properties(*rod.shape, 1000.0);
+        rod.mass = m.mass;
+        rod.inertia = m.inertia;
+        State s;
+        s.X_WB.q =
+            Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
+        s.X_WB.p.z() = 0.5;
+        add_body(world, rod, s);
+        const double start = balance(world).energy;
+        double highest = start;
+        while (world.tick < 3 * 240) {
+          step(world);
+          highest = std::max(highest, balance(world).energy);
+        }
+        EXPECT_LE(highest, start * (1.0 + 1e-6)) << slenderness << " " << response << " " << drop;
+      }
+    }
+  }
+}
+
+// What turns fast turns freely: a pin in closed form, a body of three moments to fourth order.
+TEST(SpinningBody, KeepsItsEnergyAtAHundredRadiansASecond) {
+  for (const double second : {0.0145, 0.012}) {
+    World world = make_world({.rate_hz = 60});
+    Body body = skittle_body({});
+    body.inertia = Vec3(0.0145, second, 0.0021).asDiagonal();
+    State s;
+    s.X_WB.q = rotation(Vec3(0.3, -1.0, 0.4));
+    s.w_WB = 100.0 * Vec3(60.0, 50.0, -62.0).normalized();
+    add_body(world, body, s);
+    const double start = balance(world).energy;
+    run(world, 1.0);
+    EXPECT_NEAR(balance(world).energy, start, 1e-6 * start) << second;
+  }
+}
+
+// A row keeps a gap open only for what will close it.
+TEST(PassingBall, LeavesAlonePreciselyWhatItDoesNotTouch) {
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> uniform;
+  for (const double gap : {1e-4, 3e-4, 1e-3}) {
+    for (int pass = 0; pass < 40; ++pass) {
+      World world = make_world({.gravity_W = Vec3::Zero()});
+      const BodyId still = add_body(world, ball_body({1.0, 0.7}));
+      State s;
+      s.X_WB.p = Vec3(2.0 * kBallRadius + gap, -0.5 - 0.1 * uniform(random), 0.0);
+      s.v_WB.y() = 1.0 + 8.0 * uniform(random);
+      add_body(world, ball_body({1.0, 0.7}), s);
+      run(world, 1.0);
+      EXPECT_EQ(world.states[still].v_WB, Vec3::Zero()) << gap << " pass " << pass;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace headpin::engine
