@@ -8,7 +8,7 @@ namespace {
 /// Cylinders 0.1 m high and 0.2 m wide on each other; the masses from below.
 struct Stack {
   World world;
-  std::vector<BodyId> bodies;
+  std::vector<BodyId> bodies = {};
 };
 
 Stack stack(const std::vector<double>& masses, int rate_hz, std::string_view response) {

@@ -12,7 +12,7 @@ constexpr int kRates[] = {60, 120, 240, 480, 1000};
 /// Equal balls in a line along y, perfectly elastic and smooth; the first comes at 2 m/s.
 struct Line {
   World world;
-  std::vector<BodyId> balls;
+  std::vector<BodyId> balls = {};
 };
 
 Line line(int count, double gap, int rate_hz, std::string_view response) {
