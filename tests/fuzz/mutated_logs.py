@@ -67,7 +67,7 @@ def damage(log, draw):
     """One log, damaged in one to four ways."""
     log = bytearray(log)
     for _ in range(draw.choice((1, 1, 1, 2, 4))):
-        spans = events(bytes(log)) or [(0, len(log))]
+        spans = [(a, min(b, len(log))) for a, b in events(bytes(log))] or [(0, len(log))]
         a, b = draw.choice(spans)
         kind = draw.randrange(11)
         if kind == 0:
