@@ -53,6 +53,7 @@ void print(const nlohmann::json& s) {
 }
 
 void run(const Options& options) {
+  watch_stop_signals();  // before there is anything to put away
   scene::Recorded recorded = scene::load_trial(options.trial, microseconds(options.longest_gap));
   const devices::Trial& trial = recorded.trial;
   apply(options.condition, recorded.scenario);
@@ -77,7 +78,6 @@ void run(const Options& options) {
   if (options.verify) observers.push_back(&verifier.emplace(trial.states, session));
   observers.push_back(&progress);
 
-  watch_stop_signals();
   devices::ReplaySource source(trial.samples);
   scene::run(session, source, stopwatch, observers, [&](const scene::Session& s) {
     check_stop();

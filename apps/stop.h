@@ -15,8 +15,8 @@ struct Stopped : std::runtime_error {
   int signal;
 };
 
-/// From now on these signals are noted and do nothing else. A SIGHUP that was ignored stays ignored,
-/// as nohup wants it.
+/// From now on these signals are noted and do nothing else. A SIGHUP that was ignored stays
+/// ignored, as nohup wants it.
 void watch_stop_signals();
 
 /// The signal that came; 0 while none has.

@@ -197,6 +197,9 @@ class Sorter {
           having.push_back(i);
           row.push_back(seconds(time - sample_notes_[i].stamp));
         }
+        constexpr std::size_t kFew =
+            8;  // two presses of a button do not tell which of them is wrong
+        if (row.size() < kFew) continue;
         const std::vector<bool> alone = lone(row, kMostJump_s);
         for (std::size_t k = 0; k < having.size(); ++k) {
           wrong[having[k]] = wrong[having[k]] || alone[k];

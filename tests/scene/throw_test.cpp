@@ -223,7 +223,7 @@ TEST_P(ThrowTest, RefusesWhatIsNoRecording) {
               HasSubstr("throw.csv:302: head_rot_x: expected a finite number, found 'nan'"));
   std::string text = good_;
   EXPECT_THAT(complaint_about(text.replace(text.find("right_hand_pos_x"), 16, "right_hand")),
-              HasSubstr("column right_hand_pos_x is missing"));
+              HasSubstr("missing: right_hand_pos_x"));
 }
 
 TEST_P(ThrowTest, RefusesAFileTooShortForAThrow) {
