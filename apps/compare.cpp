@@ -31,7 +31,7 @@ struct Side {
 
 Side load(const std::string& path) {
   Side side{path, devices::read_trial(path, Time::max()), {}};
-  side.scenario = scene::parse_scenario(side.trial.header.scenario, path + " (scenario)");
+  side.scenario = scene::scenario_of_trial(side.trial.header.scenario, path);
   if (side.trial.states.empty()) {
     throw std::runtime_error(path + ": expected states to compare, found none; `headpin replay " +
                              path + " -o OUT.lcmlog` writes them");

@@ -73,6 +73,7 @@ void run(const Options& options) {
   const scene::Throw found = scene::find_throw(recording, base.hand);
   const scene::Scenario scenario =
       scene::stand_thrower(base, recording, found, heading(options.heading));
+  scene::check(scenario, options.file + " as thrown in this room");
 
   devices::TrialHeader header;
   header.participant = options.participant;

@@ -47,7 +47,7 @@ void run(const Options& options) {
   const devices::Trial trial =
       devices::read_trial(options.trial, microseconds(options.longest_gap));
   if (trial.samples.empty()) throw std::runtime_error(options.trial + ": no samples to stream");
-  const scene::Rig rig = scene::parse_scenario(trial.header.scenario, options.trial).rig;
+  const scene::Rig rig = scene::scenario_of_trial(trial.header.scenario, options.trial).rig;
   devices::LcmLink link(options.url);
   watch_stop_signals();
 

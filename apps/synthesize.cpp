@@ -73,16 +73,17 @@ void run(const Options& options) {
   plan.aim = options.aim_deg * kDegree;
   scene::Scenario scenario =
       options.scenario.empty() ? scene::Scenario{} : scene::load_scenario(options.scenario);
-  scenario.rig = scene::synthetic_rig();
   plan.duration_s = options.duration_s.value_or(long_enough(plan, scenario));
   const scene::ThrowMotion motion = [&] {
     try {
-      return scene::ThrowMotion(plan, scenario.hand);
+      scene::ThrowMotion made(plan, scenario.hand);
+      scene::set_up(scenario, made);
+      return made;
     } catch (const std::invalid_argument& error) {
       throw UsageError(error.what());
     }
   }();
-  scenario.ball.home = motion.hand(motion.grab()) * scenario.hand.grip;
+  scene::check(scenario, options.scenario.empty() ? "the paper's room" : options.scenario);
 
   watch_stop_signals();
   const bool csv = options.output->ends_with(".csv");
@@ -138,7 +139,9 @@ void add_synthesize(CLI::App& app) {
   add_json(*command, options->json);
   command->footer(
       "A throw of an arm that moves with the least jerk and trembles, seen by a tracker with two\n"
-      "receivers and its noise. The same seed gives the same throw on every machine.\n\n"
+      "receivers and its noise. The same seed gives the same throw on every machine. How the "
+      "tracker\n"
+      "is mounted and where the ball stands are the model's own unless the scenario says so.\n\n"
       "Example:\n  headpin synthesize -o trial.lcmlog --seed 7 --speed 6.5 --aim 1");
   command->callback([options] { run(*options); });
 }

@@ -237,6 +237,27 @@ Rig synthetic_rig() {
   return rig;
 }
 
+void set_up(Scenario& scenario, const ThrowMotion& motion) {
+  const auto equal = [](const Pose& a, const Pose& b) {
+    return a.p == b.p && a.q.coeffs() == b.q.coeffs();
+  };
+  const Scenario usual;
+  const Rig& rig = scenario.rig;
+  if (equal(rig.X_WT, usual.rig.X_WT) && equal(rig.X_SD, usual.rig.X_SD) &&
+      equal(rig.X_SH, usual.rig.X_SH) && rig.delay_s == usual.rig.delay_s) {
+    scenario.rig = synthetic_rig();
+  }
+  const Pose X_WH = motion.hand(motion.grab());
+  if (scenario.ball.home == usual.ball.home) scenario.ball.home = X_WH * scenario.hand.grip;
+  const double gap = (scenario.ball.home - X_WH.p).norm() - scenario.ball.radius;
+  if (gap > scenario.hand.reach) {
+    throw std::invalid_argument(fmt::format(
+        "ball.home must be within the arm's reach: the hand that takes the ball is at [{:.3f}, "
+        "{:.3f}, {:.3f}], {:.3f} m from the ball there, and hand.reach is {}",
+        X_WH.p.x(), X_WH.p.y(), X_WH.p.z(), gap, scenario.hand.reach));
+  }
+}
+
 std::vector<devices::Sample> sense(const ThrowMotion& motion, const Rig& rig, std::uint64_t seed,
                                    const TrackerNoise& noise) {
   Random random(~seed);  // not the motion's own numbers again

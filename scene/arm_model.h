@@ -90,6 +90,12 @@ struct TrackerNoise {
 /// receivers on top of the helmet and on the back of the hand.
 Rig synthetic_rig();
 
+/// Sets up what a scenario leaves at its defaults as the model wants it: its own rig, and the ball
+/// where the hand will be when it grabs. What the scenario says otherwise stays.
+///
+/// @throws std::invalid_argument  when it says to put the ball where the hand cannot reach it
+void set_up(Scenario& scenario, const ThrowMotion& motion);
+
 /// What a tracker with two receivers says of the throw: 120 measurements a second, of head and hand
 /// in turn; and the trigger.
 std::vector<devices::Sample> sense(const ThrowMotion& motion, const Rig& rig, std::uint64_t seed,

@@ -13,7 +13,7 @@ namespace headpin::scene {
 
 Recorded load_trial(const std::string& path, Time longest_gap) {
   Recorded recorded{devices::read_trial(path, longest_gap), {}};
-  recorded.scenario = parse_scenario(recorded.trial.header.scenario, path + " (scenario)");
+  recorded.scenario = scenario_of_trial(recorded.trial.header.scenario, path);
   if (recorded.trial.samples.empty()) {
     throw std::runtime_error(path + ": expected samples of a tracker, found none");
   }

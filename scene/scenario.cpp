@@ -1,7 +1,8 @@
 #include "scene/scenario.h"
 
-#include <fstream>
+#include <array>
 #include <limits>
+#include <map>
 #include <set>
 #include <sstream>
 #include <stdexcept>
@@ -11,11 +12,19 @@
 
 #include "engine/response.h"
 #include "render/hmd.h"
+#include "scene/scenario_checks.h"
 #include "scene/scenario_files.h"
+#include "scene/toml_text.h"
 
 namespace headpin::scene {
 
 namespace {
+
+/// Enough of a text to know it again.
+std::string brief(std::string_view text) {
+  constexpr std::size_t kMost = 60;
+  return text.size() <= kMost ? std::string(text) : std::string(text.substr(0, kMost)) + "...";
+}
 
 struct Range {
   double low, high;
@@ -32,11 +41,12 @@ Choices response_names() {
 }
 
 // The fields, listed once: read, written and checked by the same list. A visitor takes
-// field(key, value, allowed, meaning) and section(key, meaning, part).
+// field(key, value, allowed, meaning, source) and section(key, meaning, part). The meaning is true
+// of any value, the source of the default alone.
 
 template <typename V>
 void visit(V& v, Rates& r) {
-  v.field("physics_hz", r.physics_hz, Range{60, 100'000}, "steps per second, a multiple of 120");
+  v.field("physics_hz", r.physics_hz, Range{120, 99'960}, "steps per second, a multiple of 120");
   v.field("frame_hz", r.frame_hz, Range{1, 1000}, "pictures of each eye per second");
 }
 
@@ -50,15 +60,15 @@ void visit(V& v, Room& r) {
 
 template <typename V>
 void visit(V& v, Lane& l) {
-  v.field("width", l.width, Range{0.2, 20}, "41.5 in: USBC");
+  v.field("width", l.width, Range{0.2, 20}, "", "41.5 in: USBC");
   v.field("head_pin", l.head_pin, Range{0.5, 50},
           "foul line to head pin; 18.288 is regulation (60 ft: USBC)");
 }
 
 template <typename V>
 void visit(V& v, Rack& r) {
-  v.field("spots", r.spots, kAny,
-          "[x right, y away] from the head pin's spot; 12 in apart in a triangle: USBC");
+  v.field("spots", r.spots, kAny, "[x right, y away] from the head pin's spot",
+          "12 in apart in a triangle: USBC");
 }
 
 template <typename V>
@@ -71,31 +81,32 @@ void visit(V& v, SkittlePart& p) {
 
 template <typename V>
 void visit(V& v, Skittle& s) {
-  v.field("height", s.height, Range{0.05, 2}, "15.000 in: USBC");
-  v.field("mass", s.mass, Range{0.01, 100}, "3 lb 8 oz: USBC");
+  v.field("height", s.height, Range{0.05, 2}, "", "15.000 in: USBC");
+  v.field("mass", s.mass, Range{0.01, 100}, "", "3 lb 8 oz: USBC");
   v.field("rolling_arm", s.rolling_arm, Range{0, 0.1},
           "rolling resistance: its load acts this far ahead; brings a skittle on its side to rest");
   v.field("parts", s.parts, kAny, "its true shape as collisions see it, base upwards");
-  v.field("profile", s.profile, kAny,
-          "[height above the base, radius] as eyes see it: USBC, necks from pin drawings");
+  v.field("profile", s.profile, kAny, "[height above the base, radius] as eyes see it",
+          "USBC, necks from pin drawings");
 }
 
 template <typename V>
 void visit(V& v, Ball& b) {
-  v.field("radius", b.radius, Range{0.01, 1}, "8.54 in across: USBC allows 8.500 to 8.595");
-  v.field("mass", b.mass, Range{0.01, 100}, "15 lb: USBC allows 16");
+  v.field("radius", b.radius, Range{0.01, 1}, "USBC allows 8.500 to 8.595 in across", "8.54 in");
+  v.field("mass", b.mass, Range{0.01, 100}, "USBC allows 16 lb", "15 lb");
   v.field("home", b.home, Range{-100, 100}, "its centre on the stand, in the world");
 }
 
 template <typename V>
 void visit(V& v, Material& m) {
-  v.field("elasticity", m.elasticity, kUnit, "");
-  v.field("friction", m.friction, kUnit, "");
+  v.field("elasticity", m.elasticity, kUnit, "a pair takes the product",
+          "Uno & Slater 1997, table 1");
+  v.field("friction", m.friction, kUnit, "a pair takes the product", "Uno & Slater 1997, table 1");
 }
 
 template <typename V>
 void visit(V& v, Materials& m) {
-  v.section("skittle", "0.7 and 0.7 make 0.49 a pair: Uno & Slater 1997, table 1", m.skittle);
+  v.section("skittle", "", m.skittle);
   v.section("ball", "", m.ball);
   v.section("lane", "", m.lane);
   v.section("wall", "", m.wall);
@@ -140,12 +151,12 @@ void visit(V& v, Hmd& h) {
   v.field("profile", h, kAny,
           "one of " + render::hmd_profile_names() + "; values given here override it");
   render::Optics& o = h.optics;
-  v.field("width", o.width, Range{1, 16384},
-          "pixels of an eye; flight-helmet is Uno & Slater 1997, section 3");
+  v.field("width", o.width, Range{1, 16384}, "pixels of an eye", "Uno & Slater 1997, section 3");
   v.field("height", o.height, Range{1, 16384}, "");
   v.field("horizontal_fov_deg", o.horizontal_fov_deg, Range{1, 170}, "of an eye");
   v.field("vertical_fov_deg", o.vertical_fov_deg, Range{1, 170}, "of an eye");
-  v.field("eye_distance", o.eye_distance, Range{0, 1}, "64 mm between the LEEP lenses' axes");
+  v.field("eye_distance", o.eye_distance, Range{0, 1}, "between the eyes",
+          "64 mm between the LEEP lenses' axes");
   v.field("outward_deg", o.outward_deg, Range{-60, 60}, "each eye's axis turned outward");
 }
 
@@ -165,26 +176,51 @@ void visit(V& v, Scenario& s) {
   v.section("hmd", "", s.hmd);
 }
 
+/// A text that a scenario is read from.
+struct Text {
+  std::string where;   ///< its name, for messages
+  bool lines = true;   ///< it has more than one
+  bool whole = false;  ///< it must have every key
+
+  std::string place(const toml::source_region& at) const {
+    return lines ? fmt::format("{}:{}", where, at.begin.line) : where;
+  }
+};
+
+/// Keys that trials of before these keys were there lack, with what such a trial ran under. What is
+/// written here never changes, whatever becomes of the defaults.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kKeysSince{{
+    {"rig.head_station", "1"},
+    {"rig.hand_station", "2"},
+}};
+
 /// Fills fields from a TOML table; refuses what it does not know.
 class Reader {
  public:
-  Reader(const toml::table& table, std::string_view where, std::string path)
-      : table_(table), where_(where), path_(std::move(path)) {}
+  Reader(const toml::table& table, const Text& text, std::string path, Lines& lines)
+      : table_(table), text_(text), path_(std::move(path)), lines_(lines) {}
 
   template <typename T, typename Allowed>
-  void field(std::string_view key, T& value, const Allowed& allowed, std::string_view) {
+  void field(std::string_view key, T& value, const Allowed& allowed, std::string_view,
+             std::string_view = {}) {
     known_.insert(std::string(key));
-    if (const toml::node* node = table_.get(key))
-      read(*node, path_ + std::string(key), value, allowed);
+    const std::string path = path_ + std::string(key);
+    if (const toml::node* node = table_.get(key)) {
+      note_line(*node, path);
+      read(*node, path, value, allowed);
+    } else if (text_.whole) {
+      const toml::table before = value_before(path);
+      read(*before.get("v"), path, value, allowed);
+    }
   }
 
   template <typename T>
   void section(std::string_view key, std::string_view, T& part) {
     known_.insert(std::string(key));
     const toml::node* node = table_.get(key);
-    if (!node) return;
-    if (!node->is_table()) refuse(*node, path_ + std::string(key), "a table");
-    Reader inner(*node->as_table(), where_, path_ + std::string(key) + ".");
+    if (node && !node->is_table()) refuse(*node, path_ + std::string(key), "a table");
+    const toml::table none;
+    Reader inner(node ? *node->as_table() : none, text_, path_ + std::string(key) + ".", lines_);
     visit(inner, part);
     inner.finish();
   }
@@ -195,8 +231,9 @@ class Reader {
       if (known_.contains(std::string(key.str()))) continue;
       std::string names;
       for (const std::string& name : known_) names += (names.empty() ? "" : ", ") + name;
-      throw std::invalid_argument(fmt::format("{}:{}: unknown key '{}{}'; known here: {}", where_,
-                                              key.source().begin.line, path_, key.str(), names));
+      throw std::invalid_argument(fmt::format("{}: unknown key '{}{}'; known here: {}",
+                                              text_.place(key.source()), path_, brief(key.str()),
+                                              names));
     }
   }
 
@@ -204,9 +241,29 @@ class Reader {
   [[noreturn]] void refuse(const toml::node& node, const std::string& path,
                            const std::string& expected) const {
     std::ostringstream found;
-    node.visit([&](const auto& n) { found << toml::node_view<const toml::node>(&n); });
-    throw std::invalid_argument(fmt::format("{}:{}: {} must be {}, found {}", where_,
-                                            node.source().begin.line, path, expected, found.str()));
+    const toml::array* array = node.as_array();
+    if (array && array->size() > 4) {
+      found << array->size() << " items";
+    } else {
+      node.visit([&](const auto& n) { found << toml::node_view<const toml::node>(&n); });
+    }
+    throw std::invalid_argument(fmt::format("{}: {} must be {}, found {}",
+                                            text_.place(node.source()), path, expected,
+                                            brief(found.str())));
+  }
+
+  void note_line(const toml::node& node, const std::string& path) const {
+    if (text_.lines) lines_[path] = static_cast<int>(node.source().begin.line);
+  }
+
+  /// {v = VALUE} for a key that came later than the text at hand.
+  toml::table value_before(const std::string& path) const {
+    for (const auto& [key, value] : kKeysSince) {
+      if (key == path) return toml::parse(fmt::format("v = {}", value));
+    }
+    throw std::invalid_argument(fmt::format(
+        "{}: {} is missing; a trial carries all of its scenario, or nobody knows what it ran under",
+        text_.where, path));
   }
 
   double number(const toml::node& node, const std::string& path, Range range) const {
@@ -315,6 +372,7 @@ class Reader {
     for (const toml::node& item : *array) {
       const std::vector<double> v = numbers(item, path, 2, Range{-100, 100});
       value.emplace_back(v[0], v[1]);
+      note_line(item, fmt::format("{}[{}]", path, value.size()));
     }
   }
 
@@ -325,16 +383,18 @@ class Reader {
     value.clear();
     for (const toml::node& item : *array) {
       if (!item.is_table()) refuse(item, path, "tables {shape, radius, low, high}");
-      Reader inner(*item.as_table(), where_, path + ".");
+      Reader inner(*item.as_table(), text_, path + ".", lines_);
       visit(inner, value.emplace_back());
+      note_line(item, fmt::format("{}[{}]", path, value.size()));
       inner.finish();
       if (!(value.back().low < value.back().high)) refuse(item, path, "low below high");
     }
   }
 
   const toml::table& table_;
-  std::string_view where_;
+  const Text& text_;
   std::string path_;
+  Lines& lines_;
   std::set<std::string> known_;
 };
 
@@ -345,13 +405,25 @@ std::string number_text(double value) {
   return text;
 }
 
-/// Writes fields in their order, each with its meaning beside it.
+/// Writes fields in their order, each with its meaning beside it, and where it is from if it is
+/// still the value that is from there.
 class Writer {
  public:
+  /// @param sourced  the values that the sources are of, by key; none for no sources
+  explicit Writer(const std::map<std::string, std::string>& sourced) : sourced_(sourced) {}
+
   template <typename T, typename Allowed>
-  void field(std::string_view key, const T& value, const Allowed&, std::string_view meaning) {
-    out_ += fmt::format("{} = {}", key, text(value));
-    if (!meaning.empty()) out_ += fmt::format("  # {}", meaning);
+  void field(std::string_view key, const T& value, const Allowed&, std::string_view meaning,
+             std::string_view source = {}) {
+    const std::string path = path_ + "." + std::string(key), written = text(value);
+    const auto usual = sourced_.find(path);
+    if (usual == sourced_.end() || usual->second != written) source = {};
+    written_[path] = written;
+    out_ += fmt::format("{} = {}", key, written);
+    if (!meaning.empty() || !source.empty()) {
+      out_ +=
+          fmt::format("  # {}{}{}", meaning, meaning.empty() || source.empty() ? "" : "; ", source);
+    }
     out_ += "\n";
   }
 
@@ -365,6 +437,7 @@ class Writer {
   }
 
   std::string out() && { return std::move(out_); }
+  std::map<std::string, std::string> written() && { return std::move(written_); }
 
  private:
   static std::string text(double value) { return number_text(value); }
@@ -398,41 +471,28 @@ class Writer {
     return all + "\n]";
   }
 
+  const std::map<std::string, std::string>& sourced_;
+  std::map<std::string, std::string> written_;  // by key
   std::string out_;
   std::string path_;
 };
 
-toml::table parse_table(std::string_view text, std::string_view where) {
+toml::table parse_table(std::string_view toml, const Text& text) {
+  require_shallow(toml, text.where);
   try {
-    return toml::parse(text, where);
+    return toml::parse(toml);
   } catch (const toml::parse_error& error) {
     throw std::invalid_argument(
-        fmt::format("{}:{}: not TOML: {}", where, error.source().begin.line, error.description()));
+        fmt::format("{}: not TOML: {}", text.place(error.source()), brief(error.description())));
   }
 }
 
-/// What no single field can tell.
-void check(const Scenario& s, std::string_view where) {
-  if (s.rates.physics_hz % 120 != 0) {
-    throw std::invalid_argument(fmt::format(
-        "{}: rates.physics_hz must be a multiple of 120, found {}", where, s.rates.physics_hz));
-  }
-  for (const Vec2& spot : s.rack.spots) {
-    if (s.lane.head_pin + spot.y() > s.room.ahead - 0.1 ||
-        std::abs(spot.x()) > 0.5 * s.room.width - 0.1) {
-      throw std::invalid_argument(
-          fmt::format("{}: rack.spots must lie 0.1 m inside the room (width {}, ahead {}), found "
-                      "[{}, {}] from a head pin {} m down the lane",
-                      where, s.room.width, s.room.ahead, spot.x(), spot.y(), s.lane.head_pin));
-    }
-  }
-}
-
-void read_into(Scenario& scenario, const toml::table& table, std::string_view where) {
-  Reader reader(table, where, "");
+void read_into(Scenario& scenario, const toml::table& table, const Text& text) {
+  Lines lines;
+  Reader reader(table, text, "", lines);
   visit(reader, scenario);
   reader.finish();
-  check(scenario, where);
+  check(scenario, text.where, lines);
 }
 
 /// Rounded, so that the text of a scenario shows measures and not the noise of a product.
@@ -481,42 +541,56 @@ Scenario::Scenario() : hmd(hmd_of_profile(render::hmd_profiles().front().name)) 
 
 Scenario parse_scenario(std::string_view toml, std::string_view where) {
   Scenario scenario;
-  read_into(scenario, parse_table(toml, where), where);
+  const Text text{std::string(where)};
+  read_into(scenario, parse_table(toml, text), text);
+  return scenario;
+}
+
+Scenario scenario_of_trial(std::string_view toml, std::string_view trial) {
+  Scenario scenario;
+  const Text text{.where = fmt::format("{} (scenario)", trial), .whole = true};
+  read_into(scenario, parse_table(toml, text), text);
   return scenario;
 }
 
 Scenario load_scenario(const std::string& name_or_file) {
   const std::string path = scenario_path(name_or_file);
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file) throw std::runtime_error(path + ": cannot be read");
-  return parse_scenario(text.str(), path);
+  return parse_scenario(read_scenario_file(path), path);
 }
 
 std::string to_toml(const Scenario& scenario) {
-  Writer writer;
-  Scenario copy = scenario;  // the list of fields is one for reading and writing
+  // The list of fields is one for reading and writing, so it takes what it could change.
+  Scenario usual, copy = scenario;
+  const std::map<std::string, std::string> none;
+  Writer first(none);
+  visit(first, usual);
+  const std::map<std::string, std::string> sourced = std::move(first).written();
+  Writer writer(sourced);
   visit(writer, copy);
   return std::move(writer).out();
+}
+
+void check(const Scenario& scenario, std::string_view where) {
+  check(scenario, where, {});
 }
 
 void set(Scenario& scenario, std::string_view assignment) {
   const std::size_t equals = assignment.find('=');
   if (equals == std::string_view::npos || equals == 0) {
     throw std::invalid_argument(
-        fmt::format("--set {}: expected key=value, such as ball.mass=5", assignment));
+        fmt::format("--set {}: expected key=value, such as ball.mass=5", brief(assignment)));
   }
-  const std::string where = fmt::format("--set {}", assignment);
+  const Text text{.where = fmt::format("--set {}", brief(assignment)), .lines = false};
   const std::string key(assignment.substr(0, equals));
   const std::string value(assignment.substr(equals + 1));
   toml::table table;
+  require_shallow(assignment, text.where);
   try {
     table = toml::parse(key + " = " + value);
   } catch (const toml::parse_error&) {  // a bare word is a string
-    table = parse_table(fmt::format("{} = '{}'", key, value), where);
+    table = parse_table(fmt::format("{} = '{}'", key, value), text);
   }
-  read_into(scenario, table, where);
+  read_into(scenario, table, text);
 }
 
 void set_elasticity(Materials& materials, double elasticity) {

@@ -130,13 +130,28 @@ struct Scenario {
 ///         unknown keys, wrong types, values out of range and text that is not TOML
 Scenario parse_scenario(std::string_view toml, std::string_view where);
 
-/// The same from a file, or by the name of one that comes with the program (scenario_files.h).
+/// The scenario that a trial carries, whole: a key that is missing is refused, or has the value
+/// that trials ran under before there was such a key. So no default of today changes an old replay.
+///
+/// @param trial  name of its file, for messages
+/// @throws std::invalid_argument  as parse_scenario, and for a key that is missing
+Scenario scenario_of_trial(std::string_view toml, std::string_view trial);
+
+/// parse_scenario() of a file, or of one that comes with the program, by its name
+/// (scenario_files.h).
 /// @throws std::runtime_error  where it cannot be read
 Scenario load_scenario(const std::string& name_or_file);
 
 /// All of a scenario as TOML, each value with its meaning beside it; parse_scenario gives it back
 /// to the bit.
 std::string to_toml(const Scenario& scenario);
+
+/// Whether what stands in a scenario fits together: skittles beside each other and inside the room,
+/// parts without gaps, the ball in no wall. Whatever reads a scenario has checked it.
+///
+/// @param where  its name, for messages
+/// @throws std::invalid_argument  naming the key, what was found and what is allowed
+void check(const Scenario& scenario, std::string_view where);
 
 /// Changes one value, written as on the command line: `ball.mass=5`, `collision.shape=ellipsoid`.
 ///

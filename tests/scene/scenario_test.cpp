@@ -82,7 +82,7 @@ TEST(ScenarioText, RefusalsNameFileLineKeyAndWhatIsAllowed) {
   EXPECT_THAT(refusal("ball = 3"), HasSubstr("ball must be a table"));
   EXPECT_THAT(refusal("[rates]\nphysics_hz = 240.5"), HasSubstr("must be a whole number"));
   EXPECT_THAT(refusal("[rates]\nphysics_hz = 250"), HasSubstr("a multiple of 120"));
-  EXPECT_THAT(refusal("[lane]\nhead_pin = 7.0"), HasSubstr("must lie 0.1 m inside the room"));
+  EXPECT_THAT(refusal("[lane]\nhead_pin = 7.0"), HasSubstr("must stand clear of the walls"));
   EXPECT_THAT(refusal("[rig]\nX_WT = {q = [1.0, 1.0, 0.0, 0.0]}"), HasSubstr("a unit quaternion"));
   EXPECT_THAT(refusal("[rack]\nspots = [[0.0, 1.0, 2.0]]"), HasSubstr("an array of 2 numbers"));
   EXPECT_THAT(refusal("[skittle]\nparts = [{radius = 0.1, low = 0.2, high = 0.1}]"),

@@ -1,0 +1,98 @@
+// Scenarios as the commands meet them: from a file, and inside a trial.
+
+#include <fmt/format.h>
+
+#include "devices/log.h"
+#include "scene/scenario.h"
+#include "tests/apps/command_line.h"
+
+namespace headpin {
+namespace {
+
+using testing::HasSubstr;
+
+class ScenarioCommands : public CommandLine {
+ protected:
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+  }
+  /// The bundled trial with another scenario in it.
+  void write_trial(const std::string& name, const std::string& scenario) const {
+    devices::Trial trial = devices::read_trial(kDemo);
+    trial.header.scenario = scenario;
+    devices::Recorder recorder(folder_ / name, trial.header, {.overwrite = true});
+    devices::write(recorder, trial.samples, trial.events);
+    recorder.close();
+  }
+  scene::Scenario scenario_of(const std::string& name) const {
+    return scene::scenario_of_trial(devices::read_trial(folder_ / name).header.scenario, name);
+  }
+};
+
+TEST_F(ScenarioCommands, WhatCannotBeReadIsRefusedByAll) {
+  fs::create_directory(folder_ / "folder");
+  for (const std::string& command : std::vector<std::string>{
+           "synthesize -o OUT", "live --lcm memq:// --duration 0.1 --record OUT"}) {
+    expect_refusal(command + " --scenario folder", 1, "folder: cannot be read: Is a directory");
+    expect_refusal(command + " --scenario none.toml", 1, "none.toml: cannot be read: No such file");
+  }
+}
+
+TEST_F(ScenarioCommands, WhatDoesNotFitIsRefusedByAllAlike) {
+  write("gap.toml", "[skittle]\nheight = 0.3\nparts = [{low = 0.1, high = 0.3}]\n");
+  write("wall.toml", "\n\nball.home = [0.0, 0.0, 9.0]\n");
+  for (const std::string& command : std::vector<std::string>{
+           "synthesize -o OUT", "live --lcm memq:// --duration 0.1 --record OUT"}) {
+    expect_refusal(command + " --scenario gap.toml", 1, "gap.toml:3: skittle.parts must begin at");
+    expect_refusal(command + " --scenario wall.toml", 1, "wall.toml:3: ball.home must hold");
+  }
+  expect_refusal("replay " + kDemo + " -o OUT --set skittle.height=0.5", 2,
+                 "--set skittle.height=0.5: skittle.height must be that of its parts");
+}
+
+TEST_F(ScenarioCommands, ATrialWithoutItsWholeScenarioIsRefusedByAll) {
+  std::string deep = "a";
+  for (int i = 0; i < 50'000; ++i) deep += ".a";
+  const std::string whole = devices::read_trial(kDemo).header.scenario;
+  std::string cut = whole;
+  cut.replace(cut.find("gravity"), 7, "# ");
+  for (const auto& [text, says] : {std::pair{std::string(), "name is missing"},
+                                   {std::string("[ball]\nmass = 5\n"), "name is missing"},
+                                   {std::string("<lane/>"), "not TOML"},
+                                   {cut, "collision.gravity is missing"},
+                                   {whole + "\n[gutter]\ndepth = 1\n", "unknown key 'gutter'"},
+                                   {deep + " = 1", "nested more than 16 deep"}}) {
+    write_trial("x.lcmlog", text);
+    for (const char* command : {"replay x.lcmlog -o OUT", "frames x.lcmlog -o OUT",
+                                "stream x.lcmlog --lcm memq:// --speed 0"}) {
+      expect_refusal(command, 1, says);
+    }
+    EXPECT_EQ(headpin("info x.lcmlog").code, 0);
+  }
+  write_trial("x.lcmlog", whole);
+  EXPECT_EQ(json("replay x.lcmlog --json")["state_hash"],
+            json("replay --json " + kDemo)["state_hash"]);
+}
+
+TEST_F(ScenarioCommands, SynthesizeKeepsWhatTheScenarioSays) {
+  ASSERT_EQ(headpin("synthesize -o usual.lcmlog --seed 3").code, 0);
+  const scene::Scenario usual = scenario_of("usual.lcmlog");
+  Vec3 home = usual.ball.home + Vec3(0.01, 0.02, 0.0);
+  write("own.toml", fmt::format("ball.home = [{}, {}, {}]\n[rig]\nX_WT = {{p = [0.5, -2.0, 1.0]}}\n"
+                                "delay_s = 0.0\n",
+                                home.x(), home.y(), home.z()));
+  ASSERT_EQ(headpin("synthesize -o own.lcmlog --seed 3 --scenario own.toml").code, 0);
+  const scene::Scenario own = scenario_of("own.lcmlog");
+  EXPECT_EQ(own.ball.home, home);
+  EXPECT_EQ(own.rig.X_WT.p, Vec3(0.5, -2.0, 1.0));
+  EXPECT_EQ(own.rig.delay_s, 0.0);
+  EXPECT_EQ(own.rig.X_SH.p, Vec3::Zero().eval());
+  // The same arm throws the same ball, whatever measures it.
+  const nlohmann::json thrown = json("replay own.lcmlog --json");
+  EXPECT_NEAR(thrown["release_speed_mps"].get<double>(), 6.5, 0.6);
+  write("far.toml", "ball.home = [1.5, 1.0, 0.85]\n");
+  expect_refusal("synthesize -o OUT --scenario far.toml", 2, "ball.home must be within the arm's");
+}
+
+}  // namespace
+}  // namespace headpin

@@ -1,0 +1,213 @@
+// What a scenario is refused for when it is read, so that no command meets it later.
+
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "devices/log.h"
+#include "scene/scenario.h"
+#include "tests/support/folder.h"
+
+namespace headpin::scene {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+std::string refusal(const std::string& toml) {
+  return complaint([&] { parse_scenario(toml, "lane.toml"); });
+}
+
+TEST(ScenarioCheck, SkittlesStandBesideEachOther) {
+  EXPECT_EQ(refusal("[rack]\nspots = [\n[0.0, 0.0],\n[0.5, 0.0],\n[0.05, 0.1],\n]"),
+            "lane.toml:5: rack.spots must be 0.121 apart, as wide as a skittle is; found spots 1 "
+            "and 3 0.1118 apart");
+  EXPECT_THAT(refusal("[rack]\nspots = [[0, 0], [0, 0]]"),
+              HasSubstr("found spots 1 and 2 0 apart"));
+  EXPECT_EQ(refusal("[rack]\nspots = [[0, 0], [0.122, 0]]"), "");
+}
+
+TEST(ScenarioCheck, SkittlesStandClearOfTheWalls) {
+  EXPECT_THAT(refusal("[rack]\nspots = [[0, 0],\n[0, 1.55]]"),
+              HasSubstr("lane.toml:3: rack.spots must stand clear of the walls"));
+  EXPECT_THAT(refusal("[rack]\nspots = [[2.2, 0]]"), HasSubstr("clear of the walls"));
+  EXPECT_THAT(refusal("[rack]\nspots = [[0, -9]]"), HasSubstr("clear of the walls"));
+  EXPECT_THAT(refusal("\n[lane]\nhead_pin = 7.0"), HasSubstr("lane.toml:3: rack.spots must"));
+}
+
+TEST(ScenarioCheck, PartsReachFromTheBaseToTheTopWithoutGaps) {
+  const auto parts = [](const std::string& list) {
+    return refusal(
+        "[skittle]\nheight = 0.3\nprofile = [[0, 0.05], [0.1, 0.03], [0.3, 0.0]]\n"
+        "parts = [\n" +
+        list + "]");
+  };
+  EXPECT_EQ(parts("{low = 0.0, high = 0.2},\n{low = 0.1, high = 0.3}"), "");
+  EXPECT_EQ(parts("{low = 0.2, high = 0.3},\n{low = 0.0, high = 0.1}"),
+            "lane.toml:5: skittle.parts must leave no gap, found one from 0.1 to 0.2");
+  EXPECT_EQ(parts("{low = 0.01, high = 0.3}"),
+            "lane.toml:5: skittle.parts must begin at the base, 0; found 0.01 as the lowest");
+  EXPECT_EQ(parts("{low = 0.0, high = 0.4}"),
+            "lane.toml:2: skittle.height must be that of its parts, 0.4; found 0.3");
+  EXPECT_THAT(refusal("[skittle]\nheight = 0.4"),
+              HasSubstr("lane.toml:2: skittle.height must be that of its parts, 0.381; found 0.4"));
+}
+
+TEST(ScenarioCheck, AProfileRisesFromTheBaseToTheTop) {
+  const auto profile = [](const std::string& list) {
+    return refusal("[skittle]\nprofile = [\n" + list + "]");
+  };
+  EXPECT_EQ(profile("[0, 0.02],\n[0.2, 0.05],\n[0.1, 0.04],\n[0.381, 0]"),
+            "lane.toml:5: skittle.profile must rise from point to point, found 0.1 after 0.2");
+  EXPECT_THAT(profile("[0, 0.02],\n[0.2, -0.05],\n[0.381, 0]"), HasSubstr("lane.toml:4"));
+  EXPECT_THAT(profile("[0, 0.02],\n[0.381, 0]"), HasSubstr("3 points or more, found 2"));
+  EXPECT_THAT(profile("[0.1, 0.02],\n[0.2, 0.03],\n[0.381, 0]"), HasSubstr("begin at the base"));
+  EXPECT_THAT(profile("[0, 0.02],\n[0.2, 0.03],\n[0.3, 0]"),
+              HasSubstr("end at the skittle's height, 0.381; found 0.3"));
+}
+
+TEST(ScenarioCheck, TheBallIsInNoWallFloorOrSkittle) {
+  for (const char* home : {"[2.2, 0, 1]", "[-2.2, 0, 1]", "[0, 7.55, 1]", "[0, -2.95, 1]",
+                           "[0, 0, 0.1]", "[0, 0, 2.75]"}) {
+    EXPECT_THAT(refusal(fmt::format("[ball]\nradius = 0.11\nhome = {}", home)),
+                HasSubstr("lane.toml:3: ball.home must hold the ball clear of floor, walls"))
+        << home;
+  }
+  EXPECT_THAT(refusal("[ball]\nhome = [0, 5.95, 0.3]"), HasSubstr("found it in skittle 1"));
+  EXPECT_EQ(refusal("[ball]\nhome = [0, 5.95, 0.6]"), "");
+  EXPECT_THAT(refusal("[lane]\nwidth = 5"), HasSubstr("lane.toml:2: lane.width must be less than"));
+}
+
+TEST(ScenarioCheck, NestedBeyondUseIsRefusedBeforeTheParserFalls) {
+  std::string dotted = "a", headers, brackets = "a = ", braces = "a = ";
+  for (int i = 0; i < 50'000; ++i) {
+    dotted += ".a";
+    brackets += "[";
+    braces += "{a=";
+  }
+  for (const std::string& text : {dotted + " = 1", "[" + dotted + "]", "[[" + dotted + "]]",
+                                  brackets, braces, "x = {" + dotted + " = 1}"}) {
+    EXPECT_EQ(refusal("\n" + text), "lane.toml:2: nested more than 16 deep");
+  }
+  std::string quoted = "\"a\"";
+  for (int i = 0; i < 50'000; ++i) quoted += " . 'a'";
+  EXPECT_THAT(refusal(quoted + " = 1"), HasSubstr("nested more than 16 deep"));
+  Scenario scenario;
+  EXPECT_THAT(complaint([&] { set(scenario, dotted + "=1"); }), HasSubstr("nested more than"));
+  // Dots and brackets that nest nothing.
+  EXPECT_EQ(refusal("# " + std::string(99, '.') + std::string(99, '[') + "\nname = '" +
+                    std::string(99, '.') + std::string(99, '{') + "'"),
+            "");
+  EXPECT_EQ(refusal("name = \"\"\"" + std::string(99, '[') + "\n...\\\"\"\" # x"),
+            "lane.toml:2: not TOML: Error while parsing string: encountered end-of-file");
+}
+
+TEST(ScenarioCheck, MessagesAreShortHoweverMuchIsWrong) {
+  std::string spots = "rack.spots = [";
+  for (int i = 0; i < 100'000; ++i) spots += "[0.0, 0.0],";
+  EXPECT_EQ(refusal(spots + "]"),
+            "lane.toml:1: rack.spots must be an array of 1 to 10000 pairs of numbers, found 100000 "
+            "items");
+  for (const std::string& text :
+       {"name = " + std::string(1'000'000, 'x'), std::string(1'000'000, 'x') + " = 1",
+        "ball.mass = '" + std::string(1'000'000, 'x') + "'",
+        "ball = '" + std::string(1'000'000, '\n') + "'"}) {
+    EXPECT_THAT(refusal(text), Not(testing::IsEmpty()));
+    EXPECT_LT(refusal(text).size(), 400u);
+  }
+}
+
+TEST(ScenarioFile, WhatCannotBeReadIsNoScenario) {
+  TemporaryFolder folder;
+  const auto refused = [](const std::string& path) {
+    return complaint([&] { load_scenario(path); });
+  };
+  EXPECT_THAT(refused(folder.path()), HasSubstr("cannot be read: Is a directory"));
+  EXPECT_THAT(refused(folder / "missing"), HasSubstr("cannot be read: No such file"));
+  EXPECT_THAT(refused("/proc/self/mem"), HasSubstr("cannot be read"));
+  EXPECT_THAT(refused("/dev/zero"), HasSubstr("longer than a scenario"));
+  spit(folder / "ball.toml", "[ball]\nmass = 5");
+  EXPECT_EQ(load_scenario(folder / "ball.toml").ball.mass, 5.0);
+}
+
+TEST(ScenarioText, StepRatesAreThoseThatAreAllowed) {
+  EXPECT_THAT(refusal("rates.physics_hz = 60"), HasSubstr("from 120 to 99960"));
+  EXPECT_EQ(refusal("rates.physics_hz = 120"), "");
+  EXPECT_EQ(refusal("rates.physics_hz = 99960"), "");
+}
+
+TEST(ScenarioText, ASourceStandsOnlyBesideTheValueThatIsFromThere) {
+  Scenario s;
+  EXPECT_THAT(to_toml(s), HasSubstr("mass = 1.588  # 3 lb 8 oz: USBC\n"));
+  EXPECT_THAT(to_toml(s), HasSubstr("width = 1.0541  # 41.5 in: USBC\n"));
+  s.skittle.mass = 2.0;
+  s.lane.width = 1.5;
+  s.ball.radius = 0.1;
+  s.ball.mass = 5.0;
+  s.rack.spots = {Vec2(0.0, 0.0)};
+  s.material.lane.friction = 0.1;
+  s.hmd = hmd_of_profile("flight-helmet-leep");
+  s.hmd.eye_distance = 0.06;
+  const std::string text = to_toml(s);
+  EXPECT_THAT(text, HasSubstr("mass = 2.0\n"));
+  EXPECT_THAT(text, HasSubstr("width = 1.5\n"));
+  EXPECT_THAT(text, HasSubstr("friction = 0.1  # a pair takes the product\n"));
+  EXPECT_THAT(text, Not(HasSubstr("15 lb")));
+  EXPECT_THAT(text, Not(HasSubstr("8.54 in")));
+  EXPECT_THAT(text, Not(HasSubstr("12 in apart")));
+  EXPECT_THAT(text, Not(HasSubstr("64 mm")));
+  EXPECT_THAT(text, Not(HasSubstr("section 3")));
+}
+
+TEST(ScenarioOfATrial, TakesNoDefaultOfToday) {
+  // Whatever key is taken out of what a trial carries, the rest is no scenario of a trial.
+  const std::string whole = to_toml(Scenario{});
+  EXPECT_EQ(to_toml(scenario_of_trial(whole, "old.lcmlog")), whole);
+  std::istringstream lines(whole);
+  int keys = 0;
+  std::size_t at = 0;
+  for (std::string line; std::getline(lines, line); at += line.size() + 1) {
+    const std::size_t equals = line.find(" = ");
+    if (equals == std::string::npos || line[0] == ' ') continue;
+    std::string without = whole;  // the key gets another name
+    without.replace(at, equals, "#");
+    if (line.ends_with("[")) continue;  // an array of many lines
+    if (line.find("_station = ") != std::string::npos)
+      continue;  // came later; trials ran under 1, 2
+    const std::string why = complaint([&] { scenario_of_trial(without, "old.lcmlog"); });
+    EXPECT_THAT(why, HasSubstr("old.lcmlog (scenario): ")) << line;
+    EXPECT_THAT(why, HasSubstr(line.substr(0, equals) + " is missing")) << line;
+    EXPECT_EQ(complaint([&] { parse_scenario(without, "file"); }), "") << line;
+    ++keys;
+  }
+  EXPECT_GT(keys, 40);
+}
+
+TEST(ScenarioOfATrial, WithoutAKeyThatCameLaterRanUnderWhatThenHeld) {
+  Scenario other;
+  other.rig.head_station = 3;
+  other.rig.hand_station = 4;
+  std::string text = to_toml(other);
+  for (const char* key : {"head_station", "hand_station"}) text.replace(text.find(key), 4, "# ");
+  const Scenario read = scenario_of_trial(text, "old.lcmlog");
+  EXPECT_EQ(read.rig.head_station, 1);
+  EXPECT_EQ(read.rig.hand_station, 2);
+}
+
+TEST(ScenarioOfATrial, TheBundledTrialCarriesAllOfIt) {
+  const devices::Trial trial = devices::read_trial(HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog");
+  EXPECT_EQ(complaint([&] { scenario_of_trial(trial.header.scenario, "demo.lcmlog"); }), "");
+}
+
+TEST(ScenarioOfATrial, EmptyAndForeignOnesAreRefused) {
+  for (const char* text : {"", "name = 'lane'", "[ball]\nmass = 5", "# nothing"}) {
+    EXPECT_THAT(complaint([&] { scenario_of_trial(text, "x.lcmlog"); }), HasSubstr("is missing"));
+  }
+  EXPECT_THAT(complaint([&] { scenario_of_trial("<xml/>", "x.lcmlog"); }), HasSubstr("not TOML"));
+}
+
+}  // namespace
+}  // namespace headpin::scene
