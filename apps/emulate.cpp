@@ -196,7 +196,7 @@ std::string place_report(const devices::FastrakPlace& place, const devices::Tria
       "; transmitter moved by {:.3f}, {:.3f}, {:.3f} m (ahead, right, down), so that all receivers "
       "are ahead of it, {:.2f} m at most",
       p.x(), p.y(), p.z(), place.farthest);
-  const scene::Rig rig = scene::parse_scenario(trial.header.scenario, options.trial).rig;
+  const scene::Rig rig = scene::scenario_of_trial(trial.header.scenario, options.trial).rig;
   const Vec3 p_W = rig.X_WT * p;
   return text + fmt::format(
                     "; in the trial's room that is rig.X_WT p = [{:.4f}, {:.4f}, {:.4f}] "

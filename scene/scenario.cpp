@@ -189,7 +189,9 @@ struct Text {
 
 /// Keys that trials of before these keys were there lack, with what such a trial ran under. What is
 /// written here never changes, whatever becomes of the defaults.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 2> kKeysSince{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kKeysSince{{
+    {"hand.release_window_most_s", "0.12"},
+    {"hand.release_accuracy", "0.3"},
     {"rig.head_station", "1"},
     {"rig.hand_station", "2"},
 }};

@@ -207,6 +207,14 @@ TEST_F(Endings, AStoppedStreamSaysHowFarItWas) {
   }
 }
 
+TEST_F(Endings, AScriptCanInterruptWhatItStartedInTheBackground) {
+  const Result run = shell(
+      "$headpin emulate --link line & until [ -L line ]; do sleep 0.01; done; kill -INT $!; wait "
+      "$!");
+  EXPECT_EQ(run.code, 0);
+  EXPECT_FALSE(fs::is_symlink(folder_ / "line"));
+}
+
 TEST_F(Endings, AStoppedEmulatorTakesItsLinkAway) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const pid_t process = start({"emulate", "--link", "line"});

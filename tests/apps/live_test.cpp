@@ -1,6 +1,7 @@
 // A session in real time: fed by LCM's own player, stopped by signals, replayed to the bit.
 
 #include "devices/log.h"
+#include "scene/scenario.h"
 #include "tests/apps/command_line.h"
 
 namespace headpin {
@@ -51,7 +52,9 @@ class Sessions : public CommandLine {
     head.X_TS.p = Vec3(0.8, 0.1, -0.6);
     hand.station = devices::kHandStation;
     hand.X_TS.p = kBehind;
-    devices::Recorder recorder(folder_ / "behind.lcmlog", {});
+    devices::TrialHeader header;
+    header.scenario = scene::to_toml(scene::Scenario{});
+    devices::Recorder recorder(folder_ / "behind.lcmlog", header);
     recorder.write(head);
     recorder.write(hand);
     recorder.close();
