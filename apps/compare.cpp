@@ -92,8 +92,8 @@ nlohmann::json describe(const Side& side) {
     highest = std::max(highest, energy(stage.world, state));
   }
   return {{"trial", side.path},
-          {"elasticity", scene::common_value(side.scenario.material, &scene::Material::elasticity)},
-          {"friction", scene::common_value(side.scenario.material, &scene::Material::friction)},
+          {"elasticity", scene::per_object(side.scenario.material, &scene::Material::elasticity)},
+          {"friction", scene::per_object(side.scenario.material, &scene::Material::friction)},
           {"shape", side.scenario.collision.shape},
           {"response", side.scenario.collision.response},
           {"ticks", trial.states.size()},
@@ -108,6 +108,7 @@ nlohmann::json describe(const Side& side) {
 
 std::string cell(const nlohmann::json& value) {
   if (value.is_null()) return "-";
+  if (value.is_object()) return cell(scene::in_short(value));
   if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
   return value.is_string() ? value.get<std::string>() : value.dump();
 }

@@ -344,8 +344,8 @@ void run(const Options& options) {
 void add_emulate(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand(
-      "emulate", "be a Polhemus Fastrak on a pseudo-terminal or a TCP port, as a driver sees it");
-  auto* trial = command->add_option("trial", options->trial,
+      "emulate", "Be a Polhemus Fastrak on a pseudo-terminal or a TCP port, as a driver sees it");
+  auto* trial = command->add_option("TRIAL", options->trial,
                                     "feed it from a trial, from its start whenever a client "
                                     "switches continuous output on");
   command->add_option("--motion", options->motion, "a test pattern instead: circle or still")

@@ -112,7 +112,13 @@ void run(const Options& options) {
   if (video) video->close();
   if (folder) folder->close();
   if (options.json) {
-    print_json({{"frames", drawing.drawn()},
+    const auto path = [](const std::optional<std::string>& name) {
+      return name ? nlohmann::ordered_json(*name) : nlohmann::ordered_json();
+    };
+    print_json({{"trial", options.trial},
+                {"output", path(options.folder)},
+                {"video", path(options.video)},
+                {"frames", drawing.drawn()},
                 {"fps", fps},
                 {"width", eyes.optics.width},
                 {"height", eyes.optics.height},

@@ -95,7 +95,7 @@ void run(const Options& options) {
   const double release = decimal_seconds(recording.times[found.release]);
   const double speed = found.V_TB.v.norm();
   if (options.json) {
-    print_json({{"trial", *options.output},
+    print_json({{"output", *options.output},
                 {"samples", samples},
                 {"duration_s", duration},
                 {"rate_hz", rate},
@@ -136,7 +136,7 @@ void add_import(CLI::App& app) {
       ->check(CLI::IsMember({"release", "gaze", "keep"}))
       ->capture_default_str();
   command->add_option("--scenario", options->scenario,
-                      "its name, or a TOML file; the paper's room if not given");
+                      "its name, or a TOML file; the paper's room when not given");
   command->add_option("--participant", options->participant, "who threw");
   command->add_option("--condition", options->condition, "name of the condition");
   add_force(*command, options->force);

@@ -10,6 +10,8 @@
 #include "apps/options.h"
 #include "apps/streams.h"
 #include "devices/log.h"
+#include "scene/events.h"
+#include "scene/outcome.h"
 #include "scene/score.h"
 
 namespace headpin::apps {
@@ -23,9 +25,7 @@ double decimal_seconds(Time time) {
 
 /// Text from a log, fit for a terminal.
 std::string shown(std::string text) {
-  const auto control = [](char c) { return static_cast<unsigned char>(c) < 0x20 || c == 0x7f; };
-  std::ranges::replace_if(text, control, '?');
-  return text.empty() ? "-" : text;
+  return text.empty() ? "-" : printable(std::move(text));
 }
 
 /// What one device sent.
@@ -98,8 +98,8 @@ Time duration(const devices::Trial& trial) {
 ordered_json to_json(const std::string& path, const devices::Trial& trial) {
   ordered_json out{{"trial", path},
                    {"format_version", trial.header.format_version},
-                   {"software_version", trial.header.software_version},
-                   {"software_commit", trial.header.software_commit},
+                   {"version", trial.header.software_version},
+                   {"commit", trial.header.software_commit},
                    {"participant", trial.header.participant},
                    {"condition", trial.header.condition},
                    {"seed", trial.header.seed},
@@ -128,6 +128,10 @@ ordered_json to_json(const std::string& path, const devices::Trial& trial) {
                              {"bodies", event.bodies},
                              {"value", event.value},
                              {"detail", event.detail}});
+    if (event.kind == scene::kind::ledger) {
+      const ordered_json ledger = ordered_json::parse(event.detail, nullptr, false);
+      if (ledger.is_object()) out["ledger"] = ledger;
+    }
   }
   if (!trial.states.empty()) {
     const scene::Score r = scene::score(trial.events);
@@ -138,6 +142,9 @@ ordered_json to_json(const std::string& path, const devices::Trial& trial) {
                      {"skittles_down", r.skittles_down}};
     if (r.release_speed) out["result"]["release_speed_mps"] = *r.release_speed;
     if (r.impact_speed) out["result"]["impact_speed_mps"] = *r.impact_speed;
+    if (r.skittles_down == 0) {
+      out["result"]["why_nothing_fell"] = scene::why_nothing_fell(trial.events);
+    }
   }
   const devices::Skipped& skipped = trial.skipped;
   out["skipped"] = {{"bytes", skipped.bytes},
@@ -207,6 +214,9 @@ void print(const std::string& path, const devices::Trial& trial) {
       std::cout << fmt::format(", ball released at {:.2f} m/s", *r.release_speed);
     if (r.impact_speed) std::cout << fmt::format(", struck at {:.2f} m/s", *r.impact_speed);
     std::cout << "\n";
+    if (r.skittles_down == 0) {
+      std::cout << "  " << shown(scene::why_nothing_fell(trial.events)) << "\n";
+    }
   }
   if (!trial.events.empty()) std::cout << "events\n";
   for (const devices::Event& event : trial.events) {
@@ -230,7 +240,8 @@ void add_info(CLI::App& app) {
   };
   CLI::App* command = app.add_subcommand("info", "Tell what is in a trial");
   const auto options = std::make_shared<Options>();
-  command->add_option("TRIAL", options->trial, "LCM event log")->required();
+  command->add_option("TRIAL", options->trial, "a trial (.lcmlog), or any LCM event log")
+      ->required();
   auto* json = add_json(*command, options->json);
   command->add_flag("--scenario", options->scenario, "print its scenario (TOML) and nothing else")
       ->excludes(json);

@@ -18,6 +18,7 @@
 #include "devices/fastrak.h"
 #include "devices/lasting_line.h"
 #include "devices/lcm_link.h"
+#include "devices/log.h"
 #include "devices/mouse3d.h"
 #include "devices/sources.h"
 #include "devices/stamped_stream.h"
@@ -150,8 +151,36 @@ class Reporter : public scene::Observer {
   Time next_line_{10'000'000};
 };
 
-nlohmann::json summary(const Live& live) {
+/// A session that nobody took part in has failed, whatever was recorded of it.
+void require_samples(const Live& live, const Options& options) {
+  if (live.samples > 0) return;
+  std::string from = options.fastrak;
+  if (live.link) from += (from.empty() ? "" : " or ") + live.link->url();
+  throw std::runtime_error(
+      fmt::format("no sample came in {:.1f} s from {}", seconds(live.session.now()), from));
+}
+
+/// Says so where the samples of a log are taken into another scenario than the one they are from.
+void tell_of_another_scenario(const Live& live) {
+  if (!live.link || !live.link->is_replay()) return;
+  const std::string path = live.link->url().substr(std::string_view("file://").size());
+  const devices::Trial trial = devices::read_log(path.substr(0, path.find('?')));
+  if (!trial.has_header) return;
+  std::string own;
+  try {
+    own = scene::to_toml(scene::scenario_of_trial(trial.header.scenario, path));
+  } catch (const std::invalid_argument&) {  // not whole, so it is not this session's
+  }
+  if (own == scene::to_toml(live.session.scenario())) return;
+  fmt::print(stderr,
+             "headpin live: {} is from another scenario than this session's; `headpin info {} "
+             "--scenario` prints its own, for --scenario FILE\n",
+             printable(path), printable(path));
+}
+
+nlohmann::json summary(const Live& live, const Options& options) {
   nlohmann::json j = scene::summary(live.session, live.totals.score());
+  j["output"] = options.record ? nlohmann::json(*options.record) : nlohmann::json();
   j["duration_s"] = seconds(live.session.now());
   j["samples"] = live.samples;
   j["frames"] = live.frames;
@@ -333,6 +362,7 @@ void run(const Options& options) {
   watch_stop_signals();
   leave_a_core_to_ticks();
   Live live = open(options);
+  tell_of_another_scenario(live);
   std::vector<devices::Source*> list;
   if (live.lcm) list.push_back(live.lcm.get());
   if (live.tracker) list.push_back(live.tracker.get());
@@ -362,7 +392,8 @@ void run(const Options& options) {
   reporter.take_frames();
   if (live.writer) live.writer->close(live.session);
   print_line(live);
-  if (options.json) print_json(summary(live));
+  require_samples(live, options);
+  if (options.json) print_json(summary(live, options));
 }
 
 }  // namespace
@@ -376,7 +407,9 @@ void add_live(CLI::App& app) {
                           "file:// is only read");
   CLI::Option* fastrak = command->add_option(
       "--fastrak", options->fastrak, "poses from a Fastrak on this serial line, or tcp:HOST:PORT");
-  command->add_option("--baud", options->baud, "of that line")->capture_default_str();
+  command->add_option("--baud", options->baud, "of that line")
+      ->check(CLI::IsMember({2400, 4800, 9600, 19200, 38400, 57600, 115200}))
+      ->capture_default_str();
   command
       ->add_option("--hemisphere", options->hemispheres,
                    "side of the transmitter that its receivers stay on, a direction in its frame "

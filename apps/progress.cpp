@@ -15,10 +15,15 @@ Progress::Progress(std::string what, std::int64_t total)
       shown_(start_) {}
 
 Progress::~Progress() {
+  erase();
+}
+
+void Progress::erase() {
   if (terminal_) std::fputs("\r\033[K", stderr);
 }
 
 void Progress::show(std::int64_t done) {
+  if (done >= total_) return erase();
   const auto now = std::chrono::steady_clock::now();
   if (!terminal_ || done == 0 || now - shown_ < std::chrono::milliseconds(200)) return;
   shown_ = now;

@@ -9,6 +9,7 @@
 namespace headpin::apps {
 
 /// One line on a terminal that says how far a long job is and when it will end; silent in a pipe.
+/// It is gone when all is done, before anything else is said.
 class Progress {
  public:
   /// @param what   what is counted, "frames" say
@@ -21,6 +22,8 @@ class Progress {
   void show(std::int64_t done);
 
  private:
+  void erase();
+
   std::string what_;
   std::int64_t total_;
   bool terminal_;

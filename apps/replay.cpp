@@ -30,6 +30,10 @@ struct Options {
 
 std::string readable(const nlohmann::json& value, const char* unit) {
   if (value.is_null()) return "-";
+  if (value.is_object()) {  // one of each object
+    const nlohmann::json shared = scene::in_short(value);
+    return shared.is_string() ? shared.get<std::string>() : readable(shared, unit);
+  }
   if (value.is_number_float()) return fmt::format("{:.3g}{}", value.get<double>(), unit);
   if (value.is_string()) return value.get<std::string>() + unit;
   return value.dump() + unit;
@@ -86,6 +90,8 @@ void run(const Options& options) {
   if (writer) writer->close(session);
 
   nlohmann::json result = scene::summary(session, totals.score());
+  result["trial"] = options.trial;
+  result["output"] = options.output ? nlohmann::json(*options.output) : nlohmann::json();
   result["realtime_factor"] = seconds(session.now()) / stopwatch.spent_s();
   if (verifier) result["verified_ticks"] = verifier->compared();
   if (options.json) {

@@ -91,12 +91,13 @@ void run(const Options& options) {
   check_stop(fmt::format("after {} of {} samples", sent, samples.size()));
   const double took = std::chrono::duration<double>(Clock::now() - start).count();
   if (options.json) {
-    print_json({{"samples", sent},
+    print_json({{"trial", options.trial},
+                {"samples", sent},
                 {"complete", sent == samples.size()},
                 {"duration_s", took},
-                {"lateness_median_ms", quantile(lateness_ms, 0.5)},
-                {"lateness_p99_ms", quantile(lateness_ms, 0.99)},
-                {"lateness_max_ms", quantile(lateness_ms, 1.0)}});
+                {"lateness_median_s", 1e-3 * quantile(lateness_ms, 0.5)},
+                {"lateness_p99_s", 1e-3 * quantile(lateness_ms, 0.99)},
+                {"lateness_max_s", 1e-3 * quantile(lateness_ms, 1.0)}});
     return;
   }
   std::cout << fmt::format("{} of {} samples in {:.3f} s", sent, samples.size(), took);
@@ -114,9 +115,9 @@ void add_stream(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("stream", "Publish a trial's samples over LCM as recorded");
   const auto options = std::make_shared<Options>();
-  command->add_option("TRIAL", options->trial, "LCM event log")->required();
+  command->add_option("TRIAL", options->trial, "a trial (.lcmlog)")->required();
   command->add_option("--lcm", options->url,
-                      "LCM URL; LCM_DEFAULT_URL or its default if not given");
+                      "LCM URL; LCM_DEFAULT_URL or its default when not given");
   command->add_option("--speed", options->speed, "times the recorded pace; 0: as fast as it goes")
       ->check(number_from(0, 1000))
       ->capture_default_str();

@@ -90,7 +90,7 @@ void run(const Options& options) {
   const std::size_t samples = csv ? write_csv(options, motion, plan.seed)
                                   : write_trial(options, motion, scenario, plan.seed);
   if (options.json) {
-    print_json({{"trial", *options.output},
+    print_json({{"output", *options.output},
                 {"seed", plan.seed},
                 {"samples", samples},
                 {"duration_s", seconds(motion.duration())},
@@ -132,7 +132,7 @@ void add_synthesize(CLI::App& app) {
   add_duration(*command, options->duration_s,
                "of the trial [s]; 7 in the paper's room, more when the lane is longer");
   command->add_option("--scenario", options->scenario,
-                      "its name, or a TOML file; the paper's room if not given");
+                      "its name, or a TOML file; the paper's room when not given");
   command->add_option("--participant", options->participant, "who is said to have thrown");
   command->add_option("--condition", options->condition, "name of the condition");
   add_force(*command, options->force);

@@ -22,6 +22,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "files/lock.h"
+
 namespace headpin::devices {
 namespace {
 
@@ -37,6 +39,7 @@ constexpr std::array<std::pair<int, speed_t>, 7> kRates = {{{2400, B2400},
 constexpr int kSocketBuffer = 4096;
 
 [[noreturn]] void fail(const std::string& what) {
+  if (errno == EADDRINUSE) throw files::Busy(what + ": " + std::strerror(errno));
   throw std::runtime_error(what + ": " + std::strerror(errno));
 }
 
@@ -82,7 +85,12 @@ class SerialPort : public ByteStream {
     fd_ = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (fd_ < 0) fail(path);
     try {
+      // Before anything is changed that the one who has it relies on.
+      if (!files::lock(fd_)) throw files::Busy("in use by another headpin");
       make_raw(fd_, baud);
+    } catch (const files::Busy& error) {
+      ::close(fd_);
+      throw files::Busy(path + ": " + error.what());
     } catch (const std::exception& error) {
       ::close(fd_);
       throw std::runtime_error(path + ": " + error.what());
@@ -204,6 +212,25 @@ bool may_link(const std::string& path) {
   return stat(path.c_str(), &there) != 0 || S_ISCHR(there.st_mode);
 }
 
+/// All of a file, for a lock that belongs to whoever has it open. Clients of a terminal lock it by
+/// files::lock(), which sees nothing of this.
+struct flock whole_file() {
+  struct flock all {};
+  all.l_type = F_WRLCK;
+  all.l_whence = SEEK_SET;
+  return all;
+}
+
+/// Whether another PseudoTerminal lives behind the terminal that `link` leads to.
+bool is_served(const std::string& link) {
+  const int fd = ::open(link.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (fd < 0) return false;
+  struct flock held = whole_file();
+  const bool served = fcntl(fd, F_OFD_GETLK, &held) == 0 && held.l_type != F_UNLCK;
+  ::close(fd);
+  return served;
+}
+
 }  // namespace
 
 std::unique_ptr<ByteStream> open_serial(const std::string& path, int baud) {
@@ -247,6 +274,9 @@ PseudoTerminal::PseudoTerminal(const std::string& link) {
   if (!link.empty() && !may_link(link)) {
     throw std::runtime_error(link + ": exists and is not a link to a terminal");
   }
+  if (!link.empty() && is_served(link)) {
+    throw files::Busy(link + ": another emulator is behind it");
+  }
   try {
     master_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     std::array<char, 128> name{};
@@ -257,6 +287,8 @@ PseudoTerminal::PseudoTerminal(const std::string& link) {
     name_ = name.data();
     slave_ = ::open(name_.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (slave_ < 0) fail(name_);
+    struct flock ours = whole_file();
+    fcntl(slave_, F_OFD_SETLK, &ours);
     make_raw(slave_, 115200);  // before anyone learns the name: no echo, no line editing
     watch_ = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
     if (watch_ >= 0) inotify_add_watch(watch_, name_.c_str(), IN_OPEN | IN_CLOSE);

@@ -48,6 +48,7 @@ class ByteStream {
 ///
 /// @param baud  2400, 4800, 9600, 19200, 38400, 57600 or 115200
 /// @throws std::runtime_error  when it cannot be opened or is no terminal
+/// @throws files::Busy         when another of us has it open; that one is not disturbed
 /// @throws std::invalid_argument  at another rate
 std::unique_ptr<ByteStream> open_serial(const std::string& path, int baud);
 
@@ -75,6 +76,7 @@ class PseudoTerminal : public ByteStream {
   /// @param link  a symbolic link to make to the terminal; empty for none. One that points nowhere
   ///              or to a terminal is replaced. It is removed at the end.
   /// @throws std::runtime_error  when no terminal can be had, or `link` is another file
+  /// @throws files::Busy         when another of these is behind `link`
   explicit PseudoTerminal(const std::string& link = "");
   ~PseudoTerminal() override;
   PseudoTerminal(const PseudoTerminal&) = delete;
@@ -114,7 +116,8 @@ class TcpServer : public ByteStream {
  public:
   /// @param port     0 for any free one
   /// @param address  of the interface to serve, a number; the default only this machine
-  /// @throws std::runtime_error  when the port is taken or the address is none of this machine's
+  /// @throws files::Busy         when the port is taken
+  /// @throws std::runtime_error  when the address is none of this machine's
   explicit TcpServer(int port, const std::string& address = "127.0.0.1");
   ~TcpServer() override;
   TcpServer(const TcpServer&) = delete;

@@ -22,12 +22,15 @@ void note_contacts(Game& game, const Stage& stage, const engine::World& world, c
                    std::vector<devices::Event>& out) {
   for (const engine::ContactEvent& contact : world.events) {
     const Role a = stage.roles[contact.a], b = stage.roles[contact.b];
-    if (!contact.first || (a != Role::skittle && b != Role::skittle)) continue;
-    devices::Event e = event(moment, kind::touch, world, {contact.a, contact.b});
+    const bool of_skittle = a == Role::skittle || b == Role::skittle;
+    const bool of_ball = a == Role::ball || b == Role::ball;
+    if (!contact.first || (!of_skittle && !of_ball)) continue;
+    devices::Event e =
+        event(moment, of_skittle ? kind::touch : kind::ball_touch, world, {contact.a, contact.b});
     e.p_W = contact.p_W;
     e.j_W = contact.impulse_W;
     e.value = contact.approach_speed;
-    if ((a == Role::ball || b == Role::ball) && !game.struck) {
+    if (of_skittle && of_ball && !game.struck) {
       game.struck = true;
       e.kind = kind::first_contact;
       e.value = game.speeds[a == Role::ball ? contact.a : contact.b];

@@ -66,12 +66,12 @@ engine::State carried(const Player& player, const Hand& hand, Time time) {
   return {{X_WH.q * player.held->q_HB, X_WH * hand.grip}, V_WB.v, V_WB.w};
 }
 
-/// Takes the nearest ball within reach, if there is one.
+/// Takes the nearest ball, if it is within reach.
 void grab(Player& player, const Scene& scene, Time time) {
   const std::optional<Pose> X_WH = player.hand.at(time);
   if (!X_WH) return;
   std::optional<engine::BodyId> nearest;
-  double least = scene.stage.scenario.hand.reach;
+  double least = std::numeric_limits<double>::max();
   for (const engine::BodyId ball : scene.stage.balls) {
     const double radius = scene.world.bodies[ball].shape->bounding_radius;
     const double gap = (scene.world.states[ball].X_WB.p - X_WH->p).norm() - radius;
@@ -80,6 +80,9 @@ void grab(Player& player, const Scene& scene, Time time) {
     least = gap;
   }
   if (!nearest) return;
+  if (least > scene.stage.scenario.hand.reach) {
+    return note(scene, kind::missed_grab, *nearest, least);
+  }
   const engine::State& ball = scene.world.states[*nearest];
   player.held = {*nearest, X_WH->q.conjugate() * ball.X_WB.q};
   engine::set_kind(scene.world, *nearest, engine::Kind::driven);

@@ -1,5 +1,7 @@
 #include "scene/totals.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -35,16 +37,21 @@ void Totals::tick(const Session& session) {
   for (const devices::Event& event : session.events) score_.add(event);
 }
 
-nlohmann::json common_value(const Materials& m, double Material::*coefficient) {
-  const double value = m.skittle.*coefficient;
-  if (m.ball.*coefficient == value && m.lane.*coefficient == value &&
-      m.wall.*coefficient == value) {
-    return value;
-  }
-  return {{"skittle", value},
+nlohmann::json per_object(const Materials& m, double Material::*coefficient) {
+  return {{"skittle", m.skittle.*coefficient},
           {"ball", m.ball.*coefficient},
           {"lane", m.lane.*coefficient},
           {"wall", m.wall.*coefficient}};
+}
+
+nlohmann::json in_short(const nlohmann::json& each) {
+  const nlohmann::json& first = *each.begin();
+  if (std::ranges::all_of(each, [&](const auto& value) { return value == first; })) return first;
+  std::string all;
+  for (const auto& [object, value] : each.items()) {
+    all += fmt::format("{}{} {}", all.empty() ? "" : ", ", object, value.dump());
+  }
+  return all;
 }
 
 nlohmann::json to_json(const engine::Ledger& l) {
@@ -58,8 +65,8 @@ nlohmann::json to_json(const engine::Ledger& l) {
 nlohmann::json summary(const Session& s, const Score& score) {
   const Scenario& scenario = s.scenario();
   return {{"version", devices::software_version()},
-          {"elasticity", common_value(scenario.material, &Material::elasticity)},
-          {"friction", common_value(scenario.material, &Material::friction)},
+          {"elasticity", per_object(scenario.material, &Material::elasticity)},
+          {"friction", per_object(scenario.material, &Material::friction)},
           {"shape", scenario.collision.shape},
           {"response", scenario.collision.response},
           {"detection", scenario.collision.detection},

@@ -34,8 +34,11 @@ class Stopwatch : public NoPace, public Observer {
   std::chrono::steady_clock::duration spent_{};
 };
 
-/// Elasticity or friction of all objects: a number where they agree, else one per object.
-nlohmann::json common_value(const Materials& materials, double Material::*coefficient);
+/// Elasticity or friction, per object.
+nlohmann::json per_object(const Materials& materials, double Material::*coefficient);
+
+/// The same for people: the number that all share, else each with its object's name.
+nlohmann::json in_short(const nlohmann::json& per_object);
 
 /// Energy that each phase of the steps has added [J]; together the change of the whole.
 nlohmann::json to_json(const engine::Ledger& ledger);

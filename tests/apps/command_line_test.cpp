@@ -83,6 +83,40 @@ TEST_F(CommandLine, ReplayTellsWhatHappenedAndRepeatsToTheBit) {
   EXPECT_TRUE(json("compare a.lcmlog b.lcmlog --json")["first_difference_tick"].is_null());
 }
 
+TEST_F(CommandLine, OneWordMeansOneThingInAllObjects) {
+  const nlohmann::json made = json("synthesize -o made.lcmlog --json");
+  EXPECT_EQ(made["output"], "made.lcmlog");
+  const nlohmann::json same = json("replay made.lcmlog -o a.lcmlog --json");
+  const nlohmann::json other =
+      json("replay made.lcmlog -o b.lcmlog --set material.ball.friction=0.1 --json");
+  EXPECT_EQ(same["output"], "a.lcmlog");
+  EXPECT_EQ(same["trial"], "made.lcmlog");
+  EXPECT_TRUE(json("replay made.lcmlog --json")["output"].is_null());
+  for (const nlohmann::json& replay : {same, other}) {
+    for (const char* object : {"skittle", "ball", "lane", "wall"}) {
+      EXPECT_TRUE(replay["friction"][object].is_number()) << object;
+      EXPECT_EQ(replay["elasticity"][object], 0.7) << object;
+    }
+  }
+  EXPECT_EQ(other["friction"]["ball"], 0.1);
+  EXPECT_THAT(headpin("replay made.lcmlog").out, HasSubstr("friction          0.7 each"));
+  EXPECT_THAT(headpin("replay b.lcmlog").out, HasSubstr("ball 0.1, lane 0.7"));
+  const nlohmann::json info = json("info a.lcmlog --json");
+  EXPECT_EQ(info["version"], same["version"]);
+  EXPECT_EQ(info["ledger"], same["ledger"]);
+  const nlohmann::json frames = json("frames made.lcmlog -o eyes --frames 3 --json");
+  EXPECT_EQ(frames["output"], "eyes");
+  EXPECT_TRUE(frames["video"].is_null());
+  EXPECT_TRUE(json("compare a.lcmlog b.lcmlog --json")["a"]["friction"]["lane"].is_number());
+  const nlohmann::json streamed = json("stream made.lcmlog --lcm memq:// --speed 0 --json");
+  EXPECT_TRUE(streamed["lateness_p99_s"].is_number());
+  for (const nlohmann::json& object : {made, same, info, frames, streamed}) {
+    for (const auto& [key, value] : object.items()) {
+      EXPECT_FALSE(key.ends_with("_ms") || key.ends_with("_us")) << key;
+    }
+  }
+}
+
 TEST_F(CommandLine, AnotherConditionIsAnotherGameAndVerifyNamesTickAndBody) {
   ASSERT_EQ(headpin("replay " + kDemo + " -o rough.lcmlog --friction 0.7 --elasticity 0.7").code,
             0);

@@ -3,6 +3,7 @@
 #include <csignal>
 #include <thread>
 
+#include <fcntl.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -171,6 +172,28 @@ TEST_F(Endings, NumbersThatAreNoneAreRefused) {
   }
   EXPECT_TRUE(left().empty());
   EXPECT_EQ(headpin("synthesize -o new --seed 18446744073709551615").code, 0);
+}
+
+TEST_F(Endings, TheProgressLineIsGoneBeforeTheResultIsSaid) {
+  const int terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+  ASSERT_TRUE(terminal >= 0 && grantpt(terminal) == 0 && unlockpt(terminal) == 0);
+  const std::string name = ptsname(terminal);
+  const std::string command =
+      "'" HEADPIN_PROGRAM "' replay " + kDemo + " >" + name + " 2>&1 </dev/null";
+  std::string said;
+  std::thread reader([&] {
+    char bytes[4096];
+    for (ssize_t n = 0; (n = read(terminal, bytes, sizeof bytes)) > 0;) {
+      said.append(bytes, static_cast<std::size_t>(n));
+    }  // ends when the last one that has the terminal open is gone
+  });
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  reader.join();
+  close(terminal);
+  const std::size_t erased = said.find("\r\033[K");
+  ASSERT_NE(erased, std::string::npos) << said;
+  EXPECT_LT(erased, said.find("version")) << said;
+  EXPECT_NE(said.find("state hash"), std::string::npos) << said;
 }
 
 TEST_F(Endings, StoppedFramesAndVideoLeaveNothing) {

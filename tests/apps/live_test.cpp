@@ -106,12 +106,37 @@ TEST_F(Live, FedByLcmLogplayerItReplaysToTheSameHashes) {
   EXPECT_EQ(replayed["skittles_down"], live["skittles_down"]);
 }
 
+TEST_F(LiveFastrak, ASessionThatNobodyTakesPartInHasFailed) {
+  const Result alone =
+      headpin("live --lcm memq:// --eyes none --duration 0.2 --record empty.lcmlog --json");
+  EXPECT_EQ(alone.code, 1);
+  EXPECT_THAT(alone.err, testing::HasSubstr("headpin live: no sample came in 0.2 s from memq://"));
+  EXPECT_EQ(nlohmann::json::parse(alone.out)["exit_code"], 1);
+  EXPECT_TRUE(trial("empty.lcmlog").complete);
+}
+
+TEST_F(LiveFastrak, ASecondSessionOnALineAndASecondUnitAtALinkAreRefused) {
+  const Result run = shell(
+      "$headpin emulate --link line --motion circle --control unit >/dev/null &\n"
+      "there $! line; there $! unit\n"
+      "$headpin live --fastrak line --eyes none --record first.lcmlog --duration 4 2>first.txt &\n"
+      "first=$!\nthere $first first.lcmlog\n"
+      "$headpin live --fastrak line --eyes none --record second.lcmlog; echo $?\n"
+      "$headpin emulate --link line; echo $?\n"
+      "wait $first; echo $?; echo quit >unit; wait");
+  EXPECT_EQ(run.out, "75\n75\n0\n") << run.err << slurp(folder_ / "first.txt");
+  EXPECT_THAT(run.err, testing::HasSubstr("line: in use by another headpin"));
+  EXPECT_THAT(run.err, testing::HasSubstr("line: another emulator is behind it"));
+  EXPECT_TRUE(trial("first.lcmlog").complete);
+  EXPECT_GT(trial("first.lcmlog").samples.size(), 100u);
+}
+
 TEST_F(Live, AnInterruptEndsItCleanlyAndAKillLosesNothingWritten) {
   const Result ended = alone(
       "$headpin live --lcm '' --record ended.lcmlog --eyes none 2>/dev/null &\nwritten "
       "ended.lcmlog 200000\n"
       "kill -INT $!\nwait $!");
-  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_EQ(ended.code, 1) << ended.err;  // whole, but nobody took part
   EXPECT_TRUE(devices::read_trial((folder_ / "ended.lcmlog").string()).complete);
 
   alone(
@@ -247,6 +272,13 @@ TEST_F(LiveFastrak, WithoutANetworkALogFeedsASessionOrAUnit) {
   EXPECT_GT(live["frames"].get<int>(), 0);
   EXPECT_GT(live["skittles_down"].get<int>(), 0);
   EXPECT_EQ(json("replay live.lcmlog --verify --json")["state_hash"], live["state_hash"]);
+  // In a room that is not the log's own it says so, and goes on.
+  const Result own =
+      headpin("live --lcm '" + url + "' --eyes none --duration 0.5 --scenario room.toml");
+  EXPECT_THAT(own.err, testing::Not(testing::HasSubstr("another scenario")));
+  const Result other = headpin("live --lcm '" + url + "' --eyes none --duration 0.5");
+  EXPECT_EQ(other.code, 0) << other.err;
+  EXPECT_THAT(other.err, testing::HasSubstr("is from another scenario than this session's"));
   // The unit goes on measuring where the log left its receivers.
   const Result unit = shell("$headpin emulate --lcm '" + url + "?speed=0' --duration 0.5");
   EXPECT_EQ(unit.code, 0) << unit.err;

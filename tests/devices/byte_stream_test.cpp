@@ -11,6 +11,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "files/lock.h"
+
 namespace headpin::devices {
 namespace {
 
@@ -130,8 +132,6 @@ TEST(PseudoTerminalTest, LinkPointsToItAndGoesWithIt) {
   {
     PseudoTerminal pty(link);
     EXPECT_EQ(fs::read_symlink(link), pty.name());
-    PseudoTerminal second(link);  // takes the name over
-    EXPECT_EQ(fs::read_symlink(link), second.name());
   }
   EXPECT_FALSE(fs::exists(fs::symlink_status(link)));
 }
@@ -144,6 +144,31 @@ TEST(PseudoTerminalTest, LinkReplacesALeftOverButNoFile) {
   EXPECT_THROW(PseudoTerminal pty(file), std::runtime_error);
   EXPECT_EQ(fs::file_size(file), 4u);
   EXPECT_THROW(PseudoTerminal pty("/no/such/folder/link"), std::runtime_error);
+}
+
+TEST(PseudoTerminalTest, ASecondOneAtALinkIsRefusedAndTheFirstServesOn) {
+  const std::string link = scratch("taken").string();
+  {
+    PseudoTerminal first(link);
+    const auto client = open_serial(link, 115200);
+    EXPECT_THROW(PseudoTerminal second(link), files::Busy);
+    EXPECT_EQ(fs::read_symlink(link), first.name());
+    put(*client, "still here");
+    EXPECT_EQ(get(first, 10), "still here");
+  }
+  const PseudoTerminal next(link);
+  EXPECT_EQ(fs::read_symlink(link), next.name());
+}
+
+TEST(SerialTest, ASecondSessionOnALineIsRefusedAndTheFirstHearsOn) {
+  PseudoTerminal unit;
+  auto first = open_serial(unit.name(), 9600);
+  put(unit, "a record");
+  EXPECT_THROW(open_serial(unit.name(), 115200), files::Busy);
+  EXPECT_EQ(unit.client_baud(), 9600);
+  EXPECT_EQ(get(*first, 8), "a record");  // not thrown away
+  first.reset();
+  EXPECT_NO_THROW(open_serial(unit.name(), 115200));
 }
 
 TEST(SerialTest, WhatIsNoTerminalIsRefusedByName) {
@@ -194,7 +219,7 @@ TEST(TcpServerTest, AReaderWhoDoesNotReadStopsTheWriter) {
 
 TEST(TcpServerTest, ATakenPortIsAnError) {
   TcpServer server(0);
-  EXPECT_THROW(TcpServer second(server.port()), std::runtime_error);
+  EXPECT_THROW(TcpServer second(server.port()), files::Busy);
   EXPECT_THROW(connect_tcp("127.0.0.1", 1), std::runtime_error);
 }
 
