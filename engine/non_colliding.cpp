@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include "engine/gjk.h"
+#include "engine/polytope.h"
 #include "engine/posed.h"
 #include "engine/stratified_newton.h"
 
@@ -59,30 +60,6 @@ Vec3 centre_B(const B& b, const Pose& X_AB) {
 HEADPIN_INLINE inline Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
   const double n2 = v.squaredNorm();
   return n2 > 1e-200 && n2 < 1e200 ? Vec3(1.0 / std::sqrt(n2) * v) : otherwise;
-}
-
-/// Proof of separation, if there is one: GJK from the origin, which stops at the first n with h <
-/// 0. Undecided (touching to rounding, or inside) counts as meeting.
-template <typename S>
-bool apart(S& search, Vec3 n, double size, Closest& proof) {
-  Simplex simplex;
-  double v2 = kInfinity;
-  Vec3 v = Vec3::Zero();
-  for (int step = 0; step < 64; ++step) {
-    const Support s = search(n);
-    if (s.h < 0.0) {
-      proof = search.answer(s, n);
-      return true;
-    }
-    if (simplex.holds(s.S) || (step > 0 && v2 - v.dot(s.S) <= 1e-12 * v2)) return false;
-    simplex.add(s.S, s.s_A, s.s_B);
-    v = simplex.reduce(Vec3::Zero());
-    const double now = v.squaredNorm();
-    if (simplex.count == 4 || now <= 1e-24 * size * size || now >= v2) return false;
-    v2 = now;
-    n = -v / std::sqrt(now);
-  }
-  return false;
 }
 
 /// Walks to a local minimum of h round the outside of A - B.
@@ -281,13 +258,16 @@ Vec3 turned(const Vec3& n, const Support& s) {
 template <typename S>
 Closest paper(S& search, Vec3 n, const Support& first, int cap) {
   Support s = first;
+  double least = s.h;
   while (search.evaluations < cap) {
     if ((s.S - s.h * n).squaredNorm() <= 1e-12 * s.S.squaredNorm()) return search.answer(s, n);
     n = turned(n, s);
     s = search(n);
     if (s.h < 0.0) return search.answer(s, n);
+    least = std::min(least, s.h);
   }
   Closest c = search.answer(s, n);
+  c.distance = -least;
   c.capped = true;
   return c;
 }
@@ -295,7 +275,7 @@ Closest paper(S& search, Vec3 n, const Support& first, int cap) {
 template <typename A, typename B>
 Closest settle_round(Search<A, B>& search, Vec3 n, double size, bool warm, const Query& q) {
   if (warm) n = onto_kinks(search.a, search.b, n);
-  const Descent d = descend(search.a, search.b, n, size, q.margin, q.cap - search.evaluations);
+  const Descent d = descend(search.a, search.b, n, size, q.margin, q.cap);
   search.evaluations += d.evaluations;
   const Support best{d.s_A, d.s_B, d.s_A + d.s_B, d.h};
   if (d.end != Descent::unresolved) return search.answer(best, d.n);
@@ -380,31 +360,102 @@ struct Glance {
   }
 };
 
+/// A way out counts as the least when none is shorter than this part of it, less this part of the
+/// size.
+constexpr double kLeast = 0.9905, kRounding = 5e-9;
+/// Most ways out looked at, each shorter than the one before.
+constexpr int kWaysOut = 20;
+
+/// Whether the shape holds a ball about p. Where an ellipsoid has the normal n, a ball as round as
+/// its sharpest end touches it from within: what that holds, the ellipsoid does.
+bool holds_ball(const Ellipsoid& s, const Vec3& p, const Vec3& n, double radius) {
+  const double least = s.radii.minCoeff(), r = least * least / s.radii.maxCoeff();
+  return r - (p - support(s, n) + r * n).norm() >= radius || clearance(s, p) >= radius;
+}
+template <typename S>
+bool holds_ball(const S& s, const Vec3& p, const Vec3&, double radius) {
+  return clearance(s, p) >= radius;
+}
+
+/// What a shorter way out must beat.
+double to_beat(const Closest& c, double size) {
+  return -kLeast * c.distance - kRounding * size;
+}
+
+/// Whether a way out is the least, as a ball of almost its length about the end of it lies within
+/// the other shape: true of most that begin at a vertex, a cap or a smooth surface.
+template <typename A, typename B>
+bool is_least(const A& a, const B& b, const Pose& X_AB, const Closest& c, double size) {
+  const double radius = to_beat(c, size);
+  if (holds_ball(a, c.p_B, c.n_AB, radius)) return true;
+  const Quat q_BA = X_AB.q.conjugate();
+  return holds_ball(b, q_BA * (c.p_A - X_AB.p), q_BA * -c.n_AB, radius);
+}
+
+/// Whether a gap is the distance, as the points are hardly further apart.
+bool is_distance(const Closest& c, double size) {
+  return kLeast * (c.p_B - c.p_A).norm() <= c.distance + 0.5e-6 * size;
+}
+
+/// Distance of shapes that are apart: GJK from the origin.
+template <typename S>
+Closest from_origin(S& search, const Closest& start, double size) {
+  Closest best = start;
+  Simplex simplex;
+  simplex.add(start.p_A - start.p_B, start.p_A, -start.p_B);
+  for (int step = 0; step < 64; ++step) {
+    const Vec3 v = simplex.reduce(Vec3::Zero());
+    const double length = v.norm();
+    if (simplex.count == 4 || !(length > 0.0)) break;
+    const Vec3 n = -v / length;
+    const Support s = search(n);
+    if (-s.h > best.distance) best = search.answer(s, n);
+    best.p_A = simplex.p_A();
+    best.p_B = -simplex.p_B();
+    if (is_distance(best, size) || simplex.holds(s.S)) break;
+    simplex.add(s.S, s.s_A, s.s_B);
+  }
+  return best;
+}
+
+template <typename S>
+Vec3 furthest_of(void* search, const Vec3& n) {
+  return (*static_cast<S*>(search))(n).S;
+}
+
 /// Carries on from a normal that proves nothing: until the closest points are found, and proven, or
 /// in the paper's mode to its cap.
 template <typename A, typename B, typename Look>
 HEADPIN_FLATTEN __attribute__((noinline)) Closest carry_on(const A& a, const B& b, const Pose& X_AB,
                                                            Look& look, const Vec3& n,
                                                            const Support& first, bool warm,
-                                                           const Vec3& line, const Query& q) {
+                                                           const Query& q) {
   auto&& search = look.search();
   if (q.mode == Query::paper) return paper(search, n, first, q.cap);
   const double size = std::min(size_of(a), size_of(b));
-  // A plane between the two is a proof, and so is a point of both.
-  const auto is_proven = [&](const Closest& c) {
-    return c.separated || contains(a, c.p_B, 1e-9 * size) ||
-           contains(b, X_AB.inverse() * c.p_A, 1e-9 * size);
-  };
-  Closest c;
-  if (warm) {
-    c = settle(search, n, first, size, true, q);
-    if (is_proven(c)) return c;
-    const Vec3 between = unit_or(line, Vec3::UnitZ());
-    c = from_centres(search, between, search(between), size, q);
-  } else {
-    c = from_centres(search, n, first, size, q);
+  Closest c =
+      warm ? settle(search, n, first, size, true, q) : from_centres(search, n, first, size, q);
+  const auto is_done = [&] { return c.separated || is_least(a, b, X_AB, c, size); };
+  if (!is_done()) {
+    // Two edges across each other, or a minimum that is not the least, or none: one may even be
+    // found where the shapes are apart.
+    using S = std::decay_t<decltype(search)>;
+    Polytope around(&furthest_of<S>, &search, c.n_AB, c.p_A - c.p_B);
+    Vec3 shorter;
+    for (int k = 0; k < kWaysOut && around.find_shorter(to_beat(c, size), shorter); ++k) {
+      const Support s = search(shorter);
+      const Closest there = settle(search, shorter, s, size, false, q);
+      const bool capped = c.capped || there.capped;
+      c = -there.distance <= s.h ? there : search.answer(s, shorter);
+      c.capped = capped;
+      if (is_done()) break;
+    }
   }
-  if (!is_proven(c)) apart(search, c.n_AB, size, c);
+  if (c.separated && c.distance <= q.margin && !is_distance(c, size)) {
+    const bool capped = c.capped;
+    c = from_origin(search, c, size);
+    c.capped = capped;
+  }
   c.iterations = search.evaluations;
   return c;
 }
@@ -416,7 +467,8 @@ HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, Vec3& 
                                 const Query& q) {
   constexpr bool hull = std::is_same_v<A, Polyhedron> || std::is_same_v<B, Polyhedron>;
   const double c2 = n_AB_cache.squaredNorm();
-  const bool warm = c2 > 0.5 && c2 < 8.0, met = warm && c2 > 2.0;
+  const bool may_start_warm = q.mode == Query::converged || q.warm;
+  const bool warm = may_start_warm && c2 > 0.5 && c2 < 8.0, met = warm && c2 > 2.0;
   const Vec3 line = centre_B(b, X_AB) - centre(a);
   // Furthest points only ask for the direction: no need to wait for the unit vector.
   Vec3 n = warm ? n_AB_cache : line;
@@ -444,7 +496,7 @@ HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, Vec3& 
     n_AB_cache = n;
     return {first.h < 0.0, -first.h, first.s_A, -first.s_B, n, 1, false};
   }
-  const Closest c = carry_on(a, b, X_AB, look, n, first, warm, line, q);
+  const Closest c = carry_on(a, b, X_AB, look, n, first, warm, q);
   n_AB_cache = c.distance > q.margin ? c.n_AB : Vec3(2.0 * c.n_AB);
   return c;
 }

@@ -40,6 +40,17 @@ struct Bend {
 
 inline constexpr double kOnKink = 1e-9;
 
+/// Nearer to a pole than this the part of a direction across the axis is rounding, and scaled up to
+/// the radius it would be a point off the shape: the centre of the cap stands for its rim.
+inline constexpr double kAtPole2 = 1e-28;  // sine, squared
+
+/// Minus the z axis, of unit length to the last bit: that of a quaternion is only as good as its
+/// norm, and what is too long or short of it would come out across the axis.
+inline Vec3 mirrored_axis(const Quat& q) {
+  const Vec3 z = z_axis(q);
+  return (0.5 * z.squaredNorm() - 1.5) * z;
+}
+
 /// Whether a shape is given in a frame of its own, centre at the origin and axis along z, which
 /// takes a third of the work out of it: `A` of a query is. Else it is `posed`.
 enum class Where { own, posed };
@@ -140,7 +151,7 @@ struct Cylinder : Round<where> {
     const double z = this->along(n);
     const Vec3 w = this->across(n, z);
     const double rho2 = w.squaredNorm();
-    const double k = rho2 > 0.0 ? radius / std::sqrt(rho2) : 0.0;
+    const double k = rho2 > kAtPole2 * z * z ? radius / std::sqrt(rho2) : 0.0;
     return this->point(std::copysign(half, z), k * w);
   }
   HEADPIN_INLINE At at(const Vec3& n) const {
@@ -173,7 +184,7 @@ struct Cone : Round<where> {  ///< apex at c + half axis
     const Vec3 w = this->across(n, z);
     const double rho = w.norm();
     if (2.0 * half * z > radius * rho) return this->point(half);
-    const double k = rho > 0.0 ? radius / rho : 0.0;
+    const double k = rho * rho > kAtPole2 * z * z ? radius / rho : 0.0;
     return this->point(-half, k * w);
   }
   HEADPIN_INLINE At at(const Vec3& n) const {
@@ -258,11 +269,13 @@ inline Ellipsoid<Where::posed> pose_B(const engine::Ellipsoid& s, const Pose& X_
   return {-X_AB.p, q(0, 0), q(1, 1), q(2, 2), q(0, 1), q(0, 2), q(1, 2)};
 }
 inline Cylinder<Where::posed> pose_B(const engine::Cylinder& s, const Pose& X_AB) {
-  return {{-X_AB.p, -z_axis(X_AB.q), s.radius, s.half_height}};
+  return {{-X_AB.p, mirrored_axis(X_AB.q), s.radius, s.half_height}};
 }
 inline Cone<Where::posed> pose_B(const engine::Cone& s, const Pose& X_AB) {
   const double slant = std::sqrt(s.radius * s.radius + s.height * s.height);
-  return {{-X_AB.p, -z_axis(X_AB.q), s.radius, 0.5 * s.height}, s.radius / slant, s.height / slant};
+  return {{-X_AB.p, mirrored_axis(X_AB.q), s.radius, 0.5 * s.height},
+          s.radius / slant,
+          s.height / slant};
 }
 inline Hull pose_B(const engine::Polyhedron& s, const Pose& X_AB) {
   return {&s, X_AB.q.toRotationMatrix(), X_AB.p, -1.0};

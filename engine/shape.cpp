@@ -221,32 +221,6 @@ Vec3 support(const Shape& shape, const Vec3& n) {
       shape);
 }
 
-namespace {
-
-Mat3 rim_curvature(double radius, const Vec3& n) {
-  const double rho = std::max(std::sqrt(n.x() * n.x() + n.y() * n.y()), 1e-9);
-  const Vec3 t = Vec3(-n.y(), n.x(), 0.0) / rho;
-  return radius / rho * t * t.transpose();
-}
-
-}  // namespace
-
-Mat3 curvature_radii(const Shape& shape, const Vec3& n) {
-  if (const auto* e = std::get_if<Ellipsoid>(&shape)) {
-    const Vec3 q = e->radii.cwiseProduct(e->radii);
-    const Vec3 s = support(*e, n);
-    const double h = n.dot(s);
-    return (Mat3(q.asDiagonal()) - s * s.transpose()) / h;
-  }
-  if (const auto* c = std::get_if<Cylinder>(&shape)) return rim_curvature(c->radius, n);
-  if (const auto* c = std::get_if<Cone>(&shape)) {
-    const double rho = std::sqrt(n.x() * n.x() + n.y() * n.y());
-    if (c->height * n.z() > c->radius * rho) return Mat3::Zero();
-    return rim_curvature(c->radius, n);
-  }
-  return Mat3::Zero();
-}
-
 double bounding_radius(const Shape& shape) {
   if (const auto* e = std::get_if<Ellipsoid>(&shape)) return e->radii.maxCoeff();
   if (const auto* c = std::get_if<Cylinder>(&shape)) {
@@ -267,6 +241,12 @@ bool contains(const Polyhedron& s, const Vec3& p, double tolerance) {
   return std::all_of(s.faces().begin(), s.faces().end(), [&](const Polyhedron::Face& f) {
     return f.normal.dot(p) - f.offset <= tolerance;
   });
+}
+
+double clearance(const Polyhedron& s, const Vec3& p) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Polyhedron::Face& f : s.faces()) least = std::min(least, f.offset - f.normal.dot(p));
+  return least;
 }
 
 bool contains(const HalfSpace&, const Vec3& p, double tolerance) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -185,14 +186,6 @@ inline Vec3 centre(const HalfSpace&) {
   return Vec3::Zero();
 }
 
-/// Second derivative of the support function h(n) = n . s(n) at unit `n`: its eigenvalues on the
-/// plane across `n` are the radii of curvature where the surface has that normal [m].
-///
-/// Ellipsoid: (Q - s s') / h with Q = diag(radii^2). Cylinder and cone rims: (r / rho) t t', rho
-/// the distance of n from the axis, t across both. Zero at apexes and vertices. At the kinks
-/// (sides: n . axis = 0, caps: n = +-axis) it is that of the rim, with rho kept above 1e-9.
-Mat3 curvature_radii(const Shape& shape, const Vec3& n);
-
 /// Radius of the smallest sphere about the origin of the shape's frame that holds it [m]; infinite
 /// for a half-space.
 double bounding_radius(const Shape& shape);
@@ -217,6 +210,23 @@ inline bool contains(const Cone& s, const Vec3& p, double tolerance = 0.0) {
 }
 bool contains(const Polyhedron& s, const Vec3& p, double tolerance = 0.0);
 bool contains(const HalfSpace& s, const Vec3& p, double tolerance = 0.0);
+
+/// How far inside the shape the point lies: radius of the largest ball about it that the shape
+/// holds [m]; negative outside. Of an ellipsoid a lower bound, exact along its shortest axis.
+inline double clearance(const Ellipsoid& s, const Vec3& p) {
+  return s.radii.minCoeff() * (1.0 - p.cwiseQuotient(s.radii).norm());
+}
+inline double clearance(const Cylinder& s, const Vec3& p) {
+  return std::min(s.radius - std::sqrt(p.x() * p.x() + p.y() * p.y()),
+                  s.half_height - std::abs(p.z()));
+}
+inline double clearance(const Cone& s, const Vec3& p) {
+  const double rho = std::sqrt(p.x() * p.x() + p.y() * p.y());
+  const double slant = std::sqrt(s.radius * s.radius + s.height * s.height);
+  return std::min(p.z() + 0.5 * s.height,
+                  (s.radius * (0.5 * s.height - p.z()) - s.height * rho) / slant);
+}
+double clearance(const Polyhedron& s, const Vec3& p);
 
 /// @throws std::invalid_argument  when a measure is not finite or not above zero
 void check(const Shape& shape);

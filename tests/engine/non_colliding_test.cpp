@@ -12,6 +12,7 @@
 #include <fcl/narrowphase/collision.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/pair_campaign.h"
 #include "tests/support/random_shapes.h"
 
 namespace headpin::engine {
@@ -161,6 +162,53 @@ TEST(PhantomContact, NeverHappensInAMillionPairs) {
   std::printf("capped and answered by the fallback: %d\n", capped);
 }
 
+// Part of `./dev check pairs`: what the header promises, for every two kinds of shapes.
+TEST(Promise, HoldsForEveryTwoKindsOfShapes) {
+  for (const test::Form a : test::kForms) {
+    for (const test::Form b : test::kForms) {
+      if (b < a) continue;
+      const test::Tally t = test::try_pairs(a, b, 600 / std::min(kThin, 10), 61);
+      EXPECT_EQ(t.faults(), 0) << test::name(a) << " " << test::name(b) << ", worst " << t.worst
+                               << "\n  " << t.example;
+    }
+  }
+}
+
+// Turned upside down about a horizontal axis, the axis of the quaternion is unit only to rounding;
+// looked at along itself, nothing is left of it across.
+TEST(PhantomContact, NeverHappensUpsideDown) {
+  for (int degree = 0; degree < 360; ++degree) {
+    const SinCos yaw = sin_cos(degree * 0.0174532925199432958);
+    const Pose X_AB{Quat(0.0, yaw.cos, yaw.sin, 0.0), {0.0, 0.0, 1.51}};
+    for (const Shape& a :
+         {Shape(Cylinder{1.0, 0.5}), Shape(Cone{1.0, 1.0}), Shape(test::box({1, 1, 0.5}))}) {
+      for (const Shape& b : {Shape(Cylinder{0.7, 1.0}), Shape(Cone{0.7, 2.0})}) {
+        const Closest c = query(a, b, X_AB, {.margin = 0.1});
+        EXPECT_TRUE(c.separated) << degree << " degrees: " << kind(a) << " " << kind(b);
+        EXPECT_NEAR(c.distance, 0.01, 1e-9) << degree << " degrees: " << kind(a) << " " << kind(b);
+      }
+    }
+  }
+}
+
+// A search that runs out of its evaluations leaves the next one all of its own.
+TEST(WarmStart, PastItsCapIsHarmless) {
+  Pool pool(62);
+  for (int i = 0; i < 4000 / kThin; ++i) {
+    Shallow p = shallow(pool, i % 4, i / 4 % 4);
+    if (i % 2) p.X_AB.p *= 1.0 + 0.06 / p.X_AB.p.norm();
+    const Closest cold = query(p.a, p.b, p.X_AB);
+    for (const int cap : {1, 2, 3, 5}) {
+      Vec3 n = 2.0 * pool.random.direction();
+      const Closest c = closest_points(p.a, p.b, p.X_AB, n, {.cap = cap});
+      EXPECT_EQ(c.separated, cold.separated) << kind(p.a) << " " << kind(p.b);
+      if (!c.separated) {
+        EXPECT_NEAR(c.distance, cold.distance, -0.01 * cold.distance);
+      }
+    }
+  }
+}
+
 /// Rows of hard cases, each at a gap, in a random pose.
 struct HardCase {
   const char* name;
@@ -267,6 +315,31 @@ TEST(PaperMode, CallsMoreOfWhatIsApartAContactTheLowerItsCap) {
   }
   EXPECT_GT(flat[0], flat[1]);
   EXPECT_GE(flat[1], flat[2]);
+}
+
+// 1997 began every query at the line of centres. What it then guesses of a depth is no more than
+// the overlap along that line.
+TEST(PaperMode, KnowsNoKeptNormalUnlessAskedTo) {
+  Pool pool(63);
+  int different = 0;
+  for (int i = 0; i < 4000 / kThin; ++i) {
+    const Shallow p = shallow(pool, i % 4, i / 4 % 4);
+    const Query q{Query::paper, 5 + 5 * pool.random.index(3)};
+    const Closest cold = query(p.a, p.b, p.X_AB, q);
+    Vec3 n = 2.0 * pool.random.direction(), same = n;
+    const Closest kept = closest_points(p.a, p.b, p.X_AB, n, q);
+    EXPECT_EQ(kept.distance, cold.distance);
+    EXPECT_EQ(kept.n_AB, cold.n_AB);
+    const auto centre_of = [](const Shape& s) {
+      return std::visit([](const auto& shape) { return centre(shape); }, s);
+    };
+    const Vec3 line = p.X_AB * centre_of(p.b) - centre_of(p.a);
+    EXPECT_LE(-cold.distance, depth_along(p.a, p.b, p.X_AB, line.normalized()) + 1e-12);
+    different +=
+        closest_points(p.a, p.b, p.X_AB, same, {.mode = q.mode, .cap = q.cap, .warm = true}).n_AB !=
+        cold.n_AB;
+  }
+  EXPECT_GT(different, 1000 / kThin);
 }
 
 /// The least depth over the sphere, by search: many directions, then ever smaller steps from the

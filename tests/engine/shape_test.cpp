@@ -55,21 +55,33 @@ TEST(Support, IsAPointOfTheShapeForEveryDirection) {
   }
 }
 
-// W = grad^2 h: the support point moves by W dn when the normal does.
-TEST(CurvatureRadii, AreTheDerivativeOfTheSupportPoint) {
+// A ball of that radius lies in the shape, and but for ellipsoids one not much larger does not.
+TEST(Clearance, IsTheRadiusOfABallThatTheShapeHolds) {
   Random random(3);
-  for (const Kind k : {Kind::ellipsoid, Kind::cylinder, Kind::cone}) {
-    for (int i = 0; i < 100; ++i) {
+  for (const Kind k : {Kind::ellipsoid, Kind::cylinder, Kind::cone, Kind::hull}) {
+    for (int i = 0; i < 300; ++i) {
       const Shape shape = random_shape(random, k);
-      const Vec3 n = random.direction();
-      const Vec3 t = n.unitOrthogonal();
-      const double e = 1e-5;
-      const Vec3 before = support(shape, (n - e * t).normalized());
-      const Vec3 after = support(shape, (n + e * t).normalized());
-      const Vec3 moved = (after - before) / (2.0 * e);
-      if (moved.norm() > 1e3) continue;  // across a kink the point jumps
-      EXPECT_LT((curvature_radii(shape, n) * t - moved).norm(), 1e-6 * (1.0 + moved.norm()))
-          << kind(shape);
+      const Vec3 p = random.uniform(0.0, 0.7) * random.direction();
+      const double radius = std::visit(
+          [&](const auto& s) {
+            if constexpr (std::is_same_v<std::decay_t<decltype(s)>, HalfSpace>)
+              return 0.0;
+            else
+              return clearance(s, p);
+          },
+          shape);
+      EXPECT_EQ(radius >= 0.0, contains(shape, p)) << kind(shape);
+      if (radius < 0.0) continue;
+      double reach = 1.0;  // of the ball on its way out, least over many directions
+      for (int m = 0; m < 2000; ++m) {
+        const Vec3 n = random.direction();
+        ASSERT_TRUE(contains(shape, p + radius * n, 1e-9)) << kind(shape);
+        reach = std::min(reach, n.dot(support(shape, n) - p));
+      }
+      EXPECT_LE(radius, reach + 1e-9) << kind(shape);
+      if (k != Kind::ellipsoid) {
+        EXPECT_GT(radius, 0.5 * reach - 0.02) << kind(shape);
+      }
     }
   }
 }

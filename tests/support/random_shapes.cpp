@@ -114,6 +114,10 @@ Shape scaled(const Shape& shape, double k) {
   return shape;
 }
 
+Polyhedron stretched(const Polyhedron& shape, const Vec3& factors) {
+  return remade(shape, factors);
+}
+
 Shape mirrored(const Shape& shape) {
   if (const auto* p = std::get_if<Polyhedron>(&shape)) return remade(*p, {-1.0, 1.0, 1.0});
   return shape;

@@ -45,6 +45,9 @@ Shape random_shape(Random& random, Kind kind);
 /// The shape scaled about its origin.
 Shape scaled(const Shape& shape, double factor);
 
+/// A polyhedron drawn out along its axes, each by its factor above 0.
+Polyhedron stretched(const Polyhedron& shape, const Vec3& factors);
+
 /// The shape mirrored in the plane x = 0 of its own frame.
 Shape mirrored(const Shape& shape);
 

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+
+#include "engine/math.h"
+
+/// The expanding polytope (van den Bergen 2001), told a depth to beat. Private to the engine.
+namespace headpin::engine {
+
+/// Points of A - B and the triangles between them, with the origin inside. What they span lies
+/// within A - B, so no way out is shorter than the way to the nearest of the triangles.
+class Polytope {
+ public:
+  /// Point of A - B furthest along a direction of any length.
+  using Furthest = Vec3 (*)(void* pair, const Vec3& n);
+
+  /// @param n, s  unit direction of a way out, and the point of A - B where it ends
+  Polytope(Furthest furthest, void* pair, const Vec3& n, const Vec3& s);
+
+  /// A direction in which the way out is below `depth`; false when there is none, or when there is
+  /// no room for more points. Called again with less, it goes on from where it was.
+  bool find_shorter(double depth, Vec3& n);
+
+ private:
+  static constexpr int kPoints = 500, kFaces = 2 * kPoints;
+  struct Face {
+    std::uint16_t corner[3];
+    Vec3 normal;    // unit, outward
+    double offset;  // normal . x on it; infinite: a sliver without a plane, or part of the surface
+  };
+
+  bool holds_ball(double radius) const;
+  void start();
+  void add_face(int i, int j, int k);
+  bool insert(int point);
+
+  Furthest furthest_;
+  void* pair_;
+  Vec3 n_, u_, v_;
+  Vec3 points_[kPoints];
+  int count_ = 0;
+  Face faces_[kFaces];
+  int face_count_ = 0;
+  bool made_anew_ = false;
+  double rounding_ = 0.0;  // what may lie before a plane and yet be on it [m]
+};
+
+}  // namespace headpin::engine
