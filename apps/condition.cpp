@@ -34,6 +34,10 @@ void add_condition_options(CLI::App& command, Condition& condition) {
       ->check(CLI::Range(5, 20))
       ->group(group);
   command
+      .add_flag("--warm", condition.warm,
+                "paper detection starts from the last normal (ours; in 1997 it did not)")
+      ->group(group);
+  command
       .add_option("--set", condition.set, "any value of the scenario, KEY=VALUE; may be repeated")
       ->allow_extra_args(false)
       ->group(group);
@@ -46,6 +50,7 @@ void apply(const Condition& condition, scene::Scenario& scenario) {
   if (condition.response) scenario.collision.response = *condition.response;
   if (condition.detection) scenario.collision.detection = *condition.detection;
   if (condition.iterations) scenario.collision.iterations = *condition.iterations;
+  if (condition.warm) scenario.collision.warm = *condition.warm;
   for (const std::string& assignment : condition.set) {
     try {
       scene::set(scenario, assignment);

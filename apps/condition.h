@@ -14,10 +14,11 @@ struct Condition {
   std::optional<double> elasticity, friction;
   std::optional<std::string> shape, response, detection;
   std::optional<std::int64_t> iterations;
+  std::optional<bool> warm;
   std::vector<std::string> set;
 };
 
-/// Adds --elasticity, --friction, --shape, --response, --detection, --iterations and --set.
+/// Adds --elasticity, --friction, --shape, --response, --detection, --iterations, --warm and --set.
 void add_condition_options(CLI::App& command, Condition& condition);
 
 /// @throws UsageError  for a value out of range or a key that does not exist

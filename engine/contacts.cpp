@@ -431,7 +431,7 @@ int meet(const Shape& a, PoseOfA&& pose_of_a, const Shape& b, const Pose& X_AB, 
   if (c.distance > margin || (c.separated && query.mode == Query::paper)) return 0;
   const Pose X_WA = pose_of_a();
   if (query.mode == Query::paper) {  // one point, as equation (1) has it
-    out.push_back({X_WA * (0.5 * (c.p_A + c.p_B)), X_WA.q * c.n_AB, -c.distance, 0});
+    out.push_back({X_WA * (0.5 * (c.p_A + c.p_B)), X_WA.q * c.n_AB, -c.distance, 0, c.capped});
     return 1;
   }
   return add_points(a, b, X_WA, X_AB, c, margin, out);

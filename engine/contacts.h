@@ -18,6 +18,7 @@ struct ContactPoint {
   /// The same corner, rim or pair of parts keeps its number from step to step; unique within the
   /// two bodies.
   std::uint32_t feature = 0;
+  bool guessed = false;  ///< the depth is a guess of paper detection, cut off at its cap
 };
 
 /// What the queries of a step cost, for statistics.

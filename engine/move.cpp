@@ -4,6 +4,16 @@
 #include "engine/stages.h"
 
 namespace headpin::engine::detail {
+namespace {
+
+/// The part of n across gravity.
+Vec3 level(const Vec3& n, const Vec3& gravity) {
+  const double g2 = gravity.squaredNorm();
+  return g2 > 0.0 ? Vec3(n - n.dot(gravity) / g2 * gravity) : n;
+}
+
+}  // namespace
+
 void move(World& world) {
   Scratch& s = world.scratch;
   const double dt = step_seconds(world);
@@ -46,13 +56,16 @@ void push_apart(World& world) {
       }
       const double more = row.mass * (part * (point.depth - p.slop) - apart);
       if (more <= 0.0) continue;
+      // A guessed depth pushes level and turns nothing: so it cannot add energy.
+      const Vec3 n = point.guessed ? level(row.n, p.gravity_W) : row.n;
+      const double turn = point.guessed ? 0.0 : more;
       note(touch.a);
-      s.nudge_p[touch.a] -= more * ma.inv_mass * row.n;
-      s.nudge_w[touch.a] -= more * row.ia;
+      s.nudge_p[touch.a] -= more * ma.inv_mass * n;
+      s.nudge_w[touch.a] -= turn * row.ia;
       if (!touch.b_moves) continue;
       note(touch.b);
-      s.nudge_p[touch.b] += more * mb.inv_mass * row.n;
-      s.nudge_w[touch.b] += more * row.ib;
+      s.nudge_p[touch.b] += more * mb.inv_mass * n;
+      s.nudge_w[touch.b] += turn * row.ib;
     }
   }
   for (const BodyId i : s.nudged) {

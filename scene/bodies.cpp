@@ -118,6 +118,7 @@ engine::Parameters world_parameters(const Scenario& scenario) {
   p.query.mode =
       c.detection == "paper" ? engine::Query::Mode::paper : engine::Query::Mode::converged;
   p.query.cap = static_cast<int>(c.iterations);
+  p.query.warm = c.warm;
   p.sleep = c.sleep;
   p.keep_ledger = true;
   return p;

@@ -118,6 +118,7 @@ void visit(V& v, Collision& c) {
   v.field("detection", c.detection, Choices{"converged", "paper"},
           "paper: the iteration stops at the cap, as in 1997");
   v.field("iterations", c.iterations, Range{5, 20}, "cap of a query; 20 in the paper");
+  v.field("warm", c.warm, kAny, "paper detection starts from the last normal; not so in 1997");
   v.field("response", c.response, response_names(), "");
   v.field("gravity", c.gravity, Range{0, 1000}, "");
   v.field("sleep", c.sleep, kAny, "bodies at rest are left alone until touched");

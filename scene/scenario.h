@@ -72,7 +72,8 @@ struct Collision {
   std::string shape = "true";           ///< "true": the compound; "ellipsoid": one ellipsoid
   std::string detection = "converged";  ///< "paper": stops at the cap
   std::int64_t iterations = 20;         ///< cap on a query's iterations, 5..20
-  std::string response = "paper";       ///< "paper" or "coulomb"
+  bool warm = false;  ///< paper detection starts from the last normal: ours, not of 1997
+  std::string response = "paper";  ///< "paper" or "coulomb"
   double gravity = 9.81;
   bool sleep = true;
 };
