@@ -19,7 +19,11 @@ void turn(std::span<ContactPoint> points) {
 /// The plane of a half-space, and contact points of shapes that stand on it.
 struct Ground {
   Ground(const Pose& X_WP, double most, std::vector<ContactPoint>& points)
-      : up_W(z_axis(X_WP.q)), level(up_W.dot(X_WP.p)), margin(most), out(points) {}
+      : up_W(z_axis(X_WP.q)),
+        along_W(X_WP.q * Vec3::UnitY()),
+        level(up_W.dot(X_WP.p)),
+        margin(most),
+        out(points) {}
 
   double height(const Vec3& p_W) const { return up_W.dot(p_W) - level; }
 
@@ -28,7 +32,7 @@ struct Ground {
   /// @param origin  of the shape's frame G: height over the ground [m]
   void carry(const Shape& shape, const Mat3& R_WG, const Vec3& p_WG, double origin);
 
-  const Vec3 up_W;
+  const Vec3 up_W, along_W;  // normal, and a direction in the plane
   const double level, margin;
   std::vector<ContactPoint>& out;
 };
@@ -49,12 +53,12 @@ struct Footprint {
   }
 };
 
-/// Horizontal direction of steepest descent in the shape's frame; its x axis when it stands
-/// upright.
-Vec2 downhill(const Vec3& down) {
-  const double rho = std::sqrt(down.x() * down.x() + down.y() * down.y());
-  if (rho < 1e-4) return Vec2::UnitX();
-  return Vec2(down.x(), down.y()) / rho;
+/// Horizontal direction of steepest descent in the shape's frame. A round shape that stands upright
+/// has none of its own: then one of the ground's, so that its yaw does not matter.
+Vec2 downhill(const Footprint& foot, const Vec3& down) {
+  Vec2 u(down.x(), down.y());
+  if (u.squaredNorm() < 1e-8) u = (foot.R_WG.transpose() * foot.ground.along_W).head<2>();
+  return u / u.norm();
 }
 
 // Lowest point of a rim and two more, 120 degrees to each side.
@@ -71,14 +75,14 @@ void stand(Footprint& foot, const Ellipsoid& s, const Vec3& down, double) {
 }
 
 void stand(Footprint& foot, const Cylinder& s, const Vec3& down, double) {
-  const Vec2 u = downhill(down);
+  const Vec2 u = downhill(foot, down);
   const double z = down.z() < 0.0 ? -s.half_height : s.half_height;
   rim(foot, s.radius, z, u, down.z() < 0.0 ? 0 : 4);
   foot.point({s.radius * u.x(), s.radius * u.y(), -z}, down.z() < 0.0 ? 4 : 0);
 }
 
 void stand(Footprint& foot, const Cone& s, const Vec3& down, double) {
-  rim(foot, s.radius, -0.5 * s.height, downhill(down), 0);
+  rim(foot, s.radius, -0.5 * s.height, downhill(foot, down), 0);
   foot.point({0.0, 0.0, 0.5 * s.height}, 4);
 }
 

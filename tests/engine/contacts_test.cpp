@@ -161,5 +161,27 @@ TEST(RoundOnAnything, HasOnePoint) {
   EXPECT_LT((points[0].p_W - Vec3(0.0995, 0.0, 0.0)).norm(), 1e-9);
 }
 
+// A round body that stands upright is the same body at every yaw.
+TEST(ARoundBody, StandsOnTheSamePointsAtEveryYaw) {
+  for (const Shape& shape : {Shape(Cylinder{0.03, 0.1}), Shape(Cone{0.03, 0.2})}) {
+    for (const double lean : {0.0, 1e-5, 0.02}) {
+      std::vector<ContactPoint> first;
+      for (int k = 0; k < 12; ++k) {
+        std::vector<ContactPoint> points;
+        QueryCounts counts;
+        Vec3 n = Vec3::Zero();
+        const Pose X_WB{rotation(Vec3(lean, 0.0, 0.0)) * rotation(Vec3(0.0, 0.0, 0.5 * k)),
+                        {0.2, 0.3, 0.1}};
+        find_contacts(HalfSpace{}, {}, shape, X_WB, 1e-3, n, {}, counts, points);
+        if (k == 0) first = points;
+        ASSERT_EQ(points.size(), first.size());
+        for (std::size_t i = 0; i < points.size(); ++i) {
+          EXPECT_LT((points[i].p_W - first[i].p_W).norm(), 1e-9) << kind(shape) << " " << 0.5 * k;
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace headpin::engine
