@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "engine/inlining.h"
+#include "engine/kept_plane.h"
 
 namespace headpin::engine {
 namespace {
@@ -459,6 +460,11 @@ int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
     turn(std::span(out).subspan(first));
     return count;
   }
+  if (starts_warm(query) && still_apart(a, X_WA, b, X_WB, n_AB_cache, margin)) {
+    ++counts.queries;
+    ++counts.iterations;
+    return 0;
+  }
   return meet(
       a, [&] { return X_WA; }, b, relative(X_WA, X_WB), margin, n_AB_cache, query, counts, out);
 }
@@ -519,6 +525,7 @@ int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const 
   }
   const Pose X_AB = relative(X_WA, X_WB);
   const Mat3 R_AB = X_AB.q.toRotationMatrix();
+  const bool warm = starts_warm(query);
   for (std::size_t j = 0; j < b.parts.size(); ++j) {
     const Part& pb = b.parts[j];
     const Vec3 p_AGb = R_AB * pb.X_BG.p + X_AB.p;
@@ -531,9 +538,16 @@ int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const 
       const std::size_t pair = i * b.parts.size() + j;
       const auto pose_of_a = [&] { return X_WA * pa.X_BG; };
       if (std::isfinite(reach)) {
+        Vec3& kept = n_AB_caches[pair];
+        if (warm && !is_turned(pa) && !is_turned(pb) &&
+            still_apart(pa.shape, pb.shape, R_AB, p_GaGb_A, kept, margin)) {
+          ++counts.queries;
+          ++counts.iterations;
+          continue;
+        }
         Pose X_GaGb{is_turned(pb) ? X_AB.q * pb.X_BG.q : X_AB.q, p_GaGb_A};
         if (is_turned(pa)) X_GaGb = Pose{pa.X_BG.q.conjugate(), Vec3::Zero()} * X_GaGb;
-        meet(pa.shape, pose_of_a, pb.shape, X_GaGb, margin, n_AB_caches[pair], query, counts, out);
+        meet(pa.shape, pose_of_a, pb.shape, X_GaGb, margin, kept, query, counts, out);
       } else {  // a half-space among them
         find_contacts(pa.shape, pose_of_a(), pb.shape, X_WB * pb.X_BG, margin, n_AB_caches[pair],
                       query, counts, out);

@@ -467,8 +467,7 @@ HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, Vec3& 
                                 const Query& q) {
   constexpr bool hull = std::is_same_v<A, Polyhedron> || std::is_same_v<B, Polyhedron>;
   const double c2 = n_AB_cache.squaredNorm();
-  const bool may_start_warm = q.mode == Query::converged || q.warm;
-  const bool warm = may_start_warm && c2 > 0.5 && c2 < 8.0, met = warm && c2 > 2.0;
+  const bool warm = starts_warm(q) && c2 > 0.5 && c2 < 8.0, met = warm && c2 > 2.0;
   const Vec3 line = centre_B(b, X_AB) - centre(a);
   // Furthest points only ask for the direction: no need to wait for the unit vector.
   Vec3 n = warm ? n_AB_cache : line;

@@ -78,6 +78,11 @@ struct Query {
   double margin = 0.0;
 };
 
+/// Whether a kept normal is where the query begins.
+inline bool starts_warm(const Query& query) {
+  return query.mode == Query::converged || query.warm;
+}
+
 /// @param X_AB        frame of b in the frame of a
 /// @param n_AB_cache  last normal of this pair in A's frame; zero, stale or not finite ones are
 ///   harmless. Left as what to start from next time, and not unit: of length 1 after a pair further

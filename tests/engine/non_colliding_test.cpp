@@ -12,6 +12,7 @@
 #include <fcl/narrowphase/collision.h>
 #include <gtest/gtest.h>
 
+#include "engine/kept_plane.h"
 #include "tests/support/pair_campaign.h"
 #include "tests/support/random_shapes.h"
 
@@ -670,6 +671,36 @@ TEST(WarmStart, WithAStaleOppositeOrMeaninglessNormalIsHarmless) {
       EXPECT_LT((n - (c.separated ? 1.0 : 2.0) * c.n_AB).norm(), 1e-9);
     }
   }
+}
+
+// A plane that still separates says what closest_points would, and one that does not says nothing.
+TEST(AKeptPlane, ProvesOnlyWhatIsSo) {
+  Pool pool(64);
+  int proven = 0, apart = 0;
+  for (int i = 0; i < 20000 / kThin; ++i) {
+    const Shape &a = pool.pick(i % 4), &b = pool.pick(i / 4 % 4);
+    const double margin = pool.random.index(2) * pool.random.uniform(0.0, 0.1);
+    const Pose X_AB{pool.random.rotation(),
+                    pool.random.uniform(0.5, 1.5) * pool.random.direction()};
+    Vec3 n = Vec3::Zero();
+    closest_points(a, b, X_AB, n, {.margin = margin});
+    const Pose X_now{rotation(0.02 * pool.random.direction()) * X_AB.q,
+                     X_AB.p + 0.02 * pool.random.direction()};
+    const Pose X_WA{pool.random.rotation(), pool.random.direction()}, X_WB = X_WA * X_now;
+    const bool still = still_apart(a, X_WA, b, X_WB, n, margin);
+    EXPECT_EQ(still_apart(a, b, X_now.q.toRotationMatrix(), X_now.p, n, margin), still);
+    const Closest now = query(a, b, relative(X_WA, X_WB), {.margin = margin});
+    apart += now.distance > margin;
+    proven += still;
+    if (still) {
+      EXPECT_GT(now.distance, margin) << kind(a) << " " << kind(b);
+      EXPECT_LT(depth_along(a, b, X_now, n), -margin + 1e-12);
+    }
+  }
+  EXPECT_GT(proven, apart / 2);
+  EXPECT_FALSE(
+      still_apart(Cylinder{}, {}, Cylinder{}, {Quat::Identity(), {9, 0, 0}}, Vec3::Zero()));
+  EXPECT_FALSE(still_apart(Cylinder{}, {}, HalfSpace{}, {}, Vec3::UnitZ()));
 }
 
 // A pair within the margin gets its true gap, not the first proof of one.

@@ -1,0 +1,56 @@
+#include "engine/kept_plane.h"
+
+#include <limits>
+#include <type_traits>
+
+namespace headpin::engine {
+namespace {
+
+// How far a shape reaches along n: n . support(n), without the point.
+double reach_along(const Ellipsoid& s, const Vec3& n) {
+  return s.radii.cwiseProduct(n).norm();
+}
+double reach_along(const Cylinder& s, const Vec3& n) {
+  return s.radius * std::sqrt(n.x() * n.x() + n.y() * n.y()) + s.half_height * std::abs(n.z());
+}
+double reach_along(const Cone& s, const Vec3& n) {
+  const double rim = s.radius * std::sqrt(n.x() * n.x() + n.y() * n.y());
+  return std::max(0.5 * s.height * n.z(), rim - 0.5 * s.height * n.z());
+}
+double reach_along(const Polyhedron& s, const Vec3& n) {
+  return n.dot(support(s, n));
+}
+
+bool is_plane(const Vec3& n_AB_cache) {
+  return std::abs(n_AB_cache.squaredNorm() - 1.0) < 1e-9;
+}
+
+/// Gap between the planes across n, given in the frames of both, the origins `apart` along it.
+double gap(const Shape& a, const Vec3& n_A, const Shape& b, const Vec3& n_B, double apart) {
+  return visit_both(a, b, [&](const auto& sa, const auto& sb) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(sa)>, HalfSpace> ||
+                  std::is_same_v<std::decay_t<decltype(sb)>, HalfSpace>) {
+      return -std::numeric_limits<double>::infinity();  // closed forms are as quick
+    } else {
+      return apart - reach_along(sa, n_A) - reach_along(sb, n_B);
+    }
+  });
+}
+
+}  // namespace
+
+bool still_apart(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
+                 const Vec3& n_AB_cache, double margin) {
+  if (!is_plane(n_AB_cache)) return false;
+  const Vec3 n_W = X_WA.q * n_AB_cache, n_B = X_WB.q.conjugate() * -n_W;
+  return gap(a, n_AB_cache, b, n_B, n_W.dot(X_WB.p - X_WA.p)) > margin;
+}
+
+bool still_apart(const Shape& a, const Shape& b, const Mat3& R_AB, const Vec3& p_AB,
+                 const Vec3& n_AB_cache, double margin) {
+  if (!is_plane(n_AB_cache)) return false;
+  const Vec3 n_B = R_AB.transpose() * -n_AB_cache;
+  return gap(a, n_AB_cache, b, n_B, n_AB_cache.dot(p_AB)) > margin;
+}
+
+}  // namespace headpin::engine
