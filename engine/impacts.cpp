@@ -44,7 +44,10 @@ std::optional<Meeting> soonest(const World& world, const Touch& touch, double th
     const double time =
         std::max({touch.time + t, world.scratch.clock[touch.a], world.scratch.clock[touch.b]});
     if (time > step_seconds(world)) continue;
-    if (!best || time < best->time) best = {p, time, speed};
+    // Of several at once the fastest, whatever their order: a mirrored body has another.
+    const bool sooner =
+        !best || time < best->time || (time == best->time && speed > best->approach);
+    if (sooner) best = {p, time, speed};
   }
   return best;
 }

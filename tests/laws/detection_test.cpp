@@ -1,4 +1,5 @@
 #include <cstdio>
+#include <string_view>
 
 #include <gtest/gtest.h>
 
@@ -13,7 +14,7 @@ const int kEvery = kThorough ? 1 : 5;
 struct Games {
   double down = 0.0;        // mean
   double correction = 0.0;  // most energy that pushing apart added in a game [J]
-  double rise = 0.0;        // most that a game ended above what it began with [J]
+  double rise = -1e9;       // most that a game ended above what it began with [J]
   double overlap = 0.0;     // deepest [m]
 };
 
@@ -54,9 +55,44 @@ TEST(PaperDetection, PlaysTheSameGamesAtEveryCapAndAddsNoEnergy) {
       std::printf("%-2d %-7s %6.2f %14.3f %10.4f\n", cap, warm ? "warm" : "", g.down, g.correction,
                   g.overlap);
       // What the lane, whose depths are exact, takes back is all there is.
-      EXPECT_LT(g.correction, converged.correction + 0.05) << "cap " << cap;
+      EXPECT_LT(g.correction, converged.correction + 0.1) << "cap " << cap;
       EXPECT_LT(g.rise, 0.0) << "cap " << cap;
       EXPECT_NEAR(g.down, converged.down, kThorough ? 0.8 : 1.5) << "cap " << cap;
+    }
+  }
+}
+
+struct Rack {
+  double ball_offset = 0.0;
+  double yaw = 0.0;       // of every skittle about its own axis [rad]
+  bool mirrored = false;  // skittles and ball, left for right
+};
+
+int down_after(const Rack& rack, std::string_view response) {
+  RackOptions o;
+  o.parameters.response = response;
+  o.ball_offset = rack.mirrored ? -rack.ball_offset : rack.ball_offset;
+  Bowling b = bowling(o);
+  for (const BodyId i : b.skittles) {
+    State state = b.world.states[i];
+    state.X_WB.q = state.X_WB.q * rotation(rack.yaw * Vec3::UnitZ());
+    if (rack.mirrored) state.X_WB.p.x() = -state.X_WB.p.x();
+    set_state(b.world, i, state);
+  }
+  run(b.world, 5.0);
+  return skittles_down(b);
+}
+
+// A skittle is round, and left is as good as right: its standing points are chosen by the contact.
+// Only games that 1e-9 m of the ball changes may go another way.
+TEST(ARack, FallsAlikeWhenItsSkittlesAreTurnedAndWhenItIsMirrored) {
+  for (const std::string_view response : {"paper", "coulomb"}) {
+    for (int k = 0; k <= 40; k += kEvery) {
+      const double offset = -0.101 + 0.005 * k;
+      const int down = down_after({offset}, response);
+      if (down_after({offset + 1e-9}, response) != down) continue;
+      EXPECT_EQ(down_after({offset, 1.0}, response), down) << response << " " << offset;
+      EXPECT_EQ(down_after({offset, 0.0, true}, response), down) << response << " " << offset;
     }
   }
 }
