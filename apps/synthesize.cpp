@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <iostream>
 #include <memory>
+#include <numbers>
 #include <optional>
 
 #include <fmt/format.h>
@@ -68,7 +69,7 @@ std::size_t write_csv(const Options& options, const scene::ThrowMotion& motion,
 }
 
 void run(const Options& options) {
-  constexpr double kDegree = 0.0174532925199433;
+  constexpr double kDegree = std::numbers::pi / 180.0;
   scene::ThrowPlan plan = options.plan;
   plan.aim = options.aim_deg * kDegree;
   scene::Scenario scenario =

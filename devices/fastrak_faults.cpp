@@ -125,28 +125,4 @@ Pose distort(const Pose& X_TS, double metal) {
   return {rotation(amount * sideways) * X_TS.q, X_TS.p + amount * sideways};
 }
 
-Random::Random(std::uint64_t seed, std::uint64_t purpose, std::uint64_t number)
-    : state_(seed * 0x9E3779B97F4A7C15u) {
-  state_ = next() ^ (purpose * 0xD1B54A32D192ED03u);
-  state_ = next() ^ (number * 0xABC98388FB8FAC03u);
-}
-
-std::uint64_t Random::next() {  // splitmix64
-  state_ += 0x9E3779B97F4A7C15u;
-  std::uint64_t z = state_;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  return z ^ (z >> 31);
-}
-
-double Random::uniform() {
-  return static_cast<double>(next() >> 11) * 0x1p-53;
-}
-
-double Random::normal() {
-  double sum = -6.0;
-  for (int i = 0; i < 12; ++i) sum += uniform();
-  return sum;
-}
-
 }  // namespace headpin::devices

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "devices/fastrak_geometry.h"
+#include "devices/random.h"
 #include "engine/math.h"
 
 namespace headpin::devices {
@@ -52,22 +53,5 @@ std::string faults_help();
 /// turns with the direction. At 1 m the position is off by `metal` [m], the orientation by as much
 /// in radians.
 Pose distort(const Pose& X_TS, double metal);
-
-/// Random numbers that depend on what they are drawn for and not on the order of drawing.
-class Random {
- public:
-  Random(std::uint64_t seed, std::uint64_t purpose, std::uint64_t number);
-
-  std::uint64_t next();
-  double uniform();  ///< [0, 1)
-  double normal();   ///< mean 0, deviation 1, |x| <= 6: the sum of twelve uniform ones
-  Vec3 normal3() {
-    const double x = normal(), y = normal(), z = normal();
-    return {x, y, z};
-  }
-
- private:
-  std::uint64_t state_;
-};
 
 }  // namespace headpin::devices

@@ -22,8 +22,8 @@ namespace headpin::devices {
 /// One end of LCM, by whatever provider its URL names: udpm, file, memq, tcpq, mpudpm.
 class LcmLink {
  public:
-  /// @param url  empty: LCM_DEFAULT_URL, else multicast on 239.255.76.67:7667 that stays on the
-  /// host
+  /// @param url  empty: LCM_DEFAULT_URL, else multicast on 239.255.76.67:7667 that stays on
+  ///             the host
   /// @throws std::runtime_error  when LCM cannot be opened there
   explicit LcmLink(const std::string& url);
   ~LcmLink();

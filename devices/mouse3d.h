@@ -19,8 +19,7 @@ class StylusTrigger {
   explicit StylusTrigger(std::int32_t station = 0) : station_(station) {}
 
   /// @return  the mouse's new state, when this sample changes it. The first sample makes none
-  /// unless
-  ///          the trigger is down; one with an error letter counts too, as the switch is no pose.
+  ///          unless the trigger is down; one with an error letter counts too, as the switch is no pose.
   std::optional<MouseSample> update(const TrackerSample& sample);
 
  private:

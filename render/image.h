@@ -24,8 +24,8 @@ std::uint64_t pixel_hash(const Image& image);
 /// @throws std::invalid_argument  when the heights differ
 Image side_by_side(const Image& left, const Image& right);
 
-/// One pixel from each square of `samples` x `samples`: the mean of their light, not of their
-/// codes.
+/// One pixel from each square of `samples` x `samples`: the mean of their light, not of
+/// their codes.
 ///
 /// @param rgba     sRGB bytes as OpenGL reads them, rows from the bottom, four bytes a sample
 /// @param width    of the result; the source is `samples` times as wide

@@ -1,53 +1,20 @@
 #include "scene/arm_model.h"
 
 #include <algorithm>
+#include <numbers>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "devices/random.h"
+
 namespace headpin::scene {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using devices::Random;
+
+constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180.0;
-
-/// SplitMix64 (Steele, Lea, Flood 2014): the same numbers everywhere, unlike std distributions.
-class Random {
- public:
-  explicit Random(std::uint64_t seed) : state_(seed) {}
-
-  double uniform(double low, double high) {
-    constexpr double kUnit = 1.0 / 9007199254740992.0;  // 2^-53
-    return low + (high - low) * static_cast<double>(next() >> 11) * kUnit;
-  }
-
-  /// Standard normal to good approximation: the sum of twelve uniform numbers.
-  double normal() {
-    double sum = -6.0;
-    for (int i = 0; i < 12; ++i) sum += uniform(0.0, 1.0);
-    return sum;
-  }
-
-  Vec3 normal3() {
-    const double x = normal(), y = normal(), z = normal();
-    return {x, y, z};
-  }
-
-  Vec3 uniform3(double low, double high) {
-    const double x = uniform(low, high), y = uniform(low, high), z = uniform(low, high);
-    return {x, y, z};
-  }
-
- private:
-  std::uint64_t next() {
-    std::uint64_t z = state_ += 0x9e3779b97f4a7c15u;
-    z = (z ^ z >> 30) * 0xbf58476d1ce4e5b9u;
-    z = (z ^ z >> 27) * 0x94d049bb133111ebu;
-    return z ^ z >> 31;
-  }
-
-  std::uint64_t state_;
-};
 
 double minimum_jerk(double s) {
   return s * s * s * (10.0 + s * (-15.0 + 6.0 * s));

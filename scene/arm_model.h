@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <numbers>
 #include <vector>
 
 #include "devices/catalogue_csv.h"
@@ -82,7 +83,7 @@ class ThrowMotion {
 /// How the tracker adds to what it measures; figures of the Fastrak's kind.
 struct TrackerNoise {
   double per_range = 2e-4;  ///< standard deviation per metre from the transmitter [m/m]
-  double angle = 0.025 * 0.0174532925199433;  ///< standard deviation [rad]
+  double angle = 0.025 * std::numbers::pi / 180.0;  ///< standard deviation [rad]
   Time latency{7830};  ///< 3.75 ms to the output, then 47 bytes at 115200 baud
 };
 

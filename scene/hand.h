@@ -32,8 +32,8 @@ inline ReleaseWindow release_window(const Hand& hand) {
 /// the release over to the centre of the ball. A straight line would lag by half the window: a
 /// swing gains some 40 m/s2, so it would throw 1.2 m/s too slow. Fewer than four samples still get
 /// the line. How well the slope is known is told by what the parabola leaves of the positions;
-/// where that is not well enough, or only one sample is in it, the window takes in one more, and so
-/// on.
+/// where that is not well enough, or only one sample is in it, the window takes in one more, and
+/// so on.
 ///
 /// @param track   hand poses X_WH, oldest first; the last one is the release
 /// @param p_HB    centre of the ball in the hand [m]
