@@ -147,7 +147,7 @@ void turn_freely(Quat& q_WB, Vec3& w_WB, const Inertia& inertia, double dt) {
              rotation(Vec3(0.0, 0.0, (inv[2] - inv[0]) * L3 * h));
       turn_second(h);
     };
-    const double turns = w_WB.norm() * std::abs(dt) / kSmallTurn;
+    const double turns = L_W.norm() * inv.maxCoeff() * std::abs(dt) / kSmallTurn;
     const int parts = static_cast<int>(std::min(std::ceil(turns), 1000.0));
     for (int k = 0; k < parts; ++k) {
       for (const double weight : {kOuter, 1.0 - 2.0 * kOuter, kOuter}) turn(weight * dt / parts);
