@@ -7,6 +7,7 @@
 
 #include "apps/command.h"
 #include "apps/options.h"
+#include "apps/recorded_world.h"
 #include "apps/streams.h"
 #include "devices/log.h"
 #include "scene/score.h"
@@ -66,30 +67,18 @@ std::optional<FirstDifference> first_difference(const Side& a, const Side& b) {
   return FirstDifference{extra.tick, seconds(extra.time), ""};
 }
 
-/// Energy of the free bodies in a recorded state [J], height from the lane.
-double energy(engine::World& world, const devices::TickState& state) {
-  const std::size_t bodies = std::min(world.states.size(), state.bodies.size());
-  for (std::size_t i = 0; i < bodies; ++i) {
-    world.states[i] = {state.bodies[i].X_WB, state.bodies[i].V_WB.v, state.bodies[i].V_WB.w};
-  }
-  return engine::balance(world).energy;
-}
-
 nlohmann::json describe(const Side& side) {
   const devices::Trial& trial = side.trial;
   const scene::Score score = scene::score(trial.events);
   const auto number = [](const std::optional<double>& value) {
     return value ? nlohmann::json(*value) : nlohmann::json();
   };
-  scene::Stage stage = scene::make_stage(side.scenario);
-  for (const engine::BodyId ball : stage.balls) {
-    engine::set_kind(stage.world, ball, engine::Kind::free);  // so that it counts in the hand too
-  }
+  RecordedWorld world(side.scenario);
   std::int64_t contacts = 0;
   double highest = 0.0;
   for (const devices::TickState& state : trial.states) {
     contacts += state.contacts;
-    highest = std::max(highest, energy(stage.world, state));
+    highest = std::max(highest, world.energy(state).all);
   }
   return {{"trial", side.path},
           {"elasticity", scene::per_object(side.scenario.material, &scene::Material::elasticity)},
@@ -103,7 +92,7 @@ nlohmann::json describe(const Side& side) {
           {"release_speed_mps", number(score.release_speed)},
           {"impact_speed_mps", number(score.impact_speed)},
           {"highest_energy_j", highest},
-          {"final_energy_j", energy(stage.world, trial.states.back())}};
+          {"final_energy_j", world.energy(trial.states.back()).all}};
 }
 
 std::string cell(const nlohmann::json& value) {

@@ -97,6 +97,8 @@ int main(int argc, char** argv) {
   apps::add_replay(app);
   apps::add_frames(app);
   apps::add_compare(app);
+  apps::add_export(app);
+  apps::add_plot(app);
   apps::add_live(app);
   apps::add_doctor(app);
   apps::add_stream(app);

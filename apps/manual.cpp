@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "apps/command.h"
+#include "apps/reference.h"
 #include "devices/version.h"
 #include "scene/scenario_files.h"
 
@@ -286,6 +287,8 @@ void write_all(const CLI::App& app, const fs::path& folder) {
   }
   write(folder / "headpin.bash", bash_completion(app));
   write(folder / "_headpin", zsh_completion(app));
+  fs::create_directories(folder / "docs");
+  for (const auto& [name, text] : reference_pages()) write(folder / "docs" / name, text);
 }
 
 }  // namespace
@@ -293,7 +296,7 @@ void write_all(const CLI::App& app, const fs::path& folder) {
 void add_manual(CLI::App& app) {
   const auto folder = std::make_shared<std::string>();
   CLI::App* command =
-      app.add_subcommand("manual", "Write the manual pages and what completes a command line")
+      app.add_subcommand("manual", "Write manual pages, completion and the pages of docs")
           ->group("");  // for those who build; nobody else needs to see it
   command->add_option("folder", *folder, "where to; man1/ is made in it")->required();
   command->callback([&app, folder] { write_all(app, *folder); });

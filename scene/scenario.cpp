@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <toml++/toml.h>
 
 #include "engine/response.h"
@@ -442,7 +443,6 @@ class Writer {
   std::string out() && { return std::move(out_); }
   std::map<std::string, std::string> written() && { return std::move(written_); }
 
- private:
   static std::string text(double value) { return number_text(value); }
   static std::string text(std::int64_t value) { return fmt::format("{}", value); }
   static std::string text(int value) { return fmt::format("{}", value); }
@@ -474,9 +474,69 @@ class Writer {
     return all + "\n]";
   }
 
+ private:
   const std::map<std::string, std::string>& sourced_;
   std::map<std::string, std::string> written_;  // by key
   std::string out_;
+  std::string path_;
+};
+
+/// Lists fields in their order, each with what a reader wants to know of it.
+class Lister {
+ public:
+  template <typename T, typename Allowed>
+  void field(std::string_view key, T& value, const Allowed& allowed, std::string_view meaning,
+             std::string_view source = {}) {
+    keys_.push_back({path_ + std::string(key), kind(value), text(allowed), fallback(value),
+                     std::string(meaning), std::string(source)});
+    if constexpr (std::is_same_v<T, std::vector<SkittlePart>>) {
+      SkittlePart part;
+      section(std::string(key) + "[]", "", part);
+    }
+  }
+
+  template <typename T>
+  void section(std::string_view key, std::string_view meaning, T& part) {
+    const std::string outer = path_;
+    path_ += std::string(key);
+    if (!meaning.empty()) keys_.push_back({path_, "table", "", "", std::string(meaning), ""});
+    path_ += ".";
+    visit(*this, part);
+    path_ = outer;
+  }
+
+  std::vector<ScenarioKey> keys() && { return std::move(keys_); }
+
+ private:
+  static std::string kind(double) { return "number"; }
+  static std::string kind(bool) { return "true or false"; }
+  static std::string kind(const std::string&) { return "text"; }
+  static std::string kind(const Hmd&) { return "text"; }
+  static std::string kind(const Vec3&) { return "[x, y, z]"; }
+  static std::string kind(const Pose&) { return "{p = [x, y, z], q = [w, x, y, z]}"; }
+  static std::string kind(const std::vector<Vec2>&) { return "list of pairs"; }
+  static std::string kind(const std::vector<SkittlePart>&) { return "list of tables"; }
+  template <std::integral T>
+  static std::string kind(T) {
+    return "whole number";
+  }
+
+  static std::string text(Range range) {
+    if (range.high == kAny.high) return "";
+    return fmt::format("{} to {}", range.low, range.high);
+  }
+  static std::string text(const Choices& choices) {
+    return fmt::format("{}", fmt::join(choices, ", "));
+  }
+
+  /// Empty where the default is a list, too long to be shown.
+  template <typename T>
+  static std::string fallback(const T& value) {
+    const std::string text = Writer::text(value);
+    return text.find('\n') == std::string::npos ? text : "";
+  }
+
+  std::vector<ScenarioKey> keys_;
   std::string path_;
 };
 
@@ -575,6 +635,13 @@ std::string to_toml(const Scenario& scenario) {
 
 void check(const Scenario& scenario, std::string_view where) {
   check(scenario, where, {});
+}
+
+std::vector<ScenarioKey> scenario_keys() {
+  Lister lister;
+  Scenario scenario;
+  visit(lister, scenario);
+  return std::move(lister).keys();
 }
 
 void set(Scenario& scenario, std::string_view assignment) {

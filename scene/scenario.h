@@ -154,6 +154,19 @@ std::string to_toml(const Scenario& scenario);
 /// @throws std::invalid_argument  naming the key, what was found and what is allowed
 void check(const Scenario& scenario, std::string_view where);
 
+/// One key of a scenario, for people who write one.
+struct ScenarioKey {
+  std::string key;       ///< as it is written: "ball.mass"; `[]` stands for an entry of a list
+  std::string kind;      ///< of its value; "table" for a section that has something to say
+  std::string allowed;   ///< range or choices; empty where anything of the kind goes
+  std::string fallback;  ///< value where the scenario leaves it out; empty for lists
+  std::string meaning;   ///< empty where the name says it
+  std::string source;    ///< of the default, where it has one
+};
+
+/// Every key there is, in the order of to_toml.
+std::vector<ScenarioKey> scenario_keys();
+
 /// Changes one value, written as on the command line: `ball.mass=5`, `collision.shape=ellipsoid`.
 ///
 /// @throws std::invalid_argument  as parse_scenario

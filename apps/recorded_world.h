@@ -1,0 +1,26 @@
+#pragma once
+
+#include "devices/trial.h"
+#include "scene/stage.h"
+
+namespace headpin::apps {
+
+/// The bodies of a scenario, put where a recorded state has them.
+class RecordedWorld {
+ public:
+  explicit RecordedWorld(const scene::Scenario& scenario);
+
+  /// Of balls and skittles, the ball's in the hand too [J].
+  struct Energy {
+    double all = 0.0;     ///< of motion and height
+    double height = 0.0;  ///< from the lane
+  };
+  Energy energy(const devices::TickState& state);
+
+  const scene::Stage& stage() const { return stage_; }
+
+ private:
+  scene::Stage stage_;
+};
+
+}  // namespace headpin::apps

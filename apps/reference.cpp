@@ -1,0 +1,256 @@
+#include "apps/reference.h"
+
+#include <fmt/format.h>
+
+#include "devices/tables.h"
+#include "devices/version.h"
+#include "scene/events.h"
+#include "scene/scenario.h"
+
+namespace headpin::apps {
+
+namespace {
+
+constexpr const char* kWritten =
+    "<!-- Written by the program (`./dev docs`): change what it says in the sources. -->\n\n";
+
+/// A cell of a table: what would end it is masked.
+std::string cell(const std::string& text) {
+  std::string out;
+  for (const char c : text) out += c == '|' ? std::string("\\|") : std::string(1, c);
+  return out;
+}
+
+std::string code(const std::string& text) {
+  return text.empty() ? "" : "`" + text + "`";
+}
+
+std::string scenario_page() {
+  std::string out = fmt::format(
+      "# Every key of a scenario\n\n{}Metre, kilogram, second unless a name says otherwise. What a "
+      "scenario leaves out has the default: the paper's\nroom, "
+      "[paper-room.toml](../assets/scenarios/paper-room.toml). Unknown keys, wrong types and "
+      "values "
+      "out of range are refused with\nfile and line. `[]` is an entry of a list. One value is "
+      "changed by `--set KEY=VALUE`.\n\n"
+      "| key | value | allowed | default | meaning | source of the default "
+      "|\n|---|---|---|---|---|---|\n",
+      kWritten);
+  for (const scene::ScenarioKey& key : scene::scenario_keys()) {
+    out += fmt::format("| `{}` | {} | {} | {} | {} | {} |\n", key.key, key.kind, cell(key.allowed),
+                       key.kind.starts_with("list") ? "as in the file" : code(key.fallback),
+                       cell(key.meaning), cell(key.source));
+  }
+  return out;
+}
+
+std::string tables_page() {
+  std::string out = fmt::format(
+      "# Every column of `headpin export`\n\n{}CSV after RFC 4180: one line of names, then a row "
+      "an "
+      "observation. Numbers are the shortest that read back to the\nsame bits; times are exact. "
+      "`yes/no` is 1 or 0, a `hash` 16 hexadecimal digits. The same list is in `columns.csv` of "
+      "every export.\n",
+      kWritten);
+  std::string table;
+  for (const devices::TableColumn& c : devices::table_columns()) {
+    if (c.table != table) {
+      table = c.table;
+      out += fmt::format("\n## {}.csv\n\n| column | kind | unit | meaning |\n|---|---|---|---|\n",
+                         table);
+    }
+    out += fmt::format("| `{}` | {} | {} | {} |\n", c.name, c.kind, c.unit, cell(c.meaning));
+  }
+  return out;
+}
+
+std::string channels_page() {
+  std::string out = fmt::format(
+      "# LCM channels and types\n\n{}A trial is one LCM event log; a live session speaks the same "
+      "messages. Types of `headpin` unless they are said to be\nwire-compatible with another's; "
+      "the "
+      "`.lcm` files are in `devices/types`, in `share/headpin/types` once installed, and whole in "
+      "the\nheader of every trial.\n\n| channel | type | when |\n|---|---|---|\n",
+      kWritten);
+  for (const ChannelUse& use : channel_uses()) {
+    out += fmt::format("| `{}` | `{}` | {} |\n", use.channel, use.type, use.when);
+  }
+  return out + "\n```text\n" + devices::schema_text() + "```\n";
+}
+
+std::string json_page() {
+  std::string out = fmt::format(
+      "# Every key of `--json`\n\n{}One object on standard output, a failure too. The unit is the "
+      "end of the name: `_s` seconds, `_m` metres, `_j` joules, `_hz`\nper second, `_mps` metres a "
+      "second. A value that there is none of is `null`. A name means one thing, whichever command "
+      "prints it.\n\n| key | meaning |\n|---|---|\n",
+      kWritten);
+  for (const JsonKey& key : json_keys()) {
+    out += fmt::format("| `{}` | {} |\n", key.key, cell(key.meaning));
+  }
+  return out;
+}
+
+std::string events_page() {
+  std::string out = fmt::format(
+      "# Every kind of event\n\n{}On the channel `EVENT`, in `info` and in `events.csv`. `bodies` "
+      "are those it happened to, the impulse is on the first of them.\n\n"
+      "| kind | when | point (in W) | value |\n|---|---|---|---|\n",
+      kWritten);
+  for (const scene::EventKind& kind : scene::kEventKinds) {
+    out += fmt::format("| `{}` | {} | {} | {} |\n", kind.name, kind.when, kind.point, kind.value);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<JsonKey> json_keys() {
+  return {
+      {"activity", "what the driver of a Fastrak is doing"},
+      {"a", "the first of two trials that are compared"},
+      {"b", "the second"},
+      {"backwards", "samples not later than the one before of the same device; kept"},
+      {"bad", "samples that the device itself calls bad"},
+      {"bodies", "names of the bodies an event happened to"},
+      {"bytes", "in messages of a channel; skipped, those that belong to no event"},
+      {"capped_queries", "queries that stopped at the cap"},
+      {"channels", "of a log, by name"},
+      {"command", "that failed"},
+      {"commands", "understood by the emulated unit"},
+      {"complete", "all there, to the end event"},
+      {"condition", "its name, as given"},
+      {"contacts", "contact points, summed over all ticks"},
+      {"correction_j", "entry of the ledger: pushing overlaps apart"},
+      {"cut_bytes", "of an event the file ends in"},
+      {"damaged", "records sent with a fault in them"},
+      {"deepest_overlap_m", "of any two bodies at any time"},
+      {"detail", "text that belongs to an event"},
+      {"detection", "`converged` or `paper`"},
+      {"device", "head, right hand, left hand, 3D mouse"},
+      {"devices", "of a trial"},
+      {"dropped", "records left out whole because nobody read"},
+      {"dropped_samples", "samples that LCM lost"},
+      {"duration_s", "of the trial, or of the session"},
+      {"elasticity", "of every object; an object by object where they differ"},
+      {"error", "why it failed"},
+      {"events", "of a trial"},
+      {"exit_code", "of a failure"},
+      {"fastrak", "the driver of a live session"},
+      {"final_energy_j", "of balls and skittles after the last tick"},
+      {"first_difference_body", "body that differs first; empty where one trial ends sooner"},
+      {"first_difference_s", "when"},
+      {"first_difference_tick", "tick of the first difference; null where there is none"},
+      {"folder", "that was written"},
+      {"foreign", "samples in another frame than the transmitter's"},
+      {"format_version", "of the trial"},
+      {"fps", "frames a second"},
+      {"frames", "frames drawn, or in the trial"},
+      {"from_s", "where a stretch of time begins"},
+      {"friction", "of every object; an object by object where they differ"},
+      {"garbage_bytes", "sent by an emulated unit for want of anything better"},
+      {"grab_s", "when the ball was taken"},
+      {"gravity_j", "entry of the ledger: free motion"},
+      {"hand_j", "entry of the ledger: what was put, taken, thrown or let go"},
+      {"height", "of a picture, in pixels"},
+      {"highest_energy_j", "of balls and skittles in any tick"},
+      {"impact_j", "entry of the ledger: impulses"},
+      {"impact_speed_mps", "of a ball just before the first skittle"},
+      {"impacts", "impulses given"},
+      {"implausible", "messages with numbers that cannot be"},
+      {"kind", "of an event"},
+      {"largest_residual_mps", "largest change of a velocity in a solver's last pass"},
+      {"late", "samples that the session got later than when they were available"},
+      {"late_frames", "frames not drawn because another was being drawn"},
+      {"latency_median_s", "from a head's sample to its frame"},
+      {"latency_p99_s", "likewise, for 99 of 100"},
+      {"lateness_max_ms", "how late a sample was sent, at most"},
+      {"lateness_median_ms", "likewise, the median"},
+      {"lateness_p99_ms", "likewise, for 99 of 100"},
+      {"ledger", "energy that each phase added (docs/hash-and-ledger.md)"},
+      {"line", "terminal or port of an emulated unit"},
+      {"longest_gap", "longest stretch of a log without a sample of anything"},
+      {"longest_gap_s", "between two samples of a device"},
+      {"lost", "samples missing from a device's count; records lost by an emulated fault"},
+      {"messages", "on a channel"},
+      {"misdated",
+       "samples and states whose time, unlike those around them, is another than the log's"},
+      {"missed", "records that did not come whole"},
+      {"other_trials", "messages of another trial in the same file"},
+      {"overruns", "ticks that began more than a tick late"},
+      {"pairs", "pairs of bodies whose bounds met, summed over all ticks"},
+      {"participant", "as given"},
+      {"peak_hand_speed_mps", "of the right hand"},
+      {"pulling_impulses", "impulses that would have pulled, and were replaced"},
+      {"queries", "detection queries of parts"},
+      {"query_iterations", "their iterations"},
+      {"rate_hz", "samples a second"},
+      {"realtime_factor", "simulated time over the time it took"},
+      {"records", "of a Fastrak, sent or received"},
+      {"refused", "commands the emulated unit did not take"},
+      {"release_s", "when the ball was let go"},
+      {"release_speed_mps", "of the ball as it left the hand"},
+      {"remedy", "what to type where something does not work"},
+      {"renderer", "what drew the pictures"},
+      {"response", "of the collisions, by name"},
+      {"restarts", "times the driver began anew"},
+      {"result", "what a simulated trial came to"},
+      {"rows", "of each table that was written"},
+      {"samples", "of devices"},
+      {"says", "what the doctor found"},
+      {"seed", "of what is by chance"},
+      {"shape", "what skittles collide as: `true` or `ellipsoid`"},
+      {"simulated_s", "simulated time"},
+      {"skipped", "what was passed over in a log"},
+      {"skipped_bytes", "bytes of a line that belong to no record"},
+      {"skittles", "of the rack"},
+      {"skittles_down", "that fell"},
+      {"software_commit", "of the program that wrote the trial"},
+      {"software_version", "likewise"},
+      {"solver_iterations", "passes over lasting contacts, summed"},
+      {"state_hash", "after the last tick (docs/hash-and-ledger.md)"},
+      {"statistics", "counts of the engine"},
+      {"sustained_j", "entry of the ledger: lasting contacts, friction, rest"},
+      {"tick", "of an event; -1 outside the simulation"},
+      {"ticks", "simulated"},
+      {"time_s", "of an event"},
+      {"to_s", "where it ends"},
+      {"touches", "pairs of bodies that met, one of them a skittle"},
+      {"trial", "its file"},
+      {"undecodable", "messages with another type or size"},
+      {"unfinished_impacts", "steps that still had impacts after the last pass"},
+      {"unsolved_islands", "groups of bodies the solver stopped at its last pass"},
+      {"value", "what the kind of event says (docs/events.md)"},
+      {"verified_ticks", "ticks found equal to the recording"},
+      {"version", "of the program"},
+      {"width", "of a picture, in pixels"},
+      {"works", "whether it does"},
+  };
+}
+
+std::vector<ChannelUse> channel_uses() {
+  return {
+      {"HEADPIN_TRIAL", "trial_t", "first message of every trial"},
+      {"TRACKER", "tracked_device_t",
+       "each sample of each receiver; `live` takes them from others"},
+      {"MOUSE3D", "mouse3d_t", "each change of a button; `live` takes them from others"},
+      {"EVENT", "event_t", "as things happen"},
+      {"STATE", "state_t", "every tick of a simulation"},
+      {"FRAME", "frame_t", "each frame that was drawn"},
+      {"HEAD_POSE", "rigid_transform_t", "`stream`: the display in the world, each good sample"},
+      {"HAND_POSE", "rigid_transform_t", "`stream`: the virtual hand in the world, likewise"},
+      {"HEADPIN_EYES", "image_array_t", "`live`: both eyes, each frame"},
+      {"DRAKE_VIEWER_LOAD_ROBOT", "viewer_load_robot_t", "`live`: the bodies, every five seconds"},
+      {"DRAKE_VIEWER_DRAW", "viewer_draw_t", "`live`: where they are, each frame"},
+  };
+}
+
+std::map<std::string, std::string> reference_pages() {
+  return {{"scenario.md", scenario_page()},
+          {"tables.md", tables_page()},
+          {"channels.md", channels_page()},
+          {"events.md", events_page()},
+          {"json.md", json_page()}};
+}
+
+}  // namespace headpin::apps

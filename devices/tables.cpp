@@ -1,0 +1,284 @@
+#include "devices/tables.h"
+
+#include <ostream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace headpin::devices {
+
+namespace {
+
+std::string quoted(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
+std::string decimal_seconds(Time time) {
+  const std::int64_t us = time.count();
+  return fmt::format("{}{}.{:06}", us < 0 ? "-" : "", std::abs(us) / 1'000'000,
+                     std::abs(us) % 1'000'000);
+}
+
+/// A column of a table whose rows are Row, and how a row's field is written.
+template <typename Row>
+struct Field {
+  const char *name, *kind, *unit, *meaning;
+  std::string (*text)(const Row&);
+};
+
+template <typename Row>
+std::vector<Field<Row>> operator+(std::vector<Field<Row>> a, const std::vector<Field<Row>>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+/// The columns of a vector or quaternion that `Of` finds in a row.
+template <auto Of, typename Row>
+std::vector<Field<Row>> vector_fields(const char* x, const char* y, const char* z, const char* unit,
+                                      const char* meaning) {
+  return {{x, "number", unit, meaning, [](const Row& r) { return fmt::format("{}", Of(r).x()); }},
+          {y, "number", unit, "", [](const Row& r) { return fmt::format("{}", Of(r).y()); }},
+          {z, "number", unit, "", [](const Row& r) { return fmt::format("{}", Of(r).z()); }}};
+}
+
+template <auto Of, typename Row>
+std::vector<Field<Row>> pose_fields(const char* position, const char* rotation) {
+  constexpr auto kPosition = [](const Row& r) -> const Vec3& { return Of(r).p; };
+  return vector_fields<kPosition, Row>("x_m", "y_m", "z_m", "m", position) +
+         std::vector<Field<Row>>{
+             {"qw", "number", "", rotation,
+              [](const Row& r) { return fmt::format("{}", Of(r).q.w()); }},
+             {"qx", "number", "", "", [](const Row& r) { return fmt::format("{}", Of(r).q.x()); }},
+             {"qy", "number", "", "", [](const Row& r) { return fmt::format("{}", Of(r).q.y()); }},
+             {"qz", "number", "", "", [](const Row& r) { return fmt::format("{}", Of(r).q.z()); }}};
+}
+
+const char* yes_no(bool yes) {
+  return yes ? "1" : "0";
+}
+
+/// One body after one tick.
+struct StateRow {
+  const TickState& tick;
+  const BodyState& body;
+  std::string_view name;
+};
+
+/// One eye of one frame.
+struct EyeRow {
+  const FrameRecord& frame;
+  std::size_t eye;
+};
+
+std::vector<Field<TrackerSample>> tracker_fields() {
+  using Row = TrackerSample;
+  return std::vector<Field<Row>>{
+             {"device_time_s", "number", "s", "when it was measured, on the trial's clock",
+              [](const Row& r) { return decimal_seconds(r.device_time); }},
+             {"host_time_s", "number", "s",
+              "when its first byte arrived; 0 if it never crossed a wire",
+              [](const Row& r) { return decimal_seconds(r.host_time); }},
+             {"sequence", "whole", "", "counts up per station; a hole is a lost sample",
+              [](const Row& r) { return fmt::format("{}", r.sequence); }},
+             {"station", "whole", "", "receiver: 1 head, 2 right hand, 3 left hand",
+              [](const Row& r) { return fmt::format("{}", r.station); }},
+             {"frame", "text", "", "frame of the pose; T is the transmitter's",
+              [](const Row& r) { return quoted(r.frame); }}} +
+         pose_fields<[](const Row& r) -> const Pose& { return r.X_TS; }, Row>(
+             "position of the receiver in that frame", "its rotation, a unit quaternion") +
+         std::vector<Field<Row>>{
+             {"status", "text", "", "empty when good, else the Fastrak's error letter",
+              [](const Row& r) { return r.good() ? "" : quoted(std::string(1, r.status)); }},
+             {"stylus", "yes/no", "", "switch of the stylus",
+              [](const Row& r) { return std::string(yes_no(r.buttons & 1)); }}};
+}
+
+std::vector<Field<MouseSample>> button_fields() {
+  using Row = MouseSample;
+  return {
+      {"device_time_s", "number", "s", "when it changed, on the trial's clock",
+       [](const Row& r) { return decimal_seconds(r.device_time); }},
+      {"host_time_s", "number", "s", "when its first byte arrived; 0 if it never crossed a wire",
+       [](const Row& r) { return decimal_seconds(r.host_time); }},
+      {"left_thumb", "yes/no", "", "walk forward",
+       [](const Row& r) { return std::string(yes_no(r.left_thumb)); }},
+      {"right_thumb", "yes/no", "", "walk backward",
+       [](const Row& r) { return std::string(yes_no(r.right_thumb)); }},
+      {"trigger", "yes/no", "", "grab",
+       [](const Row& r) { return std::string(yes_no(r.trigger)); }}};
+}
+
+std::vector<Field<Event>> event_fields() {
+  using Row = Event;
+  return std::vector<Field<Row>>{
+             {"time_s", "number", "s", "when, on the trial's clock",
+              [](const Row& r) { return decimal_seconds(r.time); }},
+             {"tick", "whole", "", "of the simulation; -1 outside it",
+              [](const Row& r) { return fmt::format("{}", r.tick); }},
+             {"kind", "text", "", "what happened; see the list of events",
+              [](const Row& r) { return quoted(r.kind); }},
+             {"bodies", "text", "", "to which bodies, separated by semicolons",
+              [](const Row& r) { return quoted(fmt::format("{}", fmt::join(r.bodies, ";"))); }}} +
+         vector_fields<[](const Row& r) -> const Vec3& { return r.p_W; }, Row>(
+             "x_m", "y_m", "z_m", "m", "where, in the world; 0 where it does not apply") +
+         vector_fields<[](const Row& r) -> const Vec3& { return r.j_W; }, Row>(
+             "impulse_x_ns", "impulse_y_ns", "impulse_z_ns", "N s",
+             "impulse on the first body, in the world") +
+         std::vector<Field<Row>>{{"value", "number", "", "what the kind says",
+                                  [](const Row& r) { return fmt::format("{}", r.value); }},
+                                 {"detail", "text", "", "what the kind says",
+                                  [](const Row& r) { return quoted(r.detail); }}};
+}
+
+std::vector<Field<StateRow>> state_fields() {
+  using Row = StateRow;
+  return std::vector<Field<Row>>{
+             {"tick", "whole", "", "of the simulation",
+              [](const Row& r) { return fmt::format("{}", r.tick.tick); }},
+             {"time_s", "number", "s", "at its end, on the trial's clock",
+              [](const Row& r) { return decimal_seconds(r.tick.time); }},
+             {"hash", "hash", "", "of the whole simulated state after the tick",
+              [](const Row& r) { return fmt::format("{:016x}", r.tick.hash); }},
+             {"contacts", "whole", "", "contact points of the whole world in the tick",
+              [](const Row& r) { return fmt::format("{}", r.tick.contacts); }},
+             {"body", "text", "", "which body this row is of",
+              [](const Row& r) { return quoted(r.name); }}} +
+         pose_fields<[](const Row& r) -> const Pose& { return r.body.X_WB; }, Row>(
+             "centre of mass in the world", "rotation of the body, a unit quaternion") +
+         vector_fields<[](const Row& r) -> const Vec3& { return r.body.V_WB.v; }, Row>(
+             "vx_mps", "vy_mps", "vz_mps", "m/s", "velocity of the centre of mass in the world") +
+         vector_fields<[](const Row& r) -> const Vec3& { return r.body.V_WB.w; }, Row>(
+             "wx_radps", "wy_radps", "wz_radps", "rad/s", "angular velocity in the world") +
+         std::vector<Field<Row>>{{"asleep", "yes/no", "", "at rest, left alone until touched",
+                                  [](const Row& r) { return std::string(yes_no(r.body.asleep)); }}};
+}
+
+std::vector<Field<EyeRow>> frame_fields() {
+  using Row = EyeRow;
+  return std::vector<Field<Row>>{
+             {"frame", "whole", "", "counts from 0",
+              [](const Row& r) { return fmt::format("{}", r.frame.frame); }},
+             {"time_s", "number", "s", "on the trial's clock",
+              [](const Row& r) { return decimal_seconds(r.frame.time); }},
+             {"tick", "whole", "", "last tick simulated before it was drawn",
+              [](const Row& r) { return fmt::format("{}", r.frame.tick); }},
+             {"eye", "text", "", "left or right",
+              [](const Row& r) { return std::string(r.eye == 0 ? "left" : "right"); }}} +
+         pose_fields<[](const Row& r) -> const Pose& { return r.frame.X_WE[r.eye]; }, Row>(
+             "position of the eye in the world",
+             "its rotation, a unit quaternion: x right, y up, looking along -z") +
+         std::vector<Field<Row>>{
+             {"pixels", "hash", "", "FNV-1a of the picture's RGB bytes",
+              [](const Row& r) { return fmt::format("{:016x}", r.frame.hash[r.eye]); }}};
+}
+
+/// CSV being written: the names of the columns, then rows.
+template <typename Row>
+class Csv {
+ public:
+  Csv(std::ostream& out, std::vector<Field<Row>> fields) : out_(out), fields_(std::move(fields)) {
+    for (const Field<Row>& field : fields_) out_ << comma(field) << field.name;
+    out_ << '\n';
+  }
+
+  void add(const Row& row) {
+    for (const Field<Row>& field : fields_) out_ << comma(field) << field.text(row);
+    out_ << '\n';
+    ++rows_;
+  }
+
+  std::int64_t rows() const { return rows_; }
+
+ private:
+  const char* comma(const Field<Row>& field) const { return &field == fields_.data() ? "" : ","; }
+
+  std::ostream& out_;
+  std::vector<Field<Row>> fields_;
+  std::int64_t rows_ = 0;
+};
+
+template <typename Kind>
+std::int64_t write_samples(std::ostream& out, std::vector<Field<Kind>> fields, const Trial& trial) {
+  Csv<Kind> csv(out, std::move(fields));
+  for (const Sample& sample : trial.samples) {
+    if (const Kind* one = std::get_if<Kind>(&sample)) csv.add(*one);
+  }
+  return csv.rows();
+}
+
+std::int64_t write_states(std::ostream& out, const Trial& trial) {
+  Csv<StateRow> csv(out, state_fields());
+  const std::vector<std::string>& names = trial.header.body_names;
+  for (const TickState& tick : trial.states) {
+    for (std::size_t i = 0; i < tick.bodies.size(); ++i) {
+      const std::string name = i < names.size() ? names[i] : fmt::format("body {}", i);
+      csv.add({tick, tick.bodies[i], name});
+    }
+  }
+  return csv.rows();
+}
+
+std::int64_t write_frames(std::ostream& out, const Trial& trial) {
+  Csv<EyeRow> csv(out, frame_fields());
+  for (const FrameRecord& frame : trial.frames) {
+    for (std::size_t eye = 0; eye < 2; ++eye) csv.add({frame, eye});
+  }
+  return csv.rows();
+}
+
+std::int64_t write_events(std::ostream& out, const Trial& trial) {
+  Csv<Event> csv(out, event_fields());
+  for (const Event& event : trial.events) csv.add(event);
+  return csv.rows();
+}
+
+template <typename Row>
+void list(std::vector<TableColumn>& all, const char* table, const std::vector<Field<Row>>& fields) {
+  for (const Field<Row>& f : fields) all.push_back({table, f.name, f.kind, f.unit, f.meaning});
+}
+
+}  // namespace
+
+std::vector<TableColumn> table_columns() {
+  std::vector<TableColumn> all;
+  list(all, "trackers", tracker_fields());
+  list(all, "buttons", button_fields());
+  list(all, "events", event_fields());
+  list(all, "states", state_fields());
+  list(all, "frames", frame_fields());
+  for (std::size_t i = 1; i < all.size(); ++i) {  // y and z, or qx .. qz, mean what the first does
+    if (all[i].meaning.empty()) all[i].meaning = all[i - 1].meaning;
+  }
+  return all;
+}
+
+std::vector<std::string> table_names() {
+  std::vector<std::string> names;
+  for (const TableColumn& column : table_columns()) {
+    if (names.empty() || names.back() != column.table) names.push_back(column.table);
+  }
+  return names;
+}
+
+std::int64_t write_table(std::ostream& out, std::string_view table, const Trial& trial) {
+  if (table == "trackers") return write_samples(out, tracker_fields(), trial);
+  if (table == "buttons") return write_samples(out, button_fields(), trial);
+  if (table == "events") return write_events(out, trial);
+  if (table == "states") return write_states(out, trial);
+  if (table == "frames") return write_frames(out, trial);
+  throw std::invalid_argument(
+      fmt::format("no table '{}'; expected one of {}", table, fmt::join(table_names(), ", ")));
+}
+
+void write_dictionary(std::ostream& out) {
+  out << "table,column,kind,unit,meaning\n";
+  for (const TableColumn& c : table_columns()) {
+    out << fmt::format("{},{},{},{},{}\n", c.table, c.name, c.kind, c.unit, quoted(c.meaning));
+  }
+}
+
+}  // namespace headpin::devices

@@ -1,0 +1,154 @@
+// docs/ says what the program says, and nothing that the program prints is missing there.
+
+#include <regex>
+#include <set>
+
+#include "tests/apps/command_line.h"
+
+namespace headpin {
+namespace {
+
+using testing::HasSubstr;
+
+const fs::path kDocs = HEADPIN_SOURCE_DIR "/docs";
+
+class Reference : public CommandLine {
+ protected:
+  /// Every `name` of a page's first column.
+  static std::set<std::string> told(const std::string& page) {
+    std::set<std::string> names;
+    std::istringstream lines(slurp(kDocs / page));
+    static const std::regex pattern(R"(^\| `([^`]+)` \|.*)");
+    std::smatch match;
+    for (std::string line; std::getline(lines, line);) {
+      if (std::regex_match(line, match, pattern)) names.insert(match[1]);
+    }
+    EXPECT_GT(names.size(), 5u) << page;
+    return names;
+  }
+};
+
+TEST_F(Reference, PagesAreWhatTheProgramSays) {
+  ASSERT_EQ(headpin("manual written").code, 0);
+  int pages = 0;
+  for (const auto& entry : fs::directory_iterator(folder_ / "written" / "docs")) {
+    EXPECT_EQ(slurp(entry.path()), slurp(kDocs / entry.path().filename()))
+        << entry.path().filename() << " differs; `./dev docs` writes it anew";
+    EXPECT_THAT(slurp(kDocs / "README.md"), HasSubstr(entry.path().filename().string()));
+    ++pages;
+  }
+  EXPECT_GE(pages, 5);
+}
+
+/// Names of all keys, at any depth; what stands below `channels` and `rows` are names of data.
+void collect(const nlohmann::json& value, std::set<std::string>& names) {
+  for (const auto& [name, item] : value.items()) {
+    if (value.is_object()) names.insert(name);
+    if (name == "channels") {
+      for (const auto& channel : item) collect(channel, names);
+    } else if (name != "elasticity" && name != "friction" && name != "rows") {
+      if (item.is_structured()) collect(item, names);
+    }
+  }
+}
+
+TEST_F(Reference, EveryJsonKeyIsTold) {
+  std::set<std::string> names;
+  const auto take = [&](const std::string& arguments) { collect(json(arguments), names); };
+  take("synthesize --json -o throw.lcmlog");
+  take("import --json " HEADPIN_SOURCE_DIR "/assets/throws/example.csv -o found.lcmlog");
+  take("replay --json throw.lcmlog -o game.lcmlog");
+  take("replay --json game.lcmlog --verify");
+  take("replay --json throw.lcmlog -o other.lcmlog --set material.ball.friction=0.1");
+  take("info --json game.lcmlog");
+  take("compare --json game.lcmlog other.lcmlog");
+  take("export --json game.lcmlog -o tables");
+  take("frames --json game.lcmlog -o frames --frames 0-1");
+  take("stream --json throw.lcmlog --lcm 'file://stream.lcmlog?mode=w' --speed 0");
+  take("live --json --lcm file://throw.lcmlog --duration 0.1 --eyes none");
+  take("emulate --json --motion still --duration 0.1");
+  collect(nlohmann::json::parse(headpin("info --json missing.lcmlog").out), names);
+  for (const auto& finding : json("doctor --json")) collect(finding, names);
+  const std::set<std::string> known = told("json.md");
+  for (const std::string& name : names) EXPECT_TRUE(known.contains(name)) << name;
+  // What only a session with a Fastrak prints.
+  const std::set<std::string> elsewhere = {"activity", "fastrak", "missed", "restarts",
+                                           "skipped_bytes"};
+  for (const std::string& name : known) {
+    EXPECT_TRUE(names.contains(name) || elsewhere.contains(name)) << name << " is printed by none";
+  }
+}
+
+TEST_F(Reference, EveryKindOfEventAndEveryChannelIsTold) {
+  ASSERT_EQ(headpin("import " HEADPIN_SOURCE_DIR "/assets/throws/example.csv -o t.lcmlog").code, 0);
+  ASSERT_EQ(headpin("replay t.lcmlog -o game.lcmlog").code, 0);
+  ASSERT_EQ(headpin("stream game.lcmlog --lcm 'file://s.lcmlog?mode=w' --speed 0").code, 0);
+  const std::set<std::string> kinds = told("events.md"), channels = told("channels.md");
+  std::set<std::string> seen;
+  const nlohmann::json events = json("info --json game.lcmlog")["events"];
+  for (const auto& event : events) {
+    EXPECT_TRUE(kinds.contains(event["kind"])) << event["kind"];
+    seen.insert(event["kind"]);
+  }
+  EXPECT_GE(seen.size(), 6u);
+  for (const char* log : {"game.lcmlog", "s.lcmlog"}) {
+    const nlohmann::json found = json(std::string("info --json ") + log)["channels"];
+    for (const auto& [channel, ignored] : found.items()) {
+      EXPECT_TRUE(channels.contains(channel)) << channel;
+    }
+  }
+}
+
+TEST_F(Reference, EveryKeyOfAScenarioIsToldAndEveryKeyToldIsOne) {
+  const std::set<std::string> keys = told("scenario.md");
+  std::set<std::string> written;
+  std::istringstream lines(headpin("info " + kDemo + " --scenario").out);
+  std::string section;
+  std::smatch match;
+  static const std::regex header(R"(^\[([\w.]+)\].*)"), key(R"(^(\w+) = .*)");
+  for (std::string line; std::getline(lines, line);) {
+    if (std::regex_match(line, match, header)) section = match[1].str() + ".";
+    if (std::regex_match(line, match, key)) written.insert(section + match[1].str());
+  }
+  EXPECT_GT(written.size(), 40u);
+  for (const std::string& name : written) EXPECT_TRUE(keys.contains(name)) << name;
+  for (const std::string& name : keys) {
+    if (name.find("[]") != std::string::npos || written.contains(name)) continue;
+    // A section that has something to say, or a key that the demo's older text lacks.
+    const Result result = headpin("replay " + kDemo + " --set " + name + "=nonsense");
+    EXPECT_THAT(result.err, testing::Not(HasSubstr("unknown key"))) << name;
+  }
+}
+
+TEST_F(Reference, ATrialIsExportedWholeAndPlotted) {
+  ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
+  const nlohmann::json rows = json("export --json game.lcmlog -o tables")["rows"];
+  const nlohmann::json info = json("info --json game.lcmlog");
+  EXPECT_EQ(rows["trackers"], info["channels"]["TRACKER"]["messages"]);
+  EXPECT_EQ(rows["buttons"], info["channels"]["MOUSE3D"]["messages"]);
+  EXPECT_EQ(rows["events"], info["events"].size());
+  EXPECT_EQ(rows["states"].get<int>() % info["ticks"].get<int>(), 0);
+  EXPECT_GT(rows["states"], info["ticks"]);
+  EXPECT_EQ(slurp(folder_ / "tables/scenario.toml"), headpin("info game.lcmlog --scenario").out);
+  EXPECT_EQ(nlohmann::json::parse(slurp(folder_ / "tables/trial.json"))["complete"], true);
+  const std::string states = slurp(folder_ / "tables/states.csv");
+  EXPECT_EQ(std::count(states.begin(), states.end(), '\n'), rows["states"].get<int>() + 1);
+  EXPECT_THAT(states, HasSubstr(json("replay --json game.lcmlog")["state_hash"]));
+  expect_refusal("export game.lcmlog -o tables", 1, "tables");
+  EXPECT_EQ(headpin("export game.lcmlog -o tables --force").code, 0);
+
+  ASSERT_EQ(headpin("plot game.lcmlog -o game.svg").code, 0);
+  const std::string svg = slurp(folder_ / "game.svg");
+  for (const char* says : {"speed [m/s]", "height of the centre of mass [m]", "energy [J]",
+                           "contact points", ">release<", ">first_contact<", "</svg>"}) {
+    EXPECT_THAT(svg, HasSubstr(says));
+  }
+  EXPECT_THAT(svg, testing::Not(HasSubstr("nan")));
+  ASSERT_EQ(headpin("plot game.lcmlog -o again.svg").code, 0);
+  EXPECT_EQ(slurp(folder_ / "again.svg"), svg);
+  expect_refusal("plot " + kDemo + " -o OUT.svg", 1, "expected states to plot");
+  expect_refusal("plot game.lcmlog -o game.lcmlog --force", 1, "game.lcmlog");
+}
+
+}  // namespace
+}  // namespace headpin
