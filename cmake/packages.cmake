@@ -20,21 +20,19 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS libosmesa6)  # loaded at run time
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS ffmpeg)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "liblcm-bin, libheadpin-dev")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
-"Headless immersive bowling with tracked devices
- Re-creates and goes beyond the system of Uno & Slater (1997): samples of
- trackers and buttons go in; a hand, a ball and skittles are simulated from
- them, to the bit, under the collision response that is asked for; what each
- eye saw comes out. Has an emulator of, and a driver for, the Polhemus Fastrak.")
+"Re-creates and goes beyond the system of Uno & Slater (1997): samples of
+trackers and buttons go in; a hand, a ball and skittles are simulated from
+them, to the bit, under the collision response that is asked for; what each
+eye saw comes out. Has an emulator of, and a driver for, the Polhemus Fastrak.")
 
 set(CPACK_DEBIAN_ENGINE_PACKAGE_NAME libheadpin-dev)
 set(CPACK_DEBIAN_ENGINE_PACKAGE_SECTION libdevel)
 set(CPACK_DEBIAN_ENGINE_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4)")
 set(CPACK_COMPONENT_ENGINE_DESCRIPTION
-"Collision engine of headpin (development files)
- Tells of two convex shapes whether they are apart, with a plane that proves
- it, or where, which way and how deep they meet; has the impulses of Uno &
- Slater (1997) and Coulomb's; steps bodies that stand, roll, fall and repeat
- to the bit.")
+"The collision engine alone, its development files. It tells of two convex
+shapes whether they are apart, with a plane that proves it, or where, which way
+and how deep they meet; has the impulses of Uno & Slater (1997) and Coulomb's;
+steps bodies that stand, roll, fall and repeat to the bit.")
 
 # Each package says what changed, in Debian's form.
 string(TIMESTAMP now "%a, %d %b %Y %H:%M:%S +0000" UTC)  # of SOURCE_DATE_EPOCH where that is set

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <sys/auxv.h>
 
 namespace headpin::scene {
 
@@ -13,10 +14,20 @@ namespace {
 
 namespace fs = std::filesystem;
 
+/// Where the running program is; by how it was called where there is no /proc, as in a bare chroot.
+fs::path program_file() {
+  std::error_code error;
+  fs::path file = fs::read_symlink("/proc/self/exe", error);
+  if (!error) return file;
+  const auto* called = reinterpret_cast<const char*>(getauxval(AT_EXECFN));
+  file = fs::weakly_canonical(called ? called : "", error);
+  return error ? fs::path{} : file;
+}
+
 /// Empty where there is none.
 fs::path scenario_folder() {
   std::error_code none;
-  const fs::path program = fs::read_symlink("/proc/self/exe", none).parent_path();
+  const fs::path program = program_file().parent_path();
   for (const char* data : {HEADPIN_DATA_FROM_PROGRAM, "share/headpin"}) {
     const fs::path folder = (program / data / "scenarios").lexically_normal();
     if (fs::is_directory(folder, none)) return folder;

@@ -1,0 +1,1 @@
+// Nothing: its target makes the header ready that all tests include.
