@@ -191,9 +191,10 @@ struct Text {
 
 /// Keys that trials of before these keys were there lack, with what such a trial ran under. What is
 /// written here never changes, whatever becomes of the defaults.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 4> kKeysSince{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kKeysSince{{
     {"hand.release_window_most_s", "0.12"},
     {"hand.release_accuracy", "0.3"},
+    {"collision.warm", "true"},
     {"rig.head_station", "1"},
     {"rig.hand_station", "2"},
 }};
