@@ -60,7 +60,7 @@ void run(const Options& options) {
   folder.commit("trial.json");
 
   if (options.json) {
-    print_json({{"folder", *options.folder}, {"rows", rows}});
+    print_json({{"output", *options.folder}, {"rows", rows}});
     return;
   }
   for (const auto& [table, count] : rows.items()) {

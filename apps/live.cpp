@@ -389,6 +389,7 @@ void run(const Options& options) {
   scene::run(live.session, source, *live.pace, observers, [&](const scene::Session& s) {
     return stop_signal() != 0 || (end != Time{} && s.now() >= end) || source.exhausted();
   });
+  heed_stop();
   reporter.take_frames();
   if (live.writer) live.writer->close(live.session);
   print_line(live);

@@ -41,6 +41,10 @@ int stop_signal() {
   return came;
 }
 
+void heed_stop() {
+  came = 0;
+}
+
 void check_stop(const std::string& when) {
   if (came != 0) throw Stopped(came, when);
 }

@@ -22,6 +22,9 @@ void watch_stop_signals();
 /// The signal that came; 0 while none has.
 int stop_signal();
 
+/// The signal was how this command ends: what fails after it does so by itself.
+void heed_stop();
+
 /// @param when  how far the command was
 /// @throws Stopped  when a signal has come
 void check_stop(const std::string& when = "before it was done");

@@ -15,8 +15,7 @@
 /// circle of radius rho,
 ///
 ///     d2h / ds2 = t . W t + (c axis . S - h) / rho^2,    t along the circle, S with the apex or
-///     any
-///                                                        point of a cylinder's generator
+///                                                        any point of a cylinder's generator
 namespace headpin::engine {
 
 struct Descent {
@@ -58,10 +57,13 @@ inline void across(const Vec3& n, Vec3& u, Vec3& v) {
   v = {b, sign + n.y() * n.y() * a, -n.y()};
 }
 
-/// The Newton step of the plane: -H^-1 g, H made positive.
+/// The Newton step of the plane: -H^-1 g, H made positive. Where h falls off to both sides, as
+/// about the tips of two cones, the longest step down.
 ///
-/// @param[out] least  bound from below on the curvatures it divided by
-inline Vec2 step_of(const Bend& H, double gu, double gv, double floor, double& least) {
+/// @param tolerance   what h must fall by on such a step, slope apart [m]
+/// @param[out] least  bound from below on the curvatures it divided by; 0 where h falls off
+inline Vec2 step_of(const Bend& H, double gu, double gv, double floor, double tolerance,
+                    double& least) {
   const double det = H.uu * H.vv - H.uv * H.uv, trace = H.uu + H.vv;
   // Both eigenvalues are above the floor.
   if (det > floor * trace - floor * floor && trace > 2.0 * floor) {
@@ -69,14 +71,17 @@ inline Vec2 step_of(const Bend& H, double gu, double gv, double floor, double& l
     return 1.0 / det * Vec2(H.uv * gv - H.vv * gu, H.uv * gu - H.uu * gv);
   }
   const double half = 0.5 * (H.uu - H.vv), root = std::sqrt(half * half + H.uv * H.uv);
-  const double high = safe(0.5 * trace + root, floor), low = safe(0.5 * trace - root, floor);
-  least = floor;
+  const double high = safe(0.5 * trace + root, floor), lowest = 0.5 * trace - root;
+  const bool falls = 0.5 * lowest * kLongestStep * kLongestStep < -tolerance;
+  least = falls ? 0.0 : floor;
   // Eigenvector of the higher: of [half uv; uv -half] with eigenvalue root.
   Vec2 x = half > 0.0 ? Vec2(root + half, H.uv) : Vec2(H.uv, root - half);
   const double length = x.norm();
   x = length > 0.0 ? Vec2(x / length) : Vec2::UnitX();
   const Vec2 y(-x.y(), x.x()), g(gu, gv);
-  return -x.dot(g) / high * x - y.dot(g) / low * y;
+  const double down =
+      falls ? std::copysign(kLongestStep, -y.dot(g)) : -y.dot(g) / safe(lowest, floor);
+  return -x.dot(g) / high * x + down * y;
 }
 
 /// Of the two normals on both circles the one nearest to n; n itself where the circles do not meet.
@@ -351,12 +356,13 @@ HEADPIN_FLATTEN __attribute__((noinline)) Descent descend(const A& a, const B& b
         H.uu -= h;
         H.vv -= h;
         const double gu = g.dot(u), gv = g.dot(v);
-        Vec2 step = step_of(H, gu, gv, floor, stiffness);
-        if (-0.5 * (gu * step.x() + gv * step.y()) < tolerance) {
+        Vec2 step = step_of(H, gu, gv, floor, tolerance, stiffness);
+        const double length2 = step.squaredNorm();
+        if (length2 < kLongestStep * kLongestStep &&
+            -0.5 * (gu * step.x() + gv * step.y()) < tolerance) {
           finish(Descent::least);
           return d;
         }
-        const double length2 = step.squaredNorm();
         if (length2 > kLongestStep * kLongestStep) step *= kLongestStep / std::sqrt(length2);
         aim = n + step.x() * u + step.y() * v;
         aim *= length2 < 1e-3 ? inverse_root_above_1(length2) : 1.0 / aim.norm();

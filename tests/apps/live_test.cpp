@@ -87,6 +87,8 @@ class Live : public Sessions {
   }
 };
 
+using LiveFastrak = Sessions;
+
 TEST_F(Live, FedByLcmLogplayerItReplaysToTheSameHashes) {
   const Result result = alone(
       "$headpin live --lcm '' --scenario room.toml --record live.lcmlog --eyes png --json "
@@ -119,11 +121,11 @@ TEST_F(LiveFastrak, ASecondSessionOnALineAndASecondUnitAtALinkAreRefused) {
   const Result run = shell(
       "$headpin emulate --link line --motion circle --control unit >/dev/null &\n"
       "there $! line; there $! unit\n"
-      "$headpin live --fastrak line --eyes none --record first.lcmlog --duration 4 2>first.txt &\n"
+      "$headpin live --fastrak line --eyes none --record first.lcmlog 2>first.txt &\n"
       "first=$!\nthere $first first.lcmlog\n"
       "$headpin live --fastrak line --eyes none --record second.lcmlog; echo $?\n"
       "$headpin emulate --link line; echo $?\n"
-      "wait $first; echo $?; echo quit >unit; wait");
+      "counted $first first.lcmlog TRACKER 101\ninterrupt $first; echo $?; echo quit >unit; wait");
   EXPECT_EQ(run.out, "75\n75\n0\n") << run.err << slurp(folder_ / "first.txt");
   EXPECT_THAT(run.err, testing::HasSubstr("line: in use by another headpin"));
   EXPECT_THAT(run.err, testing::HasSubstr("line: another emulator is behind it"));
@@ -148,8 +150,6 @@ TEST_F(Live, AnInterruptEndsItCleanlyAndAKillLosesNothingWritten) {
   EXPECT_GT(killed.states.size(), 50u);  // some 2000 bytes each
   EXPECT_EQ(killed.states.back().tick, static_cast<std::int64_t>(killed.states.size()));
 }
-
-using LiveFastrak = Sessions;
 
 TEST_F(LiveFastrak, AHandOnTheOtherSideIsFlippedUnlessItsHemisphereIsGiven) {
   record_hand_behind();

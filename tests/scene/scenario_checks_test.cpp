@@ -168,7 +168,7 @@ TEST(ScenarioOfATrial, TakesNoDefaultOfToday) {
   const std::string whole = to_toml(Scenario{});
   EXPECT_EQ(to_toml(scenario_of_trial(whole, "old.lcmlog")), whole);
   const std::set<std::string> came_later = {"release_window_most_s", "release_accuracy",
-                                            "head_station", "hand_station"};
+                                            "head_station", "hand_station", "warm"};
   std::istringstream lines(whole);
   int keys = 0;
   std::size_t at = 0;
@@ -194,9 +194,10 @@ TEST(ScenarioOfATrial, WithoutAKeyThatCameLaterRanUnderWhatThenHeld) {
   other.rig.hand_station = 4;
   other.hand.release_window_most_s = 0.2;
   other.hand.release_accuracy = 0.1;
+  other.collision.warm = false;
   std::string text = to_toml(other);
   for (const char* key :
-       {"head_station", "hand_station", "release_window_most_s", "release_accuracy"}) {
+       {"head_station", "hand_station", "release_window_most_s", "release_accuracy", "warm"}) {
     text[text.find(key)] = '#';
   }
   const Scenario read = scenario_of_trial(text, "old.lcmlog");
@@ -204,6 +205,7 @@ TEST(ScenarioOfATrial, WithoutAKeyThatCameLaterRanUnderWhatThenHeld) {
   EXPECT_EQ(read.rig.hand_station, 2);
   EXPECT_EQ(read.hand.release_window_most_s, 0.12);
   EXPECT_EQ(read.hand.release_accuracy, 0.3);
+  EXPECT_TRUE(read.collision.warm);
 }
 
 TEST(ScenarioOfATrial, TheBundledTrialIsRead) {
