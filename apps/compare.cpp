@@ -80,19 +80,20 @@ nlohmann::json describe(const Side& side) {
     contacts += state.contacts;
     highest = std::max(highest, world.energy(state).all);
   }
-  return {{"trial", side.path},
-          {"elasticity", scene::per_object(side.scenario.material, &scene::Material::elasticity)},
-          {"friction", scene::per_object(side.scenario.material, &scene::Material::friction)},
-          {"shape", side.scenario.collision.shape},
-          {"response", side.scenario.collision.response},
-          {"ticks", trial.states.size()},
-          {"contacts", contacts},
-          {"touches", score.touches},
-          {"skittles_down", score.skittles_down},
-          {"release_speed_mps", number(score.release_speed)},
-          {"impact_speed_mps", number(score.impact_speed)},
-          {"highest_energy_j", highest},
-          {"final_energy_j", world.energy(trial.states.back()).all}};
+  return {
+      {"trial", side.path},
+      {"elasticity", scene::per_object(side.scenario.material, &scene::Coefficients::elasticity)},
+      {"friction", scene::per_object(side.scenario.material, &scene::Coefficients::friction)},
+      {"shape", side.scenario.collision.shape},
+      {"response", side.scenario.collision.response},
+      {"ticks", trial.states.size()},
+      {"contacts", contacts},
+      {"touches", score.touches},
+      {"skittles_down", score.skittles_down},
+      {"release_speed_mps", number(score.release_speed)},
+      {"impact_speed_mps", number(score.impact_speed)},
+      {"highest_energy_j", highest},
+      {"final_energy_j", world.energy(trial.states.back()).all}};
 }
 
 std::string cell(const nlohmann::json& value) {

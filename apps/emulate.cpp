@@ -252,13 +252,7 @@ int stylus_of(const Options& options) {
   return somebody ? std::min(options.receivers, devices::kHandStation) : 1;
 }
 
-void run(const Options& options) {
-  Feed feed = feed_of(options);
-  std::unique_ptr<LcmFeed> lcm;
-  if (options.use_lcm) {
-    lcm = std::make_unique<LcmFeed>(options.lcm);
-    feed.motion = [&lcm](int station, Time) { return lcm->at(station); };
-  }
+devices::FastrakEmulatorOptions unit_of(const Options& options, const Feed& feed) {
   devices::FastrakEmulatorOptions unit;
   unit.receivers = options.receivers;
   unit.baud = options.baud;
@@ -274,23 +268,61 @@ void run(const Options& options) {
   } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }
-  devices::FastrakEmulator emulator(
-      unit, [&feed](int station, Time time) { return feed.at(station, time); });
+  return unit;
+}
 
-  watch_stop_signals();
-
-  Control control(options.control);
-  const Line line(options);
+/// The line's name alone first, for scripts that read it.
+void introduce(const Options& options, const Line& line, const Feed& feed, int stylus) {
   std::FILE* out = options.json ? stderr : stdout;
   fmt::print(out, "{}\n", line.name());
   fmt::print(out, "Fastrak{}, receivers {}, {} baud, measures {}; ends at SIGINT or SIGTERM\n",
              options.link.empty() ? "" : " at " + options.link, options.receivers, options.baud,
-             lcm                     ? "LCM"
+             options.use_lcm         ? "LCM"
              : options.trial.empty() ? options.motion
                                      : options.trial);
   if (!feed.says.empty()) fmt::print(out, "{}\n", feed.says);
-  if (unit.stylus > 0) fmt::print(out, "receiver {} is a stylus\n", unit.stylus);
+  if (stylus > 0) fmt::print(out, "receiver {} is a stylus\n", stylus);
   std::fflush(out);
+}
+
+void conclude(const Options& options, const Line& line, Time lasted,
+              const devices::FastrakEmulatorStatistics& s) {
+  if (!options.json) {
+    fmt::print("{} records sent, {} dropped whole, {} commands, {} refused\n", s.records, s.dropped,
+               s.commands, s.refused);
+    return;
+  }
+  print_json({{"line", line.name()},
+              {"duration_s", seconds(lasted)},
+              {"records", s.records},
+              {"dropped", s.dropped},
+              {"lost", s.lost},
+              {"damaged", s.damaged},
+              {"garbage_bytes", s.garbage_bytes},
+              {"commands", s.commands},
+              {"refused", s.refused}});
+}
+
+void wait_for_bytes(const Line& line, const Control& control) {
+  std::array<pollfd, 2> wait = {
+      {{line.stream().descriptor(), POLLIN, 0}, {control.descriptor(), POLLIN, 0}}};
+  ::poll(wait.data(), wait.size(), 1);
+}
+
+void run(const Options& options) {
+  Feed feed = feed_of(options);
+  std::unique_ptr<LcmFeed> lcm;
+  if (options.use_lcm) {
+    lcm = std::make_unique<LcmFeed>(options.lcm);
+    feed.motion = [&lcm](int station, Time) { return lcm->at(station); };
+  }
+  const devices::FastrakEmulatorOptions unit = unit_of(options, feed);
+  devices::FastrakEmulator emulator(
+      unit, [&feed](int station, Time time) { return feed.at(station, time); });
+  watch_stop_signals();
+  Control control(options.control);
+  const Line line(options);
+  introduce(options, line, feed, unit.stylus);
 
   setpriority(PRIO_PROCESS, 0, -10);  // if it may: a unit has a processor of its own
   const auto start = std::chrono::steady_clock::now();
@@ -301,9 +333,7 @@ void run(const Options& options) {
   bool quit = false;
   while (!quit && stop_signal() == 0 &&
          (!options.duration || clock() < microseconds(*options.duration))) {
-    std::array<pollfd, 2> wait = {
-        {{line.stream().descriptor(), POLLIN, 0}, {control.descriptor(), POLLIN, 0}}};
-    ::poll(wait.data(), wait.size(), 1);
+    wait_for_bytes(line, control);
     const Time now = clock();
     for (const std::string& typed : control.lines()) {
       try {
@@ -320,23 +350,7 @@ void run(const Options& options) {
     if (streams > started) feed.begin = now;
     started = streams;
   }
-
-  const devices::FastrakEmulatorStatistics& s = emulator.statistics();
-  if (options.json) {
-    const nlohmann::json summary = {{"line", line.name()},
-                                    {"duration_s", seconds(clock())},
-                                    {"records", s.records},
-                                    {"dropped", s.dropped},
-                                    {"lost", s.lost},
-                                    {"damaged", s.damaged},
-                                    {"garbage_bytes", s.garbage_bytes},
-                                    {"commands", s.commands},
-                                    {"refused", s.refused}};
-    print_json(summary);
-  } else {
-    fmt::print("{} records sent, {} dropped whole, {} commands, {} refused\n", s.records, s.dropped,
-               s.commands, s.refused);
-  }
+  conclude(options, line, clock(), emulator.statistics());
 }
 
 }  // namespace

@@ -30,8 +30,8 @@ double metres(const std::string& unit) {
 }
 
 scene::Heading heading(const std::string& name) {
-  if (name == "gaze") return scene::Heading::kGaze;
-  return name == "keep" ? scene::Heading::kKeep : scene::Heading::kRelease;
+  if (name == "gaze") return scene::Heading::gaze;
+  return name == "keep" ? scene::Heading::keep : scene::Heading::release;
 }
 
 devices::MotionRecording read_recording(const std::string& path, double unit_m) {

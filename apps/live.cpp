@@ -12,7 +12,6 @@
 #include "apps/command.h"
 #include "apps/condition.h"
 #include "apps/options.h"
-#include "apps/quantile.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "devices/fastrak.h"
@@ -24,6 +23,7 @@
 #include "devices/stamped_stream.h"
 #include "devices/viewer_messages.h"
 #include "scene/eye_frames.h"
+#include "scene/quantile.h"
 #include "scene/totals.h"
 #include "scene/trial_writer.h"
 #include "scene/viewer.h"
@@ -186,8 +186,8 @@ nlohmann::json summary(const Live& live, const Options& options) {
   j["frames"] = live.frames;
   j["late_frames"] = live.eyes->late();
   j["overruns"] = live.pace->overruns();
-  j["latency_median_s"] = quantile(live.latencies_s, 0.5);
-  j["latency_p99_s"] = quantile(live.latencies_s, 0.99);
+  j["latency_median_s"] = scene::quantile(live.latencies_s, 0.5);
+  j["latency_p99_s"] = scene::quantile(live.latencies_s, 0.99);
   j["dropped_samples"] = live.lcm ? live.lcm->counts().dropped : 0;
   if (live.fastrak) {
     const devices::FastrakStatistics& f = live.fastrak->statistics();
@@ -225,7 +225,8 @@ void print_line(const Live& live) {
              "{:7.1f} s  {} samples, {} frames ({} late), sample to frame {:.1f} ms median, {:.1f} "
              "ms p99, {} dropped, {} overruns, {} skittles down{}{}\n",
              seconds(live.session.now()), live.samples, live.frames, live.eyes->late(),
-             1e3 * quantile(live.latencies_s, 0.5), 1e3 * quantile(live.latencies_s, 0.99),
+             1e3 * scene::quantile(live.latencies_s, 0.5),
+             1e3 * scene::quantile(live.latencies_s, 0.99),
              live.lcm ? live.lcm->counts().dropped : 0, live.pace->overruns(),
              live.totals.score().skittles_down, live.fastrak ? fastrak_report(*live.fastrak) : "",
              live.lcm ? lcm_report(live) : "");

@@ -10,13 +10,13 @@
 
 #include "apps/command.h"
 #include "apps/options.h"
-#include "apps/quantile.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "devices/lcm_link.h"
 #include "devices/log.h"
 #include "devices/sources.h"
 #include "scene/player.h"
+#include "scene/quantile.h"
 
 namespace headpin::apps {
 namespace {
@@ -95,16 +95,16 @@ void run(const Options& options) {
                 {"samples", sent},
                 {"complete", sent == samples.size()},
                 {"duration_s", took},
-                {"lateness_median_s", 1e-3 * quantile(lateness_ms, 0.5)},
-                {"lateness_p99_s", 1e-3 * quantile(lateness_ms, 0.99)},
-                {"lateness_max_s", 1e-3 * quantile(lateness_ms, 1.0)}});
+                {"lateness_median_s", 1e-3 * scene::quantile(lateness_ms, 0.5)},
+                {"lateness_p99_s", 1e-3 * scene::quantile(lateness_ms, 0.99)},
+                {"lateness_max_s", 1e-3 * scene::quantile(lateness_ms, 1.0)}});
     return;
   }
   std::cout << fmt::format("{} of {} samples in {:.3f} s", sent, samples.size(), took);
   if (!lateness_ms.empty()) {
     std::cout << fmt::format("; late by {:.3f} ms (median), {:.3f} ms (99 %), {:.3f} ms at most",
-                             quantile(lateness_ms, 0.5), quantile(lateness_ms, 0.99),
-                             quantile(lateness_ms, 1.0));
+                             scene::quantile(lateness_ms, 0.5), scene::quantile(lateness_ms, 0.99),
+                             scene::quantile(lateness_ms, 1.0));
   }
   std::cout << "\n";
 }

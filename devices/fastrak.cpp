@@ -25,18 +25,18 @@ std::string FastrakDriver::activity() const {
   const std::string attempt =
       " (attempt " + std::to_string(attempt_ + 1) + ", " + std::to_string(baud_) + " baud)";
   switch (phase_) {
-    case Phase::kStopping:
+    case Phase::stopping:
       return "stopping what it was doing" + attempt;
-    case Phase::kStartingUp:
+    case Phase::starting_up:
       return "waiting for it to start up" + attempt;
-    case Phase::kStatus:
+    case Phase::status:
       return "asking for its status" + attempt;
-    case Phase::kSettingUp:
+    case Phase::setting_up:
       return "setting it up";
-    case Phase::kActive:
-    case Phase::kChecking:
+    case Phase::active:
+    case Phase::checking:
       return "checking its set-up";
-    case Phase::kStreaming:
+    case Phase::streaming:
       return "streaming";
   }
   return "";
@@ -54,7 +54,7 @@ void FastrakDriver::poll(Time asked, std::vector<Sample>& out) {
   if (lost) return;
   while (step(now)) {
   }
-  if (phase_ == Phase::kStreaming) {
+  if (phase_ == Phase::streaming) {
     read_records(now);
     hand_out(now, out);
   }
@@ -142,13 +142,13 @@ void FastrakDriver::try_again(Time now) {
   stream_->set_baud(baud_);
   if (place == 2 && baud_ == options_.baud) {
     to_say_.emplace_back("\r\x19");
-    enter(Phase::kStartingUp, now);
+    enter(Phase::starting_up, now);
     return;
   }
   to_say_.emplace_back(place % 2 == 1 ? "\x11\rc"
                                       : "\x11"
                                         "c");
-  enter(Phase::kStopping, now);
+  enter(Phase::stopping, now);
 }
 
 void FastrakDriver::say(std::vector<std::string> commands) {
@@ -163,7 +163,7 @@ void FastrakDriver::ask_next(Time now) {
     start_stream(now);
   } else {
     say({question(checks_.front())});
-    enter(Phase::kChecking, now);
+    enter(Phase::checking, now);
   }
 }
 
@@ -174,7 +174,7 @@ void FastrakDriver::start_stream(Time now) {
   clock_.emplace(stations, byte_time(), fastrak_record_length(formats_[0]));
   in_step_ = true;
   last_record_ = now;
-  enter(Phase::kStreaming, now);
+  enter(Phase::streaming, now);
 }
 
 /// Waits until it says nothing, then asks who it is.
@@ -183,7 +183,7 @@ bool FastrakDriver::stop(Time now) {
   if (!said_all(now)) return false;
   if (now - std::max(heard_, may_speak_) >= options_.quiet) {
     say({"S"});
-    enter(Phase::kStatus, now);
+    enter(Phase::status, now);
     return false;
   }
   // A unit that talks on has not understood.
@@ -197,9 +197,9 @@ bool FastrakDriver::stop(Time now) {
 std::optional<bool> FastrakDriver::check(Time now) {
   const FastrakCheck& check = checks_.front();
   const FastrakVerdict verdict = judge(check, options_, buffer_);
-  const bool silent = verdict == FastrakVerdict::kNoAnswer;
+  const bool silent = verdict == FastrakVerdict::no_answer;
   if (silent && now - phase_began_ < answer_time()) return false;
-  if (verdict != FastrakVerdict::kAsSaid) {
+  if (verdict != FastrakVerdict::as_said) {
     if (check.must) return std::nullopt;
     unconfirmed_.push_back(question(check).substr(0, 2) +
                            (silent ? ": no answer" : ": set, and reads otherwise"));
@@ -213,16 +213,16 @@ std::optional<bool> FastrakDriver::check(Time now) {
 bool FastrakDriver::step(Time now) {
   const Time waited = now - phase_began_;
   switch (phase_) {
-    case Phase::kStartingUp:
+    case Phase::starting_up:
       drain();
       if (waited < options_.start_up) return false;
       try_again(now);
       return true;
 
-    case Phase::kStopping:
+    case Phase::stopping:
       return stop(now);
 
-    case Phase::kStatus: {
+    case Phase::status: {
       // A unit left at seven bits sends parity in the eighth.
       std::vector<std::uint8_t> seven_bits = buffer_;
       for (std::uint8_t& byte : seven_bits) byte &= 0x7F;
@@ -233,13 +233,13 @@ bool FastrakDriver::step(Time now) {
         if (baud_ != options_.baud) {
           say({std::string("o").append(std::to_string(options_.baud / 100)).append(",N,8,0\r")});
         }
-        enter(Phase::kSettingUp, now);
+        enter(Phase::setting_up, now);
         return true;
       }
       break;
     }
 
-    case Phase::kSettingUp:
+    case Phase::setting_up:
       if (!said_all(now)) return false;
       if (baud_ != options_.baud) {
         baud_ = options_.baud;
@@ -247,10 +247,10 @@ bool FastrakDriver::step(Time now) {
       }
       drain();
       say({"l1\r"});
-      enter(Phase::kActive, now);
+      enter(Phase::active, now);
       return false;
 
-    case Phase::kActive:
+    case Phase::active:
       if (const auto on = find_answer(buffer_, 9, decode_active)) {
         active_ = *on;
         checks_ = {{}};  // the unit's own
@@ -265,18 +265,18 @@ bool FastrakDriver::step(Time now) {
       }
       break;
 
-    case Phase::kChecking:
+    case Phase::checking:
       if (const auto more = check(now)) return *more;
       break;
 
-    case Phase::kStreaming:
+    case Phase::streaming:
       if (now - last_record_ <= options_.watchdog) return false;
       ++statistics_.restarts;
       start_over(now);
       return true;
   }
   // Waiting for an answer, or got another one.
-  if (waited < answer_time() && phase_ != Phase::kChecking) return false;
+  if (waited < answer_time() && phase_ != Phase::checking) return false;
   try_again(now);
   return true;
 }
@@ -287,15 +287,15 @@ Pose FastrakDriver::pose_of(const FastrakRecord& record) const {
   Pose X_TS;
   X_TS.p = record.position * formats_[0].metre_per_unit();
   switch (attitude_of(options_.items)) {
-    case FastrakAttitude::kQuaternion: {
+    case FastrakAttitude::quaternion: {
       const auto& [w, x, y, z] = record.quaternion;
       X_TS.q = Quat(w, x, y, z);
       break;
     }
-    case FastrakAttitude::kMatrix:
+    case FastrakAttitude::matrix:
       X_TS.q = Quat(record.attitude);
       break;
-    case FastrakAttitude::kAngles:
+    case FastrakAttitude::angles:
       X_TS.q = from_angles_deg(record.angles_deg);
       break;
   }

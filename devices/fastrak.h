@@ -11,6 +11,7 @@
 #include "devices/byte_stream.h"
 #include "devices/fastrak_clock.h"
 #include "devices/fastrak_codec.h"
+#include "devices/fastrak_replies.h"
 #include "devices/fastrak_setup.h"
 #include "devices/source.h"
 
@@ -48,7 +49,7 @@ class FastrakDriver : public Source {
   bool exhausted() const override { return stream_->closed(); }
 
   /// Brought up, records coming.
-  bool streaming() const { return phase_ == Phase::kStreaming; }
+  bool streaming() const { return phase_ == Phase::streaming; }
   /// What keeps the line from carrying anything, for people; empty when nothing does.
   std::string trouble() const { return stream_->trouble(); }
   /// What it is doing, for people: "asking for the status (attempt 2)".
@@ -66,7 +67,7 @@ class FastrakDriver : public Source {
   int descriptor() const { return stream_->descriptor(); }
 
  private:
-  enum class Phase { kStopping, kStartingUp, kStatus, kSettingUp, kActive, kChecking, kStreaming };
+  enum class Phase { stopping, starting_up, status, setting_up, active, checking, streaming };
   /// Where in the stream a read began, and when.
   struct Arrival {
     std::uint64_t position;
@@ -101,7 +102,7 @@ class FastrakDriver : public Source {
   std::optional<FastrakStatus> unit_;
   std::array<bool, kFastrakStations> active_{};
 
-  Phase phase_ = Phase::kStopping;
+  Phase phase_ = Phase::stopping;
   Time phase_began_{};
   bool begun_ = false;
   bool lost_ = false;                ///< the line has hung up

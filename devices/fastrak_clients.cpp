@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "devices/fastrak_replies.h"
+
 namespace headpin::devices {
 namespace {
 

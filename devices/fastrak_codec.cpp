@@ -13,97 +13,97 @@ constexpr std::size_t kHead = 3;  // '0', station, error
 
 /// What an item carries; its number's extended-precision twin carries the same.
 enum class Content {
-  kNone,
-  kSpace,
-  kLineEnd,
-  kPosition,
-  kRelative,
-  kAngles,
-  kRow1,
-  kRow2,
-  kRow3,
-  kQuaternion,
-  kSwitch,
+  none,
+  space,
+  line_end,
+  position,
+  relative,
+  angles,
+  row1,
+  row2,
+  row3,
+  quaternion,
+  stylus_switch,
 };
 
-enum class Width { kPlain, kExtended, kCompact };
+enum class Width { plain, extended, compact };
 
 struct Item {
-  Content content = Content::kNone;
-  Width width = Width::kPlain;
+  Content content = Content::none;
+  Width width = Width::plain;
 
   int values() const {
-    if (content == Content::kQuaternion) return 4;
-    return content >= Content::kPosition && content <= Content::kRow3 ? 3 : 0;
+    if (content == Content::quaternion) return 4;
+    return content >= Content::position && content <= Content::row3 ? 3 : 0;
   }
   /// Digits behind the point in plain ASCII.
-  int decimals() const { return content <= Content::kAngles ? 2 : 4; }
+  int decimals() const { return content <= Content::angles ? 2 : 4; }
 };
 
 Item item_of(int number) {
   switch (number) {
     case 0:
     case 50:
-      return {Content::kSpace};
+      return {Content::space};
     case 1:
     case 51:
-      return {Content::kLineEnd};
+      return {Content::line_end};
     case 2:
-      return {Content::kPosition};
+      return {Content::position};
     case 3:
-      return {Content::kRelative};
+      return {Content::relative};
     case 4:
-      return {Content::kAngles};
+      return {Content::angles};
     case 5:
-      return {Content::kRow1};
+      return {Content::row1};
     case 6:
-      return {Content::kRow2};
+      return {Content::row2};
     case 7:
-      return {Content::kRow3};
+      return {Content::row3};
     case 11:
-      return {Content::kQuaternion};
+      return {Content::quaternion};
     case 16:
     case 66:
-      return {Content::kSwitch};
+      return {Content::stylus_switch};
     case 18:
-      return {Content::kPosition, Width::kCompact};
+      return {Content::position, Width::compact};
     case 19:
-      return {Content::kAngles, Width::kCompact};
+      return {Content::angles, Width::compact};
     case 20:
-      return {Content::kQuaternion, Width::kCompact};
+      return {Content::quaternion, Width::compact};
     case 52:
-      return {Content::kPosition, Width::kExtended};
+      return {Content::position, Width::extended};
     case 53:
-      return {Content::kRelative, Width::kExtended};
+      return {Content::relative, Width::extended};
     case 54:
-      return {Content::kAngles, Width::kExtended};
+      return {Content::angles, Width::extended};
     case 55:
-      return {Content::kRow1, Width::kExtended};
+      return {Content::row1, Width::extended};
     case 56:
-      return {Content::kRow2, Width::kExtended};
+      return {Content::row2, Width::extended};
     case 57:
-      return {Content::kRow3, Width::kExtended};
+      return {Content::row3, Width::extended};
     case 61:
-      return {Content::kQuaternion, Width::kExtended};
+      return {Content::quaternion, Width::extended};
     default:
       return {};
   }
 }
 
 std::size_t value_length(const Item& item, bool binary) {
-  if (item.width == Width::kCompact) return 2;
+  if (item.width == Width::compact) return 2;
   if (binary) return 4;
-  return item.width == Width::kExtended ? 13 : 7;
+  return item.width == Width::extended ? 13 : 7;
 }
 
 std::size_t length_of(const Item& item, bool binary) {
   switch (item.content) {
-    case Content::kNone:
+    case Content::none:
       return 0;
-    case Content::kSpace:
+    case Content::space:
       return 1;
-    case Content::kLineEnd:
-    case Content::kSwitch:
+    case Content::line_end:
+    case Content::stylus_switch:
       return 2;
     default:
       return static_cast<std::size_t>(item.values()) * value_length(item, binary);
@@ -113,9 +113,9 @@ std::size_t length_of(const Item& item, bool binary) {
 /// Value of the full scale of a compact item: 8192 of its codes.
 double full_scale(const Item& item, const FastrakFormat& format) {
   switch (item.content) {
-    case Content::kAngles:
+    case Content::angles:
       return 180.0;
-    case Content::kQuaternion:
+    case Content::quaternion:
       return 1.0;
     default:
       return format.centimetres ? 300.0 : 118.110;
@@ -127,19 +127,19 @@ using Values = std::array<double, 4>;
 Values values_of(const FastrakRecord& r, Content content) {
   const auto three = [](const auto& v) { return Values{v(0), v(1), v(2), 0.0}; };
   switch (content) {
-    case Content::kPosition:
+    case Content::position:
       return three(r.position);
-    case Content::kRelative:
+    case Content::relative:
       return three(r.relative);
-    case Content::kAngles:
+    case Content::angles:
       return three(r.angles_deg);
-    case Content::kRow1:
+    case Content::row1:
       return three(r.attitude.row(0));
-    case Content::kRow2:
+    case Content::row2:
       return three(r.attitude.row(1));
-    case Content::kRow3:
+    case Content::row3:
       return three(r.attitude.row(2));
-    case Content::kQuaternion:
+    case Content::quaternion:
       return r.quaternion;
     default:
       return {};
@@ -149,25 +149,25 @@ Values values_of(const FastrakRecord& r, Content content) {
 void set_values(FastrakRecord& r, Content content, const Values& v) {
   const Vec3 three(v[0], v[1], v[2]);
   switch (content) {
-    case Content::kPosition:
+    case Content::position:
       r.position = three;
       break;
-    case Content::kRelative:
+    case Content::relative:
       r.relative = three;
       break;
-    case Content::kAngles:
+    case Content::angles:
       r.angles_deg = three;
       break;
-    case Content::kRow1:
+    case Content::row1:
       r.attitude.row(0) = three;
       break;
-    case Content::kRow2:
+    case Content::row2:
       r.attitude.row(1) = three;
       break;
-    case Content::kRow3:
+    case Content::row3:
       r.attitude.row(2) = three;
       break;
-    case Content::kQuaternion:
+    case Content::quaternion:
       r.quaternion = v;
       break;
     default:
@@ -180,12 +180,12 @@ void set_values(FastrakRecord& r, Content content, const Values& v) {
 bool possible(Content content, const Values& v) {
   constexpr double kRounding = 1e-3;
   switch (content) {
-    case Content::kAngles:
+    case Content::angles:
       return std::abs(v[0]) <= 180.01 && std::abs(v[1]) <= 90.01 && std::abs(v[2]) <= 180.01;
-    case Content::kRow1:
-    case Content::kRow2:
-    case Content::kRow3:
-    case Content::kQuaternion:
+    case Content::row1:
+    case Content::row2:
+    case Content::row3:
+    case Content::quaternion:
       return std::abs(v[0] * v[0] + v[1] * v[1] + v[2] * v[2] + v[3] * v[3] - 1.0) <= kRounding;
     default:
       return true;
@@ -320,43 +320,39 @@ std::string text_of(const std::vector<std::uint8_t>& bytes) {
   return {bytes.begin(), bytes.end()};
 }
 
-bool ends_line(std::string_view line) {
-  return line.ends_with("\r\n");
-}
-
-enum class Verdict { kNo, kYes, kWait };
+enum class Verdict { no, yes, wait };
 
 /// Whether a record begins at the front of `bytes`, and how many bytes it has.
 Verdict candidate(Bytes bytes, const FastrakFormats& formats, FastrakFound& found) {
-  if (!is_head(bytes.first(std::min(bytes.size(), kHead)))) return Verdict::kNo;
-  if (bytes.size() < kHead) return Verdict::kWait;
+  if (!is_head(bytes.first(std::min(bytes.size(), kHead)))) return Verdict::no;
+  if (bytes.size() < kHead) return Verdict::wait;
   const FastrakFormat& format = formats[static_cast<std::size_t>(bytes[1] - '1')];
   const std::size_t length = fastrak_record_length(format);
-  if (bytes.size() < length) return Verdict::kWait;
+  if (bytes.size() < length) return Verdict::wait;
   const auto record = decode_record(bytes.first(length), format);
-  if (!record) return Verdict::kNo;
+  if (!record) return Verdict::no;
   found.length = length;
   found.record = *record;
-  return Verdict::kYes;
+  return Verdict::yes;
 }
 
 /// Whether another record seems to open behind one of `length` bytes.
 Verdict followed(Bytes bytes, std::size_t length) {
   const Bytes next = bytes.subspan(length, std::min(kHead, bytes.size() - length));
-  if (!is_head(next)) return Verdict::kNo;
-  return next.size() < kHead ? Verdict::kWait : Verdict::kYes;
+  if (!is_head(next)) return Verdict::no;
+  return next.size() < kHead ? Verdict::wait : Verdict::yes;
 }
 
 /// Whether some record that begins inside the first one is the better reading: it decodes and the
 /// next one opens right behind it.
 Verdict rivalled(Bytes bytes, const FastrakFormats& formats, std::size_t length) {
-  Verdict verdict = Verdict::kNo;
+  Verdict verdict = Verdict::no;
   for (std::size_t i = 1; i < length; ++i) {
     FastrakFound rival;
     Verdict v = candidate(bytes.subspan(i), formats, rival);
-    if (v == Verdict::kYes) v = followed(bytes.subspan(i), rival.length);
-    if (v == Verdict::kYes) return v;
-    if (v == Verdict::kWait) verdict = v;
+    if (v == Verdict::yes) v = followed(bytes.subspan(i), rival.length);
+    if (v == Verdict::yes) return v;
+    if (v == Verdict::wait) verdict = v;
   }
   return verdict;
 }
@@ -365,7 +361,7 @@ Verdict rivalled(Bytes bytes, const FastrakFormats& formats, std::size_t length)
 
 bool is_fastrak_item(int item, bool early_firmware) {
   const Item found = item_of(item);
-  return found.content != Content::kNone && (early_firmware || found.width != Width::kCompact);
+  return found.content != Content::none && (early_firmware || found.width != Width::compact);
 }
 
 std::size_t fastrak_item_length(int item, bool binary) {
@@ -387,33 +383,33 @@ void encode_record(const FastrakRecord& record, const FastrakFormat& format,
   for (const int number : format.items) {
     const Item item = item_of(number);
     switch (item.content) {
-      case Content::kNone:
+      case Content::none:
         break;
-      case Content::kSpace:
+      case Content::space:
         out.push_back(' ');
         break;
-      case Content::kLineEnd:
+      case Content::line_end:
         append("\r\n", out);
         break;
-      case Content::kSwitch:
+      case Content::stylus_switch:
         append(record.pressed ? " 1" : " 0", out);
         break;
       default: {
         const bool first = out.size() == data;
         const Values values = values_of(record, item.content);
         for (std::size_t i = 0; i < static_cast<std::size_t>(item.values()); ++i) {
-          if (item.width == Width::kCompact) {
+          if (item.width == Width::compact) {
             append_compact(values[i], full_scale(item, format), out);
           } else if (format.binary) {
             append_float(values[i], out);
-          } else if (item.width == Width::kExtended) {
+          } else if (item.width == Width::extended) {
             append_extended(values[i], out);
           } else {
             append_fixed(values[i], 7, item.decimals(), out);
           }
         }
         // Compact data are marked by bit 7 of the first byte of the data set (IS-900 guide, p. 69).
-        if (first && item.width == Width::kCompact) out[data] |= 0x80;
+        if (first && item.width == Width::compact) out[data] |= 0x80;
       }
     }
   }
@@ -431,15 +427,15 @@ std::optional<FastrakRecord> decode_record(Bytes bytes, const FastrakFormat& for
     if (bytes.size() - at < length) return std::nullopt;
     const Bytes field = bytes.subspan(at, length);
     switch (item.content) {
-      case Content::kNone:
+      case Content::none:
         break;
-      case Content::kSpace:
+      case Content::space:
         if (field[0] != ' ') return std::nullopt;
         break;
-      case Content::kLineEnd:
+      case Content::line_end:
         if (field[0] != '\r' || field[1] != '\n') return std::nullopt;
         break;
-      case Content::kSwitch:
+      case Content::stylus_switch:
         if (field[0] != ' ' || (field[1] != '0' && field[1] != '1')) return std::nullopt;
         record.pressed = field[1] == '1';
         break;
@@ -450,11 +446,11 @@ std::optional<FastrakRecord> decode_record(Bytes bytes, const FastrakFormat& for
           const Bytes text = field.subspan(i * step, step);
           double& value = values[i];
           const bool ok =
-              item.width == Width::kCompact
+              item.width == Width::compact
                   ? read_compact(text, at == kHead && i == 0, full_scale(item, format), value)
-              : format.binary                  ? read_float(text, value)
-              : item.width == Width::kExtended ? read_extended(text, value)
-                                               : read_fixed(text, item.decimals(), value);
+              : format.binary                 ? read_float(text, value)
+              : item.width == Width::extended ? read_extended(text, value)
+                                              : read_fixed(text, item.decimals(), value);
           if (!ok) return std::nullopt;
         }
         if (record.error == ' ' && !possible(item.content, values)) return std::nullopt;
@@ -473,184 +469,31 @@ FastrakFound find_record(Bytes bytes, const FastrakFormats& formats, bool in_ste
     found.skipped = i;
     const Bytes rest = bytes.subspan(i);
     Verdict verdict = candidate(rest, formats, found);
-    if (verdict == Verdict::kYes && !(in_step && i == 0)) {
+    if (verdict == Verdict::yes && !(in_step && i == 0)) {
       verdict = followed(rest, found.length);
-      if (verdict == Verdict::kNo) {
+      if (verdict == Verdict::no) {
         verdict = rivalled(rest, formats, found.length);
-        if (verdict == Verdict::kYes) {
-          verdict = Verdict::kNo;
-        } else if (verdict == Verdict::kNo || no_more) {
-          verdict = Verdict::kYes;
+        if (verdict == Verdict::yes) {
+          verdict = Verdict::no;
+        } else if (verdict == Verdict::no || no_more) {
+          verdict = Verdict::yes;
         }
       } else if (no_more) {
-        verdict = Verdict::kYes;
+        verdict = Verdict::yes;
       }
     }
-    if (verdict == Verdict::kYes) return found;
+    if (verdict == Verdict::yes) return found;
     found.length = 0;
-    if (verdict == Verdict::kWait && !no_more) return found;
+    if (verdict == Verdict::wait && !no_more) return found;
   }
   found.skipped = bytes.size();
   return found;
-}
-
-std::string encode_reply(int station, char command, std::string_view body) {
-  std::string line = "2";
-  line += station == 0 ? ' ' : static_cast<char>('0' + station);
-  line += command;
-  line += body;
-  return line + "\r\n";
 }
 
 std::string encode_columns(std::span<const double> values, int width, int decimals) {
   std::vector<std::uint8_t> out;
   for (const double value : values) append_fixed(value, width, decimals, out);
   return text_of(out);
-}
-
-namespace {
-
-std::string padded(std::string_view text, std::size_t width) {
-  std::string out(text.substr(0, width));
-  out.resize(width, ' ');
-  return out;
-}
-
-std::string right_justified(long long number, std::size_t width) {
-  std::string digits = std::to_string(number);
-  return std::string(width - std::min(width, digits.size()), ' ') + digits;
-}
-
-}  // namespace
-
-std::string encode_status(const FastrakStatus& status) {
-  // Bits 4 to 9 are always set: 3F0 is a unit in ASCII, inches, not continuous.
-  const int flags = 0x3F0 | (status.binary ? 1 : 0) | (status.centimetres ? 2 : 0) |
-                    (status.compensation ? 4 : 0) | (status.continuous ? 8 : 0);
-  constexpr char kHex[] = "0123456789ABCDEF";
-  std::string body;
-  for (const int shift : {8, 4, 0}) body += kHex[(flags >> shift) & 0xF];
-  body += right_justified(status.error, 3) + " " + padded(status.tag, 5);
-  body += padded(status.firmware, 6) + padded(status.identification, 32);
-  return encode_reply(status.station, 'S', body);
-}
-
-std::optional<FastrakStatus> decode_status(std::string_view line) {
-  if (line.size() != kFastrakStatusLength || line[0] != '2' || line[1] < '1' || line[1] > '4' ||
-      line[2] != 'S' || !ends_line(line)) {
-    return std::nullopt;
-  }
-  int flags = 0;
-  const auto hex = std::from_chars(line.data() + 3, line.data() + 6, flags, 16);
-  if (hex.ec != std::errc{} || hex.ptr != line.data() + 6) return std::nullopt;
-  FastrakStatus status;
-  const std::string_view number = line.substr(6, 3);
-  if (const auto digits = number.find_first_not_of(' '); digits != std::string_view::npos) {
-    const auto end = number.data() + number.size();
-    const auto read = std::from_chars(number.data() + digits, end, status.error);
-    if (read.ec != std::errc{} || read.ptr != end || status.error < 0) return std::nullopt;
-  }
-  status.station = line[1] - '0';
-  status.binary = flags & 1;
-  status.centimetres = flags & 2;
-  status.compensation = flags & 4;
-  status.continuous = flags & 8;
-  status.tag = line.substr(10, 5);
-  status.firmware = line.substr(15, 6);
-  status.identification = line.substr(21, 32);
-  return status;
-}
-
-std::string encode_active(int station, const std::array<bool, kFastrakStations>& on) {
-  std::string body;
-  for (const bool active : on) body += active ? '1' : '0';
-  return encode_reply(station, 'l', body);
-}
-
-std::optional<std::array<bool, kFastrakStations>> decode_active(std::string_view line) {
-  if (line.size() != 9 || line[0] != '2' || line[2] != 'l' || !ends_line(line)) {
-    return std::nullopt;
-  }
-  std::array<bool, kFastrakStations> on{};
-  for (std::size_t i = 0; i < on.size(); ++i) {
-    const char c = line[3 + i];
-    if (c != '0' && c != '1') return std::nullopt;
-    on[i] = c == '1';
-  }
-  return on;
-}
-
-std::string encode_list(int station, std::span<const int> items) {
-  std::string body;
-  for (const int item : items) body += right_justified(item, 2);
-  return encode_reply(station, 'O', body);
-}
-
-std::optional<std::vector<int>> decode_list(std::string_view line, int station) {
-  if (line.size() < 5 || line.size() % 2 == 0 || line[0] != '2' || line[1] != '0' + station ||
-      line[2] != 'O' || !ends_line(line)) {
-    return std::nullopt;
-  }
-  std::vector<int> items;
-  for (std::size_t at = 3; at + 2 < line.size(); at += 2) {
-    const char tens = line[at], ones = line[at + 1];
-    if ((tens != ' ' && (tens < '0' || tens > '9')) || ones < '0' || ones > '9') {
-      return std::nullopt;
-    }
-    items.push_back((tens == ' ' ? 0 : 10 * (tens - '0')) + (ones - '0'));
-  }
-  return items;
-}
-
-std::string encode_refusal(std::string_view command, FastrakRefusal why, std::size_t position,
-                           std::size_t field, int station) {
-  std::string shown(command);
-  for (char& c : shown) {
-    if (c < 0x20 || c > 0x7E) c = '?';
-  }
-  return encode_reply(0, 'E',
-                      "*ERROR* " + shown + " *ERROR* EC" +
-                          right_justified(static_cast<int>(why), 3) + " *PS" +
-                          right_justified(static_cast<long long>(position), 3) + " *FL" +
-                          right_justified(static_cast<long long>(field), 2) + " *ST" +
-                          right_justified(station - 1, 2));
-}
-
-std::string_view fastrak_error_text(int number) {
-  constexpr auto between = [](int n, char first, char last) { return n >= first && n <= last; };
-  if (number == 0 || number == ' ') return "no error";
-  if (between(number, 'A', 'C')) return "driver linearity";
-  if (between(number, 'D', 'F')) return "gain linearity";
-  if (between(number, 'G', 'I')) return "driver slope";
-  if (between(number, 'J', 'L')) return "coil slope";
-  if (between(number, 'T', 'Z')) return "PROM or characterisation data not valid";
-  if (between(number, 'a', 'g')) return "self-calibration limits";
-  switch (number) {
-    case 'j':
-      return "signal saturated";
-    case 'k':
-      return "low signal";
-    case 'l':
-      return "maximum signal element zero";
-    case 'm':
-      return "EEPROM checksum";
-    case 's':
-      return "position normal reset";
-    case 't':
-      return "compensation table";
-    case 'u':
-      return "point outside compensation map";
-    case 'v':
-      return "no CRT sync";
-    case 'w':
-      return "EEPROM write";
-    case 'x':
-      return "position envelope exceeded";
-    case 'y':
-      return "angular envelope exceeded";
-    default:
-      return "";
-  }
 }
 
 }  // namespace headpin::devices

@@ -53,7 +53,7 @@ struct Line {
   }
 
   double number(std::size_t field) const {
-    if (blank(field)) throw RefusedField{FastrakRefusal::kFieldMissing, field};
+    if (blank(field)) throw RefusedField{FastrakRefusal::field_missing, field};
     std::string_view digits = fields[field];
     if (digits.front() == '+') digits.remove_prefix(1);
     if (digits.starts_with("-") && fields[field].front() == '+') digits = {};
@@ -61,21 +61,21 @@ struct Line {
     const bool shaped = digits.find_first_not_of("0123456789.eE+-") == std::string_view::npos;
     const auto read = std::from_chars(digits.data(), digits.data() + digits.size(), value);
     if (!shaped || digits.empty() || read.ptr != digits.data() + digits.size()) {
-      throw RefusedField{FastrakRefusal::kNotNumeric, field};
+      throw RefusedField{FastrakRefusal::not_numeric, field};
     }
-    if (read.ec != std::errc{}) throw RefusedField{FastrakRefusal::kOutOfRange, field};
+    if (read.ec != std::errc{}) throw RefusedField{FastrakRefusal::out_of_range, field};
     return value;
   }
 
   double number(std::size_t field, double low, double high) const {
     const double value = number(field);
-    if (!(value >= low && value <= high)) throw RefusedField{FastrakRefusal::kOutOfRange, field};
+    if (!(value >= low && value <= high)) throw RefusedField{FastrakRefusal::out_of_range, field};
     return value;
   }
 
   int whole(std::size_t field, int low, int high) const {
     const double value = number(field, low, high);
-    if (value != std::floor(value)) throw RefusedField{FastrakRefusal::kOutOfRange, field};
+    if (value != std::floor(value)) throw RefusedField{FastrakRefusal::out_of_range, field};
     return static_cast<int>(value);
   }
 
@@ -143,7 +143,7 @@ std::string box(const Line& line, std::array<Vec3, 2>& stored, double metre,
   if (line.blank_from(1)) return answer(line, number_of(line.station()), values, 8, 3);
   values = line.merged(1, values, limits);
   for (std::size_t i = 0; i < 3; ++i) {
-    if (values[i] < values[i + 3]) throw RefusedField{FastrakRefusal::kOutOfRange, i + 1};
+    if (values[i] < values[i + 3]) throw RefusedField{FastrakRefusal::out_of_range, i + 1};
   }
   stored = {metre * Vec3(values[0], values[1], values[2]),
             metre * Vec3(values[3], values[4], values[5])};
@@ -176,7 +176,7 @@ std::string alignment(const Line& line, FastrakMemory& m) {
   for (std::size_t i = 0; i < 3; ++i) {
     points[i] = unit * Vec3(values[3 * i], values[3 * i + 1], values[3 * i + 2]);
   }
-  if (!align(m.setup.stations[s], points)) throw RefusedField{FastrakRefusal::kOutOfRange, 1};
+  if (!align(m.setup.stations[s], points)) throw RefusedField{FastrakRefusal::out_of_range, 1};
   return "";
 }
 
@@ -269,16 +269,16 @@ std::string output_list(const Line& line, FastrakMemory& m) {
   if (line.blank_from(1)) return encode_list(number_of(s), items);
   std::vector<int> list;
   for (std::size_t i = 1; i < line.fields.size(); ++i) {
-    if (i > kMostItems) throw RefusedField{FastrakRefusal::kBufferLimit, i};
+    if (i > kMostItems) throw RefusedField{FastrakRefusal::buffer_limit, i};
     const bool keeps = line.blank(i) && i <= items.size();
     const int item = keeps ? items[i - 1] : line.whole(i, 0, 99);
     if (!is_fastrak_item(item, m.early_firmware)) {
-      throw RefusedField{FastrakRefusal::kOutOfRange, i};
+      throw RefusedField{FastrakRefusal::out_of_range, i};
     }
     list.push_back(item);
   }
   if (fastrak_record_length({list, false, false}) > kLongestRecord) {
-    throw RefusedField{FastrakRefusal::kBufferLimit, line.fields.size() - 1};
+    throw RefusedField{FastrakRefusal::buffer_limit, line.fields.size() - 1};
   }
   items = std::move(list);
   return "";
@@ -297,19 +297,19 @@ std::string port(const Line& line, FastrakMemory& m) {
   if (!line.blank(0)) {
     port.baud = 100 * line.whole(0, 24, 1152);
     if (std::ranges::find(kBauds, port.baud) == kBauds.end()) {
-      throw RefusedField{FastrakRefusal::kOutOfRange, 0};
+      throw RefusedField{FastrakRefusal::out_of_range, 0};
     }
   }
   if (!line.blank(1)) {
     const std::string_view parity = line.fields[1];
     if (parity != "N" && parity != "O" && parity != "E") {
-      throw RefusedField{FastrakRefusal::kOutOfRange, 1};
+      throw RefusedField{FastrakRefusal::out_of_range, 1};
     }
     port.parity = parity != "N";
   }
   if (!line.blank(2)) port.bits = line.whole(2, 7, 8);
   if (!line.blank(3)) line.whole(3, 0, 1);  // hardware handshake: a wire that is not here
-  if (port.bits == 8 && port.parity) throw RefusedField{FastrakRefusal::kOutOfRange, 1};
+  if (port.bits == 8 && port.parity) throw RefusedField{FastrakRefusal::out_of_range, 1};
   m.port = port;
   return "";
 }
@@ -341,10 +341,10 @@ std::string filter(const Line& line, FastrakMemory& m) {
   }
   const auto v = line.merged(0, values, {1.0, 1.0, 1.0, 1.0});
   for (std::size_t i = 0; i < 4; ++i) {
-    if (v[i] < 0.0) throw RefusedField{FastrakRefusal::kOutOfRange, i};
+    if (v[i] < 0.0) throw RefusedField{FastrakRefusal::out_of_range, i};
   }
   if (v[1] < 1.0 && !(v[1] > 0.0 && v[1] <= v[2])) {
-    throw RefusedField{FastrakRefusal::kOutOfRange, 1};
+    throw RefusedField{FastrakRefusal::out_of_range, 1};
   }
   stored = {v[0], v[1], v[2], v[3]};
   return "";
@@ -358,7 +358,7 @@ std::string identification(const Line& line, FastrakMemory& m) {
     shown.resize(32, ' ');
     return encode_reply(0, 'X', shown);
   }
-  if (text.size() > 32) throw RefusedField{FastrakRefusal::kBufferLimit, 0};
+  if (text.size() > 32) throw RefusedField{FastrakRefusal::buffer_limit, 0};
   m.setup.identification = text;
   return "";
 }

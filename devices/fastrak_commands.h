@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "devices/fastrak_codec.h"
+#include "devices/fastrak_replies.h"
 #include "devices/fastrak_geometry.h"
 #include "engine/math.h"
 

@@ -14,16 +14,13 @@ constexpr Time kCycle{8333};                // 1 / kCycleRate
 constexpr Time kSolutionReady{5500};        // after the start of the field (p. E-2)
 constexpr Time kMidSampling{5500 - 3750};   // effective latency 3.75 ms (p. E-4)
 constexpr std::int64_t kSwitchCycles = 40;  // between looks at the stylus switch
-constexpr std::size_t kLongestLine = 254;   // bytes
 constexpr std::size_t kOutboxLimit = 1024;  // bytes a reader may leave
 constexpr std::size_t kQueueLimit = 8192;   // bytes of answers waiting for the line
-constexpr std::size_t kHeldLimit = 1024;    // bytes of commands waiting for ^K
 
-constexpr std::string_view kImmediate = "PCcSFfUuDdW";
 constexpr std::array<int, 7> kBauds = {2400, 4800, 9600, 19200, 38400, 57600, 115200};
 
 // What random numbers are drawn for.
-enum Purpose : std::uint64_t { kNoise = 0, kFaults = 16 };
+constexpr std::uint64_t kNoise = 0, kFaults = 16;
 
 }  // namespace
 
@@ -101,7 +98,7 @@ void FastrakEmulator::start_up(Time now) {
   expected_.reset();
   suspended_ = false;
   line_.clear();
-  swallow_ = Swallow::kNothing;
+  swallow_ = Swallow::nothing;
 }
 
 void FastrakEmulator::power_cycle(Time now) {
@@ -407,184 +404,6 @@ void FastrakEmulator::queue(Message message) {
 
 void FastrakEmulator::drop_unsent() {
   std::erase_if(queue_, [](const Message& message) { return message.sent == 0; });
-}
-
-// --- Commands --------------------------------------------------------------------------------
-
-void FastrakEmulator::hear_all(Bytes bytes, Time now) {
-  for (std::size_t i = 0; i < bytes.size(); ++i) {
-    if (silent(now)) return;
-    if (now < saved_at_) {
-      const std::size_t room = kHeldLimit - std::min(kHeldLimit, held_.size());
-      const Bytes rest = bytes.subspan(i, std::min(room, bytes.size() - i));
-      held_.insert(held_.end(), rest.begin(), rest.end());
-      return;
-    }
-    hear(memory_.port.bits == 7 ? bytes[i] & 0x7F : bytes[i], now);
-  }
-}
-
-void FastrakEmulator::hear(std::uint8_t byte, Time now) {
-  if (control(byte, now)) return;
-  const Swallow swallow = std::exchange(swallow_, Swallow::kNothing);
-  const char c = static_cast<char>(byte);
-  if (c == '\r' || c == '\n') {
-    const bool cr = c == '\r';
-    if (!line_.empty()) {
-      run_line(now);
-      line_.clear();
-    } else if (swallow == (cr ? Swallow::kReturn : Swallow::kLineFeed)) {
-      return;  // the second half of CR LF or LF CR
-    } else if (cr && swallow != Swallow::kAnyEnd) {
-      refuse("", FastrakRefusal::kUnknownCommand, 0, 0, 1, now);
-    }
-    swallow_ = cr ? Swallow::kLineFeed : Swallow::kReturn;
-  } else if (!line_.empty()) {
-    if (line_.size() <= kLongestLine) line_ += c;  // one more than allowed marks it as too long
-  } else if (kImmediate.find(c) != std::string_view::npos) {
-    immediate(c, now);
-    swallow_ = Swallow::kAnyEnd;
-  } else if (is_fastrak_line_command(c)) {
-    line_ = c;
-  } else if (c != ' ') {
-    refuse(std::string_view(&c, 1), FastrakRefusal::kUnknownCommand, 0, 0, 1, now);
-    swallow_ = Swallow::kAnyEnd;
-  }
-}
-
-/// Control bytes act at once, in the middle of a line too; the line goes on behind them.
-bool FastrakEmulator::control(std::uint8_t byte, Time now) {
-  switch (byte) {
-    case 0x0B:  // ^K
-      eeprom_ = memory_.setup;
-      for (FastrakStationSetup& station : eeprom_.stations) {
-        station.q_boresight.reset();
-      }
-      for (std::size_t s = 0; s < kFastrakStations; ++s) {
-        eeprom_.stations[s].p_SN = factory_setup(now).stations[s].p_SN;
-      }
-      if (eeprom_.sync == 1) eeprom_.sync = 0;
-      saved_at_ = now + options_.save_time;
-      break;
-    case 0x11:  // ^Q
-      if (suspended_) line_free_ns_ = std::max<std::int64_t>(line_free_ns_, now.count() * 1000);
-      suspended_ = false;
-      break;
-    case 0x13:  // ^S
-      suspended_ = true;
-      break;
-    case 0x19:  // ^Y
-      start_up(now);
-      break;
-    default:
-      return false;
-  }
-  if (line_.empty()) swallow_ = Swallow::kAnyEnd;
-  ++statistics_.commands;
-  return true;
-}
-
-void FastrakEmulator::immediate(char command, Time now) {
-  ++statistics_.commands;
-  switch (command) {
-    case 'P':
-      send_point(now);
-      break;
-    case 'C':
-      ++statistics_.streams;
-      if (!memory_.setup.continuous) expected_.reset();
-      memory_.setup.continuous = true;
-      switched_off_ = false;
-      break;
-    case 'c':
-      memory_.setup.continuous = false;
-      switched_off_ = false;
-      std::erase_if(queue_, [](const Message& m) { return m.stream && m.sent == 0; });
-      break;
-    case 'S': {
-      if (++status_requests_ <= options_.faults.deaf) break;
-      FastrakStatus status;
-      status.binary = memory_.setup.binary;
-      status.centimetres = memory_.setup.centimetres;
-      status.compensation = memory_.setup.compensation;
-      status.continuous = memory_.setup.continuous;
-      status.error = memory_.error;
-      status.firmware = options_.firmware;
-      status.identification = memory_.setup.identification;
-      if (options_.tag_2012) {
-        // The coding of the sensor map is not known; ours: one hex digit, bit 0 for station 1.
-        int map = 0;
-        for (std::size_t s = 0; s < kFastrakStations; ++s) map |= plugged(s, now) ? 1 << s : 0;
-        status.tag = std::string("F3") + "0123456789ABCDEF"[map];
-      }
-      reply(encode_status(status), now);
-      break;
-    }
-    case 'F':
-      memory_.setup.binary = false;
-      break;
-    case 'f':
-      memory_.setup.binary = true;
-      break;
-    case 'U':
-      memory_.setup.centimetres = false;
-      break;
-    case 'u':
-      memory_.setup.centimetres = true;
-      break;
-    case 'D':
-      memory_.setup.compensation = true;
-      break;
-    case 'd':
-      memory_.setup.compensation = false;
-      break;
-    case 'W':
-      memory_.setup = factory_setup(now);
-      std::erase_if(queue_, [](const Message& m) { return m.stream && m.sent == 0; });
-      break;
-    default:
-      break;
-  }
-}
-
-void FastrakEmulator::refuse(std::string_view command, FastrakRefusal why, std::size_t position,
-                             std::size_t field, int station, Time now) {
-  ++statistics_.refused;
-  if (!memory_.setup.binary) reply(encode_refusal(command, why, position, field, station), now);
-}
-
-void FastrakEmulator::run_line(Time now) {
-  if (line_.size() > kLongestLine) {
-    refuse(line_, FastrakRefusal::kBufferLimit, kLongestLine, 0, 1, now);
-    return;
-  }
-  commanded_ = now;
-  try {
-    const std::string answer = carry_out(line_, memory_);
-    if (!answer.empty()) reply(answer, now);
-    ++statistics_.commands;
-  } catch (const FastrakRefused& refused) {
-    refuse(line_, refused.why, refused.position, refused.field, refused.station, now);
-  }
-  for (std::size_t s = 0; s < kFastrakStations; ++s) {
-    if (!active(s)) solutions_[s].valid = false;
-  }
-}
-
-void FastrakEmulator::point_of_alignment(Time now) {
-  if (!solutions_[0].valid) measure(0, now);
-  memory_.guided->push_back(solutions_[0].X_TS * memory_.setup.stations[0].p_SN);
-  if (memory_.guided->size() < 3) return;
-  const std::array<Vec3, 3> points = {(*memory_.guided)[0], (*memory_.guided)[1],
-                                      (*memory_.guided)[2]};
-  memory_.guided.reset();
-  for (FastrakStationSetup& station : memory_.setup.stations) {
-    if (!align(station, points)) {
-      refuse("A0", FastrakRefusal::kOutOfRange, 1, 0, 1, now);
-      return;
-    }
-  }
-  reply(alignment_answer(memory_, 0), now);  // shows the new frame
 }
 
 void serve(FastrakEmulator& emulator, ByteStream& stream, Time now) {

@@ -11,6 +11,7 @@
 
 #include "devices/byte_stream.h"
 #include "devices/fastrak_codec.h"
+#include "devices/fastrak_replies.h"
 #include "devices/fastrak_commands.h"
 #include "devices/fastrak_faults.h"
 #include "devices/fastrak_geometry.h"
@@ -190,7 +191,7 @@ class FastrakEmulator {
   std::vector<std::uint8_t> outbox_;  ///< has left, not yet taken
 
   std::string line_;  ///< command letter and what followed, up to now
-  enum class Swallow { kNothing, kAnyEnd, kLineFeed, kReturn } swallow_ = Swallow::kNothing;
+  enum class Swallow { nothing, any_end, line_feed, carriage_return } swallow_ = Swallow::nothing;
 };
 
 /// Lets the emulator hear what the stream brought and say what is due. Call it every millisecond or

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "devices/fastrak_replies.h"
+
 namespace headpin::devices {
 namespace {
 
@@ -101,11 +103,11 @@ void read_zenith(std::string_view text, FastrakZeniths& zeniths) {
 }
 
 FastrakAttitude attitude_of(const std::vector<int>& items) {
-  if (has_any(items, {11, 61, 20})) return FastrakAttitude::kQuaternion;
+  if (has_any(items, {11, 61, 20})) return FastrakAttitude::quaternion;
   if (has_any(items, {5, 55}) && has_any(items, {6, 56}) && has_any(items, {7, 57})) {
-    return FastrakAttitude::kMatrix;
+    return FastrakAttitude::matrix;
   }
-  if (has_any(items, {4, 54, 19})) return FastrakAttitude::kAngles;
+  if (has_any(items, {4, 54, 19})) return FastrakAttitude::angles;
   throw std::invalid_argument(
       "output list: expected an orientation (quaternion 11, 61, 20; angles 4, 54, 19; or "
       "matrix 5 6 7, 55 56 57)");
@@ -178,21 +180,21 @@ std::string question(const FastrakCheck& check) {
 
 FastrakVerdict judge(const FastrakCheck& check, const FastrakOptions& options, Bytes heard) {
   const auto verdict = [](bool as_said) {
-    return as_said ? FastrakVerdict::kAsSaid : FastrakVerdict::kOtherwise;
+    return as_said ? FastrakVerdict::as_said : FastrakVerdict::otherwise;
   };
   if (check.letter == 'S') {
     const auto status = find_answer(heard, kFastrakStatusLength, decode_status);
-    if (!status) return FastrakVerdict::kNoAnswer;
+    if (!status) return FastrakVerdict::no_answer;
     return verdict(status->centimetres == options.centimetres && !status->binary &&
                    !status->continuous);
   }
   if (check.letter == 'O') {
     const auto decode = [&](std::string_view text) { return decode_list(text, check.station); };
     const auto list = find_answer(heard, 5 + 2 * options.items.size(), decode);
-    return list ? verdict(*list == options.items) : FastrakVerdict::kNoAnswer;
+    return list ? verdict(*list == options.items) : FastrakVerdict::no_answer;
   }
   const auto values = find_values(check, heard);
-  if (!values) return FastrakVerdict::kNoAnswer;
+  if (!values) return FastrakVerdict::no_answer;
   constexpr double kRounded = 0.0101;  // of two decimals, on its way there and back
   return verdict(std::ranges::equal(
       *values, check.values, [](double a, double b) { return std::abs(a - b) <= kRounded; }));

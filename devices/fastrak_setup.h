@@ -49,7 +49,7 @@ struct FastrakOptions {
 };
 
 /// By what records tell the orientation.
-enum class FastrakAttitude { kQuaternion, kMatrix, kAngles };
+enum class FastrakAttitude { quaternion, matrix, angles };
 
 /// The best that is in an output list.
 /// @throws std::invalid_argument  when there is none
@@ -66,7 +66,7 @@ struct FastrakCheck {
   bool must = true;  ///< else records would look good and be wrong, unless it is as said
 };
 
-enum class FastrakVerdict { kNoAnswer, kAsSaid, kOtherwise };
+enum class FastrakVerdict { no_answer, as_said, otherwise };
 
 /// Commands that give the whole unit and each station what the options say, one at a time.
 std::vector<std::string> setup_commands(const FastrakOptions& options);

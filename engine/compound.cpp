@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include "engine/non_colliding.h"
@@ -10,36 +11,55 @@
 namespace headpin::engine {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 
 bool is_half_space(const Part& part) {
   return std::holds_alternative<HalfSpace>(part.shape);
 }
 
-/// How far the shape reaches along `n`, signed [m].
-double reach(const Part& part, const Vec3& n) {
+/// Height of the part's furthest point along `n`, signed [m].
+double top(const Part& part, const Vec3& n) {
   return n.dot(part.X_BG * support(part.shape, part.X_BG.q.conjugate() * n));
+}
+
+bool on_axis(const Pose& X_BG, const Vec3& axis, double size) {
+  return (X_BG.p - X_BG.p.dot(axis) * axis).norm() <= 1e-12 * size;
+}
+
+/// Of what is round about its own z.
+bool turned(double size, const Pose& X_BG, const Vec3& axis) {
+  return on_axis(X_BG, axis, size) && std::abs((X_BG.q * Vec3::UnitZ()).dot(axis)) > 1.0 - 1e-12;
+}
+
+bool revolves(const Ellipsoid& e, const Pose& X_BG, const Vec3& axis) {
+  if (!on_axis(X_BG, axis, e.radii.maxCoeff())) return false;
+  const Vec3 along = (X_BG.q.conjugate() * axis).cwiseAbs();
+  for (int i = 0; i < 3; ++i) {
+    const double r1 = e.radii[(i + 1) % 3], r2 = e.radii[(i + 2) % 3];
+    if (r1 == r2 && (along[i] > 1.0 - 1e-12 || r1 == e.radii[i])) return true;
+  }
+  return false;
+}
+
+bool revolves(const Cylinder& c, const Pose& X_BG, const Vec3& axis) {
+  return turned(bounding_radius(c), X_BG, axis);
+}
+
+bool revolves(const Cone& c, const Pose& X_BG, const Vec3& axis) {
+  return turned(bounding_radius(c), X_BG, axis);
+}
+
+bool revolves(const Polyhedron&, const Pose&, const Vec3&) {
+  return false;
+}
+
+bool revolves(const HalfSpace&, const Pose&, const Vec3&) {
+  return false;
 }
 
 /// Whether the part is a body of revolution about the line through the origin along unit `axis`.
 bool revolves(const Part& part, const Vec3& axis) {
-  if (const auto* e = std::get_if<Ellipsoid>(&part.shape)) {
-    const Vec3 off = part.X_BG.p - part.X_BG.p.dot(axis) * axis;
-    const double size = e->radii.maxCoeff();
-    if (off.norm() > 1e-12 * size) return false;
-    const Vec3 along = (part.X_BG.q.conjugate() * axis).cwiseAbs();
-    for (int i = 0; i < 3; ++i) {
-      const double r1 = e->radii[(i + 1) % 3], r2 = e->radii[(i + 2) % 3];
-      if (r1 == r2 && (along[i] > 1.0 - 1e-12 || r1 == e->radii[i])) return true;
-    }
-    return false;
-  }
-  if (!std::holds_alternative<Cylinder>(part.shape) && !std::holds_alternative<Cone>(part.shape)) {
-    return false;
-  }
-  const Vec3 off = part.X_BG.p - part.X_BG.p.dot(axis) * axis;
-  return off.norm() <= 1e-12 * bounding_radius(part.shape) &&
-         std::abs((part.X_BG.q * Vec3::UnitZ()).dot(axis)) > 1.0 - 1e-12;
+  return std::visit([&](const auto& s) { return revolves(s, part.X_BG, axis); }, part.shape);
 }
 
 /// A disc across the axis, and whether a round end (curved no more than the capsule) hangs on it.
@@ -50,24 +70,32 @@ struct Outline {
   bool round;                // an ellipsoid on the axis
 };
 
+/// The ends of a body of revolution: rims of its largest radius, an apex, or a round end.
+void set_ends(Outline& o, const Ellipsoid&, bool) {
+  o.round = true;
+}
+
+void set_ends(Outline& o, const Cone&, bool up) {
+  (up ? o.low_rim : o.high_rim) = o.radius;
+}
+
+template <typename Other>
+void set_ends(Outline& o, const Other&, bool) {
+  o.low_rim = o.high_rim = o.radius;
+}
+
 Outline outline(const Part& part, const Vec3& axis) {
-  Outline o{-reach(part, -axis), reach(part, axis), 0.0, 0.0, 0.0, false};
+  Outline o{-top(part, -axis), top(part, axis), 0.0, 0.0, 0.0, false};
   if (revolves(part, axis)) {
     const Vec3 across = axis.unitOrthogonal();
-    o.radius = reach(part, across);
-    if (std::holds_alternative<Ellipsoid>(part.shape)) {
-      o.round = true;
-    } else if (std::holds_alternative<Cone>(part.shape)) {
-      const bool up = (part.X_BG.q * Vec3::UnitZ()).dot(axis) > 0.0;
-      (up ? o.low_rim : o.high_rim) = o.radius;
-    } else {
-      o.low_rim = o.high_rim = o.radius;
-    }
+    o.radius = top(part, across);
+    const bool up = (part.X_BG.q * Vec3::UnitZ()).dot(axis) > 0.0;
+    std::visit([&](const auto& shape) { set_ends(o, shape, up); }, part.shape);
     return o;
   }
   const Vec3 u = axis.unitOrthogonal(), v = axis.cross(u);
-  const double x = std::max(reach(part, u), reach(part, -u));
-  const double y = std::max(reach(part, v), reach(part, -v));
+  const double x = std::max(top(part, u), top(part, -u));
+  const double y = std::max(top(part, v), top(part, -v));
   o.radius =
       std::min(std::sqrt(x * x + y * y),
                (part.X_BG.p - part.X_BG.p.dot(axis) * axis).norm() + bounding_radius(part.shape));
@@ -89,12 +117,12 @@ Capsule capsule_along(const std::vector<Part>& parts, const Vec3& axis) {
     const auto back = [&](double rim) {
       return std::sqrt(std::max(0.0, radius * radius - rim * rim));
     };
-    const double top =
+    const double upper =
         o.round ? std::max(middle, o.high - radius) : std::max(o.high - back(o.high_rim), o.low);
-    const double bottom =
+    const double lower =
         o.round ? std::min(middle, o.low + radius) : std::min(o.low + back(o.low_rim), o.high);
-    high = first ? top : std::max(high, top);
-    low = first ? bottom : std::min(low, bottom);
+    high = first ? upper : std::max(high, upper);
+    low = first ? lower : std::min(low, lower);
     first = false;
   }
   if (low > high) low = high = 0.5 * (low + high);
@@ -232,29 +260,42 @@ bool overlap(const Part& a, const Part& b) {
   return !closest_points(a.shape, b.shape, a.X_BG.inverse() * b.X_BG, n, {}).separated;
 }
 
-/// Radius of a body of revolution about z at height z, zero outside it.
+// Radius of a body of revolution about z at a height above its middle, zero outside it.
+
+double radius_at(const Ellipsoid&, const Part& part, double height) {
+  const double c = top(part, Vec3::UnitZ()) - part.X_BG.p.z();
+  const double r = top(part, Vec3::UnitX());
+  return std::abs(height) < c ? r * std::sqrt(1.0 - height * height / (c * c)) : 0.0;
+}
+
+double radius_at(const Cylinder& c, const Part&, double height) {
+  return std::abs(height) < c.half_height ? c.radius : 0.0;
+}
+
+double radius_at(const Cone& c, const Part& part, double height) {
+  const double up = (part.X_BG.q * Vec3::UnitZ()).z() > 0.0 ? height : -height;
+  return std::abs(up) < 0.5 * c.height ? c.radius * (0.5 - up / c.height) : 0.0;
+}
+
+double radius_at(const Polyhedron&, const Part&, double) {
+  throw std::logic_error("radius of a polyhedron, which is no body of revolution");
+}
+
+double radius_at(const HalfSpace&, const Part&, double) {
+  throw std::logic_error("radius of a half-space, which is no body of revolution");
+}
+
 double radius_at(const Part& part, double z) {
-  const double from_middle = z - part.X_BG.p.z();
-  if (const auto* e = std::get_if<Ellipsoid>(&part.shape)) {
-    const double c = reach(part, Vec3::UnitZ()) - part.X_BG.p.z();
-    const double r = reach(part, Vec3::UnitX());
-    return e && std::abs(from_middle) < c ? r * std::sqrt(1.0 - from_middle * from_middle / (c * c))
-                                          : 0.0;
-  }
-  if (const auto* c = std::get_if<Cylinder>(&part.shape)) {
-    return std::abs(from_middle) < c->half_height ? c->radius : 0.0;
-  }
-  const Cone& cone = std::get<Cone>(part.shape);
-  const double up = (part.X_BG.q * Vec3::UnitZ()).z() > 0.0 ? from_middle : -from_middle;
-  return std::abs(up) < 0.5 * cone.height ? cone.radius * (0.5 - up / cone.height) : 0.0;
+  return std::visit([&](const auto& s) { return radius_at(s, part, z - part.X_BG.p.z()); },
+                    part.shape);
 }
 
 // Slices between the heights where a part begins or ends; middles, so that ends need no care.
 Moments stacked_discs(const std::vector<Part>& parts) {
   std::vector<double> cuts;
   for (const Part& part : parts) {
-    cuts.push_back(reach(part, Vec3::UnitZ()));
-    cuts.push_back(-reach(part, -Vec3::UnitZ()));
+    cuts.push_back(top(part, Vec3::UnitZ()));
+    cuts.push_back(-top(part, -Vec3::UnitZ()));
   }
   std::sort(cuts.begin(), cuts.end());
   const double slices = 20000.0 / (cuts.back() - cuts.front());
@@ -301,44 +342,60 @@ void keep_quadratic(Interval& t, double a, double b, double c) {  // a t^2 + 2 b
   t.high = std::min(t.high, (-b + std::sqrt(root)) / a);
 }
 
-/// Where the line p + t d runs inside the shape.
-Interval inside(const Shape& shape, const Vec3& p, const Vec3& d, Interval t) {
-  if (const auto* e = std::get_if<Ellipsoid>(&shape)) {
-    const Vec3 u = d.cwiseQuotient(e->radii), v = p.cwiseQuotient(e->radii);
-    keep_quadratic(t, u.dot(u), u.dot(v), v.dot(v) - 1.0);
-  } else if (const auto* c = std::get_if<Cylinder>(&shape)) {
-    keep_quadratic(t, d.x() * d.x() + d.y() * d.y(), d.x() * p.x() + d.y() * p.y(),
-                   p.x() * p.x() + p.y() * p.y() - c->radius * c->radius);
-    keep_below(t, p.z() - c->half_height, d.z());
-    keep_below(t, -p.z() - c->half_height, -d.z());
-  } else if (const auto* h = std::get_if<Polyhedron>(&shape)) {
-    for (const Polyhedron::Face& f : h->faces()) {
-      keep_below(t, f.normal.dot(p) - f.offset, f.normal.dot(d));
-    }
-  } else if (const auto* k = std::get_if<Cone>(&shape)) {
-    // Below the apex: rho <= (h/2 - z) r / h, both sides squared; the slab keeps the other nappe
-    // out.
-    const double slope = k->radius / k->height, z = p.z() - 0.5 * k->height;
-    const double a = d.x() * d.x() + d.y() * d.y() - slope * slope * d.z() * d.z();
-    const double b = d.x() * p.x() + d.y() * p.y() - slope * slope * d.z() * z;
-    const double c2 = p.x() * p.x() + p.y() * p.y() - slope * slope * z * z;
-    keep_below(t, z, d.z());
-    keep_below(t, -z - k->height, -d.z());
-    if (a >= 1e-15) {
-      keep_quadratic(t, a, b, c2);
-    } else if (a > -1e-15) {
-      keep_below(t, c2, 2.0 * b);
-    } else {  // steep line: inside the double cone outside the roots; take the lower nappe
-      const double root = std::sqrt(std::max(0.0, b * b - a * c2));
-      const double t1 = (-b + root) / a, t2 = (-b - root) / a;  // t1 <= t2
-      if (d.z() > 0.0) {
-        t.high = std::min(t.high, t1);
-      } else {
-        t.low = std::max(t.low, t2);
-      }
+// What of a stretch of the line p + t d runs inside a shape.
+
+Interval inside(const Ellipsoid& e, const Vec3& p, const Vec3& d, Interval t) {
+  const Vec3 u = d.cwiseQuotient(e.radii), v = p.cwiseQuotient(e.radii);
+  keep_quadratic(t, u.dot(u), u.dot(v), v.dot(v) - 1.0);
+  return t;
+}
+
+Interval inside(const Cylinder& c, const Vec3& p, const Vec3& d, Interval t) {
+  keep_quadratic(t, d.x() * d.x() + d.y() * d.y(), d.x() * p.x() + d.y() * p.y(),
+                 p.x() * p.x() + p.y() * p.y() - c.radius * c.radius);
+  keep_below(t, p.z() - c.half_height, d.z());
+  keep_below(t, -p.z() - c.half_height, -d.z());
+  return t;
+}
+
+Interval inside(const Polyhedron& h, const Vec3& p, const Vec3& d, Interval t) {
+  for (const Polyhedron::Face& f : h.faces()) {
+    keep_below(t, f.normal.dot(p) - f.offset, f.normal.dot(d));
+  }
+  return t;
+}
+
+/// Below the apex: rho <= (h/2 - z) r / h, both sides squared; the slab keeps the other nappe out.
+Interval inside(const Cone& k, const Vec3& p, const Vec3& d, Interval t) {
+  const double slope = k.radius / k.height, z = p.z() - 0.5 * k.height;
+  const double a = d.x() * d.x() + d.y() * d.y() - slope * slope * d.z() * d.z();
+  const double b = d.x() * p.x() + d.y() * p.y() - slope * slope * d.z() * z;
+  const double c = p.x() * p.x() + p.y() * p.y() - slope * slope * z * z;
+  keep_below(t, z, d.z());
+  keep_below(t, -z - k.height, -d.z());
+  if (a >= 1e-15) {
+    keep_quadratic(t, a, b, c);
+  } else if (a > -1e-15) {
+    keep_below(t, c, 2.0 * b);
+  } else {  // steep line: inside the double cone outside the roots; take the lower nappe
+    const double root = std::sqrt(std::max(0.0, b * b - a * c));
+    const double t1 = (-b + root) / a, t2 = (-b - root) / a;  // t1 <= t2
+    if (d.z() > 0.0) {
+      t.high = std::min(t.high, t1);
+    } else {
+      t.low = std::max(t.low, t2);
     }
   }
   return t;
+}
+
+Interval inside(const HalfSpace&, const Vec3& p, const Vec3& d, Interval t) {
+  keep_below(t, p.z(), d.z());
+  return t;
+}
+
+Interval inside(const Shape& shape, const Vec3& p, const Vec3& d, Interval t) {
+  return std::visit([&](const auto& s) { return inside(s, p, d, t); }, shape);
 }
 
 // Rods along z on a square grid of middles; their overlap with the union is exact.
@@ -347,8 +404,8 @@ Moments bundled_rods(const std::vector<Part>& parts) {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (const Part& part : parts) {
     for (int i = 0; i < 3; ++i) {
-      low[i] = std::min(low[i], -reach(part, -Vec3::Unit(i)));
-      high[i] = std::max(high[i], reach(part, Vec3::Unit(i)));
+      low[i] = std::min(low[i], -top(part, -Vec3::Unit(i)));
+      high[i] = std::max(high[i], top(part, Vec3::Unit(i)));
     }
   }
   const double dx = (high.x() - low.x()) / kRods, dy = (high.y() - low.y()) / kRods;

@@ -221,20 +221,30 @@ Vec3 support(const Shape& shape, const Vec3& n) {
       shape);
 }
 
-double bounding_radius(const Shape& shape) {
-  if (const auto* e = std::get_if<Ellipsoid>(&shape)) return e->radii.maxCoeff();
-  if (const auto* c = std::get_if<Cylinder>(&shape)) {
-    return std::sqrt(c->radius * c->radius + c->half_height * c->half_height);
-  }
-  if (const auto* c = std::get_if<Cone>(&shape)) {
-    return std::sqrt(c->radius * c->radius + 0.25 * c->height * c->height);
-  }
-  if (const auto* p = std::get_if<Polyhedron>(&shape)) {
-    double r2 = 0.0;
-    for (const Vec3& v : p->vertices()) r2 = std::max(r2, v.squaredNorm());
-    return std::sqrt(r2);
-  }
+double bounding_radius(const Ellipsoid& s) {
+  return s.radii.maxCoeff();
+}
+
+double bounding_radius(const Cylinder& s) {
+  return std::sqrt(s.radius * s.radius + s.half_height * s.half_height);
+}
+
+double bounding_radius(const Cone& s) {
+  return std::sqrt(s.radius * s.radius + 0.25 * s.height * s.height);
+}
+
+double bounding_radius(const Polyhedron& s) {
+  double r2 = 0.0;
+  for (const Vec3& v : s.vertices()) r2 = std::max(r2, v.squaredNorm());
+  return std::sqrt(r2);
+}
+
+double bounding_radius(const HalfSpace&) {
   return std::numeric_limits<double>::infinity();
+}
+
+double bounding_radius(const Shape& shape) {
+  return std::visit([](const auto& s) { return bounding_radius(s); }, shape);
 }
 
 bool contains(const Polyhedron& s, const Vec3& p, double tolerance) {
@@ -268,22 +278,26 @@ void check_length(const char* what, double value) {
 
 }  // namespace
 
+void check(const Ellipsoid& s) {
+  for (int i = 0; i < 3; ++i) check_length("ellipsoid radius", s.radii[i]);
+}
+
+void check(const Cylinder& s) {
+  check_length("cylinder radius", s.radius);
+  check_length("cylinder half height", s.half_height);
+}
+
+void check(const Cone& s) {
+  check_length("cone radius", s.radius);
+  check_length("cone height", s.height);
+}
+
 void check(const Shape& shape) {
-  if (const auto* e = std::get_if<Ellipsoid>(&shape)) {
-    for (int i = 0; i < 3; ++i) check_length("ellipsoid radius", e->radii[i]);
-  } else if (const auto* cylinder = std::get_if<Cylinder>(&shape)) {
-    check_length("cylinder radius", cylinder->radius);
-    check_length("cylinder half height", cylinder->half_height);
-  } else if (const auto* cone = std::get_if<Cone>(&shape)) {
-    check_length("cone radius", cone->radius);
-    check_length("cone height", cone->height);
-  }
+  std::visit([](const auto& s) { check(s); }, shape);
 }
 
 std::string kind(const Shape& shape) {
-  constexpr std::array<const char*, 5> kNames = {"ellipsoid", "cylinder", "cone", "polyhedron",
-                                                 "half-space"};
-  return kNames[shape.index()];
+  return std::visit([](const auto& s) { return kind(s); }, shape);
 }
 
 }  // namespace headpin::engine

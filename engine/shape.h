@@ -13,7 +13,8 @@
 /// Convex shapes: the paper's primitives, vertex data, and the half-space for floors and walls.
 ///
 /// A shape is its numbers plus `support()`: the point of it that lies furthest along a direction.
-/// Every shape lives in its own frame G [m].
+/// Every shape lives in its own frame G [m]. What is asked of shapes is a function for each of them,
+/// chosen by visit: a new shape does not compile until it answers all.
 namespace headpin::engine {
 
 /// Ellipsoid about the origin, semi-axes along x, y, z; a sphere has three equal radii [m].
@@ -56,8 +57,7 @@ class Polyhedron {
   /// @param vertices  corners [m], each used by at least three faces
   /// @param faces     corners of each face, counterclockwise seen from outside, at least three
   /// @throws std::invalid_argument  naming the face, edge or vertex and what is wrong with it:
-  /// index
-  ///   out of range, number not finite, two vertices in one place, a face without area or not flat,
+  ///   index out of range, number not finite, two vertices in one place, a face without area or not flat,
   ///   an edge not shared by exactly two faces in opposite directions (not closed, or turned inside
   ///   out), several pieces, or a vertex outside a face (not convex)
   Polyhedron(std::vector<Vec3> vertices, const std::vector<std::vector<std::uint32_t>>& faces);
@@ -135,8 +135,7 @@ decltype(auto) visit_both(const Shape& a, const Shape& b, F&& f) {
 /// The point of the shape furthest along `n` [m].
 ///
 /// @param n  any length; a zero or not finite direction gives a point of the shape all the same.
-/// Where
-///   a whole cap, side or face is furthest, the point is one of it (caps: the centre).
+///   Where a whole cap, side or face is furthest, the point is one of it (caps: the centre).
 inline Vec3 support(const Ellipsoid& s, const Vec3& n) {
   const Vec3 q = s.radii.cwiseProduct(s.radii).cwiseProduct(n);
   const double h2 = n.dot(q);
@@ -189,6 +188,11 @@ inline Vec3 centre(const HalfSpace&) {
 /// Radius of the smallest sphere about the origin of the shape's frame that holds it [m]; infinite
 /// for a half-space.
 double bounding_radius(const Shape& shape);
+double bounding_radius(const Ellipsoid& s);
+double bounding_radius(const Cylinder& s);
+double bounding_radius(const Cone& s);
+double bounding_radius(const Polyhedron& s);
+double bounding_radius(const HalfSpace& s);
 
 /// Whether the point lies in the shape, or outside by no more than `tolerance` [m] (measured along
 /// axes and face normals; near corners up to a few times that).
@@ -230,8 +234,28 @@ double clearance(const Polyhedron& s, const Vec3& p);
 
 /// @throws std::invalid_argument  when a measure is not finite or not above zero
 void check(const Shape& shape);
+void check(const Ellipsoid& s);
+void check(const Cylinder& s);
+void check(const Cone& s);
+inline void check(const Polyhedron&) {}  // checked when it was made
+inline void check(const HalfSpace&) {}
 
 /// Name of the shape's kind: "ellipsoid", "cylinder", "cone", "polyhedron", "half-space".
 std::string kind(const Shape& shape);
+constexpr const char* kind(const Ellipsoid&) {
+  return "ellipsoid";
+}
+constexpr const char* kind(const Cylinder&) {
+  return "cylinder";
+}
+constexpr const char* kind(const Cone&) {
+  return "cone";
+}
+constexpr const char* kind(const Polyhedron&) {
+  return "polyhedron";
+}
+constexpr const char* kind(const HalfSpace&) {
+  return "half-space";
+}
 
 }  // namespace headpin::engine

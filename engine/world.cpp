@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "engine/hash.h"
 #include "engine/stages.h"
 
 namespace headpin::engine {
@@ -265,19 +266,20 @@ class Books {
   Balance start_, mark_, booked_;
 };
 
-class Fnv {
+/// Numbers into the hash, lowest byte first.
+class StateHash {
  public:
   void add(std::uint64_t bits) {
-    for (int k = 0; k < 8; ++k, bits >>= 8) hash_ = (hash_ ^ (bits & 0xff)) * 0x100000001b3;
+    for (int k = 0; k < 8; ++k, bits >>= 8) bytes_.add(static_cast<std::uint8_t>(bits));
   }
   void add(double x) { add(std::bit_cast<std::uint64_t>(x)); }
   void add(const Vec3& v) {
     for (int k = 0; k < 3; ++k) add(v[k]);
   }
-  std::uint64_t value() const { return hash_; }
+  std::uint64_t value() const { return bytes_.value(); }
 
  private:
-  std::uint64_t hash_ = 0xcbf29ce484222325;
+  Fnv bytes_;
 };
 
 }  // namespace
@@ -493,7 +495,7 @@ Balance balance(const World& world) {
 }
 
 std::uint64_t state_hash(const World& world) {
-  Fnv hash;
+  StateHash hash;
   hash.add(static_cast<std::uint64_t>(world.tick));
   for (BodyId i = 0; i < world.states.size(); ++i) {
     const State& s = world.states[i];
@@ -504,6 +506,13 @@ std::uint64_t state_hash(const World& world) {
     hash.add(std::uint64_t{world.asleep[i]});
   }
   return hash.value();
+}
+
+void forget_meetings(World& world, BodyId body) {
+  check_number(world, body);
+  std::erase_if(world.met, [&](std::uint64_t pair) {
+    return pair >> 32 == body || (pair & 0xffffffffu) == body;
+  });
 }
 
 namespace detail {

@@ -64,7 +64,7 @@ struct Statistics {
   Statistics& operator+=(const Statistics& other);
 };
 
-/// Two bodies met: an impact, or the first touch of two that had never met.
+/// Two bodies met: an impact, or the first touch of two that had never met or were made to forget.
 struct ContactEvent {
   BodyId a = 0, b = 0;
   Vec3 p_W = Vec3::Zero();
@@ -136,6 +136,11 @@ void put_to_sleep(World& world, BodyId body);
 inline bool is_asleep(const World& world, BodyId body) {
   return world.asleep[body] != 0;
 }
+
+/// Lets a body meet all others for the first time again, as when it is set up anew.
+///
+/// @throws std::invalid_argument  for a body that is not there
+void forget_meetings(World& world, BodyId body);
 
 /// One step of 1 / rate_hz.
 ///

@@ -15,6 +15,7 @@
 
 #include <png.h>
 
+#include "engine/hash.h"
 #include "files/output_file.h"
 
 namespace headpin::render {
@@ -101,9 +102,9 @@ std::runtime_error cannot(const char* what, const std::filesystem::path& path, i
 }  // namespace
 
 std::uint64_t pixel_hash(const Image& image) {
-  std::uint64_t hash = 14695981039346656037u;
-  for (const std::uint8_t byte : image.rgb) hash = (hash ^ byte) * 1099511628211u;
-  return hash;
+  Fnv hash;
+  for (const std::uint8_t byte : image.rgb) hash.add(byte);
+  return hash.value();
 }
 
 Image side_by_side(const Image& left, const Image& right) {

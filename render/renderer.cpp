@@ -2,23 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <limits>
 #include <stdexcept>
-#include <utility>
 
+#include "render/contact_shadow.h"
 #include "render/gl_functions.h"
+#include "render/gl_objects.h"
+#include "render/matrices.h"
 #include "render/shaders.h"
 
 namespace headpin::render {
 
 namespace {
-
-using Mat4 = Eigen::Matrix4d;
-
-constexpr int kShadowWidth = 512;    // texels across the shadow's box
-constexpr int kShadowHeight = 2048;  // and along it
-constexpr double kFaint = 0.02;      // share of light an occluder must take to be drawn
 
 constexpr double kEndless = 1e6;  // farther than anything drawn [m]
 constexpr std::array<const char*, DrawList::kLamps> kLampPlace{"lamp_p[0]", "lamp_p[1]",
@@ -26,230 +21,8 @@ constexpr std::array<const char*, DrawList::kLamps> kLampPlace{"lamp_p[0]", "lam
 constexpr std::array<const char*, DrawList::kLamps> kLampPower{"lamp_power[0]", "lamp_power[1]",
                                                                "lamp_power[2]", "lamp_power[3]"};
 
-/// World (or any frame) from a frame that is moved and scaled.
-Mat4 matrix(const Pose& X, const Vec3& scale = Vec3::Ones()) {
-  Mat4 m = Mat4::Identity();
-  m.topLeftCorner<3, 3>() = X.q.toRotationMatrix() * scale.asDiagonal();
-  m.topRightCorner<3, 1>() = X.p;
-  return m;
-}
-
-/// Eye to clip space (OpenGL 3.3 compatibility specification, glFrustum, with tangents).
-Mat4 projection(const Frustum& f) {
-  Mat4 m = Mat4::Zero();
-  m(0, 0) = 2.0 / (f.right - f.left);
-  m(0, 2) = (f.right + f.left) / (f.right - f.left);
-  m(1, 1) = 2.0 / (f.top - f.bottom);
-  m(1, 2) = (f.top + f.bottom) / (f.top - f.bottom);
-  m(2, 2) = -(f.far + f.near) / (f.far - f.near);
-  m(2, 3) = -2.0 * f.far * f.near / (f.far - f.near);
-  m(3, 2) = -1.0;
-  return m;
-}
-
-Mat4 world_to_clip(const View& view) {
-  return projection(view.frustum) * matrix(view.X_WE.inverse());
-}
-
-/// The world seen in a horizontal mirror at height z.
-Mat4 mirrored_at(double z) {
-  Mat4 m = Mat4::Identity();
-  m(2, 2) = -1.0;
-  m(2, 3) = 2.0 * z;
-  return m;
-}
-
-/// World to the shadow's clip space: along the light, the box just inside.
-Mat4 world_to_shadow(const Shadow& shadow) {
-  Mat3 R_LW;  // light frame: x as near to W's as can be, z to the light
-  R_LW.row(2) = shadow.n_W.normalized();
-  R_LW.row(1) = shadow.n_W.cross(Vec3::UnitX()).normalized();
-  R_LW.row(0) = R_LW.row(1).cross(R_LW.row(2));
-  Vec3 lo = Vec3::Constant(std::numeric_limits<double>::infinity());
-  Vec3 hi = -lo;
-  for (int corner = 0; corner < 8; ++corner) {
-    const Vec3 p_W((corner & 1) != 0 ? shadow.hi_W.x() : shadow.lo_W.x(),
-                   (corner & 2) != 0 ? shadow.hi_W.y() : shadow.lo_W.y(),
-                   (corner & 4) != 0 ? shadow.hi_W.z() : shadow.lo_W.z());
-    const Vec3 p_L = R_LW * p_W;
-    lo = lo.cwiseMin(p_L);
-    hi = hi.cwiseMax(p_L);
-  }
-  const Vec3 to_unit = 2.0 * (hi - lo).cwiseMax(1e-6).cwiseInverse();
-  Mat4 m = Mat4::Identity();
-  m.topLeftCorner<3, 3>() = Vec3(to_unit.x(), to_unit.y(), -to_unit.z()).asDiagonal() * R_LW;
-  m.topRightCorner<3, 1>() = -to_unit.cwiseProduct(0.5 * (hi + lo));
-  m(2, 3) = -m(2, 3);
-  return m;
-}
-
-/// A point on a patch, and the ball that darkens it. As the shader reads it.
-struct ContactVertex {
-  Eigen::Vector3f p, n;
-  Eigen::Vector4f ball;
-};
-
-/// Two triangles for each patch and occluder that reach each other.
-std::vector<ContactVertex> contact_vertices(const DrawList& list) {
-  std::vector<ContactVertex> vertices;
-  for (const Patch& patch : list.patches) {
-    const double width = patch.u_W.norm(), length = patch.v_W.norm();
-    const Vec3 u = patch.u_W / width, v = patch.v_W / length, n = u.cross(v);
-    for (const Occluder& ball : list.occluders) {
-      const Vec3 p = ball.p_W - patch.p_W;
-      const double height = n.dot(p);
-      if (height <= 0.0) continue;
-      // Beyond `far` the ball takes less than kFaint: height r^2 / far^3 = kFaint.
-      const double far = std::cbrt(height * ball.radius * ball.radius / kFaint);
-      if (far <= height) continue;
-      const double reach = std::sqrt(far * far - height * height);
-      const double u0 = std::max(0.0, u.dot(p) - reach), u1 = std::min(width, u.dot(p) + reach);
-      const double v0 = std::max(0.0, v.dot(p) - reach), v1 = std::min(length, v.dot(p) + reach);
-      if (u0 >= u1 || v0 >= v1) continue;
-      Eigen::Vector4f at;
-      at << ball.p_W.cast<float>(), static_cast<float>(ball.radius);
-      for (const auto& [a, b] : {std::pair{u0, v0}, std::pair{u1, v0}, std::pair{u1, v1},
-                                 std::pair{u0, v0}, std::pair{u1, v1}, std::pair{u0, v1}}) {
-        vertices.push_back({Vec3(patch.p_W + a * u + b * v).cast<float>(), n.cast<float>(), at});
-      }
-    }
-  }
-  return vertices;
-}
-
-/// Compiled shaders by name of their uniforms.
-class Program {
- public:
-  Program(const Gl& gl, const char* vertex, const char* fragment) : gl_(&gl) {
-    name_ = gl.CreateProgram();
-    attach(GL_VERTEX_SHADER, vertex);
-    attach(GL_FRAGMENT_SHADER, fragment);
-    gl.LinkProgram(name_);
-    GLint ok = 0;
-    gl.GetProgramiv(name_, GL_LINK_STATUS, &ok);
-    if (ok == 0) {
-      std::array<char, 1024> log{};
-      gl.GetProgramInfoLog(name_, static_cast<GLsizei>(log.size()), nullptr, log.data());
-      throw std::runtime_error(std::string("shader does not link: ") + log.data());
-    }
-  }
-  ~Program() { gl_->DeleteProgram(name_); }
-  Program(const Program&) = delete;
-  Program& operator=(const Program&) = delete;
-
-  void use() const { gl_->UseProgram(name_); }
-  void set(const char* uniform, const Mat4& m) const {
-    const Eigen::Matrix4f f = m.cast<float>();
-    gl_->UniformMatrix4fv(at(uniform), 1, GL_FALSE, f.data());
-  }
-  void set(const char* uniform, const Vec3& v) const {
-    const Eigen::Vector3f f = v.cast<float>();
-    gl_->Uniform3f(at(uniform), f.x(), f.y(), f.z());
-  }
-  void set(const char* uniform, double x) const {
-    gl_->Uniform1f(at(uniform), static_cast<float>(x));
-  }
-  void set(const char* uniform, int x) const { gl_->Uniform1i(at(uniform), x); }
-  void set(const char* uniform, std::uint32_t x) const { gl_->Uniform1ui(at(uniform), x); }
-
- private:
-  void attach(GLenum kind, const char* source) const {
-    const GLuint shader = gl_->CreateShader(kind);
-    gl_->ShaderSource(shader, 1, &source, nullptr);
-    gl_->CompileShader(shader);
-    GLint ok = 0;
-    gl_->GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
-    if (ok == 0) {
-      std::array<char, 1024> log{};
-      gl_->GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
-      throw std::runtime_error(std::string("shader does not compile: ") + log.data());
-    }
-    gl_->AttachShader(name_, shader);
-    gl_->DeleteShader(shader);
-  }
-  GLint at(const char* uniform) const { return gl_->GetUniformLocation(name_, uniform); }
-
-  const Gl* gl_;
-  GLuint name_ = 0;
-};
-
-/// A picture to draw into: colour and depth.
-class Target {
- public:
-  Target(const Gl& gl, GLenum format, int width, int height)
-      : gl_(&gl), width_(width), height_(height) {
-    gl.GenFramebuffers(1, &buffer_);
-    gl.BindFramebuffer(GL_FRAMEBUFFER, buffer_);
-    gl.GenRenderbuffers(2, parts_.data());
-    attach(parts_[0], format, GL_COLOR_ATTACHMENT0);
-    attach(parts_[1], GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT);
-    if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
-      throw std::runtime_error("OpenGL cannot draw into " + std::to_string(width) + "x" +
-                               std::to_string(height) + " pixels");
-    }
-  }
-  ~Target() {
-    gl_->DeleteFramebuffers(1, &buffer_);
-    gl_->DeleteRenderbuffers(2, parts_.data());
-  }
-  Target(const Target&) = delete;
-  Target& operator=(const Target&) = delete;
-
-  bool fits(int width, int height) const { return width == width_ && height == height_; }
-  void use() const {
-    gl_->BindFramebuffer(GL_FRAMEBUFFER, buffer_);
-    gl_->Viewport(0, 0, width_, height_);
-  }
-
- private:
-  void attach(GLuint part, GLenum format, GLenum where) const {
-    gl_->BindRenderbuffer(GL_RENDERBUFFER, part);
-    gl_->RenderbufferStorage(GL_RENDERBUFFER, format, width_, height_);
-    gl_->FramebufferRenderbuffer(GL_FRAMEBUFFER, where, GL_RENDERBUFFER, part);
-  }
-
-  const Gl* gl_;
-  int width_, height_;
-  GLuint buffer_ = 0;
-  std::array<GLuint, 2> parts_{};
-};
-
-/// Depth as the light sees it, compared and smoothed where it is read.
-class ShadowMap {
- public:
-  explicit ShadowMap(const Gl& gl) : gl_(&gl) {
-    gl.GenTextures(1, &texture_);
-    gl.BindTexture(GL_TEXTURE_2D, texture_);
-    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, kShadowWidth, kShadowHeight, 0,
-                  GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
-    gl.GenFramebuffers(1, &buffer_);
-    gl.BindFramebuffer(GL_FRAMEBUFFER, buffer_);
-    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, texture_, 0);
-    gl.DrawBuffer(GL_NONE);
-    gl.ReadBuffer(GL_NONE);
-  }
-  ~ShadowMap() {
-    gl_->DeleteFramebuffers(1, &buffer_);
-    gl_->DeleteTextures(1, &texture_);
-  }
-  ShadowMap(const ShadowMap&) = delete;
-  ShadowMap& operator=(const ShadowMap&) = delete;
-
-  void use() const {
-    gl_->BindFramebuffer(GL_FRAMEBUFFER, buffer_);
-    gl_->Viewport(0, 0, kShadowWidth, kShadowHeight);
-  }
-
- private:
-  const Gl* gl_;
-  GLuint texture_ = 0, buffer_ = 0;
-};
+/// The surfaces in the order they are drawn; a mesh of another is refused when it is added.
+constexpr std::array kTurns = {Surface::lit, Surface::floor, Surface::baked};
 
 /// A mesh on the side of the context.
 struct Kept {
@@ -338,39 +111,89 @@ struct Renderer::Impl {
     }
   }
 
+  const Program& program_of(Surface surface) const {
+    switch (surface) {
+      case Surface::lit:
+        return lit;
+      case Surface::floor:
+        return floor;
+      case Surface::baked:
+        return baked;
+    }
+    throw std::logic_error("a surface without a program");
+  }
+
+  /// What a surface's program asks for beside the items.
+  void set_light(Surface surface, const Program& program, const DrawList& list, const Vec3& eye_W,
+                 const Mat4& shadow_view) const {
+    switch (surface) {
+      case Surface::baked:
+        return;
+      case Surface::floor:
+        program.set("eye_W", eye_W);
+        program.set("shadow_view", shadow_view);
+        program.set("shadow_map", 0);
+        program.set("shadow_depth", quality.shadow ? list.shadow.depth : 0.0);
+        return;
+      case Surface::lit:
+        program.set("eye_W", eye_W);
+        program.set("sky", list.sky);
+        program.set("ground", list.ground);
+        program.set("lamps", static_cast<int>(list.lamps.size()));
+        for (std::size_t i = 0; i < list.lamps.size(); ++i) {
+          program.set(kLampPlace[i], list.lamps[i].p_W);
+          program.set(kLampPower[i], list.lamps[i].power);
+        }
+        return;
+    }
+  }
+
+  void set_gloss(const Program& program, const Kept& mesh) const {
+    switch (mesh.surface) {
+      case Surface::baked:
+        return;
+      case Surface::floor:
+        program.set("gloss", quality.mirror ? mesh.gloss : 0.0);
+        return;
+      case Surface::lit:
+        program.set("gloss", mesh.gloss);
+        return;
+    }
+  }
+
   /// Draws the items of one surface, or of them only those that are mirrored.
   void draw_items(const DrawList& list, Surface surface, bool only_mirrored, const Mat4& view,
                   const Vec3& eye_W, const Mat4& shadow_view) const {
-    const Program& program = surface == Surface::lit     ? lit
-                             : surface == Surface::baked ? baked
-                                                         : floor;
+    const Program& program = program_of(surface);
     program.use();
     program.set("view", view);
     program.set("lowest_z", only_mirrored ? list.mirror_z : -kEndless);
-    if (surface != Surface::baked) program.set("eye_W", eye_W);
-    if (surface == Surface::floor) {
-      program.set("shadow_view", shadow_view);
-      program.set("shadow_map", 0);
-      program.set("shadow_depth", quality.shadow ? list.shadow.depth : 0.0);
-    }
-    if (surface == Surface::lit) {
-      program.set("sky", list.sky);
-      program.set("ground", list.ground);
-      program.set("lamps", static_cast<int>(list.lamps.size()));
-      for (std::size_t i = 0; i < list.lamps.size(); ++i) {
-        program.set(kLampPlace[i], list.lamps[i].p_W);
-        program.set(kLampPower[i], list.lamps[i].power);
-      }
-    }
+    set_light(surface, program, list, eye_W, shadow_view);
     for (const DrawItem& item : list.items) {
       const Kept& mesh = meshes[static_cast<std::size_t>(item.mesh)];
       if (mesh.surface != surface || (only_mirrored && !item.mirrored)) continue;
       program.set("world", matrix(item.X_WG, item.scale));
       program.set("turn", matrix({item.X_WG.q, Vec3::Zero()}, item.scale.cwiseInverse()));
       program.set("tint", item.tint);
-      if (surface == Surface::lit) program.set("gloss", mesh.gloss);
-      if (surface == Surface::floor) program.set("gloss", quality.mirror ? mesh.gloss : 0.0);
+      set_gloss(program, mesh);
       draw_elements(mesh);
+    }
+  }
+
+  /// All items of one surface in their turn, and what follows them. A new surface has its turn here
+  /// and in kTurns.
+  void draw_surface(const DrawList& list, Surface surface, const Mat4& clip, const Vec3& eye_W,
+                    const Mat4& shadow_view, GLsizei contacts) const {
+    switch (surface) {
+      case Surface::lit:
+      case Surface::baked:
+        return draw_items(list, surface, false, clip, eye_W, shadow_view);
+      case Surface::floor:
+        gl.Enable(GL_BLEND);
+        gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
+        draw_items(list, surface, false, clip, eye_W, shadow_view);
+        gl.Disable(GL_BLEND);
+        return draw_contact(contacts, clip);
     }
   }
 
@@ -455,6 +278,9 @@ std::string Renderer::description() const {
 
 int Renderer::add(const Mesh& mesh) {
   Impl& r = *impl_;
+  if (std::ranges::find(kTurns, mesh.surface) == kTurns.end()) {
+    throw std::invalid_argument("mesh: a surface that is never drawn");
+  }
   for (const std::uint32_t i : mesh.indices) {
     if (i >= mesh.vertices.size()) throw std::invalid_argument("mesh: index beyond its vertices");
   }
@@ -512,13 +338,9 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
     const Mat4 clip = world_to_clip(view);
     const Vec3 eye_W = view.X_WE.p;
     if (r.quality.mirror) r.draw_mirrored(list, clip, eye_W);
-    r.draw_items(list, Surface::lit, false, clip, eye_W, shadow_view);
-    gl.Enable(GL_BLEND);
-    gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-    r.draw_items(list, Surface::floor, false, clip, eye_W, shadow_view);
-    gl.Disable(GL_BLEND);
-    r.draw_contact(static_cast<GLsizei>(contact.size()), clip);
-    r.draw_items(list, Surface::baked, false, clip, eye_W, shadow_view);
+    for (const Surface surface : kTurns) {
+      r.draw_surface(list, surface, clip, eye_W, shadow_view, static_cast<GLsizei>(contact.size()));
+    }
 
     r.samples.resize(std::size_t{4} * static_cast<std::size_t>(width) *
                      static_cast<std::size_t>(height));

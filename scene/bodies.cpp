@@ -22,7 +22,7 @@ engine::Part make_part(const SkittlePart& part) {
   return {engine::Ellipsoid{Vec3(part.radius, part.radius, half)}, X_BG};
 }
 
-engine::Material surface(const Material& material, double rolling_arm = 0.0) {
+engine::Material surface(const Coefficients& material, double rolling_arm = 0.0) {
   return {material.elasticity, material.friction, rolling_arm};
 }
 

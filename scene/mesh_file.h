@@ -15,7 +15,7 @@ namespace headpin::scene {
 ///
 /// @param scale  metres per unit of the file
 /// @throws std::runtime_error      naming the file, when it cannot be read or holds no or several
-/// meshes
+///                                 meshes
 /// @throws std::invalid_argument   naming the file, when scale is not positive or the mesh is not a
 ///   closed convex polyhedron (see engine::Polyhedron)
 engine::Polyhedron load_polyhedron(const std::filesystem::path& path, double scale = 1.0);

@@ -59,13 +59,13 @@ struct Ball {
 };
 
 /// What each object is made of (Uno & Slater 1997, table 1). A pair takes the product.
-struct Material {
+struct Coefficients {
   double elasticity = 0.7;
   double friction = 0.7;
 };
 
 struct Materials {
-  Material skittle, ball, lane, wall;
+  Coefficients skittle, ball, lane, wall;
 };
 
 struct Collision {

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "scene/hand.h"
+#include "scene/quantile.h"
 
 namespace headpin::scene {
 namespace {
@@ -79,13 +80,6 @@ Vec3 mean_look(const MotionRecording& r, const Throw& found) {
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = begin; i < end; ++i) sum += r.head[i].q * -Vec3::UnitZ();
   return sum / static_cast<double>(end - begin);
-}
-
-/// The value that `part` of the values do not reach.
-double quantile(std::vector<double> values, double part) {
-  const auto at = static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size() - 1));
-  std::ranges::nth_element(values, values.begin() + at);
-  return values[static_cast<std::size_t>(at)];
 }
 
 template <typename Value>
@@ -340,8 +334,8 @@ void require_throw(const MotionRecording& recording, const Hand& hand, const std
 Scenario stand_thrower(Scenario scenario, const MotionRecording& recording, const Throw& found,
                        Heading heading) {
   Vec3 ahead = -Vec3::UnitZ();
-  if (heading == Heading::kRelease) ahead = horizontal(found.V_TB.v).normalized();
-  if (heading == Heading::kGaze) ahead = horizontal(mean_look(recording, found)).normalized();
+  if (heading == Heading::release) ahead = horizontal(found.V_TB.v).normalized();
+  if (heading == Heading::gaze) ahead = horizontal(mean_look(recording, found)).normalized();
   // The world's x, y, z as they stand in the recording: right, ahead, up.
   Mat3 R_TW;
   R_TW << ahead.cross(kUp), ahead, kUp;

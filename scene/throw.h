@@ -48,9 +48,9 @@ void require_throw(const devices::MotionRecording& recording, const Hand& hand,
                    const std::string& where);
 
 enum class Heading {
-  kRelease,  ///< the ball leaves straight down the lane
-  kGaze,     ///< the head looks straight down the lane in the second before
-  kKeep      ///< -z of the recording is down the lane
+  release,  ///< the ball leaves straight down the lane
+  gaze,     ///< the head looks straight down the lane in the second before
+  keep      ///< -z of the recording is down the lane
 };
 
 /// Stands the thrower in the world, by the rig alone.

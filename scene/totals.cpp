@@ -37,7 +37,7 @@ void Totals::tick(const Session& session) {
   for (const devices::Event& event : session.events) score_.add(event);
 }
 
-nlohmann::json per_object(const Materials& m, double Material::*coefficient) {
+nlohmann::json per_object(const Materials& m, double Coefficients::*coefficient) {
   return {{"skittle", m.skittle.*coefficient},
           {"ball", m.ball.*coefficient},
           {"lane", m.lane.*coefficient},
@@ -65,8 +65,8 @@ nlohmann::json to_json(const engine::Ledger& l) {
 nlohmann::json summary(const Session& s, const Score& score) {
   const Scenario& scenario = s.scenario();
   return {{"version", devices::software_version()},
-          {"elasticity", per_object(scenario.material, &Material::elasticity)},
-          {"friction", per_object(scenario.material, &Material::friction)},
+          {"elasticity", per_object(scenario.material, &Coefficients::elasticity)},
+          {"friction", per_object(scenario.material, &Coefficients::friction)},
           {"shape", scenario.collision.shape},
           {"response", scenario.collision.response},
           {"detection", scenario.collision.detection},

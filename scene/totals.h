@@ -35,7 +35,7 @@ class Stopwatch : public NoPace, public Observer {
 };
 
 /// Elasticity or friction, per object.
-nlohmann::json per_object(const Materials& materials, double Material::*coefficient);
+nlohmann::json per_object(const Materials& materials, double Coefficients::*coefficient);
 
 /// The same for people: the number that all share, else each with its object's name.
 nlohmann::json in_short(const nlohmann::json& per_object);

@@ -46,9 +46,9 @@ FastrakEmulatorOptions plugged(int receivers, const std::string& faults = "noise
 /// A client's end of the line, and the unit at the other; waiting is simulated time.
 class Client : public FastrakLine {
  public:
-  enum class Tty { kRaw, kLeftAsItIs };
+  enum class Tty { raw, left_as_it_is };
 
-  explicit Client(FastrakEmulatorOptions options, Tty tty = Tty::kRaw,
+  explicit Client(FastrakEmulatorOptions options, Tty tty = Tty::raw,
                   FastrakMotion motion = circling_motion)
       : emulator(std::move(options), std::move(motion)), counted_(pty_), tty_(tty) {
     open();
@@ -61,7 +61,7 @@ class Client : public FastrakLine {
     fd_ = ::open(pty_.name().c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK);
     serve(emulator, counted_, now);
     received_ = counted_.written;
-    if (tty_ == Tty::kRaw) {
+    if (tty_ == Tty::raw) {
       termios settings{};
       tcgetattr(fd_, &settings);
       cfmakeraw(&settings);
@@ -154,7 +154,7 @@ INSTANTIATE_TEST_SUITE_P(All, FastrakClientTest, testing::ValuesIn(names()), tes
 TEST_P(FastrakClientTest, GetsWhatItNeedsToGoOn) {
   for (int stations = client_named(GetParam()).least_stations; stations <= 4; ++stations) {
     SCOPED_TRACE(std::to_string(stations) + " receivers");
-    Client line(plugged(stations), Client::Tty::kLeftAsItIs);
+    Client line(plugged(stations), Client::Tty::left_as_it_is);
     EXPECT_GT(expect_served(line, GetParam(), stations, 2s).size(), 30u);
   }
 }
@@ -174,7 +174,7 @@ TEST_P(FastrakClientTest, GetsTheWholeBundledTrial) {
   options.stylus = 0;
   options.envelope = place.envelope;
   options.on_record = [&](const FastrakSent& record) { sent.push_back(record); };
-  Client line(options, Client::Tty::kRaw, motion);
+  Client line(options, Client::Tty::raw, motion);
   const auto records = expect_served(line, GetParam(), stations, length);
   ASSERT_GT(records.size(), 100u);
   ASSERT_LE(records.size(), sent.size());
@@ -203,11 +203,11 @@ TEST(FastrakClientsTest, ATriggerIsNoSwitchOfAStylusThatNobodyPluggedIn) {
   };
   FastrakEmulatorOptions options = plugged(2);
   options.stylus = 0;
-  Client line(options, Client::Tty::kRaw, motion);
+  Client line(options, Client::Tty::raw, motion);
   expect_served(line, "VRPN", 2, 10s);
   EXPECT_GT(line.wait(5s).size(), 590u * 32u);
   options.stylus = kHandStation;
-  Client with(options, Client::Tty::kRaw, motion);
+  Client with(options, Client::Tty::raw, motion);
   std::vector<FastrakDemand> demands;
   run_client(client_named("VRPN"), with, 2, 10s, demands);
   EXPECT_EQ(with.wait(5s), "");  // as the real one does, in its factory's set-up
@@ -287,7 +287,7 @@ TEST(FastrakClientsTest, VrpnReopensAPortThatFellSilent) {
 
 TEST(FastrakClientsTest, PylhemusDigitisesWithTheStylus) {
   bool pressed = false;
-  Client client(plugged(2), Client::Tty::kRaw, [&](int station, Time t) {
+  Client client(plugged(2), Client::Tty::raw, [&](int station, Time t) {
     FastrakTruth truth = still_motion(station, t);
     truth.pressed = pressed && station == 1;
     return truth;

@@ -1,4 +1,5 @@
 #include "devices/fastrak_codec.h"
+#include "devices/fastrak_replies.h"
 
 #include <cmath>
 #include <random>

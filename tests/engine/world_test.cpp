@@ -287,6 +287,25 @@ TEST(Events, TellTheFirstMeetingOfTwoBodiesOnce) {
   EXPECT_NEAR(static_cast<double>(tick) / 240, (1.5 - kBallRadius - 0.05) / 6.0, 0.02);
 }
 
+TEST(Events, TellAMeetingAgainOfABodyThatForgets) {
+  World world = make_world({});
+  const BodyId floor = add_body(world, floor_body({}));
+  const BodyId ball = add_body(world, ball_body({}, kBallRadius, 7.0),
+                               {{Quat::Identity(), Vec3(0.0, 0.0, kBallRadius)}});
+  const auto firsts = [&] {
+    step(world);
+    return std::ranges::count_if(world.events, &ContactEvent::first);
+  };
+  EXPECT_EQ(firsts(), 1);
+  EXPECT_EQ(firsts(), 0);
+  forget_meetings(world, ball);
+  EXPECT_EQ(firsts(), 1);
+  EXPECT_EQ(firsts(), 0);
+  forget_meetings(world, floor);
+  EXPECT_EQ(firsts(), 1);
+  EXPECT_THROW(forget_meetings(world, 2), std::invalid_argument);
+}
+
 TEST(Statistics, CountWhatHappened) {
   Bowling b = bowling({});
   Statistics sum;

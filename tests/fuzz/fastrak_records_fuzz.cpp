@@ -2,6 +2,7 @@
 #include <cstdlib>
 
 #include "devices/fastrak_codec.h"
+#include "devices/fastrak_replies.h"
 
 using namespace headpin;
 

@@ -269,7 +269,7 @@ TEST_P(ThrowTest, TheBallLeavesLevelJustBeforeTheHandIsFastest) {
 TEST_P(ThrowTest, EveryHeadingPutsTheBallOverTheFoulLineOnALevelFloor) {
   const devices::MotionRecording r = good();
   const Throw found = find_throw(r, Hand{});
-  for (const Heading heading : {Heading::kRelease, Heading::kGaze, Heading::kKeep}) {
+  for (const Heading heading : {Heading::release, Heading::gaze, Heading::keep}) {
     const Scenario s = stand_thrower(Scenario{}, r, found, heading);
     const Vec3 p_WB = s.rig.X_WT * (r.right_hand[found.release] * s.hand.grip);
     EXPECT_NEAR(p_WB.x(), 0.0, 1e-12);
@@ -287,15 +287,15 @@ TEST_P(ThrowTest, EachHeadingSendsDownTheLaneWhatItNames) {
   const auto q_WT = [&](Heading heading) {
     return stand_thrower(Scenario{}, r, found, heading).rig.X_WT.q;
   };
-  const Vec3 v_WB = q_WT(Heading::kRelease) * found.V_TB.v;
+  const Vec3 v_WB = q_WT(Heading::release) * found.V_TB.v;
   EXPECT_NEAR(v_WB.x(), 0.0, 1e-12);
   EXPECT_GT(v_WB.y(), 3.0);
-  const Vec3 kept = q_WT(Heading::kKeep) * -Vec3::UnitZ();
+  const Vec3 kept = q_WT(Heading::keep) * -Vec3::UnitZ();
   EXPECT_TRUE(kept.isApprox(Vec3::UnitY(), 1e-12));
   Vec3 look = Vec3::Zero();
   for (std::size_t i = 0; i <= found.release; ++i) {
     if (r.times[i] < r.times[found.release] - Time{1'000'000}) continue;
-    look += q_WT(Heading::kGaze) * r.head[i].q * -Vec3::UnitZ();
+    look += q_WT(Heading::gaze) * r.head[i].q * -Vec3::UnitZ();
   }
   EXPECT_NEAR(look.x() / look.y(), 0.0, 1e-12);
   EXPECT_GT(look.y(), 0.0);

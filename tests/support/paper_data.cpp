@@ -1,6 +1,7 @@
 #include "tests/support/paper_data.h"
 
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <string>
 
@@ -9,7 +10,7 @@
 namespace headpin::engine::test {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kPi = std::numbers::pi;
 
 using Faces = std::vector<std::vector<std::uint32_t>>;
 

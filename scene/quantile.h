@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <vector>
 
-namespace headpin::apps {
+namespace headpin::scene {
 
 /// The value below which a share of the values lies; 0 without any.
 ///
@@ -17,4 +17,4 @@ inline double quantile(std::vector<double> values, double share) {
   return *at;
 }
 
-}  // namespace headpin::apps
+}  // namespace headpin::scene

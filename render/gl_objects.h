@@ -1,0 +1,150 @@
+#pragma once
+
+#include <array>
+#include <stdexcept>
+#include <string>
+
+#include "render/gl_functions.h"
+#include "render/matrices.h"
+
+/// What OpenGL keeps for us, made and let go with the object: programs, pictures, shadows.
+namespace headpin::render {
+
+constexpr int kShadowWidth = 512;    ///< texels across the shadow's box
+constexpr int kShadowHeight = 2048;  ///< and along it
+
+/// Compiled shaders by name of their uniforms.
+class Program {
+ public:
+  Program(const Gl& gl, const char* vertex, const char* fragment) : gl_(&gl) {
+    name_ = gl.CreateProgram();
+    attach(GL_VERTEX_SHADER, vertex);
+    attach(GL_FRAGMENT_SHADER, fragment);
+    gl.LinkProgram(name_);
+    GLint ok = 0;
+    gl.GetProgramiv(name_, GL_LINK_STATUS, &ok);
+    if (ok == 0) {
+      std::array<char, 1024> log{};
+      gl.GetProgramInfoLog(name_, static_cast<GLsizei>(log.size()), nullptr, log.data());
+      throw std::runtime_error(std::string("shader does not link: ") + log.data());
+    }
+  }
+  ~Program() { gl_->DeleteProgram(name_); }
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  void use() const { gl_->UseProgram(name_); }
+  void set(const char* uniform, const Mat4& m) const {
+    const Eigen::Matrix4f f = m.cast<float>();
+    gl_->UniformMatrix4fv(at(uniform), 1, GL_FALSE, f.data());
+  }
+  void set(const char* uniform, const Vec3& v) const {
+    const Eigen::Vector3f f = v.cast<float>();
+    gl_->Uniform3f(at(uniform), f.x(), f.y(), f.z());
+  }
+  void set(const char* uniform, double x) const {
+    gl_->Uniform1f(at(uniform), static_cast<float>(x));
+  }
+  void set(const char* uniform, int x) const { gl_->Uniform1i(at(uniform), x); }
+  void set(const char* uniform, std::uint32_t x) const { gl_->Uniform1ui(at(uniform), x); }
+
+ private:
+  void attach(GLenum kind, const char* source) const {
+    const GLuint shader = gl_->CreateShader(kind);
+    gl_->ShaderSource(shader, 1, &source, nullptr);
+    gl_->CompileShader(shader);
+    GLint ok = 0;
+    gl_->GetShaderiv(shader, GL_COMPILE_STATUS, &ok);
+    if (ok == 0) {
+      std::array<char, 1024> log{};
+      gl_->GetShaderInfoLog(shader, static_cast<GLsizei>(log.size()), nullptr, log.data());
+      throw std::runtime_error(std::string("shader does not compile: ") + log.data());
+    }
+    gl_->AttachShader(name_, shader);
+    gl_->DeleteShader(shader);
+  }
+  GLint at(const char* uniform) const { return gl_->GetUniformLocation(name_, uniform); }
+
+  const Gl* gl_;
+  GLuint name_ = 0;
+};
+
+/// A picture to draw into: colour and depth.
+class Target {
+ public:
+  Target(const Gl& gl, GLenum format, int width, int height)
+      : gl_(&gl), width_(width), height_(height) {
+    gl.GenFramebuffers(1, &buffer_);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, buffer_);
+    gl.GenRenderbuffers(2, parts_.data());
+    attach(parts_[0], format, GL_COLOR_ATTACHMENT0);
+    attach(parts_[1], GL_DEPTH_COMPONENT24, GL_DEPTH_ATTACHMENT);
+    if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+      throw std::runtime_error("OpenGL cannot draw into " + std::to_string(width) + "x" +
+                               std::to_string(height) + " pixels");
+    }
+  }
+  ~Target() {
+    gl_->DeleteFramebuffers(1, &buffer_);
+    gl_->DeleteRenderbuffers(2, parts_.data());
+  }
+  Target(const Target&) = delete;
+  Target& operator=(const Target&) = delete;
+
+  bool fits(int width, int height) const { return width == width_ && height == height_; }
+  void use() const {
+    gl_->BindFramebuffer(GL_FRAMEBUFFER, buffer_);
+    gl_->Viewport(0, 0, width_, height_);
+  }
+
+ private:
+  void attach(GLuint part, GLenum format, GLenum where) const {
+    gl_->BindRenderbuffer(GL_RENDERBUFFER, part);
+    gl_->RenderbufferStorage(GL_RENDERBUFFER, format, width_, height_);
+    gl_->FramebufferRenderbuffer(GL_FRAMEBUFFER, where, GL_RENDERBUFFER, part);
+  }
+
+  const Gl* gl_;
+  int width_, height_;
+  GLuint buffer_ = 0;
+  std::array<GLuint, 2> parts_{};
+};
+
+/// Depth as the light sees it, compared and smoothed where it is read.
+class ShadowMap {
+ public:
+  explicit ShadowMap(const Gl& gl) : gl_(&gl) {
+    gl.GenTextures(1, &texture_);
+    gl.BindTexture(GL_TEXTURE_2D, texture_);
+    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, kShadowWidth, kShadowHeight, 0,
+                  GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
+    gl.GenFramebuffers(1, &buffer_);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, buffer_);
+    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_TEXTURE_2D, texture_, 0);
+    gl.DrawBuffer(GL_NONE);
+    gl.ReadBuffer(GL_NONE);
+  }
+  ~ShadowMap() {
+    gl_->DeleteFramebuffers(1, &buffer_);
+    gl_->DeleteTextures(1, &texture_);
+  }
+  ShadowMap(const ShadowMap&) = delete;
+  ShadowMap& operator=(const ShadowMap&) = delete;
+
+  void use() const {
+    gl_->BindFramebuffer(GL_FRAMEBUFFER, buffer_);
+    gl_->Viewport(0, 0, kShadowWidth, kShadowHeight);
+  }
+
+ private:
+  const Gl* gl_;
+  GLuint texture_ = 0, buffer_ = 0;
+};
+
+}  // namespace headpin::render

@@ -1,0 +1,166 @@
+#pragma once
+
+#include <limits>
+#include <string_view>
+#include <vector>
+
+#include "engine/response.h"
+#include "render/hmd.h"
+#include "scene/scenario.h"
+
+/// Every key of a scenario, with its range, its meaning and the source of its default.
+namespace headpin::scene {
+
+struct Range {
+  double low, high;
+};
+inline constexpr Range kAny{-std::numeric_limits<double>::max(),
+                            std::numeric_limits<double>::max()};
+inline constexpr Range kUnit{0.0, 1.0};
+
+using Choices = std::vector<std::string_view>;
+
+inline Choices response_names() {
+  Choices names;
+  for (const engine::Response& response : engine::responses()) names.push_back(response.name);
+  return names;
+}
+
+// The fields, listed once: read, written and checked by the same list. A visitor takes
+// field(key, value, allowed, meaning, source) and section(key, meaning, part). The meaning is true
+// of any value, the source of the default alone.
+
+template <typename V>
+void visit(V& v, Rates& r) {
+  v.field("physics_hz", r.physics_hz, Range{120, 99'960}, "steps per second, a multiple of 120");
+  v.field("frame_hz", r.frame_hz, Range{1, 1000}, "pictures of each eye per second");
+}
+
+template <typename V>
+void visit(V& v, Room& r) {
+  v.field("width", r.width, Range{1, 100}, "wall to wall, the lane in the middle");
+  v.field("height", r.height, Range{1, 100}, "floor to ceiling");
+  v.field("behind", r.behind, Range{0.5, 100}, "foul line to the wall behind the player");
+  v.field("ahead", r.ahead, Range{1, 100}, "foul line to the wall behind the skittles");
+}
+
+template <typename V>
+void visit(V& v, Lane& l) {
+  v.field("width", l.width, Range{0.2, 20}, "", "41.5 in: USBC");
+  v.field("head_pin", l.head_pin, Range{0.5, 50},
+          "foul line to head pin; 18.288 is regulation (60 ft: USBC)");
+}
+
+template <typename V>
+void visit(V& v, Rack& r) {
+  v.field("spots", r.spots, kAny, "[x right, y away] from the head pin's spot",
+          "12 in apart in a triangle: USBC");
+}
+
+template <typename V>
+void visit(V& v, SkittlePart& p) {
+  v.field("shape", p.shape, Choices{"ellipsoid", "cylinder", "cone"}, "");
+  v.field("radius", p.radius, Range{1e-3, 1}, "across the axis");
+  v.field("low", p.low, Range{0, 2}, "above the base");
+  v.field("high", p.high, Range{0, 2}, "above the base");
+}
+
+template <typename V>
+void visit(V& v, Skittle& s) {
+  v.field("height", s.height, Range{0.05, 2}, "", "15.000 in: USBC");
+  v.field("mass", s.mass, Range{0.01, 100}, "", "3 lb 8 oz: USBC");
+  v.field("rolling_arm", s.rolling_arm, Range{0, 0.1},
+          "rolling resistance: its load acts this far ahead; brings a skittle on its side to rest");
+  v.field("parts", s.parts, kAny, "its true shape as collisions see it, base upwards");
+  v.field("profile", s.profile, kAny, "[height above the base, radius] as eyes see it",
+          "USBC, necks from pin drawings");
+}
+
+template <typename V>
+void visit(V& v, Ball& b) {
+  v.field("radius", b.radius, Range{0.01, 1}, "USBC allows 8.500 to 8.595 in across", "8.54 in");
+  v.field("mass", b.mass, Range{0.01, 100}, "USBC allows 16 lb", "15 lb");
+  v.field("home", b.home, Range{-100, 100}, "its centre on the stand, in the world");
+}
+
+template <typename V>
+void visit(V& v, Coefficients& m) {
+  v.field("elasticity", m.elasticity, kUnit, "a pair takes the product",
+          "Uno & Slater 1997, table 1");
+  v.field("friction", m.friction, kUnit, "a pair takes the product", "Uno & Slater 1997, table 1");
+}
+
+template <typename V>
+void visit(V& v, Materials& m) {
+  v.section("skittle", "", m.skittle);
+  v.section("ball", "", m.ball);
+  v.section("lane", "", m.lane);
+  v.section("wall", "", m.wall);
+}
+
+template <typename V>
+void visit(V& v, Collision& c) {
+  v.field("shape", c.shape, Choices{"true", "ellipsoid"}, "table 1");
+  v.field("detection", c.detection, Choices{"converged", "paper"},
+          "paper: the iteration stops at the cap, as in 1997");
+  v.field("iterations", c.iterations, Range{5, 20}, "cap of a query; 20 in the paper");
+  v.field("warm", c.warm, kAny, "paper detection starts from the last normal; not so in 1997");
+  v.field("response", c.response, response_names(), "");
+  v.field("gravity", c.gravity, Range{0, 1000}, "");
+  v.field("sleep", c.sleep, kAny, "bodies at rest are left alone until touched");
+}
+
+template <typename V>
+void visit(V& v, Hand& h) {
+  v.field("reach", h.reach, Range{0, 10}, "grabs a ball whose surface is this near");
+  v.field("grip", h.grip, Range{-1, 1}, "centre of the carried ball in the hand");
+  v.field("release_window_s", h.release_window_s, Range{0.01, 1},
+          "the release velocity is the slope of a parabola fitted over this");
+  v.field("release_window_most_s", h.release_window_most_s, Range{0.01, 1},
+          "and over up to this where the tracker is noisy");
+  v.field("release_accuracy", h.release_accuracy, Range{0, 1000},
+          "that is, while the fit knows it worse than this");
+}
+
+template <typename V>
+void visit(V& v, Rig& r) {
+  v.field("head_station", r.head_station, Range{1, 4}, "of the sensor worn on the head");
+  v.field("hand_station", r.hand_station, Range{1, 4}, "of the one on the 3D mouse in the hand");
+  v.field("X_WT", r.X_WT, kAny, "transmitter in the world; q is w, x, y, z");
+  v.field("X_SD", r.X_SD, kAny, "head's receiver to display");
+  v.field("X_SH", r.X_SH, kAny, "hand's receiver to virtual hand");
+  v.field("delay_s", r.delay_s, Range{0, 1},
+          "poses are read this long before now, between two samples; 0 holds the last");
+}
+
+template <typename V>
+void visit(V& v, Hmd& h) {
+  v.field("profile", h, kAny,
+          "one of " + render::hmd_profile_names() + "; values given here override it");
+  render::Optics& o = h.optics;
+  v.field("width", o.width, Range{1, 16384}, "pixels of an eye", "Uno & Slater 1997, section 3");
+  v.field("height", o.height, Range{1, 16384}, "");
+  v.field("horizontal_fov_deg", o.horizontal_fov_deg, Range{1, 170}, "of an eye");
+  v.field("vertical_fov_deg", o.vertical_fov_deg, Range{1, 170}, "of an eye");
+  v.field("eye_distance", o.eye_distance, Range{0, 1}, "between the eyes",
+          "64 mm between the LEEP lenses' axes");
+  v.field("outward_deg", o.outward_deg, Range{-60, 60}, "each eye's axis turned outward");
+}
+
+template <typename V>
+void visit(V& v, Scenario& s) {
+  v.field("name", s.name, kAny, "");
+  v.section("rates", "", s.rates);
+  v.section("room", "metre, kilogram, second unless a name says otherwise", s.room);
+  v.section("lane", "", s.lane);
+  v.section("rack", "", s.rack);
+  v.section("skittle", "", s.skittle);
+  v.section("ball", "", s.ball);
+  v.section("material", "", s.material);
+  v.section("collision", "", s.collision);
+  v.section("hand", "", s.hand);
+  v.section("rig", "", s.rig);
+  v.section("hmd", "", s.hmd);
+}
+
+}  // namespace headpin::scene

@@ -1,0 +1,470 @@
+#include <map>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include "scene/scenario.h"
+#include "scene/scenario_checks.h"
+#include "scene/scenario_fields.h"
+#include "scene/scenario_files.h"
+#include "scene/toml_text.h"
+
+// Scenarios as TOML, read, written and listed by the one list of their fields.
+namespace headpin::scene {
+namespace {
+
+/// Enough of a text to know it again.
+std::string brief(std::string_view text) {
+  constexpr std::size_t kMost = 60;
+  return text.size() <= kMost ? std::string(text) : std::string(text.substr(0, kMost)) + "...";
+}
+
+/// A text that a scenario is read from.
+struct Text {
+  std::string where;   ///< its name, for messages
+  bool lines = true;   ///< it has more than one
+  bool whole = false;  ///< it must have every key
+
+  std::string place(const toml::source_region& at) const {
+    return lines ? fmt::format("{}:{}", where, at.begin.line) : where;
+  }
+};
+
+/// Keys that trials of before these keys were there lack, with what such a trial ran under. What is
+/// written here never changes, whatever becomes of the defaults.
+constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kKeysSince{{
+    {"hand.release_window_most_s", "0.12"},
+    {"hand.release_accuracy", "0.3"},
+    {"collision.warm", "true"},
+    {"rig.head_station", "1"},
+    {"rig.hand_station", "2"},
+}};
+
+/// Fills fields from a TOML table; refuses what it does not know.
+class Reader {
+ public:
+  Reader(const toml::table& table, const Text& text, std::string path, Lines& lines)
+      : table_(table), text_(text), path_(std::move(path)), lines_(lines) {}
+
+  template <typename T, typename Allowed>
+  void field(std::string_view key, T& value, const Allowed& allowed, std::string_view,
+             std::string_view = {}) {
+    known_.insert(std::string(key));
+    const std::string path = path_ + std::string(key);
+    if (const toml::node* node = table_.get(key)) {
+      note_line(*node, path);
+      read(*node, path, value, allowed);
+    } else if (text_.whole) {
+      const toml::table before = value_before(path);
+      read(*before.get("v"), path, value, allowed);
+    }
+  }
+
+  template <typename T>
+  void section(std::string_view key, std::string_view, T& part) {
+    known_.insert(std::string(key));
+    const toml::node* node = table_.get(key);
+    if (node && !node->is_table()) refuse(*node, path_ + std::string(key), "a table");
+    const toml::table none;
+    Reader inner(node ? *node->as_table() : none, text_, path_ + std::string(key) + ".", lines_);
+    visit(inner, part);
+    inner.finish();
+  }
+
+  /// To be called last: complains about the first key that no field asked for.
+  void finish() const {
+    for (const auto& [key, node] : table_) {
+      if (known_.contains(std::string(key.str()))) continue;
+      std::string names;
+      for (const std::string& name : known_) names += (names.empty() ? "" : ", ") + name;
+      throw std::invalid_argument(fmt::format("{}: unknown key '{}{}'; known here: {}",
+                                              text_.place(key.source()), path_, brief(key.str()),
+                                              names));
+    }
+  }
+
+ private:
+  [[noreturn]] void refuse(const toml::node& node, const std::string& path,
+                           const std::string& expected) const {
+    std::ostringstream found;
+    const toml::array* array = node.as_array();
+    if (array && array->size() > 4) {
+      found << array->size() << " items";
+    } else {
+      node.visit([&](const auto& n) { found << toml::node_view<const toml::node>(&n); });
+    }
+    throw std::invalid_argument(fmt::format("{}: {} must be {}, found {}",
+                                            text_.place(node.source()), path, expected,
+                                            brief(found.str())));
+  }
+
+  void note_line(const toml::node& node, const std::string& path) const {
+    if (text_.lines) lines_[path] = static_cast<int>(node.source().begin.line);
+  }
+
+  /// {v = VALUE} for a key that came later than the text at hand.
+  toml::table value_before(const std::string& path) const {
+    for (const auto& [key, value] : kKeysSince) {
+      if (key == path) return toml::parse(fmt::format("v = {}", value));
+    }
+    throw std::invalid_argument(fmt::format(
+        "{}: {} is missing; a trial carries all of its scenario, or nobody knows what it ran under",
+        text_.where, path));
+  }
+
+  double number(const toml::node& node, const std::string& path, Range range) const {
+    const auto value = node.value<double>();
+    const bool is_number = node.is_integer() || node.is_floating_point();
+    if (!is_number || !value || !(*value >= range.low && *value <= range.high)) {
+      refuse(node, path,
+             range.high == kAny.high
+                 ? std::string("a finite number")
+                 : fmt::format("a number from {} to {}", range.low, range.high));
+    }
+    return *value;
+  }
+
+  /// The node as an array of `size` numbers (any number of them for size 0).
+  std::vector<double> numbers(const toml::node& node, const std::string& path, std::size_t size,
+                              Range range) const {
+    const toml::array* array = node.as_array();
+    if (!array || (size != 0 && array->size() != size)) {
+      refuse(node, path, fmt::format("an array of {} numbers", size));
+    }
+    std::vector<double> values;
+    for (const toml::node& item : *array) values.push_back(number(item, path, range));
+    return values;
+  }
+
+  void read(const toml::node& node, const std::string& path, double& value, Range range) const {
+    value = number(node, path, range);
+  }
+
+  void read(const toml::node& node, const std::string& path, std::int64_t& value,
+            Range range) const {
+    if (!node.is_integer()) refuse(node, path, "a whole number");
+    number(node, path, range);
+    value = *node.value<std::int64_t>();
+  }
+
+  void read(const toml::node& node, const std::string& path, int& value, Range range) const {
+    std::int64_t whole = 0;
+    read(node, path, whole, range);
+    value = static_cast<int>(whole);
+  }
+
+  void read(const toml::node& node, const std::string& path, bool& value, Range) const {
+    if (!node.is_boolean()) refuse(node, path, "true or false");
+    value = *node.value<bool>();
+  }
+
+  void read(const toml::node& node, const std::string& path, std::string& value, Range) const {
+    if (!node.is_string()) refuse(node, path, "a string");
+    value = *node.value<std::string>();
+  }
+
+  void read(const toml::node& node, const std::string& path, std::string& value,
+            const Choices& choices) const {
+    std::string names;
+    for (const std::string_view name : choices) {
+      if (node.is_string() && *node.value<std::string>() == name) {
+        value = name;
+        return;
+      }
+      names += (names.empty() ? "" : " or ") + fmt::format("\"{}\"", name);
+    }
+    refuse(node, path, names);
+  }
+
+  /// By the name of its profile, which sets all of it.
+  void read(const toml::node& node, const std::string& path, Hmd& value, Range range) const {
+    std::string name;
+    read(node, path, name, range);
+    try {
+      value = hmd_of_profile(name);
+    } catch (const std::invalid_argument&) {
+      refuse(node, path, "one of " + render::hmd_profile_names());
+    }
+  }
+
+  void read(const toml::node& node, const std::string& path, Vec3& value, Range range) const {
+    const std::vector<double> v = numbers(node, path, 3, range);
+    value = Vec3(v[0], v[1], v[2]);
+  }
+
+  void read(const toml::node& node, const std::string& path, Pose& value, Range) const {
+    const toml::table* table = node.as_table();
+    if (!table) refuse(node, path, "a table {p = [x, y, z], q = [w, x, y, z]}");
+    for (const auto& [key, item] : *table) {
+      if (key.str() == "p") {
+        read(item, path + ".p", value.p, Range{-1e4, 1e4});
+      } else if (key.str() == "q") {
+        const std::vector<double> q = numbers(item, path + ".q", 4, Range{-1.0, 1.0});
+        value.q = Quat(q[0], q[1], q[2], q[3]);
+        if (std::abs(value.q.norm() - 1.0) > 1e-9) refuse(item, path + ".q", "a unit quaternion");
+      } else {
+        refuse(node, path, "a table {p = [x, y, z], q = [w, x, y, z]}");
+      }
+    }
+  }
+
+  void read(const toml::node& node, const std::string& path, std::vector<Vec2>& value,
+            Range) const {
+    const toml::array* array = node.as_array();
+    if (!array || array->empty() || array->size() > 10'000) {
+      refuse(node, path, "an array of 1 to 10000 pairs of numbers");
+    }
+    value.clear();
+    for (const toml::node& item : *array) {
+      const std::vector<double> v = numbers(item, path, 2, Range{-100, 100});
+      value.emplace_back(v[0], v[1]);
+      note_line(item, fmt::format("{}[{}]", path, value.size()));
+    }
+  }
+
+  void read(const toml::node& node, const std::string& path, std::vector<SkittlePart>& value,
+            Range) const {
+    const toml::array* array = node.as_array();
+    if (!array || array->empty() || array->size() > 16) refuse(node, path, "1 to 16 parts");
+    value.clear();
+    for (const toml::node& item : *array) {
+      if (!item.is_table()) refuse(item, path, "tables {shape, radius, low, high}");
+      Reader inner(*item.as_table(), text_, path + ".", lines_);
+      visit(inner, value.emplace_back());
+      note_line(item, fmt::format("{}[{}]", path, value.size()));
+      inner.finish();
+      if (!(value.back().low < value.back().high)) refuse(item, path, "low below high");
+    }
+  }
+
+  const toml::table& table_;
+  const Text& text_;
+  std::string path_;
+  Lines& lines_;
+  std::set<std::string> known_;
+};
+
+/// A float as TOML wants it: shortest text that reads back to the same bits.
+std::string number_text(double value) {
+  std::string text = fmt::format("{}", value);
+  if (text.find_first_of(".en") == std::string::npos) text += ".0";
+  return text;
+}
+
+/// Writes fields in their order, each with its meaning beside it, and where it is from if it is
+/// still the value that is from there.
+class Writer {
+ public:
+  /// @param sourced  the values that the sources are of, by key; none for no sources
+  explicit Writer(const std::map<std::string, std::string>& sourced) : sourced_(sourced) {}
+
+  template <typename T, typename Allowed>
+  void field(std::string_view key, const T& value, const Allowed&, std::string_view meaning,
+             std::string_view source = {}) {
+    const std::string path = path_ + "." + std::string(key), written = text(value);
+    const auto usual = sourced_.find(path);
+    if (usual == sourced_.end() || usual->second != written) source = {};
+    written_[path] = written;
+    out_ += fmt::format("{} = {}", key, written);
+    if (!meaning.empty() || !source.empty()) {
+      out_ +=
+          fmt::format("  # {}{}{}", meaning, meaning.empty() || source.empty() ? "" : "; ", source);
+    }
+    out_ += "\n";
+  }
+
+  template <typename T>
+  void section(std::string_view key, std::string_view meaning, T& part) {
+    const std::string outer = path_;
+    path_ += (path_.empty() ? "" : ".") + std::string(key);
+    out_ += fmt::format("\n[{}]{}\n", path_, meaning.empty() ? "" : fmt::format("  # {}", meaning));
+    visit(*this, part);
+    path_ = outer;
+  }
+
+  std::string out() && { return std::move(out_); }
+  std::map<std::string, std::string> written() && { return std::move(written_); }
+
+  static std::string text(double value) { return number_text(value); }
+  static std::string text(std::int64_t value) { return fmt::format("{}", value); }
+  static std::string text(int value) { return fmt::format("{}", value); }
+  static std::string text(bool value) { return value ? "true" : "false"; }
+  static std::string text(const std::string& value) {
+    std::ostringstream quoted;
+    quoted << toml::value<std::string>(value);
+    return quoted.str();
+  }
+  static std::string text(const Hmd& hmd) { return text(hmd.profile); }
+  static std::string text(const Vec3& v) {
+    return fmt::format("[{}, {}, {}]", text(v.x()), text(v.y()), text(v.z()));
+  }
+  static std::string text(const Pose& X) {
+    return fmt::format("{{p = {}, q = [{}, {}, {}, {}]}}", text(X.p), text(X.q.w()), text(X.q.x()),
+                       text(X.q.y()), text(X.q.z()));
+  }
+  static std::string text(const std::vector<Vec2>& points) {
+    std::string all = "[";
+    for (const Vec2& p : points) all += fmt::format("\n  [{}, {}],", text(p.x()), text(p.y()));
+    return all + "\n]";
+  }
+  static std::string text(const std::vector<SkittlePart>& parts) {
+    std::string all = "[";
+    for (const SkittlePart& p : parts) {
+      all += fmt::format("\n  {{shape = {}, radius = {}, low = {}, high = {}}},", text(p.shape),
+                         text(p.radius), text(p.low), text(p.high));
+    }
+    return all + "\n]";
+  }
+
+ private:
+  const std::map<std::string, std::string>& sourced_;
+  std::map<std::string, std::string> written_;  // by key
+  std::string out_;
+  std::string path_;
+};
+
+/// Lists fields in their order, each with what a reader wants to know of it.
+class Lister {
+ public:
+  template <typename T, typename Allowed>
+  void field(std::string_view key, T& value, const Allowed& allowed, std::string_view meaning,
+             std::string_view source = {}) {
+    keys_.push_back({path_ + std::string(key), kind(value), text(allowed), fallback(value),
+                     std::string(meaning), std::string(source)});
+    if constexpr (std::is_same_v<T, std::vector<SkittlePart>>) {
+      SkittlePart part;
+      section(std::string(key) + "[]", "", part);
+    }
+  }
+
+  template <typename T>
+  void section(std::string_view key, std::string_view meaning, T& part) {
+    const std::string outer = path_;
+    path_ += std::string(key);
+    if (!meaning.empty()) keys_.push_back({path_, "table", "", "", std::string(meaning), ""});
+    path_ += ".";
+    visit(*this, part);
+    path_ = outer;
+  }
+
+  std::vector<ScenarioKey> keys() && { return std::move(keys_); }
+
+ private:
+  static std::string kind(double) { return "number"; }
+  static std::string kind(bool) { return "true or false"; }
+  static std::string kind(const std::string&) { return "text"; }
+  static std::string kind(const Hmd&) { return "text"; }
+  static std::string kind(const Vec3&) { return "[x, y, z]"; }
+  static std::string kind(const Pose&) { return "{p = [x, y, z], q = [w, x, y, z]}"; }
+  static std::string kind(const std::vector<Vec2>&) { return "list of pairs"; }
+  static std::string kind(const std::vector<SkittlePart>&) { return "list of tables"; }
+  template <std::integral T>
+  static std::string kind(T) {
+    return "whole number";
+  }
+
+  static std::string text(Range range) {
+    if (range.high == kAny.high) return "";
+    return fmt::format("{} to {}", range.low, range.high);
+  }
+  static std::string text(const Choices& choices) {
+    return fmt::format("{}", fmt::join(choices, ", "));
+  }
+
+  /// Empty where the default is a list, too long to be shown.
+  template <typename T>
+  static std::string fallback(const T& value) {
+    const std::string text = Writer::text(value);
+    return text.find('\n') == std::string::npos ? text : "";
+  }
+
+  std::vector<ScenarioKey> keys_;
+  std::string path_;
+};
+
+toml::table parse_table(std::string_view toml, const Text& text) {
+  require_shallow(toml, text.where);
+  try {
+    return toml::parse(toml);
+  } catch (const toml::parse_error& error) {
+    throw std::invalid_argument(
+        fmt::format("{}: not TOML: {}", text.place(error.source()), brief(error.description())));
+  }
+}
+
+void read_into(Scenario& scenario, const toml::table& table, const Text& text) {
+  Lines lines;
+  Reader reader(table, text, "", lines);
+  visit(reader, scenario);
+  reader.finish();
+  check(scenario, text.where, lines);
+}
+
+}  // namespace
+
+Scenario parse_scenario(std::string_view toml, std::string_view where) {
+  Scenario scenario;
+  const Text text{std::string(where)};
+  read_into(scenario, parse_table(toml, text), text);
+  return scenario;
+}
+
+Scenario scenario_of_trial(std::string_view toml, std::string_view trial) {
+  Scenario scenario;
+  const Text text{.where = fmt::format("{} (scenario)", trial), .whole = true};
+  read_into(scenario, parse_table(toml, text), text);
+  return scenario;
+}
+
+Scenario load_scenario(const std::string& name_or_file) {
+  const std::string path = scenario_path(name_or_file);
+  return parse_scenario(read_scenario_file(path), path);
+}
+
+std::string to_toml(const Scenario& scenario) {
+  // The list of fields is one for reading and writing, so it takes what it could change.
+  Scenario usual, copy = scenario;
+  const std::map<std::string, std::string> none;
+  Writer first(none);
+  visit(first, usual);
+  const std::map<std::string, std::string> sourced = std::move(first).written();
+  Writer writer(sourced);
+  visit(writer, copy);
+  return std::move(writer).out();
+}
+
+void check(const Scenario& scenario, std::string_view where) {
+  check(scenario, where, {});
+}
+
+std::vector<ScenarioKey> scenario_keys() {
+  Lister lister;
+  Scenario scenario;
+  visit(lister, scenario);
+  return std::move(lister).keys();
+}
+
+void set(Scenario& scenario, std::string_view assignment) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string_view::npos || equals == 0) {
+    throw std::invalid_argument(
+        fmt::format("--set {}: expected key=value, such as ball.mass=5", brief(assignment)));
+  }
+  const Text text{.where = fmt::format("--set {}", brief(assignment)), .lines = false};
+  const std::string key(assignment.substr(0, equals));
+  const std::string value(assignment.substr(equals + 1));
+  toml::table table;
+  require_shallow(assignment, text.where);
+  try {
+    table = toml::parse(key + " = " + value);
+  } catch (const toml::parse_error&) {  // a bare word is a string
+    table = parse_table(fmt::format("{} = '{}'", key, value), text);
+  }
+  read_into(scenario, table, text);
+}
+
+}  // namespace headpin::scene
