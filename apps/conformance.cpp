@@ -11,6 +11,7 @@
 #include "apps/command.h"
 #include "apps/options.h"
 #include "devices/fastrak_clients.h"
+#include "devices/fastrak_replies.h"
 #include "devices/lasting_line.h"
 
 namespace headpin::apps {

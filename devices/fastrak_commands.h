@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "devices/fastrak_codec.h"
-#include "devices/fastrak_replies.h"
 #include "devices/fastrak_geometry.h"
+#include "devices/fastrak_replies.h"
 #include "engine/math.h"
 
 /// A Fastrak's memory, and the line commands that set it and read it back, apart from time and

@@ -11,11 +11,11 @@
 
 #include "devices/byte_stream.h"
 #include "devices/fastrak_codec.h"
-#include "devices/fastrak_replies.h"
 #include "devices/fastrak_commands.h"
 #include "devices/fastrak_faults.h"
 #include "devices/fastrak_geometry.h"
 #include "devices/fastrak_motion.h"
+#include "devices/fastrak_replies.h"
 #include "engine/math.h"
 
 namespace headpin::devices {

@@ -1,11 +1,12 @@
 #include "devices/fastrak_codec.h"
-#include "devices/fastrak_replies.h"
 
 #include <cmath>
 #include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include "devices/fastrak_replies.h"
 
 namespace headpin::devices {
 namespace {
