@@ -513,6 +513,9 @@ void forget_meetings(World& world, BodyId body) {
   std::erase_if(world.met, [&](std::uint64_t pair) {
     return pair >> 32 == body || (pair & 0xffffffffu) == body;
   });
+  for (detail::Touch& touch : world.scratch.last_touches) {
+    if (touch.a == body || touch.b == body) touch.met = false;
+  }
 }
 
 namespace detail {
