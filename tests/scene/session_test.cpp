@@ -6,9 +6,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "devices/lcm_link.h"
 #include "devices/sources.h"
 #include "scene/bodies.h"
 #include "scene/events.h"
+#include "scene/run.h"
 #include "scene/score.h"
 
 namespace headpin::scene {
@@ -115,6 +117,52 @@ TEST(SessionTest, TwoRunsAreEqualToTheBit) {
   const Scenario scenario;
   const auto samples = straight_throw(scenario);
   EXPECT_EQ(play(scenario, samples, 3.0).hashes, play(scenario, samples, 3.0).hashes);
+}
+
+/// What an observer sees of a session: its samples and its hashes.
+struct Seen : Observer {
+  void tick(const Session& session) override {
+    samples.insert(samples.end(), session.samples.begin(), session.samples.end());
+    hashes.push_back(engine::state_hash(session.world));
+  }
+  std::vector<devices::Sample> samples;
+  std::vector<std::uint64_t> hashes;
+};
+
+/// A live source: what a publisher sends over LCM as it becomes due.
+struct Published : devices::Source {
+  explicit Published(const std::vector<devices::Sample>& samples) : publisher(samples) {}
+  void poll(Time now, std::vector<devices::Sample>& out) override {
+    std::vector<devices::Sample> due;
+    publisher.poll(now, due);
+    for (const devices::Sample& sample : due) link.publish(sample);
+    live.poll(now, out);
+  }
+  bool exhausted() const override { return publisher.exhausted(); }
+
+  devices::ReplaySource publisher;
+  devices::LcmLink link{"memq://"};
+  devices::LcmSource live{link};
+};
+
+TEST(SessionTest, ALiveSourceAndItsRecordingMakeTheSameGame) {
+  const Scenario scenario;
+  const auto seen_of = [&](devices::Source& source) {
+    Session session = make_session(scenario);
+    Seen seen;
+    NoPace pace;
+    Observer* const observers[] = {&seen};
+    run(session, source, pace, observers, [](const Session& s) { return seconds(s.now()) >= 3.0; });
+    return seen;
+  };
+  Published published(straight_throw(scenario));
+  const Seen live = seen_of(published);
+  EXPECT_EQ(live.samples.size(), straight_throw(scenario).size());
+  devices::ReplaySource recording(live.samples);
+  const Seen replayed = seen_of(recording);
+  EXPECT_EQ(replayed.samples.size(), live.samples.size());
+  EXPECT_EQ(replayed.hashes, live.hashes);
+  EXPECT_EQ(live.hashes.size(), 720u);
 }
 
 TEST(SessionTest, OtherMaterialsMakeAnotherGame) {
