@@ -13,10 +13,6 @@
 #include <BulletCollision/NarrowPhaseCollision/btPointCollector.h>
 #include <BulletCollision/NarrowPhaseCollision/btVoronoiSimplexSolver.h>
 #include <ccd/ccd.h>
-#include <fcl/geometry/shape/cone.h>
-#include <fcl/geometry/shape/convex.h>
-#include <fcl/geometry/shape/cylinder.h>
-#include <fcl/geometry/shape/ellipsoid.h>
 #include <fcl/narrowphase/collision.h>
 #include <fcl/narrowphase/collision_object.h>
 #include <fmt/format.h>
@@ -26,6 +22,7 @@
 #include "engine/kept_plane.h"
 #include "engine/non_colliding.h"
 #include "tests/bench/report.h"
+#include "tests/support/fcl_shapes.h"
 #include "tests/support/random_shapes.h"
 
 // One contact query after another, ours and the peers' in turn in one process.
@@ -234,26 +231,6 @@ double libccd_gjk(const std::vector<Scene>& scenes) {
 
 using FclObject = fcl::CollisionObjectd;
 
-std::shared_ptr<fcl::CollisionGeometryd> to_fcl(const Shape& shape) {
-  if (const auto* e = std::get_if<Ellipsoid>(&shape)) {
-    return std::make_shared<fcl::Ellipsoidd>(e->radii.x(), e->radii.y(), e->radii.z());
-  }
-  if (const auto* c = std::get_if<Cylinder>(&shape)) {
-    return std::make_shared<fcl::Cylinderd>(c->radius, 2.0 * c->half_height);
-  }
-  if (const auto* k = std::get_if<Cone>(&shape)) {
-    return std::make_shared<fcl::Coned>(k->radius, k->height);
-  }
-  const Polyhedron& p = std::get<Polyhedron>(shape);
-  auto vertices = std::make_shared<std::vector<Vec3>>(p.vertices().begin(), p.vertices().end());
-  auto faces = std::make_shared<std::vector<int>>();
-  for (const Polyhedron::Face& f : p.faces()) {
-    faces->push_back(static_cast<int>(f.count));
-    for (const std::uint32_t i : p.corners(f)) faces->push_back(static_cast<int>(i));
-  }
-  return std::make_shared<fcl::Convexd>(vertices, static_cast<int>(p.faces().size()), faces);
-}
-
 struct FclScene {
   std::vector<std::unique_ptr<FclObject>> a, b;  // one per frame
 };
@@ -262,7 +239,7 @@ std::vector<FclScene> to_fcl(const std::vector<Scene>& scenes) {
   std::vector<FclScene> out;
   for (const Scene& s : scenes) {
     FclScene t;
-    const auto a = to_fcl(s.a), b = to_fcl(s.b);
+    const auto a = test::to_fcl(s.a), b = test::to_fcl(s.b);
     for (std::size_t f = 0; f < kFrames; ++f) {
       t.a.push_back(std::make_unique<FclObject>(a, s.X_WA[f].q.toRotationMatrix(), s.X_WA[f].p));
       t.b.push_back(std::make_unique<FclObject>(b, s.X_WB[f].q.toRotationMatrix(), s.X_WB[f].p));

@@ -5,14 +5,11 @@
 #include <limits>
 
 #include <ccd/ccd.h>
-#include <fcl/geometry/shape/cone.h>
-#include <fcl/geometry/shape/convex.h>
-#include <fcl/geometry/shape/cylinder.h>
-#include <fcl/geometry/shape/ellipsoid.h>
 #include <fcl/narrowphase/collision.h>
 #include <gtest/gtest.h>
 
 #include "engine/kept_plane.h"
+#include "tests/support/fcl_shapes.h"
 #include "tests/support/pair_campaign.h"
 #include "tests/support/random_shapes.h"
 
@@ -81,23 +78,6 @@ Shallow shallow(Pool& pool, int ka, int kb) {
   return {a, b, {q, (t - pool.random.uniform(0.005, 0.05)) * along}};
 }
 
-/// Normals that make shapes touch along faces, sides and rims as well as anywhere.
-Vec3 special_normal(Random& random, const Shape& shape) {
-  if (const auto* h = std::get_if<Polyhedron>(&shape)) {
-    return h->faces()[static_cast<std::size_t>(random.index(static_cast<int>(h->faces().size())))]
-        .normal;
-  }
-  Vec3 level = random.direction();
-  level.z() = 0.0;
-  level.normalize();
-  if (const auto* c = std::get_if<Cone>(&shape); c && random.index(2)) {
-    const double slant = std::sqrt(c->radius * c->radius + c->height * c->height);
-    return c->height / slant * level + c->radius / slant * Vec3::UnitZ();
-  }
-  if (random.index(2)) return random.index(2) ? Vec3::UnitZ() : Vec3(-Vec3::UnitZ());
-  return level;
-}
-
 /// Turns B so that its normal `m` faces A's normal `n`, by any angle about it.
 Quat facing(Random& random, const Vec3& n, const Vec3& m) {
   return rotation(random.uniform(0.0, 6.0) * n) * Quat::FromTwoVectors(m, -n);
@@ -147,8 +127,10 @@ TEST(PhantomContact, NeverHappensInAMillionPairs) {
   int wrong = 0, false_proofs = 0, capped = 0;
   for (int i = 0; i < 1000000 / kThin; ++i) {
     const Shape &a = pool.pick(i % 4), &b = pool.pick(i / 4 % 4);
-    const Vec3 n = pool.random.index(3) ? special_normal(pool.random, a) : pool.random.direction();
-    const Vec3 m = pool.random.index(3) ? special_normal(pool.random, b) : pool.random.direction();
+    const Vec3 n =
+        pool.random.index(3) ? test::special_normal(pool.random, a) : pool.random.direction();
+    const Vec3 m =
+        pool.random.index(3) ? test::special_normal(pool.random, b) : pool.random.direction();
     const Quat q = facing(pool.random, n, m);
     const double gap = std::pow(10.0, pool.random.uniform(-6.0, -1.0));
     const Vec3 aside = (0.1 * pool.random.direction()).cross(n);  // off centre, along the plane
@@ -526,26 +508,6 @@ TEST(Peers, LibccdGivesTheSameVerdictAndDepth) {
   EXPECT_LT(percentile(depth_error, 0.9), 2e-3);
 }
 
-std::shared_ptr<fcl::CollisionGeometryd> to_fcl(const Shape& shape) {
-  if (const auto* e = std::get_if<Ellipsoid>(&shape)) {
-    return std::make_shared<fcl::Ellipsoidd>(e->radii.x(), e->radii.y(), e->radii.z());
-  }
-  if (const auto* c = std::get_if<Cylinder>(&shape)) {
-    return std::make_shared<fcl::Cylinderd>(c->radius, 2.0 * c->half_height);
-  }
-  if (const auto* k = std::get_if<Cone>(&shape)) {
-    return std::make_shared<fcl::Coned>(k->radius, k->height);
-  }
-  const Polyhedron& p = std::get<Polyhedron>(shape);
-  auto vertices = std::make_shared<std::vector<Vec3>>(p.vertices().begin(), p.vertices().end());
-  auto faces = std::make_shared<std::vector<int>>();
-  for (const Polyhedron::Face& f : p.faces()) {
-    faces->push_back(static_cast<int>(f.count));
-    for (const std::uint32_t i : p.corners(f)) faces->push_back(static_cast<int>(i));
-  }
-  return std::make_shared<fcl::Convexd>(vertices, static_cast<int>(p.faces().size()), faces);
-}
-
 TEST(Peers, FclGivesTheSameVerdictAndDepth) {
   Pool pool(48);
   fcl::CollisionRequestd request(1, true);
@@ -555,8 +517,8 @@ TEST(Peers, FclGivesTheSameVerdictAndDepth) {
   for (int i = 0; i < 1000 / kThin; ++i) {
     Shallow p = shallow(pool, i % 4, i / 4 % 4);
     if (i % 2 == 1) p.X_AB.p *= 1.0 + 0.08 / p.X_AB.p.norm();
-    const fcl::CollisionObjectd a(to_fcl(p.a)),
-        b(to_fcl(p.b), p.X_AB.q.toRotationMatrix(), p.X_AB.p);
+    const fcl::CollisionObjectd a(test::to_fcl(p.a)),
+        b(test::to_fcl(p.b), p.X_AB.q.toRotationMatrix(), p.X_AB.p);
     fcl::CollisionResultd result;
     fcl::collide(&a, &b, request, result);
     const Closest c = query(p.a, p.b, p.X_AB);
@@ -716,8 +678,10 @@ TEST(Margin, GivesNearPairsTheirClosestPoints) {
   std::vector<double> excess;
   for (int i = 0; i < 4000 / kThin; ++i) {
     const Shape &a = pool.pick(i % 4), &b = pool.pick(i / 4 % 4);
-    const Vec3 n = pool.random.index(2) ? special_normal(pool.random, a) : pool.random.direction();
-    const Vec3 m = pool.random.index(2) ? special_normal(pool.random, b) : pool.random.direction();
+    const Vec3 n =
+        pool.random.index(2) ? test::special_normal(pool.random, a) : pool.random.direction();
+    const Vec3 m =
+        pool.random.index(2) ? test::special_normal(pool.random, b) : pool.random.direction();
     const Quat q = facing(pool.random, n, m);
     const double gap = pool.random.uniform(1e-3, 0.09);
     const Pose X_AB{q, support(a, n) - q * support(b, m) + gap * n};

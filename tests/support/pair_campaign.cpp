@@ -178,19 +178,7 @@ Shape make(Random& random, Form form) {
 /// Normals at which shapes touch along faces, sides and rims; else anywhere.
 Vec3 normal_of(Random& random, const Shape& shape) {
   if (random.index(3) == 0) return random.direction();
-  if (const auto* h = std::get_if<Polyhedron>(&shape)) {
-    return h->faces()[static_cast<std::size_t>(random.index(static_cast<int>(h->faces().size())))]
-        .normal;
-  }
-  Vec3 level = random.direction();
-  level.z() = 0.0;
-  level.normalize();
-  if (const auto* c = std::get_if<Cone>(&shape); c && random.index(2)) {
-    const double slant = std::sqrt(c->radius * c->radius + c->height * c->height);
-    return c->height / slant * level + c->radius / slant * Vec3::UnitZ();
-  }
-  if (random.index(2)) return random.index(2) ? Vec3::UnitZ() : Vec3(-Vec3::UnitZ());
-  return level;
+  return special_normal(random, shape);
 }
 
 struct Placed {

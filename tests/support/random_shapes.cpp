@@ -104,6 +104,22 @@ Polyhedron remade(const Polyhedron& p, const Vec3& factors) {
 
 }  // namespace
 
+Vec3 special_normal(Random& random, const Shape& shape) {
+  if (const auto* h = std::get_if<Polyhedron>(&shape)) {
+    return h->faces()[static_cast<std::size_t>(random.index(static_cast<int>(h->faces().size())))]
+        .normal;
+  }
+  Vec3 level = random.direction();
+  level.z() = 0.0;
+  level.normalize();
+  if (const auto* c = std::get_if<Cone>(&shape); c && random.index(2)) {
+    const double slant = std::sqrt(c->radius * c->radius + c->height * c->height);
+    return c->height / slant * level + c->radius / slant * Vec3::UnitZ();
+  }
+  if (random.index(2)) return random.index(2) ? Vec3::UnitZ() : Vec3(-Vec3::UnitZ());
+  return level;
+}
+
 Shape scaled(const Shape& shape, double k) {
   if (const auto* e = std::get_if<Ellipsoid>(&shape)) return Ellipsoid{k * e->radii};
   if (const auto* c = std::get_if<Cylinder>(&shape)) {

@@ -42,6 +42,9 @@ enum class Kind { ellipsoid, cylinder, cone, hull };
 /// About one metre across; hulls have 64 vertices.
 Shape random_shape(Random& random, Kind kind);
 
+/// A normal at which the shape touches along a face, a side or a rim, or anywhere.
+Vec3 special_normal(Random& random, const Shape& shape);
+
 /// The shape scaled about its origin.
 Shape scaled(const Shape& shape, double factor);
 
