@@ -97,10 +97,14 @@ bool add_touch(World& world, std::uint32_t candidate, double t) {
   const Candidate& c = s.candidates[candidate];
   const std::size_t first = s.points.size();
   const double margin = reach(world, c.a, c.b);
+  Vec3 w_WA = world.states[c.a].w_WB, w_WB = world.states[c.b].w_WB;
   if (t == 0.0) {
     contacts_of(world, c, world.states[c.a].X_WB, world.states[c.b].X_WB, margin);
   } else {
-    contacts_of(world, c, pose_at(world, c.a, t), pose_at(world, c.b, t), margin);
+    const State a = state_at(world, c.a, t), b = state_at(world, c.b, t);
+    contacts_of(world, c, a.X_WB, b.X_WB, margin);
+    w_WA = a.w_WB;
+    w_WB = b.w_WB;
   }
   if (s.points.size() == first) return false;
   const bool a_moves = is_mover(world, c.a), b_moves = is_mover(world, c.b);
@@ -114,6 +118,8 @@ bool add_touch(World& world, std::uint32_t candidate, double t) {
   touch.first_point = static_cast<std::uint32_t>(first);
   touch.points = static_cast<std::uint32_t>(s.points.size() - first);
   touch.time = t;
+  touch.w_WA = swapped ? w_WB : w_WA;
+  touch.w_WB = swapped ? w_WA : w_WB;
   touch.fresh = true;
   if (swapped) turn_normals(s, touch);
   const Material& ma = world.bodies[touch.a].material;

@@ -10,25 +10,29 @@ namespace {
 
 constexpr double kMeets = 1e-6;  // gap at which two surfaces count as met [m]
 constexpr int kQueries = 32;     // most queries on the way there; a few do unless they graze
+constexpr double kTurn = 0.2;    // points are looked at again after so much of a turn [rad]
+constexpr int kTurns = 64;       // at most so often within a step
+constexpr int kBack = 12;        // most queries on the way back from where they overlap
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// Where a body's centre of mass is at a time of the step, and how fast it and its turn are.
+/// Where a body's centre of mass is when a touch looks at it, and how fast it and its turn are.
 struct Going {
   Vec3 p_WB, v_WB, w_WB;
 };
 
-Going going(const World& world, BodyId i, double t) {
+Going going(const World& world, BodyId i, double t, const Vec3& w_WB) {
   const State& s = world.states[i];
   const double passed = t - world.scratch.clock[i];
   if (passed == 0.0) return {s.X_WB.p, s.v_WB, s.w_WB};
-  return {position_at(world, i, t), s.v_WB + passed * pull_on(world, i), s.w_WB};
+  return {position_at(world, i, t), s.v_WB + passed * pull_on(world, i), w_WB};
 }
 
 /// Soonest among the touch's points that is fast enough.
 std::optional<Meeting> soonest(const World& world, const Touch& touch, double threshold) {
   std::optional<Meeting> best;
-  const Going a = going(world, touch.a, touch.time), b = going(world, touch.b, touch.time);
+  const Going a = going(world, touch.a, touch.time, touch.w_WA);
+  const Going b = going(world, touch.b, touch.time, touch.w_WB);
   for (std::uint32_t k = 0; k < touch.points; ++k) {
     const ContactPoint& p = world.scratch.points[touch.first_point + k];
     const Vec3 u = a.v_WB + a.w_WB.cross(p.p_W - a.p_WB) - b.v_WB - b.w_WB.cross(p.p_W - b.p_WB);
@@ -56,12 +60,56 @@ std::optional<Meeting> soonest(const World& world, const Touch& touch, double th
 void look_again(World& world, Touch& touch, double t) {
   Scratch& s = world.scratch;
   const Candidate c = s.candidates[touch.candidate];
+  const bool swapped = c.a != touch.a;
+  const State a = state_at(world, touch.a, t), b = state_at(world, touch.b, t);
   touch.time = t;
+  touch.w_WA = a.w_WB;
+  touch.w_WB = b.w_WB;
   touch.first_point = static_cast<std::uint32_t>(s.points.size());
-  contacts_of(world, c, pose_at(world, c.a, t), pose_at(world, c.b, t),
+  contacts_of(world, c, swapped ? b.X_WB : a.X_WB, swapped ? a.X_WB : b.X_WB,
               reach(world, touch.a, touch.b));
   touch.points = static_cast<std::uint32_t>(s.points.size()) - touch.first_point;
-  if (c.a != touch.a) turn_normals(s, touch);
+  if (swapped) turn_normals(s, touch);
+}
+
+double deepest(const Scratch& s, const Touch& touch) {
+  double depth = -kNever;
+  for (std::uint32_t k = 0; k < touch.points; ++k) {
+    depth = std::max(depth, s.points[touch.first_point + k].depth);
+  }
+  return depth;
+}
+
+/// A time of the step at which two bodies were apart.
+struct Apart {
+  double time = 0.0, gap = 0.0;
+};
+
+/// Two that were apart and overlap as the touch now sees them: back to where they meet.
+void go_back(World& world, Touch& touch, Apart before) {
+  Scratch& s = world.scratch;
+  for (int k = 0; k < kBack; ++k) {
+    const double depth = deepest(s, touch);
+    if (depth <= world.parameters.slop) return;
+    const double part = std::clamp(before.gap / (before.gap + depth), 0.1, 0.9);
+    const double t = before.time + part * (touch.time - before.time);
+    Touch probe = touch;
+    look_again(world, probe, t);
+    const double gap = -deepest(s, probe);
+    if (gap > kMeets) {
+      s.points.resize(probe.first_point);
+      before = {t, gap};
+    } else {
+      touch = probe;
+    }
+  }
+}
+
+/// For how long the points of a touch tell what the bodies will meet with: until these have turned.
+double trusted_for(const World& world, const Touch& touch) {
+  const double spin = world.states[touch.a].w_WB.norm() + world.states[touch.b].w_WB.norm();
+  const double step = step_seconds(world);
+  return spin * step <= kTurn ? kNever : std::max(kTurn / spin, step / kTurns);
 }
 
 /// Brings a body along its path to time `t` of the step.
@@ -144,9 +192,9 @@ class Queue {
   /// When the touch may bring an impact, as its points look now.
   void note(std::uint32_t k) {
     Touch& touch = s_.touches[k];
-    const std::optional<Meeting> m = soonest(world_, touch, threshold_);
+    const std::optional<Meeting> m = seen_early(touch);
     set_due(k, m ? m->time : kNever);
-    if (!m && may_pass(touch)) touch.points = 0;
+    if (!m) leave_out_what_passes(touch);
   }
 
   bool empty() const { return s_.coming.empty(); }
@@ -169,6 +217,22 @@ class Queue {
     if (due == kNever) return;
     s_.coming.emplace_back(due, k);
     std::push_heap(s_.coming.begin(), s_.coming.end(), std::greater<>());
+  }
+
+  /// What turns far meets with points that are not yet seen: it is followed at once.
+  std::optional<Meeting> seen_early(Touch& touch) {
+    if (touch.time + trusted_for(world_, touch) >= step_seconds(world_)) {
+      return soonest(world_, touch, threshold_);
+    }
+    const std::size_t count = s_.points.size();
+    Touch probe = touch;
+    const std::optional<Meeting> m = find_meeting(world_, probe, threshold_);
+    if (m) {
+      touch = probe;
+    } else {
+      s_.points.resize(count);
+    }
+    return m;
   }
 
   /// Follows the touch that seems next; strikes if it is. @return whether it woke a body
@@ -205,17 +269,18 @@ class Queue {
     return false;
   }
 
-  /// Whether two that are about to touch gently pass each other instead.
-  bool may_pass(const Touch& touch) {
-    for (std::uint32_t n = 0; n < touch.points; ++n) {
-      if (s_.points[touch.first_point + n].depth > -kMeets) return false;  // they do touch
-    }
-    if (touch.points == 0 || was_loaded(touch)) return false;
+  /// Leaves out the points of surfaces that seem about to touch gently and pass each other instead.
+  void leave_out_what_passes(Touch& touch) {
+    if (touch.points == 0 || was_loaded(touch) || !soonest(world_, touch, 0.0)) return;
     const std::size_t count = s_.points.size();
     Touch probe = touch;
-    const bool passes = soonest(world_, touch, 0.0) && !find_meeting(world_, probe, 0.0);
+    const bool meet = find_meeting(world_, probe, 0.0).has_value();
     s_.points.resize(count);
-    return passes;
+    if (meet) return;
+    const auto first = s_.points.begin() + touch.first_point;
+    const auto end = std::remove_if(first, first + touch.points,
+                                    [](const ContactPoint& p) { return p.depth <= -kMeets; });
+    touch.points = static_cast<std::uint32_t>(end - first);
   }
 
   bool was_loaded(const Touch& touch) const {
@@ -335,15 +400,23 @@ State state_at(const World& world, BodyId i, double t) {
 
 std::optional<Meeting> find_meeting(World& world, Touch& touch, double threshold) {
   Scratch& s = world.scratch;
+  const double trusted = trusted_for(world, touch), step = step_seconds(world);
+  const int most = trusted < kNever ? kQueries + 2 * kTurns : kQueries;
+  const double least = trusted < kNever ? step / most : 0.0;  // so that it comes to the end
   std::optional<Meeting> m = soonest(world, touch, threshold);
-  for (int k = 0; m && k < kQueries; ++k) {
-    const bool there = m->time <= touch.time || -m->point.depth <= kMeets;
-    if (there) {
+  for (int k = 0; k < most; ++k) {
+    if (m && (m->time <= touch.time || -m->point.depth <= kMeets)) {
       m->time = touch.time;
       return m;
     }
+    const double seen = std::min(m ? m->time : kNever, touch.time + trusted);
+    const double next = std::max(seen, touch.time + least);
+    if (next > step) break;
+    const Apart before{touch.time, std::max(0.0, -deepest(s, touch))};
+    const bool apart = deepest(s, touch) <= world.parameters.slop;
     if (k > 0) s.points.resize(touch.first_point);
-    look_again(world, touch, m->time);
+    look_again(world, touch, next);
+    if (trusted < kNever && apart) go_back(world, touch, before);
     m = soonest(world, touch, threshold);
   }
   return std::nullopt;
@@ -357,10 +430,8 @@ void turn_normals(Scratch& s, const Touch& touch) {
 }
 
 bool resolve_impacts(World& world) {
-  const Parameters& p = world.parameters;
   Scratch& s = world.scratch;
-  const double step_fall = p.gravity_W.norm() * step_seconds(world);
-  const double threshold = std::max(p.impact_speed, 2.5 * step_fall);
+  const double threshold = lasting_speed(world);
   s.coming.clear();
   Queue queue(world, threshold);
   for (std::uint32_t k = 0; k < s.touches.size(); ++k) {

@@ -21,9 +21,11 @@ void move(World& world) {
     State& state = world.states[i];
     const double left = dt - s.clock[i];
     // Velocities are those at the end. A free body fell with their mean; one that is carried moves
-    // with the end velocity, as its contacts were solved for.
+    // with the end velocity, as its contacts were solved for; one that is held in part goes between,
+    // which is where its energy stays what it was.
+    const double falls = 1.0 - s.carried[i];
     state.X_WB.p += left * state.v_WB;
-    if (!s.supported[i]) state.X_WB.p -= 0.5 * left * left * world.parameters.gravity_W;
+    if (falls > 0.0) state.X_WB.p -= (0.5 * falls * left * left) * world.parameters.gravity_W;
     turn_freely(state.X_WB.q, state.w_WB, world.inertias[i], left);
   }
   for (const BodyId i : s.driven) {

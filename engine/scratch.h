@@ -39,8 +39,10 @@ struct Touch {
   std::uint32_t last = 0;       ///< the same touch in the last step, unless fresh
   std::uint32_t first_point = 0, points = 0;
   std::uint32_t first_row = 0, rows = 0;
-  std::uint32_t block = 0;              ///< of its rows in `blocks`, when it has 2 to 4
-  double time = 0.0;                    ///< within the step, when its points are right [s]
+  std::uint32_t block = 0;  ///< of its rows in `blocks`, when it has 2 to 4 that differ
+  double time = 0.0;        ///< within the step, when its points are right [s]
+  Vec3 w_WA = Vec3::Zero(),
+       w_WB = Vec3::Zero();             ///< turn of A and B then, if that is not their clock
   double due = 0.0;                     ///< when it brings an impact next, infinity: never
   std::array<std::uint32_t, 2> next{};  ///< touch of A, and of B, in the lists of theirs
   Coefficients pair;
@@ -130,7 +132,8 @@ struct Scratch {
   std::vector<double> sought;       // how far from its start a body has been sought for pairs [m]
   std::vector<std::uint32_t> near;  // bounded bodies near one that is faster than that
   std::size_t early_candidates = 0, early_touches = 0;  // those in order, of the start of the step
-  std::vector<std::uint8_t> supported;                  // a lasting contact carried it in this step
+  std::vector<double> carried;          // part of its weight that lasting contacts carry, 0 to 1
+  std::vector<std::uint8_t> supported;  // by half at least, and it does not rise
   std::vector<Vec3> nudge_p, nudge_w;
   std::vector<BodyId> nudged;
 };

@@ -43,9 +43,6 @@ inline bool is_mover(const World& world, BodyId i) {
 
 /// A body at time `t` of the step, on the path it now has: exact where nothing touches it.
 State state_at(const World& world, BodyId i, double t);
-inline Pose pose_at(const World& world, BodyId i, double t) {
-  return t == world.scratch.clock[i] ? world.states[i].X_WB : state_at(world, i, t).X_WB;
-}
 
 /// What gravity does to the velocity of a body on its way to the next impact [m/s^2].
 inline Vec3 pull_on(const World& world, BodyId i) {
@@ -63,6 +60,12 @@ inline void note_speed(World& world, BodyId i) {
   const State& s = world.states[i];
   world.scratch.swing[i] = s.w_WB.norm() * world.bodies[i].shape->bounding_radius;
   world.scratch.top_speed[i] = s.v_WB.norm() + world.scratch.swing[i];
+}
+
+/// Approaches that are not faster are lasting contacts, whatever gravity adds to them in a step.
+inline double lasting_speed(const World& world) {
+  const Parameters& p = world.parameters;
+  return std::max(p.impact_speed, 2.5 * p.gravity_W.norm() * step_seconds(world));
 }
 
 /// How far two bodies may be apart and yet meet within the step, as they move now [m]. What an

@@ -16,6 +16,10 @@ constexpr int kPlainPasses = 8;
 /// A body whose axis is nearer to the normal than this stands; it has no rolling resistance.
 constexpr double kStanding = 0.9;
 
+/// Determinant of a touch's rows, over the product of its diagonal, below which they depend on each
+/// other: the inverse would be noise. Four points of one plane have 1e-9 times what their spread is.
+constexpr double kDependent = 1e-12;
+
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
 /// What B is to a touch: what has no velocity is left out of every sum.
@@ -103,7 +107,8 @@ bool with_rows(const Touch& touch, F&& f) {
   }
 }
 
-/// The rows of a touch solved as one: a base stands without any iteration.
+/// The rows of a touch solved as one: a base stands without any iteration. Rows that say almost the
+/// same, of points on one spot or line, have no such solution and go one by one.
 template <Other other, int n>
 void add_block(Scratch& s, Touch& touch) {
   const NormalRow* const rows = s.rows.data() + touch.first_row;
@@ -119,8 +124,15 @@ void add_block(Scratch& s, Touch& touch) {
     // Four points of one plane carry each other; this picks one of the ways to share the load.
     K(i, i) *= 1.0 + 1e-9;
   }
+  Eigen::Matrix<double, n, n> inverse;
+  double determinant = 0.0;
+  bool independent = false;
+  K.computeInverseAndDetWithCheck(inverse, determinant, independent,
+                                  kDependent * K.diagonal().prod());
+  touch.block = kNone;
+  if (!independent) return;
   touch.block = static_cast<std::uint32_t>(s.blocks.size());
-  s.blocks.emplace_back().topLeftCorner<n, n>() = K.inverse();
+  s.blocks.emplace_back().topLeftCorner<n, n>() = inverse;
 }
 
 /// Foot and normal of the friction of a touch: its points, weighted by what they carry.
@@ -305,6 +317,7 @@ double approach_of(const NormalRow& row, const State& sa, const State& sb) {
 template <Other other, int n>
 bool solve_as_block(World& world, const Touch& touch, double& worst) {
   Scratch& s = world.scratch;
+  if (touch.block == kNone) return false;
   const State &sa = world.states[touch.a], &sb = world.states[touch.b];
   NormalRow* const rows = s.rows.data() + touch.first_row;
   Eigen::Matrix<double, n, 1> excess, more;
@@ -538,6 +551,29 @@ void find_islands(World& world) {
   // Each start is now the end of its island.
 }
 
+/// Work and push of driven bodies within the island's contacts.
+void book_driven(World& world, std::span<const std::uint32_t> touches) {
+  const Scratch& s = world.scratch;
+  const auto book = [&](const Touch& touch, const Vec3& F, const Vec3& torque) {
+    if (world.bodies[touch.b].kind != Kind::driven) return;
+    const State& driven = world.states[touch.b];
+    world.pushed.energy += F.dot(driven.v_WB) + torque.dot(driven.w_WB);
+    world.pushed.momentum += F;
+    world.pushed.angular_momentum += arms_of(world, touch).p_WB.cross(F) + torque;
+  };
+  for (const std::uint32_t k : touches) {
+    const Touch& touch = s.touches[k];
+    for (std::uint32_t n = 0; n < touch.rows; ++n) {
+      const NormalRow& row = s.rows[touch.first_row + n];
+      book(touch, -row.impulse * row.n, -row.impulse * row.rb_n);
+    }
+  }
+  for (const FrictionRows& f : s.friction) {
+    book(s.touches[f.touch], f.impulse[0] * f.t[0] + f.impulse[1] * f.t[1],
+         f.impulse[0] * f.b.r_t[0] + f.impulse[1] * f.b.r_t[1] + f.twist * f.n + f.roll);
+  }
+}
+
 HEADPIN_FLATTEN void solve_island(World& world, std::span<const std::uint32_t> touches) {
   Scratch& s = world.scratch;
   const Parameters& p = world.parameters;
@@ -591,50 +627,54 @@ HEADPIN_FLATTEN void solve_island(World& world, std::span<const std::uint32_t> t
     touch.twist = f.twist;
     touch.roll = f.roll;
   }
+  if (p.keep_ledger && !s.driven.empty()) book_driven(world, touches);
   ++world.statistics.islands;
   world.statistics.solver_iterations += pass;
   world.statistics.unsolved += worst > p.solver_residual ? 1 : 0;
   world.statistics.residual = std::max(world.statistics.residual, worst);
 }
 
-/// Notes who is carried and who has met.
-void keep(World& world) {
+/// Notes what part of each body's weight its contacts carry, and who need not fall in the next step:
+/// what is carried by half at least and does not rise.
+void note_carried(World& world) {
   Scratch& s = world.scratch;
-  for (Touch& touch : s.touches) {
-    const double load = load_of(s, touch);
-    if (load <= 0.0) continue;
-    s.supported[touch.a] = 1;
-    if (touch.b_moves) s.supported[touch.b] = 1;
-    if (!touch.met) {
-      touch.met = true;
-      std::uint32_t k = 0;  // the row that carries most
-      for (std::uint32_t i = 1; i < touch.rows; ++i) {
-        if (s.rows[touch.first_row + i].impulse > s.rows[touch.first_row + k].impulse) k = i;
-      }
-      const Vec3& n = s.rows[touch.first_row + k].n;
-      world.events.push_back({touch.a, touch.b, s.points[touch.first_point + k].p_W, n,
-                              -load * n + touch.friction_W, 0.0, true});
+  const Vec3& g = world.parameters.gravity_W;
+  for (const BodyId i : s.movers) s.carried[i] = 0.0;
+  for (const Touch& touch : s.touches) {
+    if (touch.rows == 0) continue;
+    Vec3 F = touch.friction_W;
+    for (std::uint32_t k = 0; k < touch.rows; ++k) {
+      const NormalRow& row = s.rows[touch.first_row + k];
+      F -= row.impulse * row.n;
     }
+    const double lift = -F.dot(g);
+    s.carried[touch.a] += lift;
+    if (touch.b_moves) s.carried[touch.b] -= lift;
+  }
+  const double fall = g.squaredNorm() * step_seconds(world);
+  const double rise = g.norm() * lasting_speed(world);
+  for (const BodyId i : s.movers) {
+    double& part = s.carried[i];
+    part = part > 0.0 ? std::min(1.0, part / (fall * world.bodies[i].mass)) : 0.0;
+    s.supported[i] = part >= 0.5 && -world.states[i].v_WB.dot(g) <= rise;
   }
 }
 
-/// Work and push of driven bodies within the lasting contacts.
-void book_driven(World& world) {
-  const Scratch& s = world.scratch;
-  for (const Touch& touch : s.touches) {
-    if (touch.rows == 0 || world.bodies[touch.b].kind != Kind::driven) continue;
-    const Arms arms = arms_of(world, touch);
-    const State& driven = world.states[touch.b];
-    const auto add = [&](const Vec3& F, const Vec3& p_W) {
-      world.pushed.energy += F.dot(velocity_at(driven, p_W - arms.p_WB));
-      world.pushed.momentum += F;
-      world.pushed.angular_momentum += p_W.cross(F);
-    };
-    for (std::uint32_t k = 0; k < touch.rows; ++k) {
-      const NormalRow& row = s.rows[touch.first_row + k];
-      add(-row.impulse * row.n, s.points[touch.first_point + k].p_W);
+/// Notes who has met.
+void note_met(World& world) {
+  Scratch& s = world.scratch;
+  for (Touch& touch : s.touches) {
+    if (touch.met) continue;
+    const double load = load_of(s, touch);
+    if (load <= 0.0) continue;
+    touch.met = true;
+    std::uint32_t k = 0;  // the row that carries most
+    for (std::uint32_t i = 1; i < touch.rows; ++i) {
+      if (s.rows[touch.first_row + i].impulse > s.rows[touch.first_row + k].impulse) k = i;
     }
-    add(touch.friction_W, foot_of(s, touch).p_W);
+    const Vec3& n = s.rows[touch.first_row + k].n;
+    world.events.push_back({touch.a, touch.b, s.points[touch.first_point + k].p_W, n,
+                            -load * n + touch.friction_W, 0.0, true});
   }
 }
 
@@ -651,15 +691,14 @@ BodyId island_root(std::vector<BodyId>& parent, BodyId i) {
 void sustain_contacts(World& world) {
   Scratch& s = world.scratch;
   s.rows.clear();
-  for (const BodyId i : s.movers) s.supported[i] = 0;
   find_islands(world);
   std::uint32_t start = 0;
   for (const std::uint32_t end : s.island_start) {
     solve_island(world, std::span(s.order).subspan(start, end - start));
     start = end;
   }
-  keep(world);
-  if (world.parameters.keep_ledger) book_driven(world);
+  note_carried(world);
+  note_met(world);
 }
 
 }  // namespace headpin::engine::detail

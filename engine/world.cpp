@@ -349,6 +349,7 @@ BodyId add_body(World& world, Body body, const State& state) {
   s.sought.resize(count);
   s.swing.resize(count);
   s.top_speed.resize(count);
+  s.carried.resize(count);
   s.supported.resize(count);
   s.nudge_p.resize(count, Vec3::Zero());
   s.nudge_w.resize(count, Vec3::Zero());

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/bowling.h"
+#include "tests/support/random_shapes.h"
 
 namespace headpin::engine {
 namespace {
@@ -149,6 +150,34 @@ TEST(Ledger, ChargesAHandWithWhatItGives) {
   EXPECT_NEAR(world.ledger.hand.energy, 0.5 * 7.0 * 16.0, 1e-9);
   EXPECT_NEAR(world.ledger.hand.momentum.x(), 28.0, 1e-9);
   EXPECT_NEAR(world.ledger.impact.energy, 0.0, 1e-12);
+}
+
+// A turntable that takes a cube with it: what it gives is the hand's, twist and all.
+TEST(Ledger, ChargesATurntableWithTheTurnThatItGives) {
+  for (const std::string_view response : {"paper", "coulomb"}) {
+    World world = make_world({.response = response, .keep_ledger = true});
+    Body plate = ball_body({0.7, 0.7});
+    plate.shape = make_compound({{Cylinder{0.5, 0.01}, Pose{}}});
+    plate.kind = Kind::driven;
+    State s;
+    s.X_WB.p.z() = -0.01;
+    s.w_WB.z() = 3.0;
+    add_body(world, plate, s);
+    s = {};
+    s.X_WB.p = Vec3(0.1, 0.0, 0.05);
+    Body cube = ball_body({0.7, 0.7}, 0.05, 1.0);
+    cube.shape = make_compound({{test::box({0.05, 0.05, 0.05}), Pose{}}});
+    cube.inertia = Mat3::Identity() * (0.01 / 6.0);
+    const BodyId i = add_body(world, cube, s);
+    for (int k = 0; k < 240; ++k) {
+      const double before = world.ledger.sustained.energy;
+      step(world);
+      EXPECT_LE(world.ledger.sustained.energy - before, 1e-9) << response << " tick " << k;
+    }
+    EXPECT_GT(world.states[i].w_WB.z(), 1.0) << response;
+    EXPECT_GT(world.ledger.hand.energy, balance(world).energy) << response;
+    expect_same(world.ledger.sum(), balance(world), 1e-9);
+  }
 }
 
 // A hand that carries a skittle up slowly: its work is the height gained.
