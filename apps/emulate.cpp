@@ -273,16 +273,18 @@ devices::FastrakEmulatorOptions unit_of(const Options& options, const Feed& feed
 
 /// The line's name alone first, for scripts that read it.
 void introduce(const Options& options, const Line& line, const Feed& feed, int stylus) {
-  std::FILE* out = options.json ? stderr : stdout;
-  fmt::print(out, "{}\n", line.name());
-  fmt::print(out, "Fastrak{}, receivers {}, {} baud, measures {}; ends at SIGINT or SIGTERM\n",
-             options.link.empty() ? "" : " at " + options.link, options.receivers, options.baud,
-             options.use_lcm         ? "LCM"
-             : options.trial.empty() ? options.motion
-                                     : options.trial);
-  if (!feed.says.empty()) fmt::print(out, "{}\n", feed.says);
-  if (stylus > 0) fmt::print(out, "receiver {} is a stylus\n", stylus);
-  std::fflush(out);
+  std::string text = fmt::format("{}\n", line.name());
+  text += fmt::format("Fastrak{}, receivers {}, {} baud, measures {}; ends at SIGINT or SIGTERM\n",
+                      options.link.empty() ? "" : " at " + options.link, options.receivers,
+                      options.baud,
+                      options.use_lcm         ? "LCM"
+                      : options.trial.empty() ? options.motion
+                                              : options.trial);
+  if (!feed.says.empty()) text += feed.says + "\n";
+  if (stylus > 0) text += fmt::format("receiver {} is a stylus\n", stylus);
+  if (options.json) return say(text);
+  fmt::print("{}", text);
+  std::fflush(stdout);
 }
 
 void conclude(const Options& options, const Line& line, Time lasted,
@@ -339,7 +341,7 @@ void run(const Options& options) {
       try {
         quit = quit || !obey(typed, emulator, feed, options.stylus, now);
       } catch (const std::invalid_argument& error) {
-        fmt::print(stderr, "headpin emulate: {}\n", error.what());
+        say("headpin emulate: {}\n", error.what());
       }
     }
     if (lcm) lcm->poll(now);

@@ -143,12 +143,15 @@ class Reporter : public scene::Observer {
 
  private:
   void report_unusable();
+  void report_loss();
 
   Live& live_;
   std::int64_t unusable_ = 0;  ///< messages that were reported
   Time next_complaint_{};
   std::string trouble_;  ///< of the Fastrak's line, as reported
   Time next_line_{10'000'000};
+  Time next_look_{};  ///< at the recording
+  bool lost_ = false;
 };
 
 /// A session that nobody took part in has failed, whatever was recorded of it.
@@ -172,10 +175,9 @@ void tell_of_another_scenario(const Live& live) {
   } catch (const std::invalid_argument&) {  // not whole, so it is not this session's
   }
   if (own == scene::to_toml(live.session.scenario())) return;
-  fmt::print(stderr,
-             "headpin live: {} is from another scenario than this session's; `headpin info {} "
-             "--scenario` prints its own, for --scenario FILE\n",
-             printable(path), printable(path));
+  say("headpin live: {} is from another scenario than this session's; `headpin info {} "
+      "--scenario` prints its own, for --scenario FILE\n",
+      printable(path), printable(path));
 }
 
 nlohmann::json summary(const Live& live, const Options& options) {
@@ -221,15 +223,13 @@ std::string lcm_report(const Live& live) {
 }
 
 void print_line(const Live& live) {
-  fmt::print(stderr,
-             "{:7.1f} s  {} samples, {} frames ({} late), sample to frame {:.1f} ms median, {:.1f} "
-             "ms p99, {} dropped, {} overruns, {} skittles down{}{}\n",
-             seconds(live.session.now()), live.samples, live.frames, live.eyes->late(),
-             1e3 * scene::quantile(live.latencies_s, 0.5),
-             1e3 * scene::quantile(live.latencies_s, 0.99),
-             live.lcm ? live.lcm->counts().dropped : 0, live.pace->overruns(),
-             live.totals.score().skittles_down, live.fastrak ? fastrak_report(*live.fastrak) : "",
-             live.lcm ? lcm_report(live) : "");
+  say("{:7.1f} s  {} samples, {} frames ({} late), sample to frame {:.1f} ms median, {:.1f} "
+      "ms p99, {} dropped, {} overruns, {} skittles down{}{}\n",
+      seconds(live.session.now()), live.samples, live.frames, live.eyes->late(),
+      1e3 * scene::quantile(live.latencies_s, 0.5), 1e3 * scene::quantile(live.latencies_s, 0.99),
+      live.lcm ? live.lcm->counts().dropped : 0, live.pace->overruns(),
+      live.totals.score().skittles_down, live.fastrak ? fastrak_report(*live.fastrak) : "",
+      live.lcm ? lcm_report(live) : "");
 }
 
 void Reporter::take_frames() {
@@ -244,25 +244,38 @@ void Reporter::take_frames() {
 void Reporter::report_unusable() {
   if (live_.fastrak && live_.fastrak->trouble() != trouble_) {
     trouble_ = live_.fastrak->trouble();
-    fmt::print(stderr, "{:7.1f} s  {}\n", seconds(live_.session.now()),
-               trouble_.empty() ? "the Fastrak's line is back" : trouble_);
+    say("{:7.1f} s  {}\n", seconds(live_.session.now()),
+        trouble_.empty() ? "the Fastrak's line is back" : trouble_);
   }
   if (!live_.lcm || live_.session.now() < next_complaint_) return;
   const devices::LcmSource::Counts& counts = live_.lcm->counts();
   const std::int64_t unusable = counts.undecodable + counts.implausible + counts.foreign;
   if (unusable == unusable_) return;
-  fmt::print(stderr,
-             "{:7.1f} s  messages that cannot be used: {} of another type or size than TRACKER's "
-             "and MOUSE3D's, {} with numbers that cannot be, {} in another frame than \"T\"\n",
-             seconds(live_.session.now()), counts.undecodable, counts.implausible, counts.foreign);
+  say("{:7.1f} s  messages that cannot be used: {} of another type or size than TRACKER's "
+      "and MOUSE3D's, {} with numbers that cannot be, {} in another frame than \"T\"\n",
+      seconds(live_.session.now()), counts.undecodable, counts.implausible, counts.foreign);
   unusable_ = unusable;
   next_complaint_ = live_.session.now() + Time{10'000'000};
+}
+
+/// Says at once when nothing of the recording will be found; its end is the session's.
+void Reporter::report_loss() {
+  if (!live_.writer || lost_ || live_.session.now() < next_look_) return;
+  next_look_ = live_.session.now() + Time{1'000'000};
+  try {
+    live_.writer->require_kept();
+  } catch (const std::runtime_error& error) {
+    lost_ = true;
+    say("{:7.1f} s  {}; the session goes on unrecorded\n", seconds(live_.session.now()),
+        error.what());
+  }
 }
 
 void Reporter::tick(const scene::Session& session) {
   live_.samples += static_cast<std::int64_t>(session.samples.size());
   take_frames();
   report_unusable();
+  report_loss();
   if (session.now() < next_line_) return;
   print_line(live_);
   next_line_ += Time{10'000'000};
@@ -301,10 +314,10 @@ void say_rate(scene::Eyes& eyes, bool png, std::int64_t wanted) {
     if (png) render::encode_png(image, eyes.optics.pixel_aspect());
   }
   const double rate = 1.0 / std::chrono::duration<double>(Clock::now() - begin).count();
-  fmt::print(stderr, "eyes: some {:.0f} frames a second at this look, {} wanted{}\n", rate, wanted,
-             rate < static_cast<double>(wanted)
-                 ? "; those that are not drawn in time are left out, ticks never"
-                 : "");
+  say("eyes: some {:.0f} frames a second at this look, {} wanted{}\n", rate, wanted,
+      rate < static_cast<double>(wanted)
+          ? "; those that are not drawn in time are left out, ticks never"
+          : "");
 }
 
 std::unique_ptr<scene::FramesBeside> open_eyes(const Options& options,
@@ -356,6 +369,25 @@ Live open(const Options& options) {
   return live;
 }
 
+/// Runs the session until it is told to stop, and gives the recording its end whatever comes.
+void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
+                  std::span<scene::Observer* const> observers, Time end) {
+  try {
+    scene::run(live.session, source, *live.pace, observers, [&](const scene::Session& s) {
+      return stop_signal() != 0 || (end != Time{} && s.now() >= end) || source.exhausted();
+    });
+  } catch (...) {
+    try {
+      if (live.writer) live.writer->close(live.session);
+    } catch (const std::exception&) {  // it is what failed, or is lost beside it
+    }
+    throw;
+  }
+  heed_stop();
+  reporter.take_frames();
+  if (live.writer) live.writer->close(live.session);
+}
+
 void run(const Options& options) {
   if (!options.use_lcm && options.fastrak.empty()) {
     throw UsageError("nothing to listen to: expected --lcm URL, --fastrak TTY or both");
@@ -387,12 +419,7 @@ void run(const Options& options) {
   go_first();
   if (live.line) live.line->start();
   if (live.lcm) live.lcm->drain();  // what waited while the eyes were opened
-  scene::run(live.session, source, *live.pace, observers, [&](const scene::Session& s) {
-    return stop_signal() != 0 || (end != Time{} && s.now() >= end) || source.exhausted();
-  });
-  heed_stop();
-  reporter.take_frames();
-  if (live.writer) live.writer->close(live.session);
+  run_recorded(live, source, reporter, observers, end);
   print_line(live);
   require_samples(live, options);
   if (options.json) print_json(summary(live, options));

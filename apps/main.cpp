@@ -33,7 +33,7 @@ std::string brief(std::string text) {
 /// too.
 int fail(const CLI::App& app, bool json, const std::string& why, int code) {
   const std::string name = name_of(app), message = brief(printable(why));
-  fmt::print(stderr, "{}: {}\n", name, message);
+  say("{}: {}\n", name, message);
   if (json) print_json({{"command", name}, {"error", message}, {"exit_code", code}});
   return code;
 }

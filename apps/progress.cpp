@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include "apps/streams.h"
+
 namespace headpin::apps {
 
 Progress::Progress(std::string what, std::int64_t total)
@@ -30,8 +32,7 @@ void Progress::show(std::int64_t done) {
   const double spent = std::chrono::duration<double>(now - start_).count();
   const double rate = static_cast<double>(done) / spent;
   const double left = static_cast<double>(total_ - done) / rate;
-  fmt::print(stderr, "\r\033[K{} of {} {}, {:.0f} a second, {:.0f} s left", done, total_, what_,
-             rate, left);
+  say("\r\033[K{} of {} {}, {:.0f} a second, {:.0f} s left", done, total_, what_, rate, left);
   std::fflush(stderr);
 }
 

@@ -8,7 +8,6 @@
 #include <iostream>
 
 #include <fcntl.h>
-#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <poll.h>
 #include <unistd.h>
@@ -45,8 +44,12 @@ int close_standard_output(const std::string& command, int code) {
   const bool failed_closing = std::fclose(stdout) != 0;
   if (!failed_before && !failed_now && !failed_closing) return code;
   if (gone) return 128 + SIGPIPE;
-  fmt::print(stderr, "{}: standard output: {}\n", command, std::strerror(error));
+  say("{}: standard output: {}\n", command, std::strerror(error));
   return code != 0 ? code : 1;
+}
+
+void say(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), stderr);
 }
 
 void print_json(const nlohmann::ordered_json& object) {

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
+#include <fmt/format.h>
 #include <nlohmann/json_fwd.hpp>
 
 /// Standard output and error, checked: what could not be said is a failure.
@@ -18,6 +20,14 @@ void open_standard_streams();
 /// @param code  exit code so far
 /// @return      the exit code: `code`, or 1, or 128 + SIGPIPE where the reader went away
 int close_standard_output(const std::string& command, int code);
+
+/// Says something on standard error. A terminal that is gone, or a reader that went away, is no
+/// reason to end what it is said of.
+void say(const std::string& text);
+template <typename... Args>
+void say(fmt::format_string<Args...> format, Args&&... args) {
+  say(fmt::format(format, std::forward<Args>(args)...));
+}
 
 /// One object on one line; bytes that are not UTF-8 are replaced.
 void print_json(const nlohmann::ordered_json& object);

@@ -370,12 +370,17 @@ void Recorder::write(const FrameRecord& frame) {
   file_->write(kFrameChannel, frame.time, frame);
 }
 
+void Recorder::require_kept() const {
+  file_->output.require_kept(file_->size);
+}
+
 void Recorder::close() {
   Event end;
   end.time = file_->last;
   end.kind = kEndEvent;
   end.value = static_cast<double>(file_->count);
   write(end);
+  require_kept();
   lcm_eventlog_destroy(file_->log);
   file_->log = nullptr;
   file_->output.commit();

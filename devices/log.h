@@ -74,7 +74,12 @@ class Recorder {
   void write(const TickState& state);
   void write(const FrameRecord& frame);
 
+  /// @throws std::runtime_error  when the live file was deleted, replaced, moved or cut by another
+  void require_kept() const;
+
   /// Writes the end event and gives the file its final name.
+  ///
+  /// @throws std::runtime_error  as write() and require_kept()
   void close();
 
  private:

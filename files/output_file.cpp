@@ -26,7 +26,7 @@ std::pair<int, fs::path> create_part(const fs::path& target) {
     std::array<char, 48> end{};
     std::snprintf(end.data(), end.size(), ".%d-%d.part", static_cast<int>(getpid()), n);
     name += end.data();
-    const int file = open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    const int file = open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
     if (file >= 0 || errno != EEXIST) return {file, name};
   }
 }
@@ -163,12 +163,24 @@ void OutputFile::write(const void* data, std::size_t size) {
   }
 }
 
-void OutputFile::commit() {
-  struct stat now {};
-  if (options_.live && !part_.empty() && fstat(descriptor_, &now) == 0 && now.st_nlink == 0) {
-    throw std::runtime_error(path_ +
-                             ": was deleted or replaced while it was written; nothing is left");
+void OutputFile::require_kept(std::int64_t size) const {
+  struct stat ours {
+  }, named{};
+  if (!options_.live || part_.empty() || fstat(descriptor_, &ours) != 0) return;
+  const auto lost = [&](const std::string& how) {
+    throw std::runtime_error(path_ + ": " + how + " while it was written");
+  };
+  const bool there = stat(target_.c_str(), &named) == 0;
+  if (!there || named.st_dev != ours.st_dev || named.st_ino != ours.st_ino) {
+    lost(ours.st_nlink > 0 ? "was moved" : there ? "was replaced" : "was deleted");
   }
+  if (ours.st_size < size) {
+    lost("was cut to " + std::to_string(ours.st_size) + " of " + std::to_string(size) + " bytes");
+  }
+}
+
+void OutputFile::commit() {
+  require_kept(0);
   try {
     if (close(std::exchange(descriptor_, -1)) != 0) fail("cannot be written");
     if (!part_.empty() && !options_.live) rename_to_target();

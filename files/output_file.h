@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -44,10 +45,16 @@ class OutputFile {
   /// @throws std::runtime_error  naming the path and the reason
   void write(const void* data, std::size_t size);
 
+  /// Whether a live file can still be found: under its name, as long as what was written to it.
+  ///
+  /// @param size  what was written to it in all
+  /// @throws std::runtime_error  saying what has become of it: deleted, replaced, moved or cut
+  void require_kept(std::int64_t size) const;
+
   /// Closes it and gives it its name.
   ///
   /// @throws std::runtime_error  when the disk did not take it, another file has come to stand
-  ///                             there, or a live one was deleted while it was written
+  ///                             there, or a live one is no longer there
   void commit();
 
  private:

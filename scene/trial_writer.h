@@ -19,6 +19,8 @@ class TrialWriter : public Observer {
   /// What no tick brings: a frame that was drawn, an event from before the simulation.
   void write(const devices::FrameRecord& frame) { recorder_.write(frame); }
   void write(const devices::Event& event) { recorder_.write(event); }
+  /// @throws std::runtime_error  when the file is no longer what was written
+  void require_kept() const { recorder_.require_kept(); }
   /// Writes the energy ledger and gives the file its final name.
   void close(const Session& session);
 

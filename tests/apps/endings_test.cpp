@@ -218,6 +218,36 @@ TEST_F(Endings, AStoppedReplayLeavesNothing) {
   EXPECT_EQ(nlohmann::json::parse(slurp(folder_ / "out.txt"))["exit_code"], 128 + SIGTERM);
 }
 
+TEST_F(Endings, ATrialForAReaderThatWentAwayIsAFailureThatSaysSo) {
+  for (const std::string& command :
+       std::vector<std::string>{"synthesize -o -", "replay " + kDemo + " -o -",
+                                "import " HEADPIN_SOURCE_DIR "/assets/throws/example.csv -o -"}) {
+    const Result run = shell("mkfifo pipe; (exec 3<pipe; :) & exec 4>pipe; wait $!; $headpin " +
+                             command + " >&4; code=$?; rm pipe; exit $code");
+    EXPECT_EQ(run.code, 1) << command;
+    EXPECT_THAT(run.err, HasSubstr("-: cannot write event 0: Broken pipe")) << command;
+  }
+}
+
+TEST_F(Endings, AnOutputThatIsTakenAwayWhileItIsMadeIsAFailureThatSaysSo) {
+  ASSERT_EQ(headpin("synthesize -o long.lcmlog --duration 60").code, 0);
+  const pid_t replay = start({"replay", "long.lcmlog", "-o", "new.lcmlog"});
+  wait_until(replay, [&] { return holds(".part"); });
+  for (const auto& entry : fs::directory_iterator(folder_)) {
+    if (entry.path().extension() == ".part") fs::remove(entry.path());
+  }
+  EXPECT_EQ(wait_for(replay), 1);
+  EXPECT_THAT(slurp(folder_ / "err.txt"), HasSubstr("headpin replay: new.lcmlog: "));
+
+  const pid_t frames = start({"frames", kDemo, "-o", "frames"});
+  wait_until(frames, [&] { return holds("left_000002.png"); });
+  std::error_code busy;
+  while (fs::exists(folder_ / "frames")) fs::remove_all(folder_ / "frames", busy);
+  EXPECT_EQ(wait_for(frames), 1);
+  EXPECT_THAT(slurp(folder_ / "err.txt"), HasSubstr("headpin frames: "));
+  EXPECT_THAT(left(), testing::ElementsAre("long.lcmlog"));
+}
+
 TEST_F(Endings, AStoppedStreamSaysHowFarItWas) {
   const pid_t process = start({"stream", kDemo, "--lcm", "memq://", "--speed", "0.01"});
   std::this_thread::sleep_for(std::chrono::milliseconds(100));  // it lasts twelve minutes

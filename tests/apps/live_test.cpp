@@ -213,6 +213,57 @@ TEST_F(LiveFastrak, ABusyMachineDoesNotChangeAThrow) {
   EXPECT_NEAR(release_speed("--tcp 0", 4), speed, 0.1);
 }
 
+// The loss is said when it happens and when the session ends; the session itself goes on.
+TEST_F(LiveFastrak, ARecordingThatSomebodyTakesAwayIsSaidToBeLost) {
+  for (const auto& [deed, said] : {std::pair{"rm live.lcmlog", "was deleted while"},
+                                   {"mv live.lcmlog gone", "was moved while"},
+                                   {"echo x >new; mv new live.lcmlog", "was replaced while"},
+                                   {": >live.lcmlog", "was cut to "}}) {
+    const Result result = shell(
+        "rm -f live.lcmlog; $headpin emulate --link unit --motion circle & unit=$!\n"
+        "there $unit unit\n"
+        "$headpin live --fastrak unit --record live.lcmlog --eyes none --json >live.json & "
+        "live=$!\n"
+        "counted $live live.lcmlog TRACKER 60\n" +
+        std::string(deed) +
+        "\nwhile kill -0 $live && ! grep -q 'goes on unrecorded' err.txt; do sleep 0.05; done\n"
+        "interrupt $live; code=$?\ninterrupt $unit\nexit $code");
+    EXPECT_EQ(result.code, 1) << deed << "\n" << result.err;
+    EXPECT_THAT(result.err, testing::HasSubstr(std::string("headpin live: live.lcmlog: ") + said));
+    EXPECT_EQ(nlohmann::json::parse(slurp(folder_ / "live.json"))["exit_code"], 1);
+  }
+}
+
+// Whatever else goes away, a recording gets its end.
+TEST_F(LiveFastrak, ARecordingIsWholeWhenTheTerminalOrTheReaderIsGone) {
+  const auto whole = [&](const std::string& session) {
+    const Result result = shell(
+        "rm -f live.lcmlog; $headpin emulate --link unit --motion circle & unit=$!\n"
+        "there $unit unit\n" +
+        session + "\ninterrupt $unit\nexit $code");
+    EXPECT_EQ(result.code, 0) << session << "\n" << result.err;
+    EXPECT_TRUE(trial("live.lcmlog").complete) << session;
+  };
+  const std::string live = "$headpin live --fastrak unit --record live.lcmlog --eyes none";
+  whole(live +
+        " & live=$!\ncounted $live live.lcmlog TRACKER 60; kill -HUP $live; wait $live; "
+        "code=$?");
+  // Its messages go to a reader that has ended.
+  whole("mkfifo pipe; (exec 3<pipe; :) & exec 4>pipe; wait $!; " + live +
+        " 2>&4 & live=$!\ncounted $live live.lcmlog TRACKER 60; interrupt $live; code=$?; rm pipe");
+}
+
+TEST_F(LiveFastrak, ARecordingIntoAPipeThatClosesIsSaidToBeLost) {
+  const Result result = shell(
+      "$headpin emulate --link unit --motion circle & unit=$!\nthere $unit unit\n"
+      "mkfifo pipe; head -c 100000 pipe >head & \n"
+      "$headpin live --fastrak unit --record pipe --eyes none --duration 60; code=$?\n"
+      "interrupt $unit\nexit $code");
+  EXPECT_EQ(result.code, 1) << result.err;
+  EXPECT_THAT(result.err, testing::HasSubstr("headpin live: pipe: cannot write event"));
+  EXPECT_EQ(fs::file_size(folder_ / "head"), 100000u);
+}
+
 TEST_F(LiveFastrak, AUnitThatIsSwitchedOffAndOnIsTakenUpAgain) {
   const Result result = shell(
       "$headpin emulate --link unit --motion circle & unit=$!\nthere $unit unit\n"

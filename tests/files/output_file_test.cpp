@@ -143,10 +143,31 @@ TEST_F(OutputFileTest, ALiveOneIsThereFromTheStartAndNotForTwo) {
   EXPECT_EQ(refused(folder_ / "a", force_), "");
 }
 
-TEST_F(OutputFileTest, ALiveOneThatWasDeletedSaysSo) {
+TEST_F(OutputFileTest, ALiveOneThatWillNotBeFoundSaysSo) {
+  const auto lost = [&](const auto& meddle) {
+    fs::remove_all(folder_ / "a");
+    OutputFile file(folder_ / "a", {.live = true});
+    file.write("so far", 6);
+    EXPECT_NO_THROW(file.require_kept(6));
+    meddle();
+    const std::string now = complaint([&] { file.require_kept(6); });
+    file.write(" more", 5);
+    EXPECT_NE(complaint([&] { file.require_kept(11); }), "");
+    return now;
+  };
+  EXPECT_THAT(lost([&] { fs::remove(folder_ / "a"); }), HasSubstr("was deleted while"));
+  EXPECT_THAT(lost([&] { fs::rename(folder_ / "a", folder_ / "b"); }), HasSubstr("was moved"));
+  EXPECT_THAT(lost([&] {
+                spit(folder_ / "b", "another");
+                fs::rename(folder_ / "b", folder_ / "a");
+              }),
+              HasSubstr("was replaced"));
+  EXPECT_THAT(lost([&] { spit(folder_ / "a", "cut"); }), HasSubstr("was cut to 3 of 6 bytes"));
+
+  fs::remove_all(folder_ / "a");
   OutputFile file(folder_ / "a", {.live = true});
   fs::remove(folder_ / "a");
-  EXPECT_THAT(complaint([&] { file.commit(); }), HasSubstr("was deleted or replaced"));
+  EXPECT_THAT(complaint([&] { file.commit(); }), HasSubstr("was deleted"));
 }
 
 TEST_F(OutputFileTest, OnStandardOutputWhatIsSaidGoesToStandardError) {
