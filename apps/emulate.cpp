@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <charconv>
@@ -29,13 +30,13 @@ namespace {
 struct Options {
   std::string trial, motion = "circle", lcm, link, faults, control, firmware = "103.00";
   std::string place = "auto";
-  std::string tcp;
+  std::string tcp, mouse;
   double longest_gap = seconds(devices::kLongestGap);
   int receivers = 2, baud = 115200;
   std::uint64_t seed = 1;
   std::optional<double> duration;
   bool tag_2012 = false, early = false, stylus = false, strict_baud = false, loop = false;
-  bool json = false, use_lcm = false;
+  bool json = false, use_lcm = false, use_mouse = false;
 };
 
 /// Lines typed at a running emulator, from a named pipe or standard input.
@@ -130,17 +131,57 @@ struct Feed {
   std::string says;             ///< what was chosen so that clients can use a recording
   Time begin{}, length{};       ///< of a recording
   bool loop = false, pressed = false;
+  std::vector<devices::Sample> recorded = {};
 
+  /// Where in a recording it is.
+  Time within(Time time) const {
+    if (length == Time{}) return time;
+    const Time t = time > begin ? time - begin : Time{};
+    return loop ? t % length : t;
+  }
   devices::FastrakTruth at(int station, Time time) const {
-    Time t = time;
-    if (length > Time{}) {
-      t = time > begin ? time - begin : Time{};
-      if (loop) t %= length;
-    }
-    devices::FastrakTruth truth = motion(station, t);
+    devices::FastrakTruth truth = motion(station, within(time));
     truth.pressed = truth.pressed || pressed;
     return truth;
   }
+};
+
+/// The buttons of the 3D mouse, which a Fastrak's line has no room for: on MOUSE3D, at each change.
+class Mouse {
+ public:
+  /// @param recorded  samples of a trial; its buttons are pressed as they were
+  Mouse(const std::string& url, const std::vector<devices::Sample>& recorded) : link_(url) {
+    for (const devices::Sample& sample : recorded) {
+      const auto* mouse = std::get_if<devices::MouseSample>(&sample);
+      if (mouse) recorded_.push_back(*mouse);
+    }
+    std::ranges::stable_sort(recorded_, {}, &devices::MouseSample::device_time);
+  }
+
+  devices::MouseSample typed;  ///< what --control holds down beside the trial
+
+  /// @param at  time in the trial
+  void publish(Time now, Time at) {
+    devices::MouseSample mouse = typed;
+    const auto next =
+        std::ranges::upper_bound(recorded_, at, {}, &devices::MouseSample::device_time);
+    if (next != recorded_.begin()) {
+      const devices::MouseSample& then = *(next - 1);
+      mouse.left_thumb = mouse.left_thumb || then.left_thumb;
+      mouse.right_thumb = mouse.right_thumb || then.right_thumb;
+      mouse.trigger = mouse.trigger || then.trigger;
+    }
+    const std::array state = {mouse.left_thumb, mouse.right_thumb, mouse.trigger};
+    if (state == published_) return;
+    published_ = state;
+    mouse.device_time = now;
+    link_.publish(devices::Sample(mouse));
+  }
+
+ private:
+  devices::LcmLink link_;
+  std::vector<devices::MouseSample> recorded_;
+  std::optional<std::array<bool, 3>> published_;
 };
 
 /// What others publish on TRACKER and MOUSE3D: the newest sample of each.
@@ -216,6 +257,7 @@ Feed feed_of(const Options& options) {
     feed.motion = devices::seen_from(feed.place, devices::recorded_motion(trial.samples));
     feed.length = devices::last_time(trial.samples);
     feed.says = place_report(feed.place, trial, options);
+    if (options.use_mouse) feed.recorded = trial.samples;
   } else {
     feed.motion = options.motion == "still" ? devices::still_motion : devices::circling_motion;
   }
@@ -224,15 +266,25 @@ Feed feed_of(const Options& options) {
 
 /// @return  false for the line that ends the emulator
 bool obey(const std::string& line, devices::FastrakEmulator& emulator, Feed& feed, bool stylus,
-          Time now) {
+          Mouse* mouse, Time now) {
+  const auto word = [&](std::string_view begin) { return line.starts_with(begin); };
   if (line == "power-cycle") {
     emulator.power_cycle(now);
   } else if (line == "press" || line == "release") {
-    if (!stylus) {
+    if (!stylus && !mouse) {
       throw std::invalid_argument("control line '" + line +
-                                  "': no stylus is plugged in (--stylus)");
+                                  "': no stylus is plugged in (--stylus), nor a mouse (--mouse)");
     }
     feed.pressed = line == "press";
+    if (mouse) mouse->typed.trigger = feed.pressed;
+  } else if (word("left-thumb ") || word("right-thumb ")) {
+    const bool down = line.ends_with(" down");
+    if (!mouse || (!down && !line.ends_with(" up"))) {
+      throw std::invalid_argument(
+          "control line '" + line + "': expected " +
+          (mouse ? "up or down behind it" : "a mouse to press it (--mouse)"));
+    }
+    (word("left") ? mouse->typed.left_thumb : mouse->typed.right_thumb) = down;
   } else if (line == "rewind") {
     feed.begin = now;
   } else if (line.starts_with("faults")) {
@@ -240,7 +292,8 @@ bool obey(const std::string& line, devices::FastrakEmulator& emulator, Feed& fee
   } else if (!line.empty() && line != "quit") {
     throw std::invalid_argument(
         "control line '" + line +
-        "': expected power-cycle, press, release, rewind, faults SPEC or quit");
+        "': expected power-cycle, press, release, left-thumb or right-thumb up or down, rewind, "
+        "faults SPEC or quit");
   }
   return line != "quit";
 }
@@ -322,6 +375,9 @@ void run(const Options& options) {
   devices::FastrakEmulator emulator(
       unit, [&feed](int station, Time time) { return feed.at(station, time); });
   watch_stop_signals();
+
+  std::optional<Mouse> mouse;
+  if (options.use_mouse) mouse.emplace(options.mouse, feed.recorded);
   Control control(options.control);
   const Line line(options);
   introduce(options, line, feed, unit.stylus);
@@ -339,12 +395,13 @@ void run(const Options& options) {
     const Time now = clock();
     for (const std::string& typed : control.lines()) {
       try {
-        quit = quit || !obey(typed, emulator, feed, options.stylus, now);
+        quit = quit || !obey(typed, emulator, feed, options.stylus, mouse ? &*mouse : nullptr, now);
       } catch (const std::invalid_argument& error) {
         say("headpin emulate: {}\n", error.what());
       }
     }
     if (lcm) lcm->poll(now);
+    if (mouse) mouse->publish(now, feed.within(now));
     if (line.pty) line.pty->expect_baud(options.strict_baud ? emulator.baud() : 0);
     devices::serve(emulator, line.stream(), now);
     // A recording begins when somebody starts to listen, and again for the next one.
@@ -408,7 +465,15 @@ void add_emulate(CLI::App& app) {
       ->capture_default_str();
   command->add_option("--control", options->control,
                       "named pipe (made if missing) or - for standard input, taking lines: "
-                      "power-cycle, press, release, rewind, faults SPEC, quit");
+                      "power-cycle, press, release, left-thumb down, left-thumb up, right-thumb "
+                      "down, right-thumb up, rewind, faults SPEC, quit");
+  auto* mouse =
+      command
+          ->add_option("--mouse", options->mouse,
+                       "publish the 3D mouse's buttons on MOUSE3D at this LCM URL, as the trial or "
+                       "--control press them: a Fastrak's line has no room for thumbs; \"\" is "
+                       "LCM's default URL")
+          ->excludes(lcm);
   command->add_flag("--stylus", options->stylus,
                     "the hand's receiver (2; 1 of a test pattern) is a stylus, its tip 2.5 inches "
                     "ahead, its switch the trigger; without it the unit has no switch");
@@ -423,8 +488,9 @@ void add_emulate(CLI::App& app) {
                   devices::faults_help() +
                   "\nExample:\n  headpin emulate --link /tmp/fastrak --motion circle --faults "
                   "garbage=0.01,silence=4@20\n");
-  command->callback([options, lcm] {
+  command->callback([options, lcm, mouse] {
     options->use_lcm = lcm->count() > 0;
+    options->use_mouse = mouse->count() > 0;
     run(*options);
   });
 }

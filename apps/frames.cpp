@@ -12,7 +12,6 @@
 #include "apps/progress.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "devices/sources.h"
 #include "render/hmd.h"
 #include "render/video.h"
 #include "scene/eye_frames.h"
@@ -30,7 +29,7 @@ struct Options {
   std::optional<std::string> folder, video;
   std::int64_t fps = 0;
   double longest_gap = seconds(devices::kLongestGap);
-  bool force = false, json = false;
+  bool verify = false, force = false, json = false;
 };
 
 /// Both eyes side by side, as a video.
@@ -57,13 +56,13 @@ std::int64_t frames_until(Time end, std::int64_t fps) {
 }
 
 void run(const Options& options) {
-  if (!options.folder && !options.video) {
-    throw UsageError("nothing to write: expected -o DIR, --video FILE or both");
+  if (!options.folder && !options.video && !options.verify) {
+    throw UsageError("nothing to do: expected -o DIR, --video FILE, --verify or several of them");
   }
   const FrameRanges wanted = options.frames.empty() ? FrameRanges() : FrameRanges(options.frames);
   const scene::Recorded recorded =
       scene::load_trial(options.trial, microseconds(options.longest_gap));
-  const devices::Trial& trial = recorded.trial;
+  const devices::TrialSummary& trial = recorded.file.summary();
   const scene::Rates& rates = recorded.scenario.rates;
   const std::int64_t fps = options.fps > 0 ? options.fps : rates.frame_hz;
   const std::int64_t ticks = scene::tick_count(trial, rates.physics_hz);
@@ -73,7 +72,7 @@ void run(const Options& options) {
     throw UsageError(
         fmt::format("--frames {}: expected frames from 0 to {}", options.frames, frames - 1));
   }
-  const Pose X_WD_first = scene::first_head_pose(trial, recorded.scenario.rig);
+  const Pose X_WD_first = scene::first_head_pose(recorded.file, recorded.scenario.rig);
 
   scene::Session session = scene::make_session(recorded.scenario);
   scene::Eyes eyes = scene::open_eyes(*session.stage);
@@ -90,6 +89,7 @@ void run(const Options& options) {
   std::optional<VideoSink> video;
   if (options.video) sinks.push_back(&video.emplace(options, eyes.optics, fps));
 
+  devices::TrialPlayer source(recorded.file, {.states = true, .frames = options.verify});
   Progress progress("frames", total);
   scene::FrameByFrame drawing(eyes,
                               {.fps = fps,
@@ -100,10 +100,11 @@ void run(const Options& options) {
                               sinks);
   std::vector<scene::Observer*> observers;
   std::optional<scene::Verifier> verifier;  // what is shown is what was recorded, or nothing is
-  if (!trial.states.empty()) observers.push_back(&verifier.emplace(trial.states, session));
-  observers.push_back(&drawing);
+  if (source.has_states()) observers.push_back(&verifier.emplace(source, session));
+  std::optional<scene::FrameVerifier> looking;
+  if (options.verify) observers.push_back(&looking.emplace(eyes, source));
+  if (!sinks.empty()) observers.push_back(&drawing);
 
-  devices::ReplaySource source(trial.samples);
   scene::NoPace pace;
   scene::run(session, source, pace, observers, [&](const scene::Session& s) {
     check_stop();
@@ -111,6 +112,7 @@ void run(const Options& options) {
   });
   if (video) video->close();
   if (folder) folder->close();
+  const std::int64_t compared = looking ? looking->compared() : 0;
   if (options.json) {
     const auto path = [](const std::optional<std::string>& name) {
       return name ? nlohmann::ordered_json(*name) : nlohmann::ordered_json();
@@ -119,11 +121,15 @@ void run(const Options& options) {
                 {"output", path(options.folder)},
                 {"video", path(options.video)},
                 {"frames", drawing.drawn()},
+                {"verified_frames", compared},
                 {"fps", fps},
                 {"width", eyes.optics.width},
                 {"height", eyes.optics.height},
                 {"renderer", eyes.renderer.description()}});
-  } else {
+    return;
+  }
+  if (looking) fmt::print("{} frames equal the recording\n", compared);
+  if (!sinks.empty()) {
     fmt::print("{} frames of two eyes, {}x{} each, drawn by {}\n", drawing.drawn(),
                eyes.optics.width, eyes.optics.height, eyes.renderer.description());
   }
@@ -144,6 +150,8 @@ void add_frames(CLI::App& app) {
   command->add_option("--frames", options->frames, "only these, such as 10-20,35");
   command->add_option("--fps", options->fps, "frames a second; the scenario's when not given")
       ->check(CLI::Range(1, 1000));
+  command->add_flag("--verify", options->verify,
+                    "draw what a live session recorded of its frames, and compare the pictures");
   add_force(*command, options->force);
   add_longest_gap(*command, options->longest_gap);
   add_json(*command, options->json);

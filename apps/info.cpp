@@ -9,7 +9,7 @@
 #include "apps/command.h"
 #include "apps/options.h"
 #include "apps/streams.h"
-#include "devices/log.h"
+#include "devices/trial_file.h"
 #include "scene/events.h"
 #include "scene/outcome.h"
 #include "scene/score.h"
@@ -28,74 +28,27 @@ std::string shown(std::string text) {
   return text.empty() ? "-" : printable(std::move(text));
 }
 
-/// What one device sent.
-struct Device {
-  std::string name;
-  std::int64_t samples = 0;
-  Time first{}, last{};
-  Time longest_gap{};
-  std::int64_t lost = 0;  ///< holes in the sequence
-  std::int64_t bad = 0;   ///< with a status other than good
-
-  double rate_hz() const {
-    return last > first ? static_cast<double>(samples - 1) / seconds(last - first) : 0.0;
-  }
-};
-
-std::string name_of_station(std::int32_t station) {
-  if (station == devices::kHeadStation) return "head";
-  return station == devices::kHandStation ? "right hand" : fmt::format("station {}", station);
-}
-
-std::vector<Device> list_devices(const devices::Trial& trial) {
-  struct Entry {
-    Device device;
-    std::int64_t sequence = 0;
-  };
-  std::map<std::int32_t, Entry> stations;
-  Device mouse{"3D mouse", 0, {}, {}, {}, 0, 0};
-  const auto note_time = [](Device& device, Time time) {
-    if (device.samples++ == 0) device.first = device.last = time;
-    device.longest_gap = std::max(device.longest_gap, time - device.last);
-    device.last = std::max(device.last, time);
-  };
-  for (const devices::Sample& sample : trial.samples) {
-    const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
-    if (!tracker) {
-      note_time(mouse, devices::device_time(sample));
-      continue;
-    }
-    auto& [device, sequence] = stations[tracker->station];
-    if (device.samples > 0 && tracker->sequence > sequence) {
-      device.lost += tracker->sequence - sequence - 1;
-    }
-    sequence = tracker->sequence;
-    device.bad += !tracker->good();
-    note_time(device, tracker->device_time);
-  }
-  std::vector<Device> all;
-  for (auto& [station, entry] : stations) {
-    entry.device.name = name_of_station(station);
-    all.push_back(entry.device);
-  }
-  if (mouse.samples > 0) all.push_back(mouse);
-  return all;
+double rate_hz(const devices::DeviceSummary& device) {
+  return device.last > device.first
+             ? static_cast<double>(device.samples - 1) / seconds(device.last - device.first)
+             : 0.0;
 }
 
 /// From the first to the last thing with a time in the trial.
-Time duration(const devices::Trial& trial) {
-  std::optional<Time> first, last;
-  const auto take = [&](Time time) {
-    first = std::min(first.value_or(time), time);
-    last = std::max(last.value_or(time), time);
-  };
-  for (const devices::Sample& sample : trial.samples) take(devices::device_time(sample));
-  for (const devices::TickState& state : trial.states) take(state.time);
-  for (const devices::FrameRecord& frame : trial.frames) take(frame.time);
-  return first ? *last - *first : Time{};
+Time duration(const devices::TrialSummary& trial) {
+  return trial.first ? *trial.last - *trial.first : Time{};
 }
 
-ordered_json to_json(const std::string& path, const devices::Trial& trial) {
+/// Receivers by station, then the mouse.
+std::vector<std::pair<std::int32_t, devices::DeviceSummary>> in_order(
+    const devices::TrialSummary& trial) {
+  std::vector<std::pair<std::int32_t, devices::DeviceSummary>> all(trial.devices.begin(),
+                                                                   trial.devices.end());
+  std::ranges::stable_partition(all, [](const auto& entry) { return entry.first != 0; });
+  return all;
+}
+
+ordered_json to_json(const std::string& path, const devices::TrialSummary& trial) {
   ordered_json out{{"trial", path},
                    {"format_version", trial.header.format_version},
                    {"version", trial.header.software_version},
@@ -105,17 +58,17 @@ ordered_json to_json(const std::string& path, const devices::Trial& trial) {
                    {"seed", trial.header.seed},
                    {"duration_s", decimal_seconds(duration(trial))},
                    {"complete", trial.complete},
-                   {"ticks", trial.states.size()},
-                   {"frames", trial.frames.size()}};
+                   {"ticks", trial.state_count},
+                   {"frames", trial.frame_count}};
   out["channels"] = ordered_json::object();
   for (const auto& [name, channel] : trial.channels) {
     out["channels"][name] = {{"messages", channel.messages}, {"bytes", channel.bytes}};
   }
   out["devices"] = ordered_json::array();
-  for (const Device& device : list_devices(trial)) {
-    out["devices"].push_back({{"device", device.name},
+  for (const auto& [station, device] : in_order(trial)) {
+    out["devices"].push_back({{"device", devices::device_name(station)},
                               {"samples", device.samples},
-                              {"rate_hz", device.rate_hz()},
+                              {"rate_hz", rate_hz(device)},
                               {"longest_gap_s", decimal_seconds(device.longest_gap)},
                               {"lost", device.lost},
                               {"bad", device.bad}});
@@ -133,7 +86,7 @@ ordered_json to_json(const std::string& path, const devices::Trial& trial) {
       if (ledger.is_object()) out["ledger"] = ledger;
     }
   }
-  if (!trial.states.empty()) {
+  if (trial.state_count > 0) {
     const scene::Score r = scene::score(trial.events);
     out["result"] = {{"skittles", std::ranges::count_if(trial.header.body_names,
                                                         [](const std::string& name) {
@@ -154,6 +107,14 @@ ordered_json to_json(const std::string& path, const devices::Trial& trial) {
                     {"other_trials", skipped.other_trials},
                     {"foreign", skipped.foreign},
                     {"misdated", skipped.misdated}};
+  out["trouble"] = ordered_json::array();
+  for (const devices::Trouble& t : trial.trouble) {
+    out["trouble"].push_back({{"kind", t.kind},
+                              {"device", t.device},
+                              {"messages", t.messages},
+                              {"from_s", decimal_seconds(t.from)},
+                              {"to_s", decimal_seconds(t.to)}});
+  }
   out["backwards"] = trial.backwards;
   out["late"] = trial.late;
   out["longest_gap"] = {{"from_s", decimal_seconds(trial.longest_gap.from)},
@@ -161,7 +122,20 @@ ordered_json to_json(const std::string& path, const devices::Trial& trial) {
   return out;
 }
 
-void print_skipped(const devices::Trial& trial) {
+/// Which messages something is the matter with.
+void print_trouble(const devices::TrialSummary& trial) {
+  if (trial.trouble.empty()) return;
+  std::cout << "amiss (seconds into the log)\n";
+  for (const devices::Trouble& t : trial.trouble) {
+    std::cout << fmt::format("  {:9.3f} s to {:9.3f} s  {:>6} {} of {}\n", decimal_seconds(t.from),
+                             decimal_seconds(t.to), t.messages, t.kind, shown(t.device));
+  }
+  if (trial.trouble.size() == devices::kMostTroubles) {
+    std::cout << "  and maybe more; all are counted above\n";
+  }
+}
+
+void print_skipped(const devices::TrialSummary& trial) {
   const auto line = [](std::int64_t count, const char* what) {
     if (count > 0) std::cout << fmt::format("  {} {}\n", count, what);
   };
@@ -183,7 +157,7 @@ void print_skipped(const devices::Trial& trial) {
   line(trial.late, "samples that the session got later than they were there (kept)");
 }
 
-void print(const std::string& path, const devices::Trial& trial) {
+void print(const std::string& path, const devices::TrialSummary& trial) {
   std::cout << fmt::format("{}: {:.3f} s, {}\n", path, seconds(duration(trial)),
                            trial.complete ? "complete" : "not complete");
   if (trial.has_header) {
@@ -196,19 +170,20 @@ void print(const std::string& path, const devices::Trial& trial) {
     std::cout << "  no trial: nothing on HEADPIN_TRIAL\n";
   }
   std::cout << "devices\n";
-  for (const Device& device : list_devices(trial)) {
-    std::cout << fmt::format("  {:<12} {:>7} samples", device.name, device.samples);
-    if (device.name != "3D mouse") {
+  for (const auto& [station, device] : in_order(trial)) {
+    std::cout << fmt::format("  {:<12} {:>7} samples", devices::device_name(station),
+                             device.samples);
+    if (station != 0) {
       std::cout << fmt::format("  {:6.1f} Hz  longest gap {:.3f} s  {} lost  {} bad",
-                               device.rate_hz(), seconds(device.longest_gap), device.lost,
+                               rate_hz(device), seconds(device.longest_gap), device.lost,
                                device.bad);
     }
     std::cout << "\n";
   }
-  if (!trial.states.empty()) {
+  if (trial.state_count > 0) {
     const scene::Score r = scene::score(trial.events);
-    std::cout << fmt::format("simulated\n  {} ticks, {} bodies, {} frames\n", trial.states.size(),
-                             trial.states.back().bodies.size(), trial.frames.size())
+    std::cout << fmt::format("simulated\n  {} ticks, {} bodies, {} frames\n", trial.state_count,
+                             trial.bodies, trial.frame_count)
               << fmt::format("  skittles down {}", r.skittles_down);
     if (r.release_speed)
       std::cout << fmt::format(", ball released at {:.2f} m/s", *r.release_speed);
@@ -229,6 +204,7 @@ void print(const std::string& path, const devices::Trial& trial) {
                              channel.messages, channel.bytes);
   }
   print_skipped(trial);
+  print_trouble(trial);
 }
 
 }  // namespace
@@ -249,11 +225,13 @@ void add_info(CLI::App& app) {
       "Reads any LCM event log, cut off or damaged ones as far as they go.\n\n"
       "Example:\n  headpin info assets/trials/demo.lcmlog");
   command->callback([options] {
+    const devices::TrialFile file(options->trial);
     if (options->scenario) {
-      std::cout << devices::read_trial(options->trial, Time::max()).header.scenario;
+      file.require_trial(Time::max());
+      std::cout << file.summary().header.scenario;
       return;
     }
-    const devices::Trial trial = devices::read_log(options->trial);
+    const devices::TrialSummary& trial = file.summary();
     if (options->json) {
       print_json(to_json(options->trial, trial));
     } else {

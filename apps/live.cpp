@@ -18,9 +18,11 @@
 #include "devices/lasting_line.h"
 #include "devices/lcm_link.h"
 #include "devices/log.h"
+#include "devices/messages.h"
 #include "devices/mouse3d.h"
 #include "devices/sources.h"
 #include "devices/stamped_stream.h"
+#include "devices/trial_file.h"
 #include "devices/viewer_messages.h"
 #include "scene/eye_frames.h"
 #include "scene/quantile.h"
@@ -38,7 +40,7 @@ struct Options {
   std::vector<std::string> hemispheres;
   int baud = 115200, samples = 1;
   std::optional<double> duration_s;
-  bool force = false, json = false, use_lcm = false;
+  bool force = false, json = false, use_lcm = false, no_trial = false;
   Condition condition;
 };
 
@@ -125,8 +127,10 @@ struct Live {
   std::shared_ptr<SessionClock> clock = std::make_shared<SessionClock>();
   devices::StampedStream* line = nullptr;     ///< within the Fastrak
   devices::FastrakDriver* fastrak = nullptr;  ///< within `tracker`
-  std::unique_ptr<devices::Source> tracker;   ///< the Fastrak, its stylus switch as the trigger
+  std::unique_ptr<devices::Source> tracker;   ///< the Fastrak
   std::unique_ptr<scene::TrialWriter> writer;
+  std::unique_ptr<devices::LcmLink> session_link;
+  std::unique_ptr<scene::TrialWriter> publisher;  ///< over it
   scene::Totals totals;
   std::unique_ptr<scene::RealTime> pace;
   std::unique_ptr<scene::FramesBeside> eyes;
@@ -167,11 +171,14 @@ void require_samples(const Live& live, const Options& options) {
 void tell_of_another_scenario(const Live& live) {
   if (!live.link || !live.link->is_replay()) return;
   const std::string path = live.link->url().substr(std::string_view("file://").size());
-  const devices::Trial trial = devices::read_log(path.substr(0, path.find('?')));
+  const devices::TrialFile file(path.substr(0, path.find('?')));
+  const devices::TrialSummary& trial = file.summary();
   if (!trial.has_header) return;
   std::string own;
   try {
-    own = scene::to_toml(scene::scenario_of_trial(trial.header.scenario, path));
+    scene::Scenario its = scene::scenario_of_trial(trial.header.scenario, path);
+    its.look = live.session.scenario().look;  // how it is drawn is not what it is
+    own = scene::to_toml(its);
   } catch (const std::invalid_argument&) {  // not whole, so it is not this session's
   }
   if (own == scene::to_toml(live.session.scenario())) return;
@@ -237,6 +244,7 @@ void Reporter::take_frames() {
     ++live_.frames;
     if (done.latency_s) live_.latencies_s.push_back(*done.latency_s);
     if (live_.writer) live_.writer->write(done.record);
+    if (live_.publisher) live_.publisher->write(done.record);
   }
 }
 
@@ -325,9 +333,9 @@ std::unique_ptr<scene::FramesBeside> open_eyes(const Options& options,
                                                bool publish) {
   return std::make_unique<scene::FramesBeside>(scene::FramesBeside::Makers{
       .eyes =
-          [stage, samples = options.samples, png = publish && options.eyes == "png"] {
+          [stage, png = publish && options.eyes == "png"] {
             give_way();
-            scene::Eyes eyes = scene::open_eyes(*stage, render::Quality{.samples = samples});
+            scene::Eyes eyes = scene::open_eyes(*stage);
             say_rate(eyes, png, stage->scenario.rates.frame_hz);
             return eyes;
           },
@@ -341,6 +349,7 @@ std::unique_ptr<scene::FramesBeside> open_eyes(const Options& options,
 Live open(const Options& options) {
   scene::Scenario scenario =
       options.scenario.empty() ? scene::Scenario() : scene::load_scenario(options.scenario);
+  scenario.look.samples = options.samples;
   apply(options.condition, scenario);
   Live live;
   live.session = scene::make_session(scenario);
@@ -352,11 +361,16 @@ Live open(const Options& options) {
   if (!options.fastrak.empty()) {
     auto driver = open_fastrak(options, live);
     live.fastrak = driver.get();
-    live.tracker = std::make_unique<devices::StylusMouse>(std::move(driver));
+    live.tracker = std::move(driver);
+  }
+  devices::TrialHeader header;
+  header.participant = options.participant;
+  if (live.link && !live.link->is_replay() && !options.no_trial) {
+    live.session_link = std::make_unique<devices::LcmLink>(options.lcm, devices::kSessionPrefix);
+    live.publisher = std::make_unique<scene::TrialWriter>(std::make_unique<devices::TrialPublisher>(
+        *live.session_link, scene::header_of(header, live.session)));
   }
   if (options.record) {
-    devices::TrialHeader header;
-    header.participant = options.participant;
     const Time epoch =
         std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
     live.writer = std::make_unique<scene::TrialWriter>(
@@ -369,6 +383,16 @@ Live open(const Options& options) {
   return live;
 }
 
+/// All that comes in; a stylus switch is the trigger where no mouse of its own says more.
+std::unique_ptr<devices::Source> source_of(const Live& live) {
+  std::vector<devices::Source*> list;
+  if (live.lcm) list.push_back(live.lcm.get());
+  if (live.tracker) list.push_back(live.tracker.get());
+  auto merged = std::make_unique<devices::MergedSource>(list);
+  if (!live.tracker) return merged;
+  return std::make_unique<devices::StylusMouse>(std::move(merged));
+}
+
 /// Runs the session until it is told to stop, and gives the recording its end whatever comes.
 void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
                   std::span<scene::Observer* const> observers, Time end) {
@@ -377,15 +401,18 @@ void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
       return stop_signal() != 0 || (end != Time{} && s.now() >= end) || source.exhausted();
     });
   } catch (...) {
-    try {
-      if (live.writer) live.writer->close(live.session);
-    } catch (const std::exception&) {  // it is what failed, or is lost beside it
+    for (scene::TrialWriter* writer : {live.writer.get(), live.publisher.get()}) {
+      try {
+        if (writer) writer->close(live.session);
+      } catch (const std::exception&) {  // it is what failed, or is lost beside it
+      }
     }
     throw;
   }
   heed_stop();
   reporter.take_frames();
   if (live.writer) live.writer->close(live.session);
+  if (live.publisher) live.publisher->close(live.session);
 }
 
 void run(const Options& options) {
@@ -396,15 +423,14 @@ void run(const Options& options) {
   leave_a_core_to_ticks();
   Live live = open(options);
   tell_of_another_scenario(live);
-  std::vector<devices::Source*> list;
-  if (live.lcm) list.push_back(live.lcm.get());
-  if (live.tracker) list.push_back(live.tracker.get());
-  devices::MergedSource source(list);
+  const std::unique_ptr<devices::Source> merged = source_of(live);
+  devices::Source& source = *merged;
 
   const bool publish = live.link && !live.link->is_replay();
   live.eyes = open_eyes(options, live.session.stage, publish);
   std::vector<scene::Observer*> observers = {&live.totals};
   if (live.writer) observers.push_back(live.writer.get());
+  if (live.publisher) observers.push_back(live.publisher.get());
   observers.push_back(live.eyes.get());
   std::optional<Viewer> viewer;
   if (publish) observers.push_back(&viewer.emplace(*live.link));
@@ -456,7 +482,13 @@ void add_live(CLI::App& app) {
   command->add_option("--eyes", options->eyes, "raw, png or none, on HEADPIN_EYES")
       ->check(CLI::IsMember({"raw", "png", "none"}))
       ->capture_default_str();
-  command->add_option("--samples", options->samples, "anti-aliasing: samples along a pixel's side")
+  command
+      ->add_flag("--no-trial", options->no_trial,
+                 "do not publish the session's own trial, which is on SESSION_* else")
+      ->needs(lcm);
+  command
+      ->add_option("--samples", options->samples,
+                   "anti-aliasing: samples along a pixel's side; kept in the trial as look.samples")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
   add_force(*command, options->force);

@@ -10,7 +10,6 @@
 #include "apps/progress.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "devices/sources.h"
 #include "scene/recorded.h"
 #include "scene/totals.h"
 #include "scene/trial_writer.h"
@@ -59,7 +58,7 @@ void print(const nlohmann::json& s) {
 void run(const Options& options) {
   watch_stop_signals();  // before there is anything to put away
   scene::Recorded recorded = scene::load_trial(options.trial, microseconds(options.longest_gap));
-  const devices::Trial& trial = recorded.trial;
+  const devices::TrialSummary& trial = recorded.file.summary();
   apply(options.condition, recorded.scenario);
   scene::Session session = scene::make_session(recorded.scenario);
   const std::int64_t ticks = scene::tick_count(trial, recorded.scenario.rates.physics_hz);
@@ -79,10 +78,10 @@ void run(const Options& options) {
     }
     observers.push_back(&*writer);
   }
-  if (options.verify) observers.push_back(&verifier.emplace(trial.states, session));
+  devices::TrialPlayer source(recorded.file, {.states = options.verify});
+  if (options.verify) observers.push_back(&verifier.emplace(source, session));
   observers.push_back(&progress);
 
-  devices::ReplaySource source(trial.samples);
   scene::run(session, source, stopwatch, observers, [&](const scene::Session& s) {
     check_stop();
     return s.tick >= ticks;

@@ -5,6 +5,8 @@
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
+#include <tuple>
+#include <utility>
 
 #include <fcntl.h>
 #include <sys/mman.h>
@@ -26,46 +28,55 @@ std::uint64_t big_endian(std::span<const std::uint8_t> bytes) {
 
 }  // namespace
 
+std::span<const std::uint8_t> LogReader::bytes(std::size_t at, std::size_t size) const {
+  if (file_) return file_->read(at, size);
+  return bytes_.subspan(at, std::min(size, size_ - at));
+}
+
 std::size_t LogReader::find_magic(std::size_t from) const {
-  const auto found = std::search(bytes_.begin() + static_cast<std::ptrdiff_t>(from), bytes_.end(),
-                                 kMagic.begin(), kMagic.end());
-  return static_cast<std::size_t>(found - bytes_.begin());
+  constexpr std::size_t kPiece = 1 << 16;
+  for (std::size_t at = from; at + kMagic.size() <= size_; at += kPiece - kMagic.size() + 1) {
+    const std::span<const std::uint8_t> piece = bytes(at, kPiece);
+    const auto found = std::search(piece.begin(), piece.end(), kMagic.begin(), kMagic.end());
+    if (found != piece.end()) return at + static_cast<std::size_t>(found - piece.begin());
+  }
+  return size_;
 }
 
 bool LogReader::magic_at(std::size_t at) const {
-  return bytes_.size() - at >= kMagic.size() &&
-         std::equal(kMagic.begin(), kMagic.end(), bytes_.begin() + static_cast<std::ptrdiff_t>(at));
+  return std::ranges::equal(bytes(at, kMagic.size()), kMagic);
 }
 
 std::optional<LogEvent> LogReader::next() {
   for (;;) {
     const std::size_t start = find_magic(at_);
-    if (start == bytes_.size()) {
-      const std::size_t rest = bytes_.size() - at_;
+    if (start == size_) {
+      const std::size_t rest = size_ - at_;
       (rest < kMagic.size() ? cut_bytes_ : skipped_bytes_) += static_cast<std::int64_t>(rest);
       at_ = start;
       return std::nullopt;
     }
     skipped_bytes_ += static_cast<std::int64_t>(start - at_);
     at_ = start;
-    const std::size_t left = bytes_.size() - start;
+    const std::size_t left = size_ - start;
 
     const bool whole_header = left >= kHeaderSize;
     bool sane = false, fits = false;
     std::size_t channel_size = 0, data_size = 0;
-    if (whole_header) {
-      channel_size = big_endian(bytes_.subspan(start + 20, 4));
-      data_size = big_endian(bytes_.subspan(start + 24, 4));
+    const std::span<const std::uint8_t> header = bytes(start, kHeaderSize);
+    if (whole_header && header.size() == kHeaderSize) {
+      channel_size = big_endian(header.subspan(20, 4));
+      data_size = big_endian(header.subspan(24, 4));
       sane = channel_size >= 1 && channel_size <= kLongestChannel && data_size <= 0x7fffffff;
       fits = sane && kHeaderSize + channel_size + data_size <= left;
     }
     const std::size_t end = fits ? start + kHeaderSize + channel_size + data_size : 0;
-    const bool ends_well = fits && (end == bytes_.size() || magic_at(end));
+    const bool ends_well = fits && (end == size_ || magic_at(end));
     if (!ends_well) {
       const std::size_t next_magic = find_magic(start + kMagic.size());
-      if (!fits && (sane || !whole_header) && next_magic == bytes_.size()) {
+      if (!fits && (sane || !whole_header) && next_magic == size_) {
         cut_bytes_ += static_cast<std::int64_t>(left);
-        at_ = bytes_.size();
+        at_ = size_;
         return std::nullopt;
       }
       if (!fits || next_magic < end) {
@@ -75,31 +86,72 @@ std::optional<LogEvent> LogReader::next() {
       }
     }
     at_ = end;
-    const auto number = static_cast<std::int64_t>(big_endian(bytes_.subspan(start + 4, 8)));
-    const auto time = static_cast<std::int64_t>(big_endian(bytes_.subspan(start + 12, 8)));
-    const auto* text = reinterpret_cast<const char*>(bytes_.data() + start + kHeaderSize);
+    const std::span<const std::uint8_t> event = bytes(start, end - start);
+    if (event.size() < end - start) {  // the file was cut since
+      at_ = size_;
+      return std::nullopt;
+    }
+    const auto number = static_cast<std::int64_t>(big_endian(event.subspan(4, 8)));
+    const auto time = static_cast<std::int64_t>(big_endian(event.subspan(12, 8)));
+    const auto* text = reinterpret_cast<const char*>(event.data() + kHeaderSize);
     return LogEvent{number, Time{time}, std::string_view(text, channel_size),
-                    bytes_.subspan(start + kHeaderSize + channel_size, data_size)};
+                    event.subspan(kHeaderSize + channel_size)};
   }
 }
 
-MappedFile::MappedFile(const std::string& path) {
-  const auto fail = [&](const char* doing) {
-    throw std::runtime_error(path + ": " + doing + ": " + std::strerror(errno));
-  };
+namespace {
+
+/// Opens a regular file.
+std::pair<int, std::size_t> open_file(const std::string& path) {
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) fail("cannot open");
+  if (file < 0) throw std::runtime_error(path + ": cannot open: " + std::strerror(errno));
   struct stat status {};
-  const bool regular = fstat(file, &status) == 0 && S_ISREG(status.st_mode);
-  void* memory = nullptr;
-  if (regular && status.st_size > 0) {
-    memory =
-        mmap(nullptr, static_cast<std::size_t>(status.st_size), PROT_READ, MAP_PRIVATE, file, 0);
+  if (fstat(file, &status) == 0 && S_ISREG(status.st_mode)) {
+    return {file, static_cast<std::size_t>(status.st_size)};
   }
   close(file);
-  if (!regular) throw std::runtime_error(path + ": expected a file, found something else");
-  if (memory == MAP_FAILED) fail("cannot map");
-  bytes_ = {static_cast<const std::uint8_t*>(memory), static_cast<std::size_t>(status.st_size)};
+  throw std::runtime_error(path + ": expected a file, found something else");
+}
+
+}  // namespace
+
+FileWindow::FileWindow(const std::string& path) {
+  std::tie(file_, size_) = open_file(path);
+}
+
+FileWindow::~FileWindow() {
+  close(file_);
+}
+
+std::span<const std::uint8_t> FileWindow::read(std::size_t at, std::size_t size) {
+  size = at < size_ ? std::min(size, size_ - at) : 0;
+  if (at < begin_ || at + size > begin_ + piece_.size()) {
+    constexpr std::size_t kPiece = 1 << 20;
+    piece_.resize(std::min(std::max(size, kPiece), size_ - std::min(at, size_)));
+    begin_ = at;
+    std::size_t got = 0;
+    while (got < piece_.size()) {
+      const ssize_t n =
+          pread(file_, piece_.data() + got, piece_.size() - got, static_cast<off_t>(at + got));
+      if (n < 0 && errno == EINTR) continue;
+      if (n <= 0) break;
+      got += static_cast<std::size_t>(n);
+    }
+    piece_.resize(got);
+  }
+  const std::size_t from = std::min(at - begin_, piece_.size());
+  return std::span(piece_).subspan(from, std::min(size, piece_.size() - from));
+}
+
+MappedFile::MappedFile(const std::string& path) {
+  const auto [file, size] = open_file(path);
+  void* memory = size > 0 ? mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0) : nullptr;
+  const int error = errno;
+  close(file);
+  if (memory == MAP_FAILED) {
+    throw std::runtime_error(path + ": cannot map: " + std::strerror(error));
+  }
+  bytes_ = {static_cast<const std::uint8_t*>(memory), size};
 }
 
 MappedFile::~MappedFile() {

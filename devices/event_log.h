@@ -5,6 +5,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "engine/math.h"
 
@@ -22,6 +23,26 @@ struct LogEvent {
   std::span<const std::uint8_t> data;
 };
 
+/// A file, read piece by piece, so that its length costs no memory.
+class FileWindow {
+ public:
+  /// @throws std::runtime_error  when the file cannot be opened or is not a regular file
+  explicit FileWindow(const std::string& path);
+  ~FileWindow();
+  FileWindow(const FileWindow&) = delete;
+  FileWindow& operator=(const FileWindow&) = delete;
+
+  std::size_t size() const { return size_; }
+
+  /// The bytes from `at` on, until the next call; fewer where the file ends, or was cut meanwhile.
+  std::span<const std::uint8_t> read(std::size_t at, std::size_t size);
+
+ private:
+  int file_ = -1;
+  std::size_t size_ = 0, begin_ = 0;
+  std::vector<std::uint8_t> piece_;  // from begin_ on
+};
+
 /// Walks the events of a log.
 ///
 /// Each is a header of 28 bytes, big-endian (uint32 0xEDA1DA01, int64 number, int64 microseconds,
@@ -30,7 +51,9 @@ struct LogEvent {
 /// magic word inside it; else reading goes on at the next magic word.
 class LogReader {
  public:
-  explicit LogReader(std::span<const std::uint8_t> bytes) : bytes_(bytes) {}
+  explicit LogReader(std::span<const std::uint8_t> bytes) : bytes_(bytes), size_(bytes.size()) {}
+  /// Channel and data of an event of a file are there until the next one is asked for.
+  explicit LogReader(FileWindow& file) : file_(&file), size_(file.size()) {}
 
   /// The next whole event, or nothing at the end.
   std::optional<LogEvent> next();
@@ -41,10 +64,13 @@ class LogReader {
   std::int64_t cut_bytes() const { return cut_bytes_; }
 
  private:
+  std::span<const std::uint8_t> bytes(std::size_t at, std::size_t size) const;
   std::size_t find_magic(std::size_t from) const;
   bool magic_at(std::size_t at) const;
 
   std::span<const std::uint8_t> bytes_;
+  FileWindow* file_ = nullptr;  // in place of them
+  std::size_t size_;
   std::size_t at_ = 0;
   std::int64_t skipped_bytes_ = 0;
   std::int64_t cut_bytes_ = 0;

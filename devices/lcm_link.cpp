@@ -124,7 +124,7 @@ class LcmLink::LogPlayer {
   Time played_{};              ///< the same, since the first
 };
 
-LcmLink::LcmLink(const std::string& url) : url_(url) {
+LcmLink::LcmLink(const std::string& url, std::string_view prefix) : url_(url), prefix_(prefix) {
   if (LogPlayer::reads(url)) {
     log_ = std::make_unique<LogPlayer>(url);
     return;
@@ -153,28 +153,28 @@ void LcmLink::send(const std::string& channel, std::span<const std::uint8_t> byt
 
 void LcmLink::publish(const TrialHeader& header) {
   encode(header, bytes_);
-  send(std::string(kTrialChannel), bytes_);
+  send(named(kTrialChannel), bytes_);
 }
 
 void LcmLink::publish(const Sample& sample) {
   std::visit([&](const auto& s) { encode(s, bytes_); }, sample);
   const bool tracker = std::holds_alternative<TrackerSample>(sample);
-  send(std::string(tracker ? kTrackerChannel : kMouseChannel), bytes_);
+  send(named(tracker ? kTrackerChannel : kMouseChannel), bytes_);
 }
 
 void LcmLink::publish(const Event& event) {
   encode(event, bytes_);
-  send(std::string(kEventChannel), bytes_);
+  send(named(kEventChannel), bytes_);
 }
 
 void LcmLink::publish(const TickState& state) {
   encode(state, bytes_);
-  send(std::string(kStateChannel), bytes_);
+  send(named(kStateChannel), bytes_);
 }
 
 void LcmLink::publish(const FrameRecord& frame) {
   encode(frame, bytes_);
-  send(std::string(kFrameChannel), bytes_);
+  send(named(kFrameChannel), bytes_);
 }
 
 void LcmLink::publish(std::span<const ViewerLink> links) {
@@ -201,6 +201,47 @@ void LcmLink::publish_pose(const std::string& channel, Time time, const Pose& po
   bytes_.resize(static_cast<std::size_t>(m.getEncodedSize()));
   m.encode(bytes_.data(), 0, m.getEncodedSize());
   send(channel, bytes_);
+}
+
+TrialPublisher::TrialPublisher(LcmLink& link, const TrialHeader& header)
+    : link_(link), header_(stamped(header)) {
+  link_.publish(header_);
+  next_header_ = Time{1'000'000};
+}
+
+template <typename T>
+void TrialPublisher::send(Time time, const T& message) {
+  last_ = std::max(last_, time);
+  if (last_ >= next_header_) {
+    link_.publish(header_);
+    next_header_ = last_ + Time{1'000'000};
+  }
+  link_.publish(message);
+  ++count_;
+}
+
+void TrialPublisher::write(const Sample& sample) {
+  send(available(sample), sample);
+}
+
+void TrialPublisher::write(const Event& event) {
+  send(event.time, event);
+}
+
+void TrialPublisher::write(const TickState& state) {
+  send(state.time, state);
+}
+
+void TrialPublisher::write(const FrameRecord& frame) {
+  send(frame.time, frame);
+}
+
+void TrialPublisher::close() {
+  Event end;
+  end.time = last_;
+  end.kind = kEndEvent;
+  end.value = static_cast<double>(count_);
+  send(end.time, end);
 }
 
 struct LcmSource::Subscriptions {

@@ -8,11 +8,12 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "devices/clock_offset.h"
 #include "devices/source.h"
-#include "devices/trial.h"
+#include "devices/trial_sink.h"
 #include "devices/viewer_messages.h"
 
 /// Samples and everything else of a trial over LCM: published as they happen, subscribed to as a
@@ -25,7 +26,8 @@ class LcmLink {
   /// @param url  empty: LCM_DEFAULT_URL, else multicast on 239.255.76.67:7667 that stays on
   ///             the host
   /// @throws std::runtime_error  when LCM cannot be opened there
-  explicit LcmLink(const std::string& url);
+  /// @param prefix  before the channels of a trial's messages
+  explicit LcmLink(const std::string& url, std::string_view prefix = "");
   ~LcmLink();
   LcmLink(const LcmLink&) = delete;
   LcmLink& operator=(const LcmLink&) = delete;
@@ -53,12 +55,37 @@ class LcmLink {
   friend class LcmSource;
   struct Lcm;
   class LogPlayer;
+  std::string named(std::string_view channel) const { return prefix_ + std::string(channel); }
   void send(const std::string& channel, std::span<const std::uint8_t> bytes);
 
-  std::string url_;
+  std::string url_, prefix_;
   std::unique_ptr<Lcm> lcm_;  // unless a log is read, without liblcm
   std::unique_ptr<LogPlayer> log_;
   std::vector<std::uint8_t> bytes_;  // of the message at hand
+};
+
+/// A trial published as it comes about. Its header is repeated every second, for those who begin to
+/// listen later.
+class TrialPublisher : public TrialSink {
+ public:
+  /// @param link    must outlive this
+  /// @param header  completed as by stamped()
+  TrialPublisher(LcmLink& link, const TrialHeader& header);
+
+  void write(const Sample& sample) override;
+  void write(const Event& event) override;
+  void write(const TickState& state) override;
+  void write(const FrameRecord& frame) override;
+  void close() override;
+
+ private:
+  template <typename T>
+  void send(Time time, const T& message);
+
+  LcmLink& link_;
+  TrialHeader header_;
+  std::int64_t count_ = 1;  ///< of messages, the header once
+  Time last_{}, next_header_{};
 };
 
 /// Samples that others publish on TRACKER and MOUSE3D.

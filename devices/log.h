@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "devices/trial.h"
+#include "devices/trial_sink.h"
 
 /// A trial on disk: one LCM event log, NAME.lcmlog, that lcm-logplayer can play.
 namespace headpin::devices {
@@ -39,12 +40,15 @@ Trial read_log(const std::string& path);
 /// The same from the bytes of a log; never throws for what is in them.
 Trial read_log(std::span<const std::uint8_t> bytes);
 
+/// A header with what this program says of itself: format, version, commit and schema.
+TrialHeader stamped(TrialHeader header);
+
 /// Writes a trial through liblcm's event log, each message whole before the next begins.
 ///
 /// The file is a files::OutputFile: whole under its name or not there, unless it is live.
 /// Every message goes to the file at once, so that a process killed at any moment leaves a log that
 /// reads up to its last whole event. When the disk is full the file is cut back to that event.
-class Recorder {
+class Recorder : public TrialSink {
  public:
   struct Options {
     bool overwrite = false;  ///< else an existing file is refused
@@ -64,23 +68,23 @@ class Recorder {
       : Recorder(path, header, Options{}) {}
 
   /// Without close(): a live file stays as it is, another one is removed.
-  ~Recorder();
+  ~Recorder() override;
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
   /// @throws std::runtime_error  when nothing more can be written; what was written before stays
-  void write(const Sample& sample);
-  void write(const Event& event);
-  void write(const TickState& state);
-  void write(const FrameRecord& frame);
+  void write(const Sample& sample) override;
+  void write(const Event& event) override;
+  void write(const TickState& state) override;
+  void write(const FrameRecord& frame) override;
 
   /// @throws std::runtime_error  when the live file was deleted, replaced, moved or cut by another
-  void require_kept() const;
+  void require_kept() const override;
 
   /// Writes the end event and gives the file its final name.
   ///
   /// @throws std::runtime_error  as write() and require_kept()
-  void close();
+  void close() override;
 
  private:
   struct File;

@@ -21,6 +21,10 @@ constexpr std::string_view kEventChannel = "EVENT";
 constexpr std::string_view kStateChannel = "STATE";
 constexpr std::string_view kFrameChannel = "FRAME";
 
+/// Before the channels on which a session publishes its own trial, so that it is not mixed up with
+/// what it listens to: SESSION_STATE.
+constexpr std::string_view kSessionPrefix = "SESSION_";
+
 using Buffer = std::vector<std::uint8_t>;
 
 /// Writes the message into `out`, which is resized; what it had room for is used again.

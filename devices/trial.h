@@ -2,6 +2,7 @@
 
 #include <array>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -96,27 +97,57 @@ struct Skipped {
   }
 };
 
+/// Messages in a row, none more than a second from the next, with the same thing amiss.
+struct Trouble {
+  std::string kind;    ///< undecodable, implausible, foreign, misdated, late or lost
+  std::string device;  ///< whose samples, or the channel
+  std::int64_t messages = 0;
+  Time from{}, to{};  ///< by the stamps of LCM's event headers, since the log's first
+};
+constexpr std::size_t kMostTroubles = 100;  ///< that are kept; all of them are counted
+
+/// What one device sent.
+struct DeviceSummary {
+  std::int64_t samples = 0;
+  Time first{}, last{};
+  Time longest_gap{};
+  std::int64_t lost = 0;  ///< holes in the sequence
+  std::int64_t bad = 0;   ///< with a status other than good
+};
+
 /// A time in which no sample became available.
 struct Gap {
   Time from{}, to{};
   Time length() const { return to - from; }
 };
 
-/// A whole trial, as read from a log.
-struct Trial {
+/// What a log comes to, without its samples, states and frames one by one.
+struct TrialSummary {
   bool has_header = false;
   TrialHeader header;
-  std::vector<Sample> samples;  ///< in the order of the log
-  std::vector<Event> events;    ///< without the end event
-  std::vector<TickState> states;
-  std::vector<FrameRecord> frames;
+  std::vector<Event> events;  ///< without the end event
+  std::int64_t sample_count = 0, state_count = 0, frame_count = 0;
+  std::map<std::int32_t, DeviceSummary> devices;  ///< by station; 0 is the 3D mouse
+  std::optional<Time> first, last;                ///< of the times of samples, states and frames
+  Time end{};                                     ///< when the last sample is available
+  Time disorder{};  ///< that a sample is available before one that stands ahead of it, at most
+  std::int64_t last_tick = 0;  ///< of the last state
+  std::size_t bodies = 0;      ///< in it
 
   std::map<std::string, Channel> channels;  ///< foreign ones too
   Skipped skipped;
+  std::vector<Trouble> trouble;
   std::int64_t backwards = 0;  ///< samples not later than the one before of the same device
   std::int64_t late = 0;       ///< samples that the session got later than when they were available
   Gap longest_gap;             ///< from 0 to the first sample, or from one to the next
   bool complete = false;       ///< the end event is there, and all messages it counts
+};
+
+/// A whole trial, as read from a log.
+struct Trial : TrialSummary {
+  std::vector<Sample> samples;  ///< in the order of the log
+  std::vector<TickState> states;
+  std::vector<FrameRecord> frames;
 };
 
 }  // namespace headpin::devices

@@ -1,6 +1,9 @@
 #include "scene/eye_frames.h"
 
+#include <stdexcept>
 #include <utility>
+
+#include <fmt/format.h>
 
 namespace headpin::scene {
 
@@ -27,6 +30,34 @@ void FrameByFrame::tick(const Session& session) {
     for (FrameSink* sink : sinks_) sink->add(frame_);
     plan_.progress(++drawn_);
   }
+}
+
+FrameVerifier::FrameVerifier(Eyes& eyes, devices::TrialPlayer& recorded)
+    : eyes_(eyes), recorded_(recorded) {
+  if (!recorded.has_frames()) {
+    throw std::runtime_error(
+        "the trial holds no frames to compare with; expected one made by `headpin live`");
+  }
+}
+
+void FrameVerifier::tick(const Session& session) {
+  const devices::FrameRecord* recorded = recorded_.frame(session.tick);
+  const std::optional<Pose> X_WD = recorded ? head_pose(session) : std::nullopt;
+  if (!X_WD) return;
+  frame_.number = recorded->frame;
+  frame_.tick = session.tick;
+  frame_.time = session.now();
+  frame_.views = see(eyes_, glimpse(session, *X_WD), frame_.images);
+  const devices::FrameRecord drawn = record_of(frame_);
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    if (drawn.hash[eye] == recorded->hash[eye]) continue;
+    throw std::runtime_error(
+        fmt::format("frame {} (tick {}, {:.6f} s) differs from the recording, first in the {} eye: "
+                    "expected picture {:016x}, found {:016x}, drawn by {}",
+                    frame_.number, frame_.tick, seconds(frame_.time), eye == 0 ? "left" : "right",
+                    recorded->hash[eye], drawn.hash[eye], eyes_.renderer.description()));
+  }
+  ++compared_;
 }
 
 FramesBeside::FramesBeside(Makers makers)

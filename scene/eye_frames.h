@@ -9,6 +9,7 @@
 #include <thread>
 #include <vector>
 
+#include "devices/trial_file.h"
 #include "scene/eyes.h"
 #include "scene/run.h"
 
@@ -59,6 +60,26 @@ class FrameByFrame : public Observer {
   std::vector<FrameSink*> sinks_;
   EyeFrame frame_;
   std::int64_t drawn_ = 0;
+};
+
+/// Draws again what a trial says was seen, and holds the pictures against it.
+class FrameVerifier : public Observer {
+ public:
+  /// @param recorded  with the frames beside it
+  /// @param eyes      both must outlive this
+  /// @throws std::runtime_error  when there are no frames
+  FrameVerifier(Eyes& eyes, devices::TrialPlayer& recorded);
+
+  /// @throws std::runtime_error  naming frame and eye of the first that differs
+  void tick(const Session& session) override;
+
+  std::int64_t compared() const { return compared_; }  ///< frames found equal
+
+ private:
+  Eyes& eyes_;
+  devices::TrialPlayer& recorded_;
+  EyeFrame frame_;
+  std::int64_t compared_ = 0;
 };
 
 /// Draws in a thread of its own and makes the session wait for nothing: one frame at a time, and

@@ -2,8 +2,8 @@
 
 namespace headpin::scene {
 
-Eyes open_eyes(const Stage& stage, const render::Quality& quality) {
-  render::Renderer renderer(render::osmesa_context(), quality);
+Eyes open_eyes(const Stage& stage) {
+  render::Renderer renderer(render::osmesa_context(), stage.scenario.look);
   Looks looks(renderer, stage);
   return {std::move(renderer), std::move(looks), stage.scenario.hmd.optics};
 }

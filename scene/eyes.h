@@ -17,8 +17,9 @@ struct Eyes {
   render::Optics optics;
 };
 
+/// Eyes that draw as the stage's scenario wants it.
 /// @throws std::runtime_error  when nothing can be drawn on this machine; says why
-Eyes open_eyes(const Stage& stage, const render::Quality& quality = {});
+Eyes open_eyes(const Stage& stage);
 
 /// All that is needed to draw one moment of a session, so that it can be drawn later or elsewhere.
 struct Glimpse {

@@ -125,6 +125,8 @@ void drive(Player& player, std::span<const devices::Sample> samples, const Stage
     if (button.trigger && !player.trigger && !player.held) grab(player, scene, button.device_time);
     if (!button.trigger && player.held) release(player, scene, button.device_time, now);
     player.trigger = button.trigger;
+    player.left_thumb = button.left_thumb;
+    player.right_thumb = button.right_thumb;
   }
   player.buttons.erase(player.buttons.begin(),
                        player.buttons.begin() + static_cast<std::ptrdiff_t>(done));

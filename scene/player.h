@@ -19,10 +19,11 @@ struct Held {
 
 /// Where the player is, as far as the samples tell.
 struct Player {
-  devices::PoseTrack head;                    ///< X_WD: display, x right, y up, looking along -z
-  devices::PoseTrack hand;                    ///< X_WH
-  std::optional<Time> head_arrival;           ///< of its newest sample
-  std::vector<devices::MouseSample> buttons;  ///< not yet acted upon, oldest first
+  devices::PoseTrack head;                       ///< X_WD: display, x right, y up, looking along -z
+  devices::PoseTrack hand;                       ///< X_WH
+  std::optional<Time> head_arrival;              ///< of its newest sample
+  std::vector<devices::MouseSample> buttons;     ///< not yet acted upon, oldest first
+  bool left_thumb = false, right_thumb = false;  ///< walk forward, walk backward
   bool trigger = false;
   std::optional<Held> held;
 };

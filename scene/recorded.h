@@ -2,14 +2,14 @@
 
 #include <string>
 
-#include "devices/log.h"
+#include "devices/trial_file.h"
 #include "scene/scenario.h"
 
 /// A recorded trial, ready to be simulated again.
 namespace headpin::scene {
 
 struct Recorded {
-  devices::Trial trial;
+  devices::TrialFile file;
   Scenario scenario;  ///< the trial's own, read
 };
 
@@ -22,11 +22,11 @@ Recorded load_trial(const std::string& path, Time longest_gap = devices::kLonges
 /// recorded, whichever is later.
 ///
 /// @param rate_hz  of the simulation
-std::int64_t tick_count(const devices::Trial& trial, std::int64_t rate_hz);
+std::int64_t tick_count(const devices::TrialSummary& trial, std::int64_t rate_hz);
 
 /// X_WD where the first good sample of the head finds it: where it is taken to be until then.
 ///
 /// @throws std::runtime_error  without one
-Pose first_head_pose(const devices::Trial& trial, const Rig& rig);
+Pose first_head_pose(const devices::TrialFile& trial, const Rig& rig);
 
 }  // namespace headpin::scene

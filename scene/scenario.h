@@ -7,6 +7,7 @@
 #include "devices/sample.h"
 #include "engine/math.h"
 #include "render/eyes.h"
+#include "render/renderer.h"
 
 /// Everything that is data about a session: the room, the skittles, the ball, the collision
 /// response, the rates, the rig and the display. One TOML file; a trial carries it whole.
@@ -119,6 +120,7 @@ struct Scenario {
   Hand hand;
   Rig rig;
   Hmd hmd;
+  render::Quality look;
 
   Scenario();  ///< ten pins as in assets/scenarios/paper-room.toml
 };

@@ -148,6 +148,14 @@ void visit(V& v, Hmd& h) {
 }
 
 template <typename V>
+void visit(V& v, render::Quality& q) {
+  v.field("samples", q.samples, Range{1, 8}, "a pixel is the mean light of so many, squared");
+  v.field("contact", q.contact, kAny, "floors darken beneath and beside bodies");
+  v.field("shadow", q.shadow, kAny, "bodies cast shadows on floors");
+  v.field("mirror", q.mirror, kAny, "polished floors mirror what stands on them");
+}
+
+template <typename V>
 void visit(V& v, Scenario& s) {
   v.field("name", s.name, kAny, "");
   v.section("rates", "", s.rates);
@@ -161,6 +169,7 @@ void visit(V& v, Scenario& s) {
   v.section("hand", "", s.hand);
   v.section("rig", "", s.rig);
   v.section("hmd", "", s.hmd);
+  v.section("look", "what is spent on a picture", s.look);
 }
 
 }  // namespace headpin::scene

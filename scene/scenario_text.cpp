@@ -36,10 +36,14 @@ struct Text {
 
 /// Keys that trials of before these keys were there lack, with what such a trial ran under. What is
 /// written here never changes, whatever becomes of the defaults.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kKeysSince{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kKeysSince{{
     {"hand.release_window_most_s", "0.12"},
     {"hand.release_accuracy", "0.3"},
     {"collision.warm", "true"},
+    {"look.samples", "2"},
+    {"look.contact", "true"},
+    {"look.shadow", "true"},
+    {"look.mirror", "true"},
     {"rig.head_station", "1"},
     {"rig.hand_station", "2"},
 }};

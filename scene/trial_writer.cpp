@@ -7,25 +7,22 @@
 
 namespace headpin::scene {
 
-namespace {
-
-devices::TrialHeader of_session(devices::TrialHeader header, const Session& session) {
+devices::TrialHeader header_of(devices::TrialHeader header, const Session& session) {
   header.scenario = to_toml(session.scenario());
   header.body_names = body_names(*session.stage);
   return header;
 }
 
-}  // namespace
-
 TrialWriter::TrialWriter(const std::string& path, devices::TrialHeader header,
                          const Session& session, devices::Recorder::Options options)
-    : recorder_(path, of_session(std::move(header), session), options) {}
+    : sink_(std::make_unique<devices::Recorder>(path, header_of(std::move(header), session),
+                                                options)) {}
 
 void TrialWriter::tick(const Session& session) {
-  for (const devices::Sample& sample : session.samples) recorder_.write(sample);
-  for (const devices::Event& event : session.events) recorder_.write(event);
+  for (const devices::Sample& sample : session.samples) sink_->write(sample);
+  for (const devices::Event& event : session.events) sink_->write(event);
   tick_state(session, state_);
-  recorder_.write(state_);
+  sink_->write(state_);
 }
 
 void TrialWriter::close(const Session& session) {
@@ -34,8 +31,8 @@ void TrialWriter::close(const Session& session) {
   ledger.tick = session.tick;
   ledger.kind = kind::ledger;
   ledger.detail = to_json(session.world.ledger).dump();
-  recorder_.write(ledger);
-  recorder_.close();
+  sink_->write(ledger);
+  sink_->close();
 }
 
 }  // namespace headpin::scene

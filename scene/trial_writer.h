@@ -1,11 +1,16 @@
 #pragma once
 
+#include <memory>
 #include <string>
+#include <utility>
 
 #include "devices/log.h"
 #include "scene/run.h"
 
 namespace headpin::scene {
+
+/// A trial's header with the session's scenario and bodies put in.
+devices::TrialHeader header_of(devices::TrialHeader header, const Session& session);
 
 /// Writes a session as a trial: what it took in, what happened, and every state.
 class TrialWriter : public Observer {
@@ -15,17 +20,20 @@ class TrialWriter : public Observer {
   TrialWriter(const std::string& path, devices::TrialHeader header, const Session& session,
               devices::Recorder::Options options);
 
+  /// @param sink  begun with header_of() the session
+  explicit TrialWriter(std::unique_ptr<devices::TrialSink> sink) : sink_(std::move(sink)) {}
+
   void tick(const Session& session) override;
   /// What no tick brings: a frame that was drawn, an event from before the simulation.
-  void write(const devices::FrameRecord& frame) { recorder_.write(frame); }
-  void write(const devices::Event& event) { recorder_.write(event); }
+  void write(const devices::FrameRecord& frame) { sink_->write(frame); }
+  void write(const devices::Event& event) { sink_->write(event); }
   /// @throws std::runtime_error  when the file is no longer what was written
-  void require_kept() const { recorder_.require_kept(); }
+  void require_kept() const { sink_->require_kept(); }
   /// Writes the energy ledger and gives the file its final name.
   void close(const Session& session);
 
  private:
-  devices::Recorder recorder_;
+  std::unique_ptr<devices::TrialSink> sink_;
   devices::TickState state_;
 };
 

@@ -34,9 +34,9 @@ std::optional<std::string> first_different_body(const devices::TickState& a,
   return std::nullopt;
 }
 
-Verifier::Verifier(std::span<const devices::TickState> states, const Session& session)
-    : states_(states), names_(body_names(*session.stage)) {
-  if (states_.empty()) {
+Verifier::Verifier(devices::TrialPlayer& recorded, const Session& session)
+    : recorded_(recorded), names_(body_names(*session.stage)) {
+  if (!recorded.has_states()) {
     throw std::runtime_error(
         "the trial holds no states to compare with; expected one made by `headpin replay -o` or "
         "`headpin live`");
@@ -44,17 +44,17 @@ Verifier::Verifier(std::span<const devices::TickState> states, const Session& se
 }
 
 void Verifier::tick(const Session& session) {
-  while (next_ < states_.size() && states_[next_].tick < session.tick) ++next_;
-  if (next_ == states_.size() || states_[next_].tick != session.tick) return;
+  const devices::TickState* recorded = recorded_.state(session.tick);
+  if (!recorded) return;
   tick_state(session, state_);
-  const auto body = first_different_body(state_, states_[next_], names_);
+  const auto body = first_different_body(state_, *recorded, names_);
   if (body) {
     throw std::runtime_error(
         fmt::format("tick {} ({:.6f} s) differs from the recording, first {}: expected state "
                     "{:016x}, found {:016x}",
                     state_.tick, seconds(state_.time),
                     body->empty() ? "in what only the hash tells" : "in the " + *body,
-                    states_[next_].hash, state_.hash));
+                    recorded->hash, state_.hash));
   }
   ++compared_;
 }

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "devices/trial.h"
+#include "devices/trial_file.h"
 #include "scene/run.h"
 
 namespace headpin::scene {
@@ -19,9 +19,9 @@ std::optional<std::string> first_different_body(const devices::TickState& a,
 /// Holds a run against the states that a trial recorded.
 class Verifier : public Observer {
  public:
-  /// @param states  of the trial, rising by tick; must outlive this
+  /// @param recorded  with the states beside it; must outlive this
   /// @throws std::runtime_error  when there are none
-  Verifier(std::span<const devices::TickState> states, const Session& session);
+  Verifier(devices::TrialPlayer& recorded, const Session& session);
 
   /// @throws std::runtime_error  naming the tick, and the first body that differs
   void tick(const Session& session) override;
@@ -29,10 +29,9 @@ class Verifier : public Observer {
   std::int64_t compared() const { return compared_; }  ///< ticks found equal
 
  private:
-  std::span<const devices::TickState> states_;
+  devices::TrialPlayer& recorded_;
   std::vector<std::string> names_;
   devices::TickState state_;
-  std::size_t next_ = 0;
   std::int64_t compared_ = 0;
 };
 

@@ -335,6 +335,112 @@ TEST_F(LiveFastrak, WithoutANetworkALogFeedsASessionOrAUnit) {
   EXPECT_EQ(unit.code, 0) << unit.err;
 }
 
+// What the eyes saw is drawn again to the pixel: the look is in the trial.
+TEST_F(LiveFastrak, RecordedFramesAreDrawnAgainToThePixel) {
+  take_room_of_demo();  // else the head looks at a wall
+  const std::string play =
+      "live --lcm 'file://" + kDemo + "' --scenario room.toml --duration 1.5 --record ";
+  for (const std::string samples : {"1", "2"}) {
+    ASSERT_EQ(headpin(play + samples + ".lcmlog --samples " + samples).code, 0);
+    const nlohmann::json verified = json("frames " + samples + ".lcmlog --verify --json");
+    EXPECT_GT(verified["verified_frames"], 0);
+    EXPECT_EQ(verified["verified_frames"], trial(samples + ".lcmlog").frames.size());
+    EXPECT_THAT(headpin("info " + samples + ".lcmlog --scenario").out,
+                testing::HasSubstr("[look]"));
+  }
+  // Another look is another picture, and said to be.
+  devices::Trial other = trial("1.lcmlog");
+  scene::Scenario scenario = scene::scenario_of_trial(other.header.scenario, "1.lcmlog");
+  scenario.look.samples = 2;
+  other.header.scenario = scene::to_toml(scenario);
+  devices::Recorder recorder(folder_ / "other.lcmlog", other.header);
+  devices::write(recorder, other.samples, {});
+  for (const devices::FrameRecord& frame : other.frames) recorder.write(frame);
+  recorder.close();
+  expect_refusal("frames other.lcmlog --verify", 1,
+                 "differs from the recording, first in the left");
+  expect_refusal("frames " + kDemo + " --verify", 1, "holds no frames to compare with");
+}
+
+TEST_F(LiveFastrak, AFloodOfWrongTypesIsSaidAtOnce) {
+  std::string log = slurp(kDemo);
+  for (std::size_t at = 0; (at = log.find("TRACKER", at)) != std::string::npos; at += 8) {
+    log[at + 7] = static_cast<char>(log[at + 7] ^ 1);  // the first byte of the type's fingerprint
+  }
+  std::ofstream(folder_ / "flood.lcmlog", std::ios::binary) << log;
+  const Result flood = headpin("live --lcm file://flood.lcmlog --eyes none --duration 2");
+  const std::size_t said = flood.err.find("messages that cannot be used: ");
+  ASSERT_NE(said, std::string::npos) << flood.err;
+  const std::size_t line = flood.err.rfind('\n', said) + 1;
+  EXPECT_LT(std::stod(flood.err.substr(line)), 0.5) << flood.err;
+  EXPECT_EQ(flood.err.find("messages that cannot be used: ", said + 1), std::string::npos);
+}
+
+// lcm-logger's file of a session is its trial, also of one it comes late to.
+TEST_F(Live, WhatALoggerKeepsOfASessionIsATrial) {
+  const std::string session =
+      "rm -f *.lcmlog; lcm-logger -q -f whole.lcmlog & whole=$!\nthere $whole whole.lcmlog\n"
+      "$headpin live --lcm '' --scenario room.toml --record live.lcmlog --eyes none --json "
+      ">live.json & "
+      "live=$!\nwritten live.lcmlog 50000\n"
+      "lcm-logger -q -f late.lcmlog & late=$!\nthere $late late.lcmlog\n"
+      "counted $live late.lcmlog SESSION_HEADPIN_TRIAL 1\n"
+      "$headpin stream --lcm '' " +
+      kDemo +
+      " >/dev/null\ncounted $live live.lcmlog TRACKER 841\ninterrupt $live; code=$?\n"
+      "for i in $(seq 100); do grep -q ledger late.lcmlog && break; sleep 0.05; done; sleep 0.3\n"
+      "interrupt $whole; interrupt $late; exit $code";
+  // On a machine that is busy with other things a message may be lost on its way, so more than once.
+  bool whole = false;
+  for (int attempt = 0; attempt < 4 && !whole; ++attempt) {
+    const Result result = alone(session);
+    ASSERT_EQ(result.code, 0) << result.err;
+    whole = json("info whole.lcmlog --json")["complete"];
+  }
+  ASSERT_TRUE(whole);
+  const std::string hash = nlohmann::json::parse(slurp(folder_ / "live.json"))["state_hash"];
+  for (const std::string log : {"whole.lcmlog", "late.lcmlog"}) {
+    const nlohmann::json info = json("info " + log + " --json");
+    EXPECT_EQ(info["complete"], log == "whole.lcmlog") << log;
+    EXPECT_EQ(info["result"]["skittles_down"],
+              json("info live.lcmlog --json")["result"]["skittles_down"]);
+    const nlohmann::json replayed = json("replay " + log + " --verify --json");
+    EXPECT_GT(replayed["verified_ticks"], 1000) << log;
+    EXPECT_EQ(replayed["state_hash"], hash) << log;
+    EXPECT_EQ(headpin("frames " + log + " --verify --force -o frames --frames 3").code, 0) << log;
+  }
+  const Result quiet = alone(
+      "lcm-logger -q -f none.lcmlog & logger=$!\nthere $logger none.lcmlog\n"
+      "$headpin live --lcm '' --no-trial --duration 1 --eyes none\ninterrupt $logger");
+  EXPECT_EQ(slurp(folder_ / "none.lcmlog").find("SESSION_"), std::string::npos) << quiet.err;
+}
+
+// A Fastrak's line carries one switch; the mouse's three come beside it.
+TEST_F(Live, ThumbsThatAreTypedAtAnEmulatorReachTheSession) {
+  const Result result = alone(
+      "$headpin emulate --link unit --motion circle --stylus --control ctl --mouse '' & unit=$!\n"
+      "there $unit unit; there $unit ctl\n"
+      "$headpin live --fastrak unit --lcm '' --record live.lcmlog --eyes none & live=$!\n"
+      "counted $live live.lcmlog TRACKER 60\n"
+      "n=0; for line in 'left-thumb down' press 'right-thumb down' release 'left-thumb up' "
+      "'right-thumb up'; do\n"
+      "n=$((n+1)); echo $line >ctl; counted $live live.lcmlog MOUSE3D $n; done\n"
+      "interrupt $live; code=$?; echo quit >ctl; wait $unit; exit $code");
+  ASSERT_EQ(result.code, 0) << result.err;
+  std::string buttons;
+  for (const devices::Sample& sample : trial("live.lcmlog").samples) {
+    const auto* mouse = std::get_if<devices::MouseSample>(&sample);
+    if (!mouse) continue;
+    buttons += mouse->left_thumb ? 'L' : '-';
+    buttons += mouse->right_thumb ? 'R' : '-';
+    buttons += mouse->trigger ? 'T' : '-';
+    buttons += ' ';
+  }
+  EXPECT_THAT(buttons, testing::EndsWith("L-- L-T LRT LR- -R- --- "));
+  EXPECT_EQ(json("replay live.lcmlog --verify --json")["verified_ticks"],
+            trial("live.lcmlog").states.size());
+}
+
 TEST_F(Live, WithoutARouteItSaysWhatIsWrong) {
   expect_refusal("live", 2, "nothing to listen to");
   expect_refusal("live --fastrak missing-tty", 1, "missing-tty");

@@ -1,3 +1,5 @@
+#include <sys/resource.h>
+
 #include "devices/log.h"
 #include "tests/apps/command_line.h"
 
@@ -22,6 +24,47 @@ class TrialCommands : public CommandLine {
     return devices::read_trial(folder_ / name);
   }
 };
+
+/// Runs `headpin WORDS` and tells the most memory it had, in MB.
+double peak_MB(std::vector<std::string> words) {
+  words.insert(words.begin(), "headpin");
+  const pid_t process = fork();
+  if (process == 0) {
+    std::vector<char*> argv;
+    for (std::string& word : words) argv.push_back(word.data());
+    argv.push_back(nullptr);
+    if (std::freopen("/dev/null", "w", stdout)) execv(HEADPIN_PROGRAM, argv.data());
+    std::_Exit(99);
+  }
+  int status = 0;
+  struct rusage used {};
+  while (wait4(process, &status, 0, &used) < 0 && errno == EINTR) continue;
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << words[1];
+  return static_cast<double>(used.ru_maxrss) / 1024.0;
+}
+
+// A session's length costs no memory: ten times as long, 140 MB more on disk, hardly a megabyte more.
+TEST_F(TrialCommands, MemoryDoesNotGrowWithATrial) {
+  for (const char* seconds : {"30", "300"}) {
+    const std::string name = seconds;
+    ASSERT_EQ(headpin("synthesize -o s" + name + " --duration " + name).code, 0);
+    ASSERT_EQ(headpin("replay s" + name + " -o " + name).code, 0);
+  }
+  ASSERT_GT(fs::file_size(folder_ / "300"), 100'000'000u);
+  const std::string brief = folder_ / "30", lengthy = folder_ / "300";
+  const std::string new_trial = folder_ / "new", frames = folder_ / "frames";
+  const std::vector<std::vector<std::string>> commands = {
+      {"info"},
+      {"replay", "--verify"},
+      {"replay", "-o", new_trial, "--force"},
+      {"frames", "--frames", "3", "-o", frames, "--force"}};
+  for (std::vector<std::string> words : commands) {
+    words.push_back(brief);
+    const double least = peak_MB(words);
+    words.back() = lengthy;
+    EXPECT_LT(peak_MB(words), least + 10.0) << words[0] << " " << words[1];
+  }
+}
 
 const std::string kRecorded = HEADPIN_SHARED_DIR "/throws/liebers_labstudy21_bowling.csv";
 

@@ -16,6 +16,7 @@
 #include "devices/event_log.h"
 #include "devices/messages.h"
 #include "devices/sources.h"
+#include "devices/trial_file.h"
 #include "devices/version.h"
 
 namespace headpin::devices {
@@ -505,6 +506,164 @@ TEST(LogTest, ATimeThatThoseAroundItDoNotShareIsPassedOver) {
   }
   EXPECT_GT(seen[kTrackerChannel], 20);
   EXPECT_GT(seen[kStateChannel], 20);
+}
+
+// Two presses do not tell which of them has the wrong time, however far it is from the log's stamps.
+TEST(LogTest, OneOfTwoPressesIsNeverPassedOver) {
+  const fs::path path = fresh_folder() / "trial.lcmlog";
+  Recorder recorder(path, header());
+  for (int i = 1; i <= 100; ++i) {
+    TrackerSample sample = tracker(i);
+    sample.device_time = Time{100'000 * i};
+    recorder.write(Sample(sample));
+    const bool down = i == 20;
+    if (down || i == 60) {
+      recorder.write(Sample(MouseSample{.device_time = Time{2'000'000}, .trigger = down}));
+    }
+  }
+  recorder.close();
+  const Trial trial = read_trial(path);
+  EXPECT_EQ(trial.skipped.misdated, 0);
+  EXPECT_EQ(trial.devices.at(0).samples, 2);
+}
+
+TEST(LogTest, SaysWhichMessagesAreAmiss) {
+  const fs::path path = fresh_folder() / "trial.lcmlog";
+  Recorder recorder(path, header());
+  for (int i = 1; i <= 200; ++i) {
+    TrackerSample sample;
+    sample.station = 2;
+    sample.sequence = i < 50 ? i : i + 7;
+    sample.device_time = Time{100'000 * i};
+    if (i == 120 || i == 121) sample.frame = "lab";
+    if (i == 150) sample.X_TS.p.x() = std::nan("");
+    recorder.write(Sample(sample));
+    if (i == 30) {
+      recorder.write(TickState{Time{3'000'000}, 720, 0, 0, {}});
+      sample.device_time = Time{2'950'000};  // behind the state, though it was there before
+      sample.station = 3;
+      recorder.write(Sample(sample));
+    }
+  }
+  recorder.close();
+  const Trial trial = read_trial(path);
+  std::vector<std::string> found;
+  for (const Trouble& t : trial.trouble) {
+    found.push_back(t.kind + " " + t.device + " " + std::to_string(t.messages) + " " +
+                    std::to_string(t.from.count()) + " " + std::to_string(t.to.count()));
+  }
+  // A sample that was passed over is missing from its device's count as well.
+  EXPECT_THAT(
+      found, testing::ElementsAre(
+                 "late station 3 1 3000000 3000000", "lost right hand 7 5000000 5000000",
+                 "foreign right hand 2 12000000 12100000", "lost right hand 2 12200000 12200000",
+                 "implausible TRACKER 1 15000000 15000000", "lost right hand 1 15100000 15100000"));
+}
+
+TEST(LogTest, ASessionThatPublishedItselfIsTheTrialAndWhatItHeardIsNot) {
+  Buffer bytes = recorded(), told;
+  const auto add = [&](const std::string& channel, const auto& message) {
+    Buffer data;
+    encode(message, data);
+    const Buffer event = one_event(channel, data);
+    told.insert(told.end(), event.begin(), event.end());
+  };
+  TrialHeader own = stamped(header());
+  own.participant = "own";
+  add("SESSION_HEADPIN_TRIAL", own);
+  add("TRACKER", tracker(1));
+  add("SESSION_TRACKER", tracker(2));
+  add("HEADPIN_TRIAL", stamped(header()));
+  add("SESSION_HEADPIN_TRIAL", own);
+  add("SESSION_STATE", state(1));
+  Event end = event();
+  end.kind = kEndEvent;
+  end.value = 3.0;
+  add("SESSION_EVENT", end);
+  bytes.insert(bytes.end(), told.begin(), told.end());
+  const Trial trial = read_log(bytes);
+  EXPECT_EQ(trial.header.participant, "own");
+  EXPECT_EQ(trial.samples.size(), 1u);
+  EXPECT_EQ(trial.states.size(), 1u);
+  EXPECT_TRUE(trial.complete);
+  EXPECT_TRUE(trial.skipped.nothing());
+  EXPECT_EQ(trial.channels.at("TRACKER").messages, 13);
+}
+
+/// A trial whose samples stand in the log up to half a second out of order, states and frames too.
+fs::path out_of_order(std::mt19937& random) {
+  const fs::path path = fresh_folder() / "trial.lcmlog";
+  Recorder recorder(path, header());
+  for (int i = 1; i <= 2000; ++i) {
+    TrackerSample sample = tracker(i);
+    const auto jitter = static_cast<std::int64_t>(random() % 500) * 1000;
+    sample.host_time = sample.device_time + Time{jitter};
+    recorder.write(Sample(sample));
+    if (i > 1000 && i % 2 == 0) recorder.write(state(i));
+    if (i > 1500 && i % 8 == 0) {
+      recorder.write(FrameRecord{tick_time(i, 240), i / 8, i, {}, {1u, 2u}});
+    }
+  }
+  recorder.close();
+  return path;
+}
+
+TEST(TrialPlayerTest, HandsOutWhatAReplayOfTheWholeTrialDoes) {
+  std::mt19937 random(7);
+  for (int n = 0; n < 5; ++n) {
+    const fs::path path = out_of_order(random);
+    const TrialFile file(path);
+    const Trial trial = read_log(path);
+    EXPECT_GT(trial.disorder, Time{});
+    TrialPlayer player(file, {.states = true, .frames = true});
+    ReplaySource replay(trial.samples);
+    auto state = trial.states.begin();
+    auto frame = trial.frames.begin();
+    for (std::int64_t tick = 1; !replay.exhausted(); ++tick) {
+      std::vector<Sample> all, some;
+      replay.poll(tick_time(tick, 240), all);
+      player.poll(tick_time(tick, 240), some);
+      ASSERT_EQ(some.size(), all.size()) << tick;
+      for (std::size_t i = 0; i < all.size(); ++i) {
+        const auto &a = std::get<TrackerSample>(all[i]), &b = std::get<TrackerSample>(some[i]);
+        ASSERT_TRUE(a.device_time == b.device_time && a.session_time == b.session_time);
+      }
+      const TickState* recorded = player.state(tick);
+      while (state != trial.states.end() && state->tick < tick) ++state;
+      const bool there = state != trial.states.end() && state->tick == tick;
+      ASSERT_EQ(recorded != nullptr, there) << tick;
+      if (there) {
+        ASSERT_EQ(recorded->hash, state->hash);
+      }
+      const FrameRecord* seen = player.frame(tick);
+      while (frame != trial.frames.end() && frame->tick < tick) ++frame;
+      ASSERT_EQ(seen != nullptr, frame != trial.frames.end() && frame->tick == tick) << tick;
+    }
+    EXPECT_TRUE(player.exhausted());
+    // The longest gap is that of the samples in order.
+    std::vector<Time> times;
+    for (const Sample& sample : trial.samples) times.push_back(available(sample));
+    std::ranges::sort(times);
+    Time longest = times.front();
+    for (std::size_t i = 1; i < times.size(); ++i) {
+      longest = std::max(longest, times[i] - times[i - 1]);
+    }
+    EXPECT_EQ(trial.longest_gap.length(), longest);
+  }
+}
+
+TEST(TrialPlayerTest, AFileThatIsCutWhileItIsReadIsSaid) {
+  const fs::path path = fresh_folder() / "trial.lcmlog";
+  Buffer bytes = two_minutes();
+  const Buffer padding = one_event("LIDAR", Buffer(4'000'000));  // more than is read ahead
+  bytes.insert(bytes.begin(), padding.begin(), padding.end());
+  write_bytes(path, bytes);
+  const TrialFile file(path);
+  fs::resize_file(path, fs::file_size(path) / 2);
+  TrialPlayer player(file);
+  std::vector<Sample> samples;
+  EXPECT_THAT([&] { player.poll(Time{1'000'000'000}, samples); },
+              testing::ThrowsMessage<std::runtime_error>(HasSubstr("has been changed")));
 }
 
 TEST(LogTest, ALongPauseNeedsAWord) {

@@ -2,6 +2,7 @@
 
 #include "devices/log.h"
 #include "devices/messages.h"
+#include "devices/trial_file.h"
 
 using namespace headpin;
 
@@ -23,6 +24,16 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (!devices::decode(devices::kStateChannel, bytes)) std::abort();
   }
 
+  const devices::TrialFile file({data, size});
+  devices::TrialPlayer player(file);
+  std::int64_t samples = 0;
+  std::vector<devices::Sample> some;
+  while (const std::optional<Time> time = player.next_time()) {
+    some.clear();
+    player.poll(*time, some);
+    samples += static_cast<std::int64_t>(some.size());
+  }
+  if (samples != static_cast<std::int64_t>(trial.samples.size())) std::abort();
   devices::ReplaySource source(trial.samples);
   std::vector<devices::Sample> out;
   source.poll(source.end(), out);

@@ -167,8 +167,15 @@ TEST(ScenarioOfATrial, TakesNoDefaultOfToday) {
   // Whatever key is taken out of what a trial carries, the rest is no scenario of a trial.
   const std::string whole = to_toml(Scenario{});
   EXPECT_EQ(to_toml(scenario_of_trial(whole, "old.lcmlog")), whole);
-  const std::set<std::string> came_later = {"release_window_most_s", "release_accuracy",
-                                            "head_station", "hand_station", "warm"};
+  const std::set<std::string> came_later = {"release_window_most_s",
+                                            "release_accuracy",
+                                            "head_station",
+                                            "hand_station",
+                                            "warm",
+                                            "samples",
+                                            "contact",
+                                            "shadow",
+                                            "mirror"};
   std::istringstream lines(whole);
   int keys = 0;
   std::size_t at = 0;

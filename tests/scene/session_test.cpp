@@ -300,6 +300,25 @@ TEST(SessionTest, ASampleInTheWorldsFrameNeedsNoTransmitterAndAnotherFrameIsRefu
   }
 }
 
+// Walking needs them; they are known at their tick, live and replayed.
+TEST(SessionTest, ThumbsReachThePlayerAsTheTriggerDoes) {
+  const auto mouse = [](int ms, bool left, bool right) {
+    return devices::MouseSample{
+        .device_time = Time{1000 * ms}, .left_thumb = left, .right_thumb = right};
+  };
+  Scenario scenario;
+  scenario.rig.delay_s = 0.02;
+  Session session = make_session(scenario);
+  devices::ReplaySource source(
+      {mouse(50, true, false), mouse(100, true, true), mouse(150, false, false)});
+  while (seconds(session.now()) < 0.3) {
+    advance(session, source);
+    const double t = seconds(session.now()) - scenario.rig.delay_s;
+    EXPECT_EQ(session.player.left_thumb, t >= 0.05 && t < 0.15) << t;
+    EXPECT_EQ(session.player.right_thumb, t >= 0.1 && t < 0.15) << t;
+  }
+}
+
 TEST(SessionTest, TheRigSaysWhatIsWornWhere) {
   Scenario scenario;
   scenario.rig.head_station = 4;
