@@ -1,0 +1,137 @@
+#pragma once
+
+#include <type_traits>
+#include <vector>
+
+#include "engine/contacts.h"
+
+/// Contact points of shapes that stand on a plane, in closed form. Private to the engine.
+namespace headpin::engine::footing {
+
+inline constexpr double kSin120 = 0.86602540378443864676;
+
+/// The plane of a half-space, and contact points of shapes that stand on it.
+struct Ground {
+  Ground(const Pose& X_WP, double most, std::vector<ContactPoint>& points)
+      : up_W(z_axis(X_WP.q)),
+        along_W(X_WP.q * Vec3::UnitY()),
+        level(up_W.dot(X_WP.p)),
+        margin(most),
+        out(points) {}
+
+  double height(const Vec3& p_W) const { return up_W.dot(p_W) - level; }
+
+  /// Adds the points of a shape that are no higher than the margin; their normal is up.
+  ///
+  /// @param origin  of the shape's frame G: height over the ground [m]
+  void carry(const Shape& shape, const Mat3& R_WG, const Vec3& p_WG, double origin);
+
+  const Vec3 up_W, along_W;  // normal, and a direction in the plane
+  const double level, margin;
+  std::vector<ContactPoint>& out;
+};
+
+/// A shape over the ground.
+struct Footprint {
+  const Ground& ground;
+  const Mat3& R_WG;
+  const Vec3& p_WG;
+  Vec3 down;     // in G
+  double level;  // height of G's origin
+
+  void point(const Vec3& p_G, std::uint32_t feature) {
+    const double height = level - down.dot(p_G);
+    if (height > ground.margin) return;
+    ground.out.push_back(
+        {R_WG * p_G + p_WG - 0.5 * height * ground.up_W, ground.up_W, -height, feature});
+  }
+};
+
+/// Horizontal direction of steepest descent in the shape's frame. A round shape that stands upright
+/// has none of its own: then one of the ground's, so that its yaw does not matter.
+inline Vec2 downhill(const Footprint& foot, const Vec3& down) {
+  Vec2 u(down.x(), down.y());
+  if (u.squaredNorm() < 1e-8) u = (foot.R_WG.transpose() * foot.ground.along_W).head<2>();
+  return u / u.norm();
+}
+
+// Lowest point of a rim and two more, 120 degrees to each side.
+inline void rim(Footprint& foot, double radius, double z, const Vec2& u, std::uint32_t feature) {
+  const Vec2 v(-u.y(), u.x());
+  const Vec2 left = -0.5 * u + kSin120 * v, right = -0.5 * u - kSin120 * v;
+  foot.point({radius * u.x(), radius * u.y(), z}, feature);
+  foot.point({radius * left.x(), radius * left.y(), z}, feature + 1);
+  foot.point({radius * right.x(), radius * right.y(), z}, feature + 2);
+}
+
+inline void stand(Footprint& foot, const Ellipsoid& s, const Vec3& down, double) {
+  foot.point(support(s, down), 0);
+}
+
+inline void stand(Footprint& foot, const Cylinder& s, const Vec3& down, double) {
+  const Vec2 u = downhill(foot, down);
+  const double z = down.z() < 0.0 ? -s.half_height : s.half_height;
+  rim(foot, s.radius, z, u, down.z() < 0.0 ? 0 : 4);
+  foot.point({s.radius * u.x(), s.radius * u.y(), -z}, down.z() < 0.0 ? 4 : 0);
+}
+
+inline void stand(Footprint& foot, const Cone& s, const Vec3& down, double) {
+  rim(foot, s.radius, -0.5 * s.height, downhill(foot, down), 0);
+  foot.point({0.0, 0.0, 0.5 * s.height}, 4);
+}
+
+// Lowest corner, the one furthest from it, and the two furthest to the sides of their line.
+inline void stand(Footprint& foot, const Polyhedron& s, const Vec3& down, double above) {
+  const std::span<const Vec3> v = s.vertices();
+  const std::uint32_t lowest = s.furthest(down);
+  const Vec3 p0 = v[lowest];
+  if (down.dot(p0) < above) return;
+  const auto along_plane = [&](std::size_t i) {
+    const Vec3 d = v[i] - p0;
+    return Vec3(d - d.dot(down) * down);
+  };
+  std::uint32_t furthest = lowest;
+  double most = 0.0;
+  for (std::uint32_t i = 0; i < v.size(); ++i) {
+    if (down.dot(v[i]) < above) continue;
+    const double r2 = along_plane(i).squaredNorm();
+    if (r2 > most) {
+      most = r2;
+      furthest = i;
+    }
+  }
+  foot.point(p0, lowest);
+  if (furthest == lowest) return;
+  foot.point(v[furthest], furthest);
+  const Vec3 across = down.cross(along_plane(furthest));
+  std::uint32_t left = lowest, right = lowest;
+  double leftmost = 1e-9 * most, rightmost = -1e-9 * most;
+  for (std::uint32_t i = 0; i < v.size(); ++i) {
+    if (down.dot(v[i]) < above) continue;
+    const double side = across.dot(along_plane(i));
+    if (side > leftmost) {
+      leftmost = side;
+      left = i;
+    }
+    if (side < rightmost) {
+      rightmost = side;
+      right = i;
+    }
+  }
+  if (left != lowest) foot.point(v[left], left);
+  if (right != lowest) foot.point(v[right], right);
+}
+
+inline void Ground::carry(const Shape& shape, const Mat3& R_WG, const Vec3& p_WG, double origin) {
+  Footprint foot{*this, R_WG, p_WG, -(R_WG.transpose() * up_W), origin};
+  std::visit(
+      [&](const auto& s) {
+        // Points p with down . p >= above are within the margin.
+        if constexpr (!std::is_same_v<std::decay_t<decltype(s)>, HalfSpace>) {
+          stand(foot, s, foot.down, foot.level - margin);
+        }
+      },
+      shape);
+}
+
+}  // namespace headpin::engine::footing

@@ -1,0 +1,243 @@
+#pragma once
+
+#include <algorithm>
+
+#include "engine/shape.h"
+
+/// Where flat meets flat, or a side lies along something: the parts of two surfaces that face each
+/// other, and a few points of what they share. Private to the engine.
+namespace headpin::engine::patches {
+
+/// Faces and generators within this angle of facing each other give more than one point [rad].
+inline constexpr double kFacing = 0.1;
+inline constexpr int kMaxCorners = 64;
+
+/// The flat or straight part of a surface that faces a direction: a polygon, a segment or a point.
+struct Patch {
+  Vec3 corner[kMaxCorners];
+  int count = 0;        // 1 point, 2 segment, 3.. polygon
+  double radius = 0.0;  // of the surface across a segment
+
+  void add(const Vec3& p) {
+    if (count < kMaxCorners) corner[count++] = p;
+  }
+};
+
+inline Patch patch(const Ellipsoid&, const Vec3&) {
+  return {};
+}
+inline Patch patch(const HalfSpace&, const Vec3&) {
+  return {};
+}
+
+// A disc becomes a polygon with corners on its rim, one of them furthest along n.
+inline void add_disc(Patch& out, double radius, double z, const Vec3& n) {
+  constexpr int kRim = 16;
+  constexpr double kCos = 0.92387953251128675613, kSin = 0.38268343236508977173;  // of 2 pi / 16
+  const double rho = std::sqrt(n.x() * n.x() + n.y() * n.y());
+  Vec2 u = rho > 1e-9 ? Vec2(n.x() / rho, n.y() / rho) : Vec2(Vec2::UnitX());
+  for (int i = 0; i < kRim; ++i) {
+    out.add({radius * u.x(), radius * u.y(), z});
+    u = {kCos * u.x() - kSin * u.y(), kSin * u.x() + kCos * u.y()};
+  }
+}
+
+inline Patch patch(const Cylinder& s, const Vec3& n) {
+  Patch out;
+  const double rho = std::sqrt(n.x() * n.x() + n.y() * n.y());
+  if (rho < kFacing) {
+    add_disc(out, s.radius, n.z() < 0.0 ? -s.half_height : s.half_height, n);
+  } else if (std::abs(n.z()) < kFacing) {
+    const double k = s.radius / rho;
+    out.add({k * n.x(), k * n.y(), -s.half_height});
+    out.add({k * n.x(), k * n.y(), s.half_height});
+    out.radius = s.radius;
+  }
+  return out;
+}
+
+inline Patch patch(const Cone& s, const Vec3& n) {
+  Patch out;
+  const double rho = std::sqrt(n.x() * n.x() + n.y() * n.y());
+  const double slant = std::sqrt(s.radius * s.radius + s.height * s.height);
+  if (rho < kFacing && n.z() < 0.0) {
+    add_disc(out, s.radius, -0.5 * s.height, n);
+  } else if (std::abs(s.height * n.z() - s.radius * rho) < kFacing * slant) {
+    const double k = s.radius / rho;
+    out.add({0.0, 0.0, 0.5 * s.height});
+    out.add({k * n.x(), k * n.y(), -0.5 * s.height});
+    out.radius = 0.5 * s.radius * slant / s.height;  // half-way up
+  }
+  return out;
+}
+
+inline Patch patch(const Polyhedron& s, const Vec3& n) {
+  Patch out;
+  const std::uint32_t v = s.furthest(n);
+  const Polyhedron::Face* facing = nullptr;
+  double most = 1.0 - 0.5 * kFacing * kFacing;
+  for (const std::uint32_t f : s.faces_at(v)) {
+    const double cosine = n.dot(s.faces()[f].normal);
+    if (cosine > most) {
+      most = cosine;
+      facing = &s.faces()[f];
+    }
+  }
+  if (facing != nullptr) {
+    const auto corners = s.corners(*facing);
+    const std::size_t step = (corners.size() + kMaxCorners - 1) / kMaxCorners;
+    for (std::size_t i = 0; i < corners.size(); i += step) out.add(s.vertices()[corners[i]]);
+    return out;
+  }
+  double least = kFacing;
+  std::uint32_t other = v;
+  for (const std::uint32_t w : s.neighbours(v)) {
+    const Vec3 along = s.vertices()[w] - s.vertices()[v];
+    const double sine = std::abs(n.dot(along)) / along.norm();
+    if (sine < least) {
+      least = sine;
+      other = w;
+    }
+  }
+  if (other != v) {
+    out.add(s.vertices()[v]);
+    out.add(s.vertices()[other]);
+  }
+  return out;
+}
+
+/// The plane across the contact normal; heights along it.
+struct Frame {
+  Vec3 origin, u, v, n;
+
+  Vec2 flat(const Vec3& p) const { return {u.dot(p - origin), v.dot(p - origin)}; }
+  double height(const Vec3& p) const { return n.dot(p - origin); }
+};
+
+/// A patch in the contact plane, with its height there: height(x) = level + slope . x.
+struct Sheet {
+  Vec2 corner[2 * kMaxCorners];
+  int count = 0;
+  double level = 0.0;
+  Vec2 slope = Vec2::Zero();
+
+  double height(const Vec2& x) const { return level + slope.dot(x); }
+  Vec2 edge(int i) const { return corner[(i + 1) % count] - corner[i]; }
+};
+
+inline double cross(const Vec2& a, const Vec2& b) {
+  return a.x() * b.y() - a.y() * b.x();
+}
+
+inline Sheet lay(const Patch& patch, const Frame& frame) {
+  Sheet s;
+  s.count = patch.count;
+  for (int i = 0; i < patch.count; ++i) s.corner[i] = frame.flat(patch.corner[i]);
+  if (patch.count == 2) {
+    const Vec2 d = s.corner[1] - s.corner[0];
+    const double rise = frame.height(patch.corner[1]) - frame.height(patch.corner[0]);
+    s.slope = rise / std::max(d.squaredNorm(), 1e-300) * d;
+  } else {
+    // Three corners far apart span the plane.
+    const int j = patch.count / 3, k = 2 * patch.count / 3;
+    const Vec3 m = (patch.corner[j] - patch.corner[0]).cross(patch.corner[k] - patch.corner[0]);
+    const double up = m.dot(frame.n);
+    if (up != 0.0) s.slope = Vec2(m.dot(frame.u), m.dot(frame.v)) / -up;
+    if (up < 0.0) std::reverse(s.corner, s.corner + s.count);
+  }
+  s.level = frame.height(patch.corner[0]) - s.slope.dot(frame.flat(patch.corner[0]));
+  return s;
+}
+
+/// The part of a convex polygon or segment to the left of the line through p along d.
+inline void cut(Sheet& s, const Vec2& p, const Vec2& d) {
+  Vec2 kept[2 * kMaxCorners];
+  int count = 0;
+  const int edges = s.count == 2 ? 1 : s.count;
+  const auto keep = [&](const Vec2& x) {
+    if (count < 2 * kMaxCorners) kept[count++] = x;
+  };
+  for (int i = 0; i < s.count; ++i) {
+    const Vec2 &a = s.corner[i], &b = s.corner[(i + 1) % s.count];
+    const double side_a = cross(d, a - p), side_b = cross(d, b - p);
+    if (side_a >= 0.0) keep(a);
+    if (i < edges && (side_a >= 0.0) != (side_b >= 0.0)) {
+      keep(a + side_a / (side_a - side_b) * (b - a));
+    }
+  }
+  s.count = count;
+  std::copy(kept, kept + count, s.corner);
+}
+
+struct Candidate {
+  Vec2 x;
+  double height = 0.0, depth = 0.0;
+};
+
+/// What two patches share, as corners in the contact plane. Returns how many.
+inline int shared(const Patch& of_a, const Patch& of_b, const Sheet& a, const Sheet& b,
+                  Candidate* out) {
+  int count = 0;
+  if (of_a.count == 2 && of_b.count == 2) {
+    // Side on side: the stretch that both cover, if they are nearly parallel.
+    const Vec2 da = a.corner[1] - a.corner[0], db = b.corner[1] - b.corner[0];
+    const double length = da.norm(), turn = cross(da, db) / (length * db.norm());
+    if (!(std::abs(turn) < kFacing)) return 0;
+    const Vec2 t = da / length;
+    const double b0 = t.dot(b.corner[0] - a.corner[0]), b1 = t.dot(b.corner[1] - a.corner[0]);
+    const double low = std::max(0.0, std::min(b0, b1)), high = std::min(length, std::max(b0, b1));
+    if (!(low < high)) return 0;
+    for (const double s : {low, high}) {
+      const Vec2 xa = a.corner[0] + s * t;
+      const Vec2 xb = b.corner[0] + (s - b0) / (b1 - b0) * db;
+      // Round sides that part sideways by e are further apart than their lines by e^2 / 2 r.
+      const double e2 = (xa - xb).squaredNorm();
+      const double ha = a.height(xa), hb = b.height(xb);
+      const double lost = e2 / (2.0 * (of_a.radius + of_b.radius) + std::sqrt(e2) + 1e-300);
+      out[count++] = {0.5 * (xa + xb), 0.5 * (ha + hb), ha - hb - lost};
+    }
+    return count;
+  }
+  const bool a_first = of_a.count == 2 || of_b.count != 2;  // a segment is cut by the polygon
+  Sheet s = a_first ? a : b;
+  const Sheet& knife = a_first ? b : a;
+  for (int i = 0; i < knife.count && s.count > 0; ++i) cut(s, knife.corner[i], knife.edge(i));
+  for (int i = 0; i < s.count; ++i) {
+    const double ha = a.height(s.corner[i]), hb = b.height(s.corner[i]);
+    out[count++] = {s.corner[i], 0.5 * (ha + hb), ha - hb};
+  }
+  return count;
+}
+
+/// Up to four that reach furthest: the first, the furthest from it, and the furthest to both sides.
+inline int spread(const Candidate* all, int count, int first, int* chosen) {
+  chosen[0] = first;
+  int far = first;
+  for (int i = 0; i < count; ++i) {
+    if ((all[i].x - all[first].x).squaredNorm() > (all[far].x - all[first].x).squaredNorm())
+      far = i;
+  }
+  const Vec2 d = all[far].x - all[first].x;
+  const double least = 1e-6 * d.squaredNorm();
+  if (!(least > 0.0)) return 1;
+  chosen[1] = far;
+  int left = first, right = first;
+  double leftmost = least, rightmost = -least;
+  for (int i = 0; i < count; ++i) {
+    const double side = cross(d, all[i].x - all[first].x);
+    if (side > leftmost) {
+      leftmost = side;
+      left = i;
+    }
+    if (side < rightmost) {
+      rightmost = side;
+      right = i;
+    }
+  }
+  int n = 2;
+  if (left != first) chosen[n++] = left;
+  if (right != first) chosen[n++] = right;
+  return n;
+}
+
+}  // namespace headpin::engine::patches

@@ -1,0 +1,304 @@
+#pragma once
+
+#include <algorithm>
+
+#include "engine/stages.h"
+
+/// What the solver of lasting contacts works on: rows for normals, blocks of them, and friction,
+/// twist and roll of a touch. Private to the engine.
+namespace headpin::engine::detail {
+
+/// A body whose axis is nearer to the normal than this stands; it has no rolling resistance.
+inline constexpr double kStanding = 0.9;
+
+/// Determinant of a touch's rows, over the product of its diagonal, below which they depend on each
+/// other: the inverse would be noise. Four points of one plane have 1e-9 times what their spread is.
+inline constexpr double kDependent = 1e-12;
+
+inline constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+/// What B is to a touch: what has no velocity is left out of every sum.
+enum class Other { still, driven, moving };
+
+inline Other other_of(const World& world, const Touch& touch) {
+  if (touch.b_moves) return Other::moving;
+  return world.bodies[touch.b].kind == Kind::driven ? Other::driven : Other::still;
+}
+
+inline void push(State& state, const Mobility& m, const Vec3& F, const Vec3& inv_inertia_torque) {
+  state.v_WB += m.inv_mass * F;
+  state.w_WB += inv_inertia_torque;
+}
+
+// Where the touch's bodies were when its points were found.
+struct Arms {
+  Vec3 p_WA, p_WB;
+};
+
+inline Arms arms_of(const World& world, const Touch& touch) {
+  return {position_at(world, touch.a, touch.time), position_at(world, touch.b, touch.time)};
+}
+
+inline double last_impulse(const Scratch& s, const Touch& touch, std::uint32_t feature) {
+  if (touch.fresh) return 0.0;
+  const Touch& last = s.last_touches[touch.last];
+  for (std::uint32_t k = 0; k < last.rows; ++k) {
+    const NormalRow& row = s.last_rows[last.first_row + k];
+    if (row.feature == feature) return row.impulse;
+  }
+  return 0.0;
+}
+
+template <Other other>
+void push_by(World& world, const Touch& touch, const NormalRow& row, double impulse) {
+  const Scratch& s = world.scratch;
+  push(world.states[touch.a], s.mobility[touch.a], -impulse * row.n, -impulse * row.ia);
+  if constexpr (other == Other::moving) {
+    push(world.states[touch.b], s.mobility[touch.b], impulse * row.n, impulse * row.ib);
+  }
+}
+
+template <Other other>
+void add_normal_rows(World& world, Touch& touch) {
+  Scratch& s = world.scratch;
+  const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
+  const Arms arms = arms_of(world, touch);
+  const double left = std::max(step_seconds(world) - touch.time, 1e-9 * step_seconds(world));
+  touch.first_row = static_cast<std::uint32_t>(s.rows.size());
+  touch.rows = touch.points;
+  for (std::uint32_t k = 0; k < touch.points; ++k) {
+    const ContactPoint& p = s.points[touch.first_point + k];
+    NormalRow& row = s.rows.emplace_back();
+    row.feature = p.feature;
+    row.n = p.n_AB_W;
+    row.ra_n = (p.p_W - arms.p_WA).cross(row.n);
+    row.ia = ma.inv_inertia_W * row.ra_n;
+    double k_nn = ma.inv_mass + row.ra_n.dot(row.ia);
+    if constexpr (other != Other::still) row.rb_n = (p.p_W - arms.p_WB).cross(row.n);
+    if constexpr (other == Other::moving) {
+      row.ib = mb.inv_inertia_W * row.rb_n;
+      k_nn += mb.inv_mass + row.rb_n.dot(row.ib);
+    }
+    row.mass = 1.0 / k_nn;
+    row.allowed = p.depth < 0.0 ? -p.depth / left : 0.0;
+    row.impulse = last_impulse(s, touch, p.feature);
+    if (row.impulse > 0.0) push_by<other>(world, touch, row, row.impulse);
+  }
+}
+
+/// Calls f.template operator()<n>() for the 2 to 4 rows of a touch that are solved as one.
+/// @return false for other numbers
+template <typename F>
+bool with_rows(const Touch& touch, F&& f) {
+  switch (touch.rows) {
+    case 2:
+      return f.template operator()<2>();
+    case 3:
+      return f.template operator()<3>();
+    case 4:
+      return f.template operator()<4>();
+    default:
+      return false;
+  }
+}
+
+/// The rows of a touch solved as one: a base stands without any iteration. Rows that say almost the
+/// same, of points on one spot or line, have no such solution and go one by one.
+template <Other other, int n>
+void add_block(Scratch& s, Touch& touch) {
+  const NormalRow* const rows = s.rows.data() + touch.first_row;
+  double inv_mass = s.mobility[touch.a].inv_mass;
+  if constexpr (other == Other::moving) inv_mass += s.mobility[touch.b].inv_mass;
+  Eigen::Matrix<double, n, n> K;
+  for (int i = 0; i < n; ++i) {
+    for (int k = 0; k <= i; ++k) {
+      double value = inv_mass * rows[i].n.dot(rows[k].n) + rows[i].ra_n.dot(rows[k].ia);
+      if constexpr (other == Other::moving) value += rows[i].rb_n.dot(rows[k].ib);
+      K(i, k) = K(k, i) = value;
+    }
+    // Four points of one plane carry each other; this picks one of the ways to share the load.
+    K(i, i) *= 1.0 + 1e-9;
+  }
+  Eigen::Matrix<double, n, n> inverse;
+  double determinant = 0.0;
+  bool independent = false;
+  K.computeInverseAndDetWithCheck(inverse, determinant, independent,
+                                  kDependent * K.diagonal().prod());
+  touch.block = kNone;
+  if (!independent) return;
+  touch.block = static_cast<std::uint32_t>(s.blocks.size());
+  s.blocks.emplace_back().topLeftCorner<n, n>() = inverse;
+}
+
+/// Foot and normal of the friction of a touch: its points, weighted by what they carry.
+struct Foot {
+  Vec3 p_W = Vec3::Zero(), n = Vec3::Zero();
+  double spread = 0.0;  // of the points about the foot, root of the mean square [m]
+};
+
+inline Foot foot_of(const Scratch& s, const Touch& touch) {
+  const NormalRow* const rows = s.rows.data() + touch.first_row;
+  const ContactPoint* const points = s.points.data() + touch.first_point;
+  if (touch.rows == 1) return {points[0].p_W, rows[0].n, 0.0};
+  double load = 0.0, deepest = points[0].depth;
+  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+    load += rows[k].impulse;
+    deepest = std::max(deepest, points[k].depth);
+  }
+  // Nothing carried yet: those that touch first.
+  const auto weight = [&](std::uint32_t k) {
+    return load > 0.0 ? rows[k].impulse : (points[k].depth > deepest - 1e-4 ? 1.0 : 0.0);
+  };
+  Foot foot;
+  const Vec3 from = points[0].p_W;
+  double sum = 0.0, squares = 0.0;
+  bool one_plane = true;
+  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+    const double w = weight(k);
+    const Vec3 r = points[k].p_W - from;
+    sum += w;
+    foot.p_W += w * r;
+    squares += w * r.squaredNorm();
+    one_plane = one_plane && rows[k].n == rows[0].n;
+  }
+  const double inverse = 1.0 / sum;
+  foot.p_W *= inverse;
+  foot.spread = std::sqrt(std::max(0.0, squares * inverse - foot.p_W.squaredNorm()));
+  foot.p_W += from;
+  foot.n = rows[0].n;
+  if (one_plane) return foot;
+  // Surfaces on both sides of a body share their tangents: their normals count as one.
+  std::uint32_t most = 0;
+  for (std::uint32_t k = 1; k < touch.rows; ++k) most = weight(k) > weight(most) ? k : most;
+  const Vec3 side = rows[most].n;
+  foot.n = Vec3::Zero();
+  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+    foot.n += std::copysign(weight(k), rows[k].n.dot(side)) * rows[k].n;
+  }
+  foot.n.normalize();
+  return foot;
+}
+
+inline Vec3 tangent(const Vec3& n) {
+  const Vec3 t = std::abs(n.x()) < 0.7 ? Vec3(0.0, n.z(), -n.y()) : Vec3(-n.z(), 0.0, n.x());
+  return t / std::sqrt(t.squaredNorm());
+}
+
+/// How the bodies of a touch are kept from rolling.
+enum class Rolling { freely, about_axis, about_any };
+
+/// A lying body rolls heavily about its axis across the normal, a ball about any; one that stands
+/// does not roll.
+inline Rolling rolling_of(const World& world, const Touch& touch, const Vec3& n, Vec3& axis_W) {
+  for (const BodyId i : {touch.a, touch.b}) {
+    if (world.bodies[i].kind != Kind::free || world.bodies[i].material.rolling_arm == 0.0) continue;
+    if (is_ball(world.inertias[i])) return Rolling::about_any;
+    const Vec3 axis = axis_of_revolution(world.inertias[i], world.states[i].X_WB.q);
+    const double along = axis.dot(n);
+    if (std::abs(along) >= kStanding) continue;
+    axis_W = (axis - along * n).normalized();
+    return Rolling::about_axis;
+  }
+  return Rolling::freely;
+}
+
+/// The part of a turn that rolling resistance acts on.
+inline Vec3 rolling_part(const FrictionRows& f, const Vec3& w) {
+  return f.rolls_any ? Vec3(w - f.n.dot(w) * f.n) : Vec3(f.axis.dot(w) * f.axis);
+}
+
+/// What a body gives way to unit impulses of the friction rows, summed over the bodies that move.
+struct Yield {
+  Eigen::Matrix2d slip = Eigen::Matrix2d::Zero();
+  double twist = 0.0, roll = 0.0;
+};
+
+inline void add_side(const FrictionRows& f, FrictionSide& side, const Mobility& m, Yield& yield) {
+  for (std::size_t i = 0; i < 2; ++i) side.i[i] = m.inv_inertia_W * side.r_t[i];
+  const double off = side.r_t[0].dot(side.i[1]);
+  yield.slip(0, 0) += m.inv_mass + side.r_t[0].dot(side.i[0]);
+  yield.slip(1, 1) += m.inv_mass + side.r_t[1].dot(side.i[1]);
+  yield.slip(0, 1) += off;
+  yield.slip(1, 0) += off;
+  side.twist_i = m.inv_inertia_W * f.n;
+  yield.twist += f.n.dot(side.twist_i);
+  if (f.roll_arm == 0.0) return;
+  yield.roll += f.rolls_any ? std::max(f.t[0].dot(m.inv_inertia_W * f.t[0]),
+                                       f.t[1].dot(m.inv_inertia_W * f.t[1]))
+                            : f.axis.dot(m.inv_inertia_W * f.axis);
+}
+
+/// Impulses of a pair's friction: along the tangents, and turning about any axis.
+template <Other other>
+void push_along(World& world, const Touch& touch, const FrictionRows& f, const Vec2& slip) {
+  const Scratch& s = world.scratch;
+  const Vec3 F = slip[0] * f.t[0] + slip[1] * f.t[1];
+  push(world.states[touch.a], s.mobility[touch.a], F, slip[0] * f.a.i[0] + slip[1] * f.a.i[1]);
+  if constexpr (other == Other::moving) {
+    push(world.states[touch.b], s.mobility[touch.b], -F, -slip[0] * f.b.i[0] - slip[1] * f.b.i[1]);
+  }
+}
+
+template <Other other>
+void twist_by(World& world, const Touch& touch, const FrictionRows& f, double twist) {
+  world.states[touch.a].w_WB += twist * f.a.twist_i;
+  if constexpr (other == Other::moving) world.states[touch.b].w_WB -= twist * f.b.twist_i;
+}
+
+template <Other other>
+void roll_by(World& world, const Touch& touch, const Vec3& roll) {
+  const Scratch& s = world.scratch;
+  world.states[touch.a].w_WB += s.mobility[touch.a].inv_inertia_W * roll;
+  if constexpr (other == Other::moving) {
+    world.states[touch.b].w_WB -= s.mobility[touch.b].inv_inertia_W * roll;
+  }
+}
+
+template <Other other>
+void add_friction(World& world, Touch& touch, std::uint32_t index) {
+  Scratch& s = world.scratch;
+  const double kept = touch.sliding.kept;
+  const Foot foot = foot_of(s, touch);
+  FrictionRows& f = s.friction.emplace_back();
+  f.touch = index;
+  f.n = foot.n;
+  f.t[0] = tangent(f.n);
+  f.t[1] = f.n.cross(f.t[0]);
+  const double arm =
+      world.bodies[touch.a].material.rolling_arm + world.bodies[touch.b].material.rolling_arm;
+  f.axis = Vec3::Zero();
+  const Rolling rolling = arm > 0.0 ? rolling_of(world, touch, f.n, f.axis) : Rolling::freely;
+  f.rolls_any = rolling == Rolling::about_any;
+  f.roll_arm = rolling == Rolling::freely ? 0.0 : arm;
+  f.reach = foot.spread + arm;  // what rolls heavily pivots heavily, even on one point
+
+  const Arms arms = arms_of(world, touch);
+  Yield yield;
+  for (std::size_t i = 0; i < 2; ++i) f.a.r_t[i] = (foot.p_W - arms.p_WA).cross(f.t[i]);
+  add_side(f, f.a, s.mobility[touch.a], yield);
+  if constexpr (other != Other::still) {
+    for (std::size_t i = 0; i < 2; ++i) f.b.r_t[i] = (foot.p_W - arms.p_WB).cross(f.t[i]);
+  }
+  if constexpr (other == Other::moving) add_side(f, f.b, s.mobility[touch.b], yield);
+
+  // After the step a part `kept` of the slip u that there would be without friction shall be left:
+  // F = -(1 - kept) K^-1 u. With u' = u + K F that is u' + softness F = 0.
+  const double soft = kept < 1.0 ? kept / (1.0 - kept) : 0.0;
+  const Eigen::Matrix2d& K = yield.slip;
+  f.softness = soft * K;
+  f.inverse << K(1, 1), -K(0, 1), -K(1, 0), K(0, 0);
+  f.inverse *= (1.0 - kept) / (K(0, 0) * K(1, 1) - K(0, 1) * K(1, 0));
+  f.twist_softness = soft * yield.twist;
+  f.twist_mass = f.reach > 0.0 ? (1.0 - kept) / yield.twist : 0.0;
+  f.roll_mass = f.roll_arm > 0.0 ? 1.0 / yield.roll : 0.0;
+
+  f.impulse = Vec2(touch.friction_W.dot(f.t[0]), touch.friction_W.dot(f.t[1]));
+  f.twist = f.twist_mass > 0.0 ? touch.twist : 0.0;
+  f.roll = f.roll_arm > 0.0 ? rolling_part(f, touch.roll) : Vec3::Zero();
+  f.yields = 0.5 * K.trace();
+  push_along<other>(world, touch, f, f.impulse);
+  twist_by<other>(world, touch, f, f.twist);
+  if (f.roll_arm > 0.0) roll_by<other>(world, touch, f.roll);
+}
+
+}  // namespace headpin::engine::detail
