@@ -57,7 +57,7 @@ std::int64_t frames_until(Time end, std::int64_t fps) {
 
 void run(const Options& options) {
   if (!options.folder && !options.video && !options.verify) {
-    throw UsageError("nothing to do: expected -o DIR, --video FILE, --verify or several of them");
+    throw UsageError("nothing to write: expected -o DIR, --video FILE or both, or --verify");
   }
   const FrameRanges wanted = options.frames.empty() ? FrameRanges() : FrameRanges(options.frames);
   const scene::Recorded recorded =

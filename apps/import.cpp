@@ -1,6 +1,8 @@
+#include <algorithm>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -9,9 +11,8 @@
 #include "apps/options.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "devices/catalogue_csv.h"
-#include "devices/event_log.h"
 #include "devices/log.h"
+#include "devices/motion_files.h"
 #include "scene/events.h"
 #include "scene/throw.h"
 
@@ -21,7 +22,8 @@ namespace {
 struct Options {
   std::optional<std::string> output;
   std::string file, scenario, participant, condition;
-  std::string units = "cm", heading = "release";
+  std::string units, heading = "release", hand = "auto", names, axes;
+  std::optional<int> which;
   bool force = false, json = false;
 };
 
@@ -34,10 +36,58 @@ scene::Heading heading(const std::string& name) {
   return name == "keep" ? scene::Heading::keep : scene::Heading::release;
 }
 
-devices::MotionRecording read_recording(const std::string& path, double unit_m) {
-  const devices::MappedFile file(path);
-  const auto* text = reinterpret_cast<const char*>(file.bytes().data());
-  return devices::parse_catalogue_csv({text, file.bytes().size()}, path, unit_m);
+/// What the options declare.
+devices::MotionOptions declared(const Options& options) {
+  devices::MotionOptions motion;
+  if (!options.units.empty()) motion.unit_m = metres(options.units);
+  if (!options.axes.empty()) motion.axes = options.axes;
+  if (options.names.empty()) return motion;
+  std::istringstream names(options.names);
+  for (std::string& name : motion.names) std::getline(names, name, ',');
+  if (std::ranges::count(options.names, ',') != 2 || std::ranges::count(motion.names, "") > 0) {
+    throw UsageError("--names " + options.names + ": expected three names, HEAD,LEFT,RIGHT");
+  }
+  return motion;
+}
+
+/// What is in the file, and by which hand it was thrown.
+struct Thrown {
+  devices::MotionRecording recording;
+  scene::Side side = scene::Side::right;
+  std::size_t throws = 1;  ///< in the file
+};
+
+scene::Side side_of(const Options& options, const devices::MotionRecording& recording,
+                    const scene::Hand& hand) {
+  if (options.hand == "auto") return scene::throwing_side(recording, hand);
+  return options.hand == "left" ? scene::Side::left : scene::Side::right;
+}
+
+Thrown read_thrown(const Options& options, const scene::Hand& hand) {
+  Thrown thrown{devices::read_motion(options.file, declared(options))};
+  thrown.side = side_of(options, thrown.recording, hand);
+  std::vector<devices::MotionRecording> throws = scene::split_throws(thrown.recording, thrown.side);
+  thrown.throws = throws.size();
+  if (!options.which) return thrown;
+  const auto wanted = static_cast<std::size_t>(*options.which);
+  if (wanted > throws.size()) {
+    throw std::runtime_error(fmt::format("{}: expected a throw {}, found {} of them", options.file,
+                                         wanted, throws.size()));
+  }
+  thrown.recording = std::move(throws[wanted - 1]);
+  thrown.side = side_of(options, thrown.recording, hand);
+  return thrown;
+}
+
+/// What the user should know of a recording that is taken all the same.
+void say_doubts(const Options& options, const Thrown& thrown) {
+  for (const std::string& doubt : scene::doubts(thrown.recording)) {
+    say("headpin import: {}: {}\n", printable(options.file), doubt);
+  }
+  if (thrown.throws > 1 && !options.which) {
+    say("headpin import: {}: {} throws in it, the fastest is taken; --throw N takes another\n",
+        printable(options.file), thrown.throws);
+  }
 }
 
 /// What was found in the recording, to be told from what was recorded.
@@ -49,7 +99,8 @@ std::vector<devices::Event> found_events(const devices::MotionRecording& recordi
     e.time = recording.times[sample];
     e.kind = kind;
     e.bodies = {"ball"};
-    e.p_W = scenario.rig.X_WT * (recording.right_hand[sample] * scenario.hand.grip);
+    e.p_W = scenario.rig.X_WT *
+            (scene::throwing_hand(recording, found.side)[sample] * scenario.hand.grip);
     return e;
   };
   std::vector<devices::Event> events = {event(scene::kind::grab_found, found.grab),
@@ -68,9 +119,11 @@ double decimal_seconds(Time time) {
 void run(const Options& options) {
   const scene::Scenario base =
       options.scenario.empty() ? scene::Scenario{} : scene::load_scenario(options.scenario);
-  const devices::MotionRecording recording = read_recording(options.file, metres(options.units));
-  scene::require_throw(recording, base.hand, options.file);
-  const scene::Throw found = scene::find_throw(recording, base.hand);
+  const Thrown thrown = read_thrown(options, base.hand);
+  const devices::MotionRecording& recording = thrown.recording;
+  scene::require_throw(recording, base.hand, options.file, thrown.side);
+  say_doubts(options, thrown);
+  const scene::Throw found = scene::find_throw(recording, base.hand, thrown.side);
   const scene::Scenario scenario =
       scene::stand_thrower(base, recording, found, heading(options.heading));
   scene::check(scenario, options.file + " as thrown in this room");
@@ -96,6 +149,8 @@ void run(const Options& options) {
   const double speed = found.V_TB.v.norm();
   if (options.json) {
     print_json({{"output", *options.output},
+                {"hand", found.side == scene::Side::left ? "left" : "right"},
+                {"throws", thrown.throws},
                 {"samples", samples},
                 {"duration_s", duration},
                 {"rate_hz", rate},
@@ -108,13 +163,15 @@ void run(const Options& options) {
   std::cout << fmt::format(
       "{}\n"
       "  samples            {} of head and both hands\n"
+      "  thrown by          the {} hand\n"
       "  duration           {:.3f} s\n"
       "  rate               {:.1f} Hz\n"
       "  peak hand speed    {:.2f} m/s\n"
       "  grab, found        {:.3f} s\n"
       "  release, found     {:.3f} s\n"
       "  ball at release    {:.2f} m/s\n",
-      *options.output, samples, duration, rate, found.peak_hand_speed, grab, release, speed);
+      *options.output, samples, found.side == scene::Side::left ? "left" : "right", duration, rate,
+      found.peak_hand_speed, grab, release, speed);
 }
 
 }  // namespace
@@ -122,13 +179,35 @@ void run(const Options& options) {
 void add_import(CLI::App& app) {
   CLI::App* command = app.add_subcommand("import", "Make a trial of a recorded throw");
   const auto options = std::make_shared<Options>();
-  command->add_option("FILE", options->file, "CSV of the XR motion catalogue")->required();
+  command
+      ->add_option("FILE", options->file,
+                   "CSV of the XR motion catalogue, a UXF session's folder or one of its trackers' "
+                   "files, a Motion-BIDS ..._motion.tsv, or a log of VRPN")
+      ->required();
   add_output(*command, "-o,--output", options->output,
              "trial to write (.lcmlog); - is standard output")
       ->required();
-  command->add_option("--units", options->units, "unit of the positions: m, cm or mm")
-      ->check(CLI::IsMember({"m", "cm", "mm"}))
+  command
+      ->add_option("--units", options->units,
+                   "unit of the positions where the format does not say it: m, cm or mm; cm in the "
+                   "catalogue, m in VRPN when not given")
+      ->check(CLI::IsMember({"m", "cm", "mm"}));
+  command
+      ->add_option(
+          "--axes", options->axes,
+          "where +x, +y and +z point, for VRPN, or where Motion-BIDS does not say it: of R "
+          "right, L left, S up, I down, A ahead, P back; VRPN: RSP when not given")
+      ->type_name("XYZ");
+  command
+      ->add_option("--names", options->names,
+                   "what the file calls head, left and right hand; found by such words when not "
+                   "given, or sensors 0, 1 and 2")
+      ->type_name("HEAD,LEFT,RIGHT");
+  command->add_option("--hand", options->hand, "that throws: left, right, or auto: as it is found")
+      ->check(CLI::IsMember({"left", "right", "auto"}))
       ->capture_default_str();
+  command->add_option("--throw", options->which, "which of the throws in the file, from 1")
+      ->check(CLI::Range(1, 10'000));
   command
       ->add_option("--heading", options->heading,
                    "what heads down the lane: the ball at its release, the head's gaze before it, "

@@ -27,8 +27,9 @@ constexpr double kMostRoll = 0.4;      // sine of the head's roll, but for a ten
 constexpr double kMostUpward = 0.2;    // sine of its mean look upward: the target is on the floor
 constexpr double kLeastAtBall = 0.5;   // cosine between look and ball as it is taken
 constexpr double kLeastAlong = 0.906;  // cosine between look and throw from above, 25 degrees
-constexpr double kLowestRate = 59.0, kHighestRate = 250.0;  // Hz; head-mounted displays: 60 and up
-constexpr double kLongestGap = 0.05;                        // s
+constexpr double kLowestRate = 45.0, kHighestRate = 250.0;  // Hz
+constexpr double kUsualRate = 59.0;                         // Hz; head-mounted displays: 60 and up
+constexpr double kLongestGap = 0.1, kUsualGap = 0.05;       // s
 constexpr std::size_t kFewestSamples = 100;
 constexpr double kShortestDuration = 2.0;  // s
 
@@ -36,6 +37,12 @@ const Vec3 kUp = Vec3::UnitY();
 
 Vec3 horizontal(const Vec3& v) {
   return Vec3(v.x(), 0.0, v.z());
+}
+
+/// Where the ball is in the hand: a scenario has that of a right hand, a left one mirrors it.
+Vec3 grip_of(const Hand& hand, Side side) {
+  const Vec3& p = hand.grip;
+  return side == Side::left ? Vec3(-p.x(), p.y(), p.z()) : p;
 }
 
 Vec3 velocity(const std::vector<Time>& times, const std::vector<Pose>& track, std::size_t i) {
@@ -52,19 +59,20 @@ std::size_t best(std::size_t begin, std::size_t end, const Score& score) {
   return best;
 }
 
-Twist ball_velocity(const MotionRecording& r, std::size_t release, const Vec3& p_HB,
+Twist ball_velocity(const MotionRecording& r, std::size_t release, Side side, const Vec3& p_HB,
                     const ReleaseWindow& window) {
+  const std::vector<Pose>& hand = throwing_hand(r, side);
   std::vector<Stamped<Pose>> track;
   for (std::size_t i = 0; i <= release; ++i) {
     if (r.times[i] < r.times[release] - std::max(window.least, window.most)) continue;
-    track.push_back({r.times[i], r.right_hand[i]});
+    track.push_back({r.times[i], hand[i]});
   }
   return release_velocity(track, p_HB, window);
 }
 
 /// Of the hand, fitted as the ball's will be.
-Vec3 hand_velocity_at(const MotionRecording& r, std::size_t i, const Hand& hand) {
-  return ball_velocity(r, i, Vec3::Zero(), release_window(hand)).v;
+Vec3 hand_velocity_at(const MotionRecording& r, const Throw& found, const Hand& hand) {
+  return ball_velocity(r, found.release, found.side, Vec3::Zero(), release_window(hand)).v;
 }
 
 /// The second before the release, when the thrower has the ball in the air and the lane in sight.
@@ -154,15 +162,21 @@ std::vector<std::string> problems_of_length(const MotionRecording& r) {
 
 }  // namespace
 
-Throw find_throw(const MotionRecording& r, const Hand& hand) {
+const std::vector<Pose>& throwing_hand(const MotionRecording& r, Side side) {
+  return side == Side::left ? r.left_hand : r.right_hand;
+}
+
+Throw find_throw(const MotionRecording& r, const Hand& hand, Side side) {
   if (r.times.size() < 10) throw std::invalid_argument("a throw takes at least ten samples");
   const std::size_t n = r.times.size();
-  const auto hand_velocity = [&](std::size_t i) { return velocity(r.times, r.right_hand, i); };
-  const auto hand_height = [&](std::size_t i) { return r.right_hand[i].p.y(); };
+  const std::vector<Pose>& track = throwing_hand(r, side);
+  const auto hand_velocity = [&](std::size_t i) { return velocity(r.times, track, i); };
+  const auto hand_height = [&](std::size_t i) { return track[i].p.y(); };
   const auto level_speed = [&](std::size_t i) { return horizontal(hand_velocity(i)).norm(); };
   const ReleaseWindow window = release_window(hand);
 
   Throw found;
+  found.side = side;
   const std::size_t peak = best(0, n, [&](std::size_t i) { return hand_velocity(i).norm(); });
   found.peak_hand_speed = hand_velocity(peak).norm();
 
@@ -179,16 +193,21 @@ Throw find_throw(const MotionRecording& r, const Hand& hand) {
     if (hand_velocity(i).norm() < kRestingHand && lower) found.grab = i;
   }
   if (r.times[found.release] - window.least >= r.times.front()) {
-    found.V_TB = ball_velocity(r, found.release, hand.grip, window);
+    found.V_TB = ball_velocity(r, found.release, side, grip_of(hand, side), window);
   }
   return found;
 }
 
-std::vector<std::string> why_no_throw(const MotionRecording& r, const Hand& hand) {
+std::vector<std::string> why_no_throw(const MotionRecording& r, const Hand& hand, Side side) {
+  const Side other = side == Side::left ? Side::right : Side::left;
+  const std::vector<Pose>&throwing = throwing_hand(r, side), &resting = throwing_hand(r, other);
   std::vector<std::string> problems = problems_of_length(r);
   if (!problems.empty()) return problems;  // nothing below can be measured
 
-  const auto expect = [&](const char* what, double value, double low, double high,
+  const auto of_hand = [](Side which, const char* what) {
+    return fmt::format("the {} hand{}", which == Side::left ? "left" : "right", what);
+  };
+  const auto expect = [&](std::string_view what, double value, double low, double high,
                           const char* unit) {
     if (value >= low && value <= high) return;
     problems.push_back(
@@ -199,14 +218,14 @@ std::vector<std::string> why_no_throw(const MotionRecording& r, const Hand& hand
   };
 
   expect("the head is up", median_height(r.head), kLowestHead, kHighestHead, "m");
-  expect("the right hand goes from the head up to", longest_reach(r, r.right_hand), kShortestReach,
+  expect(of_hand(side, " goes from the head up to"), longest_reach(r, throwing), kShortestReach,
          kLongestReach, "m");
-  expect("the left hand goes from the head up to", longest_reach(r, r.left_hand), 0.0,
-         kLongestReach, "m");
+  expect(of_hand(other, " goes from the head up to"), longest_reach(r, resting), 0.0, kLongestReach,
+         "m");
 
-  const Throw found = find_throw(r, hand);
-  expect("the right hand's fastest is", found.peak_hand_speed, kSlowestThrow, kFastestHand, "m/s");
-  expect("the left hand's fastest is", fastest(r, r.left_hand), 0.0, kFastestHand, "m/s");
+  const Throw found = find_throw(r, hand, side);
+  expect(of_hand(side, "'s fastest is"), found.peak_hand_speed, kSlowestThrow, kFastestHand, "m/s");
+  expect(of_hand(other, "'s fastest is"), fastest(r, resting), 0.0, kFastestHand, "m/s");
   expect("the head's fastest is", fastest(r, r.head), 0.0, kFastestHead, "m/s");
 
   const Time release = r.times[found.release];
@@ -235,23 +254,30 @@ std::vector<std::string> why_no_throw(const MotionRecording& r, const Hand& hand
   claim(look.y() < kMostUpward,
         fmt::format("the head looks up ({:.2f} of its line of sight), expected less than {}",
                     look.y(), kMostUpward));
-  const Vec3 along = horizontal(hand_velocity_at(r, found.release, hand)).normalized();
+  const Vec3 along = horizontal(hand_velocity_at(r, found, hand)).normalized();
   claim(horizontal(look).normalized().dot(along) > kLeastAlong,
         fmt::format("the head looks towards x {:.2f}, z {:.2f}, not along the throw towards x "
                     "{:.2f}, z {:.2f}",
                     look.x(), look.z(), along.x(), along.z()));
   const Pose& head = r.head[found.grab];
-  const Vec3 at_ball = (r.right_hand[found.grab].p - head.p).normalized();
+  const Vec3 at_ball = (throwing[found.grab].p - head.p).normalized();
   const double on_ball = at_ball.dot(head.q * -Vec3::UnitZ());
   claim(found.grab == 0 || on_ball > kLeastAtBall,
         fmt::format("the head does not look at the ball as the hand takes it: cosine {:.2f}, "
                     "expected more than {}",
                     on_ball, kLeastAtBall));
   const double right = mean_side(r, found, r.right_hand), left = mean_side(r, found, r.left_hand);
-  claim(right > 0.0 && right > left,
-        fmt::format("the right hand is not on the right: {:.2f} m right of the head, the left hand "
-                    "{:.2f} m",
-                    right, left));
+  if (side == Side::right) {
+    claim(right > 0.0 && right > left,
+          fmt::format("the right hand is not on the right: {:.2f} m right of the head, the left "
+                      "hand {:.2f} m",
+                      right, left));
+  } else {
+    claim(left < 0.0 && left < right,
+          fmt::format("the left hand is not on the left: {:.2f} m left of the head, the right hand "
+                      "{:.2f} m",
+                      -left, -right));
+  }
   return problems;
 }
 
@@ -318,12 +344,90 @@ std::vector<Remedy> remedies() {
 
 }  // namespace
 
-void require_throw(const MotionRecording& recording, const Hand& hand, const std::string& where) {
-  const std::vector<std::string> problems = why_no_throw(recording, hand);
+std::vector<std::string> doubts(const MotionRecording& r) {
+  std::vector<std::string> said;
+  const std::size_t n = r.times.size();
+  if (n < 2) return said;
+  const double rate = static_cast<double>(n - 1) / seconds(r.times.back() - r.times.front());
+  if (rate < kUsualRate) {
+    said.push_back(fmt::format("{:.3g} samples a second are few, below {} the release is less sure",
+                               rate, kUsualRate));
+  }
+  double longest = 0.0;
+  std::size_t at = 0;
+  for (std::size_t i = 1; i < n; ++i) {
+    const double gap = seconds(r.times[i] - r.times[i - 1]);
+    if (gap > longest) longest = gap, at = i - 1;
+  }
+  if (longest > kUsualGap) {
+    said.push_back(
+        fmt::format("nothing for {:.3g} s from {:.3g} s on: what happened there is "
+                    "guessed from both sides",
+                    longest, seconds(r.times[at])));
+  }
+  return said;
+}
+
+std::vector<MotionRecording> split_throws(const MotionRecording& r, Side side) {
+  constexpr Time kApart{1'500'000};  // a back swing is nearer to its throw, the next throw farther
+  const std::vector<Pose>& track = throwing_hand(r, side);
+  std::vector<std::size_t> peaks;
+  std::vector<double> speeds;
+  for (std::size_t i = 0; i < track.size(); ++i) {
+    speeds.push_back(track.size() < 2 ? 0.0 : horizontal(velocity(r.times, track, i)).norm());
+  }
+  for (std::size_t i = 0; i < track.size(); ++i) {
+    if (speeds[i] < kSlowestThrow) continue;
+    if (peaks.empty() || r.times[i] - r.times[peaks.back()] > kApart) {
+      peaks.push_back(i);
+    } else if (speeds[i] > speeds[peaks.back()]) {
+      peaks.back() = i;
+    }
+  }
+  if (peaks.size() < 2) return {r};
+  std::vector<MotionRecording> all;
+  std::size_t begin = 0;
+  for (std::size_t k = 0; k < peaks.size(); ++k) {
+    std::size_t end = track.size();
+    if (k + 1 < peaks.size()) {
+      // The follow-through is this one's; the way back to the ball is the next one's.
+      const Time until = r.times[peaks[k]] +
+                         std::min(Time{1'000'000}, (r.times[peaks[k + 1]] - r.times[peaks[k]]) / 2);
+      end = static_cast<std::size_t>(std::ranges::upper_bound(r.times, until) - r.times.begin());
+    }
+    MotionRecording one;
+    for (std::size_t i = begin; i < end; ++i) {
+      one.times.push_back(r.times[i] - r.times[begin]);
+      one.head.push_back(r.head[i]);
+      one.left_hand.push_back(r.left_hand[i]);
+      one.right_hand.push_back(r.right_hand[i]);
+    }
+    all.push_back(std::move(one));
+    begin = end;
+  }
+  return all;
+}
+
+Side throwing_side(const MotionRecording& r, const Hand& hand) {
+  if (why_no_throw(r, hand, Side::right).empty()) return Side::right;
+  if (why_no_throw(r, hand, Side::left).empty()) return Side::left;
+  return r.times.size() > 1 && fastest(r, r.left_hand) > fastest(r, r.right_hand) ? Side::left
+                                                                                  : Side::right;
+}
+
+void require_throw(const MotionRecording& recording, const Hand& hand, const std::string& where,
+                   Side side) {
+  const std::vector<std::string> problems = why_no_throw(recording, hand, side);
   if (problems.empty()) return;
   std::string message = fmt::format("{}: not a person's throw: {}", where, problems.front());
+  const Side other = side == Side::left ? Side::right : Side::left;
+  if (why_no_throw(recording, hand, other).empty()) {
+    message +=
+        fmt::format("; it would be one by the {} hand", other == Side::left ? "left" : "right");
+    throw std::invalid_argument(message);
+  }
   for (const Remedy& remedy : remedies()) {
-    if (why_no_throw(remedied(recording, remedy), hand).empty()) {
+    if (why_no_throw(remedied(recording, remedy), hand, side).empty()) {
       message += fmt::format("; it would be one {}", remedy.name);
       break;
     }
@@ -341,7 +445,9 @@ Scenario stand_thrower(Scenario scenario, const MotionRecording& recording, cons
   R_TW << ahead.cross(kUp), ahead, kUp;
   const Quat q_WT(R_TW.transpose());
 
-  const Vec3 p_TB = recording.right_hand[found.release] * scenario.hand.grip;
+  scenario.hand.grip = grip_of(scenario.hand, found.side);
+  const std::vector<Pose>& track = throwing_hand(recording, found.side);
+  const Vec3 p_TB = track[found.release] * scenario.hand.grip;
   const Vec3 p_W = q_WT * -horizontal(p_TB);
   scenario.rig.X_WT = {q_WT.normalized(), Vec3(p_W.x(), p_W.y(), 0.0)};
   scenario.rig.head_station = devices::kHeadStation;  // as to_samples has them
@@ -349,12 +455,13 @@ Scenario stand_thrower(Scenario scenario, const MotionRecording& recording, cons
   scenario.rig.X_SD = {};
   scenario.rig.X_SH = {};
   scenario.rig.delay_s = 0.020;
-  scenario.ball.home = scenario.rig.X_WT * (recording.right_hand[found.grab] * scenario.hand.grip);
+  scenario.ball.home = scenario.rig.X_WT * (track[found.grab] * scenario.hand.grip);
   return scenario;
 }
 
 std::vector<devices::Sample> to_samples(const MotionRecording& recording, const Throw& found) {
-  constexpr std::int32_t kLeftHandStation = 3;
+  constexpr std::int32_t kOtherHandStation = 3;
+  const Side other = found.side == Side::left ? Side::right : Side::left;
   std::vector<devices::Sample> samples;
   for (std::size_t i = 0; i < recording.times.size(); ++i) {
     const auto tracker = [&](std::int32_t station, const Pose& X_TS) {
@@ -366,8 +473,8 @@ std::vector<devices::Sample> to_samples(const MotionRecording& recording, const 
       samples.emplace_back(sample);
     };
     tracker(devices::kHeadStation, recording.head[i]);
-    tracker(devices::kHandStation, recording.right_hand[i]);
-    tracker(kLeftHandStation, recording.left_hand[i]);
+    tracker(devices::kHandStation, throwing_hand(recording, found.side)[i]);
+    tracker(kOtherHandStation, throwing_hand(recording, other)[i]);
     if (i == found.grab || i == found.release) {
       devices::MouseSample mouse;
       mouse.device_time = recording.times[i];

@@ -2,6 +2,7 @@
 
 #include "devices/log.h"
 #include "devices/messages.h"
+#include "devices/sources.h"
 #include "devices/trial_file.h"
 
 using namespace headpin;

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "devices/catalogue_csv.h"
+#include "devices/resample.h"
+
+/// Recordings of a person's motion in the formats of others: one reader each, one frame for all.
+///
+/// Whatever the format, what comes out is a MotionRecording in its frame. The readers declare units
+/// and axes as the format does; nothing is guessed.
+namespace headpin::devices {
+
+/// What a user declares of a recording.
+struct MotionOptions {
+  /// What one unit of the positions is, where the format does not say it [m].
+  std::optional<double> unit_m = {};
+  /// What head, left and right hand are called: an object of UXF, a tracked point of Motion-BIDS,
+  /// a sensor of VRPN as DEVICE:NUMBER or NUMBER. Empty: found by name, or sensors 0, 1, 2.
+  std::array<std::string, 3> names = {};
+  /// Where +x, +y and +z point, where the format does not say it: of R right, L left, S up, I down, A ahead, P
+  /// back.
+  std::optional<std::string> axes = {};
+};
+
+/// Where and how one format is read.
+struct MotionFormat {
+  std::string_view name;   ///< as it is called: "VRPN log"
+  std::string_view files;  ///< what is given: "a .vrpn file"
+  /// Whether this is one, by the name and the first bytes.
+  bool (*is_one)(const std::string& path, std::string_view begin);
+  /// @throws std::invalid_argument  naming file and line or byte of what is wrong
+  /// @throws std::runtime_error     for a file that cannot be read
+  MotionRecording (*read)(const std::string& path, const MotionOptions& options);
+};
+
+std::span<const MotionFormat> motion_formats();
+
+/// Reads a file or folder in the format that it is.
+///
+/// @throws std::invalid_argument  for a format not known here, naming those that are and what this
+///                                seems to be; else as MotionFormat::read
+MotionRecording read_motion(const std::string& path, const MotionOptions& options);
+
+// The readers' parts that see bytes alone, for tests.
+
+/// One object's poses of a UXF folder, a `trackers/OBJECT_movement_T001.csv`.
+///
+/// Unity's frame is left-handed, y up, +z ahead, its Euler angles are degrees about z, x and y, in
+/// this order; metres. The z axis is turned round.
+PoseTrack parse_uxf(std::string_view text, std::string_view where);
+
+/// The sensors of a VRPN log, by DEVICE:NUMBER, as they are written there; time since the first.
+std::vector<std::pair<std::string, PoseTrack>> parse_vrpn(std::span<const std::uint8_t> bytes,
+                                                          std::string_view where, double unit_m);
+
+/// The tracked points of a Motion-BIDS recording, in our frame.
+///
+/// @param motion    the ..._motion.tsv, numbers only
+/// @param channels  the ..._channels.tsv that names its columns
+/// @param axes      where +x, +y and +z point, as MotionOptions has it
+/// @param rate_hz   of the samples, where no LATENCY channel has their times
+std::vector<std::pair<std::string, PoseTrack>> parse_motion_bids(std::string_view motion,
+                                                                 std::string_view channels,
+                                                                 std::string_view where,
+                                                                 const std::string& axes,
+                                                                 double rate_hz);
+
+/// Head and hands at the same times: those of the head while all three are there, the hands between
+/// their samples.
+///
+/// @throws std::invalid_argument  when there is no such time
+MotionRecording together(const PoseTrack& head, const PoseTrack& left, const PoseTrack& right,
+                         std::string_view where);
+
+}  // namespace headpin::devices

@@ -1,0 +1,296 @@
+#include "devices/motion_files.h"
+
+#include <bit>
+#include <filesystem>
+#include <fstream>
+#include <random>
+#include <stdexcept>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "devices/motion_axes.h"
+
+namespace headpin::devices {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+
+template <typename Action>
+std::string complaint(const Action& action) {
+  try {
+    action();
+  } catch (const std::exception& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+fs::path fresh_folder() {
+  std::string name = testing::TempDir() + "headpin_motion_XXXXXX";
+  return mkdtemp(name.data());
+}
+
+void spit(const fs::path& path, const std::string& text) {
+  fs::create_directories(path.parent_path());
+  std::ofstream(path, std::ios::binary) << text;
+}
+
+const Vec3 kRight = Vec3::UnitX(), kUp = Vec3::UnitY(), kAhead = -Vec3::UnitZ();
+
+void expect_near(const Vec3& a, const Vec3& b) {
+  EXPECT_LT((a - b).norm(), 1e-12) << a.transpose() << " and " << b.transpose();
+}
+
+// What Unity's axes and angles do is known from its manual: left-handed, y up, +z ahead.
+TEST(MotionFiles, UnitysPosesAreTurnedRound) {
+  const auto pose = [](const std::string& angles) {
+    const PoseTrack track =
+        parse_uxf("time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z\n0.5,1,2,3," + angles + "\n", "x.csv");
+    EXPECT_EQ(track.samples().at(0).time, Time{500'000});
+    return track.samples().at(0).value;
+  };
+  expect_near(pose("0,0,0").p, Vec3(1, 2, -3));
+  expect_near(pose("0,0,0").q * kAhead, kAhead);
+  expect_near(pose("0,90,0").q * kAhead, kRight);                           // a turn to the right
+  expect_near(pose("30,0,0").q * kAhead, Vec3(0, -0.5, -std::sqrt(0.75)));  // a look down
+  expect_near(pose("0,0,90").q * kRight, kUp);                              // the right side up
+  // First about z, then x, then y: the look down stays one after the turn.
+  expect_near(pose("30,90,0").q * kAhead, Vec3(std::sqrt(0.75), -0.5, 0));
+  expect_near(pose("90,0,90").q * kRight, kAhead);  // up by the roll, then ahead by the pitch down
+}
+
+TEST(MotionFiles, ABadTrackerFileIsRefusedByItsLine) {
+  const std::string head = "time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z\n";
+  const auto said = [&](const std::string& text) {
+    return complaint([&] { parse_uxf(text, "x.csv"); });
+  };
+  EXPECT_THAT(said(""), HasSubstr("x.csv:1: expected the columns time, pos_x"));
+  EXPECT_THAT(said("time,pos_x\n"), HasSubstr("pos_y is missing"));
+  EXPECT_THAT(said(head + "0,1,2,3,4,5\n"), HasSubstr("x.csv:2: expected 7 fields, found 6"));
+  EXPECT_THAT(said(head + "0,1,2,3,4,5,nan\n"), HasSubstr("rot_z: expected a finite number"));
+  EXPECT_THAT(said(head + "0,1,2,3,4,5,1e300\n"), HasSubstr("rot_z: expected degrees"));
+  EXPECT_THAT(said(head + "1,1,2,3,4,5,6\n1,1,2,3,4,5,6\n"), HasSubstr("time must advance"));
+  EXPECT_EQ(said(head + "0,1,2,3,4,5,6,\n"), "accepted");  // an empty last cell
+}
+
+TEST(MotionFiles, AxesAreLettersAndEachPairOnce) {
+  const Pose turned_left{Quat(std::sqrt(0.5), 0, 0, std::sqrt(0.5)), Vec3(1, 2, 3)};
+  const Pose ours = Axes("ALS", "x").ours(turned_left);  // x ahead, y left, z up
+  expect_near(ours.p, Vec3(-2, 3, -1));
+  expect_near(ours.q * kAhead, -kRight);
+  expect_near(ours.q * kUp, kUp);
+  const Pose mirrored = Axes("RSA", "x").ours({Quat(std::sqrt(0.5), 0, std::sqrt(0.5), 0), {}});
+  expect_near(mirrored.q * kAhead, kRight);  // left-handed: about up is to the right
+  EXPECT_EQ(Axes("RSP", "x").ours(turned_left).q.coeffs(), turned_left.q.coeffs());
+  for (const char* wrong : {"", "RS", "RSX", "RLS", "RSPA", "rsp"}) {
+    EXPECT_THAT(complaint([&] { Axes(wrong, "x"); }), HasSubstr("expected where +x, +y and +z"));
+  }
+}
+
+const std::string kChannels =
+    "name\tcomponent\ttype\ttracked_point\tunits\n"
+    "t\tn/a\tLATENCY\tn/a\ts\n"
+    "a\tx\tPOS\thead\tmm\nb\ty\tPOS\thead\tmm\nc\tz\tPOS\thead\tmm\n"
+    "d\tquat_x\tORNT\thead\tn/a\ne\tquat_y\tORNT\thead\tn/a\nf\tquat_z\tORNT\thead\tn/a\n"
+    "g\tquat_w\tORNT\thead\tn/a\nh\tn/a\tMISC\tn/a\tn/a\n";
+
+TEST(MotionFiles, MotionBidsIsReadByItsChannels) {
+  const auto tracks = parse_motion_bids(
+      "0\t1000\t2000\t3000\t0\t0\t0\t1\t9\n"
+      "0.01\t1000\t2000\t3000\t0\t0\t0.6\t0.8\t9\n",
+      kChannels, "x", "ALS", 0.0);
+  ASSERT_EQ(tracks.size(), 1u);
+  EXPECT_EQ(tracks[0].first, "head");
+  ASSERT_EQ(tracks[0].second.samples().size(), 2u);
+  expect_near(tracks[0].second.samples()[1].value.p, Vec3(-2, 3, -1));
+  expect_near(tracks[0].second.samples()[1].value.q * kUp, kUp);
+
+  const std::string row = "0\t1\t2\t3\t0\t0\t0\t1\t9\n";
+  const auto said = [&](std::string motion, std::string channels) {
+    return complaint([&] { parse_motion_bids(motion, channels, "x", "RSP", 0.0); });
+  };
+  EXPECT_EQ(said(row, kChannels), "accepted");
+  EXPECT_THAT(said(row + row, kChannels), HasSubstr("time must advance"));
+  EXPECT_THAT(said("0\t1\n", kChannels), HasSubstr("x:1: expected 9 fields, found 2"));
+  EXPECT_THAT(said("0\t1\t2\t3\t0\t0\t0\t2\t9\n", kChannels), HasSubstr("unit quaternion"));
+  std::string channels = kChannels;
+  EXPECT_THAT(said(row, channels.replace(channels.find("\tmm"), 3, "\tft")),
+              HasSubstr("expected m, cm or mm, found 'ft'"));
+  channels = kChannels;
+  EXPECT_THAT(said(row, channels.replace(channels.find("quat_w"), 6, "rot_ww")),
+              HasSubstr("component 'rot_ww'"));
+  channels = kChannels;
+  EXPECT_THAT(said(row, channels.replace(channels.find("LATENCY"), 7, "MISC")),
+              HasSubstr("no times: expected a LATENCY channel, or SamplingFrequency"));
+  EXPECT_THAT(said(row, "name\n"), HasSubstr("column component is missing"));
+}
+
+using Bytes = std::vector<std::uint8_t>;
+
+void put(Bytes& out, std::uint64_t value, int size) {
+  for (int i = size - 1; i >= 0; --i) out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
+}
+
+void message(Bytes& out, int type, int sender, Time time, const Bytes& data) {
+  for (const std::int64_t field :
+       {std::int64_t{type}, std::int64_t{sender}, time.count() / 1'000'000,
+        time.count() % 1'000'000, static_cast<std::int64_t>(data.size()), std::int64_t{0}}) {
+    put(out, static_cast<std::uint64_t>(field), 4);
+  }
+  out.insert(out.end(), data.begin(), data.end());
+}
+
+Bytes name(const std::string& text) {
+  Bytes data;
+  put(data, text.size() + 1, 4);
+  data.insert(data.end(), text.begin(), text.end());
+  data.push_back(0);
+  return data;
+}
+
+/// A log of a tracker with three sensors, a hundred reports of each, and of a button.
+Bytes vrpn_log() {
+  const std::string cookie = "vrpn: ver. 07.35  1";
+  Bytes log(24);
+  std::copy(cookie.begin(), cookie.end(), log.begin());
+  message(log, -1, 7, {}, name("Tracker0"));
+  message(log, -2, 3, {}, name("vrpn_Tracker Pos_Quat"));
+  message(log, -2, 4, {}, name("vrpn_Button Change"));
+  for (int i = 0; i < 100; ++i) {
+    for (int sensor = 0; sensor < 3; ++sensor) {
+      Bytes data;
+      put(data, static_cast<std::uint64_t>(sensor), 4);
+      put(data, 0, 4);
+      for (const double v : {1.0 + sensor, 2.0, 3.0, 0.0, 0.6, 0.0, 0.8}) {
+        put(data, std::bit_cast<std::uint64_t>(v), 8);
+      }
+      message(log, 3, 7, Time{1'700'000'000'000'000 + 10'000 * i + 1000 * sensor}, data);
+    }
+    message(log, 4, 7, Time{1'700'000'000'000'000 + 10'000 * i}, Bytes(8));
+  }
+  return log;
+}
+
+TEST(MotionFiles, AVrpnLogIsReadByTheNamesInIt) {
+  const auto tracks = parse_vrpn(vrpn_log(), "x", 0.01);
+  ASSERT_EQ(tracks.size(), 3u);
+  EXPECT_EQ(tracks[2].first, "Tracker0:2");
+  ASSERT_EQ(tracks[2].second.samples().size(), 100u);
+  EXPECT_EQ(tracks[2].second.samples()[1].time, Time{12'000});
+  expect_near(tracks[2].second.samples()[1].value.p, Vec3(0.03, 0.02, 0.03));
+  EXPECT_EQ(tracks[2].second.samples()[1].value.q.coeffs(), Quat(0.8, 0, 0.6, 0).coeffs());
+}
+
+TEST(MotionFiles, WhateverAVrpnLogHoldsItIsReadOrRefused) {
+  const Bytes good = vrpn_log();
+  for (std::size_t cut = 0; cut < good.size(); cut += 7) {  // up to the cut
+    EXPECT_NO_THROW(parse_vrpn(std::span(good).first(cut), "x", 1.0)) << cut;
+  }
+  std::mt19937 random(5);
+  for (int n = 0; n < 3000; ++n) {
+    Bytes bytes = good;
+    for (int k = 0; k < 4; ++k) {
+      bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
+    }
+    try {
+      for (const auto& [sensor, track] : parse_vrpn(bytes, "x", 1.0)) {
+        for (const auto& sample : track.samples()) ASSERT_TRUE(sample.value.p.allFinite());
+      }
+    } catch (const std::invalid_argument&) {
+    }
+  }
+}
+
+// A hand whose samples lie between those of the head is read at the head's times.
+TEST(MotionFiles, HeadAndHandsComeTogether) {
+  PoseTrack head, left, right;
+  for (int i = 0; i < 100; ++i) {
+    head.push(Time{10'000 * i}, {});
+    left.push(Time{10'000 * i + 200'000}, {});
+    right.push(Time{10'000 * i + 3'000},
+               {Quat::Identity(), Vec3(0.01 * i + 0.003, 0, 0)});  // 1 m/s
+  }
+  const MotionRecording r = together(head, left, right, "x");
+  ASSERT_EQ(r.times.size(), 80u);
+  EXPECT_EQ(r.times.front(), Time{});
+  EXPECT_NEAR(r.right_hand[0].p.x(), 0.2, 1e-12);
+  EXPECT_NEAR(r.right_hand[79].p.x(), 0.99, 1e-12);
+  PoseTrack holed = right, late;
+  holed.push(Time{1'500'000}, {});
+  head.push(Time{1'600'000}, {});
+  left.push(Time{1'600'000}, {});
+  EXPECT_THAT(complaint([&] { together(head, right, holed, "x"); }), testing::Eq("accepted"));
+  EXPECT_THAT(complaint([&] { together(head, left, holed, "x"); }),
+              HasSubstr("nothing of the left hand for"));
+  EXPECT_THAT(complaint([&] { together(head, left, late, "x"); }),
+              HasSubstr("no samples of the right hand"));
+  late.push(Time{9'000'000}, {});
+  EXPECT_THAT(complaint([&] { together(head, head, late, "x"); }), HasSubstr("never recorded"));
+}
+
+TEST(MotionFiles, EachFormatIsKnownByItself) {
+  const fs::path folder = fresh_folder();
+  const auto read = [&](const std::string& file, const MotionOptions& options = {}) {
+    return read_motion(folder / file, options);
+  };
+  const std::string row = "0,0,1.6,0,0,0,0\n0.01,0,1.6,0,0,0,0\n";
+  for (const char* object : {"Main Camera", "leftHand", "rightHand"}) {
+    spit(folder / "S001/trackers" / (std::string(object) + "_movement_T001.csv"),
+         "time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z\n" + row);
+  }
+  EXPECT_EQ(read("S001").times.size(), 2u);
+  EXPECT_EQ(read("S001/trackers").times.size(), 2u);
+  EXPECT_EQ(read("S001/trackers/leftHand_movement_T001.csv").times.size(), 2u);
+  spit(folder / "S001/trackers/leftHand_movement_T002.csv", "time,pos_x\n");
+  EXPECT_THAT(complaint([&] { read("S001"); }), HasSubstr("holds several trials"));
+  EXPECT_THAT(complaint([&] { read("S001/trackers/leftHand_movement_T002.csv"); }),
+              HasSubstr("pos_y is missing"));
+
+  const Bytes log = vrpn_log();
+  spit(folder / "log.vrpn", {log.begin(), log.end()});
+  EXPECT_EQ(read("log.vrpn").right_hand.at(0).p.x(), 3.0);
+  EXPECT_EQ(read("log.vrpn", {.names = {"2", "1", "0"}}).head.at(0).p.x(), 3.0);
+  EXPECT_EQ(read("log.vrpn", {.axes = "LSA"}).head.at(0).p.x(), -1.0);
+  EXPECT_THAT(complaint([&] {
+                read("log.vrpn", {.names = {"2", "1", "5"}});
+              }),
+              HasSubstr("expected one right hand among Tracker0:0, Tracker0:1, Tracker0:2"));
+
+  std::string channels = kChannels.substr(0, kChannels.find("h\tn/a"));
+  const std::string of_head = channels.substr(channels.find("a\tx"));
+  for (const std::string hand : {"left_hand", "right_hand"}) {
+    std::string block = of_head;
+    for (std::size_t at = 0; (at = block.find("head", at)) != std::string::npos;) {
+      block.replace(at, 4, hand);
+    }
+    channels += block;
+  }
+  const std::string pose = "\t0\t0\t1600\t0\t0\t0\t1";
+  spit(folder / "a_motion.tsv", "0" + pose + pose + pose + "\n0.01" + pose + pose + pose + "\n");
+  spit(folder / "a_channels.tsv", channels);
+  EXPECT_THAT(complaint([&] { read("a_motion.tsv"); }), HasSubstr("expected SpatialAxes"));
+  spit(folder / "a_channels.json",
+       R"({"reference_frame":{"Levels":{"global":{"SpatialAxes":"ALS"}}}})");
+  EXPECT_EQ(read("a_motion.tsv").head.at(0).p.y(), 1.6);
+
+  const auto said = [&](const std::string& bytes) {
+    spit(folder / "x", bytes);
+    return complaint([&] { read("x"); });
+  };
+  for (const MotionFormat& format : motion_formats()) {
+    EXPECT_THAT(said("HIERARCHY\nROOT"), HasSubstr(std::string(format.name)));
+  }
+  EXPECT_THAT(said("HIERARCHY\nROOT"), HasSubstr("this seems to be BVH"));
+  EXPECT_THAT(said("XDF:\x01"), HasSubstr("this seems to be XDF"));
+  EXPECT_THAT(said("\xed\xa1\xda\x01"), HasSubstr("an LCM event log; a trial needs no import"));
+  EXPECT_THAT(said("frame,x,y\n1,2,3\n"), HasSubstr("CSV that begins with 'frame,x,y'"));
+  EXPECT_THAT(said(""), HasSubstr("seems to be empty"));
+  EXPECT_THAT(said(std::string("\x02P\x00\x00", 4)), HasSubstr("C3D"));
+  EXPECT_THAT(complaint([&] { read("."); }), HasSubstr("a folder of something else"));
+  EXPECT_THAT(complaint([&] { read("missing"); }), HasSubstr("cannot open"));
+}
+
+}  // namespace
+}  // namespace headpin::devices
