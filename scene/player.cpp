@@ -94,6 +94,7 @@ void release(Player& player, const Scene& scene, Time time, Time now) {
   const engine::BodyId body = player.held->body;
   engine::State state = carried(player, scene.stage.scenario.hand, time);
   state.X_WB.p += seconds(now - time) * state.v_WB;
+  state = engine::outside_fixed(scene.world, body, state);
   player.held.reset();
   engine::set_kind(scene.world, body, engine::Kind::free);
   engine::set_state(scene.world, body, state);
@@ -131,7 +132,9 @@ void drive(Player& player, std::span<const devices::Sample> samples, const Stage
   player.buttons.erase(player.buttons.begin(),
                        player.buttons.begin() + static_cast<std::ptrdiff_t>(done));
   if (player.held) {
-    engine::set_state(world, player.held->body, carried(player, stage.scenario.hand, now));
+    const engine::BodyId body = player.held->body;
+    const engine::State wanted = carried(player, stage.scenario.hand, now);
+    engine::set_state(world, body, engine::outside_fixed(world, body, wanted));
   }
   player.head.forget_before(now - kMemory);
   player.hand.forget_before(now - kMemory);

@@ -37,6 +37,7 @@ Pose sensor_in_world(const devices::TrackerSample& sample, const Rig& rig);
 /// carry, let go.
 ///
 /// Poses are read `rig.delay_s` before the moment; a ball let go between two ticks has flown since.
+/// What is carried stays outside of everything fixed: at the lane or wall that the hand goes through.
 ///
 /// @param samples  that became known at this moment
 /// @param out      events are appended

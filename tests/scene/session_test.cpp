@@ -90,6 +90,33 @@ TEST(SessionTest, BallLeavesTheHandWithTheHandsVelocityAndSkittlesFall) {
   EXPECT_LT(of_kind(outcome, "first_contact")[0]->tick, of_kind(outcome, "skittle_down")[0]->tick);
 }
 
+// The hand dips 0.35 m below where it lets go: the ball would be 0.1 m below the lane.
+TEST(SessionTest, ACarriedBallStaysOnTheLaneThatTheHandGoesThrough) {
+  const Scenario scenario;
+  std::vector<devices::Sample> samples = straight_throw(scenario);
+  for (devices::Sample& sample : samples) {
+    auto* const pose = std::get_if<devices::TrackerSample>(&sample);
+    if (!pose || pose->station != devices::kHandStation) continue;
+    if (seconds(pose->device_time) > 0.4) pose->X_TS.p.z() -= 0.35;
+  }
+  Session session = make_session(scenario);
+  devices::ReplaySource source(samples);
+  const engine::BodyId ball = session.stage->balls.front();
+  const double radius = session.world.bodies[ball].shape->bounding_radius;
+  double lowest = 1.0, highest = 0.0;
+  while (seconds(session.now()) < 2.0) {
+    advance(session, source);
+    const engine::State& s = session.world.states[ball];
+    if (seconds(session.now()) > 0.5) {
+      lowest = std::min(lowest, s.X_WB.p.z());
+      highest = std::max(highest, s.X_WB.p.z());
+    }
+  }
+  EXPECT_NEAR(lowest, radius, 1e-4);
+  EXPECT_LE(highest, radius + 1e-3);  // let go there, it is not thrown up
+  EXPECT_GT(session.world.states[ball].v_WB.y(), 2.0);
+}
+
 TEST(SessionTest, SkittlesStandUntilTheyAreStruck) {
   for (const std::string shape : {"true", "ellipsoid"}) {
     Scenario scenario;
