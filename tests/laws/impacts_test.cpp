@@ -228,6 +228,64 @@ TEST(TouchedBody, FallsUnlessItIsCarried) {
   EXPECT_NEAR(world.states[heavy].X_WB.p.z(), 5.0 * 0.5 - 0.5 * 9.81 * 0.25, 1e-6);
 }
 
+// A step that is not finite throws. One throw in 200 did, by normals of both sides of the wall.
+TEST(PinsThrownAtAThinWall, StayFiniteAndGainNothing) {
+  for (const std::string_view response : {"paper", "coulomb"}) {
+    std::mt19937 random(1);
+    std::normal_distribution<double> normal;
+    const auto vector = [&] { return Vec3(normal(random), normal(random), normal(random)); };
+    for (int k = 0; k < 200; ++k) {
+      World world = make_world({.response = response});
+      add_body(world, floor_body({0.7, 0.7}));
+      Body wall = floor_body({0.7, 0.7});
+      wall.shape = make_compound({{test::box({1.0, 0.001, 1.0}), Pose{}}});
+      State s;
+      s.X_WB.p.z() = 1.0;
+      add_body(world, wall, s);
+      s.X_WB = {rotation(vector()), Vec3(0.0, -0.4, 0.5)};
+      s.v_WB = Vec3(normal(random), 5.0 + normal(random), normal(random));
+      s.w_WB = 5.0 * vector();
+      const BodyId pin = add_body(world, skittle_body({0.7, 0.7}), s);
+      const double start = balance(world).energy;
+      run(world, 1.0);
+      EXPECT_LE(balance(world).energy, start * (1.0 + 1e-3)) << response << " " << k;
+      const Vec3& p = world.states[pin].X_WB.p;
+      EXPECT_TRUE(p.y() < 0.0 || std::abs(p.x()) > 1.0) << response << " " << k;
+    }
+  }
+}
+
+// Opposite normals sum to nothing: all of these ended at the first step.
+TEST(BodyInAChannel, StaysFiniteBetweenTheTwoSidesOfOneOther) {
+  const Shape inside[] = {Ellipsoid{{0.05, 0.05, 0.05}}, Cylinder{0.05, 0.05},
+                          test::box({0.05, 0.05, 0.05})};
+  for (const std::string_view response : {"paper", "coulomb"}) {
+    for (const Kind kind : {Kind::fixed, Kind::driven, Kind::free}) {
+      for (const double slack : {-1e-4, 0.0}) {  // gripped, and just held
+        for (const Shape& shape : inside) {
+          World world = make_world({.gravity_W = Vec3::Zero(), .response = response});
+          Body channel = ball_body({0.7, 0.7}, 0.1, 1.0);
+          const double side = 0.06 + slack;
+          channel.shape =
+              make_compound({{test::box({0.01, 0.2, 0.2}), {Quat::Identity(), {-side, 0, 0}}},
+                             {test::box({0.01, 0.2, 0.2}), {Quat::Identity(), {side, 0, 0}}}});
+          channel.kind = kind;
+          add_body(world, channel);
+          Body body = ball_body({0.7, 0.7}, 0.05, 1.0);
+          body.shape = make_compound({{shape, Pose{}}});
+          State s;
+          s.v_WB.y() = 0.5;
+          const BodyId i = add_body(world, body, s);
+          const double start = balance(world).energy;
+          run(world, 0.2);
+          EXPECT_LE(balance(world).energy, start * (1.0 + 1e-3)) << response << " " << slack;
+          EXPECT_LT(std::abs(world.states[i].X_WB.p.x() - world.states[0].X_WB.p.x()), 0.01);
+        }
+      }
+    }
+  }
+}
+
 // A row keeps a gap open only for what will close it.
 TEST(PassingBall, LeavesAlonePreciselyWhatItDoesNotTouch) {
   std::mt19937 random(1);
