@@ -363,24 +363,27 @@ Live open(const Options& options) {
     live.fastrak = driver.get();
     live.tracker = std::move(driver);
   }
-  devices::TrialHeader header;
-  header.participant = options.participant;
   if (live.link && !live.link->is_replay() && !options.no_trial) {
     live.session_link = std::make_unique<devices::LcmLink>(options.lcm, devices::kSessionPrefix);
+    devices::TrialHeader header;
+    header.participant = options.participant;
     live.publisher = std::make_unique<scene::TrialWriter>(std::make_unique<devices::TrialPublisher>(
         *live.session_link, scene::header_of(header, live.session)));
   }
-  if (options.record) {
-    const Time epoch =
-        std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
-    live.writer = std::make_unique<scene::TrialWriter>(
-        *options.record, header, live.session,
-        devices::Recorder::Options{.overwrite = options.force,
-                                   .live = true,
-                                   .inputs = {options.scenario},
-                                   .epoch = epoch});
-  }
   return live;
+}
+
+/// Begins the recording. It comes last: who waits for its file may send from then on.
+void open_recording(const Options& options, Live& live) {
+  if (!options.record) return;
+  devices::TrialHeader header;
+  header.participant = options.participant;
+  const Time epoch =
+      std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
+  live.writer = std::make_unique<scene::TrialWriter>(
+      *options.record, header, live.session,
+      devices::Recorder::Options{
+          .overwrite = options.force, .live = true, .inputs = {options.scenario}, .epoch = epoch});
 }
 
 /// All that comes in; a stylus switch is the trigger where no mouse of its own says more.
@@ -428,15 +431,6 @@ void run(const Options& options) {
 
   const bool publish = live.link && !live.link->is_replay();
   live.eyes = open_eyes(options, live.session.stage, publish);
-  std::vector<scene::Observer*> observers = {&live.totals};
-  if (live.writer) observers.push_back(live.writer.get());
-  if (live.publisher) observers.push_back(live.publisher.get());
-  observers.push_back(live.eyes.get());
-  std::optional<Viewer> viewer;
-  if (publish) observers.push_back(&viewer.emplace(*live.link));
-  Reporter reporter(live);
-  observers.push_back(&reporter);
-
   const Time end = microseconds(options.duration_s.value_or(0.0));
   live.pace =
       std::make_unique<scene::RealTime>(tick_time(1, live.session.scenario().rates.physics_hz));
@@ -445,6 +439,16 @@ void run(const Options& options) {
   go_first();
   if (live.line) live.line->start();
   if (live.lcm) live.lcm->drain();  // what waited while the eyes were opened
+  open_recording(options, live);
+
+  std::vector<scene::Observer*> observers = {&live.totals};
+  if (live.writer) observers.push_back(live.writer.get());
+  if (live.publisher) observers.push_back(live.publisher.get());
+  observers.push_back(live.eyes.get());
+  std::optional<Viewer> viewer;
+  if (publish) observers.push_back(&viewer.emplace(*live.link));
+  Reporter reporter(live);
+  observers.push_back(&reporter);
   run_recorded(live, source, reporter, observers, end);
   print_line(live);
   require_samples(live, options);
@@ -479,7 +483,9 @@ void add_live(CLI::App& app) {
              "write the trial here, safe from the first event");
   command->add_option("--participant", options->participant, "name in the trial");
   add_duration(*command, options->duration_s, "seconds; until interrupted when not given");
-  command->add_option("--eyes", options->eyes, "raw, png or none, on HEADPIN_EYES")
+  command
+      ->add_option("--eyes", options->eyes,
+                   "as raw or png on HEADPIN_EYES; none: drawn for the recording alone")
       ->check(CLI::IsMember({"raw", "png", "none"}))
       ->capture_default_str();
   command
@@ -495,7 +501,7 @@ void add_live(CLI::App& app) {
   add_json(*command, options->json);
   add_condition_options(*command, options->condition);
   command->footer(
-      "Example:\n  headpin live --lcm udpm://239.255.76.67:7667?ttl=0 --record session.lcmlog");
+      "Example:\n  headpin live --lcm 'udpm://239.255.76.67:7667?ttl=0' --record session.lcmlog");
   command->callback([options, lcm] {
     options->use_lcm = lcm->count() > 0;
     run(*options);

@@ -90,6 +90,10 @@ void run(const Options& options) {
 
   nlohmann::json result = scene::summary(session, totals.score());
   result["trial"] = options.trial;
+  result["participant"] = trial.header.participant;
+  result["condition"] = trial.header.condition;
+  result["seed"] = trial.header.seed;
+  result["set"] = options.condition.set;
   result["output"] = options.output ? nlohmann::json(*options.output) : nlohmann::json();
   result["realtime_factor"] = seconds(session.now()) / stopwatch.spent_s();
   if (verifier) result["verified_ticks"] = verifier->compared();

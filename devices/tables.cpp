@@ -141,7 +141,7 @@ std::vector<Field<StateRow>> state_fields() {
               [](const Row& r) { return fmt::format("{}", r.tick.tick); }},
              {"time_s", "number", "s", "at its end, on the trial's clock",
               [](const Row& r) { return decimal_seconds(r.tick.time); }},
-             {"hash", "hash", "", "of the whole simulated state after the tick",
+             {"hash", "hash", "", "of the state after the tick (docs/hash-and-ledger.md)",
               [](const Row& r) { return fmt::format("{:016x}", r.tick.hash); }},
              {"contacts", "whole", "", "contact points of the whole world in the tick",
               [](const Row& r) { return fmt::format("{}", r.tick.contacts); }},
