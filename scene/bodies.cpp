@@ -119,6 +119,7 @@ engine::Parameters world_parameters(const Scenario& scenario) {
       c.detection == "paper" ? engine::Query::Mode::paper : engine::Query::Mode::converged;
   p.query.cap = static_cast<int>(c.iterations);
   p.query.warm = c.warm;
+  p.friction_tau = c.friction_tau_s;
   p.sleep = c.sleep;
   p.keep_ledger = true;
   return p;

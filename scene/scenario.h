@@ -74,7 +74,8 @@ struct Collision {
   std::string detection = "converged";  ///< "paper": stops at the cap
   std::int64_t iterations = 20;         ///< cap on a query's iterations, 5..20
   bool warm = false;  ///< paper detection starts from the last normal: ours, not of 1997
-  std::string response = "paper";  ///< "paper" or "coulomb"
+  std::string response = "paper";      ///< "paper" or "coulomb"
+  double friction_tau_s = 1.0 / 60.0;  ///< in which a lasting contact applies its friction once
   double gravity = 9.81;
   bool sleep = true;
 };

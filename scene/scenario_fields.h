@@ -106,6 +106,8 @@ void visit(V& v, Collision& c) {
   v.field("iterations", c.iterations, Range{5, 20}, "cap of a query; 20 in the paper");
   v.field("warm", c.warm, kAny, "paper detection starts from the last normal; not so in 1997");
   v.field("response", c.response, response_names(), "");
+  v.field("friction_tau_s", c.friction_tau_s, Range{1e-4, 10},
+          "a lasting contact applies the paper's friction once in this time");
   v.field("gravity", c.gravity, Range{0, 1000}, "");
   v.field("sleep", c.sleep, kAny, "bodies at rest are left alone until touched");
 }

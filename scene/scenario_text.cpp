@@ -36,10 +36,11 @@ struct Text {
 
 /// Keys that trials of before these keys were there lack, with what such a trial ran under. What is
 /// written here never changes, whatever becomes of the defaults.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 9> kKeysSince{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kKeysSince{{
     {"hand.release_window_most_s", "0.12"},
     {"hand.release_accuracy", "0.3"},
     {"collision.warm", "true"},
+    {"collision.friction_tau_s", "0.016666666666666666"},
     {"look.samples", "2"},
     {"look.contact", "true"},
     {"look.shadow", "true"},

@@ -167,15 +167,9 @@ TEST(ScenarioOfATrial, TakesNoDefaultOfToday) {
   // Whatever key is taken out of what a trial carries, the rest is no scenario of a trial.
   const std::string whole = to_toml(Scenario{});
   EXPECT_EQ(to_toml(scenario_of_trial(whole, "old.lcmlog")), whole);
-  const std::set<std::string> came_later = {"release_window_most_s",
-                                            "release_accuracy",
-                                            "head_station",
-                                            "hand_station",
-                                            "warm",
-                                            "samples",
-                                            "contact",
-                                            "shadow",
-                                            "mirror"};
+  const std::set<std::string> came_later = {
+      "release_window_most_s", "release_accuracy", "head_station", "hand_station", "warm",
+      "friction_tau_s",        "samples",          "contact",      "shadow",       "mirror"};
   std::istringstream lines(whole);
   int keys = 0;
   std::size_t at = 0;
@@ -202,9 +196,10 @@ TEST(ScenarioOfATrial, WithoutAKeyThatCameLaterRanUnderWhatThenHeld) {
   other.hand.release_window_most_s = 0.2;
   other.hand.release_accuracy = 0.1;
   other.collision.warm = false;
+  other.collision.friction_tau_s = 0.1;
   std::string text = to_toml(other);
-  for (const char* key :
-       {"head_station", "hand_station", "release_window_most_s", "release_accuracy", "warm"}) {
+  for (const char* key : {"head_station", "hand_station", "release_window_most_s",
+                          "release_accuracy", "warm", "friction_tau_s"}) {
     text[text.find(key)] = '#';
   }
   const Scenario read = scenario_of_trial(text, "old.lcmlog");
@@ -213,6 +208,7 @@ TEST(ScenarioOfATrial, WithoutAKeyThatCameLaterRanUnderWhatThenHeld) {
   EXPECT_EQ(read.hand.release_window_most_s, 0.12);
   EXPECT_EQ(read.hand.release_accuracy, 0.3);
   EXPECT_TRUE(read.collision.warm);
+  EXPECT_EQ(read.collision.friction_tau_s, 1.0 / 60.0);
 }
 
 TEST(ScenarioOfATrial, TheBundledTrialIsRead) {
