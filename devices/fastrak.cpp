@@ -270,6 +270,7 @@ bool FastrakDriver::step(Time now) {
       break;
 
     case Phase::streaming:
+      if (now - last_record_ > options_.watchdog) read_records(now);  // a late poll: they may wait
       if (now - last_record_ <= options_.watchdog) return false;
       ++statistics_.restarts;
       start_over(now);

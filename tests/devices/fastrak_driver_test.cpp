@@ -407,7 +407,7 @@ TEST(FastrakDriverTest, TicksThatComeLateBendNoIntervalAndLoseNothing) {
       now += 1ms;
       serve(emulator, *line, now);
       stamped.listen();
-      if (now % 1s < 20ms) continue;
+      if (now % 1s < 20ms || (now > 30s && now < 33s)) continue;  // longer than the watchdog
       for (; tick_time(tick, 240) <= now; ++tick) driver.poll(tick_time(tick, 240), samples);
     }
     EXPECT_GT(samples.size(), 6500u);
