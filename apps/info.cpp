@@ -44,7 +44,7 @@ std::vector<std::pair<std::int32_t, devices::DeviceSummary>> in_order(
     const devices::TrialSummary& trial) {
   std::vector<std::pair<std::int32_t, devices::DeviceSummary>> all(trial.devices.begin(),
                                                                    trial.devices.end());
-  std::ranges::stable_partition(all, [](const auto& entry) { return entry.first != 0; });
+  std::stable_partition(all.begin(), all.end(), [](const auto& entry) { return entry.first != 0; });
   return all;
 }
 

@@ -40,7 +40,8 @@ const PoseTrack& find_part(const Tracks& tracks, std::size_t part, const MotionO
        {"right", "right", "right", "right"}}};
   std::vector<const PoseTrack*> found;
   std::vector<std::string> names;
-  for (const auto& [name, track] : tracks) {
+  for (const auto& [sensor, track] : tracks) {
+    const std::string& name = sensor;
     names.push_back(name);
     const std::string& wanted = options.names[part];
     const bool is_it =

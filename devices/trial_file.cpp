@@ -211,8 +211,7 @@ std::vector<std::int64_t> find_misdated(Messages messages) {
   times.finish();
   ticks.finish();
   std::ranges::sort(found);
-  const auto twice = std::ranges::unique(found);
-  found.erase(twice.begin(), twice.end());
+  found.erase(std::unique(found.begin(), found.end()), found.end());
   return found;
 }
 
