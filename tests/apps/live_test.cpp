@@ -125,7 +125,7 @@ TEST_F(LiveFastrak, ASecondSessionOnALineAndASecondUnitAtALinkAreRefused) {
       "first=$!\nthere $first first.lcmlog\n"
       "$headpin live --fastrak line --eyes none --record second.lcmlog; echo $?\n"
       "$headpin emulate --link line; echo $?\n"
-      "counted $first first.lcmlog TRACKER 101\ninterrupt $first; echo $?; echo quit >unit; wait");
+      "counted $first first.lcmlog TRACKER 150\ninterrupt $first; echo $?; echo quit >unit; wait");
   EXPECT_EQ(run.out, "75\n75\n0\n") << run.err << slurp(folder_ / "first.txt");
   EXPECT_THAT(run.err, testing::HasSubstr("line: in use by another headpin"));
   EXPECT_THAT(run.err, testing::HasSubstr("line: another emulator is behind it"));
