@@ -45,4 +45,17 @@ inline Time device_time(const Sample& sample) {
 constexpr std::int32_t kHeadStation = 1;
 constexpr std::int32_t kHandStation = 2;
 
+/// Which device a sample is of: the station of a tracker, 0 for the 3D mouse.
+inline std::int32_t device_of(const Sample& sample) {
+  const auto* tracker = std::get_if<TrackerSample>(&sample);
+  return tracker ? tracker->station : 0;
+}
+
+/// "head", "right hand", "station 3"; 0: "3D mouse".
+inline std::string device_name(std::int32_t device) {
+  if (device == 0) return "3D mouse";
+  if (device == kHeadStation) return "head";
+  return device == kHandStation ? "right hand" : "station " + std::to_string(device);
+}
+
 }  // namespace headpin::devices

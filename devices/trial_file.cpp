@@ -1,219 +1,18 @@
 #include "devices/trial_file.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <stdexcept>
-#include <tuple>
 
 #include <fmt/format.h>
 
 #include "devices/event_log.h"
 #include "devices/messages.h"
+#include "devices/misdated.h"
 #include "devices/sources.h"
+#include "devices/trial_messages.h"
 
 namespace headpin::devices {
 namespace {
-
-/// Which device a sample is of: the station of a tracker, 0 for the 3D mouse.
-std::int32_t device(const Sample& sample) {
-  const auto* tracker = std::get_if<TrackerSample>(&sample);
-  return tracker ? tracker->station : 0;
-}
-
-void note_trouble(TrialSummary& summary, const char* kind, const std::string& of, Time at,
-                  std::int64_t messages = 1) {
-  constexpr Time kNear{1'000'000};
-  const auto last =
-      std::find_if(summary.trouble.rbegin(), summary.trouble.rend(),
-                   [&](const Trouble& t) { return t.kind == kind && t.device == of; });
-  if (last != summary.trouble.rend() && at >= last->from && at - last->to <= kNear) {
-    last->to = std::max(last->to, at);
-    last->messages += messages;
-  } else if (summary.trouble.size() < kMostTroubles) {
-    summary.trouble.push_back({kind, of, messages, at, at});
-  }
-}
-
-/// Finds the numbers of a row that jump away from those around them, and back.
-class LoneFinder {
- public:
-  /// @param most    that neighbours differ
-  /// @param fewest  numbers that tell which of them is wrong
-  /// @param found   where the messages they are from are put
-  LoneFinder(double most, std::size_t fewest, std::vector<std::int64_t>& found)
-      : most_(most), fewest_(fewest), found_(&found) {}
-
-  void add(std::int64_t message, double value) {
-    row_.push_back({message, value});
-    ++count_;
-    while (count_ >= fewest_ && row_.size() > kAhead) judge();
-  }
-  void finish() {
-    while (count_ >= fewest_ && !row_.empty()) judge();
-  }
-
- private:
-  static constexpr std::size_t kAhead = 4;
-  struct Entry {
-    std::int64_t message;
-    double value;
-  };
-
-  bool differ(double a, double b) const { return std::abs(a - b) > most_; }
-
-  /// Whether one of the next few goes on where it was before.
-  bool comes_back() const {
-    const std::size_t end = std::min(row_.size(), 1 + kAhead);
-    for (std::size_t k = 1; k < end; ++k) {
-      if (!differ(*before_, row_[k].value)) return true;
-    }
-    return end == 1;  // nothing behind it speaks for it
-  }
-
-  /// The first one has nobody before it: it is wrong when those behind it agree with each other.
-  bool first_is_wrong() const {
-    return row_.size() > 2 && differ(row_[0].value, row_[1].value) &&
-           differ(row_[0].value, row_[2].value) && !differ(row_[1].value, row_[2].value);
-  }
-
-  void judge() {
-    const bool wrong = before_ ? differ(*before_, row_[0].value) && comes_back() : first_is_wrong();
-    if (wrong) {
-      found_->push_back(row_[0].message);
-      if (!before_) before_ = row_[1].value;
-    } else {
-      before_ = row_[0].value;
-    }
-    row_.pop_front();
-  }
-
-  double most_;
-  std::size_t fewest_, count_ = 0;
-  std::vector<std::int64_t>* found_;
-  std::deque<Entry> row_;
-  std::optional<double> before_;  // the last one that was right
-};
-
-/// The messages of a trial, one after the other. What cannot be used is passed over and counted.
-class Messages {
- public:
-  /// @param session  the trial is what a session published, not what it listened to
-  Messages(LogReader reader, bool session) : reader_(reader), session_(session) {}
-
-  /// The next sample, event, state or frame, nothing at the end or where another trial begins.
-  std::optional<Message> next() {
-    while (const std::optional<LogEvent> event = reader_.next()) {
-      std::optional<Message> message = take(*event);
-      if (over_) break;
-      if (message) return message;
-    }
-    counted_.skipped.bytes = reader_.skipped_bytes();
-    counted_.skipped.cut_bytes = reader_.cut_bytes();
-    return std::nullopt;
-  }
-
-  /// Of the message at hand: its number among all that were taken, and its stamp.
-  std::int64_t number() const { return taken_ - 1; }
-  Time stamp() const { return stamp_; }
-  Time since_first() const { return stamp_ - *first_stamp_; }
-
-  /// Channels, header, what was passed over, and whether the end was there.
-  TrialSummary& counted() { return counted_; }
-
- private:
-  std::optional<Message> take(const LogEvent& event) {
-    stamp_ = event.time;
-    if (!first_stamp_) first_stamp_ = stamp_;
-    Channel& channel = counted_.channels[std::string(event.channel)];
-    if (++channel.messages == 1) channel.first = event.time;
-    channel.last = event.time;
-    channel.bytes += static_cast<std::int64_t>(event.data.size());
-    std::string_view name = event.channel;
-    if (session_) {
-      if (!name.starts_with(kSessionPrefix)) return std::nullopt;
-      name.remove_prefix(kSessionPrefix.size());
-    }
-    if (!is_trial_channel(name)) return std::nullopt;
-
-    std::optional<Message> message = decode(name, event.data);
-    if (!message || !plausible(*message)) {
-      ++(message ? counted_.skipped.implausible : counted_.skipped.undecodable);
-      note_trouble(counted_, message ? "implausible" : "undecodable", std::string(name),
-                   since_first());
-      return std::nullopt;
-    }
-    if (auto* header = std::get_if<TrialHeader>(&*message)) {
-      take(*header);
-      return std::nullopt;
-    }
-    ++taken_;
-    if (const auto* last = std::get_if<Event>(&*message); last && last->kind == kEndEvent) {
-      counted_.complete = last->value == static_cast<double>(taken_ - 1);
-      return std::nullopt;
-    }
-    if (const auto* tracker = std::get_if<TrackerSample>(&*message);
-        tracker && !tracker->in_transmitters_frame()) {
-      ++counted_.skipped.foreign;
-      note_trouble(counted_, "foreign", device_name(tracker->station), since_first());
-      return std::nullopt;
-    }
-    return message;
-  }
-
-  void take(TrialHeader& header) {
-    if (!counted_.has_header) {
-      counted_.header = std::move(header);
-      counted_.has_header = true;
-      ++taken_;
-    } else if (header != counted_.header) {
-      ++counted_.skipped.other_trials;
-      over_ = true;
-    }
-  }
-
-  LogReader reader_;
-  bool session_, over_ = false;
-  std::int64_t taken_ = 0;
-  Time stamp_{};
-  std::optional<Time> first_stamp_;
-  TrialSummary counted_;
-};
-
-constexpr double kMostJump_s = 1.0;
-
-/// Messages whose time, or a state's tick, jumps away from those around it while the log's own
-/// stamps go on; in their order.
-std::vector<std::int64_t> find_misdated(Messages messages) {
-  constexpr double kMostTicks = 1000.0;
-  constexpr std::size_t kFewest = 8;  // two presses of a button do not tell which of them is wrong
-  std::vector<std::int64_t> found;
-  std::map<std::pair<std::int32_t, std::size_t>, LoneFinder> samples;  // each device, all its times
-  LoneFinder times(kMostJump_s, 1, found), ticks(kMostTicks, 1, found);
-  std::int64_t states = 0;
-  const auto look_at = [&](const auto& sample) {
-    const std::array all = {sample.device_time, sample.host_time, sample.session_time};
-    for (std::size_t kind = 0; kind < all.size(); ++kind) {
-      if (kind > 0 && all[kind] == Time{}) continue;  // it has no such time
-      samples.try_emplace(std::pair(device(Sample(sample)), kind), kMostJump_s, kFewest, found)
-          .first->second.add(messages.number(), seconds(all[kind] - messages.stamp()));
-    }
-  };
-  while (const std::optional<Message> message = messages.next()) {
-    if (const auto* tracker = std::get_if<TrackerSample>(&*message)) look_at(*tracker);
-    if (const auto* mouse = std::get_if<MouseSample>(&*message)) look_at(*mouse);
-    if (const auto* state = std::get_if<TickState>(&*message)) {
-      times.add(messages.number(), seconds(state->time - messages.stamp()));
-      ticks.add(messages.number(), static_cast<double>(state->tick - states++));
-    }
-  }
-  for (auto& [row, finder] : samples) finder.finish();
-  times.finish();
-  ticks.finish();
-  std::ranges::sort(found);
-  found.erase(std::unique(found.begin(), found.end()), found.end());
-  return found;
-}
 
 /// Whether a session published its own trial here, beside what it listened to.
 bool holds_session(LogReader reader) {
@@ -225,12 +24,6 @@ bool holds_session(LogReader reader) {
 }
 
 }  // namespace
-
-std::string device_name(std::int32_t station) {
-  if (station == 0) return "3D mouse";
-  if (station == kHeadStation) return "head";
-  return station == kHandStation ? "right hand" : fmt::format("station {}", station);
-}
 
 struct LogContent {
   std::string path;
@@ -256,7 +49,7 @@ class TrialWalk {
     while (std::optional<Message> message = messages_.next()) {
       if (misdated()) {
         ++counted().skipped.misdated;
-        note("misdated", device_of(*message));
+        note("misdated", name_of(*message));
         continue;
       }
       if (const auto* state = std::get_if<TickState>(&*message)) tick_ = state->time;
@@ -282,7 +75,7 @@ class TrialWalk {
     ++next_misdated_;
     return true;
   }
-  static std::string device_of(const Message& message) {
+  static std::string name_of(const Message& message) {
     if (const auto* tracker = std::get_if<TrackerSample>(&message)) {
       return device_name(tracker->station);
     }
@@ -296,7 +89,7 @@ class TrialWalk {
     if (!tick_) return;
     if (arrival(Sample(sample)) <= *tick_) {
       ++counted().late;
-      note("late", device_of(sample));
+      note("late", device_name(device_of(sample)));
     }
     if (available(Sample(sample)) <= *tick_) sample.session_time = *tick_ + Time{1};
   }
@@ -320,13 +113,13 @@ class Summing {
     ++into_.sample_count;
     const Time time = device_time(sample);
     cover(time);
-    DeviceSummary& d = into_.devices[device(sample)];
+    DeviceSummary& d = into_.devices[device_of(sample)];
     if (d.samples++ == 0) {
       d.first = d.last = time;
-    } else if (time <= last_time_[device(sample)]) {
+    } else if (time <= last_time_[device_of(sample)]) {
       ++into_.backwards;
     }
-    last_time_[device(sample)] = time;
+    last_time_[device_of(sample)] = time;
     d.longest_gap = std::max(d.longest_gap, time - d.last);
     d.last = std::max(d.last, time);
     take_availability(available(sample));
@@ -415,7 +208,7 @@ void LogContent::look_through() {
   while (std::optional<Message> message = walk.next()) {
     if (const auto sample = sample_of(*message)) {
       if (const std::int64_t lost = summing.take(*sample)) {
-        walk.note("lost", device_name(device(*sample)), lost);
+        walk.note("lost", device_name(device_of(*sample)), lost);
       }
     } else if (auto* event = std::get_if<Event>(&*message)) {
       all.events.push_back(std::move(*event));

@@ -15,9 +15,6 @@
 /// A trial on disk, read forward as often as one likes, in memory that does not grow with it.
 namespace headpin::devices {
 
-/// "head", "right hand", "station 3"; 0: "3D mouse".
-std::string device_name(std::int32_t station);
-
 struct LogContent;  // of a TrialFile
 class TrialWalk;    // through it
 
