@@ -1,5 +1,7 @@
 #include <chrono>
 #include <cstdlib>
+#include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -11,31 +13,28 @@
 
 #include "apps/command.h"
 #include "apps/condition.h"
+#include "apps/live_eyes.h"
 #include "apps/options.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "devices/fastrak.h"
-#include "devices/lasting_line.h"
 #include "devices/lcm_link.h"
+#include "devices/live_source.h"
 #include "devices/log.h"
 #include "devices/messages.h"
 #include "devices/mouse3d.h"
 #include "devices/sources.h"
-#include "devices/stamped_stream.h"
 #include "devices/trial_file.h"
-#include "devices/viewer_messages.h"
-#include "scene/eye_frames.h"
 #include "scene/quantile.h"
 #include "scene/totals.h"
 #include "scene/trial_writer.h"
-#include "scene/viewer.h"
 
 namespace headpin::apps {
 
 namespace {
 
 struct Options {
-  std::string lcm, fastrak, scenario, participant, eyes = "png";
+  std::vector<std::string> sources;
+  std::string lcm, scenario, participant, eyes = "png";
   std::optional<std::string> record;
   std::vector<std::string> hemispheres;
   int baud = 115200, samples = 1;
@@ -57,11 +56,6 @@ void go_first() {
   setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), -10);
 }
 
-/// For the thread that draws, and those that it starts: they take the cores that are left.
-void give_way() {
-  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 10);
-}
-
 /// Mesa's software renderer takes a thread a core unless it is told.
 void leave_a_core_to_ticks() {
   const unsigned cores = std::thread::hardware_concurrency();
@@ -69,68 +63,14 @@ void leave_a_core_to_ticks() {
   setenv("LP_NUM_THREADS", others.c_str(), 0);
 }
 
-/// Frames over LCM, raw or as PNG.
-class LcmEyes : public scene::FrameSink {
- public:
-  LcmEyes(const std::string& url, bool png, double pixel_aspect)
-      : link_(url), png_(png), pixel_aspect_(pixel_aspect) {}
-
-  void add(const scene::EyeFrame& frame) override {
-    std::array<std::vector<std::uint8_t>, 2> files;
-    for (std::size_t eye = 0; png_ && eye < 2; ++eye) {
-      files[eye] = render::encode_png(frame.images[eye], pixel_aspect_);
-    }
-    link_.publish({.sequence = static_cast<std::int32_t>(frame.number),
-                   .time = frame.time,
-                   .width = frame.images[0].width,
-                   .height = frame.images[0].height,
-                   .png = png_,
-                   .left = png_ ? files[0] : frame.images[0].rgb,
-                   .right = png_ ? files[1] : frame.images[1].rgb});
-  }
-
- private:
-  devices::LcmLink link_;
-  bool png_;
-  double pixel_aspect_;
-};
-
-/// The scene for Drake's viewer, at the frames' rate; whole every five seconds, for viewers that
-/// come later.
-class Viewer : public scene::Observer {
- public:
-  explicit Viewer(devices::LcmLink& link) : link_(link) {}
-
-  void start(const scene::Session& session) override { show(session, true); }
-  void tick(const scene::Session& session) override {
-    const std::int64_t fps = session.scenario().rates.frame_hz;
-    if (tick_time(frame_, fps) > session.now()) return;
-    show(session, frame_ % (5 * fps) == 0);
-    ++frame_;
-  }
-
- private:
-  void show(const scene::Session& session, bool whole) {
-    if (whole) link_.publish(scene::viewer_links(session));
-    link_.publish(session.now(), scene::viewer_poses(session));
-  }
-
-  devices::LcmLink& link_;
-  std::int64_t frame_ = 0;
-};
-
 /// Everything a live session holds.
 struct Live {
-  scene::Session session;
-  std::unique_ptr<devices::LcmLink> link;
-  std::unique_ptr<devices::LcmSource> lcm;
   std::shared_ptr<SessionClock> clock = std::make_shared<SessionClock>();
-  devices::StampedStream* line = nullptr;     ///< within the Fastrak
-  devices::FastrakDriver* fastrak = nullptr;  ///< within `tracker`
-  std::unique_ptr<devices::Source> tracker;   ///< the Fastrak
+  std::vector<std::unique_ptr<devices::LiveSource>> sources;
+  scene::Session session;
   std::unique_ptr<scene::TrialWriter> writer;
-  std::unique_ptr<devices::LcmLink> session_link;
-  std::unique_ptr<scene::TrialWriter> publisher;  ///< over it
+  std::unique_ptr<devices::LcmLink> link, session_link;  ///< to others
+  std::unique_ptr<scene::TrialWriter> publisher;         ///< over the latter
   scene::Totals totals;
   std::unique_ptr<scene::RealTime> pace;
   std::unique_ptr<scene::FramesBeside> eyes;
@@ -146,45 +86,72 @@ class Reporter : public scene::Observer {
   void take_frames();
 
  private:
-  void report_unusable();
+  /// What was said of a source.
+  struct Said {
+    std::string trouble;
+    std::int64_t unusable = 0;  ///< messages
+    Time next_complaint{};
+  };
+  void report_trouble(const devices::LiveSource& source, Said& said);
+  void report_unusable(const devices::LiveSource& source, Said& said);
   void report_loss();
 
   Live& live_;
-  std::int64_t unusable_ = 0;  ///< messages that were reported
-  Time next_complaint_{};
-  std::string trouble_;  ///< of the Fastrak's line, as reported
+  std::map<const devices::LiveSource*, Said> said_;
   Time next_line_{10'000'000};
   Time next_look_{};  ///< at the recording
   bool lost_ = false;
 };
 
 /// A session that nobody took part in has failed, whatever was recorded of it.
-void require_samples(const Live& live, const Options& options) {
+void require_samples(const Live& live) {
   if (live.samples > 0) return;
-  std::string from = options.fastrak;
-  if (live.link) from += (from.empty() ? "" : " or ") + live.link->url();
+  std::string from;
+  for (const auto& source : live.sources) from += (from.empty() ? "" : " or ") + source->name();
   throw std::runtime_error(
       fmt::format("no sample came in {:.1f} s from {}", seconds(live.session.now()), from));
 }
 
-/// Says so where the samples of a log are taken into another scenario than the one they are from.
-void tell_of_another_scenario(const Live& live) {
-  if (!live.link || !live.link->is_replay()) return;
-  const std::string path = live.link->url().substr(std::string_view("file://").size());
-  const devices::TrialFile file(path.substr(0, path.find('?')));
+/// That of a log which plays, if it holds one.
+std::optional<scene::Scenario> scenario_of(const devices::LiveSource& source) {
+  if (source.recording().empty()) return std::nullopt;
+  const devices::TrialFile file(source.recording());
   const devices::TrialSummary& trial = file.summary();
-  if (!trial.has_header) return;
-  std::string own;
+  if (!trial.has_header) return std::nullopt;
+  return scene::scenario_of_trial(trial.header.scenario, source.recording());
+}
+
+/// Says so where the samples of a log are taken into another scenario than the one they are from.
+void tell_of_another_scenario(const devices::LiveSource& source, const scene::Scenario& chosen) {
   try {
-    scene::Scenario its = scene::scenario_of_trial(trial.header.scenario, path);
-    its.look = live.session.scenario().look;  // how it is drawn is not what it is
-    own = scene::to_toml(its);
+    std::optional<scene::Scenario> its = scenario_of(source);
+    if (!its) return;
+    its->look = chosen.look;  // how it is drawn is not what it is
+    if (scene::to_toml(*its) == scene::to_toml(chosen)) return;
   } catch (const std::invalid_argument&) {  // not whole, so it is not this session's
   }
-  if (own == scene::to_toml(live.session.scenario())) return;
-  say("headpin live: {} is from another scenario than this session's; `headpin info {} "
-      "--scenario` prints its own, for --scenario FILE\n",
-      printable(path), printable(path));
+  say("headpin live: {} is from another scenario than this session's, which is its own without "
+      "--scenario\n",
+      printable(source.recording()));
+}
+
+/// The one that is asked for, or else that of a log which plays, or else the paper's room.
+scene::Scenario choose_scenario(const Options& options, const Live& live) {
+  if (!options.scenario.empty()) {
+    const scene::Scenario chosen = scene::load_scenario(options.scenario);
+    for (const auto& source : live.sources) tell_of_another_scenario(*source, chosen);
+    return chosen;
+  }
+  for (const auto& source : live.sources) {
+    if (std::optional<scene::Scenario> its = scenario_of(*source)) return *its;
+  }
+  return {};
+}
+
+nlohmann::json summary_of(const devices::LiveSource& source) {
+  nlohmann::json j = {{"source", source.name()}, {"activity", source.activity()}};
+  for (const auto& [name, count] : source.counts()) j[name] = count;
+  return j;
 }
 
 nlohmann::json summary(const Live& live, const Options& options) {
@@ -197,46 +164,20 @@ nlohmann::json summary(const Live& live, const Options& options) {
   j["overruns"] = live.pace->overruns();
   j["latency_median_s"] = scene::quantile(live.latencies_s, 0.5);
   j["latency_p99_s"] = scene::quantile(live.latencies_s, 0.99);
-  j["dropped_samples"] = live.lcm ? live.lcm->counts().dropped : 0;
-  if (live.fastrak) {
-    const devices::FastrakStatistics& f = live.fastrak->statistics();
-    j["fastrak"] = {{"records", f.records},
-                    {"skipped_bytes", f.skipped_bytes},
-                    {"missed", f.missed},
-                    {"restarts", f.restarts},
-                    {"activity", live.fastrak->activity()}};
-  }
+  j["sources"] = nlohmann::json::array();
+  for (const auto& source : live.sources) j["sources"].push_back(summary_of(*source));
   return j;
 }
 
-std::string fastrak_report(const devices::FastrakDriver& fastrak) {
-  const devices::FastrakStatistics& f = fastrak.statistics();
-  std::string text = fmt::format("; Fastrak {}, {} records missed, {} bytes skipped, {} restarts",
-                                 fastrak.activity(), f.missed, f.skipped_bytes, f.restarts);
-  for (const std::string& setting : fastrak.unconfirmed()) text += ", " + setting;
-  return text;
-}
-
-/// How old the newest sample of each publisher is, and how late it came.
-std::string lcm_report(const Live& live) {
-  std::string text;
-  for (const auto& [station, publisher] : live.lcm->publishers()) {
-    if (station == devices::LcmSource::kMouse) continue;
-    text += fmt::format("; station {}: {:.0f} ms old, came {:.0f} ms late", station,
-                        1e3 * seconds(live.session.now() - publisher.device_time),
-                        1e3 * seconds(publisher.late()));
-  }
-  return text;
-}
-
 void print_line(const Live& live) {
-  say("{:7.1f} s  {} samples, {} frames ({} late), sample to frame {:.1f} ms median, {:.1f} "
-      "ms p99, {} dropped, {} overruns, {} skittles down{}{}\n",
+  std::string text = fmt::format(
+      "{:7.1f} s  {} samples, {} frames ({} late), sample to frame {:.1f} ms median, {:.1f} ms "
+      "p99, {} overruns, {} skittles down",
       seconds(live.session.now()), live.samples, live.frames, live.eyes->late(),
       1e3 * scene::quantile(live.latencies_s, 0.5), 1e3 * scene::quantile(live.latencies_s, 0.99),
-      live.lcm ? live.lcm->counts().dropped : 0, live.pace->overruns(),
-      live.totals.score().skittles_down, live.fastrak ? fastrak_report(*live.fastrak) : "",
-      live.lcm ? lcm_report(live) : "");
+      live.pace->overruns(), live.totals.score().skittles_down);
+  for (const auto& source : live.sources) text += "; " + source->report(live.session.now());
+  say("{}\n", text);
 }
 
 void Reporter::take_frames() {
@@ -248,22 +189,21 @@ void Reporter::take_frames() {
   }
 }
 
+void Reporter::report_trouble(const devices::LiveSource& source, Said& said) {
+  const std::string trouble = source.trouble();
+  if (trouble == said.trouble) return;
+  said.trouble = trouble;
+  say("{:7.1f} s  {}\n", seconds(live_.session.now()),
+      trouble.empty() ? source.name() + " is back" : trouble);
+}
+
 /// Says at once, and then every ten seconds, what comes and cannot be used.
-void Reporter::report_unusable() {
-  if (live_.fastrak && live_.fastrak->trouble() != trouble_) {
-    trouble_ = live_.fastrak->trouble();
-    say("{:7.1f} s  {}\n", seconds(live_.session.now()),
-        trouble_.empty() ? "the Fastrak's line is back" : trouble_);
-  }
-  if (!live_.lcm || live_.session.now() < next_complaint_) return;
-  const devices::LcmSource::Counts& counts = live_.lcm->counts();
-  const std::int64_t unusable = counts.undecodable + counts.implausible + counts.foreign;
-  if (unusable == unusable_) return;
-  say("{:7.1f} s  messages that cannot be used: {} of another type or size than TRACKER's "
-      "and MOUSE3D's, {} with numbers that cannot be, {} in another frame than \"T\"\n",
-      seconds(live_.session.now()), counts.undecodable, counts.implausible, counts.foreign);
-  unusable_ = unusable;
-  next_complaint_ = live_.session.now() + Time{10'000'000};
+void Reporter::report_unusable(const devices::LiveSource& source, Said& said) {
+  if (source.unusable() == said.unusable || live_.session.now() < said.next_complaint) return;
+  say("{:7.1f} s  messages that cannot be used: {}\n", seconds(live_.session.now()),
+      source.unusable_report());
+  said.unusable = source.unusable();
+  said.next_complaint = live_.session.now() + Time{10'000'000};
 }
 
 /// Says at once when nothing of the recording will be found; its end is the session's.
@@ -282,88 +222,45 @@ void Reporter::report_loss() {
 void Reporter::tick(const scene::Session& session) {
   live_.samples += static_cast<std::int64_t>(session.samples.size());
   take_frames();
-  report_unusable();
+  for (const auto& source : live_.sources) {
+    report_trouble(*source, said_[source.get()]);
+    report_unusable(*source, said_[source.get()]);
+  }
   report_loss();
   if (session.now() < next_line_) return;
   print_line(live_);
   next_line_ += Time{10'000'000};
 }
 
-/// Its line read in a thread of its own, which `live.line` starts.
-std::unique_ptr<devices::FastrakDriver> open_fastrak(const Options& options, Live& live) {
-  devices::FastrakOptions unit;
-  unit.baud = options.baud;
+devices::SourceOptions source_options(const Options& options,
+                                      const std::shared_ptr<SessionClock>& clock) {
+  devices::SourceOptions how;
+  how.clock = [clock] { return clock->now(); };
+  how.fastrak.baud = options.baud;
   for (const std::string& hemisphere : options.hemispheres) {
-    try {
-      devices::read_zenith(hemisphere, unit.zenith);
-    } catch (const std::invalid_argument& error) {
-      throw UsageError(error.what());
-    }
+    devices::read_zenith(hemisphere, how.fastrak.zenith);
   }
-  try {
-    auto line =
-        std::make_unique<devices::StampedStream>(devices::open_line(options.fastrak, options.baud),
-                                                 [clock = live.clock] { return clock->now(); });
-    live.line = line.get();
-    return std::make_unique<devices::FastrakDriver>(std::move(line), unit);
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(error.what());
-  }
-}
-
-/// What this machine can draw at this look, measured on a frame of the empty room.
-void say_rate(scene::Eyes& eyes, bool png, std::int64_t wanted) {
-  using Clock = scene::RealTime::Clock;
-  std::array<render::Image, 2> images;
-  scene::see(eyes, {}, images);  // the first one waits for shaders
-  const Clock::time_point begin = Clock::now();
-  scene::see(eyes, {}, images);
-  for (const render::Image& image : images) {
-    if (png) render::encode_png(image, eyes.optics.pixel_aspect());
-  }
-  const double rate = 1.0 / std::chrono::duration<double>(Clock::now() - begin).count();
-  say("eyes: some {:.0f} frames a second at this look, {} wanted{}\n", rate, wanted,
-      rate < static_cast<double>(wanted)
-          ? "; those that are not drawn in time are left out, ticks never"
-          : "");
-}
-
-std::unique_ptr<scene::FramesBeside> open_eyes(const Options& options,
-                                               std::shared_ptr<const scene::Stage> stage,
-                                               bool publish) {
-  return std::make_unique<scene::FramesBeside>(scene::FramesBeside::Makers{
-      .eyes =
-          [stage, png = publish && options.eyes == "png"] {
-            give_way();
-            scene::Eyes eyes = scene::open_eyes(*stage);
-            say_rate(eyes, png, stage->scenario.rates.frame_hz);
-            return eyes;
-          },
-      .sink = [url = options.lcm, how = options.eyes,
-               publish](const scene::Eyes& eyes) -> std::unique_ptr<scene::FrameSink> {
-        if (!publish || how == "none") return nullptr;
-        return std::make_unique<LcmEyes>(url, how == "png", eyes.optics.pixel_aspect());
-      }});
+  return how;
 }
 
 Live open(const Options& options) {
-  scene::Scenario scenario =
-      options.scenario.empty() ? scene::Scenario() : scene::load_scenario(options.scenario);
+  Live live;
+  try {
+    const devices::SourceOptions how = source_options(options, live.clock);
+    for (const std::string& name : options.sources) {
+      live.sources.push_back(devices::open_source(name, how));
+    }
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+  scene::Scenario scenario = choose_scenario(options, live);
   scenario.look.samples = options.samples;
   apply(options.condition, scenario);
-  Live live;
   live.session = scene::make_session(scenario);
-  if (options.use_lcm) {
-    live.link = std::make_unique<devices::LcmLink>(options.lcm);
-    live.lcm = std::make_unique<devices::LcmSource>(*live.link);
-    if (!live.link->is_replay()) live.lcm->use_clock([clock = live.clock] { return clock->now(); });
-  }
-  if (!options.fastrak.empty()) {
-    auto driver = open_fastrak(options, live);
-    live.fastrak = driver.get();
-    live.tracker = std::move(driver);
-  }
-  if (live.link && !live.link->is_replay() && !options.no_trial) {
+  if (!options.use_lcm) return live;
+  live.link = std::make_unique<devices::LcmLink>(options.lcm);
+  if (live.link->is_replay()) live.link.reset();  // nobody listens to a file
+  if (live.link && !options.no_trial) {
     live.session_link = std::make_unique<devices::LcmLink>(options.lcm, devices::kSessionPrefix);
     devices::TrialHeader header;
     header.participant = options.participant;
@@ -378,21 +275,26 @@ void open_recording(const Options& options, Live& live) {
   if (!options.record) return;
   devices::TrialHeader header;
   header.participant = options.participant;
+  std::vector<std::filesystem::path> inputs = {options.scenario};
+  for (const auto& source : live.sources) inputs.push_back(source->recording());
   const Time epoch =
       std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
   live.writer = std::make_unique<scene::TrialWriter>(
       *options.record, header, live.session,
       devices::Recorder::Options{
-          .overwrite = options.force, .live = true, .inputs = {options.scenario}, .epoch = epoch});
+          .overwrite = options.force, .live = true, .inputs = inputs, .epoch = epoch});
 }
 
 /// All that comes in; a stylus switch is the trigger where no mouse of its own says more.
 std::unique_ptr<devices::Source> source_of(const Live& live) {
   std::vector<devices::Source*> list;
-  if (live.lcm) list.push_back(live.lcm.get());
-  if (live.tracker) list.push_back(live.tracker.get());
+  bool stylus = false;
+  for (const auto& source : live.sources) {
+    list.push_back(source.get());
+    stylus = stylus || source->has_stylus();
+  }
   auto merged = std::make_unique<devices::MergedSource>(list);
-  if (!live.tracker) return merged;
+  if (!stylus) return merged;
   return std::make_unique<devices::StylusMouse>(std::move(merged));
 }
 
@@ -419,26 +321,24 @@ void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
 }
 
 void run(const Options& options) {
-  if (!options.use_lcm && options.fastrak.empty()) {
-    throw UsageError("nothing to listen to: expected --lcm URL, --fastrak TTY or both");
+  if (options.sources.empty()) {
+    throw UsageError("nothing to listen to: expected --lcm URL, --fastrak TTY or a SOURCE");
   }
   watch_stop_signals();
   leave_a_core_to_ticks();
   Live live = open(options);
-  tell_of_another_scenario(live);
   const std::unique_ptr<devices::Source> merged = source_of(live);
   devices::Source& source = *merged;
 
-  const bool publish = live.link && !live.link->is_replay();
-  live.eyes = open_eyes(options, live.session.stage, publish);
+  live.eyes =
+      open_eyes(live.session.stage, live.link ? options.eyes : std::string("none"), options.lcm);
   const Time end = microseconds(options.duration_s.value_or(0.0));
   live.pace =
       std::make_unique<scene::RealTime>(tick_time(1, live.session.scenario().rates.physics_hz));
   live.eyes->begin(live.pace->start());
   live.clock->start = live.pace->start();
   go_first();
-  if (live.line) live.line->start();
-  if (live.lcm) live.lcm->drain();  // what waited while the eyes were opened
+  for (const auto& one : live.sources) one->start();
   open_recording(options, live);
 
   std::vector<scene::Observer*> observers = {&live.totals};
@@ -446,12 +346,12 @@ void run(const Options& options) {
   if (live.publisher) observers.push_back(live.publisher.get());
   observers.push_back(live.eyes.get());
   std::optional<Viewer> viewer;
-  if (publish) observers.push_back(&viewer.emplace(*live.link));
+  if (live.link) observers.push_back(&viewer.emplace(*live.link));
   Reporter reporter(live);
   observers.push_back(&reporter);
   run_recorded(live, source, reporter, observers, end);
   print_line(live);
-  require_samples(live, options);
+  require_samples(live);
   if (options.json) print_json(summary(live, options));
 }
 
@@ -460,13 +360,17 @@ void run(const Options& options) {
 void add_live(CLI::App& app) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("live", "Run a session in real time, recorded as it runs");
+  command->add_option("SOURCE", options->sources,
+                      "what feeds the session: fastrak:TTY, fastrak:tcp:HOST:PORT, lcm:URL or a "
+                      "trial; several are one");
   CLI::Option* lcm =
       command->add_option("--lcm", options->lcm,
-                          "poses and buttons in, eyes and bodies out; \"\" is LCM's default URL; a "
-                          "file:// is only read");
-  CLI::Option* fastrak = command->add_option(
-      "--fastrak", options->fastrak, "poses from a Fastrak on this serial line, or tcp:HOST:PORT");
-  command->add_option("--baud", options->baud, "of that line")
+                          "source lcm:URL, and eyes and bodies go out there; \"\" is LCM's default "
+                          "URL; a file:// is only read");
+  auto fastrak = std::make_shared<std::string>();
+  CLI::Option* line = command->add_option("--fastrak", *fastrak, "source fastrak:TTY")
+                          ->type_name("TTY|tcp:HOST:PORT");
+  command->add_option("--baud", options->baud, "of a Fastrak's line")
       ->check(CLI::IsMember({2400, 4800, 9600, 19200, 38400, 57600, 115200}))
       ->capture_default_str();
   command
@@ -475,10 +379,11 @@ void add_live(CLI::App& app) {
                    "(x ahead, y right, z down); 0,0,0: follow each from ahead; may be repeated; "
                    "1,0,0 when not given")
       ->type_name("[STATION:]X,Y,Z")
-      ->allow_extra_args(false)
-      ->needs(fastrak);
-  command->add_option("--scenario", options->scenario,
-                      "its name, or a TOML file; the paper's room when not given");
+      ->allow_extra_args(false);
+  command->add_option(
+      "--scenario", options->scenario,
+      "its name, or a TOML file; that of the trial played, or else the paper's room when "
+      "not given");
   add_output(*command, "--record", options->record,
              "write the trial here, safe from the first event");
   command->add_option("--participant", options->participant, "name in the trial");
@@ -501,9 +406,13 @@ void add_live(CLI::App& app) {
   add_json(*command, options->json);
   add_condition_options(*command, options->condition);
   command->footer(
-      "Example:\n  headpin live --lcm 'udpm://239.255.76.67:7667?ttl=0' --record session.lcmlog");
-  command->callback([options, lcm] {
+      "Examples:\n  headpin live fastrak:/dev/ttyUSB0 --record session.lcmlog\n"
+      "  headpin live trial.lcmlog --elasticity 0.9\n"
+      "  headpin live --lcm 'udpm://239.255.76.67:7667?ttl=0' --record session.lcmlog");
+  command->callback([options, lcm, line, fastrak] {
     options->use_lcm = lcm->count() > 0;
+    if (options->use_lcm) options->sources.push_back("lcm:" + options->lcm);
+    if (line->count() > 0) options->sources.push_back("fastrak:" + *fastrak);
     run(*options);
   });
 }

@@ -107,7 +107,7 @@ std::string events_page() {
 
 std::vector<JsonKey> json_keys() {
   return {
-      {"activity", "what the driver of a Fastrak is doing"},
+      {"activity", "what a source is doing"},
       {"a", "the first of two trials that are compared"},
       {"b", "the second"},
       {"backwards", "samples not later than the one before of the same device; kept"},
@@ -137,7 +137,6 @@ std::vector<JsonKey> json_keys() {
       {"error", "why it failed"},
       {"events", "of a trial"},
       {"exit_code", "of a failure"},
-      {"fastrak", "the driver of a live session"},
       {"final_energy_j", "of balls and skittles after the last tick"},
       {"first_difference_body", "body that differs first; empty where one trial ends sooner"},
       {"first_difference_s", "when"},
@@ -208,6 +207,8 @@ std::vector<JsonKey> json_keys() {
       {"skipped_bytes", "bytes of a line that belong to no record"},
       {"skittles", "of the rack"},
       {"skittles_down", "that fell"},
+      {"source", "by its name, as `live` takes it"},
+      {"sources", "of a live session"},
       {"solver_iterations", "passes over lasting contacts, summed"},
       {"state_hash", "after the last tick (docs/hash-and-ledger.md)"},
       {"statistics", "counts of the engine"},

@@ -98,7 +98,7 @@ TEST_F(Live, FedByLcmLogplayerItReplaysToTheSameHashes) {
   const nlohmann::json live = nlohmann::json::parse(slurp(folder_ / "live.json"));
   EXPECT_EQ(live["ticks"], trial("live.lcmlog").states.size());  // none skipped
   EXPECT_EQ(live["samples"], 843);
-  EXPECT_EQ(live["dropped_samples"], 0);
+  EXPECT_EQ(live["sources"][0]["dropped_samples"], 0);
   EXPECT_GT(live["frames"].get<int>(), 0);
   EXPECT_GT(live["skittles_down"].get<int>(), 0);
 
@@ -112,7 +112,8 @@ TEST_F(LiveFastrak, ASessionThatNobodyTakesPartInHasFailed) {
   const Result alone =
       headpin("live --lcm memq:// --eyes none --duration 0.2 --record empty.lcmlog --json");
   EXPECT_EQ(alone.code, 1);
-  EXPECT_THAT(alone.err, testing::HasSubstr("headpin live: no sample came in 0.2 s from memq://"));
+  EXPECT_THAT(alone.err,
+              testing::HasSubstr("headpin live: no sample came in 0.2 s from lcm:memq://"));
   EXPECT_EQ(nlohmann::json::parse(alone.out)["exit_code"], 1);
   EXPECT_TRUE(trial("empty.lcmlog").complete);
 }
@@ -203,8 +204,8 @@ TEST_F(LiveFastrak, ABusyMachineDoesNotChangeAThrow) {
         "interrupt $live; code=$?\ntest -z \"$hogs\" || kill $hogs\ninterrupt $unit\nexit $code");
     EXPECT_EQ(result.code, 0) << result.err;
     const nlohmann::json live = nlohmann::json::parse(slurp(folder_ / "live.json"));
-    EXPECT_EQ(live["fastrak"]["missed"], 0) << line << ", " << hogs << " hogs";
-    EXPECT_EQ(live["fastrak"]["skipped_bytes"], 0) << line << ", " << hogs << " hogs";
+    EXPECT_EQ(live["sources"][0]["missed"], 0) << line << ", " << hogs << " hogs";
+    EXPECT_EQ(live["sources"][0]["skipped_bytes"], 0) << line << ", " << hogs << " hogs";
     return json("info live.lcmlog --json")["result"]["release_speed_mps"].get<double>();
   };
   const double speed = release_speed("--link unit", 0);
@@ -275,7 +276,7 @@ TEST_F(LiveFastrak, AUnitThatIsSwitchedOffAndOnIsTakenUpAgain) {
       "counted $live live.lcmlog TRACKER $((before + 60))\n"
       "interrupt $live; code=$?\ninterrupt $unit\nexit $code");
   EXPECT_EQ(result.code, 0) << result.err;
-  EXPECT_THAT(result.err, testing::HasSubstr("the Fastrak's line is back"));
+  EXPECT_THAT(result.err, testing::HasSubstr("fastrak:unit is back"));
   EXPECT_TRUE(trial("live.lcmlog").complete);
 }
 
@@ -324,15 +325,33 @@ TEST_F(LiveFastrak, WithoutANetworkALogFeedsASessionOrAUnit) {
   EXPECT_GT(live["skittles_down"].get<int>(), 0);
   EXPECT_EQ(json("replay live.lcmlog --verify --json")["state_hash"], live["state_hash"]);
   // In a room that is not the log's own it says so, and goes on.
-  const Result own =
-      headpin("live --lcm '" + url + "' --eyes none --duration 0.5 --scenario room.toml");
-  EXPECT_THAT(own.err, testing::Not(testing::HasSubstr("another scenario")));
-  const Result other = headpin("live --lcm '" + url + "' --eyes none --duration 0.5");
+  for (const std::string own : {"", " --scenario room.toml", " --friction 0.1"}) {
+    EXPECT_THAT(headpin("live --lcm '" + url + "' --eyes none --duration 0.3" + own).err,
+                testing::Not(testing::HasSubstr("another scenario")))
+        << own;
+  }
+  const Result other = headpin("live --lcm '" + url +
+                               "' --eyes none --duration 0.5 --scenario paper-room --set "
+                               "ball.home=[0.5,-0.3,0.9]");
   EXPECT_EQ(other.code, 0) << other.err;
   EXPECT_THAT(other.err, testing::HasSubstr("is from another scenario than this session's"));
   // The unit goes on measuring where the log left its receivers.
   const Result unit = shell("$headpin emulate --lcm '" + url + "?speed=0' --duration 0.5");
   EXPECT_EQ(unit.code, 0) << unit.err;
+}
+
+// By its name alone, in its own room: the same session again, and the same as a replay's.
+TEST_F(LiveFastrak, ATrialFeedsASession) {
+  const nlohmann::json live = json("live " + kDemo + " --eyes none --record live.lcmlog --json");
+  EXPECT_EQ(live["samples"], 843);
+  EXPECT_EQ(live["sources"][0]["source"], kDemo);
+  EXPECT_EQ(live["sources"][0]["activity"], "at its end");
+  ASSERT_EQ(headpin("replay " + kDemo + " -o replayed.lcmlog").code, 0);
+  const nlohmann::json both = json("compare replayed.lcmlog live.lcmlog --json");
+  EXPECT_TRUE(both["first_difference_tick"].is_null()) << both;
+  EXPECT_EQ(json("replay live.lcmlog --verify --json")["state_hash"], live["state_hash"]);
+  expect_refusal("live nobody.lcmlog --record OUT", 1, "nobody.lcmlog: ");
+  expect_refusal("live " + kDemo + " --record " + kDemo + " --force", 1, "demo.lcmlog");
 }
 
 // What the eyes saw is drawn again to the pixel: the look is in the trial.

@@ -1,0 +1,95 @@
+#include "apps/live_eyes.h"
+
+#include <array>
+#include <chrono>
+#include <vector>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+#include "apps/streams.h"
+#include "scene/viewer.h"
+
+namespace headpin::apps {
+
+namespace {
+
+/// For the thread that draws, and those that it starts: they take the cores that are left.
+void give_way() {
+  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 10);
+}
+
+/// Frames over LCM, raw or as PNG.
+class LcmEyes : public scene::FrameSink {
+ public:
+  LcmEyes(const std::string& url, bool png, double pixel_aspect)
+      : link_(url), png_(png), pixel_aspect_(pixel_aspect) {}
+
+  void add(const scene::EyeFrame& frame) override {
+    std::array<std::vector<std::uint8_t>, 2> files;
+    for (std::size_t eye = 0; png_ && eye < 2; ++eye) {
+      files[eye] = render::encode_png(frame.images[eye], pixel_aspect_);
+    }
+    link_.publish({.sequence = static_cast<std::int32_t>(frame.number),
+                   .time = frame.time,
+                   .width = frame.images[0].width,
+                   .height = frame.images[0].height,
+                   .png = png_,
+                   .left = png_ ? files[0] : frame.images[0].rgb,
+                   .right = png_ ? files[1] : frame.images[1].rgb});
+  }
+
+ private:
+  devices::LcmLink link_;
+  bool png_;
+  double pixel_aspect_;
+};
+
+/// What this machine can draw at this look, measured on a frame of the empty room.
+void say_rate(scene::Eyes& eyes, bool png, std::int64_t wanted) {
+  using Clock = scene::RealTime::Clock;
+  std::array<render::Image, 2> images;
+  scene::see(eyes, {}, images);  // the first one waits for shaders
+  const Clock::time_point begin = Clock::now();
+  scene::see(eyes, {}, images);
+  for (const render::Image& image : images) {
+    if (png) render::encode_png(image, eyes.optics.pixel_aspect());
+  }
+  const double rate = 1.0 / std::chrono::duration<double>(Clock::now() - begin).count();
+  say("eyes: some {:.0f} frames a second at this look, {} wanted{}\n", rate, wanted,
+      rate < static_cast<double>(wanted)
+          ? "; those that are not drawn in time are left out, ticks never"
+          : "");
+}
+
+}  // namespace
+
+std::unique_ptr<scene::FramesBeside> open_eyes(std::shared_ptr<const scene::Stage> stage,
+                                               const std::string& how, const std::string& url) {
+  return std::make_unique<scene::FramesBeside>(scene::FramesBeside::Makers{
+      .eyes =
+          [stage, png = how == "png"] {
+            give_way();
+            scene::Eyes eyes = scene::open_eyes(*stage);
+            say_rate(eyes, png, stage->scenario.rates.frame_hz);
+            return eyes;
+          },
+      .sink = [how, url](const scene::Eyes& eyes) -> std::unique_ptr<scene::FrameSink> {
+        if (how == "none") return nullptr;
+        return std::make_unique<LcmEyes>(url, how == "png", eyes.optics.pixel_aspect());
+      }});
+}
+
+void Viewer::tick(const scene::Session& session) {
+  const std::int64_t fps = session.scenario().rates.frame_hz;
+  if (tick_time(frame_, fps) > session.now()) return;
+  show(session, frame_ % (5 * fps) == 0);
+  ++frame_;
+}
+
+void Viewer::show(const scene::Session& session, bool whole) {
+  if (whole) link_.publish(scene::viewer_links(session));
+  link_.publish(session.now(), scene::viewer_poses(session));
+}
+
+}  // namespace headpin::apps

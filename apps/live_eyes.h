@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "devices/lcm_link.h"
+#include "scene/eye_frames.h"
+#include "scene/run.h"
+
+/// What others see of a live session over LCM.
+namespace headpin::apps {
+
+/// Both eyes, drawn in a thread of their own that gives way to everybody.
+///
+/// @param how  raw or png, on HEADPIN_EYES at the URL; none: drawn, and shown to nobody
+std::unique_ptr<scene::FramesBeside> open_eyes(std::shared_ptr<const scene::Stage> stage,
+                                               const std::string& how, const std::string& url);
+
+/// The scene for Drake's viewer, at the frames' rate; whole every five seconds, for viewers that
+/// come later.
+class Viewer : public scene::Observer {
+ public:
+  /// @param link  must outlive this
+  explicit Viewer(devices::LcmLink& link) : link_(link) {}
+
+  void start(const scene::Session& session) override { show(session, true); }
+  void tick(const scene::Session& session) override;
+
+ private:
+  void show(const scene::Session& session, bool whole);
+
+  devices::LcmLink& link_;
+  std::int64_t frame_ = 0;
+};
+
+}  // namespace headpin::apps

@@ -1,0 +1,59 @@
+#include "devices/live_source.h"
+
+#include <array>
+#include <string_view>
+
+#include <fmt/format.h>
+
+#include "devices/live_fastrak.h"
+#include "devices/live_lcm.h"
+#include "devices/trial_file.h"
+
+namespace headpin::devices {
+namespace {
+
+/// A trial, played by the session's clock.
+class LiveTrial : public LiveSource {
+ public:
+  explicit LiveTrial(const std::string& path) : LiveSource(path), file_(path), player_(file_) {
+    file_.require_trial(kLongestGap);
+  }
+
+  void poll(Time now, std::vector<Sample>& out) override { player_.poll(now, out); }
+  bool exhausted() const override { return player_.exhausted(); }
+  std::string activity() const override { return exhausted() ? "at its end" : "playing"; }
+  std::string report(Time now) const override {
+    return fmt::format("{} {:.1f} of {:.1f} s", activity(), seconds(now),
+                       seconds(file_.summary().end));
+  }
+  std::string recording() const override { return name(); }
+
+ private:
+  TrialFile file_;
+  TrialPlayer player_;
+};
+
+/// A kind of source by what its names begin with.
+struct Kind {
+  std::string_view prefix;
+  std::unique_ptr<LiveSource> (*open)(const std::string& name, const std::string& where,
+                                      const SourceOptions& options);
+};
+
+constexpr std::array kKinds = {
+    Kind{"fastrak:", live_fastrak},
+    Kind{"lcm:", live_lcm},
+};
+
+}  // namespace
+
+std::unique_ptr<LiveSource> open_source(const std::string& name, const SourceOptions& options) {
+  for (const Kind& kind : kKinds) {
+    if (name.starts_with(kind.prefix)) {
+      return kind.open(name, name.substr(kind.prefix.size()), options);
+    }
+  }
+  return std::make_unique<LiveTrial>(name);
+}
+
+}  // namespace headpin::devices

@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "devices/fastrak_setup.h"
+#include "devices/source.h"
+
+/// Sources by their names, as users write them.
+namespace headpin::devices {
+
+/// A source that keeps pace with a running session and can say how it does.
+class LiveSource : public Source {
+ public:
+  using Counts = std::vector<std::pair<std::string, std::int64_t>>;
+
+  explicit LiveSource(std::string name) : name_(std::move(name)) {}
+
+  /// As open_source takes it.
+  const std::string& name() const { return name_; }
+
+  /// The session's clock runs from now on: what waited for it says nothing.
+  virtual void start() {}
+
+  /// What it is doing.
+  virtual std::string activity() const = 0;
+  /// What keeps anything from coming, for people; empty when nothing does.
+  virtual std::string trouble() const { return {}; }
+  /// Messages that came and cannot be used, and what is wrong with them, for people.
+  virtual std::int64_t unusable() const { return 0; }
+  virtual std::string unusable_report() const { return {}; }
+
+  /// How it does, for people, in a clause or some.
+  virtual std::string report(Time now) const = 0;
+  /// The same for programs, by names of `--json`.
+  virtual Counts counts() const { return {}; }
+
+  /// Whether a button of its tracker stands for the trigger.
+  virtual bool has_stylus() const { return false; }
+  /// The log that it plays, empty where it plays none.
+  virtual std::string recording() const { return {}; }
+
+ private:
+  std::string name_;
+};
+
+struct SourceOptions {
+  /// The session's. Without one, what arrives is stamped with the time of the poll.
+  std::function<Time()> clock;
+  FastrakOptions fastrak;
+};
+
+/// Opens `fastrak:LINE` (a serial port, or tcp:HOST:PORT), `lcm:URL` (none: the default one), or a
+/// trial by its path, which plays from the session's start, each sample when it was available.
+///
+/// @throws std::runtime_error  when it cannot be opened or is no trial
+/// @throws std::invalid_argument  for a name that no line can have
+std::unique_ptr<LiveSource> open_source(const std::string& name, const SourceOptions& options);
+
+}  // namespace headpin::devices

@@ -1,0 +1,83 @@
+#include "devices/live_source.h"
+
+#include <gmock/gmock.h>
+
+#include "devices/log.h"
+#include "devices/sources.h"
+#include "tests/devices/fastrak_unit.h"
+
+namespace headpin::devices {
+namespace {
+
+const std::string kDemo = HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog";
+
+/// All that a source gives when it is polled so often.
+std::vector<Sample> all_of(Source& source, Time tick) {
+  std::vector<Sample> samples;
+  for (Time now{}; !source.exhausted() && now < Time{60'000'000}; now += tick) {
+    source.poll(now, samples);
+  }
+  return samples;
+}
+
+TEST(OpenSource, ATrialPlaysAsItIsReplayed) {
+  const std::unique_ptr<LiveSource> trial = open_source(kDemo, {});
+  EXPECT_EQ(trial->name(), kDemo);
+  EXPECT_EQ(trial->recording(), kDemo);
+  EXPECT_EQ(trial->activity(), "playing");
+  ReplaySource replay(read_trial(kDemo).samples);
+  const std::vector<Sample> played = all_of(*trial, Time{4166}), expected = all_of(replay, Time{7});
+  ASSERT_EQ(played.size(), expected.size());
+  for (std::size_t i = 0; i < played.size(); ++i) {
+    EXPECT_EQ(available(played[i]), available(expected[i])) << i;
+    EXPECT_EQ(device_of(played[i]), device_of(expected[i])) << i;
+  }
+  EXPECT_EQ(trial->activity(), "at its end");
+}
+
+TEST(OpenSource, ALogIsPlayedOverLcm) {
+  const std::unique_ptr<LiveSource> log = open_source("lcm:file://" + kDemo + "?speed=0", {});
+  log->start();
+  EXPECT_EQ(log->recording(), kDemo);
+  EXPECT_EQ(all_of(*log, Time{4166}).size(), read_trial(kDemo).samples.size());
+  EXPECT_EQ(log->counts().front(), (std::pair<std::string, std::int64_t>("dropped_samples", 0)));
+}
+
+TEST(OpenSource, AFastrakIsHeardAtTheEndOfItsLine) {
+  PseudoTerminal pty;
+  Unit unit;
+  const std::unique_ptr<LiveSource> fastrak = open_source("fastrak:" + pty.name(), {});
+  fastrak->start();
+  EXPECT_TRUE(fastrak->has_stylus());
+  EXPECT_THAT(fastrak->activity(), testing::Not("streaming"));
+  std::vector<Sample> samples;
+  // Without a clock of its own, time is what the polls say, however long the machine takes.
+  while (samples.size() < 20 && unit.now < Time{60'000'000}) {
+    unit.now += Time{1000};
+    serve(unit.emulator, pty, unit.now);
+    fastrak->poll(unit.now, samples);
+  }
+  EXPECT_GE(samples.size(), 20u);
+  EXPECT_EQ(fastrak->activity(), "streaming");
+  EXPECT_EQ(fastrak->counts().front().first, "records");
+  EXPECT_GE(fastrak->counts().front().second, 20);
+}
+
+TEST(OpenSource, SaysWhatItCannotOpen) {
+  const auto refusal = [](const std::string& name) -> std::string {
+    try {
+      open_source(name, {});
+    } catch (const std::exception& error) {
+      return error.what();
+    }
+    return "opened";
+  };
+  EXPECT_THAT(refusal("nobody.lcmlog"), testing::HasSubstr("nobody.lcmlog"));
+  EXPECT_THAT(refusal(HEADPIN_SOURCE_DIR "/README.md"), testing::HasSubstr("not an LCM event log"));
+  EXPECT_THAT(refusal("fastrak:/dev/nobody"), testing::HasSubstr("/dev/nobody"));
+  EXPECT_THROW(open_source("fastrak:tcp:here:none", {}), std::invalid_argument);
+  EXPECT_THAT(refusal("lcm:carrier-pigeon://"), testing::HasSubstr("cannot open LCM"));
+}
+
+}  // namespace
+}  // namespace headpin::devices
