@@ -29,12 +29,38 @@ struct Options {
   bool json = false;
 };
 
+/// Walks as the session did that the samples are from.
+class Follower {
+ public:
+  explicit Follower(const scene::Scenario& scenario) : scenario_(scenario) {}
+
+  /// Makes all ticks that begin before the sample is known, then keeps it for the next.
+  void take(const devices::Sample& sample) {
+    const std::int64_t hz = scenario_.rates.physics_hz;
+    for (; tick_time(tick_ + 1, hz) < devices::available(sample); ++tick_) {
+      const Time now = tick_time(tick_ + 1, hz) - microseconds(scenario_.rig.delay_s);
+      scene::follow(player_, known_, scenario_, now);
+      scene::forget(player_, now);
+      known_.clear();
+    }
+    known_.push_back(sample);
+  }
+  Pose X_WP() const { return player_.walk.X_WP(); }
+
+ private:
+  const scene::Scenario& scenario_;
+  scene::Player player_;
+  std::vector<devices::Sample> known_;
+  std::int64_t tick_ = 0;
+};
+
 /// Sends the head's and the hand's samples also as poses in the world, for those who only know
 /// those.
-void publish_pose(devices::LcmLink& link, const scene::Rig& rig, const devices::Sample& sample) {
+void publish_pose(devices::LcmLink& link, const scene::Rig& rig, const Pose& X_WP,
+                  const devices::Sample& sample) {
   const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
   if (!tracker || !tracker->good()) return;
-  const Pose X_WS = scene::sensor_in_world(*tracker, rig);
+  const Pose X_WS = X_WP * scene::sensor_in_space(*tracker, rig);
   if (tracker->station == rig.head_station) {
     link.publish_pose("HEAD_POSE", tracker->device_time, X_WS * rig.X_SD);
   }
@@ -47,7 +73,8 @@ void run(const Options& options) {
   const devices::Trial trial =
       devices::read_trial(options.trial, microseconds(options.longest_gap));
   if (trial.samples.empty()) throw std::runtime_error(options.trial + ": no samples to stream");
-  const scene::Rig rig = scene::scenario_of_trial(trial.header.scenario, options.trial).rig;
+  const scene::Scenario scenario = scene::scenario_of_trial(trial.header.scenario, options.trial);
+  Follower follower(scenario);
   devices::LcmLink link(options.url);
   watch_stop_signals();
 
@@ -78,7 +105,8 @@ void run(const Options& options) {
       announced = Clock::now();
     }
     link.publish(sample);
-    publish_pose(link, rig, sample);
+    follower.take(sample);
+    publish_pose(link, scenario.rig, follower.X_WP(), sample);
   }
   if (sent == samples.size()) {
     devices::Event end;

@@ -79,6 +79,19 @@ engine::Body ball_body(const Scenario& scenario) {
           .material = surface(scenario.material.ball)};
 }
 
+engine::Body hand_body(const Scenario& scenario) {
+  const auto part = [](const Vec3& p_HG, const Vec3& radii) {
+    return engine::Part{engine::Ellipsoid{radii}, {Quat::Identity(), p_HG}};
+  };
+  return {.name = "hand",
+          .shape = engine::make_compound({part({0.0, 0.0, -0.005}, {0.042, 0.016, 0.050}),
+                                          part({-0.020, 0.0, -0.085}, {0.020, 0.010, 0.042}),
+                                          part({0.020, 0.0, -0.080}, {0.020, 0.010, 0.038}),
+                                          part({-0.052, 0.0, -0.015}, {0.014, 0.012, 0.034})}),
+          .material = surface({scenario.hand.elasticity, scenario.hand.friction}),
+          .kind = engine::Kind::driven};
+}
+
 std::vector<Fixture> room_fixtures(const Scenario& scenario) {
   const Room& room = scenario.room;
   const Materials& m = scenario.material;

@@ -22,8 +22,12 @@ SkittleBody skittle_body(const Scenario& scenario);
 
 engine::Body ball_body(const Scenario& scenario);
 
+/// The virtual hand, open, as the one body the player has: palm, two pairs of fingers, thumb. Its
+/// frame is H.
+engine::Body hand_body(const Scenario& scenario);
+
 /// What a body is in the game.
-enum class Role : std::uint8_t { lane, wall, ball, skittle };
+enum class Role : std::uint8_t { lane, wall, ball, skittle, hand };
 
 /// What never moves, and where it stands.
 struct Fixture {

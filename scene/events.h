@@ -14,6 +14,7 @@ inline constexpr std::string_view release = "release";
 inline constexpr std::string_view first_contact = "first_contact";
 inline constexpr std::string_view touch = "touch";
 inline constexpr std::string_view ball_touch = "ball_touch";
+inline constexpr std::string_view hand_touch = "hand_touch";
 inline constexpr std::string_view missed_grab = "missed_grab";
 inline constexpr std::string_view skittle_down = "skittle_down";
 inline constexpr std::string_view ledger = "ledger";
@@ -29,9 +30,9 @@ struct EventKind {
   std::string_view value;  ///< what `value` is; empty where it is not used
 };
 
-inline constexpr std::array<EventKind, 11> kEventKinds{{
-    {kind::grab, "the trigger took a ball", "the ball's centre", ""},
-    {kind::release, "the trigger let a ball go", "the ball's centre",
+inline constexpr std::array<EventKind, 12> kEventKinds{{
+    {kind::grab, "the trigger took a ball or a skittle", "its centre", ""},
+    {kind::release, "the trigger let go of what it took", "its centre",
      "speed it left the hand with [m/s]"},
     {kind::first_contact, "a ball met a skittle for the first time since the skittles were set",
      "of the contact", "the ball's speed just before [m/s]"},
@@ -39,8 +40,10 @@ inline constexpr std::array<EventKind, 11> kEventKinds{{
      "speed they approached each other with [m/s]"},
     {kind::ball_touch, "a ball met the lane, a wall or a front block for the first time",
      "of the contact", "speed they approached each other with [m/s]"},
-    {kind::missed_grab, "the trigger closed on nothing: no ball was within the hand's reach",
-     "the nearest ball's centre", "how far its surface was from the hand [m]"},
+    {kind::hand_touch, "the hand touched a ball or a skittle for the first time", "of the contact",
+     "speed they approached each other with [m/s]"},
+    {kind::missed_grab, "the trigger closed on nothing: nothing was within the hand's reach",
+     "the centre of what was nearest", "how far its surface was from the hand [m]"},
     {kind::skittle_down, "a skittle leaned by more than 20 degrees", "the skittle's centre of mass",
      "skittles down so far"},
     {kind::ledger, "after the last tick: where the energy came from and went to, as JSON in detail",

@@ -24,9 +24,12 @@ void note_contacts(Game& game, const Stage& stage, const engine::World& world, c
     const Role a = stage.roles[contact.a], b = stage.roles[contact.b];
     const bool of_skittle = a == Role::skittle || b == Role::skittle;
     const bool of_ball = a == Role::ball || b == Role::ball;
+    const bool of_hand = a == Role::hand || b == Role::hand;
     if (!contact.first || (!of_skittle && !of_ball)) continue;
-    devices::Event e =
-        event(moment, of_skittle ? kind::touch : kind::ball_touch, world, {contact.a, contact.b});
+    const std::string_view what = of_hand      ? kind::hand_touch
+                                  : of_skittle ? kind::touch
+                                               : kind::ball_touch;
+    devices::Event e = event(moment, what, world, {contact.a, contact.b});
     e.p_W = contact.p_W;
     e.j_W = contact.impulse_W;
     e.value = contact.approach_speed;
@@ -43,7 +46,8 @@ void note_fallen(Game& game, const Stage& stage, const engine::World& world, con
                  std::vector<devices::Event>& out) {
   for (const engine::BodyId skittle : stage.skittles) {
     const Pose& X_WB = world.states[skittle].X_WB;
-    if (game.down[skittle] || !has_fallen(X_WB)) continue;
+    const bool carried = world.bodies[skittle].kind == engine::Kind::driven;
+    if (game.down[skittle] || carried || !has_fallen(X_WB)) continue;
     game.down[skittle] = 1;
     devices::Event e = event(moment, kind::skittle_down, world, {skittle});
     e.p_W = X_WB.p;

@@ -31,16 +31,16 @@ void note(const Scene& scene, std::string_view kind, engine::BodyId body, double
   scene.out.push_back(std::move(e));
 }
 
-/// Puts a sample where it belongs: to the world's frame, and on what its sensor is worn on.
+/// Puts a sample where it belongs: to the tracked space, and on what its sensor is worn on.
 void take(Player& player, const Rig& rig, const devices::TrackerSample& sample) {
   const bool on_head = sample.station == rig.head_station;
   if (!sample.good() || (!on_head && sample.station != rig.hand_station)) return;
-  const Pose X_WS = sensor_in_world(sample, rig);
+  const Pose X_PS = sensor_in_space(sample, rig);
   if (on_head) {
-    player.head.push(sample.device_time, X_WS * rig.X_SD);
+    player.head.push(sample.device_time, X_PS * rig.X_SD);
     player.head_arrival = devices::arrival(sample);
   } else {
-    player.hand.push(sample.device_time, X_WS * rig.X_SH);
+    player.hand.push(sample.device_time, X_PS * rig.X_SH);
   }
 }
 
@@ -48,43 +48,67 @@ void take(Player& player, const Rig&, const devices::MouseSample& sample) {
   player.buttons.push_back(sample);
 }
 
-/// Pose and velocity of what the hand carries at `time`.
-///
-/// The velocity is that of the hand over the last samples; a hand that has not been seen to move
-/// stands still.
-engine::State carried(const Player& player, const Hand& hand, Time time) {
-  const Pose X_WH = *player.hand.at(time);
+/// X_WH at `time`, not later than `now`.
+std::optional<Pose> hand_at(const Player& player, Time time, Time now) {
+  const std::optional<Pose> X_PH = player.hand.at(time);
+  if (!X_PH) return std::nullopt;
+  return player.walk.X_WP(seconds(now - time)) * *X_PH;
+}
+
+/// Velocity in the tracked space of a point of the hand at `time`, over the last samples; a hand
+/// that has not been seen to move stands still.
+Twist hand_velocity(const Player& player, const Hand& hand, const Vec3& p_HB, Time time) {
   const std::vector<Stamped<Pose>>& track = player.hand.samples();
   const auto last = std::upper_bound(track.begin(), track.end(), time,
                                      [](Time t, const auto& sample) { return t < sample.time; });
   const std::span<const Stamped<Pose>> seen(track.begin(), last);
   const ReleaseWindow window = release_window(hand);
-  Twist V_WB;
-  if (seen.size() >= 2 && seen[seen.size() - 2].time >= seen.back().time - window.longest()) {
-    V_WB = release_velocity(seen, hand.grip, window);
-  }
-  return {{X_WH.q * player.held->q_HB, X_WH * hand.grip}, V_WB.v, V_WB.w};
+  if (seen.size() < 2 || seen[seen.size() - 2].time < seen.back().time - window.longest())
+    return {};
+  return release_velocity(seen, p_HB, window);
 }
 
-/// Takes the nearest ball, if it is within reach.
-void grab(Player& player, const Scene& scene, Time time) {
-  const std::optional<Pose> X_WH = player.hand.at(time);
+/// Pose and velocity of what the hand carries at `time`, not later than `now`: the walk's on top.
+engine::State carried(const Player& player, const Hand& hand, Time time, Time now) {
+  const Pose X_WH = *hand_at(player, time, now);
+  const Twist V_PB = hand_velocity(player, hand, hand.grip, time);
+  return {{X_WH.q * player.held->q_HB, X_WH * hand.grip}, player.walk.v_WP + V_PB.v, V_PB.w};
+}
+
+/// From a point to the surface of a ball, or to the cylinder around a skittle [m].
+double gap_to(const Stage& stage, const engine::World& world, engine::BodyId body,
+              const Vec3& p_W) {
+  const Pose& X_WB = world.states[body].X_WB;
+  if (stage.roles[body] == Role::ball) {
+    return (X_WB.p - p_W).norm() - stage.scenario.ball.radius;
+  }
+  const Vec3 p_B = X_WB.inverse() * p_W;
+  const double low = -stage.skittle_centre, high = low + stage.scenario.skittle.height;
+  return (p_B - Vec3(0.0, 0.0, std::clamp(p_B.z(), low, high))).norm() - stage.widest_skittle;
+}
+
+/// Takes the nearest ball or skittle, if it is within reach.
+void grab(Player& player, const Scene& scene, Time time, Time now) {
+  const std::optional<Pose> X_WH = hand_at(player, time, now);
   if (!X_WH) return;
   std::optional<engine::BodyId> nearest;
   double least = std::numeric_limits<double>::max();
-  for (const engine::BodyId ball : scene.stage.balls) {
-    const double radius = scene.world.bodies[ball].shape->bounding_radius;
-    const double gap = (scene.world.states[ball].X_WB.p - X_WH->p).norm() - radius;
-    if (gap > least) continue;
-    nearest = ball;
+  const auto consider = [&](engine::BodyId body) {
+    const double gap = gap_to(scene.stage, scene.world, body, X_WH->p);
+    if (gap > least) return;
+    nearest = body;
     least = gap;
+  };
+  for (const engine::BodyId ball : scene.stage.balls) consider(ball);
+  if (scene.stage.scenario.hand.takes_skittles) {
+    for (const engine::BodyId skittle : scene.stage.skittles) consider(skittle);
   }
   if (!nearest) return;
   if (least > scene.stage.scenario.hand.reach) {
     return note(scene, kind::missed_grab, *nearest, least);
   }
-  const engine::State& ball = scene.world.states[*nearest];
-  player.held = {*nearest, X_WH->q.conjugate() * ball.X_WB.q};
+  const Quat& q_WB = scene.world.states[*nearest].X_WB.q;
+  player.held = {*nearest, X_WH->q.conjugate() * q_WB};
   engine::set_kind(scene.world, *nearest, engine::Kind::driven);
   note(scene, kind::grab, *nearest);
 }
@@ -92,52 +116,96 @@ void grab(Player& player, const Scene& scene, Time time) {
 /// Lets go at `time`, and lets the ball fly until `now`, which is later by less than a tick.
 void release(Player& player, const Scene& scene, Time time, Time now) {
   const engine::BodyId body = player.held->body;
-  engine::State state = carried(player, scene.stage.scenario.hand, time);
+  engine::State state = carried(player, scene.stage.scenario.hand, time, now);
   state.X_WB.p += seconds(now - time) * state.v_WB;
   state = engine::outside_fixed(scene.world, body, state);
   player.held.reset();
+  player.leaving = body;
   engine::set_kind(scene.world, body, engine::Kind::free);
   engine::set_state(scene.world, body, state);
   note(scene, kind::release, body, state.v_WB.norm());
 }
 
+/// Whether the ball that was let go has left the hand.
+bool clear_of(const Player& player, const engine::World& world, const Pose& X_WH,
+              double hand_radius) {
+  if (!player.leaving) return true;
+  const double apart = (world.states[*player.leaving].X_WB.p - X_WH.p).norm();
+  return apart > world.bodies[*player.leaving].shape->bounding_radius + hand_radius;
+}
+
+/// Puts the hand's body where the hand is, or away.
+void place_hand(Player& player, const Scene& scene, Time now) {
+  if (!scene.stage.hand) return;
+  const engine::BodyId body = *scene.stage.hand;
+  const std::optional<Pose> X_WH = hand_at(player, now, now);
+  if (X_WH &&
+      clear_of(player, scene.world, *X_WH, scene.world.bodies[body].shape->bounding_radius)) {
+    player.leaving.reset();
+  }
+  if (!X_WH || player.held || player.leaving) {
+    if (scene.world.states[body].X_WB.p == kAway.p) return;
+    return engine::set_state(scene.world, body, {kAway, Vec3::Zero(), Vec3::Zero()});
+  }
+  const Twist V_PH = hand_velocity(player, scene.stage.scenario.hand, Vec3::Zero(), now);
+  engine::set_state(scene.world, body, {*X_WH, player.walk.v_WP + V_PH.v, V_PH.w});
+}
+
 }  // namespace
 
-Pose sensor_in_world(const devices::TrackerSample& sample, const Rig& rig) {
+Pose sensor_in_space(const devices::TrackerSample& sample, const Rig& rig) {
   if (sample.frame == "T") return rig.X_WT * sample.X_TS;
-  if (sample.frame == "W") return sample.X_TS;
+  if (sample.frame == "P") return sample.X_TS;
   throw std::runtime_error(
       fmt::format("a sample of station {} at {:.6f} s is in frame '{}'; expected T (the "
-                  "transmitter's) or W (the world's)",
+                  "transmitter's) or P (the tracked space's)",
                   sample.station, seconds(sample.device_time), sample.frame));
+}
+
+void follow(Player& player, std::span<const devices::Sample> samples, const Scenario& scenario,
+            Time now) {
+  for (const devices::Sample& sample : samples) {
+    std::visit([&](const auto& one) { take(player, scenario.rig, one); }, sample);
+  }
+  for (const devices::MouseSample& button : player.buttons) {
+    if (button.device_time > now) break;
+    player.left_thumb = button.left_thumb;
+    player.right_thumb = button.right_thumb;
+  }
+  const int thumbs = static_cast<int>(player.left_thumb) - static_cast<int>(player.right_thumb);
+  const double dt = 1.0 / static_cast<double>(scenario.rates.physics_hz);
+  const std::optional<Pose> X_PD = player.head.at(now);
+  if (X_PD) step(player.walk, scenario, *X_PD, thumbs, dt);
+}
+
+void forget(Player& player, Time now) {
+  const auto later = std::ranges::find_if(
+      player.buttons, [&](const devices::MouseSample& button) { return button.device_time > now; });
+  player.buttons.erase(player.buttons.begin(), later);
+  player.head.forget_before(now - kMemory);
+  player.hand.forget_before(now - kMemory);
 }
 
 void drive(Player& player, std::span<const devices::Sample> samples, const Stage& stage,
            engine::World& world, const Moment& moment, std::vector<devices::Event>& out) {
   const Scene scene{stage, world, moment, out};
-  const Rig& rig = stage.scenario.rig;
-  for (const devices::Sample& sample : samples) {
-    std::visit([&](const auto& one) { take(player, rig, one); }, sample);
-  }
-  const Time now = moment.time - microseconds(rig.delay_s);
-  std::size_t done = 0;
-  for (; done < player.buttons.size() && player.buttons[done].device_time <= now; ++done) {
-    const devices::MouseSample& button = player.buttons[done];
-    if (button.trigger && !player.trigger && !player.held) grab(player, scene, button.device_time);
+  const Time now = moment.time - microseconds(stage.scenario.rig.delay_s);
+  follow(player, samples, stage.scenario, now);
+  for (const devices::MouseSample& button : player.buttons) {
+    if (button.device_time > now) break;
+    if (button.trigger && !player.trigger && !player.held) {
+      grab(player, scene, button.device_time, now);
+    }
     if (!button.trigger && player.held) release(player, scene, button.device_time, now);
     player.trigger = button.trigger;
-    player.left_thumb = button.left_thumb;
-    player.right_thumb = button.right_thumb;
   }
-  player.buttons.erase(player.buttons.begin(),
-                       player.buttons.begin() + static_cast<std::ptrdiff_t>(done));
   if (player.held) {
     const engine::BodyId body = player.held->body;
-    const engine::State wanted = carried(player, stage.scenario.hand, now);
+    const engine::State wanted = carried(player, stage.scenario.hand, now, now);
     engine::set_state(world, body, engine::outside_fixed(world, body, wanted));
   }
-  player.head.forget_before(now - kMemory);
-  player.hand.forget_before(now - kMemory);
+  place_hand(player, scene, now);
+  forget(player, now);
 }
 
 }  // namespace headpin::scene

@@ -33,7 +33,7 @@ Pose first_head_pose(const devices::TrialFile& trial, const Rig& rig) {
     const auto* sample = std::get_if<devices::Sample>(&item);
     const auto* tracker = sample ? std::get_if<devices::TrackerSample>(sample) : nullptr;
     if (tracker && tracker->station == rig.head_station && tracker->good()) {
-      X_WD = sensor_in_world(*tracker, rig) * rig.X_SD;
+      X_WD = sensor_in_space(*tracker, rig) * rig.X_SD;
     }
     return !X_WD;
   });

@@ -81,11 +81,22 @@ struct Collision {
 };
 
 struct Hand {
-  double reach = 0.18;                   ///< a ball whose surface is nearer than this is grabbed
+  double reach = 0.18;                   ///< what has its surface nearer than this is grabbed
   Vec3 grip = Vec3(0.0, -0.03, -0.115);  ///< p_HB of the carried ball
+  bool takes_skittles = true;            ///< or balls alone
+  bool solid = true;                     ///< a body that pushes what it touches
+  double elasticity = 0.0;               ///< soft: it pushes and does not bat
+  double friction = 0.7;
   double release_window_s = 0.060;       ///< the release velocity is fitted over this
   double release_window_most_s = 0.120;  ///< and over up to this where the tracker is noisy
   double release_accuracy = 0.3;         ///< that is, while it is known worse than this [m/s]
+};
+
+/// How the thumbs move the player.
+struct Walking {
+  double speed = 1.2;
+  double acceleration = 3.0;
+  double clearance = 0.3;  ///< of the head from walls
 };
 
 /// Where the tracker stands and how the receivers are worn.
@@ -93,7 +104,7 @@ struct Rig {
   std::int64_t head_station = devices::kHeadStation;  ///< of the tracker's sensor on the head
   std::int64_t hand_station =
       devices::kHandStation;  ///< of the one on the 3D mouse in the right hand
-  Pose X_WT;                  ///< transmitter in the world
+  Pose X_WT;                  ///< transmitter in the world, until somebody walks
   Pose X_SD;                  ///< head's receiver -> display
   Pose X_SH;                  ///< hand's receiver -> virtual hand
   double delay_s = 0.0;       ///< poses are read this long before now; 0 holds the last sample
@@ -119,6 +130,7 @@ struct Scenario {
   Materials material;
   Collision collision;
   Hand hand;
+  Walking walk;
   Rig rig;
   Hmd hmd;
   render::Quality look;

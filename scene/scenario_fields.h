@@ -114,8 +114,12 @@ void visit(V& v, Collision& c) {
 
 template <typename V>
 void visit(V& v, Hand& h) {
-  v.field("reach", h.reach, Range{0, 10}, "grabs a ball whose surface is this near");
+  v.field("reach", h.reach, Range{0, 10}, "grabs what has its surface this near");
+  v.field("takes_skittles", h.takes_skittles, kAny, "grabs skittles too, not balls alone");
   v.field("grip", h.grip, Range{-1, 1}, "centre of the carried ball in the hand");
+  v.field("solid", h.solid, kAny, "pushes what it touches; away while it carries something");
+  v.field("elasticity", h.elasticity, kUnit, "of a solid hand; a pair takes the product");
+  v.field("friction", h.friction, kUnit, "likewise");
   v.field("release_window_s", h.release_window_s, Range{0.01, 1},
           "the release velocity is the slope of a parabola fitted over this");
   v.field("release_window_most_s", h.release_window_most_s, Range{0.01, 1},
@@ -125,10 +129,18 @@ void visit(V& v, Hand& h) {
 }
 
 template <typename V>
+void visit(V& v, Walking& w) {
+  v.field("speed", w.speed, Range{0, 10}, "of a walk by the thumbs, along the gaze",
+          "an easy walk");
+  v.field("acceleration", w.acceleration, Range{0.1, 1000}, "up to it and back to rest");
+  v.field("clearance", w.clearance, Range{0, 1}, "a walk brings the head no nearer to a wall");
+}
+
+template <typename V>
 void visit(V& v, Rig& r) {
   v.field("head_station", r.head_station, Range{1, 4}, "of the sensor worn on the head");
   v.field("hand_station", r.hand_station, Range{1, 4}, "of the one on the 3D mouse in the hand");
-  v.field("X_WT", r.X_WT, kAny, "transmitter in the world; q is w, x, y, z");
+  v.field("X_WT", r.X_WT, kAny, "transmitter in the world, until somebody walks; q is w, x, y, z");
   v.field("X_SD", r.X_SD, kAny, "head's receiver to display");
   v.field("X_SH", r.X_SH, kAny, "hand's receiver to virtual hand");
   v.field("delay_s", r.delay_s, Range{0, 1},
@@ -169,6 +181,7 @@ void visit(V& v, Scenario& s) {
   v.section("material", "", s.material);
   v.section("collision", "", s.collision);
   v.section("hand", "", s.hand);
+  v.section("walk", "", s.walk);
   v.section("rig", "", s.rig);
   v.section("hmd", "", s.hmd);
   v.section("look", "what is spent on a picture", s.look);

@@ -36,7 +36,7 @@ struct Text {
 
 /// Keys that trials of before these keys were there lack, with what such a trial ran under. What is
 /// written here never changes, whatever becomes of the defaults.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kKeysSince{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 17> kKeysSince{{
     {"hand.release_window_most_s", "0.12"},
     {"hand.release_accuracy", "0.3"},
     {"collision.warm", "true"},
@@ -47,6 +47,13 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kKeysSin
     {"look.mirror", "true"},
     {"rig.head_station", "1"},
     {"rig.hand_station", "2"},
+    {"hand.takes_skittles", "false"},
+    {"hand.solid", "false"},
+    {"hand.elasticity", "0.0"},
+    {"hand.friction", "0.7"},
+    {"walk.speed", "0.0"},  // thumbs moved nobody
+    {"walk.acceleration", "3.0"},
+    {"walk.clearance", "0.3"},
 }};
 
 /// Fills fields from a TOML table; refuses what it does not know.

@@ -44,12 +44,23 @@ void tick_state(const Session& s, devices::TickState& out) {
   }
 }
 
+namespace {
+
+/// A pose of the tracked space now, in the world.
+std::optional<Pose> in_room(const Session& s, const devices::PoseTrack& track) {
+  const std::optional<Pose> X_PX = track.at(s.now() - microseconds(s.scenario().rig.delay_s));
+  if (!X_PX) return std::nullopt;
+  return s.player.walk.X_WP() * *X_PX;
+}
+
+}  // namespace
+
 std::optional<Pose> head_pose(const Session& s) {
-  return s.player.head.at(s.now() - microseconds(s.scenario().rig.delay_s));
+  return in_room(s, s.player.head);
 }
 
 std::optional<Pose> hand_pose(const Session& s) {
-  return s.player.hand.at(s.now() - microseconds(s.scenario().rig.delay_s));
+  return in_room(s, s.player.hand);
 }
 
 }  // namespace headpin::scene

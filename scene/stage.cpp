@@ -1,5 +1,7 @@
 #include "scene/stage.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 namespace headpin::scene {
@@ -25,11 +27,15 @@ Stage make_stage(const Scenario& scenario) {
   SkittleBody skittle = skittle_body(scenario);
   stage.skittle = std::move(skittle.body);
   stage.skittle_centre = skittle.centre_height;
+  for (const SkittlePart& part : scenario.skittle.parts) {
+    stage.widest_skittle = std::max(stage.widest_skittle, part.radius);
+  }
   for (Fixture& fixture : room_fixtures(scenario)) {
     add(stage, fixture.role, std::move(fixture.body), fixture.X_WB);
   }
   add_ball(stage, scenario.ball.home);
   add_rack(stage, {0.0, scenario.lane.head_pin});
+  if (scenario.hand.solid) stage.hand = add(stage, Role::hand, hand_body(scenario), kAway);
   return stage;
 }
 

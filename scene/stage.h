@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -18,12 +19,17 @@ struct Stage {
   std::vector<Role> roles;  ///< of the world's bodies, same numbers
   engine::Body skittle;     ///< what each skittle is made as: its mass properties are found once
   double skittle_centre = 0.0;  ///< height of a skittle's centre of mass above its base [m]
+  double widest_skittle = 0.0;  ///< largest radius of one [m]
 
   // Bodies of a role, in the order they were added.
   std::vector<engine::BodyId> balls, skittles;
+  std::optional<engine::BodyId> hand;  ///< where the scenario has a solid one
 };
 
-/// The room, a ball on its stand and a rack of skittles, as the scenario has them.
+/// Where a hand is that is nowhere: below the floor, out of everybody's way.
+inline const Pose kAway{Quat::Identity(), Vec3(0.0, 0.0, -10.0)};
+
+/// The room, a ball on its stand, a rack of skittles and the hand, as the scenario has them.
 Stage make_stage(const Scenario& scenario);
 
 /// Adds a ball that waits on a stand until it is taken.

@@ -23,6 +23,8 @@ Vec3 colour_of(Role role) {
       return kBlue;
     case Role::skittle:
       return kIvory;
+    case Role::hand:
+      return kSkin;
   }
   return kDark;
 }
@@ -65,6 +67,12 @@ ViewerGeometry geometry_of(const engine::Part& part, const Vec3& colour) {
   return g;
 }
 
+/// Not floor and walls; and the hand is shown whether it is a body or not.
+bool is_shown(const Session& session, engine::BodyId body) {
+  return std::isfinite(session.world.bodies[body].shape->bounding_radius) &&
+         session.stage->roles[body] != Role::hand;
+}
+
 }  // namespace
 
 std::vector<devices::ViewerLink> viewer_links(const Session& session) {
@@ -79,7 +87,7 @@ std::vector<devices::ViewerLink> viewer_links(const Session& session) {
          .colour = kWood}}});
   for (engine::BodyId i = 0; i < session.world.bodies.size(); ++i) {
     const engine::Body& body = session.world.bodies[i];
-    if (!std::isfinite(body.shape->bounding_radius)) continue;  // floor and walls
+    if (!is_shown(session, i)) continue;
     const Vec3 colour = colour_of(session.stage->roles[i]);
     devices::ViewerLink link{body.name, {}};
     for (const engine::Part& part : body.shape->parts)
@@ -102,8 +110,8 @@ std::vector<devices::ViewerLink> viewer_links(const Session& session) {
 std::vector<devices::ViewerPose> viewer_poses(const Session& session) {
   std::vector<devices::ViewerPose> poses{{"lane", {}}};
   for (std::size_t i = 0; i < session.world.bodies.size(); ++i) {
+    if (!is_shown(session, static_cast<engine::BodyId>(i))) continue;
     const engine::Body& body = session.world.bodies[i];
-    if (!std::isfinite(body.shape->bounding_radius)) continue;
     poses.push_back({body.name, session.world.states[i].X_WB});
   }
   poses.push_back({"head", head_pose(session).value_or(Pose{})});

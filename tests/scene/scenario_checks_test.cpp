@@ -167,19 +167,35 @@ TEST(ScenarioOfATrial, TakesNoDefaultOfToday) {
   // Whatever key is taken out of what a trial carries, the rest is no scenario of a trial.
   const std::string whole = to_toml(Scenario{});
   EXPECT_EQ(to_toml(scenario_of_trial(whole, "old.lcmlog")), whole);
-  const std::set<std::string> came_later = {
-      "release_window_most_s", "release_accuracy", "head_station", "hand_station", "warm",
-      "friction_tau_s",        "samples",          "contact",      "shadow",       "mirror"};
+  const std::set<std::string> came_later = {"hand.release_window_most_s",
+                                            "hand.release_accuracy",
+                                            "hand.takes_skittles",
+                                            "hand.solid",
+                                            "hand.elasticity",
+                                            "hand.friction",
+                                            "rig.head_station",
+                                            "rig.hand_station",
+                                            "collision.warm",
+                                            "collision.friction_tau_s",
+                                            "look.samples",
+                                            "look.contact",
+                                            "look.shadow",
+                                            "look.mirror",
+                                            "walk.speed",
+                                            "walk.acceleration",
+                                            "walk.clearance"};
   std::istringstream lines(whole);
   int keys = 0;
   std::size_t at = 0;
+  std::string section;
   for (std::string line; std::getline(lines, line); at += line.size() + 1) {
+    if (line.starts_with('[')) section = line.substr(1, line.find(']') - 1) + ".";
     const std::size_t equals = line.find(" = ");
     if (equals == std::string::npos || line[0] == ' ') continue;
     const std::string without =  // as a comment
         fmt::format("{}#{}", whole.substr(0, at), whole.substr(at + equals));
     if (line.ends_with("[")) continue;  // an array of many lines
-    if (came_later.contains(line.substr(0, equals))) continue;
+    if (came_later.contains(section + line.substr(0, equals))) continue;
     const std::string why = complaint([&] { scenario_of_trial(without, "old.lcmlog"); });
     EXPECT_THAT(why, HasSubstr("old.lcmlog (scenario): ")) << line;
     EXPECT_THAT(why, HasSubstr(line.substr(0, equals) + " is missing")) << line;
@@ -198,8 +214,9 @@ TEST(ScenarioOfATrial, WithoutAKeyThatCameLaterRanUnderWhatThenHeld) {
   other.collision.warm = false;
   other.collision.friction_tau_s = 0.1;
   std::string text = to_toml(other);
-  for (const char* key : {"head_station", "hand_station", "release_window_most_s",
-                          "release_accuracy", "warm", "friction_tau_s"}) {
+  for (const char* key :
+       {"head_station", "hand_station", "release_window_most_s", "release_accuracy", "warm",
+        "friction_tau_s", "solid", "takes_skittles", "speed = 1.2"}) {
     text[text.find(key)] = '#';
   }
   const Scenario read = scenario_of_trial(text, "old.lcmlog");
@@ -209,6 +226,8 @@ TEST(ScenarioOfATrial, WithoutAKeyThatCameLaterRanUnderWhatThenHeld) {
   EXPECT_EQ(read.hand.release_accuracy, 0.3);
   EXPECT_TRUE(read.collision.warm);
   EXPECT_EQ(read.collision.friction_tau_s, 1.0 / 60.0);
+  EXPECT_FALSE(read.hand.solid || read.hand.takes_skittles);
+  EXPECT_EQ(read.walk.speed, 0.0);
 }
 
 TEST(ScenarioOfATrial, TheBundledTrialIsRead) {
