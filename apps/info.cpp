@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -12,6 +13,7 @@
 #include "devices/trial_file.h"
 #include "scene/events.h"
 #include "scene/outcome.h"
+#include "scene/release_timing.h"
 #include "scene/score.h"
 
 namespace headpin::apps {
@@ -122,6 +124,37 @@ ordered_json to_json(const std::string& path, const devices::TrialSummary& trial
   return out;
 }
 
+/// Of a trial whose scenario is whole; nothing else is lost for want of it.
+std::vector<scene::ReleaseTiming> timings_of(const devices::TrialFile& file,
+                                             const std::string& path) {
+  if (!file.summary().has_header) return {};
+  try {
+    return scene::release_timings(file,
+                                  scene::scenario_of_trial(file.summary().header.scenario, path));
+  } catch (const std::invalid_argument&) {
+    return {};
+  }
+}
+
+ordered_json to_json(const std::vector<scene::ReleaseTiming>& timings) {
+  ordered_json all = ordered_json::array();
+  for (const scene::ReleaseTiming& t : timings) {
+    all.push_back({{"time_s", decimal_seconds(t.release)},
+                   {"fastest_s", decimal_seconds(t.fastest)},
+                   {"fastest_mps", t.fastest_speed}});
+  }
+  return all;
+}
+
+void print(const std::vector<scene::ReleaseTiming>& timings) {
+  for (const scene::ReleaseTiming& t : timings) {
+    const double late = seconds(t.release - t.fastest);
+    std::cout << fmt::format(
+        "  released at {:.3f} s, {:.0f} ms {} it would have left fastest ({:.2f} m/s)\n",
+        seconds(t.release), 1e3 * std::abs(late), late < 0.0 ? "before" : "after", t.fastest_speed);
+  }
+}
+
 /// Which messages something is the matter with.
 void print_trouble(const devices::TrialSummary& trial) {
   if (trial.trouble.empty()) return;
@@ -157,7 +190,8 @@ void print_skipped(const devices::TrialSummary& trial) {
   line(trial.late, "samples that the session got later than they were there (kept)");
 }
 
-void print(const std::string& path, const devices::TrialSummary& trial) {
+void print(const std::string& path, const devices::TrialSummary& trial,
+           const std::vector<scene::ReleaseTiming>& timings) {
   std::cout << fmt::format("{}: {:.3f} s, {}\n", path, seconds(duration(trial)),
                            trial.complete ? "complete" : "not complete");
   if (trial.has_header) {
@@ -193,6 +227,7 @@ void print(const std::string& path, const devices::TrialSummary& trial) {
       std::cout << "  " << shown(scene::why_nothing_fell(trial.events)) << "\n";
     }
   }
+  print(timings);
   if (!trial.events.empty()) std::cout << "events\n";
   for (const devices::Event& event : trial.events) {
     std::cout << fmt::format("  {:9.3f} s  {:<14} {}\n", seconds(event.time), shown(event.kind),
@@ -233,9 +268,11 @@ void add_info(CLI::App& app) {
     }
     const devices::TrialSummary& trial = file.summary();
     if (options->json) {
-      print_json(to_json(options->trial, trial));
+      ordered_json all = to_json(options->trial, trial);
+      all["releases"] = to_json(timings_of(file, options->trial));
+      print_json(all);
     } else {
-      print(options->trial, trial);
+      print(options->trial, trial, timings_of(file, options->trial));
     }
   });
 }

@@ -91,6 +91,7 @@ int main(int argc, char** argv) {
                "headpin"};
   app.require_subcommand(1);
   app.set_version_flag("--version", std::string("headpin ") + devices::software_version());
+  apps::add_scenario(app);
   apps::add_synthesize(app);
   apps::add_import(app);
   apps::add_info(app);

@@ -66,6 +66,7 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
   take("frames --json game.lcmlog -o frames --frames 0-1");
   take("stream --json throw.lcmlog --lcm 'file://stream.lcmlog?mode=w' --speed 0");
   take("live --json --lcm file://throw.lcmlog --duration 0.1 --eyes none");
+  take("scenario list --json");
   take("emulate --json --motion still --duration 0.1");
   collect(nlohmann::json::parse(headpin("info --json missing.lcmlog").out), names);
   for (const auto& finding : json("doctor --json")) collect(finding, names);

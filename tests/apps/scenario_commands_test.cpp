@@ -29,6 +29,27 @@ class ScenarioCommands : public CommandLine {
   }
 };
 
+TEST_F(ScenarioCommands, ThoseThatComeAlongAreListedShownAndChecked) {
+  const nlohmann::json all = json("scenario list --json")["scenarios"];
+  std::vector<std::string> names;
+  for (const nlohmann::json& one : all) {
+    names.push_back(one["scenario"]);
+    write("shown.toml", headpin("scenario show " + names.back()).out);
+    EXPECT_EQ(scene::to_toml(scene::load_scenario((folder_ / "shown.toml").string())),
+              scene::to_toml(scene::load_scenario(one["file"])));
+    nlohmann::json shown = json("scenario check shown.toml --json");
+    shown["file"] = one["file"];
+    EXPECT_EQ(shown, one);
+  }
+  EXPECT_THAT(names, testing::ElementsAre("english-skittles", "german-ninepins", "paper-room",
+                                          "regulation-ten-pin"));
+  EXPECT_THAT(headpin("scenario check german-ninepins").out, HasSubstr("9 skittles of "));
+  write("bad.toml", "name = 'bad'\n[ball]\nmas = 5\n");
+  expect_refusal("scenario check bad.toml", 1, "bad.toml:3: unknown key 'ball.mas'");
+  expect_refusal("scenario check", 2, "expected a name or file");
+  expect_refusal("scenario list paper-room", 2, "expected nothing behind it");
+}
+
 TEST_F(ScenarioCommands, WhatCannotBeReadIsRefusedByAll) {
   fs::create_directory(folder_ / "folder");
   for (const std::string& command : std::vector<std::string>{
