@@ -15,6 +15,7 @@
 #include "scene/outcome.h"
 #include "scene/release_timing.h"
 #include "scene/score.h"
+#include "scene/totals.h"
 
 namespace headpin::apps {
 namespace {
@@ -94,7 +95,8 @@ ordered_json to_json(const std::string& path, const devices::TrialSummary& trial
                                                         [](const std::string& name) {
                                                           return name.starts_with("skittle");
                                                         })},
-                     {"skittles_down", r.skittles_down}};
+                     {"skittles_down", r.skittles_down},
+                     {"games", scene::to_json(r.games)}};
     if (r.release_speed) out["result"]["release_speed_mps"] = *r.release_speed;
     if (r.impact_speed) out["result"]["impact_speed_mps"] = *r.impact_speed;
     if (r.skittles_down == 0) {
@@ -223,6 +225,9 @@ void print(const std::string& path, const devices::TrialSummary& trial,
       std::cout << fmt::format(", ball released at {:.2f} m/s", *r.release_speed);
     if (r.impact_speed) std::cout << fmt::format(", struck at {:.2f} m/s", *r.impact_speed);
     std::cout << "\n";
+    for (const scene::Sheet& game : r.games) {
+      std::cout << fmt::format("  {}\n", scene::in_words(game));
+    }
     if (r.skittles_down == 0) {
       std::cout << "  " << shown(scene::why_nothing_fell(trial.events)) << "\n";
     }

@@ -50,6 +50,9 @@ void print(const nlohmann::json& s) {
   line("ball at release", "release_speed_mps", " m/s");
   line("at first skittle", "impact_speed_mps", " m/s");
   fmt::print("{:<18}{} of {}\n", "skittles down", s["skittles_down"].dump(), s["skittles"].dump());
+  for (const nlohmann::json& game : s["games"]) {
+    fmt::print("{:<18}{}\n", "score sheet", game["sheet"].get<std::string>());
+  }
   line("simulated", "simulated_s", " s");
   line("times real time", "realtime_factor");
   line("state hash", "state_hash");

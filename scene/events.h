@@ -17,6 +17,12 @@ inline constexpr std::string_view ball_touch = "ball_touch";
 inline constexpr std::string_view hand_touch = "hand_touch";
 inline constexpr std::string_view missed_grab = "missed_grab";
 inline constexpr std::string_view skittle_down = "skittle_down";
+inline constexpr std::string_view version = "version";
+inline constexpr std::string_view game = "game";
+inline constexpr std::string_view ball_back = "ball_back";
+inline constexpr std::string_view delivery = "delivery";
+inline constexpr std::string_view frame = "frame";
+inline constexpr std::string_view game_over = "game_over";
 inline constexpr std::string_view ledger = "ledger";
 inline constexpr std::string_view grab_found = "grab_found";
 inline constexpr std::string_view release_found = "release_found";
@@ -30,7 +36,7 @@ struct EventKind {
   std::string_view value;  ///< what `value` is; empty where it is not used
 };
 
-inline constexpr std::array<EventKind, 12> kEventKinds{{
+inline constexpr std::array<EventKind, 18> kEventKinds{{
     {kind::grab, "the trigger took a ball or a skittle", "its centre", ""},
     {kind::release, "the trigger let go of what it took", "its centre",
      "speed it left the hand with [m/s]"},
@@ -46,6 +52,13 @@ inline constexpr std::array<EventKind, 12> kEventKinds{{
      "the centre of what was nearest", "how far its surface was from the hand [m]"},
     {kind::skittle_down, "a skittle leaned by more than 20 degrees", "the skittle's centre of mass",
      "skittles down so far"},
+    {kind::version, "the hand touched a button: that version begins (red or blue in detail)",
+     "the button", ""},
+    {kind::game, "a game begins: its rules in detail", "", "skittles that are set"},
+    {kind::delivery, "a ball was counted: the skittles it felled, by name", "", "how many"},
+    {kind::ball_back, "a ball came back to its stand", "its stand", ""},
+    {kind::frame, "a frame is over", "", "its number, from 1"},
+    {kind::game_over, "the last frame is over: the score sheet in detail", "", "points"},
     {kind::ledger, "after the last tick: where the energy came from and went to, as JSON in detail",
      "", ""},
     {kind::grab_found, "in a recording without buttons: where a hand took the ball", "", ""},

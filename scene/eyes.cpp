@@ -10,7 +10,8 @@ Eyes open_eyes(const Stage& stage) {
 
 Glimpse glimpse(const Session& session, const Pose& X_WD) {
   Glimpse g{.X_WD = X_WD,
-            .ellipsoids = session.scenario().collision.shape == "ellipsoid",
+            .ellipsoids = session.scenario().skittle.seen == "collider" &&
+                          session.scenario().collision.shape == "ellipsoid",
             .X_WH = hand_pose(session),
             .grips = session.player.held.has_value()};
   const auto poses_of = [&](const std::vector<engine::BodyId>& bodies, std::vector<Pose>& poses) {

@@ -61,6 +61,7 @@ void note_fallen(Game& game, const Stage& stage, const engine::World& world, con
 Game make_game(const Stage& stage) {
   Game game;
   game.down.assign(stage.roles.size(), 0);
+  game.swept.assign(stage.roles.size(), 0);
   return game;
 }
 
@@ -74,8 +75,8 @@ void note_speeds(Game& game, const engine::World& world) {
   for (const engine::State& state : world.states) game.speeds.push_back(state.v_WB.norm());
 }
 
-void play(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
-          std::vector<devices::Event>& out) {
+void note_step(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
+               std::vector<devices::Event>& out) {
   note_contacts(game, stage, world, moment, out);
   note_fallen(game, stage, world, moment, out);
 }

@@ -78,6 +78,8 @@ Looks::Looks(render::Renderer& renderer, const Stage& stage)
     room.occluders.push_back({Vec3(home.x(), home.y(), 0.06), 0.13});
   }
 
+  if (scenario.version.buttons) add_buttons(renderer, scenario.version);
+
   room.lamps = room_lamps(measures);
   room.sky = room_ambient().sky;
   room.ground = room_ambient().ground;
@@ -86,6 +88,26 @@ Looks::Looks(render::Renderer& renderer, const Stage& stage)
   const double reach = 0.5 * measures.lane_width + measures.gutter_width;
   room.shadow = {Vec3(0.22, -0.30, 1.0).normalized(), Vec3(-reach, -1.5, -measures.gutter_depth),
                  Vec3(reach, measures.ahead, 1.0), 0.38};
+}
+
+void Looks::add_buttons(render::Renderer& renderer, const Versions& versions) {
+  const double r = versions.radius;
+  const auto add = [&](const render::Mesh& mesh, const Vec3& p_WG) {
+    DrawItem item;
+    item.mesh = renderer.add(mesh);
+    item.X_WG.p = p_WG;
+    item.id = kButtonId;
+    item.casts_shadow = true;
+    item.mirrored = true;
+    room.items.push_back(item);
+  };
+  for (const auto& [p, colour] :
+       {std::pair{versions.red.button, 0xb3202a}, std::pair{versions.blue.button, 0x2046b3}}) {
+    const auto inside = [r](const Vec3& q) { return q.norm() - r; };
+    const Vec3 corner = Vec3::Constant(1.2 * r);
+    add(render::surface_of(inside, -corner, corner, 0.2 * r, render::srgb(colour)), p);
+    add(stand_mesh(p.z() - 0.78 * r, r), Vec3(p.x(), p.y(), 0.0));
+  }
 }
 
 DrawList draw_list(const Looks& looks, const Moving& moving) {

@@ -14,6 +14,7 @@ namespace headpin::scene {
 inline constexpr std::uint32_t kRoomId = 1;
 inline constexpr std::uint32_t kHandId = 2;
 inline constexpr std::uint32_t kStandId = 3;
+inline constexpr std::uint32_t kButtonId = 4;
 inline constexpr std::uint32_t kFirstBallId = 10;
 inline constexpr std::uint32_t kFirstSkittleId = 100;
 
@@ -26,6 +27,9 @@ struct Looks {
   render::DrawList room;  ///< what never moves, with light, patches and shadow box
   std::vector<render::Occluder> true_occluders, ellipsoid_occluders;  ///< of a skittle, p_BQ
   double ball_radius;
+
+ private:
+  void add_buttons(render::Renderer& renderer, const Versions& versions);
 };
 
 /// What moves, at one moment.

@@ -51,6 +51,7 @@ struct Skittle {
   double rolling_arm = 0.008;      ///< what brings a skittle on its side to rest
   std::vector<SkittlePart> parts;  ///< its true shape, as the collisions see it
   std::vector<Vec2> profile;       ///< (height above the base, radius), as the eyes see it
+  std::string seen = "true";       ///< by the eyes: "true", or the "collider"
 };
 
 struct Ball {
@@ -92,6 +93,28 @@ struct Hand {
   double release_accuracy = 0.3;         ///< that is, while it is known worse than this [m/s]
 };
 
+/// The game that is played: see scene/rules.h.
+struct GameRules {
+  std::string rules = "one-throw";
+  std::int64_t frames = 5;
+  std::int64_t balls = 2;    ///< of a frame
+  double ball_back_s = 8.0;  ///< it comes back so long after it was let go, at the latest
+  double off_spot = 0.2;     ///< an upright skittle further from its spot is down
+};
+
+/// One of two versions of the game, which its button starts (Uno & Slater 1997, section 3).
+struct Version {
+  Vec3 button = Vec3(-0.55, 0.0, 1.1);      ///< its centre
+  double elasticity = 0.7, friction = 0.7;  ///< of skittles, ball, lane and walls
+  std::string shape = "true";               ///< as collision.shape
+};
+
+struct Versions {
+  bool buttons = false;  ///< there are any
+  double radius = 0.06;  ///< of a button
+  Version red, blue{.button = Vec3(-0.85, 0.0, 1.1)};
+};
+
 /// How the thumbs move the player.
 struct Walking {
   double speed = 1.2;
@@ -129,6 +152,8 @@ struct Scenario {
   Ball ball;
   Materials material;
   Collision collision;
+  GameRules game;
+  Versions version;
   Hand hand;
   Walking walk;
   Rig rig;

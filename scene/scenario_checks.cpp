@@ -47,6 +47,7 @@ class Checker {
     check_room();
     check_spots();
     check_ball();
+    if (s_.version.buttons) check_buttons();
   }
 
  private:
@@ -176,6 +177,30 @@ class Checker {
             "ball.home",
             fmt::format("must hold the ball clear of the skittles, found it in skittle {}", i + 1));
       }
+    }
+  }
+
+  void check_buttons() const {
+    const Room& room = s_.room;
+    const double r = s_.version.radius;
+    for (const auto& [key, p] : {std::pair{"version.red.button", s_.version.red.button},
+                                 std::pair{"version.blue.button", s_.version.blue.button}}) {
+      constexpr double kLowest = 0.3, kHighest = 2.2;  // that a hand reaches
+      const bool inside = std::abs(p.x()) <= 0.5 * room.width - r && p.y() >= r - room.behind &&
+                          p.y() <= room.ahead - r && p.z() >= kLowest && p.z() <= kHighest;
+      if (inside) continue;
+      refuse(
+          key,
+          fmt::format("must be within a hand's reach in the room: x within {:.4g}, y from {:.4g} "
+                      "to {:.4g}, z from {} to {}; found {:.4g}, {:.4g}, {:.4g}",
+                      0.5 * room.width - r, r - room.behind, room.ahead - r, kLowest, kHighest,
+                      p.x(), p.y(), p.z()),
+          {"version.buttons", "version.radius", "room.width", "room.behind", "room.ahead"});
+    }
+    if ((s_.version.red.button - s_.version.blue.button).norm() < 2.0 * r + 0.05) {
+      refuse("version.blue.button",
+             fmt::format("must be {:.4g} or more from the red one", 2.0 * r + 0.05),
+             {"version.red.button", "version.radius"});
     }
   }
 

@@ -6,6 +6,7 @@
 
 #include "engine/response.h"
 #include "render/hmd.h"
+#include "scene/rules.h"
 #include "scene/scenario.h"
 
 /// Every key of a scenario, with its range, its meaning and the source of its default.
@@ -23,6 +24,12 @@ using Choices = std::vector<std::string_view>;
 inline Choices response_names() {
   Choices names;
   for (const engine::Response& response : engine::responses()) names.push_back(response.name);
+  return names;
+}
+
+inline Choices rules_names() {
+  Choices names;
+  for (const Rules& rules : all_rules()) names.push_back(rules.name);
   return names;
 }
 
@@ -74,6 +81,9 @@ void visit(V& v, Skittle& s) {
   v.field("parts", s.parts, kAny, "its true shape as collisions see it, base upwards");
   v.field("profile", s.profile, kAny, "[height above the base, radius] as eyes see it",
           "USBC, necks from pin drawings");
+  v.field(
+      "seen", s.seen, Choices{"true", "collider"},
+      "what the eyes see: the profile, or what it collides as; table 4: nobody noticed the latter");
 }
 
 template <typename V>
@@ -110,6 +120,37 @@ void visit(V& v, Collision& c) {
           "a lasting contact applies the paper's friction once in this time");
   v.field("gravity", c.gravity, Range{0, 1000}, "");
   v.field("sleep", c.sleep, kAny, "bodies at rest are left alone until touched");
+}
+
+template <typename V>
+void visit(V& v, GameRules& g) {
+  v.field("rules", g.rules, rules_names(), "one-throw: nothing is counted, swept or set again");
+  v.field("frames", g.frames, Range{1, 100}, "of a game; the paper does not say how many");
+  v.field("balls", g.balls, Range{1, 10}, "of a frame");
+  v.field(
+      "ball_back_s", g.ball_back_s, Range{1, 600},
+      "the ball comes back, and what is down counts, when all is at rest or so long after it was "
+      "let go");
+  v.field("off_spot", g.off_spot, Range{0, 10},
+          "an upright skittle further from its spot than this is down too");
+}
+
+template <typename V>
+void visit(V& v, Version& version) {
+  v.field("button", version.button, Range{-100, 100}, "centre of the button that starts it");
+  v.field("elasticity", version.elasticity, kUnit, "of skittles, ball, lane and walls",
+          "Uno & Slater 1997, table 1");
+  v.field("friction", version.friction, kUnit, "of skittles, ball, lane and walls",
+          "Uno & Slater 1997, table 1");
+  v.field("shape", version.shape, Choices{"true", "ellipsoid"}, "of the skittles, as they collide");
+}
+
+template <typename V>
+void visit(V& v, Versions& versions) {
+  v.field("buttons", versions.buttons, kAny, "a red and a blue one, which the hand touches");
+  v.field("radius", versions.radius, Range{0.01, 0.5}, "of a button");
+  v.section("red", "", versions.red);
+  v.section("blue", "", versions.blue);
 }
 
 template <typename V>
@@ -180,6 +221,8 @@ void visit(V& v, Scenario& s) {
   v.section("ball", "", s.ball);
   v.section("material", "", s.material);
   v.section("collision", "", s.collision);
+  v.section("game", "", s.game);
+  v.section("version", "", s.version);
   v.section("hand", "", s.hand);
   v.section("walk", "", s.walk);
   v.section("rig", "", s.rig);

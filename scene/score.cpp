@@ -1,10 +1,36 @@
 #include "scene/score.h"
 
+#include <fmt/format.h>
+
 #include "scene/events.h"
 
 namespace headpin::scene {
 
+int points(const Sheet& sheet) {
+  return points(rules_named(sheet.rules), sheet.frames, sheet.rack);
+}
+
+std::string in_words(const Sheet& sheet) {
+  const std::string balls = in_words(rules_named(sheet.rules), sheet.frames, sheet.rack);
+  return fmt::format("{}{}{}: {} = {}{}", sheet.version, sheet.version.empty() ? "" : " ",
+                     sheet.rules, balls.empty() ? "no ball" : balls, points(sheet),
+                     sheet.over ? "" : " (not over)");
+}
+
 void Score::add(const devices::Event& event) {
+  if (event.kind == kind::version) version_ = event.detail;
+  if (event.kind == kind::game && is_rules(event.detail)) {
+    games.push_back({.version = version_,
+                     .rules = event.detail,
+                     .rack = static_cast<int>(event.value),
+                     .frames = {{}}});
+  }
+  if (!games.empty()) {
+    Sheet& game = games.back();
+    if (event.kind == kind::delivery) game.frames.back().push_back(static_cast<int>(event.value));
+    if (event.kind == kind::game_over) game.over = true;
+    if (event.kind == kind::frame) game.frames.emplace_back();
+  }
   touches += event.kind == kind::touch || event.kind == kind::first_contact;
   skittles_down += event.kind == kind::skittle_down;
   if (event.kind == kind::release && !release_speed) release_speed = event.value;

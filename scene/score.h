@@ -2,10 +2,26 @@
 
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "devices/trial.h"
+#include "scene/rules.h"
 
 namespace headpin::scene {
+
+/// One game of a session.
+struct Sheet {
+  std::string version;  ///< red or blue; empty where there are none
+  std::string rules;
+  int rack = 0;               ///< skittles that are set
+  std::vector<Frame> frames;  ///< the last one may be empty or not over
+  bool over = false;
+};
+
+int points(const Sheet& sheet);
+/// "red ten-pin: X | 7 / | 9 - = 48", and whether it was played to its end.
+std::string in_words(const Sheet& sheet);
 
 /// What the events of a session come to. A function of the events, and the only one: whoever shows
 /// a result reads it from here.
@@ -14,8 +30,12 @@ struct Score {
   std::int64_t touches = 0;             ///< pairs of bodies that met, one of them a skittle
   std::optional<double> release_speed;  ///< of the first ball as it left the hand [m/s]
   std::optional<double> impact_speed;   ///< of a ball just before the first skittle [m/s]
+  std::vector<Sheet> games;             ///< in their order; none of a single throw
 
   void add(const devices::Event& event);
+
+ private:
+  std::string version_;
 };
 
 Score score(std::span<const devices::Event> events);

@@ -1,10 +1,77 @@
 #include "scene/session.h"
 
+#include <algorithm>
+
+#include "scene/events.h"
+
 namespace headpin::scene {
+
+namespace {
+
+bool has_buttons(const Session& s) {
+  return s.versions[0] != nullptr;
+}
+
+Stage stage_of_version(Scenario scenario, const Version& version) {
+  set_elasticity(scenario.material, version.elasticity);
+  set_friction(scenario.material, version.friction);
+  scenario.collision.shape = version.shape;
+  return make_stage(scenario);
+}
+
+/// The button that the hand is at, from wrist to fingertips.
+std::optional<std::size_t> button_at_hand(const Session& s) {
+  const std::optional<Pose> X_WH = hand_pose(s);
+  if (!X_WH) return std::nullopt;
+  constexpr double kFingers = 0.12, kThick = 0.015;
+  const Versions& v = s.scenario().version;
+  const std::array<Vec3, 2> buttons = {v.red.button, v.blue.button};
+  for (std::size_t i = 0; i < buttons.size(); ++i) {
+    const Vec3 p_H = X_WH->inverse() * buttons[i];
+    const Vec3 nearest(0.0, 0.0, std::clamp(p_H.z(), -kFingers, 0.0));
+    if ((p_H - nearest).norm() <= v.radius + kThick) return i;
+  }
+  return std::nullopt;
+}
+
+/// Sets up the world of a version; what time and energy have come to goes on.
+void start_version(Session& s, std::size_t version, const Moment& moment) {
+  engine::World before = std::move(s.world);
+  s.stage = s.versions[version];
+  s.world = s.stage->world;
+  s.world.tick = before.tick;
+  s.world.ledger = before.ledger;
+  s.world.balance = before.balance;  // the next step books what is other now
+  s.player.held.reset();
+  s.player.leaving.reset();
+  s.game = make_game(*s.stage);
+  s.version_begun = true;
+  devices::Event e = event(moment, kind::version, s.world, {});
+  const Versions& v = s.scenario().version;
+  e.p_W = version == 0 ? v.red.button : v.blue.button;
+  e.value = static_cast<double>(version);
+  e.detail = version == 0 ? "red" : "blue";
+  s.events.push_back(std::move(e));
+}
+
+/// A button works when the hand comes to it, not while it stays.
+void touch_buttons(Session& s, const Moment& moment) {
+  if (!has_buttons(s)) return;
+  const std::optional<std::size_t> now = button_at_hand(s);
+  if (now && now != s.touched) start_version(s, *now, moment);
+  s.touched = now;
+}
+
+}  // namespace
 
 Session make_session(std::shared_ptr<const Stage> stage) {
   Session s;
   s.stage = std::move(stage);
+  const Versions& v = s.stage->scenario.version;
+  if (v.buttons) {
+    s.versions = {std::make_shared<const Stage>(stage_of_version(s.stage->scenario, v.red)),
+                  std::make_shared<const Stage>(stage_of_version(s.stage->scenario, v.blue))};
+  }
   s.world = s.stage->world;
   s.game = make_game(*s.stage);
   return s;
@@ -23,11 +90,17 @@ void advance(Session& s, devices::Source& source) {
     std::visit([&](auto& one) { one.session_time = moment.time; }, sample);
   }
   drive(s.player, s.samples, *s.stage, s.world, moment, s.events);
+  touch_buttons(s, moment);
   note_speeds(s.game, s.world);
   engine::step(s.world);
   s.tick = moment.tick;
   s.statistics += s.world.statistics;
-  play(s.game, *s.stage, s.world, moment, s.events);
+  note_step(s.game, *s.stage, s.world, moment, s.events);
+  const std::optional<engine::BodyId> held =
+      s.player.held ? std::optional(s.player.held->body) : std::nullopt;
+  if (!has_buttons(s) || s.version_begun) {
+    referee(s.game, *s.stage, s.world, moment, held, s.events);
+  }
 }
 
 void tick_state(const Session& s, devices::TickState& out) {

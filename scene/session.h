@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -16,6 +17,9 @@ struct Session {
   engine::World world;
   Player player;
   Game game;
+  std::array<std::shared_ptr<const Stage>, 2> versions;  ///< red, blue; where there are buttons
+  bool version_begun = false;                            ///< by one of them
+  std::optional<std::size_t> touched;                    ///< the button that the hand is at
   std::int64_t tick = 0;          ///< of the session's own clock, which no new world restarts
   engine::Statistics statistics;  ///< of all steps so far
 
@@ -32,7 +36,12 @@ struct Session {
 Session make_session(std::shared_ptr<const Stage> stage);
 Session make_session(const Scenario& scenario);
 
-/// One tick: everything the source knows by then, then one step of the world.
+/// One tick: everything the source knows by then, then one step of the world, and what the rules
+/// make of it.
+///
+/// A button that the hand comes to starts its version: another stage and its world, with the
+/// session's tick, clock and ledger going on. Without buttons the game is on from the start, with
+/// them from the first touch.
 ///
 /// The samples taken in, each stamped with the tick's time, and the events stand in the session
 /// until the next tick.

@@ -62,6 +62,19 @@ nlohmann::json to_json(const engine::Ledger& l) {
           {"correction_j", l.correction.energy}};
 }
 
+nlohmann::json to_json(const std::vector<Sheet>& games) {
+  nlohmann::json all = nlohmann::json::array();
+  for (const Sheet& game : games) {
+    all.push_back({{"name", game.version},
+                   {"rules", game.rules},
+                   {"rolls", game.frames},
+                   {"points", points(game)},
+                   {"over", game.over},
+                   {"sheet", in_words(game)}});
+  }
+  return all;
+}
+
 nlohmann::json summary(const Session& s, const Score& score) {
   const Scenario& scenario = s.scenario();
   return {{"version", devices::software_version()},
@@ -72,6 +85,7 @@ nlohmann::json summary(const Session& s, const Score& score) {
           {"detection", scenario.collision.detection},
           {"skittles", s.stage->skittles.size()},
           {"skittles_down", score.skittles_down},
+          {"games", to_json(score.games)},
           {"release_speed_mps", number(score.release_speed)},
           {"impact_speed_mps", number(score.impact_speed)},
           {"simulated_s", seconds(s.now())},

@@ -43,6 +43,9 @@ nlohmann::json in_short(const nlohmann::json& per_object);
 /// Energy that each phase of the steps has added [J]; together the change of the whole.
 nlohmann::json to_json(const engine::Ledger& ledger);
 
+/// Score sheets.
+nlohmann::json to_json(const std::vector<Sheet>& games);
+
 /// What a session came to, as every command's `--json` tells it.
 nlohmann::json summary(const Session& session, const Score& score);
 

@@ -61,6 +61,8 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
   take("replay --json game.lcmlog --verify");
   take("replay --json throw.lcmlog -o other.lcmlog --set material.ball.friction=0.1");
   take("info --json game.lcmlog");
+  // A game that nobody plays has a sheet of no points.
+  take("replay --json throw.lcmlog --set game.rules=plain");
   take("compare --json game.lcmlog other.lcmlog");
   take("export --json game.lcmlog -o tables");
   take("frames --json game.lcmlog -o frames --frames 0-1");

@@ -5,6 +5,7 @@
 #include "devices/log.h"
 #include "scene/scenario.h"
 #include "tests/apps/command_line.h"
+#include "tests/support/hand_script.h"
 
 namespace headpin {
 namespace {
@@ -41,13 +42,47 @@ TEST_F(ScenarioCommands, ThoseThatComeAlongAreListedShownAndChecked) {
     shown["file"] = one["file"];
     EXPECT_EQ(shown, one);
   }
-  EXPECT_THAT(names, testing::ElementsAre("english-skittles", "german-ninepins", "paper-room",
-                                          "regulation-ten-pin"));
+  EXPECT_THAT(names, testing::ElementsAre("english-skittles", "german-ninepins", "paper-experiment",
+                                          "paper-room", "regulation-ten-pin"));
   EXPECT_THAT(headpin("scenario check german-ninepins").out, HasSubstr("9 skittles of "));
   write("bad.toml", "name = 'bad'\n[ball]\nmas = 5\n");
   expect_refusal("scenario check bad.toml", 1, "bad.toml:3: unknown key 'ball.mas'");
   expect_refusal("scenario check", 2, "expected a name or file");
   expect_refusal("scenario list paper-room", 2, "expected nothing behind it");
+}
+
+TEST_F(ScenarioCommands, AGameOfTwoVersionsIsScoredReplayedAndVerified) {
+  const scene::Scenario scenario =
+      scene::load_scenario(HEADPIN_SOURCE_DIR "/assets/scenarios/paper-experiment.toml");
+  scene::HandScript hand(scenario);
+  hand.touch(scenario.version.red.button);
+  hand.throw_from(0.0);
+  hand.throw_from(0.2);
+  hand.touch(scenario.version.blue.button);
+  hand.throw_from(0.0);
+  devices::TrialHeader header;
+  header.scenario = scene::to_toml(scenario);
+  devices::Recorder recorder(folder_ / "hand.lcmlog", header);
+  devices::write(recorder, hand.samples, {});
+  recorder.close();
+  const nlohmann::json played = json("replay hand.lcmlog -o game.lcmlog --json");
+  ASSERT_EQ(played["games"].size(), 2u);
+  EXPECT_EQ(played["games"][0]["name"], "red");
+  EXPECT_EQ(played["games"][0]["rolls"][0].size(), 2u);
+  EXPECT_FALSE(played["games"][0]["over"].get<bool>());
+  EXPECT_EQ(played["games"][1]["name"], "blue");
+  EXPECT_EQ(json("info game.lcmlog --json")["result"]["games"], played["games"]);
+  const std::string sheet = played["games"][0]["sheet"];
+  EXPECT_THAT(headpin("info game.lcmlog").out, HasSubstr(sheet));
+  EXPECT_THAT(headpin("replay hand.lcmlog").out, HasSubstr(sheet));
+  EXPECT_EQ(json("replay game.lcmlog --verify --json")["state_hash"], played["state_hash"]);
+  // A version played otherwise is noticed, at the tick at which it differs.
+  expect_refusal("replay game.lcmlog --verify --set version.red.friction=0.2", 1, "differs");
+  EXPECT_NE(json("replay hand.lcmlog --set version.red.friction=0.0 --json")["ledger"],
+            played["ledger"]);
+  expect_refusal("replay hand.lcmlog -o OUT --set 'version.red.button=[0, 0, 9]'", 2,
+                 "version.red.button must be within a hand's reach");
+  expect_refusal("replay hand.lcmlog -o OUT --set walk.speed=-1", 2, "walk.speed must be");
 }
 
 TEST_F(ScenarioCommands, WhatCannotBeReadIsRefusedByAll) {

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "scene/eyes.h"
 #include "scene/hand_mesh.h"
 #include "scene/skittle_mesh.h"
 
@@ -136,6 +137,42 @@ TEST(Looks, HaveWallsAndFloorWhereTheRoomEnds) {
   EXPECT_NEAR(depth({0, 0, 2 * quarter}, 0.0), room.behind + at.y(), 1e-3);
   EXPECT_NEAR(depth({0, 0, 0}, quarter), room.height - at.z(), 1e-3);
   EXPECT_NEAR(depth({0, 0, 0}, -quarter), at.z(), 1e-3);
+}
+
+TEST(Looks, ShowTheButtonsWhereTheHandFindsThem) {
+  Scenario scenario;
+  scenario.version.buttons = true;
+  scenario.version.red.button = Vec3(-0.3, 1.0, 1.2);
+  scenario.version.blue.button = Vec3(0.3, 1.0, 1.2);
+  render::Renderer renderer{render::osmesa_context()};
+  const Looks looks{renderer, make_stage(scenario)};
+  const auto views =
+      render::eyes({rotation(Vec3(0.5 * std::numbers::pi - 0.15, 0, 0)), Vec3(0, -0.5, 1.65)}, {});
+  std::array<Image, 2> images;
+  renderer.draw(draw_list(looks, {}), views, images);
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    const Labels labels = renderer.labels(draw_list(looks, {}), views[eye]);
+    for (const auto& [p, strongest] :
+         {std::pair{scenario.version.red.button, 0}, std::pair{scenario.version.blue.button, 2}}) {
+      const Vec2 at = project(views[eye], p);
+      const auto pixel = static_cast<std::size_t>(static_cast<int>(at.y()) * labels.width +
+                                                  static_cast<int>(at.x()));
+      EXPECT_EQ(labels.id[pixel], kButtonId);
+      const std::uint8_t* rgb = &images[eye].rgb[3 * pixel];
+      EXPECT_EQ(std::max_element(rgb, rgb + 3) - rgb, strongest);
+    }
+  }
+  EXPECT_EQ(mask(Seen().labels(views[0]), kButtonId).count, 0);
+}
+
+TEST(Looks, TellNothingOfTheCollidersUnlessAsked) {
+  Scenario scenario;
+  scenario.collision.shape = "ellipsoid";
+  EXPECT_FALSE(glimpse(make_session(scenario), {}).ellipsoids);
+  scenario.skittle.seen = "collider";
+  EXPECT_TRUE(glimpse(make_session(scenario), {}).ellipsoids);
+  scenario.collision.shape = "true";
+  EXPECT_FALSE(glimpse(make_session(scenario), {}).ellipsoids);
 }
 
 TEST(Looks, HideWhatTheHandIsInFrontOfInBothEyes) {

@@ -183,7 +183,23 @@ TEST(ScenarioOfATrial, TakesNoDefaultOfToday) {
                                             "look.mirror",
                                             "walk.speed",
                                             "walk.acceleration",
-                                            "walk.clearance"};
+                                            "walk.clearance",
+                                            "skittle.seen",
+                                            "game.rules",
+                                            "game.frames",
+                                            "game.balls",
+                                            "game.ball_back_s",
+                                            "game.off_spot",
+                                            "version.buttons",
+                                            "version.radius",
+                                            "version.red.button",
+                                            "version.red.elasticity",
+                                            "version.red.friction",
+                                            "version.red.shape",
+                                            "version.blue.button",
+                                            "version.blue.elasticity",
+                                            "version.blue.friction",
+                                            "version.blue.shape"};
   std::istringstream lines(whole);
   int keys = 0;
   std::size_t at = 0;

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Rules of games with skittles, as data, and what a score sheet comes to under them. No physics.
+namespace headpin::scene {
+
+struct Rules {
+  std::string_view name;
+  bool full_rack;  ///< all skittles are set before every ball
+  bool set_again;  ///< and within a frame when none is left
+  bool bonuses;    ///< strikes and spares count the next balls too
+  std::string_view meaning;
+};
+
+/// All there are; "one-throw" is no game: nothing is counted, swept or set again.
+std::span<const Rules> all_rules();
+bool is_rules(std::string_view name);
+/// @throws std::invalid_argument  for another name
+const Rules& rules_named(std::string_view name);
+
+/// Skittles down by each ball of a frame.
+using Frame = std::vector<int>;
+
+/// Whether a frame is over.
+///
+/// @param rack   skittles that are set
+/// @param balls  of a frame
+/// @param last   it is the last of the game: a strike or a spare in it is played out
+bool is_over(const Rules& rules, const Frame& frame, int rack, int balls, bool last);
+
+/// Whether all skittles are set before the next ball of a frame that is not over.
+bool is_set_again(const Rules& rules, const Frame& frame, int rack);
+
+/// What the frames come to so far. A bonus that is still to be thrown is not in it.
+int points(const Rules& rules, std::span<const Frame> frames, int rack);
+
+/// "X | 7 / | 9 -": strikes and spares where the rules know them, a dash for none.
+std::string in_words(const Rules& rules, std::span<const Frame> frames, int rack);
+
+}  // namespace headpin::scene
