@@ -159,6 +159,16 @@ void FastrakEmulator::run_cycles(Time now) {
   }
 }
 
+std::optional<Time> FastrakEmulator::next_measured(int station, Time from) const {
+  const auto wanted = static_cast<std::size_t>(station - 1);
+  if (station < 1 || wanted >= kFastrakStations || !active(wanted)) return std::nullopt;
+  std::int64_t cycle = cycle_;
+  for (std::size_t s = *next_active(measured_);; s = *next_active(s), ++cycle) {
+    const Time at = tick_time(cycle, kCycleRate) + kMidSampling;
+    if (s == wanted && at >= from) return at;
+  }
+}
+
 void FastrakEmulator::measure(std::size_t station, Time at) {
   const int number = static_cast<int>(station) + 1;
   Solution& solution = solutions_[station];
@@ -404,6 +414,11 @@ void FastrakEmulator::queue(Message message) {
 
 void FastrakEmulator::drop_unsent() {
   std::erase_if(queue_, [](const Message& message) { return message.sent == 0; });
+}
+
+Time begin_of(const TrackerSample& first, const FastrakEmulator& emulator, Time now) {
+  const Time wanted = now + first.device_time;
+  return emulator.next_measured(first.station, wanted).value_or(wanted) - first.device_time;
 }
 
 void serve(FastrakEmulator& emulator, ByteStream& stream, Time now) {
