@@ -109,6 +109,7 @@ class FastrakEmulator {
   void set_motion(FastrakMotion motion) { motion_ = std::move(motion); }
   void set_faults(const FastrakFaults& faults) { options_.faults = faults; }
 
+  Time now() const { return now_; }  ///< as it was told last
   const FastrakSetup& setup() const { return memory_.setup; }
   const FastrakEmulatorStatistics& statistics() const { return statistics_; }
   int baud() const { return memory_.port.baud; }
