@@ -1,5 +1,7 @@
 #include <chrono>
 #include <cstdlib>
+#include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 #include <thread>
@@ -77,8 +79,11 @@ class LcmEyes : public scene::FrameSink {
 
   void add(const scene::EyeFrame& frame) override {
     std::array<std::vector<std::uint8_t>, 2> files;
-    for (std::size_t eye = 0; png_ && eye < 2; ++eye) {
-      files[eye] = render::encode_png(frame.images[eye], pixel_aspect_);
+    if (png_) {  // one beside the other
+      auto left = std::async(std::launch::async, render::encode_png, std::cref(frame.images[0]),
+                             pixel_aspect_);
+      files[1] = render::encode_png(frame.images[1], pixel_aspect_);
+      files[0] = left.get();
     }
     link_.publish({.sequence = static_cast<std::int32_t>(frame.number),
                    .time = frame.time,
@@ -135,7 +140,7 @@ struct Live {
   std::unique_ptr<scene::RealTime> pace;
   std::unique_ptr<scene::FramesBeside> eyes;
   std::int64_t samples = 0, frames = 0;
-  std::vector<double> latencies_s;
+  scene::FrameLatency latency;
 };
 
 /// Takes note of what was drawn and says every ten seconds how the session goes.
@@ -195,8 +200,14 @@ nlohmann::json summary(const Live& live, const Options& options) {
   j["frames"] = live.frames;
   j["late_frames"] = live.eyes->late();
   j["overruns"] = live.pace->overruns();
-  j["latency_median_s"] = scene::quantile(live.latencies_s, 0.5);
-  j["latency_p99_s"] = scene::quantile(live.latencies_s, 0.99);
+  j["latency_median_s"] = scene::quantile(live.latency.each_s, 0.5);
+  j["latency_p99_s"] = scene::quantile(live.latency.each_s, 0.99);
+  const scene::FrameStages mean = live.latency.mean();
+  j["latency_mean_s"] = mean.sum();
+  j["latency_stages"] = {{"ticked_s", mean.ticked},
+                         {"waited_s", mean.waited},
+                         {"drawn_s", mean.drawn},
+                         {"published_s", mean.published}};
   j["dropped_samples"] = live.lcm ? live.lcm->counts().dropped : 0;
   if (live.fastrak) {
     const devices::FastrakStatistics& f = live.fastrak->statistics();
@@ -233,16 +244,25 @@ void print_line(const Live& live) {
   say("{:7.1f} s  {} samples, {} frames ({} late), sample to frame {:.1f} ms median, {:.1f} "
       "ms p99, {} dropped, {} overruns, {} skittles down{}{}\n",
       seconds(live.session.now()), live.samples, live.frames, live.eyes->late(),
-      1e3 * scene::quantile(live.latencies_s, 0.5), 1e3 * scene::quantile(live.latencies_s, 0.99),
-      live.lcm ? live.lcm->counts().dropped : 0, live.pace->overruns(),
-      live.totals.score().skittles_down, live.fastrak ? fastrak_report(*live.fastrak) : "",
-      live.lcm ? lcm_report(live) : "");
+      1e3 * scene::quantile(live.latency.each_s, 0.5),
+      1e3 * scene::quantile(live.latency.each_s, 0.99), live.lcm ? live.lcm->counts().dropped : 0,
+      live.pace->overruns(), live.totals.score().skittles_down,
+      live.fastrak ? fastrak_report(*live.fastrak) : "", live.lcm ? lcm_report(live) : "");
+}
+
+/// Where the time went from a head's sample to its frame.
+void print_stages(const scene::FrameLatency& latency) {
+  const scene::FrameStages mean = latency.mean();
+  say("{:11}mean {:.1f} ms: {:.1f} until its tick was made, {:.1f} until a frame was due, {:.1f} "
+      "until it was drawn, {:.1f} until it was out\n",
+      "", 1e3 * mean.sum(), 1e3 * mean.ticked, 1e3 * mean.waited, 1e3 * mean.drawn,
+      1e3 * mean.published);
 }
 
 void Reporter::take_frames() {
   for (const scene::FramesBeside::Done& done : live_.eyes->take_done()) {
     ++live_.frames;
-    if (done.latency_s) live_.latencies_s.push_back(*done.latency_s);
+    if (done.stages) live_.latency.add(*done.stages);
     if (live_.writer) live_.writer->write(done.record);
     if (live_.publisher) live_.publisher->write(done.record);
   }
@@ -451,6 +471,7 @@ void run(const Options& options) {
   observers.push_back(&reporter);
   run_recorded(live, source, reporter, observers, end);
   print_line(live);
+  if (!live.latency.each_s.empty()) print_stages(live.latency);
   require_samples(live, options);
   if (options.json) print_json(summary(live, options));
 }
