@@ -323,6 +323,14 @@ TEST_F(LiveFastrak, WithoutANetworkALogFeedsASessionOrAUnit) {
   EXPECT_EQ(live["samples"], 843);
   EXPECT_GT(live["frames"].get<int>(), 0);
   EXPECT_GT(live["skittles_down"].get<int>(), 0);
+  // Where the time goes is all of it.
+  double stages_s = 0.0;
+  for (const auto& stage : live["latency_stages"]) {
+    EXPECT_GE(stage.get<double>(), 0.0);
+    stages_s += stage.get<double>();
+  }
+  EXPECT_NEAR(stages_s, live["latency_mean_s"].get<double>(), 1e-9);
+  EXPECT_GT(stages_s, 0.0);
   EXPECT_EQ(json("replay live.lcmlog --verify --json")["state_hash"], live["state_hash"]);
   // In a room that is not the log's own it says so, and goes on.
   const Result own =
