@@ -3,6 +3,7 @@
 #include <functional>
 #include <future>
 #include <memory>
+#include <numbers>
 #include <optional>
 #include <thread>
 
@@ -331,13 +332,19 @@ std::unique_ptr<devices::FastrakDriver> open_fastrak(const Options& options, Liv
   }
 }
 
-/// What this machine can draw at this look, measured on a frame of the empty room.
-void say_rate(scene::Eyes& eyes, bool png, std::int64_t wanted) {
+/// What a player at the foul line sees who looks down the lane.
+scene::Glimpse at_the_foul_line(std::shared_ptr<const scene::Stage> stage) {
+  const Pose X_WD{rotation(0.5 * std::numbers::pi * Vec3::UnitX()), Vec3(0.0, -0.5, 1.65)};
+  return scene::glimpse(scene::make_session(std::move(stage)), X_WD);
+}
+
+/// What this machine can draw at this look, measured on a frame of that.
+void say_rate(scene::Eyes& eyes, const scene::Glimpse& glimpse, bool png, std::int64_t wanted) {
   using Clock = scene::RealTime::Clock;
   std::array<render::Image, 2> images;
-  scene::see(eyes, {}, images);  // the first one waits for shaders
+  scene::see(eyes, glimpse, images);  // the first one waits for shaders
   const Clock::time_point begin = Clock::now();
-  scene::see(eyes, {}, images);
+  scene::see(eyes, glimpse, images);
   for (const render::Image& image : images) {
     if (png) render::encode_png(image, eyes.optics.pixel_aspect());
   }
@@ -356,7 +363,7 @@ std::unique_ptr<scene::FramesBeside> open_eyes(const Options& options,
           [stage, png = publish && options.eyes == "png"] {
             give_way();
             scene::Eyes eyes = scene::open_eyes(*stage);
-            say_rate(eyes, png, stage->scenario.rates.frame_hz);
+            say_rate(eyes, at_the_foul_line(stage), png, stage->scenario.rates.frame_hz);
             return eyes;
           },
       .sink = [url = options.lcm, how = options.eyes,
