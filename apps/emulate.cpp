@@ -127,9 +127,10 @@ struct Line {
 /// What the unit measures: a test pattern, or a recording that starts when records are asked for.
 struct Feed {
   devices::FastrakMotion motion;
-  devices::FastrakPlace place;  ///< of the transmitter, in a recording's frame
-  std::string says;             ///< what was chosen so that clients can use a recording
-  Time begin{}, length{};       ///< of a recording
+  devices::FastrakPlace place;        ///< of the transmitter, in a recording's frame
+  std::string says;                   ///< what was chosen so that clients can use a recording
+  Time begin{}, length{};             ///< of a recording
+  devices::TrackerSample first = {};  ///< of a recording
   bool loop = false, pressed = false;
   std::vector<devices::Sample> recorded = {};
 
@@ -256,6 +257,7 @@ Feed feed_of(const Options& options) {
     if (options.place == "auto") feed.place = devices::place_for(trial.samples);
     feed.motion = devices::seen_from(feed.place, devices::recorded_motion(trial.samples));
     feed.length = devices::last_time(trial.samples);
+    feed.first = devices::first_measurement(trial.samples);
     feed.says = place_report(feed.place, trial, options);
     if (options.use_mouse) feed.recorded = trial.samples;
   } else {
@@ -286,7 +288,7 @@ bool obey(const std::string& line, devices::FastrakEmulator& emulator, Feed& fee
     }
     (word("left") ? mouse->typed.left_thumb : mouse->typed.right_thumb) = down;
   } else if (line == "rewind") {
-    feed.begin = now;
+    feed.begin = devices::begin_of(feed.first, emulator, now);
   } else if (line.starts_with("faults")) {
     emulator.set_faults(devices::parse_faults(line.size() > 7 ? line.substr(7) : ""));
   } else if (!line.empty() && line != "quit") {
@@ -406,7 +408,7 @@ void run(const Options& options) {
     devices::serve(emulator, line.stream(), now);
     // A recording begins when somebody starts to listen, and again for the next one.
     const std::int64_t streams = emulator.statistics().streams;
-    if (streams > started) feed.begin = now;
+    if (streams > started) feed.begin = devices::begin_of(feed.first, emulator, now);
     started = streams;
   }
   conclude(options, line, clock(), emulator.statistics());

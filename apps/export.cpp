@@ -1,7 +1,9 @@
-#include <algorithm>
+#include <deque>
+#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,8 +12,8 @@
 #include "apps/options.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "devices/log.h"
 #include "devices/tables.h"
+#include "devices/trial_file.h"
 #include "files/output_folder.h"
 
 namespace headpin::apps {
@@ -24,17 +26,54 @@ struct Options {
   bool force = false, json = false;
 };
 
-template <typename Write>
-void write_file(const files::OutputFolder& folder, const std::string& name, Write write) {
-  check_stop();
-  std::ofstream file(folder.part() / name, std::ios::binary);
-  write(file);
-  file.close();
-  if (!file) throw std::runtime_error((folder.part() / name).string() + ": cannot be written");
+/// A file of the folder, being written.
+class File {
+ public:
+  File(const files::OutputFolder& folder, const std::string& name)
+      : path_(folder.part() / name), out_(path_, std::ios::binary) {}
+
+  std::ostream& out() { return out_; }
+  void close() {
+    check_stop();
+    out_.close();
+    if (!out_) throw std::runtime_error(path_.string() + ": cannot be written");
+  }
+
+ private:
+  std::filesystem::path path_;
+  std::ofstream out_;
+};
+
+/// All tables, in one walk through the trial.
+nlohmann::ordered_json write_tables(const files::OutputFolder& folder,
+                                    const devices::TrialFile& trial) {
+  std::deque<File> files;
+  std::deque<devices::TableWriter> tables;
+  const std::vector<std::string> names = devices::table_names();
+  for (const std::string& name : names) {
+    tables.emplace_back(files.emplace_back(folder, name + ".csv").out(), name,
+                        trial.summary().header);
+  }
+  for (devices::TableWriter& table : tables) {
+    for (const devices::Event& event : trial.summary().events) table.add(event);
+  }
+  trial.walk([&](const devices::TrialFile::Item& item) {
+    check_stop();
+    for (devices::TableWriter& table : tables) {
+      std::visit([&](const auto& one) { table.add(one); }, item);
+    }
+    return true;
+  });
+  nlohmann::ordered_json rows;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    files[i].close();
+    rows[names[i]] = tables[i].rows();
+  }
+  return rows;
 }
 
 /// What stands in no table: who, under what, made by what.
-nlohmann::ordered_json about(const devices::Trial& trial) {
+nlohmann::ordered_json about(const devices::TrialSummary& trial) {
   return {{"participant", trial.header.participant},
           {"condition", trial.header.condition},
           {"seed", trial.header.seed},
@@ -45,18 +84,23 @@ nlohmann::ordered_json about(const devices::Trial& trial) {
 }
 
 void run(const Options& options) {
-  const devices::Trial trial = devices::read_trial(options.trial);
+  const devices::TrialFile trial(options.trial);
+  trial.require_trial(devices::kLongestGap);
+  const devices::TrialSummary& summary = trial.summary();
   watch_stop_signals();
   files::OutputFolder folder(*options.folder,
                              {.overwrite = options.force, .others = {options.trial}});
-  nlohmann::ordered_json rows;
-  for (const std::string& table : devices::table_names()) {
-    write_file(folder, table + ".csv",
-               [&](std::ostream& out) { rows[table] = devices::write_table(out, table, trial); });
-  }
-  write_file(folder, "columns.csv", [](std::ostream& out) { devices::write_dictionary(out); });
-  write_file(folder, "scenario.toml", [&](std::ostream& out) { out << trial.header.scenario; });
-  write_file(folder, "trial.json", [&](std::ostream& out) { out << about(trial).dump(2) << '\n'; });
+  const nlohmann::ordered_json rows = write_tables(folder, trial);
+  const auto write = [&](const std::string& name, const std::string& text) {
+    File file(folder, name);
+    file.out() << text;
+    file.close();
+  };
+  std::ostringstream columns;
+  devices::write_dictionary(columns);
+  write("columns.csv", columns.str());
+  write("scenario.toml", summary.header.scenario);
+  write("trial.json", about(summary).dump(2) + "\n");
   folder.commit("trial.json");
 
   if (options.json) {

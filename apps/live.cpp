@@ -75,7 +75,7 @@ struct Live {
   std::unique_ptr<scene::RealTime> pace;
   std::unique_ptr<scene::FramesBeside> eyes;
   std::int64_t samples = 0, frames = 0;
-  std::vector<double> latencies_s;
+  scene::FrameLatency latency;
 };
 
 /// Takes note of what was drawn and says every ten seconds how the session goes.
@@ -162,8 +162,14 @@ nlohmann::json summary(const Live& live, const Options& options) {
   j["frames"] = live.frames;
   j["late_frames"] = live.eyes->late();
   j["overruns"] = live.pace->overruns();
-  j["latency_median_s"] = scene::quantile(live.latencies_s, 0.5);
-  j["latency_p99_s"] = scene::quantile(live.latencies_s, 0.99);
+  j["latency_median_s"] = scene::quantile(live.latency.each_s, 0.5);
+  j["latency_p99_s"] = scene::quantile(live.latency.each_s, 0.99);
+  const scene::FrameStages mean = live.latency.mean();
+  j["latency_mean_s"] = mean.sum();
+  j["latency_stages"] = {{"ticked_s", mean.ticked},
+                         {"waited_s", mean.waited},
+                         {"drawn_s", mean.drawn},
+                         {"published_s", mean.published}};
   j["sources"] = nlohmann::json::array();
   for (const auto& source : live.sources) j["sources"].push_back(summary_of(*source));
   return j;
@@ -174,16 +180,26 @@ void print_line(const Live& live) {
       "{:7.1f} s  {} samples, {} frames ({} late), sample to frame {:.1f} ms median, {:.1f} ms "
       "p99, {} overruns, {} skittles down",
       seconds(live.session.now()), live.samples, live.frames, live.eyes->late(),
-      1e3 * scene::quantile(live.latencies_s, 0.5), 1e3 * scene::quantile(live.latencies_s, 0.99),
+      1e3 * scene::quantile(live.latency.each_s, 0.5),
+      1e3 * scene::quantile(live.latency.each_s, 0.99),
       live.pace->overruns(), live.totals.score().skittles_down);
   for (const auto& source : live.sources) text += "; " + source->report(live.session.now());
   say("{}\n", text);
 }
 
+/// Where the time went from a head's sample to its frame.
+void print_stages(const scene::FrameLatency& latency) {
+  const scene::FrameStages mean = latency.mean();
+  say("{:11}mean {:.1f} ms: {:.1f} until its tick was made, {:.1f} until a frame was due, {:.1f} "
+      "until it was drawn, {:.1f} until it was out\n",
+      "", 1e3 * mean.sum(), 1e3 * mean.ticked, 1e3 * mean.waited, 1e3 * mean.drawn,
+      1e3 * mean.published);
+}
+
 void Reporter::take_frames() {
   for (const scene::FramesBeside::Done& done : live_.eyes->take_done()) {
     ++live_.frames;
-    if (done.latency_s) live_.latencies_s.push_back(*done.latency_s);
+    if (done.stages) live_.latency.add(*done.stages);
     if (live_.writer) live_.writer->write(done.record);
     if (live_.publisher) live_.publisher->write(done.record);
   }
@@ -351,6 +367,7 @@ void run(const Options& options) {
   observers.push_back(&reporter);
   run_recorded(live, source, reporter, observers, end);
   print_line(live);
+  if (!live.latency.each_s.empty()) print_stages(live.latency);
   require_samples(live);
   if (options.json) print_json(summary(live, options));
 }

@@ -2,6 +2,9 @@
 
 #include <array>
 #include <chrono>
+#include <functional>
+#include <future>
+#include <numbers>
 #include <vector>
 
 #include <sys/resource.h>
@@ -27,8 +30,11 @@ class LcmEyes : public scene::FrameSink {
 
   void add(const scene::EyeFrame& frame) override {
     std::array<std::vector<std::uint8_t>, 2> files;
-    for (std::size_t eye = 0; png_ && eye < 2; ++eye) {
-      files[eye] = render::encode_png(frame.images[eye], pixel_aspect_);
+    if (png_) {  // one beside the other
+      auto left = std::async(std::launch::async, render::encode_png, std::cref(frame.images[0]),
+                             pixel_aspect_);
+      files[1] = render::encode_png(frame.images[1], pixel_aspect_);
+      files[0] = left.get();
     }
     link_.publish({.sequence = static_cast<std::int32_t>(frame.number),
                    .time = frame.time,
@@ -45,13 +51,19 @@ class LcmEyes : public scene::FrameSink {
   double pixel_aspect_;
 };
 
-/// What this machine can draw at this look, measured on a frame of the empty room.
-void say_rate(scene::Eyes& eyes, bool png, std::int64_t wanted) {
+/// What a player at the foul line sees who looks down the lane.
+scene::Glimpse at_the_foul_line(std::shared_ptr<const scene::Stage> stage) {
+  const Pose X_WD{rotation(0.5 * std::numbers::pi * Vec3::UnitX()), Vec3(0.0, -0.5, 1.65)};
+  return scene::glimpse(scene::make_session(std::move(stage)), X_WD);
+}
+
+/// What this machine can draw at this look, measured on a frame of that.
+void say_rate(scene::Eyes& eyes, const scene::Glimpse& glimpse, bool png, std::int64_t wanted) {
   using Clock = scene::RealTime::Clock;
   std::array<render::Image, 2> images;
-  scene::see(eyes, {}, images);  // the first one waits for shaders
+  scene::see(eyes, glimpse, images);  // the first one waits for shaders
   const Clock::time_point begin = Clock::now();
-  scene::see(eyes, {}, images);
+  scene::see(eyes, glimpse, images);
   for (const render::Image& image : images) {
     if (png) render::encode_png(image, eyes.optics.pixel_aspect());
   }
@@ -71,7 +83,7 @@ std::unique_ptr<scene::FramesBeside> open_eyes(std::shared_ptr<const scene::Stag
           [stage, png = how == "png"] {
             give_way();
             scene::Eyes eyes = scene::open_eyes(*stage);
-            say_rate(eyes, png, stage->scenario.rates.frame_hz);
+            say_rate(eyes, at_the_foul_line(stage), png, stage->scenario.rates.frame_hz);
             return eyes;
           },
       .sink = [how, url](const scene::Eyes& eyes) -> std::unique_ptr<scene::FrameSink> {

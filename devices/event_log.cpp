@@ -18,6 +18,8 @@ namespace {
 
 constexpr std::array<std::uint8_t, 4> kMagic = {0xED, 0xA1, 0xDA, 0x01};
 constexpr std::size_t kHeaderSize = 28;
+/// Stamps beyond it [us] can be no time and are taken for it, so that any two may be subtracted.
+constexpr std::int64_t kFarthest = 4'000'000'000'000'000;
 constexpr std::size_t kLongestChannel = 999;  // liblcm's own bound; its publishers keep to 63
 
 std::uint64_t big_endian(std::span<const std::uint8_t> bytes) {
@@ -94,7 +96,8 @@ std::optional<LogEvent> LogReader::next() {
     const auto number = static_cast<std::int64_t>(big_endian(event.subspan(4, 8)));
     const auto time = static_cast<std::int64_t>(big_endian(event.subspan(12, 8)));
     const auto* text = reinterpret_cast<const char*>(event.data() + kHeaderSize);
-    return LogEvent{number, Time{time}, std::string_view(text, channel_size),
+    return LogEvent{number, Time{std::clamp(time, -kFarthest, kFarthest)},
+                    std::string_view(text, channel_size),
                     event.subspan(kHeaderSize + channel_size)};
   }
 }

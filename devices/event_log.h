@@ -18,7 +18,7 @@ namespace headpin::devices {
 /// One event of a log; channel and data point into the bytes it was read from.
 struct LogEvent {
   std::int64_t number = 0;
-  Time time{};
+  Time time{};  ///< its stamp; one that no clock shows, the nearest that might be
   std::string_view channel;
   std::span<const std::uint8_t> data;
 };

@@ -10,6 +10,8 @@ namespace headpin::devices {
 namespace {
 
 constexpr std::array<int, 7> kBauds = {115200, 57600, 38400, 19200, 9600, 4800, 2400};
+/// In mid-record, on a machine that has no processor for it; a terminal's kernel took 0.8 s.
+constexpr Time kHeldUp{1'000'000};
 constexpr std::size_t kBufferLimit = 1 << 16;  // bytes; a unit sends 1 % of that in a second
 
 }  // namespace
@@ -307,9 +309,9 @@ Pose FastrakDriver::pose_of(const FastrakRecord& record) const {
 }
 
 void FastrakDriver::read_records(Time now) {
-  // A record may be under way for its own length; after that, and three bytes, no more will come.
+  // A record may be under way for its own length; after that, and a while, no more will come.
   const auto length = static_cast<int>(fastrak_record_length(formats_[0]));
-  const bool no_more = now - heard_ > Time{100'000} + length * byte_time();
+  const bool no_more = now - heard_ > kHeldUp + length * byte_time();
   std::size_t done = 0;
   while (done < buffer_.size()) {
     const FastrakFound found =

@@ -15,6 +15,7 @@ constexpr Time kSolutionReady{5500};        // after the start of the field (p. 
 constexpr Time kMidSampling{5500 - 3750};   // effective latency 3.75 ms (p. E-4)
 constexpr std::int64_t kSwitchCycles = 40;  // between looks at the stylus switch
 constexpr std::size_t kOutboxLimit = 1024;  // bytes a reader may leave
+constexpr Time kPiece{50'000};              // in which no line fills it
 constexpr std::size_t kQueueLimit = 8192;   // bytes of answers waiting for the line
 
 constexpr std::array<int, 7> kBauds = {2400, 4800, 9600, 19200, 38400, 57600, 115200};
@@ -156,6 +157,16 @@ void FastrakEmulator::run_cycles(Time now) {
       if (cycle_ % kSwitchCycles == 0) look_at_switch(ready);
     }
     ++cycle_;
+  }
+}
+
+std::optional<Time> FastrakEmulator::next_measured(int station, Time from) const {
+  const auto wanted = static_cast<std::size_t>(station - 1);
+  if (station < 1 || wanted >= kFastrakStations || !active(wanted)) return std::nullopt;
+  std::int64_t cycle = cycle_;
+  for (std::size_t s = *next_active(measured_);; s = *next_active(s), ++cycle) {
+    const Time at = tick_time(cycle, kCycleRate) + kMidSampling;
+    if (s == wanted && at >= from) return at;
   }
 }
 
@@ -406,7 +417,17 @@ void FastrakEmulator::drop_unsent() {
   std::erase_if(queue_, [](const Message& message) { return message.sent == 0; });
 }
 
+Time begin_of(const TrackerSample& first, const FastrakEmulator& emulator, Time now) {
+  const Time wanted = now + first.device_time;
+  return emulator.next_measured(first.station, wanted).value_or(wanted) - first.device_time;
+}
+
 void serve(FastrakEmulator& emulator, ByteStream& stream, Time now) {
+  // A server that was held up hands over in pieces what would have left by now: more than its
+  // outbox has room for, and no reader was late for it.
+  for (Time then = emulator.now() + kPiece; then < now; then += kPiece) {
+    emulator.taken(stream.write(emulator.due(then)));
+  }
   std::array<std::uint8_t, 512> heard{};
   while (const std::size_t n = stream.read(heard)) {
     emulator.receive(Bytes(heard).first(n), now);

@@ -114,6 +114,15 @@ FastrakMotion seen_from(const FastrakPlace& place, FastrakMotion motion) {
   };
 }
 
+TrackerSample first_measurement(const std::vector<Sample>& samples) {
+  const TrackerSample* first = nullptr;
+  for (const Sample& sample : samples) {
+    const auto* tracker = std::get_if<TrackerSample>(&sample);
+    if (tracker && (!first || tracker->device_time < first->device_time)) first = tracker;
+  }
+  return first ? *first : TrackerSample{};
+}
+
 Time last_time(const std::vector<Sample>& samples) {
   Time last{};
   for (const Sample& sample : samples) last = std::max(last, device_time(sample));

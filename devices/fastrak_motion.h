@@ -46,6 +46,9 @@ FastrakPlace place_for(const std::vector<Sample>& samples);
 /// The motion as seen from the new place.
 FastrakMotion seen_from(const FastrakPlace& place, FastrakMotion motion);
 
+/// The first in time of a recording's measurements; a default one where there is none.
+TrackerSample first_measurement(const std::vector<Sample>& samples);
+
 /// Time of a recording's last sample.
 Time last_time(const std::vector<Sample>& samples);
 

@@ -1,14 +1,23 @@
 #include "devices/mouse3d.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace headpin::devices {
+
+namespace {
+constexpr Time kLongest{25'000};  // between two records, beside which the switch is seen no more
+}
 
 std::optional<MouseSample> StylusTrigger::update(const TrackerSample& sample) {
   if (station_ != 0 && sample.station != station_) return std::nullopt;
   const bool down = (sample.buttons & 1) != 0;
+  const Time before = std::exchange(before_, sample.device_time).value_or(sample.device_time);
   if (down == down_) return std::nullopt;
   down_ = down;
   MouseSample mouse;
-  mouse.device_time = sample.device_time;
+  mouse.device_time =
+      sample.device_time - std::clamp(sample.device_time - before, Time{0}, kLongest) / 2;
   mouse.host_time = sample.host_time;
   mouse.trigger = down;
   return mouse;

@@ -18,17 +18,19 @@ class StylusTrigger {
   /// @param station  whose records carry the switch; 0: any
   explicit StylusTrigger(std::int32_t station = 0) : station_(station) {}
 
-  /// @return  the mouse's new state, when this sample changes it. The first sample makes none
-  ///          unless the trigger is down; one with an error letter counts too, as the switch is no pose.
+  /// @return  the mouse's new state, when this sample changes it: halfway between it and the record
+  ///          before, as the switch moved between the two. The first sample makes none unless the
+  ///          trigger is down; one with an error letter counts too, as the switch is no pose.
   std::optional<MouseSample> update(const TrackerSample& sample);
 
  private:
   std::int32_t station_;
   bool down_ = false;
+  std::optional<Time> before_;  ///< of the last record
 };
 
 /// A tracker's source with the mouse added: every sample of it, and behind the one that brought a
-/// change of the switch, a MouseSample with the times of that sample.
+/// change of the switch, a MouseSample with that one's arrival.
 ///
 /// Once the source itself gives MouseSamples (a trial, LCM), the switch is left alone: the mouse
 /// has a line of its own.

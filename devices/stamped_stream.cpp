@@ -27,34 +27,62 @@ void StampedStream::start() {
 }
 
 void StampedStream::work() {
-  while (!stopping_) {
-    pollfd line{-1, POLLIN, 0};
-    {
-      const std::lock_guard lock(line_);
-      line.fd = stream_->descriptor();
+  try {
+    while (!stopping_) {
+      pollfd line{stream_->descriptor(), POLLIN, 0};
+      // A line without a descriptor, or one that hung up, would not let poll wait.
+      const int ready = ::poll(&line, 1, line.fd >= 0 ? kNap_ms : 1);
+      const bool hung_up = ready > 0 && !(line.revents & POLLIN);
+      listen();
+      const std::lock_guard lock(pile_);
+      if (hung_up || waiting_ >= kLimit) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    // A line without a descriptor, or one that hung up, would not let poll wait.
-    const int ready = ::poll(&line, 1, line.fd >= 0 ? kNap_ms : 1);
-    const bool hung_up = ready > 0 && !(line.revents & POLLIN);
-    listen();
+  } catch (...) {
     const std::lock_guard lock(pile_);
-    if (hung_up || waiting_ >= kLimit) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    failure_ = std::current_exception();
   }
 }
 
 void StampedStream::listen() {
+  carry_out_orders();
+  take_in();
+  std::string trouble = stream_->trouble();
+  const bool closed = stream_->closed();
+  const std::lock_guard lock(pile_);
+  trouble_ = std::move(trouble);
+  closed_ = closed;
+}
+
+void StampedStream::carry_out_orders() {
+  for (;;) {
+    Order order;
+    {
+      const std::lock_guard lock(pile_);
+      if (orders_.empty()) return;
+      order = std::move(orders_.front());
+      orders_.pop_front();
+    }
+    if (order.baud != 0) stream_->set_baud(order.baud);
+    const std::size_t taken = order.bytes.empty() ? 0 : stream_->write(order.bytes);
+    const std::lock_guard lock(pile_);
+    unwritten_ -= taken;
+    if (taken == order.bytes.size()) continue;
+    order.bytes.erase(order.bytes.begin(),
+                      order.bytes.begin() + static_cast<std::ptrdiff_t>(taken));
+    orders_.push_front({std::move(order.bytes), 0});
+    return;
+  }
+}
+
+void StampedStream::take_in() {
   std::array<std::uint8_t, 4096> bytes{};
   for (;;) {
     {
       const std::lock_guard lock(pile_);
       if (waiting_ >= kLimit) return;
     }
-    std::size_t n = 0;
     const Time before = clock_();
-    {
-      const std::lock_guard lock(line_);
-      n = stream_->read(bytes);
-    }
+    const std::size_t n = stream_->read(bytes);
     const Time now = clock_();
     const std::lock_guard lock(pile_);
     heard_out_ = n == 0 ? before : now;
@@ -67,6 +95,7 @@ void StampedStream::listen() {
 /// From one piece at a time, as all that one call returns has one stamp.
 std::size_t StampedStream::read(std::span<std::uint8_t> out) {
   const std::lock_guard lock(pile_);
+  if (failure_) std::rethrow_exception(failure_);
   if (pieces_.empty()) return 0;
   Piece& piece = pieces_.front();
   const std::size_t n = std::min(out.size(), piece.bytes.size());
@@ -85,23 +114,28 @@ Time StampedStream::time(Time) const {
 }
 
 std::size_t StampedStream::write(Bytes bytes) {
-  const std::lock_guard lock(line_);
-  return stream_->write(bytes);
+  const std::lock_guard lock(pile_);
+  const std::size_t n = std::min(bytes.size(), kLimit - std::min(kLimit, unwritten_));
+  if (n == 0) return 0;
+  const Bytes taken = bytes.first(n);
+  orders_.push_back({{taken.begin(), taken.end()}, 0});
+  unwritten_ += n;
+  return n;
 }
 
 bool StampedStream::closed() const {
-  const std::scoped_lock lock(line_, pile_);
-  return pieces_.empty() && stream_->closed();
+  const std::lock_guard lock(pile_);
+  return pieces_.empty() && closed_;
 }
 
 std::string StampedStream::trouble() const {
-  const std::lock_guard lock(line_);
-  return stream_->trouble();
+  const std::lock_guard lock(pile_);
+  return trouble_;
 }
 
 void StampedStream::set_baud(int baud) {
-  const std::lock_guard lock(line_);
-  stream_->set_baud(baud);
+  const std::lock_guard lock(pile_);
+  orders_.push_back({{}, baud});
 }
 
 }  // namespace headpin::devices

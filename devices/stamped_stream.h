@@ -2,9 +2,11 @@
 
 #include <atomic>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -15,8 +17,9 @@ namespace headpin::devices {
 /// A stream that is read as soon as something arrives, each piece stamped right behind the read,
 /// however late its user comes for it.
 ///
-/// The clock is asked after a read, so a stamp may be late but never early. Everything else goes
-/// through to the stream below.
+/// The clock is asked after a read, so a stamp may be late but never early. Only the one who listens
+/// touches the stream below: what is to be written waits for that one too, as a terminal's read can
+/// stand still for a second when the kernel's own worker gets no processor, and its user must not.
 class StampedStream : public ByteStream {
  public:
   /// Time on the session's clock; called from the thread too.
@@ -27,11 +30,13 @@ class StampedStream : public ByteStream {
   StampedStream(const StampedStream&) = delete;
   StampedStream& operator=(const StampedStream&) = delete;
 
-  /// Reads from now on in a thread of its own.
+  /// Reads and writes from now on in a thread of its own.
   void start();
-  /// Takes in what is there. The thread does nothing else; without it, whoever has the clock must.
+  /// Hands over what is to be written and takes in what is there. The thread does nothing else;
+  /// without it, whoever has the clock must.
   void listen();
 
+  /// @throws  what the stream below threw
   std::size_t read(std::span<std::uint8_t> out) override;
   /// When all that had arrived by then was last taken in: what is missing, this one may still owe.
   Time time(Time now) const override;
@@ -46,16 +51,27 @@ class StampedStream : public ByteStream {
     Time time;
     std::vector<std::uint8_t> bytes;
   };
+  /// Something to be written, or a rate.
+  struct Order {
+    std::vector<std::uint8_t> bytes;
+    int baud = 0;
+  };
   void work();
+  void carry_out_orders();
+  void take_in();
 
   Clock clock_;
-  mutable std::mutex line_;  ///< of the stream below
-  std::unique_ptr<ByteStream> stream_;
-  mutable std::mutex pile_;  ///< of what was read
+  std::unique_ptr<ByteStream> stream_;  ///< the listener's alone
+  mutable std::mutex pile_;             ///< of what was read, and of all below
   std::deque<Piece> pieces_;
   std::size_t waiting_ = 0;  ///< bytes in them
-  Time stamp_{};             ///< of what was handed out last
-  Time heard_out_{};         ///< nothing was left on the line then
+  std::deque<Order> orders_;
+  std::size_t unwritten_ = 0;  ///< bytes in them
+  std::string trouble_;
+  bool closed_ = false;
+  std::exception_ptr failure_;
+  Time stamp_{};      ///< of what was handed out last
+  Time heard_out_{};  ///< nothing was left on the line then
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

@@ -1,7 +1,9 @@
 #include "devices/tables.h"
 
+#include <functional>
 #include <ostream>
 #include <stdexcept>
+#include <variant>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -181,13 +183,13 @@ template <typename Row>
 class Csv {
  public:
   Csv(std::ostream& out, std::vector<Field<Row>> fields) : out_(out), fields_(std::move(fields)) {
-    for (const Field<Row>& field : fields_) out_ << comma(field) << field.name;
-    out_ << '\n';
+    for (const Field<Row>& field : fields_) out << comma(field) << field.name;
+    out << '\n';
   }
 
   void add(const Row& row) {
-    for (const Field<Row>& field : fields_) out_ << comma(field) << field.text(row);
-    out_ << '\n';
+    for (const Field<Row>& field : fields_) out_.get() << comma(field) << field.text(row);
+    out_.get() << '\n';
     ++rows_;
   }
 
@@ -196,45 +198,10 @@ class Csv {
  private:
   const char* comma(const Field<Row>& field) const { return &field == fields_.data() ? "" : ","; }
 
-  std::ostream& out_;
+  std::reference_wrapper<std::ostream> out_;
   std::vector<Field<Row>> fields_;
   std::int64_t rows_ = 0;
 };
-
-template <typename Kind>
-std::int64_t write_samples(std::ostream& out, std::vector<Field<Kind>> fields, const Trial& trial) {
-  Csv<Kind> csv(out, std::move(fields));
-  for (const Sample& sample : trial.samples) {
-    if (const Kind* one = std::get_if<Kind>(&sample)) csv.add(*one);
-  }
-  return csv.rows();
-}
-
-std::int64_t write_states(std::ostream& out, const Trial& trial) {
-  Csv<StateRow> csv(out, state_fields());
-  const std::vector<std::string>& names = trial.header.body_names;
-  for (const TickState& tick : trial.states) {
-    for (std::size_t i = 0; i < tick.bodies.size(); ++i) {
-      const std::string name = i < names.size() ? names[i] : fmt::format("body {}", i);
-      csv.add({tick, tick.bodies[i], name});
-    }
-  }
-  return csv.rows();
-}
-
-std::int64_t write_frames(std::ostream& out, const Trial& trial) {
-  Csv<EyeRow> csv(out, frame_fields());
-  for (const FrameRecord& frame : trial.frames) {
-    for (std::size_t eye = 0; eye < 2; ++eye) csv.add({frame, eye});
-  }
-  return csv.rows();
-}
-
-std::int64_t write_events(std::ostream& out, const Trial& trial) {
-  Csv<Event> csv(out, event_fields());
-  for (const Event& event : trial.events) csv.add(event);
-  return csv.rows();
-}
 
 template <typename Row>
 void list(std::vector<TableColumn>& all, const char* table, const std::vector<Field<Row>>& fields) {
@@ -264,14 +231,56 @@ std::vector<std::string> table_names() {
   return names;
 }
 
-std::int64_t write_table(std::ostream& out, std::string_view table, const Trial& trial) {
-  if (table == "trackers") return write_samples(out, tracker_fields(), trial);
-  if (table == "buttons") return write_samples(out, button_fields(), trial);
-  if (table == "events") return write_events(out, trial);
-  if (table == "states") return write_states(out, trial);
-  if (table == "frames") return write_frames(out, trial);
-  throw std::invalid_argument(
-      fmt::format("no table '{}'; expected one of {}", table, fmt::join(table_names(), ", ")));
+struct TableWriter::Table {
+  using Any =
+      std::variant<Csv<TrackerSample>, Csv<MouseSample>, Csv<Event>, Csv<StateRow>, Csv<EyeRow>>;
+
+  static Any open(std::ostream& out, std::string_view table) {
+    if (table == "trackers") return Csv<TrackerSample>(out, tracker_fields());
+    if (table == "buttons") return Csv<MouseSample>(out, button_fields());
+    if (table == "events") return Csv<Event>(out, event_fields());
+    if (table == "states") return Csv<StateRow>(out, state_fields());
+    if (table == "frames") return Csv<EyeRow>(out, frame_fields());
+    throw std::invalid_argument(
+        fmt::format("no table '{}'; expected one of {}", table, fmt::join(table_names(), ", ")));
+  }
+
+  template <typename Row>
+  void add(const Row& row) {
+    if (auto* own = std::get_if<Csv<Row>>(&csv)) own->add(row);
+  }
+
+  Any csv;
+  const std::vector<std::string>& names;  ///< of the bodies
+};
+
+TableWriter::TableWriter(std::ostream& out, std::string_view table, const TrialHeader& header)
+    : table_(std::make_unique<Table>(Table{Table::open(out, table), header.body_names})) {}
+TableWriter::~TableWriter() = default;
+TableWriter::TableWriter(TableWriter&&) noexcept = default;
+
+void TableWriter::add(const Sample& sample) {
+  std::visit([&](const auto& one) { table_->add(one); }, sample);
+}
+
+void TableWriter::add(const Event& event) {
+  table_->add(event);
+}
+
+void TableWriter::add(const TickState& state) {
+  const std::vector<std::string>& names = table_->names;
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    const std::string name = i < names.size() ? names[i] : fmt::format("body {}", i);
+    table_->add(StateRow{state, state.bodies[i], name});
+  }
+}
+
+void TableWriter::add(const FrameRecord& frame) {
+  for (std::size_t eye = 0; eye < 2; ++eye) table_->add(EyeRow{frame, eye});
+}
+
+std::int64_t TableWriter::rows() const {
+  return std::visit([](const auto& csv) { return csv.rows(); }, table_->csv);
 }
 
 void write_dictionary(std::ostream& out) {

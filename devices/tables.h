@@ -1,6 +1,7 @@
 #pragma once
 
 #include <iosfwd>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,10 +30,27 @@ std::vector<std::string> table_names();
 /// Writes one table of a trial as CSV (RFC 4180, lines end with LF): names, then rows.
 ///
 /// Numbers are the shortest that read back to the same bits; times are exact, in decimal seconds.
-///
-/// @return  how many rows
-/// @throws std::invalid_argument  for a table that is not there
-std::int64_t write_table(std::ostream& out, std::string_view table, const Trial& trial);
+class TableWriter {
+ public:
+  /// @param header  of the trial
+  /// @param out     both must outlive this
+  /// @throws std::invalid_argument  for a table that is not there
+  TableWriter(std::ostream& out, std::string_view table, const TrialHeader& header);
+  ~TableWriter();
+  TableWriter(TableWriter&&) noexcept;
+
+  /// What is not of this table is passed over.
+  void add(const Sample& sample);
+  void add(const Event& event);
+  void add(const TickState& state);
+  void add(const FrameRecord& frame);
+
+  std::int64_t rows() const;
+
+ private:
+  struct Table;
+  std::unique_ptr<Table> table_;
+};
 
 /// What every column is, as CSV: table, column, kind, unit, meaning.
 void write_dictionary(std::ostream& out);

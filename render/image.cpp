@@ -134,6 +134,16 @@ Image average(std::span<const std::uint8_t> rgba, int width, int height, int sam
                                 std::to_string(width) + "x" + std::to_string(height) + " pixels");
   }
   Image image{width, height, Bytes(3 * w * h)};
+  if (n == 1) {  // the mean of one is itself
+    for (std::size_t y = 0; y < h; ++y) {
+      const std::uint8_t* sample = rgba.data() + 4 * w * (h - 1 - y);
+      std::uint8_t* pixel = image.rgb.data() + 3 * w * y;
+      for (std::size_t x = 0; x < w; ++x, sample += 4, pixel += 3) {
+        std::copy_n(sample, 3, pixel);
+      }
+    }
+    return image;
+  }
   std::vector<std::uint32_t> sum(3 * w);
   const auto count = static_cast<std::uint32_t>(n * n);
   for (std::size_t y = 0; y < h; ++y) {

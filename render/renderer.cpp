@@ -238,6 +238,23 @@ struct Renderer::Impl {
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   }
 
+  void use_target(std::size_t i, const View& view) {
+    const int width = quality.samples * view.width, height = quality.samples * view.height;
+    if (!targets[i] || !targets[i]->fits(width, height)) {
+      targets[i] = std::make_unique<Target>(gl, GL_SRGB8_ALPHA8, width, height);
+    }
+    targets[i]->use();
+  }
+
+  /// What was painted, once it is.
+  void read(const View& view, Image& out) {
+    const int width = quality.samples * view.width, height = quality.samples * view.height;
+    samples.resize(std::size_t{4} * static_cast<std::size_t>(width) *
+                   static_cast<std::size_t>(height));
+    gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, samples.data());
+    out = average(samples, view.width, view.height, quality.samples);
+  }
+
   /// Reports what OpenGL found wrong since it was last asked, by throwing.
   void finish(const char* what) const {
     const GLenum error = gl.GetError();
@@ -257,8 +274,8 @@ struct Renderer::Impl {
   Program contact{gl, shaders::kContactVertex, shaders::kContactFragment};
   Program depth{gl, shaders::kDepthVertex, shaders::kDepthFragment};
   ShadowMap shadow_map{gl};
-  std::unique_ptr<Target> target;        // of the last view's size, in samples
-  std::unique_ptr<Target> label_target;  // made when first asked for
+  std::vector<std::unique_ptr<Target>> targets;  // of the last views' sizes, in samples
+  std::unique_ptr<Target> label_target;          // made when first asked for
   std::unique_ptr<Program> label;
   GLuint contact_arrays = 0, contact_buffer = 0;
   GLint largest = 0;
@@ -324,28 +341,24 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
                 contact.data(), GL_STREAM_DRAW);
 
   gl.Enable(GL_FRAMEBUFFER_SRGB);
+  r.targets.resize(std::max(r.targets.size(), views.size()));
   for (std::size_t i = 0; i < views.size(); ++i) {
-    const View& view = views[i];
-    const int width = r.quality.samples * view.width, height = r.quality.samples * view.height;
-    if (r.target == nullptr || !r.target->fits(width, height)) {
-      r.target = std::make_unique<Target>(gl, GL_SRGB8_ALPHA8, width, height);
-    }
-    r.target->use();
+    r.use_target(i, views[i]);
     const Eigen::Vector3f back = list.background.cast<float>();
     gl.ClearColor(back.x(), back.y(), back.z(), 1.0F);
     gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 
-    const Mat4 clip = world_to_clip(view);
-    const Vec3 eye_W = view.X_WE.p;
+    const Mat4 clip = world_to_clip(views[i]);
+    const Vec3 eye_W = views[i].X_WE.p;
     if (r.quality.mirror) r.draw_mirrored(list, clip, eye_W);
     for (const Surface surface : kTurns) {
       r.draw_surface(list, surface, clip, eye_W, shadow_view, static_cast<GLsizei>(contact.size()));
     }
-
-    r.samples.resize(std::size_t{4} * static_cast<std::size_t>(width) *
-                     static_cast<std::size_t>(height));
-    gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, r.samples.data());
-    out[i] = average(r.samples, view.width, view.height, r.quality.samples);
+  }
+  // Read when all are on their way: one is painted while the next is prepared.
+  for (std::size_t i = 0; i < views.size(); ++i) {
+    r.use_target(i, views[i]);
+    r.read(views[i], out[i]);
   }
   gl.Disable(GL_FRAMEBUFFER_SRGB);
   r.finish("Renderer::draw");

@@ -1,11 +1,33 @@
 #include "scene/eye_frames.h"
 
+#include <algorithm>
 #include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
 
 namespace headpin::scene {
+
+namespace {
+
+double seconds_between(RealTime::Clock::time_point a, RealTime::Clock::time_point b) {
+  return std::chrono::duration<double>(b - a).count();
+}
+
+}  // namespace
+
+void FrameLatency::add(const FrameStages& stages) {
+  each_s.push_back(stages.sum());
+  total.ticked += stages.ticked;
+  total.waited += stages.waited;
+  total.drawn += stages.drawn;
+  total.published += stages.published;
+}
+
+FrameStages FrameLatency::mean() const {
+  const auto n = static_cast<double>(std::max<std::size_t>(1, each_s.size()));
+  return {total.ticked / n, total.waited / n, total.drawn / n, total.published / n};
+}
 
 devices::FrameRecord record_of(const EyeFrame& frame) {
   devices::FrameRecord record;
@@ -85,14 +107,17 @@ void FramesBeside::tick(const Session& session) {
   if (session.player.head_arrival != newest_) {
     newest_ = session.player.head_arrival;
     since_ = now;
+    taken_ = Clock::now();
   }
   if (tick_time(frame_, rates.frame_hz) - lead_ > now) return;
   const std::int64_t frame = frame_++;
   const std::optional<Pose> X_WD = head_pose(session);
   if (!X_WD) return;
-  Job job{frame, session.tick, now, {}, glimpse(session, *X_WD)};
-  if (newest_ != shown_) {
-    job.sample = start_ + *newest_;  // latency is that of fresh samples
+  Job job{frame, session.tick, now, {}, {}, glimpse(session, *X_WD)};
+  job.offered = Clock::now();
+  if (newest_ != shown_) {  // latency is that of fresh samples
+    job.stages = {.ticked = seconds_between(start_ + *newest_, taken_),
+                  .waited = seconds_between(taken_, job.offered)};
     const Time tick = tick_time(1, rates.physics_hz);
     if (now - since_ > tick) lead_ += tick;
   }
@@ -151,10 +176,12 @@ FramesBeside::Done FramesBeside::draw(Eyes& eyes, const Job& job, EyeFrame& fram
   frame.tick = job.tick;
   frame.time = job.time;
   frame.views = see(eyes, job.glimpse, frame.images);
-  Done done{record_of(frame), {}};
+  const Clock::time_point drawn = Clock::now();
+  Done done{record_of(frame), job.stages};
   if (sink) sink->add(frame);
-  if (job.sample) {
-    done.latency_s = std::chrono::duration<double>(Clock::now() - *job.sample).count();
+  if (done.stages) {
+    done.stages->drawn = seconds_between(job.offered, drawn);
+    done.stages->published = seconds_between(drawn, Clock::now());
   }
   return done;
 }

@@ -24,6 +24,26 @@ struct EyeFrame {
   std::array<render::Image, 2> images;
 };
 
+/// Where the time goes from the arrival of a head's sample until its frame is out [s].
+struct FrameStages {
+  double ticked = 0.0;     ///< until the session had taken it in and made its tick
+  double waited = 0.0;     ///< for the tick at which a frame was due
+  double drawn = 0.0;      ///< until both pictures were there
+  double published = 0.0;  ///< until the sink had them: encoded, sent
+
+  double sum() const { return ticked + waited + drawn + published; }
+};
+
+/// What all frames with a fresh sample took.
+struct FrameLatency {
+  std::vector<double> each_s;  ///< sums
+  FrameStages total;
+
+  void add(const FrameStages& stages);
+  /// Of a frame; all 0 before the first one.
+  FrameStages mean() const;
+};
+
 /// A frame as a trial keeps it.
 devices::FrameRecord record_of(const EyeFrame& frame);
 
@@ -89,7 +109,7 @@ class FramesBeside : public Observer {
   /// What was drawn.
   struct Done {
     devices::FrameRecord record;
-    std::optional<double> latency_s;  ///< from the head sample's arrival until the sink had it
+    std::optional<FrameStages> stages;  ///< when it showed a sample that none before had shown
   };
   /// Made in the drawing thread, which alone uses what they return.
   struct Makers {
@@ -115,7 +135,8 @@ class FramesBeside : public Observer {
   struct Job {
     std::int64_t frame = 0, tick = 0;
     Time time{};
-    std::optional<Clock::time_point> sample;  ///< when the newest head sample in it arrived
+    std::optional<FrameStages> stages;  ///< up to `offered`, when the newest sample in it is fresh
+    Clock::time_point offered;
     Glimpse glimpse;
   };
 
@@ -127,6 +148,7 @@ class FramesBeside : public Observer {
   std::int64_t frame_ = 0, late_ = 0;
   std::optional<Time> newest_, shown_;  // arrival of the head sample at hand, and in the last frame
   Time since_{};                        // when the session got the newest
+  Clock::time_point taken_;             // and had made that tick
   Time lead_{};  // of the frames' clock: brings them close behind the head's samples
 
   std::mutex mutex_;

@@ -61,11 +61,13 @@ TEST_F(TrialCommands, MemoryDoesNotGrowWithATrial) {
   ASSERT_GT(fs::file_size(folder_ / "300"), 100'000'000u);
   const std::string brief = folder_ / "30", lengthy = folder_ / "300";
   const std::string new_trial = folder_ / "new", frames = folder_ / "frames";
+  const std::string tables = folder_ / "tables";
   const std::vector<std::vector<std::string>> commands = {
       {"info"},
       {"replay", "--verify"},
       {"replay", "-o", new_trial, "--force"},
-      {"frames", "--frames", "3", "-o", frames, "--force"}};
+      {"frames", "--frames", "3", "-o", frames, "--force"},
+      {"export", "-o", tables, "--force"}};
   for (std::vector<std::string> words : commands) {
     words.push_back(brief);
     const double least = peak_MB(words);

@@ -17,6 +17,7 @@
 #include "devices/fastrak.h"
 #include "devices/fastrak_emulator.h"
 #include "devices/log.h"
+#include "devices/sources.h"
 #include "tests/bench/report.h"
 
 namespace {

@@ -202,7 +202,7 @@ void every_good_record_arrives_once(Ends (*line)(), Time span) {
       bench.run(span);
       bench.emulator.set_faults(parse_faults("noise=0"));
       bench.emulator.receive(Bytes(reinterpret_cast<const std::uint8_t*>("c"), 1), bench.now);
-      bench.run(400ms);  // the last ones, and the decision on what is left
+      bench.run(1200ms);  // the last ones, and the decision on what is left
 
       const Tally tally = compare(bench.sent, bench.samples, options);
       EXPECT_EQ(tally.missing, 0u);
@@ -416,6 +416,64 @@ TEST(FastrakDriverTest, TicksThatComeLateBendNoIntervalAndLoseNothing) {
     EXPECT_EQ(driver.statistics().restarts, 0);
     expect_the_units_intervals(sent, samples);
   }
+}
+
+// The process that plays the unit stands still for 0.7 s of every two; the line takes what it owes.
+TEST(FastrakDriverTest, AServerThatIsHeldUpLosesNoRecord) {
+  FastrakEmulator emulator(unit("noise=0"), circling_motion);
+  Time now{};
+  auto [line, host] = memory_streams();
+  auto owned = std::make_unique<StampedStream>(std::move(host), [&now] { return now; });
+  StampedStream& stamped = *owned;
+  FastrakDriver driver(std::move(owned));
+  std::vector<Sample> samples;
+  for (; now < 30s; now += 1ms) {
+    if (now < 5s || now % 2s > 700ms) serve(emulator, *line, now);
+    stamped.listen();
+    driver.poll(now, samples);
+  }
+  EXPECT_GT(samples.size(), 2900u);
+  EXPECT_EQ(emulator.statistics().dropped, 0);
+  EXPECT_EQ(driver.statistics().missed, 0);
+  EXPECT_EQ(driver.statistics().restarts, 0);
+}
+
+/// A line whose read stands still until it is let go.
+class StandingLine : public ByteStream {
+ public:
+  std::size_t read(std::span<std::uint8_t>) override {
+    const std::lock_guard lock(stands);
+    return 0;
+  }
+  std::size_t write(Bytes bytes) override {
+    written += bytes.size();
+    return bytes.size();
+  }
+  bool closed() const override { return false; }
+  void set_baud(int rate) override { baud = rate; }
+
+  std::mutex stands;
+  std::atomic<std::size_t> written{0};
+  std::atomic<int> baud{0};
+};
+
+// Else a tick would stand still with it.
+TEST(StampedStreamTest, NobodyWaitsForALineThatStandsStillButItsListener) {
+  auto owned = std::make_unique<StandingLine>();
+  StandingLine& line = *owned;
+  StampedStream stamped(std::move(owned), [] { return Time{}; });
+  std::array<std::uint8_t, 16> bytes{};
+  {
+    const std::lock_guard lock(line.stands);
+    stamped.start();
+    EXPECT_EQ(stamped.write(bytes), bytes.size());
+    stamped.set_baud(9600);
+    EXPECT_EQ(stamped.write(Bytes(bytes).first(4)), 4u);
+    EXPECT_EQ(stamped.read(bytes), 0u);
+    EXPECT_EQ(stamped.trouble(), "");
+    EXPECT_FALSE(stamped.closed());
+  }
+  while (line.written < 20 || line.baud != 9600) std::this_thread::yield();
 }
 
 /// Processes that want all of every core, for as long as this lives.

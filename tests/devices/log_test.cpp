@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <limits>
 #include <random>
 
 #include <gmock/gmock.h>
@@ -336,6 +337,30 @@ Buffer one_event(const std::string& channel, const Buffer& data) {
   const auto rest = std::ranges::copy(channel, bytes.begin() + 28).out;
   std::ranges::copy(data, rest);
   return bytes;
+}
+
+// Any two stamps may be subtracted.
+TEST(LogTest, AStampThatIsNoTimeIsTakenForTheFarthestOne) {
+  const fs::path path = fresh_folder() / "stamp.lcmlog";
+  {
+    Recorder recorder(path, header());
+    for (int i = 0; i < 20; ++i) recorder.write(tracker(i));
+    recorder.close();
+  }
+  Buffer bytes = read_bytes(path);
+  std::size_t at = 0;
+  for (int i = 0; i < 10; ++i) {
+    at = 28 + at + (static_cast<std::size_t>(bytes[at + 22]) << 8 | bytes[at + 23]) +
+         (static_cast<std::size_t>(bytes[at + 26]) << 8 | bytes[at + 27]);
+  }
+  bytes[at + 12] ^= 0x80;  // the highest bit of the stamp
+  write_bytes(path, bytes);
+  LogReader reader(bytes);
+  Time least{};
+  while (const auto event = reader.next()) least = std::min(least, event->time);
+  EXPECT_LT(least, Time{0});
+  EXPECT_GT(least, Time{std::numeric_limits<std::int64_t>::min() / 1000});
+  EXPECT_EQ(read_trial(path).samples.size(), 19u);  // it is misdated
 }
 
 TEST(LogTest, ListsThatClaimMoreThanThereIsAreRefusedUnread) {

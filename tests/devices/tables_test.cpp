@@ -41,6 +41,15 @@ std::vector<std::vector<std::string>> fields_of(const std::string& text) {
   return lines;
 }
 
+std::int64_t write_table(std::ostream& out, const std::string& name, const Trial& trial) {
+  TableWriter writer(out, name, trial.header);
+  for (const Sample& sample : trial.samples) writer.add(sample);
+  for (const Event& event : trial.events) writer.add(event);
+  for (const TickState& state : trial.states) writer.add(state);
+  for (const FrameRecord& frame : trial.frames) writer.add(frame);
+  return writer.rows();
+}
+
 std::vector<Row> table(const std::string& name, const Trial& trial) {
   std::ostringstream out;
   const std::int64_t count = write_table(out, name, trial);

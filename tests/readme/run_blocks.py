@@ -37,6 +37,7 @@ UNSTABLE = [
     (r"(samples in) [\d.]+ s", r"\1 N s"),
     # The line of a live session: how it went depends on the machine; that it went is compared.
     (r"^( +\d+\.\d s  )\d+ samples, .*", r"\1N samples, ..."),
+    (r"^( +mean )[\d.]+ ms: .*", r"\1N ms: ..."),
     # What the machine can draw: said in the middle of whatever else is going on.
     (r"^eyes: some .*", ""),
     # The doctor speaks of this machine: what it looks at is compared.

@@ -1,0 +1,99 @@
+// The bundled throw, measured by an emulated unit and told to a session by the driver.
+
+#include <functional>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include "devices/fastrak.h"
+#include "devices/fastrak_emulator.h"
+#include "devices/log.h"
+#include "devices/mouse3d.h"
+#include "devices/sources.h"
+#include "scene/recorded.h"
+#include "scene/score.h"
+#include "scene/session.h"
+
+namespace headpin::scene {
+namespace {
+
+using namespace std::chrono_literals;
+
+const std::string kDemo = HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog";
+
+Score play(const Scenario& scenario, devices::Source& source, Time until,
+           const std::function<void(Time)>& before_tick = {}) {
+  Session session = make_session(scenario);
+  std::vector<devices::Event> events;
+  while (session.now() < until) {
+    if (before_tick) before_tick(session.next_tick());
+    advance(session, source);
+    events.insert(events.end(), session.events.begin(), session.events.end());
+  }
+  return score(events);
+}
+
+/// How unit and driver meet.
+struct Meeting {
+  Time delay{};                  ///< by which the driver comes after the unit: where in its cycle
+  Time stands_from{}, stands{};  ///< in the throw, the process that plays the unit
+};
+
+Score play_through_a_unit(const Scenario& scenario, const std::vector<devices::Sample>& recorded,
+                          const Meeting& meeting) {
+  devices::FastrakEmulatorOptions options;
+  options.stylus = devices::kHandStation;
+  options.faults.noise = 0.0;
+  options.envelope = devices::place_for(recorded).envelope;
+  Time begin{};
+  devices::FastrakEmulator unit(
+      options, [&, motion = devices::recorded_motion(recorded)](int station, Time time) {
+        return motion(station, time > begin ? time - begin : Time{});
+      });
+  auto [unit_end, host_end] = devices::memory_streams();
+  devices::StylusMouse source(std::make_unique<devices::FastrakDriver>(std::move(host_end)));
+  Time served{};
+  std::int64_t streams = 0;
+  return play(scenario, source, 14s, [&](Time tick) {
+    for (; served <= tick + meeting.delay; served += 1ms) {
+      const Time stood = served - begin - meeting.stands_from;
+      if (streams > 0 && stood >= 0s && stood < meeting.stands) continue;
+      devices::serve(unit, *unit_end, served);
+      if (unit.statistics().streams == streams) continue;
+      streams = unit.statistics().streams;
+      begin = devices::begin_of(devices::first_measurement(recorded), unit, served);
+    }
+  });
+}
+
+// Times are rounded twice to a microsecond, of 16.7 ms between two samples, and the slope at the end
+// of a parabola takes up to four times that: 5e-4 of the speed.
+TEST(ThroughAUnit, TheSameThrowIsTheSameGameWhereverItsCycleIs) {
+  const Scenario scenario = load_trial(kDemo).scenario;
+  const std::vector<devices::Sample> recorded = devices::read_trial(kDemo).samples;
+  devices::ReplaySource replay(recorded);
+  const Score wanted = play(scenario, replay, 10s);
+  ASSERT_GT(wanted.skittles_down, 0);
+  for (Time delay = 0us; delay < 16667us; delay += 1300us) {
+    const Score found = play_through_a_unit(scenario, recorded, {.delay = delay});
+    EXPECT_NEAR(found.release_speed.value_or(0.0), *wanted.release_speed, 5e-4 * 6.6)
+        << delay.count();
+    EXPECT_EQ(found.skittles_down, wanted.skittles_down) << delay.count();
+  }
+}
+
+// It owes the records of half a second then, and pays. When they come the ball has flown on without
+// them, so the game may be another one; the throw is not.
+TEST(ThroughAUnit, TheThrowIsTheSameWhenTheUnitsProcessStandsStill) {
+  const Scenario scenario = load_trial(kDemo).scenario;
+  const std::vector<devices::Sample> recorded = devices::read_trial(kDemo).samples;
+  const double wanted = *play_through_a_unit(scenario, recorded, {}).release_speed;
+  for (Time from = 3300ms; from < 4s; from += 60ms) {
+    const Score found =
+        play_through_a_unit(scenario, recorded, {.stands_from = from, .stands = 500ms});
+    EXPECT_NEAR(found.release_speed.value_or(0.0), wanted, 5e-4 * 6.6) << from.count();
+  }
+}
+
+}  // namespace
+}  // namespace headpin::scene
