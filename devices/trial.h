@@ -54,9 +54,9 @@ struct BodyState {
 
 /// The world after one tick: what can be seen of it, and what its hash is of.
 ///
-/// Left out is what the solver keeps between ticks: last impulses and normals, how long a body has
-/// been still, which bodies fell asleep together, which have met. A world started from one of these
-/// goes on alike but not to the bit; for that, replay the samples from the start.
+/// Left out is what the solver keeps between ticks: last impulses and normals, which bodies were
+/// carried, how long a body has been still, which fell asleep together, which have met. A world
+/// started from one of these goes on alike but not to the bit; for that, replay the samples.
 struct TickState {
   Time time{};
   std::int64_t tick = 0;

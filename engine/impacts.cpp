@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kMeets = 1e-6;  // gap at which two surfaces count as met [m]
 constexpr int kQueries = 32;     // most queries on the way there; a few do unless they graze
-constexpr double kTurn = 0.2;    // points are looked at again after so much of a turn [rad]
 constexpr int kTurns = 64;       // at most so often within a step
+constexpr int kGentle = 8;       // impacts of a body in a step after which slow ones are left out
 constexpr int kBack = 12;        // most queries on the way back from where they overlap
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 constexpr double kNever = std::numeric_limits<double>::infinity();
@@ -109,7 +109,7 @@ void go_back(World& world, Touch& touch, Apart before) {
 double trusted_for(const World& world, const Touch& touch) {
   const double spin = world.states[touch.a].w_WB.norm() + world.states[touch.b].w_WB.norm();
   const double step = step_seconds(world);
-  return spin * step <= kTurn ? kNever : std::max(kTurn / spin, step / kTurns);
+  return spin * step <= kFarTurn ? kNever : std::max(kFarTurn / spin, step / kTurns);
 }
 
 /// Brings a body along its path to time `t` of the step.
@@ -161,7 +161,8 @@ void strike(World& world, const Touch& touch, const Meeting& meeting) {
   const double approach = e.u_W.dot(e.n_AB_W);
   Vec3 F = Vec3::Zero();
   if (approach > 0.0) {
-    F = world.response->impulse(e, touch.pair);
+    F = meeting.approach > s.lasting_speed ? world.response->impulse(e, touch.pair)
+                                           : impulse_inelastic_smooth(e);
     if (F.dot(e.n_AB_W) > 0.0) {  // it would pull the bodies together
       F = impulse_inelastic_smooth(e);
       ++world.statistics.pulls;
@@ -186,8 +187,8 @@ void start_over(World& world) {
 /// The impacts of a step, soonest first.
 class Queue {
  public:
-  Queue(World& world, double threshold)
-      : world_(world), s_(world.scratch), threshold_(threshold), limit_(world.parameters.impacts) {}
+  explicit Queue(World& world)
+      : world_(world), s_(world.scratch), limit_(world.parameters.impacts) {}
 
   /// When the touch may bring an impact, as its points look now.
   void note(std::uint32_t k) {
@@ -212,6 +213,13 @@ class Queue {
   }
 
  private:
+  /// A body that turns fast meets with one point after the other: gentle meetings must not use up
+  /// the impacts it may have.
+  double threshold(const Touch& touch) const {
+    const int had = std::max(s_.impacts_of[touch.a], s_.impacts_of[touch.b]);
+    return had < kGentle ? followed_speed(world_, touch.a, touch.b) : s_.lasting_speed;
+  }
+
   void set_due(std::uint32_t k, double due) {
     s_.touches[k].due = due;
     if (due == kNever) return;
@@ -222,11 +230,11 @@ class Queue {
   /// What turns far meets with points that are not yet seen: it is followed at once.
   std::optional<Meeting> seen_early(Touch& touch) {
     if (touch.time + trusted_for(world_, touch) >= step_seconds(world_)) {
-      return soonest(world_, touch, threshold_);
+      return soonest(world_, touch, threshold(touch));
     }
     const std::size_t count = s_.points.size();
     Touch probe = touch;
-    const std::optional<Meeting> m = find_meeting(world_, probe, threshold_);
+    const std::optional<Meeting> m = find_meeting(world_, probe, threshold(touch));
     if (m) {
       touch = probe;
     } else {
@@ -243,7 +251,7 @@ class Queue {
       world_.statistics.unfinished_impacts = 1;
       return false;
     }
-    const std::optional<Meeting> meeting = find_meeting(world_, touch, threshold_);
+    const std::optional<Meeting> meeting = find_meeting(world_, touch, threshold(touch));
     if (!meeting) {
       touch.points = 0;  // they pass each other
       touch.due = kNever;
@@ -377,7 +385,6 @@ class Queue {
 
   World& world_;
   Scratch& s_;
-  double threshold_;
   int limit_;
 };
 
@@ -431,12 +438,13 @@ void turn_normals(Scratch& s, const Touch& touch) {
 
 bool resolve_impacts(World& world) {
   Scratch& s = world.scratch;
-  const double threshold = lasting_speed(world);
+  s.lasting_speed = lasting_speed(world);
   s.coming.clear();
-  Queue queue(world, threshold);
+  Queue queue(world);
   for (std::uint32_t k = 0; k < s.touches.size(); ++k) {
     const Touch& touch = s.touches[k];
-    if (s.top_speed[touch.a] + s.top_speed[touch.b] > threshold) queue.note(k);
+    const double fastest = s.top_speed[touch.a] + s.top_speed[touch.b];
+    if (fastest > followed_speed(world, touch.a, touch.b)) queue.note(k);
   }
   return !queue.empty() && queue.work_off();
 }

@@ -12,62 +12,94 @@ Vec3 level(const Vec3& n, const Vec3& gravity) {
   return g2 > 0.0 ? Vec3(n - n.dot(gravity) / g2 * gravity) : n;
 }
 
+// Velocities are those at the end. A free body fell with their mean; one that is carried moves with
+// the end velocity, as its contacts were solved for; one that is held in part goes between, which is
+// where its energy stays what it was.
+void move_to_end(const World& world, BodyId i, Pose& X_WB, Vec3& w_WB) {
+  const Scratch& s = world.scratch;
+  const double left = step_seconds(world) - s.clock[i];
+  const double falls = 1.0 - s.carried[i];
+  X_WB.p += left * world.states[i].v_WB;
+  if (falls > 0.0) X_WB.p -= (0.5 * falls * left * left) * world.parameters.gravity_W;
+  turn_freely(X_WB.q, w_WB, world.inertias[i], left);
+}
+
+void drive_to_end(const World& world, BodyId i, Pose& X_WB) {
+  const State& state = world.states[i];
+  const double dt = step_seconds(world);
+  X_WB.p += dt * state.v_WB;
+  X_WB.q = (rotation(dt * state.w_WB) * X_WB.q).normalized();
+}
+
 }  // namespace
 
-void move(World& world) {
-  Scratch& s = world.scratch;
-  const double dt = step_seconds(world);
-  for (const BodyId i : s.movers) {
-    State& state = world.states[i];
-    const double left = dt - s.clock[i];
-    // Velocities are those at the end. A free body fell with their mean; one that is carried moves
-    // with the end velocity, as its contacts were solved for; one that is held in part goes between,
-    // which is where its energy stays what it was.
-    const double falls = 1.0 - s.carried[i];
-    state.X_WB.p += left * state.v_WB;
-    if (falls > 0.0) state.X_WB.p -= (0.5 * falls * left * left) * world.parameters.gravity_W;
-    turn_freely(state.X_WB.q, state.w_WB, world.inertias[i], left);
+Pose pose_at_end(const World& world, BodyId i) {
+  State s = world.states[i];
+  if (is_mover(world, i)) {
+    move_to_end(world, i, s.X_WB, s.w_WB);
+  } else if (world.bodies[i].kind == Kind::driven) {
+    drive_to_end(world, i, s.X_WB);
   }
-  for (const BodyId i : s.driven) {
-    State& state = world.states[i];
-    state.X_WB.p += dt * state.v_WB;
-    state.X_WB.q = (rotation(dt * state.w_WB) * state.X_WB.q).normalized();
-  }
+  return s.X_WB;
 }
+
+void move(World& world) {
+  for (const BodyId i : world.scratch.movers) {
+    move_to_end(world, i, world.states[i].X_WB, world.states[i].w_WB);
+  }
+  for (const BodyId i : world.scratch.driven) drive_to_end(world, i, world.states[i].X_WB);
+}
+
+namespace {
+
+/// Nudges a touch's bodies out of an overlap, by what the nudges before have not yet taken back.
+void nudge(World& world, const Touch& touch, const ContactPoint& point, const NormalRow& row,
+           double part) {
+  Scratch& s = world.scratch;
+  const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
+  const auto note = [&](BodyId i) {
+    if (s.nudge_p[i].isZero(0.0) && s.nudge_w[i].isZero(0.0)) s.nudged.push_back(i);
+  };
+  double apart = -row.n.dot(s.nudge_p[touch.a]) - row.ra_n.dot(s.nudge_w[touch.a]);
+  if (touch.b_moves) {
+    apart += row.n.dot(s.nudge_p[touch.b]) + row.rb_n.dot(s.nudge_w[touch.b]);
+  }
+  const double more = row.mass * (part * (point.depth - world.parameters.slop) - apart);
+  if (more <= 0.0) return;
+  // A guessed depth pushes level and turns nothing: so it cannot add energy.
+  const Vec3 n = point.guessed ? level(row.n, world.parameters.gravity_W) : row.n;
+  const double turn = point.guessed ? 0.0 : more;
+  note(touch.a);
+  s.nudge_p[touch.a] -= more * ma.inv_mass * n;
+  s.nudge_w[touch.a] -= turn * row.ia;
+  if (!touch.b_moves) return;
+  note(touch.b);
+  s.nudge_p[touch.b] += more * mb.inv_mass * n;
+  s.nudge_w[touch.b] += turn * row.ib;
+}
+
+}  // namespace
 
 void push_apart(World& world) {
   Scratch& s = world.scratch;
   const Parameters& p = world.parameters;
   double part = 0.0;  // of an overlap that is taken back: as much in a given time at every rate
   s.nudged.clear();
-  const auto note = [&](BodyId i) {
-    if (s.nudge_p[i].isZero(0.0) && s.nudge_w[i].isZero(0.0)) s.nudged.push_back(i);
+  const auto take_back = [&](const Touch& touch, const ContactPoint& point, const NormalRow& row) {
+    if (point.depth <= p.slop) return;
+    if (part == 0.0) part = 1.0 - power(1.0 - p.push, 240.0 / p.rate_hz);
+    nudge(world, touch, point, row, part);
   };
   for (const Touch& touch : s.touches) {
     for (std::uint32_t k = 0; k < touch.rows; ++k) {
       const ContactPoint& point = s.points[touch.first_point + k];
       world.statistics.deepest_overlap = std::max(world.statistics.deepest_overlap, point.depth);
-      if (point.depth <= p.slop) continue;
-      if (part == 0.0) part = 1.0 - power(1.0 - p.push, 240.0 / p.rate_hz);
-      const NormalRow& row = s.rows[touch.first_row + k];
-      const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
-      // What the nudges before have already taken back counts.
-      double apart = -row.n.dot(s.nudge_p[touch.a]) - row.ra_n.dot(s.nudge_w[touch.a]);
-      if (touch.b_moves) {
-        apart += row.n.dot(s.nudge_p[touch.b]) + row.rb_n.dot(s.nudge_w[touch.b]);
-      }
-      const double more = row.mass * (part * (point.depth - p.slop) - apart);
-      if (more <= 0.0) continue;
-      // A guessed depth pushes level and turns nothing: so it cannot add energy.
-      const Vec3 n = point.guessed ? level(row.n, p.gravity_W) : row.n;
-      const double turn = point.guessed ? 0.0 : more;
-      note(touch.a);
-      s.nudge_p[touch.a] -= more * ma.inv_mass * n;
-      s.nudge_w[touch.a] -= turn * row.ia;
-      if (!touch.b_moves) continue;
-      note(touch.b);
-      s.nudge_p[touch.b] += more * mb.inv_mass * n;
-      s.nudge_w[touch.b] += turn * row.ib;
+      if (!touch.swings) take_back(touch, point, s.rows[touch.first_row + k]);
+    }
+    if (!touch.swings) continue;
+    const Pose &X_WA = world.states[touch.a].X_WB, &X_WB = world.states[touch.b].X_WB;
+    for (const ContactPoint& point : points_at_end(world, touch, X_WA, X_WB)) {
+      take_back(touch, point, row_at(world, touch, point, X_WA.p, X_WB.p));
     }
   }
   for (const BodyId i : s.nudged) {

@@ -35,6 +35,7 @@ struct Touch {
   bool b_moves = false;         ///< B is free and awake too
   bool fresh = false;           ///< not there in the last step
   bool met = false;             ///< the two have met before
+  bool swings = false;          ///< its points say little about the end of the step
   std::uint32_t candidate = 0;  ///< whose normals it uses
   std::uint32_t last = 0;       ///< the same touch in the last step, unless fresh
   std::uint32_t first_point = 0, points = 0;
@@ -83,7 +84,9 @@ struct FrictionRows {
 
   std::uint32_t touch = 0;
   bool carries = false;
-  int releases = 0;  ///< how often it lost its load within the step
+  int releases = 0;   ///< how often it lost its load within the step
+  bool held = false;  ///< its limit goes by `load`, not by what the normals carry at the moment
+  double load = 0.0;
   std::array<Vec3, 2> t;
   FrictionSide a, b;
   Eigen::Matrix2d inverse;   ///< of the softened 2 x 2 block
@@ -97,6 +100,12 @@ struct FrictionRows {
   double roll_mass = 0.0, roll_arm = 0.0;
   Vec3 roll;
   double yields = 0.0;  // mean of the velocity that a unit impulse along a tangent brings [1/kg]
+
+  void hold(double by) {
+    held = true;
+    load = by;
+    releases = 0;
+  }
 };
 
 /// Flat memory of a step, kept from step to step.
@@ -108,19 +117,22 @@ struct Scratch {
   std::vector<std::uint8_t> moving;
   BroadPhase broad_phase;
   std::vector<Candidate> candidates, last_candidates;
-  std::vector<Vec3> normals, last_normals;
+  std::vector<Vec3> normals, last_normals, kept_normals;
   std::vector<Touch> touches, last_touches;
-  std::vector<ContactPoint> points;
+  std::vector<ContactPoint> points, end_points;
   std::vector<NormalRow> rows, last_rows;
   std::vector<Block> blocks;
   std::vector<FrictionRows> friction;
   std::vector<double> before, along;         // impulses of an island: last pass, way of the passes
+  std::vector<BodyId> island_bodies;         // of one that its passes did not solve,
+  std::vector<State> unsolved;               // and what they made of them
   std::vector<BodyId> parent;                // islands, as a union-find forest
   std::vector<std::uint32_t> island_number;  // of a root
   std::vector<std::int32_t> island_calm;     // likewise: least number of still steps
   std::vector<std::uint32_t> island_of, island_start, order;
   std::vector<Mobility> mobility;
   std::vector<double> swing, top_speed;  // of any point of a body: by its spin; in all [m/s]
+  double lasting_speed = 0.0;            // slower impacts are inelastic [m/s]
   double fall = 0.0;                // what gravity adds to its way within the step [m], at most
   std::vector<double> clock;        // time within the step at which a body's state holds [s]
   std::vector<std::uint8_t> falls;  // gravity moves it until then: nothing carries it

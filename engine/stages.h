@@ -10,6 +10,9 @@ namespace headpin::engine::detail {
 /// Gap up to which one body lies on another [m].
 inline constexpr double kRests = 1e-4;
 
+/// Turn within a step after which the points of a contact are others [rad].
+inline constexpr double kFarTurn = 0.2;
+
 /// Pairs whose bounds meet, the bounds widened by how far a body comes within the step.
 void find_pairs(World& world);
 
@@ -26,6 +29,22 @@ bool resolve_impacts(World& world);
 
 /// Lasting contacts: elasticity 0, impulses accumulated and clamped, island by island.
 void sustain_contacts(World& world);
+
+/// What turns far within a step may swing deep into what it lies on, by points that were not near
+/// when its contacts were found: those are stopped, without elasticity.
+void stop_swings(World& world);
+
+/// Contact points of a touch, from its A, where its bodies are at the end of the step: valid until
+/// asked for again.
+std::span<const ContactPoint> points_at_end(World& world, const Touch& touch, const Pose& X_WA,
+                                            const Pose& X_WB);
+
+/// What an impulse at a point does, the centres of mass being there.
+NormalRow row_at(const World& world, const Touch& touch, const ContactPoint& point,
+                 const Vec3& p_WA, const Vec3& p_WB);
+
+/// Where a body will be at the end of the step, as it moves now.
+Pose pose_at_end(const World& world, BodyId i);
 
 /// Along the paths to the end of the step: exact for free bodies, by the end velocity for carried.
 void move(World& world);
@@ -66,6 +85,18 @@ inline void note_speed(World& world, BodyId i) {
 inline double lasting_speed(const World& world) {
   const Parameters& p = world.parameters;
   return std::max(p.impact_speed, 2.5 * p.gravity_W.norm() * step_seconds(world));
+}
+
+/// Overlap that is deep for two bodies: a fiftieth of the smaller one [m].
+inline double deep_for(const World& world, BodyId a, BodyId b) {
+  return 0.02 *
+         std::min(world.bodies[a].shape->bounding_radius, world.bodies[b].shape->bounding_radius);
+}
+
+/// What approaches faster is followed to where it meets within the step: impacts, and lasting
+/// contacts that would go deep before the step's end.
+inline double followed_speed(const World& world, BodyId a, BodyId b) {
+  return std::min(lasting_speed(world), deep_for(world, a, b) * world.parameters.rate_hz);
 }
 
 /// How far two bodies may be apart and yet meet within the step, as they move now [m]. What an

@@ -1,9 +1,8 @@
 #include <algorithm>
 #include <limits>
 
+#include "engine/acceleration.h"
 #include "engine/inlining.h"
-#include "engine/stages.h"
-#include "engine/sustained_rows.h"
 
 namespace headpin::engine::detail {
 namespace {
@@ -18,6 +17,9 @@ constexpr int kPlainPasses = 8;
 /// Passes that are sped up and yet change velocities so many times as much as the best have left their
 /// way, as they do where masses differ a thousandfold: from there on they go plainly.
 constexpr double kAstray = 100.0;
+
+/// What an unsolved island may gain, in parts of its energy of motion.
+constexpr double kGain = 1e-9;
 
 template <Other other>
 double approach_of(const NormalRow& row, const State& sa, const State& sb) {
@@ -129,103 +131,9 @@ template <Other other>
 double solve(World& world, const Touch& touch, FrictionRows* friction) {
   const double worst = solve_normals<other>(world, touch);
   if (!friction) return worst;
-  const double load = load_of(world.scratch, touch);
+  const double load = friction->held ? friction->load : load_of(world.scratch, touch);
   return std::max(worst, solve_friction<other>(world, touch, *friction, load));
 }
-
-/// Calls f.template operator()<other>() with what B of the touch is.
-template <typename F>
-decltype(auto) with_other(const World& world, const Touch& touch, F&& f) {
-  switch (other_of(world, touch)) {
-    case Other::still:
-      return f.template operator()<Other::still>();
-    case Other::driven:
-      return f.template operator()<Other::driven>();
-    default:
-      return f.template operator()<Other::moving>();
-  }
-}
-
-/// Conjugate gradients over the passes of an island, each pass a gradient (Silcowitz-Hansen,
-/// Niebe and Erleben 2010): what plain passes carry up a stack by one body each goes as a whole.
-class Acceleration {
- public:
-  Acceleration(World& world, std::span<const std::uint32_t> touches)
-      : world_(world), s_(world.scratch), touches_(touches) {}
-
-  void before_pass() {
-    s_.before.clear();
-    each([&](double& impulse, double, auto&&) { s_.before.push_back(impulse); });
-    if (s_.along.size() < s_.before.size()) s_.along.resize(s_.before.size());
-  }
-
-  void after_pass() {
-    double now = 0.0;
-    std::size_t n = 0;
-    each([&](double& impulse, double yields, auto&&) {
-      const double more = impulse - s_.before[n++];
-      now += more * more * yields;
-    });
-    const double keep = last_ > 0.0 && now < last_ ? now / last_ : 0.0;
-    last_ = now;
-    n = 0;
-    each([&](double& impulse, double, auto&& push) {
-      const double more = keep > 0.0 ? keep * s_.along[n] : 0.0;
-      s_.along[n] = more + impulse - s_.before[n];
-      ++n;
-      if (more != 0.0) push(more);
-    });
-  }
-
- private:
-  /// Calls f(impulse, velocity by a unit of it, how to add to it) for all of the island.
-  template <typename F>
-  void each(F&& f) {
-    std::size_t at = 0;
-    for (const std::uint32_t k : touches_) {
-      const Touch& touch = s_.touches[k];
-      if (touch.rows == 0) continue;
-      for (std::uint32_t n = 0; n < touch.rows; ++n) {
-        NormalRow& row = s_.rows[touch.first_row + n];
-        f(row.impulse, 1.0 / row.mass, [&](double more) {
-          more = std::max(more, -row.impulse);
-          row.impulse += more;
-          with_other(world_, touch, [&]<Other other> { push_by<other>(world_, touch, row, more); });
-        });
-      }
-      if (at == s_.friction.size() || s_.friction[at].touch != k) continue;
-      FrictionRows& rows = s_.friction[at++];
-      for (int n = 0; n < 2; ++n) {
-        f(rows.impulse[n], rows.yields, [&](double more) {
-          rows.impulse[n] += more;
-          with_other(world_, touch, [&]<Other other> {
-            push_along<other>(world_, touch, rows, more * Vec2::Unit(n));
-          });
-        });
-      }
-      if (rows.twist_mass > 0.0) {
-        f(rows.twist, 1.0 / rows.twist_mass, [&](double more) {
-          rows.twist += more;
-          with_other(world_, touch,
-                     [&]<Other other> { twist_by<other>(world_, touch, rows, more); });
-        });
-      }
-      if (rows.roll_arm == 0.0) continue;
-      for (int n = 0; n < 3; ++n) {
-        f(rows.roll[n], 1.0 / rows.roll_mass, [&](double more) {
-          rows.roll[n] += more;
-          with_other(world_, touch,
-                     [&]<Other other> { roll_by<other>(world_, touch, more * Vec3::Unit(n)); });
-        });
-      }
-    }
-  }
-
-  World& world_;
-  Scratch& s_;
-  std::span<const std::uint32_t> touches_;
-  double last_ = 0.0;
-};
 
 /// Islands: movers joined by touches. Touches sorted by island, their own order kept.
 void find_islands(World& world) {
@@ -265,14 +173,15 @@ void find_islands(World& world) {
 }
 
 /// Work and push of driven bodies within the island's contacts.
-void book_driven(World& world, std::span<const std::uint32_t> touches) {
+Balance given_by_driven(const World& world, std::span<const std::uint32_t> touches) {
   const Scratch& s = world.scratch;
+  Balance given;
   const auto book = [&](const Touch& touch, const Vec3& F, const Vec3& torque) {
     if (world.bodies[touch.b].kind != Kind::driven) return;
     const State& driven = world.states[touch.b];
-    world.pushed.energy += F.dot(driven.v_WB) + torque.dot(driven.w_WB);
-    world.pushed.momentum += F;
-    world.pushed.angular_momentum += arms_of(world, touch).p_WB.cross(F) + torque;
+    given.energy += F.dot(driven.v_WB) + torque.dot(driven.w_WB);
+    given.momentum += F;
+    given.angular_momentum += arms_of(world, touch).p_WB.cross(F) + torque;
   };
   for (const std::uint32_t k : touches) {
     const Touch& touch = s.touches[k];
@@ -285,6 +194,101 @@ void book_driven(World& world, std::span<const std::uint32_t> touches) {
     book(s.touches[f.touch], f.impulse[0] * f.t[0] + f.impulse[1] * f.t[1],
          f.impulse[0] * f.b.r_t[0] + f.impulse[1] * f.b.r_t[1] + f.twist * f.n + f.roll);
   }
+  return given;
+}
+
+/// How often an island was gone over, and the largest change of a velocity in the last pass [m/s].
+struct Passes {
+  int count = 0;
+  double worst = 0.0;
+};
+
+Passes pass_over(World& world, std::span<const std::uint32_t> touches, bool sped_up) {
+  Scratch& s = world.scratch;
+  const Parameters& p = world.parameters;
+  Passes done;
+  double best = std::numeric_limits<double>::infinity();
+  bool plain = !sped_up;
+  Acceleration faster(world, touches);
+  do {
+    done.worst = 0.0;
+    if (done.count >= kPlainPasses && !plain) faster.before_pass();
+    FrictionRows* friction = s.friction.data();
+    FrictionRows* const end = s.friction.data() + s.friction.size();
+    for (const std::uint32_t k : touches) {
+      const Touch& touch = s.touches[k];
+      if (touch.rows == 0) continue;
+      FrictionRows* const mine = friction != end && friction->touch == k ? friction++ : nullptr;
+      done.worst = std::max(done.worst, with_other(world, touch, [&]<Other other> {
+                              return solve<other>(world, touch, mine);
+                            }));
+    }
+    ++done.count;
+    if (done.worst <= p.solver_residual || done.count >= p.solver_iterations) return done;
+    best = std::min(best, done.worst);
+    plain = plain || done.worst > kAstray * best;
+    if (done.count > kPlainPasses && !plain) faster.after_pass();
+  } while (true);
+}
+
+/// Energy of motion of an island's bodies, which are listed once each [J].
+double energy_of(const World& world, std::span<const BodyId> bodies) {
+  double sum = 0.0;
+  for (const BodyId i : bodies) {
+    const State& s = world.states[i];
+    sum += 0.5 * world.bodies[i].mass * s.v_WB.squaredNorm() +
+           turning_energy(world.inertias[i], s.X_WB.q, s.w_WB);
+  }
+  return sum;
+}
+
+/// Passes that do not end may add energy, as they do where friction wedges a light body between
+/// heavy ones: a load brings friction, and that more load. Such an island is solved once more, its
+/// friction limited by what its normals carry without any. So limited every pass takes energy, or
+/// nearly: if it still gains, it is left without friction for the step.
+[[gnu::noinline]] void take_back_gain(World& world, std::span<const std::uint32_t> touches,
+                                      Passes& done) {
+  Scratch& s = world.scratch;
+  std::vector<BodyId>& bodies = s.island_bodies;
+  bodies.clear();
+  for (const std::uint32_t k : touches) {
+    bodies.push_back(s.touches[k].a);
+    if (s.touches[k].b_moves) bodies.push_back(s.touches[k].b);
+  }
+  std::sort(bodies.begin(), bodies.end());
+  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+  s.unsolved.clear();
+  for (const BodyId i : bodies) s.unsolved.push_back(world.states[i]);
+  s.before.clear();
+  each_impulse(world, touches, [&](double& x, double, auto&&) { s.before.push_back(x); });
+
+  const auto own_energy = [&] {
+    return energy_of(world, bodies) - given_by_driven(world, touches).energy;
+  };
+  const auto undo = [&] {
+    each_impulse(world, touches, [&](double& x, double, auto&& push) { push(-x); });
+  };
+  const double after = own_energy();
+  undo();
+  const double start = own_energy(), most = start + kGain * start;
+  if (after <= most) {  // unsolved, but harmless
+    for (std::size_t k = 0; k < bodies.size(); ++k) world.states[bodies[k]] = s.unsolved[k];
+    std::size_t n = 0;
+    each_impulse(world, touches, [&](double& x, double, auto&&) { x = s.before[n++]; });
+    return;
+  }
+  const auto once_more = [&] {
+    const Passes more = pass_over(world, touches, false);
+    done = {done.count + more.count, more.worst};
+  };
+  for (FrictionRows& f : s.friction) f.hold(0.0);
+  once_more();
+  for (FrictionRows& f : s.friction) f.hold(load_of(s, s.touches[f.touch]));
+  once_more();
+  if (own_energy() <= most) return;
+  undo();
+  for (FrictionRows& f : s.friction) f.hold(0.0);
+  once_more();
 }
 
 HEADPIN_FLATTEN void solve_island(World& world, std::span<const std::uint32_t> touches) {
@@ -314,40 +318,19 @@ HEADPIN_FLATTEN void solve_island(World& world, std::span<const std::uint32_t> t
     if (touch.rows == 0 || touch.sliding.kept == 1.0) continue;
     with_other(world, touch, [&]<Other other> { add_friction<other>(world, touch, k); });
   }
-  int pass = 0;
-  double worst = 0.0, best = std::numeric_limits<double>::infinity();
-  bool astray = false;
-  Acceleration faster(world, touches);
-  do {
-    worst = 0.0;
-    if (pass >= kPlainPasses) faster.before_pass();
-    FrictionRows* friction = s.friction.data();
-    FrictionRows* const end = s.friction.data() + s.friction.size();
-    for (const std::uint32_t k : touches) {
-      const Touch& touch = s.touches[k];
-      if (touch.rows == 0) continue;
-      FrictionRows* const mine = friction != end && friction->touch == k ? friction++ : nullptr;
-      worst = std::max(worst, with_other(world, touch, [&]<Other other> {
-                         return solve<other>(world, touch, mine);
-                       }));
-    }
-    ++pass;
-    if (worst <= p.solver_residual || pass >= p.solver_iterations) break;
-    best = std::min(best, worst);
-    astray = astray || worst > kAstray * best;
-    if (pass > kPlainPasses && !astray) faster.after_pass();
-  } while (true);
+  Passes done = pass_over(world, touches, true);
+  if (done.worst > p.solver_residual) take_back_gain(world, touches, done);
   for (const FrictionRows& f : s.friction) {
     Touch& touch = s.touches[f.touch];
     touch.friction_W = f.impulse[0] * f.t[0] + f.impulse[1] * f.t[1];
     touch.twist = f.twist;
     touch.roll = f.roll;
   }
-  if (p.keep_ledger && !s.driven.empty()) book_driven(world, touches);
+  if (p.keep_ledger && !s.driven.empty()) world.pushed += given_by_driven(world, touches);
   ++world.statistics.islands;
-  world.statistics.solver_iterations += pass;
-  world.statistics.unsolved += worst > p.solver_residual ? 1 : 0;
-  world.statistics.residual = std::max(world.statistics.residual, worst);
+  world.statistics.solver_iterations += done.count;
+  world.statistics.unsolved += done.worst > p.solver_residual ? 1 : 0;
+  world.statistics.residual = std::max(world.statistics.residual, done.worst);
 }
 
 /// Notes what part of each body's weight its contacts carry, and who need not fall in the next step:

@@ -420,6 +420,7 @@ void step(World& world) {
   apply_gravity(world);
   books.begin();
   sustain_contacts(world);
+  stop_swings(world);
   books.end(world.ledger.sustained);
   move(world);
   stop_if_not_finite(world);

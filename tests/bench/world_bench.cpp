@@ -1,7 +1,12 @@
 /// Whole steps of the bowling scene beside Bullet, ODE and MuJoCo: same bodies, same start, 240 Hz,
 /// one core, in turn.
+///
+///   world_bench [--quick | --pins]   --pins: only how many skittles fall
 
+#include <algorithm>
+#include <array>
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <functional>
 #include <optional>
@@ -18,13 +23,18 @@ using Make = std::function<std::unique_ptr<Contender>(const Scene&)>;
 
 class Ours final : public Contender {
  public:
-  explicit Ours(const Scene& scene) {
+  /// @param as_peers  with their restitution and friction, and no rolling resistance
+  explicit Ours(const Scene& scene, std::string_view response = "paper", bool as_peers = false) {
     engine::RackOptions o;
+    o.parameters.response = response;
     o.parameters.sleep = scene.sleep;
     o.ball = scene.ball;
     o.ball_offset = scene.ball_offset;
     o.racks = scene.racks;
     bowling_ = engine::bowling(o);
+    if (!as_peers) return;
+    for (engine::Body& body : bowling_.world.bodies) body.material = {0.8, std::sqrt(0.3)};
+    bowling_.world.bodies[bowling_.lane].material.elasticity = 0.25;
   }
   void step() override { engine::step(bowling_.world); }
   int skittles_down() const override {
@@ -108,16 +118,45 @@ void add_rows(std::vector<Row>& rows, const std::string& name, const std::vector
   add("peak", &Times::peak);
 }
 
+constexpr int kOffsets = 41;  // of the ball, from -0.1 m in steps of 5 mm
+
+int pins_down(const Make& make, int offset) {
+  Scene scene;
+  scene.ball_offset = -0.1 + 0.005 * offset;
+  const std::unique_ptr<Contender> contender = make(scene);
+  for (int i = 0; i < 5 * 240; ++i) contender->step();
+  return contender->skittles_down();
+}
+
 double pins_down(const Make& make) {
   int down = 0;
-  for (int k = 0; k < 41; ++k) {
-    Scene scene;
-    scene.ball_offset = -0.1 + 0.005 * k;
-    const std::unique_ptr<Contender> contender = make(scene);
-    for (int i = 0; i < 5 * 240; ++i) contender->step();
-    down += contender->skittles_down();
+  for (int k = 0; k < kOffsets; ++k) down += pins_down(make, k);
+  return static_cast<double>(down) / kOffsets;
+}
+
+/// Ours under both responses beside the peers: how many fall, and how that is spread.
+void table_of_pins() {
+  const std::vector<Entrant> entrants{
+      {"paper", kOurs.make},
+      {"coulomb", [](const Scene& s) { return std::make_unique<Ours>(s, "coulomb"); }},
+      {"coulomb, set as peers",
+       [](const Scene& s) { return std::make_unique<Ours>(s, "coulomb", true); }},
+      kBullet,
+      kOde,
+      kMujoco};
+  std::printf("%-22s %6s   %s\n", "240 Hz, 41 offsets", "mean", "games with 0 to 10 down");
+  for (const Entrant& entrant : entrants) {
+    std::array<int, 11> games{};
+    int down = 0;
+    for (int k = 0; k < kOffsets; ++k) {
+      const int fell = pins_down(entrant.make, k);
+      ++games[static_cast<std::size_t>(fell)];
+      down += fell;
+    }
+    std::printf("%-22s %6.2f  ", entrant.name.c_str(), static_cast<double>(down) / kOffsets);
+    for (const int n : games) std::printf(" %2d", n);
+    std::printf("\n");
   }
-  return down / 41.0;
 }
 
 void run(bool quick) {
@@ -170,7 +209,12 @@ void run(bool quick) {
 
 int main(int argc, char** argv) {
   try {
-    headpin::bench::run(argc > 1 && std::string(argv[1]) == "--quick");
+    const std::string option = argc > 1 ? argv[1] : "";
+    if (option == "--pins") {
+      headpin::bench::table_of_pins();
+    } else {
+      headpin::bench::run(option == "--quick");
+    }
   } catch (const std::exception& error) {
     std::fprintf(stderr, "world_bench: %s\n", error.what());
     return 1;
