@@ -247,6 +247,17 @@ void print(const std::string& path, const devices::TrialSummary& trial,
   print_trouble(trial);
 }
 
+/// Whole, with what the trial ran under where its text is from before a key was there: as a file it
+/// means the same. What cannot be read is printed as it is.
+void print_scenario(const std::string& text, const std::string& path) {
+  try {
+    std::cout << scene::to_toml(scene::scenario_of_trial(text, path));
+  } catch (const std::invalid_argument& error) {
+    std::cout << text;
+    say("headpin info: {}\n", printable(error.what()));
+  }
+}
+
 }  // namespace
 
 void add_info(CLI::App& app) {
@@ -268,8 +279,7 @@ void add_info(CLI::App& app) {
     const devices::TrialFile file(options->trial);
     if (options->scenario) {
       file.require_trial(Time::max());
-      std::cout << file.summary().header.scenario;
-      return;
+      return print_scenario(file.summary().header.scenario, options->trial);
     }
     const devices::TrialSummary& trial = file.summary();
     if (options->json) {
