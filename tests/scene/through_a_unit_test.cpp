@@ -50,15 +50,16 @@ Score play_through_a_unit(const Scenario& scenario, const std::vector<devices::S
       options, [&, motion = devices::recorded_motion(recorded)](int station, Time time) {
         return motion(station, time > begin ? time - begin : Time{});
       });
-  auto [unit_end, host_end] = devices::memory_streams();
-  devices::StylusMouse source(std::make_unique<devices::FastrakDriver>(std::move(host_end)));
+  auto ends = devices::memory_streams();
+  devices::ByteStream& line = *ends.first;
+  devices::StylusMouse source(std::make_unique<devices::FastrakDriver>(std::move(ends.second)));
   Time served{};
   std::int64_t streams = 0;
   return play(scenario, source, 14s, [&](Time tick) {
     for (; served <= tick + meeting.delay; served += 1ms) {
       const Time stood = served - begin - meeting.stands_from;
       if (streams > 0 && stood >= 0s && stood < meeting.stands) continue;
-      devices::serve(unit, *unit_end, served);
+      devices::serve(unit, line, served);
       if (unit.statistics().streams == streams) continue;
       streams = unit.statistics().streams;
       begin = devices::begin_of(devices::first_measurement(recorded), unit, served);
