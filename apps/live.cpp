@@ -181,8 +181,8 @@ void print_line(const Live& live) {
       "p99, {} overruns, {} skittles down",
       seconds(live.session.now()), live.samples, live.frames, live.eyes->late(),
       1e3 * scene::quantile(live.latency.each_s, 0.5),
-      1e3 * scene::quantile(live.latency.each_s, 0.99),
-      live.pace->overruns(), live.totals.score().skittles_down);
+      1e3 * scene::quantile(live.latency.each_s, 0.99), live.pace->overruns(),
+      live.totals.score().skittles_down);
   for (const auto& source : live.sources) text += "; " + source->report(live.session.now());
   say("{}\n", text);
 }
