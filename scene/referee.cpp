@@ -49,12 +49,14 @@ bool is_down(const Field& f, engine::BodyId skittle) {
   return has_fallen(X_WB) || (X_WB.p - spot).head<2>().norm() > f.plan().off_spot;
 }
 
-/// Puts a body away, each to a place of its own below the floor.
-void put_away(const Field& f, engine::BodyId body) {
-  engine::set_kind(f.world, body, engine::Kind::driven);
+/// Puts a skittle away: upright beside the others behind the wall ahead, where nobody comes or sees.
+void put_away(const Field& f, engine::BodyId skittle) {
+  constexpr double kBehind = 1.0, kApart = 0.3;
+  engine::set_kind(f.world, skittle, engine::Kind::driven);
   engine::State away;
-  away.X_WB.p = kAway.p + Vec3(static_cast<double>(body), 0.0, 0.0);
-  engine::set_state(f.world, body, away);
+  away.X_WB.p = Vec3(kApart * static_cast<double>(skittle), f.stage.scenario.room.ahead + kBehind,
+                     f.stage.skittle_centre);
+  engine::set_state(f.world, skittle, away);
 }
 
 /// Puts a body back to where the stage has it, as if nothing had happened to it.

@@ -64,7 +64,15 @@ TEST(GameTest, BallsComeBackSkittlesAreSweptAndSetAgainAndItEnds) {
   EXPECT_EQ(played.of_kind(kind::frame).size(), 2u);
   EXPECT_EQ(played.of_kind(kind::game_over).size(), 1u);
   EXPECT_GE(played.of_kind(kind::ball_back).size(), 4u);
-  // What a ball felled is away before the next, so a frame counts none twice.
+  // What a ball felled is away before the next, so a frame counts none twice: behind the wall, upright.
+  for (const engine::BodyId skittle : played.session.stage->skittles) {
+    const engine::State& state = played.session.world.states[skittle];
+    const bool swept = played.session.game.swept[skittle] == 1;
+    EXPECT_EQ(state.X_WB.p.y() > scenario.room.ahead, swept);
+    if (swept) {
+      EXPECT_EQ(state.X_WB.p.z(), played.session.stage->skittle_centre);
+    }
+  }
   ASSERT_EQ(played.score.games.size(), 1u);
   const Sheet& sheet = played.score.games.front();
   EXPECT_TRUE(sheet.over);
