@@ -235,8 +235,10 @@ void print(const std::string& path, const devices::TrialSummary& trial,
   print(timings);
   if (!trial.events.empty()) std::cout << "events\n";
   for (const devices::Event& event : trial.events) {
-    std::cout << fmt::format("  {:9.3f} s  {:<14} {}\n", seconds(event.time), shown(event.kind),
-                             shown(fmt::format("{}", fmt::join(event.bodies, ", "))));
+    const bool short_detail = event.bodies.empty() && event.kind != scene::kind::ledger;
+    std::cout << fmt::format(
+        "  {:9.3f} s  {:<14} {}\n", seconds(event.time), shown(event.kind),
+        shown(short_detail ? event.detail : fmt::format("{}", fmt::join(event.bodies, ", "))));
   }
   std::cout << "channels\n";
   for (const auto& [name, channel] : trial.channels) {

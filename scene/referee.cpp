@@ -30,17 +30,26 @@ void note(const Field& f, std::string_view kind, double value, std::string detai
   f.out.push_back(std::move(e));
 }
 
+bool is_still(const engine::World& world, engine::BodyId body) {
+  return world.bodies[body].kind != engine::Kind::free || engine::is_asleep(world, body);
+}
+
 bool at_rest(const engine::World& world, engine::BodyId body) {
-  if (world.bodies[body].kind != engine::Kind::free || engine::is_asleep(world, body)) return true;
   constexpr double kSlow = 0.01, kSlowSpin = 0.03;  // [m/s], [rad/s]
   const engine::State& state = world.states[body];
-  return state.v_WB.norm() < kSlow && state.w_WB.norm() < kSlowSpin;
+  return is_still(world, body) || (state.v_WB.norm() < kSlow && state.w_WB.norm() < kSlowSpin);
+}
+
+/// A ball rolls on for long: at this speed it has a quarter of what tips a skittle.
+bool is_spent(const engine::World& world, engine::BodyId ball) {
+  constexpr double kSlow = 0.05;  // [m/s]
+  return is_still(world, ball) || world.states[ball].v_WB.norm() < kSlow;
 }
 
 /// Whether nothing moves any more that could fell another skittle.
 bool all_at_rest(const Field& f) {
-  const auto rests = [&](engine::BodyId body) { return at_rest(f.world, body); };
-  return std::ranges::all_of(f.stage.balls, rests) && std::ranges::all_of(f.stage.skittles, rests);
+  return std::ranges::all_of(f.stage.balls, [&](auto ball) { return is_spent(f.world, ball); }) &&
+         std::ranges::all_of(f.stage.skittles, [&](auto body) { return at_rest(f.world, body); });
 }
 
 bool is_down(const Field& f, engine::BodyId skittle) {
