@@ -209,6 +209,7 @@ class Queue {
       s_.coming.pop_back();
       if (s_.touches[k].due == due && handle(k)) return true;
     }
+    for (const BodyId i : halted_) s_.clock[i] = step_seconds(world_);
     return false;
   }
 
@@ -249,6 +250,8 @@ class Queue {
     if (std::max(s_.impacts_of[touch.a], s_.impacts_of[touch.b]) >= limit_) {
       touch.due = kNever;
       world_.statistics.unfinished_impacts = 1;
+      halt(touch.a);
+      halt(touch.b);
       return false;
     }
     const std::optional<Meeting> meeting = find_meeting(world_, touch, threshold(touch));
@@ -275,6 +278,12 @@ class Queue {
     if (b_moves) turned(b, k);
     note(k);
     return false;
+  }
+
+  /// A body that has had as many impacts as it may stays where the last one left it, to the end of
+  /// the step: it loses time, and goes through nothing.
+  void halt(BodyId i) {
+    if (is_mover(world_, i) && s_.impacts_of[i] >= limit_) halted_.push_back(i);
   }
 
   /// Leaves out the points of surfaces that seem about to touch gently and pass each other instead.
@@ -384,6 +393,7 @@ class Queue {
   }
 
   World& world_;
+  std::vector<BodyId> halted_;
   Scratch& s_;
   int limit_;
 };
