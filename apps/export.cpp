@@ -15,6 +15,7 @@
 #include "devices/tables.h"
 #include "devices/trial_file.h"
 #include "files/output_folder.h"
+#include "scene/scenario.h"
 
 namespace headpin::apps {
 
@@ -83,6 +84,15 @@ nlohmann::ordered_json about(const devices::TrialSummary& trial) {
           {"complete", trial.complete}};
 }
 
+/// What the trial ran under; what cannot be read is written as it is.
+std::string scenario_text(const std::string& text, const std::string& path) {
+  try {
+    return scene::whole_scenario(text, path);
+  } catch (const std::invalid_argument&) {
+    return text;
+  }
+}
+
 void run(const Options& options) {
   const devices::TrialFile trial(options.trial);
   trial.require_trial(devices::kLongestGap);
@@ -99,7 +109,7 @@ void run(const Options& options) {
   std::ostringstream columns;
   devices::write_dictionary(columns);
   write("columns.csv", columns.str());
-  write("scenario.toml", summary.header.scenario);
+  write("scenario.toml", scenario_text(summary.header.scenario, options.trial));
   write("trial.json", about(summary).dump(2) + "\n");
   folder.commit("trial.json");
 

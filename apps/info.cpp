@@ -253,7 +253,7 @@ void print(const std::string& path, const devices::TrialSummary& trial,
 /// means the same. What cannot be read is printed as it is.
 void print_scenario(const std::string& text, const std::string& path) {
   try {
-    std::cout << scene::to_toml(scene::scenario_of_trial(text, path));
+    std::cout << scene::whole_scenario(text, path);
   } catch (const std::invalid_argument& error) {
     std::cout << text;
     say("headpin info: {}\n", printable(error.what()));

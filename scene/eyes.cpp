@@ -12,6 +12,7 @@ Glimpse glimpse(const Session& session, const Pose& X_WD) {
   Glimpse g{.X_WD = X_WD,
             .ellipsoids = session.scenario().skittle.seen == "collider" &&
                           session.scenario().collision.shape == "ellipsoid",
+            .skittle_centre = session.stage->skittle_centre,
             .X_WH = hand_pose(session),
             .grips = session.player.held.has_value()};
   const auto poses_of = [&](const std::vector<engine::BodyId>& bodies, std::vector<Pose>& poses) {
@@ -26,6 +27,7 @@ std::array<render::View, 2> see(Eyes& eyes, const Glimpse& g, std::array<render:
   const std::array<render::View, 2> views = render::eyes(g.X_WD, eyes.optics);
   const Moving moving{.X_WB_skittles = g.X_WB_skittles,
                       .ellipsoids = g.ellipsoids,
+                      .skittle_centre = g.skittle_centre,
                       .X_WB_balls = g.X_WB_balls,
                       .X_WH = g.X_WH,
                       .grips = g.grips};

@@ -26,6 +26,7 @@ struct Glimpse {
   Pose X_WD = {};  ///< head display
   std::vector<Pose> X_WB_skittles = {}, X_WB_balls = {};
   bool ellipsoids = false;
+  double skittle_centre = 0.0;
   std::optional<Pose> X_WH = {};
   bool grips = false;
 };

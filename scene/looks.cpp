@@ -35,7 +35,7 @@ void append_occluders(DrawList& list, const std::vector<Occluder>& of_body, cons
 }  // namespace
 
 Looks::Looks(render::Renderer& renderer, const Stage& stage)
-    : ball_radius(stage.scenario.ball.radius) {
+    : ball_radius(stage.scenario.ball.radius), skittle_centre(stage.skittle_centre) {
   const Scenario& scenario = stage.scenario;
   const Outline outline = smooth_outline(scenario.skittle.profile);
   double widest = 0.0;
@@ -122,7 +122,9 @@ DrawList draw_list(const Looks& looks, const Moving& moving) {
     list.items.push_back(item);
   };
   std::uint32_t skittle = kFirstSkittleId, ball = kFirstBallId;
-  for (const Pose& X_WB : moving.X_WB_skittles) {
+  const double lower = moving.ellipsoids ? 0.0 : looks.skittle_centre - moving.skittle_centre;
+  for (Pose X_WB : moving.X_WB_skittles) {
+    if (lower != 0.0) X_WB.p = X_WB * Vec3(0.0, 0.0, lower);
     add(moving.ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle, X_WB, skittle++);
     append_occluders(list, moving.ellipsoids ? looks.ellipsoid_occluders : looks.true_occluders,
                      X_WB);

@@ -26,7 +26,7 @@ struct Looks {
   int true_skittle, ellipsoid_skittle, ball, open_hand, gripping_hand;
   render::DrawList room;  ///< what never moves, with light, patches and shadow box
   std::vector<render::Occluder> true_occluders, ellipsoid_occluders;  ///< of a skittle, p_BQ
-  double ball_radius;
+  double ball_radius, skittle_centre;  ///< the latter of the stage's skittles
 
  private:
   void add_buttons(render::Renderer& renderer, const Versions& versions);
@@ -36,6 +36,8 @@ struct Looks {
 struct Moving {
   std::span<const Pose> X_WB_skittles;
   bool ellipsoids = false;  ///< skittles look like the ellipsoids they are
+  double skittle_centre =
+      0.0;  ///< of their bodies above their base: a version may have its own [m]
   std::span<const Pose> X_WB_balls;
   std::optional<Pose> X_WH;  ///< no hand is seen without
   bool grips = false;        ///< the hand is closed around the ball

@@ -33,9 +33,10 @@ std::string why_nothing_fell(std::span<const devices::Event> events) {
     const devices::Event* missed = first_of(events, kind::missed_grab);
     if (!missed) return "the trigger was never pressed, so the ball stayed where it was";
     return fmt::format(
-        "the trigger was pressed at {:.3f} s with the hand {:.2f} m from the ball, "
+        "the trigger was pressed at {:.3f} s with the hand {:.2f} m from the {}, "
         "too far to take it",
-        seconds(missed->time), missed->value);
+        seconds(missed->time), missed->value,
+        missed->bodies.empty() ? "ball" : missed->bodies.front());
   }
   const devices::Event* release = first_of(events, kind::release);
   if (!release) return "the ball was taken and never let go";

@@ -154,7 +154,7 @@ void place_hand(Player& player, const Scene& scene, Time now) {
 }  // namespace
 
 Pose sensor_in_space(const devices::TrackerSample& sample, const Rig& rig) {
-  if (sample.frame == "T") return rig.X_WT * sample.X_TS;
+  if (sample.in_transmitters_frame()) return rig.X_WT * sample.X_TS;
   if (sample.frame == "P") return sample.X_TS;
   throw std::runtime_error(
       fmt::format("a sample of station {} at {:.6f} s is in frame '{}'; expected T (the "

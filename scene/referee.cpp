@@ -139,7 +139,7 @@ void end_delivery(const Field& f) {
 void referee(Game& game, const Stage& stage, engine::World& world, const Moment& moment,
              std::optional<engine::BodyId> held, std::vector<devices::Event>& out) {
   const Field f{game, stage, world, moment, held, out};
-  if (f.plan().rules == "one-throw" || game.over) return;
+  if (!f.rules().counted || game.over) return;
   if (!game.begun) {
     game.begun = true;
     game.frames.assign(1, {});

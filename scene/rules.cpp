@@ -10,11 +10,13 @@ namespace headpin::scene {
 namespace {
 
 constexpr std::array<Rules, 5> kRules{{
-    {"one-throw", false, false, false, "no game: one ball, and nothing is set again"},
-    {"plain", false, false, false, "skittles down are counted"},
-    {"ten-pin", false, false, true, "a strike counts the next two balls too, a spare the next one"},
-    {"ninepins", true, false, false, "every ball has all skittles before it"},
-    {"skittles", false, true, false, "skittles are set again within a frame when none is left"},
+    {"one-throw", false, false, false, false, "no game: one ball, and nothing is set again"},
+    {"plain", true, false, false, false, "skittles down are counted"},
+    {"ten-pin", true, false, false, true,
+     "a strike counts the next two balls too, a spare the next one"},
+    {"ninepins", true, true, false, false, "every ball has all skittles before it"},
+    {"skittles", true, false, true, false,
+     "skittles are set again within a frame when none is left"},
 }};
 
 int sum(std::span<const int> rolls) {

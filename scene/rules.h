@@ -11,6 +11,7 @@ namespace headpin::scene {
 
 struct Rules {
   std::string_view name;
+  bool counted;    ///< it is a game: balls are counted, skittles swept and set again
   bool full_rack;  ///< all skittles are set before every ball
   bool set_again;  ///< and within a frame when none is left
   bool bonuses;    ///< strikes and spares count the next balls too

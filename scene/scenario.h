@@ -178,6 +178,11 @@ Scenario parse_scenario(std::string_view toml, std::string_view where);
 /// @throws std::invalid_argument  as parse_scenario, and for a key that is missing
 Scenario scenario_of_trial(std::string_view toml, std::string_view trial);
 
+/// The text of that scenario, whole; as a file it means what the trial ran under, whatever the
+/// defaults are today.
+/// @throws std::invalid_argument  as scenario_of_trial
+std::string whole_scenario(std::string_view toml, std::string_view trial);
+
 /// parse_scenario() of a file, or of one that comes with the program, by its name
 /// (scenario_files.h).
 /// @throws std::runtime_error  where it cannot be read

@@ -448,6 +448,10 @@ Scenario scenario_of_trial(std::string_view toml, std::string_view trial) {
   return scenario;
 }
 
+std::string whole_scenario(std::string_view toml, std::string_view trial) {
+  return to_toml(scenario_of_trial(toml, trial));
+}
+
 Scenario load_scenario(const std::string& name_or_file) {
   const std::string path = scenario_path(name_or_file);
   return parse_scenario(read_scenario_file(path), path);

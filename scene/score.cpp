@@ -33,7 +33,8 @@ void Score::add(const devices::Event& event) {
   }
   touches += event.kind == kind::touch || event.kind == kind::first_contact;
   skittles_down += event.kind == kind::skittle_down;
-  if (event.kind == kind::release && !release_speed) release_speed = event.value;
+  const bool of_ball = !event.bodies.empty() && event.bodies.front().starts_with("ball");
+  if (event.kind == kind::release && of_ball && !release_speed) release_speed = event.value;
   if (event.kind == kind::first_contact && !impact_speed) impact_speed = event.value;
 }
 

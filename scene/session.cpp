@@ -8,6 +8,13 @@ namespace headpin::scene {
 
 namespace {
 
+/// A pose of the tracked space at `now`, in the world.
+std::optional<Pose> in_room(const Session& s, const devices::PoseTrack& track, Time now) {
+  const std::optional<Pose> X_PX = track.at(now - microseconds(s.scenario().rig.delay_s));
+  if (!X_PX) return std::nullopt;
+  return s.player.walk.X_WP() * *X_PX;
+}
+
 bool has_buttons(const Session& s) {
   return s.versions[0] != nullptr;
 }
@@ -20,8 +27,8 @@ Stage stage_of_version(Scenario scenario, const Version& version) {
 }
 
 /// The button that the hand is at, from wrist to fingertips.
-std::optional<std::size_t> button_at_hand(const Session& s) {
-  const std::optional<Pose> X_WH = hand_pose(s);
+std::optional<std::size_t> button_at_hand(const Session& s, Time now) {
+  const std::optional<Pose> X_WH = in_room(s, s.player.hand, now);
   if (!X_WH) return std::nullopt;
   constexpr double kFingers = 0.12, kThick = 0.015;
   const Versions& v = s.scenario().version;
@@ -57,7 +64,7 @@ void start_version(Session& s, std::size_t version, const Moment& moment) {
 /// A button works when the hand comes to it, not while it stays.
 void touch_buttons(Session& s, const Moment& moment) {
   if (!has_buttons(s)) return;
-  const std::optional<std::size_t> now = button_at_hand(s);
+  const std::optional<std::size_t> now = button_at_hand(s, moment.time);
   if (now && now != s.touched) start_version(s, *now, moment);
   s.touched = now;
 }
@@ -117,23 +124,12 @@ void tick_state(const Session& s, devices::TickState& out) {
   }
 }
 
-namespace {
-
-/// A pose of the tracked space now, in the world.
-std::optional<Pose> in_room(const Session& s, const devices::PoseTrack& track) {
-  const std::optional<Pose> X_PX = track.at(s.now() - microseconds(s.scenario().rig.delay_s));
-  if (!X_PX) return std::nullopt;
-  return s.player.walk.X_WP() * *X_PX;
-}
-
-}  // namespace
-
 std::optional<Pose> head_pose(const Session& s) {
-  return in_room(s, s.player.head);
+  return in_room(s, s.player.head, s.now());
 }
 
 std::optional<Pose> hand_pose(const Session& s) {
-  return in_room(s, s.player.hand);
+  return in_room(s, s.player.hand, s.now());
 }
 
 }  // namespace headpin::scene

@@ -132,6 +132,10 @@ TEST_F(Reference, ATrialIsExportedWholeAndPlotted) {
   EXPECT_EQ(rows["states"].get<int>() % info["ticks"].get<int>(), 0);
   EXPECT_GT(rows["states"], info["ticks"]);
   EXPECT_EQ(slurp(folder_ / "tables/scenario.toml"), headpin("info game.lcmlog --scenario").out);
+  // Of a trial of before some keys were there, as a file it means what that ran under.
+  ASSERT_EQ(headpin("export " + kDemo + " -o old").code, 0);
+  EXPECT_EQ(slurp(folder_ / "old/scenario.toml"), headpin("info " + kDemo + " --scenario").out);
+  EXPECT_THAT(slurp(folder_ / "old/scenario.toml"), testing::HasSubstr("\nspeed = 0.0"));
   EXPECT_EQ(nlohmann::json::parse(slurp(folder_ / "tables/trial.json"))["complete"], true);
   const std::string states = slurp(folder_ / "tables/states.csv");
   EXPECT_EQ(std::count(states.begin(), states.end(), '\n'), rows["states"].get<int>() + 1);

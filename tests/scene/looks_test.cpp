@@ -34,6 +34,7 @@ struct Seen {
     moving.X_WB_skittles = skittles;
     balls[0].p = scenario.ball.home;
     moving.X_WB_balls = balls;
+    moving.skittle_centre = stage.skittle_centre;
   }
   /// A head at the foul line, looking a little down at the skittles.
   std::array<View, 2> views() const {
@@ -173,6 +174,24 @@ TEST(Looks, TellNothingOfTheCollidersUnlessAsked) {
   EXPECT_TRUE(glimpse(make_session(scenario), {}).ellipsoids);
   scenario.collision.shape = "true";
   EXPECT_FALSE(glimpse(make_session(scenario), {}).ellipsoids);
+}
+
+// A version whose skittles collide as ellipsoids has their centre higher; they look as before.
+TEST(Looks, ShowSkittlesOfAnotherVersionWhereTheyStand) {
+  Seen seen;
+  const View view = seen.views()[0];
+  const Mask before = mask(seen.labels(view), kFirstSkittleId);
+  Scenario other = seen.scenario;
+  other.collision.shape = "ellipsoid";
+  const Stage version = make_stage(other);
+  ASSERT_GT(version.skittle_centre, seen.stage.skittle_centre + 0.03);
+  for (Pose& X_WB : seen.skittles) X_WB.p.z() = version.skittle_centre;
+  seen.moving.skittle_centre = version.skittle_centre;
+  const Mask after = mask(seen.labels(view), kFirstSkittleId);
+  EXPECT_EQ(after.count, before.count);
+  EXPECT_EQ(after.lo, before.lo);
+  EXPECT_EQ(after.hi, before.hi);
+  EXPECT_EQ(glimpse(make_session(other), {}).skittle_centre, version.skittle_centre);
 }
 
 TEST(Looks, HideWhatTheHandIsInFrontOfInBothEyes) {

@@ -526,6 +526,7 @@ TEST(SessionTest, ASkittleIsTakenCarriedAndSetDown) {
   const Outcome dropped = play(scenario, samples, 2.45);
   ASSERT_EQ(of_kind(dropped, "release").size(), 1u);
   EXPECT_NEAR(of_kind(dropped, "release").front()->value, 0.0, 1e-9);
+  EXPECT_FALSE(score(dropped.events).release_speed);  // a ball's
   EXPECT_LT(dropped.session.world.states[head].X_WB.p.z(), there.z() - 0.2);
 
   scenario.hand.takes_skittles = false;
