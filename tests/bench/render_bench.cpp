@@ -16,25 +16,24 @@ namespace {
 using namespace headpin;
 
 struct Room {
-  scene::Scenario scenario;
+  scene::Stage stage = scene::make_stage({});
   render::Renderer renderer;
   scene::Looks looks;
-  std::vector<Pose> skittles;
+  std::vector<Pose> skittles, balls{{Quat::Identity(), Vec3(0.1, 2.5, 0.1085)}};
   std::array<render::Image, 2> images;
 
   explicit Room(render::Quality quality)
-      : renderer(render::osmesa_context(), quality), looks(renderer, scenario, 0.1474) {
-    for (const Vec2& spot : scenario.rack.spots) {
-      skittles.push_back(
-          {Quat::Identity(), Vec3(spot.x(), scenario.lane.head_pin + spot.y(), 0.1474)});
+      : renderer(render::osmesa_context(), quality), looks(renderer, stage) {
+    for (const engine::BodyId skittle : stage.skittles) {
+      skittles.push_back(stage.world.states[skittle].X_WB);
     }
   }
 
   double draw() {
     const Quat ahead = rotation(Vec3(0.5 * std::numbers::pi, 0, 0));
     const scene::Moving moving{.X_WB_skittles = skittles,
-                               .ellipsoids = false,
-                               .X_WB_ball = {Quat::Identity(), Vec3(0.1, 2.5, 0.1085)},
+                               .skittle_centre = stage.skittle_centre,
+                               .X_WB_balls = balls,
                                .X_WH = Pose{ahead, Vec3(0.2, 0.0, 1.4)},
                                .grips = false};
     const Pose X_WD{ahead * rotation(Vec3(-0.15, 0, 0)), Vec3(0, -0.5, 1.65)};
