@@ -20,7 +20,7 @@
 namespace headpin::apps {
 namespace {
 
-struct Options {
+struct SynthesizeOptions {
   std::optional<std::string> output;
   std::string scenario, participant, condition;
   scene::ThrowPlan plan;
@@ -38,7 +38,7 @@ double long_enough(const scene::ThrowPlan& plan, const scene::Scenario& scenario
 
 /// As an event log, with what a tracker and a trigger say of the throw.
 /// @return  how many samples
-std::size_t write_trial(const Options& options, const scene::ThrowMotion& motion,
+std::size_t write_trial(const SynthesizeOptions& options, const scene::ThrowMotion& motion,
                         const scene::Scenario& scenario, std::uint64_t seed) {
   devices::TrialHeader header;
   header.participant = options.participant;
@@ -56,7 +56,7 @@ std::size_t write_trial(const Options& options, const scene::ThrowMotion& motion
 
 /// As the motion catalogue has throws: head and both hands, no trigger, in centimetres.
 /// @return  how many samples
-std::size_t write_csv(const Options& options, const scene::ThrowMotion& motion,
+std::size_t write_csv(const SynthesizeOptions& options, const scene::ThrowMotion& motion,
                       std::uint64_t seed) {
   const devices::MotionRecording recording = scene::record(motion, seed);
   const std::string text = devices::to_catalogue_csv(recording, 0.01);
@@ -68,7 +68,7 @@ std::size_t write_csv(const Options& options, const scene::ThrowMotion& motion,
   return recording.times.size();
 }
 
-void run(const Options& options) {
+void synthesize(const SynthesizeOptions& options) {
   constexpr double kDegree = std::numbers::pi / 180.0;
   scene::ThrowPlan plan = options.plan;
   plan.aim = options.aim_deg * kDegree;
@@ -116,7 +116,7 @@ void run(const Options& options) {
 
 void add_synthesize(CLI::App& app) {
   CLI::App* command = app.add_subcommand("synthesize", "Make a trial by a model of the arm");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SynthesizeOptions>();
   add_output(
       *command, "-o,--output", options->output,
       "trial to write (.lcmlog), or a recording as `import` reads it (.csv); - is standard output")
@@ -144,7 +144,7 @@ void add_synthesize(CLI::App& app) {
       "tracker\n"
       "is mounted and where the ball stands are the model's own unless the scenario says so.\n\n"
       "Example:\n  headpin synthesize -o trial.lcmlog --seed 7 --speed 6.5 --aim 1");
-  command->callback([options] { run(*options); });
+  command->callback([options] { synthesize(*options); });
 }
 
 }  // namespace headpin::apps
