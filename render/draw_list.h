@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "engine/math.h"
@@ -9,7 +10,9 @@
 namespace headpin::render {
 
 struct DrawItem {
-  int mesh = 0;               ///< what Renderer::add returned
+  int mesh = 0;  ///< what Renderer::add returned
+  std::optional<int>
+      far_mesh;               ///< of the same surface: drawn where it is small, mirrored, a shadow
   Pose X_WG;                  ///< mesh in the world
   Vec3 scale = Vec3::Ones();  ///< along the mesh's own axes
   Vec3 tint = Vec3::Ones();   ///< times the mesh's colours

@@ -10,8 +10,8 @@
 /// What OpenGL keeps for us, made and let go with the object: programs, pictures, shadows.
 namespace headpin::render {
 
-constexpr int kShadowWidth = 512;    ///< texels across the shadow's box
-constexpr int kShadowHeight = 2048;  ///< and along it
+constexpr int kShadowWidth = 256;    ///< texels across the shadow's box
+constexpr int kShadowHeight = 1024;  ///< and along it
 
 /// Compiled shaders by name of their uniforms.
 class Program {

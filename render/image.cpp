@@ -94,6 +94,30 @@ bool encode(const Image& image, double pixel_aspect, Bytes* bytes, char* message
   return true;
 }
 
+/// The mean light of n x n samples a pixel, rows turned over. n is known when it is compiled: a
+/// division by a number that is not would cost more than all the rest.
+template <std::size_t n>
+void average_rows(std::span<const std::uint8_t> rgba, Image& image) {
+  static const std::array<std::uint16_t, 256> light = make_light_table();
+  static const Bytes code = make_code_table();
+  constexpr std::uint32_t count = n * n;
+  const auto w = static_cast<std::size_t>(image.width), h = static_cast<std::size_t>(image.height);
+  std::vector<std::uint32_t> sum(3 * w);
+  for (std::size_t y = 0; y < h; ++y) {
+    std::ranges::fill(sum, count / 2);  // so that the division rounds
+    for (std::size_t sy = 0; sy < n; ++sy) {
+      const std::uint8_t* sample = rgba.data() + 4 * w * n * (n * (h - 1 - y) + sy);
+      for (std::size_t x = 0; x < w; ++x) {
+        for (std::size_t sx = 0; sx < n; ++sx, sample += 4) {
+          for (std::size_t c = 0; c < 3; ++c) sum[3 * x + c] += light[sample[c]];
+        }
+      }
+    }
+    std::uint8_t* row = image.rgb.data() + 3 * w * y;
+    for (std::size_t i = 0; i < 3 * w; ++i) row[i] = code[sum[i] / count];
+  }
+}
+
 std::runtime_error cannot(const char* what, const std::filesystem::path& path, int error) {
   return std::runtime_error(std::string("cannot ") + what + " " + path.string() + ": " +
                             std::strerror(error));
@@ -124,8 +148,6 @@ Image side_by_side(const Image& left, const Image& right) {
 }
 
 Image average(std::span<const std::uint8_t> rgba, int width, int height, int samples) {
-  static const std::array<std::uint16_t, 256> light = make_light_table();
-  static const Bytes code = make_code_table();
   const auto w = static_cast<std::size_t>(width);
   const auto h = static_cast<std::size_t>(height);
   const auto n = static_cast<std::size_t>(samples);
@@ -144,20 +166,27 @@ Image average(std::span<const std::uint8_t> rgba, int width, int height, int sam
     }
     return image;
   }
-  std::vector<std::uint32_t> sum(3 * w);
-  const auto count = static_cast<std::uint32_t>(n * n);
-  for (std::size_t y = 0; y < h; ++y) {
-    std::fill(sum.begin(), sum.end(), count / 2);  // so that the division rounds
-    for (std::size_t sy = 0; sy < n; ++sy) {
-      const std::uint8_t* sample = rgba.data() + 4 * w * n * (n * (h - 1 - y) + sy);
-      for (std::size_t x = 0; x < w; ++x) {
-        for (std::size_t sx = 0; sx < n; ++sx, sample += 4) {
-          for (std::size_t c = 0; c < 3; ++c) sum[3 * x + c] += light[sample[c]];
-        }
-      }
-    }
-    std::uint8_t* row = image.rgb.data() + 3 * w * y;
-    for (std::size_t i = 0; i < 3 * w; ++i) row[i] = code[sum[i] / count];
+  switch (n) {
+    case 2:
+      average_rows<2>(rgba, image);
+      break;
+    case 3:
+      average_rows<3>(rgba, image);
+      break;
+    case 4:
+      average_rows<4>(rgba, image);
+      break;
+    case 5:
+      average_rows<5>(rgba, image);
+      break;
+    case 6:
+      average_rows<6>(rgba, image);
+      break;
+    case 7:
+      average_rows<7>(rgba, image);
+      break;
+    default:
+      average_rows<8>(rgba, image);
   }
   return image;
 }

@@ -28,7 +28,8 @@ struct Vertex {
 /// Triangles, counter-clockwise seen from outside.
 struct Mesh {
   Surface surface = Surface::lit;
-  double gloss = 0.0;  ///< 0 matt .. 1; for a floor the share of light mirrored straight down
+  double gloss = 0.0;        ///< 0 matt .. 1; for a floor the share of light mirrored straight down
+  bool takes_shadow = true;  ///< a floor's: of items that cast one
   std::vector<Vertex> vertices;
   std::vector<std::uint32_t> indices;  ///< three a triangle
 };

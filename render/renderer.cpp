@@ -9,6 +9,7 @@
 #include "render/gl_functions.h"
 #include "render/gl_objects.h"
 #include "render/matrices.h"
+#include "render/mesh_parts.h"
 #include "render/shaders.h"
 
 namespace headpin::render {
@@ -28,9 +29,13 @@ constexpr std::array kTurns = {Surface::lit, Surface::floor, Surface::baked};
 struct Kept {
   Surface surface;
   double gloss;
-  GLuint arrays, vertices, indices;
-  GLsizei count;
+  bool takes_shadow;
+  std::vector<MeshPart> parts;
+  Eigen::AlignedBox3d box;
+  GLuint arrays = 0, vertices = 0, indices = 0;
 };
+
+constexpr double kNear = 48.0;  // pixels across: what is smaller is drawn by its far mesh
 
 Gl current_functions(GlContext& context) {
   context.make_current();
@@ -38,6 +43,15 @@ Gl current_functions(GlContext& context) {
   check_drawing(gl);
   return gl;
 }
+
+/// What one eye looks at.
+struct Scene {
+  const DrawList* list;
+  std::vector<int> meshes;  ///< of the items, as they are seen from there
+  Mat4 world_to_clip;
+  Mat4 shadow_view;  ///< world to the shadow map, 0..1
+  Vec3 eye_W;
+};
 
 }  // namespace
 
@@ -77,8 +91,9 @@ struct Renderer::Impl {
 
   void check(const DrawList& list, const View& view) const {
     for (const DrawItem& item : list.items) {
-      if (item.mesh < 0 || static_cast<std::size_t>(item.mesh) >= meshes.size()) {
-        throw std::invalid_argument("draw list: mesh " + std::to_string(item.mesh) + " of " +
+      for (const int mesh : {item.mesh, item.far_mesh.value_or(item.mesh)}) {
+        if (mesh >= 0 && static_cast<std::size_t>(mesh) < meshes.size()) continue;
+        throw std::invalid_argument("draw list: mesh " + std::to_string(mesh) + " of " +
                                     std::to_string(meshes.size()));
       }
     }
@@ -94,29 +109,68 @@ struct Renderer::Impl {
     }
   }
 
-  void draw_elements(const Kept& mesh) const {
+  const Kept& kept(int mesh) const { return meshes[static_cast<std::size_t>(mesh)]; }
+
+  /// The parts of a mesh that may be seen, in one call where they follow each other.
+  void draw_elements(const Kept& mesh, const Mat4& mesh_to_clip) const {
     gl.BindVertexArray(mesh.arrays);
-    gl.DrawElements(GL_TRIANGLES, mesh.count, GL_UNSIGNED_INT, nullptr);
+    std::size_t first = 0, end = 0;
+    const auto draw = [&] {
+      if (end == first) return;
+      gl.DrawElements(GL_TRIANGLES, static_cast<GLsizei>(end - first), GL_UNSIGNED_INT,
+                      reinterpret_cast<const void*>(first * sizeof(std::uint32_t)));  // NOLINT
+    };
+    for (const MeshPart& p : mesh.parts) {
+      if (is_outside(p.box, mesh_to_clip)) continue;
+      if (p.first != end) {
+        draw();
+        first = p.first;
+      }
+      end = p.first + p.count;
+    }
+    draw();
+  }
+
+  /// What items look like from there: decided once, so that both eyes see the same.
+  std::vector<int> meshes_seen(const DrawList& list, std::span<const View> views) const {
+    Vec3 between = Vec3::Zero();
+    for (const View& view : views) between += view.X_WE.p / static_cast<double>(views.size());
+    std::vector<int> seen;
+    for (const DrawItem& item : list.items) {
+      const Eigen::AlignedBox3d& box = kept(item.mesh).box;
+      const View& view = views.front();
+      const double size = box.sizes().cwiseProduct(item.scale).norm() * view.height /
+                          (view.frustum.top - view.frustum.bottom);
+      const double away = (item.X_WG * box.center().cwiseProduct(item.scale) - between).norm();
+      seen.push_back(size < kNear * away ? item.far_mesh.value_or(item.mesh) : item.mesh);
+    }
+    return seen;
   }
 
   void draw_depth(const DrawList& list, const Mat4& view) const {
     shadow_map.use();
     gl.Clear(GL_DEPTH_BUFFER_BIT);
     depth.use();
-    depth.set("view", view);
     for (const DrawItem& item : list.items) {
       if (!item.casts_shadow) continue;
-      depth.set("world", matrix(item.X_WG, item.scale));
-      draw_elements(meshes[static_cast<std::size_t>(item.mesh)]);
+      const Mat4 mesh_to_clip = view * matrix(item.X_WG, item.scale);
+      depth.set("to_clip", mesh_to_clip);
+      draw_elements(kept(item.far_mesh.value_or(item.mesh)), mesh_to_clip);
     }
   }
 
-  const Program& program_of(Surface surface) const {
-    switch (surface) {
+  bool takes_shadow(const Kept& mesh) const { return quality.shadow && mesh.takes_shadow; }
+  bool mirrors(const Kept& mesh) const { return quality.mirror && mesh.gloss > 0.0; }
+
+  /// The cheapest that draws a mesh: floors without shadow or polish do not ask for either.
+  const Program& program_of(const Kept& mesh) const {
+    switch (mesh.surface) {
       case Surface::lit:
         return lit;
       case Surface::floor:
-        return floor;
+        return mirrors(mesh)        ? takes_shadow(mesh) ? floor : polished
+               : takes_shadow(mesh) ? shadowed
+                                    : baked;
       case Surface::baked:
         return baked;
     }
@@ -124,86 +178,85 @@ struct Renderer::Impl {
   }
 
   /// What a surface's program asks for beside the items.
-  void set_light(Surface surface, const Program& program, const DrawList& list, const Vec3& eye_W,
-                 const Mat4& shadow_view) const {
-    switch (surface) {
+  void set_light(const Kept& mesh, const Program& program, const Scene& scene) const {
+    const DrawList& list = *scene.list;
+    switch (mesh.surface) {
       case Surface::baked:
         return;
       case Surface::floor:
-        program.set("eye_W", eye_W);
-        program.set("shadow_view", shadow_view);
-        program.set("shadow_map", 0);
-        program.set("shadow_depth", quality.shadow ? list.shadow.depth : 0.0);
+        if (mirrors(mesh)) {
+          program.set("eye_W", scene.eye_W);
+          program.set("gloss", mesh.gloss);
+        }
+        if (takes_shadow(mesh)) {
+          program.set("shadow_view", scene.shadow_view);
+          program.set("shadow_map", 0);
+          program.set("shadow_depth", list.shadow.depth);
+        }
         return;
       case Surface::lit:
-        program.set("eye_W", eye_W);
+        program.set("eye_W", scene.eye_W);
         program.set("sky", list.sky);
         program.set("ground", list.ground);
-        program.set("lamps", static_cast<int>(list.lamps.size()));
-        for (std::size_t i = 0; i < list.lamps.size(); ++i) {
-          program.set(kLampPlace[i], list.lamps[i].p_W);
-          program.set(kLampPower[i], list.lamps[i].power);
+        program.set("gloss", mesh.gloss);
+        for (std::size_t i = 0; i < DrawList::kLamps; ++i) {
+          const Lamp lamp =
+              i < list.lamps.size() ? list.lamps[i] : Lamp{Vec3::Zero(), Vec3::Zero()};
+          program.set(kLampPlace[i], lamp.p_W);
+          program.set(kLampPower[i], lamp.power);
         }
         return;
     }
   }
 
-  void set_gloss(const Program& program, const Kept& mesh) const {
-    switch (mesh.surface) {
-      case Surface::baked:
-        return;
-      case Surface::floor:
-        program.set("gloss", quality.mirror ? mesh.gloss : 0.0);
-        return;
-      case Surface::lit:
-        program.set("gloss", mesh.gloss);
-        return;
-    }
-  }
-
   /// Draws the items of one surface, or of them only those that are mirrored.
-  void draw_items(const DrawList& list, Surface surface, bool only_mirrored, const Mat4& view,
-                  const Vec3& eye_W, const Mat4& shadow_view) const {
-    const Program& program = program_of(surface);
-    program.use();
-    program.set("view", view);
-    program.set("lowest_z", only_mirrored ? list.mirror_z : -kEndless);
-    set_light(surface, program, list, eye_W, shadow_view);
-    for (const DrawItem& item : list.items) {
-      const Kept& mesh = meshes[static_cast<std::size_t>(item.mesh)];
+  void draw_items(const Scene& scene, Surface surface, bool only_mirrored) const {
+    const DrawList& list = *scene.list;
+    for (std::size_t i = 0; i < list.items.size(); ++i) {
+      const DrawItem& item = list.items[i];
+      const Kept& mesh =
+          kept(only_mirrored ? item.far_mesh.value_or(scene.meshes[i]) : scene.meshes[i]);
       if (mesh.surface != surface || (only_mirrored && !item.mirrored)) continue;
-      program.set("world", matrix(item.X_WG, item.scale));
+      const Mat4 mesh_to_world = matrix(item.X_WG, item.scale);
+      const Mat4 mesh_to_clip = scene.world_to_clip * mesh_to_world;
+      if (is_outside(mesh.box, mesh_to_clip)) continue;
+      const Program& program = program_of(mesh);
+      program.use();
+      set_light(mesh, program, scene);
+      program.set("lowest_z", only_mirrored ? list.mirror_z : -kEndless);
+      program.set("to_clip", mesh_to_clip);
+      program.set("world", mesh_to_world);
       program.set("turn", matrix({item.X_WG.q, Vec3::Zero()}, item.scale.cwiseInverse()));
       program.set("tint", item.tint);
-      set_gloss(program, mesh);
-      draw_elements(mesh);
+      const bool blended = surface == Surface::floor && mirrors(mesh);
+      if (blended) gl.Enable(GL_BLEND);
+      draw_elements(mesh, mesh_to_clip);
+      if (blended) gl.Disable(GL_BLEND);
     }
   }
 
   /// All items of one surface in their turn, and what follows them. A new surface has its turn here
   /// and in kTurns.
-  void draw_surface(const DrawList& list, Surface surface, const Mat4& clip, const Vec3& eye_W,
-                    const Mat4& shadow_view, GLsizei contacts) const {
+  void draw_surface(const Scene& scene, Surface surface, GLsizei contacts) const {
     switch (surface) {
       case Surface::lit:
       case Surface::baked:
-        return draw_items(list, surface, false, clip, eye_W, shadow_view);
+        return draw_items(scene, surface, false);
       case Surface::floor:
-        gl.Enable(GL_BLEND);
         gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-        draw_items(list, surface, false, clip, eye_W, shadow_view);
-        gl.Disable(GL_BLEND);
-        return draw_contact(contacts, clip);
+        draw_items(scene, surface, false);
+        return draw_contact(contacts, scene.world_to_clip);
     }
   }
 
-  void draw_mirrored(const DrawList& list, const Mat4& view, const Vec3& eye_W) const {
-    const Mat4 mirror = mirrored_at(list.mirror_z);
-    const Vec3 eye = (mirror * eye_W.homogeneous()).head<3>();
+  void draw_mirrored(Scene scene) const {
+    const Mat4 mirror = mirrored_at(scene.list->mirror_z);
+    scene.eye_W = (mirror * scene.eye_W.homogeneous()).head<3>();
+    scene.world_to_clip = scene.world_to_clip * mirror;
     gl.FrontFace(GL_CW);
     gl.Enable(GL_CLIP_DISTANCE0);
-    draw_items(list, Surface::lit, true, view * mirror, eye, Mat4::Identity());
-    draw_items(list, Surface::baked, true, view * mirror, eye, Mat4::Identity());
+    draw_items(scene, Surface::lit, true);
+    draw_items(scene, Surface::baked, true);
     gl.Disable(GL_CLIP_DISTANCE0);
     gl.FrontFace(GL_CCW);
     gl.Clear(GL_DEPTH_BUFFER_BIT);  // the images stay, as colours behind the floor
@@ -270,7 +323,9 @@ struct Renderer::Impl {
   std::vector<Kept> meshes;
   Program lit{gl, shaders::kMeshVertex, shaders::kLitFragment};
   Program baked{gl, shaders::kMeshVertex, shaders::kBakedFragment};
-  Program floor{gl, shaders::kMeshVertex, shaders::kFloorFragment};
+  Program floor{gl, shaders::kMeshVertex, shaders::floor_fragment(true, true).c_str()};
+  Program polished{gl, shaders::kMeshVertex, shaders::floor_fragment(false, true).c_str()};
+  Program shadowed{gl, shaders::kMeshVertex, shaders::floor_fragment(true, false).c_str()};
   Program contact{gl, shaders::kContactVertex, shaders::kContactFragment};
   Program depth{gl, shaders::kDepthVertex, shaders::kDepthFragment};
   ShadowMap shadow_map{gl};
@@ -302,7 +357,8 @@ int Renderer::add(const Mesh& mesh) {
     if (i >= mesh.vertices.size()) throw std::invalid_argument("mesh: index beyond its vertices");
   }
   r.context->make_current();
-  Kept kept{mesh.surface, mesh.gloss, 0, 0, 0, static_cast<GLsizei>(mesh.indices.size())};
+  const MeshParts parted = part_by_place(mesh);
+  Kept kept{mesh.surface, mesh.gloss, mesh.takes_shadow, parted.parts, parted.box};
   r.gl.GenVertexArrays(1, &kept.arrays);
   r.gl.BindVertexArray(kept.arrays);
   r.gl.GenBuffers(1, &kept.vertices);
@@ -315,8 +371,8 @@ int Renderer::add(const Mesh& mesh) {
   r.gl.GenBuffers(1, &kept.indices);
   r.gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, kept.indices);
   r.gl.BufferData(GL_ELEMENT_ARRAY_BUFFER,
-                  static_cast<GLsizeiptr>(mesh.indices.size() * sizeof(std::uint32_t)),
-                  mesh.indices.data(), GL_STATIC_DRAW);
+                  static_cast<GLsizeiptr>(parted.indices.size() * sizeof(std::uint32_t)),
+                  parted.indices.data(), GL_STATIC_DRAW);
   r.finish("Renderer::add");
   r.meshes.push_back(kept);
   return static_cast<int>(r.meshes.size()) - 1;
@@ -340,6 +396,7 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
   gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(contact.size() * sizeof(ContactVertex)),
                 contact.data(), GL_STREAM_DRAW);
 
+  Scene scene{&list, r.meshes_seen(list, views), {}, shadow_view, {}};
   gl.Enable(GL_FRAMEBUFFER_SRGB);
   r.targets.resize(std::max(r.targets.size(), views.size()));
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -348,11 +405,11 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
     gl.ClearColor(back.x(), back.y(), back.z(), 1.0F);
     gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 
-    const Mat4 clip = world_to_clip(views[i]);
-    const Vec3 eye_W = views[i].X_WE.p;
-    if (r.quality.mirror) r.draw_mirrored(list, clip, eye_W);
+    scene.world_to_clip = world_to_clip(views[i]);
+    scene.eye_W = views[i].X_WE.p;
+    if (r.quality.mirror) r.draw_mirrored(scene);
     for (const Surface surface : kTurns) {
-      r.draw_surface(list, surface, clip, eye_W, shadow_view, static_cast<GLsizei>(contact.size()));
+      r.draw_surface(scene, surface, static_cast<GLsizei>(contact.size()));
     }
   }
   // Read when all are on their way: one is painted while the next is prepared.
@@ -380,11 +437,14 @@ Labels Renderer::labels(const DrawList& list, const View& view) {
   gl.ClearBufferuiv(GL_COLOR, 0, nothing.data());
   gl.Clear(GL_DEPTH_BUFFER_BIT);
   r.label->use();
-  r.label->set("view", world_to_clip(view));
-  for (const DrawItem& item : list.items) {
-    r.label->set("world", matrix(item.X_WG, item.scale));
+  const Mat4 clip = world_to_clip(view);
+  const std::vector<int> meshes = r.meshes_seen(list, {&view, 1});
+  for (std::size_t i = 0; i < list.items.size(); ++i) {
+    const DrawItem& item = list.items[i];
+    const Mat4 mesh_to_clip = clip * matrix(item.X_WG, item.scale);
+    r.label->set("to_clip", mesh_to_clip);
     r.label->set("id", item.id);
-    r.draw_elements(r.meshes[static_cast<std::size_t>(item.mesh)]);
+    r.draw_elements(r.kept(meshes[i]), mesh_to_clip);
   }
 
   const auto width = static_cast<std::size_t>(view.width);

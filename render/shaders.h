@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 /// GLSL of the renderer. All light is linear; the target encodes it as sRGB.
 namespace headpin::render::shaders {
 
@@ -9,7 +11,7 @@ layout(location = 1) in vec3 n_G;
 layout(location = 2) in vec3 colour_in;
 uniform mat4 world;     // mesh to world
 uniform mat4 turn;      // the same for normals
-uniform mat4 view;      // world to clip space
+uniform mat4 to_clip;   // mesh to clip space
 uniform vec3 tint;
 uniform float lowest_z;
 out vec3 p_W;
@@ -21,7 +23,7 @@ void main() {
   n_W = mat3(turn) * n_G;
   colour = tint * colour_in;
   gl_ClipDistance[0] = p.z - lowest_z;  // what is below a mirror is not seen in it
-  gl_Position = view * p;
+  gl_Position = to_clip * vec4(p_G, 1.0);
 }
 )";
 
@@ -35,7 +37,6 @@ uniform vec3 sky;
 uniform vec3 ground;
 uniform vec3 lamp_p[4];
 uniform vec3 lamp_power[4];
-uniform int lamps;
 uniform float gloss;
 out vec4 result;
 void main() {
@@ -43,7 +44,7 @@ void main() {
   vec3 v = normalize(eye_W - p_W);
   vec3 diffuse = mix(ground, sky, 0.5 + 0.5 * n.z);
   vec3 shine = vec3(0.0);
-  for (int i = 0; i < lamps; ++i) {
+  for (int i = 0; i < 4; ++i) {
     vec3 l = lamp_p[i] - p_W;
     float d2 = dot(l, l);
     l *= inversesqrt(d2);
@@ -72,7 +73,7 @@ void main() { result = vec4(colour, 1.0); }
 
 // Alpha is what the floor hides of its mirror image: Schlick 1994, but varnish mirrors half at
 // most.
-inline constexpr const char* kFloorFragment = R"(#version 330 core
+inline constexpr const char* kFloorFragment = R"(
 in vec3 p_W;
 in vec3 n_W;
 in vec3 colour;
@@ -84,19 +85,25 @@ uniform float shadow_depth;
 out vec4 result;
 void main() {
   float lit = 1.0;
-  if (shadow_depth > 0.0) {
-    vec4 s = shadow_view * vec4(p_W, 1.0);
-    lit = 1.0 - shadow_depth * (1.0 - texture(shadow_map, s.xyz));
-  }
+#ifdef SHADOW
+  vec4 s = shadow_view * vec4(p_W, 1.0);
+  lit = 1.0 - shadow_depth * (1.0 - texture(shadow_map, s.xyz));
+#endif
   float hidden = 1.0;
-  if (gloss > 0.0) {
-    float graze = 1.0 - max(dot(n_W, normalize(eye_W - p_W)), 0.0);
-    float graze2 = graze * graze;
-    hidden = 1.0 - mix(gloss, 0.5, graze2 * graze2 * graze);
-  }
+#ifdef MIRROR
+  float graze = 1.0 - max(dot(n_W, normalize(eye_W - p_W)), 0.0);
+  float graze2 = graze * graze;
+  hidden = 1.0 - mix(gloss, 0.5, graze2 * graze2 * graze);
+#endif
   result = vec4(colour * lit, hidden);
 }
 )";
+
+/// A floor that takes shadows, or mirrors, or both.
+inline std::string floor_fragment(bool shadow, bool mirror) {
+  return std::string("#version 330 core\n") + (shadow ? "#define SHADOW\n" : "") +
+         (mirror ? "#define MIRROR\n" : "") + kFloorFragment;
+}
 
 inline constexpr const char* kContactVertex = R"(#version 330 core
 layout(location = 0) in vec3 p_in;
@@ -133,9 +140,8 @@ void main() {
 
 inline constexpr const char* kDepthVertex = R"(#version 330 core
 layout(location = 0) in vec3 p_G;
-uniform mat4 world;
-uniform mat4 view;
-void main() { gl_Position = view * (world * vec4(p_G, 1.0)); }
+uniform mat4 to_clip;
+void main() { gl_Position = to_clip * vec4(p_G, 1.0); }
 )";
 
 inline constexpr const char* kDepthFragment = R"(#version 330 core

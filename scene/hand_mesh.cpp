@@ -26,10 +26,10 @@ double blend(double a, double b, double k) {
   return std::min(a, b) - 0.25 * h * h * k;
 }
 
-render::Mesh skin(const std::vector<Bone>& bones) {
+render::Mesh skin(const std::vector<Bone>& bones, double cell) {
   Vec3 lo = bones.front().a, hi = lo;
   for (const Bone& bone : bones) {
-    const double r = std::max(bone.ra, bone.rb) + 0.01;
+    const double r = std::max(bone.ra, bone.rb) + 2.0 * cell;
     for (const Vec3& p : {bone.a, bone.b}) {
       lo = lo.cwiseMin(p - Vec3::Constant(r));
       hi = hi.cwiseMax(p + Vec3::Constant(r));
@@ -40,7 +40,7 @@ render::Mesh skin(const std::vector<Bone>& bones) {
     for (const Bone& bone : bones) d = blend(d, distance(bone, p), 0.010);
     return d;
   };
-  render::Mesh mesh = render::surface_of(field, lo, hi, 0.006, render::srgb(0xd9a27e));
+  render::Mesh mesh = render::surface_of(field, lo, hi, cell, render::srgb(0xd9a27e));
   mesh.gloss = 0.12;
   return mesh;
 }
@@ -60,7 +60,7 @@ constexpr std::array<double, kFingers> kAhead{0.042, 0.045, 0.041, 0.034};     /
 
 }  // namespace
 
-render::Mesh open_hand_mesh() {
+render::Mesh open_hand_mesh(double cell) {
   std::vector<Bone> bones;
   const Vec3 wrist(0.0, 0.0, 0.055);
   bones.push_back({wrist + Vec3(0.0, -0.004, 0.07), wrist, 0.030, 0.026});
@@ -79,10 +79,10 @@ render::Mesh open_hand_mesh() {
                 {Vec3(-0.018, -0.004, 0.040), Vec3(-0.048, -0.010, 0.006),
                  Vec3(-0.062, -0.014, -0.028), Vec3(-0.068, -0.018, -0.052)},
                 0.0145);
-  return skin(bones);
+  return skin(bones, cell);
 }
 
-render::Mesh gripping_hand_mesh(const Vec3& p_HB, double radius) {
+render::Mesh gripping_hand_mesh(const Vec3& p_HB, double radius, double cell) {
   // Around the ball: `out` from its centre to the palm, `over` up its top, `right` across.
   const Vec3 out = p_HB.norm() > 1e-6 ? Vec3(-p_HB.normalized()) : Vec3(Vec3::UnitZ());
   const Vec3 side = Vec3::UnitY().cross(out);
@@ -109,7 +109,7 @@ render::Mesh gripping_hand_mesh(const Vec3& p_HB, double radius) {
                 {at(-0.035, -0.018, 0.018), at(-0.012, -0.055, 0.013), at(0.012, -0.085, 0.011),
                  at(0.024, -0.108, 0.009)},
                 0.0145);
-  return skin(bones);
+  return skin(bones, cell);
 }
 
 }  // namespace headpin::scene

@@ -14,7 +14,10 @@ using render::DrawItem;
 using render::DrawList;
 using render::Occluder;
 
-constexpr int kRings = 26, kSides = 18;
+constexpr int kRings = 26, kSides = 18;        // of a skittle in the hand
+constexpr int kFarRings = 13, kFarSides = 12;  // of one on the lane
+constexpr double kSkinCell = 0.006,
+                 kFarSkinCell = 0.012;  // of the hand; the latter in mirrors and shadows [m]
 
 /// Three balls on the axis that fill a turned body about as well as it fills itself.
 std::vector<Occluder> occluders_of(const Outline& outline, double origin) {
@@ -43,12 +46,18 @@ Looks::Looks(render::Renderer& renderer, const Stage& stage)
   const double height = scenario.skittle.height;
   const Outline ellipsoid = ellipsoid_outline(height, widest);
   true_skittle = renderer.add(skittle_mesh(outline, stage.skittle_centre, kRings, kSides));
+  far_true_skittle =
+      renderer.add(skittle_mesh(outline, stage.skittle_centre, kFarRings, kFarSides));
   ellipsoid_skittle = renderer.add(skittle_mesh(ellipsoid, 0.5 * height, kRings, kSides));
+  far_ellipsoid_skittle = renderer.add(skittle_mesh(ellipsoid, 0.5 * height, kFarRings, kFarSides));
   true_occluders = occluders_of(outline, stage.skittle_centre);
   ellipsoid_occluders = occluders_of(ellipsoid, 0.5 * height);
   ball = renderer.add(ball_mesh(ball_radius, Vec3::UnitZ()));
-  open_hand = renderer.add(open_hand_mesh());
-  gripping_hand = renderer.add(gripping_hand_mesh(scenario.hand.grip, ball_radius));
+  open_hand = renderer.add(open_hand_mesh(kSkinCell));
+  far_open_hand = renderer.add(open_hand_mesh(kFarSkinCell));
+  gripping_hand = renderer.add(gripping_hand_mesh(scenario.hand.grip, ball_radius, kSkinCell));
+  far_gripping_hand =
+      renderer.add(gripping_hand_mesh(scenario.hand.grip, ball_radius, kFarSkinCell));
 
   const RoomMeasures measures = room_measures(scenario);
   const RoomMeshes meshes = room_meshes(measures);
@@ -112,9 +121,10 @@ void Looks::add_buttons(render::Renderer& renderer, const Versions& versions) {
 
 DrawList draw_list(const Looks& looks, const Moving& moving) {
   DrawList list = looks.room;
-  const auto add = [&](int mesh, const Pose& X_WG, std::uint32_t id) {
+  const auto add = [&](int mesh, std::optional<int> far_mesh, const Pose& X_WG, std::uint32_t id) {
     DrawItem item;
     item.mesh = mesh;
+    item.far_mesh = far_mesh;
     item.X_WG = X_WG;
     item.id = id;
     item.casts_shadow = true;
@@ -125,16 +135,18 @@ DrawList draw_list(const Looks& looks, const Moving& moving) {
   const double lower = moving.ellipsoids ? 0.0 : looks.skittle_centre - moving.skittle_centre;
   for (Pose X_WB : moving.X_WB_skittles) {
     if (lower != 0.0) X_WB.p = X_WB * Vec3(0.0, 0.0, lower);
-    add(moving.ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle, X_WB, skittle++);
+    add(moving.ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle,
+        moving.ellipsoids ? looks.far_ellipsoid_skittle : looks.far_true_skittle, X_WB, skittle++);
     append_occluders(list, moving.ellipsoids ? looks.ellipsoid_occluders : looks.true_occluders,
                      X_WB);
   }
   for (const Pose& X_WB : moving.X_WB_balls) {
-    add(looks.ball, X_WB, ball++);
+    add(looks.ball, std::nullopt, X_WB, ball++);
     list.occluders.push_back({X_WB.p, looks.ball_radius});
   }
   if (moving.X_WH) {
-    add(moving.grips ? looks.gripping_hand : looks.open_hand, *moving.X_WH, kHandId);
+    add(moving.grips ? looks.gripping_hand : looks.open_hand,
+        moving.grips ? looks.far_gripping_hand : looks.far_open_hand, *moving.X_WH, kHandId);
     list.occluders.push_back({moving.X_WH->p, 0.05});
   }
   return list;

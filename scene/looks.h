@@ -23,7 +23,9 @@ struct Looks {
   /// Adds all meshes to the renderer.
   Looks(render::Renderer& renderer, const Stage& stage);
 
-  int true_skittle, ellipsoid_skittle, ball, open_hand, gripping_hand;
+  /// Meshes; the far ones are of fewer triangles.
+  int true_skittle, far_true_skittle, ellipsoid_skittle, far_ellipsoid_skittle, ball, open_hand,
+      far_open_hand, gripping_hand, far_gripping_hand;
   render::DrawList room;  ///< what never moves, with light, patches and shadow box
   std::vector<render::Occluder> true_occluders, ellipsoid_occluders;  ///< of a skittle, p_BQ
   double ball_radius, skittle_centre;  ///< the latter of the stage's skittles

@@ -16,7 +16,8 @@ using render::Ring;
 using render::srgb;
 using render::Surface;
 
-constexpr double kCell = 0.25;  // light is worked out this often on walls [m]
+constexpr double kCell = 0.25;       // light is worked out this often on walls [m]
+constexpr double kStraight = 0.015;  // of the light: less than an 8-bit step of it is seen
 
 /// A number in -1..1 that looks random and is always the same.
 double speckle(int a, int b) {
@@ -51,21 +52,18 @@ class Builder {
     return sum;
   }
 
-  /// A rectangle with corner `a` and sides u, v, seen from where u x v points.
+  /// A rectangle with corner `a` and sides u, v, seen from where u x v points. It has vertices
+  /// where the light bends: what is between them is drawn as straight.
   void panel(Mesh& mesh, const Vec3& a, const Vec3& u, const Vec3& v, const Vec3& albedo,
              double cell = kCell) const {
-    const int nu = std::max(1, static_cast<int>(std::ceil(u.norm() / cell)));
-    const int nv = std::max(1, static_cast<int>(std::ceil(v.norm() / cell)));
     const Vec3 n = u.cross(v).normalized();
+    const std::vector<double> across = bends(a, u, v, n, cell), up = bends(a, v, u, n, cell);
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
-    for (int j = 0; j <= nv; ++j) {
-      for (int i = 0; i <= nu; ++i) {
-        const Vec3 p = a + u * i / nu + v * j / nv;
-        add_vertex(mesh, p, n, albedo);
-      }
+    for (const double t : up) {
+      for (const double s : across) add_vertex(mesh, a + s * u + t * v, n, albedo);
     }
-    const auto row = static_cast<std::uint32_t>(nu + 1);
-    for (std::uint32_t j = 0; j + 1 <= static_cast<std::uint32_t>(nv); ++j) {
+    const auto row = static_cast<std::uint32_t>(across.size());
+    for (std::uint32_t j = 0; j + 1 < static_cast<std::uint32_t>(up.size()); ++j) {
       for (std::uint32_t i = 0; i + 1 < row; ++i) {
         const std::uint32_t k = first + j * row + i;
         for (const std::uint32_t c : {k, k + 1, k + row + 1, k, k + row + 1, k + row}) {
@@ -133,6 +131,40 @@ class Builder {
     mesh.vertices.push_back({p.cast<float>(), n.cast<float>(), colour.cast<float>()});
   }
 
+  /// Where along u, as shares, a panel needs vertices: light between them is straight to within
+  /// kStraight, all the way along v.
+  std::vector<double> bends(const Vec3& a, const Vec3& u, const Vec3& v, const Vec3& n,
+                            double cell) const {
+    const int count = std::max(1, static_cast<int>(std::ceil(u.norm() / cell)));
+    const int rows = std::max(1, static_cast<int>(std::ceil(v.norm() / cell)));
+    const auto share = [&](int i) { return static_cast<double>(i) / count; };
+    std::vector<std::vector<Vec3>> light_at;  // [place][row]
+    for (int i = 0; i <= count; ++i) {
+      light_at.emplace_back();
+      for (int j = 0; j <= rows; ++j) {
+        light_at.back().push_back(light(a + share(i) * u + v * j / rows, n));
+      }
+    }
+    const auto straight = [&](std::size_t from, std::size_t to) {
+      for (std::size_t i = from + 1; i < to; ++i) {
+        const double part = static_cast<double>(i - from) / static_cast<double>(to - from);
+        for (std::size_t j = 0; j < light_at[i].size(); ++j) {
+          const Vec3 between = (1.0 - part) * light_at[from][j] + part * light_at[to][j];
+          if ((light_at[i][j] - between).norm() > kStraight * light_at[i][j].norm()) return false;
+        }
+      }
+      return true;
+    };
+    std::vector<double> places{0.0};
+    for (std::size_t from = 0; from < static_cast<std::size_t>(count);) {
+      std::size_t to = from + 1;
+      while (to < static_cast<std::size_t>(count) && straight(from, to + 1)) ++to;
+      places.push_back(share(static_cast<int>(to)));
+      from = to;
+    }
+    return places;
+  }
+
   const RoomMeasures& room_;
   std::vector<Lamp> lamps_;
 };
@@ -160,7 +192,6 @@ Vec2 gutter_point(const RoomMeasures& room, int i) {
 Mesh approach_mesh(const RoomMeasures& room, const Builder& build) {
   Mesh mesh;
   mesh.surface = Surface::floor;
-  mesh.gloss = 0.02;
   const double w = 0.5 * room.width;
   build.boards(mesh, {-w, -room.behind}, {w, -0.03}, 60, srgb(0xcfa06a), 0.10, 1);
   build.panel(mesh, {-w, -0.03, 0}, {room.width, 0, 0}, {0, 0.03, 0}, srgb(0x1c1a1a));  // foul line
@@ -311,12 +342,14 @@ Mesh front_mesh(const RoomMeasures& room, const Builder& build) {
   const double square = 0.9 * width / (6 * kName.size()), top = low + 0.55;
   for (std::size_t letter = 0; letter < kName.size(); ++letter) {
     for (int row = 0; row < 7; ++row) {
-      for (int column = 0; column < 5; ++column) {
-        if ((kName[letter][static_cast<std::size_t>(row)] >> (4 - column) & 1) == 0) continue;
+      const int squares = kName[letter][static_cast<std::size_t>(row)];
+      for (int column = 0, run = 0; column < 5; column += run + 1) {
+        for (run = 0; column + run < 5 && (squares >> (4 - column - run) & 1) != 0;) ++run;
+        if (run == 0) continue;
         const double x =
             -0.45 * width + square * (6.0 * static_cast<double>(letter) + 0.5 + column);
-        build.panel(mesh, {x, y - 0.004, top - square * (row + 1)}, {square, 0, 0}, {0, 0, square},
-                    srgb(0xf2e3b6));
+        build.panel(mesh, {x, y - 0.004, top - square * (row + 1)}, {run * square, 0, 0},
+                    {0, 0, square}, srgb(0xf2e3b6));
       }
     }
   }
