@@ -37,6 +37,15 @@ void add_condition_options(CLI::App& command, Condition& condition) {
       .add_flag("--warm", condition.warm,
                 "paper detection starts from the last normal (ours; in 1997 it did not)")
       ->group(group);
+  std::string looks = "what is spent on a picture:";
+  std::vector<std::string> look_names;
+  for (const render::Look& look : render::looks()) {
+    looks += fmt::format("\n{}: {}", look.name, look.meaning);
+    look_names.emplace_back(look.name);
+  }
+  command.add_option("--look", condition.look, looks)
+      ->check(CLI::IsMember(look_names))
+      ->group(group);
   command
       .add_option("--set", condition.set, "any value of the scenario, KEY=VALUE; may be repeated")
       ->allow_extra_args(false)
@@ -51,6 +60,9 @@ void apply(const Condition& condition, scene::Scenario& scenario) {
   if (condition.detection) scenario.collision.detection = *condition.detection;
   if (condition.iterations) scenario.collision.iterations = *condition.iterations;
   if (condition.warm) scenario.collision.warm = *condition.warm;
+  for (const render::Look& look : render::looks()) {
+    if (condition.look == look.name) scenario.look = look.quality;
+  }
   for (const std::string& assignment : condition.set) {
     try {
       scene::set(scenario, assignment);

@@ -15,10 +15,12 @@ struct Condition {
   std::optional<std::string> shape, response, detection;
   std::optional<std::int64_t> iterations;
   std::optional<bool> warm;
+  std::optional<std::string> look;
   std::vector<std::string> set;
 };
 
-/// Adds --elasticity, --friction, --shape, --response, --detection, --iterations, --warm and --set.
+/// Adds --elasticity, --friction, --shape, --response, --detection, --iterations, --warm, --look and
+/// --set.
 void add_condition_options(CLI::App& command, Condition& condition);
 
 /// @throws UsageError  for a value out of range or a key that does not exist

@@ -27,6 +27,11 @@ Vec3 srgb(std::uint32_t rgb) {
   return {light(16), light(8), light(0)};
 }
 
+Vec3 srgb_of(const Vec3& light) {
+  return light.unaryExpr(
+      [](double x) { return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1.0 / 2.4) - 0.055; });
+}
+
 void append(Mesh& mesh, const Mesh& part, const Pose& X_GP) {
   const std::uint32_t first = size_of(mesh);
   for (const Vertex& v : part.vertices) {

@@ -12,6 +12,9 @@ namespace headpin::render {
 /// A colour in linear light from its usual web notation, 0xRRGGBB in sRGB.
 Vec3 srgb(std::uint32_t rgb);
 
+/// The code of a light, 0..1 each: what srgb() reads.
+Vec3 srgb_of(const Vec3& light);
+
 /// What the light does to a mesh.
 enum class Surface {
   lit,    ///< colour is what it reflects; lamps and surroundings are worked out per pixel

@@ -44,6 +44,17 @@ Gl current_functions(GlContext& context) {
   return gl;
 }
 
+Program mesh_program(const Gl& gl, const shaders::Variant& variant, const char* fragment) {
+  return {gl, shaders::shader(variant, shaders::kMeshVertex).c_str(),
+          shaders::shader(variant, fragment).c_str()};
+}
+
+/// Of bodies: the colour of their mesh is what they reflect, and becomes light here.
+Program lit_program(const Gl& gl, bool coded, bool by_vertex) {
+  return by_vertex ? mesh_program(gl, {.early = coded, .lamps = true}, shaders::kBakedFragment)
+                   : mesh_program(gl, {.coded = coded}, shaders::kLitFragment);
+}
+
 /// What one eye looks at.
 struct Scene {
   const DrawList* list;
@@ -58,6 +69,9 @@ struct Scene {
 struct Renderer::Impl {
   Impl(std::unique_ptr<GlContext> with, Quality wanted)
       : context(std::move(with)), gl(current_functions(*context)), quality(wanted) {
+    if (quality.light != "pixel" && quality.light != "vertex") {
+      throw std::invalid_argument("light: " + quality.light + ", expected pixel or vertex");
+    }
     if (quality.samples < 1 || quality.samples > 8) {
       throw std::invalid_argument("samples: " + std::to_string(quality.samples) +
                                   ", expected 1 to 8");
@@ -166,7 +180,7 @@ struct Renderer::Impl {
   const Program& program_of(const Kept& mesh) const {
     switch (mesh.surface) {
       case Surface::lit:
-        return lit;
+        return lit;  // by vertex or by pixel
       case Surface::floor:
         return mirrors(mesh)        ? takes_shadow(mesh) ? floor : polished
                : takes_shadow(mesh) ? shadowed
@@ -294,7 +308,7 @@ struct Renderer::Impl {
   void use_target(std::size_t i, const View& view) {
     const int width = quality.samples * view.width, height = quality.samples * view.height;
     if (!targets[i] || !targets[i]->fits(width, height)) {
-      targets[i] = std::make_unique<Target>(gl, GL_SRGB8_ALPHA8, width, height);
+      targets[i] = std::make_unique<Target>(gl, coded ? GL_RGBA8 : GL_SRGB8_ALPHA8, width, height);
     }
     targets[i]->use();
   }
@@ -321,12 +335,18 @@ struct Renderer::Impl {
   Gl gl;
   Quality quality;
   std::vector<Kept> meshes;
-  Program lit{gl, shaders::kMeshVertex, shaders::kLitFragment};
-  Program baked{gl, shaders::kMeshVertex, shaders::kBakedFragment};
-  Program floor{gl, shaders::kMeshVertex, shaders::floor_fragment(true, true).c_str()};
-  Program polished{gl, shaders::kMeshVertex, shaders::floor_fragment(false, true).c_str()};
-  Program shadowed{gl, shaders::kMeshVertex, shaders::floor_fragment(true, false).c_str()};
-  Program contact{gl, shaders::kContactVertex, shaders::kContactFragment};
+  /// Without mirrors nothing shines through anything, and shaders may write sRGB themselves.
+  bool coded = !quality.mirror;
+  Program lit = lit_program(gl, coded, quality.light == "vertex");
+  Program baked = mesh_program(gl, {.early = coded}, shaders::kBakedFragment);
+  Program floor = mesh_program(gl, {.coded = coded, .early = coded, .shadow = true, .mirror = true},
+                               shaders::kFloorFragment);
+  Program polished =
+      mesh_program(gl, {.coded = coded, .early = coded, .mirror = true}, shaders::kFloorFragment);
+  Program shadowed =
+      mesh_program(gl, {.coded = coded, .early = coded, .shadow = true}, shaders::kFloorFragment);
+  Program contact{gl, shaders::kContactVertex,
+                  shaders::shader({.coded = coded}, shaders::kContactFragment).c_str()};
   Program depth{gl, shaders::kDepthVertex, shaders::kDepthFragment};
   ShadowMap shadow_map{gl};
   std::vector<std::unique_ptr<Target>> targets;  // of the last views' sizes, in samples
@@ -336,6 +356,16 @@ struct Renderer::Impl {
   GLint largest = 0;
   std::vector<std::uint8_t> samples;
 };
+
+std::span<const Look> looks() {
+  static const std::array<Look, 3> all{
+      {{"standard", "four samples a pixel, shadows, a polished lane", {}},
+       {"fast", "one sample a pixel, shadows, no polish", {.samples = 1, .mirror = false}},
+       {"1997",
+        "one sample a pixel, light worked out at vertices, no shadows, no polish",
+        {.samples = 1, .contact = false, .shadow = false, .mirror = false, .light = "vertex"}}}};
+  return all;
+}
 
 Renderer::Renderer(std::unique_ptr<GlContext> context, Quality quality)
     : impl_(std::make_unique<Impl>(std::move(context), quality)) {}
@@ -397,11 +427,12 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
                 contact.data(), GL_STREAM_DRAW);
 
   Scene scene{&list, r.meshes_seen(list, views), {}, shadow_view, {}};
-  gl.Enable(GL_FRAMEBUFFER_SRGB);
+  if (!r.coded) gl.Enable(GL_FRAMEBUFFER_SRGB);
   r.targets.resize(std::max(r.targets.size(), views.size()));
   for (std::size_t i = 0; i < views.size(); ++i) {
     r.use_target(i, views[i]);
-    const Eigen::Vector3f back = list.background.cast<float>();
+    const Vec3 light = list.background;
+    const Eigen::Vector3f back = (r.coded ? srgb_of(light) : light).cast<float>();
     gl.ClearColor(back.x(), back.y(), back.z(), 1.0F);
     gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 

@@ -1,45 +1,36 @@
 #pragma once
 
 #include <string>
+#include <utility>
 
-/// GLSL of the renderer. All light is linear; the target encodes it as sRGB.
+/// GLSL of the renderer. All light is linear. The target encodes it as sRGB; with CODED, which needs
+/// nothing to be seen through, the shaders do, where it costs least.
 namespace headpin::render::shaders {
 
-inline constexpr const char* kMeshVertex = R"(#version 330 core
-layout(location = 0) in vec3 p_G;
-layout(location = 1) in vec3 n_G;
-layout(location = 2) in vec3 colour_in;
-uniform mat4 world;     // mesh to world
-uniform mat4 turn;      // the same for normals
-uniform mat4 to_clip;   // mesh to clip space
-uniform vec3 tint;
-uniform float lowest_z;
-out vec3 p_W;
-out vec3 n_W;
-out vec3 colour;
-void main() {
-  vec4 p = world * vec4(p_G, 1.0);
-  p_W = p.xyz;
-  n_W = mat3(turn) * n_G;
-  colour = tint * colour_in;
-  gl_ClipDistance[0] = p.z - lowest_z;  // what is below a mirror is not seen in it
-  gl_Position = to_clip * vec4(p_G, 1.0);
+/// What a program is made for.
+struct Variant {
+  bool coded = false;   ///< writes sRGB, into a target that stores what it is given
+  bool early = false;   ///< so it does, at its vertices already
+  bool lamps = false;   ///< lamps are worked out at vertices
+  bool shadow = false;  ///< a floor that takes shadows
+  bool mirror = false;  ///< a floor that mirrors
+};
+
+inline constexpr const char* kCode = R"(
+vec3 code(vec3 x) {
+  return mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThan(x, vec3(0.0031308)));
 }
 )";
 
 // Lamps (Lambert, Blinn), light of the surroundings from above and below, and their reflection.
-inline constexpr const char* kLitFragment = R"(#version 330 core
-in vec3 p_W;
-in vec3 n_W;
-in vec3 colour;
+inline constexpr const char* kLight = R"(
 uniform vec3 eye_W;
 uniform vec3 sky;
 uniform vec3 ground;
 uniform vec3 lamp_p[4];
 uniform vec3 lamp_power[4];
 uniform float gloss;
-out vec4 result;
-void main() {
+vec3 light(vec3 p_W, vec3 n_W, vec3 colour) {
   vec3 n = normalize(n_W);
   vec3 v = normalize(eye_W - p_W);
   vec3 diffuse = mix(ground, sky, 0.5 + 0.5 * n.z);
@@ -59,11 +50,52 @@ void main() {
   float fresnel = 0.04 + 0.5 * graze2 * graze2 * graze;  // Schlick, held down at the rim
   vec3 r = reflect(-v, n);
   shine += fresnel * mix(ground, sky, smoothstep(-0.2, 0.2, r.z));
-  result = vec4(colour * diffuse + gloss * shine, 1.0);
+  return colour * diffuse + gloss * shine;
 }
 )";
 
-inline constexpr const char* kBakedFragment = R"(#version 330 core
+inline constexpr const char* kMeshVertex = R"(
+layout(location = 0) in vec3 p_G;
+layout(location = 1) in vec3 n_G;
+layout(location = 2) in vec3 colour_in;
+uniform mat4 world;     // mesh to world
+uniform mat4 turn;      // the same for normals
+uniform mat4 to_clip;   // mesh to clip space
+uniform vec3 tint;
+uniform float lowest_z;
+out vec3 p_W;
+out vec3 n_W;
+out vec3 colour;
+void main() {
+  vec4 p = world * vec4(p_G, 1.0);
+  p_W = p.xyz;
+  n_W = mat3(turn) * n_G;
+  colour = tint * colour_in;
+#ifdef LAMPS
+  colour = min(light(p_W, n_W, colour), vec3(1.0));
+#endif
+#ifdef EARLY
+  colour = code(colour);
+#endif
+  gl_ClipDistance[0] = p.z - lowest_z;  // what is below a mirror is not seen in it
+  gl_Position = to_clip * vec4(p_G, 1.0);
+}
+)";
+
+inline constexpr const char* kLitFragment = R"(
+in vec3 p_W;
+in vec3 n_W;
+in vec3 colour;
+out vec4 result;
+void main() {
+  result = vec4(light(p_W, n_W, colour), 1.0);
+#ifdef CODED
+  result.rgb = code(min(result.rgb, vec3(1.0)));
+#endif
+}
+)";
+
+inline constexpr const char* kBakedFragment = R"(
 in vec3 p_W;
 in vec3 n_W;
 in vec3 colour;
@@ -77,8 +109,6 @@ inline constexpr const char* kFloorFragment = R"(
 in vec3 p_W;
 in vec3 n_W;
 in vec3 colour;
-uniform vec3 eye_W;
-uniform float gloss;
 uniform mat4 shadow_view;
 uniform sampler2DShadow shadow_map;
 uniform float shadow_depth;
@@ -95,15 +125,12 @@ void main() {
   float graze2 = graze * graze;
   hidden = 1.0 - mix(gloss, 0.5, graze2 * graze2 * graze);
 #endif
+#ifdef CODED
+  lit = pow(lit, 1.0 / 2.2);  // what the code of a darker light is less
+#endif
   result = vec4(colour * lit, hidden);
 }
 )";
-
-/// A floor that takes shadows, or mirrors, or both.
-inline std::string floor_fragment(bool shadow, bool mirror) {
-  return std::string("#version 330 core\n") + (shadow ? "#define SHADOW\n" : "") +
-         (mirror ? "#define MIRROR\n" : "") + kFloorFragment;
-}
 
 inline constexpr const char* kContactVertex = R"(#version 330 core
 layout(location = 0) in vec3 p_in;
@@ -123,7 +150,7 @@ void main() {
 
 // Share of the sky's cosine-weighted light that a ball keeps from a point of a plane:
 // (r/d)^2 cos, less what is too faint to draw. The target is multiplied by the rest.
-inline constexpr const char* kContactFragment = R"(#version 330 core
+inline constexpr const char* kContactFragment = R"(
 in vec3 p_W;
 in vec3 n_W;
 in vec4 ball;
@@ -134,7 +161,11 @@ void main() {
   float d2 = dot(d, d);
   float taken = ball.w * ball.w * max(dot(n_W, d), 0.0) * inversesqrt(d2) / d2;
   taken = clamp((taken - faint) / (1.0 - faint), 0.0, 0.95);
-  result = vec4(vec3(1.0 - taken), 1.0);
+  float left = 1.0 - taken;
+#ifdef CODED
+  left = pow(left, 1.0 / 2.2);
+#endif
+  result = vec4(vec3(left), 1.0);
 }
 )";
 
@@ -153,5 +184,16 @@ uniform uint id;
 out uint result;
 void main() { result = id; }
 )";
+
+inline std::string shader(const Variant& variant, const char* body) {
+  std::string text = "#version 330 core\n";
+  for (const auto& [wanted, name] :
+       {std::pair{variant.coded, "CODED"}, std::pair{variant.early, "EARLY"},
+        std::pair{variant.lamps, "LAMPS"}, std::pair{variant.shadow, "SHADOW"},
+        std::pair{variant.mirror, "MIRROR"}}) {
+    if (wanted) text += std::string("#define ") + name + "\n";
+  }
+  return text + kCode + kLight + body;
+}
 
 }  // namespace headpin::render::shaders

@@ -208,6 +208,7 @@ void visit(V& v, render::Quality& q) {
   v.field("contact", q.contact, kAny, "floors darken beneath and beside bodies");
   v.field("shadow", q.shadow, kAny, "bodies cast shadows on floors");
   v.field("mirror", q.mirror, kAny, "polished floors mirror what stands on them");
+  v.field("light", q.light, Choices{"pixel", "vertex"}, "where lamps light bodies");
 }
 
 template <typename V>

@@ -36,7 +36,7 @@ struct Text {
 
 /// Keys that trials of before these keys were there lack, with what such a trial ran under. What is
 /// written here never changes, whatever becomes of the defaults.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 33> kKeysSince{{
+constexpr std::array<std::pair<std::string_view, std::string_view>, 34> kKeysSince{{
     {"hand.release_window_most_s", "0.12"},
     {"hand.release_accuracy", "0.3"},
     {"collision.warm", "true"},
@@ -45,6 +45,7 @@ constexpr std::array<std::pair<std::string_view, std::string_view>, 33> kKeysSin
     {"look.contact", "true"},
     {"look.shadow", "true"},
     {"look.mirror", "true"},
+    {"look.light", "'pixel'"},
     {"rig.head_station", "1"},
     {"rig.hand_station", "2"},
     {"skittle.seen", "'collider'"},

@@ -209,10 +209,11 @@ struct LitScene {
   Renderer renderer;
   DrawList list;
 
-  explicit LitScene(Quality quality = {}) : renderer(osmesa_context(), quality) {
+  explicit LitScene(Quality quality = {}, double gloss = 0.2)
+      : renderer(osmesa_context(), quality) {
     Mesh floor;
     floor.surface = Surface::floor;
-    floor.gloss = 0.2;
+    floor.gloss = gloss;
     append_face(floor, {-2, -1, 0}, {2, -1, 0}, {2, 6, 0}, {-2, 6, 0}, Vec3::Constant(0.4));
     DrawItem item;
     item.mesh = renderer.add(floor);
@@ -261,6 +262,48 @@ TEST(Picture, DrawnAloneIsTheOneDrawnInASequenceByAnyContextAndInAnyThread) {
   }).join();
   EXPECT_EQ(elsewhere, sequence[5]);
   EXPECT_EQ(alone.pair(), sequence[5]);
+}
+
+/// Largest difference of two pictures but for one byte in a thousand.
+int nearly_largest_difference(const Image& a, const Image& b) {
+  std::vector<int> differences;
+  for (std::size_t i = 0; i < a.rgb.size(); ++i) {
+    differences.push_back(std::abs(int{a.rgb[i]} - int{b.rgb[i]}));
+  }
+  std::ranges::sort(differences);
+  return differences[differences.size() * 999 / 1000];
+}
+
+// Without mirrors the shaders write sRGB; with them, though there is nothing polished here, the
+// target does.
+TEST(Picture, IsTheSameWhoeverCodesItsLight) {
+  LitScene by_shader({.samples = 1, .mirror = false}, 0.0), by_target({.samples = 1}, 0.0);
+  EXPECT_LE(nearly_largest_difference(by_shader.pair()[0], by_target.pair()[0]), 5);
+}
+
+TEST(Picture, LitAtVerticesShowsTheSameBallAlikeBright) {
+  const Quality pixel{.samples = 1, .contact = false, .shadow = false, .mirror = false};
+  Quality vertex = pixel;
+  vertex.light = "vertex";
+  LitScene a(pixel), b(vertex);
+  const Image by_pixel = a.pair()[0], by_vertex = b.pair()[0];
+  EXPECT_NE(by_pixel, by_vertex);
+  const Labels labels = a.renderer.labels(
+      a.list, eyes({rotation(Vec3(std::numbers::pi / 2 - 0.5, 0, 0)), Vec3(0, 0, 1.2)}, {})[0]);
+  double of_pixel = 0.0, of_vertex = 0.0;
+  for (std::size_t i = 0; i < labels.id.size(); ++i) {
+    if (labels.id[i] != 2) continue;
+    of_pixel += by_pixel.rgb[3 * i];
+    of_vertex += by_vertex.rgb[3 * i];
+  }
+  EXPECT_GT(of_pixel, 0.0);
+  EXPECT_NEAR(of_vertex / of_pixel, 1.0, 0.02);
+}
+
+TEST(Look, IsKnownByNameAndAnUnknownLightIsRefused) {
+  EXPECT_EQ(looks()[0].name, "standard");
+  for (const Look& look : looks()) EXPECT_NO_THROW(LitScene(look.quality).pair()) << look.name;
+  EXPECT_THROW(LitScene({.light = "candle"}), std::invalid_argument);
 }
 
 TEST(Picture, HasTheSameBytesWhateverTheNumberOfDrawingThreads) {

@@ -178,6 +178,7 @@ TEST(ScenarioOfATrial, TakesNoDefaultOfToday) {
                                             "look.contact",
                                             "look.shadow",
                                             "look.mirror",
+                                            "look.light",
                                             "walk.speed",
                                             "walk.acceleration",
                                             "walk.clearance",
