@@ -4,6 +4,7 @@
 #include <cmath>
 #include <span>
 
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "scene/events.h"
@@ -18,6 +19,9 @@ constexpr Time kFitted{200'000};      ///< an acceleration is that of so long
 constexpr double kSlowAgain = 0.5;    ///< what came at the player has been stopped [m/s]
 constexpr double kAtItsHeight = 0.5;  ///< where up and down are ways out [m]
 constexpr double kOnItsWay = 0.05;    ///< so near to its path either side is a way out [m]
+
+/// Of head and neck, from between the eyes: a head that turns there is not on its way [m].
+const Vec3 kNeckJoint(0.0, -0.08, 0.10);
 
 /// What one call of `watch` works on.
 struct Sight {
@@ -61,8 +65,9 @@ double distance_now(const Sight& sight, engine::BodyId body) {
   return sight.p_WH ? std::min(upright, to_hand(p_WB, radius, *sight.p_WH)) : upright;
 }
 
-/// Of the last samples by then, in the tracked space; zero for too few [m/s^2].
-Vec3 acceleration(std::span<const Stamped<Pose>> track, Time now) {
+/// Of a point of what is tracked, over the last samples by then, in the tracked space; zero for too few
+/// [m/s^2].
+Vec3 acceleration(std::span<const Stamped<Pose>> track, const Vec3& p_SQ, Time now) {
   Mat3 normal = Mat3::Zero(), right = Mat3::Zero();  // of 1, t, t^2
   int count = 0;
   for (const Stamped<Pose>& sample : track) {
@@ -70,7 +75,7 @@ Vec3 acceleration(std::span<const Stamped<Pose>> track, Time now) {
     const double t = seconds(sample.time - now) / seconds(kFitted);
     const Vec3 powers(1.0, t, t * t);
     normal += powers * powers.transpose();
-    right += powers * sample.value.p.transpose();
+    right += powers * (sample.value * p_SQ).transpose();
     ++count;
   }
   constexpr int kFewest = 6;
@@ -78,6 +83,13 @@ Vec3 acceleration(std::span<const Stamped<Pose>> track, Time now) {
   const Mat3 coefficients = normal.inverse() * right;
   const double unit = seconds(kFitted);
   return 2.0 / (unit * unit) * coefficients.row(2).transpose();
+}
+
+/// Whether a hand is on a way of its own, as in a throw.
+bool is_swinging(const devices::PoseTrack& hand, Time now) {
+  constexpr double kSwing = 0.3;  // [m]
+  const std::optional<Pose> before = hand.at(now - kFitted), after = hand.at(now);
+  return !before || !after || (after->p - before->p).norm() > kSwing;
 }
 
 /// The part of an acceleration that leads out of the way of a thing.
@@ -111,11 +123,11 @@ void follow_approach(Approach& approach, const Sight& sight) {
                       level(state.v_WB).norm() < kSlowAgain;
     if (gone || !passing_of(sight, approach.body)) approach.passed = sight.moment.time;
   }
-  const Vec3 head = acceleration(sight.player.head.samples(), sight.measured);
+  const Vec3 head = acceleration(sight.player.head.samples(), kNeckJoint, sight.measured);
   approach.head_away = std::max(approach.head_away,
                                 out_of_its_way(head, approach.along_W, state.X_WB.p, sight.p_WD));
-  if (!sight.p_WH) return;
-  const Vec3 hand = acceleration(sight.player.hand.samples(), sight.measured);
+  if (!sight.p_WH || is_swinging(sight.player.hand, sight.measured)) return;
+  const Vec3 hand = acceleration(sight.player.hand.samples(), Vec3::Zero(), sight.measured);
   approach.hand_away = std::max(approach.hand_away,
                                 out_of_its_way(hand, approach.along_W, state.X_WB.p, *sight.p_WH));
 }
@@ -124,7 +136,7 @@ devices::Event passed_event(const Sight& sight, const Approach& approach) {
   devices::Event e = seen_event(sight, kind::passed_player, approach.body);
   e.value = approach.closest;
   const double most = std::max(approach.head_away, approach.hand_away);
-  e.detail = nlohmann::json{{"noticed_s", seconds(approach.noticed)},
+  e.detail = nlohmann::json{{"noticed_s", static_cast<double>(approach.noticed.count()) / 1e6},
                             {"time_to_contact_s", approach.foreseen.time_s},
                             {"foreseen_m", approach.foreseen.distance},
                             {"at_hand", approach.foreseen.at_hand},
@@ -173,13 +185,14 @@ std::optional<Passing> passing(const engine::State& state, double radius, const 
     return Vec3(state.X_WB.p.x() + t * v.x(), state.X_WB.p.y() + t * v.y(),
                 std::max(floor, z + t * (state.v_WB.z() - 0.5 * gravity * t)));
   };
-  std::optional<Passing> nearest;
-  if (const double t = at(p_WD); t > 0.0) nearest = Passing{t, to_upright(then(t), radius, p_WD)};
-  if (!p_WH) return nearest;
-  const double t = at(*p_WH);
-  if (t <= 0.0) return nearest;
-  const Passing of_hand{t, to_hand(then(t), radius, *p_WH), true};
-  return !nearest || of_hand.distance < nearest->distance ? of_hand : nearest;
+  // What has just been thrown may come near the hand again, on its way off.
+  const double time_s = at(p_WD);
+  if (time_s <= 0.0) return std::nullopt;
+  const Passing nearest{time_s, to_upright(then(time_s), radius, p_WD)};
+  const double hand_s = p_WH ? at(*p_WH) : 0.0;
+  if (hand_s <= 0.0) return nearest;
+  const Passing of_hand{hand_s, to_hand(then(hand_s), radius, *p_WH), true};
+  return of_hand.distance < nearest.distance ? of_hand : nearest;
 }
 
 bool is_coming(const engine::State& state, const Passing& passing) {
@@ -206,6 +219,40 @@ void watch(Presence& presence, const Player& player, const Stage& stage, const e
   });
   for (const engine::BodyId ball : stage.balls) notice(presence, sight, ball, out);
   for (const engine::BodyId skittle : stage.skittles) notice(presence, sight, skittle, out);
+}
+
+nlohmann::json approaches_of(std::span<const devices::Event> events) {
+  nlohmann::json all = nlohmann::json::array();
+  for (const devices::Event& event : events) {
+    if (event.kind != kind::passed_player) continue;
+    nlohmann::json one = nlohmann::json::parse(event.detail, nullptr, false);
+    if (!one.is_object()) continue;  // of a damaged log
+    one["time_s"] = static_cast<double>(event.time.count()) / 1e6;
+    one["body"] = event.bodies.empty() ? "" : event.bodies.front();
+    one["closest_m"] = event.value;
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+std::vector<std::string> approaches_in_words(std::span<const devices::Event> events) {
+  std::vector<std::string> words;
+  for (const nlohmann::json& one : approaches_of(events)) {
+    const auto number = [&](const char* key) {
+      const auto found = one.find(key);
+      return found != one.end() && found->is_number() ? found->get<double>() : 0.0;
+    };
+    const auto moved = one.find("moved");
+    words.push_back(
+        fmt::format("{} flew at the player: noticed at {:.3f} s, {:.2f} s ahead, {:.2f} m off at "
+                    "the closest; {} "
+                    "(head {:.1f}, hand {:.1f} m/s2 out of its way)",
+                    one["body"].get<std::string>(), number("noticed_s"),
+                    number("time_to_contact_s"), one["closest_m"].get<double>(),
+                    moved != one.end() && *moved == true ? "evaded" : "not evaded",
+                    number("head_away_mps2"), number("hand_away_mps2")));
+  }
+  return words;
 }
 
 }  // namespace headpin::scene

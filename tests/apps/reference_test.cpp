@@ -56,6 +56,7 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
   std::set<std::string> names;
   const auto take = [&](const std::string& arguments) { collect(json(arguments), names); };
   take("synthesize --json -o throw.lcmlog");
+  take("synthesize --json --participant 7 --throws 1 -o session.lcmlog");
   take("import --json " HEADPIN_SOURCE_DIR "/assets/throws/example.csv -o found.lcmlog");
   take("replay --json throw.lcmlog -o game.lcmlog");
   take("replay --json game.lcmlog --verify");
