@@ -92,6 +92,7 @@ nlohmann::json describe(const Side& side) {
       {"contacts", contacts},
       {"touches", score.touches},
       {"skittles_down", score.skittles_down},
+      {"games", scene::to_json(score.games)},
       {"release_speed_mps", number(score.release_speed)},
       {"impact_speed_mps", number(score.impact_speed)},
       {"highest_energy_j", highest},

@@ -66,7 +66,8 @@ inline constexpr std::array<EventKind, 20> kEventKinds{{
      "below the head, within a second, at more than 1 m/s",
      "its centre", "when it is nearest if both go on as they do [s]"},
     {kind::passed_player,
-     "0.3 s after that was over: what was foreseen and how head and hand accelerated out of its way, "
+     "0.3 s after that was over: what was foreseen and how head and hand accelerated out of its "
+     "way, "
      "as JSON in detail",
      "its centre", "closest approach of its surface to head, hand or what is below the head [m]"},
     {kind::ledger, "after the last tick: where the energy came from and went to, as JSON in detail",

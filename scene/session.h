@@ -18,7 +18,7 @@ struct Session {
   engine::World world;
   Player player;
   Game game;
-  Presence presence;  ///< what flies at the player
+  Presence presence;                                     ///< what flies at the player
   std::array<std::shared_ptr<const Stage>, 2> versions;  ///< red, blue; where there are buttons
   bool version_begun = false;                            ///< by one of them
   std::optional<std::size_t> touched;                    ///< the button that the hand is at
