@@ -36,6 +36,13 @@ struct Swing {
 Swing plan_swing(const Build& build, const Hand& hand, const Posture& stands, const Vec3& target_P,
                  double speed, double height, double lean);
 
+/// What is remembered of a throw that is under way.
+struct Thrown {
+  Vec3 from_W = Vec3::Zero(), target_W = Vec3::Zero();
+  std::optional<double> miss;  ///< to the right, where it passed the target [m]
+  bool felled = false;
+};
+
 /// Plays as device samples only: it is the source of a session and, as an observer, sees what comes
 /// of them. After every tick it decides what to do next; what it says is measured after that.
 ///
@@ -74,12 +81,6 @@ class Participant : public devices::Source, public Observer {
     watches,
     leaves,
     nothing
-  };
-  /// What is remembered of a throw that is under way.
-  struct Thrown {
-    Vec3 from_W = Vec3::Zero(), target_W = Vec3::Zero();
-    std::optional<double> miss;  ///< to the right, where it passed the target [m]
-    bool felled = false;
   };
 
   void begin(Doing next, double now);

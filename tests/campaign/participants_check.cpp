@@ -140,7 +140,8 @@ std::string panel(double top, const std::string& title, double low, double width
   return svg;
 }
 
-std::string picture(const std::vector<ThrowRow>& rows, long long people) {
+std::string picture(const std::vector<ThrowRow>& rows, long long people,
+                    const Versions& versions_of) {
   std::map<std::string, std::vector<double>> speeds, impacts, firsts;
   for (const ThrowRow& row : rows) {
     speeds[row.version].push_back(row.speed);
@@ -161,8 +162,10 @@ std::string picture(const std::vector<ThrowRow>& rows, long long people) {
   std::string svg = fmt::format(
       "<svg xmlns='http://www.w3.org/2000/svg' width='860' height='960' font-family='sans-serif'>\n"
       "<rect width='860' height='960' fill='white'/>\n"
-      "<text x='60' y='26' font-size='16'>{} virtual participants, {} throws</text>\n",
-      people, rows.size());
+      "<text x='60' y='26' font-size='16'>{} virtual participants, {} throws; friction {:g} in "
+      "red, {:g} in "
+      "blue</text>\n",
+      people, rows.size(), versions_of.red.friction, versions_of.blue.friction);
   svg += panel(90, "ball as it leaves the hand [m/s]", 2.0, 0.25, 1.0, bars(speeds, 2.0, 0.25, 36),
                {{6.4, 6.6, "measured in virtual reality"}, {8.0, 9.4, "good players, real balls"}});
   svg += panel(390, "ball at the first skittle [m/s]", 2.0, 0.25, 1.0, bars(impacts, 2.0, 0.25, 36),
@@ -235,7 +238,7 @@ int main(int count, char** arguments) {
     }
     all.insert(all.end(), rows.rows.begin(), rows.rows.end());
   }
-  std::ofstream(folder + "/participants.svg") << picture(all, people);
+  std::ofstream(folder + "/participants.svg") << picture(all, people, scenario.version);
   const auto n = static_cast<double>(people);
   fmt::print("{} participants, {} throws, {:.0f} s of play and {:.2f} s of work each\n", people,
              all.size(), simulated / n, spent / n);
