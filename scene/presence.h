@@ -11,8 +11,8 @@
 #include "scene/player.h"
 
 /// Presence as behaviour shows it: something flies at the player; does head or hand get out of its
-/// way? (Uno & Slater 1997, section 6, leave it for later: "this is dangerous!") How it is told is
-/// ours.
+/// way? Uno & Slater 1997 saw people do so and leave it for later: "This is dangerous!" How it is
+/// told is ours.
 ///
 /// The player is the upright line from the floor to the crown of the head, and the hand. What counts
 /// is how a ball or a skittle moves in the room, not that somebody walks or reaches towards it.
