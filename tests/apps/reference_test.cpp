@@ -62,6 +62,11 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
   take("replay --json game.lcmlog --verify");
   take("replay --json throw.lcmlog -o other.lcmlog --set material.ball.friction=0.1");
   take("info --json game.lcmlog");
+  // Without losses all comes bouncing back at who threw it.
+  take(
+      "replay --json session.lcmlog -o back.lcmlog --set version.red.elasticity=1 "
+      "--set version.red.friction=0 --set version.blue.elasticity=1");
+  take("info --json back.lcmlog");
   // A game that nobody plays has a sheet of no points.
   take("replay --json throw.lcmlog --set game.rules=plain");
   take("compare --json game.lcmlog other.lcmlog");
