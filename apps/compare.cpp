@@ -20,7 +20,7 @@ namespace headpin::apps {
 
 namespace {
 
-struct Options {
+struct CompareOptions {
   std::string a, b;
   bool json = false;
 };
@@ -123,7 +123,7 @@ std::vector<ComparedRow> compared_sheets(const nlohmann::json& a, const nlohmann
   return rows;
 }
 
-void print(const nlohmann::json& result) {
+void print_differences(const nlohmann::json& result) {
   if (result["first_difference_tick"].is_null()) {
     fmt::print("equal to the bit, {} ticks\n\n", result["a"]["ticks"].dump());
   } else {
@@ -158,7 +158,7 @@ void print(const nlohmann::json& result) {
   }
 }
 
-void run(const Options& options) {
+void compare(const CompareOptions& options) {
   const Side a = load(options.a), b = load(options.b);
   nlohmann::json result = {{"a", describe(a)},
                            {"b", describe(b)},
@@ -173,21 +173,21 @@ void run(const Options& options) {
   if (options.json) {
     print_json(result);
   } else {
-    print(result);
+    print_differences(result);
   }
 }
 
 }  // namespace
 
 void add_compare(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<CompareOptions>();
   CLI::App* command =
       app.add_subcommand("compare", "Hold two replayed trials against each other, tick by tick");
   command->add_option("a", options->a, "a trial with states")->required();
   command->add_option("b", options->b, "another")->required();
   add_json(*command, options->json);
   command->footer("Example:\n  headpin compare rough.lcmlog smooth.lcmlog");
-  command->callback([options] { run(*options); });
+  command->callback([options] { compare(*options); });
 }
 
 }  // namespace headpin::apps

@@ -17,9 +17,7 @@
 namespace headpin::apps {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-struct Options {
+struct ConformanceOptions {
   std::string line, client;
   int baud = 115200;
   double seconds = 2.0;
@@ -34,8 +32,9 @@ class PortLine : public devices::FastrakLine {
 
   void send(std::string_view text) override {
     devices::Bytes rest(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
-    const Clock::time_point end = Clock::now() + std::chrono::seconds(2);
-    while (!rest.empty() && Clock::now() < end) {
+    const std::chrono::steady_clock::time_point end =
+        std::chrono::steady_clock::now() + std::chrono::seconds(2);
+    while (!rest.empty() && std::chrono::steady_clock::now() < end) {
       rest = rest.subspan(stream_->write(rest));
       if (!rest.empty()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
@@ -43,8 +42,8 @@ class PortLine : public devices::FastrakLine {
   }
 
   std::string wait(Time span, std::size_t enough) override {
-    const Clock::time_point end = Clock::now() + span;
-    while (heard_.size() < enough && Clock::now() < end) {
+    const std::chrono::steady_clock::time_point end = std::chrono::steady_clock::now() + span;
+    while (heard_.size() < enough && std::chrono::steady_clock::now() < end) {
       pollfd state{stream_->descriptor(), POLLIN, 0};
       ::poll(&state, 1, 1);
       listen();
@@ -82,7 +81,7 @@ void reset(PortLine& line) {
 }
 
 /// @throws std::runtime_error  when nobody answers as a Fastrak does
-int count_receivers(PortLine& line, const Options& options) {
+int count_receivers(PortLine& line, const ConformanceOptions& options) {
   using namespace std::chrono_literals;
   const std::string status = line.ask("S", 1s, devices::kFastrakStatusLength);
   const std::string on = line.ask("l1\r", 1s, 9);
@@ -117,7 +116,7 @@ nlohmann::ordered_json as_json(const Row& row) {
   return json;
 }
 
-void print(const Row& row, int stations) {
+void print_row(const Row& row, int stations) {
   const devices::FastrakDemand* unmet = row.unmet();
   if (row.skipped) {
     fmt::print("{:<24}skipped: needs more than {} receivers\n", row.client, stations);
@@ -129,7 +128,7 @@ void print(const Row& row, int stations) {
   std::fflush(stdout);
 }
 
-void run(const Options& options) {
+void examine_unit(const ConformanceOptions& options) {
   PortLine line(options.line, options.baud);
   reset(line);
   const int stations = count_receivers(line, options);
@@ -148,7 +147,7 @@ void run(const Options& options) {
     if (options.json) {
       table.push_back(as_json(row));
     } else {
-      print(row, stations);
+      print_row(row, stations);
     }
   }
   reset(line);
@@ -172,7 +171,7 @@ std::string client_names() {
 void add_conformance(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "conformance", "Try a Fastrak, real or emulated, with what known clients send and need");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ConformanceOptions>();
   command->add_option("LINE", options->line, "serial port, or tcp:HOST:PORT")->required();
   command->add_option("--baud", options->baud, "of the port")
       ->check(CLI::IsMember({2400, 4800, 9600, 19200, 38400, 57600, 115200}))
@@ -185,7 +184,7 @@ void add_conformance(CLI::App& app) {
   command->footer("Clients: " + client_names() +
                   ".\nTakes some two minutes and leaves the unit running in its factory's set-up, "
                   "nothing saved.\n\nExample:\n  headpin conformance /dev/ttyUSB0");
-  command->callback([options] { run(*options); });
+  command->callback([options] { examine_unit(*options); });
 }
 
 }  // namespace headpin::apps

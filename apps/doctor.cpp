@@ -88,7 +88,7 @@ Finding look_for_program(const char* name, const char* package) {
   return {name, false, "not installed", fmt::format("apt-get install {}", package)};
 }
 
-void run(bool json) {
+void diagnose(bool json) {
   const std::vector<Finding> findings = {look_at_osmesa(),
                                          look_at_multicast(),
                                          look_at_receive_buffer(),
@@ -117,7 +117,7 @@ void add_doctor(CLI::App& app) {
       "works\n"
       "with file:// and memq:// URLs. EGL and R are for what is to come.\n\nExample:\n  headpin "
       "doctor");
-  command->callback([json] { run(*json); });
+  command->callback([json] { diagnose(*json); });
 }
 
 }  // namespace headpin::apps

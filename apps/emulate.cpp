@@ -27,7 +27,7 @@
 namespace headpin::apps {
 namespace {
 
-struct Options {
+struct EmulateOptions {
   std::string trial, motion = "circle", lcm, link, faults, control, firmware = "103.00";
   std::string place = "auto";
   std::string tcp, mouse;
@@ -107,7 +107,7 @@ std::unique_ptr<devices::TcpServer> serve_at(const std::string& where) {
 
 /// The line the unit hangs on.
 struct Line {
-  explicit Line(const Options& options) {
+  explicit Line(const EmulateOptions& options) {
     if (!options.tcp.empty()) {
       tcp = serve_at(options.tcp);
     } else {
@@ -226,7 +226,7 @@ class LcmFeed {
 
 /// What a client gets that sets nothing itself.
 std::string place_report(const devices::FastrakPlace& place, const devices::Trial& trial,
-                         const Options& options) {
+                         const EmulateOptions& options) {
   std::string text = fmt::format(
       "{}: in inches until a client says otherwise; positions up to {:.2f} m along an axis are not "
       "flagged{}",
@@ -246,7 +246,7 @@ std::string place_report(const devices::FastrakPlace& place, const devices::Tria
                     p_W.x(), p_W.y(), p_W.z());
 }
 
-Feed feed_of(const Options& options) {
+Feed feed_of(const EmulateOptions& options) {
   Feed feed;
   feed.loop = options.loop;
   if (!options.trial.empty()) {
@@ -301,13 +301,13 @@ bool obey(const std::string& line, devices::FastrakEmulator& emulator, Feed& fee
 }
 
 /// The hand's receiver, where somebody plays a part; 0 when no stylus is plugged in.
-int stylus_of(const Options& options) {
+int stylus_of(const EmulateOptions& options) {
   if (!options.stylus) return 0;
   const bool somebody = !options.trial.empty() || options.use_lcm;
   return somebody ? std::min(options.receivers, devices::kHandStation) : 1;
 }
 
-devices::FastrakEmulatorOptions unit_of(const Options& options, const Feed& feed) {
+devices::FastrakEmulatorOptions unit_of(const EmulateOptions& options, const Feed& feed) {
   devices::FastrakEmulatorOptions unit;
   unit.receivers = options.receivers;
   unit.baud = options.baud;
@@ -327,7 +327,7 @@ devices::FastrakEmulatorOptions unit_of(const Options& options, const Feed& feed
 }
 
 /// The line's name alone first, for scripts that read it.
-void introduce(const Options& options, const Line& line, const Feed& feed, int stylus) {
+void introduce(const EmulateOptions& options, const Line& line, const Feed& feed, int stylus) {
   std::string text = fmt::format("{}\n", line.name());
   text += fmt::format("Fastrak{}, receivers {}, {} baud, measures {}; ends at SIGINT or SIGTERM\n",
                       options.link.empty() ? "" : " at " + options.link, options.receivers,
@@ -342,7 +342,7 @@ void introduce(const Options& options, const Line& line, const Feed& feed, int s
   std::fflush(stdout);
 }
 
-void conclude(const Options& options, const Line& line, Time lasted,
+void conclude(const EmulateOptions& options, const Line& line, Time lasted,
               const devices::FastrakEmulatorStatistics& s) {
   if (!options.json) {
     fmt::print("{} records sent, {} dropped whole, {} commands, {} refused\n", s.records, s.dropped,
@@ -366,7 +366,7 @@ void wait_for_bytes(const Line& line, const Control& control) {
   ::poll(wait.data(), wait.size(), 1);
 }
 
-void run(const Options& options) {
+void emulate(const EmulateOptions& options) {
   Feed feed = feed_of(options);
   std::unique_ptr<LcmFeed> lcm;
   if (options.use_lcm) {
@@ -417,7 +417,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_emulate(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<EmulateOptions>();
   CLI::App* command = app.add_subcommand(
       "emulate", "Be a Polhemus Fastrak on a pseudo-terminal or a TCP port, as a driver sees it");
   auto* trial = command->add_option("TRIAL", options->trial,
@@ -493,7 +493,7 @@ void add_emulate(CLI::App& app) {
   command->callback([options, lcm, mouse] {
     options->use_lcm = lcm->count() > 0;
     options->use_mouse = mouse->count() > 0;
-    run(*options);
+    emulate(*options);
   });
 }
 

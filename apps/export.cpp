@@ -21,7 +21,7 @@ namespace headpin::apps {
 
 namespace {
 
-struct Options {
+struct ExportOptions {
   std::string trial;
   std::optional<std::string> folder;
   bool force = false, json = false;
@@ -93,7 +93,7 @@ std::string scenario_text(const std::string& text, const std::string& path) {
   }
 }
 
-void run(const Options& options) {
+void export_trial(const ExportOptions& options) {
   const devices::TrialFile trial(options.trial);
   trial.require_trial(devices::kLongestGap);
   const devices::TrialSummary& summary = trial.summary();
@@ -128,7 +128,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_export(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ExportOptions>();
   CLI::App* command = app.add_subcommand("export", "Write a trial as tables (CSV)");
   command->add_option("TRIAL", options->trial, "a trial (.lcmlog)")->required();
   add_output(*command, "-o,--output", options->folder, "folder to write the tables to")->required();
@@ -139,7 +139,7 @@ void add_export(CLI::App& app) {
       "trackers.csv, buttons.csv, events.csv, states.csv (a body and tick a row), frames.csv (an\n"
       "eye and frame a row); columns.csv says what each column is.\n\n"
       "Example:\n  headpin export game.lcmlog -o tables");
-  command->callback([options] { run(*options); });
+  command->callback([options] { export_trial(*options); });
 }
 
 }  // namespace headpin::apps

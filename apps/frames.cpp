@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct Options {
+struct FramesOptions {
   std::string trial, frames;
   std::optional<std::string> folder, video;
   std::int64_t fps = 0;
@@ -35,7 +35,7 @@ struct Options {
 /// Both eyes side by side, as a video.
 class VideoSink : public scene::FrameSink {
  public:
-  VideoSink(const Options& options, const render::Optics& optics, std::int64_t fps)
+  VideoSink(const FramesOptions& options, const render::Optics& optics, std::int64_t fps)
       : writer_(*options.video, 2 * optics.width, optics.height, fps, optics.pixel_aspect(),
                 options.force, std::vector<fs::path>{options.trial}) {}
 
@@ -55,7 +55,7 @@ std::int64_t frames_until(Time end, std::int64_t fps) {
   return frames;
 }
 
-void run(const Options& options) {
+void draw_frames(const FramesOptions& options) {
   if (!options.folder && !options.video && !options.verify) {
     throw UsageError("nothing to write: expected -o DIR, --video FILE or both, or --verify");
   }
@@ -138,7 +138,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_frames(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<FramesOptions>();
   CLI::App* command =
       app.add_subcommand("frames", "Draw what the participant saw: both eyes, frame by frame");
   command->add_option("trial", options->trial, "a trial (.lcmlog), replayed or not")->required();
@@ -162,7 +162,7 @@ void add_frames(CLI::App& app) {
       "; a single value is changed likewise, as by --set hmd.eye_distance=0.06.\n\n"
       "Example:\n  headpin frames assets/trials/demo.lcmlog -o frames --video "
       "stereo.mkv");
-  command->callback([options] { run(*options); });
+  command->callback([options] { draw_frames(*options); });
 }
 
 }  // namespace headpin::apps

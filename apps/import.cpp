@@ -19,7 +19,7 @@
 namespace headpin::apps {
 namespace {
 
-struct Options {
+struct ImportOptions {
   std::optional<std::string> output;
   std::string file, scenario, participant, condition;
   std::string units, heading = "release", hand = "auto", names, axes;
@@ -37,7 +37,7 @@ scene::Heading heading(const std::string& name) {
 }
 
 /// What the options declare.
-devices::MotionOptions declared(const Options& options) {
+devices::MotionOptions declared(const ImportOptions& options) {
   devices::MotionOptions motion;
   if (!options.units.empty()) motion.unit_m = metres(options.units);
   if (!options.axes.empty()) motion.axes = options.axes;
@@ -57,13 +57,13 @@ struct Thrown {
   std::size_t throws = 1;  ///< in the file
 };
 
-scene::Side side_of(const Options& options, const devices::MotionRecording& recording,
+scene::Side side_of(const ImportOptions& options, const devices::MotionRecording& recording,
                     const scene::Hand& hand) {
   if (options.hand == "auto") return scene::throwing_side(recording, hand);
   return options.hand == "left" ? scene::Side::left : scene::Side::right;
 }
 
-Thrown read_thrown(const Options& options, const scene::Hand& hand) {
+Thrown read_thrown(const ImportOptions& options, const scene::Hand& hand) {
   Thrown thrown{devices::read_motion(options.file, declared(options))};
   thrown.side = side_of(options, thrown.recording, hand);
   std::vector<devices::MotionRecording> throws = scene::split_throws(thrown.recording, thrown.side);
@@ -80,7 +80,7 @@ Thrown read_thrown(const Options& options, const scene::Hand& hand) {
 }
 
 /// What the user should know of a recording that is taken all the same.
-void say_doubts(const Options& options, const Thrown& thrown) {
+void say_doubts(const ImportOptions& options, const Thrown& thrown) {
   for (const std::string& doubt : scene::doubts(thrown.recording)) {
     say("headpin import: {}: {}\n", printable(options.file), doubt);
   }
@@ -112,11 +112,7 @@ std::vector<devices::Event> found_events(const devices::MotionRecording& recordi
 }
 
 /// Seconds as one would write the stamp, 3.035 and not 3.0349999999999997.
-double decimal_seconds(Time time) {
-  return static_cast<double>(time.count()) / 1e6;
-}
-
-void run(const Options& options) {
+void import_throw(const ImportOptions& options) {
   const scene::Scenario base =
       options.scenario.empty() ? scene::Scenario{} : scene::load_scenario(options.scenario);
   const Thrown thrown = read_thrown(options, base.hand);
@@ -142,10 +138,10 @@ void run(const Options& options) {
   recorder.close();
 
   const std::size_t samples = recording.times.size();
-  const double duration = decimal_seconds(recording.times.back() - recording.times.front());
+  const double duration = nearest_seconds(recording.times.back() - recording.times.front());
   const double rate = static_cast<double>(samples - 1) / duration;
-  const double grab = decimal_seconds(recording.times[found.grab]);
-  const double release = decimal_seconds(recording.times[found.release]);
+  const double grab = nearest_seconds(recording.times[found.grab]);
+  const double release = nearest_seconds(recording.times[found.release]);
   const double speed = found.V_TB.v.norm();
   if (options.json) {
     print_json({{"output", *options.output},
@@ -178,7 +174,7 @@ void run(const Options& options) {
 
 void add_import(CLI::App& app) {
   CLI::App* command = app.add_subcommand("import", "Make a trial of a recorded throw");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<ImportOptions>();
   command
       ->add_option("FILE", options->file,
                    "CSV of the XR motion catalogue, a UXF session's folder or one of its trackers' "
@@ -224,7 +220,7 @@ void add_import(CLI::App& app) {
       "There are no buttons in such a file: grab and release are found, and marked as found.\n"
       "What cannot be a person's throw is refused, with the reason.\n\n"
       "Example:\n  headpin import throw.csv -o throw.lcmlog --heading gaze");
-  command->callback([options] { run(*options); });
+  command->callback([options] { import_throw(*options); });
 }
 
 }  // namespace headpin::apps

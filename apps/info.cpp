@@ -23,10 +23,6 @@ namespace {
 
 using nlohmann::ordered_json;
 
-double decimal_seconds(Time time) {
-  return static_cast<double>(time.count()) / 1e6;
-}
-
 /// Text from a log, fit for a terminal.
 std::string shown(std::string text) {
   return text.empty() ? "-" : printable(std::move(text));
@@ -60,7 +56,7 @@ ordered_json to_json(const std::string& path, const devices::TrialSummary& trial
                    {"participant", trial.header.participant},
                    {"condition", trial.header.condition},
                    {"seed", trial.header.seed},
-                   {"duration_s", decimal_seconds(duration(trial))},
+                   {"duration_s", nearest_seconds(duration(trial))},
                    {"complete", trial.complete},
                    {"ticks", trial.state_count},
                    {"frames", trial.frame_count}};
@@ -73,13 +69,13 @@ ordered_json to_json(const std::string& path, const devices::TrialSummary& trial
     out["devices"].push_back({{"device", devices::device_name(station)},
                               {"samples", device.samples},
                               {"rate_hz", rate_hz(device)},
-                              {"longest_gap_s", decimal_seconds(device.longest_gap)},
+                              {"longest_gap_s", nearest_seconds(device.longest_gap)},
                               {"lost", device.lost},
                               {"bad", device.bad}});
   }
   out["events"] = ordered_json::array();
   for (const devices::Event& event : trial.events) {
-    out["events"].push_back({{"time_s", decimal_seconds(event.time)},
+    out["events"].push_back({{"time_s", nearest_seconds(event.time)},
                              {"tick", event.tick},
                              {"kind", event.kind},
                              {"bodies", event.bodies},
@@ -118,13 +114,13 @@ ordered_json to_json(const std::string& path, const devices::TrialSummary& trial
     out["trouble"].push_back({{"kind", t.kind},
                               {"device", t.device},
                               {"messages", t.messages},
-                              {"from_s", decimal_seconds(t.from)},
-                              {"to_s", decimal_seconds(t.to)}});
+                              {"from_s", nearest_seconds(t.from)},
+                              {"to_s", nearest_seconds(t.to)}});
   }
   out["backwards"] = trial.backwards;
   out["late"] = trial.late;
-  out["longest_gap"] = {{"from_s", decimal_seconds(trial.longest_gap.from)},
-                        {"to_s", decimal_seconds(trial.longest_gap.to)}};
+  out["longest_gap"] = {{"from_s", nearest_seconds(trial.longest_gap.from)},
+                        {"to_s", nearest_seconds(trial.longest_gap.to)}};
   return out;
 }
 
@@ -143,14 +139,14 @@ std::vector<scene::ReleaseTiming> timings_of(const devices::TrialFile& file,
 ordered_json to_json(const std::vector<scene::ReleaseTiming>& timings) {
   ordered_json all = ordered_json::array();
   for (const scene::ReleaseTiming& t : timings) {
-    all.push_back({{"time_s", decimal_seconds(t.release)},
-                   {"fastest_s", decimal_seconds(t.fastest)},
+    all.push_back({{"time_s", nearest_seconds(t.release)},
+                   {"fastest_s", nearest_seconds(t.fastest)},
                    {"fastest_mps", t.fastest_speed}});
   }
   return all;
 }
 
-void print(const std::vector<scene::ReleaseTiming>& timings) {
+void print_timings(const std::vector<scene::ReleaseTiming>& timings) {
   for (const scene::ReleaseTiming& t : timings) {
     const double late = seconds(t.release - t.fastest);
     std::cout << fmt::format(
@@ -164,8 +160,8 @@ void print_trouble(const devices::TrialSummary& trial) {
   if (trial.trouble.empty()) return;
   std::cout << "amiss (seconds into the log)\n";
   for (const devices::Trouble& t : trial.trouble) {
-    std::cout << fmt::format("  {:9.3f} s to {:9.3f} s  {:>6} {} of {}\n", decimal_seconds(t.from),
-                             decimal_seconds(t.to), t.messages, t.kind, shown(t.device));
+    std::cout << fmt::format("  {:9.3f} s to {:9.3f} s  {:>6} {} of {}\n", nearest_seconds(t.from),
+                             nearest_seconds(t.to), t.messages, t.kind, shown(t.device));
   }
   if (trial.trouble.size() == devices::kMostTroubles) {
     std::cout << "  and maybe more; all are counted above\n";
@@ -194,8 +190,8 @@ void print_skipped(const devices::TrialSummary& trial) {
   line(trial.late, "samples that the session got later than they were there (kept)");
 }
 
-void print(const std::string& path, const devices::TrialSummary& trial,
-           const std::vector<scene::ReleaseTiming>& timings) {
+void print_trial(const std::string& path, const devices::TrialSummary& trial,
+                 const std::vector<scene::ReleaseTiming>& timings) {
   std::cout << fmt::format("{}: {:.3f} s, {}\n", path, seconds(duration(trial)),
                            trial.complete ? "complete" : "not complete");
   if (trial.has_header) {
@@ -237,7 +233,7 @@ void print(const std::string& path, const devices::TrialSummary& trial,
       std::cout << "  " << shown(scene::why_nothing_fell(trial.events)) << "\n";
     }
   }
-  print(timings);
+  print_timings(timings);
   if (!trial.events.empty()) std::cout << "events\n";
   for (const devices::Event& event : trial.events) {
     const bool short_detail = event.bodies.empty() && event.kind != scene::kind::ledger;
@@ -294,7 +290,7 @@ void add_info(CLI::App& app) {
       all["releases"] = to_json(timings_of(file, options->trial));
       print_json(all);
     } else {
-      print(options->trial, trial, timings_of(file, options->trial));
+      print_trial(options->trial, trial, timings_of(file, options->trial));
     }
   });
 }

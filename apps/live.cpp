@@ -32,7 +32,7 @@ namespace headpin::apps {
 
 namespace {
 
-struct Options {
+struct LiveOptions {
   std::vector<std::string> sources;
   std::string lcm, scenario, participant, eyes = "png";
   std::optional<std::string> record;
@@ -136,7 +136,7 @@ void tell_of_another_scenario(const devices::LiveSource& source, const scene::Sc
 }
 
 /// The one that is asked for, or else that of a log which plays, or else the paper's room.
-scene::Scenario choose_scenario(const Options& options, const Live& live) {
+scene::Scenario choose_scenario(const LiveOptions& options, const Live& live) {
   if (!options.scenario.empty()) {
     const scene::Scenario chosen = scene::load_scenario(options.scenario);
     for (const auto& source : live.sources) tell_of_another_scenario(*source, chosen);
@@ -154,7 +154,7 @@ nlohmann::json summary_of(const devices::LiveSource& source) {
   return j;
 }
 
-nlohmann::json summary(const Live& live, const Options& options) {
+nlohmann::json summary(const Live& live, const LiveOptions& options) {
   nlohmann::json j = scene::summary(live.session, live.totals.score());
   j["output"] = options.record ? nlohmann::json(*options.record) : nlohmann::json();
   j["duration_s"] = seconds(live.session.now());
@@ -248,7 +248,7 @@ void Reporter::tick(const scene::Session& session) {
   next_line_ += Time{10'000'000};
 }
 
-devices::SourceOptions source_options(const Options& options,
+devices::SourceOptions source_options(const LiveOptions& options,
                                       const std::shared_ptr<SessionClock>& clock) {
   devices::SourceOptions how;
   how.clock = [clock] { return clock->now(); };
@@ -259,7 +259,7 @@ devices::SourceOptions source_options(const Options& options,
   return how;
 }
 
-Live open(const Options& options) {
+Live open_live(const LiveOptions& options) {
   Live live;
   try {
     const devices::SourceOptions how = source_options(options, live.clock);
@@ -287,7 +287,7 @@ Live open(const Options& options) {
 }
 
 /// Begins the recording. It comes last: who waits for its file may send from then on.
-void open_recording(const Options& options, Live& live) {
+void open_recording(const LiveOptions& options, Live& live) {
   if (!options.record) return;
   devices::TrialHeader header;
   header.participant = options.participant;
@@ -336,13 +336,13 @@ void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
   if (live.publisher) live.publisher->close(live.session);
 }
 
-void run(const Options& options) {
+void go_live(const LiveOptions& options) {
   if (options.sources.empty()) {
     throw UsageError("nothing to listen to: expected --lcm URL, --fastrak TTY or a SOURCE");
   }
   watch_stop_signals();
   leave_a_core_to_ticks();
-  Live live = open(options);
+  Live live = open_live(options);
   const std::unique_ptr<devices::Source> merged = source_of(live);
   devices::Source& source = *merged;
 
@@ -375,7 +375,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_live(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<LiveOptions>();
   CLI::App* command = app.add_subcommand("live", "Run a session in real time, recorded as it runs");
   command->add_option("SOURCE", options->sources,
                       "what feeds the session: fastrak:TTY, fastrak:tcp:HOST:PORT, lcm:URL or a "
@@ -430,7 +430,7 @@ void add_live(CLI::App& app) {
     options->use_lcm = lcm->count() > 0;
     if (options->use_lcm) options->sources.push_back("lcm:" + options->lcm);
     if (line->count() > 0) options->sources.push_back("fastrak:" + *fastrak);
-    run(*options);
+    go_live(*options);
   });
 }
 

@@ -272,7 +272,7 @@ std::string zsh_completion(const CLI::App& app) {
          "_headpin \"$@\"\n";
 }
 
-void write(const fs::path& path, const std::string& text) {
+void write_page(const fs::path& path, const std::string& text) {
   std::ofstream file(path, std::ios::binary);
   file << text;
   file.close();
@@ -281,14 +281,14 @@ void write(const fs::path& path, const std::string& text) {
 
 void write_all(const CLI::App& app, const fs::path& folder) {
   fs::create_directories(folder / "man1");
-  write(folder / "man1" / "headpin.1", overview(app));
+  write_page(folder / "man1" / "headpin.1", overview(app));
   for (const CLI::App* command : commands(app)) {
-    write(folder / "man1" / ("headpin-" + command->get_name() + ".1"), page(*command));
+    write_page(folder / "man1" / ("headpin-" + command->get_name() + ".1"), page(*command));
   }
-  write(folder / "headpin.bash", bash_completion(app));
-  write(folder / "_headpin", zsh_completion(app));
+  write_page(folder / "headpin.bash", bash_completion(app));
+  write_page(folder / "_headpin", zsh_completion(app));
   fs::create_directories(folder / "docs");
-  for (const auto& [name, text] : reference_pages()) write(folder / "docs" / name, text);
+  for (const auto& [name, text] : reference_pages()) write_page(folder / "docs" / name, text);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ namespace headpin::apps {
 
 namespace {
 
-struct Options {
+struct PlotOptions {
   std::string trial;
   std::optional<std::string> output;
   bool force = false;
@@ -92,7 +92,7 @@ Chart chart(const std::string& path, const devices::Trial& trial, RecordedWorld&
   return chart;
 }
 
-void run(const Options& options) {
+void plot_trial(const PlotOptions& options) {
   const devices::Trial trial = devices::read_trial(options.trial);
   if (trial.states.empty()) {
     throw std::runtime_error(options.trial +
@@ -113,7 +113,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_plot(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<PlotOptions>();
   CLI::App* command = app.add_subcommand(
       "plot", "Draw a replayed trial over time: speeds, heights, energy, contacts");
   command->add_option("TRIAL", options->trial, "a trial with states (.lcmlog)")->required();
@@ -124,7 +124,7 @@ void add_plot(CLI::App& app) {
   command->footer(
       "Any browser shows SVG; `rsvg-convert game.svg -o game.png` makes a PNG of it.\n\n"
       "Example:\n  headpin plot game.lcmlog -o game.svg");
-  command->callback([options] { run(*options); });
+  command->callback([options] { plot_trial(*options); });
 }
 
 }  // namespace headpin::apps

@@ -19,7 +19,7 @@ namespace headpin::apps {
 
 namespace {
 
-struct Options {
+struct ReplayOptions {
   std::string trial;
   std::optional<std::string> output;
   Condition condition;
@@ -38,7 +38,7 @@ std::string readable(const nlohmann::json& value, const char* unit) {
   return value.dump() + unit;
 }
 
-void print(const nlohmann::json& s) {
+void print_summary(const nlohmann::json& s) {
   const auto line = [&](const char* label, const char* key, const char* unit = "") {
     fmt::print("{:<18}{}\n", label, readable(s[key], unit));
   };
@@ -58,7 +58,7 @@ void print(const nlohmann::json& s) {
   line("state hash", "state_hash");
 }
 
-void run(const Options& options) {
+void replay(const ReplayOptions& options) {
   watch_stop_signals();  // before there is anything to put away
   scene::Recorded recorded = scene::load_trial(options.trial, microseconds(options.longest_gap));
   const devices::TrialSummary& trial = recorded.file.summary();
@@ -103,7 +103,7 @@ void run(const Options& options) {
   if (options.json) {
     print_json(result);
   } else {
-    print(result);
+    print_summary(result);
     if (verifier)
       fmt::print("{:<18}{} ticks equal the recording\n", "verified", verifier->compared());
     if (writer) fmt::print("{:<18}{}\n", "written", *options.output);
@@ -113,7 +113,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_replay(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ReplayOptions>();
   CLI::App* command =
       app.add_subcommand("replay", "Simulate a trial again from its device samples");
   command->add_option("trial", options->trial, "a trial (.lcmlog)")->required();
@@ -127,7 +127,7 @@ void add_replay(CLI::App& app) {
   command->footer(
       "Example:\n  headpin replay assets/trials/demo.lcmlog -o smooth.lcmlog --friction 0 "
       "--elasticity 1");
-  command->callback([options] { run(*options); });
+  command->callback([options] { replay(*options); });
 }
 
 }  // namespace headpin::apps

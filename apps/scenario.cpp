@@ -13,7 +13,7 @@
 namespace headpin::apps {
 namespace {
 
-struct Options {
+struct ScenarioOptions {
   std::string action, scenario;
   bool json = false;
 };
@@ -75,7 +75,7 @@ void list(bool json) {
   if (json) print_json({{"scenarios", all}});
 }
 
-void run(const Options& options) {
+void tell_scenarios(const ScenarioOptions& options) {
   if ((options.action == "list") != options.scenario.empty()) {
     throw UsageError(options.action == "list"
                          ? "scenario list: expected nothing behind it"
@@ -95,7 +95,7 @@ void run(const Options& options) {
 }  // namespace
 
 void add_scenario(CLI::App& app) {
-  auto options = std::make_shared<Options>();
+  auto options = std::make_shared<ScenarioOptions>();
   CLI::App* command =
       app.add_subcommand("scenario", "List, show and check scenarios: rooms, skittles, rules");
   command
@@ -110,7 +110,7 @@ void add_scenario(CLI::App& app) {
       "What is wrong is said with file, line and key.\n\n"
       "Examples:\n  headpin scenario list\n  headpin scenario show german-ninepins > own.toml\n"
       "  headpin scenario check own.toml");
-  command->callback([options] { run(*options); });
+  command->callback([options] { tell_scenarios(*options); });
 }
 
 }  // namespace headpin::apps

@@ -21,9 +21,7 @@
 namespace headpin::apps {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
-struct Options {
+struct StreamOptions {
   std::string trial, url;
   double speed = 1.0, longest_gap = seconds(devices::kLongestGap);
   bool json = false;
@@ -69,7 +67,7 @@ void publish_pose(devices::LcmLink& link, const scene::Rig& rig, const Pose& X_W
   }
 }
 
-void run(const Options& options) {
+void stream(const StreamOptions& options) {
   const devices::Trial trial =
       devices::read_trial(options.trial, microseconds(options.longest_gap));
   if (trial.samples.empty()) throw std::runtime_error(options.trial + ": no samples to stream");
@@ -82,27 +80,30 @@ void run(const Options& options) {
   std::vector<devices::Sample> samples;
   source.poll(source.end(), samples);
   const Time begin = devices::available(samples.front());
-  const Clock::time_point start = Clock::now();
+  const std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
   std::vector<double> lateness_ms;  // of what was published
   std::size_t sent = 0;
-  std::optional<Clock::time_point> announced;
+  std::optional<std::chrono::steady_clock::time_point> announced;
   for (; sent < samples.size() && stop_signal() == 0; ++sent) {
     const devices::Sample& sample = samples[sent];
     if (options.speed > 0.0) {
       const double after = seconds(devices::available(sample) - begin) / options.speed;
-      const auto due =
-          start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(after));
+      const auto due = start + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+                                   std::chrono::duration<double>(after));
       // In pieces, so that a signal does not wait for the end of a long pause.
       constexpr auto kNap = std::chrono::milliseconds(50);
-      while (stop_signal() == 0 && Clock::now() + kNap < due) std::this_thread::sleep_for(kNap);
+      while (stop_signal() == 0 && std::chrono::steady_clock::now() + kNap < due)
+        std::this_thread::sleep_for(kNap);
       if (stop_signal() != 0) break;
       std::this_thread::sleep_until(due);
-      lateness_ms.push_back(std::chrono::duration<double, std::milli>(Clock::now() - due).count());
+      lateness_ms.push_back(
+          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - due)
+              .count());
     }
     // Again and again, for those who begin to listen later.
-    if (!announced || Clock::now() - *announced >= std::chrono::seconds(1)) {
+    if (!announced || std::chrono::steady_clock::now() - *announced >= std::chrono::seconds(1)) {
       link.publish(trial.header);
-      announced = Clock::now();
+      announced = std::chrono::steady_clock::now();
     }
     link.publish(sample);
     follower.take(sample);
@@ -117,7 +118,8 @@ void run(const Options& options) {
   }
 
   check_stop(fmt::format("after {} of {} samples", sent, samples.size()));
-  const double took = std::chrono::duration<double>(Clock::now() - start).count();
+  const double took =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   if (options.json) {
     print_json({{"trial", options.trial},
                 {"samples", sent},
@@ -142,7 +144,7 @@ void run(const Options& options) {
 void add_stream(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("stream", "Publish a trial's samples over LCM as recorded");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<StreamOptions>();
   command->add_option("TRIAL", options->trial, "a trial (.lcmlog)")->required();
   command->add_option("--lcm", options->url,
                       "LCM URL; LCM_DEFAULT_URL or its default when not given");
@@ -156,7 +158,7 @@ void add_stream(CLI::App& app) {
       "rigid_transform_t; HEADPIN_TRIAL first and every second, so that what lcm-logger records is "
       "a\ntrial again, whenever it starts.\n\n"
       "Example:\n  headpin stream trial.lcmlog --lcm 'udpm://239.255.76.67:7667?ttl=0'");
-  command->callback([options] { run(*options); });
+  command->callback([options] { stream(*options); });
 }
 
 }  // namespace headpin::apps

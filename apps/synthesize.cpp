@@ -21,7 +21,7 @@
 namespace headpin::apps {
 namespace {
 
-struct Options {
+struct SynthesizeOptions {
   std::optional<std::string> output;
   std::string scenario, name, condition;
   std::optional<std::uint64_t> participant;
@@ -41,7 +41,7 @@ double long_enough(const scene::ThrowPlan& plan, const scene::Scenario& scenario
 
 /// As an event log, with what a tracker and a trigger say of the throw.
 /// @return  how many samples
-std::size_t write_trial(const Options& options, const scene::ThrowMotion& motion,
+std::size_t write_trial(const SynthesizeOptions& options, const scene::ThrowMotion& motion,
                         const scene::Scenario& scenario, std::uint64_t seed) {
   devices::TrialHeader header;
   header.participant = options.name;
@@ -59,7 +59,7 @@ std::size_t write_trial(const Options& options, const scene::ThrowMotion& motion
 
 /// As the motion catalogue has throws: head and both hands, no trigger, in centimetres.
 /// @return  how many samples
-std::size_t write_csv(const Options& options, const scene::ThrowMotion& motion,
+std::size_t write_csv(const SynthesizeOptions& options, const scene::ThrowMotion& motion,
                       std::uint64_t seed) {
   const devices::MotionRecording recording = scene::record(motion, seed);
   const std::string text = devices::to_catalogue_csv(recording, 0.01);
@@ -71,7 +71,7 @@ std::size_t write_csv(const Options& options, const scene::ThrowMotion& motion,
   return recording.times.size();
 }
 
-void run(const Options& options) {
+void synthesize(const SynthesizeOptions& options) {
   if (options.participant) {
     return play_session({.output = *options.output,
                          .scenario = options.scenario,
@@ -129,7 +129,7 @@ void run(const Options& options) {
 
 void add_synthesize(CLI::App& app) {
   CLI::App* command = app.add_subcommand("synthesize", "Make a trial by a model of the arm");
-  const auto options = std::make_shared<Options>();
+  const auto options = std::make_shared<SynthesizeOptions>();
   add_output(
       *command, "-o,--output", options->output,
       "trial to write (.lcmlog), or a recording as `import` reads it (.csv); - is standard output")
@@ -175,7 +175,7 @@ void add_synthesize(CLI::App& app) {
       "answer.\n\n"
       "Examples:\n  headpin synthesize -o session.lcmlog --participant 7\n"
       "  headpin synthesize -o trial.lcmlog --seed 7 --speed 6.5 --aim 1");
-  command->callback([options] { run(*options); });
+  command->callback([options] { synthesize(*options); });
 }
 
 }  // namespace headpin::apps

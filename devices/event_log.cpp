@@ -13,6 +13,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "devices/bytes.h"
+
 namespace headpin::devices {
 namespace {
 
@@ -21,12 +23,6 @@ constexpr std::size_t kHeaderSize = 28;
 /// Stamps beyond it [us] can be no time and are taken for it, so that any two may be subtracted.
 constexpr std::int64_t kFarthest = 4'000'000'000'000'000;
 constexpr std::size_t kLongestChannel = 999;  // liblcm's own bound; its publishers keep to 63
-
-std::uint64_t big_endian(std::span<const std::uint8_t> bytes) {
-  std::uint64_t value = 0;
-  for (const std::uint8_t byte : bytes) value = value << 8 | byte;
-  return value;
-}
 
 }  // namespace
 

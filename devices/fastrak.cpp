@@ -9,7 +9,6 @@
 namespace headpin::devices {
 namespace {
 
-constexpr std::array<int, 7> kBauds = {115200, 57600, 38400, 19200, 9600, 4800, 2400};
 /// In mid-record, on a machine that has no processor for it; a terminal's kernel took 0.8 s.
 constexpr Time kHeldUp{1'000'000};
 constexpr std::size_t kBufferLimit = 1 << 16;  // bytes; a unit sends 1 % of that in a second
@@ -135,9 +134,11 @@ void FastrakDriver::try_again(Time now) {
   // the second round on at the other rates in turn, two attempts each.
   const int place = attempt_ % 8;
   if (options_.search_baud && attempt_ >= 8) {
-    const auto own = std::find(kBauds.begin(), kBauds.end(), options_.baud) - kBauds.begin();
-    const auto rate = static_cast<std::size_t>(own + attempt_ / 2 - 4) % kBauds.size();
-    baud_ = kBauds[rate];
+    // Downwards from the unit's own, round and round.
+    const auto own = std::find(kFastrakBauds.rbegin(), kFastrakBauds.rend(), options_.baud) -
+                     kFastrakBauds.rbegin();
+    const auto rate = static_cast<std::size_t>(own + attempt_ / 2 - 4) % kFastrakBauds.size();
+    baud_ = kFastrakBauds.rbegin()[static_cast<std::ptrdiff_t>(rate)];
   } else {
     baud_ = options_.baud;
   }

@@ -19,6 +19,8 @@
 namespace headpin::devices {
 
 constexpr int kFastrakStations = 4;
+/// What its line can be set to (command o, p. 80).
+constexpr std::array<int, 7> kFastrakBauds = {2400, 4800, 9600, 19200, 38400, 57600, 115200};
 constexpr double kMetrePerInch = 0.0254;
 constexpr double kMetrePerCentimetre = 0.01;
 

@@ -7,7 +7,6 @@
 namespace headpin::devices {
 namespace {
 
-constexpr std::array<int, 7> kBauds = {2400, 4800, 9600, 19200, 38400, 57600, 115200};
 constexpr std::size_t kLongestRecord = 254;  // bytes (p. 57)
 constexpr std::size_t kMostItems = 32;       // (p. 57)
 
@@ -23,7 +22,7 @@ struct RefusedField {
   std::size_t field;
 };
 
-std::string_view trimmed(std::string_view text) {
+std::string_view without_spaces(std::string_view text) {
   while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
   while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
   return text;
@@ -35,7 +34,7 @@ struct Line {
     std::size_t at = 1;
     while (true) {
       const std::size_t comma = text.find(',', at);
-      fields.push_back(trimmed(text.substr(at, comma - at)));
+      fields.push_back(without_spaces(text.substr(at, comma - at)));
       starts.push_back(at);
       if (comma == std::string_view::npos) break;
       at = comma + 1;
@@ -296,7 +295,7 @@ std::string port(const Line& line, FastrakMemory& m) {
   FastrakPort port = m.port;
   if (!line.blank(0)) {
     port.baud = 100 * line.whole(0, 24, 1152);
-    if (std::ranges::find(kBauds, port.baud) == kBauds.end()) {
+    if (std::ranges::find(kFastrakBauds, port.baud) == kFastrakBauds.end()) {
       throw RefusedField{FastrakRefusal::out_of_range, 0};
     }
   }

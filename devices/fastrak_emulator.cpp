@@ -18,8 +18,6 @@ constexpr std::size_t kOutboxLimit = 1024;  // bytes a reader may leave
 constexpr Time kPiece{50'000};              // in which no line fills it
 constexpr std::size_t kQueueLimit = 8192;   // bytes of answers waiting for the line
 
-constexpr std::array<int, 7> kBauds = {2400, 4800, 9600, 19200, 38400, 57600, 115200};
-
 // What random numbers are drawn for.
 constexpr std::uint64_t kNoise = 0, kFaults = 16;
 
@@ -35,7 +33,7 @@ FastrakEmulator::FastrakEmulator(FastrakEmulatorOptions options, FastrakMotion m
     throw std::invalid_argument("stylus: expected a station from 1 to 4, or 0 for none, found " +
                                 std::to_string(options_.stylus));
   }
-  if (std::find(kBauds.begin(), kBauds.end(), options_.baud) == kBauds.end()) {
+  if (std::find(kFastrakBauds.begin(), kFastrakBauds.end(), options_.baud) == kFastrakBauds.end()) {
     throw std::invalid_argument(
         "baud: expected one of 2400 4800 9600 19200 38400 57600 115200, "
         "found " +

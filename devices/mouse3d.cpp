@@ -6,7 +6,8 @@
 namespace headpin::devices {
 
 namespace {
-constexpr Time kLongest{25'000};  // between two records, beside which the switch is seen no more
+constexpr Time kLongestHeld{
+    25'000};  // between two records, beside which the switch is seen no more
 }
 
 std::optional<MouseSample> StylusTrigger::update(const TrackerSample& sample) {
@@ -17,7 +18,7 @@ std::optional<MouseSample> StylusTrigger::update(const TrackerSample& sample) {
   down_ = down;
   MouseSample mouse;
   mouse.device_time =
-      sample.device_time - std::clamp(sample.device_time - before, Time{0}, kLongest) / 2;
+      sample.device_time - std::clamp(sample.device_time - before, Time{0}, kLongestHeld) / 2;
   mouse.host_time = sample.host_time;
   mouse.trigger = down;
   return mouse;

@@ -12,7 +12,7 @@ namespace headpin::devices {
 
 namespace {
 
-std::string quoted(std::string_view text) {
+std::string csv_quoted(std::string_view text) {
   if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
   std::string out = "\"";
   for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
@@ -89,12 +89,12 @@ std::vector<Field<TrackerSample>> tracker_fields() {
              {"station", "whole", "", "receiver: 1 head, 2 right hand, 3 left hand",
               [](const Row& r) { return fmt::format("{}", r.station); }},
              {"frame", "text", "", "frame of the pose; T is the transmitter's",
-              [](const Row& r) { return quoted(r.frame); }}} +
+              [](const Row& r) { return csv_quoted(r.frame); }}} +
          pose_fields<[](const Row& r) -> const Pose& { return r.X_TS; }, Row>(
              "position of the receiver in that frame", "its rotation, a unit quaternion") +
          std::vector<Field<Row>>{
              {"status", "text", "", "empty when good, else the Fastrak's error letter",
-              [](const Row& r) { return r.good() ? "" : quoted(std::string(1, r.status)); }},
+              [](const Row& r) { return r.good() ? "" : csv_quoted(std::string(1, r.status)); }},
              {"stylus", "yes/no", "", "switch of the stylus",
               [](const Row& r) { return std::string(yes_no(r.buttons & 1)); }}};
 }
@@ -116,15 +116,16 @@ std::vector<Field<MouseSample>> button_fields() {
 
 std::vector<Field<Event>> event_fields() {
   using Row = Event;
-  return std::vector<Field<Row>>{
-             {"time_s", "number", "s", "when, on the trial's clock",
-              [](const Row& r) { return decimal_seconds(r.time); }},
-             {"tick", "whole", "", "of the simulation; -1 outside it",
-              [](const Row& r) { return fmt::format("{}", r.tick); }},
-             {"kind", "text", "", "what happened; see the list of events",
-              [](const Row& r) { return quoted(r.kind); }},
-             {"bodies", "text", "", "to which bodies, separated by semicolons",
-              [](const Row& r) { return quoted(fmt::format("{}", fmt::join(r.bodies, ";"))); }}} +
+  return std::vector<Field<Row>>{{"time_s", "number", "s", "when, on the trial's clock",
+                                  [](const Row& r) { return decimal_seconds(r.time); }},
+                                 {"tick", "whole", "", "of the simulation; -1 outside it",
+                                  [](const Row& r) { return fmt::format("{}", r.tick); }},
+                                 {"kind", "text", "", "what happened; see the list of events",
+                                  [](const Row& r) { return csv_quoted(r.kind); }},
+                                 {"bodies", "text", "", "to which bodies, separated by semicolons",
+                                  [](const Row& r) {
+                                    return csv_quoted(fmt::format("{}", fmt::join(r.bodies, ";")));
+                                  }}} +
          vector_fields<[](const Row& r) -> const Vec3& { return r.p_W; }, Row>(
              "x_m", "y_m", "z_m", "m", "where, in the world; 0 where it does not apply") +
          vector_fields<[](const Row& r) -> const Vec3& { return r.j_W; }, Row>(
@@ -133,7 +134,7 @@ std::vector<Field<Event>> event_fields() {
          std::vector<Field<Row>>{{"value", "number", "", "what the kind says",
                                   [](const Row& r) { return fmt::format("{}", r.value); }},
                                  {"detail", "text", "", "what the kind says",
-                                  [](const Row& r) { return quoted(r.detail); }}};
+                                  [](const Row& r) { return csv_quoted(r.detail); }}};
 }
 
 std::vector<Field<StateRow>> state_fields() {
@@ -148,7 +149,7 @@ std::vector<Field<StateRow>> state_fields() {
              {"contacts", "whole", "", "contact points of the whole world in the tick",
               [](const Row& r) { return fmt::format("{}", r.tick.contacts); }},
              {"body", "text", "", "which body this row is of",
-              [](const Row& r) { return quoted(r.name); }}} +
+              [](const Row& r) { return csv_quoted(r.name); }}} +
          pose_fields<[](const Row& r) -> const Pose& { return r.body.X_WB; }, Row>(
              "centre of mass in the world", "rotation of the body, a unit quaternion") +
          vector_fields<[](const Row& r) -> const Vec3& { return r.body.V_WB.v; }, Row>(
@@ -286,7 +287,7 @@ std::int64_t TableWriter::rows() const {
 void write_dictionary(std::ostream& out) {
   out << "table,column,kind,unit,meaning\n";
   for (const TableColumn& c : table_columns()) {
-    out << fmt::format("{},{},{},{},{}\n", c.table, c.name, c.kind, c.unit, quoted(c.meaning));
+    out << fmt::format("{},{},{},{},{}\n", c.table, c.name, c.kind, c.unit, csv_quoted(c.meaning));
   }
 }
 

@@ -8,18 +8,13 @@
 
 #include <fmt/format.h>
 
+#include "devices/bytes.h"
 #include "devices/motion_files.h"
 
 namespace headpin::devices {
 namespace {
 
 constexpr std::size_t kCookie = 24, kHeader = 24;
-
-std::uint64_t big_endian(std::span<const std::uint8_t> bytes) {
-  std::uint64_t value = 0;
-  for (const std::uint8_t byte : bytes) value = value << 8 | byte;
-  return value;
-}
 
 std::int32_t int32_at(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::int32_t>(big_endian(bytes.subspan(at, 4)));

@@ -23,6 +23,11 @@ inline double seconds(Time t) {
   return 1e-6 * static_cast<double>(t.count());
 }
 
+/// The same, rounded once: prints as the decimal number it stands for.
+inline double nearest_seconds(Time t) {
+  return static_cast<double>(t.count()) / 1e6;
+}
+
 /// The stamp nearest to `s` seconds.
 inline Time microseconds(double s) {
   return Time{std::llround(s * 1e6)};

@@ -5,11 +5,6 @@
 #include <utility>
 
 namespace headpin::engine {
-namespace {
-
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-}  // namespace
 
 Polytope::Polytope(Furthest furthest, void* pair, const Vec3& n, const Vec3& s)
     : furthest_(furthest), pair_(pair), n_(n), u_(n.unitOrthogonal()), v_(n.cross(u_)) {
@@ -49,7 +44,7 @@ void Polytope::add_face(int i, int j, int k) {
   f.corner[1] = static_cast<std::uint16_t>(j);
   f.corner[2] = static_cast<std::uint16_t>(k);
   f.normal = area > 0.0 ? Vec3(m / area) : Vec3::Zero();
-  f.offset = area > 0.0 ? f.normal.dot(p) : kInfinity;
+  f.offset = area > 0.0 ? f.normal.dot(p) : std::numeric_limits<double>::infinity();
 }
 
 // A tetrahedron of four of the points, as large as a greedy choice makes it, and the others.
@@ -133,7 +128,7 @@ bool Polytope::find_shorter(double depth, Vec3& n) {
       return true;
     }
     if (h - nearest->offset <= 10.0 * rounding_) {  // of the surface itself
-      nearest->offset = kInfinity;
+      nearest->offset = std::numeric_limits<double>::infinity();
       continue;
     }
     if (count_ == kPoints) return false;

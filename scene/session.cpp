@@ -30,12 +30,12 @@ Stage stage_of_version(Scenario scenario, const Version& version) {
 std::optional<std::size_t> button_at_hand(const Session& s, Time now) {
   const std::optional<Pose> X_WH = in_room(s, s.player.hand, now);
   if (!X_WH) return std::nullopt;
-  constexpr double kFingers = 0.12, kThick = 0.015;
+  constexpr double kToFingertips = 0.12, kThick = 0.015;
   const Versions& v = s.scenario().version;
   const std::array<Vec3, 2> buttons = {v.red.button, v.blue.button};
   for (std::size_t i = 0; i < buttons.size(); ++i) {
     const Vec3 p_H = X_WH->inverse() * buttons[i];
-    const Vec3 nearest(0.0, 0.0, std::clamp(p_H.z(), -kFingers, 0.0));
+    const Vec3 nearest(0.0, 0.0, std::clamp(p_H.z(), -kToFingertips, 0.0));
     if ((p_H - nearest).norm() <= v.radius + kThick) return i;
   }
   return std::nullopt;

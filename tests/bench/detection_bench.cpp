@@ -36,8 +36,8 @@ namespace {
 
 using namespace headpin;
 using namespace headpin::engine;
-using test::Kind;
 using test::Random;
+using test::ShapeKind;
 
 constexpr int kFrames = 20;
 
@@ -48,7 +48,7 @@ struct Scene {
 
 enum class Distance { separated, near, touching };
 
-Scene scene(Random& random, Kind ka, Kind kb, Distance how) {
+Scene scene(Random& random, ShapeKind ka, ShapeKind kb, Distance how) {
   Scene s{random_shape(random, ka), random_shape(random, kb), {}, {}};
   const Quat q = random.rotation();
   const Vec3 along = random.direction();
@@ -453,7 +453,7 @@ void measure_broad_phase(std::vector<bench::Row>& rows) {
 int main() {
   dInitODE2(0);
   std::vector<bench::Row> rows;
-  const Kind parametric[] = {Kind::ellipsoid, Kind::cylinder, Kind::cone};
+  const ShapeKind parametric[] = {ShapeKind::ellipsoid, ShapeKind::cylinder, ShapeKind::cone};
   const std::pair<Distance, const char*> distances[] = {{Distance::separated, "separated"},
                                                         {Distance::near, "near"},
                                                         {Distance::touching, "touching"}};
@@ -461,13 +461,13 @@ int main() {
   for (const auto& [how, name] : distances) {
     std::vector<Scene> scenes, with_hull, cylinders;
     for (int i = 0; i < 30; ++i) {
-      for (const Kind a : parametric) {
-        for (const Kind b : parametric) scenes.push_back(scene(random, a, b, how));
-        with_hull.push_back(scene(random, a, Kind::hull, how));
+      for (const ShapeKind a : parametric) {
+        for (const ShapeKind b : parametric) scenes.push_back(scene(random, a, b, how));
+        with_hull.push_back(scene(random, a, ShapeKind::hull, how));
       }
-      with_hull.push_back(scene(random, Kind::hull, Kind::hull, how));
+      with_hull.push_back(scene(random, ShapeKind::hull, ShapeKind::hull, how));
       for (int k = 0; k < 4; ++k) {
-        cylinders.push_back(scene(random, Kind::cylinder, Kind::cylinder, how));
+        cylinders.push_back(scene(random, ShapeKind::cylinder, ShapeKind::cylinder, how));
       }
     }
     measure(std::string(name) + " parametric pair", scenes, rows);

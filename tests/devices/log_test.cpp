@@ -19,6 +19,7 @@
 #include "devices/sources.h"
 #include "devices/trial_file.h"
 #include "devices/version.h"
+#include "tests/support/folder.h"
 
 namespace headpin::devices {
 namespace {
@@ -27,11 +28,6 @@ namespace fs = std::filesystem;
 using testing::HasSubstr;
 
 /// A folder of this process's own, empty.
-fs::path fresh_folder() {
-  std::string name = testing::TempDir() + "headpin_log_XXXXXX";
-  return mkdtemp(name.data());
-}
-
 Buffer read_bytes(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return Buffer(std::istreambuf_iterator<char>(file), {});
@@ -103,7 +99,7 @@ void record(const fs::path& path, Recorder::Options options = {}) {
 constexpr int kMessages = 1 + 12 + 6 + 1 + 1 + 1;
 
 Buffer recorded() {
-  const fs::path path = fresh_folder() / "trial.lcmlog";
+  const fs::path path = fresh_folder("log") / "trial.lcmlog";
   record(path);
   return read_bytes(path);
 }
@@ -113,7 +109,7 @@ bool same(const Pose& a, const Pose& b) {
 }
 
 TEST(LogTest, WhatWasWrittenIsReadBackToTheLastBit) {
-  const fs::path path = fresh_folder() / "trial.lcmlog";
+  const fs::path path = fresh_folder("log") / "trial.lcmlog";
   record(path);
   const Trial trial = read_trial(path);
 
@@ -174,7 +170,7 @@ TEST(LogTest, WhatWasWrittenIsReadBackToTheLastBit) {
 }
 
 TEST(LogTest, SaysWhichSoftwareWroteItAndHowToReadIt) {
-  const fs::path path = fresh_folder() / "trial.lcmlog";
+  const fs::path path = fresh_folder("log") / "trial.lcmlog";
   record(path);
   const TrialHeader read = read_trial(path).header;
   EXPECT_EQ(read.format_version, kFormatVersion);
@@ -188,7 +184,7 @@ TEST(LogTest, SaysWhichSoftwareWroteItAndHowToReadIt) {
 }
 
 TEST(LogTest, LiblcmReadsTheSameEvents) {
-  const fs::path path = fresh_folder() / "trial.lcmlog";
+  const fs::path path = fresh_folder("log") / "trial.lcmlog";
   record(path);
   const Buffer bytes = read_bytes(path);
   LogReader ours(bytes);
@@ -341,7 +337,7 @@ Buffer one_event(const std::string& channel, const Buffer& data) {
 
 // Any two stamps may be subtracted.
 TEST(LogTest, AStampThatIsNoTimeIsTakenForTheFarthestOne) {
-  const fs::path path = fresh_folder() / "stamp.lcmlog";
+  const fs::path path = fresh_folder("log") / "stamp.lcmlog";
   {
     Recorder recorder(path, header());
     for (int i = 0; i < 20; ++i) recorder.write(tracker(i));
@@ -456,7 +452,7 @@ TEST(LogTest, AHeaderThatIsRepeatedIsTheSameTrials) {
 
 TEST(LogTest, ASecondTrialBehindTheFirstIsNotMixedIn) {
   Buffer bytes = recorded();
-  const fs::path path = fresh_folder() / "other.lcmlog";
+  const fs::path path = fresh_folder("log") / "other.lcmlog";
   TrialHeader other = header();
   other.participant = "P08";
   Recorder(path, other).close();
@@ -469,7 +465,7 @@ TEST(LogTest, ASecondTrialBehindTheFirstIsNotMixedIn) {
 }
 
 TEST(LogTest, TimesThatRunBackAreCountedPerDevice) {
-  const fs::path path = fresh_folder() / "trial.lcmlog";
+  const fs::path path = fresh_folder("log") / "trial.lcmlog";
   {
     Recorder recorder(path, header());
     TrackerSample head = tracker(0), hand = tracker(1);
@@ -489,7 +485,7 @@ TEST(LogTest, TimesThatRunBackAreCountedPerDevice) {
 
 /// Two minutes of a head and a hand, with states between.
 Buffer two_minutes() {
-  const fs::path path = fresh_folder() / "trial.lcmlog";
+  const fs::path path = fresh_folder("log") / "trial.lcmlog";
   Recorder recorder(path, header());
   for (int i = 1; i <= 1200; ++i) {
     TrackerSample sample = tracker(i);
@@ -535,7 +531,7 @@ TEST(LogTest, ATimeThatThoseAroundItDoNotShareIsPassedOver) {
 
 // Two presses do not tell which of them has the wrong time, however far it is from the log's stamps.
 TEST(LogTest, OneOfTwoPressesIsNeverPassedOver) {
-  const fs::path path = fresh_folder() / "trial.lcmlog";
+  const fs::path path = fresh_folder("log") / "trial.lcmlog";
   Recorder recorder(path, header());
   for (int i = 1; i <= 100; ++i) {
     TrackerSample sample = tracker(i);
@@ -553,7 +549,7 @@ TEST(LogTest, OneOfTwoPressesIsNeverPassedOver) {
 }
 
 TEST(LogTest, SaysWhichMessagesAreAmiss) {
-  const fs::path path = fresh_folder() / "trial.lcmlog";
+  const fs::path path = fresh_folder("log") / "trial.lcmlog";
   Recorder recorder(path, header());
   for (int i = 1; i <= 200; ++i) {
     TrackerSample sample;
@@ -617,7 +613,7 @@ TEST(LogTest, ASessionThatPublishedItselfIsTheTrialAndWhatItHeardIsNot) {
 
 /// A trial whose samples stand in the log up to half a second out of order, states and frames too.
 fs::path out_of_order(std::mt19937& random) {
-  const fs::path path = fresh_folder() / "trial.lcmlog";
+  const fs::path path = fresh_folder("log") / "trial.lcmlog";
   Recorder recorder(path, header());
   for (int i = 1; i <= 2000; ++i) {
     TrackerSample sample = tracker(i);
@@ -678,7 +674,7 @@ TEST(TrialPlayerTest, HandsOutWhatAReplayOfTheWholeTrialDoes) {
 }
 
 TEST(TrialPlayerTest, AFileThatIsCutWhileItIsReadIsSaid) {
-  const fs::path path = fresh_folder() / "trial.lcmlog";
+  const fs::path path = fresh_folder("log") / "trial.lcmlog";
   Buffer bytes = two_minutes();
   const Buffer padding = one_event("LIDAR", Buffer(4'000'000));  // more than is read ahead
   bytes.insert(bytes.begin(), padding.begin(), padding.end());
@@ -692,7 +688,7 @@ TEST(TrialPlayerTest, AFileThatIsCutWhileItIsReadIsSaid) {
 }
 
 TEST(LogTest, ALongPauseNeedsAWord) {
-  const fs::path path = fresh_folder() / "trial.lcmlog";
+  const fs::path path = fresh_folder("log") / "trial.lcmlog";
   {
     Recorder recorder(path, header());
     for (const int second : {1, 2, 3, 100, 101, 102}) {
@@ -713,7 +709,7 @@ TEST(LogTest, ALongPauseNeedsAWord) {
 }
 
 TEST(LogTest, APoseInAnotherFrameIsRefusedAndCounted) {
-  const fs::path path = fresh_folder() / "trial.lcmlog";
+  const fs::path path = fresh_folder("log") / "trial.lcmlog";
   {
     Recorder recorder(path, header());
     for (const char* frame : {"T", "", "W"}) {
@@ -729,7 +725,7 @@ TEST(LogTest, APoseInAnotherFrameIsRefusedAndCounted) {
 }
 
 TEST(LogTest, SaysWhatIsWrongWithAFileThatIsNoTrial) {
-  const fs::path folder = fresh_folder();
+  const fs::path folder = fresh_folder("log");
   const auto message = [&](std::span<const std::uint8_t> bytes) -> std::string {
     write_bytes(folder / "x.lcmlog", bytes);
     try {
@@ -752,7 +748,7 @@ TEST(LogTest, SaysWhatIsWrongWithAFileThatIsNoTrial) {
 }
 
 TEST(RecorderTest, KeepsWhatIsThereUnlessToldToOverwrite) {
-  const fs::path path = fresh_folder() / "trial.lcmlog";
+  const fs::path path = fresh_folder("log") / "trial.lcmlog";
   write_bytes(path, Buffer{1, 2, 3});
   EXPECT_THROW(record(path), std::runtime_error);
   EXPECT_THROW(record(path, {.live = true}), std::runtime_error);
@@ -762,7 +758,7 @@ TEST(RecorderTest, KeepsWhatIsThereUnlessToldToOverwrite) {
 }
 
 TEST(RecorderTest, LeavesNothingUnderTheFinalNameWhenNotClosed) {
-  const fs::path folder = fresh_folder();
+  const fs::path folder = fresh_folder("log");
   {
     Recorder recorder(folder / "trial.lcmlog", header());
     recorder.write(state(0));
@@ -771,7 +767,7 @@ TEST(RecorderTest, LeavesNothingUnderTheFinalNameWhenNotClosed) {
 }
 
 TEST(RecorderTest, KilledAtAnyMomentALiveLogHoldsAllThatWasWritten) {
-  const fs::path path = fresh_folder() / "live.lcmlog";
+  const fs::path path = fresh_folder("log") / "live.lcmlog";
   EXPECT_EXIT(
       {
         Recorder recorder(path, header(), {.live = true});
@@ -802,7 +798,7 @@ TEST(RecorderTest, KilledAtAnyMomentALiveLogHoldsAllThatWasWritten) {
 }
 
 TEST(RecorderTest, AFullDiskIsAnErrorThatLosesNothingWrittenBefore) {
-  const fs::path path = fresh_folder() / "live.lcmlog";
+  const fs::path path = fresh_folder("log") / "live.lcmlog";
   const auto all_that_was_written = [&](int status) {
     return WIFEXITED(status) && WEXITSTATUS(status) > 10 &&
            static_cast<std::size_t>(WEXITSTATUS(status)) == read_trial(path).states.size();
@@ -838,7 +834,7 @@ TEST(ReplaySourceTest, HandsOutEachSampleOnceWhenItWasAvailable) {
 
 // As a record does whose first byte came in the tick before.
 TEST(ReplaySourceTest, ASampleThatASessionGotLateIsHandedOutLateAgain) {
-  const fs::path path = fresh_folder() / "late.lcmlog";
+  const fs::path path = fresh_folder("log") / "late.lcmlog";
   TrackerSample early = tracker(1), late = tracker(2);
   early.device_time = early.host_time = Time{3000};
   late.device_time = Time{1000};

@@ -10,32 +10,13 @@
 #include <gtest/gtest.h>
 
 #include "devices/motion_axes.h"
+#include "tests/support/folder.h"
 
 namespace headpin::devices {
 namespace {
 
 namespace fs = std::filesystem;
 using testing::HasSubstr;
-
-template <typename Action>
-std::string complaint(const Action& action) {
-  try {
-    action();
-  } catch (const std::exception& error) {
-    return error.what();
-  }
-  return "accepted";
-}
-
-fs::path fresh_folder() {
-  std::string name = testing::TempDir() + "headpin_motion_XXXXXX";
-  return mkdtemp(name.data());
-}
-
-void spit(const fs::path& path, const std::string& text) {
-  fs::create_directories(path.parent_path());
-  std::ofstream(path, std::ios::binary) << text;
-}
 
 const Vec3 kRight = Vec3::UnitX(), kUp = Vec3::UnitY(), kAhead = -Vec3::UnitZ();
 
@@ -72,7 +53,7 @@ TEST(MotionFiles, ABadTrackerFileIsRefusedByItsLine) {
   EXPECT_THAT(said(head + "0,1,2,3,4,5,nan\n"), HasSubstr("rot_z: expected a finite number"));
   EXPECT_THAT(said(head + "0,1,2,3,4,5,1e300\n"), HasSubstr("rot_z: expected degrees"));
   EXPECT_THAT(said(head + "1,1,2,3,4,5,6\n1,1,2,3,4,5,6\n"), HasSubstr("time must advance"));
-  EXPECT_EQ(said(head + "0,1,2,3,4,5,6,\n"), "accepted");  // an empty last cell
+  EXPECT_EQ(said(head + "0,1,2,3,4,5,6,\n"), "");  // an empty last cell
 }
 
 TEST(MotionFiles, AxesAreLettersAndEachPairOnce) {
@@ -111,7 +92,7 @@ TEST(MotionFiles, MotionBidsIsReadByItsChannels) {
   const auto said = [&](std::string motion, std::string channels) {
     return complaint([&] { parse_motion_bids(motion, channels, "x", "RSP", 0.0); });
   };
-  EXPECT_EQ(said(row, kChannels), "accepted");
+  EXPECT_EQ(said(row, kChannels), "");
   EXPECT_THAT(said(row + row, kChannels), HasSubstr("time must advance"));
   EXPECT_THAT(said("0\t1\n", kChannels), HasSubstr("x:1: expected 9 fields, found 2"));
   EXPECT_THAT(said("0\t1\t2\t3\t0\t0\t0\t2\t9\n", kChannels), HasSubstr("unit quaternion"));
@@ -127,13 +108,13 @@ TEST(MotionFiles, MotionBidsIsReadByItsChannels) {
   EXPECT_THAT(said(row, "name\n"), HasSubstr("column component is missing"));
 }
 
-using Bytes = std::vector<std::uint8_t>;
+using Packet = std::vector<std::uint8_t>;
 
-void put(Bytes& out, std::uint64_t value, int size) {
+void put(Packet& out, std::uint64_t value, int size) {
   for (int i = size - 1; i >= 0; --i) out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
 }
 
-void message(Bytes& out, int type, int sender, Time time, const Bytes& data) {
+void message(Packet& out, int type, int sender, Time time, const Packet& data) {
   for (const std::int64_t field :
        {std::int64_t{type}, std::int64_t{sender}, time.count() / 1'000'000,
         time.count() % 1'000'000, static_cast<std::int64_t>(data.size()), std::int64_t{0}}) {
@@ -142,8 +123,8 @@ void message(Bytes& out, int type, int sender, Time time, const Bytes& data) {
   out.insert(out.end(), data.begin(), data.end());
 }
 
-Bytes name(const std::string& text) {
-  Bytes data;
+Packet name(const std::string& text) {
+  Packet data;
   put(data, text.size() + 1, 4);
   data.insert(data.end(), text.begin(), text.end());
   data.push_back(0);
@@ -151,16 +132,16 @@ Bytes name(const std::string& text) {
 }
 
 /// A log of a tracker with three sensors, a hundred reports of each, and of a button.
-Bytes vrpn_log() {
+Packet vrpn_log() {
   const std::string cookie = "vrpn: ver. 07.35  1";
-  Bytes log(24);
+  Packet log(24);
   std::copy(cookie.begin(), cookie.end(), log.begin());
   message(log, -1, 7, {}, name("Tracker0"));
   message(log, -2, 3, {}, name("vrpn_Tracker Pos_Quat"));
   message(log, -2, 4, {}, name("vrpn_Button Change"));
   for (int i = 0; i < 100; ++i) {
     for (int sensor = 0; sensor < 3; ++sensor) {
-      Bytes data;
+      Packet data;
       put(data, static_cast<std::uint64_t>(sensor), 4);
       put(data, 0, 4);
       for (const double v : {1.0 + sensor, 2.0, 3.0, 0.0, 0.6, 0.0, 0.8}) {
@@ -168,7 +149,7 @@ Bytes vrpn_log() {
       }
       message(log, 3, 7, Time{1'700'000'000'000'000 + 10'000 * i + 1000 * sensor}, data);
     }
-    message(log, 4, 7, Time{1'700'000'000'000'000 + 10'000 * i}, Bytes(8));
+    message(log, 4, 7, Time{1'700'000'000'000'000 + 10'000 * i}, Packet(8));
   }
   return log;
 }
@@ -184,13 +165,13 @@ TEST(MotionFiles, AVrpnLogIsReadByTheNamesInIt) {
 }
 
 TEST(MotionFiles, WhateverAVrpnLogHoldsItIsReadOrRefused) {
-  const Bytes good = vrpn_log();
+  const Packet good = vrpn_log();
   for (std::size_t cut = 0; cut < good.size(); cut += 7) {  // up to the cut
     EXPECT_NO_THROW(parse_vrpn(std::span(good).first(cut), "x", 1.0)) << cut;
   }
   std::mt19937 random(5);
   for (int n = 0; n < 3000; ++n) {
-    Bytes bytes = good;
+    Packet bytes = good;
     for (int k = 0; k < 4; ++k) {
       bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());
     }
@@ -221,7 +202,7 @@ TEST(MotionFiles, HeadAndHandsComeTogether) {
   holed.push(Time{1'500'000}, {});
   head.push(Time{1'600'000}, {});
   left.push(Time{1'600'000}, {});
-  EXPECT_THAT(complaint([&] { together(head, right, holed, "x"); }), testing::Eq("accepted"));
+  EXPECT_EQ(complaint([&] { together(head, right, holed, "x"); }), "");
   EXPECT_THAT(complaint([&] { together(head, left, holed, "x"); }),
               HasSubstr("nothing of the left hand for"));
   EXPECT_THAT(complaint([&] { together(head, left, late, "x"); }),
@@ -231,7 +212,7 @@ TEST(MotionFiles, HeadAndHandsComeTogether) {
 }
 
 TEST(MotionFiles, EachFormatIsKnownByItself) {
-  const fs::path folder = fresh_folder();
+  const fs::path folder = fresh_folder("motion");
   const auto read = [&](const std::string& file, const MotionOptions& options = {}) {
     return read_motion(folder / file, options);
   };
@@ -248,7 +229,7 @@ TEST(MotionFiles, EachFormatIsKnownByItself) {
   EXPECT_THAT(complaint([&] { read("S001/trackers/leftHand_movement_T002.csv"); }),
               HasSubstr("pos_y is missing"));
 
-  const Bytes log = vrpn_log();
+  const Packet log = vrpn_log();
   spit(folder / "log.vrpn", {log.begin(), log.end()});
   EXPECT_EQ(read("log.vrpn").right_hand.at(0).p.x(), 3.0);
   EXPECT_EQ(read("log.vrpn", {.names = {"2", "1", "0"}}).head.at(0).p.x(), 3.0);

@@ -89,8 +89,7 @@ TEST(Overlap, CountsOnce) {
 TEST(MassProperties, AgreeWithCountedPoints) {
   Random random(5);
   std::vector<Compound> compounds;
-  for (const test::Kind k :
-       {test::Kind::ellipsoid, test::Kind::cylinder, test::Kind::cone, test::Kind::hull}) {
+  for (const test::ShapeKind k : test::kShapeKinds) {
     compounds.push_back(
         make_compound({{random_shape(random, k), {random.rotation(), {0.1, 0, 0.2}}}}));
   }
@@ -150,7 +149,8 @@ TEST(Bounds, HoldEveryPart) {
     std::vector<Part> parts;
     const bool coaxial = i % 2 == 0;
     for (int k = 0; k < 3; ++k) {
-      Shape shape = random_shape(random, static_cast<test::Kind>(random.index(coaxial ? 3 : 4)));
+      Shape shape =
+          random_shape(random, static_cast<test::ShapeKind>(random.index(coaxial ? 3 : 4)));
       if (auto* e = std::get_if<Ellipsoid>(&shape); e && coaxial) e->radii.y() = e->radii.x();
       const Vec3 p(0.0, 0.0, random.uniform(-1.0, 1.0));
       const Pose upside_down{Quat(0.0, 1.0, 0.0, 0.0), p};

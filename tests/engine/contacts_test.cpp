@@ -7,8 +7,9 @@
 namespace headpin::engine {
 namespace {
 
-using test::Kind;
+using test::kShapeKinds;
 using test::Random;
+using test::ShapeKind;
 
 std::vector<ContactPoint> contacts(const Shape& a, const Pose& X_WA, const Shape& b,
                                    const Pose& X_WB, double margin = 0.0) {
@@ -23,7 +24,7 @@ std::vector<ContactPoint> contacts(const Shape& a, const Pose& X_WA, const Shape
 // The deepest point of a body in the floor is as deep as its lowest point is low.
 TEST(OnAHalfSpace, TheDeepestContactIsTheLowestPoint) {
   Random random(11);
-  for (const Kind k : {Kind::ellipsoid, Kind::cylinder, Kind::cone, Kind::hull}) {
+  for (const ShapeKind k : kShapeKinds) {
     for (int i = 0; i < 200; ++i) {
       const Shape shape = random_shape(random, k);
       const Pose X_WB{random.rotation(), {0.0, 0.0, 0.2}};

@@ -16,18 +16,17 @@
 namespace headpin::engine {
 namespace {
 
-using test::Kind;
+using test::kShapeKinds;
 using test::mirrored;
 using test::Random;
 using test::scaled;
+using test::ShapeKind;
 
 #if defined(__SANITIZE_ADDRESS__)
 constexpr int kThin = 50;  // long properties in a fiftieth of the pairs
 #else
 constexpr int kThin = 1;
 #endif
-
-constexpr Kind kKinds[] = {Kind::ellipsoid, Kind::cylinder, Kind::cone, Kind::hull};
 
 Closest query(const Shape& a, const Shape& b, const Pose& X_AB, const Query& q = {}) {
   Vec3 n = Vec3::Zero();
@@ -42,7 +41,7 @@ double depth_along(const Shape& a, const Shape& b, const Pose& X_AB, const Vec3&
 /// A few of each kind: making a hull takes longer than asking a thousand questions of it.
 struct Pool {
   explicit Pool(std::uint64_t seed) : random(seed) {
-    for (const Kind k : kKinds) {
+    for (const ShapeKind k : kShapeKinds) {
       for (int i = 0; i < 25; ++i) shapes[static_cast<int>(k)].push_back(random_shape(random, k));
     }
   }
@@ -715,7 +714,7 @@ TEST(DeepOverlap, HasTheRightVerdictAndFiniteNumbers) {
 
 TEST(AHalfSpace, IsMetByWhateverReachesBelowIt) {
   Random random(58);
-  for (const Kind k : kKinds) {
+  for (const ShapeKind k : kShapeKinds) {
     for (int i = 0; i < 100; ++i) {
       const Shape shape = random_shape(random, k);
       const Pose X_AB{random.rotation(), {0.3, 0.1, random.uniform(0.0, 1.0)}};

@@ -10,16 +10,15 @@
 namespace headpin::engine {
 namespace {
 
-using test::Kind;
+using test::kShapeKinds;
 using test::Random;
-
-constexpr Kind kKinds[] = {Kind::ellipsoid, Kind::cylinder, Kind::cone, Kind::hull};
+using test::ShapeKind;
 
 // No point of the shape lies further along n than the support point, and that point is in the
 // shape.
 TEST(Support, IsTheFurthestPointOfTheShape) {
   Random random(1);
-  for (const Kind k : kKinds) {
+  for (const ShapeKind k : kShapeKinds) {
     for (int i = 0; i < 50; ++i) {
       const Shape shape = random_shape(random, k);
       const Vec3 n = random.direction();
@@ -41,7 +40,7 @@ TEST(Support, IsAPointOfTheShapeForEveryDirection) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double inf = std::numeric_limits<double>::infinity();
   Random random(2);
-  for (const Kind k : kKinds) {
+  for (const ShapeKind k : kShapeKinds) {
     const Shape shape = random_shape(random, k);
     for (const double x : {0.0, -0.0, 1.0, -1.0, 1e-300, 1e300, nan, inf, -inf}) {
       for (const double y : {0.0, 1.0, -1e-200, nan, inf}) {
@@ -58,7 +57,8 @@ TEST(Support, IsAPointOfTheShapeForEveryDirection) {
 // A ball of that radius lies in the shape, and but for ellipsoids one not much larger does not.
 TEST(Clearance, IsTheRadiusOfABallThatTheShapeHolds) {
   Random random(3);
-  for (const Kind k : {Kind::ellipsoid, Kind::cylinder, Kind::cone, Kind::hull}) {
+  for (const ShapeKind k :
+       {ShapeKind::ellipsoid, ShapeKind::cylinder, ShapeKind::cone, ShapeKind::hull}) {
     for (int i = 0; i < 300; ++i) {
       const Shape shape = random_shape(random, k);
       const Vec3 p = random.uniform(0.0, 0.7) * random.direction();
@@ -79,7 +79,7 @@ TEST(Clearance, IsTheRadiusOfABallThatTheShapeHolds) {
         reach = std::min(reach, n.dot(support(shape, n) - p));
       }
       EXPECT_LE(radius, reach + 1e-9) << kind(shape);
-      if (k != Kind::ellipsoid) {
+      if (k != ShapeKind::ellipsoid) {
         EXPECT_GT(radius, 0.5 * reach - 0.02) << kind(shape);
       }
     }

@@ -9,7 +9,7 @@
 namespace headpin::engine {
 namespace {
 
-const int kEvery = kThorough ? 1 : 5;
+const int kEveryOffset = kThorough ? 1 : 5;
 
 struct Games {
   double down = 0.0;        // mean
@@ -21,7 +21,7 @@ struct Games {
 Games games(const Query& query) {
   Games g;
   int count = 0;
-  for (int k = 0; k <= 40; k += kEvery) {
+  for (int k = 0; k <= 40; k += kEveryOffset) {
     RackOptions o;
     o.parameters.query = query;
     o.parameters.keep_ledger = true;
@@ -87,7 +87,7 @@ int down_after(const Rack& rack, std::string_view response) {
 // Only games that 1e-9 m of the ball changes may go another way.
 TEST(ARack, FallsAlikeWhenItsSkittlesAreTurnedAndWhenItIsMirrored) {
   for (const std::string_view response : {"paper", "coulomb"}) {
-    for (int k = 0; k <= 40; k += kEvery) {
+    for (int k = 0; k <= 40; k += kEveryOffset) {
       const double offset = -0.101 + 0.005 * k;
       const int down = down_after({offset}, response);
       if (down_after({offset + 1e-9}, response) != down) continue;

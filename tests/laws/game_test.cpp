@@ -9,7 +9,7 @@
 namespace headpin::engine {
 namespace {
 
-const int kEvery = kThorough ? 1 : 10;
+const int kEveryThrow = kThorough ? 1 : 10;
 
 RackOptions throw_number(int k, bool sleep = true) {
   RackOptions o;
@@ -34,7 +34,7 @@ TEST(Game, HasEverySkittleAtRestAndAsleepAfterFiveSeconds) {
 // Over all throws, a skittle that the ball took along for metres may need a little longer.
 TEST(Game, LeavesHardlyASkittleAwakeAfterFiveSecondsAndNoneAfterSeven) {
   int late = 0;
-  for (int k = 0; k <= 40; k += kEvery) {
+  for (int k = 0; k <= 40; k += kEveryThrow) {
     Bowling b = bowling(throw_number(k));
     run(b.world, 5.0);
     late += awake(b);
@@ -45,7 +45,7 @@ TEST(Game, LeavesHardlyASkittleAwakeAfterFiveSecondsAndNoneAfterSeven) {
 }
 
 TEST(Game, FellsTheSameSkittlesWithSleepAndWithout) {
-  for (int k = 0; k <= 40; k += kEvery) {
+  for (int k = 0; k <= 40; k += kEveryThrow) {
     Bowling on = bowling(throw_number(k, true)), off = bowling(throw_number(k, false));
     run(on.world, 5.0);
     run(off.world, 5.0);
@@ -193,7 +193,7 @@ TEST(Rack, DoesAmongManyWhatItDoesAlone) {
 TEST(Game, LeavesLittleOverlap) {
   std::vector<double> bodies;
   double late = 0.0;
-  for (int k = 0; k <= 40; k += kEvery) {
+  for (int k = 0; k <= 40; k += kEveryThrow) {
     Bowling b = bowling(throw_number(k, false));
     while (b.world.tick < 3 * 240) {
       step(b.world);

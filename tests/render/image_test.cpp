@@ -9,6 +9,9 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include "tests/support/folder.h"
+#include "tests/support/output_of.h"
+
 namespace headpin::render {
 namespace {
 
@@ -19,21 +22,6 @@ Image noise(int width, int height, unsigned seed) {
   Image image{width, height, std::vector<std::uint8_t>(std::size_t(3) * width * height)};
   for (std::uint8_t& byte : image.rgb) byte = static_cast<std::uint8_t>(random());
   return image;
-}
-
-fs::path fresh_folder() {
-  std::string name = testing::TempDir() + "headpin_image_XXXXXX";
-  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("mkdtemp");
-  return name;
-}
-
-/// What a command prints on standard output.
-std::string output_of(const std::string& command) {
-  std::FILE* pipe = popen(command.c_str(), "r");
-  std::string text;
-  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) text += static_cast<char>(c);
-  EXPECT_EQ(pclose(pipe), 0) << command;
-  return text;
 }
 
 // The offset basis and two vectors of draft-eastlake-fnv: of nothing, of "a", of "foobar".
@@ -90,7 +78,7 @@ TEST(SideBySide, KeepsTheLeftEyeOnTheLeftInEveryRow) {
 }
 
 TEST(Png, ReadsBackAsItWasWritten) {
-  const fs::path folder = fresh_folder();
+  const fs::path folder = fresh_folder("image");
   for (const auto& [width, height] : {std::pair{1, 1}, std::pair{360, 240}, std::pair{7, 3}}) {
     const Image image = noise(width, height, 5);
     write_png(folder / "image.png", image, 1.405);
@@ -101,7 +89,7 @@ TEST(Png, ReadsBackAsItWasWritten) {
 
 // ffmpeg has its own decoder.
 TEST(Png, IsTheSamePictureToAnIndependentDecoder) {
-  const fs::path folder = fresh_folder();
+  const fs::path folder = fresh_folder("image");
   const Image image = noise(36, 24, 7);
   write_png(folder / "image.png", image, 1.405);
   const std::string file = (folder / "image.png").string();
@@ -173,7 +161,7 @@ TEST(Png, NamesTheFileThatCannotBeWrittenOrRead) {
 }
 
 TEST(Png, LeavesNothingBehindWhereTheFileDoesNotFit) {
-  const fs::path folder = fresh_folder();
+  const fs::path folder = fresh_folder("image");
   std::signal(SIGXFSZ, SIG_IGN);
   const rlimit small{1000, 1000};  // a disk that is full after 1000 bytes
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);

@@ -11,6 +11,8 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include "tests/support/output_of.h"
+
 namespace headpin::render {
 namespace {
 
@@ -27,14 +29,6 @@ Image picture(int number) {
         static_cast<std::uint8_t>(i + 7 * number + static_cast<int>(random() % 64)));
   }
   return image;
-}
-
-std::string output_of(const std::string& command) {
-  std::FILE* pipe = popen(command.c_str(), "r");
-  std::string text;
-  for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) text += static_cast<char>(c);
-  EXPECT_EQ(pclose(pipe), 0) << command;
-  return text;
 }
 
 std::string told(const fs::path& video, const std::string& entries) {

@@ -22,7 +22,7 @@ std::filesystem::path file(const std::string& name, const std::string& text) {
 }
 
 template <typename Exception>
-std::string refusal(const std::filesystem::path& path) {
+std::string mesh_refusal(const std::filesystem::path& path) {
   try {
     load_polyhedron(path);
   } catch (const Exception& e) {
@@ -57,16 +57,16 @@ TEST(MeshFile, IsRefusedWithItsNameAndTheReason) {
   std::string open = kCube;
   open.resize(open.rfind("f 4 1 5 8"));
   const auto path = file("headpin_open.obj", open);
-  EXPECT_THAT(refusal<std::invalid_argument>(path), HasSubstr("headpin_open.obj"));
-  EXPECT_THAT(refusal<std::invalid_argument>(path), HasSubstr("not closed"));
+  EXPECT_THAT(mesh_refusal<std::invalid_argument>(path), HasSubstr("headpin_open.obj"));
+  EXPECT_THAT(mesh_refusal<std::invalid_argument>(path), HasSubstr("not closed"));
   std::string dented = kCube;
   dented.replace(dented.find("v 2 2 2"), 7, "v 0.5 0.5 0.5");
-  EXPECT_NE(refusal<std::invalid_argument>(file("headpin_dented.obj", dented)), "");
-  EXPECT_THAT(refusal<std::runtime_error>(file("headpin_broken.obj", "not a mesh at all")),
+  EXPECT_NE(mesh_refusal<std::invalid_argument>(file("headpin_dented.obj", dented)), "");
+  EXPECT_THAT(mesh_refusal<std::runtime_error>(file("headpin_broken.obj", "not a mesh at all")),
               HasSubstr("headpin_broken.obj"));
-  EXPECT_THAT(refusal<std::runtime_error>(file("headpin.ply", "ply\n")),
+  EXPECT_THAT(mesh_refusal<std::runtime_error>(file("headpin.ply", "ply\n")),
               HasSubstr("expected .obj"));
-  EXPECT_THAT(refusal<std::runtime_error>("/nowhere/headpin.obj"), HasSubstr("/nowhere"));
+  EXPECT_THAT(mesh_refusal<std::runtime_error>("/nowhere/headpin.obj"), HasSubstr("/nowhere"));
   EXPECT_THROW(load_polyhedron(file("headpin_cube2.obj", kCube), 0.0), std::invalid_argument);
 }
 

@@ -11,6 +11,7 @@
 
 #include "devices/log.h"
 #include "scene/scenario.h"
+#include "tests/scene/refusal.h"
 #include "tests/support/folder.h"
 
 namespace headpin::scene {
@@ -18,10 +19,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::Not;
-
-std::string refusal(const std::string& toml) {
-  return complaint([&] { parse_scenario(toml, "lane.toml"); });
-}
 
 TEST(ScenarioCheck, SkittlesStandBesideEachOther) {
   EXPECT_EQ(refusal("[rack]\nspots = [\n[0.0, 0.0],\n[0.5, 0.0],\n[0.05, 0.1],\n]"),

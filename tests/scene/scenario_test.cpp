@@ -8,20 +8,12 @@
 #include <gtest/gtest.h>
 
 #include "render/hmd.h"
+#include "tests/scene/refusal.h"
 
 namespace headpin::scene {
 namespace {
 
 using testing::HasSubstr;
-
-std::string refusal(const std::string& toml) {
-  try {
-    parse_scenario(toml, "lane.toml");
-  } catch (const std::invalid_argument& error) {
-    return error.what();
-  }
-  return "(accepted)";
-}
 
 TEST(ScenarioText, GivesBackEveryBit) {
   Scenario s;

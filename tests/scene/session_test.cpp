@@ -152,7 +152,7 @@ TEST(SessionTest, TwoRunsAreEqualToTheBit) {
 }
 
 /// What an observer sees of a session: its samples and its hashes.
-struct Seen : Observer {
+struct Recording : Observer {
   void tick(const Session& session) override {
     samples.insert(samples.end(), session.samples.begin(), session.samples.end());
     hashes.push_back(engine::state_hash(session.world));
@@ -181,17 +181,17 @@ TEST(SessionTest, ALiveSourceAndItsRecordingMakeTheSameGame) {
   const Scenario scenario;
   const auto seen_of = [&](devices::Source& source) {
     Session session = make_session(scenario);
-    Seen seen;
+    Recording seen;
     NoPace pace;
     Observer* const observers[] = {&seen};
     run(session, source, pace, observers, [](const Session& s) { return seconds(s.now()) >= 3.0; });
     return seen;
   };
   Published published(straight_throw(scenario));
-  const Seen live = seen_of(published);
+  const Recording live = seen_of(published);
   EXPECT_EQ(live.samples.size(), straight_throw(scenario).size());
   devices::ReplaySource recording(live.samples);
-  const Seen replayed = seen_of(recording);
+  const Recording replayed = seen_of(recording);
   EXPECT_EQ(replayed.samples.size(), live.samples.size());
   EXPECT_EQ(replayed.hashes, live.hashes);
   EXPECT_EQ(live.hashes.size(), 720u);

@@ -29,6 +29,14 @@ class TemporaryFolder {
   std::filesystem::path path_;
 };
 
+/// A new folder where tests put what they leave.
+inline std::filesystem::path fresh_folder(const std::string& name) {
+  std::string pattern =
+      (std::filesystem::temp_directory_path() / ("headpin-" + name + "-XXXXXX")).string();
+  if (!mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder");
+  return pattern;
+}
+
 inline std::string slurp(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::ostringstream text;
@@ -37,6 +45,7 @@ inline std::string slurp(const std::filesystem::path& path) {
 }
 
 inline void spit(const std::filesystem::path& path, const std::string& text) {
+  if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
   std::ofstream(path, std::ios::binary) << text;
 }
 

@@ -73,16 +73,16 @@ Polyhedron box(const Vec3& half) {
       v, {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}});
 }
 
-Shape random_shape(Random& random, Kind kind) {
+Shape random_shape(Random& random, ShapeKind kind) {
   const auto length = [&] { return random.uniform(0.3, 0.6); };
   switch (kind) {
-    case Kind::ellipsoid:
+    case ShapeKind::ellipsoid:
       return Ellipsoid{{length(), length(), length()}};
-    case Kind::cylinder:
+    case ShapeKind::cylinder:
       return Cylinder{length(), length()};
-    case Kind::cone:
+    case ShapeKind::cone:
       return Cone{length(), 2.0 * length()};
-    case Kind::hull:
+    case ShapeKind::hull:
       break;
   }
   return random_hull(random, 64);

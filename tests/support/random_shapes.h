@@ -37,10 +37,12 @@ Polyhedron random_hull(Random& random, int count);
 
 Polyhedron box(const Vec3& half);
 
-enum class Kind { ellipsoid, cylinder, cone, hull };
+enum class ShapeKind { ellipsoid, cylinder, cone, hull };
+inline constexpr ShapeKind kShapeKinds[] = {ShapeKind::ellipsoid, ShapeKind::cylinder,
+                                            ShapeKind::cone, ShapeKind::hull};
 
 /// About one metre across; hulls have 64 vertices.
-Shape random_shape(Random& random, Kind kind);
+Shape random_shape(Random& random, ShapeKind kind);
 
 /// A normal at which the shape touches along a face, a side or a rim, or anywhere.
 Vec3 special_normal(Random& random, const Shape& shape);
