@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -90,6 +92,7 @@ nlohmann::json describe(const Side& side) {
       {"contacts", contacts},
       {"touches", score.touches},
       {"skittles_down", score.skittles_down},
+      {"games", scene::to_json(score.games)},
       {"release_speed_mps", number(score.release_speed)},
       {"impact_speed_mps", number(score.impact_speed)},
       {"highest_energy_j", highest},
@@ -101,6 +104,23 @@ std::string cell(const nlohmann::json& value) {
   if (value.is_object()) return cell(scene::in_short(value));
   if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
   return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+/// One line of the comparison.
+struct ComparedRow {
+  std::string label, a, b;
+};
+
+/// Score sheets of both, game by game; none where neither played one.
+std::vector<ComparedRow> compared_sheets(const nlohmann::json& a, const nlohmann::json& b) {
+  std::vector<ComparedRow> rows;
+  for (std::size_t i = 0; i < std::max(a.size(), b.size()); ++i) {
+    const auto sheet = [&](const nlohmann::json& games) {
+      return i < games.size() ? games[i]["sheet"].get<std::string>() : std::string("-");
+    };
+    rows.push_back({fmt::format("score sheet {}", i + 1), sheet(a), sheet(b)});
+  }
+  return rows;
 }
 
 void print_differences(const nlohmann::json& result) {
@@ -124,8 +144,17 @@ void print_differences(const nlohmann::json& result) {
                                                       {"first skittle [m/s]", "impact_speed_mps"},
                                                       {"highest energy [J]", "highest_energy_j"},
                                                       {"final energy [J]", "final_energy_j"}};
+  std::vector<ComparedRow> lines;
   for (const auto& [label, key] : rows) {
-    fmt::print("{:<20}{:<28}{}\n", label, cell(result["a"][key]), cell(result["b"][key]));
+    lines.push_back({label, cell(result["a"][key]), cell(result["b"][key])});
+  }
+  for (ComparedRow& row : compared_sheets(result["a"]["games"], result["b"]["games"])) {
+    lines.push_back(std::move(row));
+  }
+  std::size_t wide = 26;
+  for (const ComparedRow& row : lines) wide = std::max(wide, row.a.size());
+  for (const ComparedRow& row : lines) {
+    fmt::print("{:<20}{:<{}}{}\n", row.label, row.a, wide + 2, row.b);
   }
 }
 

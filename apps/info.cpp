@@ -13,6 +13,7 @@
 #include "devices/trial_file.h"
 #include "scene/events.h"
 #include "scene/outcome.h"
+#include "scene/presence.h"
 #include "scene/release_timing.h"
 #include "scene/score.h"
 #include "scene/totals.h"
@@ -95,6 +96,7 @@ ordered_json to_json(const std::string& path, const devices::TrialSummary& trial
                      {"games", scene::to_json(r.games)}};
     if (r.release_speed) out["result"]["release_speed_mps"] = *r.release_speed;
     if (r.impact_speed) out["result"]["impact_speed_mps"] = *r.impact_speed;
+    out["result"]["approaches"] = scene::approaches_of(trial.events);
     if (r.skittles_down == 0) {
       out["result"]["why_nothing_fell"] = scene::why_nothing_fell(trial.events);
     }
@@ -223,6 +225,9 @@ void print_trial(const std::string& path, const devices::TrialSummary& trial,
     std::cout << "\n";
     for (const scene::Sheet& game : r.games) {
       std::cout << fmt::format("  {}\n", scene::in_words(game));
+    }
+    for (const std::string& approach : scene::approaches_in_words(trial.events)) {
+      std::cout << "  " << shown(approach) << "\n";
     }
     if (r.skittles_down == 0) {
       std::cout << "  " << shown(scene::why_nothing_fell(trial.events)) << "\n";

@@ -9,6 +9,7 @@
 
 #include "apps/command.h"
 #include "apps/options.h"
+#include "apps/participants.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "devices/catalogue_csv.h"
@@ -22,7 +23,9 @@ namespace {
 
 struct SynthesizeOptions {
   std::optional<std::string> output;
-  std::string scenario, participant, condition;
+  std::string scenario, name, condition;
+  std::optional<std::uint64_t> participant;
+  int throws = 10;
   scene::ThrowPlan plan;
   double aim_deg = 0.0;
   std::optional<double> duration_s;
@@ -41,7 +44,7 @@ double long_enough(const scene::ThrowPlan& plan, const scene::Scenario& scenario
 std::size_t write_trial(const SynthesizeOptions& options, const scene::ThrowMotion& motion,
                         const scene::Scenario& scenario, std::uint64_t seed) {
   devices::TrialHeader header;
-  header.participant = options.participant;
+  header.participant = options.name;
   header.condition = options.condition;
   header.seed = seed;
   header.scenario = scene::to_toml(scenario);
@@ -69,6 +72,16 @@ std::size_t write_csv(const SynthesizeOptions& options, const scene::ThrowMotion
 }
 
 void synthesize(const SynthesizeOptions& options) {
+  if (options.participant) {
+    return play_session({.output = *options.output,
+                         .scenario = options.scenario,
+                         .name = options.name,
+                         .condition = options.condition,
+                         .seed = *options.participant,
+                         .throws = options.throws,
+                         .force = options.force,
+                         .json = options.json});
+  }
   constexpr double kDegree = std::numbers::pi / 180.0;
   scene::ThrowPlan plan = options.plan;
   plan.aim = options.aim_deg * kDegree;
@@ -121,20 +134,33 @@ void add_synthesize(CLI::App& app) {
       *command, "-o,--output", options->output,
       "trial to write (.lcmlog), or a recording as `import` reads it (.csv); - is standard output")
       ->required();
-  command->add_option("--seed", options->plan.seed, "of swing, tremor and noise")
-      ->check(seed())
-      ->capture_default_str();
-  command->add_option("--speed", options->plan.speed, "of the ball at its release [m/s]")
-      ->check(number_from(4, 9))
-      ->capture_default_str();
-  command->add_option("--aim", options->aim_deg, "to the right of the lane [degrees]")
-      ->check(number_from(-10, 10))
-      ->capture_default_str();
+  auto* seeded = command->add_option("--seed", options->plan.seed, "of swing, tremor and noise")
+                     ->check(seed())
+                     ->capture_default_str();
+  auto* speed =
+      command->add_option("--speed", options->plan.speed, "of the ball at its release [m/s]")
+          ->check(number_from(4, 9))
+          ->capture_default_str();
+  auto* aim = command->add_option("--aim", options->aim_deg, "to the right of the lane [degrees]")
+                  ->check(number_from(-10, 10))
+                  ->capture_default_str();
   add_duration(*command, options->duration_s,
                "of the trial [s]; 7 in the paper's room, more when the lane is longer");
   command->add_option("--scenario", options->scenario,
                       "its name, or a TOML file; the paper's room when not given");
-  command->add_option("--participant", options->participant, "who is said to have thrown");
+  auto* participant =
+      command
+          ->add_option(
+              "--participant", options->participant,
+              "a whole session of the virtual participant of this seed instead of one throw; "
+              "in paper-experiment when no scenario is given")
+          ->check(seed())
+          ->excludes(seeded, speed, aim);
+  command->add_option("--throws", options->throws, "of a participant, with each version")
+      ->check(CLI::Range(1, 1000))
+      ->needs(participant)
+      ->capture_default_str();
+  command->add_option("--name", options->name, "who is said to have thrown");
   command->add_option("--condition", options->condition, "name of the condition");
   add_force(*command, options->force);
   add_json(*command, options->json);
@@ -143,7 +169,12 @@ void add_synthesize(CLI::App& app) {
       "receivers and its noise. The same seed gives the same throw on every machine. How the "
       "tracker\n"
       "is mounted and where the ball stands are the model's own unless the scenario says so.\n\n"
-      "Example:\n  headpin synthesize -o trial.lcmlog --seed 7 --speed 6.5 --aim 1");
+      "A participant walks up, touches red, throws, touches blue, throws: head, hand and buttons "
+      "as a\n"
+      "Fastrak and a 3D mouse tell of them, while a simulation runs, to which eyes and hand "
+      "answer.\n\n"
+      "Examples:\n  headpin synthesize -o session.lcmlog --participant 7\n"
+      "  headpin synthesize -o trial.lcmlog --seed 7 --speed 6.5 --aim 1");
   command->callback([options] { synthesize(*options); });
 }
 

@@ -23,6 +23,8 @@ inline constexpr std::string_view ball_back = "ball_back";
 inline constexpr std::string_view delivery = "delivery";
 inline constexpr std::string_view frame = "frame";
 inline constexpr std::string_view game_over = "game_over";
+inline constexpr std::string_view flies_at_player = "flies_at_player";
+inline constexpr std::string_view passed_player = "passed_player";
 inline constexpr std::string_view ledger = "ledger";
 inline constexpr std::string_view grab_found = "grab_found";
 inline constexpr std::string_view release_found = "release_found";
@@ -36,7 +38,7 @@ struct EventKind {
   std::string_view value;  ///< what `value` is; empty where it is not used
 };
 
-inline constexpr std::array<EventKind, 18> kEventKinds{{
+inline constexpr std::array<EventKind, 20> kEventKinds{{
     {kind::grab, "the trigger took a ball or a skittle", "its centre", ""},
     {kind::release, "the trigger let go of what it took", "its centre",
      "speed it left the hand with [m/s]"},
@@ -59,6 +61,15 @@ inline constexpr std::array<EventKind, 18> kEventKinds{{
     {kind::ball_back, "a ball came back to its stand", "its stand", ""},
     {kind::frame, "a frame is over", "", "its number, from 1"},
     {kind::game_over, "the last frame is over: the score sheet in detail", "", "points"},
+    {kind::flies_at_player,
+     "a ball or a skittle began to fly at the player: nearer than 0.4 m to head, hand or what is "
+     "below the head, within a second, at more than 1 m/s",
+     "its centre", "when it is nearest if both go on as they do [s]"},
+    {kind::passed_player,
+     "0.3 s after that was over: what was foreseen and how head and hand accelerated out of its "
+     "way, "
+     "as JSON in detail",
+     "its centre", "closest approach of its surface to head, hand or what is below the head [m]"},
     {kind::ledger, "after the last tick: where the energy came from and went to, as JSON in detail",
      "", ""},
     {kind::grab_found, "in a recording without buttons: where a hand took the ball", "", ""},

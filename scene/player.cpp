@@ -126,6 +126,23 @@ void release(Player& player, const Scene& scene, Time time, Time now) {
   note(scene, kind::release, body, state.v_WB.norm());
 }
 
+/// Carries what is held to where the hand has it, outside of everything fixed now and at the end of
+/// the tick.
+void carry(const Player& player, const Scene& scene, Time now) {
+  const engine::BodyId body = player.held->body;
+  engine::World& world = scene.world;
+  engine::State state =
+      engine::outside_fixed(world, body, carried(player, scene.stage.scenario.hand, now, now));
+  engine::set_state(world, body, state);
+  const double dt = engine::step_seconds(world);
+  engine::State ahead = state;
+  ahead.X_WB.p += dt * state.v_WB;
+  const Vec3 p_WB = engine::outside_fixed(world, body, ahead).X_WB.p;
+  if (p_WB == ahead.X_WB.p) return;  // nothing is in its way
+  state.v_WB = (p_WB - state.X_WB.p) / dt;
+  engine::set_state(world, body, state);
+}
+
 /// Whether the ball that was let go has left the hand.
 bool clear_of(const Player& player, const engine::World& world, const Pose& X_WH,
               double hand_radius) {
@@ -199,11 +216,7 @@ void drive(Player& player, std::span<const devices::Sample> samples, const Stage
     if (!button.trigger && player.held) release(player, scene, button.device_time, now);
     player.trigger = button.trigger;
   }
-  if (player.held) {
-    const engine::BodyId body = player.held->body;
-    const engine::State wanted = carried(player, stage.scenario.hand, now, now);
-    engine::set_state(world, body, engine::outside_fixed(world, body, wanted));
-  }
+  if (player.held) carry(player, scene, now);
   place_hand(player, scene, now);
   forget(player, now);
 }

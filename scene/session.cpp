@@ -52,6 +52,7 @@ void start_version(Session& s, std::size_t version, const Moment& moment) {
   s.player.held.reset();
   s.player.leaving.reset();
   s.game = make_game(*s.stage);
+  s.presence = {};
   s.version_begun = true;
   devices::Event e = event(moment, kind::version, s.world, {});
   const Versions& v = s.scenario().version;
@@ -103,6 +104,7 @@ void advance(Session& s, devices::Source& source) {
   s.tick = moment.tick;
   s.statistics += s.world.statistics;
   note_step(s.game, *s.stage, s.world, moment, s.events);
+  watch(s.presence, s.player, *s.stage, s.world, moment, s.events);
   const std::optional<engine::BodyId> held =
       s.player.held ? std::optional(s.player.held->body) : std::nullopt;
   if (!has_buttons(s) || s.version_begun) {

@@ -8,6 +8,7 @@
 #include "devices/source.h"
 #include "scene/game.h"
 #include "scene/player.h"
+#include "scene/presence.h"
 
 /// The flow of one tick: samples in, hand and head moved, the world stepped, what happened out.
 namespace headpin::scene {
@@ -17,6 +18,7 @@ struct Session {
   engine::World world;
   Player player;
   Game game;
+  Presence presence;                                     ///< what flies at the player
   std::array<std::shared_ptr<const Stage>, 2> versions;  ///< red, blue; where there are buttons
   bool version_begun = false;                            ///< by one of them
   std::optional<std::size_t> touched;                    ///< the button that the hand is at
@@ -36,8 +38,8 @@ struct Session {
 Session make_session(std::shared_ptr<const Stage> stage);
 Session make_session(const Scenario& scenario);
 
-/// One tick: everything the source knows by then, then one step of the world, and what the rules
-/// make of it.
+/// One tick: everything the source knows by then, then one step of the world, what of it flies at
+/// the player, and what the rules make of it.
 ///
 /// A button that the hand comes to starts its version: another stage and its world, with the
 /// session's tick, clock and ledger going on. Without buttons the game is on from the start, with

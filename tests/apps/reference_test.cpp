@@ -56,11 +56,17 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
   std::set<std::string> names;
   const auto take = [&](const std::string& arguments) { collect(json(arguments), names); };
   take("synthesize --json -o throw.lcmlog");
+  take("synthesize --json --participant 7 --throws 1 -o session.lcmlog");
   take("import --json " HEADPIN_SOURCE_DIR "/assets/throws/example.csv -o found.lcmlog");
   take("replay --json throw.lcmlog -o game.lcmlog");
   take("replay --json game.lcmlog --verify");
   take("replay --json throw.lcmlog -o other.lcmlog --set material.ball.friction=0.1");
   take("info --json game.lcmlog");
+  // Without losses all comes bouncing back at who threw it.
+  take(
+      "replay --json session.lcmlog -o back.lcmlog --set version.red.elasticity=1 "
+      "--set version.red.friction=0 --set version.blue.elasticity=1");
+  take("info --json back.lcmlog");
   // A game that nobody plays has a sheet of no points.
   take("replay --json throw.lcmlog --set game.rules=plain");
   take("compare --json game.lcmlog other.lcmlog");

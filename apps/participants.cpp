@@ -1,0 +1,105 @@
+#include "apps/participants.h"
+
+#include <array>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
+#include "devices/log.h"
+#include "scene/participant.h"
+#include "scene/totals.h"
+
+namespace headpin::apps {
+
+namespace {
+
+/// Writes what the devices say, as they say it.
+class SampleWriter : public scene::Observer {
+ public:
+  explicit SampleWriter(devices::Recorder& recorder) : recorder_(recorder) {}
+
+  void tick(const scene::Session& session) override {
+    for (devices::Sample sample : session.samples) {
+      std::visit([](auto& one) { one.session_time = {}; }, sample);
+      recorder_.write(sample);
+      ++written_;
+    }
+  }
+  std::int64_t written() const { return written_; }
+
+ private:
+  devices::Recorder& recorder_;
+  std::int64_t written_ = 0;
+};
+
+scene::Scenario scenario_to_play(const ParticipantSession& options) {
+  const std::string name = options.scenario.empty() ? "paper-experiment" : options.scenario;
+  scene::Scenario scenario = scene::load_scenario(name);
+  scene::set_up_for_participants(scenario);
+  scene::check(scenario, name);
+  return scenario;
+}
+
+void print_person(const scene::Person& person) {
+  fmt::print("  who                {}-handed, {:.2f} m tall, skill {:.2f}\n",
+             person.left_handed ? "left" : "right", person.height, person.skill);
+}
+
+}  // namespace
+
+void play_session(const ParticipantSession& options) {
+  if (options.output.ends_with(".csv")) {
+    throw UsageError(
+        "a session has buttons, which a recording (.csv) cannot hold; expected .lcmlog");
+  }
+  const scene::Scenario scenario = scenario_to_play(options);
+  const scene::Person person = scene::draw_person(options.seed);
+  watch_stop_signals();
+  devices::TrialHeader header;
+  header.participant =
+      options.name.empty() ? fmt::format("virtual {}", options.seed) : options.name;
+  header.condition = options.condition;
+  header.seed = options.seed;
+  header.scenario = scene::to_toml(scenario);
+  devices::Recorder recorder(options.output, header,
+                             {.overwrite = options.force, .inputs = {options.scenario}});
+  scene::Session session = scene::make_session(scenario);
+  scene::Participant participant({.person = person, .throws = options.throws}, scenario);
+  SampleWriter writer(recorder);
+  scene::Totals totals;
+  scene::Stopwatch stopwatch;
+  const std::array<scene::Observer*, 4> observers = {&stopwatch, &participant, &writer, &totals};
+  scene::run(session, participant, stopwatch, observers, [&](const scene::Session&) {
+    check_stop();
+    return participant.finished();
+  });
+  recorder.close();
+
+  nlohmann::ordered_json result = {
+      {"output", options.output},
+      {"seed", options.seed},
+      {"samples", writer.written()},
+      {"duration_s", seconds(session.now())},
+      {"left_handed", person.left_handed},
+      {"height_m", person.height},
+      {"skill", person.skill},
+      {"throws", participant.throws()},
+      {"gave_up", participant.gave_up()},
+      {"games", scene::to_json(totals.score().games)},
+      {"realtime_factor", seconds(session.now()) / stopwatch.spent_s()}};
+  if (options.json) return print_json(result);
+  fmt::print(
+      "{}\n  samples            {} of head, hand and buttons\n  duration           {:.3f} s\n",
+      options.output, writer.written(), seconds(session.now()));
+  print_person(person);
+  fmt::print("  throws             {}{}\n", participant.throws(),
+             participant.gave_up() ? ", then gave up" : "");
+  for (const scene::Sheet& game : totals.score().games) {
+    fmt::print("  score sheet        {}\n", scene::in_words(game));
+  }
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,450 @@
+// Virtual participants: who they are, how they move, and that what they play is a trial like any.
+
+#include "scene/participant.h"
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <set>
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "devices/fastrak.h"
+#include "devices/fastrak_emulator.h"
+#include "devices/messages.h"
+#include "devices/sources.h"
+#include "scene/events.h"
+#include "scene/score.h"
+
+namespace headpin::scene {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::uint64_t kSessionOfSeven = 13130272101496959248u;
+
+Scenario participants_room() {
+  Scenario scenario = load_scenario(HEADPIN_SOURCE_DIR "/assets/scenarios/paper-experiment.toml");
+  set_up_for_participants(scenario);
+  return scenario;
+}
+
+/// A session as somebody saw it.
+struct SessionSeen : Observer {
+  void tick(const Session& session) override {
+    for (devices::Sample sample : session.samples) {
+      std::visit([](auto& one) { one.session_time = {}; }, sample);
+      samples.push_back(sample);
+    }
+    events.insert(events.end(), session.events.begin(), session.events.end());
+    hashes.push_back(engine::state_hash(session.world));
+    if (each) each(session);
+  }
+  std::vector<std::string> sheets() const {
+    std::vector<std::string> words;
+    for (const Sheet& sheet : score(events).games) words.push_back(in_words(sheet));
+    return words;
+  }
+  int count(std::string_view kind) const {
+    return static_cast<int>(std::ranges::count(events, kind, &devices::Event::kind));
+  }
+  std::function<void(const Session&)> each;
+  std::vector<devices::Sample> samples;
+  std::vector<devices::Event> events;
+  std::vector<std::uint64_t> hashes;
+};
+
+void let_play(const Scenario& scenario, const Person& person, int throws, SessionSeen& seen) {
+  Session session = make_session(scenario);
+  Participant participant({person, throws}, scenario);
+  NoPace pace;
+  Observer* const observers[] = {&participant, &seen};
+  run(session, participant, pace, observers,
+      [&](const Session& s) { return participant.finished() || s.now() > 600s; });
+  EXPECT_FALSE(participant.gave_up());
+}
+
+SessionSeen replayed(const Scenario& scenario, const SessionSeen& played) {
+  SessionSeen seen;
+  Session session = make_session(scenario);
+  devices::ReplaySource source(played.samples);
+  NoPace pace;
+  Observer* const observers[] = {&seen};
+  run(session, source, pace, observers,
+      [&](const Session& s) { return s.tick >= static_cast<std::int64_t>(played.hashes.size()); });
+  return seen;
+}
+
+bool same_event(const devices::Event& a, const devices::Event& b) {
+  return a.time == b.time && a.tick == b.tick && a.kind == b.kind && a.bodies == b.bodies &&
+         a.p_W == b.p_W && a.j_W == b.j_W && a.value == b.value && a.detail == b.detail;
+}
+
+/// Somebody who does the same each time.
+Person steady_person() {
+  return {.speed_spread = 0.0, .aim_spread = 0.0, .timing_spread = 0.0, .tremor = 0.0, .sway = 0.0};
+}
+
+TEST(PersonTest, IsDrawnFromItsSeedAndIsSomebody) {
+  int left = 0;
+  double height = 0.0;
+  std::set<double> speeds;
+  constexpr int kPeople = 2000;
+  for (std::uint64_t seed = 1; seed <= kPeople; ++seed) {
+    const Person person = draw_person(seed), again = draw_person(seed);
+    EXPECT_EQ(person.height, again.height);
+    EXPECT_EQ(person.speed, again.speed);
+    EXPECT_EQ(person.tremor, again.tremor);
+    EXPECT_TRUE(person.height >= 1.45 && person.height <= 2.0) << seed;
+    EXPECT_TRUE(person.speed >= 4.0 && person.speed <= 9.0) << seed;
+    EXPECT_TRUE(person.reaction_s > 0.1 && person.pace > 0.5 && person.skill < 1.0) << seed;
+    left += person.left_handed;
+    height += person.height / kPeople;
+    speeds.insert(person.speed);
+  }
+  // Four deviations of a mean of so many.
+  EXPECT_NEAR(left, 0.1 * kPeople, 4.0 * std::sqrt(0.09 * kPeople));
+  EXPECT_NEAR(height, 1.70, 4.0 * 0.09 / std::sqrt(kPeople));
+  EXPECT_GT(speeds.size(), 0.9 * kPeople);
+}
+
+TEST(FigureTest, DirectionsAreThoseOfTheLibrary) {
+  for (int i = -20; i <= 20; ++i) {
+    const double angle = 0.15 * i;
+    const double along = 2.0 * std::cos(angle), across = 2.0 * std::sin(angle);
+    EXPECT_NEAR(direction(along, across), std::atan2(across, along), 1e-14) << angle;
+  }
+  EXPECT_EQ(direction(0.0, 0.0), 0.0);
+  EXPECT_NEAR(direction(-1.0, 0.0), std::atan2(0.0, -1.0), 1e-14);
+}
+
+// Whatever it does: place, speed and acceleration go on, and it comes to rest.
+TEST(FigureTest, AGlideThatIsSentElsewhereGoesOnWithoutAJolt) {
+  Glide glide(0.2);
+  glide.to(1.0, 1.0, 0.8);
+  const Glide before = glide;
+  const double turned = 1.3, h = 1e-4;
+  glide.to(-0.4, turned, 0.5);
+  const auto speed = [&](const Glide& g, double t) {
+    return (g.at(t + h) - g.at(t - h)) / (2 * h);
+  };
+  const auto gain = [&](const Glide& g, double t) {
+    return (g.at(t + h) - 2.0 * g.at(t) + g.at(t - h)) / (h * h);
+  };
+  EXPECT_DOUBLE_EQ(glide.at(turned), before.at(turned));
+  EXPECT_NEAR(speed(glide, turned + h), speed(before, turned), 1e-2);
+  EXPECT_GT(std::abs(speed(before, turned)), 0.5);
+  EXPECT_NEAR(gain(glide, turned + h), gain(before, turned), 0.1);
+  EXPECT_NEAR(glide.at(turned + 0.5), -0.4, 1e-12);
+  EXPECT_NEAR(glide.goal(), -0.4, 1e-12);
+  EXPECT_NEAR(speed(glide, turned + 0.5 - h), 0.0, 1e-3);
+  EXPECT_EQ(glide.at(9.0), glide.at(turned + 0.5));
+}
+
+TEST(FigureTest, ALeftHanderIsTheMirrorImage) {
+  Posture posture;
+  posture.raise = 0.8;
+  posture.aside = 0.4;
+  posture.lean = 0.3;
+  const Pose right = palm({1.8, false}, posture), left = palm({1.8, true}, posture);
+  EXPECT_LT((left.p - Vec3(-right.p.x(), right.p.y(), right.p.z())).norm(), 1e-12);
+  const Vec3 fingers = right.q * -Vec3::UnitZ(), mirrored = left.q * -Vec3::UnitZ();
+  EXPECT_LT((mirrored - Vec3(-fingers.x(), fingers.y(), fingers.z())).norm(), 1e-12);
+  EXPECT_GT(right.p.x(), 0.0);
+}
+
+TEST(FigureTest, AnArmPointsAtWhatItReachesFor) {
+  const Vec3 target(0.2, 0.5, 0.9);
+  for (const bool left_handed : {false, true}) {
+    const Build build{1.75, left_handed};
+    Posture posture;
+    posture.lean = 0.3;
+    point_at(build, posture, target, 0.1);
+    const Pose X_PH = palm(build, posture);
+    EXPECT_LT((X_PH * Vec3(0.0, 0.0, -0.1) - target).norm(), 1e-9);
+  }
+}
+
+// What the plan promises, measured on the way of the hand itself.
+TEST(SwingTest, TheBallLeavesAsFastAsLowAndWhereItIsMeantTo) {
+  const Hand hand;
+  const Vec3 target(0.1, 6.0, 0.15);
+  for (const bool left_handed : {false, true}) {
+    for (const double speed : {4.5, 6.5, 8.5}) {
+      const Build build{1.75, left_handed};
+      Posture stands;
+      stands.y = -0.5;
+      const double height = 0.3;
+      const Swing swing = plan_swing(build, hand, stands, target, speed, height, 0.8);
+      Figure figure(swing.back);
+      figure.to(&Posture::raise, swing.through, 0.0, swing.forward_s);
+      const auto ball = [&](double t) { return Vec3(palm(build, figure.at(t)) * hand.grip); };
+      const double h = 1e-4, t = swing.release_s;
+      const Vec3 v = (ball(t + h) - ball(t - h)) / (2.0 * h);
+      EXPECT_NEAR(v.norm(), speed, 1e-4 * speed);
+      EXPECT_NEAR(ball(t).z(), height, 1e-9);
+      EXPECT_NEAR(std::atan2(v.z(), v.head<2>().norm()), 0.02, 1e-4);  // nearly level
+      const Vec3 way = target - ball(t);
+      EXPECT_NEAR(std::atan2(v.x(), v.y()), std::atan2(way.x(), way.y()), 1e-6);
+      EXPECT_GT(v.norm(), 0.9 * (ball(t + 0.03) - ball(t + 0.01)).norm() / 0.02);
+    }
+  }
+}
+
+TEST(ParticipantTest, PlaysBothVersionsByTheDevicesAlone) {
+  const Scenario scenario = participants_room();
+  SessionSeen seen;
+  let_play(scenario, draw_person(7), 2, seen);
+  ASSERT_EQ(seen.count(kind::version), 2);
+  EXPECT_EQ(seen.count(kind::grab), 4);
+  EXPECT_EQ(seen.count(kind::release), 4);
+  EXPECT_EQ(seen.count(kind::missed_grab), 0);
+  EXPECT_GE(seen.count(kind::delivery), 4);
+  std::vector<std::string> versions;
+  for (const devices::Event& event : seen.events) {
+    if (event.kind == kind::version) versions.push_back(event.detail);
+  }
+  EXPECT_THAT(versions, testing::ElementsAre("red", "blue"));
+  // It walked up by the thumbs.
+  const auto forward = [](const devices::Sample& sample) {
+    const auto* mouse = std::get_if<devices::MouseSample>(&sample);
+    return mouse && mouse->left_thumb;
+  };
+  EXPECT_TRUE(std::ranges::any_of(seen.samples, forward));
+}
+
+TEST(ParticipantTest, ItsSamplesReplayToTheSameStatesEventsAndSheets) {
+  const Scenario scenario = participants_room();
+  for (const std::uint64_t seed : {3u, 7u}) {
+    SessionSeen played;
+    let_play(scenario, draw_person(seed), 3, played);
+    const SessionSeen again = replayed(scenario, played);
+    EXPECT_EQ(again.hashes, played.hashes);
+    EXPECT_EQ(again.sheets(), played.sheets());
+    EXPECT_TRUE(std::ranges::equal(again.events, played.events, same_event));
+    // The same hand with the other version's parameters: another score.
+    Scenario other = scenario;
+    std::swap(other.version.red.friction, other.version.blue.friction);
+    const SessionSeen exchanged = replayed(other, played);
+    EXPECT_NE(exchanged.sheets(), played.sheets());
+    EXPECT_EQ(score(exchanged.events).release_speed, score(played.events).release_speed);
+  }
+}
+
+TEST(ParticipantTest, TheSameSeedGivesTheSameBytesWhateverTheCompiler) {
+  // Hand and buttons until the first ball is let go: what comes then is the engine's too.
+  const auto fingerprint = [](std::uint64_t seed) {
+    SessionSeen seen;
+    let_play(participants_room(), draw_person(seed), 1, seen);
+    const auto release = std::ranges::find(seen.events, kind::release, &devices::Event::kind);
+    std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
+    devices::Buffer bytes;
+    for (const devices::Sample& sample : seen.samples) {
+      const bool after = devices::device_time(sample) > release->time;
+      if (after || devices::device_of(sample) == devices::kHeadStation) continue;
+      std::visit([&](const auto& s) { devices::encode(s, bytes); }, sample);
+      for (const std::uint8_t byte : bytes) hash = (hash ^ byte) * 0x100000001b3u;
+    }
+    return hash;
+  };
+  EXPECT_EQ(fingerprint(7), kSessionOfSeven);
+  EXPECT_NE(fingerprint(8), kSessionOfSeven);
+}
+
+TEST(ParticipantTest, IsMeasuredAsByAFastrakWithTwoReceivers) {
+  const Scenario scenario = participants_room();
+  SessionSeen seen;
+  let_play(scenario, draw_person(7), 1, seen);
+  std::int64_t cycle = 0;
+  for (const devices::Sample& sample : seen.samples) {
+    const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
+    if (!tracker) continue;
+    ASSERT_EQ(tracker->device_time, tick_time(cycle, 120));
+    EXPECT_EQ(tracker->station, cycle % 2 == 0 ? devices::kHeadStation : devices::kHandStation);
+    EXPECT_EQ(tracker->sequence, cycle / 2);
+    EXPECT_GT(tracker->host_time, tracker->device_time);
+    EXPECT_GT(tracker->X_TS.p.x(), 0.0);  // in the hemisphere the transmitter faces
+    EXPECT_LT(tracker->X_TS.p.norm(), devices::kFastrakRange);
+    ++cycle;
+  }
+  EXPECT_GT(cycle, 120 * 20);
+}
+
+TEST(ParticipantTest, ItsGazeFollowsTheBall) {
+  const Scenario scenario = participants_room();
+  SessionSeen seen;
+  int rolling = 0, in_sight = 0;
+  seen.each = [&](const Session& session) {
+    const engine::BodyId ball = session.stage->balls.front();
+    const engine::State& state = session.world.states[ball];
+    const auto X_WD = head_pose(session);
+    const bool rolls = session.world.bodies[ball].kind == engine::Kind::free &&
+                       state.v_WB.y() > 2.0 && state.X_WB.p.y() > 1.5;
+    if (!rolls || !X_WD) return;
+    ++rolling;
+    const Vec3 p_DB = X_WD->inverse() * state.X_WB.p;
+    in_sight += -p_DB.z() / p_DB.norm() > std::cos(20.0 * 3.14159 / 180.0);
+  };
+  let_play(scenario, draw_person(7), 3, seen);
+  EXPECT_GT(rolling, 6 * 100);
+  EXPECT_GT(in_sight, 0.9 * rolling);
+}
+
+// Who pulls to the right by four degrees and does nothing else wrong misses by less each time.
+TEST(ParticipantTest, AMissIsMended) {
+  Scenario scenario = participants_room();
+  scenario.version.buttons = false;
+  scenario.game.balls = 1;
+  scenario.game.frames = 5;
+  scenario.lane.head_pin = 6.0;
+  Person person = steady_person();
+  person.aim_bias = 4.0 * 3.14159 / 180.0;
+  person.mending = 0.5;
+  SessionSeen seen;
+  std::vector<double> passed_at;
+  bool before = true;
+  seen.each = [&](const Session& session) {
+    const double y = session.world.states[session.stage->balls.front()].X_WB.p.y();
+    const bool now_before = y < 5.0;
+    if (before && !now_before) {
+      passed_at.push_back(session.world.states[session.stage->balls.front()].X_WB.p.x());
+    }
+    before = now_before;
+  };
+  let_play(scenario, person, 5, seen);
+  ASSERT_GE(passed_at.size(), 3u);
+  EXPECT_GT(passed_at[0], 0.25);  // 5.2 m times the sine of four degrees: 0.36
+  EXPECT_LT(passed_at[1], 0.7 * passed_at[0]);
+  EXPECT_LT(std::abs(passed_at.back()), scenario.ball.radius + 0.02);
+}
+
+// Frictionless, elastic skittles come back from the wall.
+TEST(ParticipantTest, DrawsBackFromWhatFliesAtItUnlessNothingDisturbsIt) {
+  const Scenario scenario = participants_room();
+  int came = 0, evaded = 0, came_still = 0, evaded_still = 0;
+  for (const std::uint64_t seed : {1u, 2u, 7u}) {
+    for (const bool draws_back : {true, false}) {
+      Person person = draw_person(seed);
+      person.draws_back = draws_back;
+      SessionSeen seen;
+      let_play(scenario, person, 10, seen);
+      for (const nlohmann::json& approach : approaches_of(seen.events)) {
+        ++(draws_back ? came : came_still);
+        (draws_back ? evaded : evaded_still) += approach["moved"] == true;
+      }
+    }
+  }
+  EXPECT_GT(came, 3);
+  EXPECT_GT(came_still, 3);
+  EXPECT_GE(evaded, 0.8 * came);
+  EXPECT_LE(evaded_still, 0.2 * came_still);
+}
+
+TEST(ParticipantTest, GivesUpWhereAButtonIsOutOfReach) {
+  Scenario scenario = participants_room();
+  scenario.version.red.button.z() = 2.7;
+  Session session = make_session(scenario);
+  Participant participant({draw_person(7), 1}, scenario);
+  NoPace pace;
+  Observer* const observers[] = {&participant};
+  run(session, participant, pace, observers,
+      [&](const Session& s) { return participant.finished() || s.now() > 120s; });
+  EXPECT_TRUE(participant.finished());
+  EXPECT_TRUE(participant.gave_up());
+}
+
+/// A recording measured by an emulated unit and told by the driver, on a clock that begins with the
+/// first record; buttons as they were recorded, on a line of their own.
+class ThroughUnit : public devices::Source {
+ public:
+  explicit ThroughUnit(const std::vector<devices::Sample>& recorded)
+      : recorded_(recorded),
+        unit_(options_for(recorded),
+              [this, motion = devices::recorded_motion(recorded)](int station, Time time) {
+                return motion(station, begin_ && time > *begin_ ? time - *begin_ : Time{});
+              }),
+        ends_(devices::memory_streams()),
+        driver_(std::move(ends_.second)) {
+    std::vector<devices::Sample> first;
+    for (Time now{}; first.empty() && now < 10s; now += 1ms) {
+      serve(now);
+      driver_.poll(now, first);
+    }
+    zero_ = devices::device_time(first.at(0));
+    for (const devices::Sample& sample : recorded) {
+      if (devices::device_of(sample) == 0) waiting_.push_back(sample);
+    }
+    for (const devices::Sample& sample : first) take(sample);
+  }
+
+  void poll(Time now, std::vector<devices::Sample>& out) override {
+    while (served_ < zero_ + now) serve(std::min(served_ + Time{1ms}, zero_ + now));
+    std::vector<devices::Sample> polled;
+    driver_.poll(zero_ + now, polled);
+    for (const devices::Sample& sample : polled) take(sample);
+    std::ranges::stable_sort(waiting_, {}, devices::available);
+    const auto later = std::ranges::upper_bound(waiting_, now, {}, devices::available);
+    out.insert(out.end(), waiting_.begin(), later);
+    waiting_.erase(waiting_.begin(), later);
+  }
+  bool exhausted() const override { return false; }
+
+ private:
+  static devices::FastrakEmulatorOptions options_for(const std::vector<devices::Sample>& recorded) {
+    devices::FastrakEmulatorOptions options;
+    options.faults.noise = 0.0;
+    options.envelope = devices::place_for(recorded).envelope;
+    return options;
+  }
+  void serve(Time now) {
+    devices::serve(unit_, *ends_.first, now);
+    served_ = now;
+    if (unit_.statistics().streams == streams_) return;
+    streams_ = unit_.statistics().streams;
+    begin_ = devices::begin_of(devices::first_measurement(recorded_), unit_, now);
+  }
+  void take(devices::Sample sample) {
+    auto& tracker = std::get<devices::TrackerSample>(sample);
+    tracker.device_time -= zero_;
+    tracker.host_time -= zero_;
+    waiting_.emplace_back(tracker);
+  }
+
+  const std::vector<devices::Sample>& recorded_;
+  std::optional<Time> begin_;
+  devices::FastrakEmulator unit_;
+  std::pair<std::unique_ptr<devices::ByteStream>, std::unique_ptr<devices::ByteStream>> ends_;
+  devices::FastrakDriver driver_;
+  Time served_{}, zero_{};
+  std::int64_t streams_ = 0;
+  std::vector<devices::Sample> waiting_;
+};
+
+// Stamps are rounded to a microsecond once more, 7 um of a swing, and poses to the unit's numbers:
+// the throws are the same to 1e-3.
+TEST(ParticipantTest, ItsSessionIsTheSameThroughAUnit) {
+  const Scenario scenario = participants_room();
+  SessionSeen played;
+  let_play(scenario, draw_person(7), 2, played);
+  ThroughUnit source(played.samples);
+  SessionSeen seen;
+  Session session = make_session(scenario);
+  while (session.tick < static_cast<std::int64_t>(played.hashes.size())) {
+    advance(session, source);
+    seen.tick(session);
+  }
+  EXPECT_EQ(seen.sheets(), played.sheets());
+  const auto speeds = [](const SessionSeen& of) {
+    std::vector<double> all;
+    for (const devices::Event& event : of.events) {
+      if (event.kind == kind::release) all.push_back(event.value);
+    }
+    return all;
+  };
+  EXPECT_THAT(speeds(seen), testing::Pointwise(testing::DoubleNear(8e-3), speeds(played)));
+}
+
+}  // namespace
+}  // namespace headpin::scene

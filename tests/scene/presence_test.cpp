@@ -1,0 +1,161 @@
+// What flies at the player, and what head and hand do about it.
+
+#include "scene/presence.h"
+
+#include <gmock/gmock.h>
+#include <nlohmann/json.hpp>
+
+#include "devices/sources.h"
+#include "scene/events.h"
+#include "scene/session.h"
+
+namespace headpin::scene {
+namespace {
+
+constexpr double kFlight = 4.0;  ///< speed of what comes [m/s]
+const Vec3 kStandsAt(0.3, -1.0, 1.65);
+
+/// A head that stands still, then goes aside as told: accelerated for a while.
+struct Standing {
+  double from_s = 0.4, for_s = 0.4;
+  Vec3 a = Vec3::Zero();  ///< of the head [m/s^2]
+  Vec3 a_hand = Vec3::Zero();
+
+  std::vector<devices::Sample> samples() const {
+    std::vector<devices::Sample> all;
+    for (int i = 0; i < 240; ++i) {
+      devices::TrackerSample sample;
+      sample.device_time = tick_time(i, 120);
+      sample.sequence = i / 2;
+      sample.station = i % 2 == 0 ? devices::kHeadStation : devices::kHandStation;
+      const double t = std::max(0.0, seconds(sample.device_time) - from_s);
+      const double gone = t < for_s ? 0.5 * t * t : for_s * (t - 0.5 * for_s);
+      sample.X_TS.p = i % 2 == 0 ? Vec3(kStandsAt + gone * a)
+                                 : Vec3(kStandsAt + Vec3(0.3, 0.3, -0.7) + gone * a_hand);
+      all.emplace_back(sample);
+    }
+    return all;
+  }
+};
+
+/// A ball in the air without gravity, from 3 m ahead towards a point beside the one who stands.
+std::vector<devices::Event> events_of_flight(const std::vector<devices::Sample>& samples,
+                                             const Vec3& beside, double speed) {
+  Scenario scenario;
+  scenario.collision.gravity = 0.0;
+  scenario.hand.solid = false;
+  Session session = make_session(scenario);
+  const engine::BodyId ball = session.stage->balls.front();
+  engine::State state;
+  state.X_WB.p = kStandsAt + beside + Vec3(0.0, 3.0, 0.0);
+  state.v_WB = Vec3(0.0, -speed, 0.0);
+  engine::set_kind(session.world, ball, engine::Kind::free);
+  engine::set_state(session.world, ball, state);
+  devices::ReplaySource source(samples);
+  std::vector<devices::Event> events;
+  while (session.now() < Time{1'900'000}) {
+    advance(session, source);
+    for (const devices::Event& event : session.events) {
+      if (event.kind == kind::flies_at_player || event.kind == kind::passed_player) {
+        events.push_back(event);
+      }
+      if (event.kind == kind::passed_player) return events;  // it comes back from the wall
+    }
+  }
+  return events;
+}
+
+std::vector<devices::Event> flown_at(const Standing& standing, const Vec3& beside,
+                                     double speed = kFlight) {
+  return events_of_flight(standing.samples(), beside, speed);
+}
+
+nlohmann::json found_of(const devices::Event& event) {
+  return nlohmann::json::parse(event.detail);
+}
+
+TEST(Presence, ABallThatComesIsForeseenAndItsClosestApproachIsKept) {
+  const double r = Scenario{}.ball.radius;
+  const std::vector<devices::Event> events = flown_at({}, Vec3(-0.3, 0.0, -0.1));
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[0].kind, kind::flies_at_player);
+  EXPECT_EQ(events[0].bodies, std::vector<std::string>{"ball"});
+  // 3 m away at 4 m/s, noticed after the first tick.
+  EXPECT_NEAR(events[0].value, 0.75 - 1.0 / 240.0, 1e-9);
+  EXPECT_NEAR(events[0].p_W.y(), kStandsAt.y() + kFlight * events[0].value, 0.02);
+  EXPECT_EQ(events[1].kind, kind::passed_player);
+  EXPECT_NEAR(events[1].value, 0.3 - r, 1e-3);
+  const nlohmann::json found = found_of(events[1]);
+  EXPECT_NEAR(found["foreseen_m"].get<double>(), 0.3 - r, 1e-9);
+  EXPECT_EQ(found["time_to_contact_s"], events[0].value);
+  EXPECT_NEAR(found["noticed_s"].get<double>(), seconds(events[0].time), 1e-9);
+  EXPECT_FALSE(found["moved"].get<bool>());
+  EXPECT_LT(found["head_away_mps2"].get<double>(), 1e-6);
+}
+
+TEST(Presence, GettingOutOfItsWayIsAnAccelerationAwayFromIt) {
+  const Vec3 beside(-0.2, 0.0, -0.1);  // it passes on the left
+  const double a = 5.0;
+  for (const Vec3& way : {Vec3(1.0, 0.0, 0.0), Vec3(0.0, -1.0, 0.0), Vec3(0.0, 0.0, 1.0)}) {
+    const nlohmann::json found = found_of(flown_at({.a = a * way}, beside).back());
+    EXPECT_TRUE(found["moved"].get<bool>()) << way.transpose();
+    EXPECT_NEAR(found["head_away_mps2"].get<double>(), a, 0.02 * a) << way.transpose();
+  }
+  // Into its way, or towards it, is not.
+  for (const Vec3& way : {Vec3(-1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0)}) {
+    const nlohmann::json found =
+        found_of(flown_at({.for_s = 0.2, .a = 5.0 * way}, Vec3(-0.4, 0.0, -1.2)).back());
+    EXPECT_LT(found["head_away_mps2"].get<double>(), 1.0) << way.transpose();
+  }
+}
+
+// Whoever looks round at it turns the head about the neck, and the eyes go where that takes them.
+TEST(Presence, TurningTheHeadIsNoWayOut) {
+  Standing standing;
+  std::vector<devices::Sample> turning = standing.samples();
+  for (devices::Sample& sample : turning) {
+    auto& tracker = std::get<devices::TrackerSample>(sample);
+    if (tracker.station != devices::kHeadStation) continue;
+    const double t = seconds(tracker.device_time);
+    const double angle = 1.5 * (t < 0.4 ? 0.0 : t > 0.7 ? 1.0 : (t - 0.4) / 0.3);
+    const Quat q = rotation(Vec3(0.0, 0.0, angle)) * rotation(Vec3(1.2, 0.0, 0.0));
+    tracker.X_TS = {q, Vec3(kStandsAt + q * Vec3(0.0, 0.08, -0.10))};
+  }
+  const nlohmann::json found =
+      found_of(events_of_flight(turning, Vec3(-0.3, 0.0, -0.1), kFlight).back());
+  EXPECT_LT(found["head_away_mps2"].get<double>(), 1e-6);
+}
+
+TEST(Presence, TheHandCountsToo) {
+  const nlohmann::json found =
+      found_of(flown_at({.a_hand = Vec3(5.0, 0.0, 0.0)}, Vec3(-0.2, 0.0, -0.1)).back());
+  EXPECT_TRUE(found["moved"].get<bool>());
+  EXPECT_NEAR(found["hand_away_mps2"].get<double>(), 5.0, 0.1);
+  EXPECT_LT(found["head_away_mps2"].get<double>(), 0.01);
+}
+
+TEST(Presence, WhatPassesFarOffSlowlyOrGoesAwayFliesAtNobody) {
+  EXPECT_TRUE(flown_at({}, Vec3(-1.0, 0.0, -0.1)).empty());
+  EXPECT_TRUE(flown_at({}, Vec3(0.0, 0.0, 0.9)).empty());  // over the head
+  EXPECT_TRUE(flown_at({}, Vec3(-0.2, 0.0, -0.1), -kFlight).empty());
+  EXPECT_TRUE(flown_at({}, Vec3(-0.2, 0.0, -0.1), 0.9).empty());
+}
+
+TEST(Presence, WhatRollsAtTheFeetFliesAtThePlayer) {
+  engine::State state;
+  state.X_WB.p = Vec3(0.0, 2.0, 0.11);
+  state.v_WB = Vec3(0.0, -2.0, 0.0);
+  const auto coming = passing(state, 0.11, Vec3(0.0, 0.0, 1.7), std::nullopt, 9.81);
+  ASSERT_TRUE(coming);
+  EXPECT_DOUBLE_EQ(coming->time_s, 1.0);
+  EXPECT_EQ(coming->distance, 0.0);
+  EXPECT_FALSE(coming->at_hand);
+  // What falls short of the head's height still comes at the body; what flies over it does not.
+  state.X_WB.p.z() = 3.0;
+  EXPECT_EQ(passing(state, 0.11, Vec3(0.0, 0.0, 1.7), std::nullopt, 9.81)->distance, 0.0);
+  EXPECT_NEAR(passing(state, 0.11, Vec3(0.0, 0.0, 1.7), std::nullopt, 0.0)->distance,
+              3.0 - 1.82 - 0.11, 1e-12);
+}
+
+}  // namespace
+}  // namespace headpin::scene
