@@ -127,6 +127,12 @@ void add_synthesize(CLI::App& app) {
   command->add_option("--speed", options->plan.speed, "of the ball at its release [m/s]")
       ->check(number_from(4, 9))
       ->capture_default_str();
+  command
+      ->add_option(
+          "--height", options->plan.height,
+          "of the ball's centre as it is laid down, level [m]; a stand-up throw from 0.58 m "
+          "when not given")
+      ->check(number_from(scene::kLowestRelease, scene::kHighestRelease));
   command->add_option("--aim", options->aim_deg, "to the right of the lane [degrees]")
       ->check(number_from(-10, 10))
       ->capture_default_str();
