@@ -4,6 +4,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "scene/outline.h"
 #include "scene/room.h"
 
 namespace headpin::scene {
@@ -20,6 +21,16 @@ engine::Part make_part(const SkittlePart& part) {
   if (part.shape == "cylinder") return {engine::Cylinder{part.radius, half}, X_BG};
   if (part.shape == "cone") return {engine::Cone{part.radius, 2.0 * half}, X_BG};
   return {engine::Ellipsoid{Vec3(part.radius, part.radius, half)}, X_BG};
+}
+
+/// As the skittle's own outline has it, or what collides for it.
+engine::MassProperties skittle_mass(const Scenario& scenario, const engine::Compound& shape) {
+  const Skittle& skittle = scenario.skittle;
+  if (scenario.collision.shape == "true" && skittle.weighed == "profile") {
+    return turned_mass(smooth_outline(skittle.profile), skittle.mass);
+  }
+  const double volume = engine::mass_properties(shape, 1.0).mass;
+  return engine::mass_properties(shape, skittle.mass / volume);
 }
 
 engine::Material surface(const Coefficients& material, double rolling_arm = 0.0) {
@@ -84,9 +95,7 @@ engine::Compound skittle_shape(const Skittle& skittle, const std::string& shape)
 
 SkittleBody skittle_body(const Scenario& scenario) {
   const engine::Compound shape = skittle_shape(scenario.skittle, scenario.collision.shape);
-  const double volume = engine::mass_properties(shape, 1.0).mass;
-  const engine::Centred centred =
-      engine::about_centre(shape, engine::mass_properties(shape, scenario.skittle.mass / volume));
+  const engine::Centred centred = engine::about_centre(shape, skittle_mass(scenario, shape));
   return {{.name = "skittle",
            .shape = centred.compound,
            .mass = centred.mass,

@@ -47,6 +47,7 @@ inline constexpr std::pair<std::string_view, std::string_view> kKeysSince[] = {
     {"lane.kick_backs", "true"},
     {"lane.gutter_width", "0.235"},
     {"lane.gutter_depth", "0.0"},
+    {"skittle.weighed", "'parts'"},
 };
 
 }  // namespace headpin::scene

@@ -59,6 +59,7 @@ struct Skittle {
   std::vector<SkittlePart> parts;   ///< its true shape, as the collisions see it
   std::vector<Vec2> profile;        ///< (height above the base, radius), as the eyes see it
   std::string seen = "true";        ///< by the eyes: "true", or the "collider"
+  std::string weighed = "profile";  ///< what its mass properties are of: "profile" or "parts"
 };
 
 struct Ball {

@@ -93,6 +93,8 @@ void visit(V& v, Skittle& s) {
   v.field(
       "seen", s.seen, Choices{"true", "collider"},
       "what the eyes see: the profile, or what it collides as; table 4: nobody noticed the latter");
+  v.field("weighed", s.weighed, Choices{"profile", "parts"},
+          "whose centre of mass and inertia a true shape has; an ellipsoid has its own");
 }
 
 template <typename V>

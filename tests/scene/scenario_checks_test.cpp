@@ -102,6 +102,8 @@ TEST(ScenarioCheck, GuttersLieBetweenLaneAndWallAndNoSkittleInThem) {
             "lane.toml:2: lane.gutter_depth must be a number from 0 to 0.5, found 0.75");
   EXPECT_EQ(refusal("[lane]\nkick_backs = 1"),
             "lane.toml:2: lane.kick_backs must be true or false, found 1");
+  EXPECT_EQ(refusal("[skittle]\nweighed = 'mesh'"),
+            "lane.toml:2: skittle.weighed must be \"profile\" or \"parts\", found 'mesh'");
 }
 
 TEST(ScenarioCheck, NestedBeyondUseIsRefusedBeforeTheParserFalls) {
@@ -225,7 +227,8 @@ TEST(ScenarioOfATrial, TakesNoDefaultOfToday) {
                                             "lane.masking_panel",
                                             "lane.kick_backs",
                                             "lane.gutter_width",
-                                            "lane.gutter_depth"};
+                                            "lane.gutter_depth",
+                                            "skittle.weighed"};
   std::istringstream lines(whole);
   int keys = 0;
   std::size_t at = 0;
@@ -259,7 +262,7 @@ TEST(ScenarioOfATrial, WithoutAKeyThatCameLaterRanUnderWhatThenHeld) {
   for (const char* key :
        {"head_station", "hand_station", "release_window_most_s", "release_accuracy", "warm",
         "friction_tau_s", "solid = ", "takes_skittles", "speed = 1.2", "solid_ceiling",
-        "masking_panel", "kick_backs", "gutter_width", "gutter_depth"}) {
+        "masking_panel", "kick_backs", "gutter_width", "gutter_depth", "weighed"}) {
     text[text.find(key)] = '#';
   }
   const Scenario read = scenario_of_trial(text, "old.lcmlog");
@@ -275,6 +278,7 @@ TEST(ScenarioOfATrial, WithoutAKeyThatCameLaterRanUnderWhatThenHeld) {
   EXPECT_TRUE(read.lane.masking_panel && read.lane.kick_backs);
   EXPECT_EQ(read.lane.gutter_width, 0.235);
   EXPECT_EQ(read.lane.gutter_depth, 0.0);
+  EXPECT_EQ(read.skittle.weighed, "parts");
 }
 
 TEST(ScenarioOfATrial, TheBundledTrialIsRead) {
