@@ -141,6 +141,13 @@ void add_synthesize(CLI::App& app) {
       command->add_option("--speed", options->plan.speed, "of the ball at its release [m/s]")
           ->check(number_from(4, 9))
           ->capture_default_str();
+  auto* height =
+      command
+          ->add_option(
+              "--height", options->plan.height,
+              "of the ball's centre as it is laid down, level [m]; a stand-up throw from 0.58 m "
+              "when not given")
+          ->check(number_from(scene::kLowestRelease, scene::kHighestRelease));
   auto* aim = command->add_option("--aim", options->aim_deg, "to the right of the lane [degrees]")
                   ->check(number_from(-10, 10))
                   ->capture_default_str();
@@ -155,7 +162,7 @@ void add_synthesize(CLI::App& app) {
               "a whole session of the virtual participant of this seed instead of one throw; "
               "in paper-experiment when no scenario is given")
           ->check(seed())
-          ->excludes(seeded, speed, aim);
+          ->excludes(seeded, speed, height, aim);
   command->add_option("--throws", options->throws, "of a participant, with each version")
       ->check(CLI::Range(1, 1000))
       ->needs(participant)

@@ -55,7 +55,7 @@ Vec3 ThrowMotion::Trembling::at(double time) const {
   return sum;
 }
 
-ThrowMotion::Joints ThrowMotion::joints(double forward_swing_s, double back_swing) {
+ThrowMotion::Joints ThrowMotion::joints(double forward_swing_s, double back_swing, double stoop) {
   const double end = kBackSwingEnd + forward_swing_s;
   return {
       .raise = {{0.2, 60.0 * kDegree},
@@ -88,11 +88,12 @@ ThrowMotion::Joints ThrowMotion::joints(double forward_swing_s, double back_swin
                 {2.1, -20.0 * kDegree},
                 {end + 0.5, -12.0 * kDegree}},
       .turn = {{0.1, 40.0 * kDegree}, {0.7, 24.0 * kDegree}, {1.4, 24.0 * kDegree}, {2.0, 0.0}},
+      .stoop = {{2.5, 0.0}, {kBackSwingEnd, stoop}, {end + 0.2, stoop}, {end + 1.6, 0.0}},
   };
 }
 
 ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
-    : joints_(joints(0.75, -75.0 * kDegree)) {
+    : joints_(joints(0.75, -75.0 * kDegree, 0.0)) {
   if (!(plan.speed >= 4.0 && plan.speed <= 9.0)) {
     throw std::invalid_argument(
         fmt::format("the arm throws at 4 to 9 m/s, found {} m/s", plan.speed));
@@ -100,6 +101,10 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
   if (!(std::abs(plan.aim) <= 10.0 * kDegree)) {
     throw std::invalid_argument(
         fmt::format("the arm aims at most 10 degrees aside, found {:.3g}", plan.aim / kDegree));
+  }
+  if (plan.height && !(*plan.height >= kLowestRelease && *plan.height <= kHighestRelease)) {
+    throw std::invalid_argument(fmt::format("the arm lays a ball down from {} to {} m, found {} m",
+                                            kLowestRelease, kHighestRelease, *plan.height));
   }
   Random random(plan.seed);
   const auto trembling = [&](double amplitude, double low_hz, double high_hz) {
@@ -120,18 +125,17 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
   const double speed = plan.speed * (1.0 + 0.01 * random.normal());
   const double aim = plan.aim + 0.3 * kDegree * random.normal();
   const double back_swing = -75.0 * kDegree + 3.0 * kDegree * random.normal();
-  const double released = (kReleaseAngle - back_swing) / (kFollowThrough - back_swing);
-  double low = 0.0, high = 1.0;  // part of the swing's time by which the arm is at that angle
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (minimum_jerk(middle) < released ? low : high) = middle;
-  }
   grab_ = microseconds(kGrabTime);
-  double swing_s = 0.75;
-  for (int i = 0; i < 8; ++i) {
-    joints_ = joints(swing_s, back_swing);
-    release_ = microseconds(kBackSwingEnd + low * swing_s);
-    swing_s *= ball_at_release(hand).norm() / speed;
+  Swing wanted{speed, back_swing, kReleaseAngle, 0.0};
+  double swing_s = swing(wanted, hand);
+  if (plan.height) {
+    const double height = *plan.height + 0.01 * random.normal();
+    for (int i = 0; i < 8; ++i) {
+      const Vec3 v = ball_at_release(hand);
+      wanted.released -= v.z() / v.norm();
+      wanted.stoop += (this->hand(release_) * hand.grip).z() - height;
+      swing_s = swing(wanted, hand);
+    }
   }
   duration_ = microseconds(plan.duration_s);
   const double shortest = kBackSwingEnd + swing_s + 0.5;
@@ -152,6 +156,25 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
   X_WM_.p = Vec3(-p.x(), -p.y(), 0.0);
 }
 
+/// Bends the joints for a swing that is as quick as the speed asks for.
+/// @return  how long it takes [s]
+double ThrowMotion::swing(const Swing& wanted, const Hand& hand) {
+  const double released =
+      (wanted.released - wanted.back_swing) / (kFollowThrough - wanted.back_swing);
+  double low = 0.0, high = 1.0;  // part of the swing's time by which the arm is at that angle
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (low + high);
+    (minimum_jerk(middle) < released ? low : high) = middle;
+  }
+  double swing_s = 0.75;
+  for (int i = 0; i < 8; ++i) {
+    joints_ = joints(swing_s, wanted.back_swing, wanted.stoop);
+    release_ = microseconds(kBackSwingEnd + low * swing_s);
+    swing_s *= ball_at_release(hand).norm() / wanted.speed;
+  }
+  return swing_s;
+}
+
 Vec3 ThrowMotion::ball_at_release(const Hand& hand) const {
   constexpr Time kStep{1000};
   const Vec3 p_before = this->hand(release_ - kStep) * hand.grip;
@@ -161,7 +184,7 @@ Vec3 ThrowMotion::ball_at_release(const Hand& hand) const {
 
 Vec3 ThrowMotion::trunk(double t) const {
   const double lean = joints_.lean.at(t);
-  return Vec3(0.0, 0.25 * lean, -0.10 * lean) + sway_.at(t);
+  return Vec3(0.0, 0.25 * lean, -0.10 * lean - joints_.stoop.at(t)) + sway_.at(t);
 }
 
 Pose ThrowMotion::head(Time time) const {

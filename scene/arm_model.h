@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <numbers>
+#include <optional>
 #include <vector>
 
 #include "devices/catalogue_csv.h"
@@ -16,10 +17,16 @@
 /// seeds give equal bits on every machine.
 namespace headpin::scene {
 
+/// Heights of the ball's centre from which a thrower who stoops lays it down [m].
+inline constexpr double kLowestRelease = 0.12, kHighestRelease = 0.5;
+
 struct ThrowPlan {
   std::uint64_t seed = 1;
-  double speed = 6.5;       ///< of the ball as it leaves the hand [m/s]; missed by 1 % or so
-  double aim = 0.0;         ///< direction of the ball, to the right of the lane [rad]; 0.3 deg
+  double speed = 6.5;  ///< of the ball as it leaves the hand [m/s]; missed by 1 % or so
+  double aim = 0.0;    ///< direction of the ball, to the right of the lane [rad]; 0.3 deg
+  /// Of the ball's centre as it leaves [m], level: the thrower stoops and lays it down; missed by
+  /// 1 cm or so. Without it he stands, and throws it a little upward from 0.58 m.
+  std::optional<double> height = {};
   double duration_s = 7.0;  ///< of it all; what follows the throw is standing still
 };
 
@@ -40,8 +47,9 @@ class MinimumJerk {
 /// Where head and hands are at any time of a throw, in the world.
 class ThrowMotion {
  public:
-  /// @throws std::invalid_argument  for a speed outside 4..9 m/s, an aim beyond 10 degrees, or a
-  ///                                duration that is too short for the throw or beyond 10 minutes
+  /// @throws std::invalid_argument  for a speed outside 4..9 m/s, an aim beyond 10 degrees, a height
+  ///                                outside the above, or a duration that is too short for the
+  ///                                throw or beyond 10 minutes
   ThrowMotion(const ThrowPlan& plan, const Hand& hand);
 
   Pose head(Time time) const;       ///< X_WD
@@ -49,7 +57,7 @@ class ThrowMotion {
   Pose left_hand(Time time) const;  ///< likewise
 
   Time grab() const { return grab_; }        ///< in the middle of a pause
-  Time release() const { return release_; }  ///< in the forward swing, just past its lowest point
+  Time release() const { return release_; }  ///< in the forward swing, at or past its lowest point
   Time duration() const { return duration_; }
   double ball_speed() const { return speed_; }  ///< at its release [m/s]
 
@@ -67,10 +75,16 @@ class ThrowMotion {
     MinimumJerk lean;   ///< of the trunk, 0 to 1
     MinimumJerk pitch;  ///< of the head, upward [rad]
     MinimumJerk turn;   ///< of the head, to the right [rad]
+    MinimumJerk stoop;  ///< of the trunk, straight down [m]
   };
 
-  static Joints joints(double forward_swing_s, double back_swing);
+  static Joints joints(double forward_swing_s, double back_swing, double stoop);
   Vec3 ball_at_release(const Hand& hand) const;  ///< its velocity
+  struct Swing {
+    double speed, back_swing;  ///< [m/s], arm against the vertical [rad]
+    double released, stoop;    ///< where the arm lets go [rad]; how far down the trunk is [m]
+  };
+  double swing(const Swing& wanted, const Hand& hand);
   Vec3 trunk(double t) const;
 
   Joints joints_;

@@ -4,6 +4,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "scene/outline.h"
 #include "scene/room.h"
 
 namespace headpin::scene {
@@ -22,6 +23,16 @@ engine::Part make_part(const SkittlePart& part) {
   return {engine::Ellipsoid{Vec3(part.radius, part.radius, half)}, X_BG};
 }
 
+/// As the skittle's own outline has it, or what collides for it.
+engine::MassProperties skittle_mass(const Scenario& scenario, const engine::Compound& shape) {
+  const Skittle& skittle = scenario.skittle;
+  if (scenario.collision.shape == "true" && skittle.weighed == "profile") {
+    return turned_mass(smooth_outline(skittle.profile), skittle.mass);
+  }
+  const double volume = engine::mass_properties(shape, 1.0).mass;
+  return engine::mass_properties(shape, skittle.mass / volume);
+}
+
 engine::Material surface(const Coefficients& material, double rolling_arm = 0.0) {
   return {material.elasticity, material.friction, rolling_arm};
 }
@@ -36,6 +47,32 @@ engine::Polyhedron box(const Vec3& half) {
   }
   return {corners,
           {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
+}
+
+/// A solid whose sections across y are all alike, about its middle.
+engine::Part prism(const Slab& slab) {
+  const auto n = static_cast<std::uint32_t>(slab.section.size());
+  const double half = 0.5 * (slab.end - slab.begin);
+  Vec2 low = slab.section[0], high = low;
+  for (const Vec2& p : slab.section) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const Vec2 middle = 0.5 * (low + high);
+  std::vector<Vec3> corners;
+  std::vector<std::vector<std::uint32_t>> faces(2);
+  for (const double y : {-half, half}) {
+    for (const Vec2& p : slab.section)
+      corners.emplace_back(p.x() - middle.x(), y, p.y() - middle.y());
+  }
+  for (std::uint32_t i = 0; i < n; ++i) {  // the section is counterclockwise as the player sees it
+    const std::uint32_t next = (i + 1) % n;
+    faces[0].push_back(i);
+    faces[1].push_back(2 * n - 1 - i);
+    faces.push_back({i, i + n, next + n, next});
+  }
+  return {engine::Polyhedron(corners, faces),
+          {Quat::Identity(), Vec3(middle.x(), slab.begin + half, middle.y())}};
 }
 
 }  // namespace
@@ -58,9 +95,7 @@ engine::Compound skittle_shape(const Skittle& skittle, const std::string& shape)
 
 SkittleBody skittle_body(const Scenario& scenario) {
   const engine::Compound shape = skittle_shape(scenario.skittle, scenario.collision.shape);
-  const double volume = engine::mass_properties(shape, 1.0).mass;
-  const engine::Centred centred =
-      engine::about_centre(shape, engine::mass_properties(shape, scenario.skittle.mass / volume));
+  const engine::Centred centred = engine::about_centre(shape, skittle_mass(scenario, shape));
   return {{.name = "skittle",
            .shape = centred.compound,
            .mass = centred.mass,
@@ -97,25 +132,42 @@ std::vector<Fixture> room_fixtures(const Scenario& scenario) {
   const Materials& m = scenario.material;
   const double quarter = 0.5 * std::numbers::pi;
   std::vector<Fixture> fixtures;
-  const auto add = [&](const char* name, Role role, const engine::Shape& shape, const Pose& X_WB) {
+  const auto add_parts = [&](const char* name, Role role, std::vector<engine::Part> parts,
+                             const Pose& X_WB) {
     fixtures.push_back({role,
                         {.name = name,
-                         .shape = engine::make_compound({{shape, {}}}),
+                         .shape = engine::make_compound(std::move(parts)),
                          .material = surface(role == Role::lane ? m.lane : m.wall),
                          .kind = engine::Kind::fixed},
                         X_WB});
+  };
+  const auto add = [&](const char* name, Role role, const engine::Shape& shape, const Pose& X_WB) {
+    add_parts(name, role, {{shape, {}}}, X_WB);
   };
   const auto add_plane = [&](const char* name, Role role, const Vec3& turn, const Vec3& p_WB) {
     add(name, role, engine::HalfSpace{}, {rotation(turn), p_WB});
   };
   // A half-space is solid below its own z = 0, so its z is turned into the room.
-  add_plane("lane", Role::lane, Vec3::Zero(), Vec3::Zero());
+  const RoomMeasures measures = room_measures(scenario);
+  if (measures.gutter_depth == 0.0) {
+    add_plane("lane", Role::lane, Vec3::Zero(), Vec3::Zero());
+  } else {
+    for (const Floor& floor : floors(measures)) {
+      std::vector<engine::Part> parts;
+      for (const Slab& slab : floor.slabs) parts.push_back(prism(slab));
+      add_parts(floor.name, Role::lane, std::move(parts), {});
+    }
+    add_plane("gutters", Role::lane, Vec3::Zero(), {0.0, 0.0, -measures.gutter_depth});
+  }
   add_plane("left wall", Role::wall, {0.0, quarter, 0.0}, {-0.5 * room.width, 0.0, 0.0});
   add_plane("right wall", Role::wall, {0.0, -quarter, 0.0}, {0.5 * room.width, 0.0, 0.0});
   add_plane("wall behind", Role::wall, {-quarter, 0.0, 0.0}, {0.0, -room.behind, 0.0});
   add_plane("wall ahead", Role::wall, {quarter, 0.0, 0.0}, {0.0, room.ahead, 0.0});
+  if (room.solid_ceiling) {
+    add_plane("ceiling", Role::wall, {2.0 * quarter, 0.0, 0.0}, {0.0, 0.0, room.height});
+  }
 
-  for (const Block& block : front_blocks(room_measures(scenario))) {
+  for (const Block& block : front_blocks(measures)) {
     add(block.name, Role::wall, box(0.5 * (block.high_W - block.low_W)),
         {Quat::Identity(), 0.5 * (block.low_W + block.high_W)});
   }

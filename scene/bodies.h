@@ -36,7 +36,9 @@ struct Fixture {
   Pose X_WB;
 };
 
-/// The floor, the walls (left, right, behind, ahead), the kick-backs and the masking panel.
+/// The floor (with gutters of some depth: the lane, what is left and right of it, and the plane at
+/// their bottom), the walls (left, right, behind, ahead), and the ceiling, the kick-backs and the masking
+/// panel where the scenario has them.
 std::vector<Fixture> room_fixtures(const Scenario& scenario);
 
 /// How the world is stepped.

@@ -182,11 +182,21 @@ constexpr std::array<std::array<int, 7>, 7> kName{{{0x11, 0x11, 0x11, 0x1f, 0x11
 
 constexpr int kGutterFaces = 6;
 
-/// Corner `i` of the gutter's round section: (x from the lane's middle, z).
+/// Corner `i` of the right gutter's section: (x from the lane's middle, z).
 Vec2 gutter_point(const RoomMeasures& room, int i) {
+  if (room.gutter_depth > 0.0) {  // as it is met: a slope, the bottom, a slope
+    const double x = i < 2 ? 0.5 * room.lane_width + i * room.gutter_slope()
+                           : room.gutter_edge() - (3 - i) * room.gutter_slope();
+    return {x, i == 1 || i == 2 ? -room.gutter_depth : 0.0};
+  }
   const SinCos turn = sin_cos(std::numbers::pi * i / kGutterFaces);
   const double half = 0.5 * room.gutter_width;
-  return {0.5 * room.lane_width + half - half * turn.cos, -room.gutter_depth * turn.sin};
+  return {0.5 * room.lane_width + half - half * turn.cos, 0.0};
+}
+
+int gutter_faces(const RoomMeasures& room) {
+  if (room.gutter_width == 0.0) return 0;
+  return room.gutter_depth > 0.0 ? 3 : kGutterFaces;
 }
 
 Mesh approach_mesh(const RoomMeasures& room, const Builder& build) {
@@ -209,15 +219,21 @@ Mesh beside_mesh(const RoomMeasures& room, const Builder& build) {
   const double w = 0.5 * room.width, edge = room.gutter_edge();
   const Vec3 along(0, room.ahead, 0);
   for (const double side : {-1.0, 1.0}) {
-    for (int i = 0; i < kGutterFaces; ++i) {
+    for (int i = 0; i < gutter_faces(room); ++i) {
       Vec2 a = gutter_point(room, i), b = gutter_point(room, i + 1);
       if (side < 0.0) std::swap(a, b);
       const Vec3 from(side * a.x(), 0, a.y()), to(side * b.x(), 0, b.y());
       // Flat or not, it is shaded like a channel.
-      const double shade = 1.0 - 0.55 * sin_cos(std::numbers::pi * (i + 0.5) / kGutterFaces).sin;
+      const double across = (i + 0.5) / gutter_faces(room);
+      const double shade = 1.0 - 0.55 * sin_cos(std::numbers::pi * across).sin;
       build.panel(mesh, from, to - from, along, shade * srgb(0x6b6f74), 0.5);
     }
-    // The near end of the gutter, under the foul line, and a strip of wood along its outer edge.
+    if (room.gutter_depth > 0.0) {  // its near end, under the foul line
+      const double outer = side > 0.0 ? edge : -0.5 * room.lane_width;
+      build.panel(mesh, {outer, 0, -room.gutter_depth}, {-room.gutter_width, 0, 0},
+                  {0, 0, room.gutter_depth}, srgb(0x2b2d30));
+    }
+    // A strip of wood along the outer edge.
     const double strip = 0.06, inner = side > 0.0 ? edge : -edge - strip;
     build.panel(mesh, {inner, 0, 0}, {strip, 0, 0}, along, srgb(0xb98248), 0.5);
     const double carpet = side > 0.0 ? edge + strip : -w;
@@ -301,7 +317,7 @@ Mesh wall_mesh(const RoomMeasures& room, const Builder& build) {
   build.panel(mesh, floor, x, y, srgb(0xb08a58), 1.0);
   build.panel(mesh, floor + y, x, up, srgb(0x1b2a45), 1.0);
   for (const Lamp& lamp : room_lamps(room)) {
-    if (lamp.p_W.z() < 0.9 * room.height) continue;  // hidden behind the masking panel
+    if (lamp.p_W.z() < room.height - 0.2) continue;  // hidden behind the masking panel
     const Vec3 half(0.6, 0.14, 0.0), low = lamp.p_W - half;
     const double z = room.height - 0.012;
     render::append_face(mesh, {low.x(), low.y(), z}, {low.x(), low.y() + 0.28, z},
@@ -311,28 +327,10 @@ Mesh wall_mesh(const RoomMeasures& room, const Builder& build) {
   return mesh;
 }
 
-/// The wall behind the skittles, kick-backs beside them, and the masking panel above.
-Mesh front_mesh(const RoomMeasures& room, const Builder& build) {
-  Mesh mesh;
-  mesh.surface = Surface::baked;
-  const double w = 0.5 * room.width, y = room.portal();
-  const Vec3 blue = srgb(0x2d5f9a), navy = srgb(0x16233f), black = srgb(0x14161b);
-  const Vec3 left(-w, room.ahead, 0.0);
-  const double low = room.masking_low;
-  const double beside =
-      w - room.gutter_edge() - 0.1;  // of the wall, left and right of the kick-backs
-  // u x v points to the player.
-  build.panel(mesh, left, {beside, 0, 0}, {0, 0, low}, kWainscot);
-  build.panel(mesh, left + Vec3(beside, 0, 0), {room.width - 2.0 * beside, 0, 0}, {0, 0, low},
-              black);
-  build.panel(mesh, left + Vec3(room.width - beside, 0, 0), {beside, 0, 0}, {0, 0, low}, kWainscot);
-  build.panel(mesh, left + Vec3(0, 0, low), {room.width, 0, 0}, {0, 0, room.height - low}, blue);
-  const std::vector<Block> blocks = front_blocks(room);
-  build.block(mesh, blocks[0].low_W, blocks[0].high_W, navy, srgb(0xc79a66));
-  build.block(mesh, blocks[1].low_W, blocks[1].high_W, navy, srgb(0xc79a66));
-  build.block(mesh, blocks[2].low_W, blocks[2].high_W, navy, navy);
-  // Bands across the panel, just before it.
-  const double width = blocks[2].high_W.x() - blocks[2].low_W.x();
+/// Bands across the masking panel, and the name above them.
+void paint_panel(Mesh& mesh, const Builder& build, const Block& panel) {
+  const double width = panel.high_W.x() - panel.low_W.x();
+  const double y = panel.low_W.y(), low = panel.low_W.z();
   const std::array<std::uint32_t, 3> bands{0xd9482b, 0xe9a23b, 0xf2e3b6};
   for (std::size_t i = 0; i < bands.size(); ++i) {
     const double z = low + 0.06 + 0.05 * static_cast<double>(i);
@@ -353,6 +351,29 @@ Mesh front_mesh(const RoomMeasures& room, const Builder& build) {
       }
     }
   }
+}
+
+/// The wall behind the skittles, and what stands or hangs before it.
+Mesh front_mesh(const RoomMeasures& room, const Builder& build) {
+  Mesh mesh;
+  mesh.surface = Surface::baked;
+  const double w = 0.5 * room.width;
+  const Vec3 blue = srgb(0x2d5f9a), navy = srgb(0x16233f), black = srgb(0x14161b);
+  const Vec3 left(-w, room.ahead, 0.0);
+  const double low = room.masking_low;
+  const double beside =
+      w - room.gutter_edge() - 0.1;  // of the wall, left and right of the kick-backs
+  // u x v points to the player.
+  build.panel(mesh, left, {beside, 0, 0}, {0, 0, low}, kWainscot);
+  build.panel(mesh, left + Vec3(beside, 0, 0), {room.width - 2.0 * beside, 0, 0}, {0, 0, low},
+              black);
+  build.panel(mesh, left + Vec3(room.width - beside, 0, 0), {beside, 0, 0}, {0, 0, low}, kWainscot);
+  build.panel(mesh, left + Vec3(0, 0, low), {room.width, 0, 0}, {0, 0, room.height - low}, blue);
+  for (const Block& block : front_blocks(room)) {
+    const bool hangs = block.low_W.z() > 0.0;
+    build.block(mesh, block.low_W, block.high_W, navy, hangs ? navy : srgb(0xc79a66));
+    if (hangs) paint_panel(mesh, build, block);
+  }
   return mesh;
 }
 
@@ -366,7 +387,9 @@ std::vector<Lamp> room_lamps(const RoomMeasures& room) {
     const double y = -room.behind + share * (room.behind + room.ahead);
     lamps.push_back({{0.0, y, z}, 2.3 * warm});
   }
-  lamps.push_back({{0.0, room.portal() + 0.25, room.masking_low + 0.1}, 0.42 * warm});
+  // Hidden behind the panel where there is one, on the ceiling otherwise.
+  const double last = room.masking_panel ? room.masking_low + 0.1 : z;
+  lamps.push_back({{0.0, room.portal() + 0.25, last}, (room.masking_panel ? 0.42 : 1.2) * warm});
   return lamps;
 }
 
@@ -388,7 +411,7 @@ std::vector<Patch> floor_patches(const RoomMeasures& room) {
                              {{-w, 0, 0}, {w - edge, 0, 0}, along},
                              {{edge, 0, 0}, {w - edge, 0, 0}, along}};
   for (const double side : {-1.0, 1.0}) {
-    for (int i = 0; i < kGutterFaces; ++i) {
+    for (int i = 0; i < gutter_faces(room); ++i) {
       Vec2 a = gutter_point(room, i), b = gutter_point(room, i + 1);
       if (side < 0.0) std::swap(a, b);
       const Vec3 from(side * a.x(), 0, a.y()), to(side * b.x(), 0, b.y());

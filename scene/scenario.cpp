@@ -28,10 +28,11 @@ Scenario::Scenario() : hmd(hmd_of_profile(render::hmd_profiles().front().name)) 
                               ten_micrometres(r * 0.26396));
     }
   }
-  skittle.parts = {{"cylinder", 0.0258, 0.0, 0.06},
-                   {"ellipsoid", 0.0605, 0.006, 0.226},
-                   {"cylinder", 0.0235, 0.18, 0.34},
-                   {"ellipsoid", 0.0325, 0.316, 0.381}};
+  // Within 1.9 mm of the profile: fitted, the base's radius and the height given.
+  skittle.parts = {{"cylinder", 0.0258, 0.0, 0.02},     {"cylinder", 0.0287, 0.003, 0.02},
+                   {"ellipsoid", 0.0384, 0.0002, 0.05}, {"ellipsoid", 0.0605, 0.004, 0.229},
+                   {"cone", 0.0605, 0.1335, 0.3131},    {"cylinder", 0.0246, 0.2, 0.33},
+                   {"ellipsoid", 0.0318, 0.272, 0.38},  {"ellipsoid", 0.0323, 0.3164, 0.381}};
   const double inch = 0.0254;
   for (const auto& [h, d] : {std::pair{0.0, 2.031},
                              {0.75, 2.828},
@@ -47,6 +48,7 @@ Scenario::Scenario() : hmd(hmd_of_profile(render::hmd_profiles().front().name)) 
                              {11.75, 2.094},
                              {12.625, 2.406},
                              {13.5, 2.547},
+                             {13.727, 2.546},  // from here a half of a sphere, r = 1.273 in
                              {15.0, 0.0}}) {
     skittle.profile.emplace_back(ten_micrometres(h * inch), ten_micrometres(0.5 * d * inch));
   }

@@ -34,11 +34,18 @@ struct Room {
   double height = 2.8;  ///<
   double behind = 3.0;  ///< from the foul line back to the wall behind the player
   double ahead = 7.6;   ///< from the foul line to the wall behind the skittles
+  bool solid_ceiling = true;
 };
 
+/// The paper tells of a room and a game of bowling, and of nothing else that a ball could meet: so
+/// what an alley has besides is there where a scenario asks for it.
 struct Lane {
   double width = 1.0541;
-  double head_pin = 6.0;  ///< from the foul line to the head pin's spot
+  double head_pin = 6.0;       ///< from the foul line to the head pin's spot
+  bool masking_panel = false;  ///< hangs before the skittles, from wall to wall of the kick-backs
+  bool kick_backs = false;     ///< walls beside the skittles
+  double gutter_width = 0.0;   ///< of each; 0 for none
+  double gutter_depth = 0.0;   ///< 0: painted on the floor
 };
 
 struct Rack {
@@ -48,10 +55,11 @@ struct Rack {
 struct Skittle {
   double height = 0.381;
   double mass = 1.588;
-  double rolling_arm = 0.008;      ///< what brings a skittle on its side to rest
-  std::vector<SkittlePart> parts;  ///< its true shape, as the collisions see it
-  std::vector<Vec2> profile;       ///< (height above the base, radius), as the eyes see it
-  std::string seen = "true";       ///< by the eyes: "true", or the "collider"
+  double rolling_arm = 0.008;       ///< what brings a skittle on its side to rest
+  std::vector<SkittlePart> parts;   ///< its true shape, as the collisions see it
+  std::vector<Vec2> profile;        ///< (height above the base, radius), as the eyes see it
+  std::string seen = "true";        ///< by the eyes: "true", or the "collider"
+  std::string weighed = "profile";  ///< what its mass properties are of: "profile" or "parts"
 };
 
 struct Ball {

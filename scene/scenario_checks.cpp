@@ -120,6 +120,36 @@ class Checker {
       refuse("lane.width", fmt::format("must be less than the room's, {}; found {}", s_.room.width,
                                        s_.lane.width));
     }
+    if (s_.lane.gutter_depth > 0.0) check_gutters();
+  }
+
+  /// Gutters that are painted, or none, may be anywhere.
+  void check_gutters() const {
+    const Lane& lane = s_.lane;
+    constexpr double kNarrowest = 0.02, kShallowest = 0.005;
+    if (lane.gutter_depth < kShallowest) {
+      refuse("lane.gutter_depth",
+             fmt::format("must be 0, for a painted gutter, or {} and more; found {}", kShallowest,
+                         lane.gutter_depth));
+    }
+    const double widest = 0.5 * (s_.room.width - lane.width) - (lane.kick_backs ? 0.15 : 0.01);
+    if (!(lane.gutter_width >= kNarrowest && lane.gutter_width <= widest)) {
+      refuse(
+          "lane.gutter_width",
+          fmt::format("must be {} to {:.4g}, between the lane and {}, where gutters have a depth; "
+                      "found {}",
+                      kNarrowest, widest, lane.kick_backs ? "the kick-backs" : "the wall",
+                      lane.gutter_width),
+          {"lane.gutter_depth", "lane.width", "lane.kick_backs", "room.width"});
+    }
+    const double side = 0.5 * lane.width - widest_;
+    for (std::size_t i = 0; i < s_.rack.spots.size(); ++i) {
+      if (std::abs(s_.rack.spots[i].x()) <= side) continue;
+      refuse(fmt::format("rack.spots[{}]", i + 1),
+             fmt::format("must stand on the lane beside its gutters: x within {:.4g}, found {:.4g}",
+                         side, s_.rack.spots[i].x()),
+             {"lane.width", "lane.gutter_depth"});
+    }
   }
 
   void check_spots() const {

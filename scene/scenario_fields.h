@@ -49,6 +49,7 @@ void visit(V& v, Room& r) {
   v.field("height", r.height, Range{1, 100}, "floor to ceiling");
   v.field("behind", r.behind, Range{0.5, 100}, "foul line to the wall behind the player");
   v.field("ahead", r.ahead, Range{1, 100}, "foul line to the wall behind the skittles");
+  v.field("solid_ceiling", r.solid_ceiling, kAny, "what flies up comes back; false: it flies on");
 }
 
 template <typename V>
@@ -56,6 +57,14 @@ void visit(V& v, Lane& l) {
   v.field("width", l.width, Range{0.2, 20}, "", "41.5 in: USBC");
   v.field("head_pin", l.head_pin, Range{0.5, 50},
           "foul line to head pin; 18.288 is regulation (60 ft: USBC)");
+  v.field("masking_panel", l.masking_panel, kAny,
+          "solid, hangs before the skittles; the paper tells of none");
+  v.field("kick_backs", l.kick_backs, kAny,
+          "solid walls beside the skittles; the paper tells of none");
+  v.field("gutter_width", l.gutter_width, Range{0, 2},
+          "of each, beside the lane; 0.235 is usual (9.25 in); the paper tells of none");
+  v.field("gutter_depth", l.gutter_depth, Range{0, 0.5},
+          "0: painted on the floor, which is flat then; 0.048 is usual (1 7/8 in)");
 }
 
 template <typename V>
@@ -84,6 +93,8 @@ void visit(V& v, Skittle& s) {
   v.field(
       "seen", s.seen, Choices{"true", "collider"},
       "what the eyes see: the profile, or what it collides as; table 4: nobody noticed the latter");
+  v.field("weighed", s.weighed, Choices{"profile", "parts"},
+          "whose centre of mass and inertia a true shape has; an ellipsoid has its own");
 }
 
 template <typename V>

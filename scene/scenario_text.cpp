@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 #include <toml++/toml.h>
 
+#include "scene/keys_since.h"
 #include "scene/scenario.h"
 #include "scene/scenario_checks.h"
 #include "scene/scenario_fields.h"
@@ -33,45 +34,6 @@ struct Text {
     return lines ? fmt::format("{}:{}", where, at.begin.line) : where;
   }
 };
-
-/// Keys that trials of before these keys were there lack, with what such a trial ran under. What is
-/// written here never changes, whatever becomes of the defaults.
-constexpr std::array<std::pair<std::string_view, std::string_view>, 34> kKeysSince{{
-    {"hand.release_window_most_s", "0.12"},
-    {"hand.release_accuracy", "0.3"},
-    {"collision.warm", "true"},
-    {"collision.friction_tau_s", "0.016666666666666666"},
-    {"look.samples", "2"},
-    {"look.contact", "true"},
-    {"look.shadow", "true"},
-    {"look.mirror", "true"},
-    {"look.light", "'pixel'"},
-    {"rig.head_station", "1"},
-    {"rig.hand_station", "2"},
-    {"skittle.seen", "'collider'"},
-    {"game.rules", "'one-throw'"},
-    {"game.frames", "5"},
-    {"game.balls", "2"},
-    {"game.ball_back_s", "8.0"},
-    {"game.off_spot", "0.2"},
-    {"version.buttons", "false"},
-    {"version.radius", "0.06"},
-    {"version.red.button", "[-0.55, 0.0, 1.1]"},
-    {"version.red.elasticity", "0.7"},
-    {"version.red.friction", "0.7"},
-    {"version.red.shape", "'true'"},
-    {"version.blue.button", "[-0.85, 0.0, 1.1]"},
-    {"version.blue.elasticity", "0.7"},
-    {"version.blue.friction", "0.7"},
-    {"version.blue.shape", "'true'"},
-    {"hand.takes_skittles", "false"},
-    {"hand.solid", "false"},
-    {"hand.elasticity", "0.0"},
-    {"hand.friction", "0.7"},
-    {"walk.speed", "0.0"},  // thumbs moved nobody
-    {"walk.acceleration", "3.0"},
-    {"walk.clearance", "0.3"},
-}};
 
 /// Fills fields from a TOML table; refuses what it does not know.
 class Reader {

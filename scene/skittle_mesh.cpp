@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <numbers>
-#include <stdexcept>
-#include <string>
 
 namespace headpin::scene {
 
@@ -44,61 +42,6 @@ OnOutline along(const Outline& outline, const std::vector<double>& length, doubl
 }
 
 }  // namespace
-
-Outline smooth_outline(std::span<const Vec2> profile) {
-  if (profile.size() < 3) throw std::invalid_argument("skittle profile: fewer than three points");
-  for (std::size_t i = 1; i < profile.size(); ++i) {
-    if (!(profile[i].x() > profile[i - 1].x()) || profile[i].y() < 0.0) {
-      throw std::invalid_argument("skittle profile: point " + std::to_string(i + 1) +
-                                  " does not rise");
-    }
-  }
-  const bool round = profile.back().y() == 0.0;  // the rest is a spline up to the point before
-  std::vector<Vec2> p(profile.begin(), profile.end() - (round ? 1 : 0));
-  const Vec2 first = p[0], second = p[1], last = p.back(), before = p[p.size() - 2];
-  p.insert(p.begin(), 2.0 * first - second);
-  p.emplace_back(2.0 * last.x() - before.x(), before.y());  // upright at its end
-
-  constexpr int kSteps = 16;
-  Outline outline;
-  for (std::size_t i = 1; i + 2 < p.size(); ++i) {
-    // Barry and Goldman's pyramid with knots at the square roots of the distances.
-    std::array<double, 4> t{};
-    for (std::size_t k = 1; k < 4; ++k) {
-      t[k] = t[k - 1] + std::sqrt((p[i + k - 1] - p[i + k - 2]).norm());
-    }
-    const auto mix = [](const Vec2& a, const Vec2& b, double ta, double tb, double at) -> Vec2 {
-      return ((tb - at) * a + (at - ta) * b) / (tb - ta);
-    };
-    for (int step = 0; step < kSteps; ++step) {
-      const double at = t[1] + (t[2] - t[1]) * step / kSteps;
-      const Vec2 a1 = mix(p[i - 1], p[i], t[0], t[1], at);
-      const Vec2 a2 = mix(p[i], p[i + 1], t[1], t[2], at);
-      const Vec2 a3 = mix(p[i + 1], p[i + 2], t[2], t[3], at);
-      const Vec2 b1 = mix(a1, a2, t[0], t[2], at);
-      const Vec2 b2 = mix(a2, a3, t[1], t[3], at);
-      outline.push_back(mix(b1, b2, t[1], t[2], at));
-    }
-  }
-  const double rise = profile.back().x() - last.x();
-  for (int step = 0; step < kSteps; ++step) {  // a quarter of an ellipse, or a flat top
-    const SinCos turn = sin_cos(0.5 * std::numbers::pi * step / kSteps);
-    outline.emplace_back(last.x() + rise * turn.sin, last.y() * turn.cos);
-  }
-  outline.emplace_back(profile.back().x(), 0.0);
-  return outline;
-}
-
-Outline ellipsoid_outline(double height, double radius) {
-  constexpr int kSteps = 128;
-  Outline outline;
-  for (int i = 0; i <= kSteps; ++i) {
-    const SinCos turn = sin_cos(std::numbers::pi * i / kSteps);
-    const bool end = i == 0 || i == kSteps;
-    outline.emplace_back(0.5 * height * (1.0 - turn.cos), end ? 0.0 : radius * turn.sin);
-  }
-  return outline;
-}
 
 Mesh skittle_mesh(const Outline& outline, double origin, int rings, int sides) {
   std::vector<double> length{0.0};

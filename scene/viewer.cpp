@@ -67,10 +67,11 @@ ViewerGeometry geometry_of(const engine::Part& part, const Vec3& colour) {
   return g;
 }
 
-/// Not floor and walls; and the hand is shown whether it is a body or not.
+/// Not floors and walls; and lane and hand are shown whatever bodies they are.
 bool is_shown(const Session& session, engine::BodyId body) {
-  return std::isfinite(session.world.bodies[body].shape->bounding_radius) &&
-         session.stage->roles[body] != Role::hand;
+  const Role role = session.stage->roles[body];
+  return std::isfinite(session.world.bodies[body].shape->bounding_radius) && role != Role::lane &&
+         role != Role::hand;
 }
 
 }  // namespace

@@ -160,11 +160,34 @@ TEST(ArmModelTest, TheHandRestsWhereItTakesTheBall) {
   }
 }
 
+// Who stoops lets the ball go level, as low and as fast as planned, with his hand above the lane.
+TEST(ArmModelTest, ABallIsLaidDownLevelFromItsHeight) {
+  for (const double height : {0.12, 0.14, 0.3, 0.5}) {
+    for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+      const Hand hand;
+      const ThrowMotion motion({.seed = seed, .aim = 0.0, .height = height}, hand);
+      const Time h{1000};
+      const auto ball = [&](Time time) { return motion.hand(time) * hand.grip; };
+      const Vec3 v = (ball(motion.release() + h) - ball(motion.release() - h)) / seconds(2 * h);
+      EXPECT_NEAR(ball(motion.release()).z(), height, 0.04)
+          << seed;                              // missed by 1 cm: four of them
+      EXPECT_NEAR(v.norm(), 6.5, 0.3) << seed;  // by 1 %
+      EXPECT_NEAR(v.z(), 0.0, 0.05) << seed;    // the tremor's speed is 0.01 m/s
+      for (Time t{}; t < motion.duration(); t += Time{10'000}) {
+        EXPECT_GT(motion.hand(t).p.z(), 0.15) << seconds(t);
+        EXPECT_GT(motion.head(t).p.z(), 0.9) << seconds(t);
+      }
+    }
+  }
+}
+
 TEST(ArmModelTest, RefusesWhatNoArmDoes) {
   const auto motion = [](ThrowPlan plan) { return ThrowMotion(plan, Hand{}); };
   EXPECT_THROW(motion({.speed = 3.0}), std::invalid_argument);
   EXPECT_THROW(motion({.speed = std::nan("")}), std::invalid_argument);
   EXPECT_THROW(motion({.aim = 1.0}), std::invalid_argument);
+  EXPECT_THROW(motion({.height = 0.1}), std::invalid_argument);
+  EXPECT_THROW(motion({.height = std::nan("")}), std::invalid_argument);
   EXPECT_THROW(motion({.duration_s = 4.0}), std::invalid_argument);
   EXPECT_THROW(motion({.duration_s = 1e9}), std::invalid_argument);
 }

@@ -80,6 +80,29 @@ TEST(ScenarioCheck, TheBallIsInNoWallFloorOrSkittle) {
   EXPECT_THAT(refusal("[lane]\nwidth = 5"), HasSubstr("lane.toml:2: lane.width must be less than"));
 }
 
+TEST(ScenarioCheck, GuttersLieBetweenLaneAndWallAndNoSkittleInThem) {
+  EXPECT_EQ(refusal("[lane]\ngutter_width = 0.235\ngutter_depth = 0.048\nkick_backs = true"), "");
+  EXPECT_EQ(refusal("[lane]\ngutter_depth = 0.048"),
+            "lane.toml:2: lane.gutter_width must be 0.02 to 1.713, between the lane and the wall, "
+            "where gutters have a depth; found 0");
+  EXPECT_EQ(refusal("[lane]\ngutter_depth = 0.048\nkick_backs = true\ngutter_width = 1.6"),
+            "lane.toml:4: lane.gutter_width must be 0.02 to 1.573, between the lane and the "
+            "kick-backs, where gutters have a depth; found 1.6");
+  EXPECT_EQ(refusal("[lane]\ngutter_width = 0.2\ngutter_depth = 0.001"),
+            "lane.toml:3: lane.gutter_depth must be 0, for a painted gutter, or 0.005 and more; "
+            "found 0.001");
+  EXPECT_EQ(refusal("[lane]\ngutter_width = 0.2\ngutter_depth = 0.05\n[rack]\nspots = [[0, 0],\n"
+                    "[0.5, 0]]"),
+            "lane.toml:6: rack.spots must stand on the lane beside its gutters: x within 0.4666, "
+            "found 0.5");
+  EXPECT_EQ(refusal("[lane]\ngutter_depth = 0.75"),
+            "lane.toml:2: lane.gutter_depth must be a number from 0 to 0.5, found 0.75");
+  EXPECT_EQ(refusal("[lane]\nkick_backs = 1"),
+            "lane.toml:2: lane.kick_backs must be true or false, found 1");
+  EXPECT_EQ(refusal("[skittle]\nweighed = 'mesh'"),
+            "lane.toml:2: skittle.weighed must be \"profile\" or \"parts\", found 'mesh'");
+}
+
 TEST(ScenarioCheck, NestedBeyondUseIsRefusedBeforeTheParserFalls) {
   std::string dotted = "a", headers, brackets = "a = ", braces = "a = ";
   for (int i = 0; i < 50'000; ++i) {
@@ -197,7 +220,13 @@ TEST(ScenarioOfATrial, TakesNoDefaultOfToday) {
                                             "version.blue.button",
                                             "version.blue.elasticity",
                                             "version.blue.friction",
-                                            "version.blue.shape"};
+                                            "version.blue.shape",
+                                            "room.solid_ceiling",
+                                            "lane.masking_panel",
+                                            "lane.kick_backs",
+                                            "lane.gutter_width",
+                                            "lane.gutter_depth",
+                                            "skittle.weighed"};
   std::istringstream lines(whole);
   int keys = 0;
   std::size_t at = 0;
@@ -230,7 +259,8 @@ TEST(ScenarioOfATrial, WithoutAKeyThatCameLaterRanUnderWhatThenHeld) {
   std::string text = to_toml(other);
   for (const char* key :
        {"head_station", "hand_station", "release_window_most_s", "release_accuracy", "warm",
-        "friction_tau_s", "solid", "takes_skittles", "speed = 1.2"}) {
+        "friction_tau_s", "solid = ", "takes_skittles", "speed = 1.2", "solid_ceiling",
+        "masking_panel", "kick_backs", "gutter_width", "gutter_depth", "weighed"}) {
     text[text.find(key)] = '#';
   }
   const Scenario read = scenario_of_trial(text, "old.lcmlog");
@@ -242,6 +272,11 @@ TEST(ScenarioOfATrial, WithoutAKeyThatCameLaterRanUnderWhatThenHeld) {
   EXPECT_EQ(read.collision.friction_tau_s, 1.0 / 60.0);
   EXPECT_FALSE(read.hand.solid || read.hand.takes_skittles);
   EXPECT_EQ(read.walk.speed, 0.0);
+  EXPECT_FALSE(read.room.solid_ceiling);
+  EXPECT_TRUE(read.lane.masking_panel && read.lane.kick_backs);
+  EXPECT_EQ(read.lane.gutter_width, 0.235);
+  EXPECT_EQ(read.lane.gutter_depth, 0.0);
+  EXPECT_EQ(read.skittle.weighed, "parts");
 }
 
 TEST(ScenarioOfATrial, TheBundledTrialIsRead) {

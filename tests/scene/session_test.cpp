@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -511,7 +512,7 @@ TEST(SessionTest, AHandDoesNotBatTheBallItLetGo) {
 TEST(SessionTest, ASkittleIsTakenCarriedAndSetDown) {
   Scenario scenario;
   const Vec3 spot(0.0, scenario.lane.head_pin, 0.0);
-  const Vec3 beside = spot + Vec3(0.0, -0.12, 0.15);
+  const Vec3 beside = spot + Vec3(0.0, -0.22, 0.15);  // within reach, the fingers clear of it
   auto samples = hand_moves(beside, beside + Vec3(0.0, -1.0, 0.5), 0.4, 1.4);
   samples.emplace_back(devices::MouseSample{.device_time = Time{300'000}, .trigger = true});
   samples.emplace_back(devices::MouseSample{.device_time = Time{2'000'000}, .trigger = false});
@@ -579,6 +580,8 @@ TEST(SkittleBody, WeighsWhatItsScenarioSaysAndBalancesWhereAPinDoes) {
 TEST(RoomFixtures, NothingGetsOutOfTheRoom) {
   // Balls thrown every which way from over the deck, with nothing lost at any surface.
   Scenario scenario;
+  scenario.lane.kick_backs = true;
+  scenario.lane.masking_panel = true;
   set_elasticity(scenario.material, 1.0);
   set_friction(scenario.material, 0.0);
   engine::World world = engine::make_world(world_parameters(scenario));
@@ -587,12 +590,12 @@ TEST(RoomFixtures, NothingGetsOutOfTheRoom) {
   }
   const engine::BodyId ball = engine::add_body(world, ball_body(scenario),
                                                {.X_WB = {Quat::Identity(), Vec3(0.0, 6.5, 0.4)}});
-  int met_kick_back = 0;
+  int met_kick_back = 0, met_ceiling = 0;
   for (int i = 0; i < 60; ++i) {
     const SinCos turn = sin_cos(0.1047 * i);
     engine::set_state(world, ball,
                       {{Quat::Identity(), Vec3(0.0, 6.5, 0.4)},
-                       Vec3(9.0 * turn.cos, 9.0 * turn.sin, 1.0),
+                       Vec3(9.0 * turn.cos, 9.0 * turn.sin, i % 2 == 0 ? 1.0 : 8.0),
                        Vec3::Zero()});
     for (int k = 0; k < 240; ++k) {
       engine::step(world);
@@ -600,12 +603,38 @@ TEST(RoomFixtures, NothingGetsOutOfTheRoom) {
       ASSERT_LT(std::abs(p.x()), 0.5 * scenario.room.width);
       ASSERT_LT(p.y(), scenario.room.ahead);
       ASSERT_GT(p.z(), 0.5 * scenario.ball.radius);
+      ASSERT_LT(p.z(), scenario.room.height);
       for (const engine::ContactEvent& e : world.events) {
         met_kick_back += world.bodies[e.b].name.ends_with("kick-back");
+        met_ceiling += world.bodies[e.b].name == "ceiling";
       }
     }
   }
   EXPECT_GT(met_kick_back, 20);
+  EXPECT_GT(met_ceiling, 10);
+}
+
+std::set<std::string> names_of(const std::vector<Fixture>& fixtures) {
+  std::set<std::string> names;
+  for (const Fixture& fixture : fixtures) names.insert(fixture.body.name);
+  return names;
+}
+
+// The paper tells of a room and a game of bowling: of no panel, kick-backs or gutters.
+TEST(RoomFixtures, OfThePapersRoomAreFloorWallsAndCeiling) {
+  EXPECT_EQ(names_of(room_fixtures(Scenario{})),
+            (std::set<std::string>{"lane", "left wall", "right wall", "wall behind", "wall ahead",
+                                   "ceiling"}));
+}
+
+// Whatever the defaults are, a trial of before these keys has the room it was made in.
+TEST(RoomFixtures, OfATrialFromBeforeTheirKeysAreThoseOfThen) {
+  const devices::Trial trial = devices::read_trial(HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog");
+  const Scenario scenario = scenario_of_trial(trial.header.scenario, "demo.lcmlog");
+  EXPECT_EQ(names_of(room_fixtures(scenario)),
+            (std::set<std::string>{"lane", "left wall", "right wall", "wall behind", "wall ahead",
+                                   "left kick-back", "right kick-back", "masking panel"}));
+  EXPECT_EQ(scenario.lane.gutter_width, 0.235);
 }
 
 }  // namespace
