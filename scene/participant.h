@@ -5,6 +5,7 @@
 
 #include "scene/participant_body.h"
 #include "scene/run.h"
+#include "scene/swing.h"
 
 /// A virtual participant who plays a whole session: walks up, touches a button, throws, touches the
 /// other, throws.
@@ -14,27 +15,6 @@ struct ParticipantPlan {
   Person person;
   int throws = 10;  ///< of each version: ten is ours, the paper says no number
 };
-
-/// What the hand does to throw a ball: a pendulum with the least jerk from rest behind to rest ahead.
-struct Swing {
-  Posture ready, back;     ///< before it, and as far back as it goes
-  double through = 1.5;    ///< raise of the arm where it ends [rad]
-  double back_s = 1.0;     ///< from ready to back
-  double forward_s = 0.6;  ///< from there to the end
-  double release_s = 0.3;  ///< of that, until the ball is let go
-};
-
-/// The swing whose ball leaves the hand with a speed, at a height, towards a place.
-///
-/// It leaves nearly level, a little before the arm is fastest. What the knees cannot do to the
-/// height is left out.
-///
-/// @param feet_P    where it is thrown from, in the tracked space
-/// @param target_P  where the ball is to go
-/// @param speed     [m/s], of the ball's centre
-/// @param height    of the ball's centre [m]
-Swing plan_swing(const Build& build, const Hand& hand, const Posture& stands, const Vec3& target_P,
-                 double speed, double height, double lean);
 
 /// What is remembered of a throw that is under way.
 struct Thrown {
