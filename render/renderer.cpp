@@ -357,16 +357,6 @@ struct Renderer::Impl {
   std::vector<std::uint8_t> samples;
 };
 
-std::span<const Look> looks() {
-  static const std::array<Look, 3> all{
-      {{"standard", "four samples a pixel, shadows, a polished lane", {}},
-       {"fast", "one sample a pixel, shadows, no polish", {.samples = 1, .mirror = false}},
-       {"1997",
-        "one sample a pixel, light worked out at vertices, no shadows, no polish",
-        {.samples = 1, .contact = false, .shadow = false, .mirror = false, .light = "vertex"}}}};
-  return all;
-}
-
 Renderer::Renderer(std::unique_ptr<GlContext> context, Quality quality)
     : impl_(std::make_unique<Impl>(std::move(context), quality)) {}
 Renderer::~Renderer() = default;

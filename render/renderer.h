@@ -4,7 +4,6 @@
 #include <memory>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "render/draw_list.h"
@@ -12,26 +11,9 @@
 #include "render/gl_context.h"
 #include "render/image.h"
 #include "render/mesh.h"
+#include "render/quality.h"
 
 namespace headpin::render {
-
-/// What is spent on a picture. The effects are part of what a participant sees: log them.
-struct Quality {
-  int samples = 2;              ///< each pixel is the mean light of samples x samples, 1..8
-  bool contact = true;          ///< floors darken beneath and beside bodies
-  bool shadow = true;           ///< bodies cast shadows on floors
-  bool mirror = true;           ///< polished floors mirror what stands on them
-  std::string light = "pixel";  ///< where lamps light bodies: at each "pixel", or at each "vertex"
-};
-
-/// A quality by name.
-struct Look {
-  std::string_view name, meaning;
-  Quality quality;
-};
-
-/// "standard" first.
-std::span<const Look> looks();
 
 /// What each pixel's centre sees.
 struct Labels {

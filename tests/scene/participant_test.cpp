@@ -422,9 +422,10 @@ class ThroughUnit : public devices::Source {
   std::vector<devices::Sample> waiting_;
 };
 
-// Stamps are rounded to a microsecond once more, 7 um of a swing, and poses to the unit's numbers:
-// the throws are the same to 1e-3.
-TEST(ParticipantTest, ItsSessionIsTheSameThroughAUnit) {
+// Stamps are rounded to a microsecond once more, poses to the unit's numbers, and the unit's cycle
+// falls otherwise on the ticks: the same throws from some millimetres farther back. Which skittles
+// the last of them fall is a matter of less than that.
+TEST(ParticipantTest, ItThrowsTheSameThroughAUnit) {
   const Scenario scenario = participants_room();
   SessionSeen played;
   let_play(scenario, draw_person(7), 2, played);
@@ -435,15 +436,21 @@ TEST(ParticipantTest, ItsSessionIsTheSameThroughAUnit) {
     advance(session, source);
     seen.tick(session);
   }
-  EXPECT_EQ(seen.sheets(), played.sheets());
-  const auto speeds = [](const SessionSeen& of) {
-    std::vector<double> all;
-    for (const devices::Event& event : of.events) {
-      if (event.kind == kind::release) all.push_back(event.value);
-    }
+  EXPECT_EQ(seen.sheets().size(), 2u);
+  const auto releases = [](const SessionSeen& of) {
+    std::vector<devices::Event> all;
+    std::ranges::copy_if(of.events, std::back_inserter(all),
+                         [](const devices::Event& event) { return event.kind == kind::release; });
     return all;
   };
-  EXPECT_THAT(speeds(seen), testing::Pointwise(testing::DoubleNear(8e-3), speeds(played)));
+  const std::vector<devices::Event> here = releases(played), there = releases(seen);
+  ASSERT_EQ(here.size(), 4u);
+  ASSERT_EQ(there.size(), here.size());
+  for (std::size_t i = 0; i < here.size(); ++i) {
+    EXPECT_EQ(there[i].tick, here[i].tick) << i;
+    EXPECT_NEAR(there[i].value, here[i].value, 8e-3) << i;
+    EXPECT_LT((there[i].p_W - here[i].p_W).norm(), 4e-3) << i;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace headpin::render {
+
+/// What is spent on a picture. The effects are part of what a participant sees: log them.
+struct Quality {
+  int samples = 2;              ///< each pixel is the mean light of samples x samples, 1..8
+  bool contact = true;          ///< floors darken beneath and beside bodies
+  bool shadow = true;           ///< bodies cast shadows on floors
+  bool mirror = true;           ///< polished floors mirror what stands on them
+  std::string light = "pixel";  ///< where lamps light bodies: at each "pixel", or at each "vertex"
+};
+
+/// A quality by name.
+struct Look {
+  std::string_view name, meaning;
+  Quality quality;
+};
+
+/// "standard" first.
+std::span<const Look> looks();
+
+}  // namespace headpin::render
