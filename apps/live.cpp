@@ -331,6 +331,7 @@ void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
     throw;
   }
   heed_stop();
+  live.eyes->finish();
   reporter.take_frames();
   if (live.writer) live.writer->close(live.session);
   if (live.publisher) live.publisher->close(live.session);

@@ -142,6 +142,12 @@ std::vector<FramesBeside::Done> FramesBeside::take_done() {
   return std::exchange(done_, {});
 }
 
+void FramesBeside::finish() {
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [this] { return failure_ || (!job_ && !busy_); });
+  if (failure_) std::rethrow_exception(failure_);
+}
+
 void FramesBeside::work(const Makers& makers) {
   try {
     Eyes eyes = makers.eyes();
@@ -162,6 +168,7 @@ void FramesBeside::work(const Makers& makers) {
       lock.lock();
       busy_ = false;
       done_.push_back(std::move(done));
+      changed_.notify_all();
     }
   } catch (...) {
     const std::lock_guard lock(mutex_);

@@ -129,6 +129,9 @@ class FramesBeside : public Observer {
   void tick(const Session& session) override;
   /// What was finished since the last call.
   std::vector<Done> take_done();
+  /// Waits for the frame that is being drawn: at the end, so that what was shown is recorded.
+  /// @throws  what drawing threw
+  void finish();
   std::int64_t late() const { return late_; }
 
  private:

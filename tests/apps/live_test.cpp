@@ -306,8 +306,9 @@ TEST_F(Live, AnotherLanguageSeesWhatTheEyesAndTheViewerSee) {
             0);
   for (const std::string eyes : {"raw", "png"}) {
     const Result seen = alone(
+        "rm -f seen.lcmlog live.lcmlog\n"
         "lcm-logger -q -f seen.lcmlog &\nlogger=$!\nthere $logger seen.lcmlog\n"
-        "$headpin live --lcm '' --scenario room.toml --record live.lcmlog --force --eyes " +
+        "$headpin live --lcm '' --scenario room.toml --record live.lcmlog --eyes " +
         eyes + " &\nlive=$!\nwritten live.lcmlog 50000\n$headpin stream --lcm '' " + kDemo +
         " &\nstream=$!\nfor channel in HEADPIN_EYES DRAKE_VIEWER_DRAW; "
         "do\ncounted $live seen.lcmlog $channel 5\ndone\n"
