@@ -49,7 +49,9 @@ void print_summary(const nlohmann::json& s) {
   line("response", "response");
   line("ball at release", "release_speed_mps", " m/s");
   line("at first skittle", "impact_speed_mps", " m/s");
-  fmt::print("{:<18}{} of {}\n", "skittles down", s["skittles_down"].dump(), s["skittles"].dump());
+  const std::string of =
+      s["games"].empty() ? fmt::format("of {}", s["skittles"].dump()) : "of all racks";
+  fmt::print("{:<18}{} {}\n", "skittles down", s["skittles_down"].dump(), of);
   for (const nlohmann::json& game : s["games"]) {
     fmt::print("{:<18}{}\n", "score sheet", game["sheet"].get<std::string>());
   }
