@@ -195,7 +195,7 @@ int main(int count, char** arguments) {
   const long long people = number_of(count, arguments, 2, 1000);
   const long long first = number_of(count, arguments, 3, 1);
   const int throws = static_cast<int>(number_of(count, arguments, 4, 10));
-  Scenario scenario = load_scenario("paper-experiment");
+  Scenario scenario = load_scenario(HEADPIN_SOURCE_DIR "/assets/scenarios/paper-experiment.toml");
   set_up_for_participants(scenario);
   const auto stage = std::make_shared<const Stage>(make_stage(scenario));
   const std::string folder = arguments[1];
