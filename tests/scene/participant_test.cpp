@@ -17,6 +17,7 @@
 #include "devices/sources.h"
 #include "scene/events.h"
 #include "scene/score.h"
+#include "tests/support/scale.h"
 
 namespace headpin::scene {
 namespace {
@@ -322,6 +323,7 @@ TEST(ParticipantTest, AMissIsMended) {
 
 // Frictionless, elastic skittles come back from the wall.
 TEST(ParticipantTest, DrawsBackFromWhatFliesAtItUnlessNothingDisturbsIt) {
+  if (!kThorough) GTEST_SKIP() << "six whole sessions are for an optimised build";
   const Scenario scenario = participants_room();
   int came = 0, evaded = 0, came_still = 0, evaded_still = 0;
   for (const std::uint64_t seed : {1u, 2u, 7u}) {
