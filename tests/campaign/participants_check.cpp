@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <fstream>
 #include <map>
 #include <string>
@@ -199,6 +200,7 @@ int main(int count, char** arguments) {
   set_up_for_participants(scenario);
   const auto stage = std::make_shared<const Stage>(make_stage(scenario));
   const std::string folder = arguments[1];
+  std::filesystem::create_directories(folder);
   std::ofstream csv(folder + "/participants.csv");
   csv << "participant,version,throw,ball_of_frame,release_mps,impact_mps,skittles_down\n";
   std::ofstream flights(folder + "/approaches.csv");
