@@ -321,6 +321,7 @@ void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
     scene::run(live.session, source, *live.pace, observers, [&](const scene::Session& s) {
       return stop_signal() != 0 || (end != Time{} && s.now() >= end) || source.exhausted();
     });
+    live.eyes->finish();
   } catch (...) {
     for (scene::TrialWriter* writer : {live.writer.get(), live.publisher.get()}) {
       try {
@@ -331,7 +332,6 @@ void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
     throw;
   }
   heed_stop();
-  live.eyes->finish();
   reporter.take_frames();
   if (live.writer) live.writer->close(live.session);
   if (live.publisher) live.publisher->close(live.session);
@@ -423,6 +423,8 @@ void add_live(CLI::App& app) {
   add_force(*command, options->force);
   add_json(*command, options->json);
   add_condition_options(*command, options->condition);
+  // A look says how many; --set look.samples=N is above both.
+  command->get_option("--samples")->excludes("--look");
   command->footer(
       "Examples:\n  headpin live fastrak:/dev/ttyUSB0 --record session.lcmlog\n"
       "  headpin live trial.lcmlog --elasticity 0.9\n"

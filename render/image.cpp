@@ -166,28 +166,10 @@ Image average(std::span<const std::uint8_t> rgba, int width, int height, int sam
     }
     return image;
   }
-  switch (n) {
-    case 2:
-      average_rows<2>(rgba, image);
-      break;
-    case 3:
-      average_rows<3>(rgba, image);
-      break;
-    case 4:
-      average_rows<4>(rgba, image);
-      break;
-    case 5:
-      average_rows<5>(rgba, image);
-      break;
-    case 6:
-      average_rows<6>(rgba, image);
-      break;
-    case 7:
-      average_rows<7>(rgba, image);
-      break;
-    default:
-      average_rows<8>(rgba, image);
-  }
+  constexpr std::array kOfSamples = {average_rows<2>, average_rows<3>, average_rows<4>,
+                                     average_rows<5>, average_rows<6>, average_rows<7>,
+                                     average_rows<8>};
+  kOfSamples[n - 2](rgba, image);
   return image;
 }
 

@@ -403,6 +403,7 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
   const Gl& gl = r.gl;
   if (views.size() != out.size()) throw std::invalid_argument("draw: not one image for each view");
   for (const View& view : views) r.check(list, view);
+  if (views.empty()) return;
   r.start();
 
   const Mat4 shadow_clip = world_to_shadow(list.shadow);

@@ -16,7 +16,14 @@ struct Variant {
   bool mirror = false;  ///< a floor that mirrors
 };
 
-inline constexpr const char* kCode = R"(
+/// What several shaders ask: sRGB of a light, and Schlick's (1994) rise of reflection with the cosine
+/// of the angle it is seen at.
+inline constexpr const char* kAsked = R"(
+float schlick(float cosine) {
+  float graze = 1.0 - max(cosine, 0.0);
+  float graze2 = graze * graze;
+  return graze2 * graze2 * graze;
+}
 vec3 code(vec3 x) {
   return mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThan(x, vec3(0.0031308)));
 }
@@ -45,9 +52,7 @@ vec3 light(vec3 p_W, vec3 n_W, vec3 colour) {
     s *= s; s *= s; s *= s; s *= s; s *= s; s *= s;  // to the 64th
     shine += power * s;
   }
-  float graze = 1.0 - max(dot(n, v), 0.0);
-  float graze2 = graze * graze;
-  float fresnel = 0.04 + 0.5 * graze2 * graze2 * graze;  // Schlick, held down at the rim
+  float fresnel = 0.04 + 0.5 * schlick(dot(n, v));  // held down at the rim
   vec3 r = reflect(-v, n);
   shine += fresnel * mix(ground, sky, smoothstep(-0.2, 0.2, r.z));
   return colour * diffuse + gloss * shine;
@@ -103,8 +108,7 @@ out vec4 result;
 void main() { result = vec4(colour, 1.0); }
 )";
 
-// Alpha is what the floor hides of its mirror image: Schlick 1994, but varnish mirrors half at
-// most.
+// Alpha is what the floor hides of its mirror image; varnish mirrors half at most.
 inline constexpr const char* kFloorFragment = R"(
 in vec3 p_W;
 in vec3 n_W;
@@ -121,9 +125,7 @@ void main() {
 #endif
   float hidden = 1.0;
 #ifdef MIRROR
-  float graze = 1.0 - max(dot(n_W, normalize(eye_W - p_W)), 0.0);
-  float graze2 = graze * graze;
-  hidden = 1.0 - mix(gloss, 0.5, graze2 * graze2 * graze);
+  hidden = 1.0 - mix(gloss, 0.5, schlick(dot(n_W, normalize(eye_W - p_W))));
 #endif
 #ifdef CODED
   lit = pow(lit, 1.0 / 2.2);  // what the code of a darker light is less
@@ -193,7 +195,7 @@ inline std::string shader(const Variant& variant, const char* body) {
         std::pair{variant.mirror, "MIRROR"}}) {
     if (wanted) text += std::string("#define ") + name + "\n";
   }
-  return text + kCode + kLight + body;
+  return text + kAsked + kLight + body;
 }
 
 }  // namespace headpin::render::shaders

@@ -136,7 +136,7 @@ devices::Event passed_event(const Sight& sight, const Approach& approach) {
   devices::Event e = seen_event(sight, kind::passed_player, approach.body);
   e.value = approach.closest;
   const double most = std::max(approach.head_away, approach.hand_away);
-  e.detail = nlohmann::json{{"noticed_s", static_cast<double>(approach.noticed.count()) / 1e6},
+  e.detail = nlohmann::json{{"noticed_s", nearest_seconds(approach.noticed)},
                             {"time_to_contact_s", approach.foreseen.time_s},
                             {"foreseen_m", approach.foreseen.distance},
                             {"at_hand", approach.foreseen.at_hand},
@@ -227,7 +227,7 @@ nlohmann::json approaches_of(std::span<const devices::Event> events) {
     if (event.kind != kind::passed_player) continue;
     nlohmann::json one = nlohmann::json::parse(event.detail, nullptr, false);
     if (!one.is_object()) continue;  // of a damaged log
-    one["time_s"] = static_cast<double>(event.time.count()) / 1e6;
+    one["time_s"] = nearest_seconds(event.time);
     one["body"] = event.bodies.empty() ? "" : event.bodies.front();
     one["closest_m"] = event.value;
     all.push_back(std::move(one));

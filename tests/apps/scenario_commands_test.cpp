@@ -131,6 +131,19 @@ TEST_F(ScenarioCommands, ATrialWithoutItsWholeScenarioIsRefusedByAll) {
             json("replay --json " + kDemo)["state_hash"]);
 }
 
+TEST_F(ScenarioCommands, ALookByNameIsKeptInTheTrialAndMovesNothing) {
+  const nlohmann::json as_it_was = json("replay " + kDemo + " --json");
+  const nlohmann::json looked = json("replay " + kDemo + " --look 1997 -o looked.lcmlog --json");
+  EXPECT_EQ(looked["state_hash"], as_it_was["state_hash"]);
+  const std::string scenario = headpin("info looked.lcmlog --scenario").out;
+  for (const char* line :
+       {"samples = 1", "contact = false", "shadow = false", "mirror = false", "light = 'vertex'"}) {
+    EXPECT_THAT(scenario, testing::HasSubstr(line));
+  }
+  EXPECT_EQ(headpin("live --lcm memq:// --look fast --samples 3").code, 2);
+  EXPECT_EQ(headpin("replay " + kDemo + " --look 2027").code, 2);
+}
+
 TEST_F(ScenarioCommands, SynthesizeKeepsWhatTheScenarioSays) {
   ASSERT_EQ(headpin("synthesize -o usual.lcmlog --seed 3").code, 0);
   const scene::Scenario usual = scenario_of("usual.lcmlog");

@@ -300,6 +300,11 @@ TEST(Picture, LitAtVerticesShowsTheSameBallAlikeBright) {
   EXPECT_NEAR(of_vertex / of_pixel, 1.0, 0.02);
 }
 
+TEST(Picture, OfNoViewsIsNone) {
+  LitScene scene;
+  EXPECT_NO_THROW(scene.renderer.draw(scene.list, {}, {}));
+}
+
 TEST(Look, IsKnownByNameAndAnUnknownLightIsRefused) {
   EXPECT_EQ(looks()[0].name, "standard");
   for (const Look& look : looks()) EXPECT_NO_THROW(LitScene(look.quality).pair()) << look.name;
