@@ -16,6 +16,7 @@
 #include "devices/log.h"
 #include "files/output_file.h"
 #include "scene/arm_model.h"
+#include "scene/rules.h"
 #include "scene/throw.h"
 
 namespace headpin::apps {
@@ -33,10 +34,15 @@ struct SynthesizeOptions {
 };
 
 /// Time for the ball to come to the skittles and for them to fall [s]: that of a plan for the
-/// paper's room, and what a longer lane takes a ball that rolls at two thirds of its first speed.
+/// paper's room, and what a longer lane takes a ball that rolls at two thirds of its first speed;
+/// where it is a game, until the ball has been counted.
 double long_enough(const scene::ThrowPlan& plan, const scene::Scenario& scenario) {
   const double further = std::max(0.0, scenario.lane.head_pin - scene::Scenario{}.lane.head_pin);
-  return plan.duration_s + further / (0.65 * plan.speed);
+  const double fallen = plan.duration_s + further / (0.65 * plan.speed);
+  if (!scene::rules_named(scenario.game.rules).counted) return fallen;
+  constexpr double kAfter = 0.5;
+  const double release = seconds(scene::ThrowMotion(plan, scenario.hand).release());
+  return std::max(fallen, release + scenario.game.ball_back_s + kAfter);
 }
 
 /// As an event log, with what a tracker and a trigger say of the throw.
@@ -87,9 +93,9 @@ void synthesize(const SynthesizeOptions& options) {
   plan.aim = options.aim_deg * kDegree;
   scene::Scenario scenario =
       options.scenario.empty() ? scene::Scenario{} : scene::load_scenario(options.scenario);
-  plan.duration_s = options.duration_s.value_or(long_enough(plan, scenario));
   const scene::ThrowMotion motion = [&] {
     try {
+      plan.duration_s = options.duration_s ? *options.duration_s : long_enough(plan, scenario);
       scene::ThrowMotion made(plan, scenario.hand);
       scene::set_up(scenario, made);
       return made;
@@ -152,7 +158,8 @@ void add_synthesize(CLI::App& app) {
                   ->check(number_from(-10, 10))
                   ->capture_default_str();
   add_duration(*command, options->duration_s,
-               "of the trial [s]; 7 in the paper's room, more when the lane is longer");
+               "of the trial [s]; 7 in the paper's room, more when the lane is longer or the ball "
+               "is counted");
   command->add_option("--scenario", options->scenario,
                       "its name, or a TOML file; the paper's room when not given");
   auto* participant =

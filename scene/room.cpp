@@ -58,7 +58,7 @@ std::vector<Floor> floors(const RoomMeasures& room) {
 }
 
 std::vector<Block> front_blocks(const RoomMeasures& room) {
-  const double inner = room.gutter_edge() + 0.06, outer = inner + 0.08;
+  const double inner = room.kick_back_side(), outer = inner + 0.08;
   const double y = room.portal(), low = room.masking_low;
   std::vector<Block> blocks;
   if (room.kick_backs) {

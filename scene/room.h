@@ -28,6 +28,8 @@ struct RoomMeasures {
   double gutter_edge() const { return 0.5 * lane_width + gutter_width; }
   /// How far each side of a gutter slopes in, down to its flat bottom.
   double gutter_slope() const { return 0.25 * gutter_width; }
+  /// The kick-backs' sides that face the skittles.
+  double kick_back_side() const { return gutter_edge() + 0.06; }
   /// Where the masking panel hangs and the kick-backs begin.
   double portal() const;
 };

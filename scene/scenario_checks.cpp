@@ -8,6 +8,8 @@
 
 #include <fmt/format.h>
 
+#include "scene/room.h"
+
 namespace headpin::scene {
 
 namespace {
@@ -166,6 +168,7 @@ class Checker {
                {"lane.head_pin", "room.width", "room.ahead", "room.behind"});
       }
     }
+    if (s_.lane.kick_backs) check_between_kick_backs();
     // Neighbours by x, so that ten thousand are compared in no time.
     std::vector<std::size_t> order(spots.size());
     std::iota(order.begin(), order.end(), 0u);
@@ -182,6 +185,20 @@ class Checker {
                              2.0 * widest_, first + 1, second + 1, apart));
         }
       }
+    }
+  }
+
+  void check_between_kick_backs() const {
+    const RoomMeasures room = room_measures(s_);
+    const double beside = room.kick_back_side() - widest_;
+    for (std::size_t i = 0; i < s_.rack.spots.size(); ++i) {
+      const Vec2& spot = s_.rack.spots[i];
+      const bool before = room.head_pin + spot.y() < room.portal() - widest_;
+      if (before || std::abs(spot.x()) <= beside) continue;
+      refuse(fmt::format("rack.spots[{}]", i + 1),
+             fmt::format("must stand between the kick-backs: x within {:.4g}, found {:.4g}", beside,
+                         spot.x()),
+             {"lane.kick_backs", "lane.width", "lane.gutter_width"});
     }
   }
 
@@ -210,7 +227,19 @@ class Checker {
     }
   }
 
+  /// Of a text: what the two versions are made of is the experimenter's, and nobody else's.
+  void check_materials_of_versions() const {
+    if (!lines_.contains("version.buttons")) return;
+    for (const char* key : {"version.red.elasticity", "version.red.friction",
+                            "version.blue.elasticity", "version.blue.friction"}) {
+      if (lines_.contains(key)) continue;
+      refuse(key, "must be said, a number from 0 to 1, where there are buttons; found none",
+             {"version.buttons"});
+    }
+  }
+
   void check_buttons() const {
+    check_materials_of_versions();
     const Room& room = s_.room;
     const double r = s_.version.radius;
     for (const auto& [key, p] : {std::pair{"version.red.button", s_.version.red.button},

@@ -187,10 +187,15 @@ Throw find_throw(const MotionRecording& r, const Hand& hand, Side side) {
   const std::size_t lowest =
       best(swing, fastest + 1, [&](std::size_t i) { return -hand_height(i); });
   found.release = std::min(lowest + 1, fastest);
-  // Lowest where it rests; a hand that never does has had the ball from the start.
+  // Lowest where it rests, other than at the end of the back swing; a hand that never does has had
+  // the ball from the start.
+  constexpr Time kForward{1'500'000};
+  const Vec3 along = horizontal(hand_velocity(fastest));
   for (std::size_t i = 0; i < found.release; ++i) {
     const bool lower = found.grab == 0 || hand_height(i) < hand_height(found.grab);
-    if (hand_velocity(i).norm() < kRestingHand && lower) found.grab = i;
+    const bool swung_back =
+        r.times[found.release] - r.times[i] < kForward && along.dot(track[i].p - r.head[i].p) < 0.0;
+    if (hand_velocity(i).norm() < kRestingHand && lower && !swung_back) found.grab = i;
   }
   if (r.times[found.release] - window.least >= r.times.front()) {
     found.V_TB = ball_velocity(r, found.release, side, grip_of(hand, side), window);

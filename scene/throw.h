@@ -18,7 +18,7 @@ enum class Side { left, right };
 /// Where in a recording the ball is taken and let go, and by which hand.
 struct Throw {
   Side side = Side::right;
-  std::size_t grab = 0;          ///< sample at which the hand rests lowest before the release
+  std::size_t grab = 0;          ///< sample at which the hand rests lowest before the swing
   std::size_t release = 0;       ///< sample at which the hand rises out of the bottom of its swing
   double peak_hand_speed = 0.0;  ///< between neighbours of a sample [m/s]
   Twist V_TB;                    ///< of the ball as it leaves the hand

@@ -103,6 +103,30 @@ TEST(ScenarioCheck, GuttersLieBetweenLaneAndWallAndNoSkittleInThem) {
             "lane.toml:2: skittle.weighed must be \"profile\" or \"parts\", found 'mesh'");
 }
 
+TEST(ScenarioCheck, SkittlesStandBetweenTheKickBacks) {
+  const std::string rack = "[lane]\nkick_backs = true\n[rack]\nspots = [[0, 0],\n[0.6, 0.3]]";
+  EXPECT_EQ(
+      refusal(rack),
+      "lane.toml:5: rack.spots must stand between the kick-backs: x within 0.5266, found 0.6");
+  EXPECT_EQ(refusal(rack + "\n[room]\nwidth = 6"), refusal(rack));
+  EXPECT_EQ(refusal("[lane]\nkick_backs = true\nwidth = 1.3\n[rack]\nspots = [[0, 0], [0.6, 0.3]]"),
+            "");
+  EXPECT_EQ(refusal("[rack]\nspots = [[0, 0], [0.6, 0.3]]"), "");
+}
+
+TEST(ScenarioCheck, AVersionHasMaterials) {
+  const std::string buttons = "[version]\nbuttons = true\n";
+  const std::string red = "[version.red]\nelasticity = 1.0\nfriction = 0.7\n";
+  const std::string blue = "[version.blue]\nelasticity = 0.7\nfriction = 0.7\n";
+  EXPECT_EQ(refusal(buttons + red + blue), "");
+  EXPECT_EQ(refusal(buttons + red),
+            "lane.toml:2: version.blue.elasticity must be said, a number from 0 to 1, where there "
+            "are buttons; found none");
+  EXPECT_THAT(refusal(buttons + "[version.red]\nelasticity = 1.0\n" + blue),
+              HasSubstr("lane.toml:2: version.red.friction must be said"));
+  EXPECT_EQ(refusal("[version]\nbuttons = false\n"), "");
+}
+
 TEST(ScenarioCheck, NestedBeyondUseIsRefusedBeforeTheParserFalls) {
   std::string dotted = "a", headers, brackets = "a = ", braces = "a = ";
   for (int i = 0; i < 50'000; ++i) {

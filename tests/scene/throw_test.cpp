@@ -428,9 +428,15 @@ TEST(RecordedThrowTest, IsFoundAsMeasuredByHand) {
   EXPECT_NEAR(found.peak_hand_speed, 7.7, 0.05);
 }
 
-TEST(SynthesizedThrowTest, IsFoundWhereTheModelLetGo) {
+/// Of a throw as one stands, and of balls that are laid down from a height.
+class SynthesizedThrowTest : public testing::TestWithParam<std::optional<double>> {};
+
+INSTANTIATE_TEST_SUITE_P(From, SynthesizedThrowTest,
+                         testing::Values(std::nullopt, 0.4, 0.27, 0.14));
+
+TEST_P(SynthesizedThrowTest, IsFoundWhereTheModelLetGo) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
-    const ThrowMotion motion({.seed = seed}, Hand{});
+    const ThrowMotion motion({.seed = seed, .height = GetParam()}, Hand{});
     const devices::MotionRecording r = record(motion, seed);
     EXPECT_EQ(why_no_throw(r, Hand{}), std::vector<std::string>{}) << "seed " << seed;
     const Throw found = find_throw(r, Hand{});
