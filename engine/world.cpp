@@ -1,8 +1,8 @@
 #include "engine/world.h"
 
 #include <algorithm>
-#include <bit>
 #include <cstdio>
+#include <cstring>
 #include <stdexcept>
 #include <string>
 
@@ -228,7 +228,11 @@ class StateHash {
   void add(std::uint64_t bits) {
     for (int k = 0; k < 8; ++k, bits >>= 8) bytes_.add(static_cast<std::uint8_t>(bits));
   }
-  void add(double x) { add(std::bit_cast<std::uint64_t>(x)); }
+  void add(double x) {
+    std::uint64_t bits;  // std::bit_cast is not in every C++20 library yet
+    std::memcpy(&bits, &x, sizeof bits);
+    add(bits);
+  }
   void add(const Vec3& v) {
     for (int k = 0; k < 3; ++k) add(v[k]);
   }

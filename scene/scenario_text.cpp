@@ -256,7 +256,20 @@ class Writer {
   template <typename T, typename Allowed>
   void field(std::string_view key, const T& value, const Allowed&, std::string_view meaning,
              std::string_view source = {}) {
-    const std::string path = path_ + "." + std::string(key), written = text(value);
+    line(key, text(value), meaning, source);
+  }
+
+  template <typename T>
+  void section(std::string_view key, std::string_view meaning, T& part) {
+    const std::string outer = enter(key, meaning);
+    visit(*this, part);
+    path_ = outer;
+  }
+
+ private:
+  void line(std::string_view key, std::string written, std::string_view meaning,
+            std::string_view source) {
+    const std::string path = path_ + "." + std::string(key);
     const auto usual = sourced_.find(path);
     if (usual == sourced_.end() || usual->second != written) source = {};
     written_[path] = written;
@@ -268,15 +281,15 @@ class Writer {
     out_ += "\n";
   }
 
-  template <typename T>
-  void section(std::string_view key, std::string_view meaning, T& part) {
+  /// @return  the path outside
+  std::string enter(std::string_view key, std::string_view meaning) {
     const std::string outer = path_;
     path_ += (path_.empty() ? "" : ".") + std::string(key);
     out_ += fmt::format("\n[{}]{}\n", path_, meaning.empty() ? "" : fmt::format("  # {}", meaning));
-    visit(*this, part);
-    path_ = outer;
+    return outer;
   }
 
+ public:
   std::string out() && { return std::move(out_); }
   std::map<std::string, std::string> written() && { return std::move(written_); }
 

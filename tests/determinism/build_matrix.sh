@@ -1,7 +1,8 @@
 #!/usr/bin/env bash
-# Builds the engine with several compilers, levels and instruction sets, plays the same games with
-# each and compares the hash of every tick. Usage: build_matrix.sh [--quick]
-#   --quick  one low and one high level of each compiler instead of all
+# Builds the engine with several compilers, levels and instruction sets, and for other machines
+# (AArch64 and RISC-V under qemu, WebAssembly under node), plays the same games with each and compares
+# the hash of every tick. Usage: build_matrix.sh [--quick]
+#   --quick  one low and one high level of each compiler instead of all, and no other machine
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 levels=(-O1 -O2 -O3)
@@ -27,19 +28,36 @@ for compiler in g++ clang++; do
   done
 done
 
+if [ "${1:-}" != --quick ]; then
+  for machine in "aarch64-linux-gnu-g++ qemu-aarch64" "riscv64-linux-gnu-g++ qemu-riscv64" "em++ node"; do
+    read -r compiler runner <<<"$machine"
+    if command -v "$compiler" >/dev/null && command -v "$runner" >/dev/null; then
+      variants+=("$compiler -O1" "$compiler -O3")
+    else
+      echo "skipped: no $compiler, or no $runner to run what it builds"
+    fi
+  done
+fi
+
 # The flags that carry the promise are those of engine/CMakeLists.txt.
 make_one() {
   local name=${1// /} source
   local dir=$work/$name
   mkdir -p "$dir"
+  local own=() link=() run=()
+  case $1 in
+    aarch64*) link=(-static) run=(qemu-aarch64) ;;
+    riscv64*) link=(-static) run=(qemu-riscv64) ;;
+    em++*) own=(-fwasm-exceptions) link=(-fwasm-exceptions -s SINGLE_FILE=1) run=(node) ;;
+  esac
   for source in engine/*.cpp tests/support/bowling.cpp tests/determinism/state_hash.cpp; do
     # shellcheck disable=SC2086
-    $1 -std=c++20 -DNDEBUG -DEIGEN_DONT_VECTORIZE -I. $eigen \
+    $1 -std=c++20 -DNDEBUG -DEIGEN_DONT_VECTORIZE -I. $eigen "${own[@]}" \
       -ffp-contract=off -fno-tree-vectorize -fno-tree-slp-vectorize \
       -c "$source" -o "$dir/$(basename "$source").o"
   done
-  ${1%% *} "$dir"/*.o -o "$dir/state_hash"
-  "$dir/state_hash" >"$work/$name.txt"
+  ${1%% *} "${link[@]}" "$dir"/*.o -o "$dir/state_hash.js"  # a script from em++ only
+  "${run[@]}" "$dir/state_hash.js" >"$work/$name.txt"
 }
 export -f make_one
 export work eigen
