@@ -7,6 +7,16 @@
 
 namespace headpin::apps {
 
+CLI::Option* add_look(CLI::App& command, std::optional<std::string>& value) {
+  std::string looks = "what is spent on a picture:";
+  std::vector<std::string> names;
+  for (const render::Look& look : render::looks()) {
+    looks += fmt::format("\n{}: {}", look.name, look.meaning);
+    names.emplace_back(look.name);
+  }
+  return command.add_option("--look", value, looks)->check(CLI::IsMember(names));
+}
+
 void add_condition_options(CLI::App& command, Condition& condition) {
   const std::string group = "Condition (what is not given stays as the trial has it)";
   command.add_option("--elasticity", condition.elasticity, "of every object; pairs multiply")
@@ -37,15 +47,7 @@ void add_condition_options(CLI::App& command, Condition& condition) {
       .add_flag("--warm", condition.warm,
                 "paper detection starts from the last normal (ours; in 1997 it did not)")
       ->group(group);
-  std::string looks = "what is spent on a picture:";
-  std::vector<std::string> look_names;
-  for (const render::Look& look : render::looks()) {
-    looks += fmt::format("\n{}: {}", look.name, look.meaning);
-    look_names.emplace_back(look.name);
-  }
-  command.add_option("--look", condition.look, looks)
-      ->check(CLI::IsMember(look_names))
-      ->group(group);
+  add_look(command, condition.look)->group(group);
   command
       .add_option("--set", condition.set, "any value of the scenario, KEY=VALUE; may be repeated")
       ->allow_extra_args(false)

@@ -23,6 +23,9 @@ struct Condition {
 /// --set.
 void add_condition_options(CLI::App& command, Condition& condition);
 
+/// --look alone.
+CLI::Option* add_look(CLI::App& command, std::optional<std::string>& value);
+
 /// @throws UsageError  for a value out of range or a key that does not exist
 void apply(const Condition& condition, scene::Scenario& scenario);
 

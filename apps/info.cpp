@@ -11,6 +11,7 @@
 #include "apps/options.h"
 #include "apps/streams.h"
 #include "devices/trial_file.h"
+#include "scene/drawn_by.h"
 #include "scene/events.h"
 #include "scene/outcome.h"
 #include "scene/presence.h"
@@ -190,6 +191,16 @@ void print_skipped(const devices::TrialSummary& trial) {
   line(trial.late, "samples that the session got later than they were there (kept)");
 }
 
+/// What an event says beside its kind, in a line.
+std::string in_short(const devices::Event& event) {
+  if (event.kind == scene::kind::ledger) return "";
+  if (event.kind == scene::kind::drawn_by) {
+    const std::optional<render::Fingerprint> who = scene::drawn_by({event});
+    return who ? who->renderer : "";
+  }
+  return event.bodies.empty() ? event.detail : fmt::format("{}", fmt::join(event.bodies, ", "));
+}
+
 void print_trial(const std::string& path, const devices::TrialSummary& trial,
                  const std::vector<scene::ReleaseTiming>& timings) {
   std::cout << fmt::format("{}: {:.3f} s, {}\n", path, seconds(duration(trial)),
@@ -236,10 +247,8 @@ void print_trial(const std::string& path, const devices::TrialSummary& trial,
   print_timings(timings);
   if (!trial.events.empty()) std::cout << "events\n";
   for (const devices::Event& event : trial.events) {
-    const bool short_detail = event.bodies.empty() && event.kind != scene::kind::ledger;
-    std::cout << fmt::format(
-        "  {:9.3f} s  {:<14} {}\n", seconds(event.time), shown(event.kind),
-        shown(short_detail ? event.detail : fmt::format("{}", fmt::join(event.bodies, ", "))));
+    std::cout << fmt::format("  {:9.3f} s  {:<14} {}\n", seconds(event.time), shown(event.kind),
+                             shown(in_short(event)));
   }
   std::cout << "channels\n";
   for (const auto& [name, channel] : trial.channels) {

@@ -24,6 +24,7 @@
 #include "devices/mouse3d.h"
 #include "devices/sources.h"
 #include "devices/trial_file.h"
+#include "scene/drawn_by.h"
 #include "scene/quantile.h"
 #include "scene/totals.h"
 #include "scene/trial_writer.h"
@@ -357,6 +358,9 @@ void go_live(const LiveOptions& options) {
   go_first();
   for (const auto& one : live.sources) one->start();
   open_recording(options, live);
+  const devices::Event drawn_by = scene::drawn_by_event(live.eyes->drawn_by());
+  if (live.writer) live.writer->write(drawn_by);
+  if (live.publisher) live.publisher->write(drawn_by);
 
   std::vector<scene::Observer*> observers = {&live.totals};
   if (live.writer) observers.push_back(live.writer.get());

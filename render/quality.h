@@ -13,6 +13,8 @@ struct Quality {
   bool shadow = true;           ///< bodies cast shadows on floors
   bool mirror = true;           ///< polished floors mirror what stands on them
   std::string light = "pixel";  ///< where lamps light bodies: at each "pixel", or at each "vertex"
+
+  bool operator==(const Quality&) const = default;
 };
 
 /// A quality by name.

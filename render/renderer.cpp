@@ -368,6 +368,10 @@ std::string Renderer::description() const {
   return describe(*impl_->context, impl_->gl);
 }
 
+const Quality& Renderer::quality() const {
+  return impl_->quality;
+}
+
 int Renderer::add(const Mesh& mesh) {
   Impl& r = *impl_;
   if (std::ranges::find(kTurns, mesh.surface) == kTurns.end()) {

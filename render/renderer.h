@@ -47,6 +47,8 @@ class Renderer {
   /// @throws std::invalid_argument  as draw()
   Labels labels(const DrawList& list, const View& view);
 
+  const Quality& quality() const;
+
   /// Who draws: backend, renderer, OpenGL version. Pictures are equal where this is.
   std::string description() const;
 

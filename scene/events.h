@@ -26,6 +26,7 @@ inline constexpr std::string_view game_over = "game_over";
 inline constexpr std::string_view flies_at_player = "flies_at_player";
 inline constexpr std::string_view passed_player = "passed_player";
 inline constexpr std::string_view ledger = "ledger";
+inline constexpr std::string_view drawn_by = "drawn_by";
 inline constexpr std::string_view grab_found = "grab_found";
 inline constexpr std::string_view release_found = "release_found";
 }  // namespace kind
@@ -38,7 +39,7 @@ struct EventKind {
   std::string_view value;  ///< what `value` is; empty where it is not used
 };
 
-inline constexpr std::array<EventKind, 20> kEventKinds{{
+inline constexpr std::array<EventKind, 21> kEventKinds{{
     {kind::grab, "the trigger took a ball or a skittle", "its centre", ""},
     {kind::release, "the trigger let go of what it took", "its centre",
      "speed it left the hand with [m/s]"},
@@ -71,6 +72,10 @@ inline constexpr std::array<EventKind, 20> kEventKinds{{
      "as JSON in detail",
      "its centre", "closest approach of its surface to head, hand or what is below the head [m]"},
     {kind::ledger, "after the last tick: where the energy came from and went to, as JSON in detail",
+     "", ""},
+    {kind::drawn_by,
+     "before the first tick of a live session: who draws its frames, as JSON in detail: renderer, "
+     "processor features, Mesa's environment, hash of a test picture",
      "", ""},
     {kind::grab_found, "in a recording without buttons: where a hand took the ball", "", ""},
     {kind::release_found, "in a recording without buttons: where it let the ball go", "", ""},

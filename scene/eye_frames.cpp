@@ -44,42 +44,54 @@ devices::FrameRecord record_of(const EyeFrame& frame) {
 void FrameByFrame::tick(const Session& session) {
   for (; frame_.number < plan_.frames; ++frame_.number) {
     frame_.time = tick_time(frame_.number, plan_.fps);
-    if (frame_.time > session.now()) return;
+    if (frame_.time > session.now()) break;
     if (!plan_.wanted(frame_.number)) continue;
     frame_.tick = session.tick;
-    const Pose X_WD = head_pose(session).value_or(plan_.X_WD_first);
-    frame_.views = see(eyes_, glimpse(session, X_WD), frame_.images);
+    const Pose X_WD = head_pose(session, frame_.time).value_or(plan_.X_WD_first);
+    frame_.views = see(eyes_, before_.glimpse(session, frame_.time, X_WD), frame_.images);
     for (FrameSink* sink : sinks_) sink->add(frame_);
     plan_.progress(++drawn_);
   }
+  // Where every frame is at a tick there is nothing between.
+  if (session.scenario().rates.physics_hz % plan_.fps != 0) before_.keep(session);
 }
 
-FrameVerifier::FrameVerifier(Eyes& eyes, devices::TrialPlayer& recorded)
-    : eyes_(eyes), recorded_(recorded) {
+FramesAsShown::FramesAsShown(Eyes& eyes, devices::TrialPlayer& recorded, Plan plan,
+                             std::vector<FrameSink*> sinks)
+    : eyes_(eyes), recorded_(recorded), plan_(std::move(plan)), sinks_(std::move(sinks)) {
   if (!recorded.has_frames()) {
     throw std::runtime_error(
-        "the trial holds no frames to compare with; expected one made by `headpin live`");
+        "the trial holds no frames that were shown; expected one made by `headpin live`");
   }
 }
 
-void FrameVerifier::tick(const Session& session) {
+void FramesAsShown::tick(const Session& session) {
   const devices::FrameRecord* recorded = recorded_.frame(session.tick);
-  const std::optional<Pose> X_WD = recorded ? head_pose(session) : std::nullopt;
+  if (!recorded || !plan_.wanted(recorded->frame)) return;
+  const std::optional<Pose> X_WD = head_pose(session);
   if (!X_WD) return;
   frame_.number = recorded->frame;
   frame_.tick = session.tick;
   frame_.time = session.now();
   frame_.views = see(eyes_, glimpse(session, *X_WD), frame_.images);
+  if (plan_.compare) {
+    compare(*recorded);
+    ++compared_;
+  }
+  for (FrameSink* sink : sinks_) sink->add(frame_);
+  plan_.progress(++drawn_);
+}
+
+void FramesAsShown::compare(const devices::FrameRecord& recorded) const {
   const devices::FrameRecord drawn = record_of(frame_);
   for (std::size_t eye = 0; eye < 2; ++eye) {
-    if (drawn.hash[eye] == recorded->hash[eye]) continue;
+    if (drawn.hash[eye] == recorded.hash[eye]) continue;
     throw std::runtime_error(
         fmt::format("frame {} (tick {}, {:.6f} s) differs from the recording, first in the {} eye: "
                     "expected picture {:016x}, found {:016x}, drawn by {}",
                     frame_.number, frame_.tick, seconds(frame_.time), eye == 0 ? "left" : "right",
-                    recorded->hash[eye], drawn.hash[eye], eyes_.renderer.description()));
+                    recorded.hash[eye], drawn.hash[eye], eyes_.renderer.description()));
   }
-  ++compared_;
 }
 
 FramesBeside::FramesBeside(Makers makers)
@@ -151,6 +163,7 @@ void FramesBeside::finish() {
 void FramesBeside::work(const Makers& makers) {
   try {
     Eyes eyes = makers.eyes();
+    drawn_by_ = render::fingerprint(eyes.renderer);
     const std::unique_ptr<FrameSink> sink = makers.sink(eyes);
     EyeFrame frame;
     see(eyes, {}, frame.images);  // so that the first frame need not wait for shaders

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "devices/trial_file.h"
+#include "render/fingerprint.h"
 #include "scene/eyes.h"
 #include "scene/run.h"
 
@@ -54,7 +55,8 @@ class FrameSink {
   virtual void add(const EyeFrame& frame) = 0;
 };
 
-/// Draws every wanted frame at the first tick that is not before it; the session waits for it.
+/// Draws every wanted frame at its own time, head and world, once the first tick is there that is
+/// not before it; the session waits for it.
 class FrameByFrame : public Observer {
  public:
   struct Plan {
@@ -78,28 +80,41 @@ class FrameByFrame : public Observer {
   Eyes& eyes_;
   Plan plan_;
   std::vector<FrameSink*> sinks_;
+  BetweenTicks before_;
   EyeFrame frame_;
   std::int64_t drawn_ = 0;
 };
 
-/// Draws again what a trial says was seen, and holds the pictures against it.
-class FrameVerifier : public Observer {
+/// Draws the frames that a trial says were seen, each at its tick, and holds them against it.
+class FramesAsShown : public Observer {
  public:
+  struct Plan {
+    bool compare = true;                               ///< pictures with the recorded hashes
+    std::function<bool(std::int64_t frame)> wanted;    ///< those of them to draw
+    std::function<void(std::int64_t drawn)> progress;  ///< told after each
+  };
+
   /// @param recorded  with the frames beside it
-  /// @param eyes      both must outlive this
+  /// @param eyes      all must outlive this
   /// @throws std::runtime_error  when there are no frames
-  FrameVerifier(Eyes& eyes, devices::TrialPlayer& recorded);
+  FramesAsShown(Eyes& eyes, devices::TrialPlayer& recorded, Plan plan,
+                std::vector<FrameSink*> sinks = {});
 
   /// @throws std::runtime_error  naming frame and eye of the first that differs
   void tick(const Session& session) override;
 
+  std::int64_t drawn() const { return drawn_; }
   std::int64_t compared() const { return compared_; }  ///< frames found equal
 
  private:
+  void compare(const devices::FrameRecord& recorded) const;
+
   Eyes& eyes_;
   devices::TrialPlayer& recorded_;
+  Plan plan_;
+  std::vector<FrameSink*> sinks_;
   EyeFrame frame_;
-  std::int64_t compared_ = 0;
+  std::int64_t drawn_ = 0, compared_ = 0;
 };
 
 /// Draws in a thread of its own and makes the session wait for nothing: one frame at a time, and
@@ -133,6 +148,7 @@ class FramesBeside : public Observer {
   /// @throws  what drawing threw
   void finish();
   std::int64_t late() const { return late_; }
+  const render::Fingerprint& drawn_by() const { return drawn_by_; }
 
  private:
   struct Job {
@@ -152,6 +168,7 @@ class FramesBeside : public Observer {
   std::optional<Time> newest_, shown_;  // arrival of the head sample at hand, and in the last frame
   Time since_{};                        // when the session got the newest
   Clock::time_point taken_;             // and had made that tick
+  render::Fingerprint drawn_by_;        // written before the constructor comes back
   Time lead_{};  // of the frames' clock: brings them close behind the head's samples
 
   std::mutex mutex_;

@@ -3,9 +3,13 @@
 namespace headpin::scene {
 
 Eyes open_eyes(const Stage& stage) {
-  render::Renderer renderer(render::osmesa_context(), stage.scenario.look);
+  return open_eyes(stage, stage.scenario.look);
+}
+
+Eyes open_eyes(const Stage& stage, const render::Quality& look) {
+  render::Renderer renderer(render::osmesa_context(), look);
   Looks looks(renderer, stage);
-  return {std::move(renderer), std::move(looks), stage.scenario.hmd.optics};
+  return {std::move(renderer), std::move(looks), stage.scenario.hmd.optics, look};
 }
 
 Glimpse glimpse(const Session& session, const Pose& X_WD) {
@@ -21,6 +25,39 @@ Glimpse glimpse(const Session& session, const Pose& X_WD) {
   poses_of(session.stage->skittles, g.X_WB_skittles);
   poses_of(session.stage->balls, g.X_WB_balls);
   return g;
+}
+
+void BetweenTicks::keep(const Session& session) {
+  stage_ = session.stage;
+  time_ = session.now();
+  seen_ = scene::glimpse(session, {});
+  states_ = session.world.states;
+}
+
+Glimpse BetweenTicks::glimpse(const Session& session, Time at, const Pose& X_WD) const {
+  Glimpse now = scene::glimpse(session, X_WD);
+  if (!stage_ || at >= session.now()) return now;
+  if (stage_ != session.stage) {  // another version's world begins with the tick
+    now = seen_;
+    now.X_WD = X_WD;
+    return now;
+  }
+  const double dt = seconds(session.now() - time_);
+  const double s = seconds(at - time_) / dt;
+  const auto mix = [&](const std::vector<engine::BodyId>& bodies, const std::vector<Pose>& before,
+                       std::vector<Pose>& poses) {
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const double speed =
+          states_[bodies[i]].v_WB.norm() + session.world.states[bodies[i]].v_WB.norm();
+      constexpr double kPushed = 0.02;  // by what overlapped it, or by the hand that carries it [m]
+      const bool moved = (poses[i].p - before[i].p).norm() <= speed * dt + kPushed;
+      poses[i] = moved ? interpolate(before[i], poses[i], s) : before[i];
+    }
+  };
+  mix(session.stage->skittles, seen_.X_WB_skittles, now.X_WB_skittles);
+  mix(session.stage->balls, seen_.X_WB_balls, now.X_WB_balls);
+  if (now.X_WH && seen_.X_WH) now.X_WH = interpolate(*seen_.X_WH, *now.X_WH, s);
+  return now;
 }
 
 std::array<render::View, 2> see(Eyes& eyes, const Glimpse& g, std::array<render::Image, 2>& out) {

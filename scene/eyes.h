@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -15,11 +16,13 @@ struct Eyes {
   render::Renderer renderer;
   Looks looks;
   render::Optics optics;
+  render::Quality look;
 };
 
-/// Eyes that draw as the stage's scenario wants it.
+/// Eyes that draw as the stage's scenario wants it, or in another look.
 /// @throws std::runtime_error  when nothing can be drawn on this machine; says why
 Eyes open_eyes(const Stage& stage);
+Eyes open_eyes(const Stage& stage, const render::Quality& look);
 
 /// All that is needed to draw one moment of a session, so that it can be drawn later or elsewhere.
 struct Glimpse {
@@ -32,6 +35,24 @@ struct Glimpse {
 };
 
 Glimpse glimpse(const Session& session, const Pose& X_WD);
+
+/// What a session looks like between two of its ticks: bodies and hand are mixed from those of both.
+class BetweenTicks {
+ public:
+  /// Told of every tick, when it is over and has been looked at.
+  void keep(const Session& session);
+
+  /// At a time since the tick that was kept, which is the one before the session's last. What was
+  /// put elsewhere within the tick, as by a new rack, is seen where it was until the tick is over.
+  /// Without a tick that was kept, as at the last one.
+  Glimpse glimpse(const Session& session, Time at, const Pose& X_WD) const;
+
+ private:
+  std::shared_ptr<const Stage> stage_;
+  Time time_{};
+  Glimpse seen_;
+  std::vector<engine::State> states_;
+};
 
 /// Draws both eyes, left first.
 ///

@@ -130,6 +130,12 @@ std::optional<Pose> head_pose(const Session& s) {
   return in_room(s, s.player.head, s.now());
 }
 
+std::optional<Pose> head_pose(const Session& s, Time at) {
+  const std::optional<Pose> X_PD = s.player.head.at(at - microseconds(s.scenario().rig.delay_s));
+  if (!X_PD) return std::nullopt;
+  return s.player.walk.X_WP(seconds(s.now() - at)) * *X_PD;
+}
+
 std::optional<Pose> hand_pose(const Session& s) {
   return in_room(s, s.player.hand, s.now());
 }

@@ -56,5 +56,7 @@ void tick_state(const Session& session, devices::TickState& out);
 /// Head and hand now: read between the samples `rig.delay_s` ago, held after the last one.
 std::optional<Pose> head_pose(const Session& session);  ///< X_WD
 std::optional<Pose> hand_pose(const Session& session);  ///< X_WH
+/// The head at a time since the tick before, by the samples known now.
+std::optional<Pose> head_pose(const Session& session, Time at);
 
 }  // namespace headpin::scene

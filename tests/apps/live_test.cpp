@@ -395,7 +395,7 @@ TEST_F(LiveFastrak, RecordedFramesAreDrawnAgainToThePixel) {
   recorder.close();
   expect_refusal("frames other.lcmlog --verify", 1,
                  "differs from the recording, first in the left");
-  expect_refusal("frames " + kDemo + " --verify", 1, "holds no frames to compare with");
+  expect_refusal("frames " + kDemo + " --verify", 1, "holds no frames that were shown");
 }
 
 TEST_F(LiveFastrak, AFloodOfWrongTypesIsSaidAtOnce) {
