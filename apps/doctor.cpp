@@ -1,9 +1,9 @@
 #include <chrono>
 #include <fstream>
 #include <memory>
+#include <set>
 #include <thread>
 
-#include <dlfcn.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
@@ -12,6 +12,7 @@
 #include "apps/options.h"
 #include "apps/streams.h"
 #include "devices/lcm_link.h"
+#include "render/fingerprint.h"
 #include "scene/eyes.h"
 
 namespace headpin::apps {
@@ -25,15 +26,33 @@ struct Finding {
   std::string remedy;
 };
 
-Finding look_at_osmesa() {
+/// Draws what a player sees, and the test picture, through one context.
+Finding look_at_eyes(const char* name, const std::string& gl, const char* remedy,
+                     std::set<std::uint64_t>& pictures) {
   try {
-    scene::Eyes eyes = scene::open_eyes(scene::make_stage(scene::Scenario()));
+    const scene::Scenario scenario;
+    scene::Eyes eyes = scene::open_eyes(scene::make_stage(scenario), scenario.look, gl);
     std::array<render::Image, 2> images;
     scene::see(eyes, {}, images);
-    return {"osmesa", true, eyes.renderer.description(), ""};
+    pictures.insert(render::fingerprint(eyes.renderer).picture);
+    const std::string& why = eyes.renderer.instead_of();
+    return {name, true, eyes.renderer.description() + (why.empty() ? "" : "; " + why), ""};
   } catch (const std::exception& error) {
-    return {"osmesa", false, error.what(), "apt-get install libosmesa6"};
+    return {name, false, error.what(), remedy};
   }
+}
+
+/// What commands draw with, then each context alone: whether they draw the same is said of the last.
+std::vector<Finding> look_at_contexts(const std::string& gl) {
+  std::set<std::uint64_t> used, pictures;
+  std::vector<Finding> findings = {
+      look_at_eyes("eyes", gl, "apt-get install libosmesa6 libegl1 libegl-mesa0", used),
+      look_at_eyes("osmesa", "osmesa", "apt-get install libosmesa6", pictures),
+      look_at_eyes("egl", "egl", "apt-get install libegl1 libegl-mesa0", pictures)};
+  if (findings[1].works && findings[2].works) {
+    findings[2].says += pictures.size() == 1 ? "; draws the same" : "; draws other bits";
+  }
+  return findings;
 }
 
 /// Sends a sample to itself, as an LCM application does at its start.
@@ -69,13 +88,6 @@ Finding look_at_receive_buffer() {
           fmt::format("sysctl -w net.core.rmem_max={0} net.core.rmem_default={0}", kEnough)};
 }
 
-Finding look_for_library(const char* name, const char* file, const char* package) {
-  void* library = dlopen(file, RTLD_LAZY | RTLD_LOCAL);
-  if (!library) return {name, false, "not installed", fmt::format("apt-get install {}", package)};
-  dlclose(library);
-  return {name, true, file, ""};
-}
-
 Finding look_for_program(const char* name, const char* package) {
   const char* path = std::getenv("PATH");
   std::string_view rest = path ? path : "";
@@ -88,14 +100,14 @@ Finding look_for_program(const char* name, const char* package) {
   return {name, false, "not installed", fmt::format("apt-get install {}", package)};
 }
 
-void diagnose(bool json) {
-  const std::vector<Finding> findings = {look_at_osmesa(),
-                                         look_at_multicast(),
-                                         look_at_receive_buffer(),
-                                         look_for_program("ffmpeg", "ffmpeg"),
-                                         look_for_program("lcm-logplayer", "liblcm-bin"),
-                                         look_for_library("egl", "libEGL.so.1", "libegl1"),
-                                         look_for_program("Rscript", "r-base-core")};
+void diagnose(bool json, const std::string& gl) {
+  std::vector<Finding> findings = look_at_contexts(gl);
+  for (const Finding& finding :
+       {look_at_multicast(), look_at_receive_buffer(), look_for_program("ffmpeg", "ffmpeg"),
+        look_for_program("lcm-logplayer", "liblcm-bin"),
+        look_for_program("Rscript", "r-base-core")}) {
+    findings.push_back(finding);
+  }
   nlohmann::json all = nlohmann::json::object();
   for (const Finding& f : findings) {
     all[f.name] = {{"works", f.works}, {"says", f.says}, {"remedy", f.remedy}};
@@ -110,14 +122,15 @@ void diagnose(bool json) {
 
 void add_doctor(CLI::App& app) {
   auto json = std::make_shared<bool>(false);
+  auto gl = std::make_shared<std::string>();
   CLI::App* command = app.add_subcommand("doctor", "Tell what works on this machine");
   add_json(*command, *json);
+  add_gl(*command, *gl);
   command->footer(
-      "Only pictures need OSMesa, only videos ffmpeg; without a multicast route every command "
-      "works\n"
-      "with file:// and memq:// URLs. EGL and R are for what is to come.\n\nExample:\n  headpin "
-      "doctor");
-  command->callback([json] { diagnose(*json); });
+      "Only pictures need OSMesa or EGL, only videos ffmpeg; without a multicast route every "
+      "command works\n"
+      "with file:// and memq:// URLs. R is for what is to come.\n\nExample:\n  headpin doctor");
+  command->callback([json, gl] { diagnose(*json, *gl); });
 }
 
 }  // namespace headpin::apps

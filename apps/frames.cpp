@@ -9,6 +9,7 @@
 #include "apps/condition.h"
 #include "apps/frame_folder.h"
 #include "apps/frame_ranges.h"
+#include "apps/live_eyes.h"
 #include "apps/options.h"
 #include "apps/progress.h"
 #include "apps/stop.h"
@@ -27,7 +28,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct FramesOptions {
-  std::string trial, frames;
+  std::string trial, frames, gl;
   std::optional<std::string> folder, video, look;
   std::optional<int> samples;
   std::int64_t fps = 0;
@@ -135,7 +136,9 @@ void draw_frames(const FramesOptions& options) {
   const Pose X_WD_first = scene::first_head_pose(recorded.file, recorded.scenario.rig);
 
   scene::Session session = scene::make_session(recorded.scenario);
-  scene::Eyes eyes = scene::open_eyes(*session.stage, look_of(options, recorded.scenario));
+  scene::Eyes eyes =
+      scene::open_eyes(*session.stage, look_of(options, recorded.scenario), options.gl);
+  say_instead_of("frames", eyes);
   const bool compares = options.verify || options.as_shown;
   const std::string why_not =
       compares ? why_not_compared(trial, eyes, recorded.scenario.look) : std::string();
@@ -234,6 +237,7 @@ void add_frames(CLI::App& app) {
   command->add_option("--frames", options->frames, "only these, such as 10-20,35");
   command->add_option("--fps", options->fps, "frames a second; the scenario's when not given")
       ->check(CLI::Range(1, 1000));
+  add_gl(*command, options->gl);
   add_look(*command, options->look);
   command
       ->add_option("--samples", options->samples,

@@ -35,7 +35,7 @@ namespace {
 
 struct LiveOptions {
   std::vector<std::string> sources;
-  std::string lcm, scenario, participant, eyes = "png";
+  std::string lcm, scenario, participant, gl, eyes = "png";
   std::optional<std::string> record;
   std::vector<std::string> hemispheres;
   int baud = 115200, samples = 1;
@@ -348,8 +348,8 @@ void go_live(const LiveOptions& options) {
   const std::unique_ptr<devices::Source> merged = source_of(live);
   devices::Source& source = *merged;
 
-  live.eyes =
-      open_eyes(live.session.stage, live.link ? options.eyes : std::string("none"), options.lcm);
+  live.eyes = open_eyes(live.session.stage, live.link ? options.eyes : std::string("none"),
+                        options.lcm, options.gl);
   const Time end = microseconds(options.duration_s.value_or(0.0));
   live.pace =
       std::make_unique<scene::RealTime>(tick_time(1, live.session.scenario().rates.physics_hz));
@@ -424,6 +424,7 @@ void add_live(CLI::App& app) {
                    "anti-aliasing: samples along a pixel's side; kept in the trial as look.samples")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
+  add_gl(*command, options->gl);
   add_force(*command, options->force);
   add_json(*command, options->json);
   add_condition_options(*command, options->condition);

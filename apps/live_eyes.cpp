@@ -76,13 +76,21 @@ void say_rate(scene::Eyes& eyes, const scene::Glimpse& glimpse, bool png, std::i
 
 }  // namespace
 
+void say_instead_of(const char* command, const scene::Eyes& eyes) {
+  const std::string& why = eyes.renderer.instead_of();
+  if (why.empty()) return;
+  say("headpin {}: drawn by {}; {}\n", command, eyes.renderer.description(), why);
+}
+
 std::unique_ptr<scene::FramesBeside> open_eyes(std::shared_ptr<const scene::Stage> stage,
-                                               const std::string& how, const std::string& url) {
+                                               const std::string& how, const std::string& url,
+                                               const std::string& gl) {
   return std::make_unique<scene::FramesBeside>(scene::FramesBeside::Makers{
       .eyes =
-          [stage, png = how == "png"] {
+          [stage, png = how == "png", gl] {
             give_way();
-            scene::Eyes eyes = scene::open_eyes(*stage);
+            scene::Eyes eyes = scene::open_eyes(*stage, stage->scenario.look, gl);
+            say_instead_of("live", eyes);
             say_rate(eyes, at_the_foul_line(stage), png, stage->scenario.rates.frame_hz);
             return eyes;
           },

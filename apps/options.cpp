@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "render/gl_context.h"
+
 namespace headpin::apps {
 
 namespace {
@@ -36,6 +38,17 @@ CLI::Option* add_force(CLI::App& command, bool& value) {
 
 CLI::Option* add_json(CLI::App& command, bool& value) {
   return command.add_flag("--json", value, "print one JSON object, also when it fails");
+}
+
+CLI::Option* add_gl(CLI::App& command, std::string& value) {
+  std::vector<std::string> names;
+  for (const std::string_view name : render::context_names()) names.emplace_back(name);
+  return command
+      .add_option("--gl", value,
+                  "what draws: osmesa, or egl without a surface; the first that does when not "
+                  "given, here or in HEADPIN_GL")
+      ->envname("HEADPIN_GL")
+      ->check(CLI::IsMember(names));
 }
 
 CLI::Option* add_longest_gap(CLI::App& command, double& value) {

@@ -14,6 +14,9 @@ CLI::Option* add_output(CLI::App& command, const std::string& names,
 CLI::Option* add_force(CLI::App& command, bool& value);
 CLI::Option* add_json(CLI::App& command, bool& value);
 
+/// What draws: osmesa, egl or, when empty, the first of them that does.
+CLI::Option* add_gl(CLI::App& command, std::string& value);
+
 /// Seconds without a sample that a trial may have before it is taken for damaged.
 CLI::Option* add_longest_gap(CLI::App& command, double& value);
 

@@ -1,20 +1,19 @@
 #include "render/gl_context.h"
 
+#include <algorithm>
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 
-#include <GL/osmesa.h>
-#include <dlfcn.h>
-
 #include "render/gl_functions.h"
 
 #ifdef __SANITIZE_ADDRESS__
-// OSMesa and the compiler under it keep some memory to the end of the process.
+// Mesa and the compiler under it keep some memory to the end of the process.
 extern "C" const char* __lsan_default_suppressions() {
-  return "leak:libOSMesa.so\nleak:libLLVM\n";
+  return "leak:libOSMesa.so\nleak:libLLVM\nleak:libEGL\nleak:swrast_dri.so\n";
 }
 #endif
 
@@ -22,98 +21,24 @@ namespace headpin::render {
 
 namespace {
 
-/// Mesa 22.3 crashes on these instead of failing, so they are refused before it sees them.
-void check_environment() {
-  const char* driver = std::getenv("GALLIUM_DRIVER");
-  if (driver != nullptr && std::strcmp(driver, "llvmpipe") != 0 &&
-      std::strcmp(driver, "softpipe") != 0) {
-    throw std::runtime_error(std::string("GALLIUM_DRIVER is ") + driver +
-                             ": OSMesa knows llvmpipe and softpipe");
-  }
-  const char* bits = std::getenv("LP_NATIVE_VECTOR_WIDTH");
-  if (bits != nullptr && std::strcmp(bits, "128") != 0 && std::strcmp(bits, "256") != 0) {
-    throw std::runtime_error(std::string("LP_NATIVE_VECTOR_WIDTH is ") + bits +
-                             ": expected 128 or 256");
-  }
+/// Which context this thread draws with, and how its library lets go of it. OSMesa and EGL do not
+/// know of each other: what one believes to be current may be the other's by now.
+struct Current {
+  std::uint64_t context = 0;
+  void (*let_go)() = nullptr;
+};
+thread_local Current current;
+
+std::uint64_t new_context_number() {
+  static std::atomic<std::uint64_t> last{0};
+  return ++last;
 }
 
-/// libOSMesa, kept loaded: its compiler threads outlive any context.
-struct OsMesaLibrary {
-  void* handle = nullptr;
-  decltype(&::OSMesaCreateContextAttribs) create = nullptr;
-  decltype(&::OSMesaDestroyContext) destroy = nullptr;
-  decltype(&::OSMesaMakeCurrent) make_current = nullptr;
-  decltype(&::OSMesaGetCurrentContext) current = nullptr;
-  decltype(&::OSMesaGetProcAddress) function = nullptr;
-
-  OsMesaLibrary() {
-    for (const char* name : {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"}) {
-      if (handle == nullptr) handle = dlopen(name, RTLD_NOW | RTLD_LOCAL);
-    }
-    if (handle == nullptr) {
-      throw std::runtime_error("cannot load libOSMesa.so.8 (Debian: libosmesa6): " +
-                               std::string(dlerror()));
-    }
-    const auto find = [&](auto& pointer, const char* name) {
-      pointer = reinterpret_cast<std::remove_reference_t<decltype(pointer)>>(dlsym(handle, name));
-      if (pointer == nullptr) throw std::runtime_error("libOSMesa has no " + std::string(name));
-    };
-    find(create, "OSMesaCreateContextAttribs");
-    find(destroy, "OSMesaDestroyContext");
-    find(make_current, "OSMesaMakeCurrent");
-    find(current, "OSMesaGetCurrentContext");
-    find(function, "OSMesaGetProcAddress");
-  }
+struct Opener {
+  std::string_view name;
+  std::unique_ptr<GlContext> (*open)();
 };
-
-const OsMesaLibrary& osmesa() {
-  static const OsMesaLibrary library;
-  return library;
-}
-
-class OsMesaContext final : public GlContext {
- public:
-  OsMesaContext() {
-    const std::array<int, 13> wishes{OSMESA_FORMAT,
-                                     OSMESA_RGBA,
-                                     OSMESA_DEPTH_BITS,
-                                     0,
-                                     OSMESA_STENCIL_BITS,
-                                     0,
-                                     OSMESA_PROFILE,
-                                     OSMESA_CORE_PROFILE,
-                                     OSMESA_CONTEXT_MAJOR_VERSION,
-                                     3,
-                                     OSMESA_CONTEXT_MINOR_VERSION,
-                                     3,
-                                     0};
-    context_ = osmesa().create(wishes.data(), nullptr);
-    if (context_ == nullptr) throw std::runtime_error("OSMesa gives no OpenGL 3.3 core context");
-  }
-  ~OsMesaContext() override {
-    if (osmesa().current() == context_) osmesa().make_current(nullptr, nullptr, 0, 0, 0);
-    osmesa().destroy(context_);
-  }
-  OsMesaContext(const OsMesaContext&) = delete;
-  OsMesaContext& operator=(const OsMesaContext&) = delete;
-
-  void make_current() override {
-    if (osmesa().current() == context_) return;
-    if (osmesa().make_current(context_, pixel_.data(), GL_UNSIGNED_BYTE, 1, 1) == 0) {
-      throw std::runtime_error("OSMesa cannot make its context current");
-    }
-  }
-
-  void* function(const char* name) const override {
-    return reinterpret_cast<void*>(osmesa().function(name));
-  }
-
-  std::string backend() const override { return "OSMesa"; }
-
- private:
-  OSMesaContext context_ = nullptr;
-  std::array<std::uint8_t, 4> pixel_{};
-};
+constexpr std::array kOpeners{Opener{"osmesa", osmesa_context}, Opener{"egl", egl_context}};
 
 std::string text(const Gl& gl, GLenum name) {
   const GLubyte* string = gl.GetString(name);
@@ -122,9 +47,61 @@ std::string text(const Gl& gl, GLenum name) {
 
 }  // namespace
 
-std::unique_ptr<GlContext> osmesa_context() {
-  check_environment();
-  return std::make_unique<OsMesaContext>();
+GlContext::GlContext(void (*let_go)()) : number_(new_context_number()), let_go_(let_go) {}
+
+void GlContext::make_current() {
+  if (current.context == number_) return;
+  if (current.let_go != nullptr && current.let_go != let_go_) current.let_go();
+  current = {};
+  bind();
+  current = {number_, let_go_};
+}
+
+void GlContext::release() {
+  if (current.context != number_) return;
+  let_go_();
+  current = {};
+}
+
+/// Mesa 22.3 crashes on these instead of failing, so they are refused before it sees them.
+void check_mesa_environment() {
+  const char* driver = std::getenv("GALLIUM_DRIVER");
+  if (driver != nullptr && std::strcmp(driver, "llvmpipe") != 0 &&
+      std::strcmp(driver, "softpipe") != 0) {
+    throw std::runtime_error(std::string("GALLIUM_DRIVER is ") + driver +
+                             ": expected llvmpipe or softpipe");
+  }
+  const char* bits = std::getenv("LP_NATIVE_VECTOR_WIDTH");
+  if (bits != nullptr && std::strcmp(bits, "128") != 0 && std::strcmp(bits, "256") != 0) {
+    throw std::runtime_error(std::string("LP_NATIVE_VECTOR_WIDTH is ") + bits +
+                             ": expected 128 or 256");
+  }
+}
+
+std::span<const std::string_view> context_names() {
+  static constexpr std::array kNames{kOpeners[0].name, kOpeners[1].name};
+  return kNames;
+}
+
+std::unique_ptr<GlContext> open_context(std::string_view name) {
+  std::string why;
+  for (const Opener& opener : kOpeners) {
+    if (!name.empty() && name != opener.name) continue;
+    try {
+      std::unique_ptr<GlContext> context = opener.open();
+      context->make_current();
+      check_drawing(load_functions(*context));
+      context->instead_of = why;
+      return context;
+    } catch (const std::runtime_error& error) {
+      why += std::string(why.empty() ? "" : "; ") + std::string(opener.name) + ": " + error.what();
+    }
+  }
+  if (why.empty()) {
+    throw std::invalid_argument("OpenGL context '" + std::string(name) +
+                                "': expected osmesa or egl");
+  }
+  throw std::runtime_error("nothing to draw with: " + why);
 }
 
 Gl load_functions(const GlContext& context) {

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 
 namespace headpin::render {
 
@@ -14,20 +17,53 @@ class GlContext {
  public:
   virtual ~GlContext() = default;
 
-  /// Makes it the calling thread's context.
-  virtual void make_current() = 0;
+  /// Makes it the calling thread's context, whichever library's was that before.
+  void make_current();
 
   /// Address of an OpenGL function. A name that does not exist may still give one.
   virtual void* function(const char* name) const = 0;
 
-  virtual std::string backend() const = 0;  ///< "OSMesa"
+  virtual std::string backend() const = 0;  ///< "OSMesa" or "EGL"
+
+  std::string instead_of;  ///< why it is not one that comes before it; empty where nothing does
+
+ protected:
+  /// @param let_go  leaves the calling thread without any context of this one's library
+  explicit GlContext(void (*let_go)());
+  /// In a destructor: no longer current.
+  void release();
+
+ private:
+  virtual void bind() = 0;
+
+  std::uint64_t number_;
+  void (*let_go_)();
 };
 
-/// Off-screen Mesa: draws on the processor. Loaded at run time.
+/// Off-screen Mesa: draws on the processor. Loaded at run time. Mesa 25.1 no longer has it.
 ///
 /// @throws std::runtime_error  when the library is missing, when the environment asks Mesa for what
 ///                             would crash it, or when no OpenGL 3.3 core context can be had
 std::unique_ptr<GlContext> osmesa_context();
+
+/// EGL without a surface: the same Mesa by another door, on the processor unless
+/// LIBGL_ALWAYS_SOFTWARE is 0. Loaded at run time.
+/// @throws as osmesa_context()
+std::unique_ptr<GlContext> egl_context();
+
+/// What open_context() knows, in the order it is tried.
+std::span<const std::string_view> context_names();
+
+/// The first of them that draws, or the one that is named; `instead_of` says what failed before it.
+///
+/// @param name  one of context_names(), or empty
+/// @throws std::invalid_argument  for another name
+/// @throws std::runtime_error     when none draws: says of each why
+std::unique_ptr<GlContext> open_context(std::string_view name = {});
+
+/// Refuses what Mesa crashes on.
+/// @throws std::runtime_error  naming variable, value and what is expected
+void check_mesa_environment();
 
 /// The context's functions, after make_current().
 ///

@@ -47,6 +47,9 @@ class Renderer {
   /// @throws std::invalid_argument  as draw()
   Labels labels(const DrawList& list, const View& view);
 
+  /// Why no context that comes before it draws (GlContext::instead_of).
+  const std::string& instead_of() const;
+
   const Quality& quality() const;
 
   /// Who draws: backend, renderer, OpenGL version. Pictures are equal where this is.

@@ -6,8 +6,8 @@ Eyes open_eyes(const Stage& stage) {
   return open_eyes(stage, stage.scenario.look);
 }
 
-Eyes open_eyes(const Stage& stage, const render::Quality& look) {
-  render::Renderer renderer(render::osmesa_context(), look);
+Eyes open_eyes(const Stage& stage, const render::Quality& look, std::string_view gl) {
+  render::Renderer renderer(render::open_context(gl), look);
   Looks looks(renderer, stage);
   return {std::move(renderer), std::move(looks), stage.scenario.hmd.optics, look};
 }

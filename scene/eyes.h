@@ -3,6 +3,7 @@
 #include <array>
 #include <memory>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "render/eyes.h"
@@ -22,7 +23,8 @@ struct Eyes {
 /// Eyes that draw as the stage's scenario wants it, or in another look.
 /// @throws std::runtime_error  when nothing can be drawn on this machine; says why
 Eyes open_eyes(const Stage& stage);
-Eyes open_eyes(const Stage& stage, const render::Quality& look);
+/// @param gl  as render::open_context
+Eyes open_eyes(const Stage& stage, const render::Quality& look, std::string_view gl = {});
 
 /// All that is needed to draw one moment of a session, so that it can be drawn later or elsewhere.
 struct Glimpse {

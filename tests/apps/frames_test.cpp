@@ -146,5 +146,48 @@ TEST_F(Frames, AnotherLookIsDrawnWhenAskedFor) {
   expect_refusal("frames " + kDemo + " -o OUT --samples 9", 2, "--samples");
 }
 
+// Without OSMesa, as with Mesa 25.1 and later, EGL draws the same, and it is said why.
+TEST_F(Frames, WithoutOsMesaAreDrawnByEgl) {
+  const auto hash = [&](const std::string& options) {
+    json("frames " + kDemo + " --force -o drawn --frames 200 --json " + options);
+    return index("drawn").at(200);
+  };
+  const auto own = hash("");
+  if (!json("doctor --json")["egl"]["works"]) GTEST_SKIP() << "no EGL here";
+  EXPECT_EQ(hash("--gl egl"), own);
+  for (const char* name : {"libOSMesa.so.8", "libOSMesa.so.6", "libOSMesa.so"}) {
+    std::ofstream(folder_ / name) << "";  // found first, and nothing that can be loaded
+  }
+  setenv("LD_LIBRARY_PATH", folder_.c_str(), 1);
+  const Result fallen = headpin("frames " + kDemo + " -o fallen --frames 200");
+  const nlohmann::json doctor = json("doctor --json");
+  expect_refusal("frames " + kDemo + " -o OUT --gl osmesa", 1, "nothing to draw with: osmesa: ");
+  std::ofstream(folder_ / "libEGL.so.1") << "";
+  expect_refusal("frames " + kDemo + " -o OUT", 1, "; egl: cannot load libEGL.so.1");
+  EXPECT_EQ(json("doctor --json")["eyes"]["works"], false);
+  unsetenv("LD_LIBRARY_PATH");
+  EXPECT_EQ(fallen.code, 0) << fallen.err;
+  EXPECT_THAT(fallen.err, HasSubstr("drawn by EGL, "));
+  EXPECT_THAT(fallen.err, HasSubstr("; osmesa: cannot load libOSMesa.so.8"));
+  EXPECT_EQ(index("fallen").at(200), own);
+  EXPECT_EQ(doctor["osmesa"]["works"], false);
+  EXPECT_EQ(doctor["eyes"]["works"], true);
+  EXPECT_THAT(std::string(doctor["eyes"]["says"]), HasSubstr("EGL, "));
+}
+
+TEST_F(Frames, TheEnvironmentChoosesWhatDraws) {
+  setenv("HEADPIN_GL", "egl", 1);
+  const nlohmann::json egl = json("doctor --json");
+  setenv("HEADPIN_GL", "glut", 1);
+  const Result wrong = headpin("frames " + kDemo + " -o OUT");
+  unsetenv("HEADPIN_GL");
+  if (egl["egl"]["works"]) {
+    EXPECT_THAT(std::string(egl["eyes"]["says"]), HasSubstr("EGL, "));
+    EXPECT_THAT(std::string(egl["egl"]["says"]), HasSubstr("; draws the same"));
+  }
+  EXPECT_EQ(wrong.code, 2) << wrong.err;
+  EXPECT_THAT(wrong.err, HasSubstr("glut"));
+}
+
 }  // namespace
 }  // namespace headpin
