@@ -10,23 +10,35 @@ double radians(double deg) {
   return deg * std::numbers::pi / 180.0;
 }
 
+/// Tangents of the edges of an eye's picture.
+struct Edges {
+  double outer, inner, up, down;
+};
+
+Edges edges(const Optics& o) {
+  const auto tangent = [](double edge_deg, double fov_deg) {
+    return std::tan(radians(edge_deg > 0.0 ? edge_deg : 0.5 * fov_deg));
+  };
+  return {tangent(o.outer_deg, o.horizontal_fov_deg), tangent(o.inner_deg, o.horizontal_fov_deg),
+          tangent(o.up_deg, o.vertical_fov_deg), tangent(o.down_deg, o.vertical_fov_deg)};
+}
+
 }  // namespace
 
 double Optics::pixel_aspect() const {
-  const double tan_x = std::tan(radians(0.5 * horizontal_fov_deg));
-  const double tan_y = std::tan(radians(0.5 * vertical_fov_deg));
+  const Edges e = edges(*this);
   // The angle a pixel spans, across over down, taken on the picture plane.
-  return (tan_x / width) / (tan_y / height);
+  return (0.5 * (e.outer + e.inner) / width) / (0.5 * (e.up + e.down) / height);
 }
 
 std::array<View, 2> eyes(const Pose& X_WD, const Optics& optics) {
-  const double tan_x = std::tan(radians(0.5 * optics.horizontal_fov_deg));
-  const double tan_y = std::tan(radians(0.5 * optics.vertical_fov_deg));
+  const Edges e = edges(optics);
   const auto view = [&](double side) {  // -1 left, +1 right
     const Pose X_DE{rotation(Vec3(0.0, -side * radians(optics.outward_deg), 0.0)),
                     Vec3(0.5 * side * optics.eye_distance, 0.0, 0.0)};
     return View{X_WD * X_DE,
-                {-tan_x, tan_x, -tan_y, tan_y, optics.near, optics.far},
+                {side < 0.0 ? -e.outer : -e.inner, side < 0.0 ? e.inner : e.outer, -e.down, e.up,
+                 optics.near, optics.far},
                 optics.width,
                 optics.height};
   };

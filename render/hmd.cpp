@@ -8,7 +8,7 @@ namespace headpin::render {
 namespace {
 
 // Data, not code: who has another display adds a line.
-constexpr std::array<HmdProfile, 4> kProfiles = {{
+constexpr std::array<HmdProfile, 7> kProfiles = {{
     {"flight-helmet",
      "Uno & Slater 1997, section 3: Virtual Research Flight Helmet",
      {.width = 360, .height = 240, .horizontal_fov_deg = 75.0, .vertical_fov_deg = 40.0}},
@@ -21,6 +21,31 @@ constexpr std::array<HmdProfile, 4> kProfiles = {{
     {"flight-helmet-elements",
      "the same optics, its single-colour elements as brochures count them",
      {.width = 360, .height = 240, .horizontal_fov_deg = 75.3, .vertical_fov_deg = 58.4}},
+    // With square pixels and 40 degrees down an eye sees 57.3: 37.5 outward, 19.8 inward, so that
+    // 39.6 are seen by both.
+    {"flight-helmet-total",
+     "as flight-helmet, its 75 degrees being those of both eyes together, which overlap in part",
+     {.width = 360,
+      .height = 240,
+      .horizontal_fov_deg = 57.3,
+      .vertical_fov_deg = 40.0,
+      .outer_deg = 37.5,
+      .inner_deg = 19.8}},
+    {"flight-helmet-relayed",
+     "as flight-helmet, drawn in 704 x 480 and relayed to its 360 x 240 (the paper, section 3)",
+     {.width = 360,
+      .height = 240,
+      .horizontal_fov_deg = 75.0,
+      .vertical_fov_deg = 40.0,
+      .relay_width = 704,
+      .relay_height = 480}},
+    {"flight-helmet-lens",
+     "as flight-helmet-leep, drawn against the lens's distortion (0.32: Robinett and Rolland 1992)",
+     {.width = 208,
+      .height = 139,
+      .horizontal_fov_deg = 75.3,
+      .vertical_fov_deg = 58.4,
+      .lens_k1 = 0.32}},
 }};
 
 }  // namespace

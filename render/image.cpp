@@ -24,9 +24,6 @@ namespace {
 
 using Bytes = std::vector<std::uint8_t>;
 
-// Full light of one sample. Sixty-four of them (8 x 8) still fit an unsigned.
-constexpr unsigned kFullLight = 16383;
-
 double light_of_code(double code) {  // IEC 61966-2-1, both 0..1
   return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
 }
@@ -98,8 +95,8 @@ bool encode(const Image& image, double pixel_aspect, Bytes* bytes, char* message
 /// division by a number that is not would cost more than all the rest.
 template <std::size_t n>
 void average_rows(std::span<const std::uint8_t> rgba, Image& image) {
-  static const std::array<std::uint16_t, 256> light = make_light_table();
-  static const Bytes code = make_code_table();
+  const std::array<std::uint16_t, 256>& light = light_of_codes();
+  const Bytes& code = codes_of_light();
   constexpr std::uint32_t count = n * n;
   const auto w = static_cast<std::size_t>(image.width), h = static_cast<std::size_t>(image.height);
   std::vector<std::uint32_t> sum(3 * w);
@@ -124,6 +121,16 @@ std::runtime_error cannot(const char* what, const std::filesystem::path& path, i
 }
 
 }  // namespace
+
+const std::array<std::uint16_t, 256>& light_of_codes() {
+  static const std::array<std::uint16_t, 256> table = make_light_table();
+  return table;
+}
+
+const std::vector<std::uint8_t>& codes_of_light() {
+  static const Bytes table = make_code_table();
+  return table;
+}
 
 std::uint64_t pixel_hash(const Image& image) {
   Fnv hash;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <span>
@@ -15,6 +16,12 @@ struct Image {
 
   bool operator==(const Image&) const = default;
 };
+
+/// Full light; sixty-four of them still fit an unsigned.
+inline constexpr unsigned kFullLight = 16383;
+/// Light 0..kFullLight of each sRGB code, and the code of each such light (IEC 61966-2-1).
+const std::array<std::uint16_t, 256>& light_of_codes();
+const std::vector<std::uint8_t>& codes_of_light();
 
 /// FNV-1a of the RGB bytes, 64 bit: what a trial's log keeps of a frame.
 std::uint64_t pixel_hash(const Image& image);

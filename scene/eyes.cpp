@@ -1,6 +1,29 @@
 #include "scene/eyes.h"
 
+#include <algorithm>
+#include <cmath>
+
+#include "render/display.h"
+
 namespace headpin::scene {
+
+namespace {
+
+/// From one corner of the room to the opposite one, and a little for what is behind its walls.
+double farthest_seen(const Room& room) {
+  return 1.0 + std::hypot(room.width, room.height, room.behind + room.ahead);
+}
+
+render::DrawList list_of(const Eyes& eyes, const Glimpse& g) {
+  return draw_list(eyes.looks, {.X_WB_skittles = g.X_WB_skittles,
+                                .ellipsoids = g.ellipsoids,
+                                .skittle_centre = g.skittle_centre,
+                                .X_WB_balls = g.X_WB_balls,
+                                .X_WH = g.X_WH,
+                                .grips = g.grips});
+}
+
+}  // namespace
 
 Eyes open_eyes(const Stage& stage) {
   return open_eyes(stage, stage.scenario.look);
@@ -9,7 +32,9 @@ Eyes open_eyes(const Stage& stage) {
 Eyes open_eyes(const Stage& stage, const render::Quality& look, std::string_view gl) {
   render::Renderer renderer(render::open_context(gl), look);
   Looks looks(renderer, stage);
-  return {std::move(renderer), std::move(looks), stage.scenario.hmd.optics, look};
+  render::Optics optics = stage.scenario.hmd.optics;
+  optics.far = std::max(optics.far, farthest_seen(stage.scenario.room));
+  return {std::move(renderer), std::move(looks), optics, look};
 }
 
 Glimpse glimpse(const Session& session, const Pose& X_WD) {
@@ -62,14 +87,32 @@ Glimpse BetweenTicks::glimpse(const Session& session, Time at, const Pose& X_WD)
 
 std::array<render::View, 2> see(Eyes& eyes, const Glimpse& g, std::array<render::Image, 2>& out) {
   const std::array<render::View, 2> views = render::eyes(g.X_WD, eyes.optics);
-  const Moving moving{.X_WB_skittles = g.X_WB_skittles,
-                      .ellipsoids = g.ellipsoids,
-                      .skittle_centre = g.skittle_centre,
-                      .X_WB_balls = g.X_WB_balls,
-                      .X_WH = g.X_WH,
-                      .grips = g.grips};
-  eyes.renderer.draw(draw_list(eyes.looks, moving), views, out);
+  const render::DrawList list = list_of(eyes, g);
+  if (render::is_plain(eyes.optics)) {
+    eyes.renderer.draw(list, views, out);
+    return views;
+  }
+  std::array<render::View, 2> drawn_views;
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    drawn_views[eye] = render::drawn_view(views[eye], eyes.optics);
+  }
+  std::array<render::Image, 2> drawn;
+  eyes.renderer.draw(list, drawn_views, drawn);
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    out[eye] = render::on_display(drawn[eye], views[eye], eyes.optics);
+  }
   return views;
+}
+
+std::array<render::Labels, 2> see_labels(Eyes& eyes, const Glimpse& g) {
+  const std::array<render::View, 2> views = render::eyes(g.X_WD, eyes.optics);
+  const render::DrawList list = list_of(eyes, g);
+  std::array<render::Labels, 2> out;
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    const render::View drawn = render::label_view(views[eye], eyes.optics);
+    out[eye] = render::on_display(eyes.renderer.labels(list, drawn), views[eye], eyes.optics);
+  }
+  return out;
 }
 
 }  // namespace headpin::scene

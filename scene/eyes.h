@@ -62,4 +62,7 @@ class BetweenTicks {
 std::array<render::View, 2> see(Eyes& eyes, const Glimpse& glimpse,
                                 std::array<render::Image, 2>& out);
 
+/// What the same pixels' centres see, and how far it is: truth for segmentation and depth.
+std::array<render::Labels, 2> see_labels(Eyes& eyes, const Glimpse& glimpse);
+
 }  // namespace headpin::scene

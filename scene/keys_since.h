@@ -49,6 +49,14 @@ inline constexpr std::pair<std::string_view, std::string_view> kKeysSince[] = {
     {"lane.gutter_width", "0.235"},
     {"lane.gutter_depth", "0.0"},
     {"skittle.weighed", "'parts'"},
+    {"hmd.outer_deg", "0.0"},
+    {"hmd.inner_deg", "0.0"},
+    {"hmd.up_deg", "0.0"},
+    {"hmd.down_deg", "0.0"},
+    {"hmd.relay_width", "0"},
+    {"hmd.relay_height", "0"},
+    {"hmd.lens_k1", "0.0"},
+    {"hmd.lens_k2", "0.0"},
 };
 
 }  // namespace headpin::scene

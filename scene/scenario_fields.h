@@ -208,9 +208,23 @@ void visit(V& v, Hmd& h) {
   v.field("height", o.height, Range{1, 16384}, "");
   v.field("horizontal_fov_deg", o.horizontal_fov_deg, Range{1, 170}, "of an eye");
   v.field("vertical_fov_deg", o.vertical_fov_deg, Range{1, 170}, "of an eye");
+  constexpr Range kEdge{0, 85};
+  v.field("outer_deg", o.outer_deg, kEdge,
+          "an eye's axis to the edge at the temple; 0: half of horizontal_fov_deg");
+  v.field("inner_deg", o.inner_deg, kEdge, "to the edge at the nose; likewise");
+  v.field("up_deg", o.up_deg, kEdge, "to the upper edge; 0: half of vertical_fov_deg");
+  v.field("down_deg", o.down_deg, kEdge, "to the lower edge; likewise");
   v.field("eye_distance", o.eye_distance, Range{0, 1}, "between the eyes",
           "64 mm between the LEEP lenses' axes");
   v.field("outward_deg", o.outward_deg, Range{-60, 60}, "each eye's axis turned outward");
+  v.field("relay_width", o.relay_width, Range{0, 4096},
+          "pixels that are drawn and relayed to those of the display; 0: its own");
+  v.field("relay_height", o.relay_height, Range{0, 4096}, "likewise");
+  v.field(
+      "lens_k1", o.lens_k1, Range{0, 2},
+      "a lens shows s in the direction s (1 + k1 s^2 + k2 s^4), s = 1 at the outer edge; pictures "
+      "are drawn against that");
+  v.field("lens_k2", o.lens_k2, Range{0, 2}, "likewise");
 }
 
 template <typename V>

@@ -1,6 +1,9 @@
 #include "scene/eye_frames.h"
 
+#include <cmath>
+#include <numbers>
 #include <semaphore>
+#include <set>
 
 #include <gtest/gtest.h>
 
@@ -102,6 +105,49 @@ double farthest(std::int64_t fps, double delay_s) {
 TEST(FrameByFrame, ReadsTheHeadAtEachFramesOwnTime) {
   for (const std::int64_t fps : {60, 90, 144}) EXPECT_LT(farthest(fps, 0.02), 2e-6) << fps;
   EXPECT_LT(farthest(90, 0.0), 1.0 / 120 + 2e-6);
+}
+
+// A picture ends where the room ends, not at 40 m.
+TEST(Eyes, SeeTheSkittlesOfALongRoom) {
+  Scenario scenario;
+  scenario.room.ahead = 60.0;
+  scenario.lane.head_pin = 48.0;
+  const auto stage = std::make_shared<const Stage>(make_stage(scenario));
+  Eyes eyes = open_eyes(*stage);
+  eyes.optics.horizontal_fov_deg = 6.0;  // as with a telescope: a skittle is pixels wide
+  eyes.optics.vertical_fov_deg = 4.0;
+  const Pose X_WD{rotation(Vec3(0.5 * std::numbers::pi - 0.03, 0.0, 0.0)), Vec3(0.0, -2.0, 1.7)};
+  const Session session = make_session(stage);
+  for (const render::Labels& labels : see_labels(eyes, glimpse(session, X_WD))) {
+    const std::set<std::uint32_t> ids(labels.id.begin(), labels.id.end());
+    for (std::uint32_t i = 0; i < 3; ++i) EXPECT_TRUE(ids.contains(kFirstSkittleId + i)) << i;
+    EXPECT_FALSE(ids.contains(0));  // and the wall behind them
+  }
+}
+
+// A relayed picture has the display's size and about the light of one that is drawn in it.
+TEST(Eyes, ShowWhatTheDisplayShows) {
+  std::vector<render::Image> pictures;
+  for (const char* profile : {"flight-helmet", "flight-helmet-relayed", "flight-helmet-lens"}) {
+    Scenario scenario;
+    scenario.hmd = hmd_of_profile(profile);
+    const auto stage = std::make_shared<const Stage>(make_stage(scenario));
+    Eyes eyes = open_eyes(*stage);
+    const Pose X_WD{rotation(Vec3(0.45 * std::numbers::pi, 0.0, 0.0)), Vec3(0.0, -0.5, 1.7)};
+    std::array<render::Image, 2> images;
+    const auto views = see(eyes, glimpse(make_session(stage), X_WD), images);
+    EXPECT_EQ(images[0].width, scenario.hmd.optics.width);
+    EXPECT_EQ(views[1].height, scenario.hmd.optics.height);
+    pictures.push_back(images[0]);
+  }
+  ASSERT_EQ(pictures[0].rgb.size(), pictures[1].rgb.size());
+  double squares = 0.0;
+  for (std::size_t i = 0; i < pictures[0].rgb.size(); ++i) {
+    squares += std::pow(pictures[0].rgb[i] - pictures[1].rgb[i], 2);
+  }
+  const double rms = std::sqrt(squares / static_cast<double>(pictures[0].rgb.size()));
+  EXPECT_GT(rms, 0.0);
+  EXPECT_LT(rms, 6.0);  // of 255: they differ in how edges are smoothed
 }
 
 TEST(BetweenTicks, BodiesAreOnTheirWayAndWhatIsSetElsewhereIsNot) {

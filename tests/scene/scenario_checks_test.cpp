@@ -250,6 +250,14 @@ TEST(ScenarioOfATrial, TakesNoDefaultOfToday) {
                                             "lane.kick_backs",
                                             "lane.gutter_width",
                                             "lane.gutter_depth",
+                                            "hmd.outer_deg",
+                                            "hmd.inner_deg",
+                                            "hmd.up_deg",
+                                            "hmd.down_deg",
+                                            "hmd.relay_width",
+                                            "hmd.relay_height",
+                                            "hmd.lens_k1",
+                                            "hmd.lens_k2",
                                             "skittle.weighed"};
   std::istringstream lines(whole);
   int keys = 0;

@@ -56,7 +56,8 @@ TEST(ScenarioText, ADisplayIsItsProfileAndWhatOverridesIt) {
   }
   EXPECT_EQ(refusal("\n[hmd]\nprofile = 'visor'"),
             "lane.toml:3: hmd.profile must be one of flight-helmet, flight-helmet-square, "
-            "flight-helmet-leep, flight-helmet-elements, found 'visor'");
+            "flight-helmet-leep, flight-helmet-elements, flight-helmet-total, "
+            "flight-helmet-relayed, flight-helmet-lens, found 'visor'");
   EXPECT_THAT(refusal("[hmd]\nprofile = 3"), HasSubstr("hmd.profile must be a string"));
 }
 
