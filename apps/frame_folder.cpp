@@ -1,9 +1,14 @@
 #include "apps/frame_folder.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
+
+#include "files/output_file.h"
+#include "scene/looks.h"
 
 namespace headpin::apps {
 
@@ -12,11 +17,37 @@ namespace {
 constexpr std::array<const char*, 2> kEyes = {"left", "right"};
 constexpr const char* kIndex = "frames.csv";
 
+/// Both eyes' rows, one behind the other.
+template <typename T>
+std::vector<T> beside(const std::vector<T>& left, const std::vector<T>& right, int width) {
+  std::vector<T> both;
+  both.reserve(left.size() + right.size());
+  for (auto l = left.begin(), r = right.begin(); l != left.end(); l += width, r += width) {
+    both.insert(both.end(), l, l + width);
+    both.insert(both.end(), r, r + width);
+  }
+  return both;
+}
+
+render::Labels side_by_side(const render::Labels& left, const render::Labels& right) {
+  return {2 * left.width, left.height, beside(left.id, right.id, left.width),
+          beside(left.depth, right.depth, left.width)};
+}
+
+/// Millimetres; 0 where nothing is, 65535 from there on.
+std::uint16_t millimetres(float depth) {
+  if (!std::isfinite(depth)) return 0;
+  return static_cast<std::uint16_t>(std::lround(std::clamp(1000.0F * depth, 0.0F, 65535.0F)));
+}
+
 }  // namespace
 
-FrameFolder::FrameFolder(const std::string& folder, double pixel_aspect,
+FrameFolder::FrameFolder(const std::string& folder, const FrameFiles& files, double pixel_aspect,
                          const files::OutputFolder::Options& options)
-    : folder_(folder, options), pixel_aspect_(pixel_aspect), index_(folder_.part() / kIndex) {
+    : folder_(folder, options),
+      files_(files),
+      pixel_aspect_(pixel_aspect),
+      index_(folder_.part() / kIndex) {
   index_ << "frame,time_s,tick";
   for (const char* eye : kEyes) {
     for (const char* name : {"x", "y", "z", "qw", "qx", "qy", "qz"})
@@ -24,6 +55,16 @@ FrameFolder::FrameFolder(const std::string& folder, double pixel_aspect,
     index_ << ',' << eye << "_hash";
   }
   index_ << '\n';
+  if (files_.ids) write_names();
+}
+
+void FrameFolder::write_names() const {
+  std::ofstream names(folder_.part() / "ids.csv");
+  names << "id,is\n0,nothing\n"
+        << fmt::format("{},room\n{},hand\n{},stand\n{},button\n", scene::kRoomId, scene::kHandId,
+                       scene::kStandId, scene::kButtonId)
+        << fmt::format("{} and on,balls\n{} and on,skittles\n", scene::kFirstBallId,
+                       scene::kFirstSkittleId);
 }
 
 void FrameFolder::add(const scene::EyeFrame& frame) {
@@ -36,12 +77,42 @@ void FrameFolder::add(const scene::EyeFrame& frame) {
   }
   index_ << '\n';
   wait();
-  writing_ = std::async(std::launch::async, [this, number = frame.number, images = frame.images] {
-    for (std::size_t eye = 0; eye < 2; ++eye) {
-      render::write_png(folder_.part() / fmt::format("{}_{:06}.png", kEyes[eye], number),
-                        images[eye], pixel_aspect_);
-    }
-  });
+  writing_ = std::async(std::launch::async, [this, frame] { write_files(frame); });
+}
+
+void FrameFolder::write_files(const scene::EyeFrame& frame) const {
+  if (files_.side_by_side) {
+    const std::string stem = fmt::format("both_{:06}", frame.number);
+    render::write_png(folder_.part() / (stem + ".png"),
+                      render::side_by_side(frame.images[0], frame.images[1]), pixel_aspect_);
+    if (files_.labels()) write_labels(side_by_side(frame.labels[0], frame.labels[1]), stem);
+    return;
+  }
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    const std::string stem = fmt::format("{}_{:06}", kEyes[eye], frame.number);
+    render::write_png(folder_.part() / (stem + ".png"), frame.images[eye], pixel_aspect_);
+    if (files_.labels()) write_labels(frame.labels[eye], stem);
+  }
+}
+
+void FrameFolder::write_labels(const render::Labels& labels, const std::string& stem) const {
+  const auto write_grey = [&](const char* what, const std::vector<std::uint16_t>& values) {
+    render::write_png16(folder_.part() / fmt::format("{}_{}.png", stem, what), values, labels.width,
+                        labels.height, pixel_aspect_);
+  };
+  std::vector<std::uint16_t> values(labels.id.size());
+  if (files_.ids) {
+    std::ranges::transform(labels.id, values.begin(), [](std::uint32_t id) {
+      return static_cast<std::uint16_t>(std::min<std::uint32_t>(id, 65535));
+    });
+    write_grey("ids", values);
+  }
+  if (!files_.depth) return;
+  std::ranges::transform(labels.depth, values.begin(), millimetres);
+  write_grey("depth", values);
+  files::OutputFile raw((folder_.part() / (stem + "_depth.raw")).string(), {.overwrite = true});
+  raw.write(labels.depth.data(), labels.depth.size() * sizeof(float));
+  raw.commit();
 }
 
 void FrameFolder::close() {

@@ -9,12 +9,21 @@
 
 namespace headpin::apps {
 
+/// What of a frame becomes files.
+struct FrameFiles {
+  bool side_by_side = false;  ///< both eyes in one picture
+  bool depth = false;         ///< along each eye's axis: PNG of 16 bits [mm], and float32 [m]
+  bool ids = false;           ///< what each pixel's centre sees: PNG of 16 bits
+
+  bool labels() const { return depth || ids; }
+};
+
 /// PNG files and their index, frames.csv, in a folder where they appear when all are there.
 class FrameFolder : public scene::FrameSink {
  public:
   /// Without close(), leaves the folder as it was.
   /// @throws as files::OutputFolder
-  FrameFolder(const std::string& folder, double pixel_aspect,
+  FrameFolder(const std::string& folder, const FrameFiles& files, double pixel_aspect,
               const files::OutputFolder::Options& options);
 
   /// Takes the frame over; the files are written while the next one is drawn.
@@ -24,8 +33,12 @@ class FrameFolder : public scene::FrameSink {
 
  private:
   void wait();
+  void write_files(const scene::EyeFrame& frame) const;
+  void write_labels(const render::Labels& labels, const std::string& stem) const;
+  void write_names() const;
 
   files::OutputFolder folder_;
+  FrameFiles files_;
   double pixel_aspect_;
   std::ofstream index_;
   std::future<void> writing_;  // last, so that it is waited for before the folder goes

@@ -63,8 +63,18 @@ void keep_message(png_structp png, png_const_charp message) {
 
 void ignore_warning(png_structp, png_const_charp) {}
 
+/// Rows as PNG has them.
+struct Raster {
+  const std::uint8_t* bytes;
+  int width, height;
+  int channels;  ///< 3: RGB of 8 bits each; 1: grey of 16 bits, the higher byte first
+  std::size_t stride() const {
+    return (channels == 3 ? std::size_t{3} : std::size_t{2}) * static_cast<std::size_t>(width);
+  }
+};
+
 /// libpng leaves by longjmp, so nothing in here may have a destructor.
-bool encode(const Image& image, double pixel_aspect, Bytes* bytes, char* message) {
+bool encode(const Raster& image, double pixel_aspect, Bytes* bytes, char* message) {
   png_structp png =
       png_create_write_struct(PNG_LIBPNG_VER_STRING, message, keep_message, ignore_warning);
   png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
@@ -76,15 +86,15 @@ bool encode(const Image& image, double pixel_aspect, Bytes* bytes, char* message
   png_set_compression_level(png, 1);
   png_set_filter(png, 0, PNG_FILTER_UP);
   png_set_IHDR(png, info, static_cast<png_uint_32>(image.width),
-               static_cast<png_uint_32>(image.height), 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE,
+               static_cast<png_uint_32>(image.height), image.channels == 3 ? 8 : 16,
+               image.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
                PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
+  if (image.channels == 3) png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
   png_set_pHYs(png, info, 10000, static_cast<png_uint_32>(std::lround(10000 * pixel_aspect)),
                PNG_RESOLUTION_UNKNOWN);
   png_write_info(png, info);
-  const std::size_t stride = 3 * static_cast<std::size_t>(image.width);
   for (int y = 0; y < image.height; ++y) {
-    png_write_row(png, image.rgb.data() + static_cast<std::size_t>(y) * stride);
+    png_write_row(png, image.bytes + static_cast<std::size_t>(y) * image.stride());
   }
   png_write_end(png, info);
   png_destroy_write_struct(&png, &info);
@@ -113,6 +123,26 @@ void average_rows(std::span<const std::uint8_t> rgba, Image& image) {
     std::uint8_t* row = image.rgb.data() + 3 * w * y;
     for (std::size_t i = 0; i < 3 * w; ++i) row[i] = code[sum[i] / count];
   }
+}
+
+Bytes encoded(const Raster& raster, double pixel_aspect) {
+  if (!(pixel_aspect > 0.001 && pixel_aspect < 1000.0)) {
+    throw std::invalid_argument("PNG: pixel aspect " + std::to_string(pixel_aspect));
+  }
+  Bytes bytes;
+  // Mostly enough, and libpng never meets bad_alloc half way.
+  bytes.reserve(raster.stride() * static_cast<std::size_t>(raster.height));
+  std::array<char, 128> message{"out of memory"};
+  if (!encode(raster, pixel_aspect, &bytes, message.data())) {
+    throw std::runtime_error(std::string("PNG: ") + message.data());
+  }
+  return bytes;
+}
+
+void write_bytes(const std::filesystem::path& path, const Bytes& bytes) {
+  files::OutputFile file(path, {.overwrite = true});
+  file.write(bytes.data(), bytes.size());
+  file.commit();
 }
 
 std::runtime_error cannot(const char* what, const std::filesystem::path& path, int error) {
@@ -187,16 +217,23 @@ std::vector<std::uint8_t> encode_png(const Image& image, double pixel_aspect) {
     throw std::invalid_argument("PNG: " + std::to_string(image.rgb.size()) + " bytes for " +
                                 std::to_string(image.width) + "x" + std::to_string(image.height));
   }
-  if (!(pixel_aspect > 0.001 && pixel_aspect < 1000.0)) {
-    throw std::invalid_argument("PNG: pixel aspect " + std::to_string(pixel_aspect));
+  return encoded({image.rgb.data(), image.width, image.height, 3}, pixel_aspect);
+}
+
+void write_png16(const std::filesystem::path& path, std::span<const std::uint16_t> grey, int width,
+                 int height, double pixel_aspect) {
+  if (width < 1 || height < 1 ||
+      grey.size() != static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {
+    throw std::invalid_argument("PNG: " + std::to_string(grey.size()) + " values for " +
+                                std::to_string(width) + "x" + std::to_string(height));
   }
-  Bytes bytes;
-  bytes.reserve(image.rgb.size());  // mostly enough, and libpng never meets bad_alloc half way
-  std::array<char, 128> message{"out of memory"};
-  if (!encode(image, pixel_aspect, &bytes, message.data())) {
-    throw std::runtime_error(std::string("PNG: ") + message.data());
+  Bytes high_first;
+  high_first.reserve(2 * grey.size());
+  for (const std::uint16_t value : grey) {
+    high_first.push_back(static_cast<std::uint8_t>(value >> 8));
+    high_first.push_back(static_cast<std::uint8_t>(value & 255));
   }
-  return bytes;
+  write_bytes(path, encoded({high_first.data(), width, height, 1}, pixel_aspect));
 }
 
 Image decode_png(std::span<const std::uint8_t> bytes) {
@@ -223,10 +260,7 @@ Image decode_png(std::span<const std::uint8_t> bytes) {
 }
 
 void write_png(const std::filesystem::path& path, const Image& image, double pixel_aspect) {
-  const Bytes bytes = encode_png(image, pixel_aspect);
-  files::OutputFile file(path, {.overwrite = true});
-  file.write(bytes.data(), bytes.size());
-  file.commit();
+  write_bytes(path, encode_png(image, pixel_aspect));
 }
 
 Image read_png(const std::filesystem::path& path) {

@@ -53,6 +53,10 @@ Image decode_png(std::span<const std::uint8_t> bytes);
 /// @throws std::runtime_error  naming the file and the reason
 void write_png(const std::filesystem::path& path, const Image& image, double pixel_aspect = 1.0);
 
+/// Likewise, grey of 16 bits a pixel.
+void write_png16(const std::filesystem::path& path, std::span<const std::uint16_t> grey, int width,
+                 int height, double pixel_aspect = 1.0);
+
 /// @throws std::runtime_error  naming the file and the reason
 Image read_png(const std::filesystem::path& path);
 

@@ -13,7 +13,8 @@ namespace headpin::render {
 /// Pictures become a video, through ffmpeg.
 ///
 /// Two files: FILE.mkv keeps every byte (H.264 in RGB, lossless; pixel aspect and stereo mode are
-/// in the container), and FILE.mp4 beside it plays anywhere (4:2:0, square pixels). Both are
+/// in the container), and FILE.mp4 beside it plays anywhere (4:2:0, square pixels, its two halves
+/// told in the stream). Both are
 /// files::OutputFile and get their names in close(), when they are whole.
 class VideoWriter {
  public:
@@ -22,11 +23,12 @@ class VideoWriter {
   /// @param pixel_aspect  width of a pixel over its height
   /// @param force         replace what is there
   /// @param inputs        files never to be written to
+  /// @param copy          with the copy
   /// @throws std::invalid_argument  for another suffix, or a size or rate that is no video
   /// @throws std::runtime_error     where the files exist, or ffmpeg cannot be run
   VideoWriter(const std::filesystem::path& path, int width, int height, std::int64_t fps,
               double pixel_aspect, bool force = false,
-              const std::vector<std::filesystem::path>& inputs = {});
+              const std::vector<std::filesystem::path>& inputs = {}, bool copy = true);
 
   /// Without close(), stops ffmpeg and removes what it has written.
   ~VideoWriter();

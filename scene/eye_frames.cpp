@@ -14,6 +14,13 @@ double seconds_between(RealTime::Clock::time_point a, RealTime::Clock::time_poin
   return std::chrono::duration<double>(b - a).count();
 }
 
+/// Draws a frame and what is wanted beside it.
+void draw(Eyes& eyes, Glimpse g, const FrameExtras& extras, EyeFrame& frame) {
+  g.X_WC = extras.X_WC;
+  frame.views = see(eyes, g, frame.images);
+  if (extras.labels) frame.labels = see_labels(eyes, g);
+}
+
 }  // namespace
 
 void FrameLatency::add(const FrameStages& stages) {
@@ -48,7 +55,7 @@ void FrameByFrame::tick(const Session& session) {
     if (!plan_.wanted(frame_.number)) continue;
     frame_.tick = session.tick;
     const Pose X_WD = head_pose(session, frame_.time).value_or(plan_.X_WD_first);
-    frame_.views = see(eyes_, before_.glimpse(session, frame_.time, X_WD), frame_.images);
+    draw(eyes_, before_.glimpse(session, frame_.time, X_WD), plan_.extras, frame_);
     for (FrameSink* sink : sinks_) sink->add(frame_);
     plan_.progress(++drawn_);
   }
@@ -73,7 +80,7 @@ void FramesAsShown::tick(const Session& session) {
   frame_.number = recorded->frame;
   frame_.tick = session.tick;
   frame_.time = session.now();
-  frame_.views = see(eyes_, glimpse(session, *X_WD), frame_.images);
+  draw(eyes_, glimpse(session, *X_WD), plan_.extras, frame_);
   if (plan_.compare) {
     compare(*recorded);
     ++compared_;

@@ -23,6 +23,13 @@ struct EyeFrame {
   Time time{};
   std::array<render::View, 2> views;
   std::array<render::Image, 2> images;
+  std::array<render::Labels, 2> labels;  ///< where they are wanted
+};
+
+/// How a frame is drawn, beside what is seen.
+struct FrameExtras {
+  bool labels = false;
+  std::optional<Pose> X_WC = {};  ///< seen from there, not from the head
 };
 
 /// Where the time goes from the arrival of a head's sample until its frame is out [s].
@@ -65,6 +72,7 @@ class FrameByFrame : public Observer {
     std::function<bool(std::int64_t frame)> wanted;    ///< those of them to draw
     Pose X_WD_first;                                   ///< head until a sample of it has come
     std::function<void(std::int64_t drawn)> progress;  ///< told after each
+    FrameExtras extras = {};
   };
 
   /// @param eyes, sinks  must outlive this
@@ -92,6 +100,7 @@ class FramesAsShown : public Observer {
     bool compare = true;                               ///< pictures with the recorded hashes
     std::function<bool(std::int64_t frame)> wanted;    ///< those of them to draw
     std::function<void(std::int64_t drawn)> progress;  ///< told after each
+    FrameExtras extras = {};
   };
 
   /// @param recorded  with the frames beside it

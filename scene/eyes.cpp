@@ -20,7 +20,24 @@ render::DrawList list_of(const Eyes& eyes, const Glimpse& g) {
                                 .skittle_centre = g.skittle_centre,
                                 .X_WB_balls = g.X_WB_balls,
                                 .X_WH = g.X_WH,
-                                .grips = g.grips});
+                                .grips = g.grips,
+                                .X_WD = g.X_WC ? std::optional(g.X_WD) : std::nullopt});
+}
+
+/// Of the head, or of the camera, which may be farther away.
+std::array<render::View, 2> views_of(const Eyes& eyes, const Glimpse& g) {
+  if (!g.X_WC) return render::eyes(g.X_WD, eyes.optics);
+  render::Optics optics = eyes.optics;
+  optics.far += g.X_WC->p.norm();
+  return render::eyes(*g.X_WC, optics);
+}
+
+Pose looking_at(const Vec3& p_WC, const Vec3& target_W) {
+  const Vec3 back = (p_WC - target_W).normalized();
+  const Vec3 right = Vec3::UnitZ().cross(back).normalized();
+  Eigen::Matrix3d R_WC;
+  R_WC << right, back.cross(right), back;
+  return {Quat(R_WC), p_WC};
 }
 
 }  // namespace
@@ -35,6 +52,26 @@ Eyes open_eyes(const Stage& stage, const render::Quality& look, std::string_view
   render::Optics optics = stage.scenario.hmd.optics;
   optics.far = std::max(optics.far, farthest_seen(stage.scenario.room));
   return {std::move(renderer), std::move(looks), optics, look};
+}
+
+Pose third_person_camera(const Scenario& scenario) {
+  const Room& room = scenario.room;
+  constexpr double kFromWalls = 0.3;
+  const Vec3 p(-std::min(1.5, 0.5 * room.width - kFromWalls),
+               -std::min(2.6, room.behind - kFromWalls), std::min(2.3, room.height - kFromWalls));
+  return looking_at(p, Vec3(0.15, 2.0, 0.6));
+}
+
+Pose top_camera(const Scenario& scenario) {
+  const Room& room = scenario.room;
+  const render::Frustum f = render::eyes({}, scenario.hmd.optics)[0].frustum;
+  const double across = std::min(-f.left, f.right), down = std::min(-f.bottom, f.top);
+  constexpr double kMargin = 1.05;
+  const double above =
+      kMargin * std::max(0.5 * (room.behind + room.ahead) / across, 0.5 * room.width / down);
+  Eigen::Matrix3d R_WC;
+  R_WC << Vec3::UnitY(), -Vec3::UnitX(), Vec3::UnitZ();
+  return {Quat(R_WC), Vec3(0.0, 0.5 * (room.ahead - room.behind), above)};
 }
 
 Glimpse glimpse(const Session& session, const Pose& X_WD) {
@@ -86,7 +123,7 @@ Glimpse BetweenTicks::glimpse(const Session& session, Time at, const Pose& X_WD)
 }
 
 std::array<render::View, 2> see(Eyes& eyes, const Glimpse& g, std::array<render::Image, 2>& out) {
-  const std::array<render::View, 2> views = render::eyes(g.X_WD, eyes.optics);
+  const std::array<render::View, 2> views = views_of(eyes, g);
   const render::DrawList list = list_of(eyes, g);
   if (render::is_plain(eyes.optics)) {
     eyes.renderer.draw(list, views, out);
@@ -105,7 +142,7 @@ std::array<render::View, 2> see(Eyes& eyes, const Glimpse& g, std::array<render:
 }
 
 std::array<render::Labels, 2> see_labels(Eyes& eyes, const Glimpse& g) {
-  const std::array<render::View, 2> views = render::eyes(g.X_WD, eyes.optics);
+  const std::array<render::View, 2> views = views_of(eyes, g);
   const render::DrawList list = list_of(eyes, g);
   std::array<render::Labels, 2> out;
   for (std::size_t eye = 0; eye < 2; ++eye) {

@@ -34,7 +34,13 @@ struct Glimpse {
   double skittle_centre = 0.0;
   std::optional<Pose> X_WH = {};
   bool grips = false;
+  std::optional<Pose> X_WC = {};  ///< a camera that sees in the head's stead, and the head itself
 };
+
+/// Cameras for people who want to see who throws: behind and beside, and straight above the room,
+/// the lane to the right, all of it in the picture.
+Pose third_person_camera(const Scenario& scenario);
+Pose top_camera(const Scenario& scenario);
 
 Glimpse glimpse(const Session& session, const Pose& X_WD);
 

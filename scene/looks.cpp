@@ -1,6 +1,7 @@
 #include "scene/looks.h"
 
 #include <algorithm>
+#include <numbers>
 
 #include "scene/hand_mesh.h"
 #include "scene/room_mesh.h"
@@ -31,6 +32,20 @@ std::vector<Occluder> occluders_of(const Outline& outline, double origin) {
   return balls;
 }
 
+/// A head in a helmet, in the frame of its display: x right, y up, looking along -z.
+render::Mesh head_mesh() {
+  const Pose upright{rotation(Vec3(-0.5 * std::numbers::pi, 0.0, 0.0)), Vec3(0.0, 0.0, 0.09)};
+  render::Mesh head;
+  head.gloss = 0.2;
+  append(head,
+         render::ellipsoid(0.09, 0.125, 24, 16,
+                           [](double z) { return render::srgb(z < 0.0 ? 0xc89878 : 0x303236); }),
+         upright);
+  append(head, render::box(Vec3(0.17, 0.09, 0.10), render::srgb(0x1b1c20)),
+         {Quat::Identity(), Vec3(0.0, 0.0, -0.02)});
+  return head;
+}
+
 void append_occluders(DrawList& list, const std::vector<Occluder>& of_body, const Pose& X_WB) {
   for (const Occluder& ball : of_body) list.occluders.push_back({X_WB * ball.p_W, ball.radius});
 }
@@ -58,6 +73,8 @@ Looks::Looks(render::Renderer& renderer, const Stage& stage)
   gripping_hand = renderer.add(gripping_hand_mesh(scenario.hand.grip, ball_radius, kSkinCell));
   far_gripping_hand =
       renderer.add(gripping_hand_mesh(scenario.hand.grip, ball_radius, kFarSkinCell));
+
+  head = renderer.add(head_mesh());
 
   const RoomMeasures measures = room_measures(scenario);
   const RoomMeshes meshes = room_meshes(measures);
@@ -149,6 +166,7 @@ DrawList draw_list(const Looks& looks, const Moving& moving) {
         moving.grips ? looks.far_gripping_hand : looks.far_open_hand, *moving.X_WH, kHandId);
     list.occluders.push_back({moving.X_WH->p, 0.05});
   }
+  if (moving.X_WD) add(looks.head, std::nullopt, *moving.X_WD, kHeadId);
   return list;
 }
 

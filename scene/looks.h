@@ -15,6 +15,7 @@ inline constexpr std::uint32_t kRoomId = 1;
 inline constexpr std::uint32_t kHandId = 2;
 inline constexpr std::uint32_t kStandId = 3;
 inline constexpr std::uint32_t kButtonId = 4;
+inline constexpr std::uint32_t kHeadId = 5;
 inline constexpr std::uint32_t kFirstBallId = 10;
 inline constexpr std::uint32_t kFirstSkittleId = 100;
 
@@ -25,7 +26,7 @@ struct Looks {
 
   /// Meshes; the far ones are of fewer triangles.
   int true_skittle, far_true_skittle, ellipsoid_skittle, far_ellipsoid_skittle, ball, open_hand,
-      far_open_hand, gripping_hand, far_gripping_hand;
+      far_open_hand, gripping_hand, far_gripping_hand, head;
   render::DrawList room;  ///< what never moves, with light, patches and shadow box
   std::vector<render::Occluder> true_occluders, ellipsoid_occluders;  ///< of a skittle, p_BQ
   double ball_radius, skittle_centre;  ///< the latter of the stage's skittles
@@ -41,8 +42,9 @@ struct Moving {
   double skittle_centre =
       0.0;  ///< of their bodies above their base: a version may have its own [m]
   std::span<const Pose> X_WB_balls;
-  std::optional<Pose> X_WH;  ///< no hand is seen without
-  bool grips = false;        ///< the hand is closed around the ball
+  std::optional<Pose> X_WH;       ///< no hand is seen without
+  bool grips = false;             ///< the hand is closed around the ball
+  std::optional<Pose> X_WD = {};  ///< no head is seen without
 };
 
 render::DrawList draw_list(const Looks& looks, const Moving& moving);

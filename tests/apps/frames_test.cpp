@@ -1,6 +1,9 @@
 // What was shown to whoever took part comes back, or is said not to be comparable.
 
-#include <regex>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <set>
 
 #include "devices/log.h"
 #include "devices/sources.h"
@@ -187,6 +190,162 @@ TEST_F(Frames, TheEnvironmentChoosesWhatDraws) {
   }
   EXPECT_EQ(wrong.code, 2) << wrong.err;
   EXPECT_THAT(wrong.err, HasSubstr("glut"));
+}
+
+/// A picture's bytes as ffmpeg reads them.
+std::string decoded(const fs::path& file, const std::string& format) {
+  const fs::path raw = file.parent_path() / "decoded.raw";
+  const std::string command = "ffmpeg -v error -y -i '" + file.string() +
+                              "' -f rawvideo -pix_fmt " + format + " '" + raw.string() + "'";
+  EXPECT_EQ(std::system(command.c_str()), 0) << command;
+  std::string bytes = slurp(raw);
+  fs::remove(raw);
+  return bytes;
+}
+
+TEST_F(Frames, SideBySideAreBothEyesInOnePicture) {
+  ASSERT_EQ(headpin("frames " + kDemo + " -o two --frames 200").code, 0);
+  ASSERT_EQ(headpin("frames " + kDemo + " -o one --frames 200 --layout side-by-side").code, 0);
+  EXPECT_EQ(index("one"), index("two"));
+  EXPECT_FALSE(fs::exists(folder_ / "one/left_000200.png"));
+  const std::string both = decoded(folder_ / "one/both_000200.png", "rgb24"),
+                    left = decoded(folder_ / "two/left_000200.png", "rgb24"),
+                    right = decoded(folder_ / "two/right_000200.png", "rgb24");
+  ASSERT_EQ(both.size(), left.size() + right.size());
+  constexpr std::size_t kRow = std::size_t{3} * 360;
+  for (std::size_t y = 0; y < 240; ++y) {
+    EXPECT_EQ(both.substr(2 * kRow * y, kRow), left.substr(kRow * y, kRow)) << y;
+    EXPECT_EQ(both.substr(2 * kRow * y + kRow, kRow), right.substr(kRow * y, kRow)) << y;
+  }
+}
+
+// Depth in both forms is the same to half a millimetre; ids are where things are.
+TEST_F(Frames, DepthAndIdsTellWhatEachPixelSees) {
+  ASSERT_EQ(headpin("frames " + kDemo + " -o out --frames 200 --depth --ids").code, 0);
+  const std::string png = decoded(folder_ / "out/left_000200_depth.png", "gray16le"),
+                    ids = decoded(folder_ / "out/left_000200_ids.png", "gray16le"),
+                    raw = slurp(folder_ / "out/left_000200_depth.raw");
+  ASSERT_EQ(png.size(), std::size_t{2} * 360 * 240);
+  ASSERT_EQ(ids.size(), png.size());
+  ASSERT_EQ(raw.size(), 2 * png.size());
+  std::map<int, double> nearest;  // of each id [m]
+  for (std::size_t i = 0; i < std::size_t{360} * 240; ++i) {
+    std::uint16_t millimetres = 0, id = 0;
+    float metres = 0.0F;
+    std::memcpy(&millimetres, png.data() + 2 * i, 2);
+    std::memcpy(&id, ids.data() + 2 * i, 2);
+    std::memcpy(&metres, raw.data() + 4 * i, 4);
+    ASSERT_NEAR(millimetres, 1000.0 * metres, 0.51) << i;
+    const auto [at, first] = nearest.emplace(id, metres);
+    if (!first) at->second = std::min<double>(at->second, metres);
+  }
+  EXPECT_EQ(nearest.count(0), 0u);
+  ASSERT_EQ(nearest.count(100),
+            1u);  // the head pin, 6 m from the foul line, behind which one stands
+  EXPECT_GT(nearest[100], 5.5);
+  EXPECT_LT(nearest[100], 8.5);
+  EXPECT_GT(nearest.size(), 10u);
+  EXPECT_THAT(slurp(folder_ / "out/ids.csv"), HasSubstr("100 and on,skittles"));
+  expect_refusal("frames " + kDemo + " --video OUT.mkv --depth", 2, "expected -o DIR");
+}
+
+TEST_F(Frames, GoToStandardOutputAsY4m) {
+  const Result piped = headpin("frames " + kDemo + " --y4m - --frames 200-202");
+  EXPECT_EQ(piped.code, 0) << piped.err;
+  EXPECT_THAT(piped.out, testing::StartsWith("YUV4MPEG2 W720 H240 F60:1 Ip A14055:10000 C444"));
+  EXPECT_EQ(piped.out.size(), piped.out.find('\n') + 1 + 3 * (6 + std::size_t{3} * 720 * 240));
+  EXPECT_THAT(piped.err, HasSubstr("3 frames of two eyes"));
+  // Another program reads the colours it was given, to the rounding.
+  std::ofstream(folder_ / "film.y4m", std::ios::binary) << piped.out;
+  ASSERT_EQ(headpin("frames " + kDemo + " -o one --frames 200 --layout side-by-side").code, 0);
+  const std::string film = decoded(folder_ / "film.y4m", "rgb24"),
+                    picture = decoded(folder_ / "one/both_000200.png", "rgb24");
+  ASSERT_EQ(film.size(), 3 * picture.size());
+  double squares = 0.0;
+  for (std::size_t i = 0; i < picture.size(); ++i) {
+    const double off = static_cast<unsigned char>(film[i]) - static_cast<unsigned char>(picture[i]);
+    squares += off * off;
+  }
+  EXPECT_LT(std::sqrt(squares / static_cast<double>(picture.size())), 1.5);
+}
+
+TEST_F(Frames, FromOutsideShowWhoThrows) {
+  for (const std::string view : {"third-person", "top"}) {
+    ASSERT_EQ(
+        headpin("frames " + kDemo + " -o " + view + " --ids --frames 230 --view " + view).code, 0);
+    const std::string ids = decoded(folder_ / view / "left_000230_ids.png", "gray16le");
+    std::set<int> seen;
+    for (std::size_t i = 0; i < ids.size(); i += 2) {
+      std::uint16_t id = 0;
+      std::memcpy(&id, ids.data() + i, 2);
+      seen.insert(id);
+    }
+    for (const int id : {2, 5, 10, 100}) EXPECT_TRUE(seen.contains(id)) << view << " " << id;
+  }
+  record_session();
+  const Result shown = headpin("frames shown.lcmlog --as-shown --view top -o seen");
+  EXPECT_EQ(shown.code, 0);
+  EXPECT_THAT(shown.err, HasSubstr("not compared: they are not what the eyes saw"));
+  expect_refusal("frames shown.lcmlog --verify --view top", 2, "no --view");
+}
+
+TEST_F(Frames, OfATrialThatIsCutAreDrawnAndItIsSaid) {
+  const std::string whole = slurp(kDemo);
+  std::ofstream(folder_ / "cut.lcmlog", std::ios::binary) << whole.substr(0, whole.size() / 2);
+  const Result cut = headpin("frames cut.lcmlog -o out --frames 60");
+  EXPECT_EQ(cut.code, 0) << cut.err;
+  EXPECT_THAT(cut.err, HasSubstr("cut.lcmlog: is not complete; it is drawn as far as it goes, "));
+  EXPECT_EQ(headpin("frames " + kDemo + " -o whole --frames 60").err, "");
+  EXPECT_EQ(index("out").at(60), index("whole").at(60));
+}
+
+TEST_F(Frames, AVideoComesWithoutItsCopyWhenToldSo) {
+  ASSERT_EQ(headpin("frames " + kDemo + " --video film.mkv --no-mp4 --frames 3-9").code, 0);
+  EXPECT_TRUE(fs::exists(folder_ / "film.mkv"));
+  EXPECT_FALSE(fs::exists(folder_ / "film.mp4"));
+}
+
+/// Every file of a folder with its bytes, but for our own list of them.
+std::map<std::string, std::string> contents(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    files[entry.path().filename()] = slurp(entry.path());
+  }
+  return files;
+}
+
+// 130 frames are three parts.
+TEST_F(Frames, DrawnBySeveralProcessesAreTheSameFiles) {
+  const std::string draw = "frames " + kDemo + " --look 1997 --ids --frames 170-299 -o ";
+  ASSERT_EQ(headpin(draw + "one").code, 0);
+  EXPECT_EQ(json(draw + "three --jobs 3 --json")["frames"], 130);
+  EXPECT_EQ(contents(folder_ / "three"), contents(folder_ / "one"));
+  EXPECT_FALSE(fs::exists(folder_ / "three.parts"));
+  expect_refusal(draw + "one --jobs 2", 1, "one: exists already");
+  expect_refusal("frames " + kDemo + " --jobs 2 --video OUT.mkv", 2, "of a folder alone");
+  fs::create_directory(folder_ / "mine.parts");
+  std::ofstream(folder_ / "mine.parts/precious") << "x";
+  expect_refusal(draw + "mine --jobs 2", 1, "mine.parts: exists already, and headpin did not make");
+  EXPECT_EQ(slurp(folder_ / "mine.parts/precious"), "x");
+}
+
+TEST_F(Frames, GoOnWhereTheyWereStopped) {
+  const std::string options = " --look 1997 --frames 100-299 -o drawn --resume";
+  std::ofstream(folder_ / "stop.sh")
+      << "'" HEADPIN_PROGRAM "' frames " << kDemo << options << " & p=$!\n"
+      << "while kill -0 $p && ! [ -e drawn.parts/00000/frames.csv ]; do sleep 0.02; done\n"
+      << "kill -TERM $p; wait $p\n";
+  const int status = std::system(
+      ("cd '" + folder_.string() + "' && sh stop.sh >out.txt 2>err.txt </dev/null").c_str());
+  ASSERT_EQ(WEXITSTATUS(status), 128 + 15) << slurp(folder_ / "err.txt");
+  EXPECT_FALSE(fs::exists(folder_ / "drawn/frames.csv"));
+  expect_refusal("frames " + kDemo + options + " --samples 2", 1, "drawn otherwise");
+  const nlohmann::json resumed = json("frames " + kDemo + options + " --jobs 2 --json");
+  EXPECT_EQ(resumed["frames"], 200);
+  EXPECT_GE(resumed["frames_there_already"], 60);
+  ASSERT_EQ(headpin("frames " + kDemo + " --look 1997 --frames 100-299 -o whole").code, 0);
+  EXPECT_EQ(contents(folder_ / "drawn"), contents(folder_ / "whole"));
+  EXPECT_FALSE(fs::exists(folder_ / "drawn.parts"));
 }
 
 }  // namespace

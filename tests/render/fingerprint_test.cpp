@@ -38,7 +38,7 @@ TEST(Fingerprint, TellsMesasEnvironment) {
   EXPECT_EQ(std::ranges::count(without.environment, "LP_HEADPIN_TEST=7"), 0);
   EXPECT_FALSE(with.processor.empty());
   EXPECT_EQ(with.picture, without.picture);
-  EXPECT_NE(difference(with, without).find("LP_HEADPIN_TEST=7, here"), std::string::npos);
+  EXPECT_NE(difference(with, without).find("LP_HEADPIN_TEST=7"), std::string::npos);
 }
 
 TEST(Fingerprint, WithoutATellingDifferenceSaysThatThePictureDiffers) {
