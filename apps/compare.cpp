@@ -2,6 +2,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -11,7 +12,7 @@
 #include "apps/options.h"
 #include "apps/recorded_world.h"
 #include "apps/streams.h"
-#include "devices/log.h"
+#include "devices/trial_file.h"
 #include "scene/score.h"
 #include "scene/totals.h"
 #include "scene/verifier.h"
@@ -28,18 +29,19 @@ struct CompareOptions {
 /// One trial as the comparison sees it.
 struct Side {
   std::string path;
-  devices::Trial trial;
+  devices::TrialFile file;
   scene::Scenario scenario;
 };
 
 Side load(const std::string& path) {
-  Side side{path, devices::read_trial(path, Time::max()), {}};
-  side.scenario = scene::scenario_of_trial(side.trial.header.scenario, path);
-  if (side.trial.states.empty()) {
+  devices::TrialFile file(path);
+  file.require_trial(Time::max());
+  scene::Scenario scenario = scene::scenario_of_trial(file.summary().header.scenario, path);
+  if (file.summary().state_count == 0) {
     throw std::runtime_error(path + ": expected states to compare, found none; `headpin replay " +
                              path + " -o OUT.lcmlog` writes them");
   }
-  return side;
+  return {path, std::move(file), std::move(scenario)};
 }
 
 struct FirstDifference {
@@ -50,37 +52,39 @@ struct FirstDifference {
 
 /// The first tick, of those both have, whose bits differ; where one ends sooner, its next tick.
 std::optional<FirstDifference> first_difference(const Side& a, const Side& b) {
-  const auto& sa = a.trial.states;
-  const auto& sb = b.trial.states;
-  std::size_t i = 0, j = 0;
-  while (i < sa.size() && j < sb.size()) {
-    if (sa[i].tick < sb[j].tick) {
-      ++i;
-    } else if (sb[j].tick < sa[i].tick) {
-      ++j;
+  devices::TrialItems of_a(a.file), of_b(b.file);
+  std::optional<devices::TickState> sa = of_a.next_state(), sb = of_b.next_state();
+  while (sa && sb) {
+    if (sa->tick < sb->tick) {
+      sa = of_a.next_state();
+    } else if (sb->tick < sa->tick) {
+      sb = of_b.next_state();
     } else {
-      const auto body = scene::first_different_body(sa[i], sb[j], a.trial.header.body_names);
-      if (body) return FirstDifference{sa[i].tick, seconds(sa[i].time), *body};
-      ++i, ++j;
+      const auto body = scene::first_different_body(*sa, *sb, a.file.summary().header.body_names);
+      if (body) return FirstDifference{sa->tick, seconds(sa->time), *body};
+      sa = of_a.next_state();
+      sb = of_b.next_state();
     }
   }
-  if (i == sa.size() && j == sb.size()) return std::nullopt;
-  const devices::TickState& extra = i < sa.size() ? sa[i] : sb[j];
+  if (!sa && !sb) return std::nullopt;
+  const devices::TickState& extra = sa ? *sa : *sb;
   return FirstDifference{extra.tick, seconds(extra.time), ""};
 }
 
 nlohmann::json describe(const Side& side) {
-  const devices::Trial& trial = side.trial;
+  const devices::TrialSummary& trial = side.file.summary();
   const scene::Score score = scene::score(trial.events);
   const auto number = [](const std::optional<double>& value) {
     return value ? nlohmann::json(*value) : nlohmann::json();
   };
   RecordedWorld world(side.scenario);
   std::int64_t contacts = 0;
-  double highest = 0.0;
-  for (const devices::TickState& state : trial.states) {
-    contacts += state.contacts;
-    highest = std::max(highest, world.energy(state).all);
+  double highest = 0.0, last = 0.0;
+  devices::TrialItems items(side.file);
+  while (const std::optional<devices::TickState> state = items.next_state()) {
+    contacts += state->contacts;
+    last = world.energy(*state).all;
+    highest = std::max(highest, last);
   }
   return {
       {"trial", side.path},
@@ -88,7 +92,7 @@ nlohmann::json describe(const Side& side) {
       {"friction", scene::per_object(side.scenario.material, &scene::Coefficients::friction)},
       {"shape", side.scenario.collision.shape},
       {"response", side.scenario.collision.response},
-      {"ticks", trial.states.size()},
+      {"ticks", trial.state_count},
       {"contacts", contacts},
       {"touches", score.touches},
       {"skittles_down", score.skittles_down},
@@ -96,7 +100,7 @@ nlohmann::json describe(const Side& side) {
       {"release_speed_mps", number(score.release_speed)},
       {"impact_speed_mps", number(score.impact_speed)},
       {"highest_energy_j", highest},
-      {"final_energy_j", world.energy(trial.states.back()).all}};
+      {"final_energy_j", last}};
 }
 
 std::string cell(const nlohmann::json& value) {

@@ -22,6 +22,8 @@
 #include "devices/fastrak_emulator.h"
 #include "devices/lcm_link.h"
 #include "devices/log.h"
+#include "devices/recorded_motion.h"
+#include "devices/trial_file.h"
 #include "scene/scenario.h"
 
 namespace headpin::apps {
@@ -132,7 +134,7 @@ struct Feed {
   Time begin{}, length{};             ///< of a recording
   devices::TrackerSample first = {};  ///< of a recording
   bool loop = false, pressed = false;
-  std::vector<devices::Sample> recorded = {};
+  std::vector<devices::MouseSample> buttons = {};  ///< of a recording's mouse, where they change
 
   /// Where in a recording it is.
   Time within(Time time) const {
@@ -150,14 +152,9 @@ struct Feed {
 /// The buttons of the 3D mouse, which a Fastrak's line has no room for: on MOUSE3D, at each change.
 class Mouse {
  public:
-  /// @param recorded  samples of a trial; its buttons are pressed as they were
-  Mouse(const std::string& url, const std::vector<devices::Sample>& recorded) : link_(url) {
-    for (const devices::Sample& sample : recorded) {
-      const auto* mouse = std::get_if<devices::MouseSample>(&sample);
-      if (mouse) recorded_.push_back(*mouse);
-    }
-    std::ranges::stable_sort(recorded_, {}, &devices::MouseSample::device_time);
-  }
+  /// @param recorded  of a trial, in the order of time; its buttons are pressed as they were
+  Mouse(const std::string& url, std::vector<devices::MouseSample> recorded)
+      : link_(url), recorded_(std::move(recorded)) {}
 
   devices::MouseSample typed;  ///< what --control holds down beside the trial
 
@@ -225,7 +222,7 @@ class LcmFeed {
 };
 
 /// What a client gets that sets nothing itself.
-std::string place_report(const devices::FastrakPlace& place, const devices::Trial& trial,
+std::string place_report(const devices::FastrakPlace& place, const devices::TrialHeader& header,
                          const EmulateOptions& options) {
   std::string text = fmt::format(
       "{}: in inches until a client says otherwise; positions up to {:.2f} m along an axis are not "
@@ -238,7 +235,7 @@ std::string place_report(const devices::FastrakPlace& place, const devices::Tria
       "; transmitter moved by {:.3f}, {:.3f}, {:.3f} m (ahead, right, down), so that all receivers "
       "are ahead of it, {:.2f} m at most",
       p.x(), p.y(), p.z(), place.farthest);
-  const scene::Rig rig = scene::scenario_of_trial(trial.header.scenario, options.trial).rig;
+  const scene::Rig rig = scene::scenario_of_trial(header.scenario, options.trial).rig;
   const Vec3 p_W = rig.X_WT * p;
   return text + fmt::format(
                     "; in the trial's room that is rig.X_WT p = [{:.4f}, {:.4f}, {:.4f}] "
@@ -249,20 +246,22 @@ std::string place_report(const devices::FastrakPlace& place, const devices::Tria
 Feed feed_of(const EmulateOptions& options) {
   Feed feed;
   feed.loop = options.loop;
-  if (!options.trial.empty()) {
-    const devices::Trial trial =
-        devices::read_trial(options.trial, microseconds(options.longest_gap));
-    if (trial.samples.empty())
-      throw std::runtime_error(options.trial + ": no device samples in it");
-    if (options.place == "auto") feed.place = devices::place_for(trial.samples);
-    feed.motion = devices::seen_from(feed.place, devices::recorded_motion(trial.samples));
-    feed.length = devices::last_time(trial.samples);
-    feed.first = devices::first_measurement(trial.samples);
-    feed.says = place_report(feed.place, trial, options);
-    if (options.use_mouse) feed.recorded = trial.samples;
-  } else {
+  if (options.trial.empty()) {
     feed.motion = options.motion == "still" ? devices::still_motion : devices::circling_motion;
+    return feed;
   }
+  const auto file = std::make_shared<const devices::TrialFile>(options.trial);
+  file->require_trial(microseconds(options.longest_gap));
+  const devices::TrialSummary& trial = file->summary();
+  if (trial.sample_count == 0)
+    throw std::runtime_error(options.trial + ": no device samples in it");
+  devices::RecordedUnit recorded = devices::recorded_unit(file);
+  if (options.place == "auto") feed.place = recorded.place;
+  feed.motion = devices::seen_from(feed.place, std::move(recorded.motion));
+  feed.length = recorded.length;
+  feed.first = recorded.first;
+  feed.says = place_report(feed.place, trial.header, options);
+  if (options.use_mouse) feed.buttons = std::move(recorded.buttons);
   return feed;
 }
 
@@ -379,7 +378,7 @@ void emulate(const EmulateOptions& options) {
   watch_stop_signals();
 
   std::optional<Mouse> mouse;
-  if (options.use_mouse) mouse.emplace(options.mouse, feed.recorded);
+  if (options.use_mouse) mouse.emplace(options.mouse, feed.buttons);
   Control control(options.control);
   const Line line(options);
   introduce(options, line, feed, unit.stylus);

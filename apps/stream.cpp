@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -13,10 +14,9 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "devices/lcm_link.h"
-#include "devices/log.h"
 #include "devices/sources.h"
+#include "devices/trial_file.h"
 #include "scene/player.h"
-#include "scene/quantile.h"
 
 namespace headpin::apps {
 namespace {
@@ -67,76 +67,152 @@ void publish_pose(devices::LcmLink& link, const scene::Rig& rig, const Pose& X_W
   }
 }
 
-void stream(const StreamOptions& options) {
-  const devices::Trial trial =
-      devices::read_trial(options.trial, microseconds(options.longest_gap));
-  if (trial.samples.empty()) throw std::runtime_error(options.trial + ": no samples to stream");
-  const scene::Scenario scenario = scene::scenario_of_trial(trial.header.scenario, options.trial);
+/// How late each was, counted and not kept.
+class Lateness {
+ public:
+  void add(double ms) {
+    most_ = std::max(most_, ms);
+    const double bin = ms > kLeast ? std::log(ms / kLeast) / kStep : 0.0;
+    ++counts_[std::min(static_cast<std::size_t>(bin), kBins - 1)];
+    ++all_;
+  }
+  bool any() const { return all_ > 0; }
+  /// What a share of them was not later than, to a hundredth of it; in ms.
+  double quantile(double share) const {
+    if (share >= 1.0 || all_ == 0) return most_;
+    std::int64_t before = 0;
+    for (std::size_t i = 0; i < kBins; ++i) {
+      before += counts_[i];
+      if (static_cast<double>(before) > share * static_cast<double>(all_ - 1)) {
+        return std::min(most_, kLeast * std::exp(kStep * static_cast<double>(i + 1)));
+      }
+    }
+    return most_;
+  }
+
+ private:
+  static constexpr double kLeast = 1e-3, kStep = 0.01;  // of the bins' logarithms
+  static constexpr std::size_t kBins = 2100;            // beyond 10^6 s
+  std::vector<std::int64_t> counts_ = std::vector<std::int64_t>(kBins);
+  std::int64_t all_ = 0;
+  double most_ = 0.0;
+};
+
+/// The samples of a trial in the order in which they were there, one by one.
+class InOrder {
+ public:
+  explicit InOrder(const devices::TrialFile& file) : player_(file) {}
+
+  /// The next one, until it is asked for again; null at the end.
+  const devices::Sample* next() {
+    if (++at_ >= samples_.size()) {
+      samples_.clear();
+      at_ = 0;
+      if (const std::optional<Time> time = player_.next_time()) player_.poll(*time, samples_);
+    }
+    return at_ < samples_.size() ? &samples_[at_] : nullptr;
+  }
+
+ private:
+  devices::TrialPlayer player_;
+  std::vector<devices::Sample> samples_;  // available at one time
+  std::size_t at_ = 0;
+};
+
+using Clock = std::chrono::steady_clock;
+
+/// Sleeps in pieces, so that a signal does not wait for the end of a long pause.
+/// @return  false when one came
+bool wait_until(Clock::time_point due) {
+  constexpr auto kNap = std::chrono::milliseconds(50);
+  while (stop_signal() == 0 && Clock::now() + kNap < due) std::this_thread::sleep_for(kNap);
+  if (stop_signal() != 0) return false;
+  std::this_thread::sleep_until(due);
+  return true;
+}
+
+/// What became of a trial.
+struct Streamed {
+  std::int64_t sent = 0;
+  Time end{};         ///< when the last one was available
+  double took = 0.0;  ///< [s]
+  Lateness lateness;
+};
+
+/// Publishes the samples, and the header again and again for those who begin to listen later.
+Streamed publish_samples(const StreamOptions& options, const devices::TrialFile& file,
+                         const scene::Scenario& scenario, devices::LcmLink& link) {
+  Streamed done;
   Follower follower(scenario);
+  InOrder samples(file);
+  std::optional<Time> begin;
+  const Clock::time_point start = Clock::now();
+  std::optional<Clock::time_point> announced;
+  while (stop_signal() == 0) {
+    const devices::Sample* sample = samples.next();
+    if (!sample) break;
+    done.end = devices::available(*sample);
+    if (!begin) begin = done.end;
+    if (options.speed > 0.0) {
+      const double after = seconds(done.end - *begin) / options.speed;
+      const auto due =
+          start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(after));
+      if (!wait_until(due)) break;
+      done.lateness.add(std::chrono::duration<double, std::milli>(Clock::now() - due).count());
+    }
+    if (!announced || Clock::now() - *announced >= std::chrono::seconds(1)) {
+      link.publish(file.summary().header);
+      announced = Clock::now();
+    }
+    link.publish(*sample);
+    follower.take(*sample);
+    publish_pose(link, scenario.rig, follower.X_WP(), *sample);
+    ++done.sent;
+  }
+  done.took = std::chrono::duration<double>(Clock::now() - start).count();
+  return done;
+}
+
+void print_streamed(const StreamOptions& options, const Streamed& done, std::int64_t all) {
+  const Lateness& late = done.lateness;
+  if (options.json) {
+    print_json({{"trial", options.trial},
+                {"samples", done.sent},
+                {"complete", done.sent == all},
+                {"duration_s", done.took},
+                {"lateness_median_s", 1e-3 * late.quantile(0.5)},
+                {"lateness_p99_s", 1e-3 * late.quantile(0.99)},
+                {"lateness_max_s", 1e-3 * late.quantile(1.0)}});
+    return;
+  }
+  std::cout << fmt::format("{} of {} samples in {:.3f} s", done.sent, all, done.took);
+  if (late.any()) {
+    std::cout << fmt::format("; late by {:.3f} ms (median), {:.3f} ms (99 %), {:.3f} ms at most",
+                             late.quantile(0.5), late.quantile(0.99), late.quantile(1.0));
+  }
+  std::cout << "\n";
+}
+
+void stream(const StreamOptions& options) {
+  const devices::TrialFile file(options.trial);
+  file.require_trial(microseconds(options.longest_gap));
+  const std::int64_t all = file.summary().sample_count;
+  if (all == 0) throw std::runtime_error(options.trial + ": no samples to stream");
+  const scene::Scenario scenario =
+      scene::scenario_of_trial(file.summary().header.scenario, options.trial);
   devices::LcmLink link(options.url);
   watch_stop_signals();
 
-  devices::ReplaySource source(trial.samples);
-  std::vector<devices::Sample> samples;
-  source.poll(source.end(), samples);
-  const Time begin = devices::available(samples.front());
-  const std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-  std::vector<double> lateness_ms;  // of what was published
-  std::size_t sent = 0;
-  std::optional<std::chrono::steady_clock::time_point> announced;
-  for (; sent < samples.size() && stop_signal() == 0; ++sent) {
-    const devices::Sample& sample = samples[sent];
-    if (options.speed > 0.0) {
-      const double after = seconds(devices::available(sample) - begin) / options.speed;
-      const auto due = start + std::chrono::duration_cast<std::chrono::steady_clock::duration>(
-                                   std::chrono::duration<double>(after));
-      // In pieces, so that a signal does not wait for the end of a long pause.
-      constexpr auto kNap = std::chrono::milliseconds(50);
-      while (stop_signal() == 0 && std::chrono::steady_clock::now() + kNap < due)
-        std::this_thread::sleep_for(kNap);
-      if (stop_signal() != 0) break;
-      std::this_thread::sleep_until(due);
-      lateness_ms.push_back(
-          std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - due)
-              .count());
-    }
-    // Again and again, for those who begin to listen later.
-    if (!announced || std::chrono::steady_clock::now() - *announced >= std::chrono::seconds(1)) {
-      link.publish(trial.header);
-      announced = std::chrono::steady_clock::now();
-    }
-    link.publish(sample);
-    follower.take(sample);
-    publish_pose(link, scenario.rig, follower.X_WP(), sample);
-  }
-  if (sent == samples.size()) {
+  const Streamed done = publish_samples(options, file, scenario, link);
+  if (done.sent == all) {
     devices::Event end;
-    end.time = source.end();
+    end.time = done.end;
     end.kind = devices::kEndEvent;
-    end.value = static_cast<double>(sent + 1);  // with the header
+    end.value = static_cast<double>(all + 1);  // with the header
     link.publish(end);
   }
-
-  check_stop(fmt::format("after {} of {} samples", sent, samples.size()));
-  const double took =
-      std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  if (options.json) {
-    print_json({{"trial", options.trial},
-                {"samples", sent},
-                {"complete", sent == samples.size()},
-                {"duration_s", took},
-                {"lateness_median_s", 1e-3 * scene::quantile(lateness_ms, 0.5)},
-                {"lateness_p99_s", 1e-3 * scene::quantile(lateness_ms, 0.99)},
-                {"lateness_max_s", 1e-3 * scene::quantile(lateness_ms, 1.0)}});
-    return;
-  }
-  std::cout << fmt::format("{} of {} samples in {:.3f} s", sent, samples.size(), took);
-  if (!lateness_ms.empty()) {
-    std::cout << fmt::format("; late by {:.3f} ms (median), {:.3f} ms (99 %), {:.3f} ms at most",
-                             scene::quantile(lateness_ms, 0.5), scene::quantile(lateness_ms, 0.99),
-                             scene::quantile(lateness_ms, 1.0));
-  }
-  std::cout << "\n";
+  check_stop(fmt::format("after {} of {} samples", done.sent, all));
+  print_streamed(options, done, all);
 }
 
 }  // namespace

@@ -1,9 +1,8 @@
 #pragma once
 
 #include <functional>
-#include <vector>
 
-#include "devices/sample.h"
+#include "engine/math.h"
 
 /// What an emulated Fastrak measures: where its receivers really are, as a function of time.
 namespace headpin::devices {
@@ -24,13 +23,6 @@ FastrakTruth still_motion(int station, Time time);
 /// The same going round: a circle of 0.2 m radius in 4 s, turning with it.
 FastrakTruth circling_motion(int station, Time time);
 
-/// The motion of a recording: poses between its samples, held before the first and after the last.
-///
-/// Letters are those of the sample before; a press of the trigger of the 3D mouse, or of any
-/// station's switch, is a press of the unit's one switch. Stations that were not recorded rest as
-/// in `still_motion`.
-FastrakMotion recorded_motion(const std::vector<Sample>& samples);
-
 /// Where a transmitter has to stand, and what its unit must have been told, for clients that set
 /// nothing themselves to be given a recording's poses as they were.
 struct FastrakPlace {
@@ -39,17 +31,7 @@ struct FastrakPlace {
   double farthest = 0.0;  ///< that a receiver gets from the new place [m]
 };
 
-/// The recorded place, if all receivers stay ahead of it, where the factory's hemisphere is, and in
-/// reach; else one behind them all, in the middle of their ways up and sideways.
-FastrakPlace place_for(const std::vector<Sample>& samples);
-
 /// The motion as seen from the new place.
 FastrakMotion seen_from(const FastrakPlace& place, FastrakMotion motion);
-
-/// The first in time of a recording's measurements; a default one where there is none.
-TrackerSample first_measurement(const std::vector<Sample>& samples);
-
-/// Time of a recording's last sample.
-Time last_time(const std::vector<Sample>& samples);
 
 }  // namespace headpin::devices

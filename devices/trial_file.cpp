@@ -265,20 +265,32 @@ void TrialFile::require_trial(Time longest_gap) const {
 }
 
 void TrialFile::walk(const std::function<bool(Item&)>& see) const {
-  TrialWalk walk(*content_);
-  while (std::optional<Message> message = walk.next()) {
-    Item item;
-    if (auto sample = sample_of(*message)) {
-      item = std::move(*sample);
-    } else if (auto* state = std::get_if<TickState>(&*message)) {
-      item = std::move(*state);
-    } else if (const auto* frame = std::get_if<FrameRecord>(&*message)) {
-      item = *frame;
-    } else {
-      continue;
-    }
-    if (!see(item)) return;
+  TrialItems items(*this);
+  while (std::optional<Item> item = items.next()) {
+    if (!see(*item)) return;
   }
+}
+
+TrialItems::TrialItems(const TrialFile& file)
+    : walk_(std::make_unique<TrialWalk>(*file.content_)) {}
+TrialItems::~TrialItems() = default;
+TrialItems::TrialItems(TrialItems&&) noexcept = default;
+TrialItems& TrialItems::operator=(TrialItems&&) noexcept = default;
+
+std::optional<TrialFile::Item> TrialItems::next() {
+  while (std::optional<Message> message = walk_->next()) {
+    if (auto sample = sample_of(*message)) return TrialFile::Item(std::move(*sample));
+    if (auto* state = std::get_if<TickState>(&*message)) return TrialFile::Item(std::move(*state));
+    if (const auto* frame = std::get_if<FrameRecord>(&*message)) return TrialFile::Item(*frame);
+  }
+  return std::nullopt;
+}
+
+std::optional<TickState> TrialItems::next_state() {
+  while (std::optional<TrialFile::Item> item = next()) {
+    if (auto* state = std::get_if<TickState>(&*item)) return std::move(*state);
+  }
+  return std::nullopt;
 }
 
 TrialPlayer::TrialPlayer(const TrialFile& file, Beside beside)

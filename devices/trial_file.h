@@ -4,6 +4,7 @@
 #include <functional>
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <variant>
@@ -44,9 +45,30 @@ class TrialFile {
 
  private:
   friend class TrialPlayer;
+  friend class TrialItems;
   void look_through();
 
   std::unique_ptr<LogContent> content_;
+};
+
+/// What walk() shows, for those who ask for it one by one.
+class TrialItems {
+ public:
+  /// @param file  must outlive this
+  explicit TrialItems(const TrialFile& file);
+  ~TrialItems();
+  TrialItems(TrialItems&&) noexcept;
+  TrialItems& operator=(TrialItems&&) noexcept;
+
+  /// The next one, nothing at the end.
+  /// @throws std::runtime_error  when the file is another by now
+  std::optional<TrialFile::Item> next();
+
+  /// The next state, nothing at the end.
+  std::optional<TickState> next_state();
+
+ private:
+  std::unique_ptr<TrialWalk> walk_;
 };
 
 /// A trial as a source: hands out its samples by the time they were available, as ReplaySource does,

@@ -17,6 +17,7 @@
 #include "devices/fastrak_motion.h"
 #include "devices/lasting_line.h"
 #include "devices/log.h"
+#include "devices/recorded_motion.h"
 
 namespace headpin {
 namespace {

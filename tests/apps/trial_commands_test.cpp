@@ -61,19 +61,61 @@ TEST_F(TrialCommands, MemoryDoesNotGrowWithATrial) {
   ASSERT_GT(fs::file_size(folder_ / "300"), 100'000'000u);
   const std::string brief = folder_ / "30", lengthy = folder_ / "300";
   const std::string new_trial = folder_ / "new", frames = folder_ / "frames";
-  const std::string tables = folder_ / "tables";
+  const std::string tables = folder_ / "tables", picture = folder_ / "picture.svg";
   const std::vector<std::vector<std::string>> commands = {
       {"info"},
       {"replay", "--verify"},
       {"replay", "-o", new_trial, "--force"},
       {"frames", "--frames", "3", "-o", frames, "--force"},
-      {"export", "-o", tables, "--force"}};
+      {"export", "-o", tables, "--force"},
+      {"plot", "-o", picture, "--force"},
+      {"stream", "--lcm", "memq://", "--speed", "0"},
+      {"emulate", "--duration", "0.1"},
+      {"compare", brief}};
   for (std::vector<std::string> words : commands) {
     words.push_back(brief);
     const double least = peak_MB(words);
     words.back() = lengthy;
     EXPECT_LT(peak_MB(words), least + 10.0) << words[0] << " " << words[1];
   }
+}
+
+/// Points of the first curve of this colour in a picture, [px]; what the legend shows is none.
+std::vector<std::pair<double, double>> first_curve(const std::string& svg,
+                                                   const std::string& colour) {
+  std::string curve;
+  for (std::size_t at = 0; (at = svg.find("<path d='", at)) != std::string::npos;) {
+    const std::size_t begin = at + 9, end = svg.find('\'', begin);
+    at = end;
+    const bool its = svg.compare(end, 10 + colour.size(), "' stroke='" + colour) == 0;
+    if (its && curve.empty() && end - begin > 100) curve = svg.substr(begin, end - begin);
+  }
+  for (char& c : curve) c = c == 'M' || c == 'L' ? ' ' : c;
+  std::istringstream numbers(curve);
+  std::vector<std::pair<double, double>> points;
+  for (double x = 0.0, y = 0.0; numbers >> x >> y;) points.push_back({x, y});
+  return points;
+}
+
+// The same throw, followed for 10 and for 60 s: more ticks than a picture has room for.
+TEST_F(TrialCommands, ALongTrialIsDrawnInFewPointsAndKeepsItsPeaks) {
+  std::vector<double> highest;
+  std::size_t points = 0;
+  for (const char* seconds : {"10", "60"}) {
+    const std::string name = seconds;
+    ASSERT_EQ(headpin("synthesize -o s" + name + " --duration " + name).code, 0);
+    ASSERT_EQ(headpin("replay s" + name + " -o " + name).code, 0);
+    ASSERT_EQ(headpin("plot " + name + " -o " + name + ".svg").code, 0);
+    const auto ball = first_curve(slurp(folder_ / (name + ".svg")), "#1f6fb4");
+    points = ball.size();
+    ASSERT_GT(points, 100u);
+    double top = ball.front().second;
+    for (const auto& [x, y] : ball) top = std::min(top, y);
+    highest.push_back(top);
+    EXPECT_NEAR(ball.back().first, 940.0, 0.2);  // the right edge: to the last tick
+  }
+  EXPECT_EQ(highest[0], highest[1]);
+  EXPECT_LE(points, 4000u);
 }
 
 const std::string kRecorded = HEADPIN_SHARED_DIR "/throws/liebers_labstudy21_bowling.csv";

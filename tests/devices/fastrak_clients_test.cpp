@@ -11,6 +11,7 @@
 
 #include "devices/fastrak_emulator.h"
 #include "devices/log.h"
+#include "devices/recorded_motion.h"
 
 /// The start-up of every known Fastrak client, byte for byte, over a real pseudo-terminal: each
 /// gets what it needs to go on, and then the whole bundled trial.

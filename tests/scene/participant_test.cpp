@@ -14,6 +14,7 @@
 #include "devices/fastrak.h"
 #include "devices/fastrak_emulator.h"
 #include "devices/messages.h"
+#include "devices/recorded_motion.h"
 #include "devices/sources.h"
 #include "scene/events.h"
 #include "scene/score.h"

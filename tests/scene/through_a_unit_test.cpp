@@ -9,6 +9,7 @@
 #include "devices/fastrak_emulator.h"
 #include "devices/log.h"
 #include "devices/mouse3d.h"
+#include "devices/recorded_motion.h"
 #include "devices/sources.h"
 #include "scene/recorded.h"
 #include "scene/score.h"

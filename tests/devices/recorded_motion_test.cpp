@@ -1,0 +1,107 @@
+#include "devices/recorded_motion.h"
+
+#include <gtest/gtest.h>
+#include <malloc.h>
+
+#include "devices/log.h"
+#include "tests/support/folder.h"
+
+namespace headpin::devices {
+namespace {
+
+using namespace std::chrono_literals;
+
+/// Two receivers at 60 Hz, the second away for a while, some samples out of order, letters, a
+/// stylus switch, and thumbs and trigger now and then.
+std::vector<Sample> recording(Time length) {
+  std::vector<Sample> samples;
+  for (Time t{}; t < length; t += 8333us) {
+    const int i = static_cast<int>(t / 8333us);
+    TrackerSample s;
+    s.station = 1 + i % 2;
+    s.sequence = i / 2;
+    s.device_time = i % 50 == 7 ? t - 40ms : t;
+    const double at = seconds(t);
+    s.X_TS.p = Vec3(0.5 + 0.3 * at / (1.0 + at), 0.1 * (i % 17), -0.1 * (i % 5));
+    s.X_TS.q = rotation(Vec3(0.0, 0.01 * (i % 90), 0.0));
+    s.status = i % 200 < 3 ? 'I' : ' ';
+    s.buttons = i % 300 < 40 ? 1 : 0;
+    if (s.station == 1 || t < 3s || t > 6s) samples.push_back(s);
+    if (i % 90 == 0) {
+      samples.push_back(MouseSample{.device_time = t, .trigger = i % 180 == 0});
+      samples.push_back(MouseSample{.device_time = t + 1ms, .trigger = i % 180 == 0});
+    }
+  }
+  return samples;
+}
+
+std::shared_ptr<const TrialFile> on_disk(const TemporaryFolder& folder,
+                                         const std::vector<Sample>& samples) {
+  const std::string path = folder / "trial.lcmlog";
+  Recorder recorder(path, TrialHeader{});
+  for (const Sample& sample : samples) recorder.write(sample);
+  recorder.close();
+  return std::make_shared<const TrialFile>(path);
+}
+
+void expect_same(const FastrakTruth& a, const FastrakTruth& b, int station, Time time) {
+  EXPECT_EQ(a.X_TS.p, b.X_TS.p) << station << " at " << time.count();
+  EXPECT_EQ(a.X_TS.q.coeffs(), b.X_TS.q.coeffs()) << station << " at " << time.count();
+  EXPECT_EQ(a.pressed, b.pressed) << station << " at " << time.count();
+  EXPECT_EQ(a.error, b.error) << station << " at " << time.count();
+}
+
+// Forward, a little and far back, far ahead, before the start and behind the end.
+TEST(RecordedUnit, MeasuresWhatAWholeRecordingDoes) {
+  const TemporaryFolder folder;
+  const std::vector<Sample> samples = recording(10s);
+  const RecordedUnit unit = recorded_unit(on_disk(folder, samples));
+  const FastrakMotion whole = recorded_motion(samples);
+  std::vector<Time> times;
+  for (Time t{}; t < 11s; t += 2777us) times.push_back(t - (t.count() % 3 == 0 ? 20ms : 0ms));
+  times.insert(times.end(), {0s, 9s, 4s, -1s, 100s, 2s});
+  for (Time t = 2s; t < 7s; t += 13ms) times.push_back(t);
+  for (const Time time : times) {
+    for (int station = 1; station <= 4; ++station) {
+      expect_same(unit.motion(station, time), whole(station, time), station, time);
+    }
+  }
+  EXPECT_EQ(unit.place.p_TP, place_for(samples).p_TP);
+  EXPECT_EQ(unit.place.envelope, place_for(samples).envelope);
+  EXPECT_EQ(unit.place.farthest, place_for(samples).farthest);
+  EXPECT_EQ(unit.first.device_time, first_measurement(samples).device_time);
+  EXPECT_EQ(unit.length, last_time(samples));
+}
+
+TEST(RecordedUnit, KeepsTheMousesChangesAlone) {
+  const TemporaryFolder folder;
+  const std::vector<MouseSample> buttons = recorded_unit(on_disk(folder, recording(10s))).buttons;
+  ASSERT_GT(buttons.size(), 5u);
+  for (std::size_t i = 1; i < buttons.size(); ++i) {
+    EXPECT_NE(buttons[i].trigger, buttons[i - 1].trigger);
+    EXPECT_GT(buttons[i].device_time, buttons[i - 1].device_time);
+  }
+}
+
+TEST(RecordedUnit, HoldsLittleOfALongRecording) {
+#ifdef __SANITIZE_ADDRESS__
+  GTEST_SKIP() << "AddressSanitizer has an allocator of its own";
+#endif
+  const auto in_use = [] {
+    const struct mallinfo2 now = mallinfo2();
+    return now.uordblks + now.hblkhd;
+  };
+  const TemporaryFolder folder;
+  const auto file = on_disk(folder, recording(400s));  // 48000 poses of 64 bytes
+  const std::size_t before = in_use();
+  const RecordedUnit unit = recorded_unit(file);
+  std::size_t most = 0;
+  for (Time t{}; t < 400s; t += 8333us) {
+    unit.motion(1 + static_cast<int>(t / 8333us) % 2, t);
+    most = std::max(most, in_use());
+  }
+  EXPECT_LT(most, before + 300'000);
+}
+
+}  // namespace
+}  // namespace headpin::devices
