@@ -11,6 +11,7 @@ namespace headpin::scene {
 inline constexpr std::pair<std::string_view, std::string_view> kKeysSince[] = {
     {"hand.release_window_most_s", "0.12"},
     {"hand.release_accuracy", "0.3"},
+    {"hand.falls_at_once", "false"},
     {"collision.warm", "true"},
     {"collision.friction_tau_s", "0.016666666666666666"},
     {"look.samples", "2"},

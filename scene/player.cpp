@@ -116,14 +116,20 @@ void grab(Player& player, const Scene& scene, Time time, Time now) {
 /// Lets go at `time`, and lets the ball fly until `now`, which is later by less than a tick.
 void release(Player& player, const Scene& scene, Time time, Time now) {
   const engine::BodyId body = player.held->body;
-  engine::State state = carried(player, scene.stage.scenario.hand, time, now);
-  state.X_WB.p += seconds(now - time) * state.v_WB;
+  const Hand& hand = scene.stage.scenario.hand;
+  engine::State state = carried(player, hand, time, now);
+  const double flown = seconds(now - time);
+  const Vec3 gained = flown * scene.world.parameters.gravity_W;
+  state.X_WB.p += flown * state.v_WB;
+  if (hand.falls_at_once) state.X_WB.p += 0.5 * flown * gained;
   state = engine::outside_fixed(scene.world, body, state);
+  const double speed = state.v_WB.norm();
+  if (hand.falls_at_once) state.v_WB += gained;
   player.held.reset();
   player.leaving = body;
   engine::set_kind(scene.world, body, engine::Kind::free);
   engine::set_state(scene.world, body, state);
-  note(scene, kind::release, body, state.v_WB.norm());
+  note(scene, kind::release, body, speed);
 }
 
 /// Carries what is held to where the hand has it, outside of everything fixed now and at the end of

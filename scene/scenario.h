@@ -99,6 +99,7 @@ struct Hand {
   double release_window_s = 0.060;       ///< the release velocity is fitted over this
   double release_window_most_s = 0.120;  ///< and over up to this where the tracker is noisy
   double release_accuracy = 0.3;         ///< that is, while it is known worse than this [m/s]
+  bool falls_at_once = false;            ///< what is let go between two ticks falls from then on
 };
 
 /// The game that is played: see scene/rules.h.

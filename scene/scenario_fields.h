@@ -178,6 +178,10 @@ void visit(V& v, Hand& h) {
           "and over up to this where the tracker is noisy");
   v.field("release_accuracy", h.release_accuracy, Range{0, 1000},
           "that is, while the fit knows it worse than this");
+  v.field(
+      "falls_at_once", h.falls_at_once, kAny,
+      "what is let go between two ticks falls from that moment on, not from the next tick: where "
+      "the ticks are matters less then");
 }
 
 template <typename V>

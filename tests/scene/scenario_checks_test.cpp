@@ -213,6 +213,7 @@ TEST(ScenarioOfATrial, TakesNoDefaultOfToday) {
   EXPECT_EQ(to_toml(scenario_of_trial(whole, "old.lcmlog")), whole);
   const std::set<std::string> came_later = {"hand.release_window_most_s",
                                             "hand.release_accuracy",
+                                            "hand.falls_at_once",
                                             "hand.takes_skittles",
                                             "hand.solid",
                                             "hand.elasticity",

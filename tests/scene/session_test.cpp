@@ -52,6 +52,51 @@ std::vector<devices::Sample> straight_throw(const Scenario& scenario, double v_e
   return samples;
 }
 
+/// A ball at the end of the tick in which it was let go.
+struct LetGo {
+  engine::State ball;
+  double flown = 0.0;  ///< up to the tick [s]
+  double speed = 0.0;  ///< as noted
+};
+
+/// @param shift  of all samples against the ticks
+LetGo let_go(Scenario scenario, bool falls_at_once, Time shift) {
+  scenario.hand.falls_at_once = falls_at_once;
+  std::vector<devices::Sample> samples = straight_throw(scenario);
+  for (devices::Sample& sample : samples) {
+    std::visit([&](auto& one) { one.device_time += shift; }, sample);
+  }
+  const Time released = tick_time(42, 60) + shift;
+  devices::ReplaySource source(samples);
+  Session session = make_session(scenario);
+  while (session.tick < 1000) {
+    advance(session, source);
+    for (const devices::Event& event : session.events) {
+      if (event.kind != kind::release) continue;
+      return {session.world.states[session.stage->balls.front()], seconds(event.time - released),
+              event.value};
+    }
+  }
+  ADD_FAILURE() << "nothing was let go";
+  return {};
+}
+
+// Free fall from the moment of the release: gravity has acted for the time up to the tick too.
+TEST(Release, BetweenTwoTicksFallsFromThereOnWhereAsked) {
+  const Scenario scenario;
+  const double dt = 1.0 / static_cast<double>(scenario.rates.physics_hz);
+  for (const Time shift : {Time{0}, Time{1000}, Time{2500}, Time{4000}}) {
+    const LetGo later = let_go(scenario, false, shift), at_once = let_go(scenario, true, shift);
+    const double f = at_once.flown;
+    const Vec3 g = make_stage(scenario).world.parameters.gravity_W;
+    EXPECT_NEAR(f, shift == Time{} ? 0.0 : dt - seconds(shift), 1e-6);
+    EXPECT_LT((at_once.ball.v_WB - later.ball.v_WB - f * g).norm(), 1e-12) << shift.count();
+    EXPECT_LT((at_once.ball.X_WB.p - later.ball.X_WB.p - (0.5 * f * f + f * dt) * g).norm(), 1e-12)
+        << shift.count();
+    EXPECT_EQ(at_once.speed, later.speed);  // when it was let go
+  }
+}
+
 struct Outcome {
   Session session;
   std::vector<devices::Event> events;
