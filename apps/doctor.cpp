@@ -10,6 +10,7 @@
 
 #include "apps/command.h"
 #include "apps/options.h"
+#include "apps/priority.h"
 #include "apps/streams.h"
 #include "devices/lcm_link.h"
 #include "render/fingerprint.h"
@@ -88,6 +89,17 @@ Finding look_at_receive_buffer() {
           fmt::format("sysctl -w net.core.rmem_max={0} net.core.rmem_default={0}", kEnough)};
 }
 
+/// In a thread of its own: it is the only one to have it.
+Finding look_at_priority() {
+  Priority found = Priority::same;
+  std::thread([&found] { found = go_first(); }).join();
+  const bool works = found == Priority::real_time;
+  return {"real_time", works,
+          works ? "ticks of a live session go before what else runs"
+                : "not allowed; on a busy machine ticks of a live session begin late",
+          "echo '* - rtprio 1' > /etc/security/limits.d/headpin.conf && exec su - $USER"};
+}
+
 Finding look_for_program(const char* name, const char* package) {
   const char* path = std::getenv("PATH");
   std::string_view rest = path ? path : "";
@@ -103,8 +115,8 @@ Finding look_for_program(const char* name, const char* package) {
 void diagnose(bool json, const std::string& gl) {
   std::vector<Finding> findings = look_at_contexts(gl);
   for (const Finding& finding :
-       {look_at_multicast(), look_at_receive_buffer(), look_for_program("ffmpeg", "ffmpeg"),
-        look_for_program("lcm-logplayer", "liblcm-bin"),
+       {look_at_multicast(), look_at_receive_buffer(), look_at_priority(),
+        look_for_program("ffmpeg", "ffmpeg"), look_for_program("lcm-logplayer", "liblcm-bin"),
         look_for_program("Rscript", "r-base-core")}) {
     findings.push_back(finding);
   }

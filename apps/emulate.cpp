@@ -11,12 +11,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <poll.h>
-#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 #include "apps/command.h"
 #include "apps/options.h"
+#include "apps/priority.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "devices/fastrak_emulator.h"
@@ -383,7 +383,7 @@ void emulate(const EmulateOptions& options) {
   const Line line(options);
   introduce(options, line, feed, unit.stylus);
 
-  setpriority(PRIO_PROCESS, 0, -10);  // if it may: a unit has a processor of its own
+  go_first();  // if it may: a unit has a processor of its own
   const auto start = std::chrono::steady_clock::now();
   const auto clock = [&] {
     return std::chrono::duration_cast<Time>(std::chrono::steady_clock::now() - start);

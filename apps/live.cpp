@@ -8,13 +8,12 @@
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
-#include <sys/resource.h>
-#include <unistd.h>
 
 #include "apps/command.h"
 #include "apps/condition.h"
 #include "apps/live_eyes.h"
 #include "apps/options.h"
+#include "apps/priority.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "devices/lcm_link.h"
@@ -51,11 +50,6 @@ struct SessionClock {
     return std::chrono::duration_cast<Time>(scene::RealTime::Clock::now() - start);
   }
 };
-
-/// Ticks and readers go first; where that takes a right we lack, drawing gives way all the same.
-void go_first() {
-  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), -10);
-}
 
 /// Mesa's software renderer takes a thread a core unless it is told.
 void leave_a_core_to_ticks() {
@@ -355,7 +349,7 @@ void go_live(const LiveOptions& options) {
       std::make_unique<scene::RealTime>(tick_time(1, live.session.scenario().rates.physics_hz));
   live.eyes->begin(live.pace->start());
   live.clock->start = live.pace->start();
-  go_first();
+  go_first();  // and the readers; where that takes a right we lack, drawing gives way all the same
   for (const auto& one : live.sources) one->start();
   open_recording(options, live);
   const devices::Event drawn_by = scene::drawn_by_event(live.eyes->drawn_by());

@@ -219,6 +219,26 @@ TEST_F(LiveFastrak, ABusyMachineDoesNotChangeAThrow) {
   EXPECT_NEAR(release_speed("--tcp 0", 4), speed, 0.1);
 }
 
+// What goes before everything else is the tick, not what draws: were that real-time too, nothing else
+// would run beside it.
+TEST_F(LiveFastrak, TicksAreScheduledInRealTimeAndDrawingIsNot) {
+  if (!json("doctor --json")["real_time"]["works"]) GTEST_SKIP() << "not allowed to anybody here";
+  const Result result =
+      shell("$headpin live " + kDemo +
+            " --record live.lcmlog & live=$!\n"
+            "counted $live live.lcmlog STATE 10\n"
+            "for task in /proc/$live/task/*; do\n"
+            "  test ${task##*/} = $live && name=ticks || name=others\n"
+            "  echo $name $(cut -d' ' -f41 $task/stat)\n"  // its policy: 1 is SCHED_FIFO
+            "done >policies\n"
+            "interrupt $live");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const std::string policies = slurp(folder_ / "policies");
+  EXPECT_THAT(policies, testing::HasSubstr("ticks 1\n"));
+  EXPECT_THAT(policies, testing::HasSubstr("others 0\n"));
+  EXPECT_THAT(policies, testing::Not(testing::HasSubstr("others 1\n")));
+}
+
 // The loss is said when it happens and when the session ends; the session itself goes on.
 TEST_F(LiveFastrak, ARecordingThatSomebodyTakesAwayIsSaidToBeLost) {
   for (const auto& [deed, said] : {std::pair{"rm live.lcmlog", "was deleted while"},
