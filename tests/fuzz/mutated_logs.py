@@ -220,6 +220,16 @@ def damage(log, draw):
     return bytes(log)
 
 
+def processor_seconds(process):
+    """That it has had; 0 when it is no more."""
+    try:
+        with open(f"/proc/{process}/stat") as file:
+            user, system = file.read().rpartition(")")[2].split()[11:13]
+    except OSError:
+        return 0.0
+    return (int(user) + int(system)) / os.sysconf("SC_CLK_TCK")
+
+
 class Server:
     """The program, loaded once; each run is a child of it. See fork_server.cpp."""
 
@@ -229,26 +239,33 @@ class Server:
         self.process = subprocess.Popen([options.headpin], env=environment, bufsize=0,
                                         stdin=subprocess.PIPE, stdout=subprocess.PIPE)
 
-    def line(self, timeout=None):
-        """The next line it says; nothing when it says none in time."""
-        if not select.select([self.process.stdout], [], [], timeout)[0]:
-            return None
+    def line(self):
         line = self.process.stdout.readline()
         if not line:
             sys.exit("the program's server has ended")
         return line
+
+    def ends_in_time(self, child, timeout):
+        """Whether it ends before it has had so much of a processor, or ten times that has passed: a
+        machine that is busy with other things lets it wait, and a lock lets it wait for ever."""
+        latest = time.monotonic() + 10.0 * timeout
+        while not select.select([self.process.stdout], [], [], 0.5)[0]:
+            if processor_seconds(child) > timeout or time.monotonic() > latest:
+                return False
+        return True
 
     def run(self, words, folder, timeout):
         """Exit code, memory [KB] and words; no exit code where it had to be killed."""
         said = os.path.join(folder, "said")
         request = b"".join(os.fsencode(word) + b"\0" for word in (folder, said, *words))
         self.process.stdin.write(b"%d\n" % len(request) + request)
-        child, ended = int(self.line()), self.line(timeout)
-        if not ended:
+        child = int(self.line())
+        in_time = self.ends_in_time(child, timeout)
+        if not in_time:
             os.kill(child, signal.SIGKILL)
-            self.line()
+        status, memory = map(int, self.line().split())
+        if not in_time:
             return None, 0, ""
-        status, memory = map(int, ended.split())
         with open(said, "rb") as file:
             text = file.read(1 << 20).decode(errors="replace")
         return os.waitstatus_to_exitcode(status), memory, text
@@ -319,7 +336,7 @@ def main():
     parser.add_argument("--first", type=int, default=0, help="number of the first log")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--memory", type=int, default=200, help="MB; a sanitizer needs more")
-    parser.add_argument("--timeout", type=float, default=10.0, help="seconds for each run")
+    parser.add_argument("--timeout", type=float, default=10.0, help="seconds of a processor for each run")
     parser.add_argument("--jobs", type=int, default=os.cpu_count())
     parser.add_argument("--commands", help="these alone: " + ", ".join(COMMANDS))
     options = parser.parse_args()
