@@ -21,7 +21,7 @@ mkdir away
 (
   cd away
   env -i "$headpin" synthesize --scenario german-ninepins --seed 3 -o throw.lcmlog >/dev/null
-  env -i "$headpin" replay throw.lcmlog | grep -q "skittles down .* of 9" || fail "no ninepins"
+  env -i "$headpin" replay throw.lcmlog | grep -q "score sheet .*ninepins: [0-9]" || fail "no ninepins"
   env -i "$headpin" replay "$prefix/share/headpin/trials/demo.lcmlog" | grep -q "of 10"
   env -i "$headpin" import "$prefix/share/headpin/throws/example.csv" -o own.lcmlog >/dev/null
 )
