@@ -1,7 +1,7 @@
 function(run out)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE error)
   if(NOT result EQUAL 0)
-    message(FATAL_ERROR "${ARGN}\n${output}\n${error}")
+    message(FATAL_ERROR "${ARGN}: ${result}\n${output}\n${error}")
   endif()
   set(${out} "${output}" PARENT_SCOPE)
 endfunction()
