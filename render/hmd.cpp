@@ -40,7 +40,8 @@ constexpr std::array<HmdProfile, 7> kProfiles = {{
       .relay_width = 704,
       .relay_height = 480}},
     {"flight-helmet-lens",
-     "as flight-helmet-leep, drawn against the lens's distortion (0.32: Robinett and Rolland 1992)",
+     "as flight-helmet-leep, drawn against a lens's distortion; its coefficient from memory of "
+     "Robinett and Rolland 1992, not checked",
      {.width = 208,
       .height = 139,
       .horizontal_fov_deg = 75.3,
