@@ -294,7 +294,9 @@ std::optional<TickState> TrialItems::next_state() {
 }
 
 TrialPlayer::TrialPlayer(const TrialFile& file, Beside beside)
-    : walk_(std::make_unique<TrialWalk>(*file.content_)), disorder_(file.summary().disorder) {
+    : walk_(std::make_unique<TrialWalk>(*file.content_)),
+      complete_(file.summary().complete),
+      disorder_(file.summary().disorder) {
   if (beside.states) states_.left = file.summary().state_count;
   if (beside.frames) frames_.left = file.summary().frame_count;
 }

@@ -95,6 +95,7 @@ class TrialPlayer : public Source {
 
   bool has_states() const { return states_.left > 0 || !states_.read.empty(); }
   bool has_frames() const { return frames_.left > 0 || !frames_.read.empty(); }
+  bool complete() const { return complete_; }  ///< nothing is missing, as TrialSummary::complete
 
   /// The recorded state or frame of a tick, nothing where there is none; to be asked for tick by
   /// tick, forward.
@@ -112,6 +113,7 @@ class TrialPlayer : public Source {
   void read();
 
   std::unique_ptr<TrialWalk> walk_;
+  bool complete_;
   Time disorder_{};
   std::optional<Time> newest_;
   std::multimap<Time, Sample> samples_;  // by when they are available

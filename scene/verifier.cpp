@@ -51,10 +51,13 @@ void Verifier::tick(const Session& session) {
   if (body) {
     throw std::runtime_error(
         fmt::format("tick {} ({:.6f} s) differs from the recording, first {}: expected state "
-                    "{:016x}, found {:016x}",
+                    "{:016x}, found {:016x}{}",
                     state_.tick, seconds(state_.time),
                     body->empty() ? "in what only the hash tells" : "in the " + *body,
-                    recorded->hash, state_.hash));
+                    recorded->hash, state_.hash,
+                    recorded_.complete() ? ""
+                                         : "; the recording is not complete, and what the session "
+                                           "got may be missing in it"));
   }
   ++compared_;
 }

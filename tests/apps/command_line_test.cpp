@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 
+#include "devices/event_log.h"
 #include "render/image.h"
 
 namespace headpin {
@@ -131,6 +132,24 @@ TEST_F(CommandLine, AnotherConditionIsAnotherGameAndVerifyNamesTickAndBody) {
       json("compare rough.lcmlog smooth.lcmlog --json")["first_difference_tick"].get<int>());
   expect_refusal("replay rough.lcmlog --verify --friction 0 --elasticity 1", 1, "tick " + tick);
   expect_refusal("replay " + kDemo + " --verify", 1, "holds no states");
+}
+
+// As by a logger that lost a message on a busy network.
+TEST_F(CommandLine, ARecordingThatLacksASampleSaysSoWhereItDiffers) {
+  ASSERT_EQ(headpin("replay " + kDemo + " -o whole.lcmlog").code, 0);
+  const std::string whole = slurp(folder_ / "whole.lcmlog");
+  std::string lacking;
+  int buttons = 0;
+  devices::LogReader reader({reinterpret_cast<const std::uint8_t*>(whole.data()), whole.size()});
+  for (std::size_t at = 0; const auto event = reader.next();) {
+    const std::size_t size = 28 + event->channel.size() + event->data.size();
+    if (event->channel != "MOUSE3D" || ++buttons != 2) lacking += whole.substr(at, size);
+    at += size;
+  }
+  ASSERT_EQ(buttons, 2);  // grab and release
+  std::ofstream(folder_ / "lacking.lcmlog") << lacking;
+  expect_refusal("replay lacking.lcmlog --verify", 1,
+                 "the recording is not complete, and what the session got may be missing in it");
 }
 
 TEST_F(CommandLine, AValueIsSetWhereverItStands) {
