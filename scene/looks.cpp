@@ -52,7 +52,7 @@ void append_occluders(DrawList& list, const std::vector<Occluder>& of_body, cons
 
 }  // namespace
 
-Looks::Looks(render::Renderer& renderer, const Stage& stage)
+Looks::Looks(const MeshKeeper& keeper, const Stage& stage)
     : ball_radius(stage.scenario.ball.radius), skittle_centre(stage.skittle_centre) {
   const Scenario& scenario = stage.scenario;
   const Outline outline = smooth_outline(scenario.skittle.profile);
@@ -60,27 +60,25 @@ Looks::Looks(render::Renderer& renderer, const Stage& stage)
   for (const SkittlePart& part : scenario.skittle.parts) widest = std::max(widest, part.radius);
   const double height = scenario.skittle.height;
   const Outline ellipsoid = ellipsoid_outline(height, widest);
-  true_skittle = renderer.add(skittle_mesh(outline, stage.skittle_centre, kRings, kSides));
-  far_true_skittle =
-      renderer.add(skittle_mesh(outline, stage.skittle_centre, kFarRings, kFarSides));
-  ellipsoid_skittle = renderer.add(skittle_mesh(ellipsoid, 0.5 * height, kRings, kSides));
-  far_ellipsoid_skittle = renderer.add(skittle_mesh(ellipsoid, 0.5 * height, kFarRings, kFarSides));
+  true_skittle = keeper.add(skittle_mesh(outline, stage.skittle_centre, kRings, kSides));
+  far_true_skittle = keeper.add(skittle_mesh(outline, stage.skittle_centre, kFarRings, kFarSides));
+  ellipsoid_skittle = keeper.add(skittle_mesh(ellipsoid, 0.5 * height, kRings, kSides));
+  far_ellipsoid_skittle = keeper.add(skittle_mesh(ellipsoid, 0.5 * height, kFarRings, kFarSides));
   true_occluders = occluders_of(outline, stage.skittle_centre);
   ellipsoid_occluders = occluders_of(ellipsoid, 0.5 * height);
-  ball = renderer.add(ball_mesh(ball_radius, Vec3::UnitZ()));
-  open_hand = renderer.add(open_hand_mesh(kSkinCell));
-  far_open_hand = renderer.add(open_hand_mesh(kFarSkinCell));
-  gripping_hand = renderer.add(gripping_hand_mesh(scenario.hand.grip, ball_radius, kSkinCell));
-  far_gripping_hand =
-      renderer.add(gripping_hand_mesh(scenario.hand.grip, ball_radius, kFarSkinCell));
+  ball = keeper.add(ball_mesh(ball_radius, Vec3::UnitZ()));
+  open_hand = keeper.add(open_hand_mesh(kSkinCell));
+  far_open_hand = keeper.add(open_hand_mesh(kFarSkinCell));
+  gripping_hand = keeper.add(gripping_hand_mesh(scenario.hand.grip, ball_radius, kSkinCell));
+  far_gripping_hand = keeper.add(gripping_hand_mesh(scenario.hand.grip, ball_radius, kFarSkinCell));
 
-  head = renderer.add(head_mesh());
+  head = keeper.add(head_mesh());
 
   const RoomMeasures measures = room_measures(scenario);
   const RoomMeshes meshes = room_meshes(measures);
   const auto still = [&](const render::Mesh& mesh, bool mirrored) {
     DrawItem item;
-    item.mesh = renderer.add(mesh);
+    item.mesh = keeper.add(mesh);
     item.id = kRoomId;
     item.mirrored = mirrored;
     room.items.push_back(item);
@@ -95,7 +93,7 @@ Looks::Looks(render::Renderer& renderer, const Stage& stage)
     const Vec3 home = stage.world.states[one].X_WB.p;
     const double rim = home.z() - 0.78 * ball_radius;  // the ball lies in the stand's ring
     DrawItem stand;
-    stand.mesh = renderer.add(stand_mesh(rim, ball_radius));
+    stand.mesh = keeper.add(stand_mesh(rim, ball_radius));
     stand.X_WG.p = Vec3(home.x(), home.y(), 0.0);
     stand.id = kStandId;
     stand.casts_shadow = true;
@@ -104,7 +102,7 @@ Looks::Looks(render::Renderer& renderer, const Stage& stage)
     room.occluders.push_back({Vec3(home.x(), home.y(), 0.06), 0.13});
   }
 
-  if (scenario.version.buttons) add_buttons(renderer, scenario.version);
+  if (scenario.version.buttons) add_buttons(keeper, scenario.version);
 
   room.lamps = room_lamps(measures);
   room.sky = room_ambient().sky;
@@ -116,11 +114,11 @@ Looks::Looks(render::Renderer& renderer, const Stage& stage)
                  Vec3(reach, measures.ahead, 1.0), 0.38};
 }
 
-void Looks::add_buttons(render::Renderer& renderer, const Versions& versions) {
+void Looks::add_buttons(const MeshKeeper& keeper, const Versions& versions) {
   const double r = versions.radius;
   const auto add = [&](const render::Mesh& mesh, const Vec3& p_WG) {
     DrawItem item;
-    item.mesh = renderer.add(mesh);
+    item.mesh = keeper.add(mesh);
     item.X_WG.p = p_WG;
     item.id = kButtonId;
     item.casts_shadow = true;

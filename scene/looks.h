@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 
@@ -19,10 +20,17 @@ inline constexpr std::uint32_t kHeadId = 5;
 inline constexpr std::uint32_t kFirstBallId = 10;
 inline constexpr std::uint32_t kFirstSkittleId = 100;
 
-/// Everything of a stage that can be seen, kept by a renderer, and the light it is seen in.
+/// Whoever keeps meshes: a renderer, or one that writes them down.
+struct MeshKeeper {
+  std::function<int(const render::Mesh&)> add;  ///< gives the number it is asked for by
+};
+
+/// Everything of a stage that can be seen, and the light it is seen in.
 struct Looks {
-  /// Adds all meshes to the renderer.
-  Looks(render::Renderer& renderer, const Stage& stage);
+  /// Adds all meshes to the keeper.
+  Looks(const MeshKeeper& keeper, const Stage& stage);
+  Looks(render::Renderer& renderer, const Stage& stage)
+      : Looks(MeshKeeper{[&](const render::Mesh& mesh) { return renderer.add(mesh); }}, stage) {}
 
   /// Meshes; the far ones are of fewer triangles.
   int true_skittle, far_true_skittle, ellipsoid_skittle, far_ellipsoid_skittle, ball, open_hand,
@@ -32,7 +40,7 @@ struct Looks {
   double ball_radius, skittle_centre;  ///< the latter of the stage's skittles
 
  private:
-  void add_buttons(render::Renderer& renderer, const Versions& versions);
+  void add_buttons(const MeshKeeper& keeper, const Versions& versions);
 };
 
 /// What moves, at one moment.

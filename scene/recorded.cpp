@@ -10,14 +10,26 @@
 
 namespace headpin::scene {
 
-Recorded load_trial(const std::string& path, Time longest_gap) {
-  devices::TrialFile file(path);
+namespace {
+
+Recorded read(devices::TrialFile file, const std::string& name, Time longest_gap) {
   file.require_trial(longest_gap);
-  Scenario scenario = scenario_of_trial(file.summary().header.scenario, path);
+  Scenario scenario = scenario_of_trial(file.summary().header.scenario, name);
   if (file.summary().sample_count == 0) {
-    throw std::runtime_error(path + ": expected samples of a tracker, found none");
+    throw std::runtime_error(name + ": expected samples of a tracker, found none");
   }
   return {std::move(file), std::move(scenario)};
+}
+
+}  // namespace
+
+Recorded load_trial(const std::string& path, Time longest_gap) {
+  return read(devices::TrialFile(path), path, longest_gap);
+}
+
+Recorded load_trial(std::span<const std::uint8_t> bytes, const std::string& name,
+                    Time longest_gap) {
+  return read(devices::TrialFile(bytes), name, longest_gap);
 }
 
 std::int64_t tick_count(const devices::TrialSummary& trial, std::int64_t rate_hz) {

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <string>
 
 #include "devices/trial_file.h"
@@ -17,6 +19,11 @@ struct Recorded {
 /// @throws std::runtime_error     naming the file, for one that cannot be read or holds no samples
 /// @throws std::invalid_argument  as parse_scenario
 Recorded load_trial(const std::string& path, Time longest_gap = devices::kLongestGap);
+/// The same from the bytes of a log, which must outlive it.
+///
+/// @param name  for messages
+Recorded load_trial(std::span<const std::uint8_t> bytes, const std::string& name,
+                    Time longest_gap = devices::kLongestGap);
 
 /// Ticks from the first one to that at which the last sample is known, or to the last one the trial
 /// recorded, whichever is later.

@@ -27,15 +27,26 @@ fs::path program_file() {
 /// Empty where there is none.
 fs::path scenario_folder() {
   std::error_code none;
-  const fs::path program = program_file().parent_path();
-  for (const char* data : {HEADPIN_DATA_FROM_PROGRAM, "share/headpin"}) {
-    const fs::path folder = (program / data / "scenarios").lexically_normal();
+  for (const fs::path& data : data_folders()) {
+    const fs::path folder = data / "scenarios";
     if (fs::is_directory(folder, none)) return folder;
   }
   return {};
 }
 
 }  // namespace
+
+fs::path program_folder() {
+  return program_file().parent_path();
+}
+
+std::vector<fs::path> data_folders() {
+  std::vector<fs::path> folders;
+  for (const char* data : {HEADPIN_DATA_FROM_PROGRAM, "share/headpin"}) {
+    folders.push_back((program_folder() / data).lexically_normal());
+  }
+  return folders;
+}
 
 std::vector<std::string> scenario_names() {
   std::vector<std::string> names;

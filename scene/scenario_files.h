@@ -1,11 +1,19 @@
 #pragma once
 
+#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
 
-/// The scenarios that come with the program, by name.
+/// What comes with the program: scenarios, by name.
 namespace headpin::scene {
+
+/// Where the running program is.
+std::filesystem::path program_folder();
+
+/// Where share/headpin may be, the likeliest first: beside `bin` once installed, and beside the
+/// program in its build folder.
+std::vector<std::filesystem::path> data_folders();
 
 /// Names of the scenarios that are found, in order; empty where the program stands alone.
 ///
