@@ -28,6 +28,7 @@ void add_live(CLI::App& app);
 void add_manual(CLI::App& app);
 void add_plot(CLI::App& app);
 void add_replay(CLI::App& app);
+void add_report(CLI::App& app);
 void add_scenario(CLI::App& app);
 void add_stream(CLI::App& app);
 void add_synthesize(CLI::App& app);

@@ -100,6 +100,7 @@ int main(int argc, char** argv) {
   apps::add_compare(app);
   apps::add_export(app);
   apps::add_plot(app);
+  apps::add_report(app);
   apps::add_live(app);
   apps::add_doctor(app);
   apps::add_stream(app);

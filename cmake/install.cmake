@@ -18,6 +18,9 @@ endif()
 install(FILES cmake/FindLCM.cmake DESTINATION ${HEADPIN_CMAKE_DIR} COMPONENT libraries)
 install(DIRECTORY assets/scenarios assets/trials assets/throws
         DESTINATION ${CMAKE_INSTALL_DATADIR}/headpin COMPONENT program)
+# What `headpin report` fills in, where `./dev page` has built it.
+install(FILES ${PROJECT_SOURCE_DIR}/build/report/page.html
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/headpin COMPONENT program OPTIONAL)
 install(FILES LICENSE RENAME copyright
         DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/headpin COMPONENT program)
 install(FILES README.md CHANGELOG.md CITATION.cff

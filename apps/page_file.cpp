@@ -1,0 +1,150 @@
+#include "apps/page_file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+#include "devices/event_log.h"
+#include "devices/messages.h"
+#include "scene/scenario_files.h"
+
+namespace headpin::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kMark = "<!--headpin:data-->";
+constexpr double kMostQuanta = 4503599627370496.0;  // 2^52: the page reads them as doubles
+
+void append_number(std::int64_t number, std::vector<std::uint8_t>& out) {
+  auto left = static_cast<std::uint64_t>(number) << 1 ^ static_cast<std::uint64_t>(number >> 63);
+  for (; left >= 0x80; left >>= 7) out.push_back(static_cast<std::uint8_t>(left | 0x80));
+  out.push_back(static_cast<std::uint8_t>(left));
+}
+
+template <typename T>
+void append_big_endian(T number, std::vector<std::uint8_t>& out) {
+  for (int shift = 8 * static_cast<int>(sizeof(T)) - 8; shift >= 0; shift -= 8) {
+    out.push_back(static_cast<std::uint8_t>(number >> shift));
+  }
+}
+
+void append(const devices::LogEvent& event, std::int64_t number, std::vector<std::uint8_t>& out) {
+  append_big_endian<std::uint32_t>(0xEDA1DA01, out);
+  append_big_endian<std::int64_t>(number, out);
+  append_big_endian<std::int64_t>(event.time.count(), out);
+  append_big_endian(static_cast<std::int32_t>(event.channel.size()), out);
+  append_big_endian(static_cast<std::int32_t>(event.data.size()), out);
+  out.insert(out.end(), event.channel.begin(), event.channel.end());
+  out.insert(out.end(), event.data.begin(), event.data.end());
+}
+
+}  // namespace
+
+std::string base64(std::span<const std::uint8_t> bytes) {
+  constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string out;
+  out.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const std::size_t here = std::min<std::size_t>(3, bytes.size() - i);
+    std::uint32_t three = 0;
+    for (std::size_t j = 0; j < 3; ++j) three = three << 8 | (j < here ? bytes[i + j] : 0u);
+    for (std::size_t j = 0; j < 4; ++j) {
+      out += j <= here ? kDigits[three >> (18 - 6 * j) & 63] : '=';
+    }
+  }
+  return out;
+}
+
+std::string deflated(std::span<const std::uint8_t> bytes) {
+  uLongf size = compressBound(bytes.size());
+  std::vector<std::uint8_t> out(size);
+  if (compress2(out.data(), &size, bytes.data(), bytes.size(), Z_BEST_COMPRESSION) != Z_OK) {
+    throw std::runtime_error("zlib: out of memory");
+  }
+  return base64({out.data(), size});
+}
+
+std::string deflated(const std::string& text) {
+  return deflated({reinterpret_cast<const std::uint8_t*>(text.data()), text.size()});
+}
+
+std::vector<std::uint8_t> in_quanta(const scene::PageData& data) {
+  std::vector<std::uint8_t> out;
+  for (const nlohmann::json& section : data.json["sections"]) {
+    const std::size_t rows = section["rows"], columns = section["columns"].size();
+    const float* first = data.floats.data() + section["offset"].get<std::size_t>();
+    for (std::size_t column = 0; column < columns; ++column) {
+      const double quantum = section["quanta"][column];
+      std::int64_t before = 0;
+      for (std::size_t row = 0; row < rows; ++row) {
+        const double quanta = first[row * columns + column] / quantum;
+        const std::int64_t now = std::llround(
+            std::isfinite(quanta) ? std::clamp(quanta, -kMostQuanta, kMostQuanta) : 0.0);
+        append_number(now - before, out);
+        before = now;
+      }
+    }
+  }
+  return out;
+}
+
+std::vector<std::uint8_t> log_of_inputs(const std::string& path) {
+  devices::FileWindow file(path);
+  devices::LogReader log(file);
+  std::vector<std::uint8_t> out;
+  std::int64_t number = 0;
+  while (const auto event = log.next()) {
+    if (event->channel == devices::kStateChannel || event->channel == devices::kFrameChannel) {
+      continue;
+    }
+    append(*event, number++, out);
+  }
+  return out;
+}
+
+std::string page_template(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  if (!file || file.bad()) throw std::runtime_error(path + ": cannot be read");
+  std::string page = std::move(text).str();
+  if (page.find(kMark) == std::string::npos) {
+    throw std::runtime_error(
+        fmt::format("{}: expected a page with the mark {} in it, found none", path, kMark));
+  }
+  return page;
+}
+
+std::string page_template() {
+  std::vector<fs::path> places;
+  for (const fs::path& data : scene::data_folders()) places.push_back(data / "page.html");
+  places.push_back((scene::program_folder() / "../report/page.html").lexically_normal());
+  std::error_code none;
+  for (const fs::path& place : places) {
+    if (fs::is_regular_file(place, none)) return page_template(place.string());
+  }
+  throw std::runtime_error(
+      "the page that a trial is put into has not been built; `./dev page` in headpin's sources "
+      "does "
+      "it (needs nodejs and npm)");
+}
+
+std::string filled(const std::string& page, const PageBlocks& blocks) {
+  std::string data;
+  for (const auto& [name, base64_text] : blocks) {
+    data += fmt::format("<script type=\"text/plain\" data-block=\"{}\">{}</script>\n", name,
+                        base64_text);
+  }
+  const std::size_t at = page.find(kMark);
+  return page.substr(0, at) + data + page.substr(at + kMark.size());
+}
+
+}  // namespace headpin::apps

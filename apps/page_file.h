@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "scene/page_data.h"
+
+/// The one file that `headpin report` writes: a page made beforehand, and in it the trial.
+namespace headpin::apps {
+
+/// What stands in a page, by name: base64 of deflated bytes, so that no text of a trial is ever
+/// read as HTML.
+using PageBlocks = std::map<std::string, std::string>;
+
+std::string base64(std::span<const std::uint8_t> bytes);
+/// zlib's format, in base64.
+std::string deflated(std::span<const std::uint8_t> bytes);
+std::string deflated(const std::string& text);
+
+/// The rows of each section column after column, in whole quanta, each number as what it is more
+/// than the one above it: zigzag, seven bits a byte, the lowest first, the eighth bit where more
+/// follow (LEB128). Deflates to a fifth of the floats.
+std::vector<std::uint8_t> in_quanta(const scene::PageData& data);
+
+/// A trial's log without what a replay brings again: states and frames.
+///
+/// @throws std::runtime_error  when there is no such file
+std::vector<std::uint8_t> log_of_inputs(const std::string& path);
+
+/// The page that came with the program or was built beside it.
+///
+/// @throws std::runtime_error  without one, naming the command that makes it
+std::string page_template();
+/// @throws std::runtime_error  naming the file, when it cannot be read or takes no data
+std::string page_template(const std::string& path);
+
+/// @param page  with the mark that page_template() has made sure of
+std::string filled(const std::string& page, const PageBlocks& blocks);
+
+}  // namespace headpin::apps

@@ -1,0 +1,203 @@
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "apps/options.h"
+#include "apps/page_file.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
+#include "devices/event_log.h"
+#include "devices/version.h"
+#include "files/output_file.h"
+#include "scene/page_data.h"
+#include "scene/verifier.h"
+
+namespace headpin::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReportOptions {
+  std::string trial;
+  std::optional<std::string> other, output, video, page;
+  double longest_gap = seconds(devices::kLongestGap);
+  bool force = false, json = false;
+};
+
+constexpr std::uintmax_t kMostEmbedded = 20'000'000;  // bytes; more stays beside the page
+
+/// As a shell reads it back.
+std::string quoted(const std::string& word) {
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+std::string command_of(const ReportOptions& options) {
+  std::string command = "headpin report " + quoted(options.trial);
+  if (options.other) command += " " + quoted(*options.other);
+  command += " -o " + quoted(*options.output);
+  if (options.video) command += " --video " + quoted(*options.video);
+  return command;
+}
+
+std::string text_of(const nlohmann::json& object) {
+  return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string file_name(const std::string& path) {
+  return fs::path(path).filename().string();
+}
+
+/// One trial's share of the page, its blocks named with `which` behind.
+void add_trial(const std::string& path, const scene::PageData& data, const std::string& which,
+               PageBlocks& blocks) {
+  nlohmann::json text = data.json;
+  text["trial"]["name"] = file_name(path);
+  blocks["json" + which] = deflated(text_of(text));
+  blocks["numbers" + which] = deflated(in_quanta(data));
+}
+
+/// Where two trials part when both are simulated again.
+nlohmann::json first_difference(const scene::Recorded& a, const scene::Recorded& b) {
+  devices::TrialPlayer in_a(a.file), in_b(b.file);
+  scene::Session sa = scene::make_session(a.scenario), sb = scene::make_session(b.scenario);
+  const auto ticks_of = [](const scene::Recorded& r) {
+    return scene::tick_count(r.file.summary(), r.scenario.rates.physics_hz);
+  };
+  const std::int64_t ticks_a = ticks_of(a), ticks_b = ticks_of(b);
+  const std::vector<std::string> names = scene::body_names(*sa.stage);
+  devices::TickState now_a, now_b;
+  while (sa.tick < std::min(ticks_a, ticks_b)) {
+    check_stop();
+    scene::advance(sa, in_a);
+    scene::advance(sb, in_b);
+    scene::tick_state(sa, now_a);
+    scene::tick_state(sb, now_b);
+    if (const auto body = scene::first_different_body(now_a, now_b, names)) {
+      return {{"tick", sa.tick}, {"time_s", seconds(sa.now())}, {"body", *body}};
+    }
+  }
+  if (ticks_a == ticks_b) return {};
+  return {{"tick", sa.tick + 1}, {"time_s", seconds(sa.next_tick())}, {"body", ""}};
+}
+
+/// The log without its states, where that simulates to the same bits: so it does unless it is so old
+/// that its states tell when samples were known.
+std::string log_block(const std::string& path, const std::string& state_hash, Time longest_gap) {
+  const std::vector<std::uint8_t> inputs = log_of_inputs(path);
+  const scene::Recorded recorded = scene::load_trial(inputs, path, longest_gap);
+  scene::Session session = scene::make_session(recorded.scenario);
+  devices::TrialPlayer source(recorded.file);
+  scene::NoPace pace;
+  const std::int64_t ticks =
+      scene::tick_count(recorded.file.summary(), recorded.scenario.rates.physics_hz);
+  scene::run(session, source, pace, {}, [&](const scene::Session& s) {
+    check_stop();
+    return s.tick >= ticks;
+  });
+  if (fmt::format("{:016x}", engine::state_hash(session.world)) == state_hash) {
+    return deflated(inputs);
+  }
+  const devices::MappedFile whole(path);
+  return deflated(whole.bytes());
+}
+
+/// The video goes into the page, or beside it where it is large.
+nlohmann::json add_video(const ReportOptions& options, PageBlocks& blocks) {
+  if (!options.video) return {};
+  const devices::MappedFile video(*options.video);
+  if (video.bytes().size() <= kMostEmbedded) {
+    blocks["video"] = base64(video.bytes());
+    return {{"embedded", true}};
+  }
+  const fs::path beside = fs::path(*options.output).replace_extension(".mp4");
+  if (!files::same_file(beside, *options.video)) {
+    files::OutputFile copy(beside.string(),
+                           {.overwrite = options.force, .inputs = {*options.video}});
+    copy.write(video.bytes().data(), video.bytes().size());
+    copy.commit();
+  }
+  return {{"embedded", false}, {"file", beside.filename().string()}};
+}
+
+void report(const ReportOptions& options) {
+  watch_stop_signals();
+  const std::string page = options.page ? page_template(*options.page) : page_template();
+  const Time longest_gap = microseconds(options.longest_gap);
+  const scene::Recorded recorded = scene::load_trial(options.trial, longest_gap);
+  PageBlocks blocks;
+  nlohmann::json about = {{"version", devices::software_version()},
+                          {"commit", devices::software_commit()},
+                          {"command", command_of(options)},
+                          {"first_difference", nullptr}};
+  const scene::PageData data = scene::page_data(recorded);
+  add_trial(options.trial, data, "", blocks);
+  if (options.other) {
+    const scene::Recorded other = scene::load_trial(*options.other, longest_gap);
+    const bool looks_alike =
+        recorded.file.summary().header.scenario == other.file.summary().header.scenario;
+    add_trial(*options.other, scene::page_data(other, {}, !looks_alike), "-other", blocks);
+    about["first_difference"] = first_difference(recorded, other);
+  }
+  const nlohmann::json& hash = data.json["hash"];
+  const std::string log = log_block(options.trial, hash["replayed"], longest_gap);
+  about["log_left_out"] = log.size() > kMostEmbedded;
+  if (log.size() <= kMostEmbedded) blocks["log"] = log;
+
+  std::vector<fs::path> inputs = {options.trial};
+  for (const auto& input : {options.other, options.video, options.page}) {
+    if (input) inputs.emplace_back(*input);
+  }
+  files::OutputFile out(
+      *options.output,
+      {.overwrite = options.force, .standard_output = !options.video, .inputs = std::move(inputs)});
+  about["video"] = add_video(options, blocks);
+  blocks["about"] = deflated(text_of(about));
+  const std::string html = filled(page, blocks);
+  out.write(html.data(), html.size());
+  check_stop();
+  out.commit();
+
+  if (!options.json) return;
+  print_json({{"trial", options.trial},
+              {"output", *options.output},
+              {"bytes", html.size()},
+              {"ticks", data.json["ticks"]},
+              {"skittles_down", data.json["summary"]["skittles_down"]},
+              {"verified_ticks", hash["verified_ticks"]},
+              {"state_hash", hash["replayed"]}});
+}
+
+}  // namespace
+
+void add_report(CLI::App& app) {
+  auto options = std::make_shared<ReportOptions>();
+  CLI::App* command = app.add_subcommand(
+      "report", "Make one page that shows a trial: in 3D, in numbers, and simulated again");
+  command->add_option("TRIAL", options->trial, "a trial (.lcmlog)")->required();
+  command->add_option("OTHER", options->other, "another, shown with it");
+  add_output(*command, "-o,--output", options->output,
+             "page to write (.html); - is standard output")
+      ->required();
+  command->add_option(
+      "--video", options->video,
+      "what both eyes saw (`headpin frames --video`, the .mp4): goes into the page, "
+      "or beside it past 20 MB");
+  command->add_option("--page", options->page,
+                      "the page to fill in, when not the one that came with the program");
+  add_force(*command, options->force);
+  add_longest_gap(*command, options->longest_gap);
+  add_json(*command, options->json);
+  command->footer(
+      "The page needs no network and no other file: any browser of 2023 or later opens it.\n\n"
+      "Example:\n  headpin report assets/trials/demo.lcmlog -o trial.html");
+  command->callback([options] { report(*options); });
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,61 @@
+// Makes the page that `headpin report` fills in: one file, with styles, scripts and engine in it.
+//
+//   node build.mjs OUT.html [ENGINE_FOLDER]
+import { existsSync, mkdirSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
+import { dirname, join } from 'node:path';
+import { fileURLToPath } from 'node:url';
+import { deflateSync } from 'node:zlib';
+
+import { build } from 'esbuild';
+
+const here = dirname(fileURLToPath(import.meta.url));
+const [out, engineFolder] = process.argv.slice(2);
+if (!out) {
+  console.error('usage: node build.mjs OUT.html [ENGINE_FOLDER]');
+  process.exit(2);
+}
+
+const source = (name) => readFileSync(join(here, 'src', name), 'utf8');
+const deflated = (bytes) => deflateSync(bytes, { level: 9 }).toString('base64');
+
+async function bundle(name) {
+  const result = await build({
+    entryPoints: [join(here, 'src', name)],
+    bundle: true,
+    minify: true,
+    write: false,
+    format: 'iife',
+    target: ['chrome110', 'firefox115', 'safari16.4'],
+    legalComments: 'none',
+  });
+  return result.outputFiles[0].contents;
+}
+
+/** The engine, where it was built: its blocks; else nothing, and the page does without. */
+async function engineBlocks(folder) {
+  if (!folder || !existsSync(join(folder, 'engine.wasm'))) return '';
+  const blocks = {
+    'engine-js': readFileSync(join(folder, 'engine.js')),
+    'engine-wasm': readFileSync(join(folder, 'engine.wasm')),
+    'engine-worker': await bundle('worker.js'),
+  };
+  return Object.entries(blocks).map(([name, bytes]) =>
+    `<script type="text/plain" data-block="${name}">${deflated(bytes)}</script>`).join('\n');
+}
+
+const styles = readFileSync(join(here, 'node_modules/uplot/dist/uPlot.min.css'), 'utf8') + source('style.css');
+const replacements = {
+  '/*headpin:style*/': styles,
+  '/*headpin:page*/': deflated(await bundle('main.js')),
+  '<!--headpin:engine-->': await engineBlocks(engineFolder),
+};
+// What of others is in the page, under their licences.
+const licences = ['three', 'uplot'].map((name) =>
+  `${name}\n${readFileSync(join(here, 'node_modules', name, 'LICENSE'), 'utf8')}`).join('\n');
+let page = source('index.html').replace('<head>', () => `<head>\n<!--\nIn this page:\n${licences}-->`);
+for (const [mark, text] of Object.entries(replacements)) page = page.replace(mark, () => text);
+
+mkdirSync(dirname(out), { recursive: true });
+writeFileSync(`${out}.part`, page);
+renameSync(`${out}.part`, out);
+console.log(`${out}: ${page.length} bytes${replacements['<!--headpin:engine-->'] ? '' : ', without the engine'}`);

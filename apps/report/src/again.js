@@ -1,0 +1,145 @@
+// Simulating the trial again in the page, under a condition that the reader sets.
+import { rawBlock, hasBlock, inflated } from './data.js';
+import { find, make, number } from './elements.js';
+import * as engines from './engine.js';
+
+/** Where a slider stands: at the value of skittles, which is that of all unless objects differ. */
+function shared(perObject) {
+  return perObject.skittle;
+}
+
+export class Again {
+  /** @param show  told of every simulation: show(again, which), `again` null for none */
+  constructor(show, openTrial) {
+    this.show = show;
+    this.openTrial = openTrial;
+    this.again = null;
+    this.running = false;
+    this.wanted = false;
+    this.told = 'recorded';
+    for (const id of ['elasticity', 'friction']) {
+      find(id).addEventListener('input', () => this.moved(id));
+    }
+    for (const id of ['shape', 'response']) find(id).addEventListener('change', () => this.moved(id));
+    find('unmoved').addEventListener('click', () => this.unmove());
+    find('condition').addEventListener('submit', (event) => event.preventDefault());
+    find('shown').addEventListener('change', () => this.tell());
+    find('drop').addEventListener('change', (event) => this.openFile(event.target.files[0]));
+    document.addEventListener('dragover', (event) => event.preventDefault());
+    document.addEventListener('drop', (event) => {
+      event.preventDefault();
+      this.openFile(event.dataTransfer.files[0]);
+    });
+  }
+
+  say(text) {
+    find('again-status').textContent = text;
+  }
+
+  /** Starts the engine where the page has it; without, the page shows what is recorded. */
+  async start(trial) {
+    if (!engines.isThere()) return;
+    this.trial = trial;
+    find('again').hidden = false;
+    this.setControls(trial);
+    if (!hasBlock('log')) {
+      this.say('The log of this trial is too long to be in the page: drop its file here to simulate it again.');
+    }
+    this.engine = await engines.Engine.start();
+    if (!hasBlock('log')) return;
+    await this.engine.load(await inflated(rawBlock('log')));
+    await this.simulate();
+  }
+
+  setControls(trial) {
+    const { summary, responses } = trial.json;
+    find('response').replaceChildren(...responses.map(({ name, keeps }) =>
+      make('option', { value: name, title: keeps }, name)));
+    this.set = {};
+    find('elasticity').value = shared(summary.elasticity);
+    find('friction').value = shared(summary.friction);
+    find('shape').value = summary.shape;
+    find('response').value = summary.response;
+    this.label();
+  }
+
+  label() {
+    for (const id of ['elasticity', 'friction']) {
+      find(id).parentElement.querySelector('output').textContent = Number(find(id).value).toFixed(2);
+    }
+  }
+
+  moved(id) {
+    const { value } = find(id);
+    this.set[id] = id === 'elasticity' || id === 'friction' ? Number(value) : value;
+    this.label();
+    if (find('shown').querySelector(':checked').value === 'recorded') {
+      find('shown').querySelector('[value=again]').checked = true;
+    }
+    return this.simulate();
+  }
+
+  unmove() {
+    this.setControls(this.trial);
+    return this.simulate();
+  }
+
+  /** One at a time; what was set meanwhile is simulated next. */
+  async simulate() {
+    if (!this.engine) return;
+    this.wanted = true;
+    if (this.running) return;
+    this.running = true;
+    try {
+      while (this.wanted) {
+        this.wanted = false;
+        const set = { ...this.set };
+        const { trial, milliseconds } = await this.engine.simulate(set);
+        this.again = trial;
+        this.say(this.inWords(set, trial, milliseconds));
+      }
+    } catch (error) {
+      this.say(`The engine: ${error.message}`);
+    }
+    this.running = false;
+    this.tell();
+  }
+
+  inWords(set, { json }, milliseconds) {
+    const { state_hash: hash, skittles_down: down, skittles, simulated_s: seconds } = json.summary;
+    const pace = `${number(1e3 * seconds / Math.max(milliseconds, 0.1), 3)} times real time`;
+    if (Object.keys(set).length > 0) {
+      return `Simulated again: ${down} of ${skittles} skittles down, state hash ${hash}, ${pace}.`;
+    }
+    const { recorded, replayed } = this.trial.json.hash;
+    const as = recorded ?? replayed;
+    return hash === as
+      ? `Simulated again in this page: ${hash}, equal to the bit with ${recorded ? 'the recording' : 'the program that made this page'}; ${json.summary.ticks} ticks, ${pace}.`
+      : `Simulated again in this page: ${hash}, but ${recorded ? 'recorded' : 'the program that made this page came to'} ${as}.`;
+  }
+
+  tell() {
+    const which = find('shown').querySelector(':checked').value;
+    if (which === 'recorded' && this.told === 'recorded') return;
+    this.told = which;
+    this.show(this.again, which);
+  }
+
+  async openFile(file) {
+    if (!file || !this.engine) return;
+    this.say(`Opening ${file.name}`);
+    try {
+      const bytes = new Uint8Array(await file.arrayBuffer());
+      const trial = await this.engine.openTrial(bytes);
+      trial.json.trial.name = file.name;
+      this.trial = trial;
+      this.again = null;
+      this.setControls(trial);
+      find('shown').querySelector('[value=recorded]').checked = true;
+      this.openTrial(trial);
+      await this.simulate();
+    } catch (error) {
+      this.say(`${file.name}: ${error.message}`);
+    }
+  }
+}

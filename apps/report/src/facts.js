@@ -1,0 +1,136 @@
+// What is known of a trial, in words and tables.
+import { facts, find, make, number, table } from './elements.js';
+
+const kNone = '–';
+
+/** The number that all objects share, else each with its object's name. */
+function perObject(values) {
+  const all = Object.entries(values);
+  if (all.every(([, value]) => value === all[0][1])) return `${number(all[0][1])} each`;
+  return all.map(([name, value]) => `${name} ${number(value)}`).join(', ');
+}
+
+const kRows = [
+  ['Skittles down', (s) => (s.games.length ? `${s.skittles_down} of all racks`
+    : `${s.skittles_down} of ${s.skittles}`)],
+  ['Ball at release', (s) => withUnit(s.release_speed_mps, 'm/s')],
+  ['Ball at the first skittle', (s) => withUnit(s.impact_speed_mps, 'm/s')],
+  ['Elasticity', (s) => perObject(s.elasticity)],
+  ['Friction', (s) => perObject(s.friction)],
+  ['Skittles collide as', (s) => s.shape],
+  ['Impulses', (s) => s.response],
+  ['Detection', (s) => s.detection],
+  ['Simulated', (s) => `${number(s.simulated_s, 6)} s, ${s.ticks} ticks`],
+  ['Impacts', (s) => number(s.statistics.impacts)],
+  ['Deepest overlap', (s) => withUnit(s.statistics.deepest_overlap_m * 1000, 'mm')],
+  ['Energy lost in impacts', (s) => withUnit(-s.ledger.impact_j, 'J')],
+  ['State hash', (s) => make('code', {}, s.state_hash)],
+];
+
+function withUnit(value, unit) {
+  return value === null || value === undefined ? kNone : `${number(value)} ${unit}`;
+}
+
+/** @param columns  [heading, trial] of each, side by side */
+export function resultTable(caption, columns) {
+  return table(caption, ['What', ...columns.map(([heading]) => heading)],
+    kRows.map(([name, of]) => [name, ...columns.map(([, trial]) => of(trial.json.summary))]));
+}
+
+/** Whether simulating it gives what was recorded. */
+export function hashInWords({ hash, rate_hz: rate }) {
+  if (hash.recorded === null) return `The trial holds no states to compare with; simulated, it comes to ${hash.replayed}.`;
+  if (hash.first_difference === null) {
+    return `Simulated again by the program that made this page: equal to the bit in ${hash.verified_ticks} recorded ticks, ${hash.replayed}.`;
+  }
+  const { tick, time_s: time, body } = hash.first_difference;
+  return `Simulated again, it differs from what was recorded, first at tick ${tick} (${number(tick / rate, 6)} s)`
+    + `${body ? ` in the ${body}` : ''}: recorded ${hash.recorded}, simulated ${hash.replayed}. Bodies are shown as recorded.`;
+}
+
+function sheets(games) {
+  return games.map((game) => {
+    const frames = game.rolls.filter((balls) => balls.length);
+    return make('div', {},
+      table(`Score sheet: ${game.name ? `${game.name} ` : ''}${game.rules}, ${game.points} points${game.over ? '' : ' (not over)'}`,
+        ['Frame', ...frames.map((_, i) => i + 1)],
+        [['Skittles', ...frames.map((balls) => balls.join(' '))]]),
+      make('p', { class: 'sheet' }, game.sheet));
+  });
+}
+
+export function showResult(trial) {
+  const { summary, approaches, why_nothing_fell: why } = trial.json;
+  find('result-body').replaceChildren(
+    make('p', { class: 'verdict', id: 'verdict' }, hashInWords(trial.json)),
+    ...(why ? [make('p', {}, why)] : []),
+    ...sheets(summary.games),
+    ...approaches.map((line) => make('p', {}, line)),
+    resultTable('The trial in numbers', [['Value', trial]]));
+}
+
+export function showEvents(trial, go) {
+  const { events, event_kinds: kinds } = trial.json;
+  const most = 2000;
+  const words = (event) => event.bodies.join(', ') || (event.detail.startsWith('{') ? '' : event.detail);
+  find('events-body').replaceChildren(
+    ...(events.length > most ? [make('p', { class: 'note' }, `The first ${most} of ${events.length}.`)] : []),
+    table('What happened, and when; a time goes there', ['Time', 'Tick', 'What', 'To what', 'Value', 'Impulse'],
+      events.slice(0, most).map((event) => [
+        make('button', { type: 'button', class: 'link', onclick: () => go(Math.max(0, event.tick)) },
+          `${event.time_s.toFixed(3)} s`),
+        event.tick < 0 ? kNone : event.tick,
+        make('span', { title: kinds[event.kind] ?? '' }, event.kind.replaceAll('_', ' ')),
+        words(event),
+        event.value ? number(event.value) : kNone,
+        Math.hypot(...event.j) ? `${number(Math.hypot(...event.j))} N s` : kNone])));
+}
+
+export function showDevices(trial) {
+  const { devices, skipped, trouble, backwards, late, complete } = trial.json.trial;
+  const amiss = Object.entries(skipped).filter(([, count]) => count > 0);
+  find('devices-body').replaceChildren(
+    table('What each device sent', ['Device', 'Samples', 'Rate', 'Longest gap', 'Lost', 'Bad'],
+      devices.map((d) => [d.device, d.samples, d.device === '3D mouse' ? kNone : `${number(d.rate_hz, 5)} Hz`,
+        `${number(d.longest_gap_s)} s`, d.lost, d.bad])),
+    make('p', {}, complete ? 'The log is complete.'
+      : 'The log is not complete: it has no end, or messages are missing.'),
+    ...(amiss.length || backwards || late ? [make('p', {}, `Passed over: ${[
+      ...amiss.map(([kind, count]) => `${count} ${kind.replaceAll('_', ' ')}`),
+      ...(backwards ? [`${backwards} samples not later than the one before (kept)`] : []),
+      ...(late ? [`${late} samples that came late (kept)`] : [])].join(', ')}.`)] : []),
+    ...(trouble.length ? [table('Where something is amiss', ['What', 'Of', 'Messages', 'From', 'To'],
+      trouble.map((t) => [t.kind, t.device, t.messages, `${number(t.from_s, 6)} s`, `${number(t.to_s, 6)} s`]))] : []));
+}
+
+export function showProvenance(trial, about) {
+  const { trial: t, drawn, hash, rate_hz: rate } = trial.json;
+  const notes = [];
+  if (drawn.every > 1) notes.push(`Of this long trial every ${drawn.every}th of ${drawn.last_tick} ticks is drawn; between them poses are mixed.`);
+  if (drawn.contacts_left_out) notes.push(`The ${drawn.contacts_left_out} weakest impulses are left out.`);
+  if (about.log_left_out) notes.push('The log itself is too long to be in the page.');
+  find('provenance-body').replaceChildren(
+    facts([
+      ['Trial', t.name], ['Participant', t.participant || kNone], ['Condition', t.condition || kNone],
+      ['Seed', t.seed], ['Scenario', t.scenario_name], ['Length', `${number(t.duration_s, 6)} s, ${rate} ticks a second`],
+      ['Recorded by', `headpin ${t.version || '?'} (${t.commit || 'no commit'}), format ${t.format_version}`],
+      ['State hash', make('code', { id: 'hash' }, hash.replayed)],
+      ['Recorded hash', make('code', {}, hash.recorded ?? kNone)],
+      ['Page made by', `headpin ${about.version} (${about.commit || 'no commit'})`],
+      ['To make it again', make('code', {}, about.command)]]),
+    ...notes.map((note) => make('p', { class: 'note', id: 'thinned' }, note)),
+    make('details', {}, make('summary', {}, 'The scenario, whole'),
+      make('pre', { tabindex: 0, role: 'region', 'aria-label': 'Scenario' }, t.scenario)));
+}
+
+export function showHead(trial) {
+  const { trial: t, summary: s } = trial.json;
+  const brief = (text) => (text.length > 120 ? `${text.slice(0, 120)}…` : text);
+  document.title = `${brief(t.name)} – headpin`;
+  find('title').textContent = brief(t.name);
+  find('subtitle').textContent = [
+    t.participant && `participant ${brief(t.participant)}`, t.condition && `condition ${brief(t.condition)}`,
+    brief(t.scenario_name), `${number(t.duration_s, 4)} s`,
+    s.games.length ? brief(s.games[s.games.length - 1].sheet) : `${s.skittles_down} of ${s.skittles} skittles down`,
+  ].filter(Boolean).join(' · ');
+}

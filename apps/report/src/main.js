@@ -1,0 +1,142 @@
+// The page: one clock, and everything that shows a trial at its time.
+import { Again } from './again.js';
+import { Clock } from './clock.js';
+import { block, hasBlock, jsonBlock, numbersOf } from './data.js';
+import { find, make, number } from './elements.js';
+import { resultTable, showDevices, showEvents, showHead, showProvenance, showResult } from './facts.js';
+import { listen } from './keys.js';
+import { Plots } from './plots.js';
+import { Timeline } from './timeline.js';
+import { Trial } from './trial.js';
+import { Video } from './video.js';
+import { View } from './view.js';
+
+async function trialOf(which) {
+  const json = await jsonBlock(`json${which}`);
+  return new Trial(json, numbersOf(await block(`numbers${which}`), json.sections));
+}
+
+/** What two trials have in common and what not. */
+function showCompared(trial, other, difference) {
+  find('compared').hidden = false;
+  const where = difference === null
+    ? 'Simulated tick by tick, they are equal to the bit.'
+    : `First different tick: ${difference.tick} (${number(difference.time_s, 6)} s)${difference.body ? `, in the ${difference.body}` : ', where the shorter one ends'}.`;
+  const go = difference && make('button', { type: 'button', onclick: () => page.clock.go(difference.tick) }, 'Go there');
+  find('compared-body').replaceChildren(make('p', { id: 'first-difference' }, where, ' ', go ?? ''),
+    resultTable('Both in numbers', [[trial.json.trial.name.slice(0, 80), trial], [other.json.trial.name.slice(0, 80), other]]));
+}
+
+function controls(page) {
+  const { view, clock, timeline } = page;
+  find('modes').addEventListener('change', (event) => page.setMode(event.target.value));
+  find('from').addEventListener('change', (event) => view.orbit.look(event.target.value));
+  find('layers').addEventListener('change', (event) => {
+    view.layers[event.target.value] = event.target.checked;
+    view.draw();
+  });
+  listen({
+    toggle: () => clock.toggle(),
+    step: (ticks) => clock.step(ticks),
+    tenth: () => Math.round(clock.rate / 10),
+    go: (tick) => { clock.pause(); clock.go(tick); },
+    event: (direction) => timeline.toEvent(direction),
+    faster: (steps) => clock.faster(steps),
+    mode: (mode) => { find('modes').querySelector(`[value=${mode}]`).checked = true; page.setMode(mode); },
+    layer: (name) => find('layers').querySelector(`[value=${name}]`).click(),
+    orbit: (key) => view.orbit.key(key),
+  });
+}
+
+class Page {
+  async open() {
+    this.about = await jsonBlock('about');
+    this.trial = await trialOf('');
+    this.clock = new Clock(this.trial.lastTick, this.trial.rate);
+    this.other = hasBlock('json-other') ? await trialOf('-other') : null;
+    this.view = new View(find('view'), this.trial, this.other);
+    this.timeline = new Timeline(this.clock);
+    this.clock.onChange(() => this.view.show(this.clock.tick));
+    this.view.drawNow();
+    performance.mark('first picture');
+    await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
+    this.plots = new Plots(this.clock);
+    this.video = new Video(this.clock, this.about);
+    controls(this);
+    this.show(this.trial);
+    if (this.other) {
+      this.nameOther('Other trial (blue)');
+      showCompared(this.trial, this.other, this.about.first_difference);
+    }
+    document.documentElement.dataset.ready = 'yes';
+    this.again = new Again((again, which) => this.showAgain(again, which), (trial) => this.openTrial(trial));
+    await this.again.start(this.trial);
+    document.documentElement.dataset.engine = this.again.engine ? 'yes' : 'no';
+  }
+
+  /** All of the page but the 3D view, of the trial that is shown. */
+  show(trial) {
+    this.clock.reset(trial.lastTick, trial.rate);
+    showHead(this.trial);
+    showResult(this.trial);
+    showEvents(trial, (tick) => { this.clock.pause(); this.clock.go(tick); });
+    showDevices(this.trial);
+    showProvenance(this.trial, this.about);
+    this.timeline.load(trial);
+    this.plots.load(trial);
+    this.describe();
+  }
+
+  describe() {
+    const what = { around: 'the room from outside', left: 'what the left eye sees', right: 'what the right eye sees',
+      both: 'what both eyes see' }[this.view.mode];
+    const eye = this.trial.json.eyes[0];
+    find('view').setAttribute('aria-label', `3D view: ${what}. Keys are listed at the end of the page.`);
+    find('seen').textContent = this.view.mode === 'around'
+      ? 'Drag to turn, with Shift to slide, wheel to come nearer; or w a s d r f.'
+      : `${eye.width} × ${eye.height} pixels a picture, each ${number(this.view.pixelShape())} times as wide as high, as the display has them.`;
+    find('from').disabled = this.view.mode !== 'around';
+  }
+
+  setMode(mode) {
+    this.view.setMode(mode);
+    this.describe();
+  }
+
+  nameOther(name) {
+    find('other-layer').hidden = name === null;
+    if (name !== null) find('other-layer').querySelector('span').textContent = name;
+  }
+
+  /** The trial, what the engine made of it, or both. */
+  showAgain(again, which) {
+    const shown = again && which === 'again' ? again : this.trial;
+    this.view.load(shown, which === 'both' && again ? again : which === 'again' ? null : this.other);
+    this.nameOther(which === 'both' ? 'Simulated again (blue)' : this.other && which !== 'again' ? 'Other trial (blue)' : null);
+    this.show(shown);
+    if (again && which !== 'recorded') {
+      find('result-body').append(resultTable('Simulated again', [['the trial', this.trial], ['again', again]]));
+    }
+    this.view.show(this.clock.tick);
+  }
+
+  openTrial(trial) {
+    this.trial = trial;
+    this.other = null;
+    find('compared').hidden = true;
+    find('video').hidden = true;
+    this.about = { ...this.about, command: `headpin report '${trial.json.trial.name.replaceAll("'", "'\\''")}' -o trial.html`, log_left_out: false };
+    this.view.load(trial, null);
+    this.nameOther(null);
+    this.show(trial);
+    this.view.show(this.clock.tick);
+  }
+}
+
+const page = new Page();
+window.headpin = page;  // for those who look from the console, and for tests
+page.open().catch((error) => {
+  find('trouble').hidden = false;
+  find('trouble').textContent = `This page cannot show the trial: ${error.message}`;
+  throw error;
+});

@@ -1,0 +1,104 @@
+// The renderer's light (render/shaders.h) for three.js: all of it linear, encoded as sRGB at the end.
+import { DoubleSide, FrontSide, ShaderMaterial, Vector3, Vector4 } from 'three';
+
+const kOccluders = 24;
+
+const kVertex = `
+attribute vec3 colour;
+varying vec3 p_W;
+varying vec3 n_W;
+varying vec3 c;
+void main() {
+  vec4 p = modelMatrix * vec4(position, 1.0);
+  p_W = p.xyz;
+  n_W = mat3(modelMatrix) * normal;
+  c = colour;
+  gl_Position = projectionMatrix * viewMatrix * p;
+}`;
+
+const kCommon = `
+varying vec3 p_W;
+varying vec3 n_W;
+varying vec3 c;
+uniform float opacity;
+uniform vec3 tint;
+vec3 code(vec3 x) {
+  return mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, vec3(lessThan(x, vec3(0.0031308))));
+}
+void give(vec3 light) { gl_FragColor = vec4(code(clamp(light * tint, 0.0, 1.0)), opacity); }
+`;
+
+// Lamps (Lambert, Blinn), light from above and below, and their reflection.
+const kLit = `${kCommon}
+uniform vec3 sky;
+uniform vec3 ground;
+uniform vec3 lampAt[4];
+uniform vec3 lampPower[4];
+uniform float gloss;
+void main() {
+  vec3 n = normalize(n_W);
+  vec3 v = normalize(cameraPosition - p_W);
+  vec3 diffuse = mix(ground, sky, 0.5 + 0.5 * n.z);
+  vec3 shine = vec3(0.0);
+  for (int i = 0; i < 4; ++i) {
+    vec3 l = lampAt[i] - p_W;
+    float d2 = dot(l, l);
+    l *= inversesqrt(d2);
+    vec3 power = lampPower[i] / d2;
+    diffuse += power * max(dot(n, l), 0.0);
+    float s = max(dot(n, normalize(l + v)), 0.0);
+    shine += power * pow(s, 64.0);
+  }
+  float graze = 1.0 - max(dot(n, v), 0.0);
+  float fresnel = 0.04 + 0.5 * graze * graze * graze * graze * graze;
+  vec3 r = reflect(-v, n);
+  shine += fresnel * mix(ground, sky, smoothstep(-0.2, 0.2, r.z));
+  give(c * diffuse + gloss * shine);
+}`;
+
+const kBaked = `${kCommon}
+void main() { give(c); }`;
+
+// Floors darken beneath what stands on them: the share of the sky that a ball keeps away.
+const kFloor = `${kCommon}
+uniform vec4 occluders[${kOccluders}];
+void main() {
+  float left = 1.0;
+  for (int i = 0; i < ${kOccluders}; ++i) {
+    vec4 ball = occluders[i];
+    vec3 d = ball.xyz - p_W;
+    float d2 = max(dot(d, d), 1e-6);
+    float taken = ball.w * ball.w * max(d.z, 0.0) * inversesqrt(d2) / d2;
+    left *= 1.0 - clamp(taken, 0.0, 0.95);
+  }
+  give(c * left);
+}`;
+
+/** What every material shares: change it, and all of them see it. */
+export function makeLight(light) {
+  const lamps = [...light.lamps];
+  while (lamps.length < 4) lamps.push({ p: [0, 0, 1e3], power: [0, 0, 0] });
+  return {
+    sky: { value: new Vector3(...light.sky) },
+    ground: { value: new Vector3(...light.ground) },
+    lampAt: { value: lamps.slice(0, 4).map((lamp) => new Vector3(...lamp.p)) },
+    lampPower: { value: lamps.slice(0, 4).map((lamp) => new Vector3(...lamp.power)) },
+    occluders: { value: Array.from({ length: kOccluders }, () => new Vector4(0, 0, -9, 0)) },
+  };
+}
+
+export function materialOf(mesh, light, { opacity = 1, tint = [1, 1, 1], doubleSided = false } = {}) {
+  const fragment = { lit: kLit, baked: kBaked, floor: kFloor }[mesh.surface];
+  return new ShaderMaterial({
+    vertexShader: kVertex,
+    fragmentShader: fragment,
+    transparent: opacity < 1,
+    side: doubleSided ? DoubleSide : FrontSide,
+    uniforms: {
+      ...light,
+      gloss: { value: mesh.gloss },
+      opacity: { value: opacity },
+      tint: { value: new Vector3(...tint) },
+    },
+  });
+}

@@ -1,0 +1,110 @@
+// What is drawn over the room: trails, what the eyes look through, contacts with their impulses.
+import { ArrowHelper, BufferAttribute, BufferGeometry, Group, Line, LineBasicMaterial, LineSegments,
+         Vector3 } from 'three';
+
+import { place } from './world.js';
+
+const kTrailColours = { head: 0xe69f00, hand: 0x009e73, ball: 0x0072b2 };  // Okabe and Ito
+const kFrustumColours = [0x56b4e9, 0xd55e00];
+const kContactSeconds = 0.05;
+const kMostArrows = 64;
+const kFrustumLength = 1.2;  // m
+
+/** Where head, hand and ball were: all of it faint, up to now strong. */
+export class Trails {
+  constructor(trial, dashed = false) {
+    this.group = new Group();
+    this.lines = [];
+    const pose = new Float32Array(7);
+    for (const role of Object.keys(kTrailColours)) {
+      for (const actor of trial.actors(role)) {
+        const rows = trial.json.drawn.rows;
+        const points = new Float32Array(3 * rows);
+        for (let row = 0; row < rows; ++row) {
+          points.set(trial.pose(actor, trial.tickOfRow(row), pose).subarray(4, 7), 3 * row);
+        }
+        const geometry = new BufferGeometry();
+        geometry.setAttribute('position', new BufferAttribute(points, 3));
+        const line = (opacity) => {
+          const one = new Line(geometry, new LineBasicMaterial({
+            color: kTrailColours[role], transparent: true, opacity: dashed ? opacity * 0.6 : opacity }));
+          one.frustumCulled = false;
+          this.group.add(one);
+          return one;
+        };
+        line(0.25);
+        const past = line(1);
+        past.geometry = geometry.clone();
+        this.lines.push(past);
+      }
+    }
+    this.trial = trial;
+  }
+
+  put(tick) {
+    const { row } = this.trial.rowsAt(tick);
+    for (const line of this.lines) line.geometry.setDrawRange(0, row + 1);
+  }
+}
+
+/** What each eye sees through, and where the head looks. */
+export class Frusta {
+  constructor(trial) {
+    this.trial = trial;
+    this.head = trial.actors('head')[0];
+    this.group = new Group();
+    this.pose = new Float32Array(7);
+    trial.json.eyes.forEach((eye, i) => {
+      const { left, right, bottom, top } = eye.frustum;
+      const far = [[left, bottom], [right, bottom], [right, top], [left, top]].map(([x, y]) =>
+        new Vector3(x * kFrustumLength, y * kFrustumLength, -kFrustumLength));
+      const points = [];
+      far.forEach((corner, k) => points.push(new Vector3(), corner, corner, far[(k + 1) % 4]));
+      points.push(new Vector3(), new Vector3(0, 0, -2 * kFrustumLength));  // its axis
+      const lines = new LineSegments(new BufferGeometry().setFromPoints(points),
+        new LineBasicMaterial({ color: kFrustumColours[i] }));
+      lines.frustumCulled = false;
+      place(lines, eye.X_DE);
+      this.group.add(lines);
+    });
+  }
+
+  put(tick) {
+    if (this.head === undefined) {
+      this.group.visible = false;
+      return;
+    }
+    place(this.group, this.trial.pose(this.head, tick, this.pose));
+  }
+}
+
+/** The impulses of the last twentieth of a second, as long as the root of their size. */
+export class Contacts {
+  constructor(trial) {
+    this.trial = trial;
+    this.group = new Group();
+    this.arrows = Array.from({ length: kMostArrows }, () => {
+      const arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 0.1, 0xcc2222, 0.03, 0.02);
+      arrow.visible = false;
+      this.group.add(arrow);
+      return arrow;
+    });
+  }
+
+  put(tick) {
+    const now = Math.floor(tick);
+    const rows = [...this.trial.contacts(now - kContactSeconds * this.trial.rate, now)];
+    rows.sort((a, b) => Math.hypot(b[6], b[7], b[8]) - Math.hypot(a[6], a[7], a[8]));
+    this.arrows.forEach((arrow, i) => {
+      arrow.visible = i < rows.length;
+      if (!arrow.visible) return;
+      const [, , , x, y, z, jx, jy, jz] = rows[i];
+      const size = Math.hypot(jx, jy, jz);
+      const length = 0.05 + 0.12 * Math.sqrt(size);
+      arrow.position.set(x, y, z);
+      arrow.setDirection(new Vector3(jx, jy, jz).divideScalar(size));
+      arrow.setLength(length, 0.3 * length, 0.15 * length);
+    });
+    return rows.length;
+  }
+}

@@ -1,0 +1,133 @@
+// Numbers over time: each as a plot, and as a table.
+import uPlot from 'uplot';
+
+import { find, make, number, table } from './elements.js';
+
+const kMostRows = 400;  // of a table
+const kDashes = [[], [8, 4], [2, 3], [10, 3, 2, 3], [5, 5], [1, 4]];
+
+function style(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+/** What is plotted of a trial: name, unit, times, curves. */
+export function chartsOf(trial) {
+  const times = trial.rowTimes();
+  const series = (column) => trial.column('series', column);
+  const ledger = ['gravity', 'hand', 'impact', 'sustained', 'correction'];
+  const energies = ledger.map((phase) => series(`${phase}_j`));
+  const charts = [
+    { name: 'Speed', unit: 'm/s', times, curves: [['ball', series('ball_mps')],
+      ['fastest skittle', series('skittle_mps')], ['hand', series('hand_mps')]] },
+    { name: 'Energy ledger: what each phase has added', unit: 'J', times, curves: [
+      ...ledger.map((phase, i) => [phase, energies[i]]),
+      ['all', times.map((_, row) => energies.reduce((sum, energy) => sum + energy[row], 0))]] },
+    { name: 'Contact points', unit: '', times, curves: [['points', series('contacts')]] },
+  ];
+  const contacts = trial.sections.get('contacts');
+  if (contacts.rows) {
+    const j = ['jx', 'jy', 'jz'].map((axis) => trial.column('contacts', axis));
+    charts.push({ name: 'Impulses', unit: 'N s', points: true,
+      times: trial.column('contacts', 'tick').map((tick) => trial.seconds(tick)),
+      curves: [['impulse', j[0].map((x, i) => Math.hypot(x, j[1][i], j[2][i]))],
+        ['approach (m/s)', trial.column('contacts', 'approach_mps')]] });
+  }
+  for (const name of trial.sections.keys()) {
+    if (!name.startsWith('clock ') || !trial.sections.get(name).rows) continue;
+    const host = trial.column(name, 'host_after_s').map((seconds) => 1e3 * seconds);
+    const tick = trial.column(name, 'tick_after_s').map((seconds) => 1e3 * seconds);
+    charts.push({ name: `Clocks of ${name.slice(6)}: how long after the device's time`, unit: 'ms', points: true,
+      times: trial.column(name, 'device_s'),
+      curves: [...(host.some((ms) => ms !== 0) ? [['at the host', host]] : []), ['in a tick', tick]] });
+  }
+  return charts;
+}
+
+function tableOf(chart) {
+  const rows = chart.times.length;
+  const every = Math.max(1, Math.ceil(rows / kMostRows));
+  const lines = [];
+  for (let row = 0; row < rows; row += every) {
+    lines.push([`${chart.times[row].toFixed(4)} s`, ...chart.curves.map(([, values]) => number(values[row], 4))]);
+  }
+  const caption = `${chart.name}${chart.unit ? ` (${chart.unit})` : ''}${every > 1 ? `, every ${every}th of ${rows} rows` : ''}`;
+  return table(caption, ['Time', ...chart.curves.map(([name]) => name)], lines);
+}
+
+/** The numbers of a plot as a file. */
+function saveCsv(chart) {
+  const lines = [['time_s', ...chart.curves.map(([name]) => name)].join(',')];
+  chart.times.forEach((time, row) => lines.push([time, ...chart.curves.map(([, values]) => values[row])].join(',')));
+  const link = make('a', { href: URL.createObjectURL(new Blob([lines.join('\r\n')], { type: 'text/csv' })),
+    download: `${chart.name.split(':')[0].toLowerCase().replaceAll(' ', '_')}.csv` });
+  link.click();
+  URL.revokeObjectURL(link.href);
+}
+
+export class Plots {
+  constructor(clock) {
+    this.clock = clock;
+    this.plots = [];
+    clock.onChange(() => this.mark());
+    new ResizeObserver(() => this.fit()).observe(find('plots-body'));
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.load(this.trial));
+  }
+
+  load(trial) {
+    this.trial = trial;
+    for (const { plot } of this.plots) plot.destroy();
+    find('plots-body').replaceChildren();
+    this.plots = chartsOf(trial).map((chart) => this.add(chart));
+    this.fit();
+  }
+
+  add(chart) {
+    const unit = chart.unit ? ` [${chart.unit}]` : '';
+    const holder = make('div', { class: 'plot', role: 'img',
+      'aria-label': `${chart.name}${unit} over time: ${chart.curves.map(([name]) => name).join(', ')}. The table below has the numbers.` });
+    const line = make('div', { class: 'now' });
+    const details = make('details', {}, make('summary', {}, 'As a table'));
+    details.addEventListener('toggle', () => {
+      if (details.open && details.children.length === 1) {
+        details.append(tableOf(chart), make('button', { type: 'button', onclick: () => saveCsv(chart) }, 'Save all rows as CSV'));
+      }
+    });
+    find('plots-body').append(make('figure', { class: 'chart' },
+      make('figcaption', {}, `${chart.name}${unit}`), holder, details));
+    const axis = { stroke: style('--text'), grid: { stroke: style('--line') }, ticks: { stroke: style('--line') }, font: '13px system-ui, sans-serif' };
+    const plot = new uPlot({
+      width: 400, height: 220, cursor: { drag: { x: false, y: false } }, legend: { live: false },
+      scales: { x: { time: false } },
+      axes: [{ ...axis, label: 's', labelSize: 18, labelFont: axis.font }, { ...axis, size: 60 }],
+      series: [{}, ...chart.curves.map(([name], i) => ({
+        label: name, stroke: style(`--curve-${i}`), width: 1.75, dash: kDashes[i],
+        points: { show: Boolean(chart.points), size: 4, fill: style(`--curve-${i}`) },
+        paths: chart.points ? () => null : undefined,
+      }))],
+    }, [chart.times, ...chart.curves.map(([, values]) => values)], holder);
+    plot.over.append(line);
+    plot.over.addEventListener('click', (event) => {
+      const seconds = plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, 'x');
+      this.clock.pause();
+      this.clock.go(Math.round(seconds * this.trial.rate));
+    });
+    return { plot, holder, line };
+  }
+
+  fit() {
+    for (const { plot, holder } of this.plots) {
+      const width = holder.clientWidth;
+      if (width > 0 && width !== plot.width) plot.setSize({ width, height: 220 });
+    }
+    this.mark();
+  }
+
+  /** The clock's time in every plot. */
+  mark() {
+    if (!this.trial) return;
+    const seconds = this.trial.seconds(this.clock.tick);
+    for (const { plot, line } of this.plots) {
+      line.style.transform = `translateX(${plot.valToPos(seconds, 'x')}px)`;
+    }
+  }
+}

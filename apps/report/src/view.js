@@ -1,0 +1,193 @@
+// The picture: the room from anywhere, or through the eyes with the display's own pixels.
+import { Mesh, NearestFilter, OrthographicCamera, PerspectiveCamera, PlaneGeometry, Scene,
+         ShaderMaterial, WebGLRenderer, WebGLRenderTarget, Color, ColorManagement, LinearSRGBColorSpace,
+         Quaternion, Vector3 } from 'three';
+
+import { Orbit } from './orbit.js';
+import { Contacts, Frusta, Trails } from './overlays.js';
+import { Cast, Looks, makeRoom } from './world.js';
+
+// Colours are coded by our own shaders or given coded: three.js has nothing to convert.
+ColorManagement.enabled = false;
+
+const kOtherTint = [0.55, 0.8, 1.25];
+
+/** The pictures of one eye: drawn in the display's pixels, shown as wide as they are seen. */
+class Eye {
+  constructor(eye) {
+    this.eye = eye;
+    const { left, right, bottom, top, near, far } = eye.frustum;
+    this.camera = new PerspectiveCamera();
+    this.camera.matrixAutoUpdate = false;
+    this.camera.projectionMatrix.makePerspective(left * near, right * near, top * near,
+      bottom * near, near, Math.max(far, 60));
+    this.camera.projectionMatrixInverse.copy(this.camera.projectionMatrix).invert();
+    this.aspect = (right - left) / (top - bottom);
+    this.target = new WebGLRenderTarget(eye.width, eye.height,
+      { samples: 4, minFilter: NearestFilter, magFilter: NearestFilter, generateMipmaps: false });
+    const [w, x, y, z, ...p] = eye.X_DE;
+    this.q_DE = new Quaternion(x, y, z, w);
+    this.p_DE = new Vector3(...p);
+  }
+
+  put(head) {
+    const q = new Quaternion(head[1], head[2], head[3], head[0]);
+    const p = this.p_DE.clone().applyQuaternion(q).add(new Vector3(head[4], head[5], head[6]));
+    this.camera.matrix.compose(p, q.multiply(this.q_DE), new Vector3(1, 1, 1));
+    this.camera.matrixWorldNeedsUpdate = true;
+  }
+}
+
+export class View {
+  constructor(canvas, trial, other) {
+    this.canvas = canvas;
+    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.renderer.outputColorSpace = LinearSRGBColorSpace;
+    this.renderer.autoClear = false;
+    this.mode = 'around';
+    this.layers = { trails: true, frusta: true, contacts: true, other: true };
+    this.wanted = false;
+    this.tick = 0;
+    this.orbit = new Orbit(canvas, trial.json.room, () => this.draw());
+    this.quad = new Mesh(new PlaneGeometry(2, 2), new ShaderMaterial({
+      uniforms: { picture: { value: null } },
+      vertexShader: 'varying vec2 at; void main() { at = uv; gl_Position = vec4(position.xy, 0.0, 1.0); }',
+      fragmentShader: 'uniform sampler2D picture; varying vec2 at; void main() { gl_FragColor = texture2D(picture, at); }',
+      depthTest: false,
+    }));
+    this.screen = new Scene();
+    this.screen.add(this.quad);
+    this.flat = new OrthographicCamera(-1, 1, 1, -1, 0, 1);
+    this.load(trial, other);
+    new ResizeObserver(() => this.draw()).observe(canvas);
+  }
+
+  /** Shows another trial, or the same one simulated again. */
+  load(trial, other) {
+    this.trial = trial;
+    this.head = trial.actors('head')[0];
+    if (trial.json.meshes.length) this.looks = new Looks(trial);
+    this.scene = makeRoom(trial, this.looks);
+    this.scene.background = null;
+    this.cast = new Cast(trial, this.looks);
+    this.eyes = trial.json.eyes.map((eye) => new Eye(eye));
+    this.background = new Color(...trial.json.light.background).convertLinearToSRGB();
+    this.overlays = { trails: new Trails(trial), frusta: new Frusta(trial), contacts: new Contacts(trial) };
+    this.scene.add(this.cast.group);
+    for (const overlay of Object.values(this.overlays)) this.scene.add(overlay.group);
+    this.setOther(other);
+    this.pose = new Float32Array(7);
+  }
+
+  /** A second trial over the first, see-through and blue. */
+  setOther(other) {
+    if (this.otherCast) this.scene.remove(this.otherCast.group);
+    this.otherCast = null;
+    this.other = other;
+    if (other) {
+      const looks = other.json.meshes.length ? new Looks(other) : this.looks;
+      this.otherCast = new Cast(other, looks, { opacity: 0.55, tint: kOtherTint });
+      this.scene.add(this.otherCast.group);
+    }
+    this.draw();
+  }
+
+  /** Width of a display's pixel over its height, by the tangents it is seen under. */
+  pixelShape() {
+    const { eye, aspect } = this.eyes[0];
+    return (aspect * eye.height) / eye.width;
+  }
+
+  setMode(mode) {
+    this.mode = mode;
+    this.draw();
+  }
+
+  show(tick) {
+    this.tick = tick;
+    this.draw();
+  }
+
+  /** Once before the next picture of the screen, however often it is asked. */
+  draw() {
+    if (this.wanted || !this.cast) return;
+    this.wanted = true;
+    requestAnimationFrame(() => {
+      this.wanted = false;
+      this.drawNow();
+    });
+  }
+
+  drawNow() {
+    const { canvas, renderer } = this;
+    const ratio = Math.min(devicePixelRatio, 2);
+    const width = canvas.clientWidth;
+    const height = canvas.clientHeight;
+    if (!width || !height) return;
+    if (canvas.width !== Math.floor(width * ratio) || canvas.height !== Math.floor(height * ratio)) {
+      renderer.setPixelRatio(ratio);
+      renderer.setSize(width, height, false);
+    }
+    this.cast.put(this.tick);
+    this.cast.castShade(this.tick);
+    if (this.otherCast) {
+      this.otherCast.put(Math.min(this.tick, this.other.lastTick));
+      this.otherCast.group.visible = this.layers.other;
+    }
+    renderer.setRenderTarget(null);
+    renderer.setScissorTest(false);
+    renderer.setViewport(0, 0, width, height);
+    if (this.mode === 'around') this.drawAround(width, height);
+    else this.drawEyes(width, height);
+    this.drawn = (this.drawn ?? 0) + 1;
+  }
+
+  clear(black) {
+    this.renderer.setClearColor(black ? 0x000000 : this.background, 1);
+    this.renderer.clear();
+  }
+
+  drawAround(width, height) {
+    for (const [name, overlay] of Object.entries(this.overlays)) {
+      overlay.group.visible = this.layers[name];
+      if (this.layers[name]) overlay.put(this.tick);
+    }
+    this.orbit.camera.aspect = width / height;
+    this.orbit.camera.updateProjectionMatrix();
+    this.clear();
+    this.renderer.render(this.scene, this.orbit.camera);
+  }
+
+  /** Where each wanted eye's picture stands on the canvas: [eye, x, y, width, height], CSS pixels. */
+  eyeFrames(width, height) {
+    const wanted = { left: [0], right: [1], both: [0, 1] }[this.mode];
+    const each = width / wanted.length;
+    return wanted.map((eye, i) => {
+      const w = Math.min(each - (wanted.length > 1 ? 4 : 0), height * this.eyes[eye].aspect);
+      const h = w / this.eyes[eye].aspect;
+      return [eye, i * each + (each - w) / 2, (height - h) / 2, w, h];
+    });
+  }
+
+  drawEyes(width, height) {
+    for (const [name, overlay] of Object.entries(this.overlays)) {
+      overlay.group.visible = name === 'contacts' && this.layers.contacts;
+    }
+    if (this.layers.contacts) this.overlays.contacts.put(this.tick);
+    if (this.head !== undefined) this.trial.pose(this.head, this.tick, this.pose);
+    this.cast.put(this.tick, ['head']);
+    if (this.otherCast) this.otherCast.put(Math.min(this.tick, this.other.lastTick), ['head']);
+    this.clear(true);
+    for (const [number, x, y, w, h] of this.eyeFrames(width, height)) {
+      const eye = this.eyes[number];
+      eye.put(this.pose);
+      this.renderer.setRenderTarget(eye.target);
+      this.clear();
+      this.renderer.render(this.scene, eye.camera);
+      this.renderer.setRenderTarget(null);
+      this.renderer.setViewport(x, y, w, h);
+      this.quad.material.uniforms.picture.value = eye.target.texture;
+      this.renderer.render(this.screen, this.flat);
+    }
+  }
+}

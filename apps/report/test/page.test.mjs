@@ -1,0 +1,188 @@
+import assert from 'node:assert/strict';
+import { readFileSync, statSync, truncateSync, writeFileSync } from 'node:fs';
+import { createRequire } from 'node:module';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+
+import { demo, drawnAt, folder, headpin, launch, open, refused } from './browser.mjs';
+import { readPng } from './png.mjs';
+
+const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+let browser;
+
+before(async () => {
+  headpin('replay', demo, '-o', 'game.lcmlog');
+  headpin('report', 'game.lcmlog', '-o', 'game.html');
+  browser = await launch();
+});
+after(() => browser.close());
+
+test('the page opens by itself: nothing is fetched, nothing goes wrong', async () => {
+  const { page, said, asked } = await open(browser, 'game.html');
+  await page.keyboard.press('Space');
+  await page.waitForFunction(() => window.headpin.clock.tick > 5);
+  await page.keyboard.press('Space');
+  for (const key of ['2', '3', '4', '1', 't', 'v', 'c', ']', ']', '[', '+', '-', 'w', 'd', 'r', 'End', 'Home']) {
+    await page.keyboard.press(key);
+  }
+  assert.deepEqual(said, []);
+  assert.deepEqual(asked(), []);
+  await page.context().close();
+});
+
+test('it is no larger than a mail takes', () => {
+  assert.ok(statSync(join(folder, 'game.html')).size < 2e6);
+});
+
+/** Mean difference of the page's picture of an eye from headpin's own, over the pixels of a body. */
+async function differenceOver(page, mask, own) {
+  return page.evaluate(([pixels, colours]) => {
+    const { view } = window.headpin;
+    view.drawNow();
+    const copy = document.createElement('canvas');
+    [copy.width, copy.height] = [view.canvas.width, view.canvas.height];
+    const context = copy.getContext('2d');
+    context.drawImage(view.canvas, 0, 0);
+    const scale = view.canvas.width / view.canvas.clientWidth;
+    const [[eye, x, y, w, h]] = view.eyeFrames(view.canvas.clientWidth, view.canvas.clientHeight);
+    const { width, height } = view.eyes[eye].eye;
+    let sum = 0;
+    pixels.forEach(([column, row], i) => {
+      const seen = context.getImageData(Math.floor(scale * (x + ((column + 0.5) / width) * w)),
+        Math.floor(scale * (y + ((row + 0.5) / height) * h)), 1, 1).data;
+      for (let c = 0; c < 3; ++c) sum += Math.abs(seen[c] - colours[i][c]);
+    });
+    return sum / (3 * pixels.length);
+  }, [mask, own]);
+}
+
+test('ball and skittle are where the trial has them, as the eyes see them, at three times', async () => {
+  const frames = [250, 300, 312];
+  headpin('frames', 'game.lcmlog', '-o', 'frames', '--frames', frames.join(','), '--ids');
+  const { page } = await open(browser, 'game.html');
+  await page.keyboard.press('c');  // arrows are not what the eyes see
+  for (const [mode, eye] of [['left', 'left'], ['right', 'right']]) {
+    await page.evaluate((to) => window.headpin.setMode(to), mode);
+    for (const frame of frames) {
+      const name = join(folder, 'frames', `${eye}_${String(frame).padStart(6, '0')}`);
+      const ids = readPng(`${name}_ids.png`);
+      const own = readPng(`${name}.png`);
+      for (const [body, id] of [['ball', 10], ['skittle 10', 109]]) {
+        const mask = [];
+        const colours = [];
+        ids.values.forEach((found, i) => {
+          if (found !== id) return;
+          mask.push([i % ids.width, Math.floor(i / ids.width)]);
+          colours.push([...own.values.subarray(3 * i, 3 * i + 3)]);
+        });
+        assert.ok(mask.length >= 8, `${body} in frame ${frame}: ${mask.length} pixels`);
+        await drawnAt(page, 4 * frame);
+        const there = await differenceOver(page, mask, colours);
+        // Its mirror image and its shade aside, which are not of its own pixels, it looks the same.
+        assert.ok(there < 26, `${body} in the ${eye} eye's frame ${frame}: ${there} levels off`);
+        if (body === 'ball') {  // and would be seen to be elsewhere a tenth of a second later
+          await drawnAt(page, 4 * frame + 24);
+          const later = await differenceOver(page, mask, colours);
+          assert.ok(later > 1.5 * there, `${later} a tenth of a second later, ${there} at its time`);
+        }
+      }
+    }
+  }
+  await page.context().close();
+});
+
+test('every tick is reached by keys', async () => {
+  const { page } = await open(browser, 'game.html');
+  const tick = () => page.evaluate(() => window.headpin.clock.tick);
+  await page.focus('#scrub');
+  for (let i = 0; i < 3; ++i) await page.keyboard.press('ArrowRight');
+  assert.equal(await tick(), 3);
+  await page.keyboard.press('ArrowLeft');
+  assert.equal(await tick(), 2);
+  await page.keyboard.press('End');
+  assert.equal(await tick(), 1682);
+  await page.keyboard.press('Home');
+  await page.keyboard.press(']');
+  const grab = JSON.parse(headpin('info', 'game.lcmlog', '--json')).events.find((e) => e.kind === 'grab');
+  assert.equal(await tick(), grab.tick);
+  assert.match(await page.textContent('#nearest'), /grab ball/);
+  assert.match(await page.textContent('#time'), new RegExp(`tick ${grab.tick}$`));
+  await page.click('#marks .mark:nth-child(2)');
+  assert.match(await page.textContent('#nearest'), /release ball/);
+  await page.context().close();
+});
+
+test('the hash shown is that of headpin replay', async () => {
+  const { page } = await open(browser, 'game.html');
+  const { state_hash: hash } = JSON.parse(headpin('replay', 'game.lcmlog', '--json'));
+  assert.equal(await page.textContent('#hash'), hash);
+  assert.match(await page.textContent('#verdict'), /equal to the bit in 1682 recorded ticks/);
+  await page.context().close();
+});
+
+test('every plot is a table too', async () => {
+  const { page } = await open(browser, 'game.html');
+  const charts = await page.locator('.chart').count();
+  assert.ok(charts >= 6);
+  for (let i = 0; i < charts; ++i) {
+    const chart = page.locator('.chart').nth(i);
+    await chart.locator('summary').click();
+    assert.ok(await chart.locator('tbody tr').count() > 100);
+  }
+  await page.context().close();
+});
+
+test('hostile names are shown as text', async () => {
+  const name = `</script><script>window.hurt = 1</script><img src=x onerror="window.hurt = 1">'"&amp;${'x'.repeat(10_000)}`;
+  headpin('synthesize', '-o', 'hostile.lcmlog', '--name', name, '--condition', '"><b>', '--duration', '7');
+  headpin('report', 'hostile.lcmlog', '-o', 'hostile.html');
+  const { page, said, asked } = await open(browser, 'hostile.html', { width: 700 });
+  assert.equal(await page.evaluate(() => window.hurt), undefined);
+  assert.ok((await page.textContent('#provenance-body')).includes(name));
+  assert.equal(await page.locator('main img, main b').count(), 0);
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+  assert.deepEqual(said, []);
+  assert.deepEqual(asked(), []);
+  await page.context().close();
+});
+
+test('a trial that is cut off says so; an empty one is refused', async () => {
+  writeFileSync(join(folder, 'cut.lcmlog'), readFileSync(join(folder, 'game.lcmlog')));
+  truncateSync(join(folder, 'cut.lcmlog'), 1_500_000);
+  headpin('report', 'cut.lcmlog', '-o', 'cut.html');
+  const { page, said } = await open(browser, 'cut.html');
+  assert.match(await page.textContent('#devices-body'), /not complete/);
+  assert.deepEqual(said, []);
+  await page.context().close();
+  writeFileSync(join(folder, 'empty.lcmlog'), '');
+  const { status, stderr } = refused('report', 'empty.lcmlog', '-o', 'empty.html');
+  assert.equal(status, 1);
+  assert.match(stderr, /empty\.lcmlog/);
+});
+
+for (const options of [{ width: 1400 }, { width: 390, height: 844 }, { colorScheme: 'dark' }, { reducedMotion: 'reduce' }]) {
+  test(`axe-core finds no fault: ${JSON.stringify(options)}`, async () => {
+    const { page } = await open(browser, 'game.html', options);
+    for (const summary of await page.locator('summary').all()) await summary.click();
+    await page.addScriptTag({ content: axe });
+    const { violations } = await page.evaluate(() => window.axe.run(document,
+      { runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice'] }));
+    assert.deepEqual(violations.map(({ id, nodes }) => [id, nodes.slice(0, 3).map((node) => node.html)]), []);
+    await page.context().close();
+  });
+}
+
+test('two trials: the first different tick and body, and both in the room', async () => {
+  headpin('replay', 'game.lcmlog', '--friction', '0.3', '-o', 'smooth.lcmlog');
+  const { first_difference_tick: tick, first_difference_body: body } =
+    JSON.parse(headpin('compare', 'game.lcmlog', 'smooth.lcmlog', '--json'));
+  headpin('report', 'game.lcmlog', 'smooth.lcmlog', '-o', 'two.html');
+  const { page, said } = await open(browser, 'two.html');
+  const words = await page.textContent('#first-difference');
+  assert.ok(words.includes(`First different tick: ${tick} `) && words.includes(`in the ${body}`), words);
+  await page.click('#first-difference button');
+  assert.equal(await page.evaluate(() => window.headpin.clock.tick), tick);
+  assert.ok(await page.evaluate(() => window.headpin.view.otherCast.group.children.length) >= 11);
+  assert.deepEqual(said, []);
+  await page.context().close();
+});

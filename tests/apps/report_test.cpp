@@ -1,0 +1,97 @@
+#include "apps/page_file.h"
+#include "devices/log.h"
+#include "tests/apps/command_line.h"
+
+namespace headpin {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+constexpr const char* kBase64 = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/=";
+
+/// The page is made elsewhere (apps/report); here stands what a trial is put into.
+class Report : public CommandLine {
+ protected:
+  Report() { write("page.html", "<html><!--headpin:data--></html>"); }
+
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(folder_ / name, std::ios::binary) << text;
+  }
+};
+
+TEST_F(Report, HoldsTheTrialAsTextThatNoBrowserReadsAsHtml) {
+  const devices::Trial demo = devices::read_trial(kDemo);
+  devices::TrialHeader header = demo.header;
+  header.participant = "</script><script>alert('\"1\"')</script>" + std::string(10'000, 'x');
+  header.condition = "--><!--headpin:data-->\x01\xff";
+  {
+    devices::Recorder recorder(folder_ / "hostile.lcmlog", header);
+    devices::write(recorder, demo.samples, demo.events);
+    recorder.close();
+  }
+  ASSERT_EQ(headpin("report hostile.lcmlog -o out.html --page page.html").code, 0);
+  const std::string page = slurp(folder_ / "out.html");
+  for (std::size_t at = page.find("\">"); at != std::string::npos; at = page.find("\">", at + 1)) {
+    const std::size_t end = page.find_first_not_of(kBase64, at + 2);
+    EXPECT_EQ(page.substr(end, 9), "</script>");
+  }
+  EXPECT_THAT(page, Not(HasSubstr("alert")));
+  EXPECT_THAT(page, Not(HasSubstr("headpin:data")));
+  EXPECT_THAT(page, HasSubstr("data-block=\"log\""));
+}
+
+TEST_F(Report, OfTheSameTrialIsTheSameBytes) {
+  const nlohmann::json made = json("report --json " + kDemo + " -o a.html --page page.html");
+  EXPECT_EQ(made["state_hash"], json("replay --json " + kDemo)["state_hash"]);
+  EXPECT_EQ(made["bytes"], fs::file_size(folder_ / "a.html"));
+  fs::rename(folder_ / "a.html", folder_ / "b.html");
+  ASSERT_EQ(headpin("report " + kDemo + " -o a.html --page page.html").code, 0);
+  EXPECT_EQ(slurp(folder_ / "a.html"), slurp(folder_ / "b.html"));
+  EXPECT_LT(fs::file_size(folder_ / "a.html"), 500'000u);  // the page itself is 230 kB
+}
+
+TEST_F(Report, ALogWithoutItsStatesIsInThePageAndSimulatesToTheSameBits) {
+  ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
+  const std::vector<std::uint8_t> inputs = apps::log_of_inputs(folder_ / "game.lcmlog");
+  write("inputs.lcmlog", std::string(inputs.begin(), inputs.end()));
+  const nlohmann::json info = json("info --json inputs.lcmlog");
+  EXPECT_EQ(info["ticks"], 0);
+  EXPECT_EQ(info["skipped"]["bytes"], 0);
+  EXPECT_EQ(json("replay --json inputs.lcmlog")["state_hash"],
+            json("replay --json game.lcmlog")["state_hash"]);
+  EXPECT_LT(10 * inputs.size(), fs::file_size(folder_ / "game.lcmlog"));
+}
+
+TEST_F(Report, RefusesWhatItCannotShowOrFillIn) {
+  write("empty.lcmlog", "");
+  write("other.html", "<html></html>");
+  expect_refusal("report empty.lcmlog -o OUT.html --page page.html", 1, "empty.lcmlog");
+  expect_refusal("report none.lcmlog -o OUT.html --page page.html", 1, "none.lcmlog");
+  expect_refusal("report " + kDemo + " -o OUT.html --page other.html", 1, "headpin:data");
+  expect_refusal("report " + kDemo + " -o OUT.html --page none.html", 1, "none.html");
+  expect_refusal("report " + kDemo + " none.lcmlog -o OUT.html --page page.html", 1, "none.lcmlog");
+  expect_refusal("report " + kDemo, 2, "--output");
+  write("there.html", "mine");
+  EXPECT_EQ(headpin("report " + kDemo + " -o there.html --page page.html").code, 1);
+  EXPECT_EQ(slurp(folder_ / "there.html"), "mine");
+}
+
+TEST_F(Report, ALogThatIsCutOffIsShownUpToThere) {
+  const std::string whole = slurp(kDemo);
+  write("cut.lcmlog", whole.substr(0, whole.size() / 2));
+  const nlohmann::json made = json("report --json cut.lcmlog -o out.html --page page.html");
+  EXPECT_LT(made["ticks"], json("replay --json " + kDemo)["ticks"]);
+}
+
+TEST_F(Report, NumbersInQuantaAreDifferencesInSevenBitsAByte) {
+  scene::PageData data;
+  data.floats = {1.0f, 0.5f, 0.0f, 100.0f};  // two columns, two rows
+  data.json["sections"] = {
+      {{"offset", 0}, {"rows", 2}, {"columns", {"a", "b"}}, {"quanta", {1.0, 0.25}}}};
+  // a: 1, then -1; b: 2, then 398. Zigzag: 2, 1; 4, 796 = 6 * 128 + 28.
+  EXPECT_THAT(apps::in_quanta(data), testing::ElementsAre(2, 1, 4, 0x80 | 28, 6));
+}
+
+}  // namespace
+}  // namespace headpin

@@ -1,0 +1,162 @@
+#include "scene/page_data.h"
+
+#include <cmath>
+#include <fstream>
+#include <iterator>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "devices/log.h"
+#include "scene/totals.h"
+
+namespace headpin::scene {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kDemo = HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog";
+
+/// A number of a section by row and name of its column.
+float at(const PageData& data, const std::string& name, std::int64_t row,
+         const std::string& column) {
+  for (const nlohmann::json& section : data.json["sections"]) {
+    if (section["name"] != name) continue;
+    const auto columns = section["columns"].get<std::vector<std::string>>();
+    const auto found = std::ranges::find(columns, column);
+    if (found == columns.end()) break;
+    return data.floats[section["offset"].get<std::size_t>() +
+                       static_cast<std::size_t>(row) * columns.size() +
+                       static_cast<std::size_t>(found - columns.begin())];
+  }
+  ADD_FAILURE() << "no " << column << " in " << name;
+  return 0.0f;
+}
+
+/// The trial simulated to its end.
+Session played(const Recorded& recorded, const Scenario& scenario) {
+  Session session = make_session(scenario);
+  devices::TrialPlayer source(recorded.file);
+  NoPace pace;
+  const std::int64_t ticks = tick_count(recorded.file.summary(), scenario.rates.physics_hz);
+  run(session, source, pace, {}, [&](const Session& s) { return s.tick >= ticks; });
+  return session;
+}
+
+TEST(PageData, ShowsEveryBodyWhereTheReplayLeavesIt) {
+  const Recorded recorded = load_trial(kDemo);
+  const PageData data = page_data(recorded);
+  const Session session = played(recorded, recorded.scenario);
+  ASSERT_EQ(data.json["drawn"]["every"], 1);
+  const std::int64_t last = data.json["drawn"]["rows"].get<std::int64_t>() - 1;
+  EXPECT_EQ(last, session.tick);
+  for (const auto& bodies : {session.stage->balls, session.stage->skittles}) {
+    for (const engine::BodyId body : bodies) {
+      const std::string& name = session.world.bodies[body].name;
+      const Vec3& p = session.world.states[body].X_WB.p;
+      EXPECT_EQ(at(data, "poses", last, name + " x"), static_cast<float>(p.x())) << name;
+      EXPECT_EQ(at(data, "poses", last, name + " y"), static_cast<float>(p.y())) << name;
+      EXPECT_EQ(at(data, "poses", last, name + " z"), static_cast<float>(p.z())) << name;
+    }
+  }
+  EXPECT_EQ(at(data, "poses", last, "hand x"), static_cast<float>(hand_pose(session)->p.x()));
+  EXPECT_EQ(at(data, "poses", last, "head z"), static_cast<float>(head_pose(session)->p.z()));
+  EXPECT_EQ(at(data, "series", last, "impact_j"),
+            static_cast<float>(session.world.ledger.impact.energy));
+}
+
+TEST(PageData, OfAMovedTrialIsWhatAReplayUnderThatConditionGives) {
+  const Recorded recorded = load_trial(kDemo);
+  const Moved moved{
+      .elasticity = 1.0, .friction = 0.2, .shape = "ellipsoid", .response = "coulomb"};
+  Scenario scenario = recorded.scenario;
+  set_elasticity(scenario.material, 1.0);
+  set_friction(scenario.material, 0.2);
+  scenario.collision.shape = "ellipsoid";
+  scenario.collision.response = "coulomb";
+  const PageData data = page_data(recorded, moved, false);
+  EXPECT_EQ(data.json["summary"]["state_hash"],
+            summary(played(recorded, scenario), {})["state_hash"]);
+  EXPECT_TRUE(data.json["meshes"].empty());
+}
+
+TEST(PageData, RefusesWhatCannotBeMovedTo) {
+  Moved elasticity, friction, shape, response;
+  elasticity.elasticity = 1.1;
+  friction.friction = std::nan("");
+  shape.shape = "cube";
+  response.response = "newton";
+  for (const Moved& moved : {elasticity, friction, shape, response}) {
+    Scenario scenario;
+    EXPECT_THROW(apply(moved, scenario), std::invalid_argument);
+  }
+}
+
+/// The bundled trial with the states of a replay, the ball in one of them a little elsewhere.
+std::string trial_with_states(std::int64_t moved_tick) {
+  const std::string path = std::string(testing::TempDir()) + "/headpin_page_states.lcmlog";
+  const Recorded recorded = load_trial(kDemo);
+  Session session = make_session(recorded.scenario);
+  devices::TrialHeader header = recorded.file.summary().header;
+  header.body_names = body_names(*session.stage);
+  devices::Recorder recorder(path, header, {.overwrite = true});
+  devices::TrialPlayer source(recorded.file);
+  devices::TickState state;
+  for (int tick = 1; tick <= 300; ++tick) {
+    advance(session, source);
+    for (const devices::Sample& sample : session.samples) recorder.write(sample);
+    tick_state(session, state);
+    if (tick == moved_tick) state.bodies[session.stage->balls[0]].X_WB.p.x() += 0.5;
+    recorder.write(state);
+  }
+  recorder.close();
+  return path;
+}
+
+TEST(PageData, TellsWhetherTheRecordedStatesCameBack) {
+  const PageData data = page_data(load_trial(trial_with_states(-1)), {}, false);
+  const nlohmann::json& hash = data.json["hash"];
+  EXPECT_EQ(hash["verified_ticks"], 300);
+  EXPECT_EQ(hash["recorded"], hash["replayed"]);
+  EXPECT_TRUE(hash["first_difference"].is_null());
+}
+
+TEST(PageData, ShowsWhatWasRecordedWhereTheReplayDiffersAndSaysWhere) {
+  const PageData data = page_data(load_trial(trial_with_states(120)), {}, false);
+  const nlohmann::json& first = data.json["hash"]["first_difference"];
+  EXPECT_EQ(first["tick"], 120);
+  EXPECT_EQ(first["body"], "ball");
+  EXPECT_EQ(data.json["hash"]["verified_ticks"], 119);
+  EXPECT_NEAR(at(data, "poses", 120, "ball x") - at(data, "poses", 119, "ball x"), 0.5, 1e-6);
+}
+
+TEST(PageData, OfALongTrialDrawsEveryNthTickAndTheLast) {
+  const std::string path = std::string(testing::TempDir()) + "/headpin_page_long.lcmlog";
+  const Recorded demo = load_trial(kDemo);
+  devices::Recorder recorder(path, demo.file.summary().header, {.overwrite = true});
+  for (const int second : {0, 40, 80, 131}) {
+    devices::TrackerSample head;
+    head.station = devices::kHeadStation;
+    head.device_time = Time{second * 1'000'000};
+    head.X_TS.p = Vec3(0.01 * second, 0.0, 1.7);
+    recorder.write(devices::Sample(head));
+  }
+  recorder.close();
+  const PageData data = page_data(load_trial(path), {}, false);
+  const nlohmann::json& drawn = data.json["drawn"];
+  EXPECT_EQ(drawn["every"], 2);  // 31440 ticks are more than 24000
+  EXPECT_EQ(drawn["last_tick"], data.json["ticks"]);
+  const std::int64_t ticks = drawn["last_tick"];
+  EXPECT_EQ(drawn["rows"], ticks / 2 + 1 + ticks % 2);
+}
+
+TEST(PageData, OfTheBytesOfALogIsThatOfTheFile) {
+  std::ifstream file(kDemo, std::ios::binary);
+  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
+  const PageData a = page_data(load_trial(kDemo)), b = page_data(load_trial(bytes, "demo"));
+  EXPECT_EQ(a.json, b.json);
+  EXPECT_EQ(a.floats, b.floats);
+}
+
+}  // namespace
+}  // namespace headpin::scene
