@@ -118,7 +118,7 @@ export function showProvenance(trial, about) {
       ['Recorded hash', make('code', {}, hash.recorded ?? kNone)],
       ['Page made by', `headpin ${about.version} (${about.commit || 'no commit'})`],
       ['To make it again', make('code', {}, about.command)]]),
-    ...notes.map((note) => make('p', { class: 'note', id: 'thinned' }, note)),
+    make('div', { id: 'left-out' }, notes.map((note) => make('p', { class: 'note' }, note))),
     make('details', {}, make('summary', {}, 'The scenario, whole'),
       make('pre', { tabindex: 0, role: 'region', 'aria-label': 'Scenario' }, t.scenario)));
 }

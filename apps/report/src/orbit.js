@@ -23,7 +23,7 @@ export class Orbit {
     const places = {  // [camera, what it looks at]
       behind: [[-Math.min(1.5, side), back, Math.min(2.3, height - 0.3)], [0.15, 0.35 * pin, 0.5]],
       beside: [[Math.max(side, 0.9 * pin), 0.45 * pin, 1.6], [0, 0.45 * pin, 0.5]],
-      above: [[0, 0.5 * (ahead - behind) - 0.01, 0.75 * (ahead + behind)], [0, 0.5 * (ahead - behind), 0]],
+      above: [[0.01, 0.5 * (ahead - behind), 0.6 * (ahead + behind) + height], [0, 0.5 * (ahead - behind), 0]],
       skittles: [[-Math.min(1.1, side), pin - 1.6, 1.1], [0, pin + 0.3, 0.2]],
     };
     const [from, to] = places[view].map((p) => new Vector3(...p));

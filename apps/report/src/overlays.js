@@ -9,10 +9,12 @@ const kFrustumColours = [0x56b4e9, 0xd55e00];
 const kContactSeconds = 0.05;
 const kMostArrows = 64;
 const kFrustumLength = 1.2;  // m
+const kTrailSeconds = 4;         // that are drawn strong
+const kWholeTrailSeconds = 30;   // longer trials would be hidden behind their own trails
 
-/** Where head, hand and ball were: all of it faint, up to now strong. */
+/** Where head, hand and ball were: the last seconds strong, all of a short trial faint. */
 export class Trails {
-  constructor(trial, dashed = false) {
+  constructor(trial) {
     this.group = new Group();
     this.lines = [];
     const pose = new Float32Array(7);
@@ -27,12 +29,12 @@ export class Trails {
         geometry.setAttribute('position', new BufferAttribute(points, 3));
         const line = (opacity) => {
           const one = new Line(geometry, new LineBasicMaterial({
-            color: kTrailColours[role], transparent: true, opacity: dashed ? opacity * 0.6 : opacity }));
+            color: kTrailColours[role], transparent: true, opacity }));
           one.frustumCulled = false;
           this.group.add(one);
           return one;
         };
-        line(0.25);
+        if (trial.seconds(trial.lastTick) <= kWholeTrailSeconds) line(0.25);
         const past = line(1);
         past.geometry = geometry.clone();
         this.lines.push(past);
@@ -43,7 +45,8 @@ export class Trails {
 
   put(tick) {
     const { row } = this.trial.rowsAt(tick);
-    for (const line of this.lines) line.geometry.setDrawRange(0, row + 1);
+    const from = this.trial.rowsAt(Math.max(0, tick - kTrailSeconds * this.trial.rate)).row;
+    for (const line of this.lines) line.geometry.setDrawRange(from, row + 1 - from);
   }
 }
 
@@ -86,6 +89,10 @@ export class Contacts {
     this.arrows = Array.from({ length: kMostArrows }, () => {
       const arrow = new ArrowHelper(new Vector3(0, 0, 1), new Vector3(), 0.1, 0xcc2222, 0.03, 0.02);
       arrow.visible = false;
+      for (const part of [arrow.line, arrow.cone]) {
+        part.material.depthTest = false;  // seen through what they act on
+        part.renderOrder = 1;
+      }
       this.group.add(arrow);
       return arrow;
     });
@@ -100,7 +107,7 @@ export class Contacts {
       if (!arrow.visible) return;
       const [, , , x, y, z, jx, jy, jz] = rows[i];
       const size = Math.hypot(jx, jy, jz);
-      const length = 0.05 + 0.12 * Math.sqrt(size);
+      const length = 0.06 + 0.2 * Math.sqrt(size);
       arrow.position.set(x, y, z);
       arrow.setDirection(new Vector3(jx, jy, jz).divideScalar(size));
       arrow.setLength(length, 0.3 * length, 0.15 * length);

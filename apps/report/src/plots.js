@@ -3,11 +3,28 @@ import uPlot from 'uplot';
 
 import { find, make, number, table } from './elements.js';
 
-const kMostRows = 400;  // of a table
+const kMostRows = 400;    // of a table
+const kMostPoints = 3000;  // of a curve, on a plot 1200 pixels wide
 const kDashes = [[], [8, 4], [2, 3], [10, 3, 2, 3], [5, 5], [1, 4]];
 
 function style(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+}
+
+/** Rows as a plot can show them: of each few, every curve keeps its least and its greatest value. */
+export function thinned({ times, curves }) {
+  const group = Math.ceil((2 * times.length) / kMostPoints);
+  if (group <= 2) return [times, ...curves.map(([, values]) => values)];
+  const rows = [];
+  for (let from = 0; from < times.length; from += group) rows.push([from, Math.min(from + group, times.length)]);
+  const ends = (values, pick) => rows.flatMap(([from, to]) => pick(values.subarray(from, to)));
+  return [
+    Float64Array.from(ends(times, (part) => [part[0], part[part.length - 1]])),
+    ...curves.map(([, values]) => Float64Array.from(ends(values, (part) => {
+      const [low, high] = [Math.min(...part), Math.max(...part)];
+      return part.indexOf(low) < part.indexOf(high) ? [low, high] : [high, low];
+    }))),
+  ];
 }
 
 /** What is plotted of a trial: name, unit, times, curves. */
@@ -104,7 +121,7 @@ export class Plots {
         points: { show: Boolean(chart.points), size: 4, fill: style(`--curve-${i}`) },
         paths: chart.points ? () => null : undefined,
       }))],
-    }, [chart.times, ...chart.curves.map(([, values]) => values)], holder);
+    }, thinned(chart), holder);
     plot.over.append(line);
     plot.over.addEventListener('click', (event) => {
       const seconds = plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, 'x');

@@ -12,6 +12,15 @@ ColorManagement.enabled = false;
 
 const kOtherTint = [0.55, 0.8, 1.25];
 
+/** Without a graphics card every pixel costs: smooth edges and fine pixels are left out then. */
+function drawsInSoftware() {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const who = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = who ? gl.getParameter(who.UNMASKED_RENDERER_WEBGL) : '';
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
 /** The pictures of one eye: drawn in the display's pixels, shown as wide as they are seen. */
 class Eye {
   constructor(eye) {
@@ -41,7 +50,8 @@ class Eye {
 export class View {
   constructor(canvas, trial, other) {
     this.canvas = canvas;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    this.software = drawsInSoftware();
+    this.renderer = new WebGLRenderer({ canvas, antialias: !this.software });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.renderer.autoClear = false;
     this.mode = 'around';
@@ -120,7 +130,7 @@ export class View {
 
   drawNow() {
     const { canvas, renderer } = this;
-    const ratio = Math.min(devicePixelRatio, 2);
+    const ratio = this.software ? 1 : Math.min(devicePixelRatio, 2);
     const width = canvas.clientWidth;
     const height = canvas.clientHeight;
     if (!width || !height) return;

@@ -81,7 +81,9 @@ export class Cast {
 
   /** Balls and skittles keep light from the floor: one ball each will do from here. */
   castShade(tick) {
-    const occluders = this.looks.light.occluders.value;
+    const { occluders: { value: occluders }, shaded: { value: shaded } } = this.looks.light;
+    const reach = 0.6;  // m, beyond which it is too faint to see
+    shaded.set(Infinity, Infinity, -Infinity, -Infinity);
     let used = 0;
     for (const [role, radius, lower] of [['ball', 0.1, 0], ['skittle', 0.055, 0.1]]) {
       for (const actor of this.trial.actors(role)) {
@@ -89,9 +91,11 @@ export class Cast {
         const p = this.trial.pose(actor, tick, this.pose);
         // A skittle's lower part shades: its axis is the third of its turn.
         const [w, x, y, z] = p;
-        occluders[used++].set(
+        const one = occluders[used++].set(
           p[4] - lower * 2 * (x * z + w * y), p[5] - lower * 2 * (y * z - w * x),
           p[6] - lower * (1 - 2 * (x * x + y * y)), radius);
+        shaded.set(Math.min(shaded.x, one.x - reach), Math.min(shaded.y, one.y - reach),
+          Math.max(shaded.z, one.x + reach), Math.max(shaded.w, one.y + reach));
       }
     }
   }

@@ -58,3 +58,8 @@ export async function drawnAt(page, tick) {
     window.headpin.view.drawNow();
   }, tick);
 }
+
+/** Waits until something holds in the page, whose own policy lets no tool put its eyes in. */
+export async function until(page, holds, argument) {
+  while (!(await page.evaluate(holds, argument))) await new Promise((resolve) => setTimeout(resolve, 50));
+}

@@ -4,7 +4,7 @@ import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 
-import { demo, drawnAt, folder, headpin, launch, open, refused } from './browser.mjs';
+import { demo, drawnAt, folder, headpin, launch, open, refused, until } from './browser.mjs';
 import { readPng } from './png.mjs';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
@@ -20,7 +20,7 @@ after(() => browser.close());
 test('the page opens by itself: nothing is fetched, nothing goes wrong', async () => {
   const { page, said, asked } = await open(browser, 'game.html');
   await page.keyboard.press('Space');
-  await page.waitForFunction(() => window.headpin.clock.tick > 5);
+  await until(page, () => window.headpin.clock.tick > 5);
   await page.keyboard.press('Space');
   for (const key of ['2', '3', '4', '1', 't', 'v', 'c', ']', ']', '[', '+', '-', 'w', 'd', 'r', 'End', 'Home']) {
     await page.keyboard.press(key);
@@ -127,7 +127,7 @@ test('every plot is a table too', async () => {
   for (let i = 0; i < charts; ++i) {
     const chart = page.locator('.chart').nth(i);
     await chart.locator('summary').click();
-    assert.ok(await chart.locator('tbody tr').count() > 100);
+    await chart.locator('tbody tr').nth(100).waitFor();
   }
   await page.context().close();
 });
@@ -136,7 +136,7 @@ test('hostile names are shown as text', async () => {
   const name = `</script><script>window.hurt = 1</script><img src=x onerror="window.hurt = 1">'"&amp;${'x'.repeat(10_000)}`;
   headpin('synthesize', '-o', 'hostile.lcmlog', '--name', name, '--condition', '"><b>', '--duration', '7');
   headpin('report', 'hostile.lcmlog', '-o', 'hostile.html');
-  const { page, said, asked } = await open(browser, 'hostile.html', { width: 700 });
+  const { page, said, asked } = await open(browser, 'hostile.html', { width: 390 });
   assert.equal(await page.evaluate(() => window.hurt), undefined);
   assert.ok((await page.textContent('#provenance-body')).includes(name));
   assert.equal(await page.locator('main img, main b').count(), 0);
@@ -163,7 +163,7 @@ test('a trial that is cut off says so; an empty one is refused', async () => {
 for (const options of [{ width: 1400 }, { width: 390, height: 844 }, { colorScheme: 'dark' }, { reducedMotion: 'reduce' }]) {
   test(`axe-core finds no fault: ${JSON.stringify(options)}`, async () => {
     const { page } = await open(browser, 'game.html', options);
-    for (const summary of await page.locator('summary').all()) await summary.click();
+    for (const id of ['plots', 'provenance']) await page.locator(`#${id} summary`).first().click();
     await page.addScriptTag({ content: axe });
     const { violations } = await page.evaluate(() => window.axe.run(document,
       { runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice'] }));
@@ -184,5 +184,83 @@ test('two trials: the first different tick and body, and both in the room', asyn
   assert.equal(await page.evaluate(() => window.headpin.clock.tick), tick);
   assert.ok(await page.evaluate(() => window.headpin.view.otherCast.group.children.length) >= 11);
   assert.deepEqual(said, []);
+  await page.context().close();
+});
+
+const engine = { skip: process.env.HEADPIN_PAGE_WITHOUT_ENGINE ? 'the page was built without it' : false };
+
+/** Opens the page and waits for what the engine says of the unmoved trial. */
+async function withEngine(file) {
+  const opened = await open(browser, file);
+  await opened.page.waitForSelector('html[data-engine=yes]');
+  return opened;
+}
+
+test('the engine in the page comes to the recorded hash and says so', engine, async () => {
+  const { page, said, asked } = await withEngine('game.html');
+  const { state_hash: hash } = JSON.parse(headpin('replay', 'game.lcmlog', '--json'));
+  const words = await page.textContent('#again-status');
+  assert.ok(words.includes(hash) && words.includes('equal to the bit with the recording'), words);
+  assert.deepEqual(said, []);
+  assert.deepEqual(asked(), []);
+  await page.context().close();
+});
+
+test('a moved slider gives what headpin replay gives under that condition', engine, async () => {
+  const { page } = await withEngine('game.html');
+  const moves = [['friction', '0.2'], ['elasticity', '1'], ['shape', 'ellipsoid'], ['response', 'coulomb']];
+  const words = [];
+  for (const [name, value] of moves) {
+    words.push(`--${name}`, value);
+    await page.evaluate(([id, to]) => {
+      const control = document.getElementById(id);
+      control.value = to;
+      control.dispatchEvent(new Event(control.matches('select') ? 'change' : 'input', { bubbles: true }));
+    }, [name, value]);
+    const { state_hash: hash, skittles_down: down } = JSON.parse(headpin('replay', 'game.lcmlog', ...words, '--json'));
+    await until(page, ([want, felled]) => {
+      const text = document.getElementById('again-status').textContent;
+      return text.includes(want) && text.includes(`${felled} of `);
+    }, [hash, down]);
+  }
+  await page.click('#unmoved');
+  await until(page, () => document.getElementById('again-status').textContent.includes('equal to the bit'));
+  await page.context().close();
+});
+
+test('another log dropped on the page is opened', engine, async () => {
+  headpin('synthesize', '-o', 'another.lcmlog', '--seed', '9', '--name', 'somebody else');
+  const { page, said } = await withEngine('game.html');
+  await page.setInputFiles('#drop', join(folder, 'another.lcmlog'));
+  const { state_hash: hash } = JSON.parse(headpin('replay', 'another.lcmlog', '--json'));
+  await until(page, (want) => document.getElementById('hash').textContent === want, hash);
+  assert.match(await page.textContent('#subtitle'), /somebody else/);
+  writeFileSync(join(folder, 'junk.lcmlog'), 'junk');
+  await page.setInputFiles('#drop', join(folder, 'junk.lcmlog'));
+  await until(page, () => /^junk\.lcmlog: ./.test(document.getElementById('again-status').textContent));
+  assert.equal(await page.textContent('#hash'), hash);
+  assert.deepEqual(said, []);
+  await page.context().close();
+});
+
+test('what both eyes saw is in the page, on the same clock', async () => {
+  headpin('frames', 'game.lcmlog', '--frames', '0-119', '--video', 'stereo.mkv');
+  headpin('report', 'game.lcmlog', '-o', 'video.html', '--video', 'stereo.mp4');
+  const { page, said, asked } = await open(browser, 'video.html');
+  await page.waitForSelector('#video:not([hidden])');
+  await drawnAt(page, 240);
+  await until(page, () => Math.abs(document.querySelector('video').currentTime - 1) < 0.01);
+  assert.deepEqual(said, []);
+  assert.deepEqual(asked(), []);
+  await page.context().close();
+});
+
+test('on paper, what cannot be pressed is gone, and plots and tables are there', async () => {
+  const { page } = await open(browser, 'game.html');
+  await page.emulateMedia({ media: 'print' });
+  assert.equal(await page.isVisible('#play'), false);
+  assert.equal(await page.isVisible('#provenance-body'), true);
+  assert.equal(await page.isVisible('.plot canvas'), true);
+  assert.ok((await page.pdf()).length > 50_000);
   await page.context().close();
 });
