@@ -16,8 +16,9 @@ if(NOT HEADPIN_PROGRAM)
 endif()
 
 install(FILES cmake/FindLCM.cmake DESTINATION ${HEADPIN_CMAKE_DIR} COMPONENT libraries)
-install(DIRECTORY assets/scenarios assets/trials assets/throws
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/headpin COMPONENT program)
+install(DIRECTORY assets/scenarios assets/meshes assets/trials assets/throws
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/headpin COMPONENT program
+        PATTERN "*.cpp" EXCLUDE)
 # What `headpin report` fills in, where `./dev page` has built it.
 install(FILES ${PROJECT_SOURCE_DIR}/build/report/page.html
         DESTINATION ${CMAKE_INSTALL_DATADIR}/headpin COMPONENT program OPTIONAL)

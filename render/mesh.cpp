@@ -20,11 +20,13 @@ void append_triangles(Mesh& mesh, std::initializer_list<std::uint32_t> corners) 
 }  // namespace
 
 Vec3 srgb(std::uint32_t rgb) {
-  const auto light = [&](int shift) {
-    const double code = static_cast<double>(rgb >> shift & 0xff) / 255.0;
-    return code <= 0.04045 ? code / 12.92 : std::pow((code + 0.055) / 1.055, 2.4);
-  };
-  return {light(16), light(8), light(0)};
+  const auto code = [&](int shift) { return static_cast<double>(rgb >> shift & 0xff) / 255.0; };
+  return light_of({code(16), code(8), code(0)});
+}
+
+Vec3 light_of(const Vec3& code) {
+  return code.unaryExpr(
+      [](double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); });
 }
 
 Vec3 srgb_of(const Vec3& light) {

@@ -12,6 +12,9 @@ namespace headpin::render {
 /// A colour in linear light from its usual web notation, 0xRRGGBB in sRGB.
 Vec3 srgb(std::uint32_t rgb);
 
+/// The light of an sRGB code, 0..1 each.
+Vec3 light_of(const Vec3& code);
+
 /// The code of a light, 0..1 each: what srgb() reads.
 Vec3 srgb_of(const Vec3& light);
 

@@ -4,6 +4,8 @@
 #include <numbers>
 #include <stdexcept>
 
+#include <fmt/format.h>
+
 #include "scene/outline.h"
 #include "scene/room.h"
 
@@ -16,6 +18,7 @@ Vec3 z(double height) {
 }
 
 engine::Part make_part(const SkittlePart& part) {
+  if (part.shape == "polyhedron") return {engine::Polyhedron(part.corners, part.faces), {}};
   const double half = 0.5 * (part.high - part.low);
   const Pose X_BG{Quat::Identity(), z(part.low + half)};
   if (part.shape == "cylinder") return {engine::Cylinder{part.radius, half}, X_BG};
@@ -96,6 +99,16 @@ engine::Compound skittle_shape(const Skittle& skittle, const std::string& shape)
 SkittleBody skittle_body(const Scenario& scenario) {
   const engine::Compound shape = skittle_shape(scenario.skittle, scenario.collision.shape);
   const engine::Centred centred = engine::about_centre(shape, skittle_mass(scenario, shape));
+  constexpr double kUpright =
+      1e-3;  // [1] and [m]: it stands on its spot, and is not turned to stand
+  const double off = centred.X_BC.p.head<2>().norm();
+  const double tilt = (centred.X_BC.q * Vec3::UnitZ() - Vec3::UnitZ()).norm();
+  if (off > kUpright || tilt > kUpright) {
+    throw std::invalid_argument(fmt::format(
+        "skittle.parts have their centre of mass {:.4g} m beside the axis and a principal axis "
+        "{:.4g} rad from it, expected within {:g}; or weigh the profile (skittle.weighed)",
+        off, tilt, kUpright));
+  }
   return {{.name = "skittle",
            .shape = centred.compound,
            .mass = centred.mass,

@@ -58,6 +58,22 @@ inline constexpr std::pair<std::string_view, std::string_view> kKeysSince[] = {
     {"hmd.relay_height", "0"},
     {"hmd.lens_k1", "0.0"},
     {"hmd.lens_k2", "0.0"},
+    {"room.mesh.file", "''"},
+    {"room.mesh.unit", "1.0"},
+    {"room.mesh.axes", "'RAS'"},
+    {"room.mesh.sha256", "''"},
+    {"skittle.mesh.file", "''"},
+    {"skittle.mesh.unit", "1.0"},
+    {"skittle.mesh.axes", "'RAS'"},
+    {"skittle.mesh.sha256", "''"},
+    {"ball.mesh.file", "''"},
+    {"ball.mesh.unit", "1.0"},
+    {"ball.mesh.axes", "'RAS'"},
+    {"ball.mesh.sha256", "''"},
+    {"hand.mesh.file", "''"},
+    {"hand.mesh.unit", "1.0"},
+    {"hand.mesh.axes", "'RAS'"},
+    {"hand.mesh.sha256", "''"},
 };
 
 }  // namespace headpin::scene

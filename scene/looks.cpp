@@ -5,6 +5,7 @@
 
 #include "scene/hand_mesh.h"
 #include "scene/room_mesh.h"
+#include "scene/seen_mesh.h"
 #include "scene/skittle_mesh.h"
 
 namespace headpin::scene {
@@ -46,6 +47,13 @@ render::Mesh head_mesh() {
   return head;
 }
 
+render::Mesh moved(const render::Mesh& mesh, const Pose& X_GP) {
+  render::Mesh all;
+  all.gloss = mesh.gloss;
+  append(all, mesh, X_GP);
+  return all;
+}
+
 void append_occluders(DrawList& list, const std::vector<Occluder>& of_body, const Pose& X_WB) {
   for (const Occluder& ball : of_body) list.occluders.push_back({X_WB * ball.p_W, ball.radius});
 }
@@ -55,39 +63,13 @@ void append_occluders(DrawList& list, const std::vector<Occluder>& of_body, cons
 Looks::Looks(const MeshKeeper& keeper, const Stage& stage)
     : ball_radius(stage.scenario.ball.radius), skittle_centre(stage.skittle_centre) {
   const Scenario& scenario = stage.scenario;
-  const Outline outline = smooth_outline(scenario.skittle.profile);
-  double widest = 0.0;
-  for (const SkittlePart& part : scenario.skittle.parts) widest = std::max(widest, part.radius);
-  const double height = scenario.skittle.height;
-  const Outline ellipsoid = ellipsoid_outline(height, widest);
-  true_skittle = keeper.add(skittle_mesh(outline, stage.skittle_centre, kRings, kSides));
-  far_true_skittle = keeper.add(skittle_mesh(outline, stage.skittle_centre, kFarRings, kFarSides));
-  ellipsoid_skittle = keeper.add(skittle_mesh(ellipsoid, 0.5 * height, kRings, kSides));
-  far_ellipsoid_skittle = keeper.add(skittle_mesh(ellipsoid, 0.5 * height, kFarRings, kFarSides));
-  true_occluders = occluders_of(outline, stage.skittle_centre);
-  ellipsoid_occluders = occluders_of(ellipsoid, 0.5 * height);
-  ball = keeper.add(ball_mesh(ball_radius, Vec3::UnitZ()));
-  open_hand = keeper.add(open_hand_mesh(kSkinCell));
-  far_open_hand = keeper.add(open_hand_mesh(kFarSkinCell));
-  gripping_hand = keeper.add(gripping_hand_mesh(scenario.hand.grip, ball_radius, kSkinCell));
-  far_gripping_hand = keeper.add(gripping_hand_mesh(scenario.hand.grip, ball_radius, kFarSkinCell));
-
+  add_skittle(keeper, stage);
+  const std::optional<render::Mesh> own =
+      seen_mesh(scenario.ball.mesh, render::srgb(0x123a8c), 0.9);
+  ball = keeper.add(own ? *own : ball_mesh(ball_radius, Vec3::UnitZ()));
+  add_hands(keeper, scenario.hand);
   head = keeper.add(head_mesh());
-
-  const RoomMeasures measures = room_measures(scenario);
-  const RoomMeshes meshes = room_meshes(measures);
-  const auto still = [&](const render::Mesh& mesh, bool mirrored) {
-    DrawItem item;
-    item.mesh = keeper.add(mesh);
-    item.id = kRoomId;
-    item.mirrored = mirrored;
-    room.items.push_back(item);
-  };
-  still(meshes.lane, false);
-  still(meshes.approach, false);
-  still(meshes.beside, false);
-  still(meshes.front, true);
-  still(meshes.walls, false);
+  add_room(keeper, scenario);
 
   for (const engine::BodyId one : stage.balls) {
     const Vec3 home = stage.world.states[one].X_WB.p;
@@ -103,6 +85,59 @@ Looks::Looks(const MeshKeeper& keeper, const Stage& stage)
   }
 
   if (scenario.version.buttons) add_buttons(keeper, scenario.version);
+}
+
+void Looks::add_skittle(const MeshKeeper& keeper, const Stage& stage) {
+  const Skittle& skittle = stage.scenario.skittle;
+  const Outline outline = smooth_outline(skittle.profile);
+  double widest = 0.0;
+  for (const SkittlePart& part : skittle.parts) widest = std::max(widest, part.radius);
+  const double height = skittle.height;
+  const Outline ellipsoid = ellipsoid_outline(height, widest);
+  if (const auto own = seen_mesh(skittle.mesh, render::srgb(0xf4f1e6), 0.5)) {
+    true_skittle = far_true_skittle =
+        keeper.add(moved(*own, {Quat::Identity(), Vec3(0.0, 0.0, -stage.skittle_centre)}));
+  } else {
+    true_skittle = keeper.add(skittle_mesh(outline, stage.skittle_centre, kRings, kSides));
+    far_true_skittle =
+        keeper.add(skittle_mesh(outline, stage.skittle_centre, kFarRings, kFarSides));
+  }
+  ellipsoid_skittle = keeper.add(skittle_mesh(ellipsoid, 0.5 * height, kRings, kSides));
+  far_ellipsoid_skittle = keeper.add(skittle_mesh(ellipsoid, 0.5 * height, kFarRings, kFarSides));
+  true_occluders = occluders_of(outline, stage.skittle_centre);
+  ellipsoid_occluders = occluders_of(ellipsoid, 0.5 * height);
+}
+
+void Looks::add_hands(const MeshKeeper& keeper, const Hand& hand) {
+  // The hand's own frame has y up and looks along -z; a file stands upright in the world.
+  if (const auto own = seen_mesh(hand.mesh, render::srgb(0xd9a27e), 0.12)) {
+    open_hand = far_open_hand = gripping_hand = far_gripping_hand =
+        keeper.add(moved(*own, {rotation(Vec3(-0.5 * std::numbers::pi, 0.0, 0.0)), Vec3::Zero()}));
+    return;
+  }
+  open_hand = keeper.add(open_hand_mesh(kSkinCell));
+  far_open_hand = keeper.add(open_hand_mesh(kFarSkinCell));
+  gripping_hand = keeper.add(gripping_hand_mesh(hand.grip, ball_radius, kSkinCell));
+  far_gripping_hand = keeper.add(gripping_hand_mesh(hand.grip, ball_radius, kFarSkinCell));
+}
+
+/// What never moves, and its light.
+void Looks::add_room(const MeshKeeper& keeper, const Scenario& scenario) {
+  const RoomMeasures measures = room_measures(scenario);
+  const RoomMeshes meshes = room_meshes(measures);
+  const auto still = [&](const render::Mesh& mesh, bool mirrored) {
+    DrawItem item;
+    item.mesh = keeper.add(mesh);
+    item.id = kRoomId;
+    item.mirrored = mirrored;
+    room.items.push_back(item);
+  };
+  still(meshes.lane, false);
+  still(meshes.approach, false);
+  still(meshes.beside, false);
+  still(meshes.front, true);
+  const std::optional<render::Mesh> own = seen_mesh(scenario.room.mesh, Vec3::Constant(0.5), 0.0);
+  still(own ? *own : meshes.walls, false);
 
   room.lamps = room_lamps(measures);
   room.sky = room_ambient().sky;

@@ -28,6 +28,7 @@ struct MeshKeeper {
 /// Everything of a stage that can be seen, and the light it is seen in.
 struct Looks {
   /// Adds all meshes to the keeper.
+  /// @throws std::runtime_error  naming a mesh file that is not there or is not what it was
   Looks(const MeshKeeper& keeper, const Stage& stage);
   Looks(render::Renderer& renderer, const Stage& stage)
       : Looks(MeshKeeper{[&](const render::Mesh& mesh) { return renderer.add(mesh); }}, stage) {}
@@ -40,6 +41,9 @@ struct Looks {
   double ball_radius, skittle_centre;  ///< the latter of the stage's skittles
 
  private:
+  void add_skittle(const MeshKeeper& keeper, const Stage& stage);
+  void add_hands(const MeshKeeper& keeper, const Hand& hand);
+  void add_room(const MeshKeeper& keeper, const Scenario& scenario);
   void add_buttons(const MeshKeeper& keeper, const Versions& versions);
 };
 

@@ -1,16 +1,290 @@
 #include "scene/mesh_file.h"
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <sstream>
 #include <stdexcept>
-#include <string>
-#include <vector>
+#include <type_traits>
 
+#include <assimp/DefaultLogger.hpp>
+#include <assimp/IOSystem.hpp>
 #include <assimp/Importer.hpp>
+#include <assimp/LogStream.hpp>
+#include <assimp/MemoryIOWrapper.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "devices/motion_axes.h"
+#include "render/mesh.h"
+#include "scene/apart.h"
 
 namespace headpin::scene {
 namespace {
+
+constexpr std::size_t kMostBytes = 16'000'000, kMostTriangles = 200'000;
+constexpr std::size_t kMostCorners = 20'000, kMostVertices = 1000;  // of a polyhedron
+constexpr double kFarthest = 1e3;                                   // that a point may be [m]
+
+/// Small letters.
+std::string kind_of(const std::filesystem::path& path) {
+  std::string kind = path.extension().string();
+  for (char& c : kind) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return kind;
+}
+
+bool is_gltf(const std::string& kind) {
+  return kind == ".gltf" || kind == ".glb";
+}
+
+/// What is read of a file, as it stands there.
+struct Read {
+  std::vector<aiVector3D> points, normals;
+  std::vector<aiColor4D> colours;
+  std::vector<std::uint32_t> sizes, corners;  // of each face; its points
+};
+
+template <typename T>
+void put(std::string& bytes, const std::vector<T>& list) {
+  static_assert(std::is_trivially_copyable_v<T> || std::is_same_v<T, aiColor4D> ||
+                std::is_same_v<T, aiVector3D>);
+  const std::size_t size = list.size();
+  bytes.append(reinterpret_cast<const char*>(&size), sizeof size);
+  bytes.append(reinterpret_cast<const char*>(list.data()), size * sizeof(T));
+}
+
+/// What put() put, and whoever wrote it may have gone mad.
+template <typename T>
+void take(std::string_view& bytes, std::vector<T>& list) {
+  std::size_t size = 0;
+  if (bytes.size() < sizeof size) throw std::runtime_error("whoever reads it says half of it");
+  std::memcpy(&size, bytes.data(), sizeof size);
+  bytes.remove_prefix(sizeof size);
+  if (size > bytes.size() / sizeof(T)) throw std::runtime_error("whoever reads it says half of it");
+  list.resize(size);
+  if (size > 0) std::memcpy(static_cast<void*>(list.data()), bytes.data(), size * sizeof(T));
+  bytes.remove_prefix(size * sizeof(T));
+}
+
+/// A file system of one file.
+class OneFile : public Assimp::IOSystem {
+ public:
+  OneFile(std::string_view bytes, std::string name) : bytes_(bytes), name_(std::move(name)) {}
+  bool Exists(const char* name) const override { return name == name_; }
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char* name, const char*) override {
+    if (!Exists(name)) return nullptr;
+    return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(bytes_.data()),
+                                      bytes_.size());
+  }
+  void Close(Assimp::IOStream* stream) override { delete stream; }
+
+ private:
+  std::string_view bytes_;
+  std::string name_;
+};
+
+/// Keeps the first thing that assimp complains of and would put up with.
+class FirstError : public Assimp::LogStream {
+ public:
+  explicit FirstError(std::string& text) : text_(text) {}
+  void write(const char* message) override {
+    if (text_.empty()) text_ = message;
+  }
+
+ private:
+  std::string& text_;
+};
+
+/// Without what a log puts before it, and the end of its line.
+std::string bare(std::string text) {
+  if (text.starts_with("Error, T")) text.erase(0, text.find(": ") + 2);
+  while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
+  return text;
+}
+
+void append(Read& all, const aiMesh& mesh, const aiMaterial* material, bool gltf) {
+  const auto base = static_cast<std::uint32_t>(all.points.size());
+  if (mesh.mNumVertices == 0) return;
+  all.points.insert(all.points.end(), mesh.mVertices, mesh.mVertices + mesh.mNumVertices);
+  if (mesh.HasNormals()) {
+    all.normals.insert(all.normals.end(), mesh.mNormals, mesh.mNormals + mesh.mNumVertices);
+  }
+  aiColor4D plain;
+  const bool has_plain =
+      gltf && material != nullptr && material->Get(AI_MATKEY_BASE_COLOR, plain) == AI_SUCCESS;
+  if (mesh.HasVertexColors(0)) {
+    all.colours.insert(all.colours.end(), mesh.mColors[0], mesh.mColors[0] + mesh.mNumVertices);
+  } else if (has_plain) {
+    all.colours.insert(all.colours.end(), mesh.mNumVertices, plain);
+  }
+  for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+    const aiFace& face = mesh.mFaces[f];
+    all.sizes.push_back(face.mNumIndices);
+    for (unsigned k = 0; k < face.mNumIndices; ++k) all.corners.push_back(base + face.mIndices[k]);
+  }
+}
+
+/// Takes the lines out of an OBJ that name materials, and refuses what assimp would take for 0.
+std::string plain_obj(std::string_view bytes) {
+  std::string text(bytes);
+  std::size_t number = 0;
+  for (std::size_t at = 0, end = 0; at < text.size(); at = end + 1) {
+    end = std::min(text.find('\n', at), text.size());
+    ++number;
+    const std::string_view line = std::string_view(text).substr(at, end - at);
+    if (line.starts_with("mtllib") || line.starts_with("usemtl")) text[at] = '#';
+    if (line.starts_with("v ") &&
+        line.find_first_not_of("0123456789+-.eE \t\r", 1) != std::string_view::npos) {
+      throw std::runtime_error(fmt::format("line {}: a vertex with what is no number", number));
+    }
+  }
+  return text;
+}
+
+/// Of a PLY in text: assimp does not miss the lines that are cut off.
+void require_whole_ply(std::string_view bytes) {
+  const std::size_t head = bytes.find("end_header");
+  if (head == std::string_view::npos || bytes.find("format ascii") > head) return;
+  std::istringstream lines{std::string(bytes)};
+  std::string line, word, name;
+  unsigned long long said = 0, found = 0, number = 0;
+  while (std::getline(lines, line) && !line.starts_with("end_header")) {
+    if (std::istringstream words(line); words >> word >> name >> number && word == "element") {
+      said += number;
+    }
+  }
+  while (std::getline(lines, line)) found += line.find_first_not_of(" \t\r") != std::string::npos;
+  if (found < said) {
+    throw std::runtime_error(fmt::format("{} lines of data, its head says {}", found, said));
+  }
+}
+
+/// Done in a process of its own: assimp believes what a file says of its sizes.
+std::string read_by_assimp(std::string_view bytes, const std::string& kind, unsigned flags) {
+  std::string complaint;
+  Assimp::DefaultLogger::create(nullptr, Assimp::Logger::NORMAL, 0);
+  Assimp::DefaultLogger::get()->attachStream(new FirstError(complaint), Assimp::Logger::Err);
+  if (kind == ".ply") require_whole_ply(bytes);
+  const std::string obj = kind == ".obj" ? plain_obj(bytes) : "";
+  Assimp::Importer importer;
+  importer.SetIOHandler(new OneFile(obj.empty() ? bytes : obj, "mesh" + kind));
+  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
+                              aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+  importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 50.0F);
+  const aiScene* scene = importer.ReadFile(
+      "mesh" + kind, flags | aiProcess_PreTransformVertices | aiProcess_ValidateDataStructure);
+  if (scene == nullptr) {
+    const std::string why = importer.GetErrorString();
+    if (why.find("bad_alloc") != std::string::npos) throw std::bad_alloc();
+    throw std::runtime_error(bare(why));
+  }
+  if (!complaint.empty()) throw std::runtime_error(bare(complaint));
+  Read all;
+  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene->mMeshes[m];
+    const aiMaterial* material = mesh.mMaterialIndex < scene->mNumMaterials
+                                     ? scene->mMaterials[mesh.mMaterialIndex]
+                                     : nullptr;
+    append(all, mesh, material, is_gltf(kind));
+  }
+  std::string out;
+  put(out, all.points);
+  put(out, all.normals);
+  put(out, all.colours);
+  put(out, all.sizes);
+  put(out, all.corners);
+  return out;
+}
+
+/// @throws std::runtime_error  with the reason alone
+Read read_apart(std::string_view file, const std::string& kind, unsigned flags) {
+  const std::string told = apart([&] { return read_by_assimp(file, kind, flags); }, {});
+  std::string_view bytes = told;
+  Read all;
+  take(bytes, all.points);
+  take(bytes, all.normals);
+  take(bytes, all.colours);
+  take(bytes, all.sizes);
+  take(bytes, all.corners);
+  std::size_t corners = 0;
+  for (const std::uint32_t size : all.sizes) corners += size;
+  if (corners != all.corners.size()) throw std::runtime_error("whoever reads it says half of it");
+  for (const std::uint32_t corner : all.corners) {
+    if (corner >= all.points.size())
+      throw std::runtime_error("a face has a point that is not there");
+  }
+  if (all.corners.empty()) throw std::runtime_error("no faces");
+  return all;
+}
+
+/// From a file's numbers to metres, x right, y ahead, z up.
+struct FromFile {
+  Mat3 R;
+  double unit;
+
+  FromFile(const std::string& path, const MeshMeasure& measure) : unit(measure.unit) {
+    if (!(unit > 0.0 && std::isfinite(unit))) {
+      throw std::invalid_argument(fmt::format("{}: unit {}, expected above 0", path, unit));
+    }
+    const devices::Axes axes(measure.axes, path);
+    for (int i = 0; i < 3; ++i) {  // those are in a frame of x right, y up, z back
+      const Vec3 p = axes.ours({Quat::Identity(), Vec3::Unit(i)}).p;
+      R.col(i) = Vec3(p.x(), -p.z(), p.y());
+    }
+    if (R.determinant() < 0.0) {
+      throw std::invalid_argument(fmt::format(
+          "{}: axes '{}' are left-handed, expected right-handed ones", path, measure.axes));
+    }
+  }
+
+  Vec3 point(const aiVector3D& v) const {
+    const Vec3 p = unit * (R * Vec3(v.x, v.y, v.z));
+    if (!p.allFinite() || p.cwiseAbs().maxCoeff() > kFarthest) {
+      throw std::runtime_error(
+          fmt::format("a point at {:.3g}, {:.3g}, {:.3g} m, expected within {:g} m", p.x(), p.y(),
+                      p.z(), kFarthest));
+    }
+    return p;
+  }
+};
+
+Vec3 light_of(const aiColor4D& c, bool linear) {
+  const Vec3 code(c.r, c.g, c.b);
+  const Vec3 in_range = code.array().isFinite().select(code, 0.0).cwiseMax(0.0).cwiseMin(1.0);
+  return linear ? in_range : render::light_of(in_range);
+}
+
+/// The first that is like each point in all it has. (Assimp's own way of it mixes colours up.)
+std::vector<std::uint32_t> alike(const Read& all, bool coloured) {
+  std::map<std::array<float, 9>, std::uint32_t> firsts;
+  std::vector<std::uint32_t> first;
+  for (std::uint32_t i = 0; i < all.points.size(); ++i) {
+    const aiVector3D &p = all.points[i], &n = all.normals[i];
+    const aiColor4D c = coloured ? all.colours[i] : aiColor4D();
+    std::array<float, 9> key{p.x, p.y, p.z, n.x, n.y, n.z, c.r, c.g, c.b};
+    for (float& x : key) x = std::isfinite(x) ? x : 0.0F;  // what is no number has no order
+    first.push_back(firsts.try_emplace(key, i).first->second);
+  }
+  return first;
+}
+
+template <typename F>
+auto naming(const std::filesystem::path& path, F&& f) {
+  try {
+    return f();
+  } catch (const std::runtime_error& e) {
+    throw std::runtime_error(path.string() + ": " + e.what());
+  }
+}
 
 /// Index of each corner among the distinct ones, which are returned: within `apart` is the same.
 std::vector<std::uint32_t> weld(const std::vector<Vec3>& corners, double apart,
@@ -38,47 +312,112 @@ std::vector<std::uint32_t> weld(const std::vector<Vec3>& corners, double apart,
 
 }  // namespace
 
-engine::Polyhedron load_polyhedron(const std::filesystem::path& path, double scale) {
-  if (!(scale > 0.0)) {
-    throw std::invalid_argument(path.string() + ": scale " + std::to_string(scale) +
-                                ", expected above 0");
+std::string read_mesh_file(const std::filesystem::path& path) {
+  const std::string name = path.string(), kind = kind_of(path);
+  constexpr std::array kinds{".gltf", ".glb", ".obj", ".ply", ".stl", ".off"};
+  if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
+    throw std::runtime_error(
+        fmt::format("{}: kind \"{}\", expected .gltf, .glb, .obj, .ply, .stl or .off", name, kind));
   }
-  std::string kind = path.extension().string();
-  for (char& c : kind) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-  if (kind != ".obj" && kind != ".stl" && kind != ".off") {
-    throw std::runtime_error(path.string() + ": kind \"" + kind +
-                             "\", expected .obj, .stl or .off");
+  const int file = open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // waits at no pipe
+  struct stat is {};
+  if (file < 0 || fstat(file, &is) != 0) {
+    const int error = errno;
+    if (file >= 0) close(file);
+    throw std::runtime_error(fmt::format("{}: cannot be read: {}", name, std::strerror(error)));
   }
-  Assimp::Importer importer;
-  const aiScene* scene = importer.ReadFile(path.string(), aiProcess_PreTransformVertices);
-  if (scene == nullptr) throw std::runtime_error(path.string() + ": " + importer.GetErrorString());
-  if (scene->mNumMeshes != 1) {
-    throw std::runtime_error(path.string() + ": " + std::to_string(scene->mNumMeshes) +
-                             " meshes, expected 1");
+  std::string bytes;
+  const char* wrong = !S_ISREG(is.st_mode) ? "expected a regular file, found something else"
+                      : is.st_size == 0    ? "empty"
+                                           : nullptr;
+  if (wrong == nullptr && static_cast<std::size_t>(is.st_size) <= kMostBytes) {
+    bytes.resize(static_cast<std::size_t>(is.st_size));
+    std::size_t done = 0;
+    for (ssize_t n = 1;
+         n > 0 && done<bytes.size(); done += n> 0 ? static_cast<std::size_t>(n) : 0) {
+      n = read(file, bytes.data() + done, bytes.size() - done);
+    }
+    if (done < bytes.size()) wrong = "cannot be read to its end";
   }
-  const aiMesh& mesh = *scene->mMeshes[0];
-  std::vector<Vec3> corners;
-  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
-  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-    const aiVector3D& v = mesh.mVertices[i];
-    corners.push_back(scale * Vec3(v.x, v.y, v.z));
-    low = i == 0 ? corners[0] : Vec3(low.cwiseMin(corners.back()));
-    high = i == 0 ? corners[0] : Vec3(high.cwiseMax(corners.back()));
+  close(file);
+  if (wrong != nullptr) throw std::runtime_error(fmt::format("{}: {}", name, wrong));
+  if (bytes.empty()) {
+    throw std::runtime_error(fmt::format("{}: {} bytes, expected at most {}", name,
+                                         static_cast<std::size_t>(is.st_size), kMostBytes));
   }
+  return bytes;
+}
+
+MeshData mesh_of(std::string_view bytes, const std::filesystem::path& path,
+                 const MeshMeasure& measure) {
+  const FromFile from(path.string(), measure);
+  return naming(path, [&] {
+    const std::string kind = kind_of(path);
+    const Read all = read_apart(
+        bytes, kind, aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals);
+    if (all.sizes.size() > kMostTriangles) {
+      throw std::runtime_error(
+          fmt::format("{} triangles, expected at most {}", all.sizes.size(), kMostTriangles));
+    }
+    if (all.normals.size() != all.points.size())
+      throw std::runtime_error("surfaces without normals");
+    const bool coloured = all.colours.size() == all.points.size();
+    const std::vector<std::uint32_t> first = alike(all, coloured);
+    std::vector<std::uint32_t> index(all.points.size());
+    MeshData mesh;
+    for (std::size_t i = 0; i < all.points.size(); ++i) {
+      if (first[i] != i) continue;
+      index[i] = static_cast<std::uint32_t>(mesh.points.size());
+      mesh.points.push_back(from.point(all.points[i]));
+      const Vec3 n = from.R * Vec3(all.normals[i].x, all.normals[i].y, all.normals[i].z);
+      const bool has_length = n.allFinite() && n.norm() > 0.5;  // else it is of no area
+      mesh.normals.push_back(has_length ? Vec3(n.normalized()) : Vec3::UnitZ());
+      if (coloured) mesh.colours.push_back(light_of(all.colours[i], is_gltf(kind)));
+    }
+    for (const std::uint32_t corner : all.corners) mesh.triangles.push_back(index[first[corner]]);
+    return mesh;
+  });
+}
+
+engine::Polyhedron polyhedron_of(std::string_view bytes, const std::filesystem::path& path,
+                                 const MeshMeasure& measure) {
+  const FromFile from(path.string(), measure);
   std::vector<Vec3> distinct;
-  const std::vector<std::uint32_t> index = weld(corners, 1e-6 * (high - low).norm(), distinct);
   std::vector<std::vector<std::uint32_t>> faces;
-  for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
-    const aiFace& face = mesh.mFaces[f];
-    std::vector<std::uint32_t> list;
-    for (unsigned k = 0; k < face.mNumIndices; ++k) list.push_back(index[face.mIndices[k]]);
-    faces.push_back(std::move(list));
-  }
+  naming(path, [&] {
+    const Read all = read_apart(bytes, kind_of(path), 0);
+    if (all.points.size() > kMostCorners) {
+      throw std::runtime_error(
+          fmt::format("{} corners of faces, expected at most {}", all.points.size(), kMostCorners));
+    }
+    std::vector<Vec3> corners;
+    Vec3 low = Vec3::Constant(kFarthest), high = -low;
+    for (const aiVector3D& v : all.points) {
+      corners.push_back(from.point(v));
+      low = low.cwiseMin(corners.back());
+      high = high.cwiseMax(corners.back());
+    }
+    const std::vector<std::uint32_t> index = weld(corners, 1e-6 * (high - low).norm(), distinct);
+    if (distinct.size() > kMostVertices) {
+      throw std::runtime_error(
+          fmt::format("{} vertices, expected at most {}", distinct.size(), kMostVertices));
+    }
+    std::size_t at = 0;
+    for (const std::uint32_t size : all.sizes) {
+      std::vector<std::uint32_t>& face = faces.emplace_back();
+      for (std::uint32_t k = 0; k < size; ++k) face.push_back(index[all.corners[at++]]);
+    }
+    return 0;
+  });
   try {
     return engine::Polyhedron(std::move(distinct), faces);
   } catch (const std::invalid_argument& e) {
     throw std::invalid_argument(path.string() + ": " + e.what());
   }
+}
+
+engine::Polyhedron load_polyhedron(const std::filesystem::path& path, const MeshMeasure& measure) {
+  return polyhedron_of(read_mesh_file(path), path, measure);
 }
 
 }  // namespace headpin::scene

@@ -16,12 +16,25 @@
 /// Where a measure comes from stands in the comment that `to_toml` writes beside it.
 namespace headpin::scene {
 
-/// A primitive of a skittle, on the skittle's axis, measured from its base.
+/// A mesh file (scene/mesh_file.h).
+struct MeshFile {
+  std::string file;  ///< where it is; none for none
+  double unit = 1.0;
+  std::string axes = "RAS";
+  std::string sha256;  ///< of its bytes
+};
+
+/// A part of a skittle, measured from its base: a primitive on the skittle's axis, or a convex
+/// polyhedron whose corners come from a file once and are kept here from then on.
 struct SkittlePart {
-  std::string shape = "ellipsoid";  ///< ellipsoid, cylinder or cone
+  std::string shape = "ellipsoid";  ///< ellipsoid, cylinder, cone or polyhedron
   double radius = 0.05;             ///< largest radius across the axis
   double low = 0.0;                 ///< where it begins, above the base
   double high = 0.1;                ///< where it ends; a cone has its tip there
+  MeshFile mesh = {};               ///< where a polyhedron is from
+  std::vector<Vec3> corners = {};   ///< of a polyhedron; of it, the three measures above
+                                    ///< follow from these
+  std::vector<std::vector<std::uint32_t>> faces = {};  ///< counterclockwise from outside
 };
 
 struct Rates {
@@ -35,6 +48,7 @@ struct Room {
   double behind = 3.0;  ///< from the foul line back to the wall behind the player
   double ahead = 7.6;   ///< from the foul line to the wall behind the skittles
   bool solid_ceiling = true;
+  MeshFile mesh;  ///< seen in place of the walls and the ceiling
 };
 
 /// The paper tells of a room and a game of bowling, and of nothing else that a ball could meet: so
@@ -60,12 +74,14 @@ struct Skittle {
   std::vector<Vec2> profile;        ///< (height above the base, radius), as the eyes see it
   std::string seen = "true";        ///< by the eyes: "true", or the "collider"
   std::string weighed = "profile";  ///< what its mass properties are of: "profile" or "parts"
+  MeshFile mesh;                    ///< seen in place of the profile
 };
 
 struct Ball {
   double radius = 0.1085;
   double mass = 6.8;
   Vec3 home = Vec3(0.35, -0.25, 0.85);  ///< p_WB of the ball on its stand
+  MeshFile mesh;                        ///< seen in place of the marbled one
 };
 
 /// What each object is made of (Uno & Slater 1997, table 1). A pair takes the product.
@@ -100,6 +116,7 @@ struct Hand {
   double release_window_most_s = 0.120;  ///< and over up to this where the tracker is noisy
   double release_accuracy = 0.3;         ///< that is, while it is known worse than this [m/s]
   bool falls_at_once = false;            ///< what is let go between two ticks falls from then on
+  MeshFile mesh;                         ///< seen in place of ours, open and gripping
 };
 
 /// The game that is played: see scene/rules.h.
@@ -174,14 +191,21 @@ struct Scenario {
 
 /// Reads a scenario; what the text leaves out keeps its default.
 ///
+/// Mesh files that it names are read, from the folder of `where`; their hashes, and the corners of
+/// those that collide, are part of the scenario from then on.
+///
 /// @param toml   the text
 /// @param where  name of the file, for messages
 /// @throws std::invalid_argument  naming file, line, key, what was found and what is allowed, for
-///         unknown keys, wrong types, values out of range and text that is not TOML
+///         unknown keys, wrong types, values out of range, text that is not TOML, and mesh files
+///         that are none or have another hash than the one that is given
 Scenario parse_scenario(std::string_view toml, std::string_view where);
 
 /// The scenario that a trial carries, whole: a key that is missing is refused, or has the value
 /// that trials ran under before there was such a key. So no default of today changes an old replay.
+///
+/// No mesh file is needed: what collides is in the text. Those that the eyes see are looked for
+/// under their names, beside the trial, and among the program's own (seen_mesh.h).
 ///
 /// @param trial  name of its file, for messages
 /// @throws std::invalid_argument  as parse_scenario, and for a key that is missing

@@ -44,12 +44,23 @@ void visit(V& v, Rates& r) {
 }
 
 template <typename V>
+void visit(V& v, MeshFile& m) {
+  v.field("file", m.file, kAny,
+          "glTF, OBJ, PLY, STL or OFF, named from the scenario's folder; empty: none");
+  v.field("unit", m.unit, Range{1e-6, 1e3}, "metres per unit of the file");
+  v.field("axes", m.axes, kAny,
+          "where its +x, +y, +z point: R right, L left, A ahead, P back, S up, I down");
+  v.field("sha256", m.sha256, kAny, "of the file; found when it is read, checked where given");
+}
+
+template <typename V>
 void visit(V& v, Room& r) {
   v.field("width", r.width, Range{1, 100}, "wall to wall, the lane in the middle");
   v.field("height", r.height, Range{1, 100}, "floor to ceiling");
   v.field("behind", r.behind, Range{0.5, 100}, "foul line to the wall behind the player");
   v.field("ahead", r.ahead, Range{1, 100}, "foul line to the wall behind the skittles");
   v.field("solid_ceiling", r.solid_ceiling, kAny, "what flies up comes back; false: it flies on");
+  v.section("mesh", "seen in place of walls and ceiling, in the world", r.mesh);
 }
 
 template <typename V>
@@ -75,7 +86,14 @@ void visit(V& v, Rack& r) {
 
 template <typename V>
 void visit(V& v, SkittlePart& p) {
-  v.field("shape", p.shape, Choices{"ellipsoid", "cylinder", "cone"}, "");
+  v.field("shape", p.shape, Choices{"ellipsoid", "cylinder", "cone", "polyhedron"}, "");
+  if (p.shape == "polyhedron") {
+    visit(v, p.mesh);
+    v.field("corners", p.corners, Range{-2, 2},
+            "[x, y, z] from the middle of the base; from the file where there are none");
+    v.field("faces", p.faces, kAny, "corners of each, counted from 0, counterclockwise outside");
+    return;
+  }
   v.field("radius", p.radius, Range{1e-3, 1}, "across the axis");
   v.field("low", p.low, Range{0, 2}, "above the base");
   v.field("high", p.high, Range{0, 2}, "above the base");
@@ -95,6 +113,7 @@ void visit(V& v, Skittle& s) {
       "what the eyes see: the profile, or what it collides as; table 4: nobody noticed the latter");
   v.field("weighed", s.weighed, Choices{"profile", "parts"},
           "whose centre of mass and inertia a true shape has; an ellipsoid has its own");
+  v.section("mesh", "seen in place of the profile, from the middle of the base", s.mesh);
 }
 
 template <typename V>
@@ -102,6 +121,7 @@ void visit(V& v, Ball& b) {
   v.field("radius", b.radius, Range{0.01, 1}, "USBC allows 8.500 to 8.595 in across", "8.54 in");
   v.field("mass", b.mass, Range{0.01, 100}, "USBC allows 16 lb", "15 lb");
   v.field("home", b.home, Range{-100, 100}, "its centre on the stand, in the world");
+  v.section("mesh", "seen in its place, from its centre", b.mesh);
 }
 
 template <typename V>
@@ -182,6 +202,8 @@ void visit(V& v, Hand& h) {
       "falls_at_once", h.falls_at_once, kAny,
       "what is let go between two ticks falls from that moment on, not from the next tick: where "
       "the ticks are matters less then");
+  v.section("mesh", "seen in its place, open and gripping; the palm's middle, fingers ahead",
+            h.mesh);
 }
 
 template <typename V>

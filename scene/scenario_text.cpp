@@ -12,6 +12,8 @@
 #include "scene/scenario_checks.h"
 #include "scene/scenario_fields.h"
 #include "scene/scenario_files.h"
+#include "scene/scenario_writer.h"
+#include "scene/seen_mesh.h"
 #include "scene/toml_text.h"
 
 // Scenarios as TOML, read, written and listed by the one list of their fields.
@@ -26,9 +28,10 @@ std::string brief(std::string_view text) {
 
 /// A text that a scenario is read from.
 struct Text {
-  std::string where;   ///< its name, for messages
-  bool lines = true;   ///< it has more than one
-  bool whole = false;  ///< it must have every key
+  std::string where;                  ///< its name, for messages
+  bool lines = true;                  ///< it has more than one
+  bool whole = false;                 ///< it must have every key
+  std::filesystem::path folder = {};  ///< that the files it names are from
 
   std::string place(const toml::source_region& at) const {
     return lines ? fmt::format("{}:{}", where, at.begin.line) : where;
@@ -228,166 +231,50 @@ class Reader {
       visit(inner, value.emplace_back());
       note_line(item, fmt::format("{}[{}]", path, value.size()));
       inner.finish();
+      if (value.back().shape == "polyhedron") take_hull(item, path, value.back());
       if (!(value.back().low < value.back().high)) refuse(item, path, "low below high");
     }
   }
 
+  void take_hull(const toml::node& node, const std::string& path, SkittlePart& part) const {
+    try {
+      take_polyhedron(part, text_.folder);
+    } catch (const std::exception& e) {
+      throw std::invalid_argument(
+          fmt::format("{}: {}: {}", text_.place(node.source()), path, e.what()));
+    }
+  }
+
+  void read(const toml::node& node, const std::string& path, std::vector<Vec3>& value,
+            Range range) const {
+    const toml::array* array = node.as_array();
+    if (!array || array->size() > kMostOfHull) refuse(node, path, "at most 2000 points");
+    value.clear();
+    for (const toml::node& item : *array) {
+      const std::vector<double> v = numbers(item, path, 3, range);
+      value.emplace_back(v[0], v[1], v[2]);
+    }
+  }
+
+  void read(const toml::node& node, const std::string& path,
+            std::vector<std::vector<std::uint32_t>>& value, Range) const {
+    const toml::array* array = node.as_array();
+    if (!array || array->size() > kMostOfHull) refuse(node, path, "at most 2000 faces");
+    value.clear();
+    for (const toml::node& item : *array) {
+      std::vector<std::uint32_t>& face = value.emplace_back();
+      for (const double corner : numbers(item, path, 0, Range{0, kMostOfHull})) {
+        face.push_back(static_cast<std::uint32_t>(corner));
+      }
+    }
+  }
+
+  static constexpr std::size_t kMostOfHull = 2000;
   const toml::table& table_;
   const Text& text_;
   std::string path_;
   Lines& lines_;
   std::set<std::string> known_;
-};
-
-/// A float as TOML wants it: shortest text that reads back to the same bits.
-std::string number_text(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find_first_of(".en") == std::string::npos) text += ".0";
-  return text;
-}
-
-/// Writes fields in their order, each with its meaning beside it, and where it is from if it is
-/// still the value that is from there.
-class Writer {
- public:
-  /// @param sourced  the values that the sources are of, by key; none for no sources
-  explicit Writer(const std::map<std::string, std::string>& sourced) : sourced_(sourced) {}
-
-  template <typename T, typename Allowed>
-  void field(std::string_view key, const T& value, const Allowed&, std::string_view meaning,
-             std::string_view source = {}) {
-    line(key, text(value), meaning, source);
-  }
-
-  template <typename T>
-  void section(std::string_view key, std::string_view meaning, T& part) {
-    const std::string outer = enter(key, meaning);
-    visit(*this, part);
-    path_ = outer;
-  }
-
- private:
-  void line(std::string_view key, std::string written, std::string_view meaning,
-            std::string_view source) {
-    const std::string path = path_ + "." + std::string(key);
-    const auto usual = sourced_.find(path);
-    if (usual == sourced_.end() || usual->second != written) source = {};
-    written_[path] = written;
-    out_ += fmt::format("{} = {}", key, written);
-    if (!meaning.empty() || !source.empty()) {
-      out_ +=
-          fmt::format("  # {}{}{}", meaning, meaning.empty() || source.empty() ? "" : "; ", source);
-    }
-    out_ += "\n";
-  }
-
-  /// @return  the path outside
-  std::string enter(std::string_view key, std::string_view meaning) {
-    const std::string outer = path_;
-    path_ += (path_.empty() ? "" : ".") + std::string(key);
-    out_ += fmt::format("\n[{}]{}\n", path_, meaning.empty() ? "" : fmt::format("  # {}", meaning));
-    return outer;
-  }
-
- public:
-  std::string out() && { return std::move(out_); }
-  std::map<std::string, std::string> written() && { return std::move(written_); }
-
-  static std::string text(double value) { return number_text(value); }
-  static std::string text(std::int64_t value) { return fmt::format("{}", value); }
-  static std::string text(int value) { return fmt::format("{}", value); }
-  static std::string text(bool value) { return value ? "true" : "false"; }
-  static std::string text(const std::string& value) {
-    std::ostringstream quoted;
-    quoted << toml::value<std::string>(value);
-    return quoted.str();
-  }
-  static std::string text(const Hmd& hmd) { return text(hmd.profile); }
-  static std::string text(const Vec3& v) {
-    return fmt::format("[{}, {}, {}]", text(v.x()), text(v.y()), text(v.z()));
-  }
-  static std::string text(const Pose& X) {
-    return fmt::format("{{p = {}, q = [{}, {}, {}, {}]}}", text(X.p), text(X.q.w()), text(X.q.x()),
-                       text(X.q.y()), text(X.q.z()));
-  }
-  static std::string text(const std::vector<Vec2>& points) {
-    std::string all = "[";
-    for (const Vec2& p : points) all += fmt::format("\n  [{}, {}],", text(p.x()), text(p.y()));
-    return all + "\n]";
-  }
-  static std::string text(const std::vector<SkittlePart>& parts) {
-    std::string all = "[";
-    for (const SkittlePart& p : parts) {
-      all += fmt::format("\n  {{shape = {}, radius = {}, low = {}, high = {}}},", text(p.shape),
-                         text(p.radius), text(p.low), text(p.high));
-    }
-    return all + "\n]";
-  }
-
- private:
-  const std::map<std::string, std::string>& sourced_;
-  std::map<std::string, std::string> written_;  // by key
-  std::string out_;
-  std::string path_;
-};
-
-/// Lists fields in their order, each with what a reader wants to know of it.
-class Lister {
- public:
-  template <typename T, typename Allowed>
-  void field(std::string_view key, T& value, const Allowed& allowed, std::string_view meaning,
-             std::string_view source = {}) {
-    keys_.push_back({path_ + std::string(key), kind(value), text(allowed), fallback(value),
-                     std::string(meaning), std::string(source)});
-    if constexpr (std::is_same_v<T, std::vector<SkittlePart>>) {
-      SkittlePart part;
-      section(std::string(key) + "[]", "", part);
-    }
-  }
-
-  template <typename T>
-  void section(std::string_view key, std::string_view meaning, T& part) {
-    const std::string outer = path_;
-    path_ += std::string(key);
-    if (!meaning.empty()) keys_.push_back({path_, "table", "", "", std::string(meaning), ""});
-    path_ += ".";
-    visit(*this, part);
-    path_ = outer;
-  }
-
-  std::vector<ScenarioKey> keys() && { return std::move(keys_); }
-
- private:
-  static std::string kind(double) { return "number"; }
-  static std::string kind(bool) { return "true or false"; }
-  static std::string kind(const std::string&) { return "text"; }
-  static std::string kind(const Hmd&) { return "text"; }
-  static std::string kind(const Vec3&) { return "[x, y, z]"; }
-  static std::string kind(const Pose&) { return "{p = [x, y, z], q = [w, x, y, z]}"; }
-  static std::string kind(const std::vector<Vec2>&) { return "list of pairs"; }
-  static std::string kind(const std::vector<SkittlePart>&) { return "list of tables"; }
-  template <std::integral T>
-  static std::string kind(T) {
-    return "whole number";
-  }
-
-  static std::string text(Range range) {
-    if (range.high == kAny.high) return "";
-    return fmt::format("{} to {}", range.low, range.high);
-  }
-  static std::string text(const Choices& choices) {
-    return fmt::format("{}", fmt::join(choices, ", "));
-  }
-
-  /// Empty where the default is a list, too long to be shown.
-  template <typename T>
-  static std::string fallback(const T& value) {
-    const std::string text = Writer::text(value);
-    return text.find('\n') == std::string::npos ? text : "";
-  }
-
-  std::vector<ScenarioKey> keys_;
-  std::string path_;
 };
 
 toml::table parse_table(std::string_view toml, const Text& text) {
@@ -400,11 +287,34 @@ toml::table parse_table(std::string_view toml, const Text& text) {
   }
 }
 
+/// The meshes that eyes see: read where the text names one, found again where a trial does.
+void take_meshes(Scenario& scenario, const toml::table& table, const Text& text) {
+  for (const auto& [key, mesh] : {std::pair{"room", &scenario.room.mesh},
+                                  {"skittle", &scenario.skittle.mesh},
+                                  {"ball", &scenario.ball.mesh},
+                                  {"hand", &scenario.hand.mesh}}) {
+    const auto named = table[key]["mesh"];
+    if (!named["file"] || mesh->file.empty()) continue;
+    if (text.whole) {
+      find_again(*mesh, text.folder / "trial");
+      continue;
+    }
+    if (!named["sha256"]) mesh->sha256.clear();  // of the one that was named before
+    try {
+      take_seen(*mesh, text.folder);
+    } catch (const std::exception& e) {
+      throw std::invalid_argument(fmt::format(
+          "{}: {}.mesh: {}", text.place(named["file"].node()->source()), key, e.what()));
+    }
+  }
+}
+
 void read_into(Scenario& scenario, const toml::table& table, const Text& text) {
   Lines lines;
   Reader reader(table, text, "", lines);
   visit(reader, scenario);
   reader.finish();
+  take_meshes(scenario, table, text);
   check(scenario, text.where, lines);
 }
 
@@ -412,14 +322,17 @@ void read_into(Scenario& scenario, const toml::table& table, const Text& text) {
 
 Scenario parse_scenario(std::string_view toml, std::string_view where) {
   Scenario scenario;
-  const Text text{std::string(where)};
+  const Text text{.where = std::string(where),
+                  .folder = std::filesystem::path(where).parent_path()};
   read_into(scenario, parse_table(toml, text), text);
   return scenario;
 }
 
 Scenario scenario_of_trial(std::string_view toml, std::string_view trial) {
   Scenario scenario;
-  const Text text{.where = fmt::format("{} (scenario)", trial), .whole = true};
+  const Text text{.where = fmt::format("{} (scenario)", trial),
+                  .whole = true,
+                  .folder = std::filesystem::path(trial).parent_path()};
   read_into(scenario, parse_table(toml, text), text);
   return scenario;
 }
@@ -447,13 +360,6 @@ std::string to_toml(const Scenario& scenario) {
 
 void check(const Scenario& scenario, std::string_view where) {
   check(scenario, where, {});
-}
-
-std::vector<ScenarioKey> scenario_keys() {
-  Lister lister;
-  Scenario scenario;
-  visit(lister, scenario);
-  return std::move(lister).keys();
 }
 
 void set(Scenario& scenario, std::string_view assignment) {

@@ -164,5 +164,27 @@ TEST_F(ScenarioCommands, SynthesizeKeepsWhatTheScenarioSays) {
   expect_refusal("synthesize -o OUT --scenario far.toml", 2, "ball.home must be within the arm's");
 }
 
+// What collides is in the trial, what is only seen is a file beside it.
+TEST_F(ScenarioCommands, ATrialReplaysWithoutItsMeshesAndIsSeenWithThem) {
+  const fs::path meshes = HEADPIN_SOURCE_DIR "/assets/meshes";
+  fs::create_directory(folder_ / "lab");
+  fs::copy_file(meshes / "skittle_hull.obj", folder_ / "lab" / "hull.obj");
+  fs::copy_file(meshes / "skittle.obj", folder_ / "lab" / "pin.obj");
+  write("lab/pins.toml",
+        "[skittle]\nparts = [{shape = 'polyhedron', file = 'hull.obj'}]\n"
+        "mesh = {file = 'pin.obj'}\n");
+  ASSERT_EQ(headpin("synthesize -o thrown.lcmlog --seed 3 --scenario lab/pins.toml").code, 0);
+  ASSERT_EQ(headpin("replay thrown.lcmlog -o a.lcmlog").code, 0);
+  ASSERT_EQ(headpin("frames a.lcmlog -o there --frames 300").code, 0);
+  fs::remove_all(folder_ / "lab");
+  EXPECT_EQ(headpin("replay a.lcmlog --verify").code, 0);
+  expect_refusal("frames a.lcmlog -o OUT --frames 300", 1, "pin.obj: cannot be read");
+  fs::copy_file(meshes / "skittle.obj", folder_ / "pin.obj");
+  ASSERT_EQ(headpin("frames a.lcmlog -o beside --frames 300").code, 0);
+  EXPECT_EQ(slurp(folder_ / "there/frames.csv"), slurp(folder_ / "beside/frames.csv"));
+  ASSERT_EQ(headpin("replay a.lcmlog --set skittle.mesh.file=\"''\" -o own.lcmlog").code, 0);
+  EXPECT_EQ(headpin("frames own.lcmlog -o own --frames 300").code, 0);
+}
+
 }  // namespace
 }  // namespace headpin

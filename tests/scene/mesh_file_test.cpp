@@ -1,10 +1,21 @@
 #include "scene/mesh_file.h"
 
 #include <fstream>
+#include <numbers>
 #include <string>
+#include <tuple>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include "scene/bodies.h"
+#include "scene/hand_mesh.h"
+#include "scene/outline.h"
+#include "scene/skittle_mesh.h"
+#include "tests/support/folder.h"
 
 namespace headpin::scene {
 namespace {
@@ -32,7 +43,7 @@ std::string mesh_refusal(const std::filesystem::path& path) {
 }
 
 TEST(MeshFile, OfACubeIsAPolyhedronOfItsFaces) {
-  const engine::Polyhedron cube = load_polyhedron(file("headpin_cube.obj", kCube), 0.5);
+  const engine::Polyhedron cube = load_polyhedron(file("headpin_cube.obj", kCube), {.unit = 0.5});
   EXPECT_EQ(cube.vertices().size(), 8u);
   EXPECT_EQ(cube.faces().size(), 6u);
   EXPECT_EQ(cube.edges().size(), 12u);
@@ -64,10 +75,11 @@ TEST(MeshFile, IsRefusedWithItsNameAndTheReason) {
   EXPECT_NE(mesh_refusal<std::invalid_argument>(file("headpin_dented.obj", dented)), "");
   EXPECT_THAT(mesh_refusal<std::runtime_error>(file("headpin_broken.obj", "not a mesh at all")),
               HasSubstr("headpin_broken.obj"));
-  EXPECT_THAT(mesh_refusal<std::runtime_error>(file("headpin.ply", "ply\n")),
-              HasSubstr("expected .obj"));
+  EXPECT_THAT(mesh_refusal<std::runtime_error>(file("headpin.dae", "x")),
+              HasSubstr("expected .gltf, .glb, .obj"));
   EXPECT_THAT(mesh_refusal<std::runtime_error>("/nowhere/headpin.obj"), HasSubstr("/nowhere"));
-  EXPECT_THROW(load_polyhedron(file("headpin_cube2.obj", kCube), 0.0), std::invalid_argument);
+  EXPECT_THROW(load_polyhedron(file("headpin_cube2.obj", kCube), {.unit = 0.0}),
+               std::invalid_argument);
 }
 
 // Cut off anywhere, a file is refused or is still a closed convex body; it never hangs or crashes.
@@ -75,6 +87,215 @@ TEST(MeshFile, CutOffAnywhereIsRefused) {
   const std::string whole = kCube;
   for (std::size_t length = 0; length + 2 < whole.size(); length += 3) {
     EXPECT_ANY_THROW(load_polyhedron(file("headpin_cut.obj", whole.substr(0, length)))) << length;
+  }
+}
+
+/// kCube's corners and faces, counted from 0.
+constexpr int kCorners[8][3] = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0},
+                                {0, 0, 2}, {2, 0, 2}, {2, 2, 2}, {0, 2, 2}};
+constexpr int kFaces[6][4] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                              {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+
+std::string lines_of_cube(const char* before_face) {
+  std::string text;
+  for (const auto& c : kCorners) text += fmt::format("{} {} {}\n", c[0], c[1], c[2]);
+  for (const auto& f : kFaces) text += fmt::format("{}{}\n", before_face, fmt::join(f, " "));
+  return text;
+}
+
+std::string ply_of_cube() {
+  return "ply\nformat ascii 1.0\nelement vertex 8\nproperty float x\nproperty float y\n"
+         "property float z\nelement face 6\nproperty list uchar int vertex_indices\nend_header\n" +
+         lines_of_cube("4 ");
+}
+
+std::string off_of_cube() {
+  return "OFF\n8 6 0\n" + lines_of_cube("4 ");
+}
+
+std::string stl_of_cube() {
+  std::string text = "solid cube\n";
+  for (const auto& f : kFaces) {
+    for (const int third : {2, 3}) {
+      text += "facet normal 0 0 0\nouter loop\n";
+      for (const int corner : {f[0], f[third - 1], f[third]}) {
+        text += fmt::format("vertex {}\n", fmt::join(kCorners[corner], " "));
+      }
+      text += "endloop\nendfacet\n";
+    }
+  }
+  return text + "endsolid cube\n";
+}
+
+template <typename T>
+void append_bytes(std::string& bytes, T value) {
+  bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
+}
+
+/// The binary form of glTF 2.0: a head of 12 bytes, then JSON, then buffer.
+///
+/// @param uri  of the buffer, where it is another file
+std::string glb_of_cube(const std::string& uri = "", unsigned count = 36) {
+  std::string buffer;
+  for (const auto& f : kFaces) {
+    for (const int corner : {0, 1, 2, 0, 2, 3}) {
+      for (const int x : kCorners[f[corner]]) append_bytes(buffer, static_cast<float>(x));
+    }
+  }
+  std::string json = fmt::format(
+      R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[0]}}],"nodes":[{{"mesh":0}}],)"
+      R"("meshes":[{{"primitives":[{{"attributes":{{"POSITION":0}},"material":0}}]}}],)"
+      R"("materials":[{{"pbrMetallicRoughness":{{"baseColorFactor":[0.5,0.25,0,1]}}}}],)"
+      R"("accessors":[{{"bufferView":0,"componentType":5126,"count":{},"type":"VEC3"}}],)"
+      R"("bufferViews":[{{"buffer":0,"byteLength":432}}],"buffers":[{{{}"byteLength":432}}]}})",
+      count, uri.empty() ? "" : fmt::format(R"("uri":"{}",)", uri));
+  while (json.size() % 4 != 0) json += ' ';
+  std::string glb = "glTF";
+  append_bytes(glb, 2U);
+  append_bytes(glb, static_cast<std::uint32_t>(28 + json.size() + buffer.size()));
+  append_bytes(glb, static_cast<std::uint32_t>(json.size()));
+  glb += "JSON" + json;
+  append_bytes(glb, static_cast<std::uint32_t>(buffer.size()));
+  return glb + std::string("BIN\0", 4) + buffer;
+}
+
+TEST(MeshFile, IsTheSameCubeInEveryFormat) {
+  for (const auto& [name, text] : {std::pair{"cube.obj", std::string(kCube)},
+                                   {"cube.off", off_of_cube()},
+                                   {"cube.ply", ply_of_cube()},
+                                   {"cube.stl", stl_of_cube()},
+                                   {"cube.glb", glb_of_cube()}}) {
+    const std::filesystem::path path = file(std::string("headpin_") + name, text);
+    const engine::Polyhedron cube = load_polyhedron(path, {.unit = 0.1});
+    EXPECT_EQ(cube.vertices().size(), 8u) << name;
+    EXPECT_LT((cube.centre() - Vec3::Constant(0.1)).norm(), 1e-7) << name;
+    const MeshData seen = mesh_of(read_mesh_file(path), path, {.unit = 0.1});
+    double six_volumes = 0.0;
+    for (std::size_t i = 0; i < seen.triangles.size(); i += 3) {
+      const auto corner = [&](std::size_t k) { return seen.points[seen.triangles[i + k]]; };
+      six_volumes += corner(0).dot(corner(1).cross(corner(2)));
+      for (std::size_t k = 0; k < 3; ++k) {  // a sharp edge stays one: normals are those of faces
+        EXPECT_NEAR(seen.normals[seen.triangles[i + k]].cwiseAbs().maxCoeff(), 1.0, 1e-6) << name;
+      }
+    }
+    EXPECT_EQ(seen.triangles.size(), 36u) << name;
+    EXPECT_NEAR(six_volumes, 6.0 * 0.008, 1e-7) << name;
+  }
+}
+
+TEST(MeshFile, SaysWhereItsAxesPoint) {
+  const std::filesystem::path path = file("headpin_box.obj", kCube);
+  const auto centre = [&](const char* axes) {
+    return load_polyhedron(path, {.unit = 1.0, .axes = axes}).centre();
+  };
+  EXPECT_LT((centre("RSP") - Vec3(1.0, -1.0, 1.0)).norm(), 1e-6);  // y up, as glTF has it
+  EXPECT_LT((centre("LPS") - Vec3(-1.0, -1.0, 1.0)).norm(), 1e-6);
+  EXPECT_THROW(centre("RRS"), std::invalid_argument);
+  EXPECT_THROW(centre("LAS"), std::invalid_argument);  // a mirror
+  EXPECT_THROW(centre("north"), std::invalid_argument);
+}
+
+TEST(MeshFile, HasTheColoursItSays) {
+  const std::filesystem::path gltf = file("headpin_colour.glb", glb_of_cube());
+  const MeshData material = mesh_of(read_mesh_file(gltf), gltf, {});
+  ASSERT_EQ(material.colours.size(), material.points.size());
+  EXPECT_LT((material.colours[3] - Vec3(0.5, 0.25, 0.0)).norm(), 1e-6);
+  const std::filesystem::path obj = file(
+      "headpin_colour.obj",
+      "mtllib none.mtl\nv 0 0 0 1 0.5 0\nv 1 0 0 1 0.5 0\nv 0 1 0 1 0.5 0\nusemtl x\nf 1 2 3\n");
+  const MeshData points = mesh_of(read_mesh_file(obj), obj, {});
+  ASSERT_EQ(points.colours.size(), 3u);
+  EXPECT_LT((points.colours[0] - render::srgb(0xff8000)).norm(), 3e-3);
+}
+
+/// Everything that says no, with words of why.
+std::string refusal_of(const std::filesystem::path& path) {
+  return complaint([&] { mesh_of(read_mesh_file(path), path, {}); });
+}
+
+// Each was met in the wild or by a fuzzer: it is refused in one sentence that names it and says why,
+// and takes neither the time nor the memory that it asks for.
+TEST(MeshFile, ThatIsBrokenHugeOrHostileIsRefusedWithItsReason) {
+  const auto replaced = [](std::string text, const std::string& from, const std::string& to) {
+    return text.replace(text.find(from), from.size(), to);
+  };
+  std::string same_plane;  // every point is a neighbour of every other
+  for (int i = 0; i < 300'000; ++i) {
+    same_plane += fmt::format("v 0 {}e-9 {}e-9\n", i % 1000, i / 1000);
+  }
+  for (int i = 1; i < 200'000; ++i) same_plane += fmt::format("f {} {} {}\n", i, i + 1, i + 2);
+  const std::string cube = kCube;
+  std::string other = glb_of_cube("/etc/passwd");
+  other = other.substr(20, other.find("BIN") - 24);  // its JSON
+  const std::tuple<std::string, std::string, std::string> cases[] = {
+      {"empty.obj", "", "empty"},
+      {"text.obj", "hello", "small"},
+      {"points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "no faces"},
+      {"beyond.obj", replaced(cube, "4 1 5 8", "4 1 5 9"), "out of range"},
+      {"before.obj", replaced(cube, "4 1 5 8", "4 1 5 -99"), "out of range"},
+      {"none.obj", replaced(cube, "4 1 5 8", "4 1 5 0"), "index"},
+      {"nan.obj", replaced(cube, "v 2 2 2", "v nan 2 2"), "line 7"},
+      {"far.obj", replaced(cube, "v 2 2 2", "v 1e30 2 2"), "within 1000 m"},
+      {"slow.obj", same_plane, "1 s of processor time"},
+      {"long.obj", std::string(17'000'000, '#'), "16000000"},
+      {"beyond.off", replaced(off_of_cube(), "4 3 0 4 7", "4 3 0 4 8"), "out of range"},
+      {"huge.off", "OFF\n2000000000 2000000000 0\n0 0 0\n", "256 MB of memory"},
+      {"cut.off", off_of_cube().substr(0, 50), ""},
+      {"beyond.ply", replaced(ply_of_cube(), "4 3 0 4 7", "4 3 0 4 8"), "out of range"},
+      {"huge.ply", replaced(ply_of_cube(), "face 6", "face 2000000000"), "its head says"},
+      {"cut.ply", ply_of_cube().substr(0, 230), "its head says"},
+      {"head.ply", "ply\n", "format"},
+      {"huge.stl", std::string(80, 'x') + std::string(4, '\xff') + std::string(100, '\0'), "STL"},
+      {"none.stl", "solid t\nendsolid t\n", "no vertices"},
+      {"other.gltf", other, "referenced file \"/etc/passwd\""},
+      {"count.glb", glb_of_cube("", 300'000'000), "out of range"},
+      {"junk.glb", "glTF" + std::string(40, '\xff'), ""},
+      {"cycle.gltf",
+       R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],)"
+       R"("nodes":[{"children":[0]}]})",
+       "recursive"},
+      {"junk.gltf", "{}", ""}};
+  for (const auto& [name, text, why] : cases) {
+    const std::string said = refusal_of(file("headpin_" + name, text));
+    EXPECT_THAT(said, HasSubstr("headpin_" + name + ": ")) << name;
+    EXPECT_THAT(said, HasSubstr(why)) << name;
+    EXPECT_EQ(said.find('\n'), std::string::npos) << said;
+    EXPECT_LT(said.size(), 400u) << said;
+  }
+}
+
+TEST(MeshFile, ThatIsNoRegularFileIsRefusedAtOnce) {
+  const TemporaryFolder folder;
+  ASSERT_EQ(mkfifo((folder / "pipe.obj").c_str(), 0600), 0);
+  std::filesystem::create_symlink("/dev/zero", folder / "zeros.ply");
+  std::filesystem::create_directory(folder / "folder.stl");
+  std::filesystem::create_symlink("itself.off", folder / "itself.off");
+  for (const char* name : {"pipe.obj", "zeros.ply", "folder.stl"}) {
+    EXPECT_THAT(refusal_of(folder / name), HasSubstr("regular file")) << name;
+  }
+  EXPECT_THAT(refusal_of(folder / "itself.off"), HasSubstr("cannot be read"));
+  EXPECT_THAT(refusal_of(folder / "gone.glb"), HasSubstr("No such file"));
+}
+
+// What comes along is what is drawn without it.
+TEST(MeshFile, ThatComesAlongIsWhatTheProgramDraws) {
+  const std::filesystem::path folder = HEADPIN_SOURCE_DIR "/assets/meshes";
+  const Scenario scenario;
+  const Quat upright = rotation(Vec3(0.5 * std::numbers::pi, 0.0, 0.0));
+  const Outline outline = smooth_outline(scenario.skittle.profile);
+  for (const auto& [name, drawn, q] :
+       {std::tuple{"skittle.obj", skittle_mesh(outline, 0.0, 26, 18), Quat::Identity()},
+        {"ball.obj", ball_mesh(scenario.ball.radius, Vec3::UnitZ()), Quat::Identity()},
+        {"hand.obj", open_hand_mesh(0.006), upright}}) {
+    const MeshData mesh = mesh_of(read_mesh_file(folder / name), folder / name, {});
+    ASSERT_EQ(mesh.triangles.size(), drawn.indices.size()) << name;
+    for (std::size_t i = 0; i < drawn.indices.size(); i += 7) {
+      const render::Vertex& v = drawn.vertices[drawn.indices[i]];
+      const std::uint32_t k = mesh.triangles[i];
+      ASSERT_LT((mesh.points[k] - q * v.p.cast<double>()).norm(), 2e-6) << name << i;
+      ASSERT_LT((mesh.normals[k] - q * v.n.cast<double>()).norm(), 1e-3) << name << i;
+      ASSERT_LT((mesh.colours[k] - v.colour.cast<double>()).norm(), 5e-3) << name << i;
+    }
   }
 }
 

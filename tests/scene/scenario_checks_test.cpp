@@ -259,6 +259,22 @@ TEST(ScenarioOfATrial, TakesNoDefaultOfToday) {
                                             "hmd.relay_height",
                                             "hmd.lens_k1",
                                             "hmd.lens_k2",
+                                            "room.mesh.file",
+                                            "room.mesh.unit",
+                                            "room.mesh.axes",
+                                            "room.mesh.sha256",
+                                            "skittle.mesh.file",
+                                            "skittle.mesh.unit",
+                                            "skittle.mesh.axes",
+                                            "skittle.mesh.sha256",
+                                            "ball.mesh.file",
+                                            "ball.mesh.unit",
+                                            "ball.mesh.axes",
+                                            "ball.mesh.sha256",
+                                            "hand.mesh.file",
+                                            "hand.mesh.unit",
+                                            "hand.mesh.axes",
+                                            "hand.mesh.sha256",
                                             "skittle.weighed"};
   std::istringstream lines(whole);
   int keys = 0;

@@ -63,7 +63,7 @@ TEST(ScenarioText, ADisplayIsItsProfileAndWhatOverridesIt) {
 
 TEST(ScenarioText, RefusalsNameFileLineKeyAndWhatIsAllowed) {
   EXPECT_EQ(refusal("\n[ball]\nmas = 5"),
-            "lane.toml:3: unknown key 'ball.mas'; known here: home, mass, radius");
+            "lane.toml:3: unknown key 'ball.mas'; known here: home, mass, mesh, radius");
   EXPECT_EQ(refusal("[material.ball]\nelasticity = 1.5"),
             "lane.toml:2: material.ball.elasticity must be a number from 0 to 1, found 1.5");
   EXPECT_EQ(refusal("[material.ball]\nfriction = 'high'"),

@@ -1,0 +1,168 @@
+#include "scene/seen_mesh.h"
+
+#include <algorithm>
+#include <fstream>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scene/eyes.h"
+#include "tests/support/folder.h"
+
+namespace headpin::scene {
+namespace {
+
+using testing::HasSubstr;
+
+const std::filesystem::path kMeshes = HEADPIN_SOURCE_DIR "/assets/meshes";
+
+/// Skittles that collide as the hull that comes along, from beside the scenario.
+std::string hull_scenario(const std::string& more = "") {
+  return "[skittle]\nparts = [{shape = 'polyhedron', file = 'hull.obj'" + more + "}]\n";
+}
+
+/// What becomes of the rack in a second when the first skittle is thrown at the others.
+std::uint64_t after_a_second(const Scenario& scenario) {
+  const Stage stage = make_stage(scenario);
+  engine::World world = stage.world;
+  engine::wake(world, stage.skittles[0]);
+  world.states[stage.skittles[0]].v_WB = Vec3(0.3, 3.0, 0.2);
+  for (int i = 0; i < scenario.rates.physics_hz; ++i) engine::step(world);
+  EXPECT_GT((world.states[stage.skittles[4]].X_WB.p - stage.world.states[stage.skittles[4]].X_WB.p)
+                .norm(),
+            0.02);
+  return engine::state_hash(world);
+}
+
+TEST(PolyhedronPart, OfATrialCollidesWithoutItsFile) {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(kMeshes / "skittle_hull.obj", folder / "hull.obj");
+  const Scenario scenario = parse_scenario(hull_scenario(), (folder / "hull.toml").string());
+  const SkittlePart& hull = scenario.skittle.parts[0];
+  EXPECT_EQ(hull.mesh.file, (folder / "hull.obj").string());
+  EXPECT_EQ(hull.mesh.sha256.size(), 64u);
+  EXPECT_EQ(hull.low, 0.0);
+  EXPECT_NEAR(hull.high, scenario.skittle.height, 1e-6);
+  EXPECT_NEAR(hull.radius, 0.0605, 1e-4);
+  const std::string text = to_toml(scenario);
+  const std::uint64_t there = after_a_second(scenario);
+  std::filesystem::remove(folder / "hull.obj");
+  const Scenario replayed = scenario_of_trial(text, "elsewhere/trial.lcmlog");
+  EXPECT_EQ(to_toml(replayed), text);
+  EXPECT_EQ(after_a_second(replayed), there);
+}
+
+TEST(PolyhedronPart, StandsUntilItIsStruck) {
+  Scenario scenario = parse_scenario(
+      fmt::format("[skittle]\nweighed = 'parts'\nparts = [{{shape = 'polyhedron', file = '{}'}}]",
+                  (kMeshes / "skittle_hull.obj").string()),
+      "x");
+  const Stage stage = make_stage(scenario);
+  engine::World world = stage.world;
+  for (const engine::BodyId skittle : stage.skittles) engine::wake(world, skittle);
+  for (int i = 0; i < 480; ++i) engine::step(world);
+  for (const engine::BodyId skittle : stage.skittles) {
+    EXPECT_LT((world.states[skittle].X_WB.p - stage.world.states[skittle].X_WB.p).norm(), 1e-3);
+  }
+}
+
+TEST(PolyhedronPart, ThatIsNoneIsRefusedWithItsPlace) {
+  const TemporaryFolder folder;
+  const std::string where = (folder / "lane.toml").string();
+  const auto refusal = [&](const std::string& text) {
+    return complaint([&] { parse_scenario(text, where); });
+  };
+  EXPECT_THAT(refusal(hull_scenario()), HasSubstr("lane.toml:2: skittle.parts: "));
+  EXPECT_THAT(refusal(hull_scenario()), HasSubstr("hull.obj: cannot be read"));
+  std::filesystem::copy_file(kMeshes / "skittle.obj", folder / "hull.obj");  // with a neck
+  EXPECT_THAT(refusal(hull_scenario()), HasSubstr("hull.obj: polyhedron: "));
+  std::filesystem::remove(folder / "hull.obj");
+  std::filesystem::copy_file(kMeshes / "skittle_hull.obj", folder / "hull.obj");
+  EXPECT_THAT(refusal(hull_scenario(", sha256 = 'abc'")), HasSubstr("expected abc"));
+  EXPECT_THAT(refusal(hull_scenario(", radius = 0.1")), HasSubstr("unknown key"));
+  EXPECT_THAT(refusal(hull_scenario(", axes = 'up'")), HasSubstr("axes 'up'"));
+  EXPECT_THAT(refusal(hull_scenario(", unit = 0.0254")), HasSubstr("skittle.height must be"));
+  EXPECT_THAT(refusal(hull_scenario(", corners = [[0, 0, 0]], faces = [[0, 1, 9]]")),
+              HasSubstr("lane.toml:2: skittle.parts: polyhedron"));
+  EXPECT_THAT(refusal("[skittle]\nparts = [{shape = 'polyhedron'}]"), HasSubstr("neither"));
+}
+
+/// Ids from a head at the foul line.
+render::Labels seen_by(const Scenario& scenario) {
+  Eyes eyes = open_eyes(make_stage(scenario));
+  const Pose X_WD{rotation(Vec3(0.5 * std::numbers::pi - 0.15, 0, 0)), Vec3(0, 3.5, 1.2)};
+  return see_labels(eyes, glimpse(make_session(scenario), X_WD))[0];
+}
+
+TEST(SeenMesh, IsSeenWhereWhatItStandsForWouldBe) {
+  Scenario own, files;
+  for (const char* what : {"skittle", "ball"}) {
+    set(files, fmt::format("{0}.mesh.file={1}/{0}.obj", what, kMeshes.string()));
+  }
+  const render::Labels a = seen_by(own), b = seen_by(files);
+  int skittles = 0, other = 0;
+  for (std::size_t i = 0; i < a.id.size(); ++i) {
+    skittles += a.id[i] >= kFirstSkittleId;
+    other += a.id[i] != b.id[i];
+  }
+  EXPECT_GT(skittles, 500);
+  EXPECT_LT(other, skittles / 20);  // their own are of fewer triangles from afar
+}
+
+TEST(SeenMesh, OfARoomIsInTheWorldInPlaceOfItsWalls) {
+  const TemporaryFolder folder;
+  std::ofstream(folder / "wall.obj")  // across the lane, 1 m before the eye, in millimetres
+      << "v -2000 4500 0\nv 2000 4500 0\nv 2000 4500 3000\nv -2000 4500 3000\nf 1 2 3 4\n";
+  const Scenario scenario = parse_scenario("[room.mesh]\nfile = 'wall.obj'\nunit = 0.001\n",
+                                           (folder / "room.toml").string());
+  const render::Labels labels = seen_by(scenario);
+  const auto middle = static_cast<std::size_t>(labels.height / 2 * labels.width + labels.width / 2);
+  EXPECT_EQ(labels.id[middle], kRoomId);
+  EXPECT_NEAR(labels.depth[middle], 1.0 / std::cos(0.15), 0.02);
+}
+
+TEST(SeenMesh, OfATrialIsFoundAgainByItsHash) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder / "lab");
+  std::filesystem::create_directories(folder / "trials");
+  const auto pin = folder / "lab" / "pin.obj", beside = folder / "trials" / "pin.obj";
+  std::filesystem::copy_file(kMeshes / "skittle.obj", pin);
+  const Scenario scenario =
+      parse_scenario("[skittle.mesh]\nfile = 'pin.obj'\n", (folder / "lab" / "room.toml").string());
+  EXPECT_EQ(scenario.skittle.mesh.file, pin.string());
+  const std::string text = to_toml(scenario);
+  const auto again = [&] {
+    return scenario_of_trial(text, (folder / "trials" / "one.lcmlog").string()).skittle.mesh;
+  };
+  EXPECT_EQ(again().file, pin.string());
+  std::filesystem::copy_file(kMeshes / "ball.obj", beside);  // another of the same name
+  std::filesystem::remove(pin);
+  EXPECT_EQ(again().file, pin.string());  // and whoever wants to see it is told
+  EXPECT_THAT(complaint([&] { seen_mesh(again(), Vec3::Ones(), 0.5); }),
+              HasSubstr("pin.obj: cannot be read: No such file"));
+  std::filesystem::remove(beside);
+  std::filesystem::copy_file(kMeshes / "skittle.obj", beside);
+  EXPECT_EQ(again().file, beside.string());
+  EXPECT_TRUE(seen_mesh(again(), Vec3::Ones(), 0.5).has_value());
+  std::ofstream(beside, std::ios::app) << "# one line more\n";
+  MeshFile changed = scenario.skittle.mesh;
+  changed.file = beside.string();
+  EXPECT_THAT(complaint([&] { seen_mesh(changed, Vec3::Ones(), 0.5); }), HasSubstr("SHA-256"));
+}
+
+TEST(SeenMesh, SetAnewHasAnotherHash) {
+  Scenario scenario;
+  set(scenario, fmt::format("skittle.mesh.file={}", (kMeshes / "skittle.obj").string()));
+  const std::string first = scenario.skittle.mesh.sha256;
+  set(scenario, "ball.mass=5");  // what is not named stays
+  EXPECT_EQ(scenario.skittle.mesh.sha256, first);
+  set(scenario, fmt::format("skittle.mesh.file={}", (kMeshes / "ball.obj").string()));
+  EXPECT_NE(scenario.skittle.mesh.sha256, first);
+  EXPECT_THAT(complaint([&] { set(scenario, "skittle.mesh.file=/nowhere/x.obj"); }),
+              HasSubstr("skittle.mesh: /nowhere/x.obj: cannot be read"));
+}
+
+}  // namespace
+}  // namespace headpin::scene
