@@ -248,8 +248,9 @@ void apply(const Moved& moved, Scenario& scenario) {
   check_share("friction", moved.friction);
   if (moved.elasticity) set_elasticity(scenario.material, *moved.elasticity);
   if (moved.friction) set_friction(scenario.material, *moved.friction);
-  if (moved.shape) set(scenario, "collision.shape=" + *moved.shape);
-  if (moved.response) set(scenario, "collision.response=" + *moved.response);
+  // In quotes: a shape is called true.
+  if (moved.shape) set(scenario, "collision.shape='" + *moved.shape + "'");
+  if (moved.response) set(scenario, "collision.response='" + *moved.response + "'");
 }
 
 PageData page_data(const Recorded& recorded, const Moved& moved, bool meshes) {

@@ -61,7 +61,7 @@ Twist hand_velocity(const Player& player, const Hand& hand, const Vec3& p_HB, Ti
   const std::vector<Stamped<Pose>>& track = player.hand.samples();
   const auto last = std::upper_bound(track.begin(), track.end(), time,
                                      [](Time t, const auto& sample) { return t < sample.time; });
-  const std::span<const Stamped<Pose>> seen(track.begin(), last);
+  const auto seen = std::span(track).first(static_cast<std::size_t>(last - track.begin()));
   const ReleaseWindow window = release_window(hand);
   if (seen.size() < 2 || seen[seen.size() - 2].time < seen.back().time - window.longest())
     return {};

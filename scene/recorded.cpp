@@ -29,7 +29,12 @@ Recorded load_trial(const std::string& path, Time longest_gap) {
 
 Recorded load_trial(std::span<const std::uint8_t> bytes, const std::string& name,
                     Time longest_gap) {
-  return read(devices::TrialFile(bytes), name, longest_gap);
+  devices::TrialFile file(bytes);
+  if (file.summary().channels.empty()) {
+    throw std::runtime_error(
+        fmt::format("{}: not an LCM event log: no whole event in {} bytes", name, bytes.size()));
+  }
+  return read(std::move(file), name, longest_gap);
 }
 
 std::int64_t tick_count(const devices::TrialSummary& trial, std::int64_t rate_hz) {

@@ -1,0 +1,129 @@
+#include <cstddef>
+#include <cstdint>
+#include <exception>
+#include <memory>
+#include <new>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+#include <utility>
+#include <vector>
+
+#include <emscripten/emscripten.h>
+#include <nlohmann/json.hpp>
+
+#include "scene/page_data.h"
+
+// What the page calls, in plain C; engine.js beside this makes functions of it that a page likes.
+// Nothing is thrown past here: each says whether it went well, and `headpin_text` what came of it, or
+// what is wrong.
+namespace {
+
+using namespace headpin;
+
+/// The bytes of a log and the trial that reads them.
+struct Opened {
+  std::vector<std::uint8_t> bytes;
+  scene::Recorded recorded;
+
+  explicit Opened(std::vector<std::uint8_t> log)
+      : bytes(std::move(log)), recorded(scene::load_trial(bytes, "trial")) {}
+};
+
+std::vector<std::uint8_t> given;  // by the page, for the next call
+std::unique_ptr<Opened> opened;
+std::string text;
+std::vector<float> floats;
+
+template <typename F>
+bool attempt(F work) {
+  floats.clear();
+  try {
+    work();
+    return true;
+  } catch (const std::bad_alloc&) {
+    text = "more memory is needed than a page may have";
+  } catch (const std::exception& error) {
+    text = error.what();
+  }
+  return false;
+}
+
+template <typename T>
+void read(std::optional<T>& into, const std::string& name, const nlohmann::json& value) {
+  constexpr bool kNumber = std::is_same_v<T, double>;
+  if (kNumber ? !value.is_number() : !value.is_string()) {
+    throw std::invalid_argument(name + ": expected " + (kNumber ? "a number" : "a name") +
+                                ", found " + value.dump());
+  }
+  into = value.get<T>();
+}
+
+/// {"friction": 0.5, "shape": "true", ...}
+scene::Moved moved_by(const std::vector<std::uint8_t>& question) {
+  const nlohmann::json asked = nlohmann::json::parse(question);
+  scene::Moved moved;
+  for (const auto& [name, value] : asked.items()) {
+    if (name == "elasticity") {
+      read(moved.elasticity, name, value);
+    } else if (name == "friction") {
+      read(moved.friction, name, value);
+    } else if (name == "shape") {
+      read(moved.shape, name, value);
+    } else if (name == "response") {
+      read(moved.response, name, value);
+    } else {
+      throw std::invalid_argument("expected elasticity, friction, shape or response, found " +
+                                  name);
+    }
+  }
+  return moved;
+}
+
+}  // namespace
+
+extern "C" {
+
+/// Room for the bytes that the next call is about: a log, or the text of a question.
+/// @return  null when there is not so much
+EMSCRIPTEN_KEEPALIVE std::uint8_t* headpin_room(std::size_t size) {
+  return attempt([&] { given = std::vector<std::uint8_t>(size); }) ? given.data() : nullptr;
+}
+
+/// Makes the log that was given the trial at hand; the one before stays when it is none.
+EMSCRIPTEN_KEEPALIVE bool headpin_load() {
+  return attempt([] {
+    opened = std::make_unique<Opened>(std::exchange(given, {}));
+    text = "{}";
+  });
+}
+
+/// Simulates the trial at hand as the JSON that was given moves it.
+///
+/// @param meshes  with what its bodies look like
+EMSCRIPTEN_KEEPALIVE bool headpin_simulate(bool meshes) {
+  return attempt([&] {
+    if (!opened) throw std::logic_error("no trial is open");
+    const scene::Moved moved = moved_by(std::exchange(given, {}));
+    scene::PageData data = scene::page_data(opened->recorded, moved, meshes);
+    text = data.json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    floats = std::move(data.floats);
+  });
+}
+
+/// What the last call came to.
+EMSCRIPTEN_KEEPALIVE const char* headpin_text() {
+  return text.data();
+}
+EMSCRIPTEN_KEEPALIVE std::size_t headpin_text_size() {
+  return text.size();
+}
+EMSCRIPTEN_KEEPALIVE const float* headpin_floats() {
+  return floats.data();
+}
+EMSCRIPTEN_KEEPALIVE std::size_t headpin_floats_size() {
+  return floats.size();
+}
+
+}  // extern "C"

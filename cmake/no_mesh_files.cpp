@@ -1,0 +1,30 @@
+#include <stdexcept>
+
+#include "scene/mesh_file.h"
+
+// In place of scene/mesh_file.cpp where there is no assimp. What collides is in a trial corner by
+// corner; a mesh that is only seen is a file, and says that it cannot be read here.
+namespace headpin::scene {
+
+namespace {
+
+[[noreturn]] void refuse(const std::filesystem::path& path) {
+  throw std::runtime_error(path.string() + ": a mesh file, which is not read here");
+}
+
+}  // namespace
+
+std::string read_mesh_file(const std::filesystem::path& path) {
+  refuse(path);
+}
+
+MeshData mesh_of(std::string_view, const std::filesystem::path& path, const MeshMeasure&) {
+  refuse(path);
+}
+
+engine::Polyhedron polyhedron_of(std::string_view, const std::filesystem::path& path,
+                                 const MeshMeasure&) {
+  refuse(path);
+}
+
+}  // namespace headpin::scene
