@@ -33,8 +33,13 @@ function withUnit(value, unit) {
 
 /** @param columns  [heading, trial] of each, side by side */
 export function resultTable(caption, columns) {
-  return table(caption, ['What', ...columns.map(([heading]) => heading)],
-    kRows.map(([name, of]) => [name, ...columns.map(([, trial]) => of(trial.json.summary))]));
+  const several = columns.length > 1;
+  return table(caption, ['What', ...columns.map(([heading]) => heading), ...(several ? ['Differs'] : [])],
+    kRows.map(([name, of]) => {
+      const cells = columns.map(([, trial]) => of(trial.json.summary));
+      const words = new Set(cells.map((cell) => cell.textContent ?? cell));
+      return [name, ...cells, ...(several ? [words.size > 1 ? 'yes' : 'no'] : [])];
+    }));
 }
 
 /** Whether simulating it gives what was recorded. */
