@@ -9,6 +9,7 @@ const kFrustumColours = [0x56b4e9, 0xd55e00];
 const kContactSeconds = 0.05;
 const kMostArrows = 64;
 const kFrustumLength = 1.2;  // m
+const kTrailRate = 60;           // points a second
 const kTrailSeconds = 4;         // that are drawn strong
 const kWholeTrailSeconds = 30;   // longer trials would be hidden behind their own trails
 
@@ -17,19 +18,20 @@ export class Trails {
   constructor(trial) {
     this.group = new Group();
     this.lines = [];
+    this.stride = Math.max(1, Math.round(trial.rate / kTrailRate / trial.json.drawn.every));
     const pose = new Float32Array(7);
     for (const role of Object.keys(kTrailColours)) {
       for (const actor of trial.actors(role)) {
-        const rows = trial.json.drawn.rows;
-        const points = new Float32Array(3 * rows);
-        for (let row = 0; row < rows; ++row) {
-          points.set(trial.pose(actor, trial.tickOfRow(row), pose).subarray(4, 7), 3 * row);
+        const { rows } = trial.json.drawn;
+        const points = new Float32Array(3 * Math.ceil(rows / this.stride));
+        for (let row = 0; row < rows; row += this.stride) {
+          points.set(trial.pose(actor, trial.tickOfRow(row), pose).subarray(4, 7), (3 * row) / this.stride);
         }
         const geometry = new BufferGeometry();
         geometry.setAttribute('position', new BufferAttribute(points, 3));
         const line = (opacity) => {
           const one = new Line(geometry, new LineBasicMaterial({
-            color: kTrailColours[role], transparent: true, opacity }));
+            color: kTrailColours[role], transparent: opacity < 1, opacity }));
           one.frustumCulled = false;
           this.group.add(one);
           return one;
@@ -44,9 +46,9 @@ export class Trails {
   }
 
   put(tick) {
-    const { row } = this.trial.rowsAt(tick);
-    const from = this.trial.rowsAt(Math.max(0, tick - kTrailSeconds * this.trial.rate)).row;
-    for (const line of this.lines) line.geometry.setDrawRange(from, row + 1 - from);
+    const point = (at) => Math.floor(this.trial.rowsAt(Math.max(0, at)).row / this.stride);
+    const from = point(tick - kTrailSeconds * this.trial.rate);
+    for (const line of this.lines) line.geometry.setDrawRange(from, point(tick) + 1 - from);
   }
 }
 

@@ -10,6 +10,8 @@ import { Cast, Looks, makeRoom } from './world.js';
 // Colours are coded by our own shaders or given coded: three.js has nothing to convert.
 ColorManagement.enabled = false;
 
+const kSettled = 200;  // ms after the last change
+const kCoarse = 0.5;   // pixels of the picture a pixel of the screen, while it changes, in software
 const kOtherTint = [0.55, 0.8, 1.25];
 
 /** Without a graphics card every pixel costs: smooth edges and fine pixels are left out then. */
@@ -120,22 +122,24 @@ export class View {
 
   /** Once before the next picture of the screen, however often it is asked. */
   draw() {
-    if (this.wanted || !this.cast) return;
+    if (!this.cast) return;
+    clearTimeout(this.settling);
+    if (this.software) this.settling = setTimeout(() => this.drawNow(), kSettled);
+    if (this.wanted) return;
     this.wanted = true;
     requestAnimationFrame(() => {
       this.wanted = false;
-      this.drawNow();
+      this.drawNow(this.software ? kCoarse : undefined);
     });
   }
 
-  drawNow() {
+  drawNow(pixels = this.software ? 1 : Math.min(devicePixelRatio, 2)) {
     const { canvas, renderer } = this;
-    const ratio = this.software ? 1 : Math.min(devicePixelRatio, 2);
     const width = canvas.clientWidth;
     const height = canvas.clientHeight;
     if (!width || !height) return;
-    if (canvas.width !== Math.floor(width * ratio) || canvas.height !== Math.floor(height * ratio)) {
-      renderer.setPixelRatio(ratio);
+    if (canvas.width !== Math.floor(width * pixels) || canvas.height !== Math.floor(height * pixels)) {
+      renderer.setPixelRatio(pixels);
       renderer.setSize(width, height, false);
     }
     this.cast.put(this.tick);

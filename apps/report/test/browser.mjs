@@ -61,5 +61,9 @@ export async function drawnAt(page, tick) {
 
 /** Waits until something holds in the page, whose own policy lets no tool put its eyes in. */
 export async function until(page, holds, argument) {
-  while (!(await page.evaluate(holds, argument))) await new Promise((resolve) => setTimeout(resolve, 50));
+  const end = Date.now() + kWait;
+  while (!(await page.evaluate(holds, argument))) {
+    if (Date.now() > end) throw new Error(`waited ${kWait} ms for ${holds}`);
+    await new Promise((resolve) => setTimeout(resolve, 50));
+  }
 }

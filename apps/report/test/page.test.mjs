@@ -187,8 +187,6 @@ test('two trials: the first different tick and body, and both in the room', asyn
   await page.context().close();
 });
 
-const engine = { skip: process.env.HEADPIN_PAGE_WITHOUT_ENGINE ? 'the page was built without it' : false };
-
 /** Opens the page and waits for what the engine says of the unmoved trial. */
 async function withEngine(file) {
   const opened = await open(browser, file);
@@ -196,7 +194,7 @@ async function withEngine(file) {
   return opened;
 }
 
-test('the engine in the page comes to the recorded hash and says so', engine, async () => {
+test('the engine in the page comes to the recorded hash and says so', async () => {
   const { page, said, asked } = await withEngine('game.html');
   const { state_hash: hash } = JSON.parse(headpin('replay', 'game.lcmlog', '--json'));
   const words = await page.textContent('#again-status');
@@ -206,18 +204,18 @@ test('the engine in the page comes to the recorded hash and says so', engine, as
   await page.context().close();
 });
 
-test('a moved slider gives what headpin replay gives under that condition', engine, async () => {
+test('a moved slider gives what headpin replay gives under that condition', async () => {
   const { page } = await withEngine('game.html');
-  const moves = [['friction', '0.2'], ['elasticity', '1'], ['shape', 'ellipsoid'], ['response', 'coulomb']];
-  const words = [];
+  const moves = [['friction', '0.2'], ['elasticity', '1'], ['shape', 'ellipsoid'], ['response', 'coulomb'], ['shape', 'true']];
+  const words = {};
   for (const [name, value] of moves) {
-    words.push(`--${name}`, value);
+    words[`--${name}`] = value;
     await page.evaluate(([id, to]) => {
       const control = document.getElementById(id);
       control.value = to;
       control.dispatchEvent(new Event(control.matches('select') ? 'change' : 'input', { bubbles: true }));
     }, [name, value]);
-    const { state_hash: hash, skittles_down: down } = JSON.parse(headpin('replay', 'game.lcmlog', ...words, '--json'));
+    const { state_hash: hash, skittles_down: down } = JSON.parse(headpin('replay', 'game.lcmlog', ...Object.entries(words).flat(), '--json'));
     await until(page, ([want, felled]) => {
       const text = document.getElementById('again-status').textContent;
       return text.includes(want) && text.includes(`${felled} of `);
@@ -228,7 +226,7 @@ test('a moved slider gives what headpin replay gives under that condition', engi
   await page.context().close();
 });
 
-test('another log dropped on the page is opened', engine, async () => {
+test('another log dropped on the page is opened', async () => {
   headpin('synthesize', '-o', 'another.lcmlog', '--seed', '9', '--name', 'somebody else');
   const { page, said } = await withEngine('game.html');
   await page.setInputFiles('#drop', join(folder, 'another.lcmlog'));
