@@ -44,10 +44,10 @@ Measures measure(const std::string& name_or_file) {
 
 std::string in_words(const Measures& m) {
   return fmt::format(
-      "{} skittles of {} primitives ({:.3f} m, {:.3f} kg), ball {:.3f} m across ({:.2f} kg), "
-      "{:.2f} "
-      "m from the foul line",
-      m.skittles, m.primitives, m.skittle_m, m.skittle_kg, m.ball_m, m.ball_kg, m.lane_m);
+      "{} skittles of {} primitive{} ({:.3f} m, {:.3f} kg), ball {:.3f} m across ({:.2f} kg), "
+      "{:.2f} m from the foul line",
+      m.skittles, m.primitives, m.primitives == 1 ? "" : "s", m.skittle_m, m.skittle_kg, m.ball_m,
+      m.ball_kg, m.lane_m);
 }
 
 nlohmann::ordered_json in_json(const std::string& file, const Measures& m) {
