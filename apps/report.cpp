@@ -136,13 +136,14 @@ void report(const ReportOptions& options) {
                           {"commit", devices::software_commit()},
                           {"command", command_of(options)},
                           {"first_difference", nullptr}};
-  const scene::PageData data = scene::page_data(recorded);
+  const scene::PageData data = scene::page_data(recorded, scene::PageLooks(recorded));
   add_trial(options.trial, data, "", blocks);
   if (options.other) {
     const scene::Recorded other = scene::load_trial(*options.other, longest_gap);
     const bool looks_alike =
         recorded.file.summary().header.scenario == other.file.summary().header.scenario;
-    add_trial(*options.other, scene::page_data(other, {}, !looks_alike), "-other", blocks);
+    add_trial(*options.other, scene::page_data(other, scene::PageLooks(other), {}, !looks_alike),
+              "-other", blocks);
     about["first_difference"] = first_difference(recorded, other);
   }
   const nlohmann::json& hash = data.json["hash"];

@@ -253,20 +253,21 @@ void apply(const Moved& moved, Scenario& scenario) {
   if (moved.response) set(scenario, "collision.response='" + *moved.response + "'");
 }
 
-PageData page_data(const Recorded& recorded, const Moved& moved, bool meshes) {
+PageLooks::PageLooks(const Recorded& recorded)
+    : looks(MeshKeeper{[this](const render::Mesh& mesh) {
+              meshes.push_back(mesh);
+              return static_cast<int>(meshes.size()) - 1;
+            }},
+            make_stage(recorded.scenario)) {}
+
+PageData page_data(const Recorded& recorded, const PageLooks& page_looks, const Moved& moved,
+                   bool meshes) {
+  const Looks& looks = page_looks.looks;
   Scenario scenario = recorded.scenario;
   apply(moved, scenario);
   const devices::TrialSummary& trial = recorded.file.summary();
   const std::int64_t ticks = tick_count(trial, scenario.rates.physics_hz);
   Session session = make_session(scenario);
-
-  std::vector<render::Mesh> kept;
-  int count = 0;
-  const Looks looks(MeshKeeper{[&](const render::Mesh& mesh) {
-                      if (meshes) kept.push_back(mesh);
-                      return count++;
-                    }},
-                    *session.stage);
 
   devices::TrialPlayer source(recorded.file, {.states = moved.nothing() && trial.state_count > 0});
   Comparison comparison(source, session);
@@ -312,7 +313,7 @@ PageData page_data(const Recorded& recorded, const Moved& moved, bool meshes) {
   add_film(film, ticks, out);
   std::vector<Table> tables = film.take_tables();
   out["meshes"] = json::array();
-  if (meshes) add_meshes(kept, film, looks.room, out, tables);
+  if (meshes) add_meshes(page_looks.meshes, film, looks.room, out, tables);
   pack(std::move(tables), data);
   return data;
 }

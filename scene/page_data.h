@@ -6,6 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "scene/looks.h"
 #include "scene/recorded.h"
 
 /// A trial as a page shows it: everything small as JSON, everything long as numbers in rows.
@@ -23,6 +24,16 @@ struct Moved {
 /// @throws std::invalid_argument  for a value out of range or an unknown name
 void apply(const Moved& moved, Scenario& scenario);
 
+/// The meshes of everything that a trial shows. Making them takes longer than most simulations, so
+/// they are made once for all simulations of the trial.
+struct PageLooks {
+  std::vector<render::Mesh> meshes;
+  Looks looks;  ///< by their numbers
+
+  /// @throws std::runtime_error  as Looks
+  explicit PageLooks(const Recorded& recorded);
+};
+
 /// `json.sections` tells what `floats` are: each has a name, the offset of its first number, rows
 /// and columns, and for each column the quantum its numbers may be rounded to.
 struct PageData {
@@ -36,10 +47,12 @@ struct PageData {
 /// the simulation came to the same bits, and where first not. Every n-th tick is drawn of a trial
 /// that has more than a page can hold, and the strongest of its contacts; `json.drawn` says so.
 ///
+/// @param looks   of the trial, moved or not
 /// @param meshes  with what all of it looks like; without, `json.meshes` is empty and numbers of
 ///                meshes are those of the same trial with them
 /// @throws std::invalid_argument  as apply()
 /// @throws std::runtime_error     when the file is another by now or the state turns non-finite
-PageData page_data(const Recorded& recorded, const Moved& moved = {}, bool meshes = true);
+PageData page_data(const Recorded& recorded, const PageLooks& looks, const Moved& moved = {},
+                   bool meshes = true);
 
 }  // namespace headpin::scene

@@ -45,7 +45,7 @@ Session played(const Recorded& recorded, const Scenario& scenario) {
 
 TEST(PageData, ShowsEveryBodyWhereTheReplayLeavesIt) {
   const Recorded recorded = load_trial(kDemo);
-  const PageData data = page_data(recorded);
+  const PageData data = page_data(recorded, PageLooks(recorded));
   const Session session = played(recorded, recorded.scenario);
   ASSERT_EQ(data.json["drawn"]["every"], 1);
   const std::int64_t last = data.json["drawn"]["rows"].get<std::int64_t>() - 1;
@@ -74,7 +74,7 @@ TEST(PageData, OfAMovedTrialIsWhatAReplayUnderThatConditionGives) {
   set_friction(scenario.material, 0.2);
   scenario.collision.shape = "ellipsoid";
   scenario.collision.response = "coulomb";
-  const PageData data = page_data(recorded, moved, false);
+  const PageData data = page_data(recorded, PageLooks(recorded), moved, false);
   EXPECT_EQ(data.json["summary"]["state_hash"],
             summary(played(recorded, scenario), {})["state_hash"]);
   EXPECT_TRUE(data.json["meshes"].empty());
@@ -114,7 +114,8 @@ std::string trial_with_states(std::int64_t moved_tick) {
 }
 
 TEST(PageData, TellsWhetherTheRecordedStatesCameBack) {
-  const PageData data = page_data(load_trial(trial_with_states(-1)), {}, false);
+  const Recorded recorded = load_trial(trial_with_states(-1));
+  const PageData data = page_data(recorded, PageLooks(recorded), {}, false);
   const nlohmann::json& hash = data.json["hash"];
   EXPECT_EQ(hash["verified_ticks"], 300);
   EXPECT_EQ(hash["recorded"], hash["replayed"]);
@@ -122,7 +123,8 @@ TEST(PageData, TellsWhetherTheRecordedStatesCameBack) {
 }
 
 TEST(PageData, ShowsWhatWasRecordedWhereTheReplayDiffersAndSaysWhere) {
-  const PageData data = page_data(load_trial(trial_with_states(120)), {}, false);
+  const Recorded recorded = load_trial(trial_with_states(120));
+  const PageData data = page_data(recorded, PageLooks(recorded), {}, false);
   const nlohmann::json& first = data.json["hash"]["first_difference"];
   EXPECT_EQ(first["tick"], 120);
   EXPECT_EQ(first["body"], "ball");
@@ -142,7 +144,8 @@ TEST(PageData, OfALongTrialDrawsEveryNthTickAndTheLast) {
     recorder.write(devices::Sample(head));
   }
   recorder.close();
-  const PageData data = page_data(load_trial(path), {}, false);
+  const Recorded recorded = load_trial(path);
+  const PageData data = page_data(recorded, PageLooks(recorded), {}, false);
   const nlohmann::json& drawn = data.json["drawn"];
   EXPECT_EQ(drawn["every"], 2);  // 31440 ticks are more than 24000
   EXPECT_EQ(drawn["last_tick"], data.json["ticks"]);
@@ -153,7 +156,9 @@ TEST(PageData, OfALongTrialDrawsEveryNthTickAndTheLast) {
 TEST(PageData, OfTheBytesOfALogIsThatOfTheFile) {
   std::ifstream file(kDemo, std::ios::binary);
   const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
-  const PageData a = page_data(load_trial(kDemo)), b = page_data(load_trial(bytes, "demo"));
+  const Recorded from_file = load_trial(kDemo), from_memory = load_trial(bytes, "demo");
+  const PageData a = page_data(from_file, PageLooks(from_file)),
+                 b = page_data(from_memory, PageLooks(from_memory));
   EXPECT_EQ(a.json, b.json);
   EXPECT_EQ(a.floats, b.floats);
 }

@@ -22,13 +22,14 @@ namespace {
 
 using namespace headpin;
 
-/// The bytes of a log and the trial that reads them.
+/// The bytes of a log, the trial that reads them, and what it looks like.
 struct Opened {
   std::vector<std::uint8_t> bytes;
   scene::Recorded recorded;
+  scene::PageLooks looks;
 
   explicit Opened(std::vector<std::uint8_t> log)
-      : bytes(std::move(log)), recorded(scene::load_trial(bytes, "trial")) {}
+      : bytes(std::move(log)), recorded(scene::load_trial(bytes, "trial")), looks(recorded) {}
 };
 
 std::vector<std::uint8_t> given;  // by the page, for the next call
@@ -106,7 +107,7 @@ EMSCRIPTEN_KEEPALIVE bool headpin_simulate(bool meshes) {
   return attempt([&] {
     if (!opened) throw std::logic_error("no trial is open");
     const scene::Moved moved = moved_by(std::exchange(given, {}));
-    scene::PageData data = scene::page_data(opened->recorded, moved, meshes);
+    scene::PageData data = scene::page_data(opened->recorded, opened->looks, moved, meshes);
     text = data.json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     floats = std::move(data.floats);
   });
