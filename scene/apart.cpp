@@ -105,7 +105,7 @@ std::string apart(const std::function<std::string()>& work, const Limits& limits
     throw std::runtime_error(fmt::format("takes more than {} s of processor time", limits.cpu_s));
   }
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0 || told.empty()) {
-    throw std::runtime_error("whoever reads it crashes");
+    throw std::runtime_error("reading it crashes");
   }
   if (told[0] == kMemory) {
     throw std::runtime_error(

@@ -32,7 +32,8 @@ namespace {
 
 constexpr std::size_t kMostBytes = 16'000'000, kMostTriangles = 200'000;
 constexpr std::size_t kMostCorners = 20'000, kMostVertices = 1000;  // of a polyhedron
-constexpr double kFarthest = 1e3;                                   // that a point may be [m]
+constexpr const char* kHalfRead = "its reader was cut short";
+constexpr double kFarthest = 1e3;  // that a point may be [m]
 
 /// Small letters.
 std::string kind_of(const std::filesystem::path& path) {
@@ -61,14 +62,14 @@ void put(std::string& bytes, const std::vector<T>& list) {
   bytes.append(reinterpret_cast<const char*>(list.data()), size * sizeof(T));
 }
 
-/// What put() put, and whoever wrote it may have gone mad.
+/// What put() put; a file may have brought whoever wrote it to write anything.
 template <typename T>
 void take(std::string_view& bytes, std::vector<T>& list) {
   std::size_t size = 0;
-  if (bytes.size() < sizeof size) throw std::runtime_error("whoever reads it says half of it");
+  if (bytes.size() < sizeof size) throw std::runtime_error(kHalfRead);
   std::memcpy(&size, bytes.data(), sizeof size);
   bytes.remove_prefix(sizeof size);
-  if (size > bytes.size() / sizeof(T)) throw std::runtime_error("whoever reads it says half of it");
+  if (size > bytes.size() / sizeof(T)) throw std::runtime_error(kHalfRead);
   list.resize(size);
   if (size > 0) std::memcpy(static_cast<void*>(list.data()), bytes.data(), size * sizeof(T));
   bytes.remove_prefix(size * sizeof(T));
@@ -217,7 +218,7 @@ Read read_apart(std::string_view file, const std::string& kind, unsigned flags) 
   take(bytes, all.corners);
   std::size_t corners = 0;
   for (const std::uint32_t size : all.sizes) corners += size;
-  if (corners != all.corners.size()) throw std::runtime_error("whoever reads it says half of it");
+  if (corners != all.corners.size()) throw std::runtime_error(kHalfRead);
   for (const std::uint32_t corner : all.corners) {
     if (corner >= all.points.size())
       throw std::runtime_error("a face has a point that is not there");
@@ -333,9 +334,10 @@ std::string read_mesh_file(const std::filesystem::path& path) {
   if (wrong == nullptr && static_cast<std::size_t>(is.st_size) <= kMostBytes) {
     bytes.resize(static_cast<std::size_t>(is.st_size));
     std::size_t done = 0;
-    for (ssize_t n = 1;
-         n > 0 && done<bytes.size(); done += n> 0 ? static_cast<std::size_t>(n) : 0) {
-      n = read(file, bytes.data() + done, bytes.size() - done);
+    while (done < bytes.size()) {
+      const ssize_t n = read(file, bytes.data() + done, bytes.size() - done);
+      if (n <= 0) break;
+      done += static_cast<std::size_t>(n);
     }
     if (done < bytes.size()) wrong = "cannot be read to its end";
   }

@@ -229,7 +229,12 @@ test('a moved slider gives what headpin replay gives under that condition', asyn
 test('another log dropped on the page is opened', async () => {
   headpin('synthesize', '-o', 'another.lcmlog', '--seed', '9', '--name', 'somebody else');
   const { page, said } = await withEngine('game.html');
-  await page.setInputFiles('#drop', join(folder, 'another.lcmlog'));
+  const bytes = readFileSync(join(folder, 'another.lcmlog')).toString('base64');
+  await page.evaluate((text) => {
+    const files = new DataTransfer();
+    files.items.add(new File([Uint8Array.from(atob(text), (c) => c.charCodeAt(0))], 'another.lcmlog'));
+    document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: files, bubbles: true }));
+  }, bytes);
   const { state_hash: hash } = JSON.parse(headpin('replay', 'another.lcmlog', '--json'));
   await until(page, (want) => document.getElementById('hash').textContent === want, hash);
   assert.match(await page.textContent('#subtitle'), /somebody else/);
