@@ -54,12 +54,14 @@ class Page {
     this.trial = await trialOf('');
     this.clock = new Clock(this.trial.lastTick, this.trial.rate);
     this.other = hasBlock('json-other') ? await trialOf('-other') : null;
-    this.view = new View(find('view'), this.trial, this.other);
+    this.view = new View(find('view'), this.trial, this.other,
+      /swiftshader|llvmpipe|software/i.test(await window.graphics));
     this.timeline = new Timeline(this.clock);
     this.clock.onChange(() => this.view.show(this.clock.tick));
-    this.view.drawNow();
+    this.view.drawNow(true);
     performance.mark('first picture');
     await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
+    this.view.addOverlays();
     this.plots = new Plots(this.clock);
     this.video = new Video(this.clock, this.about);
     controls(this);

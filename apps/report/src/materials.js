@@ -9,8 +9,14 @@ vec3 code(vec3 x) {
   return mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, vec3(lessThan(x, vec3(0.0031308))));
 }`;
 
-// Where the light is known beforehand it is coded at the vertices: far fewer than pixels.
-const kVertex = `${kCode}
+/** The same of one number, for colours whose light is known beforehand. */
+export function coded(x) {
+  const one = Math.min(Math.max(x, 0), 1);
+  return one < 0.0031308 ? 12.92 * one : 1.055 * one ** (1 / 2.4) - 0.055;
+}
+
+// Colours of surfaces that are not lit here are coded already: their tint is one of the code.
+const kVertex = `
 attribute vec3 colour;
 varying vec3 p_W;
 varying vec3 n_W;
@@ -23,7 +29,7 @@ void main() {
 #ifdef LIT
   c = colour;
 #else
-  c = code(colour * tint);
+  c = colour * tint;
 #endif
   gl_Position = projectionMatrix * viewMatrix * p;
 }`;

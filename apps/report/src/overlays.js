@@ -9,26 +9,47 @@ const kFrustumColours = [0x56b4e9, 0xd55e00];
 const kContactSeconds = 0.05;
 const kMostArrows = 64;
 const kFrustumLength = 1.2;  // m
-const kTrailRate = 60;           // points a second
+const kTrailStep = 0.02;         // m, from one point to the next
 const kTrailSeconds = 4;         // that are drawn strong
 const kWholeTrailSeconds = 30;   // longer trials would be hidden behind their own trails
+
+/** Where an actor was, and at which rows: a point wherever it has moved on. */
+function pointsOf(trial, actor) {
+  const rows = [];
+  const points = [];
+  const pose = new Float32Array(7);
+  for (let row = 0; row < trial.json.drawn.rows; ++row) {
+    const [, , , , x, y, z] = trial.pose(actor, trial.tickOfRow(row), pose);
+    const [x0, y0, z0] = points.slice(-3);
+    if (rows.length && Math.hypot(x - x0, y - y0, z - z0) < kTrailStep) continue;
+    rows.push(row);
+    points.push(x, y, z);
+  }
+  return { rows, points };
+}
+
+/** How many of ascending rows are not after one. */
+function countUpTo(rows, row) {
+  let low = 0;
+  let high = rows.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (rows[middle] <= row) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
 
 /** Where head, hand and ball were: the last seconds strong, all of a short trial faint. */
 export class Trails {
   constructor(trial) {
     this.group = new Group();
     this.lines = [];
-    this.stride = Math.max(1, Math.round(trial.rate / kTrailRate / trial.json.drawn.every));
-    const pose = new Float32Array(7);
     for (const role of Object.keys(kTrailColours)) {
       for (const actor of trial.actors(role)) {
-        const { rows } = trial.json.drawn;
-        const points = new Float32Array(3 * Math.ceil(rows / this.stride));
-        for (let row = 0; row < rows; row += this.stride) {
-          points.set(trial.pose(actor, trial.tickOfRow(row), pose).subarray(4, 7), (3 * row) / this.stride);
-        }
+        const { rows, points } = pointsOf(trial, actor);
         const geometry = new BufferGeometry();
-        geometry.setAttribute('position', new BufferAttribute(points, 3));
+        geometry.setAttribute('position', new BufferAttribute(Float32Array.from(points), 3));
         const line = (opacity) => {
           const one = new Line(geometry, new LineBasicMaterial({
             color: kTrailColours[role], transparent: opacity < 1, opacity }));
@@ -39,16 +60,19 @@ export class Trails {
         if (trial.seconds(trial.lastTick) <= kWholeTrailSeconds) line(0.25);
         const past = line(1);
         past.geometry = geometry.clone();
-        this.lines.push(past);
+        this.lines.push({ line: past, rows });
       }
     }
     this.trial = trial;
   }
 
   put(tick) {
-    const point = (at) => Math.floor(this.trial.rowsAt(Math.max(0, at)).row / this.stride);
-    const from = point(tick - kTrailSeconds * this.trial.rate);
-    for (const line of this.lines) line.geometry.setDrawRange(from, point(tick) + 1 - from);
+    const row = (at) => this.trial.rowsAt(Math.max(0, at)).row;
+    const [first, last] = [row(tick - kTrailSeconds * this.trial.rate), row(tick)];
+    for (const { line, rows } of this.lines) {
+      const from = Math.max(0, countUpTo(rows, first) - 1);
+      line.geometry.setDrawRange(from, countUpTo(rows, last) - from);
+    }
   }
 }
 

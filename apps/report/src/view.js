@@ -11,17 +11,8 @@ import { Cast, Looks, makeRoom } from './world.js';
 ColorManagement.enabled = false;
 
 const kSettled = 200;  // ms after the last change
-const kCoarse = 0.5;   // pixels of the picture a pixel of the screen, while it changes, in software
+const kCoarse = 0.4;   // pixels of the picture a pixel of the screen, while it changes, in software
 const kOtherTint = [0.55, 0.8, 1.25];
-
-/** Without a graphics card every pixel costs: smooth edges and fine pixels are left out then. */
-function drawsInSoftware() {
-  const gl = document.createElement('canvas').getContext('webgl2');
-  const who = gl?.getExtension('WEBGL_debug_renderer_info');
-  const name = who ? gl.getParameter(who.UNMASKED_RENDERER_WEBGL) : '';
-  gl?.getExtension('WEBGL_lose_context')?.loseContext();
-  return /swiftshader|llvmpipe|software/i.test(name);
-}
 
 /** The pictures of one eye: drawn in the display's pixels, shown as wide as they are seen. */
 class Eye {
@@ -34,8 +25,9 @@ class Eye {
       bottom * near, near, Math.max(far, 60));
     this.camera.projectionMatrixInverse.copy(this.camera.projectionMatrix).invert();
     this.aspect = (right - left) / (top - bottom);
-    this.target = new WebGLRenderTarget(eye.width, eye.height,
-      { samples: 4, minFilter: NearestFilter, magFilter: NearestFilter, generateMipmaps: false });
+    const target = (samples) => new WebGLRenderTarget(eye.width, eye.height,
+      { samples, minFilter: NearestFilter, magFilter: NearestFilter, generateMipmaps: false });
+    this.target = { fine: target(4), coarse: target(0) };
     const [w, x, y, z, ...p] = eye.X_DE;
     this.q_DE = new Quaternion(x, y, z, w);
     this.p_DE = new Vector3(...p);
@@ -50,10 +42,11 @@ class Eye {
 }
 
 export class View {
-  constructor(canvas, trial, other) {
+  /** @param software  without a graphics card every pixel costs: edges are not smooth then */
+  constructor(canvas, trial, other, software) {
     this.canvas = canvas;
-    this.software = drawsInSoftware();
-    this.renderer = new WebGLRenderer({ canvas, antialias: !this.software });
+    this.software = software;
+    this.renderer = new WebGLRenderer({ canvas, antialias: !software });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.renderer.autoClear = false;
     this.mode = 'around';
@@ -70,12 +63,18 @@ export class View {
     this.screen = new Scene();
     this.screen.add(this.quad);
     this.flat = new OrthographicCamera(-1, 1, 1, -1, 0, 1);
-    this.load(trial, other);
+    this.stage(trial, other);
     new ResizeObserver(() => this.draw()).observe(canvas);
   }
 
   /** Shows another trial, or the same one simulated again. */
   load(trial, other) {
+    this.stage(trial, other);
+    this.addOverlays();
+  }
+
+  /** The room and those in it: all of a first picture. */
+  stage(trial, other) {
     this.trial = trial;
     this.head = trial.actors('head')[0];
     if (trial.json.meshes.length) this.looks = new Looks(trial);
@@ -84,11 +83,17 @@ export class View {
     this.cast = new Cast(trial, this.looks);
     this.eyes = trial.json.eyes.map((eye) => new Eye(eye));
     this.background = new Color(...trial.json.light.background).convertLinearToSRGB();
-    this.overlays = { trails: new Trails(trial), frusta: new Frusta(trial), contacts: new Contacts(trial) };
+    this.overlays = {};
     this.scene.add(this.cast.group);
-    for (const overlay of Object.values(this.overlays)) this.scene.add(overlay.group);
     this.setOther(other);
     this.pose = new Float32Array(7);
+  }
+
+  addOverlays() {
+    const { trial } = this;
+    this.overlays = { trails: new Trails(trial), frusta: new Frusta(trial), contacts: new Contacts(trial) };
+    for (const overlay of Object.values(this.overlays)) this.scene.add(overlay.group);
+    this.draw();
   }
 
   /** A second trial over the first, see-through and blue. */
@@ -129,11 +134,14 @@ export class View {
     this.wanted = true;
     requestAnimationFrame(() => {
       this.wanted = false;
-      this.drawNow(this.software ? kCoarse : undefined);
+      this.drawNow(true);
     });
   }
 
-  drawNow(pixels = this.software ? 1 : Math.min(devicePixelRatio, 2)) {
+  /** @param quick  while it changes: without a graphics card in few pixels and triangles */
+  drawNow(quick = false) {
+    this.coarse = quick && this.software;
+    const pixels = this.coarse ? kCoarse : this.software ? 1 : Math.min(devicePixelRatio, 2);
     const { canvas, renderer } = this;
     const width = canvas.clientWidth;
     const height = canvas.clientHeight;
@@ -142,9 +150,11 @@ export class View {
       renderer.setPixelRatio(pixels);
       renderer.setSize(width, height, false);
     }
+    this.cast.thin(this.coarse);
     this.cast.put(this.tick);
     this.cast.castShade(this.tick);
     if (this.otherCast) {
+      this.otherCast.thin(this.coarse);
       this.otherCast.put(Math.min(this.tick, this.other.lastTick));
       this.otherCast.group.visible = this.layers.other;
     }
@@ -187,7 +197,7 @@ export class View {
     for (const [name, overlay] of Object.entries(this.overlays)) {
       overlay.group.visible = name === 'contacts' && this.layers.contacts;
     }
-    if (this.layers.contacts) this.overlays.contacts.put(this.tick);
+    if (this.layers.contacts) this.overlays.contacts?.put(this.tick);
     if (this.head !== undefined) this.trial.pose(this.head, this.tick, this.pose);
     this.cast.put(this.tick, ['head']);
     if (this.otherCast) this.otherCast.put(Math.min(this.tick, this.other.lastTick), ['head']);
@@ -195,12 +205,13 @@ export class View {
     for (const [number, x, y, w, h] of this.eyeFrames(width, height)) {
       const eye = this.eyes[number];
       eye.put(this.pose);
-      this.renderer.setRenderTarget(eye.target);
+      const target = this.coarse ? eye.target.coarse : eye.target.fine;
+      this.renderer.setRenderTarget(target);
       this.clear();
       this.renderer.render(this.scene, eye.camera);
       this.renderer.setRenderTarget(null);
       this.renderer.setViewport(x, y, w, h);
-      this.quad.material.uniforms.picture.value = eye.target.texture;
+      this.quad.material.uniforms.picture.value = target.texture;
       this.renderer.render(this.screen, this.flat);
     }
   }

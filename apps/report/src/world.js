@@ -1,9 +1,11 @@
 // The room and what moves in it, as three.js draws them.
 import { BufferAttribute, BufferGeometry, Group, Mesh, Scene } from 'three';
 
-import { makeLight, materialOf } from './materials.js';
+import { coded, makeLight, materialOf } from './materials.js';
 
-function geometryOf(trial, number) {
+const kCell = 0.025;  // m
+
+function geometryOf(trial, { number, surface }) {
   const rowsOf = (name) => trial.sections.get(name);
   const vertices = rowsOf(`mesh ${number} vertices`);
   const triangles = rowsOf(`mesh ${number} triangles`);
@@ -18,10 +20,33 @@ function geometryOf(trial, number) {
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', part(0));
   geometry.setAttribute('normal', part(3));
-  geometry.setAttribute('colour', part(6));
+  const colour = part(6);
+  if (surface !== 'lit') colour.array.forEach((value, i) => { colour.array[i] = coded(value); });
+  geometry.setAttribute('colour', colour);
   const indices = trial.numbers.subarray(triangles.offset, triangles.offset + 3 * triangles.rows);
   geometry.setIndex(new BufferAttribute(Uint32Array.from(indices), 1));
   return geometry;
+}
+
+/** The same in fewer triangles: the vertices of a cell become one of them. */
+function thinned(geometry) {
+  const { position, normal, colour } = geometry.attributes;
+  const firstIn = new Map();
+  const kept = Array.from({ length: position.count }, (_, i) => {
+    const cell = [position.getX(i), position.getY(i), position.getZ(i)].map((x) => Math.round(x / kCell)).join();
+    if (!firstIn.has(cell)) firstIn.set(cell, i);
+    return firstIn.get(cell);
+  });
+  const old = geometry.index.array;
+  const index = [];
+  for (let i = 0; i < old.length; i += 3) {
+    const [a, b, c] = [kept[old[i]], kept[old[i + 1]], kept[old[i + 2]]];
+    if (a !== b && b !== c && c !== a) index.push(a, b, c);
+  }
+  const thin = new BufferGeometry();
+  for (const [name, values] of Object.entries({ position, normal, colour })) thin.setAttribute(name, values);
+  thin.setIndex(index);
+  return thin;
 }
 
 export function place(object, pose) {
@@ -35,11 +60,19 @@ export class Looks {
     this.light = makeLight(trial.json.light);
     this.meshes = new Map(trial.json.meshes.map((mesh) => [mesh.number, mesh]));
     this.geometries = new Map();
-    for (const number of this.meshes.keys()) this.geometries.set(number, geometryOf(trial, number));
+    this.thin = new Map();
+    for (const mesh of trial.json.meshes) this.geometries.set(mesh.number, geometryOf(trial, mesh));
+  }
+
+  /** The shape of a mesh, or a rough one where a picture is coarse. */
+  geometry(number, thin) {
+    if (!thin) return this.geometries.get(number);
+    if (!this.thin.has(number)) this.thin.set(number, thinned(this.geometries.get(number)));
+    return this.thin.get(number);
   }
 
   mesh(number, style) {
-    return new Mesh(this.geometries.get(number), materialOf(this.meshes.get(number), this.light, style));
+    return new Mesh(this.geometry(number, false), materialOf(this.meshes.get(number), this.light, style));
   }
 }
 
@@ -52,6 +85,13 @@ export class Cast {
     this.group = new Group();
     this.shown = trial.json.actors.map(() => ({ mesh: -1, objects: new Map() }));
     this.pose = new Float32Array(7);
+  }
+
+  /** Draws rough shapes, or again whole ones. */
+  thin(thin) {
+    for (const { objects } of this.shown) {
+      for (const [number, object] of objects) object.geometry = this.looks.geometry(number, thin);
+    }
   }
 
   /** @param without  roles that are not seen, as the head by its own eyes */
