@@ -41,7 +41,7 @@ set(parts
   scene/bodies scene/game scene/hand scene/outline scene/player scene/presence scene/recorded
   scene/referee scene/room scene/rules scene/run scene/scenario scene/scenario_checks
   scene/scenario_files scene/scenario_keys scene/scenario_text scene/score scene/seen_mesh
-  scene/session scene/stage scene/swing
+  scene/session scene/stage
   scene/toml_text scene/totals scene/verifier scene/walk)
 list(TRANSFORM parts PREPEND ${HEADPIN_ROOT}/)
 list(TRANSFORM parts APPEND .cpp)

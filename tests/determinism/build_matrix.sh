@@ -1,8 +1,9 @@
 #!/usr/bin/env bash
 # Builds the engine with several compilers, levels and instruction sets, and for other machines
 # (AArch64 and RISC-V under qemu, WebAssembly under node), plays the same games with each and compares
-# the hash of every tick. Usage: build_matrix.sh [--quick]
-#   --quick  one low and one high level of each compiler instead of all, and no other machine
+# the hash of every tick; then replays whole trials on them (trial_matrix.sh).
+# Usage: build_matrix.sh [--quick]
+#   --quick  one low and one high level of each compiler instead of all, no other machine, no trials
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 levels=(-O1 -O2 -O3)
@@ -75,4 +76,5 @@ for variant in "${variants[@]}"; do
     failed=1
   fi
 done
+[ "${1:-}" = --quick ] || tests/determinism/trial_matrix.sh || failed=1
 exit $failed
