@@ -14,6 +14,7 @@
 #include "scene/outcome.h"
 #include "scene/page_film.h"
 #include "scene/presence.h"
+#include "scene/seen_mesh.h"
 #include "scene/totals.h"
 #include "scene/verifier.h"
 
@@ -241,6 +242,25 @@ void check_share(const char* name, const std::optional<double>& value) {
   throw std::invalid_argument(fmt::format("{}: expected 0 to 1, found {}", name, *value));
 }
 
+/// The scenario without the mesh files that cannot be read.
+Scenario with_own_shapes(Scenario scenario, std::vector<std::string>& missing) {
+  const std::pair<const char*, MeshFile*> seen[] = {{"skittles", &scenario.skittle.mesh},
+                                                    {"ball", &scenario.ball.mesh},
+                                                    {"hand", &scenario.hand.mesh},
+                                                    {"walls", &scenario.room.mesh}};
+  for (const auto& [what, mesh] : seen) {
+    try {
+      seen_mesh(*mesh, Vec3::Zero(), 0.0);
+    } catch (const std::runtime_error& e) {
+      missing.push_back(
+          fmt::format("Not as the trial's eyes saw it: the {}, shown in headpin's own shape ({}).",
+                      what, e.what()));
+      *mesh = {};
+    }
+  }
+  return scenario;
+}
+
 }  // namespace
 
 void apply(const Moved& moved, Scenario& scenario) {
@@ -258,7 +278,7 @@ PageLooks::PageLooks(const Recorded& recorded)
               meshes.push_back(mesh);
               return static_cast<int>(meshes.size()) - 1;
             }},
-            make_stage(recorded.scenario)) {}
+            make_stage(with_own_shapes(recorded.scenario, missing))) {}
 
 PageData page_data(const Recorded& recorded, const PageLooks& page_looks, const Moved& moved,
                    bool meshes) {
@@ -301,6 +321,7 @@ PageData page_data(const Recorded& recorded, const PageLooks& page_looks, const 
   }
   out["eyes"] = of_eyes(scenario.hmd.optics);
   out["light"] = of_light(looks.room);
+  out["missing_meshes"] = page_looks.missing;
   out["room"] = {{"width", scenario.room.width},
                  {"height", scenario.room.height},
                  {"behind", scenario.room.behind},

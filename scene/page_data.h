@@ -25,12 +25,13 @@ struct Moved {
 void apply(const Moved& moved, Scenario& scenario);
 
 /// The meshes of everything that a trial shows. Making them takes longer than most simulations, so
-/// they are made once for all simulations of the trial.
+/// they are made once for all simulations of the trial. What a file that cannot be read was the look
+/// of has the program's own shape.
 struct PageLooks {
   std::vector<render::Mesh> meshes;
-  Looks looks;  ///< by their numbers
+  std::vector<std::string> missing;  ///< a sentence for each such file
+  Looks looks;                       ///< by their numbers
 
-  /// @throws std::runtime_error  as Looks
   explicit PageLooks(const Recorded& recorded);
 };
 

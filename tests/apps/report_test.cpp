@@ -84,6 +84,22 @@ TEST_F(Report, ALogThatIsCutOffIsShownUpToThere) {
   EXPECT_LT(made["ticks"], json("replay --json " + kDemo)["ticks"]);
 }
 
+TEST_F(Report, AVideoPastTwentyMegabytesLiesBesideThePage) {
+  write("both.mp4", "a short one");
+  write("long.mp4", std::string(20'000'001, 'v'));
+  const std::string words = "report " + kDemo + " --page page.html -o ";
+  ASSERT_EQ(headpin(words + "short.html --video both.mp4").code, 0);
+  EXPECT_THAT(slurp(folder_ / "short.html"), HasSubstr("data-block=\"video\""));
+  EXPECT_FALSE(fs::exists(folder_ / "short.mp4"));
+  ASSERT_EQ(headpin(words + "trial.html --video long.mp4").code, 0);
+  EXPECT_THAT(slurp(folder_ / "trial.html"), Not(HasSubstr("data-block=\"video\"")));
+  EXPECT_EQ(slurp(folder_ / "trial.mp4"), slurp(folder_ / "long.mp4"));
+  write("other.mp4", "mine");  // where the video would go
+  EXPECT_EQ(headpin(words + "other.html --video long.mp4").code, 1);
+  EXPECT_EQ(slurp(folder_ / "other.mp4"), "mine");
+  EXPECT_FALSE(fs::exists(folder_ / "other.html"));
+}
+
 TEST_F(Report, NumbersInQuantaAreDifferencesInSevenBitsAByte) {
   scene::PageData data;
   data.floats = {1.0f, 0.5f, 0.0f, 100.0f};  // two columns, two rows

@@ -1,6 +1,7 @@
 #include "scene/page_data.h"
 
 #include <cmath>
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 
@@ -9,6 +10,7 @@
 
 #include "devices/log.h"
 #include "scene/totals.h"
+#include "tests/support/folder.h"
 
 namespace headpin::scene {
 namespace {
@@ -161,6 +163,35 @@ TEST(PageData, OfTheBytesOfALogIsThatOfTheFile) {
                  b = page_data(from_memory, PageLooks(from_memory));
   EXPECT_EQ(a.json, b.json);
   EXPECT_EQ(a.floats, b.floats);
+}
+
+TEST(PageData, ShowsOurOwnShapeAndSaysSoWhereAMeshFileIsGone) {
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(HEADPIN_SOURCE_DIR "/assets/meshes/skittle_hull.obj",
+                             folder / "pin.obj");
+  const Recorded demo = load_trial(kDemo);
+  devices::TrialHeader header = demo.file.summary().header;
+  header.scenario = to_toml(
+      parse_scenario("[skittle]\nmesh = {file = 'pin.obj'}\n", (folder / "pin.toml").string()));
+  const std::string path = (folder / "pin.lcmlog").string();
+  devices::Recorder recorder(path, header);
+  recorder.write(devices::Sample(devices::TrackerSample{}));
+  recorder.close();
+
+  const auto skittle_of = [](const PageLooks& looks) {
+    return looks.meshes[static_cast<std::size_t>(looks.looks.true_skittle)].vertices.size();
+  };
+  const PageLooks there(load_trial(path)), own{demo};
+  EXPECT_TRUE(there.missing.empty());
+  EXPECT_NE(skittle_of(there), skittle_of(own));
+
+  std::filesystem::remove(folder / "pin.obj");
+  const Recorded recorded = load_trial(path);
+  const PageLooks gone(recorded);
+  ASSERT_EQ(gone.missing.size(), 1u);
+  EXPECT_THAT(gone.missing[0], AllOf(HasSubstr("skittles"), HasSubstr("pin.obj")));
+  EXPECT_EQ(skittle_of(gone), skittle_of(own));
+  EXPECT_EQ(page_data(recorded, gone).json["missing_meshes"][0], gone.missing[0]);
 }
 
 }  // namespace

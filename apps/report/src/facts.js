@@ -13,6 +13,7 @@ function perObject(values) {
 const kRows = [
   ['Skittles down', (s) => (s.games.length ? `${s.skittles_down} of all racks`
     : `${s.skittles_down} of ${s.skittles}`)],
+  ['Points', (s) => s.games.map(({ name, rules, points }) => `${name ? `${name} ` : ''}${rules} ${points}`).join(', ') || kNone],
   ['Ball at release', (s) => withUnit(s.release_speed_mps, 'm/s')],
   ['Ball at the first skittle', (s) => withUnit(s.impact_speed_mps, 'm/s')],
   ['Elasticity', (s) => perObject(s.elasticity)],
@@ -29,6 +30,12 @@ const kRows = [
 
 function withUnit(value, unit) {
   return value === null || value === undefined ? kNone : `${number(value)} ${unit}`;
+}
+
+/** What is not drawn as the trial's eyes saw it. */
+export function showMissing({ json }) {
+  find('not-as-seen').replaceChildren(...json.missing_meshes.map((sentence) =>
+    make('p', { class: 'note' }, sentence)));
 }
 
 /** @param columns  [heading, trial] of each, side by side */

@@ -3,7 +3,7 @@ import { Again } from './again.js';
 import { Clock } from './clock.js';
 import { block, hasBlock, jsonBlock, numbersOf } from './data.js';
 import { find, make, number } from './elements.js';
-import { resultTable, showDevices, showEvents, showHead, showProvenance, showResult } from './facts.js';
+import { resultTable, showDevices, showEvents, showHead, showMissing, showProvenance, showResult } from './facts.js';
 import { listen } from './keys.js';
 import { Plots } from './plots.js';
 import { Timeline } from './timeline.js';
@@ -82,6 +82,7 @@ class Page {
     showHead(this.trial);
     showResult(this.trial);
     showEvents(trial, (tick) => { this.clock.pause(); this.clock.go(tick); });
+    showMissing(this.trial);
     showDevices(this.trial);
     showProvenance(this.trial, this.about);
     this.timeline.load(trial);

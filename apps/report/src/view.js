@@ -127,14 +127,13 @@ export class View {
 
   /** Once before the next picture of the screen, however often it is asked. */
   draw() {
-    if (!this.cast) return;
-    clearTimeout(this.settling);
-    if (this.software) this.settling = setTimeout(() => this.drawNow(), kSettled);
-    if (this.wanted) return;
+    if (!this.cast || this.wanted) return;
     this.wanted = true;
+    clearTimeout(this.settling);
     requestAnimationFrame(() => {
       this.wanted = false;
       this.drawNow(true);
+      if (this.software) this.settling = setTimeout(() => this.drawNow(), kSettled);
     });
   }
 

@@ -7,7 +7,7 @@ import { fileURLToPath, pathToFileURL } from 'node:url';
 
 import { chromium } from 'playwright-core';
 
-const root = fileURLToPath(new URL('../../..', import.meta.url));
+export const root = fileURLToPath(new URL('../../..', import.meta.url));
 export const program = process.env.HEADPIN ?? join(root, 'build/release/headpin');
 export const demo = join(root, 'assets/trials/demo.lcmlog');
 const kWait = 120_000;  // ms: for what happens on a machine that is busy with other things

@@ -1,10 +1,11 @@
 import assert from 'node:assert/strict';
-import { readFileSync, statSync, truncateSync, writeFileSync } from 'node:fs';
+import { copyFileSync, readFileSync, rmSync, statSync, truncateSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
+import { pathToFileURL } from 'node:url';
 
-import { demo, drawnAt, folder, headpin, launch, open, refused, until } from './browser.mjs';
+import { demo, drawnAt, folder, headpin, launch, open, refused, root, until } from './browser.mjs';
 import { readPng } from './png.mjs';
 
 const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
@@ -13,6 +14,7 @@ let browser;
 before(async () => {
   headpin('replay', demo, '-o', 'game.lcmlog');
   headpin('report', 'game.lcmlog', '-o', 'game.html');
+  headpin('frames', 'game.lcmlog', '--frames', '0-119', '--video', 'stereo.mkv');
   browser = await launch();
 });
 after(() => browser.close());
@@ -109,6 +111,16 @@ test('every tick is reached by keys', async () => {
   assert.match(await page.textContent('#time'), new RegExp(`tick ${grab.tick}$`));
   await page.click('#marks .mark:nth-child(2)');
   assert.match(await page.textContent('#nearest'), /release ball/);
+  await page.context().close();
+});
+
+test('a picture that rests becomes fine, however late it was drawn', async () => {
+  const { page } = await open(browser, 'game.html');
+  await page.evaluate(() => {
+    window.headpin.clock.go(700);
+    for (const from = performance.now(); performance.now() < from + 500;);  // longer than it settles
+  });
+  await until(page, () => document.getElementById('view').width >= document.getElementById('view').clientWidth);
   await page.context().close();
 });
 
@@ -247,7 +259,6 @@ test('another log dropped on the page is opened', async () => {
 });
 
 test('what both eyes saw is in the page, on the same clock', async () => {
-  headpin('frames', 'game.lcmlog', '--frames', '0-119', '--video', 'stereo.mkv');
   headpin('report', 'game.lcmlog', '-o', 'video.html', '--video', 'stereo.mp4');
   const { page, said, asked } = await open(browser, 'video.html');
   await page.waitForSelector('#video:not([hidden])');
@@ -255,6 +266,54 @@ test('what both eyes saw is in the page, on the same clock', async () => {
   await until(page, () => Math.abs(document.querySelector('video').currentTime - 1) < 0.01);
   assert.deepEqual(said, []);
   assert.deepEqual(asked(), []);
+  await page.context().close();
+});
+
+test('of two sessions the points of every game are told side by side', async () => {
+  for (const seed of ['7', '8']) {
+    headpin('synthesize', '--participant', seed, '--throws', '4', '-o', `player${seed}.lcmlog`);
+  }
+  headpin('report', 'player7.lcmlog', 'player8.lcmlog', '-o', 'players.html');
+  const { page, said } = await open(browser, 'players.html');
+  const row = page.locator('#compared-body tr', { hasText: 'Points' });
+  const cells = await row.locator('td').allTextContents();
+  for (const [i, seed] of ['7', '8'].entries()) {
+    const { games } = JSON.parse(headpin('replay', `player${seed}.lcmlog`, '--json'));
+    assert.ok(games.length > 0);
+    for (const { points } of games) assert.match(cells[i], new RegExp(`\\b${points}\\b`));
+  }
+  assert.equal(cells[2], cells[0] === cells[1] ? 'no' : 'yes');
+  assert.deepEqual(said, []);
+  await page.context().close();
+});
+
+test('past 20 MB it lies beside the page, and is shown from there', async () => {
+  const padding = Buffer.alloc(21e6);  // a box of the file that players pass over
+  padding.writeUInt32BE(padding.length);
+  padding.write('free', 4);
+  writeFileSync(join(folder, 'long.mp4'), Buffer.concat([readFileSync(join(folder, 'stereo.mp4')), padding]));
+  headpin('report', 'game.lcmlog', '-o', 'beside.html', '--video', 'long.mp4');
+  const { page, said, asked } = await open(browser, 'beside.html');
+  await page.waitForSelector('#video:not([hidden])');
+  await drawnAt(page, 240);
+  await until(page, () => Math.abs(document.querySelector('video').currentTime - 1) < 0.01);
+  assert.deepEqual(said, []);
+  assert.deepEqual([...new Set(asked())], [pathToFileURL(join(folder, 'beside.mp4')).href]);
+  await page.context().close();
+});
+
+test('where a mesh file is gone, the page says that a body is not as the eyes saw it', async () => {
+  copyFileSync(join(root, 'assets/meshes/skittle_hull.obj'), join(folder, 'pin.obj'));
+  writeFileSync(join(folder, 'pin.toml'), "[skittle]\nmesh = {file = 'pin.obj'}\n");
+  headpin('synthesize', '-o', 'pin.lcmlog', '--scenario', 'pin.toml', '--duration', '7');
+  rmSync(join(folder, 'pin.obj'));
+  headpin('report', 'pin.lcmlog', '-o', 'pin.html');
+  const { page, said } = await withEngine('pin.html');
+  assert.match(await page.textContent('#not-as-seen'), /skittles.*pin\.obj/);
+  await page.setInputFiles('#drop', join(folder, 'pin.lcmlog'));
+  await until(page, () => document.getElementById('again-status').textContent.includes('equal to the bit'));
+  assert.match(await page.textContent('#not-as-seen'), /skittles.*pin\.obj/);
+  assert.deepEqual(said, []);
   await page.context().close();
 });
 
