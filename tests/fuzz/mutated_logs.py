@@ -34,8 +34,8 @@ from concurrent.futures import ThreadPoolExecutor
 MAGIC = b"\xed\xa1\xda\x01"
 HEADER = struct.Struct(">IqqII")
 
-# LOG is the damaged one, OUT a name for what is written. None needs a network. Of several ways to
-# call one, each log gets the next.
+# LOG is the damaged one, OUT a name for what is written, PAGE what `report` fills in. None needs a
+# network. Of several ways to call one, each log gets the next.
 COMMANDS = {
     "info": ("info LOG", "info LOG --json", "info LOG --scenario"),
     "replay": ("replay LOG -o OUT.lcmlog",),
@@ -44,6 +44,7 @@ COMMANDS = {
     "compare": ("compare LOG TRIAL", "compare TRIAL LOG --json"),
     "export": ("export LOG -o OUT",),
     "plot": ("plot LOG -o OUT",),
+    "report": ("report LOG -o OUT.html --page PAGE", "report TRIAL LOG -o OUT.html --page PAGE"),
     "import": ("import LOG -o OUT.lcmlog",),
     "stream": ("stream LOG --lcm file://OUT?mode=w --speed 0",),
     "emulate": ("emulate LOG --duration 0.2", "emulate --lcm file://LOG?speed=0 --duration 0.2"),
@@ -315,11 +316,12 @@ def try_log(number, bases, options, kept):
         ways = COMMANDS[name]
         words = ways[number // 2 % len(ways)]
         words = words.replace("LOG", log).replace("OUT", "out").replace("TRIAL", options.trial)
+        words = words.replace("PAGE", options.page)
         wrong = run(words.split(), number, folder, options)
         if wrong:
             shutil.copy(log, os.path.join(kept, f"{number}.lcmlog"))
             failures.append(f"log {number}, {words}: {wrong}")
-        for left in ("out.lcmlog", "out"):
+        for left in ("out.lcmlog", "out.html", "out"):
             path = os.path.join(folder, left)
             shutil.rmtree(path, ignore_errors=True) if os.path.isdir(path) else None
             if os.path.exists(path):
@@ -346,6 +348,9 @@ def main():
     made = tempfile.mkdtemp(prefix="headpin-session-")
     bases = make_bases(options, made)
     options.preload, options.servers = fork_server(made), threading.local()
+    options.page = os.path.join(made, "page.html")
+    with open(options.page, "w") as file:
+        file.write("<!--headpin:data-->")
     kept = tempfile.mkdtemp(prefix="headpin-failing-logs-")
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     began, number, runs, failures = time.monotonic(), 0, 0, []
