@@ -23,6 +23,7 @@ within 'apt-get update -qq; apt-get install -y -qq --no-install-recommends /pack
 within 'cd /tmp; rm -rf try; mkdir try; cd try
   headpin replay /usr/share/headpin/trials/demo.lcmlog -o demo.lcmlog
   headpin frames demo.lcmlog -o frames --frames 200
+  [ ! -e /usr/share/headpin/page.html ] || headpin report demo.lcmlog -o demo.html
   headpin synthesize --scenario german-ninepins -o nine.lcmlog
   headpin replay nine.lcmlog | grep "ninepins: [0-9]"
   ! find /usr/lib /usr/include -name "*headpin_*" | grep .  # the engine comes in its own package'

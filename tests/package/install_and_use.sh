@@ -24,6 +24,10 @@ mkdir away
   env -i "$headpin" replay throw.lcmlog | grep -q "score sheet .*ninepins: [0-9]" || fail "no ninepins"
   env -i "$headpin" replay "$prefix/share/headpin/trials/demo.lcmlog" | grep -q "of 10"
   env -i "$headpin" import "$prefix/share/headpin/throws/example.csv" -o own.lcmlog >/dev/null
+  if [ -e "$prefix/share/headpin/page.html" ]; then
+    env -i "$headpin" report own.lcmlog -o own.html
+    grep -q 'data-block="log"' own.html || fail "no trial in the page"
+  fi
 )
 for file in share/doc/headpin/copyright share/headpin/types/tracked_device_t.lcm; do
   [ -s "$prefix/$file" ] || fail "$file is missing"
