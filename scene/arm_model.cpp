@@ -82,18 +82,15 @@ ThrowMotion::Joints ThrowMotion::joints(double forward_swing_s, double back_swin
                {3.0, 0.1},
                {end - 0.1, 1.0},
                {end + 1.6, 0.1}},
-      .pitch = {{0.1, -35.0 * kDegree},
-                {0.7, -46.0 * kDegree},
-                {1.4, -46.0 * kDegree},
-                {2.1, -20.0 * kDegree},
-                {end + 0.5, -12.0 * kDegree}},
-      .turn = {{0.1, 40.0 * kDegree}, {0.7, 24.0 * kDegree}, {1.4, 24.0 * kDegree}, {2.0, 0.0}},
+      .to_ball = {{0.3, 0.0}, {0.7, 1.0}, {1.2, 1.0}, {1.4, 0.0}},
+      .to_lane = {{2.7, 0.0}, {3.2, 1.0}},
+      .to_skittles = {{end - 0.3, 0.0}, {end + 0.4, 1.0}},
       .stoop = {{2.5, 0.0}, {kBackSwingEnd, stoop}, {end + 0.2, stoop}, {end + 1.6, 0.0}},
   };
 }
 
 ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
-    : joints_(joints(0.75, -75.0 * kDegree, 0.0)) {
+    : joints_(joints(0.75, -75.0 * kDegree, 0.0)), p_HB_(hand.grip) {
   if (!(plan.speed >= 4.0 && plan.speed <= 9.0)) {
     throw std::invalid_argument(
         fmt::format("the arm throws at 4 to 9 m/s, found {} m/s", plan.speed));
@@ -151,6 +148,7 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
   const Vec3 ahead = Vec3(v_MB.x(), v_MB.y(), 0.0).normalized();
   Mat3 R_MA;  // A: y where the ball goes
   R_MA << ahead.cross(Vec3::UnitZ()), ahead, Vec3::UnitZ();
+  p_MB_release_ = this->hand(release_) * hand.grip;
   X_WM_.q = (about_z(-aim) * Quat(R_MA.transpose())).normalized();
   const Vec3 p = X_WM_.q * (this->hand(release_) * hand.grip);
   X_WM_.p = Vec3(-p.x(), -p.y(), 0.0);
@@ -187,22 +185,40 @@ Vec3 ThrowMotion::trunk(double t) const {
   return Vec3(0.0, 0.25 * lean, -0.10 * lean - joints_.stoop.at(t)) + sway_.at(t);
 }
 
+Vec3 ThrowMotion::looked_at(double t) const {
+  const auto mix = [](const Vec3& a, const Vec3& b, double share) -> Vec3 {
+    return a + share * (b - a);
+  };
+  const Vec3 foul_line(0.0, p_MB_release_.y(), 0.0);
+  const Vec3 on_lane = foul_line + Vec3(0.5 * p_MB_release_.x(), 1.0, 0.0);
+  const Vec3 skittles = foul_line + Vec3(p_MB_release_.x(), 6.3, 0.2);
+  Vec3 p = mix(hand_in_model(t).p, hand_in_model(kGrabTime) * p_HB_, joints_.to_ball.at(t));
+  if (t > kGrabTime) p = hand_in_model(t) * p_HB_;
+  return mix(mix(p, on_lane, joints_.to_lane.at(t)), skittles, joints_.to_skittles.at(t));
+}
+
 Pose ThrowMotion::head(Time time) const {
   const double t = seconds(time);
   const Vec3 p_MD = Vec3(0.0, 0.10, kEyeHeight) + trunk(t);
-  const Quat q_MD = about_z(-joints_.turn.at(t)) * about_x(0.5 * kPi + joints_.pitch.at(t)) *
-                    rotation(head_turn_.at(t));
+  Mat3 R_MD;  // x right, y up, looking along -z
+  R_MD.col(2) = (p_MD - looked_at(t)).normalized();
+  R_MD.col(0) = Vec3::UnitZ().cross(R_MD.col(2)).normalized();
+  R_MD.col(1) = R_MD.col(2).cross(R_MD.col(0));
+  const Quat q_MD = Quat(R_MD) * rotation(head_turn_.at(t));
   return X_WM_ * Pose{q_MD.normalized(), p_MD};
 }
 
 Pose ThrowMotion::hand(Time time) const {
-  const double t = seconds(time);
+  return X_WM_ * hand_in_model(seconds(time));
+}
+
+Pose ThrowMotion::hand_in_model(double t) const {
   // Hanging, the palm looks ahead: fingers (-z) down, back of the hand (y) to the rear.
   const Quat q_MH = about_z(-joints_.aside.at(t)) * about_x(joints_.raise.at(t)) * about_z(kPi) *
                     rotation(hand_turn_.at(t));
   const Vec3 p_MH = Vec3(kShoulderAside, 0.0, kShoulderHeight) + trunk(t) +
                     q_MH * Vec3(0.0, 0.0, -joints_.reach.at(t)) + hand_shift_.at(t);
-  return X_WM_ * Pose{q_MH.normalized(), p_MH};
+  return {q_MH.normalized(), p_MH};
 }
 
 Pose ThrowMotion::left_hand(Time time) const {

@@ -73,9 +73,11 @@ class ThrowMotion {
     MinimumJerk reach;  ///< shoulder to hand [m]
     MinimumJerk aside;  ///< of the arm, to the right [rad]
     MinimumJerk lean;   ///< of the trunk, 0 to 1
-    MinimumJerk pitch;  ///< of the head, upward [rad]
-    MinimumJerk turn;   ///< of the head, to the right [rad]
-    MinimumJerk stoop;  ///< of the trunk, straight down [m]
+    // What the head looks at: the hand, and by these shares, one above the other, something else.
+    MinimumJerk to_ball;      ///< on its stand
+    MinimumJerk to_lane;      ///< where the ball will come down
+    MinimumJerk to_skittles;  ///< where they are in the paper's room
+    MinimumJerk stoop;        ///< of the trunk, straight down [m]
   };
 
   static Joints joints(double forward_swing_s, double back_swing, double stoop);
@@ -86,10 +88,13 @@ class ThrowMotion {
   };
   double swing(const Swing& wanted, const Hand& hand);
   Vec3 trunk(double t) const;
+  Pose hand_in_model(double t) const;  ///< X_MH
+  Vec3 looked_at(double t) const;      ///< in M
 
   Joints joints_;
   Trembling sway_, hand_shift_, hand_turn_, head_turn_;
   Pose X_WM_;  // M: frame the model is planned in, between the feet, y ahead, z up
+  Vec3 p_HB_, p_MB_release_ = Vec3::Zero();  // of the ball in the hand
   Time grab_{}, release_{}, duration_{};
   double speed_ = 0.0;
 };
