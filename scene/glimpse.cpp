@@ -1,6 +1,21 @@
 #include "scene/glimpse.h"
 
+#include <algorithm>
+
 namespace headpin::scene {
+
+namespace {
+
+/// A hand closes as long as it opens, beginning with the tick that took or let go.
+double how_closed(const Session& session) {
+  constexpr double kTakes = 0.1;  // [s]
+  const Player& player = session.player;
+  if (!player.grip_changed) return 0.0;
+  const double share = std::clamp(seconds(session.now() - *player.grip_changed) / kTakes, 0.0, 1.0);
+  return player.held ? share : 1.0 - share;
+}
+
+}  // namespace
 
 Glimpse glimpse(const Session& session, const Pose& X_WD) {
   Glimpse g{.X_WD = X_WD,
@@ -8,7 +23,7 @@ Glimpse glimpse(const Session& session, const Pose& X_WD) {
                           session.scenario().collision.shape == "ellipsoid",
             .skittle_centre = session.stage->skittle_centre,
             .X_WH = hand_pose(session),
-            .grips = session.player.held.has_value()};
+            .closed = how_closed(session)};
   const auto poses_of = [&](const std::vector<engine::BodyId>& bodies, std::vector<Pose>& poses) {
     for (const engine::BodyId body : bodies) poses.push_back(session.world.states[body].X_WB);
   };
@@ -23,7 +38,7 @@ Moving moving(const Glimpse& g) {
           .skittle_centre = g.skittle_centre,
           .X_WB_balls = g.X_WB_balls,
           .X_WH = g.X_WH,
-          .grips = g.grips,
+          .closed = g.closed,
           .X_WD = g.X_WC ? std::optional(g.X_WD) : std::nullopt};
 }
 
@@ -56,6 +71,7 @@ Glimpse BetweenTicks::glimpse(const Session& session, Time at, const Pose& X_WD)
   };
   mix(session.stage->skittles, seen_.X_WB_skittles, now.X_WB_skittles);
   mix(session.stage->balls, seen_.X_WB_balls, now.X_WB_balls);
+  now.closed = seen_.closed + s * (now.closed - seen_.closed);
   if (now.X_WH && seen_.X_WH) now.X_WH = interpolate(*seen_.X_WH, *now.X_WH, s);
   return now;
 }

@@ -17,7 +17,7 @@ struct Glimpse {
   bool ellipsoids = false;
   double skittle_centre = 0.0;
   std::optional<Pose> X_WH = {};
-  bool grips = false;
+  double closed = 0.0;            ///< the hand, see Moving
   std::optional<Pose> X_WC = {};  ///< a camera that sees in the head's stead, and the head itself
 };
 

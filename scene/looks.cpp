@@ -1,6 +1,7 @@
 #include "scene/looks.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 
 #include "scene/hand_mesh.h"
@@ -18,8 +19,7 @@ using render::Occluder;
 
 constexpr int kRings = 26, kSides = 18;        // of a skittle in the hand
 constexpr int kFarRings = 13, kFarSides = 12;  // of one on the lane
-constexpr double kSkinCell = 0.006,
-                 kFarSkinCell = 0.012;  // of the hand; the latter in mirrors and shadows [m]
+constexpr int kHands = 7;                      // from open to closed, as frames may show them
 
 /// Three balls on the axis that fill a turned body about as well as it fills itself.
 std::vector<Occluder> occluders_of(const Outline& outline, double origin) {
@@ -66,8 +66,9 @@ Looks::Looks(const MeshKeeper& keeper, const Stage& stage)
   add_skittle(keeper, stage);
   const std::optional<render::Mesh> own =
       seen_mesh(scenario.ball.mesh, render::srgb(0x123a8c), 0.9);
-  ball = keeper.add(own ? *own : ball_mesh(ball_radius, Vec3::UnitZ()));
-  add_hands(keeper, scenario.hand);
+  ball =
+      keeper.add(own ? *own : ball_mesh(ball_radius, ball_holes(scenario.hand.grip, ball_radius)));
+  add_hands(keeper, scenario);
   head = keeper.add(head_mesh());
   add_room(keeper, scenario);
 
@@ -108,17 +109,18 @@ void Looks::add_skittle(const MeshKeeper& keeper, const Stage& stage) {
   ellipsoid_occluders = occluders_of(ellipsoid, 0.5 * height);
 }
 
-void Looks::add_hands(const MeshKeeper& keeper, const Hand& hand) {
+void Looks::add_hands(const MeshKeeper& keeper, const Scenario& scenario) {
+  const Hand& hand = scenario.hand;
   // The hand's own frame has y up and looks along -z; a file stands upright in the world.
   if (const auto own = seen_mesh(hand.mesh, render::srgb(0xd9a27e), 0.12)) {
-    open_hand = far_open_hand = gripping_hand = far_gripping_hand =
-        keeper.add(moved(*own, {rotation(Vec3(-0.5 * std::numbers::pi, 0.0, 0.0)), Vec3::Zero()}));
+    hands = {
+        keeper.add(moved(*own, {rotation(Vec3(-0.5 * std::numbers::pi, 0.0, 0.0)), Vec3::Zero()}))};
     return;
   }
-  open_hand = keeper.add(open_hand_mesh(kSkinCell));
-  far_open_hand = keeper.add(open_hand_mesh(kFarSkinCell));
-  gripping_hand = keeper.add(gripping_hand_mesh(hand.grip, ball_radius, kSkinCell));
-  far_gripping_hand = keeper.add(gripping_hand_mesh(hand.grip, ball_radius, kFarSkinCell));
+  for (int i = 0; i < kHands; ++i) {
+    const double closed = static_cast<double>(i) / (kHands - 1);
+    hands.push_back(keeper.add(hand_mesh(hand.grip, ball_radius, closed)));
+  }
 }
 
 /// What never moves, and its light.
@@ -195,8 +197,9 @@ DrawList draw_list(const Looks& looks, const Moving& moving) {
     list.occluders.push_back({X_WB.p, looks.ball_radius});
   }
   if (moving.X_WH) {
-    add(moving.grips ? looks.gripping_hand : looks.open_hand,
-        moving.grips ? looks.far_gripping_hand : looks.far_open_hand, *moving.X_WH, kHandId);
+    const double last = static_cast<double>(looks.hands.size() - 1);
+    const auto nearest = static_cast<std::size_t>(std::lround(moving.closed * last));
+    add(looks.hands[nearest], std::nullopt, *moving.X_WH, kHandId);
     list.occluders.push_back({moving.X_WH->p, 0.05});
   }
   if (moving.X_WD) add(looks.head, std::nullopt, *moving.X_WD, kHeadId);

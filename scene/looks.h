@@ -34,15 +34,15 @@ struct Looks {
       : Looks(MeshKeeper{[&](const render::Mesh& mesh) { return renderer.add(mesh); }}, stage) {}
 
   /// Meshes; the far ones are of fewer triangles.
-  int true_skittle, far_true_skittle, ellipsoid_skittle, far_ellipsoid_skittle, ball, open_hand,
-      far_open_hand, gripping_hand, far_gripping_hand, head;
-  render::DrawList room;  ///< what never moves, with light, patches and shadow box
+  int true_skittle, far_true_skittle, ellipsoid_skittle, far_ellipsoid_skittle, ball, head;
+  std::vector<int> hands;  ///< from open to closed around the ball
+  render::DrawList room;   ///< what never moves, with light, patches and shadow box
   std::vector<render::Occluder> true_occluders, ellipsoid_occluders;  ///< of a skittle, p_BQ
   double ball_radius, skittle_centre;  ///< the latter of the stage's skittles
 
  private:
   void add_skittle(const MeshKeeper& keeper, const Stage& stage);
-  void add_hands(const MeshKeeper& keeper, const Hand& hand);
+  void add_hands(const MeshKeeper& keeper, const Scenario& scenario);
   void add_room(const MeshKeeper& keeper, const Scenario& scenario);
   void add_buttons(const MeshKeeper& keeper, const Versions& versions);
 };
@@ -55,7 +55,7 @@ struct Moving {
       0.0;  ///< of their bodies above their base: a version may have its own [m]
   std::span<const Pose> X_WB_balls;
   std::optional<Pose> X_WH;       ///< no hand is seen without
-  bool grips = false;             ///< the hand is closed around the ball
+  double closed = 0.0;            ///< the hand: 0 is open, 1 around the ball
   std::optional<Pose> X_WD = {};  ///< no head is seen without
 };
 

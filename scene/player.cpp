@@ -109,6 +109,7 @@ void grab(Player& player, const Scene& scene, Time time, Time now) {
   }
   const Quat& q_WB = scene.world.states[*nearest].X_WB.q;
   player.held = {*nearest, X_WH->q.conjugate() * q_WB};
+  player.grip_changed = scene.moment.time;
   engine::set_kind(scene.world, *nearest, engine::Kind::driven);
   note(scene, kind::grab, *nearest);
 }
@@ -126,6 +127,7 @@ void release(Player& player, const Scene& scene, Time time, Time now) {
   const double speed = state.v_WB.norm();
   if (hand.falls_at_once) state.v_WB += gained;
   player.held.reset();
+  player.grip_changed = scene.moment.time;
   player.leaving = body;
   engine::set_kind(scene.world, body, engine::Kind::free);
   engine::set_state(scene.world, body, state);

@@ -28,6 +28,7 @@ struct Player {
   bool left_thumb = false, right_thumb = false;  ///< walk forward, walk backward
   bool trigger = false;
   std::optional<Held> held;
+  std::optional<Time> grip_changed;       ///< tick that took or let go
   std::optional<engine::BodyId> leaving;  ///< let go, and not clear of the hand yet
 };
 

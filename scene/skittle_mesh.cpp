@@ -85,7 +85,7 @@ Mesh skittle_mesh(const Outline& outline, double origin, int rings, int sides) {
   return mesh;
 }
 
-Mesh ball_mesh(double radius, const Vec3& holes_towards) {
+Mesh ball_mesh(double radius, std::span<const Vec3> holes) {
   Mesh mesh = render::ellipsoid(radius, radius, 32, 20, [](double) { return Vec3::Zero(); });
   const Vec3 dark = srgb(0x123a8c), light = srgb(0x4d8fe0);
   for (render::Vertex& v : mesh.vertices) {
@@ -95,11 +95,9 @@ Mesh ball_mesh(double radius, const Vec3& holes_towards) {
     const double share = std::clamp(0.5 + 0.9 * wave, 0.0, 1.0);
     v.colour = Vec3(dark + share * share * (light - dark)).cast<float>();
   }
-  // Holes are caps a little above the ball: two for fingers, one for the thumb.
+  // Holes are caps a little above the ball.
   const double hole = 0.115 * radius;
-  const Vec3 side = holes_towards.unitOrthogonal(), ahead = holes_towards.cross(side);
-  for (const Vec2& at : {Vec2(0.16, 0.22), Vec2(-0.16, 0.22), Vec2(0.0, -0.38)}) {
-    const Vec3 out = (holes_towards + at.x() * side + at.y() * ahead).normalized();
+  for (const Vec3& out : holes) {
     std::vector<Ring> cap;
     for (const double r : {hole, 0.6 * hole, 0.0}) {
       const double up = 1.004 * std::sqrt(radius * radius - r * r);

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <span>
+
 #include "render/mesh.h"
 #include "scene/outline.h"
 
@@ -15,7 +17,7 @@ render::Mesh skittle_mesh(const Outline& outline, double origin, int rings, int 
 
 /// A marbled ball with three finger holes: one sees it roll.
 ///
-/// @param holes_towards  unit, where the holes are
-render::Mesh ball_mesh(double radius, const Vec3& holes_towards);
+/// @param holes  unit, where the holes are
+render::Mesh ball_mesh(double radius, std::span<const Vec3> holes);
 
 }  // namespace headpin::scene

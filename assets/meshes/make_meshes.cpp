@@ -106,9 +106,11 @@ int main(int argc, char** argv) {
   write_seen(folder, "skittle", std::string("A ten-pin, ") + kProfile,
              scene::skittle_mesh(outline, 0.0, 26, 18));
   write_seen(folder, "ball", "A ball 8.54 in across (USBC allows 8.500 to 8.595), about its centre",
-             scene::ball_mesh(scenario.ball.radius, Vec3::UnitZ()));
+             scene::ball_mesh(scenario.ball.radius,
+                              scene::ball_holes(scenario.hand.grip, scenario.ball.radius)));
   const Quat upright = rotation(Vec3(0.5 * std::numbers::pi, 0.0, 0.0));
-  write_seen(folder, "hand", "An open right hand about the middle of its palm, fingers ahead",
-             scene::open_hand_mesh(0.006), upright);
+  write_seen(folder, "hand",
+             "An open right hand in a sleeve, about the middle of its palm, fingers ahead",
+             scene::hand_mesh(scenario.hand.grip, scenario.ball.radius, 0.0), upright);
   write_hull(folder, scenario.skittle.profile);
 }

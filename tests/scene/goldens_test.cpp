@@ -38,7 +38,7 @@ struct Golden {
     g.X_WD = {rotation(Vec3(0.5 * std::numbers::pi - down, 0.0, 0.0)), p_WD};
     const Pose X_WH{rotation(Vec3(0.5 * std::numbers::pi, 0.0, 0.0)), p_WD + Vec3(0.1, 1.1, -0.45)};
     g.X_WH = X_WH;
-    g.grips = true;
+    g.closed = 1.0;
     g.X_WB_balls[0] = {Quat::Identity(), X_WH * stage->scenario.hand.grip};
   }
   render::Image left(const render::Quality& look) const {

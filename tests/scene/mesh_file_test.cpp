@@ -290,10 +290,11 @@ TEST(MeshFile, ThatComesAlongIsWhatTheProgramDraws) {
   const Scenario scenario;
   const Quat upright = rotation(Vec3(0.5 * std::numbers::pi, 0.0, 0.0));
   const Outline outline = smooth_outline(scenario.skittle.profile);
+  const auto holes = ball_holes(scenario.hand.grip, scenario.ball.radius);
   for (const auto& [name, drawn, q] :
        {std::tuple{"skittle.obj", skittle_mesh(outline, 0.0, 26, 18), Quat::Identity()},
-        {"ball.obj", ball_mesh(scenario.ball.radius, Vec3::UnitZ()), Quat::Identity()},
-        {"hand.obj", open_hand_mesh(0.006), upright}}) {
+        {"ball.obj", ball_mesh(scenario.ball.radius, holes), Quat::Identity()},
+        {"hand.obj", hand_mesh(scenario.hand.grip, scenario.ball.radius, 0.0), upright}}) {
     const MeshData mesh = mesh_of(read_mesh_file(folder / name), folder / name, {});
     ASSERT_EQ(mesh.triangles.size(), drawn.indices.size()) << name;
     for (std::size_t i = 0; i < drawn.indices.size(); i += 7) {
