@@ -389,7 +389,7 @@ void add_frames(CLI::App& app) {
   add_look(*command, options->look);
   command
       ->add_option("--samples", options->samples,
-                   "samples along a pixel's side, instead of the trial's or the look's")
+                   "N^2 + 1 samples a pixel, 1 is one, instead of the trial's or the look's")
       ->check(CLI::Range(1, 8));
   command
       ->add_flag("--as-shown", options->as_shown,

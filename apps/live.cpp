@@ -414,8 +414,9 @@ void add_live(CLI::App& app) {
                  "do not publish the session's own trial, which is on SESSION_* else")
       ->needs(lcm);
   command
-      ->add_option("--samples", options->samples,
-                   "anti-aliasing: samples along a pixel's side; kept in the trial as look.samples")
+      ->add_option(
+          "--samples", options->samples,
+          "anti-aliasing: N^2 + 1 samples a pixel, 1 is one; kept in the trial as look.samples")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
   add_gl(*command, options->gl);

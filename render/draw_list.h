@@ -40,12 +40,12 @@ struct Patch {
   Vec3 v_W = Vec3::UnitY();
 };
 
-/// Where floors take the shadow of items, cast by parallel light.
+/// Where floors and lit bodies take the shadow of items, cast by parallel light.
 struct Shadow {
   Vec3 n_W = Vec3::UnitZ();  ///< unit, to the light
   Vec3 lo_W = Vec3::Zero();  ///< corners of the box that holds casters and floor
   Vec3 hi_W = Vec3::Zero();
-  double depth = 0.0;  ///< share of the floor's light that is lost in shadow; 0 is no shadow
+  double depth = 0.0;  ///< share of the light that is lost in shadow; 0 is no shadow
 };
 
 struct DrawList {
@@ -59,7 +59,7 @@ struct DrawList {
   Shadow shadow;
   double mirror_z = 0.0;  ///< height of the polished floor [m]
 
-  static constexpr std::size_t kLamps = 4;
+  static constexpr std::size_t kLamps = 8;
 };
 
 }  // namespace headpin::render

@@ -16,10 +16,10 @@ constexpr int kShadowHeight = 1024;  ///< and along it
 /// Compiled shaders by name of their uniforms.
 class Program {
  public:
-  Program(const Gl& gl, const char* vertex, const char* fragment) : gl_(&gl) {
+  Program(const Gl& gl, const std::string& vertex, const std::string& fragment) : gl_(&gl) {
     name_ = gl.CreateProgram();
-    attach(GL_VERTEX_SHADER, vertex);
-    attach(GL_FRAGMENT_SHADER, fragment);
+    attach(GL_VERTEX_SHADER, vertex.c_str());
+    attach(GL_FRAGMENT_SHADER, fragment.c_str());
     gl.LinkProgram(name_);
     GLint ok = 0;
     gl.GetProgramiv(name_, GL_LINK_STATUS, &ok);

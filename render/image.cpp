@@ -17,6 +17,7 @@
 
 #include "engine/hash.h"
 #include "files/output_file.h"
+#include "render/sample_grid.h"
 
 namespace headpin::render {
 
@@ -101,27 +102,48 @@ bool encode(const Raster& image, double pixel_aspect, Bytes* bytes, char* messag
   return true;
 }
 
-/// The mean light of n x n samples a pixel, rows turned over. n is known when it is compiled: a
+/// Where each pixel's samples lie in the grid, from the one at its lower left corner.
+template <int n>
+constexpr auto samples_of_a_pixel() {
+  constexpr int kCount = n * n + 1;
+  std::array<std::array<int, 2>, kCount> found{};
+  std::size_t next = 0;
+  for (int j = 0; j <= n; ++j) {
+    for (int i = -1; i <= n; ++i) {
+      // Twice the sample's place in the grid, so that halves are whole.
+      const int a = 2 * i + 1 - n % 2, b = 2 * j + 1;
+      const int across = n * a + b, up = n * b - a;
+      if (across < 0 || across >= 2 * kCount || up < 0 || up >= 2 * kCount) continue;
+      found.at(next++) = {i, j};
+    }
+  }
+  if (next != found.size()) throw std::logic_error("a pixel without its samples");
+  return found;
+}
+
+/// The mean light of each pixel's samples, rows turned over. n is known when it is compiled: a
 /// division by a number that is not would cost more than all the rest.
-template <std::size_t n>
-void average_rows(std::span<const std::uint8_t> rgba, Image& image) {
+template <int n>
+void average_grid(std::span<const std::uint8_t> rgba, Image& image) {
+  constexpr auto kPlaces = samples_of_a_pixel<n>();
+  constexpr auto kCount = static_cast<std::uint32_t>(kPlaces.size());
   const std::array<std::uint16_t, 256>& light = light_of_codes();
   const Bytes& code = codes_of_light();
-  constexpr std::uint32_t count = n * n;
-  const auto w = static_cast<std::size_t>(image.width), h = static_cast<std::size_t>(image.height);
-  std::vector<std::uint32_t> sum(3 * w);
-  for (std::size_t y = 0; y < h; ++y) {
-    std::ranges::fill(sum, count / 2);  // so that the division rounds
-    for (std::size_t sy = 0; sy < n; ++sy) {
-      const std::uint8_t* sample = rgba.data() + 4 * w * n * (n * (h - 1 - y) + sy);
-      for (std::size_t x = 0; x < w; ++x) {
-        for (std::size_t sx = 0; sx < n; ++sx, sample += 4) {
-          for (std::size_t c = 0; c < 3; ++c) sum[3 * x + c] += light[sample[c]];
-        }
+  const int w = image.width, h = image.height;
+  const std::ptrdiff_t row = SampleGrid{n}.width(w, h);
+  std::array<std::ptrdiff_t, kPlaces.size()> at{};
+  for (std::size_t k = 0; k < at.size(); ++k) at[k] = 4 * (kPlaces[k][1] * row + kPlaces[k][0]);
+  std::uint8_t* pixel = image.rgb.data();
+  for (int y = h - 1; y >= 0; --y) {
+    const std::uint8_t* corner = rgba.data() + 4 * (n * y * row + h - y);
+    for (int x = 0; x < w; ++x, corner += 4 * (row + n), pixel += 3) {
+      std::array<std::uint32_t, 3> sum{kCount / 2, kCount / 2, kCount / 2};  // so that it rounds
+      for (const std::ptrdiff_t sample : at) {
+        for (std::size_t c = 0; c < 3; ++c)
+          sum[c] += light[corner[sample + static_cast<std::ptrdiff_t>(c)]];
       }
+      for (std::size_t c = 0; c < 3; ++c) pixel[c] = code[sum[c] / kCount];
     }
-    std::uint8_t* row = image.rgb.data() + 3 * w * y;
-    for (std::size_t i = 0; i < 3 * w; ++i) row[i] = code[sum[i] / count];
   }
 }
 
@@ -187,13 +209,15 @@ Image side_by_side(const Image& left, const Image& right) {
 Image average(std::span<const std::uint8_t> rgba, int width, int height, int samples) {
   const auto w = static_cast<std::size_t>(width);
   const auto h = static_cast<std::size_t>(height);
-  const auto n = static_cast<std::size_t>(samples);
-  if (width < 1 || height < 1 || samples < 1 || samples > 8 || rgba.size() != 4 * w * h * n * n) {
+  const SampleGrid grid{samples};
+  if (width < 1 || height < 1 || samples < 1 || samples > 8 ||
+      rgba.size() != std::size_t{4} * static_cast<std::size_t>(grid.width(width, height)) *
+                         static_cast<std::size_t>(grid.height(width, height))) {
     throw std::invalid_argument("average: " + std::to_string(rgba.size()) + " bytes for " +
                                 std::to_string(width) + "x" + std::to_string(height) + " pixels");
   }
   Image image{width, height, Bytes(3 * w * h)};
-  if (n == 1) {  // the mean of one is itself
+  if (samples == 1) {  // the mean of one is itself
     for (std::size_t y = 0; y < h; ++y) {
       const std::uint8_t* sample = rgba.data() + 4 * w * (h - 1 - y);
       std::uint8_t* pixel = image.rgb.data() + 3 * w * y;
@@ -203,10 +227,10 @@ Image average(std::span<const std::uint8_t> rgba, int width, int height, int sam
     }
     return image;
   }
-  constexpr std::array kOfSamples = {average_rows<2>, average_rows<3>, average_rows<4>,
-                                     average_rows<5>, average_rows<6>, average_rows<7>,
-                                     average_rows<8>};
-  kOfSamples[n - 2](rgba, image);
+  constexpr std::array kOfSamples = {average_grid<2>, average_grid<3>, average_grid<4>,
+                                     average_grid<5>, average_grid<6>, average_grid<7>,
+                                     average_grid<8>};
+  kOfSamples[static_cast<std::size_t>(samples - 2)](rgba, image);
   return image;
 }
 

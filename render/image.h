@@ -31,13 +31,13 @@ std::uint64_t pixel_hash(const Image& image);
 /// @throws std::invalid_argument  when the heights differ
 Image side_by_side(const Image& left, const Image& right);
 
-/// One pixel from each square of `samples` x `samples`: the mean of their light, not of
-/// their codes.
+/// One pixel from its samples: the mean of their light, not of their codes.
 ///
-/// @param rgba     sRGB bytes as OpenGL reads them, rows from the bottom, four bytes a sample
-/// @param width    of the result; the source is `samples` times as wide
+/// @param rgba     sRGB bytes as OpenGL reads them, rows from the bottom, four bytes a sample: those
+///                 of the SampleGrid that has the picture in it
+/// @param width    of the result
 /// @param height   of the result
-/// @param samples  along each side, 1..8
+/// @param samples  SampleGrid::n, 1..8
 Image average(std::span<const std::uint8_t> rgba, int width, int height, int samples);
 
 /// The picture as a PNG file, fast: deflate level 1, "up" filter.

@@ -8,9 +8,9 @@ namespace headpin::render {
 
 /// What is spent on a picture. The effects are part of what a participant sees: log them.
 struct Quality {
-  int samples = 2;              ///< each pixel is the mean light of samples x samples, 1..8
+  int samples = 2;              ///< of n, 2..8, each pixel is the mean light of n^2 + 1; of 1, one
   bool contact = true;          ///< floors darken beneath and beside bodies
-  bool shadow = true;           ///< bodies cast shadows on floors
+  bool shadow = true;           ///< bodies cast shadows on floors and bodies
   bool mirror = true;           ///< polished floors mirror what stands on them
   std::string light = "pixel";  ///< where lamps light bodies: at each "pixel", or at each "vertex"
 

@@ -76,7 +76,8 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
   gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(contact.size() * sizeof(ContactVertex)),
                 contact.data(), GL_STREAM_DRAW);
 
-  Scene scene{&list, r.meshes_seen(list, views), {}, shadow_view, {}};
+  Scene scene{&list, r.meshes_seen(list, views), {}, shadow_view, {}, {}, {}};
+  r.cut_picture(true);
   if (!r.coded) gl.Enable(GL_FRAMEBUFFER_SRGB);
   r.targets.resize(std::max(r.targets.size(), views.size()));
   for (std::size_t i = 0; i < views.size(); ++i) {
@@ -87,6 +88,7 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
     gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 
     scene.world_to_clip = world_to_clip(views[i]);
+    r.lay_grid(scene, views[i]);
     scene.eye_W = views[i].X_WE.p;
     if (r.quality.mirror) r.draw_mirrored(scene);
     for (const Surface surface : kTurns) {

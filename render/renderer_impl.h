@@ -10,16 +10,19 @@
 #include "render/matrices.h"
 #include "render/mesh_parts.h"
 #include "render/renderer.h"
+#include "render/sample_grid.h"
 #include "render/shaders.h"
 
 /// The inside of a Renderer, for its own .cpp files.
 namespace headpin::render {
 
 inline constexpr double kEndless = 1e6;  // farther than anything drawn [m]
-inline constexpr std::array<const char*, DrawList::kLamps> kLampPlace{"lamp_p[0]", "lamp_p[1]",
-                                                                      "lamp_p[2]", "lamp_p[3]"};
+inline constexpr std::array<const char*, DrawList::kLamps> kLampPlace{
+    "lamp_p[0]", "lamp_p[1]", "lamp_p[2]", "lamp_p[3]",
+    "lamp_p[4]", "lamp_p[5]", "lamp_p[6]", "lamp_p[7]"};
 inline constexpr std::array<const char*, DrawList::kLamps> kLampPower{
-    "lamp_power[0]", "lamp_power[1]", "lamp_power[2]", "lamp_power[3]"};
+    "lamp_power[0]", "lamp_power[1]", "lamp_power[2]", "lamp_power[3]",
+    "lamp_power[4]", "lamp_power[5]", "lamp_power[6]", "lamp_power[7]"};
 
 /// The surfaces in the order they are drawn; a mesh of another is refused when it is added.
 inline constexpr std::array kTurns = {Surface::lit, Surface::floor, Surface::baked};
@@ -44,14 +47,15 @@ inline Gl current_functions(GlContext& context) {
 }
 
 inline Program mesh_program(const Gl& gl, const shaders::Variant& variant, const char* fragment) {
-  return {gl, shaders::shader(variant, shaders::kMeshVertex).c_str(),
-          shaders::shader(variant, fragment).c_str()};
+  return {gl, shaders::vertex_shader(variant, shaders::kMeshVertex),
+          shaders::shader(variant, fragment)};
 }
 
 /// Of bodies: the colour of their mesh is what they reflect, and becomes light here.
-inline Program lit_program(const Gl& gl, bool coded, bool by_vertex) {
-  return by_vertex ? mesh_program(gl, {.early = coded, .lamps = true}, shaders::kBakedFragment)
-                   : mesh_program(gl, {.coded = coded}, shaders::kLitFragment);
+inline Program lit_program(const Gl& gl, bool coded, const Quality& quality) {
+  return quality.light == "vertex"
+             ? mesh_program(gl, {.early = coded, .lamps = true}, shaders::kBakedFragment)
+             : mesh_program(gl, {.coded = coded, .shadow = quality.shadow}, shaders::kLitFragment);
 }
 
 /// What one eye looks at.
@@ -61,6 +65,7 @@ struct Scene {
   Mat4 world_to_clip;
   Mat4 shadow_view;  ///< world to the shadow map, 0..1
   Vec3 eye_W;
+  Vec3 grid_x = Vec3::UnitX(), grid_y = Vec3::UnitY();  ///< clip space to that of the samples
 };
 
 struct Renderer::Impl {
@@ -112,7 +117,7 @@ struct Renderer::Impl {
       throw std::invalid_argument("draw list: " + std::to_string(list.lamps.size()) +
                                   " lamps, at most " + std::to_string(DrawList::kLamps));
     }
-    const int most = largest / quality.samples;
+    const int most = largest / (quality.samples + grid.turn()) - 1;
     if (view.width < 1 || view.height < 1 || view.width > most || view.height > most) {
       throw std::invalid_argument("view: " + std::to_string(view.width) + "x" +
                                   std::to_string(view.height) + " pixels, expected 1 to " +
@@ -158,9 +163,11 @@ struct Renderer::Impl {
     return seen;
   }
 
+  /// What lies behind each item, as the light sees it: so none shades its own lit side.
   void draw_depth(const DrawList& list, const Mat4& view) const {
     shadow_map.use();
     gl.Clear(GL_DEPTH_BUFFER_BIT);
+    gl.CullFace(GL_FRONT);
     depth.use();
     for (const DrawItem& item : list.items) {
       if (!item.casts_shadow) continue;
@@ -168,6 +175,7 @@ struct Renderer::Impl {
       depth.set("to_clip", mesh_to_clip);
       draw_elements(kept(item.far_mesh.value_or(item.mesh)), mesh_to_clip);
     }
+    gl.CullFace(GL_BACK);
   }
 
   bool takes_shadow(const Kept& mesh) const { return quality.shadow && mesh.takes_shadow; }
@@ -188,6 +196,12 @@ struct Renderer::Impl {
     throw std::logic_error("a surface without a program");
   }
 
+  static void set_shadow(const Program& program, const Scene& scene) {
+    program.set("shadow_view", scene.shadow_view);
+    program.set("shadow_map", 0);
+        program.set("shadow_depth", scene.list->shadow.depth);
+  }
+
   /// What a surface's program asks for beside the items.
   void set_light(const Kept& mesh, const Program& program, const Scene& scene) const {
     const DrawList& list = *scene.list;
@@ -199,22 +213,21 @@ struct Renderer::Impl {
           program.set("eye_W", scene.eye_W);
           program.set("gloss", mesh.gloss);
         }
-        if (takes_shadow(mesh)) {
-          program.set("shadow_view", scene.shadow_view);
-          program.set("shadow_map", 0);
-          program.set("shadow_depth", list.shadow.depth);
-        }
+        if (takes_shadow(mesh)) set_shadow(program, scene);
         return;
       case Surface::lit:
         program.set("eye_W", scene.eye_W);
         program.set("sky", list.sky);
         program.set("ground", list.ground);
         program.set("gloss", mesh.gloss);
-        for (std::size_t i = 0; i < DrawList::kLamps; ++i) {
-          const Lamp lamp =
-              i < list.lamps.size() ? list.lamps[i] : Lamp{Vec3::Zero(), Vec3::Zero()};
-          program.set(kLampPlace[i], lamp.p_W);
-          program.set(kLampPower[i], lamp.power);
+        program.set("lamps", static_cast<int>(list.lamps.size()));
+        for (std::size_t i = 0; i < list.lamps.size(); ++i) {
+          program.set(kLampPlace[i], list.lamps[i].p_W);
+          program.set(kLampPower[i], list.lamps[i].power);
+        }
+        if (quality.shadow) {
+          set_shadow(program, scene);
+          program.set("shadow_n", list.shadow.n_W);
         }
         return;
     }
@@ -236,6 +249,8 @@ struct Renderer::Impl {
       set_light(mesh, program, scene);
       program.set("lowest_z", only_mirrored ? list.mirror_z : -kEndless);
       program.set("to_clip", mesh_to_clip);
+      program.set("grid_x", scene.grid_x);
+      program.set("grid_y", scene.grid_y);
       program.set("world", mesh_to_world);
       program.set("turn", matrix({item.X_WG.q, Vec3::Zero()}, item.scale.cwiseInverse()));
       program.set("tint", item.tint);
@@ -256,7 +271,7 @@ struct Renderer::Impl {
       case Surface::floor:
         gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
         draw_items(scene, surface, false);
-        return draw_contact(contacts, scene.world_to_clip);
+        return draw_contact(contacts, scene);
     }
   }
 
@@ -273,10 +288,12 @@ struct Renderer::Impl {
     gl.Clear(GL_DEPTH_BUFFER_BIT);  // the images stay, as colours behind the floor
   }
 
-  void draw_contact(GLsizei count, const Mat4& view) const {
+  void draw_contact(GLsizei count, const Scene& scene) const {
     if (count == 0) return;
     contact.use();
-    contact.set("view", view);
+    contact.set("view", scene.world_to_clip);
+    contact.set("grid_x", scene.grid_x);
+    contact.set("grid_y", scene.grid_y);
     contact.set("faint", kFaint);
     gl.Enable(GL_BLEND);
     gl.BlendFunc(GL_ZERO, GL_SRC_COLOR);
@@ -299,11 +316,30 @@ struct Renderer::Impl {
     gl.CullFace(GL_BACK);
     gl.FrontFace(GL_CCW);
     gl.Disable(GL_BLEND);
+    cut_picture(false);
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   }
 
+  /// Turns the picture into the grid of its samples.
+  void lay_grid(Scene& scene, const View& view) const {
+    const double n = grid.n, w = view.width, h = view.height;
+    const int across = grid.width(view.width, view.height);
+    const int up = grid.height(view.width, view.height);
+    scene.grid_x = Vec3(n * w, -grid.turn() * h, 0.0) / across;
+    scene.grid_y = Vec3(grid.turn() * w, n * h, 0.0) / up;
+  }
+
+  /// Samples beside the picture are not drawn.
+  void cut_picture(bool on) const {
+    if (grid.turn() == 0) return;
+    for (GLenum plane = GL_CLIP_DISTANCE1; plane <= GL_CLIP_DISTANCE4; ++plane) {
+      on ? gl.Enable(plane) : gl.Disable(plane);
+    }
+  }
+
   void use_target(std::size_t i, const View& view) {
-    const int width = quality.samples * view.width, height = quality.samples * view.height;
+    const int width = grid.width(view.width, view.height);
+    const int height = grid.height(view.width, view.height);
     if (!targets[i] || !targets[i]->fits(width, height)) {
       targets[i] = std::make_unique<Target>(gl, coded ? GL_RGBA8 : GL_SRGB8_ALPHA8, width, height);
     }
@@ -312,7 +348,8 @@ struct Renderer::Impl {
 
   /// What was painted, once it is.
   void read(const View& view, Image& out) {
-    const int width = quality.samples * view.width, height = quality.samples * view.height;
+    const int width = grid.width(view.width, view.height);
+    const int height = grid.height(view.width, view.height);
     samples.resize(std::size_t{4} * static_cast<std::size_t>(width) *
                    static_cast<std::size_t>(height));
     gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, samples.data());
@@ -331,10 +368,11 @@ struct Renderer::Impl {
   std::unique_ptr<GlContext> context;
   Gl gl;
   Quality quality;
+  SampleGrid grid{quality.samples};
   std::vector<Kept> meshes;
   /// Without mirrors nothing shines through anything, and shaders may write sRGB themselves.
   bool coded = !quality.mirror;
-  Program lit = lit_program(gl, coded, quality.light == "vertex");
+  Program lit = lit_program(gl, coded, quality);
   Program baked = mesh_program(gl, {.early = coded}, shaders::kBakedFragment);
   Program floor = mesh_program(gl, {.coded = coded, .early = coded, .shadow = true, .mirror = true},
                                shaders::kFloorFragment);
@@ -342,8 +380,8 @@ struct Renderer::Impl {
       mesh_program(gl, {.coded = coded, .early = coded, .mirror = true}, shaders::kFloorFragment);
   Program shadowed =
       mesh_program(gl, {.coded = coded, .early = coded, .shadow = true}, shaders::kFloorFragment);
-  Program contact{gl, shaders::kContactVertex,
-                  shaders::shader({.coded = coded}, shaders::kContactFragment).c_str()};
+  Program contact{gl, shaders::vertex_shader({}, shaders::kContactVertex),
+                  shaders::shader({.coded = coded}, shaders::kContactFragment)};
   Program depth{gl, shaders::kDepthVertex, shaders::kDepthFragment};
   ShadowMap shadow_map{gl};
   std::vector<std::unique_ptr<Target>> targets;  // of the last views' sizes, in samples

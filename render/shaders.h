@@ -12,7 +12,7 @@ struct Variant {
   bool coded = false;   ///< writes sRGB, into a target that stores what it is given
   bool early = false;   ///< so it does, at its vertices already
   bool lamps = false;   ///< lamps are worked out at vertices
-  bool shadow = false;  ///< a floor that takes shadows
+  bool shadow = false;  ///< takes shadows
   bool mirror = false;  ///< a floor that mirrors
 };
 
@@ -29,20 +29,35 @@ vec3 code(vec3 x) {
 }
 )";
 
+// A vertex's place in the grid of samples. The picture is cut out of it by planes 1 to 4; 0 is free.
+inline constexpr const char* kPlaced = R"(
+uniform vec3 grid_x;
+uniform vec3 grid_y;
+out float gl_ClipDistance[5];
+void place(vec4 p) {
+  gl_ClipDistance[1] = p.w + p.x;
+  gl_ClipDistance[2] = p.w - p.x;
+  gl_ClipDistance[3] = p.w + p.y;
+  gl_ClipDistance[4] = p.w - p.y;
+  gl_Position = vec4(dot(grid_x.xy, p.xy), dot(grid_y.xy, p.xy), p.zw);
+}
+)";
+
 // Lamps (Lambert, Blinn), light of the surroundings from above and below, and their reflection.
 inline constexpr const char* kLight = R"(
 uniform vec3 eye_W;
 uniform vec3 sky;
 uniform vec3 ground;
-uniform vec3 lamp_p[4];
-uniform vec3 lamp_power[4];
+uniform int lamps;
+uniform vec3 lamp_p[8];
+uniform vec3 lamp_power[8];
 uniform float gloss;
 vec3 light(vec3 p_W, vec3 n_W, vec3 colour) {
   vec3 n = normalize(n_W);
   vec3 v = normalize(eye_W - p_W);
   vec3 diffuse = mix(ground, sky, 0.5 + 0.5 * n.z);
   vec3 shine = vec3(0.0);
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < lamps; ++i) {
     vec3 l = lamp_p[i] - p_W;
     float d2 = dot(l, l);
     l *= inversesqrt(d2);
@@ -56,6 +71,18 @@ vec3 light(vec3 p_W, vec3 n_W, vec3 colour) {
   vec3 r = reflect(-v, n);
   shine += fresnel * mix(ground, sky, smoothstep(-0.2, 0.2, r.z));
   return colour * diffuse + gloss * shine;
+}
+)";
+
+// What is left of the light where items cast their shadow; bodies have it where they face the light.
+inline constexpr const char* kShade = R"(
+uniform mat4 shadow_view;
+uniform sampler2DShadow shadow_map;
+uniform vec3 shadow_n;
+uniform float shadow_depth;
+float shaded(vec3 p_W) {
+  vec4 s = shadow_view * vec4(p_W, 1.0);
+  return shadow_depth * (1.0 - texture(shadow_map, s.xyz));
 }
 )";
 
@@ -83,7 +110,7 @@ void main() {
   colour = code(colour);
 #endif
   gl_ClipDistance[0] = p.z - lowest_z;  // what is below a mirror is not seen in it
-  gl_Position = to_clip * vec4(p_G, 1.0);
+  place(to_clip * vec4(p_G, 1.0));
 }
 )";
 
@@ -94,6 +121,11 @@ in vec3 colour;
 out vec4 result;
 void main() {
   result = vec4(light(p_W, n_W, colour), 1.0);
+#ifdef SHADOW
+  vec3 n = normalize(n_W);
+  // From beside the surface: its own far side, as coarse as texels, does not shade it there.
+  result.rgb *= 1.0 - smoothstep(0.0, 0.25, dot(n, shadow_n)) * shaded(p_W + 0.015 * n);
+#endif
 #ifdef CODED
   result.rgb = code(min(result.rgb, vec3(1.0)));
 #endif
@@ -113,15 +145,11 @@ inline constexpr const char* kFloorFragment = R"(
 in vec3 p_W;
 in vec3 n_W;
 in vec3 colour;
-uniform mat4 shadow_view;
-uniform sampler2DShadow shadow_map;
-uniform float shadow_depth;
 out vec4 result;
 void main() {
   float lit = 1.0;
 #ifdef SHADOW
-  vec4 s = shadow_view * vec4(p_W, 1.0);
-  lit = 1.0 - shadow_depth * (1.0 - texture(shadow_map, s.xyz));
+  lit = 1.0 - shaded(p_W);
 #endif
   float hidden = 1.0;
 #ifdef MIRROR
@@ -134,7 +162,7 @@ void main() {
 }
 )";
 
-inline constexpr const char* kContactVertex = R"(#version 330 core
+inline constexpr const char* kContactVertex = R"(
 layout(location = 0) in vec3 p_in;
 layout(location = 1) in vec3 n_in;
 layout(location = 2) in vec4 ball_in;
@@ -146,7 +174,8 @@ void main() {
   p_W = p_in;
   n_W = n_in;
   ball = ball_in;
-  gl_Position = view * vec4(p_in, 1.0);
+  gl_ClipDistance[0] = 1.0;
+  place(view * vec4(p_in, 1.0));
 }
 )";
 
@@ -195,7 +224,11 @@ inline std::string shader(const Variant& variant, const char* body) {
         std::pair{variant.mirror, "MIRROR"}}) {
     if (wanted) text += std::string("#define ") + name + "\n";
   }
-  return text + kAsked + kLight + body;
+  return text + kAsked + kLight + (variant.shadow ? kShade : "") + body;
+}
+
+inline std::string vertex_shader(const Variant& variant, const char* body) {
+  return shader(variant, (std::string(kPlaced) + body).c_str());
 }
 
 }  // namespace headpin::render::shaders

@@ -382,10 +382,17 @@ Mesh front_mesh(const RoomMeasures& room, const Builder& build) {
 std::vector<Lamp> room_lamps(const RoomMeasures& room) {
   const Vec3 warm(1.0, 0.94, 0.84);
   const double z = room.height - 0.12;
+  // Three over the paper's 10.6 m, and as much light to a metre in any other room: as many as there
+  // is room for beside the last one, stronger where they hang farther apart.
+  constexpr double kApart = 3.18, kPower = 2.3, kFirst = 0.16 / 0.3;
+  constexpr int kMost = static_cast<int>(render::DrawList::kLamps) - 1;
+  const double lit = 0.9 * (room.behind + room.ahead);
+  const int count = std::clamp(static_cast<int>(std::lround(lit / kApart)), 1, kMost);
+  const double apart = lit / count;
   std::vector<Lamp> lamps;
-  for (const double share : {0.16, 0.46, 0.76}) {
-    const double y = -room.behind + share * (room.behind + room.ahead);
-    lamps.push_back({{0.0, y, z}, 2.3 * warm});
+  for (int i = 0; i < count; ++i) {
+    const double y = -room.behind + (i + kFirst) * apart;
+    lamps.push_back({{0.0, y, z}, kPower * apart / kApart * warm});
   }
   // Hidden behind the panel where there is one, on the ceiling otherwise.
   const double last = room.masking_panel ? room.masking_low + 0.1 : z;

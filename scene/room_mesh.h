@@ -17,8 +17,8 @@ struct RoomMeshes {
   render::Mesh front;     ///< what stands around the skittles: the lane mirrors it
 };
 
-/// The lamps of the room: three on the ceiling, and one over the skittles, behind the masking panel
-/// where there is one.
+/// The lamps of the room: on the ceiling one to about three metres of its length, seven at most, and
+/// one over the skittles, behind the masking panel where there is one.
 std::vector<render::Lamp> room_lamps(const RoomMeasures& room);
 
 /// Light from all around, above and below.

@@ -255,7 +255,8 @@ void visit(V& v, Hmd& h) {
 
 template <typename V>
 void visit(V& v, render::Quality& q) {
-  v.field("samples", q.samples, Range{1, 8}, "a pixel is the mean light of so many, squared");
+  v.field("samples", q.samples, Range{1, 8},
+          "a pixel is the mean light of so many, squared, and one; 1 is one");
   v.field("contact", q.contact, kAny, "floors darken beneath and beside bodies");
   v.field("shadow", q.shadow, kAny, "bodies cast shadows on floors");
   v.field("mirror", q.mirror, kAny, "polished floors mirror what stands on them");

@@ -1,5 +1,6 @@
 #include "render/image.h"
 
+#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <fstream>
@@ -9,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include "render/sample_grid.h"
 #include "tests/support/folder.h"
 #include "tests/support/output_of.h"
 
@@ -32,21 +34,55 @@ TEST(PixelHash, IsFnv1a64) {
 }
 
 // IEC 61966-2-1: half the light of white has code 255 (1.055 * 0.5^(1/2.4) - 0.055) = 187.5.
-TEST(Average, OfABlackAndWhiteCheckerIsHalfTheLightNotHalfTheCode) {
-  std::vector<std::uint8_t> checker;
-  for (const int white : {1, 0, 0, 1}) {
-    for (int c = 0; c < 4; ++c) checker.push_back(white ? 255 : 0);
-  }
+/// Samples of a picture of w x h pixels, all of one code.
+std::vector<std::uint8_t> samples_of(int w, int h, int n, int code) {
+  const SampleGrid grid{n};
+  return std::vector<std::uint8_t>(
+      std::size_t(4) * static_cast<std::size_t>(grid.width(w, h) * grid.height(w, h)),
+      static_cast<std::uint8_t>(code));
+}
+
+// Black and white in turn: of five samples that lie like a cross, the middle is one, the others four.
+TEST(Average, OfABlackAndWhiteCheckerIsItsLightNotItsCode) {
+  std::vector<std::uint8_t> checker = samples_of(1, 1, 2, 0);  // 3 x 3 samples
+  for (std::size_t i = 1; i < 9; i += 2) std::fill_n(checker.begin() + 4 * i, 4, 255);
   const Image image = average(checker, 1, 1, 2);
-  EXPECT_EQ(image.rgb, (std::vector<std::uint8_t>{188, 188, 188}));
+  EXPECT_EQ(image.rgb, (std::vector<std::uint8_t>{231, 231, 231}));  // code of 0.8
 }
 
 TEST(Average, OfEqualSamplesIsTheSampleForEveryCode) {
-  for (int samples = 1; samples <= 8; ++samples) {
+  for (int n = 1; n <= 8; ++n) {
     for (int code = 0; code < 256; ++code) {
-      const std::vector<std::uint8_t> rgba(std::size_t(4) * samples * samples,
-                                           static_cast<std::uint8_t>(code));
-      ASSERT_EQ(average(rgba, 1, 1, samples).rgb[0], code) << samples << " x " << samples;
+      const Image image = average(samples_of(3, 2, n, code), 3, 2, n);
+      ASSERT_EQ(image.rgb, std::vector<std::uint8_t>(18, static_cast<std::uint8_t>(code))) << n;
+    }
+  }
+}
+
+// Each sample belongs to one pixel, and to the one it lies in.
+TEST(Average, GivesEverySampleToThePixelItLiesIn) {
+  for (int n = 2; n <= 8; ++n) {
+    const int w = 5, h = 4, count = n * n + 1;
+    const int across = SampleGrid{n}.width(w, h), up = SampleGrid{n}.height(w, h);
+    for (int y = 0; y < h; ++y) {
+      for (int x = 0; x < w; ++x) {
+        std::vector<std::uint8_t> rgba = samples_of(w, h, n, 0);
+        int inside = 0;
+        for (int j = 0; j < up; ++j) {
+          for (int i = 0; i < across; ++i) {
+            const double a = i + 0.5 - h - 0.5 * (n % 2), b = j + 0.5;
+            const double at_x = (n * a + b) / count, at_y = (n * b - a) / count;
+            if (std::floor(at_x) != x || std::floor(at_y) != h - 1 - y) continue;
+            std::fill_n(rgba.begin() + 4 * (static_cast<std::ptrdiff_t>(j) * across + i), 4, 255);
+            ++inside;
+          }
+        }
+        ASSERT_EQ(inside, count) << n;
+        const Image image = average(rgba, w, h, n);
+        for (int k = 0; k < w * h; ++k) {
+          ASSERT_EQ(image.rgb[static_cast<std::size_t>(3 * k)], k == y * w + x ? 255 : 0) << n;
+        }
+      }
     }
   }
 }
@@ -57,7 +93,7 @@ TEST(Average, TurnsRowsFromTheBottomIntoRowsFromTheTop) {
 }
 
 TEST(Average, RefusesABufferOfAnotherSize) {
-  EXPECT_THROW(average(std::vector<std::uint8_t>(15), 1, 1, 2), std::invalid_argument);
+  EXPECT_THROW(average(std::vector<std::uint8_t>(35), 1, 1, 2), std::invalid_argument);
   EXPECT_THROW(average({}, 0, 0, 2), std::invalid_argument);
 }
 

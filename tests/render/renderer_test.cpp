@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <limits>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <thread>
 
@@ -234,7 +235,7 @@ TEST(Picture, HasTheUpperHalfOfTheWorldInItsUpperHalf) {
   EXPECT_LT(centroid(image).y(), 100.0);
 }
 
-// A wall that hides the left half of a pixel column and a subpixel grid: half the light.
+// A wall that hides the left half of a pixel column: three of its five samples, one on the edge.
 TEST(Picture, AveragesLightNotCodesAtAnEdge) {
   Renderer renderer = plain_renderer();
   DrawList list;
@@ -249,8 +250,42 @@ TEST(Picture, AveragesLightNotCodesAtAnEdge) {
   list.items.push_back(item);
   const Image image = picture(renderer, list, view);
   EXPECT_EQ(pixel(image, 179, 120), 0);
-  EXPECT_EQ(pixel(image, 180, 120), 188);  // code of half the light, see Average
+  EXPECT_EQ(pixel(image, 180, 120), 203);  // code of 0.6 of the light, of which 0.5 is 188
   EXPECT_EQ(pixel(image, 181, 120), 255);
+}
+
+/// How many different codes a white thing's edge has where it crosses a column (or a row) of pixels
+/// as slowly as a fortieth of a pixel each.
+int levels_along(bool level) {
+  Renderer renderer = plain_renderer();
+  DrawList list;
+  DrawItem item;
+  item.mesh = renderer.add(glowing(box({8.0, 0.01, 8.0}, Vec3::Ones())));
+  View view = eyes(looking_ahead({0, 0, 0}), {})[0];
+  view.X_WE.p = Vec3::Zero();
+  const Frustum& f = view.frustum;
+  const double pixel_x = (f.right - f.left) / view.width;
+  const double pixel_y = (f.top - f.bottom) / view.height;
+  const double slope = level ? pixel_y / pixel_x / 40.0 : pixel_x / pixel_y / 40.0;
+  const Quat turned = rotation(Vec3(0.0, level ? -slope : slope, 0.0));
+  const Vec3 outward = level ? Vec3(turned * Vec3::UnitZ()) : Vec3(turned * Vec3::UnitX());
+  item.X_WG = {turned, Vec3(0.0, 1.0, 0.0) - 4.0 * outward};
+  list.items.push_back(item);
+  const Image image = picture(renderer, list, view);
+  std::vector<bool> seen(256);
+  for (int i = 40; i < 200; ++i) {
+    for (int across = 110; across < 131; ++across) {
+      seen[static_cast<std::size_t>(level ? pixel(image, i + 80, across)
+                                          : pixel(image, across + 60, i))] = true;
+    }
+  }
+  return static_cast<int>(std::ranges::count(seen, true));
+}
+
+// Black, white, and four shades between them; of a grid along the pixels there is one.
+TEST(Picture, HasFourShadesOnEdgesThatAreNearlyLevelOrUpright) {
+  EXPECT_EQ(levels_along(true), 6);
+  EXPECT_EQ(levels_along(false), 6);
 }
 
 TEST(Picture, HidesWhatLiesBehindInWhateverOrderItIsListed) {
@@ -434,6 +469,66 @@ TEST(CastShadow, LiesWhereTheLightThrowsIt) {
   }
 }
 
+// Light from 26.6 degrees beside the zenith: a ball 0.4 m above another and 0.2 m to the light's side
+// is between it and the light. Taken away, or put to the other side, it shades nothing.
+TEST(CastShadow, FallsOnABodyBehindAnother) {
+  const View above{
+      {rotation(Vec3(0.9, 0.0, 0.0)), Vec3(0.0, 0.8, 1.5)}, {-0.5, 0.5, -0.5, 0.5}, 200, 200};
+  const auto light_of = [&](const Quality& quality, std::optional<Vec3> other) {
+    LitScene scene(quality);
+    scene.put({0.0, 2.0, 0.1});
+    if (other) {
+      DrawItem item = scene.list.items[1];
+      item.X_WG.p = *other;
+      item.id = 3;
+      scene.list.items.push_back(item);
+    }
+    const Image image = picture(scene.renderer, scene.list, above);
+    const Labels labels = scene.renderer.labels(scene.list, above);
+    double sum = 0.0, count = 0.0;
+    for (std::size_t i = 0; i < labels.id.size(); ++i) {
+      if (labels.id[i] != 2) continue;
+      sum += light(image.rgb[3 * i]);
+      count += 1.0;
+    }
+    EXPECT_GT(count, 100.0);
+    return sum / count;
+  };
+  const Vec3 between(0.2, 2.0, 0.5), beside(-0.2, 2.0, 0.5);
+  for (const Look& look : looks()) {
+    const double alone = light_of(look.quality, {});
+    EXPECT_NEAR(light_of(look.quality, beside) / alone, 1.0, 0.03) << look.name;
+    const double shaded = light_of(look.quality, between) / alone;
+    if (look.quality.shadow) {
+      EXPECT_LT(shaded, 0.75) << look.name;  // the light's share is a half
+      EXPECT_GT(shaded, 0.45) << look.name;
+    } else {
+      EXPECT_NEAR(shaded, 1.0, 0.03) << look.name;
+    }
+  }
+}
+
+// A ball does not shade its own lit side.
+TEST(CastShadow, LeavesALoneBodyAsItWas) {
+  LitScene with({.samples = 2, .contact = false, .shadow = true, .mirror = false});
+  LitScene without(kPlain);
+  for (LitScene* scene : {&with, &without}) {  // texels of 6 mm, as in the paper's room
+    scene->list.shadow.lo_W = Vec3(-0.75, -1.0, 0.0);
+    scene->list.shadow.hi_W = Vec3(0.75, 6.0, 1.0);
+  }
+  const View above{{Quat::Identity(), Vec3(0.0, 2.0, 2.0)}, {-0.2, 0.2, -0.2, 0.2}, 200, 200};
+  const Image a = picture(with.renderer, with.list, above);
+  const Image b = picture(without.renderer, without.list, above);
+  const Labels labels = with.renderer.labels(with.list, above);
+  int compared = 0;
+  for (std::size_t i = 0; i < labels.id.size(); ++i) {
+    if (labels.id[i] != 2 || labels.depth[i] > 1.86F) continue;  // not its rim
+    EXPECT_NEAR(int{a.rgb[3 * i]}, int{b.rgb[3 * i]}, 6);
+    ++compared;
+  }
+  EXPECT_GT(compared, 500);
+}
+
 // The image of a ball at height h in a floor at 0 is a ball at height -h.
 TEST(MirrorImage, IsAsFarBelowTheFloorAsTheBallIsAboveIt) {
   LitScene with({.samples = 2, .contact = false, .shadow = false, .mirror = true});
@@ -510,7 +605,7 @@ TEST(Renderer, RefusesWhatItCannotDraw) {
   scene.list.items[0].mesh = 1;
   EXPECT_THROW(picture(scene.renderer, scene.list, good), std::invalid_argument);
   scene.list.items[0].mesh = 0;
-  scene.list.lamps.resize(5);
+  scene.list.lamps.resize(9);
   EXPECT_THROW(picture(scene.renderer, scene.list, good), std::invalid_argument);
   scene.list.lamps.clear();
   EXPECT_NO_THROW(picture(scene.renderer, scene.list, good));

@@ -2,6 +2,7 @@
 import { DoubleSide, FrontSide, ShaderMaterial, Vector3, Vector4 } from 'three';
 
 const kOccluders = 24;
+const kLamps = 8;  // of which `lamps` are there
 
 const kCode = `
 vec3 code(vec3 x) {
@@ -46,15 +47,17 @@ const kLit = `${kCommon}${kCode}
 uniform vec3 tint;
 uniform vec3 sky;
 uniform vec3 ground;
-uniform vec3 lampAt[4];
-uniform vec3 lampPower[4];
+uniform int lamps;
+uniform vec3 lampAt[${kLamps}];
+uniform vec3 lampPower[${kLamps}];
 uniform float gloss;
 void main() {
   vec3 n = normalize(n_W);
   vec3 v = normalize(cameraPosition - p_W);
   vec3 diffuse = mix(ground, sky, 0.5 + 0.5 * n.z);
   vec3 shine = vec3(0.0);
-  for (int i = 0; i < 4; ++i) {
+  for (int i = 0; i < ${kLamps}; ++i) {
+    if (i >= lamps) break;
     vec3 l = lampAt[i] - p_W;
     float d2 = dot(l, l);
     l *= inversesqrt(d2);
@@ -97,12 +100,13 @@ void main() {
 /** What every material shares: change it, and all of them see it. */
 export function makeLight(light) {
   const lamps = [...light.lamps];
-  while (lamps.length < 4) lamps.push({ p: [0, 0, 1e3], power: [0, 0, 0] });
+  while (lamps.length < kLamps) lamps.push({ p: [0, 0, 1e3], power: [0, 0, 0] });
   return {
     sky: { value: new Vector3(...light.sky) },
     ground: { value: new Vector3(...light.ground) },
-    lampAt: { value: lamps.slice(0, 4).map((lamp) => new Vector3(...lamp.p)) },
-    lampPower: { value: lamps.slice(0, 4).map((lamp) => new Vector3(...lamp.power)) },
+    lamps: { value: Math.min(light.lamps.length, kLamps) },
+    lampAt: { value: lamps.slice(0, kLamps).map((lamp) => new Vector3(...lamp.p)) },
+    lampPower: { value: lamps.slice(0, kLamps).map((lamp) => new Vector3(...lamp.power)) },
     occluders: { value: Array.from({ length: kOccluders }, () => new Vector4(0, 0, -9, 0)) },
     shaded: { value: new Vector4() },
   };
