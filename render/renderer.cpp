@@ -64,6 +64,7 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
   for (const View& view : views) r.check(list, view);
   if (views.empty()) return;
   r.start();
+  r.make_lit_for(list.lamps.size());
 
   const Mat4 shadow_clip = world_to_shadow(list.shadow);
   const Mat4 shadow_view =  // to 0..1, as textures are read

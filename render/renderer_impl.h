@@ -52,10 +52,13 @@ inline Program mesh_program(const Gl& gl, const shaders::Variant& variant, const
 }
 
 /// Of bodies: the colour of their mesh is what they reflect, and becomes light here.
-inline Program lit_program(const Gl& gl, bool coded, const Quality& quality) {
+inline Program lit_program(const Gl& gl, bool coded, const Quality& quality, std::size_t lamps) {
+  const int count = static_cast<int>(lamps);
   return quality.light == "vertex"
-             ? mesh_program(gl, {.early = coded, .lamps = true}, shaders::kBakedFragment)
-             : mesh_program(gl, {.coded = coded, .shadow = quality.shadow}, shaders::kLitFragment);
+             ? mesh_program(gl, {.early = coded, .lamps = true, .count = count},
+                            shaders::kBakedFragment)
+             : mesh_program(gl, {.coded = coded, .shadow = quality.shadow, .count = count},
+                            shaders::kLitFragment);
 }
 
 /// What one eye looks at.
@@ -185,7 +188,7 @@ struct Renderer::Impl {
   const Program& program_of(const Kept& mesh) const {
     switch (mesh.surface) {
       case Surface::lit:
-        return lit;  // by vertex or by pixel
+        return *lit;  // by vertex or by pixel
       case Surface::floor:
         return mirrors(mesh)        ? takes_shadow(mesh) ? floor : polished
                : takes_shadow(mesh) ? shadowed
@@ -199,7 +202,7 @@ struct Renderer::Impl {
   static void set_shadow(const Program& program, const Scene& scene) {
     program.set("shadow_view", scene.shadow_view);
     program.set("shadow_map", 0);
-        program.set("shadow_depth", scene.list->shadow.depth);
+    program.set("shadow_depth", scene.list->shadow.depth);
   }
 
   /// What a surface's program asks for beside the items.
@@ -220,7 +223,6 @@ struct Renderer::Impl {
         program.set("sky", list.sky);
         program.set("ground", list.ground);
         program.set("gloss", mesh.gloss);
-        program.set("lamps", static_cast<int>(list.lamps.size()));
         for (std::size_t i = 0; i < list.lamps.size(); ++i) {
           program.set(kLampPlace[i], list.lamps[i].p_W);
           program.set(kLampPower[i], list.lamps[i].power);
@@ -307,6 +309,12 @@ struct Renderer::Impl {
     gl.Disable(GL_BLEND);
   }
 
+  void make_lit_for(std::size_t lamps) {
+    if (lit && lit_lamps == lamps) return;
+    lit.reset(new Program(lit_program(gl, coded, quality, lamps)));
+    lit_lamps = lamps;
+  }
+
   /// Lays out the state every picture starts from.
   void start() {
     context->make_current();
@@ -372,7 +380,8 @@ struct Renderer::Impl {
   std::vector<Kept> meshes;
   /// Without mirrors nothing shines through anything, and shaders may write sRGB themselves.
   bool coded = !quality.mirror;
-  Program lit = lit_program(gl, coded, quality);
+  std::unique_ptr<Program> lit;  ///< for as many lamps as the last list had
+  std::size_t lit_lamps = 0;
   Program baked = mesh_program(gl, {.early = coded}, shaders::kBakedFragment);
   Program floor = mesh_program(gl, {.coded = coded, .early = coded, .shadow = true, .mirror = true},
                                shaders::kFloorFragment);

@@ -14,6 +14,7 @@ struct Variant {
   bool lamps = false;   ///< lamps are worked out at vertices
   bool shadow = false;  ///< takes shadows
   bool mirror = false;  ///< a floor that mirrors
+  int count = 0;        ///< of lamps: a loop of unknown length would cost a third more
 };
 
 /// What several shaders ask: sRGB of a light, and Schlick's (1994) rise of reflection with the cosine
@@ -48,16 +49,18 @@ inline constexpr const char* kLight = R"(
 uniform vec3 eye_W;
 uniform vec3 sky;
 uniform vec3 ground;
-uniform int lamps;
-uniform vec3 lamp_p[8];
-uniform vec3 lamp_power[8];
+#if COUNT > 0
+uniform vec3 lamp_p[COUNT];
+uniform vec3 lamp_power[COUNT];
+#endif
 uniform float gloss;
 vec3 light(vec3 p_W, vec3 n_W, vec3 colour) {
   vec3 n = normalize(n_W);
   vec3 v = normalize(eye_W - p_W);
   vec3 diffuse = mix(ground, sky, 0.5 + 0.5 * n.z);
   vec3 shine = vec3(0.0);
-  for (int i = 0; i < lamps; ++i) {
+#if COUNT > 0
+  for (int i = 0; i < COUNT; ++i) {
     vec3 l = lamp_p[i] - p_W;
     float d2 = dot(l, l);
     l *= inversesqrt(d2);
@@ -67,6 +70,7 @@ vec3 light(vec3 p_W, vec3 n_W, vec3 colour) {
     s *= s; s *= s; s *= s; s *= s; s *= s; s *= s;  // to the 64th
     shine += power * s;
   }
+#endif
   float fresnel = 0.04 + 0.5 * schlick(dot(n, v));  // held down at the rim
   vec3 r = reflect(-v, n);
   shine += fresnel * mix(ground, sky, smoothstep(-0.2, 0.2, r.z));
@@ -224,6 +228,7 @@ inline std::string shader(const Variant& variant, const char* body) {
         std::pair{variant.mirror, "MIRROR"}}) {
     if (wanted) text += std::string("#define ") + name + "\n";
   }
+  text += "#define COUNT " + std::to_string(variant.count) + "\n";
   return text + kAsked + kLight + (variant.shadow ? kShade : "") + body;
 }
 

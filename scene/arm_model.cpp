@@ -1,6 +1,7 @@
 #include "scene/arm_model.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numbers>
 #include <stdexcept>
 
@@ -201,7 +202,14 @@ Pose ThrowMotion::head(Time time) const {
   const double t = seconds(time);
   const Vec3 p_MD = Vec3(0.0, 0.10, kEyeHeight) + trunk(t);
   Mat3 R_MD;  // x right, y up, looking along -z
-  R_MD.col(2) = (p_MD - looked_at(t)).normalized();
+  // No head bends down further than 44 degrees: the eyes do the rest.
+  constexpr double kSteepest = 0.69;
+  Vec3 back = (p_MD - looked_at(t)).normalized();
+  if (back.z() > kSteepest) {
+    const double level = std::sqrt(1.0 - kSteepest * kSteepest);
+    back << level * back.head<2>().normalized(), kSteepest;
+  }
+  R_MD.col(2) = back;
   R_MD.col(0) = Vec3::UnitZ().cross(R_MD.col(2)).normalized();
   R_MD.col(1) = R_MD.col(2).cross(R_MD.col(0));
   const Quat q_MD = Quat(R_MD) * rotation(head_turn_.at(t));

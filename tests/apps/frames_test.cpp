@@ -221,10 +221,10 @@ TEST_F(Frames, SideBySideAreBothEyesInOnePicture) {
 
 // Depth in both forms is the same to half a millimetre; ids are where things are.
 TEST_F(Frames, DepthAndIdsTellWhatEachPixelSees) {
-  ASSERT_EQ(headpin("frames " + kDemo + " -o out --frames 200 --depth --ids").code, 0);
-  const std::string png = decoded(folder_ / "out/left_000200_depth.png", "gray16le"),
-                    ids = decoded(folder_ / "out/left_000200_ids.png", "gray16le"),
-                    raw = slurp(folder_ / "out/left_000200_depth.raw");
+  ASSERT_EQ(headpin("frames " + kDemo + " -o out --frames 280 --depth --ids").code, 0);
+  const std::string png = decoded(folder_ / "out/left_000280_depth.png", "gray16le"),
+                    ids = decoded(folder_ / "out/left_000280_ids.png", "gray16le"),
+                    raw = slurp(folder_ / "out/left_000280_depth.raw");
   ASSERT_EQ(png.size(), std::size_t{2} * 360 * 240);
   ASSERT_EQ(ids.size(), png.size());
   ASSERT_EQ(raw.size(), 2 * png.size());
