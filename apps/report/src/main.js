@@ -54,8 +54,7 @@ class Page {
     this.trial = await trialOf('');
     this.clock = new Clock(this.trial.lastTick, this.trial.rate);
     this.other = hasBlock('json-other') ? await trialOf('-other') : null;
-    this.view = new View(find('view'), this.trial, this.other,
-      /swiftshader|llvmpipe|software/i.test(await window.graphics));
+    this.view = new View(find('view'), this.trial, this.other);
     this.timeline = new Timeline(this.clock);
     this.clock.onChange(() => this.view.show(this.clock.tick));
     this.view.drawNow(true);

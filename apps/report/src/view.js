@@ -14,6 +14,15 @@ const kSettled = 200;  // ms after the last change
 const kCoarse = 0.4;   // pixels of the picture a pixel of the screen, while it changes, in software
 const kOtherTint = [0.55, 0.8, 1.25];
 
+/** Without a graphics card every pixel costs: smooth edges and fine pixels are left out then. */
+function drawsInSoftware() {
+  const gl = document.createElement('canvas').getContext('webgl2');
+  const who = gl?.getExtension('WEBGL_debug_renderer_info');
+  const name = who ? gl.getParameter(who.UNMASKED_RENDERER_WEBGL) : '';
+  gl?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
 /** The pictures of one eye: drawn in the display's pixels, shown as wide as they are seen. */
 class Eye {
   constructor(eye) {
@@ -42,11 +51,10 @@ class Eye {
 }
 
 export class View {
-  /** @param software  without a graphics card every pixel costs: edges are not smooth then */
-  constructor(canvas, trial, other, software) {
+  constructor(canvas, trial, other) {
     this.canvas = canvas;
-    this.software = software;
-    this.renderer = new WebGLRenderer({ canvas, antialias: !software });
+    this.software = drawsInSoftware();
+    this.renderer = new WebGLRenderer({ canvas, antialias: !this.software });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.renderer.autoClear = false;
     this.mode = 'around';
