@@ -14,7 +14,7 @@ struct Variant {
   bool lamps = false;   ///< lamps are worked out at vertices
   bool shadow = false;  ///< takes shadows
   bool mirror = false;  ///< a floor that mirrors
-  int count = 0;        ///< of lamps: a loop of unknown length would cost a third more
+  int count = 0;        ///< of lamps
 };
 
 /// What several shaders ask: sRGB of a light, and Schlick's (1994) rise of reflection with the cosine
