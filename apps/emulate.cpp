@@ -149,7 +149,8 @@ struct Feed {
   }
 };
 
-/// The buttons of the 3D mouse, which a Fastrak's line has no room for: on MOUSE3D, at each change.
+/// The buttons of the 3D mouse, which a Fastrak's line has no room for: on MOUSE3D, at each change; those of a
+/// trial ten times a second too, by which listeners learn how late messages are.
 class Mouse {
  public:
   /// @param recorded  of a trial, in the order of time; its buttons are pressed as they were
@@ -158,28 +159,43 @@ class Mouse {
 
   devices::MouseSample typed;  ///< what --control holds down beside the trial
 
-  /// @param at  time in the trial
+  /// @param now  on the clock that messages are stamped by; a trial's changes are as exact as it is
+  /// @param at   in the trial
   void publish(Time now, Time at) {
-    devices::MouseSample mouse = typed;
-    const auto next =
+    const auto later =
         std::ranges::upper_bound(recorded_, at, {}, &devices::MouseSample::device_time);
-    if (next != recorded_.begin()) {
-      const devices::MouseSample& then = *(next - 1);
-      mouse.left_thumb = mouse.left_thumb || then.left_thumb;
-      mouse.right_thumb = mouse.right_thumb || then.right_thumb;
-      mouse.trigger = mouse.trigger || then.trigger;
+    const auto until = static_cast<std::size_t>(later - recorded_.begin());
+    if (until < told_) told_ = 0;  // it has begun again
+    for (; told_ < until; ++told_) {
+      then_ = recorded_[told_];
+      tell(now - at + then_.device_time);
     }
-    const std::array state = {mouse.left_thumb, mouse.right_thumb, mouse.trigger};
-    if (state == published_) return;
-    published_ = state;
-    mouse.device_time = now;
-    link_.publish(devices::Sample(mouse));
+    tell(now);
   }
 
  private:
+  void tell(Time time) {
+    devices::MouseSample mouse;
+    mouse.device_time = time;
+    mouse.left_thumb = typed.left_thumb || then_.left_thumb;
+    mouse.right_thumb = typed.right_thumb || then_.right_thumb;
+    mouse.trigger = typed.trigger || then_.trigger;
+    const std::array state = {mouse.left_thumb, mouse.right_thumb, mouse.trigger};
+    const bool again = !recorded_.empty() && std::chrono::abs(time - told_at_) >= kAgain;
+    if (state == told_last_ && !again) return;
+    told_last_ = state;
+    told_at_ = time;
+    link_.publish(devices::Sample(mouse));
+  }
+
+  static constexpr Time kAgain{100'000};
+
   devices::LcmLink link_;
   std::vector<devices::MouseSample> recorded_;
-  std::optional<std::array<bool, 3>> published_;
+  std::size_t told_ = 0;       ///< of these
+  devices::MouseSample then_;  ///< the last of them
+  std::optional<std::array<bool, 3>> told_last_;
+  Time told_at_{};
 };
 
 /// What others publish on TRACKER and MOUSE3D: the newest sample of each.
@@ -402,7 +418,11 @@ void emulate(const EmulateOptions& options) {
       }
     }
     if (lcm) lcm->poll(now);
-    if (mouse) mouse->publish(now, feed.within(now));
+    // By the clock of the unit's records, so that both devices have one; a trial has begun with those.
+    const bool of_trial = !options.trial.empty();
+    if (mouse && (started > 0 || !of_trial)) {
+      mouse->publish(of_trial ? now - emulator.stream_zero() : now, feed.within(now));
+    }
     if (line.pty) line.pty->expect_baud(options.strict_baud ? emulator.baud() : 0);
     devices::serve(emulator, line.stream(), now);
     // A recording begins when somebody starts to listen, and again for the next one.

@@ -43,14 +43,6 @@ struct LiveOptions {
   Condition condition;
 };
 
-/// Time on the session's clock, for those who stamp what arrives. It begins with the pace.
-struct SessionClock {
-  scene::RealTime::Clock::time_point start = scene::RealTime::Clock::now();
-  Time now() const {
-    return std::chrono::duration_cast<Time>(scene::RealTime::Clock::now() - start);
-  }
-};
-
 /// Mesa's software renderer takes a thread a core unless it is told.
 void leave_a_core_to_ticks() {
   const unsigned cores = std::thread::hardware_concurrency();
@@ -60,14 +52,13 @@ void leave_a_core_to_ticks() {
 
 /// Everything a live session holds.
 struct Live {
-  std::shared_ptr<SessionClock> clock = std::make_shared<SessionClock>();
+  std::shared_ptr<scene::RealTime> pace = std::make_shared<scene::RealTime>();
   std::vector<std::unique_ptr<devices::LiveSource>> sources;
   scene::Session session;
   std::unique_ptr<scene::TrialWriter> writer;
   std::unique_ptr<devices::LcmLink> link, session_link;  ///< to others
   std::unique_ptr<scene::TrialWriter> publisher;         ///< over the latter
   scene::Totals totals;
-  std::unique_ptr<scene::RealTime> pace;
   std::unique_ptr<scene::FramesBeside> eyes;
   std::int64_t samples = 0, frames = 0;
   scene::FrameLatency latency;
@@ -244,9 +235,9 @@ void Reporter::tick(const scene::Session& session) {
 }
 
 devices::SourceOptions source_options(const LiveOptions& options,
-                                      const std::shared_ptr<SessionClock>& clock) {
+                                      const std::shared_ptr<scene::RealTime>& pace) {
   devices::SourceOptions how;
-  how.clock = [clock] { return clock->now(); };
+  how.clock = [pace] { return pace->now(); };
   how.fastrak.baud = options.baud;
   for (const std::string& hemisphere : options.hemispheres) {
     devices::read_zenith(hemisphere, how.fastrak.zenith);
@@ -257,7 +248,7 @@ devices::SourceOptions source_options(const LiveOptions& options,
 Live open_live(const LiveOptions& options) {
   Live live;
   try {
-    const devices::SourceOptions how = source_options(options, live.clock);
+    const devices::SourceOptions how = source_options(options, live.pace);
     for (const std::string& name : options.sources) {
       live.sources.push_back(devices::open_source(name, how));
     }
@@ -345,12 +336,10 @@ void go_live(const LiveOptions& options) {
   live.eyes = open_eyes(live.session.stage, live.link ? options.eyes : std::string("none"),
                         options.lcm, options.gl);
   const Time end = microseconds(options.duration_s.value_or(0.0));
-  live.pace =
-      std::make_unique<scene::RealTime>(tick_time(1, live.session.scenario().rates.physics_hz));
-  live.eyes->begin(live.pace->start());
-  live.clock->start = live.pace->start();
+  live.eyes->measure_by(*live.pace);
+  live.pace->begin(live.session.scenario().rates.physics_hz);
   go_first();  // and the readers; where that takes a right we lack, drawing gives way all the same
-  for (const auto& one : live.sources) one->start();
+  for (const auto& one : live.sources) one->start(live.pace->genlock());
   open_recording(options, live);
   const devices::Event drawn_by = scene::drawn_by_event(live.eyes->drawn_by());
   if (live.writer) live.writer->write(drawn_by);

@@ -288,7 +288,9 @@ std::vector<ChannelUse> channel_uses() {
       {"HEADPIN_TRIAL", "trial_t", "first message of every trial"},
       {"TRACKER", "tracked_device_t",
        "each sample of each receiver; `live` takes them from others"},
-      {"MOUSE3D", "mouse3d_t", "each change of a button; `live` takes them from others"},
+      {"MOUSE3D", "mouse3d_t",
+       "each change of a button, from `emulate` ten times a second too; `live` takes them from "
+       "others"},
       {"EVENT", "event_t", "as things happen"},
       {"STATE", "state_t", "every tick of a simulation"},
       {"FRAME", "frame_t", "each frame that was drawn"},

@@ -174,7 +174,7 @@ void FastrakDriver::start_stream(Time now) {
   say(stream_commands(options_));
   const auto stations = static_cast<int>(std::count(active_.begin(), active_.end(), true));
   if (clock_) sequence_before_ += clock_->cycle() / std::max(1, stations) + 1;
-  clock_.emplace(stations, byte_time(), fastrak_record_length(formats_[0]));
+  clock_.emplace(stations, byte_time(), fastrak_record_length(formats_[0]), genlock_);
   in_step_ = true;
   last_record_ = now;
   enter(Phase::streaming, now);

@@ -44,6 +44,9 @@ class FastrakDriver : public Source {
   /// @throws std::invalid_argument  when the list lacks a position, an orientation or an end
   FastrakDriver(std::unique_ptr<ByteStream> stream, FastrakOptions options = {});
 
+  /// From the next stream on its cycles are taken for the session's clock; null: they are not.
+  void hold_to(Genlock* genlock) { genlock_ = genlock; }
+
   /// Over a stream with a clock of its own, also samples that arrived after `now`.
   void poll(Time now, std::vector<Sample>& out) override;
   bool exhausted() const override { return stream_->closed(); }
@@ -121,6 +124,7 @@ class FastrakDriver : public Source {
   bool in_step_ = true;
   std::deque<FastrakRecord> records_;  ///< whole, not handed out yet
   std::deque<Time> record_arrivals_;   ///< of each
+  Genlock* genlock_ = nullptr;
   std::optional<FastrakClock> clock_;
   std::int64_t sequence_before_ = 0;  ///< where counting goes on after a restart
   Time last_record_{};

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "devices/fastrak_codec.h"
+
 namespace headpin::devices {
 namespace {
 
-constexpr double kCycle_us = 1e6 / 120.0;
+constexpr double kCycle_us = 1e6 / static_cast<double>(kFastrakCycleRate);
 constexpr double kLatency_us = 3750.0;  // mid-sampling to output (manual p. E-4)
 
 /// The first records wait so long, so that one of them has come without delay.
@@ -37,8 +39,10 @@ bool came_by_itself(std::span<const Time> arrivals) {
 
 }  // namespace
 
-FastrakClock::FastrakClock(int active_stations, Time byte_time, std::size_t record_length)
+FastrakClock::FastrakClock(int active_stations, Time byte_time, std::size_t record_length,
+                           Genlock* genlock)
     : active_(std::max(1, active_stations)),
+      genlock_(genlock),
       lag_us_(kLatency_us + static_cast<double>(byte_time.count())),
       // The last byte leaves while the next record is written behind it.
       line_cycles_(static_cast<double>(record_length - 1) * static_cast<double>(byte_time.count()) /
@@ -67,7 +71,12 @@ std::optional<Time> FastrakClock::measured(int turn, std::span<const Time> arriv
   last_us_ =
       first ? estimate_us : std::max(estimate_us, last_us_ + 0.25 * kCycle_us);  // never back
   turn_ = turn;
-  return Time{std::llround(last_us_)};
+  if (!genlock_) return Time{std::llround(last_us_)};
+  const Time cycle_time = tick_time(cycle_, kFastrakCycleRate);
+  const double own_us = estimate_us - static_cast<double>(cycle_) * kCycle_us;
+  const Time held = cycle_time + Time{std::llround(genlock_->offset_us(this, own_us))};
+  handed_out_ = first ? held : std::max(held, handed_out_ + Time{1});
+  return handed_out_;
 }
 
 }  // namespace headpin::devices

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "devices/clock_offset.h"
+#include "devices/genlock.h"
 #include "engine/math.h"
 
 namespace headpin::devices {
@@ -20,7 +21,9 @@ class FastrakClock {
   /// @param active_stations  1 to 4: they take turns, a cycle each
   /// @param byte_time        of one byte on the line
   /// @param record_length    in bytes; a line too slow for one a cycle makes the unit skip turns
-  FastrakClock(int active_stations, Time byte_time, std::size_t record_length);
+  /// @param genlock          takes the cycles for the session's clock; null: there is none
+  FastrakClock(int active_stations, Time byte_time, std::size_t record_length,
+               Genlock* genlock = nullptr);
 
   /// Time of the measurement behind a record, later than the one before.
   ///
@@ -37,10 +40,12 @@ class FastrakClock {
 
  private:
   int active_;
+  Genlock* genlock_;
   double lag_us_;
   double line_cycles_;    ///< that the line takes for a record
   ClockOffset offset_;    ///< from its cycles, in microseconds
   double last_us_ = 0.0;  ///< estimate for the last record
+  Time handed_out_{};     ///< for the last record
   int turn_ = 0;
   std::int64_t cycle_ = 0;
 };

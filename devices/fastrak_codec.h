@@ -19,6 +19,8 @@
 namespace headpin::devices {
 
 constexpr int kFastrakStations = 4;
+/// Measurements a second, shared by the receivers (manual p. E-2).
+constexpr std::int64_t kFastrakCycleRate = 120;
 /// What its line can be set to (command o, p. 80).
 constexpr std::array<int, 7> kFastrakBauds = {2400, 4800, 9600, 19200, 38400, 57600, 115200};
 constexpr double kMetrePerInch = 0.0254;

@@ -9,8 +9,7 @@
 namespace headpin::devices {
 namespace {
 
-constexpr std::int64_t kCycleRate = 120;    // per second, shared by the receivers (p. E-2)
-constexpr Time kCycle{8333};                // 1 / kCycleRate
+constexpr Time kCycle{8333};                // 1 / kFastrakCycleRate
 constexpr Time kSolutionReady{5500};        // after the start of the field (p. E-2)
 constexpr Time kMidSampling{5500 - 3750};   // effective latency 3.75 ms (p. E-4)
 constexpr std::int64_t kSwitchCycles = 40;  // between looks at the stylus switch
@@ -142,7 +141,7 @@ void FastrakEmulator::advance(Time now) {
 
 void FastrakEmulator::run_cycles(Time now) {
   while (true) {
-    const Time start = tick_time(cycle_, kCycleRate);
+    const Time start = tick_time(cycle_, kFastrakCycleRate);
     const Time ready = start + kSolutionReady;
     if (ready > now) return;
     pump(ready);
@@ -163,7 +162,7 @@ std::optional<Time> FastrakEmulator::next_measured(int station, Time from) const
   if (station < 1 || wanted >= kFastrakStations || !active(wanted)) return std::nullopt;
   std::int64_t cycle = cycle_;
   for (std::size_t s = *next_active(measured_);; s = *next_active(s), ++cycle) {
-    const Time at = tick_time(cycle, kCycleRate) + kMidSampling;
+    const Time at = tick_time(cycle, kFastrakCycleRate) + kMidSampling;
     if (s == wanted && at >= from) return at;
   }
 }
@@ -193,7 +192,7 @@ void FastrakEmulator::measure(std::size_t station, Time at) {
   if (memory_.setup.sync == 2 && solution.error == ' ') solution.error = 'v';
   const FastrakNoise noise = noise_at(range);
   Random random(options_.seed, kNoise + station,
-                static_cast<std::uint64_t>(tick_time(cycle_, kCycleRate).count()));
+                static_cast<std::uint64_t>(tick_time(cycle_, kFastrakCycleRate).count()));
   X_TS.p += options_.faults.noise * noise.position * random.normal3();
   X_TS.q = rotation(options_.faults.noise * noise.rotation * random.normal3()) * X_TS.q;
 
@@ -416,8 +415,15 @@ void FastrakEmulator::drop_unsent() {
 }
 
 Time begin_of(const TrackerSample& first, const FastrakEmulator& emulator, Time now) {
+  const Time three_cycles = tick_time(3, kFastrakCycleRate);
   const Time wanted = now + first.device_time;
-  return emulator.next_measured(first.station, wanted).value_or(wanted) - first.device_time;
+  const std::optional<Time> next = emulator.next_measured(first.station, wanted);
+  for (std::optional<Time> at = next; at && *at <= wanted + 4 * three_cycles;
+       at = emulator.next_measured(first.station, *at + Time{1})) {
+    const Time begin = *at - first.device_time;
+    if ((begin - emulator.stream_zero()) % three_cycles == Time{0}) return begin;
+  }
+  return next.value_or(wanted) - first.device_time;
 }
 
 void serve(FastrakEmulator& emulator, ByteStream& stream, Time now) {

@@ -98,6 +98,10 @@ class FastrakEmulator {
   /// than a kilobyte costs whole records from then on.
   void taken(std::size_t count);
 
+  /// When the first record of the continuous output that is on was or will be measured, unless the
+  /// line loses it; what drivers count cycles from.
+  Time stream_zero() const { return stream_zero_; }
+
   /// When a station will be measured, at or after `from`, if nothing is switched until then; nothing
   /// for one that is off.
   std::optional<Time> next_measured(int station, Time from) const;
@@ -189,6 +193,7 @@ class FastrakEmulator {
   bool switch_was_down_ = false;  ///< at the last look at the stylus switch
   bool switched_off_ = false;     ///< continuous output, by the stylus switch
 
+  Time stream_zero_{};
   std::optional<std::size_t> expected_;  ///< station whose record continuous output sends next
   bool suspended_ = false;               ///< between ^S and ^Q
   std::uint64_t outputs_ = 0;            ///< records made, for the seeds of the faults
@@ -203,7 +208,9 @@ class FastrakEmulator {
 /// When a recording is to begin, from `now` on, for the unit's cycle to meet its samples.
 ///
 /// Measured in between them, a throw is another one: 6.62 to 6.65 m/s for the bundled one's 6.63, and
-/// 6 to 10 skittles for its 9.
+/// 6 to 10 skittles for its 9. Where the stations' turns allow it, that is three cycles of the stream
+/// or more times as many behind its first record: whole microseconds, so that a recording of a unit's
+/// own cycles is told with times that differ from its own by the same for every record.
 ///
 /// @param first  measurement in the recording
 Time begin_of(const TrackerSample& first, const FastrakEmulator& emulator, Time now);

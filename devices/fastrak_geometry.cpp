@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "devices/fastrak_codec.h"
+
 namespace headpin::devices {
 namespace {
 
@@ -51,6 +53,27 @@ FastrakNoise noise_at(double range) {
   const double weaker = std::max(1.0, range / kNear);
   const double growth = weaker * weaker * weaker;
   return {0.0002 * range * growth, 0.025 * kRadian * growth};
+}
+
+Pose as_received(const Pose& X_TS) {
+  const auto sent = [](double value) { return static_cast<double>(static_cast<float>(value)); };
+  Pose X = X_TS;
+  X.p = (X.p / kMetrePerCentimetre).unaryExpr(sent) * kMetrePerCentimetre;
+  if (X.q.w() < 0.0) X.q.coeffs() = -X.q.coeffs();  // as the unit sends it
+  // A unit quaternion's float32 are not quite unit, so those of what a driver makes of them may be
+  // others. Close by there are some that are not.
+  constexpr double kLastPlace = 6e-8;
+  for (int nudge = 0; nudge < 64; ++nudge) {
+    Quat near = X.q;
+    near.coeffs()[nudge % 4] += nudge * kLastPlace;
+    const Eigen::Vector4d line = near.normalized().coeffs().unaryExpr(sent);
+    const Quat received = Quat(line).normalized();
+    if (received.coeffs().unaryExpr(sent) == line) {
+      X.q = received;
+      break;
+    }
+  }
+  return X;
 }
 
 }  // namespace headpin::devices

@@ -70,4 +70,8 @@ FastrakNoise noise_at(double range);
 /// Where the field is too weak: 10 feet [m].
 constexpr double kFastrakRange = 3.048;
 
+/// What a driver gets of a pose, in binary centimetres and as a quaternion: float32, and unit again.
+/// It goes over the line once more as it is.
+Pose as_received(const Pose& X_TS);
+
 }  // namespace headpin::devices

@@ -98,6 +98,9 @@ void FastrakEmulator::immediate(char command, Time now) {
       if (!memory_.setup.continuous) expected_.reset();
       memory_.setup.continuous = true;
       switched_off_ = false;
+      if (const auto station = expected_ ? expected_ : next_active(kFastrakStations - 1)) {
+        stream_zero_ = *next_measured(static_cast<int>(*station) + 1, Time{});
+      }
       break;
     case 'c':
       memory_.setup.continuous = false;

@@ -350,7 +350,7 @@ void LcmSource::take(std::string_view channel, std::span<const std::uint8_t> byt
 
 void LcmSource::stamp(TrackerSample& sample) {
   Publisher& publisher = publishers_[sample.station];
-  sample.device_time = carried_over(publisher, sample.device_time);
+  sample.device_time = carried_over(publisher, sample.device_time, &publisher);
   sample.host_time = receiving_;
 }
 
@@ -370,17 +370,18 @@ void LcmSource::stamp(MouseSample& sample) {
   if (nearest != publishers_.end() && off(*nearest) < kSameClock_us) {
     mouse.clock = nearest->second.clock;
     mouse.theirs = sample.device_time;
-    mouse.device_time = Time{std::llround(mouse.clock.ours(theirs_us))};
+    mouse.device_time = held(sample.device_time, mouse.clock.ours(theirs_us), nullptr);
     mouse.host_time = receiving_;
     ++mouse.samples;
   } else {
-    carried_over(mouse, sample.device_time);
+    carried_over(mouse, sample.device_time, nullptr);
   }
   sample.device_time = mouse.device_time;
   sample.host_time = receiving_;
 }
 
-Time LcmSource::carried_over(Publisher& publisher, Time theirs) {
+/// @param held_to  what tells this clock from others that the session's may be held to
+Time LcmSource::carried_over(Publisher& publisher, Time theirs, const void* held_to) {
   constexpr double kJump_us = 1e6;
   const auto theirs_us = static_cast<double>(theirs.count());
   const auto seen_us = static_cast<double>(receiving_.count());
@@ -391,13 +392,20 @@ Time LcmSource::carried_over(Publisher& publisher, Time theirs) {
     jumped = true;
   }
   const bool first = publisher.samples++ == 0 || jumped;
-  Time ours{std::llround(publisher.clock.carry_over(theirs_us, seen_us))};
+  Time ours = held(theirs, publisher.clock.carry_over(theirs_us, seen_us), held_to);
   // What they measured later is later for us too, whatever was learnt of their clock.
   if (!first && theirs > publisher.theirs) ours = std::max(ours, publisher.device_time + Time{1});
   publisher.theirs = theirs;
   publisher.device_time = ours;
   publisher.host_time = receiving_;
   return ours;
+}
+
+/// @param ours_us  what is estimated for it
+Time LcmSource::held(Time theirs, double ours_us, const void* held_to) const {
+  if (!genlock_) return Time{std::llround(ours_us)};
+  const double estimated_us = ours_us - static_cast<double>(theirs.count());
+  return theirs + Time{std::llround(genlock_->offset_us(held_to, estimated_us))};
 }
 
 void LcmSource::poll(Time now, std::vector<Sample>& out) {

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "devices/clock_offset.h"
+#include "devices/genlock.h"
 #include "devices/source.h"
 #include "devices/trial_sink.h"
 #include "devices/viewer_messages.h"
@@ -125,6 +126,9 @@ class LcmSource : public Source {
   /// which they are asked for; that is before they came when a session is late.
   void use_clock(std::function<Time()> clock) { clock_ = std::move(clock); }
 
+  /// From now on the first station's clock is taken for the session's; null: none is.
+  void hold_to(Genlock* genlock) { genlock_ = genlock; }
+
   /// Throws away what has arrived up to now. What waited while a session was made ready would say
   /// nothing of the publishers' clocks.
   void drain();
@@ -148,7 +152,8 @@ class LcmSource : public Source {
   struct Subscriptions;
   void stamp(TrackerSample& sample);
   void stamp(MouseSample& sample);
-  Time carried_over(Publisher& publisher, Time theirs);
+  Time carried_over(Publisher& publisher, Time theirs, const void* held_to);
+  Time held(Time theirs, double ours_us, const void* held_to) const;
   void stamp_arrival(std::int64_t wall_us);
   void take(std::string_view channel, std::span<const std::uint8_t> bytes);
 
@@ -157,6 +162,7 @@ class LcmSource : public Source {
   std::deque<Sample> waiting_;  // in the order they came
   std::map<std::int32_t, Publisher> publishers_;
   std::function<Time()> clock_;
+  Genlock* genlock_ = nullptr;
   Time receiving_{}, polled_{};
   bool ended_ = false, draining_ = false;
   Counts counts_;

@@ -16,7 +16,8 @@ class LiveFastrak : public LiveSource {
               const FastrakOptions& options)
       : LiveSource(name), line_(line), driver_(std::move(stream), options) {}
 
-  void start() override {
+  void start(Genlock* genlock) override {
+    driver_.hold_to(genlock);
     if (line_) line_->start();
   }
   void poll(Time now, std::vector<Sample>& out) override { driver_.poll(now, out); }

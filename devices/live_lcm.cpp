@@ -16,7 +16,10 @@ class LiveLcm : public LiveSource {
     if (clock && !link_.is_replay()) source_.use_clock(clock);
   }
 
-  void start() override { source_.drain(); }
+  void start(Genlock* genlock) override {
+    if (!link_.is_replay()) source_.hold_to(genlock);
+    source_.drain();
+  }
   void poll(Time now, std::vector<Sample>& out) override { source_.poll(now, out); }
   bool exhausted() const override { return source_.exhausted(); }
   std::string activity() const override { return link_.is_replay() ? "playing" : "listening"; }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "devices/fastrak_setup.h"
+#include "devices/genlock.h"
 #include "devices/source.h"
 
 /// Sources by their names, as users write them.
@@ -24,7 +25,8 @@ class LiveSource : public Source {
   const std::string& name() const { return name_; }
 
   /// The session's clock runs from now on: what waited for it says nothing.
-  virtual void start() {}
+  /// @param genlock  what a tracker's clock is held to it by; must outlive this; null: nothing
+  virtual void start(Genlock* /*genlock*/ = nullptr) {}
 
   /// What it is doing.
   virtual std::string activity() const = 0;

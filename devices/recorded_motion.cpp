@@ -40,6 +40,14 @@ class Steps {
   std::optional<Time> newest_;
 };
 
+/// A stamp is a whole microsecond: a sample within one is what was measured then.
+std::optional<Pose> pose_at(const PoseTrack& poses, Time time) {
+  const auto& samples = poses.samples();
+  const auto near = std::ranges::lower_bound(samples, time - Time{1}, {}, &Stamped<Pose>::time);
+  if (near != samples.end() && near->time <= time + Time{1}) return near->value;
+  return poses.at(time);
+}
+
 /// What was measured of one station.
 struct StationTrack {
   PoseTrack poses;
@@ -65,7 +73,7 @@ struct Recording {
   FastrakTruth at(int number, Time time) const {
     const StationTrack& station = stations[static_cast<std::size_t>(number - 1)];
     FastrakTruth truth = still_motion(number, time);
-    truth.X_TS = station.poses.at(time).value_or(truth.X_TS);
+    truth.X_TS = pose_at(station.poses, time).value_or(truth.X_TS);
     truth.error = station.errors.at(time, ' ');
     truth.pressed = trigger.at(time, false);
     for (const StationTrack& each : stations) truth.pressed |= each.switches.at(time, false);

@@ -134,8 +134,8 @@ void FramesBeside::tick(const Session& session) {
   if (!X_WD) return;
   Job job{frame, session.tick, now, {}, {}, glimpse(session, *X_WD)};
   job.offered = Clock::now();
-  if (newest_ != shown_) {  // latency is that of fresh samples
-    job.stages = {.ticked = seconds_between(start_ + *newest_, taken_),
+  if (pace_ && newest_ != shown_) {  // latency is that of fresh samples
+    job.stages = {.ticked = seconds_between(pace_->at(*newest_), taken_),
                   .waited = seconds_between(taken_, job.offered)};
     const Time tick = tick_time(1, rates.physics_hz);
     if (now - since_ > tick) lead_ += tick;

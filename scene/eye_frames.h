@@ -147,8 +147,8 @@ class FramesBeside : public Observer {
   explicit FramesBeside(Makers makers);
   ~FramesBeside() override;
 
-  /// From here on, time 0 of the session.
-  void begin(Clock::time_point start) { start_ = start; }
+  /// What the latency is measured by; must outlive this.
+  void measure_by(const RealTime& pace) { pace_ = &pace; }
 
   void tick(const Session& session) override;
   /// What was finished since the last call.
@@ -172,7 +172,7 @@ class FramesBeside : public Observer {
   void work(const Makers& makers);
   static Done draw(Eyes& eyes, const Job& job, EyeFrame& frame, FrameSink* sink);
 
-  Clock::time_point start_;
+  const RealTime* pace_ = nullptr;
   std::int64_t frame_ = 0, late_ = 0;
   std::optional<Time> newest_, shown_;  // arrival of the head sample at hand, and in the last frame
   Time since_{};                        // when the session got the newest

@@ -125,7 +125,8 @@ void ParticipantBody::measure(std::int64_t cycle, Time time) {
   sample.X_TS = rig_.X_WT.inverse() * X_PS;
   const devices::FastrakNoise noise = devices::noise_at(sample.X_TS.p.norm());
   sample.X_TS.p += noise.position * noise_.normal3();
-  sample.X_TS.q = (sample.X_TS.q * rotation(noise.rotation * noise_.normal3())).normalized();
+  sample.X_TS.q = sample.X_TS.q * rotation(noise.rotation * noise_.normal3());
+  sample.X_TS = devices::as_received(sample.X_TS);
   waiting_.emplace_back(sample);
 }
 

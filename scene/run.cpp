@@ -1,11 +1,28 @@
 #include "scene/run.h"
 
+#include <cmath>
 #include <thread>
 
 namespace headpin::scene {
 
+void RealTime::begin(std::int64_t rate_hz) {
+  tick_ = tick_time(1, rate_hz);
+  genlock_.emplace(rate_hz);
+  start_ = Clock::now();
+}
+
+Time RealTime::now() const {
+  return std::chrono::duration_cast<Time>(Clock::now() - start_) - Time{behind_us_};
+}
+
+RealTime::Clock::time_point RealTime::at(Time time) const {
+  return start_ + time + Time{behind_us_};
+}
+
 void RealTime::wait_for(Time tick) {
-  const Clock::time_point due = start_ + tick;
+  if (genlock_) stretched_us_ += genlock_->stretch_us(tick_);
+  behind_us_ = std::llround(stretched_us_);
+  const Clock::time_point due = at(tick);
   std::this_thread::sleep_until(due);
   if (Clock::now() - due > tick_) ++overruns_;
 }

@@ -1,9 +1,13 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
+#include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 
+#include "devices/genlock.h"
 #include "scene/session.h"
 
 /// The one loop that every session goes through: live, emulated, imported or replayed. What differs
@@ -24,23 +28,31 @@ class NoPace : public Pace {
   void wait_for(Time) override {}
 };
 
-/// By the wall clock, time 0 being when this was made. Ticks are never skipped: one that is late is
-/// made at once.
+/// By the machine's clock, time 0 being when this was begun. Ticks are never skipped: one that is
+/// late is made at once. Where a tracker's clock is held to, ticks last as long as that asks for.
 class RealTime : public Pace {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// @param tick  from one to the next: a tick that begins later than that is an overrun
-  explicit RealTime(Time tick) : tick_(tick) {}
+  /// @param rate_hz  of the ticks: one that begins later than the next was due is an overrun
+  void begin(std::int64_t rate_hz);
 
   void wait_for(Time tick) override;
 
-  Clock::time_point start() const { return start_; }
+  /// The session's time, and when that is or was; from any thread.
+  Time now() const;
+  Clock::time_point at(Time time) const;
+
+  /// For the sources whose clocks it may be held to.
+  devices::Genlock* genlock() { return genlock_ ? &*genlock_ : nullptr; }
   std::int64_t overruns() const { return overruns_; }
 
  private:
-  Time tick_;
   Clock::time_point start_ = Clock::now();
+  Time tick_{};
+  std::optional<devices::Genlock> genlock_;
+  double stretched_us_ = 0.0;              ///< in all
+  std::atomic<std::int64_t> behind_us_{};  ///< the same, for other threads
   std::int64_t overruns_ = 0;
 };
 

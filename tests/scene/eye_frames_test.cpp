@@ -33,7 +33,9 @@ TEST(FramesBeside, TheFrameThatIsBeingShownAtTheEndIsAmongThoseDone) {
   head.X_TS.p = Vec3(0.0, -0.4, 1.7);
   devices::ReplaySource source({head});
   while (!head_pose(session)) advance(session, source);
-  eyes.begin(FramesBeside::Clock::now());
+  RealTime pace;
+  pace.begin(240);
+  eyes.measure_by(pace);
   eyes.tick(session);
   shown.acquire();
   EXPECT_TRUE(eyes.take_done().empty());  // it is on its way
