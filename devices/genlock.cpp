@@ -7,7 +7,7 @@
 namespace headpin::devices {
 namespace {
 
-constexpr double kSameClock_us =
+constexpr double kSameOffset_us =
     5e3;  // two messages of one clock are late by no more, on a busy day
 constexpr double kMadeUpIn_us = 1e6;  // but for 1/e of it
 constexpr double kMostLonger = 1e-2, kMostShorter = 1e-3;
@@ -21,7 +21,7 @@ double Genlock::offset_us(const void* whose, double estimated_us) {
   if (!held_to_) held_to_ = whose;
   const bool held = whose && whose == held_to_;
   if (!held) {
-    const bool same = offset_us_ && std::abs(estimated_us - *offset_us_) < kSameClock_us;
+    const bool same = offset_us_ && std::abs(estimated_us - *offset_us_) < kSameOffset_us;
     return same ? *offset_us_ : estimated_us;
   }
   // Rounded down, so that the session waits for it and not the other way round.
