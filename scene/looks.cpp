@@ -163,7 +163,7 @@ void Looks::add_buttons(const MeshKeeper& keeper, const Versions& versions) {
     room.items.push_back(item);
   };
   for (const auto& [p, colour] :
-       {std::pair{versions.red.button, 0xb3202a}, std::pair{versions.blue.button, 0x2046b3}}) {
+       {std::pair{versions.red.button, 0xb3202au}, std::pair{versions.blue.button, 0x2046b3u}}) {
     const auto inside = [r](const Vec3& q) { return q.norm() - r; };
     const Vec3 corner = Vec3::Constant(1.2 * r);
     add(render::surface_of(inside, -corner, corner, 0.2 * r, render::srgb(colour)), p);

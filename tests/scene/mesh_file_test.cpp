@@ -227,10 +227,10 @@ TEST(MeshFile, ThatIsBrokenHugeOrHostileIsRefusedWithItsReason) {
     return text.replace(text.find(from), from.size(), to);
   };
   std::string same_plane;  // every point is a neighbour of every other
-  for (int i = 0; i < 300'000; ++i) {
+  for (int i = 0; i < 330'000; ++i) {
     same_plane += fmt::format("v 0 {}e-9 {}e-9\n", i % 1000, i / 1000);
   }
-  for (int i = 1; i < 200'000; ++i) same_plane += fmt::format("f {} {} {}\n", i, i + 1, i + 2);
+  for (int i = 1; i < 329'000; ++i) same_plane += fmt::format("f {} {} {}\n", i, i + 1, i + 2);
   const std::string cube = kCube;
   std::string other = glb_of_cube("/etc/passwd");
   other = other.substr(20, other.find("BIN") - 24);  // its JSON

@@ -18,6 +18,7 @@ namespace headpin::scene {
 namespace {
 
 using testing::AllOf;
+using testing::AnyOf;
 using testing::HasSubstr;
 
 /// A file of the motion catalogue as a table, to be spoilt.
@@ -162,7 +163,9 @@ TEST_P(ThrowTest, RefusesMirroredAxes) {
     return complaint(
         [&](Csv& csv) { csv.each(axis, [](auto& row, std::size_t c) { row[c] = -row[c]; }); });
   };
-  EXPECT_THAT(mirrored("_pos_x"), AllOf(HasSubstr("the right hand is not on the right"),
+  // Heads are not turned along, and a head that follows the hand looks away from it then.
+  EXPECT_THAT(mirrored("_pos_x"), AllOf(AnyOf(HasSubstr("the right hand is not on the right"),
+                                              HasSubstr("the head does not look at the ball")),
                                         HasSubstr("it would be one with x mirrored")));
   EXPECT_THAT(mirrored("_pos_y"),
               AllOf(HasSubstr("the head is up -1."), HasSubstr("it would be one with y mirrored")));
