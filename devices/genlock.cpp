@@ -7,15 +7,19 @@
 namespace headpin::devices {
 namespace {
 
-constexpr double kSameOffset_us =
-    5e3;  // two messages of one clock are late by no more, on a busy day
-constexpr double kMadeUpIn_us = 1e6;  // but for 1/e of it
+// Messages of one clock are late by no more, on a busy day; and an estimate that moves by more than
+// the other is of a clock that was set anew.
+constexpr double kSameOffset_us = 5e3, kSetAnew_us = 15e3;
+constexpr double kWidestGrid_us = 25e3;  // poses are late by so much until it is made up
+constexpr double kMadeUpIn_us = 1e6;     // but for 1/e of it
 constexpr double kMostLonger = 1e-2, kMostShorter = 1e-3;
 
 }  // namespace
 
 Genlock::Genlock(std::int64_t rate_hz)
-    : grid_us_(1e6 / static_cast<double>(std::gcd(std::int64_t{1'000'000}, rate_hz))) {}
+    : grid_us_(1e6 / static_cast<double>(std::gcd(std::int64_t{1'000'000}, rate_hz))) {
+  if (grid_us_ > kWidestGrid_us) grid_us_ = 1e6 / static_cast<double>(rate_hz);
+}
 
 double Genlock::offset_us(const void* whose, double estimated_us) {
   if (!held_to_) held_to_ = whose;
@@ -25,7 +29,7 @@ double Genlock::offset_us(const void* whose, double estimated_us) {
     return same ? *offset_us_ : estimated_us;
   }
   // Rounded down, so that the session waits for it and not the other way round.
-  if (!offset_us_ || std::abs(estimated_us - *offset_us_) > grid_us_) {
+  if (!offset_us_ || std::abs(estimated_us - *offset_us_) > std::max(grid_us_, kSetAnew_us)) {
     offset_us_ = std::floor(estimated_us / grid_us_) * grid_us_;
   }
   off_us_ = estimated_us - *offset_us_;

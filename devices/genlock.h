@@ -17,7 +17,8 @@ namespace headpin::devices {
 class Genlock {
  public:
   /// @param rate_hz  of the ticks. The grid is as many of them as are whole microseconds, 12.5 ms of
-  ///                 240 Hz, so that it is the same from each step of it.
+  ///                 240 Hz, so that it is the same from each step of it; of rates where those
+  ///                 would be more than 25 ms, single ticks, and the same to a microsecond.
   explicit Genlock(std::int64_t rate_hz);
 
   /// By what a clock is to be taken to differ from the session's.
