@@ -117,7 +117,7 @@ TEST_F(Outputs, OddNamesAreNames) {
   fs::create_directory(folder_ / "odd place");
   const Result made = headpin("synthesize --json -o " + quoted);
   EXPECT_EQ(made.code, 0) << made.err;
-  EXPECT_NO_THROW(nlohmann::json::parse(made.out)) << made.out;
+  EXPECT_TRUE(nlohmann::json::accept(made.out)) << made.out;
   EXPECT_EQ(headpin("frames " + quoted + " --frames 3 -o 'odd place/" + "f:1' --video " +
                     "'odd place/v:1.mkv'")
                 .code,

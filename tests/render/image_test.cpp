@@ -19,9 +19,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
+std::size_t bytes_of(int width, int height) {
+  return 3 * static_cast<std::size_t>(width) * static_cast<std::size_t>(height);
+}
+
 Image noise(int width, int height, unsigned seed) {
   std::mt19937 random(seed);
-  Image image{width, height, std::vector<std::uint8_t>(std::size_t(3) * width * height)};
+  Image image{width, height, std::vector<std::uint8_t>(bytes_of(width, height))};
   for (std::uint8_t& byte : image.rgb) byte = static_cast<std::uint8_t>(random());
   return image;
 }
@@ -45,7 +49,8 @@ std::vector<std::uint8_t> samples_of(int w, int h, int n, int code) {
 // Black and white in turn: of five samples that lie like a cross, the middle is one, the others four.
 TEST(Average, OfABlackAndWhiteCheckerIsItsLightNotItsCode) {
   std::vector<std::uint8_t> checker = samples_of(1, 1, 2, 0);  // 3 x 3 samples
-  for (std::size_t i = 1; i < 9; i += 2) std::fill_n(checker.begin() + 4 * i, 4, 255);
+  for (std::size_t i = 1; i < 9; i += 2)
+    std::fill_n(checker.begin() + 4 * static_cast<std::ptrdiff_t>(i), 4, 255);
   const Image image = average(checker, 1, 1, 2);
   EXPECT_EQ(image.rgb, (std::vector<std::uint8_t>{231, 231, 231}));  // code of 0.8
 }
@@ -106,7 +111,9 @@ TEST(SideBySide, KeepsTheLeftEyeOnTheLeftInEveryRow) {
       const Image& eye = x < 3 ? left : right;
       const int at = x < 3 ? x : x - 3;
       for (int c = 0; c < 3; ++c) {
-        ASSERT_EQ(both.rgb[3 * (y * 7 + x) + c], eye.rgb[3 * (y * eye.width + at) + c]);
+        const auto of_both = static_cast<std::size_t>(3 * (y * 7 + x) + c);
+        const auto of_eye = static_cast<std::size_t>(3 * (y * eye.width + at) + c);
+        ASSERT_EQ(both.rgb[of_both], eye.rgb[of_eye]);
       }
     }
   }
@@ -166,7 +173,7 @@ TEST(Png, SurvivesDamage) {
     damaged[random() % png.size()] ^= static_cast<std::uint8_t>(1 + random() % 255);
     try {
       const Image image = decode_png(damaged);
-      EXPECT_EQ(image.rgb.size(), std::size_t(3) * image.width * image.height);
+      EXPECT_EQ(image.rgb.size(), bytes_of(image.width, image.height));
     } catch (const std::runtime_error&) {
       ++refused;
     }

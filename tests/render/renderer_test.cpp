@@ -15,7 +15,7 @@
 namespace headpin::render {
 namespace {
 
-constexpr Quality kPlain{.samples = 2, .contact = false, .shadow = false, .mirror = false};
+const Quality kPlain{.samples = 2, .contact = false, .shadow = false, .mirror = false};
 
 /// Head upright at a height, looking along +y.
 Pose looking_ahead(const Vec3& p_W) {

@@ -59,7 +59,7 @@ async function differenceOver(page, mask, own) {
 }
 
 test('ball and skittle are where the trial has them, as the eyes see them, at three times', async () => {
-  const frames = [250, 300, 312];
+  const frames = [280, 300, 312];
   headpin('frames', 'game.lcmlog', '-o', 'frames', '--frames', frames.join(','), '--ids');
   const { page } = await open(browser, 'game.html');
   await page.keyboard.press('c');  // arrows are not what the eyes see
