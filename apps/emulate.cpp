@@ -149,8 +149,8 @@ struct Feed {
   }
 };
 
-/// The buttons of the 3D mouse, which a Fastrak's line has no room for: on MOUSE3D, at each change; those of a
-/// trial ten times a second too, by which listeners learn how late messages are.
+/// The buttons of the 3D mouse, which a Fastrak's line has no room for: on MOUSE3D, at each change;
+/// those of a trial ten times a second too, by which listeners learn how late messages are.
 class Mouse {
  public:
   /// @param recorded  of a trial, in the order of time; its buttons are pressed as they were
@@ -418,7 +418,7 @@ void emulate(const EmulateOptions& options) {
       }
     }
     if (lcm) lcm->poll(now);
-    // By the clock of the unit's records, so that both devices have one; a trial has begun with those.
+    // A trial begins with the unit's records, and its buttons are told by the clock of those.
     const bool of_trial = !options.trial.empty();
     if (mouse && (started > 0 || !of_trial)) {
       mouse->publish(of_trial ? now - emulator.stream_zero() : now, feed.within(now));

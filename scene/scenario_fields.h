@@ -258,7 +258,7 @@ void visit(V& v, render::Quality& q) {
   v.field("samples", q.samples, Range{1, 8},
           "a pixel is the mean light of so many, squared, and one; 1 is one");
   v.field("contact", q.contact, kAny, "floors darken beneath and beside bodies");
-  v.field("shadow", q.shadow, kAny, "bodies cast shadows on floors");
+  v.field("shadow", q.shadow, kAny, "bodies cast shadows on floors and bodies");
   v.field("mirror", q.mirror, kAny, "polished floors mirror what stands on them");
   v.field("light", q.light, Choices{"pixel", "vertex"}, "where lamps light bodies");
 }

@@ -100,6 +100,10 @@ TEST_F(Live, FedByLcmLogplayerItReplaysToTheSameHashes) {
   // 843 were sent; a machine that is busy with more loses datagrams before anybody gets them.
   EXPECT_THAT(live["samples"].get<int>(), testing::AllOf(testing::Gt(600), testing::Le(843)));
   EXPECT_EQ(live["sources"][0]["dropped_samples"], 0);
+  if (live["samples"] == 843) {  // at the same places between the ticks, whenever it was sent
+    EXPECT_EQ(live["release_speed_mps"],
+              json("replay " + kDemo + " -o demo.lcmlog --json")["release_speed_mps"]);
+  }
   EXPECT_GT(live["frames"].get<int>(), 0);
   EXPECT_GT(live["skittles_down"].get<int>(), 0);
 
@@ -506,6 +510,27 @@ TEST_F(Live, ThumbsThatAreTypedAtAnEmulatorReachTheSession) {
   EXPECT_THAT(buttons, testing::EndsWith("L-- L-T LRT LR- -R- --- "));
   EXPECT_EQ(json("replay live.lcmlog --verify --json")["verified_ticks"],
             trial("live.lcmlog").states.size());
+}
+
+// Its line has float32 numbers, hence not to the last digit; a millisecond of the trigger is 8e-3.
+TEST_F(Live, AThrowThroughAnEmulatedUnitWithItsMouseIsThatOfItsReplay) {
+  const Result result = alone(
+      "$headpin emulate " + kDemo +
+      " --link unit --faults noise=0 --mouse '' & unit=$!\n"
+      "there $unit unit\n"
+      "$headpin live fastrak:unit lcm: --scenario room.toml --record live.lcmlog --eyes none & "
+      "live=$!\ncounted $live live.lcmlog TRACKER 700\n"
+      "interrupt $live; code=$?; interrupt $unit; exit $code");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const double wanted =
+      json("replay " + kDemo + " -o demo.lcmlog --json")["release_speed_mps"].get<double>();
+  const nlohmann::json live = json("replay live.lcmlog --verify --json");
+  EXPECT_NEAR(live["release_speed_mps"].get<double>(), wanted, 1e-3);
+  std::ptrdiff_t told = 0;
+  for (const devices::Sample& sample : trial("live.lcmlog").samples) {
+    told += std::holds_alternative<devices::MouseSample>(sample) ? 1 : 0;
+  }
+  EXPECT_GT(told, 30);  // two changes, and ten times a second
 }
 
 TEST_F(Live, WithoutARouteItSaysWhatIsWrong) {
