@@ -214,6 +214,7 @@ void TrialPublisher::send(Time time, const T& message) {
   last_ = std::max(last_, time);
   if (last_ >= next_header_) {
     link_.publish(header_);
+    if (drawn_by_) link_.publish(*drawn_by_);
     next_header_ = last_ + Time{1'000'000};
   }
   link_.publish(message);
@@ -226,6 +227,7 @@ void TrialPublisher::write(const Sample& sample) {
 
 void TrialPublisher::write(const Event& event) {
   send(event.time, event);
+  if (event.kind == kDrawnByEvent) drawn_by_ = event;
 }
 
 void TrialPublisher::write(const TickState& state) {

@@ -65,8 +65,8 @@ class LcmLink {
   std::vector<std::uint8_t> bytes_;  // of the message at hand
 };
 
-/// A trial published as it comes about. Its header is repeated every second, for those who begin to
-/// listen later.
+/// A trial published as it comes about. Its header and who draws its frames are repeated every second,
+/// for those who begin to listen later.
 class TrialPublisher : public TrialSink {
  public:
   /// @param link    must outlive this
@@ -85,7 +85,8 @@ class TrialPublisher : public TrialSink {
 
   LcmLink& link_;
   TrialHeader header_;
-  std::int64_t count_ = 1;  ///< of messages, the header once
+  std::optional<Event> drawn_by_;
+  std::int64_t count_ = 1;  ///< of messages, what is repeated once
   Time last_{}, next_header_{};
 };
 

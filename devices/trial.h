@@ -46,6 +46,10 @@ struct Event {
 /// Kind of the last event of a finished log; its value counts the messages before it.
 constexpr const char* kEndEvent = "end";
 
+/// Kind of the event that says who drew the frames (scene/drawn_by.h). Who publishes a trial repeats
+/// it with the header; the first one counts.
+constexpr const char* kDrawnByEvent = "drawn_by";
+
 struct BodyState {
   Pose X_WB;
   Twist V_WB;

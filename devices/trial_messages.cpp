@@ -1,6 +1,7 @@
 #include "devices/trial_messages.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "devices/log.h"
 
@@ -56,9 +57,11 @@ std::optional<Message> Messages::take(const LogEvent& event) {
     take(*header);
     return std::nullopt;
   }
+  const auto* said = std::get_if<Event>(&*message);
+  if (said && said->kind == kDrawnByEvent && std::exchange(drawn_by_, true)) return std::nullopt;
   ++taken_;
-  if (const auto* last = std::get_if<Event>(&*message); last && last->kind == kEndEvent) {
-    counted_.complete = last->value == static_cast<double>(taken_ - 1);
+  if (said && said->kind == kEndEvent) {
+    counted_.complete = said->value == static_cast<double>(taken_ - 1);
     return std::nullopt;
   }
   if (const auto* tracker = std::get_if<TrackerSample>(&*message);

@@ -3,7 +3,7 @@
 // Inlining all of a search is worth a third of its time, all of an island's solution a tenth of a
 // step; it costs a sanitizer build minutes, as its checks are multiplied with every copy. There it
 // is left to the compiler.
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef HEADPIN_SANITIZED
 #define HEADPIN_INLINE
 #define HEADPIN_FLATTEN
 #else

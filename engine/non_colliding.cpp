@@ -305,8 +305,8 @@ struct Glance {
 /// A way out counts as the least when none is shorter than this part of it, less this part of the
 /// size.
 constexpr double kLeast = 0.9905, kRounding = 5e-9;
-/// Most ways out looked at, each shorter than the one before.
-constexpr int kWaysOut = 20;
+/// Most ways out looked at, each shorter than the one before, and most polytopes for them.
+constexpr int kWaysOut = 20, kAttempts = 3;
 
 /// Whether the shape holds a ball about p. Where an ellipsoid has the normal n, a ball as round as
 /// its sharpest end touches it from within: what that holds, the ellipsoid does.
@@ -324,10 +324,12 @@ double to_beat(const Closest& c, double size) {
   return -kLeast * c.distance - kRounding * size;
 }
 
-/// Whether a way out is the least, as a ball of almost its length about the end of it lies within
-/// the other shape: true of most that begin at a vertex, a cap or a smooth surface.
+/// Whether nothing is left to look for: the shapes are apart, or the way out is the least, as a ball
+/// of almost its length about the end of it lies within the other shape. That is true of most that
+/// begin at a vertex, a cap or a smooth surface.
 template <typename A, typename B>
-bool is_least(const A& a, const B& b, const Pose& X_AB, const Closest& c, double size) {
+bool is_proven(const A& a, const B& b, const Pose& X_AB, const Closest& c, double size) {
+  if (c.separated) return true;
   const double radius = to_beat(c, size);
   if (holds_ball(a, c.p_B, c.n_AB, radius)) return true;
   const Quat q_BA = X_AB.q.conjugate();
@@ -365,6 +367,35 @@ Vec3 furthest_of(void* search, const Vec3& n) {
   return (*static_cast<S*>(search))(n).S;
 }
 
+/// Replaces a way out by shorter ones until none is; false when it had to give up before that was
+/// proven. Two edges lie across each other, or a minimum is not the least, or there is none: one may
+/// even be found where the shapes are apart.
+template <typename A, typename B, typename S>
+HEADPIN_FLATTEN __attribute__((noinline)) bool shorten(const A& a, const B& b, const Pose& X_AB,
+                                                       S& search, Closest& c, double size,
+                                                       const Query& q) {
+  for (int attempt = 0; attempt < kAttempts; ++attempt) {
+    Polytope around(&furthest_of<S>, &search, c.n_AB, c.p_A - c.p_B);
+    Vec3 shorter;
+    for (int k = 0; k < kWaysOut && around.find_shorter(to_beat(c, size), shorter); ++k) {
+      const Support s = search(shorter);
+      const Closest there = settle(search, shorter, s, size, false, q);
+      const bool capped = c.capped || there.capped;
+      c = -there.distance <= s.h ? there : search.answer(s, shorter);
+      c.capped = capped;
+      if (is_proven(a, b, X_AB, c, size)) return true;
+    }
+    if (!around.gave_up()) return true;
+    // From where it was nearest, and if that leads on, round there.
+    const Closest there = settle(search, shorter, search(shorter), size, false, q);
+    c.capped = true;
+    if (there.distance <= c.distance) return false;
+    c = there;
+    c.capped = true;
+  }
+  return false;
+}
+
 /// Carries on from a normal that proves nothing: until the closest points are found, and proven, or
 /// in the paper's mode to its cap.
 template <typename A, typename B, typename Look>
@@ -377,21 +408,14 @@ HEADPIN_FLATTEN __attribute__((noinline)) Closest carry_on(const A& a, const B& 
   const double size = std::min(size_of(a), size_of(b));
   Closest c =
       warm ? settle(search, n, first, size, true, q) : from_centres(search, n, first, size, q);
-  const auto is_done = [&] { return c.separated || is_least(a, b, X_AB, c, size); };
-  if (!is_done()) {
-    // Two edges across each other, or a minimum that is not the least, or none: one may even be
-    // found where the shapes are apart.
-    using S = std::decay_t<decltype(search)>;
-    Polytope around(&furthest_of<S>, &search, c.n_AB, c.p_A - c.p_B);
-    Vec3 shorter;
-    for (int k = 0; k < kWaysOut && around.find_shorter(to_beat(c, size), shorter); ++k) {
-      const Support s = search(shorter);
-      const Closest there = settle(search, shorter, s, size, false, q);
-      const bool capped = c.capped || there.capped;
-      c = -there.distance <= s.h ? there : search.answer(s, shorter);
-      c.capped = capped;
-      if (is_done()) break;
-    }
+  if (!is_proven(a, b, X_AB, c, size) && !shorten(a, b, X_AB, search, c, size, q) && warm) {
+    // Nothing proven, as between round shapes that nearly share an axis: the line of centres may
+    // lead to less than a kept normal did.
+    const Vec3 line = unit_or(centre_B(b, X_AB) - centre(a), n);
+    Closest cold = from_centres(search, line, search(line), size, q);
+    if (!is_proven(a, b, X_AB, cold, size)) shorten(a, b, X_AB, search, cold, size, q);
+    if (cold.distance > c.distance) c = cold;
+    c.capped = true;
   }
   if (c.separated && c.distance <= q.margin && !is_distance(c, size)) {
     const bool capped = c.capped;

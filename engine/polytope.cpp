@@ -131,13 +131,19 @@ bool Polytope::find_shorter(double depth, Vec3& n) {
       nearest->offset = std::numeric_limits<double>::infinity();
       continue;
     }
-    if (count_ == kPoints) return false;
+    if (count_ == kPoints) break;
     points_[count_] = s;
     if (!insert(count_++)) {  // rounding has torn it: once more, in another order
-      if (made_anew_) return false;
+      if (made_anew_) break;
       made_anew_ = true;
       start();
     }
+  }
+  gave_up_ = face_count_ > 0;
+  if (gave_up_) {
+    n = std::min_element(faces_, faces_ + face_count_, [](const Face& f, const Face& g) {
+          return f.offset < g.offset;
+        })->normal;
   }
   return false;
 }

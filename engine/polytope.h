@@ -21,6 +21,10 @@ class Polytope {
   /// no room for more points. Called again with less, it goes on from where it was.
   bool find_shorter(double depth, Vec3& n);
 
+  /// Whether false was for want of room, or as rounding has torn it: then nothing is proven, and n
+  /// is the normal of the nearest triangle.
+  bool gave_up() const { return gave_up_; }
+
  private:
   static constexpr int kPoints = 500, kFaces = 2 * kPoints;
   struct Face {
@@ -41,7 +45,7 @@ class Polytope {
   int count_ = 0;
   Face faces_[kFaces];
   int face_count_ = 0;
-  bool made_anew_ = false;
+  bool made_anew_ = false, gave_up_ = false;
   double rounding_ = 0.0;  // what may lie before a plane and yet be on it [m]
 };
 

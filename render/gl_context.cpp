@@ -10,7 +10,7 @@
 
 #include "render/gl_functions.h"
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef HEADPIN_SANITIZED
 // Mesa and the compiler under it keep some memory to the end of the process.
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libOSMesa.so\nleak:libLLVM\nleak:libEGL\nleak:swrast_dri.so\n";

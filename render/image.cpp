@@ -4,15 +4,16 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
-#include <csetjmp>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <iterator>
 #include <memory>
+#include <new>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 
+#include <libdeflate.h>
 #include <png.h>
 
 #include "engine/hash.h"
@@ -52,18 +53,6 @@ Bytes make_code_table() {
   return table;
 }
 
-void append_to(png_structp png, png_bytep data, png_size_t size) {
-  auto& bytes = *static_cast<Bytes*>(png_get_io_ptr(png));
-  bytes.insert(bytes.end(), data, data + size);
-}
-
-void keep_message(png_structp png, png_const_charp message) {
-  std::snprintf(static_cast<char*>(png_get_error_ptr(png)), 128, "%s", message);
-  longjmp(png_jmpbuf(png), 1);
-}
-
-void ignore_warning(png_structp, png_const_charp) {}
-
 /// Rows as PNG has them.
 struct Raster {
   const std::uint8_t* bytes;
@@ -74,32 +63,48 @@ struct Raster {
   }
 };
 
-/// libpng leaves by longjmp, so nothing in here may have a destructor.
-bool encode(const Raster& image, double pixel_aspect, Bytes* bytes, char* message) {
-  png_structp png =
-      png_create_write_struct(PNG_LIBPNG_VER_STRING, message, keep_message, ignore_warning);
-  png_infop info = png == nullptr ? nullptr : png_create_info_struct(png);
-  if (info == nullptr || setjmp(png_jmpbuf(png)) != 0) {
-    png_destroy_write_struct(&png, &info);
-    return false;
+void append_number(Bytes& bytes, std::size_t number) {
+  for (const int shift : {24, 16, 8, 0}) {
+    bytes.push_back(static_cast<std::uint8_t>(number >> shift));
   }
-  png_set_write_fn(png, bytes, append_to, nullptr);
-  png_set_compression_level(png, 1);
-  png_set_filter(png, 0, PNG_FILTER_UP);
-  png_set_IHDR(png, info, static_cast<png_uint_32>(image.width),
-               static_cast<png_uint_32>(image.height), image.channels == 3 ? 8 : 16,
-               image.channels == 3 ? PNG_COLOR_TYPE_RGB : PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
-               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
-  if (image.channels == 3) png_set_sRGB(png, info, PNG_sRGB_INTENT_PERCEPTUAL);
-  png_set_pHYs(png, info, 10000, static_cast<png_uint_32>(std::lround(10000 * pixel_aspect)),
-               PNG_RESOLUTION_UNKNOWN);
-  png_write_info(png, info);
-  for (int y = 0; y < image.height; ++y) {
-    png_write_row(png, image.bytes + static_cast<std::size_t>(y) * image.stride());
+}
+
+/// A chunk (PNG, 2nd edition, 5.3).
+void append_chunk(Bytes& png, std::string_view name, const Bytes& data) {
+  append_number(png, data.size());
+  const std::size_t start = png.size();
+  png.insert(png.end(), name.begin(), name.end());
+  png.insert(png.end(), data.begin(), data.end());
+  append_number(png, libdeflate_crc32(0, png.data() + start, png.size() - start));
+}
+
+/// Each row less the one above it: "up", filter 2 (9.2).
+Bytes filtered(const Raster& image) {
+  const std::size_t row = image.stride(), rows = static_cast<std::size_t>(image.height);
+  Bytes out((row + 1) * rows);
+  for (std::size_t y = 0; y < rows; ++y) {
+    const std::uint8_t* here = image.bytes + y * row;
+    std::uint8_t* to = out.data() + y * (row + 1);
+    *to++ = y == 0 ? 0 : 2;
+    if (y == 0) {
+      std::copy_n(here, row, to);
+      continue;
+    }
+    const std::uint8_t* above = here - row;
+    for (std::size_t i = 0; i < row; ++i) to[i] = static_cast<std::uint8_t>(here[i] - above[i]);
   }
-  png_write_end(png, info);
-  png_destroy_write_struct(&png, &info);
-  return true;
+  return out;
+}
+
+/// The fastest level: see PNG in tests/bench/README.md.
+Bytes compressed(const Bytes& bytes) {
+  const std::unique_ptr<libdeflate_compressor, decltype(&libdeflate_free_compressor)> compressor(
+      libdeflate_alloc_compressor(1), libdeflate_free_compressor);
+  if (!compressor) throw std::bad_alloc();
+  Bytes out(libdeflate_zlib_compress_bound(compressor.get(), bytes.size()));
+  out.resize(libdeflate_zlib_compress(compressor.get(), bytes.data(), bytes.size(), out.data(),
+                                      out.size()));
+  return out;
 }
 
 /// Where each pixel's samples lie in the grid, from the one at its lower left corner.
@@ -151,14 +156,25 @@ Bytes encoded(const Raster& raster, double pixel_aspect) {
   if (!(pixel_aspect > 0.001 && pixel_aspect < 1000.0)) {
     throw std::invalid_argument("PNG: pixel aspect " + std::to_string(pixel_aspect));
   }
-  Bytes bytes;
-  // Mostly enough, and libpng never meets bad_alloc half way.
-  bytes.reserve(raster.stride() * static_cast<std::size_t>(raster.height));
-  std::array<char, 128> message{"out of memory"};
-  if (!encode(raster, pixel_aspect, &bytes, message.data())) {
-    throw std::runtime_error(std::string("PNG: ") + message.data());
+  const bool colour = raster.channels == 3;
+  Bytes head, aspect;
+  append_number(head, static_cast<std::size_t>(raster.width));
+  append_number(head, static_cast<std::size_t>(raster.height));
+  // Bits a channel, RGB or grey, and the only compression, filters and order there are.
+  for (const int byte : {colour ? 8 : 16, colour ? 2 : 0, 0, 0, 0}) {
+    head.push_back(static_cast<std::uint8_t>(byte));
   }
-  return bytes;
+  append_number(aspect, 10000);
+  append_number(aspect, static_cast<std::size_t>(std::lround(10000 * pixel_aspect)));
+  aspect.push_back(0);  // of no unit
+
+  Bytes png{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+  append_chunk(png, "IHDR", head);
+  if (colour) append_chunk(png, "sRGB", {0});  // perceptual
+  append_chunk(png, "pHYs", aspect);
+  append_chunk(png, "IDAT", compressed(filtered(raster)));
+  append_chunk(png, "IEND", {});
+  return png;
 }
 
 void write_bytes(const std::filesystem::path& path, const Bytes& bytes) {

@@ -40,7 +40,7 @@ Image side_by_side(const Image& left, const Image& right);
 /// @param samples  SampleGrid::n, 1..8
 Image average(std::span<const std::uint8_t> rgba, int width, int height, int samples);
 
-/// The picture as a PNG file, fast: deflate level 1, "up" filter.
+/// The picture as a PNG file, fast: libdeflate at level 1, "up" filter.
 ///
 /// @param pixel_aspect  width of a pixel over its height, written as pHYs
 std::vector<std::uint8_t> encode_png(const Image& image, double pixel_aspect = 1.0);

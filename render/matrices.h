@@ -2,6 +2,8 @@
 
 #include <limits>
 
+#include <Eigen/Geometry>
+
 #include "render/draw_list.h"
 #include "render/eyes.h"
 
@@ -65,6 +67,16 @@ inline Mat4 world_to_shadow(const Shadow& shadow) {
   m.topRightCorner<3, 1>() = -to_unit.cwiseProduct(0.5 * (hi + lo));
   m(2, 3) = -m(2, 3);
   return m;
+}
+
+/// What a box covers of a plane that is looked at along parallel lines: x and y of its corners.
+inline Eigen::AlignedBox2d across(const Eigen::AlignedBox3d& box, const Mat4& view) {
+  Eigen::AlignedBox2d seen;
+  for (int corner = 0; corner < 8; ++corner) {
+    const Vec3 p = box.corner(static_cast<Eigen::AlignedBox3d::CornerType>(corner));
+    seen.extend((view * p.homogeneous()).head<2>().eval());
+  }
+  return seen;
 }
 
 }  // namespace headpin::render

@@ -36,7 +36,9 @@ int Renderer::add(const Mesh& mesh) {
     if (i >= mesh.vertices.size()) throw std::invalid_argument("mesh: index beyond its vertices");
   }
   r.context->make_current();
-  const MeshParts parted = part_by_place(mesh);
+  // Floors in small parts: of each it is asked whether a shadow may fall on it.
+  const MeshParts parted =
+      mesh.surface == Surface::floor ? part_by_place(mesh, 1.0, 16) : part_by_place(mesh);
   Kept kept{mesh.surface, mesh.gloss, mesh.takes_shadow, parted.parts, parted.box};
   r.gl.GenVertexArrays(1, &kept.arrays);
   r.gl.BindVertexArray(kept.arrays);
@@ -77,14 +79,13 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
   gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(contact.size() * sizeof(ContactVertex)),
                 contact.data(), GL_STREAM_DRAW);
 
-  Scene scene{&list, r.meshes_seen(list, views), {}, shadow_view, {}, {}, {}};
+  Scene scene{&list, r.meshes_seen(list, views),    {}, shadow_view, {}, {},
+              {},    r.shades_of(list, shadow_view)};
   r.cut_picture(true);
-  if (!r.coded) gl.Enable(GL_FRAMEBUFFER_SRGB);
   r.targets.resize(std::max(r.targets.size(), views.size()));
   for (std::size_t i = 0; i < views.size(); ++i) {
     r.use_target(i, views[i]);
-    const Vec3 light = list.background;
-    const Eigen::Vector3f back = (r.coded ? srgb_of(light) : light).cast<float>();
+    const Eigen::Vector3f back = srgb_of(list.background).cast<float>();
     gl.ClearColor(back.x(), back.y(), back.z(), 1.0F);
     gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
 
@@ -101,7 +102,6 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
     r.use_target(i, views[i]);
     r.read(views[i], out[i]);
   }
-  gl.Disable(GL_FRAMEBUFFER_SRGB);
   r.finish("Renderer::draw");
 }
 

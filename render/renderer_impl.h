@@ -52,12 +52,12 @@ inline Program mesh_program(const Gl& gl, const shaders::Variant& variant, const
 }
 
 /// Of bodies: the colour of their mesh is what they reflect, and becomes light here.
-inline Program lit_program(const Gl& gl, bool coded, const Quality& quality, std::size_t lamps) {
+inline Program lit_program(const Gl& gl, const Quality& quality, std::size_t lamps) {
   const int count = static_cast<int>(lamps);
   return quality.light == "vertex"
-             ? mesh_program(gl, {.early = coded, .lamps = true, .count = count},
+             ? mesh_program(gl, {.early = true, .lamps = true, .count = count},
                             shaders::kBakedFragment)
-             : mesh_program(gl, {.coded = coded, .shadow = quality.shadow, .count = count},
+             : mesh_program(gl, {.coded = true, .shadow = quality.shadow, .count = count},
                             shaders::kLitFragment);
 }
 
@@ -69,6 +69,7 @@ struct Scene {
   Mat4 shadow_view;  ///< world to the shadow map, 0..1
   Vec3 eye_W;
   Vec3 grid_x = Vec3::UnitX(), grid_y = Vec3::UnitY();  ///< clip space to that of the samples
+  std::vector<Eigen::AlignedBox2d> shades;  ///< what items cover of the shadow map, 0..1
 };
 
 struct Renderer::Impl {
@@ -130,8 +131,9 @@ struct Renderer::Impl {
 
   const Kept& kept(int mesh) const { return meshes[static_cast<std::size_t>(mesh)]; }
 
-  /// The parts of a mesh that may be seen, in one call where they follow each other.
-  void draw_elements(const Kept& mesh, const Mat4& mesh_to_clip) const {
+  /// The wanted parts of a mesh that may be seen, in one call where they follow each other.
+  template <typename Wanted>
+  void draw_elements(const Kept& mesh, const Mat4& mesh_to_clip, const Wanted& wanted) const {
     gl.BindVertexArray(mesh.arrays);
     std::size_t first = 0, end = 0;
     const auto draw = [&] {
@@ -140,7 +142,7 @@ struct Renderer::Impl {
                       reinterpret_cast<const void*>(first * sizeof(std::uint32_t)));  // NOLINT
     };
     for (const MeshPart& p : mesh.parts) {
-      if (is_outside(p.box, mesh_to_clip)) continue;
+      if (!wanted(p) || is_outside(p.box, mesh_to_clip)) continue;
       if (p.first != end) {
         draw();
         first = p.first;
@@ -148,6 +150,9 @@ struct Renderer::Impl {
       end = p.first + p.count;
     }
     draw();
+  }
+  void draw_elements(const Kept& mesh, const Mat4& mesh_to_clip) const {
+    draw_elements(mesh, mesh_to_clip, [](const MeshPart&) { return true; });
   }
 
   /// What items look like from there: decided once, so that both eyes see the same.
@@ -184,15 +189,27 @@ struct Renderer::Impl {
   bool takes_shadow(const Kept& mesh) const { return quality.shadow && mesh.takes_shadow; }
   bool mirrors(const Kept& mesh) const { return quality.mirror && mesh.gloss > 0.0; }
 
+  /// What casts a shadow covers of the map, and a little: a shadow's edge is as wide as texels.
+  std::vector<Eigen::AlignedBox2d> shades_of(const DrawList& list, const Mat4& shadow_view) const {
+    const Vec2 wide(2.0 / kShadowWidth, 2.0 / kShadowHeight);
+    std::vector<Eigen::AlignedBox2d> shades;
+    if (!quality.shadow || list.shadow.depth <= 0.0) return shades;
+    for (const DrawItem& item : list.items) {
+      if (!item.casts_shadow) continue;
+      const Eigen::AlignedBox2d box = across(kept(item.far_mesh.value_or(item.mesh)).box,
+                                             shadow_view * matrix(item.X_WG, item.scale));
+      shades.emplace_back(box.min() - wide, box.max() + wide);
+    }
+    return shades;
+  }
+
   /// The cheapest that draws a mesh: floors without shadow or polish do not ask for either.
-  const Program& program_of(const Kept& mesh) const {
+  const Program& program_of(const Kept& mesh, bool shaded) const {
     switch (mesh.surface) {
       case Surface::lit:
         return *lit;  // by vertex or by pixel
       case Surface::floor:
-        return mirrors(mesh)        ? takes_shadow(mesh) ? floor : polished
-               : takes_shadow(mesh) ? shadowed
-                                    : baked;
+        return mirrors(mesh) ? shaded ? floor : polished : shaded ? shadowed : baked;
       case Surface::baked:
         return baked;
     }
@@ -206,7 +223,7 @@ struct Renderer::Impl {
   }
 
   /// What a surface's program asks for beside the items.
-  void set_light(const Kept& mesh, const Program& program, const Scene& scene) const {
+  void set_light(const Kept& mesh, const Program& program, const Scene& scene, bool shaded) const {
     const DrawList& list = *scene.list;
     switch (mesh.surface) {
       case Surface::baked:
@@ -216,7 +233,7 @@ struct Renderer::Impl {
           program.set("eye_W", scene.eye_W);
           program.set("gloss", mesh.gloss);
         }
-        if (takes_shadow(mesh)) set_shadow(program, scene);
+        if (shaded) set_shadow(program, scene);
         return;
       case Surface::lit:
         program.set("eye_W", scene.eye_W);
@@ -246,21 +263,49 @@ struct Renderer::Impl {
       const Mat4 mesh_to_world = matrix(item.X_WG, item.scale);
       const Mat4 mesh_to_clip = scene.world_to_clip * mesh_to_world;
       if (is_outside(mesh.box, mesh_to_clip)) continue;
-      const Program& program = program_of(mesh);
-      program.use();
-      set_light(mesh, program, scene);
-      program.set("lowest_z", only_mirrored ? list.mirror_z : -kEndless);
-      program.set("to_clip", mesh_to_clip);
-      program.set("grid_x", scene.grid_x);
-      program.set("grid_y", scene.grid_y);
-      program.set("world", mesh_to_world);
-      program.set("turn", matrix({item.X_WG.q, Vec3::Zero()}, item.scale.cwiseInverse()));
-      program.set("tint", item.tint);
-      const bool blended = surface == Surface::floor && mirrors(mesh);
-      if (blended) gl.Enable(GL_BLEND);
-      draw_elements(mesh, mesh_to_clip);
-      if (blended) gl.Disable(GL_BLEND);
+      const auto draw = [&](bool shaded, const auto& wanted) {
+        const Program& program = program_of(mesh, shaded);
+        program.use();
+        set_light(mesh, program, scene, shaded);
+        program.set("lowest_z", only_mirrored ? list.mirror_z : -kEndless);
+        program.set("to_clip", mesh_to_clip);
+        program.set("grid_x", scene.grid_x);
+        program.set("grid_y", scene.grid_y);
+        program.set("world", mesh_to_world);
+        program.set("turn", matrix({item.X_WG.q, Vec3::Zero()}, item.scale.cwiseInverse()));
+        program.set("tint", item.tint);
+        if (surface == Surface::floor && mirrors(mesh)) {
+          draw_over_mirrored([&] { draw_elements(mesh, mesh_to_clip, wanted); });
+        } else {
+          draw_elements(mesh, mesh_to_clip, wanted);
+        }
+      };
+      // To look a shadow up costs more than all else of a floor: it is done where one may fall.
+      const Mat4 mesh_to_map = scene.shadow_view * mesh_to_world;
+      const auto in_shade = [&](const MeshPart& part) {
+        const Eigen::AlignedBox2d box = across(part.box, mesh_to_map);
+        return std::ranges::any_of(scene.shades,
+                                   [&](const auto& shade) { return shade.intersects(box); });
+      };
+      const bool floor_in_shade = surface == Surface::floor && takes_shadow(mesh) &&
+                                  std::ranges::any_of(mesh.parts, in_shade);
+      if (!floor_in_shade) {
+        draw(false, [](const MeshPart&) { return true; });
+        continue;
+      }
+      draw(true, in_shade);
+      draw(false, [&](const MeshPart& part) { return !in_shade(part); });
     }
+  }
+
+  /// Lets the mirror images shine through what is drawn: the target takes light then, not its code.
+  template <typename Draw>
+  void draw_over_mirrored(const Draw& draw) const {
+    gl.Enable(GL_FRAMEBUFFER_SRGB);
+    gl.Enable(GL_BLEND);
+    draw();
+    gl.Disable(GL_BLEND);
+    gl.Disable(GL_FRAMEBUFFER_SRGB);
   }
 
   /// All items of one surface in their turn, and what follows them. A new surface has its turn here
@@ -311,7 +356,7 @@ struct Renderer::Impl {
 
   void make_lit_for(std::size_t lamps) {
     if (lit && lit_lamps == lamps) return;
-    lit.reset(new Program(lit_program(gl, coded, quality, lamps)));
+    lit.reset(new Program(lit_program(gl, quality, lamps)));
     lit_lamps = lamps;
   }
 
@@ -349,7 +394,7 @@ struct Renderer::Impl {
     const int width = grid.width(view.width, view.height);
     const int height = grid.height(view.width, view.height);
     if (!targets[i] || !targets[i]->fits(width, height)) {
-      targets[i] = std::make_unique<Target>(gl, coded ? GL_RGBA8 : GL_SRGB8_ALPHA8, width, height);
+      targets[i] = std::make_unique<Target>(gl, GL_SRGB8_ALPHA8, width, height);
     }
     targets[i]->use();
   }
@@ -378,19 +423,16 @@ struct Renderer::Impl {
   Quality quality;
   SampleGrid grid{quality.samples};
   std::vector<Kept> meshes;
-  /// Without mirrors nothing shines through anything, and shaders may write sRGB themselves.
-  bool coded = !quality.mirror;
   std::unique_ptr<Program> lit;  ///< for as many lamps as the last list had
   std::size_t lit_lamps = 0;
-  Program baked = mesh_program(gl, {.early = coded}, shaders::kBakedFragment);
-  Program floor = mesh_program(gl, {.coded = coded, .early = coded, .shadow = true, .mirror = true},
-                               shaders::kFloorFragment);
-  Program polished =
-      mesh_program(gl, {.coded = coded, .early = coded, .mirror = true}, shaders::kFloorFragment);
+  // Shaders write sRGB themselves, where it costs least; polished floors leave it to the target.
+  Program baked = mesh_program(gl, {.early = true}, shaders::kBakedFragment);
+  Program floor = mesh_program(gl, {.shadow = true, .mirror = true}, shaders::kFloorFragment);
+  Program polished = mesh_program(gl, {.mirror = true}, shaders::kFloorFragment);
   Program shadowed =
-      mesh_program(gl, {.coded = coded, .early = coded, .shadow = true}, shaders::kFloorFragment);
+      mesh_program(gl, {.coded = true, .early = true, .shadow = true}, shaders::kFloorFragment);
   Program contact{gl, shaders::vertex_shader({}, shaders::kContactVertex),
-                  shaders::shader({.coded = coded}, shaders::kContactFragment)};
+                  shaders::shader({.coded = true}, shaders::kContactFragment)};
   Program depth{gl, shaders::kDepthVertex, shaders::kDepthFragment};
   ShadowMap shadow_map{gl};
   std::vector<std::unique_ptr<Target>> targets;  // of the last views' sizes, in samples

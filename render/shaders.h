@@ -9,7 +9,7 @@ namespace headpin::render::shaders {
 
 /// What a program is made for.
 struct Variant {
-  bool coded = false;   ///< writes sRGB, into a target that stores what it is given
+  bool coded = false;   ///< writes sRGB, as the target stores it
   bool early = false;   ///< so it does, at its vertices already
   bool lamps = false;   ///< lamps are worked out at vertices
   bool shadow = false;  ///< takes shadows

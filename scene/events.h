@@ -26,7 +26,7 @@ inline constexpr std::string_view game_over = "game_over";
 inline constexpr std::string_view flies_at_player = "flies_at_player";
 inline constexpr std::string_view passed_player = "passed_player";
 inline constexpr std::string_view ledger = "ledger";
-inline constexpr std::string_view drawn_by = "drawn_by";
+inline constexpr std::string_view drawn_by = devices::kDrawnByEvent;
 inline constexpr std::string_view grab_found = "grab_found";
 inline constexpr std::string_view release_found = "release_found";
 }  // namespace kind

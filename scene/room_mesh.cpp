@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <numbers>
+#include <tuple>
 
 namespace headpin::scene {
 
@@ -169,7 +170,8 @@ class Builder {
   std::vector<Lamp> lamps_;
 };
 
-const Vec3 kWainscot = srgb(0x8a5a34);
+const Vec3 kWainscot = srgb(0x8a5a34), kApproach = srgb(0xcfa06a), kLane = srgb(0xe3bd83),
+           kCarpet = srgb(0x3d4a63);
 
 /// HEADPIN, seven rows of five squares a letter.
 constexpr std::array<std::array<int, 7>, 7> kName{{{0x11, 0x11, 0x11, 0x1f, 0x11, 0x11, 0x11},
@@ -203,7 +205,7 @@ Mesh approach_mesh(const RoomMeasures& room, const Builder& build) {
   Mesh mesh;
   mesh.surface = Surface::floor;
   const double w = 0.5 * room.width;
-  build.boards(mesh, {-w, -room.behind}, {w, -0.03}, 60, srgb(0xcfa06a), 0.10, 1);
+  build.boards(mesh, {-w, -room.behind}, {w, -0.03}, 60, kApproach, 0.10, 1);
   build.panel(mesh, {-w, -0.03, 0}, {room.width, 0, 0}, {0, 0.03, 0}, srgb(0x1c1a1a));  // foul line
   for (const double y : {-0.12, -1.8}) {
     for (int i = -3; i <= 3; ++i) {
@@ -237,7 +239,7 @@ Mesh beside_mesh(const RoomMeasures& room, const Builder& build) {
     const double strip = 0.06, inner = side > 0.0 ? edge : -edge - strip;
     build.panel(mesh, {inner, 0, 0}, {strip, 0, 0}, along, srgb(0xb98248), 0.5);
     const double carpet = side > 0.0 ? edge + strip : -w;
-    build.panel(mesh, {carpet, 0, 0}, {w - edge - strip, 0, 0}, along, srgb(0x3d4a63));
+    build.panel(mesh, {carpet, 0, 0}, {w - edge - strip, 0, 0}, along, kCarpet);
   }
   build.panel(mesh, {-0.5 * room.lane_width, room.deck_end, 0}, {room.lane_width, 0, 0},
               {0, room.ahead - room.deck_end, 0}, srgb(0x26282c));
@@ -249,7 +251,7 @@ Mesh lane_mesh(const RoomMeasures& room, const Builder& build) {
   mesh.surface = Surface::floor;
   mesh.gloss = 0.05;
   const double w = 0.5 * room.lane_width, board = room.lane_width / 39;
-  build.boards(mesh, {-w, 0.0}, {w, room.deck_end}, 39, srgb(0xe3bd83), 0.11, 7);
+  build.boards(mesh, {-w, 0.0}, {w, room.deck_end}, 39, kLane, 0.11, 7);
   const Vec3 dark = srgb(0x4a2a12);
   // Seven arrows, five boards apart, the middle one farthest; ten dots before them. On a shorter
   // lane they lie as much nearer (USBC: arrows 12 to 16 ft from the foul line, of 60 ft).
@@ -314,7 +316,12 @@ Mesh wall_mesh(const RoomMeasures& room, const Builder& build) {
   const Vec3 floor(-w - out, -room.behind - out, -under), x(room.width + 2.0 * out, 0, 0);
   const Vec3 y(0, length + 2.0 * out, 0), up(0, 0, room.height + under + out);
   build.panel(mesh, floor + up, y, x, white, 1.0);
-  build.panel(mesh, floor, x, y, srgb(0xb08a58), 1.0);
+  build.panel(mesh, floor, x, {0, room.behind + out, 0}, kApproach, 1.0);
+  for (const auto& [from, to, colour] : {std::tuple{-w - out, -room.gutter_edge(), kCarpet},
+                                         {-room.gutter_edge(), room.gutter_edge(), kLane},
+                                         {room.gutter_edge(), w + out, kCarpet}}) {
+    build.panel(mesh, {from, 0, -under}, {to - from, 0, 0}, {0, room.ahead + out, 0}, colour, 1.0);
+  }
   build.panel(mesh, floor + y, x, up, srgb(0x1b2a45), 1.0);
   for (const Lamp& lamp : room_lamps(room)) {
     if (lamp.p_W.z() < room.height - 0.2) continue;  // hidden behind the masking panel

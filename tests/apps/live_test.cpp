@@ -190,7 +190,7 @@ TEST_F(LiveFastrak, ASessionReplaysToTheSameHashes) {
 
 // At a terminal or behind an Ethernet adapter, the machine idle or busy: the same throw.
 TEST_F(LiveFastrak, ABusyMachineDoesNotChangeAThrow) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef HEADPIN_SANITIZED
   GTEST_SKIP() << "sanitizers take the time that four busy loops leave; what makes it hold is "
                   "tested without a clock: ThroughAUnit, FastrakDriverTest";
 #endif
@@ -461,6 +461,14 @@ TEST_F(Live, WhatALoggerKeepsOfASessionIsATrial) {
     }
     return seen;
   };
+  const auto who_drew = [&](const std::string& log) {
+    std::vector<std::string> all;
+    for (const devices::Event& event : trial(log).events) {
+      if (event.kind == devices::kDrawnByEvent) all.push_back(event.detail);
+    }
+    EXPECT_EQ(all.size(), 1u) << log;
+    return all;
+  };
   bool arrived = false;
   for (int attempt = 0; attempt < 4 && !arrived; ++attempt) {
     const Result result = alone(session);
@@ -479,6 +487,7 @@ TEST_F(Live, WhatALoggerKeepsOfASessionIsATrial) {
     EXPECT_GT(replayed["verified_ticks"], 1000) << log;
     EXPECT_EQ(replayed["state_hash"], hash) << log;
     EXPECT_EQ(headpin("frames " + log + " --verify --force -o frames --frames 3").code, 0) << log;
+    EXPECT_EQ(who_drew(log), who_drew("live.lcmlog")) << log;
   }
   const Result quiet = alone(
       "lcm-logger -q -f none.lcmlog & logger=$!\nthere $logger none.lcmlog\n"

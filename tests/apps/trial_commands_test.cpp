@@ -50,7 +50,7 @@ double peak_MB(std::vector<std::string> words) {
 
 // A session's length costs no memory: ten times as long, 140 MB more on disk, hardly a megabyte more.
 TEST_F(TrialCommands, MemoryDoesNotGrowWithATrial) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef HEADPIN_SANITIZED
   GTEST_SKIP() << "AddressSanitizer keeps what was freed";
 #endif
   for (const char* seconds : {"30", "300"}) {

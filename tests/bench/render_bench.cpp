@@ -2,6 +2,7 @@
 #include <cmath>
 #include <ctime>
 #include <filesystem>
+#include <fstream>
 #include <numbers>
 #include <vector>
 
@@ -168,10 +169,18 @@ std::array<double, 2> quality_dB(const Throw& a_throw, const render::Quality& lo
           10.0 * std::log10(255.0 * 255.0 * count[1] / squares[1])};
 }
 
-/// What a process of its own takes, that draws so many frames of the standard look.
-struct Took {
-  double cpu_s = 0.0, megabytes = 0.0;
-};
+/// Most memory that this process had at once. Of a child, wait4 tells no less than its parent had
+/// when it was made.
+double most_megabytes() {
+  std::ifstream status("/proc/self/status");
+  for (std::string word; status >> word;) {
+    if (word != "VmHWM:") continue;
+    double kilobytes = 0.0;
+    status >> kilobytes;
+    return kilobytes / 1024.0;
+  }
+  throw std::runtime_error("/proc/self/status: no VmHWM");
+}
 
 pid_t start_drawing(int frames, int core, const char* shader_cache) {
   const pid_t child = fork();
@@ -185,7 +194,8 @@ pid_t start_drawing(int frames, int core, const char* shader_cache) {
   _exit(127);
 }
 
-Took finished(pid_t child) {
+/// Processor time [s] of a process that draws so many frames of the standard look.
+double finished(pid_t child) {
   int status = 0;
   rusage usage{};
   wait4(child, &status, 0, &usage);
@@ -193,7 +203,7 @@ Took finished(pid_t child) {
   const auto s = [](const timeval& t) {
     return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
   };
-  return {s(usage.ru_utime) + s(usage.ru_stime), static_cast<double>(usage.ru_maxrss) / 1024.0};
+  return s(usage.ru_utime) + s(usage.ru_stime);
 }
 
 /// Processor time of ffmpeg for so many stereo frames, of which there are enough to hide its start.
@@ -226,6 +236,9 @@ void add_looks_and_peer(const Throw& a_throw, std::vector<bench::Row>& rows, dou
   Drawn no_mirror(a_throw, {.mirror = false}), no_shadow(a_throw, {.shadow = false}),
       no_contact(a_throw, {.contact = false}), one(a_throw, {.samples = 1}),
       three(a_throw, {.samples = 3});
+  render::Quality plainest = render::looks()[2].quality;  // light at vertices, nothing else
+  plainest.samples = 2;
+  Drawn least(a_throw, plainest);
   bench::MujocoPictures plain(like_the_throw(a_throw), 0), fine(like_the_throw(a_throw), 4);
   fmt::print("{}\n", standard.eyes.renderer.description());
   const std::vector<double> s =
@@ -239,12 +252,15 @@ void add_looks_and_peer(const Throw& a_throw, std::vector<bench::Row>& rows, dou
                     {"standard without mirror", [&] { return no_mirror.draw(); }},
                     {"standard without shadows", [&] { return no_shadow.draw(); }},
                     {"standard without contact shadows", [&] { return no_contact.draw(); }},
+                    {"1997 with the standard's samples", [&] { return least.draw(); }},
                     {"MuJoCo, shadow, MSAA 4x", [&] { return fine.draw(); }},
                     {"MuJoCo, shadow, no AA", [&] { return plain.draw(); }}},
                    15);
   standard_ms = s[0];
-  rows.push_back({"standard look", "CPU ms", s[0], "MuJoCo, shadow, MSAA 4x", s[10]});
-  rows.push_back({"fast look", "CPU ms", s[1], "MuJoCo, shadow, no AA", s[11]});
+  rows.push_back({"standard look", "CPU ms", s[0], "MuJoCo, shadow, MSAA 4x", s[11]});
+  rows.push_back({"1997 look, five samples", "CPU ms", s[10], "MuJoCo, shadow, MSAA 4x", s[11]});
+  rows.push_back({"fast look", "CPU ms", s[1], "MuJoCo, shadow, no AA", s[12]});
+  rows.push_back({"1997 look", "CPU ms", s[2], "MuJoCo, shadow, no AA", s[12]});
   const std::array<const char*, 8> names{
       "1997 look",   "nothing, one sample", "flat, ids and depth", "one sample",
       "ten samples", "without mirror",      "without shadows",     "without contact shadows"};
@@ -271,18 +287,21 @@ void add_outputs(const Throw& a_throw, double standard_ms, std::vector<bench::Ro
 
 void add_processes(std::vector<bench::Row>& rows) {
   const std::string cache = fmt::format("/tmp/render_bench.{}", getpid());
-  const Took empty = finished(start_drawing(0, 0, cache.c_str()));
-  const Took cold = finished(start_drawing(1, 0, cache.c_str()));
-  const Took warm = finished(start_drawing(1, 0, cache.c_str()));
+  std::filesystem::create_directories(cache);
+  const double empty = finished(start_drawing(0, 0, cache.c_str()));
+  const double cold = finished(start_drawing(1, 0, cache.c_str()));
+  double megabytes = 0.0;
+  std::ifstream(cache + "/megabytes") >> megabytes;
+  const double warm = finished(start_drawing(1, 0, cache.c_str()));
   std::filesystem::remove_all(cache);
-  rows.push_back({"first frame, cold", "CPU s", cold.cpu_s - empty.cpu_s, "goal", 0.8});
-  rows.push_back({"first frame, warm", "CPU s", warm.cpu_s - empty.cpu_s, "goal", 0.4});
-  rows.push_back({"memory with one renderer", "MB", cold.megabytes, "goal", 150.0});
+  rows.push_back({"first frame, cold", "CPU s", cold - empty, "goal", 0.8});
+  rows.push_back({"first frame, warm", "CPU s", warm - empty, "goal", 0.4});
+  rows.push_back({"memory with one renderer", "MB", megabytes, "goal", 150.0});
   double alone = 0.0, together = 0.0;
   for (int round = 0; round < 3; ++round) {
-    alone += 2.0 * finished(start_drawing(200, 0, cache.c_str())).cpu_s;
+    alone += 2.0 * finished(start_drawing(200, 0, cache.c_str()));
     const pid_t a = start_drawing(200, 0, cache.c_str()), b = start_drawing(200, 1, cache.c_str());
-    together += finished(a).cpu_s + finished(b).cpu_s;
+    together += finished(a) + finished(b);
   }
   std::filesystem::remove_all(cache);
   rows.push_back({"two processes at once", "CPU s", together, "one after another", alone});
@@ -297,6 +316,8 @@ int main(int argc, char** argv) {
     if (count == 0) return 0;
     Drawn drawn(a_throw, {});
     for (int i = 0; i < count; ++i) bench::sink = drawn.draw();
+    std::ofstream(std::string(std::getenv("MESA_SHADER_CACHE_DIR")) + "/megabytes")
+        << most_megabytes();
     return 0;
   }
   cpu_set_t one;

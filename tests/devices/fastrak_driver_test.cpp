@@ -24,7 +24,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef HEADPIN_SANITIZED
 constexpr int kLess = 10;  // sanitizers run the long ones shorter
 #else
 constexpr int kLess = 1;

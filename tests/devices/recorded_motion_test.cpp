@@ -84,7 +84,7 @@ TEST(RecordedUnit, KeepsTheMousesChangesAlone) {
 }
 
 TEST(RecordedUnit, HoldsLittleOfALongRecording) {
-#ifdef __SANITIZE_ADDRESS__
+#ifdef HEADPIN_SANITIZED
   GTEST_SKIP() << "AddressSanitizer has an allocator of its own";
 #endif
   const auto in_use = [] {

@@ -105,7 +105,7 @@ TEST(MassProperties, AgreeWithCountedPoints) {
     Vec3 first = Vec3::Zero();
     Mat3 second = Mat3::Zero();
     for (int i = 0; i < n; ++i) {
-      const Vec3 p(random.uniform(-r, r), random.uniform(-r, r), random.uniform(-r, r));
+      const Vec3 p{random.uniform(-r, r), random.uniform(-r, r), random.uniform(-r, r)};
       bool in = false;
       for (const Part& part : c.parts) in = in || contains(part.shape, part.X_BG.inverse() * p);
       if (!in) continue;

@@ -22,7 +22,7 @@ using test::Random;
 using test::scaled;
 using test::ShapeKind;
 
-#if defined(__SANITIZE_ADDRESS__)
+#ifdef HEADPIN_SANITIZED
 constexpr int kThin = 50;  // long properties in a fiftieth of the pairs
 #else
 constexpr int kThin = 1;
@@ -433,11 +433,13 @@ TEST(Depth, OfPolyhedraIsThatOfTheirFacesAndEdges) {
     const double truth = polyhedra_depth(std::get<Polyhedron>(a), std::get<Polyhedron>(b), X_AB, n);
     depth_error.push_back(std::abs(-c.distance - truth));
     normal_error.push_back(degrees_between(c.n_AB, n));
+    EXPECT_LT(depth_error.back(), 0.01 * truth);  // what non_colliding.h promises
   }
-  std::printf("hull against hull: depth p99 %.1e, normal p99 %.2f deg\n",
-              percentile(depth_error, 0.99), percentile(normal_error, 0.99));
-  EXPECT_LT(percentile(depth_error, 0.99), 1e-4);
-  EXPECT_LT(percentile(normal_error, 0.99), 1.0);
+  // One in a hundred gets another way out that is within the promise, and is some degrees off.
+  std::printf("hull against hull: depth p95 %.1e, normal p95 %.2f deg\n",
+              percentile(depth_error, 0.95), percentile(normal_error, 0.95));
+  EXPECT_LT(percentile(depth_error, 0.95), 1e-6);
+  EXPECT_LT(percentile(normal_error, 0.95), 0.1);
 }
 
 TEST(Depth, OfPairsWithAPolyhedronIsTheLeastOverAllDirections) {

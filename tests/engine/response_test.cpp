@@ -9,7 +9,7 @@
 namespace headpin::engine {
 namespace {
 
-#ifdef __SANITIZE_ADDRESS__
+#ifdef HEADPIN_SANITIZED
 constexpr int kMany = 20'000;
 #else
 constexpr int kMany = 1'000'000;

@@ -35,7 +35,7 @@ World wedge(std::uint64_t seed) {
   test::Random random(seed);
   World world = floor_at_60_hz("coulomb");
   const auto add = [&](double size, double mass, State at, double speed) {
-    const Vec3 half = size * Vec3(random.uniform(0.1, 1.0), random.uniform(0.1, 1.0), 1.0);
+    const Vec3 half = size * Vec3{random.uniform(0.1, 1.0), random.uniform(0.1, 1.0), 1.0};
     at.X_WB.q = random.rotation();
     at.v_WB += vector(random, speed);
     at.w_WB = vector(random, 10.0);
@@ -43,7 +43,7 @@ World wedge(std::uint64_t seed) {
   };
   add(0.03, 4e-4, {{Quat::Identity(), {0.0, 0.0, 0.05}}}, 1.0);
   for (const double side : {-1.0, 1.0}) {
-    const Vec3 p(side * 0.3, random.uniform(-0.1, 0.1), random.uniform(0.3, 0.5));
+    const Vec3 p{side * 0.3, random.uniform(-0.1, 0.1), random.uniform(0.3, 0.5)};
     add(0.15, std::pow(10.0, random.uniform(-1.0, 1.5)),
         {{Quat::Identity(), p}, Vec3(-2.0 * side, 0.0, 0.0)}, 0.5);
   }

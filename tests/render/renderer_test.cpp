@@ -308,12 +308,21 @@ struct LitScene {
   Renderer renderer;
   DrawList list;
 
-  explicit LitScene(Quality quality = {}, double gloss = 0.2)
+  /// @param faces  of the floor, along and across; of one it is one part (mesh_parts.h)
+  explicit LitScene(Quality quality = {}, double gloss = 0.2, int faces = 1)
       : renderer(osmesa_context(), quality) {
     Mesh floor;
     floor.surface = Surface::floor;
     floor.gloss = gloss;
-    append_face(floor, {-2, -1, 0}, {2, -1, 0}, {2, 6, 0}, {-2, 6, 0}, Vec3::Constant(0.4));
+    for (int i = 0; i < faces; ++i) {
+      for (int j = 0; j < faces; ++j) {
+        const auto corner = [&](int across, int along) {
+          return Vec3(-2.0 + 4.0 * across / faces, -1.0 + 7.0 * along / faces, 0.0);
+        };
+        append_face(floor, corner(i, j), corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1),
+                    Vec3::Constant(0.4));
+      }
+    }
     DrawItem item;
     item.mesh = renderer.add(floor);
     item.id = 1;
@@ -466,6 +475,26 @@ TEST(CastShadow, LiesWhereTheLightThrowsIt) {
     // 3 m below the eye a pixel is 15 mm. The ball hides part of its shadow: a pixel or two.
     const double x_W = (sum / count - 100.0) * 0.015;
     EXPECT_NEAR(x_W, 0.3 - 0.5 * height, 0.035) << height;
+  }
+}
+
+// Shadows are looked up only in those parts of a floor on which one may fall.
+TEST(CastShadow, IsWholeHoweverTheFloorIsParted) {
+  const View above{{Quat::Identity(), Vec3(0.0, 2.0, 3.0)}, {-0.5, 0.5, -0.5, 0.5}, 200, 200};
+  for (const Look& look : looks()) {
+    LitScene whole(look.quality), parted(look.quality, 0.2, 14);
+    // Parts end at whole metres: shadows that lie in one, and that reach two centimetres into others.
+    for (const Vec3& p : {Vec3(0.3, 2.4, 0.1), Vec3(0.28, 2.08, 0.4), Vec3(0.32, 1.92, 0.8)}) {
+      whole.put(p);
+      parted.put(p);
+      const Image a = picture(whole.renderer, whole.list, above);
+      const Image b = picture(parted.renderer, parted.list, above);
+      int most = 0;
+      for (std::size_t i = 0; i < a.rgb.size(); ++i) {
+        most = std::max(most, std::abs(int{a.rgb[i]} - int{b.rgb[i]}));
+      }
+      EXPECT_LE(most, 1) << look.name << ", ball at " << p.transpose();
+    }
   }
 }
 

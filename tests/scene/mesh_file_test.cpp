@@ -209,7 +209,7 @@ TEST(MeshFile, HasTheColoursItSays) {
 }
 
 /// Under AddressSanitizer an allocation that fails ends the process that asks.
-#ifdef __SANITIZE_ADDRESS__
+#ifdef HEADPIN_SANITIZED
 constexpr const char* kTooMuch = "crashes";
 #else
 constexpr const char* kTooMuch = "256 MB of memory";

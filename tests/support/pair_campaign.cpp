@@ -36,7 +36,10 @@ class Polytope {
       for (const Vec3& t : {u, v, Vec3(-u), Vec3(-v)}) add(furthest(n + tilt * t));
     }
     Bounds out;
-    for (int step = 0; step < 300 && !faces_.empty(); ++step) {
+    // Convex, it has at most twice as many faces as corners; what rounding has tangled up, and might
+    // double at every step, proves nothing more.
+    for (int step = 0; step < 300 && !faces_.empty() && faces_.size() < 4 * points_.size();
+         ++step) {
       const auto face =
           std::min_element(faces_.begin(), faces_.end(),
                            [](const Face& f, const Face& g) { return f.offset < g.offset; });
@@ -266,6 +269,7 @@ void place(Random& random, Placed& p) {
   }
   // The question is asked in a frame that is turned about, so that rounding takes part.
   const Pose X_WA{random.rotation(), p.size * random.direction()};
+  p.X_AB.q.normalize();  // between opposite vectors FromTwoVectors is unit to 1e-9 only
   p.X_AB = relative(X_WA, X_WA * p.X_AB);
 }
 
@@ -329,7 +333,7 @@ class Judge {
     const double rounding = 1e-8 * (bounding_radius(p.a) + bounding_radius(p.b));
     if (std::abs(p.depth_along(c.n_AB) - d) > rounding) return fault(count, what, c, kept);
     const double enough = d / 1.01 - rounding;
-    if (enough <= proven_) return;
+    if (enough <= std::max(0.0, proven_)) return;  // what is apart is the verdict's
     if (is_ball_within(p.a, c.p_B, enough) ||
         is_ball_within(p.b, p.X_AB.inverse() * c.p_A, enough)) {
       proven_ = std::max(proven_, enough);

@@ -139,7 +139,7 @@ std::vector<std::vector<Pose>> paper_frames(std::uint64_t seed, int frames, doub
     std::vector<Pose> poses;
     for (std::size_t i = 0; i < objects().size(); ++i) {
       const double r = 0.5 * side;
-      const Vec3 p(random.uniform(-r, r), random.uniform(-r, r), random.uniform(-r, r));
+      const Vec3 p{random.uniform(-r, r), random.uniform(-r, r), random.uniform(-r, r)};
       poses.push_back({random.rotation(), p});
     }
     all.push_back(poses);

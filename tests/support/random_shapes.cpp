@@ -24,7 +24,8 @@ Quat Random::rotation() {
 }
 
 Polyhedron random_hull(Random& random, int count) {
-  const Vec3 radii(random.uniform(0.3, 0.6), random.uniform(0.3, 0.6), random.uniform(0.3, 0.6));
+  // Braces: in order, whoever compiles it.
+  const Vec3 radii{random.uniform(0.3, 0.6), random.uniform(0.3, 0.6), random.uniform(0.3, 0.6)};
   std::vector<Vec3> points;
   while (points.size() < static_cast<std::size_t>(count)) {
     const Vec3 p = radii.cwiseProduct(random.direction());
