@@ -141,11 +141,13 @@ LcmLink::~LcmLink() = default;
 void LcmLink::send(const std::string& channel, std::span<const std::uint8_t> bytes) {
   if (log_)
     throw std::runtime_error("cannot publish on " + channel + " at " + url_ + ": it is read");
-  errno = 0;
-  if (lcm_publish(lcm_->handle, channel.c_str(), bytes.data(),
-                  static_cast<unsigned>(bytes.size())) >= 0) {
-    return;
-  }
+  do {
+    errno = 0;
+    if (lcm_publish(lcm_->handle, channel.c_str(), bytes.data(),
+                    static_cast<unsigned>(bytes.size())) >= 0) {
+      return;
+    }
+  } while (errno == EINTR);
   throw std::runtime_error(fmt::format("cannot publish on {} at {}: {}{}", channel, shown(url_),
                                        errno ? std::strerror(errno) : "refused by LCM",
                                        hint_for(url_)));
@@ -300,9 +302,11 @@ void LcmSource::receive(Time now) {
       }
       continue;
     }
+    errno = 0;
     const int handled = lcm_handle_timeout(link_.lcm_->handle, 0);
+    // A signal that comes meanwhile is a failure to LCM; what waits is there at the next tick.
+    if (handled == 0 || (handled < 0 && errno == EINTR)) return;
     if (handled < 0) throw std::runtime_error("LCM stopped: " + link_.url());
-    if (handled == 0) return;
   }
 }
 

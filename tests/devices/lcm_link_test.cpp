@@ -1,12 +1,14 @@
 #include "devices/lcm_link.h"
 
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 #include <lcm/lcm.h>
+#include <sys/time.h>
 
 #include "devices/event_log.h"
 #include "devices/log.h"
@@ -244,6 +246,28 @@ TEST(LcmLinkTest, TheQueueIsBoundedAndWhatItDropsIsCounted) {
   EXPECT_EQ(out.size(), 10u);
   EXPECT_EQ(source.counts().received, 35);
   EXPECT_EQ(source.counts().dropped, 25);
+}
+
+// A session that is stopped just as it looks for samples is not one that failed.
+TEST(LcmLinkTest, ASignalWhileItIsAskedLosesNothing) {
+  static volatile std::sig_atomic_t came = 0;
+  struct sigaction old {
+  }, count{};
+  count.sa_handler = [](int) { came = came + 1; };  // no SA_RESTART
+  ASSERT_EQ(sigaction(SIGALRM, &count, &old), 0);
+  LcmLink link("memq://");
+  LcmSource source(link);
+  const itimerval often{{0, 100}, {0, 100}}, never{};
+  ASSERT_EQ(setitimer(ITIMER_REAL, &often, nullptr), 0);
+  std::int64_t sent = 0;
+  for (; came < 500; ++sent) {
+    link.publish(Sample(tracker(sent)));
+    for (int i = 0; i < 100; ++i) poll(source, Time{sent});
+  }
+  setitimer(ITIMER_REAL, &never, nullptr);
+  sigaction(SIGALRM, &old, nullptr);
+  poll(source, Time{sent});
+  EXPECT_EQ(source.counts().received, sent);
 }
 
 TEST(LcmLinkTest, ForeignAndImpossibleMessagesAreCountedAndPassedOver) {
