@@ -219,7 +219,9 @@ Closest settle_round(Search<A, B>& search, Vec3 n, double size, bool warm, const
   if (warm) n = onto_kinks(search.a, search.b, n);
   const Descent d = descend(search.a, search.b, n, size, q.margin, q.cap);
   search.evaluations += d.evaluations;
-  const Support best{d.s_A, d.s_B, d.s_A + d.s_B, d.h};
+  Support best{d.s_A, d.s_B, d.s_A + d.s_B, d.h};
+  // At a kink h is that of one side of it, which proves no gap as small as rounding.
+  if (d.h < 0.0 && d.h > -1e-7 * size) best.h = search(d.n).h;
   if (d.end != Descent::unresolved) return search.answer(best, d.n);
   Closest c = from_outside(search, d.n, best, size, q.margin, 1e-9 * size);
   c.capped = true;

@@ -7,16 +7,17 @@
 namespace headpin::engine {
 
 Polytope::Polytope(Furthest furthest, void* pair, const Vec3& n, const Vec3& s)
-    : furthest_(furthest), pair_(pair), n_(n), u_(n.unitOrthogonal()), v_(n.cross(u_)) {
+    : furthest_(furthest), pair_(pair), n_(n) {
   // Where an edge of A lies across one of B, four directions about n give the corners of the face
   // they make in A - B. 16 degrees: on rims, a chord of them falls off by half as much, and the
   // cosine of that is still 0.99.
   constexpr double kTilt = 0.28;
+  const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
   points_[0] = s;
-  points_[1] = furthest(pair, n + kTilt * u_);
-  points_[2] = furthest(pair, n + kTilt * v_);
-  points_[3] = furthest(pair, n - kTilt * u_);
-  points_[4] = furthest(pair, n - kTilt * v_);
+  points_[1] = furthest(pair, n + kTilt * u);
+  points_[2] = furthest(pair, n + kTilt * v);
+  points_[3] = furthest(pair, n - kTilt * u);
+  points_[4] = furthest(pair, n - kTilt * v);
   points_[5] = furthest(pair, -n);
   count_ = 6;
 }
@@ -59,10 +60,7 @@ void Polytope::start() {
   };
   double up = 0.0;
   face_count_ = 0;
-  for (const bool again : {false, true}) {
-    if (again && count_ + 4 <= kPoints) {  // all the first directions had one furthest corner
-      for (const Vec3& n : {u_, Vec3(-u_), v_, Vec3(-v_)}) points_[count_++] = furthest_(pair_, n);
-    }
+  for (int attempt = 0;; ++attempt) {
     const Vec3 p = points_[0];
     const double length = choose(1, [&](const Vec3& x) { return (x - p).norm(); });
     const Vec3 e = points_[1] - p;
@@ -70,7 +68,14 @@ void Polytope::start() {
     const Vec3 m = e.cross(points_[2] - p);
     const double volume = choose(3, [&](const Vec3& x) { return std::abs(m.dot(x - p)); });
     up = m.dot(points_[3] - p);
-    if (volume > 1e-6 * area * length) break;
+    if (volume > 1e-3 * area * length || attempt == 2 || count_ + 4 > kPoints) break;
+    // Many directions had one furthest corner: those across what there is lead to others.
+    const bool flat = area > 1e-3 * length * length;
+    const Vec3 along = length > 0.0 ? Vec3(e / length) : n_, across = along.unitOrthogonal();
+    for (const Vec3& n : {flat ? Vec3(m / area) : across, Vec3(along.cross(across))}) {
+      points_[count_++] = furthest_(pair_, n);
+      points_[count_++] = furthest_(pair_, -n);
+    }
   }
   const int j = up > 0.0 ? 2 : 1, k = up > 0.0 ? 1 : 2;
   for (int i = 0; i < count_; ++i) rounding_ = std::max(rounding_, 1e-14 * points_[i].norm());
@@ -105,7 +110,7 @@ bool Polytope::insert(int point) {
     }
   }
   face_count_ = kept;
-  if (kept + edges > kFaces) return false;
+  if (kept == 0 || kept + edges > kFaces) return false;
   for (int k = 0; k < edges; ++k) add_face(rim[k].first, rim[k].second, point);
   return true;
 }
@@ -139,12 +144,11 @@ bool Polytope::find_shorter(double depth, Vec3& n) {
       start();
     }
   }
-  gave_up_ = face_count_ > 0;
-  if (gave_up_) {
-    n = std::min_element(faces_, faces_ + face_count_, [](const Face& f, const Face& g) {
-          return f.offset < g.offset;
-        })->normal;
-  }
+  gave_up_ = true;
+  const auto nearest =
+      std::min_element(faces_, faces_ + face_count_,
+                       [](const Face& f, const Face& g) { return f.offset < g.offset; });
+  n = nearest != faces_ + face_count_ ? nearest->normal : n_;
   return false;
 }
 

@@ -40,7 +40,7 @@ class Polytope {
 
   Furthest furthest_;
   void* pair_;
-  Vec3 n_, u_, v_;
+  Vec3 n_;
   Vec3 points_[kPoints];
   int count_ = 0;
   Face faces_[kFaces];

@@ -29,7 +29,7 @@ struct Half {
   }
 };
 
-struct Pair {
+struct Couple {
   Half a, b;
   Vec3 n_W;
   Encounter encounter() const {
@@ -66,9 +66,9 @@ class Draw {
             vector(5.0)};
   }
   /// Two bodies that approach, masses up to `ratio` apart.
-  Pair pair(double ratio) {
+  Couple pair(double ratio) {
     const double spread = logarithm(ratio);
-    Pair p{half(1.0), half(exponential(uniform(-spread, spread))), turn() * Vec3::UnitX()};
+    Couple p{half(1.0), half(exponential(uniform(-spread, spread))), turn() * Vec3::UnitX()};
     if (p.encounter().u_W.dot(p.n_W) < 0.0) p.n_W = -p.n_W;
     return p;
   }
@@ -80,12 +80,12 @@ class Draw {
 TEST(FourCorners, DoWhatTheirNamesSay) {
   Draw draw(1);
   for (int i = 0; i < kMany / 100; ++i) {
-    const Pair before = draw.pair(100.0);
+    const Couple before = draw.pair(100.0);
     const Encounter e = before.encounter();
     const double speed = e.u_W.norm(), energy = before.energy();
     const auto u_after = [&](const Vec3& F) { return Vec3(e.u_W + e.K_W * F); };
     const auto energy_after = [&](const Vec3& F) {
-      Pair after = before;
+      Couple after = before;
       after.push(F);
       return after.energy();
     };
@@ -109,7 +109,7 @@ TEST(EveryResponse, KeepsLinearAndAngularMomentum) {
   for (int i = 0; i < kMany / 100; ++i) {
     const Vec3 p_WA = draw.vector(3.0), p_WQ = draw.vector(3.0);  // A's centre; any other point
     for (const Response& response : responses()) {
-      Pair pair = draw.pair(1e4);
+      Couple pair = draw.pair(1e4);
       const Vec3 p_WB = p_WA + pair.a.r_W - pair.b.r_W;  // both arms end in the same point
       const auto linear = [&] { return Vec3(pair.a.mass * pair.a.v_W + pair.b.mass * pair.b.v_W); };
       const auto angular = [&] {
@@ -132,7 +132,7 @@ TEST(EveryResponse, NeverAddsEnergyAndNeverLeavesThePairApproaching) {
     Draw draw(3);
     double worst = 0.0, worst_approach = 0.0;
     for (int i = 0; i < kMany; ++i) {
-      Pair pair = draw.pair(1e4);
+      Couple pair = draw.pair(1e4);
       const Encounter e = pair.encounter();
       const Vec3 F = response.impulse(e, {draw.uniform(0, 1), draw.uniform(0, 1)});
       const double before = pair.energy();
@@ -168,9 +168,9 @@ TEST(EveryResponse, DoesNotCareWhichBodyIsCalledA) {
   for (const Response& response : responses()) {
     for (int i = 0; i < 1000; ++i) {
       const Coefficients c{draw.uniform(0, 1), draw.uniform(0, 1)};
-      const Pair pair = draw.pair(10.0);
+      const Couple pair = draw.pair(10.0);
       const Vec3 F = response.impulse(pair.encounter(), c);
-      const Vec3 G = response.impulse(Pair{pair.b, pair.a, -pair.n_W}.encounter(), c);
+      const Vec3 G = response.impulse(Couple{pair.b, pair.a, -pair.n_W}.encounter(), c);
       EXPECT_NEAR((F + G).norm(), 0.0, 1e-12 * F.norm());
     }
   }
@@ -195,7 +195,7 @@ TEST(EveryResponse, TreatsAFixedBodyAsTheLimitOfAHeavyOne) {
   for (const Response& response : responses()) {
     for (int i = 0; i < 1000; ++i) {
       const Coefficients c{draw.uniform(0, 1), draw.uniform(0, 1)};
-      Pair pair = draw.pair(1.0);
+      Couple pair = draw.pair(1.0);
       Encounter fixed = pair.encounter();
       fixed.K_W = inverse_mass_at(1.0, pair.a.inertia_W.inverse(), pair.a.r_W);
       pair.b.mass *= 1e9;
@@ -208,9 +208,9 @@ TEST(EveryResponse, TreatsAFixedBodyAsTheLimitOfAHeavyOne) {
 
 TEST(HeadOn, EqualElasticBallsSwapVelocities) {
   const Mat3 I = 0.4 * Mat3::Identity();
-  Pair pair{{1.0, I, Vec3(1, 0, 0), Vec3(3, 0, 0), Vec3::Zero()},
-            {1.0, I, Vec3(-1, 0, 0), Vec3(-2, 0, 0), Vec3::Zero()},
-            Vec3::UnitX()};
+  Couple pair{{1.0, I, Vec3(1, 0, 0), Vec3(3, 0, 0), Vec3::Zero()},
+              {1.0, I, Vec3(-1, 0, 0), Vec3(-2, 0, 0), Vec3::Zero()},
+              Vec3::UnitX()};
   pair.push(paper_impulse(pair.encounter(), {1.0, 0.0}));
   EXPECT_EQ(pair.a.v_W, Vec3(-2, 0, 0));
   EXPECT_EQ(pair.b.v_W, Vec3(3, 0, 0));
