@@ -10,6 +10,7 @@
 #include "engine/polytope.h"
 #include "engine/posed.h"
 #include "engine/stratified_newton.h"
+#include "engine/way_out.h"
 
 namespace headpin::engine {
 namespace {
@@ -304,45 +305,6 @@ struct Glance {
   }
 };
 
-/// A way out counts as the least when none is shorter than this part of it, less this part of the
-/// size.
-constexpr double kLeast = 0.9905, kRounding = 5e-9;
-/// Most ways out looked at, each shorter than the one before, and most polytopes for them.
-constexpr int kWaysOut = 20, kAttempts = 3;
-
-/// Whether the shape holds a ball about p. Where an ellipsoid has the normal n, a ball as round as
-/// its sharpest end touches it from within: what that holds, the ellipsoid does.
-bool holds_ball(const Ellipsoid& s, const Vec3& p, const Vec3& n, double radius) {
-  const double least = s.radii.minCoeff(), r = least * least / s.radii.maxCoeff();
-  return r - (p - support(s, n) + r * n).norm() >= radius || clearance(s, p) >= radius;
-}
-template <typename S>
-bool holds_ball(const S& s, const Vec3& p, const Vec3&, double radius) {
-  return clearance(s, p) >= radius;
-}
-
-/// What a shorter way out must beat.
-double to_beat(const Closest& c, double size) {
-  return -kLeast * c.distance - kRounding * size;
-}
-
-/// Whether nothing is left to look for: the shapes are apart, or the way out is the least, as a ball
-/// of almost its length about the end of it lies within the other shape. That is true of most that
-/// begin at a vertex, a cap or a smooth surface.
-template <typename A, typename B>
-bool is_proven(const A& a, const B& b, const Pose& X_AB, const Closest& c, double size) {
-  if (c.separated) return true;
-  const double radius = to_beat(c, size);
-  if (holds_ball(a, c.p_B, c.n_AB, radius)) return true;
-  const Quat q_BA = X_AB.q.conjugate();
-  return holds_ball(b, q_BA * (c.p_A - X_AB.p), q_BA * -c.n_AB, radius);
-}
-
-/// Whether a gap is the distance, as the points are hardly further apart.
-bool is_distance(const Closest& c, double size) {
-  return kLeast * (c.p_B - c.p_A).norm() <= c.distance + 0.5e-6 * size;
-}
-
 /// Distance of shapes that are apart: GJK from the origin.
 template <typename S>
 Closest from_origin(S& search, const Closest& start, double size) {
@@ -363,6 +325,9 @@ Closest from_origin(S& search, const Closest& start, double size) {
   }
   return best;
 }
+
+/// Most ways out looked at, each shorter than the one before, and most polytopes for them.
+constexpr int kWaysOut = 20, kAttempts = 3;
 
 template <typename S>
 Vec3 furthest_of(void* search, const Vec3& n) {

@@ -8,16 +8,19 @@ namespace headpin::engine {
 
 Polytope::Polytope(Furthest furthest, void* pair, const Vec3& n, const Vec3& s)
     : furthest_(furthest), pair_(pair), n_(n) {
-  // Where an edge of A lies across one of B, four directions about n give the corners of the face
-  // they make in A - B. 16 degrees: on rims, a chord of them falls off by half as much, and the
-  // cosine of that is still 0.99.
-  constexpr double kTilt = 0.28;
-  const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
+  // Where an edge of A lies across one of B, they make a face of A - B: two directions about n give
+  // corners opposite each other, and two across the line between those the other two. 7 degrees: on
+  // rims, planes through chords of them fall off by up to 0.7 times that, whose cosine is over 0.99.
+  constexpr double kTilt = 0.13;
+  const Vec3 u = n.unitOrthogonal();
   points_[0] = s;
   points_[1] = furthest(pair, n + kTilt * u);
-  points_[2] = furthest(pair, n + kTilt * v);
   points_[3] = furthest(pair, n - kTilt * u);
-  points_[4] = furthest(pair, n - kTilt * v);
+  const Vec3 v = n.cross(points_[1] - points_[3]);
+  const double length = v.norm();
+  const Vec3 tilt = length > 0.0 ? Vec3(kTilt / length * v) : Vec3(kTilt * n.cross(u));
+  points_[2] = furthest(pair, n + tilt);
+  points_[4] = furthest(pair, n - tilt);
   points_[5] = furthest(pair, -n);
   count_ = 6;
 }
@@ -91,7 +94,7 @@ void Polytope::start() {
 // it.
 bool Polytope::insert(int point) {
   const Vec3& s = points_[point];
-  std::pair<std::uint16_t, std::uint16_t> rim[3 * kFaces];
+  Edge rim[3 * kFaces];
   int edges = 0, kept = 0;
   for (int k = 0; k < face_count_; ++k) {
     const Face& f = faces_[k];
@@ -101,7 +104,7 @@ bool Polytope::insert(int point) {
     }
     for (int c = 0; c < 3; ++c) {
       const std::uint16_t from = f.corner[c], to = f.corner[(c + 1) % 3];
-      const auto back = std::find(rim, rim + edges, std::pair{to, from});
+      Edge* const back = std::find(rim, rim + edges, Edge{to, from});
       if (back != rim + edges) {
         *back = rim[--edges];
       } else {
@@ -111,7 +114,7 @@ bool Polytope::insert(int point) {
   }
   face_count_ = kept;
   if (kept == 0 || kept + edges > kFaces) return false;
-  for (int k = 0; k < edges; ++k) add_face(rim[k].first, rim[k].second, point);
+  for (int k = 0; k < edges; ++k) add_face(rim[k].from, rim[k].to, point);
   return true;
 }
 

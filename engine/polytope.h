@@ -33,6 +33,11 @@ class Polytope {
     double offset;  // normal . x on it; infinite: a sliver without a plane, or part of the surface
   };
 
+  struct Edge {  // of the faces a point sees; not a std::pair, which would be made zero
+    std::uint16_t from, to;
+    bool operator==(const Edge&) const = default;
+  };
+
   bool holds_ball(double radius) const;
   void start();
   void add_face(int i, int j, int k);
