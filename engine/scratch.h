@@ -91,6 +91,7 @@ struct FrictionRows {
   FrictionSide a, b;
   Eigen::Matrix2d inverse;   ///< of the softened 2 x 2 block
   Eigen::Matrix2d softness;  ///< by which the block is softened
+  double kept = 0.0;         ///< part of the slip that is left
   Vec2 impulse;
   double reach = 0.0;  ///< limit of the twist over load [m]
   Vec3 n;

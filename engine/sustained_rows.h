@@ -254,6 +254,23 @@ void roll_by(World& world, const Touch& touch, const Vec3& roll) {
   }
 }
 
+/// Leaves more of a slip than a friction near 1 does. Without, contacts whose loads come and go by
+/// turns may have no end.
+/// @return whether it left less
+inline bool soften(FrictionRows& f, double kept) {
+  if (f.kept >= kept) return false;
+  const double was = 1.0 - f.kept, is = 1.0 - kept, soft = kept / is;
+  f.softness = soft * was * f.inverse.inverse();
+  f.inverse *= is / was;
+  if (f.twist_mass > 0.0) {
+    f.twist_softness = soft * was / f.twist_mass;
+    f.twist_mass *= is / was;
+  }
+  f.kept = kept;
+  f.releases = 0;
+  return true;
+}
+
 template <Other other>
 void add_friction(World& world, Touch& touch, std::uint32_t index) {
   Scratch& s = world.scratch;
@@ -285,6 +302,7 @@ void add_friction(World& world, Touch& touch, std::uint32_t index) {
   // F = -(1 - kept) K^-1 u. With u' = u + K F that is u' + softness F = 0.
   const double soft = kept < 1.0 ? kept / (1.0 - kept) : 0.0;
   const Eigen::Matrix2d& K = yield.slip;
+  f.kept = kept;
   f.softness = soft * K;
   f.inverse << K(1, 1), -K(0, 1), -K(1, 0), K(0, 0);
   f.inverse *= (1.0 - kept) / (K(0, 0) * K(1, 1) - K(0, 1) * K(1, 0));
