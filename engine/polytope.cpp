@@ -80,12 +80,21 @@ void Polytope::start() {
       points_[count_++] = furthest_(pair_, -n);
     }
   }
-  const int j = up > 0.0 ? 2 : 1, k = up > 0.0 ? 1 : 2;
   for (int i = 0; i < count_; ++i) rounding_ = std::max(rounding_, 1e-14 * points_[i].norm());
+  const int j = up > 0.0 ? 2 : 1, k = up > 0.0 ? 1 : 2;
   add_face(0, j, k);
   add_face(0, k, 3);
   add_face(k, j, 3);
   add_face(j, 0, 3);
+  // Two points on one spot make triangles whose normals say nothing.
+  const double near = 10.0 * rounding_;
+  int kept = 4;
+  for (int i = 4; i < count_; ++i) {
+    const Vec3 s = points_[i];
+    const auto is_there = [&](const Vec3& p) { return (p - s).squaredNorm() <= near * near; };
+    if (std::none_of(points_, points_ + kept, is_there)) points_[kept++] = s;
+  }
+  count_ = kept;
   for (int i = 4; i < count_ && insert(i);) ++i;
 }
 
