@@ -344,7 +344,8 @@ HEADPIN_FLATTEN __attribute__((noinline)) bool shorten(const A& a, const B& b, c
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     Polytope around(&furthest_of<S>, &search, c.n_AB, c.p_A - c.p_B);
     Vec3 shorter;
-    for (int k = 0; k < kWaysOut && around.find_shorter(to_beat(c, size), shorter); ++k) {
+    int k = 0;
+    for (; k < kWaysOut && around.find_shorter(to_beat(c, size), shorter); ++k) {
       const Support s = search(shorter);
       const Closest there = settle(search, shorter, s, size, false, q);
       const bool capped = c.capped || there.capped;
@@ -352,7 +353,7 @@ HEADPIN_FLATTEN __attribute__((noinline)) bool shorten(const A& a, const B& b, c
       c.capped = capped;
       if (is_proven(a, b, X_AB, c, size)) return true;
     }
-    if (!around.gave_up()) return true;
+    if (k < kWaysOut && !around.gave_up()) return true;
     // From where it was nearest, and if that leads on, round there.
     const Closest there = settle(search, shorter, search(shorter), size, false, q);
     c.capped = true;

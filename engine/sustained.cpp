@@ -18,8 +18,8 @@ constexpr int kPlainPasses = 8;
 /// way, as they do where masses differ a thousandfold: from there on they go plainly.
 constexpr double kAstray = 100.0;
 
-/// Part of a slip that friction leaves in an island that is not solved otherwise, and passes it gets
-/// then, over those it had.
+/// Part of a slip that friction leaves in an island that is not solved otherwise, and how many times
+/// the usual passes it gets for that.
 constexpr double kSoft = 0.01;
 constexpr int kSoftPasses = 4;
 

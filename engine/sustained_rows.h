@@ -254,9 +254,9 @@ void roll_by(World& world, const Touch& touch, const Vec3& roll) {
   }
 }
 
-/// Leaves more of a slip than a friction near 1 does. Without, contacts whose loads come and go by
-/// turns may have no end.
-/// @return whether it left less
+/// Lets friction leave at least a part `kept` of the slip. Where it leaves none, contacts whose loads
+/// come and go by turns may have no solution.
+/// @return whether it left less before
 inline bool soften(FrictionRows& f, double kept) {
   if (f.kept >= kept) return false;
   const double was = 1.0 - f.kept, is = 1.0 - kept, soft = kept / is;
