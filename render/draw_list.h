@@ -11,12 +11,13 @@ namespace headpin::render {
 
 struct DrawItem {
   int mesh = 0;  ///< what Renderer::add returned
-  std::optional<int>
-      far_mesh;               ///< of the same surface: drawn where it is small, mirrored, a shadow
-  Pose X_WG;                  ///< mesh in the world
-  Vec3 scale = Vec3::Ones();  ///< along the mesh's own axes
-  Vec3 tint = Vec3::Ones();   ///< times the mesh's colours
-  std::uint32_t id = 0;       ///< what labels() calls it
+  // Of the same surface, with fewer triangles:
+  std::optional<int> far_mesh;    ///< drawn where it is small
+  std::optional<int> faint_mesh;  ///< mirrored, and as a shadow; without, the far one
+  Pose X_WG;                      ///< mesh in the world
+  Vec3 scale = Vec3::Ones();      ///< along the mesh's own axes
+  Vec3 tint = Vec3::Ones();       ///< times the mesh's colours
+  std::uint32_t id = 0;           ///< what labels() calls it
   bool casts_shadow = false;
   bool mirrored = false;  ///< seen again in polished floors
 };

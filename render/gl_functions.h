@@ -9,7 +9,8 @@
 // clang-format off
 /// The OpenGL 3.3 core functions that are used, one X each.
 #define HEADPIN_GL_FUNCTIONS(X)                                                                    \
-  X(AttachShader) X(BindBuffer) X(BindFramebuffer) X(BindRenderbuffer) X(BindTexture)              \
+  X(ActiveTexture) X(AttachShader) X(BindBuffer) X(BindFramebuffer) X(BindRenderbuffer)            \
+  X(BindTexture)                                                                                   \
   X(BindVertexArray) X(BlendFunc) X(BufferData) X(CheckFramebufferStatus) X(Clear)                 \
   X(ClearBufferuiv) X(ClearColor) X(CompileShader) X(CreateProgram) X(CreateShader)                \
   X(CullFace) X(DeleteBuffers) X(DeleteFramebuffers) X(DeleteProgram)                              \

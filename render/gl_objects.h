@@ -110,6 +110,60 @@ class Target {
   std::array<GLuint, 2> parts_{};
 };
 
+/// What polished floors mirror: its light, read where they are drawn. One sample a pixel is enough, as
+/// it is between those.
+class MirrorImage {
+ public:
+  MirrorImage(const Gl& gl, int width, int height) : gl_(&gl), width_(width), height_(height) {
+    gl.GenTextures(1, &texture_);
+    bind();
+    gl.ActiveTexture(GL_TEXTURE0 + kUnit);
+    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    gl.ActiveTexture(GL_TEXTURE0);
+    gl.GenRenderbuffers(1, &depth_);
+    gl.BindRenderbuffer(GL_RENDERBUFFER, depth_);
+    gl.RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT24, width, height);
+    gl.GenFramebuffers(1, &buffer_);
+    gl.BindFramebuffer(GL_FRAMEBUFFER, buffer_);
+    gl.FramebufferTexture2D(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_TEXTURE_2D, texture_, 0);
+    gl.FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, depth_);
+    if (gl.CheckFramebufferStatus(GL_FRAMEBUFFER) != GL_FRAMEBUFFER_COMPLETE) {
+      throw std::runtime_error("OpenGL cannot draw a mirror image of " + std::to_string(width) +
+                               "x" + std::to_string(height) + " pixels");
+    }
+  }
+  ~MirrorImage() {
+    gl_->DeleteFramebuffers(1, &buffer_);
+    gl_->DeleteRenderbuffers(1, &depth_);
+    gl_->DeleteTextures(1, &texture_);
+  }
+  MirrorImage(const MirrorImage&) = delete;
+  MirrorImage& operator=(const MirrorImage&) = delete;
+
+  bool fits(int width, int height) const { return width == width_ && height == height_; }
+  void use() const {
+    gl_->BindFramebuffer(GL_FRAMEBUFFER, buffer_);
+    gl_->Viewport(0, 0, width_, height_);
+  }
+  /// To be read by programs.
+  void bind() const {
+    gl_->ActiveTexture(GL_TEXTURE0 + kUnit);
+    gl_->BindTexture(GL_TEXTURE_2D, texture_);
+    gl_->ActiveTexture(GL_TEXTURE0);
+  }
+
+  static constexpr int kUnit = 1;
+
+ private:
+  const Gl* gl_;
+  int width_, height_;
+  GLuint texture_ = 0, depth_ = 0, buffer_ = 0;
+};
+
 /// Depth as the light sees it, compared and smoothed where it is read.
 class ShadowMap {
  public:

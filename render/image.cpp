@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <new>
 #include <stdexcept>
@@ -107,47 +108,80 @@ Bytes compressed(const Bytes& bytes) {
   return out;
 }
 
-/// Where each pixel's samples lie in the grid, from the one at its lower left corner.
-template <int n>
-constexpr auto samples_of_a_pixel() {
-  constexpr int kCount = n * n + 1;
-  std::array<std::array<int, 2>, kCount> found{};
-  std::size_t next = 0;
-  for (int j = 0; j <= n; ++j) {
-    for (int i = -1; i <= n; ++i) {
-      // Twice the sample's place in the grid, so that halves are whole.
-      const int a = 2 * i + 1 - n % 2, b = 2 * j + 1;
-      const int across = n * a + b, up = n * b - a;
-      if (across < 0 || across >= 2 * kCount || up < 0 || up >= 2 * kCount) continue;
-      found.at(next++) = {i, j};
+/// What a pixel takes of a sample near it.
+struct Share {
+  int i, j;              ///< in the grid, from the one at the pixel's lower left corner
+  std::uint32_t weight;  ///< of kWhole
+};
+constexpr std::uint32_t kWhole = 1 << 16;
+
+/// Samples by the part of the pixel that lies in each one's cell, which is a square of the grid: an
+/// edge through the pixel is told by all that it passes, not by those inside alone.
+std::vector<Share> make_shares(int n) {
+  constexpr int kFine = 64;  // points along a side of a cell, counted if they lie in the pixel
+  const int whole = 2 * kFine * (n * n + 1);
+  std::vector<Share> shares;
+  std::uint32_t left = kWhole;
+  for (int j = -1; j <= n + 1; ++j) {
+    for (int i = -2; i <= n + 1; ++i) {
+      int inside = 0;
+      for (int y = 0; y < kFine; ++y) {
+        for (int x = 0; x < kFine; ++x) {
+          const int a = kFine * (2 * i - n % 2) + 2 * x + 1, b = 2 * kFine * j + 2 * y + 1;
+          const int across = n * a + b, up = n * b - a;  // of its place in the pixel, of `whole`
+          if (across >= 0 && across < whole && up >= 0 && up < whole) ++inside;
+        }
+      }
+      const double part = static_cast<double>(inside) / (kFine * kFine * (n * n + 1));
+      const auto weight = static_cast<std::uint32_t>(std::lround(part * kWhole));
+      if (weight == 0) continue;
+      shares.push_back({i, j, weight});
+      left -= weight;
     }
   }
-  if (next != found.size()) throw std::logic_error("a pixel without its samples");
-  return found;
+  std::ranges::max_element(shares, {}, &Share::weight)->weight += left;  // what rounding left
+  return shares;
 }
 
-/// The mean light of each pixel's samples, rows turned over. n is known when it is compiled: a
-/// division by a number that is not would cost more than all the rest.
-template <int n>
-void average_grid(std::span<const std::uint8_t> rgba, Image& image) {
-  constexpr auto kPlaces = samples_of_a_pixel<n>();
-  constexpr auto kCount = static_cast<std::uint32_t>(kPlaces.size());
-  const std::array<std::uint16_t, 256>& light = light_of_codes();
-  const Bytes& code = codes_of_light();
+const std::vector<Share>& shares_of_a_pixel(int n) {
+  static const std::array kOfSamples{make_shares(2), make_shares(3), make_shares(4), make_shares(5),
+                                     make_shares(6), make_shares(7), make_shares(8)};
+  return kOfSamples.at(static_cast<std::size_t>(n - 2));
+}
+
+/// The weighted mean light of each pixel's samples, rows turned over.
+void average_grid(std::span<const std::uint8_t> rgba, int n, Image& image) {
+  struct Taken {
+    std::ptrdiff_t at;           // from the pixel's corner
+    const std::uint32_t* light;  // of each code, weighted
+  };
+  using Weighted = std::array<std::uint32_t, 256>;
+  std::map<std::uint32_t, Weighted> weighted;
+  std::vector<Taken> taken;
   const int w = image.width, h = image.height;
   const std::ptrdiff_t row = SampleGrid{n}.width(w, h);
-  std::array<std::ptrdiff_t, kPlaces.size()> at{};
-  for (std::size_t k = 0; k < at.size(); ++k) at[k] = 4 * (kPlaces[k][1] * row + kPlaces[k][0]);
+  for (const Share& share : shares_of_a_pixel(n)) {
+    const auto [found, is_new] = weighted.try_emplace(share.weight);
+    if (is_new) {
+      std::ranges::transform(light_of_codes(), found->second.begin(),
+                             [&](std::uint32_t light) { return share.weight * light; });
+    }
+    taken.push_back({4 * (share.j * row + share.i), found->second.data()});
+  }
+  const Bytes& code = codes_of_light();
   std::uint8_t* pixel = image.rgb.data();
   for (int y = h - 1; y >= 0; --y) {
     const std::uint8_t* corner = rgba.data() + 4 * (n * y * row + h - y);
     for (int x = 0; x < w; ++x, corner += 4 * (row + n), pixel += 3) {
-      std::array<std::uint32_t, 3> sum{kCount / 2, kCount / 2, kCount / 2};  // so that it rounds
-      for (const std::ptrdiff_t sample : at) {
-        for (std::size_t c = 0; c < 3; ++c)
-          sum[c] += light[corner[sample + static_cast<std::ptrdiff_t>(c)]];
+      std::uint32_t red = kWhole / 2, green = red, blue = red;  // so that it rounds
+      for (const auto& [at, light] : taken) {
+        red += light[corner[at]];
+        green += light[corner[at + 1]];
+        blue += light[corner[at + 2]];
       }
-      for (std::size_t c = 0; c < 3; ++c) pixel[c] = code[sum[c] / kCount];
+      pixel[0] = code[red / kWhole];
+      pixel[1] = code[green / kWhole];
+      pixel[2] = code[blue / kWhole];
     }
   }
 }
@@ -238,15 +272,12 @@ Image average(std::span<const std::uint8_t> rgba, int width, int height, int sam
       const std::uint8_t* sample = rgba.data() + 4 * w * (h - 1 - y);
       std::uint8_t* pixel = image.rgb.data() + 3 * w * y;
       for (std::size_t x = 0; x < w; ++x, sample += 4, pixel += 3) {
-        std::copy_n(sample, 3, pixel);
+        for (std::size_t c = 0; c < 3; ++c) pixel[c] = sample[c];  // a call would cost more
       }
     }
     return image;
   }
-  constexpr std::array kOfSamples = {average_grid<2>, average_grid<3>, average_grid<4>,
-                                     average_grid<5>, average_grid<6>, average_grid<7>,
-                                     average_grid<8>};
-  kOfSamples[static_cast<std::size_t>(samples - 2)](rgba, image);
+  average_grid(rgba, samples, image);
   return image;
 }
 

@@ -31,7 +31,9 @@ std::uint64_t pixel_hash(const Image& image);
 /// @throws std::invalid_argument  when the heights differ
 Image side_by_side(const Image& left, const Image& right);
 
-/// One pixel from its samples: the mean of their light, not of their codes.
+/// Each pixel from the samples in and around it: the mean of their light, not of their codes, weighted
+/// by what their cells in the grid cover of the pixel. So an edge is told twice as well, by nine
+/// samples where five lie in a pixel.
 ///
 /// @param rgba     sRGB bytes as OpenGL reads them, rows from the bottom, four bytes a sample: those
 ///                 of the SampleGrid that has the picture in it

@@ -22,13 +22,13 @@ Labels Renderer::labels(const DrawList& list, const View& view) {
   gl.Clear(GL_DEPTH_BUFFER_BIT);
   r.label->use();
   const Mat4 clip = world_to_clip(view);
-  const std::vector<int> meshes = r.meshes_seen(list, {&view, 1});
+  const std::vector<double> sizes = r.sizes_seen(list, {&view, 1});
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     const DrawItem& item = list.items[i];
     const Mat4 mesh_to_clip = clip * matrix(item.X_WG, item.scale);
     r.label->set("to_clip", mesh_to_clip);
     r.label->set("id", item.id);
-    r.draw_elements(r.kept(meshes[i]), mesh_to_clip);
+    r.draw_elements(r.seen_mesh(item, sizes[i]), mesh_to_clip);
   }
 
   const auto width = static_cast<std::size_t>(view.width);

@@ -34,6 +34,7 @@ struct Vertex {
 /// Triangles, counter-clockwise seen from outside.
 struct Mesh {
   Surface surface = Surface::lit;
+  bool fine_light = true;    ///< lit at each pixel; at vertices is enough for what is small
   double gloss = 0.0;        ///< 0 matt .. 1; for a floor the share of light mirrored straight down
   bool takes_shadow = true;  ///< a floor's: of items that cast one
   std::vector<Vertex> vertices;

@@ -8,7 +8,7 @@ namespace headpin::render {
 
 /// What is spent on a picture. The effects are part of what a participant sees: log them.
 struct Quality {
-  int samples = 2;              ///< of n, 2..8, each pixel is the mean light of n^2 + 1; of 1, one
+  int samples = 2;              ///< of n, 2..8, n^2 + 1 lie in each pixel; of 1, one
   bool contact = true;          ///< floors darken beneath and beside bodies
   bool shadow = true;           ///< bodies cast shadows on floors and bodies
   bool mirror = true;           ///< polished floors mirror what stands on them

@@ -38,8 +38,8 @@ int Renderer::add(const Mesh& mesh) {
   r.context->make_current();
   // Floors in small parts: of each it is asked whether a shadow may fall on it.
   const MeshParts parted =
-      mesh.surface == Surface::floor ? part_by_place(mesh, 1.0, 16) : part_by_place(mesh);
-  Kept kept{mesh.surface, mesh.gloss, mesh.takes_shadow, parted.parts, parted.box};
+      mesh.surface == Surface::floor ? part_by_place(mesh, 0.35, 16) : part_by_place(mesh);
+  Kept kept{mesh.surface, mesh.fine_light, mesh.gloss, mesh.takes_shadow, parted.parts, parted.box};
   r.gl.GenVertexArrays(1, &kept.arrays);
   r.gl.BindVertexArray(kept.arrays);
   r.gl.GenBuffers(1, &kept.vertices);
@@ -79,28 +79,25 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
   gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(contact.size() * sizeof(ContactVertex)),
                 contact.data(), GL_STREAM_DRAW);
 
-  Scene scene{&list, r.meshes_seen(list, views),    {}, shadow_view, {}, {},
-              {},    r.shades_of(list, shadow_view)};
-  r.cut_picture(true);
+  const auto contacts = static_cast<GLsizei>(contact.size());
+  std::vector<Scene> scenes;
   r.targets.resize(std::max(r.targets.size(), views.size()));
+  r.mirror_images.resize(r.targets.size());
   for (std::size_t i = 0; i < views.size(); ++i) {
-    r.use_target(i, views[i]);
-    const Eigen::Vector3f back = srgb_of(list.background).cast<float>();
-    gl.ClearColor(back.x(), back.y(), back.z(), 1.0F);
-    gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
-
-    scene.world_to_clip = world_to_clip(views[i]);
-    r.lay_grid(scene, views[i]);
-    scene.eye_W = views[i].X_WE.p;
-    if (r.quality.mirror) r.draw_mirrored(scene);
-    for (const Surface surface : kTurns) {
-      r.draw_surface(scene, surface, static_cast<GLsizei>(contact.size()));
-    }
+    scenes.push_back({.list = &list,
+                      .sizes = r.sizes_seen(list, views),
+                      .world_to_clip = world_to_clip(views[i]),
+                      .shadow_view = shadow_view,
+                      .eye_W = views[i].X_WE.p,
+                      .shades = r.shades_of(list, shadow_view)});
+    if (r.quality.mirror) r.draw_mirrored(scenes[i], views[i], r.mirror_images[i]);
+    r.draw_part(scenes[i], views[i], whole(views[i]), r.grid, contacts, r.targets[i]);
   }
   // Read when all are on their way: one is painted while the next is prepared.
   for (std::size_t i = 0; i < views.size(); ++i) {
-    r.use_target(i, views[i]);
-    r.read(views[i], out[i]);
+    out[i] = r.read(*r.targets[i], whole(views[i]), r.grid);
+    if (r.quality.mirror) r.mirror_images[i]->bind();
+    r.refine(scenes[i], views[i], contacts, out[i]);
   }
   r.finish("Renderer::draw");
 }

@@ -5,13 +5,14 @@
 #include <stdexcept>
 
 #include "render/contact_shadow.h"
+#include "render/finer_part.h"
 #include "render/gl_functions.h"
 #include "render/gl_objects.h"
 #include "render/matrices.h"
 #include "render/mesh_parts.h"
+#include "render/programs.h"
 #include "render/renderer.h"
 #include "render/sample_grid.h"
-#include "render/shaders.h"
 
 /// The inside of a Renderer, for its own .cpp files.
 namespace headpin::render {
@@ -30,6 +31,7 @@ inline constexpr std::array kTurns = {Surface::lit, Surface::floor, Surface::bak
 /// A mesh on the side of the context.
 struct Kept {
   Surface surface;
+  bool fine_light;
   double gloss;
   bool takes_shadow;
   std::vector<MeshPart> parts;
@@ -46,29 +48,22 @@ inline Gl current_functions(GlContext& context) {
   return gl;
 }
 
-inline Program mesh_program(const Gl& gl, const shaders::Variant& variant, const char* fragment) {
-  return {gl, shaders::vertex_shader(variant, shaders::kMeshVertex),
-          shaders::shader(variant, fragment)};
-}
-
-/// Of bodies: the colour of their mesh is what they reflect, and becomes light here.
-inline Program lit_program(const Gl& gl, const Quality& quality, std::size_t lamps) {
-  const int count = static_cast<int>(lamps);
-  return quality.light == "vertex"
-             ? mesh_program(gl, {.early = true, .lamps = true, .count = count},
-                            shaders::kBakedFragment)
-             : mesh_program(gl, {.coded = true, .shadow = quality.shadow, .count = count},
-                            shaders::kLitFragment);
+inline int faint_mesh(const DrawItem& item) {
+  return item.faint_mesh.value_or(item.far_mesh.value_or(item.mesh));
 }
 
 /// What one eye looks at.
 struct Scene {
   const DrawList* list;
-  std::vector<int> meshes;  ///< of the items, as they are seen from there
-  Mat4 world_to_clip;
+  std::vector<double> sizes;  ///< of the items, as they are seen from there [pixels]
+  Mat4 world_to_clip = Mat4::Identity();
   Mat4 shadow_view;  ///< world to the shadow map, 0..1
-  Vec3 eye_W;
+  Vec3 eye_W = Vec3::Zero();
   Vec3 grid_x = Vec3::UnitX(), grid_y = Vec3::UnitY();  ///< clip space to that of the samples
+  Vec3 edge = Vec3::Ones();  ///< x and y up to which they are drawn, in clip space
+  Vec3 picture_u = Vec3::Zero(),
+       picture_v = Vec3::Zero();  ///< (i, j, 1) of a sample to the picture
+  bool in_mirror = false;
   std::vector<Eigen::AlignedBox2d> shades;  ///< what items cover of the shadow map, 0..1
 };
 
@@ -111,7 +106,7 @@ struct Renderer::Impl {
 
   void check(const DrawList& list, const View& view) const {
     for (const DrawItem& item : list.items) {
-      for (const int mesh : {item.mesh, item.far_mesh.value_or(item.mesh)}) {
+      for (const int mesh : {item.mesh, item.far_mesh.value_or(item.mesh), faint_mesh(item)}) {
         if (mesh >= 0 && static_cast<std::size_t>(mesh) < meshes.size()) continue;
         throw std::invalid_argument("draw list: mesh " + std::to_string(mesh) + " of " +
                                     std::to_string(meshes.size()));
@@ -155,20 +150,24 @@ struct Renderer::Impl {
     draw_elements(mesh, mesh_to_clip, [](const MeshPart&) { return true; });
   }
 
-  /// What items look like from there: decided once, so that both eyes see the same.
-  std::vector<int> meshes_seen(const DrawList& list, std::span<const View> views) const {
+  /// How large items look from there [pixels]: from between the views, so that both eyes see the same.
+  std::vector<double> sizes_seen(const DrawList& list, std::span<const View> views) const {
     Vec3 between = Vec3::Zero();
     for (const View& view : views) between += view.X_WE.p / static_cast<double>(views.size());
-    std::vector<int> seen;
+    const View& view = views.front();
+    std::vector<double> sizes;
     for (const DrawItem& item : list.items) {
       const Eigen::AlignedBox3d& box = kept(item.mesh).box;
-      const View& view = views.front();
       const double size = box.sizes().cwiseProduct(item.scale).norm() * view.height /
                           (view.frustum.top - view.frustum.bottom);
       const double away = (item.X_WG * box.center().cwiseProduct(item.scale) - between).norm();
-      seen.push_back(size < kNear * away ? item.far_mesh.value_or(item.mesh) : item.mesh);
+      sizes.push_back(size / away);
     }
-    return seen;
+    return sizes;
+  }
+
+  const Kept& seen_mesh(const DrawItem& item, double size) const {
+    return kept(size < kNear ? item.far_mesh.value_or(item.mesh) : item.mesh);
   }
 
   /// What lies behind each item, as the light sees it: so none shades its own lit side.
@@ -181,7 +180,7 @@ struct Renderer::Impl {
       if (!item.casts_shadow) continue;
       const Mat4 mesh_to_clip = view * matrix(item.X_WG, item.scale);
       depth.set("to_clip", mesh_to_clip);
-      draw_elements(kept(item.far_mesh.value_or(item.mesh)), mesh_to_clip);
+      draw_elements(kept(faint_mesh(item)), mesh_to_clip);
     }
     gl.CullFace(GL_BACK);
   }
@@ -196,30 +195,32 @@ struct Renderer::Impl {
     if (!quality.shadow || list.shadow.depth <= 0.0) return shades;
     for (const DrawItem& item : list.items) {
       if (!item.casts_shadow) continue;
-      const Eigen::AlignedBox2d box = across(kept(item.far_mesh.value_or(item.mesh)).box,
-                                             shadow_view * matrix(item.X_WG, item.scale));
+      const Eigen::AlignedBox2d box =
+          across(kept(faint_mesh(item)).box, shadow_view * matrix(item.X_WG, item.scale));
       shades.emplace_back(box.min() - wide, box.max() + wide);
     }
     return shades;
   }
 
   /// The cheapest that draws a mesh: floors without shadow or polish do not ask for either.
-  const Program& program_of(const Kept& mesh, bool shaded) const {
+  const Program& program_of(const Kept& mesh, bool shaded, bool in_mirror) const {
     switch (mesh.surface) {
       case Surface::lit:
-        return *lit;  // by vertex or by pixel
+        if (in_mirror) return lit->mirrored;
+        return mesh.fine_light && quality.light == "pixel" ? lit->fine : lit->coarse;
       case Surface::floor:
         return mirrors(mesh) ? shaded ? floor : polished : shaded ? shadowed : baked;
       case Surface::baked:
-        return baked;
+        return in_mirror ? mirrored : baked;
     }
     throw std::logic_error("a surface without a program");
   }
 
-  static void set_shadow(const Program& program, const Scene& scene) {
+  /// @param taken  of the light, or of its code, by shadows
+  static void set_shadow(const Program& program, const Scene& scene, double taken) {
     program.set("shadow_view", scene.shadow_view);
     program.set("shadow_map", 0);
-    program.set("shadow_depth", scene.list->shadow.depth);
+    program.set("shadow_depth", taken);
   }
 
   /// What a surface's program asks for beside the items.
@@ -232,8 +233,16 @@ struct Renderer::Impl {
         if (mirrors(mesh)) {
           program.set("eye_W", scene.eye_W);
           program.set("gloss", mesh.gloss);
+          program.set("mirrored", MirrorImage::kUnit);
+          program.set("picture_u", scene.picture_u);
+          program.set("picture_v", scene.picture_v);
         }
-        if (shaded) set_shadow(program, scene);
+        // Where there is no mirror, the colour is code already, and shadows take of that.
+        if (shaded) {
+          const double taken = list.shadow.depth;
+          set_shadow(program, scene,
+                     mirrors(mesh) ? taken : 1.0 - std::pow(1.0 - taken, 1.0 / 2.2));
+        }
         return;
       case Surface::lit:
         program.set("eye_W", scene.eye_W);
@@ -245,40 +254,36 @@ struct Renderer::Impl {
           program.set(kLampPower[i], list.lamps[i].power);
         }
         if (quality.shadow) {
-          set_shadow(program, scene);
+          set_shadow(program, scene, list.shadow.depth);
           program.set("shadow_n", list.shadow.n_W);
         }
         return;
     }
   }
 
-  /// Draws the items of one surface, or of them only those that are mirrored.
-  void draw_items(const Scene& scene, Surface surface, bool only_mirrored) const {
+  /// Draws the items of one surface, in a mirror only those that are seen there.
+  void draw_items(const Scene& scene, Surface surface) const {
     const DrawList& list = *scene.list;
     for (std::size_t i = 0; i < list.items.size(); ++i) {
       const DrawItem& item = list.items[i];
-      const Kept& mesh =
-          kept(only_mirrored ? item.far_mesh.value_or(scene.meshes[i]) : scene.meshes[i]);
-      if (mesh.surface != surface || (only_mirrored && !item.mirrored)) continue;
+      const Kept& mesh = scene.in_mirror ? kept(faint_mesh(item)) : seen_mesh(item, scene.sizes[i]);
+      if (mesh.surface != surface || (scene.in_mirror && !item.mirrored)) continue;
       const Mat4 mesh_to_world = matrix(item.X_WG, item.scale);
       const Mat4 mesh_to_clip = scene.world_to_clip * mesh_to_world;
       if (is_outside(mesh.box, mesh_to_clip)) continue;
       const auto draw = [&](bool shaded, const auto& wanted) {
-        const Program& program = program_of(mesh, shaded);
+        const Program& program = program_of(mesh, shaded, scene.in_mirror);
         program.use();
         set_light(mesh, program, scene, shaded);
-        program.set("lowest_z", only_mirrored ? list.mirror_z : -kEndless);
+        program.set("lowest_z", scene.in_mirror ? list.mirror_z : -kEndless);
         program.set("to_clip", mesh_to_clip);
         program.set("grid_x", scene.grid_x);
         program.set("grid_y", scene.grid_y);
+        program.set("edge", scene.edge);
         program.set("world", mesh_to_world);
         program.set("turn", matrix({item.X_WG.q, Vec3::Zero()}, item.scale.cwiseInverse()));
         program.set("tint", item.tint);
-        if (surface == Surface::floor && mirrors(mesh)) {
-          draw_over_mirrored([&] { draw_elements(mesh, mesh_to_clip, wanted); });
-        } else {
-          draw_elements(mesh, mesh_to_clip, wanted);
-        }
+        draw_elements(mesh, mesh_to_clip, wanted);
       };
       // To look a shadow up costs more than all else of a floor: it is done where one may fall.
       const Mat4 mesh_to_map = scene.shadow_view * mesh_to_world;
@@ -298,41 +303,38 @@ struct Renderer::Impl {
     }
   }
 
-  /// Lets the mirror images shine through what is drawn: the target takes light then, not its code.
-  template <typename Draw>
-  void draw_over_mirrored(const Draw& draw) const {
-    gl.Enable(GL_FRAMEBUFFER_SRGB);
-    gl.Enable(GL_BLEND);
-    draw();
-    gl.Disable(GL_BLEND);
-    gl.Disable(GL_FRAMEBUFFER_SRGB);
-  }
-
   /// All items of one surface in their turn, and what follows them. A new surface has its turn here
   /// and in kTurns.
   void draw_surface(const Scene& scene, Surface surface, GLsizei contacts) const {
     switch (surface) {
       case Surface::lit:
       case Surface::baked:
-        return draw_items(scene, surface, false);
+        return draw_items(scene, surface);
       case Surface::floor:
-        gl.BlendFunc(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA);
-        draw_items(scene, surface, false);
+        draw_items(scene, surface);
         return draw_contact(contacts, scene);
     }
   }
 
-  void draw_mirrored(Scene scene) const {
+  /// What floors mirror of the scene, for the programs that draw them.
+  void draw_mirrored(Scene scene, const View& view, std::unique_ptr<MirrorImage>& image) const {
+    if (!image || !image->fits(view.width, view.height)) {
+      image = std::make_unique<MirrorImage>(gl, view.width, view.height);
+    }
+    image->use();
+    cut_picture(false);
+    clear(scene.list->background);
     const Mat4 mirror = mirrored_at(scene.list->mirror_z);
     scene.eye_W = (mirror * scene.eye_W.homogeneous()).head<3>();
     scene.world_to_clip = scene.world_to_clip * mirror;
+    scene.in_mirror = true;
     gl.FrontFace(GL_CW);
     gl.Enable(GL_CLIP_DISTANCE0);
-    draw_items(scene, Surface::lit, true);
-    draw_items(scene, Surface::baked, true);
+    draw_items(scene, Surface::lit);
+    draw_items(scene, Surface::baked);
     gl.Disable(GL_CLIP_DISTANCE0);
     gl.FrontFace(GL_CCW);
-    gl.Clear(GL_DEPTH_BUFFER_BIT);  // the images stay, as colours behind the floor
+    image->bind();
   }
 
   void draw_contact(GLsizei count, const Scene& scene) const {
@@ -341,6 +343,7 @@ struct Renderer::Impl {
     contact.set("view", scene.world_to_clip);
     contact.set("grid_x", scene.grid_x);
     contact.set("grid_y", scene.grid_y);
+    contact.set("edge", scene.edge);
     contact.set("faint", kFaint);
     gl.Enable(GL_BLEND);
     gl.BlendFunc(GL_ZERO, GL_SRC_COLOR);
@@ -355,9 +358,14 @@ struct Renderer::Impl {
   }
 
   void make_lit_for(std::size_t lamps) {
-    if (lit && lit_lamps == lamps) return;
-    lit.reset(new Program(lit_program(gl, quality, lamps)));
-    lit_lamps = lamps;
+    if (lit && lit->count == static_cast<int>(lamps)) return;
+    lit = std::make_unique<LitPrograms>(gl, quality, lamps);
+  }
+
+  void clear(const Vec3& colour) const {
+    const Eigen::Vector3f c = colour.cast<float>();
+    gl.ClearColor(c.x(), c.y(), c.z(), 1.0F);
+    gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   }
 
   /// Lays out the state every picture starts from.
@@ -373,40 +381,82 @@ struct Renderer::Impl {
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   }
 
-  /// Turns the picture into the grid of its samples.
-  void lay_grid(Scene& scene, const View& view) const {
-    const double n = grid.n, w = view.width, h = view.height;
-    const int across = grid.width(view.width, view.height);
-    const int up = grid.height(view.width, view.height);
-    scene.grid_x = Vec3(n * w, -grid.turn() * h, 0.0) / across;
-    scene.grid_y = Vec3(grid.turn() * w, n * h, 0.0) / up;
+  /// Turns the picture into the grid of its samples; those beside it are not drawn.
+  ///
+  /// @param part  what it is of the view that the mirror image was drawn for
+  void lay_grid(Scene& scene, const View& whole, const Part& part, const SampleGrid& laid) const {
+    const double n = laid.n, w = part.width, h = part.height;
+    const int across = laid.width(part.width, part.height);
+    const int up = laid.height(part.width, part.height);
+    scene.grid_x = Vec3(n * w, -laid.turn() * h, 0.0) / across;
+    scene.grid_y = Vec3(laid.turn() * w, n * h, 0.0) / up;
+    scene.edge = Vec3(1.0 + 1.0 / w, 1.0 + 1.0 / h, 0.0);
+    Eigen::Matrix2d turned;
+    turned << scene.grid_x.x(), scene.grid_x.y(), scene.grid_y.x(), scene.grid_y.y();
+    const Eigen::Matrix2d back = turned.inverse();
+    const auto place = [&](int k, double from, double size, double whole_size) {
+      const Vec3 in_part(back(k, 0) / across, back(k, 1) / up, 0.5 - 0.5 * back.row(k).sum());
+      return Vec3((size * in_part + from * Vec3::UnitZ()) / whole_size);
+    };
+    scene.picture_u = place(0, part.x, w, whole.width);
+    scene.picture_v = place(1, part.y, h, whole.height);
+    cut_picture(laid.turn() == 1);
   }
 
-  /// Samples beside the picture are not drawn.
   void cut_picture(bool on) const {
-    if (grid.turn() == 0) return;
     for (GLenum plane = GL_CLIP_DISTANCE1; plane <= GL_CLIP_DISTANCE4; ++plane) {
       on ? gl.Enable(plane) : gl.Disable(plane);
     }
   }
 
-  void use_target(std::size_t i, const View& view) {
-    const int width = grid.width(view.width, view.height);
-    const int height = grid.height(view.width, view.height);
-    if (!targets[i] || !targets[i]->fits(width, height)) {
-      targets[i] = std::make_unique<Target>(gl, GL_SRGB8_ALPHA8, width, height);
+  /// Draws a part of a view into its own target.
+  void draw_part(Scene scene, const View& whole, const Part& part, const SampleGrid& laid,
+                 GLsizei contacts, std::unique_ptr<Target>& target) const {
+    const int width = laid.width(part.width, part.height);
+    const int height = laid.height(part.width, part.height);
+    if (!target || !target->fits(width, height)) {
+      target = std::make_unique<Target>(gl, GL_RGBA8, width, height);
     }
-    targets[i]->use();
+    target->use();
+    clear(srgb_of(scene.list->background));
+    scene.world_to_clip = world_to_clip(view_of(whole, part));
+    lay_grid(scene, whole, part, laid);
+    for (const Surface surface : kTurns) draw_surface(scene, surface, contacts);
   }
 
   /// What was painted, once it is.
-  void read(const View& view, Image& out) {
-    const int width = grid.width(view.width, view.height);
-    const int height = grid.height(view.width, view.height);
+  Image read(const Target& target, const Part& part, const SampleGrid& laid) {
+    target.use();
+    const int width = laid.width(part.width, part.height);
+    const int height = laid.height(part.width, part.height);
     samples.resize(std::size_t{4} * static_cast<std::size_t>(width) *
                    static_cast<std::size_t>(height));
     gl.ReadPixels(0, 0, width, height, GL_RGBA, GL_UNSIGNED_BYTE, samples.data());
-    out = average(samples, view.width, view.height, quality.samples);
+    return average(samples, part.width, part.height, laid.n);
+  }
+
+  /// Where a view shows what is small.
+  std::optional<Part> small_part(const Scene& scene, const View& view) const {
+    Eigen::AlignedBox2d all;
+    for (std::size_t i = 0; i < scene.list->items.size(); ++i) {
+      const DrawItem& item = scene.list->items[i];
+      if (!item.far_mesh || scene.sizes[i] >= kSmall) continue;
+      const auto pixels =
+          pixels_of(kept(item.mesh).box, scene.world_to_clip * matrix(item.X_WG, item.scale), view);
+      if (pixels) all.extend(*pixels);
+    }
+    return part_of(view, all);
+  }
+
+  /// Draws what is small again, with more samples, and puts it in its place.
+  void refine(const Scene& scene, const View& view, GLsizei contacts, Image& image) {
+    if (quality.samples == 1) return;
+    const std::optional<Part> part = small_part(scene, view);
+    if (!part) return;
+    const std::optional<SampleGrid> finer = finer_grid(grid, view, *part);
+    if (!finer) return;
+    draw_part(scene, view, *part, *finer, contacts, finer_target);
+    paste(read(*finer_target, *part, *finer), *part, image);
   }
 
   /// Reports what OpenGL found wrong since it was last asked, by throwing.
@@ -423,20 +473,20 @@ struct Renderer::Impl {
   Quality quality;
   SampleGrid grid{quality.samples};
   std::vector<Kept> meshes;
-  std::unique_ptr<Program> lit;  ///< for as many lamps as the last list had
-  std::size_t lit_lamps = 0;
-  // Shaders write sRGB themselves, where it costs least; polished floors leave it to the target.
+  std::unique_ptr<LitPrograms> lit;  ///< for as many lamps as the last list had
   Program baked = mesh_program(gl, {.early = true}, shaders::kBakedFragment);
   Program floor = mesh_program(gl, {.shadow = true, .mirror = true}, shaders::kFloorFragment);
   Program polished = mesh_program(gl, {.mirror = true}, shaders::kFloorFragment);
-  Program shadowed =
-      mesh_program(gl, {.coded = true, .early = true, .shadow = true}, shaders::kFloorFragment);
+  Program shadowed = mesh_program(gl, {.early = true, .shadow = true}, shaders::kFloorFragment);
+  Program mirrored = mesh_program(gl, {}, shaders::kBakedFragment);
   Program contact{gl, shaders::vertex_shader({}, shaders::kContactVertex),
-                  shaders::shader({.coded = true}, shaders::kContactFragment)};
+                  shaders::shader({}, shaders::kContactFragment)};
   Program depth{gl, shaders::kDepthVertex, shaders::kDepthFragment};
   ShadowMap shadow_map{gl};
   std::vector<std::unique_ptr<Target>> targets;  // of the last views' sizes, in samples
-  std::unique_ptr<Target> label_target;          // made when first asked for
+  std::vector<std::unique_ptr<MirrorImage>> mirror_images;
+  std::unique_ptr<Target> finer_target;  // of the last part that was drawn again
+  std::unique_ptr<Target> label_target;  // made when first asked for
   std::unique_ptr<Program> label;
   GLuint contact_arrays = 0, contact_buffer = 0;
   GLint largest = 0;

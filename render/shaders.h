@@ -3,22 +3,22 @@
 #include <string>
 #include <utility>
 
-/// GLSL of the renderer. All light is linear. The target encodes it as sRGB; with CODED, which needs
-/// nothing to be seen through, the shaders do, where it costs least.
+/// GLSL of the renderer. All light is linear, and so is what floors mirror; pictures get its sRGB code,
+/// which shaders work out where it costs least.
 namespace headpin::render::shaders {
 
 /// What a program is made for.
 struct Variant {
-  bool coded = false;   ///< writes sRGB, as the target stores it
-  bool early = false;   ///< so it does, at its vertices already
+  bool early = false;   ///< has its sRGB code from its vertices
   bool lamps = false;   ///< lamps are worked out at vertices
   bool shadow = false;  ///< takes shadows
-  bool mirror = false;  ///< a floor that mirrors
+  bool mirror = false;  ///< a floor that mirrors what is seen in it
   int count = 0;        ///< of lamps
 };
 
-/// What several shaders ask: sRGB of a light, and Schlick's (1994) rise of reflection with the cosine
-/// of the angle it is seen at.
+/// What several shaders ask: sRGB of a light, to a tenth of a code by two roots, as powers would be the
+/// dearest part of a shader; and Schlick's (1994) rise of reflection with the cosine of the angle it is
+/// seen at.
 inline constexpr const char* kAsked = R"(
 float schlick(float cosine) {
   float graze = 1.0 - max(cosine, 0.0);
@@ -26,20 +26,24 @@ float schlick(float cosine) {
   return graze2 * graze2 * graze;
 }
 vec3 code(vec3 x) {
-  return mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, lessThan(x, vec3(0.0031308)));
+  vec3 root = sqrt(x);
+  vec3 curve = 0.833725 * root + 0.298132 * sqrt(root) - 0.0553072 * x - 0.0769088;
+  return mix(curve, 12.92 * x, lessThan(x, vec3(0.0031308)));
 }
 )";
 
-// A vertex's place in the grid of samples. The picture is cut out of it by planes 1 to 4; 0 is free.
+// A vertex's place in the grid of samples. Planes 1 to 4 cut it half a pixel beside the picture; 0 is
+// free.
 inline constexpr const char* kPlaced = R"(
 uniform vec3 grid_x;
 uniform vec3 grid_y;
+uniform vec3 edge;
 out float gl_ClipDistance[5];
 void place(vec4 p) {
-  gl_ClipDistance[1] = p.w + p.x;
-  gl_ClipDistance[2] = p.w - p.x;
-  gl_ClipDistance[3] = p.w + p.y;
-  gl_ClipDistance[4] = p.w - p.y;
+  gl_ClipDistance[1] = edge.x * p.w + p.x;
+  gl_ClipDistance[2] = edge.x * p.w - p.x;
+  gl_ClipDistance[3] = edge.y * p.w + p.y;
+  gl_ClipDistance[4] = edge.y * p.w - p.y;
   gl_Position = vec4(dot(grid_x.xy, p.xy), dot(grid_y.xy, p.xy), p.zw);
 }
 )";
@@ -88,6 +92,11 @@ float shaded(vec3 p_W) {
   vec4 s = shadow_view * vec4(p_W, 1.0);
   return shadow_depth * (1.0 - texture(shadow_map, s.xyz));
 }
+// Of a body, from beside its surface: its own far side, as coarse as texels, does not shade it there.
+float left_of_light(vec3 p_W, vec3 n_W) {
+  vec3 n = normalize(n_W);
+  return 1.0 - smoothstep(0.0, 0.25, dot(n, shadow_n)) * shaded(p_W + 0.015 * n);
+}
 )";
 
 inline constexpr const char* kMeshVertex = R"(
@@ -108,7 +117,11 @@ void main() {
   n_W = mat3(turn) * n_G;
   colour = tint * colour_in;
 #ifdef LAMPS
-  colour = min(light(p_W, n_W, colour), vec3(1.0));
+  colour = light(p_W, n_W, colour);
+#ifdef SHADOW
+  colour *= left_of_light(p_W, n_W);
+#endif
+  colour = min(colour, vec3(1.0));
 #endif
 #ifdef EARLY
   colour = code(colour);
@@ -126,13 +139,9 @@ out vec4 result;
 void main() {
   result = vec4(light(p_W, n_W, colour), 1.0);
 #ifdef SHADOW
-  vec3 n = normalize(n_W);
-  // From beside the surface: its own far side, as coarse as texels, does not shade it there.
-  result.rgb *= 1.0 - smoothstep(0.0, 0.25, dot(n, shadow_n)) * shaded(p_W + 0.015 * n);
+  result.rgb *= left_of_light(p_W, n_W);
 #endif
-#ifdef CODED
   result.rgb = code(min(result.rgb, vec3(1.0)));
-#endif
 }
 )";
 
@@ -144,25 +153,30 @@ out vec4 result;
 void main() { result = vec4(colour, 1.0); }
 )";
 
-// Alpha is what the floor hides of its mirror image; varnish mirrors half at most.
+// Varnish mirrors half at most. A floor without comes with its code already.
 inline constexpr const char* kFloorFragment = R"(
 in vec3 p_W;
 in vec3 n_W;
 in vec3 colour;
+#ifdef MIRROR
+uniform sampler2D mirrored;
+uniform vec3 picture_u;
+uniform vec3 picture_v;
+#endif
 out vec4 result;
 void main() {
   float lit = 1.0;
 #ifdef SHADOW
   lit = 1.0 - shaded(p_W);
 #endif
-  float hidden = 1.0;
 #ifdef MIRROR
-  hidden = 1.0 - mix(gloss, 0.5, schlick(dot(n_W, normalize(eye_W - p_W))));
+  vec3 at = vec3(gl_FragCoord.xy, 1.0);
+  vec3 seen = texture(mirrored, vec2(dot(picture_u, at), dot(picture_v, at))).rgb;
+  float share = mix(gloss, 0.5, schlick(dot(n_W, normalize(eye_W - p_W))));
+  result = vec4(code(mix(colour * lit, seen, share)), 1.0);
+#else
+  result = vec4(colour * lit, 1.0);
 #endif
-#ifdef CODED
-  lit = pow(lit, 1.0 / 2.2);  // what the code of a darker light is less
-#endif
-  result = vec4(colour * lit, hidden);
 }
 )";
 
@@ -196,11 +210,7 @@ void main() {
   float d2 = dot(d, d);
   float taken = ball.w * ball.w * max(dot(n_W, d), 0.0) * inversesqrt(d2) / d2;
   taken = clamp((taken - faint) / (1.0 - faint), 0.0, 0.95);
-  float left = 1.0 - taken;
-#ifdef CODED
-  left = pow(left, 1.0 / 2.2);
-#endif
-  result = vec4(vec3(left), 1.0);
+  result = vec4(vec3(pow(1.0 - taken, 1.0 / 2.2)), 1.0);
 }
 )";
 
@@ -223,9 +233,8 @@ void main() { result = id; }
 inline std::string shader(const Variant& variant, const char* body) {
   std::string text = "#version 330 core\n";
   for (const auto& [wanted, name] :
-       {std::pair{variant.coded, "CODED"}, std::pair{variant.early, "EARLY"},
-        std::pair{variant.lamps, "LAMPS"}, std::pair{variant.shadow, "SHADOW"},
-        std::pair{variant.mirror, "MIRROR"}}) {
+       {std::pair{variant.early, "EARLY"}, std::pair{variant.lamps, "LAMPS"},
+        std::pair{variant.shadow, "SHADOW"}, std::pair{variant.mirror, "MIRROR"}}) {
     if (wanted) text += std::string("#define ") + name + "\n";
   }
   text += "#define COUNT " + std::to_string(variant.count) + "\n";

@@ -296,6 +296,7 @@ render::Mesh hand_mesh(const Vec3& p_HB, double radius, double closed) {
   const Vec3 across = (hand.fingers[kFingers - 1][0] - hand.fingers[0][0]).normalized();
   render::Mesh mesh;
   mesh.gloss = 0.12;
+  mesh.fine_light = false;  // matt and of small triangles
   append_palm(mesh, hand, across, bones, skin);
   for (std::size_t i = 0; i < hand.fingers.size(); ++i) {
     append_finger(mesh, hand, i, across, bones, skin);

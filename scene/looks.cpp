@@ -17,9 +17,13 @@ using render::DrawItem;
 using render::DrawList;
 using render::Occluder;
 
-constexpr int kRings = 26, kSides = 18;        // of a skittle in the hand
-constexpr int kFarRings = 13, kFarSides = 12;  // of one on the lane
-constexpr int kHands = 7;                      // from open to closed, as frames may show them
+/// How finely a skittle is made.
+struct Detail {
+  int rings, sides;
+};
+constexpr Detail kNear{26, 18}, kFar{14, 9}, kFaint{9, 8};
+
+constexpr int kHands = 7;  // from open to closed, as frames may show them
 
 /// Three balls on the axis that fill a turned body about as well as it fills itself.
 std::vector<Occluder> occluders_of(const Outline& outline, double origin) {
@@ -47,6 +51,22 @@ render::Mesh head_mesh() {
   return head;
 }
 
+/// Of a few pixels: as wide as a round one in the mean of all directions, and lit at its vertices.
+render::Mesh far_skittle_mesh(const Outline& outline, double origin, Detail detail) {
+  render::Mesh mesh = skittle_mesh(outline, origin, detail.rings, detail.sides);
+  mesh.fine_light = false;
+  const double half = std::numbers::pi / detail.sides;
+  const auto wider = static_cast<float>(half / std::sin(half));
+  for (render::Vertex& v : mesh.vertices) v.p.head<2>() *= wider;
+  return mesh;
+}
+
+BodyMeshes skittle_meshes(const MeshKeeper& keeper, const Outline& outline, double origin) {
+  return {keeper.add(skittle_mesh(outline, origin, kNear.rings, kNear.sides)),
+          keeper.add(far_skittle_mesh(outline, origin, kFar)),
+          keeper.add(far_skittle_mesh(outline, origin, kFaint))};
+}
+
 render::Mesh moved(const render::Mesh& mesh, const Pose& X_GP) {
   render::Mesh all;
   all.gloss = mesh.gloss;
@@ -64,10 +84,14 @@ Looks::Looks(const MeshKeeper& keeper, const Stage& stage)
     : ball_radius(stage.scenario.ball.radius), skittle_centre(stage.skittle_centre) {
   const Scenario& scenario = stage.scenario;
   add_skittle(keeper, stage);
-  const std::optional<render::Mesh> own =
-      seen_mesh(scenario.ball.mesh, render::srgb(0x123a8c), 0.9);
-  ball =
-      keeper.add(own ? *own : ball_mesh(ball_radius, ball_holes(scenario.hand.grip, ball_radius)));
+  if (const auto own = seen_mesh(scenario.ball.mesh, render::srgb(0x123a8c), 0.9)) {
+    ball = {keeper.add(*own)};
+  } else {
+    const auto holes = ball_holes(scenario.hand.grip, ball_radius);
+    ball = {keeper.add(ball_mesh(ball_radius, holes)),
+            keeper.add(ball_mesh(ball_radius, holes, 20, 12)),
+            keeper.add(ball_mesh(ball_radius, {}, 14, 8))};
+  }
   add_hands(keeper, scenario);
   head = keeper.add(head_mesh());
   add_room(keeper, scenario);
@@ -96,15 +120,12 @@ void Looks::add_skittle(const MeshKeeper& keeper, const Stage& stage) {
   const double height = skittle.height;
   const Outline ellipsoid = ellipsoid_outline(height, widest);
   if (const auto own = seen_mesh(skittle.mesh, render::srgb(0xf4f1e6), 0.5)) {
-    true_skittle = far_true_skittle =
-        keeper.add(moved(*own, {Quat::Identity(), Vec3(0.0, 0.0, -stage.skittle_centre)}));
+    true_skittle = {
+        keeper.add(moved(*own, {Quat::Identity(), Vec3(0.0, 0.0, -stage.skittle_centre)}))};
   } else {
-    true_skittle = keeper.add(skittle_mesh(outline, stage.skittle_centre, kRings, kSides));
-    far_true_skittle =
-        keeper.add(skittle_mesh(outline, stage.skittle_centre, kFarRings, kFarSides));
+    true_skittle = skittle_meshes(keeper, outline, stage.skittle_centre);
   }
-  ellipsoid_skittle = keeper.add(skittle_mesh(ellipsoid, 0.5 * height, kRings, kSides));
-  far_ellipsoid_skittle = keeper.add(skittle_mesh(ellipsoid, 0.5 * height, kFarRings, kFarSides));
+  ellipsoid_skittle = skittle_meshes(keeper, ellipsoid, 0.5 * height);
   true_occluders = occluders_of(outline, stage.skittle_centre);
   ellipsoid_occluders = occluders_of(ellipsoid, 0.5 * height);
 }
@@ -173,10 +194,11 @@ void Looks::add_buttons(const MeshKeeper& keeper, const Versions& versions) {
 
 DrawList draw_list(const Looks& looks, const Moving& moving) {
   DrawList list = looks.room;
-  const auto add = [&](int mesh, std::optional<int> far_mesh, const Pose& X_WG, std::uint32_t id) {
+  const auto add = [&](const BodyMeshes& meshes, const Pose& X_WG, std::uint32_t id) {
     DrawItem item;
-    item.mesh = mesh;
-    item.far_mesh = far_mesh;
+    item.mesh = meshes.mesh;
+    item.far_mesh = meshes.far_mesh;
+    item.faint_mesh = meshes.faint_mesh;
     item.X_WG = X_WG;
     item.id = id;
     item.casts_shadow = true;
@@ -187,22 +209,21 @@ DrawList draw_list(const Looks& looks, const Moving& moving) {
   const double lower = moving.ellipsoids ? 0.0 : looks.skittle_centre - moving.skittle_centre;
   for (Pose X_WB : moving.X_WB_skittles) {
     if (lower != 0.0) X_WB.p = X_WB * Vec3(0.0, 0.0, lower);
-    add(moving.ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle,
-        moving.ellipsoids ? looks.far_ellipsoid_skittle : looks.far_true_skittle, X_WB, skittle++);
+    add(moving.ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle, X_WB, skittle++);
     append_occluders(list, moving.ellipsoids ? looks.ellipsoid_occluders : looks.true_occluders,
                      X_WB);
   }
   for (const Pose& X_WB : moving.X_WB_balls) {
-    add(looks.ball, std::nullopt, X_WB, ball++);
+    add(looks.ball, X_WB, ball++);
     list.occluders.push_back({X_WB.p, looks.ball_radius});
   }
   if (moving.X_WH) {
     const double last = static_cast<double>(looks.hands.size() - 1);
     const auto nearest = static_cast<std::size_t>(std::lround(moving.closed * last));
-    add(looks.hands[nearest], std::nullopt, *moving.X_WH, kHandId);
+    add({looks.hands[nearest]}, *moving.X_WH, kHandId);
     list.occluders.push_back({moving.X_WH->p, 0.05});
   }
-  if (moving.X_WD) add(looks.head, std::nullopt, *moving.X_WD, kHeadId);
+  if (moving.X_WD) add({looks.head}, *moving.X_WD, kHeadId);
   return list;
 }
 

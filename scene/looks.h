@@ -25,6 +25,12 @@ struct MeshKeeper {
   std::function<int(const render::Mesh&)> add;  ///< gives the number it is asked for by
 };
 
+/// Meshes of a body, as DrawItem has them.
+struct BodyMeshes {
+  int mesh = 0;
+  std::optional<int> far_mesh = {}, faint_mesh = {};
+};
+
 /// Everything of a stage that can be seen, and the light it is seen in.
 struct Looks {
   /// Adds all meshes to the keeper.
@@ -33,8 +39,8 @@ struct Looks {
   Looks(render::Renderer& renderer, const Stage& stage)
       : Looks(MeshKeeper{[&](const render::Mesh& mesh) { return renderer.add(mesh); }}, stage) {}
 
-  /// Meshes; the far ones are of fewer triangles.
-  int true_skittle, far_true_skittle, ellipsoid_skittle, far_ellipsoid_skittle, ball, head;
+  BodyMeshes true_skittle, ellipsoid_skittle, ball;
+  int head;
   std::vector<int> hands;  ///< from open to closed around the ball
   render::DrawList room;   ///< what never moves, with light, patches and shadow box
   std::vector<render::Occluder> true_occluders, ellipsoid_occluders;  ///< of a skittle, p_BQ

@@ -17,7 +17,8 @@ using render::Ring;
 using render::srgb;
 using render::Surface;
 
-constexpr double kCell = 0.25;       // light is worked out this often on walls [m]
+constexpr double kCell = 0.25;  // light is worked out this often on walls [m]
+constexpr double kLap = 2e-5;   // of the room's length: panels reach under their neighbours by it
 constexpr double kStraight = 0.015;  // of the light: less than an 8-bit step of it is seen
 
 /// A number in -1..1 that looks random and is always the same.
@@ -54,10 +55,15 @@ class Builder {
   }
 
   /// A rectangle with corner `a` and sides u, v, seen from where u x v points. It has vertices
-  /// where the light bends: what is between them is drawn as straight.
-  void panel(Mesh& mesh, const Vec3& a, const Vec3& u, const Vec3& v, const Vec3& albedo,
-             double cell = kCell) const {
+  /// where the light bends: what is between them is drawn as straight. It is a little larger: an edge
+  /// that its neighbour divides otherwise would let pinholes through.
+  void panel(Mesh& mesh, Vec3 a, Vec3 u, Vec3 v, const Vec3& albedo, double cell = kCell) const {
     const Vec3 n = u.cross(v).normalized();
+    const double lap = kLap * (room_.behind + room_.ahead);
+    const Vec3 along_u = lap * u.normalized(), along_v = lap * v.normalized();
+    a -= along_u + along_v;
+    u += 2.0 * along_u;
+    v += 2.0 * along_v;
     const std::vector<double> across = bends(a, u, v, n, cell), up = bends(a, v, u, n, cell);
     const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
     for (const double t : up) {
@@ -302,27 +308,6 @@ Mesh wall_mesh(const RoomMeasures& room, const Builder& build) {
   const Vec3 white = srgb(0xf0ece2);
   build.panel(mesh, {-w, -room.behind, room.height}, {0, length, 0}, {room.width, 0, 0}, white);
 
-  // Faces whose edges are divided differently leave pinholes between them. A shell just outside,
-  // of nearly the colours in front of it, is what one sees through those.
-  const double out = 0.005, under = room.gutter_depth + 0.02;
-  for (const auto& [corner, along] : walls) {
-    const Vec3 past = out * along.normalized();
-    const Vec3 from =
-        corner - past - out * past.cross(Vec3::UnitZ()).normalized() - under * Vec3::UnitZ();
-    build.panel(mesh, from, along + 2.0 * past, (dado + under) * Vec3::UnitZ(), kWainscot, 1.0);
-    build.panel(mesh, from + (dado + under) * Vec3::UnitZ(), along + 2.0 * past,
-                (room.height - dado + out) * Vec3::UnitZ(), cream, 1.0);
-  }
-  const Vec3 floor(-w - out, -room.behind - out, -under), x(room.width + 2.0 * out, 0, 0);
-  const Vec3 y(0, length + 2.0 * out, 0), up(0, 0, room.height + under + out);
-  build.panel(mesh, floor + up, y, x, white, 1.0);
-  build.panel(mesh, floor, x, {0, room.behind + out, 0}, kApproach, 1.0);
-  for (const auto& [from, to, colour] : {std::tuple{-w - out, -room.gutter_edge(), kCarpet},
-                                         {-room.gutter_edge(), room.gutter_edge(), kLane},
-                                         {room.gutter_edge(), w + out, kCarpet}}) {
-    build.panel(mesh, {from, 0, -under}, {to - from, 0, 0}, {0, room.ahead + out, 0}, colour, 1.0);
-  }
-  build.panel(mesh, floor + y, x, up, srgb(0x1b2a45), 1.0);
   for (const Lamp& lamp : room_lamps(room)) {
     if (lamp.p_W.z() < room.height - 0.2) continue;  // hidden behind the masking panel
     const Vec3 half(0.6, 0.14, 0.0), low = lamp.p_W - half;

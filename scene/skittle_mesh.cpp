@@ -85,8 +85,8 @@ Mesh skittle_mesh(const Outline& outline, double origin, int rings, int sides) {
   return mesh;
 }
 
-Mesh ball_mesh(double radius, std::span<const Vec3> holes) {
-  Mesh mesh = render::ellipsoid(radius, radius, 32, 20, [](double) { return Vec3::Zero(); });
+Mesh ball_mesh(double radius, std::span<const Vec3> holes, int sides, int rings) {
+  Mesh mesh = render::ellipsoid(radius, radius, sides, rings, [](double) { return Vec3::Zero(); });
   const Vec3 dark = srgb(0x123a8c), light = srgb(0x4d8fe0);
   for (render::Vertex& v : mesh.vertices) {
     const Vec3 n = v.n.cast<double>();
@@ -103,7 +103,7 @@ Mesh ball_mesh(double radius, std::span<const Vec3> holes) {
       const double up = 1.004 * std::sqrt(radius * radius - r * r);
       cap.push_back({up, r, {r, up}, srgb(0x05070d)});
     }
-    append(mesh, render::turned(cap, 12), {Quat::FromTwoVectors(Vec3::UnitZ(), out), Vec3::Zero()});
+    append(mesh, render::turned(cap, 3 * sides / 8), {Quat::FromTwoVectors(Vec3::UnitZ(), out), Vec3::Zero()});
   }
   mesh.gloss = 0.9;
   return mesh;

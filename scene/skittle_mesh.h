@@ -18,6 +18,8 @@ render::Mesh skittle_mesh(const Outline& outline, double origin, int rings, int 
 /// A marbled ball with three finger holes: one sees it roll.
 ///
 /// @param holes  unit, where the holes are
-render::Mesh ball_mesh(double radius, std::span<const Vec3> holes);
+/// @param sides  faces around
+/// @param rings  and from pole to pole
+render::Mesh ball_mesh(double radius, std::span<const Vec3> holes, int sides = 32, int rings = 20);
 
 }  // namespace headpin::scene

@@ -46,13 +46,20 @@ std::vector<std::uint8_t> samples_of(int w, int h, int n, int code) {
       static_cast<std::uint8_t>(code));
 }
 
-// Black and white in turn: of five samples that lie like a cross, the middle is one, the others four.
-TEST(Average, OfABlackAndWhiteCheckerIsItsLightNotItsCode) {
-  std::vector<std::uint8_t> checker = samples_of(1, 1, 2, 0);  // 3 x 3 samples
-  for (std::size_t i = 1; i < 9; i += 2)
-    std::fill_n(checker.begin() + 4 * static_cast<std::ptrdiff_t>(i), 4, 255);
-  const Image image = average(checker, 1, 1, 2);
-  EXPECT_EQ(image.rgb, (std::vector<std::uint8_t>{231, 231, 231}));  // code of 0.8
+// Half of the light is not half of the code.
+TEST(Average, IsOfTheLightNotOfTheCode) {
+  const SampleGrid grid{2};
+  std::vector<std::uint8_t> half =
+      samples_of(1, 1, 2, 0);  // 3 x 3 samples about the pixel's middle
+  for (int j = 0; j < 3; ++j) {
+    for (int i = 0; i < 3; ++i) {
+      // Whole beneath the middle row, and half of it.
+      const int code = j == 0 ? 255 : j == 1 ? 188 : 0;
+      std::fill_n(half.begin() + std::ptrdiff_t{4} * (j * grid.width(1, 1) + i), 4,
+                  static_cast<std::uint8_t>(code));
+    }
+  }
+  EXPECT_EQ(average(half, 1, 1, 2).rgb, (std::vector<std::uint8_t>{188, 188, 188}));
 }
 
 TEST(Average, OfEqualSamplesIsTheSampleForEveryCode) {
@@ -64,31 +71,39 @@ TEST(Average, OfEqualSamplesIsTheSampleForEveryCode) {
   }
 }
 
-// Each sample belongs to one pixel, and to the one it lies in.
-TEST(Average, GivesEverySampleToThePixelItLiesIn) {
-  for (int n = 2; n <= 8; ++n) {
-    const int w = 5, h = 4, count = n * n + 1;
-    const int across = SampleGrid{n}.width(w, h), up = SampleGrid{n}.height(w, h);
-    for (int y = 0; y < h; ++y) {
-      for (int x = 0; x < w; ++x) {
-        std::vector<std::uint8_t> rgba = samples_of(w, h, n, 0);
+/// What a pixel of a w x h picture makes of light at a single sample, as a share of its light.
+double share_of(int w, int h, int n, int i, int j, int x, int y) {
+  std::vector<std::uint8_t> rgba = samples_of(w, h, n, 0);
+  std::fill_n(
+      rgba.begin() + std::ptrdiff_t{4} * (std::ptrdiff_t{j} * SampleGrid{n}.width(w, h) + i), 4,
+      255);
+  const Image image = average(rgba, w, h, n);
+  const std::uint8_t code = image.rgb[static_cast<std::size_t>(3 * (y * w + x))];
+  return static_cast<double>(light_of_codes()[code]) / kFullLight;
+}
+
+// A sample stands for the square of the grid that it is in the middle of: each pixel takes of it what
+// it covers of that, here counted in 200 x 200 points.
+TEST(Average, TakesOfEachSampleWhatItsSquareCoversOfThePixel) {
+  for (int n = 2; n <= 4; ++n) {
+    const int w = 3, h = 2, x = 1, y = 0, count = n * n + 1;  // the pixel of the upper row's middle
+    double whole = 0.0;
+    for (int j = 0; j < SampleGrid{n}.height(w, h); ++j) {
+      for (int i = 0; i < SampleGrid{n}.width(w, h); ++i) {
         int inside = 0;
-        for (int j = 0; j < up; ++j) {
-          for (int i = 0; i < across; ++i) {
-            const double a = i + 0.5 - h - 0.5 * (n % 2), b = j + 0.5;
+        for (int v = 0; v < 200; ++v) {
+          for (int u = 0; u < 200; ++u) {
+            const double a = i + (u + 0.5) / 200 - h - 0.5 * (n % 2), b = j + (v + 0.5) / 200;
             const double at_x = (n * a + b) / count, at_y = (n * b - a) / count;
-            if (std::floor(at_x) != x || std::floor(at_y) != h - 1 - y) continue;
-            std::fill_n(rgba.begin() + 4 * (static_cast<std::ptrdiff_t>(j) * across + i), 4, 255);
-            ++inside;
+            if (std::floor(at_x) == x && std::floor(at_y) == h - 1 - y) ++inside;
           }
         }
-        ASSERT_EQ(inside, count) << n;
-        const Image image = average(rgba, w, h, n);
-        for (int k = 0; k < w * h; ++k) {
-          ASSERT_EQ(image.rgb[static_cast<std::size_t>(3 * k)], k == y * w + x ? 255 : 0) << n;
-        }
+        const double share = inside / (200.0 * 200.0 * count);
+        whole += share;
+        ASSERT_NEAR(share_of(w, h, n, i, j, x, y), share, 0.003) << n << ' ' << i << ' ' << j;
       }
     }
+    EXPECT_NEAR(whole, 1.0, 1e-3) << n;
   }
 }
 

@@ -179,7 +179,7 @@ TEST(PageData, ShowsOurOwnShapeAndSaysSoWhereAMeshFileIsGone) {
   recorder.close();
 
   const auto skittle_of = [](const PageLooks& looks) {
-    return looks.meshes[static_cast<std::size_t>(looks.looks.true_skittle)].vertices.size();
+    return looks.meshes[static_cast<std::size_t>(looks.looks.true_skittle.mesh)].vertices.size();
   };
   const PageLooks there(load_trial(path)), own{demo};
   EXPECT_TRUE(there.missing.empty());

@@ -1,0 +1,29 @@
+#pragma once
+
+#include "render/gl_objects.h"
+#include "render/quality.h"
+#include "render/shaders.h"
+
+/// Programs out of the shaders' variants.
+namespace headpin::render {
+
+inline Program mesh_program(const Gl& gl, const shaders::Variant& variant, const char* fragment) {
+  return {gl, shaders::vertex_shader(variant, shaders::kMeshVertex),
+          shaders::shader(variant, fragment)};
+}
+
+/// Of bodies: the colour of their mesh is what they reflect, and becomes light here.
+struct LitPrograms {
+  LitPrograms(const Gl& gl, const Quality& quality, std::size_t lamps)
+      : count(static_cast<int>(lamps)),
+        fine(mesh_program(gl, {.shadow = quality.shadow, .count = count}, shaders::kLitFragment)),
+        coarse(mesh_program(
+            gl, {.early = true, .lamps = true, .shadow = quality.shadow, .count = count},
+            shaders::kBakedFragment)),
+        mirrored(mesh_program(gl, {.lamps = true, .count = count}, shaders::kBakedFragment)) {}
+
+  int count;
+  Program fine, coarse, mirrored;
+};
+
+}  // namespace headpin::render
