@@ -103,7 +103,8 @@ Mesh ball_mesh(double radius, std::span<const Vec3> holes, int sides, int rings)
       const double up = 1.004 * std::sqrt(radius * radius - r * r);
       cap.push_back({up, r, {r, up}, srgb(0x05070d)});
     }
-    append(mesh, render::turned(cap, 3 * sides / 8), {Quat::FromTwoVectors(Vec3::UnitZ(), out), Vec3::Zero()});
+    append(mesh, render::turned(cap, 3 * sides / 8),
+           {Quat::FromTwoVectors(Vec3::UnitZ(), out), Vec3::Zero()});
   }
   mesh.gloss = 0.9;
   return mesh;

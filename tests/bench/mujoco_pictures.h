@@ -25,9 +25,9 @@ class MujocoPictures {
   MujocoPictures(const MujocoPictures&) = delete;
   MujocoPictures& operator=(const MujocoPictures&) = delete;
 
-  /// Both eyes of 360 x 240 pixels, read back.
+  /// Both eyes of 360 x 240 pixels, read back, so many times.
   /// @return  something of the pictures
-  double draw();
+  double draw(std::size_t times);
   /// The left eye's, rows from the bottom, three bytes a pixel.
   const std::vector<unsigned char>& left() const { return left_; }
 
