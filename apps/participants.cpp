@@ -48,6 +48,16 @@ void print_person(const scene::Person& person) {
              person.left_handed ? "left" : "right", person.height, person.skill);
 }
 
+void print_throws(const scene::Participant& participant) {
+  const int made = participant.throws(), asked = participant.throws_asked();
+  fmt::print("  throws             {}", made);
+  if (made < asked) {
+    fmt::print(" of {}, {}", asked,
+               participant.gave_up() ? "then gave up" : "then the game was over");
+  }
+  fmt::print("\n");
+}
+
 }  // namespace
 
 void play_session(const ParticipantSession& options) {
@@ -87,6 +97,7 @@ void play_session(const ParticipantSession& options) {
       {"height_m", person.height},
       {"skill", person.skill},
       {"throws", participant.throws()},
+      {"throws_asked", participant.throws_asked()},
       {"gave_up", participant.gave_up()},
       {"games", scene::to_json(totals.score().games)},
       {"realtime_factor", seconds(session.now()) / stopwatch.spent_s()}};
@@ -95,8 +106,7 @@ void play_session(const ParticipantSession& options) {
       "{}\n  samples            {} of head, hand and buttons\n  duration           {:.3f} s\n",
       options.output, writer.written(), seconds(session.now()));
   print_person(person);
-  fmt::print("  throws             {}{}\n", participant.throws(),
-             participant.gave_up() ? ", then gave up" : "");
+  print_throws(participant);
   for (const scene::Sheet& game : totals.score().games) {
     fmt::print("  score sheet        {}\n", scene::in_words(game));
   }

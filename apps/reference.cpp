@@ -258,6 +258,7 @@ std::vector<JsonKey> json_keys() {
       {"time_to_contact_s", "from then until it was to be nearest"},
       {"test_picture", "hash of a fixed picture: where it is equal, those of frames are to be"},
       {"throws", "in a recording; of a virtual participant"},
+      {"throws_asked", "of it; a game that is over sooner leaves some"},
       {"ticked_s",
        "stage of the latency: until the session has taken the sample in and made its tick"},
       {"ticks", "simulated"},

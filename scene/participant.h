@@ -45,6 +45,8 @@ class Participant : public devices::Source, public Observer {
   bool finished() const { return doing_ == Doing::nothing; }
   bool gave_up() const { return gave_up_; }
   int throws() const { return all_throws_; }
+  /// Of all versions; a game that ends sooner, or is none, leaves some.
+  int throws_asked() const { return plan_.throws * static_cast<int>(versions_); }
 
   const ParticipantBody& body() const { return body_; }
 

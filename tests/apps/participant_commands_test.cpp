@@ -37,6 +37,15 @@ TEST_F(ParticipantCommands, ASessionIsSynthesizedReplayedVerifiedAndCompared) {
   }
 }
 
+TEST_F(ParticipantCommands, ThrowsThatTheGameLeavesNoTimeForAreTold) {
+  const std::string line = "synthesize --participant 3 --scenario english-skittles --throws 50 ";
+  const nlohmann::json made = json(line + "-o all.lcmlog --json");
+  EXPECT_EQ(made["throws_asked"], 50);
+  EXPECT_LT(made["throws"], 50);
+  EXPECT_THAT(headpin(line + "-o again.lcmlog").out,
+              testing::HasSubstr(made["throws"].dump() + " of 50, then the game was over"));
+}
+
 TEST_F(ParticipantCommands, WhatDoesNotGoTogetherIsRefused) {
   expect_refusal("synthesize --participant 7 -o session.csv", 2, ".lcmlog");
   expect_refusal("synthesize --participant 7 --speed 6 -o session.lcmlog", 2, "--speed");
