@@ -373,6 +373,33 @@ TEST(Picture, DrawnAloneIsTheOneDrawnInASequenceByAnyContextAndInAnyThread) {
   EXPECT_EQ(alone.pair(), sequence[5]);
 }
 
+// The part that is drawn again lies where it belongs, polish, shadows and all: it is that of a picture
+// of 65 samples.
+TEST(Picture, OfSomethingSmallIsDrawnFinerThereAndAlikeElsewhere) {
+  const auto drawn = [](int samples, bool finer) {
+    LitScene scene({.samples = samples}, 0.3);
+    DrawItem& ball = scene.list.items[1];
+    ball.X_WG.p = Vec3(0.3, 5.6, 0.1);
+    ball.scale = Vec3::Constant(0.6);
+    if (finer) ball.far_mesh = ball.mesh;
+    return scene.pair();
+  };
+  const auto plain = drawn(2, false), finer = drawn(2, true), best = drawn(8, true);
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    double plain_off = 0.0, finer_off = 0.0;
+    int changed = 0;
+    for (std::size_t i = 0; i < plain[eye].rgb.size(); ++i) {
+      if (plain[eye].rgb[i] == finer[eye].rgb[i]) continue;
+      plain_off += std::pow(plain[eye].rgb[i] - best[eye].rgb[i], 2);
+      finer_off += std::pow(finer[eye].rgb[i] - best[eye].rgb[i], 2);
+      ++changed;
+    }
+    EXPECT_GT(changed, 50);
+    EXPECT_LT(changed, 3 * 400);  // of 86400 pixels
+    EXPECT_LT(finer_off, 0.01 * plain_off);
+  }
+}
+
 TEST(Picture, OfALookThatMirrorsIsTheSameWhereNothingIsPolished) {
   LitScene without({.samples = 1, .mirror = false}, 0.0), with({.samples = 1}, 0.0);
   EXPECT_EQ(without.pair(), with.pair());
