@@ -131,8 +131,9 @@ std::vector<double> axis_ticks(double low, double high) {
     }
   }
   std::vector<double> ticks;
-  const double first = std::floor(low / step), last = std::ceil(high / step);
-  for (double i = first; i <= last; i += 1.0) ticks.push_back(i * step);
+  const double first = std::floor(low / step);
+  const int steps = static_cast<int>(std::ceil(high / step) - first);
+  for (int i = 0; i <= steps; ++i) ticks.push_back((first + i) * step);
   return ticks;
 }
 
