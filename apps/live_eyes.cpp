@@ -82,7 +82,7 @@ void say_instead_of(const char* command, const scene::Eyes& eyes) {
   say("headpin {}: drawn by {}; {}\n", command, eyes.renderer.description(), why);
 }
 
-std::unique_ptr<scene::FramesBeside> open_eyes(std::shared_ptr<const scene::Stage> stage,
+std::unique_ptr<scene::FramesBeside> open_eyes(const std::shared_ptr<const scene::Stage>& stage,
                                                const std::string& how, const std::string& url,
                                                const std::string& gl) {
   return std::make_unique<scene::FramesBeside>(scene::FramesBeside::Makers{

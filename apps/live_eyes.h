@@ -14,7 +14,7 @@ namespace headpin::apps {
 ///
 /// @param how  raw or png, on HEADPIN_EYES at the URL; none: drawn, and shown to nobody
 /// @param gl   as render::open_context
-std::unique_ptr<scene::FramesBeside> open_eyes(std::shared_ptr<const scene::Stage> stage,
+std::unique_ptr<scene::FramesBeside> open_eyes(const std::shared_ptr<const scene::Stage>& stage,
                                                const std::string& how, const std::string& url,
                                                const std::string& gl);
 
