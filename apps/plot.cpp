@@ -148,6 +148,7 @@ Chart chart(const std::string& path, const devices::TrialFile& file, RecordedWor
   auto values = ticks.values.begin();
   const auto of_bodies = [&] {
     std::vector<Curve> curves;
+    curves.reserve(bodies.size());
     for (const DrawnBody& body : bodies) {
       curves.push_back({body.legend, body.colour, std::move(*values++)});
     }
