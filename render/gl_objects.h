@@ -110,19 +110,24 @@ class Target {
   std::array<GLuint, 2> parts_{};
 };
 
+/// The texture that is bound, as it is read: smoothly, and its edge beyond it.
+inline void read_between_texels(const Gl& gl) {
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
+  gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+}
+
 /// What polished floors mirror: its light, read where they are drawn. One sample a pixel is enough, as
 /// it is between those.
 class MirrorImage {
  public:
   MirrorImage(const Gl& gl, int width, int height) : gl_(&gl), width_(width), height_(height) {
     gl.GenTextures(1, &texture_);
-    bind();
     gl.ActiveTexture(GL_TEXTURE0 + kUnit);
+    gl.BindTexture(GL_TEXTURE_2D, texture_);
     gl.TexImage2D(GL_TEXTURE_2D, 0, GL_RGBA8, width, height, 0, GL_RGBA, GL_UNSIGNED_BYTE, nullptr);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    read_between_texels(gl);
     gl.ActiveTexture(GL_TEXTURE0);
     gl.GenRenderbuffers(1, &depth_);
     gl.BindRenderbuffer(GL_RENDERBUFFER, depth_);
@@ -172,10 +177,7 @@ class ShadowMap {
     gl.BindTexture(GL_TEXTURE_2D, texture_);
     gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, kShadowWidth, kShadowHeight, 0,
                   GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+    read_between_texels(gl);
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
     gl.GenFramebuffers(1, &buffer_);

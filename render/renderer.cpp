@@ -80,16 +80,16 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
                 contact.data(), GL_STREAM_DRAW);
 
   const auto contacts = static_cast<GLsizei>(contact.size());
-  std::vector<Scene> scenes;
+  const Scene common{.list = &list,
+                     .sizes = r.sizes_seen(list, views),
+                     .shadow_view = shadow_view,
+                     .shades = r.shades_of(list, shadow_view)};
+  std::vector<Scene> scenes(views.size(), common);
   r.targets.resize(std::max(r.targets.size(), views.size()));
   r.mirror_images.resize(r.targets.size());
   for (std::size_t i = 0; i < views.size(); ++i) {
-    scenes.push_back({.list = &list,
-                      .sizes = r.sizes_seen(list, views),
-                      .world_to_clip = world_to_clip(views[i]),
-                      .shadow_view = shadow_view,
-                      .eye_W = views[i].X_WE.p,
-                      .shades = r.shades_of(list, shadow_view)});
+    scenes[i].world_to_clip = world_to_clip(views[i]);
+    scenes[i].eye_W = views[i].X_WE.p;
     if (r.quality.mirror) r.draw_mirrored(scenes[i], views[i], r.mirror_images[i]);
     r.draw_part(scenes[i], views[i], whole(views[i]), r.grid, contacts, r.targets[i]);
   }

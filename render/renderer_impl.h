@@ -435,12 +435,12 @@ struct Renderer::Impl {
     return average(samples, part.width, part.height, laid.n);
   }
 
-  /// Where a view shows what is small.
+  /// Where a view shows bodies, which cast shadows, that are small.
   std::optional<Part> small_part(const Scene& scene, const View& view) const {
     Eigen::AlignedBox2d all;
     for (std::size_t i = 0; i < scene.list->items.size(); ++i) {
       const DrawItem& item = scene.list->items[i];
-      if (!item.far_mesh || scene.sizes[i] >= kSmall) continue;
+      if (!item.casts_shadow || scene.sizes[i] >= kSmall) continue;
       const auto pixels =
           pixels_of(kept(item.mesh).box, scene.world_to_clip * matrix(item.X_WG, item.scale), view);
       if (pixels) all.extend(*pixels);
