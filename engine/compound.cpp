@@ -162,6 +162,7 @@ Compound make_compound(std::vector<Part> parts) {
                                   " is not finite or its quaternion not unit");
     }
     c.part_radius.push_back(bounding_radius(part.shape));
+    c.part_turned.push_back(!part.X_BG.q.vec().isZero(0.0));
     c.bounding_radius = std::max(c.bounding_radius, part.X_BG.p.norm() + c.part_radius.back());
     unbounded = unbounded || is_half_space(part);
   }

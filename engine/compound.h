@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "engine/shape.h"
@@ -27,7 +28,8 @@ struct Compound {
   std::vector<Part> parts;
   double bounding_radius = 0.0;  ///< sphere about the origin of B [m]; infinite with a half-space
   Capsule bounds;                ///< tight round long bodies, in B; meaningless with a half-space
-  std::vector<double> part_radius;  ///< sphere about the origin of each part's G [m]
+  std::vector<double> part_radius;        ///< sphere about the origin of each part's G [m]
+  std::vector<std::uint8_t> part_turned;  ///< whether its G is turned against B
 };
 
 /// @throws std::invalid_argument  with no parts or a part whose measures are not finite and

@@ -14,11 +14,7 @@ namespace {
 
 using namespace patches;
 using footing::Ground;
-
-/// Normals from the other of the two.
-void turn(std::span<ContactPoint> points) {
-  for (ContactPoint& p : points) p.n_AB_W = -p.n_AB_W;
-}
+using footing::Side;
 
 /// All points of a contact whose deepest is known. Works in A's frame.
 int add_points(const Shape& a, const Shape& b, const Pose& X_WA, const Pose& X_AB, const Closest& c,
@@ -95,19 +91,16 @@ int meet(const Shape& a, PoseOfA&& pose_of_a, const Shape& b, const Pose& X_AB, 
 int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin,
                   Vec3& n_AB_cache, const Query& query, QueryCounts& counts,
                   std::vector<ContactPoint>& out) {
-  const std::size_t first = out.size();
-  if (std::holds_alternative<HalfSpace>(a)) {
+  const auto stand = [&](Side side, const Pose& X_WP, const Shape& shape, const Pose& X_WG) {
+    const std::size_t first = out.size();
     ++counts.queries;
     ++counts.iterations;
-    Ground ground(X_WA, margin, out);
-    ground.carry(b, X_WB.q.toRotationMatrix(), X_WB.p, ground.height(X_WB.p));
+    Ground ground(side, X_WP, margin, out);
+    ground.carry(shape, X_WG.q.toRotationMatrix(), X_WG.p, ground.height(X_WG.p));
     return static_cast<int>(out.size() - first);
-  }
-  if (std::holds_alternative<HalfSpace>(b)) {
-    const int count = find_contacts(b, X_WB, a, X_WA, margin, n_AB_cache, query, counts, out);
-    turn(std::span(out).subspan(first));
-    return count;
-  }
+  };
+  if (std::holds_alternative<HalfSpace>(a)) return stand(Side::a, X_WA, b, X_WB);
+  if (std::holds_alternative<HalfSpace>(b)) return stand(Side::b, X_WB, a, X_WA);
   if (starts_warm(query) && still_apart(a, X_WA, b, X_WB, n_AB_cache, margin)) {
     ++counts.queries;
     ++counts.iterations;
@@ -119,26 +112,28 @@ int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
 
 namespace {
 
-bool is_turned(const Part& part) {
-  return !part.X_BG.q.vec().isZero(0.0);
+/// Where a part stands that is seldom turned.
+Pose pose_of(const Pose& X_WB, const Compound& c, std::size_t part) {
+  const Pose& X_BG = c.parts[part].X_BG;
+  return c.part_turned[part] ? X_WB * X_BG : Pose{X_WB.q, X_WB * X_BG.p};
 }
 
-/// Of a compound over a half-space; their normals are up.
-HEADPIN_FLATTEN void stand_on(const Pose& X_WP, const Compound& a, const Pose& X_WA, double margin,
-                              QueryCounts& counts, std::vector<ContactPoint>& out) {
-  Ground ground(X_WP, margin, out);
+/// Of a compound A over a half-space.
+HEADPIN_FLATTEN void stand_on(Ground ground, const Compound& a, const Pose& X_WA,
+                              QueryCounts& counts) {
+  std::vector<ContactPoint>& out = ground.out;
   const Mat3 R_WA = X_WA.q.toRotationMatrix();
   const Vec3 up_A = R_WA.transpose() * ground.up_W;
   const double level = ground.height(X_WA.p);
   for (std::uint32_t i = 0; i < a.parts.size(); ++i) {
     const Part& part = a.parts[i];
     const double origin = level + up_A.dot(part.X_BG.p);
-    if (origin > a.part_radius[i] + margin) continue;
+    if (origin > a.part_radius[i] + ground.margin) continue;
     ++counts.queries;
     ++counts.iterations;
     const std::size_t first = out.size();
     const Vec3 p_WG = R_WA * part.X_BG.p + X_WA.p;
-    if (is_turned(part)) {
+    if (a.part_turned[i]) {
       ground.carry(part.shape, (X_WA.q * part.X_BG.q).toRotationMatrix(), p_WG, origin);
     } else {
       ground.carry(part.shape, R_WA, p_WG, origin);
@@ -163,12 +158,11 @@ int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const 
   assert(n_AB_caches.size() == cache_size(a, b));
   const std::size_t first = out.size();
   if (is_half_space(b)) {
-    stand_on(X_WB * b.parts[0].X_BG, a, X_WA, margin, counts, out);
-    turn(std::span(out).subspan(first));
+    stand_on(Ground(Side::b, pose_of(X_WB, b, 0), margin, out), a, X_WA, counts);
     return static_cast<int>(out.size() - first);
   }
   if (is_half_space(a)) {
-    stand_on(X_WA * a.parts[0].X_BG, b, X_WB, margin, counts, out);
+    stand_on(Ground(Side::a, pose_of(X_WA, a, 0), margin, out), b, X_WB, counts);
     return static_cast<int>(out.size() - first);
   }
   const Pose X_AB = relative(X_WA, X_WB);
@@ -187,14 +181,14 @@ int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const 
       const auto pose_of_a = [&] { return X_WA * pa.X_BG; };
       if (std::isfinite(reach)) {
         Vec3& kept = n_AB_caches[pair];
-        if (warm && !is_turned(pa) && !is_turned(pb) &&
+        if (warm && !a.part_turned[i] && !b.part_turned[j] &&
             still_apart(pa.shape, pb.shape, R_AB, p_GaGb_A, kept, margin)) {
           ++counts.queries;
           ++counts.iterations;
           continue;
         }
-        Pose X_GaGb{is_turned(pb) ? X_AB.q * pb.X_BG.q : X_AB.q, p_GaGb_A};
-        if (is_turned(pa)) X_GaGb = Pose{pa.X_BG.q.conjugate(), Vec3::Zero()} * X_GaGb;
+        Pose X_GaGb{b.part_turned[j] ? X_AB.q * pb.X_BG.q : X_AB.q, p_GaGb_A};
+        if (a.part_turned[i]) X_GaGb = Pose{pa.X_BG.q.conjugate(), Vec3::Zero()} * X_GaGb;
         meet(pa.shape, pose_of_a, pb.shape, X_GaGb, margin, kept, query, counts, out);
       } else {  // a half-space among them
         find_contacts(pa.shape, pose_of_a(), pb.shape, X_WB * pb.X_BG, margin, n_AB_caches[pair],

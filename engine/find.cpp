@@ -153,7 +153,7 @@ bool find_contacts(World& world) {
     touch.fresh = last == s.last_touches.size() || s.last_touches[last].key != touch.key;
     touch.last = static_cast<std::uint32_t>(last);
     touch.met = !touch.fresh && s.last_touches[last].met;
-    if (!touch.fresh && s.last_touches[last].pair.friction == touch.pair.friction) {
+    if (!touch.fresh && s.last_touches[last].friction == touch.pair.friction) {
       touch.sliding = s.last_touches[last].sliding;
     } else {
       touch.sliding = world.response->sliding(touch.pair.friction, step_seconds(world),

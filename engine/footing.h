@@ -10,10 +10,14 @@ namespace headpin::engine::footing {
 
 inline constexpr double kSin120 = 0.86602540378443864676;
 
+/// Which of two bodies the ground is: normals point from A to B.
+enum class Side { a, b };
+
 /// The plane of a half-space, and contact points of shapes that stand on it.
 struct Ground {
-  Ground(const Pose& X_WP, double most, std::vector<ContactPoint>& points)
+  Ground(Side side, const Pose& X_WP, double most, std::vector<ContactPoint>& points)
       : up_W(z_axis(X_WP.q)),
+        n_AB_W(side == Side::a ? up_W : Vec3(-up_W)),
         along_W(X_WP.q * Vec3::UnitY()),
         level(up_W.dot(X_WP.p)),
         margin(most),
@@ -21,12 +25,13 @@ struct Ground {
 
   double height(const Vec3& p_W) const { return up_W.dot(p_W) - level; }
 
-  /// Adds the points of a shape that are no higher than the margin; their normal is up.
+  /// Adds the points of a shape that are no higher than the margin.
   ///
   /// @param origin  of the shape's frame G: height over the ground [m]
   void carry(const Shape& shape, const Mat3& R_WG, const Vec3& p_WG, double origin);
 
-  const Vec3 up_W, along_W;  // normal, and a direction in the plane
+  const Vec3 up_W, n_AB_W;  // out of the ground, and the normal of its contacts
+  const Vec3 along_W;       // a direction in the plane
   const double level, margin;
   std::vector<ContactPoint>& out;
 };
@@ -43,7 +48,7 @@ struct Footprint {
     const double height = level - down.dot(p_G);
     if (height > ground.margin) return;
     ground.out.push_back(
-        {R_WG * p_G + p_WG - 0.5 * height * ground.up_W, ground.up_W, -height, feature});
+        {R_WG * p_G + p_WG - 0.5 * height * ground.up_W, ground.n_AB_W, -height, feature});
   }
 };
 

@@ -32,10 +32,12 @@ Going going(const World& world, BodyId i, double t, const Vec3& w_WB) {
 std::optional<Meeting> soonest(const World& world, const Touch& touch, double threshold) {
   std::optional<Meeting> best;
   const Going a = going(world, touch.a, touch.time, touch.w_WA);
-  const Going b = going(world, touch.b, touch.time, touch.w_WB);
+  const bool b_moves = world.bodies[touch.b].kind != Kind::fixed;
+  const Going b = b_moves ? going(world, touch.b, touch.time, touch.w_WB) : Going{};
   for (std::uint32_t k = 0; k < touch.points; ++k) {
     const ContactPoint& p = world.scratch.points[touch.first_point + k];
-    const Vec3 u = a.v_WB + a.w_WB.cross(p.p_W - a.p_WB) - b.v_WB - b.w_WB.cross(p.p_W - b.p_WB);
+    Vec3 u = a.v_WB + a.w_WB.cross(p.p_W - a.p_WB);
+    if (b_moves) u = u - b.v_WB - b.w_WB.cross(p.p_W - b.p_WB);
     const double speed = u.dot(p.n_AB_W);
     if (speed <= threshold) continue;
     const double gap = -p.depth;
@@ -302,9 +304,9 @@ class Queue {
 
   bool was_loaded(const Touch& touch) const {
     if (touch.fresh) return false;
-    const Touch& last = s_.last_touches[touch.last];
-    for (std::uint32_t n = 0; n < last.rows; ++n) {
-      if (s_.last_rows[last.first_row + n].impulse > 0.0) return true;
+    const PastTouch& last = s_.last_touches[touch.last];
+    for (std::uint32_t n = 0; n < last.loads; ++n) {
+      if (s_.last_loads[last.first_load + n].impulse > 0.0) return true;
     }
     return false;
   }
@@ -448,7 +450,6 @@ void turn_normals(Scratch& s, const Touch& touch) {
 
 bool resolve_impacts(World& world) {
   Scratch& s = world.scratch;
-  s.lasting_speed = lasting_speed(world);
   s.coming.clear();
   Queue queue(world);
   for (std::uint32_t k = 0; k < s.touches.size(); ++k) {

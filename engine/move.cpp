@@ -91,12 +91,13 @@ void push_apart(World& world) {
     nudge(world, touch, point, row, part);
   };
   for (const Touch& touch : s.touches) {
-    for (std::uint32_t k = 0; k < touch.rows; ++k) {
-      const ContactPoint& point = s.points[touch.first_point + k];
-      world.statistics.deepest_overlap = std::max(world.statistics.deepest_overlap, point.depth);
-      if (!touch.swings) take_back(touch, point, s.rows[touch.first_row + k]);
+    if (!touch.swings) {
+      for (std::uint32_t k = 0; k < touch.deep; ++k) {
+        const DeepRow& deep = s.deep_rows[touch.first_deep + k];
+        take_back(touch, s.points[deep.point], deep.row);
+      }
+      continue;
     }
-    if (!touch.swings) continue;
     const Pose &X_WA = world.states[touch.a].X_WB, &X_WB = world.states[touch.b].X_WB;
     for (const ContactPoint& point : points_at_end(world, touch, X_WA, X_WB)) {
       take_back(touch, point, row_at(world, touch, point, X_WA.p, X_WB.p));

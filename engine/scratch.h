@@ -39,9 +39,12 @@ struct Touch {
   std::uint32_t candidate = 0;  ///< whose normals it uses
   std::uint32_t last = 0;       ///< the same touch in the last step, unless fresh
   std::uint32_t first_point = 0, points = 0;
-  std::uint32_t first_row = 0, rows = 0;
-  std::uint32_t block = 0;  ///< of its rows in `blocks`, when it has 2 to 4 that differ
-  double time = 0.0;        ///< within the step, when its points are right [s]
+  std::uint32_t first_row = 0, rows = 0;  ///< while its island is solved
+  std::uint32_t block = 0;       ///< of its rows in `blocks`, when it has 2 to 4 that differ
+  std::uint32_t first_load = 0;  ///< of its rows in `loads`, once they are solved
+  std::uint32_t first_deep = 0, deep = 0;  ///< those of its rows that are in `deep_rows`
+  double depth = 0.0;                      ///< of its deepest point, once its rows are solved [m]
+  double time = 0.0;                       ///< within the step, when its points are right [s]
   Vec3 w_WA = Vec3::Zero(),
        w_WB = Vec3::Zero();             ///< turn of A and B then, if that is not their clock
   double due = 0.0;                     ///< when it brings an impact next, infinity: never
@@ -51,6 +54,23 @@ struct Touch {
   Vec3 friction_W = Vec3::Zero();  ///< impulse on A of the last step, to start from
   double twist = 0.0;
   Vec3 roll = Vec3::Zero();
+};
+
+/// What a touch leaves to the same touch of the next step.
+struct PastTouch {
+  std::uint64_t key = 0;  ///< they are in the order of their keys
+  bool met = false;
+  std::uint32_t first_load = 0, loads = 0;  ///< in `last_loads`
+  double friction = 0.0;
+  Sliding sliding;          ///< for that friction
+  Vec3 friction_W, roll_W;  ///< impulses on A
+  double twist = 0.0;
+};
+
+/// What a contact point carried: an impulse [kg m/s].
+struct Load {
+  double impulse = 0.0;
+  std::uint32_t feature = 0;
 };
 
 /// Last normals of the pairs of parts of two bodies whose bounds met.
@@ -67,6 +87,12 @@ struct NormalRow {
   Vec3 n, ra_n, rb_n, ia, ib;
   double mass = 0.0, allowed = 0.0, impulse = 0.0;
   std::uint32_t feature = 0;
+};
+
+/// The row of a contact point that is deeper than the slop.
+struct DeepRow {
+  NormalRow row;
+  std::uint32_t point = 0;
 };
 
 /// Inverse of what the n = 2 to 4 normal rows of a touch do to each other: its first n x n entries.
@@ -119,11 +145,15 @@ struct Scratch {
   BroadPhase broad_phase;
   std::vector<Candidate> candidates, last_candidates;
   std::vector<Vec3> normals, last_normals, kept_normals;
-  std::vector<Touch> touches, last_touches;
+  std::vector<Touch> touches;
+  std::vector<PastTouch> last_touches;
   std::vector<ContactPoint> points, end_points;
-  std::vector<NormalRow> rows, last_rows;
-  std::vector<Block> blocks;
+  std::vector<NormalRow> rows;  // of the island that is being solved,
+  std::vector<Block> blocks;    // likewise,
   std::vector<FrictionRows> friction;
+  std::vector<Load> loads, last_loads;
+  std::vector<DeepRow> deep_rows;
+  std::vector<std::uint32_t> met_now;        // touches that carry and whose bodies had not met
   std::vector<double> before, along;         // impulses of an island: last pass, way of the passes
   std::vector<BodyId> island_bodies;         // of one that its passes did not solve,
   std::vector<State> unsolved;               // and what they made of them
@@ -133,7 +163,7 @@ struct Scratch {
   std::vector<std::uint32_t> island_of, island_start, order;
   std::vector<Mobility> mobility;
   std::vector<double> swing, top_speed;  // of any point of a body: by its spin; in all [m/s]
-  double lasting_speed = 0.0;            // slower impacts are inelastic [m/s]
+  double lasting_speed = 0.0;            // up to which an approach is a lasting contact [m/s]
   double fall = 0.0;                // what gravity adds to its way within the step [m], at most
   std::vector<double> clock;        // time within the step at which a body's state holds [s]
   std::vector<std::uint8_t> falls;  // gravity moves it until then: nothing carries it

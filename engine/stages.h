@@ -81,12 +81,6 @@ inline void note_speed(World& world, BodyId i) {
   world.scratch.top_speed[i] = s.v_WB.norm() + world.scratch.swing[i];
 }
 
-/// Approaches that are not faster are lasting contacts, whatever gravity adds to them in a step.
-inline double lasting_speed(const World& world) {
-  const Parameters& p = world.parameters;
-  return std::max(p.impact_speed, 2.5 * p.gravity_W.norm() * step_seconds(world));
-}
-
 /// Overlap that is deep for two bodies: a fiftieth of the smaller one [m].
 inline double deep_for(const World& world, BodyId a, BodyId b) {
   return 0.02 *
@@ -96,7 +90,7 @@ inline double deep_for(const World& world, BodyId a, BodyId b) {
 /// What approaches faster is followed to where it meets within the step: impacts, and lasting
 /// contacts that would go deep before the step's end.
 inline double followed_speed(const World& world, BodyId a, BodyId b) {
-  return std::min(lasting_speed(world), deep_for(world, a, b) * world.parameters.rate_hz);
+  return std::min(world.scratch.lasting_speed, deep_for(world, a, b) * world.parameters.rate_hz);
 }
 
 /// How far two bodies may be apart and yet meet within the step, as they move now [m]. What an
@@ -106,6 +100,11 @@ double reach(const World& world, BodyId a, BodyId b);
 /// Key of a pair: half-spaces first, then bounded bodies; by the smaller, then the larger number.
 inline std::uint64_t key_of(bool both_bounded, BodyId a, BodyId b) {
   return std::uint64_t{both_bounded} << 63 | std::uint64_t{a} << 32 | b;
+}
+
+/// Whether a body is one of the two.
+inline bool concerns(std::uint64_t key, BodyId body) {
+  return (key >> 32 & 0x7fff'ffffu) == body || (key & 0xffff'ffffu) == body;
 }
 
 /// Looks for contact points of a candidate at time `t` of the step; appends the touch if there are

@@ -307,9 +307,46 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
   done = {done.count + more.count, more.worst};
 }
 
+/// Keeps what is asked for later of an island's contacts: what they carry, which are deep.
+void keep(World& world, std::span<const std::uint32_t> touches) {
+  Scratch& s = world.scratch;
+  const double slop = world.parameters.slop;
+  double& deepest = world.statistics.deepest_overlap;
+  for (const FrictionRows& f : s.friction) {
+    Touch& touch = s.touches[f.touch];
+    touch.friction_W = f.impulse[0] * f.t[0] + f.impulse[1] * f.t[1];
+    touch.twist = f.twist;
+    touch.roll = f.roll;
+  }
+  for (const std::uint32_t k : touches) {
+    Touch& touch = s.touches[k];
+    if (touch.rows == 0) continue;
+    touch.first_load = static_cast<std::uint32_t>(s.loads.size());
+    touch.first_deep = static_cast<std::uint32_t>(s.deep_rows.size());
+    Vec3 F = touch.friction_W;
+    double load = 0.0;
+    for (std::uint32_t n = 0; n < touch.rows; ++n) {
+      const NormalRow& row = s.rows[touch.first_row + n];
+      const double depth = s.points[touch.first_point + n].depth;
+      s.loads.push_back({row.impulse, row.feature});
+      F -= row.impulse * row.n;
+      load += row.impulse;
+      touch.depth = std::max(touch.depth, depth);
+      if (depth > slop) s.deep_rows.push_back({row, touch.first_point + n});
+    }
+    touch.deep = static_cast<std::uint32_t>(s.deep_rows.size()) - touch.first_deep;
+    deepest = std::max(deepest, touch.depth);
+    const double lift = -F.dot(world.parameters.gravity_W);
+    s.carried[touch.a] += lift;
+    if (touch.b_moves) s.carried[touch.b] -= lift;
+    if (!touch.met && load > 0.0) s.met_now.push_back(k);
+  }
+}
+
 HEADPIN_FLATTEN void solve_island(World& world, std::span<const std::uint32_t> touches) {
   Scratch& s = world.scratch;
   const Parameters& p = world.parameters;
+  s.rows.clear();
   s.blocks.clear();
   s.friction.clear();
   for (const std::uint32_t k : touches) {
@@ -326,10 +363,10 @@ HEADPIN_FLATTEN void solve_island(World& world, std::span<const std::uint32_t> t
   for (const std::uint32_t k : touches) {
     Touch& touch = s.touches[k];
     if (!touch.fresh) {
-      const Touch& last = s.last_touches[touch.last];
+      const PastTouch& last = s.last_touches[touch.last];
       touch.friction_W = last.friction_W;
       touch.twist = last.twist;
-      touch.roll = last.roll;
+      touch.roll = last.roll_W;
     }
     if (touch.rows == 0 || touch.sliding.kept == 1.0) continue;
     with_other(world, touch, [&]<Other other> { add_friction<other>(world, touch, k); });
@@ -337,12 +374,7 @@ HEADPIN_FLATTEN void solve_island(World& world, std::span<const std::uint32_t> t
   Passes done = pass_over(world, touches, true, p.solver_iterations);
   if (done.worst > p.solver_residual) solve_softly(world, touches, done);
   if (done.worst > p.solver_residual) take_back_gain(world, touches, done);
-  for (const FrictionRows& f : s.friction) {
-    Touch& touch = s.touches[f.touch];
-    touch.friction_W = f.impulse[0] * f.t[0] + f.impulse[1] * f.t[1];
-    touch.twist = f.twist;
-    touch.roll = f.roll;
-  }
+  keep(world, touches);
   if (p.keep_ledger && !s.driven.empty()) world.pushed += given_by_driven(world, touches);
   ++world.statistics.islands;
   world.statistics.solver_iterations += done.count;
@@ -355,20 +387,8 @@ HEADPIN_FLATTEN void solve_island(World& world, std::span<const std::uint32_t> t
 void note_carried(World& world) {
   Scratch& s = world.scratch;
   const Vec3& g = world.parameters.gravity_W;
-  for (const BodyId i : s.movers) s.carried[i] = 0.0;
-  for (const Touch& touch : s.touches) {
-    if (touch.rows == 0) continue;
-    Vec3 F = touch.friction_W;
-    for (std::uint32_t k = 0; k < touch.rows; ++k) {
-      const NormalRow& row = s.rows[touch.first_row + k];
-      F -= row.impulse * row.n;
-    }
-    const double lift = -F.dot(g);
-    s.carried[touch.a] += lift;
-    if (touch.b_moves) s.carried[touch.b] -= lift;
-  }
   const double fall = g.squaredNorm() * step_seconds(world);
-  const double rise = g.norm() * lasting_speed(world);
+  const double rise = g.norm() * s.lasting_speed;
   for (const BodyId i : s.movers) {
     double& part = s.carried[i];
     part = part > 0.0 ? std::min(1.0, part / (fall * world.bodies[i].mass)) : 0.0;
@@ -379,18 +399,20 @@ void note_carried(World& world) {
 /// Notes who has met.
 void note_met(World& world) {
   Scratch& s = world.scratch;
-  for (Touch& touch : s.touches) {
-    if (touch.met) continue;
-    const double load = load_of(s, touch);
-    if (load <= 0.0) continue;
+  std::sort(s.met_now.begin(), s.met_now.end());
+  for (const std::uint32_t touch_number : s.met_now) {
+    Touch& touch = s.touches[touch_number];
     touch.met = true;
-    std::uint32_t k = 0;  // the row that carries most
-    for (std::uint32_t i = 1; i < touch.rows; ++i) {
-      if (s.rows[touch.first_row + i].impulse > s.rows[touch.first_row + k].impulse) k = i;
+    const Load* const loads = s.loads.data() + touch.first_load;
+    double load = 0.0;
+    std::uint32_t k = 0;  // the point that carries most
+    for (std::uint32_t i = 0; i < touch.rows; ++i) {
+      load += loads[i].impulse;
+      if (loads[i].impulse > loads[k].impulse) k = i;
     }
-    const Vec3& n = s.rows[touch.first_row + k].n;
-    world.events.push_back({touch.a, touch.b, s.points[touch.first_point + k].p_W, n,
-                            -load * n + touch.friction_W, 0.0, true});
+    const ContactPoint& point = s.points[touch.first_point + k];
+    world.events.push_back({touch.a, touch.b, point.p_W, point.n_AB_W,
+                            -load * point.n_AB_W + touch.friction_W, 0.0, true});
   }
 }
 
@@ -406,7 +428,10 @@ BodyId island_root(std::vector<BodyId>& parent, BodyId i) {
 
 void sustain_contacts(World& world) {
   Scratch& s = world.scratch;
-  s.rows.clear();
+  s.loads.clear();
+  s.deep_rows.clear();
+  s.met_now.clear();
+  for (const BodyId i : s.movers) s.carried[i] = 0.0;
   find_islands(world);
   std::uint32_t start = 0;
   for (const std::uint32_t end : s.island_start) {

@@ -39,12 +39,15 @@ inline Arms arms_of(const World& world, const Touch& touch) {
   return {position_at(world, touch.a, touch.time), position_at(world, touch.b, touch.time)};
 }
 
-inline double last_impulse(const Scratch& s, const Touch& touch, std::uint32_t feature) {
+/// What a point of the touch carried in the last step: the k-th, or another if their order changed.
+inline double last_impulse(const Scratch& s, const Touch& touch, std::uint32_t k,
+                           std::uint32_t feature) {
   if (touch.fresh) return 0.0;
-  const Touch& last = s.last_touches[touch.last];
-  for (std::uint32_t k = 0; k < last.rows; ++k) {
-    const NormalRow& row = s.last_rows[last.first_row + k];
-    if (row.feature == feature) return row.impulse;
+  const PastTouch& last = s.last_touches[touch.last];
+  const auto loads = std::span(s.last_loads).subspan(last.first_load, last.loads);
+  if (k < loads.size() && loads[k].feature == feature) return loads[k].impulse;
+  for (const Load& load : loads) {
+    if (load.feature == feature) return load.impulse;
   }
   return 0.0;
 }
@@ -81,7 +84,7 @@ void add_normal_rows(World& world, Touch& touch) {
     }
     row.mass = 1.0 / k_nn;
     row.allowed = p.depth < 0.0 ? -p.depth / left : 0.0;
-    row.impulse = last_impulse(s, touch, p.feature);
+    row.impulse = last_impulse(s, touch, k, p.feature);
     if (row.impulse > 0.0) push_by<other>(world, touch, row, row.impulse);
   }
 }

@@ -13,16 +13,10 @@ double time_left(const World& world, const Touch& touch) {
 }
 
 /// Whether the points a touch now has say little about the end of the step.
-bool swings(const World& world, const Touch& touch, double depth) {
+bool swings(const World& world, const Touch& touch) {
   const Vec3 spin = world.states[touch.a].w_WB - world.states[touch.b].w_WB;
   if (spin.norm() * time_left(world, touch) > kFarTurn) return true;
-  return depth > deep_for(world, touch.a, touch.b);
-}
-
-double deepest(std::span<const ContactPoint> points) {
-  double depth = 0.0;
-  for (const ContactPoint& p : points) depth = std::max(depth, p.depth);
-  return depth;
+  return touch.depth > deep_for(world, touch.a, touch.b);
 }
 
 /// Takes so much of the approach at a point of the end that it is not deep there; no more than there
@@ -88,13 +82,12 @@ void stop_swings(World& world) {
   Scratch& s = world.scratch;
   for (Touch& touch : s.touches) {
     if (touch.points == 0) continue;
-    const double depth = deepest(std::span(s.points).subspan(touch.first_point, touch.points));
-    touch.swings = swings(world, touch, depth);
+    touch.swings = swings(world, touch);
     for (int round = 0; touch.swings && round < kRounds; ++round) {
       const Pose X_WA = pose_at_end(world, touch.a), X_WB = pose_at_end(world, touch.b);
       const ContactPoint* worst = nullptr;
       for (const ContactPoint& p : points_at_end(world, touch, X_WA, X_WB)) {
-        const double least = worst ? worst->depth : depth + world.parameters.slop;
+        const double least = worst ? worst->depth : touch.depth + world.parameters.slop;
         if (!p.guessed && p.depth > least) worst = &p;
       }
       if (!worst) break;

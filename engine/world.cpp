@@ -159,6 +159,8 @@ void take_roll_call(World& world) {
 void prepare_bodies(World& world) {
   detail::Scratch& s = world.scratch;
   if (s.stale) take_roll_call(world);
+  const Parameters& p = world.parameters;  // whatever gravity adds to an approach in a step
+  s.lasting_speed = std::max(p.impact_speed, 2.5 * p.gravity_W.norm() * step_seconds(world));
   for (const auto& [i, state] : s.struck) {
     s.clock[i] = 0.0;
     s.impacts_of[i] = 0;
@@ -190,9 +192,13 @@ void remember(World& world) {
   s.touches.resize(s.early_touches);
   std::swap(s.candidates, s.last_candidates);
   std::swap(s.normals, s.last_normals);
-  std::swap(s.touches, s.last_touches);
-  std::swap(s.rows, s.last_rows);
-  world.statistics.contacts = static_cast<std::int64_t>(s.last_rows.size());
+  std::swap(s.loads, s.last_loads);
+  s.last_touches.clear();
+  for (const detail::Touch& t : s.touches) {
+    s.last_touches.push_back({t.key, t.met, t.first_load, t.rows, t.pair.friction, t.sliding,
+                              t.friction_W, t.roll, t.twist});
+  }
+  world.statistics.contacts = static_cast<std::int64_t>(s.last_loads.size());
   world.statistics.awake = static_cast<std::int64_t>(s.movers.size());
 }
 
@@ -209,7 +215,7 @@ void let_rest(World& world) {
   s.last_candidates.clear();
   s.last_normals.clear();
   s.last_touches.clear();
-  s.last_rows.clear();
+  s.last_loads.clear();
 }
 
 void stop_if_not_finite(const World& world) {
@@ -472,11 +478,9 @@ std::uint64_t state_hash(const World& world) {
 
 void forget_meetings(World& world, BodyId body) {
   check_number(world, body);
-  std::erase_if(world.met, [&](std::uint64_t pair) {
-    return pair >> 32 == body || (pair & 0xffffffffu) == body;
-  });
-  for (detail::Touch& touch : world.scratch.last_touches) {
-    if (touch.a == body || touch.b == body) touch.met = false;
+  std::erase_if(world.met, [&](std::uint64_t pair) { return detail::concerns(pair, body); });
+  for (detail::PastTouch& touch : world.scratch.last_touches) {
+    if (detail::concerns(touch.key, body)) touch.met = false;
   }
 }
 

@@ -101,7 +101,7 @@ World restored(const World& logged) {
 void give_what_a_log_leaves_out(World& world, const World& from) {
   const detail::Scratch& s = from.scratch;
   world.scratch.last_touches = s.last_touches;  // impulses
-  world.scratch.last_rows = s.last_rows;
+  world.scratch.last_loads = s.last_loads;
   world.scratch.last_candidates = s.last_candidates;  // normals
   world.scratch.last_normals = s.last_normals;
   world.scratch.supported = s.supported;
@@ -199,12 +199,8 @@ TEST(Game, LeavesLittleOverlap) {
       step(b.world);
       if (b.world.tick > 2 * 240) late = std::max(late, b.world.statistics.deepest_overlap);
       const detail::Scratch& s = b.world.scratch;
-      for (const detail::Touch& t : s.last_touches) {
-        double deepest = 0.0;
-        for (std::uint32_t p = 0; p < t.rows; ++p) {
-          deepest = std::max(deepest, s.points[t.first_point + p].depth);
-        }
-        if (t.b_moves && t.rows > 0) bodies.push_back(deepest);
+      for (const detail::Touch& t : s.touches) {
+        if (t.b_moves && t.rows > 0) bodies.push_back(t.depth);
       }
     }
   }
