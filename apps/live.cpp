@@ -34,8 +34,8 @@ namespace {
 
 struct LiveOptions {
   std::vector<std::string> sources;
-  std::string lcm, scenario, participant, gl, eyes = "png";
-  std::optional<std::string> record;
+  std::string lcm, scenario, gl, eyes = "png";
+  std::optional<std::string> participant, condition_name, record;
   std::vector<std::string> hemispheres;
   int baud = 115200, samples = 1;
   std::optional<double> duration_s;
@@ -98,13 +98,34 @@ void require_samples(const Live& live) {
       fmt::format("no sample came in {:.1f} s from {}", seconds(live.session.now()), from));
 }
 
-/// That of a log which plays, if it holds one.
-std::optional<scene::Scenario> scenario_of(const devices::LiveSource& source) {
+/// That of a log which plays, if it has one.
+std::optional<devices::TrialHeader> header_of(const devices::LiveSource& source) {
   if (source.recording().empty()) return std::nullopt;
   const devices::TrialFile file(source.recording());
-  const devices::TrialSummary& trial = file.summary();
-  if (!trial.has_header) return std::nullopt;
-  return scene::scenario_of_trial(trial.header.scenario, source.recording());
+  if (!file.summary().has_header) return std::nullopt;
+  return file.summary().header;
+}
+
+std::optional<scene::Scenario> scenario_of(const devices::LiveSource& source) {
+  const std::optional<devices::TrialHeader> header = header_of(source);
+  if (!header) return std::nullopt;
+  return scene::scenario_of_trial(header->scenario, source.recording());
+}
+
+/// Whose session it is: as it is told, or else as the trial says that is played.
+devices::TrialHeader whose(const LiveOptions& options, const Live& live) {
+  devices::TrialHeader header;
+  for (const auto& source : live.sources) {
+    const std::optional<devices::TrialHeader> its = header_of(*source);
+    if (!its) continue;
+    header.participant = its->participant;
+    header.condition = its->condition;
+    header.seed = its->seed;
+    break;
+  }
+  if (options.participant) header.participant = *options.participant;
+  if (options.condition_name) header.condition = *options.condition_name;
+  return header;
 }
 
 /// Says so where the samples of a log are taken into another scenario than the one they are from.
@@ -264,10 +285,8 @@ Live open_live(const LiveOptions& options) {
   if (live.link->is_replay()) live.link.reset();  // nobody listens to a file
   if (live.link && !options.no_trial) {
     live.session_link = std::make_unique<devices::LcmLink>(options.lcm, devices::kSessionPrefix);
-    devices::TrialHeader header;
-    header.participant = options.participant;
     live.publisher = std::make_unique<scene::TrialWriter>(std::make_unique<devices::TrialPublisher>(
-        *live.session_link, scene::header_of(header, live.session)));
+        *live.session_link, scene::header_of(whose(options, live), live.session)));
   }
   return live;
 }
@@ -275,14 +294,12 @@ Live open_live(const LiveOptions& options) {
 /// Begins the recording. It comes last: who waits for its file may send from then on.
 void open_recording(const LiveOptions& options, Live& live) {
   if (!options.record) return;
-  devices::TrialHeader header;
-  header.participant = options.participant;
   std::vector<std::filesystem::path> inputs = {options.scenario};
   for (const auto& source : live.sources) inputs.push_back(source->recording());
   const Time epoch =
       std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
   live.writer = std::make_unique<scene::TrialWriter>(
-      *options.record, header, live.session,
+      *options.record, whose(options, live), live.session,
       devices::Recorder::Options{
           .overwrite = options.force, .live = true, .inputs = inputs, .epoch = epoch});
 }
@@ -391,7 +408,9 @@ void add_live(CLI::App& app) {
       "not given");
   add_output(*command, "--record", options->record,
              "write the trial here, safe from the first event");
-  command->add_option("--participant", options->participant, "name in the trial");
+  command->add_option("--participant", options->participant,
+                      "name in the trial; that of the trial played when not given");
+  command->add_option("--condition", options->condition_name, "likewise, of the condition");
   add_duration(*command, options->duration_s, "seconds; until interrupted when not given");
   command
       ->add_option("--eyes", options->eyes,

@@ -1,15 +1,40 @@
 #include "apps/stop.h"
 
+#include <atomic>
 #include <csignal>
+#include <cstdint>
 #include <cstring>
 
 #include <signal.h>
+#include <time.h>
 
 namespace headpin::apps {
 
 namespace {
 
+/// Signals within this of the first say the same: `timeout` sends each of its own to the command and
+/// again to its whole group, and a terminal that is closed sends two as well [ns].
+constexpr std::int64_t kSameWish = 1'000'000'000;
+
 volatile std::sig_atomic_t came = 0;
+std::atomic<std::int64_t> first_came = 0;  // 0: none yet
+static_assert(decltype(first_came)::is_always_lock_free);
+
+/// Notes the first; one that comes after a while takes its usual course.
+void note(int signal) {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  const std::int64_t ns = std::int64_t{now.tv_sec} * 1'000'000'000 + now.tv_nsec;
+  std::int64_t first = 0;
+  if (first_came.compare_exchange_strong(first, ns)) {
+    came = signal;
+  } else if (ns - first > kSameWish) {
+    struct sigaction usual {};
+    usual.sa_handler = SIG_DFL;
+    sigaction(signal, &usual, nullptr);
+    raise(signal);  // delivered when this returns
+  }
+}
 
 std::string name_of(int number) {
   const char* name = sigabbrev_np(number);
@@ -23,6 +48,7 @@ Stopped::Stopped(int number, const std::string& when)
 
 void watch_stop_signals() {
   came = 0;
+  first_came = 0;
   for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
     struct sigaction old {
     }, watch{};
@@ -30,9 +56,7 @@ void watch_stop_signals() {
     // A shell without job control starts what is behind an & with SIGINT ignored; whoever sends one
     // to it all the same means it.
     if (number == SIGHUP && old.sa_handler == SIG_IGN) continue;
-    // No SA_RESTART, so that who waits is woken; the second one takes its usual course.
-    watch.sa_handler = [](int signal) { came = signal; };
-    watch.sa_flags = static_cast<int>(SA_RESETHAND);
+    watch.sa_handler = note;  // no SA_RESTART, so that who waits is woken
     sigaction(number, &watch, nullptr);
   }
 }

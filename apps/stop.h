@@ -6,7 +6,7 @@
 /// The signals that ask a command to end: SIGINT, SIGTERM and SIGHUP.
 ///
 /// A command that has something to put away when it ends early watches for them; others are ended
-/// by the system. A second signal ends any command at once.
+/// by the system. Another signal, a second or more after the first, ends any command at once.
 namespace headpin::apps {
 
 /// A command was told to stop before it was done: exit code 128 + the signal's number.

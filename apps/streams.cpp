@@ -31,6 +31,7 @@ void open_standard_streams() {
         open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
   }
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is then an error like a full disk
 }
 
 int close_standard_output(const std::string& command, int code) {

@@ -7,6 +7,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "apps/stop.h"
 #include "tests/apps/command_line.h"
 
 namespace headpin {
@@ -201,10 +202,55 @@ TEST_F(Endings, StoppedFramesAndVideoLeaveNothing) {
     const pid_t process = start({"frames", kDemo, "-o", "frames", "--video", "stereo.mkv"});
     wait_until(process, [&] { return holds("left_000002.png"); });
     kill(process, signal);
+    kill(process, signal);  // as `timeout` does
     EXPECT_EQ(wait_for(process), 128 + signal) << slurp(folder_ / "err.txt");
     EXPECT_THAT(slurp(folder_ / "err.txt"), HasSubstr("headpin frames: stopped by SIG"));
     EXPECT_THAT(left(), testing::IsEmpty());
   }
+}
+
+// `timeout` signals its command and, at once, its whole group: a recording gets its end all the same.
+TEST_F(Endings, ASessionThatIsToldTwiceGetsItsEnd) {
+  const pid_t process = start({"live", kDemo, "--eyes", "none", "--record", "live.lcmlog"});
+  std::error_code error;
+  wait_until(process, [&] { return fs::file_size(folder_ / "live.lcmlog", error) + 1 > 100'000; });
+  for (int k = 0; k < 20; ++k) kill(process, SIGTERM);
+  EXPECT_EQ(wait_for(process), 0) << slurp(folder_ / "err.txt");
+  const nlohmann::json info = json("info live.lcmlog --json");
+  EXPECT_EQ(info["complete"], true);
+  EXPECT_EQ(info["participant"], "demo");  // of the trial that was played
+  EXPECT_EQ(info["seed"], 4);
+}
+
+// A command that does not heed the first signal is ended by another, but not by the same one again.
+TEST(StopSignals, TheSameWishTwiceIsOneAndALaterOneEndsTheProcess) {
+  int line[2];
+  ASSERT_EQ(pipe(line), 0);
+  const pid_t process = fork();
+  if (process == 0) {
+    apps::watch_stop_signals();
+    const auto say = [&](char c) { return write(line[1], &c, 1); };
+    say('w');
+    while (apps::stop_signal() == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    say(apps::stop_signal() == SIGINT ? 's' : '?');
+    while (true) pause();
+  }
+  char said = 0;
+  ASSERT_EQ(read(line[0], &said, 1), 1);
+  kill(process, SIGINT);
+  kill(process, SIGTERM);
+  int status = 0;
+  EXPECT_EQ(waitpid(process, &status, WNOHANG), 0);
+  ASSERT_EQ(read(line[0], &said, 1), 1);
+  EXPECT_TRUE(said == 's' || said == '?');
+  while (waitpid(process, &status, WNOHANG) == 0) {  // until one counts as another
+    kill(process, SIGINT);
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+  }
+  EXPECT_TRUE(WIFSIGNALED(status));
+  EXPECT_EQ(WTERMSIG(status), SIGINT);
+  close(line[0]);
+  close(line[1]);
 }
 
 TEST_F(Endings, AStoppedReplayLeavesNothing) {
@@ -272,7 +318,7 @@ TEST_F(Endings, AStoppedEmulatorTakesItsLinkAway) {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
     const pid_t process = start({"emulate", "--link", "line"});
     wait_until(process, [&] { return fs::is_symlink(folder_ / "line"); });
-    kill(process, signal);
+    for (int k = 0; k < 20; ++k) kill(process, k % 2 == 0 ? signal : SIGTERM);
     EXPECT_EQ(wait_for(process), 0) << slurp(folder_ / "err.txt");
     EXPECT_THAT(left(), testing::IsEmpty());
   }
