@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/damage.h"
 #include "apps/options.h"
 #include "apps/recorded_world.h"
 #include "apps/streams.h"
@@ -48,27 +49,23 @@ struct FirstDifference {
   std::int64_t tick;
   double time_s;
   std::string body;
+  std::string lacks;  ///< the trial that has no state of that tick, empty where both have one
 };
 
-/// The first tick, of those both have, whose bits differ; where one ends sooner, its next tick.
+/// The first tick whose bits differ, or that only one of the two has.
 std::optional<FirstDifference> first_difference(const Side& a, const Side& b) {
   devices::TrialItems of_a(a.file), of_b(b.file);
   std::optional<devices::TickState> sa = of_a.next_state(), sb = of_b.next_state();
-  while (sa && sb) {
-    if (sa->tick < sb->tick) {
-      sa = of_a.next_state();
-    } else if (sb->tick < sa->tick) {
-      sb = of_b.next_state();
-    } else {
-      const auto body = scene::first_different_body(*sa, *sb, a.file.summary().header.body_names);
-      if (body) return FirstDifference{sa->tick, seconds(sa->time), *body};
-      sa = of_a.next_state();
-      sb = of_b.next_state();
-    }
+  while (sa && sb && sa->tick == sb->tick) {
+    const auto body = scene::first_different_body(*sa, *sb, a.file.summary().header.body_names);
+    if (body) return FirstDifference{sa->tick, seconds(sa->time), *body, ""};
+    sa = of_a.next_state();
+    sb = of_b.next_state();
   }
   if (!sa && !sb) return std::nullopt;
-  const devices::TickState& extra = sa ? *sa : *sb;
-  return FirstDifference{extra.tick, seconds(extra.time), ""};
+  const bool only_in_a = !sb || (sa && sa->tick < sb->tick);
+  const devices::TickState& extra = only_in_a ? *sa : *sb;
+  return FirstDifference{extra.tick, seconds(extra.time), "", only_in_a ? b.path : a.path};
 }
 
 nlohmann::json describe(const Side& side) {
@@ -131,9 +128,13 @@ void print_differences(const nlohmann::json& result) {
   if (result["first_difference_tick"].is_null()) {
     fmt::print("equal to the bit, {} ticks\n\n", result["a"]["ticks"].dump());
   } else {
-    const std::string body = result["first_difference_body"].get<std::string>();
+    const std::string body = cell(result["first_difference_body"]);
+    const nlohmann::json& lacks = result["first_difference_lacking"];
     fmt::print("first difference  tick {} ({} s){}\n\n", result["first_difference_tick"].dump(),
-               cell(result["first_difference_s"]), body.empty() ? "" : ", " + body);
+               cell(result["first_difference_s"]),
+               !lacks.is_null() ? ", which " + printable(cell(lacks)) + " has not"
+               : body.empty()   ? ""
+                                : ", " + body);
   }
   const std::pair<const char*, const char*> rows[] = {{"", "trial"},
                                                       {"elasticity", "elasticity"},
@@ -164,15 +165,20 @@ void print_differences(const nlohmann::json& result) {
 
 void compare(const CompareOptions& options) {
   const Side a = load(options.a), b = load(options.b);
+  for (const Side* side : {&a, &b}) {
+    say_what_is_missing("compare", side->path, side->file.summary());
+  }
   nlohmann::json result = {{"a", describe(a)},
                            {"b", describe(b)},
                            {"first_difference_tick", nullptr},
                            {"first_difference_s", nullptr},
-                           {"first_difference_body", nullptr}};
+                           {"first_difference_body", nullptr},
+                           {"first_difference_lacking", nullptr}};
   if (const auto difference = first_difference(a, b)) {
     result["first_difference_tick"] = difference->tick;
     result["first_difference_s"] = difference->time_s;
     result["first_difference_body"] = difference->body;
+    if (!difference->lacks.empty()) result["first_difference_lacking"] = difference->lacks;
   }
   if (options.json) {
     print_json(result);

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/damage.h"
 #include "apps/options.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
@@ -97,6 +98,7 @@ void export_trial(const ExportOptions& options) {
   const devices::TrialFile trial(options.trial);
   trial.require_trial(devices::kLongestGap);
   const devices::TrialSummary& summary = trial.summary();
+  say_what_is_missing("export", options.trial, summary);
   watch_stop_signals();
   files::OutputFolder folder(*options.folder,
                              {.overwrite = options.force, .others = {options.trial}});
@@ -110,7 +112,9 @@ void export_trial(const ExportOptions& options) {
   devices::write_dictionary(columns);
   write("columns.csv", columns.str());
   write("scenario.toml", scenario_text(summary.header.scenario, options.trial));
-  write("trial.json", about(summary).dump(2) + "\n");
+  write(
+      "trial.json",
+      about(summary).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   folder.commit("trial.json");
 
   if (options.json) {

@@ -8,6 +8,7 @@
 
 #include "apps/command.h"
 #include "apps/condition.h"
+#include "apps/damage.h"
 #include "apps/frame_folder.h"
 #include "apps/frame_parts.h"
 #include "apps/frame_ranges.h"
@@ -332,10 +333,7 @@ void draw_frames(const FramesOptions& options) {
       scene::open_eyes(*session.stage, look_of(options, recorded.scenario), options.gl);
   say_instead_of("frames", eyes);
   if (task.compares) task.why_not = check_comparable(options, recorded, eyes);
-  if (!trial.complete) {
-    say("headpin frames: {}: is not complete; it is drawn as far as it goes, {:.3f} s\n",
-        printable(options.trial), seconds(end));
-  }
+  say_what_is_missing("frames", options.trial, trial);
   watch_stop_signals();
   const Done done = options.in_parts()
                         ? draw_apart(options, task, eyes)

@@ -8,6 +8,7 @@
 
 #include "apps/chart.h"
 #include "apps/command.h"
+#include "apps/damage.h"
 #include "apps/options.h"
 #include "apps/recorded_world.h"
 #include "apps/stop.h"
@@ -168,6 +169,7 @@ void plot_trial(const PlotOptions& options) {
   const devices::TrialFile file(options.trial);
   file.require_trial(devices::kLongestGap);
   const devices::TrialSummary& trial = file.summary();
+  say_what_is_missing("plot", options.trial, trial);
   if (trial.state_count == 0) {
     throw std::runtime_error(options.trial +
                              ": expected states to plot, found none; `headpin replay " +

@@ -6,6 +6,7 @@
 
 #include "apps/command.h"
 #include "apps/condition.h"
+#include "apps/damage.h"
 #include "apps/options.h"
 #include "apps/progress.h"
 #include "apps/stop.h"
@@ -92,22 +93,31 @@ void replay(const ReplayOptions& options) {
     return s.tick >= ticks;
   });
   if (writer) writer->close(session);
+  say_what_is_missing("replay", options.trial, trial);
 
   nlohmann::json result = scene::summary(session, totals.score());
   result["trial"] = options.trial;
+  result["complete"] = trial.complete;
   result["participant"] = trial.header.participant;
   result["condition"] = trial.header.condition;
   result["seed"] = trial.header.seed;
   result["set"] = options.condition.set;
   result["output"] = options.output ? nlohmann::json(*options.output) : nlohmann::json();
   result["realtime_factor"] = seconds(session.now()) / stopwatch.spent_s();
-  if (verifier) result["verified_ticks"] = verifier->compared();
+  // States of the recording that could not be read, or were lost.
+  const std::int64_t unverified = verifier ? trial.last_tick - verifier->compared() : 0;
+  if (verifier) {
+    result["verified_ticks"] = verifier->compared();
+    result["unverified_ticks"] = unverified;
+  }
   if (options.json) {
     print_json(result);
   } else {
     print_summary(result);
-    if (verifier)
-      fmt::print("{:<18}{} ticks equal the recording\n", "verified", verifier->compared());
+    if (verifier) {
+      fmt::print("{:<18}{} ticks equal the recording{}\n", "verified", verifier->compared(),
+                 unverified > 0 ? fmt::format(", {} are not in it", unverified) : "");
+    }
     if (writer) fmt::print("{:<18}{}\n", "written", *options.output);
   }
 }

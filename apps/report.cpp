@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/damage.h"
 #include "apps/options.h"
 #include "apps/page_file.h"
 #include "apps/stop.h"
@@ -108,10 +109,22 @@ std::string log_block(const std::string& path, const std::string& state_hash, Ti
   return deflated(whole.bytes());
 }
 
+/// Whether a file begins as MP4 does: with a box of its type (ISO 14496-12, 4.3).
+bool is_mp4(std::span<const std::uint8_t> bytes) {
+  constexpr std::string_view kType = "ftyp";
+  return bytes.size() > 8 && std::equal(kType.begin(), kType.end(), bytes.begin() + 4);
+}
+
 /// The video goes into the page, or beside it where it is large.
 nlohmann::json add_video(const ReportOptions& options, PageBlocks& blocks) {
   if (!options.video) return {};
   const devices::MappedFile video(*options.video);
+  if (!is_mp4(video.bytes())) {
+    throw UsageError(fmt::format(
+        "--video {}: expected an MP4, which browsers show, found something else; `headpin frames "
+        "--video NAME.mkv` writes NAME.mp4 beside it",
+        *options.video));
+  }
   if (video.bytes().size() <= kMostEmbedded) {
     blocks["video"] = base64(video.bytes());
     return {{"embedded", true}};
@@ -131,6 +144,7 @@ void report(const ReportOptions& options) {
   const std::string page = options.page ? page_template(*options.page) : page_template();
   const Time longest_gap = microseconds(options.longest_gap);
   const scene::Recorded recorded = scene::load_trial(options.trial, longest_gap);
+  say_what_is_missing("report", options.trial, recorded.file.summary());
   PageBlocks blocks;
   nlohmann::json about = {{"version", devices::software_version()},
                           {"commit", devices::software_commit()},
@@ -140,6 +154,7 @@ void report(const ReportOptions& options) {
   add_trial(options.trial, data, "", blocks);
   if (options.other) {
     const scene::Recorded other = scene::load_trial(*options.other, longest_gap);
+    say_what_is_missing("report", *options.other, other.file.summary());
     const bool looks_alike =
         recorded.file.summary().header.scenario == other.file.summary().header.scenario;
     add_trial(*options.other, scene::page_data(other, scene::PageLooks(other), {}, !looks_alike),

@@ -3,7 +3,10 @@
 #include <array>
 #include <cstdio>
 
+#include <fmt/format.h>
+
 #include "devices/event_log.h"
+#include "devices/log.h"
 #include "render/image.h"
 
 namespace headpin {
@@ -65,6 +68,39 @@ TEST_F(CommandLine, ACutOffTrialReplaysUpToTheCut) {
   EXPECT_EQ(json("info whole.lcmlog --json")["complete"], true);
   const nlohmann::json cut = json("replay cut.lcmlog --verify --json");
   EXPECT_GT(cut["verified_ticks"].get<int>(), 100);
+  EXPECT_EQ(cut["complete"], false);
+  for (const std::string command : {"replay cut.lcmlog", "compare cut.lcmlog whole.lcmlog",
+                                    "plot cut.lcmlog -o cut.svg", "export cut.lcmlog -o tables"}) {
+    EXPECT_THAT(headpin(command).err, HasSubstr(": cut.lcmlog: is not complete, it goes to "));
+  }
+  EXPECT_EQ(headpin("replay whole.lcmlog").err, "");
+}
+
+TEST_F(CommandLine, StatesThatAreLostAreNeitherVerifiedNorEqual) {
+  ASSERT_EQ(headpin("replay " + kDemo + " -o whole.lcmlog").code, 0);
+  std::string log = slurp(folder_ / "whole.lcmlog");
+  const devices::Trial whole = devices::read_trial(folder_ / "whole.lcmlog");
+  std::size_t state = 0, lost = 0;
+  for (std::size_t at = log.find("STATE"); at != std::string::npos;
+       at = log.find("STATE", at + 5)) {
+    if (log.compare(at - 8, 4, std::string("\0\0\0\5", 4)) != 0) continue;  // no channel's name
+    if (++state % 10 == 3) {
+      log[at + 5] ^= 1;  // the first byte of its type
+      ++lost;
+    }
+  }
+  ASSERT_EQ(state, whole.states.size());
+  std::ofstream(folder_ / "lost.lcmlog", std::ios::binary) << log;
+  const nlohmann::json replayed = json("replay lost.lcmlog --verify --json");
+  EXPECT_EQ(replayed["verified_ticks"], state - lost);
+  EXPECT_EQ(replayed["unverified_ticks"], lost);
+  EXPECT_THAT(headpin("replay lost.lcmlog --verify").out,
+              HasSubstr(fmt::format("ticks equal the recording, {} are not in it", lost)));
+  const nlohmann::json compared = json("compare lost.lcmlog whole.lcmlog --json");
+  EXPECT_EQ(compared["first_difference_tick"], whole.states[2].tick);
+  EXPECT_EQ(compared["first_difference_lacking"], "lost.lcmlog");
+  EXPECT_THAT(headpin("compare lost.lcmlog whole.lcmlog").out,
+              HasSubstr(", which lost.lcmlog has not"));
 }
 
 TEST_F(CommandLine, ReplayTellsWhatHappenedAndRepeatsToTheBit) {

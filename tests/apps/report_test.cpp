@@ -85,8 +85,8 @@ TEST_F(Report, ALogThatIsCutOffIsShownUpToThere) {
 }
 
 TEST_F(Report, AVideoPastTwentyMegabytesLiesBesideThePage) {
-  write("both.mp4", "a short one");
-  write("long.mp4", std::string(20'000'001, 'v'));
+  write("both.mp4", "1234ftypisom");
+  write("long.mp4", "1234ftyp" + std::string(20'000'000, 'v'));
   const std::string words = "report " + kDemo + " --page page.html -o ";
   ASSERT_EQ(headpin(words + "short.html --video both.mp4").code, 0);
   EXPECT_THAT(slurp(folder_ / "short.html"), HasSubstr("data-block=\"video\""));
@@ -98,6 +98,18 @@ TEST_F(Report, AVideoPastTwentyMegabytesLiesBesideThePage) {
   EXPECT_EQ(headpin(words + "other.html --video long.mp4").code, 1);
   EXPECT_EQ(slurp(folder_ / "other.mp4"), "mine");
   EXPECT_FALSE(fs::exists(folder_ / "other.html"));
+}
+
+// `frames --video` writes two: the one that it is called by is not the one that a browser shows.
+TEST_F(Report, AVideoThatIsNoMp4IsRefused) {
+  write("stereo.mkv", "\x1a\x45\xdf\xa3" + std::string(20'000'001, 'v'));
+  write("stereo.mp4", "1234ftyp, good");
+  const std::string words = "report " + kDemo + " --page page.html --force -o ";
+  expect_refusal(words + "stereo.html --video stereo.mkv", 2,
+                 "--video stereo.mkv: expected an MP4");
+  EXPECT_EQ(slurp(folder_ / "stereo.mp4"), "1234ftyp, good");
+  EXPECT_EQ(headpin(words + "OUT.html --video '" + kDemo + "'").code, 2);
+  EXPECT_FALSE(fs::exists(folder_ / "OUT.html"));
 }
 
 TEST_F(Report, NumbersInQuantaAreDifferencesInSevenBitsAByte) {
