@@ -1,10 +1,13 @@
 #include "apps/options.h"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
+#include <cstdlib>
 
-#include <fmt/format.h>
+#include <fmt/ranges.h>
 
+#include "apps/command.h"
 #include "render/gl_context.h"
 
 namespace headpin::apps {
@@ -43,11 +46,20 @@ CLI::Option* add_json(CLI::App& command, bool& value) {
 CLI::Option* add_gl(CLI::App& command, std::string& value) {
   std::vector<std::string> names;
   for (const std::string_view name : render::context_names()) names.emplace_back(name);
+  // Not by CLI11's envname: it has commands that draw nothing refuse what stands in the variable.
+  command.parse_complete_callback([&value, names] {
+    const char* const variable = std::getenv("HEADPIN_GL");
+    if (!value.empty() || !variable || *variable == '\0') return;
+    value = variable;
+    if (std::ranges::find(names, value) == names.end()) {
+      throw UsageError(fmt::format("HEADPIN_GL in the environment: expected {}, found '{}'",
+                                   fmt::join(names, " or "), value));
+    }
+  });
   return command
       .add_option("--gl", value,
                   "what draws: osmesa, or egl without a surface; the first that does when not "
                   "given, here or in HEADPIN_GL")
-      ->envname("HEADPIN_GL")
       ->check(CLI::IsMember(names));
 }
 

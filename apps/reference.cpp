@@ -93,7 +93,8 @@ std::string json_page() {
 
 std::string events_page() {
   std::string out = fmt::format(
-      "# Every kind of event\n\n{}On the channel `EVENT`, in `info` and in `events.csv`. `bodies` "
+      "# Every kind of event\n\n{}On the channel `EVENT`; all but `end` in `info` and in "
+      "`events.csv` too. `bodies` "
       "are those it happened to, the impulse is on the first of them.\n\n"
       "| kind | when | point (in W) | value |\n|---|---|---|---|\n",
       kWritten);
@@ -146,7 +147,8 @@ std::vector<JsonKey> json_keys() {
       {"fastest_s", "when, within half a second of its release, that is most"},
       {"file", "of a scenario"},
       {"final_energy_j", "of balls and skittles after the last tick"},
-      {"first_difference_body", "body that differs first; empty where one trial ends sooner"},
+      {"first_difference_body", "body that differs first; empty where one trial has no such tick"},
+      {"first_difference_lacking", "the trial that has no such tick; null where both have it"},
       {"first_difference_s", "when"},
       {"first_difference_tick", "tick of the first difference; null where there is none"},
       {"foreign", "samples in another frame than the transmitter's"},
@@ -202,6 +204,9 @@ std::vector<JsonKey> json_keys() {
       {"primitives", "of a skittle"},
       {"points", "of a game, under its rules"},
       {"processor", "features that Mesa finds"},
+      {"planned_speed_mps",
+       "of the ball, by the throw that was asked for; what a session makes of its samples is "
+       "release_speed_mps"},
       {"pulling_impulses", "impulses that would have pulled, and were replaced"},
       {"published_s", "stage of the latency: until they are encoded and sent"},
       {"queries", "detection queries of parts"},
@@ -272,6 +277,7 @@ std::vector<JsonKey> json_keys() {
       {"undecodable", "messages with another type or size"},
       {"unfinished_impacts", "steps that still had impacts after the last pass"},
       {"unsolved_islands", "groups of bodies the solver stopped at its last pass"},
+      {"unverified_ticks", "ticks that the recording has no state of, up to its last"},
       {"value", "what the kind of event says (docs/events.md)"},
       {"verified_frames", "frames found equal to the recording"},
       {"verified_ticks", "ticks found equal to the recording"},
@@ -279,6 +285,7 @@ std::vector<JsonKey> json_keys() {
       {"version", "of the program that wrote it"},
       {"video", "the video that was written; null without one"},
       {"waited_s", "stage of the latency: until the tick at which a frame is due"},
+      {"why_nothing_fell", "in words, of a trial in which nothing did; not there in others"},
       {"width", "of a picture, in pixels"},
       {"works", "whether it does"},
   };

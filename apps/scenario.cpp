@@ -84,6 +84,7 @@ void tell_scenarios(const ScenarioOptions& options) {
   }
   if (options.action == "list") return list(options.json);
   if (options.action == "show") {
+    if (options.json) throw UsageError("scenario show: it prints TOML; expected no --json");
     fmt::print("{}", scene::to_toml(scene::load_scenario(options.scenario)));
     return;
   }

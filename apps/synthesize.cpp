@@ -116,7 +116,7 @@ void synthesize(const SynthesizeOptions& options) {
                 {"duration_s", seconds(motion.duration())},
                 {"grab_s", seconds(motion.grab())},
                 {"release_s", seconds(motion.release())},
-                {"release_speed_mps", motion.ball_speed()}});
+                {"planned_speed_mps", motion.ball_speed()}});
     return;
   }
   std::cout << fmt::format(
@@ -125,7 +125,7 @@ void synthesize(const SynthesizeOptions& options) {
       "  duration           {:.3f} s\n"
       "  grab               {:.3f} s\n"
       "  release            {:.3f} s\n"
-      "  ball at release    {:.2f} m/s\n",
+      "  planned speed      {:.2f} m/s\n",
       *options.output, samples, csv ? "head and both hands" : "head, hand and trigger",
       seconds(motion.duration()), seconds(motion.grab()), seconds(motion.release()),
       motion.ball_speed());

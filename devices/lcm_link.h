@@ -102,7 +102,7 @@ class LcmSource : public Source {
     std::int64_t received = 0;
     std::int64_t dropped = 0;      ///< the oldest, when more wait than the queue holds
     std::int64_t undecodable = 0;  ///< another type or size
-    std::int64_t implausible = 0;  ///< NaN, quaternions not unit, times out of range
+    std::int64_t implausible = 0;  ///< NaN, quaternions not unit, times or places out of range
     std::int64_t foreign = 0;      ///< poses in another frame than the transmitter's
     std::int64_t clock_jumps = 0;  ///< a publisher's clock, against the session's
   };

@@ -83,6 +83,13 @@ bool is_catalogue(const std::string&, std::string_view begin) {
 
 MotionRecording read_catalogue(const std::string& path, const MotionOptions& options) {
   const MappedFile file(path);
+  if (options.axes ||
+      std::ranges::any_of(options.names, [](auto& name) { return !name.empty(); })) {
+    throw std::invalid_argument(
+        path +
+        ": the catalogue's CSV says itself where its axes point and what is "
+        "tracked; expected neither --axes nor --names");
+  }
   return parse_catalogue_csv(text_of(file), path, options.unit_m.value_or(0.01));
 }
 

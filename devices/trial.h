@@ -87,10 +87,11 @@ struct Channel {
 
 /// What was passed over when a log was read.
 struct Skipped {
-  std::int64_t bytes = 0;         ///< between events or of events that do not hold together
-  std::int64_t cut_bytes = 0;     ///< of an event the file ends in
-  std::int64_t undecodable = 0;   ///< messages on our channels with a wrong type or size
-  std::int64_t implausible = 0;   ///< messages with NaN, quaternions not unit, times out of range
+  std::int64_t bytes = 0;        ///< between events or of events that do not hold together
+  std::int64_t cut_bytes = 0;    ///< of an event the file ends in
+  std::int64_t undecodable = 0;  ///< messages on our channels with a wrong type or size
+  std::int64_t implausible =
+      0;  ///< messages with NaN, quaternions not unit, times or places out of range
   std::int64_t other_trials = 0;  ///< a second header: what follows it is another trial
   std::int64_t foreign = 0;       ///< samples in another frame than the transmitter's
   std::int64_t misdated = 0;      ///< samples and states whose time, unlike those around them, is

@@ -89,7 +89,10 @@ int spawn(std::vector<std::string> words, int input, int messages) {
 
 /// A file without a name.
 int scratch_file() {
-  std::string name = (std::filesystem::temp_directory_path() / "headpin-ffmpeg-XXXXXX").string();
+  std::error_code error;
+  const std::filesystem::path folder = std::filesystem::temp_directory_path(error);
+  if (error) throw std::runtime_error("TMPDIR: expected a folder: " + error.message());
+  std::string name = (folder / "headpin-ffmpeg-XXXXXX").string();
   const int file = mkostemp(name.data(), O_CLOEXEC);
   if (file < 0) throw std::runtime_error("cannot write " + name + ": " + std::strerror(errno));
   unlink(name.c_str());

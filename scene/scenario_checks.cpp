@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "scene/room.h"
+#include "scene/rules.h"
 
 namespace headpin::scene {
 
@@ -49,6 +50,8 @@ class Checker {
     check_room();
     check_spots();
     check_ball();
+    check_rig();
+    check_rules();
     if (s_.version.buttons) check_buttons();
   }
 
@@ -65,6 +68,24 @@ class Checker {
     if (s_.rates.physics_hz % 120 != 0) {
       refuse("rates.physics_hz",
              fmt::format("must be a multiple of 120, found {}", s_.rates.physics_hz));
+    }
+  }
+
+  void check_rig() const {
+    if (s_.rig.head_station == s_.rig.hand_station) {
+      refuse("rig.hand_station",
+             fmt::format("must be another than rig.head_station, found {} for both",
+                         s_.rig.hand_station),
+             {"rig.head_station"});
+    }
+  }
+
+  void check_rules() const {
+    const GameRules& game = s_.game;
+    if (rules_named(game.rules).bonuses && game.balls > 2) {
+      refuse("game.balls",
+             fmt::format("must be 1 or 2 with game.rules \"{}\", found {}", game.rules, game.balls),
+             {"game.rules"});
     }
   }
 

@@ -65,9 +65,11 @@ nlohmann::json to_json(const engine::Ledger& l) {
 nlohmann::json to_json(const std::vector<Sheet>& games) {
   nlohmann::json all = nlohmann::json::array();
   for (const Sheet& game : games) {
+    std::vector<Frame> frames = game.frames;
+    std::erase_if(frames, [](const Frame& frame) { return frame.empty(); });  // begun, no more
     all.push_back({{"name", game.version},
                    {"rules", game.rules},
-                   {"rolls", game.frames},
+                   {"rolls", frames},
                    {"points", points(game)},
                    {"over", game.over},
                    {"sheet", in_words(game)}});

@@ -105,7 +105,7 @@ TEST_F(Outputs, AnEmptyNameIsRefusedAndADashIsStandardOutput) {
   expect_untouched("frames " + kDemo + " -o - --frames 3", 1, "-: cannot go to standard output");
   const Result made = headpin("synthesize -o - --seed 7");
   EXPECT_EQ(made.code, 0);
-  EXPECT_THAT(made.err, HasSubstr("ball at release"));
+  EXPECT_THAT(made.err, HasSubstr("planned speed"));
   write("trial.lcmlog", made.out);
   ASSERT_EQ(headpin("synthesize -o b.lcmlog --seed 7").code, 0);
   EXPECT_EQ(made.out, slurp(folder_ / "b.lcmlog"));

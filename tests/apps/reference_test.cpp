@@ -67,6 +67,9 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
       "replay --json session.lcmlog -o back.lcmlog --set version.red.elasticity=1 "
       "--set version.red.friction=0 --set version.blue.elasticity=1");
   take("info --json back.lcmlog");
+  // A hand that is not there fells nothing.
+  take("replay --json throw.lcmlog -o nothing.lcmlog --set rig.hand_station=3");
+  take("info --json nothing.lcmlog");
   // A game that nobody plays has a sheet of no points.
   take("replay --json throw.lcmlog --set game.rules=plain");
   take("compare --json game.lcmlog other.lcmlog");

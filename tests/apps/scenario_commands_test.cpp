@@ -68,6 +68,7 @@ TEST_F(ScenarioCommands, AGameOfTwoVersionsIsScoredReplayedAndVerified) {
   const nlohmann::json played = json("replay hand.lcmlog -o game.lcmlog --json");
   ASSERT_EQ(played["games"].size(), 2u);
   EXPECT_EQ(played["games"][0]["name"], "red");
+  EXPECT_EQ(played["games"][0]["rolls"].size(), 1u);  // the frame that was begun then has none
   EXPECT_EQ(played["games"][0]["rolls"][0].size(), 2u);
   EXPECT_FALSE(played["games"][0]["over"].get<bool>());
   EXPECT_EQ(played["games"][1]["name"], "blue");

@@ -37,6 +37,20 @@ TEST(ScenarioCheck, SkittlesStandClearOfTheWalls) {
   EXPECT_THAT(refusal("\n[lane]\nhead_pin = 7.0"), HasSubstr("lane.toml:3: rack.spots must"));
 }
 
+TEST(ScenarioCheck, HeadAndHandAreTwoSensors) {
+  EXPECT_EQ(
+      refusal("[rig]\nhand_station = 1"),
+      "lane.toml:2: rig.hand_station must be another than rig.head_station, found 1 for both");
+  EXPECT_THAT(refusal("[rig]\nhead_station = 2"), HasSubstr("lane.toml:2: rig.hand_station must"));
+  EXPECT_EQ(refusal("[rig]\nhead_station = 2\nhand_station = 1"), "");
+}
+
+TEST(ScenarioCheck, BonusesAreForFramesOfTwoBalls) {
+  EXPECT_EQ(refusal("[game]\nrules = \"ten-pin\"\nballs = 3"),
+            "lane.toml:3: game.balls must be 1 or 2 with game.rules \"ten-pin\", found 3");
+  EXPECT_EQ(refusal("[game]\nrules = \"plain\"\nballs = 3"), "");
+}
+
 TEST(ScenarioCheck, PartsReachFromTheBaseToTheTopWithoutGaps) {
   const auto parts = [](const std::string& list) {
     return refusal(
