@@ -135,6 +135,11 @@ std::vector<char*> pointers(std::vector<std::string>& words) {
   return all;
 }
 
+std::string last_line(std::string text) {
+  while (text.ends_with('\n')) text.pop_back();
+  return text.substr(text.rfind('\n') + 1);  // all of it where there is one
+}
+
 /// Processes that draw, each a part.
 class Drawers {
  public:
@@ -181,11 +186,14 @@ class Drawers {
       running_.erase(it);
       check_stop();  // it was told too
       if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return part;
-      std::string said = text_of_file(folder_.messages(part));
-      said = said.substr(0, said.find('\n'));
+      const std::string said = last_line(text_of_file(folder_.messages(part)));
       const std::string start = "headpin frames: ";
-      throw std::runtime_error(said.starts_with(start) ? said.substr(start.size())
-                                                       : "a process that drew has ended: " + said);
+      if (said.starts_with(start)) throw std::runtime_error(said.substr(start.size()));
+      throw std::runtime_error(fmt::format(
+          "a process that drew has ended, {}: {}",
+          WIFSIGNALED(status) ? fmt::format("by signal {}", WTERMSIG(status))
+                              : fmt::format("with exit code {}", WEXITSTATUS(status)),
+          said.empty() ? "it said nothing" : said));
     }
     check_stop();
     std::this_thread::sleep_for(std::chrono::milliseconds(10));

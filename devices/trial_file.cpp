@@ -257,7 +257,7 @@ void TrialFile::require_trial(Time longest_gap) const {
   }
   if (const Gap& gap = trial.longest_gap; gap.length() > longest_gap) {
     throw std::runtime_error(
-        fmt::format("{}: no sample for {:.1f} s, from {:.3f} s on; expected {:.0f} s at most (if "
+        fmt::format("{}: no sample for {:.3f} s, from {:.3f} s on; expected {:g} s at most (if "
                     "that is meant: "
                     "--longest-gap)",
                     path, seconds(gap.length()), seconds(gap.from), seconds(longest_gap)));

@@ -709,7 +709,7 @@ TEST(LogTest, ALongPauseNeedsAWord) {
   EXPECT_EQ(trial.longest_gap.to, Time{100'000'000});
   EXPECT_THAT([&] { read_trial(path); },
               testing::ThrowsMessage<std::runtime_error>(
-                  HasSubstr("no sample for 97.0 s, from 3.000 s on; expected 60 s at most")));
+                  HasSubstr("no sample for 97.000 s, from 3.000 s on; expected 60 s at most")));
   EXPECT_EQ(read_trial(path, Time{97'000'000}).samples.size(), 6u);
 }
 
