@@ -15,6 +15,7 @@
 #include <unistd.h>
 
 #include "apps/command.h"
+#include "apps/damage.h"
 #include "apps/options.h"
 #include "apps/priority.h"
 #include "apps/stop.h"
@@ -271,6 +272,7 @@ Feed feed_of(const EmulateOptions& options) {
   const devices::TrialSummary& trial = file->summary();
   if (trial.sample_count == 0)
     throw std::runtime_error(options.trial + ": no device samples in it");
+  say_what_is_missing("emulate", options.trial, trial);
   devices::RecordedUnit recorded = devices::recorded_unit(file);
   if (options.place == "auto") feed.place = recorded.place;
   feed.motion = devices::seen_from(feed.place, std::move(recorded.motion));

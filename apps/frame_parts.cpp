@@ -189,11 +189,11 @@ class Drawers {
       const std::string said = last_line(text_of_file(folder_.messages(part)));
       const std::string start = "headpin frames: ";
       if (said.starts_with(start)) throw std::runtime_error(said.substr(start.size()));
-      throw std::runtime_error(fmt::format(
-          "a process that drew has ended, {}: {}",
-          WIFSIGNALED(status) ? fmt::format("by signal {}", WTERMSIG(status))
-                              : fmt::format("with exit code {}", WEXITSTATUS(status)),
-          said.empty() ? "it said nothing" : said));
+      throw std::runtime_error(
+          fmt::format("a process that drew has ended, {}: {}",
+                      WIFSIGNALED(status) ? fmt::format("by signal {}", WTERMSIG(status))
+                                          : fmt::format("with exit code {}", WEXITSTATUS(status)),
+                      said.empty() ? "it said nothing" : said));
     }
     check_stop();
     std::this_thread::sleep_for(std::chrono::milliseconds(10));

@@ -11,6 +11,7 @@
 
 #include "apps/command.h"
 #include "apps/condition.h"
+#include "apps/damage.h"
 #include "apps/live_eyes.h"
 #include "apps/options.h"
 #include "apps/priority.h"
@@ -58,6 +59,7 @@ struct Live {
   std::unique_ptr<scene::TrialWriter> writer;
   std::unique_ptr<devices::LcmLink> link, session_link;  ///< to others
   std::unique_ptr<scene::TrialWriter> publisher;         ///< over the latter
+  devices::TrialHeader header;                           ///< whose session it is
   scene::Totals totals;
   std::unique_ptr<scene::FramesBeside> eyes;
   std::int64_t samples = 0, frames = 0;
@@ -98,30 +100,36 @@ void require_samples(const Live& live) {
       fmt::format("no sample came in {:.1f} s from {}", seconds(live.session.now()), from));
 }
 
-/// That of a log which plays, if it has one.
-std::optional<devices::TrialHeader> header_of(const devices::LiveSource& source) {
-  if (source.recording().empty()) return std::nullopt;
-  const devices::TrialFile file(source.recording());
-  if (!file.summary().has_header) return std::nullopt;
-  return file.summary().header;
+/// A trial that plays beside, or instead of, devices.
+struct Played {
+  std::string path;
+  devices::TrialHeader header;
+};
+
+/// Those of the sources that are logs of trials.
+std::vector<Played> played_by(const Live& live) {
+  std::vector<Played> all;
+  for (const auto& source : live.sources) {
+    if (source->recording().empty()) continue;
+    const devices::TrialFile file(source->recording());
+    if (!file.summary().has_header) continue;
+    say_what_is_missing("live", source->recording(), file.summary());
+    all.push_back({source->recording(), file.summary().header});
+  }
+  return all;
 }
 
-std::optional<scene::Scenario> scenario_of(const devices::LiveSource& source) {
-  const std::optional<devices::TrialHeader> header = header_of(source);
-  if (!header) return std::nullopt;
-  return scene::scenario_of_trial(header->scenario, source.recording());
+scene::Scenario scenario_of(const Played& trial) {
+  return scene::scenario_of_trial(trial.header.scenario, trial.path);
 }
 
 /// Whose session it is: as it is told, or else as the trial says that is played.
-devices::TrialHeader whose(const LiveOptions& options, const Live& live) {
+devices::TrialHeader whose(const LiveOptions& options, std::span<const Played> played) {
   devices::TrialHeader header;
-  for (const auto& source : live.sources) {
-    const std::optional<devices::TrialHeader> its = header_of(*source);
-    if (!its) continue;
-    header.participant = its->participant;
-    header.condition = its->condition;
-    header.seed = its->seed;
-    break;
+  if (!played.empty()) {
+    header.participant = played[0].header.participant;
+    header.condition = played[0].header.condition;
+    header.seed = played[0].header.seed;
   }
   if (options.participant) header.participant = *options.participant;
   if (options.condition_name) header.condition = *options.condition_name;
@@ -129,30 +137,26 @@ devices::TrialHeader whose(const LiveOptions& options, const Live& live) {
 }
 
 /// Says so where the samples of a log are taken into another scenario than the one they are from.
-void tell_of_another_scenario(const devices::LiveSource& source, const scene::Scenario& chosen) {
+void tell_of_another_scenario(const Played& trial, const scene::Scenario& chosen) {
   try {
-    std::optional<scene::Scenario> its = scenario_of(source);
-    if (!its) return;
-    its->look = chosen.look;  // how it is drawn is not what it is
-    if (scene::to_toml(*its) == scene::to_toml(chosen)) return;
+    scene::Scenario its = scenario_of(trial);
+    its.look = chosen.look;  // how it is drawn is not what it is
+    if (scene::to_toml(its) == scene::to_toml(chosen)) return;
   } catch (const std::invalid_argument&) {  // not whole, so it is not this session's
   }
   say("headpin live: {} is from another scenario than this session's, which is its own without "
       "--scenario\n",
-      printable(source.recording()));
+      printable(trial.path));
 }
 
 /// The one that is asked for, or else that of a log which plays, or else the paper's room.
-scene::Scenario choose_scenario(const LiveOptions& options, const Live& live) {
+scene::Scenario choose_scenario(const LiveOptions& options, std::span<const Played> played) {
   if (!options.scenario.empty()) {
     const scene::Scenario chosen = scene::load_scenario(options.scenario);
-    for (const auto& source : live.sources) tell_of_another_scenario(*source, chosen);
+    for (const Played& trial : played) tell_of_another_scenario(trial, chosen);
     return chosen;
   }
-  for (const auto& source : live.sources) {
-    if (std::optional<scene::Scenario> its = scenario_of(*source)) return *its;
-  }
-  return {};
+  return played.empty() ? scene::Scenario{} : scenario_of(played[0]);
 }
 
 nlohmann::json summary_of(const devices::LiveSource& source) {
@@ -276,7 +280,9 @@ Live open_live(const LiveOptions& options) {
   } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }
-  scene::Scenario scenario = choose_scenario(options, live);
+  const std::vector<Played> played = played_by(live);
+  live.header = whose(options, played);
+  scene::Scenario scenario = choose_scenario(options, played);
   scenario.look.samples = options.samples;
   apply(options.condition, scenario);
   live.session = scene::make_session(scenario);
@@ -286,7 +292,7 @@ Live open_live(const LiveOptions& options) {
   if (live.link && !options.no_trial) {
     live.session_link = std::make_unique<devices::LcmLink>(options.lcm, devices::kSessionPrefix);
     live.publisher = std::make_unique<scene::TrialWriter>(std::make_unique<devices::TrialPublisher>(
-        *live.session_link, scene::header_of(whose(options, live), live.session)));
+        *live.session_link, scene::header_of(live.header, live.session)));
   }
   return live;
 }
@@ -299,7 +305,7 @@ void open_recording(const LiveOptions& options, Live& live) {
   const Time epoch =
       std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
   live.writer = std::make_unique<scene::TrialWriter>(
-      *options.record, whose(options, live), live.session,
+      *options.record, live.header, live.session,
       devices::Recorder::Options{
           .overwrite = options.force, .live = true, .inputs = inputs, .epoch = epoch});
 }

@@ -104,8 +104,9 @@ void replay(const ReplayOptions& options) {
   result["set"] = options.condition.set;
   result["output"] = options.output ? nlohmann::json(*options.output) : nlohmann::json();
   result["realtime_factor"] = seconds(session.now()) / stopwatch.spent_s();
-  // States of the recording that could not be read, or were lost.
-  const std::int64_t unverified = verifier ? trial.last_tick - verifier->compared() : 0;
+  // A recording that is complete may end sooner than its samples; one that is not has lost states.
+  const std::int64_t recorded_ticks = trial.complete ? trial.last_tick : session.tick;
+  const std::int64_t unverified = verifier ? recorded_ticks - verifier->compared() : 0;
   if (verifier) {
     result["verified_ticks"] = verifier->compared();
     result["unverified_ticks"] = unverified;

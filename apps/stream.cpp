@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/damage.h"
 #include "apps/options.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
@@ -200,6 +201,7 @@ void stream(const StreamOptions& options) {
   if (all == 0) throw std::runtime_error(options.trial + ": no samples to stream");
   const scene::Scenario scenario =
       scene::scenario_of_trial(file.summary().header.scenario, options.trial);
+  say_what_is_missing("stream", options.trial, file.summary());
   devices::LcmLink link(options.url);
   watch_stop_signals();
 

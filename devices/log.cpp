@@ -169,6 +169,10 @@ void write(Recorder& recorder, std::span<const Sample> samples, std::span<const 
     for (; event != events.end() && event->time < available(sample); ++event) {
       recorder.write(*event);
     }
+    if (!std::visit([](const auto& s) { return plausible(s); }, sample)) {
+      throw std::invalid_argument(
+          fmt::format("sample at {:.6f} s: its numbers cannot be", seconds(available(sample))));
+    }
     recorder.write(sample);
   }
   for (; event != events.end(); ++event) recorder.write(*event);

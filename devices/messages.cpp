@@ -232,7 +232,7 @@ struct Plausible {
   bool operator()(const TrialHeader&) const { return true; }
   bool operator()(const TrackerSample& s) const {
     constexpr std::int64_t kMostSamples = 1'000'000'000'000'000;
-    constexpr double kFarthest = 1000.0;  // no tracker sees as far as that [m]
+    constexpr double kFarthest = 1e8;  // from any origin on Earth [m]
     return plausible_times(s) && plausible_pose(s.X_TS) &&
            s.X_TS.p.cwiseAbs().maxCoeff() <= kFarthest && s.sequence >= 0 &&
            s.sequence < kMostSamples;

@@ -96,6 +96,9 @@ TEST_F(CommandLine, StatesThatAreLostAreNeitherVerifiedNorEqual) {
   EXPECT_EQ(replayed["unverified_ticks"], lost);
   EXPECT_THAT(headpin("replay lost.lcmlog --verify").out,
               HasSubstr(fmt::format("ticks equal the recording, {} are not in it", lost)));
+  std::ofstream(folder_ / "cut.lcmlog", std::ios::binary) << log.substr(0, log.size() * 2 / 3);
+  const nlohmann::json cut = json("replay cut.lcmlog --verify --json");
+  EXPECT_EQ(cut["unverified_ticks"], cut["ticks"].get<int>() - cut["verified_ticks"].get<int>());
   const nlohmann::json compared = json("compare lost.lcmlog whole.lcmlog --json");
   EXPECT_EQ(compared["first_difference_tick"], whole.states[2].tick);
   EXPECT_EQ(compared["first_difference_lacking"], "lost.lcmlog");

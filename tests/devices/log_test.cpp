@@ -403,9 +403,9 @@ TEST(LogTest, NumbersThatCannotBeArePassedOverAndCounted) {
   sample.X_TS.p.y() = std::nan("");
   EXPECT_EQ(implausible(sample), 1);
   sample = tracker(1);
-  sample.X_TS.p.x() = -1000.1;
+  sample.X_TS.p.x() = -1.1e8;
   EXPECT_EQ(implausible(sample), 1);
-  sample.X_TS.p.x() = -999.9;
+  sample.X_TS.p.x() = -6e6;
   EXPECT_EQ(implausible(sample), 0);
   sample = tracker(1);
   sample.X_TS.q.coeffs() *= 1.01;
