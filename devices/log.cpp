@@ -120,7 +120,7 @@ struct Recorder::File {
   }
 };
 
-Recorder::Recorder(const std::string& path, const TrialHeader& header, Options options)
+Recorder::Recorder(const std::string& path, const TrialHeader& header, const Options& options)
     : file_(std::make_unique<File>(path, options)) {
   file_->write(kTrialChannel, Time{}, stamped(header));
 }

@@ -63,7 +63,7 @@ class Recorder : public TrialSink {
   /// @throws std::runtime_error  when the file exists and is not to be overwritten, or cannot be
   ///                             made
   /// @throws files::Busy         when another process is writing it
-  Recorder(const std::string& path, const TrialHeader& header, Options options);
+  Recorder(const std::string& path, const TrialHeader& header, const Options& options);
   Recorder(const std::string& path, const TrialHeader& header)
       : Recorder(path, header, Options{}) {}
 
