@@ -27,8 +27,8 @@ struct Mobility {
 ///
 /// `find_contacts` makes it, from `key` to `sliding`; `resolve_impacts` moves its points to the
 /// time of the last impact of its bodies, takes them away where the two pass each other, and uses
-/// `due` and `next`; `sustain_contacts` adds rows and block and leaves the impulses for the next
-/// step.
+/// `due` and `next`; `sustain_contacts` adds rows and block, and leaves loads, deep rows and
+/// friction: the rows go with their island, the rest becomes a `PastTouch`.
 struct Touch {
   std::uint64_t key = 0;  ///< touches are in the order of their keys
   BodyId a = 0, b = 0;

@@ -50,9 +50,12 @@ class Checker {
     check_room();
     check_spots();
     check_ball();
+    if (s_.version.buttons) check_buttons();
+  }
+
+  void check_chosen() const {
     check_rig();
     check_rules();
-    if (s_.version.buttons) check_buttons();
   }
 
  private:
@@ -294,6 +297,10 @@ class Checker {
 
 void check(const Scenario& scenario, std::string_view where, const Lines& lines) {
   Checker(scenario, where, lines).check_all();
+}
+
+void check_chosen(const Scenario& scenario, std::string_view where, const Lines& lines) {
+  Checker(scenario, where, lines).check_chosen();
 }
 
 }  // namespace headpin::scene

@@ -18,4 +18,8 @@ using Lines = std::map<std::string, int>;
 /// @throws std::invalid_argument  naming text, line, key, what was found and what is allowed
 void check(const Scenario& scenario, std::string_view where, const Lines& lines);
 
+/// What nobody chooses on purpose, but what recorded trials may have run under: sensors that are one,
+/// bonuses for frames of more than two balls. As `check`, and not for trials.
+void check_chosen(const Scenario& scenario, std::string_view where, const Lines& lines);
+
 }  // namespace headpin::scene

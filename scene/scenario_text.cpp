@@ -316,6 +316,9 @@ void read_into(Scenario& scenario, const toml::table& table, const Text& text) {
   reader.finish();
   take_meshes(scenario, table, text);
   check(scenario, text.where, lines);
+  if (!text.whole && (table.contains("rig") || table.contains("game"))) {
+    check_chosen(scenario, text.where, lines);
+  }
 }
 
 }  // namespace

@@ -51,6 +51,19 @@ TEST(ScenarioCheck, BonusesAreForFramesOfTwoBalls) {
   EXPECT_EQ(refusal("[game]\nrules = \"plain\"\nballs = 3"), "");
 }
 
+// What is refused today was recorded once, and must replay.
+TEST(ScenarioCheck, ATrialMayHaveRunUnderWhatIsNotChosenAnyMore) {
+  Scenario old;
+  old.rig.head_station = old.rig.hand_station = 2;
+  old.game.rules = "ten-pin";
+  old.game.balls = 3;
+  Scenario read = scenario_of_trial(to_toml(old), "old.lcmlog");
+  EXPECT_EQ(read.game.balls, 3);
+  EXPECT_EQ(read.rig.hand_station, read.rig.head_station);
+  set(read, "ball.mass=5");
+  EXPECT_THROW(set(read, "game.frames=3"), std::invalid_argument);
+}
+
 TEST(ScenarioCheck, PartsReachFromTheBaseToTheTopWithoutGaps) {
   const auto parts = [](const std::string& list) {
     return refusal(
