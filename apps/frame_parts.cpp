@@ -119,14 +119,6 @@ class PartsFolder {
   int lock_ = -1;
 };
 
-/// The environment of a process that shares the machine with its like: no threads of its own.
-std::vector<std::string> environment(int jobs) {
-  std::vector<std::string> all;
-  for (char** one = environ; *one != nullptr; ++one) all.emplace_back(*one);
-  if (jobs > 1 && std::getenv("LP_NUM_THREADS") == nullptr) all.emplace_back("LP_NUM_THREADS=0");
-  return all;
-}
-
 std::vector<char*> pointers(std::vector<std::string>& words) {
   std::vector<char*> all;
   all.reserve(words.size() + 1);
@@ -159,15 +151,14 @@ class Drawers {
         "headpin",  "frames",         parts_.trial, "-o", folder_.part(part).string(),
         "--frames", as_ranges(frames)};
     words.insert(words.end(), parts_.arguments.begin(), parts_.arguments.end());
-    std::vector<std::string> variables = environment(parts_.jobs);
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, folder_.messages(part).c_str(),
                                      O_WRONLY | O_CREAT | O_TRUNC, 0666);
     pid_t process = -1;
-    const int error = posix_spawn(&process, "/proc/self/exe", &actions, nullptr,
-                                  pointers(words).data(), pointers(variables).data());
+    const int error =
+        posix_spawn(&process, "/proc/self/exe", &actions, nullptr, pointers(words).data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     if (error != 0) {
       throw std::runtime_error(std::string("cannot run headpin itself: ") + std::strerror(error));

@@ -1,5 +1,4 @@
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <map>
 #include <memory>
@@ -43,13 +42,6 @@ struct LiveOptions {
   bool force = false, json = false, use_lcm = false, no_trial = false;
   Condition condition;
 };
-
-/// Mesa's software renderer takes a thread a core unless it is told.
-void leave_a_core_to_ticks() {
-  const unsigned cores = std::thread::hardware_concurrency();
-  const std::string others = std::to_string(cores > 2 ? cores - 1 : 1);
-  setenv("LP_NUM_THREADS", others.c_str(), 0);
-}
 
 /// Everything a live session holds.
 struct Live {
@@ -351,7 +343,6 @@ void go_live(const LiveOptions& options) {
     throw UsageError("nothing to listen to: expected --lcm URL, --fastrak TTY or a SOURCE");
   }
   watch_stop_signals();
-  leave_a_core_to_ticks();
   Live live = open_live(options);
   const std::unique_ptr<devices::Source> merged = source_of(live);
   devices::Source& source = *merged;

@@ -131,7 +131,7 @@ class EglContext final : public GlContext {
 }  // namespace
 
 std::unique_ptr<GlContext> egl_context() {
-  check_mesa_environment();
+  prepare_mesa();
   return std::make_unique<EglContext>();
 }
 

@@ -63,8 +63,10 @@ void GlContext::release() {
   current = {};
 }
 
-/// Mesa 22.3 crashes on these instead of failing, so they are refused before it sees them.
-void check_mesa_environment() {
+void prepare_mesa() {
+  // With threads of its own, Mesa 22.3 frees a fence whose lock they still hold (docs/threads.md).
+  setenv("LP_NUM_THREADS", "0", 0);
+  // On these it crashes instead of failing.
   const char* driver = std::getenv("GALLIUM_DRIVER");
   if (driver != nullptr && std::strcmp(driver, "llvmpipe") != 0 &&
       std::strcmp(driver, "softpipe") != 0) {

@@ -61,9 +61,10 @@ std::span<const std::string_view> context_names();
 /// @throws std::runtime_error     when none draws: says of each why
 std::unique_ptr<GlContext> open_context(std::string_view name = {});
 
-/// Refuses what Mesa crashes on.
+/// Before Mesa starts: has it draw in the caller's thread, unless LP_NUM_THREADS says otherwise, and
+/// refuses what it crashes on.
 /// @throws std::runtime_error  naming variable, value and what is expected
-void check_mesa_environment();
+void prepare_mesa();
 
 /// The context's functions, after make_current().
 ///

@@ -96,7 +96,7 @@ class OsMesaContext final : public GlContext {
 }  // namespace
 
 std::unique_ptr<GlContext> osmesa_context() {
-  check_mesa_environment();
+  prepare_mesa();
   return std::make_unique<OsMesaContext>();
 }
 

@@ -130,6 +130,21 @@ TEST_F(Frames, AnotherProcessorIsFoundOutByTheTestPicture) {
   EXPECT_THAT(verified.err, HasSubstr("GALLIUM_OVERRIDE_CPU_CAPS=sse2"));
 }
 
+// A process each: Mesa reads the number once.
+TEST_F(Frames, AreTheSameWhateverTheNumberOfMesasThreads) {
+  const auto drawn = [&] {
+    json("frames " + kDemo + " --force -o drawn --frames 200-202 --look fast --json");
+    return slurp(folder_ / "drawn" / "frames.csv");
+  };
+  unsetenv("LP_NUM_THREADS");
+  const std::string ours = drawn();
+  for (const char* threads : {"0", "1", "4"}) {
+    setenv("LP_NUM_THREADS", threads, 1);
+    EXPECT_EQ(drawn(), ours) << threads;
+  }
+  unsetenv("LP_NUM_THREADS");
+}
+
 TEST_F(Frames, AnotherLookIsDrawnWhenAskedFor) {
   record_session();
   const auto hash = [&](const std::string& options) {

@@ -436,16 +436,6 @@ TEST(Look, IsKnownByNameAndAnUnknownLightIsRefused) {
   EXPECT_THROW(LitScene({.light = "candle"}), std::invalid_argument);
 }
 
-TEST(Picture, HasTheSameBytesWhateverTheNumberOfDrawingThreads) {
-  std::vector<std::array<Image, 2>> pairs;
-  for (const char* threads : {"0", "1", "2", "4"}) {
-    setenv("LP_NUM_THREADS", threads, 1);  // read when Mesa makes a screen, so for each context
-    LitScene scene;
-    pairs.push_back(scene.pair());
-    EXPECT_EQ(pairs.back(), pairs.front()) << threads;
-  }
-}
-
 TEST(ContactShadow, IsDarkUnderABallOnTheFloorAndGoneUnderAHighOne) {
   const Quality contact{.samples = 2, .contact = true, .shadow = false, .mirror = false};
   LitScene with(contact), without(kPlain);
