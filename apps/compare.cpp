@@ -6,6 +6,7 @@
 #include <vector>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
@@ -14,6 +15,8 @@
 #include "apps/recorded_world.h"
 #include "apps/streams.h"
 #include "devices/trial_file.h"
+#include "scene/counterparts.h"
+#include "scene/game_hash.h"
 #include "scene/score.h"
 #include "scene/totals.h"
 #include "scene/verifier.h"
@@ -45,6 +48,11 @@ Side load(const std::string& path) {
   return {path, std::move(file), std::move(scenario)};
 }
 
+scene::SharedBodies bodies_of(const Side& a, const Side& b) {
+  return scene::shared_bodies(a.file.summary().header.body_names,
+                              b.file.summary().header.body_names);
+}
+
 struct FirstDifference {
   std::int64_t tick;
   double time_s;
@@ -52,12 +60,13 @@ struct FirstDifference {
   std::string lacks;  ///< the trial that has no state of that tick, empty where both have one
 };
 
-/// The first tick whose bits differ, or that only one of the two has.
+/// The first tick in which the bits of a body that both have differ, or that only one of the two has.
 std::optional<FirstDifference> first_difference(const Side& a, const Side& b) {
   devices::TrialItems of_a(a.file), of_b(b.file);
+  const scene::SharedBodies shared = bodies_of(a, b);
   std::optional<devices::TickState> sa = of_a.next_state(), sb = of_b.next_state();
   while (sa && sb && sa->tick == sb->tick) {
-    const auto body = scene::first_different_body(*sa, *sb, a.file.summary().header.body_names);
+    const auto body = scene::first_different_body(*sa, *sb, shared);
     if (body) return FirstDifference{sa->tick, seconds(sa->time), *body, ""};
     sa = of_a.next_state();
     sb = of_b.next_state();
@@ -68,7 +77,8 @@ std::optional<FirstDifference> first_difference(const Side& a, const Side& b) {
   return FirstDifference{extra.tick, seconds(extra.time), "", only_in_a ? b.path : a.path};
 }
 
-nlohmann::json describe(const Side& side) {
+/// @param other  its throws are looked for among this one's
+nlohmann::json describe(const Side& side, const Side& other) {
   const devices::TrialSummary& trial = side.file.summary();
   const scene::Score score = scene::score(trial.events);
   const auto number = [](const std::optional<double>& value) {
@@ -83,21 +93,24 @@ nlohmann::json describe(const Side& side) {
     last = world.energy(*state).all;
     highest = std::max(highest, last);
   }
-  return {
-      {"trial", side.path},
-      {"elasticity", scene::per_object(side.scenario.material, &scene::Coefficients::elasticity)},
-      {"friction", scene::per_object(side.scenario.material, &scene::Coefficients::friction)},
-      {"shape", side.scenario.collision.shape},
-      {"response", side.scenario.collision.response},
-      {"ticks", trial.state_count},
-      {"contacts", contacts},
-      {"touches", score.touches},
-      {"skittles_down", score.skittles_down},
-      {"games", scene::to_json(score.games)},
-      {"release_speed_mps", number(score.release_speed)},
-      {"impact_speed_mps", number(score.impact_speed)},
-      {"highest_energy_j", highest},
-      {"final_energy_j", last}};
+  nlohmann::json all = scene::conditions(side.scenario);
+  const std::optional<std::uint64_t> hash = scene::game_hash_of_states(side.file);
+  all.update({{"trial", side.path},
+              {"response", side.scenario.collision.response},
+              {"ticks", trial.state_count},
+              {"contacts", contacts},
+              {"touches", score.touches},
+              {"skittles_down", score.skittles_down},
+              {"games", scene::to_json(score.games)},
+              {"release_speed_mps", number(score.release_speed)},
+              {"impact_speed_mps", number(score.impact_speed)},
+              {"highest_energy_j", highest},
+              {"final_energy_j", last},
+              {"game_hash", hash ? nlohmann::json(scene::in_hex(*hash)) : nlohmann::json()},
+              {"throws", scene::thrown(trial.events).size()},
+              {"throws_without_counterpart", scene::to_json(scene::without_counterpart(
+                                                 trial.events, other.file.summary().events))}});
+  return all;
 }
 
 std::string cell(const nlohmann::json& value) {
@@ -124,8 +137,75 @@ std::vector<ComparedRow> compared_sheets(const nlohmann::json& a, const nlohmann
   return rows;
 }
 
+/// Elasticity, friction and shape of both; of each version where one of them has versions.
+std::vector<ComparedRow> compared_conditions(const nlohmann::json& a, const nlohmann::json& b) {
+  std::vector<ComparedRow> rows;
+  const auto add = [&](const std::string& name, const nlohmann::json& of_a,
+                       const nlohmann::json& of_b) {
+    for (const char* key : {"elasticity", "friction", "shape"}) {
+      rows.push_back({name + key, cell(of_a[key]), cell(of_b[key])});
+    }
+  };
+  if (a["versions"].is_null() && b["versions"].is_null()) {
+    add("", a, b);
+    return rows;
+  }
+  for (const std::string name : {"red", "blue"}) {
+    const auto version = [&](const nlohmann::json& side) {
+      return side["versions"].is_null() ? side : side["versions"][name];
+    };
+    add(name + " ", version(a), version(b));
+  }
+  return rows;
+}
+
+/// A value of a scenario as it fits into a row.
+std::string in_a_line(const std::string& toml) {
+  constexpr std::size_t kMost = 40;
+  std::string line;
+  for (const char c : toml) {
+    if (c != '\n') line += c;
+  }
+  if (line.size() > kMost) line = line.substr(0, kMost) + "...";
+  return line.empty() ? "-" : line;
+}
+
+/// Whether a key of the scenario stands in the rows of compared_conditions, or in that of the
+/// response.
+bool is_a_row_already(const std::string& key, bool versions) {
+  if (key == "collision.response") return true;
+  if (!versions) return key == "collision.shape" || key.starts_with("material.");
+  for (const std::string version : {"version.red.", "version.blue."}) {
+    for (const char* told : {"elasticity", "friction", "shape"}) {
+      if (key == version + told) return true;
+    }
+  }
+  return false;
+}
+
+/// The throws of one side that the other has not.
+void print_unpaired(const std::string& side, const nlohmann::json& result) {
+  constexpr std::size_t kMost = 20;
+  const nlohmann::json& unpaired = result["throws_without_counterpart"];
+  if (unpaired.empty()) return;
+  fmt::print("\n{} of {} throws of {} have no counterpart in the other:\n", unpaired.size(),
+             result["throws"].dump(), side);
+  for (std::size_t i = 0; i < std::min(kMost, unpaired.size()); ++i) {
+    fmt::print("  {}\n", scene::unpaired_in_words(unpaired[i]));
+  }
+  if (unpaired.size() > kMost) fmt::print("  and {} more\n", unpaired.size() - kMost);
+}
+
 void print_differences(const nlohmann::json& result) {
+  const nlohmann::json &only_in_a = result["bodies_only_in_a"],
+                       &only_in_b = result["bodies_only_in_b"];
+  for (const auto& [side, names] : {std::pair("a", &only_in_a), {"b", &only_in_b}}) {
+    if (names->empty()) continue;
+    fmt::print("other bodies      only {} has: {}\n", side,
+               fmt::join(names->get<std::vector<std::string>>(), ", "));
+  }
   if (result["first_difference_tick"].is_null()) {
+    if (!only_in_a.empty() || !only_in_b.empty()) fmt::print("of the bodies that both have: ");
     fmt::print("equal to the bit, {} ticks\n\n", result["a"]["ticks"].dump());
   } else {
     const std::string body = cell(result["first_difference_body"]);
@@ -137,9 +217,6 @@ void print_differences(const nlohmann::json& result) {
                                 : ", " + body);
   }
   const std::pair<const char*, const char*> rows[] = {{"", "trial"},
-                                                      {"elasticity", "elasticity"},
-                                                      {"friction", "friction"},
-                                                      {"shape", "shape"},
                                                       {"response", "response"},
                                                       {"ticks", "ticks"},
                                                       {"contact points", "contacts"},
@@ -148,19 +225,35 @@ void print_differences(const nlohmann::json& result) {
                                                       {"release [m/s]", "release_speed_mps"},
                                                       {"first skittle [m/s]", "impact_speed_mps"},
                                                       {"highest energy [J]", "highest_energy_j"},
-                                                      {"final energy [J]", "final_energy_j"}};
+                                                      {"final energy [J]", "final_energy_j"},
+                                                      {"game hash", "game_hash"},
+                                                      {"throws", "throws"}};
+  const bool versions = !result["a"]["versions"].is_null() || !result["b"]["versions"].is_null();
   std::vector<ComparedRow> lines;
   for (const auto& [label, key] : rows) {
     lines.push_back({label, cell(result["a"][key]), cell(result["b"][key])});
+    if (*label == '\0') {
+      for (ComparedRow& row : compared_conditions(result["a"], result["b"])) {
+        lines.push_back(std::move(row));
+      }
+    }
+  }
+  for (const nlohmann::json& key : result["scenario_differences"]) {
+    if (is_a_row_already(key["key"], versions)) continue;
+    lines.push_back({key["key"], in_a_line(key["a"]), in_a_line(key["b"])});
   }
   for (ComparedRow& row : compared_sheets(result["a"]["games"], result["b"]["games"])) {
     lines.push_back(std::move(row));
   }
-  std::size_t wide = 26;
-  for (const ComparedRow& row : lines) wide = std::max(wide, row.a.size());
+  std::size_t wide = 26, wide_label = 18;
   for (const ComparedRow& row : lines) {
-    fmt::print("{:<20}{:<{}}{}\n", row.label, row.a, wide + 2, row.b);
+    wide = std::max(wide, row.a.size());
+    wide_label = std::max(wide_label, row.label.size());
   }
+  for (const ComparedRow& row : lines) {
+    fmt::print("{:<{}}{:<{}}{}\n", row.label, wide_label + 2, row.a, wide + 2, row.b);
+  }
+  for (const char* side : {"a", "b"}) print_unpaired(side, result[side]);
 }
 
 void compare(const CompareOptions& options) {
@@ -168,12 +261,17 @@ void compare(const CompareOptions& options) {
   for (const Side* side : {&a, &b}) {
     say_what_is_missing("compare", side->path, side->file.summary());
   }
-  nlohmann::json result = {{"a", describe(a)},
-                           {"b", describe(b)},
-                           {"first_difference_tick", nullptr},
-                           {"first_difference_s", nullptr},
-                           {"first_difference_body", nullptr},
-                           {"first_difference_lacking", nullptr}};
+  const scene::SharedBodies shared = bodies_of(a, b);
+  nlohmann::json result = {
+      {"a", describe(a, b)},
+      {"b", describe(b, a)},
+      {"scenario_differences", scene::to_json(scene::differences(a.scenario, b.scenario))},
+      {"bodies_only_in_a", shared.only_in_a},
+      {"bodies_only_in_b", shared.only_in_b},
+      {"first_difference_tick", nullptr},
+      {"first_difference_s", nullptr},
+      {"first_difference_body", nullptr},
+      {"first_difference_lacking", nullptr}};
   if (const auto difference = first_difference(a, b)) {
     result["first_difference_tick"] = difference->tick;
     result["first_difference_s"] = difference->time_s;

@@ -26,7 +26,11 @@ void add_condition_options(CLI::App& command, Condition& condition);
 /// --look alone.
 CLI::Option* add_look(CLI::App& command, std::optional<std::string>& value);
 
-/// @throws UsageError  for a value out of range or a key that does not exist
+/// Elasticity, friction and shape go to every version of the game that the scenario has; `--set
+/// version.red.friction=0` and the like to one.
+///
+/// @throws UsageError  for a value out of range, a key that does not exist, or the material of one
+///                     object where versions have one for all
 void apply(const Condition& condition, scene::Scenario& scenario);
 
 }  // namespace headpin::apps

@@ -11,6 +11,8 @@
 #include "apps/progress.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "scene/each_throw.h"
+#include "scene/events.h"
 #include "scene/recorded.h"
 #include "scene/totals.h"
 #include "scene/trial_writer.h"
@@ -25,7 +27,7 @@ struct ReplayOptions {
   std::optional<std::string> output;
   Condition condition;
   double longest_gap = seconds(devices::kLongestGap);
-  bool verify = false, force = false, json = false;
+  bool verify = false, each_throw = false, force = false, json = false;
 };
 
 std::string readable(const nlohmann::json& value, const char* unit) {
@@ -39,14 +41,28 @@ std::string readable(const nlohmann::json& value, const char* unit) {
   return value.dump() + unit;
 }
 
+/// "elasticity 0.7 each, friction 0.7 each, shape true"
+std::string condition_in_words(const nlohmann::json& condition) {
+  return fmt::format("elasticity {}, friction {}, shape {}",
+                     readable(condition["elasticity"], " each"),
+                     readable(condition["friction"], " each"), readable(condition["shape"], ""));
+}
+
 void print_summary(const nlohmann::json& s) {
   const auto line = [&](const char* label, const char* key, const char* unit = "") {
     fmt::print("{:<18}{}\n", label, readable(s[key], unit));
   };
   line("version", "version");
-  line("elasticity", "elasticity", " each");
-  line("friction", "friction", " each");
-  line("shape", "shape");
+  if (s["versions"].is_null()) {
+    line("elasticity", "elasticity", " each");
+    line("friction", "friction", " each");
+    line("shape", "shape");
+  } else {
+    for (const char* name : {"red", "blue"}) {
+      fmt::print("{:<18}{}\n", fmt::format("{} version", name),
+                 condition_in_words(s["versions"][name]));
+    }
+  }
   line("response", "response");
   line("ball at release", "release_speed_mps", " m/s");
   line("at first skittle", "impact_speed_mps", " m/s");
@@ -59,10 +75,113 @@ void print_summary(const nlohmann::json& s) {
   line("simulated", "simulated_s", " s");
   line("times real time", "realtime_factor");
   line("state hash", "state_hash");
+  line("game hash", "game_hash");
+}
+
+/// Keeps the events that tell of throws.
+struct ThrowEvents : scene::Observer {
+  void tick(const scene::Session& session) override {
+    using namespace scene::kind;
+    for (const devices::Event& event : session.events) {
+      for (const std::string_view kept : {version, grab, missed_grab, release, delivery}) {
+        if (event.kind == kept) events.push_back(event);
+      }
+    }
+  }
+  std::vector<devices::Event> events;
+};
+
+/// Which throws of a recorded session are not in its replay, and the other way round. A trial that
+/// holds samples alone tells of none.
+nlohmann::json compared_throws(const devices::TrialSummary& trial,
+                               const std::vector<devices::Event>& again) {
+  nlohmann::json lost = nlohmann::json::array(), more = lost;
+  if (trial.state_count > 0) {
+    lost = scene::to_json(scene::without_counterpart(trial.events, again));
+    more = scene::to_json(scene::without_counterpart(again, trial.events));
+  }
+  return {{"throws", scene::thrown(again).size()},
+          {"throws_without_counterpart", std::move(lost)},
+          {"new_throws", std::move(more)}};
+}
+
+void print_throws(const nlohmann::json& result) {
+  for (const auto& [key, what] :
+       {std::pair("throws_without_counterpart", "recorded, has no counterpart here: "),
+        {"new_throws", "has no counterpart in the recording: "}}) {
+    for (const nlohmann::json& one : result[key]) {
+      fmt::print("{:<18}{}{}\n", "throw", what, scene::unpaired_in_words(one));
+    }
+  }
+}
+
+/// Holds the game hash that a trial says against the one that a replay came to.
+///
+/// @throws std::runtime_error  where they differ
+void verify_game_hash(const devices::TrialSummary& trial, const scene::Session& session) {
+  const std::optional<scene::SaidGameHash> said = scene::said_game_hash(trial);
+  const std::string found = scene::in_hex(session.game_hash.value());
+  if (!said || said->tick != session.tick || said->hash == found) return;
+  throw std::runtime_error(
+      fmt::format("the game differs from the recording: expected the game hash {}, found {}",
+                  said->hash, found));
+}
+
+std::string count_in_words(const nlohmann::json& result) {
+  if (!result["felled"].is_null()) return result["felled"].dump();
+  return fmt::format("{} down", result["skittles_down"].dump());
+}
+
+scene::EachThrow each_throw_of(const scene::Session& session, const scene::Scenario& other) {
+  try {
+    return {session, other};
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+}
+
+/// Every throw on its own, as it was and under the other condition.
+void replay_each_throw(const ReplayOptions& options) {
+  if (options.output || options.verify) {
+    throw UsageError(
+        "--each-throw goes with neither -o nor --verify: its throws are no one session");
+  }
+  scene::Recorded recorded = scene::load_trial(options.trial, microseconds(options.longest_gap));
+  const devices::TrialSummary& trial = recorded.file.summary();
+  scene::Scenario other = recorded.scenario;
+  apply(options.condition, other);
+  scene::Session session = scene::make_session(recorded.scenario);
+  const std::int64_t ticks = scene::tick_count(trial, recorded.scenario.rates.physics_hz);
+  scene::EachThrow each = each_throw_of(session, other);
+  ProgressLine progress("ticks", ticks);
+  const std::vector<scene::Observer*> observers = {&each, &progress};
+  devices::TrialPlayer source(recorded.file);
+  scene::NoPace pace;
+  scene::run(session, source, pace, observers, [&](const scene::Session& s) {
+    check_stop();
+    return s.tick >= ticks;
+  });
+  each.finish();
+  say_what_is_missing("replay", options.trial, trial);
+  const nlohmann::json result = {
+      {"trial", options.trial},
+      {"scenario_differences", scene::to_json(scene::differences(recorded.scenario, other))},
+      {"each_throw", scene::to_json(each.throws())}};
+  if (options.json) return print_json(result);
+  fmt::print("{:<8}{:<10}{:<14}{:<12}{:<12}{}\n", "throw", "version", "let go [s]", "recorded",
+             "as it was", "other condition");
+  for (const nlohmann::json& one : result["each_throw"]) {
+    const std::string name = one["name"];
+    fmt::print("{:<8}{:<10}{:<14.3f}{:<12}{:<12}{}\n", one["throw"].get<int>(),
+               name.empty() ? "-" : name, one["time_s"].get<double>(),
+               one["felled"].is_null() ? "-" : one["felled"].dump(),
+               count_in_words(one["as_it_was"]), count_in_words(one["other_condition"]));
+  }
 }
 
 void replay(const ReplayOptions& options) {
   watch_stop_signals();  // before there is anything to put away
+  if (options.each_throw) return replay_each_throw(options);
   scene::Recorded recorded = scene::load_trial(options.trial, microseconds(options.longest_gap));
   const devices::TrialSummary& trial = recorded.file.summary();
   apply(options.condition, recorded.scenario);
@@ -71,10 +190,11 @@ void replay(const ReplayOptions& options) {
 
   scene::Stopwatch stopwatch;
   scene::Totals totals;
+  ThrowEvents happened;
   ProgressLine progress("ticks", ticks);
   std::optional<scene::TrialWriter> writer;
   std::optional<scene::Verifier> verifier;
-  std::vector<scene::Observer*> observers = {&stopwatch, &totals};
+  std::vector<scene::Observer*> observers = {&stopwatch, &totals, &happened};
   if (options.output) {
     writer.emplace(
         *options.output, trial.header, session,
@@ -93,11 +213,13 @@ void replay(const ReplayOptions& options) {
     return s.tick >= ticks;
   });
   if (writer) writer->close(session);
+  if (verifier) verify_game_hash(trial, session);
   say_what_is_missing("replay", options.trial, trial);
 
   nlohmann::json result = scene::summary(session, totals.score());
   result["trial"] = options.trial;
   result["complete"] = trial.complete;
+  result.update(compared_throws(trial, happened.events));
   result["participant"] = trial.header.participant;
   result["condition"] = trial.header.condition;
   result["seed"] = trial.header.seed;
@@ -115,6 +237,7 @@ void replay(const ReplayOptions& options) {
     print_json(result);
   } else {
     print_summary(result);
+    print_throws(result);
     if (verifier) {
       fmt::print("{:<18}{} ticks equal the recording{}\n", "verified", verifier->compared(),
                  unverified > 0 ? fmt::format(", {} are not in it", unverified) : "");
@@ -133,13 +256,17 @@ void add_replay(CLI::App& app) {
   add_output(*command, "-o,--output", options->output,
              "write the new trial, states and events in it; - is standard output");
   command->add_flag("--verify", options->verify, "compare every tick with the trial's own states");
+  command->add_flag("--each-throw", options->each_throw,
+                    "every recorded throw on its own, from the state in which it was let go: so "
+                    "none is lost under another condition, and throws can be paired");
   add_force(*command, options->force);
   add_longest_gap(*command, options->longest_gap);
   add_json(*command, options->json);
   add_condition_options(*command, options->condition);
   command->footer(
       "Example:\n  headpin replay assets/trials/demo.lcmlog -o smooth.lcmlog --friction 0 "
-      "--elasticity 1");
+      "--elasticity 1\n"
+      "  headpin replay assets/trials/demo.lcmlog --each-throw --friction 0");
   command->callback([options] { replay(*options); });
 }
 

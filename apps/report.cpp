@@ -14,6 +14,7 @@
 #include "devices/event_log.h"
 #include "devices/version.h"
 #include "files/output_file.h"
+#include "scene/counterparts.h"
 #include "scene/page_data.h"
 #include "scene/verifier.h"
 
@@ -72,7 +73,8 @@ nlohmann::json first_difference(const scene::Recorded& a, const scene::Recorded&
     return scene::tick_count(r.file.summary(), r.scenario.rates.physics_hz);
   };
   const std::int64_t ticks_a = ticks_of(a), ticks_b = ticks_of(b);
-  const std::vector<std::string> names = scene::body_names(*sa.stage);
+  const scene::SharedBodies shared =
+      scene::shared_bodies(scene::body_names(*sa.stage), scene::body_names(*sb.stage));
   devices::TickState now_a, now_b;
   while (sa.tick < std::min(ticks_a, ticks_b)) {
     check_stop();
@@ -80,7 +82,7 @@ nlohmann::json first_difference(const scene::Recorded& a, const scene::Recorded&
     scene::advance(sb, in_b);
     scene::tick_state(sa, now_a);
     scene::tick_state(sb, now_b);
-    if (const auto body = scene::first_different_body(now_a, now_b, names)) {
+    if (const auto body = scene::first_different_body(now_a, now_b, shared)) {
       return {{"tick", sa.tick}, {"time_s", seconds(sa.now())}, {"body", *body}};
     }
   }
@@ -90,7 +92,7 @@ nlohmann::json first_difference(const scene::Recorded& a, const scene::Recorded&
 
 /// The log without its states, where that simulates to the same bits: so it does unless it is so old
 /// that its states tell when samples were known.
-std::string log_block(const std::string& path, const std::string& state_hash, Time longest_gap) {
+std::string log_block(const std::string& path, const std::string& game_hash, Time longest_gap) {
   const std::vector<std::uint8_t> inputs = log_of_inputs(path);
   const scene::Recorded recorded = scene::load_trial(inputs, path, longest_gap);
   scene::Session session = scene::make_session(recorded.scenario);
@@ -102,7 +104,7 @@ std::string log_block(const std::string& path, const std::string& state_hash, Ti
     check_stop();
     return s.tick >= ticks;
   });
-  if (fmt::format("{:016x}", engine::state_hash(session.world)) == state_hash) {
+  if (scene::in_hex(session.game_hash.value()) == game_hash) {
     return deflated(inputs);
   }
   const devices::MappedFile whole(path);
@@ -160,9 +162,20 @@ void report(const ReportOptions& options) {
     add_trial(*options.other, scene::page_data(other, scene::PageLooks(other), {}, !looks_alike),
               "-other", blocks);
     about["first_difference"] = first_difference(recorded, other);
+    const scene::SharedBodies shared =
+        scene::shared_bodies(scene::body_names(scene::make_stage(recorded.scenario)),
+                             scene::body_names(scene::make_stage(other.scenario)));
+    about["bodies_only_in_a"] = shared.only_in_a;
+    about["bodies_only_in_b"] = shared.only_in_b;
+    about["scenario_differences"] =
+        scene::to_json(scene::differences(recorded.scenario, other.scenario));
+    const std::vector<devices::Event>& events_a = recorded.file.summary().events;
+    const std::vector<devices::Event>& events_b = other.file.summary().events;
+    about["only_thrown_in_a"] = scene::to_json(scene::without_counterpart(events_a, events_b));
+    about["only_thrown_in_b"] = scene::to_json(scene::without_counterpart(events_b, events_a));
   }
   const nlohmann::json& hash = data.json["hash"];
-  const std::string log = log_block(options.trial, hash["replayed"], longest_gap);
+  const std::string log = log_block(options.trial, hash["game_replayed"], longest_gap);
   about["log_left_out"] = log.size() > kMostEmbedded;
   if (log.size() <= kMostEmbedded) blocks["log"] = log;
 
@@ -187,7 +200,8 @@ void report(const ReportOptions& options) {
               {"ticks", data.json["ticks"]},
               {"skittles_down", data.json["summary"]["skittles_down"]},
               {"verified_ticks", hash["verified_ticks"]},
-              {"state_hash", hash["replayed"]}});
+              {"state_hash", hash["replayed"]},
+              {"game_hash", hash["game_replayed"]}});
 }
 
 }  // namespace

@@ -38,7 +38,7 @@ set(parts
   devices/trial_file devices/trial_messages
   files/sha256
   render/eyes render/hmd
-  scene/bodies scene/game scene/hand scene/outline scene/player scene/presence scene/recorded
+  scene/bodies scene/game scene/game_hash scene/hand scene/outline scene/player scene/presence scene/recorded
   scene/referee scene/room scene/rules scene/run scene/scenario scene/scenario_checks
   scene/scenario_files scene/scenario_keys scene/scenario_text scene/score scene/seen_mesh
   scene/session scene/stage

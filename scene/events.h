@@ -26,6 +26,7 @@ inline constexpr std::string_view game_over = "game_over";
 inline constexpr std::string_view flies_at_player = "flies_at_player";
 inline constexpr std::string_view passed_player = "passed_player";
 inline constexpr std::string_view ledger = "ledger";
+inline constexpr std::string_view game_hash = "game_hash";
 inline constexpr std::string_view drawn_by = devices::kDrawnByEvent;
 inline constexpr std::string_view grab_found = "grab_found";
 inline constexpr std::string_view release_found = "release_found";
@@ -39,7 +40,7 @@ struct EventKind {
   std::string_view value;  ///< what `value` is; empty where it is not used
 };
 
-inline constexpr std::array<EventKind, 21> kEventKinds{{
+inline constexpr std::array<EventKind, 22> kEventKinds{{
     {kind::grab, "the trigger took a ball or a skittle", "its centre", ""},
     {kind::release, "the trigger let go of what it took", "its centre",
      "speed it left the hand with [m/s]"},
@@ -73,6 +74,8 @@ inline constexpr std::array<EventKind, 21> kEventKinds{{
      "its centre", "closest approach of its surface to head, hand or what is below the head [m]"},
     {kind::ledger, "after the last tick: where the energy came from and went to, as JSON in detail",
      "", ""},
+    {kind::game_hash,
+     "after the last tick: the hash of all ticks, in detail (docs/hash-and-ledger.md)", "", ""},
     {kind::drawn_by,
      "before the first tick of a live session: who draws its frames, as JSON in detail: renderer, "
      "processor features, Mesa's environment, hash of a test picture",

@@ -10,6 +10,7 @@
 
 #include "engine/response.h"
 #include "render/eyes.h"
+#include "scene/counterparts.h"
 #include "scene/events.h"
 #include "scene/outcome.h"
 #include "scene/page_film.h"
@@ -49,8 +50,11 @@ class Comparison : public Observer {
     first_ = {{"tick", now_.tick}, {"time_s", seconds(now_.time)}, {"body", *body}};
   }
 
-  json result(const Session& session) const {
-    return {{"replayed", fmt::format("{:016x}", engine::state_hash(session.world))},
+  json result(const Session& session, const devices::TrialSummary& trial) const {
+    const std::optional<SaidGameHash> said = said_game_hash(trial);
+    return {{"game_replayed", in_hex(session.game_hash.value())},
+            {"game_recorded", said ? json(said->hash) : json()},
+            {"replayed", fmt::format("{:016x}", engine::state_hash(session.world))},
             {"recorded", hash_ ? json(fmt::format("{:016x}", *hash_)) : json()},
             {"verified_ticks", verified_},
             {"first_difference", first_}};
@@ -266,10 +270,13 @@ Scenario with_own_shapes(Scenario scenario, std::vector<std::string>& missing) {
 void apply(const Moved& moved, Scenario& scenario) {
   check_share("elasticity", moved.elasticity);
   check_share("friction", moved.friction);
-  if (moved.elasticity) set_elasticity(scenario.material, *moved.elasticity);
-  if (moved.friction) set_friction(scenario.material, *moved.friction);
+  if (moved.elasticity) set_elasticity(scenario, *moved.elasticity);
+  if (moved.friction) set_friction(scenario, *moved.friction);
   // In quotes: a shape is called true.
-  if (moved.shape) set(scenario, "collision.shape='" + *moved.shape + "'");
+  if (moved.shape) {
+    set(scenario, "collision.shape='" + *moved.shape + "'");
+    set_shape(scenario, *moved.shape);
+  }
   if (moved.response) set(scenario, "collision.response='" + *moved.response + "'");
 }
 
@@ -300,20 +307,26 @@ PageData page_data(const Recorded& recorded, const PageLooks& page_looks, const 
 
   PageData data;
   json& out = data.json;
-  const json hash = comparison.result(session);
+  const json hash = comparison.result(session, trial);
   const bool as_recorded =
       moved.nothing() && !hash["first_difference"].is_null() && !trial.events.empty();
   const std::vector<devices::Event>& events = as_recorded ? trial.events : happened.events;
   out["trial"] = of_trial(recorded);
-  out["summary"] = summary(session, totals.score());
+  const Score said = as_recorded ? score(trial.events) : totals.score();
+  out["summary"] = summary(session, said);
   out["hash"] = hash;
+  out["scenario_differences"] = to_json(differences(recorded.scenario, scenario));
+  out["throws"] = thrown(happened.events).size();
+  out["throws_without_counterpart"] =
+      trial.state_count > 0 ? to_json(without_counterpart(trial.events, happened.events))
+                            : json::array();
   out["rate_hz"] = scenario.rates.physics_hz;
   out["ticks"] = ticks;
   out["events"] = of_events(events);
   out["event_kinds"] = json::object();
   for (const EventKind& kind : kEventKinds) out["event_kinds"][kind.name] = kind.when;
   out["approaches"] = approaches_in_words(events);
-  out["why_nothing_fell"] = totals.score().skittles_down == 0 ? why_nothing_fell(events) : "";
+  out["why_nothing_fell"] = said.skittles_down == 0 ? why_nothing_fell(events) : "";
   out["bodies"] = body_names(*session.stage);
   out["responses"] = json::array();
   for (const engine::Response& response : engine::responses()) {

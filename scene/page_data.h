@@ -12,8 +12,8 @@
 /// A trial as a page shows it: everything small as JSON, everything long as numbers in rows.
 namespace headpin::scene {
 
-/// What a reader may move, as the options of `headpin replay` do; what is not given stays as the
-/// trial has it.
+/// What a reader may move, as the options of `headpin replay` do, in every version of the game; what
+/// is not given stays as the trial has it.
 struct Moved {
   std::optional<double> elasticity, friction;  ///< of every object, 0 to 1
   std::optional<std::string> shape, response;

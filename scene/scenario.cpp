@@ -66,4 +66,29 @@ void set_friction(Materials& materials, double friction) {
   }
 }
 
+void set_elasticity(Scenario& scenario, double elasticity) {
+  set_elasticity(scenario.material, elasticity);
+  if (!scenario.version.buttons) return;
+  scenario.version.red.elasticity = scenario.version.blue.elasticity = elasticity;
+}
+
+void set_friction(Scenario& scenario, double friction) {
+  set_friction(scenario.material, friction);
+  if (!scenario.version.buttons) return;
+  scenario.version.red.friction = scenario.version.blue.friction = friction;
+}
+
+void set_shape(Scenario& scenario, const std::string& shape) {
+  scenario.collision.shape = shape;
+  if (!scenario.version.buttons) return;
+  scenario.version.red.shape = scenario.version.blue.shape = shape;
+}
+
+Scenario under(Scenario scenario, const Version& version) {
+  set_elasticity(scenario.material, version.elasticity);
+  set_friction(scenario.material, version.friction);
+  scenario.collision.shape = version.shape;
+  return scenario;
+}
+
 }  // namespace headpin::scene

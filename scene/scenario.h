@@ -250,8 +250,24 @@ std::vector<ScenarioKey> scenario_keys();
 /// @throws std::invalid_argument  as parse_scenario
 void set(Scenario& scenario, std::string_view assignment);
 
-/// Gives every object the same elasticity or friction, as `--elasticity` and `--friction` do.
+/// Gives every object the same elasticity or friction.
 void set_elasticity(Materials& materials, double elasticity);
 void set_friction(Materials& materials, double friction);
+
+// The same of a whole scenario, in every version that it has, as `--elasticity`, `--friction` and
+// `--shape` do.
+void set_elasticity(Scenario& scenario, double elasticity);
+void set_friction(Scenario& scenario, double friction);
+void set_shape(Scenario& scenario, const std::string& shape);
+
+/// The scenario as it is while one of its versions is played.
+Scenario under(Scenario scenario, const Version& version);
+
+/// A key whose value two scenarios do not share, each value as TOML has it.
+struct KeyDifference {
+  std::string key, a, b;
+};
+/// All of them, in the order of to_toml.
+std::vector<KeyDifference> differences(const Scenario& a, const Scenario& b);
 
 }  // namespace headpin::scene

@@ -277,6 +277,36 @@ class Reader {
   std::set<std::string> known_;
 };
 
+/// Every value of a scenario, as it is written, by its key.
+class Values {
+ public:
+  template <typename T, typename Allowed>
+  void field(std::string_view key, const T& value, const Allowed&, std::string_view,
+             std::string_view = {}) {
+    all_.emplace_back(path_ + std::string(key), Writer::text(value));
+  }
+
+  template <typename T>
+  void section(std::string_view key, std::string_view, T& part) {
+    const std::string outer = path_;
+    path_ += std::string(key) + ".";
+    visit(*this, part);
+    path_ = outer;
+  }
+
+  std::vector<std::pair<std::string, std::string>> all() && { return std::move(all_); }
+
+ private:
+  std::vector<std::pair<std::string, std::string>> all_;
+  std::string path_;
+};
+
+std::vector<std::pair<std::string, std::string>> values_of(Scenario scenario) {
+  Values values;
+  visit(values, scenario);
+  return std::move(values).all();
+}
+
 toml::table parse_table(std::string_view toml, const Text& text) {
   require_shallow(toml, text.where);
   try {
@@ -359,6 +389,21 @@ std::string to_toml(const Scenario& scenario) {
   Writer writer(sourced);
   visit(writer, copy);
   return std::move(writer).out();
+}
+
+std::vector<KeyDifference> differences(const Scenario& a, const Scenario& b) {
+  const auto of_a = values_of(a), of_b = values_of(b);
+  std::map<std::string, std::string> left(of_b.begin(), of_b.end());
+  std::vector<KeyDifference> all;
+  for (const auto& [key, value] : of_a) {
+    const auto found = left.extract(key);
+    const std::string other = found ? found.mapped() : std::string();
+    if (other != value) all.push_back({key, value, other});
+  }
+  for (const auto& [key, value] : of_b) {
+    if (left.contains(key)) all.push_back({key, "", value});
+  }
+  return all;
 }
 
 void check(const Scenario& scenario, std::string_view where) {

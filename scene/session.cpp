@@ -19,13 +19,6 @@ bool has_buttons(const Session& s) {
   return s.versions[0] != nullptr;
 }
 
-Stage stage_of_version(Scenario scenario, const Version& version) {
-  set_elasticity(scenario.material, version.elasticity);
-  set_friction(scenario.material, version.friction);
-  scenario.collision.shape = version.shape;
-  return make_stage(scenario);
-}
-
 /// The button that the hand is at, from wrist to fingertips.
 std::optional<std::size_t> button_at_hand(const Session& s, Time now) {
   const std::optional<Pose> X_WH = in_room(s, s.player.hand, now);
@@ -54,6 +47,7 @@ void start_version(Session& s, std::size_t version, const Moment& moment) {
   s.game = make_game(*s.stage);
   s.presence = {};
   s.version_begun = true;
+  s.version = version + 1;
   devices::Event e = event(moment, kind::version, s.world, {});
   const Versions& v = s.scenario().version;
   e.p_W = version == 0 ? v.red.button : v.blue.button;
@@ -77,10 +71,11 @@ Session make_session(std::shared_ptr<const Stage> stage) {
   s.stage = std::move(stage);
   const Versions& v = s.stage->scenario.version;
   if (v.buttons) {
-    s.versions = {std::make_shared<const Stage>(stage_of_version(s.stage->scenario, v.red)),
-                  std::make_shared<const Stage>(stage_of_version(s.stage->scenario, v.blue))};
+    s.versions = {std::make_shared<const Stage>(make_stage(under(s.stage->scenario, v.red))),
+                  std::make_shared<const Stage>(make_stage(under(s.stage->scenario, v.blue)))};
   }
   s.world = s.stage->world;
+  s.state_hash = engine::state_hash(s.world);
   s.game = make_game(*s.stage);
   return s;
 }
@@ -110,12 +105,14 @@ void advance(Session& s, devices::Source& source) {
   if (!has_buttons(s) || s.version_begun) {
     referee(s.game, *s.stage, s.world, moment, held, s.events);
   }
+  s.state_hash = engine::state_hash(s.world);
+  s.game_hash.add(s.state_hash, s.version);
 }
 
 void tick_state(const Session& s, devices::TickState& out) {
   out.time = s.now();
   out.tick = s.tick;
-  out.hash = engine::state_hash(s.world);
+  out.hash = s.state_hash;
   out.contacts = static_cast<std::int32_t>(s.world.statistics.contacts);
   out.bodies.resize(s.world.states.size());
   for (std::size_t i = 0; i < out.bodies.size(); ++i) {

@@ -7,6 +7,7 @@
 
 #include "devices/source.h"
 #include "scene/game.h"
+#include "scene/game_hash.h"
 #include "scene/player.h"
 #include "scene/presence.h"
 
@@ -21,9 +22,12 @@ struct Session {
   Presence presence;                                     ///< what flies at the player
   std::array<std::shared_ptr<const Stage>, 2> versions;  ///< red, blue; where there are buttons
   bool version_begun = false;                            ///< by one of them
+  std::uint64_t version = 0;                             ///< that is played: 0 none, 1 red, 2 blue
   std::optional<std::size_t> touched;                    ///< the button that the hand is at
   std::int64_t tick = 0;          ///< of the session's own clock, which no new world restarts
   engine::Statistics statistics;  ///< of all steps so far
+  std::uint64_t state_hash = 0;   ///< of the world after the last tick
+  GameHash game_hash;             ///< of all ticks so far
 
   // What the last tick took in and gave out.
   std::vector<devices::Sample> samples;

@@ -77,24 +77,49 @@ nlohmann::json to_json(const std::vector<Sheet>& games) {
   return all;
 }
 
+nlohmann::json conditions(const Scenario& scenario) {
+  const auto of = [](const Scenario& one) -> nlohmann::json {
+    return {{"elasticity", per_object(one.material, &Coefficients::elasticity)},
+            {"friction", per_object(one.material, &Coefficients::friction)},
+            {"shape", one.collision.shape}};
+  };
+  const Versions& versions = scenario.version;
+  nlohmann::json all = of(versions.buttons ? under(scenario, versions.red) : scenario);
+  all["versions"] = nullptr;
+  if (!versions.buttons) return all;
+  const nlohmann::json red = all, blue = of(under(scenario, versions.blue));
+  for (const auto& [key, value] : blue.items()) {
+    if (all[key] != value) all[key] = nullptr;
+  }
+  all["versions"] = {{"red", red}, {"blue", blue}};
+  all["versions"]["red"].erase("versions");
+  return all;
+}
+
+nlohmann::json to_json(const std::vector<KeyDifference>& differences) {
+  nlohmann::json all = nlohmann::json::array();
+  for (const auto& [key, a, b] : differences) all.push_back({{"key", key}, {"a", a}, {"b", b}});
+  return all;
+}
+
 nlohmann::json summary(const Session& s, const Score& score) {
   const Scenario& scenario = s.scenario();
-  return {{"version", devices::software_version()},
-          {"elasticity", per_object(scenario.material, &Coefficients::elasticity)},
-          {"friction", per_object(scenario.material, &Coefficients::friction)},
-          {"shape", scenario.collision.shape},
-          {"response", scenario.collision.response},
-          {"detection", scenario.collision.detection},
-          {"skittles", s.stage->skittles.size()},
-          {"skittles_down", score.skittles_down},
-          {"games", to_json(score.games)},
-          {"release_speed_mps", number(score.release_speed)},
-          {"impact_speed_mps", number(score.impact_speed)},
-          {"simulated_s", seconds(s.now())},
-          {"ticks", s.tick},
-          {"ledger", to_json(s.world.ledger)},
-          {"statistics", to_json(s.statistics)},
-          {"state_hash", fmt::format("{:016x}", engine::state_hash(s.world))}};
+  nlohmann::json all = conditions(scenario);
+  all.update({{"version", devices::software_version()},
+              {"response", scenario.collision.response},
+              {"detection", scenario.collision.detection},
+              {"skittles", s.stage->skittles.size()},
+              {"skittles_down", score.skittles_down},
+              {"games", to_json(score.games)},
+              {"release_speed_mps", number(score.release_speed)},
+              {"impact_speed_mps", number(score.impact_speed)},
+              {"simulated_s", seconds(s.now())},
+              {"ticks", s.tick},
+              {"ledger", to_json(s.world.ledger)},
+              {"statistics", to_json(s.statistics)},
+              {"state_hash", in_hex(s.state_hash)},
+              {"game_hash", in_hex(s.game_hash.value())}});
+  return all;
 }
 
 }  // namespace headpin::scene

@@ -46,6 +46,13 @@ nlohmann::json to_json(const engine::Ledger& ledger);
 /// Score sheets.
 nlohmann::json to_json(const std::vector<Sheet>& games);
 
+/// Elasticity, friction and shape that a session ran under. Where it has versions, each one's stands
+/// in "versions", and what they do not share is null.
+nlohmann::json conditions(const Scenario& scenario);
+
+/// The keys whose values differ, and both values.
+nlohmann::json to_json(const std::vector<KeyDifference>& differences);
+
 /// What a session came to, as every command's `--json` tells it.
 nlohmann::json summary(const Session& session, const Score& score);
 

@@ -26,12 +26,15 @@ void TrialWriter::tick(const Session& session) {
 }
 
 void TrialWriter::close(const Session& session) {
-  devices::Event ledger;
-  ledger.time = session.now();
-  ledger.tick = session.tick;
-  ledger.kind = kind::ledger;
-  ledger.detail = to_json(session.world.ledger).dump();
-  sink_->write(ledger);
+  devices::Event last;
+  last.time = session.now();
+  last.tick = session.tick;
+  last.kind = kind::ledger;
+  last.detail = to_json(session.world.ledger).dump();
+  sink_->write(last);
+  last.kind = kind::game_hash;
+  last.detail = in_hex(session.game_hash.value());
+  sink_->write(last);
   sink_->close();
 }
 

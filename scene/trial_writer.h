@@ -29,7 +29,7 @@ class TrialWriter : public Observer {
   void write(const devices::Event& event) { sink_->write(event); }
   /// @throws std::runtime_error  when the file is no longer what was written
   void require_kept() const { sink_->require_kept(); }
-  /// Writes the energy ledger and gives the file its final name.
+  /// Writes the energy ledger and the game hash and gives the file its final name.
   void close(const Session& session);
 
  private:

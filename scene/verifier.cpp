@@ -34,6 +34,36 @@ std::optional<std::string> first_different_body(const devices::TickState& a,
   return std::nullopt;
 }
 
+SharedBodies shared_bodies(std::span<const std::string> a, std::span<const std::string> b) {
+  SharedBodies shared;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const auto found = std::ranges::find(b, a[i]);
+    if (found == b.end()) {
+      shared.only_in_a.push_back(a[i]);
+      continue;
+    }
+    shared.names.push_back(a[i]);
+    shared.in_a.push_back(i);
+    shared.in_b.push_back(static_cast<std::size_t>(found - b.begin()));
+  }
+  for (const std::string& name : b) {
+    if (std::ranges::find(a, name) == a.end()) shared.only_in_b.push_back(name);
+  }
+  return shared;
+}
+
+std::optional<std::string> first_different_body(const devices::TickState& a,
+                                                const devices::TickState& b,
+                                                const SharedBodies& shared) {
+  if (shared.all()) return first_different_body(a, b, shared.names);
+  for (std::size_t i = 0; i < shared.names.size(); ++i) {
+    const std::size_t in_a = shared.in_a[i], in_b = shared.in_b[i];
+    if (in_a >= a.bodies.size() || in_b >= b.bodies.size()) continue;
+    if (!same_bits(a.bodies[in_a], b.bodies[in_b])) return shared.names[i];
+  }
+  return std::nullopt;
+}
+
 Verifier::Verifier(devices::TrialPlayer& recorded, const Session& session)
     : recorded_(recorded), names_(body_names(*session.stage)) {
   if (!recorded.has_states()) {

@@ -16,6 +16,21 @@ std::optional<std::string> first_different_body(const devices::TickState& a,
                                                 const devices::TickState& b,
                                                 std::span<const std::string> names);
 
+/// The bodies that two sessions have in common, by their names, and those that one of them has.
+struct SharedBodies {
+  std::vector<std::string> names;
+  std::vector<std::size_t> in_a, in_b;  ///< their numbers, as `names`
+  std::vector<std::string> only_in_a, only_in_b;
+
+  bool all() const { return only_in_a.empty() && only_in_b.empty(); }
+};
+SharedBodies shared_bodies(std::span<const std::string> a, std::span<const std::string> b);
+
+/// As first_different_body, of the bodies that both have.
+std::optional<std::string> first_different_body(const devices::TickState& a,
+                                                const devices::TickState& b,
+                                                const SharedBodies& shared);
+
 /// Holds a run against the states that a trial recorded.
 class Verifier : public Observer {
  public:

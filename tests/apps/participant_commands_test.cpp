@@ -37,6 +37,90 @@ TEST_F(ParticipantCommands, ASessionIsSynthesizedReplayedVerifiedAndCompared) {
   }
 }
 
+// Two versions of a game: options act on both, or say on which.
+TEST_F(ParticipantCommands, OptionsActOnEveryVersionAndSetOnTheOneItNames) {
+  ASSERT_EQ(headpin("synthesize --participant 7 --throws 1 -o s.lcmlog").code, 0);
+  const nlohmann::json as_it_is = json("replay s.lcmlog --json");
+  const std::string smooth = json(
+      "replay s.lcmlog --json --set version.red.friction=0 --set "
+      "version.blue.friction=0")["game_hash"];
+  EXPECT_NE(smooth, as_it_is["game_hash"]);
+  const nlohmann::json all = json("replay s.lcmlog --friction 0 --json");
+  EXPECT_EQ(all["game_hash"], smooth);
+  EXPECT_EQ(all["versions"]["red"]["friction"]["ball"], 0.0);
+  EXPECT_EQ(json("replay s.lcmlog --json --set material.skittle.friction=0 "
+                 "--set material.ball.friction=0 --set material.lane.friction=0 "
+                 "--set material.wall.friction=0")["game_hash"],
+            smooth);
+  const nlohmann::json shaped = json("replay s.lcmlog --shape ellipsoid --json");
+  EXPECT_EQ(shaped["versions"]["blue"]["shape"], "ellipsoid");
+  EXPECT_NE(shaped["games"], as_it_is["games"]);
+  EXPECT_EQ(json("replay s.lcmlog --set collision.shape=ellipsoid --json")["game_hash"],
+            shaped["game_hash"]);
+  const nlohmann::json one =
+      json("replay s.lcmlog --json --set version.red.friction=0.25 --friction 0.5");
+  EXPECT_EQ(one["versions"]["red"]["friction"]["ball"], 0.25);
+  EXPECT_EQ(one["versions"]["blue"]["friction"]["ball"], 0.5);
+  EXPECT_TRUE(one["friction"].is_null());  // of no one version
+  expect_refusal("replay s.lcmlog --set material.ball.friction=0", 2, "version.red.friction");
+  const std::string words = headpin("replay s.lcmlog --friction 0").out;
+  EXPECT_THAT(words, testing::HasSubstr("red version       elasticity 0.7 each, friction 0 each"));
+  EXPECT_THAT(words, testing::HasSubstr("blue version      elasticity 0.7 each, friction 0 each"));
+}
+
+TEST_F(ParticipantCommands, WhatDiffersBetweenTwoTrialsIsNamed) {
+  ASSERT_EQ(headpin("synthesize --participant 7 --throws 1 -o s.lcmlog").code, 0);
+  ASSERT_EQ(headpin("replay s.lcmlog -o a.lcmlog").code, 0);
+  ASSERT_EQ(headpin("replay s.lcmlog -o b.lcmlog --set ball.mass=3 --set "
+                    "collision.gravity=1.62 --set lane.masking_panel=true")
+                .code,
+            0);
+  const nlohmann::json compared = json("compare a.lcmlog b.lcmlog --json");
+  std::vector<std::string> keys;
+  for (const auto& one : compared["scenario_differences"]) keys.push_back(one["key"]);
+  EXPECT_THAT(
+      keys, testing::UnorderedElementsAre("ball.mass", "collision.gravity", "lane.masking_panel"));
+  EXPECT_TRUE(compared["bodies_only_in_a"].empty());
+  EXPECT_EQ(compared["bodies_only_in_b"].size(), 1u);
+  EXPECT_NE(compared["first_difference_tick"], 1);  // a body that both have
+  EXPECT_NE(compared["a"]["game_hash"], compared["b"]["game_hash"]);
+  EXPECT_EQ(compared["a"]["game_hash"], json("replay s.lcmlog --json")["game_hash"]);
+  const std::string words = headpin("compare a.lcmlog b.lcmlog").out;
+  for (const char* part : {"other bodies      only b has: ", "ball.mass ", "collision.gravity ",
+                           "1.62", "red friction ", "blue friction ", "game hash "}) {
+    EXPECT_THAT(words, testing::HasSubstr(part));
+  }
+}
+
+TEST_F(ParticipantCommands, ThrowsThatAnotherConditionLosesAreToldAndMadeOnTheirOwn) {
+  ASSERT_EQ(headpin("synthesize --participant 7 --throws 2 -o s.lcmlog").code, 0);
+  ASSERT_EQ(headpin("replay s.lcmlog -o played.lcmlog").code, 0);
+  const std::string late = " --friction 0 --set game.ball_back_s=100";
+  const nlohmann::json same = json("replay played.lcmlog --json");
+  EXPECT_EQ(same["throws"], 4);
+  EXPECT_TRUE(same["throws_without_counterpart"].empty() && same["new_throws"].empty());
+  const nlohmann::json lost = json("replay played.lcmlog -o late.lcmlog --json" + late);
+  const auto& unpaired = lost["throws_without_counterpart"];
+  ASSERT_FALSE(unpaired.empty());
+  EXPECT_EQ(json("compare played.lcmlog late.lcmlog --json")["a"]["throws_without_counterpart"],
+            unpaired);
+  EXPECT_THAT(headpin("replay played.lcmlog" + late).out,
+              testing::HasSubstr("has no counterpart here: throw "));
+  EXPECT_THAT(headpin("compare played.lcmlog late.lcmlog").out,
+              testing::HasSubstr("of 4 throws of a have no counterpart in the other"));
+
+  const nlohmann::json each = json("replay played.lcmlog --each-throw --friction 0 --json");
+  ASSERT_EQ(each["each_throw"].size(), 4u);
+  for (const auto& one : each["each_throw"]) {
+    EXPECT_EQ(one["felled"], one["as_it_was"]["felled"]);
+    EXPECT_TRUE(one["other_condition"]["felled"].is_number()) << one;
+  }
+  EXPECT_THAT(headpin("replay played.lcmlog --each-throw").out,
+              testing::HasSubstr("other condition"));
+  expect_refusal("replay played.lcmlog --each-throw -o x.lcmlog", 2, "--each-throw");
+  expect_refusal("replay played.lcmlog --each-throw --set rates.physics_hz=480", 2, "physics_hz");
+}
+
 TEST_F(ParticipantCommands, ThrowsThatTheGameLeavesNoTimeForAreTold) {
   const std::string line = "synthesize --participant 3 --scenario english-skittles --throws 50 ";
   const nlohmann::json made = json(line + "-o all.lcmlog --json");

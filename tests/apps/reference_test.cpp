@@ -60,6 +60,9 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
   take("import --json " HEADPIN_SOURCE_DIR "/assets/throws/example.csv -o found.lcmlog");
   take("replay --json throw.lcmlog -o game.lcmlog");
   take("replay --json game.lcmlog --verify");
+  take("replay --json session.lcmlog -o played.lcmlog");
+  take("replay --json played.lcmlog --friction 0 --set game.ball_back_s=100");
+  take("replay --json played.lcmlog --each-throw");
   take("replay --json throw.lcmlog -o other.lcmlog --set material.ball.friction=0.1");
   take("info --json game.lcmlog");
   // Without losses all comes bouncing back at who threw it.

@@ -219,6 +219,32 @@ TEST_F(TrialCommands, TheExampleThrowIsTheArmModelsAndIsImported) {
   expect_refusal("synthesize -o throw.csv", 1, "throw.csv: exists already");
 }
 
+// The last events of a trial say its game hash; trials from before there was one are read without.
+TEST_F(TrialCommands, TheGameHashOfATrialIsVerifiedWhereItSaysOne) {
+  const nlohmann::json game = json("replay " + kDemo + " -o game.lcmlog --json");
+  const devices::Trial whole = trial("game.lcmlog");
+  ASSERT_EQ(whole.events.back().kind, "game_hash");
+  EXPECT_EQ(whole.events.back().detail, game["game_hash"]);
+  const auto write_with = [&](const std::string& name, const std::string& hash) {
+    devices::Recorder out(folder_ / name, whole.header);
+    std::vector<devices::Event> events = whole.events;
+    if (hash.empty())
+      events.pop_back();
+    else
+      events.back().detail = hash;
+    devices::write(out, whole.samples, events);
+    for (const devices::TickState& state : whole.states) out.write(state);
+    out.close();
+  };
+  write_with("old.lcmlog", "");
+  write_with("other.lcmlog", "0123456789abcdef");
+  EXPECT_EQ(json("replay old.lcmlog --verify --json")["game_hash"], game["game_hash"]);
+  EXPECT_EQ(json("compare old.lcmlog game.lcmlog --json")["a"]["game_hash"], game["game_hash"]);
+  const Result other = headpin("replay other.lcmlog --verify");
+  EXPECT_EQ(other.code, 1);
+  EXPECT_THAT(other.err, HasSubstr("expected the game hash 0123456789abcdef"));
+}
+
 TEST_F(TrialCommands, InfoTellsWhatIsInATrial) {
   ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
   const nlohmann::json info = json("info game.lcmlog --json");

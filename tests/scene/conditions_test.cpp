@@ -1,0 +1,215 @@
+// The same hand under another condition: what a game hash tells apart, which throws have no
+// counterpart, and every throw on its own.
+
+#include <gmock/gmock.h>
+
+#include "devices/sources.h"
+#include "scene/counterparts.h"
+#include "scene/each_throw.h"
+#include "scene/events.h"
+#include "tests/support/hand_script.h"
+
+namespace headpin::scene {
+namespace {
+
+struct Watched : Observer {
+  void tick(const Session& now) override {
+    events.insert(events.end(), now.events.begin(), now.events.end());
+    states.push_back(engine::state_hash(now.world));
+  }
+  std::vector<devices::Event> events;
+  std::vector<std::uint64_t> states;
+};
+
+struct Ran {
+  Watched watched;
+  Session session;
+};
+
+Ran run_with(const Scenario& scenario, const std::vector<devices::Sample>& samples,
+             Observer* other = nullptr) {
+  Ran now{{}, make_session(scenario)};
+  devices::ReplaySource source(samples);
+  const Time end = source.end();
+  NoPace pace;
+  std::vector<Observer*> observers = {&now.watched};
+  if (other) observers.push_back(other);
+  run(now.session, source, pace, observers, [&](const Session& s) { return s.now() >= end; });
+  return now;
+}
+
+Scenario two_versions() {
+  Scenario scenario;
+  scenario.game.rules = "plain";
+  scenario.game.frames = 1;
+  scenario.game.balls = 1;
+  scenario.version.buttons = true;
+  return scenario;
+}
+
+/// FNV-1a as its authors write it, over numbers of 8 bytes, the lowest first.
+std::uint64_t fnv_1a(const std::vector<std::uint64_t>& numbers) {
+  std::uint64_t hash = 14695981039346656037u;
+  for (std::uint64_t number : numbers) {
+    for (int i = 0; i < 8; ++i, number /= 256) hash = (hash ^ number % 256) * 1099511628211u;
+  }
+  return hash;
+}
+
+TEST(GameHash, TellsGamesApartThatEndInTheSameState) {
+  Scenario rough = two_versions(), smooth = rough;
+  smooth.version.red.friction = 0.0;
+  HandScript hand(rough);
+  hand.touch(rough.version.red.button);
+  hand.throw_from(0.05);
+  hand.touch(rough.version.blue.button);  // sets all up anew
+  const Ran a = run_with(rough, hand.samples), b = run_with(smooth, hand.samples);
+  ASSERT_EQ(a.session.state_hash, b.session.state_hash);
+  EXPECT_NE(a.session.game_hash.value(), b.session.game_hash.value());
+  EXPECT_EQ(a.session.game_hash.value(), run_with(rough, hand.samples).session.game_hash.value());
+}
+
+TEST(GameHash, IsOfTheStateHashAndTheVersionOfEveryTick) {
+  const Scenario scenario = two_versions();
+  HandScript hand(scenario);
+  hand.stay(Vec3(0.0, -1.0, 1.0), 0.1);
+  hand.touch(scenario.version.blue.button);
+  hand.touch(scenario.version.red.button);
+  const Ran now = run_with(scenario, hand.samples);
+  std::vector<std::uint64_t> numbers;
+  std::uint64_t version = 0;
+  for (std::size_t i = 0; i < now.watched.states.size(); ++i) {
+    for (const devices::Event& event : now.watched.events) {
+      if (event.kind != kind::version || event.tick != static_cast<std::int64_t>(i) + 1) continue;
+      version = event.detail == "red" ? 1 : 2;
+    }
+    numbers.push_back(now.watched.states[i]);
+    numbers.push_back(version);
+  }
+  EXPECT_EQ(version, 1u);
+  EXPECT_EQ(now.session.game_hash.value(), fnv_1a(numbers));
+}
+
+Scenario four_balls() {
+  Scenario scenario;
+  scenario.game.rules = "plain";
+  scenario.game.frames = 2;
+  scenario.game.balls = 2;
+  return scenario;
+}
+
+HandScript four_throws(const Scenario& scenario) {
+  HandScript hand(scenario);
+  for (const double x : {0.02, 0.3, -0.1, 0.2}) hand.throw_from(x);
+  return hand;
+}
+
+std::vector<int> felled(const std::vector<devices::Event>& events) {
+  std::vector<int> all;
+  for (const devices::Event& event : events) {
+    if (event.kind == kind::delivery) all.push_back(static_cast<int>(event.value));
+  }
+  return all;
+}
+
+/// In which a ball that is thrown comes back after the hand has come for the next one.
+Scenario late_ball() {
+  Scenario scenario = four_balls();
+  set_friction(scenario, 0.0);
+  scenario.game.ball_back_s = 15.0;
+  return scenario;
+}
+
+TEST(Counterparts, AThrowWhoseBallWasNotBackIsTold) {
+  const Scenario scenario = four_balls();
+  const HandScript hand = four_throws(scenario);
+  const Ran recorded = run_with(scenario, hand.samples);
+  ASSERT_EQ(thrown(recorded.watched.events).size(), 4u);
+  EXPECT_TRUE(without_counterpart(recorded.watched.events, recorded.watched.events).empty());
+
+  const Ran late = run_with(late_ball(), hand.samples);
+  const std::vector<Unpaired> lost =
+      without_counterpart(recorded.watched.events, late.watched.events);
+  // The sum holds: what was thrown there, and what is told not to be.
+  EXPECT_EQ(lost.size() + felled(late.watched.events).size(), 4u);
+  ASSERT_FALSE(lost.empty());
+  EXPECT_EQ(lost.front().thrown.number, 2);
+  EXPECT_EQ(lost.front().why, "not thrown: the hand closed on nothing");
+}
+
+TEST(EachThrow, UnderTheSameConditionIsWhatItWas) {
+  const Scenario scenario = four_balls();
+  const HandScript hand = four_throws(scenario);
+  EachThrow each(make_session(scenario), scenario);
+  const Ran now = run_with(scenario, hand.samples, &each);
+  each.finish();
+  std::vector<int> was, other;
+  for (const ThrowAlone& one : each.throws()) {
+    was.push_back(one.as_it_was.felled.value_or(-1));
+    other.push_back(one.other.felled.value_or(-1));
+    EXPECT_EQ(one.thrown.felled, one.as_it_was.felled);
+    EXPECT_EQ(one.as_it_was.impact_speed, one.other.impact_speed);
+  }
+  EXPECT_EQ(was, felled(now.watched.events));
+  EXPECT_EQ(other, was);
+}
+
+TEST(EachThrow, LosesNoneUnderAConditionThatLosesSome) {
+  const Scenario scenario = four_balls(), late = late_ball();
+  const HandScript hand = four_throws(scenario);
+  EachThrow each(make_session(scenario), late);
+  const Ran now = run_with(scenario, hand.samples, &each);
+  each.finish();
+  const std::vector<ThrowAlone> throws = each.throws();
+  ASSERT_EQ(throws.size(), 4u);
+  for (const ThrowAlone& one : throws) {
+    EXPECT_TRUE(one.other.felled.has_value()) << one.thrown.number;
+    EXPECT_EQ(one.other.release_speed, one.as_it_was.release_speed);
+  }
+  // The first one is not preceded by any: it is the first of a replay of the whole session.
+  const Ran replayed = run_with(late, hand.samples);
+  EXPECT_EQ(throws[0].other.felled, felled(replayed.watched.events).at(0));
+  // The second ball of a frame comes to the skittles that its own first ball left.
+  EXPECT_LE(*throws[1].other.felled + felled(now.watched.events)[0], 10);
+}
+
+TEST(EachThrow, OfASkittleOfAnotherShapeStandsOnItsBase) {
+  Scenario scenario = four_balls(), other = scenario;
+  scenario.skittle.weighed = other.skittle.weighed = "parts";
+  other.collision.shape = "ellipsoid";
+  const HandScript hand = four_throws(scenario);
+  EachThrow each(make_session(scenario), other);
+  run_with(scenario, hand.samples, &each);
+  each.finish();
+  ASSERT_EQ(each.throws().size(), 4u);
+  for (const ThrowAlone& one : each.throws()) EXPECT_TRUE(one.other.felled.has_value());
+}
+
+TEST(EachThrow, IsRefusedWithOtherBodiesOrTicks) {
+  const Scenario scenario = four_balls();
+  Scenario faster = scenario, more = scenario;
+  faster.rates.physics_hz = 480;
+  more.rack.spots.pop_back();
+  const Session session = make_session(scenario);
+  EXPECT_THROW(EachThrow(session, faster), std::invalid_argument);
+  EXPECT_THROW(EachThrow(session, more), std::invalid_argument);
+}
+
+TEST(Differences, AreTheKeysThatDifferAndBothValues) {
+  Scenario a, b;
+  EXPECT_TRUE(differences(a, b).empty());
+  b.ball.mass = 3.0;
+  b.collision.gravity = 1.62;
+  b.version.red.shape = "ellipsoid";
+  std::vector<std::string> keys;
+  for (const KeyDifference& one : differences(a, b)) keys.push_back(one.key);
+  EXPECT_THAT(keys,
+              testing::UnorderedElementsAre("ball.mass", "collision.gravity", "version.red.shape"));
+  for (const KeyDifference& one : differences(a, b)) {
+    set(a, one.key + "=" + one.b);  // each is an assignment
+  }
+  EXPECT_EQ(to_toml(a), to_toml(b));
+}
+
+}  // namespace
+}  // namespace headpin::scene
