@@ -1,11 +1,12 @@
 // Simulating the trial again in the page, under a condition that the reader sets.
 import { rawBlock, hasBlock, inflated } from './data.js';
-import { find, make, number } from './elements.js';
+import { find, make } from './elements.js';
 import * as engines from './engine.js';
+import { againInWords } from './words.js';
 
-/** Where a slider stands: at the value of skittles, which is that of all unless objects differ. */
-function shared(perObject) {
-  return perObject.skittle;
+/** Of one version of the game, where they differ in it: the red one. */
+function first(summary, key) {
+  return summary[key] ?? summary.versions.red[key];
 }
 
 export class Again {
@@ -56,16 +57,21 @@ export class Again {
     find('response').replaceChildren(...responses.map(({ name, keeps }) =>
       make('option', { value: name, title: keeps }, name)));
     this.set = {};
-    find('elasticity').value = shared(summary.elasticity);
-    find('friction').value = shared(summary.friction);
-    find('shape').value = summary.shape;
+    find('elasticity').value = first(summary, 'elasticity').skittle;  // that of all unless objects differ
+    find('friction').value = first(summary, 'friction').skittle;
+    find('shape').value = first(summary, 'shape');
+    find('of-versions').hidden = summary.versions === null;
     find('response').value = summary.response;
     this.label();
   }
 
   label() {
     for (const id of ['elasticity', 'friction']) {
-      find(id).parentElement.querySelector('output').textContent = Number(find(id).value).toFixed(2);
+      const { summary } = this.trial.json;
+      const each = summary[id] === null && !(id in this.set)
+        ? Object.entries(summary.versions).map(([name, version]) => `${name} ${version[id].skittle.toFixed(2)}`)
+        : [Number(find(id).value).toFixed(2)];
+      find(id).parentElement.querySelector('output').textContent = each.join(', ');
     }
   }
 
@@ -96,26 +102,13 @@ export class Again {
         const set = { ...this.set };
         const { trial, milliseconds } = await this.engine.simulate(set);
         this.again = trial;
-        this.say(this.inWords(set, trial, milliseconds));
+        this.say(againInWords(this.trial, set, trial, milliseconds));
       }
     } catch (error) {
       this.say(`The engine: ${error.message}`);
     }
     this.running = false;
     this.tell();
-  }
-
-  inWords(set, { json }, milliseconds) {
-    const { state_hash: hash, skittles_down: down, skittles, simulated_s: seconds } = json.summary;
-    const pace = `${number(1e3 * seconds / Math.max(milliseconds, 0.1), 3)} times real time`;
-    if (Object.keys(set).length > 0) {
-      return `Simulated again: ${down} of ${skittles} skittles down, state hash ${hash}, ${pace}.`;
-    }
-    const { recorded, replayed } = this.trial.json.hash;
-    const as = recorded ?? replayed;
-    return hash === as
-      ? `Simulated again in this page: ${hash}, equal to the bit with ${recorded ? 'the recording' : 'the program that made this page'}; ${json.summary.ticks} ticks, ${pace}.`
-      : `Simulated again in this page: ${hash}, but ${recorded ? 'recorded' : 'the program that made this page came to'} ${as}.`;
   }
 
   tell() {
@@ -132,6 +125,7 @@ export class Again {
       const bytes = new Uint8Array(await file.arrayBuffer());
       const trial = await this.engine.openTrial(bytes);
       trial.json.trial.name = file.name;
+      trial.openedHere = true;
       this.trial = trial;
       this.again = null;
       this.setControls(trial);

@@ -1,4 +1,5 @@
 // Small helpers for the page's elements. Whatever comes from a trial goes in as text, never as HTML.
+export { number } from './words.js';
 
 export const find = (id) => document.getElementById(id);
 
@@ -28,11 +29,4 @@ export function table(caption, head, rows) {
 export function facts(entries) {
   return make('dl', {}, entries.flatMap(([name, value]) =>
     [make('dt', {}, name), make('dd', {}, value)]));
-}
-
-export function number(value, digits = 3) {
-  if (value === null || value === undefined || Number.isNaN(value)) return '–';
-  if (Number.isInteger(value)) return String(value);
-  return Math.abs(value) >= 1e5 || (value !== 0 && Math.abs(value) < 1e-3)
-    ? value.toExponential(2) : Number(value.toPrecision(digits)).toString();
 }

@@ -1,14 +1,8 @@
 // What is known of a trial, in words and tables.
 import { facts, find, make, number, table } from './elements.js';
+import { conditionInWords, framesOf, hashInWords, headInWords, lostEnergy, unpairedInWords, versionInWords } from './words.js';
 
 const kNone = '–';
-
-/** The number that all objects share, else each with its object's name. */
-function perObject(values) {
-  const all = Object.entries(values);
-  if (all.every(([, value]) => value === all[0][1])) return `${number(all[0][1])} each`;
-  return all.map(([name, value]) => `${name} ${number(value)}`).join(', ');
-}
 
 const kRows = [
   ['Skittles down', (s) => (s.games.length ? `${s.skittles_down} of all racks`
@@ -16,16 +10,17 @@ const kRows = [
   ['Points', (s) => s.games.map(({ name, rules, points }) => `${name ? `${name} ` : ''}${rules} ${points}`).join(', ') || kNone],
   ['Ball at release', (s) => withUnit(s.release_speed_mps, 'm/s')],
   ['Ball at the first skittle', (s) => withUnit(s.impact_speed_mps, 'm/s')],
-  ['Elasticity', (s) => perObject(s.elasticity)],
-  ['Friction', (s) => perObject(s.friction)],
-  ['Skittles collide as', (s) => s.shape],
+  ['Elasticity', (s) => conditionInWords(s, 'elasticity')],
+  ['Friction', (s) => conditionInWords(s, 'friction')],
+  ['Skittles collide as', (s) => conditionInWords(s, 'shape')],
   ['Impulses', (s) => s.response],
   ['Detection', (s) => s.detection],
   ['Simulated', (s) => `${number(s.simulated_s, 6)} s, ${s.ticks} ticks`],
   ['Impacts', (s) => number(s.statistics.impacts)],
   ['Deepest overlap', (s) => withUnit(s.statistics.deepest_overlap_m * 1000, 'mm')],
-  ['Energy lost in impacts', (s) => withUnit(-s.ledger.impact_j, 'J')],
+  ['Energy lost in impacts', (s) => withUnit(lostEnergy(s.ledger), 'J')],
   ['State hash', (s) => make('code', {}, s.state_hash)],
+  ['Game hash', (s) => make('code', {}, s.game_hash)],
 ];
 
 function withUnit(value, unit) {
@@ -49,36 +44,40 @@ export function resultTable(caption, columns) {
     }));
 }
 
-/** Whether simulating it gives what was recorded. */
-export function hashInWords({ hash, rate_hz: rate }) {
-  if (hash.recorded === null) return `The trial holds no states to compare with; simulated, it comes to ${hash.replayed}.`;
-  if (hash.first_difference === null) {
-    return `Simulated again by the program that made this page: equal to the bit in ${hash.verified_ticks} recorded ticks, ${hash.replayed}.`;
-  }
-  const { tick, time_s: time, body } = hash.first_difference;
-  return `Simulated again, it differs from what was recorded, first at tick ${tick} (${number(tick / rate, 6)} s)`
-    + `${body ? ` in the ${body}` : ''}: recorded ${hash.recorded}, simulated ${hash.replayed}. Bodies are shown as recorded.`;
-}
-
-function sheets(games) {
-  return games.map((game) => {
-    const frames = game.rolls.filter((balls) => balls.length);
+function sheets(summary) {
+  return summary.games.map((game) => {
+    const frames = framesOf(game);
+    const condition = versionInWords(summary, game.name);
     return make('div', {},
       table(`Score sheet: ${game.name ? `${game.name} ` : ''}${game.rules}, ${game.points} points${game.over ? '' : ' (not over)'}`,
         ['Frame', ...frames.map((_, i) => i + 1)],
-        [['Skittles', ...frames.map((balls) => balls.join(' '))]]),
-      make('p', { class: 'sheet' }, game.sheet));
+        [['Skittles', ...frames]]),
+      make('p', { class: 'sheet' }, game.sheet),
+      condition && make('p', { class: 'note' }, `${game.name} version: ${condition}`));
   });
 }
 
 export function showResult(trial) {
   const { summary, approaches, why_nothing_fell: why } = trial.json;
   find('result-body').replaceChildren(
-    make('p', { class: 'verdict', id: 'verdict' }, hashInWords(trial.json)),
+    make('p', { class: 'verdict', id: 'verdict' }, hashInWords(trial)),
     ...(why ? [make('p', {}, why)] : []),
-    ...sheets(summary.games),
+    ...sheets(summary),
     ...approaches.map((line) => make('p', {}, line)),
     resultTable('The trial in numbers', [['Value', trial]]));
+}
+
+/** The throws of one session that another has not. */
+export function unpairedList(heading, throws) {
+  return throws.length === 0 ? [] : [make('p', {}, heading),
+    make('ul', {}, throws.slice(0, 100).map((one) => make('li', {}, unpairedInWords(one))))];
+}
+
+/** Keys of the scenario that differ. */
+export function differencesTable(differences, a, b) {
+  const brief = (text) => (text.length > 120 ? `${text.slice(0, 120)}…` : text || kNone);
+  return differences.length === 0 ? []
+    : [table('What differs in the scenario', ['Key', a, b], differences.map((one) => [one.key, brief(one.a), brief(one.b)]))];
 }
 
 export function showEvents(trial, go) {
@@ -126,8 +125,10 @@ export function showProvenance(trial, about) {
       ['Trial', t.name], ['Participant', t.participant || kNone], ['Condition', t.condition || kNone],
       ['Seed', t.seed], ['Scenario', t.scenario_name], ['Length', `${number(t.duration_s, 6)} s, ${rate} ticks a second`],
       ['Recorded by', `headpin ${t.version || '?'} (${t.commit || 'no commit'}), format ${t.format_version}`],
-      ['State hash', make('code', { id: 'hash' }, hash.replayed)],
-      ['Recorded hash', make('code', {}, hash.recorded ?? kNone)],
+      ['State hash, simulated', make('code', { id: 'hash' }, hash.replayed)],
+      ['State hash, recorded', make('code', {}, hash.recorded ?? kNone)],
+      ['Game hash, simulated', make('code', { id: 'game-hash' }, hash.game_replayed)],
+      ['Game hash, recorded', make('code', {}, hash.game_recorded ?? kNone)],
       ['Page made by', `headpin ${about.version} (${about.commit || 'no commit'})`],
       ['To make it again', make('code', {}, about.command)]]),
     make('div', { id: 'left-out' }, notes.map((note) => make('p', { class: 'note' }, note))),
@@ -135,14 +136,17 @@ export function showProvenance(trial, about) {
       make('pre', { tabindex: 0, role: 'region', 'aria-label': 'Scenario' }, t.scenario)));
 }
 
-export function showHead(trial) {
-  const { trial: t, summary: s } = trial.json;
-  const brief = (text) => (text.length > 120 ? `${text.slice(0, 120)}…` : text);
-  document.title = `${brief(t.name)} – headpin`;
-  find('title').textContent = brief(t.name);
-  find('subtitle').textContent = [
-    t.participant && `participant ${brief(t.participant)}`, t.condition && `condition ${brief(t.condition)}`,
-    brief(t.scenario_name), `${number(t.duration_s, 4)} s`,
-    s.games.length ? brief(s.games[s.games.length - 1].sheet) : `${s.skittles_down} of ${s.skittles} skittles down`,
-  ].filter(Boolean).join(' · ');
+/** @param again  what is shown in place of the trial or with it; null for none */
+export function showHead(trial, again) {
+  const { name } = trial.json.trial;
+  const brief = name.length > 120 ? `${name.slice(0, 120)}…` : name;
+  document.title = `${brief} – headpin`;
+  find('title').textContent = brief;
+  find('subtitle').textContent = headInWords(trial, again);
+  for (const [id, heading] of [['events', 'Events'], ['plots', 'Over time']]) {
+    find(`${id}-heading`).textContent = again ? `${heading}, simulated again` : heading;
+  }
+  find('result-heading').textContent = again ? 'Result, as in the trial, and simulated again' : 'Result';
+  find('video-caption').textContent = again
+    ? 'What both eyes saw of the trial, not of what is simulated again' : 'What both eyes saw';
 }

@@ -3,13 +3,14 @@ import { Again } from './again.js';
 import { Clock } from './clock.js';
 import { block, hasBlock, jsonBlock, numbersOf } from './data.js';
 import { find, make, number } from './elements.js';
-import { resultTable, showDevices, showEvents, showHead, showMissing, showProvenance, showResult } from './facts.js';
+import { differencesTable, resultTable, showDevices, showEvents, showHead, showMissing, showProvenance, showResult, unpairedList } from './facts.js';
 import { listen } from './keys.js';
 import { Plots } from './plots.js';
 import { Timeline } from './timeline.js';
 import { Trial } from './trial.js';
 import { Video } from './video.js';
 import { View } from './view.js';
+import { firstDifferenceInWords } from './words.js';
 
 async function trialOf(which) {
   const json = await jsonBlock(`json${which}`);
@@ -17,14 +18,19 @@ async function trialOf(which) {
 }
 
 /** What two trials have in common and what not. */
-function showCompared(trial, other, difference) {
+function showCompared(trial, other, about) {
+  const { first_difference: difference, bodies_only_in_a: onlyA, bodies_only_in_b: onlyB } = about;
+  const [a, b] = [trial, other].map(({ json }) => json.trial.name.slice(0, 80));
   find('compared').hidden = false;
-  const where = difference === null
-    ? 'Simulated tick by tick, they are equal to the bit.'
-    : `First different tick: ${difference.tick} (${number(difference.time_s, 6)} s)${difference.body ? `, in the ${difference.body}` : ', where the shorter one ends'}.`;
   const go = difference && make('button', { type: 'button', onclick: () => page.clock.go(difference.tick) }, 'Go there');
-  find('compared-body').replaceChildren(make('p', { id: 'first-difference' }, where, ' ', go ?? ''),
-    resultTable('Both in numbers', [[trial.json.trial.name.slice(0, 80), trial], [other.json.trial.name.slice(0, 80), other]]));
+  const others = [[a, onlyA], [b, onlyB]].filter(([, names]) => names.length > 0);
+  find('compared-body').replaceChildren(
+    ...others.map(([name, bodies]) => make('p', {}, `Other bodies: only ${name} has ${bodies.join(', ')}.`)),
+    make('p', { id: 'first-difference' }, firstDifferenceInWords(difference, others.length > 0), ' ', go ?? ''),
+    ...differencesTable(about.scenario_differences, a, b),
+    ...unpairedList(`Throws of ${a} that have no counterpart in ${b}:`, about.only_thrown_in_a),
+    ...unpairedList(`Throws of ${b} that have no counterpart in ${a}:`, about.only_thrown_in_b),
+    resultTable('Both in numbers', [[a, trial], [b, other]]));
 }
 
 function controls(page) {
@@ -67,7 +73,7 @@ class Page {
     this.show(this.trial);
     if (this.other) {
       this.nameOther('Other trial (blue)');
-      showCompared(this.trial, this.other, this.about.first_difference);
+      showCompared(this.trial, this.other, this.about);
     }
     document.documentElement.dataset.ready = 'yes';
     this.again = new Again((again, which) => this.showAgain(again, which), (trial) => this.openTrial(trial));
@@ -76,9 +82,9 @@ class Page {
   }
 
   /** All of the page but the 3D view, of the trial that is shown. */
-  show(trial) {
+  show(trial, again = null) {
     this.clock.reset(trial.lastTick, trial.rate);
-    showHead(this.trial);
+    showHead(this.trial, again);
     showResult(this.trial);
     showEvents(trial, (tick) => { this.clock.pause(); this.clock.go(tick); });
     showMissing(this.trial);
@@ -115,9 +121,12 @@ class Page {
     const shown = again && which === 'again' ? again : this.trial;
     this.view.load(shown, which === 'both' && again ? again : which === 'again' ? null : this.other);
     this.nameOther(which === 'both' ? 'Simulated again (blue)' : this.other && which !== 'again' ? 'Other trial (blue)' : null);
-    this.show(shown);
-    if (again && which !== 'recorded') {
-      find('result-body').append(resultTable('Simulated again', [['the trial', this.trial], ['again', again]]));
+    const shownAgain = again && which !== 'recorded' ? again : null;
+    this.show(shown, shownAgain);
+    if (shownAgain) {
+      find('result-body').append(...differencesTable(again.json.scenario_differences, 'the trial', 'again'),
+        ...unpairedList('Recorded throws that have no counterpart here:', again.json.throws_without_counterpart),
+        resultTable('Simulated again', [['the trial', this.trial], ['again', again]]));
     }
     this.view.show(this.clock.tick);
   }

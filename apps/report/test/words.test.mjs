@@ -1,0 +1,113 @@
+// What the page says, without a browser: node --test words.test.mjs
+import assert from 'node:assert/strict';
+import test from 'node:test';
+
+import { againInWords, conditionInWords, firstDifferenceInWords, framesOf, hashInWords, headInWords, lostEnergy, number, resultInBrief,
+  versionInWords } from '../src/words.js';
+
+const each = (value) => ({ skittle: value, ball: value, lane: value, wall: value });
+
+function summary(parts = {}) {
+  return { games: [], skittles: 10, skittles_down: 9, elasticity: each(0.7), friction: each(0.7), shape: 'true', versions: null,
+    state_hash: 'aaaa', game_hash: 'bbbb', simulated_s: 7, ticks: 1682, ...parts };
+}
+
+/** A trial as the page has it: simulated to `game`, recorded whole unless said otherwise. */
+function trialOf({ hash = {}, log = {}, openedHere = false, ...parts } = {}) {
+  return {
+    openedHere,
+    json: {
+      rate_hz: 240,
+      summary: summary(parts),
+      hash: { game_replayed: 'bbbb', game_recorded: 'bbbb', replayed: 'aaaa', recorded: 'aaaa', verified_ticks: 1682, first_difference: null, ...hash },
+      trial: { name: 't.lcmlog', participant: '', condition: '', scenario_name: 'paper-room', duration_s: 7, complete: true, ...log },
+    },
+  };
+}
+
+const again = (parts = {}, lost = []) => ({ json: { summary: summary(parts), throws_without_counterpart: lost } });
+
+const tenFrames = { name: '', rules: 'ten-pin', points: 112, over: true, rolls: [[6, 4], [10], [3, 4]],
+  sheet: 'ten-pin: 6 / | X | 3 4 = 112' };
+const red = { ...tenFrames, name: 'red', sheet: 'red ten-pin: 6 / | X | 3 4 = 112' };
+const blue = { ...tenFrames, name: 'blue', sheet: 'blue ten-pin: 3 4 = 7 (not over)', rolls: [[3, 4]], points: 7 };
+
+test('a game of ten frames is told by its sheet, never as 64 of 10', () => {
+  const of = { games: [tenFrames], skittles_down: 64 };
+  for (const words of [resultInBrief(summary(of)), againInWords(trialOf(), { friction: 0 }, again(of), 10), headInWords(trialOf(of))]) {
+    assert.doesNotMatch(words, /64 of/);
+    assert.match(words, /6 \/ \| X \| 3 4 = 112/);
+  }
+  assert.equal(resultInBrief(summary()), '9 of 10 skittles down');
+});
+
+test('a spare is a spare in the table too', () => {
+  assert.deepEqual(framesOf(tenFrames), ['6 /', 'X', '3 4']);
+  assert.deepEqual(framesOf(blue), ['3 4']);
+  assert.deepEqual(framesOf({ ...blue, rolls: [[3, 4], []] }), ['3 4']);
+});
+
+test('of two versions the header tells both', () => {
+  const words = headInWords(trialOf({ games: [red, blue] }));
+  assert.ok(words.includes(red.sheet) && words.includes(blue.sheet), words);
+});
+
+test('who simulated a trial is told: the program, or the page that it was opened in', () => {
+  assert.match(hashInWords(trialOf()), /by the program that made this page: equal to the bit in 1682 recorded ticks/);
+  const dropped = hashInWords(trialOf({ openedHere: true }));
+  assert.match(dropped, /in this page: equal to the bit/);
+  assert.doesNotMatch(dropped, /program/);
+  const raw = { hash: { recorded: null, game_recorded: null, verified_ticks: 0 } };
+  assert.match(hashInWords(trialOf(raw)), /no states to compare with; simulated by the program/);
+  const rawDropped = trialOf({ ...raw, openedHere: true });
+  for (const words of [hashInWords(rawDropped), againInWords(rawDropped, {}, again(), 10), headInWords(rawDropped)]) {
+    assert.doesNotMatch(words, /program|equal|recorded/);
+  }
+  assert.match(againInWords(trialOf(raw), {}, again(), 10), /equal to the bit with what the program that made this page came to/);
+});
+
+test('a log that is cut is not told as sound', () => {
+  const cut = trialOf({ log: { complete: false }, hash: { verified_ticks: 840, game_recorded: null } });
+  assert.match(headInWords(cut), /the log is not complete/);
+  assert.match(hashInWords(cut), /the 840 recorded ticks that are left/);
+  assert.match(hashInWords(cut), /not complete/);
+  assert.match(againInWords(cut, {}, again(), 10), /as far as it goes/);
+});
+
+test('equal is said of the whole game, not of its last state', () => {
+  const other = againInWords(trialOf(), {}, again({ game_hash: 'cccc' }), 10);
+  assert.match(other, /not equal to the recording/);
+  const differs = trialOf({ hash: { first_difference: { tick: 24, time_s: 0.1, body: 'ball' } } });
+  assert.match(againInWords(differs, {}, again(), 10), /not equal to the recording/);
+  assert.match(hashInWords(differs), /first at tick 24 \(0\.1 s\) in the ball/);
+});
+
+test('recorded and simulated are told apart in the header', () => {
+  const words = headInWords(trialOf(), again({ skittles_down: 3 }));
+  assert.match(words, /recorded: 9 of 10/);
+  assert.match(words, /simulated again, with what is set below: 3 of 10/);
+});
+
+test('throws without a counterpart are told', () => {
+  const lost = [{ throw: 7, name: 'red', time_s: 63.2, why: 'not thrown: the hand closed on nothing' }];
+  assert.match(againInWords(trialOf(), { friction: 0 }, again({}, lost), 10),
+    /1 recorded throw has no counterpart: throw 7 \(red, 63\.200 s\): not thrown/);
+});
+
+test('of versions that differ each has its own condition', () => {
+  const versions = { red: { elasticity: each(0.7), friction: each(0.7), shape: 'true' }, blue: { elasticity: each(0.7), friction: each(0), shape: 'true' } };
+  const s = summary({ friction: null, versions });
+  assert.equal(conditionInWords(s, 'friction'), 'red 0.7 each; blue 0 each');
+  assert.equal(conditionInWords(s, 'elasticity'), '0.7 each');
+  assert.equal(versionInWords(s, 'blue'), 'elasticity 0.7 each, friction 0 each, shape true');
+});
+
+test('what rounding leaves of no energy is none', () => {
+  assert.equal(number(lostEnergy({ impact_j: 7.8e-14 })), '0');
+  assert.equal(number(lostEnergy({ impact_j: -12.5 })), '12.5');
+});
+
+test('other bodies are said before what the rest differs in', () => {
+  assert.match(firstDifferenceInWords(null, true), /^Of the bodies that both have: /);
+  assert.match(firstDifferenceInWords({ tick: 5, time_s: 0.02, body: 'ball' }, false), /^First different tick: 5 /);
+});
