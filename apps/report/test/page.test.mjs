@@ -163,7 +163,7 @@ test('a trial that is cut off says so; an empty one is refused', async () => {
   truncateSync(join(folder, 'cut.lcmlog'), 1_500_000);
   headpin('report', 'cut.lcmlog', '-o', 'cut.html');
   const { page, said } = await open(browser, 'cut.html');
-  assert.match(await page.textContent('#devices-body'), /not complete/);
+  for (const id of ['devices-body', 'subtitle', 'verdict']) assert.match(await page.textContent(`#${id}`), /not complete/);
   assert.deepEqual(said, []);
   await page.context().close();
   writeFileSync(join(folder, 'empty.lcmlog'), '');
@@ -238,6 +238,22 @@ test('a moved slider gives what headpin replay gives under that condition', asyn
   await page.context().close();
 });
 
+test('of a game with two versions a slider sets both', async () => {
+  headpin('synthesize', '--participant', '7', '--throws', '1', '-o', 'versions.lcmlog');
+  headpin('report', 'versions.lcmlog', '-o', 'versions.html');
+  const { page } = await withEngine('versions.html');
+  assert.equal(await page.isVisible('#of-versions'), true);
+  const { game_hash: hash, games } = JSON.parse(headpin('replay', 'versions.lcmlog', '--friction', '0.3', '--json'));
+  await page.evaluate(() => {
+    const control = document.getElementById('friction');
+    control.value = '0.3';
+    control.dispatchEvent(new Event('input', { bubbles: true }));
+  });
+  await until(page, (want) => document.getElementById('again-status').textContent.includes(want), hash);
+  for (const { sheet } of games) assert.ok((await page.textContent('#again-status')).includes(sheet), sheet);
+  await page.context().close();
+});
+
 test('another log dropped on the page is opened', async () => {
   headpin('synthesize', '-o', 'another.lcmlog', '--seed', '9', '--name', 'somebody else');
   const { page, said } = await withEngine('game.html');
@@ -250,6 +266,7 @@ test('another log dropped on the page is opened', async () => {
   const { state_hash: hash } = JSON.parse(headpin('replay', 'another.lcmlog', '--json'));
   await until(page, (want) => document.getElementById('hash').textContent === want, hash);
   assert.match(await page.textContent('#subtitle'), /somebody else/);
+  for (const id of ['verdict', 'again-status']) assert.doesNotMatch(await page.textContent(`#${id}`), /program/);
   writeFileSync(join(folder, 'junk.lcmlog'), 'junk');
   await page.setInputFiles('#drop', join(folder, 'junk.lcmlog'));
   await until(page, () => /^junk\.lcmlog: ./.test(document.getElementById('again-status').textContent));
@@ -283,6 +300,41 @@ test('of two sessions the points of every game are told side by side', async () 
     for (const { points } of games) assert.match(cells[i], new RegExp(`\\b${points}\\b`));
   }
   assert.equal(cells[2], cells[0] === cells[1] ? 'no' : 'yes');
+  assert.deepEqual(said, []);
+  await page.context().close();
+});
+
+test('of two sessions it is told what differs, which throws are lost, and what is simulated again', async () => {
+  headpin('synthesize', '--participant', '7', '--throws', '2', '-o', 'samples.lcmlog');
+  headpin('replay', 'samples.lcmlog', '-o', 'session.lcmlog');
+  headpin('replay', 'session.lcmlog', '--friction', '0', '--set', 'game.ball_back_s=100', '--set', 'lane.masking_panel=true',
+    '-o', 'late.lcmlog');
+  headpin('report', 'session.lcmlog', 'late.lcmlog', '-o', 'sessions.html', '--video', 'stereo.mp4');
+  const { scenario_differences: keys, a, b, bodies_only_in_b: bodies } = JSON.parse(headpin('compare', 'session.lcmlog', 'late.lcmlog', '--json'));
+  const { page, said } = await open(browser, 'sessions.html');
+  const text = (id) => page.textContent(`#${id}`);
+  const compared = await text('compared-body');
+  for (const { key } of keys) assert.ok(compared.includes(key), key);
+  assert.ok(keys.length > 2 && bodies.length === 1 && compared.includes(bodies[0]));
+  assert.ok(a.throws_without_counterpart.length > 0);
+  for (const { throw: number, why } of a.throws_without_counterpart) assert.ok(compared.includes(`throw ${number} (`) && compared.includes(why));
+  assert.match(await text('first-difference'), /^Of the bodies that both have: /);
+  for (const { sheet } of a.games) {  // of both versions
+    assert.ok((await text('subtitle')).includes(sheet), sheet);
+    assert.ok((await text('result-body')).includes(sheet), sheet);
+  }
+  assert.match(await text('result-body'), /red version: elasticity 0\.7 each, friction 0\.7 each.*blue version: elasticity 0\.7 each, friction 0 each/);
+  assert.equal(await text('game-hash'), a.game_hash);
+  assert.notEqual(a.game_hash, b.game_hash);
+
+  assert.equal(await text('video-caption'), 'What both eyes saw');
+  await page.evaluate(() => window.headpin.showAgain(window.headpin.other, 'again'));
+  for (const id of ['events-heading', 'plots-heading', 'result-heading']) assert.match(await text(id), /simulated again/);
+  assert.match(await text('video-caption'), /not of what is simulated again/);
+  assert.match(await text('subtitle'), /recorded: .*simulated again/);
+  await page.evaluate(() => window.headpin.showAgain(null, 'recorded'));
+  assert.doesNotMatch(await text('subtitle'), /simulated again/);
+  assert.equal(await text('video-caption'), 'What both eyes saw');
   assert.deepEqual(said, []);
   await page.context().close();
 });
