@@ -91,24 +91,33 @@ struct ThrowEvents : scene::Observer {
   std::vector<devices::Event> events;
 };
 
-/// Which throws of a recorded session are not in its replay, and the other way round. A trial that
-/// holds samples alone tells of none.
-nlohmann::json compared_throws(const devices::TrialSummary& trial,
+/// What happened as a trial was recorded.
+///
+/// @param simulated    the trial, under the condition of the replay
+/// @param as_recorded  the trial's own scenario
+/// @param again        what happened in the replay
+std::vector<devices::Event> recorded_events(scene::Recorded& simulated,
+                                            const scene::Scenario& as_recorded,
+                                            const std::vector<devices::Event>& again) {
+  const bool same = scene::differences(as_recorded, simulated.scenario).empty();
+  if (same && !scene::says_events(simulated.file.summary())) return again;
+  simulated.scenario = as_recorded;
+  return scene::events_of(simulated, [] { check_stop(); });
+}
+
+/// Which throws of a recorded session are not in its replay, and the other way round.
+nlohmann::json compared_throws(const std::vector<devices::Event>& recorded,
                                const std::vector<devices::Event>& again) {
-  nlohmann::json lost = nlohmann::json::array(), more = lost;
-  if (trial.state_count > 0) {
-    lost = scene::to_json(scene::without_counterpart(trial.events, again));
-    more = scene::to_json(scene::without_counterpart(again, trial.events));
-  }
-  return {{"throws", scene::thrown(again).size()},
-          {"throws_without_counterpart", std::move(lost)},
-          {"new_throws", std::move(more)}};
+  return {
+      {"throws", scene::thrown(again).size()},
+      {"throws_without_counterpart", scene::to_json(scene::without_counterpart(recorded, again))},
+      {"new_throws", scene::to_json(scene::without_counterpart(again, recorded))}};
 }
 
 void print_throws(const nlohmann::json& result) {
   for (const auto& [key, what] :
-       {std::pair("throws_without_counterpart", "recorded, has no counterpart here: "),
-        {"new_throws", "has no counterpart in the recording: "}}) {
+       {std::pair("throws_without_counterpart", "of the trial, has no counterpart here: "),
+        {"new_throws", "of this replay, has no counterpart in the trial: "}}) {
     for (const nlohmann::json& one : result[key]) {
       fmt::print("{:<18}{}{}\n", "throw", what, scene::unpaired_in_words(one));
     }
@@ -184,6 +193,7 @@ void replay(const ReplayOptions& options) {
   if (options.each_throw) return replay_each_throw(options);
   scene::Recorded recorded = scene::load_trial(options.trial, microseconds(options.longest_gap));
   const devices::TrialSummary& trial = recorded.file.summary();
+  const scene::Scenario as_recorded = recorded.scenario;
   apply(options.condition, recorded.scenario);
   scene::Session session = scene::make_session(recorded.scenario);
   const std::int64_t ticks = scene::tick_count(trial, recorded.scenario.rates.physics_hz);
@@ -219,7 +229,8 @@ void replay(const ReplayOptions& options) {
   nlohmann::json result = scene::summary(session, totals.score());
   result["trial"] = options.trial;
   result["complete"] = trial.complete;
-  result.update(compared_throws(trial, happened.events));
+  result.update(
+      compared_throws(recorded_events(recorded, as_recorded, happened.events), happened.events));
   result["participant"] = trial.header.participant;
   result["condition"] = trial.header.condition;
   result["seed"] = trial.header.seed;

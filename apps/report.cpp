@@ -169,8 +169,8 @@ void report(const ReportOptions& options) {
     about["bodies_only_in_b"] = shared.only_in_b;
     about["scenario_differences"] =
         scene::to_json(scene::differences(recorded.scenario, other.scenario));
-    const std::vector<devices::Event>& events_a = recorded.file.summary().events;
-    const std::vector<devices::Event>& events_b = other.file.summary().events;
+    const std::vector<devices::Event> events_a = scene::events_of(recorded, [] { check_stop(); });
+    const std::vector<devices::Event> events_b = scene::events_of(other, [] { check_stop(); });
     about["only_thrown_in_a"] = scene::to_json(scene::without_counterpart(events_a, events_b));
     about["only_thrown_in_b"] = scene::to_json(scene::without_counterpart(events_b, events_a));
   }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scene/events.h"
+#include "scene/session.h"
 
 namespace headpin::scene {
 
@@ -52,6 +53,26 @@ std::vector<ThrownBall> thrown(std::span<const devices::Event> events) {
     }
   }
   return all;
+}
+
+bool says_events(const devices::TrialSummary& trial) {
+  return std::ranges::any_of(trial.events, [](const auto& event) { return event.tick >= 0; });
+}
+
+std::vector<devices::Event> events_of(const Recorded& recorded,
+                                      const std::function<void()>& each_tick) {
+  const devices::TrialSummary& trial = recorded.file.summary();
+  if (says_events(trial)) return trial.events;
+  std::vector<devices::Event> events;
+  devices::TrialPlayer source(recorded.file);
+  Session session = make_session(recorded.scenario);
+  const std::int64_t ticks = tick_count(trial, recorded.scenario.rates.physics_hz);
+  while (session.tick < ticks) {
+    if (each_tick) each_tick();
+    advance(session, source);
+    events.insert(events.end(), session.events.begin(), session.events.end());
+  }
+  return events;
 }
 
 std::vector<Unpaired> without_counterpart(std::span<const devices::Event> a,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <string>
@@ -7,7 +8,7 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "devices/trial.h"
+#include "scene/recorded.h"
 
 /// Which throws of one session are in another that the same hand played under another condition.
 namespace headpin::scene {
@@ -23,6 +24,16 @@ struct ThrownBall {
 
 /// The throws of a session, in their order.
 std::vector<ThrownBall> thrown(std::span<const devices::Event> events);
+
+/// Whether a trial says what happened in its session: one that holds samples alone does not.
+bool says_events(const devices::TrialSummary& trial);
+
+/// The events of a recorded session: those that its trial says, or, where it holds samples alone,
+/// those that simulating it as it was recorded brings.
+///
+/// @param each_tick  called before each tick that is simulated for that
+std::vector<devices::Event> events_of(const Recorded& recorded,
+                                      const std::function<void()>& each_tick = {});
 
 /// A throw that the other session has not, and why.
 struct Unpaired {

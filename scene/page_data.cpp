@@ -318,8 +318,9 @@ PageData page_data(const Recorded& recorded, const PageLooks& page_looks, const 
   out["scenario_differences"] = to_json(differences(recorded.scenario, scenario));
   out["throws"] = thrown(happened.events).size();
   out["throws_without_counterpart"] =
-      trial.state_count > 0 ? to_json(without_counterpart(trial.events, happened.events))
-                            : json::array();
+      moved.nothing() && !says_events(trial)
+          ? json::array()
+          : to_json(without_counterpart(events_of(recorded), happened.events));
   out["rate_hz"] = scenario.rates.physics_hz;
   out["ticks"] = ticks;
   out["events"] = of_events(events);

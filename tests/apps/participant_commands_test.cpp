@@ -102,6 +102,9 @@ TEST_F(ParticipantCommands, ThrowsThatAnotherConditionLosesAreToldAndMadeOnTheir
   const nlohmann::json lost = json("replay played.lcmlog -o late.lcmlog --json" + late);
   const auto& unpaired = lost["throws_without_counterpart"];
   ASSERT_FALSE(unpaired.empty());
+  // A trial of samples alone is as it was recorded, too.
+  EXPECT_EQ(json("replay s.lcmlog --json" + late)["throws_without_counterpart"], unpaired);
+  EXPECT_TRUE(json("replay s.lcmlog --json")["throws_without_counterpart"].empty());
   EXPECT_EQ(json("compare played.lcmlog late.lcmlog --json")["a"]["throws_without_counterpart"],
             unpaired);
   EXPECT_THAT(headpin("replay played.lcmlog" + late).out,

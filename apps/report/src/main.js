@@ -125,7 +125,7 @@ class Page {
     this.show(shown, shownAgain);
     if (shownAgain) {
       find('result-body').append(...differencesTable(again.json.scenario_differences, 'the trial', 'again'),
-        ...unpairedList('Recorded throws that have no counterpart here:', again.json.throws_without_counterpart),
+        ...unpairedList('Throws of the trial that have no counterpart here:', again.json.throws_without_counterpart),
         resultTable('Simulated again', [['the trial', this.trial], ['again', again]]));
     }
     this.view.show(this.clock.tick);

@@ -92,15 +92,21 @@ export function headInWords(trial, again = null) {
   ].filter(Boolean).join(' · ');
 }
 
+/** " 2 throws of the trial have no counterpart: throw 7 (...): ..." */
+function lostInWords(lost) {
+  if (lost.length === 0) return '';
+  const most = 20;
+  return ` ${lost.length} ${lost.length > 1 ? 'throws of the trial have' : 'throw of the trial has'} no counterpart: `
+    + `${lost.slice(0, most).map(unpairedInWords).join('; ')}${lost.length > most ? ' ...' : ''}.`;
+}
+
 /** What the engine in the page came to. */
 export function againInWords(trial, set, { json }, milliseconds) {
   const { state_hash: state, game_hash: game, simulated_s: seconds, ticks } = json.summary;
   const pace = `${number(1e3 * seconds / Math.max(milliseconds, 0.1), 3)} times real time`;
   const hashes = `state hash ${state}, game hash ${game}`;
   if (Object.keys(set).length > 0) {
-    const recorded = trial.json.hash.recorded === null ? [] : json.throws_without_counterpart;
-    const lost = recorded.length === 0 ? '' : ` ${recorded.length} recorded ${recorded.length > 1 ? 'throws have' : 'throw has'} no counterpart: ${recorded.slice(0, 20).map(unpairedInWords).join('; ')}${recorded.length > 20 ? ' ...' : ''}.`;
-    return `Simulated again: ${resultInBrief(json.summary)}, ${hashes}, ${pace}.${lost}`;
+    return `Simulated again: ${resultInBrief(json.summary)}, ${hashes}, ${pace}.${lostInWords(json.throws_without_counterpart)}`;
   }
   const { hash } = trial.json;
   const is = `Simulated again in this page: ${hashes}`;

@@ -91,7 +91,7 @@ test('recorded and simulated are told apart in the header', () => {
 test('throws without a counterpart are told', () => {
   const lost = [{ throw: 7, name: 'red', time_s: 63.2, why: 'not thrown: the hand closed on nothing' }];
   assert.match(againInWords(trialOf(), { friction: 0 }, again({}, lost), 10),
-    /1 recorded throw has no counterpart: throw 7 \(red, 63\.200 s\): not thrown/);
+    /1 throw of the trial has no counterpart: throw 7 \(red, 63\.200 s\): not thrown/);
 });
 
 test('of versions that differ each has its own condition', () => {
