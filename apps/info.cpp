@@ -15,6 +15,7 @@
 #include "scene/events.h"
 #include "scene/outcome.h"
 #include "scene/presence.h"
+#include "scene/release.h"
 #include "scene/release_timing.h"
 #include "scene/score.h"
 #include "scene/totals.h"
@@ -197,6 +198,10 @@ std::string in_short(const devices::Event& event) {
   if (event.kind == scene::kind::drawn_by) {
     const std::optional<render::Fingerprint> who = scene::drawn_by({event});
     return who ? who->renderer : "";
+  }
+  if (const auto motion = scene::motion_of(event); motion && event.kind == scene::kind::release) {
+    return fmt::format("{}, {:.2f} m/s, {}", fmt::join(event.bodies, ", "), event.value,
+                       scene::in_words(*motion));
   }
   return event.bodies.empty() ? event.detail : fmt::format("{}", fmt::join(event.bodies, ", "));
 }

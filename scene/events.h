@@ -42,8 +42,10 @@ struct EventKind {
 
 inline constexpr std::array<EventKind, 22> kEventKinds{{
     {kind::grab, "the trigger took a ball or a skittle", "its centre", ""},
-    {kind::release, "the trigger let go of what it took", "its centre",
-     "speed it left the hand with [m/s]"},
+    {kind::release,
+     "the trigger let go of what it took: velocity, spin and how they are known (tracked, "
+     "extrapolated by so long, impossible; samples left out) as JSON in detail",
+     "its centre", "speed it left the hand with [m/s]"},
     {kind::first_contact, "a ball met a skittle for the first time since the skittles were set",
      "of the contact", "the ball's speed just before [m/s]"},
     {kind::touch, "two bodies met that had not met before, one of them a skittle", "of the contact",

@@ -9,6 +9,7 @@ namespace headpin::scene {
 /// Keys that trials of before these keys were there lack, with what such a trial ran under. What is
 /// written here never changes, whatever becomes of the defaults.
 inline constexpr std::pair<std::string_view, std::string_view> kKeysSince[] = {
+    {"hand.release_at", "'sample'"},
     {"hand.release_window_most_s", "0.12"},
     {"hand.release_accuracy", "0.3"},
     {"hand.falls_at_once", "false"},

@@ -9,6 +9,7 @@
 #include "devices/sources.h"
 #include "scene/events.h"
 #include "scene/hand.h"
+#include "scene/release.h"
 
 namespace headpin::scene {
 
@@ -24,11 +25,17 @@ struct Scene {
   std::vector<devices::Event>& out;
 };
 
-void note(const Scene& scene, std::string_view kind, engine::BodyId body, double value = 0.0) {
+devices::Event& note(const Scene& scene, std::string_view kind, engine::BodyId body,
+                     double value = 0.0) {
   devices::Event e = event(scene.moment, kind, scene.world, {body});
   e.p_W = scene.world.states[body].X_WB.p;
   e.value = value;
-  scene.out.push_back(std::move(e));
+  return scene.out.emplace_back(std::move(e));
+}
+
+/// Whether what the hand holds has its velocity at that very moment.
+bool at_trigger(const Hand& hand) {
+  return hand.release_at == "trigger";
 }
 
 /// Puts a sample where it belongs: to the tracked space, and on what its sensor is worn on.
@@ -55,9 +62,9 @@ std::optional<Pose> hand_at(const Player& player, Time time, Time now) {
   return player.walk.X_WP(seconds(now - time)) * *X_PH;
 }
 
-/// Velocity in the tracked space of a point of the hand at `time`, over the last samples; a hand
+/// Velocity in the tracked space of a point of the hand at its last sample before `time`; a hand
 /// that has not been seen to move stands still.
-Twist hand_velocity(const Player& player, const Hand& hand, const Vec3& p_HB, Time time) {
+Twist velocity_at_sample(const Player& player, const Hand& hand, const Vec3& p_HB, Time time) {
   const std::vector<Stamped<Pose>>& track = player.hand.samples();
   const auto last = std::upper_bound(track.begin(), track.end(), time,
                                      [](Time t, const auto& sample) { return t < sample.time; });
@@ -68,11 +75,31 @@ Twist hand_velocity(const Player& player, const Hand& hand, const Vec3& p_HB, Ti
   return release_velocity(seen, p_HB, window);
 }
 
-/// Pose and velocity of what the hand carries at `time`, not later than `now`: the walk's on top.
-engine::State carried(const Player& player, const Hand& hand, Time time, Time now) {
+/// How a point of the hand moves in the tracked space at `time`, by all samples there are.
+Motion hand_motion(const Player& player, const Hand& hand, const Vec3& p_HB, Time time) {
+  if (!at_trigger(hand)) return {velocity_at_sample(player, hand, p_HB, time)};
+  return motion_at(player.hand.samples(), time, p_HB, release_window(hand));
+}
+
+/// What the hand carries at a time, and how well its motion is known.
+struct Carried {
+  engine::State state;
+  Motion motion;
+};
+
+/// At `time`, not later than `now`: the walk's velocity on top.
+Carried carried(const Player& player, const Hand& hand, Time time, Time now) {
   const Pose X_WH = *hand_at(player, time, now);
-  const Twist V_PB = hand_velocity(player, hand, hand.grip, time);
-  return {{X_WH.q * player.held->q_HB, X_WH * hand.grip}, player.walk.v_WP + V_PB.v, V_PB.w};
+  Motion motion = hand_motion(player, hand, hand.grip, time);
+  motion.V_WB.v = player.walk.v_WP + motion.V_WB.v;
+  return {{{X_WH.q * player.held->q_HB, X_WH * hand.grip}, motion.V_WB.v, motion.V_WB.w}, motion};
+}
+
+/// A driven body that is at a pose when the tick ends, as the hand is.
+engine::State ending_at(engine::State state, double dt) {
+  state.X_WB.p -= dt * state.v_WB;
+  state.X_WB.q = (rotation(-dt * state.w_WB) * state.X_WB.q).normalized();
+  return state;
 }
 
 /// From a point to the surface of a ball, or to the cylinder around a skittle [m].
@@ -105,23 +132,30 @@ void grab(Player& player, const Scene& scene, Time time, Time now) {
   }
   if (!nearest) return;
   if (least > scene.stage.scenario.hand.reach) {
-    return note(scene, kind::missed_grab, *nearest, least);
+    note(scene, kind::missed_grab, *nearest, least);
+    return;
   }
   const Quat& q_WB = scene.world.states[*nearest].X_WB.q;
   player.held = {*nearest, X_WH->q.conjugate() * q_WB};
   player.grip_changed = scene.moment.time;
   engine::set_kind(scene.world, *nearest, engine::Kind::driven);
-  note(scene, kind::grab, *nearest);
+  devices::Event& e = note(scene, kind::grab, *nearest);
+  if (at_trigger(scene.stage.scenario.hand)) e.time -= now - time;
 }
 
-/// Lets go at `time`, and lets the ball fly until `now`, which is later by less than a tick.
+/// Lets go at `time`, and lets the ball fly until `now`, which is later by less than a tick. The step
+/// takes it on by a tick: it flies until the start of that, which may be before it was let go.
 void release(Player& player, const Scene& scene, Time time, Time now) {
   const engine::BodyId body = player.held->body;
   const Hand& hand = scene.stage.scenario.hand;
-  engine::State state = carried(player, hand, time, now);
-  const double flown = seconds(now - time);
+  auto [state, motion] = carried(player, hand, time, now);
+  double flown = seconds(now - time);
+  if (at_trigger(hand)) flown -= engine::step_seconds(scene.world);
   const Vec3 gained = flown * scene.world.parameters.gravity_W;
   state.X_WB.p += flown * state.v_WB;
+  if (at_trigger(hand)) {
+    state.X_WB.q = (rotation(flown * state.w_WB) * state.X_WB.q).normalized();
+  }
   if (hand.falls_at_once) state.X_WB.p += 0.5 * flown * gained;
   state = engine::outside_fixed(scene.world, body, state);
   const double speed = state.v_WB.norm();
@@ -131,21 +165,27 @@ void release(Player& player, const Scene& scene, Time time, Time now) {
   player.leaving = body;
   engine::set_kind(scene.world, body, engine::Kind::free);
   engine::set_state(scene.world, body, state);
-  note(scene, kind::release, body, speed);
+  devices::Event& e = note(scene, kind::release, body, speed);
+  if (!at_trigger(hand)) return;
+  e.time -= now - time;
+  e.detail = to_detail(motion);
 }
 
 /// Carries what is held to where the hand has it, outside of everything fixed now and at the end of
-/// the tick.
+/// the tick: there where the hand is now.
 void carry(const Player& player, const Scene& scene, Time now) {
   const engine::BodyId body = player.held->body;
   engine::World& world = scene.world;
-  engine::State state =
-      engine::outside_fixed(world, body, carried(player, scene.stage.scenario.hand, now, now));
-  engine::set_state(world, body, state);
+  const Hand& hand = scene.stage.scenario.hand;
   const double dt = engine::step_seconds(world);
+  engine::State state = carried(player, hand, now, now).state;
+  const engine::State there = state;
+  if (at_trigger(hand)) state = ending_at(state, dt);
+  state = engine::outside_fixed(world, body, state);
+  engine::set_state(world, body, state);
   engine::State ahead = state;
   ahead.X_WB.p += dt * state.v_WB;
-  const Vec3 p_WB = engine::outside_fixed(world, body, ahead).X_WB.p;
+  const Vec3 p_WB = engine::outside_fixed(world, body, at_trigger(hand) ? there : ahead).X_WB.p;
   if (p_WB == ahead.X_WB.p) return;  // nothing is in its way
   state.v_WB = (p_WB - state.X_WB.p) / dt;
   engine::set_state(world, body, state);
@@ -172,8 +212,11 @@ void place_hand(Player& player, const Scene& scene, Time now) {
     if (scene.world.states[body].X_WB.p == kAway.p) return;
     return engine::set_state(scene.world, body, {kAway, Vec3::Zero(), Vec3::Zero()});
   }
-  const Twist V_PH = hand_velocity(player, scene.stage.scenario.hand, Vec3::Zero(), now);
-  engine::set_state(scene.world, body, {*X_WH, player.walk.v_WP + V_PH.v, V_PH.w});
+  const Hand& hand = scene.stage.scenario.hand;
+  const Twist V_PH = hand_motion(player, hand, Vec3::Zero(), now).V_WB;
+  const engine::State state{*X_WH, player.walk.v_WP + V_PH.v, V_PH.w};
+  const double dt = engine::step_seconds(scene.world);
+  engine::set_state(scene.world, body, at_trigger(hand) ? ending_at(state, dt) : state);
 }
 
 }  // namespace

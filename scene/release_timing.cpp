@@ -6,6 +6,7 @@
 #include "scene/events.h"
 #include "scene/hand.h"
 #include "scene/player.h"
+#include "scene/release.h"
 
 namespace headpin::scene {
 
@@ -33,6 +34,34 @@ Track hand_around(const devices::TrialFile& trial, const Rig& rig, const std::ve
   return track;
 }
 
+/// The fastest of the samples around a release.
+ReleaseTiming at_samples(const Track& track, Time time, const Scenario& scenario) {
+  const ReleaseWindow window = release_window(scenario.hand);
+  ReleaseTiming timing{.release = time};
+  for (std::size_t i = 1; i < track.size(); ++i) {
+    // Poses are used so long after they were measured.
+    const Time at = track[i].time + microseconds(scenario.rig.delay_s);
+    if (at < time - kAround || at > time + kAround) continue;
+    if (track[i - 1].time < track[i].time - window.longest()) continue;
+    const double speed =
+        release_velocity(std::span(track).first(i + 1), scenario.hand.grip, window).v.norm();
+    if (speed > timing.fastest_speed) timing = {time, at, speed};
+  }
+  return timing;
+}
+
+/// The fastest of the milliseconds around a release at which the hand was tracked.
+ReleaseTiming at_milliseconds(const Track& track, Time time, const Scenario& scenario) {
+  ReleaseTiming timing{.release = time};
+  for (Time at = time - kAround; at <= time + kAround; at += Time{1000}) {
+    const Motion motion = motion_at(track, at - microseconds(scenario.rig.delay_s),
+                                    scenario.hand.grip, release_window(scenario.hand));
+    const double speed = motion.V_WB.v.norm();
+    if (motion.known == Known::tracked && speed > timing.fastest_speed) timing = {time, at, speed};
+  }
+  return timing;
+}
+
 }  // namespace
 
 std::vector<ReleaseTiming> release_timings(const devices::TrialFile& trial,
@@ -47,16 +76,9 @@ std::vector<ReleaseTiming> release_timings(const devices::TrialFile& trial,
                                   kAround + microseconds(scenario.rig.delay_s) + window.longest());
   std::vector<ReleaseTiming> found;
   for (const Time time : times) {
-    ReleaseTiming timing{.release = time};
-    for (std::size_t i = 1; i < track.size(); ++i) {
-      // Poses are used so long after they were measured.
-      const Time at = track[i].time + microseconds(scenario.rig.delay_s);
-      if (at < time - kAround || at > time + kAround) continue;
-      if (track[i - 1].time < track[i].time - window.longest()) continue;
-      const double speed =
-          release_velocity(std::span(track).first(i + 1), scenario.hand.grip, window).v.norm();
-      if (speed > timing.fastest_speed) timing = {time, at, speed};
-    }
+    const ReleaseTiming timing = scenario.hand.release_at == "trigger"
+                                     ? at_milliseconds(track, time, scenario)
+                                     : at_samples(track, time, scenario);
     if (timing.fastest_speed > 0.0) found.push_back(timing);
   }
   return found;

@@ -112,8 +112,9 @@ struct Hand {
   bool solid = true;                     ///< a body that pushes what it touches
   double elasticity = 0.0;               ///< soft: it pushes and does not bat
   double friction = 0.7;
-  double release_window_s = 0.060;       ///< the release velocity is fitted over this
-  double release_window_most_s = 0.120;  ///< and over up to this where the tracker is noisy
+  std::string release_at = "trigger";    ///< or the "sample" before: what velocity the ball gets
+  double release_window_s = 0.120;       ///< the release velocity is fitted over this
+  double release_window_most_s = 0.240;  ///< and over up to this where the tracker is noisy
   double release_accuracy = 0.3;         ///< that is, while it is known worse than this [m/s]
   bool falls_at_once = false;            ///< what is let go between two ticks falls from then on
   MeshFile mesh;                         ///< seen in place of ours, open and gripping

@@ -192,8 +192,13 @@ void visit(V& v, Hand& h) {
   v.field("solid", h.solid, kAny, "pushes what it touches; away while it carries something");
   v.field("elasticity", h.elasticity, kUnit, "of a solid hand; a pair takes the product");
   v.field("friction", h.friction, kUnit, "likewise");
+  v.field(
+      "release_at", h.release_at, Choices{"trigger", "sample"},
+      "the ball gets the velocity and spin that the hand has as the trigger goes up, by samples "
+      "of before and after; or had at the last sample before, and is carried a tick ahead of "
+      "the hand, as until 2026");
   v.field("release_window_s", h.release_window_s, Range{0.01, 1},
-          "the release velocity is the slope of a parabola fitted over this");
+          "they are the slope of a cubic fitted over so long before (sample: of a parabola)");
   v.field("release_window_most_s", h.release_window_most_s, Range{0.01, 1},
           "and over up to this where the tracker is noisy");
   v.field("release_accuracy", h.release_accuracy, Range{0, 1000},

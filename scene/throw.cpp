@@ -8,6 +8,7 @@
 
 #include "scene/hand.h"
 #include "scene/quantile.h"
+#include "scene/release.h"
 
 namespace headpin::scene {
 namespace {
@@ -59,20 +60,27 @@ std::size_t best(std::size_t begin, std::size_t end, const Score& score) {
   return best;
 }
 
+constexpr Time kReadLate{20'000};  // so long after a sample its pose is used; see stand_thrower
+
+/// As a session has it that reads the poses so late.
 Twist ball_velocity(const MotionRecording& r, std::size_t release, Side side, const Vec3& p_HB,
-                    const ReleaseWindow& window) {
+                    const Hand& rules) {
   const std::vector<Pose>& hand = throwing_hand(r, side);
+  const ReleaseWindow window = release_window(rules);
+  const bool after = rules.release_at == "trigger";
   std::vector<Stamped<Pose>> track;
-  for (std::size_t i = 0; i <= release; ++i) {
-    if (r.times[i] < r.times[release] - std::max(window.least, window.most)) continue;
+  for (std::size_t i = 0; i < r.times.size(); ++i) {
+    const Time age = r.times[release] - r.times[i];
+    if (age > window.longest() || (i > release && !after) || -age > kReadLate) continue;
     track.push_back({r.times[i], hand[i]});
   }
-  return release_velocity(track, p_HB, window);
+  return after ? motion_at(track, r.times[release], p_HB, window).V_WB
+               : release_velocity(track, p_HB, window);
 }
 
 /// Of the hand, fitted as the ball's will be.
 Vec3 hand_velocity_at(const MotionRecording& r, const Throw& found, const Hand& hand) {
-  return ball_velocity(r, found.release, found.side, Vec3::Zero(), release_window(hand)).v;
+  return ball_velocity(r, found.release, found.side, Vec3::Zero(), hand).v;
 }
 
 /// The second before the release, when the thrower has the ball in the air and the lane in sight.
@@ -198,7 +206,7 @@ Throw find_throw(const MotionRecording& r, const Hand& hand, Side side) {
     if (hand_velocity(i).norm() < kRestingHand && lower && !swung_back) found.grab = i;
   }
   if (r.times[found.release] - window.least >= r.times.front()) {
-    found.V_TB = ball_velocity(r, found.release, side, grip_of(hand, side), window);
+    found.V_TB = ball_velocity(r, found.release, side, grip_of(hand, side), hand);
   }
   return found;
 }
@@ -459,7 +467,7 @@ Scenario stand_thrower(Scenario scenario, const MotionRecording& recording, cons
   scenario.rig.hand_station = devices::kHandStation;
   scenario.rig.X_SD = {};
   scenario.rig.X_SH = {};
-  scenario.rig.delay_s = 0.020;
+  scenario.rig.delay_s = nearest_seconds(kReadLate);
   scenario.ball.home = scenario.rig.X_WT * (track[found.grab] * scenario.hand.grip);
   return scenario;
 }

@@ -238,7 +238,8 @@ TEST(ScenarioOfATrial, TakesNoDefaultOfToday) {
   // Whatever key is taken out of what a trial carries, the rest is no scenario of a trial.
   const std::string whole = to_toml(Scenario{});
   EXPECT_EQ(to_toml(scenario_of_trial(whole, "old.lcmlog")), whole);
-  const std::set<std::string> came_later = {"hand.release_window_most_s",
+  const std::set<std::string> came_later = {"hand.release_at",
+                                            "hand.release_window_most_s",
                                             "hand.release_accuracy",
                                             "hand.falls_at_once",
                                             "hand.takes_skittles",
