@@ -19,6 +19,7 @@ struct UsageError : std::runtime_error {
 void add_compare(CLI::App& app);
 void add_conformance(CLI::App& app);
 void add_doctor(CLI::App& app);
+void add_draw(CLI::App& app);
 void add_emulate(CLI::App& app);
 void add_export(CLI::App& app);
 void add_frames(CLI::App& app);

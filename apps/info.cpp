@@ -83,9 +83,9 @@ ordered_json to_json(const std::string& path, const devices::TrialSummary& trial
                              {"bodies", event.bodies},
                              {"value", event.value},
                              {"detail", event.detail}});
-    if (event.kind == scene::kind::ledger) {
-      const ordered_json ledger = ordered_json::parse(event.detail, nullptr, false);
-      if (ledger.is_object()) out["ledger"] = ledger;
+    if (event.kind == scene::kind::ledger || event.kind == scene::kind::kept_pace) {
+      const ordered_json detail = ordered_json::parse(event.detail, nullptr, false);
+      if (detail.is_object()) out[event.kind] = detail;
     }
   }
   if (trial.state_count > 0) {
@@ -192,9 +192,22 @@ void print_skipped(const devices::TrialSummary& trial) {
   line(trial.late, "samples that the session got later than they were there (kept)");
 }
 
+/// How a live session kept up with time.
+std::string pace_in_words(const devices::Event& event) {
+  const nlohmann::json pace = nlohmann::json::parse(event.detail, nullptr, false);
+  const auto number = [&](const char* key) {
+    const auto found = pace.is_object() ? pace.find(key) : pace.end();
+    return found != pace.end() && found->is_number_integer() ? found->get<std::int64_t>() : 0;
+  };
+  return fmt::format("{} ticks, {} overruns; {} frames, {} late; drawing failed {} times",
+                     number("ticks"), number("overruns"), number("frames"), number("late_frames"),
+                     number("drawing_failures"));
+}
+
 /// What an event says beside its kind, in a line.
 std::string in_short(const devices::Event& event) {
   if (event.kind == scene::kind::ledger) return "";
+  if (event.kind == scene::kind::kept_pace) return pace_in_words(event);
   if (event.kind == scene::kind::drawn_by) {
     const std::optional<render::Fingerprint> who = scene::drawn_by({event});
     return who ? who->renderer : "";

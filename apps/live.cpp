@@ -24,6 +24,7 @@
 #include "devices/sources.h"
 #include "devices/trial_file.h"
 #include "scene/drawn_by.h"
+#include "scene/events.h"
 #include "scene/quantile.h"
 #include "scene/totals.h"
 #include "scene/trial_writer.h"
@@ -54,9 +55,29 @@ struct Live {
   devices::TrialHeader header;                           ///< whose session it is
   scene::Totals totals;
   std::unique_ptr<scene::FramesBeside> eyes;
-  std::int64_t samples = 0, frames = 0;
+  std::int64_t samples = 0, frames = 0, drawing_failures = 0;
   scene::FrameLatency latency;
 };
+
+/// An event that no tick brings, to whoever keeps the session's trial.
+void write(Live& live, const devices::Event& event) {
+  if (live.writer) live.writer->write(event);
+  if (live.publisher) live.publisher->write(event);
+}
+
+/// How the session kept up with time: the last thing that its trial says of it.
+devices::Event kept_pace(const Live& live) {
+  devices::Event event;
+  event.time = live.session.now();
+  event.kind = scene::kind::kept_pace;
+  event.detail = nlohmann::json{{"ticks", live.session.tick},
+                                {"overruns", live.pace->overruns()},
+                                {"frames", live.frames},
+                                {"late_frames", live.eyes->late()},
+                                {"drawing_failures", live.drawing_failures}}
+                     .dump();
+  return event;
+}
 
 /// Takes note of what was drawn and says every ten seconds how the session goes.
 class Reporter : public scene::Observer {
@@ -64,6 +85,7 @@ class Reporter : public scene::Observer {
   explicit Reporter(Live& live) : live_(live) {}
   void tick(const scene::Session& session) override;
   void take_frames();
+  void take_failures();
 
  private:
   /// What was said of a source.
@@ -165,6 +187,7 @@ nlohmann::json summary(const Live& live, const LiveOptions& options) {
   j["frames"] = live.frames;
   j["late_frames"] = live.eyes->late();
   j["overruns"] = live.pace->overruns();
+  j["drawing_failures"] = live.drawing_failures;
   j["latency_median_s"] = scene::quantile(live.latency.each_s, 0.5);
   j["latency_p99_s"] = scene::quantile(live.latency.each_s, 0.99);
   const scene::FrameStages mean = live.latency.mean();
@@ -208,6 +231,20 @@ void Reporter::take_frames() {
   }
 }
 
+/// Pictures that are lost are said, and kept in the trial.
+void Reporter::take_failures() {
+  for (const std::string& why : live_.eyes->take_failures()) {
+    ++live_.drawing_failures;
+    say("{:7.1f} s  {}\n", seconds(live_.session.now()), printable(why));
+    devices::Event event;
+    event.time = live_.session.now();
+    event.tick = live_.session.tick;
+    event.kind = scene::kind::drawing_failed;
+    event.detail = why;
+    write(live_, event);
+  }
+}
+
 void Reporter::report_trouble(const devices::LiveSource& source, Said& said) {
   const std::string trouble = source.trouble();
   if (trouble == said.trouble) return;
@@ -241,6 +278,7 @@ void Reporter::report_loss() {
 void Reporter::tick(const scene::Session& session) {
   live_.samples += static_cast<std::int64_t>(session.samples.size());
   take_frames();
+  take_failures();
   for (const auto& source : live_.sources) {
     report_trouble(*source, said_[source.get()]);
     report_unusable(*source, said_[source.get()]);
@@ -324,9 +362,12 @@ void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
     });
     live.eyes->finish();
   } catch (...) {
+    const devices::Event pace = kept_pace(live);
     for (scene::TrialWriter* writer : {live.writer.get(), live.publisher.get()}) {
       try {
-        if (writer) writer->close(live.session);
+        if (!writer) continue;
+        writer->write(pace);
+        writer->close(live.session);
       } catch (const std::exception&) {  // it is what failed, or is lost beside it
       }
     }
@@ -334,6 +375,8 @@ void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
   }
   heed_stop();
   reporter.take_frames();
+  reporter.take_failures();
+  write(live, kept_pace(live));
   if (live.writer) live.writer->close(live.session);
   if (live.publisher) live.publisher->close(live.session);
 }
@@ -347,7 +390,7 @@ void go_live(const LiveOptions& options) {
   const std::unique_ptr<devices::Source> merged = source_of(live);
   devices::Source& source = *merged;
 
-  live.eyes = open_eyes(live.session.stage, live.link ? options.eyes : std::string("none"),
+  live.eyes = open_eyes(*live.session.stage, live.link ? options.eyes : std::string("none"),
                         options.lcm, options.gl);
   const Time end = microseconds(options.duration_s.value_or(0.0));
   live.eyes->measure_by(*live.pace);
@@ -355,9 +398,7 @@ void go_live(const LiveOptions& options) {
   go_first();  // and the readers; where that takes a right we lack, drawing gives way all the same
   for (const auto& one : live.sources) one->start(live.pace->genlock());
   open_recording(options, live);
-  const devices::Event drawn_by = scene::drawn_by_event(live.eyes->drawn_by());
-  if (live.writer) live.writer->write(drawn_by);
-  if (live.publisher) live.publisher->write(drawn_by);
+  write(live, scene::drawn_by_event(live.eyes->drawn_by()));
 
   std::vector<scene::Observer*> observers = {&live.totals};
   if (live.writer) observers.push_back(live.writer.get());

@@ -8,8 +8,9 @@
 #include <vector>
 
 #include <sys/resource.h>
-#include <unistd.h>
 
+#include "apps/command.h"
+#include "apps/drawing_process.h"
 #include "apps/streams.h"
 #include "scene/viewer.h"
 
@@ -17,9 +18,9 @@ namespace headpin::apps {
 
 namespace {
 
-/// For the thread that draws, and those that it starts: they take the cores that are left.
+/// For the process that draws: it takes the cores that are left.
 void give_way() {
-  setpriority(PRIO_PROCESS, static_cast<id_t>(gettid()), 10);
+  setpriority(PRIO_PROCESS, 0, 10);
 }
 
 /// Frames over LCM, raw or as PNG.
@@ -74,7 +75,29 @@ void say_rate(scene::Eyes& eyes, const scene::Glimpse& glimpse, bool png, std::i
           : "");
 }
 
+std::unique_ptr<scene::FrameDrawer> make_drawer(const DrawingOrder& order) {
+  give_way();
+  const auto stage = std::make_shared<const scene::Stage>(
+      scene::make_stage(scene::scenario_of_trial(order.scenario, "the session")));
+  scene::Eyes eyes = scene::open_eyes(*stage, stage->scenario.look, order.gl);
+  if (order.first) {
+    say_instead_of("live", eyes);
+    say_rate(eyes, at_the_foul_line(stage), order.eyes == "png", stage->scenario.rates.frame_hz);
+  }
+  std::unique_ptr<scene::FrameSink> sink;
+  if (order.eyes != "none") {
+    sink = std::make_unique<LcmEyes>(order.url, order.eyes == "png", eyes.optics.pixel_aspect());
+  }
+  return std::make_unique<scene::DrawerHere>(std::move(eyes), std::move(sink));
+}
+
 }  // namespace
+
+void add_draw(CLI::App& app) {
+  app.add_subcommand("draw", "What `live` has its frames drawn by")
+      ->group("")  // nobody else needs to see it
+      ->callback([] { serve_frames(make_drawer); });
+}
 
 void say_instead_of(const char* command, const scene::Eyes& eyes) {
   const std::string& why = eyes.renderer.instead_of();
@@ -82,22 +105,10 @@ void say_instead_of(const char* command, const scene::Eyes& eyes) {
   say("headpin {}: drawn by {}; {}\n", command, eyes.renderer.description(), why);
 }
 
-std::unique_ptr<scene::FramesBeside> open_eyes(const std::shared_ptr<const scene::Stage>& stage,
-                                               const std::string& how, const std::string& url,
-                                               const std::string& gl) {
-  return std::make_unique<scene::FramesBeside>(scene::FramesBeside::Makers{
-      .eyes =
-          [stage, png = how == "png", gl] {
-            give_way();
-            scene::Eyes eyes = scene::open_eyes(*stage, stage->scenario.look, gl);
-            say_instead_of("live", eyes);
-            say_rate(eyes, at_the_foul_line(stage), png, stage->scenario.rates.frame_hz);
-            return eyes;
-          },
-      .sink = [how, url](const scene::Eyes& eyes) -> std::unique_ptr<scene::FrameSink> {
-        if (how == "none") return nullptr;
-        return std::make_unique<LcmEyes>(url, how == "png", eyes.optics.pixel_aspect());
-      }});
+std::unique_ptr<scene::FramesBeside> open_eyes(const scene::Stage& stage, const std::string& how,
+                                               const std::string& url, const std::string& gl) {
+  const DrawingOrder order{scene::to_toml(stage.scenario), how, url, gl};
+  return std::make_unique<scene::FramesBeside>([order] { return draw_in_a_process(order); });
 }
 
 void Viewer::tick(const scene::Session& session) {

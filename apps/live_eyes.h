@@ -10,13 +10,12 @@
 /// What others see of a live session over LCM.
 namespace headpin::apps {
 
-/// Both eyes, drawn in a thread of their own that gives way to everybody.
+/// Both eyes, drawn in a process of its own that gives way to everybody.
 ///
 /// @param how  raw or png, on HEADPIN_EYES at the URL; none: drawn, and shown to nobody
 /// @param gl   as render::open_context
-std::unique_ptr<scene::FramesBeside> open_eyes(const std::shared_ptr<const scene::Stage>& stage,
-                                               const std::string& how, const std::string& url,
-                                               const std::string& gl);
+std::unique_ptr<scene::FramesBeside> open_eyes(const scene::Stage& stage, const std::string& how,
+                                               const std::string& url, const std::string& gl);
 
 /// Says why something comes to be drawn by another context than the first one.
 void say_instead_of(const char* command, const scene::Eyes& eyes);

@@ -107,6 +107,7 @@ int main(int argc, char** argv) {
   apps::add_emulate(app);
   apps::add_conformance(app);
   apps::add_manual(app);
+  apps::add_draw(app);
   const int code = apps::run(app, argc, argv);
   return apps::close_standard_output(apps::name_of(app), code);
 }

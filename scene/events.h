@@ -28,6 +28,8 @@ inline constexpr std::string_view passed_player = "passed_player";
 inline constexpr std::string_view ledger = "ledger";
 inline constexpr std::string_view game_hash = "game_hash";
 inline constexpr std::string_view drawn_by = devices::kDrawnByEvent;
+inline constexpr std::string_view drawing_failed = "drawing_failed";
+inline constexpr std::string_view kept_pace = "kept_pace";
 inline constexpr std::string_view grab_found = "grab_found";
 inline constexpr std::string_view release_found = "release_found";
 }  // namespace kind
@@ -40,7 +42,7 @@ struct EventKind {
   std::string_view value;  ///< what `value` is; empty where it is not used
 };
 
-inline constexpr std::array<EventKind, 22> kEventKinds{{
+inline constexpr std::array<EventKind, 24> kEventKinds{{
     {kind::grab, "the trigger took a ball or a skittle", "its centre", ""},
     {kind::release,
      "the trigger let go of what it took: velocity, spin and how they are known (tracked, "
@@ -81,6 +83,15 @@ inline constexpr std::array<EventKind, 22> kEventKinds{{
     {kind::drawn_by,
      "before the first tick of a live session: who draws its frames, as JSON in detail: renderer, "
      "processor features, Mesa's environment, hash of a test picture",
+     "", ""},
+    {kind::drawing_failed,
+     "what draws a live session's frames ended or failed, and was started again: why in detail; "
+     "the "
+     "session went on",
+     "", ""},
+    {kind::kept_pace,
+     "after the last tick of a live session: how it kept up with time, as JSON in detail: "
+     "overruns, ticks, late_frames, frames, drawing_failures",
      "", ""},
     {kind::grab_found, "in a recording without buttons: where a hand took the ball", "", ""},
     {kind::release_found, "in a recording without buttons: where it let the ball go", "", ""},

@@ -1,7 +1,6 @@
 #include "scene/eye_frames.h"
 
 #include <algorithm>
-#include <stdexcept>
 #include <utility>
 
 #include <fmt/format.h>
@@ -101,8 +100,28 @@ void FramesAsShown::compare(const devices::FrameRecord& recorded) const {
   }
 }
 
-FramesBeside::FramesBeside(Makers makers)
-    : thread_([this, makers = std::move(makers)] { work(makers); }) {
+DrawerHere::DrawerHere(Eyes eyes, std::unique_ptr<FrameSink> sink)
+    : eyes_(std::move(eyes)),
+      sink_(std::move(sink)),
+      drawn_by_(render::fingerprint(eyes_.renderer)) {
+  see(eyes_, {}, frame_.images);  // so that the first frame need not wait for shaders
+}
+
+std::optional<DrawnFrame> DrawerHere::draw(const FrameJob& job) {
+  frame_.number = job.frame;
+  frame_.tick = job.tick;
+  frame_.time = job.time;
+  frame_.views = see(eyes_, job.glimpse, frame_.images);
+  DrawnFrame done;
+  done.drawn = RealTime::Clock::now();
+  done.record = record_of(frame_);
+  if (sink_) sink_->add(frame_);
+  done.published = RealTime::Clock::now();
+  return done;
+}
+
+FramesBeside::FramesBeside(Maker maker)
+    : thread_([this, maker = std::move(maker)] { work(maker); }) {
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return ready_ || failure_; });
   if (!failure_) return;
@@ -132,25 +151,24 @@ void FramesBeside::tick(const Session& session) {
   const std::int64_t frame = frame_++;
   const std::optional<Pose> X_WD = head_pose(session);
   if (!X_WD) return;
-  Job job{frame, session.tick, now, {}, {}, glimpse(session, *X_WD)};
-  job.offered = Clock::now();
+  Offer due{{frame, session.tick, now, glimpse(session, *X_WD)}, {}, Clock::now()};
   if (pace_ && newest_ != shown_) {  // latency is that of fresh samples
-    job.stages = {.ticked = seconds_between(pace_->at(*newest_), taken_),
-                  .waited = seconds_between(taken_, job.offered)};
+    due.stages = {.ticked = seconds_between(pace_->at(*newest_), taken_),
+                  .waited = seconds_between(taken_, due.at)};
     const Time tick = tick_time(1, rates.physics_hz);
     if (now - since_ > tick) lead_ += tick;
   }
   shown_ = newest_;
-  if (!offer(std::move(job))) ++late_;
+  if (!offer(std::move(due))) ++late_;
 }
 
 /// @return  whether the frame will be drawn
-bool FramesBeside::offer(Job job) {
+bool FramesBeside::offer(Offer offer) {
   {
     const std::lock_guard lock(mutex_);
     if (failure_) std::rethrow_exception(failure_);
-    if (job_ || busy_) return false;
-    job_ = std::move(job);
+    if (offer_ || busy_) return false;
+    offer_ = std::move(offer);
   }
   changed_.notify_all();
   return true;
@@ -161,33 +179,39 @@ std::vector<FramesBeside::Done> FramesBeside::take_done() {
   return std::exchange(done_, {});
 }
 
+std::vector<std::string> FramesBeside::take_failures() {
+  const std::lock_guard lock(mutex_);
+  return std::exchange(failures_, {});
+}
+
+std::int64_t FramesBeside::late() const {
+  const std::lock_guard lock(mutex_);
+  return late_ + lost_;
+}
+
 void FramesBeside::finish() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return failure_ || (!job_ && !busy_); });
+  changed_.wait(lock, [this] { return failure_ || (!offer_ && !busy_); });
   if (failure_) std::rethrow_exception(failure_);
 }
 
-void FramesBeside::work(const Makers& makers) {
+void FramesBeside::work(const Maker& maker) {
   try {
-    Eyes eyes = makers.eyes();
-    drawn_by_ = render::fingerprint(eyes.renderer);
-    const std::unique_ptr<FrameSink> sink = makers.sink(eyes);
-    EyeFrame frame;
-    see(eyes, {}, frame.images);  // so that the first frame need not wait for shaders
+    const std::unique_ptr<FrameDrawer> drawer = maker();
+    drawn_by_ = drawer->drawn_by();
     std::unique_lock lock(mutex_);
     ready_ = true;
     changed_.notify_all();
     for (;;) {
-      changed_.wait(lock, [this] { return job_ || closing_; });
-      if (!job_) return;
-      const Job job = std::move(*job_);
-      job_.reset();
+      changed_.wait(lock, [this] { return offer_ || closing_; });
+      if (!offer_) return;
+      const Offer offer = std::move(*offer_);
+      offer_.reset();
       busy_ = true;
       lock.unlock();
-      Done done = draw(eyes, job, frame, sink.get());
+      draw(*drawer, offer);
       lock.lock();
       busy_ = false;
-      done_.push_back(std::move(done));
       changed_.notify_all();
     }
   } catch (...) {
@@ -197,20 +221,23 @@ void FramesBeside::work(const Makers& makers) {
   }
 }
 
-FramesBeside::Done FramesBeside::draw(Eyes& eyes, const Job& job, EyeFrame& frame,
-                                      FrameSink* sink) {
-  frame.number = job.frame;
-  frame.tick = job.tick;
-  frame.time = job.time;
-  frame.views = see(eyes, job.glimpse, frame.images);
-  const Clock::time_point drawn = Clock::now();
-  Done done{record_of(frame), job.stages};
-  if (sink) sink->add(frame);
-  if (done.stages) {
-    done.stages->drawn = seconds_between(job.offered, drawn);
-    done.stages->published = seconds_between(drawn, Clock::now());
+void FramesBeside::draw(FrameDrawer& drawer, const Offer& offer) {
+  try {
+    const std::optional<DrawnFrame> drawn = drawer.draw(offer.job);
+    const std::lock_guard lock(mutex_);
+    if (!drawn) {
+      ++lost_;
+      return;
+    }
+    Done& done = done_.emplace_back(Done{drawn->record, offer.stages});
+    if (!done.stages) return;
+    done.stages->drawn = seconds_between(offer.at, drawn->drawn);
+    done.stages->published = seconds_between(drawn->drawn, drawn->published);
+  } catch (const DrawingFailed& failed) {
+    const std::lock_guard lock(mutex_);
+    ++lost_;
+    failures_.emplace_back(failed.what());
   }
-  return done;
 }
 
 }  // namespace headpin::scene

@@ -6,6 +6,8 @@
 #include <memory>
 #include <mutex>
 #include <optional>
+#include <stdexcept>
+#include <string>
 #include <thread>
 #include <vector>
 
@@ -126,8 +128,51 @@ class FramesAsShown : public Observer {
   std::int64_t drawn_ = 0, compared_ = 0;
 };
 
-/// Draws in a thread of its own and makes the session wait for nothing: one frame at a time, and
-/// one that comes while another is drawn is late and dropped.
+/// A frame that is to be drawn, and all that is needed for it.
+struct FrameJob {
+  std::int64_t frame = 0, tick = 0;
+  Time time{};
+  Glimpse glimpse;
+};
+
+/// What came of it.
+struct DrawnFrame {
+  devices::FrameRecord record;
+  RealTime::Clock::time_point drawn, published;  ///< when both pictures, when the sink had them
+};
+
+/// The drawing side has failed and a frame is lost; the session goes on.
+struct DrawingFailed : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Who draws a live session's frames, here or in another process.
+class FrameDrawer {
+ public:
+  virtual ~FrameDrawer() = default;
+  virtual const render::Fingerprint& drawn_by() const = 0;
+  /// @return  nothing: no frame will be drawn any more, which has been told
+  /// @throws DrawingFailed  once for each failure
+  virtual std::optional<DrawnFrame> draw(const FrameJob& job) = 0;
+};
+
+/// Draws in the calling thread. Made when the first frame can be drawn at once.
+class DrawerHere : public FrameDrawer {
+ public:
+  /// @param sink  null: shown to nobody
+  DrawerHere(Eyes eyes, std::unique_ptr<FrameSink> sink);
+  const render::Fingerprint& drawn_by() const override { return drawn_by_; }
+  std::optional<DrawnFrame> draw(const FrameJob& job) override;
+
+ private:
+  Eyes eyes_;
+  std::unique_ptr<FrameSink> sink_;
+  EyeFrame frame_;
+  render::Fingerprint drawn_by_;
+};
+
+/// Has frames drawn beside the session, which waits for nothing: one frame at a time, and one that
+/// comes while another is drawn is late and dropped.
 class FramesBeside : public Observer {
  public:
   /// What was drawn.
@@ -135,16 +180,13 @@ class FramesBeside : public Observer {
     devices::FrameRecord record;
     std::optional<FrameStages> stages;  ///< when it showed a sample that none before had shown
   };
-  /// Made in the drawing thread, which alone uses what they return.
-  struct Makers {
-    std::function<Eyes()> eyes;
-    std::function<std::unique_ptr<FrameSink>(const Eyes&)> sink;  ///< null: none
-  };
+  /// Called in a thread that alone uses what it returns.
+  using Maker = std::function<std::unique_ptr<FrameDrawer>()>;
   using Clock = RealTime::Clock;
 
   /// Comes back when the first frame could be drawn at once.
-  /// @throws  what the makers throw
-  explicit FramesBeside(Makers makers);
+  /// @throws  what the maker throws
+  explicit FramesBeside(Maker maker);
   ~FramesBeside() override;
 
   /// What the latency is measured by; must outlive this.
@@ -153,24 +195,25 @@ class FramesBeside : public Observer {
   void tick(const Session& session) override;
   /// What was finished since the last call.
   std::vector<Done> take_done();
+  /// What failed since the last call.
+  std::vector<std::string> take_failures();
   /// Waits for the frame that is being drawn: at the end, so that what was shown is recorded.
   /// @throws  what drawing threw
   void finish();
-  std::int64_t late() const { return late_; }
+  /// Frames that were due and were not drawn: another was being drawn, or drawing failed.
+  std::int64_t late() const;
   const render::Fingerprint& drawn_by() const { return drawn_by_; }
 
  private:
-  struct Job {
-    std::int64_t frame = 0, tick = 0;
-    Time time{};
-    std::optional<FrameStages> stages;  ///< up to `offered`, when the newest sample in it is fresh
-    Clock::time_point offered;
-    Glimpse glimpse;
+  struct Offer {
+    FrameJob job;
+    std::optional<FrameStages> stages;  ///< up to `at`, when the newest sample in it is fresh
+    Clock::time_point at;
   };
 
-  bool offer(Job job);
-  void work(const Makers& makers);
-  static Done draw(Eyes& eyes, const Job& job, EyeFrame& frame, FrameSink* sink);
+  bool offer(Offer offer);
+  void work(const Maker& maker);
+  void draw(FrameDrawer& drawer, const Offer& offer);
 
   const RealTime* pace_ = nullptr;
   std::int64_t frame_ = 0, late_ = 0;
@@ -180,11 +223,13 @@ class FramesBeside : public Observer {
   render::Fingerprint drawn_by_;        // written before the constructor comes back
   Time lead_{};  // of the frames' clock: brings them close behind the head's samples
 
-  std::mutex mutex_;
+  mutable std::mutex mutex_;
   std::condition_variable changed_;
-  std::optional<Job> job_;
+  std::optional<Offer> offer_;
   std::vector<Done> done_;
-  std::exception_ptr failure_;
+  std::vector<std::string> failures_;  // of drawing
+  std::int64_t lost_ = 0;              // frames, to them
+  std::exception_ptr failure_;         // of this
   bool ready_ = false, busy_ = false, closing_ = false;
   std::thread thread_;  // last, so that all it uses is there before it starts
 };

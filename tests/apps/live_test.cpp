@@ -89,6 +89,11 @@ class Live : public Sessions {
 
 using LiveFastrak = Sessions;
 
+/// $live, fed by $unit until they are interrupted.
+const std::string kEndlessSession =
+    "$headpin emulate --link unit --motion circle >/dev/null &\nunit=$!\nthere $unit unit\n"
+    "$headpin live --fastrak unit --look fast --record live.lcmlog --json >live.json &\nlive=$!\n";
+
 TEST_F(Live, FedByLcmLogplayerItReplaysToTheSameHashes) {
   const Result result = alone(
       "$headpin live --lcm '' --scenario room.toml --record live.lcmlog --eyes png --json "
@@ -232,7 +237,7 @@ TEST_F(LiveFastrak, TicksAreScheduledInRealTimeAndDrawingIsNot) {
       shell("$headpin live " + kDemo +
             " --record live.lcmlog & live=$!\n"
             "counted $live live.lcmlog STATE 10\n"
-            "for task in /proc/$live/task/*; do\n"
+            "for task in /proc/$live/task/* /proc/$(cat /proc/$live/task/*/children)/task/*; do\n"
             "  test ${task##*/} = $live && name=ticks || name=others\n"
             "  echo $name $(cut -d' ' -f41 $task/stat)\n"  // its policy: 1 is SCHED_FIFO
             "done >policies\n"
@@ -421,6 +426,59 @@ TEST_F(LiveFastrak, RecordedFramesAreDrawnAgainToThePixel) {
   expect_refusal("frames other.lcmlog --verify", 1,
                  "differs from the recording, first in the left");
   expect_refusal("frames " + kDemo + " --verify", 1, "holds no frames that were shown");
+}
+
+// Pictures are drawn in a process of its own: its end costs pictures. The trial tells of it.
+TEST_F(LiveFastrak, WhatDrawsMayCrashAndTheSessionGoesOn) {
+  const Result result =
+      shell(kEndlessSession +
+            "counted $live live.lcmlog FRAME 20\n"
+            "kill -SEGV $(cat /proc/$live/task/*/children)\n"
+            "counted $live live.lcmlog drawing_failed 1\n"
+            "echo $(($(count live.lcmlog FRAME) + 20)) >enough\n"
+            "counted $live live.lcmlog FRAME $(cat enough)\n"  // it is started again
+            "interrupt $live; code=$?\ninterrupt $unit\nexit $code");
+  ASSERT_EQ(result.code, 0) << result.err;
+  const nlohmann::json live = nlohmann::json::parse(slurp(folder_ / "live.json"));
+  EXPECT_EQ(live["drawing_failures"], 1) << result.err;
+  EXPECT_THAT(result.err, testing::ContainsRegex("the process that draws has ended, by signal 11 "
+                                                 ".*; it is started again"));
+  EXPECT_GT(live["late_frames"], 0);
+  const devices::Trial recorded = trial("live.lcmlog");
+  EXPECT_TRUE(recorded.complete);
+  EXPECT_EQ(recorded.samples.size(), live["samples"]);
+  ASSERT_FALSE(recorded.states.empty());
+  EXPECT_EQ(recorded.states.back().tick, recorded.states.size());  // none skipped
+  EXPECT_EQ(recorded.frames.size(), live["frames"]);
+  EXPECT_GE(recorded.frames.size(), std::stoul(slurp(folder_ / "enough")));
+  const nlohmann::json info = json("info live.lcmlog --json");
+  for (const char* key : {"ticks", "overruns", "frames", "late_frames", "drawing_failures"}) {
+    EXPECT_EQ(info["kept_pace"][key], live[key]) << key;
+  }
+  EXPECT_THAT(headpin("info live.lcmlog").out, testing::HasSubstr("; drawing failed 1 times"));
+  EXPECT_EQ(json("replay live.lcmlog --verify --json")["state_hash"], live["state_hash"]);
+  EXPECT_EQ(json("frames live.lcmlog --verify --json")["verified_frames"], live["frames"]);
+}
+
+TEST_F(LiveFastrak, WhatDrawsMayCrashAgainAndAgain) {
+  const Result result =
+      shell(kEndlessSession +
+            "counted $live live.lcmlog FRAME 5\n"
+            "while kill -0 $live && [ $(count live.lcmlog there.are.no.more) -lt 1 ]; do\n"
+            "  child=$(cat /proc/$live/task/*/children) && kill -SEGV $child 2>/dev/null\n"
+            "done\n"
+            "ticks=$(count live.lcmlog STATE)\n"
+            "counted $live live.lcmlog STATE $((ticks + 100))\n"
+            "interrupt $live; code=$?\ninterrupt $unit\nexit $code");
+  ASSERT_EQ(result.code, 0) << result.err;
+  EXPECT_THAT(result.err, testing::HasSubstr("times without a picture: there are no more"));
+  const devices::Trial recorded = trial("live.lcmlog");
+  EXPECT_TRUE(recorded.complete);
+  EXPECT_EQ(recorded.states.back().tick, recorded.states.size());
+}
+
+TEST_F(LiveFastrak, NobodyElseStartsWhatDraws) {
+  expect_refusal("draw", 1, "is started by `headpin live`, and by nobody else");
 }
 
 TEST_F(LiveFastrak, AFloodOfWrongTypesIsSaidAtOnce) {

@@ -79,7 +79,8 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
   take("export --json game.lcmlog -o tables");
   take("frames --json game.lcmlog -o frames --frames 0-1");
   take("stream --json throw.lcmlog --lcm 'file://stream.lcmlog?mode=w' --speed 0");
-  take("live --json --lcm file://throw.lcmlog --duration 0.1 --eyes none");
+  take("live --json --lcm file://throw.lcmlog --duration 0.1 --eyes none --record shown.lcmlog");
+  take("info --json shown.lcmlog");
   take("scenario list --json");
   take("emulate --json --motion still --duration 0.1");
   collect(nlohmann::json::parse(headpin("info --json missing.lcmlog").out), names);

@@ -22,17 +22,56 @@ struct HeldSink : FrameSink {
   std::counting_semaphore<>&shown, &go;
 };
 
-TEST(FramesBeside, TheFrameThatIsBeingShownAtTheEndIsAmongThoseDone) {
-  const auto stage = std::make_shared<const Stage>(make_stage({}));
-  std::counting_semaphore<> shown{0}, go{0};
-  FramesBeside eyes({.eyes = [&] { return open_eyes(*stage); },
-                     .sink = [&](const Eyes&) { return std::make_unique<HeldSink>(shown, go); }});
+Session with_a_head(const std::shared_ptr<const Stage>& stage) {
   Session session = make_session(stage);
   devices::TrackerSample head;
   head.station = devices::kHeadStation;
   head.X_TS.p = Vec3(0.0, -0.4, 1.7);
   devices::ReplaySource source({head});
   while (!head_pose(session)) advance(session, source);
+  return session;
+}
+
+/// Fails at its first frame, draws the second, and then draws no more.
+struct FailingDrawer : FrameDrawer {
+  const render::Fingerprint& drawn_by() const override { return who; }
+  std::optional<DrawnFrame> draw(const FrameJob& job) override {
+    ++asked;
+    if (asked == 1) throw DrawingFailed("it fell over");
+    if (asked > 2) return std::nullopt;
+    DrawnFrame done;
+    done.record.tick = job.tick;
+    return done;
+  }
+  render::Fingerprint who;
+  int asked = 0;
+};
+
+TEST(FramesBeside, AFailureOfDrawingCostsThatFrameAndIsTold) {
+  FramesBeside eyes([] { return std::make_unique<FailingDrawer>(); });
+  Session session = with_a_head(std::make_shared<const Stage>(make_stage({})));
+  std::vector<std::int64_t> ticks;
+  for (int i = 0; i < 4; ++i) {
+    session.tick += 8;  // two frames on: each tick has one that is due
+    ticks.push_back(session.tick);
+    eyes.tick(session);
+    eyes.finish();
+  }
+  const std::vector<FramesBeside::Done> done = eyes.take_done();
+  ASSERT_EQ(done.size(), 1u);
+  EXPECT_EQ(done[0].record.tick, ticks[1]);
+  EXPECT_EQ(eyes.take_failures(), std::vector<std::string>{"it fell over"});
+  EXPECT_TRUE(eyes.take_failures().empty());
+  EXPECT_EQ(eyes.late(), 3);
+}
+
+TEST(FramesBeside, TheFrameThatIsBeingShownAtTheEndIsAmongThoseDone) {
+  const auto stage = std::make_shared<const Stage>(make_stage({}));
+  std::counting_semaphore<> shown{0}, go{0};
+  FramesBeside eyes([&] {
+    return std::make_unique<DrawerHere>(open_eyes(*stage), std::make_unique<HeldSink>(shown, go));
+  });
+  Session session = with_a_head(stage);
   RealTime pace;
   pace.begin(240);
   eyes.measure_by(pace);
