@@ -189,7 +189,8 @@ void print_skipped(const devices::TrialSummary& trial) {
   line(trial.skipped.misdated,
        "samples and states with a time that those around them do not share");
   line(trial.backwards, "samples not later than the one before (kept)");
-  line(trial.late, "samples that the session got later than they were there (kept)");
+  line(trial.late,
+       "samples that the session got more than 50 ms later than they were there (kept)");
 }
 
 /// How a live session kept up with time.

@@ -178,7 +178,7 @@ std::vector<JsonKey> json_keys() {
       {"kind", "of an event, or of what is amiss"},
       {"lane_m", "foul line to head pin"},
       {"largest_residual_mps", "largest change of a velocity in a solver's last pass"},
-      {"late", "samples that the session got later than when they were available"},
+      {"late", "samples that the session got more than 50 ms later than when they arrived"},
       {"late_frames",
        "frames not drawn because another was being drawn, or because drawing failed"},
       {"latency_mean_s", "from a head's sample to its frame: the sum of its stages"},

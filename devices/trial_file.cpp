@@ -82,12 +82,16 @@ class TrialWalk {
     return std::holds_alternative<MouseSample>(message) ? device_name(0)
                                                         : std::string(kStateChannel);
   }
+  /// Between a sample's first byte and its turn: the rest of it on a slow line, and a poll. As much
+  /// is nothing amiss.
+  static constexpr Time kUsuallyLate{50'000};
+
   /// A sample that stands behind a state was not known to it.
   template <typename T>
   void date(T& sample) {
     ++samples_;
     if (!tick_) return;
-    if (arrival(Sample(sample)) <= *tick_) {
+    if (arrival(Sample(sample)) + kUsuallyLate <= *tick_) {
       ++counted().late;
       note("late", device_name(device_of(sample)));
     }

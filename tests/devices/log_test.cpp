@@ -569,6 +569,9 @@ TEST(LogTest, SaysWhichMessagesAreAmiss) {
       sample.device_time = Time{2'950'000};  // behind the state, though it was there before
       sample.station = 3;
       recorder.write(Sample(sample));
+      sample.device_time = Time{2'980'000};  // the rest of it came with the poll after: usual
+      sample.station = 4;
+      recorder.write(Sample(sample));
     }
   }
   recorder.close();
