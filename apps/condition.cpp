@@ -119,22 +119,29 @@ void pass_on_materials(const std::vector<std::string>& assignments, scene::Scena
           [](Scenario& s, double value) { scene::set_friction(s, value); });
 }
 
-/// Versions have materials and a shape of their own: what is said of the scenario's goes to each of
+/// Versions have materials, a shape and perhaps a detection of their own: what is said of the scenario's goes to each of
 /// them, and what is said of a version stays that version's.
 void pass_on_to_versions(const Condition& condition, scene::Scenario& scenario) {
   if (!scenario.version.buttons) return;
   if (condition.elasticity) scene::set_elasticity(scenario, *condition.elasticity);
   if (condition.friction) scene::set_friction(scenario, *condition.friction);
   if (condition.shape) scene::set_shape(scenario, *condition.shape);
-  const auto is_of_shape = [](const std::string& assignment) {
+  const auto is_of = [](const std::string& assignment, const std::string& what) {
     const std::string key = key_of(assignment);
-    const bool whole_table = key == "collision" && assignment.find("shape") != std::string::npos;
-    return key == "collision.shape" || whole_table;
+    const bool whole_table = key == "collision" && assignment.find(what) != std::string::npos;
+    return key == "collision." + what || whole_table;
   };
+  bool detection = condition.detection.has_value(), iterations = condition.iterations.has_value();
   for (const std::string& assignment : condition.set) {
-    if (!is_of_shape(assignment)) continue;
+    detection |= is_of(assignment, "detection");
+    iterations |= is_of(assignment, "iterations");
+    if (!is_of(assignment, "shape")) continue;
     set_value(scenario, assignment);
     scene::set_shape(scenario, scenario.collision.shape);
+  }
+  for (scene::Version* version : {&scenario.version.red, &scenario.version.blue}) {
+    if (detection) version->detection = "collision";
+    if (iterations) version->iterations = 0;
   }
   pass_on_materials(condition.set, scenario);
   for (const std::string& assignment : condition.set) {

@@ -197,13 +197,63 @@ Vec3 turned(const Vec3& n, const Support& s) {
   return unit_or(n - 1.5 * s.h / s.S.squaredNorm() * s.S, n);
 }
 
-// Up to the cap, as the paper has it: D parallel to N ends it, and so does a proof of separation.
+/// The points lie along the normal: equations (1), (2).
+bool parallel(const Support& s, const Vec3& n) {
+  return (s.S - s.h * n).squaredNorm() <= 1e-12 * s.S.squaredNorm();
+}
+
+/// Steps towards a proof that may lead to no lower plane before the search is for the depth.
+constexpr int kAstray = 2;
+
+/// Up to the cap, as the paper has it: D parallel to N ends it, and so does a proof of separation.
+///
+/// Where S lies nearly along n, as it does where shapes meet, the steps towards a proof turn n over.
+/// So after two that led to no lower plane the search goes on from the lowest: n is turned by the
+/// part of S across it over both arms, which for two spheres is the way to the line of centres, and
+/// by half as much each time that this leads to no lower plane. The answer is the lowest plane.
+///
+/// @param c_A, c_B  from where the arms of the furthest points are measured, in A's frame
 template <typename S>
-Closest paper(S& search, Vec3 n, const Support& first, int cap) {
+Closest paper(S& search, Vec3 n, const Support& first, const Vec3& c_A, const Vec3& c_B, int cap) {
+  if (first.h < 0.0) return search.answer(first, n);
+  Support s = first, best = first;
+  Vec3 best_n = n;
+  int astray = 0;
+  double turn = 1.0;
+  while (search.evaluations < cap) {
+    if (parallel(best, best_n)) return search.answer(best, best_n);
+    const bool to_proof = astray < kAstray;
+    if (to_proof) {
+      n = turned(n, s);
+    } else {
+      const double arms = (best.s_A - c_A).norm() + (best.s_B + c_B).norm();
+      const Vec3 across = best.S - best.h * best_n;
+      n = unit_or(best_n - turn / arms * across, best_n);
+    }
+    s = search(n);
+    if (s.h < 0.0) return search.answer(s, n);
+    if (s.h < best.h) {
+      best = s;
+      best_n = n;
+      turn = 1.0;
+    } else if (to_proof) {
+      ++astray;
+    } else {
+      turn *= 0.5;
+    }
+  }
+  Closest c = search.answer(best, best_n);
+  c.capped = true;
+  return c;
+}
+
+/// As old trials have it: the depth of the best plane, normal and points of the last.
+template <typename S>
+Closest paper_last(S& search, Vec3 n, const Support& first, int cap) {
   Support s = first;
   double least = s.h;
   while (search.evaluations < cap) {
-    if ((s.S - s.h * n).squaredNorm() <= 1e-12 * s.S.squaredNorm()) return search.answer(s, n);
+    if (parallel(s, n)) return search.answer(s, n);
     n = turned(n, s);
     s = search(n);
     if (s.h < 0.0) return search.answer(s, n);
@@ -372,7 +422,10 @@ HEADPIN_FLATTEN __attribute__((noinline)) Closest carry_on(const A& a, const B& 
                                                            const Support& first, bool warm,
                                                            const Query& q) {
   auto&& search = look.search();
-  if (q.mode == Query::paper) return paper(search, n, first, q.cap);
+  if (q.mode == Query::paper) {
+    return q.last ? paper_last(search, n, first, q.cap)
+                  : paper(search, n, first, centre(a), centre_B(b, X_AB), q.cap);
+  }
   const double size = std::min(size_of(a), size_of(b));
   Closest c =
       warm ? settle(search, n, first, size, true, q) : from_centres(search, n, first, size, q);

@@ -24,11 +24,11 @@
 /// Link with headpin::engine; compounds and resting contacts are in contacts.h.
 ///
 /// Two modes:
-/// - paper: from the line of centres, at most `cap` steps, then equations (1), (2) of whatever has
-///   been reached. It never calls a pair that meets separated, but it calls flat things that are
-///   apart a contact (parallel caps at cap 5 nearly always) and its depths are guesses: no more
-///   than the least overlap of any planes it looked at, the first of them across the line of
-///   centres. One contact point.
+/// - paper: from the line of centres, at most `cap` steps, then equations (1), (2) of the plane of
+///   least overlap that was looked at. It never calls a pair that meets separated, but it calls flat
+///   things that are apart a contact (parallel caps at cap 5 nearly always), and its depth is the
+///   true one or more: at cap 20 by 1 % in half of the shallow pairs, with a normal 1 degree off; at
+///   cap 5 by a third, 6 degrees off. One contact point.
 /// - converged, the default: the same start and the same way out at every evaluation, then Newton's
 ///   method until (1), (2) hold (stratified_newton.h), a hull being replaced by its face, edge or
 ///   vertex in view, and GJK from outside for what is left. Such a minimum need not be the least
@@ -47,10 +47,17 @@
 ///
 /// tests/campaign tries a million pairs of each two kinds of shapes against proofs of its own.
 ///
-/// Where this is not the paper: how a new normal is found is only in [UNO 96], which nobody has.
-/// Ours is a step of 1.5 times the projection onto the plane across D, between the projection and
-/// the mirror image of Chung and Wong (1996), which left fewest pairs undecided. Warm starts,
-/// Newton's method and the fallback are ours. The distance d is N . D, which is |D| at convergence.
+/// What of the paper mode is the paper's: the start at the line of centres, the furthest points, the
+/// end at N . D > 0 or at D parallel to N (here to 1e-6), the cap, equations (1) and (2). How a new
+/// normal is found is only in [UNO 96], which nobody has, so that is ours:
+/// - towards a proof, a step of 1.5 times the projection onto the plane across D, between the
+///   projection and the mirror image of Chung and Wong (1996), which left fewest pairs undecided;
+/// - where two such steps came to no lower plane, a turn by the part of D across N over the two arms,
+///   as the first kind of step does not end at the closest points of pairs that meet: more of them
+///   made normal and depth worse;
+/// - at the cap, the answer is the best plane's, not the last one's.
+/// Warm starts, Newton's method and the fallback are ours too. The distance d is N . D, which is |D|
+/// at convergence.
 namespace headpin::engine {
 
 struct Closest {
@@ -61,8 +68,8 @@ struct Closest {
   Vec3 p_A = Vec3::Zero(), p_B = Vec3::Zero();  ///< in A's frame [m]; A's and B's surface
   Vec3 n_AB = Vec3::UnitZ();                    ///< unit, from A to B, in A's frame
   int iterations = 0;                           ///< evaluations of the two support functions
-  bool capped = false;  ///< the cap of the iteration was reached: in paper mode the depth is a
-                        ///< guess, in converged mode the fallback answered
+  bool capped = false;  ///< the cap of the iteration was reached: in paper mode the depth is
+                        ///< that or less, in converged mode the fallback answered
 };
 
 struct Query {
@@ -73,6 +80,9 @@ struct Query {
   Mode mode = converged;
   int cap = 20;       ///< 5..20 in the paper
   bool warm = false;  ///< paper mode starts from the kept normal, which is ours and not of 1997
+  bool last =
+      false;  ///< paper mode answers from the last plane and turns towards a proof alone, as
+              ///< trials were recorded before it answered from the best
   /// Converged mode stops at the proof of a gap of more than this; a closer pair gets its closest
   /// points, apart or not [m].
   double margin = 0.0;

@@ -26,14 +26,19 @@ engine::Part make_part(const SkittlePart& part) {
   return {engine::Ellipsoid{Vec3(part.radius, part.radius, half)}, X_BG};
 }
 
-/// As the skittle's own outline has it, or what collides for it.
+/// As the skittle's own outline has it, or its parts, or the one ellipsoid that collides for it.
 engine::MassProperties skittle_mass(const Scenario& scenario, const engine::Compound& shape) {
   const Skittle& skittle = scenario.skittle;
-  if (scenario.collision.shape == "true" && skittle.weighed == "profile") {
+  const auto of_parts = [&](const engine::Compound& parts) {
+    const double volume = engine::mass_properties(parts, 1.0).mass;
+    return engine::mass_properties(parts, skittle.mass / volume);
+  };
+  const bool is_true = scenario.collision.shape == "true";
+  if (!is_true && skittle.ellipsoid_weighed == "itself") return of_parts(shape);
+  if (skittle.weighed == "profile") {
     return turned_mass(smooth_outline(skittle.profile), skittle.mass);
   }
-  const double volume = engine::mass_properties(shape, 1.0).mass;
-  return engine::mass_properties(shape, skittle.mass / volume);
+  return of_parts(is_true ? shape : skittle_shape(skittle, "true"));
 }
 
 engine::Material surface(const Coefficients& material, double rolling_arm = 0.0) {
@@ -197,6 +202,7 @@ engine::Parameters world_parameters(const Scenario& scenario) {
       c.detection == "paper" ? engine::Query::Mode::paper : engine::Query::Mode::converged;
   p.query.cap = static_cast<int>(c.iterations);
   p.query.warm = c.warm;
+  p.query.last = c.answer == "last";
   p.friction_tau = c.friction_tau_s;
   p.sleep = c.sleep;
   p.keep_ledger = true;

@@ -243,7 +243,11 @@ void follow(Player& player, std::span<const devices::Sample> samples, const Scen
   const int thumbs = static_cast<int>(player.left_thumb) - static_cast<int>(player.right_thumb);
   const double dt = 1.0 / static_cast<double>(scenario.rates.physics_hz);
   const std::optional<Pose> X_PD = player.head.at(now);
-  if (X_PD) step(player.walk, scenario, *X_PD, thumbs, dt);
+  if (!X_PD) return;
+  const bool by_hand = scenario.walk.along == "hand";
+  const std::optional<Pose> X_PX = by_hand ? player.hand.at(now) : X_PD;
+  // A hand that was never seen points nowhere: nobody walks, and who walks comes to rest.
+  step(player.walk, scenario, *X_PD, X_PX.value_or(*X_PD), X_PX ? thumbs : 0, dt);
 }
 
 void forget(Player& player, Time now) {

@@ -88,6 +88,8 @@ Scenario under(Scenario scenario, const Version& version) {
   set_elasticity(scenario.material, version.elasticity);
   set_friction(scenario.material, version.friction);
   scenario.collision.shape = version.shape;
+  if (version.detection != "collision") scenario.collision.detection = version.detection;
+  if (version.iterations != 0) scenario.collision.iterations = version.iterations;
   return scenario;
 }
 

@@ -74,7 +74,8 @@ struct Skittle {
   std::vector<Vec2> profile;        ///< (height above the base, radius), as the eyes see it
   std::string seen = "true";        ///< by the eyes: "true", or the "collider"
   std::string weighed = "profile";  ///< what its mass properties are of: "profile" or "parts"
-  MeshFile mesh;                    ///< seen in place of the profile
+  std::string ellipsoid_weighed = "alike";  ///< as the true shape, or "itself"
+  MeshFile mesh;                            ///< seen in place of the profile
 };
 
 struct Ball {
@@ -98,7 +99,8 @@ struct Collision {
   std::string shape = "true";           ///< "true": the compound; "ellipsoid": one ellipsoid
   std::string detection = "converged";  ///< "paper": stops at the cap
   std::int64_t iterations = 20;         ///< cap on a query's iterations, 5..20
-  bool warm = false;  ///< paper detection starts from the last normal: ours, not of 1997
+  bool warm = false;            ///< paper detection starts from the last normal: ours, not of 1997
+  std::string answer = "best";  ///< of paper detection at its cap; "last": as old trials have it
   std::string response = "paper";      ///< "paper" or "coulomb"
   double friction_tau_s = 1.0 / 60.0;  ///< in which a lasting contact applies its friction once
   double gravity = 9.81;
@@ -134,6 +136,8 @@ struct Version {
   Vec3 button = Vec3(-0.55, 0.0, 1.1);      ///< its centre
   double elasticity = 0.7, friction = 0.7;  ///< of skittles, ball, lane and walls
   std::string shape = "true";               ///< as collision.shape
+  std::string detection = "collision";      ///< as collision.detection, or that one's own
+  std::int64_t iterations = 0;              ///< as collision.iterations, or that one's own
 };
 
 struct Versions {
@@ -144,6 +148,7 @@ struct Versions {
 
 /// How the thumbs move the player.
 struct Walking {
+  std::string along = "gaze";  ///< or "hand": where it points
   double speed = 1.2;
   double acceleration = 3.0;
   double clearance = 0.3;  ///< of the head from walls

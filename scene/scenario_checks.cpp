@@ -264,6 +264,15 @@ class Checker {
 
   void check_buttons() const {
     check_materials_of_versions();
+    for (const auto& [key, cap] :
+         {std::pair{"version.red.iterations", s_.version.red.iterations},
+          std::pair{"version.blue.iterations", s_.version.blue.iterations}}) {
+      constexpr int kLeast = 5;  // as of collision.iterations
+      if (cap != 0 && cap < kLeast) {
+        refuse(key, fmt::format("must be 0, or a cap from {} to 20; found {}", kLeast, cap),
+               {"version.buttons"});
+      }
+    }
     const Room& room = s_.room;
     const double r = s_.version.radius;
     for (const auto& [key, p] : {std::pair{"version.red.button", s_.version.red.button},

@@ -108,11 +108,15 @@ void visit(V& v, Skittle& s) {
   v.field("parts", s.parts, kAny, "its true shape as collisions see it, base upwards");
   v.field("profile", s.profile, kAny, "[height above the base, radius] as eyes see it",
           "USBC, necks from pin drawings");
-  v.field(
-      "seen", s.seen, Choices{"true", "collider"},
-      "what the eyes see: the profile, or what it collides as; table 4: nobody noticed the latter");
+  v.field("seen", s.seen, Choices{"true", "collider"},
+          "what the eyes see: the profile, or what it collides as; none of six "
+          "noticed a change of the shape that collides (table 4)");
   v.field("weighed", s.weighed, Choices{"profile", "parts"},
-          "whose centre of mass and inertia a true shape has; an ellipsoid has its own");
+          "whose centre of mass and inertia it has: of what is seen, or of its parts");
+  v.field(
+      "ellipsoid_weighed", s.ellipsoid_weighed, Choices{"alike", "itself"},
+      "alike: an ellipsoid has mass, centre and inertia of the true shape, so that the paper's S "
+      "is the accuracy of collisions alone; itself: its own, as trials were recorded before");
   v.section("mesh", "seen in place of the profile, from the middle of the base", s.mesh);
 }
 
@@ -146,6 +150,9 @@ void visit(V& v, Collision& c) {
           "paper: the iteration stops at the cap, as in 1997");
   v.field("iterations", c.iterations, Range{5, 20}, "cap of a query; 20 in the paper");
   v.field("warm", c.warm, kAny, "paper detection starts from the last normal; not so in 1997");
+  v.field("answer", c.answer, Choices{"best", "last"},
+          "paper detection answers from the best plane that it looked at, as it turns to it; last: "
+          "as trials were recorded before");
   v.field("response", c.response, response_names(), "");
   v.field("friction_tau_s", c.friction_tau_s, Range{1e-4, 10},
           "a lasting contact applies the paper's friction once in this time");
@@ -174,6 +181,11 @@ void visit(V& v, Version& version) {
   v.field("friction", version.friction, kUnit, "of skittles, ball, lane and walls",
           "Uno & Slater 1997, table 1");
   v.field("shape", version.shape, Choices{"true", "ellipsoid"}, "of the skittles, as they collide");
+  v.field("detection", version.detection, Choices{"collision", "converged", "paper"},
+          "collision: as collision.detection");
+  v.field("iterations", version.iterations, Range{0, 20},
+          "cap of a query, 5 to 20; 0: as collision.iterations",
+          "Uno & Slater 1997, section 3: 5 against 20 in their pilot");
 }
 
 template <typename V>
@@ -213,8 +225,11 @@ void visit(V& v, Hand& h) {
 
 template <typename V>
 void visit(V& v, Walking& w) {
-  v.field("speed", w.speed, Range{0, 10}, "of a walk by the thumbs, along the gaze",
-          "an easy walk");
+  v.field(
+      "along", w.along, Choices{"gaze", "hand"},
+      "which way forward is: where the head looks or where the hand points; ours, the paper says "
+      "only by which buttons");
+  v.field("speed", w.speed, Range{0, 10}, "of a walk by the thumbs", "an easy walk");
   v.field("acceleration", w.acceleration, Range{0.1, 1000}, "up to it and back to rest");
   v.field("clearance", w.clearance, Range{0, 1}, "a walk brings the head no nearer to a wall");
 }

@@ -9,9 +9,9 @@ namespace headpin::scene {
 
 namespace {
 
-/// Horizontal direction in which the head looks; zero straight up or down.
-Vec3 gaze(const Pose& X_PD) {
-  Vec3 ahead = X_PD.q * -Vec3::UnitZ();
+/// Horizontal direction in which a head looks or a hand points; zero straight up or down.
+Vec3 level_ahead(const Pose& X_PX) {
+  Vec3 ahead = X_PX.q * -Vec3::UnitZ();
   ahead.z() = 0.0;
   const double length = ahead.norm();
   constexpr double kStraightUp = 1e-3;
@@ -37,8 +37,9 @@ double depth(const Vec3& p_WD, const Scenario& scenario) {
 
 }  // namespace
 
-void step(Walk& walk, const Scenario& scenario, const Pose& X_PD, int thumbs, double dt) {
-  const Vec3 wanted = thumbs * scenario.walk.speed * gaze(X_PD);
+void step(Walk& walk, const Scenario& scenario, const Pose& X_PD, const Pose& X_PX, int thumbs,
+          double dt) {
+  const Vec3 wanted = thumbs * scenario.walk.speed * level_ahead(X_PX);
   const Vec3 change = wanted - walk.v_WP;
   const double most = scenario.walk.acceleration * dt;
   walk.v_WP = change.norm() <= most ? wanted : Vec3(walk.v_WP + most * change.normalized());

@@ -16,14 +16,16 @@ struct Walk {
 
 /// One tick of walking.
 ///
-/// The left thumb walks forward, the right one backward, along the horizontal direction of the
-/// gaze; both, or a gaze straight up or down, stand still (ours: the paper says "forwards and
-/// backwards"). Speed is taken up and lost at `walk.acceleration`. A step that would bring the head
+/// The left thumb walks forward, the right one backward, along the horizontal direction of what leads
+/// (`walk.along`: the head or the hand); both thumbs, or a lead straight up or down, stand still. The
+/// paper says which buttons move "forward" and "backward", and not which way that is: the gaze is ours. Speed is taken up and lost at `walk.acceleration`. A step that would bring the head
 /// nearer to a wall than `walk.clearance` is not made; what the head does in the tracked space is its own.
 ///
 /// @param X_PD    the head
+/// @param X_PX    what leads, along its -z: the head where it looks, or the hand where it points
 /// @param thumbs  1 forward, -1 backward, 0 neither
 /// @param dt      length of the tick [s]
-void step(Walk& walk, const Scenario& scenario, const Pose& X_PD, int thumbs, double dt);
+void step(Walk& walk, const Scenario& scenario, const Pose& X_PD, const Pose& X_PX, int thumbs,
+          double dt);
 
 }  // namespace headpin::scene

@@ -57,5 +57,34 @@ TEST(Layers, IncludesPointDownwards) {
   }
 }
 
+// docs/paper.md says of each claim of the paper where it is done: by a file and names within it.
+TEST(ThePaperPage, PointsAtFilesAndNamesThatAreThere) {
+  static const std::regex link(R"(\]\(([^)]+)\)((?:,? `[^`]+`)*))"), name(R"(`([^`]+)`)");
+  const fs::path docs = fs::path(HEADPIN_SOURCE_DIR) / "docs";
+  std::ifstream page(docs / "paper.md");
+  int rows = 0, names = 0;
+  for (std::string line; std::getline(page, line);) {
+    if (!line.starts_with("| ") || line.starts_with("| the paper |")) continue;
+    ++rows;
+    const std::string where = line.substr(line.rfind(" | "));
+    if (line.find("| absent") != std::string::npos) continue;
+    std::sregex_iterator found(where.begin(), where.end(), link), none;
+    EXPECT_NE(found, none) << "nowhere: " << line;
+    for (; found != none; ++found) {
+      const fs::path path = docs / (*found)[1].str();
+      std::ifstream file(path);
+      ASSERT_TRUE(file) << path;
+      const std::string text{std::istreambuf_iterator<char>(file), {}};
+      const std::string said = (*found)[2];
+      for (std::sregex_iterator one(said.begin(), said.end(), name); one != none; ++one) {
+        EXPECT_NE(text.find((*one)[1]), std::string::npos) << path << ": " << (*one)[1];
+        ++names;
+      }
+    }
+  }
+  EXPECT_GT(rows, 30);
+  EXPECT_GT(names, 30);
+}
+
 }  // namespace
 }  // namespace headpin

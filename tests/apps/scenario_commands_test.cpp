@@ -43,7 +43,8 @@ TEST_F(ScenarioCommands, ThoseThatComeAlongAreListedShownAndChecked) {
     EXPECT_EQ(shown, one);
   }
   EXPECT_THAT(names, testing::ElementsAre("english-skittles", "german-ninepins", "paper-experiment",
-                                          "paper-objects", "paper-room", "regulation-ten-pin"));
+                                          "paper-objects", "paper-room", "regulation-ten-pin",
+                                          "uno-slater-1997"));
   EXPECT_THAT(headpin("scenario check german-ninepins").out, HasSubstr("9 skittles of "));
   write("bad.toml", "name = 'bad'\n[ball]\nmas = 5\n");
   expect_refusal("scenario check bad.toml", 1, "bad.toml:3: unknown key 'ball.mas'");

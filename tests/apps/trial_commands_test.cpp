@@ -200,7 +200,7 @@ TEST_F(TrialCommands, AScenarioIsMeantByItsNameOrItsFile) {
   expect_refusal("synthesize -o OUT.lcmlog --scenario ninepins", 1,
                  "no scenario is called 'ninepins'; expected a TOML file (./ninepins if it is one) "
                  "or one of: english-skittles, german-ninepins, paper-experiment, paper-objects, "
-                 "paper-room, regulation-ten-pin");
+                 "paper-room, regulation-ten-pin, uno-slater-1997");
   expect_refusal("synthesize -o OUT.lcmlog --scenario ./ninepins", 1, "./ninepins: cannot be read");
 }
 

@@ -368,6 +368,101 @@ double percentile(std::vector<double> v, double p) {
   return v[static_cast<std::size_t>(p * static_cast<double>(v.size() - 1))];
 }
 
+double degrees_between(const Vec3& a, const Vec3& b) {
+  return 2.0 * std::asin(std::min(1.0, 0.5 * (a - b).norm())) * 57.29577951308232;
+}
+
+/// The line of centres, from which the paper begins.
+Vec3 line_of_centres(const Shape& a, const Shape& b, const Pose& X_AB) {
+  const auto centre_of = [](const Shape& s) {
+    return std::visit([](const auto& shape) { return centre(shape); }, s);
+  };
+  return (X_AB * centre_of(b) - centre_of(a)).normalized();
+}
+
+// "This iterative process is continued until the positions become the closest points": what is
+// answered at the cap is near the least depth, and nearer the higher the cap. The least is found by
+// a random search, which knows of no step of the method.
+TEST(PaperMode, ComesNearerToTheClosestPointsTheHigherItsCap) {
+  Pool pool(65);
+  constexpr int kCaps[] = {5, 20};
+  std::vector<double> degrees[2], over[2], degrees_of_last[2];
+  for (int i = 0; i < 450 / kThin; ++i) {
+    const Shallow p = shallow(pool, i % 3, i / 3 % 3);
+    const Least least = searched(pool.random, p, line_of_centres(p.a, p.b, p.X_AB));
+    for (int k = 0; k < 2; ++k) {
+      const Closest c = query(p.a, p.b, p.X_AB, {Query::paper, kCaps[k]});
+      ASSERT_FALSE(c.separated);
+      // Depth, normal and points are of one plane.
+      ASSERT_NEAR(-c.distance, depth_along(p.a, p.b, p.X_AB, c.n_AB), 1e-12);
+      ASSERT_NEAR(c.distance, c.n_AB.dot(c.p_B - c.p_A), 1e-12);
+      degrees[k].push_back(degrees_between(c.n_AB, least.n));
+      over[k].push_back(-c.distance / least.depth);
+      const Closest last =
+          query(p.a, p.b, p.X_AB, {.mode = Query::paper, .cap = kCaps[k], .last = true});
+      degrees_of_last[k].push_back(degrees_between(last.n_AB, least.n));
+    }
+  }
+  for (int k = 0; k < 2; ++k) {
+    std::printf(
+        "cap %2d: normal %5.1f / %5.1f deg, depth %.2f / %.2f of the least; last %5.1f deg\n",
+        kCaps[k], percentile(degrees[k], 0.5), percentile(degrees[k], 0.9),
+        percentile(over[k], 0.5), percentile(over[k], 0.9), percentile(degrees_of_last[k], 0.5));
+  }
+  EXPECT_LT(percentile(degrees[0], 0.5), 9.0);
+  EXPECT_LT(percentile(degrees[1], 0.5), 2.0);
+  EXPECT_LT(percentile(degrees[1], 0.9), 12.0);
+  EXPECT_LT(percentile(over[0], 0.5), 1.6);
+  EXPECT_LT(percentile(over[1], 0.5), 1.05);
+  EXPECT_LT(percentile(over[1], 0.9), 1.6);
+}
+
+// "If at any step of iteration the scalar product has a positive value, [...] the iteration can be
+// terminated immediately": at the first one too, whatever the margin.
+TEST(PaperMode, EndsAtTheFirstLookThatProvesWhateverTheMargin) {
+  Pool pool(66);
+  int within = 0;
+  for (int i = 0; i < 4000 / kThin; ++i) {
+    const Shape &a = pool.pick(i % 4), &b = pool.pick(i / 4 % 4);
+    const Pose X_AB{pool.random.rotation(),
+                    pool.random.uniform(0.6, 1.6) * pool.random.direction()};
+    const double gap = -depth_along(a, b, X_AB, line_of_centres(a, b, X_AB));
+    if (gap <= 1e-12) continue;
+    const Closest c = query(a, b, X_AB, {.mode = Query::paper, .margin = 0.1});
+    EXPECT_TRUE(c.separated);
+    EXPECT_EQ(c.iterations, 1) << kind(a) << " " << kind(b);
+    EXPECT_NEAR(c.distance, gap, 1e-12);
+    within += gap < 0.1;
+  }
+  EXPECT_GT(within, 200 / kThin);
+}
+
+// What trials were recorded under before: the rule restated.
+TEST(PaperMode, StillAnswersFromTheLastPlaneWhereATrialDid) {
+  Pool pool(67);
+  for (int i = 0; i < 3000 / kThin; ++i) {
+    const Shallow p = shallow(pool, i % 3, i / 3 % 3);
+    const int cap = 5 + 5 * pool.random.index(2);
+    Vec3 n = line_of_centres(p.a, p.b, p.X_AB);
+    const auto across = [&](const Vec3& m) -> Vec3 {
+      return support(p.a, m) - p.X_AB * support(p.b, p.X_AB.q.conjugate() * -m);
+    };
+    Vec3 S = across(n);
+    double least = n.dot(S);
+    int looks = 1;
+    while (looks < cap && (S - n.dot(S) * n).norm() > 1e-6 * S.norm()) {
+      n = (n - 1.5 * n.dot(S) / S.squaredNorm() * S).normalized();
+      S = across(n);
+      least = std::min(least, n.dot(S));
+      ++looks;
+    }
+    const Closest c = query(p.a, p.b, p.X_AB, {.mode = Query::paper, .cap = cap, .last = true});
+    if (!c.capped) continue;  // the points lay along the normal, to rounding
+    EXPECT_LT((c.n_AB - n).norm(), 1e-6) << kind(p.a) << " " << kind(p.b);
+    EXPECT_NEAR(-c.distance, least, 1e-8);
+  }
+}
+
 // Depth is that of the definition along the normal given, and no direction found by search is
 // shallower.
 TEST(Depth, OfParametricPairsIsTheLeastOverAllDirections) {
@@ -410,10 +505,6 @@ double polyhedra_depth(const Polyhedron& a, const Polyhedron& b, const Pose& X_A
     }
   }
   return least;
-}
-
-double degrees_between(const Vec3& a, const Vec3& b) {
-  return 2.0 * std::asin(std::min(1.0, 0.5 * (a - b).norm())) * 57.29577951308232;
 }
 
 TEST(Depth, OfPolyhedraIsThatOfTheirFacesAndEdges) {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/log.h"
+#include "scene/bodies.h"
 #include "scene/scenario.h"
 #include "tests/scene/refusal.h"
 #include "tests/support/folder.h"
@@ -303,6 +304,13 @@ TEST(ScenarioOfATrial, TakesNoDefaultOfToday) {
                                             "hand.mesh.unit",
                                             "hand.mesh.axes",
                                             "hand.mesh.sha256",
+                                            "collision.answer",
+                                            "skittle.ellipsoid_weighed",
+                                            "version.red.detection",
+                                            "version.red.iterations",
+                                            "version.blue.detection",
+                                            "version.blue.iterations",
+                                            "walk.along",
                                             "skittle.weighed"};
   std::istringstream lines(whole);
   int keys = 0;
@@ -337,7 +345,8 @@ TEST(ScenarioOfATrial, WithoutAKeyThatCameLaterRanUnderWhatThenHeld) {
   for (const char* key :
        {"head_station", "hand_station", "release_window_most_s", "release_accuracy", "warm",
         "friction_tau_s", "solid = ", "takes_skittles", "speed = 1.2", "solid_ceiling",
-        "masking_panel", "kick_backs", "gutter_width", "gutter_depth", "weighed"}) {
+        "masking_panel", "kick_backs", "gutter_width", "gutter_depth", "weighed", "answer",
+        "ellipsoid_weighed"}) {
     text[text.find(key)] = '#';
   }
   const Scenario read = scenario_of_trial(text, "old.lcmlog");
@@ -354,6 +363,34 @@ TEST(ScenarioOfATrial, WithoutAKeyThatCameLaterRanUnderWhatThenHeld) {
   EXPECT_EQ(read.lane.gutter_width, 0.235);
   EXPECT_EQ(read.lane.gutter_depth, 0.0);
   EXPECT_EQ(read.skittle.weighed, "parts");
+  EXPECT_EQ(read.skittle.ellipsoid_weighed, "itself");
+  EXPECT_EQ(read.collision.answer, "last");
+}
+
+// The paper's S is the accuracy of collisions, and not the weight.
+TEST(AnEllipsoid, WeighsAsTheTrueShapeUnlessAnOldTrialSaysNo) {
+  for (const char* weighed : {"profile", "parts"}) {
+    Scenario s;
+    s.skittle.weighed = weighed;
+    const SkittleBody whole = skittle_body(s);
+    s.collision.shape = "ellipsoid";
+    const SkittleBody alike = skittle_body(s);
+    EXPECT_EQ(alike.body.shape->parts.size(), 1u);
+    EXPECT_EQ(alike.body.mass, whole.body.mass);
+    EXPECT_EQ(alike.body.inertia, whole.body.inertia);
+    EXPECT_EQ(alike.centre_height, whole.centre_height);
+    s.skittle.ellipsoid_weighed = "itself";
+    EXPECT_NEAR(skittle_body(s).centre_height, 0.5 * s.skittle.height, 1e-9);
+  }
+}
+
+TEST(AVersion, HasACapOfZeroOrOneThatDetectionHas) {
+  for (const int cap : {0, 5, 20}) {
+    EXPECT_EQ(
+        refusal(fmt::format("[version]\nbuttons = true\n[version.red]\niterations = {}", cap)), "");
+  }
+  EXPECT_THAT(refusal("[version]\nbuttons = true\n[version.red]\niterations = 4"),
+              HasSubstr("version.red.iterations must be 0, or a cap from 5 to 20; found 4"));
 }
 
 TEST(ScenarioOfATrial, TheBundledTrialIsRead) {

@@ -460,6 +460,26 @@ TEST(SessionTest, ThumbsWalkAlongTheGaze) {
   EXPECT_EQ(walker.goes(scenario).norm(), 0.0);
 }
 
+TEST(SessionTest, ThumbsWalkWhereTheHandPointsWhenAskedTo) {
+  Scenario scenario;
+  scenario.walk.along = "hand";
+  const Walker walker;  // looks along y
+  std::vector<devices::Sample> samples = walker.samples();
+  const auto goes = [&] { return play(scenario, samples, 2.9).session.player.walk.p_WP; };
+  EXPECT_EQ(goes(), Vec3(Vec3::Zero())) << "no hand, no way";
+  const double yaw = 0.4;  // to the left
+  for (int i = 0; i <= 180; ++i) {
+    devices::TrackerSample hand;
+    hand.device_time = tick_time(i, 60);
+    hand.station = devices::kHandStation;
+    hand.X_TS = {rotation(Vec3(0.0, 0.0, yaw)) * walker.q_PD, Vec3(0.4, -1.1, 1.2)};
+    samples.emplace_back(hand);
+  }
+  const Vec3 way = goes();
+  EXPECT_NEAR(std::atan2(-way.x(), way.y()), yaw, 1e-9);
+  EXPECT_NEAR(way.norm(), scenario.walk.speed * 1.0, 2.0 * scenario.walk.speed / 240.0);
+}
+
 TEST(SessionTest, WallsStopAWalkerAndNotTheHeadThatLeans) {
   const Scenario scenario;
   const Room& room = scenario.room;
