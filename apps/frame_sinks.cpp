@@ -1,5 +1,6 @@
 #include "apps/frame_sinks.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -7,22 +8,49 @@
 
 namespace headpin::apps {
 
+namespace {
+
+/// The picture at a steady rate that is nearest to a time.
+std::int64_t picture_at(Time time, std::int64_t fps) {
+  constexpr std::int64_t kSecond = 1'000'000;
+  return (2 * time.count() * fps + kSecond) / (2 * kSecond);
+}
+
+}  // namespace
+
+void SequenceSink::show_until(std::int64_t picture) {
+  for (; written_ < picture; ++written_) write(newest_);
+}
+
 void SequenceSink::add(const scene::EyeFrame& frame) {
-  if (hold_ && !last_.rgb.empty()) {
-    for (std::int64_t i = number_ + 1; i < frame.number; ++i) write(last_);
+  render::Image both = render::side_by_side(frame.images[0], frame.images[1]);
+  if (hold_ == Hold::one_each) return write(both);
+  std::int64_t at = picture_at(frame.time, fps_);
+  if (!start_) {
+    start_ = hold_ == Hold::from_time_zero ? 0 : at;
+    newest_ = {both.width, both.height, std::vector<std::uint8_t>(both.rgb.size(), 0)};
+    at_ = -1;
   }
-  last_ = render::side_by_side(frame.images[0], frame.images[1]);
-  number_ = frame.number;
-  write(last_);
+  at -= *start_;
+  if (at == at_) ++at;     // two that are near each other: the second is shown a picture later
+  at = std::max(at, at_);  // and if that is not enough, in place of the one before
+  show_until(at);
+  at_ = at;
+  newest_ = std::move(both);
+}
+
+void SequenceSink::close() {
+  if (start_) show_until(at_ + 1);
+  end();
 }
 
 VideoSink::VideoSink(const VideoOptions& options, const render::Optics& optics)
-    : SequenceSink(options.hold),
+    : SequenceSink(options),
       writer_(options.path, 2 * optics.width, optics.height, options.fps, optics.pixel_aspect(),
               options.force, options.inputs, options.copy) {}
 
 Y4mSink::Y4mSink(const VideoOptions& options, const render::Optics& optics)
-    : SequenceSink(options.hold),
+    : SequenceSink(options),
       file_(options.path,
             {.overwrite = options.force, .standard_output = true, .inputs = options.inputs}) {
   const std::string header = fmt::format(

@@ -11,37 +11,51 @@
 /// Where drawn frames go beside a folder: both eyes side by side, one after the other.
 namespace headpin::apps {
 
-/// A sequence of pictures at a steady rate.
-class SequenceSink : public scene::FrameSink {
- public:
-  /// @param hold  a picture stays until the number of the next one: what was left out took its time
-  explicit SequenceSink(bool hold) : hold_(hold) {}
-
-  void add(const scene::EyeFrame& frame) final;
-  virtual void close() = 0;
-
- private:
-  virtual void write(const render::Image& both) = 0;
-
-  bool hold_;
-  std::int64_t number_ = 0;
-  render::Image last_;
+/// How long a picture stays.
+enum class Hold {
+  one_each,         ///< one after the other
+  from_time_zero,   ///< from its time to the next one's; it is black before the first
+  from_first_shown  ///< likewise, and the first one's time is 0
 };
 
 struct VideoOptions {
   std::string path;
   std::int64_t fps = 60;
-  bool force = false, hold = false, copy = true;
+  bool force = false;
+  Hold hold = Hold::one_each;
+  bool copy = true;
   std::vector<std::filesystem::path> inputs = {};
+};
+
+/// A sequence of pictures at a steady rate.
+class SequenceSink : public scene::FrameSink {
+ public:
+  explicit SequenceSink(const VideoOptions& options) : hold_(options.hold), fps_(options.fps) {}
+
+  void add(const scene::EyeFrame& frame) final;
+  /// After the last one.
+  void close();
+
+ private:
+  void show_until(std::int64_t picture);
+  virtual void write(const render::Image& both) = 0;
+  virtual void end() = 0;
+
+  Hold hold_;
+  std::int64_t fps_;
+  std::int64_t written_ = 0;           ///< pictures
+  std::optional<std::int64_t> start_;  ///< picture that the first one is counted from
+  std::int64_t at_ = 0;                ///< picture at which the newest one is shown first
+  render::Image newest_;
 };
 
 /// A video (render/video.h).
 class VideoSink : public SequenceSink {
  public:
   VideoSink(const VideoOptions& options, const render::Optics& optics);
-  void close() override { writer_.close(); }
 
  private:
+  void end() override { writer_.close(); }
   void write(const render::Image& both) override { writer_.add(both); }
 
   render::VideoWriter writer_;
@@ -53,9 +67,9 @@ class Y4mSink : public SequenceSink {
  public:
   /// @param options  its path may be `-`, standard output
   Y4mSink(const VideoOptions& options, const render::Optics& optics);
-  void close() override { file_.commit(); }
 
  private:
+  void end() override { file_.commit(); }
   void write(const render::Image& both) override;
 
   files::OutputFile file_;

@@ -141,7 +141,9 @@ class Outputs {
     VideoOptions how{.path = options.video.value_or(""),
                      .fps = fps,
                      .force = options.force,
-                     .hold = options.as_shown && options.frames.empty(),
+                     .hold = !options.as_shown        ? Hold::one_each
+                             : options.frames.empty() ? Hold::from_time_zero
+                                                      : Hold::from_first_shown,
                      .copy = !options.no_copy,
                      .inputs = {options.trial}};
     if (options.video) sinks_.push_back(&video_.emplace(how, optics));
@@ -390,9 +392,11 @@ void add_frames(CLI::App& app) {
                    "N^2 + 1 samples a pixel, 1 is one, instead of the trial's or the look's")
       ->check(CLI::Range(1, 8));
   command
-      ->add_flag("--as-shown", options->as_shown,
-                 "the frames that a live session showed, at their ticks, each held against its "
-                 "recorded hash; a video keeps their times")
+      ->add_flag(
+          "--as-shown", options->as_shown,
+          "the frames that a live session showed, at their ticks, each held against its "
+          "recorded hash; a video shows each from its time to the next one's, and begins with the "
+          "trial or, with --frames, with the first of those")
       ->excludes("--fps");
   command->add_flag("--verify", options->verify,
                     "draw what a live session recorded of its frames, and compare the pictures");

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <csignal>
 #include <cstring>
-#include <numeric>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -23,10 +23,21 @@ namespace headpin::render {
 
 namespace {
 
-/// "1.405" as ffmpeg wants it: a ratio of whole numbers.
+/// The nearest fraction of whole numbers up to 255, as ffmpeg wants it. The lossless stream does not
+/// decode to its pictures where one of the numbers is above 4096.
 std::string ratio(double x) {
-  const long under = 10000, over = std::lround(x * under), common = std::gcd(over, under);
-  return std::to_string(over / common) + "/" + std::to_string(under / common);
+  constexpr long kMost = 255;
+  long best_over = 1, best_under = 1;
+  double nearest = std::numeric_limits<double>::infinity();
+  for (long under = 1; under <= kMost; ++under) {
+    const long over = std::clamp(std::lround(x * static_cast<double>(under)), 1L, kMost);
+    const double off = std::abs(static_cast<double>(over) / static_cast<double>(under) - x);
+    if (off >= nearest) continue;
+    nearest = off;
+    best_over = over;
+    best_under = under;
+  }
+  return std::to_string(best_over) + "/" + std::to_string(best_under);
 }
 
 std::vector<std::string> arguments(int width, int height, std::int64_t fps, double pixel_aspect,
@@ -47,7 +58,7 @@ std::vector<std::string> arguments(int width, int height, std::int64_t fps, doub
       "-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size", size, "-framerate", std::to_string(fps),
       "-i", "pipe:0",
       // Every byte of it.
-      "-map", "0:v", "-vf", "setsar=" + ratio(pixel_aspect) + ":max=10000", "-c:v", "libx264rgb",
+      "-map", "0:v", "-vf", "setsar=" + ratio(pixel_aspect) + ":max=255", "-c:v", "libx264rgb",
       "-preset", "ultrafast", "-qp", "0", "-metadata:s:v:0", "stereo_mode=left_right", "-fflags",
       "+bitexact", "-f", "matroska", lossless};
   const std::vector<std::string> to_look_at = {

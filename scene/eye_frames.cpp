@@ -156,7 +156,8 @@ void FramesBeside::tick(const Session& session) {
     due.stages = {.ticked = seconds_between(pace_->at(*newest_), taken_),
                   .waited = seconds_between(taken_, due.at)};
     const Time tick = tick_time(1, rates.physics_hz);
-    if (now - since_ > tick) lead_ += tick;
+    // One frame's time is enough where the tracker has the frames' rate; with another rate nothing is.
+    if (now - since_ > tick && lead_ < tick_time(1, rates.frame_hz)) lead_ += tick;
   }
   shown_ = newest_;
   if (!offer(std::move(due))) ++late_;

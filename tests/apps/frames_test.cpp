@@ -5,6 +5,8 @@
 #include <map>
 #include <set>
 
+#include <fmt/format.h>
+
 #include "devices/log.h"
 #include "devices/sources.h"
 #include "scene/events.h"
@@ -219,6 +221,81 @@ std::string decoded(const fs::path& file, const std::string& format) {
   std::string bytes = slurp(raw);
   fs::remove(raw);
   return bytes;
+}
+
+/// The picture's bytes, as ffmpeg reads the PNG of both eyes.
+std::string both_eyes(const fs::path& folder, std::int64_t frame) {
+  return decoded(folder / fmt::format("both_{:06}.png", frame), "rgb24");
+}
+
+// Every display and ten odd ones, whose pixels have other aspects. What ffmpeg reads of the video is
+// what it reads of the PNG files.
+TEST_F(Frames, AreInTheLosslessVideoToTheBitForEveryDisplay) {
+  std::vector<std::string> displays;
+  for (const char* name :
+       {"flight-helmet", "flight-helmet-square", "flight-helmet-leep", "flight-helmet-elements",
+        "flight-helmet-total", "flight-helmet-relayed", "flight-helmet-lens"}) {
+    displays.push_back(fmt::format("--set hmd.profile={}", name));
+  }
+  for (const double degrees : {20.3, 27.1, 33.7, 38.9, 41.3, 47.7, 53.1, 61.9, 73.3, 88.7}) {
+    displays.push_back(fmt::format("--set hmd.vertical_fov_deg={}", degrees));
+  }
+  for (const std::string& display : displays) {
+    ASSERT_EQ(headpin("replay " + kDemo + " " + display + " --force -o other.lcmlog").code, 0);
+    const Result drawn = headpin(
+        "frames other.lcmlog --frames 210-214 --look fast --layout side-by-side --force -o out "
+        "--video film.mkv --no-mp4");
+    ASSERT_EQ(drawn.code, 0) << drawn.err;
+    std::string pictures;
+    for (std::int64_t frame = 210; frame <= 214; ++frame) {
+      pictures += both_eyes(folder_ / "out", frame);
+    }
+    EXPECT_TRUE(decoded(folder_ / "film.mkv", "rgb24") == pictures) << display;
+  }
+}
+
+// At k / 60 s a video shows the newest frame that was shown until then, to half a picture; where two
+// came within one, the second is a picture late at most.
+TEST_F(Frames, AsShownAreInTheVideoAtTheirTimes) {
+  record_session();
+  ASSERT_EQ(headpin("frames shown.lcmlog --as-shown --layout side-by-side -o out --video film.mkv "
+                    "--no-mp4")
+                .code,
+            0);
+  const std::string film = decoded(folder_ / "film.mkv", "rgb24");
+  constexpr std::size_t kPicture = std::size_t{3} * 720 * 240;
+  const devices::Trial shown = trial("shown.lcmlog");
+  std::vector<std::string> pictures;
+  for (const devices::FrameRecord& frame : shown.frames) {
+    pictures.push_back(both_eyes(folder_ / "out", frame.frame));
+  }
+  const double end = seconds(shown.frames.back().time);
+  ASSERT_EQ(film.size() % kPicture, 0u);
+  EXPECT_NEAR(static_cast<double>(film.size() / kPicture), 60.0 * end + 1.0, 1.51);
+  for (std::size_t k = 0; k < film.size() / kPicture; ++k) {
+    const std::string picture = film.substr(k * kPicture, kPicture);
+    const double now = static_cast<double>(k) / 60.0;
+    bool found = now < seconds(shown.frames.front().time) &&
+                 picture.find_first_not_of('\0') == std::string::npos;
+    for (std::size_t i = 0; i < pictures.size() && !found; ++i) {
+      const double from = seconds(shown.frames[i].time) - 0.51 / 60.0;
+      const double to =
+          (i + 1 < pictures.size() ? seconds(shown.frames[i + 1].time) : end + 1.0 / 60.0) +
+          1.51 / 60.0;
+      found = from <= now && now <= to && picture == pictures[i];
+    }
+    EXPECT_TRUE(found) << "picture " << k;
+  }
+  // A few of them take as long as they took, from the first.
+  ASSERT_GT(shown.frames.size(), 2u);
+  const auto &first = shown.frames[1], &last = shown.frames.back();
+  ASSERT_EQ(headpin(fmt::format("frames shown.lcmlog --as-shown --frames {}-{} --video few.mkv "
+                                "--no-mp4",
+                                first.frame, last.frame))
+                .code,
+            0);
+  EXPECT_NEAR(static_cast<double>(decoded(folder_ / "few.mkv", "rgb24").size() / kPicture),
+              60.0 * (end - seconds(first.time)) + 1.0, 1.51);
 }
 
 TEST_F(Frames, SideBySideAreBothEyesInOnePicture) {

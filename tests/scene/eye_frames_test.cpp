@@ -85,6 +85,46 @@ TEST(FramesBeside, TheFrameThatIsBeingShownAtTheEndIsAmongThoseDone) {
   EXPECT_EQ(done[0].record.tick, session.tick);
 }
 
+// With a tracker that is faster than the frames, each sample is fresh and none of them comes with a
+// frame: frame k is still at k / 60 s, or up to one frame's time before.
+TEST(FramesBeside, KeepTheFramesRateWhateverTheTrackers) {
+  Scenario scenario;
+  scenario.hmd.optics.width = 16;
+  scenario.hmd.optics.height = 8;
+  const auto stage = std::make_shared<const Stage>(make_stage(scenario));
+  FramesBeside eyes([&] {
+    return std::make_unique<DrawerHere>(open_eyes(*stage), std::unique_ptr<FrameSink>());
+  });
+  Session session = make_session(stage);
+  std::vector<devices::Sample> samples;
+  for (std::int64_t i = 0; i < 72 * 4; ++i) {
+    devices::TrackerSample head;
+    head.station = devices::kHeadStation;
+    head.device_time = head.host_time = tick_time(i, 72);
+    head.X_TS.p = Vec3(0.0, -0.4, 1.7);
+    samples.push_back(head);
+  }
+  devices::ReplaySource source(samples);
+  RealTime pace;
+  pace.begin(scenario.rates.physics_hz);
+  eyes.measure_by(pace);
+  std::int64_t last = 0;
+  while (session.now() < Time{4'000'000}) {
+    advance(session, source);
+    eyes.tick(session);
+    if (session.tick % 16 != 0) continue;
+    eyes.finish();
+    for (const FramesBeside::Done& done : eyes.take_done()) {
+      const double early =
+          static_cast<double>(done.record.frame) / 60.0 - seconds(done.record.time);
+      EXPECT_LT(early, 1.0 / 60.0 + 1.0 / static_cast<double>(scenario.rates.physics_hz) + 1e-5);
+      EXPECT_GT(early, -1.0 / 60.0 - 1e-5);
+      last = done.record.frame;
+    }
+  }
+  EXPECT_GT(last, 200);
+}
+
 /// Keeps where the eyes were.
 struct SeenFrom : FrameSink {
   void add(const EyeFrame& frame) override {
