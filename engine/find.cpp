@@ -92,6 +92,15 @@ void find_pairs(World& world) {
   }
 }
 
+bool was_loaded(const Scratch& s, const Touch& touch) {
+  if (touch.fresh) return false;
+  const PastTouch& last = s.last_touches[touch.last];
+  for (std::uint32_t n = 0; n < last.loads; ++n) {
+    if (s.last_loads[last.first_load + n].impulse > 0.0) return true;
+  }
+  return false;
+}
+
 bool add_touch(World& world, std::uint32_t candidate, double t) {
   Scratch& s = world.scratch;
   const Candidate& c = s.candidates[candidate];
@@ -153,6 +162,9 @@ bool find_contacts(World& world) {
     touch.fresh = last == s.last_touches.size() || s.last_touches[last].key != touch.key;
     touch.last = static_cast<std::uint32_t>(last);
     touch.met = !touch.fresh && s.last_touches[last].met;
+    if (!touch.fresh && world.bodies[touch.b].kind == Kind::driven) {
+      touch.pressed = s.last_touches[last].struck || was_loaded(s, touch);
+    }
     if (!touch.fresh && s.last_touches[last].friction == touch.pair.friction) {
       touch.sliding = s.last_touches[last].sliding;
     } else {

@@ -8,11 +8,12 @@
 namespace headpin::engine::detail {
 namespace {
 
-constexpr double kMeets = 1e-6;  // gap at which two surfaces count as met [m]
-constexpr int kQueries = 32;     // most queries on the way there; a few do unless they graze
-constexpr int kTurns = 64;       // at most so often within a step
-constexpr int kGentle = 8;       // impacts of a body in a step after which slow ones are left out
-constexpr int kBack = 12;        // most queries on the way back from where they overlap
+constexpr double kMeets = 1e-6;     // gap at which two surfaces count as met [m]
+constexpr double kRounded = 1e-12;  // gap of which rounding may make none [m]
+constexpr int kQueries = 32;        // most queries on the way there; a few do unless they graze
+constexpr int kTurns = 64;          // at most so often within a step
+constexpr int kGentle = 8;  // impacts of a body in a step after which slow ones are left out
+constexpr int kBack = 12;   // most queries on the way back from where they overlap
 constexpr std::uint32_t kNone = ~std::uint32_t{0};
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
@@ -56,6 +57,19 @@ std::optional<Meeting> soonest(const World& world, const Touch& touch, double th
     if (sooner) best = {p, time, speed};
   }
   return best;
+}
+
+/// Whether two surfaces that are apart at the end of the step meet after it, as an impact.
+bool lands_later(const World& world, const Touch& touch, const ContactPoint& p) {
+  const Going a = going(world, touch.a, touch.time, touch.w_WA);
+  const Going b = going(world, touch.b, touch.time, touch.w_WB);
+  const Vec3 u = a.v_WB + a.w_WB.cross(p.p_W - a.p_WB) - b.v_WB - b.w_WB.cross(p.p_W - b.p_WB);
+  const double pull = (pull_on(world, touch.a) - pull_on(world, touch.b)).dot(p.n_AB_W);
+  const double left = step_seconds(world) - touch.time, speed = u.dot(p.n_AB_W);
+  const double gap = -p.depth - left * speed - 0.5 * left * left * pull;
+  const double at_end = speed + left * pull, threshold = world.scratch.lasting_speed;
+  if (at_end <= 0.0 || gap < -kRounded) return false;
+  return at_end * at_end + 2.0 * pull * std::max(0.0, gap) > threshold * threshold;
 }
 
 /// The touch's points at time `t` of the step, on the paths the two bodies now have.
@@ -147,8 +161,31 @@ void book(World& world, const Touch& touch, const Encounter& e, const Vec3& F, c
   outside.angular_momentum += p_W.cross(F);
 }
 
+/// Whether a body comes back to a driven one that threw or carried it just before and still comes on:
+/// it is held between that and something else.
+bool is_squeezed(const World& world, const Touch& touch, const ContactPoint& point,
+                 const Vec3& rb) {
+  return (touch.struck || touch.pressed) && world.parameters.rules > 1 &&
+         world.bodies[touch.b].kind == Kind::driven &&
+         velocity_at(world.states[touch.b], rb).dot(point.n_AB_W) < 0.0;
+}
+
+/// Impulse on a body that a driven one squeezes: thrown again and again it would gain speed without
+/// end. It is stopped, but gets no faster than what is driven throws: else that counts as standing
+/// still, and insists no more in this step.
+Vec3 squeezing_impulse(const World& world, Touch& touch, Encounter e, const Vec3& rb) {
+  const Vec3 v_WA = world.states[touch.a].v_WB;
+  const Vec3 driven_W = velocity_at(world.states[touch.b], rb);
+  const double most = std::max(v_WA.norm(), (1.0 + touch.pair.elasticity) * driven_W.norm());
+  const Vec3 F = impulse_inelastic_smooth(e);
+  if ((v_WA + world.scratch.mobility[touch.a].inv_mass * F).norm() <= most) return F;
+  touch.insists = true;
+  e.u_W += driven_W;
+  return e.u_W.dot(e.n_AB_W) > 0.0 ? impulse_inelastic_smooth(e) : Vec3::Zero();
+}
+
 /// Brings the two bodies to where they meet and gives them their impulse.
-void strike(World& world, const Touch& touch, const Meeting& meeting) {
+void strike(World& world, Touch& touch, const Meeting& meeting) {
   Scratch& s = world.scratch;
   const ContactPoint& point = meeting.point;
   advance(world, touch.a, meeting.time);
@@ -163,8 +200,13 @@ void strike(World& world, const Touch& touch, const Meeting& meeting) {
   const double approach = e.u_W.dot(e.n_AB_W);
   Vec3 F = Vec3::Zero();
   if (approach > 0.0) {
-    F = meeting.approach > s.lasting_speed ? world.response->impulse(e, touch.pair)
-                                           : impulse_inelastic_smooth(e);
+    if (is_squeezed(world, touch, point, rb)) {
+      F = squeezing_impulse(world, touch, e, rb);
+    } else {
+      F = meeting.approach > s.lasting_speed ? world.response->impulse(e, touch.pair)
+                                             : impulse_inelastic_smooth(e);
+    }
+    touch.struck = true;
     if (F.dot(e.n_AB_W) > 0.0) {  // it would pull the bodies together
       F = impulse_inelastic_smooth(e);
       ++world.statistics.pulls;
@@ -195,9 +237,23 @@ class Queue {
   /// When the touch may bring an impact, as its points look now.
   void note(std::uint32_t k) {
     Touch& touch = s_.touches[k];
+    if (touch.insists) return set_due(k, kNever);
     const std::optional<Meeting> m = seen_early(touch);
     set_due(k, m ? m->time : kNever);
-    if (!m) leave_out_what_passes(touch);
+    if (m) return;
+    leave_out_what_passes(touch);
+    leave_what_lands_later(touch);
+  }
+
+  /// Leaves what will land just behind the end of the step to the next one, where it is an impact.
+  /// As a lasting contact it would be held back now, so as to be there at the end and no sooner.
+  void leave_what_lands_later(Touch& touch) {
+    if (touch.points == 0 || world_.parameters.rules < 2 || was_loaded(s_, touch)) return;
+    const auto first = s_.points.begin() + touch.first_point;
+    const auto end = std::remove_if(first, first + touch.points, [&](const ContactPoint& p) {
+      return lands_later(world_, touch, p);
+    });
+    touch.points = static_cast<std::uint32_t>(end - first);
   }
 
   bool empty() const { return s_.coming.empty(); }
@@ -290,7 +346,7 @@ class Queue {
 
   /// Leaves out the points of surfaces that seem about to touch gently and pass each other instead.
   void leave_out_what_passes(Touch& touch) {
-    if (touch.points == 0 || was_loaded(touch) || !soonest(world_, touch, 0.0)) return;
+    if (touch.points == 0 || was_loaded(s_, touch) || !soonest(world_, touch, 0.0)) return;
     const std::size_t count = s_.points.size();
     Touch probe = touch;
     const bool meet = find_meeting(world_, probe, 0.0).has_value();
@@ -300,15 +356,6 @@ class Queue {
     const auto end = std::remove_if(first, first + touch.points,
                                     [](const ContactPoint& p) { return p.depth <= -kMeets; });
     touch.points = static_cast<std::uint32_t>(end - first);
-  }
-
-  bool was_loaded(const Touch& touch) const {
-    if (touch.fresh) return false;
-    const PastTouch& last = s_.last_touches[touch.last];
-    for (std::uint32_t n = 0; n < last.loads; ++n) {
-      if (s_.last_loads[last.first_load + n].impulse > 0.0) return true;
-    }
-    return false;
   }
 
   /// The body has a new path: what it meets is looked at again.
@@ -452,10 +499,15 @@ bool resolve_impacts(World& world) {
   Scratch& s = world.scratch;
   s.coming.clear();
   Queue queue(world);
+  const double slow = s.lasting_speed - 2.0 * s.fall * world.parameters.rate_hz;
   for (std::uint32_t k = 0; k < s.touches.size(); ++k) {
     const Touch& touch = s.touches[k];
     const double fastest = s.top_speed[touch.a] + s.top_speed[touch.b];
-    if (fastest > followed_speed(world, touch.a, touch.b)) queue.note(k);
+    if (fastest > followed_speed(world, touch.a, touch.b)) {
+      queue.note(k);
+    } else if (fastest > slow) {
+      queue.leave_what_lands_later(s.touches[k]);
+    }
   }
   return !queue.empty() && queue.work_off();
 }

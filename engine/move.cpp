@@ -91,6 +91,7 @@ void push_apart(World& world) {
     nudge(world, touch, point, row, part);
   };
   for (const Touch& touch : s.touches) {
+    if (touch.insists) continue;  // pushing would lift what cannot give way
     if (!touch.swings) {
       for (std::uint32_t k = 0; k < touch.deep; ++k) {
         const DeepRow& deep = s.deep_rows[touch.first_deep + k];
@@ -111,6 +112,25 @@ void push_apart(World& world) {
   }
 }
 
+namespace {
+
+/// Whether a body may stop for good: it is carried. Without gravity nothing is; then only what does
+/// not move at all.
+bool may_rest(const World& world, BodyId i) {
+  if (world.parameters.rules < 2) return true;
+  if (!world.parameters.gravity_W.isZero(0.0)) return world.scratch.carried[i] >= 0.5;
+  const State& state = world.states[i];
+  return state.v_WB.isZero(0.0) && state.w_WB.isZero(0.0);
+}
+
+/// Whether a touch's B moves what lies on it.
+bool is_on_the_move(const World& world, const Touch& touch) {
+  if (world.bodies[touch.b].kind != Kind::driven || world.parameters.rules < 2) return false;
+  return world.scratch.top_speed[touch.b] > 0.0 && touch.points > 0 && touch.depth >= -kRests;
+}
+
+}  // namespace
+
 void fall_asleep(World& world) {
   Scratch& s = world.scratch;
   const Parameters& p = world.parameters;
@@ -130,7 +150,10 @@ void fall_asleep(World& world) {
   for (const BodyId i : s.movers) calm[i] = enough;
   for (const BodyId i : s.movers) {
     std::int32_t& c = calm[island_root(s.parent, i)];
-    c = std::min(c, world.still[i]);
+    c = may_rest(world, i) ? std::min(c, world.still[i]) : 0;
+  }
+  for (const Touch& touch : s.touches) {
+    if (is_on_the_move(world, touch)) calm[island_root(s.parent, touch.a)] = 0;
   }
   for (const BodyId i : s.movers) {
     const BodyId root = island_root(s.parent, i);

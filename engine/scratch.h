@@ -35,6 +35,9 @@ struct Touch {
   bool b_moves = false;         ///< B is free and awake too
   bool fresh = false;           ///< not there in the last step
   bool met = false;             ///< the two have met before
+  bool struck = false;          ///< it has brought an impact in this step
+  bool pressed = false;         ///< its driven body threw or carried the other in the last step
+  bool insists = false;         ///< its driven body presses what cannot give way
   bool swings = false;          ///< its points say little about the end of the step
   std::uint32_t candidate = 0;  ///< whose normals it uses
   std::uint32_t last = 0;       ///< the same touch in the last step, unless fresh
@@ -59,7 +62,7 @@ struct Touch {
 /// What a touch leaves to the same touch of the next step.
 struct PastTouch {
   std::uint64_t key = 0;  ///< they are in the order of their keys
-  bool met = false;
+  bool met = false, struck = false;
   std::uint32_t first_load = 0, loads = 0;  ///< in `last_loads`
   double friction = 0.0;
   Sliding sliding;          ///< for that friction
@@ -175,6 +178,8 @@ struct Scratch {
   std::vector<double> sought;       // how far from its start a body has been sought for pairs [m]
   std::vector<std::uint32_t> near;  // bounded bodies near one that is faster than that
   std::size_t early_candidates = 0, early_touches = 0;  // those in order, of the start of the step
+  std::vector<std::pair<BodyId, State>> pressed;   // of an island, as it was before it was solved,
+  std::vector<std::pair<BodyId, State>> pressing;  // and the driven bodies that touch it
   std::vector<double> carried;          // part of its weight that lasting contacts carry, 0 to 1
   std::vector<std::uint8_t> supported;  // by half at least, and it does not rise
   std::vector<Vec3> nudge_p, nudge_w;

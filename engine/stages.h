@@ -134,6 +134,9 @@ std::optional<Meeting> find_meeting(World& world, Touch& touch, double threshold
 /// bodies that had met before.
 void note_meetings(World& world);
 
+/// Whether the touch carried anything in the last step.
+bool was_loaded(const Scratch& s, const Touch& touch);
+
 /// Representative of a body's island: the smallest number in it.
 BodyId island_root(std::vector<BodyId>& parent, BodyId i);
 

@@ -307,6 +307,95 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
   done = {done.count + more.count, more.worst};
 }
 
+/// Speed that a driven body gives what it throws, as it presses a touch: its own where they touch,
+/// and as much again by elasticity [m/s].
+double throws_at(const World& world, const Touch& touch) {
+  const State& driven = world.states[touch.b];
+  double fastest = 0.0;
+  for (std::uint32_t k = 0; k < touch.points; ++k) {
+    const Vec3& p_W = world.scratch.points[touch.first_point + k].p_W;
+    fastest = std::max(fastest, velocity_at(driven, p_W - driven.X_WB.p).norm());
+  }
+  return (1.0 + touch.pair.elasticity) * fastest;
+}
+
+/// An island that driven bodies press, which may have no solution: they insist, and something behind
+/// does not give way.
+class Squeeze {
+ public:
+  /// Notes how the island is before it is solved, if a driven body that moves touches it.
+  Squeeze(World& world, std::span<const std::uint32_t> touches) : world_(world), touches_(touches) {
+    Scratch& s = world.scratch;
+    s.pressed.clear();
+    s.pressing.clear();
+    if (s.driven.empty() || world.parameters.rules < 2) return;
+    for (const std::uint32_t k : touches) {
+      const Touch& touch = s.touches[k];
+      if (touch.points == 0 || world.bodies[touch.b].kind != Kind::driven) continue;
+      if (s.top_speed[touch.b] == 0.0) continue;
+      s.pressing.emplace_back(touch.b, world.states[touch.b]);
+      most_ = std::max(most_, throws_at(world, touch));
+    }
+    if (s.pressing.empty()) return;
+    for (const std::uint32_t k : touches) {
+      note(s.touches[k].a);
+      if (s.touches[k].b_moves) note(s.touches[k].b);
+    }
+  }
+
+  /// Whether the solution is none, or something gets faster than what is driven would throw it.
+  bool is_found(bool solved) const {
+    const Scratch& s = world_.scratch;
+    if (s.pressing.empty()) return false;
+    if (!solved) return true;
+    for (const auto& [i, before] : s.pressed) {
+      if (world_.states[i].v_WB.norm() > most_) return true;
+      if (spin_of(i, world_.states[i]) > std::max(most_spin_, 2.0 * most_)) return true;
+    }
+    return false;
+  }
+
+  /// Takes the impulses back; until the island is solved again what is driven stands still, so that
+  /// it stops what comes and gives no speed. It overlaps what it presses the more.
+  void yield() {
+    Scratch& s = world_.scratch;
+    for (const auto& [i, before] : s.pressed) world_.states[i] = before;
+    for (NormalRow& row : s.rows) row.impulse = 0.0;
+    for (FrictionRows& f : s.friction) {
+      f.impulse = Vec2::Zero();
+      f.twist = 0.0;
+      f.roll = Vec3::Zero();
+      f.releases = 0;
+    }
+    for (const auto& [i, state] : s.pressing) {
+      world_.states[i].v_WB = world_.states[i].w_WB = Vec3::Zero();
+    }
+  }
+  void insist() {
+    Scratch& s = world_.scratch;
+    for (const auto& [i, state] : s.pressing) world_.states[i] = state;
+    for (const std::uint32_t k : touches_) {
+      Touch& touch = s.touches[k];
+      if (s.top_speed[touch.b] > 0.0 && !touch.b_moves) touch.insists = true;
+    }
+  }
+
+ private:
+  double spin_of(BodyId i, const State& state) const {
+    return state.w_WB.norm() * world_.bodies[i].shape->bounding_radius;
+  }
+  void note(BodyId i) {
+    const State& state = world_.states[i];
+    world_.scratch.pressed.emplace_back(i, state);
+    most_ = std::max(most_, state.v_WB.norm());
+    most_spin_ = std::max(most_spin_, spin_of(i, state));
+  }
+
+  World& world_;
+  std::span<const std::uint32_t> touches_;
+  double most_ = 0.0, most_spin_ = 0.0;
+};
+
 /// Keeps what is asked for later of an island's contacts: what they carry, which are deep.
 void keep(World& world, std::span<const std::uint32_t> touches) {
   Scratch& s = world.scratch;
@@ -349,6 +438,7 @@ HEADPIN_FLATTEN void solve_island(World& world, std::span<const std::uint32_t> t
   s.rows.clear();
   s.blocks.clear();
   s.friction.clear();
+  Squeeze squeeze(world, touches);
   for (const std::uint32_t k : touches) {
     Touch& touch = s.touches[k];
     if (touch.points == 0) continue;
@@ -373,7 +463,15 @@ HEADPIN_FLATTEN void solve_island(World& world, std::span<const std::uint32_t> t
   }
   Passes done = pass_over(world, touches, true, p.solver_iterations);
   if (done.worst > p.solver_residual) solve_softly(world, touches, done);
-  if (done.worst > p.solver_residual) take_back_gain(world, touches, done);
+  if (squeeze.is_found(done.worst <= p.solver_residual)) {
+    squeeze.yield();
+    const Passes more = pass_over(world, touches, true, p.solver_iterations);
+    done = {done.count + more.count, more.worst};
+    if (done.worst > p.solver_residual) take_back_gain(world, touches, done);
+    squeeze.insist();
+  } else if (done.worst > p.solver_residual) {
+    take_back_gain(world, touches, done);
+  }
   keep(world, touches);
   if (p.keep_ledger && !s.driven.empty()) world.pushed += given_by_driven(world, touches);
   ++world.statistics.islands;

@@ -15,6 +15,9 @@ inline constexpr double kStanding = 0.9;
 /// other: the inverse would be noise. Four points of one plane have 1e-9 times what their spread is.
 inline constexpr double kDependent = 1e-12;
 
+/// A load of less is none: one over it is no number [N s].
+inline constexpr double kNoLoad = 1e-150;
+
 inline constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
 /// What B is to a touch: what has no velocity is left out of every sum.
@@ -150,7 +153,7 @@ inline Foot foot_of(const Scratch& s, const Touch& touch) {
   }
   // Nothing carried yet: those that touch first.
   const auto weight = [&](std::uint32_t k) {
-    return load > 0.0 ? rows[k].impulse : (points[k].depth > deepest - 1e-4 ? 1.0 : 0.0);
+    return load > kNoLoad ? rows[k].impulse : (points[k].depth > deepest - 1e-4 ? 1.0 : 0.0);
   };
   Foot foot;
   const Vec3 from = points[0].p_W;

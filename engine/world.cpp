@@ -40,6 +40,7 @@ void check_parameters(const Parameters& p) {
   expect_between(p.solver_residual, 0.0, 1.0, "solver_residual [m/s]");
   expect_between(p.slop, 0.0, 0.1, "slop [m]");
   expect_between(p.push, 0.0, 1.0, "push");
+  expect_between(p.rules, 1, 2, "rules");
   expect_between(p.sleep_speed, 0.0, 10.0, "sleep_speed [m/s]");
   expect_between(p.sleep_spin, 0.0, 100.0, "sleep_spin [rad/s]");
   expect_between(p.sleep_after, 0.0, 1e4, "sleep_after [s]");
@@ -195,8 +196,8 @@ void remember(World& world) {
   std::swap(s.loads, s.last_loads);
   s.last_touches.clear();
   for (const detail::Touch& t : s.touches) {
-    s.last_touches.push_back({t.key, t.met, t.first_load, t.rows, t.pair.friction, t.sliding,
-                              t.friction_W, t.roll, t.twist});
+    s.last_touches.push_back({t.key, t.met, t.struck, t.first_load, t.rows, t.pair.friction,
+                              t.sliding, t.friction_W, t.roll, t.twist});
   }
   world.statistics.contacts = static_cast<std::int64_t>(s.last_loads.size());
   world.statistics.awake = static_cast<std::int64_t>(s.movers.size());

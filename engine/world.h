@@ -43,6 +43,8 @@ struct Parameters {
   double sleep_speed = 0.01;         ///< [m/s]
   double sleep_spin = 0.03;          ///< [rad/s]
   double sleep_after = 0.25;         ///< [s]
+  int rules = 2;                     ///< 1: as before what is squeezed by driven bodies, lands just
+                                     ///< behind a step's end or sleeps uncarried was looked at
   bool keep_ledger = false;          ///< `World::ledger`; costs about a tenth of a step
 };
 

@@ -205,6 +205,7 @@ engine::Parameters world_parameters(const Scenario& scenario) {
   p.query.last = c.answer == "last";
   p.friction_tau = c.friction_tau_s;
   p.sleep = c.sleep;
+  p.rules = static_cast<int>(c.rules);
   p.keep_ledger = true;
   return p;
 }

@@ -16,6 +16,7 @@ inline constexpr std::pair<std::string_view, std::string_view> kKeysSince[] = {
     {"collision.warm", "true"},
     {"collision.answer", "'last'"},
     {"collision.friction_tau_s", "0.016666666666666666"},
+    {"collision.rules", "1"},
     {"look.samples", "2"},
     {"look.contact", "true"},
     {"look.shadow", "true"},

@@ -158,6 +158,9 @@ void visit(V& v, Collision& c) {
           "a lasting contact applies the paper's friction once in this time");
   v.field("gravity", c.gravity, Range{0, 1000}, "");
   v.field("sleep", c.sleep, kAny, "bodies at rest are left alone until touched");
+  v.field("rules", c.rules, Range{1, 2},
+          "of the step; 1: as in trials of before this key, with what it then did wrong of things "
+          "squeezed, landing just behind a step's end, or asleep uncarried");
 }
 
 template <typename V>

@@ -47,6 +47,18 @@ TEST(DroppedBall, RisesToTheSquareOfThePairsElasticityAtEveryRate) {
   }
 }
 
+// Heights so close together that at each rate landings fall just before and just behind a step's end.
+TEST(ElasticBall, RisesToWhereItCameFromWhereverInAStepItLands) {
+  for (const int rate : {60, 120, 240, 480, 1000}) {
+    for (const std::string_view response : {"paper", "coulomb"}) {
+      for (double height = 0.012; height < 3.0; height *= 1.005) {
+        Drop d = ball_above_floor(height, {1.0, 0.0}, rate, response);
+        ASSERT_NEAR(next_top(d), height, 1e-3 * height) << rate;
+      }
+    }
+  }
+}
+
 TEST(ElasticBall, KeepsItsHeightOverAHundredBounces) {
   for (const int rate : {120, 240, 480, 1000}) {
     Drop d = ball_above_floor(1.0, {1.0, 0.0}, rate);
@@ -92,6 +104,22 @@ TEST(RestingElasticBall, NeverHops) {
     d.world.parameters.sleep = false;
     run(d.world, 5.0);
     EXPECT_NEAR(d.world.states[d.ball].X_WB.p.z(), kBallRadius, 1e-9) << rate;
+  }
+}
+
+// Three walls at once, at 60 and 240 Hz on a step's end to rounding.
+TEST(ElasticBall, LeavesTheCornerOfThreeWallsWithTheEnergyItCameWith) {
+  for (const int rate : {60, 120, 240, 480, 1000}) {
+    World world = make_world({.rate_hz = rate, .gravity_W = Vec3::Zero()});
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vec3 n = Vec3::Unit(axis);
+      add_body(world, floor_body({1.0, 0.0}), {{Quat::FromTwoVectors(Vec3::UnitZ(), n), -0.3 * n}});
+    }
+    State s;
+    s.v_WB = Vec3(-3.0, -3.0, -3.0);
+    const BodyId ball = add_body(world, ball_body({1.0, 0.0}, 0.1, 1.0), s);
+    run(world, 0.2);
+    EXPECT_NEAR((world.states[ball].v_WB - Vec3(3.0, 3.0, 3.0)).norm(), 0.0, 1e-9) << rate;
   }
 }
 

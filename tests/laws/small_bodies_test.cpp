@@ -97,5 +97,56 @@ TEST(ThinEllipsoid, FallsFlatWithoutSinkingIntoTheFloor) {
   }
 }
 
+/// A box of 2 kg that stands 5 mm before a wall, and a driven sphere that presses it against that.
+struct Pressed {
+  World world;
+  BodyId box = 0, hand = 0;
+};
+
+Pressed pressed(double speed, double off, int rate_hz, std::string_view response) {
+  Pressed p{make_world({.rate_hz = rate_hz, .response = response, .keep_ledger = true})};
+  const Material material{0.7, 0.7};
+  Body wall;
+  wall.shape = make_compound({{HalfSpace{}, Pose{}}});
+  wall.material = material;
+  wall.kind = Kind::fixed;
+  add_body(p.world, wall);
+  add_body(p.world, wall, {{Quat::FromTwoVectors(Vec3::UnitZ(), -Vec3::UnitX()), {0.3, 0.0, 0.0}}});
+  p.box = add_body(p.world, body_of(test::box({0.1, 0.1, 0.1}), 2.0, material),
+                   {{Quat::Identity(), {0.195, 0.0, 0.1}}});
+  Body hand = body_of(Ellipsoid{{0.05, 0.05, 0.05}}, 1.0, material);
+  hand.kind = Kind::driven;
+  p.hand =
+      add_body(p.world, hand, {{Quat::Identity(), {0.025, off, 0.1 + off}}, {speed, 0.0, 0.0}});
+  return p;
+}
+
+// What is driven insists for two seconds or through the box; then it stands still.
+TEST(BoxBetweenHandAndWall, GetsNoFasterThanTheHandWouldThrowIt) {
+  for (const std::string_view response : {"paper", "coulomb"}) {
+    for (const int rate : {60, 120, 240, 480, 1000}) {
+      for (const double speed : {0.05, 1.0}) {
+        for (const double off : {0.0, 0.03}) {
+          Pressed p = pressed(speed, off, rate, response);
+          double fastest = 0.0, deepest = 0.0;
+          for (int k = 0; k < 3 * rate; ++k) {
+            if (k == 2 * rate || p.world.states[p.hand].X_WB.p.x() > 0.3) {
+              p.world.states[p.hand].v_WB.setZero();
+            }
+            step(p.world);
+            if (k < 2 * rate) fastest = std::max(fastest, p.world.states[p.box].v_WB.norm());
+            deepest = std::max(deepest, p.world.statistics.deepest_overlap);
+          }
+          const std::string what = std::string(response) + " " + std::to_string(rate) + " Hz, " +
+                                   std::to_string(speed) + " m/s, off by " + std::to_string(off);
+          EXPECT_LE(fastest, 2.0 * speed) << what;
+          EXPECT_GT(deepest, 0.02) << what;  // or nothing was squeezed
+          EXPECT_LE(p.world.ledger.sustained.energy, 1e-9) << what;
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace headpin::engine

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/bowling.h"
+#include "tests/support/random_shapes.h"
 #include "tests/support/scale.h"
 
 namespace headpin::engine {
@@ -111,6 +112,45 @@ TEST(SlowHand, PushesAStandingSkittleAlong) {
   EXPECT_NEAR(world.states[skittle].X_WB.p.x() - world.states[palm].X_WB.p.x(), kBaseRadius + 0.03,
               0.05);
   EXPECT_GT(world.states[skittle].X_WB.p.x(), 0.05);
+}
+
+// What sleeps is carried, and by something that does not move.
+TEST(SlowBody, DriftsOnWithoutGravity) {
+  World world = make_world({.gravity_W = Vec3::Zero()});
+  State s;
+  s.v_WB.x() = 0.009;
+  const BodyId ball = add_body(world, ball_body({}), s);
+  run(world, 2.0);
+  EXPECT_NEAR(world.states[ball].X_WB.p.x(), 0.018, 1e-12);
+  EXPECT_NEAR(world.states[ball].v_WB.x(), 0.009, 1e-15);
+}
+
+TEST(SlowBody, FallsHoweverWeakGravityIs) {
+  World world = make_world({.gravity_W = Vec3(0.0, 0.0, -0.03)});
+  add_body(world, floor_body({}));
+  State s;
+  s.X_WB.p.z() = 1.0 + kBallRadius;
+  const BodyId ball = add_body(world, ball_body({}), s);
+  run(world, 5.0);
+  EXPECT_NEAR(1.0 + kBallRadius - world.states[ball].X_WB.p.z(), 0.5 * 0.03 * 25.0, 1e-9);
+}
+
+TEST(SlowPlatform, TakesWhatStandsOnItAlong) {
+  for (const std::string_view response : {"paper", "coulomb"}) {
+    World world = make_world({.response = response});
+    Body plate = ball_body({});
+    plate.shape = make_compound({{test::box({0.5, 0.5, 0.05}), Pose{}}});
+    plate.kind = Kind::driven;
+    State at;
+    at.v_WB.x() = 0.005;
+    const BodyId platform = add_body(world, plate, at);
+    State on;
+    on.X_WB.p.z() = 0.05 + kSkittleHeight;
+    const BodyId skittle = add_body(world, skittle_body({}), on);
+    run(world, 20.0);
+    EXPECT_NEAR(world.states[platform].X_WB.p.x(), 0.1, 1e-9);
+    EXPECT_NEAR(world.states[skittle].X_WB.p.x(), 0.1, 1e-3) << response;
+  }
 }
 
 }  // namespace

@@ -251,6 +251,7 @@ TEST(ScenarioOfATrial, TakesNoDefaultOfToday) {
                                             "rig.hand_station",
                                             "collision.warm",
                                             "collision.friction_tau_s",
+                                            "collision.rules",
                                             "look.samples",
                                             "look.contact",
                                             "look.shadow",
@@ -341,10 +342,11 @@ TEST(ScenarioOfATrial, WithoutAKeyThatCameLaterRanUnderWhatThenHeld) {
   other.hand.release_accuracy = 0.1;
   other.collision.warm = false;
   other.collision.friction_tau_s = 0.1;
+  other.collision.rules = 2;
   std::string text = to_toml(other);
   for (const char* key :
        {"head_station", "hand_station", "release_window_most_s", "release_accuracy", "warm",
-        "friction_tau_s", "solid = ", "takes_skittles", "speed = 1.2", "solid_ceiling",
+        "friction_tau_s", "rules = 2", "solid = ", "takes_skittles", "speed = 1.2", "solid_ceiling",
         "masking_panel", "kick_backs", "gutter_width", "gutter_depth", "weighed", "answer",
         "ellipsoid_weighed"}) {
     text[text.find(key)] = '#';
@@ -356,6 +358,7 @@ TEST(ScenarioOfATrial, WithoutAKeyThatCameLaterRanUnderWhatThenHeld) {
   EXPECT_EQ(read.hand.release_accuracy, 0.3);
   EXPECT_TRUE(read.collision.warm);
   EXPECT_EQ(read.collision.friction_tau_s, 1.0 / 60.0);
+  EXPECT_EQ(read.collision.rules, 1);
   EXPECT_FALSE(read.hand.solid || read.hand.takes_skittles);
   EXPECT_EQ(read.walk.speed, 0.0);
   EXPECT_FALSE(read.room.solid_ceiling);
