@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <deque>
 #include <filesystem>
 #include <fstream>
@@ -16,7 +17,9 @@
 #include "devices/tables.h"
 #include "devices/trial_file.h"
 #include "files/output_folder.h"
+#include "scene/recorded.h"
 #include "scene/scenario.h"
+#include "scene/score.h"
 
 namespace headpin::apps {
 
@@ -46,18 +49,34 @@ class File {
   std::ofstream out_;
 };
 
+/// Where the walk has the tracked space; nothing where the trial's scenario cannot be read.
+std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const std::string& path) {
+  try {
+    return scene::walk_of(trial, scene::scenario_of_trial(trial.summary().header.scenario, path));
+  } catch (const std::invalid_argument&) {
+    return {};
+  }
+}
+
 /// All tables, in one walk through the trial.
 nlohmann::ordered_json write_tables(const files::OutputFolder& folder,
-                                    const devices::TrialFile& trial) {
+                                    const devices::TrialFile& trial, const std::string& path) {
   std::deque<File> files;
   std::deque<devices::TableWriter> tables;
   const std::vector<std::string> names = devices::table_names();
+  const std::vector<Stamped<Vec3>> walk = walk_of(trial, path);
+  const auto walked = [&walk](Time time) -> std::optional<Vec3> {
+    const auto later = std::ranges::upper_bound(walk, time, {}, &Stamped<Vec3>::time);
+    return later == walk.begin() ? std::nullopt : std::optional(std::prev(later)->value);
+  };
   for (const std::string& name : names) {
     tables.emplace_back(files.emplace_back(folder, name + ".csv").out(), name,
-                        trial.summary().header);
+                        trial.summary().header, walked);
   }
+  const std::vector<devices::ThrowRow> throws = scene::score(trial.summary().events).throws;
   for (devices::TableWriter& table : tables) {
     for (const devices::Event& event : trial.summary().events) table.add(event);
+    for (const devices::ThrowRow& row : throws) table.add(row);
   }
   trial.walk([&](const devices::TrialFile::Item& item) {
     check_stop();
@@ -102,7 +121,7 @@ void export_trial(const ExportOptions& options) {
   watch_stop_signals();
   files::OutputFolder folder(*options.folder,
                              {.overwrite = options.force, .others = {options.trial}});
-  const nlohmann::ordered_json rows = write_tables(folder, trial);
+  const nlohmann::ordered_json rows = write_tables(folder, trial, options.trial);
   const auto write = [&](const std::string& name, const std::string& text) {
     File file(folder, name);
     file.out() << text;
@@ -140,8 +159,8 @@ void add_export(CLI::App& app) {
   add_json(*command, options->json);
   command->footer(
       "One row an observation, one column a quantity; numbers read back to the same bits.\n"
-      "trackers.csv, buttons.csv, events.csv, states.csv (a body and tick a row), frames.csv (an\n"
-      "eye and frame a row); columns.csv says what each column is.\n\n"
+      "trackers.csv, buttons.csv, events.csv, throws.csv (a throw a row), states.csv (a body and\n"
+      "tick a row), frames.csv (an eye and frame a row); columns.csv says what each column is.\n\n"
       "Example:\n  headpin export game.lcmlog -o tables");
   command->callback([options] { export_trial(*options); });
 }

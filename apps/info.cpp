@@ -95,7 +95,9 @@ ordered_json to_json(const std::string& path, const devices::TrialSummary& trial
                                                           return name.starts_with("skittle");
                                                         })},
                      {"skittles_down", r.skittles_down},
-                     {"games", scene::to_json(r.games)}};
+                     {"felled_by_hand", r.felled_by_hand},
+                     {"games", scene::to_json(r.games)},
+                     {"throws", scene::to_json(r.throws)}};
     if (r.release_speed) out["result"]["release_speed_mps"] = *r.release_speed;
     if (r.impact_speed) out["result"]["impact_speed_mps"] = *r.impact_speed;
     out["result"]["approaches"] = scene::approaches_of(trial.events);

@@ -8,6 +8,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "devices/sources.h"
+
 namespace headpin::devices {
 
 namespace {
@@ -63,6 +65,34 @@ const char* yes_no(bool yes) {
   return yes ? "1" : "0";
 }
 
+/// What may not be known is empty then.
+template <typename T>
+std::string maybe(const std::optional<T>& value) {
+  return value ? fmt::format("{}", *value) : "";
+}
+
+/// A part of a vector that `Of` may find in a row.
+template <auto Of, int I, typename Row>
+std::string part(const Row& row) {
+  const std::optional<Vec3> v = Of(row);
+  return v ? fmt::format("{}", (*v)[I]) : "";
+}
+
+/// The columns of such a vector.
+template <auto Of, typename Row>
+std::vector<Field<Row>> maybe_vector_fields(const char* x, const char* y, const char* z,
+                                            const char* unit, const char* meaning) {
+  return {{x, "number", unit, meaning, part<Of, 0, Row>},
+          {y, "number", unit, "", part<Of, 1, Row>},
+          {z, "number", unit, "", part<Of, 2, Row>}};
+}
+
+/// A sample, and where the tracked space stood when it was taken in.
+struct TrackerRow {
+  const TrackerSample& sample;
+  std::optional<Vec3> p_WP;
+};
+
 /// One body after one tick.
 struct StateRow {
   const TickState& tick;
@@ -76,27 +106,36 @@ struct EyeRow {
   std::size_t eye;
 };
 
-std::vector<Field<TrackerSample>> tracker_fields() {
-  using Row = TrackerSample;
+std::vector<Field<TrackerRow>> tracker_fields() {
+  using Row = TrackerRow;
   return std::vector<Field<Row>>{
              {"device_time_s", "number", "s", "when it was measured, on the trial's clock",
-              [](const Row& r) { return decimal_seconds(r.device_time); }},
+              [](const Row& r) { return decimal_seconds(r.sample.device_time); }},
              {"host_time_s", "number", "s",
               "when its first byte arrived; 0 if it never crossed a wire",
-              [](const Row& r) { return decimal_seconds(r.host_time); }},
+              [](const Row& r) { return decimal_seconds(r.sample.host_time); }},
              {"sequence", "whole", "", "counts up per station; a hole is a lost sample",
-              [](const Row& r) { return fmt::format("{}", r.sequence); }},
+              [](const Row& r) { return fmt::format("{}", r.sample.sequence); }},
              {"station", "whole", "", "receiver: 1 head, 2 right hand, 3 left hand",
-              [](const Row& r) { return fmt::format("{}", r.station); }},
+              [](const Row& r) { return fmt::format("{}", r.sample.station); }},
              {"frame", "text", "", "frame of the pose; T is the transmitter's",
-              [](const Row& r) { return csv_quoted(r.frame); }}} +
-         pose_fields<[](const Row& r) -> const Pose& { return r.X_TS; }, Row>(
+              [](const Row& r) { return csv_quoted(r.sample.frame); }}} +
+         pose_fields<[](const Row& r) -> const Pose& { return r.sample.X_TS; }, Row>(
              "position of the receiver in that frame", "its rotation, a unit quaternion") +
          std::vector<Field<Row>>{
              {"status", "text", "", "empty when good, else the Fastrak's error letter",
-              [](const Row& r) { return r.good() ? "" : csv_quoted(std::string(1, r.status)); }},
+              [](const Row& r) {
+                return r.sample.good() ? "" : csv_quoted(std::string(1, r.sample.status));
+              }},
              {"stylus", "yes/no", "", "switch of the stylus",
-              [](const Row& r) { return std::string(yes_no(r.buttons & 1)); }}};
+              [](const Row& r) { return std::string(yes_no(r.sample.buttons & 1)); }},
+             {"session_time_s", "number", "s",
+              "when the session took it in (session_utime of the message); 0 outside one",
+              [](const Row& r) { return decimal_seconds(r.sample.session_time); }}} +
+         maybe_vector_fields<[](const Row& r) { return r.p_WP; }, Row>(
+             "walk_x_m", "walk_y_m", "walk_z_m", "m",
+             "p_WP: where a walk by the thumbs has the tracked space in the world by then; X_WS is "
+             "X_WP X_WT X_TS; empty where the trial's scenario cannot be read");
 }
 
 std::vector<Field<MouseSample>> button_fields() {
@@ -111,7 +150,9 @@ std::vector<Field<MouseSample>> button_fields() {
       {"right_thumb", "yes/no", "", "walk backward",
        [](const Row& r) { return std::string(yes_no(r.right_thumb)); }},
       {"trigger", "yes/no", "", "grab",
-       [](const Row& r) { return std::string(yes_no(r.trigger)); }}};
+       [](const Row& r) { return std::string(yes_no(r.trigger)); }},
+      {"session_time_s", "number", "s", "when the session took it in; 0 outside one",
+       [](const Row& r) { return decimal_seconds(r.session_time); }}};
 }
 
 std::vector<Field<Event>> event_fields() {
@@ -135,6 +176,53 @@ std::vector<Field<Event>> event_fields() {
                                   [](const Row& r) { return fmt::format("{}", r.value); }},
                                  {"detail", "text", "", "what the kind says",
                                   [](const Row& r) { return csv_quoted(r.detail); }}};
+}
+
+std::vector<Field<ThrowRow>> throw_fields() {
+  using Row = ThrowRow;
+  return std::vector<Field<Row>>{
+             {"version", "text", "", "of the game: red or blue; empty where there are none",
+              [](const Row& r) { return csv_quoted(r.version); }},
+             {"frame", "whole", "", "of the game, from 1; empty where the throw was not counted",
+              [](const Row& r) { return r.frame > 0 ? fmt::format("{}", r.frame) : ""; }},
+             {"ball", "whole", "", "of the frame, from 1; likewise",
+              [](const Row& r) { return r.ball > 0 ? fmt::format("{}", r.ball) : ""; }},
+             {"body", "text", "", "which ball", [](const Row& r) { return csv_quoted(r.body); }},
+             {"release_time_s", "number", "s", "of the tick that let it go, on the trial's clock",
+              [](const Row& r) { return decimal_seconds(r.release); }},
+             {"trigger_time_s", "number", "s",
+              "when the trigger was let go, as its device tells it; empty in older trials, as are "
+              "the vectors",
+              [](const Row& r) { return maybe(r.trigger_s); }}} +
+         maybe_vector_fields<[](const Row& r) { return r.p_WB; }, Row>(
+             "x_m", "y_m", "z_m", "m", "centre of the ball then, in the world") +
+         maybe_vector_fields<[](const Row& r) { return r.v_WB; }, Row>("vx_mps", "vy_mps", "vz_mps",
+                                                                       "m/s", "its velocity then") +
+         maybe_vector_fields<[](const Row& r) { return r.w_WB; }, Row>(
+             "wx_radps", "wy_radps", "wz_radps", "rad/s", "its angular velocity then") +
+         std::vector<Field<Row>>{
+             {"speed_mps", "number", "m/s", "with which it left the hand",
+              [](const Row& r) { return fmt::format("{}", r.speed); }},
+             {"known", "text", "", "how the release was known; empty where nothing tells",
+              [](const Row& r) { return csv_quoted(r.known); }},
+             {"entry_time_s", "number", "s",
+              "when it met its first skittle; empty where it met none",
+              [](const Row& r) { return r.entry ? decimal_seconds(*r.entry) : ""; }},
+             {"entry_speed_mps", "number", "m/s", "of the ball just before",
+              [](const Row& r) { return maybe(r.entry_speed); }},
+             {"entry_angle_deg", "number", "degree",
+              "of its level velocity just before, to the right of straight on",
+              [](const Row& r) { return maybe(r.entry_angle_deg); }},
+             {"felled_by_ball", "whole", "",
+              "skittles; of a game, as it was counted, else until the next throw",
+              [](const Row& r) { return maybe(r.felled_by_ball); }},
+             {"felled_by_hand", "whole", "", "likewise, by the hand or what it carried",
+              [](const Row& r) { return maybe(r.felled_by_hand); }},
+             {"counted", "whole", "",
+              "skittles in the sheet: after a foul perhaps none; empty without a game",
+              [](const Row& r) { return maybe(r.counted); }},
+             {"foul", "yes/no", "", "let go beyond the foul line; empty where nothing tells",
+              [](const Row& r) { return r.foul ? std::string(yes_no(*r.foul)) : ""; }}};
 }
 
 std::vector<Field<StateRow>> state_fields() {
@@ -216,6 +304,7 @@ std::vector<TableColumn> table_columns() {
   list(all, "trackers", tracker_fields());
   list(all, "buttons", button_fields());
   list(all, "events", event_fields());
+  list(all, "throws", throw_fields());
   list(all, "states", state_fields());
   list(all, "frames", frame_fields());
   for (std::size_t i = 1; i < all.size(); ++i) {  // y and z, or qx .. qz, mean what the first does
@@ -233,13 +322,14 @@ std::vector<std::string> table_names() {
 }
 
 struct TableWriter::Table {
-  using Any =
-      std::variant<Csv<TrackerSample>, Csv<MouseSample>, Csv<Event>, Csv<StateRow>, Csv<EyeRow>>;
+  using Any = std::variant<Csv<TrackerRow>, Csv<MouseSample>, Csv<Event>, Csv<ThrowRow>,
+                           Csv<StateRow>, Csv<EyeRow>>;
 
   static Any open(std::ostream& out, std::string_view table) {
-    if (table == "trackers") return Csv<TrackerSample>(out, tracker_fields());
+    if (table == "trackers") return Csv<TrackerRow>(out, tracker_fields());
     if (table == "buttons") return Csv<MouseSample>(out, button_fields());
     if (table == "events") return Csv<Event>(out, event_fields());
+    if (table == "throws") return Csv<ThrowRow>(out, throw_fields());
     if (table == "states") return Csv<StateRow>(out, state_fields());
     if (table == "frames") return Csv<EyeRow>(out, frame_fields());
     throw std::invalid_argument(
@@ -253,15 +343,24 @@ struct TableWriter::Table {
 
   Any csv;
   const std::vector<std::string>& names;  ///< of the bodies
+  std::function<std::optional<Vec3>(Time)> walk;
 };
 
-TableWriter::TableWriter(std::ostream& out, std::string_view table, const TrialHeader& header)
-    : table_(std::make_unique<Table>(Table{Table::open(out, table), header.body_names})) {}
+TableWriter::TableWriter(std::ostream& out, std::string_view table, const TrialHeader& header,
+                         std::function<std::optional<Vec3>(Time)> walk)
+    : table_(std::make_unique<Table>(
+          Table{Table::open(out, table), header.body_names, std::move(walk)})) {}
 TableWriter::~TableWriter() = default;
 TableWriter::TableWriter(TableWriter&&) noexcept = default;
 
 void TableWriter::add(const Sample& sample) {
-  std::visit([&](const auto& one) { table_->add(one); }, sample);
+  if (const auto* mouse = std::get_if<MouseSample>(&sample)) return table_->add(*mouse);
+  const auto& tracker = std::get<TrackerSample>(sample);
+  table_->add(TrackerRow{tracker, table_->walk ? table_->walk(available(sample)) : std::nullopt});
+}
+
+void TableWriter::add(const ThrowRow& row) {
+  table_->add(row);
 }
 
 void TableWriter::add(const Event& event) {

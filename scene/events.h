@@ -20,6 +20,8 @@ inline constexpr std::string_view skittle_down = "skittle_down";
 inline constexpr std::string_view version = "version";
 inline constexpr std::string_view game = "game";
 inline constexpr std::string_view ball_back = "ball_back";
+inline constexpr std::string_view foul = "foul";
+inline constexpr std::string_view dead_wood = "dead_wood";
 inline constexpr std::string_view delivery = "delivery";
 inline constexpr std::string_view frame = "frame";
 inline constexpr std::string_view game_over = "game_over";
@@ -45,10 +47,12 @@ struct EventKind {
 inline constexpr std::array<EventKind, 24> kEventKinds{{
     {kind::grab, "the trigger took a ball or a skittle", "its centre", ""},
     {kind::release,
-     "the trigger let go of what it took: velocity, spin and how they are known (tracked, "
-     "extrapolated by so long, impossible; samples left out) as JSON in detail",
+     "the trigger let go of what it took: when, where, velocity, spin and how they are known "
+     "(tracked, extrapolated by so long, impossible; samples left out) as JSON in detail",
      "its centre", "speed it left the hand with [m/s]"},
-    {kind::first_contact, "a ball met a skittle for the first time since the skittles were set",
+    {kind::first_contact,
+     "a ball met a skittle for the first time since it was let go or the skittles were set; its "
+     "velocity just before as JSON in detail",
      "of the contact", "the ball's speed just before [m/s]"},
     {kind::touch, "two bodies met that had not met before, one of them a skittle", "of the contact",
      "speed they approached each other with [m/s]"},
@@ -58,12 +62,19 @@ inline constexpr std::array<EventKind, 24> kEventKinds{{
      "speed they approached each other with [m/s]"},
     {kind::missed_grab, "the trigger closed on nothing: nothing was within the hand's reach",
      "the centre of what was nearest", "how far its surface was from the hand [m]"},
-    {kind::skittle_down, "a skittle leaned by more than 20 degrees", "the skittle's centre of mass",
-     "skittles down so far"},
+    {kind::skittle_down,
+     "a skittle leaned by more than 20 degrees; by whom in detail: ball, hand or what it carries",
+     "the skittle's centre of mass", "skittles down so far"},
     {kind::version, "the hand touched a button: that version begins (red or blue in detail)",
      "the button", ""},
     {kind::game, "a game begins: its rules in detail", "", "skittles that are set"},
-    {kind::delivery, "a ball was counted: the skittles it felled, by name", "", "how many"},
+    {kind::foul, "a ball was let go beyond the foul line", "its centre", "how far beyond it [m]"},
+    {kind::dead_wood,
+     "as a ball was counted: the skittles that the hand or what it carried had felled were set "
+     "aside, by name",
+     "", "how many"},
+    {kind::delivery, "a ball was counted: the skittles it felled, by name", "",
+     "how many count: none after a foul where that is the rule"},
     {kind::ball_back, "a ball came back to its stand", "its stand", ""},
     {kind::frame, "a frame is over", "", "its number, from 1"},
     {kind::game_over, "the last frame is over: the score sheet in detail", "", "points"},

@@ -28,7 +28,10 @@ std::string met_by_ball(const devices::Event& event) {
 }  // namespace
 
 std::string why_nothing_fell(std::span<const devices::Event> events) {
-  if (first_of(events, kind::skittle_down)) return "";
+  const bool fell = std::ranges::any_of(events, [](const devices::Event& e) {
+    return e.kind == kind::skittle_down && e.detail != "hand";
+  });
+  if (fell) return "";
   if (!first_of(events, kind::grab)) {
     const devices::Event* missed = first_of(events, kind::missed_grab);
     if (!missed) return "the trigger was never pressed, so the ball stayed where it was";

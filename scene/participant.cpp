@@ -414,8 +414,8 @@ void Participant::draw_back(const Session& session, double now) {
   const Pose X_PD = body_.head(now), X_PH = body_.hand(now);
   const Vec3& p_WP = session.player.walk.p_WP;
   const auto look_at = [&](engine::BodyId body) {
-    if (session.world.bodies[body].kind != engine::Kind::free || session.player.leaving == body)
-      return;
+    const bool flies = session.world.bodies[body].kind == engine::Kind::free;
+    if (!flies || is_own(session.presence, body)) return;
     const engine::State& state = session.world.states[body];
     const auto near = passing(state, session.world.bodies[body].shape->bounding_radius,
                               p_WP + X_PD.p, Vec3(p_WP + X_PH.p), scenario_.collision.gravity);

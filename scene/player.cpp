@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "devices/sources.h"
 #include "scene/events.h"
@@ -143,12 +144,24 @@ void grab(Player& player, const Scene& scene, Time time, Time now) {
   if (at_trigger(scene.stage.scenario.hand)) e.time -= now - time;
 }
 
+/// When, where and how something was let go.
+///
+/// @param time  of the trigger, as its device tells it
+nlohmann::json told_of_release(Time time, const engine::State& state) {
+  const auto numbers = [](const Vec3& v) { return nlohmann::json{v.x(), v.y(), v.z()}; };
+  return {{"trigger_s", nearest_seconds(time)},
+          {"position_m", numbers(state.X_WB.p)},
+          {"velocity_mps", numbers(state.v_WB)},
+          {"spin_radps", numbers(state.w_WB)}};
+}
+
 /// Lets go at `time`, and lets the ball fly until `now`, which is later by less than a tick. The step
 /// takes it on by a tick: it flies until the start of that, which may be before it was let go.
 void release(Player& player, const Scene& scene, Time time, Time now) {
   const engine::BodyId body = player.held->body;
   const Hand& hand = scene.stage.scenario.hand;
   auto [state, motion] = carried(player, hand, time, now);
+  nlohmann::json told = told_of_release(time, state);
   double flown = seconds(now - time);
   if (at_trigger(hand)) flown -= engine::step_seconds(scene.world);
   const Vec3 gained = flown * scene.world.parameters.gravity_W;
@@ -166,9 +179,11 @@ void release(Player& player, const Scene& scene, Time time, Time now) {
   engine::set_kind(scene.world, body, engine::Kind::free);
   engine::set_state(scene.world, body, state);
   devices::Event& e = note(scene, kind::release, body, speed);
-  if (!at_trigger(hand)) return;
-  e.time -= now - time;
-  e.detail = to_detail(motion);
+  if (at_trigger(hand)) {
+    e.time -= now - time;
+    told.update(nlohmann::json::parse(to_detail(motion)));
+  }
+  e.detail = told.dump();
 }
 
 /// Carries what is held to where the hand has it, outside of everything fixed now and at the end of
@@ -201,13 +216,13 @@ bool clear_of(const Player& player, const engine::World& world, const Pose& X_WH
 
 /// Puts the hand's body where the hand is, or away.
 void place_hand(Player& player, const Scene& scene, Time now) {
+  constexpr double kOpenHand = 0.13;  // from the palm's middle to the fingertips [m]
+  const std::optional<Pose> X_WH = hand_at(player, now, now);
+  const double hand_radius =
+      scene.stage.hand ? scene.world.bodies[*scene.stage.hand].shape->bounding_radius : kOpenHand;
+  if (X_WH && clear_of(player, scene.world, *X_WH, hand_radius)) player.leaving.reset();
   if (!scene.stage.hand) return;
   const engine::BodyId body = *scene.stage.hand;
-  const std::optional<Pose> X_WH = hand_at(player, now, now);
-  if (X_WH &&
-      clear_of(player, scene.world, *X_WH, scene.world.bodies[body].shape->bounding_radius)) {
-    player.leaving.reset();
-  }
   if (!X_WH || player.held || player.leaving) {
     if (scene.world.states[body].X_WB.p == kAway.p) return;
     return engine::set_state(scene.world, body, {kAway, Vec3::Zero(), Vec3::Zero()});

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <span>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "engine/non_colliding.h"
 #include "scene/events.h"
 
 namespace headpin::scene {
@@ -58,11 +60,52 @@ std::optional<Passing> passing_of(const Sight& sight, engine::BodyId body) {
                  sight.stage.scenario.collision.gravity);
 }
 
+/// Of a point to a convex part; 0 inside it.
+double gap_to_part(const engine::Part& part, const Pose& X_WB, const Vec3& p_W) {
+  constexpr double kDot = 1e-3, kFar = 100.0;  // of the sphere that stands for the point; [m]
+  Vec3 normal = Vec3::Zero();
+  const engine::Closest found = engine::closest_points(
+      part.shape, engine::Ellipsoid{Vec3::Constant(kDot)},
+      (X_WB * part.X_BG).inverse() * Pose{Quat::Identity(), p_W}, normal, {.margin = kFar});
+  return std::max(0.0, found.distance + kDot);
+}
+
+/// Of the line from the floor to `top` to a part. The distance of a point to what is convex has one
+/// least value along a line: a search by the golden section.
+double gap_to_part(const engine::Part& part, const Pose& X_WB, const Vec3& top, double floor) {
+  constexpr double kGolden = 0.61803398874989485;
+  constexpr int kCuts = 22;  // to 0.1 mm of 2 m
+  const auto at = [&](double z) { return gap_to_part(part, X_WB, Vec3(top.x(), top.y(), z)); };
+  double low = std::min(floor, top.z()), high = top.z();
+  double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+  double at_a = at(a), at_b = at(b);
+  for (int i = 0; i < kCuts; ++i) {
+    if (at_a <= at_b) {
+      high = b, b = a, at_b = at_a;
+      at_a = at(a = high - kGolden * (high - low));
+    } else {
+      low = a, a = b, at_a = at_b;
+      at_b = at(b = low + kGolden * (high - low));
+    }
+  }
+  return std::min({at_a, at_b, at(low), at(high)});
+}
+
+/// Surface of a body, as it collides, to the player.
 double distance_now(const Sight& sight, engine::BodyId body) {
-  const Vec3& p_WB = sight.world.states[body].X_WB.p;
-  const double radius = radius_of(sight, body);
-  const double upright = to_upright(p_WB, radius, sight.p_WD);
-  return sight.p_WH ? std::min(upright, to_hand(p_WB, radius, *sight.p_WH)) : upright;
+  const Pose& X_WB = sight.world.states[body].X_WB;
+  if (sight.stage.roles[body] == Role::ball) {
+    const double radius = radius_of(sight, body);
+    const double upright = to_upright(X_WB.p, radius, sight.p_WD);
+    return sight.p_WH ? std::min(upright, to_hand(X_WB.p, radius, *sight.p_WH)) : upright;
+  }
+  const Vec3 crown = sight.p_WD + Vec3(0.0, 0.0, kCrown);
+  double least = std::numeric_limits<double>::max();
+  for (const engine::Part& part : sight.world.bodies[body].shape->parts) {
+    least = std::min(least, gap_to_part(part, X_WB, crown, 0.0));
+    if (sight.p_WH) least = std::min(least, gap_to_part(part, X_WB, *sight.p_WH));
+  }
+  return least;
 }
 
 /// Of a point of what is tracked, over the last samples by then, in the tracked space; zero for too few
@@ -147,12 +190,35 @@ devices::Event passed_event(const Sight& sight, const Approach& approach) {
   return e;
 }
 
+/// Whether it may be one's own throw no longer: it flies back, or away and is out of reach.
+bool is_nobodys(const Own& own, const Sight& sight) {
+  const engine::State& state = sight.world.states[own.body];
+  if (sight.world.bodies[own.body].kind != engine::Kind::free) return true;
+  if (level(state.v_WB).dot(own.along_W) < 0.0) return true;
+  return sight.player.leaving != own.body && !passing_of(sight, own.body) &&
+         distance_now(sight, own.body) > Alarm{}.near;
+}
+
+/// Keeps what the player has let go, by the events of this tick so far.
+void keep_own(Presence& presence, const Sight& sight, std::span<const devices::Event> events) {
+  std::erase_if(presence.own, [&](const Own& own) { return is_nobodys(own, sight); });
+  for (const devices::Event& e : events) {
+    if (e.kind != kind::release || e.tick != sight.moment.tick) continue;
+    const auto keep = [&](engine::BodyId body) {
+      if (sight.world.bodies[body].name != e.bodies.front()) return;
+      presence.own.push_back({body, level(sight.world.states[body].v_WB)});
+    };
+    for (const engine::BodyId ball : sight.stage.balls) keep(ball);
+    for (const engine::BodyId skittle : sight.stage.skittles) keep(skittle);
+  }
+}
+
 /// Notices what begins to fly at the player.
 void notice(Presence& presence, const Sight& sight, engine::BodyId body,
             std::vector<devices::Event>& out) {
   const engine::State& state = sight.world.states[body];
   if (sight.world.bodies[body].kind != engine::Kind::free || engine::is_asleep(sight.world, body) ||
-      sight.player.leaving == body) {
+      is_own(presence, body)) {
     return;
   }
   if (std::ranges::any_of(presence.approaches,
@@ -172,6 +238,10 @@ void notice(Presence& presence, const Sight& sight, engine::BodyId body,
 }
 
 }  // namespace
+
+bool is_own(const Presence& presence, engine::BodyId body) {
+  return std::ranges::any_of(presence.own, [&](const Own& own) { return own.body == body; });
+}
 
 std::optional<Passing> passing(const engine::State& state, double radius, const Vec3& p_WD,
                                const std::optional<Vec3>& p_WH, double gravity) {
@@ -217,6 +287,7 @@ void watch(Presence& presence, const Player& player, const Stage& stage, const e
   std::erase_if(presence.approaches, [&](const Approach& approach) {
     return approach.passed && moment.time >= *approach.passed + kAfterwards;
   });
+  keep_own(presence, sight, out);
   for (const engine::BodyId ball : stage.balls) notice(presence, sight, ball, out);
   for (const engine::BodyId skittle : stage.skittles) notice(presence, sight, skittle, out);
 }

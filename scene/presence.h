@@ -21,7 +21,7 @@ namespace headpin::scene {
 /// How something passes the player if it goes on as it does.
 struct Passing {
   double time_s = 0.0;    ///< until it is nearest
-  double distance = 0.0;  ///< between its surface and the player then, 0 where it hits [m]
+  double distance = 0.0;  ///< between the sphere around it and the player then, 0 where it hits [m]
   bool at_hand = false;   ///< it is nearer to the hand than to the rest
 };
 
@@ -53,16 +53,26 @@ struct Approach {
   Time noticed{};
   Passing foreseen;                 ///< as it was noticed
   Vec3 along_W = Vec3::UnitY();     ///< where it flew then, horizontally
-  double closest = 0.0;             ///< surface to player, so far [m]
+  double closest = 0.0;             ///< its surface, as it collides, to the player, so far [m]
   double head_away = 0.0;           ///< largest acceleration out of its way, so far [m/s^2]
   double hand_away = 0.0;           ///< likewise
   std::optional<Time> passed = {};  ///< when it no longer came nearer
 };
 
+/// What the player has let go, until it turns back or goes away, further off than `Alarm::near`.
+struct Own {
+  engine::BodyId body = 0;
+  Vec3 along_W = Vec3::UnitY();  ///< where it flew as it was let go, horizontally
+};
+
 /// What is in the air.
 struct Presence {
   std::vector<Approach> approaches;  ///< oldest first
+  std::vector<Own> own;
 };
+
+/// Whether something is on its way from the player's own hand: nobody draws back from that.
+bool is_own(const Presence& presence, engine::BodyId body);
 
 /// Head or hand got out of the way when it accelerated out of it by this [m/s^2]. Of virtual
 /// participants whom nothing disturbs nine heads in ten stay below 3.2, of those who draw back nine in

@@ -44,6 +44,24 @@ std::int64_t tick_count(const devices::TrialSummary& trial, std::int64_t rate_hz
   return std::max(ticks, trial.last_tick);
 }
 
+std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const Scenario& scenario) {
+  std::vector<Stamped<Vec3>> walk = {{Time{}, Vec3::Zero()}};
+  const std::int64_t ticks = tick_count(trial.summary(), scenario.rates.physics_hz);
+  devices::TrialPlayer source(trial);
+  Player player;
+  std::vector<devices::Sample> samples;
+  for (std::int64_t tick = 1; tick <= ticks; ++tick) {
+    const Time time = tick_time(tick, scenario.rates.physics_hz);
+    const Time measured = time - microseconds(scenario.rig.delay_s);
+    samples.clear();
+    source.poll(time, samples);
+    follow(player, samples, scenario, measured);
+    forget(player, measured);
+    if (player.walk.p_WP != walk.back().value) walk.push_back({time, player.walk.p_WP});
+  }
+  return walk;
+}
+
 Pose first_head_pose(const devices::TrialFile& trial, const Rig& rig) {
   std::optional<Pose> X_WD;
   trial.walk([&](const devices::TrialFile::Item& item) {

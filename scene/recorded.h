@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "devices/trial_file.h"
 #include "scene/scenario.h"
@@ -30,6 +31,12 @@ Recorded load_trial(std::span<const std::uint8_t> bytes, const std::string& name
 ///
 /// @param rate_hz  of the simulation
 std::int64_t tick_count(const devices::TrialSummary& trial, std::int64_t rate_hz);
+
+/// Where a walk by the thumbs has the tracked space, from the time of each tick in which that changes.
+///
+/// @return  p_WP, oldest first; where it was at 0 comes first
+/// @throws std::runtime_error  as load_trial, and when the file is another by now
+std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const Scenario& scenario);
 
 /// X_WD where the first good sample of the head finds it: where it is taken to be until then.
 ///

@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 
@@ -21,7 +23,11 @@ struct Field {
   const GameRules& plan() const { return stage.scenario.game; }
   const Rules& rules() const { return rules_named(plan().rules); }
   int rack() const { return static_cast<int>(stage.skittles.size()); }
+  bool tells_apart() const { return plan().hand_fells == "apart"; }
+  bool waits_for_rest() const { return plan().ends == "rest"; }
 };
+
+constexpr Time kFirst{500'000};  // a ball let go at rest has not fallen yet
 
 void note(const Field& f, std::string_view kind, double value, std::string detail = {}) {
   devices::Event e = event(f.moment, kind, f.world, {});
@@ -46,10 +52,41 @@ bool is_spent(const engine::World& world, engine::BodyId ball) {
   return is_still(world, ball) || world.states[ball].v_WB.norm() < kSlow;
 }
 
+/// Whether a ball is where none comes back from: through a wall that is none, or below the floor.
+bool is_gone(const Field& f, engine::BodyId ball) {
+  const Room& room = f.stage.scenario.room;
+  const Vec3& p_W = f.world.states[ball].X_WB.p;
+  return std::abs(p_W.x()) > 0.5 * room.width || p_W.y() > room.ahead || p_W.y() < -room.behind ||
+         p_W.z() < -1.0;
+}
+
 /// Whether nothing moves any more that could fell another skittle.
 bool all_at_rest(const Field& f) {
-  return std::ranges::all_of(f.stage.balls, [&](auto ball) { return is_spent(f.world, ball); }) &&
+  const auto over = [&](engine::BodyId ball) {
+    return is_spent(f.world, ball) || (f.waits_for_rest() && is_gone(f, ball));
+  };
+  return std::ranges::all_of(f.stage.balls, over) &&
          std::ranges::all_of(f.stage.skittles, [&](auto body) { return at_rest(f.world, body); });
+}
+
+/// How long all must be at rest. What is thrown up is slow for 2 v / g at the top of its flight; this
+/// is twice as long, and some ticks.
+Time long_enough(const Field& f) {
+  constexpr double kSlow = 0.05, kTicks = 0.1;  // [m/s], [s]
+  const double gravity = f.stage.scenario.collision.gravity;
+  const double longest = f.plan().ball_back_s;
+  const double hangs = gravity > 0.0 ? 4.0 * kSlow / gravity : 0.0;
+  return microseconds(std::min(longest, hangs + kTicks));
+}
+
+/// Whether all has been at rest for long enough, by this tick.
+bool stays_at_rest(const Field& f) {
+  if (!all_at_rest(f)) {
+    f.game.quiet.reset();
+    return false;
+  }
+  if (!f.game.quiet) f.game.quiet = f.moment.time;
+  return f.moment.time - *f.game.quiet >= long_enough(f);
 }
 
 bool is_down(const Field& f, engine::BodyId skittle) {
@@ -76,31 +113,60 @@ void put_back(const Field& f, engine::BodyId body) {
   engine::forget_meetings(f.world, body);
 }
 
-/// @return  skittles down by the ball that was thrown
+/// Sets a skittle up on its spot.
+void set_up(const Field& f, engine::BodyId skittle) {
+  put_back(f, skittle);
+  f.game.down[skittle] = f.game.swept[skittle] = 0;
+  f.game.moved_by[skittle] = By::nobody;
+}
+
+/// Whether a skittle that is down is dead wood. Where nothing tells, it is the ball's that has struck.
+bool is_dead_wood(const Field& f, engine::BodyId skittle) {
+  if (!f.tells_apart()) return false;
+  const By by = f.game.moved_by[skittle];
+  return by == By::hand || (by == By::nobody && !f.game.struck);
+}
+
+/// Sweeps what is down; after a foul that costs the ball, what it felled is set up again.
+///
+/// @return  skittles down that count for the ball that was thrown
 int count(const Field& f) {
   devices::Event delivery = event(f.moment, kind::delivery, f.world, {});
-  int felled = 0;
+  devices::Event dead = event(f.moment, kind::dead_wood, f.world, {});
+  const bool costs = f.game.foul && f.plan().foul == "zero";
   for (const engine::BodyId skittle : f.stage.skittles) {
     if (f.game.swept[skittle] || !is_down(f, skittle)) continue;
-    ++felled;
-    delivery.bodies.push_back(f.world.bodies[skittle].name);
+    const bool is_dead = is_dead_wood(f, skittle);
+    (is_dead ? dead : delivery).bodies.push_back(f.world.bodies[skittle].name);
+    if (costs && !is_dead && skittle != f.held) {
+      set_up(f, skittle);
+      continue;
+    }
     f.game.swept[skittle] = 1;
     if (skittle != f.held) put_away(f, skittle);
   }
-  delivery.value = felled;
+  const std::size_t felled = costs ? 0 : delivery.bodies.size();
+  delivery.value = static_cast<double>(felled);
   delivery.detail =
       fmt::format("frame {} ball {}", f.game.frames.size(), f.game.frames.back().size() + 1);
+  dead.value = static_cast<double>(dead.bodies.size());
+  dead.detail = delivery.detail;
+  if (!dead.bodies.empty()) f.out.push_back(std::move(dead));
   f.out.push_back(std::move(delivery));
-  return felled;
+  return static_cast<int>(felled);
 }
 
-void set_rack(const Field& f) {
+/// @return  whether one of them was in the hand
+bool set_rack(const Field& f) {
+  bool taken = false;
   for (const engine::BodyId skittle : f.stage.skittles) {
-    if (skittle == f.held) continue;
-    put_back(f, skittle);
-    f.game.down[skittle] = f.game.swept[skittle] = 0;
+    const bool in_hand = skittle == f.held;
+    if (in_hand && !f.tells_apart()) continue;
+    taken |= in_hand;
+    set_up(f, skittle);
   }
   f.game.struck = false;
+  return taken;
 }
 
 void bring_balls_back(const Field& f) {
@@ -114,47 +180,99 @@ void bring_balls_back(const Field& f) {
   f.game.struck = false;
 }
 
-void end_delivery(const Field& f) {
+/// Whether a frame is over where no skittle is left to be thrown at.
+bool ends_empty(const Field& f, bool last) {
+  const Rules& rules = f.rules();
+  if (rules.full_rack || rules.set_again) return false;
+  const Frame& frame = f.game.frames.back();
+  return !(last && rules.bonuses && std::accumulate(frame.begin(), frame.end(), 0) >= f.rack());
+}
+
+/// @return  whether what the hand holds was taken from it
+bool end_delivery(const Field& f) {
   const Rules& rules = f.rules();
   std::vector<Frame>& frames = f.game.frames;
   frames.back().push_back(count(f));
   bring_balls_back(f);
+  f.game.foul = false;
   const bool last = static_cast<std::int64_t>(frames.size()) == f.plan().frames;
-  if (!is_over(rules, frames.back(), f.rack(), static_cast<int>(f.plan().balls), last)) {
-    if (is_set_again(rules, frames.back(), f.rack())) set_rack(f);
-    return;
+  const bool empty = f.tells_apart() && std::ranges::all_of(f.stage.skittles, [&](auto body) {
+                       return f.game.swept[body] == 1;
+                     });
+  if (!is_over(rules, frames.back(), f.rack(), static_cast<int>(f.plan().balls), last) &&
+      !(empty && ends_empty(f, last))) {
+    return (empty || is_set_again(rules, frames.back(), f.rack())) && set_rack(f);
   }
   note(f, kind::frame, static_cast<double>(frames.size()));
   if (last) {
     f.game.over = true;
     note(f, kind::game_over, points(rules, frames, f.rack()), in_words(rules, frames, f.rack()));
-    return;
+    return false;
   }
   frames.emplace_back();
-  set_rack(f);
+  return set_rack(f);
+}
+
+/// A ball begins to be under way: what stands still by now is nobody's doing.
+void begin_delivery(const Field& f) {
+  f.game.thrown = f.moment.time;
+  f.game.quiet.reset();
+  f.game.beyond = false;
+  for (const engine::BodyId skittle : f.stage.skittles) {
+    if (!is_down(f, skittle) && at_rest(f.world, skittle)) f.game.moved_by[skittle] = By::nobody;
+  }
+}
+
+/// What was set aside in the hand is put away once it is let go; what stands again on its spot
+/// has not been moved by anybody.
+void tidy(const Field& f) {
+  for (const engine::BodyId skittle : f.stage.skittles) {
+    if (f.world.bodies[skittle].kind != engine::Kind::free) continue;
+    if (f.game.swept[skittle]) {
+      put_away(f, skittle);
+    } else if (engine::is_asleep(f.world, skittle) && !is_down(f, skittle)) {
+      f.game.moved_by[skittle] = By::nobody;
+      f.game.down[skittle] = 0;
+    }
+  }
+}
+
+/// Whether the ball that is under way is in the hand again and was not thrown at all.
+bool is_taken_back(const Field& f, bool under_way) {
+  if (under_way || f.game.struck) return false;
+  return !f.game.beyond || f.moment.time - *f.game.thrown < kFirst;
 }
 
 }  // namespace
 
-void referee(Game& game, const Stage& stage, engine::World& world, const Moment& moment,
+bool referee(Game& game, const Stage& stage, engine::World& world, const Moment& moment,
              std::optional<engine::BodyId> held, std::vector<devices::Event>& out) {
   const Field f{game, stage, world, moment, held, out};
-  if (!f.rules().counted || game.over) return;
+  if (!f.rules().counted || game.over) return false;
   if (!game.begun) {
     game.begun = true;
     game.frames.assign(1, {});
     note(f, kind::game, f.rack(), f.plan().rules);
   }
-  const bool under_way = std::ranges::any_of(stage.balls, [&](engine::BodyId ball) {
-    return world.bodies[ball].kind == engine::Kind::free;
-  });
-  if (under_way && !game.thrown) game.thrown = moment.time;
-  if (!game.thrown) return;
-  constexpr Time kFirst{500'000};  // a ball let go at rest has not fallen yet
+  if (f.tells_apart()) tidy(f);
+  bool under_way = false;
+  for (const engine::BodyId ball : stage.balls) {
+    if (world.bodies[ball].kind != engine::Kind::free) continue;
+    under_way = true;
+    game.beyond |= game.thrown && world.states[ball].X_WB.p.y() > 0.0;
+  }
+  if (under_way && !game.thrown) begin_delivery(f);
+  if (!game.thrown) return false;
+  if (f.waits_for_rest() && is_taken_back(f, under_way)) {
+    game.thrown.reset();
+    game.foul = false;
+    return false;
+  }
+  const bool rests = f.waits_for_rest() ? stays_at_rest(f) : all_at_rest(f);
   const Time since = moment.time - *game.thrown;
-  if (since < microseconds(f.plan().ball_back_s) && (since < kFirst || !all_at_rest(f))) return;
+  if (since < microseconds(f.plan().ball_back_s) && (since < kFirst || !rests)) return false;
   game.thrown.reset();
-  end_delivery(f);
+  return end_delivery(f);
 }
 
 }  // namespace headpin::scene

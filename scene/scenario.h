@@ -127,9 +127,12 @@ struct Hand {
 struct GameRules {
   std::string rules = "one-throw";
   std::int64_t frames = 5;
-  std::int64_t balls = 2;    ///< of a frame
-  double ball_back_s = 8.0;  ///< it comes back so long after it was let go, at the latest
-  double off_spot = 0.2;     ///< an upright skittle further from its spot is down
+  std::int64_t balls = 2;            ///< of a frame
+  double ball_back_s = 8.0;          ///< it comes back so long after it was let go, at the latest
+  double off_spot = 0.2;             ///< an upright skittle further from its spot is down
+  std::string ends = "rest";         ///< a delivery: at "rest", or when all is "slow" at one tick
+  std::string hand_fells = "apart";  ///< dead wood "apart" from the ball's, or "counted" with it
+  std::string foul = "note";         ///< a ball let go beyond the foul line: count, zero or note
 };
 
 /// One of two versions of the game, which its button starts (Uno & Slater 1997, section 3).

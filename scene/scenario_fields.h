@@ -174,6 +174,15 @@ void visit(V& v, GameRules& g) {
       "let go");
   v.field("off_spot", g.off_spot, Range{0, 10},
           "an upright skittle further from its spot than this is down too");
+  v.field("ends", g.ends, Choices{"rest", "slow"},
+          "a ball is over when all is at rest and stays so; slow: as soon as all is slow at one "
+          "tick, be it at the top of its flight or in the hand");
+  v.field("hand_fells", g.hand_fells, Choices{"apart", "counted"},
+          "what the hand fells, or what it carries, is set aside; counted: it is the ball's");
+  v.field("foul", g.foul, Choices{"note", "zero", "count"},
+          "a ball let go beyond the foul line: noted and counted; zero: noted and counted as none; "
+          "count: not even noted",
+          "the paper is silent");
 }
 
 template <typename V>

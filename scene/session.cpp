@@ -34,8 +34,40 @@ std::optional<std::size_t> button_at_hand(const Session& s, Time now) {
   return std::nullopt;
 }
 
+/// Counts the ball that is under way for the version it was thrown in: a copy of its world goes on
+/// without the player until that is done. What comes of it happens now.
+void count_ahead(const Session& s, const Moment& moment, std::vector<devices::Event>& out) {
+  if (s.scenario().game.ends != "rest" || !s.game.thrown) return;
+  engine::World world = s.world;
+  Game game = s.game;
+  if (s.stage->hand) {
+    engine::set_state(world, *s.stage->hand, {kAway, Vec3::Zero(), Vec3::Zero()});
+  }
+  std::optional<engine::BodyId> held;
+  if (s.player.held) {
+    held = s.player.held->body;
+    engine::set_state(world, *held, {world.states[*held].X_WB, Vec3::Zero(), Vec3::Zero()});
+  }
+  std::vector<devices::Event> all;
+  Moment later = moment;
+  while (game.thrown) {
+    note_velocities(game, world);
+    engine::step(world);
+    note_step(game, *s.stage, world, later, all);
+    referee(game, *s.stage, world, later, held, all);
+    later = {tick_time(later.tick + 1, s.scenario().rates.physics_hz), later.tick + 1};
+  }
+  for (devices::Event& e : all) {
+    if (e.kind == kind::ball_back) continue;
+    e.time = moment.time;
+    e.tick = moment.tick;
+    out.push_back(std::move(e));
+  }
+}
+
 /// Sets up the world of a version; what time and energy have come to goes on.
 void start_version(Session& s, std::size_t version, const Moment& moment) {
+  count_ahead(s, moment, s.events);
   engine::World before = std::move(s.world);
   s.stage = s.versions[version];
   s.world = s.stage->world;
@@ -94,7 +126,7 @@ void advance(Session& s, devices::Source& source) {
   }
   drive(s.player, s.samples, *s.stage, s.world, moment, s.events);
   touch_buttons(s, moment);
-  note_speeds(s.game, s.world);
+  note_velocities(s.game, s.world);
   engine::step(s.world);
   s.tick = moment.tick;
   s.statistics += s.world.statistics;
@@ -102,8 +134,10 @@ void advance(Session& s, devices::Source& source) {
   watch(s.presence, s.player, *s.stage, s.world, moment, s.events);
   const std::optional<engine::BodyId> held =
       s.player.held ? std::optional(s.player.held->body) : std::nullopt;
-  if (!has_buttons(s) || s.version_begun) {
-    referee(s.game, *s.stage, s.world, moment, held, s.events);
+  if (has_buttons(s) && !s.version_begun) return;
+  if (referee(s.game, *s.stage, s.world, moment, held, s.events)) {
+    s.player.held.reset();
+    s.player.grip_changed = moment.time;
   }
   s.state_hash = engine::state_hash(s.world);
   s.game_hash.add(s.state_hash, s.version);

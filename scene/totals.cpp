@@ -72,6 +72,7 @@ nlohmann::json to_json(const std::vector<Sheet>& games) {
                    {"rolls", frames},
                    {"points", points(game)},
                    {"over", game.over},
+                   {"marks", game.marks},
                    {"sheet", in_words(game)}});
   }
   return all;
@@ -102,6 +103,39 @@ nlohmann::json to_json(const std::vector<KeyDifference>& differences) {
   return all;
 }
 
+nlohmann::json to_json(const std::vector<devices::ThrowRow>& throws) {
+  nlohmann::json all = nlohmann::json::array();
+  const auto whole = [](int n) { return n > 0 ? nlohmann::json(n) : nlohmann::json(); };
+  const auto maybe = [](const auto& value) {
+    return value ? nlohmann::json(*value) : nlohmann::json();
+  };
+  const auto numbers = [](const std::optional<Vec3>& v) {
+    return v ? nlohmann::json{v->x(), v->y(), v->z()} : nlohmann::json();
+  };
+  for (const devices::ThrowRow& row : throws) {
+    all.push_back(
+        {{"name", row.version},
+         {"frame", whole(row.frame)},
+         {"ball", whole(row.ball)},
+         {"body", row.body},
+         {"release_s", nearest_seconds(row.release)},
+         {"trigger_s", maybe(row.trigger_s)},
+         {"position_m", numbers(row.p_WB)},
+         {"velocity_mps", numbers(row.v_WB)},
+         {"spin_radps", numbers(row.w_WB)},
+         {"release_speed_mps", row.speed},
+         {"known", row.known},
+         {"entry_s", row.entry ? nlohmann::json(nearest_seconds(*row.entry)) : nlohmann::json()},
+         {"impact_speed_mps", maybe(row.entry_speed)},
+         {"entry_angle_deg", maybe(row.entry_angle_deg)},
+         {"felled_by_ball", maybe(row.felled_by_ball)},
+         {"felled_by_hand", maybe(row.felled_by_hand)},
+         {"counted", maybe(row.counted)},
+         {"foul", maybe(row.foul)}});
+  }
+  return all;
+}
+
 nlohmann::json summary(const Session& s, const Score& score) {
   const Scenario& scenario = s.scenario();
   nlohmann::json all = conditions(scenario);
@@ -110,7 +144,9 @@ nlohmann::json summary(const Session& s, const Score& score) {
               {"detection", scenario.collision.detection},
               {"skittles", s.stage->skittles.size()},
               {"skittles_down", score.skittles_down},
+              {"felled_by_hand", score.felled_by_hand},
               {"games", to_json(score.games)},
+              {"throws", to_json(score.throws)},
               {"release_speed_mps", number(score.release_speed)},
               {"impact_speed_mps", number(score.impact_speed)},
               {"simulated_s", seconds(s.now())},

@@ -53,6 +53,9 @@ nlohmann::json conditions(const Scenario& scenario);
 /// The keys whose values differ, and both values.
 nlohmann::json to_json(const std::vector<KeyDifference>& differences);
 
+/// A row each.
+nlohmann::json to_json(const std::vector<devices::ThrowRow>& throws);
+
 /// What a session came to, as every command's `--json` tells it.
 nlohmann::json summary(const Session& session, const Score& score);
 

@@ -142,6 +142,12 @@ TEST_F(Reference, ATrialIsExportedWholeAndPlotted) {
   EXPECT_EQ(rows["trackers"], info["channels"]["TRACKER"]["messages"]);
   EXPECT_EQ(rows["buttons"], info["channels"]["MOUSE3D"]["messages"]);
   EXPECT_EQ(rows["events"], info["events"].size());
+  EXPECT_EQ(rows["throws"], 1);
+  EXPECT_EQ(info["result"]["throws"].size(), 1u);
+  const nlohmann::json thrown = info["result"]["throws"][0];
+  EXPECT_EQ(thrown["felled_by_ball"], info["result"]["skittles_down"]);
+  EXPECT_EQ(thrown["release_speed_mps"], info["result"]["release_speed_mps"]);
+  EXPECT_EQ(json("replay --json game.lcmlog")["throws"], info["result"]["throws"]);
   EXPECT_EQ(rows["states"].get<int>() % info["ticks"].get<int>(), 0);
   EXPECT_GT(rows["states"], info["ticks"]);
   EXPECT_EQ(slurp(folder_ / "tables/scenario.toml"), headpin("info game.lcmlog --scenario").out);

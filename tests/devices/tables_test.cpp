@@ -163,6 +163,63 @@ TEST(Tables, SamplesReadBackToTheBit) {
   EXPECT_EQ(buttons[0].at("trigger"), "1");
 }
 
+TEST(Tables, ATrackersRowTellsWhenItWasTakenInAndWhereTheWalkHadTheSpaceThen) {
+  TrackerSample sample;
+  sample.device_time = Time{1'000'000};
+  sample.session_time = Time{1'012'500};
+  std::ostringstream out;
+  TableWriter writer(out, "trackers", {}, [](Time time) -> std::optional<Vec3> {
+    if (time < Time{1'000'000}) return std::nullopt;
+    return Vec3(seconds(time), -0.1, 0.0);
+  });
+  writer.add(Sample(sample));
+  sample.device_time = sample.session_time = Time{};
+  writer.add(Sample(sample));
+  const auto lines = fields_of(out.str());
+  const std::vector<std::string> names(lines[0].end() - 4, lines[0].end());
+  const auto end_of = [&](std::size_t i) {
+    return std::vector<std::string>(lines[i].end() - 4, lines[i].end());
+  };
+  EXPECT_EQ(names,
+            (std::vector<std::string>{"session_time_s", "walk_x_m", "walk_y_m", "walk_z_m"}));
+  EXPECT_EQ(end_of(1), (std::vector<std::string>{"1.012500", "1.0125", "-0.1", "0"}));
+  EXPECT_EQ(end_of(2), (std::vector<std::string>{"0.000000", "", "", ""}));
+}
+
+TEST(Tables, AThrowsRowIsEmptyWhereNothingIsKnown) {
+  std::ostringstream out;
+  TableWriter writer(out, "throws", {});
+  ThrowRow row;
+  row.body = "ball";
+  row.release = Time{2'500'000};
+  row.speed = 6.25;
+  writer.add(row);
+  row.version = "red";
+  row.frame = 2, row.ball = 1;
+  row.v_WB = Vec3(0.1, 6.2, -0.3);
+  row.felled_by_ball = 7, row.felled_by_hand = 1, row.counted = 0, row.foul = true;
+  writer.add(row);
+  EXPECT_EQ(writer.rows(), 2);
+  const auto lines = fields_of(out.str());
+  const auto at = [&](std::size_t i, const char* name) {
+    const auto found = std::ranges::find(lines[0], name);
+    return lines[i].at(static_cast<std::size_t>(found - lines[0].begin()));
+  };
+  for (const char* name :
+       {"version", "frame", "ball", "trigger_time_s", "vx_mps", "entry_time_s", "entry_angle_deg",
+        "felled_by_ball", "felled_by_hand", "counted", "foul"}) {
+    EXPECT_EQ(at(1, name), "") << name;
+  }
+  EXPECT_EQ(at(1, "release_time_s"), "2.500000");
+  EXPECT_EQ(at(1, "speed_mps"), "6.25");
+  EXPECT_EQ(at(2, "version"), "red");
+  EXPECT_EQ(at(2, "frame"), "2");
+  EXPECT_EQ(at(2, "vy_mps"), "6.2");
+  EXPECT_EQ(at(2, "felled_by_ball"), "7");
+  EXPECT_EQ(at(2, "counted"), "0");
+  EXPECT_EQ(at(2, "foul"), "1");
+}
+
 TEST(Tables, EventsReadBackToTheBit) {
   const Trial trial = odd_trial();
   const Event& expected = trial.events[0];

@@ -1,5 +1,7 @@
 // Whole games: what is counted, swept, set again; two versions and their buttons.
 
+#include <cmath>
+
 #include <gmock/gmock.h>
 
 #include "devices/sources.h"
@@ -178,6 +180,289 @@ TEST(GameTest, WithButtonsNothingCountsBeforeOneIsTouched) {
   EXPECT_TRUE(played.of_kind(kind::game).empty());
   EXPECT_TRUE(played.of_kind(kind::delivery).empty());
   EXPECT_TRUE(played.score.games.empty());
+}
+
+// What the hand does to a rack of six, driven straight, without a device.
+class ByHand {
+ public:
+  explicit ByHand(Scenario scenario) : session_(make_session(std::move(scenario))) {}
+
+  const Stage& stage() const { return *session_.stage; }
+  engine::World& world() { return session_.world; }
+  Game& game() { return session_.game; }
+  engine::BodyId ball() const { return stage().balls.front(); }
+  const std::vector<devices::Event>& events() const { return events_; }
+
+  std::vector<const devices::Event*> of_kind(std::string_view kind) const {
+    std::vector<const devices::Event*> found;
+    for (const devices::Event& event : events_) {
+      if (event.kind == kind) found.push_back(&event);
+    }
+    return found;
+  }
+
+  void put(engine::BodyId body, const Vec3& p_W, const Vec3& v_W) {
+    engine::set_state(world(), body, {{Quat::Identity(), p_W}, v_W, Vec3::Zero()});
+  }
+  void let_fly(const Vec3& p_W, const Vec3& v_W) {
+    engine::set_kind(world(), ball(), engine::Kind::free);
+    put(ball(), p_W, v_W);
+  }
+  /// A ball that rolls beside all skittles, and is counted.
+  void miss() {
+    const std::size_t before = of_kind(kind::delivery).size();
+    let_fly({0.49, 0.5, 0.11}, {0.0, 3.0, 0.0});
+    until([&] { return of_kind(kind::delivery).size() > before; }, 10.0);
+  }
+  /// Takes a body along at a velocity, as a hand that carries it does.
+  void carry(engine::BodyId body, const Vec3& from_W, const Vec3& v_W, double for_s) {
+    engine::set_kind(world(), body, engine::Kind::driven);
+    Vec3 p_W = from_W;
+    const double dt = engine::step_seconds(world());
+    for (double t = 0.0; t < for_s; t += dt) {
+      put(body, p_W, v_W);
+      tick(body);
+      p_W += dt * v_W;
+    }
+  }
+  void tick(std::optional<engine::BodyId> held = {}) {
+    if (held) session_.player.held = Held{*held, Quat::Identity()};
+    // What is held is where this test has it: without samples the hand is nowhere.
+    Session& s = session_;
+    const Moment moment{s.next_tick(), s.tick + 1};
+    s.events.clear();
+    note_velocities(s.game, s.world);
+    engine::step(s.world);
+    s.tick = moment.tick;
+    note_step(s.game, *s.stage, s.world, moment, s.events);
+    if (referee(s.game, *s.stage, s.world, moment, held, s.events)) taken_ = true;
+    events_.insert(events_.end(), s.events.begin(), s.events.end());
+    s.player.held.reset();
+  }
+  template <typename Done>
+  bool until(const Done& done, double longest_s, std::optional<engine::BodyId> held = {}) {
+    const Time end = session_.now() + microseconds(longest_s);
+    while (!done() && session_.now() < end) tick(held);
+    return done();
+  }
+  void wait(double for_s, std::optional<engine::BodyId> held = {}) {
+    until([] { return false; }, for_s, held);
+  }
+  Score score() const { return scene::score(events_); }
+  bool taken() const { return taken_; }
+
+ private:
+  Session session_;
+  std::vector<devices::Event> events_;
+  bool taken_ = false;
+};
+
+TEST(Referee, WhatTheHandTopplesIsNoBallsAndIsSetAside) {
+  ByHand play(with_rules("plain", 2, 2));
+  const engine::BodyId skittle = play.stage().skittles.back();
+  const Vec3 spot = play.stage().world.states[skittle].X_WB.p;
+  // A solid hand comes from outside of the rack, at the neck of one at its edge, and goes away.
+  const engine::BodyId hand = *play.stage().hand;
+  const double side = spot.x() > 0.0 ? 1.0 : -1.0;
+  const Vec3 from = spot + Vec3(side * 0.3, 0.0, 0.1);
+  play.carry(hand, from, Vec3(-side * 1.5, 0.0, 0.0), 0.25);
+  play.put(hand, kAway.p, Vec3::Zero());
+  play.wait(2.0);
+  const auto fallen = play.of_kind(kind::skittle_down);
+  ASSERT_FALSE(fallen.empty());
+  for (const devices::Event* e : fallen) EXPECT_EQ(e->detail, "hand");
+  EXPECT_TRUE(play.of_kind(kind::delivery).empty());
+  play.miss();
+  ASSERT_EQ(play.of_kind(kind::delivery).size(), 1u);
+  EXPECT_EQ(play.of_kind(kind::delivery).front()->value, 0.0);
+  ASSERT_EQ(play.of_kind(kind::dead_wood).size(), 1u);
+  EXPECT_GE(play.of_kind(kind::dead_wood).front()->value, 1.0);
+  for (const std::string& name : fallen.front()->bodies) {
+    EXPECT_THAT(play.of_kind(kind::dead_wood).front()->bodies, testing::Contains(name));
+  }
+  EXPECT_GT(play.world().states[skittle].X_WB.p.y(), play.stage().scenario.room.ahead);
+  EXPECT_THAT(in_words(play.score().games.front()), testing::HasSubstr("by hand (frame 1 ball 1)"));
+  EXPECT_EQ(play.score().skittles_down, 0);
+  // As trials of before have it, it is all the ball's.
+  Scenario before = with_rules("plain", 2, 2);
+  before.game.hand_fells = "counted";
+  ByHand counted(before);
+  counted.carry(*counted.stage().hand, from, Vec3(-side * 1.5, 0.0, 0.0), 0.25);
+  counted.put(*counted.stage().hand, kAway.p, Vec3::Zero());
+  counted.wait(2.0);
+  counted.miss();
+  EXPECT_GE(counted.of_kind(kind::delivery).front()->value, 1.0);
+  EXPECT_TRUE(counted.of_kind(kind::dead_wood).empty());
+}
+
+TEST(Referee, ABallThatIsCarriedThroughTheRackFellsNothing) {
+  ByHand play(with_rules("plain", 2, 2));
+  const double head_pin = play.stage().scenario.lane.head_pin;
+  play.carry(play.ball(), {0.0, head_pin - 0.5, 0.15}, {0.0, 2.0, 0.0}, 0.7);
+  EXPECT_TRUE(play.of_kind(kind::first_contact).empty());
+  play.wait(2.0, play.ball());
+  const std::size_t fallen = play.of_kind(kind::skittle_down).size();
+  ASSERT_GT(fallen, 1u);
+  play.let_fly({0.49, 0.5, 0.11}, Vec3::Zero());
+  play.until([&] { return !play.of_kind(kind::delivery).empty(); }, 10.0);
+  ASSERT_EQ(play.of_kind(kind::delivery).size(), 1u);
+  EXPECT_EQ(play.of_kind(kind::delivery).front()->value, 0.0);
+  ASSERT_EQ(play.of_kind(kind::dead_wood).size(), 1u);
+  EXPECT_GE(play.of_kind(kind::dead_wood).front()->value, static_cast<double>(fallen));
+}
+
+TEST(Referee, ASkittleHeldAsTheBallIsCountedIsTheHandsAndStandsForTheNextFrame) {
+  ByHand play(with_rules("plain", 2, 1));
+  const engine::BodyId held = play.stage().skittles.back();
+  const auto rack = static_cast<double>(play.stage().skittles.size());
+  const Vec3 in_hand(-1.5, -0.5, 1.0);
+  engine::set_kind(play.world(), held, engine::Kind::driven);
+  play.put(held, in_hand, Vec3::Zero());
+  play.wait(0.2, held);
+  const double head_pin = play.stage().scenario.lane.head_pin;
+  play.let_fly({0.0, head_pin - 1.0, 0.11}, {0.0, 8.0, 0.0});
+  play.until([&] { return !play.of_kind(kind::frame).empty(); }, 10.0, held);
+  ASSERT_EQ(play.of_kind(kind::delivery).size(), 1u);
+  EXPECT_LE(play.of_kind(kind::delivery).front()->value, rack - 1.0);
+  EXPECT_THAT(play.of_kind(kind::delivery).front()->bodies,
+              testing::Not(testing::Contains(play.world().bodies[held].name)));
+  EXPECT_THAT(play.of_kind(kind::dead_wood).front()->bodies,
+              testing::ElementsAre(play.world().bodies[held].name));
+  EXPECT_TRUE(play.taken());
+  for (const engine::BodyId skittle : play.stage().skittles) {
+    EXPECT_EQ(play.world().states[skittle].X_WB.p, play.stage().world.states[skittle].X_WB.p);
+    EXPECT_EQ(play.world().bodies[skittle].kind, engine::Kind::free);
+  }
+}
+
+// The law of a throw: v / g up, as long down again; it is not counted before it is down.
+TEST(Referee, ABallThrownStraightUpIsCountedOnceItIsDown) {
+  ByHand play(with_rules("plain", 2, 2));
+  const double up = 4.95, low = play.stage().scenario.ball.radius, from = 0.75;
+  play.let_fly({-1.0, -1.0, from}, {0.0, 0.0, up});
+  play.until([&] { return !play.of_kind(kind::delivery).empty(); }, 10.0);
+  const double g = play.stage().scenario.collision.gravity;
+  const double lands = (up + std::sqrt(up * up + 2.0 * g * (from - low))) / g;
+  EXPECT_GT(seconds(play.of_kind(kind::delivery).front()->time), lands);
+  EXPECT_LT(seconds(play.of_kind(kind::delivery).front()->time),
+            play.stage().scenario.game.ball_back_s);
+}
+
+TEST(Referee, ABallThatIsCaughtAgainWasNotThrown) {
+  ByHand play(with_rules("plain", 2, 2));
+  for (const double after_s : {0.05, 0.3, 1.0}) {  // a slip of the trigger; a toss
+    play.let_fly({-1.0, -1.0, 1.2}, {0.0, 0.0, 0.5 * 9.81 * after_s});
+    play.wait(after_s);
+    engine::set_kind(play.world(), play.ball(), engine::Kind::driven);
+    play.put(play.ball(), {-1.0, -1.0, 1.2}, Vec3::Zero());
+    play.wait(2.0, play.ball());
+    EXPECT_TRUE(play.of_kind(kind::delivery).empty()) << after_s;
+  }
+  play.miss();
+  EXPECT_EQ(play.of_kind(kind::delivery).front()->detail, "frame 1 ball 1");
+}
+
+TEST(GameTest, AButtonTouchedTooEarlyLeavesTheBallToItsOwnVersion) {
+  Scenario scenario = with_rules("plain", 1, 1);
+  scenario.version.buttons = true;
+  std::vector<double> counted;
+  for (const double wait_s : {9.5, 0.1}) {
+    HandScript hand(scenario);
+    hand.touch(scenario.version.red.button);
+    hand.throw_from(0.0, 6.0, wait_s);
+    hand.touch(scenario.version.blue.button);
+    hand.stay(Vec3(-1.2, -1.0, 1.0), 0.5);
+    const Played played = play(scenario, hand.samples);
+    ASSERT_EQ(played.of_kind(kind::version).size(), 2u);
+    ASSERT_EQ(played.of_kind(kind::delivery).size(), 1u) << wait_s;
+    counted.push_back(played.of_kind(kind::delivery).front()->value);
+    ASSERT_EQ(played.score.games.size(), 2u);
+    EXPECT_EQ(played.score.games[0].version, "red");
+    EXPECT_TRUE(played.score.games[0].over);
+    EXPECT_EQ(points(played.score.games[0]), counted.back());
+    EXPECT_EQ(points(played.score.games[1]), 0);
+    ASSERT_EQ(played.score.throws.size(), 1u);
+    EXPECT_EQ(played.score.throws[0].version, "red");
+    EXPECT_EQ(played.score.throws[0].counted, counted.back());
+  }
+  EXPECT_GT(counted[0], 0.0);
+  EXPECT_EQ(counted[1], counted[0]);  // as if nobody had touched it
+}
+
+TEST(Foul, ABallLetGoBeyondTheLineIsCountedNotedOrCostsTheBall) {
+  for (const std::string rule : {"count", "note", "zero"}) {
+    Scenario scenario = with_rules("plain", 1, 2);
+    scenario.game.foul = rule;
+    for (const double y : {0.2, -0.4}) {
+      HandScript hand(scenario);
+      hand.throw_from(0.05, 6.0, 9.5, y);
+      const Played played = play(scenario, hand.samples);
+      const bool noted = rule != "count" && y > 0.0;
+      const auto fouls = played.of_kind(kind::foul);
+      ASSERT_EQ(fouls.size(), noted ? 1u : 0u) << rule << y;
+      if (noted) {
+        EXPECT_NEAR(fouls[0]->value, y + 6.0 / 60.0, 0.01);  // a sample after y, evenly on
+        EXPECT_THAT(in_words(played.score.games[0]), testing::HasSubstr("foul (frame 1 ball 1)"));
+      } else {
+        EXPECT_THAT(in_words(played.score.games[0]), testing::Not(testing::HasSubstr("foul")));
+      }
+      const devices::Event& delivery = *played.of_kind(kind::delivery).front();
+      const bool costs = rule == "zero" && y > 0.0;
+      ASSERT_FALSE(delivery.bodies.empty());
+      EXPECT_EQ(delivery.value, costs ? 0.0 : static_cast<double>(delivery.bodies.size()));
+      const Stage& stage = *played.session.stage;
+      for (const engine::BodyId skittle : stage.skittles) {
+        if (costs) {  // all stand again for the second ball
+          EXPECT_LT(
+              (played.session.world.states[skittle].X_WB.p - stage.world.states[skittle].X_WB.p)
+                  .norm(),
+              scenario.game.off_spot);
+        }
+      }
+      ASSERT_EQ(played.score.throws.size(), 1u);
+      const devices::ThrowRow& row = played.score.throws[0];
+      EXPECT_EQ(row.foul, y > 0.0);
+      EXPECT_EQ(row.counted, delivery.value);
+      EXPECT_EQ(row.felled_by_ball, static_cast<int>(delivery.bodies.size()));
+    }
+  }
+}
+
+// Oracle: the hand script's own law of motion, and the sheet.
+TEST(Throws, AreARowEachWhoseSumsAreTheSheets) {
+  const Scenario scenario = with_rules("ten-pin", 3, 2);
+  HandScript hand(scenario);
+  const std::vector<double> speeds = {5.0, 6.0, 7.0, 6.5};
+  for (const double speed : speeds) hand.throw_from(0.02 * speed - 0.1, speed);
+  const Played played = play(scenario, hand.samples);
+  const Score& score = played.score;
+  ASSERT_EQ(score.throws.size(), speeds.size());
+  int sum = 0;
+  std::size_t struck = 0;
+  for (std::size_t i = 0; i < speeds.size(); ++i) {
+    const devices::ThrowRow& row = score.throws[i];
+    ASSERT_TRUE(row.p_WB && row.v_WB && row.w_WB);
+    EXPECT_NEAR(row.v_WB->y(), speeds[i], 0.2);  // the script goes on evenly from there
+    EXPECT_NEAR(row.speed, row.v_WB->norm(), 1e-12);
+    EXPECT_NEAR(row.p_WB->x(), 0.02 * speeds[i] - 0.1, 1e-6);
+    EXPECT_LT(row.w_WB->norm(), 1e-6);  // the hand did not turn
+    sum += row.counted.value_or(0);
+    if (!row.entry) continue;
+    ++struck;
+    EXPECT_GT(*row.entry, row.release);
+    EXPECT_LT(std::abs(row.entry_angle_deg.value()), 2.0);
+    EXPECT_LE(row.entry_speed.value(), row.speed + 0.2);
+  }
+  EXPECT_GT(struck, 0u);
+  EXPECT_EQ(struck, played.of_kind(kind::first_contact).size());
+  EXPECT_EQ(score.release_speed, score.throws[0].speed);
+  EXPECT_EQ(score.impact_speed, score.throws[0].entry_speed);
+  int in_sheet = 0;
+  for (const Frame& frame : score.games.at(0).frames) {
+    for (const int roll : frame) in_sheet += roll;
+  }
+  EXPECT_EQ(sum, in_sheet);
+  EXPECT_EQ(score.skittles_down, in_sheet);
 }
 
 }  // namespace

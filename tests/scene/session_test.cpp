@@ -14,6 +14,7 @@
 #include "devices/sources.h"
 #include "scene/bodies.h"
 #include "scene/events.h"
+#include "scene/recorded.h"
 #include "scene/release_timing.h"
 #include "scene/run.h"
 #include "scene/score.h"
@@ -478,6 +479,25 @@ TEST(SessionTest, ThumbsWalkWhereTheHandPointsWhenAskedTo) {
   const Vec3 way = goes();
   EXPECT_NEAR(std::atan2(-way.x(), way.y()), yaw, 1e-9);
   EXPECT_NEAR(way.norm(), scenario.walk.speed * 1.0, 2.0 * scenario.walk.speed / 240.0);
+}
+
+// Up to speed, on, and to rest: speed times the second that the thumb is down.
+TEST(SessionTest, AnExportKnowsWhereTheWalkHadTheTrackedSpace) {
+  const Scenario scenario;
+  devices::TrialHeader header;
+  header.scenario = to_toml(scenario);
+  const TemporaryFolder folder;
+  const std::string path = (folder.path() / "walk.lcmlog").string();
+  devices::Recorder recorder(path, header);
+  for (const devices::Sample& sample : Walker{}.samples()) recorder.write(sample);
+  recorder.close();
+  const auto walk = walk_of(devices::TrialFile(path), scenario);
+  ASSERT_GT(walk.size(), 100u);
+  EXPECT_EQ(walk.front().value, Vec3::Zero());
+  EXPECT_NEAR(seconds(walk[1].time), 0.1, 2.0 / 240.0);
+  EXPECT_NEAR(walk.back().value.y(), scenario.walk.speed * 1.0, 2.0 * scenario.walk.speed / 240.0);
+  const double stops = scenario.walk.speed / scenario.walk.acceleration;
+  EXPECT_NEAR(seconds(walk.back().time), 1.1 + stops, 2.0 / 240.0);
 }
 
 TEST(SessionTest, WallsStopAWalkerAndNotTheHeadThatLeans) {

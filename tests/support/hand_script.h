@@ -20,19 +20,22 @@ class HandScript {
     samples.emplace_back(devices::MouseSample{.device_time = now(), .trigger = down});
   }
   /// Takes the ball from its stand and throws it along y from beside the middle of the lane.
-  void throw_from(double x, double speed = 6.0) {
+  ///
+  /// @param wait_s  how long the hand is out of everybody's way then
+  /// @param y       where it lets go
+  void throw_from(double x, double speed = 6.0, double wait_s = 9.5, double y = 0.0) {
     stay(scenario_.ball.home, 0.3);
     trigger(true);
     stay(scenario_.ball.home, 0.2);
     const double swing_s = 0.5, a = speed / swing_s;
     for (int i = 0; i < 30; ++i) {
       const double t = i / 60.0;
-      put(Vec3(x, 0.5 * a * (t * t - swing_s * swing_s), 0.14));
+      put(Vec3(x, y + 0.5 * a * (t * t - swing_s * swing_s), 0.14));
     }
-    put(Vec3(x, 0.0, 0.14));
+    put(Vec3(x, y, 0.14));
     trigger(false);
-    for (int i = 1; i < 6; ++i) put(Vec3(x, speed * i / 60.0, 0.14 + 0.1 * i));
-    stay(Vec3(-1.2, -1.0, 1.0), 9.5);  // out of everybody's way
+    for (int i = 1; i < 6; ++i) put(Vec3(x, y + speed * i / 60.0, 0.14 + 0.1 * i));
+    stay(Vec3(-1.2, -1.0, 1.0), wait_s);
   }
   void touch(const Vec3& button) {
     stay(button + Vec3(0.0, -0.6, 0.0), 0.2);
