@@ -134,8 +134,8 @@ void advance(Session& s, devices::Source& source) {
   watch(s.presence, s.player, *s.stage, s.world, moment, s.events);
   const std::optional<engine::BodyId> held =
       s.player.held ? std::optional(s.player.held->body) : std::nullopt;
-  if (has_buttons(s) && !s.version_begun) return;
-  if (referee(s.game, *s.stage, s.world, moment, held, s.events)) {
+  const bool counts = !has_buttons(s) || s.version_begun;
+  if (counts && referee(s.game, *s.stage, s.world, moment, held, s.events)) {
     s.player.held.reset();
     s.player.grip_changed = moment.time;
   }
