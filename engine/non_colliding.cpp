@@ -202,13 +202,10 @@ bool parallel(const Support& s, const Vec3& n) {
   return (s.S - s.h * n).squaredNorm() <= 1e-12 * s.S.squaredNorm();
 }
 
-/// Steps towards a proof that may lead to no lower plane before the search is for the depth.
-constexpr int kAstray = 2;
-
 /// Up to the cap, as the paper has it: D parallel to N ends it, and so does a proof of separation.
 ///
 /// Where S lies nearly along n, as it does where shapes meet, the steps towards a proof turn n over.
-/// So after two that led to no lower plane the search goes on from the lowest: n is turned by the
+/// So after half of the cap, as soon as one leads to no lower plane, the search goes on from the lowest: n is turned by the
 /// part of S across it over both arms, which for two spheres is the way to the line of centres, and
 /// by half as much each time that this leads to no lower plane. The answer is the lowest plane.
 ///
@@ -218,11 +215,10 @@ Closest paper(S& search, Vec3 n, const Support& first, const Vec3& c_A, const Ve
   if (first.h < 0.0) return search.answer(first, n);
   Support s = first, best = first;
   Vec3 best_n = n;
-  int astray = 0;
+  bool to_proof = true;
   double turn = 1.0;
   while (search.evaluations < cap) {
     if (parallel(best, best_n)) return search.answer(best, best_n);
-    const bool to_proof = astray < kAstray;
     if (to_proof) {
       n = turned(n, s);
     } else {
@@ -237,7 +233,7 @@ Closest paper(S& search, Vec3 n, const Support& first, const Vec3& c_A, const Ve
       best_n = n;
       turn = 1.0;
     } else if (to_proof) {
-      ++astray;
+      to_proof = search.evaluations < (cap + 1) / 2;
     } else {
       turn *= 0.5;
     }

@@ -27,8 +27,8 @@
 /// - paper: from the line of centres, at most `cap` steps, then equations (1), (2) of the plane of
 ///   least overlap that was looked at. It never calls a pair that meets separated, but it calls flat
 ///   things that are apart a contact (parallel caps at cap 5 nearly always), and its depth is the
-///   true one or more: at cap 20 by 1 % in half of the shallow pairs, with a normal 1 degree off; at
-///   cap 5 by a third, 6 degrees off. One contact point.
+///   true one or more: at cap 20 by 3 % in half of the shallow pairs, with a normal 1 degree off; at
+///   cap 5 by a third, 5 degrees off. One contact point.
 /// - converged, the default: the same start and the same way out at every evaluation, then Newton's
 ///   method until (1), (2) hold (stratified_newton.h), a hull being replaced by its face, edge or
 ///   vertex in view, and GJK from outside for what is left. Such a minimum need not be the least
@@ -52,9 +52,9 @@
 /// normal is found is only in [UNO 96], which nobody has, so that is ours:
 /// - towards a proof, a step of 1.5 times the projection onto the plane across D, between the
 ///   projection and the mirror image of Chung and Wong (1996), which left fewest pairs undecided;
-/// - where two such steps came to no lower plane, a turn by the part of D across N over the two arms,
-///   as the first kind of step does not end at the closest points of pairs that meet: more of them
-///   made normal and depth worse;
+/// - after half of the cap, once such a step comes to no lower plane, a turn by the part of D across N
+///   over the two arms, as steps towards a proof do not end at the closest points of pairs that meet:
+///   more of them made normal and depth worse;
 /// - at the cap, the answer is the best plane's, not the last one's.
 /// Warm starts, Newton's method and the fallback are ours too. The distance d is N . D, which is |D|
 /// at convergence.
