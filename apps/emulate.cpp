@@ -25,6 +25,7 @@
 #include "devices/log.h"
 #include "devices/recorded_motion.h"
 #include "devices/trial_file.h"
+#include "files/names.h"
 #include "scene/scenario.h"
 
 namespace headpin::apps {
@@ -66,22 +67,28 @@ class Control {
     }
   }
   ~Control() {
+    if (!made_.empty()) files::remove_pipe(made_, fd_);
     if (fd_ > STDIN_FILENO) ::close(fd_);
-    if (!made_.empty()) unlink(made_.c_str());
   }
   Control(const Control&) = delete;
   Control& operator=(const Control&) = delete;
 
   int descriptor() const { return fd_; }
 
-  /// Whole lines that came since the last call.
+  /// Whole lines that came since the last call; the rest of a flood is there at the next.
   std::vector<std::string> lines() {
-    std::array<char, 1024> bytes{};
-    ssize_t n = 0;
-    while (fd_ >= 0 && (n = ::read(fd_, bytes.data(), bytes.size())) > 0) {
-      text_.append(bytes.data(), static_cast<std::size_t>(n));
+    constexpr std::size_t kLongest = 4096;  // of a line; the longest that means something has 300
+    std::array<char, 65536> bytes{};
+    if (fd_ < 0) return {};
+    const ssize_t n = ::read(fd_, bytes.data(), bytes.size());
+    if (n > 0) text_.append(bytes.data(), static_cast<std::size_t>(n));
+    if (n == 0) fd_ = -1;  // the end of standard input
+    if (text_.size() > kLongest && text_.find('\n') > kLongest) {
+      text_.erase(0, std::min(text_.find('\n'), text_.size()));
+      if (!told_)
+        say("headpin emulate: control: lines longer than {} bytes are left out\n", kLongest);
+      told_ = true;
     }
-    if (fd_ >= 0 && n == 0) fd_ = -1;  // the end of standard input
     std::vector<std::string> whole;
     for (std::size_t end = 0; (end = text_.find('\n')) != std::string::npos;) {
       whole.push_back(text_.substr(0, end));
@@ -93,6 +100,7 @@ class Control {
  private:
   int fd_ = -1;
   std::string made_, text_;
+  bool told_ = false;
 };
 
 /// @param where  PORT or ADDRESS:PORT
@@ -503,6 +511,10 @@ void add_emulate(CLI::App& app) {
   command->add_flag("--tag-2012", options->tag_2012, "status record as of firmware of 2012");
   command->add_flag("--early-firmware", options->early, "output items 18 to 20 as well");
   command->add_option("--firmware", options->firmware, "version in the status record, 6 characters")
+      ->check([](const std::string& text) {
+        return text.size() == 6 ? ""
+                                : "expected 6 characters, found " + std::to_string(text.size());
+      })
       ->capture_default_str();
   add_duration(*command, options->duration, "end by itself after so many seconds");
   command->add_flag("--json", options->json,

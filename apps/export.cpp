@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <deque>
 #include <filesystem>
 #include <fstream>
@@ -34,18 +36,21 @@ struct ExportOptions {
 /// A file of the folder, being written.
 class File {
  public:
-  File(const files::OutputFolder& folder, const std::string& name)
-      : path_(folder.part() / name), out_(path_, std::ios::binary) {}
+  File(files::OutputFolder& folder, const std::string& name)
+      : name_(name), out_(folder.file(name), std::ios::binary) {}
 
   std::ostream& out() { return out_; }
   void close() {
     check_stop();
     out_.close();
-    if (!out_) throw std::runtime_error(path_.string() + ": cannot be written");
+    if (!out_) {
+      throw std::runtime_error(name_ + ": cannot be written" +
+                               (errno != 0 ? std::string(": ") + std::strerror(errno) : ""));
+    }
   }
 
  private:
-  std::filesystem::path path_;
+  std::string name_;
   std::ofstream out_;
 };
 
@@ -59,8 +64,8 @@ std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const std::s
 }
 
 /// All tables, in one walk through the trial.
-nlohmann::ordered_json write_tables(const files::OutputFolder& folder,
-                                    const devices::TrialFile& trial, const std::string& path) {
+nlohmann::ordered_json write_tables(files::OutputFolder& folder, const devices::TrialFile& trial,
+                                    const std::string& path) {
   std::deque<File> files;
   std::deque<devices::TableWriter> tables;
   const std::vector<std::string> names = devices::table_names();
@@ -121,6 +126,7 @@ void export_trial(const ExportOptions& options) {
   watch_stop_signals();
   files::OutputFolder folder(*options.folder,
                              {.overwrite = options.force, .others = {options.trial}});
+  errno = 0;
   const nlohmann::ordered_json rows = write_tables(folder, trial, options.trial);
   const auto write = [&](const std::string& name, const std::string& text) {
     File file(folder, name);

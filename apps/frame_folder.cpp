@@ -47,7 +47,7 @@ FrameFolder::FrameFolder(const std::string& folder, const FrameFiles& files, dou
     : folder_(folder, options),
       files_(files),
       pixel_aspect_(pixel_aspect),
-      index_(folder_.part() / kIndex) {
+      index_(folder_.file(kIndex)) {
   index_ << "frame,time_s,tick";
   for (const char* eye : kEyes) {
     for (const char* name : {"x", "y", "z", "qw", "qx", "qy", "qz"})
@@ -58,8 +58,8 @@ FrameFolder::FrameFolder(const std::string& folder, const FrameFiles& files, dou
   if (files_.ids) write_names();
 }
 
-void FrameFolder::write_names() const {
-  std::ofstream names(folder_.part() / "ids.csv");
+void FrameFolder::write_names() {
+  std::ofstream names(folder_.file("ids.csv"));
   names << "id,is\n0,nothing\n"
         << fmt::format("{},room\n{},hand\n{},stand\n{},button\n", scene::kRoomId, scene::kHandId,
                        scene::kStandId, scene::kButtonId)
@@ -80,24 +80,24 @@ void FrameFolder::add(const scene::EyeFrame& frame) {
   writing_ = std::async(std::launch::async, [this, frame] { write_files(frame); });
 }
 
-void FrameFolder::write_files(const scene::EyeFrame& frame) const {
+void FrameFolder::write_files(const scene::EyeFrame& frame) {
   if (files_.side_by_side) {
     const std::string stem = fmt::format("both_{:06}", frame.number);
-    render::write_png(folder_.part() / (stem + ".png"),
+    render::write_png(folder_.file(stem + ".png"),
                       render::side_by_side(frame.images[0], frame.images[1]), pixel_aspect_);
     if (files_.labels()) write_labels(side_by_side(frame.labels[0], frame.labels[1]), stem);
     return;
   }
   for (std::size_t eye = 0; eye < 2; ++eye) {
     const std::string stem = fmt::format("{}_{:06}", kEyes[eye], frame.number);
-    render::write_png(folder_.part() / (stem + ".png"), frame.images[eye], pixel_aspect_);
+    render::write_png(folder_.file(stem + ".png"), frame.images[eye], pixel_aspect_);
     if (files_.labels()) write_labels(frame.labels[eye], stem);
   }
 }
 
-void FrameFolder::write_labels(const render::Labels& labels, const std::string& stem) const {
+void FrameFolder::write_labels(const render::Labels& labels, const std::string& stem) {
   const auto write_grey = [&](const char* what, const std::vector<std::uint16_t>& values) {
-    render::write_png16(folder_.part() / fmt::format("{}_{}.png", stem, what), values, labels.width,
+    render::write_png16(folder_.file(fmt::format("{}_{}.png", stem, what)), values, labels.width,
                         labels.height, pixel_aspect_);
   };
   std::vector<std::uint16_t> values(labels.id.size());
@@ -110,7 +110,8 @@ void FrameFolder::write_labels(const render::Labels& labels, const std::string& 
   if (!files_.depth) return;
   std::ranges::transform(labels.depth, values.begin(), millimetres);
   write_grey("depth", values);
-  files::OutputFile raw((folder_.part() / (stem + "_depth.raw")).string(), {.overwrite = true});
+  files::OutputFile raw(folder_.file(stem + "_depth.raw").string(),
+                        {.overwrite = true, .durable = false});
   raw.write(labels.depth.data(), labels.depth.size() * sizeof(float));
   raw.commit();
 }
@@ -118,7 +119,7 @@ void FrameFolder::write_labels(const render::Labels& labels, const std::string& 
 void FrameFolder::close() {
   wait();
   index_.close();
-  if (!index_) throw std::runtime_error((folder_.part() / kIndex).string() + ": cannot be written");
+  if (!index_) throw std::runtime_error(folder_.file(kIndex).string() + ": cannot be written");
   folder_.commit(kIndex);
 }
 

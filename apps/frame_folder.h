@@ -33,9 +33,9 @@ class FrameFolder : public scene::FrameSink {
 
  private:
   void wait();
-  void write_files(const scene::EyeFrame& frame) const;
-  void write_labels(const render::Labels& labels, const std::string& stem) const;
-  void write_names() const;
+  void write_files(const scene::EyeFrame& frame);
+  void write_labels(const render::Labels& labels, const std::string& stem);
+  void write_names();
 
   files::OutputFolder folder_;
   FrameFiles files_;

@@ -9,7 +9,6 @@
 #include <map>
 #include <optional>
 #include <span>
-#include <sstream>
 #include <thread>
 #include <utility>
 
@@ -22,7 +21,9 @@
 
 #include "apps/stop.h"
 #include "engine/hash.h"
-#include "files/lock.h"
+#include "files/input_file.h"
+#include "files/output_file.h"
+#include "files/work_folder.h"
 
 namespace headpin::apps {
 
@@ -30,20 +31,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kWhat = "what";  // they are parts of
+constexpr const char* kWhat = "what";  // they are parts of, in a file of this name
 constexpr std::size_t kFewest = 60;    // frames of a part: starting a process costs some ten
 constexpr std::size_t kMostParts = 64;
 
 std::string text_of_file(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
+  constexpr std::size_t kMost = 1'000'000'000;
+  return files::read_text(path.string(), kMost);
 }
 
 std::string hash_of_file(const std::string& path) {
+  const files::InputFile file(path);
+  std::vector<std::uint8_t> bytes(1 << 20);
   Fnv hash;
-  for (const char c : text_of_file(path)) hash.add(static_cast<std::uint8_t>(c));
+  for (std::size_t at = 0; const std::size_t n = file.read(at, bytes); at += n) {
+    for (const std::uint8_t byte : std::span(bytes).first(n)) hash.add(byte);
+  }
   return fmt::format("{:016x}", hash.value());
 }
 
@@ -59,64 +62,37 @@ std::string as_ranges(std::span<const std::int64_t> frames) {
   return text;
 }
 
-/// Where the parts are. Locked, so that two of us never draw the same ones.
+/// Where the parts are: FOLDER.parts, while they are not put together.
 class PartsFolder {
  public:
   explicit PartsFolder(const FrameParts& parts)
-      : path_(parts.folder.substr(0, parts.folder.find_last_not_of('/') + 1) + ".parts"),
-        resume_(parts.resume) {
+      : folder_(parts.folder.substr(0, parts.folder.find_last_not_of('/') + 1) + ".parts") {
     const std::string what =
         fmt::format("trial {}\ndrawn by {}\nframes {}\nwith {}\n", hash_of_file(parts.trial),
                     parts.made_by, as_ranges(parts.frames), fmt::join(parts.arguments, " "));
-    if (fs::exists(path_) && !fs::exists(path_ / kWhat)) {
-      throw std::runtime_error(path_.string() + ": exists already, and headpin did not make it");
-    }
-    fs::create_directory(path_);
-    lock_ = open((path_ / kWhat).c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
-    if (lock_ < 0) {
-      throw std::runtime_error(path_.string() + ": cannot be written: " + std::strerror(errno));
-    }
-    if (!files::lock(lock_)) {
-      close(std::exchange(lock_, -1));
-      throw files::Busy(path_.string() + ": another headpin is drawing there");
-    }
-    const std::string found = text_of_file(path_ / kWhat);
-    if (resume_ && !found.empty() && found != what) {
-      close(std::exchange(lock_, -1));
-      throw std::runtime_error(path_.string() +
+    folder_.keep(true);
+    if (!parts.resume) folder_.clear();
+    const bool begun = folder_.names().contains(kWhat) && fs::exists(folder_.path() / kWhat);
+    if (begun && text_of_file(folder_.path() / kWhat) != what) {
+      throw std::runtime_error(folder_.path().string() +
                                ": holds parts of another trial, of other frames, or drawn "
                                "otherwise; without --resume they are drawn anew");
     }
-    if (resume_) {
-      keep_ = true;
-    } else {
-      clear();
+    if (!begun) {
+      files::OutputFile file(folder_.file(kWhat).string(), {.overwrite = true});
+      file.write(what.data(), what.size());
+      file.commit();
     }
-    std::ofstream(path_ / kWhat, std::ios::binary | std::ios::trunc) << what;
+    folder_.keep(parts.resume);
   }
-  ~PartsFolder() {
-    std::error_code ignored;
-    if (lock_ >= 0 && !keep_) fs::remove_all(path_, ignored);
-    if (lock_ >= 0) close(lock_);
-  }
-  PartsFolder(const PartsFolder&) = delete;
-  PartsFolder& operator=(const PartsFolder&) = delete;
 
-  fs::path part(std::size_t i) const { return path_ / fmt::format("{:05}", i); }
-  fs::path messages(std::size_t i) const { return path_ / fmt::format("{:05}.txt", i); }
-  bool is_done(std::size_t i) const { return fs::exists(part(i) / "frames.csv"); }
-  void done() { keep_ = false; }
+  fs::path part(std::size_t i) { return folder_.folder(fmt::format("{:05}", i)); }
+  fs::path messages(std::size_t i) { return folder_.file(fmt::format("{:05}.txt", i)); }
+  bool is_done(std::size_t i) { return fs::exists(part(i) / "frames.csv"); }
+  void done() { folder_.keep(false); }
 
  private:
-  void clear() const {
-    for (const auto& entry : fs::directory_iterator(path_)) {
-      if (entry.path().filename() != kWhat) fs::remove_all(entry.path());
-    }
-  }
-
-  fs::path path_;
-  bool resume_, keep_ = false;
-  int lock_ = -1;
+  files::WorkFolder folder_;
 };
 
 std::vector<char*> pointers(std::vector<std::string>& words) {
@@ -135,8 +111,7 @@ std::string last_line(std::string text) {
 /// Processes that draw, each a part.
 class Drawers {
  public:
-  explicit Drawers(const FrameParts& parts, const PartsFolder& folder)
-      : parts_(parts), folder_(folder) {}
+  explicit Drawers(const FrameParts& parts, PartsFolder& folder) : parts_(parts), folder_(folder) {}
   ~Drawers() {
     for (const auto& [process, part] : running_) kill(process, SIGTERM);
     for (const auto& [process, part] : running_) waitpid(process, nullptr, 0);
@@ -155,7 +130,7 @@ class Drawers {
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, folder_.messages(part).c_str(),
-                                     O_WRONLY | O_CREAT | O_TRUNC, 0666);
+                                     O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0666);
     pid_t process = -1;
     const int error =
         posix_spawn(&process, "/proc/self/exe", &actions, nullptr, pointers(words).data(), environ);
@@ -193,7 +168,7 @@ class Drawers {
 
  private:
   const FrameParts& parts_;
-  const PartsFolder& folder_;
+  PartsFolder& folder_;
   std::map<pid_t, std::size_t> running_;
 };
 
@@ -204,8 +179,9 @@ void put(const fs::path& file, const fs::path& to) {
   if (failed) fs::copy_file(file, to, fs::copy_options::overwrite_existing);
 }
 
-void put_together(const PartsFolder& folder, std::size_t count, const fs::path& to) {
-  std::ofstream index(to / "frames.csv", std::ios::binary);
+void put_together(PartsFolder& folder, std::size_t count, files::OutputFolder& result) {
+  const fs::path index_path = result.file("frames.csv");
+  std::ofstream index(index_path, std::ios::binary);
   for (std::size_t i = 0; i < count; ++i) {
     for (const auto& entry : fs::directory_iterator(folder.part(i))) {
       const std::string name = entry.path().filename().string();
@@ -213,12 +189,12 @@ void put_together(const PartsFolder& folder, std::size_t count, const fs::path& 
         const std::string rows = text_of_file(entry.path());
         index << (i == 0 ? rows : rows.substr(rows.find('\n') + 1));
       } else if (!name.starts_with(".") && !(i > 0 && name == "ids.csv")) {
-        put(entry.path(), to / name);
+        put(entry.path(), result.file(name));
       }
     }
   }
   index.close();
-  if (!index) throw std::runtime_error((to / "frames.csv").string() + ": cannot be written");
+  if (!index) throw std::runtime_error(index_path.string() + ": cannot be written");
 }
 
 }  // namespace
@@ -253,7 +229,7 @@ std::int64_t draw_in_parts(const FrameParts& parts, files::OutputFolder& result)
       parts.progress(drawn);
     }
   }
-  put_together(folder, count, result.part());
+  put_together(folder, count, result);
   result.commit("frames.csv");
   folder.done();
   return there;

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "apps/stop.h"
+
 namespace headpin::apps {
 
 namespace {
@@ -47,7 +49,9 @@ void SequenceSink::close() {
 VideoSink::VideoSink(const VideoOptions& options, const render::Optics& optics)
     : SequenceSink(options),
       writer_(options.path, 2 * optics.width, optics.height, options.fps, optics.pixel_aspect(),
-              options.force, options.inputs, options.copy) {}
+              options.force, options.inputs, options.copy) {
+  writer_.check_by([] { check_stop(); });
+}
 
 Y4mSink::Y4mSink(const VideoOptions& options, const render::Optics& optics)
     : SequenceSink(options),

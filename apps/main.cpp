@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -73,6 +74,8 @@ int run(CLI::App& app, int argc, char** argv) {
     return failed(error, 2);
   } catch (const files::Busy& error) {
     return failed(error, 75);
+  } catch (const std::filesystem::filesystem_error& error) {
+    return failed(std::runtime_error(error.path1().string() + ": " + error.code().message()), 1);
   } catch (const std::system_error& error) {
     if (std::ferror(stdout)) return EXIT_SUCCESS;  // what fmt throws; told when it is closed
     return failed(error, 1);

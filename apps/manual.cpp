@@ -106,7 +106,9 @@ std::string page_begins(const std::string& name, const std::string& says) {
 }
 
 constexpr const char* kExitStatus =
-    ".SH EXIT STATUS\n0 done, 1 failed (one line on standard error says why), 2 wrong use.\n";
+    ".SH EXIT STATUS\n0 done, 1 failed (one line on standard error says why), 2 wrong use, 75 what "
+    "is "
+    "needed is in use by another headpin and may be free later, 128+N stopped by signal N.\n";
 
 /// The manual page of one command.
 std::string page(const CLI::App& command) {

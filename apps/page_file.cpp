@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -12,6 +10,7 @@
 
 #include "devices/event_log.h"
 #include "devices/messages.h"
+#include "files/input_file.h"
 #include "scene/scenario_files.h"
 
 namespace headpin::apps {
@@ -111,11 +110,8 @@ std::vector<std::uint8_t> log_of_inputs(const std::string& path) {
 }
 
 std::string page_template(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (!file || file.bad()) throw std::runtime_error(path + ": cannot be read");
-  std::string page = std::move(text).str();
+  constexpr std::size_t kMost = 100'000'000;  // it has one of 1.2 million
+  std::string page = files::read_text(path, kMost);
   if (page.find(kMark) == std::string::npos) {
     throw std::runtime_error(
         fmt::format("{}: expected a page with the mark {} in it, found none", path, kMark));

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -11,8 +12,8 @@
 #include "apps/page_file.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "devices/event_log.h"
 #include "devices/version.h"
+#include "files/input_file.h"
 #include "files/output_file.h"
 #include "scene/counterparts.h"
 #include "scene/page_data.h"
@@ -31,7 +32,8 @@ struct ReportOptions {
   bool force = false, json = false;
 };
 
-constexpr std::uintmax_t kMostEmbedded = 20'000'000;  // bytes; more stays beside the page
+constexpr std::size_t kMostEmbedded = 20'000'000;  // bytes; more stays beside the page
+constexpr std::size_t kMostRead = 2'000'000'000;   // bytes of a log that goes into a page
 
 /// As a shell reads it back.
 std::string quoted(const std::string& word) {
@@ -107,8 +109,7 @@ std::string log_block(const std::string& path, const std::string& game_hash, Tim
   if (scene::in_hex(session.game_hash.value()) == game_hash) {
     return deflated(inputs);
   }
-  const devices::MappedFile whole(path);
-  return deflated(whole.bytes());
+  return deflated(files::read_bytes(path, kMostRead));
 }
 
 /// Whether a file begins as MP4 does: with a box of its type (ISO 14496-12, 4.3).
@@ -117,25 +118,37 @@ bool is_mp4(std::span<const std::uint8_t> bytes) {
   return bytes.size() > 8 && std::equal(kType.begin(), kType.end(), bytes.begin() + 4);
 }
 
+/// Where a large video goes.
+fs::path beside_page(const ReportOptions& options) {
+  return fs::path(*options.output).replace_extension(".mp4");
+}
+
 /// The video goes into the page, or beside it where it is large.
-nlohmann::json add_video(const ReportOptions& options, PageBlocks& blocks) {
+///
+/// @param inputs  that the copy must not replace
+nlohmann::json add_video(const ReportOptions& options, const std::vector<fs::path>& inputs,
+                         PageBlocks& blocks) {
   if (!options.video) return {};
-  const devices::MappedFile video(*options.video);
-  if (!is_mp4(video.bytes())) {
+  const files::InputFile video(*options.video);
+  std::vector<std::uint8_t> bytes(std::min(video.size(), kMostEmbedded));
+  bytes.resize(video.read(0, bytes));
+  if (!is_mp4(bytes)) {
     throw UsageError(fmt::format(
         "--video {}: expected an MP4, which browsers show, found something else; `headpin frames "
         "--video NAME.mkv` writes NAME.mp4 beside it",
         *options.video));
   }
-  if (video.bytes().size() <= kMostEmbedded) {
-    blocks["video"] = base64(video.bytes());
+  if (video.size() <= kMostEmbedded) {
+    blocks["video"] = base64(bytes);
     return {{"embedded", true}};
   }
-  const fs::path beside = fs::path(*options.output).replace_extension(".mp4");
+  const fs::path beside = beside_page(options);
   if (!files::same_file(beside, *options.video)) {
-    files::OutputFile copy(beside.string(),
-                           {.overwrite = options.force, .inputs = {*options.video}});
-    copy.write(video.bytes().data(), video.bytes().size());
+    files::OutputFile copy(beside.string(), {.overwrite = options.force, .inputs = inputs});
+    for (std::size_t at = 0; const std::size_t n = video.read(at, bytes); at += n) {
+      check_stop();
+      copy.write(bytes.data(), n);
+    }
     copy.commit();
   }
   return {{"embedded", false}, {"file", beside.filename().string()}};
@@ -143,6 +156,13 @@ nlohmann::json add_video(const ReportOptions& options, PageBlocks& blocks) {
 
 void report(const ReportOptions& options) {
   watch_stop_signals();
+  if (options.video &&
+      files::follow_links(beside_page(options)) == files::follow_links(*options.output)) {
+    throw UsageError(fmt::format(
+        "-o {}: a video that is kept beside the page gets this name; expected another, such as "
+        "NAME.html",
+        *options.output));
+  }
   const std::string page = options.page ? page_template(*options.page) : page_template();
   const Time longest_gap = microseconds(options.longest_gap);
   const scene::Recorded recorded = scene::load_trial(options.trial, longest_gap);
@@ -185,8 +205,8 @@ void report(const ReportOptions& options) {
   }
   files::OutputFile out(
       *options.output,
-      {.overwrite = options.force, .standard_output = !options.video, .inputs = std::move(inputs)});
-  about["video"] = add_video(options, blocks);
+      {.overwrite = options.force, .standard_output = !options.video, .inputs = inputs});
+  about["video"] = add_video(options, inputs, blocks);
   blocks["about"] = deflated(text_of(about));
   const std::string html = filled(page, blocks);
   out.write(html.data(), html.size());

@@ -25,7 +25,7 @@ namespace {
 struct StreamOptions {
   std::string trial, url;
   double speed = 1.0, longest_gap = seconds(devices::kLongestGap);
-  bool json = false;
+  bool force = false, json = false;
 };
 
 /// Walks as the session did that the samples are from.
@@ -155,7 +155,9 @@ Streamed publish_samples(const StreamOptions& options, const devices::TrialFile&
     done.end = devices::available(*sample);
     if (!begin) begin = done.end;
     if (options.speed > 0.0) {
-      const double after = seconds(done.end - *begin) / options.speed;
+      constexpr double kLongest =
+          1e9;  // s: no clock of this machine goes further than ten of these
+      const double after = std::min(kLongest, seconds(done.end - *begin) / options.speed);
       const auto due =
           start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(after));
       if (!wait_until(due)) break;
@@ -202,7 +204,7 @@ void stream(const StreamOptions& options) {
   const scene::Scenario scenario =
       scene::scenario_of_trial(file.summary().header.scenario, options.trial);
   say_what_is_missing("stream", options.trial, file.summary());
-  devices::LcmLink link(options.url);
+  devices::LcmLink link(options.url, "", {.overwrite = options.force, .inputs = {options.trial}});
   watch_stop_signals();
 
   const Streamed done = publish_samples(options, file, scenario, link);
@@ -229,6 +231,7 @@ void add_stream(CLI::App& app) {
   command->add_option("--speed", options->speed, "times the recorded pace; 0: as fast as it goes")
       ->check(number_from(0, 1000))
       ->capture_default_str();
+  add_force(*command, options->force);
   add_longest_gap(*command, options->longest_gap);
   add_json(*command, options->json);
   command->footer(

@@ -36,7 +36,7 @@ file(GLOB engine CONFIGURE_DEPENDS ${HEADPIN_ROOT}/engine/*.cpp)
 set(parts
   devices/event_log devices/genlock devices/messages devices/misdated devices/resample devices/sources
   devices/trial_file devices/trial_messages
-  files/sha256
+  files/input_file files/sha256
   render/eyes render/hmd
   scene/bodies scene/game scene/game_hash scene/hand scene/outline scene/player scene/presence scene/recorded
   scene/referee scene/room scene/rules scene/run scene/scenario scene/scenario_checks

@@ -23,6 +23,7 @@
 #include <unistd.h>
 
 #include "files/lock.h"
+#include "files/names.h"
 
 namespace headpin::devices {
 namespace {
@@ -293,14 +294,7 @@ PseudoTerminal::PseudoTerminal(const std::string& link) {
     watch_ = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
     if (watch_ >= 0) inotify_add_watch(watch_, name_.c_str(), IN_OPEN | IN_CLOSE);
     if (!link.empty()) {
-      const std::string beside = link + "." + std::to_string(getpid());
-      if (symlink(name_.c_str(), beside.c_str()) != 0) fail(beside);
-      if (rename(beside.c_str(), link.c_str()) != 0) {
-        const int why = errno;
-        unlink(beside.c_str());
-        errno = why;
-        fail(link);
-      }
+      files::place_link(name_, link);
       link_ = link;
     }
   } catch (...) {
@@ -312,12 +306,7 @@ PseudoTerminal::PseudoTerminal(const std::string& link) {
 }
 
 PseudoTerminal::~PseudoTerminal() {
-  if (!link_.empty()) {
-    std::array<char, 128> target{};
-    // Only our own link: another emulator may have taken the name over.
-    const ssize_t n = readlink(link_.c_str(), target.data(), target.size() - 1);
-    if (n > 0 && name_ == target.data()) unlink(link_.c_str());
-  }
+  if (!link_.empty()) files::remove_link(name_, link_);
   for (const int fd : {watch_, slave_, master_}) {
     if (fd >= 0) ::close(fd);
   }

@@ -2,16 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
-#include <cstring>
-#include <stdexcept>
-#include <tuple>
-#include <utility>
-
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "devices/bytes.h"
 
@@ -98,63 +88,16 @@ std::optional<LogEvent> LogReader::next() {
   }
 }
 
-namespace {
-
-/// Opens a regular file.
-std::pair<int, std::size_t> open_file(const std::string& path) {
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (file < 0) throw std::runtime_error(path + ": cannot open: " + std::strerror(errno));
-  struct stat status {};
-  if (fstat(file, &status) == 0 && S_ISREG(status.st_mode)) {
-    return {file, static_cast<std::size_t>(status.st_size)};
-  }
-  close(file);
-  throw std::runtime_error(path + ": expected a file, found something else");
-}
-
-}  // namespace
-
-FileWindow::FileWindow(const std::string& path) {
-  std::tie(file_, size_) = open_file(path);
-}
-
-FileWindow::~FileWindow() {
-  close(file_);
-}
-
 std::span<const std::uint8_t> FileWindow::read(std::size_t at, std::size_t size) {
-  size = at < size_ ? std::min(size, size_ - at) : 0;
+  size = at < this->size() ? std::min(size, this->size() - at) : 0;
   if (at < begin_ || at + size > begin_ + piece_.size()) {
     constexpr std::size_t kPiece = 1 << 20;
-    piece_.resize(std::min(std::max(size, kPiece), size_ - std::min(at, size_)));
+    piece_.resize(std::min(std::max(size, kPiece), this->size() - std::min(at, this->size())));
     begin_ = at;
-    std::size_t got = 0;
-    while (got < piece_.size()) {
-      const ssize_t n =
-          pread(file_, piece_.data() + got, piece_.size() - got, static_cast<off_t>(at + got));
-      if (n < 0 && errno == EINTR) continue;
-      if (n <= 0) break;
-      got += static_cast<std::size_t>(n);
-    }
-    piece_.resize(got);
+    piece_.resize(file_.read(at, piece_));
   }
   const std::size_t from = std::min(at - begin_, piece_.size());
   return std::span(piece_).subspan(from, std::min(size, piece_.size() - from));
-}
-
-MappedFile::MappedFile(const std::string& path) {
-  const auto [file, size] = open_file(path);
-  void* memory = size > 0 ? mmap(nullptr, size, PROT_READ, MAP_PRIVATE, file, 0) : nullptr;
-  const int error = errno;
-  close(file);
-  if (memory == MAP_FAILED) {
-    throw std::runtime_error(path + ": cannot map: " + std::strerror(error));
-  }
-  bytes_ = {static_cast<const std::uint8_t*>(memory), size};
-}
-
-MappedFile::~MappedFile() {
-  if (!bytes_.empty()) munmap(const_cast<std::uint8_t*>(bytes_.data()), bytes_.size());
 }
 
 }  // namespace headpin::devices

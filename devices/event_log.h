@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "engine/math.h"
+#include "files/input_file.h"
 
 /// The container of LCM's event logs, read so that nothing in a damaged one can hurt.
 ///
@@ -27,19 +28,17 @@ struct LogEvent {
 class FileWindow {
  public:
   /// @throws std::runtime_error  when the file cannot be opened or is not a regular file
-  explicit FileWindow(const std::string& path);
-  ~FileWindow();
-  FileWindow(const FileWindow&) = delete;
-  FileWindow& operator=(const FileWindow&) = delete;
+  explicit FileWindow(const std::string& path) : file_(path) {}
 
-  std::size_t size() const { return size_; }
+  std::size_t size() const { return file_.size(); }
 
   /// The bytes from `at` on, until the next call; fewer where the file ends, or was cut meanwhile.
+  /// @throws std::runtime_error  when they cannot be read
   std::span<const std::uint8_t> read(std::size_t at, std::size_t size);
 
  private:
-  int file_ = -1;
-  std::size_t size_ = 0, begin_ = 0;
+  files::InputFile file_;
+  std::size_t begin_ = 0;
   std::vector<std::uint8_t> piece_;  // from begin_ on
 };
 
@@ -74,21 +73,6 @@ class LogReader {
   std::size_t at_ = 0;
   std::int64_t skipped_bytes_ = 0;
   std::int64_t cut_bytes_ = 0;
-};
-
-/// The bytes of a file, mapped read-only for as long as this lives.
-class MappedFile {
- public:
-  /// @throws std::runtime_error  when the file cannot be opened or is not a regular file
-  explicit MappedFile(const std::string& path);
-  ~MappedFile();
-  MappedFile(const MappedFile&) = delete;
-  MappedFile& operator=(const MappedFile&) = delete;
-
-  std::span<const std::uint8_t> bytes() const { return bytes_; }
-
- private:
-  std::span<const std::uint8_t> bytes_;
 };
 
 }  // namespace headpin::devices

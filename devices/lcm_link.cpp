@@ -6,6 +6,7 @@
 #include <charconv>
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 #include <string_view>
@@ -38,6 +39,7 @@ std::string hint_for(const std::string& url) {
 }  // namespace
 
 struct LcmLink::Lcm {
+  std::unique_ptr<files::OutputFile> file;  ///< that a log is written to
   lcm_t* handle = nullptr;
   ~Lcm() {
     if (handle) lcm_destroy(handle);
@@ -49,7 +51,7 @@ struct LcmLink::Lcm {
 class LcmLink::LogPlayer {
  public:
   explicit LogPlayer(const std::string& url)
-      : file_(path_of(url)), reader_(file_.bytes()), next_(reader_.next()) {
+      : file_(path_of(url)), reader_(file_), next_(reader_.next()) {
     if (!next_) throw std::runtime_error(path_of(url) + ": not an LCM event log: no whole event");
     for (std::string_view rest = options_of(url); !rest.empty();) {
       const std::string_view option = rest.substr(0, rest.find('&'));
@@ -66,7 +68,12 @@ class LcmLink::LogPlayer {
            options_of(url).find("mode=a") == std::string_view::npos;
   }
 
-  /// The next event that is due by `now`, counted from the first call.
+  /// The file of a URL that writes one; empty for other URLs.
+  static std::string written_by(const std::string& url) {
+    return url.starts_with(kScheme) && !reads(url) ? path_of(url) : "";
+  }
+
+  /// The next event that is due by `now`, counted from the first call; there until the next call.
   std::optional<LogEvent> due(Time now) {
     if (!start_) start_ = now;
     if (!next_) return std::nullopt;
@@ -77,7 +84,10 @@ class LcmLink::LogPlayer {
     if (speed_ > 0.0 && ahead < 0.0) return std::nullopt;
     played_ = at;
     last_ = next_->time;
-    const std::optional<LogEvent> event = next_;
+    // Its bytes are there until the next one is read.
+    channel_ = next_->channel;
+    data_.assign(next_->data.begin(), next_->data.end());
+    const LogEvent event{next_->number, next_->time, channel_, data_};
     next_ = reader_.next();
     return event;
   }
@@ -114,9 +124,11 @@ class LcmLink::LogPlayer {
                     url, option));
   }
 
-  MappedFile file_;
+  FileWindow file_;  ///< not mapped: a log that is cut meanwhile ends there
   LogReader reader_;
   std::optional<LogEvent> next_;
+  std::string channel_;             ///< of the event played last
+  std::vector<std::uint8_t> data_;  ///< likewise
   double speed_ = 1.0;
   Time begin_ = Time::min();
   std::optional<Time> start_;  ///< on the session's clock
@@ -124,13 +136,26 @@ class LcmLink::LogPlayer {
   Time played_{};              ///< the same, since the first
 };
 
-LcmLink::LcmLink(const std::string& url, std::string_view prefix) : url_(url), prefix_(prefix) {
+LcmLink::LcmLink(const std::string& url, std::string_view prefix, files::OutputFile::Options output)
+    : url_(url), prefix_(prefix) {
   if (LogPlayer::reads(url)) {
     log_ = std::make_unique<LogPlayer>(url);
     return;
   }
   lcm_ = std::make_unique<Lcm>();
-  lcm_->handle = lcm_create(url.empty() ? nullptr : url.c_str());
+  const char* of_environment = std::getenv("LCM_DEFAULT_URL");
+  const std::string meant = url.empty() && of_environment != nullptr ? of_environment : url;
+  std::string opened = meant;
+  if (const std::string path = LogPlayer::written_by(meant); !path.empty()) {
+    // liblcm would empty whatever has this name, so it is given a file that is ours.
+    if (meant.find("mode=a") != std::string::npos) {
+      throw std::runtime_error(path + ": nothing is appended to a log; expected mode=w");
+    }
+    output.live = true;
+    lcm_->file = std::make_unique<files::OutputFile>(path, std::move(output));
+    opened = fmt::format("file:///proc/self/fd/{}?mode=w", lcm_->file->descriptor());
+  }
+  lcm_->handle = lcm_create(opened.empty() ? nullptr : opened.c_str());
   if (!lcm_->handle) {
     throw std::runtime_error("cannot open LCM at " + shown(url) + hint_for(url));
   }

@@ -16,6 +16,7 @@
 #include "devices/source.h"
 #include "devices/trial_sink.h"
 #include "devices/viewer_messages.h"
+#include "files/output_file.h"
 
 /// Samples and everything else of a trial over LCM: published as they happen, subscribed to as a
 /// source.
@@ -28,7 +29,10 @@ class LcmLink {
   ///             the host
   /// @throws std::runtime_error  when LCM cannot be opened there
   /// @param prefix  before the channels of a trial's messages
-  explicit LcmLink(const std::string& url, std::string_view prefix = "");
+  /// @param output  how a log is written, file://PATH?mode=w: a file as all outputs, there from the
+  ///                start
+  explicit LcmLink(const std::string& url, std::string_view prefix = "",
+                   files::OutputFile::Options output = {});
   ~LcmLink();
   LcmLink(const LcmLink&) = delete;
   LcmLink& operator=(const LcmLink&) = delete;

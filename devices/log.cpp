@@ -2,11 +2,17 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
+#include <chrono>
 #include <cmath>
+#include <condition_variable>
 #include <cstdio>
 #include <cstring>
+#include <mutex>
 #include <stdexcept>
+#include <stop_token>
+#include <thread>
 #include <utility>
 
 #include <fcntl.h>
@@ -70,6 +76,8 @@ struct Recorder::File {
   std::int64_t size = 0;   // of the file, up to the last whole event
   std::int64_t count = 0;  // of messages
   Time last{};
+  std::atomic<bool> unsynced = false;
+  std::jthread syncing;  // last, so that it ends before what it works with
 
   File(const std::string& name, const Options& how)
       : path(name),
@@ -84,15 +92,34 @@ struct Recorder::File {
     if (!log) throw std::runtime_error(path + ": cannot create: " + std::strerror(errno));
     std::fclose(std::exchange(log->f, file));
     setvbuf(log->f, nullptr, _IOFBF, 1 << 16);
+    if (how.live) {
+      syncing = std::jthread([this](const std::stop_token& stopped) { sync_until(stopped); });
+    }
   }
 
   ~File() {
     if (log) lcm_eventlog_destroy(log);
   }
 
+  /// Has what was written on the disk every second, beside the session: a disk may take its time.
+  void sync_until(const std::stop_token& stopped) {
+    std::mutex none;
+    std::condition_variable_any nap;
+    std::unique_lock lock(none);
+    while (!nap.wait_for(lock, stopped, std::chrono::seconds(1), [] { return false; }) &&
+           !stopped.stop_requested()) {
+      try {
+        output.sync();
+      } catch (const std::exception&) {
+        unsynced = true;
+      }
+    }
+  }
+
   template <typename T>
   void write(std::string_view channel, Time time, const T& message) {
     if (!log) throw std::runtime_error(path + ": closed, nothing more can be written");
+    if (unsynced) throw std::runtime_error(path + ": the disk did not take what was written");
     encode(message, bytes);
     last = std::max(last, time);
     lcm_eventlog_event_t event{};
@@ -111,7 +138,7 @@ struct Recorder::File {
   [[noreturn]] void cut_back() {
     const int error = errno;
     __fpurge(log->f);  // else closing would try again
-    const bool cut = ftruncate(fileno(log->f), size) == 0;
+    const bool cut = output.cut_back(size);
     lcm_eventlog_destroy(log);
     log = nullptr;
     throw std::runtime_error(path + ": cannot write event " + std::to_string(count) + ": " +
@@ -158,6 +185,7 @@ void Recorder::close() {
   end.value = static_cast<double>(file_->count);
   write(end);
   require_kept();
+  file_->syncing = {};
   lcm_eventlog_destroy(file_->log);
   file_->log = nullptr;
   file_->output.commit();

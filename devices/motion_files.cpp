@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
-#include <fstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -13,6 +12,7 @@
 #include "devices/event_log.h"
 #include "devices/motion_axes.h"
 #include "devices/text_table.h"
+#include "files/input_file.h"
 
 namespace headpin::devices {
 namespace {
@@ -20,8 +20,10 @@ namespace {
 namespace fs = std::filesystem;
 using Tracks = std::vector<std::pair<std::string, PoseTrack>>;
 
-std::string_view text_of(const MappedFile& file) {
-  return {reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()};
+constexpr std::size_t kMost = 2'000'000'000;  // bytes of a recording: hours
+
+std::string text_of(const std::string& path) {
+  return files::read_text(path, kMost);
 }
 
 std::string lower(std::string text) {
@@ -82,7 +84,6 @@ bool is_catalogue(const std::string&, std::string_view begin) {
 }
 
 MotionRecording read_catalogue(const std::string& path, const MotionOptions& options) {
-  const MappedFile file(path);
   if (options.axes ||
       std::ranges::any_of(options.names, [](auto& name) { return !name.empty(); })) {
     throw std::invalid_argument(
@@ -90,7 +91,7 @@ MotionRecording read_catalogue(const std::string& path, const MotionOptions& opt
         ": the catalogue's CSV says itself where its axes point and what is "
         "tracked; expected neither --axes nor --names");
   }
-  return parse_catalogue_csv(text_of(file), path, options.unit_m.value_or(0.01));
+  return parse_catalogue_csv(text_of(path), path, options.unit_m.value_or(0.01));
 }
 
 // UXF: OBJECT_movement_T001.csv, a file an object and trial.
@@ -135,10 +136,9 @@ MotionRecording read_uxf(const std::string& path, const MotionOptions& options) 
   std::ranges::sort(files);
   Tracks tracks;
   for (const fs::path& name : files) {
-    const MappedFile file(name);
     const std::string object = name.filename().string();
     tracks.push_back(
-        {object.substr(0, object.size() - ending.size()), parse_uxf(text_of(file), name.string())});
+        {object.substr(0, object.size() - ending.size()), parse_uxf(text_of(name), name.string())});
   }
   return of_parts(tracks, options, path);
 }
@@ -152,8 +152,8 @@ bool is_motion_bids(const std::string& path, std::string_view) {
 }
 
 nlohmann::json json_beside(const std::string& stem, const char* ending) {
-  std::ifstream file(stem + ending);
-  return nlohmann::json::parse(file, nullptr, false);
+  if (!fs::exists(stem + ending)) return nullptr;
+  return nlohmann::json::parse(text_of(stem + ending), nullptr, false);
 }
 
 /// Where its axes point, as the first reference frame says it.
@@ -171,7 +171,6 @@ std::string axes_of(const nlohmann::json& channels) {
 
 MotionRecording read_motion_bids(const std::string& path, const MotionOptions& options) {
   const std::string stem = path.substr(0, path.size() - kMotionTsv.size());
-  const MappedFile motion(path), channels(stem + "_channels.tsv");
   const std::string said = axes_of(json_beside(stem, "_channels.json"));
   const std::string axes = options.axes.value_or(said);
   if (axes.empty()) {
@@ -184,8 +183,9 @@ MotionRecording read_motion_bids(const std::string& path, const MotionOptions& o
       about["SamplingFrequency"].is_number()) {
     rate_hz = about["SamplingFrequency"].get<double>();
   }
-  return of_parts(parse_motion_bids(text_of(motion), text_of(channels), path, axes, rate_hz),
-                  options, path);
+  return of_parts(
+      parse_motion_bids(text_of(path), text_of(stem + "_channels.tsv"), path, axes, rate_hz),
+      options, path);
 }
 
 // VRPN.
@@ -195,10 +195,10 @@ bool is_vrpn(const std::string&, std::string_view begin) {
 }
 
 MotionRecording read_vrpn(const std::string& path, const MotionOptions& options) {
-  const MappedFile file(path);
+  const std::vector<std::uint8_t> bytes = files::read_bytes(path, kMost);
   const Axes axes(options.axes.value_or("RSP"), path);
   Tracks ours;
-  for (const auto& [name, track] : parse_vrpn(file.bytes(), path, options.unit_m.value_or(1.0))) {
+  for (const auto& [name, track] : parse_vrpn(bytes, path, options.unit_m.value_or(1.0))) {
     PoseTrack turned;
     for (const Stamped<Pose>& sample : track.samples()) {
       turned.push(sample.time, axes.ours(sample.value));

@@ -1,6 +1,5 @@
 #include "files/output_file.h"
 
-#include <array>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -17,27 +16,52 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// A new file beside `target`, NAME.PROCESS-N.part; -1 and errno when there can be none.
-std::pair<int, fs::path> create_part(const fs::path& target) {
+/// A new file in `folder`, NAME.PROCESS-N.part; -1 and errno when there can be none.
+std::pair<int, std::string> create_part(int folder, const std::string& target) {
   constexpr std::size_t kLongestStem = 200;  // a file system takes 255 bytes
-  const fs::path stem = target.parent_path() / target.filename().string().substr(0, kLongestStem);
+  const std::string stem = target.substr(0, kLongestStem);
   for (int n = 0;; ++n) {
-    fs::path name = stem;
-    std::array<char, 48> end{};
-    std::snprintf(end.data(), end.size(), ".%d-%d.part", static_cast<int>(getpid()), n);
-    name += end.data();
-    const int file = open(name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
+    const std::string name =
+        stem + "." + std::to_string(getpid()) + "-" + std::to_string(n) + ".part";
+    const int file =
+        openat(folder, name.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_APPEND | O_CLOEXEC, 0666);
     if (file >= 0 || errno != EEXIST) return {file, name};
+  }
+}
+
+fs::path folder_of(const fs::path& path) {
+  const fs::path parent = path.parent_path();
+  return parent.empty() ? fs::path(".") : parent;
+}
+
+/// As the kernel does where it is told to (protected_symlinks): in a folder like /tmp, where all may
+/// write and only owners remove, a link of another user is followed only if the folder is that user's.
+void refuse_planted(const fs::path& link) {
+  struct stat itself {
+  }, folder{};
+  if (lstat(link.c_str(), &itself) != 0 || stat(folder_of(link).c_str(), &folder) != 0) {
+    throw std::runtime_error(link.string() + ": cannot be followed: " + std::strerror(errno));
+  }
+  constexpr mode_t kOpenToAll = S_ISVTX | S_IWOTH;
+  if ((folder.st_mode & kOpenToAll) == kOpenToAll && itself.st_uid != geteuid() &&
+      itself.st_uid != folder.st_uid) {
+    throw std::runtime_error(link.string() + ": is a link of another user, in a folder that all " +
+                             "may write to; it is not followed");
   }
 }
 
 }  // namespace
 
-int rename_new(const fs::path& from, const fs::path& to) {
-  if (renameat2(AT_FDCWD, from.c_str(), AT_FDCWD, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
+int rename_new(int from_folder, const std::string& from, int to_folder, const std::string& to) {
+  if (renameat2(from_folder, from.c_str(), to_folder, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
   if (errno != EINVAL && errno != ENOSYS) return -1;
-  if (link(from.c_str(), to.c_str()) != 0) return -1;  // file systems without that kind of rename
-  return unlink(from.c_str());
+  // File systems without that kind of rename.
+  struct stat is {};
+  if (fstatat(from_folder, from.c_str(), &is, AT_SYMLINK_NOFOLLOW) == 0 && S_ISDIR(is.st_mode)) {
+    return renameat(from_folder, from.c_str(), to_folder, to.c_str());  // only onto an empty one
+  }
+  if (linkat(from_folder, from.c_str(), to_folder, to.c_str(), 0) != 0) return -1;
+  return unlinkat(from_folder, from.c_str(), 0);
 }
 
 bool same_file(const fs::path& a, const fs::path& b) {
@@ -51,6 +75,7 @@ fs::path follow_links(fs::path path) {
   constexpr int kMostLinks = 40;  // as many as Linux follows
   for (int i = 0; fs::is_symlink(fs::symlink_status(path)); ++i) {
     if (i == kMostLinks) throw std::runtime_error(path.string() + ": links in a circle");
+    refuse_planted(path);
     const fs::path next = fs::read_symlink(path);
     path = next.is_absolute() ? next : path.parent_path() / next;
   }
@@ -79,6 +104,8 @@ OutputFile::OutputFile(std::string path, Options options)
   }
   struct stat there {};
   const bool exists = stat(path_.c_str(), &there) == 0;
+  if (!exists && errno != ENOENT && errno != ELOOP)
+    fail("cannot be reached");  // what may not be seen is not nothing
   if (exists && S_ISDIR(there.st_mode)) {
     throw std::runtime_error(path_ + ": is a folder; expected the name of a file");
   }
@@ -102,21 +129,35 @@ void OutputFile::open_special() {
 }
 
 void OutputFile::open_beside(bool exists) {
-  target_ = follow_links(path_);
+  const fs::path target = follow_links(path_);
+  target_ = target.filename().string();
+  folder_ = open(folder_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder_ < 0) fail("cannot be created");
+  try {
+    open_in_folder(exists, folder_of(target));
+  } catch (...) {
+    close_all();
+    throw;
+  }
+}
+
+void OutputFile::open_in_folder(bool exists, const fs::path& folder) {
   struct stat old {};
   if (exists) {
     if (!options_.overwrite) {
       throw std::runtime_error(path_ + ": exists already; --force replaces it");
     }
-    const int there = open(target_.c_str(), O_WRONLY | O_CLOEXEC);
+    const int there =
+        openat(folder_, target_.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
     if (there < 0) fail("cannot be replaced");
     const bool free = lock(there);
     fstat(there, &old);
     close(there);
     if (!free) throw Busy(path_ + ": is being written by another headpin");
   }
-  std::tie(descriptor_, part_) = create_part(target_);
+  std::tie(descriptor_, named_) = create_part(folder_, target_);
   if (descriptor_ < 0) fail("cannot be created");
+  part_ = folder / named_;
   if (exists) {
     // Whose it was and who may read it; only root can give files to others, so failing is fine.
     [[maybe_unused]] const int given = fchown(descriptor_, old.st_uid, old.st_gid);
@@ -127,17 +168,19 @@ void OutputFile::open_beside(bool exists) {
   try {
     rename_to_target();
   } catch (...) {
-    close(descriptor_);
-    unlink(part_.c_str());
+    remove_part();
     throw;
   }
+  sync_folder();
 }
 
 void OutputFile::rename_to_target() {
-  const int failed =
-      options_.overwrite ? std::rename(part_.c_str(), target_.c_str()) : rename_new(part_, target_);
+  const int failed = options_.overwrite
+                         ? renameat(folder_, named_.c_str(), folder_, target_.c_str())
+                         : rename_new(folder_, named_, folder_, target_);
   if (failed == 0) {
-    part_ = target_;
+    named_ = target_;
+    part_ = part_.parent_path() / target_;
     return;
   }
   if (errno == EEXIST) {
@@ -146,10 +189,32 @@ void OutputFile::rename_to_target() {
   fail("cannot be given its name");
 }
 
+void OutputFile::remove_part() {
+  if (!named_.empty() && named_ != target_) unlinkat(folder_, named_.c_str(), 0);
+}
+
+void OutputFile::close_all() {
+  if (descriptor_ >= 0) close(std::exchange(descriptor_, -1));
+  if (folder_ >= 0) close(std::exchange(folder_, -1));
+}
+
 OutputFile::~OutputFile() {
-  if (descriptor_ < 0) return;
-  close(descriptor_);
-  if (!part_.empty() && !options_.live) unlink(part_.c_str());
+  if (descriptor_ >= 0 && !options_.live) remove_part();
+  close_all();
+}
+
+void OutputFile::sync() const {
+  // EINVAL, EROFS: what cannot be synced, such as a pipe.
+  if (fdatasync(descriptor_) != 0 && errno != EINVAL && errno != EROFS) fail("cannot be written");
+}
+
+bool OutputFile::cut_back(std::int64_t size) const {
+  return ftruncate(descriptor_, size) == 0;
+}
+
+/// Has the name on the disk too.
+void OutputFile::sync_folder() const {
+  if (options_.durable && fsync(folder_) != 0 && errno != EINVAL) fail("cannot be written");
 }
 
 void OutputFile::write(const void* data, std::size_t size) {
@@ -166,11 +231,11 @@ void OutputFile::write(const void* data, std::size_t size) {
 void OutputFile::require_kept(std::int64_t size) const {
   struct stat ours {
   }, named{};
-  if (!options_.live || part_.empty() || fstat(descriptor_, &ours) != 0) return;
+  if (!options_.live || named_.empty() || fstat(descriptor_, &ours) != 0) return;
   const auto lost = [&](const std::string& how) {
     throw std::runtime_error(path_ + ": " + how + " while it was written");
   };
-  const bool there = stat(target_.c_str(), &named) == 0;
+  const bool there = fstatat(folder_, target_.c_str(), &named, 0) == 0;
   if (!there || named.st_dev != ours.st_dev || named.st_ino != ours.st_ino) {
     lost(ours.st_nlink > 0 ? "was moved" : there ? "was replaced" : "was deleted");
   }
@@ -182,10 +247,12 @@ void OutputFile::require_kept(std::int64_t size) const {
 void OutputFile::commit() {
   require_kept(0);
   try {
+    if (options_.durable && folder_ >= 0) sync();
     if (close(std::exchange(descriptor_, -1)) != 0) fail("cannot be written");
-    if (!part_.empty() && !options_.live) rename_to_target();
+    if (folder_ >= 0 && !options_.live) rename_to_target();
+    if (folder_ >= 0) sync_folder();
   } catch (...) {
-    if (!part_.empty() && !options_.live) unlink(part_.c_str());
+    if (!options_.live) remove_part();
     throw;
   }
 }

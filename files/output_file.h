@@ -23,6 +23,7 @@ class OutputFile {
     bool live = false;             ///< under its name from the start, whatever becomes of us
     bool standard_output = false;  ///< `-` is allowed
     bool regular = false;          ///< nothing but a regular file will do
+    bool durable = true;           ///< commit() has it on the disk, before its name and with it
     std::vector<std::filesystem::path> inputs = {};  ///< never to be written to
   };
 
@@ -51,7 +52,14 @@ class OutputFile {
   /// @throws std::runtime_error  saying what has become of it: deleted, replaced, moved or cut
   void require_kept(std::int64_t size) const;
 
-  /// Closes it and gives it its name.
+  /// Cuts what was written to `size` bytes.
+  bool cut_back(std::int64_t size) const;
+
+  /// Has what was written so far on the disk.
+  /// @throws std::runtime_error  when the disk did not take it
+  void sync() const;
+
+  /// Has it on the disk, closes it and gives it its name.
   ///
   /// @throws std::runtime_error  when the disk did not take it, another file has come to stand
   ///                             there, or a live one is no longer there
@@ -61,11 +69,16 @@ class OutputFile {
   [[noreturn]] void fail(const std::string& doing) const;
   void open_special();
   void open_beside(bool exists);
+  void open_in_folder(bool exists, const std::filesystem::path& folder);
   void rename_to_target();
+  void remove_part();
+  void close_all();
+  void sync_folder() const;
 
   std::string path_;  ///< as the user wrote it, for messages
   Options options_;
-  std::filesystem::path target_;  ///< where it will be, links followed
+  int folder_ = -1;             ///< where it will be, links followed; -1: nothing gets a name
+  std::string target_, named_;  ///< there: its name in the end, and now
   std::filesystem::path part_;
   int descriptor_ = -1;
 };
@@ -73,11 +86,12 @@ class OutputFile {
 /// Whether two names lead to the same file, through links of any kind.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// Gives a file another name unless something has it; -1 and errno as rename().
-int rename_new(const std::filesystem::path& from, const std::filesystem::path& to);
+/// Gives a file in an open folder another name unless something has it; -1 and errno as rename().
+int rename_new(int from_folder, const std::string& from, int to_folder, const std::string& to);
 
 /// Where a name leads to: symbolic links followed, also one that points to nothing yet.
-/// @throws std::runtime_error  for links in a circle
+/// @throws std::runtime_error  for links in a circle, and for one that another user has put into a
+///                             folder where all may write
 std::filesystem::path follow_links(std::filesystem::path path);
 
 }  // namespace headpin::files

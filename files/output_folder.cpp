@@ -1,9 +1,7 @@
 #include "files/output_folder.h"
 
-#include <array>
 #include <cerrno>
 #include <cstring>
-#include <fstream>
 #include <utility>
 
 #include <fcntl.h>
@@ -18,28 +16,15 @@ namespace fs = std::filesystem;
 
 namespace {
 
-// The list of what is ours, and what is not yet in its place.
-constexpr const char* kList = ".headpin";
-constexpr const char* kPart = ".headpin.part";
-const std::string kTitle = "headpin wrote these files and may replace them:\n";
+constexpr const char* kPart = ".headpin.part";  // what is not yet in its place
+constexpr const char* kOld = ".headpin.old";    // what is being replaced and may have to come back
+constexpr const char* kGone = ".headpin.gone";  // what was replaced
+const std::string kTitle = kListTitle;
 
 /// Without `/` at the end: DIR/ is DIR.
 fs::path without_slash(const std::string& path) {
   const std::size_t last = path.find_last_not_of('/');
   return last == std::string::npos ? path.substr(0, 1) : path.substr(0, last + 1);
-}
-
-/// Reads the list of what is ours.
-/// @return  false when there is none
-bool read_list(const fs::path& path, std::set<std::string>& names) {
-  if (!fs::is_regular_file(fs::symlink_status(path))) return false;
-  std::ifstream file(path, std::ios::binary);
-  std::string line;
-  if (!std::getline(file, line) || line + "\n" != kTitle) return false;
-  while (std::getline(file, line)) {
-    if (!line.empty() && line.find('/') == std::string::npos) names.insert(line);
-  }
-  return true;
 }
 
 /// Whether `path` is `folder` or in it.
@@ -50,14 +35,9 @@ bool lies_in(const fs::path& folder, const fs::path& path) {
   }
 }
 
-std::string text_of(int file) {
-  std::string text;
-  std::array<char, 4096> bytes{};
-  ssize_t n = 0;
-  while ((n = pread(file, bytes.data(), bytes.size(), static_cast<off_t>(text.size()))) > 0) {
-    text.append(bytes.data(), static_cast<std::size_t>(n));
-  }
-  return text;
+bool exists_in(int folder, const std::string& name) {
+  struct stat is {};
+  return fstatat(folder, name.c_str(), &is, AT_SYMLINK_NOFOLLOW) == 0;
 }
 
 /// One name a line.
@@ -80,12 +60,17 @@ OutputFolder::OutputFolder(const std::string& path, const Options& options) : pa
   }
   try {
     make_folder();
+    std::set<std::string> names;
+    if (read_list(descriptor_, names) && exists_in(descriptor_, kOld)) {
+      take_lock();
+      take_back();
+    }
     refuse_foreign(options);  // before anything of ours is put there
-    take_lock();
+    if (list_ < 0) take_lock();
     refuse_foreign(options);
-    part_ = folder_ / kPart;
-    fs::remove_all(part_);  // of a run that was killed
-    fs::create_directory(part_);
+    part_.emplace(folder_ / kPart);
+    part_->clear();  // of a run that was killed
+    if (exists_in(descriptor_, kGone)) WorkFolder(folder_ / kGone);
   } catch (const fs::filesystem_error& error) {
     give_up();
     throw std::runtime_error(path_ + ": cannot be written: " + error.code().message());
@@ -106,7 +91,14 @@ void OutputFolder::fail(const std::string& doing) const {
 
 void OutputFolder::make_folder() {
   folder_ = fs::absolute(follow_links(without_slash(path_)));
-  for (fs::path at = folder_; !fs::exists(fs::symlink_status(at)); at = at.parent_path()) {
+  const auto is_missing = [&](const fs::path& path) {
+    struct stat is {};
+    if (stat(path.c_str(), &is) == 0) return false;
+    if (errno != ENOENT && errno != ENOTDIR)
+      fail("cannot be reached");  // what may not be seen is not nothing
+    return true;
+  };
+  for (fs::path at = folder_; is_missing(at); at = at.parent_path()) {
     made_.insert(made_.begin(), at);
   }
   for (std::size_t i = 0; i < made_.size(); ++i) {
@@ -121,6 +113,8 @@ void OutputFolder::make_folder() {
     throw std::runtime_error(path_ + ": is a file; expected the name of a folder");
   }
   folder_ = fs::canonical(folder_);
+  descriptor_ = open_folder(AT_FDCWD, folder_.string());
+  if (descriptor_ < 0) fail("cannot be opened");
 }
 
 void OutputFolder::refuse_foreign(const Options& options) const {
@@ -131,11 +125,11 @@ void OutputFolder::refuse_foreign(const Options& options) const {
     }
   }
   std::set<std::string> ours;
-  const bool listed = read_list(folder_ / kList, ours);
+  const bool listed = read_list(descriptor_, ours);
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
     const std::string name = entry.path().filename().string();
-    const bool bookkeeping = listed && (name == kList || name == kPart);
-    if (bookkeeping || (ours.contains(name) && fs::is_regular_file(entry.symlink_status()))) {
+    const bool book = name == kList || name == kPart || name == kOld || name == kGone;
+    if ((listed && book) || (ours.contains(name) && fs::is_regular_file(entry.symlink_status()))) {
       continue;
     }
     throw std::runtime_error(path_ + ": holds " + name +
@@ -149,12 +143,12 @@ void OutputFolder::refuse_foreign(const Options& options) const {
 /// Opens and locks the list; one that was removed in between is not the one that counts.
 void OutputFolder::take_lock() {
   const fs::path path = folder_ / kList;
-  listed_ = fs::exists(path);
+  listed_ = exists_in(descriptor_, kList);
   struct stat opened {
   }, named{};
   do {
     if (list_ >= 0) close(list_);
-    list_ = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
+    list_ = openat(descriptor_, kList, O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
     if (list_ < 0) fail("cannot be written");
     if (!lock(list_)) {
       close(std::exchange(list_, -1));
@@ -162,50 +156,134 @@ void OutputFolder::take_lock() {
     }
   } while (fstat(list_, &opened) != 0 || stat(path.c_str(), &named) != 0 ||
            opened.st_ino != named.st_ino);
-  if (text_of(list_).empty() && !write_at(list_, kTitle, 0)) fail("cannot be written");
-  read_list(path, ours_);
+  if (opened.st_size < static_cast<off_t>(kTitle.size()) && !write_at(list_, kTitle, 0)) {
+    fail("cannot be written");
+  }
+  read_list(descriptor_, ours_);
+}
+
+/// After a crash in the middle of commit(): the old files to their places, the new ones to theirs.
+void OutputFolder::take_back() {
+  WorkFolder old(folder_ / kOld);
+  old.keep(true);
+  std::vector<Move> done;
+  if (exists_in(descriptor_, kPart)) {
+    const WorkFolder part(folder_ / kPart);
+    for (const std::string& name : part.names()) {
+      const bool came = !exists_in(part.descriptor(), name) && exists_in(descriptor_, name);
+      const bool was_there = old.names().contains(name) && !exists_in(old.descriptor(), name);
+      if (came && !was_there) move({name, nullptr, &part}, done);
+    }
+  }
+  for (const std::string& name : old.names()) {
+    if (exists_in(old.descriptor(), name)) move({name, &old, nullptr}, done);
+  }
+  if (fsync(descriptor_) != 0) fail("cannot be written");
+  old.keep(false);
+}
+
+void OutputFolder::move(const Move& move, std::vector<Move>& done) const {
+  const int from = move.from ? move.from->descriptor() : descriptor_;
+  const int to = move.to ? move.to->descriptor() : descriptor_;
+  if (rename_new(from, move.name, to, move.name) != 0) fail("cannot move " + move.name + " there");
+  done.push_back(move);
+}
+
+/// Has the new files on the disk before they replace any.
+void OutputFolder::sync_parts() const {
+  constexpr std::size_t kFew = 32;  // a folder of 2000 pictures would wait for the disk 2000 times
+  if (part_->names().size() > kFew) {
+    if (syncfs(part_->descriptor()) != 0) fail("cannot be written");
+    return;
+  }
+  for (const std::string& name : part_->names()) {
+    const int file = openat(part_->descriptor(), name.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    if (file < 0) fail(name + " cannot be written");
+    const int failed = fsync(file);
+    const int error = errno;
+    close(file);
+    errno = error;
+    if (failed != 0) fail(name + " cannot be written");
+  }
+  if (fsync(part_->descriptor()) != 0) fail("cannot be written");
 }
 
 void OutputFolder::commit(const std::string& last) {
-  std::set<std::string> names;
-  for (const auto& entry : fs::directory_iterator(part_)) {
-    names.insert(entry.path().filename().string());
-  }
+  sync_parts();
+  const std::set<std::string> names = part_->names();
   // From here on old and new are ours, whatever happens. The list may only grow while it can still
   // be cut back, and shrinks where it needs no new space.
-  const std::string list = text_of(list_);
-  if (!write_at(list_, lines_of(names), static_cast<off_t>(list.size()))) {
+  const std::string before = kTitle + lines_of(ours_);
+  const auto cut_back = [&] {
     const int error = errno;
-    [[maybe_unused]] const int cut = ftruncate(list_, static_cast<off_t>(list.size()));
+    [[maybe_unused]] const int cut = ftruncate(list_, static_cast<off_t>(before.size()));
     errno = error;
-    fail("cannot be written");
-  }
-  unlink((folder_ / last).c_str());
-  for (const std::string& name : ours_) unlink((folder_ / name).c_str());
-  const auto move = [&](const std::string& name) {
-    if (rename_new(part_ / name, folder_ / name) != 0) fail("cannot move " + name + " there");
   };
-  for (const std::string& name : names) {
-    if (name != last) move(name);
-  }
-  move(last);
-  const std::string now = kTitle + lines_of(names);
-  if (!write_at(list_, now, 0) || ftruncate(list_, static_cast<off_t>(now.size())) != 0) {
+  if (!write_at(list_, before + lines_of(names), 0) || fsync(list_) != 0) {
+    cut_back();
     fail("cannot be written");
   }
-  rmdir(part_.c_str());
+  std::optional<WorkFolder> old(std::in_place, folder_ / kOld);
+  std::vector<Move> done;
+  try {
+    std::set<std::string> there;
+    for (const std::string& name : ours_) {
+      if (!exists_in(descriptor_, name)) continue;
+      old->file(name);
+      there.insert(name);
+    }
+    if (fsync(old->descriptor()) != 0 || fsync(descriptor_) != 0) fail("cannot be written");
+    // The one that stands for the whole set goes first and comes last.
+    if (there.contains(last)) move({last, nullptr, &*old}, done);
+    for (const std::string& name : there) {
+      if (name != last) move({name, nullptr, &*old}, done);
+    }
+    for (const std::string& name : names) {
+      if (name != last) move({name, &*part_, nullptr}, done);
+    }
+    move({last, &*part_, nullptr}, done);
+    if (fsync(descriptor_) != 0) fail("cannot be written");
+  } catch (const std::runtime_error& error) {
+    std::string stuck;
+    for (auto it = done.rbegin(); it != done.rend(); ++it) {
+      std::vector<Move> back;
+      try {
+        move({it->name, it->to, it->from}, back);
+      } catch (const std::runtime_error&) {
+        stuck += " " + it->name;
+      }
+    }
+    if (stuck.empty()) {
+      cut_back();
+      throw;
+    }
+    old->keep(true);
+    throw std::runtime_error(std::string(error.what()) + "; and these could not be moved back:" +
+                             stuck + "; the old ones are in " + (folder_ / kOld).string());
+  }
+  // The new ones are there. What is left over is put away, now or by the next of us.
+  old->keep(true);
+  old.reset();
+  if (rename_new(descriptor_, kOld, descriptor_, kGone) != 0) fail("cannot be tidied up");
+  part_.reset();
+  const std::string now = kTitle + lines_of(names);
+  if (!write_at(list_, now, 0) || ftruncate(list_, static_cast<off_t>(now.size())) != 0 ||
+      fsync(list_) != 0) {
+    fail("cannot be written");
+  }
+  WorkFolder(folder_ / kGone);
   made_.clear();
   listed_ = true;
   close(std::exchange(list_, -1));
 }
 
 void OutputFolder::give_up() noexcept {
-  std::error_code ignored;
   if (list_ >= 0) {  // the folder is ours alone
-    if (!part_.empty()) fs::remove_all(part_, ignored);
-    if (!listed_) fs::remove(folder_ / kList, ignored);
+    part_.reset();
+    if (!listed_) unlinkat(descriptor_, kList, 0);
     close(std::exchange(list_, -1));
   }
+  if (descriptor_ >= 0) close(std::exchange(descriptor_, -1));
   for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) rmdir(folder->c_str());
   made_.clear();
 }

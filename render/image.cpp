@@ -2,11 +2,8 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <memory>
 #include <new>
@@ -18,6 +15,7 @@
 #include <png.h>
 
 #include "engine/hash.h"
+#include "files/input_file.h"
 #include "files/output_file.h"
 #include "render/sample_grid.h"
 
@@ -212,14 +210,10 @@ Bytes encoded(const Raster& raster, double pixel_aspect) {
 }
 
 void write_bytes(const std::filesystem::path& path, const Bytes& bytes) {
-  files::OutputFile file(path, {.overwrite = true});
+  // One of many in a folder, which has them on the disk when it is whole.
+  files::OutputFile file(path, {.overwrite = true, .durable = false});
   file.write(bytes.data(), bytes.size());
   file.commit();
-}
-
-std::runtime_error cannot(const char* what, const std::filesystem::path& path, int error) {
-  return std::runtime_error(std::string("cannot ") + what + " " + path.string() + ": " +
-                            std::strerror(error));
 }
 
 }  // namespace
@@ -335,9 +329,8 @@ void write_png(const std::filesystem::path& path, const Image& image, double pix
 }
 
 Image read_png(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw cannot("read", path, errno);
-  const Bytes bytes{std::istreambuf_iterator<char>(file), {}};
+  constexpr std::size_t kMost = 2'000'000'000;
+  const Bytes bytes = files::read_bytes(path.string(), kMost);
   try {
     return decode_png(bytes);
   } catch (const std::runtime_error& error) {

@@ -9,13 +9,18 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <fcntl.h>
+#include <poll.h>
 #include <spawn.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
+
+#include "files/names.h"
 
 extern char** environ;
 
@@ -72,6 +77,9 @@ std::vector<std::string> arguments(int width, int height, std::int64_t fps, doub
   return words;
 }
 
+constexpr int kMostNaps = 200;
+constexpr int kNap_ms = 10;  // between two looks at whether we shall go on
+
 /// Runs ffmpeg between two files. Returns its process id.
 int spawn(std::vector<std::string> words, int input, int messages) {
   std::vector<char*> argv;
@@ -96,18 +104,6 @@ int spawn(std::vector<std::string> words, int input, int messages) {
                              std::strerror(error));
   }
   return process;
-}
-
-/// A file without a name.
-int scratch_file() {
-  std::error_code error;
-  const std::filesystem::path folder = std::filesystem::temp_directory_path(error);
-  if (error) throw std::runtime_error("TMPDIR: expected a folder: " + error.message());
-  std::string name = (folder / "headpin-ffmpeg-XXXXXX").string();
-  const int file = mkostemp(name.data(), O_CLOEXEC);
-  if (file < 0) throw std::runtime_error("cannot write " + name + ": " + std::strerror(errno));
-  unlink(name.c_str());
-  return file;
 }
 
 /// Its last two thousand bytes, on one line.
@@ -150,7 +146,7 @@ VideoWriter::VideoWriter(const std::filesystem::path& path, int width, int heigh
   }
   socket_ = ends[0];
   try {
-    messages_ = scratch_file();
+    messages_ = files::nameless_file();
     process_ = spawn(arguments(width, height, fps, pixel_aspect, path_file_->part(),
                                copy ? copy_file_->part().string() : std::string()),
                      ends[1], messages_);
@@ -182,8 +178,16 @@ void VideoWriter::add(const Image& image) {
   }
   if (process_ < 0) throw std::runtime_error(path_.string() + ": the video has ended");
   for (std::size_t sent = 0; sent < image.rgb.size();) {
-    const ssize_t n = send(socket_, image.rgb.data() + sent, image.rgb.size() - sent, MSG_NOSIGNAL);
-    if (n < 0 && errno == EINTR) continue;
+    const ssize_t n = send(socket_, image.rgb.data() + sent, image.rgb.size() - sent,
+                           MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (n < 0 && errno == EAGAIN) {
+      pollfd room{socket_, POLLOUT, 0};
+      poll(&room, 1, kNap_ms);
+    }
+    if (n < 0 && (errno == EINTR || errno == EAGAIN)) {
+      check_();
+      continue;
+    }
     if (n < 0) fail();
     sent += static_cast<std::size_t>(n);
   }
@@ -200,7 +204,17 @@ void VideoWriter::close() {
   }
   ::close(socket_);
   socket_ = -1;
-  if (wait() != 0) fail();
+  int status = 0;
+  while (waitpid(process_, &status, WNOHANG) == 0) {
+    check_();
+    poll(nullptr, 0, kNap_ms);
+  }
+  process_ = -1;
+  if (status != 0) fail();
+  for (const files::OutputFile* file : {path_file_.get(), copy_file_.get()}) {
+    struct stat written {};
+    if (file != nullptr && fstat(file->descriptor(), &written) == 0 && written.st_size == 0) fail();
+  }
   path_file_->commit();
   if (copy_file_) copy_file_->commit();
 }
@@ -216,7 +230,12 @@ int VideoWriter::wait() {
 }
 
 void VideoWriter::fail() {
-  wait();
+  if (socket_ >= 0) ::close(std::exchange(socket_, -1));
+  for (int nap = 0; process_ >= 0; ++nap) {  // it reads no more: it ends, or is ended
+    if (nap == kMostNaps) kill(process_, SIGKILL);
+    if (waitpid(process_, nullptr, nap < kMostNaps ? WNOHANG : 0) == process_) process_ = -1;
+    if (process_ >= 0) poll(nullptr, 0, kNap_ms);
+  }
   remove_parts();
   const std::string said = text_of(messages_);
   throw std::runtime_error(

@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "files/output_file.h"
@@ -35,6 +37,9 @@ class VideoWriter {
   VideoWriter(const VideoWriter&) = delete;
   VideoWriter& operator=(const VideoWriter&) = delete;
 
+  /// Has `check` called again and again while ffmpeg is waited for: what it throws ends the wait.
+  void check_by(std::function<void()> check) { check_ = std::move(check); }
+
   /// The next picture.
   ///
   /// @throws std::invalid_argument  when it is of another size
@@ -61,6 +66,7 @@ class VideoWriter {
   int socket_ = -1;    ///< to ffmpeg's standard input
   int messages_ = -1;  ///< a nameless file with what ffmpeg says
   int process_ = -1;
+  std::function<void()> check_ = [] {};
 };
 
 }  // namespace headpin::render

@@ -44,7 +44,7 @@ struct EventKind {
   std::string_view value;  ///< what `value` is; empty where it is not used
 };
 
-inline constexpr std::array<EventKind, 24> kEventKinds{{
+inline constexpr std::array<EventKind, 25> kEventKinds{{
     {kind::grab, "the trigger took a ball or a skittle", "its centre", ""},
     {kind::release,
      "the trigger let go of what it took: when, where, velocity, spin and how they are known "

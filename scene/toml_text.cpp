@@ -8,6 +8,8 @@
 
 #include <fcntl.h>
 #include <fmt/format.h>
+#include <poll.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace headpin::scene {
@@ -37,16 +39,24 @@ std::size_t after_string(std::string_view toml, std::size_t at) {
 
 std::string read_scenario_file(const std::string& path) {
   constexpr std::size_t kMost = 16'000'000;
-  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // A pipe is read where somebody writes to it, and not waited for where nobody does.
+  const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   std::string text;
   std::array<char, 65536> bytes{};
   ssize_t n = -1;
-  while (file >= 0 && text.size() <= kMost && (n = read(file, bytes.data(), bytes.size())) > 0) {
+  while (file >= 0 && text.size() <= kMost) {
+    n = read(file, bytes.data(), bytes.size());
+    pollfd ready{file, POLLIN, 0};
+    if (n < 0 && errno == EAGAIN && poll(&ready, 1, -1) >= 0) continue;
+    if (n <= 0) break;
     text.append(bytes.data(), static_cast<std::size_t>(n));
   }
+  struct stat is {};
+  const bool nobody = n == 0 && text.empty() && fstat(file, &is) == 0 && S_ISFIFO(is.st_mode);
   const int error = errno;
   if (file >= 0) close(file);
   if (n < 0) throw std::runtime_error(path + ": cannot be read: " + std::strerror(error));
+  if (nobody) throw std::runtime_error(path + ": a pipe that nobody writes to");
   if (n > 0) {
     throw std::runtime_error(fmt::format("{}: longer than a scenario, {} bytes", path, kMost));
   }

@@ -86,5 +86,31 @@ TEST(ThePaperPage, PointsAtFilesAndNamesThatAreThere) {
   EXPECT_GT(names, 30);
 }
 
+// What removes or replaces a user's files can be read in one place.
+TEST(Layers, FilesAloneRemoveRenameAndCut) {
+  static const std::regex call(
+      R"((^|[^\w.])(?:fs::|std::|::)?(unlink|unlinkat|rmdir|rename|renameat|renameat2|remove_all|)"
+      R"(truncate|ftruncate|resize_file|linkat)\()"
+      R"(|(fs|filesystem)::remove\()");
+  int in_files = 0;
+  for (const char* folder : {"files", "engine", "devices", "render", "scene", "apps"}) {
+    for (const auto& entry :
+         fs::recursive_directory_iterator(HEADPIN_SOURCE_DIR "/" + std::string(folder))) {
+      if (entry.path().extension() != ".cpp" && entry.path().extension() != ".h") continue;
+      std::ifstream file(entry.path());
+      for (std::string line; std::getline(file, line);) {
+        line = line.substr(0, line.find("//"));
+        if (!std::regex_search(line, call)) continue;
+        if (std::string(folder) == "files") {
+          ++in_files;
+        } else {
+          ADD_FAILURE() << entry.path() << ": " << line;
+        }
+      }
+    }
+  }
+  EXPECT_GT(in_files, 10) << "nothing was read";
+}
+
 }  // namespace
 }  // namespace headpin

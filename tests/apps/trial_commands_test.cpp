@@ -322,8 +322,8 @@ TEST_F(TrialCommands, AStreamedHeadWalksAsInTheSession) {
   }
   ASSERT_EQ(headpin("stream walk.lcmlog --lcm 'file://out.lcmlog?mode=w' --speed 0").code, 0);
   std::vector<double> y;  // of each rigid_transform_t: fingerprint, utime, then the place
-  const devices::MappedFile log((folder_ / "out.lcmlog").string());
-  devices::LogReader reader(log.bytes());
+  devices::FileWindow log((folder_ / "out.lcmlog").string());
+  devices::LogReader reader(log);
   while (const auto event = reader.next()) {
     if (event->channel != "HEAD_POSE") continue;
     std::uint64_t bits = 0;

@@ -132,8 +132,8 @@ double read_whole(const std::string& path) {
 
 /// Finds the events only.
 double read_events(const std::string& path) {
-  const devices::MappedFile file(path);
-  devices::LogReader reader(file.bytes());
+  devices::FileWindow file(path);
+  devices::LogReader reader(file);
   double sum = 0.0;
   while (const auto event = reader.next()) sum += static_cast<double>(event->data.size());
   return sum;
@@ -174,8 +174,8 @@ struct RawEvent {
 };
 
 std::vector<RawEvent> raw_events(const std::string& path) {
-  const devices::MappedFile file(path);
-  devices::LogReader reader(file.bytes());
+  devices::FileWindow file(path);
+  devices::LogReader reader(file);
   std::vector<RawEvent> events;
   while (const auto event = reader.next()) {
     events.push_back({event->time.count(),

@@ -297,8 +297,8 @@ TEST(LcmLinkTest, PosesHaveTheBytesOfBotCoresType) {
     LcmLink link("file://" + path + "?mode=w");
     link.publish_pose("HEAD_POSE", Time{0x0102030405060708}, {Quat(1, 0, 0, 0), Vec3(2, 0, 0)});
   }
-  const MappedFile file(path);
-  LogReader reader(file.bytes());
+  FileWindow file(path);
+  LogReader reader(file);
   const auto event = reader.next();
   ASSERT_TRUE(event.has_value());
   EXPECT_EQ(event->channel, "HEAD_POSE");

@@ -8,6 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "tests/files/failing_calls.h"
 #include "tests/support/folder.h"
 
 namespace headpin::files {
@@ -186,6 +187,38 @@ TEST_F(OutputFileTest, OnStandardOutputWhatIsSaidGoesToStandardError) {
       testing::ExitedWithCode(0), "");
   EXPECT_EQ(slurp(out), "bytes");
   EXPECT_EQ(slurp(said), "a word\n");
+}
+
+TEST_F(OutputFileTest, IsOnTheDiskBeforeItHasItsName) {
+  write(folder_ / "a", "old", {});
+  for (const char* call : {"fdatasync", "renameat"}) {
+    fail_call(call, 0, EIO);
+    EXPECT_THAT(refused(folder_ / "a", force_), HasSubstr("Input/output error")) << call;
+    let_all_succeed();
+    EXPECT_EQ(slurp(folder_ / "a"), "old") << call;
+    EXPECT_EQ(entries(), 1u) << call;
+  }
+  fail_call("fsync", 0, EIO);  // of the folder, which has the new name
+  EXPECT_THAT(refused(folder_ / "a", force_), HasSubstr("Input/output error"));
+  let_all_succeed();
+}
+
+TEST_F(OutputFileTest, ALinkPlantedByAnotherUserInAnOpenFolderIsNotFollowed) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give a link to another user";
+  const fs::path open = folder_ / "open", target = folder_ / "target";
+  fs::create_directory(open);
+  ASSERT_EQ(chmod(open.c_str(), 01777), 0);
+  for (const bool there : {false, true}) {
+    if (there) spit(target, "precious");
+    fs::create_symlink(target, open / "link");
+    constexpr uid_t kAnother = 12345;
+    ASSERT_EQ(lchown((open / "link").c_str(), kAnother, kAnother), 0);
+    EXPECT_THAT(refused(open / "link", force_),
+                testing::AnyOf(HasSubstr("is a link of another user"),
+                               HasSubstr("cannot be reached: Permission denied")));
+    EXPECT_EQ(slurp(target), there ? "precious" : "");
+    fs::remove(open / "link");
+  }
 }
 
 }  // namespace

@@ -6,7 +6,10 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include "tests/files/failing_calls.h"
 #include "tests/support/folder.h"
 
 namespace headpin::files {
@@ -21,7 +24,7 @@ class OutputFolderTest : public testing::Test {
   static void write(const std::string& path, const std::vector<std::string>& names,
                     OutputFolder::Options options = {}) {
     OutputFolder folder(path, options);
-    for (const std::string& name : names) spit(folder.part() / name, name);
+    for (const std::string& name : names) spit(folder.file(name), name);
     folder.commit(names.back());
   }
   std::string refused(const std::string& path, OutputFolder::Options options = {}) const {
@@ -45,7 +48,7 @@ class OutputFolderTest : public testing::Test {
 TEST_F(OutputFolderTest, HoldsItsFilesWhenAllAreThere) {
   {
     OutputFolder folder(out_, {});
-    spit(folder.part() / "1.png", "half");
+    spit(folder.file("1.png"), "half");
     EXPECT_FALSE(fs::exists(out_ + "/1.png"));
   }
   EXPECT_FALSE(fs::exists(out_)) << "dropped without commit()";
@@ -123,7 +126,7 @@ TEST_F(OutputFolderTest, InputsAndOtherOutputsInItAreRefused) {
 
 TEST_F(OutputFolderTest, TwoAtOnceAreOneAndOneRefused) {
   std::optional<OutputFolder> first(std::in_place, out_, OutputFolder::Options{});
-  spit(first->part() / "index", "the first's");
+  spit(first->file("index"), "the first's");
   EXPECT_THROW(OutputFolder(out_, {}), Busy);
   EXPECT_THROW(OutputFolder(out_, force_), Busy);
   first->commit("index");
@@ -135,7 +138,7 @@ TEST_F(OutputFolderTest, WhatAKilledOneLeftIsTakenUp) {
   EXPECT_EXIT(
       {
         OutputFolder folder(out_, {});
-        spit(folder.part() / "index", "half");
+        spit(folder.file("index"), "half");
         raise(SIGKILL);
       },
       testing::KilledBySignal(SIGKILL), "");
@@ -148,8 +151,8 @@ TEST_F(OutputFolderTest, WhatAKilledOneLeftIsTakenUp) {
 TEST_F(OutputFolderTest, WhatComesToStandThereMeanwhileIsNotReplaced) {
   {
     OutputFolder folder(out_, {});
-    spit(folder.part() / "1.png", "ours");
-    spit(folder.part() / "index", "ours");
+    spit(folder.file("1.png"), "ours");
+    spit(folder.file("index"), "ours");
     spit(out_ + "/1.png", "precious");
     EXPECT_THAT(complaint([&] { folder.commit("index"); }), HasSubstr("cannot move 1.png"));
   }
@@ -166,6 +169,71 @@ TEST_F(OutputFolderTest, NoNameAFileAndAMissingPlaceAreRefused) {
   EXPECT_THAT(refused("/proc/none/out"), HasSubstr("cannot be made"));
   EXPECT_EQ(slurp(folder_ / "file"), "precious");
   EXPECT_EQ(refused(folder_ / "deep/down"), "");
+}
+
+TEST_F(OutputFolderTest, WhenAnyCallOfACommitFailsTheOldOrTheNewOnesAreThere) {
+  write(out_, {"1.png", "2.png", "index"});
+  const auto old = everything();
+  const auto replace = [&] {
+    OutputFolder folder(out_, force_);
+    for (const char* name : {"2.png", "3.png", "index"}) spit(folder.file(name), "new");
+    folder.commit("index");
+  };
+  for (const char* call : {"renameat2", "fsync", "pwrite"}) {
+    for (int number = 0;; ++number) {
+      fail_call(call, number, EIO);
+      const std::string said = complaint(replace);
+      const bool was_asked = !said.empty();
+      let_all_succeed();
+      EXPECT_EQ(was_asked && said.find("Input/output error") == std::string::npos, false) << said;
+      if (slurp(out_ + "/index") == "index") {
+        EXPECT_EQ(everything(), old) << call << " " << number;
+      } else {
+        EXPECT_EQ(slurp(out_ + "/2.png") + slurp(out_ + "/3.png"), "newnew") << call << number;
+        EXPECT_FALSE(fs::exists(out_ + "/1.png"));
+        write(out_, {"1.png", "2.png", "index"}, force_);
+        EXPECT_EQ(everything(), old) << call << " " << number;
+      }
+      if (!was_asked) {
+        EXPECT_GT(number, 0) << call << " is not called";
+        break;
+      }
+    }
+  }
+}
+
+TEST_F(OutputFolderTest, EndedAtAnyCallOfACommitTheNextFindsTheOldOrTheNewOnes) {
+  write(out_, {"1.png", "2.png", "index"});
+  const auto old = everything();
+  const auto replace = [&] {
+    OutputFolder folder(out_, force_);
+    for (const char* name : {"2.png", "3.png", "index"}) spit(folder.file(name), "new");
+    folder.commit("index");
+  };
+  for (int number = 0, whole = false; !whole; ++number) {
+    const pid_t child = fork();
+    if (child == 0) {
+      end_at_call(number);
+      replace();
+      std::_Exit(0);
+    }
+    int status = 0;
+    ASSERT_EQ(waitpid(child, &status, 0), child);
+    whole = WIFEXITED(status);
+    // The next one sees to it, whether it may replace them or not.
+    EXPECT_THAT(refused(out_), HasSubstr("exists already")) << number;
+    if (slurp(out_ + "/index") == "index") {
+      EXPECT_EQ(slurp(out_ + "/1.png") + slurp(out_ + "/2.png"), "1.png2.png") << number;
+      EXPECT_FALSE(fs::exists(out_ + "/3.png")) << number;
+    } else {
+      EXPECT_EQ(slurp(out_ + "/index") + slurp(out_ + "/2.png") + slurp(out_ + "/3.png"),
+                "newnewnew")
+          << number;
+      EXPECT_FALSE(fs::exists(out_ + "/1.png")) << number;
+    }
+    write(out_, {"1.png", "2.png", "index"}, force_);
+    EXPECT_EQ(everything(), old) << number;
+  }
 }
 
 }  // namespace

@@ -1,0 +1,76 @@
+#include "files/input_file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <stdexcept>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace headpin::files {
+
+namespace {
+
+template <typename Content>
+Content read_all(const std::string& path, std::size_t most) {
+  const InputFile file(path);
+  if (file.size() > most) {
+    throw std::runtime_error(path + ": of " + std::to_string(file.size()) + " bytes; expected " +
+                             std::to_string(most) + " at most");
+  }
+  Content content(file.size(), {});
+  content.resize(file.read(0, {reinterpret_cast<std::uint8_t*>(content.data()), content.size()}));
+  return content;
+}
+
+}  // namespace
+
+InputFile::InputFile(std::string path) : path_(std::move(path)) {
+  file_ = open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  if (file_ < 0) throw std::runtime_error(path_ + ": cannot open: " + std::strerror(errno));
+  struct stat status {};
+  if (fstat(file_, &status) == 0 && S_ISREG(status.st_mode)) {
+    size_ = static_cast<std::size_t>(status.st_size);
+    return;
+  }
+  close(file_);
+  throw std::runtime_error(path_ + ": expected a file, found something else");
+}
+
+InputFile::~InputFile() {
+  close(file_);
+}
+
+std::size_t InputFile::read(std::size_t at, std::span<std::uint8_t> out) const {
+  std::size_t got = 0;
+  while (got < out.size()) {
+    const ssize_t n =
+        pread(file_, out.data() + got, out.size() - got, static_cast<off_t>(at + got));
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) throw std::runtime_error(path_ + ": cannot be read: " + std::strerror(errno));
+    if (n == 0) break;
+    got += static_cast<std::size_t>(n);
+  }
+  return got;
+}
+
+std::size_t read_some(int descriptor, std::span<std::uint8_t> out, const std::string& name) {
+  for (;;) {
+    const ssize_t n = ::read(descriptor, out.data(), out.size());
+    if (n >= 0) return static_cast<std::size_t>(n);
+    if (errno != EINTR)
+      throw std::runtime_error(name + ": cannot be read: " + std::strerror(errno));
+  }
+}
+
+std::vector<std::uint8_t> read_bytes(const std::string& path, std::size_t most) {
+  return read_all<std::vector<std::uint8_t>>(path, most);
+}
+
+std::string read_text(const std::string& path, std::size_t most) {
+  return read_all<std::string>(path, most);
+}
+
+}  // namespace headpin::files

@@ -1,0 +1,61 @@
+#include "files/names.h"
+
+#include <array>
+#include <cerrno>
+#include <climits>
+#include <cstdlib>
+#include <cstring>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace headpin::files {
+
+void place_link(const std::string& target, const std::string& link) {
+  const auto fail = [](const std::string& name, int error) {
+    throw std::runtime_error(name + ": " + std::strerror(error));
+  };
+  struct stat there {};
+  if (lstat(link.c_str(), &there) == 0 && !S_ISLNK(there.st_mode)) fail(link, EEXIST);
+  const std::string beside = link + "." + std::to_string(getpid());
+  if (symlink(target.c_str(), beside.c_str()) != 0) fail(beside, errno);
+  if (rename(beside.c_str(), link.c_str()) != 0) {
+    const int why = errno;
+    remove_link(target, beside);
+    fail(link, why);
+  }
+}
+
+void remove_link(const std::string& target, const std::string& link) noexcept {
+  std::array<char, PATH_MAX> leads_to{};
+  const ssize_t n = readlink(link.c_str(), leads_to.data(), leads_to.size() - 1);
+  if (n > 0 && target == leads_to.data()) unlink(link.c_str());
+}
+
+void remove_pipe(const std::string& path, int descriptor) noexcept {
+  struct stat ours {
+  }, named{};
+  if (fstat(descriptor, &ours) == 0 && lstat(path.c_str(), &named) == 0 &&
+      S_ISFIFO(named.st_mode) && ours.st_dev == named.st_dev && ours.st_ino == named.st_ino) {
+    unlink(path.c_str());
+  }
+}
+
+int nameless_file() {
+  const char* told = std::getenv("TMPDIR");
+  const std::string folder = told != nullptr && *told != '\0' ? told : "/tmp";
+  int file = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
+  if (file >= 0) return file;
+  std::string name = folder + "/headpin-XXXXXX";  // file systems without such files
+  file = mkostemp(name.data(), O_CLOEXEC);
+  if (file < 0) {
+    throw std::runtime_error("TMPDIR: " + folder +
+                             ": no file can be made there: " + std::strerror(errno));
+  }
+  unlink(name.c_str());
+  return file;
+}
+
+}  // namespace headpin::files
