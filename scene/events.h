@@ -44,7 +44,7 @@ struct EventKind {
   std::string_view value;  ///< what `value` is; empty where it is not used
 };
 
-inline constexpr std::array<EventKind, 25> kEventKinds{{
+inline constexpr auto kEventKinds = std::to_array<EventKind>({
     {kind::grab, "the trigger took a ball or a skittle", "its centre", ""},
     {kind::release,
      "the trigger let go of what it took: when, where, velocity, spin and how they are known "
@@ -107,6 +107,6 @@ inline constexpr std::array<EventKind, 25> kEventKinds{{
     {kind::grab_found, "in a recording without buttons: where a hand took the ball", "", ""},
     {kind::release_found, "in a recording without buttons: where it let the ball go", "", ""},
     {devices::kEndEvent, "last message of a finished log", "", "messages before it"},
-}};
+});
 
 }  // namespace headpin::scene
