@@ -242,7 +242,10 @@ void OutputFolder::commit(const std::string& last) {
       if (name != last) move({name, &*part_, nullptr}, done);
     }
     move({last, &*part_, nullptr}, done);
-    if (fsync(descriptor_) != 0) fail("cannot be written");
+    // From here on the new ones count, and no longer the old.
+    if (fsync(descriptor_) != 0 || rename_new(descriptor_, kOld, descriptor_, kGone) != 0) {
+      fail("cannot be written");
+    }
   } catch (const std::runtime_error& error) {
     std::string stuck;
     for (auto it = done.rbegin(); it != done.rend(); ++it) {
@@ -261,10 +264,13 @@ void OutputFolder::commit(const std::string& last) {
     throw std::runtime_error(std::string(error.what()) + "; and these could not be moved back:" +
                              stuck + "; the old ones are in " + (folder_ / kOld).string());
   }
-  // The new ones are there. What is left over is put away, now or by the next of us.
+  // What is left over is put away, now or by the next of us. Until the disk has the old ones' new
+  // name, the empty folder of parts tells which are the new.
   old->keep(true);
   old.reset();
-  if (rename_new(descriptor_, kOld, descriptor_, kGone) != 0) fail("cannot be tidied up");
+  part_->keep(true);
+  if (fsync(descriptor_) != 0) fail("cannot be written");
+  part_->keep(false);
   part_.reset();
   const std::string now = kTitle + lines_of(names);
   if (!write_at(list_, now, 0) || ftruncate(list_, static_cast<off_t>(now.size())) != 0 ||
