@@ -107,7 +107,7 @@ nlohmann::json describe(const Side& side, const Side& other) {
               {"highest_energy_j", highest},
               {"final_energy_j", last},
               {"game_hash", hash ? nlohmann::json(scene::in_hex(*hash)) : nlohmann::json()},
-              {"throws", scene::thrown(trial.events).size()},
+              {"throw_count", scene::thrown(trial.events).size()},
               {"throws_without_counterpart", scene::to_json(scene::without_counterpart(
                                                  trial.events, other.file.summary().events))}});
   return all;
@@ -189,7 +189,7 @@ void print_unpaired(const std::string& side, const nlohmann::json& result) {
   const nlohmann::json& unpaired = result["throws_without_counterpart"];
   if (unpaired.empty()) return;
   fmt::print("\n{} of {} throws of {} have no counterpart in the other:\n", unpaired.size(),
-             result["throws"].dump(), side);
+             result["throw_count"].dump(), side);
   for (std::size_t i = 0; i < std::min(kMost, unpaired.size()); ++i) {
     fmt::print("  {}\n", scene::unpaired_in_words(unpaired[i]));
   }
@@ -227,7 +227,7 @@ void print_differences(const nlohmann::json& result) {
                                                       {"highest energy [J]", "highest_energy_j"},
                                                       {"final energy [J]", "final_energy_j"},
                                                       {"game hash", "game_hash"},
-                                                      {"throws", "throws"}};
+                                                      {"throws", "throw_count"}};
   const bool versions = !result["a"]["versions"].is_null() || !result["b"]["versions"].is_null();
   std::vector<ComparedRow> lines;
   for (const auto& [label, key] : rows) {

@@ -146,7 +146,7 @@ void import_throw(const ImportOptions& options) {
   if (options.json) {
     print_json({{"output", *options.output},
                 {"hand", found.side == scene::Side::left ? "left" : "right"},
-                {"throws", thrown.throws},
+                {"throw_count", thrown.throws},
                 {"samples", samples},
                 {"duration_s", duration},
                 {"rate_hz", rate},

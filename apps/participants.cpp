@@ -96,7 +96,7 @@ void play_session(const ParticipantSession& options) {
       {"left_handed", person.left_handed},
       {"height_m", person.height},
       {"skill", person.skill},
-      {"throws", participant.throws()},
+      {"throw_count", participant.throws()},
       {"throws_asked", participant.throws_asked()},
       {"gave_up", participant.gave_up()},
       {"games", scene::to_json(totals.score().games)},

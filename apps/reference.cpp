@@ -297,10 +297,8 @@ std::vector<JsonKey> json_keys() {
       {"skill", "of a virtual participant: 0 has never thrown, 1 throws every week"},
       {"time_to_contact_s", "from then until it was to be nearest"},
       {"test_picture", "hash of a fixed picture: where it is equal, those of frames are to be"},
-      {"throws",
-       "a row each: see throws.csv; of an import, a comparison, a virtual participant, or of all "
-       "on "
-       "their own: how many"},
+      {"throws", "a row each: see throws.csv"},
+      {"throw_count", "how many throws there are"},
       {"throws_asked", "of it; a game that is over sooner leaves some"},
       {"ticked_s",
        "stage of the latency: until the session has taken the sample in and made its tick"},

@@ -109,7 +109,6 @@ std::vector<devices::Event> recorded_events(scene::Recorded& simulated,
 nlohmann::json compared_throws(const std::vector<devices::Event>& recorded,
                                const std::vector<devices::Event>& again) {
   return {
-      {"throws", scene::thrown(again).size()},
       {"throws_without_counterpart", scene::to_json(scene::without_counterpart(recorded, again))},
       {"new_throws", scene::to_json(scene::without_counterpart(again, recorded))}};
 }

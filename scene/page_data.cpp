@@ -316,7 +316,7 @@ PageData page_data(const Recorded& recorded, const PageLooks& page_looks, const 
   out["summary"] = summary(session, said);
   out["hash"] = hash;
   out["scenario_differences"] = to_json(differences(recorded.scenario, scenario));
-  out["throws"] = thrown(happened.events).size();
+  out["throw_count"] = thrown(happened.events).size();
   out["throws_without_counterpart"] =
       moved.nothing() && !says_events(trial)
           ? json::array()

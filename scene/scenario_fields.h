@@ -196,8 +196,7 @@ void visit(V& v, Version& version) {
   v.field("detection", version.detection, Choices{"collision", "converged", "paper"},
           "collision: as collision.detection");
   v.field("iterations", version.iterations, Range{0, 20},
-          "cap of a query, 5 to 20; 0: as collision.iterations",
-          "Uno & Slater 1997, section 3: 5 against 20 in their pilot");
+          "cap of a query, 5 to 20 (the paper's pilot: 5 against 20); 0: as collision.iterations");
 }
 
 template <typename V>

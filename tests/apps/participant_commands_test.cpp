@@ -10,7 +10,7 @@ class ParticipantCommands : public CommandLine {};
 TEST_F(ParticipantCommands, ASessionIsSynthesizedReplayedVerifiedAndCompared) {
   const nlohmann::json made =
       json("synthesize --participant 7 --throws 2 -o samples.lcmlog --json");
-  EXPECT_EQ(made["throws"], 4);
+  EXPECT_EQ(made["throw_count"], 4);
   EXPECT_EQ(made["gave_up"], false);
   ASSERT_EQ(made["games"].size(), 2u);
   EXPECT_TRUE(json("info samples.lcmlog --json")["events"].empty());  // samples alone
@@ -97,7 +97,7 @@ TEST_F(ParticipantCommands, ThrowsThatAnotherConditionLosesAreToldAndMadeOnTheir
   ASSERT_EQ(headpin("replay s.lcmlog -o played.lcmlog").code, 0);
   const std::string late = " --friction 0 --set game.ball_back_s=100";
   const nlohmann::json same = json("replay played.lcmlog --json");
-  EXPECT_EQ(same["throws"], 4);
+  EXPECT_EQ(same["throw_count"], 4);
   EXPECT_TRUE(same["throws_without_counterpart"].empty() && same["new_throws"].empty());
   const nlohmann::json lost = json("replay played.lcmlog -o late.lcmlog --json" + late);
   const auto& unpaired = lost["throws_without_counterpart"];
@@ -128,9 +128,9 @@ TEST_F(ParticipantCommands, ThrowsThatTheGameLeavesNoTimeForAreTold) {
   const std::string line = "synthesize --participant 3 --scenario english-skittles --throws 50 ";
   const nlohmann::json made = json(line + "-o all.lcmlog --json");
   EXPECT_EQ(made["throws_asked"], 50);
-  EXPECT_LT(made["throws"], 50);
+  EXPECT_LT(made["throw_count"], 50);
   EXPECT_THAT(headpin(line + "-o again.lcmlog").out,
-              testing::HasSubstr(made["throws"].dump() + " of 50, then the game was over"));
+              testing::HasSubstr(made["throw_count"].dump() + " of 50, then the game was over"));
 }
 
 TEST_F(ParticipantCommands, WhatDoesNotGoTogetherIsRefused) {

@@ -281,13 +281,15 @@ TEST(Looks, TellNothingOfTheCollidersUnlessAsked) {
   EXPECT_FALSE(glimpse(make_session(scenario), {}).ellipsoids);
 }
 
-// A version whose skittles collide as ellipsoids has their centre higher; they look as before.
+// A version whose skittles are ellipsoids, and weighed as such, has their centre higher; they look as
+// before.
 TEST(Looks, ShowSkittlesOfAnotherVersionWhereTheyStand) {
   Seen seen;
   const View view = seen.views()[0];
   const Mask before = mask(seen.labels(view), kFirstSkittleId);
   Scenario other = seen.scenario;
   other.collision.shape = "ellipsoid";
+  other.skittle.ellipsoid_weighed = "itself";
   const Stage version = make_stage(other);
   ASSERT_GT(version.skittle_centre, seen.stage.skittle_centre + 0.03);
   for (Pose& X_WB : seen.skittles) X_WB.p.z() = version.skittle_centre;

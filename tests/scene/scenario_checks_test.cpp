@@ -312,6 +312,9 @@ TEST(ScenarioOfATrial, TakesNoDefaultOfToday) {
                                             "version.blue.detection",
                                             "version.blue.iterations",
                                             "walk.along",
+                                            "game.ends",
+                                            "game.hand_fells",
+                                            "game.foul",
                                             "skittle.weighed"};
   std::istringstream lines(whole);
   int keys = 0;
@@ -388,11 +391,15 @@ TEST(AnEllipsoid, WeighsAsTheTrueShapeUnlessAnOldTrialSaysNo) {
 }
 
 TEST(AVersion, HasACapOfZeroOrOneThatDetectionHas) {
-  for (const int cap : {0, 5, 20}) {
-    EXPECT_EQ(
-        refusal(fmt::format("[version]\nbuttons = true\n[version.red]\niterations = {}", cap)), "");
-  }
-  EXPECT_THAT(refusal("[version]\nbuttons = true\n[version.red]\niterations = 4"),
+  const auto with_cap = [](int cap) {
+    return fmt::format(
+        "[version]\nbuttons = true\n"
+        "[version.red]\nelasticity = 1\nfriction = 1\nshape = 'true'\niterations = {}\n"
+        "[version.blue]\nelasticity = 1\nfriction = 1\nshape = 'true'",
+        cap);
+  };
+  for (const int cap : {0, 5, 20}) EXPECT_EQ(refusal(with_cap(cap)), "");
+  EXPECT_THAT(refusal(with_cap(4)),
               HasSubstr("version.red.iterations must be 0, or a cap from 5 to 20; found 4"));
 }
 

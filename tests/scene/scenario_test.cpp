@@ -140,7 +140,7 @@ TEST(ScenarioFiles, AreAcceptedAndThePapersRoomIsTheDefault) {
     EXPECT_EQ(s.name, entry.path().stem().string());
     ++files;
   }
-  EXPECT_EQ(files, 6);
+  EXPECT_EQ(files, 7);
   EXPECT_EQ(to_toml(load_scenario((folder / "paper-room.toml").string())), to_toml(Scenario{}));
 }
 
