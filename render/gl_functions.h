@@ -21,9 +21,9 @@
   X(GenTextures) X(GenVertexArrays) X(GetError) X(GetIntegerv) X(GetProgramInfoLog)                \
   X(GetProgramiv) X(GetShaderInfoLog) X(GetShaderiv) X(GetString) X(GetUniformLocation)            \
   X(LinkProgram) X(PixelStorei) X(PolygonOffset) X(ReadBuffer) X(ReadPixels)                       \
-  X(RenderbufferStorage) X(ShaderSource) X(TexImage2D) X(TexParameteri) X(Uniform1f)               \
-  X(Uniform1i) X(Uniform1ui) X(Uniform3f) X(UniformMatrix4fv) X(UseProgram)                        \
-  X(VertexAttribPointer) X(Viewport)
+  X(RenderbufferStorage) X(ShaderSource) X(TexImage2D) X(TexParameterfv) X(TexParameteri)          \
+  X(Uniform1f) X(Uniform1i) X(Uniform1ui) X(Uniform3f) X(UniformMatrix4fv)               \
+  X(UseProgram) X(VertexAttribPointer) X(Viewport)
 // clang-format on
 
 namespace headpin::render {

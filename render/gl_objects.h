@@ -10,9 +10,6 @@
 /// What OpenGL keeps for us, made and let go with the object: programs, pictures, shadows.
 namespace headpin::render {
 
-constexpr int kShadowWidth = 256;    ///< texels across the shadow's box
-constexpr int kShadowHeight = 1024;  ///< and along it
-
 /// Compiled shaders by name of their uniforms.
 class Program {
  public:
@@ -169,15 +166,19 @@ class MirrorImage {
   GLuint texture_ = 0, depth_ = 0, buffer_ = 0;
 };
 
-/// Depth as the light sees it, compared and smoothed where it is read.
+/// Depth as the light sees it, compared and smoothed where it is read. Beyond it all is lit.
 class ShadowMap {
  public:
-  explicit ShadowMap(const Gl& gl) : gl_(&gl) {
+  ShadowMap(const Gl& gl, int width, int height) : gl_(&gl), width_(width), height_(height) {
     gl.GenTextures(1, &texture_);
     gl.BindTexture(GL_TEXTURE_2D, texture_);
-    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, kShadowWidth, kShadowHeight, 0,
-                  GL_DEPTH_COMPONENT, GL_UNSIGNED_INT, nullptr);
+    gl.TexImage2D(GL_TEXTURE_2D, 0, GL_DEPTH_COMPONENT24, width, height, 0, GL_DEPTH_COMPONENT,
+                  GL_UNSIGNED_INT, nullptr);
     read_between_texels(gl);
+    const std::array<GLfloat, 4> farthest{1.0F, 1.0F, 1.0F, 1.0F};
+    gl.TexParameterfv(GL_TEXTURE_2D, GL_TEXTURE_BORDER_COLOR, farthest.data());
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_BORDER);
+    gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_BORDER);
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_MODE, GL_COMPARE_REF_TO_TEXTURE);
     gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_COMPARE_FUNC, GL_LEQUAL);
     gl.GenFramebuffers(1, &buffer_);
@@ -193,13 +194,17 @@ class ShadowMap {
   ShadowMap(const ShadowMap&) = delete;
   ShadowMap& operator=(const ShadowMap&) = delete;
 
+  int width() const { return width_; }
+  int height() const { return height_; }
+  bool fits(int width, int height) const { return width == width_ && height == height_; }
   void use() const {
     gl_->BindFramebuffer(GL_FRAMEBUFFER, buffer_);
-    gl_->Viewport(0, 0, kShadowWidth, kShadowHeight);
+    gl_->Viewport(0, 0, width_, height_);
   }
 
  private:
   const Gl* gl_;
+  int width_, height_;
   GLuint texture_ = 0, buffer_ = 0;
 };
 

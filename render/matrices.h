@@ -45,8 +45,13 @@ inline Mat4 mirrored_at(double z) {
   return m;
 }
 
-/// World to the shadow's clip space: along the light, the box just inside.
-inline Mat4 world_to_shadow(const Shadow& shadow) {
+/// The box of a shadow as the light sees it.
+struct LightView {
+  Mat4 to_clip = Mat4::Identity();  ///< from the world: along the light, the box just inside
+  Vec2 size = Vec2::Ones();         ///< of what is seen, across and along it [m]
+};
+
+inline LightView light_view(const Shadow& shadow) {
   Mat3 R_LW;  // light frame: x as near to W's as can be, z to the light
   R_LW.row(2) = shadow.n_W.normalized();
   R_LW.row(1) = shadow.n_W.cross(Vec3::UnitX()).normalized();
@@ -66,7 +71,7 @@ inline Mat4 world_to_shadow(const Shadow& shadow) {
   m.topLeftCorner<3, 3>() = Vec3(to_unit.x(), to_unit.y(), -to_unit.z()).asDiagonal() * R_LW;
   m.topRightCorner<3, 1>() = -to_unit.cwiseProduct(0.5 * (hi + lo));
   m(2, 3) = -m(2, 3);
-  return m;
+  return {m, (hi - lo).head<2>()};
 }
 
 /// What a box covers of a plane that is looked at along parallel lines: x and y of its corners.

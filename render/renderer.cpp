@@ -68,10 +68,11 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
   r.start();
   r.make_lit_for(list.lamps.size());
 
-  const Mat4 shadow_clip = world_to_shadow(list.shadow);
+  const LightView light = light_view(list.shadow);
   const Mat4 shadow_view =  // to 0..1, as textures are read
-      matrix({Quat::Identity(), Vec3::Constant(0.5)}, Vec3::Constant(0.5)) * shadow_clip;
-  if (r.quality.shadow && list.shadow.depth > 0.0) r.draw_depth(list, shadow_clip);
+      matrix({Quat::Identity(), Vec3::Constant(0.5)}, Vec3::Constant(0.5)) * light.to_clip;
+  if (r.quality.shadow) r.make_shadow_map_for(light.size);
+  if (r.quality.shadow && list.shadow.depth > 0.0) r.draw_depth(list, light.to_clip);
 
   std::vector<ContactVertex> contact;
   if (r.quality.contact) contact = contact_vertices(list);

@@ -41,6 +41,13 @@ struct Kept {
 
 inline constexpr double kNear = 48.0;  // pixels across: what is smaller is drawn by its far mesh
 
+/// Of a shadow map, for a length that it covers.
+inline int texels(double length) {
+  constexpr double kTexel = 0.008;  // [m]; coarser where that would be more than kMost
+  constexpr double kMost = 2048.0;
+  return static_cast<int>(std::ceil(std::clamp(length / kTexel, 1.0, kMost)));
+}
+
 inline Gl current_functions(GlContext& context) {
   context.make_current();
   const Gl gl = load_functions(context);
@@ -170,9 +177,16 @@ struct Renderer::Impl {
     return kept(size < kNear ? item.far_mesh.value_or(item.mesh) : item.mesh);
   }
 
+  /// As many texels as the shadow's box is large.
+  void make_shadow_map_for(const Vec2& size) {
+    const int width = texels(size.x()), height = texels(size.y());
+    if (shadow_map && shadow_map->fits(width, height)) return;
+    shadow_map = std::make_unique<ShadowMap>(gl, width, height);
+  }
+
   /// What lies behind each item, as the light sees it: so none shades its own lit side.
   void draw_depth(const DrawList& list, const Mat4& view) const {
-    shadow_map.use();
+    shadow_map->use();
     gl.Clear(GL_DEPTH_BUFFER_BIT);
     gl.CullFace(GL_FRONT);
     depth.use();
@@ -190,9 +204,9 @@ struct Renderer::Impl {
 
   /// What casts a shadow covers of the map, and a little: a shadow's edge is as wide as texels.
   std::vector<Eigen::AlignedBox2d> shades_of(const DrawList& list, const Mat4& shadow_view) const {
-    const Vec2 wide(2.0 / kShadowWidth, 2.0 / kShadowHeight);
     std::vector<Eigen::AlignedBox2d> shades;
     if (!quality.shadow || list.shadow.depth <= 0.0) return shades;
+    const Vec2 wide(2.0 / shadow_map->width(), 2.0 / shadow_map->height());
     for (const DrawItem& item : list.items) {
       if (!item.casts_shadow) continue;
       const Eigen::AlignedBox2d box =
@@ -482,7 +496,7 @@ struct Renderer::Impl {
   Program contact{gl, shaders::vertex_shader({}, shaders::kContactVertex),
                   shaders::shader({}, shaders::kContactFragment)};
   Program depth{gl, shaders::kDepthVertex, shaders::kDepthFragment};
-  ShadowMap shadow_map{gl};
+  std::unique_ptr<ShadowMap> shadow_map;         ///< for the box that the last list had
   std::vector<std::unique_ptr<Target>> targets;  // of the last views' sizes, in samples
   std::vector<std::unique_ptr<MirrorImage>> mirror_images;
   std::unique_ptr<Target> finer_target;  // of the last part that was drawn again

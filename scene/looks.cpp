@@ -167,9 +167,10 @@ void Looks::add_room(const MeshKeeper& keeper, const Scenario& scenario) {
   room.ground = room_ambient().ground;
   room.background = Vec3(0.16, 0.15, 0.13);
   room.patches = floor_patches(measures);
-  const double reach = 0.5 * measures.lane_width + measures.gutter_width;
-  room.shadow = {Vec3(0.22, -0.30, 1.0).normalized(), Vec3(-reach, -1.5, -measures.gutter_depth),
-                 Vec3(reach, measures.ahead, 1.0), 0.38};
+  const double wall = 0.5 * measures.width;
+  room.shadow = {Vec3(0.22, -0.30, 1.0).normalized(),
+                 Vec3(-wall, -measures.behind, -measures.gutter_depth),
+                 Vec3(wall, measures.ahead, measures.height), 0.38};
 }
 
 void Looks::add_buttons(const MeshKeeper& keeper, const Versions& versions) {
