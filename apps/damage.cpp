@@ -13,7 +13,9 @@ void say_what_is_missing(std::string_view command, const std::string& path,
   if (trial.complete) return;
   const devices::Skipped& skipped = trial.skipped;
   std::vector<std::string> unread;
-  if (const auto n = skipped.undecodable + skipped.implausible + skipped.misdated; n > 0) {
+  if (const auto n =
+          skipped.undecodable + skipped.implausible + skipped.baseless + skipped.misdated;
+      n > 0) {
     unread.push_back(fmt::format("{} messages", n));
   }
   if (const auto n = skipped.bytes + skipped.cut_bytes; n > 0) {

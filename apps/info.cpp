@@ -112,6 +112,7 @@ ordered_json to_json(const std::string& path, const devices::TrialSummary& trial
                     {"implausible", skipped.implausible},
                     {"other_trials", skipped.other_trials},
                     {"foreign", skipped.foreign},
+                    {"baseless", skipped.baseless},
                     {"misdated", skipped.misdated}};
   out["trouble"] = ordered_json::array();
   for (const devices::Trouble& t : trial.trouble) {
@@ -188,6 +189,7 @@ void print_skipped(const devices::TrialSummary& trial) {
   line(trial.skipped.implausible, "messages with numbers that cannot be");
   line(trial.skipped.other_trials, "more trial in the same file, and what follows its header");
   line(trial.skipped.foreign, "poses in another frame than the transmitter's");
+  line(trial.skipped.baseless, "states told by what is new since one that is not known");
   line(trial.skipped.misdated,
        "samples and states with a time that those around them do not share");
   line(trial.backwards, "samples not later than the one before (kept)");

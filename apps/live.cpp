@@ -41,6 +41,7 @@ struct LiveOptions {
   int baud = 115200, samples = 1;
   std::optional<double> duration_s;
   bool force = false, json = false, use_lcm = false, no_trial = false;
+  devices::States states = devices::States::changes;
   Condition condition;
 };
 
@@ -334,10 +335,13 @@ void open_recording(const LiveOptions& options, Live& live) {
   for (const auto& source : live.sources) inputs.push_back(source->recording());
   const Time epoch =
       std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
-  live.writer = std::make_unique<scene::TrialWriter>(
-      *options.record, live.header, live.session,
-      devices::Recorder::Options{
-          .overwrite = options.force, .live = true, .inputs = inputs, .epoch = epoch});
+  live.writer =
+      std::make_unique<scene::TrialWriter>(*options.record, live.header, live.session,
+                                           devices::Recorder::Options{.overwrite = options.force,
+                                                                      .live = true,
+                                                                      .inputs = inputs,
+                                                                      .states = options.states,
+                                                                      .epoch = epoch});
 }
 
 /// All that comes in; a stylus switch is the trigger where no mouse of its own says more.
@@ -446,6 +450,7 @@ void add_live(CLI::App& app) {
       "not given");
   add_output(*command, "--record", options->record,
              "write the trial here, safe from the first event");
+  add_states(*command, options->states);
   command->add_option("--participant", options->participant,
                       "name in the trial; that of the trial played when not given");
   command->add_option("--condition", options->condition_name, "likewise, of the condition");

@@ -63,6 +63,18 @@ CLI::Option* add_gl(CLI::App& command, std::string& value) {
       ->check(CLI::IsMember(names));
 }
 
+CLI::Option* add_states(CLI::App& command, devices::States& value) {
+  return command
+      .add_option_function<std::string>(
+          "--states",
+          [&value](const std::string& name) {
+            value = name == "all" ? devices::States::all : devices::States::changes;
+          },
+          "how the trial tells the state of each tick: changes, by what is new in it, and whole "
+          "about once a second; all, always whole, for readers of format 1 [changes]")
+      ->check(CLI::IsMember({"changes", "all"}));
+}
+
 CLI::Option* add_longest_gap(CLI::App& command, double& value) {
   return command
       .add_option("--longest-gap", value,

@@ -5,6 +5,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include "devices/log.h"
+
 /// Options that several commands have: one name, one check and one sentence each.
 namespace headpin::apps {
 
@@ -16,6 +18,9 @@ CLI::Option* add_json(CLI::App& command, bool& value);
 
 /// What draws: osmesa, egl or, when empty, the first of them that does.
 CLI::Option* add_gl(CLI::App& command, std::string& value);
+
+/// How a trial tells states: `changes`, or `all` of them whole.
+CLI::Option* add_states(CLI::App& command, devices::States& value);
 
 /// Seconds without a sample that a trial may have before it is taken for damaged.
 CLI::Option* add_longest_gap(CLI::App& command, double& value);

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include "devices/bytes.h"
 #include "devices/event_log.h"
 #include "devices/messages.h"
 #include "files/input_file.h"
@@ -21,12 +22,6 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kMark = "<!--headpin:data-->";
 constexpr double kMostQuanta = 4503599627370496.0;  // 2^52: the page reads them as doubles
-
-void append_number(std::int64_t number, std::vector<std::uint8_t>& out) {
-  auto left = static_cast<std::uint64_t>(number) << 1 ^ static_cast<std::uint64_t>(number >> 63);
-  for (; left >= 0x80; left >>= 7) out.push_back(static_cast<std::uint8_t>(left | 0x80));
-  out.push_back(static_cast<std::uint8_t>(left));
-}
 
 template <typename T>
 void append_big_endian(T number, std::vector<std::uint8_t>& out) {
@@ -87,7 +82,7 @@ std::vector<std::uint8_t> in_quanta(const scene::PageData& data) {
         const double quanta = first[row * columns + column] / quantum;
         const std::int64_t now = std::llround(
             std::isfinite(quanta) ? std::clamp(quanta, -kMostQuanta, kMostQuanta) : 0.0);
-        append_number(now - before, out);
+        devices::append_varint(devices::zigzag(now - before), out);
         before = now;
       }
     }
@@ -101,9 +96,10 @@ std::vector<std::uint8_t> log_of_inputs(const std::string& path) {
   std::vector<std::uint8_t> out;
   std::int64_t number = 0;
   while (const auto event = log.next()) {
-    if (event->channel == devices::kStateChannel || event->channel == devices::kFrameChannel) {
-      continue;
-    }
+    const bool of_simulation = event->channel == devices::kStateChannel ||
+                               event->channel == devices::kStateChangeChannel ||
+                               event->channel == devices::kFrameChannel;
+    if (of_simulation) continue;
     append(*event, number++, out);
   }
   return out;

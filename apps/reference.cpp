@@ -116,6 +116,7 @@ std::vector<JsonKey> json_keys() {
       {"ball_diameter_m", "of a scenario's ball, across"},
       {"ball_mass_kg", "of a scenario's ball"},
       {"ball", "of a frame, from 1; null where it was not counted"},
+      {"baseless", "states told by what is new since one that is not known"},
       {"bodies", "names of the bodies an event happened to"},
       {"bytes", "in messages of a channel; skipped, those that belong to no event"},
       {"capped_queries", "queries that stopped at the cap"},
@@ -308,7 +309,8 @@ std::vector<JsonKey> json_keys() {
       {"touches", "pairs of bodies that met, one of them a skittle"},
       {"trial", "its file"},
       {"trouble",
-       "which messages were undecodable, implausible, foreign, misdated, late or lost: runs of "
+       "which messages were undecodable, implausible, foreign, baseless, misdated, late or lost: "
+       "runs of "
        "them"},
       {"trigger_s", "when the trigger was let go, as its device tells it"},
       {"undecodable", "messages with another type or size"},
@@ -342,7 +344,9 @@ std::vector<ChannelUse> channel_uses() {
        "each change of a button, from `emulate` ten times a second too; `live` takes them from "
        "others"},
       {"EVENT", "event_t", "as things happen"},
-      {"STATE", "state_t", "every tick of a simulation"},
+      {"STATE", "state_t", "every tick of a simulation, in a file about every second"},
+      {"STATE_CHANGE", "state_change_t",
+       "the ticks between, in a file (format 2; not with `--states all`)"},
       {"FRAME", "frame_t", "each frame that was drawn"},
       {"SESSION_...", "the same six",
        "`live`: its own trial as it comes about, the header every second: what a logger keeps is "

@@ -25,6 +25,7 @@ namespace {
 struct ReplayOptions {
   std::string trial;
   std::optional<std::string> output;
+  devices::States states = devices::States::changes;
   Condition condition;
   double longest_gap = seconds(devices::kLongestGap);
   bool verify = false, each_throw = false, force = false, json = false;
@@ -207,7 +208,8 @@ void replay(const ReplayOptions& options) {
   if (options.output) {
     writer.emplace(
         *options.output, trial.header, session,
-        devices::Recorder::Options{.overwrite = options.force, .inputs = {options.trial}});
+        devices::Recorder::Options{
+            .overwrite = options.force, .inputs = {options.trial}, .states = options.states});
     for (const devices::Event& event : trial.events) {
       if (event.tick < 0) writer->write(event);  // what was found before any simulation
     }
@@ -265,6 +267,7 @@ void add_replay(CLI::App& app) {
   command->add_option("trial", options->trial, "a trial (.lcmlog)")->required();
   add_output(*command, "-o,--output", options->output,
              "write the new trial, states and events in it; - is standard output");
+  add_states(*command, options->states);
   command->add_flag("--verify", options->verify, "compare every tick with the trial's own states");
   command->add_flag("--each-throw", options->each_throw,
                     "every recorded throw on its own, from the state in which it was let go: so "

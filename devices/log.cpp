@@ -23,6 +23,7 @@
 
 #include "devices/messages.h"
 #include "devices/sources.h"
+#include "devices/state_change.h"
 #include "devices/trial_file.h"
 #include "devices/version.h"
 #include "files/output_file.h"
@@ -59,8 +60,8 @@ Trial read_trial(const std::string& path, Time longest_gap) {
   return whole(file);
 }
 
-TrialHeader stamped(TrialHeader header) {
-  header.format_version = kFormatVersion;
+TrialHeader stamped(TrialHeader header, States states) {
+  header.format_version = states == States::all ? kFormatVersion : kChangesFormatVersion;
   header.software_version = software_version();
   header.software_commit = software_commit();
   header.schema = schema_text();
@@ -76,6 +77,8 @@ struct Recorder::File {
   std::int64_t size = 0;   // of the file, up to the last whole event
   std::int64_t count = 0;  // of messages
   Time last{};
+  StateHistory states;
+  Time whole_due{};  // when the next state is told whole
   std::atomic<bool> unsynced = false;
   std::jthread syncing;  // last, so that it ends before what it works with
 
@@ -116,6 +119,17 @@ struct Recorder::File {
     }
   }
 
+  /// What is new in a state; nothing where it is to be told whole.
+  std::optional<StateChange> change_to(const TickState& state) {
+    if (options.states == States::all) return std::nullopt;
+    if (state.time < whole_due) {
+      if (auto change = states.change_to(state)) return change;
+    }
+    states.begin(state);
+    whole_due = state.time + Time{1'000'000};
+    return std::nullopt;
+  }
+
   template <typename T>
   void write(std::string_view channel, Time time, const T& message) {
     if (!log) throw std::runtime_error(path + ": closed, nothing more can be written");
@@ -149,7 +163,7 @@ struct Recorder::File {
 
 Recorder::Recorder(const std::string& path, const TrialHeader& header, const Options& options)
     : file_(std::make_unique<File>(path, options)) {
-  file_->write(kTrialChannel, Time{}, stamped(header));
+  file_->write(kTrialChannel, Time{}, stamped(header, options.states));
 }
 
 Recorder::~Recorder() = default;
@@ -167,7 +181,11 @@ void Recorder::write(const Event& event) {
 }
 
 void Recorder::write(const TickState& state) {
-  file_->write(kStateChannel, state.time, state);
+  if (const auto change = file_->change_to(state)) {
+    file_->write(kStateChangeChannel, state.time, *change);
+  } else {
+    file_->write(kStateChannel, state.time, state);
+  }
 }
 
 void Recorder::write(const FrameRecord& frame) {

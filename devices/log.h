@@ -40,8 +40,11 @@ Trial read_log(const std::string& path);
 /// The same from the bytes of a log; never throws for what is in them.
 Trial read_log(std::span<const std::uint8_t> bytes);
 
+/// How states are told: all of them whole, or most by what is new in them (state_change_t).
+enum class States { all, changes };
+
 /// A header with what this program says of itself: format, version, commit and schema.
-TrialHeader stamped(TrialHeader header);
+TrialHeader stamped(TrialHeader header, States states = States::all);
 
 /// Writes a trial through liblcm's event log, each message whole before the next begins.
 ///
@@ -54,6 +57,7 @@ class Recorder : public TrialSink {
     bool overwrite = false;  ///< else an existing file is refused
     bool live = false;       ///< under the final name from the start, to survive anything
     std::vector<std::filesystem::path> inputs = {};  ///< never to be written to
+    States states = States::all;
     Time epoch{};  ///< added to the stamps of LCM's event headers; wall clock of time 0, if any
   };
 

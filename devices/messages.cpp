@@ -8,10 +8,13 @@
 #include <headpin/frame_t.hpp>
 #include <headpin/mouse3d_t.hpp>
 #include <headpin/mouse3d_v1_t.hpp>
+#include <headpin/state_change_t.hpp>
 #include <headpin/state_t.hpp>
 #include <headpin/tracked_device_t.hpp>
 #include <headpin/tracked_device_v1_t.hpp>
 #include <headpin/trial_t.hpp>
+
+#include "devices/bytes.h"
 
 namespace headpin::devices {
 namespace {
@@ -198,6 +201,36 @@ std::optional<Message> decode_state(std::span<const std::uint8_t> bytes) {
   return state;
 }
 
+/// The body at the front of `bytes`, which has none before `first`.
+std::optional<BodyChange> take_body(Bytes& bytes, std::int32_t first) {
+  constexpr std::uint64_t kMostBodies = 100'000;
+  const std::optional<std::uint64_t> body = take_varint(bytes);
+  if (!body || *body / 2 >= kMostBodies || static_cast<std::int32_t>(*body / 2) < first) {
+    return std::nullopt;
+  }
+  BodyChange change{static_cast<std::int32_t>(*body / 2), *body % 2 == 1, {}};
+  for (std::uint64_t& beyond : change.beyond) {
+    const std::optional<std::uint64_t> number = take_varint(bytes);
+    if (!number) return std::nullopt;
+    beyond = static_cast<std::uint64_t>(unzigzag(*number));
+  }
+  return change;
+}
+
+std::optional<Message> decode_change(std::span<const std::uint8_t> bytes) {
+  const auto m = decode_as<state_change_t>("lllin(b)", bytes);
+  if (!m) return std::nullopt;
+  StateChange change{
+      Time{m->utime}, m->tick, static_cast<std::uint64_t>(m->hash), m->num_contacts, {}};
+  Bytes left = m->changes;
+  for (std::int32_t first = 0; !left.empty(); first = change.bodies.back().body + 1) {
+    const std::optional<BodyChange> body = take_body(left, first);
+    if (!body) return std::nullopt;
+    change.bodies.push_back(*body);
+  }
+  return change;
+}
+
 std::optional<Message> decode_frame(std::span<const std::uint8_t> bytes) {
   const auto m = decode_as<frame_t>(
       "lll"
@@ -247,6 +280,7 @@ struct Plausible {
              return plausible_pose(body.X_WB) && body.V_WB.v.allFinite() && body.V_WB.w.allFinite();
            });
   }
+  bool operator()(const StateChange& s) const { return plausible_time(s.time); }
   bool operator()(const FrameRecord& f) const {
     return plausible_time(f.time) && std::ranges::all_of(f.X_WE, plausible_pose);
   }
@@ -327,6 +361,22 @@ void encode(const TickState& state, Buffer& out) {
   encode_as(m, out);
 }
 
+void encode(const StateChange& change, Buffer& out) {
+  state_change_t m;
+  m.utime = change.time.count();
+  m.tick = change.tick;
+  m.hash = static_cast<std::int64_t>(change.hash);
+  m.num_contacts = change.contacts;
+  for (const BodyChange& body : change.bodies) {
+    append_varint(2 * static_cast<std::uint64_t>(body.body) + body.asleep, m.changes);
+    for (const std::uint64_t beyond : body.beyond) {
+      append_varint(zigzag(static_cast<std::int64_t>(beyond)), m.changes);
+    }
+  }
+  m.num_bytes = static_cast<std::int32_t>(m.changes.size());
+  encode_as(m, out);
+}
+
 void encode(const FrameRecord& frame, Buffer& out) {
   frame_t m;
   m.utime = frame.time.count();
@@ -341,7 +391,8 @@ void encode(const FrameRecord& frame, Buffer& out) {
 
 bool is_trial_channel(std::string_view channel) {
   return channel == kTrialChannel || channel == kTrackerChannel || channel == kMouseChannel ||
-         channel == kEventChannel || channel == kStateChannel || channel == kFrameChannel;
+         channel == kEventChannel || channel == kStateChannel || channel == kStateChangeChannel ||
+         channel == kFrameChannel;
 }
 
 std::optional<Message> decode(std::string_view channel, std::span<const std::uint8_t> bytes) {
@@ -350,6 +401,7 @@ std::optional<Message> decode(std::string_view channel, std::span<const std::uin
   if (channel == kMouseChannel) return decode_mouse(bytes);
   if (channel == kEventChannel) return decode_event(bytes);
   if (channel == kStateChannel) return decode_state(bytes);
+  if (channel == kStateChangeChannel) return decode_change(bytes);
   if (channel == kFrameChannel) return decode_frame(bytes);
   return std::nullopt;
 }

@@ -6,6 +6,7 @@
 #include <variant>
 #include <vector>
 
+#include "devices/state_change.h"
 #include "devices/trial.h"
 
 /// Plain data <-> the bytes of LCM messages; pure functions.
@@ -19,6 +20,7 @@ constexpr std::string_view kTrackerChannel = "TRACKER";
 constexpr std::string_view kMouseChannel = "MOUSE3D";
 constexpr std::string_view kEventChannel = "EVENT";
 constexpr std::string_view kStateChannel = "STATE";
+constexpr std::string_view kStateChangeChannel = "STATE_CHANGE";
 constexpr std::string_view kFrameChannel = "FRAME";
 
 /// Before the channels on which a session publishes its own trial, so that it is not mixed up with
@@ -35,11 +37,12 @@ void encode(const TrackerSample& sample, Buffer& out);
 void encode(const MouseSample& sample, Buffer& out);
 void encode(const Event& event, Buffer& out);
 void encode(const TickState& state, Buffer& out);
+void encode(const StateChange& change, Buffer& out);
 void encode(const FrameRecord& frame, Buffer& out);
 
 /// Any message of a trial.
-using Message =
-    std::variant<TrialHeader, TrackerSample, MouseSample, Event, TickState, FrameRecord>;
+using Message = std::variant<TrialHeader, TrackerSample, MouseSample, Event, TickState, StateChange,
+                             FrameRecord>;
 
 /// Whether messages on `channel` are ours to decode.
 bool is_trial_channel(std::string_view channel);

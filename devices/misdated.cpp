@@ -82,6 +82,10 @@ std::vector<std::int64_t> find_misdated(Messages messages) {
   std::map<std::pair<std::int32_t, std::size_t>, LoneFinder> samples;  // each device, all its times
   LoneFinder times(kMostJump_s, 1, found), ticks(kMostTicks, 1, found);
   std::int64_t states = 0;
+  const auto look_at_state = [&](const auto& state) {
+    times.add(messages.number(), seconds(state.time - messages.stamp()));
+    ticks.add(messages.number(), static_cast<double>(state.tick - states++));
+  };
   const auto look_at = [&](const auto& sample) {
     const std::array all = {sample.device_time, sample.host_time, sample.session_time};
     for (std::size_t kind = 0; kind < all.size(); ++kind) {
@@ -93,10 +97,8 @@ std::vector<std::int64_t> find_misdated(Messages messages) {
   while (const std::optional<Message> message = messages.next()) {
     if (const auto* tracker = std::get_if<TrackerSample>(&*message)) look_at(*tracker);
     if (const auto* mouse = std::get_if<MouseSample>(&*message)) look_at(*mouse);
-    if (const auto* state = std::get_if<TickState>(&*message)) {
-      times.add(messages.number(), seconds(state->time - messages.stamp()));
-      ticks.add(messages.number(), static_cast<double>(state->tick - states++));
-    }
+    if (const auto* state = std::get_if<TickState>(&*message)) look_at_state(*state);
+    if (const auto* change = std::get_if<StateChange>(&*message)) look_at_state(*change);
   }
   for (auto& [row, finder] : samples) finder.finish();
   times.finish();

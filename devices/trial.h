@@ -29,7 +29,8 @@ struct TrialHeader {
   bool operator==(const TrialHeader&) const = default;
 };
 
-constexpr std::int32_t kFormatVersion = 1;
+constexpr std::int32_t kFormatVersion = 1;         ///< every state is whole
+constexpr std::int32_t kChangesFormatVersion = 2;  ///< most are told by what is new in them
 
 /// Something that happened. World frame W; what does not apply is zero or empty.
 struct Event {
@@ -94,17 +95,20 @@ struct Skipped {
       0;  ///< messages with NaN, quaternions not unit, times or places out of range
   std::int64_t other_trials = 0;  ///< a second header: what follows it is another trial
   std::int64_t foreign = 0;       ///< samples in another frame than the transmitter's
+  std::int64_t baseless = 0;      ///< states told by what is new since one that is not known
   std::int64_t misdated = 0;      ///< samples and states whose time, unlike those around them, is
                                   ///< another than the log's
 
   bool nothing() const {
-    return bytes + cut_bytes + undecodable + implausible + other_trials + foreign + misdated == 0;
+    return bytes + cut_bytes + undecodable + implausible + other_trials + foreign + baseless +
+               misdated ==
+           0;
   }
 };
 
 /// Messages in a row, none more than a second from the next, with the same thing amiss.
 struct Trouble {
-  std::string kind;    ///< undecodable, implausible, foreign, misdated, late or lost
+  std::string kind;    ///< undecodable, implausible, foreign, baseless, misdated, late or lost
   std::string device;  ///< whose samples, or the channel
   std::int64_t messages = 0;
   Time from{}, to{};  ///< by the stamps of LCM's event headers, since the log's first

@@ -9,6 +9,7 @@
 #include "devices/messages.h"
 #include "devices/misdated.h"
 #include "devices/sources.h"
+#include "devices/state_change.h"
 #include "devices/trial_messages.h"
 
 namespace headpin::devices {
@@ -47,7 +48,9 @@ class TrialWalk {
 
   std::optional<Message> next() {
     while (std::optional<Message> message = messages_.next()) {
-      if (misdated()) {
+      const bool misdated = is_misdated();
+      if (!make_whole(*message, misdated)) continue;
+      if (misdated) {
         ++counted().skipped.misdated;
         note("misdated", name_of(*message));
         continue;
@@ -69,7 +72,30 @@ class TrialWalk {
   TrialSummary& counted() { return messages_.counted(); }
 
  private:
-  bool misdated() {
+  /// Puts in the state that a change comes to; false where that is none.
+  bool make_whole(Message& message, bool misdated) {
+    const auto meant = [&](std::int64_t tick) {
+      return misdated ? states_.next_tick().value_or(tick) : tick;
+    };
+    if (auto* whole = std::get_if<TickState>(&message)) {
+      whole->tick = meant(whole->tick);
+      states_.begin(*whole);
+    }
+    auto* change = std::get_if<StateChange>(&message);
+    if (!change) return true;
+    change->tick = meant(change->tick);
+    tick_ = misdated ? tick_ : change->time;
+    const TickState* state = states_.go_on(*change);
+    if (state && plausible(*state)) {
+      message = *state;
+      return true;
+    }
+    states_.forget();
+    ++(state ? counted().skipped.implausible : counted().skipped.baseless);
+    note(state ? "implausible" : "baseless", std::string(kStateChangeChannel));
+    return false;
+  }
+  bool is_misdated() {
     const std::vector<std::int64_t>& all = content_.misdated;
     if (next_misdated_ == all.size() || all[next_misdated_] != messages_.number()) return false;
     ++next_misdated_;
@@ -102,6 +128,7 @@ class TrialWalk {
   Messages messages_;
   std::size_t next_misdated_ = 0;
   std::optional<Time> tick_;  // of the last state
+  StateHistory states_;
   std::int64_t samples_ = 0;
 };
 
@@ -254,10 +281,10 @@ void TrialFile::require_trial(Time longest_gap) const {
     throw std::runtime_error(path + ": no message on " + std::string(kTrialChannel) +
                              " to say which trial this is; found " + found);
   }
-  if (trial.header.format_version != kFormatVersion) {
-    throw std::runtime_error(path + ": trial of format version " +
-                             std::to_string(trial.header.format_version) + ", expected " +
-                             std::to_string(kFormatVersion));
+  const std::int32_t format = trial.header.format_version;
+  if (format < kFormatVersion || format > kChangesFormatVersion) {
+    throw std::runtime_error(fmt::format("{}: trial of format version {}, expected {} to {}", path,
+                                         format, kFormatVersion, kChangesFormatVersion));
   }
   if (const Gap& gap = trial.longest_gap; gap.length() > longest_gap) {
     throw std::runtime_error(

@@ -100,6 +100,7 @@ json of_trial(const Recorded& recorded) {
                 {"implausible", t.skipped.implausible},
                 {"other_trials", t.skipped.other_trials},
                 {"foreign", t.skipped.foreign},
+                {"baseless", t.skipped.baseless},
                 {"misdated", t.skipped.misdated}}}};
   out["trouble"] = json::array();
   for (const devices::Trouble& one : t.trouble) {

@@ -77,7 +77,7 @@ TEST_F(CommandLine, ACutOffTrialReplaysUpToTheCut) {
 }
 
 TEST_F(CommandLine, StatesThatAreLostAreNeitherVerifiedNorEqual) {
-  ASSERT_EQ(headpin("replay " + kDemo + " -o whole.lcmlog").code, 0);
+  ASSERT_EQ(headpin("replay " + kDemo + " -o whole.lcmlog --states all").code, 0);
   std::string log = slurp(folder_ / "whole.lcmlog");
   const devices::Trial whole = devices::read_trial(folder_ / "whole.lcmlog");
   std::size_t state = 0, lost = 0;

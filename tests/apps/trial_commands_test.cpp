@@ -12,6 +12,7 @@ namespace headpin {
 namespace {
 
 using testing::HasSubstr;
+using testing::StartsWith;
 
 class TrialCommands : public CommandLine {
  protected:
@@ -251,7 +252,8 @@ TEST_F(TrialCommands, InfoTellsWhatIsInATrial) {
   EXPECT_EQ(info["complete"], true);
   EXPECT_EQ(info["duration_s"].get<double>(), 7.008333);  // to the tick that has the last sample
   EXPECT_EQ(info["channels"]["TRACKER"]["messages"], 841);
-  EXPECT_EQ(info["channels"]["STATE"]["messages"], info["ticks"]);
+  EXPECT_EQ(info["channels"]["STATE"]["messages"], 8);  // at the first tick, and each second
+  EXPECT_EQ(info["channels"]["STATE_CHANGE"]["messages"], info["ticks"].get<int>() - 8);
   EXPECT_EQ(info["devices"][0]["device"], "head");
   EXPECT_NEAR(info["devices"][0]["rate_hz"].get<double>(), 60.0, 1e-3);
   EXPECT_EQ(info["devices"][1]["lost"], 0);
@@ -349,9 +351,11 @@ TEST_F(TrialCommands, AnotherLanguageReadsEveryChannel) {
   if (shell("python3 --version").code != 0) GTEST_SKIP() << "no python3";
   ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
   ASSERT_EQ(headpin("stream game.lcmlog --lcm 'file://stream.lcmlog?mode=w' --speed 0").code, 0);
+  std::map<std::string, std::string> states;
   ASSERT_EQ(shell("lcm-gen -p --ppath generated " HEADPIN_SOURCE_DIR "/devices/types/*.lcm").code,
             0);
-  for (const std::string log : {"game.lcmlog", "stream.lcmlog"}) {
+  ASSERT_EQ(headpin("replay " + kDemo + " --states all -o all.lcmlog").code, 0);
+  for (const std::string log : {"game.lcmlog", "all.lcmlog", "stream.lcmlog"}) {
     const Result read =
         shell("python3 -B " HEADPIN_SOURCE_DIR "/tests/apps/read_trial.py generated " + log);
     ASSERT_EQ(read.code, 0) << read.err;
@@ -359,8 +363,31 @@ TEST_F(TrialCommands, AnotherLanguageReadsEveryChannel) {
     for (const auto& [name, channel] : trial(log).channels) {
       expected += name + " " + std::to_string(channel.messages) + "\n";
     }
-    EXPECT_EQ(read.out, expected);
+    EXPECT_THAT(read.out, StartsWith(expected));
+    states[log] = read.out.substr(expected.size());
   }
+  EXPECT_EQ(states["stream.lcmlog"], "");
+  EXPECT_THAT(states["game.lcmlog"], StartsWith("state of 1682 ticks "));
+  EXPECT_EQ(states["game.lcmlog"], states["all.lcmlog"]);
+}
+
+// Samples, events and a hash a tick cost some; bodies that rest cost nothing.
+TEST_F(TrialCommands, ASessionsStatesTakeAFifthAndAllOfThemAreThere) {
+  ASSERT_EQ(headpin("synthesize --participant 3 --throws 2 -o some.lcmlog").code, 0);
+  ASSERT_EQ(headpin("replay some.lcmlog -o game.lcmlog").code, 0);
+  ASSERT_EQ(headpin("replay some.lcmlog -o all.lcmlog --states all").code, 0);
+  EXPECT_LE(5 * fs::file_size(folder_ / "game.lcmlog"), fs::file_size(folder_ / "all.lcmlog"));
+  const nlohmann::json both = json("compare game.lcmlog all.lcmlog --json");
+  EXPECT_TRUE(both["first_difference_tick"].is_null());
+  const nlohmann::json verified = json("replay game.lcmlog --verify --json");
+  EXPECT_EQ(verified["verified_ticks"], verified["ticks"]);
+  for (const std::string log : {"game", "all"}) {
+    ASSERT_EQ(headpin("export " + log + ".lcmlog -o " + log).code, 0);
+  }
+  EXPECT_EQ(slurp(folder_ / "game/states.csv"), slurp(folder_ / "all/states.csv"));
+  ASSERT_EQ(headpin("replay all.lcmlog -o again.lcmlog").code, 0);
+  EXPECT_EQ(slurp(folder_ / "again.lcmlog"), slurp(folder_ / "game.lcmlog"));
+  EXPECT_EQ(headpin("replay some.lcmlog -o x.lcmlog --states most").code, 2);
 }
 
 /// A network of its own, with a multicast route, if this user may have one.

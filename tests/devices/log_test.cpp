@@ -747,10 +747,10 @@ TEST(LogTest, SaysWhatIsWrongWithAFileThatIsNoTrial) {
   EXPECT_THAT(message(Buffer(5000, 'x')), HasSubstr("no whole event in 5000 bytes"));
   EXPECT_THAT(message(one_event("LIDAR", {1})), HasSubstr("no message on HEADPIN_TRIAL"));
   TrialHeader later = header();
-  later.format_version = 2;
+  later.format_version = 3;
   Buffer data;
   encode(later, data);
-  EXPECT_THAT(message(one_event("HEADPIN_TRIAL", data)), HasSubstr("format version 2, expected 1"));
+  EXPECT_THAT(message(one_event("HEADPIN_TRIAL", data)), HasSubstr("format version 3, expected 1 to 2"));
   EXPECT_THROW(read_trial(folder / "missing.lcmlog"), std::runtime_error);
   EXPECT_THROW(read_trial(folder), std::runtime_error);
 }

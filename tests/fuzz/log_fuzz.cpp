@@ -3,9 +3,34 @@
 #include "devices/log.h"
 #include "devices/messages.h"
 #include "devices/sources.h"
+#include "devices/state_change.h"
 #include "devices/trial_file.h"
 
 using namespace headpin;
+
+namespace {
+
+/// A state that can be told by what is new in it comes back as it was.
+void expect_told(const devices::TickState& state, devices::StateHistory& writing,
+                 devices::StateHistory& reading) {
+  const std::optional<devices::StateChange> change = writing.change_to(state);
+  if (!change) {
+    writing.begin(state);
+    reading.begin(state);
+    return;
+  }
+  devices::Buffer bytes, expected, found;
+  devices::encode(*change, bytes);
+  const auto again = devices::decode(devices::kStateChangeChannel, bytes);
+  if (!again) std::abort();
+  const auto* told = reading.go_on(std::get<devices::StateChange>(*again));
+  if (!told) std::abort();
+  devices::encode(state, expected);
+  devices::encode(*told, found);
+  if (expected != found) std::abort();
+}
+
+}  // namespace
 
 // Whatever a log holds: read_log comes back, and all it lets through can be written, read again
 // and replayed.
@@ -20,9 +45,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
         devices::decode(tracker ? devices::kTrackerChannel : devices::kMouseChannel, bytes);
     if (!again || !devices::plausible(*again)) std::abort();
   }
+  devices::StateHistory writing, reading;
   for (const devices::TickState& state : trial.states) {
     devices::encode(state, bytes);
     if (!devices::decode(devices::kStateChannel, bytes)) std::abort();
+    expect_told(state, writing, reading);
   }
 
   const devices::TrialFile file({data, size});

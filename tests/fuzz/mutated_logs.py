@@ -151,7 +151,9 @@ def twice(messages):
 
 
 def make_bases(options, folder):
-    """The session, and the session as it is published; the former is compared with, too."""
+    """The session, as it is published, and with most states told by what is new in them.
+
+    The first is compared with, too."""
     def headpin(*words):
         said = subprocess.run([options.headpin, *words], capture_output=True, text=True)
         if said.returncode != 0:
@@ -162,7 +164,7 @@ def make_bases(options, folder):
     headpin("replay", options.trial, "-o", at("small.lcmlog"), *small)
     with open(at("small.lcmlog"), "rb") as file, open(at("throw.lcmlog"), "wb") as out:
         out.write(throw_of(file.read()))
-    headpin("replay", at("throw.lcmlog"), "-o", at("game.lcmlog"))
+    headpin("replay", at("throw.lcmlog"), "-o", at("game.lcmlog"), "--states", "all")
     with open(at("game.lcmlog"), "rb") as file:
         session = session_of(file.read())
     options.trial = at("session.lcmlog")
@@ -173,7 +175,10 @@ def make_bases(options, folder):
     kinds = {event["kind"] for event in found["events"]}
     if found["frames"] != 3 or not {"grab", "release", "first_contact"} <= kinds:
         sys.exit(f"the session lacks something: {found['frames']} frames, {sorted(kinds)}")
-    return [log_of(session), log_of(twice(session))]
+    headpin("replay", at("throw.lcmlog"), "-o", at("changes.lcmlog"))
+    with open(at("changes.lcmlog"), "rb") as file:
+        changes = file.read()
+    return [log_of(session), log_of(twice(session)), changes]
 
 
 def flip(log, at, draw):
@@ -310,11 +315,11 @@ def try_log(number, bases, options, kept):
     folder = tempfile.mkdtemp(prefix="headpin-mutated-")
     log = os.path.join(folder, "log.lcmlog")
     with open(log, "wb") as file:
-        file.write(damage(bases[number % 2], draw))
+        file.write(damage(bases[number % 3], draw))
     failures = []
     for name in options.commands:
         ways = COMMANDS[name]
-        words = ways[number // 2 % len(ways)]
+        words = ways[number // 3 % len(ways)]
         words = words.replace("LOG", log).replace("OUT", "out").replace("TRIAL", options.trial)
         words = words.replace("PAGE", options.page)
         wrong = run(words.split(), number, folder, options)
