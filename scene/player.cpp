@@ -76,10 +76,14 @@ Twist velocity_at_sample(const Player& player, const Hand& hand, const Vec3& p_H
   return release_velocity(seen, p_HB, window);
 }
 
-/// How a point of the hand moves in the tracked space at `time`, by all samples there are.
-Motion hand_motion(const Player& player, const Hand& hand, const Vec3& p_HB, Time time) {
+/// How a point of the hand moves in the tracked space at `time`.
+Motion hand_motion(const Player& player, const Scenario& scenario, const Vec3& p_HB, Time time) {
+  const Hand& hand = scenario.hand;
   if (!at_trigger(hand)) return {velocity_at_sample(player, hand, p_HB, time)};
-  return motion_at(player.hand.samples(), time, p_HB, release_window(hand));
+  const Time last = told_until(time, scenario.rig.delay_s);
+  const std::vector<Stamped<Pose>>& track = player.hand.samples();
+  const auto end = std::ranges::upper_bound(track, last, {}, &Stamped<Pose>::time);
+  return motion_at({track.begin(), end}, time, p_HB, release_window(hand));
 }
 
 /// What the hand carries at a time, and how well its motion is known.
@@ -89,9 +93,10 @@ struct Carried {
 };
 
 /// At `time`, not later than `now`: the walk's velocity on top.
-Carried carried(const Player& player, const Hand& hand, Time time, Time now) {
+Carried carried(const Player& player, const Scenario& scenario, Time time, Time now) {
+  const Hand& hand = scenario.hand;
   const Pose X_WH = *hand_at(player, time, now);
-  Motion motion = hand_motion(player, hand, hand.grip, time);
+  Motion motion = hand_motion(player, scenario, hand.grip, time);
   motion.V_WB.v = player.walk.v_WP + motion.V_WB.v;
   return {{{X_WH.q * player.held->q_HB, X_WH * hand.grip}, motion.V_WB.v, motion.V_WB.w}, motion};
 }
@@ -160,7 +165,7 @@ nlohmann::json told_of_release(Time time, const engine::State& state) {
 void release(Player& player, const Scene& scene, Time time, Time now) {
   const engine::BodyId body = player.held->body;
   const Hand& hand = scene.stage.scenario.hand;
-  auto [state, motion] = carried(player, hand, time, now);
+  auto [state, motion] = carried(player, scene.stage.scenario, time, now);
   nlohmann::json told = told_of_release(time, state);
   double flown = seconds(now - time);
   if (at_trigger(hand)) flown -= engine::step_seconds(scene.world);
@@ -193,7 +198,7 @@ void carry(const Player& player, const Scene& scene, Time now) {
   engine::World& world = scene.world;
   const Hand& hand = scene.stage.scenario.hand;
   const double dt = engine::step_seconds(world);
-  engine::State state = carried(player, hand, now, now).state;
+  engine::State state = carried(player, scene.stage.scenario, now, now).state;
   const engine::State there = state;
   if (at_trigger(hand)) state = ending_at(state, dt);
   state = engine::outside_fixed(world, body, state);
@@ -228,7 +233,7 @@ void place_hand(Player& player, const Scene& scene, Time now) {
     return engine::set_state(scene.world, body, {kAway, Vec3::Zero(), Vec3::Zero()});
   }
   const Hand& hand = scene.stage.scenario.hand;
-  const Twist V_PH = hand_motion(player, hand, Vec3::Zero(), now).V_WB;
+  const Twist V_PH = hand_motion(player, scene.stage.scenario, Vec3::Zero(), now).V_WB;
   const engine::State state{*X_WH, player.walk.v_WP + V_PH.v, V_PH.w};
   const double dt = engine::step_seconds(scene.world);
   engine::set_state(scene.world, body, at_trigger(hand) ? ending_at(state, dt) : state);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <optional>
 #include <span>
 #include <string>
@@ -11,6 +12,15 @@
 /// How the ball leaves the hand: its velocity and spin at the very time of the trigger, and how they
 /// are known.
 namespace headpin::scene {
+
+/// Until a sample is there, at most: a Fastrak's at 115200 baud.
+inline constexpr Time kSampleLatency{8'000};
+
+/// Up to when samples tell of the hand at a time, where poses are read `rig.delay_s` late: as far as
+/// they are there in any case, so that a throw does not depend on when each of them came.
+inline Time told_until(Time time, double delay_s) {
+  return time + std::max(Time{}, microseconds(delay_s) - kSampleLatency);
+}
 
 /// How the velocity of a hand at a time is known.
 enum class Known {

@@ -60,7 +60,7 @@ std::size_t best(std::size_t begin, std::size_t end, const Score& score) {
   return best;
 }
 
-constexpr Time kReadLate{20'000};  // so long after a sample its pose is used; see stand_thrower
+constexpr Time kReadLate{28'000};  // so long after a sample its pose is used; see stand_thrower
 
 /// As a session has it that reads the poses so late.
 Twist ball_velocity(const MotionRecording& r, std::size_t release, Side side, const Vec3& p_HB,
@@ -68,10 +68,10 @@ Twist ball_velocity(const MotionRecording& r, std::size_t release, Side side, co
   const std::vector<Pose>& hand = throwing_hand(r, side);
   const ReleaseWindow window = release_window(rules);
   const bool after = rules.release_at == "trigger";
+  const Time last = after ? told_until(r.times[release], seconds(kReadLate)) : r.times[release];
   std::vector<Stamped<Pose>> track;
   for (std::size_t i = 0; i < r.times.size(); ++i) {
-    const Time age = r.times[release] - r.times[i];
-    if (age > window.longest() || (i > release && !after) || -age > kReadLate) continue;
+    if (r.times[release] - r.times[i] > window.longest() || r.times[i] > last) continue;
     track.push_back({r.times[i], hand[i]});
   }
   return after ? motion_at(track, r.times[release], p_HB, window).V_WB

@@ -152,8 +152,9 @@ TEST_F(Reference, ATrialIsExportedWholeAndPlotted) {
   EXPECT_GT(rows["states"], info["ticks"]);
   EXPECT_EQ(slurp(folder_ / "tables/scenario.toml"), headpin("info game.lcmlog --scenario").out);
   // Of a trial of before some keys were there, as a file it means what that ran under.
-  ASSERT_EQ(headpin("export " + kDemo + " -o old").code, 0);
-  EXPECT_EQ(slurp(folder_ / "old/scenario.toml"), headpin("info " + kDemo + " --scenario").out);
+  const std::string old = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-1.lcmlog";
+  ASSERT_EQ(headpin("export " + old + " -o old").code, 0);
+  EXPECT_EQ(slurp(folder_ / "old/scenario.toml"), headpin("info " + old + " --scenario").out);
   EXPECT_THAT(slurp(folder_ / "old/scenario.toml"), testing::HasSubstr("\nspeed = 0.0"));
   EXPECT_EQ(nlohmann::json::parse(slurp(folder_ / "tables/trial.json"))["complete"], true);
   const std::string states = slurp(folder_ / "tables/states.csv");

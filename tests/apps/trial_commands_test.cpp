@@ -283,7 +283,7 @@ TEST_F(TrialCommands, InfoTellsWhatTheBallMetAndWhyNothingFell) {
             0);
   const nlohmann::json miss = json("info miss.lcmlog --json");
   EXPECT_THAT(miss["result"]["why_nothing_fell"].get<std::string>(),
-              testing::AllOf(HasSubstr("let go at 6.6"), HasSubstr("lane"), HasSubstr("wall ahead"),
+              testing::AllOf(HasSubstr("let go at 6.5"), HasSubstr("lane"), HasSubstr("wall ahead"),
                              HasSubstr("but no skittle")));
   EXPECT_THAT(headpin("info miss.lcmlog").out, HasSubstr("but no skittle"));
 

@@ -68,33 +68,60 @@ Score play_through_a_unit(const Scenario& scenario, const std::vector<devices::S
   });
 }
 
-// Times are rounded twice to a microsecond, of 16.7 ms between two samples, and the slope at the end
-// of a parabola takes up to four times that: 5e-4 of the speed.
+/// Lets go later by so much, or sooner where it is negative.
+std::vector<devices::Sample> released_at_another_time(std::vector<devices::Sample> samples,
+                                                      Time by) {
+  for (devices::Sample& sample : samples) {
+    auto* mouse = std::get_if<devices::MouseSample>(&sample);
+    if (mouse && !mouse->trigger) mouse->device_time += by;
+  }
+  return samples;
+}
+
+// The unit tells its button with a record; the trigger is taken to be half-way between that and the
+// one before, so the throw is one that was let go up to 8.3 ms sooner or later. Times are rounded twice
+// to a microsecond, of 16.7 ms between two samples, and the slope of the fit takes up to four times
+// that: 5e-4 of the speed. The bundled throw fells as many, as it does when it is let go 2 ms sooner or
+// later; not every throw does.
 TEST(ThroughAUnit, TheSameThrowIsTheSameGameWhereverItsCycleIs) {
   const Scenario scenario = load_trial(kDemo).scenario;
   const std::vector<devices::Sample> recorded = devices::read_trial(kDemo).samples;
   devices::ReplaySource replay(recorded);
   const Score wanted = play(scenario, replay, 10s);
   ASSERT_GT(wanted.skittles_down, 0);
+  std::vector<Vec3> moved;
+  for (Time by = -8334us; by <= 8334us; by += 500us) {
+    devices::ReplaySource source(released_at_another_time(recorded, by));
+    moved.push_back(*play(scenario, source, 5s).throws.at(0).v_WB);
+  }
+  const double between = (moved[1] - moved[0]).norm();  // the next one is so far away
   for (Time delay = 0us; delay < 16667us; delay += 1300us) {
     const Score found = play_through_a_unit(scenario, recorded, {.delay = delay});
-    EXPECT_NEAR(found.release_speed.value_or(0.0), *wanted.release_speed, 5e-4 * 6.6)
-        << delay.count();
+    ASSERT_EQ(found.throws.size(), 1u) << delay.count();
+    double nearest = 1.0;
+    for (const Vec3& v : moved) nearest = std::min(nearest, (*found.throws[0].v_WB - v).norm());
+    EXPECT_LT(nearest, 5e-4 * 6.6 + 0.5 * between) << delay.count();
     EXPECT_EQ(found.skittles_down, wanted.skittles_down) << delay.count();
   }
 }
 
 // It owes the records of half a second then, and pays. When they come the ball has flown on without
-// them, so the game may be another one; the throw is not.
+// them, so the game may be another one; the throw is not, unless it stands from the trigger on: then
+// nothing is known of the hand after that. By docs/release.md, 0.4 m/s at most.
 TEST(ThroughAUnit, TheThrowIsTheSameWhenTheUnitsProcessStandsStill) {
   const Scenario scenario = load_trial(kDemo).scenario;
   const std::vector<devices::Sample> recorded = devices::read_trial(kDemo).samples;
   const double wanted = *play_through_a_unit(scenario, recorded, {}).release_speed;
+  int tracked_ones = 0;
   for (Time from = 3300ms; from < 4s; from += 60ms) {
     const Score found =
         play_through_a_unit(scenario, recorded, {.stands_from = from, .stands = 500ms});
-    EXPECT_NEAR(found.release_speed.value_or(0.0), wanted, 5e-4 * 6.6) << from.count();
+    ASSERT_EQ(found.throws.size(), 1u) << from.count();
+    const bool tracked = found.throws[0].known == "tracked";
+    tracked_ones += tracked ? 1 : 0;
+    EXPECT_NEAR(found.throws[0].speed, wanted, tracked ? 5e-4 * 6.6 : 0.4) << from.count();
   }
+  EXPECT_GE(tracked_ones, 10);  // of 12
 }
 
 }  // namespace
