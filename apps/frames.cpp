@@ -334,6 +334,7 @@ void draw_frames(const FramesOptions& options) {
   scene::Eyes eyes =
       scene::open_eyes(*session.stage, look_of(options, recorded.scenario), options.gl);
   say_instead_of("frames", eyes);
+  say_not_drawn("frames", recorded.scenario);
   if (task.compares) task.why_not = check_comparable(options, recorded, eyes);
   say_what_is_missing("frames", options.trial, trial);
   watch_stop_signals();

@@ -12,6 +12,7 @@
 #include "apps/command.h"
 #include "apps/drawing_process.h"
 #include "apps/streams.h"
+#include "scene/seen_mesh.h"
 #include "scene/viewer.h"
 
 namespace headpin::apps {
@@ -82,6 +83,7 @@ std::unique_ptr<scene::FrameDrawer> make_drawer(const DrawingOrder& order) {
   scene::Eyes eyes = scene::open_eyes(*stage, stage->scenario.look, order.gl);
   if (order.first) {
     say_instead_of("live", eyes);
+    say_not_drawn("live", stage->scenario);
     say_rate(eyes, at_the_foul_line(stage), order.eyes == "png", stage->scenario.rates.frame_hz);
   }
   std::unique_ptr<scene::FrameSink> sink;
@@ -103,6 +105,12 @@ void say_instead_of(const char* command, const scene::Eyes& eyes) {
   const std::string& why = eyes.renderer.instead_of();
   if (why.empty()) return;
   say("headpin {}: drawn by {}; {}\n", command, eyes.renderer.description(), why);
+}
+
+void say_not_drawn(const char* command, const scene::Scenario& scenario) {
+  for (const std::string& one : scene::not_drawn(scenario)) {
+    say("headpin {}: {}\n", command, printable(one));
+  }
 }
 
 std::unique_ptr<scene::FramesBeside> open_eyes(const scene::Stage& stage, const std::string& how,

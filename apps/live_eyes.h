@@ -20,6 +20,9 @@ std::unique_ptr<scene::FramesBeside> open_eyes(const scene::Stage& stage, const 
 /// Says why something comes to be drawn by another context than the first one.
 void say_instead_of(const char* command, const scene::Eyes& eyes);
 
+/// Says what the scenario's mesh files have that is not drawn.
+void say_not_drawn(const char* command, const scene::Scenario& scenario);
+
 /// The scene for Drake's viewer, at the frames' rate; whole every five seconds, for viewers that
 /// come later.
 class Viewer : public scene::Observer {

@@ -8,6 +8,7 @@
 #include "apps/options.h"
 #include "apps/streams.h"
 #include "scene/scenario_files.h"
+#include "scene/seen_mesh.h"
 #include "scene/stage.h"
 
 namespace headpin::apps {
@@ -26,6 +27,7 @@ struct Measures {
   double skittle_m = 0.0, skittle_kg = 0.0;
   double ball_m = 0.0, ball_kg = 0.0;  ///< across
   double lane_m = 0.0;                 ///< foul line to head pin
+  std::vector<std::string> not_drawn;  ///< of its mesh files
 };
 
 /// @throws std::invalid_argument  where what stands in it cannot be
@@ -39,7 +41,8 @@ Measures measure(const std::string& name_or_file) {
           .skittle_kg = s.skittle.mass,
           .ball_m = 2.0 * s.ball.radius,
           .ball_kg = s.ball.mass,
-          .lane_m = s.lane.head_pin};
+          .lane_m = s.lane.head_pin,
+          .not_drawn = scene::not_drawn(s)};
 }
 
 std::string in_words(const Measures& m) {
@@ -55,7 +58,7 @@ nlohmann::ordered_json in_json(const std::string& file, const Measures& m) {
           {"skittles", m.skittles},      {"primitives", m.primitives},
           {"height_m", m.skittle_m},     {"mass_kg", m.skittle_kg},
           {"ball_diameter_m", m.ball_m}, {"ball_mass_kg", m.ball_kg},
-          {"lane_m", m.lane_m}};
+          {"lane_m", m.lane_m},          {"not_drawn", m.not_drawn}};
 }
 
 void list(bool json) {
@@ -91,6 +94,7 @@ void tell_scenarios(const ScenarioOptions& options) {
   const Measures m = measure(options.scenario);
   if (options.json) return print_json(in_json(scene::scenario_path(options.scenario), m));
   fmt::print("{}: {}\n", m.name, in_words(m));
+  for (const std::string& one : m.not_drawn) fmt::print("{}\n", printable(one));
 }
 
 }  // namespace

@@ -7,7 +7,6 @@
 #include <cstring>
 #include <map>
 #include <memory>
-#include <sstream>
 #include <stdexcept>
 #include <type_traits>
 
@@ -26,6 +25,7 @@
 #include "devices/motion_axes.h"
 #include "render/mesh.h"
 #include "scene/apart.h"
+#include "scene/mesh_text.h"
 
 namespace headpin::scene {
 namespace {
@@ -48,9 +48,11 @@ bool is_gltf(const std::string& kind) {
 
 /// What is read of a file, as it stands there.
 struct Read {
-  std::vector<aiVector3D> points, normals;
-  std::vector<aiColor4D> colours;
+  std::vector<aiVector3D> points;
+  std::vector<aiVector3D> normals;  // of the points, 0 where the file has none; then of the corners
+  std::vector<aiColor4D> colours;   // of the points
   std::vector<std::uint32_t> sizes, corners;  // of each face; its points
+  std::vector<char> unseen;                   // as MeshData has it
 };
 
 template <typename T>
@@ -112,65 +114,113 @@ std::string bare(std::string text) {
   return text;
 }
 
-void append(Read& all, const aiMesh& mesh, const aiMaterial* material, bool gltf) {
+/// Who asks for a mesh: surfaces seen from both sides are there twice for the eyes.
+enum class For { eyes, collisions };
+
+/// A mesh where its node stands. A mirror turns its faces' corners round (glTF 2.0, section 3.7.4).
+void append(Read& all, const aiMesh& mesh, const aiMatrix4x4& X, bool turned, bool other_side) {
   const auto base = static_cast<std::uint32_t>(all.points.size());
-  if (mesh.mNumVertices == 0) return;
-  all.points.insert(all.points.end(), mesh.mVertices, mesh.mVertices + mesh.mNumVertices);
-  if (mesh.HasNormals()) {
-    all.normals.insert(all.normals.end(), mesh.mNormals, mesh.mNormals + mesh.mNumVertices);
-  }
-  aiColor4D plain;
-  const bool has_plain =
-      gltf && material != nullptr && material->Get(AI_MATKEY_BASE_COLOR, plain) == AI_SUCCESS;
-  if (mesh.HasVertexColors(0)) {
-    all.colours.insert(all.colours.end(), mesh.mColors[0], mesh.mColors[0] + mesh.mNumVertices);
-  } else if (has_plain) {
-    all.colours.insert(all.colours.end(), mesh.mNumVertices, plain);
+  const aiMatrix3x3 for_normals = aiMatrix3x3(X).Inverse().Transpose();
+  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+    all.points.push_back(X * mesh.mVertices[i]);
+    const aiVector3D n = mesh.HasNormals() ? for_normals * mesh.mNormals[i] : aiVector3D();
+    all.normals.push_back(other_side ? -n : n);
   }
   for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
     const aiFace& face = mesh.mFaces[f];
     all.sizes.push_back(face.mNumIndices);
-    for (unsigned k = 0; k < face.mNumIndices; ++k) all.corners.push_back(base + face.mIndices[k]);
+    for (unsigned k = 0; k < face.mNumIndices; ++k) {
+      all.corners.push_back(base + face.mIndices[turned ? face.mNumIndices - 1 - k : k]);
+    }
   }
 }
 
-/// Takes the lines out of an OBJ that name materials, and refuses what assimp would take for 0.
-std::string plain_obj(std::string_view bytes) {
-  std::string text(bytes);
-  std::size_t number = 0;
-  for (std::size_t at = 0, end = 0; at < text.size(); at = end + 1) {
-    end = std::min(text.find('\n', at), text.size());
-    ++number;
-    const std::string_view line = std::string_view(text).substr(at, end - at);
-    if (line.starts_with("mtllib") || line.starts_with("usemtl")) text[at] = '#';
-    if (line.starts_with("v ") &&
-        line.find_first_not_of("0123456789+-.eE \t\r", 1) != std::string_view::npos) {
-      throw std::runtime_error(fmt::format("line {}: a vertex with what is no number", number));
-    }
+/// As many colours as append() adds points: of the points, times the material's.
+void append_colours(Read& all, const aiMesh& mesh, const aiMaterial* gltf_material) {
+  aiColor4D plain(1.0F, 1.0F, 1.0F, 1.0F);
+  const bool has_plain =
+      gltf_material != nullptr && gltf_material->Get(AI_MATKEY_BASE_COLOR, plain) == AI_SUCCESS;
+  if (!has_plain && !mesh.HasVertexColors(0)) return;
+  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+    all.colours.push_back(mesh.HasVertexColors(0) ? plain * mesh.mColors[0][i] : plain);
   }
-  return text;
 }
 
-/// Of a PLY in text: assimp does not miss the lines that are cut off.
-void require_whole_ply(std::string_view bytes) {
-  const std::size_t head = bytes.find("end_header");
-  if (head == std::string_view::npos || bytes.find("format ascii") > head) return;
-  std::istringstream lines{std::string(bytes)};
-  std::string line, word, name;
-  unsigned long long said = 0, found = 0, number = 0;
-  while (std::getline(lines, line) && !line.starts_with("end_header")) {
-    if (std::istringstream words(line); words >> word >> name >> number && word == "element") {
-      said += number;
+using Key = std::array<float, 9>;
+
+/// What has an order, also where it is no number.
+Key key_of(const aiVector3D& p, const aiVector3D& n = {}, const aiColor4D& c = {}) {
+  Key key{p.x, p.y, p.z, n.x, n.y, n.z, c.r, c.g, c.b};
+  for (float& x : key) x = std::isfinite(x) ? x : 0.0F;
+  return key;
+}
+
+bool has_direction(const aiVector3D& n) {
+  return std::isfinite(n.SquareLength()) && n.SquareLength() > 0.0F;
+}
+
+/// Of each triangle's corners: what the file says; where it says none, or 0, the mean of the faces
+/// there that are within 50 degrees of its own, so that a sharp edge stays one.
+std::vector<aiVector3D> normals_of_corners(const Read& all) {
+  constexpr float kSmooth = 0.64279F;  // cosine of 50 degrees
+  std::vector<aiVector3D> normals, faces;
+  std::vector<std::pair<Key, std::size_t>> by_place;  // corners
+  bool all_said = true;
+  for (std::size_t i = 0; i < all.corners.size(); ++i) {
+    const auto point = [&](std::size_t k) { return all.points[all.corners[i - i % 3 + k]]; };
+    normals.push_back(all.normals[all.corners[i]]);
+    faces.push_back(((point(1) - point(0)) ^ (point(2) - point(0))).NormalizeSafe());
+    all_said = all_said && has_direction(normals[i]);
+  }
+  if (all_said) return normals;
+  for (std::size_t i = 0; i < all.corners.size(); ++i) {
+    by_place.emplace_back(key_of(all.points[all.corners[i]]), i);
+  }
+  std::ranges::sort(by_place);
+  for (auto first = by_place.begin(); first != by_place.end();) {
+    const auto end = std::find_if(first, by_place.end(),
+                                  [&](const auto& other) { return other.first != first->first; });
+    for (auto one = first; one != end; ++one) {
+      aiVector3D& n = normals[one->second];
+      if (has_direction(n)) continue;
+      n = {};
+      for (auto k = first; k != end; ++k) {
+        if (faces[k->second] * faces[one->second] >= kSmooth) n += faces[k->second];
+      }
+    }
+    first = end;
+  }
+  return normals;
+}
+
+/// The meshes of a node and of those below it.
+void append(Read& all, const aiScene& scene, const aiNode& node, const aiMatrix4x4& X_parent,
+            bool gltf, For whom) {
+  const aiMatrix4x4 X = X_parent * node.mTransformation;
+  for (unsigned m = 0; m < node.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[node.mMeshes[m]];
+    const bool has_material = gltf && mesh.mMaterialIndex < scene.mNumMaterials;
+    const aiMaterial* material = has_material ? scene.mMaterials[mesh.mMaterialIndex] : nullptr;
+    const bool turned = X.Determinant() < 0.0F;
+    int both = 0;
+    if (has_material && whom == For::eyes) material->Get(AI_MATKEY_TWOSIDED, both);
+    for (const bool other_side : {false, true}) {
+      if (other_side && both == 0) break;
+      append(all, mesh, X, turned != other_side, other_side);
+      append_colours(all, mesh, material);
     }
   }
-  while (std::getline(lines, line)) found += line.find_first_not_of(" \t\r") != std::string::npos;
-  if (found < said) {
-    throw std::runtime_error(fmt::format("{} lines of data, its head says {}", found, said));
+  for (unsigned c = 0; c < node.mNumChildren; ++c) {
+    append(all, scene, *node.mChildren[c], X, gltf, whom);
   }
 }
 
 /// Done in a process of its own: assimp believes what a file says of its sizes.
-std::string read_by_assimp(std::string_view bytes, const std::string& kind, unsigned flags) {
+std::string read_by_assimp(std::string_view bytes, const std::string& kind, unsigned flags,
+                           For whom) {
+  Read all;
+  const std::string unseen = unseen_of_mesh(kind, bytes);
+  all.unseen.assign(unseen.begin(), unseen.end());
   std::string complaint;
   Assimp::DefaultLogger::create(nullptr, Assimp::Logger::NORMAL, 0);
   Assimp::DefaultLogger::get()->attachStream(new FirstError(complaint), Assimp::Logger::Err);
@@ -180,35 +230,28 @@ std::string read_by_assimp(std::string_view bytes, const std::string& kind, unsi
   importer.SetIOHandler(new OneFile(obj.empty() ? bytes : obj, "mesh" + kind));
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
                               aiPrimitiveType_POINT | aiPrimitiveType_LINE);
-  importer.SetPropertyFloat(AI_CONFIG_PP_GSN_MAX_SMOOTHING_ANGLE, 50.0F);
-  const aiScene* scene = importer.ReadFile(
-      "mesh" + kind, flags | aiProcess_PreTransformVertices | aiProcess_ValidateDataStructure);
+  const aiScene* scene = importer.ReadFile("mesh" + kind, flags | aiProcess_ValidateDataStructure);
   if (scene == nullptr) {
     const std::string why = importer.GetErrorString();
     if (why.find("bad_alloc") != std::string::npos) throw std::bad_alloc();
     throw std::runtime_error(bare(why));
   }
   if (!complaint.empty()) throw std::runtime_error(bare(complaint));
-  Read all;
-  for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
-    const aiMesh& mesh = *scene->mMeshes[m];
-    const aiMaterial* material = mesh.mMaterialIndex < scene->mNumMaterials
-                                     ? scene->mMaterials[mesh.mMaterialIndex]
-                                     : nullptr;
-    append(all, mesh, material, is_gltf(kind));
-  }
+  append(all, *scene, *scene->mRootNode, {}, is_gltf(kind), whom);
+  if (whom == For::eyes) all.normals = normals_of_corners(all);
   std::string out;
   put(out, all.points);
   put(out, all.normals);
   put(out, all.colours);
   put(out, all.sizes);
   put(out, all.corners);
+  put(out, all.unseen);
   return out;
 }
 
 /// @throws std::runtime_error  with the reason alone
-Read read_apart(std::string_view file, const std::string& kind, unsigned flags) {
-  const std::string told = apart([&] { return read_by_assimp(file, kind, flags); }, {});
+Read read_apart(std::string_view file, const std::string& kind, unsigned flags, For whom) {
+  const std::string told = apart([&] { return read_by_assimp(file, kind, flags, whom); }, {});
   std::string_view bytes = told;
   Read all;
   take(bytes, all.points);
@@ -216,6 +259,7 @@ Read read_apart(std::string_view file, const std::string& kind, unsigned flags) 
   take(bytes, all.colours);
   take(bytes, all.sizes);
   take(bytes, all.corners);
+  take(bytes, all.unseen);
   std::size_t corners = 0;
   for (const std::uint32_t size : all.sizes) corners += size;
   if (corners != all.corners.size()) throw std::runtime_error(kHalfRead);
@@ -262,20 +306,6 @@ Vec3 light_of(const aiColor4D& c, bool linear) {
   const Vec3 code(c.r, c.g, c.b);
   const Vec3 in_range = code.array().isFinite().select(code, 0.0).cwiseMax(0.0).cwiseMin(1.0);
   return linear ? in_range : render::light_of(in_range);
-}
-
-/// The first that is like each point in all it has. (Assimp's own way of it mixes colours up.)
-std::vector<std::uint32_t> alike(const Read& all, bool coloured) {
-  std::map<std::array<float, 9>, std::uint32_t> firsts;
-  std::vector<std::uint32_t> first;
-  for (std::uint32_t i = 0; i < all.points.size(); ++i) {
-    const aiVector3D &p = all.points[i], &n = all.normals[i];
-    const aiColor4D c = coloured ? all.colours[i] : aiColor4D();
-    std::array<float, 9> key{p.x, p.y, p.z, n.x, n.y, n.z, c.r, c.g, c.b};
-    for (float& x : key) x = std::isfinite(x) ? x : 0.0F;  // what is no number has no order
-    first.push_back(firsts.try_emplace(key, i).first->second);
-  }
-  return first;
 }
 
 template <typename F>
@@ -355,28 +385,32 @@ MeshData mesh_of(std::string_view bytes, const std::filesystem::path& path,
   const FromFile from(path.string(), measure);
   return naming(path, [&] {
     const std::string kind = kind_of(path);
-    const Read all = read_apart(
-        bytes, kind, aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_GenSmoothNormals);
+    const Read all =
+        read_apart(bytes, kind, aiProcess_Triangulate | aiProcess_SortByPType, For::eyes);
     if (all.sizes.size() > kMostTriangles) {
       throw std::runtime_error(
           fmt::format("{} triangles, expected at most {}", all.sizes.size(), kMostTriangles));
     }
-    if (all.normals.size() != all.points.size())
-      throw std::runtime_error("surfaces without normals");
-    const bool coloured = all.colours.size() == all.points.size();
-    const std::vector<std::uint32_t> first = alike(all, coloured);
-    std::vector<std::uint32_t> index(all.points.size());
-    MeshData mesh;
-    for (std::size_t i = 0; i < all.points.size(); ++i) {
-      if (first[i] != i) continue;
-      index[i] = static_cast<std::uint32_t>(mesh.points.size());
-      mesh.points.push_back(from.point(all.points[i]));
-      const Vec3 n = from.R * Vec3(all.normals[i].x, all.normals[i].y, all.normals[i].z);
-      const bool has_length = n.allFinite() && n.norm() > 0.5;  // else it is of no area
-      mesh.normals.push_back(has_length ? Vec3(n.normalized()) : Vec3::UnitZ());
-      if (coloured) mesh.colours.push_back(light_of(all.colours[i], is_gltf(kind)));
+    if (all.normals.size() != all.corners.size() || all.corners.size() != 3 * all.sizes.size()) {
+      throw std::runtime_error(kHalfRead);
     }
-    for (const std::uint32_t corner : all.corners) mesh.triangles.push_back(index[first[corner]]);
+    const bool coloured = all.colours.size() == all.points.size();
+    std::map<Key, std::uint32_t> alike;  // (Assimp's own way of it mixes colours up.)
+    MeshData mesh;
+    mesh.unseen.assign(all.unseen.begin(), all.unseen.end());
+    for (std::size_t i = 0; i < all.corners.size(); ++i) {
+      const std::uint32_t at = all.corners[i];
+      const aiColor4D colour = coloured ? all.colours[at] : aiColor4D();
+      const auto [one, is_new] = alike.try_emplace(key_of(all.points[at], all.normals[i], colour),
+                                                   static_cast<std::uint32_t>(mesh.points.size()));
+      mesh.triangles.push_back(one->second);
+      if (!is_new) continue;
+      mesh.points.push_back(from.point(all.points[at]));
+      const Vec3 n = from.R * Vec3(all.normals[i].x, all.normals[i].y, all.normals[i].z);
+      const bool has_length = n.allFinite() && n.norm() > 0.0;  // else it is of no area
+      mesh.normals.push_back(has_length ? Vec3(n.normalized()) : Vec3::UnitZ());
+      if (coloured) mesh.colours.push_back(light_of(colour, is_gltf(kind)));
+    }
     return mesh;
   });
 }
@@ -387,7 +421,7 @@ engine::Polyhedron polyhedron_of(std::string_view bytes, const std::filesystem::
   std::vector<Vec3> distinct;
   std::vector<std::vector<std::uint32_t>> faces;
   naming(path, [&] {
-    const Read all = read_apart(bytes, kind_of(path), 0);
+    const Read all = read_apart(bytes, kind_of(path), 0, For::collisions);
     if (all.points.size() > kMostCorners) {
       throw std::runtime_error(
           fmt::format("{} corners of faces, expected at most {}", all.points.size(), kMostCorners));

@@ -11,8 +11,9 @@
 /// Mesh files: glTF (.gltf, .glb), OBJ, PLY, STL and OFF, through assimp.
 ///
 /// Such a file comes from anywhere. It is read in a process of its own (scene/apart.h), alone: no
-/// other file that it names is opened, so a glTF holds its buffers, and materials of an OBJ and
-/// textures are not seen. What assimp would mend, such as an index beyond the vertices, is refused.
+/// other file that it names is opened, so a glTF holds its buffers, and materials of an OBJ are not
+/// seen, nor are textures and alpha: MeshData says so. What assimp would mend, such as an index beyond
+/// the vertices, is refused.
 namespace headpin::scene {
 
 /// How a file is to be understood.
@@ -27,7 +28,9 @@ struct MeshData {
   std::vector<Vec3> points;
   std::vector<Vec3> normals;  ///< of the points, unit
   std::vector<Vec3> colours;  ///< of the points, linear light; empty where the file has none
-  std::vector<std::uint32_t> triangles;  ///< three points each, counterclockwise from outside
+  std::vector<std::uint32_t> triangles;  ///< three points each, counterclockwise from outside; of a
+                                         ///< surface that is seen from both sides, each twice
+  std::string unseen;  ///< what the file has besides: "2 textures, alpha"; empty for nothing
 };
 
 /// The bytes of a mesh file.

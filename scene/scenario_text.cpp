@@ -319,10 +319,11 @@ toml::table parse_table(std::string_view toml, const Text& text) {
 
 /// The meshes that eyes see: read where the text names one, found again where a trial does.
 void take_meshes(Scenario& scenario, const toml::table& table, const Text& text) {
-  for (const auto& [key, mesh] : {std::pair{"room", &scenario.room.mesh},
-                                  {"skittle", &scenario.skittle.mesh},
-                                  {"ball", &scenario.ball.mesh},
-                                  {"hand", &scenario.hand.mesh}}) {
+  for (const auto& [key, mesh, reach] :
+       {std::tuple{"room", &scenario.room.mesh, kReachOfRoom},
+        {"skittle", &scenario.skittle.mesh, reach_of_skittle(scenario.skittle)},
+        {"ball", &scenario.ball.mesh, reach_of_ball(scenario.ball)},
+        {"hand", &scenario.hand.mesh, kReachOfHand}}) {
     const auto named = table[key]["mesh"];
     if (!named["file"] || mesh->file.empty()) continue;
     if (text.whole) {
@@ -331,7 +332,7 @@ void take_meshes(Scenario& scenario, const toml::table& table, const Text& text)
     }
     if (!named["sha256"]) mesh->sha256.clear();  // of the one that was named before
     try {
-      take_seen(*mesh, text.folder);
+      take_seen(*mesh, text.folder, reach);
     } catch (const std::exception& e) {
       throw std::invalid_argument(fmt::format(
           "{}: {}.mesh: {}", text.place(named["file"].node()->source()), key, e.what()));

@@ -32,15 +32,69 @@ std::string bytes_of(MeshFile& mesh) {
   return bytes;
 }
 
+double area_of(const MeshData& mesh) {
+  double area = 0.0;
+  for (std::size_t i = 0; i + 2 < mesh.triangles.size(); i += 3) {
+    const auto point = [&](std::size_t k) { return mesh.points[mesh.triangles[i + k]]; };
+    area += 0.5 * (point(1) - point(0)).cross(point(2) - point(0)).norm();
+  }
+  return area;
+}
+
+MeshData data_of(const MeshFile& mesh) {
+  MeshFile file = mesh;
+  try {
+    return mesh_of(bytes_of(file), file.file, measure_of(file));
+  } catch (const std::runtime_error& e) {
+    throw std::runtime_error(fmt::format(
+        "{}; a mesh that the eyes see is looked for where it was and beside the trial", e.what()));
+  }
+}
+
 void make_absolute(MeshFile& mesh, const fs::path& folder) {
   mesh.file = fs::absolute(folder / mesh.file).lexically_normal().string();
 }
 
 }  // namespace
 
-void take_seen(MeshFile& mesh, const fs::path& folder) {
+Reach reach_of_ball(const Ball& ball) {
+  return {0.5 * ball.radius, 2.0 * ball.radius};
+}
+
+Reach reach_of_skittle(const Skittle& skittle) {
+  return {0.5 * skittle.height, 2.0 * skittle.height};
+}
+
+void take_seen(MeshFile& mesh, const fs::path& folder, const Reach& reach) {
   make_absolute(mesh, folder);
-  mesh_of(bytes_of(mesh), mesh.file, measure_of(mesh));
+  const MeshData data = mesh_of(bytes_of(mesh), mesh.file, measure_of(mesh));
+  double farthest = 0.0;
+  for (const Vec3& p : data.points) farthest = std::max(farthest, p.norm());
+  if (!(farthest >= reach.least && farthest <= reach.most)) {
+    throw std::invalid_argument(fmt::format(
+        "{}: its farthest point is {:.4g} m from its origin, expected {:.4g} to {:.4g}; "
+        "a file in other units says so by `unit`",
+        mesh.file, farthest, reach.least, reach.most));
+  }
+  constexpr double kFlat = 1e-6;  // of a square around it
+  if (area_of(data) < kFlat * farthest * farthest) {
+    throw std::invalid_argument(
+        fmt::format("{}: {} triangles of no area", mesh.file, data.triangles.size() / 3));
+  }
+}
+
+std::vector<std::string> not_drawn(const Scenario& scenario) {
+  std::vector<std::string> told;
+  for (const auto& [key, mesh] : {std::pair{"room.mesh", &scenario.room.mesh},
+                                  {"skittle.mesh", &scenario.skittle.mesh},
+                                  {"ball.mesh", &scenario.ball.mesh},
+                                  {"hand.mesh", &scenario.hand.mesh}}) {
+    if (mesh->file.empty()) continue;
+    const std::string unseen = data_of(*mesh).unseen;
+    if (unseen.empty()) continue;
+    told.push_back(fmt::format("{}: {}: not drawn: {}", key, mesh->file, unseen));
+  }
+  return told;
 }
 
 void take_polyhedron(SkittlePart& part, const fs::path& folder) {
@@ -89,14 +143,7 @@ void find_again(MeshFile& mesh, const fs::path& trial) {
 
 std::optional<render::Mesh> seen_mesh(const MeshFile& mesh, const Vec3& colour, double gloss) {
   if (mesh.file.empty()) return std::nullopt;
-  MeshFile file = mesh;
-  MeshData data;
-  try {
-    data = mesh_of(bytes_of(file), file.file, measure_of(file));
-  } catch (const std::runtime_error& e) {
-    throw std::runtime_error(fmt::format(
-        "{}; a mesh that the eyes see is looked for where it was and beside the trial", e.what()));
-  }
+  MeshData data = data_of(mesh);
   render::Mesh seen;
   seen.gloss = gloss;
   for (std::size_t i = 0; i < data.points.size(); ++i) {

@@ -158,7 +158,10 @@ TEST(SeenMesh, SetAnewHasAnotherHash) {
   const std::string first = scenario.skittle.mesh.sha256;
   set(scenario, "ball.mass=5");  // what is not named stays
   EXPECT_EQ(scenario.skittle.mesh.sha256, first);
-  set(scenario, fmt::format("skittle.mesh.file={}", (kMeshes / "ball.obj").string()));
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(kMeshes / "skittle.obj", folder / "other.obj");
+  std::ofstream(folder / "other.obj", std::ios::app) << "# one line more\n";
+  set(scenario, fmt::format("skittle.mesh.file={}", (folder / "other.obj").string()));
   EXPECT_NE(scenario.skittle.mesh.sha256, first);
   EXPECT_THAT(complaint([&] { set(scenario, "skittle.mesh.file=/nowhere/x.obj"); }),
               HasSubstr("skittle.mesh: /nowhere/x.obj: cannot be read"));
