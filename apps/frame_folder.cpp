@@ -61,8 +61,8 @@ FrameFolder::FrameFolder(const std::string& folder, const FrameFiles& files, dou
 void FrameFolder::write_names() {
   std::ofstream names(folder_.file("ids.csv"));
   names << "id,is\n0,nothing\n"
-        << fmt::format("{},room\n{},hand\n{},stand\n{},button\n", scene::kRoomId, scene::kHandId,
-                       scene::kStandId, scene::kButtonId)
+        << fmt::format("{},room\n{},hand\n{},stand\n{},button\n{},head\n", scene::kRoomId,
+                       scene::kHandId, scene::kStandId, scene::kButtonId, scene::kHeadId)
         << fmt::format("{} and on,balls\n{} and on,skittles\n", scene::kFirstBallId,
                        scene::kFirstSkittleId);
 }

@@ -149,6 +149,34 @@ Image bent(const Image& image, const View& shown, const View& drawn, const Optic
   return out;
 }
 
+/// The change of a value from a pixel to the next one along a side: the lesser of those to both
+/// neighbours, none at an edge of what is seen (the minmod limiter of finite volumes).
+double slope(double before, double here, double after) {
+  const double a = here - before, b = after - here;
+  if (a * b <= 0.0) return 0.0;
+  return std::abs(a) < std::abs(b) ? a : b;
+}
+
+/// Depth between the centres of pixels. Its inverse is straight along a plane, in perspective.
+float depth_at(const Labels& drawn, int i, int j, double x, double y) {
+  const auto inverse = [&](int column, int row) {
+    return 1.0 /
+           static_cast<double>(
+               drawn.depth[static_cast<std::size_t>(row) * static_cast<std::size_t>(drawn.width) +
+                           static_cast<std::size_t>(column)]);
+  };
+  const double here = inverse(i, j);
+  const auto slope_along = [&](int at, int count, const auto& neighbour) {
+    if (count < 2) return 0.0;
+    const double after = neighbour(at + 1 < count ? 1 : -1), before = neighbour(at > 0 ? -1 : 1);
+    if (at == 0) return after - here;
+    return at + 1 == count ? here - before : slope(before, here, after);
+  };
+  const double across = slope_along(i, drawn.width, [&](int by) { return inverse(i + by, j); });
+  const double down = slope_along(j, drawn.height, [&](int by) { return inverse(i, j + by); });
+  return static_cast<float>(1.0 / (here + across * (x - i - 0.5) + down * (y - j - 0.5)));
+}
+
 }  // namespace
 
 Image area_filtered(const Image& image, int width, int height) {
@@ -207,13 +235,12 @@ Labels on_display(const Labels& drawn, const View& shown, const Optics& optics) 
              std::vector<float>(count)};
   look_through(shown, behind_lens(shown, optics), optics,
                [&](std::size_t pixel, double x, double y) {
-                 const auto i =
-                     static_cast<std::size_t>(std::clamp(static_cast<int>(x), 0, drawn.width - 1));
-                 const auto j =
-                     static_cast<std::size_t>(std::clamp(static_cast<int>(y), 0, drawn.height - 1));
-                 const std::size_t from = j * static_cast<std::size_t>(drawn.width) + i;
-                 out.id[pixel] = drawn.id[from];
-                 out.depth[pixel] = drawn.depth[from];
+                 const int i = std::clamp(static_cast<int>(x), 0, drawn.width - 1);
+                 const int j = std::clamp(static_cast<int>(y), 0, drawn.height - 1);
+                 out.id[pixel] =
+                     drawn.id[static_cast<std::size_t>(j) * static_cast<std::size_t>(drawn.width) +
+                              static_cast<std::size_t>(i)];
+                 out.depth[pixel] = depth_at(drawn, i, j, x, y);
                });
   return out;
 }

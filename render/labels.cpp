@@ -5,7 +5,7 @@
 
 namespace headpin::render {
 
-Labels Renderer::labels(const DrawList& list, const View& view) {
+Labels Renderer::labels(const DrawList& list, const View& view, std::span<const View> shown) {
   Impl& r = *impl_;
   const Gl& gl = r.gl;
   r.check(list, view);
@@ -22,7 +22,7 @@ Labels Renderer::labels(const DrawList& list, const View& view) {
   gl.Clear(GL_DEPTH_BUFFER_BIT);
   r.label->use();
   const Mat4 clip = world_to_clip(view);
-  const std::vector<double> sizes = r.sizes_seen(list, {&view, 1});
+  const std::vector<double> sizes = r.sizes_seen(list, shown);
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     const DrawItem& item = list.items[i];
     const Mat4 mesh_to_clip = clip * matrix(item.X_WG, item.scale);

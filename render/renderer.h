@@ -44,8 +44,11 @@ class Renderer {
 
   /// Which item each pixel belongs to, and how far it is: truth for tests and segmentation.
   ///
+  /// @param shown  the views of the pictures that it is the truth of: how large items are in those
+  ///               says which of their meshes is drawn
   /// @throws std::invalid_argument  as draw()
-  Labels labels(const DrawList& list, const View& view);
+  Labels labels(const DrawList& list, const View& view, std::span<const View> shown);
+  Labels labels(const DrawList& list, const View& view) { return labels(list, view, {&view, 1}); }
 
   /// Why no context that comes before it draws (GlContext::instead_of).
   const std::string& instead_of() const;

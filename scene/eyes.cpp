@@ -26,6 +26,12 @@ std::array<render::View, 2> views_of(const Eyes& eyes, const Glimpse& g) {
   return render::eyes(*g.X_WC, optics);
 }
 
+/// What is drawn for them.
+std::array<render::View, 2> drawn_views_of(const Eyes& eyes,
+                                           const std::array<render::View, 2>& views) {
+  return {render::drawn_view(views[0], eyes.optics), render::drawn_view(views[1], eyes.optics)};
+}
+
 Pose looking_at(const Vec3& p_WC, const Vec3& target_W) {
   const Vec3 back = (p_WC - target_W).normalized();
   const Vec3 right = Vec3::UnitZ().cross(back).normalized();
@@ -75,10 +81,7 @@ std::array<render::View, 2> see(Eyes& eyes, const Glimpse& g, std::array<render:
     eyes.renderer.draw(list, views, out);
     return views;
   }
-  std::array<render::View, 2> drawn_views;
-  for (std::size_t eye = 0; eye < 2; ++eye) {
-    drawn_views[eye] = render::drawn_view(views[eye], eyes.optics);
-  }
+  const std::array<render::View, 2> drawn_views = drawn_views_of(eyes, views);
   std::array<render::Image, 2> drawn;
   eyes.renderer.draw(list, drawn_views, drawn);
   for (std::size_t eye = 0; eye < 2; ++eye) {
@@ -90,10 +93,12 @@ std::array<render::View, 2> see(Eyes& eyes, const Glimpse& g, std::array<render:
 std::array<render::Labels, 2> see_labels(Eyes& eyes, const Glimpse& g) {
   const std::array<render::View, 2> views = views_of(eyes, g);
   const render::DrawList list = list_of(eyes, g);
+  const std::array<render::View, 2> pictures = drawn_views_of(eyes, views);
   std::array<render::Labels, 2> out;
   for (std::size_t eye = 0; eye < 2; ++eye) {
     const render::View drawn = render::label_view(views[eye], eyes.optics);
-    out[eye] = render::on_display(eyes.renderer.labels(list, drawn), views[eye], eyes.optics);
+    out[eye] =
+        render::on_display(eyes.renderer.labels(list, drawn, pictures), views[eye], eyes.optics);
   }
   return out;
 }

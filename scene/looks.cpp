@@ -21,7 +21,7 @@ using render::Occluder;
 struct Detail {
   int rings, sides;
 };
-constexpr Detail kNear{26, 18}, kFar{14, 9}, kFaint{9, 8};
+constexpr Detail kNear{26, 18}, kFar{14, 18}, kFaint{9, 8};
 
 constexpr int kHands = 7;  // from open to closed, as frames may show them
 
@@ -65,6 +65,58 @@ BodyMeshes skittle_meshes(const MeshKeeper& keeper, const Outline& outline, doub
   return {keeper.add(skittle_mesh(outline, origin, kNear.rings, kNear.sides)),
           keeper.add(far_skittle_mesh(outline, origin, kFar)),
           keeper.add(far_skittle_mesh(outline, origin, kFaint))};
+}
+
+TurnedPart turned_part(const SkittlePart& part) {
+  const double low = part.low, high = part.high, r = part.radius;
+  if (part.shape == "cylinder") return {low, high, [r](double) { return r; }};
+  if (part.shape == "cone") {
+    return {low, high, [=](double z) { return r * (high - z) / (high - low); }};
+  }
+  return {low, high, [=](double z) {
+            const double up = (2.0 * z - low - high) / (high - low);
+            return r * std::sqrt(std::max(0.0, 1.0 - up * up));
+          }};
+}
+
+render::Mesh faces_of(const SkittlePart& part, double origin) {
+  const Vec3 white = render::srgb(0xf4f1e6);
+  render::Mesh mesh;
+  for (const std::vector<std::uint32_t>& face : part.faces) {
+    const auto corner = [&](std::size_t i) {
+      return Vec3(part.corners[face[i]] - Vec3(0.0, 0.0, origin));
+    };
+    const Vec3 n = (corner(1) - corner(0)).cross(corner(2) - corner(1)).normalized();
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      mesh.vertices.push_back({corner(i).cast<float>(), n.cast<float>(), white.cast<float>()});
+    }
+    for (std::uint32_t i = 1; i + 1 < face.size(); ++i) {
+      mesh.indices.insert(mesh.indices.end(), {first, first + i, first + i + 1});
+    }
+  }
+  return mesh;
+}
+
+/// A skittle as it collides: the parts that it is made of.
+BodyMeshes collider_meshes(const MeshKeeper& keeper, const Skittle& skittle, double origin) {
+  std::vector<TurnedPart> turned;
+  render::Mesh solid;
+  solid.gloss = 0.5;
+  for (const SkittlePart& part : skittle.parts) {
+    if (part.shape == "polyhedron") {
+      append(solid, faces_of(part, origin));
+    } else {
+      turned.push_back(turned_part(part));
+    }
+  }
+  render::Mesh far = solid;
+  if (!turned.empty()) {
+    const Outline outline = outline_of_parts(turned);
+    append(solid, edged_skittle_mesh(outline, origin, 0.0003, 32));
+    append(far, edged_skittle_mesh(outline, origin, 0.002, 12));
+  }
+  return {keeper.add(solid), keeper.add(far)};
 }
 
 render::Mesh moved(const render::Mesh& mesh, const Pose& X_GP) {
@@ -119,7 +171,9 @@ void Looks::add_skittle(const MeshKeeper& keeper, const Stage& stage) {
   for (const SkittlePart& part : skittle.parts) widest = std::max(widest, part.radius);
   const double height = skittle.height;
   const Outline ellipsoid = ellipsoid_outline(height, widest);
-  if (const auto own = seen_mesh(skittle.mesh, render::srgb(0xf4f1e6), 0.5)) {
+  if (skittle.seen == "collider") {
+    true_skittle = collider_meshes(keeper, skittle, stage.skittle_centre);
+  } else if (const auto own = seen_mesh(skittle.mesh, render::srgb(0xf4f1e6), 0.5)) {
     true_skittle = {
         keeper.add(moved(*own, {Quat::Identity(), Vec3(0.0, 0.0, -stage.skittle_centre)}))};
   } else {

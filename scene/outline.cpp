@@ -1,5 +1,6 @@
 #include "scene/outline.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -59,6 +60,36 @@ Outline ellipsoid_outline(double height, double radius) {
     const SinCos turn = sin_cos(std::numbers::pi * i / kSteps);
     const bool end = i == 0 || i == kSteps;
     outline.emplace_back(0.5 * height * (1.0 - turn.cos), end ? 0.0 : radius * turn.sin);
+  }
+  return outline;
+}
+
+Outline outline_of_parts(std::span<const TurnedPart> parts) {
+  constexpr double kStep = 0.001;  // [m]
+  std::vector<double> heights;
+  for (const TurnedPart& part : parts) {
+    const int steps = std::max(1, static_cast<int>(std::ceil((part.high - part.low) / kStep)));
+    for (int i = 0; i <= steps; ++i) {
+      heights.push_back(part.low + (part.high - part.low) * i / steps);
+    }
+  }
+  std::ranges::sort(heights);
+  // The widest of the parts that are below, or above, a height; both where they go on.
+  const auto widest = [&](double height, bool below) {
+    double radius = 0.0;
+    for (const TurnedPart& part : parts) {
+      const bool there = below ? part.low < height && height <= part.high
+                               : part.low <= height && height < part.high;
+      if (there) radius = std::max(radius, part.radius(height));
+    }
+    return radius;
+  };
+  Outline outline;
+  for (const double height : heights) {
+    for (const bool below : {true, false}) {
+      const Vec2 point(height, widest(height, below));
+      if (outline.empty() ? !below : point != outline.back()) outline.push_back(point);
+    }
   }
   return outline;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -23,6 +24,18 @@ Outline smooth_outline(std::span<const Vec2> profile);
 
 /// Outline of an ellipsoid of revolution that stands on height 0.
 Outline ellipsoid_outline(double height, double radius);
+
+/// A part of a turned body: from where to where it is, and its radius at a height in between.
+struct TurnedPart {
+  double low, high;
+  std::function<double(double height)> radius;
+};
+
+/// Outline of several on one axis: the outermost everywhere, with all their edges. A part that is
+/// wide where it ends has a flat end.
+///
+/// @param parts  1 or more, that leave no gap
+Outline outline_of_parts(std::span<const TurnedPart> parts);
 
 /// Of the solid that the outline turns about z, with the same density everywhere; exact for the
 /// straight lines.

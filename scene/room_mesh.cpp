@@ -57,9 +57,14 @@ class Builder {
   /// A rectangle with corner `a` and sides u, v, seen from where u x v points. It has vertices
   /// where the light bends: what is between them is drawn as straight. It is a little larger: an edge
   /// that its neighbour divides otherwise would let pinholes through.
-  void panel(Mesh& mesh, Vec3 a, Vec3 u, Vec3 v, const Vec3& albedo, double cell = kCell) const {
+  void panel(Mesh& mesh, const Vec3& a, const Vec3& u, const Vec3& v, const Vec3& albedo,
+             double cell = kCell) const {
+    lapped_panel(mesh, a, u, v, albedo, cell, kLap * (room_.behind + room_.ahead));
+  }
+
+  void lapped_panel(Mesh& mesh, Vec3 a, Vec3 u, Vec3 v, const Vec3& albedo, double cell,
+                    double lap) const {
     const Vec3 n = u.cross(v).normalized();
-    const double lap = kLap * (room_.behind + room_.ahead);
     const Vec3 along_u = lap * u.normalized(), along_v = lap * v.normalized();
     a -= along_u + along_v;
     u += 2.0 * along_u;
@@ -121,7 +126,8 @@ class Builder {
     mark(mesh, corners, albedo);
   }
 
-  /// A box between two corners, without its bottom.
+  /// A box between two corners, without its bottom. Its sides reach above its top, which does not
+  /// reach beyond them: before what stands on it there would be a line of its colour.
   void block(Mesh& mesh, const Vec3& lo, const Vec3& hi, const Vec3& albedo,
              const Vec3& top) const {
     const Vec3 s = hi - lo, x(s.x(), 0, 0), y(0, s.y(), 0), z(0, 0, s.z());
@@ -129,7 +135,7 @@ class Builder {
     panel(mesh, lo + x, y, z, albedo);
     panel(mesh, lo + x + y, -x, z, albedo);
     panel(mesh, lo + y, -y, z, albedo);
-    panel(mesh, lo + z, x, y, top);
+    lapped_panel(mesh, lo + z, x, y, top, kCell, 0.0);
   }
 
  private:

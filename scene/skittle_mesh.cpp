@@ -41,26 +41,46 @@ OnOutline along(const Outline& outline, const std::vector<double>& length, doubl
   return {p, {t.x(), -t.y()}};
 }
 
-}  // namespace
-
-Mesh skittle_mesh(const Outline& outline, double origin, int rings, int sides) {
+std::vector<double> lengths_along(const Outline& outline) {
   std::vector<double> length{0.0};
   for (std::size_t i = 1; i < outline.size(); ++i) {
     length.push_back(length.back() + (outline[i] - outline[i - 1]).norm());
   }
+  return length;
+}
+
+/// Those points between two, first excluded and last included, that straight lines need to stay so
+/// near to an outline (Ramer 1972, Douglas and Peucker 1973).
+void append_bends(const Outline& outline, std::size_t first, std::size_t last, double off,
+                  std::vector<std::size_t>& bends) {
+  const Vec2 along = (outline[last] - outline[first]).normalized();
+  double farthest = off;
+  std::size_t at = last;
+  for (std::size_t i = first + 1; i < last; ++i) {
+    const Vec2 d = outline[i] - outline[first];
+    const double beside = std::abs(along.x() * d.y() - along.y() * d.x());
+    if (beside <= farthest) continue;
+    farthest = beside;
+    at = i;
+  }
+  if (at != last) append_bends(outline, first, at, off, bends);
+  if (at != last) return append_bends(outline, at, last, off, bends);
+  bends.push_back(last);
+}
+
+/// @param at    distances along the outline that get a ring
+/// @param near  a plain ring so near to a stripe's edge would only make a sliver
+Mesh striped(const Outline& outline, const std::vector<double>& length, std::vector<double> at,
+             double near, double origin, int sides) {
   const double height = outline.back().x();
-  std::vector<double> at;  // distances along the outline that get a ring
-  for (int i = 0; i <= rings; ++i) at.push_back(length.back() * i / rings);
   for (const double share : kStripes) {
     std::size_t i = 1;
     while (outline[i].x() < share * height) ++i;
     const double part =
         (share * height - outline[i - 1].x()) / (outline[i].x() - outline[i - 1].x());
     const double edge = length[i - 1] + part * (length[i] - length[i - 1]);
-    // A plain ring next to an edge would only make a sliver.
-    std::erase_if(at, [&](double s) {
-      return std::abs(s - edge) < 0.4 * length.back() / rings && s > 0.0 && s < length.back();
-    });
+    std::erase_if(
+        at, [&](double s) { return std::abs(s - edge) < near && s > 0.0 && s < length.back(); });
     at.push_back(edge);
   }
   std::sort(at.begin(), at.end());
@@ -83,6 +103,24 @@ Mesh skittle_mesh(const Outline& outline, double origin, int rings, int sides) {
   Mesh mesh = render::turned(list, sides);
   mesh.gloss = 0.5;
   return mesh;
+}
+
+}  // namespace
+
+Mesh skittle_mesh(const Outline& outline, double origin, int rings, int sides) {
+  const std::vector<double> length = lengths_along(outline);
+  std::vector<double> at;
+  for (int i = 0; i <= rings; ++i) at.push_back(length.back() * i / rings);
+  return striped(outline, length, at, 0.4 * length.back() / rings, origin, sides);
+}
+
+Mesh edged_skittle_mesh(const Outline& outline, double origin, double off, int sides) {
+  const std::vector<double> length = lengths_along(outline);
+  std::vector<std::size_t> bends{0};
+  append_bends(outline, 0, outline.size() - 1, off, bends);
+  std::vector<double> at;
+  for (const std::size_t i : bends) at.push_back(length[i]);
+  return striped(outline, length, at, 0.0, origin, sides);
 }
 
 Mesh ball_mesh(double radius, std::span<const Vec3> holes, int sides, int rings) {

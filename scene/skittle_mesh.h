@@ -15,6 +15,11 @@ namespace headpin::scene {
 /// @param sides   faces around
 render::Mesh skittle_mesh(const Outline& outline, double origin, int rings, int sides);
 
+/// The same with a circle at every bend of an outline that has edges, as colliders have.
+///
+/// @param off  how far the surface may be from the outline [m]
+render::Mesh edged_skittle_mesh(const Outline& outline, double origin, double off, int sides);
+
 /// A marbled ball with three finger holes: one sees it roll.
 ///
 /// @param holes  unit, where the holes are

@@ -341,6 +341,7 @@ TEST_F(Frames, DepthAndIdsTellWhatEachPixelSees) {
   EXPECT_LT(nearest[100], 8.5);
   EXPECT_GT(nearest.size(), 10u);
   EXPECT_THAT(slurp(folder_ / "out/ids.csv"), HasSubstr("100 and on,skittles"));
+  EXPECT_THAT(slurp(folder_ / "out/ids.csv"), HasSubstr("5,head\n"));
   expect_refusal("frames " + kDemo + " --video OUT.mkv --depth", 2, "expected -o DIR");
 }
 

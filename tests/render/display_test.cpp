@@ -145,6 +145,51 @@ TEST(Lens, LabelsAreBentAsPicturesAre) {
   EXPECT_LT((sum / found - middle_of_light(on_display(image, shown, optics))).norm(), 1.0);
 }
 
+// The depth of a display's pixel is that in its own direction, not that of a pixel beside it: of a floor,
+// a wall and the edge between them, 1.6 m below and 7.6 m ahead of the eye.
+TEST(Lens, DepthIsThatOfThePixelsOwnDirection) {
+  const Optics optics = with_lens();
+  const View shown = eyes({}, optics)[1], drawn = label_view(shown, optics);
+  constexpr double kDown = 1.6, kAhead = 7.6;
+  const auto depth_along = [&](const Vec2& t) {
+    return t.y() < 0.0 ? std::min(kAhead, kDown / -t.y()) : kAhead;
+  };
+  Labels labels{drawn.width, drawn.height, {}, {}};
+  const Frustum& f = drawn.frustum;
+  for (int y = 0; y < drawn.height; ++y) {
+    for (int x = 0; x < drawn.width; ++x) {
+      labels.id.push_back(1);
+      labels.depth.push_back(
+          static_cast<float>(depth_along({f.left + (f.right - f.left) * (x + 0.5) / drawn.width,
+                                          f.top - (f.top - f.bottom) * (y + 0.5) / drawn.height})));
+    }
+  }
+  const Labels seen = on_display(labels, shown, optics);
+  const double T = std::max(-shown.frustum.left, shown.frustum.right);
+  const double k1 = optics.lens_k1, k2 = optics.lens_k2;
+  const auto edge = [&](double t) {  // s in direction t, by fixed point
+    double s = 0.0;
+    for (int i = 0; i < 500; ++i) {
+      s = t / T * (1.0 + k1 + k2) / (1.0 + k1 * s * s + k2 * s * s * s * s);
+    }
+    return s;
+  };
+  const double left = edge(shown.frustum.left), right = edge(shown.frustum.right);
+  const double bottom = edge(shown.frustum.bottom), top = edge(shown.frustum.top);
+  for (int y = 0; y < shown.height; ++y) {
+    for (int x = 0; x < shown.width; ++x) {
+      const Vec2 s(left + (right - left) * (x + 0.5) / shown.width,
+                   top - (top - bottom) * (y + 0.5) / shown.height);
+      const double r2 = s.squaredNorm();
+      const double depth = depth_along(T * (1.0 + k1 * r2 + k2 * r2 * r2) / (1.0 + k1 + k2) * s);
+      const float found = seen.depth[static_cast<std::size_t>(y * shown.width + x)];
+      // At the edge between floor and wall a pixel may be taken for either.
+      const double allowed = depth > 0.95 * kAhead ? 0.1 : 1e-4;
+      EXPECT_NEAR(found, depth, allowed) << x << " " << y;
+    }
+  }
+}
+
 TEST(Display, WithoutRelayAndLensIsPlain) {
   EXPECT_TRUE(is_plain({}));
   EXPECT_FALSE(is_plain({.relay_width = 704, .relay_height = 480}));

@@ -619,6 +619,40 @@ TEST(Labels, NameTheItemAndTheDepthOfEachPixel) {
   EXPECT_NEAR(static_cast<double>(count), expected, 0.05 * expected);
 }
 
+// Both eyes see the near mesh, here upright, or both the far one, here lying: labels are of the same
+// one, though an item beside the head is nearer to one eye. It changes between 0.63 and 0.65 m.
+TEST(Labels, AreOfTheMeshThatThePicturesShow) {
+  Renderer renderer = plain_renderer();
+  DrawItem item;
+  item.mesh = renderer.add(glowing(box(Vec3(0.02, 0.02, 0.1), Vec3::Ones())));
+  item.far_mesh = renderer.add(glowing(box(Vec3(0.1, 0.02, 0.02), Vec3::Ones())));
+  item.id = 7;
+  DrawList list;
+  int near = 0, far = 0;
+  const auto both = eyes(looking_ahead({0, 0, 1.6}), {});
+  for (double away = 0.6; away < 0.68; away += 0.004) {
+    item.X_WG.p = Vec3(0.5 * away, away, 1.6);
+    list.items = {item};
+    std::array<Image, 2> images;
+    renderer.draw(list, both, images);
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      const Labels labels = renderer.labels(list, both[eye], both);
+      int differ = 0;  // pixels, but for those at an edge
+      for (int i = 0; i < 360 * 240; ++i) {
+        const int code = pixel(images[eye], i % 360, i / 360);
+        const bool is_seen = labels.id[static_cast<std::size_t>(i)] == 7;
+        if (is_seen ? code < 5 : code > 250) ++differ;
+      }
+      EXPECT_LT(differ, 20) << away << ", eye " << eye;
+    }
+    bool upright = false;
+    for (int x = 0; x < 360; ++x) upright |= pixel(images[0], x, 105) > 250;
+    ++(upright ? near : far);
+  }
+  EXPECT_GT(near, 3);
+  EXPECT_GT(far, 3);
+}
+
 TEST(Labels, HaveRowsFromTheTop) {
   BallScene scene;
   scene.put({0.0, 2.0, 2.0});

@@ -271,6 +271,56 @@ TEST(Looks, ShowTheButtonsWhereTheHandFindsThem) {
   EXPECT_EQ(mask(Seen().labels(views[0]), kButtonId).count, 0);
 }
 
+/// How wide a skittle is seen at heights above its base [m], from 1 m before its axis, at the silhouette
+/// of a body of revolution: a tangent cone's, so a little less than twice its radius.
+std::vector<double> widths_seen(const Scenario& scenario) {
+  Seen seen(scenario);
+  seen.skittles.resize(1);
+  seen.skittles[0].p = Vec3(0.0, 3.0, seen.stage.skittle_centre);
+  seen.moving.X_WB_skittles = seen.skittles;
+  constexpr int kPixels = 800;
+  constexpr double kHalf = 0.2;  // of the picture, at the axis [m]
+  const View view{{rotation(Vec3(0.5 * std::numbers::pi, 0, 0)), Vec3(0.0, -7.0, 0.19)},
+                  {-0.1 * kHalf, 0.1 * kHalf, -0.1 * kHalf, 0.1 * kHalf},
+                  kPixels,
+                  kPixels};
+  const Labels labels = seen.labels(view);
+  std::vector<double> widths;
+  for (int y = 0; y < kPixels; ++y) {
+    const auto row = labels.id.begin() + std::ptrdiff_t{kPixels} * y;
+    const auto count = std::count(row, row + kPixels, kFirstSkittleId);
+    widths.push_back(static_cast<double>(count) * 2.0 * kHalf / kPixels);
+  }
+  return widths;
+}
+
+// From 10 m a silhouette is as wide as the widest part at its height, to a pixel of 0.5 mm and the
+// tangent's 0.05 mm.
+TEST(Looks, ShowTheCollidersWhenAsked) {
+  Scenario scenario;
+  scenario.skittle.seen = "collider";
+  scenario.skittle.parts = {{.shape = "cylinder", .radius = 0.05, .low = 0.0, .high = 0.1},
+                            {.shape = "cone", .radius = 0.06, .low = 0.1, .high = 0.381},
+                            {.shape = "ellipsoid", .radius = 0.03, .low = 0.28, .high = 0.381}};
+  const auto expected = [](double z) {
+    if (z < 0.0 || z > 0.381) return 0.0;
+    if (z < 0.1) return 0.1;
+    const double up = (2.0 * z - 0.28 - 0.381) / 0.101;
+    const double ball = std::abs(up) < 1.0 ? 0.06 * std::sqrt(1.0 - up * up) : 0.0;
+    return std::max(0.12 * (0.381 - z) / 0.281, ball);
+  };
+  const std::vector<double> widths = widths_seen(scenario);
+  int compared = 0;
+  for (std::size_t y = 0; y < widths.size(); ++y) {
+    const double z = 0.19 + 0.2 - 0.4 * (static_cast<double>(y) + 0.5) / 800.0;
+    const bool at_a_step = std::abs(z) < 0.002 || std::abs(z - 0.1) < 0.002 || z > 0.36;
+    if (at_a_step) continue;
+    EXPECT_NEAR(widths[y], expected(z), 0.0025) << z;
+    ++compared;
+  }
+  EXPECT_GT(compared, 600);
+}
+
 TEST(Looks, TellNothingOfTheCollidersUnlessAsked) {
   Scenario scenario;
   scenario.collision.shape = "ellipsoid";
