@@ -14,6 +14,7 @@
 #include "scene/each_throw.h"
 #include "scene/events.h"
 #include "scene/recorded.h"
+#include "scene/release.h"
 #include "scene/totals.h"
 #include "scene/trial_writer.h"
 #include "scene/verifier.h"
@@ -121,6 +122,17 @@ void print_throws(const nlohmann::json& result) {
     for (const nlohmann::json& one : result[key]) {
       fmt::print("{:<18}{}{}\n", "throw", what, scene::unpaired_in_words(one));
     }
+  }
+}
+
+/// Releases that the tracker did not tell all of.
+void print_releases(const std::vector<devices::Event>& events) {
+  for (const devices::Event& event : events) {
+    if (event.kind != scene::kind::release) continue;
+    const auto motion = scene::motion_of(event);
+    if (!motion || (motion->known == scene::Known::tracked && motion->left_out == 0)) continue;
+    fmt::print("{:<18}of {} at {:.3f} s: {}\n", "release", event.bodies.front(),
+               seconds(event.time), scene::in_words(*motion));
   }
 }
 
@@ -249,6 +261,7 @@ void replay(const ReplayOptions& options) {
     print_json(result);
   } else {
     print_summary(result);
+    print_releases(happened.events);
     print_throws(result);
     if (verifier) {
       fmt::print("{:<18}{} ticks equal the recording{}\n", "verified", verifier->compared(),

@@ -39,7 +39,7 @@ set(parts
   files/input_file files/sha256
   render/eyes render/hmd
   scene/bodies scene/game scene/game_hash scene/hand scene/outline scene/player scene/presence scene/recorded
-  scene/referee scene/room scene/rules scene/run scene/scenario scene/scenario_checks
+  scene/referee scene/release scene/room scene/rules scene/run scene/scenario scene/scenario_checks
   scene/scenario_files scene/scenario_keys scene/scenario_text scene/score scene/seen_mesh
   scene/session scene/stage
   scene/toml_text scene/totals scene/verifier scene/walk)

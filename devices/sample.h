@@ -44,6 +44,7 @@ inline Time device_time(const Sample& sample) {
 // Where headpin's own units have them; a scenario's rig says what is worn where.
 constexpr std::int32_t kHeadStation = 1;
 constexpr std::int32_t kHandStation = 2;
+constexpr std::int32_t kLeftHandStation = 3;
 
 /// Which device a sample is of: the station of a tracker, 0 for the 3D mouse.
 inline std::int32_t device_of(const Sample& sample) {
@@ -51,11 +52,12 @@ inline std::int32_t device_of(const Sample& sample) {
   return tracker ? tracker->station : 0;
 }
 
-/// "head", "right hand", "station 3"; 0: "3D mouse".
+/// "head", "right hand", "left hand", "station 4"; 0: "3D mouse".
 inline std::string device_name(std::int32_t device) {
   if (device == 0) return "3D mouse";
   if (device == kHeadStation) return "head";
-  return device == kHandStation ? "right hand" : "station " + std::to_string(device);
+  if (device == kHandStation) return "right hand";
+  return device == kLeftHandStation ? "left hand" : "station " + std::to_string(device);
 }
 
 }  // namespace headpin::devices

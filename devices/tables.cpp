@@ -203,8 +203,15 @@ std::vector<Field<ThrowRow>> throw_fields() {
          std::vector<Field<Row>>{
              {"speed_mps", "number", "m/s", "with which it left the hand",
               [](const Row& r) { return fmt::format("{}", r.speed); }},
-             {"known", "text", "", "how the release was known; empty where nothing tells",
+             {"known", "text", "",
+              "how the release was known: tracked, extrapolated or impossible; empty where nothing "
+              "tells",
               [](const Row& r) { return csv_quoted(r.known); }},
+             {"extrapolated_s", "number", "s", "by so long from the nearest sample of the hand",
+              [](const Row& r) { return maybe(r.extrapolated_s); }},
+             {"samples_left_out", "whole", "",
+              "samples of the hand that lie off what those around them say",
+              [](const Row& r) { return maybe(r.left_out); }},
              {"entry_time_s", "number", "s",
               "when it met its first skittle; empty where it met none",
               [](const Row& r) { return r.entry ? decimal_seconds(*r.entry) : ""; }},

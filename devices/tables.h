@@ -24,6 +24,8 @@ struct ThrowRow {
   std::optional<Vec3> p_WB, v_WB, w_WB;  ///< of the ball then, in the world
   double speed = 0.0;                    ///< [m/s]
   std::string known;                     ///< how the release was known; empty where nothing tells
+  std::optional<double> extrapolated_s;  ///< by so long from the nearest sample
+  std::optional<int> left_out;           ///< samples that lie off what the others say
   std::optional<Time> entry;             ///< when it met its first skittle
   std::optional<double> entry_speed;     ///< just before [m/s]
   std::optional<double>

@@ -15,6 +15,7 @@
 #include "scene/outcome.h"
 #include "scene/page_film.h"
 #include "scene/presence.h"
+#include "scene/release.h"
 #include "scene/seen_mesh.h"
 #include "scene/totals.h"
 #include "scene/verifier.h"
@@ -124,6 +125,12 @@ json of_trial(const Recorded& recorded) {
   return out;
 }
 
+/// Of a release, in words; else empty.
+std::string known_of(const devices::Event& event) {
+  const auto motion = event.kind == kind::release ? motion_of(event) : std::nullopt;
+  return motion ? in_words(*motion) : "";
+}
+
 json of_events(const std::vector<devices::Event>& events) {
   json out = json::array();
   for (const devices::Event& e : events) {
@@ -134,7 +141,8 @@ json of_events(const std::vector<devices::Event>& events) {
                    {"p", numbers(e.p_W)},
                    {"j", numbers(e.j_W)},
                    {"value", e.value},
-                   {"detail", e.detail}});
+                   {"detail", e.detail},
+                   {"known", known_of(e)}});
   }
   return out;
 }

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scene/events.h"
+#include "scene/release.h"
 
 namespace headpin::scene {
 
@@ -46,6 +47,10 @@ devices::ThrowRow thrown(const devices::Event& release, const std::string& versi
   if (trigger != detail.end() && trigger->is_number()) row.trigger_s = trigger->get<double>();
   const auto known = detail.find("known");
   if (known != detail.end() && known->is_string()) row.known = known->get<std::string>();
+  if (const auto motion = motion_of(release)) {
+    row.extrapolated_s = nearest_seconds(motion->extrapolated);
+    row.left_out = motion->left_out;
+  }
   if (row.p_WB) row.foul = row.p_WB->y() > 0.0;
   return row;
 }

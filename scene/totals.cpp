@@ -125,6 +125,8 @@ nlohmann::json to_json(const std::vector<devices::ThrowRow>& throws) {
          {"spin_radps", numbers(row.w_WB)},
          {"release_speed_mps", row.speed},
          {"known", row.known},
+         {"extrapolated_s", maybe(row.extrapolated_s)},
+         {"samples_left_out", maybe(row.left_out)},
          {"entry_s", row.entry ? nlohmann::json(nearest_seconds(*row.entry)) : nlohmann::json()},
          {"impact_speed_mps", maybe(row.entry_speed)},
          {"entry_angle_deg", maybe(row.entry_angle_deg)},

@@ -147,6 +147,8 @@ TEST_F(Reference, ATrialIsExportedWholeAndPlotted) {
   const nlohmann::json thrown = info["result"]["throws"][0];
   EXPECT_EQ(thrown["felled_by_ball"], info["result"]["skittles_down"]);
   EXPECT_EQ(thrown["release_speed_mps"], info["result"]["release_speed_mps"]);
+  EXPECT_EQ(thrown["known"], "tracked");
+  EXPECT_EQ(thrown["samples_left_out"], 0);
   EXPECT_EQ(json("replay --json game.lcmlog")["throws"], info["result"]["throws"]);
   EXPECT_EQ(rows["states"].get<int>() % info["ticks"].get<int>(), 0);
   EXPECT_GT(rows["states"], info["ticks"]);

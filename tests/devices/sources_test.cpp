@@ -21,6 +21,14 @@ std::vector<std::int32_t> stations(const std::vector<Sample>& samples) {
   return found;
 }
 
+TEST(Device, IsCalledByWhatItIsWornOn) {
+  EXPECT_EQ(device_name(0), "3D mouse");
+  EXPECT_EQ(device_name(1), "head");
+  EXPECT_EQ(device_name(2), "right hand");
+  EXPECT_EQ(device_name(3), "left hand");
+  EXPECT_EQ(device_name(4), "station 4");
+}
+
 TEST(Available, IsTheLatestOfWhatASampleSays) {
   TrackerSample s = sample(1, 3000, 2000);
   EXPECT_EQ(available(s), Time{3000});

@@ -2,6 +2,7 @@
 
 #include "scene/release.h"
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -10,6 +11,7 @@
 
 #include "devices/sources.h"
 #include "scene/events.h"
+#include "scene/score.h"
 #include "scene/session.h"
 
 namespace headpin::scene {
@@ -256,6 +258,22 @@ TEST(MotionAtTheTrigger, IsReadBackFromItsEvent) {
   EXPECT_EQ(in_words(told), "extrapolated by 12 ms, 2 samples left out");
   event.detail = "";
   EXPECT_FALSE(motion_of(event));
+}
+
+// A study can leave a throw out by what its row says.
+TEST(ThrowRow, SaysHowItsReleaseWasKnown) {
+  std::array<devices::Event, 1> events;
+  devices::Event& event = events.front();
+  event.kind = kind::release;
+  event.bodies = {"ball"};
+  event.detail = to_detail({{}, Known::extrapolated, Time{12'345}, 2});
+  ASSERT_EQ(score(events).throws.size(), 1u);
+  const devices::ThrowRow row = score(events).throws.front();
+  EXPECT_EQ(row.known, "extrapolated");
+  EXPECT_EQ(row.extrapolated_s, 0.012345);
+  EXPECT_EQ(row.left_out, 2);
+  event.detail = "";  // as in older trials
+  EXPECT_FALSE(score(events).throws.front().left_out);
 }
 
 /// A swing in a session: the ball is taken where the hand rests before it.

@@ -83,7 +83,8 @@ export function differencesTable(differences, a, b) {
 export function showEvents(trial, go) {
   const { events, event_kinds: kinds } = trial.json;
   const most = 2000;
-  const words = (event) => event.bodies.join(', ') || (event.detail.startsWith('{') ? '' : event.detail);
+  const words = (event) => event.bodies.concat(event.known || []).join(', ')
+    || (event.detail.startsWith('{') ? '' : event.detail);
   find('events-body').replaceChildren(
     ...(events.length > most ? [make('p', { class: 'note' }, `The first ${most} of ${events.length}.`)] : []),
     table('What happened, and when; a time goes there', ['Time', 'Tick', 'What', 'To what', 'Value', 'Impulse'],
