@@ -584,7 +584,7 @@ TEST(LogTest, SaysWhichMessagesAreAmiss) {
   // A sample that was passed over is missing from its device's count as well.
   EXPECT_THAT(
       found, testing::ElementsAre(
-                 "late station 3 1 3000000 3000000", "lost right hand 7 5000000 5000000",
+                 "late left hand 1 3000000 3000000", "lost right hand 7 5000000 5000000",
                  "foreign right hand 2 12000000 12100000", "lost right hand 2 12200000 12200000",
                  "implausible TRACKER 1 15000000 15000000", "lost right hand 1 15100000 15100000"));
 }
