@@ -512,6 +512,8 @@ void add_emulate(CLI::App& app) {
   command->add_flag("--early-firmware", options->early, "output items 18 to 20 as well");
   command->add_option("--firmware", options->firmware, "version in the status record, 6 characters")
       ->check([](const std::string& text) {
+        const auto shown = [](char c) { return c >= ' ' && c <= '~'; };
+        if (!std::ranges::all_of(text, shown)) return std::string("expected ASCII, 6 characters");
         return text.size() == 6 ? ""
                                 : "expected 6 characters, found " + std::to_string(text.size());
       })

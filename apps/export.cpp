@@ -1,6 +1,4 @@
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <deque>
 #include <filesystem>
 #include <fstream>
@@ -19,6 +17,7 @@
 #include "devices/tables.h"
 #include "devices/trial_file.h"
 #include "files/output_folder.h"
+#include "files/output_text.h"
 #include "scene/recorded.h"
 #include "scene/scenario.h"
 #include "scene/score.h"
@@ -33,27 +32,6 @@ struct ExportOptions {
   bool force = false, json = false;
 };
 
-/// A file of the folder, being written.
-class File {
- public:
-  File(files::OutputFolder& folder, const std::string& name)
-      : name_(name), out_(folder.file(name), std::ios::binary) {}
-
-  std::ostream& out() { return out_; }
-  void close() {
-    check_stop();
-    out_.close();
-    if (!out_) {
-      throw std::runtime_error(name_ + ": cannot be written" +
-                               (errno != 0 ? std::string(": ") + std::strerror(errno) : ""));
-    }
-  }
-
- private:
-  std::string name_;
-  std::ofstream out_;
-};
-
 /// Where the walk has the tracked space; nothing where the trial's scenario cannot be read.
 std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const std::string& path) {
   try {
@@ -66,7 +44,7 @@ std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const std::s
 /// All tables, in one walk through the trial.
 nlohmann::ordered_json write_tables(files::OutputFolder& folder, const devices::TrialFile& trial,
                                     const std::string& path) {
-  std::deque<File> files;
+  std::deque<files::OutputText> files;
   std::deque<devices::TableWriter> tables;
   const std::vector<std::string> names = devices::table_names();
   const std::vector<Stamped<Vec3>> walk = walk_of(trial, path);
@@ -75,7 +53,7 @@ nlohmann::ordered_json write_tables(files::OutputFolder& folder, const devices::
     return later == walk.begin() ? std::nullopt : std::optional(std::prev(later)->value);
   };
   for (const std::string& name : names) {
-    tables.emplace_back(files.emplace_back(folder, name + ".csv").out(), name,
+    tables.emplace_back(files.emplace_back(folder.file(name + ".csv")).out(), name,
                         trial.summary().header, walked);
   }
   const std::vector<devices::ThrowRow> throws = scene::score(trial.summary().events).throws;
@@ -92,6 +70,7 @@ nlohmann::ordered_json write_tables(files::OutputFolder& folder, const devices::
   });
   nlohmann::ordered_json rows;
   for (std::size_t i = 0; i < names.size(); ++i) {
+    check_stop();
     files[i].close();
     rows[names[i]] = tables[i].rows();
   }
@@ -126,11 +105,11 @@ void export_trial(const ExportOptions& options) {
   watch_stop_signals();
   files::OutputFolder folder(*options.folder,
                              {.overwrite = options.force, .others = {options.trial}});
-  errno = 0;
   const nlohmann::ordered_json rows = write_tables(folder, trial, options.trial);
   const auto write = [&](const std::string& name, const std::string& text) {
-    File file(folder, name);
-    file.out() << text;
+    files::OutputText file(folder.file(name));
+    check_stop();
+    file << text;
     file.close();
   };
   std::ostringstream columns;

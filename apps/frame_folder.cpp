@@ -59,12 +59,13 @@ FrameFolder::FrameFolder(const std::string& folder, const FrameFiles& files, dou
 }
 
 void FrameFolder::write_names() {
-  std::ofstream names(folder_.file("ids.csv"));
+  files::OutputText names(folder_.file("ids.csv"));
   names << "id,is\n0,nothing\n"
         << fmt::format("{},room\n{},hand\n{},stand\n{},button\n{},head\n", scene::kRoomId,
                        scene::kHandId, scene::kStandId, scene::kButtonId, scene::kHeadId)
         << fmt::format("{} and on,balls\n{} and on,skittles\n", scene::kFirstBallId,
                        scene::kFirstSkittleId);
+  names.close();
 }
 
 void FrameFolder::add(const scene::EyeFrame& frame) {
@@ -119,7 +120,6 @@ void FrameFolder::write_labels(const render::Labels& labels, const std::string& 
 void FrameFolder::close() {
   wait();
   index_.close();
-  if (!index_) throw std::runtime_error(folder_.file(kIndex).string() + ": cannot be written");
   folder_.commit(kIndex);
 }
 

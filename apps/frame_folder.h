@@ -1,10 +1,10 @@
 #pragma once
 
-#include <fstream>
 #include <future>
 #include <string>
 
 #include "files/output_folder.h"
+#include "files/output_text.h"
 #include "scene/eye_frames.h"
 
 namespace headpin::apps {
@@ -40,7 +40,7 @@ class FrameFolder : public scene::FrameSink {
   files::OutputFolder folder_;
   FrameFiles files_;
   double pixel_aspect_;
-  std::ofstream index_;
+  files::OutputText index_;
   std::future<void> writing_;  // last, so that it is waited for before the folder goes
 };
 

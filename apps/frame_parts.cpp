@@ -5,7 +5,6 @@
 #include <csignal>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
 #include <map>
 #include <optional>
 #include <span>
@@ -23,6 +22,7 @@
 #include "engine/hash.h"
 #include "files/input_file.h"
 #include "files/output_file.h"
+#include "files/output_text.h"
 #include "files/work_folder.h"
 
 namespace headpin::apps {
@@ -89,7 +89,10 @@ class PartsFolder {
   fs::path part(std::size_t i) { return folder_.folder(fmt::format("{:05}", i)); }
   fs::path messages(std::size_t i) { return folder_.file(fmt::format("{:05}.txt", i)); }
   bool is_done(std::size_t i) { return fs::exists(part(i) / "frames.csv"); }
-  void done() { folder_.keep(false); }
+  void done() {
+    folder_.clear();
+    folder_.keep(false);
+  }
 
  private:
   files::WorkFolder folder_;
@@ -180,8 +183,7 @@ void put(const fs::path& file, const fs::path& to) {
 }
 
 void put_together(PartsFolder& folder, std::size_t count, files::OutputFolder& result) {
-  const fs::path index_path = result.file("frames.csv");
-  std::ofstream index(index_path, std::ios::binary);
+  files::OutputText index(result.file("frames.csv"));
   for (std::size_t i = 0; i < count; ++i) {
     for (const auto& entry : fs::directory_iterator(folder.part(i))) {
       const std::string name = entry.path().filename().string();
@@ -194,7 +196,6 @@ void put_together(PartsFolder& folder, std::size_t count, files::OutputFolder& r
     }
   }
   index.close();
-  if (!index) throw std::runtime_error(index_path.string() + ": cannot be written");
 }
 
 }  // namespace

@@ -23,23 +23,6 @@ namespace fs = std::filesystem;
 constexpr std::string_view kMark = "<!--headpin:data-->";
 constexpr double kMostQuanta = 4503599627370496.0;  // 2^52: the page reads them as doubles
 
-template <typename T>
-void append_big_endian(T number, std::vector<std::uint8_t>& out) {
-  for (int shift = 8 * static_cast<int>(sizeof(T)) - 8; shift >= 0; shift -= 8) {
-    out.push_back(static_cast<std::uint8_t>(number >> shift));
-  }
-}
-
-void append(const devices::LogEvent& event, std::int64_t number, std::vector<std::uint8_t>& out) {
-  append_big_endian<std::uint32_t>(0xEDA1DA01, out);
-  append_big_endian<std::int64_t>(number, out);
-  append_big_endian<std::int64_t>(event.time.count(), out);
-  append_big_endian(static_cast<std::int32_t>(event.channel.size()), out);
-  append_big_endian(static_cast<std::int32_t>(event.data.size()), out);
-  out.insert(out.end(), event.channel.begin(), event.channel.end());
-  out.insert(out.end(), event.data.begin(), event.data.end());
-}
-
 }  // namespace
 
 std::string base64(std::span<const std::uint8_t> bytes) {
@@ -95,12 +78,13 @@ std::vector<std::uint8_t> log_of_inputs(const std::string& path) {
   devices::LogReader log(file);
   std::vector<std::uint8_t> out;
   std::int64_t number = 0;
-  while (const auto event = log.next()) {
+  while (auto event = log.next()) {
     const bool of_simulation = event->channel == devices::kStateChannel ||
                                event->channel == devices::kStateChangeChannel ||
                                event->channel == devices::kFrameChannel;
     if (of_simulation) continue;
-    append(*event, number++, out);
+    event->number = number++;
+    devices::append(*event, out);
   }
   return out;
 }

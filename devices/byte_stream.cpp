@@ -207,7 +207,10 @@ void garble(std::span<std::uint8_t> bytes) {
 /// True when a link may stand at `path`: nothing is there, or a link to a terminal or to nowhere.
 bool may_link(const std::string& path) {
   struct stat here {};
-  if (lstat(path.c_str(), &here) != 0) return errno == ENOENT;
+  if (lstat(path.c_str(), &here) != 0) {
+    if (errno == ENOENT) return true;
+    throw std::runtime_error(path + ": " + std::strerror(errno));
+  }
   if (!S_ISLNK(here.st_mode)) return false;
   struct stat there {};
   return stat(path.c_str(), &there) != 0 || S_ISCHR(there.st_mode);

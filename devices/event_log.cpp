@@ -100,4 +100,19 @@ std::span<const std::uint8_t> FileWindow::read(std::size_t at, std::size_t size)
   return std::span(piece_).subspan(from, std::min(size, piece_.size() - from));
 }
 
+void append(const LogEvent& event, std::vector<std::uint8_t>& out) {
+  const auto big_endian = [&out](auto number) {
+    for (int shift = 8 * static_cast<int>(sizeof number) - 8; shift >= 0; shift -= 8) {
+      out.push_back(static_cast<std::uint8_t>(number >> shift));
+    }
+  };
+  out.insert(out.end(), kMagic.begin(), kMagic.end());
+  big_endian(event.number);
+  big_endian(std::int64_t{event.time.count()});
+  big_endian(static_cast<std::int32_t>(event.channel.size()));
+  big_endian(static_cast<std::int32_t>(event.data.size()));
+  out.insert(out.end(), event.channel.begin(), event.channel.end());
+  out.insert(out.end(), event.data.begin(), event.data.end());
+}
+
 }  // namespace headpin::devices

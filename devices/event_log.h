@@ -75,4 +75,7 @@ class LogReader {
   std::int64_t cut_bytes_ = 0;
 };
 
+/// Puts an event behind others, as a log has them.
+void append(const LogEvent& event, std::vector<std::uint8_t>& out);
+
 }  // namespace headpin::devices

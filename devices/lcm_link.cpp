@@ -39,11 +39,30 @@ std::string hint_for(const std::string& url) {
 }  // namespace
 
 struct LcmLink::Lcm {
-  std::unique_ptr<files::OutputFile> file;  ///< that a log is written to
   lcm_t* handle = nullptr;
   ~Lcm() {
     if (handle) lcm_destroy(handle);
   }
+};
+
+/// A log that is written: liblcm would empty whatever has its name, and does not say what the disk
+/// did not take.
+class LcmLink::LogWriter {
+ public:
+  LogWriter(const std::string& path, files::OutputFile::Options options)
+      : file_(path, std::move(options)) {}
+
+  void write(const std::string& channel, std::span<const std::uint8_t> bytes) {
+    const auto now = std::chrono::system_clock::now().time_since_epoch();  // as liblcm stamps them
+    bytes_.clear();
+    append({number_++, std::chrono::duration_cast<Time>(now), channel, bytes}, bytes_);
+    file_.write(bytes_.data(), bytes_.size());
+  }
+
+ private:
+  files::OutputFile file_;
+  std::int64_t number_ = 0;
+  std::vector<std::uint8_t> bytes_;
 };
 
 /// A log that plays: file://PATH, with speed=N (1; 0: all at once) and start_timestamp=N as liblcm
@@ -142,20 +161,18 @@ LcmLink::LcmLink(const std::string& url, std::string_view prefix, files::OutputF
     log_ = std::make_unique<LogPlayer>(url);
     return;
   }
-  lcm_ = std::make_unique<Lcm>();
   const char* of_environment = std::getenv("LCM_DEFAULT_URL");
   const std::string meant = url.empty() && of_environment != nullptr ? of_environment : url;
-  std::string opened = meant;
   if (const std::string path = LogPlayer::written_by(meant); !path.empty()) {
-    // liblcm would empty whatever has this name, so it is given a file that is ours.
     if (meant.find("mode=a") != std::string::npos) {
       throw std::runtime_error(path + ": nothing is appended to a log; expected mode=w");
     }
     output.live = true;
-    lcm_->file = std::make_unique<files::OutputFile>(path, std::move(output));
-    opened = fmt::format("file:///proc/self/fd/{}?mode=w", lcm_->file->descriptor());
+    written_ = std::make_unique<LogWriter>(path, std::move(output));
+    return;
   }
-  lcm_->handle = lcm_create(opened.empty() ? nullptr : opened.c_str());
+  lcm_ = std::make_unique<Lcm>();
+  lcm_->handle = lcm_create(meant.empty() ? nullptr : meant.c_str());
   if (!lcm_->handle) {
     throw std::runtime_error("cannot open LCM at " + shown(url) + hint_for(url));
   }
@@ -166,6 +183,7 @@ LcmLink::~LcmLink() = default;
 void LcmLink::send(const std::string& channel, std::span<const std::uint8_t> bytes) {
   if (log_)
     throw std::runtime_error("cannot publish on " + channel + " at " + url_ + ": it is read");
+  if (written_) return written_->write(channel, bytes);
   do {
     errno = 0;
     if (lcm_publish(lcm_->handle, channel.c_str(), bytes.data(),
@@ -299,6 +317,7 @@ struct LcmSource::Subscriptions {
 LcmSource::LcmSource(LcmLink& link, std::size_t queue)
     : link_(link), queue_(queue), subscriptions_(std::make_unique<Subscriptions>()) {
   if (link.is_replay()) return;
+  if (!link.lcm_) throw std::runtime_error(link.url() + ": is written; expected one that is read");
   subscriptions_->lcm = link.lcm_->handle;
   const int capacity = static_cast<int>(std::min<std::size_t>(queue, 1 << 20));
   subscriptions_->add(*this, kTrackerChannel, capacity);

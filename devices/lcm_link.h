@@ -60,12 +60,14 @@ class LcmLink {
   friend class LcmSource;
   struct Lcm;
   class LogPlayer;
+  class LogWriter;
   std::string named(std::string_view channel) const { return prefix_ + std::string(channel); }
   void send(const std::string& channel, std::span<const std::uint8_t> bytes);
 
   std::string url_, prefix_;
-  std::unique_ptr<Lcm> lcm_;  // unless a log is read, without liblcm
+  std::unique_ptr<Lcm> lcm_;  // unless a log is read or written, without liblcm
   std::unique_ptr<LogPlayer> log_;
+  std::unique_ptr<LogWriter> written_;
   std::vector<std::uint8_t> bytes_;  // of the message at hand
 };
 

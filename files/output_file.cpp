@@ -34,20 +34,29 @@ fs::path folder_of(const fs::path& path) {
   return parent.empty() ? fs::path(".") : parent;
 }
 
-/// As the kernel does where it is told to (protected_symlinks): in a folder like /tmp, where all may
-/// write and only owners remove, a link of another user is followed only if the folder is that user's.
-void refuse_planted(const fs::path& link) {
+/// As the kernel does where it is told to (protected_symlinks, protected_fifos): in a folder like
+/// /tmp, where all may write and only owners remove, a link or a pipe of another user is used only
+/// if the folder is that user's.
+void refuse_planted(const fs::path& path) {
   struct stat itself {
   }, folder{};
-  if (lstat(link.c_str(), &itself) != 0 || stat(folder_of(link).c_str(), &folder) != 0) {
-    throw std::runtime_error(link.string() + ": cannot be followed: " + std::strerror(errno));
+  if (lstat(path.c_str(), &itself) != 0 || stat(folder_of(path).c_str(), &folder) != 0) {
+    throw std::runtime_error(path.string() + ": cannot be followed: " + std::strerror(errno));
   }
   constexpr mode_t kOpenToAll = S_ISVTX | S_IWOTH;
   if ((folder.st_mode & kOpenToAll) == kOpenToAll && itself.st_uid != geteuid() &&
       itself.st_uid != folder.st_uid) {
-    throw std::runtime_error(link.string() + ": is a link of another user, in a folder that all " +
-                             "may write to; it is not followed");
+    const bool link = S_ISLNK(itself.st_mode);
+    throw std::runtime_error(path.string() + ": is a " + (link ? "link" : "pipe or device") +
+                             " of another user, in a folder that all may write to; it is not " +
+                             (link ? "followed" : "written into"));
   }
+}
+
+/// What is in the working folder of an OutputFolder is called as it will be called in the end.
+std::string outer_name(const fs::path& path) {
+  const fs::path folder = path.parent_path();
+  return folder.filename() == kPartFolder ? folder.parent_path() / path.filename() : path;
 }
 
 }  // namespace
@@ -84,11 +93,11 @@ fs::path follow_links(fs::path path) {
 
 void OutputFile::fail(const std::string& doing) const {
   const int error = errno;
-  throw std::runtime_error(path_ + ": " + doing + ": " + std::strerror(error));
+  throw std::runtime_error(said_ + ": " + doing + ": " + std::strerror(error));
 }
 
 OutputFile::OutputFile(std::string path, Options options)
-    : path_(std::move(path)), options_(std::move(options)) {
+    : path_(std::move(path)), said_(outer_name(path_)), options_(std::move(options)) {
   if (path_.empty()) throw std::runtime_error("'': expected a name for the output, found none");
   if (path_ == "-") {
     if (!options_.standard_output) {
@@ -107,11 +116,11 @@ OutputFile::OutputFile(std::string path, Options options)
   if (!exists && errno != ENOENT && errno != ELOOP)
     fail("cannot be reached");  // what may not be seen is not nothing
   if (exists && S_ISDIR(there.st_mode)) {
-    throw std::runtime_error(path_ + ": is a folder; expected the name of a file");
+    throw std::runtime_error(said_ + ": is a folder; expected the name of a file");
   }
   for (const fs::path& input : options_.inputs) {
     if (same_file(path_, input)) {
-      throw std::runtime_error(path_ + ": is read by this very command; expected another name");
+      throw std::runtime_error(said_ + ": is read by this very command; expected another name");
     }
   }
   if (exists && !S_ISREG(there.st_mode)) {
@@ -123,8 +132,15 @@ OutputFile::OutputFile(std::string path, Options options)
 
 void OutputFile::open_special() {
   if (options_.regular)
-    throw std::runtime_error(path_ + ": is no regular file; nothing is written");
-  descriptor_ = open(path_.c_str(), O_WRONLY | O_CLOEXEC | O_NOCTTY);
+    throw std::runtime_error(said_ + ": is no regular file; nothing is written");
+  const fs::path target = follow_links(path_);
+  const int how = O_WRONLY | O_CLOEXEC | O_NOCTTY;
+  if (fs::exists(target)) {
+    refuse_planted(target);
+    descriptor_ = open(target.c_str(), how | O_NOFOLLOW);
+  } else {  // /dev/stdout leads to a pipe, which has no name
+    descriptor_ = open(path_.c_str(), how);
+  }
   if (descriptor_ < 0) fail("cannot write");
 }
 
@@ -145,7 +161,7 @@ void OutputFile::open_in_folder(bool exists, const fs::path& folder) {
   struct stat old {};
   if (exists) {
     if (!options_.overwrite) {
-      throw std::runtime_error(path_ + ": exists already; --force replaces it");
+      throw std::runtime_error(said_ + ": exists already; --force replaces it");
     }
     const int there =
         openat(folder_, target_.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
@@ -153,7 +169,7 @@ void OutputFile::open_in_folder(bool exists, const fs::path& folder) {
     const bool free = lock(there);
     fstat(there, &old);
     close(there);
-    if (!free) throw Busy(path_ + ": is being written by another headpin");
+    if (!free) throw Busy(said_ + ": is being written by another headpin");
   }
   std::tie(descriptor_, named_) = create_part(folder_, target_);
   if (descriptor_ < 0) fail("cannot be created");
@@ -184,7 +200,7 @@ void OutputFile::rename_to_target() {
     return;
   }
   if (errno == EEXIST) {
-    throw std::runtime_error(path_ + ": exists by now; --force replaces it");
+    throw std::runtime_error(said_ + ": exists by now; --force replaces it");
   }
   fail("cannot be given its name");
 }
@@ -233,7 +249,7 @@ void OutputFile::require_kept(std::int64_t size) const {
   }, named{};
   if (!options_.live || named_.empty() || fstat(descriptor_, &ours) != 0) return;
   const auto lost = [&](const std::string& how) {
-    throw std::runtime_error(path_ + ": " + how + " while it was written");
+    throw std::runtime_error(said_ + ": " + how + " while it was written");
   };
   const bool there = fstatat(folder_, target_.c_str(), &named, 0) == 0;
   if (!there || named.st_dev != ours.st_dev || named.st_ino != ours.st_ino) {

@@ -9,6 +9,9 @@
 
 namespace headpin::files {
 
+/// Of an OutputFolder: what is in it is not yet in its place.
+inline constexpr const char* kPartFolder = ".headpin.part";
+
 /// A file that gets its name when it is whole.
 ///
 /// A regular file is written beside its place, under a name that nothing else has
@@ -75,7 +78,8 @@ class OutputFile {
   void close_all();
   void sync_folder() const;
 
-  std::string path_;  ///< as the user wrote it, for messages
+  std::string path_;  ///< as the user wrote it
+  std::string said_;  ///< the same, in messages
   Options options_;
   int folder_ = -1;             ///< where it will be, links followed; -1: nothing gets a name
   std::string target_, named_;  ///< there: its name in the end, and now

@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <cstring>
+#include <string_view>
 #include <utility>
 
 #include <fcntl.h>
@@ -16,7 +17,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kPart = ".headpin.part";  // what is not yet in its place
 constexpr const char* kOld = ".headpin.old";    // what is being replaced and may have to come back
 constexpr const char* kGone = ".headpin.gone";  // what was replaced
 const std::string kTitle = kListTitle;
@@ -27,9 +27,9 @@ fs::path without_slash(const std::string& path) {
   return last == std::string::npos ? path.substr(0, 1) : path.substr(0, last + 1);
 }
 
-/// Whether `path` is `folder` or in it.
+/// Whether a path is `folder` or in it, both canonical.
 bool lies_in(const fs::path& folder, const fs::path& path) {
-  for (fs::path at = fs::weakly_canonical(path);; at = at.parent_path()) {
+  for (fs::path at = path;; at = at.parent_path()) {
     if (at == folder) return true;
     if (at == at.parent_path()) return false;
   }
@@ -47,8 +47,15 @@ std::string lines_of(const std::set<std::string>& names) {
   return text;
 }
 
-bool write_at(int file, const std::string& text, off_t at) {
-  return pwrite(file, text.data(), text.size(), at) == static_cast<ssize_t>(text.size());
+bool write_at(int file, std::string_view text, off_t at) {
+  while (!text.empty()) {
+    const ssize_t n = pwrite(file, text.data(), text.size(), at);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(n));
+    at += n;
+  }
+  return true;
 }
 
 }  // namespace
@@ -68,7 +75,7 @@ OutputFolder::OutputFolder(const std::string& path, const Options& options) : pa
     refuse_foreign(options);  // before anything of ours is put there
     if (list_ < 0) take_lock();
     refuse_foreign(options);
-    part_.emplace(folder_ / kPart);
+    part_.emplace(folder_ / kPartFolder);
     part_->clear();  // of a run that was killed
     if (exists_in(descriptor_, kGone)) WorkFolder(folder_ / kGone);
   } catch (const fs::filesystem_error& error) {
@@ -119,7 +126,10 @@ void OutputFolder::make_folder() {
 
 void OutputFolder::refuse_foreign(const Options& options) const {
   for (const fs::path& other : options.others) {
-    if (lies_in(folder_, other)) {
+    std::error_code unknown;
+    const fs::path canonical = fs::weakly_canonical(other, unknown);
+    if (unknown) throw std::runtime_error(other.string() + ": " + unknown.message());
+    if (lies_in(folder_, canonical)) {
       throw std::runtime_error(path_ + ": holds " + other.string() +
                                ", which is used by this very command; expected another folder");
     }
@@ -128,7 +138,7 @@ void OutputFolder::refuse_foreign(const Options& options) const {
   const bool listed = read_list(descriptor_, ours);
   for (const fs::directory_entry& entry : fs::directory_iterator(folder_)) {
     const std::string name = entry.path().filename().string();
-    const bool book = name == kList || name == kPart || name == kOld || name == kGone;
+    const bool book = name == kList || name == kPartFolder || name == kOld || name == kGone;
     if ((listed && book) || (ours.contains(name) && fs::is_regular_file(entry.symlink_status()))) {
       continue;
     }
@@ -167,8 +177,8 @@ void OutputFolder::take_back() {
   WorkFolder old(folder_ / kOld);
   old.keep(true);
   std::vector<Move> done;
-  if (exists_in(descriptor_, kPart)) {
-    const WorkFolder part(folder_ / kPart);
+  if (exists_in(descriptor_, kPartFolder)) {
+    const WorkFolder part(folder_ / kPartFolder);
     for (const std::string& name : part.names()) {
       const bool came = !exists_in(part.descriptor(), name) && exists_in(descriptor_, name);
       const bool was_there = old.names().contains(name) && !exists_in(old.descriptor(), name);
@@ -205,7 +215,7 @@ void OutputFolder::sync_parts() const {
     errno = error;
     if (failed != 0) fail(name + " cannot be written");
   }
-  if (fsync(part_->descriptor()) != 0) fail("cannot be written");
+  part_->sync();
 }
 
 void OutputFolder::commit(const std::string& last) {
@@ -232,7 +242,8 @@ void OutputFolder::commit(const std::string& last) {
       old->file(name);
       there.insert(name);
     }
-    if (fsync(old->descriptor()) != 0 || fsync(descriptor_) != 0) fail("cannot be written");
+    old->sync();
+    if (fsync(descriptor_) != 0) fail("cannot be written");
     // The one that stands for the whole set goes first and comes last.
     if (there.contains(last)) move({last, nullptr, &*old}, done);
     for (const std::string& name : there) {

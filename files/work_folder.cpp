@@ -47,20 +47,27 @@ bool is_regular(int folder, const std::string& name) {
   return fstatat(folder, name.c_str(), &is, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(is.st_mode);
 }
 
+/// All that is in an open folder. One that cannot be read is not an empty one.
 std::vector<std::string> entries(int folder) {
-  std::vector<std::string> names;
+  const auto fail = [] {
+    throw std::runtime_error(std::string("a folder cannot be read: ") + std::strerror(errno));
+  };
   const int again = openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-  if (again < 0) return names;
-  DIR* all = fdopendir(again);
+  if (again < 0) fail();
+  const std::unique_ptr<DIR, int (*)(DIR*)> all(fdopendir(again), &closedir);
   if (all == nullptr) {
     close(again);
-    return names;
+    fail();
   }
-  while (const dirent* one = readdir(all)) {
+  std::vector<std::string> names;
+  for (;;) {
+    errno = 0;
+    const dirent* one = readdir(all.get());
+    if (one == nullptr) break;
     const std::string_view name = one->d_name;
     if (name != "." && name != "..") names.emplace_back(name);
   }
-  closedir(all);
+  if (errno != 0) fail();
   return names;
 }
 
@@ -210,6 +217,10 @@ fs::path WorkFolder::file(const std::string& name) {
 
 fs::path WorkFolder::folder(const std::string& name) {
   return add(name, name + "/");
+}
+
+void WorkFolder::sync() const {
+  if (fsync(list_) != 0 || fsync(folder_) != 0) fail("cannot be written");
 }
 
 void WorkFolder::clear() {

@@ -58,6 +58,9 @@ class WorkFolder {
   /// The same for a folder, an OutputFolder.
   std::filesystem::path folder(const std::string& name);
 
+  /// Has the list and the names on the disk.
+  void sync() const;
+
   /// Removes what is on the list.
   void clear();
   void keep(bool kept) { keep_ = kept; }

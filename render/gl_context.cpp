@@ -3,10 +3,16 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <condition_variable>
 #include <cstdint>
 #include <cstdlib>
 #include <cstring>
+#include <mutex>
 #include <stdexcept>
+#include <string>
+#include <system_error>
+#include <thread>
+#include <vector>
 
 #include "render/gl_functions.h"
 
@@ -63,9 +69,33 @@ void GlContext::release() {
   current = {};
 }
 
+namespace {
+
+/// Mesa waits for ever for a thread that it could not begin.
+void try_threads(const std::string& wanted) {
+  constexpr int kMost = 32;  // that Mesa begins
+  std::vector<std::jthread> tried;
+  try {
+    for (int left = std::min(std::atoi(wanted.c_str()), kMost); left > 0; --left) {
+      tried.emplace_back([](const std::stop_token& ended) {
+        std::mutex none;
+        std::unique_lock lock(none);
+        std::condition_variable_any().wait(lock, ended, [] { return false; });
+      });
+    }
+  } catch (const std::system_error& error) {
+    throw std::runtime_error("LP_NUM_THREADS is " + wanted + ", and only " +
+                             std::to_string(tried.size()) +
+                             " threads can be begun: " + error.code().message());
+  }
+}
+
+}  // namespace
+
 void prepare_mesa() {
   // With threads of its own, Mesa 22.3 frees a fence whose lock they still hold (docs/threads.md).
   setenv("LP_NUM_THREADS", "0", 0);
+  try_threads(std::getenv("LP_NUM_THREADS"));
   // On these it crashes instead of failing.
   const char* driver = std::getenv("GALLIUM_DRIVER");
   if (driver != nullptr && std::strcmp(driver, "llvmpipe") != 0 &&

@@ -127,5 +127,73 @@ TEST_F(Outputs, OddNamesAreNames) {
   EXPECT_EQ(std::count(missing.err.begin(), missing.err.end(), '\n'), 1) << missing.err;
 }
 
+// No file may become longer than 8 blocks of 1024 bytes: as on a disk that is full.
+TEST_F(Outputs, OnAFullDiskTheReasonAndTheFileAreSaid) {
+  const auto on_full_disk = [&](const std::string& arguments) {
+    const std::string command = "cd '" + folder_.string() +
+                                "' && (trap '' XFSZ; ulimit -f 8; '" HEADPIN_PROGRAM "' " +
+                                arguments + " >out.txt 2>err.txt)";
+    const int status = std::system(("bash -c \"" + command + "\"").c_str());
+    return Result{WEXITSTATUS(status), "", slurp(folder_ / "err.txt")};
+  };
+  const std::vector<std::pair<std::string, std::string>> commands = {
+      {"export " + kDemo + " -o tables", "tables/trackers.csv"},
+      {"frames " + kDemo + " -o drawn --frames 200", "drawn/left_000200.png"},
+      {"stream " + kDemo + " --speed 0 --lcm 'file://sent.log?mode=w'", "sent.log"}};
+  for (const auto& [command, file] : commands) {
+    const Result result = on_full_disk(command);
+    EXPECT_EQ(result.code, 1) << command;
+    EXPECT_THAT(result.err, HasSubstr(file + ": cannot be written: File too large")) << command;
+    EXPECT_THAT(result.err, testing::Not(HasSubstr(".headpin"))) << command;
+  }
+}
+
+TEST_F(Outputs, NamesThatAreTooLongAreRefusedByName) {
+  const std::string name(300, 'n');
+  for (const std::string& command : std::vector<std::string>{
+           "info " + name, "replay " + kDemo + " -o " + name, "export " + kDemo + " -o " + name,
+           "frames " + kDemo + " --frames 3 -o " + name,
+           "frames " + kDemo + " --frames 3 -o drawn --video " + name + ".mkv",
+           "emulate --duration 0.1 --link " + name, "emulate --duration 0.1 --control " + name,
+           "stream " + kDemo + " --lcm 'file://" + name + "?mode=w'"}) {
+    const Result result = headpin(command);
+    EXPECT_EQ(result.code, 1) << command;
+    EXPECT_THAT(result.err, testing::ContainsRegex(name + ".*: File name too long")) << command;
+  }
+}
+
+TEST_F(Outputs, WhereNoThreadCanBeBegunThatIsSaid) {
+  const auto drawn = [&](const std::string& environment) {
+    const std::string command = "cd '" + folder_.string() + "' && " + environment +
+                                " LD_PRELOAD='" NO_THREADS "' timeout 60 '" HEADPIN_PROGRAM
+                                "' frames " +
+                                kDemo + " -o drawn --frames 3 2>err.txt >out.txt";
+    const int status = std::system(command.c_str());
+    EXPECT_EQ(WEXITSTATUS(status), 1) << "it waits for ever";
+    return slurp(folder_ / "err.txt");
+  };
+#ifdef HEADPIN_SANITIZED
+  GTEST_SKIP() << "sanitizers have to be loaded first";
+#endif
+  EXPECT_THAT(drawn("true;"), HasSubstr("a thread cannot be begun"));
+  EXPECT_THAT(drawn("LP_NUM_THREADS=2"), HasSubstr("LP_NUM_THREADS is 2, and only 0 threads"));
+}
+
+TEST_F(Outputs, AFloodOnTheControlLineNeitherFillsTheMemoryNorKeepsTheEmulator) {
+#ifdef HEADPIN_SANITIZED
+  GTEST_SKIP() << "sanitizers take terabytes of addresses";
+#endif
+  const std::string command = "cd '" + folder_.string() +
+                              "' && ulimit -v 500000 && timeout 60 '" HEADPIN_PROGRAM
+                              "' emulate --control - --duration 1 </dev/zero >out.txt 2>err.txt";
+  EXPECT_EQ(std::system(command.c_str()), 0);
+  EXPECT_THAT(slurp(folder_ / "err.txt"), HasSubstr("lines longer than 4096 bytes"));
+}
+
+TEST_F(Outputs, AFirmwareIsSixCharactersThatCanBeSeen) {
+  expect_refusal("emulate --duration 0.1 --firmware 1234567", 2, "expected 6 characters, found 7");
+  expect_refusal("emulate --duration 0.1 --firmware \"$(printf '1\\t2345')\"", 2, "ASCII");
+}
+
 }  // namespace
 }  // namespace headpin

@@ -1,6 +1,11 @@
 #pragma once
 
-/// Calls of the system that fail, or end the process, where a test says so.
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+/// Calls of the system that fail, end the process or are noted where a test says so.
 ///
 /// The functions of the C library that change files are this program's own (failing_calls.cpp) and
 /// pass on to the kernel.
@@ -10,9 +15,25 @@ namespace headpin::files {
 void fail_call(const char* name, int number, int error);
 /// The process ends in place of the call with this number, whatever it is.
 void end_at_call(int number);
+/// Ahead of the call with this number `work` is done, once.
+void do_before_call(const char* name, int number, std::function<void()> work);
+/// Beside that: write() and pwrite() take no more than that at once.
+void write_at_most(std::size_t bytes);
 /// How many calls there were since the last of these.
 int calls();
 /// All succeed again.
 void let_all_succeed();
+
+/// What a call has changed.
+struct Change {
+  enum Kind { kCreate, kMakeFolder, kWrite, kCut, kRename, kRemove, kSync, kSyncAll };
+  Kind kind;
+  std::string path;    ///< absolute
+  std::string other;   ///< kRename: the new name; kWrite: the bytes
+  std::size_t at = 0;  ///< kWrite: where; kCut: the new size
+};
+
+/// All that `work` changes on the disk, in order.
+std::vector<Change> changes_of(const std::function<void()>& work);
 
 }  // namespace headpin::files

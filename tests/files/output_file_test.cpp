@@ -221,5 +221,34 @@ TEST_F(OutputFileTest, ALinkPlantedByAnotherUserInAnOpenFolderIsNotFollowed) {
   }
 }
 
+TEST_F(OutputFileTest, APipePlantedByAnotherUserInAnOpenFolderIsNotWrittenInto) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give a pipe to another user";
+  const fs::path open = folder_ / "open", pipe = open / "pipe";
+  fs::create_directory(open);
+  ASSERT_EQ(chmod(open.c_str(), 01777), 0);
+  ASSERT_EQ(mkfifo(pipe.c_str(), 0666), 0);
+  ASSERT_EQ(chown(pipe.c_str(), 12345, 12345), 0);
+  EXPECT_THAT(refused(pipe, force_), HasSubstr("is a pipe or device of another user"));
+}
+
+TEST_F(OutputFileTest, WhatIsTakenInPiecesIsThereOnce) {
+  write_at_most(3);
+  write(folder_ / "a", "eight by", {});
+  let_all_succeed();
+  EXPECT_EQ(slurp(folder_ / "a"), "eight by");
+}
+
+TEST_F(OutputFileTest, ALinkThatComesToStandThereMeanwhileIsNotFollowed) {
+  write(folder_ / "a", "old", {});
+  spit(folder_ / "precious", "precious");
+  do_before_call("openat", 0, [&] {
+    fs::remove(folder_ / "a");
+    fs::create_symlink("precious", folder_ / "a");
+  });
+  EXPECT_THAT(refused(folder_ / "a", force_), HasSubstr("cannot be replaced"));
+  let_all_succeed();
+  EXPECT_EQ(slurp(folder_ / "precious"), "precious");
+}
+
 }  // namespace
 }  // namespace headpin::files

@@ -9,6 +9,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "files/output_text.h"
 #include "tests/files/failing_calls.h"
 #include "tests/support/folder.h"
 
@@ -234,6 +235,53 @@ TEST_F(OutputFolderTest, EndedAtAnyCallOfACommitTheNextFindsTheOldOrTheNewOnes) 
     write(out_, {"1.png", "2.png", "index"}, force_);
     EXPECT_EQ(everything(), old) << number;
   }
+}
+
+TEST_F(OutputFolderTest, OnADiskThatIsFullInTheMiddleOfTheListItIsAsBefore) {
+  write(out_, {"1.png", "index"});
+  const auto before = everything();
+  OutputFolder folder(out_, force_);
+  for (const char* name : {"1.png", "more.png", "index"}) spit(folder.file(name), "new");
+  fail_call("pwrite", 1, ENOSPC);
+  write_at_most(std::string(kListTitle).size() + 18);  // inside the new names
+  EXPECT_THAT(complaint([&] { folder.commit("index"); }), HasSubstr("No space left"));
+  let_all_succeed();
+  EXPECT_EQ(slurp(out_ + "/.headpin"), before.at("out/.headpin"));
+}
+
+TEST_F(OutputFolderTest, TheFileThatStandsForAllGoesFirstAndComesLast) {
+  write(out_, {"1.png", "2.png", "index"});
+  std::vector<std::string> moved;
+  for (const Change& c : changes_of([&] { write(out_, {"1.png", "2.png", "index"}, force_); })) {
+    if (c.kind == Change::kRename) moved.push_back(c.other.substr(c.other.find("out/")));
+  }
+  EXPECT_THAT(moved, testing::ElementsAre("out/.headpin.old/index", "out/.headpin.old/1.png",
+                                          "out/.headpin.old/2.png", "out/1.png", "out/2.png",
+                                          "out/index", "out/.headpin.gone"));
+}
+
+TEST_F(OutputFolderTest, TextThatTheDiskDoesNotTakeIsSaidUnderItsNameInTheEnd) {
+  OutputFolder folder(out_, {});
+  OutputText text(folder.file("a.csv"));
+  fail_call("write", 0, ENOSPC);
+  EXPECT_THAT(complaint([&] { text << std::string(1'000'000, 'x'); }),
+              testing::EndsWith("out/a.csv: cannot be written: No space left on device"));
+  let_all_succeed();
+}
+
+TEST_F(OutputFolderTest, TextIsThereToTheByte) {
+  std::string all;
+  {
+    OutputFolder folder(out_, {});
+    OutputText text(folder.file("a.csv"));
+    for (int i = 0; i < 50'000; ++i) {
+      all += std::to_string(i) + ",";
+      text << i << ",";
+    }
+    text.close();
+    folder.commit("a.csv");
+  }
+  EXPECT_EQ(slurp(out_ + "/a.csv"), all);
 }
 
 }  // namespace

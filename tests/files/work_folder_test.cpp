@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "files/output_folder.h"
+#include "tests/files/failing_calls.h"
 #include "tests/support/folder.h"
 
 namespace headpin::files {
@@ -50,6 +51,18 @@ TEST(WorkFolderTest, AFolderOfAnotherIsNotTaken) {
               HasSubstr("link: exists already, and headpin did not make it"));
   spit(folder / "ours/thesis.tex", "precious");
   EXPECT_THAT(complaint([&] { WorkFolder work(folder / "ours"); }), HasSubstr("holds thesis.tex"));
+}
+
+// A folder whose reading fails is not an empty one, which would be taken over.
+TEST(WorkFolderTest, AFolderThatCannotBeReadIsNotTaken) {
+  const TemporaryFolder folder;
+  const std::string path = folder / "taken";
+  fs::create_directory(path);
+  spit(path + "/precious", "precious");
+  fail_call("readdir", 0, EIO);
+  EXPECT_THAT(complaint([&] { WorkFolder(path).clear(); }), testing::HasSubstr("cannot be read"));
+  let_all_succeed();
+  EXPECT_EQ(slurp(path + "/precious"), "precious");
 }
 
 }  // namespace
