@@ -123,6 +123,10 @@ TEST_F(Outputs, OddNamesAreNames) {
                 .code,
             0);
   EXPECT_TRUE(fs::exists(folder_ / "odd place/v:1.mkv"));
+  // To ffmpeg, without a word before it, this is a part of another file.
+  fs::create_directory(folder_ / "subfile,x");
+  EXPECT_EQ(headpin("frames " + kDemo + " --frames 3 --video 'subfile,x/a:b.mkv'").code, 0);
+  EXPECT_TRUE(fs::exists(folder_ / "subfile,x/a:b.mkv"));
   const Result missing = headpin("info 'no\nsuch'");
   EXPECT_EQ(std::count(missing.err.begin(), missing.err.end(), '\n'), 1) << missing.err;
 }

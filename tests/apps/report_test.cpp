@@ -1,4 +1,7 @@
 #include "apps/page_file.h"
+
+#include <map>
+
 #include "devices/log.h"
 #include "tests/apps/command_line.h"
 
@@ -9,6 +12,22 @@ using testing::HasSubstr;
 using testing::Not;
 
 constexpr const char* kBase64 = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/=";
+
+// The examples of RFC 4648, section 10, and one with the two digits that are no letters.
+TEST(Base64, IsThatOfTheStandard) {
+  const std::map<std::string, std::string> examples = {{"", ""},
+                                                       {"f", "Zg=="},
+                                                       {"fo", "Zm8="},
+                                                       {"foo", "Zm9v"},
+                                                       {"foob", "Zm9vYg=="},
+                                                       {"fooba", "Zm9vYmE="},
+                                                       {"foobar", "Zm9vYmFy"},
+                                                       {"\xfb\xff\xbe", "+/++"}};
+  for (const auto& [bytes, text] : examples) {
+    EXPECT_EQ(apps::base64({reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()}),
+              text);
+  }
+}
 
 /// The page is made elsewhere (apps/report); here stands what a trial is put into.
 class Report : public CommandLine {

@@ -431,5 +431,17 @@ TEST_F(PrivateNetwork, WhatLcmLoggerMakesOfAStreamOrAPlayedTrialReplaysTheSame) 
   EXPECT_EQ(verified["state_hash"], hash);
 }
 
+// What README shows is what every machine comes to; a bit that is another changes both.
+TEST_F(TrialCommands, TheBundledTrialComesToTheHashesInReadme) {
+  const std::string readme = slurp(HEADPIN_SOURCE_DIR "/README.md");
+  const auto shown = [&](const std::string& name) {
+    const std::size_t at = readme.find("\n" + name);
+    return at == std::string::npos ? "" : readme.substr(at + 1 + name.size(), 16);
+  };
+  const nlohmann::json replayed = json("replay " + kDemo + " --json");
+  EXPECT_EQ(replayed["state_hash"], shown("state hash        "));
+  EXPECT_EQ(replayed["game_hash"], shown("game hash         "));
+}
+
 }  // namespace
 }  // namespace headpin

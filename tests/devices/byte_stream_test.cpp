@@ -7,7 +7,9 @@
 
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <netinet/in.h>
 #include <poll.h>
+#include <sys/socket.h>
 #include <termios.h>
 #include <unistd.h>
 
@@ -215,6 +217,25 @@ TEST(TcpServerTest, AReaderWhoDoesNotReadStopsTheWriter) {
   std::size_t taken = 0;
   for (int i = 0; i < 100'000; ++i) taken += put(server, std::string(100, 'x'));
   EXPECT_LT(taken, 10'000'000u);
+}
+
+// Records that wait in the machine are old when they are read. What one machine holds for another is
+// what the writer's socket takes and what the reader's takes; the latter is made small here.
+TEST(TcpServerTest, WhoReadsLateFindsFewRecordsThatWaited) {
+  TcpServer server(0);
+  const int client = socket(AF_INET, SOCK_STREAM, 0);
+  const int few = 4096;
+  setsockopt(client, SOL_SOCKET, SO_RCVBUF, &few, sizeof few);
+  sockaddr_in to{};
+  to.sin_family = AF_INET;
+  to.sin_port = htons(static_cast<std::uint16_t>(server.port()));
+  to.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+  ASSERT_EQ(connect(client, reinterpret_cast<const sockaddr*>(&to), sizeof to), 0);
+  std::size_t taken = 0;
+  for (int i = 0; i < 100'000; ++i) taken += put(server, std::string(100, 'x'));
+  EXPECT_GT(taken, 0u);
+  EXPECT_LT(taken, 50'000u);  // unlimited, Linux takes millions
+  close(client);
 }
 
 TEST(TcpServerTest, ATakenPortIsAnError) {

@@ -193,6 +193,22 @@ TEST(FastrakRecordTest, ValuesArriveWithinTheStepOfTheirFormat) {
   }
 }
 
+// Azimuth and roll turn all the way round, elevation from straight down to straight up.
+TEST(FastrakRecordTest, AnglesBeyondTheirEndsAreRefused) {
+  const FastrakFormat format{{2, 4, 0}, true, false};
+  const auto is_read = [&](const Vec3& angles_deg) {
+    FastrakRecord record = example();
+    record.angles_deg = angles_deg;
+    return decode_record(encoded(record, format), format).has_value();
+  };
+  EXPECT_TRUE(is_read(Vec3(180.0, 90.0, -180.0)));
+  EXPECT_TRUE(is_read(Vec3(-180.0, -90.0, 180.0)));
+  EXPECT_FALSE(is_read(Vec3(181.0, 0.0, 0.0)));
+  EXPECT_FALSE(is_read(Vec3(0.0, 91.0, 0.0)));
+  EXPECT_FALSE(is_read(Vec3(0.0, -91.0, 0.0)));
+  EXPECT_FALSE(is_read(Vec3(0.0, 0.0, -181.0)));
+}
+
 TEST(FastrakRecordTest, ImpossibleValuesAndShapesAreRefused) {
   const FastrakFormat format{{2, 11, 0}, true, false};
   const auto good = encoded(example(), format);

@@ -218,6 +218,21 @@ TEST(LogTest, HeaderStampsNeverRunBackAndFollowTheMessages) {
   EXPECT_EQ(last, Time{100'000});  // the button, the latest of all
 }
 
+// liblcm reads names of up to 999 bytes; a longer one is damage.
+TEST(LogTest, ANameOfAChannelHas999BytesAtMost) {
+  for (const std::size_t size : {std::size_t{999}, std::size_t{1000}}) {
+    const std::string name(size, 'n');
+    Buffer bytes;
+    append({1, Time{1}, name, {}}, bytes);
+    append({2, Time{2}, "after", {}}, bytes);
+    LogReader reader(bytes);
+    const auto first = reader.next();
+    ASSERT_TRUE(first);
+    EXPECT_EQ(first->channel, size == 999 ? name : "after");
+    EXPECT_EQ(reader.skipped_bytes(), size == 999 ? 0 : 1028);
+  }
+}
+
 TEST(LogTest, CutOffAnywhereItIsGoodUpToTheCut) {
   const Buffer bytes = recorded();
   std::vector<std::size_t> ends;  // of each event in the file
@@ -750,7 +765,8 @@ TEST(LogTest, SaysWhatIsWrongWithAFileThatIsNoTrial) {
   later.format_version = 3;
   Buffer data;
   encode(later, data);
-  EXPECT_THAT(message(one_event("HEADPIN_TRIAL", data)), HasSubstr("format version 3, expected 1 to 2"));
+  EXPECT_THAT(message(one_event("HEADPIN_TRIAL", data)),
+              HasSubstr("format version 3, expected 1 to 2"));
   EXPECT_THROW(read_trial(folder / "missing.lcmlog"), std::runtime_error);
   EXPECT_THROW(read_trial(folder), std::runtime_error);
 }
