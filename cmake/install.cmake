@@ -1,7 +1,9 @@
-# What `cmake --install` puts where, besides the libraries. Three components:
+# What `cmake --install` puts where, besides the libraries. Four components:
 #   program    headpin, its manual, completion, scenarios, message types
+#   runtime    the collision engine as a shared library
 #   engine     what it takes to build with the collision engine; needs Eigen alone
 #   libraries  the same for devices, render and scene
+set(HEADPIN_RUNTIME_PACKAGE libheadpin-engine${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 include(CMakePackageConfigHelpers)
 configure_package_config_file(cmake/headpin-config.cmake.in headpin-config.cmake
                               INSTALL_DESTINATION ${HEADPIN_CMAKE_DIR})
@@ -9,7 +11,8 @@ write_basic_package_version_file(headpin-config-version.cmake COMPATIBILITY Same
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/headpin-config.cmake
               ${CMAKE_CURRENT_BINARY_DIR}/headpin-config-version.cmake
         DESTINATION ${HEADPIN_CMAKE_DIR} COMPONENT engine)
-install(FILES LICENSE RENAME copyright
+include(cmake/third_parties.cmake)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/packages/copyright
         DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libheadpin-dev COMPONENT engine)
 if(NOT HEADPIN_PROGRAM)
   return()
@@ -22,8 +25,11 @@ install(DIRECTORY assets/scenarios assets/meshes assets/trials assets/throws
 # What `headpin report` fills in, where `./dev page` has built it.
 install(FILES ${PROJECT_SOURCE_DIR}/build/report/page.html
         DESTINATION ${CMAKE_INSTALL_DATADIR}/headpin COMPONENT program OPTIONAL)
-install(FILES LICENSE RENAME copyright
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/packages/copyright
+              ${CMAKE_CURRENT_BINARY_DIR}/packages/headpin.spdx.json
         DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/headpin COMPONENT program)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/packages/copyright
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${HEADPIN_RUNTIME_PACKAGE} COMPONENT runtime)
 install(FILES README.md CHANGELOG.md CITATION.cff
         DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/headpin COMPONENT program)
 

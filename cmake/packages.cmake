@@ -5,7 +5,7 @@ set(CPACK_PACKAGE_VENDOR "headpin developers")
 set(CPACK_PACKAGE_CONTACT "headpin developers <developers@headpin.invalid>")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "${PROJECT_DESCRIPTION}")
 set(CPACK_STRIP_FILES ON)
-set(CPACK_COMPONENTS_ALL program engine)
+set(CPACK_COMPONENTS_ALL program engine runtime)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_PRIORITY optional)
@@ -27,16 +27,26 @@ eye saw comes out. Has an emulator of, and a driver for, the Polhemus Fastrak.")
 
 set(CPACK_DEBIAN_ENGINE_PACKAGE_NAME libheadpin-dev)
 set(CPACK_DEBIAN_ENGINE_PACKAGE_SECTION libdevel)
-set(CPACK_DEBIAN_ENGINE_PACKAGE_DEPENDS "libeigen3-dev (>= 3.4)")
+set(CPACK_DEBIAN_ENGINE_PACKAGE_DEPENDS
+    "libeigen3-dev (>= 3.4), ${HEADPIN_RUNTIME_PACKAGE} (= ${PROJECT_VERSION})")
 set(CPACK_COMPONENT_ENGINE_DESCRIPTION
 "The collision engine alone, its development files. It tells of two convex
 shapes whether they are apart, with a plane that proves it, or where, which way
 and how deep they meet; has the impulses of Uno & Slater (1997) and Coulomb's;
 steps bodies that stand, roll, fall and repeat to the bit.")
 
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME ${HEADPIN_RUNTIME_PACKAGE})
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
+"The collision engine of headpin as a shared library: convex shapes, their
+contacts, the impulses of Uno & Slater (1997) and Coulomb's, steps that repeat
+to the bit. Its symbols may change with each 0.x.")
+
 # Each package says what changed, in Debian's form.
 string(TIMESTAMP now "%a, %d %b %Y %H:%M:%S +0000" UTC)  # of SOURCE_DATE_EPOCH where that is set
-foreach(package headpin libheadpin-dev)
+foreach(package headpin libheadpin-dev ${HEADPIN_RUNTIME_PACKAGE})
   set(changelog ${CMAKE_CURRENT_BINARY_DIR}/packages/${package}/changelog)
   file(WRITE ${changelog} "${package} (${PROJECT_VERSION}) unstable; urgency=medium\n\n"
        "  * What changed is told in CHANGELOG.md of the sources.\n\n"
@@ -47,4 +57,6 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/packages/headpin/changelog.gz
         DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/headpin COMPONENT program)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/packages/libheadpin-dev/changelog.gz
         DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/libheadpin-dev COMPONENT engine)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/packages/${HEADPIN_RUNTIME_PACKAGE}/changelog.gz
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${HEADPIN_RUNTIME_PACKAGE} COMPONENT runtime)
 include(CPack)

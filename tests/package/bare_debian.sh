@@ -27,9 +27,11 @@ within 'cd /tmp; rm -rf try; mkdir try; cd try
   headpin synthesize --scenario german-ninepins -o nine.lcmlog
   headpin replay nine.lcmlog | grep "ninepins: [0-9]"
   ! find /usr/lib /usr/include -name "*headpin_*" | grep .  # the engine comes in its own package'
-within 'apt-get install -y -qq --no-install-recommends man-db cmake g++ make pkg-config /packages/libheadpin-dev_*.deb >/dev/null
+within 'apt-get install -y -qq --no-install-recommends man-db cmake g++ make pkg-config /packages/libheadpin-dev_*.deb /packages/libheadpin-engine*.deb >/dev/null
   ! dpkg -s liblcm-dev 2>/dev/null  # Eigen alone
   man --warnings headpin-replay 2>&1 >/dev/null | (! grep .)
   cd /tmp/try; cmake -S /client -B client >/dev/null; cmake --build client >/dev/null; client/client
-  g++ /client/client.cpp -o plain $(pkg-config --cflags --libs headpin-engine); ./plain'
+  g++ /client/client.cpp -o plain $(pkg-config --cflags --libs headpin-engine); ./plain
+  g++ /client/client.cpp -o shared $(pkg-config --cflags headpin-engine) -lheadpin-engine; ./shared
+  ldd shared | grep "libheadpin-engine.so"'
 echo "packages installed and used in $(cat "$root/etc/debian_version")"

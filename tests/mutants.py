@@ -1,0 +1,269 @@
+#!/usr/bin/python3
+"""Puts faults into sources, one at a time, and lists those that the tests of their room do not notice.
+
+usage: mutants.py [--since COMMIT] [--most N] [FILES]
+
+FILES are sources (.cpp) of files, devices, engine, render or scene; without them, those that changed since COMMIT (HEAD).
+--most takes N of the faults, evenly spread.
+
+A fault is one operator, statement or condition that is another: see `edits`. libclang says where they are; all are put into
+a copy of the sources as switches, so that the copy is built once, and a run of the tests turns one of them on. What no test
+comes by is listed without a run. Where this is run by root, nothing but /tmp can be written by a program with a fault.
+"""
+
+import argparse
+import concurrent.futures
+import json
+import os
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+
+from clang import cindex
+from clang.cindex import CursorKind as Kind
+from clang.cindex import TypeKind
+
+TESTS = {"files": ["files"], "devices": ["devices"], "engine": ["engine", "laws"], "render": ["render"], "scene": ["scene"]}
+COPY = "build/mutants"
+OTHER = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "+": "-", "-": "+", "*": "/", "/": "*",
+         "&&": "||", "||": "&&", "&": "|", "|": "&", "<<": ">>", ">>": "<<"}
+NUMBERS = {TypeKind.BOOL, TypeKind.INT, TypeKind.UINT, TypeKind.LONG, TypeKind.ULONG, TypeKind.LONGLONG, TypeKind.ULONGLONG,
+           TypeKind.SHORT, TypeKind.USHORT, TypeKind.CHAR_S, TypeKind.UCHAR, TypeKind.SCHAR, TypeKind.DOUBLE, TypeKind.FLOAT,
+           TypeKind.ENUM, TypeKind.POINTER}
+
+
+def is_number(cursor):
+    return cursor.type.get_canonical().kind in NUMBERS
+
+
+def children(cursor):
+    return list(cursor.get_children())
+
+
+def operator_between(text, left, right):
+    """The operator between two operands, as it stands there."""
+    between = re.sub(r"/\*.*?\*/|//[^\n]*", lambda m: " " * len(m[0]), text[left.extent.end.offset:right.extent.start.offset])
+    found = re.fullmatch(r"[\s()]*?(<=|>=|==|!=|&&|\|\||<<|>>|[-<>+*/&|])[\s(]*", between)
+    return found and (found[1], left.extent.end.offset + found.start(1))
+
+
+def is_constant(cursor):
+    """Inside it a switch cannot stand: the compiler has to know the value."""
+    if cursor.kind in (Kind.STATIC_ASSERT, Kind.ENUM_CONSTANT_DECL, Kind.TEMPLATE_TYPE_PARAMETER, Kind.PARM_DECL):
+        return True
+    if cursor.kind not in (Kind.VAR_DECL, Kind.FUNCTION_DECL, Kind.CXX_METHOD, Kind.FIELD_DECL, Kind.FUNCTION_TEMPLATE):
+        return False
+    for token in cursor.get_tokens():
+        if token.spelling in ("constexpr", "consteval"):
+            return True
+        if token.spelling in ("=", "{", "("):
+            return False
+    return False
+
+
+def edits(unit, path, text):
+    """Faults: (begin, end, what is put before, behind, name); the text between is kept and may hold others."""
+    found = []
+
+    def here(cursor):
+        begin = cursor.extent.start
+        return begin.file is not None and begin.file.name == path and text[begin.offset:cursor.extent.end.offset].strip()
+
+    def add(cursor, other, name):
+        found.append((cursor.extent.start.offset, cursor.extent.end.offset, other, name, cursor.extent.start.line))
+
+    def visit(cursor, parent):
+        if is_constant(cursor):
+            return
+        parts = children(cursor)
+        if here(cursor):
+            if cursor.kind == Kind.BINARY_OPERATOR and len(parts) == 2 and all(is_number(part) for part in parts):
+                between = operator_between(text, *parts)
+                if between and between[0] in OTHER:
+                    sign, at = between
+                    if is_number(cursor) and not (sign in "+-" and TypeKind.POINTER in [p.type.kind for p in parts]):
+                        add(cursor, lambda body, at=at, sign=sign, begin=cursor.extent.start.offset:
+                            body(at - begin, len(sign), OTHER[sign]), f"{sign} -> {OTHER[sign]}")
+            elif cursor.kind == Kind.UNARY_OPERATOR and parts and is_number(parts[0]):
+                if text[cursor.extent.start.offset] == "!":
+                    add(cursor, lambda body: body(0, 1, " "), "! left out")
+            elif cursor.kind == Kind.CXX_BOOL_LITERAL_EXPR:
+                word = text[cursor.extent.start.offset:cursor.extent.end.offset]
+                if word in ("true", "false"):
+                    add(cursor, lambda body, word=word: body(0, len(word), "false" if word == "true" else "true"),
+                        f"{word} turned")
+            elif cursor.kind == Kind.CALL_EXPR and parent.kind == Kind.COMPOUND_STMT:
+                end = cursor.extent.end.offset
+                if text[end:end + 1] == ";":
+                    add(cursor, None, "statement left out")
+        for part in parts:
+            visit(part, cursor)
+
+    for cursor in unit.cursor.get_children():
+        if cursor.location.file is not None and cursor.location.file.name == path:
+            visit(cursor, unit.cursor)
+    return found
+
+
+def with_switches(text, found, first):
+    """The text with all faults in it, each behind its number; inner ones stand in both arms."""
+    numbered = sorted(enumerate(found, first), key=lambda item: (item[1][0], -item[1][1]))
+
+    def render(begin, end, items):
+        """text[begin:end] with the faults in `items`, which are inside it, outermost first."""
+        out, at = [], begin
+        while items:
+            number, (from_, to, other, _, _) = items[0]
+            inner = [item for item in items[1:] if item[1][1] <= to]
+            items = [item for item in items[1:] if item[1][1] > to]
+            out.append(text[at:from_])
+            whole = render(from_, to, inner)
+            if other is None:
+                out.append(f"if (!headpin_mutant({number})) {whole}")
+            else:
+                # The other arm has no faults inside: only one is on at a time.
+                plain = text[from_:to]
+                changed = other(lambda start, size, new: plain[:start] + new + plain[start + size:])
+                out.append(f"(headpin_mutant({number}) ? ({changed}) : ({whole}))")
+            at = to
+        out.append(text[at:end])
+        return "".join(out)
+
+    return render(0, len(text), numbered)
+
+
+def arguments_of(path, database):
+    folder = path.split("/")[0] + "/"
+    for entry in database:
+        if f"/{folder}CMakeFiles/headpin_{folder[:-1]}.dir/" in entry["command"].replace("build/release", ""):
+            words = shlex.split(entry["command"])[1:]
+            return [w for w in words if w.startswith(("-I", "-D", "-std", "-isystem")) or w.startswith("/usr/include")]
+    raise SystemExit(f"{path}: not built by build/release; expected `./dev test` before")
+
+
+def copy_sources(top):
+    names = subprocess.run(["git", "ls-files", "--cached", "--others", "--exclude-standard"], check=True,
+                           capture_output=True, text=True).stdout.splitlines()
+    for name in names:
+        to = os.path.join(top, name)
+        os.makedirs(os.path.dirname(to), exist_ok=True)
+        if os.path.isfile(name):
+            shutil.copy2(name, to)
+
+
+def build(top, rooms):
+    log = os.path.join(COPY, "build.log")
+    with open(log, "w", encoding="utf-8") as out:
+        for words in (["cmake", "-S", top, "-B", COPY + "/build", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+                       "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG", "-DHEADPIN_SHARED=OFF"],
+                      ["cmake", "--build", COPY + "/build", "--target",
+                       *[f"{name}_test" for room in rooms for name in TESTS[room]]]):
+            if subprocess.run(words, stdout=out, stderr=subprocess.STDOUT, check=False).returncode != 0:
+                with open(log, encoding="utf-8") as file:
+                    return file.read()
+    return ""
+
+
+def run_tests(room, environment, fast=True):
+    """@return  whether all passed; what was said"""
+    for name in TESTS[room]:
+        program = os.path.abspath(f"{COPY}/build/tests/{name}/{name}_test")
+        words = [program, "--gtest_brief=1", *(["--gtest_fail_fast"] if fast else [])]
+        words = ["bash", "-c", "ulimit -v 8000000; exec timeout -k 5 300 \"$@\"", "-", *words]
+        if os.geteuid() == 0:  # a fault may remove what it should not
+            words = ["unshare", "-m", "bash", "-c",
+                     "findmnt -rno TARGET | grep -vE '^/(proc|dev|sys)' | while read -r at; do "
+                     "mount -o remount,ro,bind \"$at\" 2>/dev/null; done; "
+                     "mount -t tmpfs none /tmp || exit 9; exec \"$@\"", "-", *words]
+        done = subprocess.run(words, env={**os.environ, **environment}, capture_output=True, stdin=subprocess.DEVNULL,
+                              check=False)
+        if done.returncode != 0:
+            return False, done.stdout + done.stderr
+    return True, b""
+
+
+def prepare(paths, top, most):
+    with open("build/release/compile_commands.json", encoding="utf-8") as file:
+        database = json.load(file)
+    mutants, first = {}, 1
+    for path in paths:
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        if not text.isascii():
+            raise SystemExit(f"{path}: expected ASCII")
+        unit = cindex.Index.create().parse(path, args=arguments_of(path, database))
+        wrong = [d.spelling for d in unit.diagnostics if d.severity >= cindex.Diagnostic.Error]
+        if wrong:
+            raise SystemExit(f"{path}: clang: {wrong[0]}")
+        found = edits(unit, path, text)
+        for number, (_, _, _, name, line) in enumerate(found, first):
+            mutants[number] = (path, line, name)
+        with open(os.path.join(top, path), "w", encoding="utf-8") as file:
+            file.write('#include "tests/mutants.h"\n' + with_switches(text, found, first))
+        first += len(found)
+    numbers = sorted(mutants)
+    if most and most < len(numbers):
+        numbers = [numbers[i * len(numbers) // most] for i in range(most)]
+    return {number: mutants[number] for number in numbers}
+
+
+def try_all(mutants, room):
+    """@return  by number, what became of it"""
+    reached_file = os.path.abspath(COPY + "/reached")
+    with open(reached_file, "wb") as file:
+        file.write(bytes(1 << 16))
+    shared = {"HEADPIN_MUTANTS_REACHED": "/dev/shm/headpin-mutants-reached"}
+    shutil.copy(reached_file, shared["HEADPIN_MUTANTS_REACHED"])
+    passed, said = run_tests(room, {**shared, "HEADPIN_MUTANT": "0"}, fast=False)
+    if not passed:
+        raise SystemExit(f"{room}: the tests fail without a fault:\n{said.decode(errors='replace')[-3000:]}")
+    with open(shared["HEADPIN_MUTANTS_REACHED"], "rb") as file:
+        reached = file.read()
+    os.unlink(shared["HEADPIN_MUTANTS_REACHED"])
+
+    def state_of(number):
+        if not reached[number]:
+            return "no test came by"
+        return "SURVIVED" if run_tests(room, {"HEADPIN_MUTANT": str(number)})[0] else "noticed"
+
+    states = {}
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        for count, (number, state) in enumerate(zip(mutants, pool.map(state_of, mutants)), 1):
+            states[number] = state
+            path, line, name = mutants[number]
+            print(f"{count}/{len(mutants)} {path}:{line}: {name}: {state}", flush=True)
+    return states
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--since", default="HEAD")
+    parser.add_argument("--most", type=int, default=0)
+    parser.add_argument("files", nargs="*")
+    options = parser.parse_args()
+    os.chdir(os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+    changed = subprocess.run(["git", "diff", "--name-only", options.since], check=True, capture_output=True, text=True).stdout
+    paths = [p for p in options.files or changed.splitlines() if p.endswith(".cpp") and p.split("/")[0] in TESTS]
+    if not paths:
+        raise SystemExit("nothing of " + ", ".join(TESTS) + " has changed; expected FILES")
+    rooms = sorted({path.split("/")[0] for path in paths})
+    if len(rooms) > 1:
+        raise SystemExit("files of one room at a time, found " + ", ".join(rooms))
+    top = os.path.abspath(COPY + "/src")
+    shutil.rmtree(top, ignore_errors=True)
+    copy_sources(top)
+    mutants = prepare(paths, top, options.most)
+    wrong = build(top, rooms)
+    if wrong:
+        raise SystemExit("with the faults in it, it does not build:\n" + wrong[-4000:])
+    states = list(try_all(mutants, rooms[0]).values())
+    count = {state: states.count(state) for state in ("noticed", "SURVIVED", "no test came by")}
+    print(f"{rooms[0]}: {len(states)} faults, {count['noticed']} noticed ({100 * count['noticed'] / max(1, len(states)):.0f} %), "
+          f"{count['SURVIVED']} survived, {count['no test came by']} where no test came by")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

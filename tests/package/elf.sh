@@ -1,0 +1,38 @@
+#!/usr/bin/env bash
+# Looks into the files of packages: what an attacker needs is taken away, and the shared library shows what it should.
+# usage: elf.sh FOLDER-OF-PACKAGES
+set -euo pipefail
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+for package in "$1"/*.deb; do dpkg-deb -x "$package" "$folder"; done
+failed=0
+expect() { # WHAT FILE TEXT PATTERN
+  grep -qE -e "$4" <<<"$3" || { echo "$2: no $1"; failed=1; }
+}
+refuse() {
+  ! grep -qE -e "$4" <<<"$3" || { echo "$2: $1: $(grep -E -m 3 -e "$4" <<<"$3")"; failed=1; }
+}
+program=$folder/usr/bin/headpin
+library=$(find "$folder" -name 'libheadpin-engine.so.*.*.*' -type f)
+[ -n "$library" ] || { echo "no shared library"; exit 1; }
+for file in "$program" "$library"; do
+  headers=$(readelf -Wl "$file") dynamic=$(readelf -Wd "$file") symbols=$(nm -D "$file") notes=$(readelf -Wn "$file")
+  expect "read-only relocations" "$file" "$headers" GNU_RELRO
+  expect "binding at the start" "$file" "$dynamic" 'BIND_NOW|FLAGS.*NOW'
+  expect "code that can be anywhere" "$file" "$headers" 'Elf file type is DYN'
+  expect "guards of the stack" "$file" "$symbols" __stack_chk_fail
+  refuse "a stack that runs" "$file" "$headers" 'GNU_STACK.*RWE'
+  refuse "a path of the builder" "$file" "$dynamic" 'RPATH|RUNPATH'
+  [ "$(uname -m)" != x86_64 ] || expect "marks of where calls may go" "$file" "$(objdump -d --no-show-raw-insn "$file" | head -n 200000)" endbr64
+  echo "$(basename "$file"): $(grep -oE 'IBT|SHSTK' <<<"$notes" | sort -u | tr '\n' ' ')"
+done
+expect "checked calls" "$program" "$(nm -D "$program")" '_chk@'
+expect "soname" "$library" "$(readelf -Wd "$library")" 'SONAME.*libheadpin-engine\.so\.[0-9]+\.[0-9]+\]'
+exported=$(nm -DC --defined-only "$library")
+expect "step()" "$library" "$exported" 'T headpin::engine::step\('
+refuse "symbols of others" "$library" "$(grep -vE ' (headpin::|(vtable|typeinfo|typeinfo name|VTT|guard variable) for headpin::|HEADPIN_)' <<<"$exported")" .
+for archive in $(find "$folder" -name '*.a'); do
+  g++ -shared -o "$folder/plugin.so" -Wl,--whole-archive "$archive" -Wl,--no-whole-archive ||
+    { echo "$archive: no plugin can hold it"; failed=1; }
+done
+exit $failed

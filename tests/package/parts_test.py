@@ -1,0 +1,47 @@
+#!/usr/bin/env python3
+"""Every library that the build looks for and every package of the page is in the list of parts, under a licence.
+
+usage: parts_test.py SOURCES SPDX COPYRIGHT
+"""
+
+import json
+import re
+import subprocess
+import sys
+
+LINKED = {"png", "zlib", "lcm", "osmesa", "egl", "deflate", "assimp", "threads", "pkgconfig"}  # when it runs
+OURS = {"eigen3": "eigen", "nlohmann_json": "nlohmann-json", "cli11": "cli11", "fmt": "fmt",
+        "tomlplusplus": "tomlplusplus"}
+
+
+def main():
+    sources, spdx, copyright_file = sys.argv[1:]
+    with open(spdx, encoding="utf-8") as file:
+        document = json.load(file)
+    parts = {package["name"]: package for package in document["packages"]}
+    with open(copyright_file, encoding="utf-8") as file:
+        legal = file.read()
+    wanted = set()
+    for name in subprocess.run(["git", "-C", sources, "ls-files", "apps/CMakeLists.txt", "scene/CMakeLists.txt",
+                                "devices/CMakeLists.txt", "render/CMakeLists.txt", "CMakeLists.txt"],
+                               check=True, capture_output=True, text=True).stdout.split():
+        with open(f"{sources}/{name}", encoding="utf-8") as file:
+            text = file.read()
+        for found in re.findall(r"find_package\((\w+)", text) + re.findall(r"IMPORTED_TARGET ([\w+]+)", text):
+            low = found.lower().removeprefix("lib")
+            if low not in LINKED:
+                wanted.add(OURS.get(low, low))
+    with open(f"{sources}/apps/report/build.mjs", encoding="utf-8") as file:
+        wanted.update(re.findall(r"'(\w+)'", re.search(r"licences = \[(.*?)\]", file.read()).group(1)))
+    missing = [name for name in sorted(wanted) if name not in parts or f"parts of {name} " not in legal]
+    for package in parts.values():
+        if f"License: {package['licenseDeclared']}\n " not in legal:
+            missing.append(f"text of {package['licenseDeclared']}")
+    related = {relation["relatedSpdxElement"] for relation in document["relationships"]}
+    missing += [name for name, package in parts.items() if package["SPDXID"] not in related]
+    print(f"{len(parts)} parts; not in the lists: {missing or 'none'}")
+    return 1 if missing or len(wanted) < 6 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
