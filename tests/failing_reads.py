@@ -37,6 +37,8 @@ def run(command, folder, number=None):
         folders[:] = [name for name in folders if not name.startswith(".headpin.")]
         for name in names:
             path = os.path.join(place, name)
+            if path.endswith(".parts/.headpin") and len(names) == 1:
+                continue
             with open(path, "rb") as file:
                 made[os.path.relpath(path, folder)] = file.read()
     if command[1] == "stream":  # stamped by the clock

@@ -87,7 +87,8 @@ def edits(unit, path, text):
                         add(cursor, lambda body, at=at, sign=sign, begin=cursor.extent.start.offset:
                             body(at - begin, len(sign), OTHER[sign]), f"{sign} -> {OTHER[sign]}")
             elif cursor.kind == Kind.UNARY_OPERATOR and parts and is_number(parts[0]):
-                if text[cursor.extent.start.offset] == "!":
+                begin = cursor.extent.start.offset
+                if text[begin] == "!" and text[begin + 1] != "=":  # a != b is !(a == b) to the compiler
                     add(cursor, lambda body: body(0, 1, " "), "! left out")
             elif cursor.kind == Kind.CXX_BOOL_LITERAL_EXPR:
                 word = text[cursor.extent.start.offset:cursor.extent.end.offset]

@@ -31,6 +31,7 @@ expect "soname" "$library" "$(readelf -Wd "$library")" 'SONAME.*libheadpin-engin
 exported=$(nm -DC --defined-only "$library")
 expect "step()" "$library" "$exported" 'T headpin::engine::step\('
 refuse "symbols of others" "$library" "$(grep -vE ' (headpin::|(vtable|typeinfo|typeinfo name|VTT|guard variable) for headpin::|HEADPIN_)' <<<"$exported")" .
+refuse "what is for itself" "$library" "$exported" "headpin::engine::detail"
 for archive in $(find "$folder" -name '*.a'); do
   g++ -shared -o "$folder/plugin.so" -Wl,--whole-archive "$archive" -Wl,--no-whole-archive ||
     { echo "$archive: no plugin can hold it"; failed=1; }
