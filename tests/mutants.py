@@ -158,7 +158,7 @@ def build(top, rooms):
     log = os.path.join(COPY, "build.log")
     with open(log, "w", encoding="utf-8") as out:
         for words in (["cmake", "-S", top, "-B", COPY + "/build", "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
-                       "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG", "-DHEADPIN_SHARED=OFF"],
+                       "-DCMAKE_CXX_FLAGS_RELEASE=-O1 -DNDEBUG"],
                       ["cmake", "--build", COPY + "/build", "--target",
                        *[f"{name}_test" for room in rooms for name in TESTS[room]]]):
             if subprocess.run(words, stdout=out, stderr=subprocess.STDOUT, check=False).returncode != 0:
