@@ -1,3 +1,5 @@
+#include "apps/live.h"
+
 #include <chrono>
 #include <filesystem>
 #include <map>
@@ -9,7 +11,6 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
-#include "apps/condition.h"
 #include "apps/damage.h"
 #include "apps/live_eyes.h"
 #include "apps/options.h"
@@ -32,18 +33,6 @@
 namespace headpin::apps {
 
 namespace {
-
-struct LiveOptions {
-  std::vector<std::string> sources;
-  std::string lcm, scenario, gl, eyes = "png";
-  std::optional<std::string> participant, condition_name, record;
-  std::vector<std::string> hemispheres;
-  int baud = 115200, samples = 1;
-  std::optional<double> duration_s;
-  bool force = false, json = false, use_lcm = false, no_trial = false;
-  devices::States states = devices::States::changes;
-  Condition condition;
-};
 
 /// Everything a live session holds.
 struct Live {
@@ -166,8 +155,9 @@ void tell_of_another_scenario(const Played& trial, const scene::Scenario& chosen
 
 /// The one that is asked for, or else that of a log which plays, or else the paper's room.
 scene::Scenario choose_scenario(const LiveOptions& options, std::span<const Played> played) {
-  if (!options.scenario.empty()) {
-    const scene::Scenario chosen = scene::load_scenario(options.scenario);
+  if (options.given || !options.scenario.empty()) {
+    const scene::Scenario chosen =
+        options.given ? *options.given : scene::load_scenario(options.scenario);
     for (const Played& trial : played) tell_of_another_scenario(trial, chosen);
     return chosen;
   }
@@ -385,6 +375,8 @@ void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
   if (live.publisher) live.publisher->close(live.session);
 }
 
+}  // namespace
+
 void go_live(const LiveOptions& options) {
   if (options.sources.empty()) {
     throw UsageError("nothing to listen to: expected --lcm URL, --fastrak TTY or a SOURCE");
@@ -419,31 +411,50 @@ void go_live(const LiveOptions& options) {
   if (options.json) print_json(summary(live, options));
 }
 
-}  // namespace
+std::function<void()> add_source_options(CLI::App& command,
+                                         const std::shared_ptr<LiveOptions>& options) {
+  command.add_option("SOURCE", options->sources,
+                     "what feeds the session: fastrak:TTY, fastrak:tcp:HOST:PORT, lcm:URL or a "
+                     "trial; several are one");
+  CLI::Option* lcm =
+      command.add_option("--lcm", options->lcm,
+                         "source lcm:URL, and eyes and bodies go out there; \"\" is LCM's default "
+                         "URL; a file:// is only read");
+  auto fastrak = std::make_shared<std::string>();
+  CLI::Option* line = command.add_option("--fastrak", *fastrak, "source fastrak:TTY")
+                          ->type_name("TTY|tcp:HOST:PORT");
+  command.add_option("--baud", options->baud, "of a Fastrak's line")
+      ->check(CLI::IsMember({2400, 4800, 9600, 19200, 38400, 57600, 115200}))
+      ->capture_default_str();
+  command
+      .add_option("--hemisphere", options->hemispheres,
+                  "side of the transmitter that its receivers stay on, a direction in its frame "
+                  "(x ahead, y right, z down); 0,0,0: follow each from ahead; may be repeated; "
+                  "1,0,0 when not given")
+      ->type_name("[STATION:]X,Y,Z")
+      ->allow_extra_args(false);
+  add_duration(command, options->duration_s, "seconds; until interrupted when not given");
+  command
+      .add_option("--eyes", options->eyes,
+                  "as raw or png on HEADPIN_EYES; none: drawn for the recording alone")
+      ->check(CLI::IsMember({"raw", "png", "none"}))
+      ->capture_default_str();
+  command
+      .add_flag("--no-trial", options->no_trial,
+                "do not publish the session's own trial, which is on SESSION_* else")
+      ->needs(lcm);
+  add_gl(command, options->gl);
+  return [options, lcm, line, fastrak] {
+    options->use_lcm = lcm->count() > 0;
+    if (options->use_lcm) options->sources.push_back("lcm:" + options->lcm);
+    if (line->count() > 0) options->sources.push_back("fastrak:" + *fastrak);
+  };
+}
 
 void add_live(CLI::App& app) {
   auto options = std::make_shared<LiveOptions>();
   CLI::App* command = app.add_subcommand("live", "Run a session in real time, recorded as it runs");
-  command->add_option("SOURCE", options->sources,
-                      "what feeds the session: fastrak:TTY, fastrak:tcp:HOST:PORT, lcm:URL or a "
-                      "trial; several are one");
-  CLI::Option* lcm =
-      command->add_option("--lcm", options->lcm,
-                          "source lcm:URL, and eyes and bodies go out there; \"\" is LCM's default "
-                          "URL; a file:// is only read");
-  auto fastrak = std::make_shared<std::string>();
-  CLI::Option* line = command->add_option("--fastrak", *fastrak, "source fastrak:TTY")
-                          ->type_name("TTY|tcp:HOST:PORT");
-  command->add_option("--baud", options->baud, "of a Fastrak's line")
-      ->check(CLI::IsMember({2400, 4800, 9600, 19200, 38400, 57600, 115200}))
-      ->capture_default_str();
-  command
-      ->add_option("--hemisphere", options->hemispheres,
-                   "side of the transmitter that its receivers stay on, a direction in its frame "
-                   "(x ahead, y right, z down); 0,0,0: follow each from ahead; may be repeated; "
-                   "1,0,0 when not given")
-      ->type_name("[STATION:]X,Y,Z")
-      ->allow_extra_args(false);
+  const auto take_sources = add_source_options(*command, options);
   command->add_option(
       "--scenario", options->scenario,
       "its name, or a TOML file; that of the trial played, or else the paper's room when "
@@ -454,23 +465,12 @@ void add_live(CLI::App& app) {
   command->add_option("--participant", options->participant,
                       "name in the trial; that of the trial played when not given");
   command->add_option("--condition", options->condition_name, "likewise, of the condition");
-  add_duration(*command, options->duration_s, "seconds; until interrupted when not given");
-  command
-      ->add_option("--eyes", options->eyes,
-                   "as raw or png on HEADPIN_EYES; none: drawn for the recording alone")
-      ->check(CLI::IsMember({"raw", "png", "none"}))
-      ->capture_default_str();
-  command
-      ->add_flag("--no-trial", options->no_trial,
-                 "do not publish the session's own trial, which is on SESSION_* else")
-      ->needs(lcm);
   command
       ->add_option(
           "--samples", options->samples,
           "anti-aliasing: N^2 + 1 samples a pixel, 1 is one; kept in the trial as look.samples")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
-  add_gl(*command, options->gl);
   add_force(*command, options->force);
   add_json(*command, options->json);
   add_condition_options(*command, options->condition);
@@ -480,10 +480,8 @@ void add_live(CLI::App& app) {
       "Examples:\n  headpin live fastrak:/dev/ttyUSB0 --record session.lcmlog\n"
       "  headpin live trial.lcmlog --elasticity 0.9\n"
       "  headpin live --lcm 'udpm://239.255.76.67:7667?ttl=0' --record session.lcmlog");
-  command->callback([options, lcm, line, fastrak] {
-    options->use_lcm = lcm->count() > 0;
-    if (options->use_lcm) options->sources.push_back("lcm:" + options->lcm);
-    if (line->count() > 0) options->sources.push_back("fastrak:" + *fastrak);
+  command->callback([options, take_sources] {
+    take_sources();
     go_live(*options);
   });
 }

@@ -203,16 +203,18 @@ Posture Participant::at_rest(double now) const {
   return rest;
 }
 
+const Vec3& Participant::next_button(const Session& session) const {
+  const Versions& versions = session.scenario().version;
+  return (version_ == 0) == plan_.blue_first ? versions.blue.button : versions.red.button;
+}
+
 Vec2 Participant::button_spot(const Session& session) const {
-  const Versions& v = session.scenario().version;
-  const Vec3& button = version_ == 0 ? v.red.button : v.blue.button;
-  return level_of(button) - Vec2(body_.build.shoulder_aside(), 0.8 * body_.build.arm());
+  return level_of(next_button(session)) - Vec2(body_.build.shoulder_aside(), 0.8 * body_.build.arm());
 }
 
 void Participant::touch(const Session& session, double now) {
   const double pace = plan_.person.pace;
-  const Versions& v = session.scenario().version;
-  const Vec3& button = version_ == 0 ? v.red.button : v.blue.button;
+  const Vec3& button = next_button(session);
   gaze_W_ = button;
   const double tried = now - since_;
   if (acted_ > 0.0) {  // it has begun

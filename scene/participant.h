@@ -13,7 +13,8 @@ namespace headpin::scene {
 
 struct ParticipantPlan {
   Person person;
-  int throws = 10;  ///< of each version: ten is ours, the paper says no number
+  int throws = 10;          ///< of each version: ten is ours, the paper says no number
+  bool blue_first = false;  ///< else the red button is touched first
 };
 
 /// What is remembered of a throw that is under way.
@@ -84,6 +85,7 @@ class Participant : public devices::Source, public Observer {
   void draw_back(const Session& session, double now);
   Posture at_rest(double now) const;
 
+  const Vec3& next_button(const Session& session) const;
   Vec2 button_spot(const Session& session) const;
   Vec2 ball_spot(const Session& session) const;
   Vec2 throwing_spot() const;

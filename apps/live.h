@@ -1,0 +1,37 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/condition.h"
+
+/// A session in real time, for those commands that have one.
+namespace headpin::apps {
+
+struct LiveOptions {
+  std::vector<std::string> sources;
+  std::string lcm, scenario, gl, eyes = "png";
+  std::optional<scene::Scenario> given;  ///< in place of a scenario by its name
+  std::optional<std::string> participant, condition_name, record;
+  std::vector<std::string> hemispheres;
+  int baud = 115200, samples = 1;
+  std::optional<double> duration_s;
+  bool force = false, json = false, use_lcm = false, no_trial = false;
+  devices::States states = devices::States::changes;
+  Condition condition;
+};
+
+/// Adds what says where samples come from, how long, and who is shown what: SOURCE, --lcm,
+/// --fastrak, --baud, --hemisphere, --duration, --eyes, --no-trial, --gl.
+///
+/// @return  to be called when all is parsed: puts --lcm and --fastrak among the sources
+std::function<void()> add_source_options(CLI::App& command,
+                                         const std::shared_ptr<LiveOptions>& options);
+
+/// Plays it until it is told to stop, as `headpin live` does.
+void go_live(const LiveOptions& options);
+
+}  // namespace headpin::apps
