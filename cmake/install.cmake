@@ -19,7 +19,7 @@ if(NOT HEADPIN_PROGRAM)
 endif()
 
 install(FILES cmake/FindLCM.cmake DESTINATION ${HEADPIN_CMAKE_DIR} COMPONENT libraries)
-install(DIRECTORY assets/scenarios assets/meshes assets/trials assets/throws
+install(DIRECTORY assets/scenarios assets/designs assets/questionnaires assets/meshes assets/trials assets/throws
         DESTINATION ${CMAKE_INSTALL_DATADIR}/headpin COMPONENT program
         PATTERN "*.cpp" EXCLUDE)
 # What `headpin report` fills in, where `./dev page` has built it.

@@ -1,0 +1,167 @@
+#include <algorithm>
+#include <charconv>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "study/bids.h"
+#include "study/csv.h"
+
+namespace headpin::study {
+
+namespace {
+
+/// A table between tabs, with names or without.
+class TabRows {
+ public:
+  TabRows(const std::string& name, const std::string& text) : name_(name), text_(text) {}
+
+  /// The next row's cells; false at the end.
+  bool next(std::vector<std::string_view>& cells) {
+    if (at_ >= text_.size()) return false;
+    ++line_;
+    const std::size_t end = std::min(text_.find('\n', at_), text_.size());
+    std::string_view row(text_.data() + at_, end - at_);
+    at_ = end + 1;
+    if (row.ends_with('\r')) row.remove_suffix(1);
+    cells.clear();
+    for (std::size_t begin = 0; begin <= row.size();) {
+      const std::size_t tab = std::min(row.find('\t', begin), row.size());
+      cells.push_back(row.substr(begin, tab - begin));
+      begin = tab + 1;
+    }
+    return true;
+  }
+
+  [[noreturn]] void refuse(const std::string& expected, std::string_view found) const {
+    throw std::invalid_argument(
+        fmt::format("{}:{}: expected {}, found '{}'", name_, line_, expected, shown(found)));
+  }
+
+  template <typename T>
+  T number(std::string_view cell) const {
+    T value{};
+    const auto [end, error] = std::from_chars(cell.data(), cell.data() + cell.size(), value);
+    if (error != std::errc{} || end != cell.data() + cell.size()) refuse("a number", cell);
+    return value;
+  }
+
+  /// Of decimal seconds, to the microsecond.
+  Time time(std::string_view cell) const {
+    const double value = number<double>(cell);
+    if (!(std::abs(value) < 4e9)) refuse("seconds", cell);
+    return microseconds(value);
+  }
+
+ private:
+  const std::string& name_;
+  const std::string& text_;
+  std::size_t at_ = 0;
+  int line_ = 0;
+};
+
+using Indexed = std::vector<std::pair<std::int64_t, devices::Sample>>;
+
+void read_tracker(const std::string& name, const std::string& text, std::int32_t station,
+                  Indexed& samples) {
+  constexpr std::size_t kColumns = 14;
+  TabRows rows(name, text);
+  std::vector<std::string_view> cells;
+  while (rows.next(cells)) {
+    if (cells.size() != kColumns) {
+      rows.refuse(fmt::format("{} cells", kColumns), fmt::format("{}", cells.size()));
+    }
+    const auto number = [&](std::size_t i) { return rows.number<double>(cells[i]); };
+    devices::TrackerSample s;
+    s.station = station;
+    s.device_time = rows.time(cells[0]);
+    s.X_TS.p = Vec3(number(1), number(2), number(3));
+    s.X_TS.q = Quat(number(4), number(5), number(6), number(7));
+    s.sequence = rows.number<std::int64_t>(cells[8]);
+    s.status = static_cast<char>(rows.number<int>(cells[9]));
+    s.buttons = rows.number<std::uint8_t>(cells[10]);
+    s.host_time = rows.time(cells[11]);
+    s.session_time = rows.time(cells[12]);
+    samples.emplace_back(rows.number<std::int64_t>(cells[13]), s);
+  }
+}
+
+void read_buttons(const std::string& name, const std::string& text, Indexed& samples) {
+  constexpr std::size_t kColumns = 15;
+  TabRows rows(name, text);
+  std::vector<std::string_view> cells;
+  rows.next(cells);  // names
+  while (rows.next(cells)) {
+    if (cells.size() != kColumns) {
+      rows.refuse(fmt::format("{} cells", kColumns), fmt::format("{}", cells.size()));
+    }
+    if (cells[2] != "button") continue;
+    devices::MouseSample s;
+    s.device_time = rows.time(cells[0]);
+    s.left_thumb = cells[9] == "1";
+    s.right_thumb = cells[10] == "1";
+    s.trigger = cells[11] == "1";
+    s.host_time = rows.time(cells[12]);
+    s.session_time = rows.time(cells[13]);
+    samples.emplace_back(rows.number<std::int64_t>(cells[14]), s);
+  }
+}
+
+/// The trial that the events' sidecar tells of.
+nlohmann::json trial_in(const std::string& name, const std::string& text) {
+  const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
+  if (json.is_object() && json.contains("HeadpinTrial") && json["HeadpinTrial"].is_object()) {
+    return json["HeadpinTrial"];
+  }
+  throw std::invalid_argument(name +
+                              ": expected HeadpinTrial, found none: no session that headpin "
+                              "wrote");
+}
+
+/// The station of a tracking system, from the name of its table.
+std::int32_t station_in(const std::string& name) {
+  const std::size_t begin = name.find("_tracksys-") + 10;
+  const std::string system = name.substr(begin, name.find('_', begin) - begin);
+  if (system == "head") return devices::kHeadStation;
+  if (system == "hand") return devices::kHandStation;
+  const auto station = system.starts_with("station") ? whole_in(system.substr(7)) : std::nullopt;
+  if (station) return *station;
+  throw std::invalid_argument(fmt::format(
+      "{}: expected a tracking system called head, hand or station and a number", name));
+}
+
+devices::TrialHeader header_of(const nlohmann::json& trial) {
+  const auto text = [&](const char* key) {
+    return trial.contains(key) && trial[key].is_string() ? trial[key].get<std::string>()
+                                                         : std::string();
+  };
+  devices::TrialHeader header;
+  header.participant = text("participant");
+  header.condition = text("condition");
+  header.scenario = text("scenario");
+  const std::string seed = text("seed");
+  std::from_chars(seed.data(), seed.data() + seed.size(), header.seed);
+  return header;
+}
+
+}  // namespace
+
+BidsTrial session_of(const std::map<std::string, std::string>& texts) {
+  BidsTrial trial;
+  Indexed samples;
+  for (const auto& [name, text] : texts) {
+    if (name.ends_with("_events.json")) trial.header = header_of(trial_in(name, text));
+    if (name.ends_with("_events.tsv")) read_buttons(name, text, samples);
+    if (!name.ends_with("_motion.tsv") || name.find("_tracksys-simulated_") != std::string::npos) {
+      continue;
+    }
+    read_tracker(name, text, station_in(name), samples);
+  }
+  if (samples.empty()) throw std::invalid_argument("no samples of a tracker");
+  std::ranges::stable_sort(samples, {}, &std::pair<std::int64_t, devices::Sample>::first);
+  for (auto& [index, sample] : samples) trial.samples.push_back(std::move(sample));
+  return trial;
+}
+
+}  // namespace headpin::study

@@ -1,0 +1,81 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// An experiment as data: which parameters vary, who gets which, what is asked, what is fitted.
+///
+/// As Uno & Slater 1997 have it: every participant plays two versions of a game. One has the values
+/// of a cell, the other the same but for one parameter, which changes.
+namespace headpin::study {
+
+/// A parameter that varies, with two levels (the paper's Table 1).
+struct Factor {
+  std::string letter;                 ///< in the name of a cell: E of EFS
+  std::string key;                    ///< of a version of the scenario: elasticity
+  std::array<std::string, 2> levels;  ///< its value at 0 and at 1, as the plan writes it
+};
+
+/// "version.red.shape='true'": how a level is put into a scenario.
+std::string assignment(const Factor& factor, const std::string& colour, const std::string& level);
+
+/// So many people play in one cell while one parameter changes (a row of the paper's Table 2).
+struct DesignRow {
+  std::string cell;         ///< a digit a factor, 0 or 1: "010"
+  std::size_t changed = 0;  ///< factor whose value is the other one in one of the two versions
+  int people = 1;           ///< of a block
+};
+
+/// One term of the linear predictor: 1 or 0 by the conditions, times what it is of.
+struct Term {
+  std::string name;  ///< as it is published
+  std::string of;    ///< a factor's letter, an item of the questionnaire; empty: 1
+  std::string is;    ///< of an item: 1 where that is the answer, else 0
+  std::optional<std::size_t> changed;  ///< 0 where another factor changes
+  std::optional<std::size_t> unless;   ///< 0 where this factor changes
+  std::optional<double> estimate, se;  ///< as published
+};
+
+/// How often an answer was given, as published.
+struct PublishedAnswers {
+  std::string item;
+  std::optional<std::size_t> changed;  ///< among those for whom this factor changed
+  std::vector<std::pair<std::string, int>> counts;
+};
+
+/// What a reader of a table has to know.
+struct Note {
+  std::string table, text;
+};
+
+struct Design {
+  std::string name, title;
+  std::string scenario, questionnaire;  ///< names of those that come along, or files
+  int throws = 10;                      ///< of each version, of a virtual participant
+  std::optional<std::uint64_t> seed;    ///< of the allotment; a study has one
+  std::vector<Factor> factors;
+  std::vector<DesignRow> rows;
+  std::vector<Term> terms;         ///< of the model; none: nothing is fitted
+  std::optional<double> deviance;  ///< of the published fit
+  std::vector<Note> notes;
+  std::vector<PublishedAnswers> published;  ///< answers are dealt from these to virtual ones
+
+  int block() const;  ///< people of all rows
+  std::optional<std::size_t> factor_of(std::string_view key) const;
+  /// "000" and the second factor give "010".
+  std::string other_cell(const DesignRow& row) const;
+  /// "EFS"
+  std::string letters() const;
+};
+
+/// Reads a design.
+/// @param where  name of the file, for messages
+/// @throws std::invalid_argument  naming file, line, key, what was found and what is allowed
+Design parse_design(std::string_view toml, const std::string& where);
+
+}  // namespace headpin::study

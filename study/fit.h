@@ -1,0 +1,21 @@
+#pragma once
+
+#include <vector>
+
+#include "engine/math.h"
+
+/// Logistic regression of counts out of n by Newton's method on the likelihood, for simulations; the
+/// analysis of a study is R's own glm.
+namespace headpin::study {
+
+struct Fit {
+  Eigen::VectorXd estimates;
+  double deviance = 0.0;
+  bool converged = false;  ///< else an estimate goes to infinity: separation
+};
+
+/// @param x  a row an observation, a column a term
+/// @param y  successes of `n`
+Fit fit_binomial(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, double n);
+
+}  // namespace headpin::study

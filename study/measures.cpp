@@ -1,0 +1,73 @@
+#include "study/measures.h"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "scene/events.h"
+#include "scene/presence.h"
+
+namespace headpin::study {
+
+namespace {
+
+/// Adds the way from the place before, where there is one.
+void go_on(std::optional<Vec3>& before, const std::optional<Pose>& now, double& path) {
+  if (now && before) path += (now->p - *before).norm();
+  before = now ? std::optional(now->p) : std::nullopt;
+}
+
+}  // namespace
+
+void Measurer::add_paths(const scene::Session& session, VersionMeasures& version) {
+  const std::int64_t every = std::max<std::int64_t>(1, session.scenario().rates.physics_hz / 10);
+  if (session.tick % every != 0) return;
+  go_on(head_W_, scene::head_pose(session), version.head_path_m);
+  go_on(hand_W_, scene::hand_pose(session), version.hand_path_m);
+}
+
+void Measurer::tick(const scene::Session& session) {
+  for (const devices::Event& event : session.events) {
+    score_.add(event);
+    if (event.kind == scene::kind::version) {
+      version_ = event.detail;
+      if (std::ranges::find(so_far_.order, version_) == so_far_.order.end()) {
+        so_far_.order.push_back(version_);
+      }
+      head_W_.reset();
+      hand_W_.reset();
+    }
+    if (event.kind != scene::kind::passed_player || version_.empty()) continue;
+    VersionMeasures& version = so_far_.versions[version_];
+    for (const nlohmann::json& one : scene::approaches_of(std::span(&event, 1))) {
+      ++version.approaches;
+      version.evaded += one.value("moved", false);
+    }
+  }
+  if (version_.empty()) return;
+  VersionMeasures& version = so_far_.versions[version_];
+  ++version.ticks;
+  add_paths(session, version);
+}
+
+SessionMeasures Measurer::measures(const scene::Session& session) const {
+  SessionMeasures all = so_far_;
+  for (const scene::Sheet& game : score_.games) {
+    if (all.versions.contains(game.version)) all.versions[game.version].skittles += points(game);
+  }
+  for (const devices::ThrowRow& one : score_.throws) {
+    if (!all.versions.contains(one.version)) continue;
+    VersionMeasures& version = all.versions[one.version];
+    ++version.throws;
+    version.fouls += one.foul.value_or(false);
+    version.release_speed_sum += one.speed;
+  }
+  all.throws = score_.throws;
+  all.unsolved_islands = session.statistics.unsolved;
+  all.state_hash = scene::in_hex(session.state_hash);
+  all.game_hash = scene::in_hex(session.game_hash.value());
+  all.duration_s = seconds(session.now());
+  return all;
+}
+
+}  // namespace headpin::study

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/run.h"
+#include "scene/score.h"
+
+/// What a session comes to, in the numbers that a study compares.
+namespace headpin::study {
+
+/// While one version was played.
+struct VersionMeasures {
+  int skittles = 0;  ///< as the sheet counts them
+  int throws = 0, fouls = 0;
+  double release_speed_sum = 0.0;  ///< of its throws [m/s]
+  double head_path_m = 0.0,
+         hand_path_m = 0.0;        ///< in the world, of places a tenth of a second apart
+  int approaches = 0, evaded = 0;  ///< what flew at the player; got out of its way
+  std::int64_t ticks = 0;
+
+  std::optional<double> release_speed() const {
+    if (throws == 0) return std::nullopt;
+    return release_speed_sum / throws;
+  }
+};
+
+struct SessionMeasures {
+  std::map<std::string, VersionMeasures> versions;  ///< red, blue
+  std::vector<std::string> order;                   ///< in which they were begun
+  std::int64_t unsolved_islands = 0;
+  std::vector<devices::ThrowRow> throws;
+  std::string state_hash, game_hash;
+  double duration_s = 0.0;
+};
+
+/// Looks on while a session is played or simulated again.
+class Measurer : public scene::Observer {
+ public:
+  void tick(const scene::Session& session) override;
+
+  /// What it came to, once it is over.
+  SessionMeasures measures(const scene::Session& session) const;
+
+ private:
+  void add_paths(const scene::Session& session, VersionMeasures& version);
+
+  SessionMeasures so_far_;
+  scene::Score score_;
+  std::string version_;
+  std::optional<Vec3> head_W_, hand_W_;
+};
+
+}  // namespace headpin::study

@@ -1,0 +1,71 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "study/answers.h"
+#include "study/measures.h"
+#include "study/model.h"
+#include "study/plan.h"
+
+/// One row a participant: all that a study knows of each, as a table with its dictionary.
+namespace headpin::study {
+
+/// A recording of a session, and what it came to.
+struct Played {
+  std::string run;  ///< run-01; empty where no session counts
+  int runs = 0;     ///< recordings in all
+  bool is_virtual = false;
+  double longest_gap_s = 0.0;  ///< without a sample
+  std::int64_t lost = 0, bad = 0;
+  std::optional<double> frame_rate_hz;  ///< of a live session
+  bool replays = true;                  ///< the trial's game hash is that of its replay
+  std::string sha256;
+  SessionMeasures measures;
+};
+
+struct Person {
+  PlannedParticipant planned;
+  std::string replaced_by = {};
+  Answers answers;
+  Played played;
+
+  bool is_virtual() const;  ///< a session of it was played by nobody, or an answer given by nobody
+};
+
+/// Why somebody is not among those who are counted; empty for who is.
+std::string why_not(const Design& design, const Questionnaire& questions, const Person& person);
+
+/// What stands in one column of a table of the study.
+struct Column {
+  std::string name;  ///< with the unit last
+  std::string kind;  ///< number, whole, text, yes/no or hash
+  std::string unit;
+  std::string meaning;
+};
+
+/// The columns of participants.csv, which depend on factors and questions.
+std::vector<Column> people_columns(const Design& design, const Questionnaire& questions);
+
+/// The table, CSV.
+std::string people_csv(const Design& design, const Questionnaire& questions,
+                       const std::vector<Person>& people);
+
+/// Tables 2, 3 and 4 of the paper, of those who are counted, beside what was published.
+struct Table {
+  std::string name;  ///< table-2
+  std::string title;
+  std::vector<Column> columns;
+  std::vector<std::vector<std::string>> rows;
+};
+
+/// @param of  "yes" for virtual participants, "no" for people, "mixed": stands in a column
+std::vector<Table> paper_tables(const Design& design, const Questionnaire& questions,
+                                const std::vector<Person>& counted, const std::string& of);
+
+std::string to_csv(const Table& table);
+/// In columns for a terminal.
+std::string in_words(const Table& table);
+
+}  // namespace headpin::study

@@ -1,0 +1,262 @@
+#include "study/plan.h"
+
+#include <algorithm>
+#include <cctype>
+#include <optional>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+namespace headpin::study {
+
+namespace {
+
+constexpr const char* kBase = "base";
+constexpr const char* kChanged = "changed";
+
+/// Names are the same on a disk that knows no capitals.
+std::string folded(const std::string& id) {
+  std::string text = id;
+  std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
+  return text;
+}
+
+std::string free_name(const Plan& plan) {
+  std::set<std::string> taken;
+  for (const PlannedParticipant& one : plan) taken.insert(folded(one.id));
+  for (std::size_t number = plan.size() + 1;; ++number) {
+    const std::string name = fmt::format("p{:03}", number);
+    if (!taken.contains(name)) return name;
+  }
+}
+
+/// One row of the table, read.
+struct PlanRow {
+  const CsvRow* at;
+  int game;
+  bool changed, red;
+  PlannedParticipant participant;
+};
+
+std::string one_of_rows(const Design& design) {
+  std::set<std::string> cells;
+  for (const DesignRow& row : design.rows) cells.insert(row.cell);
+  std::string all;
+  for (const std::string& cell : cells) all += (all.empty() ? "" : ", ") + cell;
+  return all;
+}
+
+std::size_t read_design_row(const CsvTable& table, const CsvRow& at, const Design& design) {
+  std::string cell = table.cell(at, "cell");
+  // A spreadsheet takes 010 for a number and writes 10.
+  if (const auto number = whole_in(cell); number && cell.size() < design.factors.size()) {
+    cell = fmt::format("{:0{}}", *number, design.factors.size());
+  }
+  const std::string& changed = table.cell(at, "changed");
+  bool is_cell = false;
+  for (std::size_t i = 0; i < design.rows.size(); ++i) {
+    if (design.rows[i].cell != cell) continue;
+    is_cell = true;
+    if (design.factors[design.rows[i].changed].key == changed) return i;
+  }
+  if (!is_cell) refuse(table, at, "a cell of the design (" + one_of_rows(design) + ")", cell);
+  refuse(table, at, fmt::format("a parameter that changes in cell {}", cell), changed);
+}
+
+bool read_choice(const CsvTable& table, const CsvRow& at, const char* column, const char* yes,
+                 const char* no) {
+  const std::string& cell = table.cell(at, column);
+  if (cell != yes && cell != no) refuse(table, at, fmt::format("{} or {}", yes, no), cell);
+  return cell == yes;
+}
+
+std::string read_name(const CsvTable& table, const CsvRow& at, const char* column) {
+  const std::string& name = table.cell(at, column);
+  if (const std::string wrong = wrong_with_name(name); !wrong.empty()) {
+    refuse(table, at, fmt::format("the name of a participant ({})", wrong), name);
+  }
+  return name;
+}
+
+/// What the cell and the change say of the version's values is held against what stands there.
+void check_values(const CsvTable& table, const PlanRow& row, const Design& design) {
+  const std::string cell = design.rows[row.participant.allotted.row].cell;
+  const auto games = games_of(design, row.participant.allotted);
+  const PlannedGame& game = games[0].changed == row.changed ? games[0] : games[1];
+  for (std::size_t i = 0; i < design.factors.size(); ++i) {
+    const std::string& found = table.cell(*row.at, design.factors[i].key);
+    const auto a = number_in(table, found), b = number_in(table, game.values[i]);
+    if (found == game.values[i] || (a && b && *a == *b)) continue;
+    refuse(table, *row.at,
+           fmt::format("{} {} in the {} version of cell {}", design.factors[i].key, game.values[i],
+                       row.changed ? kChanged : kBase, cell),
+           found);
+  }
+}
+
+PlanRow read_plan_row(const CsvTable& table, const CsvRow& at, const Design& design) {
+  PlanRow row{&at, 0, false, false, {}};
+  row.participant.id = read_name(table, at, "participant");
+  const auto place = whole_in(table.cell(at, "place"));
+  if (!place || *place < 1) refuse(table, at, "a place, from 1 on", table.cell(at, "place"));
+  row.participant.place = *place - 1;
+  row.participant.allotted.row = read_design_row(table, at, design);
+  row.game = read_choice(table, at, "game", "1", "2") ? 1 : 2;
+  row.changed = read_choice(table, at, "version", kChanged, kBase);
+  row.red = read_choice(table, at, "colour", "red", "blue");
+  row.participant.allotted.changed_first = row.changed == (row.game == 1);
+  row.participant.allotted.base_is_red = row.red != row.changed;
+  if (!table.cell(at, "replaces").empty()) {
+    row.participant.replaces = read_name(table, at, "replaces");
+  }
+  check_values(table, row, design);
+  return row;
+}
+
+void take(const CsvTable& table, const PlanRow& row, Plan& plan,
+          std::map<std::string, std::vector<PlanRow>>& rows) {
+  std::vector<PlanRow>& others = rows[folded(row.participant.id)];
+  for (const PlanRow& other : others) {
+    const std::string before = fmt::format("line {}", other.at->line);
+    if (other.participant.id != row.participant.id) {
+      refuse(table, *row.at,
+             "a name that differs from that of " + before + " in more than capitals",
+             row.participant.id);
+    }
+    if (other.game == row.game) {
+      refuse(table, *row.at,
+             "one row a participant and game; this one is there already, in " + before,
+             fmt::format("{}, game {}", row.participant.id, row.game));
+    }
+    if (other.participant != row.participant) {
+      refuse(table, *row.at, "a row that fits the other one of this participant, in " + before,
+             row.participant.id);
+    }
+  }
+  if (others.empty()) plan.push_back(row.participant);
+  others.push_back(row);
+}
+
+}  // namespace
+
+std::array<PlannedGame, 2> games_of(const Design& design, const Allotted& allotted) {
+  const DesignRow& row = design.rows[allotted.row];
+  const auto game = [&](bool changed) {
+    const std::string cell = changed ? design.other_cell(row) : row.cell;
+    PlannedGame made{changed, changed != allotted.base_is_red, {}};
+    for (std::size_t i = 0; i < cell.size(); ++i) {
+      made.values.push_back(design.factors[i].levels[cell[i] == '1' ? 1 : 0]);
+    }
+    return made;
+  };
+  return {game(allotted.changed_first), game(!allotted.changed_first)};
+}
+
+const std::string& cell_of(const Design& design, const PlannedParticipant& participant) {
+  return design.rows[participant.allotted.row].cell;
+}
+
+const std::string& changed_key_of(const Design& design, const PlannedParticipant& participant) {
+  return design.factors[design.rows[participant.allotted.row].changed].key;
+}
+
+std::string wrong_with_name(std::string_view name) {
+  const auto plain = [](unsigned char c) { return c < 0x80 && std::isalnum(c); };
+  if (!name.empty() && name.size() <= 32 && std::ranges::all_of(name, plain)) return {};
+  return "1 to 32 letters from a to z and digits, as file names and BIDS take them";
+}
+
+void extend(Plan& plan, const Design& design, std::uint64_t seed, int people) {
+  const auto there = static_cast<int>(plan.size() - replaced(plan).size());
+  if (people < there) {
+    throw std::invalid_argument(
+        fmt::format("the plan has {} participants and none is removed; expected as many or more, "
+                    "found {}",
+                    there, people));
+  }
+  std::set<std::int64_t> taken;
+  for (const PlannedParticipant& one : plan) taken.insert(one.place);
+  std::int64_t place = 0;
+  for (int i = there; i < people; ++i) {
+    while (taken.contains(place)) ++place;
+    taken.insert(place);
+    plan.push_back({free_name(plan), place, allot(design, seed, place)});
+  }
+}
+
+void replace(Plan& plan, const std::string& dropped_out) {
+  const auto found = std::ranges::find(plan, dropped_out, &PlannedParticipant::id);
+  if (found == plan.end()) {
+    throw std::invalid_argument(fmt::format("no participant '{}' in the plan", shown(dropped_out)));
+  }
+  if (const auto by = replaced(plan); by.contains(dropped_out)) {
+    throw std::invalid_argument(
+        fmt::format("{} is replaced already, by {}", dropped_out, by.at(dropped_out)));
+  }
+  PlannedParticipant other = *found;
+  other.id = free_name(plan);
+  other.replaces = dropped_out;
+  plan.push_back(other);
+}
+
+std::map<std::string, std::string> replaced(const Plan& plan) {
+  std::map<std::string, std::string> all;
+  for (const PlannedParticipant& one : plan) {
+    if (!one.replaces.empty()) all[one.replaces] = one.id;
+  }
+  return all;
+}
+
+std::string to_csv(const Plan& plan, const Design& design) {
+  std::vector<std::string> names = {"participant", "place",   "cell",  "changed",
+                                    "game",        "version", "colour"};
+  for (const Factor& factor : design.factors) names.push_back(factor.key);
+  names.emplace_back("replaces");
+  std::string text = csv_line(names);
+  for (const PlannedParticipant& one : plan) {
+    const auto games = games_of(design, one.allotted);
+    for (std::size_t i = 0; i < games.size(); ++i) {
+      std::vector<std::string> cells = {one.id,
+                                        fmt::format("{}", one.place + 1),
+                                        cell_of(design, one),
+                                        changed_key_of(design, one),
+                                        fmt::format("{}", i + 1),
+                                        games[i].changed ? kChanged : kBase,
+                                        games[i].red ? "red" : "blue"};
+      cells.insert(cells.end(), games[i].values.begin(), games[i].values.end());
+      cells.push_back(one.replaces);
+      text += csv_line(cells);
+    }
+  }
+  return text;
+}
+
+Plan parse_plan(std::string_view text, const std::string& where, const Design& design) {
+  const CsvTable table = parse_csv(text, where);
+  Plan plan;
+  std::map<std::string, std::vector<PlanRow>> rows;
+  for (const CsvRow& row : table.rows) take(table, read_plan_row(table, row, design), plan, rows);
+  for (const auto& [name, both] : rows) {
+    if (both.size() == 2) continue;
+    refuse(table, *both[0].at, "two rows of each participant, game 1 and game 2",
+           fmt::format("one of {}", both[0].participant.id));
+  }
+  std::set<std::string> gone;
+  for (const PlannedParticipant& one : plan) {
+    if (one.replaces.empty()) continue;
+    const CsvRow& at = *rows.at(folded(one.id))[0].at;
+    const auto whom = std::ranges::find(plan, one.replaces, &PlannedParticipant::id);
+    if (whom == plan.end())
+      refuse(table, at, "in `replaces` a participant of the plan", one.replaces);
+    if (whom->allotted != one.allotted) {
+      refuse(table, at, "the conditions of whom it replaces, " + one.replaces, one.id);
+    }
+    if (!gone.insert(one.replaces).second) {
+      refuse(table, at, "one who replaces " + one.replaces, one.id);
+    }
+  }
+  return plan;
+}
+
+}  // namespace headpin::study

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "study/people.h"
+
+namespace headpin::study {
+
+/// What a report shows beside what it counts itself.
+struct ReportParts {
+  std::vector<Table> tables;          ///< in their order; Tables 5 and 6 among them, if any
+  std::vector<std::string> pictures;  ///< SVG documents
+  std::map<std::string, std::string>
+      pages;       ///< by participant: the page of the trial, to be opened
+  std::string of;  ///< yes: virtual participants, no: people, mixed
+};
+
+/// Text as HTML and SVG take it.
+std::string escaped(const std::string& text);
+
+/// A study as one HTML page that needs nothing else: design, who played what, tables beside the
+/// published ones, pictures, answers, and every throw as a small picture.
+std::string html_report(const Design& design, const Questionnaire& questions,
+                        const std::vector<Person>& people, const ReportParts& parts);
+
+}  // namespace headpin::study

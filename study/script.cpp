@@ -1,0 +1,215 @@
+#include "study/script.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "study/model.h"
+
+namespace headpin::study {
+
+namespace {
+
+constexpr const char* kScript =
+    R"R(arguments <- commandArgs(trailingOnly = TRUE)
+input <- if (length(arguments) > 0) arguments[1] else "tables/participants.csv"
+output <- if (length(arguments) > 1) arguments[2] else "."
+who <- if (length(arguments) > 2) arguments[3] else "all"  # people, virtual or all
+to <- function(name) file.path(output, name)
+
+p <- read.csv(input, na.strings = "n/a", colClasses = c(cell = "character"))
+p <- p[p$counts == "yes", ]
+if (who == "people") p <- p[p$virtual == "no", ]
+if (who == "virtual") p <- p[p$virtual == "yes", ]
+if (nrow(p) == 0) stop("nobody counts")
+virtual <- if (all(p$virtual == "yes")) "yes" else if (all(p$virtual == "no")) "no" else "mixed"
+
+# A column a term. Change them as you like; the rest follows.
+@TERMS@
+published <- data.frame(
+  estimate = c(@ESTIMATES@),
+  se = c(@ERRORS@))
+published_deviance <- @DEVIANCE@
+changes <- c(@CHANGES@)
+
+x <- do.call(cbind, terms)
+n <- p$of[1]
+y <- cbind(p$score, n - p$score)
+fit_of <- function(x, ...) suppressWarnings(glm(y ~ 0 + x, family = binomial, ...))
+fit <- fit_of(x)
+
+# Estimates, as Table 6. A term that the data say nothing of is NA.
+wide <- function(values) setNames(values[paste0("x", colnames(x))], colnames(x))
+errors <- function(fit) {
+  se <- rep(NA, ncol(x))
+  known <- !is.na(coef(fit))
+  se[known] <- sqrt(diag(vcov(fit)))[names(coef(fit))[known]]
+  se
+}
+estimate <- wide(coef(fit))
+se <- errors(fit)
+z <- estimate / se
+bias_reduced <- bias_reduced_se <- rep(NA, ncol(x))
+# Where an estimate has no end, it goes on growing with every step of the fit: separation.
+at_step <- function(steps) wide(coef(fit_of(x, epsilon = 1e-16, maxit = steps)))
+endless <- colnames(x)[which(abs(at_step(60) - at_step(15)) > 0.5)]
+separated <- if (length(endless) > 0) "yes" else "no"
+if (requireNamespace("brglm2", quietly = TRUE)) {
+  reduced <- fit_of(x[, !is.na(estimate), drop = FALSE], method = brglm2::brglmFit)
+  bias_reduced[!is.na(estimate)] <- coef(reduced)
+  bias_reduced_se[!is.na(estimate)] <- sqrt(diag(vcov(reduced)))
+}
+table_6 <- data.frame(
+  term = colnames(x), estimate, se, z, p = 2 * pnorm(-abs(z)),
+  endless = ifelse(colnames(x) %in% endless, "yes", "no"), bias_reduced, bias_reduced_se,
+  published = published$estimate, published_se = published$se, virtual, row.names = NULL)
+
+# What the deviance grows by without each term.
+drop <- do.call(rbind, lapply(seq_len(ncol(x)), function(i) {
+  less <- fit_of(x[, -i, drop = FALSE])
+  grown <- deviance(less) - deviance(fit)
+  df <- df.residual(less) - df.residual(fit)
+  data.frame(term = colnames(x)[i], deviance = deviance(less), chi_squared = grown, df,
+             p = if (df > 0) pchisq(grown, df, lower.tail = FALSE) else NA, virtual)
+}))
+
+# Linear predictors by changed parameter, as Table 5: all terms, and those significant at 5 %.
+predictor <- function(changed, estimates, significant) {
+  mine <- p$changed == changed
+  used <- apply(x[mine, , drop = FALSE] != 0, 2, any) & !is.na(estimates)
+  own <- apply(x[!mine, , drop = FALSE] == 0, 2, all) & apply(x[mine, , drop = FALSE] == 1, 2, all)
+  name <- sub("^.*[.]", "", colnames(x))
+  text <- if (any(own & used)) sprintf("%.1f", estimates[own & used][1]) else "0"
+  for (i in which(used & !own)) {
+    if (significant && !(table_6$p[i] < 0.05)) next
+    text <- paste0(text, if (estimates[i] < 0) " - " else " + ",
+                   sprintf("%.1f*%s", abs(estimates[i]), name[i]))
+  }
+  text
+}
+table_5 <- data.frame(
+  changed = changes,
+  predictor = sapply(changes, predictor, estimate, FALSE),
+  significant = sapply(changes, predictor, estimate, TRUE),
+  published = sapply(changes, predictor, published$estimate, FALSE), virtual, row.names = NULL)
+
+# How well it fits.
+pearson <- sum(residuals(fit, "pearson")^2)
+upper <- function(deviance) pchisq(deviance, df.residual(fit), lower.tail = FALSE)
+quality <- data.frame(
+  quantity = c("participants", "coefficients", "deviance", "degrees_of_freedom", "p", "null_deviance",
+               "pearson_over_df", "converged", "separated", "published_deviance", "published_p",
+               "r_version", "brglm2_version"),
+  value = c(nrow(p), sum(!is.na(estimate)), deviance(fit), df.residual(fit), upper(deviance(fit)),
+            fit$null.deviance, pearson / df.residual(fit), if (fit$converged) "yes" else "no",
+            separated, published_deviance, pchisq(published_deviance, @PUBLISHED_DF@, lower.tail = FALSE),
+            as.character(getRversion()),
+            if (requireNamespace("brglm2", quietly = TRUE))
+              as.character(packageVersion("brglm2")) else NA), virtual)
+people <- data.frame(
+  participant = p$participant, score = p$score, fitted = n * fitted(fit),
+  deviance_residual = residuals(fit), leverage = hatvalues(fit),
+  cooks_distance = cooks.distance(fit), virtual, row.names = NULL)
+
+save <- function(data, name) write.csv(data, to(name), row.names = FALSE, na = "n/a", quote = TRUE)
+save(table_5, "table-5.csv")
+save(table_6, "table-6.csv")
+save(drop, "drop.csv")
+save(quality, "fit.csv")
+save(people, "people.csv")
+
+# Pictures, each as SVG and PNG.
+picture <- function(name, width, height, draw) {
+  svg(to(paste0(name, ".svg")), width, height)
+  draw()
+  dev.off()
+  png(to(paste0(name, ".png")), width, height, units = "in", res = 100, type = "cairo")
+  draw()
+  dev.off()
+}
+title_of <- function(text) if (virtual == "no") text else sprintf("%s (virtual participants: %s)", text, virtual)
+invisible(picture("effects", 7, 1 + 0.4 * ncol(x), function() {
+  par(mar = c(4, 9, 2, 1))
+  low <- bias_reduced - 1.96 * bias_reduced_se
+  high <- bias_reduced + 1.96 * bias_reduced_se
+  if (all(is.na(low))) { low <- estimate - 1.96 * se; high <- estimate + 1.96 * se }
+  shown <- range(c(low, high, published$estimate, 0), na.rm = TRUE, finite = TRUE)
+  shown <- pmax(pmin(shown, 15), -15)
+  at <- rev(seq_len(ncol(x)))
+  plot(NA, xlim = shown, ylim = c(0.5, ncol(x) + 0.5), yaxt = "n", ylab = "",
+       xlab = "estimate and 95 % interval (log odds of a high answer)", main = title_of("Effects"))
+  axis(2, at, colnames(x), las = 1)
+  abline(v = 0, col = "grey")
+  segments(low, at, high, at, lwd = 2, col = "#1f6fb4")
+  points((low + high) / 2, at, pch = 19, col = "#1f6fb4")
+  points(published$estimate, at, pch = 4, col = "#c9a227", lwd = 2)
+  legend("bottomright", c("this study", "published"), pch = c(19, 4), col = c("#1f6fb4", "#c9a227"), bty = "n")
+}))
+invisible(picture("scores", 7, 4.5, function() {
+  par(mar = c(7, 4, 2, 1))
+  condition <- factor(paste(p$cell, p$changed))
+  stripchart(p$score ~ condition, vertical = TRUE, method = "stack", pch = 19, col = "#1f6fb4",
+             ylim = c(0, n), las = 2, ylab = sprintf("high answers of %d", n), main = title_of("Scores by condition"))
+  points(seq_along(levels(condition)), tapply(n * fitted(fit), condition, mean), pch = 3, lwd = 2, col = "#c9a227")
+  legend("topright", c("a participant", "mean fitted"), pch = c(19, 3), col = c("#1f6fb4", "#c9a227"), bty = "n")
+}))
+)R";
+
+std::string in_quotes(const std::string& text) {
+  std::string quoted = "\"";
+  for (const char c : text) {
+    if (c == '"' || c == '\\') quoted += '\\';
+    quoted += c == '\n' ? ' ' : c;
+  }
+  return quoted + "\"";
+}
+
+void fill(std::string& text, const std::string& place, const std::string& value) {
+  text.replace(text.find(place), place.size(), value);
+}
+
+std::string numbers(const Design& design, std::optional<double> Term::*which) {
+  std::vector<std::string> all;
+  for (const Term& term : design.terms) {
+    all.push_back(term.*which ? fmt::format("{}", *(term.*which)) : "NA");
+  }
+  return fmt::format("{}", fmt::join(all, ", "));
+}
+
+}  // namespace
+
+std::string r_script(const Design& design) {
+  if (design.terms.empty()) {
+    throw std::invalid_argument(
+        fmt::format("design '{}' has no terms, so there is no model to fit", design.name));
+  }
+  std::string terms = "terms <- list(\n";
+  for (const Term& term : design.terms) {
+    terms += fmt::format("  {} = {}{}\n", in_quotes(term.name), in_r(term, design),
+                         &term == &design.terms.back() ? ")" : ",");
+  }
+  std::vector<std::string> changes;
+  for (const Factor& factor : design.factors) changes.push_back(in_quotes(factor.key));
+  std::string script = fmt::format(
+      "# The analysis of a study by the design {}. `headpin experiment analyse` runs what stands "
+      "here, however\n# it was changed; by hand, in the study's folder: Rscript model.R "
+      "tables/participants.csv analysis\n",
+      design.name);
+  std::string rest = kScript;
+  fill(rest, "@TERMS@", terms);
+  fill(rest, "@ESTIMATES@", numbers(design, &Term::estimate));
+  fill(rest, "@ERRORS@", numbers(design, &Term::se));
+  fill(rest, "@DEVIANCE@", design.deviance ? fmt::format("{}", *design.deviance) : "NA");
+  fill(rest, "@PUBLISHED_DF@", fmt::format("{}", design.block() - std::ssize(design.terms)));
+  fill(rest, "@CHANGES@", fmt::format("{}", fmt::join(changes, ", ")));
+  return script + rest;
+}
+
+std::vector<std::string> r_outputs() {
+  return {"table-5.csv", "table-6.csv", "drop.csv",   "fit.csv",   "people.csv",
+          "effects.svg", "effects.png", "scores.svg", "scores.png"};
+}
+
+}  // namespace headpin::study

@@ -1,0 +1,74 @@
+// The fit of simulations, and what they say of a study's power.
+
+#include "study/fit.h"
+
+#include <cmath>
+
+#include <gtest/gtest.h>
+
+#include "devices/random.h"
+#include "study/power.h"
+#include "tests/study/study_files.h"
+
+namespace headpin::study {
+namespace {
+
+// With a constant alone the estimate is the logit of the share, and the deviance that of the counts.
+TEST(Fit, OfAConstantIsTheLogitOfTheShare) {
+  const Eigen::MatrixXd x = Eigen::MatrixXd::Ones(4, 1);
+  const Eigen::Vector4d y(1, 2, 5, 4);
+  const Fit fit = fit_binomial(x, y, 6);
+  ASSERT_TRUE(fit.converged);
+  EXPECT_NEAR(fit.estimates[0], 0.0, 1e-9);  // 12 of 24
+  const double pair_15 = 2 * (std::log(1.0 / 3) + 5 * std::log(5.0 / 3));
+  const double pair_24 = 2 * (2 * std::log(2.0 / 3) + 4 * std::log(4.0 / 3));
+  EXPECT_NEAR(fit.deviance, 2 * pair_15 + 2 * pair_24, 1e-9);
+}
+
+// At the maximum of the likelihood its slope is nothing: X'(y - n p) = 0.
+TEST(Fit, TheSlopeOfTheLikelihoodIsNothing) {
+  devices::Random random(7);
+  Eigen::MatrixXd x(60, 4);
+  Eigen::VectorXd y(60);
+  for (Eigen::Index i = 0; i < x.rows(); ++i) {
+    for (Eigen::Index j = 0; j < x.cols(); ++j) x(i, j) = random.normal();
+    y[i] = static_cast<double>(random.next() % 7);
+  }
+  const Fit fit = fit_binomial(x, y, 6);
+  ASSERT_TRUE(fit.converged);
+  const Eigen::ArrayXd p = 1.0 / (1.0 + (-(x * fit.estimates).array()).exp());
+  EXPECT_LT((x.transpose() * (y.array() - 6.0 * p).matrix()).cwiseAbs().maxCoeff(), 1e-4);
+}
+
+TEST(Fit, SeparationIsSaidAndItsDevianceStaysRight) {
+  Eigen::MatrixXd x(4, 2);
+  x << 1, 0, 1, 0, 1, 1, 1, 1;
+  const Fit fit = fit_binomial(x, Eigen::Vector4d(2, 4, 6, 6), 6);
+  EXPECT_FALSE(fit.converged);
+  const Fit rest = fit_binomial(x.topRows(2).leftCols(1), Eigen::Vector2d(2, 4), 6);
+  EXPECT_NEAR(fit.deviance, rest.deviance, 1e-5);  // the separated ones are fitted without error
+}
+
+// More people find more; where a term has no effect, one in twenty is chance. Of 80 studies that is 4
+// with a deviation of 2.
+TEST(Power, GrowsWithPeopleAndIsChanceWithoutAnEffect) {
+  const Design design = bundled_design();
+  const Questionnaire questions = bundled_questions();
+  const auto nothing = [] {};
+  const Power few = power_of(design, questions, 36, 80, 1, nothing);
+  const Power many = power_of(design, questions, 180, 80, 1, nothing);
+  ASSERT_EQ(many.terms.size(), 10u);
+  double chance = 0.0;
+  for (std::size_t i = 0; i < 10; ++i) {
+    EXPECT_GE(many.terms[i].found, few.terms[i].found - 0.1) << many.terms[i].term;
+    chance += many.terms[i].found_without / 10;
+  }
+  EXPECT_GT(many.terms[3].found, 0.95);  // F
+  EXPECT_NEAR(chance, 0.05, 0.04);       // of 800: 0.008
+  EXPECT_GT(few.separated, many.separated);
+  const Power again = power_of(design, questions, 36, 80, 1, nothing);
+  EXPECT_EQ(again.terms[4].found, few.terms[4].found);
+}
+
+}  // namespace
+}  // namespace headpin::study

@@ -1,0 +1,176 @@
+// Plans as they are written, and as people and spreadsheets change them.
+
+#include "study/plan.h"
+
+#include <algorithm>
+#include <random>
+
+#include <gmock/gmock.h>
+
+#include "tests/study/study_files.h"
+
+namespace headpin::study {
+namespace {
+
+using testing::HasSubstr;
+
+class PlanTable : public testing::Test {
+ protected:
+  PlanTable() { extend(plan_, design_, 7, 18); }
+
+  static std::vector<std::string> lines(const std::string& text) {
+    std::vector<std::string> all;
+    std::istringstream in(text);
+    for (std::string line; std::getline(in, line);) all.push_back(line);
+    return all;
+  }
+  static std::string joined(const std::vector<std::string>& lines) {
+    std::string text;
+    for (const std::string& line : lines) text += line + "\n";
+    return text;
+  }
+  std::string says(const std::string& text) const {
+    return complaint([&] { parse_plan(text, "plan.csv", design_); });
+  }
+  /// What is said when in the row of that line one cell is another.
+  std::string says_with(std::size_t line, std::size_t column, const std::string& cell) const {
+    std::vector<std::string> all = lines(to_csv(plan_, design_));
+    const CsvTable table = parse_csv(joined(all), "plan.csv");
+    std::vector<std::string> cells = table.rows[line - 2].cells;
+    cells[column] = cell;
+    all[line - 1] = csv_line(cells);
+    all[line - 1].pop_back();
+    return says(joined(all));
+  }
+
+  const Design design_ = bundled_design();
+  Plan plan_;
+};
+
+// Table 1: elasticity 1.0 or 0.7, friction 0.0 or 0.7, ellipsoid or true shape; what changes is the
+// other of the two.
+TEST_F(PlanTable, EveryValueIsSpelledOut) {
+  const CsvTable table = parse_csv(to_csv(plan_, design_), "plan.csv");
+  ASSERT_EQ(table.rows.size(), 36u);
+  for (const CsvRow& row : table.rows) {
+    const std::string& cell = table.cell(row, "cell");
+    const auto expected = [&](const char* key, std::size_t at, const char* zero, const char* one) {
+      bool is_one = cell[at] == '1';
+      if (table.cell(row, "version") == "changed" && table.cell(row, "changed") == key) {
+        is_one = !is_one;
+      }
+      EXPECT_EQ(table.cell(row, key), is_one ? one : zero) << row.line;
+    };
+    expected("elasticity", 0, "1", "0.7");
+    expected("friction", 1, "0", "0.7");
+    expected("shape", 2, "ellipsoid", "true");
+  }
+}
+
+TEST_F(PlanTable, RowsInAnotherOrderAreTheSamePlan) {
+  std::vector<std::string> all = lines(to_csv(plan_, design_));
+  std::mt19937 random(5);
+  std::shuffle(all.begin() + 1, all.end(), random);
+  Plan read = parse_plan(joined(all), "plan.csv", design_);
+  std::ranges::sort(read, {}, &PlannedParticipant::id);
+  EXPECT_EQ(read, plan_);
+}
+
+TEST_F(PlanTable, WhatASpreadsheetMakesOfItIsTheSamePlan) {
+  std::string text = "\xef\xbb\xbf";
+  for (std::string line : lines(to_csv(plan_, design_))) {
+    std::ranges::replace(line, ',', ';');
+    std::ranges::replace(line, '.', ',');
+    for (const char* cell : {";000;", ";010;", ";001;", ";011;"}) {  // numbers to a spreadsheet
+      const std::size_t at = line.find(cell);
+      if (at == std::string::npos) continue;
+      const std::string digits = std::to_string(std::stoi(std::string(cell).substr(1, 3)));
+      line.replace(at, 5, ";" + digits + ";");
+    }
+    text += line + "\r\n";
+  }
+  EXPECT_EQ(parse_plan(text, "plan.csv", design_), plan_);
+}
+
+TEST_F(PlanTable, WhatIsWrongIsSaidWithFileLineAndWhatWasExpected) {
+  const std::string text = to_csv(plan_, design_);
+  const std::vector<std::string> all = lines(text);
+  EXPECT_THAT(says(text + all[3] + "\n"),
+              HasSubstr("plan.csv:38: expected one row a participant and game; this one is there "
+                        "already, in line 4"));
+  EXPECT_THAT(says(joined({all[0], all[1]})), HasSubstr("plan.csv:2: expected two rows"));
+  EXPECT_THAT(says_with(5, 2, "020"),
+              HasSubstr("plan.csv:5: expected a cell of the design (000, "));
+  EXPECT_THAT(says_with(5, 3, "gravity"),
+              HasSubstr("plan.csv:5: expected a parameter that changes"));
+  EXPECT_THAT(says_with(5, 4, "3"), HasSubstr("plan.csv:5: expected 1 or 2, found '3'"));
+  EXPECT_THAT(says_with(5, 6, "green"), HasSubstr("plan.csv:5: expected red or blue"));
+  EXPECT_THAT(says_with(5, 7, "0.8"), HasSubstr("plan.csv:5: expected elasticity "));
+  EXPECT_THAT(says_with(5, 1, "0"), HasSubstr("plan.csv:5: expected a place"));
+  EXPECT_THAT(says_with(5, 10, "p999"), HasSubstr("plan.csv:"));
+  // One of the two rows alone.
+  EXPECT_NE(says_with(5, 6, "red") + says_with(5, 6, "blue"), "");
+  for (const char* name : {"../x", "=cmd", "", "山田", "a b", "p001,x"}) {
+    EXPECT_THAT(says_with(4, 0, name), HasSubstr("plan.csv:4: expected the name of a participant"))
+        << name;
+  }
+  EXPECT_THAT(says_with(4, 0, std::string(300, 'a')), HasSubstr("plan.csv:4:"));
+  EXPECT_LT(says_with(4, 0, std::string(300, 'a')).size(), 200u);
+  EXPECT_THAT(says_with(4, 0, "P001"), HasSubstr("in more than capitals"));
+}
+
+TEST(Designs, WhatIsWrongIsSaidWithFileAndLine) {
+  const std::string text = slurp(HEADPIN_SOURCE_DIR "/assets/designs/uno-slater-1997.toml");
+  const auto says = [&](const std::string& from, const std::string& to) {
+    std::string changed = text;
+    const std::size_t at = changed.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    changed.replace(at, from.size(), to);
+    return complaint([&] { parse_design(changed, "d.toml"); });
+  };
+  EXPECT_EQ(says("people = 2", "people = 3"), "");
+  EXPECT_THAT(says("people = 2", "people = 0"),
+              HasSubstr("row.people must be a whole number from 1"));
+  EXPECT_THAT(says("cell = '000'", "cell = '0000'"), HasSubstr("row.cell must be 3 digits"));
+  EXPECT_THAT(says("changed = 'shape'", "changed = 'gravity'"),
+              HasSubstr("row.changed must be the key of a factor: elasticity, friction, shape"));
+  EXPECT_THAT(says("letter = 'F'", "letter = 'E'"), HasSubstr("factor.letter must be another one"));
+  EXPECT_THAT(says("levels = [0.0, 0.7]", "levels = [0.7, 0.7]"),
+              HasSubstr("two different values"));
+  EXPECT_THAT(says("key = 'shape'", "key = 'colour'"), HasSubstr("factor.key must be"));
+  EXPECT_THAT(says("throws = 10", "thorws = 10"), HasSubstr("unknown key 'thorws'"));
+  EXPECT_THAT(says("name = 'F'", "name = 'sick'"), HasSubstr("term.name must be another name"));
+  EXPECT_THAT(says("[[row]]", "[[row"), HasSubstr("not TOML"));
+  EXPECT_THAT(says("cell = '000'", "cell = '000'\nsex = 1"), HasSubstr("unknown key 'row.sex'"));
+}
+
+TEST(Questionnaires, WhatIsWrongIsSaidWithFileAndLine) {
+  const std::string text = slurp(HEADPIN_SOURCE_DIR "/assets/questionnaires/uno-slater-1997.toml");
+  const auto says = [&](const std::string& from, const std::string& to) {
+    std::string changed = text;
+    changed.replace(changed.find(from), from.size(), to);
+    return complaint([&] { parse_questionnaire(changed, "q.toml"); });
+  };
+  EXPECT_THAT(says("id = 'presence2'", "id = 'presence1'"), HasSubstr("item.id must be another"));
+  EXPECT_THAT(says("id = 'presence2'", "id = 'two words'"), HasSubstr("item.id must be 1 to 32"));
+  EXPECT_THAT(says("high = 7", "high = 1"), HasSubstr("item.high must be a whole number from 2"));
+  EXPECT_THAT(says("counts_from = 6", "counts_from = 8"), HasSubstr("item.counts_from must be"));
+  EXPECT_THAT(says("'en', 'de'", "'en', 'de', 'ja'"), HasSubstr("in every language: ja"));
+}
+
+// Appendix A has six questions, answered from 1 to 7, of which 6 and 7 count.
+TEST(Questionnaires, ThePapersHasSixItemsThatCount) {
+  const Questionnaire questions = bundled_questions();
+  EXPECT_EQ(questions.scored(), 6);
+  const Item& item = *questions.find("presence3");
+  EXPECT_EQ(answer_of(item, "7"), "7");
+  for (const char* wrong : {"8", "0", "", "six", "6.5", "6 7", "-1"}) {
+    EXPECT_EQ(answer_of(item, wrong), std::nullopt) << wrong;
+  }
+  EXPECT_EQ(answer_of(item, "n/a"), "n/a");
+  EXPECT_EQ(answer_of(*questions.find("vrbefore"), "Ja"), "yes");
+  EXPECT_EQ(answer_of(*questions.find("vrbefore"), "perhaps"), std::nullopt);
+}
+
+}  // namespace
+}  // namespace headpin::study
