@@ -21,6 +21,7 @@ void add_conformance(CLI::App& app);
 void add_doctor(CLI::App& app);
 void add_draw(CLI::App& app);
 void add_emulate(CLI::App& app);
+void add_experiment(CLI::App& app);
 void add_export(CLI::App& app);
 void add_frames(CLI::App& app);
 void add_import(CLI::App& app);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "apps/bids_session.h"
 #include "apps/command.h"
 #include "apps/options.h"
 #include "apps/stop.h"
@@ -218,9 +219,16 @@ void add_import(CLI::App& app) {
   add_json(*command, options->json);
   command->footer(
       "There are no buttons in such a file: grab and release are found, and marked as found.\n"
-      "What cannot be a person's throw is refused, with the reason.\n\n"
+      "What cannot be a person's throw is refused, with the reason. A session of `experiment "
+      "export` is read\nback whole, with its buttons.\n\n"
       "Example:\n  headpin import throw.csv -o throw.lcmlog --heading gaze");
-  command->callback([options] { import_throw(*options); });
+  command->callback([options] {
+    if (is_bids_session(options->file)) {
+      import_bids_session(options->file, *options->output, options->force, options->json);
+    } else {
+      import_throw(*options);
+    }
+  });
 }
 
 }  // namespace headpin::apps

@@ -18,7 +18,7 @@ namespace {
 /// "headpin replay", as messages begin.
 std::string name_of(const CLI::App& app) {
   std::string name = app.get_name();
-  for (const CLI::App* command : app.get_subcommands()) name += " " + command->get_name();
+  for (const CLI::App* command : app.get_subcommands()) name += " " + name_of(*command);
   return name;
 }
 
@@ -108,6 +108,7 @@ int main(int argc, char** argv) {
   apps::add_plot(app);
   apps::add_report(app);
   apps::add_live(app);
+  apps::add_experiment(app);
   apps::add_doctor(app);
   apps::add_stream(app);
   apps::add_emulate(app);

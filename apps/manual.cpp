@@ -29,6 +29,20 @@ std::vector<const CLI::Option*> options(const CLI::App& command, bool positional
       [=](const CLI::Option* option) { return option->get_positional() == positional; });
 }
 
+/// Those of a command and, where it is a group, of all commands in it, each name once.
+std::vector<const CLI::Option*> options_in(const CLI::App& command) {
+  std::vector<const CLI::Option*> all = options(command, false);
+  for (const CLI::App* one : commands(command)) {
+    for (const CLI::Option* option : options(*one, false)) {
+      const auto same = [&](const CLI::Option* other) {
+        return other->get_name() == option->get_name();
+      };
+      if (std::ranges::none_of(all, same)) all.push_back(option);
+    }
+  }
+  return all;
+}
+
 /// `-o`, `--output`: every name of an option as it is typed.
 std::vector<std::string> names(const CLI::Option& option) {
   std::vector<std::string> all;
@@ -110,10 +124,22 @@ constexpr const char* kExitStatus =
     "is "
     "needed is in use by another headpin and may be free later, 128+N stopped by signal N.\n";
 
+/// The commands of a group, as a list; empty for a command that is none.
+std::string group_in_words(const CLI::App& command, const std::string& words) {
+  std::string listed;
+  for (const CLI::App* one : commands(command)) {
+    listed += fmt::format(".TP\n\\fBheadpin {} {}\\fR\n{}\n", roff(words), roff(one->get_name()),
+                          roff(one->get_description()));
+  }
+  return listed.empty() ? listed : ".SH COMMANDS\n" + listed;
+}
+
 /// The manual page of one command.
-std::string page(const CLI::App& command) {
-  const std::string name = "headpin-" + command.get_name();
-  std::string synopsis = "\\fBheadpin " + roff(command.get_name()) + "\\fR";
+///
+/// @param words  by which it is called: "replay", "experiment plan"
+std::string page(const CLI::App& command, const std::string& words) {
+  const std::string name = "headpin-" + CLI::detail::find_and_replace(words, " ", "-");
+  std::string synopsis = "\\fBheadpin " + roff(words) + "\\fR";
   std::string arguments;
   for (const CLI::Option* option : options(command, true)) {
     std::string word = option->get_name(true);
@@ -136,7 +162,8 @@ std::string page(const CLI::App& command) {
   const bool has_example = example != std::string::npos;
   return page_begins(name, command.get_description()) +
          fmt::format(".SH SYNOPSIS\n{} [\\fIOPTIONS\\fR]\n", synopsis) +
-         (arguments.empty() ? "" : ".SH ARGUMENTS\n" + arguments) + ".SH OPTIONS\n" + listed +
+         group_in_words(command, words) + (arguments.empty() ? "" : ".SH ARGUMENTS\n" + arguments) +
+         ".SH OPTIONS\n" + listed +
          as_written("NOTES", trimmed(footer.substr(0, has_example ? example : footer.size()))) +
          (has_example ? as_written("EXAMPLE", trimmed(footer.substr(example + 8))) : "") +
          kExitStatus + ".SH SEE ALSO\n.BR headpin (1)\n";
@@ -180,7 +207,13 @@ std::string bash_completion(const CLI::App& app) {
   for (const CLI::App* command : commands(app)) {
     all += command->get_name() + " ";
     std::vector<std::string> typed;
-    for (const CLI::Option* option : options(*command, false)) {
+    if (const auto group = commands(*command); !group.empty()) {
+      std::vector<std::string> of_group;
+      for (const CLI::App* one : group) of_group.push_back(one->get_name());
+      values += fmt::format("    {0}:{0}) words={1} ;;\n", command->get_name(),
+                            single_quoted(fmt::format("{}", fmt::join(of_group, " "))));
+    }
+    for (const CLI::Option* option : options_in(*command)) {
       const std::vector<std::string> these = names(*option);
       typed.insert(typed.end(), these.begin(), these.end());
       if (!takes_value(*option)) continue;
@@ -253,7 +286,7 @@ std::string zsh_completion(const CLI::App& app) {
   for (const CLI::App* command : commands(app)) {
     listed += "    " + single_quoted(command->get_name() + ":" + command->get_description()) + "\n";
     each += "    " + command->get_name() + ")\n      _arguments \\\n";
-    for (const CLI::Option* option : options(*command, false)) each += zsh_option(*option);
+    for (const CLI::Option* option : options_in(*command)) each += zsh_option(*option);
     each += "        '*:file:_files' ;;\n";
   }
   return "#compdef headpin\n# written by the program\n"
@@ -285,7 +318,12 @@ void write_all(const CLI::App& app, const fs::path& folder) {
   fs::create_directories(folder / "man1");
   write_page(folder / "man1" / "headpin.1", overview(app));
   for (const CLI::App* command : commands(app)) {
-    write_page(folder / "man1" / ("headpin-" + command->get_name() + ".1"), page(*command));
+    const std::string name = command->get_name();
+    write_page(folder / "man1" / ("headpin-" + name + ".1"), page(*command, name));
+    for (const CLI::App* one : commands(*command)) {
+      write_page(folder / "man1" / fmt::format("headpin-{}-{}.1", name, one->get_name()),
+                 page(*one, name + " " + one->get_name()));
+    }
   }
   write_page(folder / "headpin.bash", bash_completion(app));
   write_page(folder / "_headpin", zsh_completion(app));

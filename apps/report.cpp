@@ -17,6 +17,7 @@
 #include "files/output_file.h"
 #include "scene/counterparts.h"
 #include "scene/page_data.h"
+#include "scene/totals.h"
 #include "scene/verifier.h"
 
 namespace headpin::apps {

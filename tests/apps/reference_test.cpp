@@ -81,6 +81,15 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
   take("stream --json throw.lcmlog --lcm 'file://stream.lcmlog?mode=w' --speed 0");
   take("live --json --lcm file://throw.lcmlog --duration 0.1 --eyes none --record shown.lcmlog");
   take("info --json shown.lcmlog");
+  take("experiment plan --json -o study --people 1");
+  take("experiment run --json study --all --virtual");
+  take("experiment status --json study");
+  take("experiment ask --json study --all --virtual");
+  take("experiment plan --json -o study --people 2");
+  take("experiment score --json study");
+  take("experiment export --json study --motion-bids data");
+  take("experiment report --json study --mix -o study.html");
+  take("experiment power --json --people 18 --studies 2");
   take("scenario list --json");
   take("emulate --json --motion still --duration 0.1");
   collect(nlohmann::json::parse(headpin("info --json missing.lcmlog").out), names);
@@ -88,7 +97,10 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
   const std::set<std::string> known = told("json.md");
   for (const std::string& name : names) EXPECT_TRUE(known.contains(name)) << name;
   // What only a session with a Fastrak prints.
-  const std::set<std::string> elsewhere = {"missed", "restarts", "skipped_bytes"};
+  const std::set<std::string> elsewhere = {"missed", "restarts", "skipped_bytes",
+                                           // and what R comes to
+                                           "degrees_of_freedom", "deviance", "endless_terms",
+                                           "script_changed"};
   for (const std::string& name : known) {
     EXPECT_TRUE(names.contains(name) || elsewhere.contains(name)) << name << " is printed by none";
   }

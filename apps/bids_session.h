@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+/// Sessions that `headpin experiment export` wrote, read back.
+namespace headpin::apps {
+
+/// Whether this is the table of a tracker of such a session.
+bool is_bids_session(const std::string& path);
+
+/// Makes the trial again: the same samples, in the same order, under the same header.
+///
+/// @param path  the table of one of its trackers
+void import_bids_session(const std::string& path, const std::string& output, bool overwrite,
+                         bool json);
+
+}  // namespace headpin::apps

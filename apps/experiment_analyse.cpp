@@ -1,0 +1,189 @@
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/experiment.h"
+#include "apps/options.h"
+#include "apps/run_program.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
+#include "apps/study_people.h"
+#include "apps/study_tables.h"
+#include "files/left_parts.h"
+#include "files/output_file.h"
+#include "study/csv.h"
+#include "study/script.h"
+
+namespace headpin::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct AnalyseOptions {
+  std::string study;
+  Mixing mixing;
+  bool json = false;
+};
+
+/// Whom the model is of: people, virtual or all.
+std::string whom(const study::CsvTable& people, const Mixing& mixing) {
+  if (!mixing.only.empty()) return mixing.only;
+  std::size_t counted = 0, virtuals = 0;
+  for (const study::CsvRow& row : people.rows) {
+    if (people.cell(row, "counts") != "yes") continue;
+    ++counted;
+    virtuals += people.cell(row, "virtual") == "yes" ? 1 : 0;
+  }
+  if (counted == 0) {
+    throw std::runtime_error(people.where + ": nobody counts; why_not says why for each");
+  }
+  if (virtuals > 0 && virtuals < counted && !mixing.mix) {
+    throw UsageError(
+        fmt::format("{} of {} participants who count are virtual; expected --only "
+                    "people, --only virtual, or --mix for all of them together",
+                    virtuals, counted));
+  }
+  return "all";
+}
+
+/// The study's own script: written once, whoever changes it then.
+/// @return  whether it is another by now
+bool require_script(const Study& study, const fs::path& path) {
+  const std::string script = study::r_script(study.design);
+  if (fs::exists(path)) return read_study_file(path) != script;
+  files::remove_left_parts(study.at.root.string());
+  files::OutputFile file(path.string(), {});
+  file.write(script.data(), script.size());
+  file.commit();
+  return false;
+}
+
+void run_script(const fs::path& script, const fs::path& people, const std::string& who,
+                const fs::path& root) {
+  StudyTables folder(root / "analysis");
+  fs::path output;
+  for (const std::string& name : study::r_outputs()) output = folder.file(name).parent_path();
+  const auto ended =
+      run_program({"Rscript", "--vanilla", script.string(), people.string(), output.string(), who});
+  check_stop();
+  if (!ended) {
+    throw std::runtime_error(
+        fmt::format("Rscript is not installed; type `apt install r-base-core` "
+                    "(the tables of `score` are in {})",
+                    people.parent_path().string()));
+  }
+  if (ended->code != 0) {
+    throw std::runtime_error(fmt::format("{}: R ended with {}: {}", script.string(), ended->code,
+                                         printable(ended->says)));
+  }
+  for (const std::string& name : study::r_outputs()) {
+    if (!fs::exists(output / name)) {
+      throw std::runtime_error(fmt::format("{} did not write {}", script.string(), name));
+    }
+  }
+  for (const auto& entry : fs::directory_iterator(output)) {  // what a changed script adds
+    const std::string name = entry.path().filename().string();
+    if (name[0] != '.' && entry.is_regular_file()) folder.file(name);
+  }
+  folder.commit("fit.csv");
+}
+
+/// A table that R wrote, numbers rounded, without the column that is alike in all rows.
+void print_table(const Study& study, const std::string& name, const std::string& title) {
+  const fs::path path = study.at.root / "analysis" / (name + ".csv");
+  const study::CsvTable table = study::parse_csv(read_study_file(path), path.string());
+  study::Table shown{name, title, {}, {}};
+  for (const std::string& column : table.columns) {
+    if (column != "virtual") shown.columns.push_back({column, "", "", ""});
+  }
+  for (const study::CsvRow& row : table.rows) {
+    std::vector<std::string> cells;
+    for (std::size_t i = 0; i < row.cells.size(); ++i) {
+      if (table.columns[i] == "virtual") continue;
+      const auto number = study::number_in(table, row.cells[i]);
+      cells.push_back(number ? fmt::format("{:.4g}", *number) : row.cells[i]);
+    }
+    shown.rows.push_back(cells);
+  }
+  fmt::print("\n{}: {}", name, study::in_words(shown));
+  print_notes(study, name);
+}
+
+/// One number of fit.csv.
+double quality(const Study& study, const std::string& quantity) {
+  const fs::path path = study.at.root / "analysis" / "fit.csv";
+  const study::CsvTable table = study::parse_csv(read_study_file(path), path.string());
+  for (const study::CsvRow& row : table.rows) {
+    if (table.cell(row, "quantity") != quantity) continue;
+    if (const auto number = study::number_in(table, table.cell(row, "value"))) return *number;
+  }
+  throw std::runtime_error(
+      fmt::format("{}: expected a number for {}, found none", path.string(), quantity));
+}
+
+/// Terms whose estimate goes to infinity.
+std::vector<std::string> endless_terms(const Study& study) {
+  const fs::path path = study.at.root / "analysis" / "table-6.csv";
+  const study::CsvTable table = study::parse_csv(read_study_file(path), path.string());
+  std::vector<std::string> terms;
+  for (const study::CsvRow& row : table.rows) {
+    if (table.cell(row, "endless") == "yes") terms.push_back(table.cell(row, "term"));
+  }
+  return terms;
+}
+
+void analyse(const AnalyseOptions& options) {
+  watch_stop_signals();
+  const Study study = open_study(options.study);
+  const fs::path people = study.at.root / "tables" / "participants.csv";
+  if (!fs::exists(people)) {
+    throw std::runtime_error(
+        fmt::format("{}: expected the tables, found none; `headpin experiment "
+                    "score {}` writes them",
+                    people.string(), study.at.root.string()));
+  }
+  const std::string who =
+      whom(study::parse_csv(read_study_file(people), people.string()), options.mixing);
+  const fs::path script = study.at.root / "model.R";
+  const StudyLock lock(study.at.questionnaire(), "analysing this study");
+  bool changed = false;
+  try {
+    changed = require_script(study, script);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+  run_script(script, people, who, study.at.root);
+  if (options.json) {
+    return print_json({{"output", (study.at.root / "analysis").string()},
+                       {"script_changed", changed},
+                       {"deviance", quality(study, "deviance")},
+                       {"degrees_of_freedom", quality(study, "degrees_of_freedom")},
+                       {"endless_terms", endless_terms(study)}});
+  }
+  if (changed) fmt::print("{} is another than headpin wrote\n", script.string());
+  print_table(study, "table-6", "estimates of the model");
+  print_table(study, "table-5", "linear predictors");
+  print_table(study, "drop", "what the deviance grows by without each term");
+  print_table(study, "fit", "how well the model fits");
+}
+
+}  // namespace
+
+void add_experiment_analyse(CLI::App& group) {
+  CLI::App* command = group.add_subcommand("analyse", "Fit the design's model with R's glm");
+  const auto options = std::make_shared<AnalyseOptions>();
+  add_study(*command, options->study);
+  add_mixing(*command, options->mixing);
+  add_json(*command, options->json);
+  command->footer(
+      "The script is model.R in the study; it is written once and run as it stands, so change it. "
+      "Estimates\nare in analysis/table-6.csv, bias-reduced ones beside them (r-cran-brglm2) for "
+      "those that separation\nleaves without an end; predictors, fit, terms dropped one by one, "
+      "leverage and pictures beside it.\n\n"
+      "Example:\n  headpin experiment analyse study");
+  command->callback([options] { analyse(*options); });
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,224 @@
+#include <iostream>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "apps/experiment.h"
+#include "apps/options.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
+#include "apps/study_folder.h"
+#include "apps/study_people.h"
+#include "files/line_file.h"
+#include "study/answers.h"
+#include "study/csv.h"
+#include "study/model.h"
+
+namespace headpin::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct AskOptions {
+  std::string study, participant, from, language;
+  bool is_virtual = false, all = false, json = false;
+};
+
+/// What was answered stays.
+void refuse_others(const study::Answers& there, const study::Answers& others,
+                   const std::string& from, const fs::path& path, const std::string& id) {
+  for (const study::Answer& answer : others) {
+    const study::Answer* before = study::find(there, answer.item);
+    if (!before || before->answer == answer.answer) continue;
+    throw std::runtime_error(fmt::format("{}: {} has answered {} to {}; {} says {}", path.string(),
+                                         id, before->answer, answer.item, from, answer.answer));
+  }
+}
+
+/// A participant's answers, open to be added to.
+class AnswerFile {
+ public:
+  AnswerFile(const Study& study, const std::string& id) : id_(id), path_(study.at.answers(id)) {
+    fs::create_directories(path_.parent_path());
+    file_.emplace(path_.string());
+    answers = study::parse_answers(file_->text(), path_.string(), study.questions, id);
+  }
+
+  /// Adds answers that are not there yet, all or none.
+  void add(const study::Answers& more) {
+    std::string lines;
+    if (answers.empty() && file_->text().empty()) lines = study::answers_heading();
+    for (const study::Answer& answer : more) lines += study::answer_line(id_, answer);
+    file_->append(lines);
+    answers.insert(answers.end(), more.begin(), more.end());
+  }
+
+  /// Those that are not there yet.
+  /// @return  how many
+  /// @throws std::runtime_error  where one is there and is another; then none was added
+  std::size_t add_all(const study::Answers& others, const std::string& from) {
+    refuse_others(answers, others, from, path_, id_);
+    study::Answers more;
+    for (const study::Answer& answer : others) {
+      if (!study::find(answers, answer.item)) more.push_back(answer);
+    }
+    check_stop();
+    if (!more.empty()) add(more);
+    return more.size();
+  }
+
+  study::Answers answers;
+
+ private:
+  std::string id_;
+  fs::path path_;
+  std::optional<files::LineFile> file_;
+};
+
+void print_question(const study::Item& item, std::size_t number, std::size_t all,
+                    const std::string& language) {
+  fmt::print("\n{} of {}. {}\n", number, all, item.text.at(language));
+  if (item.is_scale()) {
+    fmt::print("   {} {}  ...  {} {}\n", item.low, item.low_end.at(language), item.high,
+               item.high_end.at(language));
+    return;
+  }
+  for (const study::Choice& choice : item.choices) fmt::print("   {}\n", choice.text.at(language));
+}
+
+/// Asks until there is an answer; nothing where nobody answers any more.
+std::optional<std::string> ask_one(const study::Item& item) {
+  for (;;) {
+    fmt::print("> ");
+    std::fflush(stdout);
+    std::string line;
+    if (!std::getline(std::cin, line)) return std::nullopt;
+    if (const auto answer = study::answer_of(item, line)) return answer;
+    fmt::print("   expected {}, found '{}'\n", study::allowed(item), study::shown(line));
+  }
+}
+
+void ask_participant(const Study& study, const AskOptions& options) {
+  const std::string& id = planned(study, options.participant).id;
+  const auto& languages = study.questions.languages;
+  const std::string language = options.language.empty() ? languages[0] : options.language;
+  if (std::ranges::find(languages, language) == languages.end()) {
+    throw UsageError(fmt::format("--language: expected one of {}, found '{}'",
+                                 fmt::join(languages, ", "), language));
+  }
+  AnswerFile file(study, id);
+  const auto& items = study.questions.items;
+  const auto open = study::missing(study.questions, file.answers);
+  if (open.size() < items.size()) {
+    fmt::print("{}: {} of {} questions are answered\n", id, items.size() - open.size(),
+               items.size());
+  }
+  for (const study::Item* item : open) {
+    print_question(*item, static_cast<std::size_t>(item - items.data()) + 1, items.size(),
+                   language);
+    const auto answer = ask_one(*item);
+    if (!answer) {
+      fmt::print("\n");
+      throw std::runtime_error(
+          fmt::format("{}: {} of {} questions are answered; the same command "
+                      "goes on with the next",
+                      id, file.answers.size(), items.size()));
+    }
+    file.add({{item->id, *answer, study::kAsked}});
+  }
+  fmt::print("\n{}: all {} questions are answered\n", id, items.size());
+}
+
+/// What was typed in from paper, all of it checked before any is kept.
+void take_forms(const Study& study, const AskOptions& options) {
+  std::set<std::string> names;
+  for (const study::PlannedParticipant& one : study.plan) names.insert(one.id);
+  const auto forms =
+      study::parse_forms(read_study_file(options.from), options.from, study.questions, names);
+  for (const auto& [id, answers] : forms) {
+    refuse_others(answers_of(study, id), answers, options.from, study.at.answers(id), id);
+  }
+  std::size_t added = 0;
+  for (const auto& [id, answers] : forms) {
+    added += AnswerFile(study, id).add_all(answers, options.from);
+  }
+  if (options.json) return print_json({{"participants", forms.size()}, {"new_answers", added}});
+  fmt::print("{}: forms of {} participants, {} new answers\n", options.from, forms.size(), added);
+}
+
+/// Answers that nobody gave, of those whose session nobody played.
+void draw(const Study& study, const AskOptions& options) {
+  std::size_t added = 0;
+  int people = 0;
+  for (const study::PlannedParticipant& one : study.plan) {
+    if (!options.all && one.id != options.participant) continue;
+    const std::vector<Run> runs = runs_of(study.at, one.id);
+    const bool person = std::ranges::any_of(runs, [](const Run& run) { return !run.is_virtual; });
+    if (person && options.all) continue;
+    if (person) {
+      throw UsageError(fmt::format("{} is no virtual participant: {} is a person's", one.id,
+                                   runs.front().path.string()));
+    }
+    try {
+      added += AnswerFile(study, one.id)
+                   .add_all(study::draw_answers(study.design, study.questions,
+                                                study.design.seed.value_or(1), one),
+                            "the model");
+    } catch (const std::invalid_argument& error) {
+      throw UsageError(error.what());
+    }
+    ++people;
+  }
+  if (options.json) return print_json({{"participants", people}, {"new_answers", added}});
+  fmt::print("{} virtual participants, {} answers drawn from the model of '{}'\n", people, added,
+             study.design.name);
+}
+
+void ask(const AskOptions& options) {
+  const bool from_one = !options.participant.empty();
+  if (!options.from.empty() && (from_one || options.all || options.is_virtual)) {
+    throw UsageError("--from: forms say whose they are; expected nothing else");
+  }
+  if (options.from.empty() && from_one == options.all) {
+    throw UsageError("expected --participant NAME, --all --virtual, or --from FILE");
+  }
+  if (options.all && !options.is_virtual) throw UsageError("--all: expected --virtual with it");
+  watch_stop_signals();
+  const Study study = open_study(options.study);
+  if (from_one) planned(study, options.participant);
+  if (!options.from.empty()) return take_forms(study, options);
+  if (options.is_virtual) return draw(study, options);
+  ask_participant(study, options);
+}
+
+}  // namespace
+
+void add_experiment_ask(CLI::App& group) {
+  CLI::App* command = group.add_subcommand(
+      "ask", "Have a participant answer the questions, or take in paper forms");
+  const auto options = std::make_shared<AskOptions>();
+  add_study(*command, options->study);
+  command->add_option("--participant", options->participant, "who answers");
+  command->add_option("--language", options->language,
+                      "of the questions; the first when not given");
+  command->add_option("--from", options->from,
+                      "forms typed in (.csv): a row a participant and a column an item, or columns "
+                      "participant, item, answer");
+  command->add_flag("--virtual", options->is_virtual,
+                    "answers are drawn from the published model; files and tables say so");
+  command->add_flag("--all", options->all, "all virtual participants; with --virtual");
+  add_json(*command, options->json);
+  command->footer(
+      "A form on the terminal: every answer is on the disk at once, and the same command goes on "
+      "where it\nwas left. n/a stands for a question that somebody does not answer. Answers are in "
+      "answers/NAME.csv.\n\n"
+      "Example:\n  headpin experiment ask study --participant p001\n"
+      "  headpin experiment ask study --from forms.csv");
+  command->callback([options] { ask(*options); });
+}
+
+}  // namespace headpin::apps

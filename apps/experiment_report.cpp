@@ -1,0 +1,119 @@
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/experiment.h"
+#include "apps/options.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
+#include "apps/study_people.h"
+#include "files/output_file.h"
+#include "study/csv.h"
+#include "study/report.h"
+
+namespace headpin::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct ReportStudyOptions {
+  std::string study;
+  std::optional<std::string> output;
+  Mixing mixing;
+  int jobs = 1;
+  bool force = false, json = false;
+};
+
+/// A table that the analysis wrote, numbers rounded; nothing where it has not.
+std::optional<study::Table> analysed(const Study& study, const std::string& name,
+                                     const std::string& title) {
+  const fs::path path = study.at.root / "analysis" / (name + ".csv");
+  if (!fs::exists(path)) return std::nullopt;
+  const study::CsvTable csv = study::parse_csv(read_study_file(path), path.string());
+  study::Table table{name, title, {}, {}};
+  for (const std::string& column : csv.columns) table.columns.push_back({column, "", "", ""});
+  for (const study::CsvRow& row : csv.rows) {
+    std::vector<std::string> cells;
+    for (const std::string& cell : row.cells) {
+      const auto number = study::number_in(csv, cell);
+      cells.push_back(number ? fmt::format("{:.4g}", *number) : cell);
+    }
+    table.rows.push_back(cells);
+  }
+  return table;
+}
+
+study::ReportParts parts_of(const Study& study, const std::vector<study::Person>& people,
+                            const Counted& counted, const fs::path& output) {
+  study::ReportParts parts;
+  parts.of = counted.of;
+  parts.tables = study::paper_tables(study.design, study.questions, counted.people, counted.of);
+  for (const auto& [name, title] : {std::pair("table-5", "Linear predictors"),
+                                    {"table-6", "Parameter estimates and standard errors"},
+                                    {"drop", "What the deviance grows by without each term"},
+                                    {"fit", "How well the model fits"}}) {
+    if (auto table = analysed(study, name, title)) parts.tables.push_back(*table);
+  }
+  for (const char* name : {"effects.svg", "scores.svg"}) {
+    const fs::path path = study.at.root / "analysis" / name;
+    if (fs::exists(path)) parts.pictures.push_back(read_study_file(path));
+  }
+  const fs::path here = fs::absolute(output).parent_path();
+  for (const study::Person& person : people) {
+    const fs::path page = study.at.sessions(person.planned.id) / (person.played.run + ".html");
+    if (!person.played.run.empty() && fs::exists(page)) {
+      parts.pages[person.planned.id] = fs::absolute(page).lexically_relative(here).string();
+    }
+  }
+  return parts;
+}
+
+void report_study(const ReportStudyOptions& options) {
+  watch_stop_signals();
+  const Study study = open_study(options.study);
+  const std::vector<study::Person> people = people_of(study, options.jobs);
+  const Counted counted = counted_of(study, people, options.mixing);
+  const study::ReportParts parts = parts_of(study, people, counted, *options.output);
+  const std::string html = study::html_report(study.design, study.questions, people, parts);
+  files::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
+  file.write(html.data(), html.size());
+  check_stop();
+  file.commit();
+  if (options.json) {
+    return print_json({{"output", *options.output},
+                       {"participants", people.size()},
+                       {"counted", counted.people.size()}});
+  }
+  fmt::print("{}: {} participants, {} count\n", *options.output, people.size(),
+             counted.people.size());
+  if (!fs::exists(study.at.root / "analysis")) {
+    fmt::print("without Tables 5 and 6: `headpin experiment analyse {}` makes them\n",
+               study.at.root.string());
+  }
+}
+
+}  // namespace
+
+void add_experiment_report(CLI::App& group) {
+  CLI::App* command = group.add_subcommand("report", "Write the study as one HTML page");
+  const auto options = std::make_shared<ReportStudyOptions>();
+  add_study(*command, options->study);
+  add_output(*command, "-o,--output", options->output, "page to write (.html)")->required();
+  add_mixing(*command, options->mixing);
+  command->add_option("--jobs", options->jobs, "sessions that are measured at a time")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  add_force(*command, options->force);
+  add_json(*command, options->json);
+  command->footer(
+      "Design, tables beside the published ones, pictures, answers, and every throw as a small "
+      "picture. Where\n`headpin report` has written sessions/NAME/RUN.html, the pictures open "
+      "it.\n\n"
+      "Example:\n  headpin experiment report study -o study.html");
+  command->callback([options] { report_study(*options); });
+}
+
+}  // namespace headpin::apps

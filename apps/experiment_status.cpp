@@ -1,0 +1,113 @@
+#include <memory>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/experiment.h"
+#include "apps/options.h"
+#include "apps/streams.h"
+#include "apps/study_folder.h"
+#include "apps/study_people.h"
+
+namespace headpin::apps {
+
+namespace {
+
+struct StatusOptions {
+  std::string study;
+  bool json = false;
+};
+
+/// How far one participant is.
+struct HowFar {
+  const study::PlannedParticipant* planned;
+  std::vector<Run> runs;
+  std::size_t missing;  ///< answers
+  std::string replaced_by;
+};
+
+std::string played_in_words(const std::vector<Run>& runs) {
+  if (runs.empty()) return "not yet";
+  const Run* counts = counting(runs);
+  const Run& last = runs.back();
+  const Run& told = counts ? *counts : last;
+  const std::string length = fmt::format("{}, {:.1f} s", told.name, told.seconds);
+  if (counts) return length + (told.is_virtual ? ", virtual" : "");
+  return length + (last.complete ? ", without both versions" : ", cut off");
+}
+
+std::vector<HowFar> progress_of(const Study& study) {
+  const auto replaced = study::replaced(study.plan);
+  std::vector<HowFar> all;
+  for (const study::PlannedParticipant& one : study.plan) {
+    const auto by = replaced.find(one.id);
+    all.push_back({&one, runs_of(study.at, one.id),
+                   study::missing(study.questions, answers_of(study, one.id)).size(),
+                   by == replaced.end() ? "" : by->second});
+  }
+  return all;
+}
+
+/// What to type next; empty when all is done.
+std::string next_command(const Study& study, const std::vector<HowFar>& all) {
+  const std::string folder = study.at.root.string();
+  for (const HowFar& one : all) {
+    if (!one.replaced_by.empty()) continue;
+    const Run* run = counting(one.runs);
+    if (run && one.missing == 0) continue;
+    if (run) {
+      return fmt::format("headpin experiment ask {} --participant {}{}", folder, one.planned->id,
+                         run->is_virtual ? " --virtual" : "");
+    }
+    return fmt::format("headpin experiment run {} --participant {} SOURCE", folder,
+                       one.planned->id);
+  }
+  return {};
+}
+
+void tell_status(const StatusOptions& options) {
+  const Study study = open_study(options.study);
+  const std::vector<HowFar> all = progress_of(study);
+  const std::string next = next_command(study, all);
+  if (options.json) {
+    nlohmann::ordered_json people = nlohmann::ordered_json::array();
+    for (const HowFar& one : all) {
+      const Run* counts = counting(one.runs);
+      people.push_back({{"participant", one.planned->id},
+                        {"cell", study::cell_of(study.design, *one.planned)},
+                        {"changed", study::changed_key_of(study.design, *one.planned)},
+                        {"runs", one.runs.size()},
+                        {"run", counts ? nlohmann::json(counts->name) : nlohmann::json()},
+                        {"answers", study.questions.items.size() - one.missing},
+                        {"replaced_by", one.replaced_by}});
+    }
+    return print_json({{"participants", people}, {"next", next}});
+  }
+  fmt::print("{:<12}{:<6}{:<12}{:<10}{}\n", "participant", study.design.letters(), "changed",
+             "answers", "played");
+  for (const HowFar& one : all) {
+    const std::size_t asked = study.questions.items.size();
+    fmt::print("{:<12}{:<6}{:<12}{:<10}{}{}\n", one.planned->id,
+               study::cell_of(study.design, *one.planned),
+               study::changed_key_of(study.design, *one.planned),
+               fmt::format("{} of {}", asked - one.missing, asked), played_in_words(one.runs),
+               one.replaced_by.empty() ? "" : ", replaced by " + one.replaced_by);
+  }
+  const std::string folder = study.at.root.string();
+  fmt::print("next: {}\n",
+             next.empty() ? fmt::format("headpin experiment score {}", folder) : next);
+}
+
+}  // namespace
+
+void add_experiment_status(CLI::App& group) {
+  CLI::App* command =
+      group.add_subcommand("status", "Who has played, what is missing, what to type next");
+  const auto options = std::make_shared<StatusOptions>();
+  add_study(*command, options->study);
+  add_json(*command, options->json);
+  command->footer("Example:\n  headpin experiment status study");
+  command->callback([options] { tell_status(*options); });
+}
+
+}  // namespace headpin::apps

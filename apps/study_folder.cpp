@@ -1,0 +1,141 @@
+#include "apps/study_folder.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <set>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <unistd.h>
+
+#include "apps/command.h"
+#include "devices/trial_file.h"
+#include "files/input_file.h"
+#include "files/lock.h"
+#include "scene/events.h"
+#include "scene/scenario_files.h"
+
+namespace headpin::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::string_view kVirtual = "virtual ";
+
+/// Names of the files of that kind that come along.
+std::set<std::string> bundled_names(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) {
+    if (entry.path().extension() == ".toml") names.insert(entry.path().stem().string());
+  }
+  return names;
+}
+
+Run look_into(const fs::path& path) {
+  Run run{path.stem().string(), path};
+  const devices::TrialFile file(path.string());
+  const devices::TrialSummary& trial = file.summary();
+  run.complete = trial.complete;
+  run.seconds = seconds(trial.end);
+  run.is_virtual = is_virtual_name(trial.header.participant);
+  std::set<std::string> versions;
+  for (const devices::Event& event : trial.events) {
+    if (event.kind == scene::kind::version) versions.insert(event.detail);
+  }
+  run.both = versions.size() == 2;
+  return run;
+}
+
+}  // namespace
+
+std::string read_study_file(const fs::path& path) {
+  constexpr std::size_t kMost = 16'000'000;
+  return files::read_text(path.string(), kMost);
+}
+
+Study open_study(const std::string& folder) {
+  Study study{{folder}, {}, {}, {}};
+  if (!fs::exists(study.at.design())) {
+    throw std::runtime_error(
+        fmt::format("{}: expected a study, found no design.toml; `headpin experiment plan -o {}` "
+                    "makes one",
+                    folder, folder));
+  }
+  const auto parsed = [](const fs::path& path, auto parse) {
+    return parse(read_study_file(path), path.string());
+  };
+  study.design = parsed(study.at.design(), study::parse_design);
+  study.questions = parsed(study.at.questionnaire(), study::parse_questionnaire);
+  study.plan =
+      study::parse_plan(read_study_file(study.at.plan()), study.at.plan().string(), study.design);
+  return study;
+}
+
+const study::PlannedParticipant& planned(const Study& study, const std::string& id) {
+  const auto found = std::ranges::find(study.plan, id, &study::PlannedParticipant::id);
+  if (found != study.plan.end()) return *found;
+  throw UsageError(fmt::format("--participant: expected a name of {}, found '{}'",
+                               study.at.plan().string(), study::shown(id)));
+}
+
+fs::path bundled(const std::string& kind, const std::string& name_or_file) {
+  if (name_or_file.find_first_of("./") != std::string::npos) return name_or_file;
+  std::error_code none;
+  std::set<std::string> names;
+  for (const fs::path& data : scene::data_folders()) {
+    if (!fs::is_directory(data / kind, none)) continue;
+    names = bundled_names(data / kind);
+    if (names.contains(name_or_file)) return data / kind / (name_or_file + ".toml");
+    break;
+  }
+  throw UsageError(fmt::format(
+      "none of the {} is called '{}'; expected a file (./{} if it is one) "
+      "or one of: {}",
+      kind, study::shown(name_or_file), study::shown(name_or_file), fmt::join(names, ", ")));
+}
+
+StudyLock::StudyLock(const fs::path& path, const std::string& what)
+    : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+  if (descriptor_ < 0) {
+    throw std::runtime_error(
+        fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
+  }
+  if (files::lock(descriptor_)) return;
+  close(descriptor_);
+  throw files::Busy(fmt::format("{}: another headpin is {}", path.string(), what));
+}
+
+StudyLock::~StudyLock() {
+  close(descriptor_);
+}
+
+std::vector<Run> runs_of(const StudyFolder& at, const std::string& id) {
+  std::vector<fs::path> paths;
+  std::error_code none;
+  for (const auto& entry : fs::directory_iterator(at.sessions(id), none)) {
+    const std::string name = entry.path().filename().string();
+    if (name.starts_with("run-") && name.ends_with(".lcmlog")) paths.push_back(entry.path());
+  }
+  std::ranges::sort(paths);
+  std::vector<Run> runs;
+  for (const fs::path& path : paths) runs.push_back(look_into(path));
+  return runs;
+}
+
+const Run* counting(const std::vector<Run>& runs) {
+  const auto found = std::ranges::find_if(runs, &Run::done);
+  return found == runs.end() ? nullptr : &*found;
+}
+
+bool is_virtual_name(const std::string& participant) {
+  return participant.starts_with(kVirtual);
+}
+
+std::string virtual_name(const std::string& id) {
+  return std::string(kVirtual) + id;
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,153 @@
+#include "apps/study_people.h"
+
+#include <atomic>
+#include <exception>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "apps/stop.h"
+#include "files/input_file.h"
+#include "files/sha256.h"
+#include "scene/events.h"
+#include "scene/recorded.h"
+
+namespace headpin::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+/// Frames a second of a live session; nothing of another.
+std::optional<double> frame_rate_of(const scene::Recorded& recorded) {
+  for (const devices::Event& event : recorded.file.summary().events) {
+    if (event.kind != scene::kind::kept_pace) continue;
+    const nlohmann::json said = nlohmann::json::parse(event.detail, nullptr, false);
+    if (!said.is_object()) return std::nullopt;
+    const double frames = said.value("frames", 0.0), ticks = said.value("ticks", 0.0);
+    const auto hz = static_cast<double>(recorded.scenario.rates.physics_hz);
+    if (ticks > 0.0) return frames * hz / ticks;
+  }
+  return std::nullopt;
+}
+
+/// Simulates the session again and takes its measures.
+study::Played measured(const Run& run) {
+  constexpr std::size_t kMost = 4'000'000'000;
+  const scene::Recorded recorded = scene::load_trial(run.path.string());
+  const devices::TrialSummary& trial = recorded.file.summary();
+  study::Played played;
+  played.run = run.name;
+  played.is_virtual = run.is_virtual;
+  played.longest_gap_s = seconds(trial.longest_gap.length());
+  for (const auto& [station, device] : trial.devices) {
+    played.lost += device.lost;
+    played.bad += device.bad;
+  }
+  played.frame_rate_hz = frame_rate_of(recorded);
+  scene::Session session = scene::make_session(recorded.scenario);
+  const auto said = scene::said_game_hash(trial);
+  const std::int64_t ticks =
+      said ? said->tick : scene::tick_count(trial, recorded.scenario.rates.physics_hz);
+  study::Measurer measurer;
+  scene::Observer* const observer = &measurer;
+  devices::TrialPlayer source(recorded.file);
+  scene::NoPace pace;
+  scene::run(session, source, pace, std::span(&observer, 1), [&](const scene::Session& s) {
+    check_stop();
+    return s.tick >= ticks;
+  });
+  played.measures = measurer.measures(session);
+  played.replays = said && said->hash == played.measures.game_hash;
+  const std::vector<std::uint8_t> bytes = files::read_bytes(run.path.string(), kMost);
+  played.sha256 = files::sha256({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  return played;
+}
+
+study::Person person_of(const Study& study, const study::PlannedParticipant& planned) {
+  study::Person person;
+  person.planned = planned;
+  person.answers = answers_of(study, planned.id);
+  const std::vector<Run> runs = runs_of(study.at, planned.id);
+  if (const Run* run = counting(runs)) {
+    try {
+      person.played = measured(*run);
+    } catch (const std::exception& error) {
+      if (stop_signal() != 0) throw;
+      throw std::runtime_error(fmt::format("{}: {}", run->path.string(), error.what()));
+    }
+  }
+  person.played.runs = static_cast<int>(runs.size());
+  return person;
+}
+
+}  // namespace
+
+study::Answers answers_of(const Study& study, const std::string& id) {
+  const fs::path path = study.at.answers(id);
+  if (!fs::exists(path)) return {};
+  return study::parse_answers(read_study_file(path), path.string(), study.questions, id);
+}
+
+std::vector<study::Person> people_of(const Study& study, int jobs) {
+  const auto replaced = study::replaced(study.plan);
+  std::vector<study::Person> people(study.plan.size());
+  std::atomic<std::size_t> next = 0;
+  std::mutex mutex;
+  std::exception_ptr failure;
+  std::vector<std::thread> threads;
+  for (int i = 0; i < jobs; ++i) {
+    threads.emplace_back([&] {
+      for (std::size_t at = next++; at < people.size(); at = next++) {
+        try {
+          people[at] = person_of(study, study.plan[at]);
+        } catch (...) {
+          const std::lock_guard lock(mutex);
+          if (!failure) failure = std::current_exception();
+          next = people.size();
+        }
+      }
+    });
+  }
+  for (std::thread& thread : threads) thread.join();
+  if (failure) std::rethrow_exception(failure);
+  for (study::Person& person : people) {
+    const auto by = replaced.find(person.planned.id);
+    if (by != replaced.end()) person.replaced_by = by->second;
+  }
+  return people;
+}
+
+void add_mixing(CLI::App& command, Mixing& mixing) {
+  CLI::Option* mix =
+      command.add_flag("--mix", mixing.mix, "count people and virtual participants together");
+  command.add_option("--only", mixing.only, "count these alone")
+      ->check(CLI::IsMember({"people", "virtual"}))
+      ->excludes(mix);
+}
+
+Counted counted_of(const Study& study, const std::vector<study::Person>& all,
+                   const Mixing& mixing) {
+  Counted counted;
+  std::size_t virtuals = 0;
+  for (const study::Person& person : all) {
+    if (!study::why_not(study.design, study.questions, person).empty()) continue;
+    if (!mixing.only.empty() && person.is_virtual() != (mixing.only == "virtual")) continue;
+    counted.people.push_back(person);
+    virtuals += person.is_virtual() ? 1 : 0;
+  }
+  if (virtuals > 0 && virtuals < counted.people.size() && !mixing.mix) {
+    throw UsageError(
+        fmt::format("{} of {} participants who count are virtual; expected --only "
+                    "people, --only virtual, or --mix for all of them together",
+                    virtuals, counted.people.size()));
+  }
+  counted.of = virtuals == 0 ? "no" : virtuals == counted.people.size() ? "yes" : "mixed";
+  return counted;
+}
+
+}  // namespace headpin::apps

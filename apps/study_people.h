@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/study_folder.h"
+#include "study/people.h"
+
+/// The participants of a study with all that is known of them.
+namespace headpin::apps {
+
+/// Reads everybody's answers and simulates everybody's session again, some at a time.
+/// @throws std::invalid_argument  for answers that cannot be, naming file and line
+std::vector<study::Person> people_of(const Study& study, int jobs);
+
+study::Answers answers_of(const Study& study, const std::string& id);
+
+/// Those whom the tables are of.
+struct Counted {
+  std::vector<study::Person> people;
+  std::string of;  ///< "yes": virtual participants, "no": people, "mixed"
+};
+
+/// Who of them may be counted together: people and virtual participants are not, unless asked for.
+struct Mixing {
+  bool mix = false;
+  std::string only;  ///< people, virtual; empty for whoever there is
+};
+void add_mixing(CLI::App& command, Mixing& mixing);
+
+/// @throws UsageError  for people and virtual participants together, unless that is wanted
+Counted counted_of(const Study& study, const std::vector<study::Person>& all, const Mixing& mixing);
+
+}  // namespace headpin::apps

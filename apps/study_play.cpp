@@ -1,0 +1,123 @@
+#include "apps/study_play.h"
+
+#include <array>
+
+#include <fmt/format.h>
+
+#include "devices/log.h"
+#include "devices/random.h"
+#include "engine/hash.h"
+#include "scene/participant.h"
+#include "scene/recorded.h"
+#include "scene/totals.h"
+#include "scene/trial_writer.h"
+
+namespace headpin::apps {
+
+namespace {
+
+constexpr std::uint64_t kPeople = 103;  ///< what the seeds of virtual participants are drawn for
+
+/// A file that gets all of a trial but its states, which are twenty times as much as the rest and
+/// which `replay` makes again.
+class WithoutStates : public devices::TrialSink {
+ public:
+  WithoutStates(const std::string& path, const devices::TrialHeader& header)
+      : recorder_(path, header) {}
+
+  void write(const devices::Sample& sample) override { recorder_.write(sample); }
+  void write(const devices::Event& event) override { recorder_.write(event); }
+  void write(const devices::TickState&) override {}
+  void write(const devices::FrameRecord& frame) override { recorder_.write(frame); }
+  void close() override { recorder_.close(); }
+
+ private:
+  devices::Recorder recorder_;
+};
+
+std::uint64_t person_seed(const Study& study, const std::string& id) {
+  Fnv name;
+  for (const char c : id) name.add(static_cast<std::uint8_t>(c));
+  return devices::Random(study.design.seed.value_or(1), kPeople, name.value()).next();
+}
+
+/// Plays what `source` says until `until`, into a trial at `path`.
+PlayedSession play(const scene::Scenario& scenario, const devices::TrialHeader& header,
+                   const std::string& path, devices::Source& source, scene::Observer* player,
+                   const std::function<bool(const scene::Session&)>& until) {
+  scene::Session session = scene::make_session(scenario);
+  scene::TrialWriter writer(
+      std::make_unique<WithoutStates>(path, scene::header_of(header, session)));
+  scene::Totals totals;
+  std::vector<scene::Observer*> observers = {&writer, &totals};
+  if (player) observers.push_back(player);
+  scene::NoPace pace;
+  scene::run(session, source, pace, observers, until);
+  writer.close(session);
+  return {path, seconds(session.now()), totals.score()};
+}
+
+}  // namespace
+
+scene::Scenario scenario_of(const Study& study, const study::PlannedParticipant& participant,
+                            const std::string& rig_of) {
+  scene::Scenario scenario = scene::load_scenario(study.at.scenario().string());
+  for (const study::PlannedGame& game : study::games_of(study.design, participant.allotted)) {
+    for (std::size_t i = 0; i < study.design.factors.size(); ++i) {
+      scene::set(scenario, study::assignment(study.design.factors[i], game.red ? "red" : "blue",
+                                             game.values[i]));
+    }
+  }
+  if (!rig_of.empty()) {
+    const devices::TrialFile file(rig_of);
+    scenario.rig = scene::scenario_of_trial(file.summary().header.scenario, rig_of).rig;
+  }
+  scene::check(scenario, study.at.scenario().string());
+  return scenario;
+}
+
+std::string condition_of(const Study& study, const study::PlannedParticipant& participant) {
+  return fmt::format("cell {} of {}, {} changes", study::cell_of(study.design, participant),
+                     study.design.letters(), study::changed_key_of(study.design, participant));
+}
+
+PlayedSession play_virtual(const Study& study, const study::PlannedParticipant& participant,
+                           const std::string& path, const std::function<void()>& each_tick) {
+  scene::Scenario scenario = scenario_of(study, participant);
+  scene::set_up_for_participants(scenario);
+  scene::check(scenario, study.at.scenario().string());
+  devices::TrialHeader header;
+  header.participant = virtual_name(participant.id);
+  header.condition = condition_of(study, participant);
+  header.seed = person_seed(study, participant.id);
+  const auto games = study::games_of(study.design, participant.allotted);
+  scene::Participant person({.person = scene::draw_person(header.seed),
+                             .throws = study.design.throws,
+                             .blue_first = !games[0].red},
+                            scenario);
+  return play(scenario, header, path, person, &person, [&](const scene::Session&) {
+    each_tick();
+    return person.finished();
+  });
+}
+
+PlayedSession play_trial(const Study& study, const study::PlannedParticipant& participant,
+                         const std::string& trial, const std::string& path,
+                         const std::function<void()>& each_tick) {
+  const scene::Recorded recorded = scene::load_trial(trial);
+  const devices::TrialHeader& its = recorded.file.summary().header;
+  const scene::Scenario scenario = scenario_of(study, participant, trial);
+  devices::TrialHeader header;
+  header.participant =
+      is_virtual_name(its.participant) ? virtual_name(participant.id) : participant.id;
+  header.condition = condition_of(study, participant);
+  header.seed = its.seed;
+  const std::int64_t ticks = scene::tick_count(recorded.file.summary(), scenario.rates.physics_hz);
+  devices::TrialPlayer source(recorded.file);
+  return play(scenario, header, path, source, nullptr, [&](const scene::Session& session) {
+    each_tick();
+    return session.tick >= ticks;
+  });
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,31 @@
+#include "apps/study_tables.h"
+
+#include <fmt/format.h>
+
+#include "apps/stop.h"
+#include "files/output_file.h"
+
+namespace headpin::apps {
+
+StudyTables::StudyTables(const std::filesystem::path& folder)
+    : folder_(folder.string(), {.overwrite = true}) {}
+
+void StudyTables::write(const std::string& name, const std::string& text) {
+  check_stop();
+  files::OutputFile file(folder_.file(name).string(), {.overwrite = true, .durable = false});
+  file.write(text.data(), text.size());
+  file.commit();
+}
+
+void StudyTables::commit(const std::string& last) {
+  check_stop();
+  folder_.commit(last);
+}
+
+void print_notes(const Study& study, const std::string& table) {
+  for (const study::Note& note : study.design.notes) {
+    if (note.table == table) fmt::print("  note: {}\n", note.text);
+  }
+}
+
+}  // namespace headpin::apps

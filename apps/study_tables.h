@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "apps/study_folder.h"
+#include "files/output_folder.h"
+
+/// Folders of results of a study: all files of a set are new, or all are old.
+namespace headpin::apps {
+
+class StudyTables {
+ public:
+  /// @throws as files::OutputFolder; what headpin wrote there before is replaced
+  explicit StudyTables(const std::filesystem::path& folder);
+
+  void write(const std::string& name, const std::string& text);
+  /// Where another program is to write a file of that name.
+  std::filesystem::path file(const std::string& name) { return folder_.file(name); }
+  void commit(const std::string& last);
+
+ private:
+  files::OutputFolder folder_;
+};
+
+/// What the design says that a reader of this table has to know.
+void print_notes(const Study& study, const std::string& table);
+
+}  // namespace headpin::apps

@@ -1,0 +1,159 @@
+// A study as others take it: Motion-BIDS, and one page.
+
+#include <set>
+
+#include "tests/apps/command_line.h"
+
+namespace headpin {
+namespace {
+
+using testing::HasSubstr;
+
+class StudyExport : public CommandLine {
+ protected:
+  void play(int people) const {
+    std::string text = slurp(HEADPIN_SOURCE_DIR "/assets/designs/uno-slater-1997.toml");
+    text.replace(text.find("throws = 10"), 11, "throws = 1");
+    std::ofstream(folder_ / "short.toml") << text;
+    ASSERT_EQ(
+        headpin("experiment plan -o study --design short.toml --people " + std::to_string(people))
+            .code,
+        0);
+    ASSERT_EQ(headpin("experiment run study --all --virtual").code, 0);
+    ASSERT_EQ(headpin("experiment ask study --all --virtual").code, 0);
+  }
+
+  static std::vector<std::vector<std::string>> rows(const std::string& text, char separator) {
+    std::vector<std::vector<std::string>> all;
+    std::istringstream lines(text);
+    for (std::string line; std::getline(lines, line);) {
+      std::vector<std::string> cells;
+      std::istringstream row(line);
+      for (std::string cell; std::getline(row, cell, separator);) cells.push_back(cell);
+      all.push_back(cells);
+    }
+    return all;
+  }
+};
+
+// What the tables say is what `export` of the trial says, sample by sample, by a walk of its own.
+TEST_F(StudyExport, IsReadBackToTheSameSamples) {
+  play(2);
+  const nlohmann::json made = json("experiment export study --motion-bids data --json");
+  EXPECT_EQ(made["sessions"].size(), 2u);
+  const double eyes = made["sessions"][0]["eyes_m"];
+  EXPECT_GT(eyes, 1.2);  // of an adult who stands
+  EXPECT_LT(eyes, 2.0);
+  const std::string motion = "data/sub-p001/motion/sub-p001_task-bowling_tracksys-";
+  ASSERT_EQ(headpin("import " + motion + "hand_run-01_motion.tsv -o again.lcmlog").code, 0);
+  ASSERT_EQ(headpin("export study/sessions/p001/run-01.lcmlog -o was").code, 0);
+  ASSERT_EQ(headpin("export again.lcmlog -o is").code, 0);
+  for (const char* table : {"trackers.csv", "buttons.csv", "scenario.toml"}) {
+    EXPECT_EQ(slurp(folder_ / "was" / table), slurp(folder_ / "is" / table)) << table;
+  }
+  const auto game_hash = [&](const std::string& trial) {
+    return json("replay --json " + trial)["game_hash"];
+  };
+  EXPECT_EQ(game_hash("again.lcmlog"), game_hash("study/sessions/p001/run-01.lcmlog"));
+  EXPECT_EQ(slurp(folder_ / "data/sourcedata/sub-p001/run-01.lcmlog"),
+            slurp(folder_ / "study/sessions/p001/run-01.lcmlog"));
+  expect_refusal("experiment export study --motion-bids data", 1, "a dataset is there already");
+}
+
+// What the validator does not look at: as many columns as channels, and only participants who are there.
+TEST_F(StudyExport, TablesFitTheirChannelsAndPeopleTheirFolders) {
+  play(2);
+  ASSERT_EQ(headpin("experiment export study --motion-bids data").code, 0);
+  int tables = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "data")) {
+    const std::string name = entry.path().string();
+    if (!name.ends_with("_motion.tsv")) continue;
+    ++tables;
+    const std::string stem = name.substr(0, name.rfind("_motion.tsv"));
+    const auto channels = rows(slurp(stem + "_channels.tsv"), '\t');
+    const auto sidecar = nlohmann::json::parse(slurp(stem + "_motion.json"));
+    EXPECT_EQ(sidecar["MotionChannelCount"], channels.size() - 1);
+    const auto motion = rows(slurp(name), '\t');
+    ASSERT_GT(motion.size(), 100u);
+    for (const auto& row : motion) ASSERT_EQ(row.size(), channels.size() - 1) << name;
+    EXPECT_TRUE(
+        nlohmann::json::parse(slurp(stem + "_channels.json"))["reference_frame"].is_object());
+  }
+  EXPECT_EQ(tables, 6);  // head, hand and what is simulated, of two people
+  std::set<std::string> subjects;
+  for (const char* table : {"participants.tsv", "phenotype/questionnaire.tsv"}) {
+    const auto people = rows(slurp(folder_ / "data" / table), '\t');
+    ASSERT_EQ(people.size(), 3u);
+    EXPECT_EQ(people[0][0], "participant_id");
+    for (std::size_t i = 1; i < 3; ++i) {
+      EXPECT_TRUE(fs::is_directory(folder_ / "data" / people[i][0])) << people[i][0];
+    }
+    std::string sidecar = table;
+    sidecar.replace(sidecar.size() - 3, 3, "json");
+    const auto words = nlohmann::json::parse(slurp(folder_ / "data" / sidecar));
+    for (std::size_t i = 1; i < people[0].size(); ++i) {
+      EXPECT_TRUE(words.contains(people[0][i])) << people[0][i];
+    }
+  }
+}
+
+TEST_F(StudyExport, DeidentifiedHasNumbersAndNoTrials) {
+  play(1);
+  const Result made = headpin("experiment export study --motion-bids data --deidentify");
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("what motion still gives away"));
+  EXPECT_FALSE(fs::exists(folder_ / "data/sourcedata"));
+  for (const auto& entry : fs::recursive_directory_iterator(folder_ / "data")) {
+    EXPECT_THAT(entry.path().string(), testing::Not(HasSubstr("p001")));
+    if (entry.is_regular_file()) {
+      EXPECT_THAT(slurp(entry.path()), testing::Not(HasSubstr("p001"))) << entry.path();
+    }
+  }
+}
+
+TEST_F(StudyExport, WhatIsNoSessionIsRefusedWithFileAndLine) {
+  play(1);
+  ASSERT_EQ(headpin("experiment export study --motion-bids data").code, 0);
+  const fs::path motion = folder_ / "data/sub-p001/motion";
+  const std::string head = "sub-p001_task-bowling_tracksys-head_run-01_motion.tsv";
+  const std::string whole = slurp(motion / head);
+  const std::string line = "import data/sub-p001/motion/" + head + " -o OUT.lcmlog";
+  const auto with = [&](const std::string& text) { std::ofstream(motion / head) << text; };
+  with("1.0\t2\n" + whole);
+  expect_refusal(line, 1, head + ":1: expected 14 cells, found '2'");
+  with("x" + whole);
+  expect_refusal(line, 1, head + ":1: expected a number, found 'x");
+}
+
+TEST_F(StudyExport, TheReportIsOnePageThatSaysWhatIsVirtual) {
+  play(2);
+  ASSERT_EQ(headpin("experiment score study").code, 0);
+  const Result made = headpin("experiment report study -o study.html");
+  ASSERT_EQ(made.code, 0) << made.err;
+  const std::string page = slurp(folder_ / "study.html");
+  for (const char* says : {"All of these participants are virtual", "Reported sickness level",
+                           "add up to 102", "p002", "presence6", "<svg", "</html>"}) {
+    EXPECT_THAT(page, HasSubstr(says));
+  }
+  for (const char* other : {"http://", "https://", "src="}) {
+    std::string without = page;  // the name of a name space is no address
+    for (std::size_t at; (at = without.find("http://www.w3.org")) != std::string::npos;) {
+      without.erase(at, 17);
+    }
+    EXPECT_THAT(without, testing::Not(HasSubstr(other)));
+  }
+  // Each version's one throw.
+  std::size_t throws = 0;
+  for (std::size_t at = 0; (at = page.find("viewBox='0 0 44 96'", at + 1)) != std::string::npos;) {
+    ++throws;
+  }
+  EXPECT_EQ(throws, 4u);
+  EXPECT_THAT(page, testing::Not(HasSubstr("<a href")));
+  std::ofstream(folder_ / "study/sessions/p001/run-01.html") << "a page";
+  ASSERT_EQ(headpin("experiment report study -o study.html --force").code, 0);
+  EXPECT_THAT(slurp(folder_ / "study.html"),
+              HasSubstr("<a href=\"study/sessions/p001/run-01.html\">"));
+}
+
+}  // namespace
+}  // namespace headpin

@@ -1,0 +1,213 @@
+// A study as a laboratory meets it: a folder that commands fill.
+
+#include <csignal>
+#include <map>
+#include <set>
+
+#include <unistd.h>
+
+#include "tests/apps/command_line.h"
+
+namespace headpin {
+namespace {
+
+using testing::HasSubstr;
+
+class Experiment : public CommandLine {
+ protected:
+  /// A study of one throw a game, so that sessions are short.
+  void plan_short(const std::string& folder, int people) const {
+    std::string text = slurp(HEADPIN_SOURCE_DIR "/assets/designs/uno-slater-1997.toml");
+    text.replace(text.find("throws = 10"), 11, "throws = 1");
+    std::ofstream(folder_ / "short.toml") << text;
+    ASSERT_EQ(headpin("experiment plan -o " + folder + " --design short.toml --seed 7 --people " +
+                      std::to_string(people))
+                  .code,
+              0);
+  }
+
+  int lines(const std::string& name) const {
+    const std::string text = slurp(folder_ / name);
+    return static_cast<int>(std::count(text.begin(), text.end(), '\n'));
+  }
+};
+
+TEST_F(Experiment, IsPlannedGrownAndTold) {
+  const nlohmann::json made = json("experiment plan -o study --seed 7 --json");
+  EXPECT_EQ(made["participants"], 18);
+  EXPECT_EQ(lines("study/plan.csv"), 37);  // a line of names, two games each
+  const std::string first = slurp(folder_ / "study/plan.csv");
+  EXPECT_EQ(json("experiment plan -o study --people 20 --json")["new_participants"], 2);
+  EXPECT_THAT(slurp(folder_ / "study/plan.csv"), testing::StartsWith(first));
+  EXPECT_EQ(json("experiment plan -o study --replace p003 --json")["new_participants"], 1);
+  EXPECT_EQ(json("experiment plan -o study --json")["new_participants"], 0);
+  expect_refusal("experiment plan -o study --people 3", 2, "none is removed");
+  expect_refusal("experiment plan -o study --seed 8", 2, "has the seed 7");
+  expect_refusal("experiment plan -o study --design elasticity-friction-shape", 2, "which stays");
+  expect_refusal("experiment plan -o OUT --design nothing", 2, "or one of: ");
+  const nlohmann::json status = json("experiment status study --json");
+  ASSERT_EQ(status["participants"].size(), 21u);
+  EXPECT_EQ(status["participants"][2]["replaced_by"], "p021");
+  EXPECT_THAT(status["next"], HasSubstr("experiment run study --participant p001"));
+  EXPECT_THAT(headpin("experiment status study").out, HasSubstr("p003"));
+  expect_refusal("experiment status nowhere", 1, "headpin experiment plan -o nowhere");
+  // By hand, and wrong.
+  std::ofstream(folder_ / "study/plan.csv", std::ios::app)
+      << "=cmd,1,000,shape,1,base,red,1,0,x,\n";
+  expect_refusal("experiment status study", 1, "study/plan.csv:44: expected the name");
+}
+
+TEST_F(Experiment, TheSameSeedPlansTheSameBytes) {
+  ASSERT_EQ(headpin("experiment plan -o a --seed 7 --people 40").code, 0);
+  ASSERT_EQ(headpin("experiment plan -o b --seed 7").code, 0);
+  ASSERT_EQ(headpin("experiment plan -o b --people 40").code, 0);
+  ASSERT_EQ(headpin("experiment plan -o c --seed 8 --people 40").code, 0);
+  EXPECT_EQ(slurp(folder_ / "a/plan.csv"), slurp(folder_ / "b/plan.csv"));
+  EXPECT_NE(slurp(folder_ / "a/plan.csv"), slurp(folder_ / "c/plan.csv"));
+}
+
+TEST_F(Experiment, ADesignOfOnesOwnIsHeldAgainstScenarioAndQuestionnaire) {
+  const std::string text = slurp(HEADPIN_SOURCE_DIR "/assets/designs/uno-slater-1997.toml");
+  const auto with = [&](const std::string& from, const std::string& to) {
+    std::string own = text;
+    own.replace(own.find(from), from.size(), to);
+    std::ofstream(folder_ / "own.toml") << own;
+  };
+  with("levels = [1.0, 0.7]", "levels = [1.5, 0.7]");
+  expect_refusal("experiment plan -o OUT --design own.toml", 1, "version.red.elasticity");
+  with("item = 'sick'", "item = 'ill'");
+  expect_refusal("experiment plan -o OUT --design own.toml", 1, "found 'ill'");
+  with("scenario = 'uno-slater-1997'", "scenario = 'paper-room'");
+  expect_refusal("experiment plan -o OUT --design own.toml", 1, "has no two versions");
+  with("throws = 10", "throws = 3");
+  EXPECT_EQ(json("experiment plan -o study --design own.toml --json")["participants"], 18);
+}
+
+// What the plan says of order, colour and values is what the trial was played under.
+TEST_F(Experiment, VirtualSessionsArePlayedAsPlannedByAnyNumberOfThreads) {
+  plan_short("a", 4);
+  fs::copy(folder_ / "a", folder_ / "b", fs::copy_options::recursive);
+  const nlohmann::json one = json("experiment run a --all --virtual --json");
+  ASSERT_EQ(one["sessions"].size(), 4u);
+  EXPECT_EQ(one["sessions"][0]["virtual"], true);
+  ASSERT_EQ(headpin("experiment run b --all --virtual --jobs 3").code, 0);
+  std::map<std::string, std::vector<std::vector<std::string>>> planned;
+  std::istringstream plan(slurp(folder_ / "a/plan.csv"));
+  for (std::string line; std::getline(plan, line);) {
+    std::vector<std::string> cells;
+    std::istringstream row(line);
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    planned[cells[0]].push_back(cells);
+  }
+  std::set<std::string> first_colours;
+  for (const char* id : {"p001", "p002", "p003", "p004"}) {
+    const std::string trial = std::string("/sessions/") + id + "/run-01.lcmlog";
+    EXPECT_EQ(slurp(folder_ / ("a" + trial)), slurp(folder_ / ("b" + trial)));
+    const nlohmann::json info = json("info --json a" + trial);
+    EXPECT_EQ(info["participant"], std::string("virtual ") + id);
+    const nlohmann::json again = json("replay --json a" + trial);
+    std::vector<std::string> begun;
+    for (const auto& event : info["events"]) {
+      // Who leaves may brush a button again.
+      if (event["kind"] == "version" &&
+          std::ranges::find(begun, event["detail"].get<std::string>()) == begun.end()) {
+        begun.push_back(event["detail"]);
+      }
+    }
+    ASSERT_EQ(begun.size(), 2u);
+    first_colours.insert(begun[0]);
+    for (std::size_t game = 0; game < 2; ++game) {
+      const auto& row = planned[id][game];
+      EXPECT_EQ(begun[game], row[6]);
+      const nlohmann::json version = again["versions"][row[6]];
+      EXPECT_EQ(version["elasticity"]["ball"].get<double>(), std::stod(row[7]));
+      EXPECT_EQ(version["friction"]["lane"].get<double>(), std::stod(row[8]));
+      EXPECT_EQ(version["shape"], row[9]);
+    }
+  }
+  EXPECT_EQ(first_colours.size(), 2u) << "no order was another than the rest";
+  EXPECT_THAT(json("experiment status a --json")["next"].get<std::string>(),
+              testing::Not(HasSubstr("run")));
+  expect_refusal("experiment run a --participant p001 --virtual", 1, "has played already");
+}
+
+TEST_F(Experiment, ASessionThatWasCutOffStaysAndTheNextIsAnotherRun) {
+  plan_short("a", 1);
+  ASSERT_EQ(headpin("experiment run a --participant p001 --virtual").code, 0);
+  const fs::path run = folder_ / "a/sessions/p001/run-01.lcmlog";
+  const std::string whole = slurp(run);
+  fs::resize_file(run, fs::file_size(run) / 2);
+  const std::string half = slurp(run);
+  EXPECT_EQ(json("experiment status a --json")["participants"][0]["run"], nullptr);
+  EXPECT_THAT(headpin("experiment status a").out, HasSubstr("cut off"));
+  EXPECT_THAT(headpin("experiment run a --all --virtual").err, HasSubstr("it was cut off"));
+  EXPECT_EQ(slurp(run), half);
+  EXPECT_EQ(slurp(folder_ / "a/sessions/p001/run-02.lcmlog"), whole);
+  EXPECT_EQ(json("experiment status a --json")["participants"][0]["run"], "run-02");
+}
+
+TEST_F(Experiment, ATrialIsPlayedUnderTheParticipantsConditions) {
+  plan_short("a", 2);
+  ASSERT_EQ(headpin("synthesize --participant 7 --throws 1 -o s.lcmlog").code, 0);
+  const nlohmann::json played = json("experiment run a --participant p001 --trial s.lcmlog --json");
+  EXPECT_EQ(played["virtual"], true);
+  EXPECT_EQ(played["games"].size(), 2u);
+  // The same hand under the same conditions, by the command that replays.
+  std::string set;
+  const nlohmann::json versions = json("replay --json a/sessions/p001/run-01.lcmlog")["versions"];
+  for (const auto& [colour, version] : versions.items()) {
+    set += " --set version." + colour + ".elasticity=" + version["elasticity"]["ball"].dump();
+    set += " --set version." + colour + ".friction=" + version["friction"]["ball"].dump();
+    set += " --set version." + colour + ".shape=" + version["shape"].dump();
+  }
+  EXPECT_EQ(json("replay s.lcmlog --json --set collision.detection=paper" + set)["games"],
+            played["games"]);
+  // A person's: nobody says that it is virtual.
+  ASSERT_EQ(headpin("synthesize --participant 7 --throws 1 --name Ann -o t.lcmlog").code, 0);
+  EXPECT_EQ(json("experiment run a --participant p002 --trial t.lcmlog --json")["virtual"], false);
+}
+
+TEST_F(Experiment, ALiveSessionIsRecordedUnderTheParticipantsName) {
+  plan_short("a", 2);
+  ASSERT_EQ(headpin("synthesize --participant 7 --throws 1 --name Ann -o t.lcmlog").code, 0);
+  const Result live = headpin("experiment run a --participant p001 t.lcmlog --duration 0.5 --json");
+  EXPECT_EQ(live.code, 0) << live.err;
+  EXPECT_THAT(live.err, HasSubstr("button first"));
+  const nlohmann::json info = json("info --json a/sessions/p001/run-01.lcmlog");
+  EXPECT_EQ(info["participant"], "p001");
+  EXPECT_EQ(info["complete"], true);
+  EXPECT_THAT(headpin("experiment status a").out, HasSubstr("without both versions"));
+  // Two at once: the second is told so, and another participant's session is free.
+  const std::string command =
+      "(cd '" + folder_.string() +
+      "' && exec '" HEADPIN_PROGRAM "' experiment run a --participant p001 t.lcmlog) 2>'" +
+      (folder_ / "live.txt").string() + "' & echo $! >'" + (folder_ / "pid").string() + "'";
+  ASSERT_EQ(std::system(command.c_str()), 0);
+  const fs::path second = folder_ / "a/sessions/p001/run-02.lcmlog";
+  for (int i = 0; i < 600 && !fs::exists(second); ++i) usleep(100'000);
+  ASSERT_TRUE(fs::exists(second)) << slurp(folder_ / "live.txt");
+  EXPECT_EQ(headpin("experiment run a --participant p001 --virtual").code, 75);
+  const Result rest = headpin("experiment run a --all --virtual");
+  EXPECT_EQ(rest.code, 75);
+  EXPECT_THAT(rest.out, HasSubstr("p002"));
+  kill(std::stoi(slurp(folder_ / "pid")), SIGINT);
+  const auto ended = [&] {
+    return json("info --json a/sessions/p001/run-02.lcmlog")["complete"] == true;
+  };
+  for (int i = 0; i < 600 && !ended(); ++i) usleep(100'000);
+  EXPECT_TRUE(ended());
+}
+
+TEST_F(Experiment, WhatARunNeedsIsSaid) {
+  plan_short("a", 2);
+  expect_refusal("experiment run a --participant p001", 2, "expected one of: SOURCE");
+  expect_refusal("experiment run a --virtual", 2, "expected --participant NAME, or --all");
+  expect_refusal("experiment run a --all --trial x.lcmlog", 2, "--virtual");
+  expect_refusal("experiment run a --participant ../x --virtual", 2, "found '../x'");
+  expect_refusal("experiment run a --participant 山田 --virtual", 2, "found '山田'");
+  ASSERT_EQ(headpin("experiment plan -o a --replace p001").code, 0);
+  expect_refusal("experiment run a --participant p001 --virtual", 2, "was replaced by p003");
+}
+
+}  // namespace
+}  // namespace headpin
