@@ -53,15 +53,16 @@ class Dataset {
   fs::path root_;
 };
 
-/// A dataset is new, or one that was not finished.
-void require_free(const fs::path& root) {
+/// A dataset is new, or one that was begun by the same and not finished: its README is the first of
+/// its files, its description the last.
+void require_free(const fs::path& root, const std::string& readme) {
   std::error_code none;
-  if (!fs::exists(root, none)) return;
   if (fs::exists(root / "dataset_description.json")) {
     throw std::runtime_error(root.string() + ": a dataset is there already; expected a new folder");
   }
-  const bool begun = fs::exists(root / "sourcedata", none) || fs::exists(root / "README", none);
-  if (!fs::is_empty(root) && !begun) {
+  const bool begun =
+      fs::exists(root / "README", none) && read_study_file(root / "README") == readme;
+  if (!begun && !fs::is_empty(root)) {
     throw std::runtime_error(root.string() + ": expected a new or empty folder");
   }
 }
@@ -144,17 +145,19 @@ void export_study(const ExportStudyOptions& options) {
   watch_stop_signals();
   const Study study = open_study(options.study);
   const fs::path root = *options.output;
-  require_free(root);
-  fs::create_directories(root);
-  const StudyLock lock(root, "exporting to this folder");
-  require_free(root);
-  Dataset dataset(root);
   std::vector<study::Person> people = people_of(study, options.jobs);
   std::erase_if(people, [](const study::Person& one) { return one.played.run.empty(); });
   if (people.empty()) {
     throw std::runtime_error(fmt::format("{}: expected sessions to export, found none that counts",
                                          study.at.root.string()));
   }
+  fs::create_directories(root);
+  const StudyLock lock(root, "exporting to this folder");
+  files::remove_left_parts(root.string());
+  const std::string readme = study::bids_readme(study.design, people);
+  require_free(root, readme);
+  Dataset dataset(root);
+  dataset.write("README", readme);
   nlohmann::ordered_json gives_away = nlohmann::ordered_json::array();
   for (std::size_t i = 0; i < people.size(); ++i) {
     study::Person& person = people[i];

@@ -16,6 +16,10 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
+const std::string& name_of(const Design& design) {
+  return design.title.empty() ? design.name : design.title;
+}
+
 /// One column of a tracking system.
 struct Channel {
   std::string name, component, type, point, units;
@@ -296,27 +300,27 @@ void add_phenotype(const Questionnaire& questions, const std::vector<Person>& pe
 
 }  // namespace
 
-std::vector<BidsFile> dataset_files(const Design& design, const Questionnaire& questions,
-                                    const std::vector<Person>& people, const std::string& version) {
+std::string bids_readme(const Design& design, const std::vector<Person>& people) {
   const bool virtuals = std::ranges::any_of(people, &Person::is_virtual);
-  const Json description = {{"Name", design.title.empty() ? design.name : design.title},
-                            {"BIDSVersion", "1.9.0"},
-                            {"DatasetType", "raw"},
-                            {"License", "n/a"},
-                            {"Authors", {"n/a"}},
-                            {"GeneratedBy", {{{"Name", "headpin"}, {"Version", version}}}}};
-  const std::string readme = fmt::format(
+  return fmt::format(
       "{}\n\nTwo games of bowling at skittles in a virtual room a participant, between which one "
       "parameter of the collisions changes.\n{}"
       "tracksys-head and tracksys-hand are what the tracker measured, tracksys-simulated is what "
       "the simulation made of it. The events have the buttons among them. sourcedata/, where it "
       "is, "
       "holds the trials themselves, which headpin replays to the bit.\n",
-      description["Name"].get<std::string>(),
+      name_of(design),
       virtuals ? "Some or all of the participants are virtual: see `virtual` in participants.tsv.\n"
                : "");
+}
+
+std::vector<BidsFile> dataset_files(const Design& design, const Questionnaire& questions,
+                                    const std::vector<Person>& people, const std::string& version) {
+  const Json description = {
+      {"Name", name_of(design)}, {"BIDSVersion", "1.9.0"},
+      {"DatasetType", "raw"},    {"License", "n/a"},
+      {"Authors", {"n/a"}},      {"GeneratedBy", {{{"Name", "headpin"}, {"Version", version}}}}};
   std::vector<BidsFile> files = {
-      {"README", readme},
       {"participants.tsv", with_tabs(people_csv(design, questions, people), "participants.csv")},
       {"participants.json", dictionary(people_columns(design, questions)).dump(2) + "\n"}};
   add_phenotype(questions, people, files);

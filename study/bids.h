@@ -24,7 +24,10 @@ struct BidsSession {
   std::vector<devices::Event> events;
 };
 
-/// Who and what a dataset is of, but for its sessions; its description comes last.
+/// What the dataset is of, for people; the same whoever is in it under whatever name.
+std::string bids_readme(const Design& design, const std::vector<Person>& people);
+
+/// Who and what a dataset is of, but for README and sessions; its description comes last.
 ///
 /// @param people  those who are in it, named as their subjects
 std::vector<BidsFile> dataset_files(const Design& design, const Questionnaire& questions,

@@ -1,0 +1,122 @@
+// Sessions as Motion-BIDS and back.
+
+#include "study/bids.h"
+
+#include <cmath>
+
+#include <gmock/gmock.h>
+
+#include "devices/random.h"
+#include "tests/support/folder.h"
+
+namespace headpin::study {
+namespace {
+
+/// Any samples, also such as no device sends.
+std::vector<devices::Sample> any_samples(std::uint64_t seed) {
+  devices::Random random(seed);
+  std::vector<devices::Sample> samples;
+  for (int i = 0; i < 200; ++i) {
+    const Time time{static_cast<std::int64_t>(random.next() % 4'000'000'000) - 1'000'000};
+    if (random.next() % 5 == 0) {
+      devices::MouseSample mouse;
+      mouse.device_time = mouse.host_time = time;
+      mouse.left_thumb = random.next() % 2 == 0;
+      mouse.trigger = random.next() % 2 == 0;
+      samples.emplace_back(mouse);
+      continue;
+    }
+    devices::TrackerSample tracker;
+    tracker.device_time = time;
+    tracker.host_time = time + Time{static_cast<std::int64_t>(random.next() % 90'000)};
+    tracker.session_time = time + Time{4166};
+    tracker.sequence = static_cast<std::int64_t>(random.next() >> 8);
+    tracker.station = 1 + static_cast<std::int32_t>(random.next() % 4);
+    tracker.X_TS.p = random.normal3();
+    tracker.X_TS.q = Quat(random.normal(), random.normal(), 1e-300, random.normal()).normalized();
+    tracker.status = random.next() % 4 == 0 ? 'C' : ' ';
+    tracker.buttons = random.next() % 2;
+    samples.emplace_back(tracker);
+  }
+  return samples;
+}
+
+bool equal(const devices::Sample& a, const devices::Sample& b) {
+  if (a.index() != b.index()) return false;
+  if (const auto* s = std::get_if<devices::TrackerSample>(&a)) {
+    const auto& t = std::get<devices::TrackerSample>(b);
+    return s->device_time == t.device_time && s->host_time == t.host_time &&
+           s->session_time == t.session_time && s->sequence == t.sequence &&
+           s->station == t.station && s->X_TS.p == t.X_TS.p &&
+           s->X_TS.q.coeffs() == t.X_TS.q.coeffs() && s->status == t.status &&
+           s->buttons == t.buttons;
+  }
+  const auto& s = std::get<devices::MouseSample>(a);
+  const auto& t = std::get<devices::MouseSample>(b);
+  return s.device_time == t.device_time && s.host_time == t.host_time &&
+         s.session_time == t.session_time && s.left_thumb == t.left_thumb &&
+         s.right_thumb == t.right_thumb && s.trigger == t.trigger;
+}
+
+class MotionBids : public testing::Test {
+ protected:
+  MotionBids() {
+    header_.participant = "p001";
+    header_.seed = 18446744073709551615u;
+    header_.scenario = "name = 'a \"room\"'\n[lane]\n";
+    devices::Event event;
+    event.kind = "version";
+    event.detail = "{\"with\":\ta tab\nand a line}";
+    event.bodies = {"ball", "skittle 1"};
+    const BidsSession session{"p001", "01", &header_, any_samples(7), {event}};
+    for (const auto& [name, text] : session_files(session)) {
+      texts_[name.substr(name.rfind('/') + 1)] = text;
+    }
+  }
+  devices::TrialHeader header_;
+  std::map<std::string, std::string> texts_;
+};
+
+TEST_F(MotionBids, EveryFieldOfEverySampleComesBackInItsOrder) {
+  const BidsTrial back = session_of(texts_);
+  const std::vector<devices::Sample> samples = any_samples(7);
+  ASSERT_EQ(back.samples.size(), samples.size());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    EXPECT_TRUE(equal(back.samples[i], samples[i])) << i;
+  }
+  EXPECT_EQ(back.header.participant, "p001");
+  EXPECT_EQ(back.header.seed, header_.seed);
+  EXPECT_EQ(back.header.scenario, header_.scenario);
+}
+
+// A tab or a line within a text would be another cell or row.
+TEST_F(MotionBids, EveryRowOfTheEventsHasACellAColumn) {
+  std::istringstream lines(texts_.at("sub-p001_task-bowling_run-01_events.tsv"));
+  for (std::string line; std::getline(lines, line);) {
+    EXPECT_EQ(std::count(line.begin(), line.end(), '\t'), 14) << line;
+  }
+}
+
+TEST_F(MotionBids, DamageIsSaidOrReadAndNothingElse) {
+  devices::Random random(3);
+  int refused = 0;
+  for (int i = 0; i < 300; ++i) {
+    auto damaged = texts_;
+    auto at = damaged.begin();
+    std::advance(at, static_cast<long>(random.next() % damaged.size()));
+    if (at->second.empty()) continue;
+    for (int hit = 0; hit < 3; ++hit) {
+      at->second[random.next() % at->second.size()] = static_cast<char>(random.next());
+    }
+    if (random.next() % 4 == 0) at->second.resize(random.next() % at->second.size());
+    try {
+      session_of(damaged);
+    } catch (const std::invalid_argument&) {
+      ++refused;
+    }
+  }
+  EXPECT_GT(refused, 20);
+}
+
+}  // namespace
+}  // namespace headpin::study
