@@ -15,7 +15,7 @@ constexpr const char* kStyle =
     "table{border-collapse:collapse;margin:.6em 0}th,td{padding:.15em .7em;text-align:left;"
     "border-bottom:1px solid #ddd}th{border-bottom:2px solid #888}td.n{text-align:right;"
     "font-variant-numeric:tabular-nums}.note{color:#666;font-size:90%}.virtual{background:#fff3cd;"
-    "padding:.5em 1em;border-left:4px solid #c9a227}svg{max-width:100%;height:auto}"
+    "padding:.5em 1em;border-left:4px solid #c9a227}img{max-width:100%}"
     ".throws svg{width:44px;height:96px;margin:1px}.throws a{text-decoration:none}"
     "details{margin:.4em 0}";
 
@@ -110,10 +110,15 @@ std::string design_of(const Design& design) {
   return table_of(table, design);
 }
 
-/// A picture without what stands before its root.
-std::string inline_svg(const std::string& svg) {
-  const std::size_t at = svg.find("<svg");
-  return at == std::string::npos ? "" : svg.substr(at);
+/// A picture in a document of its own: R gives the letters of every picture the same names.
+std::string picture_of(const std::string& svg) {
+  std::string data;
+  for (const char c : svg) {
+    const bool plain =
+        c >= ' ' && c <= '~' && std::string_view("\"#%<>&").find(c) == std::string::npos;
+    data += plain ? std::string(1, c) : fmt::format("%{:02X}", static_cast<unsigned char>(c));
+  }
+  return fmt::format("<img alt=\"\" src=\"data:image/svg+xml,{}\">", data);
 }
 
 }  // namespace
@@ -151,7 +156,7 @@ std::string html_report(const Design& design, const Questionnaire& questions,
   for (const Table& table : parts.tables) html += table_of(table, design);
   if (!parts.pictures.empty()) html += "<h2>Pictures</h2>\n";
   for (const std::string& picture : parts.pictures) {
-    html += fmt::format("<figure>{}</figure>\n", inline_svg(picture));
+    html += fmt::format("<figure>{}</figure>\n", picture_of(picture));
   }
   html +=
       "<h2>Participants</h2>\n<p class=note>Each small picture is a throw from above: where the "

@@ -9,6 +9,7 @@
 #include "study/csv.h"
 #include "study/model.h"
 #include "study/people.h"
+#include "study/report.h"
 #include "tests/study/study_files.h"
 
 namespace headpin::study {
@@ -183,6 +184,16 @@ TEST_F(DrawnAnswers, TheTableOfParticipantsHasARowAPersonAndADictionary) {
                             table.cell(table.rows[i], "S");
     EXPECT_EQ(efs, table.cell(table.rows[i], "cell"));
   }
+}
+
+// R names the letters of every picture alike: two of them in one document would share them.
+TEST_F(DrawnAnswers, PicturesOfAReportAreDocumentsOfTheirOwn) {
+  ReportParts parts{.tables = {}, .pictures = {}, .pages = {}, .of = "yes"};
+  parts.pictures = {"<svg><g id=\"glyph0-1\"/>50 %</svg>", "<svg><g id=\"glyph0-1\"/></svg>"};
+  const std::string page = html_report(design_, questions_, drawn(2, 3), parts);
+  EXPECT_THAT(page, testing::Not(HasSubstr("id=\"glyph0-1\"")));
+  EXPECT_THAT(page, HasSubstr("src=\"data:image/svg+xml,%3Csvg%3E%3Cg id=%22glyph0-1%22/%3E50 "
+                              "%25%3C/svg%3E\""));
 }
 
 TEST_F(DrawnAnswers, WhoDoesNotCountSaysWhy) {
