@@ -17,6 +17,7 @@
 #include "devices/trial_file.h"
 #include "scene/counterparts.h"
 #include "scene/game_hash.h"
+#include "scene/read_scenario.h"
 #include "scene/score.h"
 #include "scene/totals.h"
 #include "scene/verifier.h"

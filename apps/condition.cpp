@@ -8,6 +8,7 @@
 
 #include "apps/options.h"
 #include "engine/response.h"
+#include "scene/read_scenario.h"
 
 namespace headpin::apps {
 

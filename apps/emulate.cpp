@@ -26,6 +26,7 @@
 #include "devices/recorded_motion.h"
 #include "devices/trial_file.h"
 #include "files/names.h"
+#include "scene/read_scenario.h"
 #include "scene/scenario.h"
 
 namespace headpin::apps {

@@ -18,6 +18,7 @@
 #include "devices/trial_file.h"
 #include "files/output_folder.h"
 #include "files/output_text.h"
+#include "scene/read_scenario.h"
 #include "scene/recorded.h"
 #include "scene/scenario.h"
 #include "scene/score.h"

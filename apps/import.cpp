@@ -15,6 +15,7 @@
 #include "devices/log.h"
 #include "devices/motion_files.h"
 #include "scene/events.h"
+#include "scene/read_scenario.h"
 #include "scene/throw.h"
 
 namespace headpin::apps {

@@ -15,6 +15,7 @@
 #include "scene/events.h"
 #include "scene/outcome.h"
 #include "scene/presence.h"
+#include "scene/read_scenario.h"
 #include "scene/release.h"
 #include "scene/release_timing.h"
 #include "scene/score.h"

@@ -27,6 +27,7 @@
 #include "scene/drawn_by.h"
 #include "scene/events.h"
 #include "scene/quantile.h"
+#include "scene/read_scenario.h"
 #include "scene/totals.h"
 #include "scene/trial_writer.h"
 

@@ -12,6 +12,7 @@
 #include "apps/command.h"
 #include "apps/drawing_process.h"
 #include "apps/streams.h"
+#include "scene/read_scenario.h"
 #include "scene/seen_mesh.h"
 #include "scene/viewer.h"
 

@@ -10,6 +10,7 @@
 #include "apps/streams.h"
 #include "devices/log.h"
 #include "scene/participant.h"
+#include "scene/read_scenario.h"
 #include "scene/totals.h"
 
 namespace headpin::apps {

@@ -15,6 +15,7 @@
 #include "devices/trial_file.h"
 #include "files/output_file.h"
 #include "scene/events.h"
+#include "scene/read_scenario.h"
 
 namespace headpin::apps {
 

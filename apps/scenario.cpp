@@ -7,6 +7,7 @@
 #include "apps/command.h"
 #include "apps/options.h"
 #include "apps/streams.h"
+#include "scene/read_scenario.h"
 #include "scene/scenario_files.h"
 #include "scene/seen_mesh.h"
 #include "scene/stage.h"

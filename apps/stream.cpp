@@ -18,6 +18,7 @@
 #include "devices/sources.h"
 #include "devices/trial_file.h"
 #include "scene/player.h"
+#include "scene/read_scenario.h"
 
 namespace headpin::apps {
 namespace {

@@ -16,6 +16,7 @@
 #include "devices/log.h"
 #include "files/output_file.h"
 #include "scene/arm_model.h"
+#include "scene/read_scenario.h"
 #include "scene/rules.h"
 #include "scene/throw.h"
 

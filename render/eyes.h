@@ -3,6 +3,7 @@
 #include <array>
 
 #include "engine/math.h"
+#include "render/optics.h"
 
 namespace headpin::render {
 
@@ -19,29 +20,6 @@ struct View {
   Frustum frustum;
   int width = 360;   ///< pixels
   int height = 240;  ///< pixels
-};
-
-/// Display and lenses of a head-mounted display, the same for both eyes but mirrored.
-struct Optics {
-  int width = 360;                   ///< pixels per eye
-  int height = 240;                  ///< pixels per eye
-  double horizontal_fov_deg = 75.0;  ///< per eye (Uno & Slater 1997, section 3)
-  double vertical_fov_deg = 40.0;    ///< per eye
-  double outer_deg = 0.0;       ///< axis to the edge at the temple; 0: half of horizontal_fov_deg
-  double inner_deg = 0.0;       ///< axis to the edge at the nose; likewise
-  double up_deg = 0.0;          ///< axis to the upper edge; 0: half of vertical_fov_deg
-  double down_deg = 0.0;        ///< axis to the lower edge; likewise
-  double eye_distance = 0.064;  ///< between the eyes' centres [m]
-  double outward_deg = 0.0;     ///< how far each eye's axis is turned outward
-  double near = 0.05;           ///< [m]
-  double far = 40.0;            ///< [m]
-  int relay_width = 0;          ///< pixels that are drawn and relayed to the display's; 0: its own
-  int relay_height = 0;         ///< likewise
-  double lens_k1 = 0.0;         ///< what its lenses do (render/display.h)
-  double lens_k2 = 0.0;
-
-  /// Width of a pixel over its height: 1.405 for the default display.
-  double pixel_aspect() const;
 };
 
 /// The two views of a head: left first.

@@ -4,7 +4,7 @@
 #include <string>
 #include <string_view>
 
-#include "render/eyes.h"
+#include "render/optics.h"
 
 /// Head-mounted displays by name.
 namespace headpin::render {

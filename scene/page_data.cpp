@@ -15,6 +15,7 @@
 #include "scene/outcome.h"
 #include "scene/page_film.h"
 #include "scene/presence.h"
+#include "scene/read_scenario.h"
 #include "scene/release.h"
 #include "scene/seen_mesh.h"
 #include "scene/totals.h"

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "scene/player.h"
+#include "scene/read_scenario.h"
 
 namespace headpin::scene {
 

@@ -1,16 +1,10 @@
 #pragma once
 
-#include <map>
-#include <string>
 #include <string_view>
 
-#include "scene/scenario.h"
+#include "scene/scenario_text.h"
 
 namespace headpin::scene {
-
-/// On which line of a text a key stands: "ball.mass" -> 3; "rack.spots[2]" is the second of an
-/// array.
-using Lines = std::map<std::string, int>;
 
 /// What no single value can tell: whether the things of a scenario fit each other and the room.
 ///

@@ -1,3 +1,5 @@
+#include "scene/scenario_text.h"
+
 #include <map>
 #include <set>
 #include <sstream>
@@ -9,40 +11,19 @@
 
 #include "scene/keys_since.h"
 #include "scene/scenario.h"
-#include "scene/scenario_checks.h"
 #include "scene/scenario_fields.h"
-#include "scene/scenario_files.h"
 #include "scene/scenario_writer.h"
-#include "scene/seen_mesh.h"
 #include "scene/toml_text.h"
 
 // Scenarios as TOML, read, written and listed by the one list of their fields.
 namespace headpin::scene {
 namespace {
 
-/// Enough of a text to know it again.
-std::string brief(std::string_view text) {
-  constexpr std::size_t kMost = 60;
-  return text.size() <= kMost ? std::string(text) : std::string(text.substr(0, kMost)) + "...";
-}
-
-/// A text that a scenario is read from.
-struct Text {
-  std::string where;                  ///< its name, for messages
-  bool lines = true;                  ///< it has more than one
-  bool whole = false;                 ///< it must have every key
-  std::filesystem::path folder = {};  ///< that the files it names are from
-
-  std::string place(const toml::source_region& at) const {
-    return lines ? fmt::format("{}:{}", where, at.begin.line) : where;
-  }
-};
-
 /// Fills fields from a TOML table; refuses what it does not know.
 class Reader {
  public:
-  Reader(const toml::table& table, const Text& text, std::string path, Lines& lines)
-      : table_(table), text_(text), path_(std::move(path)), lines_(lines) {}
+  Reader(const toml::table& table, ScenarioText& text, std::string path)
+      : table_(table), text_(text), path_(std::move(path)) {}
 
   template <typename T, typename Allowed>
   void field(std::string_view key, T& value, const Allowed& allowed, std::string_view,
@@ -64,7 +45,7 @@ class Reader {
     const toml::node* node = table_.get(key);
     if (node && !node->is_table()) refuse(*node, path_ + std::string(key), "a table");
     const toml::table none;
-    Reader inner(node ? *node->as_table() : none, text_, path_ + std::string(key) + ".", lines_);
+    Reader inner(node ? *node->as_table() : none, text_, path_ + std::string(key) + ".");
     visit(inner, part);
     inner.finish();
   }
@@ -75,9 +56,8 @@ class Reader {
       if (known_.contains(std::string(key.str()))) continue;
       std::string names;
       for (const std::string& name : known_) names += (names.empty() ? "" : ", ") + name;
-      throw std::invalid_argument(fmt::format("{}: unknown key '{}{}'; known here: {}",
-                                              text_.place(key.source()), path_, brief(key.str()),
-                                              names));
+      throw std::invalid_argument(fmt::format("{}: unknown key '{}{}'; known here: {}", place(key),
+                                              path_, brief(key.str()), names));
     }
   }
 
@@ -91,13 +71,17 @@ class Reader {
     } else {
       node.visit([&](const auto& n) { found << toml::node_view<const toml::node>(&n); });
     }
-    throw std::invalid_argument(fmt::format("{}: {} must be {}, found {}",
-                                            text_.place(node.source()), path, expected,
-                                            brief(found.str())));
+    throw std::invalid_argument(fmt::format("{}: {} must be {}, found {}", place(node), path,
+                                            expected, brief(found.str())));
   }
 
-  void note_line(const toml::node& node, const std::string& path) const {
-    if (text_.lines) lines_[path] = static_cast<int>(node.source().begin.line);
+  template <typename Node>
+  std::string place(const Node& node) const {
+    return text_.place(static_cast<int>(node.source().begin.line));
+  }
+
+  void note_line(const toml::node& node, const std::string& path) {
+    text_.lines[path] = static_cast<int>(node.source().begin.line);
   }
 
   /// {v = VALUE} for a key that came later than the text at hand.
@@ -206,8 +190,7 @@ class Reader {
     }
   }
 
-  void read(const toml::node& node, const std::string& path, std::vector<Vec2>& value,
-            Range) const {
+  void read(const toml::node& node, const std::string& path, std::vector<Vec2>& value, Range) {
     const toml::array* array = node.as_array();
     if (!array || array->empty() || array->size() > 10'000) {
       refuse(node, path, "an array of 1 to 10000 pairs of numbers");
@@ -221,27 +204,19 @@ class Reader {
   }
 
   void read(const toml::node& node, const std::string& path, std::vector<SkittlePart>& value,
-            Range) const {
+            Range) {
     const toml::array* array = node.as_array();
     if (!array || array->empty() || array->size() > 16) refuse(node, path, "1 to 16 parts");
     value.clear();
     for (const toml::node& item : *array) {
       if (!item.is_table()) refuse(item, path, "tables {shape, radius, low, high}");
-      Reader inner(*item.as_table(), text_, path + ".", lines_);
+      Reader inner(*item.as_table(), text_, path + ".");
       visit(inner, value.emplace_back());
       note_line(item, fmt::format("{}[{}]", path, value.size()));
       inner.finish();
-      if (value.back().shape == "polyhedron") take_hull(item, path, value.back());
-      if (!(value.back().low < value.back().high)) refuse(item, path, "low below high");
-    }
-  }
-
-  void take_hull(const toml::node& node, const std::string& path, SkittlePart& part) const {
-    try {
-      take_polyhedron(part, text_.folder);
-    } catch (const std::exception& e) {
-      throw std::invalid_argument(
-          fmt::format("{}: {}: {}", text_.place(node.source()), path, e.what()));
+      const SkittlePart& part = value.back();  // a polyhedron's measures are those of its corners
+      if (part.shape != "polyhedron" && !(part.low < part.high))
+        refuse(item, path, "low below high");
     }
   }
 
@@ -271,9 +246,8 @@ class Reader {
 
   static constexpr std::size_t kMostOfHull = 2000;
   const toml::table& table_;
-  const Text& text_;
+  ScenarioText& text_;
   std::string path_;
-  Lines& lines_;
   std::set<std::string> known_;
 };
 
@@ -307,77 +281,60 @@ std::vector<std::pair<std::string, std::string>> values_of(Scenario scenario) {
   return std::move(values).all();
 }
 
-toml::table parse_table(std::string_view toml, const Text& text) {
+toml::table parse_table(std::string_view toml, const ScenarioText& text) {
   require_shallow(toml, text.where);
   try {
     return toml::parse(toml);
   } catch (const toml::parse_error& error) {
-    throw std::invalid_argument(
-        fmt::format("{}: not TOML: {}", text.place(error.source()), brief(error.description())));
+    throw std::invalid_argument(fmt::format("{}: not TOML: {}",
+                                            text.place(static_cast<int>(error.source().begin.line)),
+                                            brief(error.description())));
   }
 }
 
-/// The meshes that eyes see: read where the text names one, found again where a trial does.
-void take_meshes(Scenario& scenario, const toml::table& table, const Text& text) {
-  for (const auto& [key, mesh, reach] :
-       {std::tuple{"room", &scenario.room.mesh, kReachOfRoom},
-        {"skittle", &scenario.skittle.mesh, reach_of_skittle(scenario.skittle)},
-        {"ball", &scenario.ball.mesh, reach_of_ball(scenario.ball)},
-        {"hand", &scenario.hand.mesh, kReachOfHand}}) {
-    const auto named = table[key]["mesh"];
-    if (!named["file"] || mesh->file.empty()) continue;
-    if (text.whole) {
-      find_again(*mesh, text.folder / "trial");
-      continue;
-    }
-    if (!named["sha256"]) mesh->sha256.clear();  // of the one that was named before
-    try {
-      take_seen(*mesh, text.folder, reach);
-    } catch (const std::exception& e) {
-      throw std::invalid_argument(fmt::format(
-          "{}: {}.mesh: {}", text.place(named["file"].node()->source()), key, e.what()));
-    }
-  }
-}
-
-void read_into(Scenario& scenario, const toml::table& table, const Text& text) {
-  Lines lines;
-  Reader reader(table, text, "", lines);
+void read_into(Scenario& scenario, const toml::table& table, ScenarioText& text) {
+  Reader reader(table, text, "");
   visit(reader, scenario);
   reader.finish();
-  take_meshes(scenario, table, text);
-  check(scenario, text.where, lines);
-  if (!text.whole && (table.contains("rig") || table.contains("game"))) {
-    check_chosen(scenario, text.where, lines);
-  }
 }
 
 }  // namespace
 
-Scenario parse_scenario(std::string_view toml, std::string_view where) {
-  Scenario scenario;
-  const Text text{.where = std::string(where),
-                  .folder = std::filesystem::path(where).parent_path()};
+std::string ScenarioText::place(int line) const {
+  return one_line ? where : fmt::format("{}:{}", where, line);
+}
+
+std::string ScenarioText::place(const std::string& key) const {
+  const auto found = lines.find(key);
+  return found == lines.end() ? where : place(found->second);
+}
+
+bool ScenarioText::names(std::string_view section) const {
+  const auto found = lines.lower_bound(std::string(section) + ".");
+  return found != lines.end() && found->first.starts_with(section) &&
+         found->first[section.size()] == '.';
+}
+
+void read_text(Scenario& scenario, std::string_view toml, ScenarioText& text) {
   read_into(scenario, parse_table(toml, text), text);
-  return scenario;
 }
 
-Scenario scenario_of_trial(std::string_view toml, std::string_view trial) {
-  Scenario scenario;
-  const Text text{.where = fmt::format("{} (scenario)", trial),
-                  .whole = true,
-                  .folder = std::filesystem::path(trial).parent_path()};
-  read_into(scenario, parse_table(toml, text), text);
-  return scenario;
-}
-
-std::string whole_scenario(std::string_view toml, std::string_view trial) {
-  return to_toml(scenario_of_trial(toml, trial));
-}
-
-Scenario load_scenario(const std::string& name_or_file) {
-  const std::string path = scenario_path(name_or_file);
-  return parse_scenario(read_scenario_file(path), path);
+void read_assignment(Scenario& scenario, std::string_view assignment, ScenarioText& text) {
+  const std::size_t equals = assignment.find('=');
+  if (equals == std::string_view::npos || equals == 0) {
+    throw std::invalid_argument(
+        fmt::format("{}: expected key=value, such as ball.mass=5", text.where));
+  }
+  const std::string key(assignment.substr(0, equals));
+  const std::string value(assignment.substr(equals + 1));
+  toml::table table;
+  require_shallow(assignment, text.where);
+  try {
+    table = toml::parse(key + " = " + value);
+  } catch (const toml::parse_error&) {  // a bare word is a string
+    table = parse_table(fmt::format("{} = '{}'", key, value), text);
+  }
+  read_into(scenario, table, text);
 }
 
 std::string to_toml(const Scenario& scenario) {
@@ -405,29 +362,6 @@ std::vector<KeyDifference> differences(const Scenario& a, const Scenario& b) {
     if (left.contains(key)) all.push_back({key, "", value});
   }
   return all;
-}
-
-void check(const Scenario& scenario, std::string_view where) {
-  check(scenario, where, {});
-}
-
-void set(Scenario& scenario, std::string_view assignment) {
-  const std::size_t equals = assignment.find('=');
-  if (equals == std::string_view::npos || equals == 0) {
-    throw std::invalid_argument(
-        fmt::format("--set {}: expected key=value, such as ball.mass=5", brief(assignment)));
-  }
-  const Text text{.where = fmt::format("--set {}", brief(assignment)), .lines = false};
-  const std::string key(assignment.substr(0, equals));
-  const std::string value(assignment.substr(equals + 1));
-  toml::table table;
-  require_shallow(assignment, text.where);
-  try {
-    table = toml::parse(key + " = " + value);
-  } catch (const toml::parse_error&) {  // a bare word is a string
-    table = parse_table(fmt::format("{} = '{}'", key, value), text);
-  }
-  read_into(scenario, table, text);
 }
 
 }  // namespace headpin::scene

@@ -37,6 +37,11 @@ std::size_t after_string(std::string_view toml, std::size_t at) {
 
 }  // namespace
 
+std::string brief(std::string_view text) {
+  constexpr std::size_t kMost = 60;
+  return text.size() <= kMost ? std::string(text) : std::string(text.substr(0, kMost)) + "...";
+}
+
 std::string read_scenario_file(const std::string& path) {
   constexpr std::size_t kMost = 16'000'000;
   // A pipe is read where somebody writes to it, and not waited for where nobody does.

@@ -18,4 +18,7 @@ std::string read_scenario_file(const std::string& path);
 /// @throws std::invalid_argument  naming file and line
 void require_shallow(std::string_view toml, std::string_view where);
 
+/// Enough of a text to know it again.
+std::string brief(std::string_view text);
+
 }  // namespace headpin::scene

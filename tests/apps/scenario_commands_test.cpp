@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "scene/read_scenario.h"
 #include "devices/log.h"
 #include "scene/scenario.h"
 #include "tests/apps/command_line.h"

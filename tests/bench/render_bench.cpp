@@ -14,6 +14,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "scene/read_scenario.h"
 #include "devices/log.h"
 #include "devices/sources.h"
 #include "render/display.h"

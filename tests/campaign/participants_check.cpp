@@ -11,6 +11,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "scene/read_scenario.h"
 #include "scene/events.h"
 #include "scene/participant.h"
 #include "scene/totals.h"

@@ -1,6 +1,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "scene/read_scenario.h"
 #include "scene/session.h"
 #include "scene/skittle_mesh.h"
 

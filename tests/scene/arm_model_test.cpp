@@ -7,6 +7,7 @@
 #include "devices/log.h"
 #include "devices/messages.h"
 #include "devices/resample.h"
+#include "scene/read_scenario.h"
 #include "scene/release.h"
 
 namespace headpin::scene {

@@ -10,6 +10,7 @@
 #include "devices/sources.h"
 #include "scene/events.h"
 #include "scene/participant.h"
+#include "scene/read_scenario.h"
 #include "scene/score.h"
 #include "tests/support/scale.h"
 

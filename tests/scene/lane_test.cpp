@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "scene/outline.h"
+#include "scene/read_scenario.h"
 #include "scene/scenario.h"
 #include "scene/stage.h"
 

@@ -9,6 +9,7 @@
 
 #include "scene/eyes.h"
 #include "scene/hand_mesh.h"
+#include "scene/read_scenario.h"
 #include "scene/room_mesh.h"
 #include "scene/skittle_mesh.h"
 

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/log.h"
+#include "scene/read_scenario.h"
 #include "scene/totals.h"
 #include "tests/support/folder.h"
 

@@ -19,6 +19,7 @@
 #include "devices/recorded_motion.h"
 #include "devices/sources.h"
 #include "scene/events.h"
+#include "scene/read_scenario.h"
 #include "scene/score.h"
 #include "tests/support/scale.h"
 

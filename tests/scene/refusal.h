@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "scene/read_scenario.h"
 #include "scene/scenario.h"
 #include "tests/support/folder.h"
 

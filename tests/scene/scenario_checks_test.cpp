@@ -11,6 +11,7 @@
 
 #include "devices/log.h"
 #include "scene/bodies.h"
+#include "scene/read_scenario.h"
 #include "scene/scenario.h"
 #include "tests/scene/refusal.h"
 #include "tests/support/folder.h"

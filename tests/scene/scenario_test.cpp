@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "render/hmd.h"
+#include "scene/read_scenario.h"
 #include "tests/scene/refusal.h"
 
 namespace headpin::scene {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "scene/eyes.h"
+#include "scene/read_scenario.h"
 #include "tests/support/folder.h"
 
 namespace headpin::scene {

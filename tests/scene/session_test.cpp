@@ -14,6 +14,7 @@
 #include "devices/sources.h"
 #include "scene/bodies.h"
 #include "scene/events.h"
+#include "scene/read_scenario.h"
 #include "scene/recorded.h"
 #include "scene/release_timing.h"
 #include "scene/run.h"

@@ -12,6 +12,7 @@
 #include "devices/sources.h"
 #include "devices/trial.h"
 #include "scene/eyes.h"
+#include "scene/read_scenario.h"
 #include "scene/run.h"
 #include "scene/scenario.h"
 

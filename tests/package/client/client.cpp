@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "scene/read_scenario.h"
 #include "render/eyes.h"
 #include "scene/scenario.h"
 
