@@ -46,11 +46,21 @@ bool LastingLine::there() {
   last_try_ = now;
   try {
     line_ = open_();
-    if (baud_ != 0) line_->set_baud(baud_);
   } catch (const std::runtime_error&) {
-    line_.reset();  // not there yet
+    return false;  // not there yet
   }
+  set_rate();
   return line_ != nullptr;
+}
+
+/// As last asked for. A line that cannot be set has hung up since it was looked at.
+void LastingLine::set_rate() {
+  if (baud_ == 0) return;
+  try {
+    line_->set_baud(baud_);
+  } catch (const std::runtime_error&) {
+    line_.reset();
+  }
 }
 
 std::size_t LastingLine::read(std::span<std::uint8_t> out) {
@@ -70,7 +80,7 @@ std::string LastingLine::trouble() const {
 
 void LastingLine::set_baud(int baud) {
   baud_ = baud;
-  if (there()) line_->set_baud(baud);
+  if (there()) set_rate();
 }
 
 std::unique_ptr<ByteStream> open_line(const std::string& name, int baud) {

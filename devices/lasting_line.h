@@ -33,6 +33,7 @@ class LastingLine : public ByteStream {
 
  private:
   bool there();
+  void set_rate();
 
   std::string name_;
   Open open_;

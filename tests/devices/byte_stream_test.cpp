@@ -13,6 +13,7 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "devices/lasting_line.h"
 #include "files/lock.h"
 
 namespace headpin::devices {
@@ -189,6 +190,25 @@ TEST(SerialTest, APortThatIsPulledOutIsClosed) {
   std::array<std::uint8_t, 8> bytes{};
   EXPECT_EQ(port->read(bytes), 0u);
   EXPECT_TRUE(port->closed());
+}
+
+// A driver that starts a unit again sets the rate first, at whatever moment the unit goes.
+TEST(LastingLineTest, ALineThatHangsUpBeforeItsRateIsSetComesBackAtThatRate) {
+  const std::string link = scratch("going").string();
+  auto unit = std::make_unique<PseudoTerminal>(link);
+  const auto line = open_line(link, 115200);
+  unit.reset();
+  EXPECT_NO_THROW(line->set_baud(9600));
+  EXPECT_FALSE(line->closed());
+  EXPECT_EQ(line->trouble(), link + " hung up; waiting for it to come back");
+  EXPECT_EQ(put(*line, "lost"), 0u);
+
+  unit = std::make_unique<PseudoTerminal>(link);
+  while (put(*line, "S") == 0) poll(nullptr, 0, 10);  // it looks for the line now and then
+  EXPECT_EQ(get(*unit, 1), "S");
+  EXPECT_EQ(unit->client_baud(), 9600);
+  EXPECT_EQ(line->trouble(), "");
+  EXPECT_THROW(line->set_baud(12345), std::invalid_argument);
 }
 
 TEST(TcpServerTest, OneClientAfterTheOther) {
