@@ -1,5 +1,6 @@
 #include "files/output_file.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
@@ -10,6 +11,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "files/leftovers.h"
+
 namespace headpin::files {
 
 namespace fs = std::filesystem;
@@ -18,8 +21,7 @@ namespace {
 
 /// A new file in `folder`, NAME.PROCESS-N.part; -1 and errno when there can be none.
 std::pair<int, std::string> create_part(int folder, const std::string& target) {
-  constexpr std::size_t kLongestStem = 200;  // a file system takes 255 bytes
-  const std::string stem = target.substr(0, kLongestStem);
+  const std::string stem = part_stem(target);
   for (int n = 0;; ++n) {
     const std::string name =
         stem + "." + std::to_string(getpid()) + "-" + std::to_string(n) + ".part";
@@ -171,16 +173,17 @@ void OutputFile::open_in_folder(bool exists, const fs::path& folder) {
     close(there);
     if (!free) throw Busy(said_ + ": is being written by another headpin");
   }
+  if (options_.durable) clear_away(folder);
   std::tie(descriptor_, named_) = create_part(folder_, target_);
   if (descriptor_ < 0) fail("cannot be created");
   part_ = folder / named_;
+  lock(descriptor_);
   if (exists) {
     // Whose it was and who may read it; only root can give files to others, so failing is fine.
     [[maybe_unused]] const int given = fchown(descriptor_, old.st_uid, old.st_gid);
     fchmod(descriptor_, old.st_mode & 0777);
   }
   if (!options_.live) return;
-  lock(descriptor_);
   try {
     rename_to_target();
   } catch (...) {
@@ -188,6 +191,16 @@ void OutputFile::open_in_folder(bool exists, const fs::path& folder) {
     throw;
   }
   sync_folder();
+}
+
+/// Of runs that were killed.
+void OutputFile::clear_away(const fs::path& folder) const {
+  for (const std::string& name : remove_leftovers(folder_, part_stem(target_))) {
+    std::string text = (folder / name).string();
+    std::ranges::replace_if(
+        text, [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+    std::fprintf(stderr, "headpin: %s: was left by a run that was killed; removed\n", text.c_str());
+  }
 }
 
 void OutputFile::rename_to_target() {

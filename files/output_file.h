@@ -15,7 +15,8 @@ inline constexpr const char* kPartFolder = ".headpin.part";
 /// A file that gets its name when it is whole.
 ///
 /// A regular file is written beside its place, under a name that nothing else has
-/// (NAME.PROCESS-N.part), and renamed by commit(); what stood there keeps its permissions. Symbolic
+/// (NAME.PROCESS-N.part), and renamed by commit(); what stood there keeps its permissions. What
+/// killed runs have left under such names is removed, and said on standard error. Symbolic
 /// links are followed, not replaced. A device or a named pipe is written into. `-` is standard
 /// output, where that is allowed: from then on, what is said on standard output goes to standard
 /// error.
@@ -73,6 +74,7 @@ class OutputFile {
   void open_special();
   void open_beside(bool exists);
   void open_in_folder(bool exists, const std::filesystem::path& folder);
+  void clear_away(const std::filesystem::path& folder) const;
   void rename_to_target();
   void remove_part();
   void close_all();

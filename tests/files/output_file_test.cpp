@@ -1,11 +1,13 @@
 #include "files/output_file.h"
 
+#include <csignal>
 #include <thread>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "tests/files/failing_calls.h"
@@ -60,6 +62,44 @@ TEST_F(OutputFileTest, APartOfAnotherIsNeverTaken) {
   EXPECT_EQ(slurp(folder_ / part), "somebody's");
   EXPECT_EQ(slurp(folder_ / "a.part"), "somebody's");
   EXPECT_EQ(entries(), 3u);
+}
+
+// SIGKILL leaves no time to clear up; the next one for the same output does it.
+TEST_F(OutputFileTest, WhatAKilledRunLeftIsRemovedByTheNextAndSaid) {
+  OutputFile running(folder_ / "a", {});
+  for (const char* name : {"a", "b"}) {
+    const pid_t killed = fork();
+    if (killed == 0) {
+      OutputFile file(folder_ / name, {});
+      file.write("half", 4);
+      raise(SIGKILL);
+    }
+    ASSERT_EQ(waitpid(killed, nullptr, 0), killed);
+  }
+  // What is still written stays, and what only looks alike.
+  const pid_t gone = fork();
+  if (gone == 0) _exit(0);
+  ASSERT_EQ(waitpid(gone, nullptr, 0), gone);
+  const std::string process = std::to_string(gone);
+  const std::string elsewhere = "a." + process + "-7.part";  // written on another machine
+  spit(folder_ / elsewhere, "theirs");
+  const int held = open((folder_ / elsewhere).c_str(), O_RDONLY | O_CLOEXEC);
+  ASSERT_TRUE(lock(held));
+  const std::vector<std::string> others = {
+      "a.1-0.part", "a." + process + ".part", "a." + process + "-0.part.txt",
+      "aa." + process + "-0.part", "a." + process + "x-0.part"};
+  for (const std::string& name : others) spit(folder_ / name, "precious");
+
+  testing::internal::CaptureStderr();
+  write(folder_ / "a", "whole", {});
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_THAT(said, testing::MatchesRegex("headpin: [^\n]*/a\\.[0-9]+-0\\.part: was left by a run "
+                                          "that was killed; removed\n"));
+  for (const std::string& name : others) EXPECT_TRUE(fs::exists(folder_ / name)) << name;
+  EXPECT_TRUE(fs::exists(folder_ / elsewhere));
+  EXPECT_TRUE(fs::exists(running.part()));
+  EXPECT_EQ(entries(), others.size() + 4) << "with a, and what is left of b";
+  close(held);
 }
 
 TEST_F(OutputFileTest, WhatIsThereStaysUnlessForced) {
