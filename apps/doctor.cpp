@@ -89,11 +89,8 @@ Finding look_at_receive_buffer() {
           fmt::format("sysctl -w net.core.rmem_max={0} net.core.rmem_default={0}", kEnough)};
 }
 
-/// In a thread of its own: it is the only one to have it.
 Finding look_at_priority() {
-  Priority found = Priority::same;
-  std::thread([&found] { found = go_first(); }).join();
-  const bool works = found == Priority::real_time;
+  const bool works = to_be_had() == Priority::real_time;
   return {"real_time", works,
           works ? "ticks of a live session go before what else runs"
                 : "not allowed; on a busy machine ticks of a live session begin late",

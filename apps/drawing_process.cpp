@@ -154,7 +154,7 @@ std::optional<Unpacking> receive_message(int socket, int wait_ms) {
 
 template <typename Pack, typename Order>
 void fields_of_order(Pack&& each, Order& o) {
-  each(o.scenario), each(o.eyes), each(o.url), each(o.gl), each(o.first);
+  each(o.scenario), each(o.eyes), each(o.url), each(o.gl), each(o.gives_way), each(o.first);
 }
 
 template <typename Pack, typename Fingerprint>

@@ -15,8 +15,9 @@ struct DrawingOrder {
   std::string scenario;  ///< TOML, whole
   std::string eyes;      ///< raw or png, on HEADPIN_EYES at the URL; none: shown to nobody
   std::string url;
-  std::string gl;      ///< as render::open_context
-  bool first = false;  ///< and not one that is started again: says how fast it is
+  std::string gl;          ///< as render::open_context
+  bool gives_way = false;  ///< to others: what ticks are made by is not before them anyhow
+  bool first = false;      ///< and not one that is started again: says how fast it is
 };
 
 /// Does the work in the process that is started: draws with what it makes of the order.

@@ -387,12 +387,13 @@ void go_live(const LiveOptions& options) {
   const std::unique_ptr<devices::Source> merged = source_of(live);
   devices::Source& source = *merged;
 
+  // Without real time, ticks go before what draws only where that gives way.
   live.eyes = open_eyes(*live.session.stage, live.link ? options.eyes : std::string("none"),
-                        options.lcm, options.gl);
+                        options.lcm, options.gl, to_be_had() != Priority::real_time);
   const Time end = microseconds(options.duration_s.value_or(0.0));
   live.eyes->measure_by(*live.pace);
   live.pace->begin(live.session.scenario().rates.physics_hz);
-  go_first();  // and the readers; where that takes a right we lack, drawing gives way all the same
+  go_first();  // and the readers
   for (const auto& one : live.sources) one->start(live.pace->genlock());
   open_recording(options, live);
   write(live, scene::drawn_by_event(live.eyes->drawn_by()));

@@ -78,7 +78,7 @@ void say_rate(scene::Eyes& eyes, const scene::Glimpse& glimpse, bool png, std::i
 }
 
 std::unique_ptr<scene::FrameDrawer> make_drawer(const DrawingOrder& order) {
-  give_way();
+  if (order.gives_way) give_way();
   const auto stage = std::make_shared<const scene::Stage>(
       scene::make_stage(scene::scenario_of_trial(order.scenario, "the session")));
   scene::Eyes eyes = scene::open_eyes(*stage, stage->scenario.look, order.gl);
@@ -115,8 +115,9 @@ void say_not_drawn(const char* command, const scene::Scenario& scenario) {
 }
 
 std::unique_ptr<scene::FramesBeside> open_eyes(const scene::Stage& stage, const std::string& how,
-                                               const std::string& url, const std::string& gl) {
-  const DrawingOrder order{scene::to_toml(stage.scenario), how, url, gl};
+                                               const std::string& url, const std::string& gl,
+                                               bool gives_way) {
+  const DrawingOrder order{scene::to_toml(stage.scenario), how, url, gl, gives_way};
   return std::make_unique<scene::FramesBeside>([order] { return draw_in_a_process(order); });
 }
 

@@ -10,12 +10,14 @@
 /// What others see of a live session over LCM.
 namespace headpin::apps {
 
-/// Both eyes, drawn in a process of its own that gives way to everybody.
+/// Both eyes, drawn in a process of its own.
 ///
-/// @param how  raw or png, on HEADPIN_EYES at the URL; none: drawn, and shown to nobody
-/// @param gl   as render::open_context
+/// @param how        raw or png, on HEADPIN_EYES at the URL; none: drawn, and shown to nobody
+/// @param gl         as render::open_context
+/// @param gives_way  to everything else the machine does
 std::unique_ptr<scene::FramesBeside> open_eyes(const scene::Stage& stage, const std::string& how,
-                                               const std::string& url, const std::string& gl);
+                                               const std::string& url, const std::string& gl,
+                                               bool gives_way);
 
 /// Says why something comes to be drawn by another context than the first one.
 void say_instead_of(const char* command, const scene::Eyes& eyes);

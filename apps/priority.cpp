@@ -18,4 +18,10 @@ Priority go_first() {
   return raised ? Priority::raised : Priority::same;
 }
 
+Priority to_be_had() {
+  Priority found = Priority::same;
+  std::thread([&found] { found = go_first(); }).join();  // it alone has it
+  return found;
+}
+
 }  // namespace headpin::apps

@@ -14,4 +14,7 @@ enum class Priority { real_time, raised, same };
 /// @return  what it got
 Priority go_first();
 
+/// What go_first() would get, without taking it.
+Priority to_be_had();
+
 }  // namespace headpin::apps

@@ -18,6 +18,7 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <lcm/lcm.h>
+#include <sched.h>
 #include <stdio_ext.h>
 #include <unistd.h>
 
@@ -106,6 +107,8 @@ struct Recorder::File {
 
   /// Has what was written on the disk every second, beside the session: a disk may take its time.
   void sync_until(const std::stop_token& stopped) {
+    const sched_param as_others{};  // whatever the session's ticks go before
+    sched_setscheduler(0, SCHED_OTHER, &as_others);
     std::mutex none;
     std::condition_variable_any nap;
     std::unique_lock lock(none);

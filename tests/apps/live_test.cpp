@@ -230,24 +230,57 @@ TEST_F(LiveFastrak, ABusyMachineDoesNotChangeAThrow) {
   EXPECT_NEAR(release_speed("--tcp 0", 4), speed, 0.1);
 }
 
+/// Of each thread of $live and of what draws for it: policy (1 is SCHED_FIFO) and niceness.
+const std::string kSchedules =
+    "$headpin live " + kDemo +
+    " --record live.lcmlog & live=$!\n"
+    "counted $live live.lcmlog STATE 10\n"
+    "of() { cut -d' ' -f41 $2/stat | sed \"s/^/$1 policy /\"; cut -d' ' -f19 $2/stat | sed "
+    "\"s/^/$1 nice "
+    "/\"; }\n"
+    "{ of shell /proc/$$\n"
+    "for task in /proc/$live/task/*; do\n"
+    "  test ${task##*/} = $live && of ticks $task || of others $task\n"
+    "done\n"
+    "for task in /proc/$(cat /proc/$live/task/*/children)/task/*; do of draws $task; done; } "
+    ">schedules 2>/dev/null\n"
+    "interrupt $live";
+
 // What goes before everything else is the tick, not what draws: were that real-time too, nothing else
-// would run beside it.
+// would run beside it. Nor does it give way then: three busy processes would starve it.
 TEST_F(LiveFastrak, TicksAreScheduledInRealTimeAndDrawingIsNot) {
   if (!json("doctor --json")["real_time"]["works"]) GTEST_SKIP() << "not allowed to anybody here";
-  const Result result =
-      shell("$headpin live " + kDemo +
-            " --record live.lcmlog & live=$!\n"
-            "counted $live live.lcmlog STATE 10\n"
-            "for task in /proc/$live/task/* /proc/$(cat /proc/$live/task/*/children)/task/*; do\n"
-            "  test ${task##*/} = $live && name=ticks || name=others\n"
-            "  echo $name $(cut -d' ' -f41 $task/stat)\n"  // its policy: 1 is SCHED_FIFO
-            "done >policies\n"
-            "interrupt $live");
-  ASSERT_EQ(result.code, 0) << result.err;
-  const std::string policies = slurp(folder_ / "policies");
-  EXPECT_THAT(policies, testing::HasSubstr("ticks 1\n"));
-  EXPECT_THAT(policies, testing::HasSubstr("others 0\n"));
-  EXPECT_THAT(policies, testing::Not(testing::HasSubstr("others 1\n")));
+  ASSERT_EQ(shell(kSchedules).code, 0) << slurp(folder_ / "err.txt");
+  const std::string schedules = slurp(folder_ / "schedules");
+  const std::string shells = schedules.substr(schedules.find("shell nice ") + 6);
+  EXPECT_THAT(schedules, testing::HasSubstr("ticks policy 1\n"));
+  EXPECT_THAT(schedules, testing::HasSubstr("others policy 0\n"));
+  EXPECT_THAT(schedules, testing::Not(testing::HasSubstr("others policy 1\n")));
+  EXPECT_THAT(schedules, testing::HasSubstr("draws policy 0\n"));
+  EXPECT_THAT(schedules, testing::Not(testing::HasSubstr("draws policy 1\n")));
+  EXPECT_THAT(schedules, testing::HasSubstr("draws " + shells.substr(0, shells.find('\n') + 1)));
+}
+
+TEST_F(LiveFastrak, WhereTicksCannotGoFirstDrawingGivesWay) {
+  std::string without;  // the right to go first
+  if (json("doctor --json")["real_time"]["works"]) {
+    without = "setpriv --bounding-set=-sys_nice --inh-caps=-sys_nice";
+    if (shell("true", without).code != 0) GTEST_SKIP() << "setpriv cannot take the right away";
+    shell("$headpin doctor --json >doctor.json", without);
+    if (nlohmann::json::parse(slurp(folder_ / "doctor.json"))["real_time"]["works"]) {
+      GTEST_SKIP() << "allowed to everybody here";
+    }
+  }
+  ASSERT_EQ(shell(kSchedules, without).code, 0) << slurp(folder_ / "err.txt");
+  const std::string schedules = slurp(folder_ / "schedules");
+  EXPECT_THAT(schedules, testing::HasSubstr("ticks policy 0\n"));
+  EXPECT_THAT(schedules, testing::Not(testing::HasSubstr("policy 1\n")));
+  const auto niceness = [&](const std::string& of) {
+    const std::size_t at = schedules.find(of + " nice ");
+    EXPECT_NE(at, std::string::npos) << schedules;
+    return std::stoi(schedules.substr(at + of.size() + 6));
+  };
+  EXPECT_EQ(niceness("draws"), std::max(niceness("shell"), 10));
 }
 
 // The loss is said when it happens and when the session ends; the session itself goes on.
