@@ -74,7 +74,8 @@ ordered_json to_json(const std::string& path, const devices::TrialSummary& trial
                               {"rate_hz", rate_hz(device)},
                               {"longest_gap_s", nearest_seconds(device.longest_gap)},
                               {"lost", device.lost},
-                              {"bad", device.bad}});
+                              {"bad", device.bad},
+                              {"astray", device.astray}});
   }
   out["events"] = ordered_json::array();
   for (const devices::Event& event : trial.events) {
@@ -243,9 +244,9 @@ void print_trial(const std::string& path, const devices::TrialSummary& trial,
     std::cout << fmt::format("  {:<12} {:>7} samples", devices::device_name(station),
                              device.samples);
     if (station != 0) {
-      std::cout << fmt::format("  {:6.1f} Hz  longest gap {:.3f} s  {} lost  {} bad",
+      std::cout << fmt::format("  {:6.1f} Hz  longest gap {:.3f} s  {} lost  {} bad  {} astray",
                                rate_hz(device), seconds(device.longest_gap), device.lost,
-                               device.bad);
+                               device.bad, device.astray);
     }
     std::cout << "\n";
   }

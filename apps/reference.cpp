@@ -110,6 +110,7 @@ std::vector<JsonKey> json_keys() {
   return {
       {"activity", "what a source is doing"},
       {"a", "the first of two trials that are compared"},
+      {"astray", "samples alone in a place that no hand gets to and back from so fast"},
       {"b", "the second"},
       {"backwards", "samples not later than the one before of the same device; kept"},
       {"bad", "samples that the device itself calls bad"},
@@ -344,7 +345,8 @@ std::vector<JsonKey> json_keys() {
       {"touches", "pairs of bodies that met, one of them a skittle"},
       {"trial", "its file"},
       {"trouble",
-       "which messages were undecodable, implausible, foreign, baseless, misdated, late or lost: "
+       "which messages were undecodable, implausible, foreign, baseless, misdated, late, lost or "
+       "astray: "
        "runs of "
        "them"},
       {"trigger_s", "when the trigger was let go, as its device tells it"},

@@ -148,6 +148,16 @@ void verify_game_hash(const devices::TrialSummary& trial, const scene::Session& 
                   said->hash, found));
 }
 
+/// @param unverified  ticks up to the end of the recording that have no state in it
+/// @throws std::runtime_error  when there are any but the one in which a recording was cut off
+void require_states(const devices::TrialSummary& trial, std::int64_t compared,
+                    std::int64_t unverified) {
+  if (unverified <= (trial.complete ? 0 : 1)) return;
+  throw std::runtime_error(fmt::format(
+      "{} of the recording's {} ticks have no state in it to compare with; the other {} are equal",
+      unverified, compared + unverified, compared));
+}
+
 std::string count_in_words(const nlohmann::json& result) {
   if (!result["felled"].is_null()) return result["felled"].dump();
   return fmt::format("{} down", result["skittles_down"].dump());
@@ -238,6 +248,10 @@ void replay(const ReplayOptions& options) {
   if (writer) writer->close(session);
   if (verifier) verify_game_hash(trial, session);
   say_what_is_missing("replay", options.trial, trial);
+  // A recording that is complete may end sooner than its samples; one that is not has lost states.
+  const std::int64_t recorded_ticks = trial.complete ? trial.last_tick : session.tick;
+  const std::int64_t unverified = verifier ? recorded_ticks - verifier->compared() : 0;
+  if (verifier) require_states(trial, verifier->compared(), unverified);
 
   nlohmann::json result = scene::summary(session, totals.score());
   result["trial"] = options.trial;
@@ -250,9 +264,6 @@ void replay(const ReplayOptions& options) {
   result["set"] = options.condition.set;
   result["output"] = options.output ? nlohmann::json(*options.output) : nlohmann::json();
   result["realtime_factor"] = seconds(session.now()) / stopwatch.spent_s();
-  // A recording that is complete may end sooner than its samples; one that is not has lost states.
-  const std::int64_t recorded_ticks = trial.complete ? trial.last_tick : session.tick;
-  const std::int64_t unverified = verifier ? recorded_ticks - verifier->compared() : 0;
   if (verifier) {
     result["verified_ticks"] = verifier->compared();
     result["unverified_ticks"] = unverified;

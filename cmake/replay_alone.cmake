@@ -35,7 +35,7 @@ add_custom_target(version
 file(GLOB engine CONFIGURE_DEPENDS ${HEADPIN_ROOT}/engine/*.cpp)
 set(parts
   devices/event_log devices/genlock devices/messages devices/misdated devices/resample devices/sources devices/state_change
-  devices/trial_file devices/trial_messages
+  devices/sequence_count devices/trial_file devices/trial_messages
   files/input_file files/sha256
   render/eyes render/hmd
   scene/bodies scene/game scene/game_hash scene/hand scene/outline scene/player scene/presence scene/recorded

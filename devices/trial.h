@@ -108,7 +108,7 @@ struct Skipped {
 
 /// Messages in a row, none more than a second from the next, with the same thing amiss.
 struct Trouble {
-  std::string kind;    ///< undecodable, implausible, foreign, baseless, misdated, late or lost
+  std::string kind;    ///< undecodable, implausible, foreign, baseless, misdated, late, lost or astray
   std::string device;  ///< whose samples, or the channel
   std::int64_t messages = 0;
   Time from{}, to{};  ///< by the stamps of LCM's event headers, since the log's first
@@ -120,8 +120,9 @@ struct DeviceSummary {
   std::int64_t samples = 0;
   Time first{}, last{};
   Time longest_gap{};
-  std::int64_t lost = 0;  ///< holes in the sequence
-  std::int64_t bad = 0;   ///< with a status other than good
+  std::int64_t lost = 0;    ///< holes in the sequence
+  std::int64_t bad = 0;     ///< with a status other than good
+  std::int64_t astray = 0;  ///< alone in a place that no hand gets to and back from so fast
 };
 
 /// A time in which no sample became available.

@@ -1,6 +1,7 @@
 #include "devices/trial_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -8,6 +9,7 @@
 #include "devices/event_log.h"
 #include "devices/messages.h"
 #include "devices/misdated.h"
+#include "devices/sequence_count.h"
 #include "devices/sources.h"
 #include "devices/state_change.h"
 #include "devices/trial_messages.h"
@@ -134,13 +136,41 @@ class TrialWalk {
 
 namespace {
 
+/// Finds positions that jump away from those around them, and back.
+class AstrayFinder {
+ public:
+  /// @return  whether the sample before this one was astray
+  bool take(const TrackerSample& sample) {
+    const Stamped<Vec3> now{sample.device_time, sample.X_TS.p};
+    const bool astray = before_ && last_ && far_apart(*before_, *last_) && far_apart(*last_, now) &&
+                        !far_apart(*before_, now);
+    if (!astray) before_ = last_;
+    last_ = now;
+    return astray;
+  }
+
+ private:
+  /// No hand is so fast, nor a receiver's noise so wide.
+  static bool far_apart(const Stamped<Vec3>& a, const Stamped<Vec3>& b) {
+    constexpr double kFastest = 50.0, kNoise = 0.1;  // m/s, m
+    const double passed = std::abs(seconds(b.time - a.time));
+    return !((b.value - a.value).norm() <= kFastest * passed + kNoise);
+  }
+
+  std::optional<Stamped<Vec3>> before_, last_;
+};
+
 /// Sums up what comes by.
 class Summing {
  public:
   explicit Summing(TrialSummary& into) : into_(into) {}
 
-  /// @return  samples of the device that were lost just before this one
-  std::int64_t take(const Sample& sample) {
+  /// What a sample shows to be amiss with those before it.
+  struct Found {
+    std::int64_t lost = 0;  ///< missing just before it; -1: it was one of them
+    bool astray = false;    ///< the one before it
+  };
+  Found take(const Sample& sample) {
     ++into_.sample_count;
     const Time time = device_time(sample);
     cover(time);
@@ -155,7 +185,7 @@ class Summing {
     d.last = std::max(d.last, time);
     take_availability(available(sample));
     const auto* tracker = std::get_if<TrackerSample>(&sample);
-    return tracker ? count(d, *tracker) : 0;
+    return tracker ? count(d, *tracker) : Found{};
   }
   void take(const TickState& state) {
     ++into_.state_count;
@@ -184,20 +214,20 @@ class Summing {
     into_.end = into_.sample_count > 1 ? std::max(into_.end, time) : time;
     extend(into_.longest_gap, last_available_, time);
   }
-  std::int64_t count(DeviceSummary& d, const TrackerSample& sample) {
-    std::int64_t& sequence =
-        sequence_.try_emplace(sample.station, sample.sequence - 1).first->second;
-    const std::int64_t lost = std::max<std::int64_t>(0, sample.sequence - sequence - 1);
-    sequence = sample.sequence;
-    d.lost += lost;
+  Found count(DeviceSummary& d, const TrackerSample& sample) {
+    const Found found{numbers_[sample.station].take(sample.sequence, sample.device_time),
+                      places_[sample.station].take(sample)};
+    d.lost += found.lost;
+    d.astray += found.astray;
     d.bad += !sample.good();
-    return lost;
+    return found;
   }
 
   TrialSummary& into_;
   Time last_available_{};
   std::map<std::int32_t, Time> last_time_;
-  std::map<std::int32_t, std::int64_t> sequence_;
+  std::map<std::int32_t, SequenceCount> numbers_;
+  std::map<std::int32_t, AstrayFinder> places_;
 };
 
 /// The sample that a message is.
@@ -238,9 +268,9 @@ void LogContent::look_through() {
   Summing summing(all);
   while (std::optional<Message> message = walk.next()) {
     if (const auto sample = sample_of(*message)) {
-      if (const std::int64_t lost = summing.take(*sample)) {
-        walk.note("lost", device_name(device_of(*sample)), lost);
-      }
+      const Summing::Found found = summing.take(*sample);
+      if (found.lost != 0) walk.note("lost", device_name(device_of(*sample)), found.lost);
+      if (found.astray) walk.note("astray", device_name(device_of(*sample)));
     } else if (auto* event = std::get_if<Event>(&*message)) {
       all.events.push_back(std::move(*event));
     } else if (const auto* state = std::get_if<TickState>(&*message)) {

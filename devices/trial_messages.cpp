@@ -16,7 +16,8 @@ void note_trouble(TrialSummary& summary, const char* kind, const std::string& of
   if (last != summary.trouble.rend() && at >= last->from && at - last->to <= kNear) {
     last->to = std::max(last->to, at);
     last->messages += messages;
-  } else if (summary.trouble.size() < kMostTroubles) {
+    if (last->messages == 0) summary.trouble.erase(std::next(last).base());
+  } else if (messages > 0 && summary.trouble.size() < kMostTroubles) {
     summary.trouble.push_back({kind, of, messages, at, at});
   }
 }

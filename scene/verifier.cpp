@@ -78,6 +78,13 @@ void Verifier::tick(const Session& session) {
   if (!recorded) return;
   tick_state(session, state_);
   const auto body = first_different_body(state_, *recorded, names_);
+  if (body && state_.hash == recorded->hash) {
+    throw std::runtime_error(fmt::format(
+        "tick {} ({:.6f} s): the recorded state is not the one that its hash {:016x} was made of, "
+        "which is the replay's; first in the {}",
+        state_.tick, seconds(state_.time), recorded->hash,
+        body->empty() ? "number of bodies" : *body));
+  }
   if (body) {
     throw std::runtime_error(
         fmt::format("tick {} ({:.6f} s) differs from the recording, first {}: expected state "

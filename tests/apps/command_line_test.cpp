@@ -91,19 +91,60 @@ TEST_F(CommandLine, StatesThatAreLostAreNeitherVerifiedNorEqual) {
   }
   ASSERT_EQ(state, whole.states.size());
   std::ofstream(folder_ / "lost.lcmlog", std::ios::binary) << log;
-  const nlohmann::json replayed = json("replay lost.lcmlog --verify --json");
-  EXPECT_EQ(replayed["verified_ticks"], state - lost);
-  EXPECT_EQ(replayed["unverified_ticks"], lost);
-  EXPECT_THAT(headpin("replay lost.lcmlog --verify").out,
-              HasSubstr(fmt::format("ticks equal the recording, {} are not in it", lost)));
-  std::ofstream(folder_ / "cut.lcmlog", std::ios::binary) << log.substr(0, log.size() * 2 / 3);
-  const nlohmann::json cut = json("replay cut.lcmlog --verify --json");
-  EXPECT_EQ(cut["unverified_ticks"], cut["ticks"].get<int>() - cut["verified_ticks"].get<int>());
+  const Result replayed = headpin("replay lost.lcmlog --verify");
+  EXPECT_EQ(replayed.code, 1);
+  EXPECT_THAT(replayed.err,
+              HasSubstr(fmt::format("{} of the recording's {} ticks have no state in it to "
+                                    "compare with; the other {} are equal",
+                                    lost, state, state - lost)));
   const nlohmann::json compared = json("compare lost.lcmlog whole.lcmlog --json");
   EXPECT_EQ(compared["first_difference_tick"], whole.states[2].tick);
   EXPECT_EQ(compared["first_difference_lacking"], "lost.lcmlog");
   EXPECT_THAT(headpin("compare lost.lcmlog whole.lcmlog").out,
               HasSubstr(", which lost.lcmlog has not"));
+}
+
+// A number that somebody changed in a state, and not in its hash, is not what the hash tells.
+TEST_F(CommandLine, AStateThatWasEditedIsToldFromOneThatDiffers) {
+  ASSERT_EQ(headpin("replay " + kDemo + " -o whole.lcmlog").code, 0);
+  devices::Trial whole = devices::read_trial(folder_ / "whole.lcmlog");
+  const auto write = [&] {
+    devices::Recorder recorder(folder_ / "edited.lcmlog", whole.header, {.overwrite = true});
+    devices::write(recorder, whole.samples, {});
+    for (const devices::TickState& state : whole.states) recorder.write(state);
+    recorder.close();
+  };
+  const std::string verify = "replay edited.lcmlog --verify";
+  whole.states[400].bodies[0].X_WB.p.x() += 1e-9;
+  write();
+  const Result edited = headpin(verify);
+  EXPECT_EQ(edited.code, 1);
+  EXPECT_THAT(edited.err, HasSubstr("tick 401 "));
+  EXPECT_THAT(edited.err, HasSubstr("the recorded state is not the one that its hash"));
+  EXPECT_THAT(edited.err, testing::Not(HasSubstr("expected state")));
+  whole.states[400].hash ^= 1;
+  write();
+  EXPECT_THAT(headpin(verify).err, HasSubstr("expected state"));
+}
+
+// A receiver may report one place far away as good; the log's summary says so.
+TEST_F(CommandLine, ALoneSampleFarAwayIsAstray) {
+  devices::Trial trial = devices::read_trial(kDemo);
+  std::size_t at = 300;
+  while (!std::holds_alternative<devices::TrackerSample>(trial.samples[at])) ++at;
+  auto& far = std::get<devices::TrackerSample>(trial.samples[at]);
+  far.X_TS.p.x() += 50.0;
+  devices::Recorder recorder(folder_ / "far.lcmlog", trial.header);
+  devices::write(recorder, trial.samples, {});
+  recorder.close();
+  for (const nlohmann::json& device : json("info far.lcmlog --json")["devices"]) {
+    const bool its = device["device"] == (far.station == 1 ? "head" : "right hand");
+    EXPECT_EQ(device["astray"], its ? 1 : 0) << device;
+  }
+  EXPECT_THAT(headpin("info far.lcmlog").out, testing::ContainsRegex(" 1 astray of "));
+  for (const nlohmann::json& device : json("info " + kDemo + " --json")["devices"]) {
+    EXPECT_EQ(device["astray"], 0);
+  }
 }
 
 TEST_F(CommandLine, ReplayTellsWhatHappenedAndRepeatsToTheBit) {

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <utility>
+
+#include "engine/math.h"
+
+namespace headpin::devices {
+
+/// What the numbers of one station's samples tell of those that did not come.
+class SequenceCount {
+ public:
+  /// @return  by how many the samples that are missing became more; -1 when this one was
+  std::int64_t take(std::int64_t number, Time measured);
+
+  /// Another sender goes on; what it numbers is its own.
+  void begin_anew() { last_.reset(); }
+
+  std::int64_t lost() const { return lost_; }          ///< missing up to now
+  std::int64_t repeated() const { return repeated_; }  ///< samples that had come before
+
+ private:
+  bool fill(std::int64_t number);
+
+  static constexpr std::size_t kMostHoles = 64;  ///< in which one that is late is looked for
+
+  std::optional<std::int64_t> last_;
+  Time measured_{};
+  std::deque<std::pair<std::int64_t, std::int64_t>>
+      holes_;  ///< first and last number, oldest first
+  std::int64_t lost_ = 0, repeated_ = 0;
+};
+
+}  // namespace headpin::devices
