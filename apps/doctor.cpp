@@ -13,6 +13,7 @@
 #include "apps/priority.h"
 #include "apps/streams.h"
 #include "devices/lcm_link.h"
+#include "devices/lcm_source.h"
 #include "render/fingerprint.h"
 #include "scene/eyes.h"
 

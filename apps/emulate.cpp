@@ -22,6 +22,7 @@
 #include "apps/streams.h"
 #include "devices/fastrak_emulator.h"
 #include "devices/lcm_link.h"
+#include "devices/live_source.h"
 #include "devices/log.h"
 #include "devices/recorded_motion.h"
 #include "devices/trial_file.h"
@@ -211,16 +212,17 @@ class Mouse {
 /// What others publish on TRACKER and MOUSE3D: the newest sample of each.
 class LcmFeed {
  public:
-  explicit LcmFeed(const std::string& url) : link_(url), source_(link_) {
+  explicit LcmFeed(const std::string& url) : source_(devices::open_source("lcm:" + url, {})) {
     for (int s = 0; s < devices::kFastrakStations; ++s) {
       newest_[static_cast<std::size_t>(s)] = devices::still_motion(s + 1, Time{});
     }
+    source_->start();
   }
 
   void poll(Time now) {
     samples_.clear();
-    source_.receive(now);
-    source_.poll(now, samples_);
+    source_->poll(now, samples_);
+    for (const std::string& what : amiss_.take(*source_, now)) say("headpin emulate: {}\n", what);
     for (const devices::Sample& sample : samples_) {
       if (const auto* mouse = std::get_if<devices::MouseSample>(&sample)) {
         trigger_ = mouse->trigger;
@@ -240,8 +242,8 @@ class LcmFeed {
   }
 
  private:
-  devices::LcmLink link_;
-  devices::LcmSource source_;
+  std::unique_ptr<devices::LiveSource> source_;
+  devices::AmissNews amiss_;
   std::array<devices::FastrakTruth, devices::kFastrakStations> newest_;
   bool trigger_ = false;
   std::vector<devices::Sample> samples_;

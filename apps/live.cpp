@@ -75,18 +75,19 @@ class Reporter : public scene::Observer {
  public:
   explicit Reporter(Live& live) : live_(live) {}
   void tick(const scene::Session& session) override;
-  void take_frames();
-  void take_failures();
+  void finish();
 
  private:
+  void take_frames();
+  void take_failures();
+  devices::Event event_now(std::string_view kind, std::string detail) const;
   /// What was said of a source.
   struct Said {
     std::string trouble;
-    std::int64_t unusable = 0;  ///< messages
-    Time next_complaint{};
+    devices::AmissNews amiss;
   };
   void report_trouble(const devices::LiveSource& source, Said& said);
-  void report_unusable(const devices::LiveSource& source, Said& said);
+  void report_amiss(const devices::LiveSource& source, const std::vector<std::string>& news);
   void report_loss();
 
   Live& live_;
@@ -228,13 +229,17 @@ void Reporter::take_failures() {
   for (const std::string& why : live_.eyes->take_failures()) {
     ++live_.drawing_failures;
     say("{:7.1f} s  {}\n", seconds(live_.session.now()), printable(why));
-    devices::Event event;
-    event.time = live_.session.now();
-    event.tick = live_.session.tick;
-    event.kind = scene::kind::drawing_failed;
-    event.detail = why;
-    write(live_, event);
+    write(live_, event_now(scene::kind::drawing_failed, why));
   }
+}
+
+devices::Event Reporter::event_now(std::string_view kind, std::string detail) const {
+  devices::Event event;
+  event.time = live_.session.now();
+  event.tick = live_.session.tick;
+  event.kind = kind;
+  event.detail = std::move(detail);
+  return event;
 }
 
 void Reporter::report_trouble(const devices::LiveSource& source, Said& said) {
@@ -245,13 +250,23 @@ void Reporter::report_trouble(const devices::LiveSource& source, Said& said) {
       trouble.empty() ? source.name() + " is back" : trouble);
 }
 
-/// Says at once, and then every ten seconds, what comes and cannot be used.
-void Reporter::report_unusable(const devices::LiveSource& source, Said& said) {
-  if (source.unusable() == said.unusable || live_.session.now() < said.next_complaint) return;
-  say("{:7.1f} s  messages that cannot be used: {}\n", seconds(live_.session.now()),
-      source.unusable_report());
-  said.unusable = source.unusable();
-  said.next_complaint = live_.session.now() + Time{10'000'000};
+/// Says what is amiss with what came, and keeps it in the trial.
+void Reporter::report_amiss(const devices::LiveSource& source,
+                            const std::vector<std::string>& news) {
+  for (const std::string& what : news) {
+    const std::string text = fmt::format("from {}, {}", source.name(), what);
+    say("{:7.1f} s  {}\n", seconds(live_.session.now()), text);
+    write(live_, event_now(scene::kind::source_amiss, text));
+  }
+}
+
+/// What has come since it was said last.
+void Reporter::finish() {
+  take_frames();
+  take_failures();
+  for (const auto& source : live_.sources) {
+    report_amiss(*source, said_[source.get()].amiss.take_rest(*source));
+  }
 }
 
 /// Says at once when nothing of the recording will be found; its end is the session's.
@@ -273,7 +288,7 @@ void Reporter::tick(const scene::Session& session) {
   take_failures();
   for (const auto& source : live_.sources) {
     report_trouble(*source, said_[source.get()]);
-    report_unusable(*source, said_[source.get()]);
+    report_amiss(*source, said_[source.get()].amiss.take(*source, session.now()));
   }
   report_loss();
   if (session.now() < next_line_) return;
@@ -369,8 +384,7 @@ void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
     throw;
   }
   heed_stop();
-  reporter.take_frames();
-  reporter.take_failures();
+  reporter.finish();
   write(live, kept_pace(live));
   if (live.writer) live.writer->close(live.session);
   if (live.publisher) live.publisher->close(live.session);

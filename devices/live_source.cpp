@@ -47,6 +47,23 @@ constexpr std::array kKinds = {
 
 }  // namespace
 
+std::vector<std::string> AmissNews::take(const LiveSource& source, Time now) {
+  if (now < next_) return {};
+  std::vector<std::string> news = take_rest(source);
+  if (!news.empty()) next_ = now + Time{10'000'000};
+  return news;
+}
+
+std::vector<std::string> AmissNews::take_rest(const LiveSource& source) {
+  const std::vector<LiveSource::Amiss> amiss = source.amiss();
+  said_.resize(amiss.size());
+  std::vector<std::string> news;
+  for (std::size_t i = 0; i < amiss.size(); ++i) {
+    if (std::exchange(said_[i], amiss[i].count) != amiss[i].count) news.push_back(amiss[i].what);
+  }
+  return news;
+}
+
 std::unique_ptr<LiveSource> open_source(const std::string& name, const SourceOptions& options) {
   for (const Kind& kind : kKinds) {
     if (name.starts_with(kind.prefix)) {

@@ -32,9 +32,13 @@ class LiveSource : public Source {
   virtual std::string activity() const = 0;
   /// What keeps anything from coming, for people; empty when nothing does.
   virtual std::string trouble() const { return {}; }
-  /// Messages that came and cannot be used, and what is wrong with them, for people.
-  virtual std::int64_t unusable() const { return 0; }
-  virtual std::string unusable_report() const { return {}; }
+  /// Something that is amiss with what came.
+  struct Amiss {
+    std::int64_t count = 0;  ///< of messages, or of times that it happened
+    std::string what;        ///< for people, in a clause
+  };
+  /// Each kind in its own place, also those of which there are none.
+  virtual std::vector<Amiss> amiss() const { return {}; }
 
   /// How it does, for people, in a clause or some.
   virtual std::string report(Time now) const = 0;
@@ -48,6 +52,19 @@ class LiveSource : public Source {
 
  private:
   std::string name_;
+};
+
+/// What is to be said of a source: each thing that is amiss at once, and more of it every ten seconds.
+class AmissNews {
+ public:
+  /// @return  in words, what is new since it was said last; nothing before ten seconds are over
+  std::vector<std::string> take(const LiveSource& source, Time now);
+  /// The same, whenever that was.
+  std::vector<std::string> take_rest(const LiveSource& source);
+
+ private:
+  std::vector<std::int64_t> said_;  ///< of each kind
+  Time next_{};
 };
 
 struct SourceOptions {

@@ -32,6 +32,7 @@ inline constexpr std::string_view game_hash = "game_hash";
 inline constexpr std::string_view drawn_by = devices::kDrawnByEvent;
 inline constexpr std::string_view drawing_failed = "drawing_failed";
 inline constexpr std::string_view kept_pace = "kept_pace";
+inline constexpr std::string_view source_amiss = "source_amiss";
 inline constexpr std::string_view grab_found = "grab_found";
 inline constexpr std::string_view release_found = "release_found";
 }  // namespace kind
@@ -99,6 +100,10 @@ inline constexpr auto kEventKinds = std::to_array<EventKind>({
      "what draws a live session's frames ended or failed, and was started again: why in detail; "
      "the "
      "session went on",
+     "", ""},
+    {kind::source_amiss,
+     "what a live session's source sent, and the session left out or had to date itself: the "
+     "source, what and how much of it so far in detail; at most every ten seconds",
      "", ""},
     {kind::kept_pace,
      "after the last tick of a live session: how it kept up with time, as JSON in detail: "

@@ -11,6 +11,7 @@
 #include <sys/time.h>
 
 #include "devices/event_log.h"
+#include "devices/lcm_source.h"
 #include "devices/log.h"
 #include "devices/messages.h"
 #include "devices/sources.h"
@@ -309,6 +310,54 @@ TEST(LcmLinkTest, PosesHaveTheBytesOfBotCoresType) {
   EXPECT_EQ(event->data[16], 0x40);  // 2.0 = 0x4000...
   EXPECT_EQ(event->data[40], 0x3f);  // 1.0 = 0x3ff0...
   EXPECT_EQ(event->data[41], 0xf0);
+}
+
+// Somebody who leaves device_utime at 0 has no clock: what they say was measured when it came.
+TEST(LcmLinkTest, WhatHasNoTimeIsTakenToBeMeasuredWhenItCame) {
+  LcmLink link("memq://");
+  LcmSource source(link);
+  std::vector<Sample> samples;
+  for (int i = 0; i < 400; ++i) {
+    TrackerSample sample = tracker(0);
+    sample.sequence = i;
+    link.publish(Sample(sample));
+    link.publish(Sample(MouseSample{Time{}, Time{}, false, false, i % 2 == 1}));
+    source.poll(Time{1'000'000 + 10'000 * i}, samples);
+  }
+  ASSERT_EQ(samples.size(), 800u);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    EXPECT_EQ(device_time(samples[i]), Time(1'000'000 + 10'000 * (static_cast<int>(i) / 2))) << i;
+  }
+  EXPECT_EQ(source.counts().unstamped, 2 * 399);  // 0 may be the time of the first
+  EXPECT_EQ(source.counts().clock_jumps, 0);
+  EXPECT_EQ(source.lost(), 0);
+}
+
+// A log of two programs that play the same trial, the second 700 ms after the first.
+TEST(LcmLinkTest, OfTwoPublishersOfAStationOneIsKept) {
+  LcmLink link("memq://");
+  LcmSource source(link);
+  const Program first{kHandStation, Time{-60'000'000}}, second{kHandStation, Time{-59'300'000}};
+  std::vector<Sample> samples;
+  const auto play = [&](Time from, Time to, bool one, bool two) {
+    for (Time now = from; now < to; now += Time{10'000}) {
+      if (one) link.publish(Sample(first.at(now)));
+      if (two) link.publish(Sample(second.at(now)));
+      source.receive(now);
+      source.poll(now + Time{9'000}, samples);
+    }
+  };
+  play(Time{10'000}, Time{500'000}, true, false);
+  play(Time{500'000}, Time{3'000'000}, true, true);
+  EXPECT_EQ(samples.size(), 299u);
+  EXPECT_EQ(source.counts().others, 250);
+  EXPECT_EQ(source.publishers().at(kHandStation).others, 250);
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    ASSERT_EQ(device_time(samples[i]) - device_time(samples[i - 1]), Time{10'000}) << i;
+  }
+  play(Time{3'000'000}, Time{5'000'000}, false, true);  // the first has ended: the second is heard
+  EXPECT_EQ(samples.size(), 299u + 101u);
+  EXPECT_EQ(source.counts().others, 250 + 99);
 }
 
 TEST(LcmLinkTest, SaysWhichUrlItCannotOpen) {

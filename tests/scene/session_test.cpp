@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/lcm_link.h"
+#include "devices/lcm_source.h"
 #include "devices/log.h"
 #include "devices/sources.h"
 #include "scene/bodies.h"
