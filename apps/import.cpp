@@ -1,4 +1,6 @@
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <iostream>
 #include <memory>
 #include <optional>
@@ -24,7 +26,7 @@ namespace {
 struct ImportOptions {
   std::optional<std::string> output;
   std::string file, scenario, participant, condition;
-  std::string units, heading = "release", hand = "auto", names, axes;
+  std::string units, heading = "release", hand = "auto", names, axes, transmitter;
   std::optional<int> which;
   bool force = false, json = false;
 };
@@ -38,16 +40,36 @@ scene::Heading heading(const std::string& name) {
   return name == "keep" ? scene::Heading::keep : scene::Heading::release;
 }
 
+/// X,Y,Z in metres.
+Vec3 read_place(const std::string& text) {
+  Vec3 p = Vec3::Zero();
+  const char *at = text.data(), *const end = at + text.size();
+  for (int i = 0; i < 3; ++i) {
+    const auto read = std::from_chars(at, end, p[i]);
+    at = read.ptr;
+    const bool right = read.ec == std::errc{} && std::abs(p[i]) <= 100.0 &&
+                       (i == 2 ? at == end : at != end && *at++ == ',');
+    if (right) continue;
+    throw UsageError("--transmitter " + text + ": expected X,Y,Z, metres from -100 to 100");
+  }
+  return p;
+}
+
 /// What the options declare.
 devices::MotionOptions declared(const ImportOptions& options) {
   devices::MotionOptions motion;
   if (!options.units.empty()) motion.unit_m = metres(options.units);
   if (!options.axes.empty()) motion.axes = options.axes;
+  motion.only_hand_is_left = options.hand == "left";
+  if (!options.transmitter.empty()) motion.p_origin = read_place(options.transmitter);
   if (options.names.empty()) return motion;
   std::istringstream names(options.names);
   for (std::string& name : motion.names) std::getline(names, name, ',');
-  if (std::ranges::count(options.names, ',') != 2 || std::ranges::count(motion.names, "") > 0) {
-    throw UsageError("--names " + options.names + ": expected three names, HEAD,LEFT,RIGHT");
+  const auto& [head, left, right] = motion.names;
+  if (std::ranges::count(options.names, ',') != 2 || head.empty() ||
+      (left.empty() && right.empty())) {
+    throw UsageError("--names " + options.names +
+                     ": expected three names, HEAD,LEFT,RIGHT, one hand of which may be empty");
   }
   return motion;
 }
@@ -56,7 +78,8 @@ devices::MotionOptions declared(const ImportOptions& options) {
 struct Thrown {
   devices::MotionRecording recording;
   scene::Side side = scene::Side::right;
-  std::size_t throws = 1;  ///< in the file
+  std::size_t throws = 1;          ///< in the file
+  std::vector<std::string> notes;  ///< what in the file was left out
 };
 
 scene::Side side_of(const ImportOptions& options, const devices::MotionRecording& recording,
@@ -66,10 +89,12 @@ scene::Side side_of(const ImportOptions& options, const devices::MotionRecording
 }
 
 Thrown read_thrown(const ImportOptions& options, const scene::Hand& hand) {
-  Thrown thrown{devices::read_motion(options.file, declared(options))};
+  Thrown thrown;
+  thrown.recording = devices::read_motion(options.file, declared(options));
   thrown.side = side_of(options, thrown.recording, hand);
   std::vector<devices::MotionRecording> throws = scene::split_throws(thrown.recording, thrown.side);
   thrown.throws = throws.size();
+  thrown.notes = thrown.recording.notes;
   if (!options.which) return thrown;
   const auto wanted = static_cast<std::size_t>(*options.which);
   if (wanted > throws.size()) {
@@ -83,8 +108,10 @@ Thrown read_thrown(const ImportOptions& options, const scene::Hand& hand) {
 
 /// What the user should know of a recording that is taken all the same.
 void say_doubts(const ImportOptions& options, const Thrown& thrown) {
-  for (const std::string& doubt : scene::doubts(thrown.recording)) {
-    say("headpin import: {}: {}\n", printable(options.file), doubt);
+  std::vector<std::string> all = thrown.notes;
+  std::ranges::move(scene::doubts(thrown.recording), std::back_inserter(all));
+  for (const std::string& one : all) {
+    say("headpin import: {}: {}\n", printable(options.file), printable(one));
   }
   if (thrown.throws > 1 && !options.which) {
     say("headpin import: {}: {} throws in it, the fastest is taken; --throw N takes another\n",
@@ -160,7 +187,7 @@ void import_throw(const ImportOptions& options) {
   }
   std::cout << fmt::format(
       "{}\n"
-      "  samples            {} of head and both hands\n"
+      "  samples            {} of head and {}\n"
       "  thrown by          the {} hand\n"
       "  duration           {:.3f} s\n"
       "  rate               {:.1f} Hz\n"
@@ -168,8 +195,10 @@ void import_throw(const ImportOptions& options) {
       "  grab, found        {:.3f} s\n"
       "  release, found     {:.3f} s\n"
       "  ball at release    {:.2f} m/s\n",
-      *options.output, samples, found.side == scene::Side::left ? "left" : "right", duration, rate,
-      found.peak_hand_speed, grab, release, speed);
+      *options.output, samples,
+      recording.left_hand.empty() || recording.right_hand.empty() ? "one hand" : "both hands",
+      found.side == scene::Side::left ? "left" : "right", duration, rate, found.peak_hand_speed,
+      grab, release, speed);
 }
 
 }  // namespace
@@ -198,9 +227,15 @@ void add_import(CLI::App& app) {
       ->type_name("XYZ");
   command
       ->add_option("--names", options->names,
-                   "what the file calls head, left and right hand; found by such words when not "
-                   "given, or sensors 0, 1 and 2")
+                   "what the file calls head, left and right hand, such as 0,,1 where there is "
+                   "no left one; found by such words when not given, or sensors 0, 1 and 2; of two "
+                   "sensors the second is the hand")
       ->type_name("HEAD,LEFT,RIGHT");
+  command
+      ->add_option("--transmitter", options->transmitter,
+                   "where the tracker's transmitter is, from which positions count: metres to the "
+                   "right, up from the floor and back; 0,0,0 when not given")
+      ->type_name("X,Y,Z");
   command->add_option("--hand", options->hand, "that throws: left, right, or auto: as it is found")
       ->check(CLI::IsMember({"left", "right", "auto"}))
       ->capture_default_str();

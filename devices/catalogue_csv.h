@@ -8,15 +8,17 @@
 
 namespace headpin::devices {
 
-/// Head and both hands of one person, as recorded; entry i of each list is at times[i].
+/// Head and hands of one person, as recorded; entry i of each list is at times[i]. A hand that was
+/// not tracked has an empty list.
 ///
 /// In the frame of the recording: right-handed, x right, y up, the floor at y = 0; a head or hand
 /// at rest has its axes along those, looking along -z.
 struct MotionRecording {
-  std::vector<Time> times;       ///< since the start, increasing
-  std::vector<Pose> head;        ///< [m]
-  std::vector<Pose> left_hand;   ///< [m]
-  std::vector<Pose> right_hand;  ///< [m]
+  std::vector<Time> times;              ///< since the start, increasing
+  std::vector<Pose> head;               ///< [m]
+  std::vector<Pose> left_hand;          ///< [m]
+  std::vector<Pose> right_hand;         ///< [m]
+  std::vector<std::string> notes = {};  ///< what the file has and was left out, for people
 };
 
 /// The 22 columns of the catalogue, as published: delta_time_ms (since the start), then for head,

@@ -33,45 +33,81 @@ std::string lower(std::string text) {
 
 constexpr std::array kParts = {"head", "left hand", "right hand"};
 
-/// Which of the tracks is the head, the left or the right hand.
-const PoseTrack& find_part(const Tracks& tracks, std::size_t part, const MotionOptions& options,
-                           const std::string& where) {
-  constexpr std::array<std::array<std::string_view, 4>, 3> kWords = {
-      {{"head", "hmd", "camera", "helmet"},
-       {"left", "left", "left", "left"},
-       {"right", "right", "right", "right"}}};
-  std::vector<const PoseTrack*> found;
-  std::vector<std::string> names;
-  for (const auto& [sensor, track] : tracks) {
-    const std::string& name = sensor;
-    names.push_back(name);
-    const std::string& wanted = options.names[part];
-    const bool is_it =
-        wanted.empty() ? std::ranges::any_of(kWords[part],
-                                             [&](std::string_view word) {
-                                               return lower(name).find(word) != std::string::npos;
-                                             })
-                       : name == wanted || name.ends_with(":" + wanted);
-    if (is_it) found.push_back(&track);
-  }
-  // Sensors without words in their names are numbered: head, left, right.
-  if (found.empty() && options.names[part].empty() && tracks.size() == 3 &&
-      tracks[part].first.ends_with(":" + std::to_string(part))) {
-    found.push_back(&tracks[part].second);
-  }
-  if (found.size() == 1) return *found.front();
-  throw std::invalid_argument(fmt::format(
-      "{}: expected one {} among {}; found {} (--names HEAD,LEFT,RIGHT says which)", where,
-      kParts[part], names.empty() ? "nothing" : fmt::format("{}", fmt::join(names, ", ")),
-      found.size()));
+/// Words in the names of heads, left and right hands, in small letters.
+bool is_called(const std::string& name, std::size_t part) {
+  const std::string text = lower(name);
+  const auto has = [&](std::string_view word) { return text.find(word) != std::string::npos; };
+  const bool eye = has("eye");  // Unity's LeftEyeAnchor is no hand, CenterEyeAnchor the head
+  if (part == 0)
+    return has("head") || has("hmd") || has("camera") || has("helmet") || has("centereye");
+  return !eye && has(part == 1 ? "left" : "right");
 }
 
-MotionRecording of_parts(const Tracks& tracks, const MotionOptions& options,
-                         const std::string& where) {
-  const auto part = [&](std::size_t i) -> const PoseTrack& {
-    return find_part(tracks, i, options, where);
+/// The tracks that are a part, by the name that is given or by words.
+std::vector<const PoseTrack*> tracks_of(const Tracks& tracks, std::size_t part,
+                                        const std::string& wanted) {
+  std::vector<const PoseTrack*> found;
+  for (const auto& [name, track] : tracks) {
+    const bool is_it =
+        wanted.empty() ? is_called(name, part) : name == wanted || name.ends_with(":" + wanted);
+    if (is_it) found.push_back(&track);
+  }
+  return found;
+}
+
+/// Head, left and right hand; null for a hand that was not tracked.
+using Parts = std::array<const PoseTrack*, 3>;
+
+/// Sensors without words in their names are numbered: head, left, right; or head and the only hand.
+std::optional<Parts> numbered(const Tracks& tracks, bool only_hand_is_left) {
+  for (std::size_t i = 0; i < tracks.size(); ++i) {
+    if (!tracks[i].first.ends_with(":" + std::to_string(i))) return std::nullopt;
+  }
+  if (tracks.size() == 3) return Parts{&tracks[0].second, &tracks[1].second, &tracks[2].second};
+  if (tracks.size() != 2) return std::nullopt;
+  Parts parts{&tracks[0].second, nullptr, nullptr};
+  parts[only_hand_is_left ? 1 : 2] = &tracks[1].second;
+  return parts;
+}
+
+Parts find_parts(const Tracks& tracks, const MotionOptions& options, const std::string& where) {
+  const bool named = std::ranges::any_of(options.names, [](auto& name) { return !name.empty(); });
+  std::array<std::vector<const PoseTrack*>, 3> found;
+  for (std::size_t part = 0; part < 3; ++part) {
+    if (named && options.names[part].empty()) continue;  // not tracked
+    found[part] = tracks_of(tracks, part, options.names[part]);
+  }
+  const bool none = std::ranges::all_of(found, [](const auto& all) { return all.empty(); });
+  if (none && !named) {
+    if (const auto parts = numbered(tracks, options.only_hand_is_left)) return *parts;
+  }
+  std::vector<std::string> names;
+  for (const auto& [name, track] : tracks) names.push_back(name);
+  const auto refuse = [&](const std::string& expected, std::size_t count) {
+    throw std::invalid_argument(
+        fmt::format("{}: expected one {} among {}; found {} (--names HEAD,LEFT,RIGHT says which; a "
+                    "hand may be left empty)",
+                    where, expected,
+                    names.empty() ? "nothing" : fmt::format("{}", fmt::join(names, ", ")), count));
   };
-  return together(part(0), part(1), part(2), where);
+  Parts parts{};
+  for (std::size_t part = 0; part < 3; ++part) {
+    const bool needed = part == 0 || !options.names[part].empty();
+    if (found[part].size() > 1 || (needed && found[part].empty())) {
+      refuse(kParts[part], found[part].size());
+    }
+    if (!found[part].empty()) parts[part] = found[part].front();
+  }
+  if (!parts[1] && !parts[2]) refuse("hand", 0);
+  return parts;
+}
+
+MotionRecording of_parts(MotionTracks read, const MotionOptions& options,
+                         const std::string& where) {
+  const auto [head, left, right] = find_parts(read.tracks, options, where);
+  MotionRecording recording = together(*head, left, right, where);
+  recording.notes = std::move(read.notes);
+  return recording;
 }
 
 // The catalogue.
@@ -134,13 +170,13 @@ MotionRecording read_uxf(const std::string& path, const MotionOptions& options) 
     files.push_back(entry.path());
   }
   std::ranges::sort(files);
-  Tracks tracks;
+  MotionTracks read;
   for (const fs::path& name : files) {
     const std::string object = name.filename().string();
-    tracks.push_back(
-        {object.substr(0, object.size() - ending.size()), parse_uxf(text_of(name), name.string())});
+    read.tracks.push_back({object.substr(0, object.size() - ending.size()),
+                           parse_uxf(text_of(name), name.string(), read.notes)});
   }
-  return of_parts(tracks, options, path);
+  return of_parts(std::move(read), options, path);
 }
 
 // Motion-BIDS.
@@ -156,36 +192,36 @@ nlohmann::json json_beside(const std::string& stem, const char* ending) {
   return nlohmann::json::parse(text_of(stem + ending), nullptr, false);
 }
 
-/// Where its axes point, as the first reference frame says it.
-std::string axes_of(const nlohmann::json& channels) {
+/// What the first reference frame says of itself, by this name; empty when it does not.
+std::string said_of_frame(const nlohmann::json& channels, const char* name) {
   if (!channels.is_object()) return "";
   const nlohmann::json frame = channels.value("reference_frame", nlohmann::json::object());
   const nlohmann::json levels =
       frame.is_object() ? frame.value("Levels", nlohmann::json::object()) : nlohmann::json();
   if (!levels.is_object() || levels.empty()) return "";
   const nlohmann::json first = levels.begin().value();
-  const bool said =
-      first.is_object() && first.contains("SpatialAxes") && first["SpatialAxes"].is_string();
-  return said ? first["SpatialAxes"].get<std::string>() : "";
+  const bool said = first.is_object() && first.contains(name) && first[name].is_string();
+  return said ? first[name].get<std::string>() : "";
 }
 
 MotionRecording read_motion_bids(const std::string& path, const MotionOptions& options) {
   const std::string stem = path.substr(0, path.size() - kMotionTsv.size());
-  const std::string said = axes_of(json_beside(stem, "_channels.json"));
-  const std::string axes = options.axes.value_or(said);
-  if (axes.empty()) {
+  const nlohmann::json beside = json_beside(stem, "_channels.json");
+  BidsFrame frame;
+  frame.axes = options.axes.value_or(said_of_frame(beside, "SpatialAxes"));
+  frame.rotation_order = said_of_frame(beside, "RotationOrder");
+  frame.left_handed = said_of_frame(beside, "RotationRule") == "left-hand";
+  if (frame.axes.empty()) {
     throw std::invalid_argument(
         fmt::format("{}: expected SpatialAxes in {}_channels.json, or --axes", path, stem));
   }
   const nlohmann::json about = json_beside(stem, "_motion.json");
-  double rate_hz = 0.0;
   if (about.is_object() && about.contains("SamplingFrequency") &&
       about["SamplingFrequency"].is_number()) {
-    rate_hz = about["SamplingFrequency"].get<double>();
+    frame.rate_hz = about["SamplingFrequency"].get<double>();
   }
-  return of_parts(
-      parse_motion_bids(text_of(path), text_of(stem + "_channels.tsv"), path, axes, rate_hz),
-      options, path);
+  return of_parts(parse_motion_bids(text_of(path), text_of(stem + "_channels.tsv"), path, frame),
+                  options, path);
 }
 
 // VRPN.
@@ -197,15 +233,15 @@ bool is_vrpn(const std::string&, std::string_view begin) {
 MotionRecording read_vrpn(const std::string& path, const MotionOptions& options) {
   const std::vector<std::uint8_t> bytes = files::read_bytes(path, kMost);
   const Axes axes(options.axes.value_or("RSP"), path);
-  Tracks ours;
+  MotionTracks ours;
   for (const auto& [name, track] : parse_vrpn(bytes, path, options.unit_m.value_or(1.0))) {
     PoseTrack turned;
     for (const Stamped<Pose>& sample : track.samples()) {
       turned.push(sample.time, axes.ours(sample.value));
     }
-    ours.push_back({name, std::move(turned)});
+    ours.tracks.push_back({name, std::move(turned)});
   }
-  return of_parts(ours, options, path);
+  return of_parts(std::move(ours), options, path);
 }
 
 constexpr std::array<MotionFormat, 4> kFormats = {{
@@ -257,6 +293,14 @@ std::string beginning(const std::string& path) {
   return {bytes.begin(), bytes.end()};
 }
 
+/// In a frame whose origin is on the floor.
+MotionRecording counted_from(const Vec3& p_origin, MotionRecording recording) {
+  for (auto* track : {&recording.head, &recording.left_hand, &recording.right_hand}) {
+    for (Pose& pose : *track) pose.p += p_origin;
+  }
+  return recording;
+}
+
 }  // namespace
 
 std::span<const MotionFormat> motion_formats() {
@@ -267,7 +311,9 @@ MotionRecording read_motion(const std::string& path, const MotionOptions& option
   const std::string begin = beginning(path);
   std::vector<std::string> known;
   for (const MotionFormat& format : kFormats) {
-    if (format.is_one(path, begin)) return format.read(path, options);
+    if (format.is_one(path, begin)) {
+      return counted_from(options.p_origin, format.read(path, options));
+    }
     known.push_back(fmt::format("{} ({})", format.name, format.files));
   }
   throw std::invalid_argument(
@@ -276,20 +322,22 @@ MotionRecording read_motion(const std::string& path, const MotionOptions& option
                   path, fmt::join(known, ", "), looks_like(path, begin)));
 }
 
-MotionRecording together(const PoseTrack& head, const PoseTrack& left, const PoseTrack& right,
+MotionRecording together(const PoseTrack& head, const PoseTrack* left, const PoseTrack* right,
                          std::string_view where) {
-  const std::array<const PoseTrack*, 3> tracks = {&head, &left, &right};
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (!tracks[i]->samples().empty()) continue;
-    throw std::invalid_argument(fmt::format("{}: no samples of the {}", where, kParts[i]));
-  }
+  const Parts tracks = {&head, left, right};
   Time begin = Time::min(), end = Time::max();
-  for (const PoseTrack* track : tracks) {
-    begin = std::max(begin, track->samples().front().time);
-    end = std::min(end, track->samples().back().time);
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!tracks[i]) continue;
+    const std::vector<Stamped<Pose>>& samples = tracks[i]->samples();
+    if (samples.empty()) {
+      throw std::invalid_argument(fmt::format("{}: no samples of the {}", where, kParts[i]));
+    }
+    begin = std::max(begin, samples.front().time);
+    end = std::min(end, samples.back().time);
   }
   constexpr Time kLongestMixed{100'000};  // as long as any gap may be
   for (std::size_t i = 1; i < 3; ++i) {
+    if (!tracks[i]) continue;
     const std::vector<Stamped<Pose>>& samples = tracks[i]->samples();
     for (std::size_t k = 1; k < samples.size(); ++k) {
       const Time from = samples[k - 1].time, gap = samples[k].time - from;
@@ -304,8 +352,8 @@ MotionRecording together(const PoseTrack& head, const PoseTrack& left, const Pos
     if (sample.time < begin || sample.time > end) continue;
     recording.times.push_back(sample.time - begin);
     recording.head.push_back(sample.value);
-    recording.left_hand.push_back(*left.at(sample.time));
-    recording.right_hand.push_back(*right.at(sample.time));
+    if (left) recording.left_hand.push_back(*left->at(sample.time));
+    if (right) recording.right_hand.push_back(*right->at(sample.time));
   }
   if (recording.times.empty()) {
     throw std::invalid_argument(

@@ -11,8 +11,15 @@
 
 namespace headpin::devices {
 
-PoseTrack parse_uxf(std::string_view text, std::string_view where) {
+PoseTrack parse_uxf(std::string_view text, std::string_view where,
+                    std::vector<std::string>& notes) {
   constexpr std::array kColumns = {"time", "pos_x", "pos_y", "pos_z", "rot_x", "rot_y", "rot_z"};
+  const std::size_t whole = text.rfind('\n') + 1;  // 0 without one
+  if (whole > 0 && whole < text.size()) {
+    text = text.substr(0, whole);
+    notes.push_back(fmt::format(
+        "{}: the last line does not end, its last number may be cut: it is left out", where));
+  }
   TextTable table(text, where, ',');
   table.read_names();
   std::array<std::size_t, kColumns.size()> at{};

@@ -214,12 +214,13 @@ Throw find_throw(const MotionRecording& r, const Hand& hand, Side side) {
 std::vector<std::string> why_no_throw(const MotionRecording& r, const Hand& hand, Side side) {
   const Side other = side == Side::left ? Side::right : Side::left;
   const std::vector<Pose>&throwing = throwing_hand(r, side), &resting = throwing_hand(r, other);
-  std::vector<std::string> problems = problems_of_length(r);
-  if (!problems.empty()) return problems;  // nothing below can be measured
-
   const auto of_hand = [](Side which, const char* what) {
     return fmt::format("the {} hand{}", which == Side::left ? "left" : "right", what);
   };
+  std::vector<std::string> problems = problems_of_length(r);
+  if (throwing.empty()) problems.push_back(of_hand(side, " was not tracked"));
+  if (!problems.empty()) return problems;  // nothing below can be measured
+
   const auto expect = [&](std::string_view what, double value, double low, double high,
                           const char* unit) {
     if (value >= low && value <= high) return;
@@ -279,6 +280,12 @@ std::vector<std::string> why_no_throw(const MotionRecording& r, const Hand& hand
         fmt::format("the head does not look at the ball as the hand takes it: cosine {:.2f}, "
                     "expected more than {}",
                     on_ball, kLeastAtBall));
+  if (resting.empty()) {
+    const double aside = (side == Side::right ? 1.0 : -1.0) * mean_side(r, found, throwing);
+    claim(aside > 0.0,
+          fmt::format("{}: {:.2f} m of the head", of_hand(side, " is not on its side"), aside));
+    return problems;
+  }
   const double right = mean_side(r, found, r.right_hand), left = mean_side(r, found, r.left_hand);
   if (side == Side::right) {
     claim(right > 0.0 && right > left,
@@ -412,8 +419,8 @@ std::vector<MotionRecording> split_throws(const MotionRecording& r, Side side) {
     for (std::size_t i = begin; i < end; ++i) {
       one.times.push_back(r.times[i] - r.times[begin]);
       one.head.push_back(r.head[i]);
-      one.left_hand.push_back(r.left_hand[i]);
-      one.right_hand.push_back(r.right_hand[i]);
+      if (!r.left_hand.empty()) one.left_hand.push_back(r.left_hand[i]);
+      if (!r.right_hand.empty()) one.right_hand.push_back(r.right_hand[i]);
     }
     all.push_back(std::move(one));
     begin = end;
@@ -422,6 +429,8 @@ std::vector<MotionRecording> split_throws(const MotionRecording& r, Side side) {
 }
 
 Side throwing_side(const MotionRecording& r, const Hand& hand) {
+  if (r.right_hand.empty()) return Side::left;
+  if (r.left_hand.empty()) return Side::right;
   if (why_no_throw(r, hand, Side::right).empty()) return Side::right;
   if (why_no_throw(r, hand, Side::left).empty()) return Side::left;
   return r.times.size() > 1 && fastest(r, r.left_hand) > fastest(r, r.right_hand) ? Side::left
@@ -434,7 +443,9 @@ void require_throw(const MotionRecording& recording, const Hand& hand, const std
   if (problems.empty()) return;
   std::string message = fmt::format("{}: not a person's throw: {}", where, problems.front());
   const Side other = side == Side::left ? Side::right : Side::left;
-  if (why_no_throw(recording, hand, other).empty()) {
+  MotionRecording exchanged = recording;  // of one hand, which may be the other
+  if (throwing_hand(recording, other).empty()) std::swap(exchanged.left_hand, exchanged.right_hand);
+  if (why_no_throw(exchanged, hand, other).empty()) {
     message +=
         fmt::format("; it would be one by the {} hand", other == Side::left ? "left" : "right");
     throw std::invalid_argument(message);
@@ -487,7 +498,8 @@ std::vector<devices::Sample> to_samples(const MotionRecording& recording, const 
     };
     tracker(devices::kHeadStation, recording.head[i]);
     tracker(devices::kHandStation, throwing_hand(recording, found.side)[i]);
-    tracker(kOtherHandStation, throwing_hand(recording, other)[i]);
+    const std::vector<Pose>& resting = throwing_hand(recording, other);
+    if (!resting.empty()) tracker(kOtherHandStation, resting[i]);
     if (i == found.grab || i == found.release) {
       devices::MouseSample mouse;
       mouse.device_time = recording.times[i];

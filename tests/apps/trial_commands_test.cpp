@@ -5,6 +5,7 @@
 
 #include "devices/event_log.h"
 #include "devices/log.h"
+#include "devices/motion_files.h"
 #include "scene/scenario.h"
 #include "tests/apps/command_line.h"
 
@@ -142,6 +143,69 @@ TEST_F(TrialCommands, ARecordedThrowIsImportedAndKnocksSkittlesOver) {
               0);
   }
   expect_refusal("import " + kRecorded + " -o OUT.lcmlog --units m", 1, "in centimetres");
+}
+
+/// What VRPN's server logs of a Fastrak: positions from the transmitter, in its frame (x ahead, y
+/// right, z down), quaternions x, y, z, w; sensor 0 on the head, 1 on the right hand.
+std::string fastrak_log_of(const devices::MotionRecording& r, double height) {
+  std::string log = "vrpn: ver. 07.35  1";
+  log.resize(24, '\0');
+  const auto put = [&](std::uint64_t value, int size) {
+    while (size-- > 0) log += static_cast<char>(value >> (8 * size));
+  };
+  const auto message = [&](int type, int sender, Time time, std::size_t size) {
+    for (const std::int64_t field :
+         {std::int64_t{type}, std::int64_t{sender},
+          std::int64_t{1'700'000'000} + time.count() / 1'000'000, time.count() % 1'000'000,
+          static_cast<std::int64_t>(size), std::int64_t{0}}) {
+      put(static_cast<std::uint64_t>(field), 4);
+    }
+  };
+  const auto name = [&](int type, int sender, const std::string& text) {
+    message(type, sender, {}, text.size() + 5);
+    put(text.size() + 1, 4);
+    log += text + std::string(1, '\0');
+  };
+  name(-1, 0, "Tracker0");
+  name(-2, 5, "vrpn_Tracker Pos_Quat");
+  for (std::size_t i = 0; i < r.times.size(); ++i) {
+    for (int sensor = 0; sensor < 2; ++sensor) {
+      const Pose& pose = sensor == 0 ? r.head[i] : r.right_hand[i];
+      message(5, 0, r.times[i], 64);
+      put(static_cast<std::uint64_t>(sensor), 4);
+      put(0, 4);
+      for (const double v : {-pose.p.z(), pose.p.x(), height - pose.p.y(), -pose.q.z(), pose.q.x(),
+                             -pose.q.y(), pose.q.w()}) {
+        put(std::bit_cast<std::uint64_t>(v), 8);
+      }
+    }
+  }
+  return log;
+}
+
+TEST_F(TrialCommands, AVrpnLogOfAFastrakWithHeadAndHandIsTheThrowItRecorded) {
+  const std::string example = HEADPIN_SOURCE_DIR "/assets/throws/example.csv";
+  std::ofstream(folder_ / "fastrak.vrpn", std::ios::binary)
+      << fastrak_log_of(devices::read_motion(example, {}), 0.9);
+  const nlohmann::json wanted = json("import " + example + " -o csv.lcmlog --json");
+  const std::string import = "import fastrak.vrpn --axes ARI -o ";
+  expect_refusal(import + "OUT.lcmlog", 1, "the head is up ");
+  for (const std::string names : {"", " --names 0,,1"}) {
+    const nlohmann::json found =
+        json(import + "vrpn.lcmlog --transmitter 0,0.9,0 --force --json" + names);
+    EXPECT_EQ(found["hand"], "right");
+    EXPECT_EQ(found["samples"], wanted["samples"]);
+    EXPECT_NEAR(found["release_speed_mps"].get<double>(), wanted["release_speed_mps"].get<double>(),
+                1e-6);
+  }
+  EXPECT_EQ(json("replay vrpn.lcmlog --json")["skittles_down"],
+            json("replay csv.lcmlog --json")["skittles_down"]);
+  EXPECT_THAT(headpin(import + "vrpn.lcmlog --transmitter 0,0.9,0 --force").out,
+              HasSubstr("of head and one hand"));
+  expect_refusal(import + "OUT.lcmlog --transmitter 0,0.9,0 --hand left", 1,
+                 "it would be one by the right hand");
+  expect_refusal(import + "OUT.lcmlog --names 0,,", 2, "one hand of which may be empty");
+  expect_refusal(import + "OUT.lcmlog --transmitter 0,0.9", 2, "--transmitter");
 }
 
 TEST_F(TrialCommands, ImportRefusesInOneLineAndLeavesNothing) {

@@ -27,8 +27,10 @@ void expect_near(const Vec3& a, const Vec3& b) {
 // What Unity's axes and angles do is known from its manual: left-handed, y up, +z ahead.
 TEST(MotionFiles, UnitysPosesAreTurnedRound) {
   const auto pose = [](const std::string& angles) {
-    const PoseTrack track =
-        parse_uxf("time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z\n0.5,1,2,3," + angles + "\n", "x.csv");
+    std::vector<std::string> notes;
+    const PoseTrack track = parse_uxf(
+        "time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z\n0.5,1,2,3," + angles + "\n", "x.csv", notes);
+    EXPECT_TRUE(notes.empty());
     EXPECT_EQ(track.samples().at(0).time, Time{500'000});
     return track.samples().at(0).value;
   };
@@ -45,7 +47,8 @@ TEST(MotionFiles, UnitysPosesAreTurnedRound) {
 TEST(MotionFiles, ABadTrackerFileIsRefusedByItsLine) {
   const std::string head = "time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z\n";
   const auto said = [&](const std::string& text) {
-    return complaint([&] { parse_uxf(text, "x.csv"); });
+    std::vector<std::string> notes;
+    return complaint([&] { parse_uxf(text, "x.csv", notes); });
   };
   EXPECT_THAT(said(""), HasSubstr("x.csv:1: expected the columns time, pos_x"));
   EXPECT_THAT(said("time,pos_x\n"), HasSubstr("pos_y is missing"));
@@ -54,6 +57,21 @@ TEST(MotionFiles, ABadTrackerFileIsRefusedByItsLine) {
   EXPECT_THAT(said(head + "0,1,2,3,4,5,1e300\n"), HasSubstr("rot_z: expected degrees"));
   EXPECT_THAT(said(head + "1,1,2,3,4,5,6\n1,1,2,3,4,5,6\n"), HasSubstr("time must advance"));
   EXPECT_EQ(said(head + "0,1,2,3,4,5,6,\n"), "");  // an empty last cell
+}
+
+// A file that was cut still reads as numbers: 12.5 as 12.
+TEST(MotionFiles, ATrackerFileThatIsCutInsideItsLastNumberIsReadUpToThatLine) {
+  const std::string whole =
+      "time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z\n0,1,2,3,4,5,6\n1,1,2,3,4,5,12.5";
+  for (const std::size_t cut : {0u, 1u, 3u, 6u}) {
+    std::vector<std::string> notes;
+    EXPECT_EQ(parse_uxf(whole.substr(0, whole.size() - cut), "x.csv", notes).samples().size(), 1u);
+    ASSERT_EQ(notes.size(), 1u) << cut;
+    EXPECT_THAT(notes[0], HasSubstr("x.csv: the last line does not end"));
+  }
+  std::vector<std::string> notes;
+  EXPECT_EQ(parse_uxf(whole + "\n", "x.csv", notes).samples().size(), 2u);
+  EXPECT_TRUE(notes.empty());
 }
 
 TEST(MotionFiles, AxesAreLettersAndEachPairOnce) {
@@ -79,9 +97,10 @@ const std::string kChannels =
 
 TEST(MotionFiles, MotionBidsIsReadByItsChannels) {
   const auto tracks = parse_motion_bids(
-      "0\t1000\t2000\t3000\t0\t0\t0\t1\t9\n"
-      "0.01\t1000\t2000\t3000\t0\t0\t0.6\t0.8\t9\n",
-      kChannels, "x", "ALS", 0.0);
+                          "0\t1000\t2000\t3000\t0\t0\t0\t1\t9\n"
+                          "0.01\t1000\t2000\t3000\t0\t0\t0.6\t0.8\t9\n",
+                          kChannels, "x", {.axes = "ALS"})
+                          .tracks;
   ASSERT_EQ(tracks.size(), 1u);
   EXPECT_EQ(tracks[0].first, "head");
   ASSERT_EQ(tracks[0].second.samples().size(), 2u);
@@ -90,10 +109,10 @@ TEST(MotionFiles, MotionBidsIsReadByItsChannels) {
 
   const std::string row = "0\t1\t2\t3\t0\t0\t0\t1\t9\n";
   const auto said = [&](std::string motion, std::string channels) {
-    return complaint([&] { parse_motion_bids(motion, channels, "x", "RSP", 0.0); });
+    return complaint([&] { parse_motion_bids(motion, channels, "x", {.axes = "RSP"}); });
   };
   EXPECT_EQ(said(row, kChannels), "");
-  EXPECT_THAT(said(row + row, kChannels), HasSubstr("time must advance"));
+  EXPECT_THAT(said("1" + row.substr(1) + row, kChannels), HasSubstr("time must advance"));
   EXPECT_THAT(said("0\t1\n", kChannels), HasSubstr("x:1: expected 9 fields, found 2"));
   EXPECT_THAT(said("0\t1\t2\t3\t0\t0\t0\t2\t9\n", kChannels), HasSubstr("unit quaternion"));
   std::string channels = kChannels;
@@ -106,6 +125,55 @@ TEST(MotionFiles, MotionBidsIsReadByItsChannels) {
   EXPECT_THAT(said(row, channels.replace(channels.find("LATENCY"), 7, "MISC")),
               HasSubstr("no times: expected a LATENCY channel, or SamplingFrequency"));
   EXPECT_THAT(said(row, "name\n"), HasSubstr("column component is missing"));
+}
+
+// What a recording lacks for a moment is no reason to refuse the rest of it.
+TEST(MotionFiles, MotionBidsSamplesThatAreUnknownOrTwiceAreLeftOutAndSaid) {
+  const std::string pose = "\t1\t2\t3\t0\t0\t0\t1\t9\n";
+  const MotionTracks read = parse_motion_bids(
+      "0" + pose + "0.01\t1\tn/a\t3\t0\t0\t0\t1\t9\n" + "0.02" + pose + "0.02" + pose + "n/a" +
+          pose + "0.03\t1\t2\t3\t0\t0\t0\tn/a\t9\n" + "0.04" + pose,
+      kChannels, "x", {.axes = "RSP"});
+  std::vector<Time> times;
+  for (const auto& sample : read.tracks.at(0).second.samples()) times.push_back(sample.time);
+  EXPECT_THAT(times, testing::ElementsAre(Time{0}, Time{20'000}, Time{40'000}));
+  EXPECT_THAT(read.notes, testing::ElementsAre(HasSubstr("3 samples are n/a"),
+                                               HasSubstr("1 samples are at the time of the one")));
+}
+
+// RotationOrder counts rotations about axes that stay, the first first.
+TEST(MotionFiles, MotionBidsAnglesTurnInTheOrderThatIsDeclared) {
+  std::string channels = kChannels.substr(0, kChannels.find("d\tquat_x"));
+  for (const char* axis : {"x", "y", "z"}) {
+    channels += std::string("r") + axis + "\t" + axis + "\tORNT\thead\tdeg\n";
+  }
+  const std::string row = "0\t1000\t2000\t3000\t90\t0\t90\n";
+  const auto turned = [&](const BidsFrame& frame) {
+    return parse_motion_bids(row, channels, "x", frame).tracks.at(0).second.samples().at(0).value.q;
+  };
+  // First about x: ahead (-z) goes to y, which the turn about z takes to -x.
+  expect_near(turned({.axes = "RSP", .rotation_order = "XYZ"}) * kAhead, -kRight);
+  // First about z, which leaves -z; then about x to y.
+  expect_near(turned({.axes = "RSP", .rotation_order = "ZXY"}) * kAhead, kUp);
+  expect_near(turned({.axes = "RSP", .rotation_order = "ZXY", .left_handed = true}) * kAhead, -kUp);
+  for (const char* order : {"", "ZX", "ZZX", "zxy", "ABC"}) {
+    EXPECT_THAT(complaint([&] { turned({.axes = "RSP", .rotation_order = order}); }),
+                HasSubstr("expected RotationOrder in ..._channels.json, such as ZXY"))
+        << order;
+  }
+  const auto said = [&](const std::string& from, const std::string& to) {
+    std::string changed = channels;
+    changed.replace(changed.find(from), from.size(), to);
+    return complaint(
+        [&] { parse_motion_bids(row, changed, "x", {.axes = "RSP", .rotation_order = "XYZ"}); });
+  };
+  EXPECT_THAT(said("\tdeg", "\tturns"), HasSubstr("expected deg or rad, found 'turns'"));
+  EXPECT_THAT(said("\tx\tORNT", "\tyaw\tORNT"),
+              HasSubstr("component 'yaw' of type ORNT: expected x, y, z, or quat_x"));
+  EXPECT_THAT(said("\tx\tPOS", "\tquat_x\tPOS"),
+              testing::EndsWith("component 'quat_x' of type POS: expected x, y, z"));
+  EXPECT_THAT(said("rz\tz\tORNT\thead\tdeg\n", "rz\tn/a\tMISC\tn/a\tn/a\n"),
+              HasSubstr("a whole quaternion, or three angles"));
 }
 
 using Packet = std::vector<std::uint8_t>;
@@ -131,8 +199,8 @@ Packet name(const std::string& text) {
   return data;
 }
 
-/// A log of a tracker with three sensors, a hundred reports of each, and of a button.
-Packet vrpn_log() {
+/// A log of a tracker with so many sensors, a hundred reports of each, and of a button.
+Packet vrpn_log(int sensors = 3) {
   const std::string cookie = "vrpn: ver. 07.35  1";
   Packet log(24);
   std::copy(cookie.begin(), cookie.end(), log.begin());
@@ -140,7 +208,7 @@ Packet vrpn_log() {
   message(log, -2, 3, {}, name("vrpn_Tracker Pos_Quat"));
   message(log, -2, 4, {}, name("vrpn_Button Change"));
   for (int i = 0; i < 100; ++i) {
-    for (int sensor = 0; sensor < 3; ++sensor) {
+    for (int sensor = 0; sensor < sensors; ++sensor) {
       Packet data;
       put(data, static_cast<std::uint64_t>(sensor), 4);
       put(data, 0, 4);
@@ -193,7 +261,7 @@ TEST(MotionFiles, HeadAndHandsComeTogether) {
     right.push(Time{10'000 * i + 3'000},
                {Quat::Identity(), Vec3(0.01 * i + 0.003, 0, 0)});  // 1 m/s
   }
-  const MotionRecording r = together(head, left, right, "x");
+  const MotionRecording r = together(head, &left, &right, "x");
   ASSERT_EQ(r.times.size(), 80u);
   EXPECT_EQ(r.times.front(), Time{});
   EXPECT_NEAR(r.right_hand[0].p.x(), 0.2, 1e-12);
@@ -202,13 +270,13 @@ TEST(MotionFiles, HeadAndHandsComeTogether) {
   holed.push(Time{1'500'000}, {});
   head.push(Time{1'600'000}, {});
   left.push(Time{1'600'000}, {});
-  EXPECT_EQ(complaint([&] { together(head, right, holed, "x"); }), "");
-  EXPECT_THAT(complaint([&] { together(head, left, holed, "x"); }),
+  EXPECT_EQ(complaint([&] { together(head, &right, &holed, "x"); }), "");
+  EXPECT_THAT(complaint([&] { together(head, &left, &holed, "x"); }),
               HasSubstr("nothing of the left hand for"));
-  EXPECT_THAT(complaint([&] { together(head, left, late, "x"); }),
+  EXPECT_THAT(complaint([&] { together(head, &left, &late, "x"); }),
               HasSubstr("no samples of the right hand"));
   late.push(Time{9'000'000}, {});
-  EXPECT_THAT(complaint([&] { together(head, head, late, "x"); }), HasSubstr("never recorded"));
+  EXPECT_THAT(complaint([&] { together(head, &head, &late, "x"); }), HasSubstr("never recorded"));
 }
 
 TEST(MotionFiles, EachFormatIsKnownByItself) {
@@ -238,6 +306,26 @@ TEST(MotionFiles, EachFormatIsKnownByItself) {
                 read("log.vrpn", {.names = {"2", "1", "5"}});
               }),
               HasSubstr("expected one right hand among Tracker0:0, Tracker0:1, Tracker0:2"));
+
+  // One hand is enough, where a file has no other or is told so.
+  const MotionRecording one = read("log.vrpn", {.names = {"0", "", "2"}, .p_origin = {0, 0.5, 0}});
+  EXPECT_TRUE(one.left_hand.empty());
+  EXPECT_EQ(one.right_hand.at(0).p, Vec3(3.0, 2.5, 3.0));
+  const Packet pair = vrpn_log(2);
+  spit(folder / "pair.vrpn", {pair.begin(), pair.end()});
+  EXPECT_TRUE(read("pair.vrpn").left_hand.empty());
+  EXPECT_EQ(read("pair.vrpn").right_hand.at(0).p.x(), 2.0);
+  EXPECT_TRUE(read("pair.vrpn", {.only_hand_is_left = true}).right_hand.empty());
+  const Packet alone = vrpn_log(1);
+  spit(folder / "alone.vrpn", {alone.begin(), alone.end()});
+  EXPECT_THAT(complaint([&] { read("alone.vrpn"); }),
+              HasSubstr("expected one head among Tracker0:0"));
+  for (const char* object : {"CenterEyeAnchor", "LeftEyeAnchor", "RightHandAnchor"}) {
+    spit(folder / "quest" / (std::string(object) + "_movement_T001.csv"),
+         "time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z\n" + row);
+  }
+  EXPECT_EQ(read("quest").right_hand.size(), 2u);
+  EXPECT_TRUE(read("quest").left_hand.empty());
 
   std::string channels = kChannels.substr(0, kChannels.find("h\tn/a"));
   const std::string of_head = channels.substr(channels.find("a\tx"));

@@ -23,7 +23,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   if (size == 0) return 0;
   const std::string_view text(reinterpret_cast<const char*>(data) + 1, size - 1);
   try {
-    if (data[0] % 3 == 0) look_at(devices::parse_uxf(text, "fuzz"));
+    std::vector<std::string> notes;
+    if (data[0] % 3 == 0) look_at(devices::parse_uxf(text, "fuzz", notes));
     if (data[0] % 3 == 1) {
       for (const auto& [name, track] : devices::parse_vrpn({data + 1, size - 1}, "fuzz", 1.0)) {
         look_at(track);
@@ -31,9 +32,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
     if (data[0] % 3 == 2) {  // channels, a zero byte, motion
       const std::string_view channels = text.substr(0, text.find('\0'));
+      const devices::BidsFrame frame{.axes = "ALS", .rotation_order = "ZXY", .rate_hz = 100.0};
       const std::string_view motion = text.substr(std::min(text.size(), channels.size() + 1));
       for (const auto& [name, track] :
-           devices::parse_motion_bids(motion, channels, "fuzz", "ALS", 100.0)) {
+           devices::parse_motion_bids(motion, channels, "fuzz", frame).tracks) {
         look_at(track);
       }
     }
