@@ -20,7 +20,12 @@ namespace headpin::devices {
 class FastrakLine {
  public:
   virtual ~FastrakLine() = default;
-  virtual void send(std::string_view text) = 0;
+  void send(std::string_view text) {
+    sent_ = text;
+    put(text);
+  }
+  /// What was sent last.
+  const std::string& sent() const { return sent_; }
   /// Lets time pass and hands over all that came; no more of it once there is `enough`.
   virtual std::string wait(Time span, std::size_t enough = std::string::npos) = 0;
   /// Throws away what came up to now, as tcflush does.
@@ -31,14 +36,23 @@ class FastrakLine {
     send(text);
     return wait(span, enough);
   }
+
+ private:
+  virtual void put(std::string_view text) = 0;
+
+  std::string sent_;
 };
 
 /// One thing that a client needs.
 struct FastrakDemand {
+  std::string sent;  ///< the last bytes before it, for people
   std::string what;
   bool met = false;
   std::string found;  ///< where it is not met
 };
+
+/// Bytes for people: how many, and what they are.
+std::string shown_bytes(std::string_view bytes);
 
 struct FastrakClient {
   std::string_view name;
@@ -53,6 +67,12 @@ struct FastrakClient {
 };
 
 std::span<const FastrakClient> fastrak_clients();
+
+/// Whether the unit is one at all, and what it reads: each position in inches, in centimetres and
+/// in binary, which must be the same place. Its receivers may move by what they do in a second.
+///
+/// @return  how many receivers it has, from station 1 on; 0 when it does not say so
+int examine_readings(FastrakLine& line, std::vector<FastrakDemand>& demands);
 
 /// Takes a stream apart as the clients do: records of fixed lengths, each `0`, station, blank, and
 /// what ends it in its place; the stations in turn. Adds what they need of it.

@@ -73,7 +73,7 @@ class Client : public FastrakLine {
   /// What is sent from here on until `open` is lost, as on a real port.
   void close() { ::close(std::exchange(fd_, -1)); }
 
-  void send(std::string_view text) override {
+  void put(std::string_view text) override {
     ASSERT_EQ(::write(fd_, text.data(), text.size()), static_cast<ssize_t>(text.size()));
     pollfd state{pty_.descriptor(), POLLIN, 0};
     ASSERT_EQ(::poll(&state, 1, 2000), 1);
@@ -147,6 +147,76 @@ std::vector<std::string_view> names() {
   std::vector<std::string_view> all;
   for (const FastrakClient& client : fastrak_clients()) all.push_back(client.name);
   return all;
+}
+
+/// A unit that does not do as it is told.
+class Faulty : public Client {
+ public:
+  using Client::Client;
+  void put(std::string_view text) override {
+    if (text != ignores) Client::put(text);
+  }
+  std::string wait(Time span, std::size_t enough = std::string::npos) override {
+    const std::size_t own = enough == std::string::npos ? enough : enough - (echoes ? 1 : 0);
+    std::string heard = Client::wait(span, own);
+    if (cuts && heard.size() >= 55) heard.erase(20, 1);
+    return (echoes ? sent().substr(0, 1) : "") + heard;
+  }
+  std::string ignores;
+  bool echoes = false, cuts = false;
+};
+
+/// The first demand that a reading of the unit does not meet, whole.
+std::string first_unmet(Faulty& line) {
+  std::vector<FastrakDemand> demands;
+  examine_readings(line, demands);
+  const auto unmet = std::ranges::find(demands, false, &FastrakDemand::met);
+  if (unmet == demands.end()) return "";
+  return "sent " + unmet->sent + ", wanted " + unmet->what + ", got " + unmet->found;
+}
+
+TEST(FastrakClientsTest, AReadingIsHeldAgainstOneInTheOtherUnit) {
+  for (int stations = 1; stations <= 4; ++stations) {
+    Faulty good(plugged(stations, ""));
+    std::vector<FastrakDemand> demands;
+    EXPECT_EQ(examine_readings(good, demands), stations);
+    EXPECT_EQ(first_unmet(good), "");
+  }
+  Faulty inches(plugged(2));
+  inches.ignores = "u";
+  EXPECT_THAT(
+      first_unmet(inches),
+      testing::MatchesRegex("sent 1 bytes 'P', wanted in centimetres the place that it is in "
+                            "inches, got station 1 at .* m in ASCII and inches"));
+  Faulty ascii(plugged(2));
+  ascii.ignores = "f";
+  EXPECT_THAT(first_unmet(ascii),
+              testing::HasSubstr("wanted a set of 58 bytes, 29 for each station, got"));
+}
+
+TEST(FastrakClientsTest, WhatAUnitSaysInsteadIsShownByteByByte) {
+  Faulty echo(plugged(1));
+  echo.echoes = true;
+  EXPECT_THAT(first_unmet(echo),
+              testing::StartsWith("sent 1 bytes 'S', wanted a status record of 55 "
+                                  "bytes, got 56 bytes 'S21S"));
+  Faulty cut(plugged(1));
+  cut.cuts = true;
+  EXPECT_THAT(first_unmet(cut),
+              testing::StartsWith("sent 1 bytes 'S', wanted a status record of 55 "
+                                  "bytes, got 54 bytes '21S"));
+  std::vector<FastrakDemand> demands;
+  EXPECT_EQ(examine_readings(cut, demands), 1);  // it goes on
+  EXPECT_GT(demands.size(), 8u);
+  // Each client says as much of what it lacks.
+  Faulty deaf(plugged(1));
+  deaf.ignores = "S";
+  demands.clear();
+  run_client(client_named("VRPN"), deaf, 1, 1s, demands);
+  const auto unmet = std::ranges::find(demands, false, &FastrakDemand::met);
+  ASSERT_NE(unmet, demands.end());
+  EXPECT_EQ(unmet->sent, "1 bytes 'S'");
+  EXPECT_EQ(unmet->found, "nothing");
 }
 
 class FastrakClientTest : public testing::TestWithParam<std::string_view> {};
