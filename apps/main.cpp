@@ -1,12 +1,16 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <memory>
+#include <optional>
 #include <system_error>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/nearest.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "devices/version.h"
@@ -39,17 +43,67 @@ int fail(const CLI::App& app, bool json, const std::string& why, int code) {
   return code;
 }
 
-/// Refuses a first word that is no command, by name: the parser would only ask for one.
-void check_command(const CLI::App& app, int argc, const char* const* argv) {
-  if (argc < 2) throw UsageError("expected a command; `headpin --help` lists them");
-  if (argv[1][0] == '-') return;
-  std::string names;
+/// The commands of a command that people see.
+std::vector<std::string> commands_of(const CLI::App& app) {
+  std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    if (command->get_name() == argv[1]) return;
-    if (command->get_group().empty()) continue;
-    names += (names.empty() ? "" : ", ") + command->get_name();
+    if (!command->get_group().empty()) names.push_back(command->get_name());
   }
-  throw UsageError("unknown command '" + std::string(argv[1]) + "'; one of " + names);
+  return names;
+}
+
+const CLI::App* find_command(const CLI::App& app, std::string_view name) {
+  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
+    if (command->get_name() == name) return command;
+  }
+  return nullptr;
+}
+
+/// Refuses a first word that is no command, by name: the parser would only ask for one.
+void check_command(const CLI::App& app, std::string_view word) {
+  if (find_command(app, word)) return;
+  const std::vector<std::string> names = commands_of(app);
+  const std::optional<std::string> meant = nearest(word, names);
+  const std::string all =
+      names.empty() ? "there are none here" : fmt::format("one of {}", fmt::join(names, ", "));
+  throw UsageError(fmt::format("unknown command '{}'; {}", word,
+                               meant ? fmt::format("the nearest is {}", *meant) : all));
+}
+
+/// What is meant by a word that the parser did not expect: "; the nearest to --frction is
+/// --friction".
+std::string what_is_meant(const CLI::App& app) {
+  const CLI::App* command = &app;
+  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+  std::vector<std::string> options;
+  for (const CLI::Option* option : command->get_options()) {
+    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
+  }
+  for (const std::string& word : app.remaining(true)) {
+    const std::string bare = word.substr(0, word.find('='));
+    const auto meant = nearest(bare, bare.starts_with('-') ? options : commands_of(*command));
+    if (meant) return fmt::format("; the nearest to {} is {}", bare, *meant);
+  }
+  return "";
+}
+
+/// Says how a command is used, as its --help does.
+void add_help(CLI::App& app) {
+  const auto words = std::make_shared<std::vector<std::string>>();
+  CLI::App* command = app.add_subcommand("help", "Tell how a command is used");
+  command->add_option("COMMAND", *words, "such as replay; none: all of them");
+  command->footer("Example:\n  headpin help replay");
+  command->callback([words, &app] {
+    const CLI::App* at = &app;
+    std::string before;
+    for (const std::string& word : *words) {
+      check_command(*at, word);
+      before += (before.empty() ? "" : " ") + at->get_name();
+      at = find_command(*at, word);
+    }
+    const std::string name = before.empty() ? at->get_name() : before + " " + at->get_name();
+    fmt::print("{}", at->get_formatter()->make_help(at, name, CLI::AppFormatMode::Normal));
+  });
 }
 
 int run(CLI::App& app, int argc, char** argv) {
@@ -62,12 +116,14 @@ int run(CLI::App& app, int argc, char** argv) {
     return fail(app, json, error.what(), code);
   };
   try {
-    check_command(app, argc, argv);
+    if (argc < 2) throw UsageError("expected a command; `headpin --help` lists them");
+    if (argv[1][0] != '-') check_command(app, argv[1]);
     app.parse(argc, argv);
     return EXIT_SUCCESS;
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == EXIT_SUCCESS) return app.exit(error);  // --help and --version
-    return fail(app, json, fmt::format("{}; see `{} --help`", error.what(), name_of(app)), 2);
+    const std::string why = error.what() + what_is_meant(app);
+    return fail(app, json, fmt::format("{}; see `{} --help`", why, name_of(app)), 2);
   } catch (const Stopped& error) {
     return fail(app, json, error.what(), 128 + error.signal);
   } catch (const UsageError& error) {
@@ -113,6 +169,7 @@ int main(int argc, char** argv) {
   apps::add_stream(app);
   apps::add_emulate(app);
   apps::add_conformance(app);
+  apps::add_help(app);
   apps::add_manual(app);
   apps::add_draw(app);
   const int code = apps::run(app, argc, argv);

@@ -34,6 +34,33 @@ TEST_F(CommandLine, EveryCommandHelpsWithAnExample) {
   EXPECT_GE(commands, 6);
 }
 
+TEST_F(CommandLine, HelpIsACommandToo) {
+  EXPECT_EQ(headpin("help").out, headpin("--help").out);
+  for (const std::string command : {"replay", "scenario", "help"}) {
+    const Result help = headpin("help " + command);
+    EXPECT_EQ(help.code, 0) << help.err;
+    EXPECT_EQ(help.out, headpin(command + " --help").out) << command;
+  }
+  expect_refusal("help replya", 2, "unknown command 'replya'; the nearest is replay");
+  expect_refusal("help replay more", 2, "unknown command 'more'; there are none here");
+}
+
+TEST_F(CommandLine, WhatIsMistypedIsToldWithTheNearest) {
+  for (const auto& [typed, nearest] :
+       {std::pair{"replya x", "unknown command 'replya'; the nearest is replay"},
+        {"enulate", "the nearest is emulate"},
+        {"fraems x -o y", "the nearest is frames"},
+        {"inf x", "the nearest is info"},
+        {"replay x --frction 0.1", "the nearest to --frction is --friction"},
+        {"replay x --elastciity=0.1", "the nearest to --elastciity is --elasticity"},
+        {"live --recrod x", "the nearest to --recrod is --record"}}) {
+    expect_refusal(typed, 2, nearest);
+  }
+  for (const char* typed : {"bowl", "replay x --nothing-like-it", "replay x y"}) {
+    EXPECT_THAT(headpin(typed).err, testing::Not(HasSubstr("nearest"))) << typed;
+  }
+}
+
 TEST_F(CommandLine, WrongUseIsTwo) {
   expect_refusal("", 2, "expected a command");
   expect_refusal("bowl", 2, "bowl");
