@@ -11,6 +11,7 @@
 #include "apps/study_folder.h"
 #include "files/left_parts.h"
 #include "files/output_file.h"
+#include "scene/read_scenario.h"
 #include "scene/scenario.h"
 
 namespace headpin::apps {

@@ -8,6 +8,7 @@
 #include "devices/random.h"
 #include "engine/hash.h"
 #include "scene/participant.h"
+#include "scene/read_scenario.h"
 #include "scene/recorded.h"
 #include "scene/totals.h"
 #include "scene/trial_writer.h"

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "scene/looks.h"
+#include "scene/read_scenario.h"
 #include "scene/room.h"
 #include "scene/scenario_files.h"
 

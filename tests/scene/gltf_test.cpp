@@ -12,6 +12,7 @@
 
 #include "scene/eyes.h"
 #include "scene/mesh_file.h"
+#include "scene/read_scenario.h"
 #include "scene/seen_mesh.h"
 #include "tests/support/folder.h"
 
