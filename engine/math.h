@@ -4,6 +4,16 @@
 #include <cmath>
 #include <cstdint>
 
+// The library is compiled so; otherwise layouts and bits would be others, without a word.
+#ifndef EIGEN_DONT_VECTORIZE
+#error \
+    "headpin: add what `pkg-config --cflags headpin-engine` says, at least -DEIGEN_DONT_VECTORIZE -ffp-contract=off"
+#endif
+#ifdef __FAST_MATH__
+#error \
+    "headpin: leave out -ffast-math (or add -fno-fast-math): results are equal bits, and NaN is refused"
+#endif
+
 #include <Eigen/Dense>
 
 /// Poses, vectors and time: the only thing every folder shares.
@@ -15,6 +25,10 @@ using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;
 using Mat3 = Eigen::Matrix3d;
 using Quat = Eigen::Quaterniond;
+
+static_assert(sizeof(Quat) == 4 * sizeof(double) && alignof(Quat) == alignof(double) &&
+                  !Mat3::IsRowMajor,
+              "headpin: leave out the EIGEN_ macros that change alignment or storage order");
 
 /// A stamp or a span. Simulated time never reads the wall clock.
 using Time = std::chrono::microseconds;

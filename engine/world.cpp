@@ -270,7 +270,7 @@ Statistics& Statistics::operator+=(const Statistics& other) {
   return *this;
 }
 
-World make_world(const Parameters& parameters) {
+World make_world(const Parameters& parameters, SameLayout) {
   check_parameters(parameters);
   World world;
   world.parameters = parameters;

@@ -104,10 +104,18 @@ struct World {
   detail::Scratch scratch;
 };
 
+/// A type that is the library's own for whoever sees the same layouts, and unknown to it otherwise:
+/// then make_world() does not link. Flags like -D_GLIBCXX_DEBUG change them.
+template <std::size_t... layout>
+struct CompiledWithTheFlagsOf_pkg_config_cflags_headpin_engine {};
+using SameLayout = CompiledWithTheFlagsOf_pkg_config_cflags_headpin_engine<
+    sizeof(World), alignof(World), sizeof(Body), sizeof(State), sizeof(Compound), sizeof(Shape),
+    sizeof(Ledger), sizeof(ContactEvent)>;
+
 /// An empty world.
 ///
 /// @throws std::invalid_argument  naming the parameter, what it is and what it may be
-World make_world(const Parameters& parameters);
+World make_world(const Parameters& parameters, SameLayout = {});
 
 /// @return  its number: bodies are counted from 0
 /// @throws std::invalid_argument  naming the body and the value that cannot be: mass or inertia not

@@ -103,5 +103,25 @@ folder=$(dirname "$(find engine -name headpin-engine.pc)")
   $(PKG_CONFIG_PATH=$folder pkg-config --cflags --libs headpin-engine)
 ./with_pkg_config
 
+echo "== other flags than the engine's"
+# refused SAYS FLAG...: with these the client is not made, and it is said what to do.
+refused() {
+  local says=$1
+  shift
+  # shellcheck disable=SC2046
+  if "$compiler" $flags "$here/engine_client/client.cpp" -o refused \
+    $(PKG_CONFIG_PATH=$folder pkg-config --cflags headpin-engine) "$@" \
+    $(PKG_CONFIG_PATH=$folder pkg-config --libs headpin-engine) >log.txt 2>&1; then
+    fail "$*: a client came of it"
+  fi
+  grep -q -e "$says" log.txt || { cat log.txt; fail "$*: '$says' is not said"; }
+}
+refused "pkg-config --cflags headpin-engine" -UEIGEN_DONT_VECTORIZE
+refused "leave out -ffast-math" -ffast-math
+refused "leave out the EIGEN_ macros" -DEIGEN_MAX_STATIC_ALIGN_BYTES=32
+refused "leave out the EIGEN_ macros" -DEIGEN_DEFAULT_TO_ROW_MAJOR
+refused "CompiledWithTheFlagsOf_pkg_config_cflags_headpin_engine" -D_GLIBCXX_DEBUG
+refused "CompiledWithTheFlagsOf_pkg_config_cflags_headpin_engine" -D_GLIBCXX_USE_CXX11_ABI=0
+
 ! grep -rIl -e "$build" -e "$work/first" -e "$(cd "$here/../.." && pwd)" elsewhere engine ||
   fail "these name the folder they were made in"
