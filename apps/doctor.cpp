@@ -14,6 +14,7 @@
 #include "apps/streams.h"
 #include "devices/lcm_link.h"
 #include "devices/lcm_source.h"
+#include "render/egl_devices.h"
 #include "render/fingerprint.h"
 #include "scene/eyes.h"
 
@@ -53,6 +54,22 @@ std::vector<Finding> look_at_contexts(const std::string& gl) {
       look_at_eyes("egl", "egl", "apt-get install libegl1 libegl-mesa0", pictures)};
   if (findings[1].works && findings[2].works) {
     findings[2].says += pictures.size() == 1 ? "; draws the same" : "; draws other bits";
+  }
+  return findings;
+}
+
+/// A line for each device that EGL lists.
+std::vector<Finding> look_at_devices() {
+  std::vector<Finding> findings;
+  try {
+    for (const render::EglDevice& device : render::egl_devices()) {
+      findings.push_back(
+          {fmt::format("egl:{}", device.number), device.works,
+           device.says + (device.cuda ? fmt::format("; CUDA's {}", *device.cuda) : ""),
+           "ls -l /dev/dri /dev/nvidia* /usr/share/glvnd/egl_vendor.d"});
+    }
+  } catch (const std::runtime_error& error) {
+    findings.push_back({"egl:auto", false, error.what(), "apt-get install libegl1 libegl-mesa0"});
   }
   return findings;
 }
@@ -111,7 +128,10 @@ Finding look_for_program(const char* name, const char* package) {
 }
 
 void diagnose(bool json, const std::string& gl) {
+  const std::vector<Finding> devices =
+      look_at_devices();  // before libEGL is told to ask Mesa alone
   std::vector<Finding> findings = look_at_contexts(gl);
+  findings.insert(findings.end(), devices.begin(), devices.end());
   for (const Finding& finding :
        {look_at_multicast(), look_at_receive_buffer(), look_at_priority(),
         look_for_program("ffmpeg", "ffmpeg"), look_for_program("lcm-logplayer", "liblcm-bin"),

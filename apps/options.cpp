@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <cstdlib>
 
-#include <fmt/ranges.h>
+#include <fmt/format.h>
 
 #include "apps/command.h"
 #include "render/gl_context.h"
@@ -21,6 +21,12 @@ std::optional<T> whole(const std::string& text) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
   return value;
+}
+
+/// What is wrong with the name of an OpenGL context, empty where nothing is.
+std::string wrong_context(std::string_view name) {
+  if (render::is_context_name(name)) return "";
+  return fmt::format("expected osmesa, egl, egl:auto or egl:NUMBER, found '{}'", name);
 }
 
 }  // namespace
@@ -44,23 +50,22 @@ CLI::Option* add_json(CLI::App& command, bool& value) {
 }
 
 CLI::Option* add_gl(CLI::App& command, std::string& value) {
-  std::vector<std::string> names;
-  for (const std::string_view name : render::context_names()) names.emplace_back(name);
   // Not by CLI11's envname: it has commands that draw nothing refuse what stands in the variable.
-  command.parse_complete_callback([&value, names] {
+  command.parse_complete_callback([&value] {
     const char* const variable = std::getenv("HEADPIN_GL");
     if (!value.empty() || !variable || *variable == '\0') return;
     value = variable;
-    if (std::ranges::find(names, value) == names.end()) {
-      throw UsageError(fmt::format("HEADPIN_GL in the environment: expected {}, found '{}'",
-                                   fmt::join(names, " or "), value));
+    if (const std::string wrong = wrong_context(value); !wrong.empty()) {
+      throw UsageError("HEADPIN_GL in the environment: " + wrong);
     }
   });
   return command
       .add_option("--gl", value,
-                  "what draws: osmesa, or egl without a surface; the first that does when not "
-                  "given, here or in HEADPIN_GL")
-      ->check(CLI::IsMember(names));
+                  "what draws: osmesa, or egl without a surface, both on the processor; the first "
+                  "that does when not given, here or in HEADPIN_GL; egl:auto or egl:NUMBER: a "
+                  "device as doctor lists them, a graphics card")
+      ->check(CLI::Validator([](std::string& name) { return wrong_context(name); },
+                             "osmesa|egl|egl:auto|egl:N"));
 }
 
 CLI::Option* add_states(CLI::App& command, devices::States& value) {

@@ -14,6 +14,7 @@
 #include <thread>
 #include <vector>
 
+#include "render/egl_devices.h"
 #include "render/gl_functions.h"
 
 #ifdef HEADPIN_SANITIZED
@@ -115,7 +116,12 @@ std::span<const std::string_view> context_names() {
   return kNames;
 }
 
+bool is_context_name(std::string_view name) {
+  return std::ranges::find(context_names(), name) != context_names().end() || is_egl_device(name);
+}
+
 std::unique_ptr<GlContext> open_context(std::string_view name) {
+  if (is_egl_device(name)) return open_egl_device(name);
   std::string why;
   for (const Opener& opener : kOpeners) {
     if (!name.empty() && name != opener.name) continue;
@@ -131,7 +137,7 @@ std::unique_ptr<GlContext> open_context(std::string_view name) {
   }
   if (why.empty()) {
     throw std::invalid_argument("OpenGL context '" + std::string(name) +
-                                "': expected osmesa or egl");
+                                "': expected osmesa, egl, egl:auto or egl:NUMBER");
   }
   throw std::runtime_error("nothing to draw with: " + why);
 }
@@ -217,6 +223,14 @@ void check_drawing(const Gl& gl) {
     throw std::runtime_error("OpenGL does not draw: a test picture read back is wrong (" +
                              text(gl, GL_RENDERER) + ")");
   }
+}
+
+std::string renderer_name(const Gl& gl) {
+  return text(gl, GL_RENDERER);
+}
+
+bool draws_on_the_processor(std::string_view renderer) {
+  return renderer.starts_with("llvmpipe") || renderer.starts_with("softpipe");
 }
 
 std::string describe(const GlContext& context, const Gl& gl) {

@@ -208,7 +208,8 @@ TEST_F(Frames, TheEnvironmentChoosesWhatDraws) {
   }
   EXPECT_EQ(wrong.code, 2) << wrong.err;
   EXPECT_THAT(wrong.err,
-              HasSubstr("HEADPIN_GL in the environment: expected osmesa or egl, found 'glut'"));
+              HasSubstr("HEADPIN_GL in the environment: expected osmesa, egl, egl:auto or "
+                        "egl:NUMBER, found 'glut'"));
   EXPECT_EQ(draws_nothing.code, 0) << draws_nothing.err;
 }
 
