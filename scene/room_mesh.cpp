@@ -382,14 +382,14 @@ std::vector<Lamp> room_lamps(const RoomMeasures& room) {
   const double z = room.height - 0.12;
   // Three over the paper's 10.6 m, and as much light to a metre in any other room: as many as there
   // is room for beside the last one, stronger where they hang farther apart.
-  constexpr double kApart = 3.18, kPower = 2.3, kFirst = 0.16 / 0.3;
+  constexpr double kApart = 3.18, kPower = 2.3, kInset = 0.16 / 0.3;
   constexpr int kMost = static_cast<int>(render::DrawList::kLamps) - 1;
   const double lit = 0.9 * (room.behind + room.ahead);
   const int count = std::clamp(static_cast<int>(std::lround(lit / kApart)), 1, kMost);
   const double apart = lit / count;
   std::vector<Lamp> lamps;
   for (int i = 0; i < count; ++i) {
-    const double y = -room.behind + (i + kFirst) * apart;
+    const double y = -room.behind + (i + kInset) * apart;
     lamps.push_back({{0.0, y, z}, kPower * apart / kApart * warm});
   }
   // Hidden behind the panel where there is one, on the ceiling otherwise.
