@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <regex>
 #include <set>
@@ -56,6 +57,22 @@ TEST(Layers, IncludesPointDownwards) {
           << file << " includes " << target;
     }
   }
+}
+
+// A name that is the same for everybody is another user's by chance, or another run's.
+TEST(Tests, TakeTheirTemporaryFoldersFromSupport) {
+  static const std::regex pattern(R"(TempDir\(|"/tmp/|temp_directory_path\()");
+  int read = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(HEADPIN_SOURCE_DIR "/tests")) {
+    const std::string name = entry.path().filename().string();
+    const bool source = name.ends_with(".h") || name.ends_with(".cpp");
+    if (!source || name == "folder.h" || name == "layers_test.cpp") continue;
+    std::ifstream file(entry.path());
+    const std::string text(std::istreambuf_iterator<char>(file), {});
+    EXPECT_FALSE(std::regex_search(text, pattern)) << entry.path() << ": expected fresh_folder()";
+    ++read;
+  }
+  EXPECT_GT(read, 100);
 }
 
 // docs/paper.md says of each claim of the paper where it is done: by a file and names within it.

@@ -10,6 +10,8 @@
 #include <nlohmann/json.hpp>
 #include <sys/wait.h>
 
+#include "tests/support/folder.h"
+
 /// The program as a user meets it: every command run for real, in a folder of its own.
 namespace headpin {
 
@@ -20,19 +22,10 @@ struct Result {
   std::string out, err;
 };
 
-inline std::string slurp(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
-}
-
 class CommandLine : public testing::Test {
  protected:
   CommandLine() {
-    std::string pattern = (fs::temp_directory_path() / "headpin-XXXXXX").string();
-    if (!mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder");
-    folder_ = pattern;
+    folder_ = fresh_folder("apps");
     setenv("LSAN_OPTIONS", "print_suppressions=0", 0);  // one line is one line under sanitizers too
   }
   ~CommandLine() override { fs::remove_all(folder_); }

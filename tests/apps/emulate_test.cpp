@@ -18,6 +18,7 @@
 #include "devices/lasting_line.h"
 #include "devices/log.h"
 #include "devices/recorded_motion.h"
+#include "tests/support/folder.h"
 
 namespace headpin {
 namespace {
@@ -27,11 +28,7 @@ using namespace std::chrono_literals;
 
 class Emulate : public testing::Test {
  protected:
-  Emulate() {
-    std::string pattern = (fs::temp_directory_path() / "headpin-XXXXXX").string();
-    if (!mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder");
-    folder_ = pattern;
-  }
+  Emulate() { folder_ = fresh_folder("emulate"); }
   ~Emulate() override {
     if (child_ > 0) kill(child_, SIGKILL), waitpid(child_, nullptr, 0);
     fs::remove_all(folder_);

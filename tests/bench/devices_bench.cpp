@@ -19,6 +19,7 @@
 #include "devices/log.h"
 #include "devices/sources.h"
 #include "tests/bench/report.h"
+#include "tests/support/folder.h"
 
 namespace {
 
@@ -108,21 +109,12 @@ double stream_a_minute() {
 
 /// A folder for the time being.
 struct Folder {
-  Folder() {
-    std::string name = (std::filesystem::temp_directory_path() / "headpin-bench-XXXXXX").string();
-    if (!mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
-    path = name;
-  }
-  ~Folder() { std::filesystem::remove_all(path); }
-  Folder(const Folder&) = delete;
-  Folder& operator=(const Folder&) = delete;
-
   bool run(const std::string& command) const {
     return std::system(("cd '" + path.string() + "' && " + command).c_str()) == 0;
   }
   std::string operator/(const char* name) const { return (path / name).string(); }
 
-  std::filesystem::path path;
+  std::filesystem::path path = fresh_folder("bench");
 };
 
 /// Reads it as its users do, message by message into a trial; returns the states.

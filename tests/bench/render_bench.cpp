@@ -25,6 +25,7 @@
 #include "scene/skittle_mesh.h"
 #include "tests/bench/mujoco_pictures.h"
 #include "tests/bench/report.h"
+#include "tests/support/folder.h"
 
 // What a stereo frame of the bundled throw costs in each look, beside MuJoCo's of a like room; how
 // near it comes to one of very many samples; what it costs to keep it. All in processor time on one
@@ -298,14 +299,12 @@ void add_outputs(const Throw& a_throw, double standard_ms, std::vector<bench::Ro
 }
 
 void add_processes(std::vector<bench::Row>& rows) {
-  const std::string cache = fmt::format("/tmp/render_bench.{}", getpid());
-  std::filesystem::create_directories(cache);
+  const std::string cache = fresh_folder("cache");
   const double empty = finished(start_drawing(0, 0, cache.c_str()));
   const double cold = finished(start_drawing(1, 0, cache.c_str()));
   double megabytes = 0.0;
   std::ifstream(cache + "/megabytes") >> megabytes;
   const double warm = finished(start_drawing(1, 0, cache.c_str()));
-  std::filesystem::remove_all(cache);
   rows.push_back({"first frame, cold", "CPU s", cold - empty, "goal", 0.8});
   rows.push_back({"first frame, warm", "CPU s", warm - empty, "goal", 0.4});
   rows.push_back({"memory with one renderer", "MB", megabytes, "goal", 150.0});

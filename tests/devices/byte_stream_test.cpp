@@ -15,6 +15,7 @@
 
 #include "devices/lasting_line.h"
 #include "files/lock.h"
+#include "tests/support/folder.h"
 
 namespace headpin::devices {
 namespace {
@@ -41,8 +42,7 @@ std::string get(ByteStream& stream, std::size_t count) {
 }
 
 fs::path scratch(const std::string& name) {
-  fs::path folder = fs::path(testing::TempDir()) / ("byte_stream_" + std::to_string(getpid()));
-  fs::create_directories(folder);
+  static const fs::path folder = fresh_folder("stream");
   return folder / name;
 }
 

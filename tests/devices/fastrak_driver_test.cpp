@@ -18,6 +18,7 @@
 #include "devices/fastrak_geometry.h"
 #include "devices/lasting_line.h"
 #include "devices/stamped_stream.h"
+#include "tests/support/folder.h"
 
 namespace headpin::devices {
 namespace {
@@ -729,7 +730,7 @@ class Tty : public Adapter {
   std::unique_ptr<ByteStream> plug_in() override { return std::make_unique<PseudoTerminal>(path_); }
 
  private:
-  std::string path_ = testing::TempDir() + "headpin_unit_" + std::to_string(getpid());
+  std::string path_ = (fresh_folder("unit") / "tty").string();
 };
 
 class Ethernet : public Adapter {

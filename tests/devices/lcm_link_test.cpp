@@ -15,6 +15,7 @@
 #include "devices/log.h"
 #include "devices/messages.h"
 #include "devices/sources.h"
+#include "tests/support/folder.h"
 
 namespace headpin::devices {
 namespace {
@@ -52,7 +53,7 @@ TEST(LcmLinkTest, WhatIsPublishedArrivesOnTheSessionsClock) {
 }
 
 TEST(LcmLinkTest, ALogEndsAndIsNotWrittenTo) {
-  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / "headpin_link.log";
+  const std::filesystem::path path = fresh_folder("link") / "link.log";
   {
     LcmLink log("file://" + path.string() + "?mode=w");
     EXPECT_FALSE(log.is_replay());
@@ -73,8 +74,7 @@ TEST(LcmLinkTest, ALogEndsAndIsNotWrittenTo) {
 
 // liblcm's reader dies of a length of 0x7fffffff and ends at the first bad header; ours goes on.
 TEST(LcmLinkTest, ADamagedLogPlaysWhatIsWhole) {
-  const std::filesystem::path path =
-      std::filesystem::path(testing::TempDir()) / "headpin_damaged.log";
+  const std::filesystem::path path = fresh_folder("link") / "damaged.log";
   std::string bytes;
   {
     {
@@ -292,8 +292,7 @@ TEST(LcmLinkTest, ForeignAndImpossibleMessagesAreCountedAndPassedOver) {
 }
 
 TEST(LcmLinkTest, PosesHaveTheBytesOfBotCoresType) {
-  std::string folder = testing::TempDir() + "headpin_lcm_XXXXXX";
-  const std::string path = std::string(mkdtemp(folder.data())) + "/poses.lcmlog";
+  const std::string path = fresh_folder("link") / "poses.lcmlog";
   {
     LcmLink link("file://" + path + "?mode=w");
     link.publish_pose("HEAD_POSE", Time{0x0102030405060708}, {Quat(1, 0, 0, 0), Vec3(2, 0, 0)});

@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include "tests/support/folder.h"
 #include "tests/support/output_of.h"
 
 namespace headpin::render {
@@ -38,12 +39,6 @@ std::string told(const fs::path& video, const std::string& entries) {
 
 class Video : public testing::Test {
  protected:
-  Video() {
-    std::string name = testing::TempDir() + "headpin_video_XXXXXX";
-    folder_ = mkdtemp(name.data());
-  }
-  ~Video() override { fs::remove_all(folder_); }
-
   fs::path file() const { return folder_ / "stereo.mkv"; }
 
   /// Puts a program of that name and text before all others.
@@ -62,7 +57,7 @@ class Video : public testing::Test {
     return count;
   }
 
-  fs::path folder_;
+  fs::path folder_ = fresh_folder("video");
 };
 
 std::string message_of(const std::function<void()>& call) {

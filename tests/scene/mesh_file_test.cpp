@@ -27,7 +27,8 @@ constexpr const char* kCube =
     "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 
 std::filesystem::path file(const std::string& name, const std::string& text) {
-  const std::filesystem::path path = std::filesystem::path(testing::TempDir()) / name;
+  static const std::filesystem::path folder = fresh_folder("mesh");
+  const std::filesystem::path path = folder / name;
   std::ofstream(path) << text;
   return path;
 }

@@ -97,7 +97,7 @@ TEST(PageData, RefusesWhatCannotBeMovedTo) {
 
 /// The bundled trial with the states of a replay, the ball in one of them a little elsewhere.
 std::string trial_with_states(std::int64_t moved_tick) {
-  const std::string path = std::string(testing::TempDir()) + "/headpin_page_states.lcmlog";
+  const std::string path = fresh_folder("page") / "states.lcmlog";
   const Recorded recorded = load_trial(kDemo);
   Session session = make_session(recorded.scenario);
   devices::TrialHeader header = recorded.file.summary().header;
@@ -136,7 +136,7 @@ TEST(PageData, ShowsWhatWasRecordedWhereTheReplayDiffersAndSaysWhere) {
 }
 
 TEST(PageData, OfALongTrialDrawsEveryNthTickAndTheLast) {
-  const std::string path = std::string(testing::TempDir()) + "/headpin_page_long.lcmlog";
+  const std::string path = fresh_folder("page") / "long.lcmlog";
   const Recorded demo = load_trial(kDemo);
   devices::Recorder recorder(path, demo.file.summary().header, {.overwrite = true});
   for (const int second : {0, 40, 80, 131}) {

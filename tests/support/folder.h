@@ -7,10 +7,11 @@
 #include <string>
 
 #include <stdlib.h>
+#include <unistd.h>
 
 namespace headpin {
 
-/// A folder of its own for a test; gone with it.
+/// A folder of its own for a test; gone with it. Of a process that forks it is the parent's.
 class TemporaryFolder {
  public:
   TemporaryFolder() {
@@ -18,7 +19,9 @@ class TemporaryFolder {
     if (!mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder");
     path_ = pattern;
   }
-  ~TemporaryFolder() { std::filesystem::remove_all(path_); }
+  ~TemporaryFolder() {
+    if (getpid() == maker_) std::filesystem::remove_all(path_);
+  }
   TemporaryFolder(const TemporaryFolder&) = delete;
   TemporaryFolder& operator=(const TemporaryFolder&) = delete;
 
@@ -27,12 +30,13 @@ class TemporaryFolder {
 
  private:
   std::filesystem::path path_;
+  pid_t maker_ = getpid();
 };
 
-/// A new folder where tests put what they leave.
+/// A new folder, gone with the process.
 inline std::filesystem::path fresh_folder(const std::string& name) {
-  std::string pattern =
-      (std::filesystem::temp_directory_path() / ("headpin-" + name + "-XXXXXX")).string();
+  static const TemporaryFolder all;
+  std::string pattern = (all / (name + "-XXXXXX")).string();
   if (!mkdtemp(pattern.data())) throw std::runtime_error("no temporary folder");
   return pattern;
 }
