@@ -35,7 +35,7 @@ until [ -e line ]; do kill -0 "$unit"; sleep 0.1; done
 kill -INT "$unit"
 wait "$unit" || true
 unit=
-"$headpin" frames session.lcmlog -o frames --frames 1-4 --jobs 2 --video eyes.mkv >/dev/null
+"$headpin" frames session.lcmlog -o frames --frames 1-4 --jobs 2 >/dev/null
 "$headpin" replay session.lcmlog --verify --json >replay.json
 python3 - <<'PYTHON'
 import json
