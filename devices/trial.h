@@ -108,7 +108,8 @@ struct Skipped {
 
 /// Messages in a row, none more than a second from the next, with the same thing amiss.
 struct Trouble {
-  std::string kind;    ///< undecodable, implausible, foreign, baseless, misdated, late, lost or astray
+  std::string
+      kind;  ///< undecodable, implausible, foreign, baseless, misdated, late, lost or astray
   std::string device;  ///< whose samples, or the channel
   std::int64_t messages = 0;
   Time from{}, to{};  ///< by the stamps of LCM's event headers, since the log's first

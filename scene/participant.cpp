@@ -209,7 +209,8 @@ const Vec3& Participant::next_button(const Session& session) const {
 }
 
 Vec2 Participant::button_spot(const Session& session) const {
-  return level_of(next_button(session)) - Vec2(body_.build.shoulder_aside(), 0.8 * body_.build.arm());
+  return level_of(next_button(session)) -
+         Vec2(body_.build.shoulder_aside(), 0.8 * body_.build.arm());
 }
 
 void Participant::touch(const Session& session, double now) {

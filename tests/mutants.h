@@ -18,8 +18,8 @@ inline bool headpin_mutant(int number) {
     constexpr int kMost = 1 << 16;
     const char* name = std::getenv("HEADPIN_MUTANTS_REACHED");
     const int file = name != nullptr ? ::open(name, O_RDWR | O_CLOEXEC) : -1;
-    void* bytes = file < 0 ? MAP_FAILED
-                           : mmap(nullptr, kMost, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
+    void* bytes =
+        file < 0 ? MAP_FAILED : mmap(nullptr, kMost, PROT_READ | PROT_WRITE, MAP_SHARED, file, 0);
     return bytes == MAP_FAILED ? nullptr : static_cast<char*>(bytes);
   }();
   if (reached != nullptr) reached[number] = 1;

@@ -1,7 +1,7 @@
 // A session in real time: fed by LCM's own player, stopped by signals, replayed to the bit.
 
-#include "scene/read_scenario.h"
 #include "devices/log.h"
+#include "scene/read_scenario.h"
 #include "scene/scenario.h"
 #include "tests/apps/command_line.h"
 

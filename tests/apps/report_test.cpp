@@ -1,7 +1,6 @@
-#include "apps/page_file.h"
-
 #include <map>
 
+#include "apps/page_file.h"
 #include "devices/log.h"
 #include "tests/apps/command_line.h"
 

@@ -2,8 +2,8 @@
 
 #include <fmt/format.h>
 
-#include "scene/read_scenario.h"
 #include "devices/log.h"
+#include "scene/read_scenario.h"
 #include "scene/scenario.h"
 #include "tests/apps/command_line.h"
 #include "tests/support/hand_script.h"

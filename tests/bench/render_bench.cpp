@@ -14,13 +14,13 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "scene/read_scenario.h"
 #include "devices/log.h"
 #include "devices/sources.h"
 #include "render/display.h"
 #include "render/video.h"
 #include "scene/eyes.h"
 #include "scene/hand_mesh.h"
+#include "scene/read_scenario.h"
 #include "scene/recorded.h"
 #include "scene/skittle_mesh.h"
 #include "tests/bench/mujoco_pictures.h"

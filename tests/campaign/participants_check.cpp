@@ -11,9 +11,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "scene/read_scenario.h"
 #include "scene/events.h"
 #include "scene/participant.h"
+#include "scene/read_scenario.h"
 #include "scene/totals.h"
 
 // How fast virtual participants throw and what they fell.

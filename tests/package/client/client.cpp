@@ -1,7 +1,7 @@
 #include <cstdio>
 
-#include "scene/read_scenario.h"
 #include "render/eyes.h"
+#include "scene/read_scenario.h"
 #include "scene/scenario.h"
 
 int main() {
