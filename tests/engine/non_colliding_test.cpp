@@ -387,7 +387,7 @@ TEST(PaperMode, ComesNearerToTheClosestPointsTheHigherItsCap) {
   Pool pool(65);
   constexpr int kCaps[] = {5, 20};
   std::vector<double> degrees[2], over[2], degrees_of_last[2];
-  for (int i = 0; i < 450 / kThin; ++i) {
+  for (int i = 0; i < 450; ++i) {
     const Shallow p = shallow(pool, i % 3, i / 3 % 3);
     const Least least = searched(pool.random, p, line_of_centres(p.a, p.b, p.X_AB));
     for (int k = 0; k < 2; ++k) {

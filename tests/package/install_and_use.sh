@@ -48,7 +48,10 @@ for page in headpin $(printf 'headpin-%s ' $commands); do
     done
   fi
 done
-[ "$(ls "$prefix/share/man/man1" | wc -l)" -eq $(($(wc -w <<<"$commands") + 1)) ] || fail "a page too many"
+for file in "$prefix"/share/man/man1/*.1.gz; do  # headpin-experiment-plan is of `headpin experiment plan`
+  read -r -a words <<<"$(basename "$file" .1.gz | tr - ' ')"
+  "$headpin" "${words[@]:1}" --help >page.txt || fail "$file is of no command"
+done
 
 echo "== completion in bash"
 completed() { # WORD... -> what the last may become

@@ -17,6 +17,7 @@ usage: run_blocks.py SOURCE-FOLDER PROGRAM
 - A `bibtex` or `text` block is not run.
 """
 
+import contextlib
 import os
 import re
 import shutil
@@ -170,14 +171,20 @@ def run_console(source, program, consoles):
             process.wait()
             said += complaints(block, printed(output))
             if waiting:
-                os.killpg(waiting.pid, signal.SIGTERM)
-                waiting.wait()
+                end(waiting, signal.SIGTERM)
                 waiting = None
     finally:
         if waiting:
-            os.killpg(waiting.pid, signal.SIGKILL)
+            end(waiting, signal.SIGKILL)
         shutil.rmtree(folder)
     return said
+
+
+def end(process, how):
+    """Ends a block that runs beside others, and what it started; it may have ended by itself."""
+    with contextlib.suppress(ProcessLookupError):
+        os.killpg(process.pid, how)
+    process.wait()
 
 
 def check_sources(source, block):
