@@ -271,13 +271,14 @@ TEST(Referee, WhatTheHandTopplesIsNoBallsAndIsSetAside) {
   const auto fallen = play.of_kind(kind::skittle_down);
   ASSERT_FALSE(fallen.empty());
   for (const devices::Event* e : fallen) EXPECT_EQ(e->detail, "hand");
+  const std::vector<std::string> first_fallen = fallen.front()->bodies;
   EXPECT_TRUE(play.of_kind(kind::delivery).empty());
-  play.miss();
+  play.miss();  // events that `fallen` points to move
   ASSERT_EQ(play.of_kind(kind::delivery).size(), 1u);
   EXPECT_EQ(play.of_kind(kind::delivery).front()->value, 0.0);
   ASSERT_EQ(play.of_kind(kind::dead_wood).size(), 1u);
   EXPECT_GE(play.of_kind(kind::dead_wood).front()->value, 1.0);
-  for (const std::string& name : fallen.front()->bodies) {
+  for (const std::string& name : first_fallen) {
     EXPECT_THAT(play.of_kind(kind::dead_wood).front()->bodies, testing::Contains(name));
   }
   EXPECT_GT(play.world().states[skittle].X_WB.p.y(), play.stage().scenario.room.ahead);
