@@ -9,7 +9,7 @@
 #include "apps/command.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "devices/log.h"
+#include "devices/trial/log.h"
 #include "files/input_file.h"
 #include "study/bids.h"
 

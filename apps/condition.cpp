@@ -8,7 +8,7 @@
 
 #include "apps/options.h"
 #include "engine/response.h"
-#include "scene/read_scenario.h"
+#include "scene/stage/read_scenario.h"
 
 namespace headpin::apps {
 

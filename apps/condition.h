@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "apps/command.h"
-#include "scene/scenario.h"
+#include "scene/scenario/scenario.h"
 
 namespace headpin::apps {
 

@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "devices/trial.h"
+#include "devices/trial/trial.h"
 
 namespace headpin::apps {
 

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "scene/eye_frames.h"
+#include "scene/watch/eye_frames.h"
 
 /// A live session's frames, drawn in a process of its own: when that crashes, pictures are missing
 /// and nothing else is.

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "files/output_file.h"
-#include "scene/looks.h"
+#include "scene/looks/looks.h"
 
 namespace headpin::apps {
 

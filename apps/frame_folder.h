@@ -5,7 +5,7 @@
 
 #include "files/output_folder.h"
 #include "files/output_text.h"
-#include "scene/eye_frames.h"
+#include "scene/watch/eye_frames.h"
 
 namespace headpin::apps {
 

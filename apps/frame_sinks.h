@@ -6,7 +6,7 @@
 
 #include "files/output_file.h"
 #include "render/video.h"
-#include "scene/eye_frames.h"
+#include "scene/watch/eye_frames.h"
 
 /// Where drawn frames go beside a folder: both eyes side by side, one after the other.
 namespace headpin::apps {

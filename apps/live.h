@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/condition.h"
-#include "devices/log.h"
+#include "devices/trial/log.h"
 
 /// A session in real time, for those commands that have one.
 namespace headpin::apps {

@@ -12,9 +12,9 @@
 #include "apps/command.h"
 #include "apps/drawing_process.h"
 #include "apps/streams.h"
-#include "scene/read_scenario.h"
-#include "scene/seen_mesh.h"
-#include "scene/viewer.h"
+#include "scene/stage/read_scenario.h"
+#include "scene/stage/seen_mesh.h"
+#include "scene/watch/viewer.h"
 
 namespace headpin::apps {
 

@@ -3,9 +3,9 @@
 #include <memory>
 #include <string>
 
-#include "devices/lcm_link.h"
-#include "scene/eye_frames.h"
-#include "scene/run.h"
+#include "devices/lcm/link.h"
+#include "scene/play/run.h"
+#include "scene/watch/eye_frames.h"
 
 /// What others see of a live session over LCM.
 namespace headpin::apps {

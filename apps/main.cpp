@@ -13,7 +13,7 @@
 #include "apps/nearest.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "devices/version.h"
+#include "devices/base/version.h"
 #include "files/lock.h"
 
 namespace headpin::apps {

@@ -8,8 +8,8 @@
 
 #include "apps/command.h"
 #include "apps/reference.h"
-#include "devices/version.h"
-#include "scene/scenario_files.h"
+#include "devices/base/version.h"
+#include "scene/scenario/files.h"
 
 // The manual pages and what completes a command line, written from the very options that the parser
 // reads, so that they cannot say anything else. The build calls this after linking.

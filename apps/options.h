@@ -5,7 +5,7 @@
 
 #include <CLI/CLI.hpp>
 
-#include "devices/log.h"
+#include "devices/trial/log.h"
 
 /// Options that several commands have: one name, one check and one sentence each.
 namespace headpin::apps {

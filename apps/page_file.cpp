@@ -8,11 +8,11 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include "devices/bytes.h"
-#include "devices/event_log.h"
-#include "devices/messages.h"
+#include "devices/base/bytes.h"
+#include "devices/trial/event_log.h"
+#include "devices/trial/messages.h"
 #include "files/input_file.h"
-#include "scene/scenario_files.h"
+#include "scene/scenario/files.h"
 
 namespace headpin::apps {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "scene/page_data.h"
+#include "scene/page/page_data.h"
 
 /// The one file that `headpin report` writes: a page made beforehand, and in it the trial.
 namespace headpin::apps {

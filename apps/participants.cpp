@@ -8,10 +8,10 @@
 #include "apps/command.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "devices/log.h"
-#include "scene/participant.h"
-#include "scene/read_scenario.h"
-#include "scene/totals.h"
+#include "devices/trial/log.h"
+#include "scene/people/participant.h"
+#include "scene/stage/read_scenario.h"
+#include "scene/watch/totals.h"
 
 namespace headpin::apps {
 

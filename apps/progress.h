@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <string>
 
-#include "scene/run.h"
+#include "scene/play/run.h"
 
 namespace headpin::apps {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "devices/trial.h"
-#include "scene/stage.h"
+#include "devices/trial/trial.h"
+#include "scene/stage/stage.h"
 
 namespace headpin::apps {
 

@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include "devices/tables.h"
-#include "devices/version.h"
-#include "scene/events.h"
-#include "scene/scenario.h"
+#include "devices/base/version.h"
+#include "devices/trial/tables.h"
+#include "scene/play/events.h"
+#include "scene/scenario/scenario.h"
 
 namespace headpin::apps {
 
@@ -69,7 +69,8 @@ std::string channels_page() {
       "# LCM channels and types\n\n{}A trial is one LCM event log; a live session speaks the same "
       "messages. Types of `headpin` unless they are said to be\nwire-compatible with another's; "
       "the "
-      "`.lcm` files are in `devices/types`, in `share/headpin/types` once installed, and whole in "
+      "`.lcm` files are in `devices/lcm/types`, in `share/headpin/types` once installed, and whole "
+      "in "
       "the\nheader of every trial.\n\n| channel | type | when |\n|---|---|---|\n",
       kWritten);
   for (const ChannelUse& use : channel_uses()) {

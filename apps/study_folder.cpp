@@ -11,11 +11,11 @@
 #include <unistd.h>
 
 #include "apps/command.h"
-#include "devices/trial_file.h"
+#include "devices/trial/file.h"
 #include "files/input_file.h"
 #include "files/lock.h"
-#include "scene/events.h"
-#include "scene/scenario_files.h"
+#include "scene/play/events.h"
+#include "scene/scenario/files.h"
 
 namespace headpin::apps {
 

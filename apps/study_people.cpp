@@ -13,8 +13,8 @@
 #include "apps/stop.h"
 #include "files/input_file.h"
 #include "files/sha256.h"
-#include "scene/events.h"
-#include "scene/recorded.h"
+#include "scene/play/events.h"
+#include "scene/watch/recorded.h"
 
 namespace headpin::apps {
 

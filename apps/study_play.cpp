@@ -4,14 +4,14 @@
 
 #include <fmt/format.h>
 
-#include "devices/log.h"
-#include "devices/random.h"
+#include "devices/base/random.h"
+#include "devices/trial/log.h"
 #include "engine/hash.h"
-#include "scene/participant.h"
-#include "scene/read_scenario.h"
-#include "scene/recorded.h"
-#include "scene/totals.h"
-#include "scene/trial_writer.h"
+#include "scene/people/participant.h"
+#include "scene/stage/read_scenario.h"
+#include "scene/watch/recorded.h"
+#include "scene/watch/totals.h"
+#include "scene/watch/trial_writer.h"
 
 namespace headpin::apps {
 

@@ -5,8 +5,8 @@
 #include <string>
 
 #include "apps/study_folder.h"
-#include "scene/scenario.h"
-#include "scene/score.h"
+#include "scene/play/score.h"
+#include "scene/scenario/scenario.h"
 
 /// How the sessions of a study are played, but for those in real time.
 namespace headpin::apps {

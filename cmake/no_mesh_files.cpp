@@ -1,8 +1,8 @@
 #include <stdexcept>
 
-#include "scene/mesh_file.h"
+#include "scene/stage/mesh_file.h"
 
-// In place of scene/mesh_file.cpp where there is no assimp. What collides is in a trial corner by
+// In place of scene/stage/mesh_file.cpp where there is no assimp. What collides is in a trial corner by
 // corner; a mesh that is only seen is a file, and says that it cannot be read here.
 namespace headpin::scene {
 

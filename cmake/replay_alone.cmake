@@ -15,7 +15,7 @@ endforeach()
 find_program(LCM_GEN lcm-gen REQUIRED)
 
 # One header per message, made by lcm-gen when its .lcm changes.
-file(GLOB types CONFIGURE_DEPENDS ${HEADPIN_ROOT}/devices/types/*.lcm)
+file(GLOB types CONFIGURE_DEPENDS ${HEADPIN_ROOT}/devices/lcm/types/*.lcm)
 foreach(type IN LISTS types)
   cmake_path(GET type STEM stem)
   set(header ${CMAKE_BINARY_DIR}/types/headpin/${stem}.hpp)
@@ -29,20 +29,20 @@ file(STRINGS ${HEADPIN_ROOT}/CMakeLists.txt project REGEX "^project\\(headpin VE
 string(REGEX REPLACE ".*VERSION ([0-9.]+).*" "\\1" version "${project}")
 add_custom_target(version
   COMMAND ${CMAKE_COMMAND} -DSOURCE=${HEADPIN_ROOT} -DVERSION=${version}
-          -DOUTPUT=${CMAKE_BINARY_DIR}/version.cpp -P ${HEADPIN_ROOT}/devices/version.cmake
+          -DOUTPUT=${CMAKE_BINARY_DIR}/version.cpp -P ${HEADPIN_ROOT}/devices/base/version.cmake
   BYPRODUCTS ${CMAKE_BINARY_DIR}/version.cpp VERBATIM)
 
 file(GLOB engine CONFIGURE_DEPENDS ${HEADPIN_ROOT}/engine/*.cpp)
 set(parts
-  devices/event_log devices/genlock devices/messages devices/misdated devices/resample devices/sources devices/state_change
-  devices/sequence_count devices/trial_file devices/trial_messages
-  files/input_file files/sha256
-  render/eyes render/hmd
-  scene/bodies scene/game scene/game_hash scene/hand scene/outline scene/player scene/presence scene/recorded
-  scene/referee scene/release scene/room scene/rules scene/run scene/scenario scene/scenario_checks
-  scene/scenario_files scene/scenario_keys scene/scenario_text scene/score scene/seen_mesh
-  scene/session scene/stage
-  scene/toml_text scene/totals scene/verifier scene/walk)
+  devices/base/genlock devices/base/sequence_count devices/trial/event_log devices/trial/file
+  devices/trial/messages devices/trial/misdated devices/trial/resample devices/trial/sources
+  devices/trial/state_change devices/trial/trial_messages files/input_file files/sha256
+  render/data/hmd render/eyes scene/play/game scene/play/game_hash scene/play/hand scene/play/player
+  scene/play/presence scene/play/referee scene/play/release scene/play/run scene/play/score
+  scene/play/session scene/play/walk scene/scenario/files scene/scenario/keys scene/scenario/rules
+  scene/scenario/scenario scene/scenario/text scene/scenario/toml_text scene/stage/bodies
+  scene/stage/outline scene/stage/read_scenario scene/stage/room scene/stage/scenario_checks scene/stage/seen_mesh
+  scene/stage/stage scene/watch/recorded scene/watch/totals scene/watch/verifier)
 list(TRANSFORM parts PREPEND ${HEADPIN_ROOT}/)
 list(TRANSFORM parts APPEND .cpp)
 list(APPEND parts ${CMAKE_CURRENT_LIST_DIR}/no_mesh_files.cpp)

@@ -3,7 +3,7 @@
 #include <array>
 
 #include "engine/math.h"
-#include "render/optics.h"
+#include "render/data/optics.h"
 
 namespace headpin::render {
 

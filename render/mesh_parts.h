@@ -6,8 +6,8 @@
 
 #include <Eigen/Geometry>
 
+#include "render/data/mesh.h"
 #include "render/matrices.h"
-#include "render/mesh.h"
 
 /// Large meshes in parts, so that what nobody looks at costs nothing.
 namespace headpin::render {

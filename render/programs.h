@@ -1,7 +1,7 @@
 #pragma once
 
+#include "render/data/quality.h"
 #include "render/gl_objects.h"
-#include "render/quality.h"
 #include "render/shaders.h"
 
 /// Programs out of the shaders' variants.

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "render/data/mesh.h"
+#include "render/data/quality.h"
 #include "render/draw_list.h"
 #include "render/eyes.h"
 #include "render/gl_context.h"
 #include "render/image.h"
-#include "render/mesh.h"
-#include "render/quality.h"
 
 namespace headpin::render {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "devices/random.h"
+#include "devices/base/random.h"
 
 namespace headpin::study {
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "devices/trial.h"
-#include "scene/run.h"
+#include "devices/trial/trial.h"
+#include "scene/play/run.h"
 #include "study/people.h"
 
 /// A study as others read it: Motion-BIDS (Brain Imaging Data Structure 1.9 and later).

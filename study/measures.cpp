@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "scene/events.h"
-#include "scene/presence.h"
+#include "scene/play/events.h"
+#include "scene/play/presence.h"
 
 namespace headpin::study {
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "scene/run.h"
-#include "scene/score.h"
+#include "scene/play/run.h"
+#include "scene/play/score.h"
 
 /// What a session comes to, in the numbers that a study compares.
 namespace headpin::study {

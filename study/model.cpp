@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "devices/random.h"
+#include "devices/base/random.h"
 #include "engine/hash.h"
 #include "study/csv.h"
 

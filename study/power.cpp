@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "devices/random.h"
+#include "devices/base/random.h"
 #include "study/fit.h"
 #include "study/model.h"
 

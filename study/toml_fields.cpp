@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "scene/toml_text.h"
+#include "scene/scenario/toml_text.h"
 #include "study/csv.h"
 
 namespace headpin::study {

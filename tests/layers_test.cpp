@@ -1,5 +1,5 @@
 // An include points to a row below: apps > study > scene > devices | engine | render > engine/math.h,
-// engine/hash.h | files.
+// engine/hash.h | files; and to a room below within scene and devices (CONTRIBUTING.md, Layers).
 
 #include <filesystem>
 #include <fstream>
@@ -7,6 +7,7 @@
 #include <map>
 #include <regex>
 #include <set>
+#include <sstream>
 
 #include <gtest/gtest.h>
 
@@ -37,6 +38,12 @@ std::vector<Include> includes_of(const std::string& folder) {
   return found;
 }
 
+// Rooms of a folder, the lowest first; those of one row do not know each other.
+const std::map<std::string, std::vector<std::set<std::string>>> kRooms = {
+    {"scene", {{"scenario"}, {"stage"}, {"play"}, {"looks", "people"}, {"watch"}, {"page"}}},
+    {"devices", {{"base"}, {"trial", "lines"}, {"fastrak"}, {"lcm", "recordings"}, {"live"}}},
+};
+
 TEST(Layers, IncludesPointDownwards) {
   const std::map<std::string, std::set<std::string>> below = {
       {"files", {"files"}},
@@ -56,6 +63,49 @@ TEST(Layers, IncludesPointDownwards) {
       EXPECT_TRUE(allowed.contains(top) || for_all.contains(target))
           << file << " includes " << target;
     }
+  }
+}
+
+std::string room_of(const std::string& file) {
+  const std::size_t first = file.find('/'), second = file.find('/', first + 1);
+  return second == std::string::npos ? "" : file.substr(first + 1, second - first - 1);
+}
+
+int row_of(const std::string& folder, const std::string& room) {
+  const auto& rows = kRooms.at(folder);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (rows[i].contains(room)) return static_cast<int>(i);
+  }
+  return -1;
+}
+
+TEST(Layers, RoomsIncludeTheRoomsBelowThem) {
+  for (const auto& [folder, rows] : kRooms) {
+    int between = 0;
+    for (const auto& [file, target] : includes_of(folder)) {
+      ASSERT_GE(row_of(folder, room_of(file)), 0) << file << " is in no room";
+      if (!target.starts_with(folder + "/") || room_of(file) == room_of(target)) continue;
+      EXPECT_GT(row_of(folder, room_of(file)), row_of(folder, room_of(target)))
+          << file << " includes " << target;
+      ++between;
+    }
+    EXPECT_GT(between, 20) << folder;
+  }
+}
+
+// What collides is not compiled again when it is drawn otherwise.
+TEST(Layers, WhatCollidesKnowsOfDrawingPlainDataAlone) {
+  const std::set<std::string> collide = {"scenario", "stage", "play", "people"};
+  int data = 0;
+  for (const auto& [file, target] : includes_of("scene")) {
+    if (!collide.contains(room_of(file)) || !target.starts_with("render/")) continue;
+    EXPECT_TRUE(target.starts_with("render/data/")) << file << " includes " << target;
+    ++data;
+  }
+  EXPECT_GT(data, 0);
+  for (const auto& [file, target] : includes_of("render/data")) {
+    EXPECT_TRUE(target.starts_with("render/data/") || target == "engine/math.h")
+        << file << " includes " << target;
   }
 }
 
@@ -102,6 +152,47 @@ TEST(ThePaperPage, PointsAtFilesAndNamesThatAreThere) {
   }
   EXPECT_GT(rows, 30);
   EXPECT_GT(names, 30);
+}
+
+// "  game, referee   what fell": the names of a row, in the folder of the row above that has one.
+TEST(TheMap, NamesFilesThatAreThereAndEveryRoom) {
+  std::ifstream page(HEADPIN_SOURCE_DIR "/CONTRIBUTING.md");
+  std::string line, folder;
+  while (std::getline(page, line) && line != "## Map") continue;
+  while (std::getline(page, line) && line != "```text") continue;
+  std::set<std::string> folders;
+  int names = 0;
+  for (; std::getline(page, line) && line != "```";) {
+    const bool first = line[0] != ' ';
+    const std::size_t begin = line.find_first_not_of(' ');
+    std::istringstream row(line.substr(begin, line.find("  ", begin) - begin));
+    if (begin > 2) continue;  // goes on with what the row above says
+    for (std::string name; std::getline(row >> std::ws, name, ',');) {
+      if (first && name.find('/') != std::string::npos) {
+        folder = name.substr(0, name.rfind('/') + 1);
+        folders.insert(folder);
+        name = name.substr(folder.size());
+      }
+      std::regex file(std::regex_replace(name, std::regex(R"(\*)"), ".*") + R"((/|\.h|\.cpp)?)");
+      if (name.find('/') != std::string::npos) name = name.substr(0, name.find('/') + 1);
+      bool there = name.empty() || fs::exists(HEADPIN_SOURCE_DIR "/" + folder + name);
+      if (!there) {
+        for (const auto& entry : fs::directory_iterator(HEADPIN_SOURCE_DIR "/" + folder)) {
+          there = there || std::regex_match(entry.path().filename().string(), file);
+        }
+      }
+      EXPECT_TRUE(there) << folder << name;
+      ++names;
+    }
+  }
+  EXPECT_GT(names, 90);
+  for (const auto& [top, rows] : kRooms) {
+    for (const auto& row : rows) {
+      for (const std::string& room : row) {
+        EXPECT_TRUE(folders.contains(top + "/" + room + "/")) << top << "/" << room;
+      }
+    }
+  }
 }
 
 // What removes or replaces a user's files can be read in one place.

@@ -1,6 +1,6 @@
 // Writes the meshes of this folder: what the program draws by itself, as files to start from, and a
 // convex hull to collide with. The skittle is turned from the measured profile of
-// scene/scenario.cpp; its measures and their sources are in assets/scenarios. `./dev meshes` runs this.
+// scene/scenario/scenario.cpp; its measures and their sources are in assets/scenarios. `./dev meshes` runs this.
 
 #include <fstream>
 #include <iostream>
@@ -8,9 +8,9 @@
 
 #include <fmt/ostream.h>
 
-#include "scene/bodies.h"
-#include "scene/hand_mesh.h"
-#include "scene/skittle_mesh.h"
+#include "scene/looks/hand_mesh.h"
+#include "scene/looks/skittle_mesh.h"
+#include "scene/stage/bodies.h"
 
 namespace {
 
@@ -18,7 +18,7 @@ using namespace headpin;
 
 constexpr const char* kProfile =
     "turned from the profile of USBC's specification manual (heights and diameters in inches in "
-    "scene/scenario.cpp)";
+    "scene/scenario/scenario.cpp)";
 
 std::ofstream open_obj(const std::string& folder, const std::string& name,
                        const std::string& what) {

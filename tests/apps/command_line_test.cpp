@@ -5,8 +5,8 @@
 
 #include <fmt/format.h>
 
-#include "devices/event_log.h"
-#include "devices/log.h"
+#include "devices/trial/event_log.h"
+#include "devices/trial/log.h"
 #include "render/image.h"
 
 namespace headpin {

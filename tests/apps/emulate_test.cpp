@@ -13,11 +13,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "devices/fastrak.h"
-#include "devices/fastrak_motion.h"
-#include "devices/lasting_line.h"
-#include "devices/log.h"
-#include "devices/recorded_motion.h"
+#include "devices/fastrak/driver.h"
+#include "devices/fastrak/motion.h"
+#include "devices/lines/lasting_line.h"
+#include "devices/recordings/recorded_motion.h"
+#include "devices/trial/log.h"
 #include "tests/support/folder.h"
 
 namespace headpin {

@@ -7,10 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "devices/log.h"
-#include "devices/sources.h"
-#include "scene/events.h"
-#include "scene/scenario.h"
+#include "devices/trial/log.h"
+#include "devices/trial/sources.h"
+#include "scene/play/events.h"
+#include "scene/scenario/scenario.h"
 #include "tests/apps/command_line.h"
 
 namespace headpin {

@@ -1,8 +1,8 @@
 // A session in real time: fed by LCM's own player, stopped by signals, replayed to the bit.
 
-#include "devices/log.h"
-#include "scene/read_scenario.h"
-#include "scene/scenario.h"
+#include "devices/trial/log.h"
+#include "scene/scenario/scenario.h"
+#include "scene/stage/read_scenario.h"
 #include "tests/apps/command_line.h"
 
 namespace headpin {
@@ -366,8 +366,8 @@ TEST_F(Live, PosesPublishedToAnEmulatedFastrakComeOutAsItsRecords) {
 
 TEST_F(Live, AnotherLanguageSeesWhatTheEyesAndTheViewerSee) {
   if (shell("python3 --version").code != 0) GTEST_SKIP() << "no python3";
-  ASSERT_EQ(shell("lcm-gen -p --ppath generated " HEADPIN_SOURCE_DIR "/devices/types/*.lcm").code,
-            0);
+  ASSERT_EQ(
+      shell("lcm-gen -p --ppath generated " HEADPIN_SOURCE_DIR "/devices/lcm/types/*.lcm").code, 0);
   for (const std::string eyes : {"raw", "png"}) {
     const Result seen = alone(
         "rm -f seen.lcmlog live.lcmlog\n"

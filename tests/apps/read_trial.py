@@ -1,7 +1,7 @@
 """Decodes every message of a log with nothing but the code lcm-gen made, and counts them.
 
 Says a digest of the states of all ticks, too, whole ones or told by what is new in them: so these are
-read by what devices/types/state_change_t.lcm says of them.
+read by what devices/lcm/types/state_change_t.lcm says of them.
 
 usage: read_trial.py FOLDER_OF_GENERATED_CODE LOG
 """

@@ -1,7 +1,7 @@
 #include <map>
 
 #include "apps/page_file.h"
-#include "devices/log.h"
+#include "devices/trial/log.h"
 #include "tests/apps/command_line.h"
 
 namespace headpin {

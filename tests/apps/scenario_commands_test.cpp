@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
-#include "devices/log.h"
-#include "scene/read_scenario.h"
-#include "scene/scenario.h"
+#include "devices/trial/log.h"
+#include "scene/scenario/scenario.h"
+#include "scene/stage/read_scenario.h"
 #include "tests/apps/command_line.h"
 #include "tests/support/hand_script.h"
 

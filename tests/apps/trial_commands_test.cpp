@@ -3,10 +3,10 @@
 
 #include <sys/resource.h>
 
-#include "devices/event_log.h"
-#include "devices/log.h"
-#include "devices/motion_files.h"
-#include "scene/scenario.h"
+#include "devices/recordings/motion_files.h"
+#include "devices/trial/event_log.h"
+#include "devices/trial/log.h"
+#include "scene/scenario/scenario.h"
 #include "tests/apps/command_line.h"
 
 namespace headpin {
@@ -416,8 +416,8 @@ TEST_F(TrialCommands, AnotherLanguageReadsEveryChannel) {
   ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
   ASSERT_EQ(headpin("stream game.lcmlog --lcm 'file://stream.lcmlog?mode=w' --speed 0").code, 0);
   std::map<std::string, std::string> states;
-  ASSERT_EQ(shell("lcm-gen -p --ppath generated " HEADPIN_SOURCE_DIR "/devices/types/*.lcm").code,
-            0);
+  ASSERT_EQ(
+      shell("lcm-gen -p --ppath generated " HEADPIN_SOURCE_DIR "/devices/lcm/types/*.lcm").code, 0);
   ASSERT_EQ(headpin("replay " + kDemo + " --states all -o all.lcmlog").code, 0);
   for (const std::string log : {"game.lcmlog", "all.lcmlog", "stream.lcmlog"}) {
     const Result read =

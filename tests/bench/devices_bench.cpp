@@ -13,11 +13,11 @@
 #include <lcm/lcm.h>
 #include <nlohmann/json.hpp>
 
-#include "devices/event_log.h"
-#include "devices/fastrak.h"
-#include "devices/fastrak_emulator.h"
-#include "devices/log.h"
-#include "devices/sources.h"
+#include "devices/fastrak/driver.h"
+#include "devices/fastrak/emulator.h"
+#include "devices/trial/event_log.h"
+#include "devices/trial/log.h"
+#include "devices/trial/sources.h"
 #include "tests/bench/report.h"
 #include "tests/support/folder.h"
 

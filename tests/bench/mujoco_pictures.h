@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "render/mesh.h"
+#include "render/data/mesh.h"
 
 /// A bowling room drawn by MuJoCo with OSMesa: our skittle, ball and hand, one lamp that casts shadows.
 namespace headpin::bench {

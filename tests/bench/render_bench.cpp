@@ -14,15 +14,15 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "devices/log.h"
-#include "devices/sources.h"
+#include "devices/trial/log.h"
+#include "devices/trial/sources.h"
 #include "render/display.h"
 #include "render/video.h"
-#include "scene/eyes.h"
-#include "scene/hand_mesh.h"
-#include "scene/read_scenario.h"
-#include "scene/recorded.h"
-#include "scene/skittle_mesh.h"
+#include "scene/looks/eyes.h"
+#include "scene/looks/hand_mesh.h"
+#include "scene/looks/skittle_mesh.h"
+#include "scene/stage/read_scenario.h"
+#include "scene/watch/recorded.h"
 #include "tests/bench/mujoco_pictures.h"
 #include "tests/bench/report.h"
 #include "tests/support/folder.h"

@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
-#include "devices/motion_files.h"
-#include "devices/sources.h"
-#include "scene/arm_model.h"
-#include "scene/events.h"
-#include "scene/run.h"
-#include "scene/throw.h"
+#include "devices/recordings/motion_files.h"
+#include "devices/trial/sources.h"
+#include "scene/people/arm_model.h"
+#include "scene/people/throw.h"
+#include "scene/play/events.h"
+#include "scene/play/run.h"
 
 // Whether each cell of Table 1 (Uno & Slater 1997) is a game: how many throws reach the skittles of
 // the paper's room, and how many fall.

@@ -11,10 +11,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "scene/events.h"
-#include "scene/participant.h"
-#include "scene/read_scenario.h"
-#include "scene/totals.h"
+#include "scene/people/participant.h"
+#include "scene/play/events.h"
+#include "scene/stage/read_scenario.h"
+#include "scene/watch/totals.h"
 
 // How fast virtual participants throw and what they fell.
 //

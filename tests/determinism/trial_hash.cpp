@@ -5,10 +5,10 @@
 #include <exception>
 
 #include "engine/world.h"
-#include "scene/recorded.h"
-#include "scene/run.h"
-#include "scene/totals.h"
-#include "scene/verifier.h"
+#include "scene/play/run.h"
+#include "scene/watch/recorded.h"
+#include "scene/watch/totals.h"
+#include "scene/watch/verifier.h"
 
 namespace {
 

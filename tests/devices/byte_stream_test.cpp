@@ -1,4 +1,4 @@
-#include "devices/byte_stream.h"
+#include "devices/lines/byte_stream.h"
 
 #include <filesystem>
 #include <fstream>
@@ -13,7 +13,7 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include "devices/lasting_line.h"
+#include "devices/lines/lasting_line.h"
 #include "files/lock.h"
 #include "tests/support/folder.h"
 

@@ -1,4 +1,4 @@
-#include "devices/catalogue_csv.h"
+#include "devices/recordings/catalogue_csv.h"
 
 #include <stdexcept>
 

@@ -1,5 +1,3 @@
-#include "devices/fastrak_clients.h"
-
 #include <algorithm>
 
 #include <fcntl.h>
@@ -9,9 +7,10 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include "devices/fastrak_emulator.h"
-#include "devices/log.h"
-#include "devices/recorded_motion.h"
+#include "devices/fastrak/clients.h"
+#include "devices/fastrak/emulator.h"
+#include "devices/recordings/recorded_motion.h"
+#include "devices/trial/log.h"
 
 /// The start-up of every known Fastrak client, byte for byte, over a real pseudo-terminal: each
 /// gets what it needs to go on, and then the whole bundled trial.

@@ -1,12 +1,11 @@
-#include "devices/fastrak_codec.h"
-
 #include <cmath>
 #include <random>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "devices/fastrak_replies.h"
+#include "devices/fastrak/codec.h"
+#include "devices/fastrak/replies.h"
 
 namespace headpin::devices {
 namespace {

@@ -13,11 +13,11 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "devices/fastrak.h"
-#include "devices/fastrak_emulator.h"
-#include "devices/fastrak_geometry.h"
-#include "devices/lasting_line.h"
-#include "devices/stamped_stream.h"
+#include "devices/fastrak/driver.h"
+#include "devices/fastrak/emulator.h"
+#include "devices/fastrak/geometry.h"
+#include "devices/lines/lasting_line.h"
+#include "devices/lines/stamped_stream.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {

@@ -1,5 +1,3 @@
-#include "devices/fastrak_emulator.h"
-
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -7,6 +5,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "devices/fastrak/emulator.h"
 #include "fastrak_unit.h"
 
 namespace headpin::devices {

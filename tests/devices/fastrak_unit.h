@@ -4,7 +4,7 @@
 #include <string_view>
 #include <utility>
 
-#include "devices/fastrak_emulator.h"
+#include "devices/fastrak/emulator.h"
 
 namespace headpin::devices {
 

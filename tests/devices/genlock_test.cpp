@@ -1,13 +1,13 @@
 // A session's clock held to a tracker's: whole steps of a grid, whatever the two are off and drift by.
 
-#include "devices/genlock.h"
+#include "devices/base/genlock.h"
 
 #include <cmath>
 #include <numeric>
 
 #include <gtest/gtest.h>
 
-#include "devices/clock_offset.h"
+#include "devices/base/clock_offset.h"
 
 namespace headpin::devices {
 namespace {

@@ -1,10 +1,10 @@
 // LCM's datagrams, written here by the protocol's description, byte by byte.
 
-#include "devices/lcm_datagrams.h"
-
 #include <random>
 
 #include <gtest/gtest.h>
+
+#include "devices/lcm/datagrams.h"
 
 namespace headpin::devices {
 namespace {

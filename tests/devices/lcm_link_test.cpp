@@ -1,5 +1,3 @@
-#include "devices/lcm_link.h"
-
 #include <cmath>
 #include <csignal>
 #include <filesystem>
@@ -10,11 +8,12 @@
 #include <lcm/lcm.h>
 #include <sys/time.h>
 
-#include "devices/event_log.h"
-#include "devices/lcm_source.h"
-#include "devices/log.h"
-#include "devices/messages.h"
-#include "devices/sources.h"
+#include "devices/lcm/link.h"
+#include "devices/lcm/source.h"
+#include "devices/trial/event_log.h"
+#include "devices/trial/log.h"
+#include "devices/trial/messages.h"
+#include "devices/trial/sources.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {

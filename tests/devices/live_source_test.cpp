@@ -1,9 +1,8 @@
-#include "devices/live_source.h"
-
 #include <gmock/gmock.h>
 
-#include "devices/log.h"
-#include "devices/sources.h"
+#include "devices/live/source.h"
+#include "devices/trial/log.h"
+#include "devices/trial/sources.h"
 #include "tests/devices/fastrak_unit.h"
 
 namespace headpin::devices {

@@ -1,4 +1,4 @@
-#include "devices/log.h"
+#include "devices/trial/log.h"
 
 #include <algorithm>
 #include <csignal>
@@ -14,11 +14,11 @@
 #include <lcm/lcm.h>
 #include <sys/resource.h>
 
-#include "devices/event_log.h"
-#include "devices/messages.h"
-#include "devices/sources.h"
-#include "devices/trial_file.h"
-#include "devices/version.h"
+#include "devices/base/version.h"
+#include "devices/trial/event_log.h"
+#include "devices/trial/file.h"
+#include "devices/trial/messages.h"
+#include "devices/trial/sources.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {
@@ -177,7 +177,7 @@ TEST(LogTest, SaysWhichSoftwareWroteItAndHowToReadIt) {
   EXPECT_EQ(read.software_version, software_version());
   EXPECT_FALSE(read.software_version.empty());
   for (const fs::directory_entry& type :
-       fs::directory_iterator(HEADPIN_SOURCE_DIR "/devices/types")) {
+       fs::directory_iterator(HEADPIN_SOURCE_DIR "/devices/lcm/types")) {
     const Buffer text = read_bytes(type.path());
     EXPECT_THAT(read.schema, HasSubstr(std::string(text.begin(), text.end()))) << type.path();
   }

@@ -1,4 +1,4 @@
-#include "devices/motion_files.h"
+#include "devices/recordings/motion_files.h"
 
 #include <bit>
 #include <filesystem>
@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "devices/motion_axes.h"
+#include "devices/recordings/motion_axes.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {

@@ -1,9 +1,9 @@
-#include "devices/mouse3d.h"
+#include "devices/base/mouse3d.h"
 
 #include <gtest/gtest.h>
 
-#include "devices/fastrak.h"
-#include "devices/fastrak_emulator.h"
+#include "devices/fastrak/driver.h"
+#include "devices/fastrak/emulator.h"
 
 namespace headpin::devices {
 namespace {

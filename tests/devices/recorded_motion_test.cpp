@@ -1,9 +1,9 @@
-#include "devices/recorded_motion.h"
+#include "devices/recordings/recorded_motion.h"
 
 #include <gtest/gtest.h>
 #include <malloc.h>
 
-#include "devices/log.h"
+#include "devices/trial/log.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {

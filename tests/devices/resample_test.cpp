@@ -1,4 +1,4 @@
-#include "devices/resample.h"
+#include "devices/trial/resample.h"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "devices/sequence_count.h"
+#include "devices/base/sequence_count.h"
 
 #include <algorithm>
 #include <random>

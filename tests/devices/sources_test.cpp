@@ -1,8 +1,8 @@
-#include "devices/sources.h"
+#include "devices/trial/sources.h"
 
 #include <gtest/gtest.h>
 
-#include "devices/messages.h"
+#include "devices/trial/messages.h"
 
 namespace headpin::devices {
 namespace {

@@ -1,4 +1,4 @@
-#include "devices/state_change.h"
+#include "devices/trial/state_change.h"
 
 #include <bit>
 #include <cmath>
@@ -10,9 +10,9 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/event_log.h"
-#include "devices/log.h"
-#include "devices/messages.h"
+#include "devices/trial/event_log.h"
+#include "devices/trial/log.h"
+#include "devices/trial/messages.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {

@@ -1,4 +1,4 @@
-#include "devices/tables.h"
+#include "devices/trial/tables.h"
 
 #include <bit>
 #include <charconv>

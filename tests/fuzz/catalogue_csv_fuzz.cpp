@@ -1,7 +1,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include "devices/catalogue_csv.h"
+#include "devices/recordings/catalogue_csv.h"
 
 using namespace headpin;
 

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "devices/fastrak_emulator.h"
+#include "devices/fastrak/emulator.h"
 
 using namespace headpin;
 

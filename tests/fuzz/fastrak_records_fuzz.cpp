@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cstdlib>
 
-#include "devices/fastrak_codec.h"
-#include "devices/fastrak_replies.h"
+#include "devices/fastrak/codec.h"
+#include "devices/fastrak/replies.h"
 
 using namespace headpin;
 

@@ -1,10 +1,10 @@
 #include <cstdlib>
 
-#include "devices/log.h"
-#include "devices/messages.h"
-#include "devices/sources.h"
-#include "devices/state_change.h"
-#include "devices/trial_file.h"
+#include "devices/trial/file.h"
+#include "devices/trial/log.h"
+#include "devices/trial/messages.h"
+#include "devices/trial/sources.h"
+#include "devices/trial/state_change.h"
 
 using namespace headpin;
 

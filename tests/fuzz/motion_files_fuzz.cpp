@@ -1,7 +1,7 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include "devices/motion_files.h"
+#include "devices/recordings/motion_files.h"
 
 using namespace headpin;
 

@@ -1,9 +1,9 @@
 #include <cstdlib>
 #include <stdexcept>
 
-#include "scene/read_scenario.h"
-#include "scene/session.h"
-#include "scene/skittle_mesh.h"
+#include "scene/looks/skittle_mesh.h"
+#include "scene/play/session.h"
+#include "scene/stage/read_scenario.h"
 
 using namespace headpin;
 

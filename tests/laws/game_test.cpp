@@ -97,7 +97,7 @@ World restored(const World& logged) {
   return world;
 }
 
-/// The rest, as devices/trial.h names it: no more and no less.
+/// The rest, as devices/trial/trial.h names it: no more and no less.
 void give_what_a_log_leaves_out(World& world, const World& from) {
   const detail::Scratch& s = from.scratch;
   world.scratch.last_touches = s.last_touches;  // impulses

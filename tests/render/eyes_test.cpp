@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "render/hmd.h"
+#include "render/data/hmd.h"
 
 namespace headpin::render {
 namespace {

@@ -1,4 +1,4 @@
-#include "render/hmd.h"
+#include "render/data/hmd.h"
 
 #include <stdexcept>
 

@@ -1,4 +1,4 @@
-#include "render/mesh.h"
+#include "render/data/mesh.h"
 
 #include <map>
 #include <numbers>

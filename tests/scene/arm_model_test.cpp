@@ -1,14 +1,14 @@
-#include "scene/arm_model.h"
+#include "scene/people/arm_model.h"
 
 #include <stdexcept>
 
 #include <gtest/gtest.h>
 
-#include "devices/log.h"
-#include "devices/messages.h"
-#include "devices/resample.h"
-#include "scene/read_scenario.h"
-#include "scene/release.h"
+#include "devices/trial/log.h"
+#include "devices/trial/messages.h"
+#include "devices/trial/resample.h"
+#include "scene/play/release.h"
+#include "scene/stage/read_scenario.h"
 
 namespace headpin::scene {
 namespace {

@@ -3,10 +3,10 @@
 
 #include <gmock/gmock.h>
 
-#include "devices/sources.h"
-#include "scene/counterparts.h"
-#include "scene/each_throw.h"
-#include "scene/events.h"
+#include "devices/trial/sources.h"
+#include "scene/play/events.h"
+#include "scene/watch/counterparts.h"
+#include "scene/watch/each_throw.h"
 #include "tests/support/hand_script.h"
 
 namespace headpin::scene {

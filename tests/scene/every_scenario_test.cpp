@@ -7,11 +7,11 @@
 
 #include <gmock/gmock.h>
 
-#include "devices/sources.h"
-#include "scene/events.h"
-#include "scene/participant.h"
-#include "scene/read_scenario.h"
-#include "scene/score.h"
+#include "devices/trial/sources.h"
+#include "scene/people/participant.h"
+#include "scene/play/events.h"
+#include "scene/play/score.h"
+#include "scene/stage/read_scenario.h"
 #include "tests/support/scale.h"
 
 namespace headpin::scene {

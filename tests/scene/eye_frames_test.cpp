@@ -1,4 +1,4 @@
-#include "scene/eye_frames.h"
+#include "scene/watch/eye_frames.h"
 
 #include <cmath>
 #include <numbers>
@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/sources.h"
+#include "devices/trial/sources.h"
 
 namespace headpin::scene {
 namespace {

@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "render/image.h"
-#include "scene/looks.h"
+#include "scene/looks/looks.h"
 
 namespace headpin::scene {
 namespace {

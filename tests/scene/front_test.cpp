@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/looks.h"
-#include "scene/read_scenario.h"
-#include "scene/room.h"
-#include "scene/scenario_files.h"
+#include "scene/looks/looks.h"
+#include "scene/scenario/files.h"
+#include "scene/stage/read_scenario.h"
+#include "scene/stage/room.h"
 
 namespace headpin::scene {
 namespace {

@@ -4,10 +4,10 @@
 
 #include <gmock/gmock.h>
 
-#include "devices/sources.h"
-#include "scene/events.h"
-#include "scene/run.h"
-#include "scene/score.h"
+#include "devices/trial/sources.h"
+#include "scene/play/events.h"
+#include "scene/play/run.h"
+#include "scene/play/score.h"
 #include "tests/support/hand_script.h"
 
 namespace headpin::scene {

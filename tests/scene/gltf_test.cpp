@@ -10,10 +10,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scene/eyes.h"
-#include "scene/mesh_file.h"
-#include "scene/read_scenario.h"
-#include "scene/seen_mesh.h"
+#include "scene/looks/eyes.h"
+#include "scene/stage/mesh_file.h"
+#include "scene/stage/read_scenario.h"
+#include "scene/stage/seen_mesh.h"
 #include "tests/support/folder.h"
 
 namespace headpin::scene {

@@ -7,7 +7,7 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/eyes.h"
+#include "scene/looks/eyes.h"
 
 namespace headpin::scene {
 namespace {

@@ -6,11 +6,11 @@
 
 #include <gmock/gmock.h>
 
-#include "devices/random.h"
-#include "devices/sources.h"
-#include "scene/events.h"
-#include "scene/room.h"
-#include "scene/session.h"
+#include "devices/base/random.h"
+#include "devices/trial/sources.h"
+#include "scene/play/events.h"
+#include "scene/play/session.h"
+#include "scene/stage/room.h"
 
 namespace headpin::scene {
 namespace {

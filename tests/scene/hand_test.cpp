@@ -1,4 +1,4 @@
-#include "scene/hand.h"
+#include "scene/play/hand.h"
 
 #include <cmath>
 #include <random>

@@ -6,10 +6,10 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/outline.h"
-#include "scene/read_scenario.h"
-#include "scene/scenario.h"
-#include "scene/stage.h"
+#include "scene/scenario/scenario.h"
+#include "scene/stage/outline.h"
+#include "scene/stage/read_scenario.h"
+#include "scene/stage/stage.h"
 
 namespace headpin::scene {
 namespace {

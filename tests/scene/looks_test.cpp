@@ -1,4 +1,4 @@
-#include "scene/looks.h"
+#include "scene/looks/looks.h"
 
 #include <algorithm>
 #include <array>
@@ -7,11 +7,11 @@
 
 #include <gtest/gtest.h>
 
-#include "scene/eyes.h"
-#include "scene/hand_mesh.h"
-#include "scene/read_scenario.h"
-#include "scene/room_mesh.h"
-#include "scene/skittle_mesh.h"
+#include "scene/looks/eyes.h"
+#include "scene/looks/hand_mesh.h"
+#include "scene/looks/room_mesh.h"
+#include "scene/looks/skittle_mesh.h"
+#include "scene/stage/read_scenario.h"
 
 namespace headpin::scene {
 namespace {

@@ -1,4 +1,4 @@
-#include "scene/mesh_file.h"
+#include "scene/stage/mesh_file.h"
 
 #include <fstream>
 #include <numbers>
@@ -11,10 +11,10 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include "scene/bodies.h"
-#include "scene/hand_mesh.h"
-#include "scene/outline.h"
-#include "scene/skittle_mesh.h"
+#include "scene/looks/hand_mesh.h"
+#include "scene/looks/skittle_mesh.h"
+#include "scene/stage/bodies.h"
+#include "scene/stage/outline.h"
 #include "tests/support/folder.h"
 
 namespace headpin::scene {

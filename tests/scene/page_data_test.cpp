@@ -1,4 +1,4 @@
-#include "scene/page_data.h"
+#include "scene/page/page_data.h"
 
 #include <cmath>
 #include <filesystem>
@@ -8,9 +8,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "devices/log.h"
-#include "scene/read_scenario.h"
-#include "scene/totals.h"
+#include "devices/trial/log.h"
+#include "scene/stage/read_scenario.h"
+#include "scene/watch/totals.h"
 #include "tests/support/folder.h"
 
 namespace headpin::scene {

@@ -1,6 +1,6 @@
 // Virtual participants: who they are, how they move, and that what they play is a trial like any.
 
-#include "scene/participant.h"
+#include "scene/people/participant.h"
 
 #include <array>
 #include <cmath>
@@ -11,16 +11,16 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "devices/clock_offset.h"
-#include "devices/fastrak.h"
-#include "devices/fastrak_emulator.h"
-#include "devices/genlock.h"
-#include "devices/messages.h"
-#include "devices/recorded_motion.h"
-#include "devices/sources.h"
-#include "scene/events.h"
-#include "scene/read_scenario.h"
-#include "scene/score.h"
+#include "devices/base/clock_offset.h"
+#include "devices/base/genlock.h"
+#include "devices/fastrak/driver.h"
+#include "devices/fastrak/emulator.h"
+#include "devices/recordings/recorded_motion.h"
+#include "devices/trial/messages.h"
+#include "devices/trial/sources.h"
+#include "scene/play/events.h"
+#include "scene/play/score.h"
+#include "scene/stage/read_scenario.h"
 #include "tests/support/scale.h"
 
 namespace headpin::scene {

@@ -1,13 +1,13 @@
 // What flies at the player, and what head and hand do about it.
 
-#include "scene/presence.h"
+#include "scene/play/presence.h"
 
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "devices/sources.h"
-#include "scene/events.h"
-#include "scene/session.h"
+#include "devices/trial/sources.h"
+#include "scene/play/events.h"
+#include "scene/play/session.h"
 
 namespace headpin::scene {
 namespace {

@@ -2,8 +2,8 @@
 
 #include <string>
 
-#include "scene/read_scenario.h"
-#include "scene/scenario.h"
+#include "scene/scenario/scenario.h"
+#include "scene/stage/read_scenario.h"
 #include "tests/support/folder.h"
 
 namespace headpin::scene {

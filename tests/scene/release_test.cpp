@@ -1,6 +1,6 @@
 // How the ball leaves the hand, against swings that are formulas: their true velocity is known.
 
-#include "scene/release.h"
+#include "scene/play/release.h"
 
 #include <array>
 #include <cmath>
@@ -9,10 +9,10 @@
 
 #include <gmock/gmock.h>
 
-#include "devices/sources.h"
-#include "scene/events.h"
-#include "scene/score.h"
-#include "scene/session.h"
+#include "devices/trial/sources.h"
+#include "scene/play/events.h"
+#include "scene/play/score.h"
+#include "scene/play/session.h"
 
 namespace headpin::scene {
 namespace {

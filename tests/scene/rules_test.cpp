@@ -1,4 +1,4 @@
-#include "scene/rules.h"
+#include "scene/scenario/rules.h"
 
 #include <gmock/gmock.h>
 

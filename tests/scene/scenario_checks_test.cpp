@@ -9,10 +9,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "devices/log.h"
-#include "scene/bodies.h"
-#include "scene/read_scenario.h"
-#include "scene/scenario.h"
+#include "devices/trial/log.h"
+#include "scene/scenario/scenario.h"
+#include "scene/stage/bodies.h"
+#include "scene/stage/read_scenario.h"
 #include "tests/scene/refusal.h"
 #include "tests/support/folder.h"
 

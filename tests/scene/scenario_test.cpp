@@ -1,4 +1,4 @@
-#include "scene/scenario.h"
+#include "scene/scenario/scenario.h"
 
 #include <filesystem>
 #include <fstream>
@@ -7,8 +7,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "render/hmd.h"
-#include "scene/read_scenario.h"
+#include "render/data/hmd.h"
+#include "scene/stage/read_scenario.h"
 #include "tests/scene/refusal.h"
 
 namespace headpin::scene {

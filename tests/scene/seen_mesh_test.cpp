@@ -1,4 +1,4 @@
-#include "scene/seen_mesh.h"
+#include "scene/stage/seen_mesh.h"
 
 #include <algorithm>
 #include <fstream>
@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "scene/eyes.h"
-#include "scene/read_scenario.h"
+#include "scene/looks/eyes.h"
+#include "scene/stage/read_scenario.h"
 #include "tests/support/folder.h"
 
 namespace headpin::scene {

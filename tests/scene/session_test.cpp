@@ -1,4 +1,4 @@
-#include "scene/session.h"
+#include "scene/play/session.h"
 
 #include <algorithm>
 #include <array>
@@ -9,17 +9,17 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "devices/lcm_link.h"
-#include "devices/lcm_source.h"
-#include "devices/log.h"
-#include "devices/sources.h"
-#include "scene/bodies.h"
-#include "scene/events.h"
-#include "scene/read_scenario.h"
-#include "scene/recorded.h"
-#include "scene/release_timing.h"
-#include "scene/run.h"
-#include "scene/score.h"
+#include "devices/lcm/link.h"
+#include "devices/lcm/source.h"
+#include "devices/trial/log.h"
+#include "devices/trial/sources.h"
+#include "scene/play/events.h"
+#include "scene/play/release_timing.h"
+#include "scene/play/run.h"
+#include "scene/play/score.h"
+#include "scene/stage/bodies.h"
+#include "scene/stage/read_scenario.h"
+#include "scene/watch/recorded.h"
 #include "tests/support/folder.h"
 
 namespace headpin::scene {

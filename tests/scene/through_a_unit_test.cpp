@@ -5,15 +5,15 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/fastrak.h"
-#include "devices/fastrak_emulator.h"
-#include "devices/log.h"
-#include "devices/mouse3d.h"
-#include "devices/recorded_motion.h"
-#include "devices/sources.h"
-#include "scene/recorded.h"
-#include "scene/score.h"
-#include "scene/session.h"
+#include "devices/base/mouse3d.h"
+#include "devices/fastrak/driver.h"
+#include "devices/fastrak/emulator.h"
+#include "devices/recordings/recorded_motion.h"
+#include "devices/trial/log.h"
+#include "devices/trial/sources.h"
+#include "scene/play/score.h"
+#include "scene/play/session.h"
+#include "scene/watch/recorded.h"
 
 namespace headpin::scene {
 namespace {

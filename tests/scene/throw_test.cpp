@@ -1,4 +1,4 @@
-#include "scene/throw.h"
+#include "scene/people/throw.h"
 
 #include <filesystem>
 #include <fstream>
@@ -10,9 +10,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "devices/resample.h"
-#include "scene/arm_model.h"
-#include "scene/hand.h"
+#include "devices/trial/resample.h"
+#include "scene/people/arm_model.h"
+#include "scene/play/hand.h"
 
 namespace headpin::scene {
 namespace {

@@ -5,10 +5,10 @@
 
 #include <gmock/gmock.h>
 
-#include "scene/game_hash.h"
-#include "scene/recorded.h"
-#include "scene/run.h"
-#include "scene/session.h"
+#include "scene/play/game_hash.h"
+#include "scene/play/run.h"
+#include "scene/play/session.h"
+#include "scene/watch/recorded.h"
 #include "tests/support/folder.h"
 
 namespace headpin::scene {
@@ -44,7 +44,7 @@ TEST(TheBundledTrial, ComesToTheHashesThatReadmePrints) {
             (Hashes{in_readme("state"), in_readme("game")}));
 }
 
-// Made in November 2026, before the keys that scene/keys_since.h lists: with a masking panel and
+// Made in November 2026, before the keys that scene/scenario/keys_since.h lists: with a masking panel and
 // kick-backs, a hand that is not solid, the velocity of the hand's last sample, the step's rules 1.
 TEST(ATrialOfBefore, ComesToTheHashesOfItsTime) {
   EXPECT_EQ(replayed(HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-1.lcmlog"),

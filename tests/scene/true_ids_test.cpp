@@ -8,13 +8,13 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/log.h"
-#include "devices/sources.h"
-#include "devices/trial.h"
-#include "scene/eyes.h"
-#include "scene/read_scenario.h"
-#include "scene/run.h"
-#include "scene/scenario.h"
+#include "devices/trial/log.h"
+#include "devices/trial/sources.h"
+#include "devices/trial/trial.h"
+#include "scene/looks/eyes.h"
+#include "scene/play/run.h"
+#include "scene/scenario/scenario.h"
+#include "scene/stage/read_scenario.h"
 
 namespace headpin::scene {
 namespace {

@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-#include "devices/random.h"
+#include "devices/base/random.h"
 #include "tests/support/folder.h"
 
 namespace headpin::study {

@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/random.h"
+#include "devices/base/random.h"
 #include "study/power.h"
 #include "tests/study/study_files.h"
 

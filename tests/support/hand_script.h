@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "devices/sample.h"
-#include "scene/scenario.h"
+#include "devices/base/sample.h"
+#include "scene/scenario/scenario.h"
 
 namespace headpin::scene {
 

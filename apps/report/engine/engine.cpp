@@ -13,7 +13,7 @@
 #include <emscripten/emscripten.h>
 #include <nlohmann/json.hpp>
 
-#include "scene/page_data.h"
+#include "scene/page/page_data.h"
 
 // What the page calls, in plain C; engine.js beside this makes functions of it that a page likes.
 // Nothing is thrown past here: each says whether it went well, and `headpin_text` what came of it, or

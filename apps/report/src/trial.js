@@ -3,7 +3,7 @@
 const kPose = 7;  // w, x, y, z of the turn, then the place [m]
 
 export class Trial {
-  /** @param numbers  the sections' rows, as scene/page_data.h says */
+  /** @param numbers  the sections' rows, as scene/page/page_data.h says */
   constructor(json, numbers) {
     this.json = json;
     this.numbers = numbers;

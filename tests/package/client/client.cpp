@@ -1,8 +1,8 @@
 #include <cstdio>
 
 #include "render/eyes.h"
-#include "scene/read_scenario.h"
-#include "scene/scenario.h"
+#include "scene/scenario/scenario.h"
+#include "scene/stage/read_scenario.h"
 
 int main() {
   const headpin::scene::Scenario room =

@@ -1,0 +1,302 @@
+#include <algorithm>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "apps/damage.h"
+#include "apps/options.h"
+#include "apps/recorded_world.h"
+#include "apps/streams.h"
+#include "devices/trial/file.h"
+#include "scene/play/game_hash.h"
+#include "scene/play/score.h"
+#include "scene/stage/read_scenario.h"
+#include "scene/watch/counterparts.h"
+#include "scene/watch/totals.h"
+#include "scene/watch/verifier.h"
+
+namespace headpin::apps {
+
+namespace {
+
+struct CompareOptions {
+  std::string a, b;
+  bool json = false;
+};
+
+/// One trial as the comparison sees it.
+struct Side {
+  std::string path;
+  devices::TrialFile file;
+  scene::Scenario scenario;
+};
+
+Side load(const std::string& path) {
+  devices::TrialFile file(path);
+  file.require_trial(Time::max());
+  scene::Scenario scenario = scene::scenario_of_trial(file.summary().header.scenario, path);
+  if (file.summary().state_count == 0) {
+    throw std::runtime_error(path + ": expected states to compare, found none; `headpin replay " +
+                             path + " -o OUT.lcmlog` writes them");
+  }
+  return {path, std::move(file), std::move(scenario)};
+}
+
+scene::SharedBodies bodies_of(const Side& a, const Side& b) {
+  return scene::shared_bodies(a.file.summary().header.body_names,
+                              b.file.summary().header.body_names);
+}
+
+struct FirstDifference {
+  std::int64_t tick;
+  double time_s;
+  std::string body;
+  std::string lacks;  ///< the trial that has no state of that tick, empty where both have one
+};
+
+/// The first tick in which the bits of a body that both have differ, or that only one of the two has.
+std::optional<FirstDifference> first_difference(const Side& a, const Side& b) {
+  devices::TrialItems of_a(a.file), of_b(b.file);
+  const scene::SharedBodies shared = bodies_of(a, b);
+  std::optional<devices::TickState> sa = of_a.next_state(), sb = of_b.next_state();
+  while (sa && sb && sa->tick == sb->tick) {
+    const auto body = scene::first_different_body(*sa, *sb, shared);
+    if (body) return FirstDifference{sa->tick, seconds(sa->time), *body, ""};
+    sa = of_a.next_state();
+    sb = of_b.next_state();
+  }
+  if (!sa && !sb) return std::nullopt;
+  const bool only_in_a = !sb || (sa && sa->tick < sb->tick);
+  const devices::TickState& extra = only_in_a ? *sa : *sb;
+  return FirstDifference{extra.tick, seconds(extra.time), "", only_in_a ? b.path : a.path};
+}
+
+/// @param other  its throws are looked for among this one's
+nlohmann::json describe(const Side& side, const Side& other) {
+  const devices::TrialSummary& trial = side.file.summary();
+  const scene::Score score = scene::score(trial.events);
+  const auto number = [](const std::optional<double>& value) {
+    return value ? nlohmann::json(*value) : nlohmann::json();
+  };
+  RecordedWorld world(side.scenario);
+  std::int64_t contacts = 0;
+  double highest = 0.0, last = 0.0;
+  devices::TrialItems items(side.file);
+  while (const std::optional<devices::TickState> state = items.next_state()) {
+    contacts += state->contacts;
+    last = world.energy(*state).all;
+    highest = std::max(highest, last);
+  }
+  nlohmann::json all = scene::conditions(side.scenario);
+  const std::optional<std::uint64_t> hash = scene::game_hash_of_states(side.file);
+  all.update({{"trial", side.path},
+              {"response", side.scenario.collision.response},
+              {"ticks", trial.state_count},
+              {"contacts", contacts},
+              {"touches", score.touches},
+              {"skittles_down", score.skittles_down},
+              {"games", scene::to_json(score.games)},
+              {"release_speed_mps", number(score.release_speed)},
+              {"impact_speed_mps", number(score.impact_speed)},
+              {"highest_energy_j", highest},
+              {"final_energy_j", last},
+              {"game_hash", hash ? nlohmann::json(scene::in_hex(*hash)) : nlohmann::json()},
+              {"throw_count", scene::thrown(trial.events).size()},
+              {"throws_without_counterpart", scene::to_json(scene::without_counterpart(
+                                                 trial.events, other.file.summary().events))}});
+  return all;
+}
+
+std::string cell(const nlohmann::json& value) {
+  if (value.is_null()) return "-";
+  if (value.is_object()) return cell(scene::in_short(value));
+  if (value.is_number_float()) return fmt::format("{:.4g}", value.get<double>());
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+/// One line of the comparison.
+struct ComparedRow {
+  std::string label, a, b;
+};
+
+/// Score sheets of both, game by game; none where neither played one.
+std::vector<ComparedRow> compared_sheets(const nlohmann::json& a, const nlohmann::json& b) {
+  std::vector<ComparedRow> rows;
+  for (std::size_t i = 0; i < std::max(a.size(), b.size()); ++i) {
+    const auto sheet = [&](const nlohmann::json& games) {
+      return i < games.size() ? games[i]["sheet"].get<std::string>() : std::string("-");
+    };
+    rows.push_back({fmt::format("score sheet {}", i + 1), sheet(a), sheet(b)});
+  }
+  return rows;
+}
+
+/// Elasticity, friction and shape of both; of each version where one of them has versions.
+std::vector<ComparedRow> compared_conditions(const nlohmann::json& a, const nlohmann::json& b) {
+  std::vector<ComparedRow> rows;
+  const auto add = [&](const std::string& name, const nlohmann::json& of_a,
+                       const nlohmann::json& of_b) {
+    for (const char* key : {"elasticity", "friction", "shape"}) {
+      rows.push_back({name + key, cell(of_a[key]), cell(of_b[key])});
+    }
+  };
+  if (a["versions"].is_null() && b["versions"].is_null()) {
+    add("", a, b);
+    return rows;
+  }
+  for (const std::string name : {"red", "blue"}) {
+    const auto version = [&](const nlohmann::json& side) {
+      return side["versions"].is_null() ? side : side["versions"][name];
+    };
+    add(name + " ", version(a), version(b));
+  }
+  return rows;
+}
+
+/// A value of a scenario as it fits into a row.
+std::string in_a_line(const std::string& toml) {
+  constexpr std::size_t kMost = 40;
+  std::string line;
+  for (const char c : toml) {
+    if (c != '\n') line += c;
+  }
+  if (line.size() > kMost) line = line.substr(0, kMost) + "...";
+  return line.empty() ? "-" : line;
+}
+
+/// Whether a key of the scenario stands in the rows of compared_conditions, or in that of the
+/// response.
+bool is_a_row_already(const std::string& key, bool versions) {
+  if (key == "collision.response") return true;
+  if (!versions) return key == "collision.shape" || key.starts_with("material.");
+  for (const std::string version : {"version.red.", "version.blue."}) {
+    for (const char* told : {"elasticity", "friction", "shape"}) {
+      if (key == version + told) return true;
+    }
+  }
+  return false;
+}
+
+/// The throws of one side that the other has not.
+void print_unpaired(const std::string& side, const nlohmann::json& result) {
+  constexpr std::size_t kMost = 20;
+  const nlohmann::json& unpaired = result["throws_without_counterpart"];
+  if (unpaired.empty()) return;
+  fmt::print("\n{} of {} throws of {} have no counterpart in the other:\n", unpaired.size(),
+             result["throw_count"].dump(), side);
+  for (std::size_t i = 0; i < std::min(kMost, unpaired.size()); ++i) {
+    fmt::print("  {}\n", scene::unpaired_in_words(unpaired[i]));
+  }
+  if (unpaired.size() > kMost) fmt::print("  and {} more\n", unpaired.size() - kMost);
+}
+
+void print_differences(const nlohmann::json& result) {
+  const nlohmann::json &only_in_a = result["bodies_only_in_a"],
+                       &only_in_b = result["bodies_only_in_b"];
+  for (const auto& [side, names] : {std::pair("a", &only_in_a), {"b", &only_in_b}}) {
+    if (names->empty()) continue;
+    fmt::print("other bodies      only {} has: {}\n", side,
+               fmt::join(names->get<std::vector<std::string>>(), ", "));
+  }
+  if (result["first_difference_tick"].is_null()) {
+    if (!only_in_a.empty() || !only_in_b.empty()) fmt::print("of the bodies that both have: ");
+    fmt::print("equal to the bit, {} ticks\n\n", result["a"]["ticks"].dump());
+  } else {
+    const std::string body = cell(result["first_difference_body"]);
+    const nlohmann::json& lacks = result["first_difference_lacking"];
+    fmt::print("first difference  tick {} ({} s){}\n\n", result["first_difference_tick"].dump(),
+               cell(result["first_difference_s"]),
+               !lacks.is_null() ? ", which " + printable(cell(lacks)) + " has not"
+               : body.empty()   ? ""
+                                : ", " + body);
+  }
+  const std::pair<const char*, const char*> rows[] = {{"", "trial"},
+                                                      {"response", "response"},
+                                                      {"ticks", "ticks"},
+                                                      {"contact points", "contacts"},
+                                                      {"pairs that touched", "touches"},
+                                                      {"skittles down", "skittles_down"},
+                                                      {"release [m/s]", "release_speed_mps"},
+                                                      {"first skittle [m/s]", "impact_speed_mps"},
+                                                      {"highest energy [J]", "highest_energy_j"},
+                                                      {"final energy [J]", "final_energy_j"},
+                                                      {"game hash", "game_hash"},
+                                                      {"throws", "throw_count"}};
+  const bool versions = !result["a"]["versions"].is_null() || !result["b"]["versions"].is_null();
+  std::vector<ComparedRow> lines;
+  for (const auto& [label, key] : rows) {
+    lines.push_back({label, cell(result["a"][key]), cell(result["b"][key])});
+    if (*label == '\0') {
+      for (ComparedRow& row : compared_conditions(result["a"], result["b"])) {
+        lines.push_back(std::move(row));
+      }
+    }
+  }
+  for (const nlohmann::json& key : result["scenario_differences"]) {
+    if (is_a_row_already(key["key"], versions)) continue;
+    lines.push_back({key["key"], in_a_line(key["a"]), in_a_line(key["b"])});
+  }
+  for (ComparedRow& row : compared_sheets(result["a"]["games"], result["b"]["games"])) {
+    lines.push_back(std::move(row));
+  }
+  std::size_t wide = 26, wide_label = 18;
+  for (const ComparedRow& row : lines) {
+    wide = std::max(wide, row.a.size());
+    wide_label = std::max(wide_label, row.label.size());
+  }
+  for (const ComparedRow& row : lines) {
+    fmt::print("{:<{}}{:<{}}{}\n", row.label, wide_label + 2, row.a, wide + 2, row.b);
+  }
+  for (const char* side : {"a", "b"}) print_unpaired(side, result[side]);
+}
+
+void compare(const CompareOptions& options) {
+  const Side a = load(options.a), b = load(options.b);
+  for (const Side* side : {&a, &b}) {
+    say_what_is_missing("compare", side->path, side->file.summary());
+  }
+  const scene::SharedBodies shared = bodies_of(a, b);
+  nlohmann::json result = {
+      {"a", describe(a, b)},
+      {"b", describe(b, a)},
+      {"scenario_differences", scene::to_json(scene::differences(a.scenario, b.scenario))},
+      {"bodies_only_in_a", shared.only_in_a},
+      {"bodies_only_in_b", shared.only_in_b},
+      {"first_difference_tick", nullptr},
+      {"first_difference_s", nullptr},
+      {"first_difference_body", nullptr},
+      {"first_difference_lacking", nullptr}};
+  if (const auto difference = first_difference(a, b)) {
+    result["first_difference_tick"] = difference->tick;
+    result["first_difference_s"] = difference->time_s;
+    result["first_difference_body"] = difference->body;
+    if (!difference->lacks.empty()) result["first_difference_lacking"] = difference->lacks;
+  }
+  if (options.json) {
+    print_json(result);
+  } else {
+    print_differences(result);
+  }
+}
+
+}  // namespace
+
+void add_compare(CLI::App& app) {
+  auto options = std::make_shared<CompareOptions>();
+  CLI::App* command =
+      app.add_subcommand("compare", "Hold two replayed trials against each other, tick by tick");
+  command->add_option("a", options->a, "a trial with states")->required();
+  command->add_option("b", options->b, "another")->required();
+  add_json(*command, options->json);
+  command->footer("Example:\n  headpin compare rough.lcmlog smooth.lcmlog");
+  command->callback([options] { compare(*options); });
+}
+
+}  // namespace headpin::apps

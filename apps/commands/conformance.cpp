@@ -1,0 +1,222 @@
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <poll.h>
+
+#include "apps/command.h"
+#include "apps/options.h"
+#include "devices/fastrak/clients.h"
+#include "devices/lines/lasting_line.h"
+
+namespace headpin::apps {
+namespace {
+
+struct ConformanceOptions {
+  std::string line, client;
+  int baud = 115200;
+  double seconds = 2.0;
+  bool json = false;
+};
+
+/// A client's end of a real line.
+class PortLine : public devices::FastrakLine {
+ public:
+  PortLine(const std::string& name, int baud)
+      : stream_(devices::open_line(name, baud)), baud_(baud) {}
+
+  void put(std::string_view text) override {
+    devices::Bytes rest(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
+    const std::chrono::steady_clock::time_point end =
+        std::chrono::steady_clock::now() + std::chrono::seconds(2);
+    while (!rest.empty() && std::chrono::steady_clock::now() < end) {
+      rest = rest.subspan(stream_->write(rest));
+      if (!rest.empty()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    if (!rest.empty()) throw std::runtime_error("the line takes nothing: " + stream_->trouble());
+  }
+
+  std::string wait(Time span, std::size_t enough) override {
+    const std::chrono::steady_clock::time_point end = std::chrono::steady_clock::now() + span;
+    while (heard_.size() < enough && std::chrono::steady_clock::now() < end) {
+      pollfd state{stream_->descriptor(), POLLIN, 0};
+      ::poll(&state, 1, 1);
+      listen();
+    }
+    const std::string rest = heard_.size() > enough ? heard_.substr(enough) : "";
+    return std::exchange(heard_, rest).substr(0, enough);
+  }
+
+  void flush() override {
+    listen();
+    heard_.clear();
+  }
+
+  int baud() const override { return baud_; }
+
+ private:
+  void listen() {
+    std::array<std::uint8_t, 1024> bytes{};
+    while (const std::size_t n = stream_->read(bytes)) {
+      heard_.append(reinterpret_cast<const char*>(bytes.data()), n);
+    }
+  }
+
+  std::unique_ptr<devices::ByteStream> stream_;
+  int baud_;
+  std::string heard_;
+};
+
+/// Whatever the last client left: resumed, stopped, in the factory's set-up.
+void reset(PortLine& line) {
+  using namespace std::chrono_literals;
+  line.ask("\x11\rc", 300ms);
+  line.ask("W", 200ms);
+  line.flush();
+}
+
+struct Row {
+  std::string client;
+  bool skipped = false;
+  std::vector<devices::FastrakDemand> demands;
+  int tries = 0;
+
+  const devices::FastrakDemand* unmet() const {
+    const auto found = std::ranges::find(demands, false, &devices::FastrakDemand::met);
+    return found == demands.end() ? nullptr : &*found;
+  }
+};
+
+nlohmann::ordered_json as_json(const Row& row) {
+  nlohmann::ordered_json json = {{"client", row.client},
+                                 {"skipped", row.skipped},
+                                 {"demands", row.demands.size()},
+                                 {"tries", row.tries}};
+  json["unmet"] = nlohmann::json::array();
+  for (const devices::FastrakDemand& demand : row.demands) {
+    if (demand.met) continue;
+    json["unmet"].push_back(
+        {{"sent", demand.sent}, {"what", demand.what}, {"found", demand.found}});
+  }
+  return json;
+}
+
+void print_row(const Row& row, int stations) {
+  const devices::FastrakDemand* unmet = row.unmet();
+  if (row.skipped) {
+    fmt::print("{:<24}skipped: needs more than {} receivers\n", row.client, stations);
+  } else if (unmet) {
+    fmt::print("{:<24}FAILS: sent {}, wanted {}, got {}\n", row.client, unmet->sent, unmet->what,
+               unmet->found);
+  } else {
+    fmt::print("{:<24}passes, {} demands{}\n", row.client, row.demands.size(),
+               row.tries > 1 ? ", at the second try" : "");
+  }
+  std::fflush(stdout);
+}
+
+/// Tries once more what fails: a machine or a line may have been held up.
+template <typename Try>
+void examine(Row& row, PortLine& line, Try attempt) {
+  for (row.tries = 0; row.tries == 0 || (row.tries < 2 && row.unmet()); ++row.tries) {
+    reset(line);
+    row.demands.clear();
+    attempt(row.demands);
+  }
+}
+
+constexpr const char* kReadings = "readings";
+
+/// A row each: the unit's readings, then the clients that are wanted.
+///
+/// @param stations  receivers that the unit has
+std::vector<Row> examine_all(PortLine& line, const ConformanceOptions& options, int& stations,
+                             const std::function<void(const Row&)>& see) {
+  std::vector<Row> rows(1);
+  rows[0].client = kReadings;
+  examine(rows[0], line,
+          [&](auto& demands) { stations = devices::examine_readings(line, demands); });
+  const bool answers = std::ranges::any_of(
+      rows[0].demands, [](const auto& demand) { return demand.met || demand.found != "nothing"; });
+  if (!answers) {
+    throw std::runtime_error(fmt::format("{}: no Fastrak answers at {} baud: {}", options.line,
+                                         options.baud,
+                                         "sent 'S' and 'l1', wanted a status record "
+                                         "of 55 bytes and 9 bytes, got nothing"));
+  }
+  stations = std::max(stations, 1);
+  see(rows[0]);
+  for (const devices::FastrakClient& client : devices::fastrak_clients()) {
+    if (!options.client.empty() && options.client != client.name) continue;
+    Row row{std::string(client.name), stations < client.least_stations, {}};
+    if (!row.skipped) {
+      examine(row, line, [&](auto& demands) {
+        devices::run_client(client, line, stations, microseconds(options.seconds), demands);
+      });
+    }
+    see(row);
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+void examine_unit(const ConformanceOptions& options) {
+  const auto known = devices::fastrak_clients();
+  if (!options.client.empty() &&
+      std::ranges::find(known, options.client, &devices::FastrakClient::name) == known.end()) {
+    throw UsageError("--client '" + options.client + "': no such client; see --help");
+  }
+  PortLine line(options.line, options.baud);
+  int stations = 0;
+  const std::vector<Row> rows = examine_all(line, options, stations, [&](const Row& row) {
+    if (!options.json) print_row(row, stations);
+  });
+  reset(line);
+  if (options.json) {
+    nlohmann::ordered_json table = nlohmann::json::array();
+    for (const Row& row : rows) table.push_back(as_json(row));
+    fmt::print("{}\n", nlohmann::json{{"stations", stations}, {"clients", table}}.dump());
+  }
+  if (std::ranges::any_of(rows, [](const Row& row) { return row.unmet() != nullptr; })) {
+    throw std::runtime_error(options.line + ": not what every client needs");
+  }
+}
+
+std::string client_names() {
+  std::string names;
+  for (const devices::FastrakClient& client : devices::fastrak_clients()) {
+    names += (names.empty() ? "" : ", ") + std::string(client.name);
+  }
+  return names;
+}
+
+}  // namespace
+
+void add_conformance(CLI::App& app) {
+  CLI::App* command = app.add_subcommand(
+      "conformance", "Try a Fastrak, real or emulated, with what known clients send and need");
+  const auto options = std::make_shared<ConformanceOptions>();
+  command->add_option("LINE", options->line, "serial port, or tcp:HOST:PORT")->required();
+  command->add_option("--baud", options->baud, "of the port")
+      ->check(CLI::IsMember({2400, 4800, 9600, 19200, 38400, 57600, 115200}))
+      ->capture_default_str();
+  command->add_option("--client", options->client, "only this one");
+  command->add_option("--seconds", options->seconds, "of records for each")
+      ->check(number_from(0.5, 3600.0))
+      ->capture_default_str();
+  add_json(*command, options->json);
+  command->footer(
+      "Clients: " + client_names() +
+      ".\nBefore them, its readings: in inches, centimetres and binary they must be of the "
+      "same place.\nWhat fails is tried a second time. Takes some two minutes and leaves the unit "
+      "running in its factory's set-up, "
+      "nothing saved.\n\nExample:\n  headpin conformance /dev/ttyUSB0");
+  command->callback([options] { examine_unit(*options); });
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,166 @@
+#include <chrono>
+#include <fstream>
+#include <memory>
+#include <set>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+#include "apps/command.h"
+#include "apps/options.h"
+#include "apps/priority.h"
+#include "apps/streams.h"
+#include "devices/lcm/link.h"
+#include "devices/lcm/source.h"
+#include "render/egl_devices.h"
+#include "render/fingerprint.h"
+#include "scene/looks/eyes.h"
+
+namespace headpin::apps {
+
+namespace {
+
+struct Finding {
+  std::string name;
+  bool works;
+  std::string says;  ///< what it is, or what is wrong
+  std::string remedy;
+};
+
+/// Draws what a player sees, and the test picture, through one context.
+Finding look_at_eyes(const char* name, const std::string& gl, const char* remedy,
+                     std::set<std::uint64_t>& pictures) {
+  try {
+    const scene::Scenario scenario;
+    scene::Eyes eyes = scene::open_eyes(scene::make_stage(scenario), scenario.look, gl);
+    std::array<render::Image, 2> images;
+    scene::see(eyes, {}, images);
+    pictures.insert(render::fingerprint(eyes.renderer).picture);
+    const std::string& why = eyes.renderer.instead_of();
+    return {name, true, eyes.renderer.description() + (why.empty() ? "" : "; " + why), ""};
+  } catch (const std::exception& error) {
+    return {name, false, error.what(), remedy};
+  }
+}
+
+/// What commands draw with, then each context alone: whether they draw the same is said of the last.
+std::vector<Finding> look_at_contexts(const std::string& gl) {
+  std::set<std::uint64_t> used, pictures;
+  std::vector<Finding> findings = {
+      look_at_eyes("eyes", gl, "apt-get install libosmesa6 libegl1 libegl-mesa0", used),
+      look_at_eyes("osmesa", "osmesa", "apt-get install libosmesa6", pictures),
+      look_at_eyes("egl", "egl", "apt-get install libegl1 libegl-mesa0", pictures)};
+  if (findings[1].works && findings[2].works) {
+    findings[2].says += pictures.size() == 1 ? "; draws the same" : "; draws other bits";
+  }
+  return findings;
+}
+
+/// A line for each device that EGL lists.
+std::vector<Finding> look_at_devices() {
+  std::vector<Finding> findings;
+  try {
+    for (const render::EglDevice& device : render::egl_devices()) {
+      findings.push_back(
+          {fmt::format("egl:{}", device.number), device.works,
+           device.says + (device.cuda ? fmt::format("; CUDA's {}", *device.cuda) : ""),
+           "ls -l /dev/dri /dev/nvidia* /usr/share/glvnd/egl_vendor.d"});
+    }
+  } catch (const std::runtime_error& error) {
+    findings.push_back({"egl:auto", false, error.what(), "apt-get install libegl1 libegl-mesa0"});
+  }
+  return findings;
+}
+
+/// Sends a sample to itself, as an LCM application does at its start.
+Finding look_at_multicast() {
+  const std::string remedy = "ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo";
+  try {
+    devices::LcmLink link("");
+    devices::LcmSource source(link);
+    devices::TrackerSample sample;
+    sample.station = 4;
+    link.publish(devices::Sample(sample));
+    for (int i = 0; i < 50; ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      source.receive(Time{1'000'000});
+      if (source.counts().received > 0) return {"lcm_multicast", true, "a sample came back", ""};
+    }
+    return {"lcm_multicast", false, "what is sent does not come back", remedy};
+  } catch (const std::exception& error) {
+    const std::string says = error.what();
+    return {"lcm_multicast", false, says.substr(0, says.find(';')), remedy};
+  }
+}
+
+/// Raw eyes come in one message of half a megabyte; a subscriber's socket that holds less loses
+/// pieces of it, and with them the frame.
+Finding look_at_receive_buffer() {
+  constexpr long kEnough = 2'097'152;  // bytes: two frames, and what the kernel adds to each piece
+  long found = 0;
+  std::ifstream("/proc/sys/net/core/rmem_default") >> found;
+  return {"raw_eyes", found >= kEnough,
+          fmt::format("sockets hold {} bytes by default; live --eyes raw needs {}, png does not",
+                      found, kEnough),
+          fmt::format("sysctl -w net.core.rmem_max={0} net.core.rmem_default={0}", kEnough)};
+}
+
+Finding look_at_priority() {
+  const bool works = to_be_had() == Priority::real_time;
+  return {"real_time", works,
+          works ? "ticks of a live session go before what else runs"
+                : "not allowed; on a busy machine ticks of a live session begin late",
+          "echo '* - rtprio 1' > /etc/security/limits.d/headpin.conf && exec su - $USER"};
+}
+
+Finding look_for_program(const char* name, const char* package) {
+  const char* path = std::getenv("PATH");
+  std::string_view rest = path ? path : "";
+  while (!rest.empty()) {
+    const std::size_t colon = rest.find(':');
+    const std::string candidate = fmt::format("{}/{}", rest.substr(0, colon), name);
+    if (access(candidate.c_str(), X_OK) == 0) return {name, true, candidate, ""};
+    rest = colon == std::string_view::npos ? "" : rest.substr(colon + 1);
+  }
+  return {name, false, "not installed", fmt::format("apt-get install {}", package)};
+}
+
+void diagnose(bool json, const std::string& gl) {
+  const std::vector<Finding> devices =
+      look_at_devices();  // before libEGL is told to ask Mesa alone
+  std::vector<Finding> findings = look_at_contexts(gl);
+  findings.insert(findings.end(), devices.begin(), devices.end());
+  for (const Finding& finding :
+       {look_at_multicast(), look_at_receive_buffer(), look_at_priority(),
+        look_for_program("ffmpeg", "ffmpeg"), look_for_program("lcm-logplayer", "liblcm-bin"),
+        look_for_program("Rscript", "r-base-core")}) {
+    findings.push_back(finding);
+  }
+  nlohmann::json all = nlohmann::json::object();
+  for (const Finding& f : findings) {
+    all[f.name] = {{"works", f.works}, {"says", f.says}, {"remedy", f.remedy}};
+    if (json) continue;
+    fmt::print("{:<15}{:<5}{}\n", f.name, f.works ? "ok" : "no", f.says);
+    if (!f.works) fmt::print("{:<20}type: {}\n", "", f.remedy);
+  }
+  if (json) print_json(all);
+}
+
+}  // namespace
+
+void add_doctor(CLI::App& app) {
+  auto json = std::make_shared<bool>(false);
+  auto gl = std::make_shared<std::string>();
+  CLI::App* command = app.add_subcommand("doctor", "Tell what works on this machine");
+  add_json(*command, *json);
+  add_gl(*command, *gl);
+  command->footer(
+      "Only pictures need OSMesa or EGL, only videos ffmpeg; without a multicast route every "
+      "command works\n"
+      "with file:// and memq:// URLs. R is for what is to come.\n\nExample:\n  headpin doctor");
+  command->callback([json, gl] { diagnose(*json, *gl); });
+}
+
+}  // namespace headpin::apps

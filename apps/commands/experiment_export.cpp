@@ -1,0 +1,217 @@
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/experiment.h"
+#include "apps/options.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
+#include "apps/study_people.h"
+#include "devices/base/version.h"
+#include "files/input_file.h"
+#include "files/left_parts.h"
+#include "files/output_file.h"
+#include "scene/watch/recorded.h"
+#include "study/bids.h"
+
+namespace headpin::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct ExportStudyOptions {
+  std::string study;
+  std::optional<std::string> output;
+  bool deidentify = false, json = false;
+  int jobs = 1;
+};
+
+/// Files of a dataset, in a folder that grows until its description makes it one.
+class Dataset {
+ public:
+  explicit Dataset(fs::path root) : root_(std::move(root)) {}
+
+  void write(const std::string& name, const std::string& text) {
+    check_stop();
+    const fs::path path = root_ / name;
+    fs::create_directories(path.parent_path());
+    files::remove_left_parts(path.parent_path().string());
+    // What a killed export left is written again.
+    files::OutputFile file(path.string(), {.overwrite = true, .durable = false});
+    file.write(text.data(), text.size());
+    file.commit();
+  }
+
+  const fs::path& root() const { return root_; }
+
+ private:
+  fs::path root_;
+};
+
+/// A dataset is new, or one that was begun by the same and not finished: its README is the first of
+/// its files, its description the last.
+void require_free(const fs::path& root, const std::string& readme) {
+  std::error_code none;
+  if (fs::exists(root / "dataset_description.json")) {
+    throw std::runtime_error(root.string() + ": a dataset is there already; expected a new folder");
+  }
+  const bool begun =
+      fs::exists(root / "README", none) && read_study_file(root / "README") == readme;
+  if (!begun && !fs::is_empty(root)) {
+    throw std::runtime_error(root.string() + ": expected a new or empty folder");
+  }
+}
+
+/// What a body's motion gives away, whatever name stands above it.
+struct Traits {
+  double eyes_m = 0.0;   ///< height of the display while standing: the median of all
+  double reach_m = 0.0;  ///< from display to hand, at most
+};
+
+Traits traits_of(const scene::Recorded& recorded, const std::vector<devices::Sample>& samples) {
+  std::vector<double> heights;
+  Traits traits;
+  std::optional<Vec3> head;
+  const scene::Rig& rig = recorded.scenario.rig;
+  for (const devices::Sample& sample : samples) {
+    const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
+    if (!tracker || !tracker->good()) continue;
+    if (tracker->station == rig.head_station) {
+      head = (rig.X_WT * tracker->X_TS * rig.X_SD).p;
+      heights.push_back(head->z());
+    } else if (tracker->station == rig.hand_station && head) {
+      traits.reach_m =
+          std::max(traits.reach_m, ((rig.X_WT * tracker->X_TS * rig.X_SH).p - *head).norm());
+    }
+  }
+  if (heights.empty()) return traits;
+  const auto middle = heights.begin() + std::ssize(heights) / 2;
+  std::ranges::nth_element(heights, middle);
+  traits.eyes_m = *middle;
+  return traits;
+}
+
+/// The samples of a trial, as its log has them.
+std::vector<devices::Sample> samples_of(const scene::Recorded& recorded) {
+  std::vector<devices::Sample> samples;
+  recorded.file.walk([&](devices::TrialFile::Item& item) {
+    if (auto* sample = std::get_if<devices::Sample>(&item)) samples.push_back(*sample);
+    return true;
+  });
+  return samples;
+}
+
+/// Writes one participant's session; simulates it again for the bodies.
+Traits write_session(Dataset& dataset, const Study& study, const study::Person& person,
+                     const std::string& subject) {
+  const fs::path path = study.at.sessions(person.planned.id) / (person.played.run + ".lcmlog");
+  const scene::Recorded recorded = scene::load_trial(path.string());
+  const devices::TrialSummary& trial = recorded.file.summary();
+  devices::TrialHeader header = trial.header;
+  header.participant = is_virtual_name(header.participant) ? virtual_name(subject) : subject;
+  study::BidsSession session{subject, person.played.run.substr(4), &header, samples_of(recorded),
+                             trial.events};
+  for (const auto& [name, text] : study::session_files(session)) dataset.write(name, text);
+  std::string table;
+  study::SimulatedSystem simulated([&](const std::string& row) { table += row; });
+  scene::Observer* const observer = &simulated;
+  scene::Session again = scene::make_session(recorded.scenario);
+  devices::TrialPlayer source(recorded.file);
+  scene::NoPace pace;
+  const std::int64_t ticks = scene::tick_count(trial, recorded.scenario.rates.physics_hz);
+  scene::run(again, source, pace, std::span(&observer, 1), [&](const scene::Session& s) {
+    check_stop();
+    return s.tick >= ticks;
+  });
+  dataset.write(study::SimulatedSystem::table_name(session), table);
+  for (const auto& [name, text] : simulated.files(session)) dataset.write(name, text);
+  return traits_of(recorded, session.samples);
+}
+
+void copy_trial(Dataset& dataset, const Study& study, const study::Person& person,
+                const std::string& subject) {
+  constexpr std::size_t kMost = 4'000'000'000;
+  const std::string name = person.played.run + ".lcmlog";
+  dataset.write(fmt::format("sourcedata/sub-{}/{}", subject, name),
+                files::read_text((study.at.sessions(person.planned.id) / name).string(), kMost));
+}
+
+void export_study(const ExportStudyOptions& options) {
+  watch_stop_signals();
+  const Study study = open_study(options.study);
+  const fs::path root = *options.output;
+  std::vector<study::Person> people = people_of(study, options.jobs);
+  std::erase_if(people, [](const study::Person& one) { return one.played.run.empty(); });
+  if (people.empty()) {
+    throw std::runtime_error(fmt::format("{}: expected sessions to export, found none that counts",
+                                         study.at.root.string()));
+  }
+  fs::create_directories(root);
+  const StudyLock lock(root, "exporting to this folder");
+  files::remove_left_parts(root.string());
+  const std::string readme = study::bids_readme(study.design, people);
+  require_free(root, readme);
+  Dataset dataset(root);
+  dataset.write("README", readme);
+  nlohmann::ordered_json gives_away = nlohmann::ordered_json::array();
+  for (std::size_t i = 0; i < people.size(); ++i) {
+    study::Person& person = people[i];
+    const std::string subject =
+        options.deidentify ? fmt::format("{:03}", i + 1) : person.planned.id;
+    const Traits traits = write_session(dataset, study, person, subject);
+    if (!options.deidentify) copy_trial(dataset, study, person, subject);
+    gives_away.push_back({{"participant", subject},
+                          {"eyes_m", std::round(100.0 * traits.eyes_m) / 100.0},
+                          {"reach_m", std::round(100.0 * traits.reach_m) / 100.0}});
+    person.planned.id = subject;
+    if (!options.deidentify) continue;
+    if (!person.replaced_by.empty()) person.replaced_by = "another";
+    person.played.sha256 = study::kNoAnswer;
+  }
+  const auto all =
+      study::dataset_files(study.design, study.questions, people, devices::software_version());
+  for (const auto& [name, text] : all) dataset.write(name, text);  // the description is the last
+  if (options.json) {
+    return print_json({{"output", root.string()}, {"sessions", gives_away}});
+  }
+  fmt::print("{}: {} sessions\n", root.string(), people.size());
+  if (!options.deidentify) return;
+  fmt::print("names, dates and trials are left out; what motion still gives away:\n");
+  for (const auto& one : gives_away) {
+    fmt::print("  sub-{}: eyes at {:.2f} m, reach {:.2f} m, the hand that throws\n",
+               one["participant"].get<std::string>(), one["eyes_m"].get<double>(),
+               one["reach_m"].get<double>());
+  }
+}
+
+}  // namespace
+
+void add_experiment_export(CLI::App& group) {
+  CLI::App* command = group.add_subcommand("export", "Write the whole study as Motion-BIDS");
+  const auto options = std::make_shared<ExportStudyOptions>();
+  add_study(*command, options->study);
+  add_output(*command, "--motion-bids", options->output, "folder to write the dataset to")
+      ->required();
+  command->add_flag("--deidentify", options->deidentify,
+                    "numbers in place of names, no trials (they have the date), and a list of what "
+                    "the motion itself gives away");
+  command->add_option("--jobs", options->jobs, "sessions that are measured at a time")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  add_json(*command, options->json);
+  command->footer(
+      "A subject a participant whose session counts: both receivers, the simulated bodies 60 times "
+      "a\nsecond, events with the buttons, participants.tsv, answers in phenotype/, trials in "
+      "sourcedata/.\n`headpin import` reads a session back to the same samples.\n\n"
+      "Example:\n  headpin experiment export study --motion-bids dataset\n"
+      "  headpin import dataset/sub-p001/motion/"
+      "sub-p001_task-bowling_tracksys-head_run-01_motion.tsv -o again.lcmlog");
+  command->callback([options] { export_study(*options); });
+}
+
+}  // namespace headpin::apps

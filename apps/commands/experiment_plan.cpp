@@ -1,0 +1,222 @@
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/experiment.h"
+#include "apps/options.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
+#include "apps/study_folder.h"
+#include "files/left_parts.h"
+#include "files/output_file.h"
+#include "scene/scenario/scenario.h"
+#include "scene/stage/read_scenario.h"
+
+namespace headpin::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct PlanOptions {
+  std::optional<std::string> output;
+  std::string design = "uno-slater-1997";
+  std::optional<std::uint64_t> seed;
+  std::optional<int> people;
+  std::string replace;
+  bool design_given = false, json = false;
+};
+
+void write_text(const fs::path& path, const std::string& text, bool overwrite) {
+  files::OutputFile file(path.string(), {.overwrite = overwrite});
+  file.write(text.data(), text.size());
+  check_stop();
+  file.commit();
+}
+
+/// What a study stands on; one that was cut off as it began may have it already.
+void write_once(const fs::path& path, const std::string& text) {
+  if (fs::exists(path) && read_study_file(path) == text) return;
+  write_text(path, text, false);
+}
+
+/// Each key of the factors and each level can be set in the scenario.
+void check_levels(const study::Design& design, scene::Scenario scenario, const std::string& where) {
+  if (!scenario.version.buttons) {
+    throw std::invalid_argument(
+        fmt::format("{}: scenario '{}' has no two versions; expected [version] buttons = true",
+                    where, design.scenario));
+  }
+  for (const study::Factor& factor : design.factors) {
+    for (const std::string& level : factor.levels) {
+      try {
+        scene::set(scenario, study::assignment(factor, "red", level));
+      } catch (const std::invalid_argument& error) {
+        throw std::invalid_argument(fmt::format("{}: {}", where, error.what()));
+      }
+    }
+  }
+}
+
+/// Every item that the design names is asked.
+void check_items(const study::Design& design, const study::Questionnaire& questions,
+                 const std::string& where) {
+  const auto require = [&](const std::string& id, const std::string& answer) {
+    const study::Item* item = questions.find(id);
+    if (!item) {
+      throw std::invalid_argument(
+          fmt::format("{}: expected an item of questionnaire '{}', found "
+                      "'{}'",
+                      where, questions.name, id));
+    }
+    if (!answer.empty() && study::answer_of(*item, answer) != answer) {
+      throw std::invalid_argument(
+          fmt::format("{}: expected an answer of item '{}' ({}), found '{}'", where, id,
+                      study::allowed(*item), answer));
+    }
+  };
+  for (const study::Term& term : design.terms) {
+    const bool factor =
+        std::ranges::find(design.factors, term.of, &study::Factor::letter) != design.factors.end();
+    if (!term.of.empty() && !factor) require(term.of, term.is);
+    const study::Item* item = questions.find(term.of);
+    if (item && item->counts_from) {
+      throw std::invalid_argument(
+          fmt::format("{}: term '{}' is of '{}', which is in the score; "
+                      "expected another item",
+                      where, term.name, term.of));
+    }
+  }
+  for (const study::PublishedAnswers& one : design.published) {
+    for (const auto& [answer, count] : one.counts) require(one.item, answer);
+  }
+}
+
+/// Makes the folder with what a study stands on; design.toml comes last and makes it one.
+void begin_study(const StudyFolder& at, const PlanOptions& options) {
+  const fs::path source = bundled("designs", options.design);
+  std::string text = read_study_file(source);
+  study::Design design = study::parse_design(text, source.string());
+  const auto beside = [&](const std::string& name) {  // files are named from the design's folder
+    const bool file = name.find_first_of("./") != std::string::npos;
+    return file ? (source.parent_path() / name).string() : name;
+  };
+  const fs::path asked = bundled("questionnaires", beside(design.questionnaire));
+  const std::string questions = read_study_file(asked);
+  check_items(design, study::parse_questionnaire(questions, asked.string()), source.string());
+  const scene::Scenario scenario = scene::load_scenario(beside(design.scenario));
+  check_levels(design, scenario, source.string());
+  if (!design.seed) {
+    text = fmt::format("seed = {}  # of the allotment\n", options.seed.value_or(1)) + text;
+  } else if (options.seed && options.seed != design.seed) {
+    throw UsageError(fmt::format("--seed: {} has the seed {}", source.string(), *design.seed));
+  }
+  fs::create_directories(at.root);
+  files::remove_left_parts(at.root.string());
+  write_once(at.questionnaire(), questions);
+  write_once(at.scenario(), scene::to_toml(scenario));
+  write_text(at.design(), text, false);
+}
+
+void refuse_other_design(const Study& study, const PlanOptions& options) {
+  const std::string place = study.at.design().string();
+  if (options.seed && options.seed != study.design.seed) {
+    throw UsageError(fmt::format("--seed: {} has the seed {}, which stays", place,
+                                 study.design.seed.value_or(0)));
+  }
+  if (!options.design_given) return;
+  const fs::path source = bundled("designs", options.design);
+  if (study::parse_design(read_study_file(source), source.string()).name != study.design.name) {
+    throw UsageError(fmt::format("--design: {} is of '{}', which stays", place, study.design.name));
+  }
+}
+
+void print_plan(const Study& study, std::size_t before) {
+  std::map<std::pair<std::string, std::string>, int> rows;
+  for (const study::PlannedParticipant& one : study.plan) {
+    ++rows[{study::changed_key_of(study.design, one), study::cell_of(study.design, one)}];
+  }
+  fmt::print("{}: {} participants", study.at.plan().string(), study.plan.size());
+  if (before > 0) fmt::print(", {} of them new", study.plan.size() - before);
+  fmt::print("\n{:<6}{:<20}{}\n", study.design.letters(), "changed parameter", "participants");
+  for (const auto& [row, count] : rows) fmt::print("{:<6}{:<20}{}\n", row.second, row.first, count);
+}
+
+void plan_study(const PlanOptions& options) {
+  const StudyFolder at{*options.output};
+  const bool new_one = !fs::exists(at.design());
+  if (new_one && fs::exists(at.plan())) {
+    throw std::runtime_error(
+        fmt::format("{}: holds plan.csv and no design.toml; expected a new "
+                    "folder, or a study",
+                    at.root.string()));
+  }
+  if (new_one) begin_study(at, options);
+  const StudyLock lock(at.design(), "planning this study");
+  files::remove_left_parts(at.root.string());
+  if (!fs::exists(at.plan())) {  // new, or cut off before there was one
+    const std::string text = read_study_file(at.design());
+    write_text(at.plan(), study::to_csv({}, study::parse_design(text, at.design().string())),
+               false);
+  }
+  Study study = open_study(at.root.string());
+  refuse_other_design(study, options);
+  const std::size_t before = study.plan.size();
+  try {
+    if (!options.replace.empty()) study::replace(study.plan, options.replace);
+    const auto there = static_cast<int>(study.plan.size() - study::replaced(study.plan).size());
+    const int wanted = before == 0 ? study.design.block() : there;
+    study::extend(study.plan, study.design, study.design.seed.value_or(1),
+                  options.people.value_or(wanted));
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("{}: {}", at.plan().string(), error.what()));
+  }
+  if (study.plan.size() != before) {
+    write_text(at.plan(), study::to_csv(study.plan, study.design), true);
+  }
+  if (options.json) {
+    return print_json({{"output", at.root.string()},
+                       {"participants", study.plan.size()},
+                       {"new_participants", study.plan.size() - before},
+                       {"seed", study.design.seed.value_or(1)}});
+  }
+  print_plan(study, before);
+}
+
+}  // namespace
+
+void add_experiment_plan(CLI::App& group) {
+  CLI::App* command =
+      group.add_subcommand("plan", "Begin a study, or add participants to its plan");
+  const auto options = std::make_shared<PlanOptions>();
+  add_output(*command, "-o,--output", options->output, "folder of the study")->required();
+  CLI::Option* design =
+      command
+          ->add_option("--design", options->design,
+                       "a design that comes along (uno-slater-1997, elasticity-friction-shape), or "
+                       "a TOML file")
+          ->capture_default_str();
+  command->add_option("--seed", options->seed, "of the allotment; 1 when not given")->check(seed());
+  command
+      ->add_option("--people", options->people,
+                   "participants in all; one block of the design when not given")
+      ->check(CLI::Range(1, 100000));
+  command->add_option("--replace", options->replace,
+                      "add one who gets the conditions of this participant, who dropped out");
+  add_json(*command, options->json);
+  command->footer(
+      "Participants are allotted at random within blocks: each block has every row of the design "
+      "as\noften as it says, and half of those with the same changed parameter play the changed "
+      "version first,\nhalf behind the red button. More people later are added; nobody who is in "
+      "the plan is moved.\n\n"
+      "Example:\n  headpin experiment plan -o study --design uno-slater-1997 --seed 7\n"
+      "  headpin experiment plan -o study --people 36");
+  command->callback([options, design] {
+    options->design_given = design->count() > 0;
+    plan_study(*options);
+  });
+}
+
+}  // namespace headpin::apps

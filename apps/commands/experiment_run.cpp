@@ -1,0 +1,250 @@
+#include <atomic>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/experiment.h"
+#include "apps/live.h"
+#include "apps/options.h"
+#include "apps/progress.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
+#include "apps/study_folder.h"
+#include "apps/study_play.h"
+#include "files/left_parts.h"
+#include "files/lock.h"
+#include "scene/watch/totals.h"
+
+namespace headpin::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+struct RunOptions {
+  std::string study, participant, trial;
+  bool is_virtual = false, all = false, json = false;
+  int jobs = 1;
+  std::shared_ptr<LiveOptions> live = std::make_shared<LiveOptions>();
+};
+
+/// A participant's folder of sessions, ours alone until this goes, and the name of the next run.
+class NextRun {
+ public:
+  /// @throws files::Busy         when another one plays this participant's session
+  /// @throws std::runtime_error  when it has been played
+  NextRun(const Study& study, const std::string& id) : folder_(study.at.sessions(id)) {
+    fs::create_directories(folder_);
+    lock_.emplace(folder_, "playing the session of " + id);
+    files::remove_left_parts(folder_.string());
+    const std::vector<Run> runs = runs_of(study.at, id);
+    if (const Run* done = counting(runs)) {
+      throw std::runtime_error(
+          fmt::format("{}: {} has played already ({:.1f} s); a session is played once",
+                      done->path.string(), id, done->seconds));
+    }
+    for (const Run& run : runs) {
+      say("headpin experiment run: {} stays as it is: {}\n", run.path.string(),
+          run.complete ? "not both versions were played" : "it was cut off");
+    }
+    path_ = (folder_ / fmt::format("run-{:02}.lcmlog", runs.size() + 1)).string();
+  }
+  const std::string& path() const { return path_; }
+
+ private:
+  fs::path folder_;
+  std::optional<StudyLock> lock_;
+  std::string path_;
+};
+
+nlohmann::ordered_json to_json(const std::string& id, bool is_virtual,
+                               const PlayedSession& session) {
+  return {{"participant", id},
+          {"virtual", is_virtual},
+          {"output", session.path},
+          {"duration_s", session.duration_s},
+          {"games", scene::to_json(session.score.games)}};
+}
+
+void print_session(const std::string& id, bool is_virtual, const PlayedSession& session) {
+  fmt::print("{}{}  {:.1f} s", id, is_virtual ? ", virtual" : "", session.duration_s);
+  for (const scene::Sheet& game : session.score.games) fmt::print("; {}", scene::in_words(game));
+  fmt::print("\n");
+}
+
+/// Everybody who has not played, a session a thread.
+class VirtualStudy {
+ public:
+  VirtualStudy(const Study& study, int jobs) : study_(study), jobs_(jobs) {
+    const auto replaced = study::replaced(study.plan);
+    for (const study::PlannedParticipant& one : study.plan) {
+      if (replaced.contains(one.id) || counting(runs_of(study.at, one.id))) continue;
+      waiting_.push_back(&one);
+    }
+    played_.resize(waiting_.size());
+  }
+
+  /// @throws  what the first failure was; files::Busy where others were at some of the sessions
+  void play() {
+    Progress progress("sessions", static_cast<std::int64_t>(waiting_.size()));
+    std::vector<std::thread> threads;
+    for (int i = 0; i < jobs_; ++i) threads.emplace_back([&] { work(progress); });
+    for (std::thread& thread : threads) thread.join();
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+  void tell(bool json) const {
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    for (std::size_t i = 0; i < waiting_.size(); ++i) {
+      if (!played_[i]) continue;
+      if (json) {
+        all.push_back(to_json(waiting_[i]->id, true, *played_[i]));
+      } else {
+        print_session(waiting_[i]->id, true, *played_[i]);
+      }
+    }
+    if (json) print_json({{"sessions", all}});
+    if (!busy_.empty()) throw files::Busy(busy_);
+  }
+
+ private:
+  void work(Progress& progress) {
+    for (std::size_t i = next_++; i < waiting_.size() && !failed_; i = next_++) {
+      try {
+        const NextRun run(study_, waiting_[i]->id);
+        played_[i] = play_virtual(study_, *waiting_[i], run.path(), [this] {
+          check_stop();
+          if (failed_) throw std::runtime_error("another session failed");
+        });
+      } catch (const files::Busy& error) {
+        const std::lock_guard lock(mutex_);
+        busy_ = error.what();
+      } catch (...) {
+        const std::lock_guard lock(mutex_);
+        if (!failure_) failure_ = std::current_exception();
+        failed_ = true;
+      }
+      const std::lock_guard lock(mutex_);
+      progress.show(++done_);
+    }
+  }
+
+  const Study& study_;
+  int jobs_;
+  std::vector<const study::PlannedParticipant*> waiting_;
+  std::vector<std::optional<PlayedSession>> played_;
+  std::atomic<std::size_t> next_ = 0;
+  std::atomic<bool> failed_ = false;
+  std::mutex mutex_;  // of what follows
+  std::exception_ptr failure_;
+  std::string busy_;
+  std::int64_t done_ = 0;
+};
+
+/// The trial among the sources, whose rig its samples are in; empty for none.
+std::string trial_in(const std::vector<std::string>& sources) {
+  for (const std::string& source : sources) {
+    if (fs::is_regular_file(source)) return source;
+  }
+  return {};
+}
+
+void run_live(const Study& study, const study::PlannedParticipant& who, const RunOptions& options,
+              const NextRun& run) {
+  LiveOptions live = *options.live;
+  live.given = scenario_of(study, who, trial_in(live.sources));
+  live.samples = static_cast<int>(live.given->look.samples);
+  live.participant = who.id;
+  for (const std::string& source : live.sources) {
+    if (fs::is_regular_file(source) &&
+        is_virtual_name(devices::TrialFile(source).summary().header.participant)) {
+      live.participant = virtual_name(who.id);
+    }
+  }
+  live.condition_name = condition_of(study, who);
+  live.record = run.path();
+  live.json = options.json;
+  const bool red = study::games_of(study.design, who.allotted)[0].red;
+  say("headpin experiment run: {} touches the {} button first, then the {} one\n", who.id,
+      red ? "red" : "blue", red ? "blue" : "red");
+  go_live(live);
+}
+
+void run_one(const Study& study, const RunOptions& options) {
+  const study::PlannedParticipant& who = planned(study, options.participant);
+  const auto replaced = study::replaced(study.plan);
+  if (replaced.contains(who.id)) {
+    throw UsageError(fmt::format("{} was replaced by {}", who.id, replaced.at(who.id)));
+  }
+  const NextRun run(study, who.id);
+  if (!options.live->sources.empty()) return run_live(study, who, options, run);
+  const auto each_tick = [] { check_stop(); };
+  const PlayedSession session = options.is_virtual
+                                    ? play_virtual(study, who, run.path(), each_tick)
+                                    : play_trial(study, who, options.trial, run.path(), each_tick);
+  const bool is_virtual = runs_of(study.at, who.id).back().is_virtual;
+  if (options.json) return print_json(to_json(who.id, is_virtual, session));
+  print_session(who.id, is_virtual, session);
+}
+
+void check_ways(const RunOptions& options) {
+  const int ways = (options.live->sources.empty() ? 0 : 1) + (options.trial.empty() ? 0 : 1) +
+                   (options.is_virtual ? 1 : 0);
+  if (ways != 1) {
+    throw UsageError(
+        "expected one of: SOURCE (as `headpin live` takes it), --trial FILE, "
+        "--virtual");
+  }
+  if (options.all != options.participant.empty()) {
+    throw UsageError("expected --participant NAME, or --all with --virtual");
+  }
+  if (options.all && !options.is_virtual) {
+    throw UsageError("--all: only virtual participants play all at once; expected --virtual");
+  }
+}
+
+void run_study(const RunOptions& options) {
+  check_ways(options);
+  watch_stop_signals();
+  const Study study = open_study(options.study);
+  if (!options.all) return run_one(study, options);
+  VirtualStudy all(study, options.jobs);
+  all.play();
+  all.tell(options.json);
+}
+
+}  // namespace
+
+void add_experiment_run(CLI::App& group) {
+  CLI::App* command = group.add_subcommand("run", "Play a participant's session, both games");
+  const auto options = std::make_shared<RunOptions>();
+  add_study(*command, options->study);
+  command->add_option("--participant", options->participant, "whose session it is");
+  command->add_flag("--virtual", options->is_virtual,
+                    "a virtual participant plays it; trial and tables say so");
+  command->add_option("--trial", options->trial,
+                      "play the samples of this trial, at once, in the tracker's rig of its own");
+  command->add_flag("--all", options->all, "everybody who has not played; with --virtual");
+  command->add_option("--jobs", options->jobs, "sessions at a time, with --all")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  const auto take_sources = add_source_options(*command, options->live);
+  add_json(*command, options->json);
+  command->footer(
+      "The session is sessions/NAME/run-01.lcmlog. One that is done is not played again; one that "
+      "was cut\noff stays, and the next is run-02. The study's scenario.toml says how the tracker "
+      "is mounted.\n\n"
+      "Example:\n  headpin experiment run study --participant p001 fastrak:/dev/ttyUSB0\n"
+      "  headpin experiment run study --all --virtual --jobs 2");
+  command->callback([options, take_sources] {
+    take_sources();
+    run_study(*options);
+  });
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,154 @@
+#include <algorithm>
+#include <deque>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <optional>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "apps/damage.h"
+#include "apps/options.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
+#include "devices/trial/file.h"
+#include "devices/trial/tables.h"
+#include "files/output_folder.h"
+#include "files/output_text.h"
+#include "scene/play/score.h"
+#include "scene/scenario/scenario.h"
+#include "scene/stage/read_scenario.h"
+#include "scene/watch/recorded.h"
+
+namespace headpin::apps {
+
+namespace {
+
+struct ExportOptions {
+  std::string trial;
+  std::optional<std::string> folder;
+  bool force = false, json = false;
+};
+
+/// Where the walk has the tracked space; nothing where the trial's scenario cannot be read.
+std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const std::string& path) {
+  try {
+    return scene::walk_of(trial, scene::scenario_of_trial(trial.summary().header.scenario, path));
+  } catch (const std::invalid_argument&) {
+    return {};
+  }
+}
+
+/// All tables, in one walk through the trial.
+nlohmann::ordered_json write_tables(files::OutputFolder& folder, const devices::TrialFile& trial,
+                                    const std::string& path) {
+  std::deque<files::OutputText> files;
+  std::deque<devices::TableWriter> tables;
+  const std::vector<std::string> names = devices::table_names();
+  const std::vector<Stamped<Vec3>> walk = walk_of(trial, path);
+  const auto walked = [&walk](Time time) -> std::optional<Vec3> {
+    const auto later = std::ranges::upper_bound(walk, time, {}, &Stamped<Vec3>::time);
+    return later == walk.begin() ? std::nullopt : std::optional(std::prev(later)->value);
+  };
+  for (const std::string& name : names) {
+    tables.emplace_back(files.emplace_back(folder.file(name + ".csv")).out(), name,
+                        trial.summary().header, walked);
+  }
+  const std::vector<devices::ThrowRow> throws = scene::score(trial.summary().events).throws;
+  for (devices::TableWriter& table : tables) {
+    for (const devices::Event& event : trial.summary().events) table.add(event);
+    for (const devices::ThrowRow& row : throws) table.add(row);
+  }
+  trial.walk([&](const devices::TrialFile::Item& item) {
+    check_stop();
+    for (devices::TableWriter& table : tables) {
+      std::visit([&](const auto& one) { table.add(one); }, item);
+    }
+    return true;
+  });
+  nlohmann::ordered_json rows;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    check_stop();
+    files[i].close();
+    rows[names[i]] = tables[i].rows();
+  }
+  return rows;
+}
+
+/// What stands in no table: who, under what, made by what.
+nlohmann::ordered_json about(const devices::TrialSummary& trial) {
+  return {{"participant", trial.header.participant},
+          {"condition", trial.header.condition},
+          {"seed", trial.header.seed},
+          {"format_version", trial.header.format_version},
+          {"version", trial.header.software_version},
+          {"commit", trial.header.software_commit},
+          {"complete", trial.complete}};
+}
+
+/// What the trial ran under; what cannot be read is written as it is.
+std::string scenario_text(const std::string& text, const std::string& path) {
+  try {
+    return scene::whole_scenario(text, path);
+  } catch (const std::invalid_argument&) {
+    return text;
+  }
+}
+
+void export_trial(const ExportOptions& options) {
+  const devices::TrialFile trial(options.trial);
+  trial.require_trial(devices::kLongestGap);
+  const devices::TrialSummary& summary = trial.summary();
+  say_what_is_missing("export", options.trial, summary);
+  watch_stop_signals();
+  files::OutputFolder folder(*options.folder,
+                             {.overwrite = options.force, .others = {options.trial}});
+  const nlohmann::ordered_json rows = write_tables(folder, trial, options.trial);
+  const auto write = [&](const std::string& name, const std::string& text) {
+    files::OutputText file(folder.file(name));
+    check_stop();
+    file << text;
+    file.close();
+  };
+  std::ostringstream columns;
+  devices::write_dictionary(columns);
+  write("columns.csv", columns.str());
+  write("scenario.toml", scenario_text(summary.header.scenario, options.trial));
+  write(
+      "trial.json",
+      about(summary).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+  folder.commit("trial.json");
+
+  if (options.json) {
+    print_json({{"output", *options.folder}, {"rows", rows}});
+    return;
+  }
+  for (const auto& [table, count] : rows.items()) {
+    fmt::print("{:<12}{:>8} rows\n", table + ".csv", count.get<std::int64_t>());
+  }
+  fmt::print(
+      "columns.csv tells what each column is; trial.json and scenario.toml what it was made "
+      "under\n");
+}
+
+}  // namespace
+
+void add_export(CLI::App& app) {
+  auto options = std::make_shared<ExportOptions>();
+  CLI::App* command = app.add_subcommand("export", "Write a trial as tables (CSV)");
+  command->add_option("TRIAL", options->trial, "a trial (.lcmlog)")->required();
+  add_output(*command, "-o,--output", options->folder, "folder to write the tables to")->required();
+  add_force(*command, options->force);
+  add_json(*command, options->json);
+  command->footer(
+      "One row an observation, one column a quantity; numbers read back to the same bits.\n"
+      "trackers.csv, buttons.csv, events.csv, throws.csv (a throw a row), states.csv (a body and\n"
+      "tick a row), frames.csv (an eye and frame a row); columns.csv says what each column is.\n\n"
+      "Example:\n  headpin export game.lcmlog -o tables");
+  command->callback([options] { export_trial(*options); });
+}
+
+}  // namespace headpin::apps

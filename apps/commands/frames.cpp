@@ -1,0 +1,417 @@
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "apps/condition.h"
+#include "apps/damage.h"
+#include "apps/frame_folder.h"
+#include "apps/frame_parts.h"
+#include "apps/frame_ranges.h"
+#include "apps/frame_sinks.h"
+#include "apps/live_eyes.h"
+#include "apps/options.h"
+#include "apps/progress.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
+#include "render/data/hmd.h"
+#include "scene/watch/drawn_by.h"
+#include "scene/watch/eye_frames.h"
+#include "scene/watch/recorded.h"
+#include "scene/watch/verifier.h"
+
+namespace headpin::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct FramesOptions {
+  std::string trial, frames, gl;
+  std::optional<std::string> folder, video, y4m, look;
+  std::optional<int> samples;
+  std::int64_t fps = 0;
+  double longest_gap = seconds(devices::kLongestGap);
+  std::string layout = "separate", view = "eyes";
+  int jobs = 1;
+  FrameFiles files;
+  bool verify = false, as_shown = false, force = false, json = false, no_copy = false,
+       resume = false;
+
+  bool writes() const { return folder || video || y4m; }
+  bool in_parts() const { return jobs > 1 || resume; }
+};
+
+/// The trial's look, unless another is asked for.
+render::Quality look_of(const FramesOptions& options, scene::Scenario scenario) {
+  Condition other;
+  other.look = options.look;
+  if (options.samples) other.set.push_back(fmt::format("look.samples={}", *options.samples));
+  apply(other, scenario);
+  return scenario.look;
+}
+
+/// Why the hashes that a trial kept of its frames need not come back here; empty where they must.
+std::string why_not_compared(const devices::TrialSummary& trial, scene::Eyes& eyes,
+                             const render::Quality& own, bool from_the_head) {
+  if (!from_the_head) return "they are not what the eyes saw";
+  if (eyes.look != own) return "the look is another than the trial's";
+  const std::optional<render::Fingerprint> then = scene::drawn_by(trial.events);
+  if (!then) return "";  // from before trials told; who compares all the same finds out
+  const render::Fingerprint now = render::fingerprint(eyes.renderer);
+  return then->picture == now.picture
+             ? ""
+             : "a test picture comes out otherwise: " + render::difference(*then, now);
+}
+
+/// The frames of a trial that were shown and are wanted.
+std::vector<std::int64_t> frames_shown(const scene::Recorded& recorded, const FrameRanges& wanted,
+                                       const std::string& asked) {
+  std::vector<std::int64_t> frames;
+  std::int64_t first = -1, last = -1;
+  recorded.file.walk([&](const devices::TrialFile::Item& item) {
+    if (const auto* frame = std::get_if<devices::FrameRecord>(&item)) {
+      if (wanted.contains(frame->frame)) frames.push_back(frame->frame);
+      if (first < 0) first = frame->frame;
+      last = frame->frame;
+    }
+    return true;
+  });
+  if (frames.empty() && last >= 0) {
+    throw UsageError(fmt::format("--frames {}: expected some of those shown, from {} to {}", asked,
+                                 first, last));
+  }
+  return frames;
+}
+
+/// Those of the frames until a time that are wanted.
+std::vector<std::int64_t> frames_until(Time end, std::int64_t fps, const FrameRanges& wanted,
+                                       const std::string& asked) {
+  std::vector<std::int64_t> frames;
+  std::int64_t frame = 0;
+  for (; tick_time(frame, fps) <= end; ++frame) {
+    if (wanted.contains(frame)) frames.push_back(frame);
+  }
+  if (frames.empty()) {
+    throw UsageError(fmt::format("--frames {}: expected frames from 0 to {}", asked, frame - 1));
+  }
+  return frames;
+}
+
+void check_use(const FramesOptions& options) {
+  if (!options.writes() && !options.verify) {
+    throw UsageError(
+        "nothing to write: expected -o DIR, --video FILE, --y4m FILE or some of them, or --verify");
+  }
+  if (options.verify && (options.look || options.samples || options.view != "eyes")) {
+    throw UsageError(
+        "--verify compares with what was shown: expected no --look, no --samples and no --view");
+  }
+  if (!options.folder && (options.files.labels() || options.layout != "separate")) {
+    throw UsageError("--depth, --ids and --layout are of the files in a folder: expected -o DIR");
+  }
+  if (options.in_parts() && (!options.folder || options.video || options.y4m || options.verify)) {
+    throw UsageError(
+        "--jobs and --resume are of a folder alone: expected -o DIR and no --video, --y4m, "
+        "--verify");
+  }
+}
+
+files::OutputFolder::Options folder_options(const FramesOptions& options) {
+  std::vector<fs::path> others = {options.trial};
+  if (options.video) others.push_back(*options.video);
+  if (options.y4m && *options.y4m != "-") others.push_back(*options.y4m);
+  return {.overwrite = options.force, .others = others};
+}
+
+/// The folder and the sequences that are asked for.
+class Outputs {
+ public:
+  Outputs(const FramesOptions& options, const render::Optics& optics, std::int64_t fps) {
+    if (options.folder) {
+      FrameFiles files = options.files;
+      files.side_by_side = options.layout == "side-by-side";
+      sinks_.push_back(
+          &folder_.emplace(*options.folder, files, optics.pixel_aspect(), folder_options(options)));
+    }
+    VideoOptions how{.path = options.video.value_or(""),
+                     .fps = fps,
+                     .force = options.force,
+                     .hold = !options.as_shown        ? Hold::one_each
+                             : options.frames.empty() ? Hold::from_time_zero
+                                                      : Hold::from_first_shown,
+                     .copy = !options.no_copy,
+                     .inputs = {options.trial}};
+    if (options.video) sinks_.push_back(&video_.emplace(how, optics));
+    how.path = options.y4m.value_or("");
+    if (options.y4m) sinks_.push_back(&y4m_.emplace(how, optics));
+  }
+
+  const std::vector<scene::FrameSink*>& sinks() const { return sinks_; }
+  void close() {
+    if (y4m_) y4m_->close();
+    if (video_) video_->close();
+    if (folder_) folder_->close();
+  }
+
+ private:
+  std::optional<FrameFolder> folder_;
+  std::optional<VideoSink> video_;
+  std::optional<Y4mSink> y4m_;
+  std::vector<scene::FrameSink*> sinks_;
+};
+
+scene::FrameExtras extras_of(const FramesOptions& options, const scene::Scenario& scenario) {
+  scene::FrameExtras extras{.labels = options.files.labels()};
+  if (options.view == "third-person") extras.X_WC = scene::third_person_camera(scenario);
+  if (options.view == "top") extras.X_WC = scene::top_camera(scenario);
+  return extras;
+}
+
+/// What there is to draw, and whether it is compared.
+struct Task {
+  std::vector<std::int64_t> frames;
+  std::int64_t fps, ticks;
+  bool compares;        ///< the frames drawn as shown, or all shown with --verify
+  std::string why_not;  ///< empty where hashes must come back
+};
+
+/// What came of it.
+struct Done {
+  std::int64_t drawn = 0, compared = 0, there_already = 0;
+};
+
+std::string check_comparable(const FramesOptions& options, const scene::Recorded& recorded,
+                             scene::Eyes& eyes) {
+  const std::string why_not = why_not_compared(recorded.file.summary(), eyes,
+                                               recorded.scenario.look, options.view == "eyes");
+  if (why_not.empty()) return why_not;
+  if (options.verify) {
+    throw std::runtime_error(options.trial + ": its pictures cannot be compared here: " + why_not);
+  }
+  say("headpin frames: {}: pictures are not compared: {}\n", printable(options.trial), why_not);
+  return why_not;
+}
+
+Done draw_here(const FramesOptions& options, const Task& task, const scene::Recorded& recorded,
+               scene::Session session, scene::Eyes& eyes) {
+  Outputs outputs(options, eyes.optics, task.fps);
+  const scene::FrameExtras extras = extras_of(options, recorded.scenario);
+  devices::TrialPlayer source(recorded.file, {.states = true, .frames = task.compares});
+  Progress progress("frames", static_cast<std::int64_t>(task.frames.size()));
+  const auto is_wanted = [&](std::int64_t frame) {
+    return std::ranges::binary_search(task.frames, frame);
+  };
+  const auto show = [&](std::int64_t drawn) { progress.show(drawn); };
+  std::vector<scene::Observer*> observers;
+  std::optional<scene::Verifier> verifier;  // what is shown is what was recorded, or nothing is
+  if (source.has_states()) observers.push_back(&verifier.emplace(source, session));
+  std::optional<scene::FramesAsShown> shown;
+  std::optional<scene::FrameByFrame> drawing;
+  if (options.as_shown) {
+    observers.push_back(&shown.emplace(
+        eyes, source, scene::FramesAsShown::Plan{task.why_not.empty(), is_wanted, show, extras},
+        outputs.sinks()));
+  } else {
+    if (options.verify) {
+      const auto all = [](std::int64_t) { return true; };
+      observers.push_back(
+          &shown.emplace(eyes, source, scene::FramesAsShown::Plan{true, all, [](std::int64_t) {}}));
+    }
+    if (options.writes()) {
+      const Pose X_WD_first = scene::first_head_pose(recorded.file, recorded.scenario.rig);
+      observers.push_back(
+          &drawing.emplace(eyes,
+                           scene::FrameByFrame::Plan{task.fps, task.frames.back() + 1, is_wanted,
+                                                     X_WD_first, show, extras},
+                           outputs.sinks()));
+    }
+  }
+  scene::NoPace pace;
+  scene::run(session, source, pace, observers, [&](const scene::Session& s) {
+    check_stop();
+    return s.tick >= task.ticks;
+  });
+  outputs.close();
+  return {drawing            ? drawing->drawn()
+          : options.as_shown ? shown->drawn()
+                             : 0,
+          shown ? shown->compared() : 0};
+}
+
+/// What of the options is said to those who draw a part.
+std::vector<std::string> arguments_of_parts(const FramesOptions& options) {
+  std::vector<std::string> words = {"--layout",      options.layout,
+                                    "--view",        options.view,
+                                    "--longest-gap", fmt::format("{}", options.longest_gap)};
+  const auto add = [&](bool there, std::initializer_list<std::string> more) {
+    if (there) words.insert(words.end(), more);
+  };
+  add(options.fps > 0, {"--fps", fmt::format("{}", options.fps)});
+  add(options.look.has_value(), {"--look", options.look.value_or("")});
+  add(options.samples.has_value(), {"--samples", fmt::format("{}", options.samples.value_or(0))});
+  add(!options.gl.empty(), {"--gl", options.gl});
+  add(options.files.depth, {"--depth"});
+  add(options.files.ids, {"--ids"});
+  add(options.as_shown, {"--as-shown"});
+  return words;
+}
+
+Done draw_apart(const FramesOptions& options, const Task& task, scene::Eyes& eyes) {
+  const auto total = static_cast<std::int64_t>(task.frames.size());
+  files::OutputFolder folder(*options.folder, folder_options(options));
+  Progress progress("frames", total);
+  const render::Fingerprint who = render::fingerprint(eyes.renderer);
+  const std::int64_t there_already =
+      draw_in_parts({.folder = *options.folder,
+                     .trial = options.trial,
+                     .arguments = arguments_of_parts(options),
+                     .frames = task.frames,
+                     .jobs = options.jobs,
+                     .resume = options.resume,
+                     .made_by = fmt::format("{:016x} {}", who.picture, who.renderer),
+                     .progress = [&](std::int64_t drawn) { progress.show(drawn); }},
+                    folder);
+  return {total, options.as_shown && task.why_not.empty() ? total : 0, there_already};
+}
+
+void report(const FramesOptions& options, const Task& task, const Done& done, bool complete,
+            scene::Eyes& eyes) {
+  if (options.json) {
+    const auto path = [](const std::optional<std::string>& name) {
+      return name ? nlohmann::ordered_json(*name) : nlohmann::ordered_json();
+    };
+    print_json({{"trial", options.trial},
+                {"output", path(options.folder)},
+                {"video", path(options.video)},
+                {"y4m", path(options.y4m)},
+                {"complete", complete},
+                {"frames", done.drawn},
+                {"frames_there_already", done.there_already},
+                {"verified_frames", done.compared},
+                {"fps", task.fps},
+                {"width", eyes.optics.width},
+                {"height", eyes.optics.height},
+                {"renderer", eyes.renderer.description()},
+                {"drawn_by", scene::to_json(render::fingerprint(eyes.renderer))}});
+    return;
+  }
+  if (task.compares && task.why_not.empty()) {
+    fmt::print("{} frames equal the recording\n", done.compared);
+  }
+  if (!options.writes()) return;
+  fmt::print("{} frames of two eyes, {}x{} each, drawn by {}\n", done.drawn, eyes.optics.width,
+             eyes.optics.height, eyes.renderer.description());
+  if (done.there_already > 0) fmt::print("{} of them were there already\n", done.there_already);
+}
+
+void draw_frames(const FramesOptions& options) {
+  check_use(options);
+  const FrameRanges wanted = options.frames.empty() ? FrameRanges() : FrameRanges(options.frames);
+  const scene::Recorded recorded =
+      scene::load_trial(options.trial, microseconds(options.longest_gap));
+  const devices::TrialSummary& trial = recorded.file.summary();
+  const scene::Rates& rates = recorded.scenario.rates;
+  Task task{.frames = {},
+            .fps = options.fps > 0 ? options.fps : rates.frame_hz,
+            .ticks = scene::tick_count(trial, rates.physics_hz),
+            .compares = options.verify || options.as_shown,
+            .why_not = ""};
+  const Time end = tick_time(task.ticks, rates.physics_hz);
+  task.frames = options.as_shown ? frames_shown(recorded, wanted, options.frames)
+                                 : frames_until(end, task.fps, wanted, options.frames);
+  if (task.compares && trial.frame_count == 0) {
+    throw std::runtime_error(
+        "the trial holds no frames that were shown; expected one made by `headpin live`");
+  }
+  scene::first_head_pose(recorded.file, recorded.scenario.rig);  // or it says that there is none
+
+  scene::Session session = scene::make_session(recorded.scenario);
+  scene::Eyes eyes =
+      scene::open_eyes(*session.stage, look_of(options, recorded.scenario), options.gl);
+  say_instead_of("frames", eyes);
+  say_not_drawn("frames", recorded.scenario);
+  if (task.compares) task.why_not = check_comparable(options, recorded, eyes);
+  say_what_is_missing("frames", options.trial, trial);
+  watch_stop_signals();
+  const Done done = options.in_parts()
+                        ? draw_apart(options, task, eyes)
+                        : draw_here(options, task, recorded, std::move(session), eyes);
+  report(options, task, done, trial.complete, eyes);
+}
+
+}  // namespace
+
+void add_frames(CLI::App& app) {
+  auto options = std::make_shared<FramesOptions>();
+  CLI::App* command =
+      app.add_subcommand("frames", "Draw what the participant saw: both eyes, frame by frame");
+  command->add_option("trial", options->trial, "a trial (.lcmlog), replayed or not")->required();
+  add_output(*command, "-o,--output", options->folder,
+             "folder for left_NNNNNN.png, right_NNNNNN.png and frames.csv: a new or empty one, or "
+             "with --force one that headpin filled");
+  add_output(*command, "--video", options->video,
+             "both eyes side by side, lossless (.mkv); a copy beside it (.mp4) plays anywhere");
+  command->add_flag("--no-mp4", options->no_copy, "without that copy");
+  add_output(
+      *command, "--y4m", options->y4m,
+      "both eyes side by side as YUV4MPEG2 (4:4:4, BT.601), for other programs; - is standard "
+      "output. Colours are rounded: not for comparing");
+  command->add_option("--layout", options->layout, "of the PNG files: an eye each, or both in one")
+      ->check(CLI::IsMember({"separate", "side-by-side"}))
+      ->capture_default_str();
+  command->add_flag(
+      "--depth", options->files.depth,
+      "how far what each pixel sees is along the eye's axis: NAME_depth.png, 16 bits, "
+      "millimetres, 0 for nothing; NAME_depth.raw, 32-bit floats, metres");
+  command->add_flag("--ids", options->files.ids,
+                    "what each pixel sees: NAME_ids.png, 16 bits; ids.csv says what is what");
+  command
+      ->add_option("--view", options->view,
+                   "eyes, or to see who throws: third-person from behind, top from above")
+      ->check(CLI::IsMember({"eyes", "third-person", "top"}))
+      ->capture_default_str();
+  command->add_option("--frames", options->frames, "only these, such as 10-20,35");
+  command->add_option("--fps", options->fps, "frames a second; the scenario's when not given")
+      ->check(CLI::Range(1, 1000));
+  command
+      ->add_option("--jobs", options->jobs,
+                   "processes that draw a folder, each a part of it; the files are the same")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command->add_flag("--resume", options->resume,
+                    "parts of a folder that are drawn stay in DIR.parts when this ends early, and "
+                    "those that are there are not drawn again");
+  add_gl(*command, options->gl);
+  add_look(*command, options->look);
+  command
+      ->add_option("--samples", options->samples,
+                   "N^2 + 1 samples a pixel, 1 is one, instead of the trial's or the look's")
+      ->check(CLI::Range(1, 8));
+  command
+      ->add_flag(
+          "--as-shown", options->as_shown,
+          "the frames that a live session showed, at their ticks, each held against its "
+          "recorded hash; a video shows each from its time to the next one's, and begins with the "
+          "trial or, with --frames, with the first of those")
+      ->excludes("--fps");
+  command->add_flag("--verify", options->verify,
+                    "draw what a live session recorded of its frames, and compare the pictures");
+  add_force(*command, options->force);
+  add_longest_gap(*command, options->longest_gap);
+  add_json(*command, options->json);
+  command->footer(
+      "Display and look are the trial's own. To look through another, change it first:\n"
+      "  headpin replay TRIAL --set hmd.profile=NAME -o OTHER\nNAME is one of " +
+      render::hmd_profile_names() +
+      "; a single value is changed likewise, as by --set hmd.eye_distance=0.06.\n\n"
+      "Example:\n  headpin frames assets/trials/demo.lcmlog -o frames --video "
+      "stereo.mkv");
+  command->callback([options] { draw_frames(*options); });
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,270 @@
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/bids_session.h"
+#include "apps/command.h"
+#include "apps/options.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
+#include "devices/recordings/motion_files.h"
+#include "devices/trial/log.h"
+#include "scene/people/throw.h"
+#include "scene/play/events.h"
+#include "scene/stage/read_scenario.h"
+
+namespace headpin::apps {
+namespace {
+
+struct ImportOptions {
+  std::optional<std::string> output;
+  std::string file, scenario, participant, condition;
+  std::string units, heading = "release", hand = "auto", names, axes, transmitter;
+  std::optional<int> which;
+  bool force = false, json = false;
+};
+
+double metres(const std::string& unit) {
+  return unit == "mm" ? 0.001 : unit == "cm" ? 0.01 : 1.0;
+}
+
+scene::Heading heading(const std::string& name) {
+  if (name == "gaze") return scene::Heading::gaze;
+  return name == "keep" ? scene::Heading::keep : scene::Heading::release;
+}
+
+/// X,Y,Z in metres.
+Vec3 read_place(const std::string& text) {
+  Vec3 p = Vec3::Zero();
+  const char *at = text.data(), *const end = at + text.size();
+  for (int i = 0; i < 3; ++i) {
+    const auto read = std::from_chars(at, end, p[i]);
+    at = read.ptr;
+    const bool right = read.ec == std::errc{} && std::abs(p[i]) <= 100.0 &&
+                       (i == 2 ? at == end : at != end && *at++ == ',');
+    if (right) continue;
+    throw UsageError("--transmitter " + text + ": expected X,Y,Z, metres from -100 to 100");
+  }
+  return p;
+}
+
+/// What the options declare.
+devices::MotionOptions declared(const ImportOptions& options) {
+  devices::MotionOptions motion;
+  if (!options.units.empty()) motion.unit_m = metres(options.units);
+  if (!options.axes.empty()) motion.axes = options.axes;
+  motion.only_hand_is_left = options.hand == "left";
+  if (!options.transmitter.empty()) motion.p_origin = read_place(options.transmitter);
+  if (options.names.empty()) return motion;
+  std::istringstream names(options.names);
+  for (std::string& name : motion.names) std::getline(names, name, ',');
+  const auto& [head, left, right] = motion.names;
+  if (std::ranges::count(options.names, ',') != 2 || head.empty() ||
+      (left.empty() && right.empty())) {
+    throw UsageError("--names " + options.names +
+                     ": expected three names, HEAD,LEFT,RIGHT, one hand of which may be empty");
+  }
+  return motion;
+}
+
+/// What is in the file, and by which hand it was thrown.
+struct Thrown {
+  devices::MotionRecording recording;
+  scene::Side side = scene::Side::right;
+  std::size_t throws = 1;          ///< in the file
+  std::vector<std::string> notes;  ///< what in the file was left out
+};
+
+scene::Side side_of(const ImportOptions& options, const devices::MotionRecording& recording,
+                    const scene::Hand& hand) {
+  if (options.hand == "auto") return scene::throwing_side(recording, hand);
+  return options.hand == "left" ? scene::Side::left : scene::Side::right;
+}
+
+Thrown read_thrown(const ImportOptions& options, const scene::Hand& hand) {
+  Thrown thrown;
+  thrown.recording = devices::read_motion(options.file, declared(options));
+  thrown.side = side_of(options, thrown.recording, hand);
+  std::vector<devices::MotionRecording> throws = scene::split_throws(thrown.recording, thrown.side);
+  thrown.throws = throws.size();
+  thrown.notes = thrown.recording.notes;
+  if (!options.which) return thrown;
+  const auto wanted = static_cast<std::size_t>(*options.which);
+  if (wanted > throws.size()) {
+    throw std::runtime_error(fmt::format("{}: expected a throw {}, found {} of them", options.file,
+                                         wanted, throws.size()));
+  }
+  thrown.recording = std::move(throws[wanted - 1]);
+  thrown.side = side_of(options, thrown.recording, hand);
+  return thrown;
+}
+
+/// What the user should know of a recording that is taken all the same.
+void say_doubts(const ImportOptions& options, const Thrown& thrown) {
+  std::vector<std::string> all = thrown.notes;
+  std::ranges::move(scene::doubts(thrown.recording), std::back_inserter(all));
+  for (const std::string& one : all) {
+    say("headpin import: {}: {}\n", printable(options.file), printable(one));
+  }
+  if (thrown.throws > 1 && !options.which) {
+    say("headpin import: {}: {} throws in it, the fastest is taken; --throw N takes another\n",
+        printable(options.file), thrown.throws);
+  }
+}
+
+/// What was found in the recording, to be told from what was recorded.
+std::vector<devices::Event> found_events(const devices::MotionRecording& recording,
+                                         const scene::Throw& found,
+                                         const scene::Scenario& scenario) {
+  const auto event = [&](std::string_view kind, std::size_t sample) {
+    devices::Event e;
+    e.time = recording.times[sample];
+    e.kind = kind;
+    e.bodies = {"ball"};
+    e.p_W = scenario.rig.X_WT *
+            (scene::throwing_hand(recording, found.side)[sample] * scenario.hand.grip);
+    return e;
+  };
+  std::vector<devices::Event> events = {event(scene::kind::grab_found, found.grab),
+                                        event(scene::kind::release_found, found.release)};
+  events[0].detail = "where the hand rests lowest; the recording has no buttons";
+  events[1].detail = "the hand rises out of the bottom of its swing; the recording has no buttons";
+  events[1].value = found.V_TB.v.norm();
+  return events;
+}
+
+/// Seconds as one would write the stamp, 3.035 and not 3.0349999999999997.
+void import_throw(const ImportOptions& options) {
+  const scene::Scenario base =
+      options.scenario.empty() ? scene::Scenario{} : scene::load_scenario(options.scenario);
+  const Thrown thrown = read_thrown(options, base.hand);
+  const devices::MotionRecording& recording = thrown.recording;
+  scene::require_throw(recording, base.hand, options.file, thrown.side);
+  say_doubts(options, thrown);
+  const scene::Throw found = scene::find_throw(recording, base.hand, thrown.side);
+  const scene::Scenario scenario =
+      scene::stand_thrower(base, recording, found, heading(options.heading));
+  scene::check(scenario, options.file + " as thrown in this room");
+
+  devices::TrialHeader header;
+  header.participant = options.participant;
+  header.condition = options.condition;
+  header.scenario = scene::to_toml(scenario);
+  watch_stop_signals();
+  devices::Recorder recorder(
+      *options.output, header,
+      {.overwrite = options.force, .inputs = {options.file, options.scenario}});
+  devices::write(recorder, scene::to_samples(recording, found),
+                 found_events(recording, found, scenario));
+  check_stop();
+  recorder.close();
+
+  const std::size_t samples = recording.times.size();
+  const double duration = nearest_seconds(recording.times.back() - recording.times.front());
+  const double rate = static_cast<double>(samples - 1) / duration;
+  const double grab = nearest_seconds(recording.times[found.grab]);
+  const double release = nearest_seconds(recording.times[found.release]);
+  const double speed = found.V_TB.v.norm();
+  if (options.json) {
+    print_json({{"output", *options.output},
+                {"hand", found.side == scene::Side::left ? "left" : "right"},
+                {"throw_count", thrown.throws},
+                {"samples", samples},
+                {"duration_s", duration},
+                {"rate_hz", rate},
+                {"peak_hand_speed_mps", found.peak_hand_speed},
+                {"grab_s", grab},
+                {"release_s", release},
+                {"release_speed_mps", speed}});
+    return;
+  }
+  std::cout << fmt::format(
+      "{}\n"
+      "  samples            {} of head and {}\n"
+      "  thrown by          the {} hand\n"
+      "  duration           {:.3f} s\n"
+      "  rate               {:.1f} Hz\n"
+      "  peak hand speed    {:.2f} m/s\n"
+      "  grab, found        {:.3f} s\n"
+      "  release, found     {:.3f} s\n"
+      "  ball at release    {:.2f} m/s\n",
+      *options.output, samples,
+      recording.left_hand.empty() || recording.right_hand.empty() ? "one hand" : "both hands",
+      found.side == scene::Side::left ? "left" : "right", duration, rate, found.peak_hand_speed,
+      grab, release, speed);
+}
+
+}  // namespace
+
+void add_import(CLI::App& app) {
+  CLI::App* command = app.add_subcommand("import", "Make a trial of a recorded throw");
+  const auto options = std::make_shared<ImportOptions>();
+  command
+      ->add_option("FILE", options->file,
+                   "CSV of the XR motion catalogue, a UXF session's folder or one of its trackers' "
+                   "files, a Motion-BIDS ..._motion.tsv, or a log of VRPN")
+      ->required();
+  add_output(*command, "-o,--output", options->output,
+             "trial to write (.lcmlog); - is standard output")
+      ->required();
+  command
+      ->add_option("--units", options->units,
+                   "unit of the positions where the format does not say it: m, cm or mm; cm in the "
+                   "catalogue, m in VRPN when not given")
+      ->check(CLI::IsMember({"m", "cm", "mm"}));
+  command
+      ->add_option(
+          "--axes", options->axes,
+          "where +x, +y and +z point, for VRPN, or where Motion-BIDS does not say it: of R "
+          "right, L left, S up, I down, A ahead, P back; VRPN: RSP when not given")
+      ->type_name("XYZ");
+  command
+      ->add_option("--names", options->names,
+                   "what the file calls head, left and right hand, such as 0,,1 where there is "
+                   "no left one; found by such words when not given, or sensors 0, 1 and 2; of two "
+                   "sensors the second is the hand")
+      ->type_name("HEAD,LEFT,RIGHT");
+  command
+      ->add_option("--transmitter", options->transmitter,
+                   "where the tracker's transmitter is, from which positions count: metres to the "
+                   "right, up from the floor and back; 0,0,0 when not given")
+      ->type_name("X,Y,Z");
+  command->add_option("--hand", options->hand, "that throws: left, right, or auto: as it is found")
+      ->check(CLI::IsMember({"left", "right", "auto"}))
+      ->capture_default_str();
+  command->add_option("--throw", options->which, "which of the throws in the file, from 1")
+      ->check(CLI::Range(1, 10'000));
+  command
+      ->add_option("--heading", options->heading,
+                   "what heads down the lane: the ball at its release, the head's gaze before it, "
+                   "or keep: the recording's -z")
+      ->check(CLI::IsMember({"release", "gaze", "keep"}))
+      ->capture_default_str();
+  command->add_option("--scenario", options->scenario,
+                      "its name, or a TOML file; the paper's room when not given");
+  command->add_option("--participant", options->participant, "who threw");
+  command->add_option("--condition", options->condition, "name of the condition");
+  add_force(*command, options->force);
+  add_json(*command, options->json);
+  command->footer(
+      "There are no buttons in such a file: grab and release are found, and marked as found.\n"
+      "What cannot be a person's throw is refused, with the reason. A session of `experiment "
+      "export` is read\nback whole, with its buttons.\n\n"
+      "Example:\n  headpin import throw.csv -o throw.lcmlog --heading gaze");
+  command->callback([options] {
+    if (is_bids_session(options->file)) {
+      import_bids_session(options->file, *options->output, options->force, options->json);
+    } else {
+      import_throw(*options);
+    }
+  });
+}
+
+}  // namespace headpin::apps

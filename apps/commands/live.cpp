@@ -1,0 +1,505 @@
+#include "apps/live.h"
+
+#include <chrono>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "apps/damage.h"
+#include "apps/live_eyes.h"
+#include "apps/options.h"
+#include "apps/priority.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
+#include "devices/base/mouse3d.h"
+#include "devices/lcm/link.h"
+#include "devices/live/source.h"
+#include "devices/trial/file.h"
+#include "devices/trial/log.h"
+#include "devices/trial/messages.h"
+#include "devices/trial/sources.h"
+#include "scene/play/events.h"
+#include "scene/play/quantile.h"
+#include "scene/stage/read_scenario.h"
+#include "scene/watch/drawn_by.h"
+#include "scene/watch/totals.h"
+#include "scene/watch/trial_writer.h"
+
+namespace headpin::apps {
+
+namespace {
+
+/// Everything a live session holds.
+struct Live {
+  std::shared_ptr<scene::RealTime> pace = std::make_shared<scene::RealTime>();
+  std::vector<std::unique_ptr<devices::LiveSource>> sources;
+  scene::Session session;
+  std::unique_ptr<scene::TrialWriter> writer;
+  std::unique_ptr<devices::LcmLink> link, session_link;  ///< to others
+  std::unique_ptr<scene::TrialWriter> publisher;         ///< over the latter
+  devices::TrialHeader header;                           ///< whose session it is
+  scene::Totals totals;
+  std::unique_ptr<scene::FramesBeside> eyes;
+  std::int64_t samples = 0, frames = 0, drawing_failures = 0;
+  scene::FrameLatency latency;
+};
+
+/// An event that no tick brings, to whoever keeps the session's trial.
+void write(Live& live, const devices::Event& event) {
+  if (live.writer) live.writer->write(event);
+  if (live.publisher) live.publisher->write(event);
+}
+
+/// How the session kept up with time: the last thing that its trial says of it.
+devices::Event kept_pace(const Live& live) {
+  devices::Event event;
+  event.time = live.session.now();
+  event.kind = scene::kind::kept_pace;
+  event.detail = nlohmann::json{{"ticks", live.session.tick},
+                                {"overruns", live.pace->overruns()},
+                                {"frames", live.frames},
+                                {"late_frames", live.eyes->late()},
+                                {"drawing_failures", live.drawing_failures}}
+                     .dump();
+  return event;
+}
+
+/// Takes note of what was drawn and says every ten seconds how the session goes.
+class Reporter : public scene::Observer {
+ public:
+  explicit Reporter(Live& live) : live_(live) {}
+  void tick(const scene::Session& session) override;
+  void finish();
+
+ private:
+  void take_frames();
+  void take_failures();
+  devices::Event event_now(std::string_view kind, std::string detail) const;
+  /// What was said of a source.
+  struct Said {
+    std::string trouble;
+    devices::AmissNews amiss;
+  };
+  void report_trouble(const devices::LiveSource& source, Said& said);
+  void report_amiss(const devices::LiveSource& source, const std::vector<std::string>& news);
+  void report_loss();
+
+  Live& live_;
+  std::map<const devices::LiveSource*, Said> said_;
+  Time next_line_{10'000'000};
+  Time next_look_{};  ///< at the recording
+  bool lost_ = false;
+};
+
+/// A session that nobody took part in has failed, whatever was recorded of it.
+void require_samples(const Live& live) {
+  if (live.samples > 0) return;
+  std::string from;
+  for (const auto& source : live.sources) from += (from.empty() ? "" : " or ") + source->name();
+  throw std::runtime_error(
+      fmt::format("no sample came in {:.1f} s from {}", seconds(live.session.now()), from));
+}
+
+/// A trial that plays beside, or instead of, devices.
+struct Played {
+  std::string path;
+  devices::TrialHeader header;
+};
+
+/// Those of the sources that are logs of trials.
+std::vector<Played> played_by(const Live& live) {
+  std::vector<Played> all;
+  for (const auto& source : live.sources) {
+    if (source->recording().empty()) continue;
+    const devices::TrialFile file(source->recording());
+    if (!file.summary().has_header) continue;
+    say_what_is_missing("live", source->recording(), file.summary());
+    all.push_back({source->recording(), file.summary().header});
+  }
+  return all;
+}
+
+scene::Scenario scenario_of(const Played& trial) {
+  return scene::scenario_of_trial(trial.header.scenario, trial.path);
+}
+
+/// Whose session it is: as it is told, or else as the trial says that is played.
+devices::TrialHeader whose(const LiveOptions& options, std::span<const Played> played) {
+  devices::TrialHeader header;
+  if (!played.empty()) {
+    header.participant = played[0].header.participant;
+    header.condition = played[0].header.condition;
+    header.seed = played[0].header.seed;
+  }
+  if (options.participant) header.participant = *options.participant;
+  if (options.condition_name) header.condition = *options.condition_name;
+  return header;
+}
+
+/// Says so where the samples of a log are taken into another scenario than the one they are from.
+void tell_of_another_scenario(const Played& trial, const scene::Scenario& chosen) {
+  try {
+    scene::Scenario its = scenario_of(trial);
+    its.look = chosen.look;  // how it is drawn is not what it is
+    if (scene::to_toml(its) == scene::to_toml(chosen)) return;
+  } catch (const std::invalid_argument&) {  // not whole, so it is not this session's
+  }
+  say("headpin live: {} is from another scenario than this session's, which is its own without "
+      "--scenario\n",
+      printable(trial.path));
+}
+
+/// The one that is asked for, or else that of a log which plays, or else the paper's room.
+scene::Scenario choose_scenario(const LiveOptions& options, std::span<const Played> played) {
+  if (options.given || !options.scenario.empty()) {
+    const scene::Scenario chosen =
+        options.given ? *options.given : scene::load_scenario(options.scenario);
+    for (const Played& trial : played) tell_of_another_scenario(trial, chosen);
+    return chosen;
+  }
+  return played.empty() ? scene::Scenario{} : scenario_of(played[0]);
+}
+
+nlohmann::json summary_of(const devices::LiveSource& source) {
+  nlohmann::json j = {{"source", source.name()}, {"activity", source.activity()}};
+  for (const auto& [name, count] : source.counts()) j[name] = count;
+  return j;
+}
+
+nlohmann::json summary(const Live& live, const LiveOptions& options) {
+  nlohmann::json j = scene::summary(live.session, live.totals.score());
+  j["output"] = options.record ? nlohmann::json(*options.record) : nlohmann::json();
+  j["duration_s"] = seconds(live.session.now());
+  j["samples"] = live.samples;
+  j["frames"] = live.frames;
+  j["late_frames"] = live.eyes->late();
+  j["overruns"] = live.pace->overruns();
+  j["drawing_failures"] = live.drawing_failures;
+  j["latency_median_s"] = scene::quantile(live.latency.each_s, 0.5);
+  j["latency_p99_s"] = scene::quantile(live.latency.each_s, 0.99);
+  const scene::FrameStages mean = live.latency.mean();
+  j["latency_mean_s"] = mean.sum();
+  j["latency_stages"] = {{"ticked_s", mean.ticked},
+                         {"waited_s", mean.waited},
+                         {"drawn_s", mean.drawn},
+                         {"published_s", mean.published}};
+  j["sources"] = nlohmann::json::array();
+  for (const auto& source : live.sources) j["sources"].push_back(summary_of(*source));
+  return j;
+}
+
+void print_line(const Live& live) {
+  std::string text = fmt::format(
+      "{:7.1f} s  {} samples, {} frames ({} late), sample to frame {:.1f} ms median, {:.1f} ms "
+      "p99, {} overruns, {} skittles down",
+      seconds(live.session.now()), live.samples, live.frames, live.eyes->late(),
+      1e3 * scene::quantile(live.latency.each_s, 0.5),
+      1e3 * scene::quantile(live.latency.each_s, 0.99), live.pace->overruns(),
+      live.totals.score().skittles_down);
+  for (const auto& source : live.sources) text += "; " + source->report(live.session.now());
+  say("{}\n", text);
+}
+
+/// Where the time went from a head's sample to its frame.
+void print_stages(const scene::FrameLatency& latency) {
+  const scene::FrameStages mean = latency.mean();
+  say("{:11}mean {:.1f} ms: {:.1f} until its tick was made, {:.1f} until a frame was due, {:.1f} "
+      "until it was drawn, {:.1f} until it was out\n",
+      "", 1e3 * mean.sum(), 1e3 * mean.ticked, 1e3 * mean.waited, 1e3 * mean.drawn,
+      1e3 * mean.published);
+}
+
+void Reporter::take_frames() {
+  for (const scene::FramesBeside::Done& done : live_.eyes->take_done()) {
+    ++live_.frames;
+    if (done.stages) live_.latency.add(*done.stages);
+    if (live_.writer) live_.writer->write(done.record);
+    if (live_.publisher) live_.publisher->write(done.record);
+  }
+}
+
+/// Pictures that are lost are said, and kept in the trial.
+void Reporter::take_failures() {
+  for (const std::string& why : live_.eyes->take_failures()) {
+    ++live_.drawing_failures;
+    say("{:7.1f} s  {}\n", seconds(live_.session.now()), printable(why));
+    write(live_, event_now(scene::kind::drawing_failed, why));
+  }
+}
+
+devices::Event Reporter::event_now(std::string_view kind, std::string detail) const {
+  devices::Event event;
+  event.time = live_.session.now();
+  event.tick = live_.session.tick;
+  event.kind = kind;
+  event.detail = std::move(detail);
+  return event;
+}
+
+void Reporter::report_trouble(const devices::LiveSource& source, Said& said) {
+  const std::string trouble = source.trouble();
+  if (trouble == said.trouble) return;
+  said.trouble = trouble;
+  say("{:7.1f} s  {}\n", seconds(live_.session.now()),
+      trouble.empty() ? source.name() + " is back" : trouble);
+}
+
+/// Says what is amiss with what came, and keeps it in the trial.
+void Reporter::report_amiss(const devices::LiveSource& source,
+                            const std::vector<std::string>& news) {
+  for (const std::string& what : news) {
+    const std::string text = fmt::format("from {}, {}", source.name(), what);
+    say("{:7.1f} s  {}\n", seconds(live_.session.now()), text);
+    write(live_, event_now(scene::kind::source_amiss, text));
+  }
+}
+
+/// What has come since it was said last.
+void Reporter::finish() {
+  take_frames();
+  take_failures();
+  for (const auto& source : live_.sources) {
+    report_amiss(*source, said_[source.get()].amiss.take_rest(*source));
+  }
+}
+
+/// Says at once when nothing of the recording will be found; its end is the session's.
+void Reporter::report_loss() {
+  if (!live_.writer || lost_ || live_.session.now() < next_look_) return;
+  next_look_ = live_.session.now() + Time{1'000'000};
+  try {
+    live_.writer->require_kept();
+  } catch (const std::runtime_error& error) {
+    lost_ = true;
+    say("{:7.1f} s  {}; the session goes on unrecorded\n", seconds(live_.session.now()),
+        error.what());
+  }
+}
+
+void Reporter::tick(const scene::Session& session) {
+  live_.samples += static_cast<std::int64_t>(session.samples.size());
+  take_frames();
+  take_failures();
+  for (const auto& source : live_.sources) {
+    report_trouble(*source, said_[source.get()]);
+    report_amiss(*source, said_[source.get()].amiss.take(*source, session.now()));
+  }
+  report_loss();
+  if (session.now() < next_line_) return;
+  print_line(live_);
+  next_line_ += Time{10'000'000};
+}
+
+devices::SourceOptions source_options(const LiveOptions& options,
+                                      const std::shared_ptr<scene::RealTime>& pace) {
+  devices::SourceOptions how;
+  how.clock = [pace] { return pace->now(); };
+  how.fastrak.baud = options.baud;
+  for (const std::string& hemisphere : options.hemispheres) {
+    devices::read_zenith(hemisphere, how.fastrak.zenith);
+  }
+  return how;
+}
+
+Live open_live(const LiveOptions& options) {
+  Live live;
+  try {
+    const devices::SourceOptions how = source_options(options, live.pace);
+    for (const std::string& name : options.sources) {
+      live.sources.push_back(devices::open_source(name, how));
+    }
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+  const std::vector<Played> played = played_by(live);
+  live.header = whose(options, played);
+  scene::Scenario scenario = choose_scenario(options, played);
+  scenario.look.samples = options.samples;
+  apply(options.condition, scenario);
+  live.session = scene::make_session(scenario);
+  if (!options.use_lcm) return live;
+  live.link = std::make_unique<devices::LcmLink>(options.lcm);
+  if (live.link->is_replay()) live.link.reset();  // nobody listens to a file
+  if (live.link && !options.no_trial) {
+    live.session_link = std::make_unique<devices::LcmLink>(options.lcm, devices::kSessionPrefix);
+    live.publisher = std::make_unique<scene::TrialWriter>(std::make_unique<devices::TrialPublisher>(
+        *live.session_link, scene::header_of(live.header, live.session)));
+  }
+  return live;
+}
+
+/// Begins the recording. It comes last: who waits for its file may send from then on.
+void open_recording(const LiveOptions& options, Live& live) {
+  if (!options.record) return;
+  std::vector<std::filesystem::path> inputs = {options.scenario};
+  for (const auto& source : live.sources) inputs.push_back(source->recording());
+  const Time epoch =
+      std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
+  live.writer =
+      std::make_unique<scene::TrialWriter>(*options.record, live.header, live.session,
+                                           devices::Recorder::Options{.overwrite = options.force,
+                                                                      .live = true,
+                                                                      .inputs = inputs,
+                                                                      .states = options.states,
+                                                                      .epoch = epoch});
+}
+
+/// All that comes in; a stylus switch is the trigger where no mouse of its own says more.
+std::unique_ptr<devices::Source> source_of(const Live& live) {
+  std::vector<devices::Source*> list;
+  bool stylus = false;
+  for (const auto& source : live.sources) {
+    list.push_back(source.get());
+    stylus = stylus || source->has_stylus();
+  }
+  auto merged = std::make_unique<devices::MergedSource>(list);
+  if (!stylus) return merged;
+  return std::make_unique<devices::StylusMouse>(std::move(merged));
+}
+
+/// Runs the session until it is told to stop, and gives the recording its end whatever comes.
+void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
+                  std::span<scene::Observer* const> observers, Time end) {
+  try {
+    scene::run(live.session, source, *live.pace, observers, [&](const scene::Session& s) {
+      return stop_signal() != 0 || (end != Time{} && s.now() >= end) || source.exhausted();
+    });
+    live.eyes->finish();
+  } catch (...) {
+    const devices::Event pace = kept_pace(live);
+    for (scene::TrialWriter* writer : {live.writer.get(), live.publisher.get()}) {
+      try {
+        if (!writer) continue;
+        writer->write(pace);
+        writer->close(live.session);
+      } catch (const std::exception&) {  // it is what failed, or is lost beside it
+      }
+    }
+    throw;
+  }
+  heed_stop();
+  reporter.finish();
+  write(live, kept_pace(live));
+  if (live.writer) live.writer->close(live.session);
+  if (live.publisher) live.publisher->close(live.session);
+}
+
+}  // namespace
+
+void go_live(const LiveOptions& options) {
+  if (options.sources.empty()) {
+    throw UsageError("nothing to listen to: expected --lcm URL, --fastrak TTY or a SOURCE");
+  }
+  watch_stop_signals();
+  Live live = open_live(options);
+  const std::unique_ptr<devices::Source> merged = source_of(live);
+  devices::Source& source = *merged;
+
+  // Without real time, ticks go before what draws only where that gives way.
+  live.eyes = open_eyes(*live.session.stage, live.link ? options.eyes : std::string("none"),
+                        options.lcm, options.gl, to_be_had() != Priority::real_time);
+  const Time end = microseconds(options.duration_s.value_or(0.0));
+  live.eyes->measure_by(*live.pace);
+  live.pace->begin(live.session.scenario().rates.physics_hz);
+  go_first();  // and the readers
+  for (const auto& one : live.sources) one->start(live.pace->genlock());
+  open_recording(options, live);
+  write(live, scene::drawn_by_event(live.eyes->drawn_by()));
+
+  std::vector<scene::Observer*> observers = {&live.totals};
+  if (live.writer) observers.push_back(live.writer.get());
+  if (live.publisher) observers.push_back(live.publisher.get());
+  observers.push_back(live.eyes.get());
+  std::optional<Viewer> viewer;
+  if (live.link) observers.push_back(&viewer.emplace(*live.link));
+  Reporter reporter(live);
+  observers.push_back(&reporter);
+  run_recorded(live, source, reporter, observers, end);
+  print_line(live);
+  if (!live.latency.each_s.empty()) print_stages(live.latency);
+  require_samples(live);
+  if (options.json) print_json(summary(live, options));
+}
+
+std::function<void()> add_source_options(CLI::App& command,
+                                         const std::shared_ptr<LiveOptions>& options) {
+  command.add_option("SOURCE", options->sources,
+                     "what feeds the session: fastrak:TTY, fastrak:tcp:HOST:PORT, lcm:URL or a "
+                     "trial; several are one");
+  CLI::Option* lcm =
+      command.add_option("--lcm", options->lcm,
+                         "source lcm:URL, and eyes and bodies go out there; \"\" is LCM's default "
+                         "URL; a file:// is only read");
+  auto fastrak = std::make_shared<std::string>();
+  CLI::Option* line = command.add_option("--fastrak", *fastrak, "source fastrak:TTY")
+                          ->type_name("TTY|tcp:HOST:PORT");
+  command.add_option("--baud", options->baud, "of a Fastrak's line")
+      ->check(CLI::IsMember({2400, 4800, 9600, 19200, 38400, 57600, 115200}))
+      ->capture_default_str();
+  command
+      .add_option("--hemisphere", options->hemispheres,
+                  "side of the transmitter that its receivers stay on, a direction in its frame "
+                  "(x ahead, y right, z down); 0,0,0: follow each from ahead; may be repeated; "
+                  "1,0,0 when not given")
+      ->type_name("[STATION:]X,Y,Z")
+      ->allow_extra_args(false);
+  add_duration(command, options->duration_s, "seconds; until interrupted when not given");
+  command
+      .add_option("--eyes", options->eyes,
+                  "as raw or png on HEADPIN_EYES; none: drawn for the recording alone")
+      ->check(CLI::IsMember({"raw", "png", "none"}))
+      ->capture_default_str();
+  command
+      .add_flag("--no-trial", options->no_trial,
+                "do not publish the session's own trial, which is on SESSION_* else")
+      ->needs(lcm);
+  add_gl(command, options->gl);
+  return [options, lcm, line, fastrak] {
+    options->use_lcm = lcm->count() > 0;
+    if (options->use_lcm) options->sources.push_back("lcm:" + options->lcm);
+    if (line->count() > 0) options->sources.push_back("fastrak:" + *fastrak);
+  };
+}
+
+void add_live(CLI::App& app) {
+  auto options = std::make_shared<LiveOptions>();
+  CLI::App* command = app.add_subcommand("live", "Run a session in real time, recorded as it runs");
+  const auto take_sources = add_source_options(*command, options);
+  command->add_option(
+      "--scenario", options->scenario,
+      "its name, or a TOML file; that of the trial played, or else the paper's room when "
+      "not given");
+  add_output(*command, "--record", options->record,
+             "write the trial here, safe from the first event");
+  add_states(*command, options->states);
+  command->add_option("--participant", options->participant,
+                      "name in the trial; that of the trial played when not given");
+  command->add_option("--condition", options->condition_name, "likewise, of the condition");
+  command
+      ->add_option(
+          "--samples", options->samples,
+          "anti-aliasing: N^2 + 1 samples a pixel, 1 is one; kept in the trial as look.samples")
+      ->check(CLI::Range(1, 4))
+      ->capture_default_str();
+  add_force(*command, options->force);
+  add_json(*command, options->json);
+  add_condition_options(*command, options->condition);
+  // A look says how many; --set look.samples=N is above both.
+  command->get_option("--samples")->excludes("--look");
+  command->footer(
+      "Examples:\n  headpin live fastrak:/dev/ttyUSB0 --record session.lcmlog\n"
+      "  headpin live trial.lcmlog --elasticity 0.9\n"
+      "  headpin live --lcm 'udpm://239.255.76.67:7667?ttl=0' --record session.lcmlog");
+  command->callback([options, take_sources] {
+    take_sources();
+    go_live(*options);
+  });
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,207 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "apps/chart.h"
+#include "apps/command.h"
+#include "apps/damage.h"
+#include "apps/options.h"
+#include "apps/recorded_world.h"
+#include "apps/stop.h"
+#include "devices/trial/file.h"
+#include "files/output_file.h"
+#include "scene/play/events.h"
+#include "scene/stage/read_scenario.h"
+
+namespace headpin::apps {
+
+namespace {
+
+struct PlotOptions {
+  std::string trial;
+  std::optional<std::string> output;
+  bool force = false;
+};
+
+constexpr const char* kBall = "#1f6fb4";
+constexpr const char* kSkittle = "#c9a227";
+constexpr const char* kAll = "#444444";
+
+/// Ticks as many curves are drawn through, in no more points than a picture can show: of many ticks
+/// in a row each curve keeps its least and its greatest value, in the order they came in.
+class Thinned {
+ public:
+  Thinned(std::size_t curves, std::int64_t ticks)
+      : values(curves),
+        group_(ticks <= kMostPoints ? 1 : (2 * ticks + kMostPoints - 1) / kMostPoints),
+        spans_(curves) {}
+
+  /// @param row  one value a curve; NaN where there is none
+  void add(double time, const std::vector<double>& row) {
+    if (in_group_ == 0) first_ = time;
+    for (std::size_t i = 0; i < row.size(); ++i) spans_[i].take(row[i]);
+    last_ = time;
+    if (++in_group_ == group_) close_group();
+  }
+  void close() {
+    if (in_group_ > 0) close_group();
+  }
+
+  std::vector<double> times;
+  std::vector<std::vector<double>> values;  ///< by curve
+
+ private:
+  static constexpr std::int64_t kMostPoints = 4000;  // of a picture 870 pixels wide
+  static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+  /// What one curve is at within a group.
+  struct Span {
+    double earlier = kNone, later = kNone;  // of these one is the least, the other the greatest
+    void take(double value) {
+      if (std::isnan(value)) return;
+      if (std::isnan(earlier)) {
+        earlier = later = value;
+      } else if (value < std::min(earlier, later) || value > std::max(earlier, later)) {
+        const bool low = value < std::min(earlier, later);
+        earlier = low ? std::max(earlier, later) : std::min(earlier, later);
+        later = value;
+      }
+    }
+  };
+
+  void close_group() {
+    times.push_back(first_);
+    if (group_ > 1) times.push_back(last_);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      values[i].push_back(spans_[i].earlier);
+      if (group_ > 1) values[i].push_back(spans_[i].later);
+      spans_[i] = {};
+    }
+    in_group_ = 0;
+  }
+
+  std::int64_t group_, in_group_ = 0;
+  std::vector<Span> spans_;
+  double first_ = 0.0, last_ = 0.0;
+};
+
+/// Skittles, then balls; the first of a role names it in the legend.
+struct DrawnBody {
+  engine::BodyId id;
+  const char *legend, *colour;
+};
+
+std::vector<DrawnBody> drawn_bodies(const scene::Stage& stage) {
+  std::vector<DrawnBody> all;
+  const auto add = [&](const std::vector<engine::BodyId>& bodies, const char* legend,
+                       const char* colour) {
+    for (const engine::BodyId body : bodies) {
+      all.push_back({body, body == bodies.front() ? legend : "", colour});
+    }
+  };
+  add(stage.skittles, "skittles", kSkittle);
+  add(stage.balls, "ball", kBall);
+  return all;
+}
+
+/// Speeds, heights, energy (all of it, and what is of motion), contact points: a value a curve.
+void row_of(const devices::TickState& state, const std::vector<DrawnBody>& bodies,
+            RecordedWorld& world, std::vector<double>& row) {
+  row.clear();
+  const auto each = [&](auto value) {
+    for (const DrawnBody& body : bodies) {
+      row.push_back(body.id < state.bodies.size() ? value(state.bodies[body.id])
+                                                  : std::numeric_limits<double>::quiet_NaN());
+    }
+  };
+  each([](const devices::BodyState& b) { return b.V_WB.v.norm(); });
+  each([](const devices::BodyState& b) { return b.X_WB.p.z(); });
+  const RecordedWorld::Energy energy = world.energy(state);
+  row.insert(row.end(), {energy.all, energy.all - energy.height});
+  row.push_back(state.contacts);
+}
+
+/// Named where there is one of a kind; of falls and touches there are many.
+std::vector<Mark> marks(const devices::TrialSummary& trial) {
+  std::vector<Mark> all;
+  for (const devices::Event& event : trial.events) {
+    if (event.tick < 0 || event.kind == scene::kind::touch || event.kind == scene::kind::ledger)
+      continue;
+    all.push_back({seconds(event.time), event.kind == scene::kind::skittle_down ? "" : event.kind});
+  }
+  return all;
+}
+
+Chart chart(const std::string& path, const devices::TrialFile& file, RecordedWorld& world) {
+  const std::vector<DrawnBody> bodies = drawn_bodies(world.stage());
+  Thinned ticks(2 * bodies.size() + 3, file.summary().state_count);
+  std::vector<double> row;
+  devices::TrialItems items(file);
+  while (const std::optional<devices::TickState> state = items.next_state()) {
+    row_of(*state, bodies, world, row);
+    ticks.add(seconds(state->time), row);
+  }
+  ticks.close();
+
+  auto values = ticks.values.begin();
+  const auto of_bodies = [&] {
+    std::vector<Curve> curves;
+    curves.reserve(bodies.size());
+    for (const DrawnBody& body : bodies) {
+      curves.push_back({body.legend, body.colour, std::move(*values++)});
+    }
+    return curves;
+  };
+  Chart chart{path, std::move(ticks.times), {}, marks(file.summary())};
+  chart.panels.push_back({"speed [m/s]", of_bodies()});
+  chart.panels.push_back({"height of the centre of mass [m]", of_bodies()});
+  // Of balls and skittles, height from the lane.
+  Curve all{"all", kAll, std::move(*values++)}, motion{"of motion", kBall, std::move(*values++)};
+  chart.panels.push_back({"energy [J]", {std::move(all), std::move(motion)}});
+  chart.panels.push_back({"contact points", {{"", kAll, std::move(*values)}}});
+  return chart;
+}
+
+void plot_trial(const PlotOptions& options) {
+  const devices::TrialFile file(options.trial);
+  file.require_trial(devices::kLongestGap);
+  const devices::TrialSummary& trial = file.summary();
+  say_what_is_missing("plot", options.trial, trial);
+  if (trial.state_count == 0) {
+    throw std::runtime_error(options.trial +
+                             ": expected states to plot, found none; `headpin replay " +
+                             options.trial + " -o OUT.lcmlog` writes them");
+  }
+  RecordedWorld world(scene::scenario_of_trial(trial.header.scenario, options.trial));
+  const std::string svg = to_svg(chart(options.trial, file, world));
+  watch_stop_signals();
+  files::OutputFile out(
+      *options.output,
+      {.overwrite = options.force, .standard_output = true, .inputs = {options.trial}});
+  out.write(svg.data(), svg.size());
+  check_stop();
+  out.commit();
+}
+
+}  // namespace
+
+void add_plot(CLI::App& app) {
+  auto options = std::make_shared<PlotOptions>();
+  CLI::App* command = app.add_subcommand(
+      "plot", "Draw a replayed trial over time: speeds, heights, energy, contacts");
+  command->add_option("TRIAL", options->trial, "a trial with states (.lcmlog)")->required();
+  add_output(*command, "-o,--output", options->output,
+             "picture to write (.svg); - is standard output")
+      ->required();
+  add_force(*command, options->force);
+  command->footer(
+      "Any browser shows SVG; `rsvg-convert game.svg -o game.png` makes a PNG of it.\n\n"
+      "Example:\n  headpin plot game.lcmlog -o game.svg");
+  command->callback([options] { plot_trial(*options); });
+}
+
+}  // namespace headpin::apps

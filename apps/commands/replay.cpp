@@ -1,0 +1,310 @@
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "apps/condition.h"
+#include "apps/damage.h"
+#include "apps/options.h"
+#include "apps/progress.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
+#include "scene/play/events.h"
+#include "scene/play/release.h"
+#include "scene/watch/each_throw.h"
+#include "scene/watch/recorded.h"
+#include "scene/watch/totals.h"
+#include "scene/watch/trial_writer.h"
+#include "scene/watch/verifier.h"
+
+namespace headpin::apps {
+
+namespace {
+
+struct ReplayOptions {
+  std::string trial;
+  std::optional<std::string> output;
+  devices::States states = devices::States::changes;
+  Condition condition;
+  double longest_gap = seconds(devices::kLongestGap);
+  bool verify = false, each_throw = false, force = false, json = false;
+};
+
+std::string readable(const nlohmann::json& value, const char* unit) {
+  if (value.is_null()) return "-";
+  if (value.is_object()) {  // one of each object
+    const nlohmann::json shared = scene::in_short(value);
+    return shared.is_string() ? shared.get<std::string>() : readable(shared, unit);
+  }
+  if (value.is_number_float()) return fmt::format("{:.3g}{}", value.get<double>(), unit);
+  if (value.is_string()) return value.get<std::string>() + unit;
+  return value.dump() + unit;
+}
+
+/// "elasticity 0.7 each, friction 0.7 each, shape true"
+std::string condition_in_words(const nlohmann::json& condition) {
+  return fmt::format("elasticity {}, friction {}, shape {}",
+                     readable(condition["elasticity"], " each"),
+                     readable(condition["friction"], " each"), readable(condition["shape"], ""));
+}
+
+void print_summary(const nlohmann::json& s) {
+  const auto line = [&](const char* label, const char* key, const char* unit = "") {
+    fmt::print("{:<18}{}\n", label, readable(s[key], unit));
+  };
+  line("version", "version");
+  if (s["versions"].is_null()) {
+    line("elasticity", "elasticity", " each");
+    line("friction", "friction", " each");
+    line("shape", "shape");
+  } else {
+    for (const char* name : {"red", "blue"}) {
+      fmt::print("{:<18}{}\n", fmt::format("{} version", name),
+                 condition_in_words(s["versions"][name]));
+    }
+  }
+  line("response", "response");
+  line("ball at release", "release_speed_mps", " m/s");
+  line("at first skittle", "impact_speed_mps", " m/s");
+  const std::string of =
+      s["games"].empty() ? fmt::format("of {}", s["skittles"].dump()) : "of all racks";
+  fmt::print("{:<18}{} {}\n", "skittles down", s["skittles_down"].dump(), of);
+  for (const nlohmann::json& game : s["games"]) {
+    fmt::print("{:<18}{}\n", "score sheet", game["sheet"].get<std::string>());
+  }
+  line("simulated", "simulated_s", " s");
+  line("times real time", "realtime_factor");
+  line("state hash", "state_hash");
+  line("game hash", "game_hash");
+}
+
+/// Keeps the events that tell of throws.
+struct ThrowEvents : scene::Observer {
+  void tick(const scene::Session& session) override {
+    using namespace scene::kind;
+    for (const devices::Event& event : session.events) {
+      for (const std::string_view kept : {version, grab, missed_grab, release, delivery}) {
+        if (event.kind == kept) events.push_back(event);
+      }
+    }
+  }
+  std::vector<devices::Event> events;
+};
+
+/// What happened as a trial was recorded.
+///
+/// @param simulated    the trial, under the condition of the replay
+/// @param as_recorded  the trial's own scenario
+/// @param again        what happened in the replay
+std::vector<devices::Event> recorded_events(scene::Recorded& simulated,
+                                            const scene::Scenario& as_recorded,
+                                            const std::vector<devices::Event>& again) {
+  const bool same = scene::differences(as_recorded, simulated.scenario).empty();
+  if (same && !scene::says_events(simulated.file.summary())) return again;
+  simulated.scenario = as_recorded;
+  return scene::events_of(simulated, [] { check_stop(); });
+}
+
+/// Which throws of a recorded session are not in its replay, and the other way round.
+nlohmann::json compared_throws(const std::vector<devices::Event>& recorded,
+                               const std::vector<devices::Event>& again) {
+  return {
+      {"throws_without_counterpart", scene::to_json(scene::without_counterpart(recorded, again))},
+      {"new_throws", scene::to_json(scene::without_counterpart(again, recorded))}};
+}
+
+void print_throws(const nlohmann::json& result) {
+  for (const auto& [key, what] :
+       {std::pair("throws_without_counterpart", "of the trial, has no counterpart here: "),
+        {"new_throws", "of this replay, has no counterpart in the trial: "}}) {
+    for (const nlohmann::json& one : result[key]) {
+      fmt::print("{:<18}{}{}\n", "throw", what, scene::unpaired_in_words(one));
+    }
+  }
+}
+
+/// Releases that the tracker did not tell all of.
+void print_releases(const std::vector<devices::Event>& events) {
+  for (const devices::Event& event : events) {
+    if (event.kind != scene::kind::release) continue;
+    const auto motion = scene::motion_of(event);
+    if (!motion || (motion->known == scene::Known::tracked && motion->left_out == 0)) continue;
+    fmt::print("{:<18}of {} at {:.3f} s: {}\n", "release", event.bodies.front(),
+               seconds(event.time), scene::in_words(*motion));
+  }
+}
+
+/// Holds the game hash that a trial says against the one that a replay came to.
+///
+/// @throws std::runtime_error  where they differ
+void verify_game_hash(const devices::TrialSummary& trial, const scene::Session& session) {
+  const std::optional<scene::SaidGameHash> said = scene::said_game_hash(trial);
+  const std::string found = scene::in_hex(session.game_hash.value());
+  if (!said || said->tick != session.tick || said->hash == found) return;
+  throw std::runtime_error(
+      fmt::format("the game differs from the recording: expected the game hash {}, found {}",
+                  said->hash, found));
+}
+
+/// @param unverified  ticks up to the end of the recording that have no state in it
+/// @throws std::runtime_error  when there are any but the one in which a recording was cut off
+void require_states(const devices::TrialSummary& trial, std::int64_t compared,
+                    std::int64_t unverified) {
+  if (unverified <= (trial.complete ? 0 : 1)) return;
+  throw std::runtime_error(fmt::format(
+      "{} of the recording's {} ticks have no state in it to compare with; the other {} are equal",
+      unverified, compared + unverified, compared));
+}
+
+std::string count_in_words(const nlohmann::json& result) {
+  if (!result["felled"].is_null()) return result["felled"].dump();
+  return fmt::format("{} down", result["skittles_down"].dump());
+}
+
+scene::EachThrow each_throw_of(const scene::Session& session, const scene::Scenario& other) {
+  try {
+    return {session, other};
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+}
+
+/// Every throw on its own, as it was and under the other condition.
+void replay_each_throw(const ReplayOptions& options) {
+  if (options.output || options.verify) {
+    throw UsageError(
+        "--each-throw goes with neither -o nor --verify: its throws are no one session");
+  }
+  scene::Recorded recorded = scene::load_trial(options.trial, microseconds(options.longest_gap));
+  const devices::TrialSummary& trial = recorded.file.summary();
+  scene::Scenario other = recorded.scenario;
+  apply(options.condition, other);
+  scene::Session session = scene::make_session(recorded.scenario);
+  const std::int64_t ticks = scene::tick_count(trial, recorded.scenario.rates.physics_hz);
+  scene::EachThrow each = each_throw_of(session, other);
+  ProgressLine progress("ticks", ticks);
+  const std::vector<scene::Observer*> observers = {&each, &progress};
+  devices::TrialPlayer source(recorded.file);
+  scene::NoPace pace;
+  scene::run(session, source, pace, observers, [&](const scene::Session& s) {
+    check_stop();
+    return s.tick >= ticks;
+  });
+  each.finish();
+  say_what_is_missing("replay", options.trial, trial);
+  const nlohmann::json result = {
+      {"trial", options.trial},
+      {"scenario_differences", scene::to_json(scene::differences(recorded.scenario, other))},
+      {"each_throw", scene::to_json(each.throws())}};
+  if (options.json) return print_json(result);
+  fmt::print("{:<8}{:<10}{:<14}{:<12}{:<12}{}\n", "throw", "version", "let go [s]", "recorded",
+             "as it was", "other condition");
+  for (const nlohmann::json& one : result["each_throw"]) {
+    const std::string name = one["name"];
+    fmt::print("{:<8}{:<10}{:<14.3f}{:<12}{:<12}{}\n", one["throw"].get<int>(),
+               name.empty() ? "-" : name, one["time_s"].get<double>(),
+               one["felled"].is_null() ? "-" : one["felled"].dump(),
+               count_in_words(one["as_it_was"]), count_in_words(one["other_condition"]));
+  }
+}
+
+void replay(const ReplayOptions& options) {
+  watch_stop_signals();  // before there is anything to put away
+  if (options.each_throw) return replay_each_throw(options);
+  scene::Recorded recorded = scene::load_trial(options.trial, microseconds(options.longest_gap));
+  const devices::TrialSummary& trial = recorded.file.summary();
+  const scene::Scenario as_recorded = recorded.scenario;
+  apply(options.condition, recorded.scenario);
+  scene::Session session = scene::make_session(recorded.scenario);
+  const std::int64_t ticks = scene::tick_count(trial, recorded.scenario.rates.physics_hz);
+
+  scene::Stopwatch stopwatch;
+  scene::Totals totals;
+  ThrowEvents happened;
+  ProgressLine progress("ticks", ticks);
+  std::optional<scene::TrialWriter> writer;
+  std::optional<scene::Verifier> verifier;
+  std::vector<scene::Observer*> observers = {&stopwatch, &totals, &happened};
+  if (options.output) {
+    writer.emplace(
+        *options.output, trial.header, session,
+        devices::Recorder::Options{
+            .overwrite = options.force, .inputs = {options.trial}, .states = options.states});
+    for (const devices::Event& event : trial.events) {
+      if (event.tick < 0) writer->write(event);  // what was found before any simulation
+    }
+    observers.push_back(&*writer);
+  }
+  devices::TrialPlayer source(recorded.file, {.states = options.verify});
+  if (options.verify) observers.push_back(&verifier.emplace(source, session));
+  observers.push_back(&progress);
+
+  scene::run(session, source, stopwatch, observers, [&](const scene::Session& s) {
+    check_stop();
+    return s.tick >= ticks;
+  });
+  if (writer) writer->close(session);
+  if (verifier) verify_game_hash(trial, session);
+  say_what_is_missing("replay", options.trial, trial);
+  // A recording that is complete may end sooner than its samples; one that is not has lost states.
+  const std::int64_t recorded_ticks = trial.complete ? trial.last_tick : session.tick;
+  const std::int64_t unverified = verifier ? recorded_ticks - verifier->compared() : 0;
+  if (verifier) require_states(trial, verifier->compared(), unverified);
+
+  nlohmann::json result = scene::summary(session, totals.score());
+  result["trial"] = options.trial;
+  result["complete"] = trial.complete;
+  result.update(
+      compared_throws(recorded_events(recorded, as_recorded, happened.events), happened.events));
+  result["participant"] = trial.header.participant;
+  result["condition"] = trial.header.condition;
+  result["seed"] = trial.header.seed;
+  result["set"] = options.condition.set;
+  result["output"] = options.output ? nlohmann::json(*options.output) : nlohmann::json();
+  result["realtime_factor"] = seconds(session.now()) / stopwatch.spent_s();
+  if (verifier) {
+    result["verified_ticks"] = verifier->compared();
+    result["unverified_ticks"] = unverified;
+  }
+  if (options.json) {
+    print_json(result);
+  } else {
+    print_summary(result);
+    print_releases(happened.events);
+    print_throws(result);
+    if (verifier) {
+      fmt::print("{:<18}{} ticks equal the recording{}\n", "verified", verifier->compared(),
+                 unverified > 0 ? fmt::format(", {} are not in it", unverified) : "");
+    }
+    if (writer) fmt::print("{:<18}{}\n", "written", *options.output);
+  }
+}
+
+}  // namespace
+
+void add_replay(CLI::App& app) {
+  auto options = std::make_shared<ReplayOptions>();
+  CLI::App* command =
+      app.add_subcommand("replay", "Simulate a trial again from its device samples");
+  command->add_option("trial", options->trial, "a trial (.lcmlog)")->required();
+  add_output(*command, "-o,--output", options->output,
+             "write the new trial, states and events in it; - is standard output");
+  add_states(*command, options->states);
+  command->add_flag("--verify", options->verify, "compare every tick with the trial's own states");
+  command->add_flag("--each-throw", options->each_throw,
+                    "every recorded throw on its own, from the state in which it was let go: so "
+                    "none is lost under another condition, and throws can be paired");
+  add_force(*command, options->force);
+  add_longest_gap(*command, options->longest_gap);
+  add_json(*command, options->json);
+  add_condition_options(*command, options->condition);
+  command->footer(
+      "Example:\n  headpin replay assets/trials/demo.lcmlog -o smooth.lcmlog --friction 0 "
+      "--elasticity 1\n"
+      "  headpin replay assets/trials/demo.lcmlog --each-throw --friction 0");
+  command->callback([options] { replay(*options); });
+}
+
+}  // namespace headpin::apps

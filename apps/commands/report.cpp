@@ -1,0 +1,254 @@
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "apps/damage.h"
+#include "apps/options.h"
+#include "apps/page_file.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
+#include "devices/base/version.h"
+#include "files/input_file.h"
+#include "files/output_file.h"
+#include "scene/page/page_data.h"
+#include "scene/watch/counterparts.h"
+#include "scene/watch/totals.h"
+#include "scene/watch/verifier.h"
+
+namespace headpin::apps {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct ReportOptions {
+  std::string trial;
+  std::optional<std::string> other, output, video, page;
+  double longest_gap = seconds(devices::kLongestGap);
+  bool force = false, json = false;
+};
+
+constexpr std::size_t kMostEmbedded = 20'000'000;  // bytes; more stays beside the page
+constexpr std::size_t kMostRead = 2'000'000'000;   // bytes of a log that goes into a page
+
+/// As a shell reads it back.
+std::string quoted(const std::string& word) {
+  std::string out = "'";
+  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + "'";
+}
+
+std::string command_of(const ReportOptions& options) {
+  std::string command = "headpin report " + quoted(options.trial);
+  if (options.other) command += " " + quoted(*options.other);
+  command += " -o " + quoted(*options.output);
+  if (options.video) command += " --video " + quoted(*options.video);
+  return command;
+}
+
+std::string text_of(const nlohmann::json& object) {
+  return object.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+}
+
+std::string file_name(const std::string& path) {
+  return fs::path(path).filename().string();
+}
+
+/// One trial's share of the page, its blocks named with `which` behind.
+void add_trial(const std::string& path, const scene::PageData& data, const std::string& which,
+               PageBlocks& blocks) {
+  nlohmann::json text = data.json;
+  text["trial"]["name"] = file_name(path);
+  blocks["json" + which] = deflated(text_of(text));
+  blocks["numbers" + which] = deflated(in_quanta(data));
+}
+
+/// Where two trials part when both are simulated again.
+nlohmann::json first_difference(const scene::Recorded& a, const scene::Recorded& b) {
+  devices::TrialPlayer in_a(a.file), in_b(b.file);
+  scene::Session sa = scene::make_session(a.scenario), sb = scene::make_session(b.scenario);
+  const auto ticks_of = [](const scene::Recorded& r) {
+    return scene::tick_count(r.file.summary(), r.scenario.rates.physics_hz);
+  };
+  const std::int64_t ticks_a = ticks_of(a), ticks_b = ticks_of(b);
+  const scene::SharedBodies shared =
+      scene::shared_bodies(scene::body_names(*sa.stage), scene::body_names(*sb.stage));
+  devices::TickState now_a, now_b;
+  while (sa.tick < std::min(ticks_a, ticks_b)) {
+    check_stop();
+    scene::advance(sa, in_a);
+    scene::advance(sb, in_b);
+    scene::tick_state(sa, now_a);
+    scene::tick_state(sb, now_b);
+    if (const auto body = scene::first_different_body(now_a, now_b, shared)) {
+      return {{"tick", sa.tick}, {"time_s", seconds(sa.now())}, {"body", *body}};
+    }
+  }
+  if (ticks_a == ticks_b) return {};
+  return {{"tick", sa.tick + 1}, {"time_s", seconds(sa.next_tick())}, {"body", ""}};
+}
+
+/// The log without its states, where that simulates to the same bits: so it does unless it is so old
+/// that its states tell when samples were known.
+std::string log_block(const std::string& path, const std::string& game_hash, Time longest_gap) {
+  const std::vector<std::uint8_t> inputs = log_of_inputs(path);
+  const scene::Recorded recorded = scene::load_trial(inputs, path, longest_gap);
+  scene::Session session = scene::make_session(recorded.scenario);
+  devices::TrialPlayer source(recorded.file);
+  scene::NoPace pace;
+  const std::int64_t ticks =
+      scene::tick_count(recorded.file.summary(), recorded.scenario.rates.physics_hz);
+  scene::run(session, source, pace, {}, [&](const scene::Session& s) {
+    check_stop();
+    return s.tick >= ticks;
+  });
+  if (scene::in_hex(session.game_hash.value()) == game_hash) {
+    return deflated(inputs);
+  }
+  return deflated(files::read_bytes(path, kMostRead));
+}
+
+/// Whether a file begins as MP4 does: with a box of its type (ISO 14496-12, 4.3).
+bool is_mp4(std::span<const std::uint8_t> bytes) {
+  constexpr std::string_view kType = "ftyp";
+  return bytes.size() > 8 && std::equal(kType.begin(), kType.end(), bytes.begin() + 4);
+}
+
+/// Where a large video goes.
+fs::path beside_page(const ReportOptions& options) {
+  return fs::path(*options.output).replace_extension(".mp4");
+}
+
+/// The video goes into the page, or beside it where it is large.
+///
+/// @param inputs  that the copy must not replace
+nlohmann::json add_video(const ReportOptions& options, const std::vector<fs::path>& inputs,
+                         PageBlocks& blocks) {
+  if (!options.video) return {};
+  const files::InputFile video(*options.video);
+  std::vector<std::uint8_t> bytes(std::min(video.size(), kMostEmbedded));
+  bytes.resize(video.read(0, bytes));
+  if (!is_mp4(bytes)) {
+    throw UsageError(fmt::format(
+        "--video {}: expected an MP4, which browsers show, found something else; `headpin frames "
+        "--video NAME.mkv` writes NAME.mp4 beside it",
+        *options.video));
+  }
+  if (video.size() <= kMostEmbedded) {
+    blocks["video"] = base64(bytes);
+    return {{"embedded", true}};
+  }
+  const fs::path beside = beside_page(options);
+  if (!files::same_file(beside, *options.video)) {
+    files::OutputFile copy(beside.string(), {.overwrite = options.force, .inputs = inputs});
+    for (std::size_t at = 0; const std::size_t n = video.read(at, bytes); at += n) {
+      check_stop();
+      copy.write(bytes.data(), n);
+    }
+    copy.commit();
+  }
+  return {{"embedded", false}, {"file", beside.filename().string()}};
+}
+
+void report(const ReportOptions& options) {
+  watch_stop_signals();
+  if (options.video &&
+      files::follow_links(beside_page(options)) == files::follow_links(*options.output)) {
+    throw UsageError(fmt::format(
+        "-o {}: a video that is kept beside the page gets this name; expected another, such as "
+        "NAME.html",
+        *options.output));
+  }
+  const std::string page = options.page ? page_template(*options.page) : page_template();
+  const Time longest_gap = microseconds(options.longest_gap);
+  const scene::Recorded recorded = scene::load_trial(options.trial, longest_gap);
+  say_what_is_missing("report", options.trial, recorded.file.summary());
+  PageBlocks blocks;
+  nlohmann::json about = {{"version", devices::software_version()},
+                          {"commit", devices::software_commit()},
+                          {"command", command_of(options)},
+                          {"first_difference", nullptr}};
+  const scene::PageData data = scene::page_data(recorded, scene::PageLooks(recorded));
+  add_trial(options.trial, data, "", blocks);
+  if (options.other) {
+    const scene::Recorded other = scene::load_trial(*options.other, longest_gap);
+    say_what_is_missing("report", *options.other, other.file.summary());
+    const bool looks_alike =
+        recorded.file.summary().header.scenario == other.file.summary().header.scenario;
+    add_trial(*options.other, scene::page_data(other, scene::PageLooks(other), {}, !looks_alike),
+              "-other", blocks);
+    about["first_difference"] = first_difference(recorded, other);
+    const scene::SharedBodies shared =
+        scene::shared_bodies(scene::body_names(scene::make_stage(recorded.scenario)),
+                             scene::body_names(scene::make_stage(other.scenario)));
+    about["bodies_only_in_a"] = shared.only_in_a;
+    about["bodies_only_in_b"] = shared.only_in_b;
+    about["scenario_differences"] =
+        scene::to_json(scene::differences(recorded.scenario, other.scenario));
+    const std::vector<devices::Event> events_a = scene::events_of(recorded, [] { check_stop(); });
+    const std::vector<devices::Event> events_b = scene::events_of(other, [] { check_stop(); });
+    about["only_thrown_in_a"] = scene::to_json(scene::without_counterpart(events_a, events_b));
+    about["only_thrown_in_b"] = scene::to_json(scene::without_counterpart(events_b, events_a));
+  }
+  const nlohmann::json& hash = data.json["hash"];
+  const std::string log = log_block(options.trial, hash["game_replayed"], longest_gap);
+  about["log_left_out"] = log.size() > kMostEmbedded;
+  if (log.size() <= kMostEmbedded) blocks["log"] = log;
+
+  std::vector<fs::path> inputs = {options.trial};
+  for (const auto& input : {options.other, options.video, options.page}) {
+    if (input) inputs.emplace_back(*input);
+  }
+  files::OutputFile out(
+      *options.output,
+      {.overwrite = options.force, .standard_output = !options.video, .inputs = inputs});
+  about["video"] = add_video(options, inputs, blocks);
+  blocks["about"] = deflated(text_of(about));
+  const std::string html = filled(page, blocks);
+  out.write(html.data(), html.size());
+  check_stop();
+  out.commit();
+
+  if (!options.json) return;
+  print_json({{"trial", options.trial},
+              {"output", *options.output},
+              {"bytes", html.size()},
+              {"ticks", data.json["ticks"]},
+              {"skittles_down", data.json["summary"]["skittles_down"]},
+              {"verified_ticks", hash["verified_ticks"]},
+              {"state_hash", hash["replayed"]},
+              {"game_hash", hash["game_replayed"]}});
+}
+
+}  // namespace
+
+void add_report(CLI::App& app) {
+  auto options = std::make_shared<ReportOptions>();
+  CLI::App* command = app.add_subcommand(
+      "report", "Make one page that shows a trial: in 3D, in numbers, and simulated again");
+  command->add_option("TRIAL", options->trial, "a trial (.lcmlog)")->required();
+  command->add_option("OTHER", options->other, "another, shown with it");
+  add_output(*command, "-o,--output", options->output,
+             "page to write (.html); - is standard output")
+      ->required();
+  command->add_option(
+      "--video", options->video,
+      "what both eyes saw (`headpin frames --video`, the .mp4): goes into the page, "
+      "or beside it past 20 MB");
+  command->add_option("--page", options->page,
+                      "the page to fill in, when not the one that came with the program");
+  add_force(*command, options->force);
+  add_longest_gap(*command, options->longest_gap);
+  add_json(*command, options->json);
+  command->footer(
+      "The page needs no network and no other file: any browser of 2023 or later opens it.\n\n"
+      "Example:\n  headpin report assets/trials/demo.lcmlog -o trial.html");
+  command->callback([options] { report(*options); });
+}
+
+}  // namespace headpin::apps

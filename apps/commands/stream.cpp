@@ -1,0 +1,246 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <thread>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "apps/damage.h"
+#include "apps/options.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
+#include "devices/lcm/link.h"
+#include "devices/trial/file.h"
+#include "devices/trial/sources.h"
+#include "scene/play/player.h"
+#include "scene/stage/read_scenario.h"
+
+namespace headpin::apps {
+namespace {
+
+struct StreamOptions {
+  std::string trial, url;
+  double speed = 1.0, longest_gap = seconds(devices::kLongestGap);
+  bool force = false, json = false;
+};
+
+/// Walks as the session did that the samples are from.
+class Follower {
+ public:
+  explicit Follower(const scene::Scenario& scenario) : scenario_(scenario) {}
+
+  /// Makes all ticks that begin before the sample is known, then keeps it for the next.
+  void take(const devices::Sample& sample) {
+    const std::int64_t hz = scenario_.rates.physics_hz;
+    for (; tick_time(tick_ + 1, hz) < devices::available(sample); ++tick_) {
+      const Time now = tick_time(tick_ + 1, hz) - microseconds(scenario_.rig.delay_s);
+      scene::follow(player_, known_, scenario_, now);
+      scene::forget(player_, now);
+      known_.clear();
+    }
+    known_.push_back(sample);
+  }
+  Pose X_WP() const { return player_.walk.X_WP(); }
+
+ private:
+  const scene::Scenario& scenario_;
+  scene::Player player_;
+  std::vector<devices::Sample> known_;
+  std::int64_t tick_ = 0;
+};
+
+/// Sends the head's and the hand's samples also as poses in the world, for those who only know
+/// those.
+void publish_pose(devices::LcmLink& link, const scene::Rig& rig, const Pose& X_WP,
+                  const devices::Sample& sample) {
+  const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
+  if (!tracker || !tracker->good()) return;
+  const Pose X_WS = X_WP * scene::sensor_in_space(*tracker, rig);
+  if (tracker->station == rig.head_station) {
+    link.publish_pose("HEAD_POSE", tracker->device_time, X_WS * rig.X_SD);
+  }
+  if (tracker->station == rig.hand_station) {
+    link.publish_pose("HAND_POSE", tracker->device_time, X_WS * rig.X_SH);
+  }
+}
+
+/// How late each was, counted and not kept.
+class Lateness {
+ public:
+  void add(double ms) {
+    most_ = std::max(most_, ms);
+    const double bin = ms > kLeast ? std::log(ms / kLeast) / kStep : 0.0;
+    ++counts_[std::min(static_cast<std::size_t>(bin), kBins - 1)];
+    ++all_;
+  }
+  bool any() const { return all_ > 0; }
+  /// What a share of them was not later than, to a hundredth of it; in ms.
+  double quantile(double share) const {
+    if (share >= 1.0 || all_ == 0) return most_;
+    std::int64_t before = 0;
+    for (std::size_t i = 0; i < kBins; ++i) {
+      before += counts_[i];
+      if (static_cast<double>(before) > share * static_cast<double>(all_ - 1)) {
+        return std::min(most_, kLeast * std::exp(kStep * static_cast<double>(i + 1)));
+      }
+    }
+    return most_;
+  }
+
+ private:
+  static constexpr double kLeast = 1e-3, kStep = 0.01;  // of the bins' logarithms
+  static constexpr std::size_t kBins = 2100;            // beyond 10^6 s
+  std::vector<std::int64_t> counts_ = std::vector<std::int64_t>(kBins);
+  std::int64_t all_ = 0;
+  double most_ = 0.0;
+};
+
+/// The samples of a trial in the order in which they were there, one by one.
+class InOrder {
+ public:
+  explicit InOrder(const devices::TrialFile& file) : player_(file) {}
+
+  /// The next one, until it is asked for again; null at the end.
+  const devices::Sample* next() {
+    if (++at_ >= samples_.size()) {
+      samples_.clear();
+      at_ = 0;
+      if (const std::optional<Time> time = player_.next_time()) player_.poll(*time, samples_);
+    }
+    return at_ < samples_.size() ? &samples_[at_] : nullptr;
+  }
+
+ private:
+  devices::TrialPlayer player_;
+  std::vector<devices::Sample> samples_;  // available at one time
+  std::size_t at_ = 0;
+};
+
+using Clock = std::chrono::steady_clock;
+
+/// Sleeps in pieces, so that a signal does not wait for the end of a long pause.
+/// @return  false when one came
+bool wait_until(Clock::time_point due) {
+  constexpr auto kNap = std::chrono::milliseconds(50);
+  while (stop_signal() == 0 && Clock::now() + kNap < due) std::this_thread::sleep_for(kNap);
+  if (stop_signal() != 0) return false;
+  std::this_thread::sleep_until(due);
+  return true;
+}
+
+/// What became of a trial.
+struct Streamed {
+  std::int64_t sent = 0;
+  Time end{};         ///< when the last one was available
+  double took = 0.0;  ///< [s]
+  Lateness lateness;
+};
+
+/// Publishes the samples, and the header again and again for those who begin to listen later.
+Streamed publish_samples(const StreamOptions& options, const devices::TrialFile& file,
+                         const scene::Scenario& scenario, devices::LcmLink& link) {
+  Streamed done;
+  Follower follower(scenario);
+  InOrder samples(file);
+  std::optional<Time> begin;
+  const Clock::time_point start = Clock::now();
+  std::optional<Clock::time_point> announced;
+  while (stop_signal() == 0) {
+    const devices::Sample* sample = samples.next();
+    if (!sample) break;
+    done.end = devices::available(*sample);
+    if (!begin) begin = done.end;
+    if (options.speed > 0.0) {
+      constexpr double kLongest =
+          1e9;  // s: no clock of this machine goes further than ten of these
+      const double after = std::min(kLongest, seconds(done.end - *begin) / options.speed);
+      const auto due =
+          start + std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(after));
+      if (!wait_until(due)) break;
+      done.lateness.add(std::chrono::duration<double, std::milli>(Clock::now() - due).count());
+    }
+    if (!announced || Clock::now() - *announced >= std::chrono::seconds(1)) {
+      link.publish(file.summary().header);
+      announced = Clock::now();
+    }
+    link.publish(*sample);
+    follower.take(*sample);
+    publish_pose(link, scenario.rig, follower.X_WP(), *sample);
+    ++done.sent;
+  }
+  done.took = std::chrono::duration<double>(Clock::now() - start).count();
+  return done;
+}
+
+void print_streamed(const StreamOptions& options, const Streamed& done, std::int64_t all) {
+  const Lateness& late = done.lateness;
+  if (options.json) {
+    print_json({{"trial", options.trial},
+                {"samples", done.sent},
+                {"complete", done.sent == all},
+                {"duration_s", done.took},
+                {"lateness_median_s", 1e-3 * late.quantile(0.5)},
+                {"lateness_p99_s", 1e-3 * late.quantile(0.99)},
+                {"lateness_max_s", 1e-3 * late.quantile(1.0)}});
+    return;
+  }
+  std::cout << fmt::format("{} of {} samples in {:.3f} s", done.sent, all, done.took);
+  if (late.any()) {
+    std::cout << fmt::format("; late by {:.3f} ms (median), {:.3f} ms (99 %), {:.3f} ms at most",
+                             late.quantile(0.5), late.quantile(0.99), late.quantile(1.0));
+  }
+  std::cout << "\n";
+}
+
+void stream(const StreamOptions& options) {
+  const devices::TrialFile file(options.trial);
+  file.require_trial(microseconds(options.longest_gap));
+  const std::int64_t all = file.summary().sample_count;
+  if (all == 0) throw std::runtime_error(options.trial + ": no samples to stream");
+  const scene::Scenario scenario =
+      scene::scenario_of_trial(file.summary().header.scenario, options.trial);
+  say_what_is_missing("stream", options.trial, file.summary());
+  devices::LcmLink link(options.url, "", {.overwrite = options.force, .inputs = {options.trial}});
+  watch_stop_signals();
+
+  const Streamed done = publish_samples(options, file, scenario, link);
+  if (done.sent == all) {
+    devices::Event end;
+    end.time = done.end;
+    end.kind = devices::kEndEvent;
+    end.value = static_cast<double>(all + 1);  // with the header
+    link.publish(end);
+  }
+  check_stop(fmt::format("after {} of {} samples", done.sent, all));
+  print_streamed(options, done, all);
+}
+
+}  // namespace
+
+void add_stream(CLI::App& app) {
+  CLI::App* command =
+      app.add_subcommand("stream", "Publish a trial's samples over LCM as recorded");
+  const auto options = std::make_shared<StreamOptions>();
+  command->add_option("TRIAL", options->trial, "a trial (.lcmlog)")->required();
+  command->add_option("--lcm", options->url,
+                      "LCM URL; LCM_DEFAULT_URL or its default when not given");
+  command->add_option("--speed", options->speed, "times the recorded pace; 0: as fast as it goes")
+      ->check(number_from(0, 1000))
+      ->capture_default_str();
+  add_force(*command, options->force);
+  add_longest_gap(*command, options->longest_gap);
+  add_json(*command, options->json);
+  command->footer(
+      "TRACKER and MOUSE3D as recorded; HEAD_POSE and HAND_POSE in the world, as bot_core's\n"
+      "rigid_transform_t; HEADPIN_TRIAL first and every second, so that what lcm-logger records is "
+      "a\ntrial again, whenever it starts.\n\n"
+      "Example:\n  headpin stream trial.lcmlog --lcm 'udpm://239.255.76.67:7667?ttl=0'");
+  command->callback([options] { stream(*options); });
+}
+
+}  // namespace headpin::apps

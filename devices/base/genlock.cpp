@@ -1,0 +1,47 @@
+#include "devices/base/genlock.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace headpin::devices {
+namespace {
+
+// Messages of one clock are late by no more, on a busy day; and an estimate that moves by more than
+// the other is of a clock that was set anew.
+constexpr double kSameOffset_us = 5e3, kSetAnew_us = 15e3;
+constexpr double kWidestGrid_us = 25e3;  // poses are late by so much until it is made up
+constexpr double kMadeUpIn_us = 1e6;     // but for 1/e of it
+constexpr double kMostLonger = 1e-2, kMostShorter = 1e-3;
+
+}  // namespace
+
+Genlock::Genlock(std::int64_t rate_hz)
+    : grid_us_(1e6 / static_cast<double>(std::gcd(std::int64_t{1'000'000}, rate_hz))) {
+  if (grid_us_ > kWidestGrid_us) grid_us_ = 1e6 / static_cast<double>(rate_hz);
+}
+
+double Genlock::offset_us(const void* whose, double estimated_us) {
+  if (!held_to_) held_to_ = whose;
+  const bool held = whose && whose == held_to_;
+  if (!held) {
+    const bool same = offset_us_ && std::abs(estimated_us - *offset_us_) < kSameOffset_us;
+    return same ? *offset_us_ : estimated_us;
+  }
+  // Rounded down, so that the session waits for it and not the other way round.
+  if (!offset_us_ || std::abs(estimated_us - *offset_us_) > std::max(grid_us_, kSetAnew_us)) {
+    offset_us_ = std::floor(estimated_us / grid_us_) * grid_us_;
+  }
+  off_us_ = estimated_us - *offset_us_;
+  return *offset_us_;
+}
+
+double Genlock::stretch_us(Time tick) {
+  const auto length_us = static_cast<double>(tick.count());
+  const double stretch_us = std::clamp(off_us_ * length_us / kMadeUpIn_us,
+                                       -kMostShorter * length_us, kMostLonger * length_us);
+  off_us_ -= stretch_us;
+  return stretch_us;
+}
+
+}  // namespace headpin::devices

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "devices/base/source.h"
+
+/// The 3D mouse: left thumb walks forward, right thumb backward, the trigger grabs.
+///
+/// The Fastrak's protocol carries one switch (output item 16), so a Fastrak alone gives the trigger
+/// only. All three buttons travel as MouseSamples on a channel of our own: MOUSE3D in a trial and
+/// over LCM (types/mouse3d_t.lcm). How the mouse of 1997 reached its computer is not known.
+namespace headpin::devices {
+
+/// Makes changes of the trigger out of the stylus switch in a stream of tracker samples.
+class StylusTrigger {
+ public:
+  /// @param station  whose records carry the switch; 0: any
+  explicit StylusTrigger(std::int32_t station = 0) : station_(station) {}
+
+  /// @return  the mouse's new state, when this sample changes it: halfway between it and the record
+  ///          before, as the switch moved between the two. The first sample makes none unless the
+  ///          trigger is down; one with an error letter counts too, as the switch is no pose.
+  std::optional<MouseSample> update(const TrackerSample& sample);
+
+ private:
+  std::int32_t station_;
+  bool down_ = false;
+  std::optional<Time> before_;  ///< of the last record
+};
+
+/// A tracker's source with the mouse added: every sample of it, and behind the one that brought a
+/// change of the switch, a MouseSample with that one's arrival.
+///
+/// Once the source itself gives MouseSamples (a trial, LCM), the switch is left alone: the mouse
+/// has a line of its own.
+class StylusMouse : public Source {
+ public:
+  explicit StylusMouse(std::unique_ptr<Source> tracker, std::int32_t station = 0)
+      : tracker_(std::move(tracker)), trigger_(station) {}
+
+  void poll(Time now, std::vector<Sample>& out) override;
+  bool exhausted() const override { return tracker_->exhausted(); }
+
+ private:
+  std::unique_ptr<Source> tracker_;
+  StylusTrigger trigger_;
+  bool own_line_ = false;
+  std::vector<Sample> polled_;
+};
+
+}  // namespace headpin::devices

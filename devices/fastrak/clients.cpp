@@ -1,0 +1,421 @@
+#include "devices/fastrak/clients.h"
+
+#include <algorithm>
+#include <cstdint>
+
+#include <fmt/format.h>
+
+#include "devices/fastrak/replies.h"
+
+namespace headpin::devices {
+namespace {
+
+using namespace std::chrono_literals;
+using Demands = std::vector<FastrakDemand>;
+
+void demand(FastrakLine& line, Demands& demands, std::string what, bool met,
+            std::string_view found) {
+  demands.push_back(
+      {shown_bytes(line.sent()), std::move(what), met, met ? "" : shown_bytes(found)});
+}
+
+/// Sends what must not be answered.
+void tell(FastrakLine& line, Demands& demands, std::string_view text, Time span) {
+  const std::string heard = line.ask(text, span);
+  demand(line, demands, "no answer", heard.empty(), heard);
+}
+
+/// Asks what must be answered so.
+void expect(FastrakLine& line, Demands& demands, std::string_view text, Time span,
+            std::string_view answer) {
+  const std::string heard = line.ask(text, span, answer.size());
+  demand(line, demands, fmt::format("the answer {}", shown_bytes(answer)), heard == answer, heard);
+}
+
+/// Tells each station, its digit in place of '#', from the first to the last.
+void tell_each(FastrakLine& line, Demands& demands, int last, std::string_view command, Time span) {
+  for (int station = 1; station <= last; ++station) {
+    std::string text(command);
+    std::ranges::replace(text, '#', static_cast<char>('0' + station));
+    tell(line, demands, text, span);
+  }
+}
+
+/// The read-back of l with so many stations on.
+std::string stations_on(int stations) {
+  std::array<bool, kFastrakStations> on{};
+  std::fill_n(on.begin(), stations, true);
+  return encode_active(1, on);
+}
+
+/// A whole status record, as most see to: 55 bytes from `2` to LF.
+std::string status(FastrakLine& line, Demands& demands, Time span) {
+  const std::string heard = line.ask("S", span, kFastrakStatusLength);
+  demand(line, demands, "a status record of 55 bytes, from 2 to CR LF, in time",
+         heard.size() == kFastrakStatusLength && heard.front() == '2' && heard.ends_with("\r\n"),
+         heard);
+  return heard;
+}
+
+/// From VRPN's transcript: lists of all four stations, filters, then binary and continuous at once.
+void vrpn_with(FastrakLine& line, Demands& demands, std::string_view list1) {
+  tell(line, demands, "c", 4s);
+  status(line, demands, 1s);
+  tell(line, demands, fmt::format("O1,{}\r", list1), 50ms);
+  for (const char* command : {"O2,2,11,0\r", "O3,2,11,0\r", "O4,2,11,0\r"}) {
+    tell(line, demands, command, 50ms);
+  }
+  if (list1.find("16") != std::string_view::npos) tell(line, demands, "e1,0\r", 50ms);
+  tell(line, demands, "x0.2,0.2,0.8,0.8\r", 1s);
+  tell(line, demands, "v0.2,0.2,0.8,0.8\r", 1s);
+  line.flush();
+  line.send("fC");
+}
+
+void vrpn(FastrakLine& line, int, Demands& demands) {
+  vrpn_with(line, demands, "2,11,0");
+}
+
+void vrpn_with_stylus(FastrakLine& line, int, Demands& demands) {
+  line.ask("O1,2,11,16,0\r", 50ms);  // while it is made, whatever the unit is doing
+  vrpn_with(line, demands, "2,11,16,0");
+}
+
+void vrui(FastrakLine& line, int stations, Demands& demands) {
+  line.ask("c", 100ms);
+  line.flush();
+  const std::string heard = status(line, demands, 10s);
+  demand(line, demands, "S as the status record's letter", heard.size() > 2 && heard[2] == 'S',
+         heard);
+  for (const char* command :
+       {"l#,1\r\n", "R#\r\n", "b#\r\n", "H#,  1.0000,  0.0000,  0.0000\r\n", "O#,2,4,16,1\r\n"}) {
+    tell_each(line, demands, stations, command, 100ms);
+  }
+  tell(line, demands, "e1,0\r\n", 100ms);
+  tell(line, demands, "F", 100ms);
+  const std::string tip = line.ask("N1,\r\n", 5s, 29);
+  demand(line, demands, "a line in answer to N1 and a dangling comma", tip.ends_with("\r\n"), tip);
+  for (const char* command : {"d", "U", "f"}) tell(line, demands, command, 100ms);
+  line.send("C");
+}
+
+/// It flushes its input right after it has sent something: an answer in zero time is lost.
+void vr_juggler_2007(FastrakLine& line, int stations, Demands& demands) {
+  const auto ask = [&](std::string_view text, std::size_t enough) {
+    line.send(text);
+    line.flush();
+    return line.wait(2s, enough);
+  };
+  ask("c", std::string::npos);
+  ask("f", std::string::npos);
+  const std::string status = ask("S", kFastrakStatusLength);
+  demand(line, demands, "a status record of 55 bytes that does not come at once",
+         status.size() == 55, status);
+  demand(line, demands, "blanks in its columns 10 to 15",
+         status.size() == 55 && status.substr(9, 6) == "      ", status);
+  for (int station = 1; station <= stations; ++station) {
+    ask(fmt::format("O{},2,11,1\r", station), 1);
+  }
+  const std::string on = ask("l1\r", 9);
+  demand(line, demands, "read-backs in ASCII while records are binary", on == stations_on(stations),
+         on);
+}
+
+void vr_juggler_2006(FastrakLine& line, int stations, Demands& demands) {
+  tell(line, demands, "c", 100ms);
+  const std::string heard = status(line, demands, 500ms);
+  demand(line, demands, "S as the status record's letter", heard.size() > 2 && heard[2] == 'S',
+         heard);
+  tell(line, demands, "uf", 100ms);
+  tell(line, demands, "e1,0\r", 100ms);
+  tell_each(line, demands, stations, "l#,1\r", 100ms);
+  tell(line, demands, "O1,2,4,16\r", 100ms);
+  for (int s = 2; s <= stations; ++s) tell(line, demands, fmt::format("O{},2,4\r", s), 100ms);
+}
+
+void vess(FastrakLine& line, int stations, Demands& demands) {
+  line.ask("C", 500ms);
+  line.ask("\r", 100ms);
+  line.ask("c", 1s);
+  line.flush();
+  expect(line, demands, "l1\r", 1s, stations_on(stations));
+  expect(line, demands, "O1\r", 1s, "21O 2 4 1\r\n");
+  tell_each(line, demands, kFastrakStations, "O#,2,4,1\r", 50ms);
+  tell(line, demands, "f", 50ms);
+  const auto set = static_cast<std::size_t>(29 * stations);
+  const std::string records = line.ask("P", 1s, set);
+  demand(line, demands, "a whole set in answer to P", records.size() == set && records[0] == '0',
+         records);
+  line.send("C");
+}
+
+/// Blocks on each byte it did not ask for.
+void covise(FastrakLine& line, int stations, Demands& demands) {
+  for (const char* command : {"\n", "c", "u", "F"}) tell(line, demands, command, 100ms);
+  for (const char* command :
+       {"l#,1\r\n", "R#\r\n", "O#,2,11,16,1\r\n", "H#,  1.000000,  0.000000,  0.000000\r\n"}) {
+    tell_each(line, demands, stations, command, 10ms);
+  }
+  tell(line, demands, "e1,0\r\n", 100ms);
+}
+
+void cybergarage(FastrakLine& line, int, Demands& demands) {
+  const std::string on = line.ask("l1\r", 1s, 9);
+  demand(line, demands, "9 bytes in answer to l1", on.size() == 9, on);
+  tell_each(line, demands, kFastrakStations, "O#,2,0,4,1\r", 10ms);
+  tell(line, demands, "F", 10ms);
+  tell(line, demands, "c", 10ms);
+}
+
+/// Everything within microseconds, ended by LF.
+void georgia_tech(FastrakLine& line, int stations, Demands& demands) {
+  const auto first = static_cast<std::size_t>(47 * stations);  // as the list is at that moment
+  const std::string heard =
+      line.ask("P\nO1,52,61,50\nO2,52,61,50\nO3,52,61,50\nO4,52,61,50\nu\nf\nC\n", 1s, first);
+  demand(line, demands, "records of the set-up before, when P comes before a new one",
+         heard.size() >= first && heard.starts_with("01 ") && heard.substr(45, 2) == "\r\n",
+         heard.substr(0, first));
+  // It reads on in the stream that has begun; so do we, from its next record on.
+  line.ask("c", 200ms);
+  line.flush();
+  line.send("C\n");
+}
+
+/// Typed through a terminal that makes CR LF of line ends.
+void ros(FastrakLine& line, int, Demands& demands) {
+  tell(line, demands, "c", 200ms);
+  tell_each(line, demands, kFastrakStations, "O#,52,61,50\r\n", 50ms);
+  tell(line, demands, "u\r\n", 50ms);
+  tell(line, demands, "f\r\n", 50ms);
+  line.send("C\r\n");
+}
+
+void nontrivial_solutions(FastrakLine& line, int stations, Demands& demands) {
+  tell(line, demands, "c", 100ms);
+  tell_each(line, demands, kFastrakStations, "l#,0\n", 100ms);
+  tell(line, demands, fmt::format("l{},1\n", stations), 100ms);
+  tell(line, demands, "f", 100ms);
+  tell(line, demands, fmt::format("O{},2,4,1\n", stations), 100ms);
+  const std::string record = line.ask("P", 1s, 29);
+  demand(line, demands, "one record of the one station that is on",
+         record.size() == 29 && record.starts_with(fmt::format("0{} ", stations)), record);
+  line.send("C");
+}
+
+void pylhemus(FastrakLine& line, int, Demands& demands) {
+  tell(line, demands, "W", 100ms);
+  tell(line, demands, "u", 100ms);
+}
+
+void lina(FastrakLine& line, int, Demands& demands) {
+  tell(line, demands, "O1,2,4,1\nO2,2,4,1\nO3,2,4,1\nO4,2,4,1\n", 1s);
+}
+
+void board_lab(FastrakLine& line, int stations, Demands& demands) {
+  line.ask("c", 500ms);
+  line.ask("\x19", 15s);
+  line.flush();
+  std::string answer;
+  for (int i = 0; i < 3 && answer.empty(); ++i) answer = line.ask("\r", 1s);
+  demand(line, demands, "a line in answer to CR alone, 15 s after ^Y", answer.ends_with("\r\n"),
+         answer);
+  expect(line, demands, "l1\r", 500ms, stations_on(stations));
+  expect(line, demands, "H1\r", 500ms, "21H   1.00   0.00   0.00\r\n");
+  expect(line, demands, "O1\r", 500ms, "21O 2 4 1\r\n");
+  tell(line, demands, "H1,0,0,1\r", 500ms);
+  tell(line, demands, "O1,0,2,0,0,11,1\r", 500ms);
+  line.ask("u\r", 500ms);
+  line.send("C");
+}
+
+void free_vr(FastrakLine& line, int stations, Demands& demands) {
+  for (const char* command : {"c", "F", "U"}) tell(line, demands, command, 40ms);
+  const std::string status = line.ask("S", 40ms);
+  demand(line, demands, "a status record of station 1 within 40 ms", status.starts_with("21S"),
+         status);
+  expect(line, demands, "l*\n", 40ms, stations_on(stations));
+  tell(line, demands, "O1,2,4,16,1\n\r", 40ms);
+  expect(line, demands, "O1\r", 40ms, "21O 2 416 1\r\n");
+}
+
+void ros2(FastrakLine& line, int, Demands&) {
+  line.send("C");  // by somebody else
+}
+
+const FastrakFormat kVrpn = {{2, 11, 0}, true, false};
+const FastrakFormat kVrpnStylus = {{2, 11, 16, 0}, true, false};
+const FastrakFormat kVrui = {{2, 4, 16, 1}, true, false};
+const FastrakFormat kJuggler2007 = {{2, 11, 1}, true, false};
+const FastrakFormat kJuggler2006First = {{2, 4, 16}, true, true};
+const FastrakFormat kJuggler2006 = {{2, 4}, true, true};
+const FastrakFormat kShortBinary = {{2, 4, 1}, true, false};
+const FastrakFormat kCovise = {{2, 11, 16, 1}, false, true};
+const FastrakFormat kCybergarage = {{2, 0, 4, 1}, false, false};
+const FastrakFormat kGeorgiaTech = {{52, 61, 50}, true, true};
+const FastrakFormat kFactory = {{2, 4, 1}, false, false};
+const FastrakFormat kFactoryCm = {{2, 4, 1}, false, true};
+const FastrakFormat kBoardLab = {{0, 2, 0, 0, 11, 1}, false, true};
+const FastrakFormat kFreeVr = {{2, 4, 16, 1}, false, false};
+
+const std::array<FastrakClient, 16> kClients = {{
+    {"VRPN", 1, vrpn, "", kVrpn, kVrpn},
+    {"VRPN with a stylus", 1, vrpn_with_stylus, "", kVrpnStylus, kVrpn},
+    {"Vrui", 1, vrui, "", kVrui, kVrui},
+    {"VR Juggler 2007", 1, vr_juggler_2007, "P", kJuggler2007, kJuggler2007},
+    {"VR Juggler 2006", 1, vr_juggler_2006, "P", kJuggler2006First, kJuggler2006},
+    {"VESS", 1, vess, "", kShortBinary, kShortBinary},
+    {"COVISE", 1, covise, "P", kCovise, kCovise},
+    {"cybergarage", 1, cybergarage, "P", kCybergarage, kCybergarage},
+    {"Georgia Tech's daemon", 1, georgia_tech, "", kGeorgiaTech, kGeorgiaTech},
+    {"ROS node", 1, ros, "", kGeorgiaTech, kGeorgiaTech},
+    {"Nontrivial Solutions", 1, nontrivial_solutions, "", kShortBinary, kShortBinary, true},
+    {"pylhemus", 1, pylhemus, "P", kFactoryCm, kFactoryCm},
+    {"LINA", 4, lina, "P\n", kFactory, kFactory},
+    {"BoardLab", 1, board_lab, "", kBoardLab, kFactoryCm},
+    {"FreeVR", 1, free_vr, "P", kFreeVr, kFactory},
+    {"ROS 2 node", 1, ros2, "", kFactory, kFactory},
+}};
+
+/// Where all stations are by one P, each in metres; none where that is no whole set.
+std::vector<Vec3> read_places(FastrakLine& line, int stations, const FastrakFormat& format,
+                              Demands& demands) {
+  const std::size_t length = fastrak_record_length(format);
+  const auto set = static_cast<std::size_t>(stations) * length;
+  const std::string heard = line.ask("P", 1s, set);
+  std::vector<Vec3> places;
+  for (std::size_t at = 0; at + length <= heard.size(); at += length) {
+    const std::string_view bytes = std::string_view(heard).substr(at, length);
+    const auto record = decode_record(
+        Bytes(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()), format);
+    if (!record || record->station != static_cast<int>(places.size()) + 1) break;
+    places.push_back(format.metre_per_unit() * record->position);
+  }
+  const bool whole = places.size() == static_cast<std::size_t>(stations);
+  demand(line, demands, fmt::format("a set of {} bytes, {} for each station", set, length), whole,
+         heard);
+  return whole ? places : std::vector<Vec3>();
+}
+
+/// Whether one reading is of the places that two others around it are of.
+void same_places(FastrakLine& line, const std::vector<Vec3>& before, const std::vector<Vec3>& read,
+                 const std::vector<Vec3>& after, const std::string& what, Demands& demands) {
+  constexpr double kRounding = 0.002, kShare = 0.02;  // m, and of the distance: noise
+  if (before.size() != read.size() || read.size() != after.size()) return;  // said already
+  std::string wrong;
+  for (std::size_t i = 0; i < read.size() && wrong.empty(); ++i) {
+    const Vec3 place = 0.5 * (before[i] + after[i]);
+    const double moved = (after[i] - before[i]).norm();
+    if ((read[i] - place).norm() <= kRounding + kShare * place.norm() + moved) continue;
+    wrong = fmt::format(
+        "station {} at {:.3f}, {:.3f}, {:.3f} m, and {:.3f}, {:.3f}, {:.3f} m in ASCII "
+        "and inches",
+        i + 1, read[i].x(), read[i].y(), read[i].z(), place.x(), place.y(), place.z());
+  }
+  demands.push_back({shown_bytes(line.sent()), what, wrong.empty(), wrong});
+}
+
+}  // namespace
+
+std::string shown_bytes(std::string_view bytes) {
+  if (bytes.empty()) return "nothing";
+  std::string text;
+  for (const char c : bytes.substr(0, 60)) {
+    const auto byte = static_cast<unsigned char>(c);
+    text += byte >= ' ' && byte < 0x7F ? std::string(1, c) : fmt::format("\\x{:02x}", byte);
+  }
+  return fmt::format("{} bytes '{}{}'", bytes.size(), text, bytes.size() > 60 ? "..." : "");
+}
+
+int examine_readings(FastrakLine& line, Demands& demands) {
+  const std::string heard = line.ask("S", 1s, kFastrakStatusLength + 1);
+  demand(line, demands, "a status record of 55 bytes", decode_status(heard).has_value(), heard);
+  const std::string on = line.ask("l1\r", 1s, 9);
+  const auto active = decode_active(on);
+  demand(line, demands, "the stations that are on, in 9 bytes", active.has_value(), on);
+  if (!active) return 0;
+  // Clients count from station 1 on.
+  const auto stations = static_cast<int>(std::ranges::find(*active, false) - active->begin());
+  if (stations == 0) return 0;
+  const auto read_in = [&](std::string_view command, const FastrakFormat& format) {
+    tell(line, demands, command, 50ms);
+    return read_places(line, stations, format, demands);
+  };
+  const FastrakFormat inches, centimetres{{2, 4, 1}, false, true}, binary{{2, 4, 1}, true, false};
+  const std::vector<Vec3> before = read_in("U", inches), metric = read_in("u", centimetres),
+                          after = read_in("U", inches);
+  same_places(line, before, metric, after, "in centimetres the place that it is in inches",
+              demands);
+  const std::vector<Vec3> packed = read_in("f", binary), last = read_in("F", inches);
+  same_places(line, after, packed, last, "in binary the place that it is in ASCII", demands);
+  return stations;
+}
+
+std::span<const FastrakClient> fastrak_clients() {
+  return kClients;
+}
+
+std::vector<FastrakRecord> take_apart(const FastrakClient& client, int stations,
+                                      std::string_view stream, Demands& demands) {
+  std::vector<FastrakRecord> records;
+  std::size_t at = 0;
+  std::string wrong;
+  int turn = client.only_last ? stations : 1;
+  while (at < stream.size() && wrong.empty()) {
+    const FastrakFormat& format = turn == 1 ? client.first : client.others;
+    const std::size_t length = fastrak_record_length(format);
+    if (at + length > stream.size()) break;
+    const std::string_view bytes = stream.substr(at, length);
+    const auto record = decode_record(
+        Bytes(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()), format);
+    if (!record || record->station != turn || record->error != ' ') {
+      wrong = fmt::format("record {}, of station {}: {}", records.size(), turn, shown_bytes(bytes));
+      break;
+    }
+    records.push_back(*record);
+    at += length;
+    if (!client.only_last) turn = turn % stations + 1;
+  }
+  demands.push_back({"what starts its records",
+                     "records of their lengths, the stations in turn, without an error letter",
+                     wrong.empty() && !records.empty(),
+                     !wrong.empty()    ? wrong
+                     : records.empty() ? shown_bytes(stream)
+                                       : ""});
+  return records;
+}
+
+std::vector<FastrakRecord> run_client(const FastrakClient& client, FastrakLine& line, int stations,
+                                      Time span, Demands& demands) {
+  client.start(line, stations, demands);
+  std::string stream;
+  if (client.poll.empty()) {
+    stream = line.wait(span);
+  } else {
+    const std::size_t set =
+        fastrak_record_length(client.first) +
+        static_cast<std::size_t>(stations - 1) * fastrak_record_length(client.others);
+    constexpr Time kEach{60'000};  // a set of four at 115200 baud, and a cycle
+    for (Time waited{}; waited < span; waited += kEach) {
+      const std::string records = line.ask(client.poll, kEach);
+      if (records.size() != set) {
+        demand(line, demands, fmt::format("a set of {} bytes", set), false, records);
+        return {};
+      }
+      stream += records;
+    }
+  }
+  std::vector<FastrakRecord> records = take_apart(client, stations, stream, demands);
+  if (client.poll.empty() && !records.empty()) {
+    // A cycle each, unless the line takes longer.
+    const double length = static_cast<double>(stream.size()) / static_cast<double>(records.size());
+    const double rate = std::min(120.0, line.baud() / 10.0 / length);
+    const auto expected = static_cast<std::int64_t>(rate * seconds(span));
+    const auto found = static_cast<std::int64_t>(records.size());
+    demands.push_back({"what starts its records", fmt::format("{:.0f} records a second", rate),
+                       found >= expected - 12 - expected / 50,
+                       fmt::format("{} in {:.1f} s", found, seconds(span))});
+  }
+  return records;
+}
+
+}  // namespace headpin::devices

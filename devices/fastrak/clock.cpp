@@ -1,0 +1,82 @@
+#include "devices/fastrak/clock.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "devices/fastrak/codec.h"
+
+namespace headpin::devices {
+namespace {
+
+constexpr double kCycle_us = 1e6 / static_cast<double>(kFastrakCycleRate);
+constexpr double kLatency_us = 3750.0;  // mid-sampling to output (manual p. E-4)
+
+/// The first records wait so long, so that one of them has come without delay.
+constexpr Time kSettling{250'000};
+/// A late record waits so long for others behind it.
+constexpr Time kPatience{150'000};
+/// Share of a cycle by which a record may come earlier than foreseen before that is a cycle less.
+constexpr double kEarly = 0.25;
+
+/// A record was measured before it arrived, and a cycle at least before each one behind it.
+double seen(std::span<const Time> arrivals, double lag_us) {
+  double least_us = static_cast<double>(arrivals.front().count()) - lag_us;
+  for (std::size_t i = 1; i < arrivals.size(); ++i) {
+    const double older_us = lag_us + static_cast<double>(i) * kCycle_us;
+    least_us = std::min(least_us, static_cast<double>(arrivals[i].count()) - older_us);
+  }
+  return least_us;
+}
+
+/// Whether a record came behind the first one as the unit sends them: what was held up on its way
+/// comes in one go.
+bool came_by_itself(std::span<const Time> arrivals) {
+  const Time half_a_cycle{std::llround(0.5 * kCycle_us)};
+  return std::ranges::adjacent_find(arrivals, [&](Time before, Time after) {
+           return after - before >= half_a_cycle;
+         }) != arrivals.end();
+}
+
+}  // namespace
+
+FastrakClock::FastrakClock(int active_stations, Time byte_time, std::size_t record_length,
+                           Genlock* genlock)
+    : active_(std::max(1, active_stations)),
+      genlock_(genlock),
+      lag_us_(kLatency_us + static_cast<double>(byte_time.count())),
+      // The last byte leaves while the next record is written behind it.
+      line_cycles_(static_cast<double>(record_length - 1) * static_cast<double>(byte_time.count()) /
+                   kCycle_us) {}
+
+std::optional<Time> FastrakClock::measured(int turn, std::span<const Time> arrivals, Time now) {
+  const double seen_us = seen(arrivals, lag_us_);
+  const Time waited = now - arrivals.front();
+  const bool first = !started();
+  if (first) {
+    if (waited < kSettling) return std::nullopt;
+    cycle_ = turn;
+  } else {
+    // Cycles since the last one: as many as fit, of those in which it is this station's turn.
+    const int offset = (turn - turn_ + active_) % active_;
+    std::int64_t least = offset > 0 ? offset : active_;
+    while (static_cast<double>(least) + kEarly < line_cycles_) least += active_;
+    const double fit = (seen_us - last_us_) / kCycle_us + kEarly;
+    const auto turns = static_cast<std::int64_t>(std::floor((fit - offset) / active_));
+    const std::int64_t cycles = std::max(least, turns * active_ + offset);
+    const bool only_late_perhaps = !came_by_itself(arrivals) && waited < kPatience;
+    if (cycles > least && only_late_perhaps) return std::nullopt;
+    cycle_ += cycles;
+  }
+  const double estimate_us = offset_.carry_over(static_cast<double>(cycle_) * kCycle_us, seen_us);
+  last_us_ =
+      first ? estimate_us : std::max(estimate_us, last_us_ + 0.25 * kCycle_us);  // never back
+  turn_ = turn;
+  if (!genlock_) return Time{std::llround(last_us_)};
+  const Time cycle_time = tick_time(cycle_, kFastrakCycleRate);
+  const double own_us = estimate_us - static_cast<double>(cycle_) * kCycle_us;
+  const Time held = cycle_time + Time{std::llround(genlock_->offset_us(this, own_us))};
+  handed_out_ = first ? held : std::max(held, handed_out_ + Time{1});
+  return handed_out_;
+}
+
+}  // namespace headpin::devices

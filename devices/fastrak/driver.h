@@ -1,0 +1,133 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "devices/base/source.h"
+#include "devices/fastrak/clock.h"
+#include "devices/fastrak/codec.h"
+#include "devices/fastrak/replies.h"
+#include "devices/fastrak/setup.h"
+#include "devices/lines/byte_stream.h"
+
+namespace headpin::devices {
+
+struct FastrakStatistics {
+  std::int64_t records = 0;        ///< samples handed out
+  std::int64_t flagged = 0;        ///< of these, with an error letter
+  std::int64_t skipped_bytes = 0;  ///< between records, that belong to none
+  std::int64_t missed = 0;         ///< cycles that brought no record, by the clock of the unit
+  std::int64_t drained_bytes = 0;  ///< thrown away while the unit was brought up
+  std::int64_t restarts = 0;       ///< by the watchdog
+  std::int64_t attempts = 0;       ///< to get a status, in all
+};
+
+/// A Fastrak at the end of a line, as a Source of TrackerSamples.
+///
+/// Brings the unit up in whatever state it was left: resumes it (^Q), stops it (c), throws away
+/// what it still says, asks for its status; breaks a half-typed line (CR) and re-initialises it
+/// (^Y) when no status comes, looks for it at other rates; then sets port, units, frames,
+/// envelopes, lists and filters itself, reads back what records would be wrong without, and starts
+/// the stream. After two seconds without a record it starts over. Never blocks: each poll does what
+/// is due.
+///
+/// Sample times: `host_time` is when the stream says that the first byte had arrived, `device_time`
+/// the estimate of FastrakClock; the first quarter of a second is handed out when that has settled.
+/// `sequence` counts the station's cycles; a hole is a missing record.
+class FastrakDriver : public Source {
+ public:
+  /// @throws std::invalid_argument  when the list lacks a position, an orientation or an end
+  FastrakDriver(std::unique_ptr<ByteStream> stream, FastrakOptions options = {});
+
+  /// From the next stream on its cycles are taken for the session's clock; null: they are not.
+  void hold_to(Genlock* genlock) { genlock_ = genlock; }
+
+  /// Over a stream with a clock of its own, also samples that arrived after `now`.
+  void poll(Time now, std::vector<Sample>& out) override;
+  bool exhausted() const override { return stream_->closed(); }
+
+  /// Brought up, records coming.
+  bool streaming() const { return phase_ == Phase::streaming; }
+  /// What keeps the line from carrying anything, for people; empty when nothing does.
+  std::string trouble() const { return stream_->trouble(); }
+  /// What it is doing, for people: "asking for the status (attempt 2)".
+  std::string activity() const;
+
+  const FastrakStatistics& statistics() const { return statistics_; }
+  /// The unit's own words at the last bring-up.
+  const std::optional<FastrakStatus>& unit() const { return unit_; }
+  /// Settings of which it said something else or nothing when they were read back at the last
+  /// bring-up, for people; none without which records would be wrong.
+  const std::vector<std::string>& unconfirmed() const { return unconfirmed_; }
+  /// Stations with a receiver that are switched on.
+  const std::array<bool, kFastrakStations>& active() const { return active_; }
+  /// To wait on with poll(2), or -1.
+  int descriptor() const { return stream_->descriptor(); }
+
+ private:
+  enum class Phase { stopping, starting_up, status, setting_up, active, checking, streaming };
+  /// Where in the stream a read began, and when.
+  struct Arrival {
+    std::uint64_t position;
+    Time time;
+  };
+
+  void enter(Phase phase, Time now);
+  void start_over(Time now);
+  void try_again(Time now);
+  bool step(Time now);
+  bool stop(Time now);
+  std::optional<bool> check(Time now);
+  void hear(Time now);
+  void speak(Time now);
+  bool said_all(Time now) const;
+  void drain();
+  void consume(std::size_t count);
+  Time arrival_of(std::uint64_t position) const;
+  void say(std::vector<std::string> commands);
+  void ask_next(Time now);
+  void start_stream(Time now);
+  void read_records(Time now);
+  void hand_out(Time now, std::vector<Sample>& out);
+  Pose pose_of(const FastrakRecord& record) const;
+  Time byte_time() const { return Time{10'000'000 / baud_ + 1}; }
+  Time answer_time() const { return options_.answer + 100 * byte_time(); }
+
+  std::unique_ptr<ByteStream> stream_;
+  FastrakOptions options_;
+  FastrakFormats formats_;
+  FastrakStatistics statistics_;
+  std::optional<FastrakStatus> unit_;
+  std::array<bool, kFastrakStations> active_{};
+
+  Phase phase_ = Phase::stopping;
+  Time phase_began_{};
+  bool begun_ = false;
+  bool lost_ = false;                ///< the line has hung up
+  int attempt_ = 0;                  ///< since the last record
+  int baud_;                         ///< of the line now
+  std::deque<FastrakCheck> checks_;  ///< to be asked; the front one has been
+  std::vector<std::string> unconfirmed_;
+
+  std::deque<std::string> to_say_;  ///< one command each
+  Time may_speak_{};
+  Time heard_{};  ///< the last byte
+
+  std::vector<std::uint8_t> buffer_;
+  std::uint64_t position_ = 0;  ///< of the buffer's front in all that was read
+  std::deque<Arrival> arrivals_;
+  bool in_step_ = true;
+  std::deque<FastrakRecord> records_;  ///< whole, not handed out yet
+  std::deque<Time> record_arrivals_;   ///< of each
+  Genlock* genlock_ = nullptr;
+  std::optional<FastrakClock> clock_;
+  std::int64_t sequence_before_ = 0;  ///< where counting goes on after a restart
+  Time last_record_{};
+};
+
+}  // namespace headpin::devices

@@ -1,0 +1,222 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "devices/base/sample.h"
+#include "devices/fastrak/codec.h"
+#include "devices/fastrak/commands.h"
+#include "devices/fastrak/faults.h"
+#include "devices/fastrak/geometry.h"
+#include "devices/fastrak/motion.h"
+#include "devices/fastrak/replies.h"
+#include "devices/lines/byte_stream.h"
+#include "engine/math.h"
+
+namespace headpin::devices {
+
+/// A data record as it was sent, for whoever compares.
+struct FastrakSent {
+  int station = 1;
+  Time measured{};                  ///< mid-sampling
+  std::vector<std::uint8_t> bytes;  ///< the record itself
+  bool damaged = false;             ///< by a fault
+};
+
+struct FastrakEmulatorOptions {
+  int receivers = 2;                ///< plugged in, from station 1 on
+  int baud = 115200;                ///< set at the switches
+  bool early_firmware = false;      ///< has the compact output items 18 to 20
+  bool tag_2012 = false;            ///< status record with the "F3" tag of 2012
+  std::string firmware = "103.00";  ///< 6 characters
+  int stylus = 1;                   ///< station whose receiver has the switch; 0: none has
+  Vec3 p_SN_stylus = Vec3::Zero();  ///< tip offset in that one's PROM; a stylus has some 2.5 inches
+                                    ///< along x, an ordinary receiver none [m]
+  double envelope = 2.0;            ///< the factory's: beyond it, along any axis, a position is
+                                    ///< flagged [m]
+  std::uint64_t seed = 1;           ///< of noise and faults
+  FastrakFaults faults;
+  Time boot_time{10'000'000};                         ///< without answers after ^Y or power-on
+  Time save_time{3'000'000};                          ///< without output during ^K
+  std::function<void(const FastrakSent&)> on_record;  ///< called as a record is handed to the line
+};
+
+struct FastrakEmulatorStatistics {
+  std::int64_t records = 0;        ///< data records handed to the line
+  std::int64_t dropped = 0;        ///< solutions dropped whole because line or reader were too slow
+  std::int64_t lost = 0;           ///< records lost by the fault `dropout`
+  std::int64_t damaged = 0;        ///< records sent with a flipped bit
+  std::int64_t garbage_bytes = 0;  ///< random bytes sent between records
+  std::int64_t commands = 0;       ///< understood
+  std::int64_t streams = 0;  ///< of these, C: continuous output on, again or for the first time
+  std::int64_t refused = 0;  ///< answered, in ASCII mode, by an error record
+};
+
+/// A Fastrak seen from its serial line: answers commands like the box.
+///
+/// A state machine over the time it is told, so it runs live, faster or slower alike. Two calls
+/// make it go: `receive` hands it what the host sent, `due` gives what has left it by now.
+///
+/// Our choices, where the manuals' known pages are silent:
+/// - Answers come one cycle (8.33 ms) after the command and then at the line's pace, built from the
+///   state at the command. P reports the newest solution of each active station.
+/// - Continuous records keep the station order: one that the line cannot take when it is ready is
+///   dropped whole, and the unit waits until that station comes round again.
+/// - Refusals are answered in ASCII mode and silent in binary mode. A bare CR is refused, a bare LF
+///   ignored; CR, LF or both behind a line or an immediate command end nothing more. An unknown
+///   letter is refused at once and does not take the bytes behind it along. Blanks before a command
+///   are ignored. Lines beyond 254 bytes are refused whole.
+/// - `*` as station means all of them for B, b, R and l. A station without receiver cannot be
+///   switched on. Unplugged while running, it reports its last pose with the letter `l`.
+/// - W acts on the running set-up, not on the EEPROM and not on the port. Sync modes 0 and 1 run at
+///   120 Hz; 2 reports `v`, as there is no CRT. Compensation is a flag without effect.
+/// - ^K keeps all but boresight, tip offset and sync mode 1. Commands that come while it saves are
+///   carried out afterwards; those that come during the start-up after ^Y are lost.
+/// - Increment applies to continuous output only. Alignment, then mounting frame, then boresight;
+///   a transmitter mounted at r makes a pose in the room r times the pose it measures.
+class FastrakEmulator {
+ public:
+  /// @param motion  asked at the middle of each measurement, for stations that are plugged in
+  /// @throws std::invalid_argument  with other than 1 to 4 receivers or a rate a Fastrak lacks
+  FastrakEmulator(FastrakEmulatorOptions options, FastrakMotion motion);
+  FastrakEmulator(const FastrakEmulator&) = delete;
+  FastrakEmulator& operator=(const FastrakEmulator&) = delete;
+
+  /// Bytes from the host, complete or not, arriving at `now`.
+  void receive(Bytes bytes, Time now);
+
+  /// The bytes that have left by `now` and were not taken yet, oldest first. Time never runs back.
+  Bytes due(Time now);
+
+  /// Tells that the reader took the first `count` bytes of what is due. A reader who leaves more
+  /// than a kilobyte costs whole records from then on.
+  void taken(std::size_t count);
+
+  /// When the first record of the continuous output that is on was or will be measured, unless the
+  /// line loses it; what drivers count cycles from.
+  Time stream_zero() const { return stream_zero_; }
+
+  /// When a station will be measured, at or after `from`, if nothing is switched until then; nothing
+  /// for one that is off.
+  std::optional<Time> next_measured(int station, Time from) const;
+
+  /// Off and on again: the line falls silent in mid-byte, the set-up comes from the EEPROM, and
+  /// nothing is heard or said until it has started up.
+  void power_cycle(Time now);
+
+  void set_motion(FastrakMotion motion) { motion_ = std::move(motion); }
+  void set_faults(const FastrakFaults& faults) { options_.faults = faults; }
+
+  Time now() const { return now_; }  ///< as it was told last
+  const FastrakSetup& setup() const { return memory_.setup; }
+  const FastrakEmulatorStatistics& statistics() const { return statistics_; }
+  int baud() const { return memory_.port.baud; }
+
+ private:
+  /// Something that goes out in one piece.
+  struct Message {
+    std::vector<std::uint8_t> bytes;
+    Time due{};                        ///< not before
+    std::size_t sent = 0;              ///< bytes that have left
+    bool stream = false;               ///< a record of the continuous output
+    std::vector<FastrakSent> records;  ///< the data records in it
+    std::size_t garbage = 0;           ///< bytes in it that belong to none
+  };
+  /// The newest measurement of a station.
+  struct Solution {
+    Time measured{};
+    Pose X_TS;  ///< after hemisphere and filters
+    char error = ' ';
+    bool pressed = false;
+    bool valid = false;
+  };
+
+  // Time.
+  void advance(Time now);
+  void run_cycles(Time now);
+  void pump(Time now);
+  void measure(std::size_t station, Time at);
+  bool silent(Time t) const;
+  bool plugged(std::size_t station, Time t) const;
+  bool pressed(Time t) const;
+  void start_up(Time now);
+  void look_at_switch(Time now);
+
+  // Output.
+  FastrakFormat format_of(std::size_t station) const;
+  Pose outcome(std::size_t station) const;
+  FastrakRecord record_of(std::size_t station);
+  void offer(std::size_t station, Time now);
+  void add_record(std::size_t station, Message& message);
+  void send_point(Time now);
+  void reply(const std::string& line, Time now);
+  void queue(Message message);
+  void drop_unsent();
+  bool line_free() const;
+  bool active(std::size_t station) const { return memory_.setup.stations[station].on; }
+  std::optional<std::size_t> next_active(std::size_t after) const;
+
+  // Commands.
+  void hear_all(Bytes bytes, Time now);
+  void hear(std::uint8_t byte, Time now);
+  bool control(std::uint8_t byte, Time now);
+  void immediate(char command, Time now);
+  void run_line(Time now);
+  void refuse(std::string_view command, FastrakRefusal why, std::size_t position, std::size_t field,
+              int station, Time now);
+  void point_of_alignment(Time now);
+  FastrakSetup factory_setup(Time now) const;
+
+  FastrakEmulatorOptions options_;
+  FastrakMotion motion_;
+  FastrakEmulatorStatistics statistics_;
+  FastrakMemory memory_;
+  Time commanded_{};  ///< when the command at hand came
+  FastrakSetup eeprom_;
+
+  Time now_{};
+  std::int64_t cycle_ = 0;          ///< next one to be run
+  Time listening_from_{};           ///< start-up: nothing heard or said before
+  Time saved_at_{};                 ///< ^K: nothing measured, and commands wait, before
+  std::vector<std::uint8_t> held_;  ///< what came while saving
+  std::size_t measured_ = kFastrakStations - 1;  ///< station of the last measurement
+  std::array<Solution, kFastrakStations> solutions_;
+  std::array<AdaptiveWeight, kFastrakStations> position_weights_, attitude_weights_;
+  std::array<std::optional<Vec3>, kFastrakStations> last_output_;  ///< position reported [m]
+  int status_requests_ = 0;                                        ///< heard so far
+  bool switch_was_down_ = false;  ///< at the last look at the stylus switch
+  bool switched_off_ = false;     ///< continuous output, by the stylus switch
+
+  Time stream_zero_{};
+  std::optional<std::size_t> expected_;  ///< station whose record continuous output sends next
+  bool suspended_ = false;               ///< between ^S and ^Q
+  std::uint64_t outputs_ = 0;            ///< records made, for the seeds of the faults
+  std::deque<Message> queue_;
+  std::int64_t line_free_ns_ = 0;     ///< when the last byte has left
+  std::vector<std::uint8_t> outbox_;  ///< has left, not yet taken
+
+  std::string line_;  ///< command letter and what followed, up to now
+  enum class Swallow { nothing, any_end, line_feed, carriage_return } swallow_ = Swallow::nothing;
+};
+
+/// When a recording is to begin, from `now` on, for the unit's cycle to meet its samples.
+///
+/// Measured in between them, a throw is another one: 6.62 to 6.65 m/s for the bundled one's 6.63, and
+/// 6 to 10 skittles for its 9. Where the stations' turns allow it, that is three cycles of the stream
+/// or more times as many behind its first record: whole microseconds, so that a recording of a unit's
+/// own cycles is told with times that differ from its own by the same for every record.
+///
+/// @param first  measurement in the recording
+Time begin_of(const TrackerSample& first, const FastrakEmulator& emulator, Time now);
+
+/// Lets the emulator hear what the stream brought and say what is due. Call it every millisecond or
+/// so: how finely bytes are paced is up to the caller.
+void serve(FastrakEmulator& emulator, ByteStream& stream, Time now);
+
+}  // namespace headpin::devices

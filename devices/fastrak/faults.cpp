@@ -1,0 +1,128 @@
+#include "devices/fastrak/faults.h"
+
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <string_view>
+
+namespace headpin::devices {
+namespace {
+
+[[noreturn]] void refuse(std::string_view entry, const std::string& expected) {
+  throw std::invalid_argument("fault '" + std::string(entry) + "': expected " + expected);
+}
+
+double number(std::string_view entry, std::string_view text, double low, double high,
+              const std::string& expected) {
+  double value = 0.0;
+  const auto end = text.data() + text.size();
+  const auto read = std::from_chars(text.data(), end, value);
+  if (read.ec != std::errc{} || read.ptr != end || !(value >= low && value <= high)) {
+    refuse(entry, expected);
+  }
+  return value;
+}
+
+constexpr double kLongest = 1e6;  // s: eleven days
+
+Time at(std::string_view entry, std::string_view text, const std::string& expected) {
+  return microseconds(number(entry, text, 0.0, kLongest, expected));
+}
+
+StationFault station_fault(std::string_view entry, std::string_view value) {
+  const std::string expected = "STATION@FROM[-TO], station 1 to 4, seconds";
+  const std::size_t mark = value.find('@');
+  if (mark == std::string_view::npos) refuse(entry, expected);
+  StationFault fault;
+  const double station = number(entry, value.substr(0, mark), 1, 4, expected);
+  if (station != std::floor(station)) refuse(entry, expected);
+  fault.station = static_cast<int>(station);
+  const std::string_view when = value.substr(mark + 1);
+  const std::size_t dash = when.find('-');
+  fault.when.from = at(entry, when.substr(0, dash), expected);
+  if (dash != std::string_view::npos) {
+    fault.when.to = at(entry, when.substr(dash + 1), expected);
+    if (fault.when.to <= fault.when.from) refuse(entry, expected);
+  }
+  return fault;
+}
+
+FaultWindow silence(std::string_view entry, std::string_view value) {
+  const std::string expected = "SECONDS@FROM";
+  const std::size_t mark = value.find('@');
+  if (mark == std::string_view::npos) refuse(entry, expected);
+  const Time from = at(entry, value.substr(mark + 1), expected);
+  return {from, from + at(entry, value.substr(0, mark), expected)};
+}
+
+}  // namespace
+
+FastrakFaults parse_faults(const std::string& spec) {
+  FastrakFaults faults;
+  std::string_view rest = spec;
+  while (!rest.empty()) {
+    const std::size_t comma = rest.find(',');
+    const std::string_view entry = rest.substr(0, comma);
+    rest = comma == std::string_view::npos ? std::string_view{} : rest.substr(comma + 1);
+    const std::size_t equals = entry.find('=');
+    const std::string_view name = entry.substr(0, equals);
+    if (equals == std::string_view::npos) refuse(entry, "NAME=VALUE");
+    const std::string_view value = entry.substr(equals + 1);
+    const auto whole = [&](double low, double high, const std::string& expected) {
+      const double v = number(entry, value, low, high, expected);
+      if (v != std::floor(v)) refuse(entry, expected);
+      return static_cast<int>(v);
+    };
+    if (name == "noise") {
+      faults.noise = number(entry, value, 0.0, 1e6, "a factor, 0 or more");
+    } else if (name == "dropout") {
+      faults.dropout = number(entry, value, 0.0, 1.0, "a chance from 0 to 1");
+    } else if (name == "garbage") {
+      faults.garbage = number(entry, value, 0.0, 1.0, "a chance from 0 to 1");
+    } else if (name == "damage") {
+      faults.damage = number(entry, value, 0.0, 1.0, "a chance from 0 to 1");
+    } else if (name == "metal") {
+      faults.metal = number(entry, value, 0.0, 1.0, "metres at 1 m, 0 to 1");
+    } else if (name == "slow") {
+      faults.slow_baud = whole(110, 115200, "a baud rate, 110 to 115200");
+    } else if (name == "deaf") {
+      faults.deaf = whole(0, std::numeric_limits<int>::max(), "a whole number");
+    } else if (name == "stuck") {
+      faults.stuck.push_back(station_fault(entry, value));
+    } else if (name == "unplug") {
+      faults.unplugged.push_back(station_fault(entry, value));
+    } else if (name == "silence") {
+      faults.silence.push_back(silence(entry, value));
+    } else {
+      refuse(entry, "one of noise dropout garbage damage metal slow deaf stuck unplug silence");
+    }
+  }
+  return faults;
+}
+
+std::string faults_help() {
+  return "noise=F        noise F times the unit's own; 0 for exact poses\n"
+         "dropout=P      chance that a record is lost whole\n"
+         "garbage=P      chance that 1 to 8 random bytes precede a record\n"
+         "damage=P       chance that one bit of a record is flipped\n"
+         "metal=M        poses off by M metres at 1 m, by metal nearby\n"
+         "slow=BAUD      a line no faster than this\n"
+         "deaf=N         no answer to the first N status requests\n"
+         "stuck=S@A-B    station S repeats one pose from second A to B (or for good)\n"
+         "unplug=S@A-B   receiver S pulled out from second A to B (or for good)\n"
+         "silence=T@A    nothing heard or said for T seconds from second A\n";
+}
+
+Pose distort(const Pose& X_TS, double metal) {
+  if (metal == 0.0) return X_TS;
+  const double range = X_TS.p.norm();
+  if (range < 1e-9) return X_TS;
+  const Vec3 direction = X_TS.p / range;
+  const double amount = metal * range * range;
+  // Sideways, by the direction turned once around: smooth everywhere, like a lens.
+  const Vec3 sideways(direction.y(), direction.z(), direction.x());
+  return {rotation(amount * sideways) * X_TS.q, X_TS.p + amount * sideways};
+}
+
+}  // namespace headpin::devices

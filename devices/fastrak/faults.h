@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "devices/base/random.h"
+#include "devices/fastrak/geometry.h"
+#include "engine/math.h"
+
+namespace headpin::devices {
+
+/// From a time on, up to another or for good.
+struct FaultWindow {
+  Time from{};
+  Time to = Time::max();
+
+  bool holds(Time t) const { return from <= t && t < to; }
+};
+
+struct StationFault {
+  int station = 1;
+  FaultWindow when;
+};
+
+/// What goes wrong with an emulated Fastrak, on demand and repeatable by seed.
+struct FastrakFaults {
+  double noise = 1.0;                   ///< times the unit's own noise; 0: exact poses
+  double dropout = 0.0;                 ///< chance that a record is lost whole
+  double garbage = 0.0;                 ///< chance that 1 to 8 random bytes precede a record
+  double damage = 0.0;                  ///< chance that one bit of a record is flipped
+  double metal = 0.0;                   ///< distortion by metal nearby, at 1 m [m]
+  int slow_baud = 0;                    ///< the line is no faster than this; 0: as set
+  int deaf = 0;                         ///< status requests that get no answer
+  std::vector<StationFault> stuck;      ///< a receiver whose pose stands still
+  std::vector<StationFault> unplugged;  ///< a receiver pulled out
+  std::vector<FaultWindow> silence;     ///< nothing is heard or said
+};
+
+/// Reads a list like `noise=3,dropout=0.01,stuck=2@5-8,silence=4@10,deaf=2`.
+///
+///     noise=F  dropout=P  garbage=P  damage=P  metal=METRES  slow=BAUD  deaf=N
+///     stuck=STATION@FROM[-TO]   unplug=STATION@FROM[-TO]   silence=SECONDS@FROM
+///
+/// Times are seconds since the emulator started; P is a chance from 0 to 1.
+/// @throws std::invalid_argument  naming the entry and what was expected
+FastrakFaults parse_faults(const std::string& spec);
+
+/// The entries of `parse_faults`, one a line, for help texts.
+std::string faults_help();
+
+/// What metal nearby does to a pose: a smooth error that grows with the square of the distance and
+/// turns with the direction. At 1 m the position is off by `metal` [m], the orientation by as much
+/// in radians.
+Pose distort(const Pose& X_TS, double metal);
+
+}  // namespace headpin::devices

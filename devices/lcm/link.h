@@ -1,0 +1,94 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "devices/base/sample.h"
+#include "devices/lcm/viewer_messages.h"
+#include "devices/trial/sink.h"
+#include "files/output_file.h"
+
+/// Samples and everything else of a trial over LCM, published as they happen.
+namespace headpin::devices {
+
+/// One end of LCM, by whatever provider its URL names: udpm, file, memq, tcpq, mpudpm.
+class LcmLink {
+ public:
+  /// @param url  empty: LCM_DEFAULT_URL, else multicast on 239.255.76.67:7667 that stays on
+  ///             the host
+  /// @throws std::runtime_error  when LCM cannot be opened there
+  /// @param prefix  before the channels of a trial's messages
+  /// @param output  how a log is written, file://PATH?mode=w: a file as all outputs, there from the
+  ///                start
+  explicit LcmLink(const std::string& url, std::string_view prefix = "",
+                   files::OutputFile::Options output = {});
+  ~LcmLink();
+  LcmLink(const LcmLink&) = delete;
+  LcmLink& operator=(const LcmLink&) = delete;
+
+  /// @throws std::runtime_error  when it cannot be sent, as over multicast without a route
+  void publish(const TrialHeader& header);
+  void publish(const Sample& sample);
+  void publish(const Event& event);
+  void publish(const TickState& state);
+  void publish(const FrameRecord& frame);
+
+  /// For Drake's viewer, and for whoever wants to see what the eyes see.
+  void publish(std::span<const ViewerLink> links);
+  void publish(Time time, std::span<const ViewerPose> poses);
+  void publish(const EyePictures& eyes);
+
+  /// bot_core's rigid_transform_t, for those who know nothing of headpin.
+  void publish_pose(const std::string& channel, Time time, const Pose& pose);
+
+  const std::string& url() const { return url_; }
+  /// A log being read: what it holds comes in at its pace and ends, and nothing can be published.
+  bool is_replay() const { return log_ != nullptr; }
+
+ private:
+  friend class LcmSource;
+  struct Lcm;
+  class LogPlayer;
+  class LogWriter;
+  std::string named(std::string_view channel) const { return prefix_ + std::string(channel); }
+  void send(const std::string& channel, std::span<const std::uint8_t> bytes);
+
+  std::string url_, prefix_;
+  std::string meant_;         ///< the URL, or that of the environment
+  std::unique_ptr<Lcm> lcm_;  // unless a log is read or written, without liblcm
+  std::unique_ptr<LogPlayer> log_;
+  std::unique_ptr<LogWriter> written_;
+  std::vector<std::uint8_t> bytes_;  // of the message at hand
+};
+
+/// A trial published as it comes about. Its header and who draws its frames are repeated every second,
+/// for those who begin to listen later.
+class TrialPublisher : public TrialSink {
+ public:
+  /// @param link    must outlive this
+  /// @param header  completed as by stamped()
+  TrialPublisher(LcmLink& link, const TrialHeader& header);
+
+  void write(const Sample& sample) override;
+  void write(const Event& event) override;
+  void write(const TickState& state) override;
+  void write(const FrameRecord& frame) override;
+  void close() override;
+
+ private:
+  template <typename T>
+  void send(Time time, const T& message);
+
+  LcmLink& link_;
+  TrialHeader header_;
+  std::optional<Event> drawn_by_;
+  std::int64_t count_ = 1;  ///< of messages, what is repeated once
+  Time last_{}, next_header_{};
+};
+
+}  // namespace headpin::devices

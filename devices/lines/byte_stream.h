@@ -1,0 +1,145 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <string>
+#include <utility>
+
+#include "devices/base/bytes.h"
+#include "engine/math.h"
+
+namespace headpin::devices {
+
+/// One end of a line that carries bytes both ways. Nothing here ever blocks.
+class ByteStream {
+ public:
+  virtual ~ByteStream() = default;
+
+  /// Reads what has arrived, at most `out.size()` bytes.
+  /// @return  how many; 0 when nothing has arrived or the other end is gone
+  virtual std::size_t read(std::span<std::uint8_t> out) = 0;
+
+  /// The time it is, for whoever has a better clock than the one who asks and takes it to be `now`.
+  virtual Time time(Time now) const { return now; }
+
+  /// By when all that the last read returned had arrived; that read was at `now`.
+  virtual Time arrived(Time now) const { return now; }
+
+  /// Hands over what the line takes now, from the front of `bytes`.
+  /// @return  how many bytes were taken; the rest is the caller's to offer again
+  virtual std::size_t write(Bytes bytes) = 0;
+
+  /// True when nothing will ever arrive again.
+  virtual bool closed() const = 0;
+
+  /// What keeps the line from carrying anything just now, for people; empty when nothing does.
+  virtual std::string trouble() const { return ""; }
+
+  /// What to wait on with poll(2) until something arrives, or -1.
+  virtual int descriptor() const { return -1; }
+
+  /// Sets the line's speed, where it has one.
+  virtual void set_baud(int) {}
+};
+
+/// A serial port, raw, 8-N-1, without flow control; what had arrived before is thrown away.
+///
+/// @param baud  2400, 4800, 9600, 19200, 38400, 57600 or 115200
+/// @throws std::runtime_error  when it cannot be opened or is no terminal
+/// @throws files::Busy         when another of us has it open; that one is not disturbed
+/// @throws std::invalid_argument  at another rate
+std::unique_ptr<ByteStream> open_serial(const std::string& path, int baud);
+
+/// Connects to a byte stream on TCP.
+///
+/// @param host      name or number
+/// @param patience  how long to wait for an answer
+/// @throws std::runtime_error  when nobody answers there
+std::unique_ptr<ByteStream> connect_tcp(
+    const std::string& host, int port,
+    std::chrono::milliseconds patience = std::chrono::seconds(5));
+
+/// Two ends in one process: what one writes the other reads.
+///
+/// @param capacity  bytes under way in each direction; a write beyond it is taken in part
+std::pair<std::unique_ptr<ByteStream>, std::unique_ptr<ByteStream>> memory_streams(
+    std::size_t capacity = 65536);
+
+/// The near end of a pseudo-terminal: programs open `name()` as if it were a serial port.
+///
+/// The far end is raw and without echo from the start and stays so while clients come and go. What
+/// was sent while no client had it open is lost, as on a real port.
+class PseudoTerminal : public ByteStream {
+ public:
+  /// @param link  a symbolic link to make to the terminal; empty for none. One that points nowhere
+  ///              or to a terminal is replaced. It is removed at the end.
+  /// @throws std::runtime_error  when no terminal can be had, or `link` is another file
+  /// @throws files::Busy         when another of these is behind `link`
+  explicit PseudoTerminal(const std::string& link = "");
+  ~PseudoTerminal() override;
+  PseudoTerminal(const PseudoTerminal&) = delete;
+  PseudoTerminal& operator=(const PseudoTerminal&) = delete;
+
+  /// The terminal's own name, /dev/pts/N.
+  const std::string& name() const { return name_; }
+
+  /// The rate the client has set at its end [baud]; 0 when it is none of a Fastrak's.
+  int client_baud() const;
+
+  /// From now on, bytes to and from a client at another rate arrive garbled; 0: any rate will do.
+  void expect_baud(int baud) { expected_baud_ = baud; }
+
+  std::size_t read(std::span<std::uint8_t> out) override;
+  std::size_t write(Bytes bytes) override;
+  bool closed() const override { return false; }
+  int descriptor() const override { return master_; }
+
+ private:
+  void forget_output_of_the_absence();
+  bool garbled() const { return expected_baud_ != 0 && client_baud() != expected_baud_; }
+
+  int master_ = -1;
+  int slave_ = -1;  ///< kept open, so that settings survive the clients
+  int watch_ = -1;  ///< inotify: clients opening and closing
+  int expected_baud_ = 0;
+  bool left_ = true;  ///< a client has closed it, or none was there yet
+  std::string name_;
+  std::string link_;
+};
+
+/// A TCP server; one client at a time, a newcomer replaces the last one.
+///
+/// What is written while nobody is connected is lost, as on a line with nobody at its end.
+class TcpServer : public ByteStream {
+ public:
+  /// @param port     0 for any free one
+  /// @param address  of the interface to serve, a number; the default only this machine
+  /// @throws files::Busy         when the port is taken
+  /// @throws std::runtime_error  when the address is none of this machine's
+  explicit TcpServer(int port, const std::string& address = "127.0.0.1");
+  ~TcpServer() override;
+  TcpServer(const TcpServer&) = delete;
+  TcpServer& operator=(const TcpServer&) = delete;
+
+  int port() const { return port_; }
+  /// ADDRESS:PORT
+  std::string name() const { return address_ + ":" + std::to_string(port_); }
+
+  std::size_t read(std::span<std::uint8_t> out) override;
+  std::size_t write(Bytes bytes) override;
+  bool closed() const override { return false; }
+  int descriptor() const override { return client_ >= 0 ? client_ : listener_; }
+
+ private:
+  void accept_newcomer();
+  void hang_up();
+
+  int listener_ = -1;
+  int client_ = -1;
+  std::string address_;
+  int port_ = 0;
+};
+
+}  // namespace headpin::devices

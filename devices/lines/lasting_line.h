@@ -1,0 +1,53 @@
+#pragma once
+
+#include <chrono>
+#include <functional>
+#include <memory>
+#include <string>
+
+#include "devices/lines/byte_stream.h"
+
+namespace headpin::devices {
+
+/// A line that goes on when it hung up and came back: the unit switched off and on, an adapter
+/// pulled out and put back under the same name.
+///
+/// It is never closed. While it is away nothing can be read or written, and `trouble` says what is
+/// waited for.
+class LastingLine : public ByteStream {
+ public:
+  using Open = std::function<std::unique_ptr<ByteStream>()>;
+
+  /// Opens it for the first time.
+  /// @param name  for people
+  /// @param open  opens it, quickly; throws std::runtime_error while that is impossible
+  /// @throws std::runtime_error  when it cannot be opened now
+  LastingLine(std::string name, Open open);
+
+  std::size_t read(std::span<std::uint8_t> out) override;
+  std::size_t write(Bytes bytes) override;
+  bool closed() const override { return false; }
+  std::string trouble() const override;
+  int descriptor() const override { return line_ ? line_->descriptor() : -1; }
+  void set_baud(int baud) override;
+
+ private:
+  bool there();
+  void set_rate();
+
+  std::string name_;
+  Open open_;
+  std::unique_ptr<ByteStream> line_;
+  int baud_ = 0;  ///< as last set; 0: as it was opened
+  std::chrono::steady_clock::time_point last_try_;
+};
+
+/// The line that a user names: `tcp:HOST:PORT`, as serial lines behind an Ethernet adapter are
+/// reached, or the path of a serial port. It lasts.
+///
+/// @throws std::runtime_error  when it cannot be opened now
+/// @throws std::invalid_argument  for a port that is no number from 1 to 65535, or another rate
+///                                than a Fastrak's
+std::unique_ptr<ByteStream> open_line(const std::string& name, int baud);
+
+}  // namespace headpin::devices

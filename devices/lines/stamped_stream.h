@@ -1,0 +1,79 @@
+#pragma once
+
+#include <atomic>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "devices/lines/byte_stream.h"
+
+namespace headpin::devices {
+
+/// A stream that is read as soon as something arrives, each piece stamped right behind the read,
+/// however late its user comes for it.
+///
+/// The clock is asked after a read, so a stamp may be late but never early. Only the one who listens
+/// touches the stream below: what is to be written waits for that one too, as a terminal's read can
+/// stand still for a second when the kernel's own worker gets no processor, and its user must not.
+class StampedStream : public ByteStream {
+ public:
+  /// Time on the session's clock; called from the thread too.
+  using Clock = std::function<Time()>;
+
+  StampedStream(std::unique_ptr<ByteStream> stream, Clock clock);
+  ~StampedStream() override;
+  StampedStream(const StampedStream&) = delete;
+  StampedStream& operator=(const StampedStream&) = delete;
+
+  /// Reads and writes from now on in a thread of its own.
+  void start();
+  /// Hands over what is to be written and takes in what is there. The thread does nothing else;
+  /// without it, whoever has the clock must.
+  void listen();
+
+  /// @throws  what the stream below threw
+  std::size_t read(std::span<std::uint8_t> out) override;
+  /// When all that had arrived by then was last taken in: what is missing, this one may still owe.
+  Time time(Time now) const override;
+  Time arrived(Time) const override { return stamp_; }
+  std::size_t write(Bytes bytes) override;
+  bool closed() const override;
+  std::string trouble() const override;
+  void set_baud(int baud) override;
+
+ private:
+  struct Piece {
+    Time time;
+    std::vector<std::uint8_t> bytes;
+  };
+  /// Something to be written, or a rate.
+  struct Order {
+    std::vector<std::uint8_t> bytes;
+    int baud = 0;
+  };
+  void work();
+  void carry_out_orders();
+  void take_in();
+
+  Clock clock_;
+  std::unique_ptr<ByteStream> stream_;  ///< the listener's alone
+  mutable std::mutex pile_;             ///< of what was read, and of all below
+  std::deque<Piece> pieces_;
+  std::size_t waiting_ = 0;  ///< bytes in them
+  std::deque<Order> orders_;
+  std::size_t unwritten_ = 0;  ///< bytes in them
+  std::string trouble_;
+  bool closed_ = false;
+  std::exception_ptr failure_;
+  Time stamp_{};      ///< of what was handed out last
+  Time heard_out_{};  ///< nothing was left on the line then
+  std::atomic<bool> stopping_{false};
+  std::thread thread_;
+};
+
+}  // namespace headpin::devices

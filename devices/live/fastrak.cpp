@@ -1,0 +1,63 @@
+#include "devices/live/fastrak.h"
+
+#include <fmt/format.h>
+
+#include "devices/fastrak/driver.h"
+#include "devices/lines/lasting_line.h"
+#include "devices/lines/stamped_stream.h"
+
+namespace headpin::devices {
+namespace {
+
+class LiveFastrak : public LiveSource {
+ public:
+  /// @param line  within the driver, where it has a thread to be started
+  LiveFastrak(const std::string& name, std::unique_ptr<ByteStream> stream, StampedStream* line,
+              const FastrakOptions& options)
+      : LiveSource(name), line_(line), driver_(std::move(stream), options) {}
+
+  void start(Genlock* genlock) override {
+    driver_.hold_to(genlock);
+    if (line_) line_->start();
+  }
+  void poll(Time now, std::vector<Sample>& out) override { driver_.poll(now, out); }
+  bool exhausted() const override { return driver_.exhausted(); }
+  std::string activity() const override { return driver_.activity(); }
+  std::string trouble() const override { return driver_.trouble(); }
+  bool has_stylus() const override { return true; }
+
+  std::string report(Time) const override {
+    const FastrakStatistics& f = driver_.statistics();
+    std::string text = fmt::format("Fastrak {}, {} records missed, {} bytes skipped, {} restarts",
+                                   activity(), f.missed, f.skipped_bytes, f.restarts);
+    for (const std::string& setting : driver_.unconfirmed()) text += ", " + setting;
+    return text;
+  }
+  Counts counts() const override {
+    const FastrakStatistics& f = driver_.statistics();
+    return {{"records", f.records},
+            {"skipped_bytes", f.skipped_bytes},
+            {"missed", f.missed},
+            {"restarts", f.restarts}};
+  }
+
+ private:
+  StampedStream* line_;
+  FastrakDriver driver_;
+};
+
+}  // namespace
+
+std::unique_ptr<LiveSource> live_fastrak(const std::string& name, const std::string& line,
+                                         const SourceOptions& options) {
+  std::unique_ptr<ByteStream> stream = open_line(line, options.fastrak.baud);
+  StampedStream* stamped = nullptr;
+  if (options.clock) {
+    auto reader = std::make_unique<StampedStream>(std::move(stream), options.clock);
+    stamped = reader.get();
+    stream = std::move(reader);
+  }
+  return std::make_unique<LiveFastrak>(name, std::move(stream), stamped, options.fastrak);
+}
+
+}  // namespace headpin::devices

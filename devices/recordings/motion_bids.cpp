@@ -1,0 +1,229 @@
+// Motion-BIDS: numbers in ..._motion.tsv, what they are in ..._channels.tsv.
+
+#include <algorithm>
+#include <array>
+#include <numbers>
+#include <optional>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "devices/recordings/motion_axes.h"
+#include "devices/recordings/motion_files.h"
+#include "devices/recordings/text_table.h"
+
+namespace headpin::devices {
+namespace {
+
+/// Of one tracked point: x, y, z, then the quaternion's w, x, y, z, or else three angles.
+struct Point {
+  std::array<std::optional<std::size_t>, 7> column;
+  std::array<std::optional<std::size_t>, 3> angle;  ///< about x, y, z
+  double unit_m = 1.0, unit_rad = 1.0;
+
+  bool whole() const {
+    const auto all = [](auto begin, auto end) {
+      return std::all_of(begin, end, [](const auto& c) { return c.has_value(); });
+    };
+    const auto quaternion = column.begin() + 3;
+    return all(column.begin(), quaternion) &&
+           (all(quaternion, column.end()) || all(angle.begin(), angle.end()));
+  }
+  bool has_quaternion() const { return column[3].has_value(); }
+};
+
+struct Columns {
+  std::vector<std::string> names;
+  std::vector<std::pair<std::string, Point>> points;
+  std::optional<std::size_t> latency;
+};
+
+double unit_of(std::string_view name, const TextTable& table) {
+  if (name == "m") return 1.0;
+  if (name == "cm") return 0.01;
+  if (name == "mm") return 0.001;
+  table.fail(fmt::format("units of a position: expected m, cm or mm, found '{}'", name));
+}
+
+double radians_of(std::string_view name, const TextTable& table) {
+  if (name == "rad") return 1.0;
+  if (name == "deg" || name == "degrees") return std::numbers::pi / 180.0;
+  table.fail(fmt::format("units of an angle: expected deg or rad, found '{}'", name));
+}
+
+Columns read_columns(std::string_view text, std::string_view where) {
+  const std::string channels = fmt::format("channels of {}", where);
+  TextTable table(text, channels, '\t');
+  table.read_names();
+  std::array<std::size_t, 5> at{};
+  constexpr std::array kNeeded = {"name", "component", "type", "tracked_point", "units"};
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    at[i] = table.column(kNeeded[i]);
+    if (at[i] == table.names().size()) table.fail(fmt::format("column {} is missing", kNeeded[i]));
+  }
+  constexpr std::array<std::string_view, 4> kQuat = {"quat_w", "quat_x", "quat_y", "quat_z"};
+  constexpr std::array<std::string_view, 3> kPlace = {"x", "y", "z"};
+  Columns columns;
+  while (table.next()) {
+    const std::size_t index = columns.names.size();
+    columns.names.emplace_back(table.text(at[0]));
+    const std::string_view component = table.text(at[1]), type = table.text(at[2]);
+    if (type == "LATENCY") columns.latency = index;
+    if (type != "POS" && type != "ORNT") continue;
+    const std::string name(table.text(at[3]));
+    auto point = std::ranges::find(columns.points, name, &std::pair<std::string, Point>::first);
+    if (point == columns.points.end()) {
+      point = columns.points.insert(columns.points.end(), {name, {}});
+    }
+    const auto place = std::ranges::find(kPlace, component);
+    const auto quat = std::ranges::find(kQuat, component);
+    if (type == "POS" && place != kPlace.end()) {
+      point->second.column[static_cast<std::size_t>(place - kPlace.begin())] = index;
+      point->second.unit_m = unit_of(table.text(at[4]), table);
+    } else if (type == "ORNT" && quat != kQuat.end()) {
+      point->second.column[3 + static_cast<std::size_t>(quat - kQuat.begin())] = index;
+    } else if (type == "ORNT" && place != kPlace.end()) {
+      point->second.angle[static_cast<std::size_t>(place - kPlace.begin())] = index;
+      point->second.unit_rad = radians_of(table.text(at[4]), table);
+    } else {
+      table.fail(fmt::format("component '{}' of type {}: expected x, y, z{}", component, type,
+                             type == "ORNT" ? ", or quat_x, quat_y, quat_z, quat_w" : ""));
+    }
+  }
+  return columns;
+}
+
+/// Rotations about the frame's fixed axes, one after the other.
+class EulerOrder {
+ public:
+  EulerOrder(const BidsFrame& frame, std::string_view where)
+      : sign_(frame.left_handed ? -1.0 : 1.0) {
+    std::string sorted = frame.rotation_order;
+    std::ranges::sort(sorted);
+    if (sorted != "XYZ") {
+      throw std::invalid_argument(fmt::format(
+          "{}: orientations are angles: expected RotationOrder in ..._channels.json, such as ZXY, "
+          "found '{}'",
+          where, frame.rotation_order.substr(0, 20)));
+    }
+    for (std::size_t i = 0; i < 3; ++i)
+      axis_[i] = static_cast<std::size_t>(frame.rotation_order[i] - 'X');
+  }
+
+  /// @param angles  about x, y and z [rad]
+  Quat operator()(const Vec3& angles) const {
+    Quat q = Quat::Identity();
+    for (const std::size_t axis : axis_) {
+      const auto i = static_cast<Eigen::Index>(axis);
+      q = rotation(sign_ * angles[i] * Vec3::Unit(i)) * q;
+    }
+    return q.normalized();
+  }
+
+ private:
+  double sign_;
+  std::array<std::size_t, 3> axis_{};
+};
+
+/// Reads the rows of a ..._motion.tsv.
+class Rows {
+ public:
+  Rows(std::string_view motion, const Columns& columns, std::string_view where,
+       const BidsFrame& frame)
+      : table_(motion, where, '\t'), columns_(columns), turned_(frame.axes, where), frame_(frame) {
+    table_.set_names(columns.names);
+    for (const auto& [name, point] : columns.points) {
+      if (!point.whole()) {
+        throw std::invalid_argument(fmt::format(
+            "{}: tracked point {}: expected x, y, z and a whole quaternion, or three angles", where,
+            name));
+      }
+      if (!point.has_quaternion() && !order_) order_.emplace(frame, where);
+      read_.tracks.push_back({name, {}});
+    }
+  }
+
+  MotionTracks read() {
+    for (std::int64_t row = 0; table_.next(); ++row) {
+      const std::optional<double> time =
+          columns_.latency ? number(*columns_.latency) : static_cast<double>(row) / frame_.rate_hz;
+      if (time && std::abs(*time) > 1e9) {
+        table_.fail(fmt::format("LATENCY: {} is out of range", *time));
+      }
+      for (std::size_t i = 0; i < read_.tracks.size(); ++i) take(i, time);
+    }
+    const auto note = [&](std::int64_t count, const char* what) {
+      if (count > 0) read_.notes.push_back(fmt::format("{} samples {}: left out", count, what));
+    };
+    note(unknown_, "are n/a, or have n/a in them");
+    note(again_, "are at the time of the one before");
+    return std::move(read_);
+  }
+
+ private:
+  std::optional<double> number(std::size_t column) const {
+    if (table_.text(column) == "n/a") return std::nullopt;
+    return table_.number(column);
+  }
+
+  std::optional<Pose> pose_of(std::size_t i) const {
+    const Point& point = columns_.points[i].second;
+    const auto value = [&](std::size_t k) { return number(*point.column[k]); };
+    const auto angle = [&](std::size_t k) { return number(*point.angle[k]); };
+    const auto x = value(0), y = value(1), z = value(2);
+    if (!x || !y || !z) return std::nullopt;
+    Pose pose{Quat::Identity(), point.unit_m * Vec3(*x, *y, *z)};
+    if (!point.has_quaternion()) {
+      const auto a = angle(0), b = angle(1), c = angle(2);
+      if (!a || !b || !c) return std::nullopt;
+      pose.q = (*order_)(point.unit_rad * Vec3(*a, *b, *c));
+      return pose;
+    }
+    const auto qw = value(3), qx = value(4), qy = value(5), qz = value(6);
+    if (!qw || !qx || !qy || !qz) return std::nullopt;
+    pose.q = Quat(*qw, *qx, *qy, *qz);
+    if (!(std::abs(pose.q.norm() - 1.0) < 1e-3)) {
+      table_.fail(fmt::format("{}: expected a unit quaternion, found one of length {:.6g}",
+                              columns_.points[i].first, pose.q.norm()));
+    }
+    return pose;
+  }
+
+  void take(std::size_t i, std::optional<double> time) {
+    const std::optional<Pose> pose = time ? pose_of(i) : std::nullopt;
+    if (!pose) {
+      ++unknown_;
+      return;
+    }
+    PoseTrack& track = read_.tracks[i].second;
+    if (track.push(microseconds(*time), turned_.ours(*pose))) return;
+    if (microseconds(*time) < track.samples().back().time) {
+      table_.fail(fmt::format("LATENCY: time must advance, found {:.6g} s after {:.6g} s", *time,
+                              seconds(track.samples().back().time)));
+    }
+    ++again_;
+  }
+
+  TextTable table_;
+  const Columns& columns_;
+  Axes turned_;
+  const BidsFrame& frame_;
+  std::optional<EulerOrder> order_;
+  MotionTracks read_;
+  std::int64_t unknown_ = 0, again_ = 0;  ///< samples that are left out
+};
+
+}  // namespace
+
+MotionTracks parse_motion_bids(std::string_view motion, std::string_view channels,
+                               std::string_view where, const BidsFrame& frame) {
+  const Columns columns = read_columns(channels, where);
+  Rows rows(motion, columns, where, frame);
+  if (!columns.latency && !(frame.rate_hz > 0.0 && frame.rate_hz < 1e6)) {
+    throw std::invalid_argument(
+        fmt::format("{}: no times: expected a LATENCY channel, or SamplingFrequency", where));
+  }
+  return rows.read();
+}
+
+}  // namespace headpin::devices

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "devices/recordings/catalogue_csv.h"
+#include "devices/trial/resample.h"
+
+/// Recordings of a person's motion in the formats of others: one reader each, one frame for all.
+///
+/// Whatever the format, what comes out is a MotionRecording in its frame. The readers declare units
+/// and axes as the format does; nothing is guessed.
+namespace headpin::devices {
+
+/// What a user declares of a recording.
+struct MotionOptions {
+  /// What one unit of the positions is, where the format does not say it [m].
+  std::optional<double> unit_m = {};
+  /// What head, left and right hand are called: an object of UXF, a tracked point of Motion-BIDS,
+  /// a sensor of VRPN as DEVICE:NUMBER or NUMBER. One hand may be empty: it was not tracked. All
+  /// empty: found by name, or sensors 0, 1, 2; of two sensors the second is the only hand.
+  std::array<std::string, 3> names = {};
+  /// Which hand is the only one of a file that does not say it.
+  bool only_hand_is_left = false;
+  /// Where positions count from, in our frame [m]: a transmitter above the floor.
+  Vec3 p_origin = Vec3::Zero();
+  /// Where +x, +y and +z point, where the format does not say it: of R right, L left, S up, I down, A ahead, P
+  /// back.
+  std::optional<std::string> axes = {};
+};
+
+/// Where and how one format is read.
+struct MotionFormat {
+  std::string_view name;   ///< as it is called: "VRPN log"
+  std::string_view files;  ///< what is given: "a .vrpn file"
+  /// Whether this is one, by the name and the first bytes.
+  bool (*is_one)(const std::string& path, std::string_view begin);
+  /// @throws std::invalid_argument  naming file and line or byte of what is wrong
+  /// @throws std::runtime_error     for a file that cannot be read
+  MotionRecording (*read)(const std::string& path, const MotionOptions& options);
+};
+
+std::span<const MotionFormat> motion_formats();
+
+/// Reads a file or folder in the format that it is.
+///
+/// @throws std::invalid_argument  for a format not known here, naming those that are and what this
+///                                seems to be; else as MotionFormat::read
+MotionRecording read_motion(const std::string& path, const MotionOptions& options);
+
+// The readers' parts that see bytes alone, for tests.
+
+/// What was tracked, by name, and what the file has and was left out, for people.
+struct MotionTracks {
+  std::vector<std::pair<std::string, PoseTrack>> tracks;
+  std::vector<std::string> notes;
+};
+
+/// One object's poses of a UXF folder, a `trackers/OBJECT_movement_T001.csv`.
+///
+/// Unity's frame is left-handed, y up, +z ahead, its Euler angles are degrees about z, x and y, in
+/// this order; metres. The z axis is turned round. A last line that does not end may be cut inside
+/// a number: it is left out.
+PoseTrack parse_uxf(std::string_view text, std::string_view where, std::vector<std::string>& notes);
+
+/// The sensors of a VRPN log, by DEVICE:NUMBER, as they are written there; time since the first.
+std::vector<std::pair<std::string, PoseTrack>> parse_vrpn(std::span<const std::uint8_t> bytes,
+                                                          std::string_view where, double unit_m);
+
+/// What stands beside a ..._motion.tsv.
+struct BidsFrame {
+  std::string axes = {};  ///< where +x, +y and +z point, as MotionOptions has it
+  std::string rotation_order =
+      {};                    ///< of Euler angles: about the frame's fixed axes, the first first
+  bool left_handed = false;  ///< its rotation rule
+  double rate_hz = 0.0;      ///< of the samples, where no LATENCY channel has their times
+};
+
+/// The tracked points of a Motion-BIDS recording, in our frame. Samples with n/a in them, and those
+/// at the time of the one before, are left out.
+///
+/// @param motion    the ..._motion.tsv, numbers only
+/// @param channels  the ..._channels.tsv that names its columns
+MotionTracks parse_motion_bids(std::string_view motion, std::string_view channels,
+                               std::string_view where, const BidsFrame& frame);
+
+/// Head and hands at the same times: those of the head while all are there, the hands between
+/// their samples.
+///
+/// @param left, right  null for one that was not tracked
+/// @throws std::invalid_argument  when there is no such time, or no hand
+MotionRecording together(const PoseTrack& head, const PoseTrack* left, const PoseTrack* right,
+                         std::string_view where);
+
+}  // namespace headpin::devices

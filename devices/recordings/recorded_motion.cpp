@@ -1,0 +1,257 @@
+#include "devices/recordings/recorded_motion.h"
+
+#include <algorithm>
+#include <array>
+#include <optional>
+#include <utility>
+
+#include "devices/fastrak/codec.h"
+#include "devices/fastrak/geometry.h"
+#include "devices/trial/resample.h"
+
+namespace headpin::devices {
+namespace {
+
+/// A value that stays what it is until the next change.
+template <typename T>
+class Steps {
+ public:
+  void push(Time time, T value) {
+    if (newest_ && time < *newest_) return;
+    newest_ = time;
+    if (changes_.empty() || changes_.back().value != value) changes_.push_back({time, value});
+  }
+  T at(Time time, T before) const {
+    const auto after = later_than(time);
+    return after == changes_.begin() ? before : (after - 1)->value;
+  }
+  /// All that is older, but for the last one before it.
+  void forget_before(Time time) {
+    const auto after = later_than(time);
+    if (after - changes_.begin() > 1) changes_.erase(changes_.begin(), after - 1);
+  }
+
+ private:
+  auto later_than(Time time) const {
+    return std::upper_bound(changes_.begin(), changes_.end(), time,
+                            [](Time t, const auto& change) { return t < change.time; });
+  }
+  std::vector<Stamped<T>> changes_;
+  std::optional<Time> newest_;
+};
+
+/// A stamp is a whole microsecond: a sample within one is what was measured then.
+std::optional<Pose> pose_at(const PoseTrack& poses, Time time) {
+  const auto& samples = poses.samples();
+  const auto near = std::ranges::lower_bound(samples, time - Time{1}, {}, &Stamped<Pose>::time);
+  if (near != samples.end() && near->time <= time + Time{1}) return near->value;
+  return poses.at(time);
+}
+
+/// What was measured of one station.
+struct StationTrack {
+  PoseTrack poses;
+  Steps<char> errors;
+  Steps<bool> switches;
+};
+
+struct Recording {
+  std::array<StationTrack, kFastrakStations> stations;
+  Steps<bool> trigger;
+
+  void take(const Sample& sample) {
+    if (const auto* mouse = std::get_if<MouseSample>(&sample)) return take(*mouse);
+    const auto& tracker = std::get<TrackerSample>(sample);
+    if (tracker.station < 1 || tracker.station > kFastrakStations) return;
+    StationTrack& station = stations[static_cast<std::size_t>(tracker.station - 1)];
+    station.poses.push(tracker.device_time, tracker.X_TS);
+    station.errors.push(tracker.device_time, tracker.status);
+    station.switches.push(tracker.device_time, (tracker.buttons & 1) != 0);
+  }
+  void take(const MouseSample& mouse) { trigger.push(mouse.device_time, mouse.trigger); }
+
+  FastrakTruth at(int number, Time time) const {
+    const StationTrack& station = stations[static_cast<std::size_t>(number - 1)];
+    FastrakTruth truth = still_motion(number, time);
+    truth.X_TS = pose_at(station.poses, time).value_or(truth.X_TS);
+    truth.error = station.errors.at(time, ' ');
+    truth.pressed = trigger.at(time, false);
+    for (const StationTrack& each : stations) truth.pressed |= each.switches.at(time, false);
+    return truth;
+  }
+
+  void forget_before(Time time) {
+    for (StationTrack& station : stations) {
+      station.poses.forget_before(time);
+      station.errors.forget_before(time);
+      station.switches.forget_before(time);
+    }
+  }
+};
+
+/// A trial on disk, of which a piece is held around the time that is asked for.
+class ForwardRecording {
+ public:
+  ForwardRecording(std::shared_ptr<const TrialFile> file, const std::vector<MouseSample>& buttons)
+      : file_(std::move(file)) {
+    for (const MouseSample& mouse : buttons) at_start_.take(mouse);
+  }
+
+  FastrakTruth at(int station, Time time) {
+    if (!items_ || time < latest_ - kKept) rewind(time);
+    latest_ = std::max(latest_, time);
+    while (!knows(time)) read();
+    recording_.forget_before(latest_ - kKept);
+    return recording_.at(station, time);
+  }
+
+ private:
+  static constexpr Time kKept{1'000'000};
+
+  void rewind(Time time) {
+    recording_ = at_start_;
+    newest_ = {};
+    latest_ = time;
+    items_.emplace(*file_);
+    ended_ = false;
+  }
+  /// Whether no sample to come can say anything about this time.
+  bool knows(Time time) const {
+    if (ended_) return true;
+    for (const auto& [device, summary] : file_->summary().devices) {
+      if (device < 1 || device > kFastrakStations) continue;
+      const std::optional<Time>& newest = newest_[static_cast<std::size_t>(device - 1)];
+      if (!newest || (*newest <= time && *newest < summary.last)) return false;
+    }
+    return true;
+  }
+  void read() {
+    const std::optional<TrialFile::Item> item = items_->next();
+    ended_ = !item;
+    const auto* sample = item ? std::get_if<Sample>(&*item) : nullptr;
+    const auto* tracker = sample ? std::get_if<TrackerSample>(sample) : nullptr;
+    if (!tracker || tracker->station < 1 || tracker->station > kFastrakStations) return;
+    recording_.take(*sample);
+    std::optional<Time>& newest = newest_[static_cast<std::size_t>(tracker->station - 1)];
+    newest = std::max(newest.value_or(tracker->device_time), tracker->device_time);
+  }
+
+  std::shared_ptr<const TrialFile> file_;
+  Recording at_start_;  // with all changes of the trigger
+  Recording recording_;
+  std::optional<TrialItems> items_;
+  std::array<std::optional<Time>, kFastrakStations> newest_;  // that were read
+  Time latest_{};                                             // that was asked for
+  bool ended_ = false;
+};
+
+/// Shows every sample of a recording.
+using Samples = std::function<void(const std::function<void(const Sample&)>&)>;
+
+Samples samples_of(const std::vector<Sample>& samples) {
+  return [&samples](const std::function<void(const Sample&)>& see) {
+    for (const Sample& sample : samples) see(sample);
+  };
+}
+
+Samples samples_of(const TrialFile& file) {
+  return [&file](const std::function<void(const Sample&)>& see) {
+    file.walk([&](const TrialFile::Item& item) {
+      if (const auto* sample = std::get_if<Sample>(&item)) see(*sample);
+      return true;
+    });
+  };
+}
+
+/// Where good measurements are.
+struct Reach {
+  bool any = false;
+  Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+  double farthest = 0.0;  ///< from a point
+};
+
+Reach reach_from(const Samples& samples, const Vec3& p_TP) {
+  Reach e;
+  samples([&](const Sample& sample) {
+    const auto* tracker = std::get_if<TrackerSample>(&sample);
+    if (!tracker || !tracker->good()) return;
+    const Vec3& p = tracker->X_TS.p;
+    e.low = e.any ? Vec3(e.low.cwiseMin(p)) : p;
+    e.high = e.any ? Vec3(e.high.cwiseMax(p)) : p;
+    e.farthest = std::max(e.farthest, (p - p_TP).norm());
+    e.any = true;
+  });
+  return e;
+}
+
+FastrakPlace place_of(const Samples& samples) {
+  constexpr double kAhead = 0.3;  // nearer to the transmitter the field is no dipole's [m]
+  FastrakPlace place;
+  const Reach e = reach_from(samples, place.p_TP);
+  if (!e.any) return place;
+  place.farthest = e.farthest;
+  if (e.low.x() <= 0.0 || e.farthest > kFastrakRange) {
+    place.p_TP =
+        Vec3(e.low.x() - kAhead, 0.5 * (e.low.y() + e.high.y()), 0.5 * (e.low.z() + e.high.z()));
+    place.farthest = reach_from(samples, place.p_TP).farthest;
+  }
+  const double widest = std::max((e.high - place.p_TP).cwiseAbs().maxCoeff(),
+                                 (e.low - place.p_TP).cwiseAbs().maxCoeff());
+  if (widest > place.envelope) place.envelope = kFastrakRange;
+  return place;
+}
+
+/// The first in time of the measurements, the last time, and the mouse's changes.
+void look_through(const Samples& samples, RecordedUnit& unit) {
+  bool measured = false;
+  samples([&](const Sample& sample) {
+    unit.length = std::max(unit.length, device_time(sample));
+    if (const auto* mouse = std::get_if<MouseSample>(&sample)) {
+      const MouseSample* last = unit.buttons.empty() ? nullptr : &unit.buttons.back();
+      const bool same = last && last->left_thumb == mouse->left_thumb &&
+                        last->right_thumb == mouse->right_thumb && last->trigger == mouse->trigger;
+      if (!same && (!last || mouse->device_time >= last->device_time)) {
+        unit.buttons.push_back(*mouse);
+      }
+      return;
+    }
+    const auto& tracker = std::get<TrackerSample>(sample);
+    if (!measured || tracker.device_time < unit.first.device_time) unit.first = tracker;
+    measured = true;
+  });
+}
+
+}  // namespace
+
+FastrakMotion recorded_motion(const std::vector<Sample>& samples) {
+  const auto recording = std::make_shared<Recording>();  // shared: a std::function is copied
+  for (const Sample& sample : samples) recording->take(sample);
+  return [recording](int station, Time time) { return recording->at(station, time); };
+}
+
+FastrakPlace place_for(const std::vector<Sample>& samples) {
+  return place_of(samples_of(samples));
+}
+
+TrackerSample first_measurement(const std::vector<Sample>& samples) {
+  RecordedUnit unit;
+  look_through(samples_of(samples), unit);
+  return unit.first;
+}
+
+Time last_time(const std::vector<Sample>& samples) {
+  RecordedUnit unit;
+  look_through(samples_of(samples), unit);
+  return unit.length;
+}
+
+RecordedUnit recorded_unit(std::shared_ptr<const TrialFile> file) {
+  RecordedUnit unit;
+  look_through(samples_of(*file), unit);
+  unit.place = place_of(samples_of(*file));
+  const auto recording = std::make_shared<ForwardRecording>(std::move(file), unit.buttons);
+  unit.motion = [recording](int station, Time time) { return recording->at(station, time); };
+  return unit;
+}
+
+}  // namespace headpin::devices

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "devices/base/sample.h"
+#include "devices/fastrak/motion.h"
+#include "devices/trial/file.h"
+
+/// What an emulated Fastrak measures when it plays a recording.
+namespace headpin::devices {
+
+/// The motion of a recording: poses between its samples, held before the first and after the last.
+///
+/// Letters are those of the sample before; a press of the trigger of the 3D mouse, or of any
+/// station's switch, is a press of the unit's one switch. Stations that were not recorded rest as
+/// in `still_motion`. A sample that is not later than the one before of its device counts for nothing.
+FastrakMotion recorded_motion(const std::vector<Sample>& samples);
+
+/// The recorded place, if all receivers stay ahead of it, where the factory's hemisphere is, and in
+/// reach; else one behind them all, in the middle of their ways up and sideways.
+FastrakPlace place_for(const std::vector<Sample>& samples);
+
+/// The first in time of a recording's measurements; a default one where there is none.
+TrackerSample first_measurement(const std::vector<Sample>& samples);
+
+/// Time of a recording's last sample.
+Time last_time(const std::vector<Sample>& samples);
+
+/// The same of a trial on disk, which is not kept in memory.
+struct RecordedUnit {
+  /// Reads the file forward as the times that are asked for go on, and from its start again when
+  /// they go back by more than a second. Holds as much of it as the longest time without a sample
+  /// of one of its receivers.
+  FastrakMotion motion;
+  FastrakPlace place;
+  TrackerSample first;
+  Time length{};
+  std::vector<MouseSample> buttons;  ///< of the 3D mouse, where they change
+};
+RecordedUnit recorded_unit(std::shared_ptr<const TrialFile> file);
+
+}  // namespace headpin::devices

@@ -1,0 +1,55 @@
+// Tracker files of the Unity Experiment Framework.
+
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "devices/recordings/motion_files.h"
+#include "devices/recordings/text_table.h"
+
+namespace headpin::devices {
+
+PoseTrack parse_uxf(std::string_view text, std::string_view where,
+                    std::vector<std::string>& notes) {
+  constexpr std::array kColumns = {"time", "pos_x", "pos_y", "pos_z", "rot_x", "rot_y", "rot_z"};
+  const std::size_t whole = text.rfind('\n') + 1;  // 0 without one
+  if (whole > 0 && whole < text.size()) {
+    text = text.substr(0, whole);
+    notes.push_back(fmt::format(
+        "{}: the last line does not end, its last number may be cut: it is left out", where));
+  }
+  TextTable table(text, where, ',');
+  table.read_names();
+  std::array<std::size_t, kColumns.size()> at{};
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    at[i] = table.column(kColumns[i]);
+    if (at[i] == table.names().size()) {
+      table.fail(fmt::format("expected the columns {} of a UXF tracker, {} is missing",
+                             fmt::join(kColumns, ", "), kColumns[i]));
+    }
+  }
+  const auto turn = [](const Vec3& axis, double degrees) {
+    return rotation(std::numbers::pi / 180.0 * degrees * axis);
+  };
+  PoseTrack track;
+  while (table.next()) {
+    const auto value = [&](std::size_t i) { return table.number(at[i]); };
+    const double time = value(0);
+    if (std::abs(time) > 1e9) table.fail(fmt::format("time: {} is out of range", time));
+    for (std::size_t i = 4; i < 7; ++i) {
+      if (std::abs(value(i)) > 1e6) table.fail(fmt::format("{}: expected degrees", kColumns[i]));
+    }
+    // Turning z round turns a rotation about x or y back.
+    const Quat q = turn(Vec3::UnitY(), -value(5)) * turn(Vec3::UnitX(), -value(4)) *
+                   turn(Vec3::UnitZ(), value(6));
+    if (!track.push(microseconds(time), {q.normalized(), Vec3(value(1), value(2), -value(3))})) {
+      table.fail(fmt::format("time: time must advance, found {:.6g} s after {:.6g} s", time,
+                             seconds(track.samples().back().time)));
+    }
+  }
+  return track;
+}
+
+}  // namespace headpin::devices

@@ -1,0 +1,412 @@
+#include "devices/trial/file.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "devices/base/sequence_count.h"
+#include "devices/trial/event_log.h"
+#include "devices/trial/messages.h"
+#include "devices/trial/misdated.h"
+#include "devices/trial/sources.h"
+#include "devices/trial/state_change.h"
+#include "devices/trial/trial_messages.h"
+
+namespace headpin::devices {
+namespace {
+
+/// Whether a session published its own trial here, beside what it listened to.
+bool holds_session(LogReader reader) {
+  const std::string header = std::string(kSessionPrefix) + std::string(kTrialChannel);
+  while (const std::optional<LogEvent> event = reader.next()) {
+    if (event->channel == header) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+struct LogContent {
+  std::string path;
+  std::unique_ptr<FileWindow> file;     // or else
+  std::span<const std::uint8_t> bytes;  // all of it
+  bool session = false;
+  std::vector<std::int64_t> misdated;
+  TrialSummary summary;
+
+  LogReader reader() const { return file ? LogReader(*file) : LogReader(bytes); }
+  bool looked_through = false;
+
+  void look_through();
+};
+
+/// What is left of a trial when its misdated messages are gone.
+class TrialWalk {
+ public:
+  explicit TrialWalk(const LogContent& content)
+      : content_(content), messages_(content.reader(), content.session) {}
+
+  std::optional<Message> next() {
+    while (std::optional<Message> message = messages_.next()) {
+      const bool misdated = is_misdated();
+      if (!make_whole(*message, misdated)) continue;
+      if (misdated) {
+        ++counted().skipped.misdated;
+        note("misdated", name_of(*message));
+        continue;
+      }
+      if (const auto* state = std::get_if<TickState>(&*message)) tick_ = state->time;
+      if (auto* tracker = std::get_if<TrackerSample>(&*message)) date(*tracker);
+      if (auto* mouse = std::get_if<MouseSample>(&*message)) date(*mouse);
+      return message;
+    }
+    if (content_.looked_through && samples_ != content_.summary.sample_count) {
+      throw std::runtime_error(content_.path + ": has been changed while it was read");
+    }
+    return std::nullopt;
+  }
+
+  void note(const char* kind, const std::string& of, std::int64_t messages = 1) {
+    note_trouble(counted(), kind, of, messages_.since_first(), messages);
+  }
+  TrialSummary& counted() { return messages_.counted(); }
+
+ private:
+  /// Puts in the state that a change comes to; false where that is none.
+  bool make_whole(Message& message, bool misdated) {
+    const auto meant = [&](std::int64_t tick) {
+      return misdated ? states_.next_tick().value_or(tick) : tick;
+    };
+    if (auto* whole = std::get_if<TickState>(&message)) {
+      whole->tick = meant(whole->tick);
+      states_.begin(*whole);
+    }
+    auto* change = std::get_if<StateChange>(&message);
+    if (!change) return true;
+    change->tick = meant(change->tick);
+    tick_ = misdated ? tick_ : change->time;
+    const TickState* state = states_.go_on(*change);
+    if (state && plausible(*state)) {
+      message = *state;
+      return true;
+    }
+    states_.forget();
+    ++(state ? counted().skipped.implausible : counted().skipped.baseless);
+    note(state ? "implausible" : "baseless", std::string(kStateChangeChannel));
+    return false;
+  }
+  bool is_misdated() {
+    const std::vector<std::int64_t>& all = content_.misdated;
+    if (next_misdated_ == all.size() || all[next_misdated_] != messages_.number()) return false;
+    ++next_misdated_;
+    return true;
+  }
+  static std::string name_of(const Message& message) {
+    if (const auto* tracker = std::get_if<TrackerSample>(&message)) {
+      return device_name(tracker->station);
+    }
+    return std::holds_alternative<MouseSample>(message) ? device_name(0)
+                                                        : std::string(kStateChannel);
+  }
+  /// Between a sample's first byte and its turn: the rest of it on a slow line, and a poll. As much
+  /// is nothing amiss.
+  static constexpr Time kUsuallyLate{50'000};
+
+  /// A sample that stands behind a state was not known to it.
+  template <typename T>
+  void date(T& sample) {
+    ++samples_;
+    if (!tick_) return;
+    if (arrival(Sample(sample)) + kUsuallyLate <= *tick_) {
+      ++counted().late;
+      note("late", device_name(device_of(sample)));
+    }
+    if (available(Sample(sample)) <= *tick_) sample.session_time = *tick_ + Time{1};
+  }
+
+  const LogContent& content_;
+  Messages messages_;
+  std::size_t next_misdated_ = 0;
+  std::optional<Time> tick_;  // of the last state
+  StateHistory states_;
+  std::int64_t samples_ = 0;
+};
+
+namespace {
+
+/// Finds positions that jump away from those around them, and back.
+class AstrayFinder {
+ public:
+  /// @return  whether the sample before this one was astray
+  bool take(const TrackerSample& sample) {
+    const Stamped<Vec3> now{sample.device_time, sample.X_TS.p};
+    const bool astray = before_ && last_ && far_apart(*before_, *last_) && far_apart(*last_, now) &&
+                        !far_apart(*before_, now);
+    if (!astray) before_ = last_;
+    last_ = now;
+    return astray;
+  }
+
+ private:
+  /// No hand is so fast, nor a receiver's noise so wide.
+  static bool far_apart(const Stamped<Vec3>& a, const Stamped<Vec3>& b) {
+    constexpr double kFastest = 50.0, kNoise = 0.1;  // m/s, m
+    const double passed = std::abs(seconds(b.time - a.time));
+    return !((b.value - a.value).norm() <= kFastest * passed + kNoise);
+  }
+
+  std::optional<Stamped<Vec3>> before_, last_;
+};
+
+/// Sums up what comes by.
+class Summing {
+ public:
+  explicit Summing(TrialSummary& into) : into_(into) {}
+
+  /// What a sample shows to be amiss with those before it.
+  struct Found {
+    std::int64_t lost = 0;  ///< missing just before it; -1: it was one of them
+    bool astray = false;    ///< the one before it
+  };
+  Found take(const Sample& sample) {
+    ++into_.sample_count;
+    const Time time = device_time(sample);
+    cover(time);
+    DeviceSummary& d = into_.devices[device_of(sample)];
+    if (d.samples++ == 0) {
+      d.first = d.last = time;
+    } else if (time <= last_time_[device_of(sample)]) {
+      ++into_.backwards;
+    }
+    last_time_[device_of(sample)] = time;
+    d.longest_gap = std::max(d.longest_gap, time - d.last);
+    d.last = std::max(d.last, time);
+    take_availability(available(sample));
+    const auto* tracker = std::get_if<TrackerSample>(&sample);
+    return tracker ? count(d, *tracker) : Found{};
+  }
+  void take(const TickState& state) {
+    ++into_.state_count;
+    cover(state.time);
+    into_.last_tick = state.tick;
+    into_.bodies = state.bodies.size();
+  }
+  void take(const FrameRecord& frame) {
+    ++into_.frame_count;
+    cover(frame.time);
+  }
+
+  /// For samples in the order in which they are available.
+  static void extend(Gap& longest, Time& last, Time time) {
+    if (time - last > longest.length()) longest = {last, time};
+    last = time;
+  }
+
+ private:
+  void cover(Time time) {
+    into_.first = std::min(into_.first.value_or(time), time);
+    into_.last = std::max(into_.last.value_or(time), time);
+  }
+  void take_availability(Time time) {
+    if (into_.sample_count > 1) into_.disorder = std::max(into_.disorder, into_.end - time);
+    into_.end = into_.sample_count > 1 ? std::max(into_.end, time) : time;
+    extend(into_.longest_gap, last_available_, time);
+  }
+  Found count(DeviceSummary& d, const TrackerSample& sample) {
+    const Found found{numbers_[sample.station].take(sample.sequence, sample.device_time),
+                      places_[sample.station].take(sample)};
+    d.lost += found.lost;
+    d.astray += found.astray;
+    d.bad += !sample.good();
+    return found;
+  }
+
+  TrialSummary& into_;
+  Time last_available_{};
+  std::map<std::int32_t, Time> last_time_;
+  std::map<std::int32_t, SequenceCount> numbers_;
+  std::map<std::int32_t, AstrayFinder> places_;
+};
+
+/// The sample that a message is.
+std::optional<Sample> sample_of(Message& message) {
+  if (auto* tracker = std::get_if<TrackerSample>(&message)) return Sample(std::move(*tracker));
+  if (auto* mouse = std::get_if<MouseSample>(&message)) return Sample(*mouse);
+  return std::nullopt;
+}
+
+}  // namespace
+
+TrialFile::TrialFile(const std::string& path) : content_(std::make_unique<LogContent>()) {
+  content_->path = path;
+  content_->file = std::make_unique<FileWindow>(path);
+  look_through();
+  if (content_->summary.channels.empty()) {
+    throw std::runtime_error(path + ": not an LCM event log: no whole event in " +
+                             std::to_string(content_->file->size()) + " bytes");
+  }
+}
+
+TrialFile::TrialFile(std::span<const std::uint8_t> bytes)
+    : content_(std::make_unique<LogContent>()) {
+  content_->path = "log";
+  content_->bytes = bytes;
+  look_through();
+}
+
+TrialFile::~TrialFile() = default;
+TrialFile::TrialFile(TrialFile&&) noexcept = default;
+TrialFile& TrialFile::operator=(TrialFile&&) noexcept = default;
+
+void LogContent::look_through() {
+  session = holds_session(reader());
+  misdated = find_misdated(Messages(reader(), session));
+  TrialWalk walk(*this);
+  TrialSummary& all = walk.counted();
+  Summing summing(all);
+  while (std::optional<Message> message = walk.next()) {
+    if (const auto sample = sample_of(*message)) {
+      const Summing::Found found = summing.take(*sample);
+      if (found.lost != 0) walk.note("lost", device_name(device_of(*sample)), found.lost);
+      if (found.astray) walk.note("astray", device_name(device_of(*sample)));
+    } else if (auto* event = std::get_if<Event>(&*message)) {
+      all.events.push_back(std::move(*event));
+    } else if (const auto* state = std::get_if<TickState>(&*message)) {
+      summing.take(*state);
+    } else if (const auto* frame = std::get_if<FrameRecord>(&*message)) {
+      summing.take(*frame);
+    }
+  }
+  summary = std::move(all);
+  looked_through = true;
+}
+
+void TrialFile::look_through() {
+  content_->look_through();
+  if (content_->summary.disorder == Time{}) return;
+  Gap longest;  // of samples in order
+  Time last{};
+  TrialPlayer player(*this);
+  std::vector<Sample> samples;
+  while (const std::optional<Time> time = player.next_time()) {
+    samples.clear();
+    player.poll(*time, samples);
+    Summing::extend(longest, last, *time);
+  }
+  content_->summary.longest_gap = longest;
+}
+
+const TrialSummary& TrialFile::summary() const {
+  return content_->summary;
+}
+
+void TrialFile::require_trial(Time longest_gap) const {
+  const TrialSummary& trial = summary();
+  const std::string& path = content_->path;
+  if (!trial.has_header) {
+    std::string found;
+    for (const auto& [name, channel] : trial.channels) found += (found.empty() ? "" : ", ") + name;
+    throw std::runtime_error(path + ": no message on " + std::string(kTrialChannel) +
+                             " to say which trial this is; found " + found);
+  }
+  const std::int32_t format = trial.header.format_version;
+  if (format < kFormatVersion || format > kChangesFormatVersion) {
+    throw std::runtime_error(fmt::format("{}: trial of format version {}, expected {} to {}", path,
+                                         format, kFormatVersion, kChangesFormatVersion));
+  }
+  if (const Gap& gap = trial.longest_gap; gap.length() > longest_gap) {
+    throw std::runtime_error(
+        fmt::format("{}: no sample for {:.3f} s, from {:.3f} s on; expected {:g} s at most (if "
+                    "that is meant: "
+                    "--longest-gap)",
+                    path, seconds(gap.length()), seconds(gap.from), seconds(longest_gap)));
+  }
+}
+
+void TrialFile::walk(const std::function<bool(Item&)>& see) const {
+  TrialItems items(*this);
+  while (std::optional<Item> item = items.next()) {
+    if (!see(*item)) return;
+  }
+}
+
+TrialItems::TrialItems(const TrialFile& file)
+    : walk_(std::make_unique<TrialWalk>(*file.content_)) {}
+TrialItems::~TrialItems() = default;
+TrialItems::TrialItems(TrialItems&&) noexcept = default;
+TrialItems& TrialItems::operator=(TrialItems&&) noexcept = default;
+
+std::optional<TrialFile::Item> TrialItems::next() {
+  while (std::optional<Message> message = walk_->next()) {
+    if (auto sample = sample_of(*message)) return TrialFile::Item(std::move(*sample));
+    if (auto* state = std::get_if<TickState>(&*message)) return TrialFile::Item(std::move(*state));
+    if (const auto* frame = std::get_if<FrameRecord>(&*message)) return TrialFile::Item(*frame);
+  }
+  return std::nullopt;
+}
+
+std::optional<TickState> TrialItems::next_state() {
+  while (std::optional<TrialFile::Item> item = next()) {
+    if (auto* state = std::get_if<TickState>(&*item)) return std::move(*state);
+  }
+  return std::nullopt;
+}
+
+TrialPlayer::TrialPlayer(const TrialFile& file, Beside beside)
+    : walk_(std::make_unique<TrialWalk>(*file.content_)),
+      complete_(file.summary().complete),
+      disorder_(file.summary().disorder) {
+  if (beside.states) states_.left = file.summary().state_count;
+  if (beside.frames) frames_.left = file.summary().frame_count;
+}
+
+TrialPlayer::~TrialPlayer() = default;
+
+void TrialPlayer::poll(Time now, std::vector<Sample>& out) {
+  while (!ended_ && (!newest_ || *newest_ - disorder_ <= now)) read();
+  for (; !samples_.empty() && samples_.begin()->first <= now; samples_.erase(samples_.begin())) {
+    out.push_back(std::move(samples_.begin()->second));
+  }
+}
+
+std::optional<Time> TrialPlayer::next_time() {
+  while (!ended_ && (samples_.empty() || *newest_ - disorder_ <= samples_.begin()->first)) read();
+  return samples_.empty() ? std::nullopt : std::optional(samples_.begin()->first);
+}
+
+/// Takes in the next message.
+void TrialPlayer::read() {
+  std::optional<Message> message = walk_->next();
+  if (!message) {
+    ended_ = true;
+    return;
+  }
+  if (auto sample = sample_of(*message)) {
+    const Time time = available(*sample);
+    newest_ = std::max(newest_.value_or(time), time);
+    samples_.emplace(time, std::move(*sample));
+  } else if (auto* state = std::get_if<TickState>(&*message); state && states_.left > 0) {
+    --states_.left;
+    states_.read.push_back(std::move(*state));
+  } else if (const auto* frame = std::get_if<FrameRecord>(&*message); frame && frames_.left > 0) {
+    --frames_.left;
+    frames_.read.push_back(*frame);
+  }
+}
+
+template <typename T>
+const T* TrialPlayer::find(Row<T>& row, std::int64_t tick) {
+  for (;;) {
+    while (!row.read.empty() && row.read.front().tick < tick) row.read.pop_front();
+    if (!row.read.empty()) return row.read.front().tick == tick ? &row.read.front() : nullptr;
+    if (row.left == 0 || ended_) return nullptr;
+    read();
+  }
+}
+
+template const TickState* TrialPlayer::find(Row<TickState>&, std::int64_t);
+template const FrameRecord* TrialPlayer::find(Row<FrameRecord>&, std::int64_t);
+
+}  // namespace headpin::devices

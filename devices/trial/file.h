@@ -1,0 +1,125 @@
+#pragma once
+
+#include <deque>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "devices/base/source.h"
+#include "devices/trial/log.h"
+
+/// A trial on disk, read forward as often as one likes, in memory that does not grow with it.
+namespace headpin::devices {
+
+struct LogContent;  // of a TrialFile
+class TrialWalk;    // through it
+
+/// A log that has been looked through from end to end.
+///
+/// See read_log for what is passed over. What is remembered is its summary, and which messages have
+/// a time that those around them do not share.
+class TrialFile {
+ public:
+  /// @throws std::runtime_error  when there is no such file or no event in it
+  explicit TrialFile(const std::string& path);
+  /// The same of the bytes of a log, which must outlive it.
+  explicit TrialFile(std::span<const std::uint8_t> bytes);
+  ~TrialFile();
+  TrialFile(TrialFile&&) noexcept;
+  TrialFile& operator=(TrialFile&&) noexcept;
+
+  const TrialSummary& summary() const;
+
+  /// Refuses what is no trial to be simulated, as read_trial does.
+  void require_trial(Time longest_gap) const;
+
+  using Item = std::variant<Sample, TickState, FrameRecord>;
+  /// Shows each in the order of the log, until `see` has seen enough and says false.
+  /// @throws std::runtime_error  when the file is another by now
+  void walk(const std::function<bool(Item&)>& see) const;
+
+ private:
+  friend class TrialPlayer;
+  friend class TrialItems;
+  void look_through();
+
+  std::unique_ptr<LogContent> content_;
+};
+
+/// What walk() shows, for those who ask for it one by one.
+class TrialItems {
+ public:
+  /// @param file  must outlive this
+  explicit TrialItems(const TrialFile& file);
+  ~TrialItems();
+  TrialItems(TrialItems&&) noexcept;
+  TrialItems& operator=(TrialItems&&) noexcept;
+
+  /// The next one, nothing at the end.
+  /// @throws std::runtime_error  when the file is another by now
+  std::optional<TrialFile::Item> next();
+
+  /// The next state, nothing at the end.
+  std::optional<TickState> next_state();
+
+ private:
+  std::unique_ptr<TrialWalk> walk_;
+};
+
+/// A trial as a source: hands out its samples by the time they were available, as ReplaySource does,
+/// and beside them what was recorded of the same ticks.
+///
+/// Holds as much of the log as its samples are out of order.
+class TrialPlayer : public Source {
+ public:
+  struct Beside {
+    bool states = false, frames = false;
+  };
+
+  /// @param file    must outlive this
+  /// @param beside  what is going to be asked for
+  explicit TrialPlayer(const TrialFile& file, Beside beside);
+  explicit TrialPlayer(const TrialFile& file) : TrialPlayer(file, Beside{}) {}
+  ~TrialPlayer() override;
+
+  /// @throws std::runtime_error  when the file is another by now
+  void poll(Time now, std::vector<Sample>& out) override;
+  bool exhausted() const override { return ended_ && samples_.empty(); }
+  /// When the next sample is available; nothing when there is none.
+  std::optional<Time> next_time();
+
+  bool has_states() const { return states_.left > 0 || !states_.read.empty(); }
+  bool has_frames() const { return frames_.left > 0 || !frames_.read.empty(); }
+  bool complete() const { return complete_; }  ///< nothing is missing, as TrialSummary::complete
+
+  /// The recorded state or frame of a tick, nothing where there is none; to be asked for tick by
+  /// tick, forward.
+  const TickState* state(std::int64_t tick) { return find(states_, tick); }
+  const FrameRecord* frame(std::int64_t tick) { return find(frames_, tick); }
+
+ private:
+  template <typename T>
+  struct Row {
+    std::deque<T> read;
+    std::int64_t left = 0;  ///< to be read
+  };
+  template <typename T>
+  const T* find(Row<T>& row, std::int64_t tick);
+  void read();
+
+  std::unique_ptr<TrialWalk> walk_;
+  bool complete_;
+  Time disorder_{};
+  std::optional<Time> newest_;
+  std::multimap<Time, Sample> samples_;  // by when they are available
+  Row<TickState> states_;
+  Row<FrameRecord> frames_;
+  bool ended_ = false;
+};
+
+}  // namespace headpin::devices

@@ -1,0 +1,230 @@
+#include "devices/trial/log.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <chrono>
+#include <cmath>
+#include <condition_variable>
+#include <cstdio>
+#include <cstring>
+#include <mutex>
+#include <stdexcept>
+#include <stop_token>
+#include <thread>
+#include <utility>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <lcm/lcm.h>
+#include <sched.h>
+#include <stdio_ext.h>
+#include <unistd.h>
+
+#include "devices/base/version.h"
+#include "devices/trial/file.h"
+#include "devices/trial/messages.h"
+#include "devices/trial/sources.h"
+#include "devices/trial/state_change.h"
+#include "files/output_file.h"
+
+namespace headpin::devices {
+
+namespace {
+
+Trial whole(const TrialFile& file) {
+  Trial trial;
+  static_cast<TrialSummary&>(trial) = file.summary();
+  file.walk([&](TrialFile::Item& item) {
+    if (auto* sample = std::get_if<Sample>(&item)) trial.samples.push_back(std::move(*sample));
+    if (auto* state = std::get_if<TickState>(&item)) trial.states.push_back(std::move(*state));
+    if (const auto* frame = std::get_if<FrameRecord>(&item)) trial.frames.push_back(*frame);
+    return true;
+  });
+  return trial;
+}
+
+}  // namespace
+
+Trial read_log(std::span<const std::uint8_t> bytes) {
+  return whole(TrialFile(bytes));
+}
+
+Trial read_log(const std::string& path) {
+  return whole(TrialFile(path));
+}
+
+Trial read_trial(const std::string& path, Time longest_gap) {
+  const TrialFile file(path);
+  file.require_trial(longest_gap);
+  return whole(file);
+}
+
+TrialHeader stamped(TrialHeader header, States states) {
+  header.format_version = states == States::all ? kFormatVersion : kChangesFormatVersion;
+  header.software_version = software_version();
+  header.software_commit = software_commit();
+  header.schema = schema_text();
+  return header;
+}
+
+struct Recorder::File {
+  std::string path;
+  Options options;
+  files::OutputFile output;
+  lcm_eventlog_t* log = nullptr;
+  Buffer bytes;            // of the message at hand
+  std::int64_t size = 0;   // of the file, up to the last whole event
+  std::int64_t count = 0;  // of messages
+  Time last{};
+  StateHistory states;
+  Time whole_due{};  // when the next state is told whole
+  std::atomic<bool> unsynced = false;
+  std::jthread syncing;  // last, so that it ends before what it works with
+
+  File(const std::string& name, const Options& how)
+      : path(name),
+        options(how),
+        output(name, {.overwrite = how.overwrite,
+                      .live = how.live,
+                      .standard_output = true,
+                      .inputs = how.inputs}) {
+    // liblcm opens by name only, and would open what is there; so it opens nothing.
+    std::FILE* file = fdopen(fcntl(output.descriptor(), F_DUPFD_CLOEXEC, 3), "w");
+    log = file ? lcm_eventlog_create("/dev/null", "w") : nullptr;
+    if (!log) throw std::runtime_error(path + ": cannot create: " + std::strerror(errno));
+    std::fclose(std::exchange(log->f, file));
+    setvbuf(log->f, nullptr, _IOFBF, 1 << 16);
+    if (how.live) {
+      syncing = std::jthread([this](const std::stop_token& stopped) { sync_until(stopped); });
+    }
+  }
+
+  ~File() {
+    if (log) lcm_eventlog_destroy(log);
+  }
+
+  /// Has what was written on the disk every second, beside the session: a disk may take its time.
+  void sync_until(const std::stop_token& stopped) {
+    const sched_param as_others{};  // whatever the session's ticks go before
+    sched_setscheduler(0, SCHED_OTHER, &as_others);
+    std::mutex none;
+    std::condition_variable_any nap;
+    std::unique_lock lock(none);
+    while (!nap.wait_for(lock, stopped, std::chrono::seconds(1), [] { return false; }) &&
+           !stopped.stop_requested()) {
+      try {
+        output.sync();
+      } catch (const std::exception&) {
+        unsynced = true;
+      }
+    }
+  }
+
+  /// What is new in a state; nothing where it is to be told whole.
+  std::optional<StateChange> change_to(const TickState& state) {
+    if (options.states == States::all) return std::nullopt;
+    if (state.time < whole_due) {
+      if (auto change = states.change_to(state)) return change;
+    }
+    states.begin(state);
+    whole_due = state.time + Time{1'000'000};
+    return std::nullopt;
+  }
+
+  template <typename T>
+  void write(std::string_view channel, Time time, const T& message) {
+    if (!log) throw std::runtime_error(path + ": closed, nothing more can be written");
+    if (unsynced) throw std::runtime_error(path + ": the disk did not take what was written");
+    encode(message, bytes);
+    last = std::max(last, time);
+    lcm_eventlog_event_t event{};
+    event.timestamp = (options.epoch + last).count();
+    event.channellen = static_cast<std::int32_t>(channel.size());
+    event.datalen = static_cast<std::int32_t>(bytes.size());
+    event.channel = const_cast<char*>(channel.data());
+    event.data = bytes.data();
+    if (lcm_eventlog_write_event(log, &event) != 0 || std::fflush(log->f) != 0) cut_back();
+    constexpr std::int64_t kEventHeader = 28;
+    size += kEventHeader + event.channellen + event.datalen;
+    ++count;
+  }
+
+  /// Leaves the file with its whole events after a write that failed.
+  [[noreturn]] void cut_back() {
+    const int error = errno;
+    __fpurge(log->f);  // else closing would try again
+    const bool cut = output.cut_back(size);
+    lcm_eventlog_destroy(log);
+    log = nullptr;
+    throw std::runtime_error(path + ": cannot write event " + std::to_string(count) + ": " +
+                             std::strerror(error) +
+                             (cut && options.live ? "; the events before it are kept" : ""));
+  }
+};
+
+Recorder::Recorder(const std::string& path, const TrialHeader& header, const Options& options)
+    : file_(std::make_unique<File>(path, options)) {
+  file_->write(kTrialChannel, Time{}, stamped(header, options.states));
+}
+
+Recorder::~Recorder() = default;
+
+void Recorder::write(const Sample& sample) {
+  if (const auto* tracker = std::get_if<TrackerSample>(&sample)) {
+    file_->write(kTrackerChannel, available(sample), *tracker);
+  } else {
+    file_->write(kMouseChannel, available(sample), std::get<MouseSample>(sample));
+  }
+}
+
+void Recorder::write(const Event& event) {
+  file_->write(kEventChannel, event.time, event);
+}
+
+void Recorder::write(const TickState& state) {
+  if (const auto change = file_->change_to(state)) {
+    file_->write(kStateChangeChannel, state.time, *change);
+  } else {
+    file_->write(kStateChannel, state.time, state);
+  }
+}
+
+void Recorder::write(const FrameRecord& frame) {
+  file_->write(kFrameChannel, frame.time, frame);
+}
+
+void Recorder::require_kept() const {
+  file_->output.require_kept(file_->size);
+}
+
+void Recorder::close() {
+  Event end;
+  end.time = file_->last;
+  end.kind = kEndEvent;
+  end.value = static_cast<double>(file_->count);
+  write(end);
+  require_kept();
+  file_->syncing = {};
+  lcm_eventlog_destroy(file_->log);
+  file_->log = nullptr;
+  file_->output.commit();
+}
+
+void write(Recorder& recorder, std::span<const Sample> samples, std::span<const Event> events) {
+  auto event = events.begin();
+  for (const Sample& sample : samples) {
+    for (; event != events.end() && event->time < available(sample); ++event) {
+      recorder.write(*event);
+    }
+    if (!std::visit([](const auto& s) { return plausible(s); }, sample)) {
+      throw std::invalid_argument(
+          fmt::format("sample at {:.6f} s: its numbers cannot be", seconds(available(sample))));
+    }
+    recorder.write(sample);
+  }
+  for (; event != events.end(); ++event) recorder.write(*event);
+}
+
+}  // namespace headpin::devices

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "devices/trial/state_change.h"
+#include "devices/trial/trial.h"
+
+/// Plain data <-> the bytes of LCM messages; pure functions.
+///
+/// Decoding trusts nothing: every length is checked against the bytes there are before the code
+/// that lcm-gen made sees them.
+namespace headpin::devices {
+
+constexpr std::string_view kTrialChannel = "HEADPIN_TRIAL";
+constexpr std::string_view kTrackerChannel = "TRACKER";
+constexpr std::string_view kMouseChannel = "MOUSE3D";
+constexpr std::string_view kEventChannel = "EVENT";
+constexpr std::string_view kStateChannel = "STATE";
+constexpr std::string_view kStateChangeChannel = "STATE_CHANGE";
+constexpr std::string_view kFrameChannel = "FRAME";
+
+/// Before the channels on which a session publishes its own trial, so that it is not mixed up with
+/// what it listens to: SESSION_STATE.
+constexpr std::string_view kSessionPrefix = "SESSION_";
+
+using Buffer = std::vector<std::uint8_t>;
+
+/// Writes the message into `out`, which is resized; what it had room for is used again.
+///
+/// @throws std::invalid_argument  when a list is longer than a message can hold
+void encode(const TrialHeader& header, Buffer& out);
+void encode(const TrackerSample& sample, Buffer& out);
+void encode(const MouseSample& sample, Buffer& out);
+void encode(const Event& event, Buffer& out);
+void encode(const TickState& state, Buffer& out);
+void encode(const StateChange& change, Buffer& out);
+void encode(const FrameRecord& frame, Buffer& out);
+
+/// Any message of a trial.
+using Message = std::variant<TrialHeader, TrackerSample, MouseSample, Event, TickState, StateChange,
+                             FrameRecord>;
+
+/// Whether messages on `channel` are ours to decode.
+bool is_trial_channel(std::string_view channel);
+
+/// The message on one of our channels; nothing when its type, its size or a length in it is wrong.
+std::optional<Message> decode(std::string_view channel, std::span<const std::uint8_t> bytes);
+
+/// Whether numbers are finite, quaternions unit to 1e-3, times less than 126 years from 0, counts
+/// not negative.
+bool plausible(const Message& message);
+
+}  // namespace headpin::devices

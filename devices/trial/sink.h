@@ -1,0 +1,25 @@
+#pragma once
+
+#include "devices/trial/trial.h"
+
+namespace headpin::devices {
+
+/// Where a trial goes as it comes about: a file, or LCM.
+class TrialSink {
+ public:
+  virtual ~TrialSink() = default;
+
+  /// @throws std::runtime_error  when nothing more can be taken
+  virtual void write(const Sample& sample) = 0;
+  virtual void write(const Event& event) = 0;
+  virtual void write(const TickState& state) = 0;
+  virtual void write(const FrameRecord& frame) = 0;
+
+  /// The end event, which counts the messages before it.
+  virtual void close() = 0;
+
+  /// @throws std::runtime_error  when what was written is gone by now
+  virtual void require_kept() const {}
+};
+
+}  // namespace headpin::devices

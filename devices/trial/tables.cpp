@@ -1,0 +1,400 @@
+#include "devices/trial/tables.h"
+
+#include <functional>
+#include <ostream>
+#include <stdexcept>
+#include <variant>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "devices/trial/sources.h"
+
+namespace headpin::devices {
+
+namespace {
+
+std::string csv_quoted(std::string_view text) {
+  if (text.find_first_of(",\"\r\n") == std::string_view::npos) return std::string(text);
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
+std::string decimal_seconds(Time time) {
+  const std::int64_t us = time.count();
+  return fmt::format("{}{}.{:06}", us < 0 ? "-" : "", std::abs(us) / 1'000'000,
+                     std::abs(us) % 1'000'000);
+}
+
+/// A column of a table whose rows are Row, and how a row's field is written.
+template <typename Row>
+struct Field {
+  const char *name, *kind, *unit, *meaning;
+  std::string (*text)(const Row&);
+};
+
+template <typename Row>
+std::vector<Field<Row>> operator+(std::vector<Field<Row>> a, const std::vector<Field<Row>>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+/// The columns of a vector or quaternion that `Of` finds in a row.
+template <auto Of, typename Row>
+std::vector<Field<Row>> vector_fields(const char* x, const char* y, const char* z, const char* unit,
+                                      const char* meaning) {
+  return {{x, "number", unit, meaning, [](const Row& r) { return fmt::format("{}", Of(r).x()); }},
+          {y, "number", unit, "", [](const Row& r) { return fmt::format("{}", Of(r).y()); }},
+          {z, "number", unit, "", [](const Row& r) { return fmt::format("{}", Of(r).z()); }}};
+}
+
+template <auto Of, typename Row>
+std::vector<Field<Row>> pose_fields(const char* position, const char* rotation) {
+  constexpr auto kPosition = [](const Row& r) -> const Vec3& { return Of(r).p; };
+  return vector_fields<kPosition, Row>("x_m", "y_m", "z_m", "m", position) +
+         std::vector<Field<Row>>{
+             {"qw", "number", "", rotation,
+              [](const Row& r) { return fmt::format("{}", Of(r).q.w()); }},
+             {"qx", "number", "", "", [](const Row& r) { return fmt::format("{}", Of(r).q.x()); }},
+             {"qy", "number", "", "", [](const Row& r) { return fmt::format("{}", Of(r).q.y()); }},
+             {"qz", "number", "", "", [](const Row& r) { return fmt::format("{}", Of(r).q.z()); }}};
+}
+
+const char* yes_no(bool yes) {
+  return yes ? "1" : "0";
+}
+
+/// What may not be known is empty then.
+template <typename T>
+std::string maybe(const std::optional<T>& value) {
+  return value ? fmt::format("{}", *value) : "";
+}
+
+/// A part of a vector that `Of` may find in a row.
+template <auto Of, int I, typename Row>
+std::string part(const Row& row) {
+  const std::optional<Vec3> v = Of(row);
+  return v ? fmt::format("{}", (*v)[I]) : "";
+}
+
+/// The columns of such a vector.
+template <auto Of, typename Row>
+std::vector<Field<Row>> maybe_vector_fields(const char* x, const char* y, const char* z,
+                                            const char* unit, const char* meaning) {
+  return {{x, "number", unit, meaning, part<Of, 0, Row>},
+          {y, "number", unit, "", part<Of, 1, Row>},
+          {z, "number", unit, "", part<Of, 2, Row>}};
+}
+
+/// A sample, and where the tracked space stood when it was taken in.
+struct TrackerRow {
+  const TrackerSample& sample;
+  std::optional<Vec3> p_WP;
+};
+
+/// One body after one tick.
+struct StateRow {
+  const TickState& tick;
+  const BodyState& body;
+  std::string_view name;
+};
+
+/// One eye of one frame.
+struct EyeRow {
+  const FrameRecord& frame;
+  std::size_t eye;
+};
+
+std::vector<Field<TrackerRow>> tracker_fields() {
+  using Row = TrackerRow;
+  return std::vector<Field<Row>>{
+             {"device_time_s", "number", "s", "when it was measured, on the trial's clock",
+              [](const Row& r) { return decimal_seconds(r.sample.device_time); }},
+             {"host_time_s", "number", "s",
+              "when its first byte arrived; 0 if it never crossed a wire",
+              [](const Row& r) { return decimal_seconds(r.sample.host_time); }},
+             {"sequence", "whole", "", "counts up per station; a hole is a lost sample",
+              [](const Row& r) { return fmt::format("{}", r.sample.sequence); }},
+             {"station", "whole", "", "receiver: 1 head, 2 right hand, 3 left hand",
+              [](const Row& r) { return fmt::format("{}", r.sample.station); }},
+             {"frame", "text", "", "frame of the pose; T is the transmitter's",
+              [](const Row& r) { return csv_quoted(r.sample.frame); }}} +
+         pose_fields<[](const Row& r) -> const Pose& { return r.sample.X_TS; }, Row>(
+             "position of the receiver in that frame", "its rotation, a unit quaternion") +
+         std::vector<Field<Row>>{
+             {"status", "text", "", "empty when good, else the Fastrak's error letter",
+              [](const Row& r) {
+                return r.sample.good() ? "" : csv_quoted(std::string(1, r.sample.status));
+              }},
+             {"stylus", "yes/no", "", "switch of the stylus",
+              [](const Row& r) { return std::string(yes_no(r.sample.buttons & 1)); }},
+             {"session_time_s", "number", "s",
+              "when the session took it in (session_utime of the message); 0 outside one",
+              [](const Row& r) { return decimal_seconds(r.sample.session_time); }}} +
+         maybe_vector_fields<[](const Row& r) { return r.p_WP; }, Row>(
+             "walk_x_m", "walk_y_m", "walk_z_m", "m",
+             "p_WP: where a walk by the thumbs has the tracked space in the world by then; X_WS is "
+             "X_WP X_WT X_TS; empty where the trial's scenario cannot be read");
+}
+
+std::vector<Field<MouseSample>> button_fields() {
+  using Row = MouseSample;
+  return {
+      {"device_time_s", "number", "s", "when it changed, on the trial's clock",
+       [](const Row& r) { return decimal_seconds(r.device_time); }},
+      {"host_time_s", "number", "s", "when its first byte arrived; 0 if it never crossed a wire",
+       [](const Row& r) { return decimal_seconds(r.host_time); }},
+      {"left_thumb", "yes/no", "", "walk forward",
+       [](const Row& r) { return std::string(yes_no(r.left_thumb)); }},
+      {"right_thumb", "yes/no", "", "walk backward",
+       [](const Row& r) { return std::string(yes_no(r.right_thumb)); }},
+      {"trigger", "yes/no", "", "grab",
+       [](const Row& r) { return std::string(yes_no(r.trigger)); }},
+      {"session_time_s", "number", "s", "when the session took it in; 0 outside one",
+       [](const Row& r) { return decimal_seconds(r.session_time); }}};
+}
+
+std::vector<Field<Event>> event_fields() {
+  using Row = Event;
+  return std::vector<Field<Row>>{{"time_s", "number", "s", "when, on the trial's clock",
+                                  [](const Row& r) { return decimal_seconds(r.time); }},
+                                 {"tick", "whole", "", "of the simulation; -1 outside it",
+                                  [](const Row& r) { return fmt::format("{}", r.tick); }},
+                                 {"kind", "text", "", "what happened; see the list of events",
+                                  [](const Row& r) { return csv_quoted(r.kind); }},
+                                 {"bodies", "text", "", "to which bodies, separated by semicolons",
+                                  [](const Row& r) {
+                                    return csv_quoted(fmt::format("{}", fmt::join(r.bodies, ";")));
+                                  }}} +
+         vector_fields<[](const Row& r) -> const Vec3& { return r.p_W; }, Row>(
+             "x_m", "y_m", "z_m", "m", "where, in the world; 0 where it does not apply") +
+         vector_fields<[](const Row& r) -> const Vec3& { return r.j_W; }, Row>(
+             "impulse_x_ns", "impulse_y_ns", "impulse_z_ns", "N s",
+             "impulse on the first body, in the world") +
+         std::vector<Field<Row>>{{"value", "number", "", "what the kind says",
+                                  [](const Row& r) { return fmt::format("{}", r.value); }},
+                                 {"detail", "text", "", "what the kind says",
+                                  [](const Row& r) { return csv_quoted(r.detail); }}};
+}
+
+std::vector<Field<ThrowRow>> throw_fields() {
+  using Row = ThrowRow;
+  return std::vector<Field<Row>>{
+             {"version", "text", "", "of the game: red or blue; empty where there are none",
+              [](const Row& r) { return csv_quoted(r.version); }},
+             {"frame", "whole", "", "of the game, from 1; empty where the throw was not counted",
+              [](const Row& r) { return r.frame > 0 ? fmt::format("{}", r.frame) : ""; }},
+             {"ball", "whole", "", "of the frame, from 1; likewise",
+              [](const Row& r) { return r.ball > 0 ? fmt::format("{}", r.ball) : ""; }},
+             {"body", "text", "", "which ball", [](const Row& r) { return csv_quoted(r.body); }},
+             {"release_time_s", "number", "s", "of the tick that let it go, on the trial's clock",
+              [](const Row& r) { return decimal_seconds(r.release); }},
+             {"trigger_time_s", "number", "s",
+              "when the trigger was let go, as its device tells it; empty in older trials, as are "
+              "the vectors",
+              [](const Row& r) { return maybe(r.trigger_s); }}} +
+         maybe_vector_fields<[](const Row& r) { return r.p_WB; }, Row>(
+             "x_m", "y_m", "z_m", "m", "centre of the ball then, in the world") +
+         maybe_vector_fields<[](const Row& r) { return r.v_WB; }, Row>("vx_mps", "vy_mps", "vz_mps",
+                                                                       "m/s", "its velocity then") +
+         maybe_vector_fields<[](const Row& r) { return r.w_WB; }, Row>(
+             "wx_radps", "wy_radps", "wz_radps", "rad/s", "its angular velocity then") +
+         std::vector<Field<Row>>{
+             {"speed_mps", "number", "m/s", "with which it left the hand",
+              [](const Row& r) { return fmt::format("{}", r.speed); }},
+             {"known", "text", "",
+              "how the release was known: tracked, extrapolated or impossible; empty where nothing "
+              "tells",
+              [](const Row& r) { return csv_quoted(r.known); }},
+             {"extrapolated_s", "number", "s", "by so long from the nearest sample of the hand",
+              [](const Row& r) { return maybe(r.extrapolated_s); }},
+             {"samples_left_out", "whole", "",
+              "samples of the hand that lie off what those around them say",
+              [](const Row& r) { return maybe(r.left_out); }},
+             {"entry_time_s", "number", "s",
+              "when it met its first skittle; empty where it met none",
+              [](const Row& r) { return r.entry ? decimal_seconds(*r.entry) : ""; }},
+             {"entry_speed_mps", "number", "m/s", "of the ball just before",
+              [](const Row& r) { return maybe(r.entry_speed); }},
+             {"entry_angle_deg", "number", "degree",
+              "of its level velocity just before, to the right of straight on",
+              [](const Row& r) { return maybe(r.entry_angle_deg); }},
+             {"felled_by_ball", "whole", "",
+              "skittles; of a game, as it was counted, else until the next throw",
+              [](const Row& r) { return maybe(r.felled_by_ball); }},
+             {"felled_by_hand", "whole", "", "likewise, by the hand or what it carried",
+              [](const Row& r) { return maybe(r.felled_by_hand); }},
+             {"counted", "whole", "",
+              "skittles in the sheet: after a foul perhaps none; empty without a game",
+              [](const Row& r) { return maybe(r.counted); }},
+             {"foul", "yes/no", "", "let go beyond the foul line; empty where nothing tells",
+              [](const Row& r) { return r.foul ? std::string(yes_no(*r.foul)) : ""; }}};
+}
+
+std::vector<Field<StateRow>> state_fields() {
+  using Row = StateRow;
+  return std::vector<Field<Row>>{
+             {"tick", "whole", "", "of the simulation",
+              [](const Row& r) { return fmt::format("{}", r.tick.tick); }},
+             {"time_s", "number", "s", "at its end, on the trial's clock",
+              [](const Row& r) { return decimal_seconds(r.tick.time); }},
+             {"hash", "hash", "", "of the state after the tick (docs/hash-and-ledger.md)",
+              [](const Row& r) { return fmt::format("{:016x}", r.tick.hash); }},
+             {"contacts", "whole", "", "contact points of the whole world in the tick",
+              [](const Row& r) { return fmt::format("{}", r.tick.contacts); }},
+             {"body", "text", "", "which body this row is of",
+              [](const Row& r) { return csv_quoted(r.name); }}} +
+         pose_fields<[](const Row& r) -> const Pose& { return r.body.X_WB; }, Row>(
+             "centre of mass in the world", "rotation of the body, a unit quaternion") +
+         vector_fields<[](const Row& r) -> const Vec3& { return r.body.V_WB.v; }, Row>(
+             "vx_mps", "vy_mps", "vz_mps", "m/s", "velocity of the centre of mass in the world") +
+         vector_fields<[](const Row& r) -> const Vec3& { return r.body.V_WB.w; }, Row>(
+             "wx_radps", "wy_radps", "wz_radps", "rad/s", "angular velocity in the world") +
+         std::vector<Field<Row>>{{"asleep", "yes/no", "", "at rest, left alone until touched",
+                                  [](const Row& r) { return std::string(yes_no(r.body.asleep)); }}};
+}
+
+std::vector<Field<EyeRow>> frame_fields() {
+  using Row = EyeRow;
+  return std::vector<Field<Row>>{
+             {"frame", "whole", "", "counts from 0",
+              [](const Row& r) { return fmt::format("{}", r.frame.frame); }},
+             {"time_s", "number", "s", "on the trial's clock",
+              [](const Row& r) { return decimal_seconds(r.frame.time); }},
+             {"tick", "whole", "", "last tick simulated before it was drawn",
+              [](const Row& r) { return fmt::format("{}", r.frame.tick); }},
+             {"eye", "text", "", "left or right",
+              [](const Row& r) { return std::string(r.eye == 0 ? "left" : "right"); }}} +
+         pose_fields<[](const Row& r) -> const Pose& { return r.frame.X_WE[r.eye]; }, Row>(
+             "position of the eye in the world",
+             "its rotation, a unit quaternion: x right, y up, looking along -z") +
+         std::vector<Field<Row>>{
+             {"pixels", "hash", "", "FNV-1a of the picture's RGB bytes",
+              [](const Row& r) { return fmt::format("{:016x}", r.frame.hash[r.eye]); }}};
+}
+
+/// CSV being written: the names of the columns, then rows.
+template <typename Row>
+class Csv {
+ public:
+  Csv(std::ostream& out, std::vector<Field<Row>> fields) : out_(out), fields_(std::move(fields)) {
+    for (const Field<Row>& field : fields_) out << comma(field) << field.name;
+    out << '\n';
+  }
+
+  void add(const Row& row) {
+    for (const Field<Row>& field : fields_) out_.get() << comma(field) << field.text(row);
+    out_.get() << '\n';
+    ++rows_;
+  }
+
+  std::int64_t rows() const { return rows_; }
+
+ private:
+  const char* comma(const Field<Row>& field) const { return &field == fields_.data() ? "" : ","; }
+
+  std::reference_wrapper<std::ostream> out_;
+  std::vector<Field<Row>> fields_;
+  std::int64_t rows_ = 0;
+};
+
+template <typename Row>
+void list(std::vector<TableColumn>& all, const char* table, const std::vector<Field<Row>>& fields) {
+  for (const Field<Row>& f : fields) all.push_back({table, f.name, f.kind, f.unit, f.meaning});
+}
+
+}  // namespace
+
+std::vector<TableColumn> table_columns() {
+  std::vector<TableColumn> all;
+  list(all, "trackers", tracker_fields());
+  list(all, "buttons", button_fields());
+  list(all, "events", event_fields());
+  list(all, "throws", throw_fields());
+  list(all, "states", state_fields());
+  list(all, "frames", frame_fields());
+  for (std::size_t i = 1; i < all.size(); ++i) {  // y and z, or qx .. qz, mean what the first does
+    if (all[i].meaning.empty()) all[i].meaning = all[i - 1].meaning;
+  }
+  return all;
+}
+
+std::vector<std::string> table_names() {
+  std::vector<std::string> names;
+  for (const TableColumn& column : table_columns()) {
+    if (names.empty() || names.back() != column.table) names.push_back(column.table);
+  }
+  return names;
+}
+
+struct TableWriter::Table {
+  using Any = std::variant<Csv<TrackerRow>, Csv<MouseSample>, Csv<Event>, Csv<ThrowRow>,
+                           Csv<StateRow>, Csv<EyeRow>>;
+
+  static Any open(std::ostream& out, std::string_view table) {
+    if (table == "trackers") return Csv<TrackerRow>(out, tracker_fields());
+    if (table == "buttons") return Csv<MouseSample>(out, button_fields());
+    if (table == "events") return Csv<Event>(out, event_fields());
+    if (table == "throws") return Csv<ThrowRow>(out, throw_fields());
+    if (table == "states") return Csv<StateRow>(out, state_fields());
+    if (table == "frames") return Csv<EyeRow>(out, frame_fields());
+    throw std::invalid_argument(
+        fmt::format("no table '{}'; expected one of {}", table, fmt::join(table_names(), ", ")));
+  }
+
+  template <typename Row>
+  void add(const Row& row) {
+    if (auto* own = std::get_if<Csv<Row>>(&csv)) own->add(row);
+  }
+
+  Any csv;
+  const std::vector<std::string>& names;  ///< of the bodies
+  std::function<std::optional<Vec3>(Time)> walk;
+};
+
+TableWriter::TableWriter(std::ostream& out, std::string_view table, const TrialHeader& header,
+                         std::function<std::optional<Vec3>(Time)> walk)
+    : table_(std::make_unique<Table>(
+          Table{Table::open(out, table), header.body_names, std::move(walk)})) {}
+TableWriter::~TableWriter() = default;
+TableWriter::TableWriter(TableWriter&&) noexcept = default;
+
+void TableWriter::add(const Sample& sample) {
+  if (const auto* mouse = std::get_if<MouseSample>(&sample)) return table_->add(*mouse);
+  const auto& tracker = std::get<TrackerSample>(sample);
+  table_->add(TrackerRow{tracker, table_->walk ? table_->walk(available(sample)) : std::nullopt});
+}
+
+void TableWriter::add(const ThrowRow& row) {
+  table_->add(row);
+}
+
+void TableWriter::add(const Event& event) {
+  table_->add(event);
+}
+
+void TableWriter::add(const TickState& state) {
+  const std::vector<std::string>& names = table_->names;
+  for (std::size_t i = 0; i < state.bodies.size(); ++i) {
+    const std::string name = i < names.size() ? names[i] : fmt::format("body {}", i);
+    table_->add(StateRow{state, state.bodies[i], name});
+  }
+}
+
+void TableWriter::add(const FrameRecord& frame) {
+  for (std::size_t eye = 0; eye < 2; ++eye) table_->add(EyeRow{frame, eye});
+}
+
+std::int64_t TableWriter::rows() const {
+  return std::visit([](const auto& csv) { return csv.rows(); }, table_->csv);
+}
+
+void write_dictionary(std::ostream& out) {
+  out << "table,column,kind,unit,meaning\n";
+  for (const TableColumn& c : table_columns()) {
+    out << fmt::format("{},{},{},{},{}\n", c.table, c.name, c.kind, c.unit, csv_quoted(c.meaning));
+  }
+}
+
+}  // namespace headpin::devices

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <functional>
+#include <iosfwd>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "devices/trial/trial.h"
+
+/// A trial as tidy tables: one observation a row, one quantity a column, for people who would
+/// rather read CSV than LCM.
+namespace headpin::devices {
+
+/// One throw of a session, as its events tell of it: a ball that the hand let go.
+struct ThrowRow {
+  std::string version;                   ///< red or blue; empty where there are none
+  int frame = 0, ball = 0;               ///< from 1; 0 where it was not counted
+  std::string body;                      ///< which ball
+  Time release{};                        ///< of the tick that let it go
+  std::optional<double> trigger_s;       ///< when the trigger was let go, as its device tells it
+  std::optional<Vec3> p_WB, v_WB, w_WB;  ///< of the ball then, in the world
+  double speed = 0.0;                    ///< [m/s]
+  std::string known;                     ///< how the release was known; empty where nothing tells
+  std::optional<double> extrapolated_s;  ///< by so long from the nearest sample
+  std::optional<int> left_out;           ///< samples that lie off what the others say
+  std::optional<Time> entry;             ///< when it met its first skittle
+  std::optional<double> entry_speed;     ///< just before [m/s]
+  std::optional<double>
+      entry_angle_deg;  ///< of its level velocity then, to the right of straight on
+  std::optional<int> felled_by_ball, felled_by_hand;  ///< until the next ball
+  std::optional<int> counted;  ///< in the sheet; other than felled by the ball after a foul
+  std::optional<bool> foul;    ///< let go beyond the foul line
+};
+
+/// What stands in one column of one table.
+struct TableColumn {
+  std::string table;    ///< "trackers", "buttons", "events", "throws", "states" or "frames"
+  std::string name;     ///< with the unit last
+  std::string kind;     ///< "number", "whole", "text", "yes/no" (1 or 0) or "hash" (16 hex digits)
+  std::string unit;     ///< empty where there is none
+  std::string meaning;  ///< a sentence's worth
+};
+
+/// Every column of every table, in their order.
+std::vector<TableColumn> table_columns();
+
+/// Names of the tables, in their order.
+std::vector<std::string> table_names();
+
+/// Writes one table of a trial as CSV (RFC 4180, lines end with LF): names, then rows.
+///
+/// Numbers are the shortest that read back to the same bits; times are exact, in decimal seconds.
+class TableWriter {
+ public:
+  /// @param header  of the trial
+  /// @param out     both must outlive this
+  /// @param walk    p_WP of the tracked space when a sample was taken in; none where nobody knows
+  /// @throws std::invalid_argument  for a table that is not there
+  TableWriter(std::ostream& out, std::string_view table, const TrialHeader& header,
+              std::function<std::optional<Vec3>(Time taken_in)> walk = {});
+  ~TableWriter();
+  TableWriter(TableWriter&&) noexcept;
+
+  /// What is not of this table is passed over.
+  void add(const Sample& sample);
+  void add(const Event& event);
+  void add(const ThrowRow& row);
+  void add(const TickState& state);
+  void add(const FrameRecord& frame);
+
+  std::int64_t rows() const;
+
+ private:
+  struct Table;
+  std::unique_ptr<Table> table_;
+};
+
+/// What every column is, as CSV: table, column, kind, unit, meaning.
+void write_dictionary(std::ostream& out);
+
+}  // namespace headpin::devices

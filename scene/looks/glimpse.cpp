@@ -1,0 +1,79 @@
+#include "scene/looks/glimpse.h"
+
+#include <algorithm>
+
+namespace headpin::scene {
+
+namespace {
+
+/// A hand closes as long as it opens, beginning with the tick that took or let go.
+double how_closed(const Session& session) {
+  constexpr double kTakes = 0.1;  // [s]
+  const Player& player = session.player;
+  if (!player.grip_changed) return 0.0;
+  const double share = std::clamp(seconds(session.now() - *player.grip_changed) / kTakes, 0.0, 1.0);
+  return player.held ? share : 1.0 - share;
+}
+
+}  // namespace
+
+Glimpse glimpse(const Session& session, const Pose& X_WD) {
+  Glimpse g{.X_WD = X_WD,
+            .ellipsoids = session.scenario().skittle.seen == "collider" &&
+                          session.scenario().collision.shape == "ellipsoid",
+            .skittle_centre = session.stage->skittle_centre,
+            .X_WH = hand_pose(session),
+            .closed = how_closed(session)};
+  const auto poses_of = [&](const std::vector<engine::BodyId>& bodies, std::vector<Pose>& poses) {
+    for (const engine::BodyId body : bodies) poses.push_back(session.world.states[body].X_WB);
+  };
+  poses_of(session.stage->skittles, g.X_WB_skittles);
+  poses_of(session.stage->balls, g.X_WB_balls);
+  return g;
+}
+
+Moving moving(const Glimpse& g) {
+  return {.X_WB_skittles = g.X_WB_skittles,
+          .ellipsoids = g.ellipsoids,
+          .skittle_centre = g.skittle_centre,
+          .X_WB_balls = g.X_WB_balls,
+          .X_WH = g.X_WH,
+          .closed = g.closed,
+          .X_WD = g.X_WC ? std::optional(g.X_WD) : std::nullopt};
+}
+
+void BetweenTicks::keep(const Session& session) {
+  stage_ = session.stage;
+  time_ = session.now();
+  seen_ = scene::glimpse(session, {});
+  states_ = session.world.states;
+}
+
+Glimpse BetweenTicks::glimpse(const Session& session, Time at, const Pose& X_WD) const {
+  Glimpse now = scene::glimpse(session, X_WD);
+  if (!stage_ || at >= session.now()) return now;
+  if (stage_ != session.stage) {  // another version's world begins with the tick
+    now = seen_;
+    now.X_WD = X_WD;
+    return now;
+  }
+  const double dt = seconds(session.now() - time_);
+  const double s = seconds(at - time_) / dt;
+  const auto mix = [&](const std::vector<engine::BodyId>& bodies, const std::vector<Pose>& before,
+                       std::vector<Pose>& poses) {
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+      const double speed =
+          states_[bodies[i]].v_WB.norm() + session.world.states[bodies[i]].v_WB.norm();
+      constexpr double kPushed = 0.02;  // by what overlapped it, or by the hand that carries it [m]
+      const bool moved = (poses[i].p - before[i].p).norm() <= speed * dt + kPushed;
+      poses[i] = moved ? interpolate(before[i], poses[i], s) : before[i];
+    }
+  };
+  mix(session.stage->skittles, seen_.X_WB_skittles, now.X_WB_skittles);
+  mix(session.stage->balls, seen_.X_WB_balls, now.X_WB_balls);
+  now.closed = seen_.closed + s * (now.closed - seen_.closed);
+  if (now.X_WH && seen_.X_WH) now.X_WH = interpolate(*seen_.X_WH, *now.X_WH, s);
+  return now;
+}
+
+}  // namespace headpin::scene

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <array>
+
+#include "render/data/mesh.h"
+
+namespace headpin::scene {
+
+/// A right hand in a sleeve, in its own frame: its back up (+y), origin in the palm. Less than 1000
+/// triangles.
+///
+/// @param p_HB    centre of the ball in the hand [m]; the palm lies where the ball is nearest
+/// @param radius  of the ball [m]
+/// @param closed  0: open and flat, fingers along -z; 1: around the ball, palm behind it, fingers over
+///                its top, middle and ring finger and the thumb, on its left, in their holes
+render::Mesh hand_mesh(const Vec3& p_HB, double radius, double closed);
+
+/// Where the holes of those three fingers are: from the ball's centre, in the frame of a ball that
+/// lies on its stand unturned and is taken from there as the model's arm does.
+std::array<Vec3, 3> ball_holes(const Vec3& p_HB, double radius);
+
+}  // namespace headpin::scene

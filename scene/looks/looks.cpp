@@ -1,0 +1,285 @@
+#include "scene/looks/looks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "scene/looks/hand_mesh.h"
+#include "scene/looks/room_mesh.h"
+#include "scene/looks/skittle_mesh.h"
+#include "scene/stage/seen_mesh.h"
+
+namespace headpin::scene {
+
+namespace {
+
+using render::DrawItem;
+using render::DrawList;
+using render::Occluder;
+
+/// How finely a skittle is made.
+struct Detail {
+  int rings, sides;
+};
+constexpr Detail kNear{26, 18}, kFar{14, 18}, kFaint{9, 8};
+
+constexpr int kHands = 7;  // from open to closed, as frames may show them
+
+/// Three balls on the axis that fill a turned body about as well as it fills itself.
+std::vector<Occluder> occluders_of(const Outline& outline, double origin) {
+  std::vector<Occluder> balls;
+  const double height = outline.back().x();
+  for (const double share : {0.08, 0.3, 0.88}) {
+    const auto at = std::find_if(outline.begin(), outline.end(),
+                                 [&](const Vec2& p) { return p.x() >= share * height; });
+    balls.push_back({Vec3(0.0, 0.0, at->x() - origin), at->y()});
+  }
+  return balls;
+}
+
+/// A head in a helmet, in the frame of its display: x right, y up, looking along -z.
+render::Mesh head_mesh() {
+  const Pose upright{rotation(Vec3(-0.5 * std::numbers::pi, 0.0, 0.0)), Vec3(0.0, 0.0, 0.09)};
+  render::Mesh head;
+  head.gloss = 0.2;
+  append(head,
+         render::ellipsoid(0.09, 0.125, 24, 16,
+                           [](double z) { return render::srgb(z < 0.0 ? 0xc89878 : 0x303236); }),
+         upright);
+  append(head, render::box(Vec3(0.17, 0.09, 0.10), render::srgb(0x1b1c20)),
+         {Quat::Identity(), Vec3(0.0, 0.0, -0.02)});
+  return head;
+}
+
+/// Of a few pixels: as wide as a round one in the mean of all directions, and lit at its vertices.
+render::Mesh far_skittle_mesh(const Outline& outline, double origin, Detail detail) {
+  render::Mesh mesh = skittle_mesh(outline, origin, detail.rings, detail.sides);
+  mesh.fine_light = false;
+  const double half = std::numbers::pi / detail.sides;
+  const auto wider = static_cast<float>(half / std::sin(half));
+  for (render::Vertex& v : mesh.vertices) v.p.head<2>() *= wider;
+  return mesh;
+}
+
+BodyMeshes skittle_meshes(const MeshKeeper& keeper, const Outline& outline, double origin) {
+  return {keeper.add(skittle_mesh(outline, origin, kNear.rings, kNear.sides)),
+          keeper.add(far_skittle_mesh(outline, origin, kFar)),
+          keeper.add(far_skittle_mesh(outline, origin, kFaint))};
+}
+
+TurnedPart turned_part(const SkittlePart& part) {
+  const double low = part.low, high = part.high, r = part.radius;
+  if (part.shape == "cylinder") return {low, high, [r](double) { return r; }};
+  if (part.shape == "cone") {
+    return {low, high, [=](double z) { return r * (high - z) / (high - low); }};
+  }
+  return {low, high, [=](double z) {
+            const double up = (2.0 * z - low - high) / (high - low);
+            return r * std::sqrt(std::max(0.0, 1.0 - up * up));
+          }};
+}
+
+render::Mesh faces_of(const SkittlePart& part, double origin) {
+  const Vec3 white = render::srgb(0xf4f1e6);
+  render::Mesh mesh;
+  for (const std::vector<std::uint32_t>& face : part.faces) {
+    const auto corner = [&](std::size_t i) {
+      return Vec3(part.corners[face[i]] - Vec3(0.0, 0.0, origin));
+    };
+    const Vec3 n = (corner(1) - corner(0)).cross(corner(2) - corner(1)).normalized();
+    const auto first = static_cast<std::uint32_t>(mesh.vertices.size());
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      mesh.vertices.push_back({corner(i).cast<float>(), n.cast<float>(), white.cast<float>()});
+    }
+    for (std::uint32_t i = 1; i + 1 < face.size(); ++i) {
+      mesh.indices.insert(mesh.indices.end(), {first, first + i, first + i + 1});
+    }
+  }
+  return mesh;
+}
+
+/// A skittle as it collides: the parts that it is made of.
+BodyMeshes collider_meshes(const MeshKeeper& keeper, const Skittle& skittle, double origin) {
+  std::vector<TurnedPart> turned;
+  render::Mesh solid;
+  solid.gloss = 0.5;
+  for (const SkittlePart& part : skittle.parts) {
+    if (part.shape == "polyhedron") {
+      append(solid, faces_of(part, origin));
+    } else {
+      turned.push_back(turned_part(part));
+    }
+  }
+  render::Mesh far = solid;
+  if (!turned.empty()) {
+    const Outline outline = outline_of_parts(turned);
+    append(solid, edged_skittle_mesh(outline, origin, 0.0003, 32));
+    append(far, edged_skittle_mesh(outline, origin, 0.002, 12));
+  }
+  return {keeper.add(solid), keeper.add(far)};
+}
+
+render::Mesh moved(const render::Mesh& mesh, const Pose& X_GP) {
+  render::Mesh all;
+  all.gloss = mesh.gloss;
+  append(all, mesh, X_GP);
+  return all;
+}
+
+void append_occluders(DrawList& list, const std::vector<Occluder>& of_body, const Pose& X_WB) {
+  for (const Occluder& ball : of_body) list.occluders.push_back({X_WB * ball.p_W, ball.radius});
+}
+
+}  // namespace
+
+Looks::Looks(const MeshKeeper& keeper, const Stage& stage)
+    : ball_radius(stage.scenario.ball.radius), skittle_centre(stage.skittle_centre) {
+  const Scenario& scenario = stage.scenario;
+  add_skittle(keeper, stage);
+  if (const auto own = seen_mesh(scenario.ball.mesh, render::srgb(0x123a8c), 0.9)) {
+    ball = {keeper.add(*own)};
+  } else {
+    const auto holes = ball_holes(scenario.hand.grip, ball_radius);
+    ball = {keeper.add(ball_mesh(ball_radius, holes)),
+            keeper.add(ball_mesh(ball_radius, holes, 20, 12)),
+            keeper.add(ball_mesh(ball_radius, {}, 14, 8))};
+  }
+  add_hands(keeper, scenario);
+  head = keeper.add(head_mesh());
+  add_room(keeper, scenario);
+
+  for (const engine::BodyId one : stage.balls) {
+    const Vec3 home = stage.world.states[one].X_WB.p;
+    const double rim = home.z() - 0.78 * ball_radius;  // the ball lies in the stand's ring
+    DrawItem stand;
+    stand.mesh = keeper.add(stand_mesh(rim, ball_radius));
+    stand.X_WG.p = Vec3(home.x(), home.y(), 0.0);
+    stand.id = kStandId;
+    stand.casts_shadow = true;
+    stand.mirrored = true;
+    room.items.push_back(stand);
+    room.occluders.push_back({Vec3(home.x(), home.y(), 0.06), 0.13});
+  }
+
+  if (scenario.version.buttons) add_buttons(keeper, scenario.version);
+}
+
+void Looks::add_skittle(const MeshKeeper& keeper, const Stage& stage) {
+  const Skittle& skittle = stage.scenario.skittle;
+  const Outline outline = smooth_outline(skittle.profile);
+  double widest = 0.0;
+  for (const SkittlePart& part : skittle.parts) widest = std::max(widest, part.radius);
+  const double height = skittle.height;
+  const Outline ellipsoid = ellipsoid_outline(height, widest);
+  if (skittle.seen == "collider") {
+    true_skittle = collider_meshes(keeper, skittle, stage.skittle_centre);
+  } else if (const auto own = seen_mesh(skittle.mesh, render::srgb(0xf4f1e6), 0.5)) {
+    true_skittle = {
+        keeper.add(moved(*own, {Quat::Identity(), Vec3(0.0, 0.0, -stage.skittle_centre)}))};
+  } else {
+    true_skittle = skittle_meshes(keeper, outline, stage.skittle_centre);
+  }
+  ellipsoid_skittle = skittle_meshes(keeper, ellipsoid, 0.5 * height);
+  true_occluders = occluders_of(outline, stage.skittle_centre);
+  ellipsoid_occluders = occluders_of(ellipsoid, 0.5 * height);
+}
+
+void Looks::add_hands(const MeshKeeper& keeper, const Scenario& scenario) {
+  const Hand& hand = scenario.hand;
+  // The hand's own frame has y up and looks along -z; a file stands upright in the world.
+  if (const auto own = seen_mesh(hand.mesh, render::srgb(0xd9a27e), 0.12)) {
+    hands = {
+        keeper.add(moved(*own, {rotation(Vec3(-0.5 * std::numbers::pi, 0.0, 0.0)), Vec3::Zero()}))};
+    return;
+  }
+  for (int i = 0; i < kHands; ++i) {
+    const double closed = static_cast<double>(i) / (kHands - 1);
+    hands.push_back(keeper.add(hand_mesh(hand.grip, ball_radius, closed)));
+  }
+}
+
+/// What never moves, and its light.
+void Looks::add_room(const MeshKeeper& keeper, const Scenario& scenario) {
+  const RoomMeasures measures = room_measures(scenario);
+  const RoomMeshes meshes = room_meshes(measures);
+  const auto still = [&](const render::Mesh& mesh, bool mirrored) {
+    DrawItem item;
+    item.mesh = keeper.add(mesh);
+    item.id = kRoomId;
+    item.mirrored = mirrored;
+    room.items.push_back(item);
+  };
+  still(meshes.lane, false);
+  still(meshes.approach, false);
+  still(meshes.beside, false);
+  still(meshes.front, true);
+  const std::optional<render::Mesh> own = seen_mesh(scenario.room.mesh, Vec3::Constant(0.5), 0.0);
+  still(own ? *own : meshes.walls, false);
+
+  room.lamps = room_lamps(measures);
+  room.sky = room_ambient().sky;
+  room.ground = room_ambient().ground;
+  room.background = Vec3(0.16, 0.15, 0.13);
+  room.patches = floor_patches(measures);
+  const double wall = 0.5 * measures.width;
+  room.shadow = {Vec3(0.22, -0.30, 1.0).normalized(),
+                 Vec3(-wall, -measures.behind, -measures.gutter_depth),
+                 Vec3(wall, measures.ahead, measures.height), 0.38};
+}
+
+void Looks::add_buttons(const MeshKeeper& keeper, const Versions& versions) {
+  const double r = versions.radius;
+  const auto add = [&](const render::Mesh& mesh, const Vec3& p_WG) {
+    DrawItem item;
+    item.mesh = keeper.add(mesh);
+    item.X_WG.p = p_WG;
+    item.id = kButtonId;
+    item.casts_shadow = true;
+    item.mirrored = true;
+    room.items.push_back(item);
+  };
+  for (const auto& [p, colour] :
+       {std::pair{versions.red.button, 0xb3202au}, std::pair{versions.blue.button, 0x2046b3u}}) {
+    const auto inside = [r](const Vec3& q) { return q.norm() - r; };
+    const Vec3 corner = Vec3::Constant(1.2 * r);
+    add(render::surface_of(inside, -corner, corner, 0.2 * r, render::srgb(colour)), p);
+    add(stand_mesh(p.z() - 0.78 * r, r), Vec3(p.x(), p.y(), 0.0));
+  }
+}
+
+DrawList draw_list(const Looks& looks, const Moving& moving) {
+  DrawList list = looks.room;
+  const auto add = [&](const BodyMeshes& meshes, const Pose& X_WG, std::uint32_t id) {
+    DrawItem item;
+    item.mesh = meshes.mesh;
+    item.far_mesh = meshes.far_mesh;
+    item.faint_mesh = meshes.faint_mesh;
+    item.X_WG = X_WG;
+    item.id = id;
+    item.casts_shadow = true;
+    item.mirrored = true;
+    list.items.push_back(item);
+  };
+  std::uint32_t skittle = kFirstSkittleId, ball = kFirstBallId;
+  const double lower = moving.ellipsoids ? 0.0 : looks.skittle_centre - moving.skittle_centre;
+  for (Pose X_WB : moving.X_WB_skittles) {
+    if (lower != 0.0) X_WB.p = X_WB * Vec3(0.0, 0.0, lower);
+    add(moving.ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle, X_WB, skittle++);
+    append_occluders(list, moving.ellipsoids ? looks.ellipsoid_occluders : looks.true_occluders,
+                     X_WB);
+  }
+  for (const Pose& X_WB : moving.X_WB_balls) {
+    add(looks.ball, X_WB, ball++);
+    list.occluders.push_back({X_WB.p, looks.ball_radius});
+  }
+  if (moving.X_WH) {
+    const double last = static_cast<double>(looks.hands.size() - 1);
+    const auto nearest = static_cast<std::size_t>(std::lround(moving.closed * last));
+    add({looks.hands[nearest]}, *moving.X_WH, kHandId);
+    list.occluders.push_back({moving.X_WH->p, 0.05});
+  }
+  if (moving.X_WD) add({looks.head}, *moving.X_WD, kHeadId);
+  return list;
+}
+
+}  // namespace headpin::scene

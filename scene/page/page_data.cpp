@@ -1,0 +1,366 @@
+#include "scene/page/page_data.h"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "engine/response.h"
+#include "render/eyes.h"
+#include "scene/page/page_film.h"
+#include "scene/play/events.h"
+#include "scene/play/outcome.h"
+#include "scene/play/presence.h"
+#include "scene/play/release.h"
+#include "scene/stage/read_scenario.h"
+#include "scene/stage/seen_mesh.h"
+#include "scene/watch/counterparts.h"
+#include "scene/watch/totals.h"
+#include "scene/watch/verifier.h"
+
+namespace headpin::scene {
+
+namespace {
+
+using nlohmann::json;
+
+json numbers(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+
+json numbers(const Pose& X) {
+  return {X.q.w(), X.q.x(), X.q.y(), X.q.z(), X.p.x(), X.p.y(), X.p.z()};
+}
+
+/// Holds the run against the trial's own states and goes on where they part.
+class Comparison : public Observer {
+ public:
+  Comparison(devices::TrialPlayer& recorded, const Session& session)
+      : recorded_(recorded), names_(body_names(*session.stage)) {}
+
+  void tick(const Session& session) override {
+    const devices::TickState* state = recorded_.state(session.tick);
+    if (!state) return;
+    hash_ = state->hash;
+    tick_state(session, now_);
+    const auto body = first_different_body(now_, *state, names_);
+    if (!body && first_.is_null()) ++verified_;
+    if (!body || !first_.is_null()) return;
+    first_ = {{"tick", now_.tick}, {"time_s", seconds(now_.time)}, {"body", *body}};
+  }
+
+  json result(const Session& session, const devices::TrialSummary& trial) const {
+    const std::optional<SaidGameHash> said = said_game_hash(trial);
+    return {{"game_replayed", in_hex(session.game_hash.value())},
+            {"game_recorded", said ? json(said->hash) : json()},
+            {"replayed", fmt::format("{:016x}", engine::state_hash(session.world))},
+            {"recorded", hash_ ? json(fmt::format("{:016x}", *hash_)) : json()},
+            {"verified_ticks", verified_},
+            {"first_difference", first_}};
+  }
+
+ private:
+  devices::TrialPlayer& recorded_;
+  std::vector<std::string> names_;
+  devices::TickState now_;
+  std::optional<std::uint64_t> hash_;
+  std::int64_t verified_ = 0;
+  json first_;
+};
+
+struct Happened : Observer {
+  void tick(const Session& session) override {
+    events.insert(events.end(), session.events.begin(), session.events.end());
+  }
+  std::vector<devices::Event> events;
+};
+
+json of_trial(const Recorded& recorded) {
+  const devices::TrialSummary& t = recorded.file.summary();
+  const devices::TrialHeader& h = t.header;
+  json out = {{"participant", h.participant},
+              {"condition", h.condition},
+              {"seed", std::to_string(h.seed)},
+              {"version", h.software_version},
+              {"commit", h.software_commit},
+              {"format_version", h.format_version},
+              {"scenario_name", recorded.scenario.name},
+              {"scenario", h.scenario},
+              {"complete", t.complete},
+              {"duration_s", t.first ? seconds(*t.last - *t.first) : 0.0},
+              {"states", t.state_count},
+              {"frames", t.frame_count},
+              {"backwards", t.backwards},
+              {"late", t.late},
+              {"skipped",
+               {{"bytes", t.skipped.bytes},
+                {"cut_bytes", t.skipped.cut_bytes},
+                {"undecodable", t.skipped.undecodable},
+                {"implausible", t.skipped.implausible},
+                {"other_trials", t.skipped.other_trials},
+                {"foreign", t.skipped.foreign},
+                {"baseless", t.skipped.baseless},
+                {"misdated", t.skipped.misdated}}}};
+  out["trouble"] = json::array();
+  for (const devices::Trouble& one : t.trouble) {
+    out["trouble"].push_back({{"kind", one.kind},
+                              {"device", one.device},
+                              {"messages", one.messages},
+                              {"from_s", seconds(one.from)},
+                              {"to_s", seconds(one.to)}});
+  }
+  out["devices"] = json::array();
+  for (const auto& [station, d] : t.devices) {
+    const double lasted = seconds(d.last - d.first);
+    out["devices"].push_back(
+        {{"device", devices::device_name(station)},
+         {"samples", d.samples},
+         {"rate_hz", lasted > 0.0 ? static_cast<double>(d.samples - 1) / lasted : 0.0},
+         {"longest_gap_s", seconds(d.longest_gap)},
+         {"lost", d.lost},
+         {"bad", d.bad}});
+  }
+  return out;
+}
+
+/// Of a release, in words; else empty.
+std::string known_of(const devices::Event& event) {
+  const auto motion = event.kind == kind::release ? motion_of(event) : std::nullopt;
+  return motion ? in_words(*motion) : "";
+}
+
+json of_events(const std::vector<devices::Event>& events) {
+  json out = json::array();
+  for (const devices::Event& e : events) {
+    out.push_back({{"time_s", seconds(e.time)},
+                   {"tick", e.tick},
+                   {"kind", e.kind},
+                   {"bodies", e.bodies},
+                   {"p", numbers(e.p_W)},
+                   {"j", numbers(e.j_W)},
+                   {"value", e.value},
+                   {"detail", e.detail},
+                   {"known", known_of(e)}});
+  }
+  return out;
+}
+
+json of_eyes(const render::Optics& optics) {
+  json out = json::array();
+  for (const render::View& view : render::eyes({}, optics)) {
+    const render::Frustum& f = view.frustum;
+    out.push_back({{"X_DE", numbers(view.X_WE)},
+                   {"width", view.width},
+                   {"height", view.height},
+                   {"frustum",
+                    {{"left", f.left},
+                     {"right", f.right},
+                     {"bottom", f.bottom},
+                     {"top", f.top},
+                     {"near", f.near},
+                     {"far", f.far}}}});
+  }
+  return out;
+}
+
+json of_light(const render::DrawList& room) {
+  json out = {{"sky", numbers(room.sky)},
+              {"ground", numbers(room.ground)},
+              {"background", numbers(room.background)},
+              {"towards", numbers(room.shadow.n_W)},
+              {"shadow", room.shadow.depth},
+              {"lamps", json::array()}};
+  for (const render::Lamp& lamp : room.lamps) {
+    out["lamps"].push_back({{"p", numbers(lamp.p_W)}, {"power", numbers(lamp.power)}});
+  }
+  return out;
+}
+
+const char* name_of(render::Surface surface) {
+  if (surface == render::Surface::lit) return "lit";
+  return surface == render::Surface::baked ? "baked" : "floor";
+}
+
+Table vertices_of(const render::Mesh& mesh, int number) {
+  constexpr double kPlace = 1.0 / 16384.0, kNormal = 1.0 / 128.0, kLight = 1.0 / 512.0;
+  Table table{fmt::format("mesh {} vertices", number), {}, {}, {}};
+  for (const char* kind : {"p", "n", "colour"}) {
+    for (const char* axis : {"x", "y", "z"}) {
+      table.columns.push_back(fmt::format("{}{}", kind, axis));
+      table.quanta.push_back(kind[0] == 'p' ? kPlace : kind[0] == 'n' ? kNormal : kLight);
+    }
+  }
+  for (const render::Vertex& v : mesh.vertices) {
+    for (const Eigen::Vector3f& part : {v.p, v.n, v.colour}) {
+      table.values.insert(table.values.end(), part.data(), part.data() + 3);
+    }
+  }
+  return table;
+}
+
+Table triangles_of(const render::Mesh& mesh, int number) {
+  Table table{fmt::format("mesh {} triangles", number), {"a", "b", "c"}, {1, 1, 1}, {}};
+  table.values.assign(mesh.indices.begin(), mesh.indices.end());
+  return table;
+}
+
+/// Those that are seen, by their numbers.
+void add_meshes(const std::vector<render::Mesh>& meshes, const Film& film,
+                const render::DrawList& room, json& out, std::vector<Table>& tables) {
+  std::set<int> seen;
+  for (const Show& show : film.shows()) seen.insert(show.mesh);
+  for (const render::DrawItem& item : room.items) seen.insert(item.mesh);
+  seen.erase(-1);
+  for (const int number : seen) {
+    const render::Mesh& mesh = meshes[static_cast<std::size_t>(number)];
+    out["meshes"].push_back(
+        {{"number", number}, {"surface", name_of(mesh.surface)}, {"gloss", mesh.gloss}});
+    tables.push_back(vertices_of(mesh, number));
+    tables.push_back(triangles_of(mesh, number));
+  }
+}
+
+void add_film(const Film& film, std::int64_t ticks, json& out) {
+  out["drawn"] = {{"every", film.every()},
+                  {"rows", film.rows()},
+                  {"last_tick", ticks},
+                  {"contacts_left_out", film.contacts_left_out()}};
+  out["actors"] = json::array();
+  for (const Actor& actor : film.actors()) {
+    out["actors"].push_back({{"name", actor.name}, {"role", actor.role}});
+  }
+  out["shows"] = json::array();
+  for (const Show& show : film.shows()) {
+    out["shows"].push_back({show.row, show.actor, show.mesh});
+  }
+}
+
+void pack(std::vector<Table> tables, PageData& data) {
+  data.json["sections"] = json::array();
+  for (Table& table : tables) {
+    data.json["sections"].push_back({{"name", table.name},
+                                     {"offset", data.floats.size()},
+                                     {"rows", table.rows()},
+                                     {"columns", table.columns},
+                                     {"quanta", table.quanta}});
+    data.floats.insert(data.floats.end(), table.values.begin(), table.values.end());
+    table = {};
+  }
+}
+
+void check_share(const char* name, const std::optional<double>& value) {
+  if (!value || (*value >= 0.0 && *value <= 1.0)) return;
+  throw std::invalid_argument(fmt::format("{}: expected 0 to 1, found {}", name, *value));
+}
+
+/// The scenario without the mesh files that cannot be read.
+Scenario with_own_shapes(Scenario scenario, std::vector<std::string>& missing) {
+  const std::pair<const char*, MeshFile*> seen[] = {{"skittles", &scenario.skittle.mesh},
+                                                    {"ball", &scenario.ball.mesh},
+                                                    {"hand", &scenario.hand.mesh},
+                                                    {"walls", &scenario.room.mesh}};
+  for (const auto& [what, mesh] : seen) {
+    try {
+      seen_mesh(*mesh, Vec3::Zero(), 0.0);
+    } catch (const std::runtime_error& e) {
+      missing.push_back(
+          fmt::format("Not as the trial's eyes saw it: the {}, shown in headpin's own shape ({}).",
+                      what, e.what()));
+      *mesh = {};
+    }
+  }
+  return scenario;
+}
+
+}  // namespace
+
+void apply(const Moved& moved, Scenario& scenario) {
+  check_share("elasticity", moved.elasticity);
+  check_share("friction", moved.friction);
+  if (moved.elasticity) set_elasticity(scenario, *moved.elasticity);
+  if (moved.friction) set_friction(scenario, *moved.friction);
+  // In quotes: a shape is called true.
+  if (moved.shape) {
+    set(scenario, "collision.shape='" + *moved.shape + "'");
+    set_shape(scenario, *moved.shape);
+  }
+  if (moved.response) set(scenario, "collision.response='" + *moved.response + "'");
+}
+
+PageLooks::PageLooks(const Recorded& recorded)
+    : looks(MeshKeeper{[this](const render::Mesh& mesh) {
+              meshes.push_back(mesh);
+              return static_cast<int>(meshes.size()) - 1;
+            }},
+            make_stage(with_own_shapes(recorded.scenario, missing))) {}
+
+PageData page_data(const Recorded& recorded, const PageLooks& page_looks, const Moved& moved,
+                   bool meshes) {
+  const Looks& looks = page_looks.looks;
+  Scenario scenario = recorded.scenario;
+  apply(moved, scenario);
+  const devices::TrialSummary& trial = recorded.file.summary();
+  const std::int64_t ticks = tick_count(trial, scenario.rates.physics_hz);
+  Session session = make_session(scenario);
+
+  devices::TrialPlayer source(recorded.file, {.states = moved.nothing() && trial.state_count > 0});
+  Comparison comparison(source, session);
+  Film film(looks, trial, ticks, moved.nothing() ? &source : nullptr);
+  Totals totals;
+  Happened happened;
+  NoPace pace;
+  Observer* const observers[] = {&comparison, &film, &totals, &happened};
+  run(session, source, pace, observers, [&](const Session& s) { return s.tick >= ticks; });
+
+  PageData data;
+  json& out = data.json;
+  const json hash = comparison.result(session, trial);
+  const bool as_recorded =
+      moved.nothing() && !hash["first_difference"].is_null() && !trial.events.empty();
+  const std::vector<devices::Event>& events = as_recorded ? trial.events : happened.events;
+  out["trial"] = of_trial(recorded);
+  const Score said = as_recorded ? score(trial.events) : totals.score();
+  out["summary"] = summary(session, said);
+  out["hash"] = hash;
+  out["scenario_differences"] = to_json(differences(recorded.scenario, scenario));
+  out["throw_count"] = thrown(happened.events).size();
+  out["throws_without_counterpart"] =
+      moved.nothing() && !says_events(trial)
+          ? json::array()
+          : to_json(without_counterpart(events_of(recorded), happened.events));
+  out["rate_hz"] = scenario.rates.physics_hz;
+  out["ticks"] = ticks;
+  out["events"] = of_events(events);
+  out["event_kinds"] = json::object();
+  for (const EventKind& kind : kEventKinds) out["event_kinds"][kind.name] = kind.when;
+  out["approaches"] = approaches_in_words(events);
+  out["why_nothing_fell"] = said.skittles_down == 0 ? why_nothing_fell(events) : "";
+  out["bodies"] = body_names(*session.stage);
+  out["responses"] = json::array();
+  for (const engine::Response& response : engine::responses()) {
+    out["responses"].push_back({{"name", response.name}, {"keeps", response.keeps}});
+  }
+  out["eyes"] = of_eyes(scenario.hmd.optics);
+  out["light"] = of_light(looks.room);
+  out["missing_meshes"] = page_looks.missing;
+  out["room"] = {{"width", scenario.room.width},
+                 {"height", scenario.room.height},
+                 {"behind", scenario.room.behind},
+                 {"ahead", scenario.room.ahead},
+                 {"head_pin", scenario.lane.head_pin}};
+  out["still"] = json::array();
+  for (const render::DrawItem& item : looks.room.items) {
+    out["still"].push_back({{"mesh", item.mesh}, {"X_WG", numbers(item.X_WG)}});
+  }
+  add_film(film, ticks, out);
+  std::vector<Table> tables = film.take_tables();
+  out["meshes"] = json::array();
+  if (meshes) add_meshes(page_looks.meshes, film, looks.room, out, tables);
+  pack(std::move(tables), data);
+  return data;
+}
+
+}  // namespace headpin::scene

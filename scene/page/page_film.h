@@ -1,0 +1,91 @@
+#pragma once
+
+#include <array>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "devices/trial/file.h"
+#include "scene/looks/looks.h"
+#include "scene/play/run.h"
+
+/// What moves in a session, written down to be shown elsewhere.
+namespace headpin::scene {
+
+/// Numbers in rows, as a page gets them.
+struct Table {
+  std::string name;
+  std::vector<std::string> columns;
+  std::vector<double> quanta;  ///< of each column: what it may be rounded to
+  std::vector<float> values;   ///< row after row
+
+  std::size_t rows() const { return columns.empty() ? 0 : values.size() / columns.size(); }
+};
+
+/// Something that is seen, in one mesh at a time.
+struct Actor {
+  std::string name, role;                  ///< role: "ball", "skittle", "hand" or "head"
+  std::vector<std::array<float, 7>> X_WG;  ///< of each row: w, x, y, z, p
+};
+
+/// From a row on an actor is seen as a mesh, or not at all.
+struct Show {
+  std::int64_t row = 0;
+  std::size_t actor = 0;
+  int mesh = -1;
+};
+
+/// Watches a session and keeps what of it is seen and measured, in memory that does not grow beyond
+/// what a page can hold: of a long session every n-th tick is drawn.
+class Film : public Observer {
+ public:
+  /// @param recorded  bodies are shown as it has them where it has the tick; may be null
+  /// @param ticks     that the session is going to have
+  Film(const Looks& looks, const devices::TrialSummary& trial, std::int64_t ticks,
+       devices::TrialPlayer* recorded);
+
+  void start(const Session& session) override;
+  /// @throws  as TrialPlayer::state
+  void tick(const Session& session) override;
+
+  std::int64_t every() const { return every_; }  ///< ticks from row to row
+  std::int64_t rows() const { return rows_; }    ///< the last one is the last tick's
+  const std::vector<Actor>& actors() const { return actors_; }
+  const std::vector<Show>& shows() const { return shows_; }
+  std::int64_t contacts_left_out() const { return contacts_left_out_; }
+
+  /// Poses, series, contacts, and the clocks of each tracker; to be asked for at the end, once.
+  std::vector<Table> take_tables();
+
+ private:
+  void draw(const Session& session, const devices::TickState* recorded);
+  void measure(const Session& session, const devices::TickState* recorded);
+  void note_contacts(const Session& session);
+  void note_clocks(const Session& session);
+  void drop_weak_contacts();
+
+  const Looks& looks_;
+  devices::TrialPlayer* recorded_;
+  std::int64_t ticks_, every_, rows_ = 0;
+  std::vector<Actor> actors_;
+  std::vector<int> seen_as_;                                       ///< mesh of each actor
+  std::map<std::pair<std::uint32_t, int>, std::size_t> actor_of_;  ///< by id, and which of that id
+  std::vector<Show> shows_;
+  Table series_, contacts_;
+  std::int64_t contacts_left_out_ = 0;
+
+  struct Clock {
+    Table table;
+    std::int64_t every = 1, left = 0;
+    std::array<float, 3> latest{};
+  };
+  std::map<std::int32_t, Clock> clocks_;  ///< by station
+  struct Hand {
+    Time time{};
+    Vec3 p_W = Vec3::Zero();
+  };
+  std::vector<Hand> hand_;  ///< of the last ticks, oldest first
+};
+
+}  // namespace headpin::scene

@@ -1,0 +1,171 @@
+#include "scene/play/game.h"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "scene/play/events.h"
+
+namespace headpin::scene {
+
+devices::Event event(const Moment& moment, std::string_view kind, const engine::World& world,
+                     std::initializer_list<engine::BodyId> bodies) {
+  devices::Event e;
+  e.time = moment.time;
+  e.tick = moment.tick;
+  e.kind = kind;
+  for (const engine::BodyId body : bodies) e.bodies.push_back(world.bodies[body].name);
+  return e;
+}
+
+namespace {
+
+/// Whose doing a skittle's fall is gets told apart.
+bool tells_apart(const Stage& stage) {
+  return stage.scenario.game.hand_fells == "apart";
+}
+
+bool is_free(const engine::World& world, engine::BodyId body) {
+  return world.bodies[body].kind == engine::Kind::free;
+}
+
+void note_contacts(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
+                   std::vector<devices::Event>& out) {
+  for (const engine::ContactEvent& contact : world.events) {
+    const Role a = stage.roles[contact.a], b = stage.roles[contact.b];
+    const bool of_skittle = a == Role::skittle || b == Role::skittle;
+    const bool of_ball = a == Role::ball || b == Role::ball;
+    const bool of_hand = a == Role::hand || b == Role::hand;
+    const engine::BodyId ball = a == Role::ball ? contact.a : contact.b;
+    // A ball in the hand is not thrown; one that is may meet what it touched in the hand.
+    const bool thrown = of_ball && (!tells_apart(stage) || is_free(world, ball));
+    const bool strikes = of_skittle && thrown && !game.struck;
+    const bool met = contact.first || (strikes && tells_apart(stage));
+    if (!met || (!of_skittle && !of_ball)) continue;
+    const std::string_view what = of_hand      ? kind::hand_touch
+                                  : of_skittle ? kind::touch
+                                               : kind::ball_touch;
+    devices::Event e = event(moment, what, world, {contact.a, contact.b});
+    e.p_W = contact.p_W;
+    e.j_W = contact.impulse_W;
+    e.value = contact.approach_speed;
+    if (strikes) {
+      const Vec3& v_WB = game.velocities[ball];
+      game.struck = true;
+      e.kind = kind::first_contact;
+      e.value = v_WB.norm();
+      e.detail = nlohmann::json{{"velocity_mps", {v_WB.x(), v_WB.y(), v_WB.z()}}}.dump();
+    }
+    out.push_back(std::move(e));
+  }
+}
+
+/// Who meets a skittle: a ball that was thrown, the hand or what it carries, or whoever moved what
+/// meets it.
+By who(const Game& game, const Stage& stage, const engine::World& world, engine::BodyId body) {
+  switch (stage.roles[body]) {
+    case Role::hand:
+      return By::hand;
+    case Role::ball:
+      return is_free(world, body) ? By::ball : By::hand;
+    case Role::skittle:
+      return is_free(world, body) ? game.moved_by[body] : By::hand;
+    default:
+      return By::nobody;
+  }
+}
+
+/// Keeps who set which skittle moving; of one that is down, no more.
+void credit(Game& game, const Stage& stage, const engine::World& world) {
+  for (const engine::BodyId skittle : stage.skittles) {
+    if (game.down[skittle] || game.swept[skittle]) continue;
+    if (!is_free(world, skittle)) game.moved_by[skittle] = By::hand;
+  }
+  const auto meets = [&](engine::BodyId skittle, engine::BodyId other) {
+    if (stage.roles[skittle] != Role::skittle || !is_free(world, skittle)) return;
+    if (game.down[skittle]) return;
+    const By by = who(game, stage, world, other);
+    const bool itself = stage.roles[other] != Role::skittle || !is_free(world, other);
+    if (by == By::nobody || (!itself && game.moved_by[skittle] != By::nobody)) return;
+    game.moved_by[skittle] = by;
+  };
+  for (const engine::ContactEvent& contact : world.events) {
+    meets(contact.a, contact.b);
+    meets(contact.b, contact.a);
+  }
+}
+
+void note_fallen(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
+                 std::vector<devices::Event>& out) {
+  for (const engine::BodyId skittle : stage.skittles) {
+    const Pose& X_WB = world.states[skittle].X_WB;
+    const bool carried = world.bodies[skittle].kind == engine::Kind::driven;
+    if (game.down[skittle] || carried || !has_fallen(X_WB)) continue;
+    game.down[skittle] = 1;
+    devices::Event e = event(moment, kind::skittle_down, world, {skittle});
+    e.p_W = X_WB.p;
+    e.value = static_cast<double>(std::count(game.down.begin(), game.down.end(), 1));
+    if (tells_apart(stage) && game.moved_by[skittle] != By::nobody) {
+      e.detail = game.moved_by[skittle] == By::hand ? "hand" : "ball";
+    }
+    out.push_back(std::move(e));
+  }
+}
+
+/// Where a body was let go: by the event's detail at the very moment, else where the tick has it.
+Vec3 released_at(const devices::Event& release) {
+  const nlohmann::json detail = nlohmann::json::parse(release.detail, nullptr, false);
+  const auto p = detail.is_object() ? detail.find("position_m") : detail.end();
+  if (p == detail.end() || p->size() != 3) return release.p_W;
+  return {(*p)[0].get<double>(), (*p)[1].get<double>(), (*p)[2].get<double>()};
+}
+
+/// A ball that was let go in this tick: where it left from, and that it has struck nothing yet.
+void note_releases(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
+                   std::vector<devices::Event>& out) {
+  const std::size_t before = out.size();
+  for (const engine::BodyId ball : stage.balls) {
+    for (std::size_t i = 0; i < before; ++i) {
+      if (out[i].kind != kind::release || out[i].bodies.front() != world.bodies[ball].name)
+        continue;
+      if (tells_apart(stage)) game.struck = false;
+      const Vec3 p_WB = released_at(out[i]);
+      if (stage.scenario.game.foul == "count" || p_WB.y() <= 0.0) continue;
+      game.foul = true;
+      devices::Event e = event(moment, kind::foul, world, {ball});
+      e.p_W = p_WB;
+      e.value = p_WB.y();
+      out.push_back(std::move(e));
+    }
+  }
+}
+
+}  // namespace
+
+Game make_game(const Stage& stage) {
+  Game game;
+  game.down.assign(stage.roles.size(), 0);
+  game.swept.assign(stage.roles.size(), 0);
+  game.moved_by.assign(stage.roles.size(), By::nobody);
+  return game;
+}
+
+bool has_fallen(const Pose& X_WB) {
+  constexpr double kCos20Degrees = 0.93969262078590838;
+  return (X_WB.q * Vec3::UnitZ()).z() < kCos20Degrees;
+}
+
+void note_velocities(Game& game, const engine::World& world) {
+  game.velocities.clear();
+  for (const engine::State& state : world.states) game.velocities.push_back(state.v_WB);
+}
+
+void note_step(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
+               std::vector<devices::Event>& out) {
+  note_releases(game, stage, world, moment, out);
+  note_contacts(game, stage, world, moment, out);
+  if (tells_apart(stage)) credit(game, stage, world);
+  note_fallen(game, stage, world, moment, out);
+}
+
+}  // namespace headpin::scene

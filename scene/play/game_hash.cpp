@@ -1,0 +1,46 @@
+#include "scene/play/game_hash.h"
+
+#include <fmt/format.h>
+
+#include "scene/play/events.h"
+
+namespace headpin::scene {
+
+void GameHash::add(std::uint64_t state_hash, std::uint64_t version) {
+  for (const std::uint64_t number : {state_hash, version}) {
+    for (int shift = 0; shift < 64; shift += 8) {
+      value_ = (value_ ^ (number >> shift & 0xff)) * 0x100000001b3u;
+    }
+  }
+}
+
+std::string in_hex(std::uint64_t hash) {
+  return fmt::format("{:016x}", hash);
+}
+
+std::optional<SaidGameHash> said_game_hash(const devices::TrialSummary& trial) {
+  for (const devices::Event& event : trial.events) {
+    if (event.kind == kind::game_hash) return SaidGameHash{event.tick, event.detail};
+  }
+  return std::nullopt;
+}
+
+std::optional<std::uint64_t> game_hash_of_states(const devices::TrialFile& trial) {
+  const std::vector<devices::Event>& events = trial.summary().events;
+  auto event = events.begin();
+  GameHash hash;
+  std::uint64_t version = 0;
+  std::int64_t tick = 0;
+  devices::TrialItems items(trial);
+  while (const std::optional<devices::TickState> state = items.next_state()) {
+    if (state->tick != ++tick) return std::nullopt;
+    for (; event != events.end() && event->tick <= tick; ++event) {
+      if (event->kind == kind::version) version = event->detail == "red" ? 1 : 2;
+    }
+    hash.add(state->hash, version);
+  }
+  if (tick == 0) return std::nullopt;
+  return hash.value();
+}
+
+}  // namespace headpin::scene

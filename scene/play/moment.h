@@ -1,0 +1,21 @@
+#pragma once
+
+#include <initializer_list>
+#include <string_view>
+
+#include "devices/trial/trial.h"
+#include "engine/world.h"
+
+namespace headpin::scene {
+
+/// The tick that is being made.
+struct Moment {
+  Time time{};
+  std::int64_t tick = 0;
+};
+
+/// An event of this tick between the named bodies of a world.
+devices::Event event(const Moment& moment, std::string_view kind, const engine::World& world,
+                     std::initializer_list<engine::BodyId> bodies);
+
+}  // namespace headpin::scene

@@ -1,0 +1,58 @@
+#include "scene/play/outcome.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "scene/play/events.h"
+
+namespace headpin::scene {
+
+namespace {
+
+const devices::Event* first_of(std::span<const devices::Event> events, std::string_view kind) {
+  const auto found = std::ranges::find(events, kind, &devices::Event::kind);
+  return found == events.end() ? nullptr : &*found;
+}
+
+/// The other body of a meeting of the ball.
+std::string met_by_ball(const devices::Event& event) {
+  for (const std::string& body : event.bodies) {
+    if (!body.starts_with("ball")) return body;
+  }
+  return "another ball";
+}
+
+}  // namespace
+
+std::string why_nothing_fell(std::span<const devices::Event> events) {
+  const bool fell = std::ranges::any_of(events, [](const devices::Event& e) {
+    return e.kind == kind::skittle_down && e.detail != "hand";
+  });
+  if (fell) return "";
+  if (!first_of(events, kind::grab)) {
+    const devices::Event* missed = first_of(events, kind::missed_grab);
+    if (!missed) return "the trigger was never pressed, so the ball stayed where it was";
+    return fmt::format(
+        "the trigger was pressed at {:.3f} s with the hand {:.2f} m from the {}, "
+        "too far to take it",
+        seconds(missed->time), missed->value,
+        missed->bodies.empty() ? "ball" : missed->bodies.front());
+  }
+  const devices::Event* release = first_of(events, kind::release);
+  if (!release) return "the ball was taken and never let go";
+  if (const devices::Event* struck = first_of(events, kind::first_contact)) {
+    return fmt::format("the ball met {} at {:.2f} m/s, which did not fell it", met_by_ball(*struck),
+                       struck->value);
+  }
+  std::vector<std::string> met;
+  for (const devices::Event& event : events) {
+    if (event.kind == kind::ball_touch) met.push_back(met_by_ball(event));
+  }
+  return fmt::format("the ball was let go at {:.2f} m/s and met {}, but no skittle", release->value,
+                     met.empty() ? "nothing" : fmt::format("{}", fmt::join(met, ", ")));
+}
+
+}  // namespace headpin::scene

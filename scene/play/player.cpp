@@ -1,0 +1,299 @@
+#include "scene/play/player.h"
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "devices/trial/sources.h"
+#include "scene/play/events.h"
+#include "scene/play/hand.h"
+#include "scene/play/release.h"
+
+namespace headpin::scene {
+
+namespace {
+
+constexpr Time kMemory{1'000'000};  ///< how long poses are remembered
+
+/// What one call of `drive` works on.
+struct Scene {
+  const Stage& stage;
+  engine::World& world;
+  const Moment& moment;
+  std::vector<devices::Event>& out;
+};
+
+devices::Event& note(const Scene& scene, std::string_view kind, engine::BodyId body,
+                     double value = 0.0) {
+  devices::Event e = event(scene.moment, kind, scene.world, {body});
+  e.p_W = scene.world.states[body].X_WB.p;
+  e.value = value;
+  return scene.out.emplace_back(std::move(e));
+}
+
+/// Whether what the hand holds has its velocity at that very moment.
+bool at_trigger(const Hand& hand) {
+  return hand.release_at == "trigger";
+}
+
+/// Puts a sample where it belongs: to the tracked space, and on what its sensor is worn on.
+void take(Player& player, const Rig& rig, const devices::TrackerSample& sample) {
+  const bool on_head = sample.station == rig.head_station;
+  if (!sample.good() || (!on_head && sample.station != rig.hand_station)) return;
+  const Pose X_PS = sensor_in_space(sample, rig);
+  if (on_head) {
+    player.head.push(sample.device_time, X_PS * rig.X_SD);
+    player.head_arrival = devices::arrival(sample);
+  } else {
+    player.hand.push(sample.device_time, X_PS * rig.X_SH);
+  }
+}
+
+void take(Player& player, const Rig&, const devices::MouseSample& sample) {
+  player.buttons.push_back(sample);
+}
+
+/// X_WH at `time`, not later than `now`.
+std::optional<Pose> hand_at(const Player& player, Time time, Time now) {
+  const std::optional<Pose> X_PH = player.hand.at(time);
+  if (!X_PH) return std::nullopt;
+  return player.walk.X_WP(seconds(now - time)) * *X_PH;
+}
+
+/// Velocity in the tracked space of a point of the hand at its last sample before `time`; a hand
+/// that has not been seen to move stands still.
+Twist velocity_at_sample(const Player& player, const Hand& hand, const Vec3& p_HB, Time time) {
+  const std::vector<Stamped<Pose>>& track = player.hand.samples();
+  const auto last = std::upper_bound(track.begin(), track.end(), time,
+                                     [](Time t, const auto& sample) { return t < sample.time; });
+  const auto seen = std::span(track).first(static_cast<std::size_t>(last - track.begin()));
+  const ReleaseWindow window = release_window(hand);
+  if (seen.size() < 2 || seen[seen.size() - 2].time < seen.back().time - window.longest())
+    return {};
+  return release_velocity(seen, p_HB, window);
+}
+
+/// How a point of the hand moves in the tracked space at `time`.
+Motion hand_motion(const Player& player, const Scenario& scenario, const Vec3& p_HB, Time time) {
+  const Hand& hand = scenario.hand;
+  if (!at_trigger(hand)) return {velocity_at_sample(player, hand, p_HB, time)};
+  const Time last = told_until(time, scenario.rig.delay_s);
+  const std::vector<Stamped<Pose>>& track = player.hand.samples();
+  const auto end = std::ranges::upper_bound(track, last, {}, &Stamped<Pose>::time);
+  return motion_at({track.begin(), end}, time, p_HB, release_window(hand));
+}
+
+/// What the hand carries at a time, and how well its motion is known.
+struct Carried {
+  engine::State state;
+  Motion motion;
+};
+
+/// At `time`, not later than `now`: the walk's velocity on top.
+Carried carried(const Player& player, const Scenario& scenario, Time time, Time now) {
+  const Hand& hand = scenario.hand;
+  const Pose X_WH = *hand_at(player, time, now);
+  Motion motion = hand_motion(player, scenario, hand.grip, time);
+  motion.V_WB.v = player.walk.v_WP + motion.V_WB.v;
+  return {{{X_WH.q * player.held->q_HB, X_WH * hand.grip}, motion.V_WB.v, motion.V_WB.w}, motion};
+}
+
+/// A driven body that is at a pose when the tick ends, as the hand is.
+engine::State ending_at(engine::State state, double dt) {
+  state.X_WB.p -= dt * state.v_WB;
+  state.X_WB.q = (rotation(-dt * state.w_WB) * state.X_WB.q).normalized();
+  return state;
+}
+
+/// From a point to the surface of a ball, or to the cylinder around a skittle [m].
+double gap_to(const Stage& stage, const engine::World& world, engine::BodyId body,
+              const Vec3& p_W) {
+  const Pose& X_WB = world.states[body].X_WB;
+  if (stage.roles[body] == Role::ball) {
+    return (X_WB.p - p_W).norm() - stage.scenario.ball.radius;
+  }
+  const Vec3 p_B = X_WB.inverse() * p_W;
+  const double low = -stage.skittle_centre, high = low + stage.scenario.skittle.height;
+  return (p_B - Vec3(0.0, 0.0, std::clamp(p_B.z(), low, high))).norm() - stage.widest_skittle;
+}
+
+/// Takes the nearest ball or skittle, if it is within reach.
+void grab(Player& player, const Scene& scene, Time time, Time now) {
+  const std::optional<Pose> X_WH = hand_at(player, time, now);
+  if (!X_WH) return;
+  std::optional<engine::BodyId> nearest;
+  double least = std::numeric_limits<double>::max();
+  const auto consider = [&](engine::BodyId body) {
+    const double gap = gap_to(scene.stage, scene.world, body, X_WH->p);
+    if (gap > least) return;
+    nearest = body;
+    least = gap;
+  };
+  for (const engine::BodyId ball : scene.stage.balls) consider(ball);
+  if (scene.stage.scenario.hand.takes_skittles) {
+    for (const engine::BodyId skittle : scene.stage.skittles) consider(skittle);
+  }
+  if (!nearest) return;
+  if (least > scene.stage.scenario.hand.reach) {
+    note(scene, kind::missed_grab, *nearest, least);
+    return;
+  }
+  const Quat& q_WB = scene.world.states[*nearest].X_WB.q;
+  player.held = {*nearest, X_WH->q.conjugate() * q_WB};
+  player.grip_changed = scene.moment.time;
+  engine::set_kind(scene.world, *nearest, engine::Kind::driven);
+  devices::Event& e = note(scene, kind::grab, *nearest);
+  if (at_trigger(scene.stage.scenario.hand)) e.time -= now - time;
+}
+
+/// When, where and how something was let go.
+///
+/// @param time  of the trigger, as its device tells it
+nlohmann::json told_of_release(Time time, const engine::State& state) {
+  const auto numbers = [](const Vec3& v) { return nlohmann::json{v.x(), v.y(), v.z()}; };
+  return {{"trigger_s", nearest_seconds(time)},
+          {"position_m", numbers(state.X_WB.p)},
+          {"velocity_mps", numbers(state.v_WB)},
+          {"spin_radps", numbers(state.w_WB)}};
+}
+
+/// Lets go at `time`, and lets the ball fly until `now`, which is later by less than a tick. The step
+/// takes it on by a tick: it flies until the start of that, which may be before it was let go.
+void release(Player& player, const Scene& scene, Time time, Time now) {
+  const engine::BodyId body = player.held->body;
+  const Hand& hand = scene.stage.scenario.hand;
+  auto [state, motion] = carried(player, scene.stage.scenario, time, now);
+  nlohmann::json told = told_of_release(time, state);
+  double flown = seconds(now - time);
+  if (at_trigger(hand)) flown -= engine::step_seconds(scene.world);
+  const Vec3 gained = flown * scene.world.parameters.gravity_W;
+  state.X_WB.p += flown * state.v_WB;
+  if (at_trigger(hand)) {
+    state.X_WB.q = (rotation(flown * state.w_WB) * state.X_WB.q).normalized();
+  }
+  if (hand.falls_at_once) state.X_WB.p += 0.5 * flown * gained;
+  state = engine::outside_fixed(scene.world, body, state);
+  const double speed = state.v_WB.norm();
+  if (hand.falls_at_once) state.v_WB += gained;
+  player.held.reset();
+  player.grip_changed = scene.moment.time;
+  player.leaving = body;
+  engine::set_kind(scene.world, body, engine::Kind::free);
+  engine::set_state(scene.world, body, state);
+  devices::Event& e = note(scene, kind::release, body, speed);
+  if (at_trigger(hand)) {
+    e.time -= now - time;
+    told.update(nlohmann::json::parse(to_detail(motion)));
+  }
+  e.detail = told.dump();
+}
+
+/// Carries what is held to where the hand has it, outside of everything fixed now and at the end of
+/// the tick: there where the hand is now.
+void carry(const Player& player, const Scene& scene, Time now) {
+  const engine::BodyId body = player.held->body;
+  engine::World& world = scene.world;
+  const Hand& hand = scene.stage.scenario.hand;
+  const double dt = engine::step_seconds(world);
+  engine::State state = carried(player, scene.stage.scenario, now, now).state;
+  const engine::State there = state;
+  if (at_trigger(hand)) state = ending_at(state, dt);
+  state = engine::outside_fixed(world, body, state);
+  engine::set_state(world, body, state);
+  engine::State ahead = state;
+  ahead.X_WB.p += dt * state.v_WB;
+  const Vec3 p_WB = engine::outside_fixed(world, body, at_trigger(hand) ? there : ahead).X_WB.p;
+  if (p_WB == ahead.X_WB.p) return;  // nothing is in its way
+  state.v_WB = (p_WB - state.X_WB.p) / dt;
+  engine::set_state(world, body, state);
+}
+
+/// Whether the ball that was let go has left the hand.
+bool clear_of(const Player& player, const engine::World& world, const Pose& X_WH,
+              double hand_radius) {
+  if (!player.leaving) return true;
+  const double apart = (world.states[*player.leaving].X_WB.p - X_WH.p).norm();
+  return apart > world.bodies[*player.leaving].shape->bounding_radius + hand_radius;
+}
+
+/// Puts the hand's body where the hand is, or away.
+void place_hand(Player& player, const Scene& scene, Time now) {
+  constexpr double kOpenHand = 0.13;  // from the palm's middle to the fingertips [m]
+  const std::optional<Pose> X_WH = hand_at(player, now, now);
+  const double hand_radius =
+      scene.stage.hand ? scene.world.bodies[*scene.stage.hand].shape->bounding_radius : kOpenHand;
+  if (X_WH && clear_of(player, scene.world, *X_WH, hand_radius)) player.leaving.reset();
+  if (!scene.stage.hand) return;
+  const engine::BodyId body = *scene.stage.hand;
+  if (!X_WH || player.held || player.leaving) {
+    if (scene.world.states[body].X_WB.p == kAway.p) return;
+    return engine::set_state(scene.world, body, {kAway, Vec3::Zero(), Vec3::Zero()});
+  }
+  const Hand& hand = scene.stage.scenario.hand;
+  const Twist V_PH = hand_motion(player, scene.stage.scenario, Vec3::Zero(), now).V_WB;
+  const engine::State state{*X_WH, player.walk.v_WP + V_PH.v, V_PH.w};
+  const double dt = engine::step_seconds(scene.world);
+  engine::set_state(scene.world, body, at_trigger(hand) ? ending_at(state, dt) : state);
+}
+
+}  // namespace
+
+Pose sensor_in_space(const devices::TrackerSample& sample, const Rig& rig) {
+  if (sample.in_transmitters_frame()) return rig.X_WT * sample.X_TS;
+  if (sample.frame == "P") return sample.X_TS;
+  throw std::runtime_error(
+      fmt::format("a sample of station {} at {:.6f} s is in frame '{}'; expected T (the "
+                  "transmitter's) or P (the tracked space's)",
+                  sample.station, seconds(sample.device_time), sample.frame));
+}
+
+void follow(Player& player, std::span<const devices::Sample> samples, const Scenario& scenario,
+            Time now) {
+  for (const devices::Sample& sample : samples) {
+    std::visit([&](const auto& one) { take(player, scenario.rig, one); }, sample);
+  }
+  for (const devices::MouseSample& button : player.buttons) {
+    if (button.device_time > now) break;
+    player.left_thumb = button.left_thumb;
+    player.right_thumb = button.right_thumb;
+  }
+  const int thumbs = static_cast<int>(player.left_thumb) - static_cast<int>(player.right_thumb);
+  const double dt = 1.0 / static_cast<double>(scenario.rates.physics_hz);
+  const std::optional<Pose> X_PD = player.head.at(now);
+  if (!X_PD) return;
+  const bool by_hand = scenario.walk.along == "hand";
+  const std::optional<Pose> X_PX = by_hand ? player.hand.at(now) : X_PD;
+  // A hand that was never seen points nowhere: nobody walks, and who walks comes to rest.
+  step(player.walk, scenario, *X_PD, X_PX.value_or(*X_PD), X_PX ? thumbs : 0, dt);
+}
+
+void forget(Player& player, Time now) {
+  const auto later = std::ranges::find_if(
+      player.buttons, [&](const devices::MouseSample& button) { return button.device_time > now; });
+  player.buttons.erase(player.buttons.begin(), later);
+  player.head.forget_before(now - kMemory);
+  player.hand.forget_before(now - kMemory);
+}
+
+void drive(Player& player, std::span<const devices::Sample> samples, const Stage& stage,
+           engine::World& world, const Moment& moment, std::vector<devices::Event>& out) {
+  const Scene scene{stage, world, moment, out};
+  const Time now = moment.time - microseconds(stage.scenario.rig.delay_s);
+  follow(player, samples, stage.scenario, now);
+  for (const devices::MouseSample& button : player.buttons) {
+    if (button.device_time > now) break;
+    if (button.trigger && !player.trigger && !player.held) {
+      grab(player, scene, button.device_time, now);
+    }
+    if (!button.trigger && player.held) release(player, scene, button.device_time, now);
+    player.trigger = button.trigger;
+  }
+  if (player.held) carry(player, scene, now);
+  place_hand(player, scene, now);
+  forget(player, now);
+}
+
+}  // namespace headpin::scene

@@ -1,0 +1,329 @@
+#include "scene/play/presence.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "engine/non_colliding.h"
+#include "scene/play/events.h"
+
+namespace headpin::scene {
+
+namespace {
+
+constexpr double kCrown = 0.12;       ///< above the eyes [m]
+constexpr Time kAfterwards{300'000};  ///< a late start still counts
+constexpr Time kFitted{200'000};      ///< an acceleration is that of so long
+constexpr double kSlowAgain = 0.5;    ///< what came at the player has been stopped [m/s]
+constexpr double kAtItsHeight = 0.5;  ///< where up and down are ways out [m]
+constexpr double kOnItsWay = 0.05;    ///< so near to its path either side is a way out [m]
+
+/// Of head and neck, from between the eyes: a head that turns there is not on its way [m].
+const Vec3 kNeckJoint(0.0, -0.08, 0.10);
+
+/// What one call of `watch` works on.
+struct Sight {
+  const Player& player;
+  const Stage& stage;
+  const engine::World& world;
+  const Moment& moment;
+  Time measured{};           ///< when poses of now were measured
+  Vec3 p_WD;                 ///< head
+  std::optional<Vec3> p_WH;  ///< hand
+};
+
+Vec3 level(const Vec3& v) {
+  return {v.x(), v.y(), 0.0};
+}
+
+/// Surface of a thing at `p_WB` to the line from the floor to the crown.
+double to_upright(const Vec3& p_WB, double radius, const Vec3& p_WD) {
+  const double above = std::max(0.0, p_WB.z() - (p_WD.z() + kCrown));
+  const Vec3 aside = level(p_WB - p_WD) + Vec3(0.0, 0.0, above);
+  return std::max(0.0, aside.norm() - radius);
+}
+
+double to_hand(const Vec3& p_WB, double radius, const Vec3& p_WH) {
+  return std::max(0.0, (p_WB - p_WH).norm() - radius);
+}
+
+double radius_of(const Sight& sight, engine::BodyId body) {
+  return sight.world.bodies[body].shape->bounding_radius;
+}
+
+std::optional<Passing> passing_of(const Sight& sight, engine::BodyId body) {
+  return passing(sight.world.states[body], radius_of(sight, body), sight.p_WD, sight.p_WH,
+                 sight.stage.scenario.collision.gravity);
+}
+
+/// Of a point to a convex part; 0 inside it.
+double gap_to_part(const engine::Part& part, const Pose& X_WB, const Vec3& p_W) {
+  constexpr double kDot = 1e-3, kFar = 100.0;  // of the sphere that stands for the point; [m]
+  Vec3 normal = Vec3::Zero();
+  const engine::Closest found = engine::closest_points(
+      part.shape, engine::Ellipsoid{Vec3::Constant(kDot)},
+      (X_WB * part.X_BG).inverse() * Pose{Quat::Identity(), p_W}, normal, {.margin = kFar});
+  return std::max(0.0, found.distance + kDot);
+}
+
+/// Of the line from the floor to `top` to a part. The distance of a point to what is convex has one
+/// least value along a line: a search by the golden section.
+double gap_to_part(const engine::Part& part, const Pose& X_WB, const Vec3& top, double floor) {
+  constexpr double kGolden = 0.61803398874989485;
+  constexpr int kCuts = 22;  // to 0.1 mm of 2 m
+  const auto at = [&](double z) { return gap_to_part(part, X_WB, Vec3(top.x(), top.y(), z)); };
+  double low = std::min(floor, top.z()), high = top.z();
+  double a = high - kGolden * (high - low), b = low + kGolden * (high - low);
+  double at_a = at(a), at_b = at(b);
+  for (int i = 0; i < kCuts; ++i) {
+    if (at_a <= at_b) {
+      high = b, b = a, at_b = at_a;
+      at_a = at(a = high - kGolden * (high - low));
+    } else {
+      low = a, a = b, at_a = at_b;
+      at_b = at(b = low + kGolden * (high - low));
+    }
+  }
+  return std::min({at_a, at_b, at(low), at(high)});
+}
+
+/// Surface of a body, as it collides, to the player.
+double distance_now(const Sight& sight, engine::BodyId body) {
+  const Pose& X_WB = sight.world.states[body].X_WB;
+  if (sight.stage.roles[body] == Role::ball) {
+    const double radius = radius_of(sight, body);
+    const double upright = to_upright(X_WB.p, radius, sight.p_WD);
+    return sight.p_WH ? std::min(upright, to_hand(X_WB.p, radius, *sight.p_WH)) : upright;
+  }
+  const Vec3 crown = sight.p_WD + Vec3(0.0, 0.0, kCrown);
+  double least = std::numeric_limits<double>::max();
+  for (const engine::Part& part : sight.world.bodies[body].shape->parts) {
+    least = std::min(least, gap_to_part(part, X_WB, crown, 0.0));
+    if (sight.p_WH) least = std::min(least, gap_to_part(part, X_WB, *sight.p_WH));
+  }
+  return least;
+}
+
+/// Of a point of what is tracked, over the last samples by then, in the tracked space; zero for too few
+/// [m/s^2].
+Vec3 acceleration(std::span<const Stamped<Pose>> track, const Vec3& p_SQ, Time now) {
+  Mat3 normal = Mat3::Zero(), right = Mat3::Zero();  // of 1, t, t^2
+  int count = 0;
+  for (const Stamped<Pose>& sample : track) {
+    if (sample.time > now || sample.time < now - kFitted) continue;
+    const double t = seconds(sample.time - now) / seconds(kFitted);
+    const Vec3 powers(1.0, t, t * t);
+    normal += powers * powers.transpose();
+    right += powers * (sample.value * p_SQ).transpose();
+    ++count;
+  }
+  constexpr int kFewest = 6;
+  if (count < kFewest) return Vec3::Zero();
+  const Mat3 coefficients = normal.inverse() * right;
+  const double unit = seconds(kFitted);
+  return 2.0 / (unit * unit) * coefficients.row(2).transpose();
+}
+
+/// Whether a hand is on a way of its own, as in a throw.
+bool is_swinging(const devices::PoseTrack& hand, Time now) {
+  constexpr double kSwing = 0.3;  // [m]
+  const std::optional<Pose> before = hand.at(now - kFitted), after = hand.at(now);
+  return !before || !after || (after->p - before->p).norm() > kSwing;
+}
+
+/// The part of an acceleration that leads out of the way of a thing.
+///
+/// @param p_WQ  of what may be hit
+double out_of_its_way(const Vec3& a, const Vec3& along_W, const Vec3& p_WB, const Vec3& p_WQ) {
+  const Vec3 to_player = p_WQ - p_WB;
+  const Vec3 side_W(along_W.y(), -along_W.x(), 0.0);
+  const double offset = side_W.dot(to_player), aside = side_W.dot(a);
+  double most = a.dot(along_W);
+  most = std::max(most,
+                  std::abs(offset) < kOnItsWay ? std::abs(aside) : (offset > 0.0 ? aside : -aside));
+  if (std::abs(to_player.z()) < kAtItsHeight) {
+    most = std::max(most, to_player.z() > 0.0 ? a.z() : -a.z());
+  }
+  return most;
+}
+
+devices::Event seen_event(const Sight& sight, std::string_view kind, engine::BodyId body) {
+  devices::Event e = event(sight.moment, kind, sight.world, {body});
+  e.p_W = sight.world.states[body].X_WB.p;
+  return e;
+}
+
+/// One more tick of a thing in the air.
+void follow_approach(Approach& approach, const Sight& sight) {
+  const engine::State& state = sight.world.states[approach.body];
+  if (!approach.passed) {
+    approach.closest = std::min(approach.closest, distance_now(sight, approach.body));
+    const bool gone = sight.world.bodies[approach.body].kind != engine::Kind::free ||
+                      level(state.v_WB).norm() < kSlowAgain;
+    if (gone || !passing_of(sight, approach.body)) approach.passed = sight.moment.time;
+  }
+  const Vec3 head = acceleration(sight.player.head.samples(), kNeckJoint, sight.measured);
+  approach.head_away = std::max(approach.head_away,
+                                out_of_its_way(head, approach.along_W, state.X_WB.p, sight.p_WD));
+  if (!sight.p_WH || is_swinging(sight.player.hand, sight.measured)) return;
+  const Vec3 hand = acceleration(sight.player.hand.samples(), Vec3::Zero(), sight.measured);
+  approach.hand_away = std::max(approach.hand_away,
+                                out_of_its_way(hand, approach.along_W, state.X_WB.p, *sight.p_WH));
+}
+
+devices::Event passed_event(const Sight& sight, const Approach& approach) {
+  devices::Event e = seen_event(sight, kind::passed_player, approach.body);
+  e.value = approach.closest;
+  const double most = std::max(approach.head_away, approach.hand_away);
+  e.detail = nlohmann::json{{"noticed_s", nearest_seconds(approach.noticed)},
+                            {"time_to_contact_s", approach.foreseen.time_s},
+                            {"foreseen_m", approach.foreseen.distance},
+                            {"at_hand", approach.foreseen.at_hand},
+                            {"head_away_mps2", approach.head_away},
+                            {"hand_away_mps2", approach.hand_away},
+                            {"moved", most >= kOutOfTheWay}}
+                 .dump();
+  return e;
+}
+
+/// Whether it may be one's own throw no longer: it flies back, or away and is out of reach.
+bool is_nobodys(const Own& own, const Sight& sight) {
+  const engine::State& state = sight.world.states[own.body];
+  if (sight.world.bodies[own.body].kind != engine::Kind::free) return true;
+  if (level(state.v_WB).dot(own.along_W) < 0.0) return true;
+  return sight.player.leaving != own.body && !passing_of(sight, own.body) &&
+         distance_now(sight, own.body) > Alarm{}.near;
+}
+
+/// Keeps what the player has let go, by the events of this tick so far.
+void keep_own(Presence& presence, const Sight& sight, std::span<const devices::Event> events) {
+  std::erase_if(presence.own, [&](const Own& own) { return is_nobodys(own, sight); });
+  for (const devices::Event& e : events) {
+    if (e.kind != kind::release || e.tick != sight.moment.tick) continue;
+    const auto keep = [&](engine::BodyId body) {
+      if (sight.world.bodies[body].name != e.bodies.front()) return;
+      presence.own.push_back({body, level(sight.world.states[body].v_WB)});
+    };
+    for (const engine::BodyId ball : sight.stage.balls) keep(ball);
+    for (const engine::BodyId skittle : sight.stage.skittles) keep(skittle);
+  }
+}
+
+/// Notices what begins to fly at the player.
+void notice(Presence& presence, const Sight& sight, engine::BodyId body,
+            std::vector<devices::Event>& out) {
+  const engine::State& state = sight.world.states[body];
+  if (sight.world.bodies[body].kind != engine::Kind::free || engine::is_asleep(sight.world, body) ||
+      is_own(presence, body)) {
+    return;
+  }
+  if (std::ranges::any_of(presence.approaches,
+                          [&](const Approach& known) { return known.body == body; })) {
+    return;
+  }
+  const std::optional<Passing> coming = passing_of(sight, body);
+  if (!coming || !is_coming(state, *coming)) return;
+  presence.approaches.push_back({.body = body,
+                                 .noticed = sight.moment.time,
+                                 .foreseen = *coming,
+                                 .along_W = level(state.v_WB).normalized(),
+                                 .closest = distance_now(sight, body)});
+  devices::Event e = seen_event(sight, kind::flies_at_player, body);
+  e.value = coming->time_s;
+  out.push_back(std::move(e));
+}
+
+}  // namespace
+
+bool is_own(const Presence& presence, engine::BodyId body) {
+  return std::ranges::any_of(presence.own, [&](const Own& own) { return own.body == body; });
+}
+
+std::optional<Passing> passing(const engine::State& state, double radius, const Vec3& p_WD,
+                               const std::optional<Vec3>& p_WH, double gravity) {
+  const Vec3 v = level(state.v_WB);
+  const double square = v.squaredNorm();
+  if (square == 0.0) return std::nullopt;
+  const auto at = [&](const Vec3& p_WQ) { return v.dot(level(p_WQ - state.X_WB.p)) / square; };
+  const auto then = [&](double t) {
+    const double z = state.X_WB.p.z();
+    const double floor = std::min(z, radius);
+    return Vec3(state.X_WB.p.x() + t * v.x(), state.X_WB.p.y() + t * v.y(),
+                std::max(floor, z + t * (state.v_WB.z() - 0.5 * gravity * t)));
+  };
+  // What has just been thrown may come near the hand again, on its way off.
+  const double time_s = at(p_WD);
+  if (time_s <= 0.0) return std::nullopt;
+  const Passing nearest{time_s, to_upright(then(time_s), radius, p_WD)};
+  const double hand_s = p_WH ? at(*p_WH) : 0.0;
+  if (hand_s <= 0.0) return nearest;
+  const Passing of_hand{hand_s, to_hand(then(hand_s), radius, *p_WH), true};
+  return of_hand.distance < nearest.distance ? of_hand : nearest;
+}
+
+bool is_coming(const engine::State& state, const Passing& passing) {
+  const Alarm alarm;
+  return passing.distance < alarm.near && passing.time_s < alarm.soon_s &&
+         level(state.v_WB).norm() > alarm.fast;
+}
+
+void watch(Presence& presence, const Player& player, const Stage& stage, const engine::World& world,
+           const Moment& moment, std::vector<devices::Event>& out) {
+  const Time measured = moment.time - microseconds(stage.scenario.rig.delay_s);
+  const std::optional<Pose> X_PD = player.head.at(measured);
+  if (!X_PD) return;
+  Sight sight{player, stage, world, moment, measured, player.walk.X_WP() * X_PD->p, {}};
+  if (const auto X_PH = player.hand.at(measured)) sight.p_WH = player.walk.X_WP() * X_PH->p;
+  for (Approach& approach : presence.approaches) {
+    follow_approach(approach, sight);
+    if (approach.passed && moment.time >= *approach.passed + kAfterwards) {
+      out.push_back(passed_event(sight, approach));
+    }
+  }
+  std::erase_if(presence.approaches, [&](const Approach& approach) {
+    return approach.passed && moment.time >= *approach.passed + kAfterwards;
+  });
+  keep_own(presence, sight, out);
+  for (const engine::BodyId ball : stage.balls) notice(presence, sight, ball, out);
+  for (const engine::BodyId skittle : stage.skittles) notice(presence, sight, skittle, out);
+}
+
+nlohmann::json approaches_of(std::span<const devices::Event> events) {
+  nlohmann::json all = nlohmann::json::array();
+  for (const devices::Event& event : events) {
+    if (event.kind != kind::passed_player) continue;
+    nlohmann::json one = nlohmann::json::parse(event.detail, nullptr, false);
+    if (!one.is_object()) continue;  // of a damaged log
+    one["time_s"] = nearest_seconds(event.time);
+    one["body"] = event.bodies.empty() ? "" : event.bodies.front();
+    one["closest_m"] = event.value;
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+std::vector<std::string> approaches_in_words(std::span<const devices::Event> events) {
+  std::vector<std::string> words;
+  for (const nlohmann::json& one : approaches_of(events)) {
+    const auto number = [&](const char* key) {
+      const auto found = one.find(key);
+      return found != one.end() && found->is_number() ? found->get<double>() : 0.0;
+    };
+    const auto moved = one.find("moved");
+    words.push_back(
+        fmt::format("{} flew at the player: noticed at {:.3f} s, {:.2f} s ahead, {:.2f} m off at "
+                    "the closest; {} "
+                    "(head {:.1f}, hand {:.1f} m/s2 out of its way)",
+                    one["body"].get<std::string>(), number("noticed_s"),
+                    number("time_to_contact_s"), one["closest_m"].get<double>(),
+                    moved != one.end() && *moved == true ? "evaded" : "not evaded",
+                    number("head_away_mps2"), number("hand_away_mps2")));
+  }
+  return words;
+}
+
+}  // namespace headpin::scene

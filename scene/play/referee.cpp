@@ -1,0 +1,278 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include <fmt/format.h>
+
+#include "scene/play/events.h"
+#include "scene/play/game.h"
+
+namespace headpin::scene {
+
+namespace {
+
+/// What one call of `referee` works on.
+struct Field {
+  Game& game;
+  const Stage& stage;
+  engine::World& world;
+  const Moment& moment;
+  std::optional<engine::BodyId> held;
+  std::vector<devices::Event>& out;
+
+  const GameRules& plan() const { return stage.scenario.game; }
+  const Rules& rules() const { return rules_named(plan().rules); }
+  int rack() const { return static_cast<int>(stage.skittles.size()); }
+  bool tells_apart() const { return plan().hand_fells == "apart"; }
+  bool waits_for_rest() const { return plan().ends == "rest"; }
+};
+
+constexpr Time kFirst{500'000};  // a ball let go at rest has not fallen yet
+
+void note(const Field& f, std::string_view kind, double value, std::string detail = {}) {
+  devices::Event e = event(f.moment, kind, f.world, {});
+  e.value = value;
+  e.detail = std::move(detail);
+  f.out.push_back(std::move(e));
+}
+
+bool is_still(const engine::World& world, engine::BodyId body) {
+  return world.bodies[body].kind != engine::Kind::free || engine::is_asleep(world, body);
+}
+
+bool at_rest(const engine::World& world, engine::BodyId body) {
+  constexpr double kSlow = 0.01, kSlowSpin = 0.03;  // [m/s], [rad/s]
+  const engine::State& state = world.states[body];
+  return is_still(world, body) || (state.v_WB.norm() < kSlow && state.w_WB.norm() < kSlowSpin);
+}
+
+/// A ball rolls on for long: at this speed it has a quarter of what tips a skittle.
+bool is_spent(const engine::World& world, engine::BodyId ball) {
+  constexpr double kSlow = 0.05;  // [m/s]
+  return is_still(world, ball) || world.states[ball].v_WB.norm() < kSlow;
+}
+
+/// Whether a ball is where none comes back from: through a wall that is none, or below the floor.
+bool is_gone(const Field& f, engine::BodyId ball) {
+  const Room& room = f.stage.scenario.room;
+  const Vec3& p_W = f.world.states[ball].X_WB.p;
+  return std::abs(p_W.x()) > 0.5 * room.width || p_W.y() > room.ahead || p_W.y() < -room.behind ||
+         p_W.z() < -1.0;
+}
+
+/// Whether nothing moves any more that could fell another skittle.
+bool all_at_rest(const Field& f) {
+  const auto over = [&](engine::BodyId ball) {
+    return is_spent(f.world, ball) || (f.waits_for_rest() && is_gone(f, ball));
+  };
+  return std::ranges::all_of(f.stage.balls, over) &&
+         std::ranges::all_of(f.stage.skittles, [&](auto body) { return at_rest(f.world, body); });
+}
+
+/// How long all must be at rest. What is thrown up is slow for 2 v / g at the top of its flight; this
+/// is twice as long, and some ticks.
+Time long_enough(const Field& f) {
+  constexpr double kSlow = 0.05, kTicks = 0.1;  // [m/s], [s]
+  const double gravity = f.stage.scenario.collision.gravity;
+  const double longest = f.plan().ball_back_s;
+  const double hangs = gravity > 0.0 ? 4.0 * kSlow / gravity : 0.0;
+  return microseconds(std::min(longest, hangs + kTicks));
+}
+
+/// Whether all has been at rest for long enough, by this tick.
+bool stays_at_rest(const Field& f) {
+  if (!all_at_rest(f)) {
+    f.game.quiet.reset();
+    return false;
+  }
+  if (!f.game.quiet) f.game.quiet = f.moment.time;
+  return f.moment.time - *f.game.quiet >= long_enough(f);
+}
+
+bool is_down(const Field& f, engine::BodyId skittle) {
+  const Pose& X_WB = f.world.states[skittle].X_WB;
+  const Vec3& spot = f.stage.world.states[skittle].X_WB.p;
+  return has_fallen(X_WB) || (X_WB.p - spot).head<2>().norm() > f.plan().off_spot;
+}
+
+/// Puts a skittle away: upright beside the others behind the wall ahead, where nobody comes or sees.
+void put_away(const Field& f, engine::BodyId skittle) {
+  constexpr double kBehind = 1.0, kApart = 0.3;
+  engine::set_kind(f.world, skittle, engine::Kind::driven);
+  engine::State away;
+  away.X_WB.p = Vec3(kApart * static_cast<double>(skittle), f.stage.scenario.room.ahead + kBehind,
+                     f.stage.skittle_centre);
+  engine::set_state(f.world, skittle, away);
+}
+
+/// Puts a body back to where the stage has it, as if nothing had happened to it.
+void put_back(const Field& f, engine::BodyId body) {
+  engine::set_kind(f.world, body, f.stage.world.bodies[body].kind);
+  engine::set_state(f.world, body, f.stage.world.states[body]);
+  if (f.world.bodies[body].kind == engine::Kind::free) engine::put_to_sleep(f.world, body);
+  engine::forget_meetings(f.world, body);
+}
+
+/// Sets a skittle up on its spot.
+void set_up(const Field& f, engine::BodyId skittle) {
+  put_back(f, skittle);
+  f.game.down[skittle] = f.game.swept[skittle] = 0;
+  f.game.moved_by[skittle] = By::nobody;
+}
+
+/// Whether a skittle that is down is dead wood. Where nothing tells, it is the ball's that has struck.
+bool is_dead_wood(const Field& f, engine::BodyId skittle) {
+  if (!f.tells_apart()) return false;
+  const By by = f.game.moved_by[skittle];
+  return by == By::hand || (by == By::nobody && !f.game.struck);
+}
+
+/// Sweeps what is down; after a foul that costs the ball, what it felled is set up again.
+///
+/// @return  skittles down that count for the ball that was thrown
+int count(const Field& f) {
+  devices::Event delivery = event(f.moment, kind::delivery, f.world, {});
+  devices::Event dead = event(f.moment, kind::dead_wood, f.world, {});
+  const bool costs = f.game.foul && f.plan().foul == "zero";
+  for (const engine::BodyId skittle : f.stage.skittles) {
+    if (f.game.swept[skittle] || !is_down(f, skittle)) continue;
+    const bool is_dead = is_dead_wood(f, skittle);
+    (is_dead ? dead : delivery).bodies.push_back(f.world.bodies[skittle].name);
+    if (costs && !is_dead && skittle != f.held) {
+      set_up(f, skittle);
+      continue;
+    }
+    f.game.swept[skittle] = 1;
+    if (skittle != f.held) put_away(f, skittle);
+  }
+  const std::size_t felled = costs ? 0 : delivery.bodies.size();
+  delivery.value = static_cast<double>(felled);
+  delivery.detail =
+      fmt::format("frame {} ball {}", f.game.frames.size(), f.game.frames.back().size() + 1);
+  dead.value = static_cast<double>(dead.bodies.size());
+  dead.detail = delivery.detail;
+  if (!dead.bodies.empty()) f.out.push_back(std::move(dead));
+  f.out.push_back(std::move(delivery));
+  return static_cast<int>(felled);
+}
+
+/// @return  whether one of them was in the hand
+bool set_rack(const Field& f) {
+  bool taken = false;
+  for (const engine::BodyId skittle : f.stage.skittles) {
+    const bool in_hand = skittle == f.held;
+    if (in_hand && !f.tells_apart()) continue;
+    taken |= in_hand;
+    set_up(f, skittle);
+  }
+  f.game.struck = false;
+  return taken;
+}
+
+void bring_balls_back(const Field& f) {
+  for (const engine::BodyId ball : f.stage.balls) {
+    if (f.world.bodies[ball].kind != engine::Kind::free) continue;  // waits or is carried
+    put_back(f, ball);
+    devices::Event back = event(f.moment, kind::ball_back, f.world, {ball});
+    back.p_W = f.world.states[ball].X_WB.p;
+    f.out.push_back(std::move(back));
+  }
+  f.game.struck = false;
+}
+
+/// Whether a frame is over where no skittle is left to be thrown at.
+bool ends_empty(const Field& f, bool last) {
+  const Rules& rules = f.rules();
+  if (rules.full_rack || rules.set_again) return false;
+  const Frame& frame = f.game.frames.back();
+  return !(last && rules.bonuses && std::accumulate(frame.begin(), frame.end(), 0) >= f.rack());
+}
+
+/// @return  whether what the hand holds was taken from it
+bool end_delivery(const Field& f) {
+  const Rules& rules = f.rules();
+  std::vector<Frame>& frames = f.game.frames;
+  frames.back().push_back(count(f));
+  bring_balls_back(f);
+  f.game.foul = false;
+  const bool last = static_cast<std::int64_t>(frames.size()) == f.plan().frames;
+  const bool empty = f.tells_apart() && std::ranges::all_of(f.stage.skittles, [&](auto body) {
+                       return f.game.swept[body] == 1;
+                     });
+  if (!is_over(rules, frames.back(), f.rack(), static_cast<int>(f.plan().balls), last) &&
+      !(empty && ends_empty(f, last))) {
+    return (empty || is_set_again(rules, frames.back(), f.rack())) && set_rack(f);
+  }
+  note(f, kind::frame, static_cast<double>(frames.size()));
+  if (last) {
+    f.game.over = true;
+    note(f, kind::game_over, points(rules, frames, f.rack()), in_words(rules, frames, f.rack()));
+    return false;
+  }
+  frames.emplace_back();
+  return set_rack(f);
+}
+
+/// A ball begins to be under way: what stands still by now is nobody's doing.
+void begin_delivery(const Field& f) {
+  f.game.thrown = f.moment.time;
+  f.game.quiet.reset();
+  f.game.beyond = false;
+  for (const engine::BodyId skittle : f.stage.skittles) {
+    if (!is_down(f, skittle) && at_rest(f.world, skittle)) f.game.moved_by[skittle] = By::nobody;
+  }
+}
+
+/// What was set aside in the hand is put away once it is let go; what stands again on its spot
+/// has not been moved by anybody.
+void tidy(const Field& f) {
+  for (const engine::BodyId skittle : f.stage.skittles) {
+    if (f.world.bodies[skittle].kind != engine::Kind::free) continue;
+    if (f.game.swept[skittle]) {
+      put_away(f, skittle);
+    } else if (engine::is_asleep(f.world, skittle) && !is_down(f, skittle)) {
+      f.game.moved_by[skittle] = By::nobody;
+      f.game.down[skittle] = 0;
+    }
+  }
+}
+
+/// Whether the ball that is under way is in the hand again and was not thrown at all.
+bool is_taken_back(const Field& f, bool under_way) {
+  if (under_way || f.game.struck) return false;
+  return !f.game.beyond || f.moment.time - *f.game.thrown < kFirst;
+}
+
+}  // namespace
+
+bool referee(Game& game, const Stage& stage, engine::World& world, const Moment& moment,
+             std::optional<engine::BodyId> held, std::vector<devices::Event>& out) {
+  const Field f{game, stage, world, moment, held, out};
+  if (!f.rules().counted || game.over) return false;
+  if (!game.begun) {
+    game.begun = true;
+    game.frames.assign(1, {});
+    note(f, kind::game, f.rack(), f.plan().rules);
+  }
+  if (f.tells_apart()) tidy(f);
+  bool under_way = false;
+  for (const engine::BodyId ball : stage.balls) {
+    if (world.bodies[ball].kind != engine::Kind::free) continue;
+    under_way = true;
+    game.beyond |= game.thrown && world.states[ball].X_WB.p.y() > 0.0;
+  }
+  if (under_way && !game.thrown) begin_delivery(f);
+  if (!game.thrown) return false;
+  if (f.waits_for_rest() && is_taken_back(f, under_way)) {
+    game.thrown.reset();
+    game.foul = false;
+    return false;
+  }
+  const bool rests = f.waits_for_rest() ? stays_at_rest(f) : all_at_rest(f);
+  const Time since = moment.time - *game.thrown;
+  if (since < microseconds(f.plan().ball_back_s) && (since < kFirst || !rests)) return false;
+  game.thrown.reset();
+  return end_delivery(f);
+}
+
+}  // namespace headpin::scene

@@ -1,0 +1,333 @@
+#include "scene/play/release.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+namespace headpin::scene {
+
+namespace {
+
+using nlohmann::ordered_json;
+using Track = std::vector<Stamped<Pose>>;
+// Plain sums in a fixed order: a library's way with four numbers depends on the processor.
+using Four = std::array<double, 4>;
+using Square = std::array<Four, 4>;
+
+constexpr double kFastestHand = 20.0;  // m/s; the fastest bowlers' hands reach half of it
+constexpr double kUsualHand = 10.0;    // m/s, faster is less likely
+constexpr double kFastestOver = 12.0;  // m/s, past samples that are left out
+constexpr double kJitter = 0.05;       // m, between two samples of a noisy tracker
+constexpr Time kFollowed{30'000};      // past the last sample
+constexpr double kAfter = 0.04;        // s, the window's half after the time
+constexpr Time kHole{50'000};          // between two samples: what is inside was not tracked
+constexpr double kOffPath = 0.015, kOffTurn = 0.15;  // m, rad: what is nearer is no outlier
+constexpr double kOffFit = 16.0;  // all others leave so many times less squares without an outlier
+constexpr std::size_t kFewestToJudge = 7;  // a cubic and three more
+
+/// What it costs to believe that a hand got from one to the other with `skipped` samples between
+/// that were not its own, where one sample more is worth 1; nothing where no hand could.
+std::optional<double> cost(const Stamped<Pose>& a, const Stamped<Pose>& b, std::size_t skipped) {
+  const double dt = std::abs(seconds(b.time - a.time));
+  const double speed = std::max(0.0, (b.value.p - a.value.p).norm() - kJitter) / dt;
+  if (speed > (skipped == 0 ? kFastestHand : kFastestOver)) return std::nullopt;
+  return 0.95 * static_cast<double>(skipped) + std::max(0.0, speed - kUsualHand) / kUsualHand;
+}
+
+/// The samples of a track that a hand can have made: as many as can be with little between them that
+/// it cannot; the latest of equal ones.
+Track possible(std::span<const Stamped<Pose>> track) {
+  std::vector<double> worth(track.size(), 1.0);
+  std::vector<std::size_t> before(track.size());
+  std::size_t last = 0;
+  for (std::size_t j = 0; j < track.size(); ++j) {
+    before[j] = j;
+    for (std::size_t i = j; i-- > 0;) {
+      const std::optional<double> link = cost(track[i], track[j], j - i - 1);
+      if (!link || worth[i] + 1.0 - *link <= worth[j]) continue;
+      worth[j] = worth[i] + 1.0 - *link;
+      before[j] = i;
+      if (*link == 0.0) break;
+    }
+    if (worth[j] >= worth[last]) last = j;
+  }
+  Track kept;
+  for (std::size_t j = last;; j = before[j]) {
+    kept.push_back(track[j]);
+    if (before[j] == j) break;
+  }
+  std::ranges::reverse(kept);
+  return kept;
+}
+
+/// A polynomial through points in time, by weighted least squares.
+struct Fit {
+  Vec3 slope = Vec3::Zero();  ///< at t = 0, per second
+  double deviation = 0.0;     ///< of it along an axis; 0 where nothing tells
+  std::size_t worst = 0;      ///< the point that the others say most to be elsewhere
+  double off = 0.0;           ///< how far it is from there
+  bool alone = false;         ///< without it the rest fits far better
+};
+
+double tricube(double u) {
+  const double v = 1.0 - u * u * u;
+  return u < 1.0 ? v * v * v : 0.0;
+}
+
+/// Weights of a window that reaches back by `before`.
+std::vector<double> weights(std::span<const double> t, double before) {
+  std::vector<double> w;
+  for (const double ti : t) w.push_back(tricube(ti < 0.0 ? -ti / before : ti / kAfter));
+  return w;
+}
+
+/// a^-1 for the first `n` rows and columns, positive definite.
+Square inverse(Square a, std::size_t n) {
+  Square b{};
+  for (std::size_t i = 0; i < n; ++i) b[i][i] = 1.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double pivot = a[i][i];
+    for (std::size_t j = 0; j < n; ++j) {
+      a[i][j] /= pivot;
+      b[i][j] /= pivot;
+    }
+    for (std::size_t k = 0; k < n; ++k) {
+      if (k == i) continue;
+      const double f = a[k][i];
+      for (std::size_t j = 0; j < n; ++j) {
+        a[k][j] -= f * a[i][j];
+        b[k][j] -= f * b[i][j];
+      }
+    }
+  }
+  return b;
+}
+
+double form(const Four& x, const Square& a, const Four& y, std::size_t n) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) sum += x[i] * a[i][j] * y[j];
+  }
+  return sum;
+}
+
+/// @param t  [s]; the slope is that at 0
+Fit fit(std::span<const double> t, std::span<const Vec3> y, std::span<const double> w) {
+  constexpr double kScale = 0.05;
+  const auto used = static_cast<std::size_t>(
+      std::ranges::count_if(w, [](double weight) { return weight > 0.0; }));
+  Fit found;
+  if (used < 2) return found;
+  const std::size_t n = used >= 5 ? 4 : used == 4 ? 3 : 2;
+  const auto powers = [&](std::size_t i) {
+    const double x = t[i] / kScale;
+    return Four{1.0, x, x * x, x * x * x};
+  };
+  Square normal{}, squared{};
+  std::array<Vec3, 4> right{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  double sum = 0.0;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    const Four p = powers(i);
+    for (std::size_t a = 0; a < n; ++a) {
+      for (std::size_t b = 0; b < n; ++b) {
+        normal[a][b] += w[i] * p[a] * p[b];
+        squared[a][b] += w[i] * w[i] * p[a] * p[b];
+      }
+      right[a] += w[i] * p[a] * y[i];
+    }
+    sum += w[i];
+  }
+  const Square solved = inverse(normal, n);
+  std::array<Vec3, 4> coefficient{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  for (std::size_t a = 0; a < n; ++a) {
+    for (std::size_t b = 0; b < n; ++b) coefficient[a] += solved[a][b] * right[b];
+  }
+  found.slope = coefficient[1] / kScale;
+  if (used <= n) return found;
+  double squares = 0.0, most = -1.0;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    if (!(w[i] > 0.0)) continue;
+    const Four p = powers(i);
+    Vec3 left = y[i];
+    for (std::size_t a = 0; a < n; ++a) left -= p[a] * coefficient[a];
+    const double apart = 1.0 - w[i] * form(p, solved, p, n);  // 1 - leverage
+    squares += w[i] * left.squaredNorm();
+    const double without = w[i] * left.squaredNorm() / apart;  // so much less if it was not there
+    if (!(apart > 1e-6) || without <= most) continue;
+    most = without;
+    found.worst = i;
+    found.off = left.norm() / apart;
+  }
+  found.alone = used >= kFewestToJudge && kOffFit * (squares - most) < squares;
+  const double variance =
+      squares / (3.0 * sum) * static_cast<double>(used) / static_cast<double>(used - n);
+  found.deviation = std::sqrt(variance * form(solved[1], squared, solved[1], n)) / kScale;
+  return found;
+}
+
+/// What of a track tells about a time, from the nearest sample back to the window's start.
+struct Near {
+  Track track;
+  int left_out = 0;
+};
+
+Near samples_near(std::span<const Stamped<Pose>> track, Time at, const ReleaseWindow& window) {
+  const Time latest = std::min(at, track.back().time);
+  std::size_t first = 0, oldest = 0, end = track.size();
+  while (end > 0 && track[end - 1].time >= at + microseconds(kAfter)) --end;
+  while (oldest < end && track[oldest].time <= latest - window.longest()) ++oldest;
+  first = oldest;
+  while (first < end && track[first].time <= latest - window.least) ++first;
+  if (end - first < 3) first = oldest;
+  if (first == end) return {};
+  const auto inside = track.subspan(first, end - first);
+  Near near{possible(inside)};
+  near.left_out = static_cast<int>(inside.size() - near.track.size());
+  Track older;
+  for (std::size_t i = first; i-- > oldest;) {
+    const Stamped<Pose>& next = older.empty() ? near.track.front() : older.back();
+    if (cost(track[i], next, 0)) older.push_back(track[i]);
+  }
+  near.track.insert(near.track.begin(), older.rbegin(), older.rend());
+  return near;
+}
+
+/// How far the nearest sample is; 0 between two that are near each other.
+Time away(const Track& track, Time at) {
+  const auto after = std::ranges::lower_bound(track, at, {}, &Stamped<Pose>::time);
+  if (after == track.end()) return at - track.back().time;
+  if (after->time == at) return Time{};
+  if (after == track.begin()) return after->time - at;
+  const Time since = at - (after - 1)->time, until = after->time - at;
+  return since + until <= kHole ? Time{} : std::min(since, until);
+}
+
+Quat orientation_at(const Track& track, Time at) {
+  const auto after = std::ranges::lower_bound(track, at, {}, &Stamped<Pose>::time);
+  if (after == track.end()) return track.back().value.q;
+  if (after == track.begin()) return after->value.q;
+  const Stamped<Pose>& before = *(after - 1);
+  return interpolate(before.value, after->value,
+                     seconds(at - before.time) / seconds(after->time - before.time))
+      .q;
+}
+
+/// The two fits of a track at a time, over the shortest window that does.
+struct Fits {
+  Fit path, turn;
+};
+
+Fits fits(const Track& track, Time at, const Quat& q_WH, const ReleaseWindow& window) {
+  std::vector<double> t;
+  std::vector<Vec3> p, turn;
+  for (const Stamped<Pose>& sample : track) {
+    t.push_back(seconds(sample.time - at));
+    p.push_back(sample.value.p - track.back().value.p);
+    turn.push_back(rotation_vector(sample.value.q * q_WH.conjugate()));
+  }
+  const double past = std::max(0.0, -t.back());
+  const double least = seconds(window.least) + past, most = seconds(window.longest()) + past;
+  for (double before = least;; before = std::min(most, before + 0.25 * least)) {
+    const std::vector<double> w = weights(t, before);
+    const Fit path = fit(t, p, w);
+    const auto used = std::ranges::count_if(w, [](double weight) { return weight > 0.0; });
+    const bool enough = used >= 3 && path.deviation <= window.accuracy;
+    if (path.alone || enough || before >= most) return {path, fit(t, turn, w)};
+  }
+}
+
+}  // namespace
+
+std::string_view name_of(Known known) {
+  switch (known) {
+    case Known::tracked:
+      return "tracked";
+    case Known::extrapolated:
+      return "extrapolated";
+    case Known::impossible:
+      break;
+  }
+  return "impossible";
+}
+
+Motion motion_at(std::span<const Stamped<Pose>> track, Time at, const Vec3& p_HB,
+                 const ReleaseWindow& window) {
+  if (track.empty() || track.back().time < at - window.least) return {};
+  Near near = samples_near(track, at, window);
+  while (near.track.size() >= 2) {
+    const Time last = near.track.back().time;
+    const Time there = std::min(at, last + kFollowed);
+    const Quat q_WH = orientation_at(near.track, there);
+    const Fits found = fits(near.track, there, q_WH, window);
+    const auto leave_out = [&](const Fit& fit) {
+      near.track.erase(near.track.begin() + static_cast<std::ptrdiff_t>(fit.worst));
+      ++near.left_out;
+    };
+    if (found.path.alone && found.path.off > kOffPath) {
+      leave_out(found.path);
+    } else if (found.turn.alone && found.turn.off > kOffTurn) {
+      leave_out(found.turn);
+    } else {
+      Motion motion{{found.path.slope + found.turn.slope.cross(q_WH * p_HB), found.turn.slope},
+                    Known::tracked,
+                    away(near.track, at),
+                    near.left_out};
+      if (motion.extrapolated > window.least || !(motion.V_WB.v.norm() <= kFastestHand)) break;
+      if (motion.extrapolated > Time{}) motion.known = Known::extrapolated;
+      return motion;
+    }
+  }
+  Motion none;
+  none.left_out = near.left_out;
+  return none;
+}
+
+std::string to_detail(const Motion& motion) {
+  const auto array = [](const Vec3& v) { return ordered_json{v.x(), v.y(), v.z()}; };
+  return ordered_json{{"known", name_of(motion.known)},
+                      {"extrapolated_s", nearest_seconds(motion.extrapolated)},
+                      {"left_out", motion.left_out},
+                      {"velocity_mps", array(motion.V_WB.v)},
+                      {"spin_radps", array(motion.V_WB.w)}}
+      .dump();
+}
+
+std::optional<Motion> motion_of(const devices::Event& event) {
+  const ordered_json detail = ordered_json::parse(event.detail, nullptr, false);
+  if (!detail.is_object()) return std::nullopt;
+  try {
+    Motion motion;
+    const std::string known = detail.at("known");
+    for (const Known one : {Known::tracked, Known::extrapolated}) {
+      if (known == name_of(one)) motion.known = one;
+    }
+    motion.extrapolated = microseconds(detail.at("extrapolated_s"));
+    motion.left_out = detail.at("left_out");
+    const auto vector = [&](const char* key) {
+      const std::vector<double> v = detail.at(key);
+      return Vec3(v.at(0), v.at(1), v.at(2));
+    };
+    motion.V_WB = {vector("velocity_mps"), vector("spin_radps")};
+    return motion;
+  } catch (const std::exception&) {
+    return std::nullopt;
+  }
+}
+
+std::string in_words(const Motion& motion) {
+  std::string words(name_of(motion.known));
+  if (motion.known == Known::extrapolated) {
+    words += fmt::format(" by {:.0f} ms", 1e3 * seconds(motion.extrapolated));
+  }
+  if (motion.left_out > 0) {
+    words +=
+        fmt::format(", {} sample{} left out", motion.left_out, motion.left_out == 1 ? "" : "s");
+  }
+  return words;
+}
+
+}  // namespace headpin::scene

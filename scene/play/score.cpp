@@ -1,0 +1,147 @@
+#include "scene/play/score.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "scene/play/events.h"
+#include "scene/play/release.h"
+
+namespace headpin::scene {
+
+namespace {
+
+/// A vector of an event's detail; nothing in older trials.
+std::optional<Vec3> vector_of(const nlohmann::json& detail, const char* key) {
+  if (!detail.is_object()) return std::nullopt;
+  const auto found = detail.find(key);
+  if (found == detail.end() || !found->is_array() || found->size() != 3) return std::nullopt;
+  Vec3 v;
+  for (std::size_t i = 0; i < 3; ++i) {
+    if (!(*found)[i].is_number()) return std::nullopt;
+    v[static_cast<Eigen::Index>(i)] = (*found)[i].get<double>();
+  }
+  return v;
+}
+
+bool is_of_ball(const devices::Event& event) {
+  return !event.bodies.empty() && event.bodies.front().starts_with("ball");
+}
+
+/// What the release of a ball tells of a throw.
+devices::ThrowRow thrown(const devices::Event& release, const std::string& version) {
+  devices::ThrowRow row;
+  row.version = version;
+  row.body = release.bodies.front();
+  row.release = release.time;
+  row.speed = release.value;
+  const nlohmann::json detail = nlohmann::json::parse(release.detail, nullptr, false);
+  row.p_WB = vector_of(detail, "position_m");
+  row.v_WB = vector_of(detail, "velocity_mps");
+  row.w_WB = vector_of(detail, "spin_radps");
+  if (!detail.is_object()) return row;
+  const auto trigger = detail.find("trigger_s");
+  if (trigger != detail.end() && trigger->is_number()) row.trigger_s = trigger->get<double>();
+  const auto known = detail.find("known");
+  if (known != detail.end() && known->is_string()) row.known = known->get<std::string>();
+  if (const auto motion = motion_of(release)) {
+    row.extrapolated_s = nearest_seconds(motion->extrapolated);
+    row.left_out = motion->left_out;
+  }
+  if (row.p_WB) row.foul = row.p_WB->y() > 0.0;
+  return row;
+}
+
+/// As the sheet says it of a ball: "foul (frame 2 ball 1)".
+std::string mark(const Sheet& game, const std::string& what) {
+  return fmt::format("{} (frame {} ball {})", what, game.frames.size(),
+                     game.frames.back().size() + 1);
+}
+
+}  // namespace
+
+int points(const Sheet& sheet) {
+  return points(rules_named(sheet.rules), sheet.frames, sheet.rack);
+}
+
+std::string in_words(const Sheet& sheet) {
+  const std::string balls = in_words(rules_named(sheet.rules), sheet.frames, sheet.rack);
+  return fmt::format("{}{}{}: {} = {}{}{}{}", sheet.version, sheet.version.empty() ? "" : " ",
+                     sheet.rules, balls.empty() ? "no ball" : balls, points(sheet),
+                     sheet.over ? "" : " (not over)", sheet.marks.empty() ? "" : "; ",
+                     fmt::join(sheet.marks, ", "));
+}
+
+void Score::add_to_game(const devices::Event& event) {
+  if (event.kind == kind::game && is_rules(event.detail)) {
+    if (games.empty()) skittles_down = felled_by_hand = 0;  // what fell before is in no sheet
+    games.push_back({.version = version_,
+                     .rules = event.detail,
+                     .rack = static_cast<int>(event.value),
+                     .frames = {{}}});
+  }
+  if (games.empty()) return;
+  Sheet& game = games.back();
+  if (event.kind == kind::foul && !game.over) game.marks.push_back(mark(game, "foul"));
+  if (event.kind == kind::dead_wood) {
+    game.marks.push_back(mark(game, fmt::format("{} by hand", event.value)));
+    felled_by_hand += static_cast<std::int64_t>(event.value);
+  }
+  if (event.kind == kind::delivery) {
+    game.frames.back().push_back(static_cast<int>(event.value));
+    skittles_down += static_cast<std::int64_t>(event.value);
+  }
+  if (event.kind == kind::game_over) game.over = true;
+  if (event.kind == kind::frame) game.frames.emplace_back();
+}
+
+void Score::add_to_throw(const devices::Event& event) {
+  if (event.kind == kind::release && is_of_ball(event)) {
+    throws.push_back(thrown(event, version_));
+    if (games.empty()) throws.back().felled_by_ball = throws.back().felled_by_hand = 0;
+  }
+  if (event.kind == kind::skittle_down && games.empty()) {
+    const bool by_hand = event.detail == "hand";
+    ++(by_hand ? felled_by_hand : skittles_down);
+    if (!throws.empty()) ++*(by_hand ? throws.back().felled_by_hand : throws.back().felled_by_ball);
+  }
+  if (throws.empty()) {
+    if (event.kind == kind::first_contact && !impact_speed) impact_speed = event.value;
+    return;
+  }
+  devices::ThrowRow& row = throws.back();
+  if (event.kind == kind::first_contact && !row.entry) {
+    row.entry = event.time;
+    row.entry_speed = event.value;
+    const auto v = vector_of(nlohmann::json::parse(event.detail, nullptr, false), "velocity_mps");
+    if (v) row.entry_angle_deg = std::atan2(v->x(), v->y()) * 180.0 / std::numbers::pi;
+  }
+  if (event.kind == kind::dead_wood) row.felled_by_hand = static_cast<int>(event.value);
+  if (event.kind == kind::delivery && !games.empty() && row.frame == 0) {
+    row.frame = static_cast<int>(games.back().frames.size());
+    row.ball = static_cast<int>(games.back().frames.back().size()) + 1;
+    row.felled_by_ball = static_cast<int>(event.bodies.size());
+    row.felled_by_hand = row.felled_by_hand.value_or(0);
+    row.counted = static_cast<int>(event.value);
+  }
+  release_speed = throws.front().speed;
+  impact_speed = throws.front().entry_speed;
+}
+
+void Score::add(const devices::Event& event) {
+  if (event.kind == kind::version) version_ = event.detail;
+  touches += event.kind == kind::touch || event.kind == kind::first_contact;
+  add_to_throw(event);  // it has the number of the next ball
+  add_to_game(event);
+}
+
+Score score(std::span<const devices::Event> events) {
+  Score score;
+  for (const devices::Event& event : events) score.add(event);
+  return score;
+}
+
+}  // namespace headpin::scene

@@ -1,0 +1,174 @@
+#include "scene/play/session.h"
+
+#include <algorithm>
+
+#include "scene/play/events.h"
+
+namespace headpin::scene {
+
+namespace {
+
+/// A pose of the tracked space at `now`, in the world.
+std::optional<Pose> in_room(const Session& s, const devices::PoseTrack& track, Time now) {
+  const std::optional<Pose> X_PX = track.at(now - microseconds(s.scenario().rig.delay_s));
+  if (!X_PX) return std::nullopt;
+  return s.player.walk.X_WP() * *X_PX;
+}
+
+bool has_buttons(const Session& s) {
+  return s.versions[0] != nullptr;
+}
+
+/// The button that the hand is at, from wrist to fingertips.
+std::optional<std::size_t> button_at_hand(const Session& s, Time now) {
+  const std::optional<Pose> X_WH = in_room(s, s.player.hand, now);
+  if (!X_WH) return std::nullopt;
+  constexpr double kToFingertips = 0.12, kThick = 0.015;
+  const Versions& v = s.scenario().version;
+  const std::array<Vec3, 2> buttons = {v.red.button, v.blue.button};
+  for (std::size_t i = 0; i < buttons.size(); ++i) {
+    const Vec3 p_H = X_WH->inverse() * buttons[i];
+    const Vec3 nearest(0.0, 0.0, std::clamp(p_H.z(), -kToFingertips, 0.0));
+    if ((p_H - nearest).norm() <= v.radius + kThick) return i;
+  }
+  return std::nullopt;
+}
+
+/// Counts the ball that is under way for the version it was thrown in: a copy of its world goes on
+/// without the player until that is done. What comes of it happens now.
+void count_ahead(const Session& s, const Moment& moment, std::vector<devices::Event>& out) {
+  if (s.scenario().game.ends != "rest" || !s.game.thrown) return;
+  engine::World world = s.world;
+  Game game = s.game;
+  if (s.stage->hand) {
+    engine::set_state(world, *s.stage->hand, {kAway, Vec3::Zero(), Vec3::Zero()});
+  }
+  std::optional<engine::BodyId> held;
+  if (s.player.held) {
+    held = s.player.held->body;
+    engine::set_state(world, *held, {world.states[*held].X_WB, Vec3::Zero(), Vec3::Zero()});
+  }
+  std::vector<devices::Event> all;
+  Moment later = moment;
+  while (game.thrown) {
+    note_velocities(game, world);
+    engine::step(world);
+    note_step(game, *s.stage, world, later, all);
+    referee(game, *s.stage, world, later, held, all);
+    later = {tick_time(later.tick + 1, s.scenario().rates.physics_hz), later.tick + 1};
+  }
+  for (devices::Event& e : all) {
+    if (e.kind == kind::ball_back) continue;
+    e.time = moment.time;
+    e.tick = moment.tick;
+    out.push_back(std::move(e));
+  }
+}
+
+/// Sets up the world of a version; what time and energy have come to goes on.
+void start_version(Session& s, std::size_t version, const Moment& moment) {
+  count_ahead(s, moment, s.events);
+  engine::World before = std::move(s.world);
+  s.stage = s.versions[version];
+  s.world = s.stage->world;
+  s.world.tick = before.tick;
+  s.world.ledger = before.ledger;
+  s.world.balance = before.balance;  // the next step books what is other now
+  s.player.held.reset();
+  s.player.leaving.reset();
+  s.game = make_game(*s.stage);
+  s.presence = {};
+  s.version_begun = true;
+  s.version = version + 1;
+  devices::Event e = event(moment, kind::version, s.world, {});
+  const Versions& v = s.scenario().version;
+  e.p_W = version == 0 ? v.red.button : v.blue.button;
+  e.value = static_cast<double>(version);
+  e.detail = version == 0 ? "red" : "blue";
+  s.events.push_back(std::move(e));
+}
+
+/// A button works when the hand comes to it, not while it stays.
+void touch_buttons(Session& s, const Moment& moment) {
+  if (!has_buttons(s)) return;
+  const std::optional<std::size_t> now = button_at_hand(s, moment.time);
+  if (now && now != s.touched) start_version(s, *now, moment);
+  s.touched = now;
+}
+
+}  // namespace
+
+Session make_session(std::shared_ptr<const Stage> stage) {
+  Session s;
+  s.stage = std::move(stage);
+  const Versions& v = s.stage->scenario.version;
+  if (v.buttons) {
+    s.versions = {std::make_shared<const Stage>(make_stage(under(s.stage->scenario, v.red))),
+                  std::make_shared<const Stage>(make_stage(under(s.stage->scenario, v.blue)))};
+  }
+  s.world = s.stage->world;
+  s.state_hash = engine::state_hash(s.world);
+  s.game = make_game(*s.stage);
+  return s;
+}
+
+Session make_session(const Scenario& scenario) {
+  return make_session(std::make_shared<const Stage>(make_stage(scenario)));
+}
+
+void advance(Session& s, devices::Source& source) {
+  const Moment moment{s.next_tick(), s.tick + 1};
+  s.samples.clear();
+  s.events.clear();
+  source.poll(moment.time, s.samples);
+  for (devices::Sample& sample : s.samples) {
+    std::visit([&](auto& one) { one.session_time = moment.time; }, sample);
+  }
+  drive(s.player, s.samples, *s.stage, s.world, moment, s.events);
+  touch_buttons(s, moment);
+  note_velocities(s.game, s.world);
+  engine::step(s.world);
+  s.tick = moment.tick;
+  s.statistics += s.world.statistics;
+  note_step(s.game, *s.stage, s.world, moment, s.events);
+  watch(s.presence, s.player, *s.stage, s.world, moment, s.events);
+  const std::optional<engine::BodyId> held =
+      s.player.held ? std::optional(s.player.held->body) : std::nullopt;
+  const bool counts = !has_buttons(s) || s.version_begun;
+  if (counts && referee(s.game, *s.stage, s.world, moment, held, s.events)) {
+    s.player.held.reset();
+    s.player.grip_changed = moment.time;
+  }
+  s.state_hash = engine::state_hash(s.world);
+  s.game_hash.add(s.state_hash, s.version);
+}
+
+void tick_state(const Session& s, devices::TickState& out) {
+  out.time = s.now();
+  out.tick = s.tick;
+  out.hash = s.state_hash;
+  out.contacts = static_cast<std::int32_t>(s.world.statistics.contacts);
+  out.bodies.resize(s.world.states.size());
+  for (std::size_t i = 0; i < out.bodies.size(); ++i) {
+    const engine::State& state = s.world.states[i];
+    out.bodies[i] = {state.X_WB,
+                     {state.v_WB, state.w_WB},
+                     engine::is_asleep(s.world, static_cast<engine::BodyId>(i))};
+  }
+}
+
+std::optional<Pose> head_pose(const Session& s) {
+  return in_room(s, s.player.head, s.now());
+}
+
+std::optional<Pose> head_pose(const Session& s, Time at) {
+  const std::optional<Pose> X_PD = s.player.head.at(at - microseconds(s.scenario().rig.delay_s));
+  if (!X_PD) return std::nullopt;
+  return s.player.walk.X_WP(seconds(s.now() - at)) * *X_PD;
+}
+
+std::optional<Pose> hand_pose(const Session& s) {
+  return in_room(s, s.player.hand, s.now());
+}
+
+}  // namespace headpin::scene

@@ -1,0 +1,113 @@
+#include "scene/scenario/rules.h"
+
+#include <algorithm>
+#include <array>
+#include <numeric>
+#include <stdexcept>
+
+namespace headpin::scene {
+
+namespace {
+
+constexpr std::array<Rules, 5> kRules{{
+    {"one-throw", false, false, false, false, "no game: one ball, and nothing is set again"},
+    {"plain", true, false, false, false, "skittles down are counted"},
+    {"ten-pin", true, false, false, true,
+     "a strike counts the next two balls too, a spare the next one"},
+    {"ninepins", true, true, false, false, "every ball has all skittles before it"},
+    {"skittles", true, false, true, false,
+     "skittles are set again within a frame when none is left"},
+}};
+
+int sum(std::span<const int> rolls) {
+  return std::accumulate(rolls.begin(), rolls.end(), 0);
+}
+
+/// Skittles down since they were last set within the frame.
+int down_since_set(const Frame& frame, int rack) {
+  int down = 0;
+  for (const int roll : frame) down = down == rack ? roll : down + roll;
+  return down;
+}
+
+/// What the next balls of the game bring, as many as are thrown.
+int next_balls(std::span<const Frame> later, int count) {
+  int all = 0;
+  for (const Frame& frame : later) {
+    for (const int roll : frame) {
+      if (count-- > 0) all += roll;
+    }
+  }
+  return all;
+}
+
+std::string word(const Rules& rules, const Frame& frame, std::size_t ball, int rack) {
+  const int roll = frame[ball];
+  if (rules.bonuses) {
+    const Frame before(frame.begin(), frame.begin() + static_cast<std::ptrdiff_t>(ball));
+    const int down = before.empty() ? rack : down_since_set(before, rack);
+    if (down == rack && roll == rack) return "X";
+    if (down < rack && down + roll == rack) return "/";
+  }
+  return roll == 0 ? "-" : std::to_string(roll);
+}
+
+}  // namespace
+
+std::span<const Rules> all_rules() {
+  return kRules;
+}
+
+bool is_rules(std::string_view name) {
+  return std::ranges::find(kRules, name, &Rules::name) != kRules.end();
+}
+
+const Rules& rules_named(std::string_view name) {
+  const auto found = std::ranges::find(kRules, name, &Rules::name);
+  if (found == kRules.end())
+    throw std::invalid_argument("no rules are called " + std::string(name));
+  return *found;
+}
+
+bool is_over(const Rules& rules, const Frame& frame, int rack, int balls, bool last) {
+  const int thrown = static_cast<int>(frame.size());
+  const int first = sum(
+      std::span(frame).first(std::min<std::size_t>(frame.size(), static_cast<std::size_t>(balls))));
+  if (rules.bonuses && last && first >= rack) return thrown == balls + 1;
+  if (thrown >= balls) return true;
+  return !rules.full_rack && !rules.set_again && thrown > 0 && sum(frame) >= rack;
+}
+
+bool is_set_again(const Rules& rules, const Frame& frame, int rack) {
+  return rules.full_rack || (!frame.empty() && down_since_set(frame, rack) == rack);
+}
+
+int points(const Rules& rules, std::span<const Frame> frames, int rack) {
+  int all = 0;
+  for (std::size_t i = 0; i < frames.size(); ++i) {
+    const Frame& frame = frames[i];
+    all += sum(frame);
+    if (!rules.bonuses || frame.empty()) continue;
+    const std::span<const Frame> later = frames.subspan(i + 1);
+    if (frame.size() == 1 && frame[0] == rack) all += next_balls(later, 2);
+    if (frame.size() == 2 && frame[0] < rack && frame[0] + frame[1] == rack) {
+      all += next_balls(later, 1);
+    }
+  }
+  return all;
+}
+
+std::string in_words(const Rules& rules, std::span<const Frame> frames, int rack) {
+  std::string text;
+  for (const Frame& frame : frames) {
+    if (frame.empty()) continue;
+    if (!text.empty()) text += " | ";
+    for (std::size_t ball = 0; ball < frame.size(); ++ball) {
+      if (ball > 0) text += ' ';
+      text += word(rules, frame, ball, rack);
+    }
+  }
+  return text;
+}
+
+}  // namespace headpin::scene

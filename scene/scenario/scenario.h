@@ -1,0 +1,239 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "devices/base/sample.h"
+#include "engine/math.h"
+#include "render/data/optics.h"
+#include "render/data/quality.h"
+
+/// Everything that is data about a session: the room, the skittles, the ball, the collision
+/// response, the rates, the rig and the display. One TOML file; a trial carries it whole.
+///
+/// Metre, kilogram, second unless a name says otherwise. The defaults are the paper's room.
+/// Where a measure comes from stands in the comment that `to_toml` writes beside it.
+namespace headpin::scene {
+
+/// A mesh file (scene/stage/mesh_file.h).
+struct MeshFile {
+  std::string file;  ///< where it is; none for none
+  double unit = 1.0;
+  std::string axes = "RAS";
+  std::string sha256;  ///< of its bytes
+};
+
+/// A part of a skittle, measured from its base: a primitive on the skittle's axis, or a convex
+/// polyhedron whose corners come from a file once and are kept here from then on.
+struct SkittlePart {
+  std::string shape = "ellipsoid";  ///< ellipsoid, cylinder, cone or polyhedron
+  double radius = 0.05;             ///< largest radius across the axis
+  double low = 0.0;                 ///< where it begins, above the base
+  double high = 0.1;                ///< where it ends; a cone has its tip there
+  MeshFile mesh = {};               ///< where a polyhedron is from
+  std::vector<Vec3> corners = {};   ///< of a polyhedron; of it, the three measures above
+                                    ///< follow from these
+  std::vector<std::vector<std::uint32_t>> faces = {};  ///< counterclockwise from outside
+};
+
+struct Rates {
+  std::int64_t physics_hz = 240;
+  std::int64_t frame_hz = 60;
+};
+
+struct Room {
+  double width = 4.5;   ///< the lane lies in the middle
+  double height = 2.8;  ///<
+  double behind = 3.0;  ///< from the foul line back to the wall behind the player
+  double ahead = 7.6;   ///< from the foul line to the wall behind the skittles
+  bool solid_ceiling = true;
+  MeshFile mesh;  ///< seen in place of the walls and the ceiling
+};
+
+/// The paper tells of a room and a game of bowling, and of nothing else that a ball could meet: so
+/// what an alley has besides is there where a scenario asks for it.
+struct Lane {
+  double width = 1.0541;
+  double head_pin = 6.0;       ///< from the foul line to the head pin's spot
+  bool masking_panel = false;  ///< hangs before the skittles, from wall to wall of the kick-backs
+  bool kick_backs = false;     ///< walls beside the skittles
+  double gutter_width = 0.0;   ///< of each; 0 for none
+  double gutter_depth = 0.0;   ///< 0: painted on the floor
+};
+
+struct Rack {
+  std::vector<Vec2> spots;  ///< from the head pin's spot: x right, y away from the player
+};
+
+struct Skittle {
+  double height = 0.381;
+  double mass = 1.588;
+  double rolling_arm = 0.008;       ///< what brings a skittle on its side to rest
+  std::vector<SkittlePart> parts;   ///< its true shape, as the collisions see it
+  std::vector<Vec2> profile;        ///< (height above the base, radius), as the eyes see it
+  std::string seen = "true";        ///< by the eyes: "true", or the "collider"
+  std::string weighed = "profile";  ///< what its mass properties are of: "profile" or "parts"
+  std::string ellipsoid_weighed = "alike";  ///< as the true shape, or "itself"
+  MeshFile mesh;                            ///< seen in place of the profile
+};
+
+struct Ball {
+  double radius = 0.1085;
+  double mass = 6.8;
+  Vec3 home = Vec3(0.35, -0.25, 0.85);  ///< p_WB of the ball on its stand
+  MeshFile mesh;                        ///< seen in place of the marbled one
+};
+
+/// What each object is made of (Uno & Slater 1997, table 1). A pair takes the product.
+struct Coefficients {
+  double elasticity = 0.7;
+  double friction = 0.7;
+};
+
+struct Materials {
+  Coefficients skittle, ball, lane, wall;
+};
+
+struct Collision {
+  std::string shape = "true";           ///< "true": the compound; "ellipsoid": one ellipsoid
+  std::string detection = "converged";  ///< "paper": stops at the cap
+  std::int64_t iterations = 20;         ///< cap on a query's iterations, 5..20
+  bool warm = false;            ///< paper detection starts from the last normal: ours, not of 1997
+  std::string answer = "best";  ///< of paper detection at its cap; "last": as old trials have it
+  std::string response = "paper";      ///< "paper" or "coulomb"
+  double friction_tau_s = 1.0 / 60.0;  ///< in which a lasting contact applies its friction once
+  double gravity = 9.81;
+  bool sleep = true;
+  std::int64_t rules = 2;  ///< of the step, see `engine::Parameters`
+};
+
+struct Hand {
+  double reach = 0.18;                   ///< what has its surface nearer than this is grabbed
+  Vec3 grip = Vec3(0.0, -0.03, -0.115);  ///< p_HB of the carried ball
+  bool takes_skittles = true;            ///< or balls alone
+  bool solid = true;                     ///< a body that pushes what it touches
+  double elasticity = 0.0;               ///< soft: it pushes and does not bat
+  double friction = 0.7;
+  std::string release_at = "trigger";    ///< or the "sample" before: what velocity the ball gets
+  double release_window_s = 0.120;       ///< the release velocity is fitted over this
+  double release_window_most_s = 0.240;  ///< and over up to this where the tracker is noisy
+  double release_accuracy = 0.3;         ///< that is, while it is known worse than this [m/s]
+  bool falls_at_once = false;            ///< what is let go between two ticks falls from then on
+  MeshFile mesh;                         ///< seen in place of ours, open and gripping
+};
+
+/// The game that is played: see scene/scenario/rules.h.
+struct GameRules {
+  std::string rules = "one-throw";
+  std::int64_t frames = 5;
+  std::int64_t balls = 2;            ///< of a frame
+  double ball_back_s = 8.0;          ///< it comes back so long after it was let go, at the latest
+  double off_spot = 0.2;             ///< an upright skittle further from its spot is down
+  std::string ends = "rest";         ///< a delivery: at "rest", or when all is "slow" at one tick
+  std::string hand_fells = "apart";  ///< dead wood "apart" from the ball's, or "counted" with it
+  std::string foul = "note";         ///< a ball let go beyond the foul line: count, zero or note
+};
+
+/// One of two versions of the game, which its button starts (Uno & Slater 1997, section 3).
+struct Version {
+  Vec3 button = Vec3(-0.55, 0.0, 1.1);      ///< its centre
+  double elasticity = 0.7, friction = 0.7;  ///< of skittles, ball, lane and walls
+  std::string shape = "true";               ///< as collision.shape
+  std::string detection = "collision";      ///< as collision.detection, or that one's own
+  std::int64_t iterations = 0;              ///< as collision.iterations, or that one's own
+};
+
+struct Versions {
+  bool buttons = false;  ///< there are any
+  double radius = 0.06;  ///< of a button
+  Version red, blue{.button = Vec3(-0.85, 0.0, 1.1)};
+};
+
+/// How the thumbs move the player.
+struct Walking {
+  std::string along = "gaze";  ///< or "hand": where it points
+  double speed = 1.2;
+  double acceleration = 3.0;
+  double clearance = 0.3;  ///< of the head from walls
+};
+
+/// Where the tracker stands and how the receivers are worn.
+struct Rig {
+  std::int64_t head_station = devices::kHeadStation;  ///< of the tracker's sensor on the head
+  std::int64_t hand_station =
+      devices::kHandStation;  ///< of the one on the 3D mouse in the right hand
+  Pose X_WT;                  ///< transmitter in the world, until somebody walks
+  Pose X_SD;                  ///< head's receiver -> display
+  Pose X_SH;                  ///< hand's receiver -> virtual hand
+  double delay_s = 0.0;       ///< poses are read this long before now; 0 holds the last sample
+};
+
+/// The display: a profile of render/data/hmd.h, and its values where nothing else is asked for.
+struct Hmd {
+  std::string profile;
+  render::Optics optics;
+};
+
+/// @throws std::invalid_argument  naming the profiles there are
+Hmd hmd_of_profile(std::string_view name);
+
+struct Scenario {
+  std::string name = "paper-room";
+  Rates rates;
+  Room room;
+  Lane lane;
+  Rack rack;
+  Skittle skittle;
+  Ball ball;
+  Materials material;
+  Collision collision;
+  GameRules game;
+  Versions version;
+  Hand hand;
+  Walking walk;
+  Rig rig;
+  Hmd hmd;
+  render::Quality look;
+
+  Scenario();  ///< ten pins as in assets/scenarios/paper-room.toml
+};
+
+/// All of a scenario as TOML, each value with its meaning beside it; parse_scenario gives it back
+/// to the bit.
+std::string to_toml(const Scenario& scenario);
+
+/// One key of a scenario, for people who write one.
+struct ScenarioKey {
+  std::string key;       ///< as it is written: "ball.mass"; `[]` stands for an entry of a list
+  std::string kind;      ///< of its value; "table" for a section that has something to say
+  std::string allowed;   ///< range or choices; empty where anything of the kind goes
+  std::string fallback;  ///< value where the scenario leaves it out; empty for lists
+  std::string meaning;   ///< empty where the name says it
+  std::string source;    ///< of the default, where it has one
+};
+
+/// Every key there is, in the order of to_toml.
+std::vector<ScenarioKey> scenario_keys();
+
+/// Gives every object the same elasticity or friction.
+void set_elasticity(Materials& materials, double elasticity);
+void set_friction(Materials& materials, double friction);
+
+// The same of a whole scenario, in every version that it has, as `--elasticity`, `--friction` and
+// `--shape` do.
+void set_elasticity(Scenario& scenario, double elasticity);
+void set_friction(Scenario& scenario, double friction);
+void set_shape(Scenario& scenario, const std::string& shape);
+
+/// The scenario as it is while one of its versions is played.
+Scenario under(Scenario scenario, const Version& version);
+
+/// A key whose value two scenarios do not share, each value as TOML has it.
+struct KeyDifference {
+  std::string key, a, b;
+};
+/// All of them, in the order of to_toml.
+std::vector<KeyDifference> differences(const Scenario& a, const Scenario& b);
+
+}  // namespace headpin::scene

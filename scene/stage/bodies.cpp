@@ -1,0 +1,213 @@
+#include "scene/stage/bodies.h"
+
+#include <algorithm>
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "scene/stage/outline.h"
+#include "scene/stage/room.h"
+
+namespace headpin::scene {
+
+namespace {
+
+Vec3 z(double height) {
+  return {0.0, 0.0, height};
+}
+
+engine::Part make_part(const SkittlePart& part) {
+  if (part.shape == "polyhedron") return {engine::Polyhedron(part.corners, part.faces), {}};
+  const double half = 0.5 * (part.high - part.low);
+  const Pose X_BG{Quat::Identity(), z(part.low + half)};
+  if (part.shape == "cylinder") return {engine::Cylinder{part.radius, half}, X_BG};
+  if (part.shape == "cone") return {engine::Cone{part.radius, 2.0 * half}, X_BG};
+  return {engine::Ellipsoid{Vec3(part.radius, part.radius, half)}, X_BG};
+}
+
+/// As the skittle's own outline has it, or its parts, or the one ellipsoid that collides for it.
+engine::MassProperties skittle_mass(const Scenario& scenario, const engine::Compound& shape) {
+  const Skittle& skittle = scenario.skittle;
+  const auto of_parts = [&](const engine::Compound& parts) {
+    const double volume = engine::mass_properties(parts, 1.0).mass;
+    return engine::mass_properties(parts, skittle.mass / volume);
+  };
+  const bool is_true = scenario.collision.shape == "true";
+  if (!is_true && skittle.ellipsoid_weighed == "itself") return of_parts(shape);
+  if (skittle.weighed == "profile") {
+    return turned_mass(smooth_outline(skittle.profile), skittle.mass);
+  }
+  return of_parts(is_true ? shape : skittle_shape(skittle, "true"));
+}
+
+engine::Material surface(const Coefficients& material, double rolling_arm = 0.0) {
+  return {material.elasticity, material.friction, rolling_arm};
+}
+
+/// A box about the origin.
+engine::Polyhedron box(const Vec3& half) {
+  std::vector<Vec3> corners;
+  corners.reserve(8);
+  for (int i = 0; i < 8; ++i) {
+    corners.emplace_back(i & 1 ? half.x() : -half.x(), i & 2 ? half.y() : -half.y(),
+                         i & 4 ? half.z() : -half.z());
+  }
+  return {corners,
+          {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
+}
+
+/// A solid whose sections across y are all alike, about its middle.
+engine::Part prism(const Slab& slab) {
+  const auto n = static_cast<std::uint32_t>(slab.section.size());
+  const double half = 0.5 * (slab.end - slab.begin);
+  Vec2 low = slab.section[0], high = low;
+  for (const Vec2& p : slab.section) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const Vec2 middle = 0.5 * (low + high);
+  std::vector<Vec3> corners;
+  std::vector<std::vector<std::uint32_t>> faces(2);
+  for (const double y : {-half, half}) {
+    for (const Vec2& p : slab.section)
+      corners.emplace_back(p.x() - middle.x(), y, p.y() - middle.y());
+  }
+  for (std::uint32_t i = 0; i < n; ++i) {  // the section is counterclockwise as the player sees it
+    const std::uint32_t next = (i + 1) % n;
+    faces[0].push_back(i);
+    faces[1].push_back(2 * n - 1 - i);
+    faces.push_back({i, i + n, next + n, next});
+  }
+  return {engine::Polyhedron(corners, faces),
+          {Quat::Identity(), Vec3(middle.x(), slab.begin + half, middle.y())}};
+}
+
+}  // namespace
+
+engine::Compound skittle_shape(const Skittle& skittle, const std::string& shape) {
+  if (shape == "ellipsoid") {
+    double radius = 0.0;
+    for (const SkittlePart& part : skittle.parts) radius = std::max(radius, part.radius);
+    const double half = 0.5 * skittle.height;
+    return engine::make_compound(
+        {{engine::Ellipsoid{Vec3(radius, radius, half)}, {Quat::Identity(), z(half)}}});
+  }
+  if (shape != "true") {
+    throw std::invalid_argument("skittle shape: expected true or ellipsoid, found " + shape);
+  }
+  std::vector<engine::Part> parts;
+  for (const SkittlePart& part : skittle.parts) parts.push_back(make_part(part));
+  return engine::make_compound(std::move(parts));
+}
+
+SkittleBody skittle_body(const Scenario& scenario) {
+  const engine::Compound shape = skittle_shape(scenario.skittle, scenario.collision.shape);
+  const engine::Centred centred = engine::about_centre(shape, skittle_mass(scenario, shape));
+  constexpr double kUpright =
+      1e-3;  // [1] and [m]: it stands on its spot, and is not turned to stand
+  const double off = centred.X_BC.p.head<2>().norm();
+  const double tilt = (centred.X_BC.q * Vec3::UnitZ() - Vec3::UnitZ()).norm();
+  if (off > kUpright || tilt > kUpright) {
+    throw std::invalid_argument(fmt::format(
+        "skittle.parts have their centre of mass {:.4g} m beside the axis and a principal axis "
+        "{:.4g} rad from it, expected within {:g}; or weigh the profile (skittle.weighed)",
+        off, tilt, kUpright));
+  }
+  return {{.name = "skittle",
+           .shape = centred.compound,
+           .mass = centred.mass,
+           .inertia = centred.inertia.asDiagonal(),
+           .material = surface(scenario.material.skittle, scenario.skittle.rolling_arm)},
+          centred.X_BC.p.z()};
+}
+
+engine::Body ball_body(const Scenario& scenario) {
+  const Ball& ball = scenario.ball;
+  const double inertia = 0.4 * ball.mass * ball.radius * ball.radius;
+  return {.name = "ball",
+          .shape = engine::make_compound({{engine::Ellipsoid{Vec3::Constant(ball.radius)}, {}}}),
+          .mass = ball.mass,
+          .inertia = Vec3::Constant(inertia).asDiagonal(),
+          .material = surface(scenario.material.ball)};
+}
+
+engine::Body hand_body(const Scenario& scenario) {
+  const auto part = [](const Vec3& p_HG, const Vec3& radii) {
+    return engine::Part{engine::Ellipsoid{radii}, {Quat::Identity(), p_HG}};
+  };
+  return {.name = "hand",
+          .shape = engine::make_compound({part({0.0, 0.0, -0.005}, {0.042, 0.016, 0.050}),
+                                          part({-0.020, 0.0, -0.085}, {0.020, 0.010, 0.042}),
+                                          part({0.020, 0.0, -0.080}, {0.020, 0.010, 0.038}),
+                                          part({-0.052, 0.0, -0.015}, {0.014, 0.012, 0.034})}),
+          .material = surface({scenario.hand.elasticity, scenario.hand.friction}),
+          .kind = engine::Kind::driven};
+}
+
+std::vector<Fixture> room_fixtures(const Scenario& scenario) {
+  const Room& room = scenario.room;
+  const Materials& m = scenario.material;
+  const double quarter = 0.5 * std::numbers::pi;
+  std::vector<Fixture> fixtures;
+  const auto add_parts = [&](const char* name, Role role, std::vector<engine::Part> parts,
+                             const Pose& X_WB) {
+    fixtures.push_back({role,
+                        {.name = name,
+                         .shape = engine::make_compound(std::move(parts)),
+                         .material = surface(role == Role::lane ? m.lane : m.wall),
+                         .kind = engine::Kind::fixed},
+                        X_WB});
+  };
+  const auto add = [&](const char* name, Role role, const engine::Shape& shape, const Pose& X_WB) {
+    add_parts(name, role, {{shape, {}}}, X_WB);
+  };
+  const auto add_plane = [&](const char* name, Role role, const Vec3& turn, const Vec3& p_WB) {
+    add(name, role, engine::HalfSpace{}, {rotation(turn), p_WB});
+  };
+  // A half-space is solid below its own z = 0, so its z is turned into the room.
+  const RoomMeasures measures = room_measures(scenario);
+  if (measures.gutter_depth == 0.0) {
+    add_plane("lane", Role::lane, Vec3::Zero(), Vec3::Zero());
+  } else {
+    for (const Floor& floor : floors(measures)) {
+      std::vector<engine::Part> parts;
+      for (const Slab& slab : floor.slabs) parts.push_back(prism(slab));
+      add_parts(floor.name, Role::lane, std::move(parts), {});
+    }
+    add_plane("gutters", Role::lane, Vec3::Zero(), {0.0, 0.0, -measures.gutter_depth});
+  }
+  add_plane("left wall", Role::wall, {0.0, quarter, 0.0}, {-0.5 * room.width, 0.0, 0.0});
+  add_plane("right wall", Role::wall, {0.0, -quarter, 0.0}, {0.5 * room.width, 0.0, 0.0});
+  add_plane("wall behind", Role::wall, {-quarter, 0.0, 0.0}, {0.0, -room.behind, 0.0});
+  add_plane("wall ahead", Role::wall, {quarter, 0.0, 0.0}, {0.0, room.ahead, 0.0});
+  if (room.solid_ceiling) {
+    add_plane("ceiling", Role::wall, {2.0 * quarter, 0.0, 0.0}, {0.0, 0.0, room.height});
+  }
+
+  for (const Block& block : front_blocks(measures)) {
+    add(block.name, Role::wall, box(0.5 * (block.high_W - block.low_W)),
+        {Quat::Identity(), 0.5 * (block.low_W + block.high_W)});
+  }
+  return fixtures;
+}
+
+engine::Parameters world_parameters(const Scenario& scenario) {
+  const Collision& c = scenario.collision;
+  engine::Parameters p;
+  p.rate_hz = static_cast<int>(scenario.rates.physics_hz);
+  p.gravity_W = Vec3(0.0, 0.0, -c.gravity);
+  p.response = engine::response_named(c.response).name;
+  p.query.mode =
+      c.detection == "paper" ? engine::Query::Mode::paper : engine::Query::Mode::converged;
+  p.query.cap = static_cast<int>(c.iterations);
+  p.query.warm = c.warm;
+  p.query.last = c.answer == "last";
+  p.friction_tau = c.friction_tau_s;
+  p.sleep = c.sleep;
+  p.rules = static_cast<int>(c.rules);
+  p.keep_ledger = true;
+  return p;
+}
+
+}  // namespace headpin::scene

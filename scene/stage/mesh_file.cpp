@@ -1,0 +1,459 @@
+#include "scene/stage/mesh_file.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cmath>
+#include <cstring>
+#include <map>
+#include <memory>
+#include <stdexcept>
+#include <type_traits>
+
+#include <assimp/DefaultLogger.hpp>
+#include <assimp/IOSystem.hpp>
+#include <assimp/Importer.hpp>
+#include <assimp/LogStream.hpp>
+#include <assimp/MemoryIOWrapper.h>
+#include <assimp/postprocess.h>
+#include <assimp/scene.h>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "devices/recordings/motion_axes.h"
+#include "render/data/mesh.h"
+#include "scene/stage/apart.h"
+#include "scene/stage/mesh_text.h"
+
+namespace headpin::scene {
+namespace {
+
+constexpr std::size_t kMostBytes = 16'000'000, kMostTriangles = 200'000;
+constexpr std::size_t kMostCorners = 20'000, kMostVertices = 1000;  // of a polyhedron
+constexpr const char* kHalfRead = "its reader was cut short";
+constexpr double kFarthest = 1e3;  // that a point may be [m]
+
+/// Small letters.
+std::string kind_of(const std::filesystem::path& path) {
+  std::string kind = path.extension().string();
+  for (char& c : kind) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+  return kind;
+}
+
+bool is_gltf(const std::string& kind) {
+  return kind == ".gltf" || kind == ".glb";
+}
+
+/// What is read of a file, as it stands there.
+struct Read {
+  std::vector<aiVector3D> points;
+  std::vector<aiVector3D> normals;  // of the points, 0 where the file has none; then of the corners
+  std::vector<aiColor4D> colours;   // of the points
+  std::vector<std::uint32_t> sizes, corners;  // of each face; its points
+  std::vector<char> unseen;                   // as MeshData has it
+};
+
+template <typename T>
+void put(std::string& bytes, const std::vector<T>& list) {
+  static_assert(std::is_trivially_copyable_v<T> || std::is_same_v<T, aiColor4D> ||
+                std::is_same_v<T, aiVector3D>);
+  const std::size_t size = list.size();
+  bytes.append(reinterpret_cast<const char*>(&size), sizeof size);
+  bytes.append(reinterpret_cast<const char*>(list.data()), size * sizeof(T));
+}
+
+/// What put() put; a file may have brought whoever wrote it to write anything.
+template <typename T>
+void take(std::string_view& bytes, std::vector<T>& list) {
+  std::size_t size = 0;
+  if (bytes.size() < sizeof size) throw std::runtime_error(kHalfRead);
+  std::memcpy(&size, bytes.data(), sizeof size);
+  bytes.remove_prefix(sizeof size);
+  if (size > bytes.size() / sizeof(T)) throw std::runtime_error(kHalfRead);
+  list.resize(size);
+  if (size > 0) std::memcpy(static_cast<void*>(list.data()), bytes.data(), size * sizeof(T));
+  bytes.remove_prefix(size * sizeof(T));
+}
+
+/// A file system of one file.
+class OneFile : public Assimp::IOSystem {
+ public:
+  OneFile(std::string_view bytes, std::string name) : bytes_(bytes), name_(std::move(name)) {}
+  bool Exists(const char* name) const override { return name == name_; }
+  char getOsSeparator() const override { return '/'; }
+  Assimp::IOStream* Open(const char* name, const char*) override {
+    if (!Exists(name)) return nullptr;
+    return new Assimp::MemoryIOStream(reinterpret_cast<const std::uint8_t*>(bytes_.data()),
+                                      bytes_.size());
+  }
+  void Close(Assimp::IOStream* stream) override { delete stream; }
+
+ private:
+  std::string_view bytes_;
+  std::string name_;
+};
+
+/// Keeps the first thing that assimp complains of and would put up with.
+class FirstError : public Assimp::LogStream {
+ public:
+  explicit FirstError(std::string& text) : text_(text) {}
+  void write(const char* message) override {
+    if (text_.empty()) text_ = message;
+  }
+
+ private:
+  std::string& text_;
+};
+
+/// Without what a log puts before it, and the end of its line.
+std::string bare(std::string text) {
+  if (text.starts_with("Error, T")) text.erase(0, text.find(": ") + 2);
+  while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
+  return text;
+}
+
+/// Who asks for a mesh: surfaces seen from both sides are there twice for the eyes.
+enum class For { eyes, collisions };
+
+/// A mesh where its node stands. A mirror turns its faces' corners round (glTF 2.0, section 3.7.4).
+void append(Read& all, const aiMesh& mesh, const aiMatrix4x4& X, bool turned, bool other_side) {
+  const auto base = static_cast<std::uint32_t>(all.points.size());
+  const aiMatrix3x3 for_normals = aiMatrix3x3(X).Inverse().Transpose();
+  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+    all.points.push_back(X * mesh.mVertices[i]);
+    const aiVector3D n = mesh.HasNormals() ? for_normals * mesh.mNormals[i] : aiVector3D();
+    all.normals.push_back(other_side ? -n : n);
+  }
+  for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+    const aiFace& face = mesh.mFaces[f];
+    all.sizes.push_back(face.mNumIndices);
+    for (unsigned k = 0; k < face.mNumIndices; ++k) {
+      all.corners.push_back(base + face.mIndices[turned ? face.mNumIndices - 1 - k : k]);
+    }
+  }
+}
+
+/// As many colours as append() adds points: of the points, times the material's.
+void append_colours(Read& all, const aiMesh& mesh, const aiMaterial* gltf_material) {
+  aiColor4D plain(1.0F, 1.0F, 1.0F, 1.0F);
+  const bool has_plain =
+      gltf_material != nullptr && gltf_material->Get(AI_MATKEY_BASE_COLOR, plain) == AI_SUCCESS;
+  if (!has_plain && !mesh.HasVertexColors(0)) return;
+  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
+    all.colours.push_back(mesh.HasVertexColors(0) ? plain * mesh.mColors[0][i] : plain);
+  }
+}
+
+using Key = std::array<float, 9>;
+
+/// What has an order, also where it is no number.
+Key key_of(const aiVector3D& p, const aiVector3D& n = {}, const aiColor4D& c = {}) {
+  Key key{p.x, p.y, p.z, n.x, n.y, n.z, c.r, c.g, c.b};
+  for (float& x : key) x = std::isfinite(x) ? x : 0.0F;
+  return key;
+}
+
+bool has_direction(const aiVector3D& n) {
+  return std::isfinite(n.SquareLength()) && n.SquareLength() > 0.0F;
+}
+
+/// Of each triangle's corners: what the file says; where it says none, or 0, the mean of the faces
+/// there that are within 50 degrees of its own, so that a sharp edge stays one.
+std::vector<aiVector3D> normals_of_corners(const Read& all) {
+  constexpr float kSmooth = 0.64279F;  // cosine of 50 degrees
+  std::vector<aiVector3D> normals, faces;
+  std::vector<std::pair<Key, std::size_t>> by_place;  // corners
+  bool all_said = true;
+  for (std::size_t i = 0; i < all.corners.size(); ++i) {
+    const auto point = [&](std::size_t k) { return all.points[all.corners[i - i % 3 + k]]; };
+    normals.push_back(all.normals[all.corners[i]]);
+    faces.push_back(((point(1) - point(0)) ^ (point(2) - point(0))).NormalizeSafe());
+    all_said = all_said && has_direction(normals[i]);
+  }
+  if (all_said) return normals;
+  for (std::size_t i = 0; i < all.corners.size(); ++i) {
+    by_place.emplace_back(key_of(all.points[all.corners[i]]), i);
+  }
+  std::ranges::sort(by_place);
+  for (auto first = by_place.begin(); first != by_place.end();) {
+    const auto end = std::find_if(first, by_place.end(),
+                                  [&](const auto& other) { return other.first != first->first; });
+    for (auto one = first; one != end; ++one) {
+      aiVector3D& n = normals[one->second];
+      if (has_direction(n)) continue;
+      n = {};
+      for (auto k = first; k != end; ++k) {
+        if (faces[k->second] * faces[one->second] >= kSmooth) n += faces[k->second];
+      }
+    }
+    first = end;
+  }
+  return normals;
+}
+
+/// The meshes of a node and of those below it.
+void append(Read& all, const aiScene& scene, const aiNode& node, const aiMatrix4x4& X_parent,
+            bool gltf, For whom) {
+  const aiMatrix4x4 X = X_parent * node.mTransformation;
+  for (unsigned m = 0; m < node.mNumMeshes; ++m) {
+    const aiMesh& mesh = *scene.mMeshes[node.mMeshes[m]];
+    const bool has_material = gltf && mesh.mMaterialIndex < scene.mNumMaterials;
+    const aiMaterial* material = has_material ? scene.mMaterials[mesh.mMaterialIndex] : nullptr;
+    const bool turned = X.Determinant() < 0.0F;
+    int both = 0;
+    if (has_material && whom == For::eyes) material->Get(AI_MATKEY_TWOSIDED, both);
+    for (const bool other_side : {false, true}) {
+      if (other_side && both == 0) break;
+      append(all, mesh, X, turned != other_side, other_side);
+      append_colours(all, mesh, material);
+    }
+  }
+  for (unsigned c = 0; c < node.mNumChildren; ++c) {
+    append(all, scene, *node.mChildren[c], X, gltf, whom);
+  }
+}
+
+/// Done in a process of its own: assimp believes what a file says of its sizes.
+std::string read_by_assimp(std::string_view bytes, const std::string& kind, unsigned flags,
+                           For whom) {
+  Read all;
+  const std::string unseen = unseen_of_mesh(kind, bytes);
+  all.unseen.assign(unseen.begin(), unseen.end());
+  std::string complaint;
+  Assimp::DefaultLogger::create(nullptr, Assimp::Logger::NORMAL, 0);
+  Assimp::DefaultLogger::get()->attachStream(new FirstError(complaint), Assimp::Logger::Err);
+  if (kind == ".ply") require_whole_ply(bytes);
+  const std::string obj = kind == ".obj" ? plain_obj(bytes) : "";
+  Assimp::Importer importer;
+  importer.SetIOHandler(new OneFile(obj.empty() ? bytes : obj, "mesh" + kind));
+  importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE,
+                              aiPrimitiveType_POINT | aiPrimitiveType_LINE);
+  const aiScene* scene = importer.ReadFile("mesh" + kind, flags | aiProcess_ValidateDataStructure);
+  if (scene == nullptr) {
+    const std::string why = importer.GetErrorString();
+    if (why.find("bad_alloc") != std::string::npos) throw std::bad_alloc();
+    throw std::runtime_error(bare(why));
+  }
+  if (!complaint.empty()) throw std::runtime_error(bare(complaint));
+  append(all, *scene, *scene->mRootNode, {}, is_gltf(kind), whom);
+  if (whom == For::eyes) all.normals = normals_of_corners(all);
+  std::string out;
+  put(out, all.points);
+  put(out, all.normals);
+  put(out, all.colours);
+  put(out, all.sizes);
+  put(out, all.corners);
+  put(out, all.unseen);
+  return out;
+}
+
+/// @throws std::runtime_error  with the reason alone
+Read read_apart(std::string_view file, const std::string& kind, unsigned flags, For whom) {
+  const std::string told = apart([&] { return read_by_assimp(file, kind, flags, whom); }, {});
+  std::string_view bytes = told;
+  Read all;
+  take(bytes, all.points);
+  take(bytes, all.normals);
+  take(bytes, all.colours);
+  take(bytes, all.sizes);
+  take(bytes, all.corners);
+  take(bytes, all.unseen);
+  std::size_t corners = 0;
+  for (const std::uint32_t size : all.sizes) corners += size;
+  if (corners != all.corners.size()) throw std::runtime_error(kHalfRead);
+  for (const std::uint32_t corner : all.corners) {
+    if (corner >= all.points.size())
+      throw std::runtime_error("a face has a point that is not there");
+  }
+  if (all.corners.empty()) throw std::runtime_error("no faces");
+  return all;
+}
+
+/// From a file's numbers to metres, x right, y ahead, z up.
+struct FromFile {
+  Mat3 R;
+  double unit;
+
+  FromFile(const std::string& path, const MeshMeasure& measure) : unit(measure.unit) {
+    if (!(unit > 0.0 && std::isfinite(unit))) {
+      throw std::invalid_argument(fmt::format("{}: unit {}, expected above 0", path, unit));
+    }
+    const devices::Axes axes(measure.axes, path);
+    for (int i = 0; i < 3; ++i) {  // those are in a frame of x right, y up, z back
+      const Vec3 p = axes.ours({Quat::Identity(), Vec3::Unit(i)}).p;
+      R.col(i) = Vec3(p.x(), -p.z(), p.y());
+    }
+    if (R.determinant() < 0.0) {
+      throw std::invalid_argument(fmt::format(
+          "{}: axes '{}' are left-handed, expected right-handed ones", path, measure.axes));
+    }
+  }
+
+  Vec3 point(const aiVector3D& v) const {
+    const Vec3 p = unit * (R * Vec3(v.x, v.y, v.z));
+    if (!p.allFinite() || p.cwiseAbs().maxCoeff() > kFarthest) {
+      throw std::runtime_error(
+          fmt::format("a point at {:.3g}, {:.3g}, {:.3g} m, expected within {:g} m", p.x(), p.y(),
+                      p.z(), kFarthest));
+    }
+    return p;
+  }
+};
+
+Vec3 light_of(const aiColor4D& c, bool linear) {
+  const Vec3 code(c.r, c.g, c.b);
+  const Vec3 in_range = code.array().isFinite().select(code, 0.0).cwiseMax(0.0).cwiseMin(1.0);
+  return linear ? in_range : render::light_of(in_range);
+}
+
+template <typename F>
+auto naming(const std::filesystem::path& path, F&& f) {
+  try {
+    return f();
+  } catch (const std::runtime_error& e) {
+    throw std::runtime_error(path.string() + ": " + e.what());
+  }
+}
+
+/// Index of each corner among the distinct ones, which are returned: within `apart` is the same.
+std::vector<std::uint32_t> weld(const std::vector<Vec3>& corners, double apart,
+                                std::vector<Vec3>& distinct) {
+  std::vector<std::uint32_t> by_x(corners.size());
+  for (std::uint32_t i = 0; i < by_x.size(); ++i) by_x[i] = i;
+  std::sort(by_x.begin(), by_x.end(), [&](std::uint32_t i, std::uint32_t j) {
+    return corners[i].x() != corners[j].x() ? corners[i].x() < corners[j].x() : i < j;
+  });
+  constexpr std::uint32_t kNone = 0xffffffff;
+  std::vector<std::uint32_t> index(corners.size(), kNone);
+  for (std::size_t k = 0; k < by_x.size(); ++k) {
+    const std::uint32_t i = by_x[k];
+    if (index[i] != kNone) continue;
+    index[i] = static_cast<std::uint32_t>(distinct.size());
+    distinct.push_back(corners[i]);
+    for (std::size_t m = k + 1; m < by_x.size(); ++m) {
+      const std::uint32_t j = by_x[m];
+      if (corners[j].x() - corners[i].x() > apart) break;
+      if (index[j] == kNone && (corners[j] - corners[i]).norm() <= apart) index[j] = index[i];
+    }
+  }
+  return index;
+}
+
+}  // namespace
+
+std::string read_mesh_file(const std::filesystem::path& path) {
+  const std::string name = path.string(), kind = kind_of(path);
+  constexpr std::array kinds{".gltf", ".glb", ".obj", ".ply", ".stl", ".off"};
+  if (std::find(kinds.begin(), kinds.end(), kind) == kinds.end()) {
+    throw std::runtime_error(
+        fmt::format("{}: kind \"{}\", expected .gltf, .glb, .obj, .ply, .stl or .off", name, kind));
+  }
+  const int file = open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // waits at no pipe
+  struct stat is {};
+  if (file < 0 || fstat(file, &is) != 0) {
+    const int error = errno;
+    if (file >= 0) close(file);
+    throw std::runtime_error(fmt::format("{}: cannot be read: {}", name, std::strerror(error)));
+  }
+  std::string bytes;
+  const char* wrong = !S_ISREG(is.st_mode) ? "expected a regular file, found something else"
+                      : is.st_size == 0    ? "empty"
+                                           : nullptr;
+  if (wrong == nullptr && static_cast<std::size_t>(is.st_size) <= kMostBytes) {
+    bytes.resize(static_cast<std::size_t>(is.st_size));
+    std::size_t done = 0;
+    while (done < bytes.size()) {
+      const ssize_t n = read(file, bytes.data() + done, bytes.size() - done);
+      if (n <= 0) break;
+      done += static_cast<std::size_t>(n);
+    }
+    if (done < bytes.size()) wrong = "cannot be read to its end";
+  }
+  close(file);
+  if (wrong != nullptr) throw std::runtime_error(fmt::format("{}: {}", name, wrong));
+  if (bytes.empty()) {
+    throw std::runtime_error(fmt::format("{}: {} bytes, expected at most {}", name,
+                                         static_cast<std::size_t>(is.st_size), kMostBytes));
+  }
+  return bytes;
+}
+
+MeshData mesh_of(std::string_view bytes, const std::filesystem::path& path,
+                 const MeshMeasure& measure) {
+  const FromFile from(path.string(), measure);
+  return naming(path, [&] {
+    const std::string kind = kind_of(path);
+    const Read all =
+        read_apart(bytes, kind, aiProcess_Triangulate | aiProcess_SortByPType, For::eyes);
+    if (all.sizes.size() > kMostTriangles) {
+      throw std::runtime_error(
+          fmt::format("{} triangles, expected at most {}", all.sizes.size(), kMostTriangles));
+    }
+    if (all.normals.size() != all.corners.size() || all.corners.size() != 3 * all.sizes.size()) {
+      throw std::runtime_error(kHalfRead);
+    }
+    const bool coloured = all.colours.size() == all.points.size();
+    std::map<Key, std::uint32_t> alike;  // (Assimp's own way of it mixes colours up.)
+    MeshData mesh;
+    mesh.unseen.assign(all.unseen.begin(), all.unseen.end());
+    for (std::size_t i = 0; i < all.corners.size(); ++i) {
+      const std::uint32_t at = all.corners[i];
+      const aiColor4D colour = coloured ? all.colours[at] : aiColor4D();
+      const auto [one, is_new] = alike.try_emplace(key_of(all.points[at], all.normals[i], colour),
+                                                   static_cast<std::uint32_t>(mesh.points.size()));
+      mesh.triangles.push_back(one->second);
+      if (!is_new) continue;
+      mesh.points.push_back(from.point(all.points[at]));
+      const Vec3 n = from.R * Vec3(all.normals[i].x, all.normals[i].y, all.normals[i].z);
+      const bool has_length = n.allFinite() && n.norm() > 0.0;  // else it is of no area
+      mesh.normals.push_back(has_length ? Vec3(n.normalized()) : Vec3::UnitZ());
+      if (coloured) mesh.colours.push_back(light_of(colour, is_gltf(kind)));
+    }
+    return mesh;
+  });
+}
+
+engine::Polyhedron polyhedron_of(std::string_view bytes, const std::filesystem::path& path,
+                                 const MeshMeasure& measure) {
+  const FromFile from(path.string(), measure);
+  std::vector<Vec3> distinct;
+  std::vector<std::vector<std::uint32_t>> faces;
+  naming(path, [&] {
+    const Read all = read_apart(bytes, kind_of(path), 0, For::collisions);
+    if (all.points.size() > kMostCorners) {
+      throw std::runtime_error(
+          fmt::format("{} corners of faces, expected at most {}", all.points.size(), kMostCorners));
+    }
+    std::vector<Vec3> corners;
+    Vec3 low = Vec3::Constant(kFarthest), high = -low;
+    for (const aiVector3D& v : all.points) {
+      corners.push_back(from.point(v));
+      low = low.cwiseMin(corners.back());
+      high = high.cwiseMax(corners.back());
+    }
+    const std::vector<std::uint32_t> index = weld(corners, 1e-6 * (high - low).norm(), distinct);
+    if (distinct.size() > kMostVertices) {
+      throw std::runtime_error(
+          fmt::format("{} vertices, expected at most {}", distinct.size(), kMostVertices));
+    }
+    std::size_t at = 0;
+    for (const std::uint32_t size : all.sizes) {
+      std::vector<std::uint32_t>& face = faces.emplace_back();
+      for (std::uint32_t k = 0; k < size; ++k) face.push_back(index[all.corners[at++]]);
+    }
+    return 0;
+  });
+  try {
+    return engine::Polyhedron(std::move(distinct), faces);
+  } catch (const std::invalid_argument& e) {
+    throw std::invalid_argument(path.string() + ": " + e.what());
+  }
+}
+
+engine::Polyhedron load_polyhedron(const std::filesystem::path& path, const MeshMeasure& measure) {
+  return polyhedron_of(read_mesh_file(path), path, measure);
+}
+
+}  // namespace headpin::scene

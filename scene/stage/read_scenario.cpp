@@ -1,0 +1,109 @@
+#include "scene/stage/read_scenario.h"
+
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "scene/scenario/files.h"
+#include "scene/scenario/text.h"
+#include "scene/scenario/toml_text.h"
+#include "scene/stage/scenario_checks.h"
+#include "scene/stage/seen_mesh.h"
+
+namespace headpin::scene {
+
+namespace {
+
+/// The polyhedra that skittles are made of: their corners, from files where a text names them.
+void take_polyhedra(Scenario& scenario, const ScenarioText& text) {
+  for (std::size_t i = 0; i < scenario.skittle.parts.size(); ++i) {
+    SkittlePart& part = scenario.skittle.parts[i];
+    const std::string key = fmt::format("skittle.parts[{}]", i + 1);
+    if (part.shape != "polyhedron" || !text.has(key)) continue;
+    try {
+      take_polyhedron(part, text.folder);
+    } catch (const std::exception& e) {
+      throw std::invalid_argument(fmt::format("{}: skittle.parts: {}", text.place(key), e.what()));
+    }
+    if (part.low < part.high) continue;
+    throw std::invalid_argument(
+        fmt::format("{}: skittle.parts must be low below high, found {} and {}", text.place(key),
+                    part.low, part.high));
+  }
+}
+
+/// The meshes that eyes see: read where the text names one, found again where a trial does.
+void take_meshes(Scenario& scenario, const ScenarioText& text) {
+  for (const auto& [object, mesh, reach] :
+       {std::tuple{"room", &scenario.room.mesh, kReachOfRoom},
+        {"skittle", &scenario.skittle.mesh, reach_of_skittle(scenario.skittle)},
+        {"ball", &scenario.ball.mesh, reach_of_ball(scenario.ball)},
+        {"hand", &scenario.hand.mesh, kReachOfHand}}) {
+    const std::string key = fmt::format("{}.mesh", object);
+    if (!text.has(key + ".file") || mesh->file.empty()) continue;
+    if (text.whole) {
+      find_again(*mesh, text.folder / "trial");
+      continue;
+    }
+    if (!text.has(key + ".sha256")) mesh->sha256.clear();  // of the one that was named before
+    try {
+      take_seen(*mesh, text.folder, reach);
+    } catch (const std::exception& e) {
+      throw std::invalid_argument(
+          fmt::format("{}: {}: {}", text.place(key + ".file"), key, e.what()));
+    }
+  }
+}
+
+/// What is left to do once a text is read.
+void complete(Scenario& scenario, const ScenarioText& text) {
+  take_polyhedra(scenario, text);
+  take_meshes(scenario, text);
+  const Lines lines = text.one_line ? Lines{} : text.lines;
+  check(scenario, text.where, lines);
+  if (!text.whole && (text.names("rig") || text.names("game"))) {
+    check_chosen(scenario, text.where, lines);
+  }
+}
+
+}  // namespace
+
+Scenario parse_scenario(std::string_view toml, std::string_view where) {
+  Scenario scenario;
+  ScenarioText text{.where = std::string(where),
+                    .folder = std::filesystem::path(where).parent_path()};
+  read_text(scenario, toml, text);
+  complete(scenario, text);
+  return scenario;
+}
+
+Scenario scenario_of_trial(std::string_view toml, std::string_view trial) {
+  Scenario scenario;
+  ScenarioText text{.where = fmt::format("{} (scenario)", trial),
+                    .whole = true,
+                    .folder = std::filesystem::path(trial).parent_path()};
+  read_text(scenario, toml, text);
+  complete(scenario, text);
+  return scenario;
+}
+
+std::string whole_scenario(std::string_view toml, std::string_view trial) {
+  return to_toml(scenario_of_trial(toml, trial));
+}
+
+Scenario load_scenario(const std::string& name_or_file) {
+  const std::string path = scenario_path(name_or_file);
+  return parse_scenario(read_scenario_file(path), path);
+}
+
+void check(const Scenario& scenario, std::string_view where) {
+  check(scenario, where, {});
+}
+
+void set(Scenario& scenario, std::string_view assignment) {
+  ScenarioText text{.where = fmt::format("--set {}", brief(assignment)), .one_line = true};
+  read_assignment(scenario, assignment, text);
+  complete(scenario, text);
+}
+
+}  // namespace headpin::scene

@@ -1,0 +1,315 @@
+#include "scene/stage/scenario_checks.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "scene/scenario/rules.h"
+#include "scene/stage/room.h"
+
+namespace headpin::scene {
+
+namespace {
+
+/// Heights said twice may differ by their rounding, no more [m].
+constexpr double kSame = 1e-3;
+/// No gap: what the last bits of a sum leave [m].
+constexpr double kNone = 1e-9;
+
+/// "rack.spots" of "rack.spots[2]".
+std::string array_of(const std::string& key) {
+  return key.substr(0, key.find('['));
+}
+
+/// "lane.toml:3" for the first of the keys that is in the text, "lane.toml" if none is.
+std::string place(std::string_view where, const Lines& lines,
+                  const std::vector<std::string>& keys) {
+  for (const std::string& key : keys) {
+    if (const auto found = lines.find(key); found != lines.end()) {
+      return fmt::format("{}:{}", where, found->second);
+    }
+  }
+  return std::string(where);
+}
+
+class Checker {
+ public:
+  Checker(const Scenario& scenario, std::string_view where, const Lines& lines)
+      : s_(scenario), where_(where), lines_(lines) {
+    for (const SkittlePart& part : s_.skittle.parts) widest_ = std::max(widest_, part.radius);
+  }
+
+  void check_all() const {
+    check_rates();
+    check_parts();
+    check_profile();
+    check_room();
+    check_spots();
+    check_ball();
+    if (s_.version.buttons) check_buttons();
+  }
+
+  void check_chosen() const {
+    check_rig();
+    check_rules();
+  }
+
+ private:
+  /// @param others  keys it does not agree with, one of which may be the one that was written
+  [[noreturn]] void refuse(const std::string& key, const std::string& what,
+                           std::vector<std::string> others = {}) const {
+    others.insert(others.begin(), {key, array_of(key)});
+    throw std::invalid_argument(
+        fmt::format("{}: {} {}", place(where_, lines_, others), array_of(key), what));
+  }
+
+  void check_rates() const {
+    if (s_.rates.physics_hz % 120 != 0) {
+      refuse("rates.physics_hz",
+             fmt::format("must be a multiple of 120, found {}", s_.rates.physics_hz));
+    }
+  }
+
+  void check_rig() const {
+    if (s_.rig.head_station == s_.rig.hand_station) {
+      refuse("rig.hand_station",
+             fmt::format("must be another than rig.head_station, found {} for both",
+                         s_.rig.hand_station),
+             {"rig.head_station"});
+    }
+  }
+
+  void check_rules() const {
+    const GameRules& game = s_.game;
+    if (rules_named(game.rules).bonuses && game.balls > 2) {
+      refuse("game.balls",
+             fmt::format("must be 1 or 2 with game.rules \"{}\", found {}", game.rules, game.balls),
+             {"game.rules"});
+    }
+  }
+
+  /// From the base to the top there is something of a skittle everywhere.
+  void check_parts() const {
+    const std::vector<SkittlePart>& parts = s_.skittle.parts;
+    std::vector<std::size_t> upwards(parts.size());
+    std::iota(upwards.begin(), upwards.end(), 0u);
+    std::ranges::stable_sort(upwards, {}, [&](std::size_t i) { return parts[i].low; });
+    double top = 0.0;
+    for (const std::size_t i : upwards) {
+      if (parts[i].low > top + kNone) {
+        refuse(fmt::format("skittle.parts[{}]", i + 1),
+               top == 0.0
+                   ? fmt::format("must begin at the base, 0; found {} as the lowest", parts[i].low)
+                   : fmt::format("must leave no gap, found one from {} to {}", top, parts[i].low));
+      }
+      top = std::max(top, parts[i].high);
+    }
+    if (std::abs(top - s_.skittle.height) > kSame) {
+      refuse("skittle.height",
+             fmt::format("must be that of its parts, {}; found {}", top, s_.skittle.height),
+             {"skittle.parts"});
+    }
+  }
+
+  void check_profile() const {
+    const std::vector<Vec2>& profile = s_.skittle.profile;
+    const auto key = [](std::size_t i) { return fmt::format("skittle.profile[{}]", i + 1); };
+    if (profile.size() < 3) {
+      refuse("skittle.profile", fmt::format("must be 3 points or more, found {}", profile.size()));
+    }
+    for (std::size_t i = 0; i < profile.size(); ++i) {
+      if (profile[i].y() < 0.0) {
+        refuse(key(i), fmt::format("must have radii of 0 or more, found {}", profile[i].y()));
+      }
+      if (i > 0 && !(profile[i].x() > profile[i - 1].x())) {
+        refuse(key(i), fmt::format("must rise from point to point, found {} after {}",
+                                   profile[i].x(), profile[i - 1].x()));
+      }
+    }
+    if (std::abs(profile.front().x()) > kSame) {
+      refuse(key(0), fmt::format("must begin at the base, 0; found {}", profile.front().x()));
+    }
+    if (std::abs(profile.back().x() - s_.skittle.height) > kSame) {
+      refuse(key(profile.size() - 1),
+             fmt::format("must end at the skittle's height, {}; found {}", s_.skittle.height,
+                         profile.back().x()),
+             {"skittle.height"});
+    }
+  }
+
+  void check_room() const {
+    if (s_.lane.width >= s_.room.width) {
+      refuse("lane.width", fmt::format("must be less than the room's, {}; found {}", s_.room.width,
+                                       s_.lane.width));
+    }
+    if (s_.lane.gutter_depth > 0.0) check_gutters();
+  }
+
+  /// Gutters that are painted, or none, may be anywhere.
+  void check_gutters() const {
+    const Lane& lane = s_.lane;
+    constexpr double kNarrowest = 0.02, kShallowest = 0.005;
+    if (lane.gutter_depth < kShallowest) {
+      refuse("lane.gutter_depth",
+             fmt::format("must be 0, for a painted gutter, or {} and more; found {}", kShallowest,
+                         lane.gutter_depth));
+    }
+    const double widest = 0.5 * (s_.room.width - lane.width) - (lane.kick_backs ? 0.15 : 0.01);
+    if (!(lane.gutter_width >= kNarrowest && lane.gutter_width <= widest)) {
+      refuse(
+          "lane.gutter_width",
+          fmt::format("must be {} to {:.4g}, between the lane and {}, where gutters have a depth; "
+                      "found {}",
+                      kNarrowest, widest, lane.kick_backs ? "the kick-backs" : "the wall",
+                      lane.gutter_width),
+          {"lane.gutter_depth", "lane.width", "lane.kick_backs", "room.width"});
+    }
+    const double side = 0.5 * lane.width - widest_;
+    for (std::size_t i = 0; i < s_.rack.spots.size(); ++i) {
+      if (std::abs(s_.rack.spots[i].x()) <= side) continue;
+      refuse(fmt::format("rack.spots[{}]", i + 1),
+             fmt::format("must stand on the lane beside its gutters: x within {:.4g}, found {:.4g}",
+                         side, s_.rack.spots[i].x()),
+             {"lane.width", "lane.gutter_depth"});
+    }
+  }
+
+  void check_spots() const {
+    const std::vector<Vec2>& spots = s_.rack.spots;
+    const double beside = 0.5 * s_.room.width - widest_;
+    const double behind = widest_ - s_.room.behind, ahead = s_.room.ahead - widest_;
+    for (std::size_t i = 0; i < spots.size(); ++i) {
+      const Vec2 p(spots[i].x(), s_.lane.head_pin + spots[i].y());
+      if (std::abs(p.x()) > beside || p.y() > ahead || p.y() < behind) {
+        refuse(fmt::format("rack.spots[{}]", i + 1),
+               fmt::format("must stand clear of the walls: x from {:.4g} to {:.4g}, lane.head_pin "
+                           "+ y from {:.4g} to {:.4g}; found {:.4g} and {:.4g}",
+                           -beside, beside, behind, ahead, p.x(), p.y()),
+               {"lane.head_pin", "room.width", "room.ahead", "room.behind"});
+      }
+    }
+    if (s_.lane.kick_backs) check_between_kick_backs();
+    // Neighbours by x, so that ten thousand are compared in no time.
+    std::vector<std::size_t> order(spots.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::ranges::stable_sort(order, {}, [&](std::size_t i) { return spots[i].x(); });
+    for (auto a = order.begin(); a != order.end(); ++a) {
+      for (auto b = a + 1; b != order.end(); ++b) {
+        if (spots[*b].x() - spots[*a].x() >= 2.0 * widest_) break;
+        const double apart = (spots[*b] - spots[*a]).norm();
+        if (apart < 2.0 * widest_) {
+          const auto [first, second] = std::minmax(*a, *b);
+          refuse(fmt::format("rack.spots[{}]", second + 1),
+                 fmt::format("must be {:.4g} apart, as wide as a skittle is; found spots {} and {} "
+                             "{:.4g} apart",
+                             2.0 * widest_, first + 1, second + 1, apart));
+        }
+      }
+    }
+  }
+
+  void check_between_kick_backs() const {
+    const RoomMeasures room = room_measures(s_);
+    const double beside = room.kick_back_side() - widest_;
+    for (std::size_t i = 0; i < s_.rack.spots.size(); ++i) {
+      const Vec2& spot = s_.rack.spots[i];
+      const bool before = room.head_pin + spot.y() < room.portal() - widest_;
+      if (before || std::abs(spot.x()) <= beside) continue;
+      refuse(fmt::format("rack.spots[{}]", i + 1),
+             fmt::format("must stand between the kick-backs: x within {:.4g}, found {:.4g}", beside,
+                         spot.x()),
+             {"lane.kick_backs", "lane.width", "lane.gutter_width"});
+    }
+  }
+
+  void check_ball() const {
+    const double r = s_.ball.radius;
+    const Vec3& home = s_.ball.home;
+    const Room& room = s_.room;
+    const auto within = [&](const char* axis, double value, double low, double high) {
+      if (value >= low && value <= high) return;
+      refuse("ball.home",
+             fmt::format("must hold the ball clear of floor, walls and ceiling: {} from {:.4g} to "
+                         "{:.4g}, found {:.4g}",
+                         axis, low, high, value),
+             {"ball.radius", "room.width", "room.height", "room.behind", "room.ahead"});
+    };
+    within("x", home.x(), r - 0.5 * room.width, 0.5 * room.width - r);
+    within("y", home.y(), r - room.behind, room.ahead - r);
+    within("z", home.z(), r, room.height - r);
+    for (std::size_t i = 0; i < s_.rack.spots.size(); ++i) {
+      const Vec2 spot(s_.rack.spots[i].x(), s_.lane.head_pin + s_.rack.spots[i].y());
+      if ((home.head<2>() - spot).norm() < r + widest_ && home.z() < s_.skittle.height + r) {
+        refuse(
+            "ball.home",
+            fmt::format("must hold the ball clear of the skittles, found it in skittle {}", i + 1));
+      }
+    }
+  }
+
+  /// Of a text: what the two versions are made of is the experimenter's, and nobody else's.
+  void check_materials_of_versions() const {
+    if (!lines_.contains("version.buttons")) return;
+    for (const char* key : {"version.red.elasticity", "version.red.friction",
+                            "version.blue.elasticity", "version.blue.friction"}) {
+      if (lines_.contains(key)) continue;
+      refuse(key, "must be said, a number from 0 to 1, where there are buttons; found none",
+             {"version.buttons"});
+    }
+  }
+
+  void check_buttons() const {
+    check_materials_of_versions();
+    for (const auto& [key, cap] :
+         {std::pair{"version.red.iterations", s_.version.red.iterations},
+          std::pair{"version.blue.iterations", s_.version.blue.iterations}}) {
+      constexpr int kLeast = 5;  // as of collision.iterations
+      if (cap != 0 && cap < kLeast) {
+        refuse(key, fmt::format("must be 0, or a cap from {} to 20; found {}", kLeast, cap),
+               {"version.buttons"});
+      }
+    }
+    const Room& room = s_.room;
+    const double r = s_.version.radius;
+    for (const auto& [key, p] : {std::pair{"version.red.button", s_.version.red.button},
+                                 std::pair{"version.blue.button", s_.version.blue.button}}) {
+      constexpr double kLowest = 0.3, kHighest = 2.2;  // that a hand reaches
+      const bool inside = std::abs(p.x()) <= 0.5 * room.width - r && p.y() >= r - room.behind &&
+                          p.y() <= room.ahead - r && p.z() >= kLowest && p.z() <= kHighest;
+      if (inside) continue;
+      refuse(
+          key,
+          fmt::format("must be within a hand's reach in the room: x within {:.4g}, y from {:.4g} "
+                      "to {:.4g}, z from {} to {}; found {:.4g}, {:.4g}, {:.4g}",
+                      0.5 * room.width - r, r - room.behind, room.ahead - r, kLowest, kHighest,
+                      p.x(), p.y(), p.z()),
+          {"version.buttons", "version.radius", "room.width", "room.behind", "room.ahead"});
+    }
+    if ((s_.version.red.button - s_.version.blue.button).norm() < 2.0 * r + 0.05) {
+      refuse("version.blue.button",
+             fmt::format("must be {:.4g} or more from the red one", 2.0 * r + 0.05),
+             {"version.red.button", "version.radius"});
+    }
+  }
+
+  const Scenario& s_;
+  std::string_view where_;
+  const Lines& lines_;
+  double widest_ = 0.0;
+};
+
+}  // namespace
+
+void check(const Scenario& scenario, std::string_view where, const Lines& lines) {
+  Checker(scenario, where, lines).check_all();
+}
+
+void check_chosen(const Scenario& scenario, std::string_view where, const Lines& lines) {
+  Checker(scenario, where, lines).check_chosen();
+}
+
+}  // namespace headpin::scene

@@ -1,0 +1,158 @@
+#include "scene/stage/seen_mesh.h"
+
+#include <algorithm>
+#include <array>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "files/sha256.h"
+#include "scene/scenario/files.h"
+#include "scene/stage/mesh_file.h"
+
+namespace headpin::scene {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+MeshMeasure measure_of(const MeshFile& mesh) {
+  return {mesh.unit, mesh.axes};
+}
+
+/// The bytes of the file, with the hash it has if it must have one.
+std::string bytes_of(MeshFile& mesh) {
+  std::string bytes = read_mesh_file(mesh.file);
+  const std::string found = files::sha256(bytes);
+  if (!mesh.sha256.empty() && mesh.sha256 != found) {
+    throw std::runtime_error(
+        fmt::format("{}: SHA-256 {}, expected {}", mesh.file, found, mesh.sha256));
+  }
+  mesh.sha256 = found;
+  return bytes;
+}
+
+double area_of(const MeshData& mesh) {
+  double area = 0.0;
+  for (std::size_t i = 0; i + 2 < mesh.triangles.size(); i += 3) {
+    const auto point = [&](std::size_t k) { return mesh.points[mesh.triangles[i + k]]; };
+    area += 0.5 * (point(1) - point(0)).cross(point(2) - point(0)).norm();
+  }
+  return area;
+}
+
+MeshData data_of(const MeshFile& mesh) {
+  MeshFile file = mesh;
+  try {
+    return mesh_of(bytes_of(file), file.file, measure_of(file));
+  } catch (const std::runtime_error& e) {
+    throw std::runtime_error(fmt::format(
+        "{}; a mesh that the eyes see is looked for where it was and beside the trial", e.what()));
+  }
+}
+
+void make_absolute(MeshFile& mesh, const fs::path& folder) {
+  mesh.file = fs::absolute(folder / mesh.file).lexically_normal().string();
+}
+
+}  // namespace
+
+Reach reach_of_ball(const Ball& ball) {
+  return {0.5 * ball.radius, 2.0 * ball.radius};
+}
+
+Reach reach_of_skittle(const Skittle& skittle) {
+  return {0.5 * skittle.height, 2.0 * skittle.height};
+}
+
+void take_seen(MeshFile& mesh, const fs::path& folder, const Reach& reach) {
+  make_absolute(mesh, folder);
+  const MeshData data = mesh_of(bytes_of(mesh), mesh.file, measure_of(mesh));
+  double farthest = 0.0;
+  for (const Vec3& p : data.points) farthest = std::max(farthest, p.norm());
+  if (!(farthest >= reach.least && farthest <= reach.most)) {
+    throw std::invalid_argument(fmt::format(
+        "{}: its farthest point is {:.4g} m from its origin, expected {:.4g} to {:.4g}; "
+        "a file in other units says so by `unit`",
+        mesh.file, farthest, reach.least, reach.most));
+  }
+  constexpr double kFlat = 1e-6;  // of a square around it
+  if (area_of(data) < kFlat * farthest * farthest) {
+    throw std::invalid_argument(
+        fmt::format("{}: {} triangles of no area", mesh.file, data.triangles.size() / 3));
+  }
+}
+
+std::vector<std::string> not_drawn(const Scenario& scenario) {
+  std::vector<std::string> told;
+  for (const auto& [key, mesh] : {std::pair{"room.mesh", &scenario.room.mesh},
+                                  {"skittle.mesh", &scenario.skittle.mesh},
+                                  {"ball.mesh", &scenario.ball.mesh},
+                                  {"hand.mesh", &scenario.hand.mesh}}) {
+    if (mesh->file.empty()) continue;
+    const std::string unseen = data_of(*mesh).unseen;
+    if (unseen.empty()) continue;
+    told.push_back(fmt::format("{}: {}: not drawn: {}", key, mesh->file, unseen));
+  }
+  return told;
+}
+
+void take_polyhedron(SkittlePart& part, const fs::path& folder) {
+  if (part.corners.empty() != part.faces.empty()) {
+    throw std::invalid_argument("a polyhedron has corners and faces, or neither and a file");
+  }
+  if (part.corners.empty()) {
+    if (part.mesh.file.empty()) {
+      throw std::invalid_argument("a polyhedron has a file, or corners and faces; found neither");
+    }
+    make_absolute(part.mesh, folder);
+    const engine::Polyhedron hull =
+        polyhedron_of(bytes_of(part.mesh), part.mesh.file, measure_of(part.mesh));
+    part.corners.assign(hull.vertices().begin(), hull.vertices().end());
+    for (const engine::Polyhedron::Face& face : hull.faces()) {
+      const auto corners = hull.corners(face);
+      part.faces.emplace_back(corners.begin(), corners.end());
+    }
+  }
+  const engine::Polyhedron hull(part.corners, part.faces);  // whatever it is from
+  part.low = part.high = part.corners.front().z();
+  part.radius = 0.0;
+  for (const Vec3& p : hull.vertices()) {
+    part.low = std::min(part.low, p.z());
+    part.high = std::max(part.high, p.z());
+    part.radius = std::max(part.radius, p.head<2>().norm());
+  }
+}
+
+void find_again(MeshFile& mesh, const fs::path& trial) {
+  if (mesh.file.empty()) return;
+  const fs::path name = fs::path(mesh.file).filename();
+  std::vector<fs::path> places{mesh.file, trial.parent_path() / name};
+  for (const fs::path& data : data_folders()) places.push_back(data / "meshes" / name);
+  for (const fs::path& path : places) {
+    try {
+      MeshFile found = mesh;
+      found.file = fs::absolute(path).string();
+      bytes_of(found);
+      mesh = found;
+      return;
+    } catch (const std::runtime_error&) {  // it may be at the next place
+    }
+  }
+}
+
+std::optional<render::Mesh> seen_mesh(const MeshFile& mesh, const Vec3& colour, double gloss) {
+  if (mesh.file.empty()) return std::nullopt;
+  MeshData data = data_of(mesh);
+  render::Mesh seen;
+  seen.gloss = gloss;
+  for (std::size_t i = 0; i < data.points.size(); ++i) {
+    const Vec3& c = data.colours.empty() ? colour : data.colours[i];
+    seen.vertices.push_back(
+        {data.points[i].cast<float>(), data.normals[i].cast<float>(), c.cast<float>()});
+  }
+  seen.indices = std::move(data.triangles);
+  return seen;
+}
+
+}  // namespace headpin::scene

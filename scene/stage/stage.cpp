@@ -1,0 +1,70 @@
+#include "scene/stage/stage.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+namespace headpin::scene {
+
+namespace {
+
+engine::BodyId add(Stage& stage, Role role, engine::Body body, const Pose& X_WB) {
+  stage.roles.push_back(role);
+  return engine::add_body(stage.world, std::move(body), {X_WB, Vec3::Zero(), Vec3::Zero()});
+}
+
+/// "ball", "ball 2", "ball 3" ...
+std::string numbered(const std::string& name, std::size_t before) {
+  return before == 0 ? name : fmt::format("{} {}", name, before + 1);
+}
+
+}  // namespace
+
+Stage make_stage(const Scenario& scenario) {
+  Stage stage;
+  stage.scenario = scenario;
+  stage.world = engine::make_world(world_parameters(scenario));
+  SkittleBody skittle = skittle_body(scenario);
+  stage.skittle = std::move(skittle.body);
+  stage.skittle_centre = skittle.centre_height;
+  for (const SkittlePart& part : scenario.skittle.parts) {
+    stage.widest_skittle = std::max(stage.widest_skittle, part.radius);
+  }
+  for (Fixture& fixture : room_fixtures(scenario)) {
+    add(stage, fixture.role, std::move(fixture.body), fixture.X_WB);
+  }
+  add_ball(stage, scenario.ball.home);
+  add_rack(stage, {0.0, scenario.lane.head_pin});
+  if (scenario.hand.solid) stage.hand = add(stage, Role::hand, hand_body(scenario), kAway);
+  return stage;
+}
+
+engine::BodyId add_ball(Stage& stage, const Vec3& home) {
+  engine::Body body = ball_body(stage.scenario);
+  body.name = numbered(body.name, stage.balls.size());
+  const engine::BodyId ball = add(stage, Role::ball, std::move(body), {Quat::Identity(), home});
+  engine::set_kind(stage.world, ball, engine::Kind::driven);  // on its stand until it is taken
+  stage.balls.push_back(ball);
+  return ball;
+}
+
+void add_rack(Stage& stage, const Vec2& head_pin) {
+  for (const Vec2& spot : stage.scenario.rack.spots) {
+    engine::Body body = stage.skittle;
+    body.name = fmt::format("skittle {}", stage.skittles.size() + 1);
+    const Vec2 p = head_pin + spot;
+    const engine::BodyId skittle =
+        add(stage, Role::skittle, std::move(body),
+            {Quat::Identity(), Vec3(p.x(), p.y(), stage.skittle_centre)});
+    engine::put_to_sleep(stage.world, skittle);
+    stage.skittles.push_back(skittle);
+  }
+}
+
+std::vector<std::string> body_names(const Stage& stage) {
+  std::vector<std::string> names;
+  for (const engine::Body& body : stage.world.bodies) names.push_back(body.name);
+  return names;
+}
+
+}  // namespace headpin::scene

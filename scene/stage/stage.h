@@ -1,0 +1,48 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/stage/bodies.h"
+
+/// What a scenario builds once and any number of runs share.
+namespace headpin::scene {
+
+/// The bodies of a scenario as they stand before anything has happened, and what each of them is.
+///
+/// Who is which body is told by its role alone, never by its number.
+struct Stage {
+  Scenario scenario;
+  engine::World world;      ///< at its start; a session steps a copy of it
+  std::vector<Role> roles;  ///< of the world's bodies, same numbers
+  engine::Body skittle;     ///< what each skittle is made as: its mass properties are found once
+  double skittle_centre = 0.0;  ///< height of a skittle's centre of mass above its base [m]
+  double widest_skittle = 0.0;  ///< largest radius of one [m]
+
+  // Bodies of a role, in the order they were added.
+  std::vector<engine::BodyId> balls, skittles;
+  std::optional<engine::BodyId> hand;  ///< where the scenario has a solid one
+};
+
+/// Where a hand is that is nowhere: below the floor, out of everybody's way.
+inline const Pose kAway{Quat::Identity(), Vec3(0.0, 0.0, -10.0)};
+
+/// The room, a ball on its stand, a rack of skittles and the hand, as the scenario has them.
+Stage make_stage(const Scenario& scenario);
+
+/// Adds a ball that waits on a stand until it is taken.
+///
+/// @param home  p_WB of its centre
+engine::BodyId add_ball(Stage& stage, const Vec3& home);
+
+/// Adds a rack of skittles that stand until they are struck.
+///
+/// @param head_pin  where its first spot is, on the lane: x right, y away
+void add_rack(Stage& stage, const Vec2& head_pin);
+
+/// Names of the world's bodies, in their order: "lane", "ball", "skittle 1" ...
+std::vector<std::string> body_names(const Stage& stage);
+
+}  // namespace headpin::scene

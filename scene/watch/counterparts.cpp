@@ -1,0 +1,119 @@
+#include "scene/watch/counterparts.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "scene/play/events.h"
+#include "scene/play/session.h"
+
+namespace headpin::scene {
+
+namespace {
+
+/// Two sessions that tick at other rates let go at the same time within a tick of the slower one.
+constexpr Time kSameMoment{10'000};
+
+bool is_of_ball(const devices::Event& event) {
+  return !event.bodies.empty() && event.bodies.front().starts_with("ball");
+}
+
+/// Why a ball was not let go at `time`.
+///
+/// @param before  when the one before was
+std::string why_not_thrown(std::span<const devices::Event> events, Time before, Time time) {
+  const auto within = [&](std::string_view kind) {
+    return std::ranges::find_if(events, [&](const devices::Event& event) {
+      return event.kind == kind && event.time > before && event.time <= time + kSameMoment;
+    });
+  };
+  if (within(kind::missed_grab) != events.end()) {
+    return "not thrown: the hand closed on nothing";
+  }
+  const auto grab = within(kind::grab);
+  if (grab != events.end() && !is_of_ball(*grab)) return "not thrown: the hand took a skittle";
+  return "not thrown";
+}
+
+}  // namespace
+
+std::vector<ThrownBall> thrown(std::span<const devices::Event> events) {
+  std::vector<ThrownBall> all;
+  std::string version;
+  std::size_t counted = 0;  // throws before this one are, or never will be
+  for (const devices::Event& event : events) {
+    if (event.kind == kind::version) version = event.detail;
+    if (event.kind == kind::release && is_of_ball(event)) {
+      all.push_back({static_cast<int>(all.size()) + 1, version, event.time, event.tick, {}});
+    }
+    if (event.kind == kind::delivery && counted < all.size()) {
+      all.back().felled = static_cast<int>(event.value);
+      counted = all.size();
+    }
+  }
+  return all;
+}
+
+bool says_events(const devices::TrialSummary& trial) {
+  return std::ranges::any_of(trial.events, [](const auto& event) { return event.tick >= 0; });
+}
+
+std::vector<devices::Event> events_of(const Recorded& recorded,
+                                      const std::function<void()>& each_tick) {
+  const devices::TrialSummary& trial = recorded.file.summary();
+  if (says_events(trial)) return trial.events;
+  std::vector<devices::Event> events;
+  devices::TrialPlayer source(recorded.file);
+  Session session = make_session(recorded.scenario);
+  const std::int64_t ticks = tick_count(trial, recorded.scenario.rates.physics_hz);
+  while (session.tick < ticks) {
+    if (each_tick) each_tick();
+    advance(session, source);
+    events.insert(events.end(), session.events.begin(), session.events.end());
+  }
+  return events;
+}
+
+std::vector<Unpaired> without_counterpart(std::span<const devices::Event> a,
+                                          std::span<const devices::Event> b) {
+  std::vector<Unpaired> all;
+  const std::vector<ThrownBall> of_b = thrown(b);
+  Time before = Time::min();
+  for (const ThrownBall& one : thrown(a)) {
+    const auto other = std::ranges::find_if(of_b, [&](const ThrownBall& candidate) {
+      return std::chrono::abs(candidate.time - one.time) <= kSameMoment;
+    });
+    if (other == of_b.end()) {
+      all.push_back({one, why_not_thrown(b, before, one.time)});
+    } else if (other->version != one.version) {
+      all.push_back({one, other->version.empty()
+                              ? "thrown before a version began"
+                              : fmt::format("thrown in the {} version", other->version)});
+    } else if (one.felled && !other->felled) {
+      all.push_back({one, "thrown and not counted"});
+    }
+    before = one.time;
+  }
+  return all;
+}
+
+nlohmann::json to_json(const std::vector<Unpaired>& unpaired) {
+  nlohmann::json all = nlohmann::json::array();
+  for (const Unpaired& one : unpaired) {
+    all.push_back({{"throw", one.thrown.number},
+                   {"name", one.thrown.version},
+                   {"time_s", seconds(one.thrown.time)},
+                   {"why", one.why}});
+  }
+  return all;
+}
+
+std::string unpaired_in_words(const nlohmann::json& unpaired) {
+  const std::string version = unpaired["name"];
+  return fmt::format("throw {} ({}{}{:.3f} s): {}", unpaired["throw"].get<int>(), version,
+                     version.empty() ? "" : ", ", unpaired["time_s"].get<double>(),
+                     unpaired["why"].get<std::string>());
+}
+
+}  // namespace headpin::scene

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "scene/watch/recorded.h"
+
+/// Which throws of one session are in another that the same hand played under another condition.
+namespace headpin::scene {
+
+/// A ball that was thrown.
+struct ThrownBall {
+  int number = 0;       ///< in its session, from 1
+  std::string version;  ///< red or blue; empty where there are none
+  Time time{};          ///< when it was let go
+  std::int64_t tick = 0;
+  std::optional<int> felled;  ///< as the rules counted it; nothing where they did not
+};
+
+/// The throws of a session, in their order.
+std::vector<ThrownBall> thrown(std::span<const devices::Event> events);
+
+/// Whether a trial says what happened in its session: one that holds samples alone does not.
+bool says_events(const devices::TrialSummary& trial);
+
+/// The events of a recorded session: those that its trial says, or, where it holds samples alone,
+/// those that simulating it as it was recorded brings.
+///
+/// @param each_tick  called before each tick that is simulated for that
+std::vector<devices::Event> events_of(const Recorded& recorded,
+                                      const std::function<void()>& each_tick = {});
+
+/// A throw that the other session has not, and why.
+struct Unpaired {
+  ThrownBall thrown;
+  std::string why;  ///< "not thrown: ...", "thrown and not counted"
+};
+
+/// The throws of `a` that have no counterpart in `b`: no ball of that version was let go at that
+/// time, or the rules counted it in `a` alone.
+std::vector<Unpaired> without_counterpart(std::span<const devices::Event> a,
+                                          std::span<const devices::Event> b);
+
+nlohmann::json to_json(const std::vector<Unpaired>& unpaired);
+
+/// One of them: "throw 7 (red, 63.200 s): not thrown: the hand closed on nothing".
+std::string unpaired_in_words(const nlohmann::json& unpaired);
+
+}  // namespace headpin::scene

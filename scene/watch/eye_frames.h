@@ -1,0 +1,237 @@
+#pragma once
+
+#include <array>
+#include <condition_variable>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "devices/trial/file.h"
+#include "render/fingerprint.h"
+#include "scene/looks/eyes.h"
+#include "scene/play/run.h"
+
+/// Frames of both eyes, drawn while a session runs.
+namespace headpin::scene {
+
+/// One drawn frame of both eyes, left first.
+struct EyeFrame {
+  std::int64_t number = 0, tick = 0;
+  Time time{};
+  std::array<render::View, 2> views;
+  std::array<render::Image, 2> images;
+  std::array<render::Labels, 2> labels;  ///< where they are wanted
+};
+
+/// How a frame is drawn, beside what is seen.
+struct FrameExtras {
+  bool labels = false;
+  std::optional<Pose> X_WC = {};  ///< seen from there, not from the head
+};
+
+/// Where the time goes from the arrival of a head's sample until its frame is out [s].
+struct FrameStages {
+  double ticked = 0.0;     ///< until the session had taken it in and made its tick
+  double waited = 0.0;     ///< for the tick at which a frame was due
+  double drawn = 0.0;      ///< until both pictures were there
+  double published = 0.0;  ///< until the sink had them: encoded, sent
+
+  double sum() const { return ticked + waited + drawn + published; }
+};
+
+/// What all frames with a fresh sample took.
+struct FrameLatency {
+  std::vector<double> each_s;  ///< sums
+  FrameStages total;
+
+  void add(const FrameStages& stages);
+  /// Of a frame; all 0 before the first one.
+  FrameStages mean() const;
+};
+
+/// A frame as a trial keeps it.
+devices::FrameRecord record_of(const EyeFrame& frame);
+
+/// Where drawn frames go: a folder, a video, LCM.
+class FrameSink {
+ public:
+  virtual ~FrameSink() = default;
+  virtual void add(const EyeFrame& frame) = 0;
+};
+
+/// Draws every wanted frame at its own time, head and world, once the first tick is there that is
+/// not before it; the session waits for it.
+class FrameByFrame : public Observer {
+ public:
+  struct Plan {
+    std::int64_t fps = 60;
+    std::int64_t frames = 0;                           ///< frames 0 .. frames - 1
+    std::function<bool(std::int64_t frame)> wanted;    ///< those of them to draw
+    Pose X_WD_first;                                   ///< head until a sample of it has come
+    std::function<void(std::int64_t drawn)> progress;  ///< told after each
+    FrameExtras extras = {};
+  };
+
+  /// @param eyes, sinks  must outlive this
+  FrameByFrame(Eyes& eyes, Plan plan, std::vector<FrameSink*> sinks)
+      : eyes_(eyes), plan_(std::move(plan)), sinks_(std::move(sinks)) {}
+
+  void start(const Session& session) override { tick(session); }
+  void tick(const Session& session) override;
+
+  std::int64_t drawn() const { return drawn_; }
+
+ private:
+  Eyes& eyes_;
+  Plan plan_;
+  std::vector<FrameSink*> sinks_;
+  BetweenTicks before_;
+  EyeFrame frame_;
+  std::int64_t drawn_ = 0;
+};
+
+/// Draws the frames that a trial says were seen, each at its tick, and holds them against it.
+class FramesAsShown : public Observer {
+ public:
+  struct Plan {
+    bool compare = true;                               ///< pictures with the recorded hashes
+    std::function<bool(std::int64_t frame)> wanted;    ///< those of them to draw
+    std::function<void(std::int64_t drawn)> progress;  ///< told after each
+    FrameExtras extras = {};
+  };
+
+  /// @param recorded  with the frames beside it
+  /// @param eyes      all must outlive this
+  /// @throws std::runtime_error  when there are no frames
+  FramesAsShown(Eyes& eyes, devices::TrialPlayer& recorded, Plan plan,
+                std::vector<FrameSink*> sinks = {});
+
+  /// @throws std::runtime_error  naming frame and eye of the first that differs
+  void tick(const Session& session) override;
+
+  std::int64_t drawn() const { return drawn_; }
+  std::int64_t compared() const { return compared_; }  ///< frames found equal
+
+ private:
+  void compare(const devices::FrameRecord& recorded) const;
+
+  Eyes& eyes_;
+  devices::TrialPlayer& recorded_;
+  Plan plan_;
+  std::vector<FrameSink*> sinks_;
+  EyeFrame frame_;
+  std::int64_t drawn_ = 0, compared_ = 0;
+};
+
+/// A frame that is to be drawn, and all that is needed for it.
+struct FrameJob {
+  std::int64_t frame = 0, tick = 0;
+  Time time{};
+  Glimpse glimpse;
+};
+
+/// What came of it.
+struct DrawnFrame {
+  devices::FrameRecord record;
+  RealTime::Clock::time_point drawn, published;  ///< when both pictures, when the sink had them
+};
+
+/// The drawing side has failed and a frame is lost; the session goes on.
+struct DrawingFailed : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+/// Who draws a live session's frames, here or in another process.
+class FrameDrawer {
+ public:
+  virtual ~FrameDrawer() = default;
+  virtual const render::Fingerprint& drawn_by() const = 0;
+  /// @return  nothing: no frame will be drawn any more, which has been told
+  /// @throws DrawingFailed  once for each failure
+  virtual std::optional<DrawnFrame> draw(const FrameJob& job) = 0;
+};
+
+/// Draws in the calling thread. Made when the first frame can be drawn at once.
+class DrawerHere : public FrameDrawer {
+ public:
+  /// @param sink  null: shown to nobody
+  DrawerHere(Eyes eyes, std::unique_ptr<FrameSink> sink);
+  const render::Fingerprint& drawn_by() const override { return drawn_by_; }
+  std::optional<DrawnFrame> draw(const FrameJob& job) override;
+
+ private:
+  Eyes eyes_;
+  std::unique_ptr<FrameSink> sink_;
+  EyeFrame frame_;
+  render::Fingerprint drawn_by_;
+};
+
+/// Has frames drawn beside the session, which waits for nothing: one frame at a time, and one that
+/// comes while another is drawn is late and dropped.
+class FramesBeside : public Observer {
+ public:
+  /// What was drawn.
+  struct Done {
+    devices::FrameRecord record;
+    std::optional<FrameStages> stages;  ///< when it showed a sample that none before had shown
+  };
+  /// Called in a thread that alone uses what it returns.
+  using Maker = std::function<std::unique_ptr<FrameDrawer>()>;
+  using Clock = RealTime::Clock;
+
+  /// Comes back when the first frame could be drawn at once.
+  /// @throws  what the maker throws
+  explicit FramesBeside(Maker maker);
+  ~FramesBeside() override;
+
+  /// What the latency is measured by; must outlive this.
+  void measure_by(const RealTime& pace) { pace_ = &pace; }
+
+  void tick(const Session& session) override;
+  /// What was finished since the last call.
+  std::vector<Done> take_done();
+  /// What failed since the last call.
+  std::vector<std::string> take_failures();
+  /// Waits for the frame that is being drawn: at the end, so that what was shown is recorded.
+  /// @throws  what drawing threw
+  void finish();
+  /// Frames that were due and were not drawn: another was being drawn, or drawing failed.
+  std::int64_t late() const;
+  const render::Fingerprint& drawn_by() const { return drawn_by_; }
+
+ private:
+  struct Offer {
+    FrameJob job;
+    std::optional<FrameStages> stages;  ///< up to `at`, when the newest sample in it is fresh
+    Clock::time_point at;
+  };
+
+  bool offer(Offer offer);
+  void work(const Maker& maker);
+  void draw(FrameDrawer& drawer, const Offer& offer);
+
+  const RealTime* pace_ = nullptr;
+  std::int64_t frame_ = 0, late_ = 0;
+  std::optional<Time> newest_, shown_;  // arrival of the head sample at hand, and in the last frame
+  Time since_{};                        // when the session got the newest
+  Clock::time_point taken_;             // and had made that tick
+  render::Fingerprint drawn_by_;        // written before the constructor comes back
+  Time lead_{};  // of the frames' clock: brings them close behind the head's samples
+
+  mutable std::mutex mutex_;
+  std::condition_variable changed_;
+  std::optional<Offer> offer_;
+  std::vector<Done> done_;
+  std::vector<std::string> failures_;  // of drawing
+  std::int64_t lost_ = 0;              // frames, to them
+  std::exception_ptr failure_;         // of this
+  bool ready_ = false, busy_ = false, closing_ = false;
+  std::thread thread_;  // last, so that all it uses is there before it starts
+};
+
+}  // namespace headpin::scene

@@ -1,0 +1,81 @@
+#include "scene/watch/recorded.h"
+
+#include <algorithm>
+#include <optional>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "scene/play/player.h"
+#include "scene/stage/read_scenario.h"
+
+namespace headpin::scene {
+
+namespace {
+
+Recorded read(devices::TrialFile file, const std::string& name, Time longest_gap) {
+  file.require_trial(longest_gap);
+  Scenario scenario = scenario_of_trial(file.summary().header.scenario, name);
+  if (file.summary().sample_count == 0) {
+    throw std::runtime_error(name + ": expected samples of a tracker, found none");
+  }
+  return {std::move(file), std::move(scenario)};
+}
+
+}  // namespace
+
+Recorded load_trial(const std::string& path, Time longest_gap) {
+  return read(devices::TrialFile(path), path, longest_gap);
+}
+
+Recorded load_trial(std::span<const std::uint8_t> bytes, const std::string& name,
+                    Time longest_gap) {
+  devices::TrialFile file(bytes);
+  if (file.summary().channels.empty()) {
+    throw std::runtime_error(
+        fmt::format("{}: not an LCM event log: no whole event in {} bytes", name, bytes.size()));
+  }
+  return read(std::move(file), name, longest_gap);
+}
+
+std::int64_t tick_count(const devices::TrialSummary& trial, std::int64_t rate_hz) {
+  const Time end = std::max(Time{}, trial.end);
+  std::int64_t ticks = end.count() / 1'000'000 * rate_hz;
+  while (tick_time(ticks, rate_hz) < end) ++ticks;
+  return std::max(ticks, trial.last_tick);
+}
+
+std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const Scenario& scenario) {
+  std::vector<Stamped<Vec3>> walk = {{Time{}, Vec3::Zero()}};
+  const std::int64_t ticks = tick_count(trial.summary(), scenario.rates.physics_hz);
+  devices::TrialPlayer source(trial);
+  Player player;
+  std::vector<devices::Sample> samples;
+  for (std::int64_t tick = 1; tick <= ticks; ++tick) {
+    const Time time = tick_time(tick, scenario.rates.physics_hz);
+    const Time measured = time - microseconds(scenario.rig.delay_s);
+    samples.clear();
+    source.poll(time, samples);
+    follow(player, samples, scenario, measured);
+    forget(player, measured);
+    if (player.walk.p_WP != walk.back().value) walk.push_back({time, player.walk.p_WP});
+  }
+  return walk;
+}
+
+Pose first_head_pose(const devices::TrialFile& trial, const Rig& rig) {
+  std::optional<Pose> X_WD;
+  trial.walk([&](const devices::TrialFile::Item& item) {
+    const auto* sample = std::get_if<devices::Sample>(&item);
+    const auto* tracker = sample ? std::get_if<devices::TrackerSample>(sample) : nullptr;
+    if (tracker && tracker->station == rig.head_station && tracker->good()) {
+      X_WD = sensor_in_space(*tracker, rig) * rig.X_SD;
+    }
+    return !X_WD;
+  });
+  if (X_WD) return *X_WD;
+  throw std::runtime_error(
+      fmt::format("expected samples of the head (station {}), found none", rig.head_station));
+}
+
+}  // namespace headpin::scene

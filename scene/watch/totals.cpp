@@ -1,0 +1,163 @@
+#include "scene/watch/totals.h"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "devices/base/version.h"
+
+namespace headpin::scene {
+
+namespace {
+
+/// Caps, counts and residuals of all steps.
+nlohmann::json to_json(const engine::Statistics& s) {
+  return {{"pairs", s.pairs},
+          {"contacts", s.contacts},
+          {"queries", s.queries.queries},
+          {"query_iterations", s.queries.iterations},
+          {"capped_queries", s.queries.capped},
+          {"impacts", s.impacts},
+          {"unfinished_impacts", s.unfinished_impacts},
+          {"pulling_impulses", s.pulls},
+          {"solver_iterations", s.solver_iterations},
+          {"unsolved_islands", s.unsolved},
+          {"largest_residual_mps", s.residual},
+          {"deepest_overlap_m", s.deepest_overlap}};
+}
+
+nlohmann::json number(const std::optional<double>& value) {
+  return value ? nlohmann::json(*value) : nlohmann::json();
+}
+
+}  // namespace
+
+void Totals::tick(const Session& session) {
+  for (const devices::Event& event : session.events) score_.add(event);
+}
+
+nlohmann::json per_object(const Materials& m, double Coefficients::*coefficient) {
+  return {{"skittle", m.skittle.*coefficient},
+          {"ball", m.ball.*coefficient},
+          {"lane", m.lane.*coefficient},
+          {"wall", m.wall.*coefficient}};
+}
+
+nlohmann::json in_short(const nlohmann::json& each) {
+  const nlohmann::json& first = *each.begin();
+  if (std::ranges::all_of(each, [&](const auto& value) { return value == first; })) return first;
+  std::string all;
+  for (const auto& [object, value] : each.items()) {
+    all += fmt::format("{}{} {}", all.empty() ? "" : ", ", object, value.dump());
+  }
+  return all;
+}
+
+nlohmann::json to_json(const engine::Ledger& l) {
+  return {{"gravity_j", l.gravity.energy},
+          {"hand_j", l.hand.energy},
+          {"impact_j", l.impact.energy},
+          {"sustained_j", l.sustained.energy},
+          {"correction_j", l.correction.energy}};
+}
+
+nlohmann::json to_json(const std::vector<Sheet>& games) {
+  nlohmann::json all = nlohmann::json::array();
+  for (const Sheet& game : games) {
+    std::vector<Frame> frames = game.frames;
+    std::erase_if(frames, [](const Frame& frame) { return frame.empty(); });  // begun, no more
+    all.push_back({{"name", game.version},
+                   {"rules", game.rules},
+                   {"rolls", frames},
+                   {"points", points(game)},
+                   {"over", game.over},
+                   {"marks", game.marks},
+                   {"sheet", in_words(game)}});
+  }
+  return all;
+}
+
+nlohmann::json conditions(const Scenario& scenario) {
+  const auto of = [](const Scenario& one) -> nlohmann::json {
+    return {{"elasticity", per_object(one.material, &Coefficients::elasticity)},
+            {"friction", per_object(one.material, &Coefficients::friction)},
+            {"shape", one.collision.shape}};
+  };
+  const Versions& versions = scenario.version;
+  nlohmann::json all = of(versions.buttons ? under(scenario, versions.red) : scenario);
+  all["versions"] = nullptr;
+  if (!versions.buttons) return all;
+  const nlohmann::json red = all, blue = of(under(scenario, versions.blue));
+  for (const auto& [key, value] : blue.items()) {
+    if (all[key] != value) all[key] = nullptr;
+  }
+  all["versions"] = {{"red", red}, {"blue", blue}};
+  all["versions"]["red"].erase("versions");
+  return all;
+}
+
+nlohmann::json to_json(const std::vector<KeyDifference>& differences) {
+  nlohmann::json all = nlohmann::json::array();
+  for (const auto& [key, a, b] : differences) all.push_back({{"key", key}, {"a", a}, {"b", b}});
+  return all;
+}
+
+nlohmann::json to_json(const std::vector<devices::ThrowRow>& throws) {
+  nlohmann::json all = nlohmann::json::array();
+  const auto whole = [](int n) { return n > 0 ? nlohmann::json(n) : nlohmann::json(); };
+  const auto maybe = [](const auto& value) {
+    return value ? nlohmann::json(*value) : nlohmann::json();
+  };
+  const auto numbers = [](const std::optional<Vec3>& v) {
+    return v ? nlohmann::json{v->x(), v->y(), v->z()} : nlohmann::json();
+  };
+  for (const devices::ThrowRow& row : throws) {
+    all.push_back(
+        {{"name", row.version},
+         {"frame", whole(row.frame)},
+         {"ball", whole(row.ball)},
+         {"body", row.body},
+         {"release_s", nearest_seconds(row.release)},
+         {"trigger_s", maybe(row.trigger_s)},
+         {"position_m", numbers(row.p_WB)},
+         {"velocity_mps", numbers(row.v_WB)},
+         {"spin_radps", numbers(row.w_WB)},
+         {"release_speed_mps", row.speed},
+         {"known", row.known},
+         {"extrapolated_s", maybe(row.extrapolated_s)},
+         {"samples_left_out", maybe(row.left_out)},
+         {"entry_s", row.entry ? nlohmann::json(nearest_seconds(*row.entry)) : nlohmann::json()},
+         {"impact_speed_mps", maybe(row.entry_speed)},
+         {"entry_angle_deg", maybe(row.entry_angle_deg)},
+         {"felled_by_ball", maybe(row.felled_by_ball)},
+         {"felled_by_hand", maybe(row.felled_by_hand)},
+         {"counted", maybe(row.counted)},
+         {"foul", maybe(row.foul)}});
+  }
+  return all;
+}
+
+nlohmann::json summary(const Session& s, const Score& score) {
+  const Scenario& scenario = s.scenario();
+  nlohmann::json all = conditions(scenario);
+  all.update({{"version", devices::software_version()},
+              {"response", scenario.collision.response},
+              {"detection", scenario.collision.detection},
+              {"skittles", s.stage->skittles.size()},
+              {"skittles_down", score.skittles_down},
+              {"felled_by_hand", score.felled_by_hand},
+              {"games", to_json(score.games)},
+              {"throws", to_json(score.throws)},
+              {"release_speed_mps", number(score.release_speed)},
+              {"impact_speed_mps", number(score.impact_speed)},
+              {"simulated_s", seconds(s.now())},
+              {"ticks", s.tick},
+              {"ledger", to_json(s.world.ledger)},
+              {"statistics", to_json(s.statistics)},
+              {"state_hash", in_hex(s.state_hash)},
+              {"game_hash", in_hex(s.game_hash.value())}});
+  return all;
+}
+
+}  // namespace headpin::scene

@@ -1,0 +1,41 @@
+#include "scene/watch/trial_writer.h"
+
+#include <nlohmann/json.hpp>
+
+#include "scene/play/events.h"
+#include "scene/watch/totals.h"
+
+namespace headpin::scene {
+
+devices::TrialHeader header_of(devices::TrialHeader header, const Session& session) {
+  header.scenario = to_toml(session.scenario());
+  header.body_names = body_names(*session.stage);
+  return header;
+}
+
+TrialWriter::TrialWriter(const std::string& path, devices::TrialHeader header,
+                         const Session& session, devices::Recorder::Options options)
+    : sink_(std::make_unique<devices::Recorder>(path, header_of(std::move(header), session),
+                                                options)) {}
+
+void TrialWriter::tick(const Session& session) {
+  for (const devices::Sample& sample : session.samples) sink_->write(sample);
+  for (const devices::Event& event : session.events) sink_->write(event);
+  tick_state(session, state_);
+  sink_->write(state_);
+}
+
+void TrialWriter::close(const Session& session) {
+  devices::Event last;
+  last.time = session.now();
+  last.tick = session.tick;
+  last.kind = kind::ledger;
+  last.detail = to_json(session.world.ledger).dump();
+  sink_->write(last);
+  last.kind = kind::game_hash;
+  last.detail = in_hex(session.game_hash.value());
+  sink_->write(last);
+  sink_->close();
+}
+
+}  // namespace headpin::scene

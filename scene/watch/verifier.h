@@ -1,0 +1,53 @@
+#pragma once
+
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "devices/trial/file.h"
+#include "scene/play/run.h"
+
+namespace headpin::scene {
+
+/// Compares a state with a recorded one of the same tick: every bit of every body.
+/// @return  the body that differs, empty when only what the log leaves out does; nothing when equal
+std::optional<std::string> first_different_body(const devices::TickState& a,
+                                                const devices::TickState& b,
+                                                std::span<const std::string> names);
+
+/// The bodies that two sessions have in common, by their names, and those that one of them has.
+struct SharedBodies {
+  std::vector<std::string> names;
+  std::vector<std::size_t> in_a, in_b;  ///< their numbers, as `names`
+  std::vector<std::string> only_in_a, only_in_b;
+
+  bool all() const { return only_in_a.empty() && only_in_b.empty(); }
+};
+SharedBodies shared_bodies(std::span<const std::string> a, std::span<const std::string> b);
+
+/// As first_different_body, of the bodies that both have.
+std::optional<std::string> first_different_body(const devices::TickState& a,
+                                                const devices::TickState& b,
+                                                const SharedBodies& shared);
+
+/// Holds a run against the states that a trial recorded.
+class Verifier : public Observer {
+ public:
+  /// @param recorded  with the states beside it; must outlive this
+  /// @throws std::runtime_error  when there are none
+  Verifier(devices::TrialPlayer& recorded, const Session& session);
+
+  /// @throws std::runtime_error  naming the tick, and the first body that differs
+  void tick(const Session& session) override;
+
+  std::int64_t compared() const { return compared_; }  ///< ticks found equal
+
+ private:
+  devices::TrialPlayer& recorded_;
+  std::vector<std::string> names_;
+  devices::TickState state_;
+  std::int64_t compared_ = 0;
+};
+
+}  // namespace headpin::scene
