@@ -2,8 +2,8 @@
 
 #include <version>
 
-/// The algorithms over ranges that our sources use, for a standard library that has none yet, as
-/// that of Debian 12's emscripten; from its own algorithms over iterators.
+/// The algorithms over ranges and the cast of bits that our sources use, for a standard library that
+/// has none yet, as that of Debian 12's emscripten; the former from its algorithms over iterators.
 #ifndef __cpp_lib_ranges
 
 #include <algorithm>
@@ -63,6 +63,12 @@ void copy(R&& range, O out) {
   std::copy(std::begin(range), std::end(range), out);
 }
 
+template <typename R, typename O, typename F>
+void transform(R&& range, O out, F of) {
+  std::transform(std::begin(range), std::end(range), out,
+                 [&](const auto& x) { return std::invoke(of, x); });
+}
+
 template <typename R>
 void reverse(R&& range) {
   std::reverse(std::begin(range), std::end(range));
@@ -96,6 +102,27 @@ auto upper_bound(R&& range, const T& value, C before = {}, P of = {}) {
       [&](const auto& x, const auto& y) { return std::invoke(before, x, std::invoke(of, y)); });
 }
 
+template <typename R, typename T, typename C = std::less<>, typename P = std::identity>
+auto lower_bound(R&& range, const T& value, C before = {}, P of = {}) {
+  return std::lower_bound(
+      std::begin(range), std::end(range), value,
+      [&](const auto& x, const auto& y) { return std::invoke(before, std::invoke(of, x), y); });
+}
+
 }  // namespace std::ranges
+
+#endif
+
+#ifndef __cpp_lib_bit_cast
+
+namespace std {
+
+template <typename To, typename From>
+constexpr To bit_cast(const From& from) noexcept {
+  static_assert(sizeof(To) == sizeof(From));
+  return __builtin_bit_cast(To, from);
+}
+
+}  // namespace std
 
 #endif

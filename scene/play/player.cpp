@@ -83,7 +83,8 @@ Motion hand_motion(const Player& player, const Scenario& scenario, const Vec3& p
   const Time last = told_until(time, scenario.rig.delay_s);
   const std::vector<Stamped<Pose>>& track = player.hand.samples();
   const auto end = std::ranges::upper_bound(track, last, {}, &Stamped<Pose>::time);
-  return motion_at({track.begin(), end}, time, p_HB, release_window(hand));
+  const auto told = std::span(track).first(static_cast<std::size_t>(end - track.begin()));
+  return motion_at(told, time, p_HB, release_window(hand));
 }
 
 /// What the hand carries at a time, and how well its motion is known.
