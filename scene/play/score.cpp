@@ -14,6 +14,19 @@ namespace headpin::scene {
 
 namespace {
 
+/// The angle of a velocity's part in the plane from the y axis, to the right positive, in [-180, 180].
+///
+/// By rotation_vector(), so that every machine gets the same bits.
+double degrees_from_y(const Vec3& v) {
+  const double speed = std::sqrt(v.x() * v.x() + v.y() * v.y());
+  if (speed <= 0.0) return 0.0;
+  // The turn by half of it, from whichever of two equal ratios does not cancel.
+  Quat half = v.y() >= 0.0 ? Quat(speed + v.y(), 0.0, 0.0, v.x())
+                           : Quat(std::abs(v.x()), 0.0, 0.0, std::copysign(speed - v.y(), v.x()));
+  half.normalize();
+  return rotation_vector(half).z() * 180.0 / std::numbers::pi;
+}
+
 /// A vector of an event's detail; nothing in older trials.
 std::optional<Vec3> vector_of(const nlohmann::json& detail, const char* key) {
   if (!detail.is_object()) return std::nullopt;
@@ -117,7 +130,7 @@ void Score::add_to_throw(const devices::Event& event) {
     row.entry = event.time;
     row.entry_speed = event.value;
     const auto v = vector_of(nlohmann::json::parse(event.detail, nullptr, false), "velocity_mps");
-    if (v) row.entry_angle_deg = std::atan2(v->x(), v->y()) * 180.0 / std::numbers::pi;
+    if (v) row.entry_angle_deg = degrees_from_y(*v);
   }
   if (event.kind == kind::dead_wood) row.felled_by_hand = static_cast<int>(event.value);
   if (event.kind == kind::delivery && !games.empty() && row.frame == 0) {

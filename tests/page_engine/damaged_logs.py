@@ -20,4 +20,4 @@ with tempfile.TemporaryDirectory() as work:
 for number in range(int(count)):
     draw = random.Random(f"1/{number}")
     with open(os.path.join(folder, f"{number:06}.lcmlog"), "wb") as file:
-        file.write(mutated_logs.damage(bases[number % 2], draw))
+        file.write(mutated_logs.damage(bases[number % len(bases)], draw))

@@ -1,7 +1,9 @@
 // Whole games: what is counted, swept, set again; two versions and their buttons.
 
 #include <cmath>
+#include <numbers>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "devices/trial/sources.h"
@@ -465,6 +467,23 @@ TEST(Throws, AreARowEachWhoseSumsAreTheSheets) {
   }
   EXPECT_EQ(sum, in_sheet);
   EXPECT_EQ(score.skittles_down, in_sheet);
+}
+
+// The C library's arc tangent is another's; its last digit may differ from machine to machine.
+TEST(Throws, EnterAtTheAngleOfTheirVelocityAllAround) {
+  for (int degree = -179; degree <= 180; ++degree) {
+    const double angle = degree * std::numbers::pi / 180.0;
+    devices::Event release, contact;
+    release.kind = kind::release;
+    contact.kind = kind::first_contact;
+    release.bodies = contact.bodies = {"ball"};
+    contact.detail = fmt::format(R"({{"velocity_mps":[{},{},0.3]}})", 4.0 * std::sin(angle),
+                                 4.0 * std::cos(angle));
+    const std::vector<devices::Event> events = {release, contact};
+    const Score score = scene::score(events);
+    ASSERT_EQ(score.throws.size(), 1u);
+    EXPECT_NEAR(score.throws[0].entry_angle_deg.value(), degree, 1e-12);
+  }
 }
 
 }  // namespace
