@@ -54,6 +54,7 @@ target_include_directories(headpin_step SYSTEM PUBLIC ${headers})
 # As in engine/CMakeLists.txt: these carry the promise of equal bits.
 target_compile_options(headpin_step PUBLIC -ffp-contract=off -fno-tree-vectorize -fno-tree-slp-vectorize)
 target_compile_definitions(headpin_step PUBLIC EIGEN_DONT_VECTORIZE)
+target_precompile_headers(headpin_step PRIVATE ${HEADPIN_ROOT}/engine/math.h)
 
 add_library(headpin_replay STATIC ${parts} ${messages} ${CMAKE_BINARY_DIR}/version.cpp)
 add_dependencies(headpin_replay version)

@@ -129,7 +129,8 @@ void row_of(const devices::TickState& state, const std::vector<DrawnBody>& bodie
 std::vector<Mark> marks(const devices::TrialSummary& trial) {
   std::vector<Mark> all;
   for (const devices::Event& event : trial.events) {
-    if (event.tick < 0 || event.kind == scene::kind::touch || event.kind == scene::kind::ledger)
+    if (event.tick < 0 || event.kind == scene::kind::touch || event.kind == scene::kind::ledger ||
+        event.kind == scene::kind::game_hash)
       continue;
     all.push_back({seconds(event.time), event.kind == scene::kind::skittle_down ? "" : event.kind});
   }
