@@ -13,6 +13,7 @@
 #include "apps/nearest.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "apps/topics.h"
 #include "devices/base/version.h"
 #include "files/lock.h"
 
@@ -87,13 +88,35 @@ std::string what_is_meant(const CLI::App& app) {
   return "";
 }
 
-/// Says how a command is used, as its --help does.
+/// All topics with the titles of their pages, and the folder of the pages.
+void print_topics() {
+  fmt::print("Topics; `headpin help TOPIC` prints the file of its page:\n");
+  for (const Topic& topic : topics()) fmt::print("  {:<14}{}\n", topic.name, topic.title);
+  fmt::print("All pages are in {}\n", docs_folder().string());
+}
+
+/// Prints what is known of a topic. @return whether there is such a topic
+bool print_topic(const std::string& name) {
+  if (name == "topics") {
+    print_topics();
+    return true;
+  }
+  const std::optional<Topic> topic = find_topic(name);
+  if (topic) fmt::print("{}\n{}\n", topic->title, (docs_folder() / topic->page).string());
+  return topic.has_value();
+}
+
+/// Says how a command is used, as its --help does, or which page is about a topic.
 void add_help(CLI::App& app) {
   const auto words = std::make_shared<std::vector<std::string>>();
-  CLI::App* command = app.add_subcommand("help", "Tell how a command is used");
-  command->add_option("COMMAND", *words, "such as replay; none: all of them");
-  command->footer("Example:\n  headpin help replay");
+  CLI::App* command =
+      app.add_subcommand("help", "Tell how a command is used, or which page is about a topic");
+  command->add_option("COMMAND", *words,
+                      "a command such as replay, or a topic; `topics` lists the topics; without "
+                      "it, all commands");
+  command->footer("Examples:\n  headpin help replay\n  headpin help topics");
   command->callback([words, &app] {
+    if (words->size() == 1 && print_topic(words->front())) return;
     const CLI::App* at = &app;
     std::string before;
     for (const std::string& word : *words) {

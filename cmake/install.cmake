@@ -30,8 +30,13 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/packages/copyright
         DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/headpin COMPONENT program)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/packages/copyright
         DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${HEADPIN_RUNTIME_PACKAGE} COMPONENT runtime)
-install(FILES README.md CHANGELOG.md CITATION.cff
+# The pages of the documentation with their pictures; `headpin help topics` says where they are.
+install(FILES README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md
         DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/headpin COMPONENT program)
+install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/headpin COMPONENT program
+        FILES_MATCHING PATTERN "*.md" PATTERN "*.svg")
+install(DIRECTORY assets/pictures DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/headpin/assets
+        COMPONENT program)
 
 # Manual and completion, as the program writes them after it was linked (apps/CMakeLists.txt).
 set(HEADPIN_ZSH_DIR ${CMAKE_INSTALL_DATADIR}/zsh/site-functions CACHE STRING

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdio>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -43,6 +44,33 @@ TEST_F(CommandLine, HelpIsACommandToo) {
   }
   expect_refusal("help replya", 2, "unknown command 'replya'; the nearest is replay");
   expect_refusal("help replay more", 2, "unknown command 'more'; there are none here");
+}
+
+TEST_F(CommandLine, HelpNamesThePageOfEachTopic) {
+  const fs::path docs = fs::canonical(HEADPIN_SOURCE_DIR "/docs");
+  std::set<fs::path> pages;
+  for (const auto& entry : fs::recursive_directory_iterator(docs)) {
+    const fs::path& path = entry.path();
+    if (path.extension() == ".md" && path != docs / "README.md") pages.insert(path);
+  }
+  EXPECT_GT(pages.size(), 25u);
+
+  std::istringstream lines(headpin("help topics").out);
+  std::string line, name, title, page;
+  while (std::getline(lines, line)) {
+    if (!line.starts_with("  ")) continue;
+    std::istringstream words(line);
+    words >> name;
+    std::getline(words >> std::ws, title);
+    std::istringstream says(headpin("help " + name).out);
+    std::getline(says, line);
+    EXPECT_EQ(line, title);
+    std::getline(says, page);
+    ASSERT_EQ(pages.erase(fs::canonical(page)), 1u) << name << " names " << page;
+    EXPECT_THAT(slurp(page), testing::StartsWith("# " + title + "\n"));
+    EXPECT_EQ(headpin(name + " --help").code, 2) << name << " is a command too";
+  }
+  EXPECT_THAT(pages, testing::IsEmpty());
 }
 
 TEST_F(CommandLine, WhatIsMistypedIsToldWithTheNearest) {

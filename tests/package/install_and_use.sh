@@ -33,6 +33,20 @@ for file in share/doc/headpin/copyright share/headpin/types/tracked_device_t.lcm
   [ -s "$prefix/$file" ] || fail "$file is missing"
 done
 
+echo "== the documentation"
+if command -v python3 >/dev/null; then
+  quietly python3 -B "$here/../readme/links.py" "$prefix/share/doc/headpin" --installed
+fi
+topics=$("$headpin" help topics | sed -n 's/^  \([a-z-]\+\) .*/\1/p')
+[ "$(wc -w <<<"$topics")" -ge 20 ] || fail "topics not found: $topics"
+for topic in $topics; do
+  page=$("$headpin" help "$topic" | tail -n 1)
+  case $page in
+    "$prefix"/share/doc/headpin/docs/*.md) [ -s "$page" ] || fail "$topic: $page is missing" ;;
+    *) fail "$topic: expected a page in $prefix/share/doc, found $page" ;;
+  esac
+done
+
 echo "== the manual"
 commands=$("$headpin" --help | sed -n '/^Subcommands:/,$p' | sed -n 's/^  \([a-z]\+\) .*/\1/p')
 [ "$(wc -w <<<"$commands")" -ge 10 ] || fail "commands not found in --help: $commands"

@@ -1,23 +1,27 @@
 #!/usr/bin/env python3
-"""Runs the blocks of README.md and compares what they print with what it shows.
+"""Runs the blocks of README.md and docs/ and compares what they print with what is shown.
 
-usage: run_blocks.py SOURCE-FOLDER PROGRAM
+usage: run_blocks.py SOURCE-FOLDER PROGRAM [PAGE...]
 
-- A `console` block is one shell, in a folder that all of them share; `assets` is there and `headpin`
-  is found. A line that begins with `$ ` is typed, with those below it that begin with `> `; the
-  others are what it must print, on
-  standard output and error together, neither more nor fewer. Lines are compared whole, after what
-  may differ from run to run (UNSTABLE, below) has been taken out of both.
+PAGE is a page as named from the source folder; without one, README.md and all pages of docs/.
+
+- A `console` block is one shell, in a folder that all blocks of its page share; `assets` is there
+  and `headpin` is found. A line that begins with `$ ` is typed, with those below it that begin with
+  `> `; the others are what it must print, on standard output and error together, neither more nor
+  fewer. Lines are compared whole, after what may differ from run to run (UNSTABLE, below) has been
+  taken out of both.
 - A block behind `<!-- runs beside the next block -->` is stopped after the one that follows; that
   one begins when all its lines have been printed.
 - What needs a multicast route runs in a network of its own, or is passed over where this user may
   not have one.
+- A block that needs what this machine lacks (NEEDS, below) is passed over, and that is said.
 - `cmake` and `cpp` blocks must stand in tests/package/engine_client, which a test builds and runs.
 - `sh` blocks are for a clone: their commands must be known to ./dev, or be git's or cmake's.
 - A `bibtex` or `text` block is not run.
 """
 
 import contextlib
+import glob
 import os
 import re
 import shutil
@@ -46,6 +50,12 @@ UNSTABLE = [
     (r"^ +type: .*", ""),
 ]
 
+# What a block needs that a machine may lack: (what to look for in its commands, whether it is there).
+NEEDS = [
+    ("headpin report", lambda source: os.path.exists(os.path.join(source, "build/report/page.html"))),
+    ("Rscript", lambda source: shutil.which("Rscript")),
+]
+
 
 def stable(lines):
     """The lines without what may differ; one that is left empty by that is dropped."""
@@ -61,7 +71,8 @@ def stable(lines):
 
 class Block:
     def __init__(self, language, lines, at, beside):
-        self.language, self.lines, self.at, self.beside = language, lines, at, beside
+        self.language, self.lines, self.beside = language, lines, beside
+        self.at = at  # page:line
 
     def commands(self):
         """(typed, expected lines) in order."""
@@ -76,15 +87,17 @@ class Block:
         return found
 
 
-def blocks(path):
+def blocks(source, page):
     found, block, beside = [], None, False
-    for number, line in enumerate(open(path, encoding="utf-8").read().split("\n"), 1):
+    with open(os.path.join(source, page), encoding="utf-8") as file:
+        lines = file.read().split("\n")
+    for number, line in enumerate(lines, 1):
         fence = re.match(r"```(\w*)$", line)
         if block is not None and fence:
             found.append(block)
             block = None
         elif fence:
-            block, beside = Block(fence[1], [], number, beside), False
+            block, beside = Block(fence[1], [], f"{page}:{number}", beside), False
         elif block is not None:
             block.lines.append(line)
         elif line.startswith("<!--"):
@@ -105,7 +118,7 @@ def script(block):
 
 def start(block, folder, environment, network):
     """Runs a block; output goes to a file, so that who is killed leaves what it has printed."""
-    output = open(os.path.join(folder, f".block{block.at}"), "w+b")
+    output = tempfile.TemporaryFile()
     command = ["bash", "-c", script(block)]
     if network and any("udpm:" in line for line in block.lines):
         command = network + command
@@ -132,7 +145,7 @@ def complaints(block, parts):
         found = parts[i] if i < len(parts) else []
         if stable(expected) == stable(found):
             continue
-        said.append(f"README.md:{block.at}: $ {typed}\n  shows\n    " + "\n    ".join(expected) +
+        said.append(f"{block.at}: $ {typed}\n  shows\n    " + "\n    ".join(expected) +
                     "\n  and prints\n    " + "\n    ".join(found))
     return said
 
@@ -149,6 +162,12 @@ def private_network():
         return None
 
 
+def missing(source, block):
+    """What the block needs and this machine lacks; empty where it can be run."""
+    return [what for what, there in NEEDS
+            if any(what in typed for typed, _ in block.commands()) and not there(source)]
+
+
 def run_console(source, program, consoles):
     folder = tempfile.mkdtemp(prefix="headpin-readme-")
     os.symlink(os.path.join(source, "assets"), os.path.join(folder, "assets"))
@@ -159,7 +178,10 @@ def run_console(source, program, consoles):
     try:
         for block in consoles:
             if network is None and any("udpm:" in line for line in block.lines):
-                print(f"README.md:{block.at}: passed over: no network of its own with multicast")
+                print(f"{block.at}: passed over: no network of its own with multicast")
+                continue
+            if lacks := missing(source, block):
+                print(f"{block.at}: passed over: no {', '.join(lacks)}")
                 continue
             process, output = start(block, folder, environment, network)
             if block.beside:
@@ -192,7 +214,7 @@ def check_sources(source, block):
     name = "client.cpp" if block.language == "cpp" else "CMakeLists.txt"
     if "\n".join(block.lines) in open(os.path.join(client, name), encoding="utf-8").read():
         return []
-    return [f"README.md:{block.at}: expected to stand in tests/package/engine_client/{name}"]
+    return [f"{block.at}: expected to stand in tests/package/engine_client/{name}"]
 
 
 def check_shell(source, block):
@@ -204,13 +226,13 @@ def check_shell(source, block):
         if not words or words[0] in ("git", "cd", "cmake", "export"):
             continue
         if words[0] != "./dev" or not re.search(rf"^  {words[1]}\b", known, re.M):
-            said.append(f"README.md:{block.at}: ./dev does not know: {line}")
+            said.append(f"{block.at}: ./dev does not know: {line}")
     return said
 
 
-def main():
-    source, program = sys.argv[1:]
-    found = blocks(os.path.join(source, "README.md"))
+def check_page(source, program, page):
+    """What is wrong on a page, and how many console blocks and blocks it has."""
+    found = blocks(source, page)
     said = []
     for block in found:
         if block.language in ("cmake", "cpp"):
@@ -218,12 +240,33 @@ def main():
         elif block.language == "sh":
             said += check_shell(source, block)
         elif block.language not in ("console", "bibtex", "text", ""):
-            said.append(f"README.md:{block.at}: nobody knows how to try a {block.language} block")
+            said.append(f"{block.at}: nobody knows how to try a {block.language} block")
     consoles = [block for block in found if block.language == "console"]
-    said += run_console(source, program, consoles)
-    print("\n\n".join(said))
-    print(f"{len(consoles)} console blocks, {len(found)} in all")
-    sys.exit(1 if said or len(consoles) < 5 else 0)
+    if consoles:
+        said += run_console(source, program, consoles)
+    return said, len(consoles), len(found)
+
+
+def pages_of(source):
+    found = glob.glob(os.path.join(source, "docs/**/*.md"), recursive=True)
+    return ["README.md"] + sorted(os.path.relpath(path, source) for path in found)
+
+
+def main():
+    source, program, *pages = sys.argv[1:]
+    failed, consoles, total = False, 0, 0
+    for page in pages or pages_of(source):
+        began = time.monotonic()
+        said, of_console, of_any = check_page(source, program, page)
+        consoles, total = consoles + of_console, total + of_any
+        if of_any:
+            print(f"{page}: {of_console} console blocks, {of_any} in all,"
+                  f" {time.monotonic() - began:.0f} s", flush=True)
+        if said:
+            failed = True
+            print("\n\n".join(said), flush=True)
+    print(f"{consoles} console blocks, {total} in all")
+    sys.exit(1 if failed or (not pages and consoles < 30) else 0)
 
 
 main()
