@@ -253,7 +253,8 @@ def pages_of(source):
 
 
 def main():
-    source, program, *pages = sys.argv[1:]
+    source, program = map(os.path.abspath, sys.argv[1:3])
+    pages = sys.argv[3:]
     failed, consoles, total = False, 0, 0
     for page in pages or pages_of(source):
         began = time.monotonic()
