@@ -20,6 +20,7 @@ constexpr std::array kTopics = {
     Topic{"scenarios", "guides/scenes.md", "Make your own scene"},
     Topic{"meshes", "guides/meshes.md", "Use your own meshes"},
     Topic{"sessions", "guides/live.md", "A live session"},
+    Topic{"trackers", "guides/trackers.md", "Add a tracker"},
     Topic{"fastrak", "guides/fastrak.md", "Emulate a Fastrak"},
     Topic{"games", "guides/games.md", "A game and its rules"},
     Topic{"participants", "guides/participants.md", "Virtual participants"},
