@@ -1,6 +1,8 @@
 #include "apps/frame_parts.h"
 
 #include <algorithm>
+#include <array>
+#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstring>
@@ -15,6 +17,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <spawn.h>
+#include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -50,6 +53,11 @@ std::string hash_of_file(const std::string& path) {
   return fmt::format("{:016x}", hash.value());
 }
 
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+  const std::size_t at = text.find(from);
+  return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
 /// As --frames takes them: 0-59,70.
 std::string as_ranges(std::span<const std::int64_t> frames) {
   std::string text;
@@ -62,32 +70,30 @@ std::string as_ranges(std::span<const std::int64_t> frames) {
   return text;
 }
 
+std::string without_slash(const std::string& folder) {
+  return folder.substr(0, folder.find_last_not_of('/') + 1);
+}
+
 /// Where the parts are: FOLDER.parts, while they are not put together.
 class PartsFolder {
  public:
-  explicit PartsFolder(const FrameParts& parts)
-      : folder_(parts.folder.substr(0, parts.folder.find_last_not_of('/') + 1) + ".parts") {
+  explicit PartsFolder(const FrameParts& parts) : folder_(without_slash(parts.folder) + ".parts") {
     const std::string what =
         fmt::format("trial {}\ndrawn by {}\nframes {}\nwith {}\n", hash_of_file(parts.trial),
                     parts.made_by, as_ranges(parts.frames), fmt::join(parts.arguments, " "));
     folder_.keep(true);
     if (!parts.resume) folder_.clear();
     const bool begun = folder_.names().contains(kWhat) && fs::exists(folder_.path() / kWhat);
+    if (!begun) begin(what);
     if (begun && text_of_file(folder_.path() / kWhat) != what) {
       throw std::runtime_error(folder_.path().string() +
                                ": holds parts of another trial, of other frames, or drawn "
                                "otherwise; without --resume they are drawn anew");
     }
-    if (!begun) {
-      files::OutputFile file(folder_.file(kWhat).string(), {.overwrite = true});
-      file.write(what.data(), what.size());
-      file.commit();
-    }
     folder_.keep(parts.resume);
   }
 
   fs::path part(std::size_t i) { return folder_.folder(fmt::format("{:05}", i)); }
-  fs::path messages(std::size_t i) { return folder_.file(fmt::format("{:05}.txt", i)); }
   bool is_done(std::size_t i) { return fs::exists(part(i) / "frames.csv"); }
   void done() {
     folder_.clear();
@@ -95,6 +101,18 @@ class PartsFolder {
   }
 
  private:
+  void begin(const std::string& what) {
+    try {
+      files::OutputFile file(folder_.file(kWhat).string(), {.overwrite = true});
+      file.write(what.data(), what.size());
+      file.commit();
+    } catch (const std::runtime_error& error) {
+      folder_.keep(false);
+      throw std::runtime_error(
+          replaced(error.what(), (folder_.path() / kWhat).string(), folder_.path().string()));
+    }
+  }
+
   files::WorkFolder folder_;
 };
 
@@ -116,8 +134,11 @@ class Drawers {
  public:
   explicit Drawers(const FrameParts& parts, PartsFolder& folder) : parts_(parts), folder_(folder) {}
   ~Drawers() {
-    for (const auto& [process, part] : running_) kill(process, SIGTERM);
-    for (const auto& [process, part] : running_) waitpid(process, nullptr, 0);
+    for (const auto& [process, drawer] : running_) kill(process, SIGTERM);
+    for (const auto& [process, drawer] : running_) {
+      waitpid(process, nullptr, 0);
+      close(drawer.said);
+    }
   }
   Drawers(const Drawers&) = delete;
   Drawers& operator=(const Drawers&) = delete;
@@ -132,16 +153,18 @@ class Drawers {
     posix_spawn_file_actions_t actions;
     posix_spawn_file_actions_init(&actions);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, folder_.messages(part).c_str(),
-                                     O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0666);
+    const int said = memfd_create("said", MFD_CLOEXEC);  // a disk that is full would not take it
+    posix_spawn_file_actions_adddup2(&actions, said, STDERR_FILENO);
     pid_t process = -1;
-    const int error =
-        posix_spawn(&process, "/proc/self/exe", &actions, nullptr, pointers(words).data(), environ);
+    const int error = said < 0 ? errno
+                               : posix_spawn(&process, "/proc/self/exe", &actions, nullptr,
+                                             pointers(words).data(), environ);
     posix_spawn_file_actions_destroy(&actions);
     if (error != 0) {
+      close(said);
       throw std::runtime_error(std::string("cannot run headpin itself: ") + std::strerror(error));
     }
-    running_.emplace(process, part);
+    running_.emplace(process, Drawer{part, said});
   }
 
   /// Waits a little for one of them to end.
@@ -149,13 +172,16 @@ class Drawers {
   /// @throws  what it said when it failed
   std::optional<std::size_t> wait() {
     for (auto it = running_.begin(); it != running_.end(); ++it) {
-      const auto [process, part] = *it;
+      const auto [process, drawer] = *it;
       int status = 0;
       if (waitpid(process, &status, WNOHANG) != process) continue;
       running_.erase(it);
+      const std::string all = what_it_said(drawer.said);
       check_stop();  // it was told too
-      if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return part;
-      const std::string said = last_line(text_of_file(folder_.messages(part)));
+      if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return drawer.part;
+      // A file of a part is told as it will be called in the end.
+      const std::string part = ".parts/" + folder_.part(drawer.part).filename().string();
+      const std::string said = replaced(last_line(all), part, "");
       const std::string start = "headpin frames: ";
       if (said.starts_with(start)) throw std::runtime_error(said.substr(start.size()));
       throw std::runtime_error(
@@ -170,19 +196,39 @@ class Drawers {
   }
 
  private:
+  struct Drawer {
+    std::size_t part;
+    int said;  ///< a file in memory
+  };
+
+  static std::string what_it_said(int file) {
+    std::string text;
+    std::array<std::uint8_t, 4096> bytes{};
+    lseek(file, 0, SEEK_SET);
+    while (const std::size_t n = files::read_some(file, bytes, "what a process said")) {
+      text.append(reinterpret_cast<const char*>(bytes.data()), n);
+    }
+    close(file);
+    return text;
+  }
+
   const FrameParts& parts_;
   PartsFolder& folder_;
-  std::map<pid_t, std::size_t> running_;
+  std::map<pid_t, Drawer> running_;
 };
 
 /// A second name for a file, or a copy of it where that cannot be.
-void put(const fs::path& file, const fs::path& to) {
+///
+/// @param called  what `to` is told as
+void put(const fs::path& file, const fs::path& to, const std::string& called) {
   std::error_code failed;
   fs::create_hard_link(file, to, failed);
-  if (failed) fs::copy_file(file, to, fs::copy_options::overwrite_existing);
+  if (failed) fs::copy_file(file, to, fs::copy_options::overwrite_existing, failed);
+  if (failed) throw std::runtime_error(called + ": cannot be written: " + failed.message());
 }
 
-void put_together(PartsFolder& folder, std::size_t count, files::OutputFolder& result) {
+void put_together(PartsFolder& folder, std::size_t count, const std::string& called,
+                  files::OutputFolder& result) {
   files::OutputText index(result.file("frames.csv"));
   for (std::size_t i = 0; i < count; ++i) {
     for (const auto& entry : fs::directory_iterator(folder.part(i))) {
@@ -191,7 +237,7 @@ void put_together(PartsFolder& folder, std::size_t count, files::OutputFolder& r
         const std::string rows = text_of_file(entry.path());
         index << (i == 0 ? rows : rows.substr(rows.find('\n') + 1));
       } else if (!name.starts_with(".") && !(i > 0 && name == "ids.csv")) {
-        put(entry.path(), result.file(name));
+        put(entry.path(), result.file(name), (fs::path(called) / name).string());
       }
     }
   }
@@ -230,7 +276,7 @@ std::int64_t draw_in_parts(const FrameParts& parts, files::OutputFolder& result)
       parts.progress(drawn);
     }
   }
-  put_together(folder, count, result);
+  put_together(folder, count, parts.folder, result);
   result.commit("frames.csv");
   folder.done();
   return there;

@@ -141,7 +141,10 @@ int open_folder(int parent, const std::string& name) {
 
 void WorkFolder::fail(const std::string& doing) const {
   const int error = errno;
-  throw std::runtime_error(path_.string() + ": " + doing + ": " + std::strerror(error));
+  // What an OutputFolder keeps for itself is told as that folder.
+  const bool book = std::ranges::count(kBooks, path_.filename().string()) > 0;
+  throw std::runtime_error((book ? path_.parent_path() : path_).string() + ": " + doing + ": " +
+                           std::strerror(error));
 }
 
 WorkFolder::WorkFolder(fs::path path) : path_(std::move(path)) {

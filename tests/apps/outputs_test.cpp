@@ -143,12 +143,14 @@ TEST_F(Outputs, OnAFullDiskTheReasonAndTheFileAreSaid) {
   const std::vector<std::pair<std::string, std::string>> commands = {
       {"export " + kDemo + " -o tables", "tables/trackers.csv"},
       {"frames " + kDemo + " -o drawn --frames 200", "drawn/left_000200.png"},
+      {"frames " + kDemo + " -o parts --frames 200-259 --jobs 2", "parts/left_000200.png"},
       {"stream " + kDemo + " --speed 0 --lcm 'file://sent.log?mode=w'", "sent.log"}};
   for (const auto& [command, file] : commands) {
     const Result result = on_full_disk(command);
     EXPECT_EQ(result.code, 1) << command;
     EXPECT_THAT(result.err, HasSubstr(file + ": cannot be written: File too large")) << command;
     EXPECT_THAT(result.err, testing::Not(HasSubstr(".headpin"))) << command;
+    EXPECT_THAT(result.err, testing::Not(HasSubstr(".parts"))) << command;
   }
 }
 

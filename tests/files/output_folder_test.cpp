@@ -260,6 +260,14 @@ TEST_F(OutputFolderTest, TheFileThatStandsForAllGoesFirstAndComesLast) {
                                           "out/index", "out/.headpin.gone"));
 }
 
+// What is kept there meanwhile has names that nobody asked for.
+TEST_F(OutputFolderTest, OnADiskThatIsFullFromTheStartTheFolderIsNamed) {
+  fail_call("write", 0, ENOSPC);
+  EXPECT_THAT(refused(out_), testing::EndsWith("/out: cannot be written: No space left on device"));
+  let_all_succeed();
+  EXPECT_FALSE(fs::exists(out_));
+}
+
 TEST_F(OutputFolderTest, TextThatTheDiskDoesNotTakeIsSaidUnderItsNameInTheEnd) {
   OutputFolder folder(out_, {});
   OutputText text(folder.file("a.csv"));
