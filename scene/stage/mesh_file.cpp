@@ -260,14 +260,7 @@ Read read_apart(std::string_view file, const std::string& kind, unsigned flags, 
   take(bytes, all.sizes);
   take(bytes, all.corners);
   take(bytes, all.unseen);
-  std::size_t corners = 0;
-  for (const std::uint32_t size : all.sizes) corners += size;
-  if (corners != all.corners.size()) throw std::runtime_error(kHalfRead);
-  for (const std::uint32_t corner : all.corners) {
-    if (corner >= all.points.size())
-      throw std::runtime_error("a face has a point that is not there");
-  }
-  if (all.corners.empty()) throw std::runtime_error("no faces");
+  require_faces(all.sizes, all.corners, all.points.size());
   return all;
 }
 

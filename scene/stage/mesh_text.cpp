@@ -1,6 +1,7 @@
 #include "scene/stage/mesh_text.h"
 
 #include <algorithm>
+#include <numeric>
 #include <sstream>
 #include <stdexcept>
 
@@ -28,6 +29,20 @@ std::string plain_obj(std::string_view bytes) {
     }
   }
   return text;
+}
+
+void require_faces(std::span<const std::uint32_t> sizes, std::span<const std::uint32_t> corners,
+                   std::size_t points) {
+  if (corners.empty()) throw std::runtime_error("no faces");
+  const std::size_t told = std::accumulate(sizes.begin(), sizes.end(), std::size_t{0});
+  if (told != corners.size()) {
+    throw std::runtime_error(
+        fmt::format("faces of {} corners, of which {} are there", told, corners.size()));
+  }
+  const std::uint32_t last = *std::ranges::max_element(corners);
+  if (last >= points) {
+    throw std::runtime_error(fmt::format("a face has point {}, expected one of {}", last, points));
+  }
 }
 
 std::string unseen_of_mesh(const std::string& kind, std::string_view bytes) {

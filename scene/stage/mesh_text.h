@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -15,6 +18,14 @@ std::string plain_obj(std::string_view bytes);
 ///
 /// @throws std::runtime_error  with the reason alone
 void require_whole_ply(std::string_view bytes);
+
+/// That faces have the corners that are there, and those the points: what was read may be anything.
+///
+/// @param sizes    corners of each face
+/// @param corners  of all faces, by the number of their point
+/// @throws std::runtime_error  with the reason alone
+void require_faces(std::span<const std::uint32_t> sizes, std::span<const std::uint32_t> corners,
+                   std::size_t points);
 
 /// What of a file is not seen: "2 textures, alpha"; empty for nothing.
 ///

@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <filesystem>
@@ -98,6 +100,26 @@ TEST(LcmLinkTest, ADamagedLogPlaysWhatIsWhole) {
   EXPECT_THROW(LcmLink("file://" + path.string()), std::runtime_error);
   EXPECT_THROW(LcmLink("file://" HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog?sped=0"),
                std::runtime_error);
+}
+
+// One of less than is read ahead is in memory by then.
+TEST(LcmLinkTest, ASmallLogThatIsCutToNothingWhileItPlaysIsPlayedWhole) {
+  const std::filesystem::path path = fresh_folder("link") / "cut.log";
+  for (const bool begun : {false, true}) {
+    {
+      LcmLink log("file://" + path.string() + "?mode=w");
+      for (int i = 0; i < 25; ++i) log.publish(Sample(tracker(5'000)));
+    }
+    LcmLink link("file://" + path.string() + "?speed=0");
+    LcmSource source(link, 10);
+    std::size_t count = begun ? poll(source, Time{4'000}).size() : 0;
+    std::filesystem::resize_file(path, 0);
+    for (Time now{8'000}; now <= Time{100'000}; now += Time{4'000})
+      count += poll(source, now).size();
+    EXPECT_TRUE(source.exhausted());
+    EXPECT_EQ(count, 25u);
+    std::filesystem::remove(path);
+  }
 }
 
 // At its pace on the session's clock, however late the session is.
@@ -246,6 +268,51 @@ TEST(LcmLinkTest, TheQueueIsBoundedAndWhatItDropsIsCounted) {
   EXPECT_EQ(out.size(), 10u);
   EXPECT_EQ(source.counts().received, 35);
   EXPECT_EQ(source.counts().dropped, 25);
+}
+
+// A log that comes all at once is taken in as the queue has room, and nothing of it is lost.
+TEST(LcmLinkTest, AFloodIsTakenInOverSeveralTicks) {
+  const std::filesystem::path path = fresh_folder("link") / "flood.log";
+  {
+    LcmLink log("file://" + path.string() + "?mode=w");
+    for (int i = 0; i < 25; ++i) log.publish(Sample(tracker(5'000)));
+  }
+  LcmLink link("file://" + path.string() + "?speed=0");
+  LcmSource source(link, 10);
+  std::size_t handed_out = 0;
+  for (Time now{4'000}; now <= Time{40'000}; now += Time{4'000}) {
+    const std::int64_t before = source.counts().received;
+    handed_out += poll(source, now).size();
+    EXPECT_LE(source.counts().received - before, 10);
+  }
+  EXPECT_EQ(handed_out, 25u);
+  EXPECT_EQ(source.counts().dropped, 0);
+}
+
+/// By the clock that LCM stamps with.
+Time wall() {
+  return std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
+}
+
+// A session that is late asks for a message long after it came. Its clock stands still here, so that
+// what is told of the arrival is between the readings of the wall's clock before and after.
+TEST(LcmLinkTest, AMessageIsStampedWithWhenItCameHoweverLateItIsAskedFor) {
+  LcmLink link("memq://");
+  LcmSource source(link);
+  constexpr Time kNow{10'000'000}, kLongest{1'000'000};
+  source.use_clock([] { return kNow; });
+  const Time before = wall();
+  link.publish(Sample(tracker(0)));
+  const Time sent = wall();
+  while (wall() - sent < Time{20'000}) continue;
+  const Time asked = wall();
+  source.receive(Time{1'000});  // the tick that it is asked for at says nothing
+  const Time taken = wall();
+  const std::vector<Sample> out = poll(source, kNow);
+  ASSERT_EQ(out.size(), 1u);
+  const Time came = std::get<TrackerSample>(out[0]).host_time;
+  EXPECT_GE(came, kNow - std::min(taken - before, kLongest));
+  EXPECT_LE(came, kNow - std::min(asked - sent, kLongest));
 }
 
 // A session that is stopped just as it looks for samples is not one that failed.

@@ -710,6 +710,35 @@ TEST(TrialPlayerTest, AFileThatIsCutWhileItIsReadIsSaid) {
               testing::ThrowsMessage<std::runtime_error>(HasSubstr("has been changed")));
 }
 
+// A file that fits into what is read ahead may be in memory whole by then.
+TEST(TrialPlayerTest, ASmallFileThatIsCutWhileItIsReadIsReadWholeOrThatIsSaid) {
+  const fs::path path = fresh_folder("log") / "trial.lcmlog";
+  const Buffer bytes = two_minutes();
+  ASSERT_LT(bytes.size(), std::size_t{1} << 20);
+  const auto samples_when_cut = [&](std::size_t left, bool begun) {
+    write_bytes(path, bytes);
+    const TrialFile file(path);
+    TrialPlayer player(file);
+    std::vector<Sample> samples;
+    if (begun) player.poll(Time{}, samples);
+    fs::resize_file(path, left);
+    player.poll(Time{1'000'000'000}, samples);
+    return samples.size();
+  };
+  const std::size_t all = samples_when_cut(bytes.size(), false);
+  ASSERT_GT(all, 2u);
+  for (const std::size_t left :
+       {std::size_t{0}, std::size_t{1}, bytes.size() / 2, bytes.size() - 1}) {
+    for (const bool begun : {false, true}) {
+      try {
+        EXPECT_EQ(samples_when_cut(left, begun), all) << left;
+      } catch (const std::runtime_error& error) {
+        EXPECT_THAT(error.what(), HasSubstr("has been changed")) << left;
+      }
+    }
+  }
+}
+
 TEST(LogTest, ALongPauseNeedsAWord) {
   const fs::path path = fresh_folder("log") / "trial.lcmlog";
   {

@@ -1,5 +1,6 @@
 #include "scene/watch/eye_frames.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <semaphore>
@@ -123,6 +124,45 @@ TEST(FramesBeside, KeepTheFramesRateWhateverTheTrackers) {
     }
   }
   EXPECT_GT(last, 200);
+}
+
+// With a tracker at the frames' rate, frames are moved to the tick that takes a sample in, or the one
+// behind it. Here samples come in the first of a frame's four ticks and would wait for three.
+TEST(FramesBeside, AreMovedToFreshSamplesOfATrackerAtTheirRate) {
+  Scenario scenario;
+  scenario.hmd.optics.width = 16;
+  scenario.hmd.optics.height = 8;
+  const std::int64_t hz = scenario.rates.physics_hz, ticks = hz / scenario.rates.frame_hz;
+  ASSERT_GE(ticks, 4);
+  const auto stage = std::make_shared<const Stage>(make_stage(scenario));
+  FramesBeside eyes([&] {
+    return std::make_unique<DrawerHere>(open_eyes(*stage), std::unique_ptr<FrameSink>());
+  });
+  Session session = make_session(stage);
+  std::vector<devices::Sample> samples;
+  for (std::int64_t i = 0; i < 60; ++i) {
+    devices::TrackerSample head;
+    head.station = devices::kHeadStation;
+    head.device_time = head.host_time = tick_time(ticks * i, hz) + Time{1'000};
+    head.X_TS.p = Vec3(0.0, -0.4, 1.7);
+    samples.push_back(head);
+  }
+  devices::ReplaySource source(samples);
+  RealTime pace;
+  pace.begin(hz);
+  eyes.measure_by(pace);
+  std::vector<std::int64_t> waited;  // ticks, of each frame
+  while (session.tick < 60 * ticks) {
+    advance(session, source);
+    eyes.tick(session);
+    eyes.finish();
+    for (const FramesBeside::Done& done : eyes.take_done()) {
+      waited.push_back((done.record.tick - 1) % ticks);
+    }
+  }
+  ASSERT_GE(waited.size(), 50u);
+  EXPECT_EQ(waited[1], 3);  // frame 0 is at the first tick
+  EXPECT_LE(*std::max_element(waited.begin() + 5, waited.end()), 1);
 }
 
 /// Keeps where the eyes were.

@@ -194,6 +194,7 @@ class ByHand {
   Game& game() { return session_.game; }
   engine::BodyId ball() const { return stage().balls.front(); }
   const std::vector<devices::Event>& events() const { return events_; }
+  Time now() const { return session_.now(); }
 
   std::vector<const devices::Event*> of_kind(std::string_view kind) const {
     std::vector<const devices::Event*> found;
@@ -363,6 +364,54 @@ TEST(Referee, ABallThatIsCaughtAgainWasNotThrown) {
   }
   play.miss();
   EXPECT_EQ(play.of_kind(kind::delivery).front()->detail, "frame 1 ball 1");
+}
+
+// Beyond the foul line a ball is thrown for good after half a second.
+TEST(Referee, ABallTakenBackBeyondTheLineWasNotThrownWithinHalfASecond) {
+  for (const double after_s : {0.48, 0.52}) {
+    ByHand play(with_rules("plain", 2, 2));
+    play.let_fly({-1.0, 0.3, 1.2}, {0.0, 0.0, 0.5 * 9.81 * after_s});
+    play.wait(after_s);
+    engine::set_kind(play.world(), play.ball(), engine::Kind::driven);
+    play.put(play.ball(), {-1.0, -1.0, 1.2}, Vec3::Zero());
+    play.wait(2.0, play.ball());
+    EXPECT_EQ(play.of_kind(kind::delivery).size(), after_s < 0.5 ? 0u : 1u) << after_s;
+  }
+}
+
+// A ball that is laid down is at rest at once: what it is given is half a second.
+TEST(Referee, ABallAtRestIsCountedHalfASecondAfterItWasLetGo) {
+  for (const char* ends : {"rest", "slow"}) {
+    Scenario scenario = with_rules("plain", 2, 2);
+    scenario.game.ends = ends;
+    ByHand play(scenario);
+    play.let_fly({0.3, 1.0, play.stage().scenario.ball.radius}, Vec3::Zero());
+    play.tick();
+    const double let_go = seconds(play.now());
+    play.until([&] { return !play.of_kind(kind::delivery).empty(); }, 10.0);
+    ASSERT_EQ(play.of_kind(kind::delivery).size(), 1u) << ends;
+    EXPECT_NEAR(seconds(play.of_kind(kind::delivery).front()->time), let_go + 0.5,
+                engine::step_seconds(play.world()) + 1e-6)
+        << ends;
+  }
+}
+
+// Slower than 5 cm/s it tips no skittle. It rolls without slipping here, on one spot.
+TEST(Referee, ABallIsAtRestBelowFiveCentimetresASecond) {
+  for (const double speed : {0.049, 0.051}) {
+    ByHand play(with_rules("plain", 2, 2));
+    const double radius = play.stage().scenario.ball.radius;
+    play.let_fly({0.3, 1.0, radius}, Vec3::Zero());
+    for (double t = 0.0; t < 1.0; t += engine::step_seconds(play.world())) {
+      if (!play.of_kind(kind::delivery).empty()) break;
+      engine::set_state(play.world(), play.ball(),
+                        {{Quat::Identity(), {0.3, 1.0, radius}},
+                         Vec3(0.0, speed, 0.0),
+                         Vec3(-speed / radius, 0.0, 0.0)});
+      play.tick();
+    }
+    EXPECT_EQ(play.of_kind(kind::delivery).size(), speed < 0.05 ? 1u : 0u) << speed;
+  }
 }
 
 TEST(GameTest, AButtonTouchedTooEarlyLeavesTheBallToItsOwnVersion) {

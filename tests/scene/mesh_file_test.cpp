@@ -13,7 +13,9 @@
 
 #include "scene/looks/hand_mesh.h"
 #include "scene/looks/skittle_mesh.h"
+#include "scene/stage/apart.h"
 #include "scene/stage/bodies.h"
+#include "scene/stage/mesh_text.h"
 #include "scene/stage/outline.h"
 #include "tests/support/folder.h"
 
@@ -276,6 +278,30 @@ TEST(MeshFile, ThatIsBrokenHugeOrHostileIsRefusedWithItsReason) {
     EXPECT_EQ(said.find('\n'), std::string::npos) << said;
     EXPECT_LT(said.size(), 400u) << said;
   }
+}
+
+TEST(MeshFile, HasFacesOfTheCornersAndPointsThatAreThere) {
+  const std::vector<std::uint32_t> sizes = {3, 4}, corners = {0, 1, 2, 0, 2, 3, 4};
+  const auto wrong = [&](const std::vector<std::uint32_t>& s, std::size_t points) {
+    return complaint([&] { require_faces(s, corners, points); });
+  };
+  EXPECT_EQ(wrong(sizes, 5), "");
+  EXPECT_THAT(wrong(sizes, 4), HasSubstr("point 4"));  // one past the end
+  EXPECT_THAT(wrong({3, 3}, 5), HasSubstr("6 corners"));
+  EXPECT_THAT(wrong({3, 5}, 5), HasSubstr("8 corners"));
+  EXPECT_THAT(complaint([] { require_faces({}, {}, 5); }), HasSubstr("no faces"));
+}
+
+// What a reader may take is bounded by itself, not by what the machine has.
+TEST(MeshFile, IsReadInTheMemoryThatIsAllowed) {
+  const auto filled_with = [](std::size_t bytes) {
+    return apart([=] { return std::string(bytes, 'x').substr(bytes - 3); },
+                 {.cpu_s = 60, .memory = 64'000'000});
+  };
+  EXPECT_EQ(filled_with(32'000'000), "xxx");
+#ifndef HEADPIN_SANITIZED  // where an allocation that fails ends the process
+  EXPECT_THAT(complaint([&] { filled_with(96'000'000); }), HasSubstr("64 MB of memory"));
+#endif
 }
 
 TEST(MeshFile, ThatIsNoRegularFileIsRefusedAtOnce) {
