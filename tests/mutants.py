@@ -3,7 +3,8 @@
 
 usage: mutants.py [--since COMMIT] [--most N] [FILES]
 
-FILES are sources (.cpp) of files, devices, engine, render or scene; without them, those that changed since COMMIT (HEAD).
+FILES are sources (.cpp) of one folder: files, devices, engine, render, scene or study; without them, those that changed since
+COMMIT (HEAD). Whatever their room is, the tests are those of the folder.
 --most takes N of the faults, evenly spread.
 
 A fault is one operator, statement or condition that is another: see `edits`. libclang says where they are; all are put into
@@ -26,7 +27,8 @@ from clang import cindex
 from clang.cindex import CursorKind as Kind
 from clang.cindex import TypeKind
 
-TESTS = {"files": ["files"], "devices": ["devices"], "engine": ["engine", "laws"], "render": ["render"], "scene": ["scene"]}
+TESTS = {"files": ["files"], "devices": ["devices"], "engine": ["engine", "laws"], "render": ["render"], "scene": ["scene"],
+         "study": ["study"]}
 COPY = "build/mutants"
 OTHER = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "+": "-", "-": "+", "*": "/", "/": "*",
          "&&": "||", "||": "&&", "&": "|", "|": "&", "<<": ">>", ">>": "<<"}
@@ -137,11 +139,19 @@ def with_switches(text, found, first):
 
 
 def arguments_of(path, database):
-    folder = path.split("/")[0] + "/"
+    folder = path.split("/")[0]
     for entry in database:
-        if f"/{folder}CMakeFiles/headpin_{folder[:-1]}.dir/" in entry["command"].replace("build/release", ""):
-            words = shlex.split(entry["command"])[1:]
-            return [w for w in words if w.startswith(("-I", "-D", "-std", "-isystem")) or w.startswith("/usr/include")]
+        words = shlex.split(entry["command"])[1:]
+        if not words[words.index("-o") + 1].startswith(f"{folder}/CMakeFiles/headpin_{folder}.dir/"):
+            continue
+        paired = {"-isystem": 2, "-I": 2, "-D": 2}
+        arguments, at = [], 0
+        while at < len(words):
+            size = paired.get(words[at], 1)
+            if words[at].startswith(("-I", "-D", "-std", "-isystem")):
+                arguments += words[at:at + size]
+            at += size
+        return arguments
     raise SystemExit(f"{path}: not built by build/release; expected `./dev test` before")
 
 
