@@ -165,6 +165,12 @@ int renameat(int from, const char* a, int to, const char* b) noexcept {
                path_in(from, a), path_in(to, b));
 }
 
+int rename(const char* a, const char* b) noexcept {
+  if (fails("rename")) return -1;
+  return noted(static_cast<int>(syscall(SYS_renameat2, AT_FDCWD, a, AT_FDCWD, b, 0)),
+               Change::kRename, a, b);
+}
+
 int unlinkat(int folder, const char* name, int flags) noexcept {
   if (fails("unlinkat")) return -1;
   return noted(static_cast<int>(syscall(SYS_unlinkat, folder, name, flags)), Change::kRemove,
@@ -201,6 +207,10 @@ int syncfs(int file) noexcept {
 dirent* readdir(DIR* folder) {
   static const auto real = reinterpret_cast<dirent* (*)(DIR*)>(dlsym(RTLD_NEXT, "readdir"));
   return fails("readdir") ? nullptr : real(folder);
+}
+
+ssize_t read(int file, void* out, size_t size) {
+  return fails("read") ? -1 : syscall(SYS_read, file, out, size);
 }
 
 ssize_t pread(int file, void* out, size_t size, off_t at) {

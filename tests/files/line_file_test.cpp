@@ -2,14 +2,17 @@
 
 #include "files/line_file.h"
 
+#include <cerrno>
 #include <csignal>
 #include <optional>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
 #include "files/left_parts.h"
 #include "files/lock.h"
+#include "tests/files/failing_calls.h"
 #include "tests/support/folder.h"
 
 namespace headpin::files {
@@ -68,6 +71,48 @@ TEST(LineFile, OnAFullDiskTheFileIsAsBefore) {
   EXPECT_EQ(slurp(path), "12345\n67890\n");
 }
 
+// Whatever the disk does: a line is there to the byte, or none of it is.
+TEST(LineFile, ALineIsWholeWhateverTheDiskDoes) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "lines").string();
+  LineFile file(path);
+  file.append("one\n");
+  for (const char* call : {"write", "fdatasync"}) {
+    fail_call(call, 0, EIO);
+    EXPECT_THAT(complaint([&] { file.append("two\n"); }),
+                testing::EndsWith("lines: cannot be written: Input/output error"));
+    let_all_succeed();
+    EXPECT_EQ(slurp(path), "one\n") << call;
+  }
+  fail_call("write", 0, EINTR);
+  file.append("two\n");
+  let_all_succeed();
+  write_at_most(3);
+  file.append("three and four\n");
+  let_all_succeed();
+  EXPECT_EQ(slurp(path), "one\ntwo\nthree and four\n");
+}
+
+TEST(LineFile, ThatIsNewHasItsNameOnTheDisk) {
+  const TemporaryFolder folder;
+  std::vector<std::string> synced;
+  for (const Change& change : changes_of([&] { LineFile((folder / "lines").string()); })) {
+    if (change.kind == Change::kSync) synced.push_back(change.path);
+  }
+  EXPECT_EQ(synced, std::vector<std::string>{folder.path().string()});
+}
+
+TEST(LineFile, ThatCannotBeOpenedIsSaid) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(complaint([&] { LineFile((folder / "none/lines").string()); }),
+              testing::HasSubstr("lines: cannot be opened: No such file"));
+  fail_call("ftruncate", 0, EIO);
+  EXPECT_THAT(complaint([&] { LineFile((folder / "lines").string()); }),
+              testing::HasSubstr("cannot be written: Input/output error"));
+  let_all_succeed();
+  EXPECT_NO_THROW(LineFile((folder / "lines").string()));  // nobody has it locked
+}
+
 TEST(LeftParts, AreRemovedWhereTheirProcessIsGone) {
   const TemporaryFolder folder;
   const std::string mine = "a.txt." + std::to_string(getpid()) + "-0.part";
@@ -75,7 +120,9 @@ TEST(LeftParts, AreRemovedWhereTheirProcessIsGone) {
                                   std::string("notes.part"), std::string("b.999999999-1.parts")}) {
     spit(folder / name, "x");
   }
+  std::filesystem::create_directory(folder / "c.999999999-0.part");
   remove_left_parts(folder.path().string());
+  EXPECT_TRUE(std::filesystem::exists(folder / "c.999999999-0.part"));
   EXPECT_TRUE(std::filesystem::exists(folder / mine));
   EXPECT_FALSE(std::filesystem::exists(folder / "a.txt.999999999-0.part"));
   EXPECT_TRUE(std::filesystem::exists(folder / "notes.part"));

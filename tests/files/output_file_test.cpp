@@ -1,5 +1,6 @@
 #include "files/output_file.h"
 
+#include <algorithm>
 #include <csignal>
 #include <thread>
 
@@ -269,6 +270,46 @@ TEST_F(OutputFileTest, APipePlantedByAnotherUserInAnOpenFolderIsNotWrittenInto) 
   ASSERT_EQ(mkfifo(pipe.c_str(), 0666), 0);
   ASSERT_EQ(chown(pipe.c_str(), 12345, 12345), 0);
   EXPECT_THAT(refused(pipe, force_), HasSubstr("is a pipe or device of another user"));
+}
+
+TEST_F(OutputFileTest, ASignalIsNoFailureAndAFullDiskIsOne) {
+  fail_call("write", 0, EINTR);
+  write(folder_ / "a", "whole", {});
+  fail_call("write", 0, ENOSPC);
+  EXPECT_THAT(refused(folder_ / "b"),
+              testing::EndsWith("b: cannot be written: No space left on device"));
+  let_all_succeed();
+  EXPECT_EQ(slurp(folder_ / "a"), "whole");
+  EXPECT_EQ(entries(), 1u);
+}
+
+// What cannot be synced, such as a pipe, is no failure.
+TEST_F(OutputFileTest, SyncsWhatCanBeSynced) {
+  OutputFile file(folder_ / "a", {.live = true});
+  file.write("so far", 6);
+  for (const int error : {EINVAL, EROFS}) {
+    fail_call("fdatasync", 0, error);
+    EXPECT_EQ(complaint([&] { file.sync(); }), "");
+  }
+  fail_call("fdatasync", 0, EIO);
+  EXPECT_THAT(complaint([&] { file.sync(); }),
+              HasSubstr("a: cannot be written: Input/output error"));
+  let_all_succeed();
+  EXPECT_TRUE(file.cut_back(2));
+  EXPECT_EQ(slurp(folder_ / "a"), "so");
+  fail_call("ftruncate", 0, EIO);
+  EXPECT_FALSE(file.cut_back(1));
+  let_all_succeed();
+}
+
+TEST_F(OutputFileTest, OnlyWhatIsDurableWaitsForTheDisk) {
+  const auto syncs = [&](const std::string& name, OutputFile::Options options) {
+    const auto all = changes_of([&] { write(folder_ / name, "x", options); });
+    return std::ranges::count(all, Change::kSync, &Change::kind);
+  };
+  EXPECT_EQ(syncs("a", {.durable = false}), 0);
+  EXPECT_EQ(syncs("b", {}), 2);              // its bytes and its name
+  EXPECT_EQ(syncs("c", {.live = true}), 3);  // its name from the start
 }
 
 TEST_F(OutputFileTest, WhatIsTakenInPiecesIsThereOnce) {
