@@ -69,7 +69,13 @@ T noted(T result, Change::Kind kind, std::string path, std::string other = "", o
   return result;
 }
 
+std::vector<std::string>& without_close_on_exec() {
+  static std::vector<std::string> names;
+  return names;
+}
+
 int open_in(int folder, const char* name, int flags, mode_t mode) {
+  if ((flags & O_CLOEXEC) == 0) without_close_on_exec().emplace_back(name);
   struct stat is {};
   const bool is_new =
       recorded != nullptr && (flags & O_CREAT) != 0 && fstatat(folder, name, &is, 0) != 0;
@@ -98,6 +104,10 @@ void do_before_call(const char* name, int number, std::function<void()> work) {
 
 void write_at_most(std::size_t bytes) {
   shortest = bytes;
+}
+
+const std::vector<std::string>& opened_for_others() {
+  return without_close_on_exec();
 }
 
 int calls() {

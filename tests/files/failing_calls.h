@@ -21,6 +21,8 @@ void do_before_call(const char* name, int number, std::function<void()> work);
 void write_at_most(std::size_t bytes);
 /// How many calls there were since the last of these.
 int calls();
+/// Names that were opened in a way that programs begun by this one would have them open too.
+const std::vector<std::string>& opened_for_others();
 /// All succeed again.
 void let_all_succeed();
 

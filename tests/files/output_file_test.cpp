@@ -86,9 +86,19 @@ TEST_F(OutputFileTest, WhatAKilledRunLeftIsRemovedByTheNextAndSaid) {
   spit(folder_ / elsewhere, "theirs");
   const int held = open((folder_ / elsewhere).c_str(), O_RDONLY | O_CLOEXEC);
   ASSERT_TRUE(lock(held));
-  const std::vector<std::string> others = {
-      "a.1-0.part", "a." + process + ".part", "a." + process + "-0.part.txt",
-      "aa." + process + "-0.part", "a." + process + "x-0.part"};
+  const std::vector<std::string> others = {"a.1-0.part",
+                                           "a." + process + ".part",
+                                           "a." + process + "-0.part.txt",
+                                           "aa." + process + "-0.part",
+                                           "a." + process + "x-0.part",
+                                           "a." + process + "-0x.part",
+                                           "a." + process + "-x.part",
+                                           "a." + process + "--1.part",
+                                           "a.-" + process + "-0.part",
+                                           "a.0-0.part",
+                                           "a.x-0.part",
+                                           "a-" + process + "-0.part",
+                                           "a.part"};
   for (const std::string& name : others) spit(folder_ / name, "precious");
 
   testing::internal::CaptureStderr();
@@ -101,6 +111,16 @@ TEST_F(OutputFileTest, WhatAKilledRunLeftIsRemovedByTheNextAndSaid) {
   EXPECT_TRUE(fs::exists(running.part()));
   EXPECT_EQ(entries(), others.size() + 4) << "with a, and what is left of b";
   close(held);
+}
+
+TEST_F(OutputFileTest, WhatAnotherUserOrAFolderHasASuchlikeNameForStays) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give a file to another user";
+  spit(folder_ / "a.999999999-0.part", "theirs");
+  ASSERT_EQ(chown((folder_ / "a.999999999-0.part").c_str(), 12345, 12345), 0);
+  fs::create_directory(folder_ / "a.999999999-1.part");
+  fs::create_symlink("a.999999999-0.part", folder_ / "a.999999999-2.part");
+  write(folder_ / "a", "whole", {});
+  EXPECT_EQ(entries(), 4u);
 }
 
 TEST_F(OutputFileTest, WhatIsThereStaysUnlessForced) {
@@ -262,6 +282,26 @@ TEST_F(OutputFileTest, ALinkPlantedByAnotherUserInAnOpenFolderIsNotFollowed) {
   }
 }
 
+// As the kernel has it (protected_symlinks): what one can remove there anyway, and what the
+// folder's own user put there.
+TEST_F(OutputFileTest, ALinkOfAnotherUserIsFollowedWhereThatPlantsNothing) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can give a link to another user";
+  constexpr uid_t kAnother = 12345;
+  const fs::path open = folder_ / "open";
+  for (const auto& [mode, owner] :
+       {std::pair<mode_t, uid_t>{0777, 0}, {01755, 0}, {01777, kAnother}}) {
+    fs::create_directory(open);
+    fs::create_symlink(folder_ / "target", open / "link");
+    ASSERT_EQ(lchown((open / "link").c_str(), kAnother, kAnother), 0);
+    ASSERT_EQ(chown(open.c_str(), owner, owner), 0);
+    ASSERT_EQ(chmod(open.c_str(), mode), 0);
+    EXPECT_EQ(refused(open / "link", force_), "") << std::oct << mode;
+    EXPECT_EQ(slurp(folder_ / "target"), "new");
+    fs::remove_all(open);
+    fs::remove(folder_ / "target");
+  }
+}
+
 TEST_F(OutputFileTest, APipePlantedByAnotherUserInAnOpenFolderIsNotWrittenInto) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can give a pipe to another user";
   const fs::path open = folder_ / "open", pipe = open / "pipe";
@@ -317,6 +357,18 @@ TEST_F(OutputFileTest, WhatIsTakenInPiecesIsThereOnce) {
   write(folder_ / "a", "eight by", {});
   let_all_succeed();
   EXPECT_EQ(slurp(folder_ / "a"), "eight by");
+}
+
+TEST_F(OutputFileTest, ALinkThatTakesThePlaceOfAPipeMeanwhileIsNotFollowed) {
+  ASSERT_EQ(mkfifo((folder_ / "pipe").c_str(), 0600), 0);
+  spit(folder_ / "precious", "precious");
+  do_before_call("open", 0, [&] {
+    fs::remove(folder_ / "pipe");
+    fs::create_symlink("precious", folder_ / "pipe");
+  });
+  EXPECT_THAT(refused(folder_ / "pipe", force_), HasSubstr("pipe: cannot write"));
+  let_all_succeed();
+  EXPECT_EQ(slurp(folder_ / "precious"), "precious");
 }
 
 TEST_F(OutputFileTest, ALinkThatComesToStandThereMeanwhileIsNotFollowed) {
