@@ -192,6 +192,30 @@ TEST(MotionAtTheTrigger, SaysByHowMuchItIsExtrapolated) {
   EXPECT_EQ(found.V_WB.v, Vec3::Zero());
 }
 
+// The last good sample is 140 ms old, though a bad one came since; and a point that moves at 25 m/s.
+TEST(MotionAtTheTrigger, IsImpossibleWhereNoGoodSampleIsNearOrNoHandIsSoFast) {
+  const KnownSwing straight = known_swings().front().second;
+  const double at = straight.release;
+  auto lost = sampled(straight, 60.0, at - 0.14, at - 0.5, at - 0.14 + 1e-9);
+  Pose elsewhere = lost.back().value;
+  elsewhere.p.x() += 3.0;
+  lost.push_back({microseconds(at - 0.05), elsewhere});
+  const Motion unknown = motion_at(lost, microseconds(at), Hand{}.grip, window());
+  EXPECT_EQ(unknown.known, Known::impossible);
+  EXPECT_EQ(unknown.left_out, 1);
+  EXPECT_EQ(unknown.V_WB.v, Vec3::Zero());
+
+  const Vec3 v(0.0, 15.0, 0.0), w(0.0, 0.0, 20.0), p_HB(0.5, 0.0, 0.0);  // 15 + 20 * 0.5 m/s
+  std::vector<Stamped<Pose>> fast;
+  for (int i = 0; i < 20; ++i) {
+    const double t = seconds(Time{10'000 * i});
+    fast.push_back({Time{10'000 * i}, {rotation(w * (t - 0.1)), v * (t - 0.1)}});
+  }
+  const Motion impossible = motion_at(fast, microseconds(0.1), p_HB, window());
+  EXPECT_EQ(impossible.known, Known::impossible);
+  EXPECT_EQ(impossible.V_WB.v, Vec3::Zero());
+}
+
 TEST(MotionAtTheTrigger, IsNotThatOfOneBadSample) {
   for (const auto& [name, swing] : known_swings()) {
     const double at = swing.release;
