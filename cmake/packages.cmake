@@ -38,7 +38,18 @@ steps bodies that stand, roll, fall and repeat to the bit.")
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_NAME ${HEADPIN_RUNTIME_PACKAGE})
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SECTION libs)
 set(CPACK_DEBIAN_RUNTIME_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_RUNTIME_PACKAGE_GENERATE_SHLIBS ON)
+# Who is built against it needs this very version; ldconfig learns of it. CPack 3.25 has its own words
+# for neither in a package of components.
+set(control ${CMAKE_CURRENT_BINARY_DIR}/packages/control)
+file(WRITE ${control}/shlibs "libheadpin-engine ${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR} "
+     "${HEADPIN_RUNTIME_PACKAGE} (= ${PROJECT_VERSION})\n")
+file(WRITE ${control}/triggers "activate-noawait ldconfig\n")
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_EXTRA ${control}/shlibs ${control}/triggers)
+set(CPACK_DEBIAN_RUNTIME_PACKAGE_CONTROL_STRICT_PERMISSION TRUE)
+# CPack writes a postinst that calls ldconfig as well, and cannot be told not to.
+file(WRITE ${control}/${HEADPIN_RUNTIME_PACKAGE} "${HEADPIN_RUNTIME_PACKAGE}: maintscript-calls-ldconfig *\n")
+install(FILES ${control}/${HEADPIN_RUNTIME_PACKAGE}
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/lintian/overrides COMPONENT runtime)
 set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
 "The collision engine of headpin as a shared library: convex shapes, their
 contacts, the impulses of Uno & Slater (1997) and Coulomb's, steps that repeat

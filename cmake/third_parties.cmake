@@ -41,29 +41,32 @@ function(third_party name version licence holders)
   set(HEADPIN_SPDX_RELATIONS "${HEADPIN_SPDX_RELATIONS}" PARENT_SCOPE)
 endfunction()
 
-set(gcc "GPL-3.0-or-later WITH GCC-exception-3.1")
-set(llvm "Apache-2.0 WITH LLVM-exception")
-third_party(eigen ${Eigen3_VERSION} MPL-2.0 "2006-2021 the Eigen authors"
-            program library "the page's engine")
-third_party(libstdc++ ${CMAKE_CXX_COMPILER_VERSION} "${gcc}" "Free Software Foundation, Inc."
-            program library)
-third_party(cli11 "${CLI11_VERSION}" BSD-3-Clause "2017-2022 University of Cincinnati" program)
-third_party(fmt "${fmt_VERSION}" MIT "2012-2022 Victor Zverovich" program "the page's engine")
-third_party(nlohmann-json "${nlohmann_json_VERSION}" MIT "2013-2022 Niels Lohmann"
-            program "the page's engine")
-third_party(tomlplusplus "${TOMLPLUSPLUS_VERSION}" MIT "2019-2022 Mark Gillard"
-            program "the page's engine")
-third_party(lcm "${LCM_VERSION}" LGPL-2.1-or-later "2007-2016 the LCM developers"
-            program "the page's engine")
-third_party(three ${version_of_three} MIT "2010-2024 three.js authors" page)
-third_party(uplot ${version_of_uplot} MIT "2022 Leon Sorokin" page)
-third_party(emscripten ${version_of_emscripten} MIT "2010-2022 the Emscripten authors"
-            "the page's engine")
-third_party(musl NOASSERTION MIT "2005-2020 Rich Felker and others" "the page's engine")
-third_party(dlmalloc NOASSERTION CC0-1.0 "Doug Lea, who gave it to all" "the page's engine")
-third_party(libc++ NOASSERTION "${llvm}" "2009-2021 the LLVM contributors" "the page's engine")
-third_party(libc++abi NOASSERTION "${llvm}" "2009-2021 the LLVM contributors" "the page's engine")
-third_party(compiler-rt NOASSERTION "${llvm}" "2009-2021 the LLVM contributors" "the page's engine")
+set(version_of_eigen "${Eigen3_VERSION}")
+set(version_of_libstdc++ "${CMAKE_CXX_COMPILER_VERSION}")
+set(version_of_cli11 "${CLI11_VERSION}")
+set(version_of_fmt "${fmt_VERSION}")
+set(version_of_nlohmann-json "${nlohmann_json_VERSION}")
+set(version_of_tomlplusplus "${TOMLPLUSPLUS_VERSION}")
+set(version_of_lcm "${LCM_VERSION}")
+
+# The list itself, which the page's notices are written from too (apps/report/build.mjs).
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/third_parties.json)
+file(READ ${CMAKE_CURRENT_LIST_DIR}/third_parties.json parts)
+string(JSON count LENGTH ${parts})
+math(EXPR last "${count} - 1")
+foreach(i RANGE ${last})
+  foreach(key name licence holders)
+    string(JSON ${key} GET ${parts} ${i} ${key})
+  endforeach()
+  set(places "")
+  string(JSON count LENGTH ${parts} ${i} in)
+  math(EXPR last_place "${count} - 1")
+  foreach(k RANGE ${last_place})
+    string(JSON place GET ${parts} ${i} in ${k})
+    list(APPEND places "${place}")
+  endforeach()
+  third_party(${name} "${version_of_${name}}" "${licence}" "${holders}" ${places})
+endforeach()
 
 string(TIMESTAMP HEADPIN_SPDX_CREATED "%Y-%m-%dT%H:%M:%SZ" UTC)  # of SOURCE_DATE_EPOCH where set
 file(READ LICENSE HEADPIN_LICENCE)

@@ -49,13 +49,32 @@ const replacements = {
   '/*headpin:page*/': deflated(await bundle('main.js')),
   '<!--headpin:engine-->': await engineBlocks(engineFolder),
 };
-// What of others is in the page, under their licences.
-const licences = ['three', 'uplot'].map((name) =>
-  `${name}\n${readFileSync(join(here, 'node_modules', name, 'LICENSE'), 'utf8')}`).join('\n');
-let page = source('index.html').replace('<head>', () => `<head>\n<!--\nIn this page:\n${licences}-->`);
+
+/** What of others is in the page, and its licences in full, as the packages have them. */
+function notices(hasEngine) {
+  const cmake = join(here, '../../cmake');
+  const places = hasEngine ? ['page', "the page's engine"] : ['page'];
+  const parts = JSON.parse(readFileSync(join(cmake, 'third_parties.json'), 'utf8'))
+    .filter((part) => part.in.some((place) => places.includes(place)));
+  const own = readFileSync(join(here, '../../LICENSE'), 'utf8').split('\n\n');
+  const texts = { MIT: own.slice(2).join('\n\n').trim() };
+  for (const paragraph of readFileSync(join(cmake, 'copyright.in'), 'utf8').split('\n\n')) {
+    const [, name, text] = /^License: (.*)\n((?: .*\n?)+)/.exec(paragraph) ?? [];
+    if (name && name !== 'MIT') texts[name] = text.trimEnd().replace(/^ \.?/gm, '');
+  }
+  const licences = [...new Set(['MIT', ...parts.map((part) => part.licence)])].map((name) => {
+    if (!texts[name]) throw new Error(`cmake/copyright.in: no text of ${name}`);
+    return `${name}\n\n${texts[name]}\n`;
+  });
+  const list = parts.map((part) => `${part.name}: ${part.licence}, Copyright (c) ${part.holders}\n`);
+  return `headpin: MIT, ${own[1]}\n${list.join('')}\n${licences.join('\n')}`.replaceAll('--', '- -');
+}
+
+const hasEngine = replacements['<!--headpin:engine-->'] !== '';
+let page = source('index.html').replace('<head>', () => `<head>\n<!--\nIn this page:\n${notices(hasEngine)}-->`);
 for (const [mark, text] of Object.entries(replacements)) page = page.replace(mark, () => text);
 
 mkdirSync(dirname(out), { recursive: true });
 writeFileSync(`${out}.part`, page);
 renameSync(`${out}.part`, out);
-console.log(`${out}: ${page.length} bytes${replacements['<!--headpin:engine-->'] ? '' : ', without the engine'}`);
+console.log(`${out}: ${page.length} bytes${hasEngine ? '' : ', without the engine'}`);

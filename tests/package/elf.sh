@@ -32,8 +32,18 @@ exported=$(nm -DC --defined-only "$library")
 expect "step()" "$library" "$exported" 'T headpin::engine::step\('
 refuse "symbols of others" "$library" "$(grep -vE ' (headpin::|(vtable|typeinfo|typeinfo name|VTT|guard variable) for headpin::|HEADPIN_)' <<<"$exported")" .
 refuse "what is for itself" "$library" "$exported" "headpin::engine::detail"
-for archive in $(find "$folder" -name '*.a'); do
-  g++ -shared -o "$folder/plugin.so" -Wl,--whole-archive "$archive" -Wl,--no-whole-archive ||
-    { echo "$archive: no plugin can hold it"; failed=1; }
-done
+
+# Plugins: one with the static library in it, one beside the shared one; a program loads both.
+here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
+archive=$(find "$folder" -name libheadpin_engine.a)
+read -r -a flags <<<"$(PKG_CONFIG_PATH=$(dirname "$(find "$folder" -name headpin-engine.pc)") \
+  pkg-config --cflags headpin-engine)"
+cd "$folder"
+g++ -std=c++20 -O1 "${flags[@]}" -fPIC -shared "$here/plugin/plugin.cpp" -o with_static.so -Wl,--no-undefined \
+  "$archive" "$(dirname "$archive")/libheadpin_math.a"
+g++ -std=c++20 -O1 "${flags[@]}" -fPIC -shared "$here/plugin/plugin.cpp" -o with_shared.so -Wl,--no-undefined \
+  -L"$(dirname "$library")" -lheadpin-engine
+g++ "$here/plugin/host.cpp" -o host
+LD_LIBRARY_PATH=$(dirname "$library") ./host ./with_static.so ./with_shared.so || { echo "a plugin does not work"; failed=1; }
+expect "the shared engine" with_shared.so "$(readelf -Wd with_shared.so)" 'NEEDED.*libheadpin-engine\.so'
 exit $failed

@@ -5,6 +5,7 @@ usage: parts_test.py SOURCES SPDX COPYRIGHT
 """
 
 import json
+import os
 import re
 import subprocess
 import sys
@@ -31,14 +32,27 @@ def main():
             low = found.lower().removeprefix("lib")
             if low not in LINKED:
                 wanted.add(OURS.get(low, low))
-    with open(f"{sources}/apps/report/build.mjs", encoding="utf-8") as file:
-        wanted.update(re.findall(r"'(\w+)'", re.search(r"licences = \[(.*?)\]", file.read()).group(1)))
+    scripts = subprocess.run(["git", "-C", sources, "ls-files", "apps/report/src/*.js"], check=True, capture_output=True,
+                             text=True).stdout.split()
+    for name in scripts:
+        with open(f"{sources}/{name}", encoding="utf-8") as file:
+            wanted.update(re.findall(r"from '(\w+)", file.read()))
     missing = [name for name in sorted(wanted) if name not in parts or f"parts of {name} " not in legal]
     for package in parts.values():
         if f"License: {package['licenseDeclared']}\n " not in legal:
             missing.append(f"text of {package['licenseDeclared']}")
     related = {relation["relatedSpdxElement"] for relation in document["relationships"]}
     missing += [name for name, package in parts.items() if package["SPDXID"] not in related]
+    page = f"{sources}/build/report/page.html"
+    if os.path.exists(page):
+        with open(page, encoding="utf-8") as file:
+            notices = re.search(r"<!--\nIn this page:\n(.*?)-->", file.read(), re.DOTALL).group(1)
+        for name, package in parts.items():
+            places = package.get("comment", "").removeprefix("in: ").split(", ")
+            if "page" in places or ("the page's engine" in places and "engine-wasm" in open(page, encoding="utf-8").read()):
+                holders = package["copyrightText"]
+                if f"\n{name}: {package['licenseDeclared']}, {holders}\n" not in notices:
+                    missing.append(f"{name} in the page's notices")
     print(f"{len(parts)} parts; not in the lists: {missing or 'none'}")
     return 1 if missing or len(wanted) < 6 else 0
 
