@@ -113,6 +113,17 @@ TEST_F(OutputFileTest, WhatAKilledRunLeftIsRemovedByTheNextAndSaid) {
   close(held);
 }
 
+// A name may hold what a terminal would obey.
+TEST_F(OutputFileTest, WhatIsRemovedIsSaidInLettersThatCanBeSeen) {
+  const std::string name = "a b\x1f\x7f";
+  spit(folder_ / (name + ".999999999-0.part"), "left");
+  testing::internal::CaptureStderr();
+  write(folder_ / name, "whole", {});
+  EXPECT_THAT(testing::internal::GetCapturedStderr(),
+              HasSubstr("/a b??.999999999-0.part: was left"));
+  EXPECT_EQ(entries(), 1u);
+}
+
 TEST_F(OutputFileTest, WhatAnotherUserOrAFolderHasASuchlikeNameForStays) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can give a file to another user";
   spit(folder_ / "a.999999999-0.part", "theirs");
