@@ -171,14 +171,21 @@ bool is_squeezed(const World& world, const Touch& touch, const ContactPoint& poi
 }
 
 /// Impulse on a body that a driven one squeezes: thrown again and again it would gain speed without
-/// end. It is stopped, but gets no faster than what is driven throws: else that counts as standing
-/// still, and insists no more in this step.
-Vec3 squeezing_impulse(const World& world, Touch& touch, Encounter e, const Vec3& rb) {
-  const Vec3 v_WA = world.states[touch.a].v_WB;
+/// end. It is stopped, but gets no faster than what is driven throws, and gains no more energy than
+/// that of a hoop which rolls so fast: else what is driven counts as standing still, and insists no
+/// more in this step.
+Vec3 squeezing_impulse(const World& world, Touch& touch, Encounter e, const Vec3& ra,
+                       const Vec3& rb) {
+  const Mobility& m = world.scratch.mobility[touch.a];
+  State a = world.states[touch.a];
   const Vec3 driven_W = velocity_at(world.states[touch.b], rb);
-  const double most = std::max(v_WA.norm(), (1.0 + touch.pair.elasticity) * driven_W.norm());
+  const double thrown = (1.0 + touch.pair.elasticity) * driven_W.norm();
+  const double most = std::max(a.v_WB.norm(), thrown);
+  const double most_energy = std::max(energy_per_mass(world, touch.a, a), hoop_energy(thrown));
   const Vec3 F = impulse_inelastic_smooth(e);
-  if ((v_WA + world.scratch.mobility[touch.a].inv_mass * F).norm() <= most) return F;
+  a.v_WB += m.inv_mass * F;
+  a.w_WB += m.inv_inertia_W * ra.cross(F);
+  if (a.v_WB.norm() <= most && energy_per_mass(world, touch.a, a) <= most_energy) return F;
   touch.insists = true;
   e.u_W += driven_W;
   return e.u_W.dot(e.n_AB_W) > 0.0 ? impulse_inelastic_smooth(e) : Vec3::Zero();
@@ -201,7 +208,7 @@ void strike(World& world, Touch& touch, const Meeting& meeting) {
   Vec3 F = Vec3::Zero();
   if (approach > 0.0) {
     if (is_squeezed(world, touch, point, rb)) {
-      F = squeezing_impulse(world, touch, e, rb);
+      F = squeezing_impulse(world, touch, e, ra, rb);
     } else {
       F = meeting.approach > s.lasting_speed ? world.response->impulse(e, touch.pair)
                                              : impulse_inelastic_smooth(e);

@@ -52,6 +52,32 @@ void move(World& world) {
 
 namespace {
 
+/// Whether the overlap is such that the way out says little: five times what is deep.
+bool is_far_in(const World& world, const Touch& touch) {
+  return touch.points > 0 && touch.depth > 5.0 * deep_for(world, touch.a, touch.b);
+}
+
+/// Notes what something driven holds that is pressed far into that or into anything else.
+void find_pinned(World& world) {
+  Scratch& s = world.scratch;
+  s.pinned.clear();
+  if (s.driven.empty() || world.parameters.rules < 2) return;
+  for (const Touch& touch : s.touches) {
+    if (touch.points == 0 || world.bodies[touch.b].kind != Kind::driven) continue;
+    if (touch.depth > world.parameters.slop) s.pinned.push_back(touch.a);
+  }
+  std::erase_if(s.pinned, [&](BodyId i) {
+    return std::none_of(s.touches.begin(), s.touches.end(), [&](const Touch& touch) {
+      return (touch.a == i || touch.b == i) && is_far_in(world, touch);
+    });
+  });
+}
+
+bool is_pinned(const Scratch& s, const Touch& touch) {
+  return std::any_of(s.pinned.begin(), s.pinned.end(),
+                     [&](BodyId i) { return i == touch.a || i == touch.b; });
+}
+
 /// Nudges a touch's bodies out of an overlap, by what the nudges before have not yet taken back.
 void nudge(World& world, const Touch& touch, const ContactPoint& point, const NormalRow& row,
            double part) {
@@ -66,9 +92,12 @@ void nudge(World& world, const Touch& touch, const ContactPoint& point, const No
   }
   const double more = row.mass * (part * (point.depth - world.parameters.slop) - apart);
   if (more <= 0.0) return;
-  // A guessed depth pushes level and turns nothing: so it cannot add energy.
-  const Vec3 n = point.guessed ? level(row.n, world.parameters.gravity_W) : row.n;
-  const double turn = point.guessed ? 0.0 : more;
+  // A guessed depth pushes level and turns nothing: so it cannot add energy. Nor does what is pinned
+  // stand up on an edge, or rise out of what is driven, to fall from there.
+  const bool pinned = is_pinned(s, touch);
+  const bool flat = point.guessed || (pinned && world.bodies[touch.b].kind == Kind::driven);
+  const Vec3 n = flat ? level(row.n, world.parameters.gravity_W) : row.n;
+  const double turn = point.guessed || pinned ? 0.0 : more;
   note(touch.a);
   s.nudge_p[touch.a] -= more * ma.inv_mass * n;
   s.nudge_w[touch.a] -= turn * row.ia;
@@ -85,6 +114,7 @@ void push_apart(World& world) {
   const Parameters& p = world.parameters;
   double part = 0.0;  // of an overlap that is taken back: as much in a given time at every rate
   s.nudged.clear();
+  find_pinned(world);
   const auto take_back = [&](const Touch& touch, const ContactPoint& point, const NormalRow& row) {
     if (point.depth <= p.slop) return;
     if (part == 0.0) part = 1.0 - power(1.0 - p.push, 240.0 / p.rate_hz);

@@ -183,7 +183,7 @@ struct Scratch {
   std::vector<double> carried;          // part of its weight that lasting contacts carry, 0 to 1
   std::vector<std::uint8_t> supported;  // by half at least, and it does not rise
   std::vector<Vec3> nudge_p, nudge_w;
-  std::vector<BodyId> nudged;
+  std::vector<BodyId> nudged, pinned;  // pushed apart; held and pressed far in
 };
 
 }  // namespace detail

@@ -81,6 +81,16 @@ inline void note_speed(World& world, BodyId i) {
   world.scratch.top_speed[i] = s.v_WB.norm() + world.scratch.swing[i];
 }
 
+/// Energy of motion of a body, per mass [m^2/s^2].
+inline double energy_per_mass(const World& world, BodyId i, const State& s) {
+  return 0.5 * s.v_WB.squaredNorm() +
+         turning_energy(world.inertias[i], s.X_WB.q, s.w_WB) / world.bodies[i].mass;
+}
+/// The same of a hoop that rolls at a speed: nothing that rolls or is thrown turns with more.
+inline double hoop_energy(double speed) {
+  return speed * speed;
+}
+
 /// Overlap that is deep for two bodies: a fiftieth of the smaller one [m].
 inline double deep_for(const World& world, BodyId a, BodyId b) {
   return 0.02 *

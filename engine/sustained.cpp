@@ -335,6 +335,7 @@ class Squeeze {
       if (s.top_speed[touch.b] == 0.0) continue;
       s.pressing.emplace_back(touch.b, world.states[touch.b]);
       most_ = std::max(most_, throws_at(world, touch));
+      most_energy_ = hoop_energy(most_);
     }
     if (s.pressing.empty()) return;
     for (const std::uint32_t k : touches) {
@@ -350,7 +351,7 @@ class Squeeze {
     if (!solved) return true;
     for (const auto& [i, before] : s.pressed) {
       if (world_.states[i].v_WB.norm() > most_) return true;
-      if (spin_of(i, world_.states[i]) > std::max(most_spin_, 2.0 * most_)) return true;
+      if (energy_per_mass(world_, i, world_.states[i]) > most_energy_) return true;
     }
     return false;
   }
@@ -381,19 +382,16 @@ class Squeeze {
   }
 
  private:
-  double spin_of(BodyId i, const State& state) const {
-    return state.w_WB.norm() * world_.bodies[i].shape->bounding_radius;
-  }
   void note(BodyId i) {
     const State& state = world_.states[i];
     world_.scratch.pressed.emplace_back(i, state);
     most_ = std::max(most_, state.v_WB.norm());
-    most_spin_ = std::max(most_spin_, spin_of(i, state));
+    most_energy_ = std::max(most_energy_, energy_per_mass(world_, i, state));
   }
 
   World& world_;
   std::span<const std::uint32_t> touches_;
-  double most_ = 0.0, most_spin_ = 0.0;
+  double most_ = 0.0, most_energy_ = 0.0;
 };
 
 /// Keeps what is asked for later of an island's contacts: what they carry, which are deep.

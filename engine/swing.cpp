@@ -20,10 +20,12 @@ bool swings(const World& world, const Touch& touch) {
 }
 
 /// Takes so much of the approach at a point of the end that it is not deep there; no more than there
-/// is, so that energy is only taken. @return whether there was any
+/// is, so that energy is only taken. What is driven counts as standing still: pushed here step after
+/// step, a body that cannot give way would get ever faster. @return whether there was any
 bool stop_at(World& world, const Touch& touch, const ContactPoint& point, const NormalRow& row) {
   const State &sa = world.states[touch.a], &sb = world.states[touch.b];
-  const double b_nears = row.n.dot(sb.v_WB) + row.rb_n.dot(sb.w_WB);
+  const bool b_stands = !touch.b_moves && world.parameters.rules > 1;
+  const double b_nears = b_stands ? 0.0 : row.n.dot(sb.v_WB) + row.rb_n.dot(sb.w_WB);
   const double approach = row.n.dot(sa.v_WB) + row.ra_n.dot(sa.w_WB) - b_nears;
   if (approach <= 0.0) return false;
   const double j = row.mass * std::min(approach, point.depth / time_left(world, touch));

@@ -1,3 +1,9 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <variant>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include "engine/world.h"
@@ -143,6 +149,170 @@ TEST(BoxBetweenHandAndWall, GetsNoFasterThanTheHandWouldThrowIt) {
           EXPECT_GT(deepest, 0.02) << what;  // or nothing was squeezed
           EXPECT_LE(p.world.ledger.sustained.energy, 1e-9) << what;
         }
+      }
+    }
+  }
+}
+
+/// A body that touches something fixed, and a driven sphere that comes straight at that.
+struct Squeezed {
+  World world;
+  BodyId body = 0, hand = 0;
+  double size = 0.0;  // of the body along the way of the hand [m]
+};
+
+constexpr double kHand = 0.05;  // radius [m]
+const Ellipsoid kBall{{0.108, 0.108, 0.108}};
+
+struct Squeeze {
+  Shape shape;
+  Vec3 up_B = Vec3::UnitZ();  // this axis of the body points out of what is fixed
+  double height = 0.0;        // of its centre above that [m]
+  double off = 0.0;           // of the hand from the line through its centre [m]
+  double speed = 0.05, elasticity = 0.0, friction = 0.0;
+  Vec3 gravity_W = Vec3::Zero();
+  bool block = false;  // not a half-space but a box, 0.2 m thick
+};
+
+Squeezed squeezed(const Squeeze& c, int rate_hz, std::string_view response) {
+  Squeezed p{make_world(
+      {.rate_hz = rate_hz, .gravity_W = c.gravity_W, .response = response, .keep_ledger = true})};
+  const Material material{c.elasticity, c.friction};
+  Body base = c.block ? body_of(test::box({0.5, 0.5, 0.1}), 1.0, material) : Body{};
+  if (!c.block) base.shape = make_compound({{HalfSpace{}, Pose{}}});
+  base.material = material;
+  base.kind = Kind::fixed;
+  add_body(p.world, base, {{Quat::Identity(), {0.0, 0.0, c.block ? -0.1 : 0.0}}});
+  const Quat q = Quat::FromTwoVectors(c.up_B, Vec3::UnitZ());
+  p.body = add_body(p.world, body_of(c.shape, 2.0, material), {{q, {0.0, 0.0, c.height}}});
+  const bool round = std::holds_alternative<Ellipsoid>(c.shape);
+  const double r = c.height + kHand;
+  const double above = round ? std::sqrt(r * r - c.off * c.off) : r;
+  Body hand = body_of(Ellipsoid{{kHand, kHand, kHand}}, 1.0, material);
+  hand.kind = Kind::driven;
+  p.hand = add_body(
+      p.world, hand,
+      {{Quat::Identity(), {c.off, 0.3 * c.off, c.height + above + 0.01}}, {0.0, 0.0, -c.speed}});
+  p.size = 2.0 * c.height;
+  return p;
+}
+
+/// Speed with the energy of motion of all of a body [m/s].
+double vigour(const World& world, BodyId i) {
+  const State& s = world.states[i];
+  const double turning = turning_energy(world.inertias[i], s.X_WB.q, s.w_WB);
+  return std::sqrt(s.v_WB.squaredNorm() + 2.0 * turning / world.bodies[i].mass);
+}
+
+std::vector<Squeeze> squeezes() {
+  std::vector<Squeeze> all;
+  const std::vector<Squeeze> bodies{{kBall, Vec3::UnitZ(), 0.108},
+                                    {test::box({0.1, 0.1, 0.1}), Vec3::UnitZ(), 0.1},
+                                    {Cylinder{0.06, 0.19}, Vec3::UnitZ(), 0.19},
+                                    {Cylinder{0.06, 0.19}, Vec3::UnitX(), 0.06}};
+  for (Squeeze c : bodies) {
+    for (const double off : {0.006, 0.036}) {
+      for (const double speed : {0.3, 3.0}) {
+        for (const double e : {0.0, 1.0}) {
+          for (const double f : {0.0, 1.0}) {
+            c.off = off;
+            c.speed = speed;
+            c.elasticity = e;
+            c.friction = f;
+            all.push_back(c);
+          }
+        }
+      }
+    }
+  }
+  return all;
+}
+
+// Without gravity all energy is from the hand. It may throw a body, to (1 + e) times its speed; what
+// is thrown so may roll as well, and nothing that rolls has more energy than a hoop, 1/2 m (2 v^2).
+TEST(BodyBetweenHandAndFloor, GainsNoMoreEnergyThanAHoopThatTheHandThrows) {
+  double deepest = 0.0;
+  for (const Squeeze& c : squeezes()) {
+    for (const std::string_view response : {"paper", "coulomb"}) {
+      for (const int rate : {120, 240}) {
+        Squeezed p = squeezed(c, rate, response);
+        const double thrown = (1.0 + c.elasticity) * c.speed;
+        const int steps = static_cast<int>(std::min(p.size / c.speed, 1.5) * rate);
+        double most = 0.0;
+        for (int k = 0; k < steps; ++k) {
+          step(p.world);
+          most = std::max(most, vigour(p.world, p.body));
+          deepest = std::max(deepest, p.world.statistics.deepest_overlap);
+        }
+        EXPECT_LE(most, 1.01 * std::sqrt(2.0) * thrown)
+            << response << " " << rate << " Hz, height " << c.height << " m, " << c.speed
+            << " m/s, off by " << c.off << " m, elasticity " << c.elasticity << ", friction "
+            << c.friction;
+      }
+    }
+  }
+  EXPECT_GT(deepest, 0.05);  // or nothing was squeezed
+}
+
+// The hand's normal n stands at the angle a to the floor's. The edge along which their planes meet
+// runs at u = V cot a over the floor, and seen from it neither plane moves along its normal: without
+// friction nothing there adds energy. The ball comes at u, so it leaves at most at u: at 2 u over the
+// floor, and at u, in touch with both, where nothing is elastic. The angle grows as the ball moves out.
+TEST(BallPinchedOffCentre, LeavesNoFasterThanTheWedgeDrivesIt) {
+  int left = 0;
+  for (const double sine : {0.1, 0.3, 0.6}) {
+    for (const double e : {0.0, 0.7, 1.0}) {
+      for (const double speed : {0.05, 0.3, 3.0}) {
+        for (const int rate : {60, 240, 1000}) {
+          Squeeze c{kBall, Vec3::UnitZ(), 0.108};
+          c.off = sine * (0.108 + kHand);
+          c.speed = speed;
+          c.elasticity = e;
+          Squeezed p = squeezed(c, rate, "paper");
+          const double off = std::hypot(c.off, 0.3 * c.off) / (0.108 + kHand);
+          const double u = speed * std::sqrt(1.0 - off * off) / off;
+          double fastest = 0.0;
+          for (int k = 0; k < std::min(0.2 / speed, 2.0) * rate; ++k) {
+            step(p.world);
+            fastest = std::max(fastest, p.world.states[p.body].v_WB.norm());
+          }
+          EXPECT_LE(fastest, 1.01 * std::max(1.0, u / speed) * (1.0 + e * e) * speed)
+              << "sine " << sine << ", elasticity " << e << ", " << speed << " m/s, " << rate
+              << " Hz";
+          left += fastest > speed ? 1 : 0;
+        }
+      }
+    }
+  }
+  EXPECT_GT(left, 20);  // or nothing was driven out
+}
+
+// It is held on both sides and lies on the floor: no push there may stand it up, to fall from there.
+TEST(BoxPressedFarIntoABlock, IsPushedApartWithoutSpeedWhenTheHandStops) {
+  for (const std::string_view response : {"paper", "coulomb"}) {
+    for (const int rate : {60, 240}) {
+      for (const double friction : {0.0, 1.0}) {
+        Squeeze c{test::box({0.1, 0.1, 0.1}), Vec3::UnitZ(), 0.1};
+        c.speed = 0.1;
+        c.friction = friction;
+        c.block = true;
+        c.gravity_W = {9.81, 0.0, 0.0};
+        Squeezed p = squeezed(c, rate, response);
+        Body floor;
+        floor.shape = make_compound({{HalfSpace{}, Pose{}}});
+        floor.material = {0.0, friction};
+        floor.kind = Kind::fixed;
+        add_body(p.world, floor,
+                 {{Quat::FromTwoVectors(Vec3::UnitZ(), -Vec3::UnitX()), {0.1, 0.0, 0.0}}});
+        for (int k = 0; k < 3 * rate / 2; ++k) step(p.world);
+        EXPECT_GT(p.world.statistics.deepest_overlap, 0.05);
+        p.world.states[p.hand].v_WB.setZero();
+        double fastest = 0.0;
+        for (int k = 0; k < 2 * rate; ++k) {
+          step(p.world);
+          fastest = std::max(fastest, p.world.states[p.body].v_WB.norm());
+        }
+        EXPECT_LE(fastest, c.speed) << response << " " << rate << " Hz, friction " << friction;
       }
     }
   }
