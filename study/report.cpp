@@ -17,7 +17,7 @@ constexpr const char* kStyle =
     "font-variant-numeric:tabular-nums}.note{color:#666;font-size:90%}.virtual{background:#fff3cd;"
     "padding:.5em 1em;border-left:4px solid #c9a227}img{max-width:100%}"
     ".throws svg{width:44px;height:96px;margin:1px}.throws a{text-decoration:none}"
-    "details{margin:.4em 0}";
+    "details{margin:.4em 0}.wide{overflow-x:auto}";
 
 bool is_number(const std::string& cell) {
   return !cell.empty() && cell.find_first_not_of("0123456789.-+e%") == std::string::npos;
@@ -32,12 +32,12 @@ std::string row_of(const std::vector<std::string>& cells, const char* kind) {
 }
 
 std::string table_of(const Table& table, const Design& design) {
-  std::string html = fmt::format("<h3>{}</h3>\n<table>\n", escaped(table.title));
+  std::string html = fmt::format("<h3>{}</h3>\n<div class=wide><table>\n", escaped(table.title));
   std::vector<std::string> names;
   for (const Column& column : table.columns) names.push_back(column.name);
   html += row_of(names, "th");
   for (const auto& row : table.rows) html += row_of(row, "td");
-  html += "</table>\n";
+  html += "</table></div>\n";
   for (const Note& note : design.notes) {
     if (note.table == table.name) html += fmt::format("<p class=note>{}</p>\n", escaped(note.text));
   }

@@ -6,9 +6,11 @@
 
 #include "apps/experiment.h"
 #include "apps/options.h"
+#include "apps/progress.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/study_people.h"
+#include "apps/trial_page.h"
 #include "files/output_file.h"
 #include "study/csv.h"
 #include "study/report.h"
@@ -21,11 +23,33 @@ namespace {
 
 struct ReportStudyOptions {
   std::string study;
-  std::optional<std::string> output;
+  std::optional<std::string> output, page;
   Mixing mixing;
   int jobs = 1;
-  bool force = false, json = false;
+  bool pages = false, force = false, json = false;
 };
+
+/// Where the page of the session that counts is, or goes; nothing where none counts.
+std::optional<fs::path> page_of(const Study& study, const study::Person& person) {
+  if (person.played.run.empty()) return std::nullopt;
+  return study.at.sessions(person.planned.id) / (person.played.run + ".html");
+}
+
+/// Writes those pages of sessions that are not there.
+void write_pages(const Study& study, const std::vector<study::Person>& people,
+                 const std::optional<std::string>& page_to_fill) {
+  Progress progress("participants", static_cast<std::int64_t>(people.size()));
+  for (std::size_t i = 0; i < people.size(); ++i) {
+    progress.show(static_cast<std::int64_t>(i));
+    const std::optional<fs::path> page = page_of(study, people[i]);
+    if (!page || fs::exists(*page)) continue;
+    TrialPage one;
+    one.trial = fs::path(*page).replace_extension(".lcmlog").string();
+    one.output = page->string();
+    one.page = page_to_fill;
+    write_page(one);
+  }
+}
 
 /// A table that the analysis wrote, numbers rounded; nothing where it has not.
 std::optional<study::Table> analysed(const Study& study, const std::string& name,
@@ -63,9 +87,9 @@ study::ReportParts parts_of(const Study& study, const std::vector<study::Person>
   }
   const fs::path here = fs::absolute(output).parent_path();
   for (const study::Person& person : people) {
-    const fs::path page = study.at.sessions(person.planned.id) / (person.played.run + ".html");
-    if (!person.played.run.empty() && fs::exists(page)) {
-      parts.pages[person.planned.id] = fs::absolute(page).lexically_relative(here).string();
+    const std::optional<fs::path> page = page_of(study, person);
+    if (page && fs::exists(*page)) {
+      parts.pages[person.planned.id] = fs::absolute(*page).lexically_relative(here).string();
     }
   }
   return parts;
@@ -76,6 +100,7 @@ void report_study(const ReportStudyOptions& options) {
   const Study study = open_study(options.study);
   const std::vector<study::Person> people = people_of(study, options.jobs);
   const Counted counted = counted_of(study, people, options.mixing);
+  if (options.pages) write_pages(study, people, options.page);
   const study::ReportParts parts = parts_of(study, people, counted, *options.output);
   const std::string html = study::html_report(study.design, study.questions, people, parts);
   files::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
@@ -106,13 +131,18 @@ void add_experiment_report(CLI::App& group) {
   command->add_option("--jobs", options->jobs, "sessions that are measured at a time")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
+  command->add_flag("--pages", options->pages,
+                    "write sessions/NAME/RUN.html, the page of a trial, where it is missing");
+  command->add_option(
+      "--page", options->page,
+      "the page that --pages fills in, when not the one that came with the program");
   add_force(*command, options->force);
   add_json(*command, options->json);
   command->footer(
       "Design, tables beside the published ones, pictures, answers, and every throw as a small "
-      "picture. Where\n`headpin report` has written sessions/NAME/RUN.html, the pictures open "
-      "it.\n\n"
-      "Example:\n  headpin experiment report study -o study.html");
+      "picture, which opens\nthe page of its trial, sessions/NAME/RUN.html, where that is there: "
+      "--pages or `headpin report` writes it.\n\n"
+      "Example:\n  headpin experiment report study -o study.html --pages");
   command->callback([options] { report_study(*options); });
 }
 

@@ -12,6 +12,7 @@
 #include "apps/page_file.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "apps/trial_page.h"
 #include "devices/base/version.h"
 #include "files/input_file.h"
 #include "files/output_file.h"
@@ -26,13 +27,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-struct ReportOptions {
-  std::string trial;
-  std::optional<std::string> other, output, video, page;
-  double longest_gap = seconds(devices::kLongestGap);
-  bool force = false, json = false;
-};
-
 constexpr std::size_t kMostEmbedded = 20'000'000;  // bytes; more stays beside the page
 constexpr std::size_t kMostRead = 2'000'000'000;   // bytes of a log that goes into a page
 
@@ -43,7 +37,7 @@ std::string quoted(const std::string& word) {
   return out + "'";
 }
 
-std::string command_of(const ReportOptions& options) {
+std::string command_of(const TrialPage& options) {
   std::string command = "headpin report " + quoted(options.trial);
   if (options.other) command += " " + quoted(*options.other);
   command += " -o " + quoted(*options.output);
@@ -120,14 +114,14 @@ bool is_mp4(std::span<const std::uint8_t> bytes) {
 }
 
 /// Where a large video goes.
-fs::path beside_page(const ReportOptions& options) {
+fs::path beside_page(const TrialPage& options) {
   return fs::path(*options.output).replace_extension(".mp4");
 }
 
 /// The video goes into the page, or beside it where it is large.
 ///
 /// @param inputs  that the copy must not replace
-nlohmann::json add_video(const ReportOptions& options, const std::vector<fs::path>& inputs,
+nlohmann::json add_video(const TrialPage& options, const std::vector<fs::path>& inputs,
                          PageBlocks& blocks) {
   if (!options.video) return {};
   const files::InputFile video(*options.video);
@@ -155,7 +149,9 @@ nlohmann::json add_video(const ReportOptions& options, const std::vector<fs::pat
   return {{"embedded", false}, {"file", beside.filename().string()}};
 }
 
-void report(const ReportOptions& options) {
+}  // namespace
+
+nlohmann::ordered_json write_page(const TrialPage& options) {
   watch_stop_signals();
   if (options.video &&
       files::follow_links(beside_page(options)) == files::follow_links(*options.output)) {
@@ -214,21 +210,18 @@ void report(const ReportOptions& options) {
   check_stop();
   out.commit();
 
-  if (!options.json) return;
-  print_json({{"trial", options.trial},
-              {"output", *options.output},
-              {"bytes", html.size()},
-              {"ticks", data.json["ticks"]},
-              {"skittles_down", data.json["summary"]["skittles_down"]},
-              {"verified_ticks", hash["verified_ticks"]},
-              {"state_hash", hash["replayed"]},
-              {"game_hash", hash["game_replayed"]}});
+  return {{"trial", options.trial},
+          {"output", *options.output},
+          {"bytes", html.size()},
+          {"ticks", data.json["ticks"]},
+          {"skittles_down", data.json["summary"]["skittles_down"]},
+          {"verified_ticks", hash["verified_ticks"]},
+          {"state_hash", hash["replayed"]},
+          {"game_hash", hash["game_replayed"]}};
 }
 
-}  // namespace
-
 void add_report(CLI::App& app) {
-  auto options = std::make_shared<ReportOptions>();
+  auto options = std::make_shared<TrialPage>();
   CLI::App* command = app.add_subcommand(
       "report", "Make one page that shows a trial: in 3D, in numbers, and simulated again");
   command->add_option("TRIAL", options->trial, "a trial (.lcmlog)")->required();
@@ -248,7 +241,10 @@ void add_report(CLI::App& app) {
   command->footer(
       "The page needs no network and no other file: any browser of 2023 or later opens it.\n\n"
       "Example:\n  headpin report assets/trials/demo.lcmlog -o trial.html");
-  command->callback([options] { report(*options); });
+  command->callback([options] {
+    const nlohmann::ordered_json made = write_page(*options);
+    if (options->json) print_json(made);
+  });
 }
 
 }  // namespace headpin::apps

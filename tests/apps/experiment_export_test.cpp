@@ -155,5 +155,23 @@ TEST_F(StudyExport, TheReportIsOnePageThatSaysWhatIsVirtual) {
               HasSubstr("<a href=\"study/sessions/p001/run-01.html\">"));
 }
 
+// A page that is there already is somebody's.
+TEST_F(StudyExport, TheReportWritesThePagesOfTrialsThatAreMissing) {
+  play(2);
+  ASSERT_EQ(headpin("experiment score study").code, 0);
+  std::ofstream(folder_ / "study/sessions/p001/run-01.html") << "a page";
+  std::ofstream(folder_ / "page.html") << "<html><!--headpin:data--></html>";
+  const Result made = headpin("experiment report study -o study.html --pages --page page.html");
+  ASSERT_EQ(made.code, 0) << made.err;
+  EXPECT_EQ(slurp(folder_ / "study/sessions/p001/run-01.html"), "a page");
+  const std::string page = slurp(folder_ / "study/sessions/p002/run-01.html");
+  EXPECT_THAT(page, testing::StartsWith("<html>"));
+  EXPECT_GT(page.size(), 10'000u);  // the trial is in it
+  for (const char* name : {"p001", "p002"}) {
+    EXPECT_THAT(slurp(folder_ / "study.html"),
+                HasSubstr(std::string("<a href=\"study/sessions/") + name + "/run-01.html\">"));
+  }
+}
+
 }  // namespace
 }  // namespace headpin

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <nlohmann/json.hpp>
+
+#include "devices/trial/trial.h"
+
+namespace headpin::apps {
+
+struct TrialPage {
+  std::string trial;
+  std::optional<std::string> other, output, video, page;
+  double longest_gap = seconds(devices::kLongestGap);
+  bool force = false, json = false;
+};
+
+/// Writes a trial as one page, as `headpin report` does.
+///
+/// @return  what --json prints
+/// @throws  UsageError, std::runtime_error  as `headpin report` says them
+nlohmann::ordered_json write_page(const TrialPage& options);
+
+}  // namespace headpin::apps
