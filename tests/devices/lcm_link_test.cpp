@@ -299,7 +299,7 @@ Time wall() {
 TEST(LcmLinkTest, AMessageIsStampedWithWhenItCameHoweverLateItIsAskedFor) {
   LcmLink link("memq://");
   LcmSource source(link);
-  constexpr Time kNow{10'000'000}, kLongest{1'000'000};
+  static constexpr Time kNow{10'000'000}, kLongest{1'000'000};
   source.use_clock([] { return kNow; });
   const Time before = wall();
   link.publish(Sample(tracker(0)));
