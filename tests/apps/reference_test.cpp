@@ -184,7 +184,7 @@ TEST_F(Reference, ATrialIsExportedWholeAndPlotted) {
     EXPECT_THAT(svg, HasSubstr(says));
   }
   EXPECT_THAT(svg, testing::Not(HasSubstr("nan")));
-  EXPECT_THAT(svg, testing::Not(HasSubstr("game_hash")));  // it is said, it does not happen
+  EXPECT_THAT(svg, testing::Not(HasSubstr("game_hash")));  // no event of the throw
   ASSERT_EQ(headpin("plot game.lcmlog -o again.svg").code, 0);
   EXPECT_EQ(slurp(folder_ / "again.svg"), svg);
   expect_refusal("plot " + kDemo + " -o OUT.svg", 1, "expected states to plot");

@@ -157,9 +157,13 @@ TEST(Presence, WhatRollsAtTheFeetFliesAtThePlayer) {
               3.0 - 1.82 - 0.11, 1e-12);
 }
 
+struct OwnThrow {
+  std::vector<devices::Event> events;
+  bool leaving;  ///< at its end the ball still counts as about to leave the hand
+};
+
 /// A ball that is let go behind the head and flies past it at a height and to a side.
-std::vector<devices::Event> own_throw(bool solid, const Vec3& beside, const Vec3& v_W,
-                                      double until_s) {
+OwnThrow own_throw(bool solid, const Vec3& beside, const Vec3& v_W, double until_s) {
   Scenario scenario;
   scenario.hand.solid = solid;
   scenario.collision.gravity = 0.0;
@@ -183,25 +187,27 @@ std::vector<devices::Event> own_throw(bool solid, const Vec3& beside, const Vec3
   state.X_WB.p = kStandsAt + beside + (0.1 - 0.5) * v_W;
   engine::set_state(session.world, session.stage->balls.front(), state);
   devices::ReplaySource source(samples);
-  std::vector<devices::Event> events;
+  OwnThrow seen;
   while (session.now() < microseconds(until_s)) {
     advance(session, source);
     for (const devices::Event& e : session.events) {
-      if (e.kind == kind::release || e.kind == kind::flies_at_player) events.push_back(e);
+      if (e.kind == kind::release || e.kind == kind::flies_at_player) seen.events.push_back(e);
     }
   }
-  return events;
+  seen.leaving = session.player.leaving.has_value();
+  return seen;
 }
 
 TEST(Presence, OnesOwnThrowPastTheBodyFliesAtNobodyButComesBackFromAWall) {
   for (const bool solid : {true, false}) {
     // Let go 0.6 m behind the head, 0.25 m to its side: it passes the body at 3 m/s.
     const Vec3 beside(0.25, -0.6, -0.6);
-    const auto away = own_throw(solid, beside, {0.0, 3.0, 0.0}, 1.5);
+    const auto [away, leaving] = own_throw(solid, beside, {0.0, 3.0, 0.0}, 1.5);
+    EXPECT_FALSE(leaving) << solid;
     ASSERT_EQ(away.size(), 1u) << solid;
     EXPECT_EQ(away[0].kind, kind::release);
     // Thrown at the wall behind, it comes back at whoever stands there.
-    const auto back = own_throw(solid, Vec3(0.25, -0.6, -0.6), {0.0, -6.0, 0.0}, 2.5);
+    const auto back = own_throw(solid, Vec3(0.25, -0.6, -0.6), {0.0, -6.0, 0.0}, 2.5).events;
     ASSERT_EQ(back.size(), 2u) << solid;
     EXPECT_EQ(back[1].kind, kind::flies_at_player);
   }
