@@ -113,7 +113,13 @@ people <- data.frame(
   deviance_residual = residuals(fit), leverage = hatvalues(fit),
   cooks_distance = cooks.distance(fit), virtual, row.names = NULL)
 
-save <- function(data, name) write.csv(data, to(name), row.names = FALSE, na = "n/a", quote = TRUE)
+# R writes to a full disk without an error, so each file is read again.
+half <- function(name) stop("cannot be written whole: ", name, " (is the disk full?)")
+save <- function(data, name) {
+  lines <- capture.output(write.csv(data, row.names = FALSE, na = "n/a", quote = TRUE))
+  writeLines(lines, to(name))
+  if (!identical(readLines(to(name), warn = FALSE), lines)) half(name)
+}
 save(table_5, "table-5.csv")
 save(table_6, "table-6.csv")
 save(drop, "drop.csv")
@@ -121,13 +127,19 @@ save(quality, "fit.csv")
 save(people, "people.csv")
 
 # Pictures, each as SVG and PNG.
+ends_with <- function(name, end) {
+  bytes <- readBin(to(name), "raw", file.size(to(name)))
+  if (!identical(tail(bytes, length(end)), end)) half(name)
+}
 picture <- function(name, width, height, draw) {
   svg(to(paste0(name, ".svg")), width, height)
   draw()
   dev.off()
+  ends_with(paste0(name, ".svg"), charToRaw("</svg>\n"))
   png(to(paste0(name, ".png")), width, height, units = "in", res = 100, type = "cairo")
   draw()
   dev.off()
+  ends_with(paste0(name, ".png"), as.raw(c(0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82)))  # IEND
 }
 title_of <- function(text) if (virtual == "no") text else sprintf("%s (virtual participants: %s)", text, virtual)
 invisible(picture("effects", 7, 1 + 0.4 * ncol(x), function() {

@@ -298,5 +298,36 @@ TEST_F(StudyAnswers, PowerIsATableOfSharesAndTheSameForTheSameSeed) {
   expect_refusal("experiment power --design elasticity-friction-shape", 2, "no published model");
 }
 
+// Where many are asked, power has a closed form (tests/apps/power.py); where a term has no effect, it
+// is found by chance, 5 %.
+TEST_F(StudyAnswers, PowerIsThatOfTheLikelihoodRatiosOwnDistribution) {
+  constexpr int kStudies = 300;
+  constexpr double kOfManyPeople = 0.02;  // the distribution is that of infinitely many
+  plan(2016);
+  ASSERT_EQ(headpin("experiment ask study --all --virtual").code, 0);
+  ASSERT_EQ(headpin("experiment score study").code, 0);
+  ASSERT_EQ(std::system(("cd '" + folder_.string() +
+                         "' && python3 -B '" HEADPIN_SOURCE_DIR
+                         "/tests/apps/power.py' study/tables/participants.csv 144 >law.csv")
+                            .c_str()),
+            0);
+  std::map<std::string, double> law;
+  std::ifstream lines(folder_ / "law.csv");
+  for (std::string term, power; std::getline(lines, term, ',') && std::getline(lines, power);) {
+    law[term] = std::stod(power);
+  }
+  ASSERT_EQ(law.size(), 10u);
+  const auto within = [](double share) {
+    return kOfManyPeople + 3.5 * std::sqrt(share * (1.0 - share) / kStudies);
+  };
+  const nlohmann::json power =
+      json("experiment power --people 144 --seed 5 --json --studies " + std::to_string(kStudies));
+  for (const auto& term : power["power"][0]["terms"]) {
+    const double share = law.at(term["term"]);
+    EXPECT_NEAR(term["found"], share, within(share)) << term["term"];
+    EXPECT_NEAR(term["found_without"], 0.05, within(0.05)) << term["term"];
+  }
+}
+
 }  // namespace
 }  // namespace headpin

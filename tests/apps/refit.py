@@ -58,4 +58,5 @@ def main():
     print(f"deviance,{deviance!r},0")
 
 
-main()
+if __name__ == "__main__":
+    main()
