@@ -7,14 +7,6 @@
 /// What the program knows about its own inputs and outputs, for docs/ and the tests that hold it.
 namespace headpin::apps {
 
-/// One key of what commands print with `--json`. A name means one thing, whoever prints it.
-struct JsonKey {
-  std::string key;
-  std::string meaning;  ///< with its unit where the name does not say it
-};
-
-std::vector<JsonKey> json_keys();
-
 /// A channel of a trial or a live session.
 struct ChannelUse {
   std::string channel, type, when;

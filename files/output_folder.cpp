@@ -218,6 +218,46 @@ void OutputFolder::sync_parts() const {
   part_->sync();
 }
 
+/// Moves our files there are to the folder of old ones, and the new ones into their place.
+void OutputFolder::exchange_files(const std::set<std::string>& names, const std::string& last,
+                                  WorkFolder& old, std::vector<Move>& done) const {
+  std::set<std::string> there;
+  for (const std::string& name : ours_) {
+    if (!exists_in(descriptor_, name)) continue;
+    old.file(name);
+    there.insert(name);
+  }
+  old.sync();
+  if (fsync(descriptor_) != 0) fail("cannot be written");
+  // The one that stands for the whole set goes first and comes last.
+  if (there.contains(last)) move({last, nullptr, &old}, done);
+  for (const std::string& name : there) {
+    if (name != last) move({name, nullptr, &old}, done);
+  }
+  for (const std::string& name : names) {
+    if (name != last) move({name, &*part_, nullptr}, done);
+  }
+  move({last, &*part_, nullptr}, done);
+  // From here on the new ones count, and no longer the old.
+  if (fsync(descriptor_) != 0 || rename_new(descriptor_, kOld, descriptor_, kGone) != 0) {
+    fail("cannot be written");
+  }
+}
+
+/// @return  the names of the files that could not be moved back, each after a space
+std::string OutputFolder::move_back(const std::vector<Move>& done) const {
+  std::string stuck;
+  for (auto it = done.rbegin(); it != done.rend(); ++it) {
+    std::vector<Move> back;
+    try {
+      move({it->name, it->to, it->from}, back);
+    } catch (const std::runtime_error&) {
+      stuck += " " + it->name;
+    }
+  }
+  return stuck;
+}
+
 void OutputFolder::commit(const std::string& last) {
   sync_parts();
   const std::set<std::string> names = part_->names();
@@ -236,37 +276,9 @@ void OutputFolder::commit(const std::string& last) {
   std::optional<WorkFolder> old(std::in_place, folder_ / kOld);
   std::vector<Move> done;
   try {
-    std::set<std::string> there;
-    for (const std::string& name : ours_) {
-      if (!exists_in(descriptor_, name)) continue;
-      old->file(name);
-      there.insert(name);
-    }
-    old->sync();
-    if (fsync(descriptor_) != 0) fail("cannot be written");
-    // The one that stands for the whole set goes first and comes last.
-    if (there.contains(last)) move({last, nullptr, &*old}, done);
-    for (const std::string& name : there) {
-      if (name != last) move({name, nullptr, &*old}, done);
-    }
-    for (const std::string& name : names) {
-      if (name != last) move({name, &*part_, nullptr}, done);
-    }
-    move({last, &*part_, nullptr}, done);
-    // From here on the new ones count, and no longer the old.
-    if (fsync(descriptor_) != 0 || rename_new(descriptor_, kOld, descriptor_, kGone) != 0) {
-      fail("cannot be written");
-    }
+    exchange_files(names, last, *old, done);
   } catch (const std::runtime_error& error) {
-    std::string stuck;
-    for (auto it = done.rbegin(); it != done.rend(); ++it) {
-      std::vector<Move> back;
-      try {
-        move({it->name, it->to, it->from}, back);
-      } catch (const std::runtime_error&) {
-        stuck += " " + it->name;
-      }
-    }
+    const std::string stuck = move_back(done);
     if (stuck.empty()) {
       cut_back();
       throw;

@@ -55,6 +55,9 @@ class OutputFolder {
   void refuse_foreign(const Options& options) const;
   void sync_parts() const;
   void move(const Move& move, std::vector<Move>& done) const;
+  void exchange_files(const std::set<std::string>& names, const std::string& last, WorkFolder& old,
+                      std::vector<Move>& done) const;
+  std::string move_back(const std::vector<Move>& done) const;
   void give_up() noexcept;
   [[noreturn]] void fail(const std::string& doing) const;
 

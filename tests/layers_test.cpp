@@ -195,6 +195,42 @@ TEST(TheMap, NamesFilesThatAreThereAndEveryRoom) {
   }
 }
 
+std::vector<std::string> lines_of(const fs::path& path) {
+  std::ifstream file(path);
+  std::vector<std::string> lines;
+  for (std::string line; std::getline(file, line);) lines.push_back(line);
+  return lines;
+}
+
+/// The line that the block which ends in `end` begins with: the last before it that is no deeper.
+std::size_t begin_of_block(const std::vector<std::string>& lines, std::size_t end) {
+  const std::size_t depth = lines[end].find('}');
+  std::size_t begin = end;
+  while (begin > 0 && lines[--begin].find_first_not_of(' ') > depth) continue;
+  return begin;
+}
+
+// In formatted sources a function ends in a line that holds nothing but `}`, at the depth of a
+// namespace or of a class. A class ends in `};`, a namespace in `}  // namespace`.
+TEST(Sources, HaveFunctionsOf70LinesAndFilesOf500AtMost) {
+  int functions = 0;
+  for (const char* folder : {"files", "devices", "render", "scene", "study", "apps"}) {
+    for (const auto& entry :
+         fs::recursive_directory_iterator(HEADPIN_SOURCE_DIR "/" + std::string(folder))) {
+      if (entry.path().extension() != ".cpp" && entry.path().extension() != ".h") continue;
+      const std::vector<std::string> lines = lines_of(entry.path());
+      EXPECT_LE(lines.size(), 500u) << entry.path();
+      for (std::size_t i = 1; i < lines.size(); ++i) {
+        if (lines[i] != "}" && lines[i] != "  }") continue;
+        const std::size_t begin = begin_of_block(lines, i);
+        EXPECT_LE(i + 1 - begin, 70u) << entry.path() << ": " << lines[begin];
+        ++functions;
+      }
+    }
+  }
+  EXPECT_GT(functions, 1000) << "nothing was read";
+}
+
 // What removes or replaces a user's files can be read in one place.
 TEST(Layers, FilesAloneRemoveRenameAndCut) {
   static const std::regex call(

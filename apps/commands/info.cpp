@@ -51,62 +51,68 @@ std::vector<std::pair<std::int32_t, devices::DeviceSummary>> in_order(
   return all;
 }
 
-ordered_json to_json(const std::string& path, const devices::TrialSummary& trial) {
-  ordered_json out{{"trial", path},
-                   {"format_version", trial.header.format_version},
-                   {"version", trial.header.software_version},
-                   {"commit", trial.header.software_commit},
-                   {"participant", trial.header.participant},
-                   {"condition", trial.header.condition},
-                   {"seed", trial.header.seed},
-                   {"duration_s", nearest_seconds(duration(trial))},
-                   {"complete", trial.complete},
-                   {"ticks", trial.state_count},
-                   {"frames", trial.frame_count}};
-  out["channels"] = ordered_json::object();
+ordered_json channels_json(const devices::TrialSummary& trial) {
+  ordered_json out = ordered_json::object();
   for (const auto& [name, channel] : trial.channels) {
-    out["channels"][name] = {{"messages", channel.messages}, {"bytes", channel.bytes}};
+    out[name] = {{"messages", channel.messages}, {"bytes", channel.bytes}};
   }
-  out["devices"] = ordered_json::array();
+  return out;
+}
+
+ordered_json devices_json(const devices::TrialSummary& trial) {
+  ordered_json out = ordered_json::array();
   for (const auto& [station, device] : in_order(trial)) {
-    out["devices"].push_back({{"device", devices::device_name(station)},
-                              {"samples", device.samples},
-                              {"rate_hz", rate_hz(device)},
-                              {"longest_gap_s", nearest_seconds(device.longest_gap)},
-                              {"lost", device.lost},
-                              {"bad", device.bad},
-                              {"astray", device.astray}});
+    out.push_back({{"device", devices::device_name(station)},
+                   {"samples", device.samples},
+                   {"rate_hz", rate_hz(device)},
+                   {"longest_gap_s", nearest_seconds(device.longest_gap)},
+                   {"lost", device.lost},
+                   {"bad", device.bad},
+                   {"astray", device.astray}});
   }
-  out["events"] = ordered_json::array();
+  return out;
+}
+
+ordered_json events_json(const devices::TrialSummary& trial) {
+  ordered_json out = ordered_json::array();
   for (const devices::Event& event : trial.events) {
-    out["events"].push_back({{"time_s", nearest_seconds(event.time)},
-                             {"tick", event.tick},
-                             {"kind", event.kind},
-                             {"bodies", event.bodies},
-                             {"value", event.value},
-                             {"detail", event.detail}});
-    if (event.kind == scene::kind::ledger || event.kind == scene::kind::kept_pace) {
-      const ordered_json detail = ordered_json::parse(event.detail, nullptr, false);
-      if (detail.is_object()) out[event.kind] = detail;
-    }
+    out.push_back({{"time_s", nearest_seconds(event.time)},
+                   {"tick", event.tick},
+                   {"kind", event.kind},
+                   {"bodies", event.bodies},
+                   {"value", event.value},
+                   {"detail", event.detail}});
   }
-  if (trial.state_count > 0) {
-    const scene::Score r = scene::score(trial.events);
-    out["result"] = {{"skittles", std::ranges::count_if(trial.header.body_names,
-                                                        [](const std::string& name) {
-                                                          return name.starts_with("skittle");
-                                                        })},
-                     {"skittles_down", r.skittles_down},
-                     {"felled_by_hand", r.felled_by_hand},
-                     {"games", scene::to_json(r.games)},
-                     {"throws", scene::to_json(r.throws)}};
-    if (r.release_speed) out["result"]["release_speed_mps"] = *r.release_speed;
-    if (r.impact_speed) out["result"]["impact_speed_mps"] = *r.impact_speed;
-    out["result"]["approaches"] = scene::approaches_of(trial.events);
-    if (r.skittles_down == 0) {
-      out["result"]["why_nothing_fell"] = scene::why_nothing_fell(trial.events);
-    }
+  return out;
+}
+
+/// The events whose detail is an object that a key of its own has, under the event's kind.
+void add_details(ordered_json& out, const devices::TrialSummary& trial) {
+  for (const devices::Event& event : trial.events) {
+    if (event.kind != scene::kind::ledger && event.kind != scene::kind::kept_pace) continue;
+    const ordered_json detail = ordered_json::parse(event.detail, nullptr, false);
+    if (detail.is_object()) out[event.kind] = detail;
   }
+}
+
+ordered_json result_json(const devices::TrialSummary& trial) {
+  const scene::Score r = scene::score(trial.events);
+  const auto skittles = std::ranges::count_if(
+      trial.header.body_names, [](const std::string& name) { return name.starts_with("skittle"); });
+  ordered_json out = {{"skittles", skittles},
+                      {"skittles_down", r.skittles_down},
+                      {"felled_by_hand", r.felled_by_hand},
+                      {"games", scene::to_json(r.games)},
+                      {"throws", scene::to_json(r.throws)}};
+  if (r.release_speed) out["release_speed_mps"] = *r.release_speed;
+  if (r.impact_speed) out["impact_speed_mps"] = *r.impact_speed;
+  out["approaches"] = scene::approaches_of(trial.events);
+  if (r.skittles_down == 0) out["why_nothing_fell"] = scene::why_nothing_fell(trial.events);
+  return out;
+}
+
+/// What is amiss with the recording.
+void add_trouble(ordered_json& out, const devices::TrialSummary& trial) {
   const devices::Skipped& skipped = trial.skipped;
   out["skipped"] = {{"bytes", skipped.bytes},
                     {"cut_bytes", skipped.cut_bytes},
@@ -128,6 +134,26 @@ ordered_json to_json(const std::string& path, const devices::TrialSummary& trial
   out["late"] = trial.late;
   out["longest_gap"] = {{"from_s", nearest_seconds(trial.longest_gap.from)},
                         {"to_s", nearest_seconds(trial.longest_gap.to)}};
+}
+
+ordered_json to_json(const std::string& path, const devices::TrialSummary& trial) {
+  ordered_json out{{"trial", path},
+                   {"format_version", trial.header.format_version},
+                   {"version", trial.header.software_version},
+                   {"commit", trial.header.software_commit},
+                   {"participant", trial.header.participant},
+                   {"condition", trial.header.condition},
+                   {"seed", trial.header.seed},
+                   {"duration_s", nearest_seconds(duration(trial))},
+                   {"complete", trial.complete},
+                   {"ticks", trial.state_count},
+                   {"frames", trial.frame_count},
+                   {"channels", channels_json(trial)},
+                   {"devices", devices_json(trial)},
+                   {"events", events_json(trial)}};
+  add_details(out, trial);
+  if (trial.state_count > 0) out["result"] = result_json(trial);
+  add_trouble(out, trial);
   return out;
 }
 

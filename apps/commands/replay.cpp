@@ -210,6 +210,17 @@ void replay_each_throw(const ReplayOptions& options) {
   }
 }
 
+/// Which trial was simulated, and what was asked for.
+nlohmann::json whose(const ReplayOptions& options, const devices::TrialSummary& trial) {
+  return {{"trial", options.trial},
+          {"complete", trial.complete},
+          {"participant", trial.header.participant},
+          {"condition", trial.header.condition},
+          {"seed", trial.header.seed},
+          {"set", options.condition.set},
+          {"output", options.output ? nlohmann::json(*options.output) : nlohmann::json()}};
+}
+
 void replay(const ReplayOptions& options) {
   watch_stop_signals();  // before there is anything to put away
   if (options.each_throw) return replay_each_throw(options);
@@ -254,15 +265,9 @@ void replay(const ReplayOptions& options) {
   if (verifier) require_states(trial, verifier->compared(), unverified);
 
   nlohmann::json result = scene::summary(session, totals.score());
-  result["trial"] = options.trial;
-  result["complete"] = trial.complete;
+  result.update(whose(options, trial));
   result.update(
       compared_throws(recorded_events(recorded, as_recorded, happened.events), happened.events));
-  result["participant"] = trial.header.participant;
-  result["condition"] = trial.header.condition;
-  result["seed"] = trial.header.seed;
-  result["set"] = options.condition.set;
-  result["output"] = options.output ? nlohmann::json(*options.output) : nlohmann::json();
   result["realtime_factor"] = seconds(session.now()) / stopwatch.spent_s();
   if (verifier) {
     result["verified_ticks"] = verifier->compared();

@@ -212,6 +212,38 @@ std::optional<bool> FastrakDriver::check(Time now) {
   return true;
 }
 
+/// Sets the unit up once it has answered with its status. @return whether it has
+bool FastrakDriver::set_up(Time now) {
+  // A unit left at seven bits sends parity in the eighth.
+  std::vector<std::uint8_t> seven_bits = buffer_;
+  for (std::uint8_t& byte : seven_bits) byte &= 0x7F;
+  unit_ = find_answer(seven_bits, kFastrakStatusLength, decode_status);
+  if (!unit_) return false;
+  drain();
+  say(setup_commands(options_));
+  if (baud_ != options_.baud) {
+    say({std::string("o").append(std::to_string(options_.baud / 100)).append(",N,8,0\r")});
+  }
+  enter(Phase::setting_up, now);
+  return true;
+}
+
+/// Begins to read the settings back once it has answered which stations are on. @return whether
+bool FastrakDriver::begin_checks(Time now) {
+  const auto on = find_answer(buffer_, 9, decode_active);
+  if (!on) return false;
+  active_ = *on;
+  checks_ = {{}};  // the unit's own
+  unconfirmed_.clear();
+  for (int station = kFastrakStations; station >= 1; --station) {
+    if (!active_[static_cast<std::size_t>(station - 1)]) continue;
+    const std::vector<FastrakCheck> own = setup_checks(options_, station);
+    checks_.insert(checks_.begin(), own.begin(), own.end());
+  }
+  ask_next(now);
+  return true;
+}
+
 /// One step of the bring-up, if it is due. @return whether the next one may be due as well
 bool FastrakDriver::step(Time now) {
   const Time waited = now - phase_began_;
@@ -225,22 +257,9 @@ bool FastrakDriver::step(Time now) {
     case Phase::stopping:
       return stop(now);
 
-    case Phase::status: {
-      // A unit left at seven bits sends parity in the eighth.
-      std::vector<std::uint8_t> seven_bits = buffer_;
-      for (std::uint8_t& byte : seven_bits) byte &= 0x7F;
-      unit_ = find_answer(seven_bits, kFastrakStatusLength, decode_status);
-      if (unit_) {
-        drain();
-        say(setup_commands(options_));
-        if (baud_ != options_.baud) {
-          say({std::string("o").append(std::to_string(options_.baud / 100)).append(",N,8,0\r")});
-        }
-        enter(Phase::setting_up, now);
-        return true;
-      }
+    case Phase::status:
+      if (set_up(now)) return true;
       break;
-    }
 
     case Phase::setting_up:
       if (!said_all(now)) return false;
@@ -254,18 +273,7 @@ bool FastrakDriver::step(Time now) {
       return false;
 
     case Phase::active:
-      if (const auto on = find_answer(buffer_, 9, decode_active)) {
-        active_ = *on;
-        checks_ = {{}};  // the unit's own
-        unconfirmed_.clear();
-        for (int station = kFastrakStations; station >= 1; --station) {
-          if (!active_[static_cast<std::size_t>(station - 1)]) continue;
-          const std::vector<FastrakCheck> own = setup_checks(options_, station);
-          checks_.insert(checks_.begin(), own.begin(), own.end());
-        }
-        ask_next(now);
-        return true;
-      }
+      if (begin_checks(now)) return true;
       break;
 
     case Phase::checking:

@@ -82,6 +82,8 @@ class FastrakDriver : public Source {
   void try_again(Time now);
   bool step(Time now);
   bool stop(Time now);
+  bool set_up(Time now);
+  bool begin_checks(Time now);
   std::optional<bool> check(Time now);
   void hear(Time now);
   void speak(Time now);

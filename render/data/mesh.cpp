@@ -108,84 +108,105 @@ Mesh ellipsoid(double a, double c, int sides, int rings,
   return turned(list, sides);
 }
 
-Mesh surface_of(const std::function<double(const Vec3&)>& field, const Vec3& lo, const Vec3& hi,
-                double cell, const Vec3& colour) {
-  std::array<int, 3> n{};  // grid points along each axis
-  for (int a = 0; a < 3; ++a)
-    n[static_cast<std::size_t>(a)] = 2 + static_cast<int>((hi[a] - lo[a]) / cell);
-  const auto index = [&](int x, int y, int z) {
-    return static_cast<std::size_t>((std::ptrdiff_t{z} * n[1] + y) * n[0] + x);
-  };
-  const auto point = [&](int x, int y, int z) { return Vec3(lo + cell * Vec3(x, y, z)); };
+namespace {
 
-  std::vector<double> value(index(0, 0, n[2]));
-  for (int z = 0; z < n[2]; ++z) {
-    for (int y = 0; y < n[1]; ++y) {
-      for (int x = 0; x < n[0]; ++x) value[index(x, y, z)] = field(point(x, y, z));
+/// A surface where a field is 0, from cells of a grid: a vertex in each cell that it cuts, a face
+/// across each edge of the grid that it cuts (surface nets).
+class SurfaceNet {
+ public:
+  SurfaceNet(const std::function<double(const Vec3&)>& field, const Vec3& lo, const Vec3& hi,
+             double cell)
+      : field_(field), lo_(lo), cell_(cell) {
+    for (int a = 0; a < 3; ++a) {
+      n_[static_cast<std::size_t>(a)] = 2 + static_cast<int>((hi[a] - lo[a]) / cell);
     }
+    values_.resize(index({0, 0, n_[2]}));
+    vertex_in_.resize(values_.size());
+    for_each(0, 0, [&](const Point& at) { values_[index(at)] = field_(place(at)); });
   }
 
-  Mesh mesh;
-  std::vector<std::uint32_t> vertex_in(value.size());
-  const auto place_vertex = [&](int x, int y, int z) {
+  Mesh mesh(const Vec3& colour) {
+    Mesh out;
+    for_each(0, 1, [&](const Point& cell) { add_vertex(cell, colour, out); });
+    for_each(1, 1, [&](const Point& at) {
+      for (int axis = 0; axis < 3; ++axis) add_face(at, axis, out);
+    });
+    return out;
+  }
+
+ private:
+  using Point = std::array<int, 3>;  ///< of the grid
+
+  /// Calls f for the points from `first` along each axis, without the last `left_out`.
+  template <typename F>
+  void for_each(int first, int left_out, const F& f) const {
+    for (int z = first; z + left_out < n_[2]; ++z) {
+      for (int y = first; y + left_out < n_[1]; ++y) {
+        for (int x = first; x + left_out < n_[0]; ++x) f(Point{x, y, z});
+      }
+    }
+  }
+  std::size_t index(const Point& at) const {
+    return static_cast<std::size_t>((std::ptrdiff_t{at[2]} * n_[1] + at[1]) * n_[0] + at[0]);
+  }
+  Vec3 place(const Point& at) const { return Vec3(lo_ + cell_ * Vec3(at[0], at[1], at[2])); }
+  static Point moved(Point at, int axis, int by) {
+    at[static_cast<std::size_t>(axis % 3)] += by;
+    return at;
+  }
+  bool inside(const Point& at) const { return values_[index(at)] < 0.0; }
+
+  /// The mean of where the surface cuts the edges of a cell, if it does.
+  void add_vertex(const Point& cell, const Vec3& colour, Mesh& out) {
     Vec3 sum = Vec3::Zero();
     int crossings = 0;
     for (int edge = 0; edge < 12; ++edge) {  // from a corner along an axis
       const int axis = edge / 4;
-      std::array<int, 3> corner{x, y, z};
-      corner[static_cast<std::size_t>((axis + 1) % 3)] += edge & 1;
-      corner[static_cast<std::size_t>((axis + 2) % 3)] += edge >> 1 & 1;
-      std::array<int, 3> other = corner;
-      ++other[static_cast<std::size_t>(axis)];
-      const double a = value[index(corner[0], corner[1], corner[2])];
-      const double b = value[index(other[0], other[1], other[2])];
+      const Point corner = moved(moved(cell, axis + 1, edge & 1), axis + 2, edge >> 1 & 1);
+      const double a = values_[index(corner)], b = values_[index(moved(corner, axis, 1))];
       if ((a < 0.0) == (b < 0.0)) continue;
-      sum += point(corner[0], corner[1], corner[2]) + a / (a - b) * cell * Vec3::Unit(axis);
+      sum += place(corner) + a / (a - b) * cell_ * Vec3::Unit(axis);
       ++crossings;
     }
     if (crossings == 0) return;
     const Vec3 p = sum / crossings;
     Vec3 slope;
     for (int a = 0; a < 3; ++a) {
-      const Vec3 step = 0.25 * cell * Vec3::Unit(a);
-      slope[a] = field(p + step) - field(p - step);
+      const Vec3 step = 0.25 * cell_ * Vec3::Unit(a);
+      slope[a] = field_(p + step) - field_(p - step);
     }
-    vertex_in[index(x, y, z)] = size_of(mesh);
-    mesh.vertices.push_back(
+    vertex_in_[index(cell)] = size_of(out);
+    out.vertices.push_back(
         {p.cast<float>(), slope.normalized().cast<float>(), colour.cast<float>()});
-  };
-  for (int z = 0; z + 1 < n[2]; ++z) {
-    for (int y = 0; y + 1 < n[1]; ++y) {
-      for (int x = 0; x + 1 < n[0]; ++x) place_vertex(x, y, z);
+  }
+
+  /// Joins the vertices of the four cells around an edge of the grid, if the surface cuts it.
+  void add_face(const Point& at, int axis, Mesh& out) const {
+    if (inside(at) == inside(moved(at, axis, 1))) return;
+    const auto vertex = [&](int u, int v) {
+      return vertex_in_[index(moved(moved(at, axis + 1, -u), axis + 2, -v))];
+    };
+    const std::uint32_t a = vertex(1, 1), b = vertex(0, 1), c = vertex(0, 0), d = vertex(1, 0);
+    if (inside(at)) {
+      append_triangles(out, {a, b, c, a, c, d});
+    } else {
+      append_triangles(out, {a, c, b, a, d, c});
     }
   }
 
-  // A face across every grid edge the surface cuts, joining the four cells around the edge.
-  for (int z = 1; z + 1 < n[2]; ++z) {
-    for (int y = 1; y + 1 < n[1]; ++y) {
-      for (int x = 1; x + 1 < n[0]; ++x) {
-        for (int axis = 0; axis < 3; ++axis) {
-          std::array<int, 3> u{}, v{}, along{};
-          along[static_cast<std::size_t>(axis)] = 1;
-          u[static_cast<std::size_t>((axis + 1) % 3)] = 1;
-          v[static_cast<std::size_t>((axis + 2) % 3)] = 1;
-          const bool inside = value[index(x, y, z)] < 0.0;
-          if (inside == (value[index(x + along[0], y + along[1], z + along[2])] < 0.0)) continue;
-          const std::uint32_t a =
-              vertex_in[index(x - u[0] - v[0], y - u[1] - v[1], z - u[2] - v[2])];
-          const std::uint32_t b = vertex_in[index(x - v[0], y - v[1], z - v[2])];
-          const std::uint32_t c = vertex_in[index(x, y, z)];
-          const std::uint32_t d = vertex_in[index(x - u[0], y - u[1], z - u[2])];
-          if (inside) {
-            append_triangles(mesh, {a, b, c, a, c, d});
-          } else {
-            append_triangles(mesh, {a, c, b, a, d, c});
-          }
-        }
-      }
-    }
-  }
-  return mesh;
+  const std::function<double(const Vec3&)>& field_;
+  Vec3 lo_;
+  double cell_;
+  std::array<int, 3> n_{};  ///< grid points along each axis
+  std::vector<double> values_;
+  std::vector<std::uint32_t> vertex_in_;  ///< of the cell that begins at a point
+};
+
+}  // namespace
+
+Mesh surface_of(const std::function<double(const Vec3&)>& field, const Vec3& lo, const Vec3& hi,
+                double cell, const Vec3& colour) {
+  return SurfaceNet(field, lo, hi, cell).mesh(colour);
 }
 
 }  // namespace headpin::render

@@ -76,7 +76,7 @@ enum class Heading {
 /// Stands the thrower in the world, by the rig alone.
 ///
 /// The ball's centre is over the middle of the foul line when it is let go, the recording's floor
-/// is the lane, the stand holds the ball where the hand takes it. Poses are read 20 ms late, so
+/// is the lane, the stand holds the ball where the hand takes it. Poses are read 28 ms late, so
 /// that there is always a sample on both sides of uneven ones.
 Scenario stand_thrower(Scenario scenario, const devices::MotionRecording& recording,
                        const Throw& found, Heading heading);

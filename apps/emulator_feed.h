@@ -1,0 +1,65 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "devices/fastrak/emulator.h"
+#include "devices/live/source.h"
+#include "devices/recordings/recorded_motion.h"
+#include "devices/trial/file.h"
+
+/// What an emulated Fastrak measures.
+namespace headpin::apps {
+
+struct FeedOptions {
+  std::string trial;              ///< empty: a test pattern
+  std::string motion = "circle";  ///< the test pattern
+  std::string place = "auto";     ///< of the transmitter: auto or recorded
+  double longest_gap = seconds(devices::kLongestGap);
+  bool loop = false, with_buttons = false;
+};
+
+/// What the unit measures: a test pattern, or a recording that starts when records are asked for.
+struct Feed {
+  devices::FastrakMotion motion;
+  devices::FastrakPlace place;        ///< of the transmitter, in a recording's frame
+  std::string says;                   ///< what was chosen so that clients can use a recording
+  Time begin{}, length{};             ///< of a recording
+  devices::TrackerSample first = {};  ///< of a recording
+  bool loop = false, pressed = false;
+  std::vector<devices::MouseSample> buttons = {};  ///< of a recording's mouse, where they change
+
+  /// Where in a recording it is.
+  Time within(Time time) const {
+    if (length == Time{}) return time;
+    const Time t = time > begin ? time - begin : Time{};
+    return loop ? t % length : t;
+  }
+  devices::FastrakTruth at(int station, Time time) const {
+    devices::FastrakTruth truth = motion(station, within(time));
+    truth.pressed = truth.pressed || pressed;
+    return truth;
+  }
+};
+
+/// @throws std::runtime_error  naming the trial that cannot be read, or that has no sample
+Feed feed_of(const FeedOptions& options);
+
+/// What others publish on TRACKER and MOUSE3D: the newest sample of each.
+class LcmFeed {
+ public:
+  explicit LcmFeed(const std::string& url);
+  void poll(Time now);
+  devices::FastrakTruth at(int station) const;
+
+ private:
+  std::unique_ptr<devices::LiveSource> source_;
+  devices::AmissNews amiss_;
+  std::array<devices::FastrakTruth, devices::kFastrakStations> newest_;
+  bool trigger_ = false;
+  std::vector<devices::Sample> samples_;
+};
+
+}  // namespace headpin::apps

@@ -1,0 +1,151 @@
+#include "apps/live_report.h"
+
+#include <fmt/format.h>
+
+#include "apps/damage.h"
+#include "apps/streams.h"
+#include "scene/play/events.h"
+#include "scene/play/quantile.h"
+
+namespace headpin::apps {
+
+void write(Live& live, const devices::Event& event) {
+  if (live.writer) live.writer->write(event);
+  if (live.publisher) live.publisher->write(event);
+}
+
+void Reporter::take_frames() {
+  for (const scene::FramesBeside::Done& done : live_.eyes->take_done()) {
+    ++live_.frames;
+    if (done.stages) live_.latency.add(*done.stages);
+    if (live_.writer) live_.writer->write(done.record);
+    if (live_.publisher) live_.publisher->write(done.record);
+  }
+}
+
+/// Pictures that are lost are said, and kept in the trial.
+void Reporter::take_failures() {
+  for (const std::string& why : live_.eyes->take_failures()) {
+    ++live_.drawing_failures;
+    say("{:7.1f} s  {}\n", seconds(live_.session.now()), printable(why));
+    write(live_, event_now(scene::kind::drawing_failed, why));
+  }
+}
+
+devices::Event Reporter::event_now(std::string_view kind, std::string detail) const {
+  devices::Event event;
+  event.time = live_.session.now();
+  event.tick = live_.session.tick;
+  event.kind = kind;
+  event.detail = std::move(detail);
+  return event;
+}
+
+void Reporter::report_trouble(const devices::LiveSource& source, Said& said) {
+  const std::string trouble = source.trouble();
+  if (trouble == said.trouble) return;
+  said.trouble = trouble;
+  say("{:7.1f} s  {}\n", seconds(live_.session.now()),
+      trouble.empty() ? source.name() + " is back" : trouble);
+}
+
+/// Says what is amiss with what came, and keeps it in the trial.
+void Reporter::report_amiss(const devices::LiveSource& source,
+                            const std::vector<std::string>& news) {
+  for (const std::string& what : news) {
+    const std::string text = fmt::format("from {}, {}", source.name(), what);
+    say("{:7.1f} s  {}\n", seconds(live_.session.now()), text);
+    write(live_, event_now(scene::kind::source_amiss, text));
+  }
+}
+
+/// What has come since it was said last.
+void Reporter::finish() {
+  take_frames();
+  take_failures();
+  for (const auto& source : live_.sources) {
+    report_amiss(*source, said_[source.get()].amiss.take_rest(*source));
+  }
+}
+
+/// Says at once when nothing of the recording will be found; its end is the session's.
+void Reporter::report_loss() {
+  if (!live_.writer || lost_ || live_.session.now() < next_look_) return;
+  next_look_ = live_.session.now() + Time{1'000'000};
+  try {
+    live_.writer->require_kept();
+  } catch (const std::runtime_error& error) {
+    lost_ = true;
+    say("{:7.1f} s  {}; the session goes on unrecorded\n", seconds(live_.session.now()),
+        error.what());
+  }
+}
+
+void Reporter::tick(const scene::Session& session) {
+  live_.samples += static_cast<std::int64_t>(session.samples.size());
+  take_frames();
+  take_failures();
+  for (const auto& source : live_.sources) {
+    report_trouble(*source, said_[source.get()]);
+    report_amiss(*source, said_[source.get()].amiss.take(*source, session.now()));
+  }
+  report_loss();
+  if (session.now() < next_line_) return;
+  print_line(live_);
+  next_line_ += Time{10'000'000};
+}
+
+void print_line(const Live& live) {
+  std::string text = fmt::format(
+      "{:7.1f} s  {} samples, {} frames ({} late), sample to frame {:.1f} ms median, {:.1f} ms "
+      "p99, {} overruns, {} skittles down",
+      seconds(live.session.now()), live.samples, live.frames, live.eyes->late(),
+      1e3 * scene::quantile(live.latency.each_s, 0.5),
+      1e3 * scene::quantile(live.latency.each_s, 0.99), live.pace->overruns(),
+      live.totals.score().skittles_down);
+  for (const auto& source : live.sources) text += "; " + source->report(live.session.now());
+  say("{}\n", text);
+}
+
+/// Where the time went from a head's sample to its frame.
+void print_stages(const scene::FrameLatency& latency) {
+  const scene::FrameStages mean = latency.mean();
+  say("{:11}mean {:.1f} ms: {:.1f} until its tick was made, {:.1f} until a frame was due, {:.1f} "
+      "until it was drawn, {:.1f} until it was out\n",
+      "", 1e3 * mean.sum(), 1e3 * mean.ticked, 1e3 * mean.waited, 1e3 * mean.drawn,
+      1e3 * mean.published);
+}
+
+namespace {
+
+nlohmann::json summary_of(const devices::LiveSource& source) {
+  nlohmann::json j = {{"source", source.name()}, {"activity", source.activity()}};
+  for (const auto& [name, count] : source.counts()) j[name] = count;
+  return j;
+}
+
+}  // namespace
+
+nlohmann::json summary(const Live& live, const LiveOptions& options) {
+  nlohmann::json j = scene::summary(live.session, live.totals.score());
+  j["output"] = options.record ? nlohmann::json(*options.record) : nlohmann::json();
+  j["duration_s"] = seconds(live.session.now());
+  j["samples"] = live.samples;
+  j["frames"] = live.frames;
+  j["late_frames"] = live.eyes->late();
+  j["overruns"] = live.pace->overruns();
+  j["drawing_failures"] = live.drawing_failures;
+  j["latency_median_s"] = scene::quantile(live.latency.each_s, 0.5);
+  j["latency_p99_s"] = scene::quantile(live.latency.each_s, 0.99);
+  const scene::FrameStages mean = live.latency.mean();
+  j["latency_mean_s"] = mean.sum();
+  j["latency_stages"] = {{"ticked_s", mean.ticked},
+                         {"waited_s", mean.waited},
+                         {"drawn_s", mean.drawn},
+                         {"published_s", mean.published}};
+  j["sources"] = nlohmann::json::array();
+  for (const auto& source : live.sources) j["sources"].push_back(summary_of(*source));
+  return j;
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+
+#include "apps/live.h"
+#include "apps/live_eyes.h"
+#include "devices/lcm/link.h"
+#include "devices/live/source.h"
+#include "scene/play/run.h"
+#include "scene/watch/totals.h"
+#include "scene/watch/trial_writer.h"
+
+/// What a live session reports: on standard error while it runs, in its trial, and at its end.
+namespace headpin::apps {
+
+/// Everything a live session holds.
+struct Live {
+  std::shared_ptr<scene::RealTime> pace = std::make_shared<scene::RealTime>();
+  std::vector<std::unique_ptr<devices::LiveSource>> sources;
+  scene::Session session;
+  std::unique_ptr<scene::TrialWriter> writer;
+  std::unique_ptr<devices::LcmLink> link, session_link;  ///< to others
+  std::unique_ptr<scene::TrialWriter> publisher;         ///< over the latter
+  devices::TrialHeader header;                           ///< whose session it is
+  scene::Totals totals;
+  std::unique_ptr<scene::FramesBeside> eyes;
+  std::int64_t samples = 0, frames = 0, drawing_failures = 0;
+  scene::FrameLatency latency;
+};
+
+/// Writes an event that belongs to no tick: to the recording and to the listeners.
+void write(Live& live, const devices::Event& event);
+
+/// Counts samples and frames, and prints a line about the session every ten seconds.
+class Reporter : public scene::Observer {
+ public:
+  explicit Reporter(Live& live) : live_(live) {}
+  void tick(const scene::Session& session) override;
+  void finish();
+
+ private:
+  void take_frames();
+  void take_failures();
+  devices::Event event_now(std::string_view kind, std::string detail) const;
+  /// What was said of a source.
+  struct Said {
+    std::string trouble;
+    devices::AmissNews amiss;
+  };
+  void report_trouble(const devices::LiveSource& source, Said& said);
+  void report_amiss(const devices::LiveSource& source, const std::vector<std::string>& news);
+  void report_loss();
+
+  Live& live_;
+  std::map<const devices::LiveSource*, Said> said_;
+  Time next_line_{10'000'000};
+  Time next_look_{};  ///< at the recording
+  bool lost_ = false;
+};
+
+/// The line that is printed every ten seconds.
+void print_line(const Live& live);
+
+/// The mean latency from a sample of the head to its frame, stage by stage.
+void print_stages(const scene::FrameLatency& latency);
+
+/// What `--json` prints.
+nlohmann::json summary(const Live& live, const LiveOptions& options);
+
+}  // namespace headpin::apps

@@ -1,0 +1,344 @@
+#include <algorithm>
+#include <functional>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "scene/people/throw.h"
+#include "scene/people/throw_motion.h"
+#include "scene/play/quantile.h"
+
+// Whether a recording is a person's throw, and what to mend where it is not.
+namespace headpin::scene {
+namespace {
+
+using devices::MotionRecording;
+
+// What a body allows. Standing adults' eyes are 1.4 to 1.8 m up (5th percentile of women to 95th of
+// men); wider here for the young, the tall, and headsets worn high. Bowlers let the ball go at up
+// to 9.4 m/s.
+constexpr double kLowestHead = 1.2, kHighestHead = 2.1;       // m, median
+constexpr double kShortestReach = 0.5, kLongestReach = 1.25;  // m, head to hand, at its largest
+constexpr double kFastestHand = 10.5;                         // m/s, hand at its fastest
+constexpr double kFastestHead = 3.0;                          // m/s
+constexpr double kLeastUpright = 0.7;  // cosine of the head's mean tilt before the release
+constexpr double kMostRoll = 0.4;      // sine of the head's roll, but for a tenth of the time
+constexpr double kMostUpward = 0.2;    // sine of its mean look upward: the target is on the floor
+constexpr double kLeastAtBall = 0.5;   // cosine between look and ball as it is taken
+constexpr double kLeastAlong = 0.906;  // cosine between look and throw from above, 25 degrees
+constexpr double kLowestRate = 45.0, kHighestRate = 250.0;  // Hz
+constexpr double kUsualRate = 59.0;                         // Hz; head-mounted displays: 60 and up
+constexpr double kLongestGap = 0.1, kUsualGap = 0.05;       // s
+constexpr std::size_t kFewestSamples = 100;
+constexpr double kShortestDuration = 2.0;  // s
+
+template <typename Value>
+std::vector<double> values(const std::vector<Pose>& track, const Value& value) {
+  std::vector<double> all;
+  all.reserve(track.size());
+  for (const Pose& pose : track) all.push_back(value(pose));
+  return all;
+}
+
+double median_height(const std::vector<Pose>& track) {
+  return quantile(values(track, [](const Pose& pose) { return pose.p.y(); }), 0.5);
+}
+
+double usual_roll(const std::vector<Pose>& head) {
+  const auto roll = [](const Pose& pose) { return std::abs((pose.q * Vec3::UnitX()).y()); };
+  return quantile(values(head, roll), 0.9);
+}
+
+double longest_reach(const MotionRecording& r, const std::vector<Pose>& hand) {
+  double reach = 0.0;
+  for (std::size_t i = 0; i < hand.size(); ++i) {
+    reach = std::max(reach, (hand[i].p - r.head[i].p).norm());
+  }
+  return reach;
+}
+
+/// How far a hand is to the right of the head, on average over the swing.
+double mean_side(const MotionRecording& r, const Throw& found, const std::vector<Pose>& hand) {
+  const auto [begin, end] = samples_of_swing(r, found);
+  double sum = 0.0;
+  for (std::size_t i = begin; i < end; ++i) {
+    const Vec3 look = horizontal(r.head[i].q * -Vec3::UnitZ()).normalized();
+    sum += (hand[i].p - r.head[i].p).dot(look.cross(kUp));
+  }
+  return sum / static_cast<double>(end - begin);
+}
+
+/// How upright the head is in the swing: the mean height of its unit up axis.
+double mean_upright(const MotionRecording& r, const Throw& found) {
+  const auto [begin, end] = samples_of_swing(r, found);
+  double upright = 0.0;
+  for (std::size_t i = begin; i < end; ++i) upright += (r.head[i].q * kUp).y();
+  return upright / static_cast<double>(end - begin);
+}
+
+std::vector<std::string> problems_of_length(const MotionRecording& r) {
+  std::vector<std::string> problems;
+  const std::size_t n = r.times.size();
+  const double duration = n < 2 ? 0.0 : seconds(r.times.back() - r.times.front());
+  if (n < kFewestSamples || duration < kShortestDuration) {
+    problems.push_back(fmt::format("{} samples in {:.3g} s, expected at least {} in {} s", n,
+                                   duration, kFewestSamples, kShortestDuration));
+    return problems;
+  }
+  const double rate = static_cast<double>(n - 1) / duration;
+  if (rate < kLowestRate || rate > kHighestRate) {
+    problems.push_back(
+        fmt::format("{:.4g} samples a second, expected {} to {}", rate, kLowestRate, kHighestRate));
+  }
+  for (std::size_t i = 1; i < n; ++i) {
+    const double gap = seconds(r.times[i] - r.times[i - 1]);
+    if (gap > kLongestGap) {
+      problems.push_back(
+          fmt::format("nothing for {:.3g} s from {:.3g} s on, expected no gap above {}", gap,
+                      seconds(r.times[i - 1]), kLongestGap));
+      break;
+    }
+  }
+  return problems;
+}
+
+/// The complaints about one recording.
+class Complaints {
+ public:
+  void expect(std::string_view what, double value, double low, double high, const char* unit) {
+    claim(value >= low && value <= high, [&] {
+      return fmt::format("{} {:.3g} {}, expected {} to {}", what, value, unit, low, high);
+    });
+  }
+  template <typename Otherwise>
+  void claim(bool holds, const Otherwise& otherwise) {
+    if (!holds) all.push_back(otherwise());
+  }
+
+  std::vector<std::string> all;
+};
+
+std::string of_hand(Side side, const char* what) {
+  return fmt::format("the {} hand{}", side == Side::left ? "left" : "right", what);
+}
+
+Side other_than(Side side) {
+  return side == Side::left ? Side::right : Side::left;
+}
+
+/// Height of the head, reach and speed of the hands.
+void check_body(const MotionRecording& r, const Throw& found, Complaints& out) {
+  const Side other = other_than(found.side);
+  const std::vector<Pose>&throwing = throwing_hand(r, found.side),
+        &resting = throwing_hand(r, other);
+  out.expect("the head is up", median_height(r.head), kLowestHead, kHighestHead, "m");
+  out.expect(of_hand(found.side, " goes from the head up to"), longest_reach(r, throwing),
+             kShortestReach, kLongestReach, "m");
+  out.expect(of_hand(other, " goes from the head up to"), longest_reach(r, resting), 0.0,
+             kLongestReach, "m");
+  out.expect(of_hand(found.side, "'s fastest is"), found.peak_hand_speed, kSlowestThrow,
+             kFastestHand, "m/s");
+  out.expect(of_hand(other, "'s fastest is"), fastest(r, resting), 0.0, kFastestHand, "m/s");
+  out.expect("the head's fastest is", fastest(r, r.head), 0.0, kFastestHead, "m/s");
+}
+
+/// The head is upright, level, and looks along the throw and at the ball.
+void check_head(const MotionRecording& r, const Throw& found, const Hand& hand, Complaints& out) {
+  const double upright = mean_upright(r, found), roll = usual_roll(r.head);
+  out.claim(upright > kLeastUpright, [&] {
+    return fmt::format(
+        "the head is not upright: its up axis rises by {:.2f} of its length, expected more than {}",
+        upright, kLeastUpright);
+  });
+  out.claim(roll < kMostRoll, [&] {
+    return fmt::format(
+        "the head is held aslant: its right rises or falls by {:.2f} of its length, expected less "
+        "than {}",
+        roll, kMostRoll);
+  });
+  const Vec3 look = mean_look(r, found);
+  out.claim(look.y() < kMostUpward, [&] {
+    return fmt::format("the head looks up ({:.2f} of its line of sight), expected less than {}",
+                       look.y(), kMostUpward);
+  });
+  const Vec3 along = horizontal(hand_velocity_at(r, found, hand)).normalized();
+  out.claim(horizontal(look).normalized().dot(along) > kLeastAlong, [&] {
+    return fmt::format(
+        "the head looks towards x {:.2f}, z {:.2f}, not along the throw towards x {:.2f}, z {:.2f}",
+        look.x(), look.z(), along.x(), along.z());
+  });
+  const Pose& head = r.head[found.grab];
+  const Vec3 at_ball = (throwing_hand(r, found.side)[found.grab].p - head.p).normalized();
+  const double on_ball = at_ball.dot(head.q * -Vec3::UnitZ());
+  out.claim(found.grab == 0 || on_ball > kLeastAtBall, [&] {
+    return fmt::format(
+        "the head does not look at the ball as the hand takes it: cosine {:.2f}, expected more "
+        "than {}",
+        on_ball, kLeastAtBall);
+  });
+}
+
+/// The hand that throws is on its own side of the head, and of the other hand.
+void check_side(const MotionRecording& r, const Throw& found, Complaints& out) {
+  const double sign = found.side == Side::right ? 1.0 : -1.0;
+  const std::vector<Pose>& resting = throwing_hand(r, other_than(found.side));
+  const double aside = sign * mean_side(r, found, throwing_hand(r, found.side));
+  if (resting.empty()) {
+    out.claim(aside > 0.0, [&] {
+      return fmt::format("{}: {:.2f} m of the head", of_hand(found.side, " is not on its side"),
+                         aside);
+    });
+    return;
+  }
+  const double others = sign * mean_side(r, found, resting);
+  out.claim(aside > 0.0 && aside > others, [&] {
+    return fmt::format(
+        "the {0} hand is not on the {0}: {1:.2f} m {0} of the head, the {2} hand "
+        "{3:.2f} m",
+        found.side == Side::right ? "right" : "left", aside,
+        found.side == Side::right ? "left" : "right", others);
+  });
+}
+
+}  // namespace
+
+std::vector<std::string> why_no_throw(const MotionRecording& r, const Hand& hand, Side side) {
+  Complaints out;
+  out.all = problems_of_length(r);
+  out.claim(!throwing_hand(r, side).empty(), [&] { return of_hand(side, " was not tracked"); });
+  if (!out.all.empty()) return out.all;  // nothing below can be measured
+
+  const Throw found = find_throw(r, hand, side);
+  check_body(r, found, out);
+  const Time release = r.times[found.release];
+  if (release - r.times[found.grab] < Time{300'000} || r.times.back() - release < Time{100'000}) {
+    out.all.push_back(fmt::format(
+        "the hand is fastest at {:.3g} s of {:.3g} to {:.3g} s: no room for lift, swing "
+        "and follow-through",
+        seconds(release), seconds(r.times.front()), seconds(r.times.back())));
+    return out.all;
+  }
+  check_head(r, found, hand, out);
+  check_side(r, found, out);
+  return out.all;
+}
+
+namespace {
+
+/// A common mistake, undone.
+struct Remedy {
+  const char* name;
+  std::function<void(Time&)> time;
+  std::function<void(Pose&)> pose;
+};
+
+MotionRecording remedied(MotionRecording r, const Remedy& remedy) {
+  if (remedy.time) std::ranges::for_each(r.times, remedy.time);
+  if (remedy.pose) {
+    for (auto* track : {&r.head, &r.left_hand, &r.right_hand}) {
+      std::ranges::for_each(*track, remedy.pose);
+    }
+  }
+  return r;
+}
+
+std::vector<Remedy> remedies() {
+  const auto scaled = [](double factor) { return [factor](Pose& pose) { pose.p *= factor; }; };
+  const auto slower = [](double factor) {
+    return [factor](Time& time) { time = microseconds(factor * seconds(time)); };
+  };
+  const auto mirrored = [](int axis) {
+    return [axis](Pose& pose) { pose.p[axis] = -pose.p[axis]; };
+  };
+  // A mirror turns a rotation about its own axis on, the others back.
+  const auto all_mirrored = [](int axis) {
+    return [axis](Pose& pose) {
+      pose.p[axis] = -pose.p[axis];
+      const double kept = pose.q.vec()[axis];
+      pose.q.vec() = -pose.q.vec();
+      pose.q.vec()[axis] = kept;
+    };
+  };
+  return {
+      {"in centimetres", {}, scaled(0.01)},
+      {"in metres", {}, scaled(100.0)},
+      {"in millimetres", {}, scaled(0.1)},
+      {"at a third of the size", {}, scaled(1.0 / 3.0)},
+      {"at three times the size", {}, scaled(3.0)},
+      {"with y and z exchanged", {}, [](Pose& pose) { std::swap(pose.p.y(), pose.p.z()); }},
+      {"with x mirrored", {}, mirrored(0)},
+      {"with y mirrored", {}, mirrored(1)},
+      {"with z mirrored", {}, mirrored(2)},
+      {"with x mirrored, rotations too", {}, all_mirrored(0)},
+      {"with z mirrored, rotations too", {}, all_mirrored(2)},
+      {"with its quaternions read as x, y, z, w",
+       {},
+       [](Pose& pose) { pose.q = Quat(pose.q.z(), pose.q.w(), pose.q.x(), pose.q.y()); }},
+      {"with its quaternions inverted", {}, [](Pose& pose) { pose.q = pose.q.conjugate(); }},
+      {"with time in seconds", slower(1000.0), {}},
+      {"with time in microseconds", slower(0.001), {}},
+      {"at half the speed", slower(2.0), {}},
+      {"at twice the speed", slower(0.5), {}},
+      {"at a tenth of the speed", slower(10.0), {}},
+      {"at ten times the speed", slower(0.1), {}},
+  };
+}
+
+}  // namespace
+
+std::vector<std::string> doubts(const MotionRecording& r) {
+  std::vector<std::string> said;
+  const std::size_t n = r.times.size();
+  if (n < 2) return said;
+  const double rate = static_cast<double>(n - 1) / seconds(r.times.back() - r.times.front());
+  if (rate < kUsualRate) {
+    said.push_back(fmt::format("{:.3g} samples a second are few, below {} the release is less sure",
+                               rate, kUsualRate));
+  }
+  double longest = 0.0;
+  std::size_t at = 0;
+  for (std::size_t i = 1; i < n; ++i) {
+    const double gap = seconds(r.times[i] - r.times[i - 1]);
+    if (gap > longest) longest = gap, at = i - 1;
+  }
+  if (longest > kUsualGap) {
+    said.push_back(
+        fmt::format("nothing for {:.3g} s from {:.3g} s on: what happened there is "
+                    "guessed from both sides",
+                    longest, seconds(r.times[at])));
+  }
+  return said;
+}
+
+Side throwing_side(const MotionRecording& r, const Hand& hand) {
+  if (r.right_hand.empty()) return Side::left;
+  if (r.left_hand.empty()) return Side::right;
+  if (why_no_throw(r, hand, Side::right).empty()) return Side::right;
+  if (why_no_throw(r, hand, Side::left).empty()) return Side::left;
+  return r.times.size() > 1 && fastest(r, r.left_hand) > fastest(r, r.right_hand) ? Side::left
+                                                                                  : Side::right;
+}
+
+void require_throw(const MotionRecording& recording, const Hand& hand, const std::string& where,
+                   Side side) {
+  const std::vector<std::string> problems = why_no_throw(recording, hand, side);
+  if (problems.empty()) return;
+  std::string message = fmt::format("{}: not a person's throw: {}", where, problems.front());
+  const Side other = side == Side::left ? Side::right : Side::left;
+  MotionRecording exchanged = recording;  // of one hand, which may be the other
+  if (throwing_hand(recording, other).empty()) std::swap(exchanged.left_hand, exchanged.right_hand);
+  if (why_no_throw(exchanged, hand, other).empty()) {
+    message +=
+        fmt::format("; it would be one by the {} hand", other == Side::left ? "left" : "right");
+    throw std::invalid_argument(message);
+  }
+  for (const Remedy& remedy : remedies()) {
+    if (why_no_throw(remedied(recording, remedy), hand, side).empty()) {
+      message += fmt::format("; it would be one {}", remedy.name);
+      break;
+    }
+  }
+  throw std::invalid_argument(message);
+}
+
+}  // namespace headpin::scene

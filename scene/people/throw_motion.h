@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "scene/people/throw.h"
+
+/// What is measured on the tracks of a recorded throw, in its own frame; for the sources of throw.h.
+namespace headpin::scene {
+
+inline const Vec3 kUp = Vec3::UnitY();
+inline constexpr double kSlowestThrow = 3.0;  ///< of the hand, where it is fastest [m/s]
+inline constexpr Time kReadLate{28'000};      ///< a pose is used so long after its sample
+
+inline Vec3 horizontal(const Vec3& v) {
+  return Vec3(v.x(), 0.0, v.z());
+}
+
+/// Of a track at a sample, from the samples before and after it.
+Vec3 velocity(const std::vector<Time>& times, const std::vector<Pose>& track, std::size_t i);
+
+/// The largest speed between neighbours of a sample.
+double fastest(const devices::MotionRecording& r, const std::vector<Pose>& track);
+
+/// Of a ball held at p_HB, at its release: as a session computes it that uses each pose kReadLate
+/// after its sample.
+Twist ball_velocity(const devices::MotionRecording& r, std::size_t release, Side side,
+                    const Vec3& p_HB, const Hand& rules);
+
+/// Of the hand at the release, fitted as that of the ball is.
+Vec3 hand_velocity_at(const devices::MotionRecording& r, const Throw& found, const Hand& hand);
+
+/// The samples, first and end, of the second before the release. In it the thrower has lifted the
+/// ball and sees the lane.
+std::pair<std::size_t, std::size_t> samples_of_swing(const devices::MotionRecording& r,
+                                                     const Throw& found);
+
+/// The mean direction of sight in that second; not of unit length.
+Vec3 mean_look(const devices::MotionRecording& r, const Throw& found);
+
+}  // namespace headpin::scene
