@@ -13,7 +13,7 @@
 namespace headpin::apps {
 
 CLI::Option* add_look(CLI::App& command, std::optional<std::string>& value) {
-  std::string looks = "what is spent on a picture:";
+  std::string looks = "rendering quality of the pictures:";
   std::vector<std::string> names;
   for (const render::Look& look : render::looks()) {
     looks += fmt::format("\n{}: {}", look.name, look.meaning);
@@ -24,17 +24,24 @@ CLI::Option* add_look(CLI::App& command, std::optional<std::string>& value) {
 
 void add_condition_options(CLI::App& command, Condition& condition) {
   const std::string group =
-      "Condition (of every version of the game; what is not given stays as the trial has it)";
-  command.add_option("--elasticity", condition.elasticity, "of every object; pairs multiply")
+      "Condition (applies to every version of the game; options that are not given keep the values "
+      "of the trial)";
+  command
+      .add_option("--elasticity", condition.elasticity,
+                  "coefficient of restitution of every object (the paper: elasticity); two objects "
+                  "in contact: the product")
       ->check(number_from(0, 1))
       ->group(group);
-  command.add_option("--friction", condition.friction, "of every object; pairs multiply")
+  command
+      .add_option("--friction", condition.friction,
+                  "friction of every object; two objects in contact: the product")
       ->check(number_from(0, 1))
       ->group(group);
-  command.add_option("--shape", condition.shape, "what skittles collide as: ellipsoid or true")
+  command
+      .add_option("--shape", condition.shape, "collision shape of the skittles: ellipsoid or true")
       ->check(CLI::IsMember({"ellipsoid", "true"}))
       ->group(group);
-  std::string laws = "impulses of a collision; what is kept:";
+  std::string laws = "collision response; what each one conserves:";
   std::vector<std::string> names;
   for (const engine::Response& response : engine::responses()) {
     laws += fmt::format("\n{}: {}", response.name, response.keeps);
@@ -43,19 +50,25 @@ void add_condition_options(CLI::App& command, Condition& condition) {
   command.add_option("--response", condition.response, laws)
       ->check(CLI::IsMember(names))
       ->group(group);
-  command.add_option("--detection", condition.detection, "converged or paper")
+  command
+      .add_option("--detection", condition.detection,
+                  "collision detection: converged, or with the paper's cap on iterations")
       ->check(CLI::IsMember({"converged", "paper"}))
       ->group(group);
-  command.add_option("--iterations", condition.iterations, "cap of a detection query, 5 to 20")
+  command
+      .add_option("--iterations", condition.iterations,
+                  "cap on the iterations of a detection query, 5 to 20")
       ->check(CLI::Range(5, 20))
       ->group(group);
   command
       .add_flag("--warm", condition.warm,
-                "paper detection starts from the last normal (ours; in 1997 it did not)")
+                "warm start: each query of paper detection starts from the last normal (not in the "
+                "paper)")
       ->group(group);
   add_look(command, condition.look)->group(group);
   command
-      .add_option("--set", condition.set, "any value of the scenario, KEY=VALUE; may be repeated")
+      .add_option("--set", condition.set,
+                  "set any value of the scenario, KEY=VALUE; may be repeated")
       ->allow_extra_args(false)
       ->group(group);
 }

@@ -110,10 +110,10 @@ bool print_topic(const std::string& name) {
 void add_help(CLI::App& app) {
   const auto words = std::make_shared<std::vector<std::string>>();
   CLI::App* command =
-      app.add_subcommand("help", "Tell how a command is used, or which page is about a topic");
+      app.add_subcommand("help", "Show how to use a command, or which page explains a topic");
   command->add_option("COMMAND", *words,
-                      "a command such as replay, or a topic; `topics` lists the topics; without "
-                      "it, all commands");
+                      "a command such as replay, or a topic; `topics` lists the topics; default: "
+                      "list all commands");
   command->footer("Examples:\n  headpin help replay\n  headpin help topics");
   command->callback([words, &app] {
     if (words->size() == 1 && print_topic(words->front())) return;

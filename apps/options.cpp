@@ -42,7 +42,7 @@ CLI::Option* add_output(CLI::App& command, const std::string& names,
 }
 
 CLI::Option* add_force(CLI::App& command, bool& value) {
-  return command.add_flag("--force", value, "replace what is there");
+  return command.add_flag("--force", value, "replace the output files of an earlier run");
 }
 
 CLI::Option* add_json(CLI::App& command, bool& value) {
@@ -61,9 +61,9 @@ CLI::Option* add_gl(CLI::App& command, std::string& value) {
   });
   return command
       .add_option("--gl", value,
-                  "what draws: osmesa, or egl without a surface, both on the processor; the first "
-                  "that does when not given, here or in HEADPIN_GL; egl:auto or egl:NUMBER: a "
-                  "device as doctor lists them, a graphics card")
+                  "OpenGL context: osmesa or egl draw on the processor; egl:auto or egl:NUMBER "
+                  "draw on a device that `headpin doctor` lists, such as a graphics card; default: "
+                  "HEADPIN_GL, or else the first of osmesa and egl that works")
       ->check(CLI::Validator([](std::string& name) { return wrong_context(name); },
                              "osmesa|egl|egl:auto|egl:N"));
 }
@@ -75,15 +75,16 @@ CLI::Option* add_states(CLI::App& command, devices::States& value) {
           [&value](const std::string& name) {
             value = name == "all" ? devices::States::all : devices::States::changes;
           },
-          "how the trial tells the state of each tick: changes, by what is new in it, and whole "
-          "about once a second; all, always whole, for readers of format 1 [changes]")
+          "how the states of the ticks are stored. changes: only what changed, and a whole state "
+          "about once a second; all: every state whole, for readers of format 1 [changes]")
       ->check(CLI::IsMember({"changes", "all"}));
 }
 
 CLI::Option* add_longest_gap(CLI::App& command, double& value) {
   return command
       .add_option("--longest-gap", value,
-                  "seconds without a sample that the trial may have; more is taken for damage")
+                  "longest accepted gap between samples, in seconds; a longer one means that the "
+                  "trial is damaged")
       ->check(number_from(0.001, 1e6))
       ->capture_default_str();
 }

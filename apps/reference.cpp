@@ -28,12 +28,11 @@ std::string code(const std::string& text) {
 
 std::string scenario_page() {
   std::string out = fmt::format(
-      "# Every key of a scenario\n\n{}Metre, kilogram, second unless a name says otherwise. What a "
-      "scenario leaves out has the default: the paper's\nroom, "
-      "[paper-room.toml](../assets/scenarios/paper-room.toml). Unknown keys, wrong types and "
-      "values "
-      "out of range are refused with\nfile and line. `[]` is an entry of a list. One value is "
-      "changed by `--set KEY=VALUE`.\n\n"
+      "# Every key of a scenario\n\n{}Units are metre, kilogram and second, unless a name says "
+      "otherwise. A key that a scenario does not have gets its default value, from\nthe paper's "
+      "room, [paper-room.toml](../assets/scenarios/paper-room.toml). Unknown keys, wrong types and "
+      "values out of range are refused with\nfile and line. `[]` is an entry of a list. `--set "
+      "KEY=VALUE` changes one value.\n\n"
       "| key | value | allowed | default | meaning | source of the default "
       "|\n|---|---|---|---|---|---|\n",
       kWritten);
@@ -47,11 +46,10 @@ std::string scenario_page() {
 
 std::string tables_page() {
   std::string out = fmt::format(
-      "# Every column of `headpin export`\n\n{}CSV after RFC 4180: one line of names, then a row "
-      "an "
-      "observation. Numbers are the shortest that read back to the\nsame bits; times are exact. "
-      "`yes/no` is 1 or 0, a `hash` 16 hexadecimal digits. The same list is in `columns.csv` of "
-      "every export.\n",
+      "# Every column of `headpin export`\n\n{}The tables are CSV files as in RFC 4180: one line "
+      "of names, then one row per observation. Numbers have the fewest digits that read\nback to "
+      "the same bits; times are exact. `yes/no` is 1 or 0, a `hash` has 16 hexadecimal digits. "
+      "Every export has this list as `columns.csv`.\n",
       kWritten);
   std::string table;
   for (const devices::TableColumn& c : devices::table_columns()) {
@@ -67,12 +65,11 @@ std::string tables_page() {
 
 std::string channels_page() {
   std::string out = fmt::format(
-      "# LCM channels and types\n\n{}A trial is one LCM event log; a live session speaks the same "
-      "messages. Types of `headpin` unless they are said to be\nwire-compatible with another's; "
-      "the "
-      "`.lcm` files are in `devices/lcm/types`, in `share/headpin/types` once installed, and whole "
-      "in "
-      "the\nheader of every trial.\n\n| channel | type | when |\n|---|---|---|\n",
+      "# LCM channels and types\n\n{}A trial is one LCM event log; a live session publishes the "
+      "same messages. The types belong to `headpin`, unless they are\nwire-compatible with another "
+      "project's. The `.lcm` files are in `devices/lcm/types`, in `share/headpin/types` after "
+      "installation, and in\nthe header of every trial.\n\n| channel | type | when "
+      "|\n|---|---|---|\n",
       kWritten);
   for (const ChannelUse& use : channel_uses()) {
     out += fmt::format("| `{}` | `{}` | {} |\n", use.channel, use.type, use.when);
@@ -82,10 +79,10 @@ std::string channels_page() {
 
 std::string json_page() {
   std::string out = fmt::format(
-      "# Every key of `--json`\n\n{}One object on standard output, a failure too. The unit is the "
-      "end of the name: `_s` seconds, `_m` metres, `_j` joules, `_hz`\nper second, `_mps` metres a "
-      "second. A value that there is none of is `null`. A name means one thing, whichever command "
-      "prints it.\n\n| key | meaning |\n|---|---|\n",
+      "# Every key of `--json`\n\n{}A command prints one object on standard output, also when it "
+      "fails. The end of a name is the unit: `_s` seconds, `_m` metres,\n`_j` joules, `_hz` per "
+      "second, `_mps` metres per second. A missing value is `null`. A name has the same meaning in "
+      "all commands.\n\n| key | meaning |\n|---|---|\n",
       kWritten);
   for (const JsonKey& key : json_keys()) {
     out += fmt::format("| `{}` | {} |\n", key.key, cell(key.meaning));
@@ -95,9 +92,9 @@ std::string json_page() {
 
 std::string events_page() {
   std::string out = fmt::format(
-      "# Every kind of event\n\n{}On the channel `EVENT`; all but `end` in `info` and in "
-      "`events.csv` too. `bodies` "
-      "are those it happened to, the impulse is on the first of them.\n\n"
+      "# Every kind of event\n\n{}Events are messages on the channel `EVENT`; `info` and "
+      "`events.csv` have all of them except `end`. `bodies` are the bodies of the event;\nthe "
+      "impulse acts on the first of them.\n\n"
       "| kind | when | point (in W) | value |\n|---|---|---|---|\n",
       kWritten);
   for (const scene::EventKind& kind : scene::kEventKinds) {
@@ -112,23 +109,25 @@ std::vector<ChannelUse> channel_uses() {
   return {
       {"HEADPIN_TRIAL", "trial_t", "first message of every trial"},
       {"TRACKER", "tracked_device_t",
-       "each sample of each receiver; `live` takes them from others"},
+       "each sample of each receiver; `live` receives them from others"},
       {"MOUSE3D", "mouse3d_t",
-       "each change of a button, from `emulate` ten times a second too; `live` takes them from "
-       "others"},
-      {"EVENT", "event_t", "as things happen"},
-      {"STATE", "state_t", "every tick of a simulation, in a file about every second"},
+       "each change of a button, and from `emulate` also ten times per second; `live` receives "
+       "them from others"},
+      {"EVENT", "event_t", "each event"},
+      {"STATE", "state_t", "every tick of a simulation; in a file about once per second"},
       {"STATE_CHANGE", "state_change_t",
-       "the ticks between, in a file (format 2; not with `--states all`)"},
+       "in a file: the ticks between two STATE messages (format 2; not with `--states all`)"},
       {"FRAME", "frame_t", "each frame that was drawn"},
       {"SESSION_...", "the same six",
-       "`live`: its own trial as it comes about, the header every second: what a logger keeps is "
-       "a trial"},
-      {"HEAD_POSE", "rigid_transform_t", "`stream`: the display in the world, each good sample"},
-      {"HAND_POSE", "rigid_transform_t", "`stream`: the virtual hand in the world, likewise"},
-      {"HEADPIN_EYES", "image_array_t", "`live`: both eyes, each frame"},
+       "`live`: the session's own trial while it runs, with the header every second, so that a "
+       "recording by a logger is a trial"},
+      {"HEAD_POSE", "rigid_transform_t",
+       "`stream`: pose of the display in the world, each good sample"},
+      {"HAND_POSE", "rigid_transform_t",
+       "`stream`: pose of the virtual hand in the world, each good sample"},
+      {"HEADPIN_EYES", "image_array_t", "`live`: pictures of both eyes, each frame"},
       {"DRAKE_VIEWER_LOAD_ROBOT", "viewer_load_robot_t", "`live`: the bodies, every five seconds"},
-      {"DRAKE_VIEWER_DRAW", "viewer_draw_t", "`live`: where they are, each frame"},
+      {"DRAKE_VIEWER_DRAW", "viewer_draw_t", "`live`: poses of the bodies, each frame"},
   };
 }
 

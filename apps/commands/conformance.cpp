@@ -199,23 +199,23 @@ std::string client_names() {
 
 void add_conformance(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
-      "conformance", "Try a Fastrak, real or emulated, with what known clients send and need");
+      "conformance", "Test whether a Fastrak, real or emulated, works with known clients");
   const auto options = std::make_shared<ConformanceOptions>();
-  command->add_option("LINE", options->line, "serial port, or tcp:HOST:PORT")->required();
-  command->add_option("--baud", options->baud, "of the port")
+  command->add_option("LINE", options->line, "serial port or tcp:HOST:PORT of the unit")
+      ->required();
+  command->add_option("--baud", options->baud, "baud rate of the port")
       ->check(CLI::IsMember({2400, 4800, 9600, 19200, 38400, 57600, 115200}))
       ->capture_default_str();
-  command->add_option("--client", options->client, "only this one");
-  command->add_option("--seconds", options->seconds, "of records for each")
+  command->add_option("--client", options->client, "test only this client");
+  command->add_option("--seconds", options->seconds, "seconds of records to read for each client")
       ->check(number_from(0.5, 3600.0))
       ->capture_default_str();
   add_json(*command, options->json);
-  command->footer(
-      "Clients: " + client_names() +
-      ".\nBefore them, its readings: in inches, centimetres and binary they must be of the "
-      "same place.\nWhat fails is tried a second time. Takes some two minutes and leaves the unit "
-      "running in its factory's set-up, "
-      "nothing saved.\n\nExample:\n  headpin conformance /dev/ttyUSB0");
+  command->footer("Clients: " + client_names() +
+                  ".\nFirst, the command reads one pose in inches, in centimetres and in binary; "
+                  "the three must agree.\nA check that fails is repeated once. All checks take "
+                  "about two minutes. The unit is left running in\nits factory settings; nothing "
+                  "is saved in it.\n\nExample:\n  headpin conformance /dev/ttyUSB0");
   command->callback([options] { examine_unit(*options); });
 }
 

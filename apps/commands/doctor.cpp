@@ -153,13 +153,13 @@ void diagnose(bool json, const std::string& gl) {
 void add_doctor(CLI::App& app) {
   auto json = std::make_shared<bool>(false);
   auto gl = std::make_shared<std::string>();
-  CLI::App* command = app.add_subcommand("doctor", "Tell what works on this machine");
+  CLI::App* command = app.add_subcommand("doctor", "Check what works on this computer");
   add_json(*command, *json);
   add_gl(*command, *gl);
   command->footer(
-      "Only pictures need OSMesa or EGL, only videos ffmpeg; without a multicast route every "
-      "command works\n"
-      "with file:// and memq:// URLs. R is for what is to come.\n\nExample:\n  headpin doctor");
+      "OSMesa or EGL is needed only for pictures, ffmpeg only for videos, R only for `experiment "
+      "analyse`.\nWithout a multicast route, commands still work with file:// and memq:// "
+      "URLs.\n\nExample:\n  headpin doctor");
   command->callback([json, gl] { diagnose(*json, *gl); });
 }
 

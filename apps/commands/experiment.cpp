@@ -8,7 +8,7 @@ CLI::Option* add_study(CLI::App& command, std::string& folder) {
 
 void add_experiment(CLI::App& app) {
   CLI::App* group = app.add_subcommand(
-      "experiment", "Plan, play, ask and score an experiment: a study is a folder");
+      "experiment", "Plan, play, score and analyse an experiment in the folder of a study");
   group->require_subcommand(1);
   add_experiment_plan(*group);
   add_experiment_run(*group);
@@ -20,8 +20,9 @@ void add_experiment(CLI::App& app) {
   add_experiment_report(*group);
   add_experiment_status(*group);
   group->footer(
-      "A study has design.toml, scenario.toml, questionnaire.toml and plan.csv, and whatever was "
-      "played,\nanswered and counted beside them. Every command takes the folder.\n\n"
+      "The folder of a study contains design.toml, scenario.toml, questionnaire.toml and plan.csv, "
+      "and the\nsessions, answers and tables. Every command takes the folder as its first "
+      "argument.\n\n"
       "Example:\n  headpin experiment plan -o study --design uno-slater-1997 --seed 7\n"
       "  headpin experiment status study");
 }

@@ -172,16 +172,17 @@ void analyse(const AnalyseOptions& options) {
 }  // namespace
 
 void add_experiment_analyse(CLI::App& group) {
-  CLI::App* command = group.add_subcommand("analyse", "Fit the design's model with R's glm");
+  CLI::App* command = group.add_subcommand("analyse", "Fit the design's model with glm of R");
   const auto options = std::make_shared<AnalyseOptions>();
   add_study(*command, options->study);
   add_mixing(*command, options->mixing);
   add_json(*command, options->json);
   command->footer(
-      "The script is model.R in the study; it is written once and run as it stands, so change it. "
-      "Estimates\nare in analysis/table-6.csv, bias-reduced ones beside them (r-cran-brglm2) for "
-      "those that separation\nleaves without an end; predictors, fit, terms dropped one by one, "
-      "leverage and pictures beside it.\n\n"
+      "The R script is model.R in the study's folder. It is written once; you may change it, and "
+      "the command\nruns it as it is. The estimates are in analysis/table-6.csv; for terms with "
+      "separation, whose estimates\nare infinite, there are bias-reduced estimates too (R package "
+      "brglm2). The same folder has the\npredictors, the fit, the models without one term, "
+      "leverages and plots.\n\n"
       "Example:\n  headpin experiment analyse study");
   command->callback([options] { analyse(*options); });
 }

@@ -199,23 +199,24 @@ void ask(const AskOptions& options) {
 
 void add_experiment_ask(CLI::App& group) {
   CLI::App* command = group.add_subcommand(
-      "ask", "Have a participant answer the questions, or take in paper forms");
+      "ask", "Ask a participant the questions, or read answers from paper forms");
   const auto options = std::make_shared<AskOptions>();
   add_study(*command, options->study);
-  command->add_option("--participant", options->participant, "who answers");
+  command->add_option("--participant", options->participant, "participant who answers");
   command->add_option("--language", options->language,
-                      "of the questions; the first when not given");
+                      "language of the questions; default: the first in the questionnaire");
   command->add_option("--from", options->from,
-                      "forms typed in (.csv): a row a participant and a column an item, or columns "
-                      "participant, item, answer");
-  command->add_flag("--virtual", options->is_virtual,
-                    "answers are drawn from the published model; files and tables say so");
-  command->add_flag("--all", options->all, "all virtual participants; with --virtual");
+                      "file with the answers of paper forms (.csv): one row per participant and "
+                      "one column per item, or the columns participant, item, answer");
+  command->add_flag(
+      "--virtual", options->is_virtual,
+      "draw the answers from the published model; files and tables mark them as virtual");
+  command->add_flag("--all", options->all, "with --virtual: all virtual participants");
   add_json(*command, options->json);
   command->footer(
-      "A form on the terminal: every answer is on the disk at once, and the same command goes on "
-      "where it\nwas left. n/a stands for a question that somebody does not answer. Answers are in "
-      "answers/NAME.csv.\n\n"
+      "The command shows a form on the terminal. It stores each answer at once; when it is "
+      "interrupted, the\nsame command continues with the next question. Type n/a for a question "
+      "without an answer. The answers\nare in answers/NAME.csv.\n\n"
       "Example:\n  headpin experiment ask study --participant p001\n"
       "  headpin experiment ask study --from forms.csv");
   command->callback([options] { ask(*options); });

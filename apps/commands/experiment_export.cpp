@@ -195,19 +195,19 @@ void add_experiment_export(CLI::App& group) {
   CLI::App* command = group.add_subcommand("export", "Write the whole study as Motion-BIDS");
   const auto options = std::make_shared<ExportStudyOptions>();
   add_study(*command, options->study);
-  add_output(*command, "--motion-bids", options->output, "folder to write the dataset to")
-      ->required();
+  add_output(*command, "--motion-bids", options->output, "folder for the dataset")->required();
   command->add_flag("--deidentify", options->deidentify,
-                    "numbers in place of names, no trials (they have the date), and a list of what "
-                    "the motion itself gives away");
-  command->add_option("--jobs", options->jobs, "sessions that are measured at a time")
+                    "write numbers instead of names, leave out the trials (they contain the date), "
+                    "and list what the motion data still reveal");
+  command->add_option("--jobs", options->jobs, "number of sessions to process in parallel")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   add_json(*command, options->json);
   command->footer(
-      "A subject a participant whose session counts: both receivers, the simulated bodies 60 times "
-      "a\nsecond, events with the buttons, participants.tsv, answers in phenotype/, trials in "
-      "sourcedata/.\n`headpin import` reads a session back to the same samples.\n\n"
+      "The dataset has one subject for each participant whose session counts: both receivers, the "
+      "simulated\nbodies at 60 Hz, events with the buttons, participants.tsv, answers in "
+      "phenotype/, and trials in\nsourcedata/. `headpin import` reads a session back to the same "
+      "samples.\n\n"
       "Example:\n  headpin experiment export study --motion-bids dataset\n"
       "  headpin import dataset/sub-p001/motion/"
       "sub-p001_task-bowling_tracksys-head_run-01_motion.tsv -o again.lcmlog");

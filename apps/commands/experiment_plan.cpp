@@ -189,28 +189,29 @@ void plan_study(const PlanOptions& options) {
 
 void add_experiment_plan(CLI::App& group) {
   CLI::App* command =
-      group.add_subcommand("plan", "Begin a study, or add participants to its plan");
+      group.add_subcommand("plan", "Create a study, or add participants to its plan");
   const auto options = std::make_shared<PlanOptions>();
   add_output(*command, "-o,--output", options->output, "folder of the study")->required();
   CLI::Option* design =
       command
-          ->add_option("--design", options->design,
-                       "a design that comes along (uno-slater-1997, elasticity-friction-shape), or "
-                       "a TOML file")
+          ->add_option(
+              "--design", options->design,
+              "a bundled design (uno-slater-1997 or elasticity-friction-shape) or a TOML file")
           ->capture_default_str();
-  command->add_option("--seed", options->seed, "of the allotment; 1 when not given")->check(seed());
+  command->add_option("--seed", options->seed, "seed of the random allotment; default: 1")
+      ->check(seed());
   command
       ->add_option("--people", options->people,
-                   "participants in all; one block of the design when not given")
+                   "total number of participants; default: one block of the design")
       ->check(CLI::Range(1, 100000));
   command->add_option("--replace", options->replace,
-                      "add one who gets the conditions of this participant, who dropped out");
+                      "add a participant who gets the conditions of this one, who dropped out");
   add_json(*command, options->json);
   command->footer(
-      "Participants are allotted at random within blocks: each block has every row of the design "
-      "as\noften as it says, and half of those with the same changed parameter play the changed "
-      "version first,\nhalf behind the red button. More people later are added; nobody who is in "
-      "the plan is moved.\n\n"
+      "Participants are allotted to conditions at random within blocks. Each block has every row "
+      "of the design\nas often as the design says. Of those with the same changed parameter, half "
+      "play the changed version\nfirst, and for half it is behind the red button. A larger "
+      "--people adds participants later; those in\nthe plan keep their conditions.\n\n"
       "Example:\n  headpin experiment plan -o study --design uno-slater-1997 --seed 7\n"
       "  headpin experiment plan -o study --people 36");
   command->callback([options, design] {

@@ -132,21 +132,25 @@ void tell_power(PowerOptions options) {
 
 void add_experiment_power(CLI::App& group) {
   CLI::App* command = group.add_subcommand(
-      "power", "How often a study of so many people would find what the published model says");
+      "power", "Simulate studies: how often would they find the effects of the published model?");
   const auto options = std::make_shared<PowerOptions>();
-  command->add_option("--design", options->design, "one that comes along, or a TOML file")
+  command->add_option("--design", options->design, "a bundled design or a TOML file")
       ->capture_default_str();
-  command->add_option("--people", options->people, "in a study; several are separated by commas")
+  command
+      ->add_option("--people", options->people,
+                   "number of people in a study; several numbers separated by commas")
       ->delimiter(',')
       ->check(CLI::Range(2, 10000))
       ->capture_default_str();
-  command->add_option("--studies", options->studies, "that are simulated for each number of people")
+  command
+      ->add_option("--studies", options->studies,
+                   "number of simulated studies for each number of people")
       ->check(CLI::Range(1, 1000000))
       ->capture_default_str();
-  command->add_option("--seed", options->seed, "of allotment and answers")
+  command->add_option("--seed", options->seed, "seed of allotment and answers")
       ->check(seed())
       ->capture_default_str();
-  command->add_option("--jobs", options->jobs, "numbers of people at a time")
+  command->add_option("--jobs", options->jobs, "numbers of people to simulate in parallel")
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   add_output(*command, "-o,--output", options->output,
@@ -154,10 +158,10 @@ void add_experiment_power(CLI::App& group) {
   add_force(*command, options->force);
   add_json(*command, options->json);
   command->footer(
-      "People are allotted as by `plan`, their answers drawn from the published model; a term is "
-      "found\nwhere the deviance without it grows by more than chi-squared's 95 % point, "
-      "3.84. Where the term has no\neffect, 5 % would be chance; more is what so few people do to "
-      "the test.\n\n"
+      "People are allotted as by `plan`, and their answers are drawn from the published model. A "
+      "term is found\nif the deviance grows by more than 3.84 without it (95 % quantile of "
+      "chi-squared). If a term has no\neffect, 5 % of studies would find it by chance; a larger "
+      "share shows that the test needs more people.\n\n"
       "Example:\n  headpin experiment power --people 18,72 --studies 200 -o power.csv");
   command->callback([options] { tell_power(*options); });
 }

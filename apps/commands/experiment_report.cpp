@@ -129,20 +129,20 @@ void add_experiment_report(CLI::App& group) {
   add_study(*command, options->study);
   add_output(*command, "-o,--output", options->output, "page to write (.html)")->required();
   add_mixing(*command, options->mixing);
-  command->add_option("--jobs", options->jobs, "sessions that are measured at a time")
+  command->add_option("--jobs", options->jobs, "number of sessions to process in parallel")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command->add_flag("--pages", options->pages,
-                    "write sessions/NAME/RUN.html, the page of a trial, where it is missing");
+                    "write the missing pages of trials, sessions/NAME/RUN.html");
   command->add_option(
       "--page", options->page,
-      "the page that --pages fills in, when not the one that came with the program");
+      "page template for --pages; default: the one that is installed with the program");
   add_force(*command, options->force);
   add_json(*command, options->json);
   command->footer(
-      "Design, tables beside the published ones, pictures, answers, and every throw as a small "
-      "picture, which opens\nthe page of its trial, sessions/NAME/RUN.html, where that is there: "
-      "--pages or `headpin report` writes it.\n\n"
+      "The page shows the design, the tables next to the published ones, plots, answers, and a "
+      "small picture of\nevery throw. The picture links to the page of its trial, "
+      "sessions/NAME/RUN.html, if that file exists;\n--pages or `headpin report` writes it.\n\n"
       "Example:\n  headpin experiment report study -o study.html --pages");
   command->callback([options] { report_study(*options); });
 }

@@ -221,24 +221,25 @@ void run_study(const RunOptions& options) {
 }  // namespace
 
 void add_experiment_run(CLI::App& group) {
-  CLI::App* command = group.add_subcommand("run", "Play a participant's session, both games");
+  CLI::App* command = group.add_subcommand("run", "Run a participant's session with both games");
   const auto options = std::make_shared<RunOptions>();
   add_study(*command, options->study);
-  command->add_option("--participant", options->participant, "whose session it is");
+  command->add_option("--participant", options->participant, "participant whose session it is");
   command->add_flag("--virtual", options->is_virtual,
-                    "a virtual participant plays it; trial and tables say so");
-  command->add_option("--trial", options->trial,
-                      "play the samples of this trial, at once, in the tracker's rig of its own");
-  command->add_flag("--all", options->all, "everybody who has not played; with --virtual");
-  command->add_option("--jobs", options->jobs, "sessions at a time, with --all")
+                    "a virtual participant plays; trial and tables say so");
+  command->add_option(
+      "--trial", options->trial,
+      "play the samples of this trial without waiting, with the trial's own tracker mounting");
+  command->add_flag("--all", options->all, "with --virtual: everybody who has not played yet");
+  command->add_option("--jobs", options->jobs, "with --all: number of sessions to run in parallel")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   const auto take_sources = add_source_options(*command, options->live);
   add_json(*command, options->json);
   command->footer(
-      "The session is sessions/NAME/run-01.lcmlog. One that is done is not played again; one that "
-      "was cut\noff stays, and the next is run-02. The study's scenario.toml says how the tracker "
-      "is mounted.\n\n"
+      "The session is recorded as sessions/NAME/run-01.lcmlog. A complete session is not played "
+      "again. If a\nsession was interrupted, its file stays, and the next one is run-02. The "
+      "study's scenario.toml says how\nthe tracker is mounted.\n\n"
       "Example:\n  headpin experiment run study --participant p001 fastrak:/dev/ttyUSB0\n"
       "  headpin experiment run study --all --virtual --jobs 2");
   command->callback([options, take_sources] {

@@ -86,18 +86,18 @@ void score(const ScoreOptions& options) {
 
 void add_experiment_score(CLI::App& group) {
   CLI::App* command =
-      group.add_subcommand("score", "Count answers, measure sessions, write the study's tables");
+      group.add_subcommand("score", "Count answers, measure sessions and write the study's tables");
   const auto options = std::make_shared<ScoreOptions>();
   add_study(*command, options->study);
   add_mixing(*command, options->mixing);
-  command->add_option("--jobs", options->jobs, "sessions that are simulated again at a time")
+  command->add_option("--jobs", options->jobs, "number of sessions to simulate in parallel")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   add_json(*command, options->json);
   command->footer(
-      "Writes tables/participants.csv (a row a participant; those who do not count say why), "
-      "Tables 2 to 4 of\nthe paper, and columns.csv, which says what each column is. Every session "
-      "is simulated again from its\ntrial.\n\n"
+      "The command simulates every session again from its trial. It writes tables/participants.csv "
+      "(one row per\nparticipant; for those who do not count, with the reason), Tables 2 to 4 of "
+      "the paper, and columns.csv,\nwhich explains each column.\n\n"
       "Example:\n  headpin experiment score study --jobs 2");
   command->callback([options] { score(*options); });
 }

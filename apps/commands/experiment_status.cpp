@@ -102,7 +102,7 @@ void tell_status(const StatusOptions& options) {
 
 void add_experiment_status(CLI::App& group) {
   CLI::App* command =
-      group.add_subcommand("status", "Who has played, what is missing, what to type next");
+      group.add_subcommand("status", "Show who has played, what is missing, and the next command");
   const auto options = std::make_shared<StatusOptions>();
   add_study(*command, options->study);
   add_json(*command, options->json);

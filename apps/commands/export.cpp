@@ -140,13 +140,13 @@ void add_export(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App* command = app.add_subcommand("export", "Write a trial as tables (CSV)");
   command->add_option("TRIAL", options->trial, "a trial (.lcmlog)")->required();
-  add_output(*command, "-o,--output", options->folder, "folder to write the tables to")->required();
+  add_output(*command, "-o,--output", options->folder, "folder for the tables")->required();
   add_force(*command, options->force);
   add_json(*command, options->json);
   command->footer(
-      "One row an observation, one column a quantity; numbers read back to the same bits.\n"
-      "trackers.csv, buttons.csv, events.csv, throws.csv (a throw a row), states.csv (a body and\n"
-      "tick a row), frames.csv (an eye and frame a row); columns.csv says what each column is.\n\n"
+      "Tables: trackers.csv, buttons.csv, events.csv, throws.csv (one row per throw), states.csv "
+      "(one row per\nbody and tick), frames.csv (one row per eye and frame). columns.csv explains "
+      "each column. The numbers\nread back to the same bits.\n\n"
       "Example:\n  headpin export game.lcmlog -o tables");
   command->callback([options] { export_trial(*options); });
 }

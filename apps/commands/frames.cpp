@@ -349,66 +349,74 @@ void draw_frames(const FramesOptions& options) {
 void add_frames(CLI::App& app) {
   auto options = std::make_shared<FramesOptions>();
   CLI::App* command =
-      app.add_subcommand("frames", "Draw what the participant saw: both eyes, frame by frame");
+      app.add_subcommand("frames", "Draw what the participant saw: one picture per eye and frame");
   command->add_option("trial", options->trial, "a trial (.lcmlog), replayed or not")->required();
   add_output(*command, "-o,--output", options->folder,
-             "folder for left_NNNNNN.png, right_NNNNNN.png and frames.csv: a new or empty one, or "
-             "with --force one that headpin filled");
+             "folder for left_NNNNNN.png, right_NNNNNN.png and frames.csv: a new or empty folder; "
+             "with --force also one that headpin wrote");
   add_output(*command, "--video", options->video,
-             "both eyes side by side, lossless (.mkv); a copy beside it (.mp4) plays anywhere");
-  command->add_flag("--no-mp4", options->no_copy, "without that copy");
+             "video to write, both eyes side by side, lossless (.mkv); a copy with the ending .mp4 "
+             "plays in any player");
+  command->add_flag("--no-mp4", options->no_copy, "with --video: do not write the .mp4 copy");
   add_output(
       *command, "--y4m", options->y4m,
-      "both eyes side by side as YUV4MPEG2 (4:4:4, BT.601), for other programs; - is standard "
-      "output. Colours are rounded: not for comparing");
-  command->add_option("--layout", options->layout, "of the PNG files: an eye each, or both in one")
+      "raw video to write (YUV4MPEG2, 4:4:4, BT.601), both eyes side by side, for other programs; "
+      "- is standard output. Colours are rounded, so do not use it to compare pictures");
+  command
+      ->add_option("--layout", options->layout,
+                   "layout of the PNG files: one file per eye, or both eyes in one file")
       ->check(CLI::IsMember({"separate", "side-by-side"}))
       ->capture_default_str();
   command->add_flag(
       "--depth", options->files.depth,
-      "how far what each pixel sees is along the eye's axis: NAME_depth.png, 16 bits, "
-      "millimetres, 0 for nothing; NAME_depth.raw, 32-bit floats, metres");
+      "write the depth of each pixel along the viewing axis: NAME_depth.png has millimetres in 16 "
+      "bits, 0 where nothing is seen; NAME_depth.raw has metres as 32-bit floats");
   command->add_flag("--ids", options->files.ids,
-                    "what each pixel sees: NAME_ids.png, 16 bits; ids.csv says what is what");
+                    "write which object each pixel shows: NAME_ids.png has 16-bit numbers, ids.csv "
+                    "has the object of each number");
   command
       ->add_option("--view", options->view,
-                   "eyes, or to see who throws: third-person from behind, top from above")
+                   "viewpoint: eyes; third-person, from behind the participant; or top, from above")
       ->check(CLI::IsMember({"eyes", "third-person", "top"}))
       ->capture_default_str();
-  command->add_option("--frames", options->frames, "only these, such as 10-20,35");
-  command->add_option("--fps", options->fps, "frames a second; the scenario's when not given")
+  command->add_option("--frames", options->frames, "draw only these frames, such as 10-20,35");
+  command->add_option("--fps", options->fps, "frame rate; default: that of the scenario")
       ->check(CLI::Range(1, 1000));
   command
-      ->add_option("--jobs", options->jobs,
-                   "processes that draw a folder, each a part of it; the files are the same")
+      ->add_option(
+          "--jobs", options->jobs,
+          "number of processes that draw the folder in parallel; the files do not depend on it")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
   command->add_flag("--resume", options->resume,
-                    "parts of a folder that are drawn stay in DIR.parts when this ends early, and "
-                    "those that are there are not drawn again");
+                    "continue an interrupted run: finished parts of the folder are kept in "
+                    "DIR.parts and are not drawn again");
   add_gl(*command, options->gl);
   add_look(*command, options->look);
   command
       ->add_option("--samples", options->samples,
-                   "N^2 + 1 samples a pixel, 1 is one, instead of the trial's or the look's")
+                   "anti-aliasing: N^2 + 1 samples per pixel, or one with N = 1; default: as the "
+                   "trial or --look says")
       ->check(CLI::Range(1, 8));
   command
-      ->add_flag(
-          "--as-shown", options->as_shown,
-          "the frames that a live session showed, at their ticks, each held against its "
-          "recorded hash; a video shows each from its time to the next one's, and begins with the "
-          "trial or, with --frames, with the first of those")
+      ->add_flag("--as-shown", options->as_shown,
+                 "draw the frames that a live session showed, and compare each with its recorded "
+                 "hash; in a video each frame lasts until the next one, and the video begins with "
+                 "the trial or, with --frames, with the first of the chosen frames")
       ->excludes("--fps");
   command->add_flag("--verify", options->verify,
-                    "draw what a live session recorded of its frames, and compare the pictures");
+                    "draw the frames that a live session recorded, and compare the pictures with "
+                    "their recorded hashes");
   add_force(*command, options->force);
   add_longest_gap(*command, options->longest_gap);
   add_json(*command, options->json);
   command->footer(
-      "Display and look are the trial's own. To look through another, change it first:\n"
+      "Display and rendering quality are those of the trial. To use another display, change it "
+      "first:\n"
       "  headpin replay TRIAL --set hmd.profile=NAME -o OTHER\nNAME is one of " +
       render::hmd_profile_names() +
-      "; a single value is changed likewise, as by --set hmd.eye_distance=0.06.\n\n"
+      ". A single value is changed in the same way, for example with --set "
+      "hmd.eye_distance=0.06.\n\n"
       "Example:\n  headpin frames assets/trials/demo.lcmlog -o frames --video "
       "stereo.mkv");
   command->callback([options] { draw_frames(*options); });

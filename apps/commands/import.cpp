@@ -204,59 +204,61 @@ void import_throw(const ImportOptions& options) {
 }  // namespace
 
 void add_import(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("import", "Make a trial of a recorded throw");
+  CLI::App* command = app.add_subcommand("import", "Convert a recorded throw to a trial");
   const auto options = std::make_shared<ImportOptions>();
   command
       ->add_option("FILE", options->file,
-                   "CSV of the XR motion catalogue, a UXF session's folder or one of its trackers' "
-                   "files, a Motion-BIDS ..._motion.tsv, or a log of VRPN")
+                   "recording: a CSV file of the XR motion catalogue, the folder of a UXF session "
+                   "or one of its tracker files, a Motion-BIDS ..._motion.tsv, or a VRPN log")
       ->required();
   add_output(*command, "-o,--output", options->output,
              "trial to write (.lcmlog); - is standard output")
       ->required();
   command
       ->add_option("--units", options->units,
-                   "unit of the positions where the format does not say it: m, cm or mm; cm in the "
-                   "catalogue, m in VRPN when not given")
+                   "unit of the positions, if the file does not say it: m, cm or mm; default: cm "
+                   "for the catalogue, m for VRPN")
       ->check(CLI::IsMember({"m", "cm", "mm"}));
   command
       ->add_option(
           "--axes", options->axes,
-          "where +x, +y and +z point, for VRPN, or where Motion-BIDS does not say it: of R "
-          "right, L left, S up, I down, A ahead, P back; VRPN: RSP when not given")
+          "directions of +x, +y and +z, for VRPN, or for Motion-BIDS if the file does not say it: "
+          "three of R right, L left, S up, I down, A ahead, P back; default for VRPN: RSP")
       ->type_name("XYZ");
   command
       ->add_option("--names", options->names,
-                   "what the file calls head, left and right hand, such as 0,,1 where there is "
-                   "no left one; found by such words when not given, or sensors 0, 1 and 2; of two "
-                   "sensors the second is the hand")
+                   "names of head, left hand and right hand in the file, such as 0,,1 without a "
+                   "left hand; default: names that contain these words, or the sensors 0, 1 and 2; "
+                   "of two sensors the second is the hand")
       ->type_name("HEAD,LEFT,RIGHT");
   command
       ->add_option("--transmitter", options->transmitter,
-                   "where the tracker's transmitter is, from which positions count: metres to the "
-                   "right, up from the floor and back; 0,0,0 when not given")
+                   "place of the tracker's transmitter, the origin of the positions: metres to the "
+                   "right, above the floor, and back; default: 0,0,0")
       ->type_name("X,Y,Z");
-  command->add_option("--hand", options->hand, "that throws: left, right, or auto: as it is found")
+  command
+      ->add_option("--hand", options->hand,
+                   "hand that throws: left, right, or auto (found in the recording)")
       ->check(CLI::IsMember({"left", "right", "auto"}))
       ->capture_default_str();
-  command->add_option("--throw", options->which, "which of the throws in the file, from 1")
+  command->add_option("--throw", options->which, "number of the throw in the file, from 1")
       ->check(CLI::Range(1, 10'000));
   command
       ->add_option("--heading", options->heading,
-                   "what heads down the lane: the ball at its release, the head's gaze before it, "
-                   "or keep: the recording's -z")
+                   "what points down the lane: release (the ball's velocity at its release), gaze "
+                   "(the head's direction before it), or keep (the recording's -z axis)")
       ->check(CLI::IsMember({"release", "gaze", "keep"}))
       ->capture_default_str();
   command->add_option("--scenario", options->scenario,
-                      "its name, or a TOML file; the paper's room when not given");
-  command->add_option("--participant", options->participant, "who threw");
+                      "name of a bundled scenario or a TOML file; default: the paper's room");
+  command->add_option("--participant", options->participant, "name of the participant");
   command->add_option("--condition", options->condition, "name of the condition");
   add_force(*command, options->force);
   add_json(*command, options->json);
   command->footer(
-      "There are no buttons in such a file: grab and release are found, and marked as found.\n"
-      "What cannot be a person's throw is refused, with the reason. A session of `experiment "
-      "export` is read\nback whole, with its buttons.\n\n"
+      "Such files have no buttons: the program finds grab and release in the motion, and marks "
+      "them as found.\nA recording that cannot be a person's throw is refused, with the reason. A "
+      "session from\n`experiment export` is read back complete, with its buttons.\n\n"
       "Example:\n  headpin import throw.csv -o throw.lcmlog --heading gaze");
   command->callback([options] {
     if (is_bids_session(options->file)) {

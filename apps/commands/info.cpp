@@ -328,15 +328,15 @@ void add_info(CLI::App& app) {
     std::string trial;
     bool json = false, scenario = false;
   };
-  CLI::App* command = app.add_subcommand("info", "Tell what is in a trial");
+  CLI::App* command = app.add_subcommand("info", "Show what a trial contains");
   const auto options = std::make_shared<Options>();
   command->add_option("TRIAL", options->trial, "a trial (.lcmlog), or any LCM event log")
       ->required();
   auto* json = add_json(*command, options->json);
-  command->add_flag("--scenario", options->scenario, "print its scenario (TOML) and nothing else")
+  command->add_flag("--scenario", options->scenario, "print only its scenario (TOML)")
       ->excludes(json);
   command->footer(
-      "Reads any LCM event log, cut off or damaged ones as far as they go.\n\n"
+      "Reads any LCM event log. Of a damaged or incomplete log, it reads what is readable.\n\n"
       "Example:\n  headpin info assets/trials/demo.lcmlog");
   command->callback([options] {
     const devices::TrialFile file(options->trial);

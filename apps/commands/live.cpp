@@ -251,34 +251,35 @@ void go_live(const LiveOptions& options) {
 std::function<void()> add_source_options(CLI::App& command,
                                          const std::shared_ptr<LiveOptions>& options) {
   command.add_option("SOURCE", options->sources,
-                     "what feeds the session: fastrak:TTY, fastrak:tcp:HOST:PORT, lcm:URL or a "
-                     "trial; several are one");
+                     "source of samples: fastrak:TTY, fastrak:tcp:HOST:PORT, lcm:URL or a trial; "
+                     "several sources are merged");
   CLI::Option* lcm =
       command.add_option("--lcm", options->lcm,
-                         "source lcm:URL, and eyes and bodies go out there; \"\" is LCM's default "
-                         "URL; a file:// is only read");
+                         "use lcm:URL as a source, and publish eyes and bodies there; \"\" is "
+                         "LCM's default URL; a file:// URL is only read");
   auto fastrak = std::make_shared<std::string>();
-  CLI::Option* line = command.add_option("--fastrak", *fastrak, "source fastrak:TTY")
+  CLI::Option* line = command.add_option("--fastrak", *fastrak, "use fastrak:TTY as a source")
                           ->type_name("TTY|tcp:HOST:PORT");
-  command.add_option("--baud", options->baud, "of a Fastrak's line")
+  command.add_option("--baud", options->baud, "baud rate of a Fastrak's line")
       ->check(CLI::IsMember({2400, 4800, 9600, 19200, 38400, 57600, 115200}))
       ->capture_default_str();
   command
       .add_option("--hemisphere", options->hemispheres,
-                  "side of the transmitter that its receivers stay on, a direction in its frame "
-                  "(x ahead, y right, z down); 0,0,0: follow each from ahead; may be repeated; "
-                  "1,0,0 when not given")
+                  "hemisphere of the receivers: a direction from the transmitter, in its frame (x "
+                  "ahead, y right, z down); 0,0,0: start ahead and follow each receiver; may be "
+                  "repeated; default: 1,0,0")
       ->type_name("[STATION:]X,Y,Z")
       ->allow_extra_args(false);
-  add_duration(command, options->duration_s, "seconds; until interrupted when not given");
+  add_duration(command, options->duration_s, "seconds; default: until interrupted");
   command
       .add_option("--eyes", options->eyes,
-                  "as raw or png on HEADPIN_EYES; none: drawn for the recording alone")
+                  "format of the pictures on HEADPIN_EYES: raw or png; none: draw them only for "
+                  "the recording")
       ->check(CLI::IsMember({"raw", "png", "none"}))
       ->capture_default_str();
   command
       .add_flag("--no-trial", options->no_trial,
-                "do not publish the session's own trial, which is on SESSION_* else")
+                "do not publish the session's own trial on SESSION_*")
       ->needs(lcm);
   add_gl(command, options->gl);
   return [options, lcm, line, fastrak] {
@@ -290,22 +291,23 @@ std::function<void()> add_source_options(CLI::App& command,
 
 void add_live(CLI::App& app) {
   auto options = std::make_shared<LiveOptions>();
-  CLI::App* command = app.add_subcommand("live", "Run a session in real time, recorded as it runs");
+  CLI::App* command = app.add_subcommand("live", "Run and record a session in real time");
   const auto take_sources = add_source_options(*command, options);
-  command->add_option(
-      "--scenario", options->scenario,
-      "its name, or a TOML file; that of the trial played, or else the paper's room when "
-      "not given");
+  command->add_option("--scenario", options->scenario,
+                      "name of a bundled scenario or a TOML file; default: that of the trial that "
+                      "is a source, or else the paper's room");
   add_output(*command, "--record", options->record,
-             "write the trial here, safe from the first event");
+             "file to record to (.lcmlog); it is readable at any time, also after a crash");
   add_states(*command, options->states);
-  command->add_option("--participant", options->participant,
-                      "name in the trial; that of the trial played when not given");
-  command->add_option("--condition", options->condition_name, "likewise, of the condition");
+  command->add_option(
+      "--participant", options->participant,
+      "name of the participant in the recording; default: that of the trial that is a source");
+  command->add_option("--condition", options->condition_name,
+                      "name of the condition, with the same default");
   command
-      ->add_option(
-          "--samples", options->samples,
-          "anti-aliasing: N^2 + 1 samples a pixel, 1 is one; kept in the trial as look.samples")
+      ->add_option("--samples", options->samples,
+                   "anti-aliasing: N^2 + 1 samples per pixel, or one with N = 1; stored in the "
+                   "trial as look.samples")
       ->check(CLI::Range(1, 4))
       ->capture_default_str();
   add_force(*command, options->force);

@@ -193,14 +193,14 @@ void plot_trial(const PlotOptions& options) {
 void add_plot(CLI::App& app) {
   auto options = std::make_shared<PlotOptions>();
   CLI::App* command = app.add_subcommand(
-      "plot", "Draw a replayed trial over time: speeds, heights, energy, contacts");
+      "plot", "Plot a replayed trial over time: speeds, heights, energy, contacts");
   command->add_option("TRIAL", options->trial, "a trial with states (.lcmlog)")->required();
   add_output(*command, "-o,--output", options->output,
              "picture to write (.svg); - is standard output")
       ->required();
   add_force(*command, options->force);
   command->footer(
-      "Any browser shows SVG; `rsvg-convert game.svg -o game.png` makes a PNG of it.\n\n"
+      "Any browser shows SVG; `rsvg-convert game.svg -o game.png` converts it to PNG.\n\n"
       "Example:\n  headpin plot game.lcmlog -o game.svg");
   command->callback([options] { plot_trial(*options); });
 }

@@ -295,12 +295,12 @@ void add_replay(CLI::App& app) {
       app.add_subcommand("replay", "Simulate a trial again from its device samples");
   command->add_option("trial", options->trial, "a trial (.lcmlog)")->required();
   add_output(*command, "-o,--output", options->output,
-             "write the new trial, states and events in it; - is standard output");
+             "file for the new trial with its states and events (.lcmlog); - is standard output");
   add_states(*command, options->states);
-  command->add_flag("--verify", options->verify, "compare every tick with the trial's own states");
+  command->add_flag("--verify", options->verify, "compare every tick with the states in the trial");
   command->add_flag("--each-throw", options->each_throw,
-                    "every recorded throw on its own, from the state in which it was let go: so "
-                    "none is lost under another condition, and throws can be paired");
+                    "simulate every recorded throw separately, from its state at the release; "
+                    "under another condition each throw then has exactly one counterpart");
   add_force(*command, options->force);
   add_longest_gap(*command, options->longest_gap);
   add_json(*command, options->json);

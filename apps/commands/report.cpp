@@ -223,23 +223,23 @@ nlohmann::ordered_json write_page(const TrialPage& options) {
 void add_report(CLI::App& app) {
   auto options = std::make_shared<TrialPage>();
   CLI::App* command = app.add_subcommand(
-      "report", "Make one page that shows a trial: in 3D, in numbers, and simulated again");
+      "report",
+      "Write one HTML page that shows a trial in 3D and in numbers, and can simulate it again");
   command->add_option("TRIAL", options->trial, "a trial (.lcmlog)")->required();
-  command->add_option("OTHER", options->other, "another, shown with it");
+  command->add_option("OTHER", options->other, "another trial, shown with the first");
   add_output(*command, "-o,--output", options->output,
              "page to write (.html); - is standard output")
       ->required();
-  command->add_option(
-      "--video", options->video,
-      "what both eyes saw (`headpin frames --video`, the .mp4): goes into the page, "
-      "or beside it past 20 MB");
+  command->add_option("--video", options->video,
+                      "video of both eyes (the .mp4 of `headpin frames --video`): embedded in the "
+                      "page or, above 20 MB, copied next to it");
   command->add_option("--page", options->page,
-                      "the page to fill in, when not the one that came with the program");
+                      "page template; default: the one that is installed with the program");
   add_force(*command, options->force);
   add_longest_gap(*command, options->longest_gap);
   add_json(*command, options->json);
   command->footer(
-      "The page needs no network and no other file: any browser of 2023 or later opens it.\n\n"
+      "The page needs no network and no other file. Any browser since 2023 opens it.\n\n"
       "Example:\n  headpin report assets/trials/demo.lcmlog -o trial.html");
   command->callback([options] {
     const nlohmann::ordered_json made = write_page(*options);

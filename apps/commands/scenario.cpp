@@ -106,14 +106,14 @@ void add_scenario(CLI::App& app) {
       app.add_subcommand("scenario", "List, show and check scenarios: rooms, skittles, rules");
   command
       ->add_option("ACTION", options->action,
-                   "list: those that come with the program; show: all keys of one, each with its "
-                   "meaning; check: whether what stands in it can be")
+                   "list: list the bundled scenarios; show: print all keys of a scenario with "
+                   "their meanings; check: check the values of a scenario")
       ->required()
       ->check(CLI::IsMember({"list", "show", "check"}));
-  command->add_option("SCENARIO", options->scenario, "its name, or a TOML file");
+  command->add_option("SCENARIO", options->scenario, "name of a bundled scenario or a TOML file");
   add_json(*command, options->json);
   command->footer(
-      "What is wrong is said with file, line and key.\n\n"
+      "Error messages have the file, the line and the key.\n\n"
       "Examples:\n  headpin scenario list\n  headpin scenario show german-ninepins > own.toml\n"
       "  headpin scenario check own.toml");
   command->callback([options] { tell_scenarios(*options); });

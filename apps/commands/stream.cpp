@@ -224,21 +224,23 @@ void stream(const StreamOptions& options) {
 
 void add_stream(CLI::App& app) {
   CLI::App* command =
-      app.add_subcommand("stream", "Publish a trial's samples over LCM as recorded");
+      app.add_subcommand("stream", "Publish a trial's samples over LCM at the recorded times");
   const auto options = std::make_shared<StreamOptions>();
   command->add_option("TRIAL", options->trial, "a trial (.lcmlog)")->required();
   command->add_option("--lcm", options->url,
-                      "LCM URL; LCM_DEFAULT_URL or its default when not given");
-  command->add_option("--speed", options->speed, "times the recorded pace; 0: as fast as it goes")
+                      "LCM URL; default: LCM_DEFAULT_URL, or else LCM's default URL");
+  command
+      ->add_option("--speed", options->speed,
+                   "playback speed, 1 is the recorded one; 0: as fast as possible")
       ->check(number_from(0, 1000))
       ->capture_default_str();
   add_force(*command, options->force);
   add_longest_gap(*command, options->longest_gap);
   add_json(*command, options->json);
   command->footer(
-      "TRACKER and MOUSE3D as recorded; HEAD_POSE and HAND_POSE in the world, as bot_core's\n"
-      "rigid_transform_t; HEADPIN_TRIAL first and every second, so that what lcm-logger records is "
-      "a\ntrial again, whenever it starts.\n\n"
+      "Channels: TRACKER and MOUSE3D as recorded; HEAD_POSE and HAND_POSE in the world frame, as "
+      "bot_core's\nrigid_transform_t; HEADPIN_TRIAL first and then every second, so that a "
+      "recording by lcm-logger is a\ntrial too, whenever it starts.\n\n"
       "Example:\n  headpin stream trial.lcmlog --lcm 'udpm://239.255.76.67:7667?ttl=0'");
   command->callback([options] { stream(*options); });
 }

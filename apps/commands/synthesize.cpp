@@ -135,60 +135,59 @@ void synthesize(const SynthesizeOptions& options) {
 }  // namespace
 
 void add_synthesize(CLI::App& app) {
-  CLI::App* command = app.add_subcommand("synthesize", "Make a trial by a model of the arm");
+  CLI::App* command = app.add_subcommand("synthesize", "Make a trial with a model of the arm");
   const auto options = std::make_shared<SynthesizeOptions>();
-  add_output(
-      *command, "-o,--output", options->output,
-      "trial to write (.lcmlog), or a recording as `import` reads it (.csv); - is standard output")
+  add_output(*command, "-o,--output", options->output,
+             "file to write: a trial (.lcmlog), or a recording that `import` reads (.csv); - is "
+             "standard output")
       ->required();
-  auto* seeded = command->add_option("--seed", options->plan.seed, "of swing, tremor and noise")
-                     ->check(seed())
-                     ->capture_default_str();
+  auto* seeded =
+      command->add_option("--seed", options->plan.seed, "seed of swing, tremor and noise")
+          ->check(seed())
+          ->capture_default_str();
   auto* speed =
-      command->add_option("--speed", options->plan.speed, "of the ball at its release [m/s]")
+      command->add_option("--speed", options->plan.speed, "speed of the ball at its release [m/s]")
           ->check(number_from(4, 9))
           ->capture_default_str();
-  auto* height =
-      command
-          ->add_option(
-              "--height", options->plan.height,
-              "of the ball's centre as it is laid down, level [m]; a stand-up throw from 0.58 m "
-              "when not given")
-          ->check(number_from(scene::kLowestRelease, scene::kHighestRelease));
-  auto* aim = command->add_option("--aim", options->aim_deg, "to the right of the lane [degrees]")
+  auto* height = command
+                     ->add_option("--height", options->plan.height,
+                                  "height of the ball's centre when it is released with a level "
+                                  "velocity [m]; default: an upright throw from 0.58 m")
+                     ->check(number_from(scene::kLowestRelease, scene::kHighestRelease));
+  auto* aim = command
+                  ->add_option("--aim", options->aim_deg,
+                               "direction of the throw to the right of the lane's axis [degrees]")
                   ->check(number_from(-10, 10))
                   ->capture_default_str();
   add_duration(*command, options->duration_s,
-               "of the trial [s]; 7 in the paper's room, more when the lane is longer or the ball "
-               "is counted");
+               "duration of the trial [s]; default: 7 in the paper's room, more if the lane is "
+               "longer or the game counts balls");
   command->add_option("--scenario", options->scenario,
-                      "its name, or a TOML file; the paper's room when not given");
+                      "name of a bundled scenario or a TOML file; default: the paper's room");
   auto* participant =
       command
-          ->add_option(
-              "--participant", options->participant,
-              "a whole session of the virtual participant of this seed instead of one throw; "
-              "in paper-experiment when no scenario is given")
+          ->add_option("--participant", options->participant,
+                       "make a whole session of the virtual participant with this seed instead of "
+                       "one throw; default scenario: paper-experiment")
           ->check(seed())
           ->excludes(seeded, speed, height, aim);
-  command->add_option("--throws", options->throws, "of a participant, with each version")
+  command->add_option("--throws", options->throws, "throws of the participant with each version")
       ->check(CLI::Range(1, 1000))
       ->needs(participant)
       ->capture_default_str();
-  command->add_option("--name", options->name, "who is said to have thrown");
+  command->add_option("--name", options->name, "name of the participant in the trial");
   command->add_option("--condition", options->condition, "name of the condition");
   add_force(*command, options->force);
   add_json(*command, options->json);
   command->footer(
-      "A throw of an arm that moves with the least jerk and trembles, seen by a tracker with two\n"
-      "receivers and its noise. The same seed gives the same throw on every machine. How the "
-      "tracker\n"
-      "is mounted and where the ball stands are the model's own unless the scenario says so.\n\n"
-      "A participant walks up, touches red, throws, touches blue, throws: head, hand and buttons "
-      "as a\n"
-      "Fastrak and a 3D mouse tell of them, while a simulation runs, to which eyes and hand "
-      "answer.\n\n"
-      "Examples:\n  headpin synthesize -o session.lcmlog --participant 7\n"
+      "The arm follows a minimum-jerk trajectory with tremor; a tracker with two receivers "
+      "measures it with\nnoise. The same seed gives the same throw on every computer. The mounting "
+      "of the tracker and the\nplace of the ball are the model's own, unless the scenario says "
+      "otherwise.\n\nA virtual participant walks to the ball, touches the red button, throws, "
+      "touches the blue button, and\nthrows. The trial has head, hand and buttons as a Fastrak and "
+      "a 3D mouse would measure them. The\nsimulation runs at the same time, so that the "
+      "participant can react to what it sees.\n\nExamples:\n  headpin synthesize -o session.lcmlog "
+      "--participant 7\n"
       "  headpin synthesize -o trial.lcmlog --seed 7 --speed 6.5 --aim 1");
   command->callback([options] { synthesize(*options); });
 }

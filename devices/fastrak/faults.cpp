@@ -102,16 +102,16 @@ FastrakFaults parse_faults(const std::string& spec) {
 }
 
 std::string faults_help() {
-  return "noise=F        noise F times the unit's own; 0 for exact poses\n"
-         "dropout=P      chance that a record is lost whole\n"
-         "garbage=P      chance that 1 to 8 random bytes precede a record\n"
-         "damage=P       chance that one bit of a record is flipped\n"
-         "metal=M        poses off by M metres at 1 m, by metal nearby\n"
-         "slow=BAUD      a line no faster than this\n"
-         "deaf=N         no answer to the first N status requests\n"
+  return "noise=F        noise, F times that of a real unit; 0: exact poses\n"
+         "dropout=P      probability that a whole record is lost\n"
+         "garbage=P      probability of 1 to 8 random bytes before a record\n"
+         "damage=P       probability that one bit of a record is flipped\n"
+         "metal=M        distortion by metal nearby: poses are wrong by M metres at 1 m\n"
+         "slow=BAUD      the line is not faster than this baud rate\n"
+         "deaf=N         the unit does not answer the first N status requests\n"
          "stuck=S@A-B    station S repeats one pose from second A to B (or for good)\n"
-         "unplug=S@A-B   receiver S pulled out from second A to B (or for good)\n"
-         "silence=T@A    nothing heard or said for T seconds from second A\n";
+         "unplug=S@A-B   receiver S is unplugged from second A to B (or for good)\n"
+         "silence=T@A    the unit neither receives nor sends for T seconds from second A\n";
 }
 
 Pose distort(const Pose& X_TS, double metal) {

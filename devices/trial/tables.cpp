@@ -114,7 +114,7 @@ std::vector<Field<TrackerRow>> tracker_fields() {
              {"host_time_s", "number", "s",
               "when its first byte arrived; 0 if it never crossed a wire",
               [](const Row& r) { return decimal_seconds(r.sample.host_time); }},
-             {"sequence", "whole", "", "counts up per station; a hole is a lost sample",
+             {"sequence", "whole", "", "number of the sample, per station; a gap is a lost sample",
               [](const Row& r) { return fmt::format("{}", r.sample.sequence); }},
              {"station", "whole", "", "receiver: 1 head, 2 right hand, 3 left hand",
               [](const Row& r) { return fmt::format("{}", r.sample.station); }},
@@ -123,19 +123,20 @@ std::vector<Field<TrackerRow>> tracker_fields() {
          pose_fields<[](const Row& r) -> const Pose& { return r.sample.X_TS; }, Row>(
              "position of the receiver in that frame", "its rotation, a unit quaternion") +
          std::vector<Field<Row>>{
-             {"status", "text", "", "empty when good, else the Fastrak's error letter",
+             {"status", "text", "",
+              "empty if the sample is good, else the error letter of the Fastrak",
               [](const Row& r) {
                 return r.sample.good() ? "" : csv_quoted(std::string(1, r.sample.status));
               }},
-             {"stylus", "yes/no", "", "switch of the stylus",
+             {"stylus", "yes/no", "", "state of the stylus switch",
               [](const Row& r) { return std::string(yes_no(r.sample.buttons & 1)); }},
              {"session_time_s", "number", "s",
-              "when the session took it in (session_utime of the message); 0 outside one",
+              "when the session used it (session_utime of the message); 0 outside a session",
               [](const Row& r) { return decimal_seconds(r.sample.session_time); }}} +
          maybe_vector_fields<[](const Row& r) { return r.p_WP; }, Row>(
              "walk_x_m", "walk_y_m", "walk_z_m", "m",
-             "p_WP: where a walk by the thumbs has the tracked space in the world by then; X_WS is "
-             "X_WP X_WT X_TS; empty where the trial's scenario cannot be read");
+             "p_WP: displacement of the tracked space in the world by walking with the thumb "
+             "buttons; X_WS is X_WP X_WT X_TS; empty if the trial's scenario cannot be read");
 }
 
 std::vector<Field<MouseSample>> button_fields() {
@@ -145,130 +146,143 @@ std::vector<Field<MouseSample>> button_fields() {
        [](const Row& r) { return decimal_seconds(r.device_time); }},
       {"host_time_s", "number", "s", "when its first byte arrived; 0 if it never crossed a wire",
        [](const Row& r) { return decimal_seconds(r.host_time); }},
-      {"left_thumb", "yes/no", "", "walk forward",
+      {"left_thumb", "yes/no", "", "left thumb button: walk forward",
        [](const Row& r) { return std::string(yes_no(r.left_thumb)); }},
-      {"right_thumb", "yes/no", "", "walk backward",
+      {"right_thumb", "yes/no", "", "right thumb button: walk backward",
        [](const Row& r) { return std::string(yes_no(r.right_thumb)); }},
-      {"trigger", "yes/no", "", "grab",
+      {"trigger", "yes/no", "", "trigger: grab",
        [](const Row& r) { return std::string(yes_no(r.trigger)); }},
-      {"session_time_s", "number", "s", "when the session took it in; 0 outside one",
+      {"session_time_s", "number", "s", "when the session used it; 0 outside a session",
        [](const Row& r) { return decimal_seconds(r.session_time); }}};
 }
 
 std::vector<Field<Event>> event_fields() {
   using Row = Event;
-  return std::vector<Field<Row>>{{"time_s", "number", "s", "when, on the trial's clock",
-                                  [](const Row& r) { return decimal_seconds(r.time); }},
-                                 {"tick", "whole", "", "of the simulation; -1 outside it",
-                                  [](const Row& r) { return fmt::format("{}", r.tick); }},
-                                 {"kind", "text", "", "what happened; see the list of events",
-                                  [](const Row& r) { return csv_quoted(r.kind); }},
-                                 {"bodies", "text", "", "to which bodies, separated by semicolons",
-                                  [](const Row& r) {
-                                    return csv_quoted(fmt::format("{}", fmt::join(r.bodies, ";")));
-                                  }}} +
+  return std::vector<Field<Row>>{
+             {"time_s", "number", "s", "time on the trial's clock",
+              [](const Row& r) { return decimal_seconds(r.time); }},
+             {"tick", "whole", "", "tick of the simulation; -1 outside it",
+              [](const Row& r) { return fmt::format("{}", r.tick); }},
+             {"kind", "text", "", "kind of the event; see docs/events.md",
+              [](const Row& r) { return csv_quoted(r.kind); }},
+             {"bodies", "text", "", "bodies of the event, separated by semicolons",
+              [](const Row& r) {
+                return csv_quoted(fmt::format("{}", fmt::join(r.bodies, ";")));
+              }}} +
          vector_fields<[](const Row& r) -> const Vec3& { return r.p_W; }, Row>(
-             "x_m", "y_m", "z_m", "m", "where, in the world; 0 where it does not apply") +
+             "x_m", "y_m", "z_m", "m", "place in the world; 0 if the kind has none") +
          vector_fields<[](const Row& r) -> const Vec3& { return r.j_W; }, Row>(
              "impulse_x_ns", "impulse_y_ns", "impulse_z_ns", "N s",
-             "impulse on the first body, in the world") +
-         std::vector<Field<Row>>{{"value", "number", "", "what the kind says",
+             "impulse on the first body, in the world frame") +
+         std::vector<Field<Row>>{{"value", "number", "", "depends on the kind",
                                   [](const Row& r) { return fmt::format("{}", r.value); }},
-                                 {"detail", "text", "", "what the kind says",
+                                 {"detail", "text", "", "depends on the kind",
                                   [](const Row& r) { return csv_quoted(r.detail); }}};
 }
 
 std::vector<Field<ThrowRow>> throw_fields() {
   using Row = ThrowRow;
   return std::vector<Field<Row>>{
-             {"version", "text", "", "of the game: red or blue; empty where there are none",
+             {"version", "text", "",
+              "version of the game: red or blue; empty if there are no versions",
               [](const Row& r) { return csv_quoted(r.version); }},
-             {"frame", "whole", "", "of the game, from 1; empty where the throw was not counted",
+             {"frame", "whole", "", "frame of the game, from 1; empty if the throw was not counted",
               [](const Row& r) { return r.frame > 0 ? fmt::format("{}", r.frame) : ""; }},
-             {"ball", "whole", "", "of the frame, from 1; likewise",
+             {"ball", "whole", "", "ball of the frame, from 1; empty if the throw was not counted",
               [](const Row& r) { return r.ball > 0 ? fmt::format("{}", r.ball) : ""; }},
-             {"body", "text", "", "which ball", [](const Row& r) { return csv_quoted(r.body); }},
-             {"release_time_s", "number", "s", "of the tick that let it go, on the trial's clock",
+             {"body", "text", "", "name of the ball",
+              [](const Row& r) { return csv_quoted(r.body); }},
+             {"release_time_s", "number", "s",
+              "time of the tick of the release, on the trial's clock",
               [](const Row& r) { return decimal_seconds(r.release); }},
              {"trigger_time_s", "number", "s",
-              "when the trigger was let go, as its device tells it; empty in older trials, as are "
-              "the vectors",
+              "time at which the trigger was released, as its device measured it; empty in older "
+              "trials, like the vectors",
               [](const Row& r) { return maybe(r.trigger_s); }}} +
          maybe_vector_fields<[](const Row& r) { return r.p_WB; }, Row>(
-             "x_m", "y_m", "z_m", "m", "centre of the ball then, in the world") +
-         maybe_vector_fields<[](const Row& r) { return r.v_WB; }, Row>("vx_mps", "vy_mps", "vz_mps",
-                                                                       "m/s", "its velocity then") +
+             "x_m", "y_m", "z_m", "m", "centre of the ball at that time, in the world") +
+         maybe_vector_fields<[](const Row& r) { return r.v_WB; }, Row>(
+             "vx_mps", "vy_mps", "vz_mps", "m/s", "velocity of the ball at that time") +
          maybe_vector_fields<[](const Row& r) { return r.w_WB; }, Row>(
-             "wx_radps", "wy_radps", "wz_radps", "rad/s", "its angular velocity then") +
+             "wx_radps", "wy_radps", "wz_radps", "rad/s",
+             "angular velocity of the ball at that time") +
          std::vector<Field<Row>>{
-             {"speed_mps", "number", "m/s", "with which it left the hand",
+             {"speed_mps", "number", "m/s", "speed of the ball at its release",
               [](const Row& r) { return fmt::format("{}", r.speed); }},
              {"known", "text", "",
-              "how the release was known: tracked, extrapolated or impossible; empty where nothing "
-              "tells",
+              "how the release is known: tracked, extrapolated or impossible; empty if the trial "
+              "does not say",
               [](const Row& r) { return csv_quoted(r.known); }},
-             {"extrapolated_s", "number", "s", "by so long from the nearest sample of the hand",
+             {"extrapolated_s", "number", "s",
+              "time over which the hand's motion was extrapolated from its nearest sample",
               [](const Row& r) { return maybe(r.extrapolated_s); }},
              {"samples_left_out", "whole", "",
-              "samples of the hand that lie off what those around them say",
+              "samples of the hand that were left out because they disagree with their neighbours",
               [](const Row& r) { return maybe(r.left_out); }},
              {"entry_time_s", "number", "s",
-              "when it met its first skittle; empty where it met none",
+              "time at which the ball touched its first skittle; empty if it touched none",
               [](const Row& r) { return r.entry ? decimal_seconds(*r.entry) : ""; }},
-             {"entry_speed_mps", "number", "m/s", "of the ball just before",
+             {"entry_speed_mps", "number", "m/s", "speed of the ball just before that",
               [](const Row& r) { return maybe(r.entry_speed); }},
              {"entry_angle_deg", "number", "degree",
-              "of its level velocity just before, to the right of straight on",
+              "direction of its horizontal velocity just before that, to the right of the lane's "
+              "axis",
               [](const Row& r) { return maybe(r.entry_angle_deg); }},
              {"felled_by_ball", "whole", "",
-              "skittles; of a game, as it was counted, else until the next throw",
+              "skittles that the ball knocked down: in a game until it was counted, else until the "
+              "next throw",
               [](const Row& r) { return maybe(r.felled_by_ball); }},
-             {"felled_by_hand", "whole", "", "likewise, by the hand or what it carried",
+             {"felled_by_hand", "whole", "",
+              "skittles that the hand, or what it carried, knocked down in this time",
               [](const Row& r) { return maybe(r.felled_by_hand); }},
              {"counted", "whole", "",
-              "skittles in the sheet: after a foul perhaps none; empty without a game",
+              "skittles that the score sheet counts (after a foul perhaps 0); empty without a game",
               [](const Row& r) { return maybe(r.counted); }},
-             {"foul", "yes/no", "", "let go beyond the foul line; empty where nothing tells",
+             {"foul", "yes/no", "",
+              "whether the ball was released beyond the foul line; empty if the trial does not say",
               [](const Row& r) { return r.foul ? std::string(yes_no(*r.foul)) : ""; }}};
 }
 
 std::vector<Field<StateRow>> state_fields() {
   using Row = StateRow;
   return std::vector<Field<Row>>{
-             {"tick", "whole", "", "of the simulation",
+             {"tick", "whole", "", "tick of the simulation",
               [](const Row& r) { return fmt::format("{}", r.tick.tick); }},
-             {"time_s", "number", "s", "at its end, on the trial's clock",
+             {"time_s", "number", "s", "time at the end of the tick, on the trial's clock",
               [](const Row& r) { return decimal_seconds(r.tick.time); }},
-             {"hash", "hash", "", "of the state after the tick (docs/hash-and-ledger.md)",
+             {"hash", "hash", "", "hash of the state after the tick (docs/hash-and-ledger.md)",
               [](const Row& r) { return fmt::format("{:016x}", r.tick.hash); }},
-             {"contacts", "whole", "", "contact points of the whole world in the tick",
+             {"contacts", "whole", "", "number of contact points of all bodies in the tick",
               [](const Row& r) { return fmt::format("{}", r.tick.contacts); }},
-             {"body", "text", "", "which body this row is of",
+             {"body", "text", "", "name of the body",
               [](const Row& r) { return csv_quoted(r.name); }}} +
          pose_fields<[](const Row& r) -> const Pose& { return r.body.X_WB; }, Row>(
-             "centre of mass in the world", "rotation of the body, a unit quaternion") +
+             "position of the centre of mass in the world",
+             "rotation of the body, a unit quaternion") +
          vector_fields<[](const Row& r) -> const Vec3& { return r.body.V_WB.v; }, Row>(
              "vx_mps", "vy_mps", "vz_mps", "m/s", "velocity of the centre of mass in the world") +
          vector_fields<[](const Row& r) -> const Vec3& { return r.body.V_WB.w; }, Row>(
              "wx_radps", "wy_radps", "wz_radps", "rad/s", "angular velocity in the world") +
-         std::vector<Field<Row>>{{"asleep", "yes/no", "", "at rest, left alone until touched",
-                                  [](const Row& r) { return std::string(yes_no(r.body.asleep)); }}};
+         std::vector<Field<Row>>{
+             {"asleep", "yes/no", "",
+              "sleeping: the body is at rest and not simulated until something touches it",
+              [](const Row& r) { return std::string(yes_no(r.body.asleep)); }}};
 }
 
 std::vector<Field<EyeRow>> frame_fields() {
   using Row = EyeRow;
   return std::vector<Field<Row>>{
-             {"frame", "whole", "", "counts from 0",
+             {"frame", "whole", "", "number of the frame, from 0",
               [](const Row& r) { return fmt::format("{}", r.frame.frame); }},
-             {"time_s", "number", "s", "on the trial's clock",
+             {"time_s", "number", "s", "time on the trial's clock",
               [](const Row& r) { return decimal_seconds(r.frame.time); }},
-             {"tick", "whole", "", "last tick simulated before it was drawn",
+             {"tick", "whole", "", "last tick that was simulated before it was drawn",
               [](const Row& r) { return fmt::format("{}", r.frame.tick); }},
              {"eye", "text", "", "left or right",
               [](const Row& r) { return std::string(r.eye == 0 ? "left" : "right"); }}} +
          pose_fields<[](const Row& r) -> const Pose& { return r.frame.X_WE[r.eye]; }, Row>(
              "position of the eye in the world",
-             "its rotation, a unit quaternion: x right, y up, looking along -z") +
+             "rotation of the eye, a unit quaternion: x right, y up, it looks along -z") +
          std::vector<Field<Row>>{
              {"pixels", "hash", "", "FNV-1a of the picture's RGB bytes",
               [](const Row& r) { return fmt::format("{:016x}", r.frame.hash[r.eye]); }}};

@@ -6,10 +6,10 @@ namespace headpin::render {
 
 std::span<const Look> looks() {
   static const std::array<Look, 3> all{
-      {{"standard", "five samples a pixel, shadows, a polished lane", {}},
-       {"fast", "one sample a pixel, shadows, no polish", {.samples = 1, .mirror = false}},
+      {{"standard", "five samples per pixel, shadows, reflections in the lane", {}},
+       {"fast", "one sample per pixel, shadows, no reflections", {.samples = 1, .mirror = false}},
        {"1997",
-        "one sample a pixel, light worked out at vertices, no shadows, no polish",
+        "one sample per pixel, light computed per vertex, no shadows, no reflections",
         {.samples = 1, .contact = false, .shadow = false, .mirror = false, .light = "vertex"}}}};
   return all;
 }

@@ -5,7 +5,7 @@
 
 #include "devices/trial/trial.h"
 
-/// What can happen in a session: the kinds of devices::Event, each told here and nowhere else.
+/// What can happen in a session: the kinds of devices::Event, with their meanings.
 namespace headpin::scene {
 
 namespace kind {
@@ -46,72 +46,75 @@ struct EventKind {
 };
 
 inline constexpr auto kEventKinds = std::to_array<EventKind>({
-    {kind::grab, "the trigger took a ball or a skittle", "its centre", ""},
+    {kind::grab, "the hand grabbed a ball or a skittle with the trigger", "its centre", ""},
     {kind::release,
-     "the trigger let go of what it took: when, where, velocity, spin and how they are known "
-     "(tracked, extrapolated by so long, impossible; samples left out) as JSON in detail",
-     "its centre", "speed it left the hand with [m/s]"},
+     "the hand released what it held: detail has time, place, velocity, spin and how they are "
+     "known (tracked, extrapolated and how long, impossible; samples left out) as JSON",
+     "its centre", "speed at the release [m/s]"},
     {kind::first_contact,
-     "a ball met a skittle for the first time since it was let go or the skittles were set; its "
-     "velocity just before as JSON in detail",
+     "a ball touched a skittle for the first time since its release or since the skittles were "
+     "set; detail has its velocity just before as JSON",
      "of the contact", "the ball's speed just before [m/s]"},
-    {kind::touch, "two bodies met that had not met before, one of them a skittle", "of the contact",
-     "speed they approached each other with [m/s]"},
-    {kind::ball_touch, "a ball met the lane, a wall or a front block for the first time",
+    {kind::touch, "two bodies touched for the first time, at least one of them a skittle",
+     "of the contact", "speed they approached each other with [m/s]"},
+    {kind::ball_touch, "a ball touched the lane, a wall or a front block for the first time",
      "of the contact", "speed they approached each other with [m/s]"},
     {kind::hand_touch, "the hand touched a ball or a skittle for the first time", "of the contact",
      "speed they approached each other with [m/s]"},
-    {kind::missed_grab, "the trigger closed on nothing: nothing was within the hand's reach",
-     "the centre of what was nearest", "how far its surface was from the hand [m]"},
+    {kind::missed_grab, "the trigger was pressed, but no body was within the hand's reach",
+     "the centre of the nearest body", "distance of its surface from the hand [m]"},
     {kind::skittle_down,
-     "a skittle leaned by more than 20 degrees; by whom in detail: ball, hand or what it carries",
-     "the skittle's centre of mass", "skittles down so far"},
-    {kind::version, "the hand touched a button: that version begins (red or blue in detail)",
+     "a skittle leaned by more than 20 degrees; detail has the cause: ball, hand or what the hand "
+     "carries",
+     "the skittle's centre of mass", "number of skittles down so far"},
+    {kind::version, "the hand touched a button: that version begins (detail: red or blue)",
      "the button", ""},
-    {kind::game, "a game begins: its rules in detail", "", "skittles that are set"},
-    {kind::foul, "a ball was let go beyond the foul line", "its centre", "how far beyond it [m]"},
+    {kind::game, "a game begins; detail has its rules", "", "number of skittles that are set"},
+    {kind::foul, "a ball was released beyond the foul line", "its centre",
+     "distance beyond the line [m]"},
     {kind::dead_wood,
-     "as a ball was counted: the skittles that the hand or what it carried had felled were set "
-     "aside, by name",
-     "", "how many"},
-    {kind::delivery, "a ball was counted: the skittles it felled, by name", "",
-     "how many count: none after a foul where that is the rule"},
+     "when a ball was counted, the skittles that the hand or what it carried had knocked down were "
+     "removed; bodies has their names",
+     "", "their number"},
+    {kind::delivery, "a ball was counted; bodies has the skittles that it knocked down", "",
+     "number that counts: 0 after a foul if the rules say so"},
     {kind::ball_back, "a ball came back to its stand", "its stand", ""},
-    {kind::frame, "a frame is over", "", "its number, from 1"},
-    {kind::game_over, "the last frame is over: the score sheet in detail", "", "points"},
+    {kind::frame, "a frame of the game ended", "", "its number, from 1"},
+    {kind::game_over, "the last frame ended; detail has the score sheet", "", "points"},
     {kind::flies_at_player,
-     "a ball or a skittle began to fly at the player: nearer than 0.4 m to head, hand or what is "
-     "below the head, within a second, at more than 1 m/s",
-     "its centre", "when it is nearest if both go on as they do [s]"},
+     "a ball or a skittle began to fly at the player: within a second it would come nearer than "
+     "0.4 m to head, hand or body (below the head), at more than 1 m/s",
+     "its centre", "time until the closest approach, if both keep their velocities [s]"},
     {kind::passed_player,
-     "0.3 s after that was over: what was foreseen and how head and hand accelerated out of its "
-     "way, "
-     "as JSON in detail",
-     "its centre", "closest approach of its surface to head, hand or what is below the head [m]"},
-    {kind::ledger, "after the last tick: where the energy came from and went to, as JSON in detail",
-     "", ""},
+     "0.3 s after the body had passed: detail has the approach that was expected, and how head and "
+     "hand accelerated away, as JSON",
+     "its centre", "closest approach of its surface to head, hand or body [m]"},
+    {kind::ledger, "after the last tick: detail has the sources and sinks of energy as JSON", "",
+     ""},
     {kind::game_hash,
-     "after the last tick: the hash of all ticks, in detail (docs/hash-and-ledger.md)", "", ""},
+     "after the last tick: detail has the hash of all ticks (docs/hash-and-ledger.md)", "", ""},
     {kind::drawn_by,
-     "before the first tick of a live session: who draws its frames, as JSON in detail: renderer, "
-     "processor features, Mesa's environment, hash of a test picture",
+     "before the first tick of a live session: detail has what draws its frames, as JSON: "
+     "renderer, processor features, Mesa's environment variables, hash of a test picture",
      "", ""},
     {kind::drawing_failed,
-     "what draws a live session's frames ended or failed, and was started again: why in detail; "
-     "the "
-     "session went on",
+     "the process that draws a live session's frames ended or failed, and was started again; the "
+     "session continued; detail has the reason",
      "", ""},
     {kind::source_amiss,
-     "what a live session's source sent, and the session left out or had to date itself: the "
-     "source, what and how much of it so far in detail; at most every ten seconds",
+     "a live session left out samples of a source, or had to set their times itself: detail has "
+     "the source, the reason and the number so far; at most every ten seconds",
      "", ""},
     {kind::kept_pace,
-     "after the last tick of a live session: how it kept up with time, as JSON in detail: "
-     "overruns, ticks, late_frames, frames, drawing_failures",
+     "after the last tick of a live session: detail says whether it kept up with real time, as "
+     "JSON: overruns, ticks, late_frames, frames, drawing_failures",
      "", ""},
-    {kind::grab_found, "in a recording without buttons: where a hand took the ball", "", ""},
-    {kind::release_found, "in a recording without buttons: where it let the ball go", "", ""},
-    {devices::kEndEvent, "last message of a finished log", "", "messages before it"},
+    {kind::grab_found,
+     "in a recording without buttons: the program found that a hand grabbed the ball here", "", ""},
+    {kind::release_found,
+     "in a recording without buttons: the program found that the hand released the ball here", "",
+     ""},
+    {devices::kEndEvent, "last message of a finished log", "", "number of messages before it"},
 });
 
 }  // namespace headpin::scene

@@ -45,42 +45,50 @@ void visit(V& v, Rates& r) {
 
 template <typename V>
 void visit(V& v, MeshFile& m) {
-  v.field("file", m.file, kAny,
-          "glTF, OBJ, PLY, STL or OFF, named from the scenario's folder; empty: none");
+  v.field(
+      "file", m.file, kAny,
+      "file in glTF, OBJ, PLY, STL or OFF format, relative to the scenario's folder; empty: none");
   v.field("unit", m.unit, Range{1e-6, 1e3}, "metres per unit of the file");
   v.field("axes", m.axes, kAny,
-          "where its +x, +y, +z point: R right, L left, A ahead, P back, S up, I down");
-  v.field("sha256", m.sha256, kAny, "of the file; found when it is read, checked where given");
+          "directions of its +x, +y, +z: R right, L left, A ahead, P back, S up, I down");
+  v.field("sha256", m.sha256, kAny,
+          "SHA-256 of the file; checked if given, else filled in when the file is read");
 }
 
 template <typename V>
 void visit(V& v, Room& r) {
-  v.field("width", r.width, Range{1, 100}, "wall to wall, the lane in the middle");
-  v.field("height", r.height, Range{1, 100}, "floor to ceiling");
-  v.field("behind", r.behind, Range{0.5, 100}, "foul line to the wall behind the player");
-  v.field("ahead", r.ahead, Range{1, 100}, "foul line to the wall behind the skittles");
-  v.field("solid_ceiling", r.solid_ceiling, kAny, "what flies up comes back; false: it flies on");
-  v.section("mesh", "seen in place of walls and ceiling, in the world", r.mesh);
+  v.field("width", r.width, Range{1, 100},
+          "distance between the side walls; the lane is in the middle");
+  v.field("height", r.height, Range{1, 100}, "distance from floor to ceiling");
+  v.field("behind", r.behind, Range{0.5, 100},
+          "distance from the foul line to the wall behind the player");
+  v.field("ahead", r.ahead, Range{1, 100},
+          "distance from the foul line to the wall behind the skittles");
+  v.field("solid_ceiling", r.solid_ceiling, kAny,
+          "true: bodies bounce off the ceiling; false: they fly through it");
+  v.section("mesh", "mesh that is drawn instead of walls and ceiling, in world coordinates",
+            r.mesh);
 }
 
 template <typename V>
 void visit(V& v, Lane& l) {
   v.field("width", l.width, Range{0.2, 20}, "", "41.5 in: USBC");
   v.field("head_pin", l.head_pin, Range{0.5, 50},
-          "foul line to head pin; 18.288 is regulation (60 ft: USBC)");
+          "distance from the foul line to the head pin; regulation: 18.288 (60 ft: USBC)");
   v.field("masking_panel", l.masking_panel, kAny,
-          "solid, hangs before the skittles; the paper tells of none");
+          "solid panel that hangs in front of the skittles; the paper does not mention one");
   v.field("kick_backs", l.kick_backs, kAny,
-          "solid walls beside the skittles; the paper tells of none");
+          "solid walls beside the skittles; the paper does not mention them");
   v.field("gutter_width", l.gutter_width, Range{0, 2},
-          "of each, beside the lane; 0.235 is usual (9.25 in); the paper tells of none");
+          "width of each gutter beside the lane; usual: 0.235 (9.25 in); the paper does not "
+          "mention gutters");
   v.field("gutter_depth", l.gutter_depth, Range{0, 0.5},
-          "0: painted on the floor, which is flat then; 0.048 is usual (1 7/8 in)");
+          "0: the gutters are only painted on a flat floor; usual: 0.048 (1 7/8 in)");
 }
 
 template <typename V>
 void visit(V& v, Rack& r) {
-  v.field("spots", r.spots, kAny, "[x right, y away] from the head pin's spot",
+  v.field("spots", r.spots, kAny, "place of each skittle, [x right, y away] from the head pin",
           "12 in apart in a triangle: USBC");
 }
 
@@ -90,13 +98,14 @@ void visit(V& v, SkittlePart& p) {
   if (p.shape == "polyhedron") {
     visit(v, p.mesh);
     v.field("corners", p.corners, Range{-2, 2},
-            "[x, y, z] from the middle of the base; from the file where there are none");
-    v.field("faces", p.faces, kAny, "corners of each, counted from 0, counterclockwise outside");
+            "[x, y, z] from the middle of the base; without corners the file is used");
+    v.field("faces", p.faces, kAny,
+            "corner numbers of each face, from 0, counterclockwise seen from outside");
     return;
   }
-  v.field("radius", p.radius, Range{1e-3, 1}, "across the axis");
-  v.field("low", p.low, Range{0, 2}, "above the base");
-  v.field("high", p.high, Range{0, 2}, "above the base");
+  v.field("radius", p.radius, Range{1e-3, 1}, "largest radius across the axis");
+  v.field("low", p.low, Range{0, 2}, "height of its lower end above the base");
+  v.field("high", p.high, Range{0, 2}, "height of its upper end above the base");
 }
 
 template <typename V>
@@ -104,35 +113,43 @@ void visit(V& v, Skittle& s) {
   v.field("height", s.height, Range{0.05, 2}, "", "15.000 in: USBC");
   v.field("mass", s.mass, Range{0.01, 100}, "", "3 lb 8 oz: USBC");
   v.field("rolling_arm", s.rolling_arm, Range{0, 0.1},
-          "rolling resistance: its load acts this far ahead; brings a skittle on its side to rest");
-  v.field("parts", s.parts, kAny, "its true shape as collisions see it, base upwards");
-  v.field("profile", s.profile, kAny, "[height above the base, radius] as eyes see it",
+          "rolling resistance: lever arm by which the load acts ahead of the contact; brings a "
+          "skittle on its side to rest");
+  v.field("parts", s.parts, kAny, "parts of its true collision shape, from the base upwards");
+  v.field("profile", s.profile, kAny, "profile that is drawn: [height above the base, radius]",
           "USBC, necks from pin drawings");
   v.field("seen", s.seen, Choices{"true", "collider"},
-          "what the eyes see: the profile, or what it collides as; none of six "
-          "noticed a change of the shape that collides (table 4)");
+          "shape that is drawn: true (the profile) or collider (the collision shape); none of six "
+          "participants noticed a change of the collision shape (table 4)");
   v.field("weighed", s.weighed, Choices{"profile", "parts"},
-          "whose centre of mass and inertia it has: of what is seen, or of its parts");
-  v.field(
-      "ellipsoid_weighed", s.ellipsoid_weighed, Choices{"alike", "itself"},
-      "alike: an ellipsoid has mass, centre and inertia of the true shape, so that the paper's S "
-      "is the accuracy of collisions alone; itself: its own, as trials were recorded before");
-  v.section("mesh", "seen in place of the profile, from the middle of the base", s.mesh);
+          "source of centre of mass and inertia: the profile that is drawn, or the parts of the "
+          "collision shape");
+  v.field("ellipsoid_weighed", s.ellipsoid_weighed, Choices{"alike", "itself"},
+          "mass properties of a skittle that collides as an ellipsoid. alike: those of the true "
+          "shape, so that the paper's factor S changes only the accuracy of collisions; itself: "
+          "those of the ellipsoid, as in older trials");
+  v.section("mesh",
+            "mesh that is drawn instead of the profile; its origin is the middle of the base",
+            s.mesh);
 }
 
 template <typename V>
 void visit(V& v, Ball& b) {
-  v.field("radius", b.radius, Range{0.01, 1}, "USBC allows 8.500 to 8.595 in across", "8.54 in");
+  v.field("radius", b.radius, Range{0.01, 1}, "USBC allows diameters of 8.500 to 8.595 in",
+          "8.54 in");
   v.field("mass", b.mass, Range{0.01, 100}, "USBC allows 16 lb", "15 lb");
-  v.field("home", b.home, Range{-100, 100}, "its centre on the stand, in the world");
-  v.section("mesh", "seen in its place, from its centre", b.mesh);
+  v.field("home", b.home, Range{-100, 100}, "place of its centre on the stand, in the world");
+  v.section("mesh", "mesh that is drawn instead; its origin is the ball's centre", b.mesh);
 }
 
 template <typename V>
 void visit(V& v, Coefficients& m) {
-  v.field("elasticity", m.elasticity, kUnit, "a pair takes the product",
+  v.field("elasticity", m.elasticity, kUnit,
+          "coefficient of restitution (the paper: elasticity); two bodies in contact: the product",
           "Uno & Slater 1997, table 1");
-  v.field("friction", m.friction, kUnit, "a pair takes the product", "Uno & Slater 1997, table 1");
+  v.field("friction", m.friction, kUnit,
+          "friction as in the paper; two bodies in contact: the product",
+          "Uno & Slater 1997, table 1");
 }
 
 template <typename V>
@@ -145,153 +162,183 @@ void visit(V& v, Materials& m) {
 
 template <typename V>
 void visit(V& v, Collision& c) {
-  v.field("shape", c.shape, Choices{"true", "ellipsoid"}, "table 1");
-  v.field("detection", c.detection, Choices{"converged", "paper"},
-          "paper: the iteration stops at the cap, as in 1997");
-  v.field("iterations", c.iterations, Range{5, 20}, "cap of a query; 20 in the paper");
-  v.field("warm", c.warm, kAny, "paper detection starts from the last normal; not so in 1997");
+  v.field("shape", c.shape, Choices{"true", "ellipsoid"},
+          "collision shape of the skittles (table 1)");
+  v.field(
+      "detection", c.detection, Choices{"converged", "paper"},
+      "paper: the iteration stops at a cap, as in 1997; converged: it goes on until it converges");
+  v.field("iterations", c.iterations, Range{5, 20},
+          "cap on the iterations of a query; 20 in the paper");
+  v.field("warm", c.warm, kAny,
+          "warm start: a query of paper detection starts from the last normal; not in the paper");
   v.field("answer", c.answer, Choices{"best", "last"},
-          "paper detection answers from the best plane that it looked at, as it turns to it; last: "
-          "as trials were recorded before");
-  v.field("response", c.response, response_names(), "");
+          "result of a query of paper detection at its cap. best: the best plane that it tested; "
+          "last: the last plane, as in older trials");
+  v.field("response", c.response, response_names(), "collision response");
   v.field("friction_tau_s", c.friction_tau_s, Range{1e-4, 10},
-          "a lasting contact applies the paper's friction once in this time");
-  v.field("gravity", c.gravity, Range{0, 1000}, "");
-  v.field("sleep", c.sleep, kAny, "bodies at rest are left alone until touched");
+          "time in which a lasting contact applies the paper's friction once");
+  v.field("gravity", c.gravity, Range{0, 1000}, "acceleration of gravity [m/s2]");
+  v.field("sleep", c.sleep, kAny,
+          "sleeping: bodies at rest are not simulated until something touches them");
   v.field("rules", c.rules, Range{1, 2},
-          "of the step; 1: as in trials of before this key, with what it then did wrong of things "
-          "squeezed, landing just behind a step's end, or asleep uncarried");
+          "rules of the simulation step. 2: today's; 1: those of trials without this key, with "
+          "their errors for squeezed bodies, for bodies that land just after a step, and for "
+          "unsupported sleeping bodies");
 }
 
 template <typename V>
 void visit(V& v, GameRules& g) {
-  v.field("rules", g.rules, rules_names(), "one-throw: nothing is counted, swept or set again");
-  v.field("frames", g.frames, Range{1, 100}, "of a game; the paper does not say how many");
-  v.field("balls", g.balls, Range{1, 10}, "of a frame");
-  v.field(
-      "ball_back_s", g.ball_back_s, Range{1, 600},
-      "the ball comes back, and what is down counts, when all is at rest or so long after it was "
-      "let go");
+  v.field("rules", g.rules, rules_names(),
+          "rules of the game; one-throw: no game, so nothing is counted, swept or set again");
+  v.field("frames", g.frames, Range{1, 100}, "frames per game; the paper does not say how many");
+  v.field("balls", g.balls, Range{1, 10}, "balls per frame");
+  v.field("ball_back_s", g.ball_back_s, Range{1, 600},
+          "the ball comes back and the fallen skittles are counted when all bodies are at rest, or "
+          "this long after the release");
   v.field("off_spot", g.off_spot, Range{0, 10},
-          "an upright skittle further from its spot than this is down too");
+          "an upright skittle further from its spot than this counts as fallen");
   v.field("ends", g.ends, Choices{"rest", "slow"},
-          "a ball is over when all is at rest and stays so; slow: as soon as all is slow at one "
-          "tick, be it at the top of its flight or in the hand");
+          "when a ball ends. rest: when all bodies are at rest and stay so; slow: at the first "
+          "tick at which all are slow, even if one is at the top of its flight or in the hand");
   v.field("hand_fells", g.hand_fells, Choices{"apart", "counted"},
-          "what the hand fells, or what it carries, is set aside; counted: it is the ball's");
+          "skittles that the hand, or what it carries, knocks down. apart: removed without "
+          "counting; counted: counted for the ball");
   v.field("foul", g.foul, Choices{"note", "zero", "count"},
-          "a ball let go beyond the foul line: noted and counted; zero: noted and counted as none; "
-          "count: not even noted",
+          "ball that is released beyond the foul line. note: there is a foul event, and the ball "
+          "counts; zero: there is a foul event, and the ball counts 0; count: no event, and the "
+          "ball counts",
           "the paper is silent");
 }
 
 template <typename V>
 void visit(V& v, Version& version) {
-  v.field("button", version.button, Range{-100, 100}, "centre of the button that starts it");
-  v.field("elasticity", version.elasticity, kUnit, "of skittles, ball, lane and walls",
+  v.field("button", version.button, Range{-100, 100},
+          "centre of the button that starts this version");
+  v.field("elasticity", version.elasticity, kUnit,
+          "coefficient of restitution (the paper: elasticity) of skittles, ball, lane and walls",
           "Uno & Slater 1997, table 1");
-  v.field("friction", version.friction, kUnit, "of skittles, ball, lane and walls",
+  v.field("friction", version.friction, kUnit, "friction of skittles, ball, lane and walls",
           "Uno & Slater 1997, table 1");
-  v.field("shape", version.shape, Choices{"true", "ellipsoid"}, "of the skittles, as they collide");
+  v.field("shape", version.shape, Choices{"true", "ellipsoid"}, "collision shape of the skittles");
   v.field("detection", version.detection, Choices{"collision", "converged", "paper"},
-          "collision: as collision.detection");
+          "collision: as in collision.detection");
   v.field("iterations", version.iterations, Range{0, 20},
-          "cap of a query, 5 to 20 (the paper's pilot: 5 against 20); 0: as collision.iterations");
+          "cap on the iterations of a query, 5 to 20 (the paper's pilot study: 5 and 20); 0: as in "
+          "collision.iterations");
 }
 
 template <typename V>
 void visit(V& v, Versions& versions) {
-  v.field("buttons", versions.buttons, kAny, "a red and a blue one, which the hand touches");
-  v.field("radius", versions.radius, Range{0.01, 0.5}, "of a button");
+  v.field("buttons", versions.buttons, kAny,
+          "true: there are a red and a blue button, which the virtual hand presses");
+  v.field("radius", versions.radius, Range{0.01, 0.5}, "radius of a button");
   v.section("red", "", versions.red);
   v.section("blue", "", versions.blue);
 }
 
 template <typename V>
 void visit(V& v, Hand& h) {
-  v.field("reach", h.reach, Range{0, 10}, "grabs what has its surface this near");
-  v.field("takes_skittles", h.takes_skittles, kAny, "grabs skittles too, not balls alone");
-  v.field("grip", h.grip, Range{-1, 1}, "centre of the carried ball in the hand");
-  v.field("solid", h.solid, kAny, "pushes what it touches; away while it carries something");
-  v.field("elasticity", h.elasticity, kUnit, "of a solid hand; a pair takes the product");
-  v.field("friction", h.friction, kUnit, "likewise");
-  v.field(
-      "release_at", h.release_at, Choices{"trigger", "sample"},
-      "the ball gets the velocity and spin that the hand has as the trigger goes up, by samples "
-      "of before and after; or had at the last sample before, and is carried a tick ahead of "
-      "the hand, as until 2026");
+  v.field("reach", h.reach, Range{0, 10},
+          "largest distance to the surface of a body that it can grab");
+  v.field("takes_skittles", h.takes_skittles, kAny,
+          "true: it can grab skittles too; false: only balls");
+  v.field("grip", h.grip, Range{-1, 1}, "centre of the carried ball in the frame of the hand");
+  v.field("solid", h.solid, kAny,
+          "true: it pushes the bodies that it touches, except while it carries one");
+  v.field("elasticity", h.elasticity, kUnit,
+          "coefficient of restitution of a solid hand; two bodies in contact: the product");
+  v.field("friction", h.friction, kUnit,
+          "friction of a solid hand; two bodies in contact: the product");
+  v.field("release_at", h.release_at, Choices{"trigger", "sample"},
+          "velocity and spin of a released ball. trigger: those of the hand at the moment of the "
+          "trigger, from samples before and after it; sample: those at the last sample before it, "
+          "and the ball is carried one tick ahead of the hand, as until 2026");
   v.field("release_window_s", h.release_window_s, Range{0.01, 1},
-          "they are the slope of a cubic fitted over so long before (sample: of a parabola)");
+          "velocity and spin are the slope of a cubic (sample: of a parabola) that is fitted to "
+          "the samples of this time before the release");
   v.field("release_window_most_s", h.release_window_most_s, Range{0.01, 1},
-          "and over up to this where the tracker is noisy");
+          "longest time for that fit, if the tracker is noisy");
   v.field("release_accuracy", h.release_accuracy, Range{0, 1000},
-          "that is, while the fit knows it worse than this");
-  v.field(
-      "falls_at_once", h.falls_at_once, kAny,
-      "what is let go between two ticks falls from that moment on, not from the next tick: where "
-      "the ticks are matters less then");
-  v.section("mesh", "seen in its place, open and gripping; the palm's middle, fingers ahead",
+          "the time for the fit grows while the standard error of the velocity is above this");
+  v.field("falls_at_once", h.falls_at_once, kAny,
+          "true: a body that is released between two ticks falls from that moment, not from the "
+          "next tick, so that the result depends less on the times of the ticks");
+  v.section("mesh",
+            "mesh that is drawn instead of the open and the gripping hand; its origin is the "
+            "middle of the palm, the fingers point ahead",
             h.mesh);
 }
 
 template <typename V>
 void visit(V& v, Walking& w) {
-  v.field(
-      "along", w.along, Choices{"gaze", "hand"},
-      "which way forward is: where the head looks or where the hand points; ours, the paper says "
-      "only by which buttons");
-  v.field("speed", w.speed, Range{0, 10}, "of a walk by the thumbs", "an easy walk");
-  v.field("acceleration", w.acceleration, Range{0.1, 1000}, "up to it and back to rest");
-  v.field("clearance", w.clearance, Range{0, 1}, "a walk brings the head no nearer to a wall");
+  v.field("along", w.along, Choices{"gaze", "hand"},
+          "direction of walking: gaze (of the head) or hand; the paper names only the buttons");
+  v.field("speed", w.speed, Range{0, 10}, "walking speed with the thumb buttons", "an easy walk");
+  v.field("acceleration", w.acceleration, Range{0.1, 1000},
+          "acceleration to the walking speed and back to rest");
+  v.field("clearance", w.clearance, Range{0, 1},
+          "smallest distance of the head from a wall when walking");
 }
 
 template <typename V>
 void visit(V& v, Rig& r) {
-  v.field("head_station", r.head_station, Range{1, 4}, "of the sensor worn on the head");
-  v.field("hand_station", r.hand_station, Range{1, 4}, "of the one on the 3D mouse in the hand");
-  v.field("X_WT", r.X_WT, kAny, "transmitter in the world, until somebody walks; q is w, x, y, z");
-  v.field("X_SD", r.X_SD, kAny, "head's receiver to display");
-  v.field("X_SH", r.X_SH, kAny, "hand's receiver to virtual hand");
+  v.field("head_station", r.head_station, Range{1, 4}, "station of the receiver on the head");
+  v.field("hand_station", r.hand_station, Range{1, 4},
+          "station of the receiver on the 3D mouse in the hand");
+  v.field("X_WT", r.X_WT, kAny,
+          "pose of the transmitter in the world, before any walk; q is w, x, y, z");
+  v.field("X_SD", r.X_SD, kAny, "pose of the display in the frame of the head's receiver");
+  v.field("X_SH", r.X_SH, kAny, "pose of the virtual hand in the frame of the hand's receiver");
   v.field("delay_s", r.delay_s, Range{0, 1},
-          "poses are read this long before now, between two samples; 0 holds the last");
+          "poses are interpolated this long before the present; 0: the last sample is used");
 }
 
 template <typename V>
 void visit(V& v, Hmd& h) {
   v.field("profile", h, kAny,
-          "one of " + render::hmd_profile_names() + "; values given here override it");
+          "one of " + render::hmd_profile_names() + "; the values below override it");
   render::Optics& o = h.optics;
-  v.field("width", o.width, Range{1, 16384}, "pixels of an eye", "Uno & Slater 1997, section 3");
+  v.field("width", o.width, Range{1, 16384}, "pixels per eye", "Uno & Slater 1997, section 3");
   v.field("height", o.height, Range{1, 16384}, "");
-  v.field("horizontal_fov_deg", o.horizontal_fov_deg, Range{1, 170}, "of an eye");
-  v.field("vertical_fov_deg", o.vertical_fov_deg, Range{1, 170}, "of an eye");
+  v.field("horizontal_fov_deg", o.horizontal_fov_deg, Range{1, 170},
+          "horizontal field of view of an eye");
+  v.field("vertical_fov_deg", o.vertical_fov_deg, Range{1, 170},
+          "vertical field of view of an eye");
   constexpr Range kEdge{0, 85};
   v.field("outer_deg", o.outer_deg, kEdge,
-          "an eye's axis to the edge at the temple; 0: half of horizontal_fov_deg");
-  v.field("inner_deg", o.inner_deg, kEdge, "to the edge at the nose; likewise");
-  v.field("up_deg", o.up_deg, kEdge, "to the upper edge; 0: half of vertical_fov_deg");
-  v.field("down_deg", o.down_deg, kEdge, "to the lower edge; likewise");
-  v.field("eye_distance", o.eye_distance, Range{0, 1}, "between the eyes",
+          "angle from an eye's axis to the edge at the temple; 0: half of horizontal_fov_deg");
+  v.field("inner_deg", o.inner_deg, kEdge,
+          "angle from an eye's axis to the edge at the nose; 0: half of horizontal_fov_deg");
+  v.field("up_deg", o.up_deg, kEdge,
+          "angle from an eye's axis to the upper edge; 0: half of vertical_fov_deg");
+  v.field("down_deg", o.down_deg, kEdge,
+          "angle from an eye's axis to the lower edge; 0: half of vertical_fov_deg");
+  v.field("eye_distance", o.eye_distance, Range{0, 1}, "distance between the eyes",
           "64 mm between the LEEP lenses' axes");
-  v.field("outward_deg", o.outward_deg, Range{-60, 60}, "each eye's axis turned outward");
-  v.field("relay_width", o.relay_width, Range{0, 4096},
-          "pixels that are drawn and relayed to those of the display; 0: its own");
-  v.field("relay_height", o.relay_height, Range{0, 4096}, "likewise");
+  v.field("outward_deg", o.outward_deg, Range{-60, 60},
+          "angle by which each eye's axis is turned outward");
   v.field(
-      "lens_k1", o.lens_k1, Range{0, 2},
-      "a lens shows s in the direction s (1 + k1 s^2 + k2 s^4), s = 1 at the outer edge; pictures "
-      "are drawn against that");
-  v.field("lens_k2", o.lens_k2, Range{0, 2}, "likewise");
+      "relay_width", o.relay_width, Range{0, 4096},
+      "width of the picture that is drawn and then scaled to the display; 0: that of the display");
+  v.field("relay_height", o.relay_height, Range{0, 4096},
+          "height of that picture; 0: that of the display");
+  v.field("lens_k1", o.lens_k1, Range{0, 2},
+          "distortion of the lens: it shows the point s in the direction s (1 + k1 s^2 + k2 s^4), "
+          "with s = 1 at the outer edge; the pictures are drawn with the inverse");
+  v.field("lens_k2", o.lens_k2, Range{0, 2}, "second coefficient of that distortion");
 }
 
 template <typename V>
 void visit(V& v, render::Quality& q) {
-  v.field("samples", q.samples, Range{1, 8},
-          "a pixel is the mean light of so many, squared, and one; 1 is one");
-  v.field("contact", q.contact, kAny, "floors darken beneath and beside bodies");
+  v.field(
+      "samples", q.samples, Range{1, 8},
+      "anti-aliasing: a pixel is the mean light of N^2 + 1 samples, or of one sample with N = 1");
+  v.field("contact", q.contact, kAny,
+          "contact shadows: floors are darker beneath and beside bodies");
   v.field("shadow", q.shadow, kAny, "bodies cast shadows on floors and bodies");
-  v.field("mirror", q.mirror, kAny, "polished floors mirror what stands on them");
-  v.field("light", q.light, Choices{"pixel", "vertex"}, "where lamps light bodies");
+  v.field("mirror", q.mirror, kAny, "polished floors reflect what stands on them");
+  v.field("light", q.light, Choices{"pixel", "vertex"},
+          "where the light of the lamps is computed: per pixel or per vertex");
 }
 
 template <typename V>
@@ -311,7 +358,7 @@ void visit(V& v, Scenario& s) {
   v.section("walk", "", s.walk);
   v.section("rig", "", s.rig);
   v.section("hmd", "", s.hmd);
-  v.section("look", "what is spent on a picture", s.look);
+  v.section("look", "rendering quality of the pictures", s.look);
 }
 
 }  // namespace headpin::scene

@@ -12,9 +12,8 @@ namespace {
 constexpr std::array<Rules, 5> kRules{{
     {"one-throw", false, false, false, false, "no game: one ball, and nothing is set again"},
     {"plain", true, false, false, false, "skittles down are counted"},
-    {"ten-pin", true, false, false, true,
-     "a strike counts the next two balls too, a spare the next one"},
-    {"ninepins", true, true, false, false, "every ball has all skittles before it"},
+    {"ten-pin", true, false, false, true, "a strike adds the next two balls, a spare the next one"},
+    {"ninepins", true, true, false, false, "all skittles are set before every ball"},
     {"skittles", true, false, true, false,
      "skittles are set again within a frame when none is left"},
 }};
