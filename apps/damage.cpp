@@ -21,8 +21,8 @@ void say_what_is_missing(std::string_view command, const std::string& path,
   if (const auto n = skipped.bytes + skipped.cut_bytes; n > 0) {
     unread.push_back(fmt::format("{} bytes", n));
   }
-  say("headpin {}: {}: is not complete, it goes to {:.3f} s{}; `headpin info` tells more\n",
-      command, printable(path), seconds(trial.last.value_or(Time{})),
+  say("headpin {}: {}: is incomplete: it ends at {:.3f} s{}; see `headpin info`\n", command,
+      printable(path), seconds(trial.last.value_or(Time{})),
       unread.empty() ? "" : fmt::format("; {} of it cannot be read", fmt::join(unread, " and ")));
 }
 

@@ -96,7 +96,7 @@ class Unpacking {
 
  private:
   const char* next(std::size_t size) {
-    if (size > bytes_.size() - at_) throw std::runtime_error("a message that is cut off");
+    if (size > bytes_.size() - at_) throw std::runtime_error("a message is incomplete");
     const char* from = bytes_.data() + at_;
     at_ += size;
     return from;
@@ -381,7 +381,7 @@ void serve_frames(DrawerMaker maker) {
   int type = 0;
   socklen_t size = sizeof type;
   if (getsockopt(STDIN_FILENO, SOL_SOCKET, SO_TYPE, &type, &size) != 0) {
-    throw std::runtime_error("is started by `headpin live`, and by nobody else");
+    throw std::runtime_error("internal command: only `headpin live` starts it");
   }
   try {
     if (const auto drawer = get_ready(STDIN_FILENO, maker)) {

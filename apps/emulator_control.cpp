@@ -50,8 +50,7 @@ std::vector<std::string> Control::lines() {
   if (n == 0) fd_ = -1;  // the end of standard input
   if (text_.size() > kLongest && text_.find('\n') > kLongest) {
     text_.erase(0, std::min(text_.find('\n'), text_.size()));
-    if (!told_)
-      say("headpin emulate: control: lines longer than {} bytes are left out\n", kLongest);
+    if (!told_) say("headpin emulate: control: lines longer than {} bytes are ignored\n", kLongest);
     told_ = true;
   }
   std::vector<std::string> whole;
@@ -69,17 +68,15 @@ bool obey(const std::string& line, devices::FastrakEmulator& emulator, Feed& fee
     emulator.power_cycle(now);
   } else if (line == "press" || line == "release") {
     if (!stylus && !mouse) {
-      throw std::invalid_argument("control line '" + line +
-                                  "': no stylus is plugged in (--stylus), nor a mouse (--mouse)");
+      throw std::invalid_argument("control line '" + line + "': expected --stylus or --mouse");
     }
     feed.pressed = line == "press";
     if (mouse) mouse->typed.trigger = feed.pressed;
   } else if (word("left-thumb ") || word("right-thumb ")) {
     const bool down = line.ends_with(" down");
     if (!mouse || (!down && !line.ends_with(" up"))) {
-      throw std::invalid_argument(
-          "control line '" + line + "': expected " +
-          (mouse ? "up or down behind it" : "a mouse to press it (--mouse)"));
+      throw std::invalid_argument("control line '" + line + "': expected " +
+                                  (mouse ? "up or down after it" : "the option --mouse"));
     }
     (word("left") ? mouse->typed.left_thumb : mouse->typed.right_thumb) = down;
   } else if (line == "rewind") {

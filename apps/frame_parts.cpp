@@ -87,8 +87,8 @@ class PartsFolder {
     if (!begun) begin(what);
     if (begun && text_of_file(folder_.path() / kWhat) != what) {
       throw std::runtime_error(folder_.path().string() +
-                               ": holds parts of another trial, of other frames, or drawn "
-                               "otherwise; without --resume they are drawn anew");
+                               ": contains parts of another trial, of other frames, or with other "
+                               "drawing options; without --resume they are drawn again");
     }
     folder_.keep(parts.resume);
   }
@@ -185,7 +185,7 @@ class Drawers {
       const std::string start = "headpin frames: ";
       if (said.starts_with(start)) throw std::runtime_error(said.substr(start.size()));
       throw std::runtime_error(
-          fmt::format("a process that drew has ended, {}: {}",
+          fmt::format("a drawing process ended {}: {}",
                       WIFSIGNALED(status) ? fmt::format("by signal {}", WTERMSIG(status))
                                           : fmt::format("with exit code {}", WEXITSTATUS(status)),
                       said.empty() ? "it said nothing" : said));

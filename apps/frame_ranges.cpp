@@ -31,7 +31,8 @@ FrameRanges::FrameRanges(const std::string& text) {
     const std::int64_t first = frame_number(item.substr(0, dash), text);
     const std::int64_t last =
         dash == std::string_view::npos ? first : frame_number(item.substr(dash + 1), text);
-    if (last < first) throw UsageError(fmt::format("--frames {}: '{}' runs back", text, item));
+    if (last < first)
+      throw UsageError(fmt::format("--frames {}: '{}' ends before it begins", text, item));
     ranges_.push_back({first, last});
     if (comma == std::string_view::npos) return;
     rest = rest.substr(comma + 1);

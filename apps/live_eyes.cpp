@@ -71,9 +71,10 @@ void say_rate(scene::Eyes& eyes, const scene::Glimpse& glimpse, bool png, std::i
     if (png) render::encode_png(image, eyes.optics.pixel_aspect());
   }
   const double rate = 1.0 / std::chrono::duration<double>(Clock::now() - begin).count();
-  say("eyes: some {:.0f} frames a second at this look, {} wanted{}\n", rate, wanted,
+  say("eyes: about {:.0f} frames per second with this rendering quality, {} needed{}\n", rate,
+      wanted,
       rate < static_cast<double>(wanted)
-          ? "; those that are not drawn in time are left out, ticks never"
+          ? "; frames that are not drawn in time are skipped, ticks are not"
           : "");
 }
 

@@ -76,7 +76,7 @@ void Reporter::report_loss() {
     live_.writer->require_kept();
   } catch (const std::runtime_error& error) {
     lost_ = true;
-    say("{:7.1f} s  {}; the session goes on unrecorded\n", seconds(live_.session.now()),
+    say("{:7.1f} s  {}; the session continues without a recording\n", seconds(live_.session.now()),
         error.what());
   }
 }
@@ -110,8 +110,8 @@ void print_line(const Live& live) {
 /// Where the time went from a head's sample to its frame.
 void print_stages(const scene::FrameLatency& latency) {
   const scene::FrameStages mean = latency.mean();
-  say("{:11}mean {:.1f} ms: {:.1f} until its tick was made, {:.1f} until a frame was due, {:.1f} "
-      "until it was drawn, {:.1f} until it was out\n",
+  say("{:11}mean {:.1f} ms: {:.1f} until its tick, {:.1f} until the frame was due, {:.1f} until it "
+      "was drawn, {:.1f} until it was published\n",
       "", 1e3 * mean.sum(), 1e3 * mean.ticked, 1e3 * mean.waited, 1e3 * mean.drawn,
       1e3 * mean.published);
 }

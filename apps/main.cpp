@@ -158,7 +158,7 @@ int run(CLI::App& app, int argc, char** argv) {
   } catch (const std::system_error& error) {
     if (std::ferror(stdout)) return EXIT_SUCCESS;  // what fmt throws; told when it is closed
     if (error.code() == std::errc::resource_unavailable_try_again) {
-      return failed(std::runtime_error("a thread cannot be begun: " + error.code().message()), 1);
+      return failed(std::runtime_error("cannot start a thread: " + error.code().message()), 1);
     }
     return failed(error, 1);
   } catch (const std::exception& error) {

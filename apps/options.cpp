@@ -42,7 +42,7 @@ CLI::Option* add_output(CLI::App& command, const std::string& names,
 }
 
 CLI::Option* add_force(CLI::App& command, bool& value) {
-  return command.add_flag("--force", value, "replace the output files of an earlier run");
+  return command.add_flag("--force", value, "replace existing output files");
 }
 
 CLI::Option* add_json(CLI::App& command, bool& value) {

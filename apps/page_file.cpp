@@ -94,7 +94,7 @@ std::string page_template(const std::string& path) {
   std::string page = files::read_text(path, kMost);
   if (page.find(kMark) == std::string::npos) {
     throw std::runtime_error(
-        fmt::format("{}: expected a page with the mark {} in it, found none", path, kMark));
+        fmt::format("{}: expected a page template with the mark {}, found none", path, kMark));
   }
   return page;
 }
@@ -108,9 +108,8 @@ std::string page_template() {
     if (fs::is_regular_file(place, none)) return page_template(place.string());
   }
   throw std::runtime_error(
-      "the page that a trial is put into has not been built; `./dev page` in headpin's sources "
-      "does "
-      "it (needs nodejs and npm)");
+      "the page template has not been built; `./dev page` in headpin's sources builds it (needs "
+      "nodejs and npm)");
 }
 
 std::string filled(const std::string& page, const PageBlocks& blocks) {

@@ -122,7 +122,7 @@ OutputFile::OutputFile(std::string path, Options options)
   }
   for (const fs::path& input : options_.inputs) {
     if (same_file(path_, input)) {
-      throw std::runtime_error(said_ + ": is read by this very command; expected another name");
+      throw std::runtime_error(said_ + ": is an input of this command; expected another name");
     }
   }
   if (exists && !S_ISREG(there.st_mode)) {
@@ -213,7 +213,7 @@ void OutputFile::rename_to_target() {
     return;
   }
   if (errno == EEXIST) {
-    throw std::runtime_error(said_ + ": exists by now; --force replaces it");
+    throw std::runtime_error(said_ + ": was created in the meantime; --force replaces it");
   }
   fail("cannot be given its name");
 }

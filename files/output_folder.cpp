@@ -131,7 +131,7 @@ void OutputFolder::refuse_foreign(const Options& options) const {
     if (unknown) throw std::runtime_error(other.string() + ": " + unknown.message());
     if (lies_in(folder_, canonical)) {
       throw std::runtime_error(path_ + ": holds " + other.string() +
-                               ", which is used by this very command; expected another folder");
+                               ", which this command uses; expected another folder");
     }
   }
   std::set<std::string> ours;

@@ -177,8 +177,9 @@ std::unique_ptr<GlContext> egl_context() {
   context->make_current();
   const std::string renderer = renderer_name(load_functions(*context));
   if (!draws_on_the_processor(renderer)) {
-    throw std::runtime_error("EGL draws by " + renderer +
-                             ", expected Mesa's llvmpipe or softpipe; --gl egl:auto takes a card");
+    throw std::runtime_error(
+        "EGL draws by " + renderer +
+        ", expected Mesa's llvmpipe or softpipe; --gl egl:auto uses a graphics card");
   }
   return context;
 }

@@ -85,9 +85,9 @@ void try_threads(const std::string& wanted) {
       });
     }
   } catch (const std::system_error& error) {
-    throw std::runtime_error("LP_NUM_THREADS is " + wanted + ", and only " +
+    throw std::runtime_error("LP_NUM_THREADS is " + wanted + ", but only " +
                              std::to_string(tried.size()) +
-                             " threads can be begun: " + error.code().message());
+                             " threads can be started: " + error.code().message());
   }
 }
 

@@ -30,10 +30,11 @@ const Quality& Renderer::quality() const {
 int Renderer::add(const Mesh& mesh) {
   Impl& r = *impl_;
   if (std::ranges::find(kTurns, mesh.surface) == kTurns.end()) {
-    throw std::invalid_argument("mesh: a surface that is never drawn");
+    throw std::invalid_argument("mesh: unknown surface");
   }
   for (const std::uint32_t i : mesh.indices) {
-    if (i >= mesh.vertices.size()) throw std::invalid_argument("mesh: index beyond its vertices");
+    if (i >= mesh.vertices.size())
+      throw std::invalid_argument("mesh: an index exceeds the number of vertices");
   }
   r.context->make_current();
   // Floors in small parts: of each it is asked whether a shadow may fall on it.
@@ -62,7 +63,8 @@ int Renderer::add(const Mesh& mesh) {
 void Renderer::draw(const DrawList& list, std::span<const View> views, std::span<Image> out) {
   Impl& r = *impl_;
   const Gl& gl = r.gl;
-  if (views.size() != out.size()) throw std::invalid_argument("draw: not one image for each view");
+  if (views.size() != out.size())
+    throw std::invalid_argument("draw: expected one image for each view");
   for (const View& view : views) r.check(list, view);
   if (views.empty()) return;
   r.start();

@@ -73,7 +73,7 @@ const Program& Renderer::Impl::program_of(const Kept& mesh, bool shaded, bool in
     case Surface::baked:
       return in_mirror ? mirrored : baked;
   }
-  throw std::logic_error("a surface without a program");
+  throw std::logic_error("this surface has no program");
 }
 
 void Renderer::Impl::set_shadow(const Program& program, const Scene& scene, double taken) {

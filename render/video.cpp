@@ -100,7 +100,7 @@ int spawn(std::vector<std::string> words, int input, int messages) {
   posix_spawnattr_destroy(&attributes);
   posix_spawn_file_actions_destroy(&actions);
   if (error != 0) {
-    throw std::runtime_error(std::string("cannot run ffmpeg, which makes videos: ") +
+    throw std::runtime_error(std::string("cannot run ffmpeg, which writes videos: ") +
                              std::strerror(error));
   }
   return process;
@@ -176,7 +176,7 @@ void VideoWriter::add(const Image& image) {
                                 std::to_string(image.height) + " pixels, expected " +
                                 std::to_string(width_) + "x" + std::to_string(height_));
   }
-  if (process_ < 0) throw std::runtime_error(path_.string() + ": the video has ended");
+  if (process_ < 0) throw std::runtime_error(path_.string() + ": the video is finished already");
   for (std::size_t sent = 0; sent < image.rgb.size();) {
     const ssize_t n = send(socket_, image.rgb.data() + sent, image.rgb.size() - sent,
                            MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -200,7 +200,7 @@ void VideoWriter::close() {
     kill(process_, SIGKILL);
     wait();
     remove_parts();
-    throw std::runtime_error(path_.string() + ": a video without pictures");
+    throw std::runtime_error(path_.string() + ": the video has no pictures");
   }
   ::close(socket_);
   socket_ = -1;
@@ -238,8 +238,8 @@ void VideoWriter::fail() {
   }
   remove_parts();
   const std::string said = text_of(messages_);
-  throw std::runtime_error(
-      path_.string() + ": ffmpeg has stopped: " + (said.empty() ? "it does not say why" : said));
+  throw std::runtime_error(path_.string() +
+                           ": ffmpeg has stopped: " + (said.empty() ? "without a message" : said));
 }
 
 void VideoWriter::remove_parts() {

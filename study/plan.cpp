@@ -171,8 +171,8 @@ void extend(Plan& plan, const Design& design, std::uint64_t seed, int people) {
   const auto there = static_cast<int>(plan.size() - replaced(plan).size());
   if (people < there) {
     throw std::invalid_argument(
-        fmt::format("the plan has {} participants and none is removed; expected as many or more, "
-                    "found {}",
+        fmt::format("the plan has {} participants, and none can be removed; expected that many or "
+                    "more, found {}",
                     there, people));
   }
   std::set<std::int64_t> taken;
@@ -192,7 +192,7 @@ void replace(Plan& plan, const std::string& dropped_out) {
   }
   if (const auto by = replaced(plan); by.contains(dropped_out)) {
     throw std::invalid_argument(
-        fmt::format("{} is replaced already, by {}", dropped_out, by.at(dropped_out)));
+        fmt::format("{} was already replaced by {}", dropped_out, by.at(dropped_out)));
   }
   PlannedParticipant other = *found;
   other.id = free_name(plan);

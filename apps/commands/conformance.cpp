@@ -38,7 +38,7 @@ class PortLine : public devices::FastrakLine {
       rest = rest.subspan(stream_->write(rest));
       if (!rest.empty()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
-    if (!rest.empty()) throw std::runtime_error("the line takes nothing: " + stream_->trouble());
+    if (!rest.empty()) throw std::runtime_error("cannot write to the line: " + stream_->trouble());
   }
 
   std::string wait(Time span, std::size_t enough) override {
@@ -111,8 +111,8 @@ void print_row(const Row& row, int stations) {
   if (row.skipped) {
     fmt::print("{:<24}skipped: needs more than {} receivers\n", row.client, stations);
   } else if (unmet) {
-    fmt::print("{:<24}FAILS: sent {}, wanted {}, got {}\n", row.client, unmet->sent, unmet->what,
-               unmet->found);
+    fmt::print("{:<24}FAILS: sent {}, expected {}, found {}\n", row.client, unmet->sent,
+               unmet->what, unmet->found);
   } else {
     fmt::print("{:<24}passes, {} demands{}\n", row.client, row.demands.size(),
                row.tries > 1 ? ", at the second try" : "");
@@ -144,10 +144,9 @@ std::vector<Row> examine_all(PortLine& line, const ConformanceOptions& options, 
   const bool answers = std::ranges::any_of(
       rows[0].demands, [](const auto& demand) { return demand.met || demand.found != "nothing"; });
   if (!answers) {
-    throw std::runtime_error(fmt::format("{}: no Fastrak answers at {} baud: {}", options.line,
-                                         options.baud,
-                                         "sent 'S' and 'l1', wanted a status record "
-                                         "of 55 bytes and 9 bytes, got nothing"));
+    throw std::runtime_error(fmt::format(
+        "{}: no Fastrak answers at {} baud: {}", options.line, options.baud,
+        "sent 'S' and 'l1', expected a status record of 55 bytes and 9 bytes, found nothing"));
   }
   stations = std::max(stations, 1);
   see(rows[0]);
@@ -183,7 +182,7 @@ void examine_unit(const ConformanceOptions& options) {
     fmt::print("{}\n", nlohmann::json{{"stations", stations}, {"clients", table}}.dump());
   }
   if (std::ranges::any_of(rows, [](const Row& row) { return row.unmet() != nullptr; })) {
-    throw std::runtime_error(options.line + ": not what every client needs");
+    throw std::runtime_error(options.line + ": at least one client does not work with this unit");
   }
 }
 

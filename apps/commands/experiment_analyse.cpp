@@ -37,7 +37,7 @@ std::string whom(const study::CsvTable& people, const Mixing& mixing) {
     virtuals += people.cell(row, "virtual") == "yes" ? 1 : 0;
   }
   if (counted == 0) {
-    throw std::runtime_error(people.where + ": nobody counts; why_not says why for each");
+    throw std::runtime_error(people.where + ": no participant counts; see the column why_not");
   }
   if (virtuals > 0 && virtuals < counted && !mixing.mix) {
     throw UsageError(
@@ -162,10 +162,10 @@ void analyse(const AnalyseOptions& options) {
                        {"degrees_of_freedom", quality(study, "degrees_of_freedom")},
                        {"endless_terms", endless_terms(study)}});
   }
-  if (changed) fmt::print("{} is another than headpin wrote\n", script.string());
+  if (changed) fmt::print("{} is not the script that headpin wrote\n", script.string());
   print_table(study, "table-6", "estimates of the model");
   print_table(study, "table-5", "linear predictors");
-  print_table(study, "drop", "what the deviance grows by without each term");
+  print_table(study, "drop", "increase of the deviance without each term");
   print_table(study, "fit", "how well the model fits");
 }
 

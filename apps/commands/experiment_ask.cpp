@@ -123,10 +123,9 @@ void ask_participant(const Study& study, const AskOptions& options) {
     const auto answer = ask_one(*item);
     if (!answer) {
       fmt::print("\n");
-      throw std::runtime_error(
-          fmt::format("{}: {} of {} questions are answered; the same command "
-                      "goes on with the next",
-                      id, file.answers.size(), items.size()));
+      throw std::runtime_error(fmt::format(
+          "{}: {} of {} questions are answered; the same command continues with the next", id,
+          file.answers.size(), items.size()));
     }
     file.add({{item->id, *answer, study::kAsked}});
   }
@@ -181,12 +180,14 @@ void draw(const Study& study, const AskOptions& options) {
 void ask(const AskOptions& options) {
   const bool from_one = !options.participant.empty();
   if (!options.from.empty() && (from_one || options.all || options.is_virtual)) {
-    throw UsageError("--from: forms say whose they are; expected nothing else");
+    throw UsageError(
+        "--from: the forms have the names of the participants; expected no --participant and no "
+        "--virtual");
   }
   if (options.from.empty() && from_one == options.all) {
     throw UsageError("expected --participant NAME, --all --virtual, or --from FILE");
   }
-  if (options.all && !options.is_virtual) throw UsageError("--all: expected --virtual with it");
+  if (options.all && !options.is_virtual) throw UsageError("--all: expected --virtual too");
   watch_stop_signals();
   const Study study = open_study(options.study);
   if (from_one) planned(study, options.participant);

@@ -58,7 +58,7 @@ class Dataset {
 void require_free(const fs::path& root, const std::string& readme) {
   std::error_code none;
   if (fs::exists(root / "dataset_description.json")) {
-    throw std::runtime_error(root.string() + ": a dataset is there already; expected a new folder");
+    throw std::runtime_error(root.string() + ": a dataset exists there; expected a new folder");
   }
   const bool begun =
       fs::exists(root / "README", none) && read_study_file(root / "README") == readme;
@@ -181,7 +181,7 @@ void export_study(const ExportStudyOptions& options) {
   }
   fmt::print("{}: {} sessions\n", root.string(), people.size());
   if (!options.deidentify) return;
-  fmt::print("names, dates and trials are left out; what motion still gives away:\n");
+  fmt::print("names, dates and trials are left out; the motion data still reveal:\n");
   for (const auto& one : gives_away) {
     fmt::print("  sub-{}: eyes at {:.2f} m, reach {:.2f} m, the hand that throws\n",
                one["participant"].get<std::string>(), one["eyes_m"].get<double>(),

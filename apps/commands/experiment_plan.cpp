@@ -84,8 +84,7 @@ void check_items(const study::Design& design, const study::Questionnaire& questi
     const study::Item* item = questions.find(term.of);
     if (item && item->counts_from) {
       throw std::invalid_argument(
-          fmt::format("{}: term '{}' is of '{}', which is in the score; "
-                      "expected another item",
+          fmt::format("{}: term '{}' uses '{}', which is part of the score; expected another item",
                       where, term.name, term.of));
     }
   }
@@ -123,13 +122,14 @@ void begin_study(const StudyFolder& at, const PlanOptions& options) {
 void refuse_other_design(const Study& study, const PlanOptions& options) {
   const std::string place = study.at.design().string();
   if (options.seed && options.seed != study.design.seed) {
-    throw UsageError(fmt::format("--seed: {} has the seed {}, which stays", place,
+    throw UsageError(fmt::format("--seed: {} has the seed {}, which cannot be changed", place,
                                  study.design.seed.value_or(0)));
   }
   if (!options.design_given) return;
   const fs::path source = bundled("designs", options.design);
   if (study::parse_design(read_study_file(source), source.string()).name != study.design.name) {
-    throw UsageError(fmt::format("--design: {} is of '{}', which stays", place, study.design.name));
+    throw UsageError(fmt::format("--design: {} uses the design '{}', which cannot be changed",
+                                 place, study.design.name));
   }
 }
 
@@ -149,8 +149,7 @@ void plan_study(const PlanOptions& options) {
   const bool new_one = !fs::exists(at.design());
   if (new_one && fs::exists(at.plan())) {
     throw std::runtime_error(
-        fmt::format("{}: holds plan.csv and no design.toml; expected a new "
-                    "folder, or a study",
+        fmt::format("{}: contains plan.csv but no design.toml; expected a new folder or a study",
                     at.root.string()));
   }
   if (new_one) begin_study(at, options);

@@ -73,8 +73,8 @@ std::string power_csv(const std::vector<study::Power>& all, std::uint64_t seed) 
 
 void print_power(const std::vector<study::Power>& all) {
   fmt::print(
-      "share of {} simulated studies that find each term at 5 %; in brackets, where it has "
-      "no effect\n{:<16}",
+      "share of {} simulated studies that find each term at the 5 % level; in brackets: if the "
+      "term has no effect\n{:<16}",
       all[0].studies, "people");
   for (const study::Power& power : all) fmt::print("{:>16}", power.people);
   fmt::print("\n");

@@ -45,12 +45,12 @@ class NextRun {
     const std::vector<Run> runs = runs_of(study.at, id);
     if (const Run* done = counting(runs)) {
       throw std::runtime_error(
-          fmt::format("{}: {} has played already ({:.1f} s); a session is played once",
+          fmt::format("{}: {} has played already ({:.1f} s); a session is played only once",
                       done->path.string(), id, done->seconds));
     }
     for (const Run& run : runs) {
-      say("headpin experiment run: {} stays as it is: {}\n", run.path.string(),
-          run.complete ? "not both versions were played" : "it was cut off");
+      say("headpin experiment run: {} is kept: {}\n", run.path.string(),
+          run.complete ? "not both versions were played" : "it was interrupted");
     }
     path_ = (folder_ / fmt::format("run-{:02}.lcmlog", runs.size() + 1)).string();
   }
@@ -196,9 +196,7 @@ void check_ways(const RunOptions& options) {
   const int ways = (options.live->sources.empty() ? 0 : 1) + (options.trial.empty() ? 0 : 1) +
                    (options.is_virtual ? 1 : 0);
   if (ways != 1) {
-    throw UsageError(
-        "expected one of: SOURCE (as `headpin live` takes it), --trial FILE, "
-        "--virtual");
+    throw UsageError("expected one of: SOURCE (as in `headpin live`), --trial FILE, --virtual");
   }
   if (options.all != options.participant.empty()) {
     throw UsageError("expected --participant NAME, or --all with --virtual");

@@ -130,8 +130,8 @@ void export_trial(const ExportOptions& options) {
     fmt::print("{:<12}{:>8} rows\n", table + ".csv", count.get<std::int64_t>());
   }
   fmt::print(
-      "columns.csv tells what each column is; trial.json and scenario.toml what it was made "
-      "under\n");
+      "columns.csv explains each column; trial.json and scenario.toml have the conditions of the "
+      "trial\n");
 }
 
 }  // namespace

@@ -82,8 +82,8 @@ std::vector<std::int64_t> frames_shown(const scene::Recorded& recorded, const Fr
     return true;
   });
   if (frames.empty() && last >= 0) {
-    throw UsageError(fmt::format("--frames {}: expected some of those shown, from {} to {}", asked,
-                                 first, last));
+    throw UsageError(
+        fmt::format("--frames {}: expected recorded frames, from {} to {}", asked, first, last));
   }
   return frames;
 }
@@ -104,20 +104,17 @@ std::vector<std::int64_t> frames_until(Time end, std::int64_t fps, const FrameRa
 
 void check_use(const FramesOptions& options) {
   if (!options.writes() && !options.verify) {
-    throw UsageError(
-        "nothing to write: expected -o DIR, --video FILE, --y4m FILE or some of them, or --verify");
+    throw UsageError("nothing to write: expected -o DIR, --video FILE, --y4m FILE or --verify");
   }
   if (options.verify && (options.look || options.samples || options.view != "eyes")) {
     throw UsageError(
         "--verify compares with what was shown: expected no --look, no --samples and no --view");
   }
   if (!options.folder && (options.files.labels() || options.layout != "separate")) {
-    throw UsageError("--depth, --ids and --layout are of the files in a folder: expected -o DIR");
+    throw UsageError("--depth, --ids and --layout need -o DIR");
   }
   if (options.in_parts() && (!options.folder || options.video || options.y4m || options.verify)) {
-    throw UsageError(
-        "--jobs and --resume are of a folder alone: expected -o DIR and no --video, --y4m, "
-        "--verify");
+    throw UsageError("--jobs and --resume need -o DIR, without --video, --y4m or --verify");
   }
 }
 
@@ -326,7 +323,7 @@ void draw_frames(const FramesOptions& options) {
                                  : frames_until(end, task.fps, wanted, options.frames);
   if (task.compares && trial.frame_count == 0) {
     throw std::runtime_error(
-        "the trial holds no frames that were shown; expected one made by `headpin live`");
+        "the trial has no recorded frames; expected a recording of `headpin live`");
   }
   scene::first_head_pose(recorded.file, recorded.scenario.rig);  // or it says that there is none
 

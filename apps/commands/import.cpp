@@ -98,8 +98,8 @@ Thrown read_thrown(const ImportOptions& options, const scene::Hand& hand) {
   if (!options.which) return thrown;
   const auto wanted = static_cast<std::size_t>(*options.which);
   if (wanted > throws.size()) {
-    throw std::runtime_error(fmt::format("{}: expected a throw {}, found {} of them", options.file,
-                                         wanted, throws.size()));
+    throw std::runtime_error(fmt::format("{}: expected a throw number {}, found {} throws",
+                                         options.file, wanted, throws.size()));
   }
   thrown.recording = std::move(throws[wanted - 1]);
   thrown.side = side_of(options, thrown.recording, hand);
@@ -114,7 +114,7 @@ void say_doubts(const ImportOptions& options, const Thrown& thrown) {
     say("headpin import: {}: {}\n", printable(options.file), printable(one));
   }
   if (thrown.throws > 1 && !options.which) {
-    say("headpin import: {}: {} throws in it, the fastest is taken; --throw N takes another\n",
+    say("headpin import: {}: has {} throws; the fastest is used; --throw N chooses another\n",
         printable(options.file), thrown.throws);
   }
 }

@@ -54,7 +54,7 @@ void require_samples(const Live& live) {
   std::string from;
   for (const auto& source : live.sources) from += (from.empty() ? "" : " or ") + source->name();
   throw std::runtime_error(
-      fmt::format("no sample came in {:.1f} s from {}", seconds(live.session.now()), from));
+      fmt::format("no sample arrived in {:.1f} s from {}", seconds(live.session.now()), from));
 }
 
 /// A trial that plays beside, or instead of, devices.
@@ -101,8 +101,8 @@ void tell_of_another_scenario(const Played& trial, const scene::Scenario& chosen
     if (scene::to_toml(its) == scene::to_toml(chosen)) return;
   } catch (const std::invalid_argument&) {  // not whole, so it is not this session's
   }
-  say("headpin live: {} is from another scenario than this session's, which is its own without "
-      "--scenario\n",
+  say("headpin live: {} was recorded in another scenario than this session's; without --scenario, "
+      "the session uses the recorded one\n",
       printable(trial.path));
 }
 
@@ -215,7 +215,7 @@ void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
 
 void go_live(const LiveOptions& options) {
   if (options.sources.empty()) {
-    throw UsageError("nothing to listen to: expected --lcm URL, --fastrak TTY or a SOURCE");
+    throw UsageError("no source of samples: expected --lcm URL, --fastrak TTY or a SOURCE");
   }
   watch_stop_signals();
   Live live = open_live(options);

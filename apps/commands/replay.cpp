@@ -154,7 +154,7 @@ void require_states(const devices::TrialSummary& trial, std::int64_t compared,
                     std::int64_t unverified) {
   if (unverified <= (trial.complete ? 0 : 1)) return;
   throw std::runtime_error(fmt::format(
-      "{} of the recording's {} ticks have no state in it to compare with; the other {} are equal",
+      "{} of the {} recorded ticks have no state to compare with; the other {} are equal",
       unverified, compared + unverified, compared));
 }
 
@@ -174,8 +174,7 @@ scene::EachThrow each_throw_of(const scene::Session& session, const scene::Scena
 /// Every throw on its own, as it was and under the other condition.
 void replay_each_throw(const ReplayOptions& options) {
   if (options.output || options.verify) {
-    throw UsageError(
-        "--each-throw goes with neither -o nor --verify: its throws are no one session");
+    throw UsageError("--each-throw excludes -o and --verify: separate throws are not one session");
   }
   scene::Recorded recorded = scene::load_trial(options.trial, microseconds(options.longest_gap));
   const devices::TrialSummary& trial = recorded.file.summary();

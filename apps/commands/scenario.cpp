@@ -82,7 +82,7 @@ void list(bool json) {
 void tell_scenarios(const ScenarioOptions& options) {
   if ((options.action == "list") != options.scenario.empty()) {
     throw UsageError(options.action == "list"
-                         ? "scenario list: expected nothing behind it"
+                         ? "scenario list: expected no further argument"
                          : fmt::format("scenario {0}: expected a name or file: scenario {0} FILE",
                                        options.action));
   }

@@ -41,7 +41,7 @@ LcmLink::LcmLink(const std::string& url, std::string_view prefix, files::OutputF
   meant_ = url.empty() && of_environment != nullptr ? of_environment : url;
   if (const std::string path = LogPlayer::written_by(meant_); !path.empty()) {
     if (meant_.find("mode=a") != std::string::npos) {
-      throw std::runtime_error(path + ": nothing is appended to a log; expected mode=w");
+      throw std::runtime_error(path + ": cannot append to a log; expected mode=w");
     }
     output.live = true;
     written_ = std::make_unique<LogWriter>(path, std::move(output));
@@ -58,7 +58,8 @@ LcmLink::~LcmLink() = default;
 
 void LcmLink::send(const std::string& channel, std::span<const std::uint8_t> bytes) {
   if (log_)
-    throw std::runtime_error("cannot publish on " + channel + " at " + url_ + ": it is read");
+    throw std::runtime_error("cannot publish on " + channel + " at " + url_ +
+                             ": it is opened for reading");
   if (written_) return written_->write(channel, bytes);
   do {
     errno = 0;

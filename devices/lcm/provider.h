@@ -122,7 +122,7 @@ class LcmLink::LogPlayer {
       return;
     }
     throw std::runtime_error(
-        fmt::format("{}: option '{}': expected speed=N (0: as fast as it goes), "
+        fmt::format("{}: option '{}': expected speed=N (0: as fast as possible), "
                     "start_timestamp=MICROSECONDS or mode=r",
                     url, option));
   }

@@ -55,7 +55,8 @@ LcmSource::LcmSource(LcmLink& link, std::size_t queue)
     wire_->listener = std::make_unique<MulticastListener>(*group, channels, queue);
     return;
   }
-  if (!link.lcm_) throw std::runtime_error(link.url() + ": is written; expected one that is read");
+  if (!link.lcm_)
+    throw std::runtime_error(link.url() + ": is opened for writing; expected one for reading");
   wire_->lcm = link.lcm_->handle;
   const int capacity = static_cast<int>(std::min<std::size_t>(queue, 1 << 20));
   wire_->subscribe(*this, kTrackerChannel, capacity);

@@ -279,7 +279,7 @@ PseudoTerminal::PseudoTerminal(const std::string& link) {
     throw std::runtime_error(link + ": exists and is not a link to a terminal");
   }
   if (!link.empty() && is_served(link)) {
-    throw files::Busy(link + ": another emulator is behind it");
+    throw files::Busy(link + ": another emulator uses it");
   }
   try {
     master_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);

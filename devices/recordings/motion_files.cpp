@@ -163,8 +163,8 @@ MotionRecording read_uxf(const std::string& path, const MotionOptions& options) 
     if (its.empty() || (!folder && its != ending)) continue;
     if (folder && !ending.empty() && its != ending) {
       throw std::invalid_argument(fmt::format(
-          "{}: holds several trials, such as {} and {}; expected one file of the one that is meant",
-          path, ending.substr(1), its.substr(1)));
+          "{}: contains several trials, such as {} and {}; expected a file of one trial", path,
+          ending.substr(1), its.substr(1)));
     }
     ending = its;
     files.push_back(entry.path());
@@ -317,9 +317,8 @@ MotionRecording read_motion(const std::string& path, const MotionOptions& option
     known.push_back(fmt::format("{} ({})", format.name, format.files));
   }
   throw std::invalid_argument(
-      fmt::format("{}: no recording of a format known here: {}; this seems "
-                  "to be {}",
-                  path, fmt::join(known, ", "), looks_like(path, begin)));
+      fmt::format("{}: unknown format; known formats: {}; this seems to be {}", path,
+                  fmt::join(known, ", "), looks_like(path, begin)));
 }
 
 MotionRecording together(const PoseTrack& head, const PoseTrack* left, const PoseTrack* right,
@@ -343,7 +342,7 @@ MotionRecording together(const PoseTrack& head, const PoseTrack* left, const Pos
       const Time from = samples[k - 1].time, gap = samples[k].time - from;
       if (gap <= kLongestMixed || from >= end || samples[k].time <= begin) continue;
       throw std::invalid_argument(fmt::format(
-          "{}: nothing of the {} for {:.3g} s from {:.3g} s on, expected no gap above 0.1", where,
+          "{}: no samples of the {} for {:.3g} s from {:.3g} s, expected no gap above 0.1 s", where,
           kParts[i], seconds(gap), seconds(from)));
     }
   }

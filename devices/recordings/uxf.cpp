@@ -18,7 +18,8 @@ PoseTrack parse_uxf(std::string_view text, std::string_view where,
   if (whole > 0 && whole < text.size()) {
     text = text.substr(0, whole);
     notes.push_back(fmt::format(
-        "{}: the last line does not end, its last number may be cut: it is left out", where));
+        "{}: the last line has no end, so its last number may be incomplete; the line is ignored",
+        where));
   }
   TextTable table(text, where, ',');
   table.read_names();

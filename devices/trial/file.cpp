@@ -63,7 +63,7 @@ class TrialWalk {
       return message;
     }
     if (content_.looked_through && samples_ != content_.summary.sample_count) {
-      throw std::runtime_error(content_.path + ": has been changed while it was read");
+      throw std::runtime_error(content_.path + ": was changed while it was read");
     }
     return std::nullopt;
   }
@@ -309,7 +309,7 @@ void TrialFile::require_trial(Time longest_gap) const {
     std::string found;
     for (const auto& [name, channel] : trial.channels) found += (found.empty() ? "" : ", ") + name;
     throw std::runtime_error(path + ": no message on " + std::string(kTrialChannel) +
-                             " to say which trial this is; found " + found);
+                             " that describes the trial; found " + found);
   }
   const std::int32_t format = trial.header.format_version;
   if (format < kFormatVersion || format > kChangesFormatVersion) {
@@ -318,9 +318,8 @@ void TrialFile::require_trial(Time longest_gap) const {
   }
   if (const Gap& gap = trial.longest_gap; gap.length() > longest_gap) {
     throw std::runtime_error(
-        fmt::format("{}: no sample for {:.3f} s, from {:.3f} s on; expected {:g} s at most (if "
-                    "that is meant: "
-                    "--longest-gap)",
+        fmt::format("{}: no sample for {:.3f} s, from {:.3f} s on; expected {:g} s at most "
+                    "(--longest-gap accepts more)",
                     path, seconds(gap.length()), seconds(gap.from), seconds(longest_gap)));
   }
 }

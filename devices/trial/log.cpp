@@ -135,8 +135,8 @@ struct Recorder::File {
 
   template <typename T>
   void write(std::string_view channel, Time time, const T& message) {
-    if (!log) throw std::runtime_error(path + ": closed, nothing more can be written");
-    if (unsynced) throw std::runtime_error(path + ": the disk did not take what was written");
+    if (!log) throw std::runtime_error(path + ": is closed; nothing more can be written");
+    if (unsynced) throw std::runtime_error(path + ": the disk did not store what was written");
     encode(message, bytes);
     last = std::max(last, time);
     lcm_eventlog_event_t event{};
@@ -219,8 +219,8 @@ void write(Recorder& recorder, std::span<const Sample> samples, std::span<const 
       recorder.write(*event);
     }
     if (!std::visit([](const auto& s) { return plausible(s); }, sample)) {
-      throw std::invalid_argument(
-          fmt::format("sample at {:.6f} s: its numbers cannot be", seconds(available(sample))));
+      throw std::invalid_argument(fmt::format("sample at {:.6f} s: its numbers are impossible",
+                                              seconds(available(sample))));
     }
     recorder.write(sample);
   }

@@ -20,7 +20,8 @@ namespace headpin::devices {
 namespace {
 
 std::int32_t count(std::size_t size) {
-  if (size > 100'000) throw std::invalid_argument("a message holds at most 100000 of one thing");
+  if (size > 100'000)
+    throw std::invalid_argument("a message has at most 100000 elements of one kind");
   return static_cast<std::int32_t>(size);
 }
 

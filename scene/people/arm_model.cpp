@@ -94,15 +94,16 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
     : joints_(joints(0.75, -75.0 * kDegree, 0.0)), p_HB_(hand.grip) {
   if (!(plan.speed >= 4.0 && plan.speed <= 9.0)) {
     throw std::invalid_argument(
-        fmt::format("the arm throws at 4 to 9 m/s, found {} m/s", plan.speed));
+        fmt::format("speed of the throw: expected 4 to 9 m/s, found {} m/s", plan.speed));
   }
   if (!(std::abs(plan.aim) <= 10.0 * kDegree)) {
-    throw std::invalid_argument(
-        fmt::format("the arm aims at most 10 degrees aside, found {:.3g}", plan.aim / kDegree));
+    throw std::invalid_argument(fmt::format(
+        "aim: expected at most 10 degrees to each side, found {:.3g}", plan.aim / kDegree));
   }
   if (plan.height && !(*plan.height >= kLowestRelease && *plan.height <= kHighestRelease)) {
-    throw std::invalid_argument(fmt::format("the arm lays a ball down from {} to {} m, found {} m",
-                                            kLowestRelease, kHighestRelease, *plan.height));
+    throw std::invalid_argument(
+        fmt::format("height of the release: expected {} to {} m, found {} m", kLowestRelease,
+                    kHighestRelease, *plan.height));
   }
   Random random(plan.seed);
   const auto trembling = [&](double amplitude, double low_hz, double high_hz) {
@@ -138,9 +139,8 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
   duration_ = microseconds(plan.duration_s);
   const double shortest = kBackSwingEnd + swing_s + 0.5;
   if (!(plan.duration_s >= shortest && plan.duration_s <= 600.0)) {
-    throw std::invalid_argument(
-        fmt::format("the throw takes {:.1f} s and is followed for at most 600 s, found {} s",
-                    shortest, plan.duration_s));
+    throw std::invalid_argument(fmt::format(
+        "duration: expected {:.1f} s (the throw) to 600 s, found {} s", shortest, plan.duration_s));
   }
 
   // Stand so that the ball leaves above the middle of the foul line, the way it is aimed.
@@ -265,10 +265,10 @@ void set_up(Scenario& scenario, const ThrowMotion& motion) {
   if (scenario.ball.home == usual.ball.home) scenario.ball.home = X_WH * scenario.hand.grip;
   const double gap = (scenario.ball.home - X_WH.p).norm() - scenario.ball.radius;
   if (gap > scenario.hand.reach) {
-    throw std::invalid_argument(fmt::format(
-        "ball.home must be within the arm's reach: the hand that takes the ball is at [{:.3f}, "
-        "{:.3f}, {:.3f}], {:.3f} m from the ball there, and hand.reach is {}",
-        X_WH.p.x(), X_WH.p.y(), X_WH.p.z(), gap, scenario.hand.reach));
+    throw std::invalid_argument(
+        fmt::format("ball.home must be within the arm's reach: the hand that grabs the ball is at "
+                    "[{:.3f}, {:.3f}, {:.3f}], {:.3f} m from the ball, but hand.reach is {}",
+                    X_WH.p.x(), X_WH.p.y(), X_WH.p.z(), gap, scenario.hand.reach));
   }
 }
 

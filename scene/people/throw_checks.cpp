@@ -94,7 +94,7 @@ std::vector<std::string> problems_of_length(const MotionRecording& r) {
     const double gap = seconds(r.times[i] - r.times[i - 1]);
     if (gap > kLongestGap) {
       problems.push_back(
-          fmt::format("nothing for {:.3g} s from {:.3g} s on, expected no gap above {}", gap,
+          fmt::format("no samples for {:.3g} s from {:.3g} s, expected no gap above {} s", gap,
                       seconds(r.times[i - 1]), kLongestGap));
       break;
     }
@@ -152,7 +152,8 @@ void check_head(const MotionRecording& r, const Throw& found, const Hand& hand, 
   });
   out.claim(roll < kMostRoll, [&] {
     return fmt::format(
-        "the head is held aslant: its right rises or falls by {:.2f} of its length, expected less "
+        "the head is tilted sideways: its right axis rises or falls by {:.2f} of its length, "
+        "expected less "
         "than {}",
         roll, kMostRoll);
   });
@@ -212,10 +213,10 @@ std::vector<std::string> why_no_throw(const MotionRecording& r, const Hand& hand
   check_body(r, found, out);
   const Time release = r.times[found.release];
   if (release - r.times[found.grab] < Time{300'000} || r.times.back() - release < Time{100'000}) {
-    out.all.push_back(fmt::format(
-        "the hand is fastest at {:.3g} s of {:.3g} to {:.3g} s: no room for lift, swing "
-        "and follow-through",
-        seconds(release), seconds(r.times.front()), seconds(r.times.back())));
+    out.all.push_back(
+        fmt::format("the hand is fastest at {:.3g} s of {:.3g} to {:.3g} s: too near an end for "
+                    "lift, swing and follow-through",
+                    seconds(release), seconds(r.times.front()), seconds(r.times.back())));
     return out.all;
   }
   check_head(r, found, hand, out);
@@ -292,7 +293,7 @@ std::vector<std::string> doubts(const MotionRecording& r) {
   if (n < 2) return said;
   const double rate = static_cast<double>(n - 1) / seconds(r.times.back() - r.times.front());
   if (rate < kUsualRate) {
-    said.push_back(fmt::format("{:.3g} samples a second are few, below {} the release is less sure",
+    said.push_back(fmt::format("{:.3g} samples per second: below {} the release is less accurate",
                                rate, kUsualRate));
   }
   double longest = 0.0;
@@ -303,8 +304,7 @@ std::vector<std::string> doubts(const MotionRecording& r) {
   }
   if (longest > kUsualGap) {
     said.push_back(
-        fmt::format("nothing for {:.3g} s from {:.3g} s on: what happened there is "
-                    "guessed from both sides",
+        fmt::format("no samples for {:.3g} s from {:.3g} s: the motion there is interpolated",
                     longest, seconds(r.times[at])));
   }
   return said;

@@ -51,7 +51,8 @@ std::string why_nothing_fell(std::span<const devices::Event> events) {
   for (const devices::Event& event : events) {
     if (event.kind == kind::ball_touch) met.push_back(met_by_ball(event));
   }
-  return fmt::format("the ball was let go at {:.2f} m/s and met {}, but no skittle", release->value,
+  return fmt::format("the ball was released at {:.2f} m/s and touched {}, but no skittle",
+                     release->value,
                      met.empty() ? "nothing" : fmt::format("{}", fmt::join(met, ", ")));
 }
 

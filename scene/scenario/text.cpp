@@ -90,8 +90,7 @@ class Reader {
       if (key == path) return toml::parse(fmt::format("v = {}", value));
     }
     throw std::invalid_argument(fmt::format(
-        "{}: {} is missing; a trial carries all of its scenario, or nobody knows what it ran under",
-        text_.where, path));
+        "{}: {} is missing; a trial must contain its whole scenario", text_.where, path));
   }
 
   double number(const toml::node& node, const std::string& path, Range range) const {

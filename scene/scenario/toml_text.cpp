@@ -63,7 +63,8 @@ std::string read_scenario_file(const std::string& path) {
   if (n < 0) throw std::runtime_error(path + ": cannot be read: " + std::strerror(error));
   if (nobody) throw std::runtime_error(path + ": a pipe that nobody writes to");
   if (n > 0) {
-    throw std::runtime_error(fmt::format("{}: longer than a scenario, {} bytes", path, kMost));
+    throw std::runtime_error(
+        fmt::format("{}: too long for a scenario, expected {} bytes at most", path, kMost));
   }
   return text;
 }

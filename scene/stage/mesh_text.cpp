@@ -25,7 +25,7 @@ std::string plain_obj(std::string_view bytes) {
     line = line.substr(0, comment);
     if (line.starts_with("v ") &&
         line.find_first_not_of("0123456789+-.eE \t\r", 1) != std::string_view::npos) {
-      throw std::runtime_error(fmt::format("line {}: a vertex with what is no number", number));
+      throw std::runtime_error(fmt::format("line {}: a vertex is not a number", number));
     }
   }
   return text;
@@ -37,7 +37,7 @@ void require_faces(std::span<const std::uint32_t> sizes, std::span<const std::ui
   const std::size_t told = std::accumulate(sizes.begin(), sizes.end(), std::size_t{0});
   if (told != corners.size()) {
     throw std::runtime_error(
-        fmt::format("faces of {} corners, of which {} are there", told, corners.size()));
+        fmt::format("expected faces with {} corners, found {}", told, corners.size()));
   }
   const std::uint32_t last = *std::ranges::max_element(corners);
   if (last >= points) {
@@ -64,7 +64,8 @@ void require_whole_ply(std::string_view bytes) {
   }
   while (std::getline(lines, line)) found += line.find_first_not_of(" \t\r") != std::string::npos;
   if (found < said) {
-    throw std::runtime_error(fmt::format("{} lines of data, its head says {}", found, said));
+    throw std::runtime_error(
+        fmt::format("found {} lines of data, expected {} as in the header", found, said));
   }
 }
 

@@ -47,7 +47,7 @@ MeshData data_of(const MeshFile& mesh) {
     return mesh_of(bytes_of(file), file.file, measure_of(file));
   } catch (const std::runtime_error& e) {
     throw std::runtime_error(fmt::format(
-        "{}; a mesh that the eyes see is looked for where it was and beside the trial", e.what()));
+        "{}; the program looks for a mesh at its recorded path and next to the trial", e.what()));
   }
 }
 
@@ -73,7 +73,7 @@ void take_seen(MeshFile& mesh, const fs::path& folder, const Reach& reach) {
   if (!(farthest >= reach.least && farthest <= reach.most)) {
     throw std::invalid_argument(fmt::format(
         "{}: its farthest point is {:.4g} m from its origin, expected {:.4g} to {:.4g}; "
-        "a file in other units says so by `unit`",
+        "set `unit` if the file has other units",
         mesh.file, farthest, reach.least, reach.most));
   }
   constexpr double kFlat = 1e-6;  // of a square around it

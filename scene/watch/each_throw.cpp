@@ -113,11 +113,11 @@ struct EachThrow::Alone {
 EachThrow::EachThrow(const Session& session, const Scenario& other) : other_(other) {
   if (session.scenario().rates.physics_hz != other.rates.physics_hz) {
     throw std::invalid_argument(
-        "rates.physics_hz: throws on their own need the ticks of the trial");
+        "rates.physics_hz: separate throws need the tick rate of the trial");
   }
   if (body_names(*session.stage) != body_names(*other_stage(0))) {
     throw std::invalid_argument(
-        "throws on their own need the bodies of the trial, and this condition has others");
+        "separate throws need the bodies of the trial; this condition has other bodies");
   }
 }
 

@@ -67,7 +67,7 @@ FramesAsShown::FramesAsShown(Eyes& eyes, devices::TrialPlayer& recorded, Plan pl
     : eyes_(eyes), recorded_(recorded), plan_(std::move(plan)), sinks_(std::move(sinks)) {
   if (!recorded.has_frames()) {
     throw std::runtime_error(
-        "the trial holds no frames that were shown; expected one made by `headpin live`");
+        "the trial has no recorded frames; expected a recording of `headpin live`");
   }
 }
 
@@ -93,8 +93,8 @@ void FramesAsShown::compare(const devices::FrameRecord& recorded) const {
   for (std::size_t eye = 0; eye < 2; ++eye) {
     if (drawn.hash[eye] == recorded.hash[eye]) continue;
     throw std::runtime_error(
-        fmt::format("frame {} (tick {}, {:.6f} s) differs from the recording, first in the {} eye: "
-                    "expected picture {:016x}, found {:016x}, drawn by {}",
+        fmt::format("frame {} (tick {}, {:.6f} s) differs from the recording, first difference in "
+                    "the {} eye: expected picture {:016x}, found {:016x}, drawn by {}",
                     frame_.number, frame_.tick, seconds(frame_.time), eye == 0 ? "left" : "right",
                     recorded.hash[eye], drawn.hash[eye], eyes_.renderer.description()));
   }

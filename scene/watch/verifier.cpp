@@ -79,22 +79,22 @@ void Verifier::tick(const Session& session) {
   tick_state(session, state_);
   const auto body = first_different_body(state_, *recorded, names_);
   if (body && state_.hash == recorded->hash) {
-    throw std::runtime_error(fmt::format(
-        "tick {} ({:.6f} s): the recorded state is not the one that its hash {:016x} was made of, "
-        "which is the replay's; first in the {}",
-        state_.tick, seconds(state_.time), recorded->hash,
-        body->empty() ? "number of bodies" : *body));
+    throw std::runtime_error(
+        fmt::format("tick {} ({:.6f} s): the recorded state does not match its hash {:016x}, but "
+                    "the replay's state does; first difference in the {}",
+                    state_.tick, seconds(state_.time), recorded->hash,
+                    body->empty() ? "number of bodies" : *body));
   }
   if (body) {
-    throw std::runtime_error(
-        fmt::format("tick {} ({:.6f} s) differs from the recording, first {}: expected state "
-                    "{:016x}, found {:016x}{}",
-                    state_.tick, seconds(state_.time),
-                    body->empty() ? "in what only the hash tells" : "in the " + *body,
-                    recorded->hash, state_.hash,
-                    recorded_.complete() ? ""
-                                         : "; the recording is not complete, and what the session "
-                                           "got may be missing in it"));
+    throw std::runtime_error(fmt::format(
+        "tick {} ({:.6f} s) differs from the recording, first difference {}: expected state "
+        "{:016x}, found {:016x}{}",
+        state_.tick, seconds(state_.time),
+        body->empty() ? "in what only the hash tells" : "in the " + *body, recorded->hash,
+        state_.hash,
+        recorded_.complete() ? ""
+                             : "; the recording is not complete, and what the session "
+                               "got may be missing in it"));
   }
   ++compared_;
 }

@@ -57,7 +57,7 @@ TEST_F(StudyExport, IsReadBackToTheSameSamples) {
   EXPECT_EQ(game_hash("again.lcmlog"), game_hash("study/sessions/p001/run-01.lcmlog"));
   EXPECT_EQ(slurp(folder_ / "data/sourcedata/sub-p001/run-01.lcmlog"),
             slurp(folder_ / "study/sessions/p001/run-01.lcmlog"));
-  expect_refusal("experiment export study --motion-bids data", 1, "a dataset is there already");
+  expect_refusal("experiment export study --motion-bids data", 1, "a dataset exists there");
 }
 
 // What the validator does not look at: as many columns as channels, and only participants who are there.
@@ -101,7 +101,7 @@ TEST_F(StudyExport, DeidentifiedHasNumbersAndNoTrials) {
   play(1);
   const Result made = headpin("experiment export study --motion-bids data --deidentify");
   ASSERT_EQ(made.code, 0) << made.err;
-  EXPECT_THAT(made.out, HasSubstr("what motion still gives away"));
+  EXPECT_THAT(made.out, HasSubstr("the motion data still reveal"));
   EXPECT_FALSE(fs::exists(folder_ / "data/sourcedata"));
   for (const auto& entry : fs::recursive_directory_iterator(folder_ / "data")) {
     EXPECT_THAT(entry.path().string(), testing::Not(HasSubstr("p001")));

@@ -41,9 +41,10 @@ TEST_F(Experiment, IsPlannedGrownAndTold) {
   EXPECT_THAT(slurp(folder_ / "study/plan.csv"), testing::StartsWith(first));
   EXPECT_EQ(json("experiment plan -o study --replace p003 --json")["new_participants"], 1);
   EXPECT_EQ(json("experiment plan -o study --json")["new_participants"], 0);
-  expect_refusal("experiment plan -o study --people 3", 2, "none is removed");
+  expect_refusal("experiment plan -o study --people 3", 2, "none can be removed");
   expect_refusal("experiment plan -o study --seed 8", 2, "has the seed 7");
-  expect_refusal("experiment plan -o study --design elasticity-friction-shape", 2, "which stays");
+  expect_refusal("experiment plan -o study --design elasticity-friction-shape", 2,
+                 "which cannot be changed");
   expect_refusal("experiment plan -o OUT --design nothing", 2, "or one of: ");
   const nlohmann::json status = json("experiment status study --json");
   ASSERT_EQ(status["participants"].size(), 21u);
@@ -140,7 +141,7 @@ TEST_F(Experiment, ASessionThatWasCutOffStaysAndTheNextIsAnotherRun) {
   const std::string half = slurp(run);
   EXPECT_EQ(json("experiment status a --json")["participants"][0]["run"], nullptr);
   EXPECT_THAT(headpin("experiment status a").out, HasSubstr("cut off"));
-  EXPECT_THAT(headpin("experiment run a --all --virtual").err, HasSubstr("it was cut off"));
+  EXPECT_THAT(headpin("experiment run a --all --virtual").err, HasSubstr("it was interrupted"));
   EXPECT_EQ(slurp(run), half);
   EXPECT_EQ(slurp(folder_ / "a/sessions/p001/run-02.lcmlog"), whole);
   EXPECT_EQ(json("experiment status a --json")["participants"][0]["run"], "run-02");

@@ -124,7 +124,7 @@ TEST_F(LiveFastrak, ASessionThatNobodyTakesPartInHasFailed) {
       headpin("live --lcm memq:// --eyes none --duration 0.2 --record empty.lcmlog --json");
   EXPECT_EQ(alone.code, 1);
   EXPECT_THAT(alone.err,
-              testing::HasSubstr("headpin live: no sample came in 0.2 s from lcm:memq://"));
+              testing::HasSubstr("headpin live: no sample arrived in 0.2 s from lcm:memq://"));
   EXPECT_EQ(nlohmann::json::parse(alone.out)["exit_code"], 1);
   EXPECT_TRUE(trial("empty.lcmlog").complete);
 }
@@ -140,7 +140,7 @@ TEST_F(LiveFastrak, ASecondSessionOnALineAndASecondUnitAtALinkAreRefused) {
       "counted $first first.lcmlog TRACKER 150\ninterrupt $first; echo $?; echo quit >unit; wait");
   EXPECT_EQ(run.out, "75\n75\n0\n") << run.err << slurp(folder_ / "first.txt");
   EXPECT_THAT(run.err, testing::HasSubstr("line: in use by another headpin"));
-  EXPECT_THAT(run.err, testing::HasSubstr("line: another emulator is behind it"));
+  EXPECT_THAT(run.err, testing::HasSubstr("line: another emulator uses it"));
   EXPECT_TRUE(trial("first.lcmlog").complete);
   EXPECT_GT(trial("first.lcmlog").samples.size(), 100u);
 }
@@ -296,7 +296,7 @@ TEST_F(LiveFastrak, ARecordingThatSomebodyTakesAwayIsSaidToBeLost) {
         "live=$!\n"
         "counted $live live.lcmlog TRACKER 60\n" +
         std::string(deed) +
-        "\nwhile kill -0 $live && ! grep -q 'goes on unrecorded' err.txt; do sleep 0.05; done\n"
+        "\nwhile kill -0 $live && ! grep -q 'continues without a recording' err.txt; do sleep 0.05; done\n"
         "interrupt $live; code=$?\ninterrupt $unit\nexit $code");
     EXPECT_EQ(result.code, 1) << deed << "\n" << result.err;
     EXPECT_THAT(result.err, testing::HasSubstr(std::string("headpin live: live.lcmlog: ") + said));
@@ -412,7 +412,8 @@ TEST_F(LiveFastrak, WithoutANetworkALogFeedsASessionOrAUnit) {
                                "' --eyes none --duration 0.5 --scenario paper-room --set "
                                "ball.home=[0.5,-0.3,0.9]");
   EXPECT_EQ(other.code, 0) << other.err;
-  EXPECT_THAT(other.err, testing::HasSubstr("is from another scenario than this session's"));
+  EXPECT_THAT(other.err,
+              testing::HasSubstr("was recorded in another scenario than this session's"));
   // The unit goes on measuring where the log left its receivers.
   const Result unit = shell("$headpin emulate --lcm '" + url + "?speed=0' --duration 0.5");
   EXPECT_EQ(unit.code, 0) << unit.err;
@@ -459,7 +460,7 @@ TEST_F(LiveFastrak, RecordedFramesAreDrawnAgainToThePixel) {
   recorder.close();
   expect_refusal("frames other.lcmlog --verify", 1,
                  "differs from the recording, first in the left");
-  expect_refusal("frames " + kDemo + " --verify", 1, "holds no frames that were shown");
+  expect_refusal("frames " + kDemo + " --verify", 1, "has no recorded frames");
 }
 
 // Pictures are drawn in a process of its own: its end costs pictures. The trial tells of it.
@@ -517,7 +518,7 @@ TEST_F(LiveFastrak, WhatDrawsMayCrashAgainAndAgain) {
 }
 
 TEST_F(LiveFastrak, NobodyElseStartsWhatDraws) {
-  expect_refusal("draw", 1, "is started by `headpin live`, and by nobody else");
+  expect_refusal("draw", 1, "internal command: only `headpin live` starts it");
 }
 
 TEST_F(LiveFastrak, AFloodOfWrongTypesIsSaidAtOnce) {
@@ -707,7 +708,7 @@ TEST_F(Live, AThrowThroughAnEmulatedUnitWithItsMouseIsThatOfItsReplay) {
 }
 
 TEST_F(Live, WithoutARouteItSaysWhatIsWrong) {
-  expect_refusal("live", 2, "nothing to listen to");
+  expect_refusal("live", 2, "no source of samples");
   expect_refusal("live --fastrak missing-tty", 1, "missing-tty");
   std::ofstream(folder_ / "taken.lcmlog") << "mine";
   EXPECT_EQ(alone("$headpin live --lcm '' --record taken.lcmlog --duration 1").code, 1);

@@ -43,7 +43,7 @@ TEST_F(Outputs, FramesForcedKeepsWhatIsNotItsOwn) {
   expect_untouched("frames " + kDemo + " -o mine" + few, 1, "which headpin did not write");
   expect_untouched("frames " + kDemo + " -o ." + few, 1, "which headpin did not write");
   expect_untouched("frames " + kDemo + " -o new --video new/stereo.mkv" + few, 1,
-                   "used by this very command");
+                   "which this command uses");
   write("new.part", "precious");
   EXPECT_EQ(headpin("frames " + kDemo + " -o new/ --frames 3").code, 0);
   EXPECT_TRUE(fs::exists(folder_ / "new/left_000003.png"));
@@ -88,7 +88,7 @@ TEST_F(Outputs, TheInputIsNeverTheOutput) {
   fs::create_symlink("a.lcmlog", folder_ / "link.lcmlog");
   write("room.toml", "");
   write("throw.csv", "x");
-  const std::string says = "is read by this very command";
+  const std::string says = "is an input of this command";
   expect_untouched("replay a.lcmlog -o a.lcmlog --force", 1, says);
   expect_untouched("replay a.lcmlog -o link.lcmlog --force", 1, says);
   expect_untouched("replay link.lcmlog -o ./a.lcmlog --force", 1, says);
@@ -181,8 +181,8 @@ TEST_F(Outputs, WhereNoThreadCanBeBegunThatIsSaid) {
 #ifdef HEADPIN_SANITIZED
   GTEST_SKIP() << "sanitizers have to be loaded first";
 #endif
-  EXPECT_THAT(drawn("true;"), HasSubstr("a thread cannot be begun"));
-  EXPECT_THAT(drawn("LP_NUM_THREADS=2"), HasSubstr("LP_NUM_THREADS is 2, and only 0 threads"));
+  EXPECT_THAT(drawn("true;"), HasSubstr("cannot start a thread"));
+  EXPECT_THAT(drawn("LP_NUM_THREADS=2"), HasSubstr("LP_NUM_THREADS is 2, but only 0 threads"));
 }
 
 TEST_F(Outputs, AFloodOnTheControlLineNeitherFillsTheMemoryNorKeepsTheEmulator) {

@@ -50,7 +50,7 @@ TEST_F(ScenarioCommands, ThoseThatComeAlongAreListedShownAndChecked) {
   write("bad.toml", "name = 'bad'\n[ball]\nmas = 5\n");
   expect_refusal("scenario check bad.toml", 1, "bad.toml:3: unknown key 'ball.mas'");
   expect_refusal("scenario check", 2, "expected a name or file");
-  expect_refusal("scenario list paper-room", 2, "expected nothing behind it");
+  expect_refusal("scenario list paper-room", 2, "expected no further argument");
 }
 
 TEST_F(ScenarioCommands, AGameOfTwoVersionsIsScoredReplayedAndVerified) {

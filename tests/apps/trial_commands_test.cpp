@@ -347,8 +347,8 @@ TEST_F(TrialCommands, InfoTellsWhatTheBallMetAndWhyNothingFell) {
             0);
   const nlohmann::json miss = json("info miss.lcmlog --json");
   EXPECT_THAT(miss["result"]["why_nothing_fell"].get<std::string>(),
-              testing::AllOf(HasSubstr("let go at 6.5"), HasSubstr("lane"), HasSubstr("wall ahead"),
-                             HasSubstr("but no skittle")));
+              testing::AllOf(HasSubstr("released at 6.5"), HasSubstr("lane"),
+                             HasSubstr("wall ahead"), HasSubstr("but no skittle")));
   EXPECT_THAT(headpin("info miss.lcmlog").out, HasSubstr("but no skittle"));
 
   ASSERT_EQ(headpin("replay " + kDemo + " -o far.lcmlog --set 'ball.home=[1.5,1.0,0.85]'").code, 0);

@@ -272,7 +272,7 @@ TEST(MotionFiles, HeadAndHandsComeTogether) {
   left.push(Time{1'600'000}, {});
   EXPECT_EQ(complaint([&] { together(head, &right, &holed, "x"); }), "");
   EXPECT_THAT(complaint([&] { together(head, &left, &holed, "x"); }),
-              HasSubstr("nothing of the left hand for"));
+              HasSubstr("no samples of the left hand for"));
   EXPECT_THAT(complaint([&] { together(head, &left, &late, "x"); }),
               HasSubstr("no samples of the right hand"));
   late.push(Time{9'000'000}, {});
@@ -293,7 +293,7 @@ TEST(MotionFiles, EachFormatIsKnownByItself) {
   EXPECT_EQ(read("S001/trackers").times.size(), 2u);
   EXPECT_EQ(read("S001/trackers/leftHand_movement_T001.csv").times.size(), 2u);
   spit(folder / "S001/trackers/leftHand_movement_T002.csv", "time,pos_x\n");
-  EXPECT_THAT(complaint([&] { read("S001"); }), HasSubstr("holds several trials"));
+  EXPECT_THAT(complaint([&] { read("S001"); }), HasSubstr("contains several trials"));
   EXPECT_THAT(complaint([&] { read("S001/trackers/leftHand_movement_T002.csv"); }),
               HasSubstr("pos_y is missing"));
 

@@ -59,7 +59,7 @@ TEST_F(OutputFileTest, APartOfAnotherIsNeverTaken) {
   OutputFile one(folder_ / "a", {}), two(folder_ / "a", {});
   EXPECT_NE(one.part(), two.part());
   one.commit();
-  EXPECT_THAT(complaint([&] { two.commit(); }), HasSubstr("exists by now"));
+  EXPECT_THAT(complaint([&] { two.commit(); }), HasSubstr("was created in the meantime"));
   EXPECT_EQ(slurp(folder_ / part), "somebody's");
   EXPECT_EQ(slurp(folder_ / "a.part"), "somebody's");
   EXPECT_EQ(entries(), 3u);
@@ -184,7 +184,7 @@ TEST_F(OutputFileTest, AnInputIsNeverTheOutputUnderWhateverName) {
   fs::create_hard_link(folder_ / "in", folder_ / "twin");
   for (const char* name : {"in", "link", "twin", "./in"}) {
     EXPECT_THAT(refused(folder_ / name, {.overwrite = true, .inputs = {folder_ / "in"}}),
-                HasSubstr("is read by this very command"));
+                HasSubstr("is an input of this command"));
   }
   EXPECT_EQ(slurp(folder_ / "in"), "precious");
 }

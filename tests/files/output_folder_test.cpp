@@ -119,7 +119,7 @@ TEST_F(OutputFolderTest, InputsAndOtherOutputsInItAreRefused) {
   for (const fs::path& other : {fs::path(out_ + "/in"), fs::path(out_ + "/deep/down/video.mkv"),
                                 fs::path(out_), fs::path(out_ + "/../out/x")}) {
     EXPECT_THAT(refused(out_, {.overwrite = true, .others = {other}}),
-                HasSubstr("used by this very command"));
+                HasSubstr("which this command uses"));
   }
   EXPECT_TRUE(fs::is_empty(out_));
   EXPECT_EQ(refused(out_, {.others = {folder_ / "outside", folder_ / "out2/in"}}), "");

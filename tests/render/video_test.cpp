@@ -164,7 +164,8 @@ TEST_F(Video, PassesOnWhatFfmpegSaysWhenItStopsEarly) {
   });
   EXPECT_THAT(message, testing::HasSubstr("Unknown encoder 'libx264rgb'"));
   EXPECT_THAT(message, testing::HasSubstr("stereo.mkv"));
-  EXPECT_THAT(message_of([&] { video.add(picture(0)); }), testing::HasSubstr("has ended"));
+  EXPECT_THAT(message_of([&] { video.add(picture(0)); }),
+              testing::HasSubstr("is finished already"));
   EXPECT_EQ(files(), 0u);
 }
 

@@ -202,7 +202,7 @@ TEST(ScenarioFile, WhatCannotBeReadIsNoScenario) {
   EXPECT_THAT(refused(folder.path()), HasSubstr("cannot be read: Is a directory"));
   EXPECT_THAT(refused(folder / "missing"), HasSubstr("cannot be read: No such file"));
   EXPECT_THAT(refused("/proc/self/mem"), HasSubstr("cannot be read"));
-  EXPECT_THAT(refused("/dev/zero"), HasSubstr("longer than a scenario"));
+  EXPECT_THAT(refused("/dev/zero"), HasSubstr("too long for a scenario"));
   spit(folder / "ball.toml", "[ball]\nmass = 5");
   EXPECT_EQ(load_scenario(folder / "ball.toml").ball.mass, 5.0);
 }
