@@ -4,30 +4,11 @@
 #
 # usage: tests/soak.sh HEADPIN TRIAL [MINUTES]
 set -euo pipefail
-if [ -z "${HEADPIN_SOAK_ALONE:-}" ]; then  # in a network of its own, so that nobody else's LCM is heard
-  exec unshare -n env HEADPIN_SOAK_ALONE=1 "$0" "$@"
-fi
-headpin=$(realpath "$1") trial=$(realpath "$2") minutes=${3:-60}
-ip link set lo up
-ip link set lo multicast on
-ip route add 224.0.0.0/4 dev lo
-folder=$(mktemp -d)
-unit=
-end() {
-  [ -z "$unit" ] || kill "$unit" 2>/dev/null || true
-  rm -rf "$folder"
-}
-trap end EXIT
-cd "$folder"
-url='udpm://239.255.76.67:7667?ttl=0'
-
-"$headpin" emulate "$trial" --loop --link line --mouse "$url" >/dev/null 2>emulate.txt &
-unit=$!
-until [ -e line ]; do kill -0 "$unit"; sleep 0.1; done
-"$headpin" info "$trial" --scenario >room.toml
-"$headpin" live --fastrak line --lcm "$url" --scenario room.toml --record session.lcmlog --duration $((60 * minutes)) --json \
-  >live.json 2>live.txt &
-live=$!
+# shellcheck source=tests/laboratory.sh
+source "$(dirname "${BASH_SOURCE[0]}")/laboratory.sh"
+minutes=${3:-60}
+start_unit
+start_session $((60 * minutes))
 
 # Resident memory of the session and of what draws for it [kB].
 memory() {

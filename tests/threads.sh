@@ -5,33 +5,15 @@
 #
 # usage: tests/threads.sh HEADPIN TRIAL [SECONDS]
 set -euo pipefail
-if [ -z "${HEADPIN_THREADS_ALONE:-}" ]; then  # in a network of its own, so that nobody else's LCM is heard
-  exec unshare -n env HEADPIN_THREADS_ALONE=1 "$0" "$@"
-fi
-headpin=$(realpath "$1") trial=$(realpath "$2") seconds=${3:-10}
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)
-ip link set lo up
-ip link set lo multicast on
-ip route add 224.0.0.0/4 dev lo
-folder=$(mktemp -d)
-unit=
-end() {
-  [ -z "$unit" ] || kill "$unit" 2>/dev/null || true
-  rm -rf "$folder"
-}
-trap end EXIT
-cd "$folder"
+# shellcheck source=tests/laboratory.sh
+source "$here/laboratory.sh"
 mkdir races
 # Who races goes on, so that all of them are told; exit codes are the program's own.
 export TSAN_OPTIONS="suppressions=$here/threads.supp log_path=$folder/races/of exitcode=0 print_suppressions=0"
-url='udpm://239.255.76.67:7667?ttl=0'
-
-"$headpin" emulate "$trial" --loop --link line --mouse "$url" >/dev/null 2>emulate.txt &
-unit=$!
-until [ -e line ]; do kill -0 "$unit"; sleep 0.1; done
-"$headpin" info "$trial" --scenario >room.toml
-"$headpin" live --fastrak line --lcm "$url" --scenario room.toml --record session.lcmlog --duration "$seconds" --json \
-  >live.json 2>live.txt || { cat live.txt >&2; exit 1; }
+start_unit
+start_session "${3:-10}"
+wait "$live" || { cat live.txt >&2; exit 1; }
 kill -INT "$unit"
 wait "$unit" || true
 unit=

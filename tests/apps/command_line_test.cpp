@@ -126,7 +126,7 @@ TEST_F(CommandLine, ACutOffTrialReplaysUpToTheCut) {
   EXPECT_EQ(cut["complete"], false);
   for (const std::string command : {"replay cut.lcmlog", "compare cut.lcmlog whole.lcmlog",
                                     "plot cut.lcmlog -o cut.svg", "export cut.lcmlog -o tables"}) {
-    EXPECT_THAT(headpin(command).err, HasSubstr(": cut.lcmlog: is not complete, it goes to "));
+    EXPECT_THAT(headpin(command).err, HasSubstr(": cut.lcmlog: is incomplete: it ends at "));
   }
   EXPECT_EQ(headpin("replay whole.lcmlog").err, "");
 }
@@ -264,7 +264,7 @@ TEST_F(CommandLine, AnotherConditionIsAnotherGameAndVerifyNamesTickAndBody) {
   EXPECT_GT(compared["first_difference_tick"].get<int>(), 0);
   EXPECT_EQ(compared["first_difference_body"], "ball");
   expect_refusal("replay rough.lcmlog --verify --friction 0.6", 1,
-                 "differs from the recording, first in the ball");
+                 "differs from the recording, first difference in the ball");
   // The ball differs from where it first touches the lane.
   const std::string tick = std::to_string(
       json("compare rough.lcmlog smooth.lcmlog --json")["first_difference_tick"].get<int>());

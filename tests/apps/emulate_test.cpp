@@ -153,7 +153,8 @@ TEST_F(Emulate, ConformanceTellsWhichClientsTheUnitServes) {
       folder_, "conformance '" + link().string() + "' --client 'VR Juggler 2007' --seconds 0.5");
   EXPECT_EQ(failed, 1);
   EXPECT_NE(
-      why.find("FAILS: sent 1 bytes 'S', wanted blanks in its columns 10 to 15, got 55 bytes '21S"),
+      why.find(
+          "FAILS: sent 1 bytes 'S', expected blanks in its columns 10 to 15, found 55 bytes '21S"),
       std::string::npos)
       << why;
   EXPECT_EQ(end(SIGTERM), 0);

@@ -432,7 +432,7 @@ TEST_F(LiveFastrak, ATrialFeedsASession) {
   expect_refusal("live nobody.lcmlog --record OUT", 1, "nobody.lcmlog: ");
   const Result itself = headpin("live live.lcmlog --record live.lcmlog --force");
   EXPECT_EQ(itself.code, 1);
-  EXPECT_THAT(itself.err, testing::HasSubstr("live.lcmlog: is read by this very command"));
+  EXPECT_THAT(itself.err, testing::HasSubstr("live.lcmlog: is an input of this command"));
   EXPECT_TRUE(trial("live.lcmlog").complete);
 }
 
@@ -459,7 +459,7 @@ TEST_F(LiveFastrak, RecordedFramesAreDrawnAgainToThePixel) {
   for (const devices::FrameRecord& frame : other.frames) recorder.write(frame);
   recorder.close();
   expect_refusal("frames other.lcmlog --verify", 1,
-                 "differs from the recording, first in the left");
+                 "differs from the recording, first difference in the left");
   expect_refusal("frames " + kDemo + " --verify", 1, "has no recorded frames");
 }
 
@@ -647,8 +647,8 @@ TEST_F(Live, WhatALoggerKeepsOfASessionIsATrial) {
     } else {  // the states before it came are not in it; those that are there are equal
       EXPECT_EQ(verified.code, 1) << verified.out;
       EXPECT_THAT(verified.err,
-                  testing::ContainsRegex("[0-9]+ of the recording's [0-9]+ ticks have no "
-                                         "state in it .* the other [1-9][0-9]{3} are equal"));
+                  testing::ContainsRegex("[0-9]+ of the [0-9]+ recorded ticks have no "
+                                         "state .* the other [1-9][0-9]{3} are equal"));
     }
     EXPECT_EQ(json("replay " + log + " --json")["state_hash"], hash) << log;
     EXPECT_EQ(headpin("frames " + log + " --verify --force -o frames --frames 3").code, 0) << log;

@@ -218,6 +218,17 @@ void every_good_record_arrives_once(Ends (*line)(), Time span) {
   }
 }
 
+/// Every good sample has the true pose at the time of its record.
+void expect_true_poses(const Bench& bench) {
+  for (std::size_t i = 0; i < bench.samples.size(); ++i) {
+    const TrackerSample& s = tracker(bench.samples[i]);
+    const Pose truth = circling_motion(s.station, bench.sent[i].measured).X_TS;
+    EXPECT_LT((s.X_TS.p - truth.p).norm(), 1e-6);
+    EXPECT_LT(s.X_TS.q.angularDistance(truth.q), 1e-6);
+    EXPECT_TRUE(s.good());
+  }
+}
+
 TEST(FastrakDriverTest, EveryGoodRecordArrivesOnceInOrderToTheLastBit) {
   every_good_record_arrives_once(memory, 20s / kLess);
 }
@@ -605,13 +616,7 @@ TEST(FastrakDriverTest, TakesOverAUnitInWhateverStateItWasLeft) {
     bench.sent.clear();
     bench.run(1s);
     ASSERT_GT(bench.samples.size(), 100u);
-    for (std::size_t i = 0; i < bench.samples.size(); ++i) {
-      const TrackerSample& s = tracker(bench.samples[i]);
-      const Pose truth = circling_motion(s.station, bench.sent[i].measured).X_TS;
-      EXPECT_LT((s.X_TS.p - truth.p).norm(), 1e-6);
-      EXPECT_LT(s.X_TS.q.angularDistance(truth.q), 1e-6);
-      EXPECT_TRUE(s.good());
-    }
+    expect_true_poses(bench);
   }
 }
 
@@ -650,12 +655,7 @@ TEST(FastrakDriverTest, ASettingThatWasLostIsSetAgain) {
     bench.sent.clear();
     bench.run(1s);
     ASSERT_GT(bench.samples.size(), 60u);
-    for (std::size_t i = 0; i < bench.samples.size(); ++i) {
-      const TrackerSample& s = tracker(bench.samples[i]);
-      const Pose truth = circling_motion(s.station, bench.sent[i].measured).X_TS;
-      EXPECT_LT((s.X_TS.p - truth.p).norm(), 1e-6);
-      EXPECT_LT(s.X_TS.q.angularDistance(truth.q), 1e-6);
-    }
+    expect_true_poses(bench);
   }
 }
 

@@ -67,7 +67,7 @@ TEST(MotionFiles, ATrackerFileThatIsCutInsideItsLastNumberIsReadUpToThatLine) {
     std::vector<std::string> notes;
     EXPECT_EQ(parse_uxf(whole.substr(0, whole.size() - cut), "x.csv", notes).samples().size(), 1u);
     ASSERT_EQ(notes.size(), 1u) << cut;
-    EXPECT_THAT(notes[0], HasSubstr("x.csv: the last line does not end"));
+    EXPECT_THAT(notes[0], HasSubstr("x.csv: the last line has no end"));
   }
   std::vector<std::string> notes;
   EXPECT_EQ(parse_uxf(whole + "\n", "x.csv", notes).samples().size(), 2u);

@@ -28,6 +28,12 @@ class OutputFolderTest : public testing::Test {
     for (const std::string& name : names) spit(folder.file(name), name);
     folder.commit(names.back());
   }
+  /// Replaces 1.png, 2.png and index by 2.png, 3.png and index.
+  void replace() const {
+    OutputFolder folder(out_, force_);
+    for (const char* name : {"2.png", "3.png", "index"}) spit(folder.file(name), "new");
+    folder.commit("index");
+  }
   std::string refused(const std::string& path, OutputFolder::Options options = {}) const {
     return complaint([&] { write(path, {"1.png", "index"}, options); });
   }
@@ -175,15 +181,10 @@ TEST_F(OutputFolderTest, NoNameAFileAndAMissingPlaceAreRefused) {
 TEST_F(OutputFolderTest, WhenAnyCallOfACommitFailsTheOldOrTheNewOnesAreThere) {
   write(out_, {"1.png", "2.png", "index"});
   const auto old = everything();
-  const auto replace = [&] {
-    OutputFolder folder(out_, force_);
-    for (const char* name : {"2.png", "3.png", "index"}) spit(folder.file(name), "new");
-    folder.commit("index");
-  };
   for (const char* call : {"renameat2", "fsync", "pwrite"}) {
     for (int number = 0;; ++number) {
       fail_call(call, number, EIO);
-      const std::string said = complaint(replace);
+      const std::string said = complaint([&] { replace(); });
       const bool was_asked = !said.empty();
       let_all_succeed();
       EXPECT_EQ(was_asked && said.find("Input/output error") == std::string::npos, false) << said;
@@ -206,11 +207,6 @@ TEST_F(OutputFolderTest, WhenAnyCallOfACommitFailsTheOldOrTheNewOnesAreThere) {
 TEST_F(OutputFolderTest, EndedAtAnyCallOfACommitTheNextFindsTheOldOrTheNewOnes) {
   write(out_, {"1.png", "2.png", "index"});
   const auto old = everything();
-  const auto replace = [&] {
-    OutputFolder folder(out_, force_);
-    for (const char* name : {"2.png", "3.png", "index"}) spit(folder.file(name), "new");
-    folder.commit("index");
-  };
   for (int number = 0, whole = false; !whole; ++number) {
     const pid_t child = fork();
     if (child == 0) {

@@ -228,7 +228,10 @@ TEST(ScenarioText, ASourceStandsOnlyBesideTheValueThatIsFromThere) {
   const std::string text = to_toml(s);
   EXPECT_THAT(text, HasSubstr("mass = 2.0\n"));
   EXPECT_THAT(text, HasSubstr("width = 1.5\n"));
-  EXPECT_THAT(text, HasSubstr("friction = 0.1  # a pair takes the product\n"));
+  EXPECT_THAT(
+      text,
+      HasSubstr(
+          "friction = 0.1  # friction as in the paper; two bodies in contact: the product\n"));
   EXPECT_THAT(text, Not(HasSubstr("15 lb")));
   EXPECT_THAT(text, Not(HasSubstr("8.54 in")));
   EXPECT_THAT(text, Not(HasSubstr("12 in apart")));
