@@ -2,7 +2,7 @@
 
 #include <string>
 
-/// Sessions that `headpin experiment export` wrote, read back.
+/// Imports sessions that `headpin experiment export` wrote.
 namespace headpin::apps {
 
 /// Whether this is the table of a tracker of such a session.

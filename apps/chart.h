@@ -3,10 +3,11 @@
 #include <string>
 #include <vector>
 
-/// Curves over time as one SVG picture: panels above each other that share their time axis.
+/// Plots curves over time as SVG: panels above each other with a common time axis. Charts stay our
+/// own code: they need little SVG, and no dependency draws plots.
 namespace headpin::apps {
 
-/// One curve; entry i is at times[i] of its chart, NaN where there is nothing to draw.
+/// One curve; entry i is at times[i] of its chart; NaN is not drawn.
 struct Curve {
   std::string name;    ///< in the legend; empty for none
   std::string colour;  ///< as CSS has them
@@ -18,7 +19,7 @@ struct Panel {
   std::vector<Curve> curves;
 };
 
-/// Something that happened, drawn through all panels.
+/// An event, drawn as a line through all panels.
 struct Mark {
   double time = 0.0;  ///< [s]
   std::string label;  ///< empty for a short line at the bottom
@@ -31,7 +32,7 @@ struct Chart {
   std::vector<Mark> marks;
 };
 
-/// The chart as an SVG document; same chart, same text.
+/// The chart as an SVG document; equal charts give equal text.
 std::string to_svg(const Chart& chart);
 
 /// Round numbers for an axis from `low` to `high`: 5 or so, the first not above `low`, the last not

@@ -4,11 +4,11 @@
 
 #include <CLI/CLI.hpp>
 
-/// The commands of `headpin`: one file each, joined to the program in main.cpp.
+/// The commands of `headpin`: one file each; main.cpp adds them to the program.
 ///
 /// Each adds its subcommand, options and example to `app` and does its work in the callback.
-/// A wrong use throws UsageError (exit code 2), what another process is using files::Busy (75), a
-/// signal Stopped (128 + its number), any other failure another exception (1). main() says each on
+/// Exceptions and exit codes: UsageError (2), files::Busy if another process uses a file (75),
+/// Stopped by a signal (128 + its number), any other exception (1). main() prints the message on
 /// standard error.
 namespace headpin::apps {
 

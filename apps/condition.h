@@ -9,7 +9,7 @@
 
 namespace headpin::apps {
 
-/// The options that put a trial under another condition than the one it was recorded under.
+/// The options that change the condition of a recorded trial.
 struct Condition {
   std::optional<double> elasticity, friction;
   std::optional<std::string> shape, response, detection;
@@ -26,8 +26,8 @@ void add_condition_options(CLI::App& command, Condition& condition);
 /// --look alone.
 CLI::Option* add_look(CLI::App& command, std::optional<std::string>& value);
 
-/// Elasticity, friction and shape go to every version of the game that the scenario has; `--set
-/// version.red.friction=0` and the like to one.
+/// Elasticity, friction and shape apply to every version of the game; `--set
+/// version.red.friction=0` to one.
 ///
 /// @throws UsageError  for a value out of range, a key that does not exist, or the material of one
 ///                     object where versions have one for all

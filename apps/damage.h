@@ -6,10 +6,10 @@
 
 namespace headpin::apps {
 
-/// Says on standard error that a trial is not complete, how far it goes and how much of it cannot be
-/// read. Nothing for one that is.
+/// Prints on standard error that a trial is incomplete: where it ends and how much of it is
+/// unreadable. Prints nothing for a complete trial.
 ///
-/// @param command  that works on it all the same
+/// @param command  name of the command, which continues
 void say_what_is_missing(std::string_view command, const std::string& path,
                          const devices::TrialSummary& trial);
 

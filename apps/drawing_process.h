@@ -6,11 +6,10 @@
 
 #include "scene/watch/eye_frames.h"
 
-/// A live session's frames, drawn in a process of its own: when that crashes, pictures are missing
-/// and nothing else is.
+/// Draws a live session's frames in a separate process: if it crashes, only pictures are missing.
 namespace headpin::apps {
 
-/// What the process is told before the first frame.
+/// The options of the process.
 struct DrawingOrder {
   std::string scenario;  ///< TOML, whole
   std::string eyes;      ///< raw or png, on HEADPIN_EYES at the URL; none: shown to nobody
@@ -20,17 +19,18 @@ struct DrawingOrder {
   bool first = false;      ///< and not one that is started again: says how fast it is
 };
 
-/// Does the work in the process that is started: draws with what it makes of the order.
+/// Draws in the started process, by the options.
 using DrawerMaker = std::unique_ptr<scene::FrameDrawer> (*)(const DrawingOrder& order);
 
-/// Starts the process, and starts it again when it ends or says nothing for half a minute. After
-/// three ends in a row without a frame there are no more pictures.
+/// Starts the process, and starts it again when it ends or does not answer for half a minute. After
+/// three failures without a frame, it is not started again.
 ///
-/// @throws std::runtime_error  with what the process says, when the first one does not come to draw
+/// @throws std::runtime_error  with the message of the first process, if that cannot draw
 std::unique_ptr<scene::FrameDrawer> draw_in_a_process(DrawingOrder order);
 
-/// What the process does: frames that are asked for at standard input, a socket, until that closes.
-/// @throws std::runtime_error  when standard input is no such thing
+/// The main function of the process: draws the frames that are requested on standard input, a
+/// socket, until it is closed.
+/// @throws std::runtime_error  when standard input is not such a socket
 void serve_frames(DrawerMaker maker);
 
 }  // namespace headpin::apps

@@ -9,7 +9,7 @@
 
 namespace headpin::apps {
 
-/// Lines typed at a running emulator, from a named pipe or standard input.
+/// Reads control lines for a running emulator from a named pipe or standard input.
 class Control {
  public:
   /// @param path  a named pipe, made if missing; - for standard input; empty: no line ever comes
@@ -21,7 +21,7 @@ class Control {
 
   int descriptor() const { return fd_; }
 
-  /// Whole lines that came since the last call; the rest of a flood is there at the next.
+  /// The complete lines since the last call; of very many lines, the rest comes with the next call.
   std::vector<std::string> lines();
 
  private:
@@ -30,7 +30,7 @@ class Control {
   bool told_ = false;
 };
 
-/// Does what a control line says.
+/// Executes a control line.
 ///
 /// @return  false for the line that ends the emulator
 /// @throws std::invalid_argument  naming the line, and what was expected

@@ -21,17 +21,18 @@ struct FeedOptions {
   bool loop = false, with_buttons = false;
 };
 
-/// What the unit measures: a test pattern, or a recording that starts when records are asked for.
+/// The motion that the unit measures: a test pattern, or a recording that starts when a client
+/// requests records.
 struct Feed {
   devices::FastrakMotion motion;
   devices::FastrakPlace place;        ///< of the transmitter, in a recording's frame
-  std::string says;                   ///< what was chosen so that clients can use a recording
+  std::string says;                   ///< message about the transmitter's place
   Time begin{}, length{};             ///< of a recording
   devices::TrackerSample first = {};  ///< of a recording
   bool loop = false, pressed = false;
   std::vector<devices::MouseSample> buttons = {};  ///< of a recording's mouse, where they change
 
-  /// Where in a recording it is.
+  /// The time within the recording.
   Time within(Time time) const {
     if (length == Time{}) return time;
     const Time t = time > begin ? time - begin : Time{};
@@ -47,7 +48,7 @@ struct Feed {
 /// @throws std::runtime_error  naming the trial that cannot be read, or that has no sample
 Feed feed_of(const FeedOptions& options);
 
-/// What others publish on TRACKER and MOUSE3D: the newest sample of each.
+/// The newest samples that others publish on TRACKER and MOUSE3D.
 class LcmFeed {
  public:
   explicit LcmFeed(const std::string& url);

@@ -9,18 +9,19 @@
 
 namespace headpin::apps {
 
-/// The buttons of the 3D mouse, which a Fastrak's line has no room for: on MOUSE3D, at each change;
-/// those of a trial ten times a second too, by which listeners learn how late messages are.
+/// Publishes the buttons of the 3D mouse on MOUSE3D, because a Fastrak's records have no room for
+/// them: at each change, and for a trial also ten times per second, from which listeners estimate
+/// the delay of messages.
 class EmulatedMouse {
  public:
-  /// @param recorded  of a trial, in the order of time; its buttons are pressed as they were
+  /// @param recorded  samples of a trial in order of time, which are replayed
   EmulatedMouse(const std::string& url, std::vector<devices::MouseSample> recorded)
       : link_(url), recorded_(std::move(recorded)) {}
 
-  devices::MouseSample typed;  ///< what --control holds down beside the trial
+  devices::MouseSample typed;  ///< buttons that --control presses
 
-  /// @param now  on the clock that messages are stamped by; a trial's changes are as exact as it is
-  /// @param at   in the trial
+  /// @param now  current time on the clock of the messages
+  /// @param at   current time in the trial
   void publish(Time now, Time at);
 
  private:

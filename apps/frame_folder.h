@@ -9,16 +9,17 @@
 
 namespace headpin::apps {
 
-/// What of a frame becomes files.
+/// The files of a frame.
 struct FrameFiles {
   bool side_by_side = false;  ///< both eyes in one picture
   bool depth = false;         ///< along each eye's axis: PNG of 16 bits [mm], and float32 [m]
-  bool ids = false;           ///< what each pixel's centre sees: PNG of 16 bits
+  bool ids = false;           ///< object at each pixel's centre: PNG of 16 bits
 
   bool labels() const { return depth || ids; }
 };
 
-/// PNG files and their index, frames.csv, in a folder where they appear when all are there.
+/// Writes PNG files and their index, frames.csv, to a folder; they get their names when all are
+/// complete.
 class FrameFolder : public scene::FrameSink {
  public:
   /// Without close(), leaves the folder as it was.
@@ -26,7 +27,7 @@ class FrameFolder : public scene::FrameSink {
   FrameFolder(const std::string& folder, const FrameFiles& files, double pixel_aspect,
               const files::OutputFolder::Options& options);
 
-  /// Takes the frame over; the files are written while the next one is drawn.
+  /// Takes a frame; its files are written while the next one is drawn.
   void add(const scene::EyeFrame& frame) override;
 
   void close();

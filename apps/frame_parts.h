@@ -7,7 +7,7 @@
 
 #include "files/output_folder.h"
 
-/// Frames of a folder drawn part by part, by several processes or after a stop.
+/// Draws the frames of a folder in parts, by several processes or after an interruption.
 namespace headpin::apps {
 
 struct FrameParts {
@@ -21,15 +21,15 @@ struct FrameParts {
   std::function<void(std::int64_t frames)> progress;
 };
 
-/// Has each part drawn by a `headpin frames` of its own, into a folder that is whole or not there,
-/// and puts them together: the same files as drawn in one go.
+/// Draws each part with a separate `headpin frames`, into a folder that is complete or absent, and
+/// joins the parts. The files are the same as those of one run.
 ///
 /// @param result  of `folder`; is committed
 /// @return        how many frames were there already
-/// @throws std::runtime_error  with what a process says that fails, or when the parts that are
-///                             there are of something else
-/// @throws files::Busy         when another of us draws them
-/// @throws Stopped             when told to; with `resume`, the parts that are done stay
+/// @throws std::runtime_error  with the message of a process that fails, or when existing parts are
+///                             of another job
+/// @throws files::Busy         when another headpin draws them
+/// @throws Stopped             by a signal; with `resume`, finished parts stay
 std::int64_t draw_in_parts(const FrameParts& parts, files::OutputFolder& result);
 
 }  // namespace headpin::apps

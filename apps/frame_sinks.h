@@ -8,10 +8,10 @@
 #include "render/video.h"
 #include "scene/watch/eye_frames.h"
 
-/// Where drawn frames go beside a folder: both eyes side by side, one after the other.
+/// Destinations of drawn frames other than a folder: both eyes side by side.
 namespace headpin::apps {
 
-/// How long a picture stays.
+/// The timing of pictures.
 enum class Hold {
   one_each,         ///< one after the other
   from_time_zero,   ///< from its time to the next one's; it is black before the first
@@ -27,7 +27,7 @@ struct VideoOptions {
   std::vector<std::filesystem::path> inputs = {};
 };
 
-/// A sequence of pictures at a steady rate.
+/// A sequence of pictures at a constant frame rate.
 class SequenceSink : public scene::FrameSink {
  public:
   explicit SequenceSink(const VideoOptions& options) : hold_(options.hold), fps_(options.fps) {}
@@ -61,8 +61,8 @@ class VideoSink : public SequenceSink {
   render::VideoWriter writer_;
 };
 
-/// Raw video that other programs read from a pipe: YUV4MPEG2, 4:4:4, BT.601 in its limited range.
-/// Colours are rounded, by 2 of 255 at most: not for comparing.
+/// Raw video for other programs: YUV4MPEG2, 4:4:4, BT.601 limited range. Colours are rounded by up
+/// to 2 of 255, so do not use it to compare pictures.
 class Y4mSink : public SequenceSink {
  public:
   /// @param options  its path may be `-`, standard output

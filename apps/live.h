@@ -9,7 +9,7 @@
 #include "apps/condition.h"
 #include "devices/trial/log.h"
 
-/// A session in real time, for those commands that have one.
+/// Sessions in real time, for several commands.
 namespace headpin::apps {
 
 struct LiveOptions {
@@ -25,14 +25,14 @@ struct LiveOptions {
   Condition condition;
 };
 
-/// Adds what says where samples come from, how long, and who is shown what: SOURCE, --lcm,
-/// --fastrak, --baud, --hemisphere, --duration, --eyes, --no-trial, --gl.
+/// Adds the options SOURCE, --lcm, --fastrak, --baud, --hemisphere, --duration, --eyes, --no-trial
+/// and --gl.
 ///
-/// @return  to be called when all is parsed: puts --lcm and --fastrak among the sources
+/// @return  to be called after parsing: adds --lcm and --fastrak to the sources
 std::function<void()> add_source_options(CLI::App& command,
                                          const std::shared_ptr<LiveOptions>& options);
 
-/// Plays it until it is told to stop, as `headpin live` does.
+/// Runs a session until it is stopped, like `headpin live`.
 void go_live(const LiveOptions& options);
 
 }  // namespace headpin::apps

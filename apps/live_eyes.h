@@ -7,10 +7,10 @@
 #include "scene/play/run.h"
 #include "scene/watch/eye_frames.h"
 
-/// What others see of a live session over LCM.
+/// The pictures and the scene of a live session, over LCM.
 namespace headpin::apps {
 
-/// Both eyes, drawn in a process of its own.
+/// Draws both eyes in a separate process.
 ///
 /// @param how        raw or png, on HEADPIN_EYES at the URL; none: drawn, and shown to nobody
 /// @param gl         as render::open_context
@@ -19,14 +19,14 @@ std::unique_ptr<scene::FramesBeside> open_eyes(const scene::Stage& stage, const 
                                                const std::string& url, const std::string& gl,
                                                bool gives_way);
 
-/// Says why something comes to be drawn by another context than the first one.
+/// Prints why another OpenGL context than the first one draws.
 void say_instead_of(const char* command, const scene::Eyes& eyes);
 
-/// Says what the scenario's mesh files have that is not drawn.
+/// Prints which parts of the scenario's mesh files are not drawn.
 void say_not_drawn(const char* command, const scene::Scenario& scenario);
 
-/// The scene for Drake's viewer, at the frames' rate; whole every five seconds, for viewers that
-/// come later.
+/// Publishes the scene for Drake's viewer at the frame rate, and all of it every five seconds for
+/// later viewers.
 class Viewer : public scene::Observer {
  public:
   /// @param link  must outlive this

@@ -20,7 +20,7 @@
 /// What a live session reports: on standard error while it runs, in its trial, and at its end.
 namespace headpin::apps {
 
-/// Everything a live session holds.
+/// The state of a live session.
 struct Live {
   std::shared_ptr<scene::RealTime> pace = std::make_shared<scene::RealTime>();
   std::vector<std::unique_ptr<devices::LiveSource>> sources;
@@ -28,7 +28,7 @@ struct Live {
   std::unique_ptr<scene::TrialWriter> writer;
   std::unique_ptr<devices::LcmLink> link, session_link;  ///< to others
   std::unique_ptr<scene::TrialWriter> publisher;         ///< over the latter
-  devices::TrialHeader header;                           ///< whose session it is
+  devices::TrialHeader header;                           ///< participant and condition
   scene::Totals totals;
   std::unique_ptr<scene::FramesBeside> eyes;
   std::int64_t samples = 0, frames = 0, drawing_failures = 0;
@@ -49,7 +49,7 @@ class Reporter : public scene::Observer {
   void take_frames();
   void take_failures();
   devices::Event event_now(std::string_view kind, std::string detail) const;
-  /// What was said of a source.
+  /// The last messages about a source.
   struct Said {
     std::string trouble;
     devices::AmissNews amiss;

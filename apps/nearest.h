@@ -7,8 +7,8 @@
 
 namespace headpin::apps {
 
-/// Of some names the one that is most likely meant by a mistyped word: letters left out, put in,
-/// replaced, or two of them exchanged, at most one for each three letters.
+/// Finds the name that a mistyped word most likely means: missing, additional, wrong or exchanged
+/// letters, at most one for every three letters.
 std::optional<std::string> nearest(std::string_view word, std::span<const std::string> names);
 
 }  // namespace headpin::apps

@@ -7,7 +7,7 @@
 
 #include "devices/trial/log.h"
 
-/// Options that several commands have: one name, one check and one sentence each.
+/// Options of several commands.
 namespace headpin::apps {
 
 /// A file or folder to write; an empty name is wrong use.
@@ -16,16 +16,16 @@ CLI::Option* add_output(CLI::App& command, const std::string& names,
 CLI::Option* add_force(CLI::App& command, bool& value);
 CLI::Option* add_json(CLI::App& command, bool& value);
 
-/// What draws: osmesa, egl or, when empty, the first of them that does.
+/// --gl: osmesa or egl; if empty, the first of them that works.
 CLI::Option* add_gl(CLI::App& command, std::string& value);
 
-/// How a trial tells states: `changes`, or `all` of them whole.
+/// --states: `changes`, or `all` states whole.
 CLI::Option* add_states(CLI::App& command, devices::States& value);
 
-/// Seconds without a sample that a trial may have before it is taken for damaged.
+/// --longest-gap: longest accepted gap between samples in seconds.
 CLI::Option* add_longest_gap(CLI::App& command, double& value);
 
-/// Seconds that something lasts.
+/// --duration in seconds.
 CLI::Option* add_duration(CLI::App& command, std::optional<double>& value, const std::string& help);
 
 /// A finite number from `low` to `high`; CLI11's own check lets NaN through.

@@ -8,11 +8,11 @@
 
 #include "scene/page/page_data.h"
 
-/// The one file that `headpin report` writes: a page made beforehand, and in it the trial.
+/// Writes the file of `headpin report`: a page template with the data of a trial.
 namespace headpin::apps {
 
-/// What stands in a page, by name: base64 of deflated bytes, so that no text of a trial is ever
-/// read as HTML.
+/// The data in a page, by name: base64 of deflated bytes, so that text of a trial is never parsed
+/// as HTML.
 using PageBlocks = std::map<std::string, std::string>;
 
 std::string base64(std::span<const std::uint8_t> bytes);
@@ -25,12 +25,12 @@ std::string deflated(const std::string& text);
 /// follow (LEB128). Deflates to a fifth of the floats.
 std::vector<std::uint8_t> in_quanta(const scene::PageData& data);
 
-/// A trial's log without what a replay brings again: states and frames.
+/// A trial's log without states and frames, which a replay computes again.
 ///
 /// @throws std::runtime_error  when there is no such file
 std::vector<std::uint8_t> log_of_inputs(const std::string& path);
 
-/// The page that came with the program or was built beside it.
+/// The installed page template, or the one in the build folder.
 ///
 /// @throws std::runtime_error  without one, naming the command that makes it
 std::string page_template();

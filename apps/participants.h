@@ -12,8 +12,8 @@ struct ParticipantSession {
   bool force = false, json = false;
 };
 
-/// Lets the virtual participant of a seed play a session, writes it as device samples and tells what
-/// came of it, as `headpin synthesize --participant` does.
+/// Lets the virtual participant of a seed play a session, writes its device samples and prints the
+/// result, like `headpin synthesize --participant`.
 void play_session(const ParticipantSession& options);
 
 }  // namespace headpin::apps

@@ -1,20 +1,20 @@
 #pragma once
 
-/// Who goes first where there are fewer processors than work.
+/// Scheduling priorities.
 namespace headpin::apps {
 
 enum class Priority { real_time, raised, same };
 
-/// Puts the calling thread, and those that it starts from now on, before what else the machine does.
+/// Raises the priority of the calling thread and of threads that it starts later.
 ///
-/// By real-time scheduling where that is allowed (CAP_SYS_NICE, or `ulimit -r` of 1) and leaves
-/// another processor to the others. A raised priority is the next best: it counts among the programs
-/// of one session alone where the kernel groups them by session, as Linux does by default.
+/// Uses real-time scheduling if that is allowed (CAP_SYS_NICE, or `ulimit -r` of 1) and there is
+/// another processor for other programs. Otherwise it raises the nice value, which by default Linux
+/// applies only among the programs of one login session.
 ///
-/// @return  what it got
+/// @return  the achieved priority
 Priority go_first();
 
-/// What go_first() would get, without taking it.
+/// The priority that go_first() would achieve.
 Priority to_be_had();
 
 }  // namespace headpin::apps

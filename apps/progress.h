@@ -8,8 +8,8 @@
 
 namespace headpin::apps {
 
-/// One line on a terminal that says how far a long job is and when it will end; silent in a pipe.
-/// It is gone when all is done, before anything else is said.
+/// A progress line on a terminal with the remaining time; it prints nothing to a pipe. It is erased
+/// at the end, before other output.
 class Progress {
  public:
   /// @param what   what is counted, "frames" say

@@ -5,7 +5,7 @@
 
 namespace headpin::apps {
 
-/// The bodies of a scenario, put where a recorded state has them.
+/// The bodies of a scenario at the poses of a recorded state.
 class RecordedWorld {
  public:
   explicit RecordedWorld(const scene::Scenario& scenario);

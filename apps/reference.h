@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-/// What the program knows about its own inputs and outputs, for docs/ and the tests that hold it.
+/// The generated reference pages of docs/, which a test compares.
 namespace headpin::apps {
 
 /// A channel of a trial or a live session.

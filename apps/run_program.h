@@ -6,14 +6,14 @@
 
 namespace headpin::apps {
 
-/// What another program came to.
+/// The result of another program.
 struct Ended {
   int code = 0;      ///< its exit code; 128 + N where signal N ended it
   std::string says;  ///< what it wrote on standard output and error
 };
 
-/// Runs a program to its end; its name is looked for in PATH.
-/// @return  nothing where there is no such program
+/// Runs a program from PATH until it ends.
+/// @return  nothing if there is no such program
 /// @throws std::runtime_error  where it cannot be started
 std::optional<Ended> run_program(const std::vector<std::string>& words);
 

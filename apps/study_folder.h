@@ -8,10 +8,10 @@
 #include "study/plan.h"
 #include "study/questionnaire.h"
 
-/// A study on the disk: a folder that a person can read.
+/// The folder of a study.
 namespace headpin::apps {
 
-/// Where a study has what.
+/// The paths in a study's folder.
 struct StudyFolder {
   std::filesystem::path root;
 
@@ -36,7 +36,7 @@ struct Study {
 std::string read_study_file(const std::filesystem::path& path);
 
 /// Reads design, questionnaire and plan of a study.
-/// @throws std::runtime_error     for a folder that holds none
+/// @throws std::runtime_error     for a folder without a study
 /// @throws std::invalid_argument  for what cannot be, naming file and line
 Study open_study(const std::string& folder);
 
@@ -44,17 +44,17 @@ Study open_study(const std::string& folder);
 /// @throws UsageError  for a name that is not in it
 const study::PlannedParticipant& planned(const Study& study, const std::string& id);
 
-/// A file that comes with the program, by its name (`uno-slater-1997`), or any other.
+/// The path of a bundled file by its name (`uno-slater-1997`), or of any other file.
 ///
 /// @param kind  the folder of share/headpin: designs, questionnaires
 /// @throws UsageError  for a name that is not there, with those that are
 std::filesystem::path bundled(const std::string& kind, const std::string& name_or_file);
 
-/// Keeps others of us from working on the same thing until it goes.
+/// A lock against other headpin processes, until it is destroyed.
 class StudyLock {
  public:
   /// @param path  of a file or folder that is there
-  /// @throws files::Busy  when another has it
+  /// @throws files::Busy  when another process has locked it
   StudyLock(const std::filesystem::path& path, const std::string& what);
   ~StudyLock();
   StudyLock(const StudyLock&) = delete;
@@ -76,13 +76,13 @@ struct Run {
   bool done() const { return complete && both; }
 };
 
-/// All of them, in the order in which they were played.
+/// All recordings, in order of time.
 std::vector<Run> runs_of(const StudyFolder& at, const std::string& id);
 
-/// The run that counts: the first that is done; null where none is.
+/// The run that counts: the first complete one; null if there is none.
 const Run* counting(const std::vector<Run>& runs);
 
-/// Whether a trial is of a virtual participant, as its header has it.
+/// Whether a trial's header says that a virtual participant played it.
 bool is_virtual_name(const std::string& participant);
 std::string virtual_name(const std::string& id);
 

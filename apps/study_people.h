@@ -6,22 +6,23 @@
 #include "apps/study_folder.h"
 #include "study/people.h"
 
-/// The participants of a study with all that is known of them.
+/// The participants of a study with their data.
 namespace headpin::apps {
 
-/// Reads everybody's answers and simulates everybody's session again, some at a time.
+/// Reads the answers and simulates the sessions of all participants again, several in parallel.
 /// @throws std::invalid_argument  for answers that cannot be, naming file and line
 std::vector<study::Person> people_of(const Study& study, int jobs);
 
 study::Answers answers_of(const Study& study, const std::string& id);
 
-/// Those whom the tables are of.
+/// The participants in the tables.
 struct Counted {
   std::vector<study::Person> people;
   std::string of;  ///< "yes": virtual participants, "no": people, "mixed"
 };
 
-/// Who of them may be counted together: people and virtual participants are not, unless asked for.
+/// Which participants are counted together; people and virtual participants are not mixed by
+/// default.
 struct Mixing {
   bool mix = false;
   std::string only;  ///< people, virtual; empty for whoever there is

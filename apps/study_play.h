@@ -8,10 +8,10 @@
 #include "scene/play/score.h"
 #include "scene/scenario/scenario.h"
 
-/// How the sessions of a study are played, but for those in real time.
+/// Plays sessions of a study that are not in real time.
 namespace headpin::apps {
 
-/// What a participant plays under: the study's scenario with both versions as the plan has them.
+/// The scenario of a participant: that of the study, with the two versions of the plan.
 ///
 /// @param rig_of  a trial whose samples are played, in the tracker and rig of its own; empty for none
 scene::Scenario scenario_of(const Study& study, const study::PlannedParticipant& participant,
@@ -20,7 +20,7 @@ scene::Scenario scenario_of(const Study& study, const study::PlannedParticipant&
 /// "cell 010 of EFS, elasticity changes"
 std::string condition_of(const Study& study, const study::PlannedParticipant& participant);
 
-/// What a session came to.
+/// The result of a session.
 struct PlayedSession {
   std::string path;
   double duration_s = 0.0;

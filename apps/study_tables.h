@@ -15,7 +15,7 @@ class StudyTables {
   explicit StudyTables(const std::filesystem::path& folder);
 
   void write(const std::string& name, const std::string& text);
-  /// Where another program is to write a file of that name.
+  /// The path to which another program writes a file of this name.
   std::filesystem::path file(const std::string& name) { return folder_.file(name); }
   void commit(const std::string& last);
 
@@ -23,7 +23,7 @@ class StudyTables {
   files::OutputFolder folder_;
 };
 
-/// What the design says that a reader of this table has to know.
+/// The design's notes about this table.
 void print_notes(const Study& study, const std::string& table);
 
 }  // namespace headpin::apps

@@ -5,7 +5,7 @@
 #include <span>
 #include <string_view>
 
-/// The pages of the documentation, by topic: what `headpin help TOPIC` names.
+/// The pages of the documentation by topic, for `headpin help TOPIC`.
 namespace headpin::apps {
 
 struct Topic {
@@ -17,7 +17,7 @@ struct Topic {
 /// All topics, in the order of docs/README.md. No topic has the name of a command.
 std::span<const Topic> topics();
 
-/// Empty for a name that is no topic.
+/// Nothing for an unknown topic.
 std::optional<Topic> find_topic(std::string_view name);
 
 /// The folder of the pages: in share/doc/headpin once installed, else in the sources. Only `docs`

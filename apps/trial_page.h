@@ -16,7 +16,7 @@ struct TrialPage {
   bool force = false, json = false;
 };
 
-/// Writes a trial as one page, as `headpin report` does.
+/// Writes the page of a trial, like `headpin report`.
 ///
 /// @return  what --json prints
 /// @throws  UsageError, std::runtime_error  as `headpin report` says them

@@ -6,24 +6,24 @@
 #include <string>
 #include <vector>
 
-/// Files that are read. A read that fails is an error and never the end of the file.
+/// Files that are read. A failed read is an error; it is never taken for the end of the file.
 namespace headpin::files {
 
-/// A regular file, read by place.
+/// A regular file that is read at any position.
 class InputFile {
  public:
-  /// Waits for nobody, also where the name is a named pipe's.
+  /// Never blocks, not even if the name is that of a named pipe.
   /// @throws std::runtime_error  when the file cannot be opened or is not a regular file
   explicit InputFile(std::string path);
   ~InputFile();
   InputFile(const InputFile&) = delete;
   InputFile& operator=(const InputFile&) = delete;
 
-  /// Bytes, as it was opened.
+  /// Size in bytes when the file was opened.
   std::size_t size() const { return size_; }
 
-  /// Fills `out` from the bytes at `at` on.
-  /// @return  how many there are: fewer than asked for only where the file ends
+  /// Fills `out` with the bytes from position `at`.
+  /// @return  number of bytes; smaller than `out` only at the end of the file
   /// @throws std::runtime_error  naming the file and the reason
   std::size_t read(std::size_t at, std::span<std::uint8_t> out) const;
 
@@ -33,13 +33,13 @@ class InputFile {
   std::size_t size_ = 0;
 };
 
-/// Reads what is there now, at most `out.size()` bytes; an interrupted read is begun again.
-/// @return  how many; 0 at the end
+/// Reads the bytes that are available now, at most `out.size()`; an interrupted read is repeated.
+/// @return  number of bytes; 0 at the end
 /// @throws std::runtime_error  naming what is read and the reason
 std::size_t read_some(int descriptor, std::span<std::uint8_t> out, const std::string& name);
 
 /// All bytes of a regular file.
-/// @param most  of them; more are refused
+/// @param most  largest accepted number of bytes
 /// @throws std::runtime_error  naming the file and the reason
 std::vector<std::uint8_t> read_bytes(const std::string& path, std::size_t most);
 

@@ -4,8 +4,8 @@
 
 namespace headpin::files {
 
-/// Removes what OutputFiles left in a folder when their process was killed: NAME.PROCESS-N.part,
-/// where no process of that number is running.
+/// Removes the files NAME.PROCESS-N.part that killed processes left in a folder: those whose
+/// process is not running.
 void remove_left_parts(const std::string& folder);
 
 }  // namespace headpin::files

@@ -5,13 +5,13 @@
 
 namespace headpin::files {
 
-/// What an output is called while it is written, up to the process: NAME of NAME.PROCESS-N.part.
+/// The name of an output while it is written, without the process: NAME of NAME.PROCESS-N.part.
 std::string part_stem(const std::string& target);
 
-/// Removes from an open folder what killed runs have left of an output: regular files of ours,
-/// STEM.PROCESS-N.part, whose process is no more and that nobody has locked.
+/// Removes incomplete outputs of killed runs from an open folder: regular files STEM.PROCESS-N.part
+/// of this user that are not locked and whose process is not running.
 ///
-/// @return  their names
+/// @return  the names of the removed files
 std::vector<std::string> remove_leftovers(int folder, const std::string& stem);
 
 }  // namespace headpin::files

@@ -3,25 +3,25 @@
 #include <cstdint>
 #include <string>
 
-/// Files that grow by a line at a time.
+/// Files that grow line by line.
 namespace headpin::files {
 
-/// A file that is open for us alone, to which whole lines are added, each on the disk at once.
+/// A locked file to which whole lines are added; each line is on the disk when add() returns.
 class LineFile {
  public:
-  /// Opens the file, or makes it. What a crash left of a last line is cut off.
+  /// Opens the file, or creates it. Removes an incomplete last line that a crash left.
   /// @throws std::runtime_error  naming the file and the reason
-  /// @throws Busy                when another of us has it open so
+  /// @throws Busy                when another headpin has it open
   explicit LineFile(std::string path);
   ~LineFile();
   LineFile(const LineFile&) = delete;
   LineFile& operator=(const LineFile&) = delete;
 
-  /// The lines that were there.
+  /// The lines that the file had when it was opened.
   const std::string& text() const { return text_; }
 
-  /// Adds lines, each with its end, all or none of them.
-  /// @throws std::runtime_error  when the disk did not take them; the file is as before then
+  /// Adds all lines or none. Each must have its line end.
+  /// @throws std::runtime_error  when the lines cannot be written; the file is then unchanged
   void append(const std::string& lines);
 
  private:

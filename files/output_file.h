@@ -9,64 +9,64 @@
 
 namespace headpin::files {
 
-/// Of an OutputFolder: what is in it is not yet in its place.
+/// The folder for the unfinished files of an OutputFolder.
 inline constexpr const char* kPartFolder = ".headpin.part";
 
-/// A file that gets its name when it is whole.
+/// A file that gets its name when it is complete.
 ///
-/// A regular file is written beside its place, under a name that nothing else has
-/// (NAME.PROCESS-N.part), and renamed by commit(); what stood there keeps its permissions. What
-/// killed runs have left under such names is removed, and said on standard error. Symbolic
-/// links are followed, not replaced. A device or a named pipe is written into. `-` is standard
-/// output, where that is allowed: from then on, what is said on standard output goes to standard
-/// error.
+/// A regular file is written in the same folder under a unique name (NAME.PROCESS-N.part), and
+/// commit() renames it; it gets the permissions of the file that it replaces. Files that killed
+/// runs left under such names are removed, with a message on standard error. Symbolic links are
+/// followed, not replaced. Data for a device or a named pipe are written into it. `-` is standard
+/// output, if that is allowed; other text for standard output then goes to standard error.
 class OutputFile {
  public:
   struct Options {
-    bool overwrite = false;        ///< else a file that is there is refused
-    bool live = false;             ///< under its name from the start, whatever becomes of us
+    bool overwrite = false;  ///< replace an existing file; else it is refused
+    /// Has its final name from the start, so that a crash leaves it there.
+    bool live = false;
     bool standard_output = false;  ///< `-` is allowed
-    bool regular = false;          ///< nothing but a regular file will do
-    bool durable = true;           ///< commit() has it on the disk, before its name and with it
+    bool regular = false;          ///< accept only a regular file
+    bool durable = true;           ///< commit() syncs the file, and then its name, to the disk
     std::vector<std::filesystem::path> inputs = {};  ///< never to be written to
   };
 
-  /// @throws std::runtime_error  naming the path: empty, a folder, an input, there already,
-  ///                             write-protected, or not to be created
-  /// @throws Busy                when it is being written by another of us
+  /// @throws std::runtime_error  naming the path: it is empty, a folder, an input, an existing file
+  ///                             or write-protected, or cannot be created
+  /// @throws Busy                when another headpin is writing it
   OutputFile(std::string path, Options options);
 
-  /// Without commit(), removes what was written, unless it is live.
+  /// Without commit(), removes the file, unless it is live.
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
   /// Open for writing.
   int descriptor() const { return descriptor_; }
-  /// The name it has while it is written, for other programs to write to.
+  /// The name of the file while it is written, for other programs that write to it.
   const std::filesystem::path& part() const { return part_; }
 
   /// Writes all of it.
   /// @throws std::runtime_error  naming the path and the reason
   void write(const void* data, std::size_t size);
 
-  /// Whether a live file can still be found: under its name, as long as what was written to it.
+  /// Checks that a live file still has its name and its size.
   ///
-  /// @param size  what was written to it in all
-  /// @throws std::runtime_error  saying what has become of it: deleted, replaced, moved or cut
+  /// @param size  number of bytes that were written to it
+  /// @throws std::runtime_error  saying what happened to it: deleted, replaced, moved or truncated
   void require_kept(std::int64_t size) const;
 
-  /// Cuts what was written to `size` bytes.
+  /// Truncates the file to `size` bytes.
   bool cut_back(std::int64_t size) const;
 
-  /// Has what was written so far on the disk.
-  /// @throws std::runtime_error  when the disk did not take it
+  /// Syncs the bytes that were written so far to the disk.
+  /// @throws std::runtime_error  when the disk fails
   void sync() const;
 
-  /// Has it on the disk, closes it and gives it its name.
+  /// Syncs the file to the disk, closes it and renames it.
   ///
-  /// @throws std::runtime_error  when the disk did not take it, another file has come to stand
-  ///                             there, or a live one is no longer there
+  /// @throws std::runtime_error  when the disk fails, when another file got the name in the
+  ///                             meantime, or when a live file has vanished
   void commit();
 
  private:
@@ -89,15 +89,16 @@ class OutputFile {
   int descriptor_ = -1;
 };
 
-/// Whether two names lead to the same file, through links of any kind.
+/// Whether two names refer to the same file, through links of any kind.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);
 
-/// Gives a file in an open folder another name unless something has it; -1 and errno as rename().
+/// Renames a file in an open folder, unless the new name exists. Returns -1 with errno like
+/// rename().
 int rename_new(int from_folder, const std::string& from, int to_folder, const std::string& to);
 
-/// Where a name leads to: symbolic links followed, also one that points to nothing yet.
-/// @throws std::runtime_error  for links in a circle, and for one that another user has put into a
-///                             folder where all may write
+/// Resolves symbolic links, also one whose target does not exist yet.
+/// @throws std::runtime_error  for circular links, and for a link of another user in a folder that
+///                             everyone can write to
 std::filesystem::path follow_links(std::filesystem::path path);
 
 }  // namespace headpin::files

@@ -10,37 +10,42 @@
 
 namespace headpin::files {
 
-/// A folder of results in which nothing but our own files is ever replaced or removed.
+/// A folder for results, in which only files that headpin wrote are replaced or removed.
 ///
-/// It carries a list of what we wrote in it, `.headpin`. While work goes on the new files are in a
-/// folder inside it, `.headpin.part`; commit() moves the old ones on the list to `.headpin.old`, the
-/// new ones to their place, and then removes the old ones. When a move fails, all are moved back;
-/// when we are killed or the power fails in the middle, the next of us that works there moves them
-/// back. The list is locked, so that two of us never mix in one folder.
+/// The file `.headpin` in the folder lists the files that headpin wrote there. New files are first
+/// written to the subfolder `.headpin.part`. commit() moves the old listed files to `.headpin.old`
+/// and the new files to their places, and then removes the old ones. When a move fails, all files
+/// are moved back. When the process is killed or the power fails during commit(), the next headpin
+/// that uses the folder moves them back. The list is locked, so that only one process writes in the
+/// folder.
 class OutputFolder {
  public:
   struct Options {
-    bool overwrite = false;                          ///< else our own finished results are refused
-    std::vector<std::filesystem::path> others = {};  ///< what must not lie in it: inputs, outputs
+    /// Replace earlier results of headpin; else they are refused.
+    bool overwrite = false;
+    /// Files that must not be in the folder: inputs, other outputs.
+    std::vector<std::filesystem::path> others = {};
   };
 
-  /// @throws std::runtime_error  naming the folder: empty name, no folder, holding what we did not
-  ///                             write or one of `others`, finished results there, not to be made
-  /// @throws Busy                when another of us is writing there
+  /// @throws std::runtime_error  naming the folder: its name is empty or not that of a folder, it
+  ///                             contains files that headpin did not write or one of `others`, it
+  ///                             has earlier results, or it cannot be created
+  /// @throws Busy                when another headpin is writing there
   OutputFolder(const std::string& path, const Options& options);
 
-  /// Without commit(), removes what was written, and the folder if we made it.
+  /// Without commit(), removes the new files, and the folder if this object created it.
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// Where to write a file of that name: not yet in its place.
+  /// The path to which the caller writes a file of this name before commit().
   std::filesystem::path file(const std::string& name) { return part_->file(name); }
 
-  /// Gives all files their places and has them on the disk.
+  /// Moves all files to their places and syncs them to the disk.
   ///
-  /// @param last  the file that gets its place after all others, so that it stands for a whole set
-  /// @throws std::runtime_error  naming the file that cannot be moved; then the folder is as before
+  /// @param last  the file that is moved after all others, so that its presence means a complete
+  ///              set
+  /// @throws std::runtime_error  naming the file that cannot be moved; the folder is then unchanged
   void commit(const std::string& last);
 
  private:

@@ -8,20 +8,21 @@
 
 namespace headpin::files {
 
-/// The list of what headpin wrote in a folder, which stands in it.
+/// The name of the list of files that headpin wrote in a folder.
 inline constexpr const char* kList = ".headpin";
 /// Its first line.
 inline constexpr const char* kListTitle = "headpin wrote these files and may replace them:\n";
 
-/// Reads the list in an open folder, no link followed. A list that a crash cut inside its first line
-/// names nothing; so does none in an empty folder.
+/// Reads the list in an open folder without following links. A list whose first line is incomplete
+/// because of a crash is empty; so is the list of an empty folder.
 ///
-/// @param names  as listed: a file, or a folder with `/` at its end; what lies elsewhere is left out
+/// @param names  the listed names: a file, or a folder with `/` at its end; names outside the
+///               folder are left out
 /// @return       false when there is no list of ours
 bool read_list(int folder, std::set<std::string>& names);
 
-/// The first name in an open folder that is none of `names` and no bookkeeping; empty if there is
-/// none.
+/// The first name in an open folder that is neither in `names` nor one of headpin's own lists;
+/// empty if there is none.
 std::string find_foreign(int folder, const std::set<std::string>& names);
 
 /// Opens a folder and follows no link.
@@ -29,20 +30,19 @@ std::string find_foreign(int folder, const std::set<std::string>& names);
 /// @return        -1 and errno when it cannot be
 int open_folder(int parent, const std::string& name);
 
-/// Where results are until they are whole: a folder that we made, with a list of what is in it.
+/// A folder for unfinished results, made by headpin, with a list of its files.
 ///
-/// It removes what the list names, one by one, and nothing else; a folder on the list has a list of
-/// its own. Links are removed nowhere and followed nowhere. What another one put into it stays, and
-/// so does the folder then.
+/// It removes only the listed files, one by one; a listed folder has its own list. It neither
+/// removes nor follows links. Files from others stay, and the folder then stays too.
 class WorkFolder {
  public:
-  /// Makes the folder, or takes one of ours over with what is in it.
-  /// @throws std::runtime_error  naming the folder: a link, no folder, not of our making, holding
-  ///                             what is not on its list, not to be made
-  /// @throws Busy                when another of us uses it
+  /// Creates the folder, or takes over an existing one of headpin with its files.
+  /// @throws std::runtime_error  naming the folder: it is a link, not a folder or not made by
+  ///                             headpin, it contains unlisted files, or it cannot be created
+  /// @throws Busy                when another headpin uses it
   explicit WorkFolder(std::filesystem::path path);
 
-  /// Unless told to keep it, removes what is on the list, and the folder when it is empty by then.
+  /// Removes the listed files, and then the folder if it is empty, unless keep(true) was called.
   ~WorkFolder();
   WorkFolder(const WorkFolder&) = delete;
   WorkFolder& operator=(const WorkFolder&) = delete;
@@ -58,10 +58,10 @@ class WorkFolder {
   /// The same for a folder, an OutputFolder.
   std::filesystem::path folder(const std::string& name);
 
-  /// Has the list and the names on the disk.
+  /// Syncs the list and the names to the disk.
   void sync() const;
 
-  /// Removes what is on the list.
+  /// Removes the listed files.
   void clear();
   void keep(bool kept) { keep_ = kept; }
 

@@ -4,12 +4,13 @@
 
 #include "render/draw_list.h"
 
-/// Floors darken beneath and beside bodies: each body a ball that takes light from each patch.
+/// Contact shadows: floors are darker beneath and beside bodies. Each body counts as a few balls
+/// that take light from patches of the floor.
 namespace headpin::render {
 
-constexpr double kFaint = 0.02;  ///< share of light an occluder must take to be drawn
+constexpr double kFaint = 0.02;  ///< smallest share of light that an occluder must take to be drawn
 
-/// A point on a patch, and the ball that darkens it. As the shader reads it.
+/// A point on a patch, and the ball that darkens it, in the shader's layout.
 struct ContactVertex {
   Eigen::Vector3f p, n;
   Eigen::Vector4f ball;

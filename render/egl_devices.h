@@ -8,35 +8,35 @@
 
 #include "render/gl_context.h"
 
-/// Graphics cards, and the processor, as EGL lists them. A card that is hidden, or whose driver does
-/// not fit, may crash whoever opens it: each device is tried in a process of its own before.
+/// The devices that EGL lists: graphics cards and the processor. Opening a hidden card, or one with
+/// a wrong driver, may crash the process, so each device is first tested in a separate process.
 namespace headpin::render {
 
 struct EglDevice {
   int number = 0;
   bool works = false;
-  bool card = false;        ///< not Mesa's software; known only where it works
-  std::optional<int> cuda;  ///< CUDA's number of it
-  std::string says;         ///< who draws, or what is wrong
+  bool card = false;        ///< not Mesa's software renderer; known only if it works
+  std::optional<int> cuda;  ///< its CUDA number
+  std::string says;         ///< its renderer, or the error
 };
 
-/// @throws std::runtime_error  when the list cannot be had
+/// @throws std::runtime_error  when EGL gives no list
 std::vector<EglDevice> egl_devices();
 
 /// Whether a name is `egl:auto` or `egl:NUMBER`.
 bool is_egl_device(std::string_view name);
 
-/// What `egl:auto` takes: the first card that works and that CUDA_VISIBLE_DEVICES, where it is set,
-/// does not hide, in its order; else the processor.
+/// Chooses the device for `egl:auto`: the first card that works, among those of
+/// CUDA_VISIBLE_DEVICES in its order if it is set; else the processor.
 ///
-/// @param visible  the variable's value, nothing where it is not set
-/// @return         a number, nothing where no device works
-/// @throws std::invalid_argument  for other names in the variable than numbers
+/// @param visible  value of the variable, if it is set
+/// @return         number of the device; nothing if none works
+/// @throws std::invalid_argument  if the variable has names other than numbers
 std::optional<int> chosen_device(const std::vector<EglDevice>& devices,
                                  std::optional<std::string_view> visible);
 
 /// @param name  as is_egl_device()
-/// @throws std::runtime_error  when it does not draw, saying of each that was tried why
+/// @throws std::runtime_error  when no device draws, with the reason for each
 std::unique_ptr<GlContext> open_egl_device(std::string_view name);
 
 }  // namespace headpin::render

@@ -7,7 +7,7 @@
 
 namespace headpin::render {
 
-/// What one eye sees through: tangents of the four edges, and the depth range [m].
+/// The frustum of one eye: tangents of the four edges, and the depth range [m].
 struct Frustum {
   double left, right, bottom, top;  ///< x/-z and y/-z at the edges of the picture
   double near = 0.05;

@@ -9,8 +9,8 @@
 #include "render/matrices.h"
 #include "render/sample_grid.h"
 
-/// What is of a few pixels only is drawn again, with more samples: the light of a skittle 18 m away
-/// would differ by a fourteenth between the eyes, by where their samples happen to lie.
+/// Objects of a few pixels are drawn again with more samples. Otherwise the brightness of a skittle
+/// 18 m away would differ by 7 % between the eyes, depending on the place of the samples.
 namespace headpin::render {
 
 inline constexpr double kSmall = 16.0;  // pixels across: what is smaller is drawn again
@@ -24,7 +24,8 @@ inline Part whole(const View& view) {
   return {0, 0, view.width, view.height};
 }
 
-/// What of a view a box covers, and a pixel around. None of what is partly behind the eye.
+/// The part of a view that a box covers, with a margin of one pixel. Nothing if the box is partly
+/// behind the eye.
 inline std::optional<Eigen::AlignedBox2d> pixels_of(const Eigen::AlignedBox3d& box,
                                                     const Mat4& box_to_clip, const View& view) {
   Eigen::AlignedBox2d pixels;
@@ -40,7 +41,7 @@ inline std::optional<Eigen::AlignedBox2d> pixels_of(const Eigen::AlignedBox3d& b
   return pixels;
 }
 
-/// The pixels that a box lies in, if there are any in the view.
+/// The pixels of a view that a box covers, if any.
 inline std::optional<Part> part_of(const View& view, const Eigen::AlignedBox2d& pixels) {
   if (pixels.isEmpty()) return std::nullopt;
   const auto inside = [](double at, int most) {
@@ -54,7 +55,7 @@ inline std::optional<Part> part_of(const View& view, const Eigen::AlignedBox2d& 
   return part;
 }
 
-/// The same eye, seeing a part.
+/// The view of the same eye for a part.
 inline View view_of(const View& whole, const Part& part) {
   View view = whole;
   const Frustum& f = whole.frustum;
@@ -68,7 +69,7 @@ inline View view_of(const View& whole, const Part& part) {
   return view;
 }
 
-/// Puts a part's picture in its place.
+/// Copies the picture of a part to its place.
 inline void paste(const Image& fine, const Part& part, Image& whole_view) {
   const auto row = static_cast<std::ptrdiff_t>(3) * part.width;
   const int above = whole_view.height - part.y - part.height;  // rows of pictures are from the top
@@ -79,7 +80,8 @@ inline void paste(const Image& fine, const Part& part, Image& whole_view) {
   }
 }
 
-/// The most samples that take a quarter of what the whole view has, if that is more for each pixel.
+/// The finest grid whose samples are at most a quarter of those of the whole view, if it is finer
+/// than the view's.
 inline std::optional<SampleGrid> finer_grid(const SampleGrid& grid, const View& view,
                                             const Part& part) {
   const double most = 0.25 * grid.a_pixel() * view.width * view.height;

@@ -6,26 +6,27 @@
 
 #include "render/renderer.h"
 
-/// What decides about the bits of a picture beside what is drawn.
+/// What determines the bits of a picture, apart from the draw list.
 namespace headpin::render {
 
 struct Fingerprint {
   std::string renderer;                  ///< Renderer::description(): context, driver, Mesa
-  std::vector<std::string> processor;    ///< features that Mesa's compiler finds and may use
+  std::vector<std::string> processor;    ///< processor features that Mesa's compiler may use
   std::vector<std::string> environment;  ///< LP_*, GALLIUM_* and MESA_* as NAME=value, sorted
   std::uint64_t picture = 0;             ///< hash of test_picture()
 
   bool operator==(const Fingerprint&) const = default;
 };
 
-/// A small fixed scene in the renderer's own quality: a polished floor with a shadow, lit bodies
-/// near and far, thin ones among them, a wall. Where it comes out alike, so do others.
+/// A small fixed scene in the renderer's quality: a polished floor with a shadow, lit bodies near
+/// and far, some of them thin, and a wall. Renderers with equal test pictures should draw equal
+/// frames.
 Image test_picture(Renderer& renderer);
 
 Fingerprint fingerprint(Renderer& renderer);
 
-/// What two of them say differently, for people; what cannot be told apart but by the picture is
-/// said to be so. Empty when they are equal.
+/// The differences of two fingerprints as text, also if only the test pictures differ. Empty if
+/// they are equal.
 std::string difference(const Fingerprint& then, const Fingerprint& now);
 
 }  // namespace headpin::render

@@ -13,25 +13,26 @@ struct Gl;
 
 /// An OpenGL 3.3 core context that needs neither window nor display nor graphics card.
 ///
-/// Everything is drawn into framebuffer objects: the context's own buffer is one pixel.
+/// All drawing goes to framebuffer objects; the context's own buffer has one pixel.
 class GlContext {
  public:
   virtual ~GlContext() = default;
 
-  /// Makes it the calling thread's context, whichever library's was that before.
+  /// Makes it the current context of the calling thread, also after a context of another library.
   void make_current();
 
-  /// Address of an OpenGL function. A name that does not exist may still give one.
+  /// The address of an OpenGL function; unknown names may have an address too.
   virtual void* function(const char* name) const = 0;
 
   virtual std::string backend() const = 0;  ///< "OSMesa", "EGL" or "EGL device 0"
 
-  std::string instead_of;  ///< why it is not one that comes before it; empty where nothing does
+  /// Why an earlier kind of context does not work; empty if this is the first kind.
+  std::string instead_of;
 
  protected:
-  /// @param let_go  leaves the calling thread without any context of this one's library
+  /// @param let_go  removes the current context of this library from the calling thread
   explicit GlContext(void (*let_go)());
-  /// In a destructor: no longer current.
+  /// For destructors: makes the context no longer current.
   void release();
 
  private:
@@ -41,14 +42,15 @@ class GlContext {
   void (*let_go_)();
 };
 
-/// Off-screen Mesa: draws on the processor. Loaded at run time. Mesa 25.1 no longer has it.
+/// OSMesa, which draws on the processor. It is loaded at run time. Mesa 25.1 does not have it any
+/// more.
 ///
-/// @throws std::runtime_error  when the library is missing, when the environment asks Mesa for what
-///                             would crash it, or when no OpenGL 3.3 core context can be had
+/// @throws std::runtime_error  when the library is missing, when environment variables would crash
+///                             Mesa, or when there is no OpenGL 3.3 core context
 std::unique_ptr<GlContext> osmesa_context();
 
-/// EGL without a surface: the same Mesa by another door, on the processor, whatever else is
-/// installed. Loaded at run time.
+/// EGL without a surface: Mesa on the processor, whatever else is installed. It is loaded at run
+/// time.
 /// @throws as osmesa_context(); also where something else than Mesa's software draws
 std::unique_ptr<GlContext> egl_context();
 
@@ -58,41 +60,42 @@ std::unique_ptr<GlContext> egl_device_context(int device);
 int egl_device_count();
 std::optional<int> cuda_number(int device);  ///< CUDA's number of it, where it has one
 
-/// What open_context() tries by itself, in this order.
+/// The names that open_context() tries by default, in this order.
 std::span<const std::string_view> context_names();
 
-/// Whether open_context() knows it: one of context_names(), `egl:auto`, or `egl:` and a number.
+/// Whether open_context() accepts the name: one of context_names(), `egl:auto`, or `egl:` and a
+/// number.
 bool is_context_name(std::string_view name);
 
-/// The first of context_names() that draws, or the one that is named; `instead_of` says what failed
-/// before it.
+/// Opens the named context, or else the first of context_names() that draws; `instead_of` then says
+/// why earlier ones failed.
 ///
 /// @param name  as is_context_name(), or empty
 /// @throws std::invalid_argument  for another name
-/// @throws std::runtime_error     when none draws: says of each why
+/// @throws std::runtime_error     when none draws, with the reason for each
 std::unique_ptr<GlContext> open_context(std::string_view name = {});
 
-/// Before Mesa starts: has it draw in the caller's thread, unless LP_NUM_THREADS says otherwise, and
-/// refuses what it crashes on.
-/// @throws std::runtime_error  naming variable, value and what is expected
+/// To be called before Mesa starts: makes it draw in the calling thread, unless LP_NUM_THREADS is
+/// set, and refuses environment variables that crash it.
+/// @throws std::runtime_error  naming the variable, its value and the expected values
 void prepare_mesa();
 
 /// The context's functions, after make_current().
 ///
-/// @throws std::runtime_error  when the context is older than OpenGL 3.3, which it says itself
+/// @throws std::runtime_error  when the context reports an OpenGL version below 3.3
 Gl load_functions(const GlContext& context);
 
-/// Draws the upper half of a small picture and reads it back; leaves no trace in the context.
+/// Draws the upper half of a small picture and reads it back; the context's state is unchanged.
 ///
-/// @throws std::runtime_error  when the pixels are not what was drawn: a stub library that draws
-///                             nothing, a stale buffer, rows upside down
+/// @throws std::runtime_error  when the pixels are wrong: a stub library that draws nothing, a
+///                             stale buffer, rows upside down
 void check_drawing(const Gl& gl);
 
 std::string renderer_name(const Gl& gl);  ///< as OpenGL tells it
 /// Whether a renderer of this name is Mesa's software.
 bool draws_on_the_processor(std::string_view renderer);
 
-/// Who draws, for logs: backend, renderer and version as the context tells them.
+/// Backend, renderer and version, for logs.
 std::string describe(const GlContext& context, const Gl& gl);
 
 }  // namespace headpin::render

@@ -7,7 +7,7 @@
 #include "render/gl_functions.h"
 #include "render/matrices.h"
 
-/// What OpenGL keeps for us, made and let go with the object: programs, pictures, shadows.
+/// OpenGL objects with the lifetime of C++ objects: programs, render targets, shadow maps.
 namespace headpin::render {
 
 /// Compiled shaders by name of their uniforms.
@@ -66,7 +66,7 @@ class Program {
   GLuint name_ = 0;
 };
 
-/// A picture to draw into: colour and depth.
+/// A render target with colour and depth.
 class Target {
  public:
   Target(const Gl& gl, GLenum format, int width, int height)
@@ -107,7 +107,7 @@ class Target {
   std::array<GLuint, 2> parts_{};
 };
 
-/// The texture that is bound, as it is read: smoothly, and its edge beyond it.
+/// Sets the bound texture to linear filtering, with its edge repeated outside.
 inline void read_between_texels(const Gl& gl) {
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_LINEAR);
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_LINEAR);
@@ -115,8 +115,8 @@ inline void read_between_texels(const Gl& gl) {
   gl.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
 }
 
-/// What polished floors mirror: its light, read where they are drawn. One sample a pixel is enough, as
-/// it is between those.
+/// The image that polished floors reflect, in linear light. One sample per pixel is enough, because
+/// it is interpolated.
 class MirrorImage {
  public:
   MirrorImage(const Gl& gl, int width, int height) : gl_(&gl), width_(width), height_(height) {
@@ -166,7 +166,7 @@ class MirrorImage {
   GLuint texture_ = 0, depth_ = 0, buffer_ = 0;
 };
 
-/// Depth as the light sees it, compared and smoothed where it is read. Beyond it all is lit.
+/// A shadow map; reading it compares and filters depths. Outside of it everything is lit.
 class ShadowMap {
  public:
   ShadowMap(const Gl& gl, int width, int height) : gl_(&gl), width_(width), height_(height) {

@@ -9,10 +9,10 @@
 #include "render/data/mesh.h"
 #include "render/matrices.h"
 
-/// Large meshes in parts, so that what nobody looks at costs nothing.
+/// Splits large meshes into parts, so that parts outside of the view are not drawn.
 namespace headpin::render {
 
-/// Triangles of a mesh that are near each other: drawn or left out as one.
+/// Nearby triangles of a mesh, which are drawn or left out together.
 struct MeshPart {
   std::size_t first = 0, count = 0;  ///< of the indices
   Eigen::AlignedBox3d box;           ///< in the mesh frame G [m]
@@ -24,13 +24,13 @@ struct MeshParts {
   Eigen::AlignedBox3d box;  ///< of all
 };
 
-/// Parts of a mesh of more than `whole` triangles by the cells of a grid that their middles lie in;
+/// Splits a mesh of more than `whole` triangles by the cells of a grid that contain their centres;
 /// a smaller mesh is one part.
 ///
 /// @param cell  edge of a cell [m]
 MeshParts part_by_place(const Mesh& mesh, double cell = 1.5, std::size_t whole = 1024);
 
-/// Whether a box lies beyond one side of the frustum, so that nothing in it is seen.
+/// Whether a box is completely outside one side of the frustum.
 bool is_outside(const Eigen::AlignedBox3d& box, const Mat4& box_to_clip);
 
 }  // namespace headpin::render

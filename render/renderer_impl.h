@@ -14,13 +14,13 @@
 #include "render/renderer.h"
 #include "render/sample_grid.h"
 
-/// The inside of a Renderer, for its own .cpp files.
+/// The private part of Renderer, for its .cpp files.
 namespace headpin::render {
 
-/// The surfaces in the order they are drawn; a mesh of another is refused when it is added.
+/// The surfaces in the order of drawing; meshes with other surfaces are refused.
 inline constexpr std::array kTurns = {Surface::lit, Surface::floor, Surface::baked};
 
-/// A mesh on the side of the context.
+/// A mesh that is stored in the context.
 struct Kept {
   Surface surface;
   bool fine_light;
@@ -33,7 +33,7 @@ struct Kept {
 
 inline constexpr double kNear = 48.0;  // pixels across: what is smaller is drawn by its far mesh
 
-/// Of a shadow map, for a length that it covers.
+/// Texels of a shadow map for a length that it covers.
 inline int texels(double length) {
   constexpr double kTexel = 0.008;  // [m]; coarser where that would be more than kMost
   constexpr double kMost = 2048.0;
@@ -51,7 +51,7 @@ inline int faint_mesh(const DrawItem& item) {
   return item.faint_mesh.value_or(item.far_mesh.value_or(item.mesh));
 }
 
-/// What one eye looks at.
+/// The scene for one eye.
 struct Scene {
   const DrawList* list;
   std::vector<double> sizes;  ///< of the items, as they are seen from there [pixels]
@@ -106,7 +106,7 @@ struct Renderer::Impl {
   void check(const DrawList& list, const View& view) const;
   const Kept& kept(int mesh) const { return meshes[static_cast<std::size_t>(mesh)]; }
 
-  /// The wanted parts of a mesh that may be seen, in one call where they follow each other.
+  /// Draws the wanted visible parts of a mesh, consecutive ones in one call.
   template <typename Wanted>
   void draw_elements(const Kept& mesh, const Mat4& mesh_to_clip, const Wanted& wanted) const {
     gl.BindVertexArray(mesh.arrays);
@@ -130,46 +130,49 @@ struct Renderer::Impl {
     draw_elements(mesh, mesh_to_clip, [](const MeshPart&) { return true; });
   }
 
-  /// How large items look from there [pixels]: from between the views, so that both eyes see the same.
+  /// The size of items in the picture [pixels], seen from between the views, so that both eyes use
+  /// the same meshes.
   std::vector<double> sizes_seen(const DrawList& list, std::span<const View> views) const;
 
   const Kept& seen_mesh(const DrawItem& item, double size) const {
     return kept(size < kNear ? item.far_mesh.value_or(item.mesh) : item.mesh);
   }
 
-  /// As many texels as the shadow's box is large.
+  /// Makes a shadow map with texels for the size of the shadow's box.
   void make_shadow_map_for(const Vec2& size) {
     const int width = texels(size.x()), height = texels(size.y());
     if (shadow_map && shadow_map->fits(width, height)) return;
     shadow_map = std::make_unique<ShadowMap>(gl, width, height);
   }
 
-  /// What lies behind each item, as the light sees it: so none shades its own lit side.
+  /// Draws the shadow map: the back faces of each item as seen by the light, so that no item
+  /// shadows its own lit side.
   void draw_depth(const DrawList& list, const Mat4& view) const;
 
   bool takes_shadow(const Kept& mesh) const { return quality.shadow && mesh.takes_shadow; }
   bool mirrors(const Kept& mesh) const { return quality.mirror && mesh.gloss > 0.0; }
 
-  /// What casts a shadow covers of the map, and a little: a shadow's edge is as wide as texels.
+  /// The areas of the shadow map that items cover, with a margin for the soft edge.
   std::vector<Eigen::AlignedBox2d> shades_of(const DrawList& list, const Mat4& shadow_view) const;
 
-  /// The cheapest that draws a mesh: floors without shadow or polish do not ask for either.
+  /// The cheapest program that draws a mesh: floors without shadow or reflections do not compute
+  /// them.
   const Program& program_of(const Kept& mesh, bool shaded, bool in_mirror) const;
 
-  /// @param taken  of the light, or of its code, by shadows
+  /// @param taken  share of the light, or of its sRGB code, that shadows take
   static void set_shadow(const Program& program, const Scene& scene, double taken);
 
-  /// What a surface's program asks for beside the items.
+  /// Sets the uniforms of a surface's program that do not depend on items.
   void set_light(const Kept& mesh, const Program& program, const Scene& scene, bool shaded) const;
 
-  /// Draws the items of one surface, in a mirror only those that are seen there.
+  /// Draws the items of one surface; in a reflection only those that are visible there.
   void draw_items(const Scene& scene, Surface surface) const;
 
-  /// All items of one surface in their turn, and what follows them. A new surface has its turn here
-  /// and in kTurns.
+  /// Draws all items of one surface, and what follows them. A new surface needs a case here and an
+  /// entry in kTurns.
   void draw_surface(const Scene& scene, Surface surface, GLsizei contacts) const;
 
-  /// What floors mirror of the scene, for the programs that draw them.
+  /// Draws the reflection of the scene in floors, for the programs that draw floors.
   void draw_mirrored(Scene scene, const View& view, std::unique_ptr<MirrorImage>& image) const;
 
   void draw_contact(GLsizei count, const Scene& scene) const;
@@ -184,7 +187,7 @@ struct Renderer::Impl {
     gl.Clear(GL_COLOR_BUFFER_BIT | GL_DEPTH_BUFFER_BIT);
   }
 
-  /// Lays out the state every picture starts from.
+  /// Sets the OpenGL state for the start of a picture.
   void start() {
     context->make_current();
     gl.Enable(GL_DEPTH_TEST);
@@ -197,9 +200,9 @@ struct Renderer::Impl {
     gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
   }
 
-  /// Turns the picture into the grid of its samples; those beside it are not drawn.
+  /// Rotates the picture into the grid of its samples; samples outside of it are not drawn.
   ///
-  /// @param part  what it is of the view that the mirror image was drawn for
+  /// @param part  part of the view for which the reflection was drawn
   void lay_grid(Scene& scene, const View& whole, const Part& part, const SampleGrid& laid) const;
 
   void cut_picture(bool on) const {
@@ -212,16 +215,16 @@ struct Renderer::Impl {
   void draw_part(Scene scene, const View& whole, const Part& part, const SampleGrid& laid,
                  GLsizei contacts, std::unique_ptr<Target>& target) const;
 
-  /// What was painted, once it is.
+  /// Reads the finished picture.
   Image read(const Target& target, const Part& part, const SampleGrid& laid);
 
-  /// Where a view shows bodies, which cast shadows, that are small.
+  /// The part of a view with small bodies, which are those that cast shadows.
   std::optional<Part> small_part(const Scene& scene, const View& view) const;
 
-  /// Draws what is small again, with more samples, and puts it in its place.
+  /// Draws small bodies again with more samples, and copies them to their place.
   void refine(const Scene& scene, const View& view, GLsizei contacts, Image& image);
 
-  /// Reports what OpenGL found wrong since it was last asked, by throwing.
+  /// Throws an exception if there was an OpenGL error since the last call.
   void finish(const char* what) const {
     const GLenum error = gl.GetError();
     if (error != GL_NO_ERROR) {

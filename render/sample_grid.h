@@ -1,12 +1,13 @@
 #pragma once
 
-/// Where the samples of a picture lie.
+/// The positions of the samples of a picture.
 namespace headpin::render {
 
-/// A square grid that is turned against the pixels, so that its points lie at different places across
-/// and up each pixel: an edge nearly level or nearly upright passes them one after another. With n
-/// of 2 or more along it, point (i, j) of the grid lies at ((n i + j) / (n^2 + 1), (n j - i) / (n^2 + 1))
-/// pixels, turned by atan 1/n, and each pixel has n^2 + 1 of them; with 1, one in its middle.
+/// A square grid that is rotated against the pixels, so that its points have different positions
+/// across and up in each pixel: a nearly horizontal or vertical edge crosses them one by one. With
+/// n of 2 or more along it, point (i, j) of the grid lies at ((n i + j) / (n^2 + 1), (n j - i) /
+/// (n^2 + 1)) pixels, turned by atan 1/n, and each pixel has n^2 + 1 of them; with 1, one in its
+/// middle.
 struct SampleGrid {
   int n = 1;  ///< 1..8
 

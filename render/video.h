@@ -12,46 +12,45 @@
 
 namespace headpin::render {
 
-/// Pictures become a video, through ffmpeg.
+/// Writes pictures as a video, through ffmpeg.
 ///
-/// Two files: FILE.mkv keeps every byte (H.264 in RGB, lossless; pixel aspect and stereo mode are
-/// in the container), and FILE.mp4 beside it plays anywhere (4:2:0, square pixels, its two halves
-/// told in the stream). Both are
-/// files::OutputFile and get their names in close(), when they are whole.
+/// Writes two files: FILE.mkv is lossless (H.264 in RGB; pixel aspect and stereo mode are in the
+/// container). FILE.mp4 plays in any player (4:2:0, square pixels; the stereo layout is in the
+/// stream). Both are files::OutputFile and get their names in close().
 class VideoWriter {
  public:
   /// @param path          the lossless file, .mkv
   /// @param width         of both eyes side by side [pixels]
   /// @param pixel_aspect  width of a pixel over its height
-  /// @param force         replace what is there
+  /// @param force         replace existing files
   /// @param inputs        files never to be written to
-  /// @param copy          with the copy
-  /// @throws std::invalid_argument  for another suffix, or a size or rate that is no video
-  /// @throws std::runtime_error     where the files exist, or ffmpeg cannot be run
+  /// @param copy          write the .mp4 copy
+  /// @throws std::invalid_argument  for another suffix, or an impossible size or frame rate
+  /// @throws std::runtime_error     when the files exist, or ffmpeg cannot be run
   VideoWriter(const std::filesystem::path& path, int width, int height, std::int64_t fps,
               double pixel_aspect, bool force = false,
               const std::vector<std::filesystem::path>& inputs = {}, bool copy = true);
 
-  /// Without close(), stops ffmpeg and removes what it has written.
+  /// Without close(), stops ffmpeg and removes its files.
   ~VideoWriter();
   VideoWriter(const VideoWriter&) = delete;
   VideoWriter& operator=(const VideoWriter&) = delete;
 
-  /// Has `check` called again and again while ffmpeg is waited for: what it throws ends the wait.
+  /// Calls `check` repeatedly while waiting for ffmpeg; an exception ends the wait.
   void check_by(std::function<void()> check) { check_ = std::move(check); }
 
-  /// The next picture.
+  /// Adds the next picture.
   ///
   /// @throws std::invalid_argument  when it is of another size
-  /// @throws std::runtime_error     with what ffmpeg says, when it has stopped
+  /// @throws std::runtime_error     with ffmpeg's message, when it has stopped
   void add(const Image& image);
 
   /// Ends the video: waits for ffmpeg and gives the files their names.
   ///
-  /// @throws std::runtime_error  with what ffmpeg says, when it fails or no picture was added
+  /// @throws std::runtime_error  with ffmpeg's message when it fails, or when no picture was added
   void close();
 
-  /// The viewing copy.
+  /// The path of the copy.
   const std::filesystem::path& copy() const { return copy_; }
 
  private:

@@ -9,7 +9,7 @@
 #include "scene/play/run.h"
 #include "study/people.h"
 
-/// A study as others read it: Motion-BIDS (Brain Imaging Data Structure 1.9 and later).
+/// Writes and reads studies as Motion-BIDS (Brain Imaging Data Structure 1.9 and later).
 namespace headpin::study {
 
 /// Name of a file in the dataset, and its text.
@@ -24,30 +24,31 @@ struct BidsSession {
   std::vector<devices::Event> events;
 };
 
-/// What the dataset is of, for people; the same whoever is in it under whatever name.
+/// The README of the dataset; it does not depend on the participants.
 std::string bids_readme(const Design& design, const std::vector<Person>& people);
 
-/// Who and what a dataset is of, but for README and sessions; its description comes last.
+/// The files of a dataset except README and sessions; its description is the last.
 ///
-/// @param people  those who are in it, named as their subjects
+/// @param people  the participants, with the names of their subjects
 std::vector<BidsFile> dataset_files(const Design& design, const Questionnaire& questions,
                                     const std::vector<Person>& people, const std::string& version);
 
-/// Trackers, one tracking system a receiver, and the session's events with the buttons among them.
+/// The files of a session: one tracking system per receiver, and the events with the buttons.
 ///
-/// Nothing is lost: every field of every sample has its column, LATENCY is the time of measurement on
-/// the session's clock and log_index the order of the log; the events' sidecar has the trial's header.
+/// They contain all data: every field of a sample has a column, LATENCY is the time of measurement
+/// on the session's clock, and log_index is the order of the log. The events' sidecar has the
+/// trial's header.
 std::vector<BidsFile> session_files(const BidsSession& session);
 
-/// What is simulated as a tracking system of its own, a row a frame of 1/60 s.
+/// The simulated bodies as a further tracking system, with one row per 1/60 s.
 class SimulatedSystem : public scene::Observer {
  public:
-  /// @param take  is given pieces of the table
+  /// @param take  receives pieces of the table
   explicit SimulatedSystem(std::function<void(const std::string&)> take) : take_(std::move(take)) {}
   void start(const scene::Session& session) override;
   void tick(const scene::Session& session) override;
 
-  /// Channels and sidecar, once it is over.
+  /// Channels and sidecar, at the end.
   std::vector<BidsFile> files(const BidsSession& session) const;
   static std::string table_name(const BidsSession& session);
 

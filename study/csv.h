@@ -5,7 +5,8 @@
 #include <string_view>
 #include <vector>
 
-/// Tables as laboratories type and edit them: CSV by hand, by a spreadsheet, by us.
+/// Reads CSV tables that people or spreadsheets wrote. It stays our own code: it accepts what
+/// spreadsheets write, and names file and line of an error.
 namespace headpin::study {
 
 struct CsvRow {
@@ -19,7 +20,7 @@ struct CsvTable {
   std::vector<std::string> columns;
   std::vector<CsvRow> rows;
 
-  /// Where a column stands; nothing where there is none of that name.
+  /// The index of a column; nothing for an unknown name.
   std::optional<std::size_t> find(std::string_view column) const;
   /// @throws std::invalid_argument  naming file, column and the columns that are there
   std::size_t require(std::string_view column) const;
@@ -30,8 +31,8 @@ struct CsvTable {
 
 /// Reads a table with a line of names (RFC 4180).
 ///
-/// Spreadsheets are met half-way: a byte order mark, lines that end with CR LF, `;` or tabs between
-/// cells, spaces around them and empty rows are all right.
+/// It accepts a byte order mark, CR LF, `;` or tabs between cells, spaces around cells, and empty
+/// rows, as spreadsheets write them.
 ///
 /// @param where  name of the file, for messages
 /// @throws std::invalid_argument  naming file and line: no text in UTF-8, no names, one name twice,
@@ -42,13 +43,13 @@ CsvTable parse_csv(std::string_view text, const std::string& where);
 /// by `;` or tabs.
 std::optional<double> number_in(const CsvTable& table, const std::string& cell);
 
-/// All of a text as a whole number.
+/// Parses a whole text as an integer.
 std::optional<int> whole_in(std::string_view text);
 
-/// One line as RFC 4180 has it, its end included.
+/// One line as in RFC 4180, with its line end.
 std::string csv_line(const std::vector<std::string>& cells);
 
-/// A cell of somebody else's file, fit for a message: brief, on one line.
+/// A cell of a foreign file for a message: short, on one line.
 std::string shown(std::string_view cell);
 
 /// "FILE:LINE: expected WHAT, found 'FOUND'", as an exception.

@@ -8,10 +8,10 @@
 #include <string_view>
 #include <vector>
 
-/// An experiment as data: which parameters vary, who gets which, what is asked, what is fitted.
+/// The design of an experiment as data: parameters, allotment, questions, model.
 ///
-/// As Uno & Slater 1997 have it: every participant plays two versions of a game. One has the values
-/// of a cell, the other the same but for one parameter, which changes.
+/// As in Uno & Slater 1997, every participant plays two versions of a game. One has the values of a
+/// cell; in the other one, one parameter is different.
 namespace headpin::study {
 
 /// A parameter that varies, with two levels (the paper's Table 1).
@@ -24,14 +24,14 @@ struct Factor {
 /// "version.red.shape='true'": how a level is put into a scenario.
 std::string assignment(const Factor& factor, const std::string& colour, const std::string& level);
 
-/// So many people play in one cell while one parameter changes (a row of the paper's Table 2).
+/// The number of people for one cell and one changed parameter (a row of the paper's Table 2).
 struct DesignRow {
   std::string cell;         ///< a digit a factor, 0 or 1: "010"
   std::size_t changed = 0;  ///< factor whose value is the other one in one of the two versions
   int people = 1;           ///< of a block
 };
 
-/// One term of the linear predictor: 1 or 0 by the conditions, times what it is of.
+/// One term of the linear predictor: a value, times 1 or 0 by the conditions.
 struct Term {
   std::string name;  ///< as it is published
   std::string of;    ///< a factor's letter, an item of the questionnaire; empty: 1
@@ -48,7 +48,7 @@ struct PublishedAnswers {
   std::vector<std::pair<std::string, int>> counts;
 };
 
-/// What a reader of a table has to know.
+/// A note for readers of a table.
 struct Note {
   std::string table, text;
 };
@@ -60,10 +60,10 @@ struct Design {
   std::optional<std::uint64_t> seed;    ///< of the allotment; a study has one
   std::vector<Factor> factors;
   std::vector<DesignRow> rows;
-  std::vector<Term> terms;         ///< of the model; none: nothing is fitted
+  std::vector<Term> terms;         ///< terms of the model; without terms nothing is fitted
   std::optional<double> deviance;  ///< of the published fit
   std::vector<Note> notes;
-  std::vector<PublishedAnswers> published;  ///< answers are dealt from these to virtual ones
+  std::vector<PublishedAnswers> published;  ///< virtual participants draw from these
 
   int block() const;  ///< people of all rows
   std::optional<std::size_t> factor_of(std::string_view key) const;

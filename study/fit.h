@@ -4,8 +4,8 @@
 
 #include "engine/math.h"
 
-/// Logistic regression of counts out of n by Newton's method on the likelihood, for simulations; the
-/// analysis of a study is R's own glm.
+/// Logistic regression of counts out of n by Newton's method, for simulations. It stays our own
+/// code: it is called thousands of times, and the analysis of a study uses R's glm.
 namespace headpin::study {
 
 struct Fit {

@@ -10,10 +10,10 @@
 #include "scene/play/run.h"
 #include "scene/play/score.h"
 
-/// What a session comes to, in the numbers that a study compares.
+/// The measures of a session that a study compares.
 namespace headpin::study {
 
-/// While one version was played.
+/// Measures of one version.
 struct VersionMeasures {
   int skittles = 0;  ///< as the sheet counts them
   int throws = 0, fouls = 0;
@@ -31,19 +31,19 @@ struct VersionMeasures {
 
 struct SessionMeasures {
   std::map<std::string, VersionMeasures> versions;  ///< red, blue
-  std::vector<std::string> order;                   ///< in which they were begun
+  std::vector<std::string> order;                   ///< order in which they began
   std::int64_t unsolved_islands = 0;
   std::vector<devices::ThrowRow> throws;
   std::string state_hash, game_hash;
   double duration_s = 0.0;
 };
 
-/// Looks on while a session is played or simulated again.
+/// Observes a session that is played or simulated again.
 class Measurer : public scene::Observer {
  public:
   void tick(const scene::Session& session) override;
 
-  /// What it came to, once it is over.
+  /// The measures, at the end.
   SessionMeasures measures(const scene::Session& session) const;
 
  private:

@@ -9,10 +9,10 @@
 #include "study/model.h"
 #include "study/plan.h"
 
-/// One row a participant: all that a study knows of each, as a table with its dictionary.
+/// The table of participants: one row each, with a description of the columns.
 namespace headpin::study {
 
-/// A recording of a session, and what it came to.
+/// A recording of a session, and its measures.
 struct Played {
   std::string run;  ///< run-01; empty where no session counts
   int runs = 0;     ///< recordings in all
@@ -31,13 +31,13 @@ struct Person {
   Answers answers;
   Played played;
 
-  bool is_virtual() const;  ///< a session of it was played by nobody, or an answer given by nobody
+  bool is_virtual() const;  ///< a virtual participant played a session, or an answer was drawn
 };
 
-/// Why somebody is not among those who are counted; empty for who is.
+/// The reason why a participant does not count; empty for one who counts.
 std::string why_not(const Design& design, const Questionnaire& questions, const Person& person);
 
-/// What stands in one column of a table of the study.
+/// One column of a table of the study.
 struct Column {
   std::string name;  ///< with the unit last
   std::string kind;  ///< number, whole, text, yes/no or hash
@@ -52,7 +52,7 @@ std::vector<Column> people_columns(const Design& design, const Questionnaire& qu
 std::string people_csv(const Design& design, const Questionnaire& questions,
                        const std::vector<Person>& people);
 
-/// Tables 2, 3 and 4 of the paper, of those who are counted, beside what was published.
+/// Tables 2, 3 and 4 of the paper, for the counted participants, next to the published values.
 struct Table {
   std::string name;  ///< table-2
   std::string title;

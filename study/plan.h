@@ -9,7 +9,7 @@
 #include "study/allotment.h"
 #include "study/csv.h"
 
-/// The plan of a study: one row a participant and version, every value spelled out.
+/// The plan of a study: one row per participant and version, with all values.
 namespace headpin::study {
 
 /// One of the two versions of a participant.
@@ -23,7 +23,8 @@ struct PlannedParticipant {
   std::string id;
   std::int64_t place = 0;  ///< of the allotment
   Allotted allotted;
-  std::string replaces = {};  ///< who dropped out and whose conditions these are; empty for nobody
+  /// Name of the participant whose conditions these are, who dropped out.
+  std::string replaces = {};
 
   bool operator==(const PlannedParticipant&) const = default;
 };
@@ -37,28 +38,27 @@ const std::string& cell_of(const Design& design, const PlannedParticipant& parti
 /// "elasticity"
 const std::string& changed_key_of(const Design& design, const PlannedParticipant& participant);
 
-/// What is wrong with the name of a participant; empty where nothing is. It becomes the name of
-/// files, and of a subject in BIDS, so it is 1 to 32 letters and digits.
+/// The error in the name of a participant; empty for a valid name. Files and BIDS subjects have
+/// this name, so it must be 1 to 32 letters and digits.
 std::string wrong_with_name(std::string_view name);
 
-/// Adds participants until there are so many besides those who are replaced. They get the places
-/// that are free, the lowest first, and names that nobody has: p001, p002. (A spreadsheet would make 1 of
-/// 001.)
+/// Adds participants up to this number, without those who were replaced. They get the lowest free
+/// places, and new names: p001, p002 (a spreadsheet would change 001 to 1).
 ///
-/// @throws std::invalid_argument  where there are more already
+/// @throws std::invalid_argument  if there are more already
 void extend(Plan& plan, const Design& design, std::uint64_t seed, int people);
 
-/// Adds one who gets the conditions of somebody who dropped out.
+/// Adds a participant who gets the conditions of one who dropped out.
 /// @throws std::invalid_argument  for a name that is not in the plan or is replaced already
 void replace(Plan& plan, const std::string& dropped_out);
 
-/// Who is replaced, and by whom.
+/// The replaced participants, with their replacements.
 std::map<std::string, std::string> replaced(const Plan& plan);
 
 /// As CSV: a line of names, two rows a participant.
 std::string to_csv(const Plan& plan, const Design& design);
 
-/// Reads it back, in whatever order its rows are.
+/// Reads the plan; the order of rows does not matter.
 ///
 /// @throws std::invalid_argument  naming file and line, what was expected and what was found: a cell
 ///         that is none of the design's, values that are not the cell's, a row twice, one missing,

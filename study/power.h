@@ -8,13 +8,13 @@
 #include "study/design.h"
 #include "study/questionnaire.h"
 
-/// How often a study would find what the published model says.
+/// The statistical power of a study under the published model.
 namespace headpin::study {
 
 struct TermPower {
   std::string term;
   double found = 0.0;          ///< share of studies in which dropping it is significant at 5 %
-  double found_without = 0.0;  ///< likewise where it has no effect: false alarms
+  double found_without = 0.0;  ///< the same share if the term has no effect: false positives
 };
 
 struct Power {
@@ -23,17 +23,18 @@ struct Power {
   std::vector<TermPower> terms;
 };
 
-/// Plays so many studies of so many people: allotted as by `plan`, answers drawn from the published
-/// model, the model fitted with all terms and with all but one. A term is found where the deviance
-/// grows by more than chi-squared's 95 % point with one degree of freedom; that holds with separation
-/// too, where an estimate and its error say nothing.
+/// Simulates studies: people are allotted as by `plan`, their answers are drawn from the published
+/// model, and the model is fitted with all terms and without each one. A term is found if the
+/// deviance grows by more than the 95 % quantile of chi-squared with one degree of freedom. This is
+/// valid with separation too, where an estimate and its error are useless.
 ///
 /// @param each  called before each study; may throw
 /// @throws std::invalid_argument  where a term has no published estimate
 Power power_of(const Design& design, const Questionnaire& questions, int people, int studies,
                std::uint64_t seed, const std::function<void()>& each);
 
-/// The shares over the number of people, as an SVG document.
+/// A plot of the shares over the number of people, as SVG. Charts stay our own code: they are few
+/// lines of SVG, and no plotting library is a dependency.
 /// @param all  of the same design, the fewest people first
 std::string power_svg(const std::vector<Power>& all);
 

@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
-/// What participants are asked, as data: texts in any language, scales and their ends, and which
-/// answers count as high.
+/// A questionnaire as data: texts in any language, scales and their ends, and which answers count
+/// as high.
 namespace headpin::study {
 
 using Texts = std::map<std::string, std::string>;  ///< by language
@@ -39,7 +39,7 @@ struct Questionnaire {
   int scored() const;
 };
 
-/// Nobody answered: what is written in the place of an answer, so that it is not forgotten.
+/// The text for a question without an answer.
 inline constexpr const char* kNoAnswer = "n/a";
 
 /// Reads a questionnaire.

@@ -7,20 +7,20 @@
 
 namespace headpin::devices {
 
-/// Carries times of another clock over to ours, by messages that arrive late, never early.
+/// Converts times of another clock to ours, from messages that may arrive late but never early.
 ///
-/// The message that was late the least shows what the clocks differ by. So the offset comes back
-/// when one is later by less than foreseen, by little at once, as speeds are made from intervals;
-/// and otherwise moves only by what all messages of about a second were late: that is the drift of
-/// one clock against the other.
+/// The message with the smallest delay shows the offset of the clocks. So the offset is corrected
+/// when a message has a smaller delay than expected, in small steps, because speeds are computed
+/// from intervals. Otherwise it follows the smallest delay of about a second, which is the drift of
+/// the clocks.
 class ClockOffset {
  public:
   /// @param theirs_us  when it was measured or sent, on their clock
-  /// @param seen_us    by when that had been, on ours: when it arrived, less what it is late always
+  /// @param seen_us    its time of arrival on our clock, minus the constant part of the delay
   /// @return           `theirs_us` on our clock [us]
   double carry_over(double theirs_us, double seen_us);
 
-  /// Of a time near the last one, without learning from it. @pre  started()
+  /// Converts a time near the last one, without a correction. @pre  started()
   double ours(double theirs_us) const { return theirs_us + *offset_us_; }
   bool started() const { return offset_us_.has_value(); }
 

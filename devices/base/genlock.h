@@ -6,14 +6,14 @@
 
 namespace headpin::devices {
 
-/// Holds a live session's clock to that of its first tracker, as a studio's cameras are held to one
+/// Synchronises the clock of a live session with its first tracker, like the cameras of a studio
 /// (genlock).
 ///
-/// Two clocks of their own put a tracker's measurements now here, now there between two ticks, and
-/// where they are there decides close throws. Held, the tracker's clock differs from the session's by
-/// whole steps of a grid of ticks, for good: the same measurements meet the same ticks in every
-/// session. What the session's clock is off by is made up by a tick that lasts a little longer or
-/// shorter; no measurement's time is bent.
+/// Without it, the tracker's measurements would drift between two ticks, and their place there
+/// decides close throws. With it, the tracker's clock differs from the session's by a constant
+/// multiple of a grid step, so the same measurements belong to the same ticks in every session.
+/// Slightly longer or shorter ticks correct the session's clock; the times of measurements are not
+/// changed.
 class Genlock {
  public:
   /// @param rate_hz  of the ticks. The grid is as many of them as are whole microseconds, 12.5 ms of
@@ -21,16 +21,16 @@ class Genlock {
   ///                 would be more than 25 ms, single ticks, and the same to a microsecond.
   explicit Genlock(std::int64_t rate_hz);
 
-  /// By what a clock is to be taken to differ from the session's.
+  /// The offset that is used for a clock against the session's.
   ///
-  /// The first that asks is the one that is held to; it is so again when it jumps. Another that
-  /// differs from the session's by the same but for what messages are late is the same clock.
+  /// The first clock that asks is the reference, also after it jumps. Another clock counts as the
+  /// same one if its offset is equal up to the delay of messages.
   ///
-  /// @param whose         tells one from the other; null for one that is never held to
-  /// @param estimated_us  of its times, to be added to them
+  /// @param whose         identifies the clock; null for one that is never the reference
+  /// @param estimated_us  its estimated offset, to be added to its times
   double offset_us(const void* whose, double estimated_us);
 
-  /// By how much longer than its length the next tick is to last; less than nothing: shorter.
+  /// The correction of the next tick's length; negative for a shorter tick.
   ///
   /// At most a hundredth longer, or a thousandth shorter.
   double stretch_us(Time tick);

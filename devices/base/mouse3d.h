@@ -12,7 +12,7 @@
 /// over LCM (types/mouse3d_t.lcm). How the mouse of 1997 reached its computer is not known.
 namespace headpin::devices {
 
-/// Makes changes of the trigger out of the stylus switch in a stream of tracker samples.
+/// Converts the stylus switch in tracker samples to changes of the trigger.
 class StylusTrigger {
  public:
   /// @param station  whose records carry the switch; 0: any
@@ -29,11 +29,11 @@ class StylusTrigger {
   std::optional<Time> before_;  ///< of the last record
 };
 
-/// A tracker's source with the mouse added: every sample of it, and behind the one that brought a
-/// change of the switch, a MouseSample with that one's arrival.
+/// A tracker source that adds the mouse: it passes all samples on, and adds a MouseSample after
+/// each sample that changes the switch, with the same arrival time.
 ///
-/// Once the source itself gives MouseSamples (a trial, LCM), the switch is left alone: the mouse
-/// has a line of its own.
+/// When the source itself has MouseSamples (a trial, LCM), the switch is ignored, because there is
+/// a real mouse.
 class StylusMouse : public Source {
  public:
   explicit StylusMouse(std::unique_ptr<Source> tracker, std::int32_t station = 0)

@@ -6,8 +6,8 @@
 
 namespace headpin::devices {
 
-/// Random numbers by SplitMix64 (Steele, Lea, Flood 2014): the same on every machine, unlike the
-/// standard library's distributions.
+/// Random numbers by SplitMix64 (Steele, Lea, Flood 2014): the same on every computer. They stay
+/// our own code, because the distributions of the standard library differ between implementations.
 class Random {
  public:
   explicit Random(std::uint64_t seed) : state_(seed) {}

@@ -5,27 +5,27 @@
 
 #include "engine/math.h"
 
-/// What any device says, when, in which frame, how good.
+/// Measurements of devices, with their time, frame and quality.
 namespace headpin::devices {
 
 /// One measurement of one tracked sensor.
 struct TrackerSample {
   Time device_time{};         ///< when it was measured, on the session's clock
-  Time host_time{};           ///< when its first byte reached us; 0 if it never crossed a wire
-  std::int64_t sequence = 0;  ///< counts up per station; a hole is a dropped sample
+  Time host_time{};           ///< when its first byte arrived; 0 if it was not transmitted
+  std::int64_t sequence = 0;  ///< number per station; a gap is a lost sample
   std::int32_t station = 1;   ///< 1..4
   Pose X_TS;                  ///< sensor in the transmitter's frame [m]
   char status = ' ';          ///< ' ' good, else the Fastrak's error letter
   std::uint8_t buttons = 0;   ///< bit 0: stylus switch
   std::string frame = "T";    ///< frame the pose is given in; "T", or nothing, the transmitter's
-  Time session_time{};        ///< of the tick at which a session got it; 0 outside one
+  Time session_time{};        ///< time of the tick at which a session used it; 0 outside a session
 
   bool good() const { return status == ' '; }
-  /// The only frame known here; sources pass over samples in any other, and count them.
+  /// The only supported frame; sources skip and count samples in other frames.
   bool in_transmitters_frame() const { return frame.empty() || frame == "T"; }
 };
 
-/// State of the 3D mouse's buttons; sent at each change.
+/// State of the 3D mouse's buttons, at each change.
 struct MouseSample {
   Time device_time{};
   Time host_time{};
@@ -46,7 +46,7 @@ constexpr std::int32_t kHeadStation = 1;
 constexpr std::int32_t kHandStation = 2;
 constexpr std::int32_t kLeftHandStation = 3;
 
-/// Which device a sample is of: the station of a tracker, 0 for the 3D mouse.
+/// The device of a sample: the station of a tracker, or 0 for the 3D mouse.
 inline std::int32_t device_of(const Sample& sample) {
   const auto* tracker = std::get_if<TrackerSample>(&sample);
   return tracker ? tracker->station : 0;

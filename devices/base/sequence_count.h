@@ -9,13 +9,13 @@
 
 namespace headpin::devices {
 
-/// What the numbers of one station's samples tell of those that did not come.
+/// Counts lost samples of one station by their sequence numbers.
 class SequenceCount {
  public:
-  /// @return  by how many the samples that are missing became more; -1 when this one was
+  /// @return  increase of the number of missing samples; -1 if this one was counted as missing
   std::int64_t take(std::int64_t number, Time measured);
 
-  /// Another sender goes on; what it numbers is its own.
+  /// Another sender continues with its own numbers.
   void begin_anew() { last_.reset(); }
 
   std::int64_t lost() const { return lost_; }          ///< missing up to now

@@ -6,9 +6,9 @@
 
 namespace headpin::devices {
 
-/// Where samples come from: a recording, LCM, a serial line, an emulator.
+/// Sources of samples: a recording, LCM, a serial line, an emulator.
 ///
-/// Live, emulated, imported and replayed sessions differ in their Source and in nothing else.
+/// Live, emulated, imported and replayed sessions differ only in their Source.
 class Source {
  public:
   virtual ~Source() = default;

@@ -1,6 +1,6 @@
 #pragma once
 
-/// Which software wrote a log.
+/// The version of the software, for logs.
 namespace headpin::devices {
 
 const char* software_version();  ///< as in the project's CMakeLists.txt

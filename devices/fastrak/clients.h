@@ -9,7 +9,7 @@
 #include "devices/fastrak/codec.h"
 #include "engine/math.h"
 
-/// What programs that read a Fastrak send it, byte for byte, and what each needs to go on.
+/// The bytes that known client programs send to a Fastrak, and the answers that each needs.
 ///
 /// From their sources: VRPN, Vrui, VR Juggler (2006 and 2007), VESS, COVISE, cybergarage, Georgia
 /// Tech's daemon and the ROS node made of it, Nontrivial Solutions' serial driver, pylhemus, LINA,
@@ -24,11 +24,11 @@ class FastrakLine {
     sent_ = text;
     put(text);
   }
-  /// What was sent last.
+  /// The bytes that were sent last.
   const std::string& sent() const { return sent_; }
-  /// Lets time pass and hands over all that came; no more of it once there is `enough`.
+  /// Waits and returns all received bytes, until there are `enough`.
   virtual std::string wait(Time span, std::size_t enough = std::string::npos) = 0;
-  /// Throws away what came up to now, as tcflush does.
+  /// Discards the bytes received so far, like tcflush.
   virtual void flush() = 0;
   virtual int baud() const { return 115200; }
 
@@ -43,46 +43,46 @@ class FastrakLine {
   std::string sent_;
 };
 
-/// One thing that a client needs.
+/// One requirement of a client.
 struct FastrakDemand {
-  std::string sent;  ///< the last bytes before it, for people
+  std::string sent;  ///< the last bytes that were sent before, as text
   std::string what;
   bool met = false;
-  std::string found;  ///< where it is not met
+  std::string found;  ///< what was found instead
 };
 
-/// Bytes for people: how many, and what they are.
+/// Bytes as text: their number and values.
 std::string shown_bytes(std::string_view bytes);
 
 struct FastrakClient {
   std::string_view name;
-  int least_stations;  ///< that it cannot do without
-  /// Its start-up, at a unit in its factory's set-up with so many receivers, from station 1 on.
+  int least_stations;  ///< smallest number of receivers that it needs
+  /// Its start-up, with a unit in factory settings and this number of receivers, from station 1.
   void (*start)(FastrakLine& line, int stations, std::vector<FastrakDemand>& demands);
-  /// What it wants of the unit then: records as they come, or those that this byte asks for.
+  /// How it gets records afterwards: continuously, or by sending this byte.
   std::string_view poll;
   /// Records of station 1, and of each other one.
   FastrakFormat first, others;
-  bool only_last = false;  ///< it switches off all stations but the last
+  bool only_last = false;  ///< it switches off all stations except the last
 };
 
 std::span<const FastrakClient> fastrak_clients();
 
-/// Whether the unit is one at all, and what it reads: each position in inches, in centimetres and
-/// in binary, which must be the same place. Its receivers may move by what they do in a second.
+/// Checks that the unit is a Fastrak, and that its positions in inches, in centimetres and in
+/// binary agree, up to the movement of a receiver in one second.
 ///
-/// @return  how many receivers it has, from station 1 on; 0 when it does not say so
+/// @return  number of receivers, from station 1; 0 if the unit does not report it
 int examine_readings(FastrakLine& line, std::vector<FastrakDemand>& demands);
 
-/// Takes a stream apart as the clients do: records of fixed lengths, each `0`, station, blank, and
-/// what ends it in its place; the stations in turn. Adds what they need of it.
+/// Parses a stream as the clients do: records of fixed lengths, each with `0`, station, blank, and
+/// its end; the stations in turn. Adds the requirements of the clients.
 ///
-/// @param stream  from the head of a record on; it may end in the middle of one
+/// @param stream  from the start of a record; it may end within a record
 /// @return        the records
 std::vector<FastrakRecord> take_apart(const FastrakClient& client, int stations,
                                       std::string_view stream, std::vector<FastrakDemand>& demands);
 
-/// Start-up of a client and so much of its records.
+/// Start-up of a client, and records for this time.
 std::vector<FastrakRecord> run_client(const FastrakClient& client, FastrakLine& line, int stations,
                                       Time span, std::vector<FastrakDemand>& demands);
 

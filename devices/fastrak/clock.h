@@ -9,28 +9,29 @@
 
 namespace headpin::devices {
 
-/// Estimates when each record of a Fastrak was measured, from when it arrived.
+/// Estimates the time of measurement of each record of a Fastrak from its time of arrival.
 ///
-/// The unit measures every 1/120 s, its stations in turn: its cycles are its clock, and ClockOffset
-/// carries them over to ours.
+/// The unit measures every 1/120 s, its stations in turn. Its cycles are its clock, and ClockOffset
+/// converts it to ours.
 ///
-/// A record that is late by a turn or more either follows some that never came, or was held up like
-/// those that come in one go with it. The next record tells; until then this one has to wait.
+/// If a record is late by a turn or more, either records before it were lost, or it was delayed
+/// together with the records that arrive with it. The next record shows which; until then this
+/// record waits.
 class FastrakClock {
  public:
   /// @param active_stations  1 to 4: they take turns, a cycle each
   /// @param byte_time        of one byte on the line
   /// @param record_length    in bytes; a line too slow for one a cycle makes the unit skip turns
-  /// @param genlock          takes the cycles for the session's clock; null: there is none
+  /// @param genlock          uses the cycles as the session's clock; may be null
   FastrakClock(int active_stations, Time byte_time, std::size_t record_length,
                Genlock* genlock = nullptr);
 
-  /// Time of the measurement behind a record, later than the one before.
+  /// The time of measurement of a record, later than that of the record before.
   ///
   /// @param turn      place of its station among the active ones, from 0
   /// @param arrivals  by when its first byte had arrived, and those of the records behind it that
   ///                  came up to now; never too early
-  /// @return          nothing when it is too soon to tell: the same record is to be asked for again
+  /// @return          nothing when it is too early to decide; call again for the same record
   std::optional<Time> measured(int turn, std::span<const Time> arrivals, Time now);
 
   /// Number of the last record's cycle, the first one's being its turn; a hole is a record that did

@@ -11,22 +11,22 @@
 #include "devices/base/bytes.h"
 #include "engine/math.h"
 
-/// The bytes of the Polhemus 3SPACE FASTRAK, to and from plain values. Pure functions.
+/// Encodes and decodes the bytes of the Polhemus 3SPACE FASTRAK. Pure functions.
 ///
-/// Layouts: FASTRAK User Manual OPM00PI002 Rev. G (2012), pages named at each item. Values here
-/// are as the wire has them: inches or centimetres, degrees. Where neither manual nor clients say
-/// how a record looks, the line that makes it says "our choice".
+/// Layouts: FASTRAK User Manual OPM00PI002 Rev. G (2012), pages named at each item. Values are in
+/// the units of the line: inches or centimetres, degrees. If neither the manual nor clients specify
+/// the form of a record, the code says "our choice".
 namespace headpin::devices {
 
 constexpr int kFastrakStations = 4;
 /// Measurements a second, shared by the receivers (manual p. E-2).
 constexpr std::int64_t kFastrakCycleRate = 120;
-/// What its line can be set to (command o, p. 80).
+/// Baud rates of its line (command o, p. 80).
 constexpr std::array<int, 7> kFastrakBauds = {2400, 4800, 9600, 19200, 38400, 57600, 115200};
 constexpr double kMetrePerInch = 0.0254;
 constexpr double kMetrePerCentimetre = 0.01;
 
-/// What a station's data records hold and how they are written (commands O, F f, U u).
+/// Content and format of a station's data records (commands O, F f, U u).
 struct FastrakFormat {
   std::vector<int> items = {2, 4, 1};  ///< output list (p. 57), in order
   bool binary = false;
@@ -35,8 +35,8 @@ struct FastrakFormat {
   double metre_per_unit() const { return centimetres ? kMetrePerCentimetre : kMetrePerInch; }
 };
 
-/// True for an output item that a Fastrak has. The compact items 18 to 20 belong to early firmware
-/// only; Rev. G lists them as unused.
+/// True for an output item that exists in a Fastrak. The compact items 18 to 20 belong to early
+/// firmware only; Rev. G lists them as unused.
 bool is_fastrak_item(int item, bool early_firmware = false);
 
 /// Bytes of one item; 0 for one that does not exist. Compact items are two-byte codes in both
@@ -58,21 +58,21 @@ struct FastrakRecord {
   bool pressed = false;                             ///< items 16, 66: stylus switch
 };
 
-/// Appends the record. Values beyond their columns come out as the largest that fits.
+/// Appends the record. Values that are too large for their columns become the largest that fits.
 void encode_record(const FastrakRecord& record, const FastrakFormat& format,
                    std::vector<std::uint8_t>& out);
 
 /// Reads a record of exactly `fastrak_record_length(format)` bytes.
 ///
-/// @return  nothing unless every byte is as the format wants it: head, station digit, space or
-///          letter, digits in their columns, blanks, CR LF; and, in a record without error letter,
-///          every value possible: finite, angles on the circle, a unit quaternion, unit axes
+/// @return  nothing unless every byte matches the format: head, station digit, space or letter,
+///          digits in their columns, blanks, CR LF; and, in a record without error letter, every
+///          value possible: finite, angles on the circle, a unit quaternion, unit axes
 std::optional<FastrakRecord> decode_record(Bytes bytes, const FastrakFormat& format);
 
 /// The formats of stations 1 to 4.
 using FastrakFormats = std::array<FastrakFormat, kFastrakStations>;
 
-/// A record found in a stream that may hold other bytes as well.
+/// A record in a stream that may contain other bytes too.
 struct FastrakFound {
   std::size_t skipped = 0;  ///< bytes before it that belong to no record
   std::size_t length = 0;   ///< its own bytes; 0: none found, more bytes are needed
@@ -81,12 +81,13 @@ struct FastrakFound {
 
 /// Finds the first record in `bytes`.
 ///
-/// In step with the stream, a record that decodes is taken at once. Out of step the bytes behind it
-/// must open another record; where they do not, it is still taken unless a record that begins
-/// inside it is followed by such an opening. So noise between records costs none of them.
+/// In step with the stream, a record that decodes is accepted at once. Out of step, the bytes after
+/// it must begin another record. If they do not, the record is still accepted, unless a record that
+/// begins inside it is followed by the begin of another one. So noise between records does not lose
+/// any record.
 ///
 /// @param in_step  the byte before `bytes` ended a record or a silence
-/// @param no_more  nothing will follow: decide on what is there
+/// @param no_more  no more bytes will follow: decide now
 FastrakFound find_record(Bytes bytes, const FastrakFormats& formats, bool in_step, bool no_more);
 
 /// The values of a read-back side by side, right-justified in equal columns.

@@ -12,11 +12,11 @@
 #include "devices/fastrak/replies.h"
 #include "engine/math.h"
 
-/// A Fastrak's memory, and the line commands that set it and read it back, apart from time and
+/// The settings of a Fastrak, and the line commands that set and read them, independent of time and
 /// line.
 namespace headpin::devices {
 
-/// What the unit remembers of a station; factory values.
+/// Settings of a station, with factory values.
 struct FastrakStationSetup {
   bool on = true;
   std::vector<int> items = {2, 4, 1};
@@ -31,7 +31,7 @@ struct FastrakStationSetup {
   std::array<Vec3, 2> angle_envelope_deg = {Vec3(180, 90, 180), Vec3(-180, -90, -180)};
 };
 
-/// What the unit remembers; factory values.
+/// Settings of the unit, with factory values.
 struct FastrakSetup {
   std::array<FastrakStationSetup, kFastrakStations> stations;
   bool binary = false;
@@ -44,14 +44,14 @@ struct FastrakSetup {
   std::string identification = "OutputCompensat CPG2030-003-10";
 };
 
-/// How its port is set.
+/// Settings of its port.
 struct FastrakPort {
   int baud = 115200;
   int bits = 8;
   bool parity = false;
 };
 
-/// All that line commands read and write.
+/// Everything that line commands read and write.
 struct FastrakMemory {
   FastrakSetup setup;
   FastrakPort port;
@@ -62,7 +62,7 @@ struct FastrakMemory {
   std::function<Quat(std::size_t)> attitude;  ///< its newest orientation, without boresight
 };
 
-/// Where a line is wrong, and why.
+/// The place and the reason of an error in a line.
 struct FastrakRefused {
   FastrakRefusal why;
   std::size_t field;     ///< from 0 after the letter
@@ -73,18 +73,18 @@ struct FastrakRefused {
 /// Whether a command with this letter ends with its line.
 bool is_fastrak_line_command(char letter);
 
-/// Carries a line out, without its end.
+/// Executes a line, which has no line end.
 ///
 /// @param line  begins with the letter of a line command
 /// @return  the answer, if it has one
-/// @throws FastrakRefused  for what the unit would refuse; nothing is changed then
+/// @throws FastrakRefused  if the unit would refuse it; nothing is changed then
 std::string carry_out(std::string_view line, FastrakMemory& memory);
 
 /// Puts a station's alignment frame through three points of its present one.
 /// @return  false when they are in a line
 bool align(FastrakStationSetup& station, const std::array<Vec3, 3>& points);
 
-/// What A answers for a station.
+/// The answer of the command A for a station.
 std::string alignment_answer(const FastrakMemory& memory, std::size_t station);
 
 }  // namespace headpin::devices

@@ -27,46 +27,45 @@ struct FastrakStatistics {
   std::int64_t attempts = 0;       ///< to get a status, in all
 };
 
-/// A Fastrak at the end of a line, as a Source of TrackerSamples.
+/// Driver of a Fastrak on a line, as a Source of TrackerSamples.
 ///
-/// Brings the unit up in whatever state it was left: resumes it (^Q), stops it (c), throws away
-/// what it still says, asks for its status; breaks a half-typed line (CR) and re-initialises it
-/// (^Y) when no status comes, looks for it at other rates; then sets port, units, frames,
-/// envelopes, lists and filters itself, reads back what records would be wrong without, and starts
-/// the stream. After two seconds without a record it starts over. Never blocks: each poll does what
-/// is due.
+/// Starts the unit from any state: resumes it (^Q), stops it (c), discards its output, and asks for
+/// its status. If no status arrives, it ends a half-typed line (CR), re-initialises the unit (^Y)
+/// and tries other baud rates. Then it sets port, units, frames, envelopes, lists and filters,
+/// reads back the settings that the records depend on, and starts the stream. After two seconds
+/// without a record it starts again. Never blocks: each poll does the steps that are due.
 ///
-/// Sample times: `host_time` is when the stream says that the first byte had arrived, `device_time`
-/// the estimate of FastrakClock; the first quarter of a second is handed out when that has settled.
-/// `sequence` counts the station's cycles; a hole is a missing record.
+/// Sample times: `host_time` is the arrival of the first byte, from the stream; `device_time` is
+/// the estimate of FastrakClock. Samples of the first quarter of a second are delayed until this
+/// estimate is stable. `sequence` counts the station's cycles; a gap is a missing record.
 class FastrakDriver : public Source {
  public:
   /// @throws std::invalid_argument  when the list lacks a position, an orientation or an end
   FastrakDriver(std::unique_ptr<ByteStream> stream, FastrakOptions options = {});
 
-  /// From the next stream on its cycles are taken for the session's clock; null: they are not.
+  /// Uses its cycles as the session's clock from the next stream on; null: does not.
   void hold_to(Genlock* genlock) { genlock_ = genlock; }
 
-  /// Over a stream with a clock of its own, also samples that arrived after `now`.
+  /// With a stream that has its own clock, also returns samples that arrived after `now`.
   void poll(Time now, std::vector<Sample>& out) override;
   bool exhausted() const override { return stream_->closed(); }
 
-  /// Brought up, records coming.
+  /// True while records arrive.
   bool streaming() const { return phase_ == Phase::streaming; }
-  /// What keeps the line from carrying anything, for people; empty when nothing does.
+  /// A message about why the line does not work; empty when it works.
   std::string trouble() const { return stream_->trouble(); }
-  /// What it is doing, for people: "asking for the status (attempt 2)".
+  /// What the driver is doing, as text: "asking for the status (attempt 2)".
   std::string activity() const;
 
   const FastrakStatistics& statistics() const { return statistics_; }
-  /// The unit's own words at the last bring-up.
+  /// The unit's status at the last start.
   const std::optional<FastrakStatus>& unit() const { return unit_; }
-  /// Settings of which it said something else or nothing when they were read back at the last
-  /// bring-up, for people; none without which records would be wrong.
+  /// Settings whose read-back at the last start was different or missing, as text; the records do
+  /// not depend on them.
   const std::vector<std::string>& unconfirmed() const { return unconfirmed_; }
   /// Stations with a receiver that are switched on.
   const std::array<bool, kFastrakStations>& active() const { return active_; }
-  /// To wait on with poll(2), or -1.
+  /// The descriptor for poll(2), or -1.
   int descriptor() const { return stream_->descriptor(); }
 
  private:

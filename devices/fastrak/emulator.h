@@ -21,7 +21,7 @@
 
 namespace headpin::devices {
 
-/// A data record as it was sent, for whoever compares.
+/// A data record that was sent, for comparisons.
 struct FastrakSent {
   int station = 1;
   Time measured{};                  ///< mid-sampling
@@ -58,16 +58,16 @@ struct FastrakEmulatorStatistics {
   std::int64_t refused = 0;  ///< answered, in ASCII mode, by an error record
 };
 
-/// A Fastrak seen from its serial line: answers commands like the box.
+/// An emulated Fastrak at its serial line: it answers commands like the real unit.
 ///
-/// A state machine over the time it is told, so it runs live, faster or slower alike. Two calls
-/// make it go: `receive` hands it what the host sent, `due` gives what has left it by now.
+/// A state machine with time as an argument, so it runs in real time, faster or slower. `receive`
+/// takes the bytes of the host, `due` returns the bytes that have left by now.
 ///
-/// Our choices, where the manuals' known pages are silent:
-/// - Answers come one cycle (8.33 ms) after the command and then at the line's pace, built from the
+/// Our choices, where the manuals do not say anything:
+/// - An answer begins one cycle (8.33 ms) after the command, at the line's baud rate, from the
 ///   state at the command. P reports the newest solution of each active station.
-/// - Continuous records keep the station order: one that the line cannot take when it is ready is
-///   dropped whole, and the unit waits until that station comes round again.
+/// - Continuous records keep the station order: if the line cannot take a record in time, the whole
+///   record is dropped, and the unit waits until it is that station's turn again.
 /// - Refusals are answered in ASCII mode and silent in binary mode. A bare CR is refused, a bare LF
 ///   ignored; CR, LF or both behind a line or an immediate command end nothing more. An unknown
 ///   letter is refused at once and does not take the bytes behind it along. Blanks before a command
@@ -91,35 +91,36 @@ class FastrakEmulator {
   /// Bytes from the host, complete or not, arriving at `now`.
   void receive(Bytes bytes, Time now);
 
-  /// The bytes that have left by `now` and were not taken yet, oldest first. Time never runs back.
+  /// The bytes that have left by `now` and were not taken yet, oldest first. `now` must not
+  /// decrease.
   Bytes due(Time now);
 
-  /// Tells that the reader took the first `count` bytes of what is due. A reader who leaves more
-  /// than a kilobyte costs whole records from then on.
+  /// Removes the first `count` bytes, which the reader took. If a reader leaves more than a
+  /// kilobyte, whole records are dropped.
   void taken(std::size_t count);
 
-  /// When the first record of the continuous output that is on was or will be measured, unless the
-  /// line loses it; what drivers count cycles from.
+  /// The time of measurement of the first record of the current continuous output, from which
+  /// drivers count cycles.
   Time stream_zero() const { return stream_zero_; }
 
-  /// When a station will be measured, at or after `from`, if nothing is switched until then; nothing
-  /// for one that is off.
+  /// The time of the next measurement of a station at or after `from`; nothing for a station that
+  /// is off.
   std::optional<Time> next_measured(int station, Time from) const;
 
-  /// Off and on again: the line falls silent in mid-byte, the set-up comes from the EEPROM, and
-  /// nothing is heard or said until it has started up.
+  /// Switches the unit off and on: the line stops within a byte, the settings are those of the
+  /// EEPROM, and the unit neither receives nor sends until it has started.
   void power_cycle(Time now);
 
   void set_motion(FastrakMotion motion) { motion_ = std::move(motion); }
   void set_faults(const FastrakFaults& faults) { options_.faults = faults; }
 
-  Time now() const { return now_; }  ///< as it was told last
+  Time now() const { return now_; }  ///< time of the last call
   const FastrakSetup& setup() const { return memory_.setup; }
   const FastrakEmulatorStatistics& statistics() const { return statistics_; }
   int baud() const { return memory_.port.baud; }
 
  private:
-  /// Something that goes out in one piece.
+  /// Bytes that are sent in one piece.
   struct Message {
     std::vector<std::uint8_t> bytes;
     Time due{};                        ///< not before
@@ -205,18 +206,19 @@ class FastrakEmulator {
   enum class Swallow { nothing, any_end, line_feed, carriage_return } swallow_ = Swallow::nothing;
 };
 
-/// When a recording is to begin, from `now` on, for the unit's cycle to meet its samples.
+/// The time from `now` on at which a recording should begin, so that the unit's cycles coincide
+/// with its samples.
 ///
-/// Measured in between them, a throw is another one: 6.62 to 6.65 m/s for the bundled one's 6.63, and
-/// 6 to 10 skittles for its 9. Where the stations' turns allow it, that is three cycles of the stream
-/// or more times as many behind its first record: whole microseconds, so that a recording of a unit's
-/// own cycles is told with times that differ from its own by the same for every record.
+/// Measurements between the samples change the throw: for the bundled trial, 6.62 to 6.65 m/s
+/// instead of 6.63, and 6 to 10 skittles instead of 9. If the stations' turns allow it, the
+/// recording begins a multiple of three cycles after the first record. That is a whole number of
+/// microseconds, so all times of a recording from a real unit are shifted by the same amount.
 ///
 /// @param first  measurement in the recording
 Time begin_of(const TrackerSample& first, const FastrakEmulator& emulator, Time now);
 
-/// Lets the emulator hear what the stream brought and say what is due. Call it every millisecond or
-/// so: how finely bytes are paced is up to the caller.
+/// Passes bytes from the stream to the emulator and back. To be called about every millisecond,
+/// which determines the timing of the bytes.
 void serve(FastrakEmulator& emulator, ByteStream& stream, Time now);
 
 }  // namespace headpin::devices

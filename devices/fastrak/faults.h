@@ -10,7 +10,7 @@
 
 namespace headpin::devices {
 
-/// From a time on, up to another or for good.
+/// From a time until another time, or for ever.
 struct FaultWindow {
   Time from{};
   Time to = Time::max();
@@ -23,18 +23,18 @@ struct StationFault {
   FaultWindow when;
 };
 
-/// What goes wrong with an emulated Fastrak, on demand and repeatable by seed.
+/// Faults of an emulated Fastrak, repeatable by a seed.
 struct FastrakFaults {
-  double noise = 1.0;                   ///< times the unit's own noise; 0: exact poses
-  double dropout = 0.0;                 ///< chance that a record is lost whole
-  double garbage = 0.0;                 ///< chance that 1 to 8 random bytes precede a record
-  double damage = 0.0;                  ///< chance that one bit of a record is flipped
+  double noise = 1.0;                   ///< factor of the unit's own noise; 0: exact poses
+  double dropout = 0.0;                 ///< probability that a whole record is lost
+  double garbage = 0.0;                 ///< probability of 1 to 8 random bytes before a record
+  double damage = 0.0;                  ///< probability that one bit of a record is flipped
   double metal = 0.0;                   ///< distortion by metal nearby, at 1 m [m]
   int slow_baud = 0;                    ///< the line is no faster than this; 0: as set
   int deaf = 0;                         ///< status requests that get no answer
   std::vector<StationFault> stuck;      ///< a receiver whose pose stands still
   std::vector<StationFault> unplugged;  ///< a receiver pulled out
-  std::vector<FaultWindow> silence;     ///< nothing is heard or said
+  std::vector<FaultWindow> silence;     ///< the unit neither receives nor sends
 };
 
 /// Reads a list like `noise=3,dropout=0.01,stuck=2@5-8,silence=4@10,deaf=2`.
@@ -49,8 +49,8 @@ FastrakFaults parse_faults(const std::string& spec);
 /// The entries of `parse_faults`, one a line, for help texts.
 std::string faults_help();
 
-/// What metal nearby does to a pose: a smooth error that grows with the square of the distance and
-/// turns with the direction. At 1 m the position is off by `metal` [m], the orientation by as much
+/// Distorts a pose like metal nearby: a smooth error that grows with the square of the distance and
+/// depends on the direction. At 1 m the position is off by `metal` [m], the orientation by as much
 /// in radians.
 Pose distort(const Pose& X_TS, double metal);
 

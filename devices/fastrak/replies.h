@@ -9,7 +9,7 @@
 
 #include "devices/fastrak/codec.h"
 
-/// What a Fastrak says besides records of poses: its status, its settings, its refusals.
+/// Answers of a Fastrak other than data records: status, settings, refusals.
 namespace headpin::devices {
 
 /// The answer to the command S (p. 68).
@@ -63,7 +63,7 @@ enum class FastrakRefusal {
 std::string encode_refusal(std::string_view command, FastrakRefusal why, std::size_t position,
                            std::size_t field, int station);
 
-/// What a built-in-test number means (p. 71), in a few words; empty for one that means nothing.
+/// The meaning of a built-in-test number (p. 71); empty for an unknown one.
 std::string_view fastrak_error_text(int number);
 
 }  // namespace headpin::devices

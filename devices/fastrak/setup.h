@@ -10,13 +10,13 @@
 #include "devices/fastrak/codec.h"
 #include "engine/math.h"
 
-/// What a driver makes of a Fastrak before it takes its word: settings, and how to read them back.
+/// The settings that a driver gives to a Fastrak, and how it reads them back.
 namespace headpin::devices {
 
 /// A direction for each station.
 using FastrakZeniths = std::array<Vec3, kFastrakStations>;
 
-/// The factory's: every receiver ahead of the transmitter.
+/// Factory values: every receiver is ahead of the transmitter.
 inline FastrakZeniths zeniths_ahead() {
   FastrakZeniths zeniths;
   zeniths.fill(Vec3::UnitX());
@@ -28,7 +28,7 @@ inline FastrakZeniths zeniths_ahead() {
 /// @throws std::invalid_argument  naming the text and what was expected; nothing is changed then
 void read_zenith(std::string_view text, FastrakZeniths& zeniths);
 
-/// How a Fastrak is set up and watched.
+/// Options of the driver.
 struct FastrakOptions {
   /// Output list of all stations: a position, an orientation, anything else, and a space or CR LF
   /// at the end, by which records are told apart.
@@ -48,42 +48,42 @@ struct FastrakOptions {
   Time start_up{10'000'000};  ///< silence after ^Y
 };
 
-/// By what records tell the orientation.
+/// The form of the orientation in records.
 enum class FastrakAttitude { quaternion, matrix, angles };
 
-/// The best that is in an output list.
+/// The best form in an output list.
 /// @throws std::invalid_argument  when there is none
 FastrakAttitude attitude_of(const std::vector<int>& items);
 
 /// @throws std::invalid_argument  when the list lacks a position, an orientation or an end
 void check_items(const std::vector<int>& items);
 
-/// One thing that a driver asks of a unit, and what the answer must say.
+/// A question to the unit, and the expected answer.
 struct FastrakCheck {
   char letter = 'S';  ///< S, or the command that reads a station's setting back
   int station = 0;    ///< 1 to 4; 0 of the whole unit
   std::vector<double> values;
-  bool must = true;  ///< else records would look good and be wrong, unless it is as said
+  bool must = true;  ///< records would be wrong if the answer is different
 };
 
 enum class FastrakVerdict { no_answer, as_said, otherwise };
 
-/// Commands that give the whole unit and each station what the options say, one at a time.
+/// Commands that set the unit and each station as the options say, one command each.
 std::vector<std::string> setup_commands(const FastrakOptions& options);
 
 /// Commands that start records as the options say.
 std::vector<std::string> stream_commands(const FastrakOptions& options);
 
-/// What is to be read back of a station, and of the unit after its stations.
+/// The settings to read back from a station.
 std::vector<FastrakCheck> setup_checks(const FastrakOptions& options, int station);
 
 /// The command that asks for it.
 std::string question(const FastrakCheck& check);
 
-/// What the bytes that came since the question say; an answer may stand anywhere in them.
+/// The verdict on the bytes since the question; the answer may be anywhere in them.
 FastrakVerdict judge(const FastrakCheck& check, const FastrakOptions& options, Bytes heard);
 
-/// The first `length` bytes in a row that `decode` makes something of.
+/// The first `length` consecutive bytes that `decode` accepts.
 template <typename Decode>
 auto find_answer(Bytes heard, std::size_t length, Decode decode) {
   const std::string_view text(reinterpret_cast<const char*>(heard.data()), heard.size());

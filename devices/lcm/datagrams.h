@@ -14,8 +14,9 @@
 
 #include "engine/math.h"
 
-/// LCM over multicast (udpm), read by ourselves: two datagrams can end a process in which liblcm
-/// 1.3.1 reads them (pull request 628 of lcm-proj/lcm), and liblcm does not say who sent a message.
+/// Reads LCM's multicast messages (udpm). This stays our own code, because two datagrams can crash
+/// a process in which liblcm 1.3.1 reads them (pull request 628 of lcm-proj/lcm), and because
+/// liblcm does not report the sender of a message.
 namespace headpin::devices {
 
 /// One datagram: a message, or one fragment of a message that is too large for one datagram.
@@ -25,10 +26,10 @@ struct LcmDatagram {
   bool whole = false;
 };
 
-/// @return  nothing for what LCM does not send; else with views into the bytes
+/// @return  nothing for bytes that are not LCM's; else with views into the bytes
 std::optional<LcmDatagram> read_lcm_datagram(std::span<const std::uint8_t> bytes);
 
-/// Where the messages of a URL such as udpm://239.255.76.67:7667?ttl=0 are sent to.
+/// The destination of messages for a URL such as udpm://239.255.76.67:7667?ttl=0.
 struct MulticastGroup {
   std::uint32_t address = 0;  ///< in the host's order
   std::uint16_t port = 0;
@@ -38,10 +39,10 @@ struct MulticastGroup {
 /// @return  nothing for the URL of another provider, or of no address
 std::optional<MulticastGroup> multicast_group(const std::string& url);
 
-/// What users of multicast meet most, and what helps; empty for other URLs.
+/// A hint for the most frequent multicast problem; empty for other URLs.
 std::string multicast_hint(const std::string& url);
 
-/// Messages on some channels of a multicast group, with when they came and who sent them.
+/// Receives messages on some channels of a multicast group, with their arrival times and senders.
 class MulticastListener {
  public:
   struct Message {
@@ -51,21 +52,21 @@ class MulticastListener {
     Time arrived{};                  ///< by the wall's clock, as the kernel says
   };
 
-  /// Hears the group from now on. What waits is kept by the kernel until start() or take().
+  /// Joins the group. The kernel keeps messages until start() or take().
   ///
-  /// @param queue  how many messages wait at most; then the oldest go
-  /// @throws std::runtime_error  when that is impossible, as without a route for multicast
+  /// @param queue  largest number of waiting messages; then the oldest are dropped
+  /// @throws std::runtime_error  when that is impossible, for example without a route for multicast
   MulticastListener(const MulticastGroup& group, std::vector<std::string> channels,
                     std::size_t queue);
   ~MulticastListener();
   MulticastListener(const MulticastListener&) = delete;
   MulticastListener& operator=(const MulticastListener&) = delete;
 
-  /// Reads in a thread of its own from now on.
+  /// Starts a thread that reads.
   void start();
-  /// The oldest that waits.
+  /// The oldest waiting message.
   std::optional<Message> take();
-  /// How many were left out since the last call, as too many waited.
+  /// Number of messages that were dropped since the last call.
   std::int64_t take_dropped() { return dropped_.exchange(0); }
 
  private:

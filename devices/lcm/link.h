@@ -13,10 +13,10 @@
 #include "devices/trial/sink.h"
 #include "files/output_file.h"
 
-/// Samples and everything else of a trial over LCM, published as they happen.
+/// Publishes the samples and all other messages of a trial over LCM.
 namespace headpin::devices {
 
-/// One end of LCM, by whatever provider its URL names: udpm, file, memq, tcpq, mpudpm.
+/// A connection to LCM by the provider of its URL: udpm, file, memq, tcpq, mpudpm.
 class LcmLink {
  public:
   /// @param url  empty: LCM_DEFAULT_URL, else multicast on 239.255.76.67:7667 that stays on
@@ -38,16 +38,17 @@ class LcmLink {
   void publish(const TickState& state);
   void publish(const FrameRecord& frame);
 
-  /// For Drake's viewer, and for whoever wants to see what the eyes see.
+  /// For Drake's viewer, and for programs that show the eyes' pictures.
   void publish(std::span<const ViewerLink> links);
   void publish(Time time, std::span<const ViewerPose> poses);
   void publish(const EyePictures& eyes);
 
-  /// bot_core's rigid_transform_t, for those who know nothing of headpin.
+  /// bot_core's rigid_transform_t, for programs that do not know headpin's types.
   void publish_pose(const std::string& channel, Time time, const Pose& pose);
 
   const std::string& url() const { return url_; }
-  /// A log being read: what it holds comes in at its pace and ends, and nothing can be published.
+  /// True for a log that is read: its messages arrive at the recorded times until its end, and
+  /// nothing can be published.
   bool is_replay() const { return log_ != nullptr; }
 
  private:
@@ -66,8 +67,8 @@ class LcmLink {
   std::vector<std::uint8_t> bytes_;  // of the message at hand
 };
 
-/// A trial published as it comes about. Its header and who draws its frames are repeated every second,
-/// for those who begin to listen later.
+/// Publishes a trial while it is made. The header and the event drawn_by are repeated every second
+/// for later listeners.
 class TrialPublisher : public TrialSink {
  public:
   /// @param link    must outlive this

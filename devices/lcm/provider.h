@@ -19,7 +19,7 @@
 #include "devices/trial/log.h"
 #include "devices/trial/sources.h"
 
-/// What an LcmLink is made of; lcm_link.cpp's and lcm_source.cpp's.
+/// The inside of an LcmLink, for link.cpp and source.cpp.
 namespace headpin::devices {
 
 struct LcmLink::Lcm {
@@ -29,8 +29,8 @@ struct LcmLink::Lcm {
   }
 };
 
-/// A log that is written: liblcm would empty whatever has its name, and does not say what the disk
-/// did not take.
+/// A log that is written. It stays our own code, because liblcm truncates any existing file of that
+/// name and does not report write errors.
 class LcmLink::LogWriter {
  public:
   LogWriter(const std::string& path, files::OutputFile::Options options)
@@ -49,8 +49,8 @@ class LcmLink::LogWriter {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// A log that plays: file://PATH, with speed=N (1; 0: all at once) and start_timestamp=N as liblcm
-/// knows them, read by our own reader, which no damage can hurt.
+/// A log that is played: file://PATH, with liblcm's options speed=N (1; 0: all at once) and
+/// start_timestamp=N. Our own reader reads damaged logs safely.
 class LcmLink::LogPlayer {
  public:
   explicit LogPlayer(const std::string& url)
@@ -76,7 +76,7 @@ class LcmLink::LogPlayer {
     return url.starts_with(kScheme) && !reads(url) ? path_of(url) : "";
   }
 
-  /// The next event that is due by `now`, counted from the first call; there until the next call.
+  /// The next event that is due by `now`, counted from the first call; valid until the next call.
   std::optional<LogEvent> due(Time now) {
     if (!start_) start_ = now;
     if (!next_) return std::nullopt;

@@ -17,17 +17,16 @@
 
 namespace headpin::devices {
 
-/// Samples that others publish on TRACKER and MOUSE3D.
+/// Receives samples that others publish on TRACKER and MOUSE3D.
 ///
-/// Each station has a publisher with a clock of its own. ClockOffset carries it over to the
-/// session's from the first sample on, and anew when it jumps by more than a second; a sample's
-/// stamps are then both on the session's clock. The mouse's few messages follow the station whose
-/// clock shows nearly the same. A publisher without a clock, whose times are 0, is stamped by
-/// arrival.
+/// Each station has a publisher with its own clock. ClockOffset converts it to the session's clock
+/// from the first sample on, and starts again when it jumps by more than a second; both times of a
+/// sample are then on the session's clock. The mouse has few messages, so it uses the offset of the
+/// station with nearly the same clock. Samples without times (0) get their time of arrival.
 ///
-/// A station has one publisher: the first, until nothing has come from it for a second. What others
-/// send of that station meanwhile is passed over. Over multicast they are told apart by where they
-/// send from; elsewhere by their clock, when it is more than half a second behind.
+/// A station has one publisher: the first one, until it has been silent for a second. Samples of
+/// other publishers for this station are skipped. Over multicast, publishers are distinguished by
+/// their address; otherwise by their clock, if it is more than half a second behind.
 class LcmSource : public Source {
  public:
   struct Counts {
@@ -51,7 +50,7 @@ class LcmSource : public Source {
     Time device_time{};        ///< the same on the session's clock
     Time host_time{};          ///< when that came
     std::uint64_t sender = 0;  ///< where it sends from; 0: unknown
-    /// Who else sent this station last, when, while whom, and how many samples of such were left out.
+    /// The last other publisher of this station, its time, and the number of its skipped samples.
     std::uint64_t other = 0, beside = 0;
     Time other_time{};
     std::int64_t others = 0;
@@ -61,27 +60,26 @@ class LcmSource : public Source {
   };
 
   /// @param link   must outlive this
-  /// @param queue  how many samples wait at most until they are polled
+  /// @param queue  largest number of waiting samples
   explicit LcmSource(LcmLink& link, std::size_t queue = 4096);
   ~LcmSource() override;
 
-  /// From now on messages are stamped with when LCM got them on this clock, in place of the time at
-  /// which they are asked for; that is before they came when a session is late.
+  /// Uses the arrival times on this clock from now on, instead of the times of the polls.
   void use_clock(std::function<Time()> clock) { clock_ = std::move(clock); }
 
-  /// From now on the first station's clock is taken for the session's; null: none is.
+  /// Uses the first station's clock as the session's clock from now on; null: none.
   void hold_to(Genlock* genlock) { genlock_ = genlock; }
 
-  /// Throws away what has arrived up to now. What waited while a session was made ready would say
-  /// nothing of the publishers' clocks.
+  /// Discards the messages so far. Messages that waited while a session was prepared do not show
+  /// the publishers' clocks.
   void drain();
 
-  /// Throws it away, and reads what comes from now on at once, in a thread of its own.
+  /// Discards the messages so far, and starts a thread that reads.
   void listen();
 
-  /// Takes in what has arrived, without waiting, and stamps it with `now` as its host time, or with
-  /// just after the last poll, so that a replay hands it out at the same tick. A time that is later
-  /// than the arrival does no harm; an earlier one makes all samples too early.
+  /// Reads the messages that have arrived, without waiting. Their host time is `now`, or just after
+  /// the last poll, so that a replay uses them at the same tick. A time after the arrival is
+  /// harmless; an earlier one would make all samples too early.
   ///
   /// @throws std::runtime_error  when LCM stops, as a tcpq server does
   void receive(Time now);

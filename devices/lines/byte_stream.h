@@ -12,43 +12,43 @@
 
 namespace headpin::devices {
 
-/// One end of a line that carries bytes both ways. Nothing here ever blocks.
+/// One end of a bidirectional byte stream. No function blocks.
 class ByteStream {
  public:
   virtual ~ByteStream() = default;
 
   /// Reads what has arrived, at most `out.size()` bytes.
-  /// @return  how many; 0 when nothing has arrived or the other end is gone
+  /// @return  number of bytes; 0 when nothing has arrived or the other end is closed
   virtual std::size_t read(std::span<std::uint8_t> out) = 0;
 
-  /// The time it is, for whoever has a better clock than the one who asks and takes it to be `now`.
+  /// The current time, for streams with a better clock than the caller's `now`.
   virtual Time time(Time now) const { return now; }
 
-  /// By when all that the last read returned had arrived; that read was at `now`.
+  /// A time at which all bytes of the last read, which was at `now`, had arrived.
   virtual Time arrived(Time now) const { return now; }
 
-  /// Hands over what the line takes now, from the front of `bytes`.
-  /// @return  how many bytes were taken; the rest is the caller's to offer again
+  /// Writes as many bytes from the front of `bytes` as the line accepts now.
+  /// @return  number of written bytes; the caller offers the rest again
   virtual std::size_t write(Bytes bytes) = 0;
 
-  /// True when nothing will ever arrive again.
+  /// True when no more bytes can arrive.
   virtual bool closed() const = 0;
 
-  /// What keeps the line from carrying anything just now, for people; empty when nothing does.
+  /// A message about why the line does not work now; empty when it works.
   virtual std::string trouble() const { return ""; }
 
-  /// What to wait on with poll(2) until something arrives, or -1.
+  /// The descriptor for poll(2), or -1.
   virtual int descriptor() const { return -1; }
 
-  /// Sets the line's speed, where it has one.
+  /// Sets the baud rate, if the line has one.
   virtual void set_baud(int) {}
 };
 
-/// A serial port, raw, 8-N-1, without flow control; what had arrived before is thrown away.
+/// Opens a serial port: raw, 8-N-1, without flow control. Discards bytes that arrived before.
 ///
 /// @param baud  2400, 4800, 9600, 19200, 38400, 57600 or 115200
 /// @throws std::runtime_error  when it cannot be opened or is no terminal
-/// @throws files::Busy         when another of us has it open; that one is not disturbed
+/// @throws files::Busy         when another headpin has it open, which is not disturbed
 /// @throws std::invalid_argument  at another rate
 std::unique_ptr<ByteStream> open_serial(const std::string& path, int baud);
 
@@ -61,22 +61,22 @@ std::unique_ptr<ByteStream> connect_tcp(
     const std::string& host, int port,
     std::chrono::milliseconds patience = std::chrono::seconds(5));
 
-/// Two ends in one process: what one writes the other reads.
+/// Two connected ends in one process.
 ///
-/// @param capacity  bytes under way in each direction; a write beyond it is taken in part
+/// @param capacity  buffer size in each direction; a longer write is accepted in part
 std::pair<std::unique_ptr<ByteStream>, std::unique_ptr<ByteStream>> memory_streams(
     std::size_t capacity = 65536);
 
 /// The near end of a pseudo-terminal: programs open `name()` as if it were a serial port.
 ///
-/// The far end is raw and without echo from the start and stays so while clients come and go. What
-/// was sent while no client had it open is lost, as on a real port.
+/// The client's end is raw and without echo, and stays so when clients change. Bytes that are sent
+/// while no client is connected are lost, as on a real port.
 class PseudoTerminal : public ByteStream {
  public:
   /// @param link  a symbolic link to make to the terminal; empty for none. One that points nowhere
   ///              or to a terminal is replaced. It is removed at the end.
   /// @throws std::runtime_error  when no terminal can be had, or `link` is another file
-  /// @throws files::Busy         when another of these is behind `link`
+  /// @throws files::Busy         when `link` belongs to another emulator
   explicit PseudoTerminal(const std::string& link = "");
   ~PseudoTerminal() override;
   PseudoTerminal(const PseudoTerminal&) = delete;
@@ -85,7 +85,7 @@ class PseudoTerminal : public ByteStream {
   /// The terminal's own name, /dev/pts/N.
   const std::string& name() const { return name_; }
 
-  /// The rate the client has set at its end [baud]; 0 when it is none of a Fastrak's.
+  /// The client's baud rate; 0 when a Fastrak does not have this rate.
   int client_baud() const;
 
   /// From now on, bytes to and from a client at another rate arrive garbled; 0: any rate will do.
@@ -111,13 +111,13 @@ class PseudoTerminal : public ByteStream {
 
 /// A TCP server; one client at a time, a newcomer replaces the last one.
 ///
-/// What is written while nobody is connected is lost, as on a line with nobody at its end.
+/// Bytes that are written while no client is connected are lost.
 class TcpServer : public ByteStream {
  public:
   /// @param port     0 for any free one
   /// @param address  of the interface to serve, a number; the default only this machine
   /// @throws files::Busy         when the port is taken
-  /// @throws std::runtime_error  when the address is none of this machine's
+  /// @throws std::runtime_error  when the address is not one of this computer
   explicit TcpServer(int port, const std::string& address = "127.0.0.1");
   ~TcpServer() override;
   TcpServer(const TcpServer&) = delete;

@@ -9,11 +9,11 @@
 
 namespace headpin::devices {
 
-/// A line that goes on when it hung up and came back: the unit switched off and on, an adapter
-/// pulled out and put back under the same name.
+/// A line that is reopened after a failure, such as a unit that is switched off and on, or an
+/// adapter that is unplugged and plugged in again.
 ///
-/// It is never closed. While it is away nothing can be read or written, and `trouble` says what is
-/// waited for.
+/// It never counts as closed. While the line is unavailable, nothing can be read or written, and
+/// `trouble` gives the reason.
 class LastingLine : public ByteStream {
  public:
   using Open = std::function<std::unique_ptr<ByteStream>()>;
@@ -42,8 +42,8 @@ class LastingLine : public ByteStream {
   std::chrono::steady_clock::time_point last_try_;
 };
 
-/// The line that a user names: `tcp:HOST:PORT`, as serial lines behind an Ethernet adapter are
-/// reached, or the path of a serial port. It lasts.
+/// Opens the line that a user names: `tcp:HOST:PORT`, for serial lines behind an Ethernet adapter,
+/// or the path of a serial port. It is reopened after failures.
 ///
 /// @throws std::runtime_error  when it cannot be opened now
 /// @throws std::invalid_argument  for a port that is no number from 1 to 65535, or another rate

@@ -14,12 +14,12 @@
 
 namespace headpin::devices {
 
-/// A stream that is read as soon as something arrives, each piece stamped right behind the read,
-/// however late its user comes for it.
+/// A stream that a thread reads as soon as bytes arrive. Each piece gets the time just after the
+/// read, however late it is used.
 ///
-/// The clock is asked after a read, so a stamp may be late but never early. Only the one who listens
-/// touches the stream below: what is to be written waits for that one too, as a terminal's read can
-/// stand still for a second when the kernel's own worker gets no processor, and its user must not.
+/// The clock is read after the data, so a stamp may be late but never early. Only the thread uses
+/// the stream below, for writes too: a terminal's read can block for a second when the kernel's
+/// worker thread gets no processor time, and the user of this stream must not wait for it.
 class StampedStream : public ByteStream {
  public:
   /// Time on the session's clock; called from the thread too.
@@ -30,15 +30,15 @@ class StampedStream : public ByteStream {
   StampedStream(const StampedStream&) = delete;
   StampedStream& operator=(const StampedStream&) = delete;
 
-  /// Reads and writes from now on in a thread of its own.
+  /// Starts the thread that reads and writes.
   void start();
-  /// Hands over what is to be written and takes in what is there. The thread does nothing else;
-  /// without it, whoever has the clock must.
+  /// Writes pending bytes and reads available ones. The thread calls this; without the thread, the
+  /// owner of the clock does.
   void listen();
 
   /// @throws  what the stream below threw
   std::size_t read(std::span<std::uint8_t> out) override;
-  /// When all that had arrived by then was last taken in: what is missing, this one may still owe.
+  /// The time up to which all arrived bytes have been read.
   Time time(Time now) const override;
   Time arrived(Time) const override { return stamp_; }
   std::size_t write(Bytes bytes) override;

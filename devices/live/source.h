@@ -11,10 +11,10 @@
 #include "devices/base/source.h"
 #include "devices/fastrak/setup.h"
 
-/// Sources by their names, as users write them.
+/// Sources by the names that users give.
 namespace headpin::devices {
 
-/// A source that keeps pace with a running session and can say how it does.
+/// A source for a running session, which reports its state.
 class LiveSource : public Source {
  public:
   using Counts = std::vector<std::pair<std::string, std::int64_t>>;
@@ -24,15 +24,15 @@ class LiveSource : public Source {
   /// As open_source takes it.
   const std::string& name() const { return name_; }
 
-  /// The session's clock runs from now on: what waited for it says nothing.
+  /// To be called when the session's clock starts; earlier samples are discarded.
   /// @param genlock  what a tracker's clock is held to it by; must outlive this; null: nothing
   virtual void start(Genlock* /*genlock*/ = nullptr) {}
 
-  /// What it is doing.
+  /// What it is doing, as text.
   virtual std::string activity() const = 0;
-  /// What keeps anything from coming, for people; empty when nothing does.
+  /// A message about why no samples arrive; empty if there is no problem.
   virtual std::string trouble() const { return {}; }
-  /// Something that is amiss with what came.
+  /// A kind of fault in received samples, and its number.
   struct Amiss {
     std::int64_t count = 0;  ///< of messages, or of times that it happened
     std::string what;        ///< for people, in a clause
@@ -40,21 +40,22 @@ class LiveSource : public Source {
   /// Each kind in its own place, also those of which there are none.
   virtual std::vector<Amiss> amiss() const { return {}; }
 
-  /// How it does, for people, in a clause or some.
+  /// Its state as text.
   virtual std::string report(Time now) const = 0;
-  /// The same for programs, by names of `--json`.
+  /// Its state for `--json`, by key.
   virtual Counts counts() const { return {}; }
 
-  /// Whether a button of its tracker stands for the trigger.
+  /// Whether a button of its tracker is the trigger.
   virtual bool has_stylus() const { return false; }
-  /// The log that it plays, empty where it plays none.
+  /// The log that it plays; empty if it plays none.
   virtual std::string recording() const { return {}; }
 
  private:
   std::string name_;
 };
 
-/// What is to be said of a source: each thing that is amiss at once, and more of it every ten seconds.
+/// Messages about faults of a source: the first of each kind at once, further ones every ten
+/// seconds.
 class AmissNews {
  public:
   /// @return  in words, what is new since it was said last; nothing before ten seconds are over

@@ -18,7 +18,7 @@ struct MotionRecording {
   std::vector<Pose> head;               ///< [m]
   std::vector<Pose> left_hand;          ///< [m]
   std::vector<Pose> right_hand;         ///< [m]
-  std::vector<std::string> notes = {};  ///< what the file has and was left out, for people
+  std::vector<std::string> notes = {};  ///< notes about ignored parts of the file
 };
 
 /// The 22 columns of the catalogue, as published: delta_time_ms (since the start), then for head,
@@ -28,7 +28,7 @@ std::vector<std::string> catalogue_columns();
 /// Reads the CSV of the XR motion catalogue (Schell et al., cschell/kinematic-maze).
 ///
 /// One line with the names of the columns, in any order, others are ignored; then a sample a line.
-/// Nothing is changed but the unit.
+/// Only the unit is converted.
 ///
 /// @param text    the whole file
 /// @param where   its name, for messages

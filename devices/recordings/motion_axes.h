@@ -7,8 +7,8 @@
 
 namespace headpin::devices {
 
-/// A frame told by where its axes point, +x, +y and +z: of R right, L left, S up, I down, A ahead,
-/// P back. Ours is RSP; what is at rest has its axes along those of its frame in either.
+/// A frame, given by the directions of +x, +y and +z: R right, L left, S up, I down, A ahead, P
+/// back. Ours is RSP.
 class Axes {
  public:
   /// @throws std::invalid_argument  naming `where`, unless there is one of each pair

@@ -11,13 +11,13 @@
 #include "devices/recordings/catalogue_csv.h"
 #include "devices/trial/resample.h"
 
-/// Recordings of a person's motion in the formats of others: one reader each, one frame for all.
+/// Readers for recordings of human motion in foreign formats, with one common frame.
 ///
-/// Whatever the format, what comes out is a MotionRecording in its frame. The readers declare units
-/// and axes as the format does; nothing is guessed.
+/// Every reader returns a MotionRecording. Units and axes come from the format's specification;
+/// nothing is guessed.
 namespace headpin::devices {
 
-/// What a user declares of a recording.
+/// Options for a recording that a user gives.
 struct MotionOptions {
   /// What one unit of the positions is, where the format does not say it [m].
   std::optional<double> unit_m = {};
@@ -34,7 +34,7 @@ struct MotionOptions {
   std::optional<std::string> axes = {};
 };
 
-/// Where and how one format is read.
+/// One format and its reader.
 struct MotionFormat {
   std::string_view name;   ///< as it is called: "VRPN log"
   std::string_view files;  ///< what is given: "a .vrpn file"
@@ -47,7 +47,7 @@ struct MotionFormat {
 
 std::span<const MotionFormat> motion_formats();
 
-/// Reads a file or folder in the format that it is.
+/// Detects the format of a file or folder and reads it.
 ///
 /// @throws std::invalid_argument  for a format not known here, naming those that are and what this
 ///                                seems to be; else as MotionFormat::read
@@ -55,7 +55,7 @@ MotionRecording read_motion(const std::string& path, const MotionOptions& option
 
 // The readers' parts that see bytes alone, for tests.
 
-/// What was tracked, by name, and what the file has and was left out, for people.
+/// The tracks by name, and notes about ignored parts of the file.
 struct MotionTracks {
   std::vector<std::pair<std::string, PoseTrack>> tracks;
   std::vector<std::string> notes;
@@ -89,8 +89,8 @@ struct BidsFrame {
 MotionTracks parse_motion_bids(std::string_view motion, std::string_view channels,
                                std::string_view where, const BidsFrame& frame);
 
-/// Head and hands at the same times: those of the head while all are there, the hands between
-/// their samples.
+/// Head and hands at the same times: the times of the head while all are tracked, with interpolated
+/// hands.
 ///
 /// @param left, right  null for one that was not tracked
 /// @throws std::invalid_argument  when there is no such time, or no hand

@@ -7,18 +7,20 @@
 #include "devices/fastrak/motion.h"
 #include "devices/trial/file.h"
 
-/// What an emulated Fastrak measures when it plays a recording.
+/// The motion of a recording for an emulated Fastrak.
 namespace headpin::devices {
 
-/// The motion of a recording: poses between its samples, held before the first and after the last.
+/// The motion of a recording: interpolated poses, constant before the first and after the last
+/// sample.
 ///
 /// Letters are those of the sample before; a press of the trigger of the 3D mouse, or of any
 /// station's switch, is a press of the unit's one switch. Stations that were not recorded rest as
 /// in `still_motion`. A sample that is not later than the one before of its device counts for nothing.
 FastrakMotion recorded_motion(const std::vector<Sample>& samples);
 
-/// The recorded place, if all receivers stay ahead of it, where the factory's hemisphere is, and in
-/// reach; else one behind them all, in the middle of their ways up and sideways.
+/// The recorded place of the transmitter, if all receivers stay ahead of it (the default
+/// hemisphere) and in range; else a place behind all receivers, in the middle of their vertical and
+/// sideways ranges.
 FastrakPlace place_for(const std::vector<Sample>& samples);
 
 /// The first in time of a recording's measurements; a default one where there is none.

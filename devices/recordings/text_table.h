@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-/// Text tables from outside: a line a row, cells between separators.
+/// Foreign text tables: one row per line, cells between separators.
 namespace headpin::devices {
 
 /// Takes what stands before `separator` off the front of `text`.
@@ -23,7 +23,7 @@ class TextTable {
   void read_names();
   void set_names(std::vector<std::string> names) { names_ = std::move(names); }
 
-  /// Goes on to the next row; false at the end.
+  /// Moves to the next row; false at the end.
   /// @throws std::invalid_argument  when it has another number of cells than there are names; an
   ///                                empty one more, as some programs end their lines, is no cell
   bool next();

@@ -10,21 +10,22 @@
 #include "engine/math.h"
 #include "files/input_file.h"
 
-/// The container of LCM's event logs, read so that nothing in a damaged one can hurt.
+/// Reads and writes LCM's event logs; damaged logs are read safely.
 ///
-/// liblcm's own reader allocates what a header claims and gives up at the first gap; this one takes
-/// no size on trust and finds its place again. On whole logs both read the same (tested).
+/// The reader stays our own: liblcm's allocates the size that a header claims, and stops at the
+/// first gap. This one checks every size and continues at the next event. On undamaged logs both
+/// read the same (tested).
 namespace headpin::devices {
 
 /// One event of a log; channel and data point into the bytes it was read from.
 struct LogEvent {
   std::int64_t number = 0;
-  Time time{};  ///< its stamp; one that no clock shows, the nearest that might be
+  Time time{};  ///< its time stamp; an impossible one becomes the nearest possible one
   std::string_view channel;
   std::span<const std::uint8_t> data;
 };
 
-/// A file, read piece by piece, so that its length costs no memory.
+/// A file that is read in pieces, so that memory does not depend on its length.
 class FileWindow {
  public:
   /// @throws std::runtime_error  when the file cannot be opened or is not a regular file
@@ -32,7 +33,7 @@ class FileWindow {
 
   std::size_t size() const { return file_.size(); }
 
-  /// The bytes from `at` on, until the next call; fewer where the file ends, or was cut meanwhile.
+  /// The bytes from `at`, valid until the next call; fewer at the end of the file.
   /// @throws std::runtime_error  when they cannot be read
   std::span<const std::uint8_t> read(std::size_t at, std::size_t size);
 
@@ -42,24 +43,24 @@ class FileWindow {
   std::vector<std::uint8_t> piece_;  // from begin_ on
 };
 
-/// Walks the events of a log.
+/// Reads the events of a log in order.
 ///
 /// Each is a header of 28 bytes, big-endian (uint32 0xEDA1DA01, int64 number, int64 microseconds,
-/// int32 length of the channel, int32 length of the data), the channel, the data. An event holds
-/// together when it fits the file and is followed by another one, by the end, or by bytes without a
-/// magic word inside it; else reading goes on at the next magic word.
+/// int32 length of the channel, int32 length of the data), the channel, the data. An event is valid
+/// if it fits into the file and is followed by another event, by the end, or by bytes, without a
+/// magic word inside it; else reading continues at the next magic word.
 class LogReader {
  public:
   explicit LogReader(std::span<const std::uint8_t> bytes) : bytes_(bytes), size_(bytes.size()) {}
-  /// Channel and data of an event of a file are there until the next one is asked for.
+  /// Channel and data of an event are valid until the next call of next().
   explicit LogReader(FileWindow& file) : file_(&file), size_(file.size()) {}
 
   /// The next whole event, or nothing at the end.
   std::optional<LogEvent> next();
 
-  /// Bytes passed over between whole events.
+  /// Number of skipped bytes between complete events.
   std::int64_t skipped_bytes() const { return skipped_bytes_; }
-  /// Bytes of an event that the file ends in.
+  /// Number of bytes of an incomplete last event.
   std::int64_t cut_bytes() const { return cut_bytes_; }
 
  private:
@@ -75,7 +76,7 @@ class LogReader {
   std::int64_t cut_bytes_ = 0;
 };
 
-/// Puts an event behind others, as a log has them.
+/// Appends an event to the bytes of a log.
 void append(const LogEvent& event, std::vector<std::uint8_t>& out);
 
 }  // namespace headpin::devices

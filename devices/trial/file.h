@@ -13,21 +13,21 @@
 #include "devices/base/source.h"
 #include "devices/trial/log.h"
 
-/// A trial on disk, read forward as often as one likes, in memory that does not grow with it.
+/// A trial on disk, which can be read repeatedly in constant memory.
 namespace headpin::devices {
 
 struct LogContent;  // of a TrialFile
 class TrialWalk;    // through it
 
-/// A log that has been looked through from end to end.
+/// A log that has been scanned once.
 ///
-/// See read_log for what is passed over. What is remembered is its summary, and which messages have
-/// a time that those around them do not share.
+/// See read_log for what is skipped. It stores the summary, and which messages have a time that
+/// disagrees with their neighbours.
 class TrialFile {
  public:
   /// @throws std::runtime_error  when there is no such file or no event in it
   explicit TrialFile(const std::string& path);
-  /// The same of the bytes of a log, which must outlive it.
+  /// The same from the bytes of a log, which must outlive the object.
   explicit TrialFile(std::span<const std::uint8_t> bytes);
   ~TrialFile();
   TrialFile(TrialFile&&) noexcept;
@@ -35,12 +35,12 @@ class TrialFile {
 
   const TrialSummary& summary() const;
 
-  /// Refuses what is no trial to be simulated, as read_trial does.
+  /// Throws an exception if the log is not a trial that can be simulated, like read_trial.
   void require_trial(Time longest_gap) const;
 
   using Item = std::variant<Sample, TickState, FrameRecord>;
-  /// Shows each in the order of the log, until `see` has seen enough and says false.
-  /// @throws std::runtime_error  when the file is another by now
+  /// Calls `see` for each message in the order of the log, until it returns false.
+  /// @throws std::runtime_error  when the file was changed in the meantime
   void walk(const std::function<bool(Item&)>& see) const;
 
  private:
@@ -51,7 +51,7 @@ class TrialFile {
   std::unique_ptr<LogContent> content_;
 };
 
-/// What walk() shows, for those who ask for it one by one.
+/// Iterates over the messages that walk() passes.
 class TrialItems {
  public:
   /// @param file  must outlive this
@@ -71,10 +71,10 @@ class TrialItems {
   std::unique_ptr<TrialWalk> walk_;
 };
 
-/// A trial as a source: hands out its samples by the time they were available, as ReplaySource does,
-/// and beside them what was recorded of the same ticks.
+/// A trial as a source: returns its samples by the time at which they were available, like
+/// ReplaySource, and the recorded states and frames of the same ticks.
 ///
-/// Holds as much of the log as its samples are out of order.
+/// Its memory depends on how far the samples are out of order.
 class TrialPlayer : public Source {
  public:
   struct Beside {
@@ -82,7 +82,7 @@ class TrialPlayer : public Source {
   };
 
   /// @param file    must outlive this
-  /// @param beside  what is going to be asked for
+  /// @param beside  whether states or frames will be requested
   explicit TrialPlayer(const TrialFile& file, Beside beside);
   explicit TrialPlayer(const TrialFile& file) : TrialPlayer(file, Beside{}) {}
   ~TrialPlayer() override;
@@ -97,8 +97,7 @@ class TrialPlayer : public Source {
   bool has_frames() const { return frames_.left > 0 || !frames_.read.empty(); }
   bool complete() const { return complete_; }  ///< nothing is missing, as TrialSummary::complete
 
-  /// The recorded state or frame of a tick, nothing where there is none; to be asked for tick by
-  /// tick, forward.
+  /// The recorded state or frame of a tick, or nothing; ticks must increase from call to call.
   const TickState* state(std::int64_t tick) { return find(states_, tick); }
   const FrameRecord* frame(std::int64_t tick) { return find(frames_, tick); }
 

@@ -12,27 +12,27 @@
 /// A trial on disk: one LCM event log, NAME.lcmlog, that lcm-logplayer can play.
 namespace headpin::devices {
 
-/// A longer time without a sample is taken for damage, unless somebody says that it is meant.
+/// A longer gap between samples means damage, unless the caller accepts it.
 constexpr Time kLongestGap{60'000'000};
 
 /// Reads a whole trial.
 ///
-/// What cannot be used is passed over and counted, see Trial.
+/// Unusable messages are skipped and counted, see Trial.
 ///
-/// @param longest_gap  time without a sample that is not yet refused
+/// @param longest_gap  longest accepted gap between samples
 /// @throws std::runtime_error  when there is no such file, no event in it, no header, a header of a
 ///                             format version not known here, or a longer gap
 Trial read_trial(const std::string& path, Time longest_gap = kLongestGap);
 
-/// Reads whatever a log holds, header or not.
+/// Reads any log, with or without a header.
 ///
 /// A sample or a state is dropped when its time, or a state's tick, jumps away from those before it
 /// and after it by more than a second, while the log's own stamps go on: a flipped bit does that.
 /// A jump that lasts, as of a publisher that started again, is kept.
 ///
-/// Samples of a session say themselves when it got them. In logs from before they did, one that
-/// stands behind a state although it was there before it reached the session only then; its
-/// `session_time` is put just behind the state's.
+/// Samples of a session have the time at which the session used them. In older logs, a sample that
+/// follows a state although it was available before reached the session only then; its
+/// `session_time` is set just after the state's.
 ///
 /// @throws std::runtime_error  when there is no such file or no event in it
 Trial read_log(const std::string& path);
@@ -40,22 +40,22 @@ Trial read_log(const std::string& path);
 /// The same from the bytes of a log; never throws for what is in them.
 Trial read_log(std::span<const std::uint8_t> bytes);
 
-/// How states are told: all of them whole, or most by what is new in them (state_change_t).
+/// How states are stored: all of them whole, or most of them as changes (state_change_t).
 enum class States { all, changes };
 
-/// A header with what this program says of itself: format, version, commit and schema.
+/// The header with this program's format, version, commit and schema.
 TrialHeader stamped(TrialHeader header, States states = States::all);
 
 /// Writes a trial through liblcm's event log, each message whole before the next begins.
 ///
-/// The file is a files::OutputFile: whole under its name or not there, unless it is live.
-/// Every message goes to the file at once, so that a process killed at any moment leaves a log that
-/// reads up to its last whole event. When the disk is full the file is cut back to that event.
+/// The file is a files::OutputFile: complete under its name or absent, unless it is live. Every
+/// message is written at once, so a killed process leaves a log that is readable up to its last
+/// complete event. When the disk is full, the file is truncated to that event.
 class Recorder : public TrialSink {
  public:
   struct Options {
     bool overwrite = false;  ///< else an existing file is refused
-    bool live = false;       ///< under the final name from the start, to survive anything
+    bool live = false;       ///< has its final name from the start, so that it survives a crash
     std::vector<std::filesystem::path> inputs = {};  ///< never to be written to
     States states = States::all;
     Time epoch{};  ///< added to the stamps of LCM's event headers; wall clock of time 0, if any
@@ -76,7 +76,7 @@ class Recorder : public TrialSink {
   Recorder(const Recorder&) = delete;
   Recorder& operator=(const Recorder&) = delete;
 
-  /// @throws std::runtime_error  when nothing more can be written; what was written before stays
+  /// @throws std::runtime_error  when nothing more can be written; earlier messages stay
   void write(const Sample& sample) override;
   void write(const Event& event) override;
   void write(const TickState& state) override;
@@ -95,7 +95,7 @@ class Recorder : public TrialSink {
   std::unique_ptr<File> file_;
 };
 
-/// Writes samples and events, each in the order they have, mixed by when they were available.
+/// Writes samples and events in the order in which they were available.
 void write(Recorder& recorder, std::span<const Sample> samples, std::span<const Event> events);
 
 }  // namespace headpin::devices

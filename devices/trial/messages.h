@@ -11,8 +11,7 @@
 
 /// Plain data <-> the bytes of LCM messages; pure functions.
 ///
-/// Decoding trusts nothing: every length is checked against the bytes there are before the code
-/// that lcm-gen made sees them.
+/// Decoding checks every length against the available bytes before the code of lcm-gen reads them.
 namespace headpin::devices {
 
 constexpr std::string_view kTrialChannel = "HEADPIN_TRIAL";
@@ -23,13 +22,13 @@ constexpr std::string_view kStateChannel = "STATE";
 constexpr std::string_view kStateChangeChannel = "STATE_CHANGE";
 constexpr std::string_view kFrameChannel = "FRAME";
 
-/// Before the channels on which a session publishes its own trial, so that it is not mixed up with
-/// what it listens to: SESSION_STATE.
+/// Prefix of the channels of a session's own trial, which distinguishes them from its inputs:
+/// SESSION_STATE.
 constexpr std::string_view kSessionPrefix = "SESSION_";
 
 using Buffer = std::vector<std::uint8_t>;
 
-/// Writes the message into `out`, which is resized; what it had room for is used again.
+/// Writes the message into `out`, which is resized; its memory is reused.
 ///
 /// @throws std::invalid_argument  when a list is longer than a message can hold
 void encode(const TrialHeader& header, Buffer& out);
@@ -44,10 +43,10 @@ void encode(const FrameRecord& frame, Buffer& out);
 using Message = std::variant<TrialHeader, TrackerSample, MouseSample, Event, TickState, StateChange,
                              FrameRecord>;
 
-/// Whether messages on `channel` are ours to decode.
+/// Whether headpin decodes messages on `channel`.
 bool is_trial_channel(std::string_view channel);
 
-/// The message on one of our channels; nothing when its type, its size or a length in it is wrong.
+/// Decodes a message on one of our channels; nothing if its type, its size or a length is wrong.
 std::optional<Message> decode(std::string_view channel, std::span<const std::uint8_t> bytes);
 
 /// Whether numbers are finite, quaternions unit to 1e-3, times less than 126 years from 0, counts

@@ -7,8 +7,8 @@
 
 namespace headpin::devices {
 
-/// Messages whose time, or a state's tick, jumps away from those around it while the log's own
-/// stamps go on; in their order.
+/// The messages whose time (or a state's tick) disagrees with their neighbours while the log's own
+/// time stamps advance; in order.
 std::vector<std::int64_t> find_misdated(Messages messages);
 
 }  // namespace headpin::devices

@@ -7,18 +7,18 @@
 
 namespace headpin::devices {
 
-/// The recent poses of one sensor, oldest first, from which a pose at any time is read.
+/// The recent poses of one sensor, oldest first, for interpolation.
 class PoseTrack {
  public:
-  /// Adds a pose; one that is not later than the last one replaces nothing and is dropped.
+  /// Adds a pose; one that is not later than the last one is dropped.
   /// @return whether it was taken
   bool push(Time time, const Pose& pose);
 
-  /// Pose at `time`: mixed from the samples on both sides of it, held before the first and after
-  /// the last; nothing while the track is empty.
+  /// The pose at `time`, interpolated; constant before the first and after the last sample. Nothing
+  /// for an empty track.
   std::optional<Pose> at(Time time) const;
 
-  /// Forgets what is older than `time`, but for the last one before it.
+  /// Removes samples before `time`, except the last of them.
   void forget_before(Time time);
 
   const std::vector<Stamped<Pose>>& samples() const { return samples_; }

@@ -4,12 +4,12 @@
 
 namespace headpin::devices {
 
-/// Where a trial goes as it comes about: a file, or LCM.
+/// The destination of a trial while it is made: a file, or LCM.
 class TrialSink {
  public:
   virtual ~TrialSink() = default;
 
-  /// @throws std::runtime_error  when nothing more can be taken
+  /// @throws std::runtime_error  when nothing more can be written
   virtual void write(const Sample& sample) = 0;
   virtual void write(const Event& event) = 0;
   virtual void write(const TickState& state) = 0;
@@ -18,7 +18,7 @@ class TrialSink {
   /// The end event, which counts the messages before it.
   virtual void close() = 0;
 
-  /// @throws std::runtime_error  when what was written is gone by now
+  /// @throws std::runtime_error  when the written file has vanished
   virtual void require_kept() const {}
 };
 

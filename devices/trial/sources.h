@@ -4,17 +4,18 @@
 
 #include "devices/base/source.h"
 
-/// Sources that hand out what others or a recording have, all by one rule.
+/// Sources that replay recordings or merge other sources, by the same rule.
 namespace headpin::devices {
 
-/// When a sample was there: when it arrived, or when it was measured if it never crossed a wire.
+/// The time of arrival of a sample, or its time of measurement if it was not transmitted.
 Time arrival(const Sample& sample);
 
-/// When a session may know of a sample: when it was there, or when a recorded session got it. Live
-/// and replayed sessions hand samples out by this one rule.
+/// The time from which a session may use a sample: its arrival, or the time at which a recorded
+/// session used it. Live and replayed sessions follow the same rule.
 Time available(const Sample& sample);
 
-/// A recording as a source: hands out the samples of a trial by the time they were available.
+/// A recording as a source: returns the samples of a trial by the time at which they were
+/// available.
 class ReplaySource : public Source {
  public:
   explicit ReplaySource(std::vector<Sample> samples);
@@ -30,13 +31,13 @@ class ReplaySource : public Source {
   std::size_t next_ = 0;
 };
 
-/// Several sources as one, each sample as soon as a replay would have it.
+/// Several sources as one; each sample is returned as soon as in a replay.
 class MergedSource : public Source {
  public:
   explicit MergedSource(std::vector<Source*> sources) : sources_(std::move(sources)) {}
 
   void poll(Time now, std::vector<Sample>& out) override;
-  /// When all of them are and nothing waits.
+  /// True when all sources are exhausted and no sample waits.
   bool exhausted() const override;
 
  private:

@@ -7,21 +7,22 @@
 
 #include "devices/trial/trial.h"
 
-/// States told by what is new in them: most bodies rest most of the time, the others go on much as
-/// before.
+/// States stored as changes: most bodies rest most of the time, and the others continue almost
+/// uniformly.
 namespace headpin::devices {
 
 /// Position, quaternion (w, x, y, z), velocity, angular velocity; the bits of each.
 using BodyNumbers = std::array<std::uint64_t, 13>;
 
-/// A body that is not as it was a tick before.
+/// A body that changed in a tick.
 struct BodyChange {
   std::int32_t body = 0;
   bool asleep = false;
-  BodyNumbers beyond{};  ///< of each number what its bits are beyond going on as it did, mod 2^64
+  /// For each number, the difference of its bits from the prediction, mod 2^64.
+  BodyNumbers beyond{};
 };
 
-/// A TickState told by the one of the tick before.
+/// A TickState as changes against the tick before.
 struct StateChange {
   Time time{};
   std::int64_t tick = 0;
@@ -30,25 +31,25 @@ struct StateChange {
   std::vector<BodyChange> bodies;  ///< in ascending order
 };
 
-/// The last two states, as far as they are known: the next one is told by them, and found again.
+/// The last two states, as far as they are known; they predict the next one.
 class StateHistory {
  public:
   void begin(const TickState& whole);
   void forget() { last_.reset(); }
 
-  /// What is new in the state of the next tick, which is the last one from now on.
-  /// @return  nothing where it can only be told whole: another tick, or other bodies
+  /// Encodes the state of the next tick, which becomes the last one.
+  /// @return  nothing if it must be stored whole: another tick, or other bodies
   std::optional<StateChange> change_to(const TickState& next);
 
-  /// The other way round.
-  /// @return  nothing where the state of the tick before is not known, or lacks a body
+  /// Decodes a state.
+  /// @return  nothing if the state of the tick before is unknown, or lacks a body
   const TickState* go_on(const StateChange& change);
 
-  /// The tick whose state may be told by what is new in it.
+  /// The tick whose state can be stored as changes.
   std::optional<std::int64_t> next_tick() const;
 
  private:
-  /// What the numbers of a body are, going on as they did.
+  /// The predicted numbers of a body.
   BodyNumbers expected(std::size_t body) const;
 
   std::optional<TickState> last_;

@@ -10,11 +10,10 @@
 
 #include "devices/trial/trial.h"
 
-/// A trial as tidy tables: one observation a row, one quantity a column, for people who would
-/// rather read CSV than LCM.
+/// A trial as tables in CSV: one row per observation, one column per quantity.
 namespace headpin::devices {
 
-/// One throw of a session, as its events tell of it: a ball that the hand let go.
+/// One throw of a session, from its events: a ball that the hand released.
 struct ThrowRow {
   std::string version;                   ///< red or blue; empty where there are none
   int frame = 0, ball = 0;               ///< from 1; 0 where it was not counted
@@ -35,7 +34,7 @@ struct ThrowRow {
   std::optional<bool> foul;    ///< let go beyond the foul line
 };
 
-/// What stands in one column of one table.
+/// One column of one table.
 struct TableColumn {
   std::string table;    ///< "trackers", "buttons", "events", "throws", "states" or "frames"
   std::string name;     ///< with the unit last
@@ -57,14 +56,14 @@ class TableWriter {
  public:
   /// @param header  of the trial
   /// @param out     both must outlive this
-  /// @param walk    p_WP of the tracked space when a sample was taken in; none where nobody knows
-  /// @throws std::invalid_argument  for a table that is not there
+  /// @param walk    p_WP of the tracked space when a sample was used; none if unknown
+  /// @throws std::invalid_argument  for an unknown table
   TableWriter(std::ostream& out, std::string_view table, const TrialHeader& header,
               std::function<std::optional<Vec3>(Time taken_in)> walk = {});
   ~TableWriter();
   TableWriter(TableWriter&&) noexcept;
 
-  /// What is not of this table is passed over.
+  /// Messages that do not belong to this table are skipped.
   void add(const Sample& sample);
   void add(const Event& event);
   void add(const ThrowRow& row);
@@ -78,7 +77,7 @@ class TableWriter {
   std::unique_ptr<Table> table_;
 };
 
-/// What every column is, as CSV: table, column, kind, unit, meaning.
+/// Describes every column, as CSV: table, column, kind, unit, meaning.
 void write_dictionary(std::ostream& out);
 
 }  // namespace headpin::devices

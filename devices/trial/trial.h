@@ -9,10 +9,10 @@
 #include "devices/base/sample.h"
 #include "engine/math.h"
 
-/// What a trial is made of, as plain data: everything that went in and came out of one session.
+/// The parts of a trial as plain data: all inputs and outputs of one session.
 namespace headpin::devices {
 
-/// First message of every trial; over LCM it is repeated for those who begin to listen later.
+/// First message of every trial; over LCM it is repeated for later listeners.
 struct TrialHeader {
   std::string participant;
   std::string condition;
@@ -20,7 +20,7 @@ struct TrialHeader {
   std::string scenario;                 ///< TOML, whole
   std::vector<std::string> body_names;  ///< of the bodies of each TickState, in their order
 
-  // Put in by the Recorder, whatever stands here.
+  // The Recorder sets these.
   std::int32_t format_version = 0;
   std::string software_version;
   std::string software_commit;
@@ -32,7 +32,7 @@ struct TrialHeader {
 constexpr std::int32_t kFormatVersion = 1;         ///< every state is whole
 constexpr std::int32_t kChangesFormatVersion = 2;  ///< most are told by what is new in them
 
-/// Something that happened. World frame W; what does not apply is zero or empty.
+/// An event. Vectors are in the world frame W; values that do not apply are zero or empty.
 struct Event {
   Time time{};
   std::int64_t tick = -1;  ///< of the simulation; -1 outside it
@@ -47,7 +47,7 @@ struct Event {
 /// Kind of the last event of a finished log; its value counts the messages before it.
 constexpr const char* kEndEvent = "end";
 
-/// Kind of the event that says who drew the frames (scene/watch/drawn_by.h). Who publishes a trial repeats
+/// Kind of the event that says what drew the frames (scene/watch/drawn_by.h). A publisher repeats
 /// it with the header; the first one counts.
 constexpr const char* kDrawnByEvent = "drawn_by";
 
@@ -57,11 +57,11 @@ struct BodyState {
   bool asleep = false;
 };
 
-/// The world after one tick: what can be seen of it, and what its hash is of.
+/// The world after one tick: its visible state, which the hash covers.
 ///
-/// Left out is what the solver keeps between ticks: last impulses and normals, which bodies were
-/// carried, how long a body has been still, which fell asleep together, which have met. A world
-/// started from one of these goes on alike but not to the bit; for that, replay the samples.
+/// The solver's memory between ticks is left out: last impulses and normals, support of bodies,
+/// times at rest, sleeping groups, first contacts. A world that starts from this state continues
+/// similarly, but not with equal bits; for those, replay the samples.
 struct TickState {
   Time time{};
   std::int64_t tick = 0;
@@ -79,14 +79,14 @@ struct FrameRecord {
   std::array<std::uint64_t, 2> hash{};  ///< of the pixels of each
 };
 
-/// What one channel of a log holds.
+/// Messages of one channel of a log.
 struct Channel {
   std::int64_t messages = 0;
   std::int64_t bytes = 0;
   Time first{}, last{};  ///< stamps of LCM's event headers
 };
 
-/// What was passed over when a log was read.
+/// Parts that were skipped when a log was read.
 struct Skipped {
   std::int64_t bytes = 0;        ///< between events or of events that do not hold together
   std::int64_t cut_bytes = 0;    ///< of an event the file ends in
@@ -106,7 +106,7 @@ struct Skipped {
   }
 };
 
-/// Messages in a row, none more than a second from the next, with the same thing amiss.
+/// Consecutive messages with the same fault, at most a second apart.
 struct Trouble {
   std::string
       kind;  ///< undecodable, implausible, foreign, baseless, misdated, late, lost or astray
@@ -116,7 +116,7 @@ struct Trouble {
 };
 constexpr std::size_t kMostTroubles = 100;  ///< that are kept; all of them are counted
 
-/// What one device sent.
+/// Samples of one device.
 struct DeviceSummary {
   std::int64_t samples = 0;
   Time first{}, last{};
@@ -126,13 +126,13 @@ struct DeviceSummary {
   std::int64_t astray = 0;  ///< alone in a place that no hand gets to and back from so fast
 };
 
-/// A time in which no sample became available.
+/// A stretch of time in which no sample became available.
 struct Gap {
   Time from{}, to{};
   Time length() const { return to - from; }
 };
 
-/// What a log comes to, without its samples, states and frames one by one.
+/// The summary of a log, without its samples, states and frames.
 struct TrialSummary {
   bool has_header = false;
   TrialHeader header;

@@ -10,25 +10,25 @@
 
 namespace headpin::devices {
 
-/// Adds to the troubles of a trial, to the last one of its kind and device if that is near.
+/// Adds a fault to the list, or to the last entry of the same kind and device if that is near.
 void note_trouble(TrialSummary& summary, const char* kind, const std::string& of, Time at,
                   std::int64_t messages = 1);
 
-/// The messages of a trial, one after the other. What cannot be used is passed over and counted.
+/// Iterates over the messages of a trial. Unusable messages are skipped and counted.
 class Messages {
  public:
-  /// @param session  the trial is what a session published, not what it listened to
+  /// @param session  read the trial that a session published, not its inputs
   Messages(LogReader reader, bool session) : reader_(reader), session_(session) {}
 
-  /// The next sample, event, state or frame, nothing at the end or where another trial begins.
+  /// The next sample, event, state or frame; nothing at the end or when another trial begins.
   std::optional<Message> next();
 
-  /// Of the message at hand: its number among all that were taken, and its stamp.
+  /// Number and time stamp of the current message.
   std::int64_t number() const { return taken_ - 1; }
   Time stamp() const { return stamp_; }
   Time since_first() const { return stamp_ - *first_stamp_; }
 
-  /// Channels, header, what was passed over, and whether the end was there.
+  /// Channels, header, skipped messages, and whether the log has its end.
   TrialSummary& counted() { return counted_; }
 
  private:

@@ -22,7 +22,7 @@ std::span<const HmdProfile> hmd_profiles();
 /// Their names, separated by commas.
 std::string hmd_profile_names();
 
-/// @throws std::invalid_argument  naming those there are
+/// @throws std::invalid_argument  naming the profiles
 const HmdProfile& hmd_profile(std::string_view name);
 
 }  // namespace headpin::render

@@ -12,17 +12,17 @@ namespace headpin::render {
 /// A colour in linear light from its usual web notation, 0xRRGGBB in sRGB.
 Vec3 srgb(std::uint32_t rgb);
 
-/// The light of an sRGB code, 0..1 each.
+/// Converts an sRGB code to linear light, 0..1 each.
 Vec3 light_of(const Vec3& code);
 
-/// The code of a light, 0..1 each: what srgb() reads.
+/// Converts linear light to its sRGB code, 0..1 each.
 Vec3 srgb_of(const Vec3& light);
 
-/// What the light does to a mesh.
+/// How a mesh is lit.
 enum class Surface {
-  lit,    ///< colour is what it reflects; lamps and surroundings are worked out per pixel
-  baked,  ///< colour is the light it sends: walls, lamps
-  floor,  ///< baked, and takes shadows; polished to the degree of `gloss`, it mirrors
+  lit,    ///< colour is the reflectance; light is computed per pixel
+  baked,  ///< colour is the emitted light: walls, lamps
+  floor,  ///< baked, with shadows, and with reflections by `gloss`
 };
 
 struct Vertex {
@@ -34,14 +34,15 @@ struct Vertex {
 /// Triangles, counter-clockwise seen from outside.
 struct Mesh {
   Surface surface = Surface::lit;
-  bool fine_light = true;    ///< lit at each pixel; at vertices is enough for what is small
-  double gloss = 0.0;        ///< 0 matt .. 1; for a floor the share of light mirrored straight down
-  bool takes_shadow = true;  ///< a floor's: of items that cast one
+  bool fine_light = true;  ///< lit per pixel; per vertex is enough for small meshes
+  /// 0 (matt) to 1; for a floor the share of light that it reflects vertically.
+  double gloss = 0.0;
+  bool takes_shadow = true;  ///< for a floor: shows shadows of items
   std::vector<Vertex> vertices;
   std::vector<std::uint32_t> indices;  ///< three a triangle
 };
 
-/// Adds the triangles of `part`, standing in the mesh at X_GP.
+/// Adds the triangles of `part` at the pose X_GP.
 void append(Mesh& mesh, const Mesh& part, const Pose& X_GP = {});
 
 /// Adds a flat four-sided face: corners counter-clockwise seen from outside.
@@ -51,7 +52,7 @@ void append_face(Mesh& mesh, const Vec3& a, const Vec3& b, const Vec3& c, const 
 /// A box with its faces outward, centred at the origin.
 Mesh box(const Vec3& size, const Vec3& colour);
 
-/// A circle of a turned body. Two rings at one place make a sharp edge, of shape or colour.
+/// A circle of a body of revolution. Two rings at one place make a sharp edge of shape or colour.
 struct Ring {
   double z;     ///< along the axis [m]
   double r;     ///< [m], 0 closes the body
@@ -59,7 +60,7 @@ struct Ring {
   Vec3 colour;  ///< linear light
 };
 
-/// Turns rings, listed from the bottom up the outside, about the z axis.
+/// Makes a body of revolution about the z axis from rings, listed from the bottom up.
 ///
 /// @param sides  faces around, 3 or more
 Mesh turned(std::span<const Ring> rings, int sides);
@@ -68,7 +69,7 @@ Mesh turned(std::span<const Ring> rings, int sides);
 Mesh ellipsoid(double a, double c, int sides, int rings,
                const std::function<Vec3(double z)>& colour);
 
-/// Surface where a field is zero: negative inside, growing outward, about a distance [m].
+/// The surface on which a field is zero. The field is negative inside and about a distance [m].
 ///
 /// Naive surface nets (Gibson 1998): one vertex in each cell the surface passes, normals from the
 /// field's slope.

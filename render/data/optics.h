@@ -16,9 +16,10 @@ struct Optics {
   double outward_deg = 0.0;     ///< how far each eye's axis is turned outward
   double near = 0.05;           ///< [m]
   double far = 40.0;            ///< [m]
-  int relay_width = 0;          ///< pixels that are drawn and relayed to the display's; 0: its own
-  int relay_height = 0;         ///< likewise
-  double lens_k1 = 0.0;         ///< what its lenses do (render/display.h)
+  /// Width of the picture that is scaled to the display; 0: that of the display.
+  int relay_width = 0;
+  int relay_height = 0;  ///< likewise
+  double lens_k1 = 0.0;  ///< lens distortion (render/display.h)
   double lens_k2 = 0.0;
 
   /// Width of a pixel over its height: 1.405 for the default display.

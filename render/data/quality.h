@@ -6,7 +6,7 @@
 
 namespace headpin::render {
 
-/// What is spent on a picture. The effects are part of what a participant sees: log them.
+/// The rendering quality of pictures. Participants see its effects, so trials store it.
 struct Quality {
   int samples = 2;              ///< of n, 2..8, n^2 + 1 lie in each pixel; of 1, one
   bool contact = true;          ///< floors darken beneath and beside bodies
@@ -17,7 +17,7 @@ struct Quality {
   bool operator==(const Quality&) const = default;
 };
 
-/// A quality by name.
+/// A named quality.
 struct Look {
   std::string_view name, meaning;
   Quality quality;

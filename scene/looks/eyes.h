@@ -6,7 +6,7 @@
 #include "render/eyes.h"
 #include "scene/looks/glimpse.h"
 
-/// The participant's eyes: what a session looks like to whoever is in it.
+/// The pictures that the participant's eyes see.
 namespace headpin::scene {
 
 struct Eyes {
@@ -16,24 +16,24 @@ struct Eyes {
   render::Quality look;
 };
 
-/// Eyes that draw as the stage's scenario wants it, or in another look.
-/// @throws std::runtime_error  when nothing can be drawn on this machine; says why
+/// Makes eyes with the rendering quality of the stage's scenario, or with another one.
+/// @throws std::runtime_error  when no OpenGL context works, with the reasons
 Eyes open_eyes(const Stage& stage);
 /// @param gl  as render::open_context
 Eyes open_eyes(const Stage& stage, const render::Quality& look, std::string_view gl = {});
 
-/// Cameras for people who want to see who throws: behind and beside, and straight above the room,
-/// the lane to the right, all of it in the picture.
+/// Cameras that show the thrower: from behind and beside, or from above with the whole room, the
+/// lane to the right.
 Pose third_person_camera(const Scenario& scenario);
 Pose top_camera(const Scenario& scenario);
 
 /// Draws both eyes, left first.
 ///
-/// @return  the views drawn, X_WE of each eye in them
+/// @return  the views, with X_WE of each eye
 std::array<render::View, 2> see(Eyes& eyes, const Glimpse& glimpse,
                                 std::array<render::Image, 2>& out);
 
-/// What the same pixels' centres see, and how far it is: truth for segmentation and depth.
+/// The object and the depth at the centre of each pixel: ground truth for segmentation and depth.
 std::array<render::Labels, 2> see_labels(Eyes& eyes, const Glimpse& glimpse);
 
 }  // namespace headpin::scene

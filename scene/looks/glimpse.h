@@ -7,10 +7,10 @@
 #include "scene/looks/looks.h"
 #include "scene/play/session.h"
 
-/// One moment of a session as it is seen, apart from whoever draws it.
+/// What is visible at one moment of a session, independent of the renderer.
 namespace headpin::scene {
 
-/// All that is needed to draw one moment of a session, so that it can be drawn later or elsewhere.
+/// All data to draw one moment of a session, now, later or in another process.
 struct Glimpse {
   Pose X_WD = {};  ///< head display
   std::vector<Pose> X_WB_skittles = {}, X_WB_balls = {};
@@ -18,18 +18,18 @@ struct Glimpse {
   double skittle_centre = 0.0;
   std::optional<Pose> X_WH = {};
   double closed = 0.0;            ///< the hand, see Moving
-  std::optional<Pose> X_WC = {};  ///< a camera that sees in the head's stead, and the head itself
+  std::optional<Pose> X_WC = {};  ///< another camera, which shows the head too
 };
 
 Glimpse glimpse(const Session& session, const Pose& X_WD);
 
-/// What of it is drawn.
+/// The poses that are drawn.
 Moving moving(const Glimpse& glimpse);
 
-/// What a session looks like between two of its ticks: bodies and hand are mixed from those of both.
+/// What is visible between two ticks: poses of bodies and hand are interpolated.
 class BetweenTicks {
  public:
-  /// Told of every tick, when it is over and has been looked at.
+  /// To be called after every tick, once its pictures are taken.
   void keep(const Session& session);
 
   /// At a time since the tick that was kept, which is the one before the session's last. What was

@@ -6,8 +6,8 @@
 
 namespace headpin::scene {
 
-/// A right hand in a sleeve, in its own frame: its back up (+y), origin in the palm. Less than 1000
-/// triangles.
+/// A mesh of a right hand in a sleeve, in its own frame: the back is up (+y), the origin is in the
+/// palm. It has less than 1000 triangles.
 ///
 /// @param p_HB    centre of the ball in the hand [m]; the palm lies where the ball is nearest
 /// @param radius  of the ball [m]

@@ -6,7 +6,7 @@
 #include "render/draw_list.h"
 #include "scene/stage/room.h"
 
-/// What the room looks like, from its measures. Light is worked out once, for every vertex.
+/// Meshes of the room, from its measures. Their light is computed once for every vertex.
 namespace headpin::scene {
 
 struct RoomMeshes {
@@ -14,14 +14,14 @@ struct RoomMeshes {
   render::Mesh approach;  ///< where the player walks
   render::Mesh beside;    ///< gutters, carpet, and the floor behind the lane
   render::Mesh walls;     ///< with the ceiling and its lamps
-  render::Mesh front;     ///< what stands around the skittles: the lane mirrors it
+  render::Mesh front;     ///< parts around the skittles, which the lane reflects
 };
 
-/// The lamps of the room: on the ceiling one to about three metres of its length, seven at most, and
-/// one over the skittles, behind the masking panel where there is one.
+/// The lamps of the room: on the ceiling one for about three metres of its length, seven at most,
+/// and one above the skittles, behind the masking panel if there is one.
 std::vector<render::Lamp> room_lamps(const RoomMeasures& room);
 
-/// Light from all around, above and below.
+/// Ambient light from above and below.
 struct Ambient {
   Vec3 sky, ground;
 };

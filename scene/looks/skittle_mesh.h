@@ -5,10 +5,10 @@
 #include "render/data/mesh.h"
 #include "scene/stage/outline.h"
 
-/// What skittles and balls look like.
+/// Meshes of skittles and balls.
 namespace headpin::scene {
 
-/// A white skittle with two red stripes around its neck, turned from its outline.
+/// A white skittle with two red stripes around its neck, a body of revolution from its outline.
 ///
 /// @param origin  height of the mesh origin above the outline's height 0 [m]
 /// @param rings   about how many circles it is made of
@@ -20,7 +20,7 @@ render::Mesh skittle_mesh(const Outline& outline, double origin, int rings, int 
 /// @param off  how far the surface may be from the outline [m]
 render::Mesh edged_skittle_mesh(const Outline& outline, double origin, double off, int sides);
 
-/// A marbled ball with three finger holes: one sees it roll.
+/// A marbled ball with three finger holes, so that its rolling is visible.
 ///
 /// @param holes  unit, where the holes are
 /// @param sides  faces around

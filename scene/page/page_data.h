@@ -9,11 +9,11 @@
 #include "scene/looks/looks.h"
 #include "scene/watch/recorded.h"
 
-/// A trial as a page shows it: everything small as JSON, everything long as numbers in rows.
+/// The data of a trial for the page: short parts as JSON, long parts as rows of numbers.
 namespace headpin::scene {
 
-/// What a reader may move, as the options of `headpin replay` do, in every version of the game; what
-/// is not given stays as the trial has it.
+/// The values that a reader of the page can change, like the options of `headpin replay`, for every
+/// version of the game; other values are those of the trial.
 struct Moved {
   std::optional<double> elasticity, friction;  ///< of every object, 0 to 1
   std::optional<std::string> shape, response;
@@ -24,9 +24,9 @@ struct Moved {
 /// @throws std::invalid_argument  for a value out of range or an unknown name
 void apply(const Moved& moved, Scenario& scenario);
 
-/// The meshes of everything that a trial shows. Making them takes longer than most simulations, so
-/// they are made once for all simulations of the trial. What a file that cannot be read was the look
-/// of has the program's own shape.
+/// The meshes of all objects of a trial. Making them takes longer than most simulations, so they
+/// are made once for all simulations of the trial. If a mesh file cannot be read, the program's own
+/// mesh is used.
 struct PageLooks {
   std::vector<render::Mesh> meshes;
   std::vector<std::string> missing;  ///< a sentence for each such file
@@ -42,11 +42,11 @@ struct PageData {
   std::vector<float> floats;
 };
 
-/// Simulates a trial, moved or not, and keeps what of it is seen and measured.
+/// Simulates a trial, with changed values or not, and stores what is visible and measured.
 ///
-/// Bodies of an unmoved trial are shown where its own states have them; `json.hash` tells whether
-/// the simulation came to the same bits, and where first not. Every n-th tick is drawn of a trial
-/// that has more than a page can hold, and the strongest of its contacts; `json.drawn` says so.
+/// Bodies of an unchanged trial are at the poses of its recorded states. `json.hash` says whether
+/// the simulation has the same bits, or the first difference. Of a trial that is too long for a
+/// page, every n-th tick and the strongest contacts are stored; `json.drawn` says so.
 ///
 /// @param looks   of the trial, moved or not
 /// @param meshes  with what all of it looks like; without, `json.meshes` is empty and numbers of

@@ -10,10 +10,10 @@
 #include "scene/looks/looks.h"
 #include "scene/play/run.h"
 
-/// What moves in a session, written down to be shown elsewhere.
+/// The motion in a session, stored for the page.
 namespace headpin::scene {
 
-/// Numbers in rows, as a page gets them.
+/// A table of numbers for the page.
 struct Table {
   std::string name;
   std::vector<std::string> columns;
@@ -23,21 +23,21 @@ struct Table {
   std::size_t rows() const { return columns.empty() ? 0 : values.size() / columns.size(); }
 };
 
-/// Something that is seen, in one mesh at a time.
+/// A visible object, with one mesh at a time.
 struct Actor {
   std::string name, role;                  ///< role: "ball", "skittle", "hand" or "head"
   std::vector<std::array<float, 7>> X_WG;  ///< of each row: w, x, y, z, p
 };
 
-/// From a row on an actor is seen as a mesh, or not at all.
+/// From a row on, an actor has another mesh, or is invisible.
 struct Show {
   std::int64_t row = 0;
   std::size_t actor = 0;
   int mesh = -1;
 };
 
-/// Watches a session and keeps what of it is seen and measured, in memory that does not grow beyond
-/// what a page can hold: of a long session every n-th tick is drawn.
+/// Observes a session and stores what is visible and measured. Its memory is limited by the size of
+/// a page: of a long session, it stores every n-th tick.
 class Film : public Observer {
  public:
   /// @param recorded  bodies are shown as it has them where it has the tick; may be null

@@ -10,27 +10,29 @@
 #include "devices/recordings/catalogue_csv.h"
 #include "scene/scenario/scenario.h"
 
-/// A throw made by a model of the arm, for when nobody is there to throw.
+/// A throw by a model of the arm, without a person.
 ///
-/// The arm swings about the shoulder from pose to pose, each time with the least jerk (Flash and
-/// Hogan 1985: s = 10 t^3 - 15 t^4 + 6 t^5); hand, head and trunk tremble and sway on top. Equal
-/// seeds give equal bits on every machine.
+/// The arm swings about the shoulder from pose to pose with minimum jerk (Flash and Hogan 1985: s =
+/// 10 t^3 - 15 t^4 + 6 t^5); tremor and sway of hand, head and trunk are added. Equal seeds give
+/// equal bits on every computer.
 namespace headpin::scene {
 
-/// Heights of the ball's centre from which a thrower who stoops lays it down [m].
+/// Range of heights of the ball's centre at the release of a thrower who bends down [m].
 inline constexpr double kLowestRelease = 0.12, kHighestRelease = 0.5;
 
 struct ThrowPlan {
   std::uint64_t seed = 1;
-  double speed = 6.5;  ///< of the ball as it leaves the hand [m/s]; missed by 1 % or so
-  double aim = 0.0;    ///< direction of the ball, to the right of the lane [rad]; 0.3 deg
-  /// Of the ball's centre as it leaves [m], level: the thrower stoops and lays it down; missed by
-  /// 1 cm or so. Without it he stands, and throws it a little upward from 0.58 m.
+  double speed = 6.5;  ///< speed of the ball at its release [m/s]; accurate to about 1 %
+  /// Direction of the ball, to the right of the lane's axis [rad]; accurate to 0.3 deg.
+  double aim = 0.0;
+  /// Height of the ball's centre at its release with a level velocity [m], accurate to about 1 cm:
+  /// the thrower bends down. Without it the thrower stands upright, and releases the ball slightly
+  /// upward from 0.58 m.
   std::optional<double> height = {};
-  double duration_s = 7.0;  ///< of it all; what follows the throw is standing still
+  double duration_s = 7.0;  ///< total duration; after the throw the thrower stands still
 };
 
-/// Values passed one after the other, at rest at each.
+/// Values that are reached one after the other, with a rest at each.
 class MinimumJerk {
  public:
   struct Key {
@@ -44,12 +46,12 @@ class MinimumJerk {
   std::vector<Key> keys_;  // by time
 };
 
-/// Where head and hands are at any time of a throw, in the world.
+/// Poses of head and hands at any time of a throw, in the world.
 class ThrowMotion {
  public:
-  /// @throws std::invalid_argument  for a speed outside 4..9 m/s, an aim beyond 10 degrees, a height
-  ///                                outside the above, or a duration that is too short for the
-  ///                                throw or beyond 10 minutes
+  /// @throws std::invalid_argument  for a speed outside 4..9 m/s, an aim beyond 10 degrees, a
+  ///                                height outside that range, or a duration that is too short for
+  ///                                the throw or above 10 minutes
   ThrowMotion(const ThrowPlan& plan, const Hand& hand);
 
   Pose head(Time time) const;       ///< X_WD
@@ -67,7 +69,7 @@ class ThrowMotion {
     std::array<Vec3, 3> amplitude, rate, phase;  // [m or rad], [rad/s], [rad]
     Vec3 at(double time) const;
   };
-  /// How arm, trunk and head are bent: one scalar each.
+  /// The posture: one number for each joint.
   struct Joints {
     MinimumJerk raise;  ///< upper and lower arm against the vertical, forward [rad]
     MinimumJerk reach;  ///< shoulder to hand [m]
@@ -84,7 +86,8 @@ class ThrowMotion {
   Vec3 ball_at_release(const Hand& hand) const;  ///< its velocity
   struct Swing {
     double speed, back_swing;  ///< [m/s], arm against the vertical [rad]
-    double released, stoop;    ///< where the arm lets go [rad]; how far down the trunk is [m]
+    /// Angle of the arm at the release [rad]; how far the trunk is lowered [m].
+    double released, stoop;
   };
   double swing(const Swing& wanted, const Hand& hand);
   Vec3 trunk(double t) const;
@@ -99,30 +102,30 @@ class ThrowMotion {
   double speed_ = 0.0;
 };
 
-/// How the tracker adds to what it measures; figures of the Fastrak's kind.
+/// Noise and latency of the tracker, as for a Fastrak.
 struct TrackerNoise {
   double per_range = 2e-4;  ///< standard deviation per metre from the transmitter [m/m]
   double angle = 0.025 * std::numbers::pi / 180.0;  ///< standard deviation [rad]
   Time latency{7830};  ///< 3.75 ms to the output, then 47 bytes at 115200 baud
 };
 
-/// A rig as it would be set up: transmitter behind the thrower (x ahead, y right, z down),
-/// receivers on top of the helmet and on the back of the hand.
+/// A usual rig: the transmitter is behind the thrower (x ahead, y right, z down), the receivers are
+/// on top of the helmet and on the back of the hand.
 Rig synthetic_rig();
 
-/// Sets up what a scenario leaves at its defaults as the model wants it: its own rig, and the ball
-/// where the hand will be when it grabs. What the scenario says otherwise stays.
+/// Replaces default values of a scenario by those of the model: its rig, and the place of the ball
+/// where the hand grabs it. Other values of the scenario stay.
 ///
-/// @throws std::invalid_argument  when it says to put the ball where the hand cannot reach it
+/// @throws std::invalid_argument  when the scenario's place of the ball is out of reach
 void set_up(Scenario& scenario, const ThrowMotion& motion);
 
-/// What a tracker with two receivers says of the throw: 120 measurements a second, of head and hand
-/// in turn; and the trigger.
+/// The samples of a tracker with two receivers: 120 measurements per second, of head and hand in
+/// turn; and the trigger.
 std::vector<devices::Sample> sense(const ThrowMotion& motion, const Rig& rig, std::uint64_t seed,
                                    const TrackerNoise& noise = {});
 
-/// The throw as a head-mounted display with controllers would have recorded it, without buttons:
-/// 72 samples a second, unevenly, in whole milliseconds.
+/// The throw as a recording of a head-mounted display with controllers, without buttons: 72 samples
+/// per second, at uneven times in whole milliseconds.
 devices::MotionRecording record(const ThrowMotion& motion, std::uint64_t seed);
 
 }  // namespace headpin::scene

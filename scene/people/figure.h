@@ -4,25 +4,26 @@
 
 #include "engine/math.h"
 
-/// The body of a virtual participant: joints that move with the least jerk, and where head and hand
-/// are with them.
+/// The body of a virtual participant: joints that move with minimum jerk, and the resulting poses
+/// of head and hand.
 ///
 /// Frame P is the tracked space: x right, y ahead, z up, the floor at z = 0. A left-hander is the
-/// mirror image. By our own series throughout: the same bits on every machine.
+/// mirror image. Transcendental functions are our own series, so the bits are equal on every
+/// computer.
 namespace headpin::scene {
 
 /// Direction of a vector in a plane, from `along` towards `across` [rad], in (-pi, pi]; 0 for none.
 double direction(double along, double across);
 
-/// A value on its way to rest elsewhere with the least jerk, from however it moves now (Flash and
-/// Hogan 1985: the quintic that meets place, speed and acceleration at both ends).
+/// A value that moves to another value with minimum jerk, from any initial speed and acceleration
+/// (Flash and Hogan 1985: the quintic with given value, speed and acceleration at both ends).
 class Glide {
  public:
   explicit Glide(double value = 0.0) : coefficients_{value} {}
 
   double at(double time) const;
   double goal() const;
-  /// From `now` on; keeps place, speed and acceleration there.
+  /// Starts at `now`; value, speed and acceleration are continuous.
   void to(double value, double now, double duration);
 
  private:
@@ -30,7 +31,7 @@ class Glide {
   double begin_ = 0.0, duration_ = 1.0;
 };
 
-/// How somebody stands.
+/// A posture.
 struct Posture {
   double x = 0.0, y = 0.0;  ///< feet [m]
   double facing = 0.0;      ///< of the trunk, to the left [rad]
@@ -41,7 +42,7 @@ struct Posture {
   double reach = 0.55;      ///< shoulder to palm [m]
 };
 
-/// A posture on its way.
+/// A posture that changes.
 class Figure {
  public:
   explicit Figure(const Posture& posture);
@@ -56,7 +57,7 @@ class Figure {
   std::array<Glide, 8> joints_;
 };
 
-/// Who has the joints.
+/// The measures of a body.
 struct Build {
   double height = 1.75;  ///< [m]
   bool left_handed = false;
@@ -73,11 +74,11 @@ Vec3 shoulder(const Build& build, const Posture& posture);
 /// X_PH. Hanging, the palm looks ahead: fingers (-z) down, back of the hand (y) to the rear.
 Pose palm(const Build& build, const Posture& posture);
 
-/// Between the eyes, looking to the left by `turn` and up by `pitch`: X_PD.
+/// X_PD, the pose between the eyes, which look to the left by `turn` and up by `pitch`.
 Pose eyes(const Build& build, const Posture& posture, double turn, double pitch);
 
-/// Lets the arm point at a place, the palm that far before it; nearer than the arm can fold or
-/// further than it stretches, it only points there.
+/// Points the arm at a place, with the palm at a distance before it. If the arm cannot bend or
+/// stretch enough, it only points there.
 void point_at(const Build& build, Posture& posture, const Vec3& p_PQ, double before);
 
 }  // namespace headpin::scene

@@ -7,31 +7,34 @@
 #include "scene/people/swing.h"
 #include "scene/play/run.h"
 
-/// A virtual participant who plays a whole session: walks up, touches a button, throws, touches the
-/// other, throws.
+/// A virtual participant who plays a whole session: walks to the buttons, touches one, throws,
+/// touches the other, throws.
 namespace headpin::scene {
 
 struct ParticipantPlan {
   Person person;
-  int throws = 10;          ///< of each version: ten is ours, the paper says no number
+  /// Throws with each version; ten is our choice, the paper has no number.
+  int throws = 10;
   bool blue_first = false;  ///< else the red button is touched first
 };
 
-/// What is remembered of a throw that is under way.
+/// The current throw.
 struct Thrown {
   Vec3 from_W = Vec3::Zero(), target_W = Vec3::Zero();
   std::optional<double> miss;  ///< to the right, where it passed the target [m]
   bool felled = false;
 };
 
-/// Plays as device samples only: it is the source of a session and, as an observer, sees what comes
-/// of them. After every tick it decides what to do next; what it says is measured after that.
+/// The participant acts only through device samples: it is the source of a session and, as an
+/// observer, sees the result. After every tick it decides what to do next.
 ///
-/// Its gaze follows ball and skittles; a miss is made good by the next throw, in part; what comes
-/// flying it draws back from, a reaction time later. It stands in the tracked space with its feet
-/// within `kStepsAside` of where they began and walks the rest by the thumbs, looking where it goes.
+/// Its gaze follows ball and skittles. The next throw corrects a part of a miss. It moves away from
+/// bodies that fly at it, after a reaction time. In the tracked space its feet stay within
+/// `kStepsAside` of their first place; for longer ways it walks with the thumb buttons and looks
+/// ahead.
 ///
-/// A function of person, plan and session: no clock, and the same bits on every machine.
+/// It depends only on person, plan and session: it uses no clock, and has the same bits on every
+/// computer.
 class Participant : public devices::Source, public Observer {
  public:
   /// @param scenario  as of the session, after set_up()
@@ -41,12 +44,12 @@ class Participant : public devices::Source, public Observer {
   bool exhausted() const override { return finished(); }
   void tick(const Session& session) override;
 
-  /// It has played all it was asked to, or given up: a ball that does not come back, a button that is
-  /// out of reach.
+  /// True when it has played all throws, or has given up because a ball did not come back or a
+  /// button is out of reach.
   bool finished() const { return doing_ == Doing::nothing; }
   bool gave_up() const { return gave_up_; }
   int throws() const { return all_throws_; }
-  /// Of all versions; a game that ends sooner, or is none, leaves some.
+  /// Throws of all versions; fewer than planned if a game ends earlier.
   int throws_asked() const { return plan_.throws * static_cast<int>(versions_); }
 
   const ParticipantBody& body() const { return body_; }
@@ -120,11 +123,12 @@ class Participant : public devices::Source, public Observer {
   double threatened_since_ = 0.0, drawn_until_ = 0.0;
 };
 
-/// Feet stay so near to where they began: the tracker is good near its transmitter [m].
+/// Largest distance of the feet from their first place; the tracker is accurate only near its
+/// transmitter [m].
 inline constexpr double kStepsAside = 0.3;
 
-/// Sets up what a scenario leaves at its defaults as virtual participants want it: a rig whose
-/// transmitter stands ahead of them, where its noise is least as the ball is let go.
+/// Replaces default values of a scenario for virtual participants: the transmitter is ahead of
+/// them, where its noise is smallest at the release.
 void set_up_for_participants(Scenario& scenario);
 
 }  // namespace headpin::scene

@@ -10,16 +10,16 @@
 #include "scene/people/person.h"
 #include "scene/scenario/scenario.h"
 
-/// The body of a virtual participant as a tracker and a 3D mouse tell of it.
+/// The body of a virtual participant, as a tracker and a 3D mouse measure it.
 namespace headpin::scene {
 
-/// An angle that follows what it is told without overshooting, as a head follows the eyes.
+/// An angle that follows a target without overshoot, as a head follows the eyes.
 struct Following {
   double angle = 0.0, speed = 0.0;  ///< [rad], [rad/s]
   void step(double target, double dt);
 };
 
-/// Small movements nobody means: three sines for each of three axes.
+/// Involuntary small movements: three sines for each of three axes.
 class Trembles {
  public:
   Trembles(devices::Random& random, double amplitude, double low_hz, double high_hz);
@@ -39,7 +39,7 @@ class ParticipantBody {
   /// Turns the head towards a point of the tracked space; once a tick of `dt` seconds.
   void look_at(const Vec3& p_PQ, double now, double dt);
 
-  /// X_PD and X_PH, trembling and swaying.
+  /// X_PD and X_PH, with tremor and sway.
   Pose head(double time) const;
   Pose hand(double time) const;
 
@@ -47,8 +47,9 @@ class ParticipantBody {
   void thumbs(Time time, int forward);  ///< 1 forward, -1 backward, 0 none
   void trigger(Time time, bool down);
 
-  /// What both devices have brought across by `now`, oldest first: 120 measurements a second of head
-  /// and hand in turn, with a Fastrak's noise at their distance and the latency of its line.
+  /// The samples of both devices that have arrived by `now`, oldest first: 120 measurements per
+  /// second of head and hand in turn, with a Fastrak's noise for their distance and the latency of
+  /// its line.
   void sense(Time now, std::vector<devices::Sample>& out);
 
  private:

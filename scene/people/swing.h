@@ -6,19 +6,20 @@
 /// How a virtual participant throws.
 namespace headpin::scene {
 
-/// What the hand does to throw a ball: a pendulum with the least jerk from rest behind to rest ahead.
+/// The motion of the hand in a throw: a pendulum with minimum jerk, from rest at the back to rest
+/// in front.
 struct Swing {
   Posture ready, back;     ///< before it, and as far back as it goes
   double through = 1.5;    ///< raise of the arm where it ends [rad]
   double back_s = 1.0;     ///< from ready to back
   double forward_s = 0.6;  ///< from there to the end
-  double release_s = 0.3;  ///< of that, until the ball is let go
+  double release_s = 0.3;  ///< of that, until the release
 };
 
-/// The swing whose ball leaves the hand with a speed, at a height, towards a place.
+/// Finds the swing that releases the ball with a given speed, at a given height, towards a target.
 ///
-/// It leaves nearly level, a little before the arm is fastest. What the knees cannot do to the
-/// height is left out.
+/// The ball's velocity is nearly level, and the release is a little before the arm is fastest. The
+/// height is only reached as far as the knees can bend.
 ///
 /// @param stands    feet where it is thrown from, in the tracked space
 /// @param target_P  where the ball is to go

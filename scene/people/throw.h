@@ -7,21 +7,21 @@
 #include "devices/recordings/catalogue_csv.h"
 #include "scene/scenario/scenario.h"
 
-/// A throw in a recording that has no buttons: whether it is one, where it begins and ends, and how
-/// it is stood at the foul line.
+/// Throws in recordings without buttons: finding grab and release, checking that it is a person's
+/// throw, and placing it at the foul line.
 ///
 /// T is the frame of the recording: y up, the floor at y = 0.
 namespace headpin::scene {
 
 enum class Side { left, right };
 
-/// Where in a recording the ball is taken and let go, and by which hand.
+/// Grab and release in a recording, and the hand that throws.
 struct Throw {
   Side side = Side::right;
   std::size_t grab = 0;          ///< sample at which the hand rests lowest before the swing
   std::size_t release = 0;       ///< sample at which the hand rises out of the bottom of its swing
   double peak_hand_speed = 0.0;  ///< between neighbours of a sample [m/s]
-  Twist V_TB;                    ///< of the ball as it leaves the hand
+  Twist V_TB;                    ///< velocity of the ball at its release
 };
 
 /// The hand that throws.
@@ -29,38 +29,38 @@ const std::vector<Pose>& throwing_hand(const devices::MotionRecording& recording
 
 /// Finds the throw of a hand.
 ///
-/// The ball is laid down at the bottom of the swing: it leaves with the first sample at which the
-/// hand rises again, just before its forward speed peaks; at the peak itself when the hand does not
-/// fall within 0.2 s before.
+/// The release is at the bottom of the swing: at the first sample at which the hand rises again,
+/// just before its highest forward speed; at the highest speed itself if the hand does not fall in
+/// the 0.2 s before.
 ///
 /// @throws std::invalid_argument  with fewer than ten samples
 Throw find_throw(const devices::MotionRecording& recording, const Hand& hand,
                  Side side = Side::right);
 
-/// What a body does not allow: each a sentence with what was found and what was expected; none for
-/// a person's throw.
+/// The reasons why a recording is not a person's throw: sentences with what was found and what was
+/// expected. Empty for a person's throw.
 ///
-/// Looks at length and rate, height and uprightness of the head, reach and speed of the hands, the
-/// head looking along the throw, the throwing hand on its side.
+/// Checks length and rate, height and tilt of the head, reach and speed of the hands, the direction
+/// of the gaze, and the side of the throwing hand.
 std::vector<std::string> why_no_throw(const devices::MotionRecording& recording, const Hand& hand,
                                       Side side = Side::right);
 
-/// What makes the release of a throw less sure: few samples a second, long gaps. Sentences, none
-/// for a good recording.
+/// Reasons why the release is less accurate: a low sample rate or long gaps. Sentences; empty for a
+/// good recording.
 std::vector<std::string> doubts(const devices::MotionRecording& recording);
 
-/// The throws of a recording, one after the other: each from where the one before has swung out.
-/// The times of each begin at 0. As it is, where there is only one.
+/// Splits a recording into its throws; each begins after the follow-through of the one before. The
+/// times of each begin at 0. A recording with one throw is returned unchanged.
 std::vector<devices::MotionRecording> split_throws(const devices::MotionRecording& recording,
                                                    Side side);
 
-/// The hand by which it is a person's throw; without one, that which is faster.
+/// The hand with which the recording is a person's throw; or else the faster hand.
 Side throwing_side(const devices::MotionRecording& recording, const Hand& hand);
 
-/// Refuses what cannot be a person's throw.
+/// Throws an exception if the recording cannot be a person's throw.
 ///
-/// Where the recording would be one after a single common mistake is undone (unit, axis, order of
-/// the quaternion, scale of time, the other hand), the message says which.
+/// If the recording would be a person's throw after correcting one common mistake (unit, axis,
+/// order of the quaternion, scale of time, the other hand), the message names the mistake.
 ///
 /// @param where  name of the file, for the message
 /// @throws std::invalid_argument
@@ -73,11 +73,11 @@ enum class Heading {
   keep      ///< -z of the recording is down the lane
 };
 
-/// Stands the thrower in the world, by the rig alone.
+/// Places the thrower in the world, by changing only the rig.
 ///
-/// The ball's centre is over the middle of the foul line when it is let go, the recording's floor
-/// is the lane, the stand holds the ball where the hand takes it. Poses are read 28 ms late, so
-/// that there is always a sample on both sides of uneven ones.
+/// At the release, the ball's centre is above the middle of the foul line. The recording's floor is
+/// the lane, and the ball's stand is where the hand grabs the ball. Poses are read 28 ms late, so
+/// that there are samples before and after them even at an uneven rate.
 Scenario stand_thrower(Scenario scenario, const devices::MotionRecording& recording,
                        const Throw& found, Heading heading);
 

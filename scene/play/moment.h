@@ -8,7 +8,7 @@
 
 namespace headpin::scene {
 
-/// The tick that is being made.
+/// The current tick.
 struct Moment {
   Time time{};
   std::int64_t tick = 0;

@@ -7,8 +7,8 @@
 
 namespace headpin::scene {
 
-/// Why the ball felled no skittle, as far as the events of a session tell: the ball not taken, not let go,
-/// gone elsewhere, or too slow. One sentence; empty where one fell.
+/// The reason why no skittle fell, from the events of a session: the ball was not grabbed, not
+/// released, missed, or was too slow. One sentence; empty if a skittle fell.
 std::string why_nothing_fell(std::span<const devices::Event> events);
 
 }  // namespace headpin::scene

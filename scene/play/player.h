@@ -9,54 +9,53 @@
 #include "scene/play/walk.h"
 #include "scene/stage/stage.h"
 
-/// Whoever stands in the room: where head and hand are, and what the hand holds.
+/// The player: poses of head and hand, and the body in the hand.
 namespace headpin::scene {
 
 /// A body in the hand.
 struct Held {
   engine::BodyId body = 0;
-  Quat q_HB = Quat::Identity();  ///< how it was taken
+  Quat q_HB = Quat::Identity();  ///< its orientation in the hand since the grab
 };
 
-/// Where the player is, as far as the samples tell.
+/// The state of the player, from the samples.
 struct Player {
-  Walk walk;                                     ///< X_WP, by the thumbs
+  Walk walk;                                     ///< X_WP, from walking with the thumb buttons
   devices::PoseTrack head;                       ///< X_PD: display, x right, y up, looking along -z
   devices::PoseTrack hand;                       ///< X_PH
   std::optional<Time> head_arrival;              ///< of its newest sample
-  std::vector<devices::MouseSample> buttons;     ///< not yet acted upon, oldest first
+  std::vector<devices::MouseSample> buttons;     ///< not processed yet, oldest first
   bool left_thumb = false, right_thumb = false;  ///< walk forward, walk backward
   bool trigger = false;
   std::optional<Held> held;
-  std::optional<Time> grip_changed;       ///< tick that took or let go
-  std::optional<engine::BodyId> leaving;  ///< let go, and not clear of the hand yet
+  std::optional<Time> grip_changed;       ///< tick of the last grab or release
+  std::optional<engine::BodyId> leaving;  ///< body that was released and still touches the hand
 };
 
-/// X_PS: where a sensor is in the tracked space, which is the world until somebody walks.
+/// X_PS: pose of a sensor in the tracked space, which is the world until the player walks.
 ///
 /// @throws std::runtime_error  for a sample in a frame other than T and P, naming it
 Pose sensor_in_space(const devices::TrackerSample& sample, const Rig& rig);
 
-/// Takes in what became known at this moment and walks for a tick, as drive does first; a world is
-/// not needed for that. Buttons are left in the player.
+/// Takes the new samples and walks for a tick; drive() does this first. It needs no world. Buttons
+/// stay in the player.
 ///
-/// @param now      moment of the poses, `rig.delay_s` before that of the tick
+/// @param now      time of the poses, `rig.delay_s` before the tick
 /// @throws std::runtime_error  as sensor_in_space
 void follow(Player& player, std::span<const devices::Sample> samples, const Scenario& scenario,
             Time now);
 
-/// Forgets the buttons up to `now`, and poses of long before it.
+/// Removes the buttons up to `now`, and old poses.
 void forget(Player& player, Time now);
 
-/// Moves head and hand by what the devices say, and does what the buttons ask on the way: walk,
-/// take, carry, let go.
+/// Moves head and hand by the samples, and obeys the buttons: walk, grab, carry, release.
 ///
-/// Poses are read `rig.delay_s` before the moment; a ball let go between two ticks has flown since.
-/// What is carried stays outside of everything fixed: at the lane or wall that the hand goes through.
-/// A solid hand pushes what it touches; while it carries something, and until that is clear of it
-/// again, it is away.
+/// Poses are those of `rig.delay_s` before now; a ball that was released between two ticks flies
+/// from then on. A carried body stays outside of fixed bodies when the hand moves through the lane
+/// or a wall. A solid hand pushes what it touches, except while it carries a body, and until that
+/// body is clear of the hand again.
 ///
-/// @param samples  that became known at this moment
+/// @param samples  samples that became known at this tick
 /// @param out      events are appended
 /// @throws std::runtime_error  as sensor_in_space
 void drive(Player& player, std::span<const devices::Sample> samples, const Stage& stage,

@@ -10,93 +10,95 @@
 #include "scene/play/moment.h"
 #include "scene/play/player.h"
 
-/// Presence as behaviour shows it: something flies at the player; does head or hand get out of its
-/// way? Uno & Slater 1997 saw people do so and leave it for later: "This is dangerous!" How it is
-/// told is ours.
+/// Behavioural presence: does the player move head or hand away from a body that flies at them? Uno
+/// & Slater 1997 saw people do so ("This is dangerous!") and left it for later. This measure is our
+/// own.
 ///
-/// The player is the upright line from the floor to the crown of the head, and the hand. What counts
-/// is how a ball or a skittle moves in the room, not that somebody walks or reaches towards it.
+/// The player consists of the vertical line from the floor to the top of the head, and of the hand.
+/// Only the motion of the ball or skittle in the room counts, not that of a player who walks or
+/// reaches towards it.
 namespace headpin::scene {
 
-/// How something passes the player if it goes on as it does.
+/// How a body passes the player if both keep their velocities.
 struct Passing {
-  double time_s = 0.0;    ///< until it is nearest
-  double distance = 0.0;  ///< between the sphere around it and the player then, 0 where it hits [m]
-  bool at_hand = false;   ///< it is nearer to the hand than to the rest
+  double time_s = 0.0;  ///< until it is nearest
+  /// Closest distance between the sphere around the body and the player; 0 if it hits [m].
+  double distance = 0.0;
+  bool at_hand = false;  ///< it comes nearer to the hand than to head and body
 };
 
-/// What comes at somebody.
+/// Predicts how a body passes the player.
 ///
-/// @param state    of the thing, in the world; it falls under gravity, not below the floor
-/// @param radius   of the thing, all around it [m]
+/// @param state    of the body, in the world; it falls under gravity, not below the floor
+/// @param radius   radius of the sphere around the body [m]
 /// @param p_WD     between the eyes
-/// @param p_WH     the palm, where it is known
+/// @param p_WH     the palm, if it is known
 /// @param gravity  [m/s^2]
-/// @return         nothing for what does not come nearer
+/// @return         nothing if the body does not come nearer
 std::optional<Passing> passing(const engine::State& state, double radius, const Vec3& p_WD,
                                const std::optional<Vec3>& p_WH, double gravity);
 
-/// From when a passing is one that people draw back from: it would come this near, this soon, this
-/// fast.
+/// Thresholds from which people move away: distance, time and speed of the body.
 struct Alarm {
   double near = 0.4;    ///< [m]
   double soon_s = 1.0;  ///< [s]
   double fast = 1.0;    ///< of the thing in the room [m/s]
 };
 
-/// Whether something flies at the player, by `Alarm`.
+/// Whether a body flies at the player by these thresholds.
 bool is_coming(const engine::State& state, const Passing& passing);
 
-/// A thing that flies at the player, from when it was noticed until 0.3 s after it was nearest.
+/// A body that flies at the player, from when it was noticed until 0.3 s after the closest
+/// approach.
 struct Approach {
   engine::BodyId body = 0;
   Time noticed{};
-  Passing foreseen;                 ///< as it was noticed
-  Vec3 along_W = Vec3::UnitY();     ///< where it flew then, horizontally
-  double closest = 0.0;             ///< its surface, as it collides, to the player, so far [m]
-  double head_away = 0.0;           ///< largest acceleration out of its way, so far [m/s^2]
+  Passing foreseen;              ///< predicted when it was noticed
+  Vec3 along_W = Vec3::UnitY();  ///< horizontal direction of its flight then
+  double closest = 0.0;          ///< closest distance of its collision surface so far [m]
+  /// Largest acceleration of the head away from it so far [m/s^2].
+  double head_away = 0.0;
   double hand_away = 0.0;           ///< likewise
-  std::optional<Time> passed = {};  ///< when it no longer came nearer
+  std::optional<Time> passed = {};  ///< when it began to move away
 };
 
-/// What the player has let go, until it turns back or goes away, further off than `Alarm::near`.
+/// A body that the player released, until it turns back or is further away than `Alarm::near`.
 struct Own {
   engine::BodyId body = 0;
-  Vec3 along_W = Vec3::UnitY();  ///< where it flew as it was let go, horizontally
+  Vec3 along_W = Vec3::UnitY();  ///< horizontal direction of its flight at the release
 };
 
-/// What is in the air.
+/// All approaching bodies.
 struct Presence {
   std::vector<Approach> approaches;  ///< oldest first
   std::vector<Own> own;
 };
 
-/// Whether something is on its way from the player's own hand: nobody draws back from that.
+/// Whether a body is still flying from the player's own hand; people do not move away from those.
 bool is_own(const Presence& presence, engine::BodyId body);
 
-/// Head or hand got out of the way when it accelerated out of it by this [m/s^2]. Of virtual
-/// participants whom nothing disturbs nine heads in ten stay below 3.2, of those who draw back nine in
-/// ten are above 5.
+/// Head or hand counts as moved away above this acceleration [m/s^2]. For virtual participants, 90
+/// % of undisturbed heads stay below 3.2, and 90 % of those that move away are above 5.
 inline constexpr double kOutOfTheWay = 4.0;
 
-/// Looks at what flies at the player after a step: an event as it is noticed and one when it is
-/// over, with the closest approach and with how head and hand accelerated.
+/// Watches bodies that fly at the player after a step. Reports an event when one is noticed, and
+/// one when it has passed, with the closest approach and the accelerations of head and hand.
 ///
-/// Accelerations are the slopes of parabolas through the samples of the last 0.2 s, in the tracked
-/// space: own movement, a walk by the thumbs is not in it. Out of its way is along its flight, to
-/// the side that the player is on, or, for what passes within 0.5 m of the height, up or down. The
-/// head's is that of its joint with the neck, so that who looks round stays; a hand that swings, by
-/// more than 0.3 m in that time, does not count.
+/// Accelerations are those of parabolas through the samples of the last 0.2 s in the tracked space,
+/// without walking by the thumb buttons. "Away" means along the flight, to the side of the player,
+/// or up or down if the body passes within 0.5 m of the height. The head's acceleration is measured
+/// at its joint with the neck, so turning the head does not count. A hand that swings, by more than
+/// 0.3 m in that time, does not count.
 ///
 /// @param out  events are appended
 void watch(Presence& presence, const Player& player, const Stage& stage, const engine::World& world,
            const Moment& moment, std::vector<devices::Event>& out);
 
-/// What flew at the player, from the events of a session: when it was over, the body, the closest
-/// approach, and what the event says besides.
+/// The bodies that flew at the player, from the events of a session: time, body, closest approach
+/// and the event's further values.
 nlohmann::json approaches_of(std::span<const devices::Event> events);
 
-/// The same for people, a line each.
+/// The same as text, one line each.
 std::vector<std::string> approaches_in_words(std::span<const devices::Event> events);
 
 }  // namespace headpin::scene

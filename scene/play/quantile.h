@@ -6,7 +6,7 @@
 
 namespace headpin::scene {
 
-/// The value below which a share of the values lies; 0 without any.
+/// The quantile of the values; 0 without values.
 ///
 /// @param share  0 to 1: 0.5 is the median
 inline double quantile(std::vector<double> values, double share) {

@@ -9,53 +9,53 @@
 #include "devices/trial/trial.h"
 #include "scene/play/hand.h"
 
-/// How the ball leaves the hand: its velocity and spin at the very time of the trigger, and how they
-/// are known.
+/// Velocity and spin of the ball at the time of the trigger, and how they are known.
 namespace headpin::scene {
 
-/// Until a sample is there, at most: a Fastrak's at 115200 baud.
+/// Longest delay of a sample: that of a Fastrak at 115200 baud.
 inline constexpr Time kSampleLatency{8'000};
 
-/// Up to when samples tell of the hand at a time, where poses are read `rig.delay_s` late: as far as
-/// they are there in any case, so that a throw does not depend on when each of them came.
+/// The time of the last sample that is used for a release at `time`, when poses are read
+/// `rig.delay_s` late: only samples that have arrived in any case, so that a throw does not depend
+/// on the arrival times.
 inline Time told_until(Time time, double delay_s) {
   return time + std::max(Time{}, microseconds(delay_s) - kSampleLatency);
 }
 
 /// How the velocity of a hand at a time is known.
 enum class Known {
-  tracked,       ///< samples on both sides
-  extrapolated,  ///< by so long from the nearest sample
-  impossible     ///< no sample is near enough, or none that a hand could make
+  tracked,       ///< there are samples before and after
+  extrapolated,  ///< the motion is extrapolated from the nearest sample
+  impossible     ///< no plausible sample is near enough
 };
 
 /// "tracked", "extrapolated", "impossible".
 std::string_view name_of(Known known);
 
 struct Motion {
-  Twist V_WB;  ///< [m/s], [rad/s]; zero where it is impossible
+  Twist V_WB;  ///< [m/s], [rad/s]; zero if impossible
   Known known = Known::impossible;
-  Time extrapolated{};  ///< by so much
-  int left_out = 0;     ///< samples that lie off what the others say
+  Time extrapolated{};  ///< time of the extrapolation
+  int left_out = 0;     ///< samples that disagree with the others
 };
 
-/// How a point of the hand moves at a time.
+/// The velocity of a point of the hand at a time.
 ///
-/// Fits a cubic to the hand's positions and turns before and after that time; what is further away
-/// weighs less, and nothing where the window ends, so that the answer goes on smoothly as the time
-/// does (docs/release.md says why this fit). The window reaches back by `window.least` and grows to
-/// `window.most` where the tracker is noisy. Left out are samples that no hand gets to from those
-/// before and after, and one that lies off the fit of all others. Without a sample after the time,
-/// the fit is followed for 30 ms past the last one, and the velocity held from then on; a sample
-/// older than `window.least` tells nothing.
+/// Fits a cubic to the hand's positions and rotations before and after that time. The weight of a
+/// sample decreases to zero at the end of the window, so the result is a smooth function of time
+/// (docs/release.md explains this fit). The window has the length `window.least`, and up to
+/// `window.most` if the tracker is noisy. Samples that a hand cannot reach from their neighbours
+/// are left out, and so is one that disagrees with the fit of all others. Without a sample after
+/// the time, the fit is extrapolated for 30 ms after the last sample; then the velocity stays
+/// constant. A sample older than `window.least` is not used.
 ///
 /// @param track  hand poses X_WH, oldest first, as far as they are known
 /// @param p_HB   the point in the hand [m]
 Motion motion_at(std::span<const Stamped<Pose>> track, Time at, const Vec3& p_HB,
                  const ReleaseWindow& window);
 
-/// How a release was known, as the detail of its event; and back. Nothing for other events, and for
-/// those of trials from before it was told.
+/// Converts this to the detail of the event, and back. Nothing for other events and for older
+/// trials.
 std::string to_detail(const Motion& motion);
 std::optional<Motion> motion_of(const devices::Event& event);
 

@@ -7,17 +7,16 @@
 
 namespace headpin::scene {
 
-/// How well the moment was caught in which something was let go: the paper's participants found that
-/// hard.
+/// The timing of releases, which the paper's participants found hard.
 struct ReleaseTiming {
-  Time release{};              ///< as the session noted it
-  Time fastest{};              ///< when it would have left the hand fastest, within half a second
-  double fastest_speed = 0.0;  ///< with which [m/s]; a walk's not in it
+  Time release{};              ///< time of the release event
+  Time fastest{};              ///< time of the fastest possible release within half a second
+  double fastest_speed = 0.0;  ///< speed of that release, without walking [m/s]
 };
 
-/// Of each release of a trial whose hand was tracked then; in their order.
+/// The timing of each release of a trial during which the hand was tracked, in order.
 ///
-/// @throws std::runtime_error  when the file is another by now
+/// @throws std::runtime_error  when the file was changed in the meantime
 std::vector<ReleaseTiming> release_timings(const devices::TrialFile& trial,
                                            const Scenario& scenario);
 

@@ -10,40 +10,40 @@
 #include "devices/base/genlock.h"
 #include "scene/play/session.h"
 
-/// The one loop that every session goes through: live, emulated, imported or replayed. What differs
-/// is the source of samples, the pace, and who looks on.
+/// The loop of every session: live, emulated, imported or replayed. Sessions differ in the source
+/// of samples, the pace and the observers.
 namespace headpin::scene {
 
-/// When ticks are made.
+/// The times at which ticks are made.
 class Pace {
  public:
   virtual ~Pace() = default;
-  /// Comes back when the tick of that time is due.
+  /// Returns when the tick of this time is due.
   virtual void wait_for(Time tick) = 0;
 };
 
-/// As fast as they can be made: a replay waits for nothing.
+/// Makes ticks without waiting, for replays.
 class NoPace : public Pace {
  public:
   void wait_for(Time) override {}
 };
 
-/// By the machine's clock, time 0 being when this was begun. Ticks are never skipped: one that is
-/// late is made at once. Where a tracker's clock is held to, ticks last as long as that asks for.
+/// Real time: time 0 is that of begin(). Ticks are never skipped: a late tick is made at once. With
+/// a tracker's clock as reference, the length of ticks follows it.
 class RealTime : public Pace {
  public:
   using Clock = std::chrono::steady_clock;
 
-  /// @param rate_hz  of the ticks: one that begins later than the next was due is an overrun
+  /// @param rate_hz  rate of the ticks; a tick that begins after the next one was due is an overrun
   void begin(std::int64_t rate_hz);
 
   void wait_for(Time tick) override;
 
-  /// The session's time, and when that is or was; from any thread.
+  /// The session's time, and the clock time of a session time; from any thread.
   Time now() const;
   Clock::time_point at(Time time) const;
 
-  /// For the sources whose clocks it may be held to.
+  /// For sources whose clock may be the reference.
   devices::Genlock* genlock() { return genlock_ ? &*genlock_ : nullptr; }
   std::int64_t overruns() const { return overruns_; }
 
@@ -51,13 +51,13 @@ class RealTime : public Pace {
   Clock::time_point start_ = Clock::now();
   Time tick_{};
   std::optional<devices::Genlock> genlock_;
-  double stretched_us_ = 0.0;              ///< in all
-  std::atomic<std::int64_t> behind_us_{};  ///< the same, for other threads
+  double stretched_us_ = 0.0;              ///< total correction of the ticks' lengths
+  std::atomic<std::int64_t> behind_us_{};  ///< the correction, for other threads
   std::int64_t overruns_ = 0;
 };
 
-/// Whoever looks on: writes, verifies, draws, counts. Sees the session before the first tick and
-/// after each.
+/// An observer writes, verifies, draws or counts. It is called before the first tick and after each
+/// tick.
 class Observer {
  public:
   virtual ~Observer() = default;
@@ -67,8 +67,9 @@ class Observer {
 
 /// Runs a session until it is over.
 ///
-/// @param seen_by  in this order
-/// @throws  whatever source, pace, step or an observer throws; the session stands at that tick then
+/// @param seen_by  observers, called in this order
+/// @throws  whatever the source, the pace, the step or an observer throws; the session is then at
+///          that tick
 void run(Session& session, devices::Source& in, Pace& pace, std::span<Observer* const> seen_by,
          const std::function<bool(const Session&)>& until);
 

@@ -13,7 +13,7 @@ namespace headpin::scene {
 
 /// One game of a session.
 struct Sheet {
-  std::string version;  ///< red or blue; empty where there are none
+  std::string version;  ///< red or blue; empty without versions
   std::string rules;
   int rack = 0;               ///< skittles that are set
   std::vector<Frame> frames;  ///< the last one may be empty or not over
@@ -25,15 +25,16 @@ int points(const Sheet& sheet);
 /// "red ten-pin: X | 7 / | 9 - = 48", its marks, and whether it was played to its end.
 std::string in_words(const Sheet& sheet);
 
-/// What the events of a session come to. A function of the events, and the only one: whoever shows
-/// a result reads it from here.
+/// The result of a session, computed from its events. All results that are shown come from here.
 struct Score {
-  std::int64_t skittles_down = 0;         ///< by balls; of games, what their sheets count
-  std::int64_t felled_by_hand = 0;        ///< or by what it carried
-  std::int64_t touches = 0;               ///< pairs of bodies that met, one of them a skittle
-  std::optional<double> release_speed;    ///< of the first ball as it left the hand [m/s]
+  /// Knocked down by balls; with games: those that the score sheets count.
+  std::int64_t skittles_down = 0;
+  std::int64_t felled_by_hand = 0;  ///< knocked down by the hand or what it carried
+  /// Pairs of bodies that touched, at least one of them a skittle.
+  std::int64_t touches = 0;
+  std::optional<double> release_speed;    ///< speed of the first ball at its release [m/s]
   std::optional<double> impact_speed;     ///< of the same ball just before its first skittle [m/s]
-  std::vector<Sheet> games;               ///< in their order; none of a single throw
+  std::vector<Sheet> games;               ///< in order; none for a single throw
   std::vector<devices::ThrowRow> throws;  ///< in their order; the sums above are sums of them
 
   void add(const devices::Event& event);

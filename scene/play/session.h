@@ -11,25 +11,27 @@
 #include "scene/play/player.h"
 #include "scene/play/presence.h"
 
-/// The flow of one tick: samples in, hand and head moved, the world stepped, what happened out.
+/// One tick: take samples, move hand and head, step the world, report events.
 namespace headpin::scene {
 
 struct Session {
-  std::shared_ptr<const Stage> stage;  ///< as it was before anything happened; shared by many runs
+  std::shared_ptr<const Stage> stage;  ///< the initial stage; shared by many runs
   engine::World world;
   Player player;
   Game game;
-  Presence presence;                                     ///< what flies at the player
+  Presence presence;                                     ///< bodies that fly at the player
   std::array<std::shared_ptr<const Stage>, 2> versions;  ///< red, blue; where there are buttons
-  bool version_begun = false;                            ///< by one of them
-  std::uint64_t version = 0;                             ///< that is played: 0 none, 1 red, 2 blue
-  std::optional<std::size_t> touched;                    ///< the button that the hand is at
-  std::int64_t tick = 0;          ///< of the session's own clock, which no new world restarts
+  /// True after the hand has touched a button.
+  bool version_begun = false;
+  /// The version that is played: 0 none, 1 red, 2 blue.
+  std::uint64_t version = 0;
+  std::optional<std::size_t> touched;  ///< the button that the hand touches
+  std::int64_t tick = 0;          ///< tick of the session's clock; a new world does not reset it
   engine::Statistics statistics;  ///< of all steps so far
   std::uint64_t state_hash = 0;   ///< of the world after the last tick
   GameHash game_hash;             ///< of all ticks so far
 
-  // What the last tick took in and gave out.
+  // Input and output of the last tick.
   std::vector<devices::Sample> samples;
   std::vector<devices::Event> events;
 
@@ -38,29 +40,29 @@ struct Session {
   Time next_tick() const { return tick_time(tick + 1, scenario().rates.physics_hz); }
 };
 
-/// A session at the start of its stage. Copies the stage's world; nothing is worked out again.
+/// Makes a session at the start of its stage. Copies the stage's world without computing it again.
 Session make_session(std::shared_ptr<const Stage> stage);
 Session make_session(const Scenario& scenario);
 
-/// One tick: everything the source knows by then, then one step of the world, what of it flies at
-/// the player, and what the rules make of it.
+/// Makes one tick: takes all samples that the source has by then, steps the world, finds bodies
+/// that fly at the player, and applies the rules of the game.
 ///
-/// A button that the hand comes to starts its version: another stage and its world, with the
-/// session's tick, clock and ledger going on. Without buttons the game is on from the start, with
-/// them from the first touch.
+/// A button that the hand touches starts its version: another stage with its world; tick, clock and
+/// ledger of the session continue. Without buttons the game starts at once, with buttons at the
+/// first touch.
 ///
-/// The samples taken in, each stamped with the tick's time, and the events stand in the session
-/// until the next tick.
-/// @throws std::runtime_error  naming tick and body when the state turns non-finite
+/// The session keeps the samples, each with the tick's time, and the events until the next tick.
+/// @throws std::runtime_error  naming tick and body when the state becomes non-finite
 void advance(Session& session, devices::Source& source);
 
 /// The world after the last tick, for the log.
 void tick_state(const Session& session, devices::TickState& out);
 
-/// Head and hand now: read between the samples `rig.delay_s` ago, held after the last one.
+/// Current poses of head and hand: interpolated at `rig.delay_s` before now; after the last sample,
+/// that sample's pose.
 std::optional<Pose> head_pose(const Session& session);  ///< X_WD
 std::optional<Pose> hand_pose(const Session& session);  ///< X_WH
-/// The head at a time since the tick before, by the samples known now.
+/// The head's pose at a time after the previous tick, from the samples that are known now.
 std::optional<Pose> head_pose(const Session& session, Time at);
 
 }  // namespace headpin::scene

@@ -2,27 +2,30 @@
 
 #include "scene/scenario/scenario.h"
 
-/// How thumbs move the player through the room.
+/// Walking with the thumb buttons.
 namespace headpin::scene {
 
-/// Where the tracked space P stands in the room: at rest W itself, and moved without being turned.
+/// The place of the tracked space P in the world: at first that of W, then translated without
+/// rotation.
 struct Walk {
   Vec3 p_WP = Vec3::Zero();
   Vec3 v_WP = Vec3::Zero();  ///< horizontal
 
-  /// When it was there, within the last tick.
+  /// Its place at a time within the last tick.
   Pose X_WP(double ago_s = 0.0) const { return {Quat::Identity(), p_WP - ago_s * v_WP}; }
 };
 
-/// One tick of walking.
+/// Walks for one tick.
 ///
-/// The left thumb walks forward, the right one backward, along the horizontal direction of what leads
-/// (`walk.along`: the head or the hand); both thumbs, or a lead straight up or down, stand still. The
-/// paper says which buttons move "forward" and "backward", and not which way that is: the gaze is ours. Speed is taken up and lost at `walk.acceleration`. A step that would bring the head
-/// nearer to a wall than `walk.clearance` is not made; what the head does in the tracked space is its own.
+/// The left thumb walks forward, the right one backward, in the horizontal direction of head or
+/// hand (`walk.along`). With both thumbs, or if that direction is vertical, the player stands
+/// still. The paper says which buttons move "forward" and "backward", but not in which direction;
+/// the gaze is our choice. The speed changes by `walk.acceleration`. A step that would bring the
+/// head nearer to a wall than `walk.clearance` is not made; the player's own movements are not
+/// limited.
 ///
 /// @param X_PD    the head
-/// @param X_PX    what leads, along its -z: the head where it looks, or the hand where it points
+/// @param X_PX    head or hand, whose -z is the direction
 /// @param thumbs  1 forward, -1 backward, 0 neither
 /// @param dt      length of the tick [s]
 void step(Walk& walk, const Scenario& scenario, const Pose& X_PD, const Pose& X_PX, int thumbs,

@@ -5,14 +5,14 @@
 #include <string_view>
 #include <vector>
 
-/// What comes with the program: scenarios, by name.
+/// Bundled scenarios, by name.
 namespace headpin::scene {
 
-/// Where the running program is.
+/// The path of the running program.
 std::filesystem::path program_folder();
 
-/// Where share/headpin may be, the likeliest first: beside `bin` once installed, and beside the
-/// program in its build folder.
+/// Possible places of share/headpin, the most likely first: next to `bin` after installation, and
+/// next to the program in a build folder.
 std::vector<std::filesystem::path> data_folders();
 
 /// Names of the scenarios that are found, in order; empty where the program stands alone.
@@ -21,11 +21,11 @@ std::vector<std::filesystem::path> data_folders();
 /// and beside its `bin` once installed, wherever that is.
 std::vector<std::string> scenario_names();
 
-/// The file that is meant by what a user wrote.
+/// The file that a user means.
 ///
 /// @param name_or_file  a name when it has neither dot nor slash (`german-ninepins`); else a file,
 ///                      given back as it is
-/// @throws std::invalid_argument  for a name that is not there, with those that are
+/// @throws std::invalid_argument  for an unknown name, with the known ones
 std::string scenario_path(std::string_view name_or_file);
 
 }  // namespace headpin::scene

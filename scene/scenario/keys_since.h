@@ -3,11 +3,11 @@
 #include <string_view>
 #include <utility>
 
-/// What old trials ran under.
+/// Values of keys for old trials.
 namespace headpin::scene {
 
-/// Keys that trials of before these keys were there lack, with what such a trial ran under. What is
-/// written here never changes, whatever becomes of the defaults.
+/// Keys that older trials do not have, with their values for such trials. These values never
+/// change, also if defaults change.
 inline constexpr std::pair<std::string_view, std::string_view> kKeysSince[] = {
     {"hand.release_at", "'sample'"},
     {"hand.release_window_most_s", "0.12"},

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-/// Rules of games with skittles, as data, and what a score sheet comes to under them. No physics.
+/// Rules of skittles games as data, and scores under these rules. No physics.
 namespace headpin::scene {
 
 struct Rules {
@@ -18,7 +18,7 @@ struct Rules {
   std::string_view meaning;
 };
 
-/// All there are; "one-throw" is no game: nothing is counted, swept or set again.
+/// All rules; "one-throw" is no game: nothing is counted, swept or set again.
 std::span<const Rules> all_rules();
 bool is_rules(std::string_view name);
 /// @throws std::invalid_argument  for another name
@@ -37,10 +37,10 @@ bool is_over(const Rules& rules, const Frame& frame, int rack, int balls, bool l
 /// Whether all skittles are set before the next ball of a frame that is not over.
 bool is_set_again(const Rules& rules, const Frame& frame, int rack);
 
-/// What the frames come to so far. A bonus that is still to be thrown is not in it.
+/// The points of the frames so far, without bonuses of future balls.
 int points(const Rules& rules, std::span<const Frame> frames, int rack);
 
-/// "X | 7 / | 9 -": strikes and spares where the rules know them, a dash for none.
+/// "X | 7 / | 9 -": with strikes and spares if the rules have them; a dash is 0.
 std::string in_words(const Rules& rules, std::span<const Frame> frames, int rack);
 
 }  // namespace headpin::scene

@@ -9,11 +9,11 @@
 #include "render/data/optics.h"
 #include "render/data/quality.h"
 
-/// Everything that is data about a session: the room, the skittles, the ball, the collision
-/// response, the rates, the rig and the display. One TOML file; a trial carries it whole.
+/// The data of a session: room, skittles, ball, collision response, rates, rig and display. It is
+/// one TOML file; a trial contains all of it.
 ///
-/// Metre, kilogram, second unless a name says otherwise. The defaults are the paper's room.
-/// Where a measure comes from stands in the comment that `to_toml` writes beside it.
+/// Metre, kilogram, second unless a name says otherwise. The defaults are the paper's room. The
+/// comments that `to_toml` writes have the sources of the measures.
 namespace headpin::scene {
 
 /// A mesh file (scene/stage/mesh_file.h).
@@ -51,8 +51,8 @@ struct Room {
   MeshFile mesh;  ///< seen in place of the walls and the ceiling
 };
 
-/// The paper tells of a room and a game of bowling, and of nothing else that a ball could meet: so
-/// what an alley has besides is there where a scenario asks for it.
+/// The paper mentions only a room and a game of bowling. So other parts of an alley exist only if a
+/// scenario has them.
 struct Lane {
   double width = 1.0541;
   double head_pin = 6.0;       ///< from the foul line to the head pin's spot
@@ -85,7 +85,8 @@ struct Ball {
   MeshFile mesh;                        ///< seen in place of the marbled one
 };
 
-/// What each object is made of (Uno & Slater 1997, table 1). A pair takes the product.
+/// Restitution and friction of each object (Uno & Slater 1997, table 1). Two bodies in contact have
+/// the product.
 struct Coefficients {
   double elasticity = 0.7;
   double friction = 0.7;
@@ -150,7 +151,7 @@ struct Versions {
   Version red, blue{.button = Vec3(-0.85, 0.0, 1.1)};
 };
 
-/// How the thumbs move the player.
+/// Walking with the thumb buttons.
 struct Walking {
   std::string along = "gaze";  ///< or "hand": where it points
   double speed = 1.2;
@@ -158,7 +159,7 @@ struct Walking {
   double clearance = 0.3;  ///< of the head from walls
 };
 
-/// Where the tracker stands and how the receivers are worn.
+/// The mounting of the tracker and its receivers.
 struct Rig {
   std::int64_t head_station = devices::kHeadStation;  ///< of the tracker's sensor on the head
   std::int64_t hand_station =
@@ -199,11 +200,10 @@ struct Scenario {
   Scenario();  ///< ten pins as in assets/scenarios/paper-room.toml
 };
 
-/// All of a scenario as TOML, each value with its meaning beside it; parse_scenario gives it back
-/// to the bit.
+/// The whole scenario as TOML, with comments; parse_scenario reads it back to the same bits.
 std::string to_toml(const Scenario& scenario);
 
-/// One key of a scenario, for people who write one.
+/// One key of a scenario, for documentation.
 struct ScenarioKey {
   std::string key;       ///< as it is written: "ball.mass"; `[]` stands for an entry of a list
   std::string kind;      ///< of its value; "table" for a section that has something to say
@@ -213,7 +213,7 @@ struct ScenarioKey {
   std::string source;    ///< of the default, where it has one
 };
 
-/// Every key there is, in the order of to_toml.
+/// All keys, in the order of to_toml.
 std::vector<ScenarioKey> scenario_keys();
 
 /// Gives every object the same elasticity or friction.
@@ -226,10 +226,10 @@ void set_elasticity(Scenario& scenario, double elasticity);
 void set_friction(Scenario& scenario, double friction);
 void set_shape(Scenario& scenario, const std::string& shape);
 
-/// The scenario as it is while one of its versions is played.
+/// The scenario with the values of one of its versions.
 Scenario under(Scenario scenario, const Version& version);
 
-/// A key whose value two scenarios do not share, each value as TOML has it.
+/// A key whose value differs between two scenarios, with both values as TOML.
 struct KeyDifference {
   std::string key, a, b;
 };

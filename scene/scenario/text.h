@@ -7,11 +7,11 @@
 
 #include "scene/scenario/scenario.h"
 
-/// What a text says of a scenario, each value alone. Whether values fit each other, and what is in the
-/// files that a text names, is another step (scene/stage/read_scenario.h).
+/// Reads the values of a scenario from text and checks each one separately. Checks of values
+/// together, and reading of files, are in scene/stage/read_scenario.h.
 namespace headpin::scene {
 
-/// On which line of a text a key stands: "ball.mass" -> 3; "rack.spots[2]" is the second of an array.
+/// The line of each key in a text: "ball.mass" -> 3; "rack.spots[2]" is the second of an array.
 using Lines = std::map<std::string, int>;
 
 /// A text that a scenario is read from.
@@ -30,14 +30,14 @@ struct ScenarioText {
   bool names(std::string_view section) const;
 };
 
-/// Fills in what a text says; what it leaves out stays as it is.
+/// Sets the values that a text has; others stay unchanged.
 ///
 /// @throws std::invalid_argument  naming text, line, key, what was found and what is allowed, for
 ///         unknown keys, wrong types, values out of range, text that is not TOML, and, where it must
 ///         be whole, keys that are missing
 void read_text(Scenario& scenario, std::string_view toml, ScenarioText& text);
 
-/// The same of one value, written as on the command line: `ball.mass=5`, `collision.shape=ellipsoid`.
+/// The same for one value, as on the command line: `ball.mass=5`, `collision.shape=ellipsoid`.
 void read_assignment(Scenario& scenario, std::string_view assignment, ScenarioText& text);
 
 }  // namespace headpin::scene

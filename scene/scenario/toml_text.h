@@ -3,7 +3,7 @@
 #include <string>
 #include <string_view>
 
-/// Text from outside, made safe for the parser.
+/// Checks of text before it is parsed.
 namespace headpin::scene {
 
 /// The text of a scenario's file.
@@ -11,14 +11,14 @@ namespace headpin::scene {
 ///                             longer than any scenario
 std::string read_scenario_file(const std::string& path);
 
-/// Refuses text whose tables or arrays lie deeper in each other than any scenario's: the parser
-/// goes down by recursion, and some depth would end the process.
+/// Refuses text with too deeply nested tables or arrays: the parser is recursive, and deep nesting
+/// would crash the process.
 ///
 /// @param where  name of the file, for messages
 /// @throws std::invalid_argument  naming file and line
 void require_shallow(std::string_view toml, std::string_view where);
 
-/// Enough of a text to know it again.
+/// A short form of a text for messages.
 std::string brief(std::string_view text);
 
 }  // namespace headpin::scene

@@ -3,7 +3,7 @@
 #include "engine/world.h"
 #include "scene/scenario/scenario.h"
 
-/// What collides: the skittle, the ball, the floor and the walls of a scenario as bodies.
+/// The bodies that collide: skittles, ball, floor and walls of a scenario.
 namespace headpin::scene {
 
 /// A skittle's shape with its base's middle at the origin and its axis along z.
@@ -22,14 +22,14 @@ SkittleBody skittle_body(const Scenario& scenario);
 
 engine::Body ball_body(const Scenario& scenario);
 
-/// The virtual hand, open, as the one body the player has: palm, two pairs of fingers, thumb. Its
-/// frame is H.
+/// The open virtual hand, which is the only body of the player: palm, two pairs of fingers, thumb.
+/// Its frame is H.
 engine::Body hand_body(const Scenario& scenario);
 
-/// What a body is in the game.
+/// The role of a body in the game.
 enum class Role : std::uint8_t { lane, wall, ball, skittle, hand };
 
-/// What never moves, and where it stands.
+/// A fixed body and its pose.
 struct Fixture {
   Role role;
   engine::Body body;
@@ -41,7 +41,7 @@ struct Fixture {
 /// panel where the scenario has them.
 std::vector<Fixture> room_fixtures(const Scenario& scenario);
 
-/// How the world is stepped.
+/// The parameters of the engine's step.
 engine::Parameters world_parameters(const Scenario& scenario);
 
 }  // namespace headpin::scene

@@ -5,7 +5,7 @@
 
 namespace headpin::scene {
 
-/// What of a glTF is not seen, as its JSON says: "2 textures, alpha", empty for nothing.
+/// The parts of a glTF that are not drawn, from its JSON: "2 textures, alpha"; empty for none.
 ///
 /// @param bytes  of a .gltf or a .glb
 /// @throws std::runtime_error  with the reason alone, where it requires an extension that says

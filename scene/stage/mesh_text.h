@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-/// What a mesh file says that assimp passes over.
+/// Checks of mesh files that assimp does not make. They stay our own code for that reason.
 namespace headpin::scene {
 
 /// An OBJ without the lines that name materials, and without comments.
@@ -14,12 +14,12 @@ namespace headpin::scene {
 /// @throws std::runtime_error  with the reason alone, where a vertex is what assimp would take for 0
 std::string plain_obj(std::string_view bytes);
 
-/// Of a PLY in text: assimp does not miss the lines that are cut off.
+/// Checks a PLY in text form: assimp accepts one with missing lines.
 ///
 /// @throws std::runtime_error  with the reason alone
 void require_whole_ply(std::string_view bytes);
 
-/// That faces have the corners that are there, and those the points: what was read may be anything.
+/// Checks that faces have existing corners, and corners existing points.
 ///
 /// @param sizes    corners of each face
 /// @param corners  of all faces, by the number of their point
@@ -27,7 +27,7 @@ void require_whole_ply(std::string_view bytes);
 void require_faces(std::span<const std::uint32_t> sizes, std::span<const std::uint32_t> corners,
                    std::size_t points);
 
-/// What of a file is not seen: "2 textures, alpha"; empty for nothing.
+/// The parts of a file that are not drawn: "2 textures, alpha"; empty for none.
 ///
 /// @param kind  its extension, in small letters
 /// @throws std::runtime_error  as unseen_of_gltf()

@@ -6,17 +6,17 @@
 
 #include "engine/compound.h"
 
-/// Outlines of turned bodies: from measured points, and what such a body weighs.
+/// Outlines of bodies of revolution, and their mass properties.
 namespace headpin::scene {
 
-/// Half the outline of a turned body, dense enough to be joined by straight lines:
-/// (height [m], radius [m]) from the bottom to the top, where the radius is 0.
+/// Half the outline of a body of revolution as a dense polyline: (height [m], radius [m]) from the
+/// bottom to the top, where the radius is 0.
 using Outline = std::vector<Vec2>;
 
 /// A smooth outline through measured points: round from the last but one to a last radius of 0,
 /// flat on top of any other.
 ///
-/// Centripetal Catmull-Rom spline (Yuksel et al. 2011): it does not swing out between points.
+/// A centripetal Catmull-Rom spline (Yuksel et al. 2011), which does not overshoot between points.
 ///
 /// @param profile  (height above the base, radius) [m], 3 points or more, heights increasing
 /// @throws std::invalid_argument  with fewer points or where a height does not increase
@@ -25,7 +25,7 @@ Outline smooth_outline(std::span<const Vec2> profile);
 /// Outline of an ellipsoid of revolution that stands on height 0.
 Outline ellipsoid_outline(double height, double radius);
 
-/// A part of a turned body: from where to where it is, and its radius at a height in between.
+/// A part of a body of revolution: its lower and upper end, and its radius at a height in between.
 struct TurnedPart {
   double low, high;
   std::function<double(double height)> radius;
@@ -37,8 +37,8 @@ struct TurnedPart {
 /// @param parts  1 or more, that leave no gap
 Outline outline_of_parts(std::span<const TurnedPart> parts);
 
-/// Of the solid that the outline turns about z, with the same density everywhere; exact for the
-/// straight lines.
+/// The mass properties of the solid of revolution about z, with uniform density; exact for the
+/// polyline.
 ///
 /// @param mass  of it all [kg]
 engine::MassProperties turned_mass(const Outline& outline, double mass);

@@ -5,13 +5,13 @@
 
 #include "scene/scenario/scenario.h"
 
-/// Scenarios as they are used: read, with the files that they name, and checked.
+/// Reads scenarios with their files, and checks them.
 namespace headpin::scene {
 
-/// Reads a scenario; what the text leaves out keeps its default.
+/// Reads a scenario; missing keys keep their default.
 ///
-/// Mesh files that it names are read, from the folder of `where`; their hashes, and the corners of
-/// those that collide, are part of the scenario from then on.
+/// Its mesh files are read, relative to the folder of `where`. The scenario then contains their
+/// hashes, and the corners of colliding meshes.
 ///
 /// @param toml   the text
 /// @param where  name of the file, for messages
@@ -20,28 +20,28 @@ namespace headpin::scene {
 ///         that are none or have another hash than the one that is given
 Scenario parse_scenario(std::string_view toml, std::string_view where);
 
-/// The scenario that a trial carries, whole: a key that is missing is refused, or has the value
-/// that trials ran under before there was such a key. So no default of today changes an old replay.
+/// Reads the scenario of a trial, which must be complete: a missing key is refused, or gets the
+/// value of trials from before the key existed. So today's defaults do not change old replays.
 ///
-/// No mesh file is needed: what collides is in the text. Those that the eyes see are looked for
-/// under their names, beside the trial, and among the program's own (seen_mesh.h).
+/// No mesh file is needed for collisions. Meshes that are drawn are searched at their path, next to
+/// the trial, and among the bundled ones (seen_mesh.h).
 ///
 /// @param trial  name of its file, for messages
 /// @throws std::invalid_argument  as parse_scenario, and for a key that is missing
 Scenario scenario_of_trial(std::string_view toml, std::string_view trial);
 
-/// The text of that scenario, whole; as a file it means what the trial ran under, whatever the
-/// defaults are today.
+/// The complete text of that scenario; as a file it has the trial's values, independent of today's
+/// defaults.
 /// @throws std::invalid_argument  as scenario_of_trial
 std::string whole_scenario(std::string_view toml, std::string_view trial);
 
-/// parse_scenario() of a file, or of one that comes with the program, by its name
-/// (scenario_files.h).
+/// parse_scenario() of a file, or of a bundled scenario by its name.
 /// @throws std::runtime_error  where it cannot be read
 Scenario load_scenario(const std::string& name_or_file);
 
-/// Whether what stands in a scenario fits together: skittles beside each other and inside the room,
-/// parts without gaps, the ball in no wall. Whatever reads a scenario has checked it.
+/// Checks that the values of a scenario fit together: skittles do not overlap and are inside the
+/// room, parts have no gaps, the ball is not in a wall. All functions that read a scenario call
+/// this.
 ///
 /// @param where  its name, for messages
 /// @throws std::invalid_argument  naming the key, what was found and what is allowed

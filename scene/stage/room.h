@@ -4,7 +4,7 @@
 
 #include "scene/scenario/scenario.h"
 
-/// Where the room and what stands in it are: what looks and bodies both read.
+/// Measures of the room and its fixed parts, for looks and bodies.
 namespace headpin::scene {
 
 /// The room [m], in the world: the lane's middle at x = 0, foul line at y = 0, lane and approach at
@@ -36,7 +36,7 @@ struct RoomMeasures {
 
 RoomMeasures room_measures(const Scenario& scenario);
 
-/// A convex solid along y, the same section everywhere.
+/// A convex prism along y.
 struct Slab {
   double begin, end;          ///< of it, along y
   std::vector<Vec2> section;  ///< (x, z), counterclockwise seen along +y
@@ -48,8 +48,8 @@ struct Floor {
   std::vector<Slab> slabs;
 };
 
-/// The lane, and what is left and right of it: approach and floor beyond the gutter. The lane is one
-/// slab from wall to wall, so that nothing that rolls along it comes to a seam.
+/// The lane, and the approach and floor left and right of it beyond the gutters. The lane is one
+/// slab from wall to wall, so a rolling body meets no seam.
 std::vector<Floor> floors(const RoomMeasures& room);
 
 /// A solid with its sides along the world's axes, by two opposite corners.
@@ -58,8 +58,8 @@ struct Block {
   Vec3 low_W, high_W;
 };
 
-/// What stands around the skittles, as far as the lane has it: the left and the right kick-back, and
-/// the masking panel that hangs between them. What is seen is what is hit.
+/// The parts around the skittles that the lane has: the left and the right kick-back, and the
+/// masking panel between them. They are drawn as they collide.
 std::vector<Block> front_blocks(const RoomMeasures& room);
 
 }  // namespace headpin::scene

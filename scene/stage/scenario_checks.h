@@ -6,14 +6,14 @@
 
 namespace headpin::scene {
 
-/// What no single value can tell: whether the things of a scenario fit each other and the room.
+/// Checks that the values of a scenario fit together.
 ///
 /// @param where  name of the text, for messages
 /// @throws std::invalid_argument  naming text, line, key, what was found and what is allowed
 void check(const Scenario& scenario, std::string_view where, const Lines& lines);
 
-/// What nobody chooses on purpose, but what recorded trials may have run under: sensors that are one,
-/// bonuses for frames of more than two balls. As `check`, and not for trials.
+/// Further checks that are not made for trials, because old trials may have such values: one
+/// station for head and hand, bonuses for frames of more than two balls.
 void check_chosen(const Scenario& scenario, std::string_view where, const Lines& lines);
 
 }  // namespace headpin::scene

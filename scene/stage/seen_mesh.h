@@ -8,18 +8,18 @@
 #include "render/data/mesh.h"
 #include "scene/scenario/scenario.h"
 
-/// A scenario's mesh files: found, hashed, and made into what collides and what is seen.
+/// A scenario's mesh files: finds and hashes them, and makes collision shapes and meshes.
 ///
-/// What collides is kept in the scenario corner by corner, so a trial replays anywhere. What is
-/// only seen stays a file; the scenario has its place and its hash.
+/// The scenario stores the corners of colliding meshes, so a trial can be replayed anywhere. Of
+/// meshes that are only drawn, it stores path and hash.
 namespace headpin::scene {
 
-/// How far from its origin a mesh may reach [m].
+/// Allowed distance of a mesh's farthest point from its origin [m].
 struct Reach {
   double least, most;
 };
 
-/// Half to double of what a mesh is seen in place of; arms and rooms are as they are.
+/// Half to twice that of the shape that it replaces; arms and rooms have fixed limits.
 Reach reach_of_ball(const Ball& ball);
 Reach reach_of_skittle(const Skittle& skittle);
 inline constexpr Reach kReachOfHand{0.05, 1.5}, kReachOfRoom{0.5, 1e3};
@@ -31,21 +31,23 @@ inline constexpr Reach kReachOfHand{0.05, 1.5}, kReachOfRoom{0.5, 1e3};
 ///                                for what is of no area or reaches elsewhere
 void take_seen(MeshFile& mesh, const std::filesystem::path& folder, const Reach& reach);
 
-/// What the scenario's mesh files have that is not drawn, a sentence a file: textures, alpha.
+/// The parts of the scenario's mesh files that are not drawn (textures, alpha), one sentence per
+/// file.
 ///
 /// @throws std::runtime_error  as seen_mesh()
 std::vector<std::string> not_drawn(const Scenario& scenario);
 
-/// Makes a polyhedron whole: corners and faces from its file where it has none yet, and its measures.
+/// Completes a polyhedron: reads corners and faces from its file if it has none, and computes its
+/// measures.
 ///
 /// @throws std::runtime_error, std::invalid_argument  as polyhedron_of(), and for another hash
 void take_polyhedron(SkittlePart& part, const std::filesystem::path& folder);
 
-/// Where a trial's mesh is now: at its path, beside the trial, or among the program's own; the
-/// first that has its hash. Else it keeps its path, and seen_mesh() complains.
+/// Finds a trial's mesh: at its path, next to the trial, or among the bundled ones; the first file
+/// with its hash. Otherwise it keeps its path, and seen_mesh() throws.
 void find_again(MeshFile& mesh, const std::filesystem::path& trial);
 
-/// What is seen of a file that take_seen() took; x right, y ahead, z up.
+/// The mesh of a file that take_seen() read; x right, y ahead, z up.
 ///
 /// @param colour  where the file has none; linear light
 /// @return        none where no file is named

@@ -7,12 +7,12 @@
 
 #include "scene/stage/bodies.h"
 
-/// What a scenario builds once and any number of runs share.
+/// The initial state of a scenario, built once and shared by runs.
 namespace headpin::scene {
 
-/// The bodies of a scenario as they stand before anything has happened, and what each of them is.
+/// The bodies of a scenario in their initial state, and their roles.
 ///
-/// Who is which body is told by its role alone, never by its number.
+/// Bodies are identified by their role, never by their number.
 struct Stage {
   Scenario scenario;
   engine::World world;      ///< at its start; a session steps a copy of it
@@ -26,7 +26,7 @@ struct Stage {
   std::optional<engine::BodyId> hand;  ///< where the scenario has a solid one
 };
 
-/// Where a hand is that is nowhere: below the floor, out of everybody's way.
+/// The pose of an absent hand: below the floor.
 inline const Pose kAway{Quat::Identity(), Vec3(0.0, 0.0, -10.0)};
 
 /// The room, a ball on its stand, a rack of skittles and the hand, as the scenario has them.

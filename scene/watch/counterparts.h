@@ -10,7 +10,8 @@
 
 #include "scene/watch/recorded.h"
 
-/// Which throws of one session are in another that the same hand played under another condition.
+/// Finds the throws of one session in another one, which has the same hand movements under another
+/// condition.
 namespace headpin::scene {
 
 /// A ball that was thrown.
@@ -25,24 +26,24 @@ struct ThrownBall {
 /// The throws of a session, in their order.
 std::vector<ThrownBall> thrown(std::span<const devices::Event> events);
 
-/// Whether a trial says what happened in its session: one that holds samples alone does not.
+/// Whether a trial has the events of its session; one with only samples does not.
 bool says_events(const devices::TrialSummary& trial);
 
-/// The events of a recorded session: those that its trial says, or, where it holds samples alone,
-/// those that simulating it as it was recorded brings.
+/// The events of a recorded session: those of its trial or, if it has only samples, those of a
+/// simulation under the recorded condition.
 ///
 /// @param each_tick  called before each tick that is simulated for that
 std::vector<devices::Event> events_of(const Recorded& recorded,
                                       const std::function<void()>& each_tick = {});
 
-/// A throw that the other session has not, and why.
+/// A throw that the other session does not have, with the reason.
 struct Unpaired {
   ThrownBall thrown;
   std::string why;  ///< "not thrown: ...", "thrown and not counted"
 };
 
-/// The throws of `a` that have no counterpart in `b`: no ball of that version was let go at that
-/// time, or the rules counted it in `a` alone.
+/// The throws of `a` without a counterpart in `b`: no ball was released at that time in that
+/// version, or the rules counted it only in `a`.
 std::vector<Unpaired> without_counterpart(std::span<const devices::Event> a,
                                           std::span<const devices::Event> b);
 

@@ -8,7 +8,7 @@
 #include "devices/trial/trial.h"
 #include "render/fingerprint.h"
 
-/// Who drew a session's frames, as its trial tells it.
+/// What drew a session's frames, as stored in its trial.
 namespace headpin::scene {
 
 nlohmann::json to_json(const render::Fingerprint& fingerprint);
@@ -16,7 +16,7 @@ nlohmann::json to_json(const render::Fingerprint& fingerprint);
 /// An event of the kind drawn_by.
 devices::Event drawn_by_event(const render::Fingerprint& fingerprint);
 
-/// Of the first such event; nothing where there is none that can be read, as in trials from before.
+/// The content of the first such event; nothing if there is no readable one, as in older trials.
 std::optional<render::Fingerprint> drawn_by(const std::vector<devices::Event>& events);
 
 }  // namespace headpin::scene

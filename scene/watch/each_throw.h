@@ -12,39 +12,39 @@
 
 namespace headpin::scene {
 
-/// What a ball came to.
+/// The result of a throw.
 struct ThrowResult {
-  std::optional<int> felled;  ///< as the rules count; nothing where they count nothing
+  std::optional<int> felled;  ///< as the rules count; nothing if they count nothing
   std::int64_t skittles_down = 0;
   std::optional<double> release_speed, impact_speed;  ///< [m/s]
 };
 
-/// One throw, on its own.
+/// One separate throw.
 struct ThrowAlone {
   ThrownBall thrown;  ///< as in the session; `felled` as it was counted there
   ThrowResult as_it_was, other;
 };
 
-/// Each throw of a session on its own, as it was and under another condition: from the state of the
-/// moment in which it was let go, so that none of them hangs on what became of those before it.
+/// Simulates each throw of a session separately, under its own and under another condition, from
+/// the state at its release. So a throw does not depend on the results of earlier throws.
 ///
-/// Looks on at a session. The tick in which a ball is let go is made again from the state before it,
-/// once as the session is and once under the other condition, and then goes on until the rules have
-/// counted that ball, or for `game.ball_back_s`. The hand goes on as it did but takes nothing more,
-/// and no button begins another version. Where the conditions are the same, so are the bits.
+/// It observes a session. The tick of a release is repeated from the state before it, once under
+/// the session's condition and once under the other one, and the simulations continue until the
+/// rules have counted that ball, or for `game.ball_back_s`. The hand moves as recorded but grabs
+/// nothing more, and buttons have no effect. With equal conditions, the bits are equal.
 class EachThrow : public Observer {
  public:
-  /// @param session  the one to look on at, before its first tick
+  /// @param session  the session to observe, before its first tick
   /// @param other    the other condition, of the same bodies and ticks
-  /// @throws std::invalid_argument  where it has other bodies or other ticks
+  /// @throws std::invalid_argument  if it has other bodies or another tick rate
   EachThrow(const Session& session, const Scenario& other);
   ~EachThrow() override;
 
   void tick(const Session& session) override;
-  /// Ends what is under way when the session is over.
+  /// Finishes running simulations at the end of the session.
   void finish();
 
-  /// In their order; whole once finish() was called.
+  /// In order; complete after finish().
   std::vector<ThrowAlone> throws() const;
 
  private:

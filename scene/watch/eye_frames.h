@@ -28,23 +28,23 @@ struct EyeFrame {
   std::array<render::Labels, 2> labels;  ///< where they are wanted
 };
 
-/// How a frame is drawn, beside what is seen.
+/// Options of drawing a frame.
 struct FrameExtras {
   bool labels = false;
-  std::optional<Pose> X_WC = {};  ///< seen from there, not from the head
+  std::optional<Pose> X_WC = {};  ///< viewpoint instead of the head
 };
 
-/// Where the time goes from the arrival of a head's sample until its frame is out [s].
+/// The stages of the latency from the arrival of a head's sample until its frame is published [s].
 struct FrameStages {
-  double ticked = 0.0;     ///< until the session had taken it in and made its tick
-  double waited = 0.0;     ///< for the tick at which a frame was due
-  double drawn = 0.0;      ///< until both pictures were there
-  double published = 0.0;  ///< until the sink had them: encoded, sent
+  double ticked = 0.0;     ///< until the session had used it in a tick
+  double waited = 0.0;     ///< waiting for the tick at which a frame was due
+  double drawn = 0.0;      ///< until both pictures were drawn
+  double published = 0.0;  ///< until they were encoded and sent
 
   double sum() const { return ticked + waited + drawn + published; }
 };
 
-/// What all frames with a fresh sample took.
+/// The latencies of all frames with a new sample.
 struct FrameLatency {
   std::vector<double> each_s;  ///< sums
   FrameStages total;
@@ -54,18 +54,18 @@ struct FrameLatency {
   FrameStages mean() const;
 };
 
-/// A frame as a trial keeps it.
+/// The record of a frame in a trial.
 devices::FrameRecord record_of(const EyeFrame& frame);
 
-/// Where drawn frames go: a folder, a video, LCM.
+/// Destination of drawn frames: a folder, a video, LCM.
 class FrameSink {
  public:
   virtual ~FrameSink() = default;
   virtual void add(const EyeFrame& frame) = 0;
 };
 
-/// Draws every wanted frame at its own time, head and world, once the first tick is there that is
-/// not before it; the session waits for it.
+/// Draws every wanted frame at its own time, at the first tick that is not before it; the session
+/// waits.
 class FrameByFrame : public Observer {
  public:
   struct Plan {
@@ -95,7 +95,8 @@ class FrameByFrame : public Observer {
   std::int64_t drawn_ = 0;
 };
 
-/// Draws the frames that a trial says were seen, each at its tick, and holds them against it.
+/// Draws the recorded frames of a trial, each at its tick, and compares them with the recorded
+/// hashes.
 class FramesAsShown : public Observer {
  public:
   struct Plan {
@@ -128,38 +129,38 @@ class FramesAsShown : public Observer {
   std::int64_t drawn_ = 0, compared_ = 0;
 };
 
-/// A frame that is to be drawn, and all that is needed for it.
+/// A frame to draw, with all necessary data.
 struct FrameJob {
   std::int64_t frame = 0, tick = 0;
   Time time{};
   Glimpse glimpse;
 };
 
-/// What came of it.
+/// The result.
 struct DrawnFrame {
   devices::FrameRecord record;
   RealTime::Clock::time_point drawn, published;  ///< when both pictures, when the sink had them
 };
 
-/// The drawing side has failed and a frame is lost; the session goes on.
+/// Drawing failed and a frame is lost; the session continues.
 struct DrawingFailed : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Who draws a live session's frames, here or in another process.
+/// Draws a live session's frames, in this or in another process.
 class FrameDrawer {
  public:
   virtual ~FrameDrawer() = default;
   virtual const render::Fingerprint& drawn_by() const = 0;
-  /// @return  nothing: no frame will be drawn any more, which has been told
+  /// @return  nothing if no more frames can be drawn, which was reported before
   /// @throws DrawingFailed  once for each failure
   virtual std::optional<DrawnFrame> draw(const FrameJob& job) = 0;
 };
 
-/// Draws in the calling thread. Made when the first frame can be drawn at once.
+/// Draws in the calling thread. After construction it is ready to draw.
 class DrawerHere : public FrameDrawer {
  public:
-  /// @param sink  null: shown to nobody
+  /// @param sink  null: frames are not published
   DrawerHere(Eyes eyes, std::unique_ptr<FrameSink> sink);
   const render::Fingerprint& drawn_by() const override { return drawn_by_; }
   std::optional<DrawnFrame> draw(const FrameJob& job) override;
@@ -171,33 +172,33 @@ class DrawerHere : public FrameDrawer {
   render::Fingerprint drawn_by_;
 };
 
-/// Has frames drawn beside the session, which waits for nothing: one frame at a time, and one that
-/// comes while another is drawn is late and dropped.
+/// Draws frames in parallel with the session, which never waits: one frame at a time. A frame that
+/// is due while another one is drawn is dropped.
 class FramesBeside : public Observer {
  public:
   /// What was drawn.
   struct Done {
     devices::FrameRecord record;
-    std::optional<FrameStages> stages;  ///< when it showed a sample that none before had shown
+    std::optional<FrameStages> stages;  ///< if it showed a new sample
   };
-  /// Called in a thread that alone uses what it returns.
+  /// Called in the thread that uses the result.
   using Maker = std::function<std::unique_ptr<FrameDrawer>()>;
   using Clock = RealTime::Clock;
 
-  /// Comes back when the first frame could be drawn at once.
+  /// Returns when the first frame can be drawn.
   /// @throws  what the maker throws
   explicit FramesBeside(Maker maker);
   ~FramesBeside() override;
 
-  /// What the latency is measured by; must outlive this.
+  /// Sets the clock for latencies; it must outlive this.
   void measure_by(const RealTime& pace) { pace_ = &pace; }
 
   void tick(const Session& session) override;
-  /// What was finished since the last call.
+  /// Frames that were finished since the last call.
   std::vector<Done> take_done();
-  /// What failed since the last call.
+  /// Failures since the last call.
   std::vector<std::string> take_failures();
-  /// Waits for the frame that is being drawn: at the end, so that what was shown is recorded.
+  /// Waits for the current frame, so that it is recorded; to be called at the end.
   /// @throws  what drawing threw
   void finish();
   /// Frames that were due and were not drawn: another was being drawn, or drawing failed.

@@ -26,19 +26,19 @@ Recorded load_trial(const std::string& path, Time longest_gap = devices::kLonges
 Recorded load_trial(std::span<const std::uint8_t> bytes, const std::string& name,
                     Time longest_gap = devices::kLongestGap);
 
-/// Ticks from the first one to that at which the last sample is known, or to the last one the trial
-/// recorded, whichever is later.
+/// The number of ticks up to the last sample or to the last recorded tick, whichever is later.
 ///
 /// @param rate_hz  of the simulation
 std::int64_t tick_count(const devices::TrialSummary& trial, std::int64_t rate_hz);
 
-/// Where a walk by the thumbs has the tracked space, from the time of each tick in which that changes.
+/// The place of the tracked space after walking with the thumb buttons, at each tick in which it
+/// changes.
 ///
-/// @return  p_WP, oldest first; where it was at 0 comes first
+/// @return  p_WP, oldest first; the first entry is for time 0
 /// @throws std::runtime_error  as load_trial, and when the file is another by now
 std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const Scenario& scenario);
 
-/// X_WD where the first good sample of the head finds it: where it is taken to be until then.
+/// X_WD at the first good sample of the head, which is used until then.
 ///
 /// @throws std::runtime_error  without one
 Pose first_head_pose(const devices::TrialFile& trial, const Rig& rig);

@@ -9,7 +9,7 @@
 
 namespace headpin::scene {
 
-/// What a session comes to, summed up as it runs.
+/// Sums over a session while it runs.
 class Totals : public Observer {
  public:
   void tick(const Session& session) override;
@@ -20,8 +20,8 @@ class Totals : public Observer {
   Score score_;
 };
 
-/// Times the simulation alone: as the pace it starts with each tick, as the first observer it
-/// stops.
+/// Measures the computing time of the simulation: as the pace it starts with each tick, as the
+/// first observer it stops.
 class Stopwatch : public NoPace, public Observer {
  public:
   void wait_for(Time) override { start_ = std::chrono::steady_clock::now(); }
@@ -37,26 +37,26 @@ class Stopwatch : public NoPace, public Observer {
 /// Elasticity or friction, per object.
 nlohmann::json per_object(const Materials& materials, double Coefficients::*coefficient);
 
-/// The same for people: the number that all share, else each with its object's name.
+/// The same as text: the common number, or else each number with its object's name.
 nlohmann::json in_short(const nlohmann::json& per_object);
 
-/// Energy that each phase of the steps has added [J]; together the change of the whole.
+/// Energy that each phase of the steps has added [J]; the sum is the total change.
 nlohmann::json to_json(const engine::Ledger& ledger);
 
 /// Score sheets.
 nlohmann::json to_json(const std::vector<Sheet>& games);
 
-/// Elasticity, friction and shape that a session ran under. Where it has versions, each one's stands
-/// in "versions", and what they do not share is null.
+/// Elasticity, friction and shape of a session. With versions, "versions" has those of each, and
+/// values that differ are null.
 nlohmann::json conditions(const Scenario& scenario);
 
 /// The keys whose values differ, and both values.
 nlohmann::json to_json(const std::vector<KeyDifference>& differences);
 
-/// A row each.
+/// One object per throw.
 nlohmann::json to_json(const std::vector<devices::ThrowRow>& throws);
 
-/// What a session came to, as every command's `--json` tells it.
+/// The result of a session, as in `--json` of every command.
 nlohmann::json summary(const Session& session, const Score& score);
 
 }  // namespace headpin::scene

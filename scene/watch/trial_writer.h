@@ -9,25 +9,25 @@
 
 namespace headpin::scene {
 
-/// A trial's header with the session's scenario and bodies put in.
+/// A trial's header, with the session's scenario and bodies.
 devices::TrialHeader header_of(devices::TrialHeader header, const Session& session);
 
-/// Writes a session as a trial: what it took in, what happened, and every state.
+/// Writes a session as a trial: its samples, its events and every state.
 class TrialWriter : public Observer {
  public:
-  /// @param header  participant, condition, seed; the session's scenario and bodies are put in
+  /// @param header  participant, condition and seed; the session's scenario and bodies are added
   /// @throws std::runtime_error  as devices::Recorder
   TrialWriter(const std::string& path, devices::TrialHeader header, const Session& session,
               devices::Recorder::Options options);
 
-  /// @param sink  begun with header_of() the session
+  /// @param sink  destination, with a header from header_of()
   explicit TrialWriter(std::unique_ptr<devices::TrialSink> sink) : sink_(std::move(sink)) {}
 
   void tick(const Session& session) override;
-  /// What no tick brings: a frame that was drawn, an event from before the simulation.
+  /// Writes what belongs to no tick: a drawn frame, or an event from before the simulation.
   void write(const devices::FrameRecord& frame) { sink_->write(frame); }
   void write(const devices::Event& event) { sink_->write(event); }
-  /// @throws std::runtime_error  when the file is no longer what was written
+  /// @throws std::runtime_error  when the file was changed or removed by others
   void require_kept() const { sink_->require_kept(); }
   /// Writes the energy ledger and the game hash and gives the file its final name.
   void close(const Session& session);

@@ -11,12 +11,13 @@
 namespace headpin::scene {
 
 /// Compares a state with a recorded one of the same tick: every bit of every body.
-/// @return  the body that differs, empty when only what the log leaves out does; nothing when equal
+/// @return  the body that differs; empty if only parts differ that the log does not store; nothing
+///          if equal
 std::optional<std::string> first_different_body(const devices::TickState& a,
                                                 const devices::TickState& b,
                                                 std::span<const std::string> names);
 
-/// The bodies that two sessions have in common, by their names, and those that one of them has.
+/// The bodies that two sessions have in common, by name, and those that only one of them has.
 struct SharedBodies {
   std::vector<std::string> names;
   std::vector<std::size_t> in_a, in_b;  ///< their numbers, as `names`
@@ -26,12 +27,12 @@ struct SharedBodies {
 };
 SharedBodies shared_bodies(std::span<const std::string> a, std::span<const std::string> b);
 
-/// As first_different_body, of the bodies that both have.
+/// Like first_different_body, for the common bodies.
 std::optional<std::string> first_different_body(const devices::TickState& a,
                                                 const devices::TickState& b,
                                                 const SharedBodies& shared);
 
-/// Holds a run against the states that a trial recorded.
+/// Compares a run with the recorded states of a trial.
 class Verifier : public Observer {
  public:
   /// @param recorded  with the states beside it; must outlive this

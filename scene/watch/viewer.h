@@ -5,14 +5,14 @@
 #include "devices/lcm/viewer_messages.h"
 #include "scene/play/session.h"
 
-/// A session as Drake's viewer shows it.
+/// Messages for Drake's viewer.
 namespace headpin::scene {
 
-/// Lane, kick-backs, ball and skittles as the collisions see them; walls are left out, so that one
-/// can look in.
+/// Collision shapes of lane, kick-backs, ball and skittles; walls are left out, so that the inside
+/// is visible.
 std::vector<devices::ViewerLink> viewer_links(const Session& session);
 
-/// Where they are now; the head display and the hand too.
+/// Their current poses, with those of head display and hand.
 std::vector<devices::ViewerPose> viewer_poses(const Session& session);
 
 }  // namespace headpin::scene
