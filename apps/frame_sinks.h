@@ -62,7 +62,8 @@ class VideoSink : public SequenceSink {
 };
 
 /// Raw video for other programs: YUV4MPEG2, 4:4:4, BT.601 limited range. Colours are rounded by up
-/// to 2 of 255, so do not use it to compare pictures.
+/// to 2 of 255, so do not use it to compare pictures. The format is one header line and raw planes,
+/// so it needs no library.
 class Y4mSink : public SequenceSink {
  public:
   /// @param options  its path may be `-`, standard output

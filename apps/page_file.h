@@ -16,7 +16,8 @@ namespace headpin::apps {
 using PageBlocks = std::map<std::string, std::string>;
 
 std::string base64(std::span<const std::uint8_t> bytes);
-/// zlib's format, in base64.
+/// Compresses with zlib and encodes in base64. Base64 stays our own code: it is a dozen lines, and
+/// no dependency has it.
 std::string deflated(std::span<const std::uint8_t> bytes);
 std::string deflated(const std::string& text);
 

@@ -1,8 +1,8 @@
 #pragma once
 
 // Types only: decltype below names the prototypes, nothing links against a GL library. So no libGL
-// that some other package pulls in can stand in front of the one that draws.
-// (GL_GLEXT_PROTOTYPES is defined for this folder in its CMakeLists.txt.)
+// of another package can replace the one that draws. Loader libraries (GLEW, libepoxy) load libGL
+// themselves. (GL_GLEXT_PROTOTYPES is defined for this folder in its CMakeLists.txt.)
 #include <GL/gl.h>
 #include <GL/glext.h>
 

@@ -71,8 +71,8 @@ Mesh ellipsoid(double a, double c, int sides, int rings,
 
 /// The surface on which a field is zero. The field is negative inside and about a distance [m].
 ///
-/// Naive surface nets (Gibson 1998): one vertex in each cell the surface passes, normals from the
-/// field's slope.
+/// Naive surface nets (Gibson 1998), our own code because no dependency has them: one vertex in
+/// each cell the surface passes, normals from the field's slope.
 ///
 /// @param lo, hi  corners of the box that is searched; the surface must lie inside
 /// @param cell    edge of a cell [m]
