@@ -341,6 +341,70 @@ void draw_frames(const FramesOptions& options) {
   report(options, task, done, trial.complete, eyes);
 }
 
+/// What is written.
+void add_output_options(CLI::App& command, FramesOptions& options) {
+  add_output(command, "-o,--output", options.folder,
+             "folder for left_NNNNNN.png, right_NNNNNN.png and frames.csv: a new or empty folder; "
+             "with --force also one that headpin wrote");
+  add_output(command, "--video", options.video,
+             "video to write, both eyes side by side, lossless (.mkv); a copy with the ending .mp4 "
+             "plays in any player");
+  command.add_flag("--no-mp4", options.no_copy, "with --video: do not write the .mp4 copy");
+  add_output(
+      command, "--y4m", options.y4m,
+      "raw video to write (YUV4MPEG2, 4:4:4, BT.601), both eyes side by side, for other programs; "
+      "- is standard output. Colours are rounded, so do not use it to compare pictures");
+  command
+      .add_option("--layout", options.layout,
+                  "layout of the PNG files: one file per eye, or both eyes in one file")
+      ->check(CLI::IsMember({"separate", "side-by-side"}))
+      ->capture_default_str();
+  command.add_flag(
+      "--depth", options.files.depth,
+      "write the depth of each pixel along the viewing axis: NAME_depth.png has millimetres in 16 "
+      "bits, 0 where nothing is seen; NAME_depth.raw has metres as 32-bit floats");
+  command.add_flag("--ids", options.files.ids,
+                   "write which object each pixel shows: NAME_ids.png has 16-bit numbers, ids.csv "
+                   "has the object of each number");
+}
+
+/// Which pictures are drawn, and how.
+void add_picture_options(CLI::App& command, FramesOptions& options) {
+  command
+      .add_option("--view", options.view,
+                  "viewpoint: eyes; third-person, from behind the participant; or top, from above")
+      ->check(CLI::IsMember({"eyes", "third-person", "top"}))
+      ->capture_default_str();
+  command.add_option("--frames", options.frames, "draw only these frames, such as 10-20,35");
+  command.add_option("--fps", options.fps, "frame rate; default: that of the scenario")
+      ->check(CLI::Range(1, 1000));
+  command
+      .add_option(
+          "--jobs", options.jobs,
+          "number of processes that draw the folder in parallel; the files do not depend on it")
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
+  command.add_flag("--resume", options.resume,
+                   "continue an interrupted run: finished parts of the folder are kept in "
+                   "DIR.parts and are not drawn again");
+  add_gl(command, options.gl);
+  add_look(command, options.look);
+  command
+      .add_option("--samples", options.samples,
+                  "anti-aliasing: N^2 + 1 samples per pixel, or one with N = 1; default: as the "
+                  "trial or --look says")
+      ->check(CLI::Range(1, 8));
+  command
+      .add_flag("--as-shown", options.as_shown,
+                "draw the frames that a live session showed, and compare each with its recorded "
+                "hash; in a video each frame lasts until the next one, and the video begins with "
+                "the trial or, with --frames, with the first of the chosen frames")
+      ->excludes("--fps");
+  command.add_flag("--verify", options.verify,
+                   "draw the frames that a live session recorded, and compare the pictures with "
+                   "their recorded hashes");
+}
+
 }  // namespace
 
 void add_frames(CLI::App& app) {
@@ -348,62 +412,8 @@ void add_frames(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("frames", "Draw what the participant saw: one picture per eye and frame");
   command->add_option("trial", options->trial, "a trial (.lcmlog), replayed or not")->required();
-  add_output(*command, "-o,--output", options->folder,
-             "folder for left_NNNNNN.png, right_NNNNNN.png and frames.csv: a new or empty folder; "
-             "with --force also one that headpin wrote");
-  add_output(*command, "--video", options->video,
-             "video to write, both eyes side by side, lossless (.mkv); a copy with the ending .mp4 "
-             "plays in any player");
-  command->add_flag("--no-mp4", options->no_copy, "with --video: do not write the .mp4 copy");
-  add_output(
-      *command, "--y4m", options->y4m,
-      "raw video to write (YUV4MPEG2, 4:4:4, BT.601), both eyes side by side, for other programs; "
-      "- is standard output. Colours are rounded, so do not use it to compare pictures");
-  command
-      ->add_option("--layout", options->layout,
-                   "layout of the PNG files: one file per eye, or both eyes in one file")
-      ->check(CLI::IsMember({"separate", "side-by-side"}))
-      ->capture_default_str();
-  command->add_flag(
-      "--depth", options->files.depth,
-      "write the depth of each pixel along the viewing axis: NAME_depth.png has millimetres in 16 "
-      "bits, 0 where nothing is seen; NAME_depth.raw has metres as 32-bit floats");
-  command->add_flag("--ids", options->files.ids,
-                    "write which object each pixel shows: NAME_ids.png has 16-bit numbers, ids.csv "
-                    "has the object of each number");
-  command
-      ->add_option("--view", options->view,
-                   "viewpoint: eyes; third-person, from behind the participant; or top, from above")
-      ->check(CLI::IsMember({"eyes", "third-person", "top"}))
-      ->capture_default_str();
-  command->add_option("--frames", options->frames, "draw only these frames, such as 10-20,35");
-  command->add_option("--fps", options->fps, "frame rate; default: that of the scenario")
-      ->check(CLI::Range(1, 1000));
-  command
-      ->add_option(
-          "--jobs", options->jobs,
-          "number of processes that draw the folder in parallel; the files do not depend on it")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
-  command->add_flag("--resume", options->resume,
-                    "continue an interrupted run: finished parts of the folder are kept in "
-                    "DIR.parts and are not drawn again");
-  add_gl(*command, options->gl);
-  add_look(*command, options->look);
-  command
-      ->add_option("--samples", options->samples,
-                   "anti-aliasing: N^2 + 1 samples per pixel, or one with N = 1; default: as the "
-                   "trial or --look says")
-      ->check(CLI::Range(1, 8));
-  command
-      ->add_flag("--as-shown", options->as_shown,
-                 "draw the frames that a live session showed, and compare each with its recorded "
-                 "hash; in a video each frame lasts until the next one, and the video begins with "
-                 "the trial or, with --frames, with the first of the chosen frames")
-      ->excludes("--fps");
-  command->add_flag("--verify", options->verify,
-                    "draw the frames that a live session recorded, and compare the pictures with "
-                    "their recorded hashes");
+  add_output_options(*command, *options);
+  add_picture_options(*command, *options);
   add_force(*command, options->force);
   add_longest_gap(*command, options->longest_gap);
   add_json(*command, options->json);

@@ -391,7 +391,7 @@ TEST_F(Frames, OfATrialThatIsCutAreDrawnAndItIsSaid) {
   std::ofstream(folder_ / "cut.lcmlog", std::ios::binary) << whole.substr(0, whole.size() / 2);
   const Result cut = headpin("frames cut.lcmlog -o out --frames 60");
   EXPECT_EQ(cut.code, 0) << cut.err;
-  EXPECT_THAT(cut.err, HasSubstr("cut.lcmlog: is not complete, it goes to "));
+  EXPECT_THAT(cut.err, HasSubstr("cut.lcmlog: is incomplete: it ends at "));
   EXPECT_EQ(headpin("frames " + kDemo + " -o whole --frames 60").err, "");
   EXPECT_EQ(index("out").at(60), index("whole").at(60));
 }

@@ -186,6 +186,33 @@ std::string picture(const std::vector<Point>& points) {
   return svg + "</svg>\n";
 }
 
+/// How the times grow with the number of polygons.
+void add_growth(const std::vector<Point>& points, std::vector<bench::Row>& rows) {
+  std::vector<double> x, ours, linear, theirs, full;
+  for (const Point& p : points) {
+    if (p.polygons < 419) continue;
+    x.push_back(p.polygons);
+    ours.push_back(p.vertices);
+    linear.push_back(p.linear);
+    theirs.push_back(p.early);
+    full.push_back(p.full);
+  }
+  rows.push_back({"growth exponent, 419 to 4000, converged", "1", bench::growth_exponent(x, ours),
+                  "baseline with early out", bench::growth_exponent(x, theirs)});
+  rows.push_back({"growth exponent, 419 to 4000, converged", "1", bench::growth_exponent(x, ours),
+                  "baseline without", bench::growth_exponent(x, full)});
+  rows.push_back({"growth exponent, 419 to 4000, linear search", "1",
+                  bench::growth_exponent(x, linear), "baseline without",
+                  bench::growth_exponent(x, full)});
+  const double from_419_to_970 =
+      points[2].full / points[2].linear / (points[1].full / points[1].linear);
+  fmt::print(
+      "from 419 to 970 polygons the ratio of the baseline without early out to linear search grows "
+      "{:.1f} times, "
+      "with early out {:.1f} times; the paper's, from 2.5 to 8, 3.2 times\n",
+      from_419_to_970, points[2].early / points[2].linear / (points[1].early / points[1].linear));
+}
+
 }  // namespace
 
 int main() {
@@ -232,29 +259,7 @@ int main() {
     row("capped by linear search", p.linear, "baseline without", p.full);
     row("capped on parametric", p.capped_parametric, "baseline with early out", p.early);
   }
-  std::vector<double> x, ours, linear, theirs, full;
-  for (const Point& p : points) {
-    if (p.polygons < 419) continue;
-    x.push_back(p.polygons);
-    ours.push_back(p.vertices);
-    linear.push_back(p.linear);
-    theirs.push_back(p.early);
-    full.push_back(p.full);
-  }
-  rows.push_back({"growth exponent, 419 to 4000, converged", "1", bench::growth_exponent(x, ours),
-                  "baseline with early out", bench::growth_exponent(x, theirs)});
-  rows.push_back({"growth exponent, 419 to 4000, converged", "1", bench::growth_exponent(x, ours),
-                  "baseline without", bench::growth_exponent(x, full)});
-  rows.push_back({"growth exponent, 419 to 4000, linear search", "1",
-                  bench::growth_exponent(x, linear), "baseline without",
-                  bench::growth_exponent(x, full)});
-  const double from_419_to_970 =
-      points[2].full / points[2].linear / (points[1].full / points[1].linear);
-  fmt::print(
-      "from 419 to 970 polygons the ratio of the baseline without early out to linear search grows "
-      "{:.1f} times, "
-      "with early out {:.1f} times; the paper's, from 2.5 to 8, 3.2 times\n",
-      from_419_to_970, points[2].early / points[2].linear / (points[1].early / points[1].linear));
+  add_growth(points, rows);
   bench::publish("paper", rows);
   bench::write_text("out/bench/paper.svg", picture(points));
   fmt::print("written: out/bench/paper.svg\n");

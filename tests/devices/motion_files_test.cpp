@@ -279,32 +279,45 @@ TEST(MotionFiles, HeadAndHandsComeTogether) {
   EXPECT_THAT(complaint([&] { together(head, &head, &late, "x"); }), HasSubstr("never recorded"));
 }
 
-TEST(MotionFiles, EachFormatIsKnownByItself) {
-  const fs::path folder = fresh_folder("motion");
-  const auto read = [&](const std::string& file, const MotionOptions& options = {}) {
+/// Files of a test, read by their names.
+class MotionFilesIn : public testing::Test {
+ protected:
+  MotionRecording read(const std::string& file, const MotionOptions& options = {}) const {
     return read_motion(folder / file, options);
-  };
-  const std::string row = "0,0,1.6,0,0,0,0\n0.01,0,1.6,0,0,0,0\n";
-  for (const char* object : {"Main Camera", "leftHand", "rightHand"}) {
-    spit(folder / "S001/trackers" / (std::string(object) + "_movement_T001.csv"),
-         "time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z\n" + row);
   }
+  std::string why_not(const std::string& file, const MotionOptions& options = {}) const {
+    return complaint([&] { read(file, options); });
+  }
+  void write_objects(const std::string& at, const std::vector<std::string>& objects) const {
+    for (const std::string& object : objects) {
+      spit(folder / at / (object + "_movement_T001.csv"),
+           "time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z\n0,0,1.6,0,0,0,0\n0.01,0,1.6,0,0,0,0\n");
+    }
+  }
+
+  const fs::path folder = fresh_folder("motion");
+};
+
+TEST_F(MotionFilesIn, AUxfFolderIsASession) {
+  write_objects("S001/trackers", {"Main Camera", "leftHand", "rightHand"});
   EXPECT_EQ(read("S001").times.size(), 2u);
   EXPECT_EQ(read("S001/trackers").times.size(), 2u);
   EXPECT_EQ(read("S001/trackers/leftHand_movement_T001.csv").times.size(), 2u);
   spit(folder / "S001/trackers/leftHand_movement_T002.csv", "time,pos_x\n");
-  EXPECT_THAT(complaint([&] { read("S001"); }), HasSubstr("contains several trials"));
-  EXPECT_THAT(complaint([&] { read("S001/trackers/leftHand_movement_T002.csv"); }),
-              HasSubstr("pos_y is missing"));
+  EXPECT_THAT(why_not("S001"), HasSubstr("contains several trials"));
+  EXPECT_THAT(why_not("S001/trackers/leftHand_movement_T002.csv"), HasSubstr("pos_y is missing"));
+  write_objects("quest", {"CenterEyeAnchor", "LeftEyeAnchor", "RightHandAnchor"});
+  EXPECT_EQ(read("quest").right_hand.size(), 2u);
+  EXPECT_TRUE(read("quest").left_hand.empty());
+}
 
+TEST_F(MotionFilesIn, AVrpnLogIsKnownByItsBytes) {
   const Packet log = vrpn_log();
   spit(folder / "log.vrpn", {log.begin(), log.end()});
   EXPECT_EQ(read("log.vrpn").right_hand.at(0).p.x(), 3.0);
   EXPECT_EQ(read("log.vrpn", {.names = {"2", "1", "0"}}).head.at(0).p.x(), 3.0);
   EXPECT_EQ(read("log.vrpn", {.axes = "LSA"}).head.at(0).p.x(), -1.0);
-  EXPECT_THAT(complaint([&] {
-                read("log.vrpn", {.names = {"2", "1", "5"}});
-              }),
+  EXPECT_THAT(why_not("log.vrpn", {.names = {"2", "1", "5"}}),
               HasSubstr("expected one right hand among Tracker0:0, Tracker0:1, Tracker0:2"));
 
   // One hand is enough, where a file has no other or is told so.
@@ -318,15 +331,10 @@ TEST(MotionFiles, EachFormatIsKnownByItself) {
   EXPECT_TRUE(read("pair.vrpn", {.only_hand_is_left = true}).right_hand.empty());
   const Packet alone = vrpn_log(1);
   spit(folder / "alone.vrpn", {alone.begin(), alone.end()});
-  EXPECT_THAT(complaint([&] { read("alone.vrpn"); }),
-              HasSubstr("expected one head among Tracker0:0"));
-  for (const char* object : {"CenterEyeAnchor", "LeftEyeAnchor", "RightHandAnchor"}) {
-    spit(folder / "quest" / (std::string(object) + "_movement_T001.csv"),
-         "time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z\n" + row);
-  }
-  EXPECT_EQ(read("quest").right_hand.size(), 2u);
-  EXPECT_TRUE(read("quest").left_hand.empty());
+  EXPECT_THAT(why_not("alone.vrpn"), HasSubstr("expected one head among Tracker0:0"));
+}
 
+TEST_F(MotionFilesIn, AMotionBidsTableNeedsItsAxes) {
   std::string channels = kChannels.substr(0, kChannels.find("h\tn/a"));
   const std::string of_head = channels.substr(channels.find("a\tx"));
   for (const std::string hand : {"left_hand", "right_hand"}) {
@@ -339,14 +347,16 @@ TEST(MotionFiles, EachFormatIsKnownByItself) {
   const std::string pose = "\t0\t0\t1600\t0\t0\t0\t1";
   spit(folder / "a_motion.tsv", "0" + pose + pose + pose + "\n0.01" + pose + pose + pose + "\n");
   spit(folder / "a_channels.tsv", channels);
-  EXPECT_THAT(complaint([&] { read("a_motion.tsv"); }), HasSubstr("expected SpatialAxes"));
+  EXPECT_THAT(why_not("a_motion.tsv"), HasSubstr("expected SpatialAxes"));
   spit(folder / "a_channels.json",
        R"({"reference_frame":{"Levels":{"global":{"SpatialAxes":"ALS"}}}})");
   EXPECT_EQ(read("a_motion.tsv").head.at(0).p.y(), 1.6);
+}
 
+TEST_F(MotionFilesIn, OfAnotherFormatAreToldWithThoseThatAreKnown) {
   const auto said = [&](const std::string& bytes) {
     spit(folder / "x", bytes);
-    return complaint([&] { read("x"); });
+    return why_not("x");
   };
   for (const MotionFormat& format : motion_formats()) {
     EXPECT_THAT(said("HIERARCHY\nROOT"), HasSubstr(std::string(format.name)));
@@ -357,8 +367,8 @@ TEST(MotionFiles, EachFormatIsKnownByItself) {
   EXPECT_THAT(said("frame,x,y\n1,2,3\n"), HasSubstr("CSV that begins with 'frame,x,y'"));
   EXPECT_THAT(said(""), HasSubstr("seems to be empty"));
   EXPECT_THAT(said(std::string("\x02P\x00\x00", 4)), HasSubstr("C3D"));
-  EXPECT_THAT(complaint([&] { read("."); }), HasSubstr("a folder of something else"));
-  EXPECT_THAT(complaint([&] { read("missing"); }), HasSubstr("cannot open"));
+  EXPECT_THAT(why_not("."), HasSubstr("a folder of something else"));
+  EXPECT_THAT(why_not("missing"), HasSubstr("cannot open"));
 }
 
 }  // namespace
