@@ -117,7 +117,7 @@ std::optional<MulticastGroup> multicast_group(const std::string& url) {
 }
 
 std::string multicast_hint(const std::string& url) {
-  const bool multicast = url.empty() || url.starts_with("udpm:") || url.starts_with("mpudpm:");
+  const bool multicast = url.empty() || url.starts_with("udpm:");
   return multicast ? "; multicast needs a route, without a network: ip link set lo multicast on && "
                      "ip route add 224.0.0.0/4 dev lo"
                    : "";

@@ -47,6 +47,11 @@ LcmLink::LcmLink(const std::string& url, std::string_view prefix, files::OutputF
     written_ = std::make_unique<LogWriter>(path, std::move(output));
     return;
   }
+  if (meant_.starts_with("mpudpm:")) {
+    throw std::runtime_error(meant_ +
+                             ": two datagrams of anybody end a program in which liblcm 1.3.1 reads "
+                             "mpudpm; expected udpm://");
+  }
   lcm_ = std::make_unique<Lcm>();
   lcm_->handle = lcm_create(meant_.empty() ? nullptr : meant_.c_str());
   if (!lcm_->handle) {

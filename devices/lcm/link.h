@@ -16,7 +16,7 @@
 /// Publishes the samples and all other messages of a trial over LCM.
 namespace headpin::devices {
 
-/// A connection to LCM by the provider of its URL: udpm, file, memq, tcpq, mpudpm.
+/// A connection to LCM by the provider of its URL: udpm, file, memq, tcpq.
 class LcmLink {
  public:
   /// @param url  empty: LCM_DEFAULT_URL, else multicast on 239.255.76.67:7667 that stays on

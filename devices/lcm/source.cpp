@@ -194,6 +194,19 @@ bool LcmSource::is_behind(const Publisher& publisher, std::int32_t station, Time
   return late_us > kAnother_us;
 }
 
+/// Whether no station that is heard has a clock which shows nearly the same.
+bool LcmSource::is_of_another_clock(Time theirs) const {
+  bool heard = false;
+  for (const auto& [station, publisher] : publishers_) {
+    if (station == kMouse || receiving_ - publisher.host_time >= kGone) continue;
+    const double late_us = static_cast<double>(receiving_.count()) -
+                           publisher.clock.ours(static_cast<double>(theirs.count()));
+    if (std::abs(late_us) <= kAnother_us) return false;
+    heard = true;
+  }
+  return heard;
+}
+
 bool LcmSource::speaks_for(const Publisher& publisher, std::int32_t station, Time theirs,
                            std::uint64_t sender) const {
   const bool known = sender != 0;
@@ -203,6 +216,10 @@ bool LcmSource::speaks_for(const Publisher& publisher, std::int32_t station, Tim
       if (other.sender == sender && other.samples > 0) return true;
       if (other.other == sender && receiving_ - other.other_time < kGone) return false;
     }
+  }
+  if (!known && station == kMouse && publisher.follows_station &&
+      !is_unstamped(publisher, theirs)) {
+    return !is_of_another_clock(theirs);
   }
   if (publisher.samples == 0 || receiving_ - publisher.host_time >= kGone) return true;
   return known ? sender == publisher.sender : !is_behind(publisher, station, theirs);
@@ -261,8 +278,10 @@ void LcmSource::stamp(MouseSample& sample) {
     mouse.theirs = sample.device_time;
     mouse.device_time = held(sample.device_time, mouse.clock.ours(theirs_us), nullptr);
     mouse.host_time = receiving_;
+    mouse.follows_station = true;
     ++mouse.samples;
   } else {
+    mouse.follows_station = false;
     carried_over(mouse, sample.device_time, nullptr);
   }
   sample.device_time = mouse.device_time;

@@ -46,10 +46,11 @@ class LcmSource : public Source {
     ClockOffset clock;
     SequenceCount numbers;
     std::int64_t samples = 0;
-    Time theirs{};             ///< time of its newest sample as published
-    Time device_time{};        ///< the same on the session's clock
-    Time host_time{};          ///< when that came
-    std::uint64_t sender = 0;  ///< where it sends from; 0: unknown
+    Time theirs{};                 ///< time of its newest sample as published
+    Time device_time{};            ///< the same on the session's clock
+    Time host_time{};              ///< when that came
+    std::uint64_t sender = 0;      ///< where it sends from; 0: unknown
+    bool follows_station = false;  ///< of the mouse: its clock is that of a station
     /// The last other publisher of this station, its time, and the number of its skipped samples.
     std::uint64_t other = 0, beside = 0;
     Time other_time{};
@@ -103,6 +104,7 @@ class LcmSource : public Source {
   bool speaks_for(const Publisher& publisher, std::int32_t station, Time theirs,
                   std::uint64_t sender) const;
   bool is_behind(const Publisher& publisher, std::int32_t station, Time theirs) const;
+  bool is_of_another_clock(Time theirs) const;
   bool is_unstamped(const Publisher& publisher, Time theirs) const;
   Time by_arrival(Publisher& publisher);
   Time carried_over(Publisher& publisher, Time theirs, const void* held_to);

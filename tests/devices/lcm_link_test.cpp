@@ -6,6 +6,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <lcm/lcm.h>
 #include <sys/time.h>
@@ -425,7 +426,44 @@ TEST(LcmLinkTest, OfTwoPublishersOfAStationOneIsKept) {
   EXPECT_EQ(source.counts().others, 250 + 99);
 }
 
+// The same log with the buttons: the second program's trigger is not the participant's, until the first
+// program has ended.
+TEST(LcmLinkTest, OfTwoMiceTheOneWithTheStationsClockIsKept) {
+  LcmLink link("memq://");
+  LcmSource source(link);
+  const Program first{kHandStation, Time{-60'000'000}}, second{kHandStation, Time{-59'300'000}};
+  std::vector<Sample> samples;
+  int pressed = 0;
+  const auto play = [&](Time from, Time to, bool one, bool two) {
+    for (Time now = from; now < to; now += Time{10'000}) {
+      const bool down = now.count() / 10'000 % 200 == 50;
+      const auto button = [&](const Program& program) {
+        const Time theirs = device_time(Sample{program.at(now)});
+        if (down) link.publish(Sample(MouseSample{theirs, Time{}, false, false, true}));
+      };
+      if (one) link.publish(Sample(first.at(now)));
+      if (two) link.publish(Sample(second.at(now)));
+      if (one) button(first);
+      if (two) button(second);
+      source.receive(now);
+      samples.clear();
+      source.poll(now + Time{9'000}, samples);
+      for (const Sample& sample : samples) {
+        pressed += std::holds_alternative<MouseSample>(sample) ? 1 : 0;
+      }
+    }
+  };
+  play(Time{10'000}, Time{1'500'000}, true, false);
+  play(Time{1'500'000}, Time{7'000'000}, true, true);
+  EXPECT_EQ(pressed, 4);  // at 0.5, 2.5, 4.5 and 6.5 s, once each
+  EXPECT_EQ(source.publishers().at(LcmSource::kMouse).others, 3);
+  play(Time{7'000'000}, Time{11'000'000}, false, true);
+  EXPECT_EQ(pressed, 6);
+}
+
 TEST(LcmLinkTest, SaysWhichUrlItCannotOpen) {
+  EXPECT_THAT([] { LcmLink("mpudpm://239.255.76.67:7667"); },
+              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("expected udpm://")));
   EXPECT_THROW(LcmLink("nonsense://"), std::runtime_error);
 }
 
