@@ -1,4 +1,4 @@
-// An include points to a row below: apps > study > scene > devices | engine | render > engine/math.h,
+// An include points to a row below: apps > sweep > study > scene > devices | engine | render > engine/math.h,
 // engine/hash.h | files; and to a room below within scene and devices (CONTRIBUTING.md, Layers).
 
 #include <filesystem>
@@ -22,7 +22,7 @@ struct Include {
 
 std::vector<Include> includes_of(const std::string& folder) {
   static const std::regex pattern(
-      R"(^\s*#\s*include\s*["<]((files|engine|devices|render|scene|study|apps|tests)/[^">]+)[">])");
+      R"(^\s*#\s*include\s*["<]((files|engine|devices|render|scene|study|sweep|apps|tests)/[^">]+)[">])");
   std::vector<Include> found;
   for (const auto& entry : fs::recursive_directory_iterator(HEADPIN_SOURCE_DIR "/" + folder)) {
     const std::string extension = entry.path().extension().string();
@@ -52,7 +52,8 @@ TEST(Layers, IncludesPointDownwards) {
       {"render", {"render", "files"}},
       {"scene", {"scene", "devices", "engine", "render", "files"}},
       {"study", {"study", "scene", "devices", "engine", "render", "files"}},
-      {"apps", {"apps", "study", "scene", "devices", "engine", "render", "files"}},
+      {"sweep", {"sweep", "study", "scene", "devices", "engine", "render", "files"}},
+      {"apps", {"apps", "sweep", "study", "scene", "devices", "engine", "render", "files"}},
   };
   const std::set<std::string> for_all = {"engine/math.h", "engine/hash.h"};  // headers alone
   for (const auto& [folder, allowed] : below) {
@@ -238,7 +239,7 @@ TEST(Layers, FilesAloneRemoveRenameAndCut) {
       R"(truncate|ftruncate|resize_file|linkat)\()"
       R"(|(fs|filesystem)::remove\()");
   int in_files = 0;
-  for (const char* folder : {"files", "engine", "devices", "render", "scene", "study", "apps"}) {
+  for (const char* folder : {"files", "engine", "devices", "render", "scene", "study", "sweep", "apps"}) {
     for (const auto& entry :
          fs::recursive_directory_iterator(HEADPIN_SOURCE_DIR "/" + std::string(folder))) {
       if (entry.path().extension() != ".cpp" && entry.path().extension() != ".h") continue;

@@ -8,12 +8,13 @@ COMMIT (HEAD). Whatever their room is, the tests are those of the folder.
 --most takes N of the faults, evenly spread.
 
 A fault is one operator, statement or condition that is another: see `edits`. libclang says where they are; all are put into
-a copy of the sources as switches, so that the copy is built once, and a run of the tests turns one of them on. What no test
-comes by is listed without a run. Where this is run by root, nothing but /tmp can be written by a program with a fault.
+a copy of the sources as switches, so that the copy is built once, and a run of the tests turns one of them on: of those that
+come by it, the quick ones first. What no test comes by is listed without a run. Where this is run by root, nothing but /tmp can be written by a program with a fault.
 """
 
 import argparse
 import concurrent.futures
+import fnmatch
 import json
 import os
 import re
@@ -21,6 +22,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import threading
 import time
 
 from clang import cindex
@@ -178,22 +180,53 @@ def build(top, rooms):
     return ""
 
 
-def run_tests(room, environment, limit_s, fast=True):
-    """@return  whether all passed; what was said"""
-    for name in TESTS[room]:
-        program = os.path.abspath(f"{COPY}/build/tests/{name}/{name}_test")
-        words = [program, "--gtest_brief=1", *(["--gtest_fail_fast"] if fast else [])]
-        words = ["bash", "-c", f"ulimit -v 8000000; exec timeout -k 5 {limit_s} \"$@\"", "-", *words]
-        if os.geteuid() == 0:  # a fault may remove what it should not
-            words = ["unshare", "-m", "bash", "-c",
-                     "findmnt -rno TARGET | grep -vE '^/(proc|dev|sys)' | while read -r at; do "
-                     "mount -o remount,ro,bind \"$at\" 2>/dev/null; done; "
-                     "mount -t tmpfs none /tmp || exit 9; exec \"$@\"", "-", *words]
-        done = subprocess.run(words, env={**os.environ, **environment}, capture_output=True, stdin=subprocess.DEVNULL,
-                              check=False)
-        if done.returncode != 0:
-            return False, done.stdout + done.stderr
-    return True, b""
+def program_of(name):
+    return os.path.abspath(f"{COPY}/build/tests/{name}/{name}_test")
+
+
+def run_tests(name, tests, environment, limit_s):
+    """@return  whether all of these passed; what was said"""
+    words = [program_of(name), "--gtest_brief=1", "--gtest_fail_fast", "--gtest_filter=" + ":".join(tests)]
+    words = ["bash", "-c", f"ulimit -v 8000000; exec timeout -k 5 {limit_s} \"$@\"", "-", *words]
+    if os.geteuid() == 0:  # a fault may remove what it should not
+        words = ["unshare", "-m", "bash", "-c",
+                 "findmnt -rno TARGET | grep -vE '^/(proc|dev|sys)' | while read -r at; do "
+                 "mount -o remount,ro,bind \"$at\" 2>/dev/null; done; "
+                 "mount -t tmpfs none /tmp || exit 9; exec \"$@\"", "-", *words]
+    done = subprocess.run(words, env={**os.environ, **environment}, capture_output=True, stdin=subprocess.DEVNULL, check=False)
+    return done.returncode == 0, done.stdout + done.stderr
+
+
+def names_of(name):
+    """The tests of a program, as its filter takes them; long ones (tests/CMakeLists.txt) are left out."""
+    words = [program_of(name), "--gtest_list_tests"]
+    suite, names = "", []
+    for line in subprocess.run(words, check=True, capture_output=True, text=True).stdout.splitlines():
+        text = line.split("#")[0].rstrip()
+        if not line.startswith(" "):
+            suite = text
+        else:
+            names.append(suite + text.strip())
+    with open(f"tests/{name}/CMakeLists.txt", encoding="utf-8") as file:
+        left_out = re.findall(r"^\s*([A-Za-z0-9_./*]+\.[A-Za-z0-9_/*]+)$", file.read(), re.M)
+    return [test for test in names
+            if "DISABLED_" not in test and not any(fnmatch.fnmatchcase(test, pattern) for pattern in left_out)]
+
+
+def tried_alone(name, test):
+    """@return  what faults a test comes by, and how long it takes [s]"""
+    reached = f"/dev/shm/headpin-mutants-{os.getpid()}-{threading.get_ident()}"
+    with open(reached, "wb") as file:
+        file.write(bytes(1 << 16))
+    begin = time.monotonic()
+    passed, said = run_tests(name, [test], {"HEADPIN_MUTANTS_REACHED": reached, "HEADPIN_MUTANT": "0"}, 3600)
+    took = time.monotonic() - begin
+    if not passed:
+        raise SystemExit(f"{test} fails without a fault:\n{said.decode(errors='replace')[-3000:]}")
+    with open(reached, "rb") as file:
+        came_by = {number for number, byte in enumerate(file.read()) if byte}
+    os.unlink(reached)
+    return came_by, took
 
 
 def prepare(paths, top, most):
@@ -221,30 +254,34 @@ def prepare(paths, top, most):
     return {number: mutants[number] for number in numbers}
 
 
+def state_of(number, tests):
+    """Tries a fault with the tests that come by it, the quick ones first.
+
+    @param tests  (program, test, what it comes by, how long it takes)
+    """
+    mine = sorted((took, name, test) for name, test, came_by, took in tests if number in came_by)
+    if not mine:
+        return "no test came by"
+    for low, high in ((0.0, 0.2), (0.2, 2.0), (2.0, 1e9)):
+        for name in sorted({name for _, name, _ in mine}):
+            group = [(took, test) for took, program, test in mine if program == name and low <= took < high]
+            limit_s = 10 + int(5 * sum(took for took, _ in group))  # what takes longer does not end
+            environment = {"HEADPIN_MUTANT": str(number)}
+            if group and not run_tests(name, [test for _, test in group], environment, limit_s)[0]:
+                return "noticed"
+    return "SURVIVED"
+
+
 def try_all(mutants, room):
     """@return  by number, what became of it"""
-    reached_file = os.path.abspath(COPY + "/reached")
-    with open(reached_file, "wb") as file:
-        file.write(bytes(1 << 16))
-    shared = {"HEADPIN_MUTANTS_REACHED": "/dev/shm/headpin-mutants-reached"}
-    shutil.copy(reached_file, shared["HEADPIN_MUTANTS_REACHED"])
-    begin = time.monotonic()
-    passed, said = run_tests(room, {**shared, "HEADPIN_MUTANT": "0"}, 3600, fast=False)
-    limit_s = 10 + int(5 * (time.monotonic() - begin))  # what takes longer does not end
-    if not passed:
-        raise SystemExit(f"{room}: the tests fail without a fault:\n{said.decode(errors='replace')[-3000:]}")
-    with open(shared["HEADPIN_MUTANTS_REACHED"], "rb") as file:
-        reached = file.read()
-    os.unlink(shared["HEADPIN_MUTANTS_REACHED"])
-
-    def state_of(number):
-        if not reached[number]:
-            return "no test came by"
-        return "SURVIVED" if run_tests(room, {"HEADPIN_MUTANT": str(number)}, limit_s)[0] else "noticed"
-
     states = {}
     with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        for count, (number, state) in enumerate(zip(mutants, pool.map(state_of, mutants)), 1):
+        which = [(name, test) for name in TESTS[room] for test in names_of(name)]
+        alone = pool.map(lambda one: tried_alone(*one), which)
+        tests = [(name, test, *tried) for (name, test), tried in zip(which, alone)]
+        print(f"{len(tests)} tests, {sum(took for *_, took in tests):.0f} s one by one", flush=True)
+        results = pool.map(lambda number: state_of(number, tests), mutants)
+        for count, (number, state) in enumerate(zip(mutants, results), 1):
             states[number] = state
             path, line, name = mutants[number]
             print(f"{count}/{len(mutants)} {path}:{line}: {name}: {state}", flush=True)

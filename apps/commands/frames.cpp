@@ -51,7 +51,7 @@ render::Quality look_of(const FramesOptions& options, scene::Scenario scenario) 
   Condition other;
   other.look = options.look;
   if (options.samples) other.set.push_back(fmt::format("look.samples={}", *options.samples));
-  apply(other, scenario);
+  apply_condition(other, scenario);
   return scenario.look;
 }
 

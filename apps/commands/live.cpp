@@ -142,7 +142,7 @@ Live open_live(const LiveOptions& options) {
   live.header = whose(options, played);
   scene::Scenario scenario = choose_scenario(options, played);
   scenario.look.samples = options.samples;
-  apply(options.condition, scenario);
+  apply_condition(options.condition, scenario);
   live.session = scene::make_session(scenario);
   if (!options.use_lcm) return live;
   live.link = std::make_unique<devices::LcmLink>(options.lcm);

@@ -179,7 +179,7 @@ void replay_each_throw(const ReplayOptions& options) {
   scene::Recorded recorded = scene::load_trial(options.trial, microseconds(options.longest_gap));
   const devices::TrialSummary& trial = recorded.file.summary();
   scene::Scenario other = recorded.scenario;
-  apply(options.condition, other);
+  apply_condition(options.condition, other);
   scene::Session session = scene::make_session(recorded.scenario);
   const std::int64_t ticks = scene::tick_count(trial, recorded.scenario.rates.physics_hz);
   scene::EachThrow each = each_throw_of(session, other);
@@ -226,7 +226,7 @@ void replay(const ReplayOptions& options) {
   scene::Recorded recorded = scene::load_trial(options.trial, microseconds(options.longest_gap));
   const devices::TrialSummary& trial = recorded.file.summary();
   const scene::Scenario as_recorded = recorded.scenario;
-  apply(options.condition, recorded.scenario);
+  apply_condition(options.condition, recorded.scenario);
   scene::Session session = scene::make_session(recorded.scenario);
   const std::int64_t ticks = scene::tick_count(trial, recorded.scenario.rates.physics_hz);
 

@@ -28,6 +28,7 @@ struct Session {
   std::optional<std::size_t> touched;  ///< the button that the hand touches
   std::int64_t tick = 0;          ///< tick of the session's clock; a new world does not reset it
   engine::Statistics statistics;  ///< of all steps so far
+  bool hashes = true;             ///< else the two below stand still: a fifth of a replay's time
   std::uint64_t state_hash = 0;   ///< of the world after the last tick
   GameHash game_hash;             ///< of all ticks so far
 

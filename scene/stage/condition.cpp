@@ -1,0 +1,112 @@
+#include "scene/stage/condition.h"
+
+#include <algorithm>
+#include <map>
+#include <set>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "render/data/quality.h"
+#include "scene/stage/read_scenario.h"
+
+namespace headpin::scene {
+
+namespace {
+
+/// "material.ball.friction" of "material.ball.friction = 0.5".
+std::string key_of(const std::string& assignment) {
+  std::string key = assignment.substr(0, assignment.find('='));
+  std::erase(key, ' ');
+  return key;
+}
+
+bool is_in(const std::string& key, const std::string& section) {
+  return key == section || key.starts_with(section + ".");
+}
+
+/// What the assignments say of all objects goes to every version, as each of them has one
+/// elasticity and one friction for all.
+///
+/// @throws std::invalid_argument  where they say it of some objects alone, which no version can have
+void pass_on_materials(const std::vector<std::string>& assignments, Scenario& scenario) {
+  std::map<std::string, std::set<std::string>> said;  // of what, about which objects
+  for (const std::string& assignment : assignments) {
+    const std::string key = key_of(assignment);
+    if (!is_in(key, "material")) continue;
+    const std::size_t last = key.rfind('.');
+    if (std::ranges::count(key, '.') != 2) {
+      throw std::invalid_argument(
+          fmt::format("{}: expected one value a time where the scenario has versions, such as "
+                      "material.ball.friction=0.5",
+                      key));
+    }
+    said[key.substr(last + 1)].insert(key.substr(0, last));
+  }
+  const auto pass_on = [&](const std::string& what, double Coefficients::*of, auto set_everywhere) {
+    if (!said.contains(what)) return;
+    const Materials& m = scenario.material;
+    const bool alike =
+        m.skittle.*of == m.ball.*of && m.ball.*of == m.lane.*of && m.lane.*of == m.wall.*of;
+    if (said[what].size() < 4 || !alike) {
+      throw std::invalid_argument(fmt::format(
+          "{0}.{1}: the red and the blue version each have one {1} for all objects; say "
+          "version.red.{1} and version.blue.{1}, or {1} for both",
+          *said[what].begin(), what));
+    }
+    set_everywhere(scenario, m.ball.*of);
+  };
+  pass_on("elasticity", &Coefficients::elasticity,
+          [](Scenario& s, double value) { set_elasticity(s, value); });
+  pass_on("friction", &Coefficients::friction,
+          [](Scenario& s, double value) { set_friction(s, value); });
+}
+
+/// Versions have materials, a shape and perhaps a detection of their own: what is said of the scenario's goes to each of
+/// them, and what is said of a version stays that version's.
+void pass_on_to_versions(const Condition& condition, Scenario& scenario) {
+  if (!scenario.version.buttons) return;
+  if (condition.elasticity) set_elasticity(scenario, *condition.elasticity);
+  if (condition.friction) set_friction(scenario, *condition.friction);
+  if (condition.shape) set_shape(scenario, *condition.shape);
+  const auto is_of = [](const std::string& assignment, const std::string& what) {
+    const std::string key = key_of(assignment);
+    const bool whole_table = key == "collision" && assignment.find(what) != std::string::npos;
+    return key == "collision." + what || whole_table;
+  };
+  bool detection = condition.detection.has_value(), iterations = condition.iterations.has_value();
+  for (const std::string& assignment : condition.set) {
+    detection |= is_of(assignment, "detection");
+    iterations |= is_of(assignment, "iterations");
+    if (!is_of(assignment, "shape")) continue;
+    set(scenario, assignment);
+    set_shape(scenario, scenario.collision.shape);
+  }
+  for (Version* version : {&scenario.version.red, &scenario.version.blue}) {
+    if (detection) version->detection = "collision";
+    if (iterations) version->iterations = 0;
+  }
+  pass_on_materials(condition.set, scenario);
+  for (const std::string& assignment : condition.set) {
+    if (is_in(key_of(assignment), "version")) set(scenario, assignment);
+  }
+}
+
+}  // namespace
+
+void apply(const Condition& condition, Scenario& scenario) {
+  if (condition.elasticity) set_elasticity(scenario.material, *condition.elasticity);
+  if (condition.friction) set_friction(scenario.material, *condition.friction);
+  if (condition.shape) scenario.collision.shape = *condition.shape;
+  if (condition.response) scenario.collision.response = *condition.response;
+  if (condition.detection) scenario.collision.detection = *condition.detection;
+  if (condition.iterations) scenario.collision.iterations = *condition.iterations;
+  if (condition.warm) scenario.collision.warm = *condition.warm;
+  for (const render::Look& look : render::looks()) {
+    if (condition.look == look.name) scenario.look = look.quality;
+  }
+  for (const std::string& assignment : condition.set) set(scenario, assignment);
+  pass_on_to_versions(condition, scenario);
+}
+
+}  // namespace headpin::scene

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Many replays of recorded trials under many conditions.
+namespace headpin::sweep {
+
+/// Most rows of one sweep.
+inline constexpr std::int64_t kMostRows = 10'000'000;
+
+/// A key of the scenario and the values that it takes, one after the other.
+struct Axis {
+  std::string key;  ///< "elasticity", "ball.mass", ...
+  std::vector<std::string> values;
+};
+
+/// A key of the scenario and the range from which its values are drawn.
+struct Range {
+  std::string key;
+  double from = 0.0, to = 1.0;
+};
+
+/// What sweep.toml says: every combination of the grid's values, each with every draw, of every trial.
+struct Design {
+  std::vector<std::string> trials;  ///< names of files, as they are written
+  std::vector<Axis> grid;           ///< the last one changes fastest
+  std::vector<Range> drawn;
+  bool latin_hypercube = true;  ///< each range is cut into `draws` parts and each part drawn once
+  std::int64_t draws = 1;       ///< for each point of the grid; 1 where nothing is drawn
+  std::uint64_t seed = 1;
+};
+
+/// @param where  name of the file, for messages
+/// @throws std::invalid_argument  "FILE:LINE: KEY must be EXPECTED, found FOUND"
+Design parse_design(std::string_view text, const std::string& where);
+
+/// Trials x points of the grid x draws, at most kMostRows.
+std::int64_t row_count(const Design& design);
+
+}  // namespace headpin::sweep

@@ -1,0 +1,223 @@
+#include "sweep/folder.h"
+
+#include <algorithm>
+#include <fstream>
+#include <optional>
+#include <set>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "files/input_file.h"
+#include "files/left_parts.h"
+#include "files/output_file.h"
+#include "files/sha256.h"
+#include "scene/stage/read_scenario.h"
+#include "study/csv.h"
+#include "sweep/result.h"
+
+namespace headpin::sweep {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr std::size_t kMostText = 4'000'000'000;
+
+void write_file(const fs::path& path, std::string_view text, bool overwrite) {
+  files::OutputFile file(path.string(), {.overwrite = overwrite});
+  file.write(text.data(), text.size());
+  file.commit();
+}
+
+/// A file that a plan which was cut off may have written already.
+void write_once(const fs::path& path, const std::string& text) {
+  if (fs::exists(path) && files::read_text(path.string(), kMostText) == text) return;
+  write_file(path, text, false);
+}
+
+std::string rows_csv(const Rows& rows, const std::function<void()>& check) {
+  std::string text = study::csv_line(columns_of(rows));
+  for (std::int64_t i = 0; i < rows.size(); ++i) {
+    check();
+    text += study::csv_line(cells_of(rows, rows.at(i)));
+  }
+  return text;
+}
+
+/// Each value alone on each trial: what cannot be is said before anything is made.
+void try_values(const Design& design, const std::vector<Trial>& trials, const std::string& where) {
+  const auto try_one = [&](const std::string& key, const std::string& value) {
+    for (std::size_t i = 0; i < trials.size(); ++i) {
+      try {
+        scene::Scenario scenario = trials[i].scenario;
+        scene::apply(condition_of({key}, {value}), scenario);
+      } catch (const std::invalid_argument& error) {
+        throw std::invalid_argument(fmt::format("{}: {} = {} on {}: {}", where, key, value,
+                                                design.trials[i], error.what()));
+      }
+    }
+  };
+  for (const Axis& axis : design.grid) {
+    for (const std::string& value : axis.values) try_one(axis.key, value);
+  }
+  for (const Range& range : design.drawn) {
+    try_one(range.key, fmt::format("{}", range.from));
+    try_one(range.key, fmt::format("{}", range.to));
+  }
+}
+
+void require_different_names(const Design& design, const std::string& where) {
+  std::set<std::string> names;
+  for (const std::string& trial : design.trials) {
+    const std::string name = fs::path(trial).stem().string();
+    if (names.insert(name).second) continue;
+    throw std::invalid_argument(
+        fmt::format("{}: expected trials of different names, found '{}' twice", where, name));
+  }
+}
+
+/// The trial's file in the sweep's folder.
+fs::path own(const SweepFolder& at, const std::string& trial) {
+  return at.trials() / fs::path(trial).filename();
+}
+
+std::vector<std::string> hashes_of(const std::vector<Trial>& trials) {
+  std::vector<std::string> hashes;
+  for (const Trial& trial : trials) hashes.push_back(trial.sha256);
+  return hashes;
+}
+
+/// Compares rows.csv with the rows, line by line.
+/// @return  its SHA-256
+std::string require_rows(const fs::path& path, const Rows& rows) {
+  const std::string text = files::read_text(path.string(), kMostText);
+  std::size_t at = 0;
+  const auto require = [&](std::int64_t line, const std::string& expected) {
+    const std::string_view found = std::string_view(text).substr(at, expected.size());
+    at += expected.size();
+    if (found == expected) return;
+    throw std::runtime_error(fmt::format(
+        "{}:{}: expected '{}', as sweep.toml and the trials say, found '{}'; plan a new "
+        "sweep to have other rows",
+        path.string(), line, study::shown(expected), study::shown(found)));
+  };
+  require(1, study::csv_line(columns_of(rows)));
+  for (std::int64_t i = 0; i < rows.size(); ++i) {
+    require(i + 2, study::csv_line(cells_of(rows, rows.at(i))));
+  }
+  if (at != text.size()) {
+    throw std::runtime_error(fmt::format("{}:{}: expected {} rows, found more", path.string(),
+                                         rows.size() + 2, rows.size()));
+  }
+  return files::sha256(text);
+}
+
+}  // namespace
+
+fs::path SweepFolder::piece(const Piece& piece) const {
+  return pieces() / fmt::format("{:06}.csv", piece.number);
+}
+
+std::int64_t plan(const fs::path& file, const SweepFolder& at, const std::function<void()>& check) {
+  if (fs::exists(at.rows())) {
+    throw std::runtime_error(at.root.string() +
+                             ": a sweep is there already; expected a new folder");
+  }
+  const std::string text = files::read_text(file.string(), 16'000'000);
+  const Design design = parse_design(text, file.string());
+  require_different_names(design, file.string());
+  std::vector<Trial> trials;
+  for (const std::string& trial : design.trials) {
+    trials.push_back(read_trial((file.parent_path() / trial).string()));
+    check();
+  }
+  try_values(design, trials, file.string());
+  const Rows rows(design, hashes_of(trials));
+  const std::string table = rows_csv(rows, check);
+  fs::create_directories(at.trials());
+  files::remove_left_parts(at.root.string());
+  files::remove_left_parts(at.trials().string());
+  for (const std::string& trial : design.trials) {
+    write_once(own(at, trial), files::read_text((file.parent_path() / trial).string(), kMostText));
+  }
+  write_once(at.design(), text);
+  fs::create_directories(at.pieces());
+  write_file(at.rows(), table, false);
+  return rows.size();
+}
+
+Sweep open_sweep(const fs::path& root) {
+  const SweepFolder at{root};
+  if (!fs::exists(at.rows())) {
+    throw std::runtime_error(fmt::format(
+        "{}: expected a sweep, found no rows.csv; `headpin sweep plan SWEEP.toml -o {}` "
+        "makes one",
+        root.string(), root.string()));
+  }
+  const std::string design_text = files::read_text(at.design().string(), 16'000'000);
+  const Design design = parse_design(design_text, at.design().string());
+  std::vector<Trial> trials;
+  for (const std::string& trial : design.trials) {
+    trials.push_back(read_trial(own(at, trial).string()));
+  }
+  Rows rows(design, hashes_of(trials));
+  const std::string plan = require_rows(at.rows(), rows);
+  std::vector<std::string> columns = columns_of(rows);
+  for (const ResultColumn& column : result_columns()) columns.emplace_back(column.name);
+  const Pieces pieces(rows.size());
+  return {at, std::move(rows), std::move(trials), plan, study::csv_line(columns), pieces};
+}
+
+std::optional<PieceEnd> piece_of(const Sweep& sweep, const Piece& piece,
+                                 std::vector<std::string>* lines) {
+  const fs::path path = sweep.at.piece(piece);
+  if (!fs::exists(path)) return std::nullopt;
+  const std::string text = files::read_text(path.string(), kMostText);
+  return read_piece(text, path.string(), sweep.plan, piece, sweep.columns, lines);
+}
+
+PieceClaim::PieceClaim(const Sweep& sweep, const Piece& piece)
+    : descriptor_(
+          open((sweep.at.pieces() / ".claims").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+  if (descriptor_ < 0) return;  // the piece itself will say what is wrong with the folder
+  struct flock byte {};
+  byte.l_type = F_WRLCK;
+  byte.l_whence = SEEK_SET;
+  byte.l_start = piece.number;
+  byte.l_len = 1;
+  ours_ = fcntl(descriptor_, F_OFD_SETLK, &byte) == 0 || (errno != EAGAIN && errno != EACCES);
+}
+
+PieceClaim::~PieceClaim() {
+  if (descriptor_ >= 0) close(descriptor_);
+}
+
+void run_piece(const Sweep& sweep, const Piece& piece, Runner& runner,
+               const std::function<void()>& check, const std::function<void()>& done) {
+  std::vector<std::string> lines;
+  const std::optional<PieceEnd> before = piece_of(sweep, piece, &lines);
+  std::int64_t failed = before ? before->failed : 0;
+  const auto had = std::ssize(lines);
+  std::exception_ptr stopped;
+  while (std::ssize(lines) < piece.rows && !stopped) {
+    try {
+      const std::vector<std::string> cells =
+          runner.run(sweep.rows.at(piece.first + std::ssize(lines)), check);
+      failed += cells.back().empty() ? 0 : 1;
+      lines.push_back(study::csv_line(cells));
+      done();
+    } catch (...) {
+      stopped = std::current_exception();
+    }
+  }
+  if (std::ssize(lines) > had) {
+    write_file(sweep.at.piece(piece), piece_text(sweep.plan, piece, sweep.columns, lines, failed),
+               true);
+  }
+  if (stopped) std::rethrow_exception(stopped);
+}
+
+}  // namespace headpin::sweep

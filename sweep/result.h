@@ -1,0 +1,37 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/play/run.h"
+#include "scene/play/score.h"
+
+namespace headpin::sweep {
+
+/// A column of what a replay comes to.
+struct ResultColumn {
+  const char* name;  ///< with the unit last
+  const char* unit;  ///< empty where there is none
+  const char* meaning;
+};
+
+/// All of them; the last one is `error`.
+const std::vector<ResultColumn>& result_columns();
+
+/// Sums up a session as it runs.
+class Result : public scene::Observer {
+ public:
+  void tick(const scene::Session& session) override;
+
+  /// Cells in the order of result_columns(); an empty cell where there is no such number.
+  std::vector<std::string> cells(const scene::Session& session) const;
+
+ private:
+  scene::Score score_;
+  std::int64_t last_awake_ = 0;  ///< tick
+};
+
+/// The cells of a replay that could not be made.
+std::vector<std::string> failed_cells(const std::string& reason);
+
+}  // namespace headpin::sweep

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "scene/stage/condition.h"
+#include "sweep/design.h"
+
+namespace headpin::sweep {
+
+/// One replay: a trial and the condition that it is simulated under.
+struct Row {
+  std::int64_t number = 0;          ///< from 0
+  std::size_t trial = 0;            ///< of the design
+  std::vector<std::string> values;  ///< of Rows::keys(), in that order
+  std::string
+      key;  ///< 16 hex digits of what decides the result: the trial's bytes, keys and values
+};
+
+/// The rows of a design, each worked out when it is asked for.
+class Rows {
+ public:
+  /// @param hashes  SHA-256 of each trial's file
+  Rows(const Design& design, std::vector<std::string> hashes);
+
+  std::int64_t size() const { return size_; }
+  /// Rows of one condition and all its trials follow each other.
+  /// @param number  from 0 to size() - 1
+  Row at(std::int64_t number) const;
+
+  /// Keys that the design sets: those of the grid, then those that are drawn.
+  const std::vector<std::string>& keys() const { return keys_; }
+  const Design& design() const { return design_; }
+
+ private:
+  std::string drawn(std::size_t range, std::int64_t draw) const;
+
+  Design design_;
+  std::vector<std::string> hashes_;
+  std::vector<std::string> keys_;
+  std::vector<std::vector<std::uint32_t>> part_;  ///< of each range: which part each draw is in
+  std::int64_t size_ = 0;
+};
+
+/// What a row says, as a condition: elasticity, friction, shape, response, detection and iterations by
+/// these names and every other value by its scenario key.
+///
+/// @throws std::invalid_argument  for a value that is none of its key
+scene::Condition condition_of(const std::vector<std::string>& keys,
+                              const std::vector<std::string>& values);
+
+/// What comes first in a line of every table: key, trial and values; and the names of these columns.
+std::vector<std::string> columns_of(const Rows& rows);
+std::vector<std::string> cells_of(const Rows& rows, const Row& row);
+
+}  // namespace headpin::sweep

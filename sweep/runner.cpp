@@ -1,0 +1,88 @@
+#include "sweep/runner.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "devices/trial/file.h"
+#include "devices/trial/sources.h"
+#include "files/input_file.h"
+#include "files/sha256.h"
+#include "scene/play/run.h"
+#include "scene/play/session.h"
+#include "scene/stage/read_scenario.h"
+#include "scene/watch/recorded.h"
+#include "sweep/result.h"
+
+namespace headpin::sweep {
+
+namespace {
+
+/// What `check` throws is no fault of a row.
+struct Interrupted {
+  std::exception_ptr why;
+};
+
+}  // namespace
+
+Trial read_trial(const std::string& path) {
+  constexpr std::size_t kMost = 4'000'000'000;
+  const std::vector<std::uint8_t> bytes = files::read_bytes(path, kMost);
+  const scene::Recorded recorded = scene::load_trial(bytes, path);
+  Trial trial;
+  trial.sha256 = files::sha256({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  trial.scenario = recorded.scenario;
+  trial.scenario_text = scene::to_toml(recorded.scenario);
+  recorded.file.walk([&](devices::TrialFile::Item& item) {
+    if (auto* sample = std::get_if<devices::Sample>(&item)) {
+      trial.samples.push_back(std::move(*sample));
+    }
+    return true;
+  });
+  trial.summary = recorded.file.summary();
+  return trial;
+}
+
+std::shared_ptr<const scene::Stage> Runner::stage_of(const Row& row) {
+  const Trial& trial = trials_[row.trial];
+  std::string text = trial.scenario_text;
+  for (const std::string& value : row.values) text += "\n" + value;
+  if (!stage_ || text != stage_text_) {
+    stage_.reset();
+    scene::Scenario scenario = trial.scenario;
+    scene::apply(condition_of(rows_.keys(), row.values), scenario);
+    stage_ = std::make_shared<const scene::Stage>(scene::make_stage(scenario));
+    stage_text_ = std::move(text);
+  }
+  return stage_;
+}
+
+std::vector<std::string> Runner::run(const Row& row, const std::function<void()>& check) {
+  std::vector<std::string> line = cells_of(rows_, row), result;
+  try {
+    scene::Session session = scene::make_session(stage_of(row));
+    session.hashes = false;
+    devices::ReplaySource source(trials_[row.trial].samples);
+    Result sum;
+    scene::NoPace pace;
+    scene::Observer* const observer = &sum;
+    const std::int64_t ticks =
+        scene::tick_count(trials_[row.trial].summary, session.scenario().rates.physics_hz);
+    scene::run(session, source, pace, std::span(&observer, 1), [&](const scene::Session& s) {
+      try {
+        check();
+      } catch (...) {
+        throw Interrupted{std::current_exception()};
+      }
+      return s.tick >= ticks;
+    });
+    result = sum.cells(session);
+  } catch (const Interrupted& interrupted) {
+    std::rethrow_exception(interrupted.why);
+  } catch (const std::exception& error) {
+    result = failed_cells(error.what());
+  }
+  line.insert(line.end(), result.begin(), result.end());
+  return line;
+}
+
+}  // namespace headpin::sweep

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "devices/trial/trial.h"
+#include "scene/stage/stage.h"
+#include "sweep/rows.h"
+
+namespace headpin::sweep {
+
+/// A recorded trial in memory, read once for all rows.
+struct Trial {
+  std::string sha256;  ///< of its file
+  scene::Scenario scenario;
+  std::string scenario_text;             ///< whole; trials with the same one share stages
+  std::vector<devices::Sample> samples;  ///< in the order of the log
+  devices::TrialSummary summary;         ///< says how long a replay is
+};
+
+/// @throws std::runtime_error  as scene::load_trial
+Trial read_trial(const std::string& path);
+
+/// Simulates rows, one after the other. Each thread has its own.
+class Runner {
+ public:
+  /// @param rows, trials  must outlive this
+  Runner(const Rows& rows, const std::vector<Trial>& trials) : rows_(rows), trials_(trials) {}
+
+  /// @param check  called at every tick; may throw
+  /// @return  the cells of a line, the row's own first; a row that fails has its reason in it
+  /// @throws  whatever `check` throws
+  std::vector<std::string> run(const Row& row, const std::function<void()>& check);
+
+ private:
+  std::shared_ptr<const scene::Stage> stage_of(const Row& row);
+
+  const Rows& rows_;
+  const std::vector<Trial>& trials_;
+  std::shared_ptr<const scene::Stage> stage_;  ///< of the last row
+  std::string stage_text_;                     ///< what it was made from
+};
+
+}  // namespace headpin::sweep

@@ -1,0 +1,263 @@
+// Sweeps as a laboratory meets them: whole, in parts, stopped, killed, damaged.
+
+#include <chrono>
+#include <csignal>
+#include <random>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "tests/apps/command_line.h"
+
+namespace headpin {
+namespace {
+
+using testing::HasSubstr;
+
+class SweepCommands : public CommandLine {
+ protected:
+  SweepCommands() {
+    // A second of the throw: the ball's way to the skittles.
+    EXPECT_EQ(headpin("synthesize -o throw.lcmlog --seed 4").code, 0);
+    write_design(
+        "[grid]\nelasticity = [0, 0.5, 1]\nfriction = [0, 0.7]\nshape = ['ellipsoid', 'true']\n"
+        "[random]\ndraws = 2\nball.mass = {from = 5, to = 7}\n");
+  }
+
+  void write_design(const std::string& text) const {
+    std::ofstream(folder_ / "sweep.toml") << "trials = ['throw.lcmlog']\n" << text;
+  }
+
+  void plan(const std::string& name) const {
+    const Result planned = headpin("sweep plan sweep.toml -o " + name);
+    ASSERT_EQ(planned.code, 0) << planned.err;
+  }
+
+  std::string merged(const std::string& name) const {
+    const Result result = headpin("sweep merge " + name + " -o " + name + ".csv --force");
+    EXPECT_EQ(result.code, 0) << result.err;
+    return slurp(folder_ / (name + ".csv"));
+  }
+
+  /// What one process comes to that nobody disturbs.
+  std::string undisturbed() const {
+    plan("whole");
+    EXPECT_EQ(headpin("sweep run whole --jobs 1").code, 0);
+    return merged("whole");
+  }
+
+  pid_t started(const std::vector<std::string>& words) const {
+    const pid_t process = fork();
+    if (process != 0) return process;
+    const int nothing = open("/dev/null", O_RDWR);
+    for (const int stream : {0, 1, 2}) dup2(nothing, stream);
+    std::vector<char*> arguments = {const_cast<char*>("headpin")};
+    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
+    if (chdir(folder_.c_str()) == 0) execv(HEADPIN_PROGRAM, arguments.data());
+    _exit(127);
+  }
+};
+
+/// Rows of a table whose cells have no commas, by the names of its columns.
+std::vector<std::map<std::string, std::string>> rows_of(const std::string& text) {
+  std::istringstream lines(text);
+  std::string line, cell;
+  std::vector<std::string> names;
+  std::vector<std::map<std::string, std::string>> rows;
+  while (std::getline(lines, line)) {
+    std::istringstream cells(line);
+    std::vector<std::string> all;
+    while (std::getline(cells, cell, ',')) all.push_back(cell);
+    if (names.empty()) {
+      names = all;
+      continue;
+    }
+    auto& row = rows.emplace_back();
+    for (std::size_t i = 0; i < all.size(); ++i) row[names[i]] = all[i];
+  }
+  return rows;
+}
+
+TEST_F(SweepCommands, ARowIsTheReplayUnderItsCondition) {
+  auto rows = rows_of(undisturbed());
+  ASSERT_EQ(rows.size(), 24u);
+  for (const std::size_t i : {0u, 7u, 12u, 23u}) {
+    auto& row = rows[i];
+    const nlohmann::json replay =
+        json("replay throw.lcmlog --json --elasticity " + row["elasticity"] + " --friction " +
+             row["friction"] + " --shape " + row["shape"] + " --set ball.mass=" + row["ball.mass"]);
+    EXPECT_EQ(row["state_hash"], replay["state_hash"]);
+    EXPECT_EQ(std::stoi(row["skittles_down"]), replay["skittles_down"]);
+    EXPECT_EQ(std::stod(row["release_speed_mps"]), replay["release_speed_mps"]);
+    if (!row["impact_speed_mps"].empty()) {
+      EXPECT_EQ(std::stod(row["impact_speed_mps"]), replay["impact_speed_mps"]);
+    }
+    EXPECT_EQ(std::stol(row["impacts"]), replay["statistics"]["impacts"]);
+    EXPECT_EQ(std::stod(row["simulated_s"]), replay["simulated_s"]);
+  }
+  const nlohmann::json status = json("sweep status whole --json");
+  EXPECT_EQ(status["done"], 24);
+  EXPECT_EQ(status["failed"], 0);
+}
+
+TEST_F(SweepCommands, TheTableDoesNotDependOnWhoSimulatedWhichRow) {
+  const std::string whole = undisturbed();
+  plan("threads");
+  EXPECT_EQ(json("sweep run threads --jobs 3 --json")["simulated"], 24);
+  EXPECT_TRUE(merged("threads") == whole);
+  EXPECT_EQ(json("sweep run threads --json")["simulated"], 0);  // what is there is not made again
+  plan("shards");
+  for (const char* shard : {"3/3", "1/3", "2/3"}) {
+    EXPECT_EQ(headpin(std::string("sweep run shards --jobs 1 --shard ") + shard).code, 0);
+  }
+  EXPECT_TRUE(merged("shards") == whole);
+  plan("two");
+  const pid_t one = started({"sweep", "run", "two", "--jobs", "1"});
+  const pid_t other = started({"sweep", "run", "two", "--jobs", "1"});
+  int status = 0;
+  EXPECT_EQ(waitpid(one, &status, 0), one);
+  EXPECT_EQ(status, 0);
+  EXPECT_EQ(waitpid(other, &status, 0), other);
+  EXPECT_EQ(status, 0);
+  EXPECT_TRUE(merged("two") == whole);
+}
+
+TEST_F(SweepCommands, StoppedOrKilledAnywhereItEndsWithTheSameBytes) {
+  const std::string whole = undisturbed();
+  plan("timed");
+  const auto begin = std::chrono::steady_clock::now();
+  ASSERT_EQ(headpin("sweep run timed --jobs 2").code, 0);
+  const auto took = std::chrono::duration_cast<std::chrono::microseconds>(
+                        std::chrono::steady_clock::now() - begin)
+                        .count();
+  std::mt19937 random(7);
+  plan("killed");
+  int ended = 0;
+  for (int i = 0; i < 25; ++i) {
+    const pid_t process = started({"sweep", "run", "killed", "--jobs", "2"});
+    usleep(static_cast<useconds_t>(random() % static_cast<unsigned long>(took)));
+    kill(process, i % 2 == 0 ? SIGKILL : SIGTERM);
+    int status = 0;
+    waitpid(process, &status, 0);
+    const bool killed = WIFSIGNALED(status) && WTERMSIG(status) == SIGKILL;
+    const bool stopped = WIFEXITED(status) && WEXITSTATUS(status) == 128 + SIGTERM;
+    // A signal that comes before it is watched for ends it too.
+    const bool at_once = WIFSIGNALED(status) && WTERMSIG(status) == SIGTERM;
+    const bool done = WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    EXPECT_TRUE(killed || stopped || at_once || done) << status;
+    ended += done ? 0 : 1;
+    if (done) break;
+  }
+  EXPECT_GT(ended, 0);
+  ASSERT_EQ(headpin("sweep run killed").code, 0);
+  EXPECT_TRUE(merged("killed") == whole);
+  for (const auto& entry : fs::directory_iterator(folder_ / "killed/pieces")) {
+    EXPECT_THAT(entry.path().string(), testing::Not(testing::EndsWith(".part")));
+  }
+}
+
+TEST_F(SweepCommands, WhatIsMissingOrDamagedIsSaidAndMadeAgain) {
+  const std::string whole = undisturbed();
+  const fs::path piece = folder_ / "whole/pieces/000005.csv";
+  const std::string good = slurp(piece);
+  std::string edited = good;
+  edited[edited.find('\n') + 40] ^= 1;
+  for (const std::string& bad : {good.substr(0, good.size() / 2), edited, std::string()}) {
+    std::ofstream(piece, std::ios::binary) << bad;
+    expect_refusal("sweep merge whole -o OUT.csv", 1, "000005.csv: ");
+    expect_refusal("sweep run whole", 1, "delete it to have its rows simulated again");
+    EXPECT_TRUE(slurp(piece) == bad);
+  }
+  fs::remove(piece);
+  expect_refusal("sweep merge whole -o OUT.csv", 1, "rows 6 to 6 are not done");
+  EXPECT_EQ(json("sweep merge whole -o part.csv --partial --json")["merged"], 23);
+  EXPECT_THAT(headpin("sweep status whole").out, HasSubstr("23 of 24 rows are done"));
+  EXPECT_EQ(json("sweep run whole --json")["simulated"], 1);
+  EXPECT_TRUE(merged("whole") == whole);
+  const std::string rows = slurp(folder_ / "whole/rows.csv");
+  std::string moved = rows;
+  moved[moved.find("ellipsoid")] = 'E';
+  std::ofstream(folder_ / "whole/rows.csv", std::ios::binary) << moved;
+  expect_refusal("sweep run whole", 1, "rows.csv:2: expected");
+  std::ofstream(folder_ / "whole/rows.csv", std::ios::binary) << rows;
+  std::ofstream(folder_ / "whole/trials/throw.lcmlog", std::ios::app) << "x";
+  expect_refusal("sweep run whole", 1, "rows.csv:2: expected");
+}
+
+TEST_F(SweepCommands, ARowThatFailsHasItsReasonInTheTable) {
+  write_design("[grid]\nroom.width = [4, 2.2]\nlane.width = [1.05, 2.4]\n");
+  plan("some");
+  const nlohmann::json run = json("sweep run some --json");
+  const auto rows = rows_of(merged("some"));
+  std::size_t failed = 0;
+  for (auto row : rows) failed += row["error"].empty() ? 0 : 1;
+  EXPECT_EQ(run["failed"], failed);
+  ASSERT_EQ(rows.size(), 4u);
+  EXPECT_EQ(failed, 1u);
+  auto wide = rows[3];
+  EXPECT_THAT(wide["error"] + wide["skittles_down"], HasSubstr("lane.width must be less than the"));
+}
+
+TEST_F(SweepCommands, WhatCannotBeIsRefusedBeforeAnythingIsMade) {
+  const auto refuses = [&](const std::string& text, int code, const std::string& says) {
+    write_design(text);
+    expect_refusal("sweep plan sweep.toml -o OUT", code, says);
+  };
+  refuses("[grid]\nfriction = [0, 2]\n", 2, "friction = 2 on throw.lcmlog: friction: expected");
+  refuses("[grid]\nshape = ['cube']\n", 2, "collision.shape");
+  refuses("[grid]\nball.colour = [1]\n", 2, "ball.colour");
+  refuses("[grid]\nball.mass = ['5\\nlane.width=3']\n", 2, "ball.mass");
+  refuses("[random]\nball.mass = {from = -1, to = 7}\n", 2, "ball.mass = -1");
+  refuses("[grid\n", 2, "sweep.toml:2: not TOML");
+  std::ofstream(folder_ / "sweep.toml") << "trials = ['nothing.lcmlog']\n";
+  expect_refusal("sweep plan sweep.toml -o OUT", 1, "nothing.lcmlog");
+  std::ofstream(folder_ / "sweep.toml") << "trials = ['throw.lcmlog', './throw.lcmlog']\n";
+  expect_refusal("sweep plan sweep.toml -o OUT", 2, "trials of different names");
+  write_design("");
+  plan("one");
+  expect_refusal("sweep plan sweep.toml -o one", 1, "a sweep is there already");
+  expect_refusal("sweep run one --shard 0/3", 2, "expected K/N");
+  expect_refusal("sweep run one --shard 4/3", 2, "expected K/N");
+  expect_refusal("sweep run one --shard 1", 2, "expected K/N");
+  expect_refusal("sweep run .", 1, "found no rows.csv");
+}
+
+TEST_F(SweepCommands, OnAFullDiskOneErrorIsSaidAndNoPieceIsHalf) {
+  plan("full");
+  const std::string command = "cd '" + folder_.string() +
+                              "' && bash -c \"(ulimit -f 0; exec '" HEADPIN_PROGRAM
+                              "' sweep run full --jobs 2) 2>&1 >/dev/null | cat >err.txt; exit "
+                              "\\${PIPESTATUS[0]}\"";
+  EXPECT_EQ(WEXITSTATUS(std::system(command.c_str())), 1);
+  const std::string err = slurp(folder_ / "err.txt");
+  EXPECT_EQ(std::count(err.begin(), err.end(), '\n'), 1) << err;
+  EXPECT_THAT(err, HasSubstr("pieces/"));
+  for (const auto& entry : fs::directory_iterator(folder_ / "full/pieces")) {
+    EXPECT_EQ(entry.path().filename(), ".claims");
+  }
+  EXPECT_EQ(json("sweep run full --json")["simulated"], 24);
+}
+
+// Slurm itself is in ./dev check cluster.
+TEST_F(SweepCommands, TheScriptsForSlurmRunEveryPart) {
+  const std::string whole = undisturbed();
+  plan("cluster");
+  const nlohmann::json slurm = json("sweep slurm cluster --tasks 3 --minutes 7 --json");
+  EXPECT_THAT(slurp(folder_ / "cluster/sweep.sbatch"), HasSubstr("#SBATCH --array=1-3\n"));
+  EXPECT_THAT(slurp(folder_ / "cluster/sweep.sbatch"), HasSubstr("#SBATCH --time=7\n"));
+  for (const int task : {2, 3, 1}) {
+    const std::string command =
+        "SLURM_ARRAY_TASK_COUNT=3 SLURM_ARRAY_TASK_ID=" + std::to_string(task) + " bash '" +
+        slurm["array"].get<std::string>() + "' >/dev/null";
+    EXPECT_EQ(std::system(command.c_str()), 0);
+  }
+  EXPECT_EQ(std::system(("bash '" + slurm["merge"].get<std::string>() + "' >/dev/null").c_str()),
+            0);
+  EXPECT_TRUE(slurp(folder_ / "cluster/results.csv") == whole);
+  expect_refusal("sweep slurm cluster", 1, "sweep.sbatch");
+  expect_refusal("sweep slurm cluster --tasks 500 --force", 2, "--tasks: expected at most");
+}
+
+}  // namespace
+}  // namespace headpin

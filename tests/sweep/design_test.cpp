@@ -1,0 +1,126 @@
+#include "sweep/design.h"
+
+#include <set>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sweep/rows.h"
+#include "tests/support/folder.h"
+
+namespace headpin::sweep {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+Design of(const std::string& text) {
+  return parse_design("trials = ['a.lcmlog']\n" + text, "sweep.toml");
+}
+
+TEST(SweepDesign, StepsOfARangeHaveNoDigitsOfRounding) {
+  const Design design = of("[grid]\nelasticity = {from = 0, to = 1, steps = 11}\n");
+  EXPECT_THAT(design.grid[0].values,
+              ElementsAre("0", "0.1", "0.2", "0.3", "0.4", "0.5", "0.6", "0.7", "0.8", "0.9", "1"));
+}
+
+TEST(SweepDesign, RowsAreEveryCombinationTheLastKeyFastestAndTrialsInnermost) {
+  const Design design = parse_design(
+      "trials = ['a.lcmlog', 'b.lcmlog']\n[grid]\nfriction = [0, 0.5]\nball.mass = [5, 6, 7]\n",
+      "sweep.toml");
+  ASSERT_EQ(row_count(design), 12);
+  const Rows rows(design, {"A", "B"});
+  EXPECT_THAT(rows.keys(), ElementsAre("friction", "ball.mass"));
+  EXPECT_THAT(rows.at(0).values, ElementsAre("0", "5"));
+  EXPECT_EQ(rows.at(1).trial, 1u);
+  EXPECT_THAT(rows.at(1).values, ElementsAre("0", "5"));
+  EXPECT_THAT(rows.at(2).values, ElementsAre("0", "6"));
+  EXPECT_THAT(rows.at(11).values, ElementsAre("0.5", "7"));
+  EXPECT_THAT(cells_of(rows, rows.at(11)), ElementsAre(rows.at(11).key, "b", "0.5", "7"));
+}
+
+TEST(SweepDesign, AKeyIsOfTheTrialsBytesTheKeysAndTheValuesInAnyOrder) {
+  const Rows one(of("[grid]\nfriction = [0, 0.5]\nball.mass = [5, 6]\n"), {"A"});
+  const Rows turned(of("[grid]\nball.mass = [6, 5]\nfriction = [0.5, 0]\n"), {"A"});
+  const Rows other(of("[grid]\nfriction = [0, 0.5]\nball.mass = [5, 6]\n"), {"B"});
+  std::set<std::string> keys, same, others;
+  for (std::int64_t i = 0; i < 4; ++i) {
+    keys.insert(one.at(i).key);
+    same.insert(turned.at(i).key);
+    others.insert(other.at(i).key);
+    EXPECT_EQ(one.at(i).key.size(), 16u);
+  }
+  EXPECT_EQ(keys.size(), 4u);
+  EXPECT_EQ(keys, same);
+  for (const std::string& key : others) EXPECT_FALSE(keys.contains(key));
+}
+
+// McKay, Beckman and Conover (1979): each of the n parts of each range is drawn from once.
+TEST(SweepDesign, ALatinHypercubeDrawsEachPartOfEachRangeOnce) {
+  const Rows rows(of("[random]\ndraws = 200\nball.mass = {from = 4, to = 8}\nfriction = {from = "
+                     "0, to = 1}\n"),
+                  {"A"});
+  ASSERT_EQ(rows.size(), 200);
+  std::set<int> masses, frictions;
+  double together = 0.0;
+  for (std::int64_t i = 0; i < 200; ++i) {
+    const Row row = rows.at(i);
+    const double mass = std::stod(row.values[0]), friction = std::stod(row.values[1]);
+    masses.insert(static_cast<int>((mass - 4.0) / 4.0 * 200.0));
+    frictions.insert(static_cast<int>(friction * 200.0));
+    together += (mass - 6.0) / 4.0 * (friction - 0.5) / 200.0;
+  }
+  EXPECT_EQ(masses.size(), 200u);
+  EXPECT_EQ(frictions.size(), 200u);
+  EXPECT_NEAR(12.0 * together, 0.0, 4.0 / std::sqrt(200.0));  // correlation: they are independent
+}
+
+TEST(SweepDesign, UniformDrawsHaveTheMeanOfTheirRangeAndDependOnTheSeed) {
+  const std::string text =
+      "[random]\nmethod = 'uniform'\ndraws = 3000\nball.mass = {from = 4, to = 8}\n";
+  const Rows rows(of(text + "seed = 5\n"), {"A"}), again(of(text + "seed = 5\n"), {"A"}),
+      other(of(text + "seed = 6\n"), {"A"});
+  double sum = 0.0;
+  for (std::int64_t i = 0; i < 3000; ++i) sum += std::stod(rows.at(i).values[0]);
+  EXPECT_NEAR(sum / 3000.0, 6.0, 4.0 * 4.0 / std::sqrt(12.0 * 3000.0));
+  EXPECT_EQ(rows.at(77).values, again.at(77).values);
+  EXPECT_NE(rows.at(77).values, other.at(77).values);
+}
+
+TEST(SweepDesign, WhatCannotBeIsRefusedWithFileAndLine) {
+  const auto refuses = [](const std::string& text, const std::string& says) {
+    EXPECT_THAT(complaint([&] { parse_design(text, "s.toml"); }), HasSubstr(says)) << text;
+  };
+  const std::string begin = "trials = ['a.lcmlog']\n";
+  refuses("", "s.toml: expected trials");
+  refuses("trials = []", "s.toml:1: trials must be a list of files, found []");
+  refuses("trials = 'a'", "s.toml:1: trials must be");
+  refuses("trials = [3]", "s.toml:1: trials must be");
+  refuses(begin + "grids = 3", "s.toml:2: unknown key 'grids'; known here: trials, grid, random");
+  refuses(begin + "grid = 3", "s.toml:2: grid must be a table");
+  refuses(begin + "[grid]\nfriction = 3", "s.toml:3: friction must be a list of values or {from");
+  refuses(begin + "[grid]\nfriction = []", "s.toml:3: friction must be");
+  refuses(begin + "[grid]\nfriction = [0, 0]", "s.toml:3: friction must be a list of different");
+  refuses(begin + "[grid]\nfriction = {from = 0, to = 1}", "friction.steps must be a whole number");
+  refuses(begin + "[grid]\nfriction = {from = 0, to = 1, steps = 1}", "found 1");
+  refuses(begin + "[grid]\nfriction = {from = 1, to = 0, steps = 3}", "friction.to must be above");
+  refuses(begin + "[grid]\nfriction = {from = 0, to = inf, steps = 3}", "a finite number");
+  refuses(begin + "[grid]\nfriction = {from = 0, to = 1, step = 3}", "unknown key 'friction.step'");
+  refuses(begin + "[random]\nmethod = 'sobol'\nball.mass = {from = 4, to = 8}",
+          "s.toml:3: method must be 'latin-hypercube' or 'uniform'");
+  refuses(begin + "[random]\ndraws = 0\nball.mass = {from = 4, to = 8}", "s.toml:3: draws must be");
+  refuses(begin + "[random]\ndraws = 3\n", "random must be a table with ranges");
+  refuses(begin + "[random]\nball.mass = [4, 8]", "s.toml:3: ball.mass must be a range");
+  refuses(begin + "[grid]\nball.mass = [4]\n[random]\nball.mass = {from = 4, to = 8}",
+          "found 'ball.mass' twice");
+  refuses(begin +
+              "[grid]\na = {from = 0, to = 1, steps = 100000}\nb = {from = 0, to = 1, steps = "
+              "100000}\nc = {from = 0, to = 1, steps = 100000}",
+          "at most 10000000 rows");
+  refuses(begin + "[grid", "s.toml:2: not TOML");
+  refuses(begin + std::string(100'000, '['), "s.toml");
+}
+
+}  // namespace
+}  // namespace headpin::sweep
