@@ -8,6 +8,7 @@ namespace headpin::apps {
 
 void add_sweep_merge(CLI::App& group);
 void add_sweep_plan(CLI::App& group);
+void add_sweep_report(CLI::App& group);
 void add_sweep_run(CLI::App& group);
 void add_sweep_slurm(CLI::App& group);
 void add_sweep_status(CLI::App& group);

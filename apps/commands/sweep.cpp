@@ -175,6 +175,7 @@ void add_sweep(CLI::App& app) {
   add_sweep_run(*group);
   add_sweep_status(*group);
   add_sweep_merge(*group);
+  add_sweep_report(*group);
   add_sweep_slurm(*group);
   group->footer(
       "Example:\n  headpin sweep plan sweep.toml -o sweep\n  headpin sweep run sweep\n"

@@ -242,6 +242,19 @@ TEST_F(SweepCommands, OnAFullDiskOneErrorIsSaidAndNoPieceIsHalf) {
   EXPECT_EQ(json("sweep run full --json")["simulated"], 24);
 }
 
+TEST_F(SweepCommands, TheReportIsAPageOfMaps) {
+  undisturbed();
+  EXPECT_EQ(json("sweep report whole -o maps.html --json")["done"], 24);
+  const std::string page = slurp(folder_ / "maps.html");
+  EXPECT_THAT(page, HasSubstr("24 of 24 rows"));
+  EXPECT_THAT(page, HasSubstr("headpin replay whole/trials/throw.lcmlog --elasticity 0.5"));
+  EXPECT_EQ(headpin("sweep report whole -o other.html --x shape --y friction").code, 0);
+  expect_refusal("sweep report whole -o OUT.html --x ball.mass", 2, "expected a key of the grid");
+  write_design("");
+  plan("one");
+  expect_refusal("sweep report one -o OUT.html", 1, "expected a [grid]");
+}
+
 // Slurm itself is in ./dev check cluster.
 TEST_F(SweepCommands, TheScriptsForSlurmRunEveryPart) {
   const std::string whole = undisturbed();

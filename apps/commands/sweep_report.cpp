@@ -1,0 +1,105 @@
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/options.h"
+#include "apps/progress.h"
+#include "apps/stop.h"
+#include "apps/streams.h"
+#include "apps/sweep.h"
+#include "files/output_file.h"
+#include "study/csv.h"
+#include "sweep/report.h"
+
+namespace headpin::apps {
+
+namespace {
+
+struct ReportSweepOptions {
+  std::string sweep, x, y;
+  std::optional<std::string> output;
+  bool force = false, json = false;
+};
+
+/// The axis of that name, or else the first one that has more than one value and is not `other`.
+std::size_t axis_of(const sweep::Design& design, const char* option, const std::string& name,
+                    std::optional<std::size_t> other) {
+  if (name.empty()) {
+    for (std::size_t i = 0; i < design.grid.size(); ++i) {
+      if (design.grid[i].values.size() > 1 && i != other) return i;
+    }
+    return other.value_or(0);
+  }
+  std::vector<std::string> keys;
+  for (const sweep::Axis& axis : design.grid) keys.push_back(axis.key);
+  const auto found = std::ranges::find(keys, name);
+  if (found == keys.end()) {
+    throw UsageError(fmt::format("{}: expected a key of the grid: {}; found '{}'", option,
+                                 fmt::join(keys, ", "), study::shown(name)));
+  }
+  return static_cast<std::size_t>(found - keys.begin());
+}
+
+void report_sweep(const ReportSweepOptions& options) {
+  watch_stop_signals();
+  const sweep::Sweep sweep = sweep::open_sweep(options.sweep);
+  if (sweep.rows.design().grid.empty()) {
+    throw std::runtime_error(sweep.at.design().string() +
+                             ": expected a [grid] to draw maps over, found none");
+  }
+  const std::size_t x = axis_of(sweep.rows.design(), "--x", options.x, std::nullopt);
+  const std::size_t y = axis_of(sweep.rows.design(), "--y", options.y, x);
+  sweep::Averages averages(sweep.rows);
+  std::int64_t done = 0;
+  std::vector<std::string> lines;
+  {
+    Progress progress("pieces", sweep.pieces.size());
+    for (std::int64_t i = 0; i < sweep.pieces.size(); ++i) {
+      check_stop();
+      progress.show(i);
+      const sweep::Piece piece = sweep.pieces.at(i);
+      if (!sweep::piece_of(sweep, piece, &lines)) continue;
+      for (std::size_t j = 0; j < lines.size(); ++j) {
+        averages.add(piece.first + static_cast<std::int64_t>(j), lines[j]);
+      }
+      done += std::ssize(lines);
+    }
+  }
+  const std::string html = sweep::html_report(sweep.rows, averages, x, y, options.sweep, done);
+  files::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
+  file.write(html.data(), html.size());
+  check_stop();
+  file.commit();
+  if (options.json) {
+    return print_json({{"output", *options.output}, {"rows", sweep.rows.size()}, {"done", done}});
+  }
+  fmt::print("{}: {} of {} rows, over {} and {}\n", *options.output, done, sweep.rows.size(),
+             sweep.rows.design().grid[x].key, sweep.rows.design().grid[y].key);
+}
+
+}  // namespace
+
+void add_sweep_report(CLI::App& group) {
+  CLI::App* command = group.add_subcommand("report", "Write maps of the results as one HTML page");
+  const auto options = std::make_shared<ReportSweepOptions>();
+  add_sweep_folder(*command, options->sweep);
+  add_output(*command, "-o,--output", options->output, "page to write (.html)")->required();
+  command->add_option("--x", options->x,
+                      "key of the grid along the map; the first one when not given");
+  command->add_option("--y", options->y,
+                      "key of the grid up the map; the second one when not given");
+  add_force(*command, options->force);
+  add_json(*command, options->json);
+  command->footer(
+      "For each result a map, slices and a table, for every combination of the other keys of the "
+      "grid. A point is\nthe mean over trials and draws. A click on a point shows the command that "
+      "simulates it.\n\n"
+      "Example:\n  headpin sweep report sweep -o maps.html --x friction --y elasticity");
+  command->callback([options] { report_sweep(*options); });
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "sweep/rows.h"
+
+namespace headpin::sweep {
+
+/// What one point of the grid comes to: the mean over its trials and draws.
+struct Point {
+  std::vector<double> sums;         ///< of result columns, NaN-free
+  std::vector<std::int64_t> count;  ///< rows that have that number
+  std::int64_t rows = 0, failed = 0;
+  std::int64_t unsolved = 0;  ///< rows with islands or impacts that were not solved
+  std::int64_t first = -1;    ///< number of one of its rows; -1 without any
+};
+
+/// The results of a sweep, by point of the grid.
+class Averages {
+ public:
+  explicit Averages(const Rows& rows);
+
+  /// Takes in the line of a table: the cells of a row and its results.
+  /// @throws std::runtime_error  for a line that has other cells than a table of results
+  void add(std::int64_t number, const std::string& line);
+
+  /// @param place  which value of each axis of the grid
+  const Point& at(const std::vector<std::size_t>& place) const;
+  const std::vector<Point>& points() const { return points_; }
+
+ private:
+  const Rows& rows_;
+  std::vector<Point> points_;
+};
+
+/// Mean of a result column; NaN where no row has it.
+double mean(const Point& point, std::size_t column);
+
+}  // namespace headpin::sweep

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "sweep/averages.h"
+
+namespace headpin::sweep {
+
+/// The page of a sweep: for each result a map over two axes of the grid, slices of it, and a table; for each
+/// combination of the other axes.
+///
+/// @param x, y    axes of the grid
+/// @param folder  of the sweep, for the command of a point
+/// @param done    rows that are there
+std::string html_report(const Rows& rows, const Averages& averages, std::size_t x, std::size_t y,
+                        const std::string& folder, std::int64_t done);
+
+/// `headpin replay` of a row.
+std::string command_of(const Rows& rows, const Row& row, const std::string& folder);
+
+}  // namespace headpin::sweep

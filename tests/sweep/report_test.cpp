@@ -1,0 +1,95 @@
+#include "sweep/report.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "study/csv.h"
+#include "sweep/result.h"
+#include "tests/support/folder.h"
+
+namespace headpin::sweep {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+const Design kDesign = parse_design(
+    "trials = ['a.lcmlog', \"it's.lcmlog\"]\n[grid]\nelasticity = [0, 0.5, 1]\nfriction = [0, 1]\n"
+    "shape = ['ellipsoid', 'true']\n[random]\ndraws = 3\nball.mass = {from = 5, to = 7}\n",
+    "s.toml");
+
+/// The line of a row that felled so many.
+std::string line_of(const Rows& rows, std::int64_t number, double down, const char* islands = "0",
+                    const char* error = "") {
+  std::vector<std::string> cells = cells_of(rows, rows.at(number));
+  for (const ResultColumn& column : result_columns()) {
+    const std::string_view name = column.name;
+    cells.push_back(name == "skittles_down"      ? fmt::format("{}", down)
+                    : name == "unsolved_islands" ? islands
+                    : name == "error"            ? error
+                                                 : "");
+  }
+  return study::csv_line(cells);
+}
+
+TEST(SweepAverages, AreTheMeanOverTrialsAndDrawsOfAPoint) {
+  const Rows rows(kDesign, {"A", "B"});
+  ASSERT_EQ(rows.size(), 3 * 2 * 2 * 3 * 2);
+  Averages averages(rows);
+  for (std::int64_t i = 0; i < rows.size(); ++i) {
+    const bool unsolved = i == 7, failed = i == 14;
+    averages.add(i, line_of(rows, i, static_cast<double>(i), unsolved ? "2" : "0",
+                            failed ? "no, \"never\"" : ""));
+  }
+  // Elasticity 0.5, friction 1, true: the eighth point of twelve, rows 42 to 47.
+  const Point& point = averages.at({1, 1, 1});
+  EXPECT_EQ(point.rows, 6);
+  EXPECT_EQ(point.first, 42);
+  EXPECT_DOUBLE_EQ(mean(point, 0), 44.5);
+  EXPECT_TRUE(std::isnan(mean(point, 2)));
+  EXPECT_EQ(averages.at({0, 0, 1}).unsolved, 1);
+  EXPECT_EQ(averages.at({0, 1, 0}).failed, 1);
+  EXPECT_EQ(averages.at({0, 0, 0}).failed, 0);
+}
+
+TEST(SweepAverages, RefuseALineThatIsNone) {
+  const Rows rows(kDesign, {"A", "B"});
+  Averages averages(rows);
+  EXPECT_THAT(complaint([&] { averages.add(4, "1,2,3\n"); }), HasSubstr("row 5: expected"));
+}
+
+TEST(SweepReport, ACommandSimulatesItsRow) {
+  const Rows rows(kDesign, {"A", "B"});
+  const Row row = rows.at(1);
+  EXPECT_EQ(command_of(rows, row, "my sweep"),
+            "headpin replay 'my sweep/trials/it'\\''s.lcmlog' --elasticity 0 --friction 0 --shape "
+            "ellipsoid --set ball.mass=" +
+                row.values[3]);
+}
+
+TEST(SweepReport, HasAMapForEachShapeWithItsExtremesAndNoForeignMarkup) {
+  Design design = kDesign;
+  design.grid[2].values[1] = "</script><b>";
+  const Rows rows(design, {"A", "B"});
+  Averages averages(rows);
+  for (std::int64_t i = 0; i < 40; ++i) {
+    averages.add(i, line_of(rows, i, i < 6 ? 2.0 : 7.0));
+  }
+  const std::string html = html_report(rows, averages, 0, 1, "<i>", 40);
+  EXPECT_THAT(html, HasSubstr("40 of 72 rows"));
+  EXPECT_THAT(html, HasSubstr("shape = ellipsoid"));
+  EXPECT_THAT(html, HasSubstr("shape = &lt;/script&gt;&lt;b&gt;"));
+  EXPECT_THAT(html, Not(HasSubstr("<b>")));
+  EXPECT_THAT(html, Not(HasSubstr("<i>")));
+  // The least is the first colour of viridis, the most its last.
+  EXPECT_THAT(html, HasSubstr("fill='#440154' data-i='0'"));
+  EXPECT_THAT(html, HasSubstr("fill='#fde725' data-i='1'"));
+  EXPECT_THAT(html, HasSubstr("fill='#eee' data-i='11'"));  // not simulated yet
+  EXPECT_THAT(html, HasSubstr("not simulated yet"));
+}
+
+}  // namespace
+}  // namespace headpin::sweep
