@@ -90,6 +90,13 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
   take("experiment export --json study --motion-bids data");
   take("experiment report --json study --mix -o study.html");
   take("experiment power --json --people 18 --studies 2");
+  std::ofstream(folder_ / "sweep.toml") << "trials = ['throw.lcmlog']\n[grid]\nfriction = [0]\n";
+  take("sweep plan --json sweep.toml -o sweep --estimate");
+  take("sweep run --json sweep");
+  take("sweep status --json sweep");
+  take("sweep merge --json sweep -o sweep.csv");
+  take("sweep report --json sweep -o sweep.html");
+  take("sweep slurm --json sweep --minutes 5");
   take("scenario list --json");
   take("emulate --json --motion still --duration 0.1");
   collect(nlohmann::json::parse(headpin("info --json missing.lcmlog").out), names);
