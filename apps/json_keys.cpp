@@ -202,6 +202,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"participants", "participants of a study: their number, or a list"},
     {"peak_hand_speed_mps", "highest speed of the right hand"},
     {"people", "number of people in a simulated study"},
+    {"planned", "number of rows of a sweep, or of the part of it that was asked for"},
     {"planned_speed_mps",
      "speed of the ball that was asked for; release_speed_mps is the speed that a session finds "
      "from the samples"},
@@ -233,7 +234,6 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"result", "result of a simulated trial"},
     {"rolls", "skittles down after each ball, by frame"},
     {"rows", "number of rows of each table that was written"},
-    {"rows", "number of rows of a sweep, or of the part of it that was asked for"},
     {"rows_per_second", "rows simulated per second, by all threads"},
     {"rules", "rules of a game"},
     {"run", "recording of the session that counts; null if there is none"},

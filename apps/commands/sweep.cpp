@@ -32,7 +32,7 @@ void plan_sweep(const PlanSweepOptions& options) {
   } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }
-  nlohmann::ordered_json result = {{"output", *options.output}, {"rows", rows}};
+  nlohmann::ordered_json result = {{"output", *options.output}, {"planned", rows}};
   double each = 0.0;
   if (options.estimate) {
     each = seconds_per_row(sweep::open_sweep(at.root));
@@ -59,7 +59,7 @@ void tell_status(const StatusSweepOptions& options) {
   const SweepProgress progress = progress_of(sweep);
   if (options.json) {
     return print_json(
-        {{"rows", progress.rows}, {"done", progress.done}, {"failed", progress.failed}});
+        {{"planned", progress.rows}, {"done", progress.done}, {"failed", progress.failed}});
   }
   fmt::print("{} of {} rows are done, {} of them failed\n", progress.done, progress.rows,
              progress.failed);
@@ -106,7 +106,7 @@ void merge(const MergeOptions& options) {
   file.commit();
   if (options.json) {
     return print_json({{"output", *options.output},
-                       {"rows", progress.rows},
+                       {"planned", progress.rows},
                        {"merged", progress.done},
                        {"failed", progress.failed}});
   }

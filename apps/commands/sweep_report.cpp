@@ -75,7 +75,8 @@ void report_sweep(const ReportSweepOptions& options) {
   check_stop();
   file.commit();
   if (options.json) {
-    return print_json({{"output", *options.output}, {"rows", sweep.rows.size()}, {"done", done}});
+    return print_json(
+        {{"output", *options.output}, {"planned", sweep.rows.size()}, {"done", done}});
   }
   fmt::print("{}: {} of {} rows, over {} and {}\n", *options.output, done, sweep.rows.size(),
              sweep.rows.design().grid[x].key, sweep.rows.design().grid[y].key);

@@ -132,7 +132,7 @@ void run_sweep(const RunSweepOptions& options) {
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
   const SweepProgress progress = progress_of(sweep);
   if (options.json) {
-    return print_json({{"rows", rows},
+    return print_json({{"planned", rows},
                        {"simulated", workers.done()},
                        {"failed", progress.failed},
                        {"of_another", workers.elsewhere()},
