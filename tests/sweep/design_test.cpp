@@ -6,6 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "devices/base/random.h"
 #include "sweep/rows.h"
 #include "tests/support/folder.h"
 
@@ -120,6 +121,41 @@ TEST(SweepDesign, WhatCannotBeIsRefusedWithFileAndLine) {
           "at most 10000000 rows");
   refuses(begin + "[grid", "s.toml:2: not TOML");
   refuses(begin + std::string(100'000, '['), "s.toml");
+}
+
+// Cut, doubled and with bytes changed: read, or refused by a message that names the file.
+TEST(SweepDesign, AnyTextIsReadOrRefused) {
+  const std::string good =
+      "trials = ['a.lcmlog', 'b.lcmlog']\n[grid]\nelasticity = {from = 0, to = 1, steps = 5}\n"
+      "shape = ['ellipsoid', 'true']\n[random]\ndraws = 3\nmethod = 'uniform'\nseed = 4\n"
+      "ball.mass = {from = 5, to = 7}\n";
+  devices::Random random(3);
+  int read = 0, refused = 0;
+  for (int i = 0; i < 3000; ++i) {
+    std::string text = good;
+    for (std::uint64_t n = random.next() % 4; n > 0; --n) {
+      const std::size_t at = random.next() % text.size();
+      switch (random.next() % 3) {
+        case 0:
+          text[at] = static_cast<char>(random.next() % 256);
+          break;
+        case 1:
+          text = text.substr(0, at) + text.substr(at + (random.next() % 9) % (text.size() - at));
+          break;
+        default:
+          text.insert(at, text.substr(random.next() % text.size(), random.next() % 20));
+      }
+    }
+    const std::string says = complaint([&] {
+      const Design design = parse_design(text, "s.toml");
+      const Rows rows(design, std::vector<std::string>(design.trials.size(), "A"));
+      rows.at(rows.size() - 1);
+    });
+    says.empty() ? ++read : ++refused;
+    if (!says.empty()) EXPECT_THAT(says, testing::StartsWith("s.toml"));
+  }
+  EXPECT_GT(read, 100);
+  EXPECT_GT(refused, 100);
 }
 
 }  // namespace
