@@ -1,7 +1,5 @@
 #pragma once
 
-#include <span>
-
 #include "engine/sustained_rows.h"
 
 /// What is done to all impulses of an island at once. Private to the engine.
@@ -22,34 +20,37 @@ decltype(auto) with_other(const World& world, const Touch& touch, F&& f) {
 
 /// Calls f(impulse, velocity by a unit of it, how to add to it) for all impulses of an island.
 template <typename F>
-void each_impulse(World& world, std::span<const std::uint32_t> touches, F&& f) {
-  Scratch& s = world.scratch;
+void each_impulse(const Island& s, F&& f) {
+  const World& world = s.world;
+  std::vector<FrictionRows>& friction = s.rows.friction;
   std::size_t at = 0;
-  for (const std::uint32_t k : touches) {
+  for (const std::uint32_t k : s.each) {
     const Touch& touch = s.touches[k];
-    if (touch.rows == 0) continue;
-    for (std::uint32_t n = 0; n < touch.rows; ++n) {
-      NormalRow& row = s.rows[touch.first_row + n];
+    const SolvedTouch& solved = s.solved[k];
+    if (solved.rows == 0) continue;
+    for (std::uint32_t n = 0; n < solved.rows; ++n) {
+      NormalRow& row = s.normals[solved.first_row + n];
       f(row.impulse, 1.0 / row.mass, [&](double more) {
         more = std::max(more, -row.impulse);
         row.impulse += more;
-        with_other(world, touch, [&]<Other other> { push_by<other>(world, touch, row, more); });
+        with_other(world, touch, [&]<Other other> { push_by<other>(s.bodies, touch, row, more); });
       });
     }
-    if (at == s.friction.size() || s.friction[at].touch != k) continue;
-    FrictionRows& rows = s.friction[at++];
+    if (at == friction.size() || friction[at].touch != k) continue;
+    FrictionRows& rows = friction[at++];
     for (int n = 0; n < 2; ++n) {
       f(rows.impulse[n], rows.yields, [&](double more) {
         rows.impulse[n] += more;
         with_other(world, touch, [&]<Other other> {
-          push_along<other>(world, touch, rows, more * Vec2::Unit(n));
+          push_along<other>(s.bodies, touch, rows, more * Vec2::Unit(n));
         });
       });
     }
     if (rows.twist_mass > 0.0) {
       f(rows.twist, 1.0 / rows.twist_mass, [&](double more) {
         rows.twist += more;
-        with_other(world, touch, [&]<Other other> { twist_by<other>(world, touch, rows, more); });
+        with_other(world, touch,
+                   [&]<Other other> { twist_by<other>(s.bodies, touch, rows, more); });
       });
     }
     if (rows.roll_arm == 0.0) continue;
@@ -57,7 +58,7 @@ void each_impulse(World& world, std::span<const std::uint32_t> touches, F&& f) {
       f(rows.roll[n], 1.0 / rows.roll_mass, [&](double more) {
         rows.roll[n] += more;
         with_other(world, touch,
-                   [&]<Other other> { roll_by<other>(world, touch, more * Vec3::Unit(n)); });
+                   [&]<Other other> { roll_by<other>(s.bodies, touch, more * Vec3::Unit(n)); });
       });
     }
   }
@@ -67,27 +68,25 @@ void each_impulse(World& world, std::span<const std::uint32_t> touches, F&& f) {
 /// Niebe and Erleben 2010): what plain passes carry up a stack by one body each goes as a whole.
 class Acceleration {
  public:
-  Acceleration(World& world, std::span<const std::uint32_t> touches)
-      : world_(world), s_(world.scratch), touches_(touches) {}
+  explicit Acceleration(const Island& island) : island_(island), s_(island.rows) {}
 
   void before_pass() {
     s_.before.clear();
-    each_impulse(world_, touches_,
-                 [&](double& impulse, double, auto&&) { s_.before.push_back(impulse); });
+    each_impulse(island_, [&](double& impulse, double, auto&&) { s_.before.push_back(impulse); });
     if (s_.along.size() < s_.before.size()) s_.along.resize(s_.before.size());
   }
 
   void after_pass() {
     double now = 0.0;
     std::size_t n = 0;
-    each_impulse(world_, touches_, [&](double& impulse, double yields, auto&&) {
+    each_impulse(island_, [&](double& impulse, double yields, auto&&) {
       const double more = impulse - s_.before[n++];
       now += more * more * yields;
     });
     const double keep = last_ > 0.0 && now < last_ ? now / last_ : 0.0;
     last_ = now;
     n = 0;
-    each_impulse(world_, touches_, [&](double& impulse, double, auto&& push) {
+    each_impulse(island_, [&](double& impulse, double, auto&& push) {
       const double more = keep > 0.0 ? keep * s_.along[n] : 0.0;
       s_.along[n] = more + impulse - s_.before[n];
       ++n;
@@ -96,9 +95,8 @@ class Acceleration {
   }
 
  private:
-  World& world_;
-  Scratch& s_;
-  std::span<const std::uint32_t> touches_;
+  const Island& island_;
+  Rows& s_;
   double last_ = 0.0;
 };
 

@@ -25,6 +25,11 @@ struct State {
   Vec3 w_WB = Vec3::Zero();  ///< [rad/s]
 };
 
+/// Velocity of the point of a body that is at r from its centre of mass.
+inline Vec3 velocity_at(const State& s, const Vec3& r_W) {
+  return s.v_WB + s.w_WB.cross(r_W);
+}
+
 enum class Kind {
   fixed,   ///< floor, wall: never moves
   driven,  ///< moves as it is told, infinitely heavy: a hand, a ball being carried

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/workspace.h"
 #include "engine/world.h"
 
 /// How a step keeps the energy ledger. Private to the engine.
@@ -8,20 +9,23 @@ namespace headpin::engine::detail {
 /// Books, phase by phase, what the free bodies gain. Where none moves there is nothing to book.
 class Books {
  public:
-  Books(World& world, bool changed) : world_(world), keep_(world.parameters.keep_ledger) {
+  /// @param changed  who moves has changed since the last step
+  Books(World& world, Workspace& w, bool changed)
+      : world_(world), w_(w), keep_(world.parameters.keep_ledger) {
     if (!keep_) return;
-    start_ = changed || !world.scratch.movers.empty() ? balance(world) : world.balance;
-    world.ledger.hand += start_ - world.balance;  // what users changed between steps
-    world.balance = start_;
-    world.struck = world.pushed = {};
+    Balance& last = world.memory.balance;
+    start_ = changed || !world.roll.movers.empty() ? balance(world) : last;
+    world.ledger.hand += start_ - last;  // what users changed between steps
+    last = start_;
+    w.struck = w.pushed = {};
   }
   /// Impulses are booked by their own sum: they act within the step, at velocities in between.
   void book_impacts() {
-    keep_ = keep_ && !world_.scratch.movers.empty();
+    keep_ = keep_ && !world_.roll.movers.empty();
     if (!keep_) return;
-    add(world_.ledger.impact, world_.struck);
-    add(world_.ledger.hand, world_.pushed);
-    world_.pushed = {};
+    add(world_.ledger.impact, w_.struck);
+    add(world_.ledger.hand, w_.pushed);
+    w_.pushed = {};
   }
   void begin() {
     if (keep_) mark_ = balance(world_);
@@ -29,15 +33,15 @@ class Books {
   /// What was gained since begin(), less what driven bodies gave.
   void end(Balance& account) {
     if (!keep_) return;
-    add(account, balance(world_) - mark_ - world_.pushed);
-    add(world_.ledger.hand, world_.pushed);
-    world_.pushed = {};
+    add(account, balance(world_) - mark_ - w_.pushed);
+    add(world_.ledger.hand, w_.pushed);
+    w_.pushed = {};
   }
   /// The rest is free motion under gravity.
   void close() {
     if (!keep_) return;
-    world_.balance = balance(world_);
-    world_.ledger.gravity += world_.balance - start_ - booked_;
+    world_.memory.balance = balance(world_);
+    world_.ledger.gravity += world_.memory.balance - start_ - booked_;
   }
 
  private:
@@ -46,6 +50,7 @@ class Books {
     booked_ += gain;
   }
   World& world_;
+  Workspace& w_;
   bool keep_;
   Balance start_, mark_, booked_;
 };

@@ -182,7 +182,7 @@ Moments moments(const Shape& shape) {
 }
 
 bool overlap(const Part& a, const Part& b) {
-  Vec3 n = Vec3::Zero();
+  KeptNormal n;
   return !closest_points(a.shape, b.shape, a.X_BG.inverse() * b.X_BG, n, {}).separated;
 }
 

@@ -69,12 +69,12 @@ int add_points(const Shape& a, const Shape& b, const Pose& X_WA, const Pose& X_A
 /// Of two bounded shapes, B seen from A; where A is in the world is asked for when they meet.
 template <typename PoseOfA>
 int meet(const Shape& a, PoseOfA&& pose_of_a, const Shape& b, const Pose& X_AB, double margin,
-         Vec3& n_AB_cache, const Query& query, QueryCounts& counts,
+         KeptNormal& kept, const Query& query, QueryCounts& counts,
          std::vector<ContactPoint>& out) {
   ++counts.queries;
   Query near = query;
   near.margin = margin;
-  const Closest c = closest_points(a, b, X_AB, n_AB_cache, near);
+  const Closest c = closest_points(a, b, X_AB, kept, near);
   counts.iterations += c.iterations;
   counts.capped += c.capped ? 1 : 0;
   if (c.distance > margin || (c.separated && query.mode == Query::paper)) return 0;
@@ -89,7 +89,7 @@ int meet(const Shape& a, PoseOfA&& pose_of_a, const Shape& b, const Pose& X_AB, 
 }  // namespace
 
 int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin,
-                  Vec3& n_AB_cache, const Query& query, QueryCounts& counts,
+                  KeptNormal& kept, const Query& query, QueryCounts& counts,
                   std::vector<ContactPoint>& out) {
   const auto stand = [&](Side side, const Pose& X_WP, const Shape& shape, const Pose& X_WG) {
     const std::size_t first = out.size();
@@ -101,13 +101,13 @@ int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
   };
   if (std::holds_alternative<HalfSpace>(a)) return stand(Side::a, X_WA, b, X_WB);
   if (std::holds_alternative<HalfSpace>(b)) return stand(Side::b, X_WB, a, X_WA);
-  if (starts_warm(query) && still_apart(a, X_WA, b, X_WB, n_AB_cache, margin)) {
+  if (starts_warm(query) && still_apart(a, X_WA, b, X_WB, kept, margin)) {
     ++counts.queries;
     ++counts.iterations;
     return 0;
   }
   return meet(
-      a, [&] { return X_WA; }, b, relative(X_WA, X_WB), margin, n_AB_cache, query, counts, out);
+      a, [&] { return X_WA; }, b, relative(X_WA, X_WB), margin, kept, query, counts, out);
 }
 
 namespace {
@@ -148,14 +148,14 @@ bool is_half_space(const Compound& c) {
 
 }  // namespace
 
-std::size_t cache_size(const Compound& a, const Compound& b) {
+std::size_t kept_normals(const Compound& a, const Compound& b) {
   return is_half_space(a) || is_half_space(b) ? 0 : a.parts.size() * b.parts.size();
 }
 
 int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const Pose& X_WB,
-                  double margin, std::span<Vec3> n_AB_caches, const Query& query,
+                  double margin, std::span<KeptNormal> kept, const Query& query,
                   QueryCounts& counts, std::vector<ContactPoint>& out) {
-  assert(n_AB_caches.size() == cache_size(a, b));
+  assert(kept.size() == kept_normals(a, b));
   const std::size_t first = out.size();
   if (is_half_space(b)) {
     stand_on(Ground(Side::b, pose_of(X_WB, b, 0), margin, out), a, X_WA, counts);
@@ -180,19 +180,19 @@ int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const 
       const std::size_t pair = i * b.parts.size() + j;
       const auto pose_of_a = [&] { return X_WA * pa.X_BG; };
       if (std::isfinite(reach)) {
-        Vec3& kept = n_AB_caches[pair];
+        KeptNormal& mine = kept[pair];
         if (warm && !a.part_turned[i] && !b.part_turned[j] &&
-            still_apart(pa.shape, pb.shape, R_AB, p_GaGb_A, kept, margin)) {
+            still_apart(pa.shape, pb.shape, R_AB, p_GaGb_A, mine, margin)) {
           ++counts.queries;
           ++counts.iterations;
           continue;
         }
         Pose X_GaGb{b.part_turned[j] ? X_AB.q * pb.X_BG.q : X_AB.q, p_GaGb_A};
         if (a.part_turned[i]) X_GaGb = Pose{pa.X_BG.q.conjugate(), Vec3::Zero()} * X_GaGb;
-        meet(pa.shape, pose_of_a, pb.shape, X_GaGb, margin, kept, query, counts, out);
+        meet(pa.shape, pose_of_a, pb.shape, X_GaGb, margin, mine, query, counts, out);
       } else {  // a half-space among them
-        find_contacts(pa.shape, pose_of_a(), pb.shape, X_WB * pb.X_BG, margin, n_AB_caches[pair],
-                      query, counts, out);
+        find_contacts(pa.shape, pose_of_a(), pb.shape, X_WB * pb.X_BG, margin, kept[pair], query,
+                      counts, out);
       }
       for (std::size_t k = start; k < out.size(); ++k) {
         out[k].feature |= static_cast<std::uint32_t>(pair) << 16;

@@ -39,20 +39,20 @@ inline constexpr int kMaxPoints = 4;
 /// meets side the corners of what they share.
 ///
 /// @param margin  points with a gap of up to this are reported too, with negative depth [m]
-/// @param n_AB_cache  last normal in A's frame, see `closest_points`
+/// @param kept    of the last query of these two, see `closest_points`
 /// @return  number of points appended, at most kMaxPoints
 int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB, double margin,
-                  Vec3& n_AB_cache, const Query& query, QueryCounts& counts,
+                  KeptNormal& kept, const Query& query, QueryCounts& counts,
                   std::vector<ContactPoint>& out);
 
 /// How many normals two compounds keep: one per pair of parts, none with a half-space.
-std::size_t cache_size(const Compound& a, const Compound& b);
+std::size_t kept_normals(const Compound& a, const Compound& b);
 
 /// The same for two compounds: b's parts in their order, and for each of them a's.
 ///
-/// @param n_AB_caches  `cache_size(a, b)` of them, b's part number running faster
+/// @param kept  `kept_normals(a, b)` of them, b's part number running faster
 int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const Pose& X_WB,
-                  double margin, std::span<Vec3> n_AB_caches, const Query& query,
+                  double margin, std::span<KeptNormal> kept, const Query& query,
                   QueryCounts& counts, std::vector<ContactPoint>& out);
 
 }  // namespace headpin::engine

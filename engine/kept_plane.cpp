@@ -21,8 +21,8 @@ double reach_along(const Polyhedron& s, const Vec3& n) {
   return n.dot(support(s, n));
 }
 
-bool is_plane(const Vec3& n_AB_cache) {
-  return std::abs(n_AB_cache.squaredNorm() - 1.0) < 1e-9;
+bool is_plane(const KeptNormal& kept) {
+  return kept.of == KeptNormal::apart && std::abs(kept.n_AB.squaredNorm() - 1.0) < 1e-9;
 }
 
 /// Gap between the planes across n, given in the frames of both, the origins `apart` along it.
@@ -40,17 +40,17 @@ double gap(const Shape& a, const Vec3& n_A, const Shape& b, const Vec3& n_B, dou
 }  // namespace
 
 bool still_apart(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,
-                 const Vec3& n_AB_cache, double margin) {
-  if (!is_plane(n_AB_cache)) return false;
-  const Vec3 n_W = X_WA.q * n_AB_cache, n_B = X_WB.q.conjugate() * -n_W;
-  return gap(a, n_AB_cache, b, n_B, n_W.dot(X_WB.p - X_WA.p)) > margin;
+                 const KeptNormal& kept, double margin) {
+  if (!is_plane(kept)) return false;
+  const Vec3 n_W = X_WA.q * kept.n_AB, n_B = X_WB.q.conjugate() * -n_W;
+  return gap(a, kept.n_AB, b, n_B, n_W.dot(X_WB.p - X_WA.p)) > margin;
 }
 
 bool still_apart(const Shape& a, const Shape& b, const Mat3& R_AB, const Vec3& p_AB,
-                 const Vec3& n_AB_cache, double margin) {
-  if (!is_plane(n_AB_cache)) return false;
-  const Vec3 n_B = R_AB.transpose() * -n_AB_cache;
-  return gap(a, n_AB_cache, b, n_B, n_AB_cache.dot(p_AB)) > margin;
+                 const KeptNormal& kept, double margin) {
+  if (!is_plane(kept)) return false;
+  const Vec3 n_B = R_AB.transpose() * -kept.n_AB;
+  return gap(a, kept.n_AB, b, n_B, kept.n_AB.dot(p_AB)) > margin;
 }
 
 }  // namespace headpin::engine

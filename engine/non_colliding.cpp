@@ -443,17 +443,18 @@ HEADPIN_FLATTEN __attribute__((noinline)) Closest carry_on(const A& a, const B& 
   return c;
 }
 
-/// A normal is kept at length 1 when the pair was further apart than the margin and at twice that
-/// when it was closer: then round shapes go without the first look, as it would prove nothing.
+/// Round shapes that were closer than the margin go without the first look, as it would prove
+/// nothing.
 template <typename A, typename B>
-HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, Vec3& n_AB_cache,
+HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, KeptNormal& kept,
                                 const Query& q) {
   constexpr bool hull = std::is_same_v<A, Polyhedron> || std::is_same_v<B, Polyhedron>;
-  const double c2 = n_AB_cache.squaredNorm();
-  const bool warm = starts_warm(q) && c2 > 0.5 && c2 < 8.0, met = warm && c2 > 2.0;
+  const double c2 = kept.n_AB.squaredNorm();
+  const bool warm = starts_warm(q) && kept.of != KeptNormal::none && c2 > 0.5 && c2 < 2.0;
+  const bool met = warm && kept.of == KeptNormal::met;
   const Vec3 line = centre_B(b, X_AB) - centre(a);
   // Furthest points only ask for the direction: no need to wait for the unit vector.
-  Vec3 n = warm ? n_AB_cache : line;
+  Vec3 n = warm ? kept.n_AB : line;
   double n2 = warm ? c2 : line.squaredNorm();
   if (!(n2 > 1e-200 && n2 < 1e200)) {
     n = Vec3::UnitZ();
@@ -469,17 +470,17 @@ HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, Vec3& 
   Support first;
   const bool looked = hull || !met || q.mode == Query::paper;
   if (looked) first = look(n);
-  if (std::abs(n2 - 1.0) > 1e-14) {
+  if (met || std::abs(n2 - 1.0) > 1e-14) {
     const double inverse = 1.0 / std::sqrt(n2);
     n *= inverse;
     first.h *= inverse;
   }
   if (looked && first.h < -q.margin) {
-    n_AB_cache = n;
+    kept = {n, KeptNormal::apart};
     return {first.h < 0.0, -first.h, first.s_A, -first.s_B, n, 1, false};
   }
   const Closest c = carry_on(a, b, X_AB, look, n, first, warm, q);
-  n_AB_cache = c.distance > q.margin ? c.n_AB : Vec3(2.0 * c.n_AB);
+  kept = {c.n_AB, c.distance > q.margin ? KeptNormal::apart : KeptNormal::met};
   return c;
 }
 
@@ -493,23 +494,25 @@ Closest from_plane(const B& b, const Pose& X_AB) {
 
 }  // namespace
 
-Closest closest_points(const Shape& a, const Shape& b, const Pose& X_AB, Vec3& n_AB_cache,
+Closest closest_points(const Shape& a, const Shape& b, const Pose& X_AB, KeptNormal& kept,
                        const Query& query) {
+  const auto keep = [&](const Closest& c) {
+    kept = {c.n_AB, c.distance > query.margin ? KeptNormal::apart : KeptNormal::met};
+    return c;
+  };
   return visit_both(a, b, [&](const auto& sa, const auto& sb) -> Closest {
     constexpr bool plane_a = std::is_same_v<std::decay_t<decltype(sa)>, HalfSpace>;
     constexpr bool plane_b = std::is_same_v<std::decay_t<decltype(sb)>, HalfSpace>;
     if constexpr (plane_a && plane_b) {
       throw std::invalid_argument("closest_points: two half-spaces");
     } else if constexpr (plane_a) {
-      const Closest c = from_plane(sb, X_AB);
-      n_AB_cache = c.n_AB;
-      return c;
+      return keep(from_plane(sb, X_AB));
     } else if constexpr (plane_b) {
       const Closest c = from_plane(sa, X_AB.inverse());
-      n_AB_cache = -(X_AB.q * c.n_AB);
-      return {c.separated, c.distance, X_AB * c.p_B, X_AB * c.p_A, n_AB_cache, 1, false};
+      const Vec3 n_AB = -(X_AB.q * c.n_AB);
+      return keep({c.separated, c.distance, X_AB * c.p_B, X_AB * c.p_A, n_AB, 1, false});
     } else {
-      return closest(sa, sb, X_AB, n_AB_cache, query);
+      return closest(sa, sb, X_AB, kept, query);
     }
   });
 }

@@ -17,8 +17,8 @@
 ///
 ///     const Shape ball = Ellipsoid{{0.108, 0.108, 0.108}};
 ///     const Shape pin = Cylinder{.radius = 0.06, .half_height = 0.19};
-///     Vec3 n_AB = Vec3::Zero();  // kept for this pair from frame to frame: a warm start
-///     const Closest c = closest_points(ball, pin, relative(X_WA, X_WB), n_AB, {});
+///     KeptNormal kept;  // for this pair from frame to frame: a warm start
+///     const Closest c = closest_points(ball, pin, relative(X_WA, X_WB), kept, {});
 ///     if (!c.separated) push(X_WA * c.p_A, X_WA.q * c.n_AB, -c.distance);
 ///
 /// Link with headpin::engine; compounds and resting contacts are in contacts.h.
@@ -72,6 +72,17 @@ struct Closest {
                         ///< that or less, in converged mode the fallback answered
 };
 
+/// What a pair of shapes keeps from query to query, to start from.
+struct KeptNormal {
+  enum Of : std::uint8_t {
+    none,   ///< nothing to start from
+    apart,  ///< they were further apart than the margin, as the plane across the normal proved
+    met     ///< they were closer
+  };
+  Vec3 n_AB = Vec3::Zero();  ///< unit, from A to B, in A's frame
+  Of of = none;
+};
+
 struct Query {
   enum Mode {
     paper,     ///< stop at the cap: may say "intersecting" wrongly, and depth is a guess
@@ -93,12 +104,10 @@ inline bool starts_warm(const Query& query) {
   return query.mode == Query::converged || query.warm;
 }
 
-/// @param X_AB        frame of b in the frame of a
-/// @param n_AB_cache  last normal of this pair in A's frame; zero, stale or not finite ones are
-///   harmless. Left as what to start from next time, and not unit: of length 1 after a pair further
-///   apart than the margin, 2 after a closer one. The normal itself is `Closest::n_AB`.
+/// @param X_AB  frame of b in the frame of a
+/// @param kept  of the last query of this pair; wrong, stale or not finite ones are harmless
 /// @throws std::invalid_argument  for two half-spaces
-Closest closest_points(const Shape& a, const Shape& b, const Pose& X_AB, Vec3& n_AB_cache,
+Closest closest_points(const Shape& a, const Shape& b, const Pose& X_AB, KeptNormal& kept,
                        const Query& query);
 
 }  // namespace headpin::engine

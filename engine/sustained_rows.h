@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "engine/stages.h"
+#include "engine/paths.h"
 
 /// What the solver of lasting contacts works on: rows for normals, blocks of them, and friction,
 /// twist and roll of a touch. Private to the engine.
@@ -18,8 +18,6 @@ inline constexpr double kDependent = 1e-12;
 /// A load of less is none: one over it is no number [N s].
 inline constexpr double kNoLoad = 1e-150;
 
-inline constexpr std::uint32_t kNone = ~std::uint32_t{0};
-
 /// What B is to a touch: what has no velocity is left out of every sum.
 enum class Other { still, driven, moving };
 
@@ -33,21 +31,27 @@ inline void push(State& state, const Mobility& m, const Vec3& F, const Vec3& inv
   state.w_WB += inv_inertia_torque;
 }
 
-// Where the touch's bodies were when its points were found.
+// Where the touch's bodies were when its points were found; B only if it is not still.
 struct Arms {
   Vec3 p_WA, p_WB;
 };
 
-inline Arms arms_of(const World& world, const Touch& touch) {
-  return {position_at(world, touch.a, touch.time), position_at(world, touch.b, touch.time)};
+template <Other other>
+Arms arms_of(const World& world, const Flight& flight, const Touch& touch) {
+  Arms arms;
+  arms.p_WA = position_at(world, flight, touch.a, touch.time);
+  if constexpr (other != Other::still) {
+    arms.p_WB = position_at(world, flight, touch.b, touch.time);
+  }
+  return arms;
 }
 
 /// What a point of the touch carried in the last step: the k-th, or another if their order changed.
-inline double last_impulse(const Scratch& s, const Touch& touch, std::uint32_t k,
+inline double last_impulse(const Memory& memory, const Touch& touch, std::uint32_t k,
                            std::uint32_t feature) {
   if (touch.fresh) return 0.0;
-  const PastTouch& last = s.last_touches[touch.last];
-  const auto loads = std::span(s.last_loads).subspan(last.first_load, last.loads);
+  const PastTouch& last = memory.touches[touch.last];
+  const auto loads = std::span(memory.loads).subspan(last.first_load, last.loads);
   if (k < loads.size() && loads[k].feature == feature) return loads[k].impulse;
   for (const Load& load : loads) {
     if (load.feature == feature) return load.impulse;
@@ -55,26 +59,45 @@ inline double last_impulse(const Scratch& s, const Touch& touch, std::uint32_t k
   return 0.0;
 }
 
+/// The bodies that impulses push.
+struct Pushed {
+  State* states;
+  const Mobility* mobility;
+};
+
 template <Other other>
-void push_by(World& world, const Touch& touch, const NormalRow& row, double impulse) {
-  const Scratch& s = world.scratch;
-  push(world.states[touch.a], s.mobility[touch.a], -impulse * row.n, -impulse * row.ia);
+void push_by(const Pushed& bodies, const Touch& touch, const NormalRow& row, double impulse) {
+  push(bodies.states[touch.a], bodies.mobility[touch.a], -impulse * row.n, -impulse * row.ia);
   if constexpr (other == Other::moving) {
-    push(world.states[touch.b], s.mobility[touch.b], impulse * row.n, impulse * row.ib);
+    push(bodies.states[touch.b], bodies.mobility[touch.b], impulse * row.n, impulse * row.ib);
   }
 }
 
+/// An island and what it is solved with.
+struct Island {
+  World& world;
+  const Flight& flight;
+  const Touch* touches;        ///< all, by their numbers,
+  const ContactPoint* points;  ///< their points,
+  SolvedTouch* solved;         ///< and what is solved of them
+  Solved& result;
+  Rows& rows;
+  Pushed bodies;
+  std::span<const std::uint32_t> each = {};  ///< its touches
+  std::span<NormalRow> normals = {};         ///< their rows, once there are
+};
+
 template <Other other>
-void add_normal_rows(World& world, Touch& touch) {
-  Scratch& s = world.scratch;
-  const Mobility &ma = s.mobility[touch.a], &mb = s.mobility[touch.b];
-  const Arms arms = arms_of(world, touch);
+void add_normal_rows(const Island& s, const Touch& touch, const SolvedTouch& solved) {
+  World& world = s.world;
+  const Mobility &ma = s.bodies.mobility[touch.a], &mb = s.bodies.mobility[touch.b];
+  const Arms arms = arms_of<other>(world, s.flight, touch);
   const double left = std::max(step_seconds(world) - touch.time, 1e-9 * step_seconds(world));
-  touch.first_row = static_cast<std::uint32_t>(s.rows.size());
-  touch.rows = touch.points;
+  const ContactPoint* const points = s.points + touch.first_point;
+  NormalRow* const rows = s.normals.data() + solved.first_row;
   for (std::uint32_t k = 0; k < touch.points; ++k) {
-    const ContactPoint& p = s.points[touch.first_point + k];
-    NormalRow& row = s.rows.emplace_back();
+    const ContactPoint& p = points[k];
+    NormalRow& row = rows[k];
     row.feature = p.feature;
     row.n = p.n_AB_W;
     row.ra_n = (p.p_W - arms.p_WA).cross(row.n);
@@ -87,15 +110,15 @@ void add_normal_rows(World& world, Touch& touch) {
     }
     row.mass = 1.0 / k_nn;
     row.allowed = p.depth < 0.0 ? -p.depth / left : 0.0;
-    row.impulse = last_impulse(s, touch, k, p.feature);
-    if (row.impulse > 0.0) push_by<other>(world, touch, row, row.impulse);
+    row.impulse = last_impulse(world.memory, touch, k, p.feature);
+    if (row.impulse > 0.0) push_by<other>(s.bodies, touch, row, row.impulse);
   }
 }
 
 /// Calls f.template operator()<n>() for the 2 to 4 rows of a touch that are solved as one.
 /// @return false for other numbers
 template <typename F>
-bool with_rows(const Touch& touch, F&& f) {
+bool with_rows(const SolvedTouch& touch, F&& f) {
   switch (touch.rows) {
     case 2:
       return f.template operator()<2>();
@@ -111,10 +134,10 @@ bool with_rows(const Touch& touch, F&& f) {
 /// The rows of a touch solved as one: a base stands without any iteration. Rows that say almost the
 /// same, of points on one spot or line, have no such solution and go one by one.
 template <Other other, int n>
-void add_block(Scratch& s, Touch& touch) {
-  const NormalRow* const rows = s.rows.data() + touch.first_row;
-  double inv_mass = s.mobility[touch.a].inv_mass;
-  if constexpr (other == Other::moving) inv_mass += s.mobility[touch.b].inv_mass;
+void add_block(const Island& s, const Touch& touch, SolvedTouch& solved) {
+  const NormalRow* const rows = s.normals.data() + solved.first_row;
+  double inv_mass = s.bodies.mobility[touch.a].inv_mass;
+  if constexpr (other == Other::moving) inv_mass += s.bodies.mobility[touch.b].inv_mass;
   Eigen::Matrix<double, n, n> K;
   for (int i = 0; i < n; ++i) {
     for (int k = 0; k <= i; ++k) {
@@ -130,10 +153,10 @@ void add_block(Scratch& s, Touch& touch) {
   bool independent = false;
   K.computeInverseAndDetWithCheck(inverse, determinant, independent,
                                   kDependent * K.diagonal().prod());
-  touch.block = kNone;
+  solved.block = kNone;
   if (!independent) return;
-  touch.block = static_cast<std::uint32_t>(s.blocks.size());
-  s.blocks.emplace_back().topLeftCorner<n, n>() = inverse;
+  solved.block = static_cast<std::uint32_t>(s.rows.blocks.size());
+  s.rows.blocks.emplace_back().topLeftCorner<n, n>() = inverse;
 }
 
 /// Foot and normal of the friction of a touch: its points, weighted by what they carry.
@@ -142,24 +165,22 @@ struct Foot {
   double spread = 0.0;  // of the points about the foot, root of the mean square [m]
 };
 
-inline Foot foot_of(const Scratch& s, const Touch& touch) {
-  const NormalRow* const rows = s.rows.data() + touch.first_row;
-  const ContactPoint* const points = s.points.data() + touch.first_point;
-  if (touch.rows == 1) return {points[0].p_W, rows[0].n, 0.0};
+inline Foot foot_of(std::span<const NormalRow> rows, const ContactPoint* points) {
+  if (rows.size() == 1) return {points[0].p_W, rows[0].n, 0.0};
   double load = 0.0, deepest = points[0].depth;
-  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+  for (std::size_t k = 0; k < rows.size(); ++k) {
     load += rows[k].impulse;
     deepest = std::max(deepest, points[k].depth);
   }
   // Nothing carried yet: those that touch first.
-  const auto weight = [&](std::uint32_t k) {
+  const auto weight = [&](std::size_t k) {
     return load > kNoLoad ? rows[k].impulse : (points[k].depth > deepest - 1e-4 ? 1.0 : 0.0);
   };
   Foot foot;
   const Vec3 from = points[0].p_W;
   double sum = 0.0, squares = 0.0;
   bool one_plane = true;
-  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+  for (std::size_t k = 0; k < rows.size(); ++k) {
     const double w = weight(k);
     const Vec3 r = points[k].p_W - from;
     sum += w;
@@ -174,11 +195,11 @@ inline Foot foot_of(const Scratch& s, const Touch& touch) {
   foot.n = rows[0].n;
   if (one_plane) return foot;
   // Surfaces on both sides of a body share their tangents: their normals count as one.
-  std::uint32_t most = 0;
-  for (std::uint32_t k = 1; k < touch.rows; ++k) most = weight(k) > weight(most) ? k : most;
+  std::size_t most = 0;
+  for (std::size_t k = 1; k < rows.size(); ++k) most = weight(k) > weight(most) ? k : most;
   const Vec3 side = rows[most].n;
   foot.n = Vec3::Zero();
-  for (std::uint32_t k = 0; k < touch.rows; ++k) {
+  for (std::size_t k = 0; k < rows.size(); ++k) {
     foot.n += std::copysign(weight(k), rows[k].n.dot(side)) * rows[k].n;
   }
   foot.n.normalize();
@@ -236,27 +257,27 @@ inline void add_side(const FrictionRows& f, FrictionSide& side, const Mobility& 
 
 /// Impulses of a pair's friction: along the tangents, and turning about any axis.
 template <Other other>
-void push_along(World& world, const Touch& touch, const FrictionRows& f, const Vec2& slip) {
-  const Scratch& s = world.scratch;
+void push_along(const Pushed& bodies, const Touch& touch, const FrictionRows& f, const Vec2& slip) {
   const Vec3 F = slip[0] * f.t[0] + slip[1] * f.t[1];
-  push(world.states[touch.a], s.mobility[touch.a], F, slip[0] * f.a.i[0] + slip[1] * f.a.i[1]);
+  push(bodies.states[touch.a], bodies.mobility[touch.a], F,
+       slip[0] * f.a.i[0] + slip[1] * f.a.i[1]);
   if constexpr (other == Other::moving) {
-    push(world.states[touch.b], s.mobility[touch.b], -F, -slip[0] * f.b.i[0] - slip[1] * f.b.i[1]);
+    push(bodies.states[touch.b], bodies.mobility[touch.b], -F,
+         -slip[0] * f.b.i[0] - slip[1] * f.b.i[1]);
   }
 }
 
 template <Other other>
-void twist_by(World& world, const Touch& touch, const FrictionRows& f, double twist) {
-  world.states[touch.a].w_WB += twist * f.a.twist_i;
-  if constexpr (other == Other::moving) world.states[touch.b].w_WB -= twist * f.b.twist_i;
+void twist_by(const Pushed& bodies, const Touch& touch, const FrictionRows& f, double twist) {
+  bodies.states[touch.a].w_WB += twist * f.a.twist_i;
+  if constexpr (other == Other::moving) bodies.states[touch.b].w_WB -= twist * f.b.twist_i;
 }
 
 template <Other other>
-void roll_by(World& world, const Touch& touch, const Vec3& roll) {
-  const Scratch& s = world.scratch;
-  world.states[touch.a].w_WB += s.mobility[touch.a].inv_inertia_W * roll;
+void roll_by(const Pushed& bodies, const Touch& touch, const Vec3& roll) {
+  bodies.states[touch.a].w_WB += bodies.mobility[touch.a].inv_inertia_W * roll;
   if constexpr (other == Other::moving) {
-    world.states[touch.b].w_WB -= s.mobility[touch.b].inv_inertia_W * roll;
+    bodies.states[touch.b].w_WB -= bodies.mobility[touch.b].inv_inertia_W * roll;
   }
 }
 
@@ -278,11 +299,14 @@ inline bool soften(FrictionRows& f, double kept) {
 }
 
 template <Other other>
-void add_friction(World& world, Touch& touch, std::uint32_t index) {
-  Scratch& s = world.scratch;
+void add_friction(const Island& s, std::uint32_t index) {
+  World& world = s.world;
+  const Touch& touch = s.touches[index];
+  const SolvedTouch& solved = s.solved[index];
   const double kept = touch.sliding.kept;
-  const Foot foot = foot_of(s, touch);
-  FrictionRows& f = s.friction.emplace_back();
+  const Foot foot =
+      foot_of({s.normals.data() + solved.first_row, solved.rows}, s.points + touch.first_point);
+  FrictionRows& f = s.rows.friction.emplace_back();
   f.touch = index;
   f.n = foot.n;
   f.t[0] = tangent(f.n);
@@ -295,14 +319,14 @@ void add_friction(World& world, Touch& touch, std::uint32_t index) {
   f.roll_arm = rolling == Rolling::freely ? 0.0 : arm;
   f.reach = foot.spread + arm;  // what rolls heavily pivots heavily, even on one point
 
-  const Arms arms = arms_of(world, touch);
+  const Arms arms = arms_of<other>(world, s.flight, touch);
   Yield yield;
   for (std::size_t i = 0; i < 2; ++i) f.a.r_t[i] = (foot.p_W - arms.p_WA).cross(f.t[i]);
-  add_side(f, f.a, s.mobility[touch.a], yield);
+  add_side(f, f.a, s.bodies.mobility[touch.a], yield);
   if constexpr (other != Other::still) {
     for (std::size_t i = 0; i < 2; ++i) f.b.r_t[i] = (foot.p_W - arms.p_WB).cross(f.t[i]);
   }
-  if constexpr (other == Other::moving) add_side(f, f.b, s.mobility[touch.b], yield);
+  if constexpr (other == Other::moving) add_side(f, f.b, s.bodies.mobility[touch.b], yield);
 
   // After the step a part `kept` of the slip u that there would be without friction shall be left:
   // F = -(1 - kept) K^-1 u. With u' = u + K F that is u' + softness F = 0.
@@ -316,13 +340,13 @@ void add_friction(World& world, Touch& touch, std::uint32_t index) {
   f.twist_mass = f.reach > 0.0 ? (1.0 - kept) / yield.twist : 0.0;
   f.roll_mass = f.roll_arm > 0.0 ? 1.0 / yield.roll : 0.0;
 
-  f.impulse = Vec2(touch.friction_W.dot(f.t[0]), touch.friction_W.dot(f.t[1]));
-  f.twist = f.twist_mass > 0.0 ? touch.twist : 0.0;
-  f.roll = f.roll_arm > 0.0 ? rolling_part(f, touch.roll) : Vec3::Zero();
+  f.impulse = Vec2(solved.friction_W.dot(f.t[0]), solved.friction_W.dot(f.t[1]));
+  f.twist = f.twist_mass > 0.0 ? solved.twist : 0.0;
+  f.roll = f.roll_arm > 0.0 ? rolling_part(f, solved.roll) : Vec3::Zero();
   f.yields = 0.5 * K.trace();
-  push_along<other>(world, touch, f, f.impulse);
-  twist_by<other>(world, touch, f, f.twist);
-  if (f.roll_arm > 0.0) roll_by<other>(world, touch, f.roll);
+  push_along<other>(s.bodies, touch, f, f.impulse);
+  twist_by<other>(s.bodies, touch, f, f.twist);
+  if (f.roll_arm > 0.0) roll_by<other>(s.bodies, touch, f.roll);
 }
 
 }  // namespace headpin::engine::detail

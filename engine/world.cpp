@@ -6,9 +6,8 @@
 #include <stdexcept>
 #include <string>
 
-#include "engine/books.h"
+#include "engine/bodies.h"
 #include "engine/hash.h"
-#include "engine/stages.h"
 
 namespace headpin::engine {
 namespace {
@@ -44,11 +43,6 @@ void check_parameters(const Parameters& p) {
   expect_between(p.sleep_speed, 0.0, 10.0, "sleep_speed [m/s]");
   expect_between(p.sleep_spin, 0.0, 100.0, "sleep_spin [rad/s]");
   expect_between(p.sleep_after, 0.0, 1e4, "sleep_after [s]");
-}
-
-std::string title(const World& world, BodyId i) {
-  const std::string& name = world.bodies[i].name;
-  return "body " + std::to_string(i) + (name.empty() ? "" : " '" + name + "'");
 }
 
 bool is_bounded(const Body& body) {
@@ -98,7 +92,7 @@ template <typename Concerns, typename F>
 void each_contact(const World& world, const Body& body, const Pose& X_WB, double margin,
                   Concerns&& concerns, F&& f) {
   std::vector<ContactPoint> points;
-  std::vector<Vec3> normals;
+  std::vector<KeptNormal> normals;
   QueryCounts counts;
   for (BodyId k = 0; k < world.bodies.size(); ++k) {
     if (!concerns(k)) continue;
@@ -106,7 +100,7 @@ void each_contact(const World& world, const Body& body, const Pose& X_WB, double
     const double near = body.shape->bounding_radius + other.shape->bounding_radius + margin;
     if ((X_WB.p - world.states[k].X_WB.p).squaredNorm() > near * near) continue;
     points.clear();
-    normals.assign(cache_size(*body.shape, *other.shape), Vec3::Zero());
+    normals.assign(kept_normals(*body.shape, *other.shape), {});
     find_contacts(*body.shape, X_WB, *other.shape, world.states[k].X_WB, margin, normals, Query{},
                   counts, points);
     for (const ContactPoint& p : points) f(k, p);
@@ -122,7 +116,7 @@ void check_overlap(const World& world, const Body& body, const State& state,
       [&](BodyId k, const ContactPoint& p) {
         const double most =
             0.25 * std::min(body.shape->bounding_radius, world.bodies[k].shape->bounding_radius);
-        expect(p.depth <= most, who + ": overlap with " + title(world, k) + " [m]",
+        expect(p.depth <= most, who + ": overlap with " + detail::title(world, k) + " [m]",
                "at most " + number(most), p.depth);
       });
 }
@@ -130,103 +124,11 @@ void check_overlap(const World& world, const Body& body, const State& state,
 /// A body that is taken away leaves nothing hanging in the air.
 void wake_with_what_rests_on(World& world, BodyId body) {
   wake(world, body);
-  world.scratch.supported[body] = 0;
+  world.memory.bodies[body].supported = false;
   each_contact(
       world, world.bodies[body], world.states[body].X_WB, detail::kRests,
       [&](BodyId k) { return world.asleep[k] != 0; },
       [&](BodyId k, const ContactPoint&) { wake(world, k); });
-}
-
-/// Lists made anew when bodies come, sleep, wake or change hands.
-void take_roll_call(World& world) {
-  detail::Scratch& s = world.scratch;
-  s.movers.clear();
-  s.driven.clear();
-  for (BodyId i = 0; i < world.bodies.size(); ++i) {
-    s.mobility[i] = {};
-    s.top_speed[i] = s.swing[i] = 0.0;
-    s.falls[i] = 0;
-    if (world.bodies[i].kind == Kind::driven) s.driven.push_back(i);
-    if (detail::is_mover(world, i)) s.movers.push_back(i);
-  }
-  for (std::size_t k = 0; k < s.bounded.size(); ++k) {
-    const BodyId i = s.bounded[k];
-    s.moving[k] = detail::is_mover(world, i) || world.bodies[i].kind == Kind::driven;
-    s.bounds_W[k] = world.states[i].X_WB * world.bodies[i].shape->bounds;
-  }
-  s.stale = false;
-}
-
-void prepare_bodies(World& world) {
-  detail::Scratch& s = world.scratch;
-  if (s.stale) take_roll_call(world);
-  const Parameters& p = world.parameters;  // whatever gravity adds to an approach in a step
-  s.lasting_speed = std::max(p.impact_speed, 2.5 * p.gravity_W.norm() * step_seconds(world));
-  for (const auto& [i, state] : s.struck) {
-    s.clock[i] = 0.0;
-    s.impacts_of[i] = 0;
-  }
-  s.struck.clear();
-  for (const BodyId i : s.movers) {
-    s.mobility[i] = {1.0 / world.bodies[i].mass,
-                     inverse_inertia(world.inertias[i], world.states[i].X_WB.q)};
-    s.falls[i] = !s.supported[i];
-    detail::note_speed(world, i);
-    s.sought[i] = s.top_speed[i] * step_seconds(world);
-  }
-  for (const BodyId i : s.driven) detail::note_speed(world, i);
-}
-
-void apply_gravity(World& world) {
-  const double dt = step_seconds(world);
-  const Vec3 dv = dt * world.parameters.gravity_W;
-  for (const BodyId i : world.scratch.movers) world.states[i].v_WB += dv;
-  for (const auto& [i, state] : world.scratch.struck) {  // they have fallen up to their impact
-    world.states[i].v_WB -= world.scratch.clock[i] * world.parameters.gravity_W;
-  }
-}
-
-/// Keeps the contacts of this step as the start of the next one's.
-void remember(World& world) {
-  detail::Scratch& s = world.scratch;
-  s.candidates.resize(s.early_candidates);  // those found late stand in no order
-  s.touches.resize(s.early_touches);
-  std::swap(s.candidates, s.last_candidates);
-  std::swap(s.normals, s.last_normals);
-  std::swap(s.loads, s.last_loads);
-  s.last_touches.clear();
-  for (const detail::Touch& t : s.touches) {
-    s.last_touches.push_back({t.key, t.met, t.struck, t.first_load, t.rows, t.pair.friction,
-                              t.sliding, t.friction_W, t.roll, t.twist});
-  }
-  world.statistics.contacts = static_cast<std::int64_t>(s.last_loads.size());
-  world.statistics.awake = static_cast<std::int64_t>(s.movers.size());
-}
-
-/// Whether time passes and nothing else: everything sleeps and no body is driven.
-bool all_rest(World& world) {
-  detail::Scratch& s = world.scratch;
-  if (s.stale) take_roll_call(world);
-  return s.movers.empty() && s.driven.empty();
-}
-
-/// A step of a world in which nothing moves: it has no contacts.
-void let_rest(World& world) {
-  detail::Scratch& s = world.scratch;
-  s.last_candidates.clear();
-  s.last_normals.clear();
-  s.last_touches.clear();
-  s.last_loads.clear();
-}
-
-void stop_if_not_finite(const World& world) {
-  for (const BodyId i : world.scratch.movers) {
-    const State& s = world.states[i];
-    const double sum = s.X_WB.p.sum() + s.X_WB.q.coeffs().sum() + s.v_WB.sum() + s.w_WB.sum();
-    if (std::isfinite(sum)) continue;
-    throw std::runtime_error("tick " + std::to_string(world.tick) + ": " + title(world, i) +
-                             " is no longer at a finite place or speed");
-  }
 }
 
 /// Numbers into the hash, lowest byte first.
@@ -251,25 +153,6 @@ class StateHash {
 
 }  // namespace
 
-Statistics& Statistics::operator+=(const Statistics& other) {
-  steps += other.steps;
-  pairs += other.pairs;
-  contacts += other.contacts;
-  queries.queries += other.queries.queries;
-  queries.iterations += other.queries.iterations;
-  queries.capped += other.queries.capped;
-  impacts += other.impacts;
-  unfinished_impacts += other.unfinished_impacts;
-  pulls += other.pulls;
-  islands += other.islands;
-  solver_iterations += other.solver_iterations;
-  unsolved += other.unsolved;
-  residual = std::max(residual, other.residual);
-  deepest_overlap = std::max(deepest_overlap, other.deepest_overlap);
-  awake += other.awake;
-  return *this;
-}
-
 World make_world(const Parameters& parameters, SameLayout) {
   check_parameters(parameters);
   World world;
@@ -289,46 +172,20 @@ BodyId add_body(World& world, Body body, const State& state) {
   }
   check_overlap(world, body, state, who);
   world.inertias.push_back(body.kind == Kind::fixed ? Inertia{} : principal_inertia(body.inertia));
-  detail::Scratch& s = world.scratch;
-  const std::size_t count = world.bodies.size() + 1;
-  if (is_bounded(body)) {
-    s.bounded.push_back(i);
-    s.moving.push_back(0);
-    s.bounds_W.emplace_back();
-  } else {
-    s.unbounded.push_back(i);
-  }
+  world.memory.bodies.push_back({.sleeps_with = i});
   world.bodies.push_back(std::move(body));
   world.states.push_back(state);
   world.states.back().X_WB.q.normalize();
   world.asleep.push_back(0);
-  world.still.push_back(0);
-  world.sleeps_with.push_back(i);
-  s.parent.resize(count);
-  s.island_number.resize(count);
-  s.island_calm.resize(count);
-  s.mobility.resize(count);
-  s.clock.resize(count);
-  s.falls.resize(count);
-  s.impacts_of.resize(count);
-  s.place_struck.resize(count);
-  s.first_touch.resize(count);
-  s.sought.resize(count);
-  s.swing.resize(count);
-  s.top_speed.resize(count);
-  s.carried.resize(count);
-  s.supported.resize(count);
-  s.nudge_p.resize(count, Vec3::Zero());
-  s.nudge_w.resize(count, Vec3::Zero());
-  s.stale = true;
+  detail::become(world, i, world.bodies[i].kind, false);
   return i;
 }
 
 void set_state(World& world, BodyId body, const State& state) {
   check_number(world, body);
-  if (!is_good(state)) refuse(state, title(world, body));
+  if (!is_good(state)) refuse(state, detail::title(world, body));
   if (world.bodies[body].kind == Kind::fixed) {
-    throw std::invalid_argument(title(world, body) + ": is fixed, cannot be moved");
+    throw std::invalid_argument(detail::title(world, body) + ": is fixed, cannot be moved");
   }
   wake_with_what_rests_on(world, body);
   world.states[body] = state;
@@ -337,45 +194,41 @@ void set_state(World& world, BodyId body, const State& state) {
 
 void set_kind(World& world, BodyId body, Kind kind) {
   check_number(world, body);
-  Kind& now = world.bodies[body].kind;
+  const Kind now = world.bodies[body].kind;
   if (now == kind) return;
   if (now == Kind::fixed || kind == Kind::fixed) {
-    throw std::invalid_argument(title(world, body) + ": only free and driven can change");
+    throw std::invalid_argument(detail::title(world, body) + ": only free and driven can change");
   }
   wake_with_what_rests_on(world, body);
-  now = kind;
-  world.scratch.stale = true;
+  detail::become(world, body, kind, false);
 }
 
 void wake(World& world, BodyId body) {
   check_number(world, body);
-  world.still[body] = 0;
+  std::vector<BodyMemory>& memory = world.memory.bodies;
+  memory[body].still = 0;
   if (!world.asleep[body]) return;
   BodyId i = body;
   do {
-    const BodyId next = world.sleeps_with[i];
-    world.asleep[i] = 0;
-    world.scratch.supported[i] = 1;  // it lay on something
-    world.still[i] = 0;
-    world.sleeps_with[i] = i;
+    const BodyId next = memory[i].sleeps_with;
+    detail::become(world, i, world.bodies[i].kind, false);
+    memory[i] = {.supported = true, .still = 0, .sleeps_with = i};  // it lay on something
     i = next;
   } while (i != body);
-  world.scratch.stale = true;
 }
 
 void put_to_sleep(World& world, BodyId body) {
   check_number(world, body);
   if (world.bodies[body].kind != Kind::free) {
-    throw std::invalid_argument(title(world, body) + ": only a free body can sleep");
+    throw std::invalid_argument(detail::title(world, body) + ": only a free body can sleep");
   }
   world.states[body].v_WB = world.states[body].w_WB = Vec3::Zero();
-  world.asleep[body] = 1;
-  world.scratch.stale = true;
+  detail::become(world, body, Kind::free, true);
 }
 
 State outside_fixed(const World& world, BodyId body, const State& wanted) {
   check_number(world, body);
-  if (!is_good(wanted)) refuse(wanted, title(world, body));
+  if (!is_good(wanted)) refuse(wanted, detail::title(world, body));
   const Body& mine = world.bodies[body];
   const auto is_fixed = [&](BodyId k) { return world.bodies[k].kind == Kind::fixed; };
   State state = wanted;
@@ -403,48 +256,10 @@ State outside_fixed(const World& world, BodyId body, const State& wanted) {
   }
   each_contact(world, mine, state.X_WB, detail::kRests, is_fixed,
                [&](BodyId, const ContactPoint& c) {
-                 const Vec3 v = detail::velocity_at(state, c.p_W - p);
+                 const Vec3 v = velocity_at(state, c.p_W - p);
                  state.v_WB -= std::max(0.0, v.dot(c.n_AB_W)) * c.n_AB_W;
                });
   return state;
-}
-
-void step(World& world) {
-  using namespace detail;
-  world.events.clear();
-  world.statistics = {};
-  world.statistics.steps = 1;
-  const bool changed = world.scratch.stale, rests = all_rest(world);
-  Books books(world, changed);
-  if (rests) {
-    let_rest(world);
-    ++world.tick;
-    return;
-  }
-  for (bool woken = true; woken;) {  // a woken body has contacts of its own: once more, then
-    prepare_bodies(world);
-    find_pairs(world);
-    woken = find_contacts(world);
-    woken = woken || resolve_impacts(world);
-  }
-  books.book_impacts();
-  apply_gravity(world);
-  books.begin();
-  sustain_contacts(world);
-  stop_swings(world);
-  books.end(world.ledger.sustained);
-  move(world);
-  stop_if_not_finite(world);
-  books.begin();
-  push_apart(world);
-  books.end(world.ledger.correction);
-  books.begin();
-  fall_asleep(world);
-  books.end(world.ledger.sustained);
-  books.close();
-  note_meetings(world);
-  remember(world);
-  ++world.tick;
 }
 
 Balance balance(const World& world) {
@@ -479,22 +294,37 @@ std::uint64_t state_hash(const World& world) {
 
 void forget_meetings(World& world, BodyId body) {
   check_number(world, body);
-  std::erase_if(world.met, [&](std::uint64_t pair) { return detail::concerns(pair, body); });
-  for (detail::PastTouch& touch : world.scratch.last_touches) {
-    if (detail::concerns(touch.key, body)) touch.met = false;
+  std::erase_if(world.memory.met, [&](std::uint64_t pair) { return concerns(pair, body); });
+  for (PastTouch& touch : world.memory.touches) {
+    if (concerns(touch.key, body)) touch.met = false;
+  }
+}
+
+void take_over(World& world, const World& from) {
+  world.tick = from.tick;
+  world.ledger = from.ledger;
+  world.states = from.states;
+  world.memory = {};
+  world.memory.bodies = from.memory.bodies;
+  world.memory.met = from.memory.met;
+  world.memory.balance = from.memory.balance;
+  for (BodyId i = 0; i < world.bodies.size(); ++i) {
+    world.memory.bodies[i].supported = false;
+    detail::become(world, i, from.bodies[i].kind, from.asleep[i] != 0);
   }
 }
 
 namespace detail {
 
-void note_meetings(World& world) {
-  std::erase_if(world.events, [&](ContactEvent& e) {
-    const std::uint64_t key = std::uint64_t{std::min(e.a, e.b)} << 32 | std::max(e.a, e.b);
-    const auto place = std::lower_bound(world.met.begin(), world.met.end(), key);
-    e.first = place == world.met.end() || *place != key;
-    if (e.first) world.met.insert(place, key);
-    return !e.first && e.approach_speed == 0.0;
-  });
+void become(World& world, BodyId i, Kind kind, bool asleep) {
+  world.bodies[i].kind = kind;
+  world.asleep[i] = asleep ? 1 : 0;
+  world.roll.made = false;
+}
+
+std::string title(const World& world, BodyId i) {
+  const std::string& name = world.bodies[i].name;
+  return "body " + std::to_string(i) + (name.empty() ? "" : " '" + name + "'");
 }
 
 }  // namespace detail

@@ -6,18 +6,22 @@
 #include <vector>
 
 #include "engine/body.h"
+#include "engine/broad_phase.h"
 #include "engine/contacts.h"
 #include "engine/free_motion.h"
 #include "engine/ledger.h"
+#include "engine/memory.h"
 #include "engine/response.h"
-#include "engine/scratch.h"
 
 /// Bodies that stand, roll, fall and collide at a fixed rate, and repeat to the bit.
 ///
 ///     World world = make_world({.rate_hz = 240});
 ///     const BodyId lane = add_body(world, {.name = "lane", .shape = floor, .kind = Kind::fixed});
 ///     const BodyId ball = add_body(world, ball_body, {.X_WB = X_WB, .v_WB = {0, 6, 0}});
-///     while (world.tick < 5 * 240) step(world);
+///     Workspace workspace;  // engine/workspace.h
+///     while (world.tick < 5 * 240) step(world, workspace);
+///
+/// What a world is and what it remembers are in `World`; what a step borrows is a `Workspace`.
 ///
 /// Time within a step: between steps all poses and velocities are those of `tick`. Within one,
 /// bodies that approach fast are followed along their paths to where they meet and get their
@@ -77,32 +81,41 @@ struct ContactEvent {
   bool first = false;             ///< these two had not met before
 };
 
+namespace detail {
+
+/// Who takes part in a step: made of kinds, shapes and sleep when `made` does not hold.
+struct Roll {
+  bool made = false;
+  std::vector<BodyId> movers, driven;      ///< free and awake; driven
+  std::vector<BodyId> unbounded, bounded;  ///< fixed half-spaces; all others
+  std::vector<Capsule> bounds_W;           ///< of `bounded`: those at rest where they are
+  std::vector<std::uint8_t> moving;        ///< of `bounded`: free and awake, or driven
+};
+
+}  // namespace detail
+
 /// Plain data; a copy goes on like the original, to the bit. Change it between steps by the
 /// functions below.
-///
-/// A world made anew and given another's states and sleep flags goes on alike but not to the bit:
-/// it lacks the last impulses and normals, from which the next step's searches start (`scratch`),
-/// which bodies were carried in the last step (likewise), `still`, `sleeps_with` and `met`.
 struct World {
   Parameters parameters;
   std::int64_t tick = 0;
   std::vector<Body> bodies;
   std::vector<State> states;         ///< of the bodies, same numbers
   std::vector<std::uint8_t> asleep;  ///< 1 where a free body sleeps
+  Ledger ledger;                     ///< since the start, when kept
+  Memory memory;                     ///< what the next step starts from
+
   std::vector<ContactEvent> events;  ///< of the last step, in the order they happened
   Statistics statistics;             ///< of the last step
-  Ledger ledger;                     ///< since the start, when kept
 
-  // What the step keeps for itself.
+  // Made of the above.
   const Response* response = nullptr;
   std::vector<Inertia> inertias;
-  std::vector<std::int32_t> still;  ///< steps for which a body has been still
-  std::vector<BodyId> sleeps_with;  ///< ring of bodies that fell asleep as one island
-  std::vector<std::uint64_t> met;   ///< sorted pairs that have met
-  Balance balance;                  ///< at the end of the last step, when the ledger is kept
-  Balance struck, pushed;           ///< of the step's impacts; of driven bodies in a phase
-  detail::Scratch scratch;
+  detail::Roll roll;
 };
+
+/// Buffers of a step (engine/workspace.h).
+struct Workspace;
 
 /// A type that is the library's own for whoever sees the same layouts, and unknown to it otherwise:
 /// then make_world() does not link. Flags like -D_GLIBCXX_DEBUG change them.
@@ -110,7 +123,7 @@ template <std::size_t... layout>
 struct CompiledWithTheFlagsOf_pkg_config_cflags_headpin_engine {};
 using SameLayout = CompiledWithTheFlagsOf_pkg_config_cflags_headpin_engine<
     sizeof(World), alignof(World), sizeof(Body), sizeof(State), sizeof(Compound), sizeof(Shape),
-    sizeof(Ledger), sizeof(ContactEvent)>;
+    sizeof(Memory), sizeof(Ledger), sizeof(ContactEvent)>;
 
 /// An empty world.
 ///
@@ -153,16 +166,23 @@ inline bool is_asleep(const World& world, BodyId body) {
 /// @throws std::invalid_argument  for a body that is not there
 void forget_meetings(World& world, BodyId body);
 
+/// Lets bodies go on from where those of another world are, which are as many and the same but for
+/// shapes, masses and materials: states, kinds, sleep, who has met, tick and ledger. Impulses and
+/// normals are not taken over: they belong to the other shapes.
+void take_over(World& world, const World& from);
+
 /// One step of 1 / rate_hz.
 ///
+/// @param workspace  of whoever steps; any will do, and one that is kept saves allocations
 /// @throws std::runtime_error  when a state turns not finite, naming tick and body
+void step(World& world, Workspace& workspace);
 void step(World& world);
 
 /// Energy, momentum and angular momentum of the free bodies, height from the origin of W.
 Balance balance(const World& world);
 
 /// FNV-1a of the bits of tick, poses, velocities and sleep flags: 64 bits that two equal runs
-/// share. What a World keeps beside them is not in it; where it differs, the next states will.
+/// share. `World::memory` is not in it; where that differs, the next states will.
 std::uint64_t state_hash(const World& world);
 
 inline double step_seconds(const World& world) {

@@ -59,9 +59,8 @@ struct BodyState {
 
 /// The world after one tick: its visible state, which the hash covers.
 ///
-/// The solver's memory between ticks is left out: last impulses and normals, support of bodies,
-/// times at rest, sleeping groups, first contacts. A world that starts from this state continues
-/// similarly, but not with equal bits; for those, replay the samples.
+/// The engine's memory between ticks (`engine::Memory`) is left out. A world that starts from this
+/// state continues similarly, but not with equal bits; for those, replay the samples.
 struct TickState {
   Time time{};
   std::int64_t tick = 0;

@@ -63,7 +63,7 @@ std::optional<Passing> passing_of(const Sight& sight, engine::BodyId body) {
 /// Of a point to a convex part; 0 inside it.
 double gap_to_part(const engine::Part& part, const Pose& X_WB, const Vec3& p_W) {
   constexpr double kDot = 1e-3, kFar = 100.0;  // of the sphere that stands for the point; [m]
-  Vec3 normal = Vec3::Zero();
+  engine::KeptNormal normal;
   const engine::Closest found = engine::closest_points(
       part.shape, engine::Ellipsoid{Vec3::Constant(kDot)},
       (X_WB * part.X_BG).inverse() * Pose{Quat::Identity(), p_W}, normal, {.margin = kFar});

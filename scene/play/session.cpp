@@ -48,11 +48,12 @@ void count_ahead(const Session& s, const Moment& moment, std::vector<devices::Ev
     held = s.player.held->body;
     engine::set_state(world, *held, {world.states[*held].X_WB, Vec3::Zero(), Vec3::Zero()});
   }
+  engine::Workspace workspace;
   std::vector<devices::Event> all;
   Moment later = moment;
   while (game.thrown) {
     note_velocities(game, world);
-    engine::step(world);
+    engine::step(world, workspace);
     note_step(game, *s.stage, world, later, all);
     referee(game, *s.stage, world, later, held, all);
     later = {tick_time(later.tick + 1, s.scenario().rates.physics_hz), later.tick + 1};
@@ -73,7 +74,7 @@ void start_version(Session& s, std::size_t version, const Moment& moment) {
   s.world = s.stage->world;
   s.world.tick = before.tick;
   s.world.ledger = before.ledger;
-  s.world.balance = before.balance;  // the next step books what is other now
+  s.world.memory.balance = before.memory.balance;  // the next step books what is other now
   s.player.held.reset();
   s.player.leaving.reset();
   s.game = make_game(*s.stage);
@@ -127,7 +128,7 @@ void advance(Session& s, devices::Source& source) {
   drive(s.player, s.samples, *s.stage, s.world, moment, s.events);
   touch_buttons(s, moment);
   note_velocities(s.game, s.world);
-  engine::step(s.world);
+  engine::step(s.world, s.workspace);
   s.tick = moment.tick;
   s.statistics += s.world.statistics;
   note_step(s.game, *s.stage, s.world, moment, s.events);

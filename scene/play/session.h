@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "devices/base/source.h"
+#include "engine/workspace.h"
 #include "scene/play/game.h"
 #include "scene/play/game_hash.h"
 #include "scene/play/player.h"
@@ -28,6 +29,7 @@ struct Session {
   std::optional<std::size_t> touched;  ///< the button that the hand touches
   std::int64_t tick = 0;          ///< tick of the session's clock; a new world does not reset it
   engine::Statistics statistics;  ///< of all steps so far
+  engine::Workspace workspace;    ///< of those steps
   bool hashes = true;             ///< else the two below stand still: a fifth of a replay's time
   std::uint64_t state_hash = 0;   ///< of the world after the last tick
   GameHash game_hash;             ///< of all ticks so far

@@ -33,15 +33,7 @@ bool lets_go_of_ball(const devices::Event& event) {
 /// The world of another stage with all bodies where they are in this one.
 engine::World moved_into(const engine::World& from, const Stage& before, const Stage& stage) {
   engine::World world = stage.world;
-  world.tick = from.tick;
-  world.states = from.states;
-  world.asleep = from.asleep;
-  world.still = from.still;
-  world.sleeps_with = from.sleeps_with;
-  world.met = from.met;
-  world.ledger = from.ledger;
-  world.balance = from.balance;
-  for (std::size_t i = 0; i < world.bodies.size(); ++i) world.bodies[i].kind = from.bodies[i].kind;
+  engine::take_over(world, from);
   // A skittle of another shape may have its centre of mass elsewhere; its base stays.
   const Vec3 higher(0.0, 0.0, stage.skittle_centre - before.skittle_centre);
   for (const engine::BodyId skittle : stage.skittles) {

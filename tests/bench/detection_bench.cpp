@@ -55,7 +55,7 @@ Scene scene(Random& random, ShapeKind ka, ShapeKind kb, Distance how) {
   double meets = 0.0, apart = 3.0;
   for (int k = 0; k < 50; ++k) {
     const double middle = 0.5 * (meets + apart);
-    Vec3 n = Vec3::Zero();
+    KeptNormal n;
     (closest_points(s.a, s.b, {q, middle * along}, n, {}).separated ? apart : meets) = middle;
   }
   const double off = how == Distance::separated ? random.uniform(0.3, 1.5)
@@ -75,9 +75,9 @@ Scene scene(Random& random, ShapeKind ka, ShapeKind kb, Distance how) {
 double ours(const std::vector<Scene>& scenes, bool coherent) {
   double sum = 0.0;
   for (const Scene& s : scenes) {
-    Vec3 n = Vec3::Zero();
+    KeptNormal n;
     for (int f = 0; f < kFrames; ++f) {
-      if (!coherent) n.setZero();
+      if (!coherent) n = {};
       const Pose& X_WA = s.X_WA[static_cast<std::size_t>(f)];
       const Pose& X_WB = s.X_WB[static_cast<std::size_t>(f)];
       if (still_apart(s.a, X_WA, s.b, X_WB, n)) continue;  // as a world asks it

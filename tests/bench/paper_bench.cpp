@@ -54,7 +54,7 @@ double non_colliding(const std::vector<Compound>& objects, const Frames& frames,
   int meeting = 0;
   for (const std::vector<Pose>& X_W : frames) {
     each_pair(objects, X_W, [&](const Part& a, const Part& b, const Pose& X_AB, std::size_t) {
-      Vec3 n = Vec3::Zero();
+      KeptNormal n;
       meeting += !closest_points(a.shape, b.shape, X_AB, n, query).separated;
     });
   }

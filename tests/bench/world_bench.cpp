@@ -12,6 +12,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "engine/workspace.h"
 #include "tests/bench/peers.h"
 #include "tests/bench/report.h"
 #include "tests/support/bowling.h"
@@ -36,7 +37,7 @@ class Ours final : public Contender {
     for (engine::Body& body : bowling_.world.bodies) body.material = {0.8, std::sqrt(0.3)};
     bowling_.world.bodies[bowling_.lane].material.elasticity = 0.25;
   }
-  void step() override { engine::step(bowling_.world); }
+  void step() override { engine::step(bowling_.world, workspace_); }
   int skittles_down() const override {
     int down = 0;
     for (const engine::BodyId i : bowling_.skittles) {
@@ -47,6 +48,7 @@ class Ours final : public Contender {
 
  private:
   engine::Bowling bowling_;
+  engine::Workspace workspace_;
 };
 
 /// Microseconds per step.

@@ -13,7 +13,7 @@ using test::ShapeKind;
 
 std::vector<ContactPoint> contacts(const Shape& a, const Pose& X_WA, const Shape& b,
                                    const Pose& X_WB, double margin = 0.0) {
-  Vec3 n = Vec3::Zero();
+  KeptNormal n;
   QueryCounts counts;
   std::vector<ContactPoint> out;
   const int count = find_contacts(a, X_WA, b, X_WB, margin, n, {}, counts, out);
@@ -170,7 +170,7 @@ TEST(ARoundBody, StandsOnTheSamePointsAtEveryYaw) {
       for (int k = 0; k < 12; ++k) {
         std::vector<ContactPoint> points;
         QueryCounts counts;
-        Vec3 n = Vec3::Zero();
+        KeptNormal n;
         const Pose X_WB{rotation(Vec3(lean, 0.0, 0.0)) * rotation(Vec3(0.0, 0.0, 0.5 * k)),
                         {0.2, 0.3, 0.1}};
         find_contacts(HalfSpace{}, {}, shape, X_WB, 1e-3, n, {}, counts, points);

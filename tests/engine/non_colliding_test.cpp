@@ -29,8 +29,8 @@ constexpr int kThin = 1;
 #endif
 
 Closest query(const Shape& a, const Shape& b, const Pose& X_AB, const Query& q = {}) {
-  Vec3 n = Vec3::Zero();
-  return closest_points(a, b, X_AB, n, q);
+  KeptNormal kept;
+  return closest_points(a, b, X_AB, kept, q);
 }
 
 /// Depth of the pair along n, straight from the definition: negative is a gap.
@@ -181,7 +181,7 @@ TEST(WarmStart, PastItsCapIsHarmless) {
     if (i % 2) p.X_AB.p *= 1.0 + 0.06 / p.X_AB.p.norm();
     const Closest cold = query(p.a, p.b, p.X_AB);
     for (const int cap : {1, 2, 3, 5}) {
-      Vec3 n = 2.0 * pool.random.direction();
+      KeptNormal n{pool.random.direction(), KeptNormal::met};
       const Closest c = closest_points(p.a, p.b, p.X_AB, n, {.cap = cap});
       EXPECT_EQ(c.separated, cold.separated) << kind(p.a) << " " << kind(p.b);
       if (!c.separated) {
@@ -315,7 +315,7 @@ TEST(PaperMode, KnowsNoKeptNormalUnlessAskedTo) {
     const Shallow p = shallow(pool, i % 4, i / 4 % 4);
     const Query q{Query::paper, 5 + 5 * pool.random.index(3)};
     const Closest cold = query(p.a, p.b, p.X_AB, q);
-    Vec3 n = 2.0 * pool.random.direction(), same = n;
+    KeptNormal n{pool.random.direction(), KeptNormal::met}, same = n;
     const Closest kept = closest_points(p.a, p.b, p.X_AB, n, q);
     EXPECT_EQ(kept.distance, cold.distance);
     EXPECT_EQ(kept.n_AB, cold.n_AB);
@@ -700,7 +700,7 @@ TEST(WarmStart, GivesTheColdVerdictInFewerEvaluations) {
   long warm_total = 0, cold_total = 0;
   for (int i = 0; i < 400 / kThin; ++i) {
     Shallow p = shallow(pool, i % 4, i / 4 % 4);
-    Vec3 n = Vec3::Zero();
+    KeptNormal n;
     const Vec3 turn = 3e-3 * pool.random.direction(), shift = 2e-3 * pool.random.direction();
     for (int f = 0; f < 40; ++f) {
       const Pose X{(rotation(f * turn) * p.X_AB.q).normalized(), p.X_AB.p + f * shift};
@@ -724,14 +724,16 @@ TEST(WarmStart, WithAStaleOppositeOrMeaninglessNormalIsHarmless) {
     Shallow p = shallow(pool, i % 4, i / 4 % 4);
     if (i % 2) p.X_AB.p *= 1.0 + 0.06 / p.X_AB.p.norm();
     const Closest cold = query(p.a, p.b, p.X_AB);
-    // Of length 1 after a pair that was apart, 2 after one that met.
-    for (Vec3 n : {Vec3(-cold.n_AB), Vec3(-2.0 * cold.n_AB), pool.random.direction(),
-                   Vec3(2.0 * pool.random.direction()), Vec3(nan, 0, 1), Vec3(inf, 0, 0),
-                   Vec3(1e-300, 0, 0), Vec3(5, 5, 5)}) {
-      const Closest c = closest_points(p.a, p.b, p.X_AB, n, {});
-      EXPECT_EQ(c.separated, cold.separated) << kind(p.a) << " " << kind(p.b);
-      EXPECT_TRUE(std::isfinite(c.distance));
-      EXPECT_LT((n - (c.separated ? 1.0 : 2.0) * c.n_AB).norm(), 1e-9);
+    for (const Vec3& n : {Vec3(-cold.n_AB), pool.random.direction(), Vec3(nan, 0, 1),
+                          Vec3(inf, 0, 0), Vec3(1e-300, 0, 0), Vec3(5, 5, 5)}) {
+      for (const KeptNormal::Of of : {KeptNormal::none, KeptNormal::apart, KeptNormal::met}) {
+        KeptNormal kept{n, of};
+        const Closest c = closest_points(p.a, p.b, p.X_AB, kept, {});
+        EXPECT_EQ(c.separated, cold.separated) << kind(p.a) << " " << kind(p.b);
+        EXPECT_TRUE(std::isfinite(c.distance));
+        EXPECT_EQ(kept.of, c.separated ? KeptNormal::apart : KeptNormal::met);
+        EXPECT_LT((kept.n_AB - c.n_AB).norm(), 1e-9);
+      }
     }
   }
 }
@@ -745,7 +747,7 @@ TEST(AKeptPlane, ProvesOnlyWhatIsSo) {
     const double margin = pool.random.index(2) * pool.random.uniform(0.0, 0.1);
     const Pose X_AB{pool.random.rotation(),
                     pool.random.uniform(0.5, 1.5) * pool.random.direction()};
-    Vec3 n = Vec3::Zero();
+    KeptNormal n;
     closest_points(a, b, X_AB, n, {.margin = margin});
     const Pose X_now{rotation(0.02 * pool.random.direction()) * X_AB.q,
                      X_AB.p + 0.02 * pool.random.direction()};
@@ -757,13 +759,16 @@ TEST(AKeptPlane, ProvesOnlyWhatIsSo) {
     proven += still;
     if (still) {
       EXPECT_GT(now.distance, margin) << kind(a) << " " << kind(b);
-      EXPECT_LT(depth_along(a, b, X_now, n), -margin + 1e-12);
+      EXPECT_LT(depth_along(a, b, X_now, n.n_AB), -margin + 1e-12);
     }
   }
   EXPECT_GT(proven, apart / 2);
-  EXPECT_FALSE(
-      still_apart(Cylinder{}, {}, Cylinder{}, {Quat::Identity(), {9, 0, 0}}, Vec3::Zero()));
-  EXPECT_FALSE(still_apart(Cylinder{}, {}, HalfSpace{}, {}, Vec3::UnitZ()));
+  const Pose X_WB{Quat::Identity(), {9, 0, 0}};
+  const auto along_x = [](KeptNormal::Of of) { return KeptNormal{Vec3::UnitX(), of}; };
+  EXPECT_TRUE(still_apart(Cylinder{}, {}, Cylinder{}, X_WB, along_x(KeptNormal::apart)));
+  EXPECT_FALSE(still_apart(Cylinder{}, {}, Cylinder{}, X_WB, along_x(KeptNormal::met)));
+  EXPECT_FALSE(still_apart(Cylinder{}, {}, Cylinder{}, X_WB, along_x(KeptNormal::none)));
+  EXPECT_FALSE(still_apart(Cylinder{}, {}, HalfSpace{}, {}, {Vec3::UnitZ(), KeptNormal::apart}));
 }
 
 // A pair within the margin gets its true gap, not the first proof of one.

@@ -12,7 +12,7 @@ namespace {
 using test::Random;
 
 bool meet(const Shape& a, const Shape& b, const Pose& X_AB) {
-  Vec3 n = Vec3::Zero();
+  KeptNormal n;
   return !closest_points(a, b, X_AB, n, {}).separated;
 }
 

@@ -97,23 +97,12 @@ World restored(const World& logged) {
   return world;
 }
 
-/// The rest, as devices/trial/trial.h names it: no more and no less.
-void give_what_a_log_leaves_out(World& world, const World& from) {
-  const detail::Scratch& s = from.scratch;
-  world.scratch.last_touches = s.last_touches;  // impulses
-  world.scratch.last_loads = s.last_loads;
-  world.scratch.last_candidates = s.last_candidates;  // normals
-  world.scratch.last_normals = s.last_normals;
-  world.scratch.supported = s.supported;
-  world.still = from.still;
-  world.sleeps_with = from.sleeps_with;
-  world.met = from.met;
-}
-
-/// Hashes of both worlds over the next 2 s, and whether all events are alike.
+/// Whether both worlds go on alike over the next 2 s, with all events, whatever they are stepped
+/// with.
 bool go_on_alike(World a, World b) {
+  Workspace kept;
   for (int k = 0; k < 480; ++k) {
-    step(a);
+    step(a, kept);
     step(b);
     if (state_hash(a) != state_hash(b) || a.events.size() != b.events.size()) return false;
     for (std::size_t n = 0; n < a.events.size(); ++n) {
@@ -125,27 +114,35 @@ bool go_on_alike(World a, World b) {
 }
 
 // About to fall asleep, among the collisions, and while some sleep and others come to rest.
-TEST(RestoredGame, GoesOnToTheBitWithWhatTheLogLeavesOutAndNotWithout) {
+TEST(RestoredGame, GoesOnToTheBitWithItsMemoryAndNotWithout) {
   for (const double seconds : {0.2, 0.3, 0.8, 1.5}) {
     Bowling b = bowling(throw_number(20));
     run(b.world, seconds);
     World world = restored(b.world);
     EXPECT_EQ(state_hash(world), state_hash(b.world));
     EXPECT_FALSE(go_on_alike(world, b.world)) << seconds;
-    give_what_a_log_leaves_out(world, b.world);
+    world.memory = b.world.memory;
     EXPECT_TRUE(go_on_alike(world, b.world)) << seconds;
   }
 }
 
 // No list is longer than it must be: without any one of them some moment goes on otherwise.
-TEST(RestoredGame, NeedsAllThatTheLogLeavesOut) {
-  using Lack = void (*)(World&);
+TEST(RestoredGame, NeedsAllItsMemory) {
+  using Lack = void (*)(Memory&);
   const Lack lacks[] = {
-      [](World& w) { w.scratch.last_touches.clear(); },
-      [](World& w) { w.scratch.last_normals.assign(w.scratch.last_normals.size(), Vec3::Zero()); },
-      [](World& w) { std::fill(w.scratch.supported.begin(), w.scratch.supported.end(), 0); },
-      [](World& w) { std::fill(w.still.begin(), w.still.end(), 0); },
-      [](World& w) { w.met.clear(); },
+      [](Memory& m) { m.touches.clear(); },
+      [](Memory& m) {
+        for (Load& load : m.loads) load.impulse = 0.0;
+      },
+      [](Memory& m) { m.candidates.clear(); },
+      [](Memory& m) { std::fill(m.normals.begin(), m.normals.end(), KeptNormal{}); },
+      [](Memory& m) {
+        for (BodyMemory& body : m.bodies) body.supported = false;
+      },
+      [](Memory& m) {
+        for (BodyMemory& body : m.bodies) body.still = 0;
+      },
+      [](Memory& m) { m.met.clear(); },
   };
   int n = 0;
   for (const Lack lack : lacks) {
@@ -154,12 +151,26 @@ TEST(RestoredGame, NeedsAllThatTheLogLeavesOut) {
       Bowling b = bowling(throw_number(20));
       run(b.world, seconds);
       World world = restored(b.world);
-      give_what_a_log_leaves_out(world, b.world);
-      lack(world);
+      world.memory = b.world.memory;
+      lack(world.memory);
       otherwise = otherwise || !go_on_alike(world, b.world);
     }
     EXPECT_TRUE(otherwise) << "the one numbered " << n;
     ++n;
+  }
+}
+
+// A workspace that another world, of other bodies, has just been stepped with will do as well.
+TEST(Workspace, HasNoMeaningBetweenSteps) {
+  Bowling one = bowling(throw_number(20)), other = bowling(throw_number(5));
+  add_body(other.world, ball_body({}), {.X_WB = {Quat::Identity(), {0, -3, 1}}});
+  Bowling alone = one;
+  Workspace shared, own;
+  for (int k = 0; k < 480; ++k) {
+    step(one.world, shared);
+    step(other.world, shared);
+    step(alone.world, own);
+    ASSERT_EQ(state_hash(one.world), state_hash(alone.world)) << k;
   }
 }
 
@@ -195,12 +206,13 @@ TEST(Game, LeavesLittleOverlap) {
   double late = 0.0;
   for (int k = 0; k <= 40; k += kEveryThrow) {
     Bowling b = bowling(throw_number(k, false));
+    Workspace w;
     while (b.world.tick < 3 * 240) {
-      step(b.world);
+      step(b.world, w);
       if (b.world.tick > 2 * 240) late = std::max(late, b.world.statistics.deepest_overlap);
-      const detail::Scratch& s = b.world.scratch;
-      for (const detail::Touch& t : s.touches) {
-        if (t.b_moves && t.rows > 0) bodies.push_back(t.depth);
+      for (std::size_t n = 0; n < w.solved.touches.size(); ++n) {
+        const detail::SolvedTouch& solved = w.solved.touches[n];
+        if (w.touches.all[n].b_moves && solved.rows > 0) bodies.push_back(solved.depth);
       }
     }
   }

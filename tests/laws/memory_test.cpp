@@ -28,11 +28,12 @@ namespace {
 
 TEST(Step, AllocatesNothingOnceWarm) {
   Bowling b = bowling({});
+  Workspace workspace;
   const std::vector<State> placed = b.world.states;
   const auto play = [&] {  // allocations of the steps alone: putting bodies somewhere may allocate
     for (BodyId i = 1; i < placed.size(); ++i) set_state(b.world, i, placed[i]);
     const long before = allocations;
-    run(b.world, 3.0);
+    run(b.world, workspace, 3.0);
     return allocations - before;
   };
   play();

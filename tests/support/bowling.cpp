@@ -88,8 +88,13 @@ int skittles_down(const Bowling& b, int rack) {
 }
 
 void run(World& world, double seconds) {
+  Workspace workspace;
+  run(world, workspace, seconds);
+}
+
+void run(World& world, Workspace& workspace, double seconds) {
   const std::int64_t end = world.tick + std::llround(seconds * world.parameters.rate_hz);
-  while (world.tick < end) step(world);
+  while (world.tick < end) step(world, workspace);
 }
 
 double upright(const State& state) {

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "engine/workspace.h"
 #include "engine/world.h"
 
 /// A ten-pin lane for tests and benchmarks, with the measures of engine.md section 0.
@@ -46,6 +47,7 @@ Bowling bowling(const RackOptions& options);
 int skittles_down(const Bowling& b, int rack = 0);
 
 void run(World& world, double seconds);
+void run(World& world, Workspace& workspace, double seconds);
 
 /// Cosine of the angle between a body's z axis and the vertical.
 double upright(const State& state);

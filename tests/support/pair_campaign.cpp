@@ -190,11 +190,11 @@ struct Placed {
   double size;  // of the smaller
   Pose X_AB;
 
-  Closest ask(Vec3& n, double margin = 0.0) const {
+  Closest ask(KeptNormal& n, double margin = 0.0) const {
     return closest_points(a, b, X_AB, n, {.margin = margin});
   }
   Closest ask_cold() const {
-    Vec3 n = Vec3::Zero();
+    KeptNormal n;
     return ask(n);
   }
   double depth_along(const Vec3& n) const {
@@ -273,7 +273,7 @@ void place(Random& random, Placed& p) {
   p.X_AB = relative(X_WA, X_WA * p.X_AB);
 }
 
-std::string describe(const Placed& p, const char* fault, const Closest& c, const Vec3& kept) {
+std::string describe(const Placed& p, const char* fault, const Closest& c, const KeptNormal& kept) {
   char text[1024];
   const auto numbers = [](const Shape& s) -> std::array<double, 3> {
     if (const auto* e = std::get_if<Ellipsoid>(&s))
@@ -285,11 +285,11 @@ std::string describe(const Placed& p, const char* fault, const Closest& c, const
   const auto a = numbers(p.a), b = numbers(p.b);
   std::snprintf(text, sizeof text,
                 "%s: %s %.17g %.17g %.17g, %s %.17g %.17g %.17g, q %.17g %.17g %.17g %.17g, p "
-                "%.17g %.17g %.17g, kept %.17g %.17g %.17g; answer %s %.6g along %.6g %.6g %.6g",
+                "%.17g %.17g %.17g, kept %d %.17g %.17g %.17g; answer %s %.6g along %.6g %.6g %.6g",
                 fault, kind(p.a).c_str(), a[0], a[1], a[2], kind(p.b).c_str(), b[0], b[1], b[2],
                 p.X_AB.q.w(), p.X_AB.q.x(), p.X_AB.q.y(), p.X_AB.q.z(), p.X_AB.p.x(), p.X_AB.p.y(),
-                p.X_AB.p.z(), kept.x(), kept.y(), kept.z(), c.separated ? "apart" : "meeting",
-                c.distance, c.n_AB.x(), c.n_AB.y(), c.n_AB.z());
+                p.X_AB.p.z(), kept.of, kept.n_AB.x(), kept.n_AB.y(), kept.n_AB.z(),
+                c.separated ? "apart" : "meeting", c.distance, c.n_AB.x(), c.n_AB.y(), c.n_AB.z());
   return text;
 }
 
@@ -312,11 +312,11 @@ class Judge {
  public:
   Judge(Tally& kept_in, const Placed& pair) : tally(kept_in), p(pair) {}
 
-  void fault(std::int64_t& count, const char* what, const Closest& c, const Vec3& kept) {
+  void fault(std::int64_t& count, const char* what, const Closest& c, const KeptNormal& kept) {
     ++count;
     if (tally.example.empty()) tally.example = describe(p, what, c, kept);
   }
-  void verdict(const Closest& c, const Vec3& kept) {
+  void verdict(const Closest& c, const KeptNormal& kept) {
     if (c.separated) {
       const double touching = 1e-9 * (bounding_radius(p.a) + bounding_radius(p.b));
       if (!(p.depth_along(c.n_AB) < touching) || !(std::abs(c.n_AB.norm() - 1.0) < 1e-9)) {
@@ -327,7 +327,7 @@ class Judge {
     }
   }
   /// Returns a depth that nothing lies below; cached, as the same pair is judged several times.
-  void depth(const Closest& c, const Vec3& kept, std::int64_t& count, const char* what) {
+  void depth(const Closest& c, const KeptNormal& kept, std::int64_t& count, const char* what) {
     const double d = -c.distance;
     if (c.separated || d > 0.05 * p.size) return;
     const double rounding = 1e-8 * (bounding_radius(p.a) + bounding_radius(p.b));
@@ -354,26 +354,26 @@ class Judge {
 
 void judge(Random& random, Tally& tally, const Placed& p) {
   Judge judge(tally, p);
-  Vec3 left = Vec3::Zero();
+  KeptNormal left;
   const Closest cold = p.ask(left);
   ++tally.pairs;
   tally.meeting += !cold.separated;
   tally.capped += cold.capped;
   const bool shallow = !cold.separated && -cold.distance <= 0.05 * p.size;
   tally.shallow += shallow;
-  judge.verdict(cold, Vec3::Zero());
-  judge.depth(cold, Vec3::Zero(), tally.deep, "deep");
+  judge.verdict(cold, {});
+  judge.depth(cold, {}, tally.deep, "deep");
 
   Placed before = p;
   before.X_AB.q = (rotation(1e-2 * random.direction()) * p.X_AB.q).normalized();
   before.X_AB.p += 1e-2 * p.size * random.direction();
-  Vec3 of_before = Vec3::Zero();
+  KeptNormal of_before;
   before.ask(of_before);
-  const double tallies = static_cast<double>(1 + random.index(2));
+  const KeptNormal::Of of = random.index(2) ? KeptNormal::met : KeptNormal::apart;
   bool disagreed = false;
   const std::int64_t deep_before = tally.deep_kept;
-  for (const Vec3& kept : {left, of_before, Vec3(tallies * random.direction())}) {
-    Vec3 n = kept;
+  for (const KeptNormal& kept : {left, of_before, KeptNormal{random.direction(), of}}) {
+    KeptNormal n = kept;
     const Closest warm = p.ask(n);
     judge.verdict(warm, kept);
     judge.depth(warm, kept, tally.deep_kept, "deep, kept");
@@ -386,13 +386,13 @@ void judge(Random& random, Tally& tally, const Placed& p) {
   }
   tally.deep_kept = std::min(tally.deep_kept, deep_before + 1);  // pairs, not answers
 
-  Vec3 n = Vec3::Zero();
+  KeptNormal n;
   const Closest near = p.ask(n, 0.02 * p.size);
   if (near.separated && near.distance <= 0.02 * p.size) {
     const double most = 1.01 * near.distance + 1e-6 * p.size;
     const bool close = (near.p_B - near.p_A).norm() <= most ||
                        Polytope(p.a, p.b, p.X_AB).bounds(-most, near.n_AB).high >= -most;
-    if (!close) judge.fault(tally.loose, "loose", near, Vec3::Zero());
+    if (!close) judge.fault(tally.loose, "loose", near, {});
   }
 }
 

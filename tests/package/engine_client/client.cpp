@@ -1,5 +1,6 @@
 #include <cstdio>
 
+#include "engine/workspace.h"
 #include "engine/world.h"
 
 using namespace headpin;
@@ -16,8 +17,9 @@ int main() {
                                 .mass = m,
                                 .inertia = 0.4 * m * r * r * Mat3::Identity()},
                                {.X_WB = {Quat::Identity(), {0, 0, 1}}, .v_WB = {0, 5, 0}});
+  Workspace workspace;  // of the steps
   while (world.tick < 2 * 240) {
-    step(world);
+    step(world, workspace);
     for (const ContactEvent& e : world.events) {
       if (e.first)
         std::printf("lands after %.3f s at %.2f m/s\n", world.tick / 240.0, e.approach_speed);

@@ -1,0 +1,63 @@
+#include <algorithm>
+#include <cmath>
+
+#include "engine/islands.h"
+#include "engine/stages.h"
+
+namespace headpin::engine::detail {
+namespace {
+
+/// Whether a body may stop for good: it is carried. Without gravity nothing is; then only what does
+/// not move at all.
+bool may_rest(const World& world, const Solved& solved, BodyId i) {
+  if (world.parameters.rules < 2) return true;
+  if (!world.parameters.gravity_W.isZero(0.0)) return solved.bodies[i].carried >= 0.5;
+  const State& state = world.states[i];
+  return state.v_WB.isZero(0.0) && state.w_WB.isZero(0.0);
+}
+
+/// Whether a touch's B moves what lies on it.
+bool is_on_the_move(const World& world, const Flight& flight, const Touch& touch, double depth) {
+  if (world.bodies[touch.b].kind != Kind::driven || world.parameters.rules < 2) return false;
+  return flight.bodies[touch.b].top_speed > 0.0 && touch.points > 0 && depth >= -kRests;
+}
+
+}  // namespace
+
+void fall_asleep(World& world, const Touches& touches, const Flight& flight, Solved& solved) {
+  const Parameters& p = world.parameters;
+  if (!p.sleep) return;
+  const auto enough = static_cast<std::int32_t>(std::ceil(p.sleep_after * p.rate_hz));
+  const double speed2 = p.sleep_speed * p.sleep_speed, spin2 = p.sleep_spin * p.sleep_spin;
+  bool any = false;
+  const std::vector<BodyId>& movers = world.roll.movers;
+  std::vector<BodyMemory>& memory = world.memory.bodies;
+  for (const BodyId i : movers) {
+    const State& state = world.states[i];
+    const bool still = state.v_WB.squaredNorm() < speed2 && state.w_WB.squaredNorm() < spin2;
+    memory[i].still = still ? memory[i].still + 1 : 0;
+    any |= memory[i].still >= enough;
+  }
+  if (!any) return;
+  // An island sleeps when its liveliest body has been still for long enough.
+  std::vector<SolvedBody>& bodies = solved.bodies;
+  for (const BodyId i : movers) bodies[i].calm = enough;
+  for (const BodyId i : movers) {
+    std::int32_t& c = bodies[island_root(bodies, i)].calm;
+    c = may_rest(world, solved, i) ? std::min(c, memory[i].still) : 0;
+  }
+  for (std::size_t k = 0; k < touches.all.size(); ++k) {
+    const Touch& touch = touches.all[k];
+    if (!is_on_the_move(world, flight, touch, solved.touches[k].depth)) continue;
+    bodies[island_root(bodies, touch.a)].calm = 0;
+  }
+  for (const BodyId i : movers) {
+    const BodyId root = island_root(bodies, i);
+    if (bodies[root].calm < enough) continue;
+    world.states[i].v_WB = world.states[i].w_WB = Vec3::Zero();
+    become(world, i, Kind::free, true);
+    if (i != root) std::swap(memory[i].sleeps_with, memory[root].sleeps_with);  // joins the ring
+  }
+}
+
+}  // namespace headpin::engine::detail

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+
+#include "engine/touching.h"
+
+/// When and where two bodies meet within a step. Private to the engine.
+namespace headpin::engine::detail {
+
+inline constexpr double kMeets = 1e-6;  // gap at which two surfaces count as met [m]
+inline constexpr double kNever = std::numeric_limits<double>::infinity();
+
+struct Meeting {
+  ContactPoint point;
+  double time = 0.0;      ///< from the start of the step [s]
+  double approach = 0.0;  ///< [m/s]
+};
+
+/// Soonest among the touch's points that is fast enough, as they look now.
+std::optional<Meeting> soonest(const World& world, const Flight& flight, const Touches& touches,
+                               const Touch& touch, double threshold);
+
+/// Follows both paths within the step to where the surfaces meet faster than `threshold`.
+///
+/// At the start of the step they may be centimetres apart, and the normal some degrees off.
+/// @param touches  gets points behind all others
+/// @param touch    with points of the start of the step; gets those of the meeting
+/// @return         none when they pass each other, or meet more slowly or later
+std::optional<Meeting> find_meeting(World& world, const Flight& flight, Touches& touches,
+                                    Touch& touch, double threshold);
+
+/// Whether two surfaces that are apart at the end of the step meet after it, as an impact.
+bool lands_later(const World& world, const Flight& flight, const Touch& touch,
+                 const ContactPoint& p);
+
+/// For how long the points of a touch tell what the bodies will meet with: until these have turned.
+double trusted_for(const World& world, const Touch& touch);
+
+}  // namespace headpin::engine::detail

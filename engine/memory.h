@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "engine/ledger.h"
+#include "engine/non_colliding.h"
+#include "engine/response.h"
+
+/// What the next step starts from, beside the states.
+namespace headpin::engine {
+
+using BodyId = std::uint32_t;
+
+/// Key of a pair: half-spaces first, then bounded bodies; by the smaller, then the larger number.
+inline std::uint64_t key_of(bool both_bounded, BodyId a, BodyId b) {
+  return std::uint64_t{both_bounded} << 63 | std::uint64_t{a} << 32 | b;
+}
+
+/// Whether a body is one of the two.
+inline bool concerns(std::uint64_t key, BodyId body) {
+  return (key >> 32 & 0x7fff'ffffu) == body || (key & 0xffff'ffffu) == body;
+}
+
+/// What a contact point carried: an impulse [kg m/s].
+struct Load {
+  double impulse = 0.0;
+  std::uint32_t feature = 0;
+};
+
+/// What a touch leaves to the same touch of the next step.
+struct PastTouch {
+  std::uint64_t key = 0;  ///< they are in the order of their keys
+  bool met = false, struck = false;
+  std::uint32_t first_load = 0, loads = 0;  ///< in `Memory::loads`
+  double friction = 0.0;
+  Sliding sliding;                                        ///< for that friction
+  Vec3 friction_W = Vec3::Zero(), roll_W = Vec3::Zero();  ///< impulses on A
+  double twist = 0.0;
+};
+
+/// Two bodies whose bounds met, and where the normals of their pairs of parts are.
+struct Candidate {
+  std::uint64_t key = 0;  ///< they are in the order of their keys
+  BodyId a = 0, b = 0;
+  std::uint32_t first_normal = 0, normals = 0;  ///< in `Memory::normals`
+};
+
+struct BodyMemory {
+  bool supported = false;  ///< contacts carry it by half at least, and it does not rise
+  std::int32_t still = 0;  ///< steps for which it has been still
+  BodyId sleeps_with = 0;  ///< the next in the ring of those that fell asleep as one island
+};
+
+/// Without it a world goes on alike, but not to the bit.
+struct Memory {
+  std::vector<PastTouch> touches;
+  std::vector<Load> loads;
+  std::vector<Candidate> candidates;
+  std::vector<KeptNormal> normals;
+  std::vector<BodyMemory> bodies;  ///< by their numbers
+  std::vector<std::uint64_t> met;  ///< sorted pairs that have met
+  Balance balance;                 ///< at the end of the last step, when the ledger is kept
+};
+
+}  // namespace headpin::engine

@@ -1,0 +1,169 @@
+#pragma once
+
+#include <limits>
+
+#include "engine/acceleration.h"
+
+/// Passes over the rows of an island. Private to the engine.
+namespace headpin::engine::detail {
+
+/// Friction that lost its load so often within a step is left out of it: where a pair is just about
+/// to part, its friction would come and go for ever.
+inline constexpr int kReleases = 4;
+
+/// Most islands are done after so many passes; the others are sped up.
+inline constexpr int kPlainPasses = 8;
+
+/// Passes that are sped up and yet change velocities so many times as much as the best have left their
+/// way, as they do where masses differ a thousandfold: from there on they go plainly.
+inline constexpr double kAstray = 100.0;
+
+template <Other other>
+double approach_of(const NormalRow& row, const State& sa, const State& sb) {
+  const double approach = row.n.dot(sa.v_WB) + row.ra_n.dot(sa.w_WB);
+  if constexpr (other == Other::still) return approach;
+  return approach - (row.n.dot(sb.v_WB) + row.rb_n.dot(sb.w_WB));
+}
+
+/// All rows of a touch at once, if they all press. @return whether they do
+template <Other other, int n>
+bool solve_as_block(const Island& s, const Touch& touch, const SolvedTouch& solved, double& worst) {
+  if (solved.block == kNone) return false;
+  const State &sa = s.bodies.states[touch.a], &sb = s.bodies.states[touch.b];
+  NormalRow* const rows = s.normals.data() + solved.first_row;
+  Eigen::Matrix<double, n, 1> excess, more;
+  for (int k = 0; k < n; ++k) {
+    excess[k] = approach_of<other>(rows[k], sa, sb) - rows[k].allowed;
+  }
+  more.noalias() = s.rows.blocks[solved.block].topLeftCorner<n, n>() * excess;
+  for (int k = 0; k < n; ++k) {
+    if (rows[k].impulse + more[k] < 0.0) return false;
+  }
+  for (int k = 0; k < n; ++k) {
+    rows[k].impulse += more[k];
+    push_by<other>(s.bodies, touch, rows[k], more[k]);
+    worst = std::max(worst, std::abs(excess[k]));
+  }
+  return true;
+}
+
+/// One pass over the normal rows of a touch. @return largest change of a velocity [m/s]
+template <Other other>
+double solve_normals(const Island& s, const Touch& touch, const SolvedTouch& solved) {
+  const State &sa = s.bodies.states[touch.a], &sb = s.bodies.states[touch.b];
+  NormalRow* const rows = s.normals.data() + solved.first_row;
+  double worst = 0.0;
+  if (with_rows(solved, [&]<int n> { return solve_as_block<other, n>(s, touch, solved, worst); })) {
+    return worst;
+  }
+  for (std::uint32_t k = 0; k < solved.rows; ++k) {
+    NormalRow& row = rows[k];
+    const double excess = approach_of<other>(row, sa, sb) - row.allowed;
+    const double impulse = std::max(0.0, row.impulse + row.mass * excess);
+    const double more = impulse - row.impulse;
+    if (more == 0.0) continue;
+    row.impulse = impulse;
+    push_by<other>(s.bodies, touch, row, more);
+    worst = std::max(worst, std::abs(more) / row.mass);
+  }
+  return worst;
+}
+
+inline double load_of(const Island& s, const SolvedTouch& touch) {
+  double load = 0.0;
+  for (std::uint32_t k = 0; k < touch.rows; ++k) load += s.normals[touch.first_row + k].impulse;
+  return load;
+}
+
+template <Other other>
+double solve_friction(const Island& s, const Touch& touch, FrictionRows& f, double load) {
+  const State &sa = s.bodies.states[touch.a], &sb = s.bodies.states[touch.b];
+  const bool carries = load > 0.0 && f.releases < kReleases;
+  if (f.carries && !carries) ++f.releases;
+  f.carries = carries;
+  // One after the other: slip, twist and rolling of one contact work on each other.
+  const double most = touch.sliding.limit * load;
+  Vec2 F = Vec2::Zero();
+  if (carries) {
+    Vec2 slip;
+    for (int i = 0; i < 2; ++i) {
+      const auto u = static_cast<std::size_t>(i);
+      slip[i] = f.t[u].dot(sa.v_WB) + f.a.r_t[u].dot(sa.w_WB);
+      if constexpr (other != Other::still) {
+        slip[i] -= f.t[u].dot(sb.v_WB) + f.b.r_t[u].dot(sb.w_WB);
+      }
+    }
+    F = f.impulse - f.inverse * (slip + f.softness * f.impulse);
+    const double size = F.norm();
+    if (size > most) F *= most / size;
+  }
+  const Vec2 more = F - f.impulse;
+  f.impulse = F;
+  push_along<other>(s.bodies, touch, f, more);
+  const auto spin = [&] { return other == Other::still ? sa.w_WB : Vec3(sa.w_WB - sb.w_WB); };
+  if (f.twist_mass > 0.0) {
+    double twist = 0.0;
+    if (carries) {
+      twist = f.twist - f.twist_mass * (f.n.dot(spin()) + f.twist_softness * f.twist);
+      twist = std::clamp(twist, -most * f.reach, most * f.reach);
+    }
+    twist_by<other>(s.bodies, touch, f, twist - f.twist);
+    f.twist = twist;
+  }
+  if (f.roll_arm > 0.0) {
+    Vec3 roll = Vec3::Zero();
+    if (carries) {
+      const double most_roll = f.roll_arm * load;
+      roll = f.roll - f.roll_mass * rolling_part(f, spin());
+      if (const double much = roll.norm(); much > most_roll) roll *= most_roll / much;
+    }
+    roll_by<other>(s.bodies, touch, roll - f.roll);
+    f.roll = roll;
+  }
+  return more.norm() * s.bodies.mobility[touch.a].inv_mass;
+}
+
+template <Other other>
+double solve(const Island& s, const Touch& touch, const SolvedTouch& solved,
+             FrictionRows* friction) {
+  const double worst = solve_normals<other>(s, touch, solved);
+  if (!friction) return worst;
+  const double load = friction->held ? friction->load : load_of(s, solved);
+  return std::max(worst, solve_friction<other>(s, touch, *friction, load));
+}
+
+/// How often an island was gone over, and the largest change of a velocity in the last pass [m/s].
+struct Passes {
+  int count = 0;
+  double worst = 0.0;
+};
+
+inline Passes pass_over(const Island& s, bool sped_up, int most) {
+  const Parameters& p = s.world.parameters;
+  Passes done;
+  double best = std::numeric_limits<double>::infinity();
+  bool plain = !sped_up;
+  Acceleration faster(s);
+  do {
+    done.worst = 0.0;
+    if (done.count >= kPlainPasses && !plain) faster.before_pass();
+    FrictionRows* friction = s.rows.friction.data();
+    FrictionRows* const end = friction + s.rows.friction.size();
+    for (const std::uint32_t k : s.each) {
+      const SolvedTouch& solved = s.solved[k];
+      if (solved.rows == 0) continue;
+      const Touch& touch = s.touches[k];
+      FrictionRows* const mine = friction != end && friction->touch == k ? friction++ : nullptr;
+      done.worst = std::max(done.worst, with_other(s.world, touch, [&]<Other other> {
+                              return solve<other>(s, touch, solved, mine);
+                            }));
+    }
+    ++done.count;
+    if (done.worst <= p.solver_residual || done.count >= most) return done;
+    best = std::min(best, done.worst);
+    plain = plain || done.worst > kAstray * best;
+    if (done.count > kPlainPasses && !plain) faster.after_pass();
+  } while (true);
+}
+
+}  // namespace headpin::engine::detail

@@ -1,0 +1,39 @@
+#include <algorithm>
+
+#include "engine/stages.h"
+
+namespace headpin::engine::detail {
+namespace {
+
+void note_meetings(World& world) {
+  std::vector<std::uint64_t>& met = world.memory.met;
+  std::erase_if(world.events, [&](ContactEvent& e) {
+    const std::uint64_t key = key_of(false, std::min(e.a, e.b), std::max(e.a, e.b));
+    const auto place = std::lower_bound(met.begin(), met.end(), key);
+    e.first = place == met.end() || *place != key;
+    if (e.first) met.insert(place, key);
+    return !e.first && e.approach_speed == 0.0;
+  });
+}
+
+}  // namespace
+
+void remember(World& world, Touches& touches, const Flight& flight, Solved& solved) {
+  note_meetings(world);
+  touches.candidates.resize(touches.early_candidates);  // those found late stand in no order
+  Memory& memory = world.memory;
+  std::swap(touches.candidates, memory.candidates);
+  std::swap(touches.normals, memory.normals);
+  std::swap(solved.loads, memory.loads);
+  memory.touches.clear();
+  for (std::size_t k = 0; k < touches.early; ++k) {
+    const Touch& t = touches.all[k];
+    const SolvedTouch& s = solved.touches[k];
+    memory.touches.push_back({t.key, s.met, flight.touches[k].struck, s.first_load, s.rows,
+                              t.pair.friction, t.sliding, s.friction_W, s.roll, s.twist});
+  }
+  world.statistics.contacts = static_cast<std::int64_t>(memory.loads.size());
+  world.statistics.awake = static_cast<std::int64_t>(world.roll.movers.size());
+}
+
+}  // namespace headpin::engine::detail

@@ -1,0 +1,99 @@
+#pragma once
+
+#include "engine/sustained_rows.h"
+
+/// Islands that have no solution because of what presses them. Private to the engine.
+namespace headpin::engine::detail {
+
+/// Speed that a driven body gives what it throws, as it presses a touch: its own where they touch,
+/// and as much again by elasticity [m/s].
+inline double throws_at(const World& world, const ContactPoint* points, const Touch& touch) {
+  const State& driven = world.states[touch.b];
+  double fastest = 0.0;
+  for (std::uint32_t k = 0; k < touch.points; ++k) {
+    const Vec3& p_W = points[touch.first_point + k].p_W;
+    fastest = std::max(fastest, velocity_at(driven, p_W - driven.X_WB.p).norm());
+  }
+  return (1.0 + touch.pair.elasticity) * fastest;
+}
+
+/// An island that driven bodies press, which may have no solution: they insist, and something behind
+/// does not give way.
+class Squeeze {
+ public:
+  /// Notes how the island is before it is solved, if a driven body that moves touches it.
+  explicit Squeeze(const Island& island)
+      : s_(island), pressed_(island.rows.pressed), pressing_(island.rows.pressing) {
+    pressed_.clear();
+    pressing_.clear();
+    if (!s_.world.roll.driven.empty() && s_.world.parameters.rules > 1) note_pressing();
+  }
+
+  /// Whether the solution is none, or something gets faster than what is driven would throw it.
+  bool is_found(bool solved) const {
+    if (pressing_.empty()) return false;
+    if (!solved) return true;
+    for (const auto& [i, before] : pressed_) {
+      const State& now = s_.world.states[i];
+      if (now.v_WB.norm() > most_) return true;
+      if (energy_per_mass(s_.world, i, now) > most_energy_) return true;
+    }
+    return false;
+  }
+
+  /// Takes the impulses back; until the island is solved again what is driven stands still, so that
+  /// it stops what comes and gives no speed. It overlaps what it presses the more.
+  void yield() {
+    for (const auto& [i, before] : pressed_) s_.world.states[i] = before;
+    for (NormalRow& row : s_.normals) row.impulse = 0.0;
+    for (FrictionRows& f : s_.rows.friction) {
+      f.impulse = Vec2::Zero();
+      f.twist = 0.0;
+      f.roll = Vec3::Zero();
+      f.releases = 0;
+    }
+    for (const auto& [i, state] : pressing_) {
+      s_.world.states[i].v_WB = s_.world.states[i].w_WB = Vec3::Zero();
+    }
+  }
+  void insist() {
+    for (const auto& [i, state] : pressing_) s_.world.states[i] = state;
+    for (const std::uint32_t k : s_.each) {
+      const Touch& touch = s_.touches[k];
+      const bool moves = s_.flight.bodies[touch.b].top_speed > 0.0;
+      if (moves && !touch.b_moves) s_.solved[k].insists = true;
+    }
+  }
+
+ private:
+  void note_pressing() {
+    const World& world = s_.world;
+    for (const std::uint32_t k : s_.each) {
+      const Touch& touch = s_.touches[k];
+      if (touch.points == 0 || world.bodies[touch.b].kind != Kind::driven) continue;
+      if (s_.flight.bodies[touch.b].top_speed == 0.0) continue;
+      pressing_.emplace_back(touch.b, world.states[touch.b]);
+      most_ = std::max(most_, throws_at(world, s_.points, touch));
+      most_energy_ = hoop_energy(most_);
+    }
+    if (pressing_.empty()) return;
+    for (const std::uint32_t k : s_.each) {
+      const Touch& touch = s_.touches[k];
+      note(touch.a);
+      if (touch.b_moves) note(touch.b);
+    }
+  }
+
+  void note(BodyId i) {
+    const State& state = s_.world.states[i];
+    pressed_.emplace_back(i, state);
+    most_ = std::max(most_, state.v_WB.norm());
+    most_energy_ = std::max(most_energy_, energy_per_mass(s_.world, i, state));
+  }
+
+  const Island& s_;
+  std::vector<std::pair<BodyId, State>>&pressed_, &pressing_;
+  double most_ = 0.0, most_energy_ = 0.0;
+};
+
+}  // namespace headpin::engine::detail

@@ -1,0 +1,101 @@
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "engine/books.h"
+#include "engine/stages.h"
+
+namespace headpin::engine {
+namespace {
+
+void apply_gravity(World& world, const detail::Flight& flight) {
+  const Vec3& g = world.parameters.gravity_W;
+  const Vec3 dv = step_seconds(world) * g;
+  for (const BodyId i : world.roll.movers) world.states[i].v_WB += dv;
+  for (const auto& [i, state] : flight.struck) {  // they have fallen up to their impact
+    world.states[i].v_WB -= flight.bodies[i].clock * g;
+  }
+}
+
+/// A step of a world in which nothing moves: it has no contacts.
+void let_rest(Memory& memory) {
+  memory.candidates.clear();
+  memory.normals.clear();
+  memory.touches.clear();
+  memory.loads.clear();
+}
+
+void stop_if_not_finite(const World& world) {
+  for (const BodyId i : world.roll.movers) {
+    const State& s = world.states[i];
+    const double sum = s.X_WB.p.sum() + s.X_WB.q.coeffs().sum() + s.v_WB.sum() + s.w_WB.sum();
+    if (std::isfinite(sum)) continue;
+    throw std::runtime_error("tick " + std::to_string(world.tick) + ": " + detail::title(world, i) +
+                             " is no longer at a finite place or speed");
+  }
+}
+
+}  // namespace
+
+Statistics& Statistics::operator+=(const Statistics& other) {
+  steps += other.steps;
+  pairs += other.pairs;
+  contacts += other.contacts;
+  queries.queries += other.queries.queries;
+  queries.iterations += other.queries.iterations;
+  queries.capped += other.queries.capped;
+  impacts += other.impacts;
+  unfinished_impacts += other.unfinished_impacts;
+  pulls += other.pulls;
+  islands += other.islands;
+  solver_iterations += other.solver_iterations;
+  unsolved += other.unsolved;
+  residual = std::max(residual, other.residual);
+  deepest_overlap = std::max(deepest_overlap, other.deepest_overlap);
+  awake += other.awake;
+  return *this;
+}
+
+void step(World& world, Workspace& w) {
+  using namespace detail;
+  world.events.clear();
+  world.statistics = {};
+  world.statistics.steps = 1;
+  const bool changed = know_roll(world);
+  Books books(world, w, changed);
+  if (world.roll.movers.empty() && world.roll.driven.empty()) {
+    let_rest(world.memory);
+    ++world.tick;
+    return;
+  }
+  Touches* touches = nullptr;
+  const Flight* flight = nullptr;
+  while (flight == nullptr) {  // a woken body has contacts of its own: once more, then
+    touches = &find_touches(world, w);
+    flight = resolve_impacts(world, *touches, w);
+  }
+  books.book_impacts();
+  apply_gravity(world, *flight);
+  books.begin();
+  Solved& solved = sustain(world, *touches, *flight, w);
+  stop_swings(world, *touches, *flight, solved, w);
+  books.end(world.ledger.sustained);
+  move(world, *flight, solved);
+  stop_if_not_finite(world);
+  books.begin();
+  push_apart(world, *touches, *flight, solved, w);
+  books.end(world.ledger.correction);
+  books.begin();
+  fall_asleep(world, *touches, *flight, solved);
+  books.end(world.ledger.sustained);
+  books.close();
+  remember(world, *touches, *flight, solved);
+  ++world.tick;
+}
+
+void step(World& world) {
+  Workspace w;
+  step(world, w);
+}
+
+}  // namespace headpin::engine

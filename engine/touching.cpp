@@ -1,0 +1,94 @@
+#include "engine/touching.h"
+
+namespace headpin::engine::detail {
+namespace {
+
+/// Makes normals point from the touch's A, which may be the candidate's B.
+void turn_normals(std::span<ContactPoint> points) {
+  for (ContactPoint& p : points) p.n_AB_W = -p.n_AB_W;
+}
+
+}  // namespace
+
+void contacts_of(World& world, const Candidate& c, std::span<KeptNormal> normals, const Pose& X_WA,
+                 const Pose& X_WB, double margin, std::vector<ContactPoint>& out) {
+  find_contacts(*world.bodies[c.a].shape, X_WA, *world.bodies[c.b].shape, X_WB, margin, normals,
+                world.parameters.query, world.statistics.queries, out);
+}
+
+std::uint32_t add_candidate(const World& world, std::uint64_t key, BodyId a, BodyId b,
+                            Touches& touches) {
+  const std::size_t count = kept_normals(*world.bodies[a].shape, *world.bodies[b].shape);
+  touches.candidates.push_back({key, a, b, static_cast<std::uint32_t>(touches.normals.size()),
+                                static_cast<std::uint32_t>(count)});
+  touches.normals.resize(touches.normals.size() + count);
+  return static_cast<std::uint32_t>(touches.candidates.size() - 1);
+}
+
+Sliding sliding_of(const World& world, const Touch& touch) {
+  return world.response->sliding(touch.pair.friction, step_seconds(world),
+                                 world.parameters.friction_tau);
+}
+
+bool was_loaded(const Memory& memory, const Touch& touch) {
+  if (touch.fresh) return false;
+  const PastTouch& last = memory.touches[touch.last];
+  for (std::uint32_t n = 0; n < last.loads; ++n) {
+    if (memory.loads[last.first_load + n].impulse > 0.0) return true;
+  }
+  return false;
+}
+
+bool add_touch(World& world, const Flight& flight, std::uint32_t candidate, double t,
+               Touches& touches) {
+  const Candidate& c = touches.candidates[candidate];
+  const std::size_t first = touches.points.size();
+  const double margin = reach(world, flight, c.a, c.b);
+  const std::span<KeptNormal> normals = normals_of(touches, c);
+  Vec3 w_WA = world.states[c.a].w_WB, w_WB = world.states[c.b].w_WB;
+  if (t == 0.0) {
+    contacts_of(world, c, normals, world.states[c.a].X_WB, world.states[c.b].X_WB, margin,
+                touches.points);
+  } else {
+    const State a = state_at(world, flight, c.a, t), b = state_at(world, flight, c.b, t);
+    contacts_of(world, c, normals, a.X_WB, b.X_WB, margin, touches.points);
+    w_WA = a.w_WB;
+    w_WB = b.w_WB;
+  }
+  if (touches.points.size() == first) return false;
+  const bool a_moves = is_mover(world, c.a), b_moves = is_mover(world, c.b);
+  const bool swapped = world.bodies[c.a].kind == Kind::fixed || (!a_moves && b_moves);
+  Touch& touch = touches.all.emplace_back();
+  touch.key = c.key;
+  touch.a = swapped ? c.b : c.a;
+  touch.b = swapped ? c.a : c.b;
+  touch.b_moves = a_moves && b_moves;
+  touch.candidate = candidate;
+  touch.first_point = static_cast<std::uint32_t>(first);
+  touch.points = static_cast<std::uint32_t>(touches.points.size() - first);
+  touch.time = t;
+  touch.w_WA = swapped ? w_WB : w_WA;
+  touch.w_WB = swapped ? w_WA : w_WB;
+  touch.fresh = true;
+  if (swapped) turn_normals(std::span(touches.points).subspan(first));
+  const Material& ma = world.bodies[touch.a].material;
+  const Material& mb = world.bodies[touch.b].material;
+  touch.pair = {ma.elasticity * mb.elasticity, ma.friction * mb.friction};
+  return true;
+}
+
+void look_again(World& world, const Flight& flight, Touch& touch, double t, Touches& touches) {
+  const Candidate& c = touches.candidates[touch.candidate];
+  const bool swapped = c.a != touch.a;
+  const State a = state_at(world, flight, touch.a, t), b = state_at(world, flight, touch.b, t);
+  touch.time = t;
+  touch.w_WA = a.w_WB;
+  touch.w_WB = b.w_WB;
+  touch.first_point = static_cast<std::uint32_t>(touches.points.size());
+  contacts_of(world, c, normals_of(touches, c), swapped ? b.X_WB : a.X_WB,
+              swapped ? a.X_WB : b.X_WB, reach(world, flight, touch.a, touch.b), touches.points);
+  touch.points = static_cast<std::uint32_t>(touches.points.size()) - touch.first_point;
+  if (swapped) turn_normals(std::span(touches.points).subspan(touch.first_point));
+}
+
+}  // namespace headpin::engine::detail

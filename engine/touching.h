@@ -1,0 +1,50 @@
+#pragma once
+
+#include "engine/paths.h"
+
+/// The contact points of two bodies within a step. Private to the engine.
+namespace headpin::engine::detail {
+
+/// Gap at which resting bodies still have contact points [m].
+inline constexpr double kMargin = 1e-3;
+
+/// How far two bodies may be apart and yet meet within the step, as they move now [m]. What an
+/// impact within the step makes of it is seen in the next one.
+inline double reach(const World& world, const Flight& flight, BodyId a, BodyId b) {
+  const double drift = (world.states[a].v_WB - world.states[b].v_WB).norm();
+  return kMargin + (drift + flight.bodies[a].swing + flight.bodies[b].swing) * step_seconds(world) +
+         flight.fall;
+}
+
+/// Appends contact points of the candidate's bodies, posed so, with the normals kept for them.
+void contacts_of(World& world, const Candidate& c, std::span<KeptNormal> normals, const Pose& X_WA,
+                 const Pose& X_WB, double margin, std::vector<ContactPoint>& out);
+
+/// Looks for contact points of a candidate at time `t` of the step; appends the touch if there are
+/// any.
+bool add_touch(World& world, const Flight& flight, std::uint32_t candidate, double t,
+               Touches& touches);
+
+/// The touch's points at time `t` of the step, on the paths the two bodies now have: appended.
+void look_again(World& world, const Flight& flight, Touch& touch, double t, Touches& touches);
+
+/// How a touch slides on under the world's law of response.
+Sliding sliding_of(const World& world, const Touch& touch);
+
+/// Whether the touch carried anything in the last step.
+bool was_loaded(const Memory& memory, const Touch& touch);
+
+/// Appends to what is found late in a step or by no step before: normals to start from are none.
+std::uint32_t add_candidate(const World& world, std::uint64_t key, BodyId a, BodyId b,
+                            Touches& touches);
+
+inline std::span<KeptNormal> normals_of(Touches& touches, const Candidate& c) {
+  return std::span(touches.normals).subspan(c.first_normal, c.normals);
+}
+
+/// The points of a touch.
+inline std::span<const ContactPoint> points_of(const Touches& touches, const Touch& touch) {
+  return std::span(touches.points).subspan(touch.first_point, touch.points);
+}
+
+}  // namespace headpin::engine::detail

@@ -1,0 +1,218 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "engine/body.h"
+#include "engine/broad_phase.h"
+#include "engine/contacts.h"
+#include "engine/memory.h"
+
+/// What a step works with. Users who step often keep a `Workspace` and need nothing inside it.
+namespace headpin::engine {
+
+namespace detail {
+
+inline constexpr std::uint32_t kNone = ~std::uint32_t{0};  ///< a number of nothing
+
+// What finding touches gives.
+
+/// A pair of bodies close enough to meet within the step. A is free and awake.
+struct Touch {
+  std::uint64_t key = 0;
+  BodyId a = 0, b = 0;
+  bool b_moves = false;         ///< B is free and awake too
+  bool fresh = false;           ///< not there in the last step
+  bool met = false;             ///< the two have met before
+  bool pressed = false;         ///< its driven body threw or carried the other in the last step
+  std::uint32_t candidate = 0;  ///< whose normals it uses
+  std::uint32_t last = 0;       ///< the same touch in the last step, unless fresh
+  std::uint32_t first_point = 0, points = 0;
+  double time = 0.0;  ///< within the step, when its points are right [s]
+  Vec3 w_WA = Vec3::Zero(),
+       w_WB = Vec3::Zero();  ///< turn of A and B then, if that is not their clock
+  Coefficients pair;
+  Sliding sliding;
+};
+
+/// Touches in the order of their keys, with their points and normals. Impacts move the points to the
+/// time of the last impact of their bodies, take them away where the two pass each other, and append
+/// touches of bodies that got faster, which stand in no order.
+struct Touches {
+  std::vector<Candidate> candidates;
+  std::vector<KeptNormal> normals;
+  std::vector<Touch> all;
+  std::vector<ContactPoint> points;
+  std::size_t early_candidates = 0, early = 0;  ///< those in order, of the start of the step
+};
+
+// What flying to the impacts gives.
+
+/// A body on its way through the step.
+struct Flyer {
+  double clock = 0.0;                   ///< time within the step at which its state holds [s]
+  double swing = 0.0, top_speed = 0.0;  ///< of any point of it: by its spin; in all [m/s]
+  double sought = 0.0;                  ///< how far from its start it has been sought for pairs [m]
+  int impacts = 0;
+  std::uint32_t place_struck = 0;  ///< in `Flight::struck`, once it is there
+  std::uint32_t first_touch = 0;   ///< in a list through `Approach::next`
+  bool falls = false;              ///< gravity moves it until then: nothing carries it
+};
+
+/// What a step needs of a free and awake body beside its state.
+struct Mobility {
+  double inv_mass = 0.0;
+  Mat3 inv_inertia_W = Mat3::Zero();  ///< at its clock
+};
+
+/// What the queue of impacts keeps of a touch.
+struct Approach {
+  double due = 0.0;                     ///< when it brings an impact next, infinity: never
+  std::array<std::uint32_t, 2> next{};  ///< touch of A, and of B, in the lists of theirs
+  bool struck = false;                  ///< it has brought an impact in this step
+  bool insists = false;                 ///< its driven body presses what cannot give way
+};
+
+struct Flight {
+  std::vector<Flyer> bodies;
+  std::vector<Mobility> mobility;                ///< likewise; meaningless where nothing moves
+  std::vector<Approach> touches;                 ///< of the touches, same numbers
+  std::vector<std::pair<BodyId, State>> struck;  ///< what they were before the first impact
+  double lasting_speed = 0.0;  ///< up to which an approach is a lasting contact [m/s]
+  double fall = 0.0;           ///< what gravity adds to a way within the step [m], at most
+};
+
+// What solving lasting contacts gives.
+
+/// One contact point in the solver: approach along n at most `allowed`, impulse at least 0.
+struct NormalRow {
+  NormalRow() {}  // NOLINT: `= default` would have emplace_back clear it first
+
+  Vec3 n, ra_n, rb_n, ia, ib;
+  double mass = 0.0, allowed = 0.0, impulse = 0.0;
+  std::uint32_t feature = 0;
+};
+
+/// The row of a contact point that is deeper than the slop.
+struct DeepRow {
+  NormalRow row;
+  std::uint32_t point = 0;
+};
+
+/// Inverse of what the n = 2 to 4 normal rows of a touch do to each other: its first n x n entries.
+using Block = Eigen::Matrix4d;
+
+/// One body in the friction of a pair: levers of the tangents, and how unit impulses turn it.
+struct FrictionSide {
+  std::array<Vec3, 2> r_t, i;
+  Vec3 twist_i;
+};
+
+/// Friction of a pair: slip along two tangents, twist about the normal, and rolling.
+struct FrictionRows {
+  FrictionRows() {}  // NOLINT: likewise
+
+  std::uint32_t touch = 0;
+  bool carries = false;
+  int releases = 0;   ///< how often it lost its load within the step
+  bool held = false;  ///< its limit goes by `load`, not by what the normals carry at the moment
+  double load = 0.0;
+  std::array<Vec3, 2> t;
+  FrictionSide a, b;
+  Eigen::Matrix2d inverse;   ///< of the softened 2 x 2 block
+  Eigen::Matrix2d softness;  ///< by which the block is softened
+  double kept = 0.0;         ///< part of the slip that is left
+  Vec2 impulse;
+  double reach = 0.0;  ///< limit of the twist over load [m]
+  Vec3 n;
+  double twist_mass = 0.0, twist_softness = 0.0, twist = 0.0;
+  Vec3 axis;  // of a lying body, unless it is a ball, which rolls about any
+  bool rolls_any = false;
+  double roll_mass = 0.0, roll_arm = 0.0;
+  Vec3 roll;
+  double yields = 0.0;  // mean of the velocity that a unit impulse along a tangent brings [1/kg]
+
+  void hold(double by) {
+    held = true;
+    load = by;
+    releases = 0;
+  }
+};
+
+/// What is solved of a touch. Its rows go with its island.
+struct SolvedTouch {
+  std::uint32_t first_row = 0, rows = 0;
+  std::uint32_t block = 0;       ///< of its rows in `blocks`, when it has 2 to 4 that differ
+  std::uint32_t first_load = 0;  ///< of its rows
+  std::uint32_t first_deep = 0, deep = 0;  ///< those of its rows that are in `deep_rows`
+  bool met = false;                        ///< the two have met before, or now
+  bool insists = false;                    ///< its driven body presses what cannot give way
+  bool swings = false;                     ///< its points say little about the end of the step
+  double depth = 0.0;                      ///< of its deepest point [m]
+  Vec3 friction_W = Vec3::Zero();          ///< impulse on A
+  double twist = 0.0;
+  Vec3 roll = Vec3::Zero();
+};
+
+struct SolvedBody {
+  double carried = 0.0;      ///< part of its weight that lasting contacts carry, 0 to 1
+  BodyId parent = 0;         ///< islands, as a union-find forest
+  std::uint32_t island = 0;  ///< of a root: its number
+  std::int32_t calm = 0;     ///< likewise: least number of still steps
+};
+
+struct Solved {
+  std::vector<SolvedTouch> touches;  ///< of the touches, same numbers
+  std::vector<SolvedBody> bodies;    ///< of free and awake ones
+  std::vector<Load> loads;
+  std::vector<DeepRow> deep_rows;
+};
+
+// Buffers.
+
+/// Touches sorted by island, their own order kept.
+struct Islands {
+  std::vector<std::uint32_t> order, end, of;
+};
+
+/// What an island is solved with.
+struct Rows {
+  std::vector<NormalRow> normals;
+  std::vector<Block> blocks;
+  std::vector<FrictionRows> friction;
+  std::vector<double> before, along;               ///< impulses: last pass, way of the passes
+  std::vector<BodyId> bodies;                      ///< of one that its passes did not solve,
+  std::vector<State> unsolved;                     ///< and what they made of them
+  std::vector<std::pair<BodyId, State>> pressed;   ///< as it was before it was solved,
+  std::vector<std::pair<BodyId, State>> pressing;  ///< and the driven bodies that touch it
+};
+
+struct Nudge {
+  Vec3 p = Vec3::Zero(), w = Vec3::Zero();
+};
+
+}  // namespace detail
+
+/// Buffers of a step, without meaning between steps: any will do for any world.
+struct Workspace {
+  detail::Touches touches;
+  detail::Flight flight;
+  detail::Solved solved;
+  Balance struck, pushed;  ///< of the step's impacts; of driven bodies in a phase
+  BroadPhase broad_phase;
+  std::vector<std::uint32_t>
+      near;  ///< bounded bodies near one that is faster than it was sought for
+  std::vector<std::pair<double, std::uint32_t>> coming;  ///< impacts by time, and their touches
+  std::vector<BodyId> halted;                            ///< bodies with as many as they may have
+  detail::Islands islands;
+  detail::Rows rows;
+  std::vector<std::uint32_t> met_now;  ///< touches that carry and whose bodies had not met
+  std::vector<KeptNormal> end_normals;
+  std::vector<ContactPoint> end_points;
+  std::vector<detail::Nudge> nudges;   ///< of bodies
+  std::vector<BodyId> nudged, pinned;  ///< pushed apart; held and pressed far in
+};
+
+}  // namespace headpin::engine

@@ -1,0 +1,208 @@
+#include "engine/stages.h"
+
+#include <gtest/gtest.h>
+
+#include "engine/at_end.h"
+#include "tests/support/bowling.h"
+
+// Each stage of a step alone: two bodies, one call, a look at what it gives.
+namespace headpin::engine {
+namespace {
+
+using namespace detail;
+
+constexpr int kRate = 240;
+constexpr double kStep = 1.0 / kRate, kG = 9.81, kMass = 7.0;
+
+/// A ball over a lane, bodies 0 and 1, with elasticity 1 and no friction.
+World ball_over_lane(double gap, double down = 0.0) {
+  World world = make_world({.rate_hz = kRate});
+  add_body(world, floor_body({1.0, 0.0}));
+  State state;
+  state.X_WB.p.z() = kBallRadius + gap;
+  state.v_WB.z() = -down;
+  add_body(world, ball_body({1.0, 0.0}), state);
+  return world;
+}
+
+/// Two balls in free space, bodies 0 and 1, that come at each other along x.
+World two_balls(double gap, double closing) {
+  World world = make_world({.rate_hz = kRate, .gravity_W = Vec3::Zero()});
+  for (const double side : {-1.0, 1.0}) {
+    State state;
+    state.X_WB.p.x() = side * (kBallRadius + 0.5 * gap);
+    state.v_WB.x() = -side * 0.5 * closing;
+    add_body(world, ball_body({1.0, 0.0}), state);
+  }
+  return world;
+}
+
+// In a step gravity adds g dt to the velocity, and no more than g dt^2 to the way.
+TEST(FindTouches, GivesTheBallThatMayReachTheLaneWithinTheStepAndNoOther) {
+  const double way = 5.0 * kStep + kG * kStep * kStep;
+  Workspace w;
+  World near = ball_over_lane(0.999 * way, 5.0), far = ball_over_lane(way + 2e-3, 5.0);
+  const Touches& touches = find_touches(near, w);
+  ASSERT_EQ(touches.all.size(), 1u);
+  const Touch& touch = touches.all[0];
+  EXPECT_EQ(touch.a, 1u);  // the free one
+  EXPECT_EQ(touch.b, 0u);
+  EXPECT_TRUE(touch.fresh);
+  EXPECT_FALSE(touch.b_moves);
+  ASSERT_EQ(touch.points, 1u);
+  const ContactPoint& point = touches.points[touch.first_point];
+  EXPECT_NEAR(point.depth, -0.999 * way, 1e-12);
+  EXPECT_EQ(point.n_AB_W, Vec3(0.0, 0.0, -1.0));
+  EXPECT_TRUE(find_touches(far, w).all.empty());
+}
+
+TEST(FindTouches, WakesASleeperThatSomethingIsAboutToHit) {
+  World world = two_balls(1e-3, 2.0);
+  put_to_sleep(world, 0);
+  Workspace w;
+  EXPECT_EQ(find_touches(world, w).all.size(), 1u);
+  EXPECT_FALSE(is_asleep(world, 0));
+}
+
+// Equal balls exchange their velocities, when the gap is closed.
+TEST(ResolveImpacts, ExchangesTheVelocitiesOfEqualBallsWhereTheyMeet) {
+  const double gap = 4e-3, closing = 3.0;
+  World world = two_balls(gap, closing);
+  Workspace w;
+  Touches& touches = find_touches(world, w);
+  const Flight* const flight = resolve_impacts(world, touches, w);
+  ASSERT_NE(flight, nullptr);
+  ASSERT_EQ(flight->struck.size(), 2u);
+  for (const BodyId i : {0, 1}) {
+    EXPECT_NEAR(flight->bodies[i].clock, gap / closing, 1e-6 / closing);
+    EXPECT_EQ(flight->bodies[i].impacts, 1);
+    EXPECT_NEAR(world.states[i].v_WB.x(), (i == 0 ? -0.5 : 0.5) * closing, 1e-12);
+  }
+  EXPECT_TRUE(flight->touches[0].struck);
+  ASSERT_EQ(world.events.size(), 1u);
+  EXPECT_NEAR(world.events[0].approach_speed, closing, 1e-12);
+}
+
+TEST(ResolveImpacts, LeavesTheBodiesAloneThatDoNotMeetWithinTheStep) {
+  World world = two_balls(13e-3, 3.0);  // a step's way is 12.5 mm
+  Workspace w;
+  const Flight* const flight = resolve_impacts(world, find_touches(world, w), w);
+  ASSERT_NE(flight, nullptr);
+  EXPECT_TRUE(flight->struck.empty());
+  EXPECT_EQ(flight->bodies[0].clock, 0.0);
+}
+
+/// A ball that lies on the lane and has just got the velocity that gravity gives in a step.
+struct Lying {
+  World world = ball_over_lane(0.0);
+  Workspace w;
+  Touches& touches = find_touches(world, w);
+  const Flight& flight = *resolve_impacts(world, touches, w);
+  Lying() { world.states[1].v_WB.z() -= kG * kStep; }
+};
+
+TEST(Sustain, CarriesTheWeightOfABallThatLies) {
+  Lying at;
+  const Solved& solved = sustain(at.world, at.touches, at.flight, at.w);
+  ASSERT_EQ(solved.loads.size(), 1u);
+  EXPECT_NEAR(solved.loads[0].impulse, kMass * kG * kStep, 1e-9);
+  EXPECT_NEAR(solved.bodies[1].carried, 1.0, 1e-9);
+  EXPECT_NEAR(at.world.states[1].v_WB.z(), 0.0, 1e-12);
+  EXPECT_TRUE(at.world.memory.bodies[1].supported);
+}
+
+// A rod that turns fast beside the lane would end deep in it, by an end that is not near it now.
+TEST(StopSwings, KeepsTheEndOfARodOutOfTheLane) {
+  World world = make_world({.rate_hz = 60, .gravity_W = Vec3::Zero()});
+  add_body(world, floor_body({0.0, 0.0}));
+  Body rod = ball_body({0.0, 0.0});
+  const double half = 0.5;
+  rod.shape = make_compound({{Cylinder{0.01, half}, {rotation({0.0, 0.5 * 3.14159265, 0.0}), {}}}});
+  rod.inertia = Vec3(1e-3, 0.6, 0.6).asDiagonal();
+  State state;
+  state.X_WB.p.z() = 0.0101;
+  state.w_WB.y() = 20.0;
+  add_body(world, rod, state);
+  Workspace w;
+  depart(world, w.flight);
+  Touches touches = find_touches(world, w);
+  const Flight flight = w.flight;  // as if no impact had come of it
+  w.flight.touches.assign(touches.all.size(), {});
+  Solved& solved = sustain(world, touches, w.flight, w);
+  world.states[1].w_WB = Vec3(0.0, 20.0, 0.0);  // as if the contacts had let it turn on
+  world.states[1].v_WB = Vec3::Zero();
+  const auto lowest = [&] {
+    const Pose X_WB = pose_at_end(world, w.flight, solved, 1);
+    return X_WB.p.z() - half * std::abs((X_WB.q * Vec3::UnitX()).z());
+  };
+  ASSERT_LT(lowest(), -0.1);
+  stop_swings(world, touches, w.flight, solved, w);
+  EXPECT_TRUE(solved.touches[0].swings);
+  EXPECT_GT(lowest(), -0.02);
+  EXPECT_LT(world.states[1].w_WB.norm(), 20.0);
+}
+
+// z = -g t^2 / 2, the velocity at the end being -g t.
+TEST(Move, LetsAFreeBodyFallAlongItsParabolaAndACarriedOneGoByItsVelocity) {
+  for (const double carried : {0.0, 1.0}) {
+    World world = ball_over_lane(1.0);
+    Workspace w;
+    depart(world, w.flight);
+    w.solved.bodies.assign(2, {});
+    w.solved.bodies[1].carried = carried;
+    world.states[1].v_WB = Vec3(2.0, 0.0, -kG * kStep);
+    const Vec3 start = world.states[1].X_WB.p;
+    move(world, w.flight, w.solved);
+    const Vec3 moved = world.states[1].X_WB.p - start;
+    EXPECT_NEAR(moved.x(), 2.0 * kStep, 1e-12);
+    EXPECT_NEAR(moved.z(), -(carried > 0.0 ? 1.0 : 0.5) * kG * kStep * kStep, 1e-12);
+  }
+}
+
+TEST(PushApart, TakesBackItsPartOfAnOverlapAndGivesNoSpeed) {
+  const double depth = 1e-3;
+  World world = ball_over_lane(-depth);
+  Workspace w;
+  Touches& touches = find_touches(world, w);
+  const Flight& flight = *resolve_impacts(world, touches, w);
+  const Solved& solved = sustain(world, touches, flight, w);
+  const double z = world.states[1].X_WB.p.z();
+  const Vec3 v = world.states[1].v_WB;
+  push_apart(world, touches, flight, solved, w);
+  const Parameters& p = world.parameters;  // at 240 Hz `push` of what is over the slop
+  EXPECT_NEAR(world.states[1].X_WB.p.z() - z, p.push * (depth - p.slop), 1e-12);
+  EXPECT_EQ(world.states[1].v_WB, v);
+}
+
+TEST(FallAsleep, LetsABallSleepThatHasBeenStillForLongEnoughAndIsCarried) {
+  const int enough = static_cast<int>(0.25 * kRate);
+  for (const int before : {enough - 2, enough - 1}) {
+    Lying at;
+    Solved& solved = sustain(at.world, at.touches, at.flight, at.w);
+    at.world.memory.bodies[1].still = before;
+    fall_asleep(at.world, at.touches, at.flight, solved);
+    EXPECT_EQ(is_asleep(at.world, 1), before + 1 >= enough);
+  }
+}
+
+TEST(Remember, LeavesTheNextStepWhatATouchCarried) {
+  Lying at;
+  Solved& solved = sustain(at.world, at.touches, at.flight, at.w);
+  const double carried = solved.loads[0].impulse;
+  remember(at.world, at.touches, at.flight, solved);
+  const Memory& memory = at.world.memory;
+  ASSERT_EQ(memory.touches.size(), 1u);
+  EXPECT_TRUE(memory.touches[0].met);
+  ASSERT_EQ(memory.touches[0].loads, 1u);
+  EXPECT_EQ(memory.loads[memory.touches[0].first_load].impulse, carried);
+  ASSERT_EQ(at.world.events.size(), 1u);
+  EXPECT_TRUE(at.world.events[0].first);
+  Workspace w;
+  const Touches& again = find_touches(at.world, w);
+  ASSERT_EQ(again.all.size(), 1u);
+  EXPECT_FALSE(again.all[0].fresh);
+  EXPECT_TRUE(again.all[0].met);
+}
+
+}  // namespace
+}  // namespace headpin::engine
