@@ -45,7 +45,10 @@ class BroadPhase {
   struct Box {
     Vec3 low, high;
     bool meets(const Box& other) const {
-      return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
+      for (int k = 0; k < 3; ++k) {  // most pairs differ in the first
+        if (!(low[k] <= other.high[k] && other.low[k] <= high[k])) return false;
+      }
+      return true;
     }
   };
   struct Cells {

@@ -11,7 +11,7 @@ namespace {
 /// not move at all.
 bool may_rest(const World& world, const Solved& solved, BodyId i) {
   if (world.parameters.rules < 2) return true;
-  if (!world.parameters.gravity_W.isZero(0.0)) return solved.bodies[i].carried >= 0.5;
+  if (!world.parameters.gravity_W.isZero(0.0)) return solved.carried[i] >= 0.5;
   const State& state = world.states[i];
   return state.v_WB.isZero(0.0) && state.w_WB.isZero(0.0);
 }
@@ -40,20 +40,22 @@ void fall_asleep(World& world, const Touches& touches, const Flight& flight, Sol
   }
   if (!any) return;
   // An island sleeps when its liveliest body has been still for long enough.
-  std::vector<SolvedBody>& bodies = solved.bodies;
-  for (const BodyId i : movers) bodies[i].calm = enough;
+  std::vector<BodyId>& parent = solved.islands.parent;
+  std::vector<std::int32_t>& calm = solved.islands.calm;
+  calm.resize(world.bodies.size());
+  for (const BodyId i : movers) calm[i] = enough;
   for (const BodyId i : movers) {
-    std::int32_t& c = bodies[island_root(bodies, i)].calm;
+    std::int32_t& c = calm[island_root(parent, i)];
     c = may_rest(world, solved, i) ? std::min(c, memory[i].still) : 0;
   }
   for (std::size_t k = 0; k < touches.all.size(); ++k) {
     const Touch& touch = touches.all[k];
     if (!is_on_the_move(world, flight, touch, solved.touches[k].depth)) continue;
-    bodies[island_root(bodies, touch.a)].calm = 0;
+    calm[island_root(parent, touch.a)] = 0;
   }
   for (const BodyId i : movers) {
-    const BodyId root = island_root(bodies, i);
-    if (bodies[root].calm < enough) continue;
+    const BodyId root = island_root(parent, i);
+    if (calm[root] < enough) continue;
     world.states[i].v_WB = world.states[i].w_WB = Vec3::Zero();
     become(world, i, Kind::free, true);
     if (i != root) std::swap(memory[i].sleeps_with, memory[root].sleeps_with);  // joins the ring

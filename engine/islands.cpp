@@ -4,27 +4,32 @@
 
 namespace headpin::engine::detail {
 
-BodyId island_root(std::vector<SolvedBody>& bodies, BodyId i) {
-  while (bodies[i].parent != i) {
-    bodies[i].parent = bodies[bodies[i].parent].parent;
-    i = bodies[i].parent;
+BodyId island_root(std::vector<BodyId>& parent, BodyId i) {
+  while (parent[i] != i) {
+    parent[i] = parent[parent[i]];
+    i = parent[i];
   }
   return i;
 }
 
-void find_islands(const World& world, const std::vector<Touch>& touches,
-                  std::vector<SolvedBody>& bodies, Islands& islands) {
-  for (const BodyId i : world.roll.movers) bodies[i] = {.parent = i, .island = kNone};
+void find_islands(const World& world, const std::vector<Touch>& touches, Islands& islands) {
+  std::vector<BodyId>& parent = islands.parent;
+  parent.resize(world.bodies.size());
+  islands.number.resize(world.bodies.size());
+  for (const BodyId i : world.roll.movers) {
+    parent[i] = i;
+    islands.number[i] = kNone;
+  }
   for (const Touch& touch : touches) {
     if (!touch.b_moves) continue;
-    const BodyId a = island_root(bodies, touch.a), b = island_root(bodies, touch.b);
-    bodies[std::max(a, b)].parent = std::min(a, b);
+    const BodyId a = island_root(parent, touch.a), b = island_root(parent, touch.b);
+    parent[std::max(a, b)] = std::min(a, b);
   }
   // Number the islands by their first touch, count, and deal the touches out.
   islands.end.clear();
   islands.of.resize(touches.size());
   for (std::size_t k = 0; k < touches.size(); ++k) {
-    std::uint32_t& n = bodies[island_root(bodies, touches[k].a)].island;
+    std::uint32_t& n = islands.number[island_root(parent, touches[k].a)];
     if (n == kNone) {
       n = static_cast<std::uint32_t>(islands.end.size());
       islands.end.push_back(0);

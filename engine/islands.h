@@ -6,13 +6,10 @@
 /// Movers joined by touches. Private to the engine.
 namespace headpin::engine::detail {
 
-/// Sorts the touches by island, each island's in their own order.
-///
-/// @param bodies  as many as the world has; gets those of the movers anew
-void find_islands(const World& world, const std::vector<Touch>& touches,
-                  std::vector<SolvedBody>& bodies, Islands& islands);
+/// Joins the movers anew, and sorts the touches by island.
+void find_islands(const World& world, const std::vector<Touch>& touches, Islands& islands);
 
 /// Representative of a body's island: the smallest number in it.
-BodyId island_root(std::vector<SolvedBody>& bodies, BodyId i);
+BodyId island_root(std::vector<BodyId>& parent, BodyId i);
 
 }  // namespace headpin::engine::detail

@@ -10,7 +10,7 @@ namespace {
 void move_to_end(const World& world, const Flight& flight, const Solved& solved, BodyId i,
                  Pose& X_WB, Vec3& w_WB) {
   const double left = step_seconds(world) - flight.bodies[i].clock;
-  const double falls = 1.0 - solved.bodies[i].carried;
+  const double falls = 1.0 - solved.carried[i];
   X_WB.p += left * world.states[i].v_WB;
   if (falls > 0.0) X_WB.p -= (0.5 * falls * left * left) * world.parameters.gravity_W;
   turn_freely(X_WB.q, w_WB, world.inertias[i], left);

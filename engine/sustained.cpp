@@ -143,8 +143,8 @@ void keep(const Island& s, std::vector<std::uint32_t>& met_now) {
     touch.deep = static_cast<std::uint32_t>(solved.deep_rows.size()) - touch.first_deep;
     deepest = std::max(deepest, touch.depth);
     const double lift = -F.dot(world.parameters.gravity_W);
-    solved.bodies[found.a].carried += lift;
-    if (found.b_moves) solved.bodies[found.b].carried -= lift;
+    solved.carried[found.a] += lift;
+    if (found.b_moves) solved.carried[found.b] -= lift;
     if (!touch.met && load > 0.0) met_now.push_back(k);
   }
 }
@@ -213,12 +213,12 @@ HEADPIN_FLATTEN void solve_island(Island& s, Workspace& w) {
 
 /// Notes what part of each body's weight its contacts carry, and who need not fall in the next step:
 /// what is carried by half at least and does not rise.
-void note_carried(World& world, const Flight& flight, std::vector<SolvedBody>& bodies) {
+void note_carried(World& world, const Flight& flight, std::vector<double>& carried) {
   const Vec3& g = world.parameters.gravity_W;
   const double fall = g.squaredNorm() * step_seconds(world);
   const double rise = g.norm() * flight.lasting_speed;
   for (const BodyId i : world.roll.movers) {
-    double& part = bodies[i].carried;
+    double& part = carried[i];
     part = part > 0.0 ? std::min(1.0, part / (fall * world.bodies[i].mass)) : 0.0;
     world.memory.bodies[i].supported = part >= 0.5 && -world.states[i].v_WB.dot(g) <= rise;
   }
@@ -251,7 +251,8 @@ Solved& sustain(World& world, const Touches& touches, const Flight& flight, Work
   Solved& solved = w.solved;
   solved.loads.clear();
   solved.deep_rows.clear();
-  solved.bodies.resize(world.bodies.size());
+  solved.carried.resize(world.bodies.size());
+  for (const BodyId i : world.roll.movers) solved.carried[i] = 0.0;
   solved.touches.clear();
   for (std::size_t k = 0; k < touches.all.size(); ++k) {
     SolvedTouch& touch = solved.touches.emplace_back();
@@ -260,7 +261,7 @@ Solved& sustain(World& world, const Touches& touches, const Flight& flight, Work
     touch.insists = flight.touches[k].insists;
   }
   w.met_now.clear();
-  find_islands(world, touches.all, solved.bodies, w.islands);
+  find_islands(world, touches.all, solved.islands);
   Island island{world,
                 flight,
                 touches.all.data(),
@@ -269,13 +270,13 @@ Solved& sustain(World& world, const Touches& touches, const Flight& flight, Work
                 solved,
                 w.rows,
                 {world.states.data(), flight.mobility.data()}};
-  const std::uint32_t* start = w.islands.order.data();
-  for (const std::uint32_t end : w.islands.end) {
-    island.each = {start, w.islands.order.data() + end};
+  const std::uint32_t* start = solved.islands.order.data();
+  for (const std::uint32_t end : solved.islands.end) {
+    island.each = {start, solved.islands.order.data() + end};
     solve_island(island, w);
-    start = w.islands.order.data() + end;
+    start = solved.islands.order.data() + end;
   }
-  note_carried(world, flight, solved.bodies);
+  note_carried(world, flight, solved.carried);
   note_met(world, touches, solved, w.met_now);
   return solved;
 }

@@ -156,26 +156,24 @@ struct SolvedTouch {
   Vec3 roll = Vec3::Zero();
 };
 
-struct SolvedBody {
-  double carried = 0.0;      ///< part of its weight that lasting contacts carry, 0 to 1
-  BodyId parent = 0;         ///< islands, as a union-find forest
-  std::uint32_t island = 0;  ///< of a root: its number
-  std::int32_t calm = 0;     ///< likewise: least number of still steps
+/// Free and awake bodies joined by touches.
+struct Islands {
+  std::vector<BodyId> parent;          ///< of a body, in a union-find forest
+  std::vector<std::uint32_t> number;   ///< of a root: that of its island
+  std::vector<std::int32_t> calm;      ///< likewise: least number of still steps
+  std::vector<std::uint32_t> order;    ///< touches by island, each island's in their own order
+  std::vector<std::uint32_t> end, of;  ///< of each island in `order`; the island of a touch
 };
 
 struct Solved {
   std::vector<SolvedTouch> touches;  ///< of the touches, same numbers
-  std::vector<SolvedBody> bodies;    ///< of free and awake ones
+  std::vector<double> carried;       ///< part of a body's weight that contacts carry, 0 to 1
+  Islands islands;
   std::vector<Load> loads;
   std::vector<DeepRow> deep_rows;
 };
 
 // Buffers.
-
-/// Touches sorted by island, their own order kept.
-struct Islands {
-  std::vector<std::uint32_t> order, end, of;
-};
 
 /// What an island is solved with.
 struct Rows {
@@ -206,7 +204,6 @@ struct Workspace {
       near;  ///< bounded bodies near one that is faster than it was sought for
   std::vector<std::pair<double, std::uint32_t>> coming;  ///< impacts by time, and their touches
   std::vector<BodyId> halted;                            ///< bodies with as many as they may have
-  detail::Islands islands;
   detail::Rows rows;
   std::vector<std::uint32_t> met_now;  ///< touches that carry and whose bodies had not met
   std::vector<KeptNormal> end_normals;

@@ -106,7 +106,7 @@ TEST(Sustain, CarriesTheWeightOfABallThatLies) {
   const Solved& solved = sustain(at.world, at.touches, at.flight, at.w);
   ASSERT_EQ(solved.loads.size(), 1u);
   EXPECT_NEAR(solved.loads[0].impulse, kMass * kG * kStep, 1e-9);
-  EXPECT_NEAR(solved.bodies[1].carried, 1.0, 1e-9);
+  EXPECT_NEAR(solved.carried[1], 1.0, 1e-9);
   EXPECT_NEAR(at.world.states[1].v_WB.z(), 0.0, 1e-12);
   EXPECT_TRUE(at.world.memory.bodies[1].supported);
 }
@@ -148,8 +148,7 @@ TEST(Move, LetsAFreeBodyFallAlongItsParabolaAndACarriedOneGoByItsVelocity) {
     World world = ball_over_lane(1.0);
     Workspace w;
     depart(world, w.flight);
-    w.solved.bodies.assign(2, {});
-    w.solved.bodies[1].carried = carried;
+    w.solved.carried.assign(2, carried);
     world.states[1].v_WB = Vec3(2.0, 0.0, -kG * kStep);
     const Vec3 start = world.states[1].X_WB.p;
     move(world, w.flight, w.solved);
