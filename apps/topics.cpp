@@ -25,7 +25,7 @@ constexpr std::array kTopics = {
     Topic{"games", "guides/games.md", "A game and its rules"},
     Topic{"participants", "guides/participants.md", "Virtual participants"},
     Topic{"study", "experiment.md", "The experiment: plan, play, ask, score, analyse, share"},
-    Topic{"sweeps", "guides/sweeps.md", "Many replays: sweeps, on all cores or on a cluster"},
+    Topic{"sweeps", "guides/sweeps.md", "Many replays: sweeps"},
     Topic{"tables", "guides/tables.md", "Tables and plots"},
     Topic{"scripts", "guides/scripts.md", "Use headpin in scripts"},
     Topic{"engine", "guides/engine.md", "The engine as a library"},

@@ -13,19 +13,15 @@ namespace headpin::engine {
 /// @param[in,out] fa, fb  get the edge that is touched if it is not the face
 /// @return  whether c is the answer
 template <typename A, typename B>
-bool on_face(Search<A, B> &search, Vec3 &n, const Query &q, Feature &fa,
-             Feature &fb, Closest &c) {
+bool on_face(Search<A, B>& search, Vec3& n, const Query& q, Feature& fa, Feature& fb, Closest& c) {
   constexpr bool hull_a = kHull<A>, hull_b = kHull<B>;
-  if (fa.face == nullptr && fb.face == nullptr)
-    return false;
+  if (fa.face == nullptr && fb.face == nullptr) return false;
   const bool of_a = fa.face != nullptr;
   if constexpr (hull_a) {
-    if (of_a)
-      n = search.a.normal(*fa.face);
+    if (of_a) n = search.a.normal(*fa.face);
   }
   if constexpr (hull_b) {
-    if (!of_a)
-      n = search.b.normal(*fb.face);
+    if (!of_a) n = search.b.normal(*fb.face);
   }
   const Support s = search(n);
   if (s.h < -q.margin) {
@@ -53,23 +49,19 @@ bool on_face(Search<A, B> &search, Vec3 &n, const Query &q, Feature &fa,
 /// counts when the whole hull reaches no further along the normal found; false
 /// when the guess was wrong.
 template <typename A, typename B>
-bool by_feature(Search<A, B> &search, Vec3 n, double size, const Query &q,
-                double near, Closest &c) {
+bool by_feature(Search<A, B>& search, Vec3 n, double size, const Query& q, double near,
+                Closest& c) {
   constexpr bool hull_a = kHull<A>, hull_b = kHull<B>;
   Feature fa, fb;
-  if constexpr (hull_a)
-    fa = in_view(search.a, n, near);
-  if constexpr (hull_b)
-    fb = in_view(search.b, n, near);
-  if (on_face(search, n, q, fa, fb, c))
-    return true;
-  const auto on_both = [&](const auto &a, const auto &b) {
+  if constexpr (hull_a) fa = in_view(search.a, n, near);
+  if constexpr (hull_b) fb = in_view(search.b, n, near);
+  if (on_face(search, n, q, fa, fb, c)) return true;
+  const auto on_both = [&](const auto& a, const auto& b) {
     return descend(a, b, n, size, q.margin, q.cap);
   };
-  const auto on_b = [&](const auto &a) {
+  const auto on_b = [&](const auto& a) {
     if constexpr (hull_b) {
-      return with_feature(search.b, fb,
-                          [&](const auto &b) { return on_both(a, b); });
+      return with_feature(search.b, fb, [&](const auto& b) { return on_both(a, b); });
     } else {
       return on_both(a, search.b);
     }
@@ -81,17 +73,15 @@ bool by_feature(Search<A, B> &search, Vec3 n, double size, const Query &q,
     d = on_b(search.a);
   }
   search.evaluations += d.evaluations;
-  if (d.end == Descent::unresolved)
-    return false;
+  if (d.end == Descent::unresolved) return false;
   const Support s = search(d.n);
   if (s.h < -q.margin) {
     c = search.answer(s, d.n);
     return true;
   }
-  if (d.end == Descent::apart || s.h > d.h + 1e-10 * size)
-    return false;
+  if (d.end == Descent::apart || s.h > d.h + 1e-10 * size) return false;
   c = search.answer({d.s_A, d.s_B, s.S, s.h}, d.n);
   return true;
 }
 
-} // namespace headpin::engine
+}  // namespace headpin::engine

@@ -16,59 +16,58 @@ namespace {
 /// Steps of the paper's iteration after the first one before Newton's.
 constexpr int kPaperSteps = 1;
 
-template <typename B> Vec3 centre_B(const B &b, const Pose &X_AB) {
-  if constexpr (std::is_same_v<B, Polyhedron>)
-    return X_AB * centre(b);
+template <typename B>
+Vec3 centre_B(const B& b, const Pose& X_AB) {
+  if constexpr (std::is_same_v<B, Polyhedron>) return X_AB * centre(b);
   return X_AB.p;
 }
 
-double size_of(const Ellipsoid &s) { return s.radii.sum() / 3.0; }
-double size_of(const Cylinder &s) { return std::max(s.radius, s.half_height); }
-double size_of(const Cone &s) { return std::max(s.radius, 0.5 * s.height); }
-double size_of(const Polyhedron &s) { return s.vertices().front().norm(); }
+double size_of(const Ellipsoid& s) {
+  return s.radii.sum() / 3.0;
+}
+double size_of(const Cylinder& s) {
+  return std::max(s.radius, s.half_height);
+}
+double size_of(const Cone& s) {
+  return std::max(s.radius, 0.5 * s.height);
+}
+double size_of(const Polyhedron& s) {
+  return s.vertices().front().norm();
+}
 
 template <typename A, typename B>
-Closest settle_round(Search<A, B> &search, Vec3 n, double size, bool warm,
-                     const Query &q) {
-  if (warm)
-    n = onto_kinks(search.a, search.b, n);
+Closest settle_round(Search<A, B>& search, Vec3 n, double size, bool warm, const Query& q) {
+  if (warm) n = onto_kinks(search.a, search.b, n);
   const Descent d = descend(search.a, search.b, n, size, q.margin, q.cap);
   search.evaluations += d.evaluations;
   Support best{d.s_A, d.s_B, d.s_A + d.s_B, d.h};
   // At a kink h is that of one side of it, which proves no gap as small as
   // rounding.
-  if (d.h < 0.0 && d.h > -1e-7 * size)
-    best.h = search(d.n).h;
-  if (d.end != Descent::unresolved)
-    return search.answer(best, d.n);
+  if (d.h < 0.0 && d.h > -1e-7 * size) best.h = search(d.n).h;
+  if (d.end != Descent::unresolved) return search.answer(best, d.n);
   Closest c = from_outside(search, d.n, best, size, q.margin, 1e-9 * size);
   c.capped = true;
   return c;
 }
 
 template <typename A, typename B>
-Closest settle_hull(Search<A, B> &search, const Vec3 &n, const Support &first,
-                    double size, bool warm, const Query &q) {
+Closest settle_hull(Search<A, B>& search, const Vec3& n, const Support& first, double size,
+                    bool warm, const Query& q) {
   Closest c;
   // A warm start is near the feature that the pair touched with.
-  if (warm && by_feature(search, n, size, q, 0.03, c))
-    return c;
+  if (warm && by_feature(search, n, size, q, 0.03, c)) return c;
   // Polyhedra alone end exactly; with round shapes it is enough to come near
   // the feature.
   constexpr bool flat = kHull<A> && kHull<B>;
-  c = from_outside(search, n, first, size, q.margin,
-                   flat ? 1e-8 * size : 1e-2 * size);
-  if (flat || c.distance > q.margin ||
-      by_feature(search, c.n_AB, size, q, 0.05, c))
-    return c;
-  return from_outside(search, c.n_AB, search(c.n_AB), size, q.margin,
-                      1e-8 * size);
+  c = from_outside(search, n, first, size, q.margin, flat ? 1e-8 * size : 1e-2 * size);
+  if (flat || c.distance > q.margin || by_feature(search, c.n_AB, size, q, 0.05, c)) return c;
+  return from_outside(search, c.n_AB, search(c.n_AB), size, q.margin, 1e-8 * size);
 }
 
 /// From a normal that proves nothing to the closest points. A warm one is near.
 template <typename A, typename B>
-Closest settle(Search<A, B> &search, const Vec3 &n, const Support &first,
-               double size, bool warm, const Query &q) {
+Closest settle(Search<A, B>& search, const Vec3& n, const Support& first, double size, bool warm,
+               const Query& q) {
   if constexpr (kHull<A> || kHull<B>) {
     return settle_hull(search, n, first, size, warm, q);
   } else {
@@ -79,20 +78,17 @@ Closest settle(Search<A, B> &search, const Vec3 &n, const Support &first,
 /// From the line of centres: the paper's steps, which are cheap and the end of
 /// most pairs that are apart, and the way on from the best of them.
 template <typename A, typename B>
-Closest from_centres(Search<A, B> &search, Vec3 n, Support best, double size,
-                     const Query &q) {
-  Vec3 raw = n; // not unit: furthest points only ask for the direction
+Closest from_centres(Search<A, B>& search, Vec3 n, Support best, double size, const Query& q) {
+  Vec3 raw = n;  // not unit: furthest points only ask for the direction
   Support s = best;
   for (int step = 0; step < kPaperSteps; ++step) {
     const double along = raw.dot(s.S), S2 = s.S.squaredNorm();
-    if (!(S2 > 0.0))
-      break;
+    if (!(S2 > 0.0)) break;
     raw -= 1.5 * along / S2 * s.S;
     const double inverse = 1.0 / raw.norm();
     s = search(raw);
     s.h *= inverse;
-    if (s.h < -q.margin)
-      return search.answer(s, inverse * raw);
+    if (s.h < -q.margin) return search.answer(s, inverse * raw);
     if (s.h < best.h) {
       best = s;
       n = inverse * raw;
@@ -103,16 +99,15 @@ Closest from_centres(Search<A, B> &search, Vec3 n, Support best, double size,
 
 /// The first look at a pair, along n of any length. Most pairs that are apart
 /// end here, so nothing is prepared that only a second look needs.
-template <typename A, typename B> struct Glance {
-  const A &a;
-  const B &b;
-  const Pose &X_AB;
+template <typename A, typename B>
+struct Glance {
+  const A& a;
+  const B& b;
+  const Pose& X_AB;
   int evaluations = 0;
 
-  HEADPIN_INLINE Vec3 s_A(const Vec3 &n) const {
-    return posed::pose_A(a).support(n);
-  }
-  HEADPIN_INLINE Vec3 s_B(const Vec3 &n) const { // mirrored
+  HEADPIN_INLINE Vec3 s_A(const Vec3& n) const { return posed::pose_A(a).support(n); }
+  HEADPIN_INLINE Vec3 s_B(const Vec3& n) const {  // mirrored
     if constexpr (std::is_same_v<B, Ellipsoid>) {
       const Mat3 R_AB = X_AB.q.toRotationMatrix();
       return R_AB * posed::pose_A(b).support(R_AB.transpose() * n) - X_AB.p;
@@ -120,15 +115,14 @@ template <typename A, typename B> struct Glance {
       return posed::pose_B(b, X_AB).support(n);
     }
   }
-  HEADPIN_INLINE Support operator()(const Vec3 &n) {
+  HEADPIN_INLINE Support operator()(const Vec3& n) {
     ++evaluations;
     Support s{s_A(n), s_B(n), Vec3::Zero(), 0.0};
     s.S = s.s_A + s.s_B;
     s.h = n.dot(s.S);
     return s;
   }
-  Search<decltype(posed::pose_A(a)), decltype(posed::pose_B(b, X_AB))>
-  search() const {
+  Search<decltype(posed::pose_A(a)), decltype(posed::pose_B(b, X_AB))> search() const {
     return {posed::pose_A(a), posed::pose_B(b, X_AB), evaluations};
   }
 };
@@ -137,8 +131,9 @@ template <typename A, typename B> struct Glance {
 /// polytopes for them.
 constexpr int kWaysOut = 20, kAttempts = 3;
 
-template <typename S> Vec3 furthest_of(void *search, const Vec3 &n) {
-  return (*static_cast<S *>(search))(n).S;
+template <typename S>
+Vec3 furthest_of(void* search, const Vec3& n) {
+  return (*static_cast<S*>(search))(n).S;
 }
 
 /// Replaces a way out by shorter ones until none is; false when it had to give
@@ -146,31 +141,26 @@ template <typename S> Vec3 furthest_of(void *search, const Vec3 &n) {
 /// not the least, or there is none: one may even be found where the shapes are
 /// apart.
 template <typename A, typename B, typename S>
-HEADPIN_FLATTEN __attribute__((noinline)) bool
-shorten(const A &a, const B &b, const Pose &X_AB, S &search, Closest &c,
-        double size, const Query &q) {
+HEADPIN_FLATTEN __attribute__((noinline)) bool shorten(const A& a, const B& b, const Pose& X_AB,
+                                                       S& search, Closest& c, double size,
+                                                       const Query& q) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     Polytope around(&furthest_of<S>, &search, c.n_AB, c.p_A - c.p_B);
     Vec3 shorter;
     int k = 0;
-    for (; k < kWaysOut && around.find_shorter(to_beat(c, size), shorter);
-         ++k) {
+    for (; k < kWaysOut && around.find_shorter(to_beat(c, size), shorter); ++k) {
       const Support s = search(shorter);
       const Closest there = settle(search, shorter, s, size, false, q);
       const bool capped = c.capped || there.capped;
       c = -there.distance <= s.h ? there : search.answer(s, shorter);
       c.capped = capped;
-      if (is_proven(a, b, X_AB, c, size))
-        return true;
+      if (is_proven(a, b, X_AB, c, size)) return true;
     }
-    if (k < kWaysOut && !around.gave_up())
-      return true;
+    if (k < kWaysOut && !around.gave_up()) return true;
     // From where it was nearest, and if that leads on, round there.
-    const Closest there =
-        settle(search, shorter, search(shorter), size, false, q);
+    const Closest there = settle(search, shorter, search(shorter), size, false, q);
     c.capped = true;
-    if (there.distance <= c.distance)
-      return false;
+    if (there.distance <= c.distance) return false;
     c = there;
     c.capped = true;
   }
@@ -180,28 +170,25 @@ shorten(const A &a, const B &b, const Pose &X_AB, S &search, Closest &c,
 /// Carries on from a normal that proves nothing: until the closest points are
 /// found, and proven, or in the paper's mode to its cap.
 template <typename A, typename B, typename Look>
-HEADPIN_FLATTEN __attribute__((noinline)) Closest
-carry_on(const A &a, const B &b, const Pose &X_AB, Look &look, const Vec3 &n,
-         const Support &first, bool warm, const Query &q) {
-  auto &&search = look.search();
+HEADPIN_FLATTEN __attribute__((noinline)) Closest carry_on(const A& a, const B& b, const Pose& X_AB,
+                                                           Look& look, const Vec3& n,
+                                                           const Support& first, bool warm,
+                                                           const Query& q) {
+  auto&& search = look.search();
   if (q.mode == Query::paper) {
-    return q.last
-               ? paper_last(search, n, first, q.cap)
-               : paper(search, n, first, centre(a), centre_B(b, X_AB), q.cap);
+    return q.last ? paper_last(search, n, first, q.cap)
+                  : paper(search, n, first, centre(a), centre_B(b, X_AB), q.cap);
   }
   const double size = std::min(size_of(a), size_of(b));
-  Closest c = warm ? settle(search, n, first, size, true, q)
-                   : from_centres(search, n, first, size, q);
-  if (!is_proven(a, b, X_AB, c, size) &&
-      !shorten(a, b, X_AB, search, c, size, q) && warm) {
+  Closest c =
+      warm ? settle(search, n, first, size, true, q) : from_centres(search, n, first, size, q);
+  if (!is_proven(a, b, X_AB, c, size) && !shorten(a, b, X_AB, search, c, size, q) && warm) {
     // Nothing proven, as between round shapes that nearly share an axis: the
     // line of centres may lead to less than a kept normal did.
     const Vec3 line = unit_or(centre_B(b, X_AB) - centre(a), n);
     Closest cold = from_centres(search, line, search(line), size, q);
-    if (!is_proven(a, b, X_AB, cold, size))
-      shorten(a, b, X_AB, search, cold, size, q);
-    if (cold.distance > c.distance)
-      c = cold;
+    if (!is_proven(a, b, X_AB, cold, size)) shorten(a, b, X_AB, search, cold, size, q);
+    if (cold.distance > c.distance) c = cold;
     c.capped = true;
   }
   if (c.separated && c.distance <= q.margin && !is_distance(c, size)) {
@@ -216,13 +203,11 @@ carry_on(const A &a, const B &b, const Pose &X_AB, Look &look, const Vec3 &n,
 /// Round shapes that were closer than the margin go without the first look, as
 /// it would prove nothing.
 template <typename A, typename B>
-HEADPIN_FLATTEN Closest closest(const A &a, const B &b, const Pose &X_AB,
-                                KeptNormal &kept, const Query &q) {
-  constexpr bool hull =
-      std::is_same_v<A, Polyhedron> || std::is_same_v<B, Polyhedron>;
+HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, KeptNormal& kept,
+                                const Query& q) {
+  constexpr bool hull = std::is_same_v<A, Polyhedron> || std::is_same_v<B, Polyhedron>;
   const double c2 = kept.n_AB.squaredNorm();
-  const bool warm =
-      starts_warm(q) && kept.of != KeptNormal::none && c2 > 0.5 && c2 < 2.0;
+  const bool warm = starts_warm(q) && kept.of != KeptNormal::none && c2 > 0.5 && c2 < 2.0;
   const bool met = warm && kept.of == KeptNormal::met;
   const Vec3 line = centre_B(b, X_AB) - centre(a);
   // Furthest points only ask for the direction: no need to wait for the unit
@@ -235,16 +220,14 @@ HEADPIN_FLATTEN Closest closest(const A &a, const B &b, const Pose &X_AB,
   }
   auto look = [&] {
     if constexpr (hull) {
-      return Search{posed::pose_A(a),
-                    posed::pose_B(b, X_AB)}; // it remembers the vertex
+      return Search{posed::pose_A(a), posed::pose_B(b, X_AB)};  // it remembers the vertex
     } else {
       return Glance<A, B>{a, b, X_AB};
     }
   }();
   Support first;
   const bool looked = hull || !met || q.mode == Query::paper;
-  if (looked)
-    first = look(n);
+  if (looked) first = look(n);
   if (met || std::abs(n2 - 1.0) > 1e-14) {
     const double inverse = 1.0 / std::sqrt(n2);
     n *= inverse;
@@ -260,26 +243,24 @@ HEADPIN_FLATTEN Closest closest(const A &a, const B &b, const Pose &X_AB,
 }
 
 // The half-space is its plane: the normal is known.
-template <typename B> Closest from_plane(const B &b, const Pose &X_AB) {
+template <typename B>
+Closest from_plane(const B& b, const Pose& X_AB) {
   const Vec3 n = Vec3::UnitZ();
   const Vec3 p_B = X_AB * support(b, Vec3(X_AB.q.conjugate() * -n));
   return {p_B.z() > 0.0, p_B.z(), {p_B.x(), p_B.y(), 0.0}, p_B, n, 1, false};
 }
 
-} // namespace
+}  // namespace
 
-Closest closest_points(const Shape &a, const Shape &b, const Pose &X_AB,
-                       KeptNormal &kept, const Query &query) {
-  const auto keep = [&](const Closest &c) {
-    kept = {c.n_AB,
-            c.distance > query.margin ? KeptNormal::apart : KeptNormal::met};
+Closest closest_points(const Shape& a, const Shape& b, const Pose& X_AB, KeptNormal& kept,
+                       const Query& query) {
+  const auto keep = [&](const Closest& c) {
+    kept = {c.n_AB, c.distance > query.margin ? KeptNormal::apart : KeptNormal::met};
     return c;
   };
-  return visit_both(a, b, [&](const auto &sa, const auto &sb) -> Closest {
-    constexpr bool plane_a =
-        std::is_same_v<std::decay_t<decltype(sa)>, HalfSpace>;
-    constexpr bool plane_b =
-        std::is_same_v<std::decay_t<decltype(sb)>, HalfSpace>;
+  return visit_both(a, b, [&](const auto& sa, const auto& sb) -> Closest {
+    constexpr bool plane_a = std::is_same_v<std::decay_t<decltype(sa)>, HalfSpace>;
+    constexpr bool plane_b = std::is_same_v<std::decay_t<decltype(sb)>, HalfSpace>;
     if constexpr (plane_a && plane_b) {
       throw std::invalid_argument("closest_points: two half-spaces");
     } else if constexpr (plane_a) {
@@ -287,12 +268,11 @@ Closest closest_points(const Shape &a, const Shape &b, const Pose &X_AB,
     } else if constexpr (plane_b) {
       const Closest c = from_plane(sa, X_AB.inverse());
       const Vec3 n_AB = -(X_AB.q * c.n_AB);
-      return keep({c.separated, c.distance, X_AB * c.p_B, X_AB * c.p_A, n_AB, 1,
-                   false});
+      return keep({c.separated, c.distance, X_AB * c.p_B, X_AB * c.p_A, n_AB, 1, false});
     } else {
       return closest(sa, sb, X_AB, kept, query);
     }
   });
 }
 
-} // namespace headpin::engine
+}  // namespace headpin::engine

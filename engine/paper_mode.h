@@ -9,12 +9,12 @@ namespace headpin::engine {
 /// normal n; the point S lies on the wrong side of the origin when h >= 0. The
 /// mirror image of n in S (Chung and Wong 1996) would take away 2 (h / S.S)
 /// S; 1.5 was measured to leave fewest pairs unresolved.
-inline Vec3 turned(const Vec3 &n, const Support &s) {
+inline Vec3 turned(const Vec3& n, const Support& s) {
   return unit_or(n - 1.5 * s.h / s.S.squaredNorm() * s.S, n);
 }
 
 /// The points lie along the normal: equations (1), (2).
-inline bool parallel(const Support &s, const Vec3 &n) {
+inline bool parallel(const Support& s, const Vec3& n) {
   return (s.S - s.h * n).squaredNorm() <= 1e-12 * s.S.squaredNorm();
 }
 
@@ -31,17 +31,14 @@ inline bool parallel(const Support &s, const Vec3 &n) {
 /// @param c_A, c_B  from where the arms of the furthest points are measured, in
 /// A's frame
 template <typename S>
-Closest paper(S &search, Vec3 n, const Support &first, const Vec3 &c_A,
-              const Vec3 &c_B, int cap) {
-  if (first.h < 0.0)
-    return search.answer(first, n);
+Closest paper(S& search, Vec3 n, const Support& first, const Vec3& c_A, const Vec3& c_B, int cap) {
+  if (first.h < 0.0) return search.answer(first, n);
   Support s = first, best = first;
   Vec3 best_n = n;
   bool to_proof = true;
   double turn = 1.0;
   while (search.evaluations < cap) {
-    if (parallel(best, best_n))
-      return search.answer(best, best_n);
+    if (parallel(best, best_n)) return search.answer(best, best_n);
     if (to_proof) {
       n = turned(n, s);
     } else {
@@ -50,8 +47,7 @@ Closest paper(S &search, Vec3 n, const Support &first, const Vec3 &c_A,
       n = unit_or(best_n - turn / arms * across, best_n);
     }
     s = search(n);
-    if (s.h < 0.0)
-      return search.answer(s, n);
+    if (s.h < 0.0) return search.answer(s, n);
     if (s.h < best.h) {
       best = s;
       best_n = n;
@@ -70,16 +66,14 @@ Closest paper(S &search, Vec3 n, const Support &first, const Vec3 &c_A,
 /// As old trials have it: the depth of the best plane, normal and points of the
 /// last.
 template <typename S>
-Closest paper_last(S &search, Vec3 n, const Support &first, int cap) {
+Closest paper_last(S& search, Vec3 n, const Support& first, int cap) {
   Support s = first;
   double least = s.h;
   while (search.evaluations < cap) {
-    if (parallel(s, n))
-      return search.answer(s, n);
+    if (parallel(s, n)) return search.answer(s, n);
     n = turned(n, s);
     s = search(n);
-    if (s.h < 0.0)
-      return search.answer(s, n);
+    if (s.h < 0.0) return search.answer(s, n);
     least = std::min(least, s.h);
   }
   Closest c = search.answer(s, n);
@@ -88,4 +82,4 @@ Closest paper_last(S &search, Vec3 n, const Support &first, int cap) {
   return c;
 }
 
-} // namespace headpin::engine
+}  // namespace headpin::engine

@@ -14,29 +14,26 @@ namespace headpin::engine {
 /// already above a minimum. GJK finds that nearest point, and its simplex stays
 /// valid when p moves on, so p moves as soon as a step finds a lower plane.
 template <typename S>
-HEADPIN_FLATTEN __attribute__((noinline)) Closest
-from_outside(S &search, Vec3 n, Support best, double size, double margin,
-             double tolerance) {
+HEADPIN_FLATTEN __attribute__((noinline)) Closest from_outside(S& search, Vec3 n, Support best,
+                                                               double size, double margin,
+                                                               double tolerance) {
   const double off = 0.1 * size;
   Simplex simplex;
   Vec3 best_n = n;
   // Well apart, the origin itself is outside, and its nearest point is the
   // answer.
   const auto outside = [&]() -> Vec3 {
-    return best.h < -0.5 * off ? Vec3(Vec3::Zero())
-                               : Vec3((best.h + off) * best_n);
+    return best.h < -0.5 * off ? Vec3(Vec3::Zero()) : Vec3((best.h + off) * best_n);
   };
   Vec3 p = outside();
   simplex.add(best.S, best.s_A, best.s_B);
   Vec3 v = simplex.reduce(p);
   for (int step = 0; step < 60; ++step) {
     const double length = v.norm();
-    if (!(length > 0.0))
-      break;
+    if (!(length > 0.0)) break;
     n = -v / length;
     const Support s = search(n);
-    if (s.h < -margin)
-      return search.answer(s, n);
+    if (s.h < -margin) return search.answer(s, n);
     // The plane across n keeps A - B at least this far from p; v is that far at
     // most.
     const double gap = length - (n.dot(p) - s.h);
@@ -45,15 +42,11 @@ from_outside(S &search, Vec3 n, Support best, double size, double margin,
       best = s;
       best_n = n;
     }
-    if (gap <= tolerance && gain <= tolerance)
-      break;
+    if (gap <= tolerance && gain <= tolerance) break;
     const bool known = simplex.holds(s.S);
-    if (known ? gain <= 0.0 : simplex.count == 4)
-      break; // rounding: no way on
-    if (gain > 0.0)
-      p = outside();
-    if (!known)
-      simplex.add(s.S, s.s_A, s.s_B);
+    if (known ? gain <= 0.0 : simplex.count == 4) break;  // rounding: no way on
+    if (gain > 0.0) p = outside();
+    if (!known) simplex.add(s.S, s.s_A, s.s_B);
     v = simplex.reduce(p);
   }
   Closest c = search.answer(best, best_n);
@@ -66,26 +59,23 @@ from_outside(S &search, Vec3 n, Support best, double size, double margin,
 
 /// Distance of shapes that are apart: GJK from the origin.
 template <typename S>
-Closest from_origin(S &search, const Closest &start, double size) {
+Closest from_origin(S& search, const Closest& start, double size) {
   Closest best = start;
   Simplex simplex;
   simplex.add(start.p_A - start.p_B, start.p_A, -start.p_B);
   for (int step = 0; step < 64; ++step) {
     const Vec3 v = simplex.reduce(Vec3::Zero());
     const double length = v.norm();
-    if (simplex.count == 4 || !(length > 0.0))
-      break;
+    if (simplex.count == 4 || !(length > 0.0)) break;
     const Vec3 n = -v / length;
     const Support s = search(n);
-    if (-s.h > best.distance)
-      best = search.answer(s, n);
+    if (-s.h > best.distance) best = search.answer(s, n);
     best.p_A = simplex.p_A();
     best.p_B = -simplex.p_B();
-    if (is_distance(best, size) || simplex.holds(s.S))
-      break;
+    if (is_distance(best, size) || simplex.holds(s.S)) break;
     simplex.add(s.S, s.s_A, s.s_B);
   }
   return best;
 }
 
-} // namespace headpin::engine
+}  // namespace headpin::engine

@@ -29,7 +29,7 @@ struct Descent {
   Vec3 n = Vec3::UnitZ();
   double h = 0.0;
   Vec3 s_A = Vec3::Zero(),
-       s_B = Vec3::Zero(); ///< S = s_A + s_B, with B mirrored
+       s_B = Vec3::Zero();  ///< S = s_A + s_B, with B mirrored
   int evaluations = 0;
 };
 
@@ -39,7 +39,7 @@ using posed::At;
 using posed::Bend;
 using posed::Generator;
 
-inline constexpr double kLongestStep = 0.7; // rad
+inline constexpr double kLongestStep = 0.7;  // rad
 
 /// A curvature that a step may be divided by: small and negative ones become
 /// positive.
@@ -47,7 +47,9 @@ inline double safe(double curvature, double floor) {
   return curvature > floor ? curvature : floor + std::abs(curvature);
 }
 
-inline Vec3 unit(const Vec3 &v) { return 1.0 / std::sqrt(v.squaredNorm()) * v; }
+inline Vec3 unit(const Vec3& v) {
+  return 1.0 / std::sqrt(v.squaredNorm()) * v;
+}
 
 /// 1 / sqrt(1 + x) for x below 1e-3, without the wait for a root and a
 /// division.
@@ -56,7 +58,7 @@ inline double inverse_root_above_1(double x) {
 }
 
 /// Two unit vectors across n and each other (Duff et al. 2017).
-inline void across(const Vec3 &n, Vec3 &u, Vec3 &v) {
+inline void across(const Vec3& n, Vec3& u, Vec3& v) {
   const double sign = std::copysign(1.0, n.z());
   const double a = -1.0 / (sign + n.z()), b = n.x() * n.y() * a;
   u = {1.0 + sign * n.x() * n.x() * a, sign * b, -sign * n.x()};
@@ -69,18 +71,16 @@ inline void across(const Vec3 &n, Vec3 &u, Vec3 &v) {
 /// @param tolerance   what h must fall by on such a step, slope apart [m]
 /// @param[out] least  bound from below on the curvatures it divided by; 0 where
 /// h falls off
-inline Vec2 step_of(const Bend &H, double gu, double gv, double floor,
-                    double tolerance, double &least) {
+inline Vec2 step_of(const Bend& H, double gu, double gv, double floor, double tolerance,
+                    double& least) {
   const double det = H.uu * H.vv - H.uv * H.uv, trace = H.uu + H.vv;
   // Both eigenvalues are above the floor.
   if (det > floor * trace - floor * floor && trace > 2.0 * floor) {
     least = det / trace;
     return 1.0 / det * Vec2(H.uv * gv - H.vv * gu, H.uv * gu - H.uu * gv);
   }
-  const double half = 0.5 * (H.uu - H.vv),
-               root = std::sqrt(half * half + H.uv * H.uv);
-  const double high = safe(0.5 * trace + root, floor),
-               lowest = 0.5 * trace - root;
+  const double half = 0.5 * (H.uu - H.vv), root = std::sqrt(half * half + H.uv * H.uv);
+  const double high = safe(0.5 * trace + root, floor), lowest = 0.5 * trace - root;
   const bool falls = 0.5 * lowest * kLongestStep * kLongestStep < -tolerance;
   least = falls ? 0.0 : floor;
   // Eigenvector of the higher: of [half uv; uv -half] with eigenvalue root.
@@ -88,64 +88,62 @@ inline Vec2 step_of(const Bend &H, double gu, double gv, double floor,
   const double length = x.norm();
   x = length > 0.0 ? Vec2(x / length) : Vec2::UnitX();
   const Vec2 y(-x.y(), x.x()), g(gu, gv);
-  const double down = falls ? std::copysign(kLongestStep, -y.dot(g))
-                            : -y.dot(g) / safe(lowest, floor);
+  const double down =
+      falls ? std::copysign(kLongestStep, -y.dot(g)) : -y.dot(g) / safe(lowest, floor);
   return -x.dot(g) / high * x + down * y;
 }
 
 /// Of the two normals on both circles the one nearest to n; n itself where the
 /// circles do not meet.
 template <typename A, typename B>
-Vec3 on_both(const A &a, double ca, const B &b, double cb, const Vec3 &n) {
+Vec3 on_both(const A& a, double ca, const B& b, double cb, const Vec3& n) {
   const Vec3 across = a.axis.cross(b.axis);
   const double sin2 = across.squaredNorm(), cosine = a.axis.dot(b.axis);
-  if (sin2 < 1e-20)
-    return n;
-  const Vec3 in_plane =
-      ((ca - cosine * cb) * a.axis + (cb - cosine * ca) * b.axis) / sin2;
+  if (sin2 < 1e-20) return n;
+  const Vec3 in_plane = ((ca - cosine * cb) * a.axis + (cb - cosine * ca) * b.axis) / sin2;
   const double up2 = 1.0 - in_plane.squaredNorm();
-  if (up2 < 0.0)
-    return n;
+  if (up2 < 0.0) return n;
   const double up = std::sqrt(up2 / sin2);
   return (in_plane + (n.dot(across) < 0.0 ? -up : up) * across).normalized();
 }
 
-template <typename Shape> Vec3 onto_circle(const Shape &s, const Vec3 &n) {
+template <typename Shape>
+Vec3 onto_circle(const Shape& s, const Vec3& n) {
   const Vec3 w = s.across(n, s.along(n));
   const double rho = w.norm();
-  if (!(rho > 0.0))
-    return n;
+  if (!(rho > 0.0)) return n;
   return s.kink() * s.axis + s.kink_radius() / rho * w;
 }
 
 /// Which side of the circle the direction lies on.
-template <typename Shape> int side_of(const Shape &s, const Vec3 &n) {
+template <typename Shape>
+int side_of(const Shape& s, const Vec3& n) {
   return s.along(n) > s.kink() ? 1 : -1;
 }
 
 /// Whether the way from n to `next` went over the pole of a cap.
 template <typename Shape>
-bool over_pole(const Shape &s, const Vec3 &n, const Vec3 &next) {
+bool over_pole(const Shape& s, const Vec3& n, const Vec3& next) {
   const double z0 = s.along(n), z1 = s.along(next);
   return z0 * z1 > 0.0 && s.pole(z1) && n.dot(next) - z0 * z1 < 0.0;
 }
 
-template <typename Shape> Vec3 pole_near(const Shape &s, const Vec3 &n) {
+template <typename Shape>
+Vec3 pole_near(const Shape& s, const Vec3& n) {
   return s.along(n) < 0.0 ? Vec3(-s.axis) : s.axis;
 }
 
 /// The point of a generator at tau becomes the furthest point.
-inline void move(At &a, const Generator &line, double tau, Vec3 &g) {
+inline void move(At& a, const Generator& line, double tau, Vec3& g) {
   a.s += tau * line.e;
   g += tau * line.e;
 }
 
 /// The search leaves a generator by the end that is nearest to tau.
-inline void leave(At &a, const Generator &line, double tau, Vec3 &g) {
+inline void leave(At& a, const Generator& line, double tau, Vec3& g) {
   const bool high = tau > 0.5 * (line.low + line.high);
   move(a, line, high ? line.high : line.low, g);
-  if (high)
-    a.bend = line.bend_high;
+  if (high) a.bend = line.bend_high;
   a.side = high ? line.high_side : -line.high_side;
   a.set = At::point;
 }
@@ -154,14 +152,14 @@ inline double outside(double tau, double low, double high) {
   return std::max({low - tau, tau - high, 0.0});
 }
 
-} // namespace newton
+}  // namespace newton
 
 /// The kink next to a normal of the frame before, where there is one: contacts
 /// sit on kinks, and those of B have moved since. A wrong guess costs an
 /// evaluation.
 template <typename A, typename B>
-Vec3 onto_kinks(const A &a, const B &b, const Vec3 &n) {
-  constexpr double kNear = 0.02; // rad
+Vec3 onto_kinks(const A& a, const B& b, const Vec3& n) {
+  constexpr double kNear = 0.02;  // rad
   bool near_a = false, near_b = false;
   if constexpr (A::kKinks) {
     const double z = a.along(n);
@@ -176,16 +174,13 @@ Vec3 onto_kinks(const A &a, const B &b, const Vec3 &n) {
     near_b = std::abs(z - b.kink()) < kNear * b.kink_radius();
   }
   if constexpr (A::kKinks && B::kKinks) {
-    if (near_a && near_b)
-      return newton::on_both(a, a.kink(), b, b.kink(), n);
+    if (near_a && near_b) return newton::on_both(a, a.kink(), b, b.kink(), n);
   }
   if constexpr (A::kKinks) {
-    if (near_a)
-      return newton::onto_circle(a, n);
+    if (near_a) return newton::onto_circle(a, n);
   }
   if constexpr (B::kKinks) {
-    if (near_b)
-      return newton::onto_circle(b, n);
+    if (near_b) return newton::onto_circle(b, n);
   }
   return n;
 }
@@ -200,33 +195,32 @@ struct Scale {
 
 /// A search at the normal n. Points of A and B move along generators and discs
 /// to where S is as parallel to n as it gets.
-template <typename A, typename B> struct Place {
-  Place(const A &shape_a, const B &shape_b, const Vec3 &normal)
+template <typename A, typename B>
+struct Place {
+  Place(const A& shape_a, const B& shape_b, const Vec3& normal)
       : a(shape_a), b(shape_b), n(normal), at_a(a.at(n)), at_b(b.at(n)) {}
 
-  const A &a;
-  const B &b;
-  const Vec3 &n;
+  const A& a;
+  const B& b;
+  const Vec3& n;
   At at_a, at_b;
   const Vec3 S = at_a.s + at_b.s;
   const double h = n.dot(S);
-  Vec3 g; // gradient: S - h n, as the points move
+  Vec3 g;  // gradient: S - h n, as the points move
   Generator line_a, line_b;
-  const At *held = nullptr; // on whose circle the search stays
-  Vec3 S_low;               // S with the low ends of generators held
+  const At* held = nullptr;  // on whose circle the search stays
+  Vec3 S_low;                // S with the low ends of generators held
 
   void look_for_generators() {
     g = S - h * n;
     if constexpr (A::kKinks) {
-      if (at_a.set == At::generator)
-        line_a = a.generator(n, at_a);
+      if (at_a.set == At::generator) line_a = a.generator(n, at_a);
     }
     if constexpr (B::kKinks) {
-      if (at_b.set == At::generator)
-        line_b = b.generator(n, at_b);
+      if (at_b.set == At::generator) line_b = b.generator(n, at_b);
     }
   }
-  void answer(Descent &d, Descent::End end) const {
+  void answer(Descent& d, Descent::End end) const {
     d.end = end;
     d.n = n;
     d.h = h;
@@ -240,8 +234,8 @@ template <typename A, typename B> struct Place {
 
 /// A cap is in view: flat on flat, or something stands on it.
 template <typename A, typename B>
-bool on_disc(Place<A, B> &p, const Scale &scale, Vec3 &aim) {
-  const auto nearest = [&](At &x, const Generator &line) {
+bool on_disc(Place<A, B>& p, const Scale& scale, Vec3& aim) {
+  const auto nearest = [&](At& x, const Generator& line) {
     if (x.set == At::generator) {
       move(x, line, std::clamp(-p.g.dot(line.e), line.low, line.high), p.g);
     }
@@ -263,17 +257,17 @@ bool on_disc(Place<A, B> &p, const Scale &scale, Vec3 &aim) {
   p.a.add_bend(p.n, p.at_a, out, Vec3::Zero(), H);
   p.b.add_bend(p.n, p.at_b, out, Vec3::Zero(), H);
   const double step = (off - radius) / safe(H.uu - p.h, scale.floor);
-  if (0.5 * step * (off - radius) < scale.tolerance)
-    return true;
+  if (0.5 * step * (off - radius) < scale.tolerance) return true;
   aim = unit(p.n - std::min(step, kLongestStep) * out);
   return false;
 }
 
 /// Two generators: crossed, they meet in one point of both, or the search
 /// leaves the one that ends first; side by side they are one long generator.
-template <typename A, typename B> bool on_two_generators(Place<A, B> &p) {
+template <typename A, typename B>
+bool on_two_generators(Place<A, B>& p) {
   const double det = p.n.dot(p.line_a.e.cross(p.line_b.e));
-  if (std::abs(det) > 1e-6) { // crossed
+  if (std::abs(det) > 1e-6) {  // crossed
     const double ta = -p.n.dot(p.g.cross(p.line_b.e)) / det;
     const double tb = -p.n.dot(p.line_a.e.cross(p.g)) / det;
     const double out_a = outside(ta, p.line_a.low, p.line_a.high);
@@ -283,8 +277,7 @@ template <typename A, typename B> bool on_two_generators(Place<A, B> &p) {
       move(p.at_b, p.line_b, tb, p.g);
       return true;
     }
-    out_a >= out_b ? leave(p.at_a, p.line_a, ta, p.g)
-                   : leave(p.at_b, p.line_b, tb, p.g);
+    out_a >= out_b ? leave(p.at_a, p.line_a, ta, p.g) : leave(p.at_b, p.line_b, tb, p.g);
     return false;
   }
   const double same = p.line_a.e.dot(p.line_b.e) > 0.0 ? 1.0 : -1.0;
@@ -307,9 +300,8 @@ template <typename A, typename B> bool on_two_generators(Place<A, B> &p) {
 /// One generator: the search stays on its circle while it holds the point that
 /// makes S parallel to n.
 template <typename A, typename B>
-void on_generator(Place<A, B> &p, At &x, const Generator &line) {
-  if (x.set != At::generator || p.held != nullptr)
-    return;
+void on_generator(Place<A, B>& p, At& x, const Generator& line) {
+  if (x.set != At::generator || p.held != nullptr) return;
   const double tau = -p.g.dot(line.e);
   if (tau < line.low || tau > line.high) {
     leave(x, line, tau, p.g);
@@ -322,21 +314,19 @@ void on_generator(Place<A, B> &p, At &x, const Generator &line) {
 
 /// Along the circle of a generator that holds the search.
 template <typename A, typename B>
-bool along_circle(const Place<A, B> &p, const Scale &scale, Vec3 &aim) {
+bool along_circle(const Place<A, B>& p, const Scale& scale, Vec3& aim) {
   const Vec3 t = p.held->t;
   Bend H;
   p.a.add_bend(p.n, p.at_a, t, Vec3::Zero(), H);
   p.b.add_bend(p.n, p.at_b, t, Vec3::Zero(), H);
-  const auto along = [&](const auto &s) {
+  const auto along = [&](const auto& s) {
     if constexpr (std::decay_t<decltype(s)>::kKinks) {
       const double c = s.kink(), rho = s.kink_radius();
-      const double curvature = safe(
-          H.uu + (c * s.axis.dot(p.S_low) - p.h) / (rho * rho), scale.floor);
+      const double curvature =
+          safe(H.uu + (c * s.axis.dot(p.S_low) - p.h) / (rho * rho), scale.floor);
       const double gt = p.g.dot(t), step = -gt / curvature;
-      if (-0.5 * gt * step < scale.tolerance)
-        return true;
-      const Vec3 w =
-          p.n - c * s.axis + std::clamp(step, -kLongestStep, kLongestStep) * t;
+      if (-0.5 * gt * step < scale.tolerance) return true;
+      const Vec3 w = p.n - c * s.axis + std::clamp(step, -kLongestStep, kLongestStep) * t;
       aim = c * s.axis + rho * unit(w);
     }
     return false;
@@ -349,10 +339,8 @@ bool along_circle(const Place<A, B> &p, const Scale &scale, Vec3 &aim) {
 /// @param stiffness  least curvature at the last such step; next to the minimum
 /// it will do
 template <typename A, typename B>
-bool across_smooth(const Place<A, B> &p, const Scale &scale, double &stiffness,
-                   Vec3 &aim) {
-  if (p.g.squaredNorm() < scale.tolerance * stiffness)
-    return true;
+bool across_smooth(const Place<A, B>& p, const Scale& scale, double& stiffness, Vec3& aim) {
+  if (p.g.squaredNorm() < scale.tolerance * stiffness) return true;
   Vec3 u, v;
   across(p.n, u, v);
   Bend H;
@@ -367,8 +355,7 @@ bool across_smooth(const Place<A, B> &p, const Scale &scale, double &stiffness,
       -0.5 * (gu * step.x() + gv * step.y()) < scale.tolerance) {
     return true;
   }
-  if (length2 > kLongestStep * kLongestStep)
-    step *= kLongestStep / std::sqrt(length2);
+  if (length2 > kLongestStep * kLongestStep) step *= kLongestStep / std::sqrt(length2);
   aim = p.n + step.x() * u + step.y() * v;
   aim *= length2 < 1e-3 ? inverse_root_above_1(length2) : 1.0 / aim.norm();
   return false;
@@ -376,28 +363,25 @@ bool across_smooth(const Place<A, B> &p, const Scale &scale, double &stiffness,
 
 /// Which of the cases it is. @return whether the search is at the minimum
 template <typename A, typename B>
-bool at_least(Place<A, B> &p, const Scale &scale, double &stiffness,
-              Vec3 &aim) {
+bool at_least(Place<A, B>& p, const Scale& scale, double& stiffness, Vec3& aim) {
   p.look_for_generators();
-  if (p.at_a.set == At::disc || p.at_b.set == At::disc)
-    return on_disc(p, scale, aim);
-  if (p.at_a.set == At::generator && p.at_b.set == At::generator &&
-      on_two_generators(p)) {
+  if (p.at_a.set == At::disc || p.at_b.set == At::disc) return on_disc(p, scale, aim);
+  if (p.at_a.set == At::generator && p.at_b.set == At::generator && on_two_generators(p)) {
     return true;
   }
   on_generator(p, p.at_a, p.line_a);
   on_generator(p, p.at_b, p.line_b);
-  return p.held != nullptr ? along_circle(p, scale, aim)
-                           : across_smooth(p, scale, stiffness, aim);
+  return p.held != nullptr ? along_circle(p, scale, aim) : across_smooth(p, scale, stiffness, aim);
 }
 
 /// Kinks on the way of a step.
 struct Kinks {
   int side_a = 0,
-      side_b = 0; // of the circles of kinks the step started from; 0: may cross
+      side_b = 0;  // of the circles of kinks the step started from; 0: may cross
   bool hold_a = false, hold_b = false, free_a = false, free_b = false;
 
-  template <typename A, typename B> void note(const Place<A, B> &p) {
+  template <typename A, typename B>
+  void note(const Place<A, B>& p) {
     side_a = p.at_a.side;
     side_b = p.at_b.side;
     hold_a = p.held == &p.at_a;
@@ -409,41 +393,33 @@ struct Kinks {
   /// Where a step ends that meets a kink on its way. A pole that was no better
   /// is not tried again.
   template <typename A, typename B>
-  Vec3 stop(const A &a, const B &b, const Vec3 &from, const Vec3 &to,
-            bool again) const {
+  Vec3 stop(const A& a, const B& b, const Vec3& from, const Vec3& to, bool again) const {
     if constexpr (A::kKinks) {
-      if (free_a && !again && over_pole(a, from, to))
-        return pole_near(a, to);
+      if (free_a && !again && over_pole(a, from, to)) return pole_near(a, to);
     }
     if constexpr (B::kKinks) {
-      if (free_b && !again && over_pole(b, from, to))
-        return pole_near(b, to);
+      if (free_b && !again && over_pole(b, from, to)) return pole_near(b, to);
     }
     bool over_a = false, over_b = false;
-    if constexpr (A::kKinks)
-      over_a = side_a != 0 && side_of(a, to) != side_a;
-    if constexpr (B::kKinks)
-      over_b = side_b != 0 && side_of(b, to) != side_b;
+    if constexpr (A::kKinks) over_a = side_a != 0 && side_of(a, to) != side_a;
+    if constexpr (B::kKinks) over_b = side_b != 0 && side_of(b, to) != side_b;
     if constexpr (A::kKinks && B::kKinks) {
       if ((over_a || hold_a) && (over_b || hold_b) && (over_a || over_b)) {
         const Vec3 both = on_both(a, a.kink(), b, b.kink(), to);
-        if ((both - to).squaredNorm() < (to - from).squaredNorm())
-          return both;
+        if ((both - to).squaredNorm() < (to - from).squaredNorm()) return both;
       }
     }
     if constexpr (A::kKinks) {
-      if (over_a)
-        return onto_circle(a, to);
+      if (over_a) return onto_circle(a, to);
     }
     if constexpr (B::kKinks) {
-      if (over_b)
-        return onto_circle(b, to);
+      if (over_b) return onto_circle(b, to);
     }
     return to;
   }
 };
 
-} // namespace newton
+}  // namespace newton
 
 /// Descends from n to a local minimum of h.
 ///
@@ -453,12 +429,12 @@ struct Kinks {
 /// @param margin  stops with `apart` where h < -margin
 /// @param cap     most evaluations
 template <typename A, typename B>
-HEADPIN_FLATTEN __attribute__((noinline)) Descent
-descend(const A &a, const B &b, Vec3 n, double size, double margin, int cap) {
+HEADPIN_FLATTEN __attribute__((noinline)) Descent descend(const A& a, const B& b, Vec3 n,
+                                                          double size, double margin, int cap) {
   using namespace newton;
   const Scale scale{1e-11 * size, 0.02 * size};
   Descent d;
-  Vec3 aim = n; // where the last step wanted to go, kinks apart
+  Vec3 aim = n;  // where the last step wanted to go, kinks apart
   Kinks kinks;
   double stiffness = 0.0;
   for (int k = 1; k <= cap; ++k) {
@@ -468,7 +444,7 @@ descend(const A &a, const B &b, Vec3 n, double size, double margin, int cap) {
       p.answer(d, Descent::apart);
       return d;
     }
-    if (k > 1 && p.h > d.h + 1e-13 * size) { // too long a step: half of it
+    if (k > 1 && p.h > d.h + 1e-13 * size) {  // too long a step: half of it
       aim = unit(aim + d.n);
       n = kinks.stop(a, b, d.n, aim, true);
       continue;
@@ -484,4 +460,4 @@ descend(const A &a, const B &b, Vec3 n, double size, double margin, int cap) {
   return d;
 }
 
-} // namespace headpin::engine
+}  // namespace headpin::engine

@@ -239,7 +239,8 @@ TEST(Layers, FilesAloneRemoveRenameAndCut) {
       R"(truncate|ftruncate|resize_file|linkat)\()"
       R"(|(fs|filesystem)::remove\()");
   int in_files = 0;
-  for (const char* folder : {"files", "engine", "devices", "render", "scene", "study", "sweep", "apps"}) {
+  for (const char* folder :
+       {"files", "engine", "devices", "render", "scene", "study", "sweep", "apps"}) {
     for (const auto& entry :
          fs::recursive_directory_iterator(HEADPIN_SOURCE_DIR "/" + std::string(folder))) {
       if (entry.path().extension() != ".cpp" && entry.path().extension() != ".h") continue;

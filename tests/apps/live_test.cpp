@@ -296,7 +296,8 @@ TEST_F(LiveFastrak, ARecordingThatSomebodyTakesAwayIsSaidToBeLost) {
         "live=$!\n"
         "counted $live live.lcmlog TRACKER 60\n" +
         std::string(deed) +
-        "\nwhile kill -0 $live && ! grep -q 'continues without a recording' err.txt; do sleep 0.05; done\n"
+        "\nwhile kill -0 $live && ! grep -q 'continues without a recording' err.txt; do sleep "
+        "0.05; done\n"
         "interrupt $live; code=$?\ninterrupt $unit\nexit $code");
     EXPECT_EQ(result.code, 1) << deed << "\n" << result.err;
     EXPECT_THAT(result.err, testing::HasSubstr(std::string("headpin live: live.lcmlog: ") + said));
