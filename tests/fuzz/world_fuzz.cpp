@@ -143,7 +143,7 @@ class Case {
 
   void check() {
     const Ledger& l = world_.ledger;
-    scale_ = std::max(scale_, world_.balance.energy + height_energy());
+    scale_ = std::max(scale_, world_.memory.balance.energy + height_energy());
     if (l.impact.energy > 1e-9 * scale_) fail("impacts gain energy [J]", l.impact.energy);
     // What is carried gains the fall of a step, which its contacts take away again.
     const double gain = l.gravity.energy + l.sustained.energy;
