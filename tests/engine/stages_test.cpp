@@ -73,7 +73,7 @@ TEST(ResolveImpacts, ExchangesTheVelocitiesOfEqualBallsWhereTheyMeet) {
   const Flight* const flight = resolve_impacts(world, touches, w);
   ASSERT_NE(flight, nullptr);
   ASSERT_EQ(flight->struck.size(), 2u);
-  for (const BodyId i : {0, 1}) {
+  for (const BodyId i : {0u, 1u}) {
     EXPECT_NEAR(flight->bodies[i].clock, gap / closing, 1e-6 / closing);
     EXPECT_EQ(flight->bodies[i].impacts, 1);
     EXPECT_NEAR(world.states[i].v_WB.x(), (i == 0 ? -0.5 : 0.5) * closing, 1e-12);
