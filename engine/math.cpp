@@ -27,7 +27,8 @@ SinCos sin_cos(double angle) {
                                                     z * (1.0 / 479001600.0 +
                                                          z * (-1.0 / 87178291200.0 +
                                                               z * (1.0 / 20922789888000.0))))))));
-  switch (static_cast<std::int64_t>(n) & 3) {
+  const bool counts = std::abs(n) < 0x1p62;  // else there is no such turn, and s and c say nothing
+  switch (counts ? static_cast<std::int64_t>(n) & 3 : 0) {
     case 0:
       return {s, c};
     case 1:

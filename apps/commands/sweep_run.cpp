@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <atomic>
 #include <charconv>
 #include <condition_variable>
@@ -35,9 +36,9 @@ struct Shard {
 Shard parse_shard(const std::string& text) {
   if (text.empty()) return {};
   std::int64_t k = 0, n = 0;
-  const char *end = text.data() + text.size(), *slash = text.data() + text.find('/');
-  const bool good = text.find('/') != std::string::npos &&
-                    std::from_chars(text.data(), slash, k).ptr == slash &&
+  const char* const end = text.data() + text.size();
+  const char* const slash = text.data() + std::min(text.find('/'), text.size());
+  const bool good = slash != end && std::from_chars(text.data(), slash, k).ptr == slash &&
                     std::from_chars(slash + 1, end, n).ptr == end && 1 <= k && k <= n;
   if (!good) {
     throw UsageError(fmt::format("--shard: expected K/N with K from 1 to N, found '{}'", text));
