@@ -9,6 +9,7 @@
 #include "apps/command.h"
 #include "apps/reference.h"
 #include "devices/base/version.h"
+#include "files/shell_word.h"
 #include "scene/scenario/files.h"
 
 // The manual pages and what completes a command line, written from the very options that the parser
@@ -192,11 +193,6 @@ std::string overview(const CLI::App& app) {
          see + "\n";
 }
 
-/// Words in single quotes, as both shells take them.
-std::string single_quoted(std::string_view text) {
-  return "'" + CLI::detail::find_and_replace(std::string(text), "'", "'\\''") + "'";
-}
-
 /// The names that may stand for the value of this option, besides files.
 std::vector<std::string> known_names(const CLI::Option& option) {
   return option.check_name("--scenario") ? scene::scenario_names() : std::vector<std::string>{};
@@ -211,7 +207,7 @@ std::string bash_completion(const CLI::App& app) {
       std::vector<std::string> of_group;
       for (const CLI::App* one : group) of_group.push_back(one->get_name());
       values += fmt::format("    {0}:{0}) words={1} ;;\n", command->get_name(),
-                            single_quoted(fmt::format("{}", fmt::join(of_group, " "))));
+                            files::shell_word(fmt::format("{}", fmt::join(of_group, " "))));
     }
     for (const CLI::Option* option : options_in(*command)) {
       const std::vector<std::string> these = names(*option);
@@ -222,16 +218,16 @@ std::string bash_completion(const CLI::App& app) {
       const auto files = known_names(*option);
       if (const auto of = choices(*option); !of.empty()) {
         values += fmt::format("    {}) words={} ;;\n", pattern,
-                              single_quoted(fmt::format("{}", fmt::join(of, " "))));
+                              files::shell_word(fmt::format("{}", fmt::join(of, " "))));
       } else if (!files.empty()) {
         values += fmt::format("    {}) words={}; files=yes ;;\n", pattern,
-                              single_quoted(fmt::format("{}", fmt::join(files, " "))));
+                              files::shell_word(fmt::format("{}", fmt::join(files, " "))));
       } else {
         values += fmt::format("    {}) files=yes ;;\n", pattern);
       }
     }
     words += fmt::format("      {}) words={} ;;\n", command->get_name(),
-                         single_quoted(fmt::format("{}", fmt::join(typed, " "))));
+                         files::shell_word(fmt::format("{}", fmt::join(typed, " "))));
   }
   return "# bash completion for headpin; written by the program\n"
          "_headpin() {\n"
@@ -239,7 +235,7 @@ std::string bash_completion(const CLI::App& app) {
          "  COMPREPLY=()\n"
          "  if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
          "    mapfile -t COMPREPLY < <(compgen -W " +
-         single_quoted(all + "--help --version") +
+         files::shell_word(all + "--help --version") +
          " -- \"$word\")\n"
          "    return\n"
          "  fi\n"
@@ -269,7 +265,7 @@ std::string zsh_option(const CLI::Option& option) {
   const std::vector<std::string> all = names(option);
   const std::string several = all.size() > 1 ? fmt::format("{{{}}}", fmt::join(all, ",")) : all[0];
   const std::string once =
-      may_be_repeated(option) ? "'*'" : single_quoted(fmt::format("({})", fmt::join(all, " ")));
+      may_be_repeated(option) ? "'*'" : files::shell_word(fmt::format("({})", fmt::join(all, " ")));
   std::string after = fmt::format("[{}]", zsh_text(option.get_description()));
   if (takes_value(option)) {
     const auto of = choices(option), files = known_names(option);
@@ -278,13 +274,14 @@ std::string zsh_option(const CLI::Option& option) {
              : !files.empty() ? fmt::format("{{compadd {}; _files}}", fmt::join(files, " "))
                               : std::string("_files");
   }
-  return fmt::format("        {}{}{} \\\n", once, several, single_quoted(after));
+  return fmt::format("        {}{}{} \\\n", once, several, files::shell_word(after));
 }
 
 std::string zsh_completion(const CLI::App& app) {
   std::string listed, each;
   for (const CLI::App* command : commands(app)) {
-    listed += "    " + single_quoted(command->get_name() + ":" + command->get_description()) + "\n";
+    listed +=
+        "    " + files::shell_word(command->get_name() + ":" + command->get_description()) + "\n";
     each += "    " + command->get_name() + ")\n      _arguments \\\n";
     for (const CLI::Option* option : options_in(*command)) each += zsh_option(*option);
     each += "        '*:file:_files' ;;\n";

@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include "study/csv.h"
 #include "sweep/result.h"
 
 namespace headpin::sweep {
@@ -18,22 +17,6 @@ std::size_t column_named(std::string_view name) {
   const auto& columns = result_columns();
   const auto found = std::ranges::find(columns, name, [](const ResultColumn& c) { return c.name; });
   return static_cast<std::size_t>(found - columns.begin());
-}
-
-/// The cells of a line as csv_line() writes it.
-std::vector<std::string> cells_of_line(const std::string& line) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (const char c : line) {
-    if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      cells.emplace_back();
-    } else if (c != '\n' || quoted) {
-      cells.back() += c;
-    }
-  }
-  return cells;
 }
 
 }  // namespace
@@ -48,11 +31,10 @@ Averages::Averages(const Rows& rows) : rows_(rows) {
   }
 }
 
-void Averages::add(std::int64_t number, const std::string& line) {
+void Averages::add(std::int64_t number, const std::vector<std::string>& cells) {
   static const std::size_t islands = column_named("unsolved_islands"),
                            impacts = column_named("unfinished_impacts");
   const std::size_t own = 2 + rows_.keys().size();
-  const std::vector<std::string> cells = cells_of_line(line);
   if (cells.size() != own + result_columns().size()) {
     throw std::runtime_error(fmt::format("row {}: expected {} cells, found {}", number + 1,
                                          own + result_columns().size(), cells.size()));

@@ -22,9 +22,10 @@ class Averages {
  public:
   explicit Averages(const Rows& rows);
 
-  /// Takes in the line of a table: the cells of a row and its results.
-  /// @throws std::runtime_error  for a line that has other cells than a table of results
-  void add(std::int64_t number, const std::string& line);
+  /// Takes in a row of results.
+  /// @param cells  of its line
+  /// @throws std::runtime_error  when they are more or fewer than a table of results has
+  void add(std::int64_t number, const std::vector<std::string>& cells);
 
   /// @param place  which value of each axis of the grid
   const Point& at(const std::vector<std::size_t>& place) const;

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "files/shell_word.h"
 #include "study/report.h"
 #include "sweep/result.h"
 
@@ -276,14 +277,13 @@ class Page {
   std::vector<Place> panels_;
 };
 
+/// In quotes only where it needs them, as somebody would type it.
 std::string for_a_shell(const std::string& text) {
   const bool plain = text.find_first_not_of(
                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=+-") ==
                      std::string::npos;
   if (plain && !text.empty()) return text;
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
+  return files::shell_word(text);
 }
 
 /// Any text, in a script inside a page.

@@ -16,6 +16,7 @@
 #include "devices/base/version.h"
 #include "files/input_file.h"
 #include "files/output_file.h"
+#include "files/shell_word.h"
 #include "scene/page/page_data.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/totals.h"
@@ -30,18 +31,11 @@ namespace fs = std::filesystem;
 constexpr std::size_t kMostEmbedded = 20'000'000;  // bytes; more stays beside the page
 constexpr std::size_t kMostRead = 2'000'000'000;   // bytes of a log that goes into a page
 
-/// As a shell reads it back.
-std::string quoted(const std::string& word) {
-  std::string out = "'";
-  for (const char c : word) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + "'";
-}
-
 std::string command_of(const TrialPage& options) {
-  std::string command = "headpin report " + quoted(options.trial);
-  if (options.other) command += " " + quoted(*options.other);
-  command += " -o " + quoted(*options.output);
-  if (options.video) command += " --video " + quoted(*options.video);
+  std::string command = "headpin report " + files::shell_word(options.trial);
+  if (options.other) command += " " + files::shell_word(*options.other);
+  command += " -o " + files::shell_word(*options.output);
+  if (options.video) command += " --video " + files::shell_word(*options.video);
   return command;
 }
 

@@ -63,8 +63,11 @@ void report_sweep(const ReportSweepOptions& options) {
       progress.show(i);
       const sweep::Piece piece = sweep.pieces.at(i);
       if (!sweep::piece_of(sweep, piece, &lines)) continue;
-      for (std::size_t j = 0; j < lines.size(); ++j) {
-        averages.add(piece.first + static_cast<std::int64_t>(j), lines[j]);
+      std::string text = sweep.columns;
+      for (const std::string& line : lines) text += line;
+      const study::CsvTable table = study::parse_csv(text, sweep.at.piece(piece).string());
+      for (std::size_t j = 0; j < table.rows.size(); ++j) {
+        averages.add(piece.first + static_cast<std::int64_t>(j), table.rows[j].cells);
       }
       done += std::ssize(lines);
     }

@@ -12,6 +12,7 @@
 #include "apps/streams.h"
 #include "apps/sweep.h"
 #include "files/output_file.h"
+#include "files/shell_word.h"
 
 namespace headpin::apps {
 
@@ -27,12 +28,6 @@ struct SlurmOptions {
 };
 
 constexpr int kMostTasks = 1000;  // Slurm's MaxArraySize is 1001 unless a site has another
-
-std::string in_quotes(const std::string& text) {
-  std::string quoted = "'";
-  for (const char c : text) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return quoted + "'";
-}
 
 void write_script(const fs::path& path, const std::string& text, bool force) {
   files::OutputFile file(path.string(), {.overwrite = force});
@@ -55,7 +50,8 @@ std::string array_script(const fs::path& sweep, const std::string& program, int 
       "#SBATCH --output={}/slurm-%A_%a.txt\n"
       "#SBATCH --open-mode=append\n"
       "exec {} sweep run {} --shard \"$SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT\" --jobs 1\n",
-      tasks, minutes, sweep.string(), in_quotes(program), in_quotes(sweep.string()));
+      tasks, minutes, sweep.string(), files::shell_word(program),
+      files::shell_word(sweep.string()));
 }
 
 std::string merge_script(const fs::path& sweep, const std::string& program) {
@@ -65,8 +61,8 @@ std::string merge_script(const fs::path& sweep, const std::string& program) {
       "#SBATCH --time=60\n"
       "#SBATCH --output={}/slurm-merge-%j.txt\n"
       "exec {} sweep merge {} -o {} --force\n",
-      sweep.string(), in_quotes(program), in_quotes(sweep.string()),
-      in_quotes((sweep / "results.csv").string()));
+      sweep.string(), files::shell_word(program), files::shell_word(sweep.string()),
+      files::shell_word((sweep / "results.csv").string()));
 }
 
 void write_slurm(const SlurmOptions& options) {

@@ -4,11 +4,15 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <string>
+#include <vector>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include "tests/support/folder.h"
 
@@ -37,6 +41,21 @@ class CommandLine : public testing::Test {
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + status, slurp(folder_ / "out.txt"),
             slurp(folder_ / "err.txt")};
+  }
+
+  /// Starts `headpin WORDS` in the folder, with nothing to read and nobody who hears it.
+  /// @param input  its standard input; none where it is negative
+  pid_t started(const std::vector<std::string>& words, int input = -1) const {
+    const pid_t process = fork();
+    if (process != 0) return process;
+    const int nothing = open("/dev/null", O_RDWR);
+    for (const int stream : {0, 1, 2}) dup2(nothing, stream);
+    if (input >= 0) dup2(input, 0);
+    std::vector<char*> arguments = {const_cast<char*>("headpin")};
+    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
+    if (chdir(folder_.c_str()) == 0) execv(HEADPIN_PROGRAM, arguments.data());
+    _exit(127);
   }
 
   nlohmann::json json(const std::string& arguments) const {

@@ -31,21 +31,6 @@ class StudyUnderStress : public CommandLine {
               0);
   }
 
-  /// Starts `headpin WORDS` in the folder.
-  /// @param input  its standard input; none where it is negative
-  pid_t started(const std::vector<std::string>& words, int input = -1) const {
-    const pid_t process = fork();
-    if (process != 0) return process;
-    const int nothing = open("/dev/null", O_RDWR);
-    for (const int stream : {0, 1, 2}) dup2(nothing, stream);
-    if (input >= 0) dup2(input, 0);
-    std::vector<char*> arguments = {const_cast<char*>("headpin")};
-    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-    arguments.push_back(nullptr);
-    if (chdir(folder_.c_str()) == 0) execv(HEADPIN_PROGRAM, arguments.data());
-    _exit(127);
-  }
-
   /// Runs it to its end and tells how long that took [us].
   useconds_t undisturbed(const std::vector<std::string>& words) const {
     const auto begin = std::chrono::steady_clock::now();

@@ -45,18 +45,6 @@ class SweepCommands : public CommandLine {
     EXPECT_EQ(headpin("sweep run whole --jobs 1").code, 0);
     return merged("whole");
   }
-
-  pid_t started(const std::vector<std::string>& words) const {
-    const pid_t process = fork();
-    if (process != 0) return process;
-    const int nothing = open("/dev/null", O_RDWR);
-    for (const int stream : {0, 1, 2}) dup2(nothing, stream);
-    std::vector<char*> arguments = {const_cast<char*>("headpin")};
-    for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
-    arguments.push_back(nullptr);
-    if (chdir(folder_.c_str()) == 0) execv(HEADPIN_PROGRAM, arguments.data());
-    _exit(127);
-  }
 };
 
 /// Rows of a table whose cells have no commas, by the names of its columns.

@@ -6,7 +6,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "study/csv.h"
 #include "sweep/result.h"
 #include "tests/support/folder.h"
 
@@ -21,9 +20,9 @@ const Design kDesign = parse_design(
     "shape = ['ellipsoid', 'true']\n[random]\ndraws = 3\nball.mass = {from = 5, to = 7}\n",
     "s.toml");
 
-/// The line of a row that felled so many.
-std::string line_of(const Rows& rows, std::int64_t number, double down, const char* islands = "0",
-                    const char* error = "") {
+/// The cells of a row that felled so many.
+std::vector<std::string> cells_with(const Rows& rows, std::int64_t number, double down,
+                                    const char* islands = "0", const char* error = "") {
   std::vector<std::string> cells = cells_of(rows, rows.at(number));
   for (const ResultColumn& column : result_columns()) {
     const std::string_view name = column.name;
@@ -32,7 +31,7 @@ std::string line_of(const Rows& rows, std::int64_t number, double down, const ch
                     : name == "error"            ? error
                                                  : "");
   }
-  return study::csv_line(cells);
+  return cells;
 }
 
 TEST(SweepAverages, AreTheMeanOverTrialsAndDrawsOfAPoint) {
@@ -41,8 +40,8 @@ TEST(SweepAverages, AreTheMeanOverTrialsAndDrawsOfAPoint) {
   Averages averages(rows);
   for (std::int64_t i = 0; i < rows.size(); ++i) {
     const bool unsolved = i == 7, failed = i == 14;
-    averages.add(i, line_of(rows, i, static_cast<double>(i), unsolved ? "2" : "0",
-                            failed ? "no, \"never\"" : ""));
+    averages.add(i, cells_with(rows, i, static_cast<double>(i), unsolved ? "2" : "0",
+                               failed ? "no, \"never\"" : ""));
   }
   // Elasticity 0.5, friction 1, true: the eighth point of twelve, rows 42 to 47.
   const Point& point = averages.at({1, 1, 1});
@@ -58,7 +57,16 @@ TEST(SweepAverages, AreTheMeanOverTrialsAndDrawsOfAPoint) {
 TEST(SweepAverages, RefuseALineThatIsNone) {
   const Rows rows(kDesign, {"A", "B"});
   Averages averages(rows);
-  EXPECT_THAT(complaint([&] { averages.add(4, "1,2,3\n"); }), HasSubstr("row 5: expected"));
+  EXPECT_THAT(complaint([&] { averages.add(4, {"1", "2", "3"}); }), HasSubstr("row 5: expected"));
+}
+
+// docs/guides/sweeps.md tells what each column is.
+TEST(SweepResult, ColumnsAreTheOnesOfTheGuide) {
+  const std::string page = slurp(HEADPIN_SOURCE_DIR "/docs/guides/sweeps.md");
+  for (const ResultColumn& column : result_columns()) {
+    const std::string unit = *column.unit ? fmt::format("{} ", column.unit) : "";
+    EXPECT_THAT(page, HasSubstr(fmt::format("| `{}` | {}| {}", column.name, unit, column.meaning)));
+  }
 }
 
 TEST(SweepReport, ACommandSimulatesItsRow) {
@@ -76,7 +84,7 @@ TEST(SweepReport, HasAMapForEachShapeWithItsExtremesAndNoForeignMarkup) {
   const Rows rows(design, {"A", "B"});
   Averages averages(rows);
   for (std::int64_t i = 0; i < 40; ++i) {
-    averages.add(i, line_of(rows, i, i < 6 ? 2.0 : 7.0));
+    averages.add(i, cells_with(rows, i, i < 6 ? 2.0 : 7.0));
   }
   const std::string html = html_report(rows, averages, 0, 1, "<i>", 40);
   EXPECT_THAT(html, HasSubstr("40 of 72 rows"));
