@@ -30,9 +30,10 @@ struct Session {
   std::int64_t tick = 0;          ///< tick of the session's clock; a new world does not reset it
   engine::Statistics statistics;  ///< of all steps so far
   engine::Workspace workspace;    ///< of those steps
-  bool hashes = true;             ///< else the two below stand still: a fifth of a replay's time
-  std::uint64_t state_hash = 0;   ///< of the world after the last tick
-  GameHash game_hash;             ///< of all ticks so far
+  /// False: the two hashes are not updated, which saves a fifth of a replay's time.
+  bool hashes = true;
+  std::uint64_t state_hash = 0;  ///< of the world after the last tick
+  GameHash game_hash;            ///< of all ticks so far
 
   // Input and output of the last tick.
   std::vector<devices::Sample> samples;
