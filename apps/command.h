@@ -35,5 +35,6 @@ void add_scenario(CLI::App& app);
 void add_stream(CLI::App& app);
 void add_sweep(CLI::App& app);
 void add_synthesize(CLI::App& app);
+void add_whatif(CLI::App& app);
 
 }  // namespace headpin::apps

@@ -189,6 +189,7 @@ int main(int argc, char** argv) {
   apps::add_live(app);
   apps::add_experiment(app);
   apps::add_sweep(app);
+  apps::add_whatif(app);
   apps::add_doctor(app);
   apps::add_stream(app);
   apps::add_emulate(app);

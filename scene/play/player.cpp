@@ -161,12 +161,26 @@ nlohmann::json told_of_release(Time time, const engine::State& state) {
           {"spin_radps", numbers(state.w_WB)}};
 }
 
+/// What leaves the hand with a change.
+Carried changed(Carried carried, const ReleaseChange& by) {
+  if (by == ReleaseChange{}) return carried;
+  engine::State& state = carried.state;
+  const Vec3 up(0.0, 0.0, 1.0);
+  state.v_WB = by.speed * (rotation(-by.direction * up) * state.v_WB);
+  state.X_WB.p += by.height * up;
+  const Vec3 level(state.v_WB.x(), state.v_WB.y(), 0.0);
+  if (level.norm() > 0.0) state.w_WB += by.spin * level.normalized();
+  carried.motion.V_WB = {state.v_WB, state.w_WB};
+  return carried;
+}
+
 /// Lets go at `time`, and lets the ball fly until `now`, which is later by less than a tick. The step
 /// takes it on by a tick: it flies until the start of that, which may be before it was let go.
 void release(Player& player, const Scene& scene, Time time, Time now) {
   const engine::BodyId body = player.held->body;
   const Hand& hand = scene.stage.scenario.hand;
-  auto [state, motion] = carried(player, scene.stage.scenario, time, now);
+  auto [state, motion] =
+      changed(carried(player, scene.stage.scenario, time, now), player.release_change);
   nlohmann::json told = told_of_release(time, state);
   double flown = seconds(now - time);
   if (at_trigger(hand)) flown -= engine::step_seconds(scene.world);

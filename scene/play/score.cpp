@@ -14,19 +14,6 @@ namespace headpin::scene {
 
 namespace {
 
-/// The angle of a velocity's part in the plane from the y axis, to the right positive, in [-180, 180].
-///
-/// By rotation_vector(), so that every machine gets the same bits.
-double degrees_from_y(const Vec3& v) {
-  const double speed = std::sqrt(v.x() * v.x() + v.y() * v.y());
-  if (speed <= 0.0) return 0.0;
-  // The turn by half of it, from whichever of two equal ratios does not cancel.
-  Quat half = v.y() >= 0.0 ? Quat(speed + v.y(), 0.0, 0.0, v.x())
-                           : Quat(std::abs(v.x()), 0.0, 0.0, std::copysign(speed - v.y(), v.x()));
-  half.normalize();
-  return rotation_vector(half).z() * 180.0 / std::numbers::pi;
-}
-
 /// A vector of an event's detail; nothing in older trials.
 std::optional<Vec3> vector_of(const nlohmann::json& detail, const char* key) {
   if (!detail.is_object()) return std::nullopt;
@@ -75,6 +62,16 @@ std::string mark(const Sheet& game, const std::string& what) {
 }
 
 }  // namespace
+
+double degrees_from_y(const Vec3& v) {
+  const double speed = std::sqrt(v.x() * v.x() + v.y() * v.y());
+  if (speed <= 0.0) return 0.0;
+  // The turn by half of it, from whichever of two equal ratios does not cancel.
+  Quat half = v.y() >= 0.0 ? Quat(speed + v.y(), 0.0, 0.0, v.x())
+                           : Quat(std::abs(v.x()), 0.0, 0.0, std::copysign(speed - v.y(), v.x()));
+  half.normalize();
+  return rotation_vector(half).z() * 180.0 / std::numbers::pi;
+}
 
 int points(const Sheet& sheet) {
   return points(rules_named(sheet.rules), sheet.frames, sheet.rack);

@@ -48,4 +48,8 @@ struct Score {
 
 Score score(std::span<const devices::Event> events);
 
+/// The direction of a velocity's level part: the angle from the y axis, positive to the right, in
+/// [-180, 180] degrees; 0 without a level part. It has the same bits on every machine.
+double degrees_from_y(const Vec3& v);
+
 }  // namespace headpin::scene

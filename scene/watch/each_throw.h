@@ -8,16 +8,10 @@
 
 #include "scene/play/run.h"
 #include "scene/play/score.h"
+#include "scene/watch/alone.h"
 #include "scene/watch/counterparts.h"
 
 namespace headpin::scene {
-
-/// The result of a throw.
-struct ThrowResult {
-  std::optional<int> felled;  ///< as the rules count; nothing if they count nothing
-  std::int64_t skittles_down = 0;
-  std::optional<double> release_speed, impact_speed;  ///< [m/s]
-};
 
 /// One separate throw.
 struct ThrowAlone {
@@ -38,7 +32,6 @@ class EachThrow : public Observer {
   /// @param other    the other condition, of the same bodies and ticks
   /// @throws std::invalid_argument  if it has other bodies or another tick rate
   EachThrow(const Session& session, const Scenario& other);
-  ~EachThrow() override;
 
   void tick(const Session& session) override;
   /// Finishes running simulations at the end of the session.
@@ -48,8 +41,6 @@ class EachThrow : public Observer {
   std::vector<ThrowAlone> throws() const;
 
  private:
-  struct Alone;
-
   std::shared_ptr<const Stage> other_stage(std::uint64_t version);
   void begin(const Session& session, const devices::Event& release);
 
@@ -57,7 +48,7 @@ class EachThrow : public Observer {
   std::array<std::shared_ptr<const Stage>, 3> stages_;  ///< of the other condition, by version
   std::optional<Session> before_;                       ///< the last tick, while a ball is held
   std::vector<devices::Event> events_;                  ///< of the session, those of throws
-  std::vector<std::array<std::unique_ptr<Alone>, 2>> alone_;
+  std::vector<std::array<Alone, 2>> alone_;             ///< as it was, under the other condition
 };
 
 nlohmann::json to_json(const std::vector<ThrowAlone>& throws);

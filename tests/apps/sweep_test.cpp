@@ -8,6 +8,7 @@
 #include <unistd.h>
 
 #include "tests/apps/command_line.h"
+#include "tests/support/csv_rows.h"
 
 namespace headpin {
 namespace {
@@ -47,28 +48,8 @@ class SweepCommands : public CommandLine {
   }
 };
 
-/// Rows of a table whose cells have no commas, by the names of its columns.
-std::vector<std::map<std::string, std::string>> rows_of(const std::string& text) {
-  std::istringstream lines(text);
-  std::string line, cell;
-  std::vector<std::string> names;
-  std::vector<std::map<std::string, std::string>> rows;
-  while (std::getline(lines, line)) {
-    std::istringstream cells(line);
-    std::vector<std::string> all;
-    while (std::getline(cells, cell, ',')) all.push_back(cell);
-    if (names.empty()) {
-      names = all;
-      continue;
-    }
-    auto& row = rows.emplace_back();
-    for (std::size_t i = 0; i < all.size(); ++i) row[names[i]] = all[i];
-  }
-  return rows;
-}
-
 TEST_F(SweepCommands, ARowIsTheReplayUnderItsCondition) {
-  auto rows = rows_of(undisturbed());
+  auto rows = csv_rows(undisturbed());
   ASSERT_EQ(rows.size(), 24u);
   for (const std::size_t i : {0u, 7u, 12u, 23u}) {
     auto& row = rows[i];

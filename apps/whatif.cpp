@@ -1,0 +1,239 @@
+#include "apps/whatif.h"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/damage.h"
+#include "apps/progress.h"
+#include "apps/stop.h"
+#include "scene/play/score.h"
+#include "scene/watch/recorded.h"
+
+namespace headpin::apps {
+
+namespace {
+
+constexpr std::size_t kMostReleases = 1'000'000;
+
+/// "-4:4:17": so many values at even distances; "0": this one.
+std::vector<double> axis_of(const char* option, const std::string& text, double least,
+                            double most) {
+  const auto refuse = [&] [[noreturn]] {
+    throw UsageError(fmt::format(
+        "{}: expected FROM:TO:STEPS or one number, from {} to {} and 1 to 1000 steps, found '{}'",
+        option, least, most, text));
+  };
+  const auto number = [&](const std::string& part) {
+    double value = 0.0;
+    const char* const end = part.data() + part.size();
+    if (std::from_chars(part.data(), end, value).ptr != end || part.empty()) refuse();
+    if (!(value >= least && value <= most)) refuse();
+    return value;
+  };
+  const std::size_t first = text.find(':');
+  if (first == std::string::npos) return {number(text)};
+  const std::size_t second = text.find(':', first + 1);
+  if (second == std::string::npos) refuse();
+  const double from = number(text.substr(0, first));
+  const double to = number(text.substr(first + 1, second - first - 1));
+  int steps = 0;
+  const char* const end = text.data() + text.size();
+  const bool whole = std::from_chars(text.data() + second + 1, end, steps).ptr == end;
+  if (!whole || steps < 1 || steps > 1000 || from > to || (steps > 1 && from == to)) refuse();
+  return sweep::evenly(from, to, steps);
+}
+
+sweep::ReleaseGrid grid_of(const WhatIfQuestion& question) {
+  sweep::ReleaseGrid grid;
+  grid.speed = axis_of("--speed", question.speed, 0.1, 10.0);
+  grid.direction_deg = axis_of("--direction", question.direction, -180.0, 180.0);
+  grid.height = axis_of("--height", question.height, -2.0, 2.0);
+  grid.spin = axis_of("--spin", question.spin, -1000.0, 1000.0);
+  if (grid.size() > kMostReleases) {
+    throw UsageError(
+        fmt::format("--speed, --direction, --height, --spin: expected at most {} "
+                    "releases, found {}",
+                    kMostReleases, grid.size()));
+  }
+  return grid;
+}
+
+/// The throws of a trial as it is replayed under the condition.
+std::vector<sweep::Situation> throws_of(const std::string& path, const WhatIfQuestion& question,
+                                        std::string_view command) {
+  scene::Recorded recorded = scene::load_trial(path, microseconds(question.longest_gap));
+  apply_condition(question.condition, recorded.scenario);
+  scene::Session session = scene::make_session(recorded.scenario);
+  session.hashes = false;
+  const std::int64_t ticks =
+      scene::tick_count(recorded.file.summary(), recorded.scenario.rates.physics_hz);
+  sweep::Situations situations(microseconds(1e-3 * question.within_ms));
+  ProgressLine progress("ticks", ticks);
+  const std::vector<scene::Observer*> observers = {&situations, &progress};
+  devices::TrialPlayer source(recorded.file);
+  scene::NoPace pace;
+  scene::run(session, source, pace, observers, [&](const scene::Session& s) {
+    check_stop();
+    return s.tick >= ticks;
+  });
+  say_what_is_missing(command, path, recorded.file.summary());
+  return situations.all();
+}
+
+/// Simulates with all jobs and tells how far it is.
+sweep::Simulate simulation_of(const sweep::Situation& situation, int jobs) {
+  return [&situation, jobs](std::span<const sweep::Release> releases) {
+    Progress progress("releases", static_cast<std::int64_t>(releases.size()));
+    return sweep::throw_again(situation, releases, jobs, [&](std::int64_t done) {
+      check_stop();
+      progress.show(done);
+    });
+  };
+}
+
+/// The throws that have a velocity, by their place in `own`.
+///
+/// @throws UsageError  for fewer than two, which have no costs
+std::vector<std::size_t> throws_with_velocity(const sweep::WhatIf& whatif) {
+  std::vector<std::size_t> found;
+  for (std::size_t i = 0; i < whatif.own.size(); ++i) {
+    if (whatif.own[i].execution) found.push_back(i);
+  }
+  if (found.size() < 2) {
+    throw UsageError(fmt::format("--costs: expected two throws or more with a velocity, found {}",
+                                 found.size()));
+  }
+  return found;
+}
+
+sweep::Costs costs_of(const sweep::WhatIf& whatif, const sweep::Simulate& simulate) {
+  const std::optional<sweep::Execution> recorded = sweep::execution_of(whatif.real.thrown);
+  if (!recorded || recorded->speed <= 0.0) {
+    throw UsageError(fmt::format("--costs: throw {} has no speed", whatif.number));
+  }
+  std::vector<sweep::Execution> executions;
+  for (const std::size_t i : whatif.in_costs) executions.push_back(*whatif.own[i].execution);
+  return sweep::costs_of(executions, *recorded, whatif.grid, simulate);
+}
+
+double share_of_success(const sweep::WhatIf& whatif) {
+  const auto good = std::ranges::count_if(whatif.of_grid, [&](const sweep::Outcome& outcome) {
+    return outcome.released && outcome.down >= whatif.success;
+  });
+  return static_cast<double>(good) / static_cast<double>(whatif.of_grid.size());
+}
+
+double milliseconds(Time time) {
+  return 1e3 * seconds(time);
+}
+
+}  // namespace
+
+sweep::WhatIf ask_what_if(const WhatIfQuestion& question, std::string_view command) {
+  sweep::WhatIf whatif;
+  whatif.grid = grid_of(question);
+  std::vector<sweep::Situation> throws;
+  for (std::size_t t = 0; t < question.trials.size(); ++t) {
+    std::vector<sweep::Situation> of_trial = throws_of(question.trials[t], question, command);
+    const std::string name = std::filesystem::path(question.trials[t]).filename().string();
+    for (std::size_t i = 0; i < of_trial.size(); ++i) {
+      const devices::ThrowRow& thrown = of_trial[i].thrown;
+      whatif.own.push_back({name, static_cast<int>(i) + 1, thrown, sweep::execution_of(thrown)});
+    }
+    if (t == 0) throws = std::move(of_trial);
+  }
+  if (throws.empty()) {
+    throw UsageError(fmt::format("{} has no throw: no ball was released", question.trials.front()));
+  }
+  if (question.number < 1 || question.number > std::ssize(throws)) {
+    throw UsageError(fmt::format("--throw: expected a throw of {} from 1 to {}, found {}",
+                                 question.trials.front(), throws.size(), question.number));
+  }
+  if (question.costs) whatif.in_costs = throws_with_velocity(whatif);
+  const sweep::Situation& situation = throws[static_cast<std::size_t>(question.number - 1)];
+  whatif.trial = whatif.own.front().trial;
+  whatif.number = question.number;
+  whatif.thrown = situation.thrown;
+  whatif.real = sweep::throw_again(situation, {});
+  whatif.rack = std::ssize(situation.before->stage->skittles);
+  whatif.success = question.success.value_or(std::max<std::int64_t>(1, whatif.real.down));
+  whatif.moments = sweep::moments(microseconds(1e-3 * question.within_ms),
+                                  microseconds(1e-3 * question.step_ms));
+  const sweep::Simulate simulate = simulation_of(situation, question.jobs);
+  whatif.of_moments = simulate(whatif.moments);
+  whatif.window = sweep::window_of_success(whatif.moments, whatif.of_moments, whatif.success);
+  whatif.of_grid = simulate(sweep::releases_of(whatif.grid));
+  if (question.costs) whatif.costs = costs_of(whatif, simulate);
+  return whatif;
+}
+
+nlohmann::ordered_json to_json(const sweep::WhatIf& whatif) {
+  nlohmann::ordered_json json = {{"trial", whatif.trial},
+                                 {"throw", whatif.number},
+                                 {"name", whatif.thrown.version},
+                                 {"release_speed_mps", whatif.real.thrown.speed},
+                                 {"skittles_down", whatif.real.down},
+                                 {"success_from", whatif.success},
+                                 {"moments", whatif.moments.size()},
+                                 {"window", nullptr},
+                                 {"grid_releases", whatif.of_grid.size()},
+                                 {"success_share", share_of_success(whatif)},
+                                 {"costs", nullptr}};
+  if (whatif.window) {
+    json["window"] = {{"from_ms", milliseconds(whatif.window->from)},
+                      {"to_ms", milliseconds(whatif.window->to)},
+                      {"cut", whatif.window->cut}};
+  }
+  if (whatif.costs) {
+    json["costs"] = {{"of_throws", whatif.in_costs.size()},
+                     {"mean_down", whatif.costs->mean},
+                     {"tolerance", whatif.costs->tolerance},
+                     {"noise", whatif.costs->noise},
+                     {"covariation", whatif.costs->covariation}};
+  }
+  return json;
+}
+
+std::vector<std::pair<std::string, std::string>> in_lines(const sweep::WhatIf& whatif) {
+  std::vector<std::pair<std::string, std::string>> lines;
+  const std::optional<sweep::Execution> real = sweep::execution_of(whatif.real.thrown);
+  lines.emplace_back(
+      "throw",
+      fmt::format("{} of {}: {:.2f} m/s{}, {} down", whatif.number, whatif.trial,
+                  whatif.real.thrown.speed,
+                  real ? fmt::format(", {:.1f} degrees {}", std::abs(real->direction_deg),
+                                     real->direction_deg < 0.0 ? "to the left" : "to the right")
+                       : "",
+                  whatif.real.down));
+  lines.emplace_back("moments", fmt::format("{} from {:+g} to {:+g} ms", whatif.moments.size(),
+                                            milliseconds(whatif.moments.front().shift),
+                                            milliseconds(whatif.moments.back().shift)));
+  std::string window =
+      fmt::format("none: the throw felled {}, expected {}", whatif.real.down, whatif.success);
+  if (whatif.window) {
+    window = fmt::format("{:+g} to {:+g} ms with at least {} down{}",
+                         milliseconds(whatif.window->from), milliseconds(whatif.window->to),
+                         whatif.success, whatif.window->cut ? ", and perhaps beyond" : "");
+  }
+  lines.emplace_back("window of success", window);
+  lines.emplace_back(
+      "releases",
+      fmt::format("{} of speed, direction, height and spin; {:.0f} % of them with "
+                  "at least {} down",
+                  whatif.of_grid.size(), 100.0 * share_of_success(whatif), whatif.success));
+  if (const auto& costs = whatif.costs) {
+    lines.emplace_back("throws", fmt::format("{}, {:.2f} down on average in this situation",
+                                             whatif.in_costs.size(), costs->mean));
+    lines.emplace_back("costs",
+                       fmt::format("tolerance {:.2f}, noise {:.2f}, covariation {:.2f} skittles",
+                                   costs->tolerance, costs->noise, costs->covariation));
+  }
+  return lines;
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sweep/whatif.h"
+
+/// The tables and pictures of a what-if.
+namespace headpin::sweep {
+
+/// One of the participant's own throws.
+struct OwnThrow {
+  std::string trial;  ///< name of its file
+  int number = 0;     ///< in its trial, from 1
+  devices::ThrowRow thrown;
+  std::optional<Execution> execution;
+};
+
+/// Everything that was simulated about one throw.
+struct WhatIf {
+  std::string trial;
+  int number = 0;  ///< of the throw in its trial, from 1
+  devices::ThrowRow thrown;
+  Outcome real;              ///< of the release as it was
+  std::int64_t rack = 0;     ///< skittles
+  std::int64_t success = 0;  ///< so many skittles down are a success
+  std::vector<Release> moments;
+  std::vector<Outcome> of_moments;
+  std::optional<Window> window;
+  ReleaseGrid grid;
+  std::vector<Outcome> of_grid;
+  std::vector<OwnThrow> own;  ///< of all trials that were given
+  std::optional<Costs> costs;
+  std::vector<std::size_t> in_costs;  ///< which of `own`, in the order of `costs->down`
+};
+
+/// A column of the three tables.
+struct WhatIfColumn {
+  const char* name;  ///< with the unit last
+  const char* unit;
+  const char* meaning;
+};
+
+/// Columns of every release, behind those that say which one it is.
+const std::vector<WhatIfColumn>& release_columns();
+
+/// CSV with a line of names.
+std::string moments_csv(const WhatIf& whatif);
+std::string releases_csv(const WhatIf& whatif);
+std::string throws_csv(const WhatIf& whatif);
+
+/// SVG documents: skittles, speed and direction over the moment of the release; and skittles over
+/// direction and speed, a map for each height and spin, with the participant's own throws.
+std::string moments_svg(const WhatIf& whatif);
+std::string map_svg(const WhatIf& whatif);
+
+}  // namespace headpin::sweep

@@ -1,0 +1,108 @@
+// What-if as a laboratory meets it: its tables against replays, its refusals, its end.
+
+#include <csignal>
+#include <map>
+
+#include "tests/apps/command_line.h"
+#include "tests/support/csv_rows.h"
+
+namespace headpin {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kOne = " --speed 1 --direction 0 --height 0 --spin 0";
+
+class WhatIfCommand : public CommandLine {};
+
+TEST_F(WhatIfCommand, TheReleaseAsItWasIsTheReplay) {
+  const nlohmann::json replay = json("replay '" + kDemo + "' --json");
+  const nlohmann::json whatif =
+      json("whatif '" + kDemo + "' -o OUT --within 10 --step 2.5" + kOne + " --json");
+  EXPECT_EQ(whatif["release_speed_mps"], replay["release_speed_mps"]);
+  EXPECT_EQ(whatif["skittles_down"], replay["skittles_down"]);
+  EXPECT_EQ(whatif["moments"], 9);
+  EXPECT_EQ(whatif["grid_releases"], 1);
+  EXPECT_EQ(whatif["success_share"], 1.0);
+  EXPECT_LE(whatif["window"]["from_ms"], 0.0);
+  EXPECT_GE(whatif["window"]["to_ms"], 0.0);
+  auto rows = csv_rows(slurp(folder_ / "OUT/moments.csv"));
+  ASSERT_EQ(rows.size(), 9u);
+  EXPECT_EQ(rows[0]["later_ms"], "-10");
+  EXPECT_EQ(rows[4]["later_ms"], "0");
+  EXPECT_EQ(std::stod(rows[4]["entry_speed_mps"]), replay["impact_speed_mps"]);
+  EXPECT_EQ(std::stoi(rows[4]["skittles_down"]), replay["skittles_down"]);
+  auto grid = csv_rows(slurp(folder_ / "OUT/releases.csv"));
+  ASSERT_EQ(grid.size(), 1u);
+  EXPECT_EQ(grid[0]["entry_speed_mps"], rows[4]["entry_speed_mps"]);
+  EXPECT_EQ(grid[0]["speed_factor"], "1");
+  auto own = csv_rows(slurp(folder_ / "OUT/throws.csv"));
+  ASSERT_EQ(own.size(), 1u);
+  EXPECT_EQ(own[0]["trial"], "demo.lcmlog");
+  EXPECT_EQ(std::stoi(own[0]["skittles_down"]), replay["skittles_down"]);
+  for (const char* picture : {"moments.svg", "map.svg"}) {
+    const std::string svg = slurp(folder_ / "OUT" / picture);
+    EXPECT_THAT(svg, testing::StartsWith("<svg xmlns="));
+    EXPECT_THAT(svg, testing::EndsWith("</svg>\n"));
+  }
+}
+
+TEST_F(WhatIfCommand, IsAskedUnderAnyCondition) {
+  const nlohmann::json replay = json("replay '" + kDemo + "' --friction 0.9 --elasticity 0 --json");
+  const nlohmann::json whatif =
+      json("whatif '" + kDemo + "' --friction 0.9 --elasticity 0 --within 0 --json" + kOne);
+  EXPECT_EQ(whatif["skittles_down"], replay["skittles_down"]);
+  EXPECT_EQ(whatif["moments"], 1);
+}
+
+TEST_F(WhatIfCommand, TheNumberOfJobsDoesNotChangeAByte) {
+  for (const char* jobs : {"1", "3"}) {
+    const Result result = headpin("whatif '" + kDemo + "' -o w" + jobs + " --jobs " + jobs +
+                                  " --within 8 --step 4 --speed 0.9:1.1:3 --direction -1:1:3"
+                                  " --height 0 --spin 0");
+    ASSERT_EQ(result.code, 0) << result.err;
+  }
+  for (const char* file :
+       {"moments.csv", "moments.svg", "releases.csv", "map.svg", "whatif.json"}) {
+    EXPECT_EQ(slurp(folder_ / "w1" / file), slurp(folder_ / "w3" / file)) << file;
+    EXPECT_FALSE(slurp(folder_ / "w1" / file).empty()) << file;
+  }
+}
+
+TEST_F(WhatIfCommand, RefusesWhatCannotBe) {
+  const std::string demo = "whatif '" + kDemo + "' -o OUT ";
+  expect_refusal(demo + "--throw 2", 2, "--throw: expected a throw of");
+  expect_refusal(demo + "--costs", 2, "--costs: expected two throws");
+  for (const char* axis : {"1:2", "1:2:", "a", "", "0:1:3", "1:0.5:3", "1:1:2", "1:2:0", "1:2:3x",
+                           "nan", "1:inf:3", "1:2:1001", "1:2:3:4"}) {
+    expect_refusal(demo + "--speed '" + axis + "'", 2, "--speed: expected FROM:TO:STEPS");
+  }
+  expect_refusal(demo + "--speed 0.5:2:1000 --direction -9:9:1000 --height 0:1:2", 2,
+                 "expected at most 1000000 releases");
+  expect_refusal(demo + "--step 0", 2, "--step");
+  expect_refusal(demo + "--within 501", 2, "--within");
+  expect_refusal("whatif gone.lcmlog -o OUT", 1, "gone.lcmlog: cannot open");
+  expect_refusal(demo + "--set rig.hand_station=3", 2, "has no throw");
+}
+
+TEST_F(WhatIfCommand, ReplacesOnlyItsOwn) {
+  const std::string ask = "whatif '" + kDemo + "' --within 0 -o w" + kOne;
+  ASSERT_EQ(headpin(ask).code, 0);
+  EXPECT_EQ(headpin(ask).code, 1);
+  spit(folder_ / "w/thesis.tex", "x");
+  EXPECT_EQ(headpin(ask + " --force").code, 1);
+  EXPECT_EQ(slurp(folder_ / "w/thesis.tex"), "x");
+}
+
+TEST_F(WhatIfCommand, StoppedItLeavesNothing) {
+  const pid_t process = started({"whatif", kDemo, "-o", "OUT", "--speed", "0.5:2:100"});
+  while (!fs::exists(folder_ / "OUT/.headpin.part")) usleep(1000);
+  kill(process, SIGTERM);
+  int status = 0;
+  ASSERT_EQ(waitpid(process, &status, 0), process);
+  EXPECT_EQ(WEXITSTATUS(status), 128 + SIGTERM);
+  EXPECT_FALSE(fs::exists(folder_ / "OUT"));
+}
+
+}  // namespace
+}  // namespace headpin
