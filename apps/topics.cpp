@@ -26,7 +26,7 @@ constexpr std::array kTopics = {
     Topic{"participants", "guides/participants.md", "Virtual participants"},
     Topic{"study", "experiment.md", "The experiment: plan, play, ask, score, analyse, share"},
     Topic{"sweeps", "guides/sweeps.md", "Many replays: sweeps"},
-    Topic{"whatif", "guides/whatif.md", "What if the ball had left the hand differently?"},
+    Topic{"what-if", "guides/whatif.md", "What if the ball had left the hand differently?"},
     Topic{"tables", "guides/tables.md", "Tables and plots"},
     Topic{"scripts", "guides/scripts.md", "Use headpin in scripts"},
     Topic{"engine", "guides/engine.md", "The engine as a library"},

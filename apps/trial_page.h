@@ -12,6 +12,7 @@ namespace headpin::apps {
 struct TrialPage {
   std::string trial;
   std::optional<std::string> other, output, video, page;
+  std::optional<int> whatif;  ///< number of the throw whose other releases are shown
   double longest_gap = seconds(devices::kLongestGap);
   bool force = false, json = false;
 };

@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <thread>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -13,6 +14,7 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/trial_page.h"
+#include "apps/whatif.h"
 #include "devices/base/version.h"
 #include "files/input_file.h"
 #include "files/output_file.h"
@@ -36,6 +38,7 @@ std::string command_of(const TrialPage& options) {
   if (options.other) command += " " + files::shell_word(*options.other);
   command += " -o " + files::shell_word(*options.output);
   if (options.video) command += " --video " + files::shell_word(*options.video);
+  if (options.whatif) command += fmt::format(" --whatif {}", *options.whatif);
   return command;
 }
 
@@ -143,6 +146,31 @@ nlohmann::json add_video(const TrialPage& options, const std::vector<fs::path>& 
   return {{"embedded", false}, {"file", beside.filename().string()}};
 }
 
+/// What other releases of a throw would have felled, as `headpin whatif` draws and tells it.
+nlohmann::json whatif_of(const TrialPage& options) {
+  WhatIfQuestion question;
+  question.trials = {options.trial};
+  question.number = *options.whatif;
+  question.longest_gap = options.longest_gap;
+  question.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  const sweep::WhatIf whatif = ask_what_if(question, "report");
+  nlohmann::json moments = nlohmann::json::array();
+  for (std::size_t i = 0; i < whatif.moments.size(); ++i) {
+    const sweep::Outcome& outcome = whatif.of_moments[i];
+    nlohmann::json row = {1e3 * seconds(whatif.moments[i].shift), nullptr, nullptr, nullptr};
+    if (const auto execution = sweep::execution_of(outcome.thrown)) {
+      row[1] = execution->speed;
+      row[2] = execution->direction_deg;
+    }
+    if (outcome.released) row[3] = outcome.down;
+    moments.push_back(row);
+  }
+  return {{"lines", in_lines(whatif)},
+          {"moments", moments},
+          {"moments_svg", sweep::moments_svg(whatif)},
+          {"map_svg", sweep::map_svg(whatif)}};
+}
+
 }  // namespace
 
 nlohmann::ordered_json write_page(const TrialPage& options) {
@@ -198,6 +226,7 @@ nlohmann::ordered_json write_page(const TrialPage& options) {
       *options.output,
       {.overwrite = options.force, .standard_output = !options.video, .inputs = inputs});
   about["video"] = add_video(options, inputs, blocks);
+  if (options.whatif) blocks["whatif"] = deflated(text_of(whatif_of(options)));
   blocks["about"] = deflated(text_of(about));
   const std::string html = filled(page, blocks);
   out.write(html.data(), html.size());
@@ -227,6 +256,11 @@ void add_report(CLI::App& app) {
   command->add_option("--video", options->video,
                       "video of both eyes (the .mp4 of `headpin frames --video`): embedded in the "
                       "page or, above 20 MB, copied next to it");
+  command
+      ->add_option("--whatif", options->whatif,
+                   "number of a throw: also show what other releases of it would have felled, as "
+                   "`headpin whatif` with its defaults")
+      ->check(CLI::Range(1, 1'000'000));
   command->add_option("--page", options->page,
                       "page template; default: the one that is installed with the program");
   add_force(*command, options->force);

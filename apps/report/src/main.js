@@ -10,6 +10,7 @@ import { Timeline } from './timeline.js';
 import { Trial } from './trial.js';
 import { Video } from './video.js';
 import { View } from './view.js';
+import { showWhatIf } from './whatif.js';
 import { firstDifferenceInWords } from './words.js';
 
 async function trialOf(which) {
@@ -75,6 +76,7 @@ class Page {
       this.nameOther('Other trial (blue)');
       showCompared(this.trial, this.other, this.about);
     }
+    await showWhatIf();
     document.documentElement.dataset.ready = 'yes';
     this.again = new Again((again, which) => this.showAgain(again, which), (trial) => this.openTrial(trial));
     await this.again.start(this.trial);
@@ -135,6 +137,7 @@ class Page {
     this.trial = trial;
     this.other = null;
     find('compared').hidden = true;
+    find('whatif').hidden = true;
     find('video').hidden = true;
     this.about = { ...this.about, command: `headpin report '${trial.json.trial.name.replaceAll("'", "'\\''")}' -o trial.html`, log_left_out: false };
     this.view.load(trial, null);

@@ -184,6 +184,23 @@ for (const options of [{ width: 1400 }, { width: 390, height: 844 }, { colorSche
   });
 }
 
+test('other releases of a throw: pictures, the window of success, each moment as a table', async () => {
+  headpin('report', 'game.lcmlog', '-o', 'whatif.html', '--whatif', '1');
+  const lines = headpin('whatif', 'game.lcmlog', '--speed', '1', '--direction', '0', '--height', '0', '--spin', '0');
+  const { page, said } = await open(browser, 'whatif.html');
+  const [, words] = /window of success +(.*)/.exec(lines);
+  assert.ok((await page.textContent('#whatif-body')).includes(words), words);
+  await until(page, () => [...document.querySelectorAll('#whatif img')].every((image) => image.naturalWidth > 400));
+  assert.equal(await page.locator('#whatif img').count(), 2);
+  await page.locator('#whatif summary').click();
+  assert.equal(await page.locator('#whatif tbody tr').count(), 301);
+  await page.addScriptTag({ content: axe });
+  const { violations } = await page.evaluate(() => window.axe.run(document.getElementById('whatif')));
+  assert.deepEqual(violations.map(({ id }) => id), []);
+  assert.deepEqual(said, []);
+  await page.context().close();
+});
+
 test('two trials: the first different tick and body, and both in the room', async () => {
   headpin('replay', 'game.lcmlog', '--friction', '0.3', '-o', 'smooth.lcmlog');
   const { first_difference_tick: tick, first_difference_body: body } =
