@@ -108,13 +108,17 @@ void OutputFolder::make_folder() {
   for (fs::path at = folder_; is_missing(at); at = at.parent_path()) {
     made_.insert(made_.begin(), at);
   }
-  for (std::size_t i = 0; i < made_.size(); ++i) {
-    if (mkdir(made_[i].c_str(), 0777) == 0) continue;
-    const int error = errno;
-    made_.resize(i);  // the rest was never there, or another one made it
-    if (error == EEXIST) break;
-    errno = error;
-    fail("cannot be made");
+  for (std::size_t i = 0; i < made_.size();) {
+    if (mkdir(made_[i].c_str(), 0777) == 0) {
+      ++i;
+    } else if (errno == EEXIST) {  // another one made it meanwhile
+      made_.erase(made_.begin() + static_cast<std::ptrdiff_t>(i));
+    } else {
+      const int error = errno;
+      made_.resize(i);  // the rest was never there
+      errno = error;
+      fail("cannot be made");
+    }
   }
   if (!fs::is_directory(folder_)) {
     throw std::runtime_error(path_ + ": is a file; expected the name of a folder");
@@ -178,12 +182,14 @@ void OutputFolder::take_back() {
   old.keep(true);
   std::vector<Move> done;
   if (exists_in(descriptor_, kPartFolder)) {
-    const WorkFolder part(folder_ / kPartFolder);
+    WorkFolder part(folder_ / kPartFolder);
+    part.keep(true);
     for (const std::string& name : part.names()) {
       const bool came = !exists_in(part.descriptor(), name) && exists_in(descriptor_, name);
       const bool was_there = old.names().contains(name) && !exists_in(old.descriptor(), name);
       if (came && !was_there) move({name, nullptr, &part}, done);
     }
+    part.keep(false);
   }
   for (const std::string& name : old.names()) {
     if (exists_in(old.descriptor(), name)) move({name, &old, nullptr}, done);
@@ -283,7 +289,10 @@ void OutputFolder::commit(const std::string& last) {
       cut_back();
       throw;
     }
+    // All three tell the next of us what belongs where.
     old->keep(true);
+    part_->keep(true);
+    listed_ = true;
     throw std::runtime_error(std::string(error.what()) + "; and these could not be moved back:" +
                              stuck + "; the old ones are in " + (folder_ / kOld).string());
   }

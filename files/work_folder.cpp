@@ -42,6 +42,17 @@ std::string text_in(int folder, const char* name) {
   return text;
 }
 
+/// Puts text at the end of a file.
+bool append(int file, std::string_view text) {
+  while (!text.empty()) {
+    const ssize_t n = write(file, text.data(), text.size());
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) return false;
+    text.remove_prefix(static_cast<std::size_t>(n));
+  }
+  return true;
+}
+
 bool is_regular(int folder, const std::string& name) {
   struct stat is {};
   return fstatat(folder, name.c_str(), &is, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(is.st_mode);
@@ -170,13 +181,12 @@ WorkFolder::WorkFolder(fs::path path) : path_(std::move(path)) {
     const std::string_view title = kListTitle;
     if (fstat(list_, &is) != 0) fail("cannot be written");
     if (is.st_size < static_cast<off_t>(title.size()) &&
-        (ftruncate(list_, 0) != 0 ||
-         write(list_, title.data(), title.size()) != static_cast<ssize_t>(title.size()))) {
+        (ftruncate(list_, 0) != 0 || !append(list_, title))) {
       fail("cannot be written");
     }
     char last = '\n';  // else a crash cut the list inside a name
     if (fstat(list_, &is) != 0 || pread(list_, &last, 1, is.st_size - 1) != 1 ||
-        (last != '\n' && write(list_, "\n", 1) != 1)) {
+        (last != '\n' && !append(list_, "\n"))) {
       fail("cannot be written");
     }
   } catch (...) {
@@ -205,12 +215,7 @@ void WorkFolder::close_all() noexcept {
 }
 
 fs::path WorkFolder::add(const std::string& name, const std::string& listed) {
-  if (names_.insert(listed).second) {
-    const std::string line = listed + "\n";
-    if (write(list_, line.data(), line.size()) != static_cast<ssize_t>(line.size())) {
-      fail("cannot be written");
-    }
-  }
+  if (names_.insert(listed).second && !append(list_, listed + "\n")) fail("cannot be written");
   return path_ / name;
 }
 

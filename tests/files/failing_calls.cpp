@@ -12,6 +12,7 @@
 #include <dirent.h>
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -22,24 +23,28 @@ namespace {
 
 const char* failing = "";
 int failing_number = 0, failing_error = 0, end_number = -1, count = 0;
+bool all_later = false, one_failed = false;
 std::function<void()> ahead;
-std::size_t shortest = 0;  // 0: writes are whole
+std::size_t shortest = 0, shortest_read = 0;  // 0: they are whole
 std::vector<Change>* recorded = nullptr;
 
 /// @return  whether the call shall fail; errno is set then
 bool fails(const char* name) {
   if (count++ == end_number) raise(SIGKILL);
-  if (std::strcmp(name, failing) != 0 || failing_number-- != 0) return false;
+  if (std::strcmp(name, failing) != 0) return false;
+  const int calls_before = failing_number--;
+  if (calls_before > 0 || (calls_before < 0 && !all_later)) return false;
   if (ahead) {
     std::exchange(ahead, {})();
     return false;
   }
   errno = failing_error;
+  one_failed = true;
   return true;
 }
 
-std::size_t part_of(std::size_t size) {
-  return shortest > 0 ? std::min(size, shortest) : size;
+std::size_t part_of(std::size_t size, std::size_t most) {
+  return most > 0 ? std::min(size, most) : size;
 }
 
 std::string path_of(int file) {
@@ -92,6 +97,11 @@ void fail_call(const char* name, int number, int error) {
   failing_error = error;
 }
 
+void fail_calls_from(const char* name, int number, int error) {
+  fail_call(name, number, error);
+  all_later = true;
+}
+
 void end_at_call(int number) {
   let_all_succeed();
   end_number = number;
@@ -106,8 +116,16 @@ void write_at_most(std::size_t bytes) {
   shortest = bytes;
 }
 
+void read_at_most(std::size_t bytes) {
+  shortest_read = bytes;
+}
+
 const std::vector<std::string>& opened_for_others() {
   return without_close_on_exec();
+}
+
+bool has_failed() {
+  return one_failed;
 }
 
 int calls() {
@@ -116,10 +134,12 @@ int calls() {
 
 void let_all_succeed() {
   failing = "";
+  all_later = one_failed = false;
   ahead = {};
   end_number = -1;
   count = 0;
   shortest = 0;
+  shortest_read = 0;
 }
 
 std::vector<Change> changes_of(const std::function<void()>& work) {
@@ -214,23 +234,32 @@ int syncfs(int file) noexcept {
   return noted(static_cast<int>(syscall(SYS_syncfs, file)), Change::kSyncAll, "");
 }
 
+int flock(int file, int how) noexcept {
+  return fails("flock") ? -1 : static_cast<int>(syscall(SYS_flock, file, how));
+}
+
+DIR* fdopendir(int folder) {
+  static const auto real = reinterpret_cast<DIR* (*)(int)>(dlsym(RTLD_NEXT, "fdopendir"));
+  return fails("fdopendir") ? nullptr : real(folder);
+}
+
 dirent* readdir(DIR* folder) {
   static const auto real = reinterpret_cast<dirent* (*)(DIR*)>(dlsym(RTLD_NEXT, "readdir"));
   return fails("readdir") ? nullptr : real(folder);
 }
 
 ssize_t read(int file, void* out, size_t size) {
-  return fails("read") ? -1 : syscall(SYS_read, file, out, size);
+  return fails("read") ? -1 : syscall(SYS_read, file, out, part_of(size, shortest_read));
 }
 
 ssize_t pread(int file, void* out, size_t size, off_t at) {
-  return fails("pread") ? -1 : syscall(SYS_pread64, file, out, size, at);
+  return fails("pread") ? -1 : syscall(SYS_pread64, file, out, part_of(size, shortest_read), at);
 }
 
 ssize_t write(int file, const void* in, size_t size) {
   if (fails("write")) return -1;
   const off_t at = recorded != nullptr ? size_of(file) : 0;  // all that is recorded is appended
-  const ssize_t n = syscall(SYS_write, file, in, part_of(size));
+  const ssize_t n = syscall(SYS_write, file, in, part_of(size, shortest));
   if (recorded == nullptr || n < 0) return n;
   return noted(n, Change::kWrite, path_of(file),
                std::string(static_cast<const char*>(in), static_cast<std::size_t>(n)), at);
@@ -238,7 +267,7 @@ ssize_t write(int file, const void* in, size_t size) {
 
 ssize_t pwrite(int file, const void* in, size_t size, off_t at) {
   if (fails("pwrite")) return -1;
-  const ssize_t n = syscall(SYS_pwrite64, file, in, part_of(size), at);
+  const ssize_t n = syscall(SYS_pwrite64, file, in, part_of(size, shortest), at);
   if (recorded == nullptr || n < 0) return n;
   return noted(n, Change::kWrite, path_of(file),
                std::string(static_cast<const char*>(in), static_cast<std::size_t>(n)), at);

@@ -13,12 +13,18 @@ namespace headpin::files {
 
 /// Of the calls from now on the one with this number (0: the first) fails with `error`.
 void fail_call(const char* name, int number, int error);
+/// That one fails and all after it.
+void fail_calls_from(const char* name, int number, int error);
 /// The process ends in place of the call with this number, whatever it is.
 void end_at_call(int number);
 /// Ahead of the call with this number `work` is done, once.
 void do_before_call(const char* name, int number, std::function<void()> work);
 /// Beside that: write() and pwrite() take no more than that at once.
 void write_at_most(std::size_t bytes);
+/// The same of what read() and pread() give.
+void read_at_most(std::size_t bytes);
+/// Whether the call that shall fail was made.
+bool has_failed();
 /// How many calls there were since the last of these.
 int calls();
 /// Names that were opened in a way that programs begun by this one would have them open too.

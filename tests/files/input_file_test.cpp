@@ -43,6 +43,34 @@ TEST(InputFileTest, ReadsFromAnyPlaceWhatIsThere) {
   EXPECT_EQ(read_bytes(folder / "a", 4), (std::vector<std::uint8_t>{'t', 'e', 'x', 't'}));
 }
 
+TEST(InputFileTest, WhatComesInPiecesIsReadWhole) {
+  const TemporaryFolder folder;
+  spit(folder / "a", "twelve bytes");
+  read_at_most(5);
+  EXPECT_EQ(read_text(folder / "a", 12), "twelve bytes");
+  std::array<std::uint8_t, 9> bytes{};
+  EXPECT_EQ(InputFile(folder / "a").read(2, bytes), 9u);
+  let_all_succeed();
+  EXPECT_EQ(std::string(bytes.begin(), bytes.end()), "elve byte");
+}
+
+TEST(InputFileTest, TheEndAfterASignalIsTheEnd) {
+  const TemporaryFolder folder;
+  spit(folder / "a", "text");
+  std::array<std::uint8_t, 3> bytes{};
+  fail_call("pread", 0, EINTR);
+  EXPECT_EQ(InputFile(folder / "a").read(3, bytes), 1u);
+  let_all_succeed();
+}
+
+TEST(InputFileTest, AFileThatIsCutMeanwhileIsReadToItsEnd) {
+  const TemporaryFolder folder;
+  spit(folder / "a", "text");
+  do_before_call("pread", 0, [&] { std::filesystem::resize_file(folder / "a", 2); });
+  EXPECT_EQ(read_text(folder / "a", 4), "te");
+  let_all_succeed();
+}
+
 TEST(InputFileTest, WhatIsMissingOrAFolderIsSaid) {
   const TemporaryFolder folder;
   EXPECT_THAT(complaint([&] { InputFile file(folder / "none"); }),

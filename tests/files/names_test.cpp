@@ -176,6 +176,16 @@ TEST_F(NamesTest, TwoNamesOfAFileAreTheSameFile) {
   EXPECT_FALSE(same_file(path("none"), path("none")));
 }
 
+// The first folders of two file systems often have the same number.
+TEST_F(NamesTest, AFileOfTheSameNumberOnAnotherDiskIsAnother) {
+  struct stat proc {
+  }, sys{};
+  if (stat("/proc", &proc) != 0 || stat("/sys", &sys) != 0 || proc.st_ino != sys.st_ino) {
+    GTEST_SKIP() << "no two of the same number are known here";
+  }
+  EXPECT_FALSE(same_file("/proc", "/sys"));
+}
+
 TEST_F(NamesTest, ALockIsForOneAndOfAFileThatKnowsNoneForAll) {
   spit(path("a"), "x");
   const int one = open(path("a").c_str(), O_RDONLY | O_CLOEXEC);

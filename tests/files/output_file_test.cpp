@@ -1,7 +1,9 @@
 #include "files/output_file.h"
 
 #include <algorithm>
+#include <array>
 #include <csignal>
+#include <cstdlib>
 #include <thread>
 
 #include <fcntl.h>
@@ -11,6 +13,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "files/left_parts.h"
 #include "tests/files/failing_calls.h"
 #include "tests/support/folder.h"
 
@@ -130,8 +133,11 @@ TEST_F(OutputFileTest, WhatAnotherUserOrAFolderHasASuchlikeNameForStays) {
   ASSERT_EQ(chown((folder_ / "a.999999999-0.part").c_str(), 12345, 12345), 0);
   fs::create_directory(folder_ / "a.999999999-1.part");
   fs::create_symlink("a.999999999-0.part", folder_ / "a.999999999-2.part");
+  spit(folder_ / "mine", "precious");
+  fs::create_symlink("mine", folder_ / "a.999999999-3.part");
+  ASSERT_EQ(mkfifo((folder_ / "a.999999999-4.part").c_str(), 0600), 0);  // is not waited for
   write(folder_ / "a", "whole", {});
-  EXPECT_EQ(entries(), 4u);
+  EXPECT_EQ(entries(), 7u);
 }
 
 TEST_F(OutputFileTest, WhatIsThereStaysUnlessForced) {
@@ -249,6 +255,7 @@ TEST_F(OutputFileTest, OnStandardOutputWhatIsSaidGoesToStandardError) {
       {
         ASSERT_TRUE(std::freopen(out.c_str(), "w", stdout));
         ASSERT_TRUE(std::freopen(said.c_str(), "w", stderr));
+        std::printf("before ");
         OutputFile file("-", {.standard_output = true});
         std::puts("a word");
         file.write("bytes", 5);
@@ -257,7 +264,7 @@ TEST_F(OutputFileTest, OnStandardOutputWhatIsSaidGoesToStandardError) {
         std::_Exit(0);
       },
       testing::ExitedWithCode(0), "");
-  EXPECT_EQ(slurp(out), "bytes");
+  EXPECT_EQ(slurp(out), "before bytes");
   EXPECT_EQ(slurp(said), "a word\n");
 }
 
@@ -273,6 +280,7 @@ TEST_F(OutputFileTest, IsOnTheDiskBeforeItHasItsName) {
   fail_call("fsync", 0, EIO);  // of the folder, which has the new name
   EXPECT_THAT(refused(folder_ / "a", force_), HasSubstr("Input/output error"));
   let_all_succeed();
+  EXPECT_EQ(slurp(folder_ / "a"), "new");
 }
 
 TEST_F(OutputFileTest, ALinkPlantedByAnotherUserInAnOpenFolderIsNotFollowed) {
@@ -392,6 +400,101 @@ TEST_F(OutputFileTest, ALinkThatComesToStandThereMeanwhileIsNotFollowed) {
   EXPECT_THAT(refused(folder_ / "a", force_), HasSubstr("cannot be replaced"));
   let_all_succeed();
   EXPECT_EQ(slurp(folder_ / "precious"), "precious");
+}
+
+TEST_F(OutputFileTest, ThroughAFileThereIsNoWay) {
+  spit(folder_ / "file", "precious");
+  EXPECT_THAT(refused(folder_ / "file/a"), HasSubstr("file/a: cannot be reached: Not a directory"));
+  EXPECT_EQ(slurp(folder_ / "file"), "precious");
+}
+
+TEST_F(OutputFileTest, AsManyLinksAreFollowedAsLinuxFollows) {
+  fs::path last = "target";
+  for (int i = 1; i <= 41; ++i) {
+    const std::string link = "link" + std::to_string(i);
+    fs::create_symlink(last, folder_ / link);
+    last = link;
+  }
+  EXPECT_EQ(refused(folder_ / "link40"), "");
+  EXPECT_EQ(slurp(folder_ / "target"), "new");
+  EXPECT_THAT(refused(folder_ / "link41", force_), HasSubstr("links in a circle"));
+}
+
+TEST_F(OutputFileTest, APipeWithoutANameIsWrittenInto) {
+  std::array<int, 2> ends{};
+  ASSERT_EQ(pipe2(ends.data(), O_CLOEXEC), 0);
+  EXPECT_EQ(refused("/proc/self/fd/" + std::to_string(ends[1]), force_), "");
+  std::array<char, 8> bytes{};
+  EXPECT_EQ(read(ends[0], bytes.data(), bytes.size()), 3);
+  EXPECT_STREQ(bytes.data(), "new");
+  for (const int end : ends) close(end);
+}
+
+TEST_F(OutputFileTest, StandardOutputIsNoTerminalAndOpen) {
+  EXPECT_EXIT(
+      {
+        const int terminal = posix_openpt(O_RDWR | O_NOCTTY | O_CLOEXEC);
+        grantpt(terminal);
+        unlockpt(terminal);
+        dup2(::open(ptsname(terminal), O_RDWR | O_NOCTTY | O_CLOEXEC), STDOUT_FILENO);
+        std::fputs(complaint([] { OutputFile("-", {.standard_output = true}); }).c_str(), stderr);
+        std::_Exit(0);
+      },
+      testing::ExitedWithCode(0), "-: standard output is a terminal; expected a pipe or a file");
+  EXPECT_EXIT(
+      {
+        close(STDOUT_FILENO);
+        std::fputs(complaint([] { OutputFile("-", {.standard_output = true}); }).c_str(), stderr);
+        std::_Exit(0);
+      },
+      testing::ExitedWithCode(0), "-: standard output: Bad file descriptor");
+}
+
+TEST_F(OutputFileTest, ALiveOneThatGetsNoNameLeavesNothing) {
+  fail_call("renameat2", 0, EIO);
+  EXPECT_THAT(complaint([&] { OutputFile(folder_ / "a", {.live = true}); }),
+              HasSubstr("a: cannot be given its name: Input/output error"));
+  let_all_succeed();
+  EXPECT_EQ(entries(), 0u);
+}
+
+// EINVAL: of a file system whose folders cannot be synced.
+TEST_F(OutputFileTest, AFolderThatCannotBeSyncedIsNoFailure) {
+  fail_call("fsync", 0, EINVAL);
+  EXPECT_EQ(refused(folder_ / "a"), "");
+  let_all_succeed();
+  EXPECT_EQ(slurp(folder_ / "a"), "new");
+}
+
+// It may be on a disk that other machines write to.
+TEST_F(OutputFileTest, WhileItIsWrittenItsPartIsLocked) {
+  OutputFile file(folder_ / "a", {});
+  const int part = ::open(file.part().c_str(), O_RDONLY | O_CLOEXEC);
+  EXPECT_FALSE(lock(part));
+  close(part);
+}
+
+// kill() says of it that it is there and not ours.
+TEST_F(OutputFileTest, ThePartOfAnotherUsersProcessStays) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can become another user";
+  fs::permissions(folder_.path(), fs::perms(0777));
+  write(folder_ / "of root", "whole", {});
+  const pid_t child = fork();
+  if (child == 0) {
+    constexpr uid_t kAnother = 12345;
+    if (setuid(kAnother) != 0) std::_Exit(1);
+    spit(folder_ / "a.1-0.part", "theirs");
+    spit(folder_ / "b.1-0.part", "theirs");
+    write(folder_ / "a", "whole", {});
+    remove_left_parts(folder_.path().string());
+    std::_Exit(0);
+  }
+  int status = 0;
+  ASSERT_EQ(waitpid(child, &status, 0), child);
+  EXPECT_EQ(status, 0);
+  EXPECT_TRUE(fs::exists(folder_ / "a"));
+  EXPECT_TRUE(fs::exists(folder_ / "a.1-0.part"));
+  EXPECT_TRUE(fs::exists(folder_ / "b.1-0.part"));
 }
 
 }  // namespace

@@ -1,14 +1,18 @@
 #include "files/output_folder.h"
 
+#include <algorithm>
+#include <cerrno>
 #include <csignal>
 #include <map>
 #include <optional>
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "files/lock.h"
 #include "files/output_text.h"
 #include "tests/files/failing_calls.h"
 #include "tests/support/folder.h"
@@ -186,6 +190,7 @@ TEST_F(OutputFolderTest, WhenAnyCallOfACommitFailsTheOldOrTheNewOnesAreThere) {
       fail_call(call, number, EIO);
       const std::string said = complaint([&] { replace(); });
       const bool was_asked = !said.empty();
+      EXPECT_EQ(was_asked, has_failed()) << call << " " << number;
       let_all_succeed();
       EXPECT_EQ(was_asked && said.find("Input/output error") == std::string::npos, false) << said;
       if (slurp(out_ + "/index") == "index") {
@@ -286,6 +291,216 @@ TEST_F(OutputFolderTest, TextIsThereToTheByte) {
     folder.commit("a.csv");
   }
   EXPECT_EQ(slurp(out_ + "/a.csv"), all);
+}
+
+TEST_F(OutputFolderTest, ItsListIsWholeWhateverTheDiskTakesAtOnce) {
+  const auto list_after = [&](const auto& meddle) {
+    fs::remove_all(out_);
+    meddle();
+    write(out_, {"1.png", "2.png", "index"});
+    let_all_succeed();
+    return slurp(out_ + "/.headpin");
+  };
+  const std::string whole = std::string(kListTitle) + "1.png\n2.png\nindex\n";
+  EXPECT_EQ(list_after([] {}), whole);
+  EXPECT_EQ(list_after([] { fail_call("pwrite", 0, EINTR); }), whole);
+  EXPECT_EQ(list_after([] { fail_call("pwrite", 1, EINTR); }), whole);
+  fs::remove_all(out_);
+  OutputFolder folder(out_, {});
+  for (const char* name : {"1.png", "2.png", "index"}) spit(folder.file(name), name);
+  write_at_most(5);
+  folder.commit("index");
+  let_all_succeed();
+  EXPECT_EQ(slurp(out_ + "/.headpin"), whole);
+}
+
+TEST_F(OutputFolderTest, AFolderThatAnotherMakesMeanwhileWillDo) {
+  do_before_call("mkdir", 0, [&] { fs::create_directory(folder_ / "deep"); });
+  EXPECT_EQ(refused(folder_ / "deep/down"), "");
+  let_all_succeed();
+}
+
+TEST_F(OutputFolderTest, OfFoldersThatCannotAllBeMadeNoneIsLeft) {
+  for (const int number : {0, 1, 2}) {
+    fail_call("mkdir", number, EACCES);
+    EXPECT_THAT(refused(folder_ / "deep/er/down"),
+                HasSubstr("deep/er/down: cannot be made: Permission denied"));
+    let_all_succeed();
+    EXPECT_TRUE(fs::is_empty(folder_.path()));
+  }
+}
+
+TEST_F(OutputFolderTest, WhatCannotBeReachedIsNotNothing) {
+  EXPECT_THAT(refused(folder_ / (std::string(300, 'n') + "/out")),
+              HasSubstr("cannot be written: File name too long"));
+  fs::create_symlink("round", folder_ / "round");
+  fs::create_directory(out_);
+  EXPECT_THAT(refused(out_, {.others = {folder_ / "round" / "a"}}), HasSubstr("round/a: Too many"));
+}
+
+// As one that is just done does.
+TEST_F(OutputFolderTest, AListThatIsRemovedBeforeItIsLockedIsMadeAgain) {
+  do_before_call("flock", 0, [&] { fs::remove(out_ + "/.headpin"); });
+  OutputFolder folder(out_, {});
+  let_all_succeed();
+  EXPECT_TRUE(fs::exists(out_ + "/.headpin"));
+  EXPECT_THROW(OutputFolder(out_, force_), Busy);
+  for (const char* name : {"1.png", "index"}) spit(folder.file(name), "new");
+  folder.commit("index");
+  EXPECT_EQ(slurp(out_ + "/.headpin"), std::string(kListTitle) + "1.png\nindex\n");
+}
+
+TEST_F(OutputFolderTest, AListThatAnotherMakesBeforeItIsLockedIsTheOneThatCounts) {
+  const std::string list = out_ + "/.headpin";
+  do_before_call("flock", 0, [&] {
+    spit(out_ + "/another", "");
+    fs::rename(out_ + "/another", list);
+  });
+  OutputFolder folder(out_, {});
+  let_all_succeed();
+  const int counts = open(list.c_str(), O_RDONLY | O_CLOEXEC);
+  EXPECT_FALSE(lock(counts));
+  close(counts);
+}
+
+TEST_F(OutputFolderTest, FewFilesAreSyncedOneByOneAndManyAtOnce) {
+  for (const std::size_t many : {32u, 33u}) {
+    fs::remove_all(out_);
+    std::vector<std::string> names;
+    for (std::size_t i = 0; i < many; ++i) names.push_back(std::to_string(i) + ".png");
+    std::size_t single = 0, all = 0;
+    for (const Change& c : changes_of([&] { write(out_, names); })) {
+      if (c.kind == Change::kSync && c.path.ends_with(".png")) ++single;
+      if (c.kind == Change::kSyncAll) ++all;
+    }
+    EXPECT_EQ(single, many == 32 ? 32u : 0u);
+    EXPECT_EQ(all, many == 32 ? 0u : 1u);
+  }
+  std::vector<std::string> names;
+  for (int i = 0; i < 33; ++i) names.push_back(std::to_string(i) + ".png");
+  fs::remove_all(out_);
+  fail_call("syncfs", 0, EIO);
+  EXPECT_THAT(complaint([&] { write(out_, names); }),
+              HasSubstr("out: cannot be written: Input/output error"));
+  let_all_succeed();
+  EXPECT_FALSE(fs::exists(out_));
+}
+
+TEST_F(OutputFolderTest, AFileThatWasNotWrittenIsSaid) {
+  OutputFolder folder(out_, {});
+  spit(folder.file("index"), "new");
+  folder.file("1.png");
+  EXPECT_THAT(complaint([&] { folder.commit("index"); }),
+              HasSubstr("1.png cannot be written: No such file"));
+}
+
+// The disk fails in the middle and does not come back until the next run.
+TEST_F(OutputFolderTest, WhatCannotBeMovedBackIsSaidAndComesBackWithTheNext) {
+  write(out_, {"1.png", "2.png", "index"});
+  const auto before = everything();
+  for (int number = 1; number < 7; ++number) {
+    fail_calls_from("renameat2", number, EIO);
+    const std::string said = complaint([&] { replace(); });
+    let_all_succeed();
+    EXPECT_THAT(
+        said, testing::AllOf(HasSubstr("Input/output error"),
+                             HasSubstr("; and these could not be moved back:"), HasSubstr(" index"),
+                             testing::EndsWith("; the old ones are in " + out_ + "/.headpin.old")))
+        << number;
+    const std::string stuck = said.substr(said.find("moved back:"));
+    EXPECT_EQ(stuck.find(" 1.png") != std::string::npos, number > 1) << number;
+    EXPECT_THAT(refused(out_), HasSubstr("exists already")) << number;
+    const auto now = everything();
+    for (const auto& [name, text] : before) {
+      if (name != "out/.headpin") {
+        EXPECT_EQ(now.count(name) == 1 ? now.at(name) : "none", text) << number << name;
+      }
+    }
+    EXPECT_FALSE(fs::exists(out_ + "/3.png")) << number;
+    EXPECT_FALSE(fs::exists(out_ + "/.headpin.old")) << number;
+    EXPECT_FALSE(fs::exists(out_ + "/.headpin.part")) << number;
+    write(out_, {"1.png", "2.png", "index"}, force_);
+    EXPECT_EQ(everything(), before) << number;
+  }
+}
+
+// Until they are back they are nowhere else.
+TEST_F(OutputFolderTest, OldFilesThatCannotBeMovedBackByTheNextEitherWait) {
+  write(out_, {"1.png", "2.png", "index"});
+  const auto before = everything();
+  for (int number = 0; number < 4; ++number) {
+    fail_calls_from("renameat2", 4, EIO);
+    EXPECT_NE(complaint([&] { replace(); }), "");
+    fail_calls_from("renameat2", number, EIO);
+    EXPECT_THAT(refused(out_), HasSubstr("Input/output error")) << number;
+    let_all_succeed();
+    EXPECT_THAT(refused(out_), HasSubstr("exists already")) << number;
+    for (const char* name : {"1.png", "2.png", "index"}) EXPECT_EQ(slurp(out_ + "/" + name), name);
+    write(out_, {"1.png", "2.png", "index"}, force_);
+    EXPECT_EQ(everything(), before);
+  }
+}
+
+TEST_F(OutputFolderTest, WhileAnotherIsWritingThereNothingIsMovedBack) {
+  write(out_, {"1.png", "2.png", "index"});
+  fail_calls_from("renameat2", 4, EIO);
+  EXPECT_NE(complaint([&] { replace(); }), "");
+  let_all_succeed();
+  const int list = open((out_ + "/.headpin").c_str(), O_RDONLY | O_CLOEXEC);
+  ASSERT_TRUE(lock(list));
+  const auto before = everything();
+  EXPECT_THROW(OutputFolder(out_, force_), Busy);
+  EXPECT_EQ(everything(), before);
+  close(list);
+}
+
+TEST_F(OutputFolderTest, WhatAnotherPutsThereBeforeItIsLockedIsForeign) {
+  do_before_call("flock", 0, [&] { spit(out_ + "/notes.txt", "precious"); });
+  EXPECT_THAT(refused(out_), HasSubstr("holds notes.txt"));
+  let_all_succeed();
+  EXPECT_EQ(slurp(out_ + "/notes.txt"), "precious");
+}
+
+TEST_F(OutputFolderTest, NewFilesThatCannotBeMovedBackAreTheNextOnesToReplace) {
+  fail_calls_from("renameat2", 1, EIO);
+  EXPECT_THAT(refused(out_), HasSubstr("could not be moved back: 1.png;"));
+  let_all_succeed();
+  EXPECT_EQ(refused(out_, force_), "");
+  EXPECT_EQ(slurp(out_ + "/1.png") + slurp(out_ + "/index"), "1.pngindex");
+  EXPECT_EQ(slurp(out_ + "/.headpin"), std::string(kListTitle) + "1.png\nindex\n");
+}
+
+TEST_F(OutputFolderTest, WhenAnyCallOfItsMakingFailsWhatIsThereStays) {
+  for (const bool was_there : {false, true}) {
+    if (was_there) write(out_, {"1.png", "index"});
+    const auto before = everything();
+    for (const char* call : {"mkdir", "openat", "readdir", "read", "write", "pwrite"}) {
+      for (int number = 0, failed = 1; failed != 0; ++number) {
+        fail_call(call, number, call == std::string("flock") ? EWOULDBLOCK : EIO);
+        failed = complaint([&] { OutputFolder(out_, force_); }).empty() ? 0 : 1;
+        let_all_succeed();
+        if (failed != 0) {
+          EXPECT_EQ(everything(), before) << call << " " << number;
+        }
+        if (number > 200) FAIL() << call;
+      }
+      // What could not be removed in the end is removed by the next.
+      if (was_there) OutputFolder(out_, force_);
+      if (!was_there) fs::remove_all(out_);
+    }
+    fs::remove_all(out_);
+  }
+}
+
+TEST_F(OutputFolderTest, TextReplacesWhatIsThereAndDoesNotWaitForTheDisk) {
+  spit(folder_ / "a.csv", "old");
+  const auto changes = changes_of([&] {
+    OutputText text(folder_ / "a.csv");
+    text << "new";
+    text.close();
+  });
+  EXPECT_EQ(slurp(folder_ / "a.csv"), "new");
+  EXPECT_EQ(std::ranges::count(changes, Change::kSync, &Change::kind), 0);
 }
 
 }  // namespace
