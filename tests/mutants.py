@@ -95,7 +95,7 @@ def edits(unit, path, text):
             elif cursor.kind == Kind.UNARY_OPERATOR and parts and is_number(parts[0]):
                 begin = cursor.extent.start.offset
                 if text[begin] == "!" and text[begin + 1] != "=":  # a != b is !(a == b) to the compiler
-                    add(cursor, lambda body: body(0, 1, " "), "! left out")
+                    add(cursor, lambda body: body(0, 1, "!!"), "! left out")  # !! is bool, as ! is
             elif cursor.kind == Kind.CXX_BOOL_LITERAL_EXPR:
                 word = text[cursor.extent.start.offset:cursor.extent.end.offset]
                 if word in ("true", "false"):
