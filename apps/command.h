@@ -16,6 +16,7 @@ struct UsageError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+void add_apart(CLI::App& app);
 void add_compare(CLI::App& app);
 void add_conformance(CLI::App& app);
 void add_doctor(CLI::App& app);

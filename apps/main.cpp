@@ -190,6 +190,7 @@ int main(int argc, char** argv) {
   apps::add_experiment(app);
   apps::add_sweep(app);
   apps::add_whatif(app);
+  apps::add_apart(app);
   apps::add_doctor(app);
   apps::add_stream(app);
   apps::add_emulate(app);

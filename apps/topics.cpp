@@ -27,6 +27,7 @@ constexpr std::array kTopics = {
     Topic{"study", "experiment.md", "The experiment: plan, play, ask, score, analyse, share"},
     Topic{"sweeps", "guides/sweeps.md", "Many replays: sweeps"},
     Topic{"what-if", "guides/whatif.md", "What if the ball had left the hand differently?"},
+    Topic{"seen", "guides/apart.md", "What the eyes can tell apart"},
     Topic{"tables", "guides/tables.md", "Tables and plots"},
     Topic{"scripts", "guides/scripts.md", "Use headpin in scripts"},
     Topic{"engine", "guides/engine.md", "The engine as a library"},

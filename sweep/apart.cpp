@@ -1,0 +1,298 @@
+#include "sweep/apart.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "scene/play/events.h"
+
+namespace headpin::sweep {
+
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+constexpr Time kSpeedOver{100'000};  ///< a speed is that over so long (Snowden and Braddick 1991)
+constexpr double kNoBounce = 0.001;  ///< [m]; a ball that rolls does not bounce
+
+/// Angle between two directions [rad], also of a small part of an arc second.
+double angle_between(const Vec3& a, const Vec3& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+/// The mean size of a pixel [arcmin], the larger of width and height.
+double pixel_of(const render::Optics& optics) {
+  return 60.0 * std::max(optics.horizontal_fov_deg / optics.width,
+                         optics.vertical_fov_deg / optics.height);
+}
+
+Vec3 middle(const Place& place) {
+  return 0.5 * (place[0] + place[1]);
+}
+
+/// Keeps the largest, and when one was first above the threshold.
+void take(Difference& kept, const Difference& now) {
+  const std::optional<Time> first = kept.first        ? kept.first
+                                    : now.times > 1.0 ? std::optional(now.at)
+                                                      : std::nullopt;
+  if (now.size > kept.size) kept = now;
+  kept.first = first;
+}
+
+bool is_ball_or_skittle(const std::string& name) {
+  return name.starts_with("ball") || name.starts_with("skittle");
+}
+
+}  // namespace
+
+std::vector<Place> places_of(const scene::Session& session) {
+  const scene::Stage& stage = *session.stage;
+  std::vector<Place> places;
+  for (const engine::BodyId ball : stage.balls) {
+    const Vec3& p_WB = session.world.states[ball].X_WB.p;
+    places.push_back({p_WB, p_WB});
+  }
+  for (const engine::BodyId skittle : stage.skittles) {
+    const Pose& X_WB = session.world.states[skittle].X_WB;
+    const double foot = -stage.skittle_centre, head = foot + stage.scenario.skittle.height;
+    places.push_back({X_WB * Vec3(0.0, 0.0, foot), X_WB * Vec3(0.0, 0.0, head)});
+  }
+  return places;
+}
+
+std::vector<std::string> names_of_places(const scene::Stage& stage) {
+  const std::vector<std::string> names = scene::body_names(stage);
+  std::vector<std::string> found;
+  for (const auto* bodies : {&stage.balls, &stage.skittles}) {
+    for (const engine::BodyId body : *bodies) found.push_back(names[body]);
+  }
+  return found;
+}
+
+double arcmin_between(const Vec3& p_WE, const Vec3& a_W, const Vec3& b_W) {
+  return 60.0 / kDegree * angle_between(a_W - p_WE, b_W - p_WE);
+}
+
+double arcmin_between(const Vec3& p_WE, const Place& a, const Place& b) {
+  return std::max(arcmin_between(p_WE, a[0], b[0]), arcmin_between(p_WE, a[1], b[1]));
+}
+
+Apart::Apart(const scene::Session& a, const scene::Session& b, std::string_view gl)
+    : eyes_a_(scene::open_eyes(*a.stage, a.scenario().look, gl)),
+      eyes_b_(scene::open_eyes(*b.stage, b.scenario().look, gl)) {
+  if (a.scenario().rates.physics_hz != b.scenario().rates.physics_hz) {
+    throw std::invalid_argument("two trials are compared with one tick rate: rates.physics_hz");
+  }
+  const std::vector<std::string> names = names_of_places(*a.stage);
+  if (names != names_of_places(*b.stage)) {
+    throw std::invalid_argument("two trials are compared with the same balls and skittles");
+  }
+  pixel_ = pixel_of(a.scenario().hmd.optics);
+  limit_ = std::max(pixel_, kDetail.value);
+  balls_ = a.stage->balls.size();
+  for (const std::string& name : names) {
+    bodies_.emplace_back().body = name;
+  }
+  for (auto& contacts : contacts_) contacts.resize(names.size());
+  for (auto& bounces : bounces_) bounces.resize(balls_);
+}
+
+/// Of each body: whether the display has a pixel of it, in the left and in the right eye.
+std::array<std::vector<bool>, 2> Apart::seen(const scene::Session& a, const scene::Session& b,
+                                             const Pose& X_WD) {
+  std::array<std::vector<bool>, 2> found;
+  for (auto& eye : found) eye.resize(bodies_.size());
+  for (const auto& [session, eyes] : {std::pair(&a, &eyes_a_), {&b, &eyes_b_}}) {
+    const auto labels = scene::see_labels(*eyes, scene::glimpse(*session, X_WD));
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      for (const std::uint32_t id : labels[eye].id) {
+        const bool is_skittle = id >= scene::kFirstSkittleId;
+        if (!is_skittle && id < scene::kFirstBallId) continue;
+        const std::size_t body =
+            is_skittle ? balls_ + (id - scene::kFirstSkittleId) : id - scene::kFirstBallId;
+        if (body < bodies_.size()) found[eye][body] = true;
+      }
+    }
+  }
+  return found;
+}
+
+void Apart::look(const scene::Session& a, const scene::Session& b, const Pose& X_WD) {
+  ++frames_;
+  const std::vector<Place> in_a = places_of(a), in_b = places_of(b);
+  const auto views = render::eyes(X_WD, a.scenario().hmd.optics);
+  Moment now{a.now(), {}, {}};
+  for (std::size_t i = 0; i < in_a.size(); ++i) {
+    now.towards_a.push_back(middle(in_a[i]) - X_WD.p);
+    now.towards_b.push_back(middle(in_b[i]) - X_WD.p);
+  }
+  recent_.push_back(now);
+  while (recent_.size() > 1 && recent_[1].time <= now.time - kSpeedOver) {
+    recent_.erase(recent_.begin());
+  }
+  if (in_a == in_b) return;
+  const auto shown = seen(a, b, X_WD);
+  const Moment& then = recent_.front();
+  const double since = seconds(now.time - then.time);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (!shown[0][i] && !shown[1][i]) continue;
+    BodyApart& body = bodies_[i];
+    Difference place{.at = now.time};
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      if (!shown[eye][i]) continue;
+      const double arcmin = arcmin_between(views[eye].X_WE.p, in_a[i], in_b[i]);
+      body.arcmin[eye] = std::max(body.arcmin[eye], arcmin);
+      place.size = std::max(place.size, arcmin);
+    }
+    place.times = place.size / limit_;
+    const bool first_above = place.times > 1.0 && !body.place.first;
+    const bool largest = place.size > body.place.size;
+    if (first_above || (largest && !body.place.first)) {
+      body.off_view_deg = angle_between(X_WD.q * Vec3(0.0, 0.0, -1.0), now.towards_a[i]) / kDegree;
+    }
+    take(body.place, place);
+    if (now.time - then.time < kSpeedOver) continue;
+    Difference speed{.a = angle_between(then.towards_a[i], now.towards_a[i]) / kDegree / since,
+                     .b = angle_between(then.towards_b[i], now.towards_b[i]) / kDegree / since,
+                     .at = now.time};
+    if (speed.a < kSlowest || speed.a > kFastest) continue;
+    speed.size = std::abs(speed.b - speed.a) / speed.a;
+    speed.times = speed.size / kSpeed.value;
+    if (!body.speed) body.speed.emplace();
+    take(*body.speed, speed);
+  }
+}
+
+void Apart::note_events(const scene::Session& session, bool is_b) {
+  std::vector<std::optional<Time>>& contacts = contacts_[is_b];
+  for (const devices::Event& event : session.events) {
+    if (event.kind != scene::kind::touch && event.kind != scene::kind::first_contact) continue;
+    if (!std::ranges::all_of(event.bodies, is_ball_or_skittle)) continue;
+    for (std::size_t i = 0; i < bodies_.size(); ++i) {
+      if (std::ranges::find(event.bodies, bodies_[i].body) == event.bodies.end()) continue;
+      if (!contacts[i]) contacts[i] = event.time;
+      if (!contacts_[!is_b][i]) continue;
+      const Time at_a = *contacts_[0][i], at_b = *contacts_[1][i];
+      if (bodies_[i].contact) continue;
+      const double ms = 1e3 * std::abs(seconds(at_b - at_a));
+      Difference& contact = bodies_[i].contact.emplace();
+      contact = {seconds(at_a), seconds(at_b), ms, ms / kContact.value, std::max(at_a, at_b), {}};
+      if (contact.times > 1.0) contact.first = contact.at;
+    }
+  }
+}
+
+void Apart::note_bounces(const scene::Session& session, bool is_b) {
+  for (std::size_t i = 0; i < balls_; ++i) {
+    const engine::BodyId ball = session.stage->balls[i];
+    Bounce& bounce = bounces_[is_b][i];
+    const double z = session.world.states[ball].X_WB.p.z();
+    const bool free = session.world.bodies[ball].kind == engine::Kind::free;
+    if (!free) {
+      if (!bounce.height) bounce = {};
+      bounce.last = z;
+      continue;
+    }
+    if (!bounce.height && z > bounce.last && bounce.falls) {
+      bounce.lowest = bounce.last;
+      bounce.falls = false;
+      bounce.rises = true;
+    } else if (!bounce.height && z < bounce.last) {
+      if (bounce.rises && bounce.last - *bounce.lowest > kNoBounce) {
+        bounce.height = bounce.last - *bounce.lowest;
+      }
+      bounce.rises = false;
+      bounce.falls = true;
+    }
+    bounce.last = z;
+    const std::optional<double> a = bounces_[0][i].height, b = bounces_[1][i].height;
+    if (!a || !b || bodies_[i].bounce) continue;
+    Difference& found = bodies_[i].bounce.emplace();
+    found.a = *a;
+    found.b = *b;
+    found.size = std::abs(std::sqrt(*b) - std::sqrt(*a)) / std::sqrt(*a);
+    found.times = found.size / kBounce.value;
+    found.at = session.now();
+    if (found.times > 1.0) found.first = found.at;
+  }
+}
+
+void Apart::tick(const scene::Session& a, const scene::Session& b) {
+  note_events(a, false);
+  note_events(b, true);
+  note_bounces(a, false);
+  note_bounces(b, true);
+  const scene::Rates& rates = a.scenario().rates;
+  const auto frame_at = [&](std::int64_t tick) { return tick * rates.frame_hz / rates.physics_hz; };
+  if (frame_at(a.tick) == frame_at(a.tick - 1)) return;
+  const std::optional<Pose> head = scene::head_pose(a), other = scene::head_pose(b);
+  if (!head && !other) return;
+  if (!head || !other || head->p != other->p || !(head->q.coeffs() == other->q.coeffs())) {
+    throw std::runtime_error(fmt::format(
+        "the heads of the two trials are at different places at {:.3f} s; expected one recording",
+        seconds(a.now())));
+  }
+  look(a, b, *head);
+}
+
+namespace {
+
+/// One difference of one body, in words.
+struct Told {
+  std::string body, words;
+  Difference difference;
+};
+
+std::string angle_in_words(double arcmin) {
+  return arcmin < 600.0 ? fmt::format("{:.3g} arcmin", arcmin)
+                        : fmt::format("{:.3g} degrees", arcmin / 60.0);
+}
+
+std::vector<Told> all_told(const Apart& apart) {
+  std::vector<Told> all;
+  for (const BodyApart& body : apart.bodies()) {
+    all.push_back({body.body, "place differs by " + angle_in_words(body.place.size), body.place});
+    if (const auto& speed = body.speed) {
+      all.push_back({body.body,
+                     fmt::format("speed on the retina differs by {:.0f} %", 100.0 * speed->size),
+                     *speed});
+    }
+    if (const auto& contact = body.contact) {
+      all.push_back(
+          {body.body, fmt::format("first contact differs by {:.0f} ms", contact->size), *contact});
+    }
+    if (const auto& bounce = body.bounce) {
+      all.push_back(
+          {body.body,
+           fmt::format("first bounce is {:.2g} m high and {:.2g} m high", bounce->a, bounce->b),
+           *bounce});
+    }
+  }
+  return all;
+}
+
+std::string times_seen(const Told& told) {
+  return fmt::format("the {}'s {} at {:.2f} s, {:.2g} times what is seen", told.body, told.words,
+                     seconds(told.difference.at), told.difference.times);
+}
+
+}  // namespace
+
+std::vector<std::string> in_sentences(const Apart& apart) {
+  const std::vector<Told> all = all_told(apart);
+  const auto largest =
+      std::ranges::max_element(all, {}, [](const Told& told) { return told.difference.times; });
+  if (largest == all.end() || largest->difference.times <= 0.0) return {"Nothing differs."};
+  if (largest->difference.times <= 1.0) {
+    return {"Nothing differs by as much as is seen. The most: " + times_seen(*largest) + "."};
+  }
+  const auto first = std::ranges::min_element(
+      all, {}, [](const Told& told) { return told.difference.first.value_or(Time::max()); });
+  return {fmt::format("First, from {:.2f} s on: {}.", seconds(*first->difference.first),
+                      times_seen(*first)),
+          fmt::format("Most: {}.", times_seen(*largest))};
+}
+
+}  // namespace headpin::sweep

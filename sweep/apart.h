@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "scene/looks/eyes.h"
+#include "scene/play/session.h"
+#include "sweep/thresholds.h"
+
+/// What the eyes can tell apart in two sessions with the same motion of the head.
+namespace headpin::sweep {
+
+/// Where a ball or skittle is: a ball's centre twice, or the middle of a skittle's foot and of its
+/// head; in the world [m].
+using Place = std::array<Vec3, 2>;
+
+/// Balls, then skittles, in the order of the stage.
+std::vector<Place> places_of(const scene::Session& session);
+std::vector<std::string> names_of_places(const scene::Stage& stage);
+
+/// The angle between two points as an eye sees them [arcmin].
+double arcmin_between(const Vec3& p_WE, const Vec3& a_W, const Vec3& b_W);
+/// The larger angle of the two points of a place.
+double arcmin_between(const Vec3& p_WE, const Place& a, const Place& b);
+
+/// A difference that is largest at some time.
+struct Difference {
+  double a = 0.0, b = 0.0;  ///< of both sessions
+  double size = 0.0;        ///< how much they differ
+  double times = 0.0;       ///< `size` by its threshold
+  Time at{};
+  std::optional<Time> first{};  ///< when it was first above the threshold
+};
+
+/// How one body differs between two sessions, while at least one eye sees it in one of them.
+struct BodyApart {
+  std::string body;
+  std::array<double, 2>
+      arcmin{};               ///< largest angle between its places, on the left and right retina
+  Difference place;           ///< of the eye with the larger angle; `size` in arcmin
+  double off_view_deg = 0.0;  ///< from the middle of the view when the place was first above
+                              ///< the threshold, else when it differed most
+  std::optional<Difference> speed;    ///< of its direction from the head [deg/s]; `size` a share
+  std::optional<Difference> contact;  ///< first contact after the start [s]; `size` in ms
+  std::optional<Difference> bounce;  ///< height of a ball's first bounce [m]; `size`: difference of
+                                     ///< its square root, the restitution, as a share
+};
+
+/// Compares two sessions that run side by side.
+///
+/// Angles are measured at the rate of the display from the places of the bodies, not from pixels. A
+/// body counts in frames in which the display has at least one pixel of it. Its speed is the turn of
+/// its direction from the point between the eyes over the last 100 ms, in the world: as for eyes that
+/// follow the room while the head turns. An angle is held against the larger of a pixel of the display
+/// and `kDetail`.
+class Apart {
+ public:
+  /// @param a, b  at their start, with the same tick rate and names of bodies
+  /// @param gl    as render::open_context; both sessions are drawn with it
+  /// @throws std::invalid_argument  for other bodies or another tick rate
+  /// @throws std::runtime_error     when no OpenGL context works
+  Apart(const scene::Session& a, const scene::Session& b, std::string_view gl = {});
+
+  /// After each tick of both.
+  /// @throws std::runtime_error  where the two heads are not at the same pose
+  void tick(const scene::Session& a, const scene::Session& b);
+
+  /// The limit for angles: the larger of a pixel and `kDetail` [arcmin].
+  double limit_arcmin() const { return limit_; }
+  double pixel_arcmin() const { return pixel_; }
+  std::int64_t frames() const { return frames_; }
+
+  const std::vector<BodyApart>& bodies() const { return bodies_; }
+
+ private:
+  /// Measures one frame.
+  void look(const scene::Session& a, const scene::Session& b, const Pose& X_WD);
+  void note_events(const scene::Session& session, bool is_b);
+  void note_bounces(const scene::Session& session, bool is_b);
+  std::array<std::vector<bool>, 2> seen(const scene::Session& a, const scene::Session& b,
+                                        const Pose& X_WD);
+
+  /// How a ball bounces: falls, then rises from its lowest to its highest point.
+  struct Bounce {
+    std::optional<double> lowest, height;
+    double last = 0.0;
+    bool falls = false, rises = false;
+  };
+  /// Directions from the head in the last 100 ms, oldest first.
+  struct Moment {
+    Time time{};
+    std::vector<Vec3> towards_a, towards_b;
+  };
+
+  scene::Eyes eyes_a_, eyes_b_;
+  double pixel_ = 0.0, limit_ = 0.0;
+  std::int64_t frames_ = 0;
+  std::size_t balls_ = 0;
+  std::vector<BodyApart> bodies_;
+  std::array<std::vector<std::optional<Time>>, 2> contacts_;
+  std::array<std::vector<Bounce>, 2> bounces_;
+  std::vector<Moment> recent_;
+};
+
+/// The first difference above its threshold and the largest one, a sentence each; one sentence where
+/// nothing is above.
+std::vector<std::string> in_sentences(const Apart& apart);
+
+}  // namespace headpin::sweep

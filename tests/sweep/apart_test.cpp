@@ -1,0 +1,237 @@
+// What the eyes can tell apart: against angles, bounces and times that are worked out here.
+
+#include "sweep/apart.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "devices/trial/sources.h"
+#include "scene/play/events.h"
+#include "tests/support/folder.h"
+#include "tests/support/hand_script.h"
+
+namespace headpin::sweep {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+constexpr double kArcmin = std::numbers::pi / 180.0 / 60.0;
+
+/// A head that looks down the lane and a little down, or back to the wall.
+Pose looking(bool back) {
+  const Vec3 z = (back ? Vec3(0.0, -1.0, 0.0) : Vec3(0.0, -1.0, 0.15)).normalized() *
+                 (back ? -1.0 : 1.0);  // against the view
+  const Vec3 x = Vec3::UnitZ().cross(z).normalized();
+  Eigen::Matrix3d R_WD;
+  R_WD << x, z.cross(x), z;
+  return {Quat(R_WD), Vec3(0.0, -1.0, 1.7)};
+}
+
+/// The same motion with a head that stays at a pose.
+std::vector<devices::Sample> with_head(const scene::Scenario& scenario,
+                                       const std::vector<devices::Sample>& hand, const Pose& X_WD) {
+  devices::TrackerSample head;
+  head.station = devices::kHeadStation;
+  head.X_TS = scenario.rig.X_WT.inverse() * X_WD * scenario.rig.X_SD.inverse();
+  std::vector<devices::Sample> samples;
+  for (const devices::Sample& sample : hand) {
+    if (std::holds_alternative<devices::TrackerSample>(sample)) {
+      head.device_time = devices::device_time(sample);
+      ++head.sequence;
+      samples.emplace_back(head);
+    }
+    samples.push_back(sample);
+  }
+  return samples;
+}
+
+/// A session, stepped with its own copy of the samples.
+struct Played {
+  scene::Session session;
+  devices::ReplaySource source;
+
+  Played(const scene::Scenario& scenario, const std::vector<devices::Sample>& samples)
+      : session(scene::make_session(scenario)), source(samples) {}
+  void advance() { scene::advance(session, source); }
+};
+
+/// Lets the ball fall from so high over the lane, in view of the player.
+scene::HandScript dropped(const scene::Scenario& scenario, double height) {
+  scene::HandScript hand(scenario);
+  hand.stay(scenario.ball.home, 0.3);
+  hand.trigger(true);
+  hand.stay(scenario.ball.home, 0.2);
+  hand.stay(Vec3(0.0, 3.5, scenario.ball.radius + height), 0.6);
+  hand.trigger(false);
+  hand.stay(Vec3(0.0, 3.5, scenario.ball.radius + height), 0.1);
+  hand.stay(Vec3(-1.2, -1.0, 1.0), 2.0);
+  return hand;
+}
+
+scene::Scenario with_elasticity(double e) {
+  scene::Scenario scenario;
+  scenario.material.ball.elasticity = scenario.material.lane.elasticity = e;
+  return scenario;
+}
+
+TEST(Apart, AnglesAreThoseOfTrigonometry) {
+  const Vec3 eye(0.1, -0.4, 1.7);
+  for (const double arcmin : {1e-6, 0.02, 1.0, 12.5, 900.0, 10'000.0}) {
+    const double angle = arcmin * kArcmin;
+    const Vec3 a = eye + Vec3(0.0, 7.0, 0.0);
+    const Vec3 b = eye + 5.0 * Vec3(std::sin(angle), std::cos(angle), 0.0);
+    EXPECT_NEAR(arcmin_between(eye, a, b), arcmin, 1e-9 * std::max(1.0, arcmin));
+  }
+  const Vec3 ahead = eye + Vec3(0.0, 3.0, 0.0), right = eye + Vec3(3.0, 3.0, 0.0);
+  EXPECT_NEAR(arcmin_between(eye, Place{ahead, ahead}, Place{ahead, right}), 45.0 * 60.0, 1e-9);
+}
+
+// A ball that falls comes up again to e^2 of the height, and the restitution is what is told apart.
+TEST(Apart, TheBounceOfABallIsThatOfItsElasticity) {
+  const scene::Scenario high = with_elasticity(0.9), low = with_elasticity(0.8);
+  const auto samples = with_head(high, dropped(high, 0.8).samples, looking(false));
+  Played a(high, samples), b(low, samples);
+  Apart apart(a.session, b.session);
+  std::array<double, 2> largest{};
+  double first = 0.0;
+  while (seconds(a.session.now()) < 3.0) {
+    a.advance();
+    b.advance();
+    apart.tick(a.session, b.session);
+    // Every fourth tick is a frame of the display.
+    if (a.session.tick % 4 != 0) continue;
+    const Pose X_WD = looking(false);
+    const engine::BodyId ball = a.session.stage->balls.front();
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      const Vec3 p = X_WD * Vec3(eye == 0 ? -0.032 : 0.032, 0.0, 0.0);
+      const Vec3 to_a = (a.session.world.states[ball].X_WB.p - p).normalized();
+      const Vec3 to_b = (b.session.world.states[ball].X_WB.p - p).normalized();
+      const double arcmin = 2.0 * std::asin(0.5 * (to_a - to_b).norm()) / kArcmin;
+      largest[eye] = std::max(largest[eye], arcmin);
+      if (arcmin > 12.5 && first == 0.0) first = seconds(a.session.now());
+    }
+  }
+  const BodyApart& ball = apart.bodies().front();
+  ASSERT_TRUE(ball.bounce);
+  const double e_a = 0.9 * 0.9, e_b = 0.8 * 0.8;  // those of a pair multiply
+  EXPECT_NEAR(ball.bounce->a, e_a * e_a * 0.8, 0.01);
+  EXPECT_NEAR(ball.bounce->b, e_b * e_b * 0.8, 0.01);
+  EXPECT_NEAR(ball.bounce->size, (e_a - e_b) / e_a, 0.01);
+  EXPECT_NEAR(ball.bounce->times, (e_a - e_b) / e_a / 0.10, 0.1);
+  EXPECT_NEAR(ball.arcmin[0], largest[0], 1e-6 * largest[0]);
+  EXPECT_NEAR(ball.arcmin[1], largest[1], 1e-6 * largest[1]);
+  EXPECT_GT(largest[0], 100.0);
+  EXPECT_EQ(apart.limit_arcmin(), 12.5);  // 75 degrees over 360 pixels
+  EXPECT_NEAR(ball.place.times, std::max(largest[0], largest[1]) / 12.5, 1e-4);
+  ASSERT_TRUE(ball.place.first);
+  EXPECT_NEAR(seconds(*ball.place.first), first, 1e-6);
+  EXPECT_LT(ball.off_view_deg, 40.0);
+  ASSERT_TRUE(ball.speed);
+  EXPECT_GT(ball.speed->times, 1.0);
+  const std::vector<std::string> told = in_sentences(apart);
+  ASSERT_EQ(told.size(), 2u);
+  EXPECT_THAT(told[0], StartsWith("First, from "));
+  EXPECT_THAT(told[0], HasSubstr("the ball's"));
+}
+
+TEST(Apart, OneSessionDoesNotDifferFromItself) {
+  const scene::Scenario scenario;
+  const auto samples = with_head(scenario, dropped(scenario, 0.5).samples, looking(false));
+  Played a(scenario, samples), b(scenario, samples);
+  Apart apart(a.session, b.session);
+  while (seconds(a.session.now()) < 3.0) {
+    a.advance();
+    b.advance();
+    apart.tick(a.session, b.session);
+  }
+  EXPECT_GT(apart.frames(), 150);
+  EXPECT_THAT(in_sentences(apart), testing::ElementsAre("Nothing differs."));
+}
+
+TEST(Apart, WhatTheHeadDoesNotSeeIsNotTold) {
+  const scene::Scenario high = with_elasticity(0.9), low = with_elasticity(0.3);
+  const auto samples = with_head(high, dropped(high, 0.8).samples, looking(true));
+  Played a(high, samples), b(low, samples);
+  Apart apart(a.session, b.session);
+  while (seconds(a.session.now()) < 3.0) {
+    a.advance();
+    b.advance();
+    apart.tick(a.session, b.session);
+  }
+  EXPECT_EQ(apart.bodies().front().place.size, 0.0);
+  EXPECT_FALSE(apart.bodies().front().speed);
+  EXPECT_TRUE(apart.bodies().front().bounce);  // it was not seen, but it was so
+}
+
+TEST(Apart, TheFirstContactIsWhenTheFirstSkittleIsStruck) {
+  const scene::Scenario scenario;
+  scene::HandScript fast(scenario);
+  fast.throw_from(0.0, 6.0, 3.0);
+  scene::Scenario slow = scenario;
+  slow.material.lane.friction = 0.0;
+  const auto samples = with_head(scenario, fast.samples, looking(false));
+  Played a(scenario, samples), b(slow, samples);
+  Apart apart(a.session, b.session);
+  std::array<std::optional<Time>, 2> struck;
+  while (seconds(a.session.now()) < 4.0) {
+    a.advance();
+    b.advance();
+    apart.tick(a.session, b.session);
+    for (const auto& [session, when] :
+         {std::pair(&a.session, &struck[0]), {&b.session, &struck[1]}}) {
+      for (const devices::Event& event : session->events) {
+        if (event.kind == scene::kind::first_contact && !*when) *when = event.time;
+      }
+    }
+  }
+  ASSERT_TRUE(struck[0] && struck[1]);
+  const BodyApart& ball = apart.bodies().front();
+  ASSERT_TRUE(ball.contact);
+  EXPECT_EQ(ball.contact->a, seconds(*struck[0]));
+  EXPECT_EQ(ball.contact->b, seconds(*struck[1]));
+  EXPECT_NEAR(ball.contact->size, 1e3 * std::abs(seconds(*struck[0] - *struck[1])), 1e-9);
+  EXPECT_GT(ball.contact->size, 0.0);
+}
+
+TEST(Apart, RefusesOtherBodiesRatesAndHeads) {
+  const scene::Scenario scenario;
+  const auto hand = dropped(scenario, 0.5).samples;
+  Played a(scenario, with_head(scenario, hand, looking(false)));
+  scene::Scenario faster = scenario;
+  faster.rates.physics_hz = 480;
+  Played other(faster, hand);
+  EXPECT_THAT(complaint([&] { Apart(a.session, other.session); }), HasSubstr("rates.physics_hz"));
+  scene::Scenario fewer = scenario;
+  fewer.rack.spots.resize(3);
+  Played few(fewer, hand);
+  EXPECT_THAT(complaint([&] { Apart(a.session, few.session); }), HasSubstr("same balls"));
+  Played turned(scenario, with_head(scenario, hand, looking(true)));
+  Apart apart(a.session, turned.session);
+  EXPECT_THAT(complaint([&] {
+                for (int i = 0; i < 40; ++i) {
+                  a.advance();
+                  turned.advance();
+                  apart.tick(a.session, turned.session);
+                }
+              }),
+              HasSubstr("expected one recording"));
+}
+
+// docs/guides/apart.md has each threshold with its source.
+TEST(Apart, ThresholdsAreThoseOfTheGuide) {
+  const std::string page = slurp(HEADPIN_SOURCE_DIR "/docs/guides/apart.md");
+  for (const Threshold& one : kThresholds) {
+    const std::string unit = one.unit.empty() ? "" : fmt::format(" {}", one.unit);
+    EXPECT_THAT(page, HasSubstr(fmt::format("| {} | {}{} | {} | {} | {} |", one.name, one.value,
+                                            unit, one.quantity, one.source, one.read_in)));
+  }
+}
+
+}  // namespace
+}  // namespace headpin::sweep
