@@ -79,6 +79,39 @@ double arcmin_between(const Vec3& p_WE, const Place& a, const Place& b) {
   return std::max(arcmin_between(p_WE, a[0], b[0]), arcmin_between(p_WE, a[1], b[1]));
 }
 
+std::optional<std::int64_t> frame_of(const scene::Session& session) {
+  const scene::Rates& rates = session.scenario().rates;
+  const auto frame_at = [&](std::int64_t tick) { return tick * rates.frame_hz / rates.physics_hz; };
+  if (frame_at(session.tick) == frame_at(session.tick - 1)) return std::nullopt;
+  return frame_at(session.tick);
+}
+
+std::optional<double> arcmin_in_view(const scene::Session& session,
+                                     const std::vector<Place>& other) {
+  const std::vector<Place> places = places_of(session);
+  if (places.size() != other.size()) return std::nullopt;
+  if (places == other) return 0.0;
+  const std::optional<Pose> X_WD = scene::head_pose(session);
+  if (!X_WD) return std::nullopt;
+  double largest = 0.0;
+  for (const render::View& view : render::eyes(*X_WD, session.scenario().hmd.optics)) {
+    const Pose X_EW = view.X_WE.inverse();
+    const render::Frustum& f = view.frustum;
+    const auto is_in_view = [&](const Vec3& p_W) {
+      const Vec3 p = X_EW * p_W;
+      const double depth = -p.z();
+      return depth > f.near && p.x() > f.left * depth && p.x() < f.right * depth &&
+             p.y() > f.bottom * depth && p.y() < f.top * depth;
+    };
+    for (std::size_t i = 0; i < places.size(); ++i) {
+      if (places[i] == other[i]) continue;
+      if (!is_in_view(middle(places[i])) && !is_in_view(middle(other[i]))) continue;
+      largest = std::max(largest, arcmin_between(view.X_WE.p, places[i], other[i]));
+    }
+  }
+  return largest;
+}
+
 Apart::Apart(const scene::Session& a, const scene::Session& b, std::string_view gl)
     : eyes_a_(scene::open_eyes(*a.stage, a.scenario().look, gl)),
       eyes_b_(scene::open_eyes(*b.stage, b.scenario().look, gl)) {
@@ -224,9 +257,7 @@ void Apart::tick(const scene::Session& a, const scene::Session& b) {
   note_events(b, true);
   note_bounces(a, false);
   note_bounces(b, true);
-  const scene::Rates& rates = a.scenario().rates;
-  const auto frame_at = [&](std::int64_t tick) { return tick * rates.frame_hz / rates.physics_hz; };
-  if (frame_at(a.tick) == frame_at(a.tick - 1)) return;
+  if (!frame_of(a)) return;
   const std::optional<Pose> head = scene::head_pose(a), other = scene::head_pose(b);
   if (!head && !other) return;
   if (!head || !other || head->p != other->p || !(head->q.coeffs() == other->q.coeffs())) {

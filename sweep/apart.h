@@ -27,6 +27,21 @@ double arcmin_between(const Vec3& p_WE, const Vec3& a_W, const Vec3& b_W);
 /// The larger angle of the two points of a place.
 double arcmin_between(const Vec3& p_WE, const Place& a, const Place& b);
 
+/// The frame of the display that a tick is the first one of; nothing for other ticks.
+std::optional<std::int64_t> frame_of(const scene::Session& session);
+
+/// Places at each frame of the display.
+using Frames = std::vector<std::vector<Place>>;
+
+/// The largest angle, on either retina, between the places of a body in two frames, of bodies within
+/// the view [arcmin].
+///
+/// @param session  at one of the frames; its head looks
+/// @param other    places in the other one
+/// @return  nothing without a head, or with another number of bodies
+std::optional<double> arcmin_in_view(const scene::Session& session,
+                                     const std::vector<Place>& other);
+
 /// A difference that is largest at some time.
 struct Difference {
   double a = 0.0, b = 0.0;  ///< of both sessions

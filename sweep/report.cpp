@@ -34,7 +34,8 @@ constexpr const char* kScript =
 
 /// Results that are drawn.
 constexpr std::array kShown = {"skittles_down",  "impact_speed_mps", "entry_angle_deg",
-                               "ball_speed_mps", "energy_lost_j",    "rest_s"};
+                               "ball_speed_mps", "energy_lost_j",    "rest_s",
+                               "apart_arcmin"};
 
 std::string shown(double value) {
   return std::isnan(value) ? "-" : fmt::format("{:.4g}", value);

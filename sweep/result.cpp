@@ -19,6 +19,8 @@ const std::vector<ResultColumn>& result_columns() {
       {"ball_speed_mps", "m/s", "of the same ball at the end"},
       {"energy_lost_j", "J", "that impacts, lasting contacts and overlaps took away"},
       {"rest_s", "s", "when the last body came to rest; empty where one moves at the end"},
+      {"apart_arcmin", "arcmin",
+       "largest angle in view between a body and its place under the recorded condition"},
       {"simulated_s", "s", "how long the session was"},
       {"impacts", "", "impulses given"},
       {"capped_queries", "", "detection queries that reached their cap"},
@@ -36,6 +38,10 @@ const std::vector<ResultColumn>& result_columns() {
 void Result::tick(const scene::Session& session) {
   for (const devices::Event& event : session.events) score_.add(event);
   if (session.world.statistics.awake > 0) last_awake_ = session.tick;
+  const std::optional<std::int64_t> frame = frame_of(session);
+  if (!frame || !recorded_ || *frame >= std::ssize(*recorded_)) return;
+  const auto apart = arcmin_in_view(session, (*recorded_)[static_cast<std::size_t>(*frame)]);
+  if (apart) apart_arcmin_ = std::max(apart_arcmin_.value_or(0.0), *apart);
 }
 
 std::vector<std::string> Result::cells(const scene::Session& session) const {
@@ -65,6 +71,7 @@ std::vector<std::string> Result::cells(const scene::Session& session) const {
           maybe(ball_speed),
           fmt::format("{}", lost),
           maybe(rest),
+          maybe(apart_arcmin_),
           fmt::format("{}", seconds(session.now())),
           fmt::format("{}", statistics.impacts),
           fmt::format("{}", statistics.queries.capped),

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "scene/play/run.h"
 #include "scene/play/score.h"
+#include "sweep/apart.h"
 
 namespace headpin::sweep {
 
@@ -21,12 +23,17 @@ const std::vector<ResultColumn>& result_columns();
 /// Sums up a session as it runs.
 class Result : public scene::Observer {
  public:
+  /// @param recorded  places under the trial's own condition, which must outlive this; null: unknown
+  explicit Result(const Frames* recorded) : recorded_(recorded) {}
+
   void tick(const scene::Session& session) override;
 
   /// Cells in the order of result_columns(); an empty cell where there is no such number.
   std::vector<std::string> cells(const scene::Session& session) const;
 
  private:
+  const Frames* recorded_;
+  std::optional<double> apart_arcmin_;
   scene::Score score_;
   std::int64_t last_awake_ = 0;  ///< tick
 };

@@ -22,6 +22,33 @@ struct Interrupted {
   std::exception_ptr why;
 };
 
+/// Simulates a trial as it was recorded.
+Frames frames_of(const Trial& trial) {
+  scene::Session session = scene::make_session(trial.scenario);
+  session.hashes = false;
+  session.world.parameters.keep_ledger = false;
+  devices::ReplaySource source(trial.samples);
+  const std::int64_t ticks = scene::tick_count(trial.summary, session.scenario().rates.physics_hz);
+  Frames frames(1, places_of(session));
+  while (session.tick < ticks) {
+    scene::advance(session, source);
+    const std::optional<std::int64_t> frame = frame_of(session);
+    if (frame) frames.resize(static_cast<std::size_t>(*frame) + 1, places_of(session));
+  }
+  return frames;
+}
+
+const Frames& own_condition(const Trial& trial) {
+  std::call_once(trial.own->once, [&] {
+    try {
+      trial.own->frames = frames_of(trial);
+    } catch (const std::exception&) {
+      trial.own->frames.clear();
+    }
+  });
+  return trial.own->frames;
+}
+
 }  // namespace
 
 Trial read_trial(const std::string& path) {
@@ -62,7 +89,7 @@ std::vector<std::string> Runner::run(const Row& row, const std::function<void()>
     scene::Session session = scene::make_session(stage_of(row));
     session.hashes = false;
     devices::ReplaySource source(trials_[row.trial].samples);
-    Result sum;
+    Result sum(&own_condition(trials_[row.trial]));
     scene::NoPace pace;
     scene::Observer* const observer = &sum;
     const std::int64_t ticks =

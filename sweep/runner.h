@@ -2,14 +2,22 @@
 
 #include <functional>
 #include <memory>
+#include <mutex>
 #include <string>
 #include <vector>
 
 #include "devices/trial/trial.h"
 #include "scene/stage/stage.h"
+#include "sweep/apart.h"
 #include "sweep/rows.h"
 
 namespace headpin::sweep {
+
+/// The places of bodies under a trial's own condition, simulated when they are first asked for.
+struct OwnCondition {
+  std::once_flag once;
+  Frames frames;  ///< none where it cannot be simulated
+};
 
 /// A recorded trial in memory, read once for all rows.
 struct Trial {
@@ -18,6 +26,7 @@ struct Trial {
   std::string scenario_text;             ///< whole; trials with the same one share stages
   std::vector<devices::Sample> samples;  ///< in the order of the log
   devices::TrialSummary summary;         ///< says how long a replay is
+  std::shared_ptr<OwnCondition> own = std::make_shared<OwnCondition>();  ///< for all threads
 };
 
 /// @throws std::runtime_error  as scene::load_trial

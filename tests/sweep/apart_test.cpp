@@ -12,6 +12,8 @@
 
 #include "devices/trial/sources.h"
 #include "scene/play/events.h"
+#include "sweep/result.h"
+#include "sweep/runner.h"
 #include "tests/support/folder.h"
 #include "tests/support/hand_script.h"
 
@@ -221,6 +223,38 @@ TEST(Apart, RefusesOtherBodiesRatesAndHeads) {
                 }
               }),
               HasSubstr("expected one recording"));
+}
+
+// The recorded condition is 0 from itself; of the other one a skittle in the middle of the view differs most.
+TEST(Apart, ARowOfASweepTellsHowFarItIsFromItsTrial) {
+  const std::string path = HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog";
+  const std::vector<Trial> trials = {read_trial(path)};
+  const Rows rows(parse_design("trials = ['" + path + "']\n[grid]\nshape = ['true', 'ellipsoid']\n",
+                               "sweep.toml"),
+                  {trials[0].sha256});
+  Runner runner(rows, trials);
+  const auto cell = [&](std::int64_t number) {
+    const std::vector<std::string> names = columns_of(rows);
+    const auto column =
+        std::ranges::find(result_columns(), std::string_view("apart_arcmin"),
+                          [](const ResultColumn& c) { return std::string_view(c.name); });
+    const std::vector<std::string> cells = runner.run(rows.at(number), [] {});
+    return cells[names.size() + static_cast<std::size_t>(column - result_columns().begin())];
+  };
+  EXPECT_EQ(cell(0), "0");
+  scene::Scenario ellipsoid = trials[0].scenario;
+  ellipsoid.collision.shape = "ellipsoid";
+  Played a(trials[0].scenario, trials[0].samples), b(ellipsoid, trials[0].samples);
+  Apart apart(a.session, b.session);
+  while (seconds(a.session.now()) < 7.0) {
+    a.advance();
+    b.advance();
+    apart.tick(a.session, b.session);
+  }
+  double most = 0.0;
+  for (const BodyApart& body : apart.bodies()) most = std::max(most, body.place.size);
+  EXPECT_GT(most, 100.0);
+  EXPECT_NEAR(std::stod(cell(1)), most, 1e-9 * most);
 }
 
 // docs/guides/apart.md has each threshold with its source.
