@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstring>
+
 #include "engine/workspace.h"
 #include "engine/world.h"
 
@@ -14,7 +16,7 @@ class Books {
       : world_(world), w_(w), keep_(world.parameters.keep_ledger) {
     if (!keep_) return;
     Balance& last = world.memory.balance;
-    start_ = changed || !world.roll.movers.empty() ? balance(world) : last;
+    start_ = changed || !world.roll.movers.empty() ? balance_now() : last;
     world.ledger.hand += start_ - last;  // what users changed between steps
     last = start_;
     w.struck = w.pushed = {};
@@ -28,19 +30,21 @@ class Books {
     w_.pushed = {};
   }
   void begin() {
-    if (keep_) mark_ = balance(world_);
+    if (keep_) mark_ = balance_now();
   }
-  /// What was gained since begin(), less what driven bodies gave.
+  /// What was gained since begin() or the last end(), less what driven bodies gave.
   void end(Balance& account) {
     if (!keep_) return;
-    add(account, balance(world_) - mark_ - w_.pushed);
+    const Balance now = balance_now();
+    add(account, now - mark_ - w_.pushed);
+    mark_ = now;
     add(world_.ledger.hand, w_.pushed);
     w_.pushed = {};
   }
-  /// The rest is free motion under gravity.
+  /// The rest, up to the last end(), is free motion under gravity.
   void close() {
     if (!keep_) return;
-    world_.memory.balance = balance(world_);
+    world_.memory.balance = mark_;
     world_.ledger.gravity += world_.memory.balance - start_ - booked_;
   }
 
@@ -49,9 +53,28 @@ class Books {
     account += gain;
     booked_ += gain;
   }
+  /// As balance(); the part of a body whose state has the bits of the last time is not computed again.
+  Balance balance_now() {
+    static_assert(sizeof(State) == 13 * sizeof(double), "no bytes between its numbers");
+    if (!knows_parts_) w_.booked.assign(world_.states.size(), {});
+    knows_parts_ = true;
+    Balance sum;
+    for (BodyId i = 0; i < world_.bodies.size(); ++i) {
+      if (world_.bodies[i].kind != Kind::free) continue;
+      auto& [known, state, part] = w_.booked[i];
+      if (!known || std::memcmp(&state, &world_.states[i], sizeof(State)) != 0) {
+        known = true;
+        state = world_.states[i];
+        part = balance_of(world_, i);
+      }
+      sum += part;
+    }
+    return sum;
+  }
+
   World& world_;
   Workspace& w_;
-  bool keep_;
+  bool keep_, knows_parts_ = false;
   Balance start_, mark_, booked_;
 };
 

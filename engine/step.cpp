@@ -85,7 +85,6 @@ void step(World& world, Workspace& w) {
   books.begin();
   push_apart(world, *touches, *flight, solved, w);
   books.end(world.ledger.correction);
-  books.begin();
   fall_asleep(world, *touches, *flight, solved);
   books.end(world.ledger.sustained);
   books.close();

@@ -191,6 +191,13 @@ struct Nudge {
   Vec3 p = Vec3::Zero(), w = Vec3::Zero();
 };
 
+/// A body's part of the balance, and the state that it is of.
+struct Booked {
+  bool known = false;
+  State state;
+  Balance part;
+};
+
 }  // namespace detail
 
 /// Buffers of a step, without meaning between steps: any will do for any world.
@@ -198,7 +205,8 @@ struct Workspace {
   detail::Touches touches;
   detail::Flight flight;
   detail::Solved solved;
-  Balance struck, pushed;  ///< of the step's impacts; of driven bodies in a phase
+  std::vector<detail::Booked> booked;  ///< of the ledger, by body
+  Balance struck, pushed;              ///< of the step's impacts; of driven bodies in a phase
   BroadPhase broad_phase;
   std::vector<std::uint32_t>
       near;  ///< bounded bodies near one that is faster than it was sought for

@@ -262,18 +262,20 @@ State outside_fixed(const World& world, BodyId body, const State& wanted) {
   return state;
 }
 
+Balance balance_of(const World& world, BodyId body) {
+  const State& s = world.states[body];
+  const double mass = world.bodies[body].mass;
+  const Inertia& inertia = world.inertias[body];
+  const Vec3 mv = mass * s.v_WB;
+  return {0.5 * mv.dot(s.v_WB) + turning_energy(inertia, s.X_WB.q, s.w_WB) -
+              mass * world.parameters.gravity_W.dot(s.X_WB.p),
+          mv, s.X_WB.p.cross(mv) + angular_momentum(inertia, s.X_WB.q, s.w_WB)};
+}
+
 Balance balance(const World& world) {
   Balance sum;
   for (BodyId i = 0; i < world.bodies.size(); ++i) {
-    const Body& body = world.bodies[i];
-    if (body.kind != Kind::free) continue;
-    const State& s = world.states[i];
-    const Vec3 mv = body.mass * s.v_WB;
-    sum.energy += 0.5 * mv.dot(s.v_WB) + turning_energy(world.inertias[i], s.X_WB.q, s.w_WB) -
-                  body.mass * world.parameters.gravity_W.dot(s.X_WB.p);
-    sum.momentum += mv;
-    sum.angular_momentum +=
-        s.X_WB.p.cross(mv) + angular_momentum(world.inertias[i], s.X_WB.q, s.w_WB);
+    if (world.bodies[i].kind == Kind::free) sum += balance_of(world, i);
   }
   return sum;
 }

@@ -180,6 +180,8 @@ void step(World& world);
 
 /// Energy, momentum and angular momentum of the free bodies, height from the origin of W.
 Balance balance(const World& world);
+/// What a free body has of it.
+Balance balance_of(const World& world, BodyId body);
 
 /// FNV-1a of the bits of tick, poses, velocities and sleep flags: 64 bits that two equal runs
 /// share. `World::memory` is not in it; where that differs, the next states will.

@@ -81,6 +81,7 @@ double tricube(double u) {
 /// Weights of a window that reaches back by `before`.
 std::vector<double> weights(std::span<const double> t, double before) {
   std::vector<double> w;
+  w.reserve(t.size());
   for (const double ti : t) w.push_back(tricube(ti < 0.0 ? -ti / before : ti / kAfter));
   return w;
 }
@@ -115,57 +116,83 @@ double form(const Four& x, const Square& a, const Four& y, std::size_t n) {
   return sum;
 }
 
-/// @param t  [s]; the slope is that at 0
-Fit fit(std::span<const double> t, std::span<const Vec3> y, std::span<const double> w) {
-  constexpr double kScale = 0.05;
-  const auto used = static_cast<std::size_t>(
+/// A weighted least-squares problem: what does not depend on the points, only on their times.
+struct Design {
+  std::span<const double> w;
+  std::size_t used = 0;  ///< points that have a weight
+  std::size_t n = 0;     ///< coefficients of the polynomial
+  std::vector<Four> powers;
+  Square squared{}, solved{};
+  double sum = 0.0;           ///< of the weights
+  std::vector<double> apart;  ///< 1 - leverage of each point, if points are more than coefficients
+};
+
+constexpr double kScale = 0.05;  // of the times [s]
+
+/// @param t  [s]; slopes are those at 0
+/// @param w  must outlive what is given back
+Design design(std::span<const double> t, std::span<const double> w) {
+  Design d;
+  d.w = w;
+  d.used = static_cast<std::size_t>(
       std::ranges::count_if(w, [](double weight) { return weight > 0.0; }));
-  Fit found;
-  if (used < 2) return found;
-  const std::size_t n = used >= 5 ? 4 : used == 4 ? 3 : 2;
-  const auto powers = [&](std::size_t i) {
-    const double x = t[i] / kScale;
-    return Four{1.0, x, x * x, x * x * x};
-  };
-  Square normal{}, squared{};
-  std::array<Vec3, 4> right{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-  double sum = 0.0;
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    const Four p = powers(i);
-    for (std::size_t a = 0; a < n; ++a) {
-      for (std::size_t b = 0; b < n; ++b) {
-        normal[a][b] += w[i] * p[a] * p[b];
-        squared[a][b] += w[i] * w[i] * p[a] * p[b];
-      }
-      right[a] += w[i] * p[a] * y[i];
-    }
-    sum += w[i];
-  }
-  const Square solved = inverse(normal, n);
-  std::array<Vec3, 4> coefficient{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
-  for (std::size_t a = 0; a < n; ++a) {
-    for (std::size_t b = 0; b < n; ++b) coefficient[a] += solved[a][b] * right[b];
-  }
-  found.slope = coefficient[1] / kScale;
-  if (used <= n) return found;
-  double squares = 0.0, most = -1.0;
+  if (d.used < 2) return d;
+  d.n = d.used >= 5 ? 4 : d.used == 4 ? 3 : 2;
+  Square normal{};
+  d.powers.resize(t.size());
   for (std::size_t i = 0; i < t.size(); ++i) {
     if (!(w[i] > 0.0)) continue;
-    const Four p = powers(i);
+    const double x = t[i] / kScale;
+    const Four& p = d.powers[i] = {1.0, x, x * x, x * x * x};
+    for (std::size_t a = 0; a < d.n; ++a) {
+      for (std::size_t b = 0; b < d.n; ++b) {
+        normal[a][b] += w[i] * p[a] * p[b];
+        d.squared[a][b] += w[i] * w[i] * p[a] * p[b];
+      }
+    }
+    d.sum += w[i];
+  }
+  d.solved = inverse(normal, d.n);
+  if (d.used <= d.n) return d;
+  d.apart.resize(t.size());
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    const Four& p = d.powers[i];
+    if (w[i] > 0.0) d.apart[i] = 1.0 - w[i] * form(p, d.solved, p, d.n);
+  }
+  return d;
+}
+
+Fit fit(const Design& d, std::span<const Vec3> y) {
+  Fit found;
+  if (d.used < 2) return found;
+  std::array<Vec3, 4> right{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    if (!(d.w[i] > 0.0)) continue;
+    for (std::size_t a = 0; a < d.n; ++a) right[a] += d.w[i] * d.powers[i][a] * y[i];
+  }
+  std::array<Vec3, 4> coefficient{Vec3::Zero(), Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
+  for (std::size_t a = 0; a < d.n; ++a) {
+    for (std::size_t b = 0; b < d.n; ++b) coefficient[a] += d.solved[a][b] * right[b];
+  }
+  found.slope = coefficient[1] / kScale;
+  if (d.used <= d.n) return found;
+  double squares = 0.0, most = -1.0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    if (!(d.w[i] > 0.0)) continue;
     Vec3 left = y[i];
-    for (std::size_t a = 0; a < n; ++a) left -= p[a] * coefficient[a];
-    const double apart = 1.0 - w[i] * form(p, solved, p, n);  // 1 - leverage
-    squares += w[i] * left.squaredNorm();
-    const double without = w[i] * left.squaredNorm() / apart;  // so much less if it was not there
-    if (!(apart > 1e-6) || without <= most) continue;
+    for (std::size_t a = 0; a < d.n; ++a) left -= d.powers[i][a] * coefficient[a];
+    squares += d.w[i] * left.squaredNorm();
+    // So much less if it was not there.
+    const double without = d.w[i] * left.squaredNorm() / d.apart[i];
+    if (!(d.apart[i] > 1e-6) || without <= most) continue;
     most = without;
     found.worst = i;
-    found.off = left.norm() / apart;
+    found.off = left.norm() / d.apart[i];
   }
-  found.alone = used >= kFewestToJudge && kOffFit * (squares - most) < squares;
+  found.alone = d.used >= kFewestToJudge && kOffFit * (squares - most) < squares;
   const double variance =
-      squares / (3.0 * sum) * static_cast<double>(used) / static_cast<double>(used - n);
-  found.deviation = std::sqrt(variance * form(solved[1], squared, solved[1], n)) / kScale;
+      squares / (3.0 * d.sum) * static_cast<double>(d.used) / static_cast<double>(d.used - d.n);
+  found.deviation = std::sqrt(variance * form(d.solved[1], d.squared, d.solved[1], d.n)) / kScale;
   return found;
 }
 
@@ -224,6 +251,9 @@ struct Fits {
 Fits fits(const Track& track, Time at, const Quat& q_WH, const ReleaseWindow& window) {
   std::vector<double> t;
   std::vector<Vec3> p, turn;
+  t.reserve(track.size());
+  p.reserve(track.size());
+  turn.reserve(track.size());
   for (const Stamped<Pose>& sample : track) {
     t.push_back(seconds(sample.time - at));
     p.push_back(sample.value.p - track.back().value.p);
@@ -233,10 +263,11 @@ Fits fits(const Track& track, Time at, const Quat& q_WH, const ReleaseWindow& wi
   const double least = seconds(window.least) + past, most = seconds(window.longest()) + past;
   for (double before = least;; before = std::min(most, before + 0.25 * least)) {
     const std::vector<double> w = weights(t, before);
-    const Fit path = fit(t, p, w);
+    const Design times = design(t, w);
+    const Fit path = fit(times, p);
     const auto used = std::ranges::count_if(w, [](double weight) { return weight > 0.0; });
     const bool enough = used >= 3 && path.deviation <= window.accuracy;
-    if (path.alone || enough || before >= most) return {path, fit(t, turn, w)};
+    if (path.alone || enough || before >= most) return {path, fit(times, turn)};
   }
 }
 
