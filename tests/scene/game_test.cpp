@@ -436,9 +436,70 @@ TEST(GameTest, AButtonTouchedTooEarlyLeavesTheBallToItsOwnVersion) {
     ASSERT_EQ(played.score.throws.size(), 1u);
     EXPECT_EQ(played.score.throws[0].version, "red");
     EXPECT_EQ(played.score.throws[0].counted, counted.back());
+    // What is counted ahead happens when the button is touched.
+    Time before{};
+    for (const devices::Event& event : played.events) {
+      if (event.kind != kind::release) {
+        EXPECT_GE(event.time, before) << event.kind;
+      }
+      before = event.time;
+    }
   }
   EXPECT_GT(counted[0], 0.0);
   EXPECT_EQ(counted[1], counted[0]);  // as if nobody had touched it
+}
+
+// As trials of before have it, nothing but the ball's return says that the next one is another.
+TEST(Referee, TheNextBallStrikesForTheFirstTimeAgain) {
+  for (const char* fells : {"counted", "apart"}) {
+    Scenario scenario = with_rules("ninepins", 3, 1);
+    scenario.game.hand_fells = fells;
+    ByHand play(scenario);
+    for (std::size_t ball = 1; ball <= 2; ++ball) {
+      play.let_fly({0.0, 4.5, 0.11}, {0.0, 6.0, 0.0});
+      play.until([&] { return play.of_kind(kind::delivery).size() == ball; }, 12.0);
+      EXPECT_EQ(play.of_kind(kind::first_contact).size(), ball) << fells;
+      EXPECT_FALSE(play.game().struck) << fells;
+      EXPECT_FALSE(play.taken()) << "there is nothing in the hand to be taken";
+    }
+  }
+}
+
+TEST(Referee, ACarriedSkittleThatMeetsABallIsTheHandsAllTheSame) {
+  ByHand play(with_rules("plain", 2, 2));
+  const engine::BodyId skittle = play.stage().skittles.front();
+  const double radius = play.stage().scenario.ball.radius;
+  play.let_fly({0.3, 1.0, radius}, Vec3::Zero());
+  play.carry(skittle, {0.0, 1.0, play.stage().skittle_centre}, {0.8, 0.0, 0.0}, 0.3);
+  ASSERT_FALSE(play.of_kind(kind::first_contact).empty());
+  EXPECT_EQ(play.game().moved_by[skittle], By::hand);
+}
+
+// The ball loses what the skittle gains, against its flight.
+TEST(Referee, TheFirstContactHasTheImpulseThatSlowsTheBallDown) {
+  ByHand play(with_rules("plain", 2, 2));
+  play.let_fly({0.0, 5.0, 0.11}, {0.0, 6.0, 0.0});
+  play.until([&] { return !play.of_kind(kind::first_contact).empty(); }, 2.0);
+  ASSERT_EQ(play.of_kind(kind::first_contact).size(), 1u);
+  const devices::Event& contact = *play.of_kind(kind::first_contact).front();
+  const double mass = play.stage().scenario.ball.mass;
+  EXPECT_GT(std::abs(contact.j_W.y()), 0.1 * mass);
+  EXPECT_LT(contact.j_W.norm(), 2.0 * mass * 6.0);  // as from a wall
+  EXPECT_LT(contact.value, 6.0);                    // it slid on the lane
+  EXPECT_GT(contact.value, 4.0);
+}
+
+TEST(GameTest, ABallIsTakenAndLetGoWhereItIs) {
+  const Scenario scenario = with_rules("plain", 1, 1);
+  HandScript hand(scenario);
+  hand.throw_from(0.1, 6.0, 0.1);
+  const Played played = play(scenario, hand.samples);
+  ASSERT_EQ(played.of_kind(kind::grab).size(), 1u);
+  EXPECT_LT((played.of_kind(kind::grab).front()->p_W - scenario.ball.home).norm(), 1e-9);
+  ASSERT_EQ(played.of_kind(kind::release).size(), 1u);
+  const Vec3 there = played.of_kind(kind::release).front()->p_W;
+  EXPECT_NEAR(there.x(), 0.1, 1e-6);
+  EXPECT_NEAR(there.y(), 0.0, 0.1);  // a tick's way
 }
 
 TEST(Foul, ABallLetGoBeyondTheLineIsCountedNotedOrCostsTheBall) {

@@ -254,5 +254,26 @@ TEST(Presence, TheClosestApproachOfASkittleIsThatOfItsSurface) {
   }
 }
 
+TEST(Presence, WhatHasPassedIsToldOnce) {
+  Scenario scenario;
+  scenario.collision.gravity = 0.0;
+  scenario.hand.solid = false;
+  Session session = make_session(scenario);
+  const engine::BodyId ball = session.stage->balls.front();
+  engine::State state;
+  state.X_WB.p = kStandsAt + Vec3(-0.3, 1.0, -0.1);
+  state.v_WB = Vec3(0.0, -kFlight, 0.0);
+  engine::set_kind(session.world, ball, engine::Kind::free);
+  engine::set_state(session.world, ball, state);
+  devices::ReplaySource source(Standing{}.samples());
+  int passed = 0;
+  while (session.now() < Time{700'000}) {  // then it is back from the wall
+    advance(session, source);
+    for (const devices::Event& event : session.events) passed += event.kind == kind::passed_player;
+  }
+  EXPECT_EQ(passed, 1);
+  EXPECT_TRUE(session.presence.approaches.empty());
+}
+
 }  // namespace
 }  // namespace headpin::scene

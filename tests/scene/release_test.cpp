@@ -284,6 +284,35 @@ TEST(MotionAtTheTrigger, IsReadBackFromItsEvent) {
   EXPECT_FALSE(motion_of(event));
 }
 
+// A bad sample of a hand that has been gone for long is nobody's business.
+TEST(MotionAtTheTrigger, OfAHandThatIsGoneIsImpossibleAndLeavesNothingOut) {
+  std::vector<Stamped<Pose>> track = sampled(known_swings().front().second, 120.0, 0.0, 0.2, 0.45);
+  track[track.size() - 3].value.p += Vec3(3.0, 0.0, 0.0);
+  ASSERT_EQ(motion_at(track, track.back().time, Vec3::Zero(), window()).left_out, 1);
+  const Motion found =
+      motion_at(track, track.back().time + window().least + Time{1}, Vec3::Zero(), window());
+  EXPECT_EQ(found.known, Known::impossible);
+  EXPECT_EQ(found.left_out, 0);
+  EXPECT_EQ(motion_at({}, Time{1'000'000}, Vec3::Zero(), window()).known, Known::impossible);
+}
+
+// The window reaches back as far before the last sample as without extrapolation.
+TEST(MotionAtTheTrigger, ThatIsExtrapolatedStillKnowsTheWholeWindow) {
+  const Time last{400'000}, at = last + Time{25'000};
+  const auto speed = [&](Time moved) {
+    std::vector<Stamped<Pose>> track;
+    for (Time t{}; t <= last; t += Time{5'000}) {
+      track.push_back({t, {Quat::Identity(), Vec3(0.0, 5.0 * seconds(t), 1.0)}});
+      if (t == moved) track.back().value.p.y() += 1e-4;
+    }
+    return motion_at(track, at, Vec3::Zero(), window()).V_WB.v.y();
+  };
+  const double quiet = speed(Time{-1});
+  EXPECT_NEAR(quiet, 5.0, 1e-9);
+  EXPECT_GT(std::abs(speed(last - window().least + Time{15'000}) - quiet), 1e-6);
+  EXPECT_NEAR(speed(last - window().longest() - Time{15'000}), quiet, 1e-12);
+}
+
 // A study can leave a throw out by what its row says.
 TEST(ThrowRow, SaysHowItsReleaseWasKnown) {
   std::array<devices::Event, 1> events;

@@ -315,6 +315,22 @@ TEST(Throws, AreOfBallsAndTakeTheirFirstContactAndDelivery) {
   EXPECT_EQ(found.impact_speed, 4.5);
 }
 
+TEST(Throws, ThatNobodySawLeaveStillStruck) {
+  const std::vector<Event> events = {told(kind::first_contact, {"ball", "a"}, 3.0),
+                                     told(kind::first_contact, {"ball", "b"}, 2.0)};
+  EXPECT_EQ(score(events).impact_speed, 3.0);
+  EXPECT_FALSE(score(events).release_speed);
+  EXPECT_TRUE(score(events).throws.empty());
+}
+
+TEST(Throws, HaveNoPlaceWhereThreeNumbersAreNoList) {
+  const Score found = score(std::vector<Event>{told(
+      kind::release, {"ball"}, 5.0, R"({"position_m":{"x":1,"y":2,"z":3},"velocity_mps":7})")});
+  ASSERT_EQ(found.throws.size(), 1u);
+  EXPECT_FALSE(found.throws.front().p_WB);
+  EXPECT_FALSE(found.throws.front().v_WB);
+}
+
 TEST(Throws, WithoutAGameHaveWhatFellSinceAndNoFoulOnTheLine) {
   const std::vector<Event> events = {
       told(kind::skittle_down, {"z"}, 1.0, "hand"),
