@@ -89,7 +89,7 @@ def edits(unit, path, text):
                 between = operator_between(text, *parts)
                 if between and between[0] in OTHER:
                     sign, at = between
-                    if is_number(cursor) and not (sign in "+-" and TypeKind.POINTER in [p.type.kind for p in parts]):
+                    if is_number(cursor) and not (sign in "+-" and TypeKind.POINTER in [p.type.get_canonical().kind for p in parts]):
                         add(cursor, lambda body, at=at, sign=sign, begin=cursor.extent.start.offset:
                             body(at - begin, len(sign), OTHER[sign]), f"{sign} -> {OTHER[sign]}")
             elif cursor.kind == Kind.UNARY_OPERATOR and parts and is_number(parts[0]):
