@@ -47,6 +47,21 @@ TEST(FastrakRecordTest, AsciiPositionAndAnglesMatchTheWorkedExample) {
   EXPECT_THAT(encoded(example(), {{2, 4, 1}, false, false}), ElementsAreArray(expected));
 }
 
+TEST(FastrakRecordTest, ANumberHasItsPointWhereTheFormatHasIt) {
+  const FastrakFormat format{{2, 4, 1}, false, false};
+  const std::vector<std::uint8_t> good = encoded(example(), format);
+  ASSERT_TRUE(decode_record(good, format));
+  for (std::size_t i = 0; i < good.size(); ++i) {
+    if (good[i] != '.') continue;
+    std::vector<std::uint8_t> bad = good;
+    bad[i] = '0';
+    EXPECT_FALSE(decode_record(bad, format)) << i;
+    bad[i] = '.';
+    std::swap(bad[i], bad[i + 1]);
+    EXPECT_FALSE(decode_record(bad, format)) << i;
+  }
+}
+
 TEST(FastrakRecordTest, BinaryWithButtonMatchesTheWorkedExample) {
   FastrakRecord r = example();
   r.pressed = true;

@@ -441,6 +441,31 @@ TEST(LogTest, ForeignChannelsAreListedAndLeaveTheTrialWhole) {
   EXPECT_EQ(trial.channels.at("LIDAR").bytes, 3);
 }
 
+TEST(LogTest, AChannelHasTheStampsOfItsFirstAndItsLastMessage) {
+  const Trial trial = read_log(recorded());
+  const Channel& channel = trial.channels.at("TRACKER");
+  ASSERT_GT(channel.messages, 1);
+  EXPECT_LT(channel.first, channel.last);
+}
+
+TEST(LogTest, ATrialLastsUntilItsLastFrame) {
+  const std::string path = fresh_folder("frames") / "a.lcmlog";
+  Recorder recorder(path, {});
+  TickState state;
+  state.time = Time{1'000'000};
+  state.tick = 240;
+  state.bodies.resize(1);
+  recorder.write(state);
+  FrameRecord frame;
+  frame.time = Time{1'010'000};
+  frame.tick = 240;
+  recorder.write(frame);
+  recorder.close();
+  const TrialFile trial(path);
+  EXPECT_EQ(trial.summary().first, Time{1'000'000});
+  EXPECT_EQ(trial.summary().last, Time{1'010'000});
+}
+
 TEST(LogTest, AMessageLostOnTheWayMakesItIncomplete) {
   Buffer bytes = recorded();
   const std::size_t from = header_field(bytes, 4, 0), to = header_field(bytes, 5, 0);
