@@ -49,6 +49,18 @@ TEST(FastrakCommandTest, PAnswersOneRecordOfEveryActiveStationInOrder) {
   EXPECT_EQ(answer.substr(47), "02   15.75   0.00  -3.94   0.00   0.00   0.00\r\n");
 }
 
+TEST(FastrakCommandTest, AStationThatIsOffOrIsNoneIsNotMeasured) {
+  Unit unit;
+  ASSERT_TRUE(unit.emulator.next_measured(1, 50ms));
+  EXPECT_GE(*unit.emulator.next_measured(1, 50ms), Time{50ms});
+  EXPECT_TRUE(unit.emulator.next_measured(2, 50ms));
+  unit.type("l2,0\r");
+  unit.listen(50ms);
+  for (const int station : {0, 2, 3, 4, 5}) {
+    EXPECT_FALSE(unit.emulator.next_measured(station, 50ms)) << station;
+  }
+}
+
 TEST(FastrakCommandTest, SixtyRecordsASecondOfEachOfTwoStationsAfterC) {
   Unit unit;
   unit.type("f");

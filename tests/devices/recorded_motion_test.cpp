@@ -83,6 +83,33 @@ TEST(RecordedUnit, KeepsTheMousesChangesAlone) {
   }
 }
 
+TrackerSample measured(Time time, const Vec3& p_TS) {
+  TrackerSample sample;
+  sample.station = 1;
+  sample.device_time = time;
+  sample.X_TS.p = p_TS;
+  return sample;
+}
+
+TEST(RecordedUnit, BeginsWithTheEarliestMeasurementWhereverItStands) {
+  const std::vector<Sample> samples = {
+      MouseSample{.device_time = 1ms}, measured(20ms, Vec3(0.5, 0.0, 0.0)),
+      measured(10ms, Vec3(0.6, 0.0, 0.0)), measured(30ms, Vec3(0.7, 0.0, 0.0))};
+  EXPECT_EQ(first_measurement(samples).device_time, 10ms);
+  EXPECT_EQ(last_time(samples), 30ms);
+}
+
+TEST(RecordedUnit, ItsTransmitterStaysWhereAllIsAheadAndElseGoesBehindAll) {
+  const FastrakPlace stays =
+      place_for({measured(1ms, Vec3(0.5, 0.2, 0.0)), measured(2ms, Vec3(1.0, -0.2, 0.0))});
+  EXPECT_EQ(stays.p_TP, Vec3::Zero());
+  EXPECT_DOUBLE_EQ(stays.farthest, Vec3(1.0, -0.2, 0.0).norm());
+  const FastrakPlace moved =
+      place_for({measured(1ms, Vec3(-0.4, 0.2, 1.0)), measured(2ms, Vec3(0.6, 0.6, 0.0))});
+  EXPECT_LT((moved.p_TP - Vec3(-0.7, 0.4, 0.5)).norm(), 1e-12);
+  EXPECT_NEAR(moved.farthest, Vec3(1.3, 0.2, 0.5).norm(), 1e-12);
+}
+
 TEST(RecordedUnit, HoldsLittleOfALongRecording) {
 #ifdef HEADPIN_SANITIZED
   GTEST_SKIP() << "AddressSanitizer has an allocator of its own";
