@@ -36,7 +36,7 @@ std::string played_in_words(const std::vector<Run>& runs) {
   return length + (last.complete ? ", without both versions" : ", cut off");
 }
 
-std::vector<HowFar> progress_of(const Study& study) {
+std::vector<HowFar> steps_done(const Study& study) {
   const auto replaced = study::replaced(study.plan);
   std::vector<HowFar> all;
   for (const study::PlannedParticipant& one : study.plan) {
@@ -67,7 +67,7 @@ std::string next_command(const Study& study, const std::vector<HowFar>& all) {
 
 void tell_status(const StatusOptions& options) {
   const Study study = open_study(options.study);
-  const std::vector<HowFar> all = progress_of(study);
+  const std::vector<HowFar> all = steps_done(study);
   const std::string next = next_command(study, all);
   if (options.json) {
     nlohmann::ordered_json people = nlohmann::ordered_json::array();

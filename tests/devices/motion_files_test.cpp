@@ -178,7 +178,7 @@ TEST(MotionFiles, MotionBidsAnglesTurnInTheOrderThatIsDeclared) {
 
 using Packet = std::vector<std::uint8_t>;
 
-void put(Packet& out, std::uint64_t value, int size) {
+void put_number(Packet& out, std::uint64_t value, int size) {
   for (int i = size - 1; i >= 0; --i) out.push_back(static_cast<std::uint8_t>(value >> (8 * i)));
 }
 
@@ -186,14 +186,14 @@ void message(Packet& out, int type, int sender, Time time, const Packet& data) {
   for (const std::int64_t field :
        {std::int64_t{type}, std::int64_t{sender}, time.count() / 1'000'000,
         time.count() % 1'000'000, static_cast<std::int64_t>(data.size()), std::int64_t{0}}) {
-    put(out, static_cast<std::uint64_t>(field), 4);
+    put_number(out, static_cast<std::uint64_t>(field), 4);
   }
   out.insert(out.end(), data.begin(), data.end());
 }
 
 Packet name(const std::string& text) {
   Packet data;
-  put(data, text.size() + 1, 4);
+  put_number(data, text.size() + 1, 4);
   data.insert(data.end(), text.begin(), text.end());
   data.push_back(0);
   return data;
@@ -210,10 +210,10 @@ Packet vrpn_log(int sensors = 3) {
   for (int i = 0; i < 100; ++i) {
     for (int sensor = 0; sensor < sensors; ++sensor) {
       Packet data;
-      put(data, static_cast<std::uint64_t>(sensor), 4);
-      put(data, 0, 4);
+      put_number(data, static_cast<std::uint64_t>(sensor), 4);
+      put_number(data, 0, 4);
       for (const double v : {1.0 + sensor, 2.0, 3.0, 0.0, 0.6, 0.0, 0.8}) {
-        put(data, std::bit_cast<std::uint64_t>(v), 8);
+        put_number(data, std::bit_cast<std::uint64_t>(v), 8);
       }
       message(log, 3, 7, Time{1'700'000'000'000'000 + 10'000 * i + 1000 * sensor}, data);
     }
