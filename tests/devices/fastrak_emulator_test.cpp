@@ -61,6 +61,33 @@ TEST(FastrakCommandTest, AStationThatIsOffOrIsNoneIsNotMeasured) {
   }
 }
 
+// Near its transmitter a Fastrak's noise is far below a tenth of an inch and half a degree.
+TEST(FastrakNoiseTest, OfAReceiverAtRestIsSmallAndThere) {
+  Unit unit(FastrakEmulatorOptions{});
+  const FastrakRecord still = ascii_record(Unit().ask("P").substr(0, 47));
+  double turned = 0.0;
+  for (int i = 0; i < 50; ++i) {
+    const FastrakRecord record = ascii_record(unit.ask("P").substr(0, 47));
+    EXPECT_LT((record.position - still.position).norm(), 0.1) << i;
+    EXPECT_LT((record.angles_deg - still.angles_deg).norm(), 0.5) << i;
+    turned = std::max(turned, (record.angles_deg - still.angles_deg).norm());
+  }
+  EXPECT_GT(turned, 0.0);
+}
+
+TEST(FastrakCommandTest, ABlankFieldOfAListKeepsItsItemTheLastOneToo) {
+  Unit unit;
+  unit.type("O1,2,11,1\r");
+  unit.type("O1,2,4,\r");
+  const std::string kept = unit.ask("O1\r");
+  unit.type("O1,2,4,1\r");
+  EXPECT_EQ(kept, unit.ask("O1\r"));
+  unit.type("O1,,11,\r");
+  const std::string first = unit.ask("O1\r");
+  unit.type("O1,2,11,1\r");
+  EXPECT_EQ(first, unit.ask("O1\r"));
+}
+
 TEST(FastrakCommandTest, SixtyRecordsASecondOfEachOfTwoStationsAfterC) {
   Unit unit;
   unit.type("f");
