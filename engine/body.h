@@ -6,19 +6,19 @@
 
 #include "engine/compound.h"
 
-/// What a body is and how it moves.
+/// Bodies: properties and state.
 namespace headpin::engine {
 
 /// Surface of a body. A pair's elasticity and friction are the products of the two bodies' values.
 struct Material {
   double elasticity = 0.7;  ///< 0 to 1
   double friction = 0.7;    ///< 0 to 1: a rate (paper 2.2 b), or Coulomb's coefficient
-  /// How far from the foot of the normal a rolling body is carried, as it turns about its own axis
-  /// [m]; a pair adds both. Zero for what rolls well, some millimetres for what comes to rest.
+  /// Rolling resistance: distance of the supporting force from the foot of the normal [m]. Those of
+  /// a pair are added. Zero rolls freely; with some millimetres a body comes to rest.
   double rolling_arm = 0.0;
 };
 
-/// Where a body is and how it moves. The origin of B is the centre of mass.
+/// Pose and velocity of a body. The origin of B is the centre of mass.
 struct State {
   Pose X_WB = {};
   Vec3 v_WB = Vec3::Zero();  ///< of the centre of mass [m/s]
@@ -32,12 +32,12 @@ inline Vec3 velocity_at(const State& s, const Vec3& r_W) {
 
 enum class Kind {
   fixed,   ///< floor, wall: never moves
-  driven,  ///< moves as it is told, infinitely heavy: a hand, a ball being carried
-  free,    ///< moves as forces tell it
+  driven,  ///< moves as set, with infinite mass: a hand, a carried ball
+  free,    ///< moved by forces
 };
 
-/// A compound that does not change, one for a body and all its copies: a hall of skittles then has
-/// one skittle's shape in the cache.
+/// An immutable compound that a body shares with all its copies, so that the shape of many equal
+/// bodies is in the processor's cache once.
 class SharedCompound {
  public:
   SharedCompound() : SharedCompound(Compound{}) {}
@@ -53,7 +53,7 @@ class SharedCompound {
 struct Body {
   std::string name = {};            ///< for messages
   SharedCompound shape = {};        ///< in B
-  double mass = 1.0;                ///< [kg]; of fixed and driven bodies used once they are free
+  double mass = 1.0;                ///< [kg]; fixed and driven bodies use it when they become free
   Mat3 inertia = Mat3::Identity();  ///< about the centre of mass, along the axes of B [kg m^2]
   Material material = {};
   Kind kind = Kind::free;

@@ -6,7 +6,7 @@
 
 #include "engine/compound.h"
 
-/// Which moving bodies may meet: their bounds do.
+/// Broad phase: pairs of bodies whose bounds overlap.
 namespace headpin::engine {
 
 /// Two bodies by index, first < second.
@@ -21,10 +21,10 @@ double distance(const Capsule& a, const Capsule& b);
 
 /// Finds the pairs of capsules that meet, in time proportional to their number.
 ///
-/// Boxes round the capsules go into a grid whose cell is about the size of a body (bodies many
-/// cells large, a whole wall say, are kept aside and tested against everything), then the capsules
-/// of neighbours are compared. The static world is not in here: test it against moving bodies
-/// directly. All memory is kept from call to call.
+/// The boxes around the capsules are sorted into a grid with cells of about the size of a body. Then
+/// the capsules of neighbours are compared. Bodies that cover many cells, such as a wall, are tested
+/// against all others. Half-spaces are not included: test them directly. The memory is reused in
+/// each call.
 class BroadPhase {
  public:
   /// @param bounds_W  capsule of each body in the world; finite
@@ -36,9 +36,9 @@ class BroadPhase {
                                       std::span<const std::uint8_t> moving = {},
                                       double margin = 0.0);
 
-  /// Those of the last call whose boxes, as they were then, meet the box round a capsule.
+  /// Bodies of the last call whose boxes at that time overlap the box around a capsule.
   ///
-  /// @param out  gets their numbers, rising, each once
+  /// @param out  gets their numbers in ascending order, each once
   void find_near(const Capsule& bounds_W, std::vector<std::uint32_t>& out) const;
 
  private:

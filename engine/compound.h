@@ -5,7 +5,7 @@
 
 #include "engine/shape.h"
 
-/// Compounds of posed parts, what bounds them, and what they weigh.
+/// Compounds of posed parts: bounds and mass properties.
 namespace headpin::engine {
 
 /// All points within `radius` of the segment from `a` to `b`; a sphere when a = b.
@@ -20,7 +20,7 @@ inline Capsule operator*(const Pose& X, const Capsule& c) {
 
 struct Part {
   Shape shape;
-  Pose X_BG;  ///< where the shape's frame G stands in the frame B of the compound
+  Pose X_BG;  ///< pose of the shape's frame G in the frame B of the compound
 };
 
 /// A solid made of convex parts, which may overlap. Made by `make_compound`.
@@ -29,10 +29,10 @@ struct Compound {
   double bounding_radius = 0.0;  ///< sphere about the origin of B [m]; infinite with a half-space
   Capsule bounds;                ///< tight round long bodies, in B; meaningless with a half-space
   std::vector<double> part_radius;        ///< sphere about the origin of each part's G [m]
-  std::vector<std::uint8_t> part_turned;  ///< whether its G is turned against B
+  std::vector<std::uint8_t> part_turned;  ///< 1 if G has another orientation than B
 };
 
-/// @throws std::invalid_argument  with no parts or a part whose measures are not finite and
+/// @throws std::invalid_argument  without parts, or if a size of a part is not finite and
 /// positive
 Compound make_compound(std::vector<Part> parts);
 
@@ -48,7 +48,7 @@ struct MassProperties {
 /// @throws std::invalid_argument  for a half-space
 MassProperties mass_properties(const Shape& shape, double density);
 
-/// Mass properties of the union of the parts: where parts overlap, matter counts once.
+/// Mass properties of the union of the parts: matter where parts overlap counts once.
 ///
 /// A single part, and parts whose bounding spheres are apart, are summed in closed form. Parts that
 /// share the axis z as bodies of revolution are cut into discs (relative error below 1e-6), others
@@ -61,7 +61,7 @@ MassProperties mass_properties(const Compound& compound, double density);
 /// Whether every part is a body of revolution about the z axis of B.
 bool is_revolution(const Compound& compound);
 
-/// A compound moved to where dynamics wants it: origin at the centre of mass, principal axes.
+/// A compound in the frame for dynamics: origin at the centre of mass, principal axes.
 struct Centred {
   Compound compound;            ///< the parts in the principal frame C
   Pose X_BC;                    ///< C in the old frame B

@@ -2,10 +2,10 @@
 
 #include "engine/math.h"
 
-/// How a body turns when nothing touches it.
+/// Free rotation of a body without contacts.
 namespace headpin::engine {
 
-/// Principal moments of inertia about the centre of mass, the one that stands alone last.
+/// Principal moments of inertia about the centre of mass; the most different one is the last.
 struct Inertia {
   Vec3 moments = Vec3::Ones();   ///< I1, I2, I3 [kg m^2]; I1 = I2 for a body of revolution
   Vec3 inverse = Vec3::Ones();   ///< 1/I1, 1/I2, 1/I3
@@ -21,7 +21,7 @@ struct Inertia {
 /// @throws std::invalid_argument  unless symmetric, finite and positive definite
 Inertia principal_inertia(const Mat3& inertia_B);
 
-/// Whether all axes are alike, so that any turn goes on as it is.
+/// Whether all moments are equal: the angular velocity then stays constant.
 inline bool is_ball(const Inertia& inertia) {
   return inertia.moments[0] == inertia.moments[1] && inertia.moments[0] == inertia.moments[2];
 }
@@ -29,14 +29,14 @@ inline bool is_ball(const Inertia& inertia) {
 /// Third principal axis in W, unit: that of a body of revolution.
 Vec3 axis_of_revolution(const Inertia& inertia, const Quat& q_WB);
 
-/// Inverse inertia of a body that stands as q_WB, in W [1/(kg m^2)].
+/// Inverse inertia of a body with orientation q_WB, in W [1/(kg m^2)].
 Mat3 inverse_inertia(const Inertia& inertia, const Quat& q_WB);
 
 /// Angular momentum about the centre of mass [kg m^2/s] and turning energy [J].
 Vec3 angular_momentum(const Inertia& inertia, const Quat& q_WB, const Vec3& w_WB);
 double turning_energy(const Inertia& inertia, const Quat& q_WB, const Vec3& w_WB);
 
-/// Turn a body freely for `dt`: angular momentum L stays exactly, energy too for I1 = I2.
+/// Rotates a body freely for `dt`. Angular momentum L is exact, the energy too if I1 = I2.
 ///
 /// The closed solution of a body of revolution, q' = exp(L dt / I1) q exp(e3 (1/I3 - 1/I1) L3 dt),
 /// with half a turn about the second axis, at rate (1/I2 - 1/I1) L2, before and after it when

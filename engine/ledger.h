@@ -2,7 +2,7 @@
 
 #include "engine/math.h"
 
-/// Where energy and momentum come from and go to.
+/// Balance of energy and momentum by cause.
 namespace headpin::engine {
 
 /// Energy (kinetic and of height) [J], momentum [kg m/s] and angular momentum about the origin of W
@@ -25,15 +25,15 @@ struct Balance {
   Balance operator+(const Balance& other) const { return Balance(*this) += other; }
 };
 
-/// What each phase has added since the start; their sum is the change of the whole.
+/// What each phase of the steps has added since the start. The sum is the total change.
 struct Ledger {
-  /// Free motion. A free body neither gains nor loses here; one that is carried gains the fall of a
+  /// Free motion. Free bodies neither gain nor lose energy. A supported body gains the fall of one
   /// step, which `sustained` takes away again.
   Balance gravity;
-  Balance hand;        ///< driven bodies, and bodies that were put, thrown, taken or let go
-  Balance impact;      ///< impulses between free bodies and on what is fixed: energy never above 0
+  Balance hand;        ///< driven bodies, and bodies whose state or kind was set
+  Balance impact;      ///< impulses between free bodies and on fixed ones: energy never above 0
   Balance sustained;   ///< lasting contacts, friction, rolling resistance, falling asleep
-  Balance correction;  ///< pushing overlaps apart
+  Balance correction;  ///< correction of overlaps
 
   Balance sum() const { return gravity + hand + impact + sustained + correction; }
 };

@@ -7,12 +7,12 @@
 #include "engine/non_colliding.h"
 #include "engine/response.h"
 
-/// What the next step starts from, beside the states.
+/// Data that the next step needs from the last one, besides the states.
 namespace headpin::engine {
 
 using BodyId = std::uint32_t;
 
-/// Key of a pair: half-spaces first, then bounded bodies; by the smaller, then the larger number.
+/// Sort key of a pair: pairs with a half-space first; then by the smaller and the larger number.
 inline std::uint64_t key_of(bool both_bounded, BodyId a, BodyId b) {
   return std::uint64_t{both_bounded} << 63 | std::uint64_t{a} << 32 | b;
 }
@@ -22,13 +22,13 @@ inline bool concerns(std::uint64_t key, BodyId body) {
   return (key >> 32 & 0x7fff'ffffu) == body || (key & 0xffff'ffffu) == body;
 }
 
-/// What a contact point carried: an impulse [kg m/s].
+/// The impulse of a contact point, for the warm start [kg m/s].
 struct Load {
   double impulse = 0.0;
   std::uint32_t feature = 0;
 };
 
-/// What a touch leaves to the same touch of the next step.
+/// Data of a touch for the same touch in the next step.
 struct PastTouch {
   std::uint64_t key = 0;  ///< they are in the order of their keys
   bool met = false, struck = false;
@@ -39,7 +39,7 @@ struct PastTouch {
   double twist = 0.0;
 };
 
-/// Two bodies whose bounds met, and where the normals of their pairs of parts are.
+/// Two bodies whose bounds overlap, and the place of the normals of their pairs of parts.
 struct Candidate {
   std::uint64_t key = 0;  ///< they are in the order of their keys
   BodyId a = 0, b = 0;
@@ -47,12 +47,12 @@ struct Candidate {
 };
 
 struct BodyMemory {
-  bool supported = false;  ///< contacts carry it by half at least, and it does not rise
-  std::int32_t still = 0;  ///< steps for which it has been still
-  BodyId sleeps_with = 0;  ///< the next in the ring of those that fell asleep as one island
+  bool supported = false;  ///< contacts carry at least half of its weight, and it does not rise
+  std::int32_t still = 0;  ///< number of steps since it is at rest
+  BodyId sleeps_with = 0;  ///< next body in the ring of an island that sleeps
 };
 
-/// Without it a world goes on alike, but not to the bit.
+/// A world without it continues similarly, but with other bits.
 struct Memory {
   std::vector<PastTouch> touches;
   std::vector<Load> loads;
@@ -60,7 +60,7 @@ struct Memory {
   std::vector<KeptNormal> normals;
   std::vector<BodyMemory> bodies;  ///< by their numbers
   std::vector<std::uint64_t> met;  ///< sorted pairs that have met
-  Balance balance;                 ///< at the end of the last step, when the ledger is kept
+  Balance balance;                 ///< at the end of the last step, if the ledger is kept
 };
 
 }  // namespace headpin::engine

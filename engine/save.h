@@ -6,20 +6,20 @@
 
 #include "engine/world.h"
 
-/// A world as bytes, from which it goes on to the bit.
+/// Saves a world as bytes and restores it; it then continues with the same bits.
 ///
 ///     const std::vector<std::uint8_t> bytes = save(world);
 ///     World later = restore(made_as_before(), bytes);  // in another process, on another machine
 namespace headpin::engine {
 
-/// All that changes as a world goes on: tick, states, kinds, sleep, ledger and memory. Little-endian,
-/// with a version and a checksum. Bodies and parameters are not in it, but a number of theirs is.
-/// Nor are events and statistics, which the next step makes anew.
+/// Everything that changes during a simulation: tick, states, kinds, sleep, ledger and memory.
+/// Little-endian, with a version and a checksum. Bodies and parameters are not included, only a
+/// checksum of them; nor are events and statistics, which the next step makes again.
 std::vector<std::uint8_t> save(const World& world);
 
-/// @param made  a world with the same bodies and parameters as the saved one, whatever they do in it
-/// @throws std::invalid_argument  when it has others, and for bytes that are not those of a world,
-///   cut off or changed
+/// @param made  a world with the same bodies and parameters as the saved one, in any state
+/// @throws std::invalid_argument  for other bodies or parameters, and for bytes that are not a
+///   complete and unchanged saved world
 World restore(World made, std::span<const std::uint8_t> bytes);
 
 }  // namespace headpin::engine

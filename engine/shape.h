@@ -12,9 +12,9 @@
 
 /// Convex shapes: the paper's primitives, vertex data, and the half-space for floors and walls.
 ///
-/// A shape is its numbers plus `support()`: the point of it that lies furthest along a direction.
-/// Every shape lives in its own frame G [m]. What is asked of shapes is a function for each of them,
-/// chosen by visit: a new shape does not compile until it answers all.
+/// A shape is its sizes plus `support()`: its furthest point along a direction. Every shape is in
+/// its own frame G [m]. Each property of shapes is a function with an overload for each shape,
+/// chosen by visit: a new shape does not compile until it has all of them.
 namespace headpin::engine {
 
 /// Ellipsoid about the origin, semi-axes along x, y, z; a sphere has three equal radii [m].
@@ -37,7 +37,7 @@ struct Cone {
 /// All points with z <= 0: floors and walls. Its surface is the plane z = 0, outward is +z.
 struct HalfSpace {};
 
-/// Convex polyhedron: checked once when made, immutable afterwards.
+/// Convex polyhedron: checked when it is made, immutable afterwards.
 class Polyhedron {
  public:
   struct Face {
@@ -50,8 +50,8 @@ class Polyhedron {
     std::uint32_t from = 0, to = 0;  ///< vertices
   };
 
-  /// Largest distance of a vertex from the plane of its face or outside another face that is
-  /// still taken for rounding in a file, as a fraction of the size.
+  /// Tolerance for rounding in files, as a fraction of the size: distance of a vertex from the
+  /// plane of its face, or outside another face.
   static constexpr double kTolerance = 1e-6;
 
   /// @param vertices  corners [m], each used by at least three faces
@@ -134,8 +134,8 @@ decltype(auto) visit_both(const Shape& a, const Shape& b, F&& f) {
 
 /// The point of the shape furthest along `n` [m].
 ///
-/// @param n  any length; a zero or not finite direction gives a point of the shape all the same.
-///   Where a whole cap, side or face is furthest, the point is one of it (caps: the centre).
+/// @param n  of any length; a zero or non-finite direction gives some point of the shape. If a
+///   whole cap, side or face is furthest, the point is one of its points (caps: the centre).
 inline Vec3 support(const Ellipsoid& s, const Vec3& n) {
   const Vec3 q = s.radii.cwiseProduct(s.radii).cwiseProduct(n);
   const double h2 = n.dot(q);
@@ -167,8 +167,8 @@ inline Vec3 support(const Polyhedron& s, const Vec3& n) {
 /// @throws std::invalid_argument  for a half-space, which has no furthest point
 Vec3 support(const Shape& shape, const Vec3& n);
 
-/// A point well inside the shape, from which the centre line of the paper is drawn [m]. For the
-/// half-space the origin, on its surface.
+/// A point well inside the shape, for the line of centres of the paper [m]. For the half-space: the
+/// origin, on its surface.
 inline Vec3 centre(const Ellipsoid&) {
   return Vec3::Zero();
 }
@@ -185,8 +185,8 @@ inline Vec3 centre(const HalfSpace&) {
   return Vec3::Zero();
 }
 
-/// Radius of the smallest sphere about the origin of the shape's frame that holds it [m]; infinite
-/// for a half-space.
+/// Radius of the bounding sphere about the origin of the shape's frame [m]; infinite for a
+/// half-space.
 double bounding_radius(const Shape& shape);
 double bounding_radius(const Ellipsoid& s);
 double bounding_radius(const Cylinder& s);

@@ -2,25 +2,24 @@
 
 #include "engine/posed.h"
 
-/// Newton's method for the least depth of two of the paper's primitives.
-/// Private to the engine.
+/// Newton's method for the least depth of two of the paper's primitives. Private to the engine.
 ///
-/// h(n) = n . S(n), the support function of A - B, is to be least over unit n.
-/// Where it is smooth a Newton step on the sphere does it: gradient g = S - h
-/// n, Hessian W - h 1 across n with W the radii of curvature (the second
-/// derivative of a support function; Schneider, Convex Bodies, 2.5). But
-/// contacts sit on its kinks most of the time: the circle of normals of a side
-/// (n . axis = c, a whole generator is furthest; c = 0 for a cylinder, the sine
-/// of the half angle for a cone) and the pole of a cap (a whole disc is). So a
-/// step that would cross a kink ends on it, and the search stays there while
-/// generator or disc hold a point that makes S parallel to n; when they do not,
-/// it leaves by the end that comes nearest. A step that does not lower h is
-/// halved. Along a circle of radius rho,
+/// It minimises h(n) = n . S(n), the support function of A - B, over unit vectors n.
 ///
-///     d2h / ds2 = t . W t + (c axis . S - h) / rho^2,    t along the circle, S
-///     with the apex or
-///                                                        any point of a
-///                                                        cylinder's generator
+/// Where h is smooth, it makes Newton steps on the sphere: gradient g = S - h n, Hessian W - h 1 across
+/// n, with W the radii of curvature (the second derivative of a support function; Schneider, Convex
+/// Bodies, 2.5).
+///
+/// But contacts are at kinks of h most of the time. There are two kinds: the circle of normals of a
+/// side, where a whole generator is furthest (n . axis = c; c = 0 for a cylinder, the sine of the half
+/// angle for a cone), and the pole of a cap, where a whole disc is. A step that would cross a kink ends
+/// on it. The search stays there while generator or disc contain a point that makes S parallel to n;
+/// else it leaves by the end that comes nearest. A step that does not lower h is halved. Along a circle
+/// of radius rho,
+///
+///     d2h / ds2 = t . W t + (c axis . S - h) / rho^2,    t along the circle,
+///
+/// with the apex, or any point of a cylinder's generator, for S.
 namespace headpin::engine {
 
 struct Descent {

@@ -13,7 +13,7 @@
 #include "engine/memory.h"
 #include "engine/response.h"
 
-/// Bodies that stand, roll, fall and collide at a fixed rate, and repeat to the bit.
+/// Rigid bodies that stand, roll, fall and collide, simulated at a fixed rate with reproducible bits.
 ///
 ///     World world = make_world({.rate_hz = 240});
 ///     const BodyId lane = add_body(world, {.name = "lane", .shape = floor, .kind = Kind::fixed});
@@ -21,46 +21,46 @@
 ///     Workspace workspace;  // engine/workspace.h
 ///     while (world.tick < 5 * 240) step(world, workspace);
 ///
-/// What a world is and what it remembers are in `World`; what a step borrows is a `Workspace`.
+/// `World` has the state and what the next step needs from the last one. `Workspace` has buffers.
 ///
-/// Time within a step: between steps all poses and velocities are those of `tick`. Within one,
-/// bodies that approach fast are followed along their paths to where they meet and get their
-/// impulses there, soonest first; each body that is struck then stands at the time of its last
-/// impact, the others still at the step's start. Lasting contacts are solved for the velocities at
-/// the end, from the points as they are by then; last, every body goes the rest of its way.
+/// Between steps, all poses and velocities are those of `tick`. Within a step, impacts come first:
+/// bodies that approach fast are moved along their paths to the time of impact and get their
+/// impulses there, in order of time. A body that was struck is then at the time of its last impact,
+/// all others are still at the start of the step. Then lasting contacts are solved: the solver
+/// finds the velocities at the end of the step. At last, every body moves to the end of the step.
 namespace headpin::engine {
 
 struct Parameters {
   int rate_hz = 240;                    ///< steps a second
   Vec3 gravity_W{0.0, 0.0, -9.81};      ///< [m/s^2]
-  std::string_view response = "paper";  ///< see `responses()`
-  Query query = {};                     ///< how collisions are detected; its margin is ours to set
+  std::string_view response = "paper";  ///< name of one of `responses()`
+  Query query = {};                     ///< how collisions are detected; the step sets its margin
   double friction_tau = 1.0 / 60.0;  ///< time in which a lasting contact applies its rate once [s]
-  double impact_speed = 0.15;        ///< slower approaches are lasting contacts [m/s]
+  double impact_speed = 0.15;        ///< slower approaches are solved as lasting contacts [m/s]
   int impacts = 64;                  ///< most impacts of one body within a step
-  int solver_iterations = 200;       ///< most passes over the lasting contacts of an island; four
-                                     ///< times as many more, more softly, where they do not do
-  double solver_residual = 1e-6;     ///< stop when no velocity changed by more in a pass [m/s]
-  double slop = 5e-5;                ///< overlap that is left alone [m]
-  double push = 0.2;                 ///< part of the rest taken back each 1/240 s
-  bool sleep = true;                 ///< still islands are left out until something touches them
-  double sleep_speed = 0.01;         ///< [m/s]
-  double sleep_spin = 0.03;          ///< [rad/s]
-  double sleep_after = 0.25;         ///< [s]
-  int rules = 2;                     ///< 1: as before what is squeezed by driven bodies, lands just
-                                     ///< behind a step's end or sleeps uncarried was looked at
-  bool keep_ledger = false;          ///< `World::ledger`; costs about a tenth of a step
+  int solver_iterations = 200;       ///< most passes over the lasting contacts of an island; if
+                                     ///< not solved then, up to four times as many with relaxation
+  double solver_residual = 1e-6;     ///< solved when no velocity changes by more in a pass [m/s]
+  double slop = 5e-5;                ///< overlap that is not corrected [m]
+  double push = 0.2;          ///< part of the remaining overlap that is corrected each 1/240 s
+  bool sleep = true;          ///< islands at rest sleep until a moving body touches them
+  double sleep_speed = 0.01;  ///< [m/s]
+  double sleep_spin = 0.03;   ///< [rad/s]
+  double sleep_after = 0.25;  ///< [s]
+  int rules = 2;              ///< 1: the rules of older trials, without the corrections for
+                              ///< squeezed, just landed and unsupported sleeping bodies
+  bool keep_ledger = false;   ///< `World::ledger`; costs about a tenth of a step
 };
 
-/// One step in numbers, or the sum of many (largest values stay the largest).
+/// Statistics of one step, or sums over many steps (largest values: the largest of all).
 struct Statistics {
   std::int64_t steps = 0;
   std::int64_t pairs = 0;               ///< pairs of bodies whose bounds met
   std::int64_t contacts = 0;            ///< contact points
-  QueryCounts queries;                  ///< of parts; `capped` among them
+  QueryCounts queries;                  ///< queries between parts of bodies
   std::int64_t impacts = 0;             ///< impulses given
-  std::int64_t unfinished_impacts = 0;  ///< steps in which a body had more than it may have
-  std::int64_t pulls = 0;               ///< impulses that would have pulled, replaced by F00
+  std::int64_t unfinished_impacts = 0;  ///< steps in which a body reached the limit of impacts
+  std::int64_t pulls = 0;               ///< attracting impulses, which were replaced by F00
   std::int64_t islands = 0;
   std::int64_t solver_iterations = 0;
   std::int64_t unsolved = 0;     ///< islands stopped by their number of passes
@@ -71,7 +71,7 @@ struct Statistics {
   Statistics& operator+=(const Statistics& other);
 };
 
-/// Two bodies met: an impact, or the first touch of two that had never met or were made to forget.
+/// Two bodies met: an impact, or the first touch of two bodies that had not met before.
 struct ContactEvent {
   BodyId a = 0, b = 0;
   Vec3 p_W = Vec3::Zero();
@@ -83,19 +83,19 @@ struct ContactEvent {
 
 namespace detail {
 
-/// Who takes part in a step: made of kinds, shapes and sleep when `made` does not hold.
+/// The bodies that take part in a step, from their kinds, shapes and sleep; made when not `made`.
 struct Roll {
   bool made = false;
   std::vector<BodyId> movers, driven;      ///< free and awake; driven
   std::vector<BodyId> unbounded, bounded;  ///< fixed half-spaces; all others
-  std::vector<Capsule> bounds_W;           ///< of `bounded`: those at rest where they are
+  std::vector<Capsule> bounds_W;           ///< of `bounded`: valid for bodies that do not move
   std::vector<std::uint8_t> moving;        ///< of `bounded`: free and awake, or driven
 };
 
 }  // namespace detail
 
-/// Plain data; a copy goes on like the original, to the bit. Change it between steps by the
-/// functions below.
+/// Plain data: a copy continues with the same bits as the original. Between steps, change it only
+/// with the functions below.
 struct World {
   Parameters parameters;
   std::int64_t tick = 0;
@@ -108,7 +108,7 @@ struct World {
   std::vector<ContactEvent> events;  ///< of the last step, in the order they happened
   Statistics statistics;             ///< of the last step
 
-  // Made of the above.
+  // Derived from the above.
   const Response* response = nullptr;
   std::vector<Inertia> inertias;
   detail::Roll roll;
@@ -117,8 +117,8 @@ struct World {
 /// Buffers of a step (engine/workspace.h).
 struct Workspace;
 
-/// A type that is the library's own for whoever sees the same layouts, and unknown to it otherwise:
-/// then make_world() does not link. Flags like -D_GLIBCXX_DEBUG change them.
+/// A type that depends on the layouts of the types. A program that was compiled with other layouts
+/// does not link with make_world(). Flags like -D_GLIBCXX_DEBUG change the layouts.
 template <std::size_t... layout>
 struct CompiledWithTheFlagsOf_pkg_config_cflags_headpin_engine {};
 using SameLayout = CompiledWithTheFlagsOf_pkg_config_cflags_headpin_engine<
@@ -127,64 +127,64 @@ using SameLayout = CompiledWithTheFlagsOf_pkg_config_cflags_headpin_engine<
 
 /// An empty world.
 ///
-/// @throws std::invalid_argument  naming the parameter, what it is and what it may be
+/// @throws std::invalid_argument  naming the parameter, its value and the allowed range
 World make_world(const Parameters& parameters, SameLayout = {});
 
-/// @return  its number: bodies are counted from 0
-/// @throws std::invalid_argument  naming the body and the value that cannot be: mass or inertia not
+/// @return  the number of the body, from 0
+/// @throws std::invalid_argument  naming the body and the invalid value: mass or inertia not
 ///   finite and positive, coefficient outside 0 to 1, pose or velocity not finite, half-space that
 ///   is not fixed, fixed body with a velocity
 BodyId add_body(World& world, Body body, const State& state = {});
 
-/// Puts a body somewhere, as a hand does. It wakes with its island and with what rests on it.
+/// Sets pose and velocity of a body. It wakes up, with its island and with bodies that rest on it.
 ///
-/// @throws std::invalid_argument  for a body that is not there, a fixed one, or a state not finite
+/// @throws std::invalid_argument  for an unknown or fixed body, or a state that is not finite
 void set_state(World& world, BodyId body, const State& state);
 
-/// The state nearest to a wanted one that a body can be carried to from where it is: outside
-/// everything fixed, and without speed into it. Nothing moves; hand the result to `set_state`.
+/// The reachable state that is nearest to a wanted one: outside of all fixed bodies and without
+/// velocity into them. It changes nothing; pass the result to `set_state`.
 ///
-/// The body goes straight from its place towards the wanted one, already turned as it shall be,
-/// and slides along what it meets.
-/// @throws std::invalid_argument  for a body that is not there or a state not finite
+/// The body moves straight from its current position towards the wanted one, with the wanted
+/// orientation, and slides along fixed bodies.
+/// @throws std::invalid_argument  for an unknown body or a state that is not finite
 State outside_fixed(const World& world, BodyId body, const State& wanted);
 
-/// Takes a free body in hand (`driven`) or lets it go (`free`) with the state it has.
+/// Makes a free body driven or a driven body free; its state stays the same.
 ///
-/// @throws std::invalid_argument  for a body that is not there, or to or from `fixed`
+/// @throws std::invalid_argument  for an unknown body, or if one of the kinds is `fixed`
 void set_kind(World& world, BodyId body, Kind kind);
 
 void wake(World& world, BodyId body);
-/// Lets a free body sleep where it is until something moving touches it.
+/// Puts a free body to sleep until a moving body touches it.
 void put_to_sleep(World& world, BodyId body);
 inline bool is_asleep(const World& world, BodyId body) {
   return world.asleep[body] != 0;
 }
 
-/// Lets a body meet all others for the first time again, as when it is set up anew.
+/// Forgets which bodies a body has met: its next touch with each is the first one again.
 ///
-/// @throws std::invalid_argument  for a body that is not there
+/// @throws std::invalid_argument  for an unknown body
 void forget_meetings(World& world, BodyId body);
 
-/// Lets bodies go on from where those of another world are, which are as many and the same but for
-/// shapes, masses and materials: states, kinds, sleep, who has met, tick and ledger. Impulses and
-/// normals are not taken over: they belong to the other shapes.
+/// Copies states, kinds, sleep, meetings, tick and ledger from another world with the same bodies,
+/// which may have other shapes, masses and materials. Impulses and normals for the warm start are
+/// not copied, because they belong to the other shapes.
 void take_over(World& world, const World& from);
 
 /// One step of 1 / rate_hz.
 ///
-/// @param workspace  of whoever steps; any will do, and one that is kept saves allocations
-/// @throws std::runtime_error  when a state turns not finite, naming tick and body
+/// @param workspace  buffers; reuse one to save allocations, its content has no effect
+/// @throws std::runtime_error  when a state becomes non-finite, naming tick and body
 void step(World& world, Workspace& workspace);
 void step(World& world);
 
-/// Energy, momentum and angular momentum of the free bodies, height from the origin of W.
+/// Energy, momentum and angular momentum of the free bodies; height is from the origin of W.
 Balance balance(const World& world);
-/// What a free body has of it.
+/// The part of one free body.
 Balance balance_of(const World& world, BodyId body);
 
-/// FNV-1a of the bits of tick, poses, velocities and sleep flags: 64 bits that two equal runs
-/// share. `World::memory` is not in it; where that differs, the next states will.
+/// FNV-1a hash (64 bits) of tick, poses, velocities and sleep flags. Equal runs have equal hashes.
+/// `World::memory` is not included; if it differs, the hashes of the next steps differ.
 std::uint64_t state_hash(const World& world);
 
 inline double step_seconds(const World& world) {

@@ -87,7 +87,7 @@ export function showEvents(trial, go) {
     || (event.detail.startsWith('{') ? '' : event.detail);
   find('events-body').replaceChildren(
     ...(events.length > most ? [make('p', { class: 'note' }, `The first ${most} of ${events.length}.`)] : []),
-    table('What happened, and when; a time goes there', ['Time', 'Tick', 'What', 'To what', 'Value', 'Impulse'],
+    table('Events; click a time to go there', ['Time', 'Tick', 'What', 'To what', 'Value', 'Impulse'],
       events.slice(0, most).map((event) => [
         make('button', { type: 'button', class: 'link', onclick: () => go(Math.max(0, event.tick)) },
           `${event.time_s.toFixed(3)} s`),
@@ -102,23 +102,23 @@ export function showDevices(trial) {
   const { devices, skipped, trouble, backwards, late, complete } = trial.json.trial;
   const amiss = Object.entries(skipped).filter(([, count]) => count > 0);
   find('devices-body').replaceChildren(
-    table('What each device sent', ['Device', 'Samples', 'Rate', 'Longest gap', 'Lost', 'Bad'],
+    table('Samples of each device', ['Device', 'Samples', 'Rate', 'Longest gap', 'Lost', 'Bad'],
       devices.map((d) => [d.device, d.samples, d.device === '3D mouse' ? kNone : `${number(d.rate_hz, 5)} Hz`,
         `${number(d.longest_gap_s)} s`, d.lost, d.bad])),
     make('p', {}, complete ? 'The log is complete.'
       : 'The log is not complete: it has no end, or messages are missing.'),
-    ...(amiss.length || backwards || late ? [make('p', {}, `Passed over: ${[
+    ...(amiss.length || backwards || late ? [make('p', {}, `Not used: ${[
       ...amiss.map(([kind, count]) => `${count} ${kind.replaceAll('_', ' ')}`),
       ...(backwards ? [`${backwards} samples not later than the one before (kept)`] : []),
       ...(late ? [`${late} samples that came late (kept)`] : [])].join(', ')}.`)] : []),
-    ...(trouble.length ? [table('Where something is amiss', ['What', 'Of', 'Messages', 'From', 'To'],
+    ...(trouble.length ? [table('Problems in the recording', ['What', 'Of', 'Messages', 'From', 'To'],
       trouble.map((t) => [t.kind, t.device, t.messages, `${number(t.from_s, 6)} s`, `${number(t.to_s, 6)} s`]))] : []));
 }
 
 export function showProvenance(trial, about) {
   const { trial: t, drawn, hash, rate_hz: rate } = trial.json;
   const notes = [];
-  if (drawn.every > 1) notes.push(`Of this long trial every ${drawn.every}th of ${drawn.last_tick} ticks is drawn; between them poses are mixed.`);
+  if (drawn.every > 1) notes.push(`Of this long trial every ${drawn.every}th of ${drawn.last_tick} ticks is drawn; poses between them are interpolated.`);
   if (drawn.contacts_left_out) notes.push(`The ${drawn.contacts_left_out} weakest impulses are left out.`);
   if (about.log_left_out) notes.push('The log itself is too long to be in the page.');
   find('provenance-body').replaceChildren(
@@ -131,9 +131,9 @@ export function showProvenance(trial, about) {
       ['Game hash, simulated', make('code', { id: 'game-hash' }, hash.game_replayed)],
       ['Game hash, recorded', make('code', {}, hash.game_recorded ?? kNone)],
       ['Page made by', `headpin ${about.version} (${about.commit || 'no commit'})`],
-      ['To make it again', make('code', {}, about.command)]]),
+      ['Command', make('code', {}, about.command)]]),
     make('div', { id: 'left-out' }, notes.map((note) => make('p', { class: 'note' }, note))),
-    make('details', {}, make('summary', {}, 'The scenario, whole'),
+    make('details', {}, make('summary', {}, 'The whole scenario'),
       make('pre', { tabindex: 0, role: 'region', 'aria-label': 'Scenario' }, t.scenario)));
 }
 
