@@ -482,11 +482,12 @@ TEST_F(OutputFileTest, ThePartOfAnotherUsersProcessStays) {
   const pid_t child = fork();
   if (child == 0) {
     constexpr uid_t kAnother = 12345;
-    if (setuid(kAnother) != 0) std::_Exit(1);
-    spit(folder_ / "a.1-0.part", "theirs");
-    spit(folder_ / "b.1-0.part", "theirs");
-    write(folder_ / "a", "whole", {});
-    remove_left_parts(folder_.path().string());
+    // From within: what is above the folder may be closed to others.
+    if (chdir(folder_.path().c_str()) != 0 || setuid(kAnother) != 0) std::_Exit(1);
+    spit("a.1-0.part", "theirs");
+    spit("b.1-0.part", "theirs");
+    write("a", "whole", {});
+    remove_left_parts(".");
     std::_Exit(0);
   }
   int status = 0;
