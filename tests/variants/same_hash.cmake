@@ -21,7 +21,7 @@ endif()
 
 run(ignored ${CMAKE_COMMAND} -S ${SOURCE} -B ${BUILD} -G Ninja -DCMAKE_CXX_COMPILER=${compiler}
     -DCMAKE_BUILD_TYPE=None "-DCMAKE_CXX_FLAGS=${FLAGS}" -DCMAKE_UNITY_BUILD=ON
-    -DCMAKE_UNITY_BUILD_BATCH_SIZE=8 -DHEADPIN_TESTS=OFF -DHEADPIN_BENCH=OFF)
+    -DCMAKE_UNITY_BUILD_BATCH_SIZE=16 -DHEADPIN_TESTS=OFF -DHEADPIN_BENCH=OFF)
 run(ignored ${CMAKE_COMMAND} --build ${BUILD} --target headpin)
 foreach(condition "" "--friction;0;--elasticity;1" "--shape;ellipsoid" "--response;coulomb"
                   "--detection;paper;--iterations;5")
