@@ -23,7 +23,7 @@ constexpr std::size_t kMostReleases = 1'000'000;
 /// "-4:4:17": so many values at even distances; "0": this one.
 std::vector<double> axis_of(const char* option, const std::string& text, double least,
                             double most) {
-  const auto refuse = [&] [[noreturn]] {
+  const auto refuse = [&] {
     throw UsageError(fmt::format(
         "{}: expected FROM:TO:STEPS or one number, from {} to {} and 1 to 1000 steps, found '{}'",
         option, least, most, text));
