@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 #include "scene/play/events.h"
@@ -122,7 +123,13 @@ std::vector<Outcome> throw_again(const Situation& situation, std::span<const Rel
     ended.notify_all();
   };
   std::vector<std::thread> threads;
-  for (int i = 0; i < jobs; ++i) threads.emplace_back(work);
+  try {
+    for (int i = 0; i < jobs; ++i) threads.emplace_back(work);
+  } catch (const std::system_error&) {  // no more threads here: those that there are do it
+    if (threads.empty()) throw;
+    const std::lock_guard lock(mutex);
+    running -= jobs - static_cast<int>(threads.size());
+  }
   std::unique_lock lock(mutex);
   while (running > 0) {
     ended.wait_for(lock, std::chrono::milliseconds(100));
