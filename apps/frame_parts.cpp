@@ -16,11 +16,11 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <spawn.h>
 #include <sys/mman.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "apps/child_process.h"
 #include "apps/stop.h"
 #include "engine/hash.h"
 #include "files/input_file.h"
@@ -116,14 +116,6 @@ class PartsFolder {
   files::WorkFolder folder_;
 };
 
-std::vector<char*> pointers(std::vector<std::string>& words) {
-  std::vector<char*> all;
-  all.reserve(words.size() + 1);
-  for (std::string& word : words) all.push_back(word.data());
-  all.push_back(nullptr);
-  return all;
-}
-
 std::string last_line(std::string text) {
   while (text.ends_with('\n')) text.pop_back();
   return text.substr(text.rfind('\n') + 1);  // all of it where there is one
@@ -150,17 +142,11 @@ class Drawers {
         "headpin",  "frames",         parts_.trial, "-o", folder_.part(part).string(),
         "--frames", as_ranges(frames)};
     words.insert(words.end(), parts_.arguments.begin(), parts_.arguments.end());
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     const int said = memfd_create("said", MFD_CLOEXEC);  // a disk that is full would not take it
-    posix_spawn_file_actions_adddup2(&actions, said, STDERR_FILENO);
-    pid_t process = -1;
-    const int error = said < 0 ? errno
-                               : posix_spawn(&process, "/proc/self/exe", &actions, nullptr,
-                                             pointers(words).data(), environ);
-    posix_spawn_file_actions_destroy(&actions);
-    if (error != 0) {
+    const pid_t process =
+        said < 0 ? -1 : start_child("/proc/self/exe", words, {.err = said}, SIGTERM);
+    if (process < 0) {
+      const int error = errno;
       close(said);
       throw std::runtime_error(std::string("cannot run headpin itself: ") + std::strerror(error));
     }

@@ -1,17 +1,15 @@
 #include "apps/run_program.h"
 
-#include <array>
 #include <cerrno>
+#include <csignal>
 #include <cstring>
 #include <stdexcept>
 
-#include <fcntl.h>
-#include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "files/input_file.h"
-#include "files/names.h"
+#include "apps/child_process.h"
+#include "files/temporary.h"
 
 namespace headpin::apps {
 
@@ -30,21 +28,9 @@ std::string read_from_start(int file) {
 
 std::optional<Ended> run_program(const std::vector<std::string>& words) {
   const int said = files::nameless_file();
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
-  posix_spawn_file_actions_adddup2(&actions, said, STDOUT_FILENO);
-  posix_spawn_file_actions_adddup2(&actions, said, STDERR_FILENO);
-  posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
-  std::vector<std::string> copies = words;
-  std::vector<char*> arguments;
-  for (std::string& word : copies) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  pid_t process = 0;
-  const int error =
-      posix_spawnp(&process, arguments[0], &actions, nullptr, arguments.data(), environ);
-  posix_spawn_file_actions_destroy(&actions);
-  if (error != 0) {
+  const pid_t process = start_child(words[0], words, {.out = said, .err = said}, SIGKILL);
+  if (process < 0) {
+    const int error = errno;
     close(said);
     if (error == ENOENT) return std::nullopt;
     throw std::runtime_error(words[0] + ": cannot be started: " + std::strerror(error));

@@ -15,8 +15,6 @@ class StudyTables {
   explicit StudyTables(const std::filesystem::path& folder);
 
   void write(const std::string& name, const std::string& text);
-  /// The path to which another program writes a file of this name.
-  std::filesystem::path file(const std::string& name) { return folder_.file(name); }
   void commit(const std::string& last);
 
  private:

@@ -3,7 +3,6 @@
 #include <array>
 #include <cerrno>
 #include <climits>
-#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 
@@ -41,21 +40,6 @@ void remove_pipe(const std::string& path, int descriptor) noexcept {
       S_ISFIFO(named.st_mode) && ours.st_dev == named.st_dev && ours.st_ino == named.st_ino) {
     unlink(path.c_str());
   }
-}
-
-int nameless_file() {
-  const char* told = std::getenv("TMPDIR");
-  const std::string folder = told != nullptr && *told != '\0' ? told : "/tmp";
-  int file = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
-  if (file >= 0) return file;
-  std::string name = folder + "/headpin-XXXXXX";  // file systems without such files
-  file = mkostemp(name.data(), O_CLOEXEC);
-  if (file < 0) {
-    throw std::runtime_error("TMPDIR: " + folder +
-                             ": no file can be made there: " + std::strerror(errno));
-  }
-  unlink(name.c_str());
-  return file;
 }
 
 }  // namespace headpin::files

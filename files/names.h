@@ -2,7 +2,7 @@
 
 #include <string>
 
-/// Links and pipes that exist while the program runs, and files without a name.
+/// Links and pipes that exist while the program runs.
 namespace headpin::files {
 
 /// Creates a symbolic link in one step; it replaces an existing link.
@@ -15,10 +15,5 @@ void remove_link(const std::string& target, const std::string& link) noexcept;
 
 /// Removes a named pipe if it is still the one behind `descriptor`.
 void remove_pipe(const std::string& path, int descriptor) noexcept;
-
-/// Opens a file without a name for reading and writing, in TMPDIR or /tmp; it vanishes when it is
-/// closed.
-/// @throws std::runtime_error  naming the folder
-int nameless_file();
 
 }  // namespace headpin::files

@@ -20,7 +20,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "files/names.h"
+#include "files/temporary.h"
 
 extern char** environ;
 

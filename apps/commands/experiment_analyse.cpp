@@ -10,8 +10,10 @@
 #include "apps/streams.h"
 #include "apps/study_people.h"
 #include "apps/study_tables.h"
+#include "files/input_file.h"
 #include "files/left_parts.h"
 #include "files/output_file.h"
+#include "files/temporary.h"
 #include "study/csv.h"
 #include "study/script.h"
 
@@ -20,6 +22,8 @@ namespace headpin::apps {
 namespace fs = std::filesystem;
 
 namespace {
+
+constexpr std::size_t kLargestOutput = 1'000'000'000;  // of R, in bytes
 
 struct AnalyseOptions {
   std::string study;
@@ -63,10 +67,10 @@ bool require_script(const Study& study, const fs::path& path) {
 void run_script(const fs::path& script, const fs::path& people, const std::string& who,
                 const fs::path& root) {
   StudyTables folder(root / "analysis");
-  fs::path output;
-  for (const std::string& name : study::r_outputs()) output = folder.file(name).parent_path();
-  const auto ended =
-      run_program({"Rscript", "--vanilla", script.string(), people.string(), output.string(), who});
+  // R writes where nobody else does: that of a command that was killed may not be at its end yet.
+  const files::PrivateFolder output;
+  const auto ended = run_program(
+      {"Rscript", "--vanilla", script.string(), people.string(), output.path().string(), who});
   check_stop();
   if (!ended) {
     throw std::runtime_error(
@@ -79,13 +83,14 @@ void run_script(const fs::path& script, const fs::path& people, const std::strin
                                          printable(ended->says)));
   }
   for (const std::string& name : study::r_outputs()) {
-    if (!fs::exists(output / name)) {
+    if (!fs::exists(output.path() / name)) {
       throw std::runtime_error(fmt::format("{} did not write {}", script.string(), name));
     }
   }
-  for (const auto& entry : fs::directory_iterator(output)) {  // what a changed script adds
+  for (const auto& entry : fs::directory_iterator(output.path())) {  // a changed script adds some
     const std::string name = entry.path().filename().string();
-    if (name[0] != '.' && entry.is_regular_file()) folder.file(name);
+    if (name[0] == '.' || !entry.is_regular_file()) continue;
+    folder.write(name, files::read_text(entry.path().string(), kLargestOutput));
   }
   folder.commit("fit.csv");
 }

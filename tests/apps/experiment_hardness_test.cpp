@@ -9,6 +9,7 @@
 #include <unistd.h>
 
 #include "tests/apps/command_line.h"
+#include "tests/support/processes.h"
 
 namespace headpin {
 namespace {
@@ -142,6 +143,34 @@ TEST_F(StudyUnderStress, KilledAnywhereItEndsWithTheSameBytes) {
 TEST_F(StudyUnderStress, KilledFiftyTimesItEndsWithTheSameBytes) {
   kill_each_command(13);
   EXPECT_GT(kills_, 26);
+}
+
+// R that goes on would write over what the next command has it write.
+TEST_F(StudyUnderStress, RDoesNotOutliveTheCommand) {
+  if (!has_r()) GTEST_SKIP() << "R is not installed";
+  plan_short("a", 1);
+  for (const char* step : {"run a --all --virtual", "ask a --all --virtual", "score a"}) {
+    ASSERT_EQ(headpin(std::string("experiment ") + step).code, 0) << step;
+  }
+  ASSERT_EQ(headpin("experiment analyse a").code, 0);
+  const auto before = files("a/analysis");
+  const std::string script = slurp(folder_ / "a/model.R");
+  // One that has written into the folder it was given, and never ends.
+  std::ofstream(folder_ / "a/model.R")
+      << "to <- file.path(commandArgs(trailingOnly = TRUE)[2], 'fit.csv')\n"
+      << "writeLines('another', to)\n"
+      << "writeLines(as.character(Sys.getpid()), 'r.beside')\n"
+      << "file.rename('r.beside', 'r.pid')\n"
+      << "repeat Sys.sleep(0.01)\n";
+  const pid_t process = started({"experiment", "analyse", "a"});
+  while (!fs::exists(folder_ / "r.pid")) usleep(1000);
+  kill(process, SIGKILL);
+  waitpid(process, nullptr, 0);
+  for (const auto& [file, text] : files("a/analysis")) EXPECT_NE(text, "another\n") << file;
+  wait_for_end(std::stoi(slurp(folder_ / "r.pid")));
+  std::ofstream(folder_ / "a/model.R") << script;
+  ASSERT_EQ(headpin("experiment analyse a").code, 0);
+  EXPECT_TRUE(files("a/analysis") == before);
 }
 
 // Whoever answers types the next answer when the one before is on the disk.

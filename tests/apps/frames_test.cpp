@@ -1,6 +1,7 @@
 // What was shown to whoever took part comes back, or is said not to be comparable.
 
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <map>
 #include <set>
@@ -12,6 +13,7 @@
 #include "scene/play/events.h"
 #include "scene/scenario/scenario.h"
 #include "tests/apps/command_line.h"
+#include "tests/support/processes.h"
 
 namespace headpin {
 namespace {
@@ -424,6 +426,19 @@ TEST_F(Frames, DrawnBySeveralProcessesAreTheSameFiles) {
   std::ofstream(folder_ / "mine.parts/precious") << "x";
   expect_refusal(draw + "mine --jobs 2", 1, "mine.parts: exists already, and headpin did not make");
   EXPECT_EQ(slurp(folder_ / "mine.parts/precious"), "x");
+}
+
+TEST_F(Frames, ProcessesThatDrawDoNotOutliveTheCommand) {
+  const pid_t process = started({"frames", kDemo, "--samples", "4", "-o", "drawn", "--jobs", "2"});
+  std::vector<pid_t> drawers;
+  while (drawers.size() < 2) {
+    usleep(1000);
+    drawers = children_of(process);
+  }
+  kill(process, SIGKILL);
+  waitpid(process, nullptr, 0);
+  for (const pid_t drawer : drawers) wait_for_end(drawer);
+  EXPECT_FALSE(fs::exists(folder_ / "drawn/frames.csv"));
 }
 
 TEST_F(Frames, GoOnWhereTheyWereStopped) {

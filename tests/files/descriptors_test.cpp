@@ -17,6 +17,7 @@
 #include "files/output_file.h"
 #include "files/output_folder.h"
 #include "files/output_text.h"
+#include "files/temporary.h"
 #include "files/work_folder.h"
 #include "tests/files/failing_calls.h"
 #include "tests/support/folder.h"

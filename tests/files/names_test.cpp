@@ -11,6 +11,7 @@
 
 #include "files/lock.h"
 #include "files/output_file.h"
+#include "files/temporary.h"
 #include "tests/files/failing_calls.h"
 #include "tests/support/folder.h"
 
@@ -87,7 +88,7 @@ TEST_F(NamesTest, APipeThatIsAnotherByNowIsNotRemoved) {
   close(file);
 }
 
-TEST_F(NamesTest, AFileWithoutANameIsInTheFolderForTemporaryFiles) {
+TEST_F(NamesTest, FilesWithoutANameAndFoldersOfOursAreInTMPDIR) {
   const char* told = std::getenv("TMPDIR");
   const std::string before = told != nullptr ? told : "";
   const auto works = [&] {
@@ -107,7 +108,16 @@ TEST_F(NamesTest, AFileWithoutANameIsInTheFolderForTemporaryFiles) {
   fail_call("open", 0, EOPNOTSUPP);  // a file system without such files
   EXPECT_TRUE(works());
   let_all_succeed();
+  {
+    const PrivateFolder ours, another;
+    EXPECT_EQ(entries(), 2u);
+    EXPECT_EQ(ours.path().parent_path(), folder_.path());
+    EXPECT_EQ(fs::status(ours.path()).permissions(), fs::perms::owner_all);
+    spit((ours.path() / "file").string(), "x");
+  }
+  EXPECT_EQ(entries(), 0u);
   setenv("TMPDIR", path("none").c_str(), 1);
+  EXPECT_THAT(complaint([] { PrivateFolder(); }), HasSubstr("none: no folder can be made there: "));
   EXPECT_THAT(complaint([] { close(nameless_file()); }),
               testing::AllOf(HasSubstr("TMPDIR: "), HasSubstr("none: no file can be made there: "
                                                               "No such file")));

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <filesystem>
+
+/// Files and folders that nobody else uses, in TMPDIR or /tmp.
+namespace headpin::files {
+
+/// Opens a file without a name for reading and writing; it vanishes when it is closed.
+/// @throws std::runtime_error  naming the folder
+int nameless_file();
+
+/// A folder of our own. It is removed with all that is in it.
+class PrivateFolder {
+ public:
+  /// @throws std::runtime_error  naming the folder it should be in
+  PrivateFolder();
+  ~PrivateFolder();
+  PrivateFolder(const PrivateFolder&) = delete;
+  PrivateFolder& operator=(const PrivateFolder&) = delete;
+
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+}  // namespace headpin::files
