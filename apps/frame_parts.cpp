@@ -143,10 +143,12 @@ class Drawers {
         "--frames", as_ranges(frames)};
     words.insert(words.end(), parts_.arguments.begin(), parts_.arguments.end());
     const int said = memfd_create("said", MFD_CLOEXEC);  // a disk that is full would not take it
+    const int in = parts_.trial == "-" ? files::standard_input() : -1;
     const pid_t process =
-        said < 0 ? -1 : start_child("/proc/self/exe", words, {.err = said}, SIGTERM);
+        said < 0 ? -1 : start_child("/proc/self/exe", words, {.in = in, .err = said}, SIGTERM);
+    const int error = errno;
+    close(in);
     if (process < 0) {
-      const int error = errno;
       close(said);
       throw std::runtime_error(std::string("cannot run headpin itself: ") + std::strerror(error));
     }

@@ -1,11 +1,16 @@
 #include "apps/options.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstdint>
 #include <cstdlib>
+#include <filesystem>
+#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "apps/command.h"
 #include "render/gl_context.h"
@@ -13,6 +18,13 @@
 namespace headpin::apps {
 
 namespace {
+
+/// Endings that tell other programs what is in a file.
+constexpr std::array<std::string_view, 33> kKindsOfFiles = {
+    ".avi", ".bmp",  ".c3d",  ".csv",  ".eps",  ".fbx",    ".gif",  ".glb",  ".gltf",
+    ".htm", ".html", ".jpeg", ".jpg",  ".json", ".lcmlog", ".mcap", ".mkv",  ".mov",
+    ".mp4", ".pdf",  ".png",  ".ps",   ".svg",  ".tif",    ".tiff", ".toml", ".tsv",
+    ".txt", ".webm", ".webp", ".xlsx", ".y4m",  ".zip"};
 
 /// Reads all of a text as a number.
 template <typename T>
@@ -29,15 +41,25 @@ std::string wrong_context(std::string_view name) {
   return fmt::format("expected osmesa, egl, egl:auto or egl:NUMBER, found '{}'", name);
 }
 
+/// What is wrong with the name of an output, empty where nothing is.
+std::string wrong_output(const std::string& name, const std::vector<std::string>& endings) {
+  if (name.empty()) return "expected a name, found none";
+  const std::string ending = std::filesystem::path(name).extension().string();
+  const bool kind = std::ranges::count(kKindsOfFiles, CLI::detail::to_lower(ending)) > 0;
+  if (!kind || std::ranges::count(endings, ending) > 0) return "";
+  return endings.empty() ? fmt::format("expected the name of a folder, found {}", name)
+                         : fmt::format("expected a name that ends in {}, found {}",
+                                       fmt::join(endings, " or "), name);
+}
+
 }  // namespace
 
 CLI::Option* add_output(CLI::App& command, const std::string& names,
-                        std::optional<std::string>& value, const std::string& help) {
+                        std::optional<std::string>& value, const std::string& help,
+                        std::vector<std::string> endings) {
   return command.add_option(names, value, help)
       ->check(CLI::Validator(
-          [](std::string& name) {
-            return name.empty() ? std::string("expected a name, found none") : std::string();
-          },
+          [endings = std::move(endings)](std::string& name) { return wrong_output(name, endings); },
           ""));
 }
 

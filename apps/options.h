@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 #include <CLI/CLI.hpp>
 
@@ -10,9 +11,12 @@
 /// Options of several commands.
 namespace headpin::apps {
 
-/// A file or folder to write; an empty name is wrong use.
+/// A file or folder to write. An empty name is wrong use, and so is the ending of a kind of file that
+/// the command does not write.
+/// @param endings  of the files that it writes, such as `.svg`; none where it writes a folder
 CLI::Option* add_output(CLI::App& command, const std::string& names,
-                        std::optional<std::string>& value, const std::string& help);
+                        std::optional<std::string>& value, const std::string& help,
+                        std::vector<std::string> endings);
 CLI::Option* add_force(CLI::App& command, bool& value);
 CLI::Option* add_json(CLI::App& command, bool& value);
 

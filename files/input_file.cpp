@@ -9,6 +9,8 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "files/temporary.h"
+
 namespace headpin::files {
 
 namespace {
@@ -25,10 +27,46 @@ Content read_all(const std::string& path, std::size_t most) {
   return content;
 }
 
+/// @return  standard input where it is a file that nobody has read of, else a copy without a name
+int keep_standard_input() {
+  struct stat status {};
+  const bool file = fstat(STDIN_FILENO, &status) == 0 && S_ISREG(status.st_mode);
+  if (file && lseek(STDIN_FILENO, 0, SEEK_CUR) == 0) return STDIN_FILENO;
+  const int kept = nameless_file();
+  const auto fail = [&](const std::string& doing) {
+    const int error = errno;
+    close(kept);
+    throw std::runtime_error("-: " + doing + ": " + std::strerror(error));
+  };
+  std::vector<std::uint8_t> some(1 << 16);
+  for (off_t at = 0;;) {
+    const ssize_t n = ::read(STDIN_FILENO, some.data(), some.size());
+    if (n == 0) break;
+    if (n < 0) fail("cannot be read");  // a signal too: who stops us does not wait for the end
+    for (ssize_t done = 0; done < n;) {
+      const ssize_t wrote =
+          pwrite(kept, some.data() + done, static_cast<std::size_t>(n - done), at);
+      if (wrote < 0 && errno == EINTR) continue;
+      if (wrote < 0) fail("cannot be kept in TMPDIR");
+      done += wrote;
+      at += wrote;
+    }
+  }
+  return kept;
+}
+
 }  // namespace
 
+int standard_input() {
+  static const int kept = keep_standard_input();
+  const int again = fcntl(kept, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  if (again < 0) throw std::runtime_error(std::string("-: cannot open: ") + std::strerror(errno));
+  return again;
+}
+
 InputFile::InputFile(std::string path) : path_(std::move(path)) {
-  file_ = open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
+  file_ = path_ == "-" ? standard_input()
+                       : open(path_.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK | O_NOCTTY);
   if (file_ < 0) throw std::runtime_error(path_ + ": cannot open: " + std::strerror(errno));
   struct stat status {};
   if (fstat(file_, &status) == 0 && S_ISREG(status.st_mode)) {

@@ -13,6 +13,7 @@ namespace headpin::files {
 class InputFile {
  public:
   /// Never blocks, not even if the name is that of a named pipe.
+  /// @param path  `-` is standard input; the first such file reads it to its end
   /// @throws std::runtime_error  when the file cannot be opened or is not a regular file
   explicit InputFile(std::string path);
   ~InputFile();
@@ -32,6 +33,11 @@ class InputFile {
   int file_ = -1;
   std::size_t size_ = 0;
 };
+
+/// A file with all bytes of standard input, to be read with `pread`; the caller closes it. Pipes can
+/// be read once: their bytes are kept while the program runs.
+/// @throws std::runtime_error  it cannot be read or kept
+int standard_input();
 
 /// Reads the bytes that are available now, at most `out.size()`; an interrupted read is repeated.
 /// @return  number of bytes; 0 at the end

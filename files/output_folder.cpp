@@ -130,6 +130,7 @@ void OutputFolder::make_folder() {
 
 void OutputFolder::refuse_foreign(const Options& options) const {
   for (const fs::path& other : options.others) {
+    if (other == "-") continue;  // standard input is in no folder
     std::error_code unknown;
     const fs::path canonical = fs::weakly_canonical(other, unknown);
     if (unknown) throw std::runtime_error(other.string() + ": " + unknown.message());

@@ -131,13 +131,22 @@ ends_with <- function(name, end) {
   bytes <- readBin(to(name), "raw", file.size(to(name)))
   if (!identical(tail(bytes, length(end)), end)) half(name)
 }
+# R keeps the size of the last letter, and takes it for that of a new picture that lies at the same
+# place in memory as the one before. A letter of another face makes R forget it.
+start <- function(draw) {
+  par(mar = c(0, 0, 0, 0))
+  plot.new()
+  strheight("M", font = 3)
+  par(new = TRUE)
+  draw()
+}
 picture <- function(name, width, height, draw) {
   svg(to(paste0(name, ".svg")), width, height)
-  draw()
+  start(draw)
   dev.off()
   ends_with(paste0(name, ".svg"), charToRaw("</svg>\n"))
   png(to(paste0(name, ".png")), width, height, units = "in", res = 100, type = "cairo")
-  draw()
+  start(draw)
   dev.off()
   ends_with(paste0(name, ".png"), as.raw(c(0x49, 0x45, 0x4e, 0x44, 0xae, 0x42, 0x60, 0x82)))  # IEND
 }

@@ -201,11 +201,11 @@ void add_apart(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "apart", "Say what the eyes can tell apart between two conditions of one recording");
   const auto options = std::make_shared<ApartOptions>();
-  command->add_option("TRIAL", options->a, "a trial (.lcmlog)")->required();
+  command->add_option("TRIAL", options->a, "a trial (.lcmlog); - is standard input")->required();
   command->add_option("OTHER", options->b,
                       "another trial of the same recording; by default, TRIAL under the condition");
   add_output(*command, "-o,--output", options->output,
-             "table to write (.csv); - is standard output");
+             "table to write (.csv); - is standard output", {".csv"});
   add_gl(*command, options->gl);
   add_force(*command, options->force);
   add_longest_gap(*command, options->longest_gap);

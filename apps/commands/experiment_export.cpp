@@ -195,7 +195,7 @@ void add_experiment_export(CLI::App& group) {
   CLI::App* command = group.add_subcommand("export", "Write the whole study as Motion-BIDS");
   const auto options = std::make_shared<ExportStudyOptions>();
   add_study(*command, options->study);
-  add_output(*command, "--motion-bids", options->output, "folder for the dataset")->required();
+  add_output(*command, "--motion-bids", options->output, "folder for the dataset", {})->required();
   command->add_flag("--deidentify", options->deidentify,
                     "write numbers instead of names, leave out the trials (they contain the date), "
                     "and list what the motion data still reveal");

@@ -190,7 +190,7 @@ void add_experiment_plan(CLI::App& group) {
   CLI::App* command =
       group.add_subcommand("plan", "Create a study, or add participants to its plan");
   const auto options = std::make_shared<PlanOptions>();
-  add_output(*command, "-o,--output", options->output, "folder of the study")->required();
+  add_output(*command, "-o,--output", options->output, "folder of the study", {})->required();
   CLI::Option* design =
       command
           ->add_option(

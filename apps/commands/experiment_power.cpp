@@ -154,7 +154,7 @@ void add_experiment_power(CLI::App& group) {
       ->check(CLI::Range(1, 64))
       ->capture_default_str();
   add_output(*command, "-o,--output", options->output,
-             "table (.csv) or plot (.svg) to write; - is standard output");
+             "table (.csv) or plot (.svg) to write; - is standard output", {".csv", ".svg"});
   add_force(*command, options->force);
   add_json(*command, options->json);
   command->footer(

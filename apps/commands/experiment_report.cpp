@@ -127,7 +127,8 @@ void add_experiment_report(CLI::App& group) {
   CLI::App* command = group.add_subcommand("report", "Write the study as one HTML page");
   const auto options = std::make_shared<ReportStudyOptions>();
   add_study(*command, options->study);
-  add_output(*command, "-o,--output", options->output, "page to write (.html)")->required();
+  add_output(*command, "-o,--output", options->output, "page to write (.html)", {".html", ".htm"})
+      ->required();
   add_mixing(*command, options->mixing);
   command->add_option("--jobs", options->jobs, "number of sessions to process in parallel")
       ->check(CLI::Range(1, 256))

@@ -345,15 +345,18 @@ void draw_frames(const FramesOptions& options) {
 void add_output_options(CLI::App& command, FramesOptions& options) {
   add_output(command, "-o,--output", options.folder,
              "folder for left_NNNNNN.png, right_NNNNNN.png and frames.csv: a new or empty folder; "
-             "with --force also one that headpin wrote");
+             "with --force also one that headpin wrote",
+             {});
   add_output(command, "--video", options.video,
              "video to write, both eyes side by side, lossless (.mkv); a copy with the ending .mp4 "
-             "plays in any player");
+             "plays in any player",
+             {".mkv"});
   command.add_flag("--no-mp4", options.no_copy, "with --video: do not write the .mp4 copy");
   add_output(
       command, "--y4m", options.y4m,
       "raw video to write (YUV4MPEG2, 4:4:4, BT.601), both eyes side by side, for other programs; "
-      "- is standard output. Colours are rounded, so do not use it to compare pictures");
+      "- is standard output. Colours are rounded, so do not use it to compare pictures",
+      {".y4m"});
   command
       .add_option("--layout", options.layout,
                   "layout of the PNG files: one file per eye, or both eyes in one file")
@@ -411,7 +414,7 @@ void add_frames(CLI::App& app) {
   auto options = std::make_shared<FramesOptions>();
   CLI::App* command =
       app.add_subcommand("frames", "Draw what the participant saw: one picture per eye and frame");
-  command->add_option("trial", options->trial, "a trial (.lcmlog), replayed or not")->required();
+  command->add_option("trial", options->trial, "a trial (.lcmlog), replayed or not; - is standard input")->required();
   add_output_options(*command, *options);
   add_picture_options(*command, *options);
   add_force(*command, options->force);

@@ -212,7 +212,7 @@ void add_import(CLI::App& app) {
                    "or one of its tracker files, a Motion-BIDS ..._motion.tsv, or a VRPN log")
       ->required();
   add_output(*command, "-o,--output", options->output,
-             "trial to write (.lcmlog); - is standard output")
+             "trial to write (.lcmlog); - is standard output", {".lcmlog"})
       ->required();
   command
       ->add_option("--units", options->units,

@@ -297,7 +297,8 @@ void add_live(CLI::App& app) {
                       "name of a bundled scenario or a TOML file; default: that of the trial that "
                       "is a source, or else the paper's room");
   add_output(*command, "--record", options->record,
-             "file to record to (.lcmlog); it is readable at any time, also after a crash");
+             "file to record to (.lcmlog); it is readable at any time, also after a crash",
+             {".lcmlog"});
   add_states(*command, options->states);
   command->add_option(
       "--participant", options->participant,

@@ -292,9 +292,10 @@ void add_replay(CLI::App& app) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command =
       app.add_subcommand("replay", "Simulate a trial again from its device samples");
-  command->add_option("trial", options->trial, "a trial (.lcmlog)")->required();
+  command->add_option("trial", options->trial, "a trial (.lcmlog); - is standard input")->required();
   add_output(*command, "-o,--output", options->output,
-             "file for the new trial with its states and events (.lcmlog); - is standard output");
+             "file for the new trial with its states and events (.lcmlog); - is standard output",
+             {".lcmlog"});
   add_states(*command, options->states);
   command->add_flag("--verify", options->verify, "compare every tick with the states in the trial");
   command->add_flag("--each-throw", options->each_throw,

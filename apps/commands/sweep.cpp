@@ -121,7 +121,7 @@ void add_sweep_plan(CLI::App& group) {
   const auto options = std::make_shared<PlanSweepOptions>();
   command->add_option("design", options->design, "trials, grid and random values (.toml)")
       ->required();
-  add_output(*command, "-o,--output", options->output, "folder to make")->required();
+  add_output(*command, "-o,--output", options->output, "folder to make", {})->required();
   command->add_flag("--estimate", options->estimate,
                     "simulate a few rows and say how long all of them take on this machine");
   add_json(*command, options->json);
@@ -155,7 +155,7 @@ void add_sweep_merge(CLI::App& group) {
   const auto options = std::make_shared<MergeOptions>();
   add_sweep_folder(*command, options->sweep);
   add_output(*command, "-o,--output", options->output,
-             "table to write (.csv); - is standard output")
+             "table to write (.csv); - is standard output", {".csv"})
       ->required();
   command->add_flag("--partial", options->partial, "leave out rows that are not done");
   add_force(*command, options->force);

@@ -91,7 +91,8 @@ void add_sweep_report(CLI::App& group) {
   CLI::App* command = group.add_subcommand("report", "Write maps of the results as one HTML page");
   const auto options = std::make_shared<ReportSweepOptions>();
   add_sweep_folder(*command, options->sweep);
-  add_output(*command, "-o,--output", options->output, "page to write (.html)")->required();
+  add_output(*command, "-o,--output", options->output, "page to write (.html)", {".html", ".htm"})
+      ->required();
   command->add_option("--x", options->x,
                       "key of the grid along the map; the first one when not given");
   command->add_option("--y", options->y,

@@ -139,7 +139,8 @@ void add_synthesize(CLI::App& app) {
   const auto options = std::make_shared<SynthesizeOptions>();
   add_output(*command, "-o,--output", options->output,
              "file to write: a trial (.lcmlog), or a recording that `import` reads (.csv); - is "
-             "standard output")
+             "standard output",
+             {".lcmlog", ".csv"})
       ->required();
   auto* seeded =
       command->add_option("--seed", options->plan.seed, "seed of swing, tremor and noise")

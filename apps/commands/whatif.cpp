@@ -68,10 +68,11 @@ void add_whatif(CLI::App& app) {
   WhatIfQuestion& question = options->question;
   question.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   command
-      ->add_option("trials", question.trials,
-                   "a trial (.lcmlog) with the throw; further trials add their throws")
+      ->add_option(
+          "trials", question.trials,
+          "a trial (.lcmlog) with the throw; further trials add their throws; - is standard input")
       ->required();
-  add_output(*command, "-o,--output", options->output, "folder for tables and pictures");
+  add_output(*command, "-o,--output", options->output, "folder for tables and pictures", {});
   command->add_option("--throw", question.number, "number of the throw in its trial")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();

@@ -86,13 +86,13 @@ TEST_F(Outputs, DevicesPipesAndLinksAreWrittenIntoAndStay) {
 TEST_F(Outputs, TheInputIsNeverTheOutput) {
   fs::copy_file(kDemo, folder_ / "a.lcmlog");
   fs::create_symlink("a.lcmlog", folder_ / "link.lcmlog");
-  write("room.toml", "");
+  write("room.csv", "");
   write("throw.csv", "x");
   const std::string says = "is an input of this command";
   expect_untouched("replay a.lcmlog -o a.lcmlog --force", 1, says);
   expect_untouched("replay a.lcmlog -o link.lcmlog --force", 1, says);
   expect_untouched("replay link.lcmlog -o ./a.lcmlog --force", 1, says);
-  expect_untouched("synthesize --scenario room.toml -o room.toml --force", 1, says);
+  expect_untouched("synthesize --scenario room.csv -o room.csv --force", 1, says);
 }
 
 TEST_F(Outputs, AnEmptyNameIsRefusedAndADashIsStandardOutput) {

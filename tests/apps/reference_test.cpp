@@ -198,7 +198,7 @@ TEST_F(Reference, ATrialIsExportedWholeAndPlotted) {
   ASSERT_EQ(headpin("plot game.lcmlog -o again.svg").code, 0);
   EXPECT_EQ(slurp(folder_ / "again.svg"), svg);
   expect_refusal("plot " + kDemo + " -o OUT.svg", 1, "expected states to plot");
-  expect_refusal("plot game.lcmlog -o game.lcmlog --force", 1, "game.lcmlog");
+  expect_refusal("plot game.lcmlog -o game.lcmlog --force", 2, "game.lcmlog");
 }
 
 }  // namespace
