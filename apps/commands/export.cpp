@@ -139,7 +139,8 @@ void export_trial(const ExportOptions& options) {
 void add_export(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App* command = app.add_subcommand("export", "Write a trial as tables (CSV)");
-  command->add_option("TRIAL", options->trial, "a trial (.lcmlog); - is standard input")->required();
+  command->add_option("TRIAL", options->trial, "a trial (.lcmlog); - is standard input")
+      ->required();
   add_output(*command, "-o,--output", options->folder, "folder for the tables", {})->required();
   add_force(*command, options->force);
   add_json(*command, options->json);

@@ -414,7 +414,10 @@ void add_frames(CLI::App& app) {
   auto options = std::make_shared<FramesOptions>();
   CLI::App* command =
       app.add_subcommand("frames", "Draw what the participant saw: one picture per eye and frame");
-  command->add_option("trial", options->trial, "a trial (.lcmlog), replayed or not; - is standard input")->required();
+  command
+      ->add_option("trial", options->trial,
+                   "a trial (.lcmlog), replayed or not; - is standard input")
+      ->required();
   add_output_options(*command, *options);
   add_picture_options(*command, *options);
   add_force(*command, options->force);

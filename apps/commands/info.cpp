@@ -330,7 +330,9 @@ void add_info(CLI::App& app) {
   };
   CLI::App* command = app.add_subcommand("info", "Show what a trial contains");
   const auto options = std::make_shared<Options>();
-  command->add_option("TRIAL", options->trial, "a trial (.lcmlog), or any LCM event log; - is standard input")
+  command
+      ->add_option("TRIAL", options->trial,
+                   "a trial (.lcmlog), or any LCM event log; - is standard input")
       ->required();
   auto* json = add_json(*command, options->json);
   command->add_flag("--scenario", options->scenario, "print only its scenario (TOML)")

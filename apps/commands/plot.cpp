@@ -194,7 +194,8 @@ void add_plot(CLI::App& app) {
   auto options = std::make_shared<PlotOptions>();
   CLI::App* command = app.add_subcommand(
       "plot", "Plot a replayed trial over time: speeds, heights, energy, contacts");
-  command->add_option("TRIAL", options->trial, "a trial with states (.lcmlog); - is standard input")->required();
+  command->add_option("TRIAL", options->trial, "a trial with states (.lcmlog); - is standard input")
+      ->required();
   add_output(*command, "-o,--output", options->output,
              "picture to write (.svg); - is standard output", {".svg"})
       ->required();

@@ -292,7 +292,8 @@ void add_replay(CLI::App& app) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command =
       app.add_subcommand("replay", "Simulate a trial again from its device samples");
-  command->add_option("trial", options->trial, "a trial (.lcmlog); - is standard input")->required();
+  command->add_option("trial", options->trial, "a trial (.lcmlog); - is standard input")
+      ->required();
   add_output(*command, "-o,--output", options->output,
              "file for the new trial with its states and events (.lcmlog); - is standard output",
              {".lcmlog"});

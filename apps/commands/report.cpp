@@ -248,7 +248,8 @@ void add_report(CLI::App& app) {
   CLI::App* command = app.add_subcommand(
       "report",
       "Write one HTML page that shows a trial in 3D and in numbers, and can simulate it again");
-  command->add_option("TRIAL", options->trial, "a trial (.lcmlog); - is standard input")->required();
+  command->add_option("TRIAL", options->trial, "a trial (.lcmlog); - is standard input")
+      ->required();
   command->add_option("OTHER", options->other, "another trial, shown with the first");
   add_output(*command, "-o,--output", options->output,
              "page to write (.html); - is standard output", {".html", ".htm"})

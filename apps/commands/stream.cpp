@@ -226,7 +226,8 @@ void add_stream(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("stream", "Publish a trial's samples over LCM at the recorded times");
   const auto options = std::make_shared<StreamOptions>();
-  command->add_option("TRIAL", options->trial, "a trial (.lcmlog); - is standard input")->required();
+  command->add_option("TRIAL", options->trial, "a trial (.lcmlog); - is standard input")
+      ->required();
   command->add_option("--lcm", options->url,
                       "LCM URL; default: LCM_DEFAULT_URL, or else LCM's default URL");
   command
