@@ -27,6 +27,8 @@ inline constexpr std::string_view frame = "frame";
 inline constexpr std::string_view game_over = "game_over";
 inline constexpr std::string_view flies_at_player = "flies_at_player";
 inline constexpr std::string_view passed_player = "passed_player";
+inline constexpr std::string_view tracking_lost = "tracking_lost";
+inline constexpr std::string_view tracking_back = "tracking_back";
 inline constexpr std::string_view ledger = "ledger";
 inline constexpr std::string_view game_hash = "game_hash";
 inline constexpr std::string_view drawn_by = devices::kDrawnByEvent;
@@ -89,6 +91,11 @@ inline constexpr auto kEventKinds = std::to_array<EventKind>({
      "0.3 s after the body had passed: detail has the approach that was expected, and how head and "
      "hand accelerated away, as JSON",
      "its centre", "closest approach of its surface to head, hand or body [m]"},
+    {kind::tracking_lost,
+     "head or hand (detail) has had no usable sample for 0.25 s: its last pose stays", "",
+     "time since its last sample [s]"},
+    {kind::tracking_back, "head or hand (detail) has a usable sample again", "",
+     "time without one [s]"},
     {kind::ledger, "after the last tick: detail has the sources and sinks of energy as JSON", "",
      ""},
     {kind::game_hash,

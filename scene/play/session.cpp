@@ -126,6 +126,8 @@ void advance(Session& s, devices::Source& source) {
     std::visit([&](auto& one) { one.session_time = moment.time; }, sample);
   }
   drive(s.player, s.samples, *s.stage, s.world, moment, s.events);
+  watch_tracking(s.tracking, s.player, moment.time - microseconds(s.scenario().rig.delay_s),
+                 s.world, moment, s.events);
   touch_buttons(s, moment);
   note_velocities(s.game, s.world);
   engine::step(s.world, s.workspace);

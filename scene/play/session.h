@@ -11,6 +11,7 @@
 #include "scene/play/game_hash.h"
 #include "scene/play/player.h"
 #include "scene/play/presence.h"
+#include "scene/play/tracking.h"
 
 /// One tick: take samples, move hand and head, step the world, report events.
 namespace headpin::scene {
@@ -20,6 +21,7 @@ struct Session {
   engine::World world;
   Player player;
   Game game;
+  Tracking tracking;                                     ///< whether head and hand are seen
   Presence presence;                                     ///< bodies that fly at the player
   std::array<std::shared_ptr<const Stage>, 2> versions;  ///< red, blue; where there are buttons
   /// True after the hand has touched a button.

@@ -5,6 +5,7 @@ import { find, make } from './elements.js';
 const kColours = {
   grab: '--mark-hand', release: '--mark-hand', first_contact: '--mark-contact',
   skittle_down: '--mark-down', version: '--mark-other', flies_at_player: '--mark-other',
+  tracking_lost: '--mark-other', tracking_back: '--mark-other',
 };
 
 export class Timeline {
