@@ -142,8 +142,8 @@ class Drawers {
         "headpin",  "frames",         parts_.trial, "-o", folder_.part(part).string(),
         "--frames", as_ranges(frames)};
     words.insert(words.end(), parts_.arguments.begin(), parts_.arguments.end());
-    const int said = memfd_create("said", MFD_CLOEXEC);  // a disk that is full would not take it
     const int in = parts_.trial == "-" ? files::standard_input() : -1;
+    const int said = memfd_create("said", MFD_CLOEXEC);  // a disk that is full would not take it
     const pid_t process =
         said < 0 ? -1 : start_child("/proc/self/exe", words, {.in = in, .err = said}, SIGTERM);
     const int error = errno;

@@ -12,7 +12,7 @@ struct Ended {
   std::string says;  ///< what it wrote on standard output and error
 };
 
-/// Runs a program from PATH until it ends; it is killed where we are.
+/// Runs a program from PATH until it ends. If this process is killed, the program is killed too.
 /// @return  nothing if there is no such program
 /// @throws std::runtime_error  where it cannot be started
 std::optional<Ended> run_program(const std::vector<std::string>& words);

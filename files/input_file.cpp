@@ -27,7 +27,7 @@ Content read_all(const std::string& path, std::size_t most) {
   return content;
 }
 
-/// @return  standard input where it is a file that nobody has read of, else a copy without a name
+/// @return  standard input itself if it is a file at its start, else a nameless copy of its bytes
 int keep_standard_input() {
   struct stat status {};
   const bool file = fstat(STDIN_FILENO, &status) == 0 && S_ISREG(status.st_mode);
@@ -42,7 +42,7 @@ int keep_standard_input() {
   for (off_t at = 0;;) {
     const ssize_t n = ::read(STDIN_FILENO, some.data(), some.size());
     if (n == 0) break;
-    if (n < 0) fail("cannot be read");  // a signal too: who stops us does not wait for the end
+    if (n < 0) fail("cannot be read");  // also after a signal: the command can be stopped here
     for (ssize_t done = 0; done < n;) {
       const ssize_t wrote =
           pwrite(kept, some.data() + done, static_cast<std::size_t>(n - done), at);

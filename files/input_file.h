@@ -12,8 +12,8 @@ namespace headpin::files {
 /// A regular file that is read at any position.
 class InputFile {
  public:
-  /// Never blocks, not even if the name is that of a named pipe.
-  /// @param path  `-` is standard input; the first such file reads it to its end
+  /// Does not wait for a named pipe; it is refused.
+  /// @param path  `-` is standard input: the first such file waits until all of it was read
   /// @throws std::runtime_error  when the file cannot be opened or is not a regular file
   explicit InputFile(std::string path);
   ~InputFile();

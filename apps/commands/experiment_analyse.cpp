@@ -67,7 +67,7 @@ bool require_script(const Study& study, const fs::path& path) {
 void run_script(const fs::path& script, const fs::path& people, const std::string& who,
                 const fs::path& root) {
   StudyTables folder(root / "analysis");
-  // R writes where nobody else does: that of a command that was killed may not be at its end yet.
+  // R has a folder of its own. The R of a command that was killed may still be writing into another.
   const files::PrivateFolder output;
   const auto ended = run_program(
       {"Rscript", "--vanilla", script.string(), people.string(), output.path().string(), who});

@@ -9,7 +9,7 @@ namespace headpin::scene {
 
 namespace {
 
-/// @return  the last sample of a track that is not empty, up to a time
+/// Time of the last sample up to a time, of a track that is not empty; of the first if all are later.
 Time last_until(const devices::PoseTrack& track, Time time) {
   const std::vector<Stamped<Pose>>& samples = track.samples();
   const auto after = std::ranges::upper_bound(samples, time, {}, &Stamped<Pose>::time);

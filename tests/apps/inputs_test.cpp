@@ -2,6 +2,8 @@
 
 #include <csignal>
 
+#include <sys/ioctl.h>
+
 #include "tests/apps/command_line.h"
 
 namespace headpin {
@@ -91,14 +93,21 @@ TEST_F(Inputs, WhoWaitsForAPipeCanBeStopped) {
   int ends[2];
   ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);
   const pid_t process = started({"replay", "-"}, ends[0]);
-  close(ends[0]);
+  ASSERT_EQ(write(ends[1], "#", 1), 1);
+  int unread = 1;
+  while (unread != 0) {  // then it waits for more
+    usleep(1000);
+    ASSERT_EQ(ioctl(ends[0], FIONREAD, &unread), 0);
+  }
   int status = 0;
-  while (waitpid(process, &status, WNOHANG) == 0) {  // until it has begun to watch
+  while (waitpid(process, &status, WNOHANG) == 0) {
     kill(process, SIGTERM);
     usleep(10'000);
   }
+  close(ends[0]);
   close(ends[1]);
-  EXPECT_TRUE(WIFSIGNALED(status) || WEXITSTATUS(status) == 128 + SIGTERM) << status;
+  EXPECT_TRUE(WIFEXITED(status));
+  EXPECT_EQ(WEXITSTATUS(status), 128 + SIGTERM);
 }
 
 // What other programs take for a picture, a page or a table is one.
