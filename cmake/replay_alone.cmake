@@ -36,13 +36,14 @@ file(GLOB engine CONFIGURE_DEPENDS ${HEADPIN_ROOT}/engine/*.cpp)
 set(parts
   devices/base/genlock devices/base/sequence_count devices/trial/event_log devices/trial/file
   devices/trial/messages devices/trial/misdated devices/trial/resample devices/trial/sources
-  devices/trial/state_change devices/trial/trial_messages files/input_file files/sha256
+  devices/trial/state_change devices/trial/trial_messages files/input_file files/sha256 files/temporary
   render/data/hmd render/eyes scene/play/game scene/play/game_hash scene/play/hand scene/play/player
   scene/play/presence scene/play/referee scene/play/release scene/play/run scene/play/score
-  scene/play/session scene/play/walk scene/scenario/files scene/scenario/keys scene/scenario/rules
-  scene/scenario/scenario scene/scenario/text scene/scenario/toml_text scene/stage/bodies
-  scene/stage/outline scene/stage/read_scenario scene/stage/room scene/stage/scenario_checks scene/stage/seen_mesh
-  scene/stage/stage scene/watch/recorded scene/watch/totals scene/watch/verifier)
+  scene/play/session scene/play/tracking scene/play/walk scene/scenario/files scene/scenario/keys
+  scene/scenario/rules scene/scenario/scenario scene/scenario/text scene/scenario/toml_text
+  scene/stage/bodies scene/stage/outline scene/stage/read_scenario scene/stage/room
+  scene/stage/scenario_checks scene/stage/seen_mesh scene/stage/stage scene/watch/recorded
+  scene/watch/totals scene/watch/verifier)
 list(TRANSFORM parts PREPEND ${HEADPIN_ROOT}/)
 list(TRANSFORM parts APPEND .cpp)
 list(APPEND parts ${CMAKE_CURRENT_LIST_DIR}/no_mesh_files.cpp)

@@ -232,6 +232,55 @@ TEST(Sources, HaveFunctionsOf70LinesAndFilesOf500AtMost) {
   EXPECT_GT(functions, 1000) << "nothing was read";
 }
 
+/// Sources that a CMake file lists as `set(parts FOLDER/NAME ...)`, without their endings.
+std::set<std::string> parts_in(const std::string& cmake_file) {
+  const std::vector<std::string> lines = lines_of(HEADPIN_SOURCE_DIR "/" + cmake_file);
+  std::set<std::string> parts;
+  bool inside = false;
+  for (std::string line : lines) {
+    inside |= line == "set(parts";
+    if (!inside || line == "set(parts") continue;
+    inside = !line.ends_with(')');
+    if (!inside) line.pop_back();
+    std::istringstream words(line);
+    for (std::string word; words >> word;) parts.insert(word);
+    if (!inside) break;
+  }
+  return parts;
+}
+
+/// Adds the headers that a file includes, and those that they include, without their endings.
+void add_headers_of(const std::string& file, std::set<std::string>& headers) {
+  static const std::regex pattern(R"(^#include "([^"]+)\.h")");
+  std::smatch match;
+  for (const std::string& line : lines_of(HEADPIN_SOURCE_DIR "/" + file)) {
+    if (!std::regex_search(line, match, pattern)) continue;
+    const std::string name = match[1];
+    if (headers.insert(name).second) add_headers_of(name + ".h", headers);
+  }
+}
+
+// The page and other processors build a part of the sources; no build here would miss one of them.
+TEST(Sources, OfAReplayAloneAreListedWithAllThatTheyNeed) {
+  // Nothing of these is called, and cmake/no_mesh_files.cpp stands for the last.
+  const std::set<std::string> only_headers = {"devices/trial/log", "devices/trial/tables",
+                                              "render/gl_context", "render/image",
+                                              "render/renderer",   "scene/stage/mesh_file"};
+  std::set<std::string> listed = parts_in("cmake/replay_alone.cmake");
+  EXPECT_GT(listed.size(), 40u);
+  const std::set<std::string> of_page = parts_in("apps/report/engine/CMakeLists.txt");
+  EXPECT_GT(of_page.size(), 8u);
+  listed.insert(of_page.begin(), of_page.end());
+  std::set<std::string> headers;
+  for (const std::string& name : listed) add_headers_of(name + ".cpp", headers);
+  for (const std::string& name : headers) {
+    if (name.starts_with("engine/") || !fs::exists(HEADPIN_SOURCE_DIR "/" + name + ".cpp"))
+      continue;
+    EXPECT_TRUE(listed.contains(name) || only_headers.contains(name))
+        << name << ".cpp is not in cmake/replay_alone.cmake";
+  }
+}
+
 // What removes or replaces a user's files can be read in one place.
 TEST(Layers, FilesAloneRemoveRenameAndCut) {
   static const std::regex call(
