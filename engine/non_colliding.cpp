@@ -66,8 +66,9 @@ Closest settle_hull(Search<A, B>& search, const Vec3& n, const Support& first, d
 
 /// From a normal that proves nothing to the closest points. A warm one is near.
 template <typename A, typename B>
-Closest settle(Search<A, B>& search, const Vec3& n, const Support& first, double size, bool warm,
-               const Query& q) {
+HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest settle(Search<A, B>& search, const Vec3& n,
+                                                   const Support& first, double size, bool warm,
+                                                   const Query& q) {
   if constexpr (kHull<A> || kHull<B>) {
     return settle_hull(search, n, first, size, warm, q);
   } else {
@@ -141,9 +142,9 @@ Vec3 furthest_of(void* search, const Vec3& n) {
 /// not the least, or there is none: one may even be found where the shapes are
 /// apart.
 template <typename A, typename B, typename S>
-HEADPIN_FLATTEN __attribute__((noinline)) bool shorten(const A& a, const B& b, const Pose& X_AB,
-                                                       S& search, Closest& c, double size,
-                                                       const Query& q) {
+HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE bool shorten(const A& a, const B& b, const Pose& X_AB,
+                                                 S& search, Closest& c, double size,
+                                                 const Query& q) {
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     Polytope around(&furthest_of<S>, &search, c.n_AB, c.p_A - c.p_B);
     Vec3 shorter;
@@ -167,13 +168,25 @@ HEADPIN_FLATTEN __attribute__((noinline)) bool shorten(const A& a, const B& b, c
   return false;
 }
 
+/// Nothing was proven from a kept normal, as between round shapes that nearly share an axis: the line
+/// of centres may lead to less.
+template <typename A, typename B, typename S>
+HEADPIN_OUT_OF_LINE void try_from_centres(const A& a, const B& b, const Pose& X_AB, S& search,
+                                          const Vec3& n, Closest& c, double size, const Query& q) {
+  const Vec3 line = unit_or(centre_B(b, X_AB) - centre(a), n);
+  Closest cold = from_centres(search, line, search(line), size, q);
+  if (!is_proven(a, b, X_AB, cold, size)) shorten(a, b, X_AB, search, cold, size, q);
+  if (cold.distance > c.distance) c = cold;
+  c.capped = true;
+}
+
 /// Carries on from a normal that proves nothing: until the closest points are
 /// found, and proven, or in the paper's mode to its cap.
 template <typename A, typename B, typename Look>
-HEADPIN_FLATTEN __attribute__((noinline)) Closest carry_on(const A& a, const B& b, const Pose& X_AB,
-                                                           Look& look, const Vec3& n,
-                                                           const Support& first, bool warm,
-                                                           const Query& q) {
+HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest carry_on(const A& a, const B& b, const Pose& X_AB,
+                                                     Look& look, const Vec3& n,
+                                                     const Support& first, bool warm,
+                                                     const Query& q) {
   auto&& search = look.search();
   if (q.mode == Query::paper) {
     return q.last ? paper_last(search, n, first, q.cap)
@@ -183,13 +196,7 @@ HEADPIN_FLATTEN __attribute__((noinline)) Closest carry_on(const A& a, const B& 
   Closest c =
       warm ? settle(search, n, first, size, true, q) : from_centres(search, n, first, size, q);
   if (!is_proven(a, b, X_AB, c, size) && !shorten(a, b, X_AB, search, c, size, q) && warm) {
-    // Nothing proven, as between round shapes that nearly share an axis: the
-    // line of centres may lead to less than a kept normal did.
-    const Vec3 line = unit_or(centre_B(b, X_AB) - centre(a), n);
-    Closest cold = from_centres(search, line, search(line), size, q);
-    if (!is_proven(a, b, X_AB, cold, size)) shorten(a, b, X_AB, search, cold, size, q);
-    if (cold.distance > c.distance) c = cold;
-    c.capped = true;
+    try_from_centres(a, b, X_AB, search, n, c, size, q);
   }
   if (c.separated && c.distance <= q.margin && !is_distance(c, size)) {
     const bool capped = c.capped;

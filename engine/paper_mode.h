@@ -31,7 +31,8 @@ inline bool parallel(const Support& s, const Vec3& n) {
 /// @param c_A, c_B  from where the arms of the furthest points are measured, in
 /// A's frame
 template <typename S>
-Closest paper(S& search, Vec3 n, const Support& first, const Vec3& c_A, const Vec3& c_B, int cap) {
+HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest paper(S& search, Vec3 n, const Support& first,
+                                                  const Vec3& c_A, const Vec3& c_B, int cap) {
   if (first.h < 0.0) return search.answer(first, n);
   Support s = first, best = first;
   Vec3 best_n = n;
@@ -66,7 +67,8 @@ Closest paper(S& search, Vec3 n, const Support& first, const Vec3& c_A, const Ve
 /// As old trials have it: the depth of the best plane, normal and points of the
 /// last.
 template <typename S>
-Closest paper_last(S& search, Vec3 n, const Support& first, int cap) {
+HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest paper_last(S& search, Vec3 n, const Support& first,
+                                                       int cap) {
   Support s = first;
   double least = s.h;
   while (search.evaluations < cap) {

@@ -14,9 +14,9 @@ namespace headpin::engine {
 /// already above a minimum. GJK finds that nearest point, and its simplex stays
 /// valid when p moves on, so p moves as soon as a step finds a lower plane.
 template <typename S>
-HEADPIN_FLATTEN __attribute__((noinline)) Closest from_outside(S& search, Vec3 n, Support best,
-                                                               double size, double margin,
-                                                               double tolerance) {
+HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest from_outside(S& search, Vec3 n, Support best,
+                                                         double size, double margin,
+                                                         double tolerance) {
   const double off = 0.1 * size;
   Simplex simplex;
   Vec3 best_n = n;
@@ -59,7 +59,7 @@ HEADPIN_FLATTEN __attribute__((noinline)) Closest from_outside(S& search, Vec3 n
 
 /// Distance of shapes that are apart: GJK from the origin.
 template <typename S>
-Closest from_origin(S& search, const Closest& start, double size) {
+HEADPIN_OUT_OF_LINE Closest from_origin(S& search, const Closest& start, double size) {
   Closest best = start;
   Simplex simplex;
   simplex.add(start.p_A - start.p_B, start.p_A, -start.p_B);

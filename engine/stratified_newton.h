@@ -428,8 +428,8 @@ struct Kinks {
 /// @param margin  stops with `apart` where h < -margin
 /// @param cap     most evaluations
 template <typename A, typename B>
-HEADPIN_FLATTEN __attribute__((noinline)) Descent descend(const A& a, const B& b, Vec3 n,
-                                                          double size, double margin, int cap) {
+HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Descent descend(const A& a, const B& b, Vec3 n, double size,
+                                                    double margin, int cap) {
   using namespace newton;
   const Scale scale{1e-11 * size, 0.02 * size};
   Descent d;
