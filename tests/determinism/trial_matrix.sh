@@ -27,7 +27,7 @@ make() {
       options=(-DCMAKE_TOOLCHAIN_FILE="$(em-config EMSCRIPTEN_ROOT)/cmake/Modules/Platform/Emscripten.cmake")
       ;;
   esac
-  cmake -S tests/determinism -B "$work/trial-$1" -G Ninja -DCMAKE_BUILD_TYPE=Release -DCMAKE_UNITY_BUILD=ON \
+  cmake -S tests/determinism -B "$work/trial-$1" -G Ninja -DCMAKE_BUILD_TYPE=Release \
     "${options[@]}" &&
     cmake --build "$work/trial-$1"
 }
