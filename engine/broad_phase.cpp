@@ -50,42 +50,58 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
                                                 double margin) {
   pairs_.clear();
   found_.clear();
-  const std::size_t n = bounds_W.size();
-  const auto moves = [&](std::size_t i) { return moving.empty() || moving[i] != 0; };
-  if (n < 2 || (!moving.empty() && std::find(moving.begin(), moving.end(), 1) == moving.end())) {
+  const Bodies bodies{bounds_W, moving, margin};
+  if (bounds_W.size() < 2 ||
+      (!moving.empty() && std::find(moving.begin(), moving.end(), 1) == moving.end())) {
     boxes_.clear();
     return pairs_;
   }
-
-  boxes_.resize(n);
-  double extent = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const Capsule& c = bounds_W[i];
-    const Vec3 r = Vec3::Constant(c.radius + 0.5 * margin);
-    boxes_[i] = {c.a.cwiseMin(c.b) - r, c.a.cwiseMax(c.b) + r};
-    extent += (boxes_[i].high - boxes_[i].low).maxCoeff();
-  }
-  const auto boxes_meet = [&](std::uint32_t i, std::uint32_t j) {
-    return boxes_[i].meets(boxes_[j]);
-  };
-  const auto meet = [&](std::uint32_t i, std::uint32_t j) {
-    return boxes_meet(i, j) && distance(bounds_W[i], bounds_W[j]) <= margin;
-  };
-  if (n <= kFew) {
-    slots_.clear();
-    for (std::uint32_t i = 0; i < n; ++i) {
-      for (std::uint32_t j = i + 1; j < n; ++j) {
-        if ((moves(i) || moves(j)) && meet(i, j)) pairs_.push_back({i, j});
-      }
-    }
+  const double extent = make_boxes(bodies);
+  if (bounds_W.size() <= kFew) {
+    compare_all(bodies);
     return pairs_;
   }
   // Three times the usual body: most then lie in one or two cells.
-  const double cell = std::max(3.0 * extent / static_cast<double>(n), 1e-9);
-  const double inverse = cells_per_metre_ = 1.0 / cell;
-  const auto coordinate = [inverse](double x) { return cell_of(x, inverse); };
-  cells_.resize(n);
+  make_grid(std::max(3.0 * extent / static_cast<double>(bounds_W.size()), 1e-9));
+  sort_into_slots();
+  compare_in_slots(bodies);
+  compare_large(bodies);
+  sort_pairs();
+  return pairs_;
+}
 
+/// @return  sum of the boxes' largest extents [m]
+double BroadPhase::make_boxes(const Bodies& bodies) {
+  boxes_.resize(bodies.bounds_W.size());
+  double extent = 0.0;
+  for (std::size_t i = 0; i < boxes_.size(); ++i) {
+    const Capsule& c = bodies.bounds_W[i];
+    const Vec3 r = Vec3::Constant(c.radius + 0.5 * bodies.margin);
+    boxes_[i] = {c.a.cwiseMin(c.b) - r, c.a.cwiseMax(c.b) + r};
+    extent += (boxes_[i].high - boxes_[i].low).maxCoeff();
+  }
+  return extent;
+}
+
+void BroadPhase::compare_all(const Bodies& bodies) {
+  slots_.clear();
+  const auto n = static_cast<std::uint32_t>(boxes_.size());
+  for (std::uint32_t i = 0; i < n; ++i) {
+    for (std::uint32_t j = i + 1; j < n; ++j) {
+      if (bodies.any_moves(i, j) && boxes_[i].meets(boxes_[j]) && bodies.meet(i, j)) {
+        pairs_.push_back({i, j});
+      }
+    }
+  }
+}
+
+/// Gives each body the cells that it covers, and chooses the size of the grid.
+///
+/// @param cell  edge of a cell [m]
+void BroadPhase::make_grid(double cell) {
+  cells_per_metre_ = 1.0 / cell;
+  const auto n = static_cast<std::uint32_t>(boxes_.size());
+  cells_.resize(n);
   large_.clear();
   std::int32_t least[3] = {}, most[3] = {};
   bool any = false;
@@ -96,35 +112,38 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
     }
     Cells& c = cells_[i];
     for (int k = 0; k < 3; ++k) {
-      c.low[k] = coordinate(boxes_[i].low[k]);
-      c.high[k] = coordinate(boxes_[i].high[k]);
+      c.low[k] = cell_of(boxes_[i].low[k], cells_per_metre_);
+      c.high[k] = cell_of(boxes_[i].high[k], cells_per_metre_);
       least[k] = any ? std::min(least[k], c.low[k]) : c.low[k];
       most[k] = any ? std::max(most[k], c.high[k]) : c.high[k];
     }
     any = true;
   }
-  // A grid of powers of two, as wide as the bodies are spread, but of no more than four cells a
-  // body: a wider world is wrapped round it. Cells that fall together cost comparisons, no errors.
-  std::uint32_t bits[3] = {0, 0, 0};
+  // The number of cells along each axis is a power of two, as wide as the bodies are spread, but the
+  // grid has no more than four cells a body. A wider world wraps round it: cells that share a slot
+  // cost comparisons, not errors.
+  std::fill_n(bits_, 3, 0u);
   for (std::uint32_t slots = 1; slots < 4 * n; slots *= 2) {
     int widest = 0;
     double width[3];
     for (int k = 0; k < 3; ++k) {
       width[k] =
-          std::ldexp(1.0 + most[k] - static_cast<double>(least[k]), -static_cast<int>(bits[k]));
+          std::ldexp(1.0 + most[k] - static_cast<double>(least[k]), -static_cast<int>(bits_[k]));
       if (width[k] > width[widest]) widest = k;
     }
     if (width[widest] <= 1.0) break;
-    ++bits[widest];
+    ++bits_[widest];
   }
-  std::copy_n(bits, 3, bits_);
-  const Slot slot{{bits[0], bits[1], bits[2]}};
+}
 
+/// Counting sort of the bodies by slot. Inside a slot they stay in order.
+void BroadPhase::sort_into_slots() {
+  const Slot slot{{bits_[0], bits_[1], bits_[2]}};
   unsorted_.clear();
-  const std::uint32_t slots = 1u << (bits[0] + bits[1] + bits[2]);
+  const std::uint32_t slots = 1u << (bits_[0] + bits_[1] + bits_[2]);
   slots_.assign(slots + 1, 0);
   std::size_t next_large = 0;
-  for (std::uint32_t i = 0; i < n; ++i) {
+  for (std::uint32_t i = 0; i < boxes_.size(); ++i) {
     if (next_large < large_.size() && large_[next_large] == i) {
       ++next_large;
       continue;
@@ -139,36 +158,48 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
       }
     }
   }
-  // Counting sort by slot; bodies stay in order inside a slot.
   for (std::uint32_t k = 0; k < slots; ++k) slots_[k + 1] += slots_[k];
   count_.assign(slots_.begin(), slots_.end() - 1);
   entries_.resize(unsorted_.size());
   for (const Entry& e : unsorted_) entries_[count_[e.slot]++] = e.body;
+}
 
-  for (std::uint32_t k = 0; k < slots; ++k) {
+void BroadPhase::compare_in_slots(const Bodies& bodies) {
+  const Slot slot{{bits_[0], bits_[1], bits_[2]}};
+  for (std::uint32_t k = 0; k + 1 < slots_.size(); ++k) {
     for (std::uint32_t i = slots_[k]; i < slots_[k + 1]; ++i) {
       for (std::uint32_t j = i + 1; j < slots_[k + 1]; ++j) {
         const std::uint32_t a = entries_[i], b = entries_[j];
-        if (a == b || (!moves(a) && !moves(b)) || !boxes_meet(a, b)) continue;
-        // Both may share several cells: only the lowest of what the boxes share reports them.
+        if (a == b || !bodies.any_moves(a, b) || !boxes_[a].meets(boxes_[b])) continue;
+        // Two bodies may share several cells. Only the lowest of those that both boxes cover reports
+        // them.
         const Cells &ca = cells_[a], &cb = cells_[b];
         if (slot(std::max(ca.low[0], cb.low[0]), std::max(ca.low[1], cb.low[1]),
                  std::max(ca.low[2], cb.low[2])) != k) {
           continue;
         }
-        if (distance(bounds_W[a], bounds_W[b]) <= margin) found_.push_back({a, b});
+        if (bodies.meet(a, b)) found_.push_back({a, b});
       }
     }
   }
+}
+
+/// Compares the bodies that cover many cells with all others.
+void BroadPhase::compare_large(const Bodies& bodies) {
   for (const std::uint32_t i : large_) {
-    for (std::uint32_t j = 0; j < n; ++j) {
+    for (std::uint32_t j = 0; j < boxes_.size(); ++j) {
       const bool twice = j < i && std::binary_search(large_.begin(), large_.end(), j);
-      if (j == i || twice || (!moves(i) && !moves(j))) continue;
-      if (meet(i, j)) found_.push_back({std::min(i, j), std::max(i, j)});
+      if (j == i || twice || !bodies.any_moves(i, j)) continue;
+      if (boxes_[i].meets(boxes_[j]) && bodies.meet(i, j)) {
+        found_.push_back({std::min(i, j), std::max(i, j)});
+      }
     }
   }
+}
 
-  // By first body: counting sort; by second: few, so insertion.
+/// By the first body with a counting sort, then by the second with insertion, as they are few.
+void BroadPhase::sort_pairs() {
+  const std::size_t n = boxes_.size();
   count_.assign(n + 1, 0);
   for (const Pair& p : found_) ++count_[p.first + 1];
   for (std::size_t i = 0; i < n; ++i) count_[i + 1] += count_[i];
@@ -181,7 +212,6 @@ const std::vector<Pair>& BroadPhase::find_pairs(std::span<const Capsule> bounds_
   }
   // Wrapped cells can report a pair twice.
   pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
-  return pairs_;
 }
 
 void BroadPhase::find_near(const Capsule& bounds_W, std::vector<std::uint32_t>& out) const {

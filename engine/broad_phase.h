@@ -57,6 +57,26 @@ class BroadPhase {
   struct Entry {
     std::uint32_t body, slot;
   };
+  /// What find_pairs() was given.
+  struct Bodies {
+    std::span<const Capsule> bounds_W;
+    std::span<const std::uint8_t> moving;
+    double margin;
+    bool moves(std::uint32_t i) const { return moving.empty() || moving[i] != 0; }
+    bool any_moves(std::uint32_t i, std::uint32_t j) const { return moves(i) || moves(j); }
+    bool meet(std::uint32_t i, std::uint32_t j) const {
+      return distance(bounds_W[i], bounds_W[j]) <= margin;
+    }
+  };
+  // The steps of find_pairs().
+  double make_boxes(const Bodies& bodies);
+  void compare_all(const Bodies& bodies);
+  void make_grid(double cell);
+  void sort_into_slots();
+  void compare_in_slots(const Bodies& bodies);
+  void compare_large(const Bodies& bodies);
+  void sort_pairs();
+
   // The grid of the last call; no slots when bodies were compared directly.
   double cells_per_metre_ = 0.0;
   std::uint32_t bits_[3] = {};

@@ -48,6 +48,26 @@ struct HalfEdge {
   std::uint32_t from, to, face;
 };
 
+/// Adds the edges of a face, which must be flat and turn to one side.
+void add_half_edges(const std::vector<Vec3>& vertices, const Polyhedron::Face& face,
+                    const std::vector<std::uint32_t>& c, std::uint32_t f, double slack,
+                    std::vector<HalfEdge>& halves) {
+  for (std::size_t k = 0; k < c.size(); ++k) {
+    const std::uint32_t i = c[k], j = c[(k + 1) % c.size()];
+    const Vec3& next = vertices[c[(k + 2) % c.size()]];
+    if (i == j) refuse(name("face", f) + " names vertex " + std::to_string(i) + " twice");
+    if (std::abs(face.normal.dot(vertices[i]) - face.offset) > slack) {
+      refuse(name("face", f) + " is not flat: " + name("vertex", i) + " is " +
+             std::to_string(face.normal.dot(vertices[i]) - face.offset) + " off its plane");
+    }
+    const Vec3 along = (vertices[j] - vertices[i]).normalized();
+    if (along.cross(next - vertices[j]).dot(face.normal) < -slack) {
+      refuse("not convex: " + name("face", f) + " turns inwards at " + name("vertex", j));
+    }
+    halves.push_back({i, j, f});
+  }
+}
+
 // Every edge twice, once each way; returns each once, from < to.
 std::vector<Polyhedron::Edge> pair_edges(std::vector<HalfEdge> halves) {
   const auto ends = [](const HalfEdge& e) { return std::minmax(e.from, e.to); };
@@ -92,45 +112,47 @@ Polyhedron::Polyhedron(std::vector<Vec3> vertices,
   const double size = (high - low).norm();
   const double slack = kTolerance * size;
   check_vertices(vertices_, size);
-
   std::vector<HalfEdge> halves;
-  for (std::size_t f = 0; f < faces.size(); ++f) {
-    const std::vector<std::uint32_t>& c = faces[f];
-    if (c.size() < 3) {
-      refuse(name("face", f) + " has " + std::to_string(c.size()) + " corners, expected 3 or more");
-    }
-    for (const std::uint32_t i : c) {
-      if (i >= vertices_.size()) {
-        refuse(name("face", f) + " names vertex " + std::to_string(i) + " of " +
-               std::to_string(vertices_.size()));
-      }
-    }
-    const Vec3 area = area_vector(vertices_, c);
-    if (!(area.norm() > 1e-12 * size * size)) refuse(name("face", f) + " has no area");
-    Face face{static_cast<std::uint32_t>(corners_.size()), static_cast<std::uint32_t>(c.size()),
-              area.normalized(), 0.0};
-    for (const std::uint32_t i : c) {
-      face.offset += face.normal.dot(vertices_[i]) / static_cast<double>(c.size());
-    }
-    for (std::size_t k = 0; k < c.size(); ++k) {
-      const std::uint32_t i = c[k], j = c[(k + 1) % c.size()];
-      const Vec3& next = vertices_[c[(k + 2) % c.size()]];
-      if (i == j) refuse(name("face", f) + " names vertex " + std::to_string(i) + " twice");
-      if (std::abs(face.normal.dot(vertices_[i]) - face.offset) > slack) {
-        refuse(name("face", f) + " is not flat: " + name("vertex", i) + " is " +
-               std::to_string(face.normal.dot(vertices_[i]) - face.offset) + " off its plane");
-      }
-      const Vec3 along = (vertices_[j] - vertices_[i]).normalized();
-      if (along.cross(next - vertices_[j]).dot(face.normal) < -slack) {
-        refuse("not convex: " + name("face", f) + " turns inwards at " + name("vertex", j));
-      }
-      halves.push_back({i, j, static_cast<std::uint32_t>(f)});
-    }
-    corners_.insert(corners_.end(), c.begin(), c.end());
-    faces_.push_back(face);
+  for (std::uint32_t f = 0; f < faces.size(); ++f) {
+    add_face(faces[f], size);
+    add_half_edges(vertices_, faces_[f], faces[f], f, slack, halves);
   }
   edges_ = pair_edges(std::move(halves));
+  check_convex(slack);
+  find_neighbours();
+  // One piece: V - E + F = 2 for each closed convex piece.
+  if (vertices_.size() + faces_.size() != edges_.size() + 2) {
+    refuse("not one closed surface: " + std::to_string(vertices_.size()) + " vertices - " +
+           std::to_string(edges_.size()) + " edges + " + std::to_string(faces_.size()) +
+           " faces, expected 2");
+  }
+  centre_ = centre_of_volume(size);
+  find_starts();
+}
 
+void Polyhedron::add_face(const std::vector<std::uint32_t>& c, double size) {
+  const std::size_t f = faces_.size();
+  if (c.size() < 3) {
+    refuse(name("face", f) + " has " + std::to_string(c.size()) + " corners, expected 3 or more");
+  }
+  for (const std::uint32_t i : c) {
+    if (i >= vertices_.size()) {
+      refuse(name("face", f) + " names vertex " + std::to_string(i) + " of " +
+             std::to_string(vertices_.size()));
+    }
+  }
+  const Vec3 area = area_vector(vertices_, c);
+  if (!(area.norm() > 1e-12 * size * size)) refuse(name("face", f) + " has no area");
+  Face face{static_cast<std::uint32_t>(corners_.size()), static_cast<std::uint32_t>(c.size()),
+            area.normalized(), 0.0};
+  for (const std::uint32_t i : c) {
+    face.offset += face.normal.dot(vertices_[i]) / static_cast<double>(c.size());
+  }
+  corners_.insert(corners_.end(), c.begin(), c.end());
+  faces_.push_back(face);
+}
+
+void Polyhedron::check_convex(double slack) const {
   for (std::size_t f = 0; f < faces_.size(); ++f) {
     for (std::size_t i = 0; i < vertices_.size(); ++i) {
       const double outside = faces_[f].normal.dot(vertices_[i]) - faces_[f].offset;
@@ -140,7 +162,9 @@ Polyhedron::Polyhedron(std::vector<Vec3> vertices,
       }
     }
   }
+}
 
+void Polyhedron::find_neighbours() {
   first_neighbour_.assign(vertices_.size() + 1, 0);
   for (const Edge& e : edges_) {
     ++first_neighbour_[e.from + 1];
@@ -169,13 +193,9 @@ Polyhedron::Polyhedron(std::vector<Vec3> vertices,
       faces_at_[fill[i]++] = f;
     }
   }
-  // One piece: V - E + F = 2 for each closed convex piece.
-  if (vertices_.size() + faces_.size() != edges_.size() + 2) {
-    refuse("not one closed surface: " + std::to_string(vertices_.size()) + " vertices - " +
-           std::to_string(edges_.size()) + " edges + " + std::to_string(faces_.size()) +
-           " faces, expected 2");
-  }
+}
 
+Vec3 Polyhedron::centre_of_volume(double size) const {
   double volume6 = 0.0;
   const Vec3 p0 = vertices_[0];
   Vec3 moment = Vec3::Zero();
@@ -190,9 +210,10 @@ Polyhedron::Polyhedron(std::vector<Vec3> vertices,
     }
   }
   if (!(volume6 > 1e-9 * size * size * size)) refuse("has no volume");
-  centre_ = p0 + moment / volume6;
+  return p0 + moment / volume6;
+}
 
-  // One start per chamber of the cube: signs of x, y, z and the order of their sizes.
+void Polyhedron::find_starts() {
   start_.assign(64, 0);
   const std::array<double, 3> weight = {0.22, 0.5, 0.84};
   for (std::uint32_t k = 0; k < 8; ++k) {

@@ -111,6 +111,14 @@ class Polyhedron {
            static_cast<std::uint32_t>(y > z) << 4 | static_cast<std::uint32_t>(x > z) << 5;
   }
 
+  // The steps of the constructor.
+  void add_face(const std::vector<std::uint32_t>& corners, double size);
+  void check_convex(double slack) const;
+  void find_neighbours();
+  Vec3 centre_of_volume(double size) const;
+  /// One start for each chamber of the cube: signs of x, y, z and the order of their sizes.
+  void find_starts();
+
   std::vector<Vec3> vertices_;
   std::vector<Face> faces_;
   std::vector<std::uint32_t> corners_;
