@@ -11,6 +11,7 @@
 #include "apps/options.h"
 #include "apps/streams.h"
 #include "devices/trial/file.h"
+#include "scene/page/trouble_json.h"
 #include "scene/play/events.h"
 #include "scene/play/outcome.h"
 #include "scene/play/presence.h"
@@ -37,7 +38,7 @@ double rate_hz(const devices::DeviceSummary& device) {
              : 0.0;
 }
 
-/// From the first to the last thing with a time in the trial.
+/// Time from the first to the last entry of the trial that has a time.
 Time duration(const devices::TrialSummary& trial) {
   return trial.first ? *trial.last - *trial.first : Time{};
 }
@@ -86,7 +87,7 @@ ordered_json events_json(const devices::TrialSummary& trial) {
   return out;
 }
 
-/// The events whose detail is an object that a key of its own has, under the event's kind.
+/// Adds the details of ledger and kept_pace events, each under a key with the kind of the event.
 void add_details(ordered_json& out, const devices::TrialSummary& trial) {
   for (const devices::Event& event : trial.events) {
     if (event.kind != scene::kind::ledger && event.kind != scene::kind::kept_pace) continue;
@@ -111,25 +112,10 @@ ordered_json result_json(const devices::TrialSummary& trial) {
   return out;
 }
 
-/// What is amiss with the recording.
+/// Adds the faults of the recording.
 void add_trouble(ordered_json& out, const devices::TrialSummary& trial) {
-  const devices::Skipped& skipped = trial.skipped;
-  out["skipped"] = {{"bytes", skipped.bytes},
-                    {"cut_bytes", skipped.cut_bytes},
-                    {"undecodable", skipped.undecodable},
-                    {"implausible", skipped.implausible},
-                    {"other_trials", skipped.other_trials},
-                    {"foreign", skipped.foreign},
-                    {"baseless", skipped.baseless},
-                    {"misdated", skipped.misdated}};
-  out["trouble"] = ordered_json::array();
-  for (const devices::Trouble& t : trial.trouble) {
-    out["trouble"].push_back({{"kind", t.kind},
-                              {"device", t.device},
-                              {"messages", t.messages},
-                              {"from_s", nearest_seconds(t.from)},
-                              {"to_s", nearest_seconds(t.to)}});
-  }
+  out["skipped"] = scene::skipped_json<ordered_json>(trial.skipped);
+  out["trouble"] = scene::trouble_json<ordered_json>(trial.trouble, nearest_seconds);
   out["backwards"] = trial.backwards;
   out["late"] = trial.late;
   out["longest_gap"] = {{"from_s", nearest_seconds(trial.longest_gap.from)},
@@ -157,7 +143,7 @@ ordered_json to_json(const std::string& path, const devices::TrialSummary& trial
   return out;
 }
 
-/// Of a trial whose scenario is whole; nothing else is lost for want of it.
+/// Release timings of a trial with a complete scenario; empty otherwise.
 std::vector<scene::ReleaseTiming> timings_of(const devices::TrialFile& file,
                                              const std::string& path) {
   if (!file.summary().has_header) return {};
@@ -188,7 +174,7 @@ void print_timings(const std::vector<scene::ReleaseTiming>& timings) {
   }
 }
 
-/// Which messages something is the matter with.
+/// Prints the messages with faults.
 void print_trouble(const devices::TrialSummary& trial) {
   if (trial.trouble.empty()) return;
   std::cout << "amiss (seconds into the log)\n";
@@ -225,7 +211,7 @@ void print_skipped(const devices::TrialSummary& trial) {
        "samples that the session got more than 50 ms later than they were there (kept)");
 }
 
-/// How a live session kept up with time.
+/// How well a live session kept real time, as text.
 std::string pace_in_words(const devices::Event& event) {
   const nlohmann::json pace = nlohmann::json::parse(event.detail, nullptr, false);
   const auto number = [&](const char* key) {
@@ -237,7 +223,7 @@ std::string pace_in_words(const devices::Event& event) {
                      number("drawing_failures"));
 }
 
-/// What an event says beside its kind, in a line.
+/// The content of an event besides its kind, on one line.
 std::string in_short(const devices::Event& event) {
   if (event.kind == scene::kind::ledger) return "";
   if (event.kind == scene::kind::kept_pace) return pace_in_words(event);
@@ -310,8 +296,8 @@ void print_trial(const std::string& path, const devices::TrialSummary& trial,
   print_trouble(trial);
 }
 
-/// Whole, with what the trial ran under where its text is from before a key was there: as a file it
-/// means the same. What cannot be read is printed as it is.
+/// Prints the complete scenario, with the trial's values for keys that its text does not have yet.
+/// As a file it has the same meaning. A text that cannot be read is printed unchanged.
 void print_scenario(const std::string& text, const std::string& path) {
   try {
     std::cout << scene::whole_scenario(text, path);

@@ -11,6 +11,7 @@
 #include "engine/response.h"
 #include "render/eyes.h"
 #include "scene/page/page_film.h"
+#include "scene/page/trouble_json.h"
 #include "scene/play/events.h"
 #include "scene/play/outcome.h"
 #include "scene/play/presence.h"
@@ -35,7 +36,7 @@ json numbers(const Pose& X) {
   return {X.q.w(), X.q.x(), X.q.y(), X.q.z(), X.p.x(), X.p.y(), X.p.z()};
 }
 
-/// Holds the run against the trial's own states and goes on where they part.
+/// Compares the run with the states of the trial. The run continues after the first difference.
 class Comparison : public Observer {
  public:
   Comparison(devices::TrialPlayer& recorded, const Session& session)
@@ -95,23 +96,8 @@ json of_trial(const Recorded& recorded) {
               {"frames", t.frame_count},
               {"backwards", t.backwards},
               {"late", t.late},
-              {"skipped",
-               {{"bytes", t.skipped.bytes},
-                {"cut_bytes", t.skipped.cut_bytes},
-                {"undecodable", t.skipped.undecodable},
-                {"implausible", t.skipped.implausible},
-                {"other_trials", t.skipped.other_trials},
-                {"foreign", t.skipped.foreign},
-                {"baseless", t.skipped.baseless},
-                {"misdated", t.skipped.misdated}}}};
-  out["trouble"] = json::array();
-  for (const devices::Trouble& one : t.trouble) {
-    out["trouble"].push_back({{"kind", one.kind},
-                              {"device", one.device},
-                              {"messages", one.messages},
-                              {"from_s", seconds(one.from)},
-                              {"to_s", seconds(one.to)}});
-  }
+              {"skipped", skipped_json<json>(t.skipped)},
+              {"trouble", trouble_json<json>(t.trouble, [](Time at) { return seconds(at); })}};
   out["devices"] = json::array();
   for (const auto& [station, d] : t.devices) {
     const double lasted = seconds(d.last - d.first);
@@ -126,7 +112,7 @@ json of_trial(const Recorded& recorded) {
   return out;
 }
 
-/// Of a release, in words; else empty.
+/// For a release: how its motion is known, in words. For other events: empty.
 std::string known_of(const devices::Event& event) {
   const auto motion = event.kind == kind::release ? motion_of(event) : std::nullopt;
   return motion ? in_words(*motion) : "";
@@ -207,7 +193,7 @@ Table triangles_of(const render::Mesh& mesh, int number) {
   return table;
 }
 
-/// Those that are seen, by their numbers.
+/// Adds the visible meshes, by their numbers.
 void add_meshes(const std::vector<render::Mesh>& meshes, const Film& film,
                 const render::DrawList& room, json& out, std::vector<Table>& tables) {
   std::set<int> seen;
@@ -282,7 +268,7 @@ void apply(const Moved& moved, Scenario& scenario) {
   check_share("friction", moved.friction);
   if (moved.elasticity) set_elasticity(scenario, *moved.elasticity);
   if (moved.friction) set_friction(scenario, *moved.friction);
-  // In quotes: a shape is called true.
+  // In quotes, because the name of a shape is "true".
   if (moved.shape) {
     set(scenario, "collision.shape='" + *moved.shape + "'");
     set_shape(scenario, *moved.shape);
