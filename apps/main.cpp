@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <sstream>
 #include <system_error>
 
 #include <fmt/format.h>
@@ -14,20 +15,21 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/topics.h"
+#include "apps/wrap.h"
 #include "devices/base/version.h"
 #include "files/lock.h"
 
 namespace headpin::apps {
 namespace {
 
-/// "headpin replay", as messages begin.
+/// "headpin replay": the beginning of messages.
 std::string name_of(const CLI::App& app) {
   std::string name = app.get_name();
   for (const CLI::App* command : app.get_subcommands()) name += " " + name_of(*command);
   return name;
 }
 
-/// As much as fits twenty lines of a terminal, however long the key or path in it.
+/// Shortens a text to about twenty lines of a terminal; keys and paths in it may be very long.
 std::string brief(std::string text) {
   constexpr std::size_t kMost = 1600;
   if (text.size() <= kMost) return text;
@@ -35,8 +37,7 @@ std::string brief(std::string text) {
   return text + " ...";
 }
 
-/// Says what went wrong under the name of the command it went wrong in; with --json as an object
-/// too.
+/// Prints an error with the name of its command; with --json also as an object.
 int fail(const CLI::App& app, bool json, const std::string& why, int code) {
   const std::string name = name_of(app), message = brief(printable(why));
   say("{}: {}\n", name, message);
@@ -44,7 +45,7 @@ int fail(const CLI::App& app, bool json, const std::string& why, int code) {
   return code;
 }
 
-/// The commands of a command that people see.
+/// The visible commands of a command.
 std::vector<std::string> commands_of(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
@@ -60,7 +61,8 @@ const CLI::App* find_command(const CLI::App& app, std::string_view name) {
   return nullptr;
 }
 
-/// Refuses a first word that is no command, by name: the parser would only ask for one.
+/// Refuses a first word that is not a command, and names it. The parser would only say that a
+/// command is missing.
 void check_command(const CLI::App& app, std::string_view word) {
   if (find_command(app, word)) return;
   const std::vector<std::string> names = commands_of(app);
@@ -71,8 +73,7 @@ void check_command(const CLI::App& app, std::string_view word) {
                                meant ? fmt::format("the nearest is {}", *meant) : all));
 }
 
-/// What is meant by a word that the parser did not expect: "; the nearest to --frction is
-/// --friction".
+/// A hint for an unknown word: "; the nearest to --frction is --friction".
 std::string what_is_meant(const CLI::App& app) {
   const CLI::App* command = &app;
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
@@ -95,7 +96,7 @@ void print_topics() {
   fmt::print("All pages are in {}\n", docs_folder().string());
 }
 
-/// Prints what is known of a topic. @return whether there is such a topic
+/// Prints the information about a topic. @return whether there is such a topic
 bool print_topic(const std::string& name) {
   if (name == "topics") {
     print_topics();
@@ -106,7 +107,7 @@ bool print_topic(const std::string& name) {
   return topic.has_value();
 }
 
-/// Says how a command is used, as its --help does, or which page is about a topic.
+/// Adds `help`: it prints the help of a command, like --help, or the page of a topic.
 void add_help(CLI::App& app) {
   const auto words = std::make_shared<std::vector<std::string>>();
   CLI::App* command =
@@ -125,7 +126,8 @@ void add_help(CLI::App& app) {
       at = find_command(*at, word);
     }
     const std::string name = before.empty() ? at->get_name() : before + " " + at->get_name();
-    fmt::print("{}", at->get_formatter()->make_help(at, name, CLI::AppFormatMode::Normal));
+    const std::string help = at->get_formatter()->make_help(at, name, CLI::AppFormatMode::Normal);
+    fmt::print("{}", wrapped(help, terminal_width()));
   });
 }
 
@@ -133,7 +135,7 @@ int run(CLI::App& app, int argc, char** argv) {
   const bool json = std::any_of(
       argv, argv + argc, [](const char* word) { return std::string_view(word) == "--json"; });
   const auto failed = [&](const std::exception& error, int code) {
-    if (stop_signal() != 0) {  // what else failed is its consequence
+    if (stop_signal() != 0) {  // other failures are its consequences
       return fail(app, json, Stopped(stop_signal()).what(), 128 + stop_signal());
     }
     return fail(app, json, error.what(), code);
@@ -144,7 +146,12 @@ int run(CLI::App& app, int argc, char** argv) {
     app.parse(argc, argv);
     return EXIT_SUCCESS;
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == EXIT_SUCCESS) return app.exit(error);  // --help and --version
+    if (error.get_exit_code() == EXIT_SUCCESS) {  // --help and --version
+      std::ostringstream help;
+      app.exit(error, help);
+      std::fputs(wrapped(help.str(), terminal_width()).c_str(), stdout);  // fails when it is closed
+      return EXIT_SUCCESS;
+    }
     const std::string why = error.what() + what_is_meant(app);
     return fail(app, json, fmt::format("{}; see `{} --help`", why, name_of(app)), 2);
   } catch (const Stopped& error) {
@@ -156,7 +163,7 @@ int run(CLI::App& app, int argc, char** argv) {
   } catch (const std::filesystem::filesystem_error& error) {
     return failed(std::runtime_error(error.path1().string() + ": " + error.code().message()), 1);
   } catch (const std::system_error& error) {
-    if (std::ferror(stdout)) return EXIT_SUCCESS;  // what fmt throws; told when it is closed
+    if (std::ferror(stdout)) return EXIT_SUCCESS;  // from fmt; the later close reports it
     if (error.code() == std::errc::resource_unavailable_try_again) {
       return failed(std::runtime_error("cannot start a thread: " + error.code().message()), 1);
     }

@@ -8,12 +8,14 @@
 
 #include "apps/command.h"
 #include "apps/reference.h"
+#include "apps/topics.h"
 #include "devices/base/version.h"
 #include "files/shell_word.h"
 #include "scene/scenario/files.h"
+#include "scene/scenario/scenario.h"
 
-// The manual pages and what completes a command line, written from the very options that the parser
-// reads, so that they cannot say anything else. The build calls this after linking.
+// Manual pages and shell completion, generated from the parser's own options so that they always
+// agree. The build calls this after linking.
 
 namespace headpin::apps {
 
@@ -30,7 +32,7 @@ std::vector<const CLI::Option*> options(const CLI::App& command, bool positional
       [=](const CLI::Option* option) { return option->get_positional() == positional; });
 }
 
-/// Those of a command and, where it is a group, of all commands in it, each name once.
+/// The options of a command and, for a group, of all commands in it; each name once.
 std::vector<const CLI::Option*> options_in(const CLI::App& command) {
   std::vector<const CLI::Option*> all = options(command, false);
   for (const CLI::App* one : commands(command)) {
@@ -60,7 +62,7 @@ bool may_be_repeated(const CLI::Option& option) {
   return option.get_expected_max() >= CLI::detail::expected_max_vector_size;
 }
 
-/// The words a value may be; empty where it may be more than a few.
+/// The allowed words for a value; empty if other values are allowed.
 std::vector<std::string> choices(const CLI::Option& option) {
   const std::string type = option.get_type_name();
   const std::size_t open = type.find('{'), close = type.find('}');
@@ -68,7 +70,7 @@ std::vector<std::string> choices(const CLI::Option& option) {
   return CLI::detail::split(type.substr(open + 1, close - open - 1), ',');
 }
 
-/// What stands for the value: its kind, or the words it may be.
+/// The placeholder of a value: its kind, or the allowed words.
 std::string placeholder(const CLI::Option& option) {
   if (const auto words = choices(option); !words.empty())
     return fmt::format("{}", fmt::join(words, "|"));
@@ -76,7 +78,7 @@ std::string placeholder(const CLI::Option& option) {
   return type.starts_with("[") ? type : type.substr(0, type.find_first_of(": "));
 }
 
-/// Text as troff wants it.
+/// Text with troff's special characters escaped.
 std::string roff(std::string_view text) {
   std::string out;
   bool line_begins = true;
@@ -125,7 +127,7 @@ constexpr const char* kExitStatus =
     "is "
     "needed is in use by another headpin and may be free later, 128+N stopped by signal N.\n";
 
-/// The commands of a group, as a list; empty for a command that is none.
+/// The commands of a group, as a list; empty for a command that is not a group.
 std::string group_in_words(const CLI::App& command, const std::string& words) {
   std::string listed;
   for (const CLI::App* one : commands(command)) {
@@ -137,7 +139,7 @@ std::string group_in_words(const CLI::App& command, const std::string& words) {
 
 /// The manual page of one command.
 ///
-/// @param words  by which it is called: "replay", "experiment plan"
+/// @param words  the words of the command: "replay", "experiment plan"
 std::string page(const CLI::App& command, const std::string& words) {
   const std::string name = "headpin-" + CLI::detail::find_and_replace(words, " ", "-");
   std::string synopsis = "\\fBheadpin " + roff(words) + "\\fR";
@@ -193,58 +195,124 @@ std::string overview(const CLI::App& app) {
          see + "\n";
 }
 
-/// The names that may stand for the value of this option, besides files.
+std::vector<std::string> names_of(const std::vector<const CLI::App*>& commands) {
+  std::vector<std::string> all;
+  for (const CLI::App* command : commands) all.push_back(command->get_name());
+  return all;
+}
+
+/// Keys of scenarios as they are typed behind `--set`, without entries of lists.
+std::vector<scene::ScenarioKey> typed_keys() {
+  std::vector<scene::ScenarioKey> keys = scene::scenario_keys();
+  std::erase_if(keys, [](const scene::ScenarioKey& key) {
+    return key.kind == "table" || key.key.find('[') != std::string::npos;
+  });
+  return keys;
+}
+
+/// The names that are allowed for this option, besides files.
 std::vector<std::string> known_names(const CLI::Option& option) {
   return option.check_name("--scenario") ? scene::scenario_names() : std::vector<std::string>{};
 }
 
-std::string bash_completion(const CLI::App& app) {
-  std::string all, words, values;
-  for (const CLI::App* command : commands(app)) {
-    all += command->get_name() + " ";
+std::string in_quotes(const std::vector<std::string>& words) {
+  return files::shell_word(fmt::format("{}", fmt::join(words, " ")));
+}
+
+/// A branch of `case`: what may follow an option of a command.
+std::string bash_value(const std::string& command, const CLI::Option& option) {
+  std::vector<std::string> patterns;
+  for (const std::string& name : names(option)) {
+    patterns.push_back(files::shell_word(command + ":" + name));
+  }
+  std::string then = "files=yes";
+  if (const auto of = choices(option); !of.empty()) {
+    then = "words=" + in_quotes(of);
+  } else if (const auto known = known_names(option); !known.empty()) {
+    then = "words=" + in_quotes(known) + "; files=yes";
+  } else if (option.check_name("--set")) {
+    then = "words=$keys; compopt -o nospace 2>/dev/null";
+  }
+  return fmt::format("    {}) {} ;;\n", fmt::join(patterns, "|"), then);
+}
+
+/// Branches of `case` for the values of the keys that are chosen from a few words.
+std::string bash_keys() {
+  std::string branches;
+  for (const scene::ScenarioKey& key : typed_keys()) {
+    std::string of = key.kind == "true or false" ? "true false" : key.allowed;
+    if (key.kind != "true or false" && (key.kind != "text" || of.empty())) continue;
+    std::erase(of, ',');
+    branches += fmt::format("    *:{}) words={} ;;\n", key.key, files::shell_word(of));
+  }
+  return branches;
+}
+
+/// What completes the words of `headpin`, of a command, or of a command in a group.
+struct BashTables {
+  std::string options, values, groups;
+
+  void add(const CLI::App& command, const std::string& name) {
     std::vector<std::string> typed;
-    if (const auto group = commands(*command); !group.empty()) {
-      std::vector<std::string> of_group;
-      for (const CLI::App* one : group) of_group.push_back(one->get_name());
-      values += fmt::format("    {0}:{0}) words={1} ;;\n", command->get_name(),
-                            files::shell_word(fmt::format("{}", fmt::join(of_group, " "))));
-    }
-    for (const CLI::Option* option : options_in(*command)) {
+    for (const CLI::Option* option : apps::options(command, false)) {
       const std::vector<std::string> these = names(*option);
       typed.insert(typed.end(), these.begin(), these.end());
-      if (!takes_value(*option)) continue;
-      const auto pattern = fmt::format("{0}:{1}", command->get_name(),
-                                       fmt::join(these, "|" + command->get_name() + ":"));
-      const auto files = known_names(*option);
-      if (const auto of = choices(*option); !of.empty()) {
-        values += fmt::format("    {}) words={} ;;\n", pattern,
-                              files::shell_word(fmt::format("{}", fmt::join(of, " "))));
-      } else if (!files.empty()) {
-        values += fmt::format("    {}) words={}; files=yes ;;\n", pattern,
-                              files::shell_word(fmt::format("{}", fmt::join(files, " "))));
-      } else {
-        values += fmt::format("    {}) files=yes ;;\n", pattern);
-      }
+      if (takes_value(*option)) values += bash_value(name, *option);
     }
-    words += fmt::format("      {}) words={} ;;\n", command->get_name(),
-                         files::shell_word(fmt::format("{}", fmt::join(typed, " "))));
+    options += fmt::format("      {}) words={} ;;\n", files::shell_word(name), in_quotes(typed));
+    for (const CLI::App* one : commands(command)) add(*one, name + " " + one->get_name());
+    if (const auto inside = names_of(commands(command)); !inside.empty()) {
+      groups += fmt::format("    {}) words={} ;;\n", name, in_quotes(inside));
+    }
   }
+};
+
+std::string bash_completion(const CLI::App& app) {
+  BashTables tables;
+  std::vector<std::string> all = names_of(commands(app)), keys, helped = {"topics"}, groups;
+  for (const CLI::App* command : commands(app)) {
+    tables.add(*command, command->get_name());
+    if (!commands(*command).empty()) groups.push_back(command->get_name());
+  }
+  for (const scene::ScenarioKey& key : typed_keys()) keys.push_back(key.key + "=");
+  helped.insert(helped.end(), all.begin(), all.end());
+  for (const Topic& topic : topics()) helped.emplace_back(topic.name);
+  all.insert(all.end(), {"--help", "--version"});
   return "# bash completion for headpin; written by the program\n"
          "_headpin() {\n"
-         "  local word=${COMP_WORDS[COMP_CWORD]} words= files=\n"
+         "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]}\n"
+         "  local words= files= at=${COMP_WORDS[1]} keys=" +
+         in_quotes(keys) +
+         "\n"
          "  COMPREPLY=()\n"
          "  if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
          "    mapfile -t COMPREPLY < <(compgen -W " +
-         files::shell_word(all + "--help --version") +
+         in_quotes(all) +
          " -- \"$word\")\n"
          "    return\n"
          "  fi\n"
-         "  case ${COMP_WORDS[1]}:${COMP_WORDS[COMP_CWORD-1]} in\n" +
-         values +
+         "  # bash parts words at `=`: --shape=true and --set KEY=VALUE are three words.\n"
+         "  if [ \"$word\" = = ]; then\n"
+         "    word=\n"
+         "  elif [ \"$before\" = = ] && [ \"$COMP_CWORD\" -gt 2 ]; then\n"
+         "    before=${COMP_WORDS[COMP_CWORD-2]}\n"
+         "  fi\n"
+         "  if [ \"$COMP_CWORD\" -eq 2 ]; then\n"
+         "    case $at in\n" +
+         tables.groups + "    help) words=" + in_quotes(helped) +
+         " ;;\n"
+         "    esac\n"
+         "  else\n"
+         "    case $at in " +
+         fmt::format("{}", fmt::join(groups, "|")) +
+         ") at=\"$at ${COMP_WORDS[2]}\" ;; esac\n"
+         "  fi\n"
+         "  [ -n \"$words\" ] || case $at:$before in\n" +
+         tables.values + bash_keys() +
          "    *)\n"
          "      files=yes\n"
-         "      [[ $word == -* ]] && case ${COMP_WORDS[1]} in\n" +
-         words +
+         "      [[ $word == -* ]] && case $at in\n" +
+         tables.options +
          "      esac ;;\n"
          "  esac\n"
          "  [ -z \"$words\" ] || mapfile -t COMPREPLY < <(compgen -W \"$words\" -- \"$word\")\n"
@@ -267,7 +335,11 @@ std::string zsh_option(const CLI::Option& option) {
   const std::string once =
       may_be_repeated(option) ? "'*'" : files::shell_word(fmt::format("({})", fmt::join(all, " ")));
   std::string after = fmt::format("[{}]", zsh_text(option.get_description()));
-  if (takes_value(option)) {
+  if (option.check_name("--set")) {
+    std::vector<std::string> keys;
+    for (const scene::ScenarioKey& key : typed_keys()) keys.push_back(key.key + "=");
+    after += fmt::format(":KEY=VALUE:{{compadd -S \"\" -- {}}}", fmt::join(keys, " "));
+  } else if (takes_value(option)) {
     const auto of = choices(option), files = known_names(option);
     after += fmt::format(":{}:", zsh_text(placeholder(option)));
     after += !of.empty()      ? fmt::format("({})", fmt::join(of, " "))
@@ -284,6 +356,9 @@ std::string zsh_completion(const CLI::App& app) {
         "    " + files::shell_word(command->get_name() + ":" + command->get_description()) + "\n";
     each += "    " + command->get_name() + ")\n      _arguments \\\n";
     for (const CLI::Option* option : options_in(*command)) each += zsh_option(*option);
+    if (const auto inside = names_of(commands(*command)); !inside.empty()) {
+      each += fmt::format("        '1:command:({})' \\\n", fmt::join(inside, " "));
+    }
     each += "        '*:file:_files' ;;\n";
   }
   return "#compdef headpin\n# written by the program\n"
@@ -334,7 +409,7 @@ void add_manual(CLI::App& app) {
   const auto folder = std::make_shared<std::string>();
   CLI::App* command =
       app.add_subcommand("manual", "Write manual pages, completion and the pages of docs")
-          ->group("");  // for those who build; nobody else needs to see it
+          ->group("");  // for the build; not shown in the help
   command->add_option("folder", *folder, "where to; man1/ is made in it")->required();
   command->callback([&app, folder] { write_all(app, *folder); });
 }

@@ -25,11 +25,11 @@ namespace {
 struct Finding {
   std::string name;
   bool works;
-  std::string says;  ///< what it is, or what is wrong
+  std::string says;  ///< what was found, or the problem
   std::string remedy;
 };
 
-/// Draws what a player sees, and the test picture, through one context.
+/// Draws the player's view and the test picture with one context.
 Finding look_at_eyes(const char* name, const std::string& gl, const char* remedy,
                      std::set<std::uint64_t>& pictures) {
   try {
@@ -45,7 +45,8 @@ Finding look_at_eyes(const char* name, const std::string& gl, const char* remedy
   }
 }
 
-/// What commands draw with, then each context alone: whether they draw the same is said of the last.
+/// Tests the context that commands use, then each context alone. The last finding says whether they
+/// draw equal pictures.
 std::vector<Finding> look_at_contexts(const std::string& gl) {
   std::set<std::uint64_t> used, pictures;
   std::vector<Finding> findings = {
@@ -54,6 +55,11 @@ std::vector<Finding> look_at_contexts(const std::string& gl) {
       look_at_eyes("egl", "egl", "apt-get install libegl1 libegl-mesa0", pictures)};
   if (findings[1].works && findings[2].works) {
     findings[2].says += pictures.size() == 1 ? "; draws the same" : "; draws other bits";
+  }
+  for (Finding* alone : {&findings[1], &findings[2]}) {
+    if (alone->works || !findings[0].works) continue;
+    alone->says += "; not needed, because the other context draws";
+    alone->remedy.clear();
   }
   return findings;
 }
@@ -74,7 +80,7 @@ std::vector<Finding> look_at_devices() {
   return findings;
 }
 
-/// Sends a sample to itself, as an LCM application does at its start.
+/// Sends a sample to itself, like an LCM application at its start.
 Finding look_at_multicast() {
   const std::string remedy = "ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo";
   try {
@@ -95,10 +101,10 @@ Finding look_at_multicast() {
   }
 }
 
-/// Raw eyes come in one message of half a megabyte; a subscriber's socket that holds less loses
-/// pieces of it, and with them the frame.
+/// Raw pictures of the eyes are one message of half a megabyte. A subscriber's socket with a
+/// smaller buffer loses fragments, and with them the frame.
 Finding look_at_receive_buffer() {
-  constexpr long kEnough = 2'097'152;  // bytes: two frames, and what the kernel adds to each piece
+  constexpr long kEnough = 2'097'152;  // bytes: two frames, and the kernel's overhead per fragment
   long found = 0;
   std::ifstream("/proc/sys/net/core/rmem_default") >> found;
   return {"raw_eyes", found >= kEnough,
@@ -115,7 +121,8 @@ Finding look_at_priority() {
           "echo '* - rtprio 1' > /etc/security/limits.d/headpin.conf && exec su - $USER"};
 }
 
-Finding look_for_program(const char* name, const char* package) {
+/// @param users  the commands that run it
+Finding look_for_program(const char* name, const char* package, const char* users) {
   const char* path = std::getenv("PATH");
   std::string_view rest = path ? path : "";
   while (!rest.empty()) {
@@ -124,18 +131,18 @@ Finding look_for_program(const char* name, const char* package) {
     if (access(candidate.c_str(), X_OK) == 0) return {name, true, candidate, ""};
     rest = colon == std::string_view::npos ? "" : rest.substr(colon + 1);
   }
-  return {name, false, "not installed", fmt::format("apt-get install {}", package)};
+  return {name, false, fmt::format("not installed; needed for {}", users),
+          fmt::format("apt-get install {}", package)};
 }
 
 void diagnose(bool json, const std::string& gl) {
-  const std::vector<Finding> devices =
-      look_at_devices();  // before libEGL is told to ask Mesa alone
+  const std::vector<Finding> devices = look_at_devices();  // before libEGL is limited to Mesa
   std::vector<Finding> findings = look_at_contexts(gl);
   findings.insert(findings.end(), devices.begin(), devices.end());
   for (const Finding& finding :
        {look_at_multicast(), look_at_receive_buffer(), look_at_priority(),
-        look_for_program("ffmpeg", "ffmpeg"), look_for_program("lcm-logplayer", "liblcm-bin"),
-        look_for_program("Rscript", "r-base-core")}) {
+        look_for_program("ffmpeg", "ffmpeg", "videos alone"),
+        look_for_program("Rscript", "r-base-core", "`experiment analyse` alone")}) {
     findings.push_back(finding);
   }
   nlohmann::json all = nlohmann::json::object();
@@ -143,7 +150,7 @@ void diagnose(bool json, const std::string& gl) {
     all[f.name] = {{"works", f.works}, {"says", f.says}, {"remedy", f.remedy}};
     if (json) continue;
     fmt::print("{:<15}{:<5}{}\n", f.name, f.works ? "ok" : "no", f.says);
-    if (!f.works) fmt::print("{:<20}type: {}\n", "", f.remedy);
+    if (!f.works && !f.remedy.empty()) fmt::print("{:<20}type: {}\n", "", f.remedy);
   }
   if (json) print_json(all);
 }

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "apps/chart.h"
 #include "apps/command.h"
@@ -12,6 +13,7 @@
 #include "apps/options.h"
 #include "apps/recorded_world.h"
 #include "apps/stop.h"
+#include "apps/streams.h"
 #include "devices/trial/file.h"
 #include "files/output_file.h"
 #include "scene/play/events.h"
@@ -24,15 +26,15 @@ namespace {
 struct PlotOptions {
   std::string trial;
   std::optional<std::string> output;
-  bool force = false;
+  bool force = false, json = false;
 };
 
 constexpr const char* kBall = "#1f6fb4";
 constexpr const char* kSkittle = "#c9a227";
 constexpr const char* kAll = "#444444";
 
-/// Ticks as many curves are drawn through, in no more points than a picture can show: of many ticks
-/// in a row each curve keeps its least and its greatest value, in the order they came in.
+/// The values of several curves at ticks, reduced to the number of points that a picture can show.
+/// Of each group of ticks, a curve keeps its smallest and its largest value, in their order.
 class Thinned {
  public:
   Thinned(std::size_t curves, std::int64_t ticks)
@@ -40,7 +42,7 @@ class Thinned {
         group_(ticks <= kMostPoints ? 1 : (2 * ticks + kMostPoints - 1) / kMostPoints),
         spans_(curves) {}
 
-  /// @param row  one value a curve; NaN where there is none
+  /// @param row  one value per curve; NaN if there is none
   void add(double time, const std::vector<double>& row) {
     if (in_group_ == 0) first_ = time;
     for (std::size_t i = 0; i < row.size(); ++i) spans_[i].take(row[i]);
@@ -58,9 +60,9 @@ class Thinned {
   static constexpr std::int64_t kMostPoints = 4000;  // of a picture 870 pixels wide
   static constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
-  /// What one curve is at within a group.
+  /// The values of one curve within a group.
   struct Span {
-    double earlier = kNone, later = kNone;  // of these one is the least, the other the greatest
+    double earlier = kNone, later = kNone;  // one is the smallest, the other the largest
     void take(double value) {
       if (std::isnan(value)) return;
       if (std::isnan(earlier)) {
@@ -108,7 +110,7 @@ std::vector<DrawnBody> drawn_bodies(const scene::Stage& stage) {
   return all;
 }
 
-/// Speeds, heights, energy (all of it, and what is of motion), contact points: a value a curve.
+/// One value per curve: speeds, heights, energy (total and kinetic), contact points.
 void row_of(const devices::TickState& state, const std::vector<DrawnBody>& bodies,
             RecordedWorld& world, std::vector<double>& row) {
   row.clear();
@@ -125,7 +127,7 @@ void row_of(const devices::TickState& state, const std::vector<DrawnBody>& bodie
   row.push_back(state.contacts);
 }
 
-/// Named where there is one of a kind; of falls and touches there are many.
+/// Marks of events. Events of which there are many, such as falls and touches, have no label.
 std::vector<Mark> marks(const devices::TrialSummary& trial) {
   std::vector<Mark> all;
   for (const devices::Event& event : trial.events) {
@@ -160,7 +162,7 @@ Chart chart(const std::string& path, const devices::TrialFile& file, RecordedWor
   Chart chart{path, std::move(ticks.times), {}, marks(file.summary())};
   chart.panels.push_back({"speed [m/s]", of_bodies()});
   chart.panels.push_back({"height of the centre of mass [m]", of_bodies()});
-  // Of balls and skittles, height from the lane.
+  // Energy of balls and skittles, with height from the lane.
   Curve all{"all", kAll, std::move(*values++)}, motion{"of motion", kBall, std::move(*values++)};
   chart.panels.push_back({"energy [J]", {std::move(all), std::move(motion)}});
   chart.panels.push_back({"contact points", {{"", kAll, std::move(*values)}}});
@@ -168,6 +170,9 @@ Chart chart(const std::string& path, const devices::TrialFile& file, RecordedWor
 }
 
 void plot_trial(const PlotOptions& options) {
+  if (options.json && *options.output == "-") {
+    throw UsageError("--json and -o - both write to standard output; expected one of them");
+  }
   const devices::TrialFile file(options.trial);
   file.require_trial(devices::kLongestGap);
   const devices::TrialSummary& trial = file.summary();
@@ -186,6 +191,10 @@ void plot_trial(const PlotOptions& options) {
   out.write(svg.data(), svg.size());
   check_stop();
   out.commit();
+  if (options.json) {
+    print_json(
+        {{"trial", options.trial}, {"output", *options.output}, {"ticks", trial.state_count}});
+  }
 }
 
 }  // namespace
@@ -200,6 +209,7 @@ void add_plot(CLI::App& app) {
              "picture to write (.svg); - is standard output", {".svg"})
       ->required();
   add_force(*command, options->force);
+  add_json(*command, options->json);
   command->footer(
       "Any browser shows SVG; `rsvg-convert game.svg -o game.png` converts it to PNG.\n\n"
       "Example:\n  headpin plot game.lcmlog -o game.svg");

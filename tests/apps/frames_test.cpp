@@ -186,13 +186,17 @@ TEST_F(Frames, WithoutOsMesaAreDrawnByEgl) {
   expect_refusal("frames " + kDemo + " -o OUT --gl osmesa", 1, "nothing to draw with: osmesa: ");
   std::ofstream(folder_ / "libEGL.so.1") << "";
   expect_refusal("frames " + kDemo + " -o OUT", 1, "; egl: cannot load libEGL.so.1");
-  EXPECT_EQ(json("doctor --json")["eyes"]["works"], false);
+  const nlohmann::json nothing = json("doctor --json");
+  EXPECT_EQ(nothing["eyes"]["works"], false);
   unsetenv("LD_LIBRARY_PATH");
   EXPECT_EQ(fallen.code, 0) << fallen.err;
   EXPECT_THAT(fallen.err, HasSubstr("drawn by EGL, "));
   EXPECT_THAT(fallen.err, HasSubstr("; osmesa: cannot load libOSMesa.so.8"));
   EXPECT_EQ(index("fallen").at(200), own);
   EXPECT_EQ(doctor["osmesa"]["works"], false);
+  EXPECT_THAT(std::string(doctor["osmesa"]["says"]), HasSubstr("; not needed"));
+  EXPECT_EQ(doctor["osmesa"]["remedy"], "");
+  EXPECT_NE(nothing["osmesa"]["remedy"], "");  // where nothing draws
   EXPECT_EQ(doctor["eyes"]["works"], true);
   EXPECT_THAT(std::string(doctor["eyes"]["says"]), HasSubstr("EGL, "));
 }

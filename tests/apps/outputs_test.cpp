@@ -111,6 +111,15 @@ TEST_F(Outputs, AnEmptyNameIsRefusedAndADashIsStandardOutput) {
   EXPECT_EQ(made.out, slurp(folder_ / "b.lcmlog"));
 }
 
+TEST_F(Outputs, APlotSaysWhatItWroteButNotIntoThePicture) {
+  ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
+  const nlohmann::json made = json("plot game.lcmlog -o game.svg --json");
+  EXPECT_EQ(made["ticks"], json("info game.lcmlog --json")["ticks"]);
+  EXPECT_EQ(made["output"], "game.svg");
+  EXPECT_EQ(headpin("plot game.lcmlog -o -").out, slurp(folder_ / "game.svg"));
+  expect_untouched("plot game.lcmlog -o - --json", 2, "both write to standard output");
+}
+
 TEST_F(Outputs, OddNamesAreNames) {
   const std::string odd = "a b'\"\n\xff:%s -x";
   std::string quoted = "\"$(printf 'a b\\047\\042\\nx\\377:%%s -x')\"";

@@ -76,6 +76,14 @@ completed() { # WORD... -> what the last may become
 [ "$(completed headpin replay --ela)" = --elasticity ] || fail "replay --ela"
 [ "$(completed headpin replay --shape ell)" = ellipsoid ] || fail "replay --shape ell"
 [ "$(completed headpin live --scenario german)" = german-ninepins ] || fail "live --scenario german"
+[ "$(completed headpin experiment pl)" = plan ] || fail "experiment pl"
+[ "$(completed headpin experiment plan --peo)" = --people ] || fail "experiment plan --peo"
+[ -z "$(completed headpin experiment score --peo)" ] || fail "experiment score has no --people"
+[ "$(completed headpin replay --set material.lane.fr)" = material.lane.friction= ] || fail "replay --set"
+[ "$(completed headpin replay --set game.rules = nine)" = ninepins ] || fail "replay --set game.rules=nine"
+[ "$(completed headpin replay --set look.mirror =)" = "$(printf 'true\nfalse')" ] || fail "replay --set look.mirror="
+[ "$(completed headpin replay --shape = ell)" = ellipsoid ] || fail "replay --shape=ell"
+[ "$(completed headpin help track)" = trackers ] || fail "help track"
 (cd away && touch "two words.lcmlog" && [ "$(completed headpin info two)" = "two words.lcmlog" ]) ||
   fail "a file with a space"
 
@@ -89,7 +97,8 @@ zpty -r z line $'*\nready*'
 zpty -w -n z "headpin $3"$'\t'
 zpty -r z line "*headpin $4*" && print found
 EOZ
-  for pair in "repl replay" "replay\ --ela --elasticity" "replay\ --shape\ el ellipsoid"; do
+  for pair in "repl replay" "replay\ --ela --elasticity" "replay\ --shape\ el ellipsoid" "experiment\ pl plan" \
+    "replay\ --set\ material.lane.fr material.lane.friction="; do
     eval "set -- $pair"
     found=$(timeout 60 zsh -f complete.zsh "$prefix/share/zsh/site-functions" "$prefix/bin" "$1" "*$2") ||
       fail "zsh: headpin $1"
