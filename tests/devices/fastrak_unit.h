@@ -1,8 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
+
+#include <gtest/gtest.h>
 
 #include "devices/fastrak/emulator.h"
 
@@ -46,5 +50,24 @@ class Unit {
   Time now{};
   FastrakEmulator emulator;
 };
+
+/// One receiver at rest where the test puts it.
+inline FastrakMotion at(const Vec3& p_TS, const Quat& q_TS = Quat::Identity()) {
+  return [=](int, Time) { return FastrakTruth{{q_TS, p_TS}}; };
+}
+
+inline FastrakEmulatorOptions one_receiver() {
+  FastrakEmulatorOptions options = Unit::quiet();
+  options.receivers = 1;
+  return options;
+}
+
+inline FastrakRecord ascii_record(const std::string& line, std::vector<int> items = {2, 4, 1},
+                                  bool centimetres = false) {
+  const std::vector<std::uint8_t> bytes(line.begin(), line.end());
+  const auto record = decode_record(bytes, {std::move(items), false, centimetres});
+  EXPECT_TRUE(record.has_value()) << line;
+  return record.value_or(FastrakRecord{});
+}
 
 }  // namespace headpin::devices

@@ -11,14 +11,13 @@
 #include "devices/trial/log.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/totals.h"
+#include "tests/scene/demo.h"
 #include "tests/support/folder.h"
 
 namespace headpin::scene {
 namespace {
 
 using testing::HasSubstr;
-
-const std::string kDemo = HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog";
 
 /// A number of a section by row and name of its column.
 float at(const PageData& data, const std::string& name, std::int64_t row,

@@ -14,13 +14,12 @@
 #include "scene/play/score.h"
 #include "scene/play/session.h"
 #include "scene/watch/recorded.h"
+#include "tests/scene/demo.h"
 
 namespace headpin::scene {
 namespace {
 
 using namespace std::chrono_literals;
-
-const std::string kDemo = HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog";
 
 Score play(const Scenario& scenario, devices::Source& source, Time until,
            const std::function<void(Time)>& before_tick = {}) {

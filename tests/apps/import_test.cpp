@@ -1,0 +1,130 @@
+// Recordings of other programs that `headpin import` makes trials of.
+
+#include <bit>
+
+#include "devices/recordings/motion_files.h"
+#include "tests/apps/trial_commands.h"
+
+namespace headpin {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kRecorded = HEADPIN_SHARED_DIR "/throws/liebers_labstudy21_bowling.csv";
+
+TEST_F(TrialCommands, ARecordedThrowIsImportedAndKnocksSkittlesOver) {
+  if (!std::filesystem::exists(kRecorded)) GTEST_SKIP() << "no recorded throw at " << kRecorded;
+  const nlohmann::json found = json("import " + kRecorded + " -o throw.lcmlog --json");
+  EXPECT_EQ(found["samples"], 517);
+  EXPECT_EQ(found["duration_s"], 7.185);
+  EXPECT_NEAR(found["rate_hz"].get<double>(), 71.8, 0.05);
+  EXPECT_NEAR(found["peak_hand_speed_mps"].get<double>(), 7.7, 0.05);
+  EXPECT_NEAR(found["release_s"].get<double>(), 3.03, 0.015);
+  EXPECT_NEAR(found["grab_s"].get<double>(), 0.6, 0.03);
+
+  const nlohmann::json game = json("replay throw.lcmlog -o game.lcmlog --json");
+  EXPECT_GT(game["skittles_down"].get<int>(), 0);
+  // What import says of the ball is what a session makes of the samples.
+  EXPECT_NEAR(game["release_speed_mps"].get<double>(), found["release_speed_mps"].get<double>(),
+              1e-6);
+  EXPECT_EQ(json("replay game.lcmlog --verify --json")["state_hash"], game["state_hash"]);
+  for (const char* heading : {"gaze", "keep"}) {
+    EXPECT_EQ(headpin("import " + kRecorded + " --force -o throw.lcmlog --heading " + heading).code,
+              0);
+  }
+  expect_refusal("import " + kRecorded + " -o OUT.lcmlog --units m", 1, "in centimetres");
+}
+
+/// What VRPN's server logs of a Fastrak: positions from the transmitter, in its frame (x ahead, y
+/// right, z down), quaternions x, y, z, w; sensor 0 on the head, 1 on the right hand.
+std::string fastrak_log_of(const devices::MotionRecording& r, double height) {
+  std::string log = "vrpn: ver. 07.35  1";
+  log.resize(24, '\0');
+  const auto put = [&](std::uint64_t value, int size) {
+    while (size-- > 0) log += static_cast<char>(value >> (8 * size));
+  };
+  const auto message = [&](int type, int sender, Time time, std::size_t size) {
+    for (const std::int64_t field :
+         {std::int64_t{type}, std::int64_t{sender},
+          std::int64_t{1'700'000'000} + time.count() / 1'000'000, time.count() % 1'000'000,
+          static_cast<std::int64_t>(size), std::int64_t{0}}) {
+      put(static_cast<std::uint64_t>(field), 4);
+    }
+  };
+  const auto name = [&](int type, int sender, const std::string& text) {
+    message(type, sender, {}, text.size() + 5);
+    put(text.size() + 1, 4);
+    log += text + std::string(1, '\0');
+  };
+  name(-1, 0, "Tracker0");
+  name(-2, 5, "vrpn_Tracker Pos_Quat");
+  for (std::size_t i = 0; i < r.times.size(); ++i) {
+    for (int sensor = 0; sensor < 2; ++sensor) {
+      const Pose& pose = sensor == 0 ? r.head[i] : r.right_hand[i];
+      message(5, 0, r.times[i], 64);
+      put(static_cast<std::uint64_t>(sensor), 4);
+      put(0, 4);
+      for (const double v : {-pose.p.z(), pose.p.x(), height - pose.p.y(), -pose.q.z(), pose.q.x(),
+                             -pose.q.y(), pose.q.w()}) {
+        put(std::bit_cast<std::uint64_t>(v), 8);
+      }
+    }
+  }
+  return log;
+}
+
+TEST_F(TrialCommands, AVrpnLogOfAFastrakWithHeadAndHandIsTheThrowItRecorded) {
+  const std::string example = HEADPIN_SOURCE_DIR "/assets/throws/example.csv";
+  std::ofstream(folder_ / "fastrak.vrpn", std::ios::binary)
+      << fastrak_log_of(devices::read_motion(example, {}), 0.9);
+  const nlohmann::json wanted = json("import " + example + " -o csv.lcmlog --json");
+  const std::string import = "import fastrak.vrpn --axes ARI -o ";
+  expect_refusal(import + "OUT.lcmlog", 1, "the head is up ");
+  for (const std::string names : {"", " --names 0,,1"}) {
+    const nlohmann::json found =
+        json(import + "vrpn.lcmlog --transmitter 0,0.9,0 --force --json" + names);
+    EXPECT_EQ(found["hand"], "right");
+    EXPECT_EQ(found["samples"], wanted["samples"]);
+    EXPECT_NEAR(found["release_speed_mps"].get<double>(), wanted["release_speed_mps"].get<double>(),
+                1e-6);
+  }
+  EXPECT_EQ(json("replay vrpn.lcmlog --json")["skittles_down"],
+            json("replay csv.lcmlog --json")["skittles_down"]);
+  EXPECT_THAT(headpin(import + "vrpn.lcmlog --transmitter 0,0.9,0 --force").out,
+              HasSubstr("of head and one hand"));
+  expect_refusal(import + "OUT.lcmlog --transmitter 0,0.9,0 --hand left", 1,
+                 "it would be one by the right hand");
+  expect_refusal(import + "OUT.lcmlog --names 0,,", 2, "one hand of which may be empty");
+  expect_refusal(import + "OUT.lcmlog --transmitter 0,0.9", 2, "--transmitter");
+}
+
+TEST_F(TrialCommands, ImportRefusesInOneLineAndLeavesNothing) {
+  std::ofstream(folder_ / "bad.csv") << "delta_time_ms,head_pos_x\n0,1\n";
+  const std::string example =
+      "import " HEADPIN_SOURCE_DIR "/assets/throws/example.csv -o OUT.lcmlog";
+  expect_refusal(example + " --axes RSP", 1, "says itself where its axes");
+  expect_refusal(example + " --names a,b,c", 1, "neither --axes nor --names");
+  expect_refusal("import bad.csv -o OUT.lcmlog", 1, "20 are missing: head_pos_y, head_pos_z");
+  expect_refusal("import missing.csv -o OUT.lcmlog", 1, "missing.csv: cannot open");
+  expect_refusal("import bad.csv", 2, "--output");
+  expect_refusal("import bad.csv -o OUT.lcmlog --heading north", 2, "--heading");
+  expect_refusal("import bad.csv -o OUT.lcmlog --units furlong", 2, "--units");
+}
+
+// The bundled recording is the arm model's, and whoever asks for it again gets the same file.
+TEST_F(TrialCommands, TheExampleThrowIsTheArmModelsAndIsImported) {
+  ASSERT_EQ(headpin("synthesize -o throw.csv --seed 5").code, 0);
+  const std::string bundled = HEADPIN_SOURCE_DIR "/assets/throws/example.csv";
+  EXPECT_EQ(slurp(folder_ / "throw.csv"), slurp(bundled));
+  const nlohmann::json made = json("synthesize --json -o throw.lcmlog --seed 5");
+  const nlohmann::json found = json("import --json -o found.lcmlog " + bundled);
+  // What is found without buttons is what the model did, within a sample or two of 72 a second.
+  EXPECT_NEAR(found["release_s"].get<double>(), made["release_s"].get<double>(), 0.04);
+  EXPECT_NEAR(found["release_speed_mps"].get<double>(), made["planned_speed_mps"].get<double>(),
+              0.4);
+  EXPECT_GT(json("replay --json found.lcmlog")["skittles_down"].get<int>(), 3);
+  expect_refusal("synthesize -o throw.csv", 1, "throw.csv: exists already");
+}
+
+}  // namespace
+}  // namespace headpin

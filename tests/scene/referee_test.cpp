@@ -1,0 +1,292 @@
+// What the referee counts: whose a fallen skittle is, and when a ball was thrown.
+
+#include <cmath>
+#include <optional>
+
+#include <gmock/gmock.h>
+
+#include "scene/play/events.h"
+#include "scene/play/score.h"
+#include "scene/play/session.h"
+#include "tests/scene/with_rules.h"
+
+namespace headpin::scene {
+namespace {
+
+// What the hand does to a rack of six, driven straight, without a device.
+class ByHand {
+ public:
+  explicit ByHand(Scenario scenario) : session_(make_session(std::move(scenario))) {}
+
+  const Stage& stage() const { return *session_.stage; }
+  engine::World& world() { return session_.world; }
+  Game& game() { return session_.game; }
+  engine::BodyId ball() const { return stage().balls.front(); }
+  const std::vector<devices::Event>& events() const { return events_; }
+  Time now() const { return session_.now(); }
+
+  std::vector<const devices::Event*> of_kind(std::string_view kind) const {
+    std::vector<const devices::Event*> found;
+    for (const devices::Event& event : events_) {
+      if (event.kind == kind) found.push_back(&event);
+    }
+    return found;
+  }
+
+  void put(engine::BodyId body, const Vec3& p_W, const Vec3& v_W) {
+    engine::set_state(world(), body, {{Quat::Identity(), p_W}, v_W, Vec3::Zero()});
+  }
+  void let_fly(const Vec3& p_W, const Vec3& v_W) {
+    engine::set_kind(world(), ball(), engine::Kind::free);
+    put(ball(), p_W, v_W);
+  }
+  /// A ball that rolls beside all skittles, and is counted.
+  void miss() {
+    const std::size_t before = of_kind(kind::delivery).size();
+    let_fly({0.49, 0.5, 0.11}, {0.0, 3.0, 0.0});
+    until([&] { return of_kind(kind::delivery).size() > before; }, 10.0);
+  }
+  /// Takes a body along at a velocity, as a hand that carries it does.
+  void carry(engine::BodyId body, const Vec3& from_W, const Vec3& v_W, double for_s) {
+    engine::set_kind(world(), body, engine::Kind::driven);
+    Vec3 p_W = from_W;
+    const double dt = engine::step_seconds(world());
+    for (double t = 0.0; t < for_s; t += dt) {
+      put(body, p_W, v_W);
+      tick(body);
+      p_W += dt * v_W;
+    }
+  }
+  void tick(std::optional<engine::BodyId> held = {}) {
+    if (held) session_.player.held = Held{*held, Quat::Identity()};
+    // What is held is where this test has it: without samples the hand is nowhere.
+    Session& s = session_;
+    const Moment moment{s.next_tick(), s.tick + 1};
+    s.events.clear();
+    note_velocities(s.game, s.world);
+    engine::step(s.world);
+    s.tick = moment.tick;
+    note_step(s.game, *s.stage, s.world, moment, s.events);
+    if (referee(s.game, *s.stage, s.world, moment, held, s.events)) taken_ = true;
+    events_.insert(events_.end(), s.events.begin(), s.events.end());
+    s.player.held.reset();
+  }
+  template <typename Done>
+  bool until(const Done& done, double longest_s, std::optional<engine::BodyId> held = {}) {
+    const Time end = session_.now() + microseconds(longest_s);
+    while (!done() && session_.now() < end) tick(held);
+    return done();
+  }
+  void wait(double for_s, std::optional<engine::BodyId> held = {}) {
+    until([] { return false; }, for_s, held);
+  }
+  Score score() const { return scene::score(events_); }
+  bool taken() const { return taken_; }
+
+ private:
+  Session session_;
+  std::vector<devices::Event> events_;
+  bool taken_ = false;
+};
+
+TEST(Referee, WhatTheHandTopplesIsNoBallsAndIsSetAside) {
+  ByHand play(with_rules("plain", 2, 2));
+  const engine::BodyId skittle = play.stage().skittles.back();
+  const Vec3 spot = play.stage().world.states[skittle].X_WB.p;
+  // A solid hand comes from outside of the rack, at the neck of one at its edge, and goes away.
+  const engine::BodyId hand = *play.stage().hand;
+  const double side = spot.x() > 0.0 ? 1.0 : -1.0;
+  const Vec3 from = spot + Vec3(side * 0.3, 0.0, 0.1);
+  play.carry(hand, from, Vec3(-side * 1.5, 0.0, 0.0), 0.25);
+  play.put(hand, kAway.p, Vec3::Zero());
+  play.wait(2.0);
+  const auto fallen = play.of_kind(kind::skittle_down);
+  ASSERT_FALSE(fallen.empty());
+  for (const devices::Event* e : fallen) EXPECT_EQ(e->detail, "hand");
+  const std::vector<std::string> first_fallen = fallen.front()->bodies;
+  EXPECT_TRUE(play.of_kind(kind::delivery).empty());
+  play.miss();  // events that `fallen` points to move
+  ASSERT_EQ(play.of_kind(kind::delivery).size(), 1u);
+  EXPECT_EQ(play.of_kind(kind::delivery).front()->value, 0.0);
+  ASSERT_EQ(play.of_kind(kind::dead_wood).size(), 1u);
+  EXPECT_GE(play.of_kind(kind::dead_wood).front()->value, 1.0);
+  for (const std::string& name : first_fallen) {
+    EXPECT_THAT(play.of_kind(kind::dead_wood).front()->bodies, testing::Contains(name));
+  }
+  EXPECT_GT(play.world().states[skittle].X_WB.p.y(), play.stage().scenario.room.ahead);
+  EXPECT_THAT(in_words(play.score().games.front()), testing::HasSubstr("by hand (frame 1 ball 1)"));
+  EXPECT_EQ(play.score().skittles_down, 0);
+  // As trials of before have it, it is all the ball's.
+  Scenario before = with_rules("plain", 2, 2);
+  before.game.hand_fells = "counted";
+  ByHand counted(before);
+  counted.carry(*counted.stage().hand, from, Vec3(-side * 1.5, 0.0, 0.0), 0.25);
+  counted.put(*counted.stage().hand, kAway.p, Vec3::Zero());
+  counted.wait(2.0);
+  counted.miss();
+  EXPECT_GE(counted.of_kind(kind::delivery).front()->value, 1.0);
+  EXPECT_TRUE(counted.of_kind(kind::dead_wood).empty());
+}
+
+TEST(Referee, ABallThatIsCarriedThroughTheRackFellsNothing) {
+  ByHand play(with_rules("plain", 2, 2));
+  const double head_pin = play.stage().scenario.lane.head_pin;
+  play.carry(play.ball(), {0.0, head_pin - 0.5, 0.15}, {0.0, 2.0, 0.0}, 0.7);
+  EXPECT_TRUE(play.of_kind(kind::first_contact).empty());
+  play.wait(2.0, play.ball());
+  const std::size_t fallen = play.of_kind(kind::skittle_down).size();
+  ASSERT_GT(fallen, 1u);
+  play.let_fly({0.49, 0.5, 0.11}, Vec3::Zero());
+  play.until([&] { return !play.of_kind(kind::delivery).empty(); }, 10.0);
+  ASSERT_EQ(play.of_kind(kind::delivery).size(), 1u);
+  EXPECT_EQ(play.of_kind(kind::delivery).front()->value, 0.0);
+  ASSERT_EQ(play.of_kind(kind::dead_wood).size(), 1u);
+  EXPECT_GE(play.of_kind(kind::dead_wood).front()->value, static_cast<double>(fallen));
+}
+
+TEST(Referee, ASkittleHeldAsTheBallIsCountedIsTheHandsAndStandsForTheNextFrame) {
+  ByHand play(with_rules("plain", 2, 1));
+  const engine::BodyId held = play.stage().skittles.back();
+  const auto rack = static_cast<double>(play.stage().skittles.size());
+  const Vec3 in_hand(-1.5, -0.5, 1.0);
+  engine::set_kind(play.world(), held, engine::Kind::driven);
+  play.put(held, in_hand, Vec3::Zero());
+  play.wait(0.2, held);
+  const double head_pin = play.stage().scenario.lane.head_pin;
+  play.let_fly({0.0, head_pin - 1.0, 0.11}, {0.0, 8.0, 0.0});
+  play.until([&] { return !play.of_kind(kind::frame).empty(); }, 10.0, held);
+  ASSERT_EQ(play.of_kind(kind::delivery).size(), 1u);
+  EXPECT_LE(play.of_kind(kind::delivery).front()->value, rack - 1.0);
+  EXPECT_THAT(play.of_kind(kind::delivery).front()->bodies,
+              testing::Not(testing::Contains(play.world().bodies[held].name)));
+  EXPECT_THAT(play.of_kind(kind::dead_wood).front()->bodies,
+              testing::ElementsAre(play.world().bodies[held].name));
+  EXPECT_TRUE(play.taken());
+  for (const engine::BodyId skittle : play.stage().skittles) {
+    EXPECT_EQ(play.world().states[skittle].X_WB.p, play.stage().world.states[skittle].X_WB.p);
+    EXPECT_EQ(play.world().bodies[skittle].kind, engine::Kind::free);
+  }
+}
+
+// The law of a throw: v / g up, as long down again; it is not counted before it is down.
+TEST(Referee, ABallThrownStraightUpIsCountedOnceItIsDown) {
+  ByHand play(with_rules("plain", 2, 2));
+  const double up = 4.95, low = play.stage().scenario.ball.radius, from = 0.75;
+  play.let_fly({-1.0, -1.0, from}, {0.0, 0.0, up});
+  play.until([&] { return !play.of_kind(kind::delivery).empty(); }, 10.0);
+  const double g = play.stage().scenario.collision.gravity;
+  const double lands = (up + std::sqrt(up * up + 2.0 * g * (from - low))) / g;
+  EXPECT_GT(seconds(play.of_kind(kind::delivery).front()->time), lands);
+  EXPECT_LT(seconds(play.of_kind(kind::delivery).front()->time),
+            play.stage().scenario.game.ball_back_s);
+}
+
+TEST(Referee, ABallThatIsCaughtAgainWasNotThrown) {
+  ByHand play(with_rules("plain", 2, 2));
+  for (const double after_s : {0.05, 0.3, 1.0}) {  // a slip of the trigger; a toss
+    play.let_fly({-1.0, -1.0, 1.2}, {0.0, 0.0, 0.5 * 9.81 * after_s});
+    play.wait(after_s);
+    engine::set_kind(play.world(), play.ball(), engine::Kind::driven);
+    play.put(play.ball(), {-1.0, -1.0, 1.2}, Vec3::Zero());
+    play.wait(2.0, play.ball());
+    EXPECT_TRUE(play.of_kind(kind::delivery).empty()) << after_s;
+  }
+  play.miss();
+  EXPECT_EQ(play.of_kind(kind::delivery).front()->detail, "frame 1 ball 1");
+  EXPECT_FALSE(play.taken()) << "it stays in the hand";
+}
+
+// Beyond the foul line a ball is thrown for good after half a second.
+TEST(Referee, ABallTakenBackBeyondTheLineWasNotThrownWithinHalfASecond) {
+  for (const double after_s : {0.48, 0.52}) {
+    ByHand play(with_rules("plain", 2, 2));
+    play.let_fly({-1.0, 0.3, 1.2}, {0.0, 0.0, 0.5 * 9.81 * after_s});
+    play.wait(after_s);
+    engine::set_kind(play.world(), play.ball(), engine::Kind::driven);
+    play.put(play.ball(), {-1.0, -1.0, 1.2}, Vec3::Zero());
+    play.wait(2.0, play.ball());
+    EXPECT_EQ(play.of_kind(kind::delivery).size(), after_s < 0.5 ? 0u : 1u) << after_s;
+    EXPECT_FALSE(play.taken()) << "it stays in the hand";
+  }
+}
+
+// A ball that is laid down is at rest at once: what it is given is half a second.
+TEST(Referee, ABallAtRestIsCountedHalfASecondAfterItWasLetGo) {
+  for (const char* ends : {"rest", "slow"}) {
+    Scenario scenario = with_rules("plain", 2, 2);
+    scenario.game.ends = ends;
+    ByHand play(scenario);
+    play.let_fly({0.3, 1.0, play.stage().scenario.ball.radius}, Vec3::Zero());
+    play.tick();
+    const double let_go = seconds(play.now());
+    play.until([&] { return !play.of_kind(kind::delivery).empty(); }, 10.0);
+    ASSERT_EQ(play.of_kind(kind::delivery).size(), 1u) << ends;
+    EXPECT_NEAR(seconds(play.of_kind(kind::delivery).front()->time), let_go + 0.5,
+                engine::step_seconds(play.world()) + 1e-6)
+        << ends;
+  }
+}
+
+// Slower than 5 cm/s it tips no skittle. It rolls without slipping here, on one spot.
+TEST(Referee, ABallIsAtRestBelowFiveCentimetresASecond) {
+  for (const double speed : {0.049, 0.051}) {
+    ByHand play(with_rules("plain", 2, 2));
+    const double radius = play.stage().scenario.ball.radius;
+    play.let_fly({0.3, 1.0, radius}, Vec3::Zero());
+    for (double t = 0.0; t < 1.0; t += engine::step_seconds(play.world())) {
+      if (!play.of_kind(kind::delivery).empty()) break;
+      engine::set_state(play.world(), play.ball(),
+                        {{Quat::Identity(), {0.3, 1.0, radius}},
+                         Vec3(0.0, speed, 0.0),
+                         Vec3(-speed / radius, 0.0, 0.0)});
+      play.tick();
+    }
+    EXPECT_EQ(play.of_kind(kind::delivery).size(), speed < 0.05 ? 1u : 0u) << speed;
+  }
+}
+
+// As trials of before have it, nothing but the ball's return says that the next one is another.
+TEST(Referee, TheNextBallStrikesForTheFirstTimeAgain) {
+  for (const char* fells : {"counted", "apart"}) {
+    Scenario scenario = with_rules("ninepins", 3, 1);
+    scenario.game.hand_fells = fells;
+    ByHand play(scenario);
+    for (std::size_t ball = 1; ball <= 2; ++ball) {
+      play.let_fly({0.0, 4.5, 0.11}, {0.0, 6.0, 0.0});
+      play.until([&] { return play.of_kind(kind::delivery).size() == ball; }, 12.0);
+      EXPECT_EQ(play.of_kind(kind::first_contact).size(), ball) << fells;
+      EXPECT_FALSE(play.game().struck) << fells;
+      EXPECT_FALSE(play.taken()) << "there is nothing in the hand to be taken";
+    }
+  }
+}
+
+TEST(Referee, ACarriedSkittleThatMeetsABallIsTheHandsAllTheSame) {
+  ByHand play(with_rules("plain", 2, 2));
+  const engine::BodyId skittle = play.stage().skittles.front();
+  const double radius = play.stage().scenario.ball.radius;
+  play.let_fly({0.3, 1.0, radius}, Vec3::Zero());
+  for (int i = 0; i < 60; ++i) {  // each tick anew: later ones would tell again whose it is
+    const double x = 0.8 * engine::step_seconds(play.world()) * i;
+    play.carry(skittle, {x, 1.0, play.stage().skittle_centre}, {0.8, 0.0, 0.0}, 1e-6);
+    ASSERT_EQ(play.game().moved_by[skittle], By::hand) << i;
+  }
+  EXPECT_FALSE(play.of_kind(kind::first_contact).empty());
+}
+
+// The ball loses what the skittle gains, against its flight.
+TEST(Referee, TheFirstContactHasTheImpulseThatSlowsTheBallDown) {
+  ByHand play(with_rules("plain", 2, 2));
+  play.let_fly({0.0, 5.0, 0.11}, {0.0, 6.0, 0.0});
+  play.until([&] { return !play.of_kind(kind::first_contact).empty(); }, 2.0);
+  ASSERT_EQ(play.of_kind(kind::first_contact).size(), 1u);
+  const devices::Event& contact = *play.of_kind(kind::first_contact).front();
+  const double mass = play.stage().scenario.ball.mass;
+  EXPECT_GT(std::abs(contact.j_W.y()), 0.1 * mass);
+  EXPECT_LT(contact.j_W.norm(), 2.0 * mass * 6.0);  // as from a wall
+  EXPECT_LT(contact.value, 6.0);                    // it slid on the lane
+  EXPECT_GT(contact.value, 4.0);
+}
+
+}  // namespace
+}  // namespace headpin::scene
