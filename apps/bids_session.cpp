@@ -21,13 +21,13 @@ namespace {
 
 constexpr std::size_t kMostOfTable = 1'000'000'000;
 
-/// "_run-01_" of a file's name; empty where there is none.
+/// "_run-01_" of a file's name; empty if there is none.
 std::string run_of(const std::string& name) {
   const std::size_t at = name.find("_run-");
   return at == std::string::npos ? "" : name.substr(at, name.find('_', at + 1) - at) + "_";
 }
 
-/// All tables and sidecars of the same run, but for what is simulated.
+/// All tables and sidecars of the same run, without the simulated ones.
 std::map<std::string, std::string> texts_beside(const fs::path& path) {
   const std::string run = run_of(path.filename().string());
   std::map<std::string, std::string> texts;

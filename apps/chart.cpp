@@ -38,7 +38,7 @@ std::string line(double x1, double y1, double x2, double y2, const char* kind) {
                      x2, y2, kind);
 }
 
-/// The curve as a path: one point at most where it stays level, a new piece after a gap.
+/// The curve as a path, without points inside constant parts. A gap starts a new piece.
 std::string path(const std::vector<double>& times, const Curve& curve, const Scale& x,
                  const Scale& y) {
   std::string d;
@@ -61,7 +61,7 @@ struct Range {
   double low = 0.0, high = 0.0;
 };
 
-/// Of all curves, zero included.
+/// The range of all curves; it includes zero.
 Range range(const Panel& panel) {
   Range r;
   for (const Curve& curve : panel.curves) {
@@ -103,7 +103,7 @@ std::string draw(const Panel& panel, const Chart& chart, const Scale& x, double 
   return out;
 }
 
-/// Labels of the marks above the first panel, on two lines so that neighbours keep apart.
+/// Labels of the marks above the first panel, on two lines so that neighbours do not overlap.
 std::string labels(const Chart& chart, const Scale& x) {
   std::string out;
   double free[2] = {0.0, 0.0};

@@ -13,7 +13,7 @@ namespace headpin::apps {
 
 namespace {
 
-/// In the child, where only calls are allowed that a signal handler may make.
+/// Runs in the child, which may only make async-signal-safe calls.
 [[noreturn]] void become(const char* program, char* const* words, const ChildStreams& streams,
                          int end_signal, pid_t parent, int told) {
   const auto fail = [&] {
@@ -22,7 +22,7 @@ namespace {
     _exit(127);
   };
   if (prctl(PR_SET_PDEATHSIG, end_signal) != 0) fail();
-  if (getppid() != parent) _exit(127);  // it was gone before
+  if (getppid() != parent) _exit(127);  // the parent has already ended
   const int nothing = open("/dev/null", O_RDWR | O_CLOEXEC);
   const std::array<int, 3> given{streams.in, streams.out, streams.err};
   for (int i = 0; i < 3; ++i) {
@@ -51,7 +51,7 @@ pid_t start_child(const std::string& program, std::vector<std::string> words, Ch
   }
   int error = child < 0 ? errno : 0;
   close(ends[1]);
-  if (child >= 0) {  // the pipe says nothing where the program has begun
+  if (child >= 0) {  // the pipe is empty if the program has started
     while (read(ends[0], &error, sizeof(error)) < 0 && errno == EINTR) {
     }
   }

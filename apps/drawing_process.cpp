@@ -25,11 +25,11 @@ namespace {
 
 using scene::RealTime;
 
-constexpr int kNoAnswer_ms = 30'000;  // whoever is silent for so long hangs
+constexpr int kNoAnswer_ms = 30'000;  // a process that is silent for this long hangs
 constexpr int kMostStarts = 3;        // in a row without a frame
 constexpr char kReady = 'r', kDrawn = 'd', kFailed = 'f';
 
-/// A message between two processes of one program: fields in a row, as they lie in memory.
+/// A message between two processes of one program: the bytes of fields, one after the other.
 class Packing {
  public:
   template <typename T>
@@ -106,7 +106,7 @@ class Unpacking {
   std::size_t at_ = 0;
 };
 
-/// @return  whether all of it is on its way
+/// @return  whether all of it was sent
 bool send_all(int socket, const char* bytes, std::size_t size) {
   while (size > 0) {
     const ssize_t n = send(socket, bytes, size, MSG_NOSIGNAL);
@@ -124,7 +124,7 @@ bool send_message(int socket, const Packing& message) {
          send_all(socket, message.bytes().data(), size);
 }
 
-/// @param wait_ms  at most, for each part of it; -1: for ever
+/// @param wait_ms  longest wait for each part; -1: no limit
 bool receive_all(int socket, char* bytes, std::size_t size, int wait_ms) {
   while (size > 0) {
     pollfd one{socket, POLLIN, 0};
@@ -150,7 +150,7 @@ std::optional<Unpacking> receive_message(int socket, int wait_ms) {
   return Unpacking(std::move(bytes));
 }
 
-// What is told and asked: each is packed and unpacked field by field in the same order.
+// The messages. Each is packed and unpacked field by field, in the same order.
 
 template <typename Pack, typename Order>
 void fields_of_order(Pack&& each, Order& o) {
@@ -190,7 +190,7 @@ RealTime::Clock::time_point time_point(std::int64_t count) {
   return RealTime::Clock::time_point(RealTime::Clock::duration(count));
 }
 
-/// Ourselves, started with a socket as standard input and nothing else of ours open.
+/// This program, started again with a socket as standard input and no other open file.
 class Process {
  public:
   Process() {
@@ -204,7 +204,8 @@ class Process {
     posix_spawn_file_actions_adddup2(&actions, ends[1], STDIN_FILENO);
     posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
     posix_spawn_file_actions_addclosefrom_np(&actions, STDERR_FILENO + 1);
-    // Who stops the session from a terminal stops it alone: it ends this one, after its last frame.
+    // A signal from the terminal stops only the session, which ends this process after its last
+    // frame.
     posix_spawnattr_t attributes;
     posix_spawnattr_init(&attributes);
     sigset_t held;
@@ -229,11 +230,11 @@ class Process {
 
   int socket() const { return socket_; }
 
-  /// Ends it, when it has not ended by itself.
+  /// Ends the process, if it is still running.
   /// @return  how it ended
   std::string end() {
     if (process_ < 0) return "";
-    close(std::exchange(socket_, -1));  // which tells it to
+    close(std::exchange(socket_, -1));  // the process ends when its socket is closed
     int status = 0;
     bool killed = false;
     for (int i = 0; waitpid(process_, &status, WNOHANG) == 0; ++i) {
@@ -306,9 +307,9 @@ class DrawerElsewhere : public scene::FrameDrawer {
     if (order_.first) drawn_by_ = who;
   }
 
-  /// @throws scene::DrawingFailed  when the answer is another one, or none
+  /// @throws scene::DrawingFailed  without an answer, or for an unexpected one
   Unpacking ask(const Packing& message, char expected) {
-    // Shaders may take a while, the first time.
+    // The first time, compiling shaders may take long.
     const int patience = order_.first ? -1 : kNoAnswer_ms;
     std::optional<Unpacking> answer;
     if (send_message(process_->socket(), message)) {
@@ -335,10 +336,10 @@ class DrawerElsewhere : public scene::FrameDrawer {
   DrawingOrder order_;
   std::optional<Process> process_;
   render::Fingerprint drawn_by_;
-  int fruitless_ = 0;  ///< ends since the last frame
+  int fruitless_ = 0;  ///< number of ends since the last frame
 };
 
-/// Answers one order; nothing when there was none.
+/// Answers one order; null if there was none.
 std::unique_ptr<scene::FrameDrawer> get_ready(int socket, DrawerMaker maker) {
   std::optional<Unpacking> message = receive_message(socket, -1);
   if (!message) return nullptr;
@@ -387,7 +388,7 @@ void serve_frames(DrawerMaker maker) {
     if (const auto drawer = get_ready(STDIN_FILENO, maker)) {
       draw_until_closed(STDIN_FILENO, *drawer);
     }
-  } catch (const std::exception& error) {  // said by whoever asked
+  } catch (const std::exception& error) {  // reported by the other process
     Packing answer;
     answer.add(kFailed);
     answer.add(std::string(error.what()));

@@ -15,8 +15,8 @@ struct DrawingOrder {
   std::string eyes;      ///< raw or png, on HEADPIN_EYES at the URL; none: shown to nobody
   std::string url;
   std::string gl;          ///< as render::open_context
-  bool gives_way = false;  ///< to others: what ticks are made by is not before them anyhow
-  bool first = false;      ///< and not one that is started again: says how fast it is
+  bool gives_way = false;  ///< lowers its priority, if ticks have no real-time priority
+  bool first = false;      ///< first start, not a restart: it reports its speed
 };
 
 /// Draws in the started process, by the options.

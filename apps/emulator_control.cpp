@@ -28,7 +28,7 @@ Control::Control(const std::string& path) {
     throw std::runtime_error(path + ": " + std::strerror(errno));
   }
   struct stat file {};
-  // Open for writing too, so that it does not end with the first writer.
+  // Also open for writing, so that the pipe does not end when the first writer closes it.
   fd_ = ::open(path.c_str(), O_RDWR | O_NONBLOCK | O_CLOEXEC);
   if (fd_ < 0 || fstat(fd_, &file) != 0 || !S_ISFIFO(file.st_mode)) {
     if (fd_ >= 0) ::close(fd_);
@@ -42,7 +42,7 @@ Control::~Control() {
 }
 
 std::vector<std::string> Control::lines() {
-  constexpr std::size_t kLongest = 4096;  // of a line; the longest that means something has 300
+  constexpr std::size_t kLongest = 4096;  // longest line; the longest valid one has 300
   std::array<char, 65536> bytes{};
   if (fd_ < 0) return {};
   const ssize_t n = ::read(fd_, bytes.data(), bytes.size());

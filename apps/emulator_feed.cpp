@@ -10,7 +10,7 @@
 namespace headpin::apps {
 namespace {
 
-/// What a client gets that sets nothing itself.
+/// What a client receives that does not change settings, as text.
 std::string place_report(const devices::FastrakPlace& place, const devices::TrialHeader& header,
                          const FeedOptions& options) {
   std::string text = fmt::format(

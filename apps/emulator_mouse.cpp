@@ -8,7 +8,7 @@ void EmulatedMouse::publish(Time now, Time at) {
   const auto later =
       std::ranges::upper_bound(recorded_, at, {}, &devices::MouseSample::device_time);
   const auto until = static_cast<std::size_t>(later - recorded_.begin());
-  if (until < told_) told_ = 0;  // it has begun again
+  if (until < told_) told_ = 0;  // the trial has started again
   for (; told_ < until; ++told_) {
     then_ = recorded_[told_];
     tell(now - at + then_.device_time);

@@ -31,8 +31,8 @@ class EmulatedMouse {
 
   devices::LcmLink link_;
   std::vector<devices::MouseSample> recorded_;
-  std::size_t told_ = 0;       ///< of these
-  devices::MouseSample then_;  ///< the last of them
+  std::size_t told_ = 0;       ///< number of them that were published
+  devices::MouseSample then_;  ///< the last published one
   std::optional<std::array<bool, 3>> told_last_;
   Time told_at_{};
 };

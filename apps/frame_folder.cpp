@@ -17,7 +17,7 @@ namespace {
 constexpr std::array<const char*, 2> kEyes = {"left", "right"};
 constexpr const char* kIndex = "frames.csv";
 
-/// Both eyes' rows, one behind the other.
+/// The rows of both eyes side by side.
 template <typename T>
 std::vector<T> beside(const std::vector<T>& left, const std::vector<T>& right, int width) {
   std::vector<T> both;
@@ -34,7 +34,7 @@ render::Labels side_by_side(const render::Labels& left, const render::Labels& ri
           beside(left.depth, right.depth, left.width)};
 }
 
-/// Millimetres; 0 where nothing is, 65535 from there on.
+/// Depth in millimetres: 0 without an object, at most 65535.
 std::uint16_t millimetres(float depth) {
   if (!std::isfinite(depth)) return 0;
   return static_cast<std::uint16_t>(std::lround(std::clamp(1000.0F * depth, 0.0F, 65535.0F)));

@@ -42,7 +42,7 @@ class FrameFolder : public scene::FrameSink {
   FrameFiles files_;
   double pixel_aspect_;
   files::OutputText index_;
-  std::future<void> writing_;  // last, so that it is waited for before the folder goes
+  std::future<void> writing_;  // last member, so that it ends before the folder is destroyed
 };
 
 }  // namespace headpin::apps

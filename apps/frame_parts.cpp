@@ -34,8 +34,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr const char* kWhat = "what";  // they are parts of, in a file of this name
-constexpr std::size_t kFewest = 60;    // frames of a part: starting a process costs some ten
+constexpr const char* kWhat = "what";  // name of the file that says to which job the parts belong
+constexpr std::size_t kFewest = 60;    // frames per part: a start of a process costs about ten
 constexpr std::size_t kMostParts = 64;
 
 std::string text_of_file(const fs::path& path) {
@@ -58,7 +58,7 @@ std::string replaced(std::string text, const std::string& from, const std::strin
   return at == std::string::npos ? text : text.replace(at, from.size(), to);
 }
 
-/// As --frames takes them: 0-59,70.
+/// Frames in the notation of --frames: 0-59,70.
 std::string as_ranges(std::span<const std::int64_t> frames) {
   std::string text;
   for (std::size_t i = 0; i < frames.size();) {
@@ -74,7 +74,7 @@ std::string without_slash(const std::string& folder) {
   return folder.substr(0, folder.find_last_not_of('/') + 1);
 }
 
-/// Where the parts are: FOLDER.parts, while they are not put together.
+/// The folder of the parts until they are joined: FOLDER.parts.
 class PartsFolder {
  public:
   explicit PartsFolder(const FrameParts& parts) : folder_(without_slash(parts.folder) + ".parts") {
@@ -118,10 +118,10 @@ class PartsFolder {
 
 std::string last_line(std::string text) {
   while (text.ends_with('\n')) text.pop_back();
-  return text.substr(text.rfind('\n') + 1);  // all of it where there is one
+  return text.substr(text.rfind('\n') + 1);  // the whole text if there is only one line
 }
 
-/// Processes that draw, each a part.
+/// Processes that draw one part each.
 class Drawers {
  public:
   explicit Drawers(const FrameParts& parts, PartsFolder& folder) : parts_(parts), folder_(folder) {}
@@ -143,7 +143,7 @@ class Drawers {
         "--frames", as_ranges(frames)};
     words.insert(words.end(), parts_.arguments.begin(), parts_.arguments.end());
     const int in = parts_.trial == "-" ? files::standard_input() : -1;
-    const int said = memfd_create("said", MFD_CLOEXEC);  // a disk that is full would not take it
+    const int said = memfd_create("said", MFD_CLOEXEC);  // in memory, because the disk may be full
     const pid_t process =
         said < 0 ? -1 : start_child("/proc/self/exe", words, {.in = in, .err = said}, SIGTERM);
     const int error = errno;
@@ -155,9 +155,9 @@ class Drawers {
     running_.emplace(process, Drawer{part, said});
   }
 
-  /// Waits a little for one of them to end.
-  /// @return  the part that is done by that
-  /// @throws  what it said when it failed
+  /// Waits shortly for one of them to end.
+  /// @return  the part that is then finished
+  /// @throws  the message of the process if it failed
   std::optional<std::size_t> wait() {
     for (auto it = running_.begin(); it != running_.end(); ++it) {
       const auto [process, drawer] = *it;
@@ -165,9 +165,9 @@ class Drawers {
       if (waitpid(process, &status, WNOHANG) != process) continue;
       running_.erase(it);
       const std::string all = what_it_said(drawer.said);
-      check_stop();  // it was told too
+      check_stop();  // it got the signal too
       if (WIFEXITED(status) && WEXITSTATUS(status) == 0) return drawer.part;
-      // A file of a part is told as it will be called in the end.
+      // Messages use the final name of a file instead of its name in the part.
       const std::string part = ".parts/" + folder_.part(drawer.part).filename().string();
       const std::string said = replaced(last_line(all), part, "");
       const std::string start = "headpin frames: ";
@@ -205,9 +205,9 @@ class Drawers {
   std::map<pid_t, Drawer> running_;
 };
 
-/// A second name for a file, or a copy of it where that cannot be.
+/// Makes a hard link to a file, or a copy if a link is not possible.
 ///
-/// @param called  what `to` is told as
+/// @param called  the name of `to` in messages
 void put(const fs::path& file, const fs::path& to, const std::string& called) {
   std::error_code failed;
   fs::create_hard_link(file, to, failed);

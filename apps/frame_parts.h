@@ -11,13 +11,13 @@
 namespace headpin::apps {
 
 struct FrameParts {
-  std::string folder;                  ///< what it becomes; parts are in FOLDER.parts until then
+  std::string folder;                  ///< the result; parts are in FOLDER.parts until then
   std::string trial;                   ///< its file
   std::vector<std::string> arguments;  ///< of `headpin frames`, but for trial, folder and frames
   std::vector<std::int64_t> frames;    ///< rising
   int jobs = 1;                        ///< processes at a time
-  bool resume = false;                 ///< goes on with the parts that are there, and keeps them
-  std::string made_by;                 ///< of what draws: parts of another are refused
+  bool resume = false;                 ///< continues with existing parts, and keeps them
+  std::string made_by;                 ///< identifies the renderer: parts of others are refused
   std::function<void(std::int64_t frames)> progress;
 };
 

@@ -12,7 +12,7 @@ namespace headpin::apps {
 
 namespace {
 
-/// The picture at a steady rate that is nearest to a time.
+/// The number of the picture that is nearest to a time, at a constant frame rate.
 std::int64_t picture_at(Time time, std::int64_t fps) {
   constexpr std::int64_t kSecond = 1'000'000;
   return (2 * time.count() * fps + kSecond) / (2 * kSecond);
@@ -34,8 +34,8 @@ void SequenceSink::add(const scene::EyeFrame& frame) {
     at_ = -1;
   }
   at -= *start_;
-  if (at == at_) ++at;     // two that are near each other: the second is shown a picture later
-  at = std::max(at, at_);  // and if that is not enough, in place of the one before
+  if (at == at_) ++at;     // two frames at one picture: the second is shown one later
+  at = std::max(at, at_);  // if that is still too early, it replaces the one before
   show_until(at);
   at_ = at;
   newest_ = std::move(both);

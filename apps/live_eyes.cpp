@@ -20,7 +20,7 @@ namespace headpin::apps {
 
 namespace {
 
-/// For the process that draws: it takes the cores that are left.
+/// Lowers the priority of the drawing process, so that it uses only free processor cores.
 void give_way() {
   setpriority(PRIO_PROCESS, 0, 10);
 }
@@ -33,7 +33,7 @@ class LcmEyes : public scene::FrameSink {
 
   void add(const scene::EyeFrame& frame) override {
     std::array<std::vector<std::uint8_t>, 2> files;
-    if (png_) {  // one beside the other
+    if (png_) {  // side by side
       auto left = std::async(std::launch::async, render::encode_png, std::cref(frame.images[0]),
                              pixel_aspect_);
       files[1] = render::encode_png(frame.images[1], pixel_aspect_);
@@ -54,17 +54,17 @@ class LcmEyes : public scene::FrameSink {
   double pixel_aspect_;
 };
 
-/// What a player at the foul line sees who looks down the lane.
+/// The view of a player at the foul line who looks down the lane.
 scene::Glimpse at_the_foul_line(std::shared_ptr<const scene::Stage> stage) {
   const Pose X_WD{rotation(0.5 * std::numbers::pi * Vec3::UnitX()), Vec3(0.0, -0.5, 1.65)};
   return scene::glimpse(scene::make_session(std::move(stage)), X_WD);
 }
 
-/// What this machine can draw at this look, measured on a frame of that.
+/// Prints the frame rate that this machine reaches with this look, measured on one frame.
 void say_rate(scene::Eyes& eyes, const scene::Glimpse& glimpse, bool png, std::int64_t wanted) {
   using Clock = scene::RealTime::Clock;
   std::array<render::Image, 2> images;
-  scene::see(eyes, glimpse, images);  // the first one waits for shaders
+  scene::see(eyes, glimpse, images);  // the first frame compiles the shaders
   const Clock::time_point begin = Clock::now();
   scene::see(eyes, glimpse, images);
   for (const render::Image& image : images) {
@@ -99,7 +99,7 @@ std::unique_ptr<scene::FrameDrawer> make_drawer(const DrawingOrder& order) {
 
 void add_draw(CLI::App& app) {
   app.add_subcommand("draw", "What `live` has its frames drawn by")
-      ->group("")  // nobody else needs to see it
+      ->group("")  // internal, not shown in the help
       ->callback([] { serve_frames(make_drawer); });
 }
 

@@ -23,7 +23,7 @@ void Reporter::take_frames() {
   }
 }
 
-/// Pictures that are lost are said, and kept in the trial.
+/// Reports lost pictures, and writes them to the trial.
 void Reporter::take_failures() {
   for (const std::string& why : live_.eyes->take_failures()) {
     ++live_.drawing_failures;
@@ -49,7 +49,7 @@ void Reporter::report_trouble(const devices::LiveSource& source, Said& said) {
       trouble.empty() ? source.name() + " is back" : trouble);
 }
 
-/// Says what is amiss with what came, and keeps it in the trial.
+/// Reports faults in received samples, and writes them to the trial.
 void Reporter::report_amiss(const devices::LiveSource& source,
                             const std::vector<std::string>& news) {
   for (const std::string& what : news) {
@@ -59,7 +59,7 @@ void Reporter::report_amiss(const devices::LiveSource& source,
   }
 }
 
-/// What has come since it was said last.
+/// Reports what happened since the last report.
 void Reporter::finish() {
   take_frames();
   take_failures();
@@ -68,7 +68,7 @@ void Reporter::finish() {
   }
 }
 
-/// Says at once when nothing of the recording will be found; its end is the session's.
+/// Reports at once if the file of the recording is lost. The session continues.
 void Reporter::report_loss() {
   if (!live_.writer || lost_ || live_.session.now() < next_look_) return;
   next_look_ = live_.session.now() + Time{1'000'000};
@@ -107,7 +107,7 @@ void print_line(const Live& live) {
   say("{}\n", text);
 }
 
-/// Where the time went from a head's sample to its frame.
+/// Prints the stages of the latency from a head's sample to its frame.
 void print_stages(const scene::FrameLatency& latency) {
   const scene::FrameStages mean = latency.mean();
   say("{:11}mean {:.1f} ms: {:.1f} until its tick, {:.1f} until the frame was due, {:.1f} until it "

@@ -6,8 +6,8 @@
 namespace headpin::apps {
 namespace {
 
-/// How many letters to leave out, put in, replace, or exchange with the next one, to make `b` of
-/// `a`: the optimal string alignment distance.
+/// The optimal string alignment distance: the number of letters to remove, insert, replace, or
+/// exchange with the next one, to change `a` into `b`.
 std::size_t distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> before_last, last(b.size() + 1), row(b.size() + 1);
   for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
@@ -27,7 +27,7 @@ std::size_t distance(std::string_view a, std::string_view b) {
 }  // namespace
 
 std::optional<std::string> nearest(std::string_view word, std::span<const std::string> names) {
-  constexpr std::size_t kLongest = 40;  // longer words are no slips
+  constexpr std::size_t kLongest = 40;  // longer words are not typing errors
   if (word.size() > kLongest) return std::nullopt;
   std::optional<std::string> best;
   std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;

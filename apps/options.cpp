@@ -19,7 +19,7 @@ namespace headpin::apps {
 
 namespace {
 
-/// Endings that tell other programs what is in a file.
+/// File name endings of known kinds of files.
 constexpr std::array<std::string_view, 33> kKindsOfFiles = {
     ".avi", ".bmp",  ".c3d",  ".csv",  ".eps",  ".fbx",    ".gif",  ".glb",  ".gltf",
     ".htm", ".html", ".jpeg", ".jpg",  ".json", ".lcmlog", ".mcap", ".mkv",  ".mov",
@@ -35,13 +35,13 @@ std::optional<T> whole(const std::string& text) {
   return value;
 }
 
-/// What is wrong with the name of an OpenGL context, empty where nothing is.
+/// The error in the name of an OpenGL context; empty if it is correct.
 std::string wrong_context(std::string_view name) {
   if (render::is_context_name(name)) return "";
   return fmt::format("expected osmesa, egl, egl:auto or egl:NUMBER, found '{}'", name);
 }
 
-/// What is wrong with the name of an output, empty where nothing is.
+/// The error in the name of an output; empty if it is correct.
 std::string wrong_output(const std::string& name, const std::vector<std::string>& endings) {
   if (name.empty()) return "expected a name, found none";
   const std::string ending = std::filesystem::path(name).extension().string();
@@ -72,7 +72,7 @@ CLI::Option* add_json(CLI::App& command, bool& value) {
 }
 
 CLI::Option* add_gl(CLI::App& command, std::string& value) {
-  // Not by CLI11's envname: it has commands that draw nothing refuse what stands in the variable.
+  // Without CLI11's envname: with it, even commands that do not draw would check the variable.
   command.parse_complete_callback([&value] {
     const char* const variable = std::getenv("HEADPIN_GL");
     if (!value.empty() || !variable || *variable == '\0') return;

@@ -21,9 +21,9 @@ std::string base64(std::span<const std::uint8_t> bytes);
 std::string deflated(std::span<const std::uint8_t> bytes);
 std::string deflated(const std::string& text);
 
-/// The rows of each section column after column, in whole quanta, each number as what it is more
-/// than the one above it: zigzag, seven bits a byte, the lowest first, the eighth bit where more
-/// follow (LEB128). Deflates to a fifth of the floats.
+/// The numbers of each section, column by column, in whole quanta. Each number is stored as the
+/// difference from the one above it: zigzag, then LEB128 (seven bits per byte, the lowest first;
+/// the eighth bit is set if more bytes follow). Deflated, it has a fifth of the size of the floats.
 std::vector<std::uint8_t> in_quanta(const scene::PageData& data);
 
 /// A trial's log without states and frames, which a replay computes again.
@@ -38,7 +38,7 @@ std::string page_template();
 /// @throws std::runtime_error  naming the file, when it cannot be read or takes no data
 std::string page_template(const std::string& path);
 
-/// @param page  with the mark that page_template() has made sure of
+/// @param page  a template with its mark, which page_template() has checked
 std::string filled(const std::string& page, const PageBlocks& blocks);
 
 }  // namespace headpin::apps

@@ -17,7 +17,7 @@ namespace headpin::apps {
 
 namespace {
 
-/// Writes what the devices say, as they say it.
+/// Writes the device samples unchanged.
 class SampleWriter : public scene::Observer {
  public:
   explicit SampleWriter(devices::Recorder& recorder) : recorder_(recorder) {}

@@ -20,7 +20,7 @@ Priority go_first() {
 
 Priority to_be_had() {
   Priority found = Priority::same;
-  std::thread([&found] { found = go_first(); }).join();  // it alone has it
+  std::thread([&found] { found = go_first(); }).join();  // only this thread gets the priority
   return found;
 }
 

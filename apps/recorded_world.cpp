@@ -7,7 +7,7 @@ namespace headpin::apps {
 RecordedWorld::RecordedWorld(const scene::Scenario& scenario)
     : stage_(scene::make_stage(scenario)) {
   for (const engine::BodyId ball : stage_.balls) {
-    engine::set_kind(stage_.world, ball, engine::Kind::free);  // so that it counts in the hand too
+    engine::set_kind(stage_.world, ball, engine::Kind::free);  // so that it also counts in the hand
   }
 }
 

@@ -10,7 +10,7 @@ class RecordedWorld {
  public:
   explicit RecordedWorld(const scene::Scenario& scenario);
 
-  /// Of balls and skittles, the ball's in the hand too [J].
+  /// Energy of balls and skittles, including a ball in the hand [J].
   struct Energy {
     double all = 0.0;     ///< of motion and height
     double height = 0.0;  ///< from the lane

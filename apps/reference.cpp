@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kWritten =
     "<!-- Written by the program (`./dev docs`): change what it says in the sources. -->\n\n";
 
-/// A cell of a table: what would end it is masked.
+/// A cell of a table; the character that would end it is escaped.
 std::string cell(std::string_view text) {
   std::string out;
   for (const char c : text) out += c == '|' ? std::string("\\|") : std::string(1, c);

@@ -9,7 +9,7 @@ namespace headpin::apps {
 /// The result of another program.
 struct Ended {
   int code = 0;      ///< its exit code; 128 + N where signal N ended it
-  std::string says;  ///< what it wrote on standard output and error
+  std::string says;  ///< its standard output and error
 };
 
 /// Runs a program from PATH until it ends. If this process is killed, the program is killed too.

@@ -12,15 +12,15 @@ namespace headpin::apps {
 
 namespace {
 
-/// Signals within this of the first say the same: `timeout` sends each of its own to the command and
-/// again to its whole group, and a terminal that is closed sends two as well [ns].
+/// Signals within this time of the first one count as the same request [ns]. `timeout` sends each
+/// signal to the command and to its whole group, and a closed terminal also sends two.
 constexpr std::int64_t kSameWish = 1'000'000'000;
 
 volatile std::sig_atomic_t came = 0;
 std::atomic<std::int64_t> first_came = 0;  // 0: none yet
 static_assert(decltype(first_came)::is_always_lock_free);
 
-/// Notes the first; one that comes after a while takes its usual course.
+/// Records the first signal. A signal much later has its default effect.
 void note(int signal) {
   timespec now{};
   clock_gettime(CLOCK_MONOTONIC, &now);
@@ -53,10 +53,10 @@ void watch_stop_signals() {
     struct sigaction old {
     }, watch{};
     sigaction(number, nullptr, &old);
-    // A shell without job control starts what is behind an & with SIGINT ignored; whoever sends one
-    // to it all the same means it.
+    // A shell without job control starts a background command with SIGINT ignored. A SIGINT that is
+    // sent to it nevertheless is intended.
     if (number == SIGHUP && old.sa_handler == SIG_IGN) continue;
-    watch.sa_handler = note;  // no SA_RESTART, so that who waits is woken
+    watch.sa_handler = note;  // no SA_RESTART, so that it interrupts waiting
     sigaction(number, &watch, nullptr);
   }
 }

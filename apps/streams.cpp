@@ -26,19 +26,19 @@ bool reader_is_gone() {
 void open_standard_streams() {
   for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
     if (fcntl(stream, F_GETFD) >= 0 || errno != EBADF) continue;
-    // open() takes the lowest free number. Opened the wrong way round, it fails when it is used.
+    // open() returns the lowest free number. The opposite access mode makes any use fail.
     [[maybe_unused]] const int taken =
         open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
   }
   std::signal(SIGPIPE, SIG_IGN);
-  std::signal(SIGXFSZ, SIG_IGN);  // a limit on the size of files is then an error like a full disk
+  std::signal(SIGXFSZ, SIG_IGN);  // then a file size limit is an error, like a full disk
 }
 
 int close_standard_output(const std::string& command, int code) {
   std::cout.flush();
   const bool failed_before = std::ferror(stdout) != 0;
   const bool failed_now = std::fflush(stdout) != 0;
-  // What failed before has left no reason behind; the same again gives it.
+  // The reason of an earlier failure is not known any more; another write gives it.
   const bool failed_again = failed_before && !failed_now && write(STDOUT_FILENO, "\n", 1) < 0;
   const int error = failed_now || failed_again ? errno : EIO;
   const bool gone = reader_is_gone();

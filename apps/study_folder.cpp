@@ -25,7 +25,7 @@ namespace {
 
 constexpr std::string_view kVirtual = "virtual ";
 
-/// Names of the files of that kind that come along.
+/// Names of the bundled files of that kind.
 std::set<std::string> bundled_names(const fs::path& folder) {
   std::set<std::string> names;
   for (const auto& entry : fs::directory_iterator(folder)) {

@@ -32,12 +32,12 @@ struct Study {
   study::Plan plan;
 };
 
-/// A file of a study as it came along or as it is edited; at most 16 MB.
+/// A file of a study, bundled or edited; at most 16 MB.
 std::string read_study_file(const std::filesystem::path& path);
 
 /// Reads design, questionnaire and plan of a study.
 /// @throws std::runtime_error     for a folder without a study
-/// @throws std::invalid_argument  for what cannot be, naming file and line
+/// @throws std::invalid_argument  for invalid content, naming file and line
 Study open_study(const std::string& folder);
 
 /// The row of the plan.

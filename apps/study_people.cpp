@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// Frames a second of a live session; nothing of another.
+/// Frame rate of a live session; nothing for other sessions.
 std::optional<double> frame_rate_of(const scene::Recorded& recorded) {
   for (const devices::Event& event : recorded.file.summary().events) {
     if (event.kind != scene::kind::kept_pace) continue;

@@ -17,10 +17,10 @@ namespace headpin::apps {
 
 namespace {
 
-constexpr std::uint64_t kPeople = 103;  ///< what the seeds of virtual participants are drawn for
+constexpr std::uint64_t kPeople = 103;  ///< purpose of the seeds of virtual participants
 
-/// A file that gets all of a trial but its states, which are twenty times as much as the rest and
-/// which `replay` makes again.
+/// A file with all of a trial except its states, which have twenty times the size of the rest and
+/// which `replay` computes again.
 class WithoutStates : public devices::TrialSink {
  public:
   WithoutStates(const std::string& path, const devices::TrialHeader& header)
@@ -42,7 +42,7 @@ std::uint64_t person_seed(const Study& study, const std::string& id) {
   return devices::Random(study.design.seed.value_or(1), kPeople, name.value()).next();
 }
 
-/// Plays what `source` says until `until`, into a trial at `path`.
+/// Plays the samples of `source` until `until`, and writes a trial to `path`.
 PlayedSession play(const scene::Scenario& scenario, const devices::TrialHeader& header,
                    const std::string& path, devices::Source& source, scene::Observer* player,
                    const std::function<bool(const scene::Session&)>& until) {

@@ -21,7 +21,7 @@ double seconds_per_row(const sweep::Sweep& sweep) {
   const auto begin = std::chrono::steady_clock::now();
   std::int64_t tried = 0;
   while (tried < rows && std::chrono::steady_clock::now() - begin < kLongest) {
-    // In an order that has rows of all parts soon: multiples of the golden ratio.
+    // In steps of the golden ratio, so that rows of all parts are reached soon.
     const double part = std::fmod(0.5 + 0.6180339887498949 * static_cast<double>(tried), 1.0);
     runner.run(
         sweep.rows.at(static_cast<std::int64_t>(part * static_cast<double>(sweep.rows.size()))),

@@ -20,7 +20,7 @@ namespace {
 
 constexpr std::size_t kMostReleases = 1'000'000;
 
-/// "-4:4:17": so many values at even distances; "0": this one.
+/// "-4:4:17": 17 values at equal distances; "0": one value.
 std::vector<double> axis_of(const char* option, const std::string& text, double least,
                             double most) {
   const auto refuse = [&] {
@@ -63,7 +63,7 @@ sweep::ReleaseGrid grid_of(const WhatIfQuestion& question) {
   return grid;
 }
 
-/// The throws of a trial as it is replayed under the condition.
+/// The throws of a trial, replayed under the condition.
 std::vector<sweep::Situation> throws_of(const std::string& path, const WhatIfQuestion& question,
                                         std::string_view command) {
   scene::Recorded recorded = scene::load_trial(path, microseconds(question.longest_gap));
@@ -85,7 +85,7 @@ std::vector<sweep::Situation> throws_of(const std::string& path, const WhatIfQue
   return situations.all();
 }
 
-/// Simulates with all jobs and tells how far it is.
+/// Simulates with all jobs and shows the progress.
 sweep::Simulate simulation_of(const sweep::Situation& situation, int jobs) {
   return [&situation, jobs](std::span<const sweep::Release> releases) {
     Progress progress("releases", static_cast<std::int64_t>(releases.size()));
@@ -98,7 +98,7 @@ sweep::Simulate simulation_of(const sweep::Situation& situation, int jobs) {
 
 /// The throws that have a velocity, by their place in `own`.
 ///
-/// @throws UsageError  for fewer than two, which have no costs
+/// @throws UsageError  for fewer than two throws, because then there are no costs
 std::vector<std::size_t> throws_with_velocity(const sweep::WhatIf& whatif) {
   std::vector<std::size_t> found;
   for (std::size_t i = 0; i < whatif.own.size(); ++i) {

@@ -2,10 +2,10 @@
 
 #include "engine/sustained_rows.h"
 
-/// What is done to all impulses of an island at once. Private to the engine.
+/// Operations on all impulses of an island, and conjugate gradients. Private to the engine.
 namespace headpin::engine::detail {
 
-/// Calls f.template operator()<other>() with what B of the touch is.
+/// Calls f.template operator()<other>(), where `other` is the kind of body B of the touch.
 template <typename F>
 decltype(auto) with_other(const World& world, const Touch& touch, F&& f) {
   switch (other_of(world, touch)) {
@@ -18,7 +18,8 @@ decltype(auto) with_other(const World& world, const Touch& touch, F&& f) {
   }
 }
 
-/// Calls f(impulse, velocity by a unit of it, how to add to it) for all impulses of an island.
+/// Calls f(impulse, velocity change per unit impulse, function that adds to the impulse) for all
+/// impulses of an island.
 template <typename F>
 void each_impulse(const Island& s, F&& f) {
   const World& world = s.world;
@@ -64,8 +65,9 @@ void each_impulse(const Island& s, F&& f) {
   }
 }
 
-/// Conjugate gradients over the passes of an island, each pass a gradient (Silcowitz-Hansen,
-/// Niebe and Erleben 2010): what plain passes carry up a stack by one body each goes as a whole.
+/// Conjugate gradients over the passes of an island; each pass serves as a gradient
+/// (Silcowitz-Hansen, Niebe and Erleben 2010). Plain passes carry a change of load up a stack by
+/// one body each; accelerated passes carry it faster.
 class Acceleration {
  public:
   explicit Acceleration(const Island& island) : island_(island), s_(island.rows) {}

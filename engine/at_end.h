@@ -6,16 +6,17 @@
 /// Bodies and their contacts at the end of the step. Private to the engine.
 namespace headpin::engine::detail {
 
-/// Where a body will be at the end of the step, as it moves now.
+/// Pose of a body at the end of the step, predicted from its present velocity.
 Pose pose_at_end(const World& world, const Flight& flight, const Solved& solved, BodyId i);
 
-/// Contact points of a touch, from its A, where its bodies are at the end of the step: valid until
-/// asked for again. The next step starts from the normals of now all the same.
+/// Contact points of a touch with its bodies at their poses at the end of the step. Normals point
+/// away from A of the touch. The points are valid until the next call. The kept normals in
+/// `touches` do not change.
 std::span<const ContactPoint> points_at_end(World& world, const Touches& touches,
                                             const Touch& touch, const Pose& X_WA, const Pose& X_WB,
                                             Workspace& w);
 
-/// What an impulse at a point does, the centres of mass being there.
+/// Row for an impulse along the normal of a point, with centres of mass at p_WA and p_WB.
 NormalRow row_at(const Flight& flight, const Touch& touch, const ContactPoint& point,
                  const Vec3& p_WA, const Vec3& p_WB);
 

@@ -8,10 +8,10 @@
 /// How a step keeps the energy ledger. Private to the engine.
 namespace headpin::engine::detail {
 
-/// Books, phase by phase, what the free bodies gain. Where none moves there is nothing to book.
+/// Adds the gains of the free bodies to the ledger, phase by phase. Adds nothing if no body moves.
 class Books {
  public:
-  /// @param changed  who moves has changed since the last step
+  /// @param changed  whether the set of moving bodies has changed since the last step
   Books(World& world, Workspace& w, bool changed)
       : world_(world), w_(w), keep_(world.parameters.keep_ledger) {
     if (!keep_) return;
@@ -21,7 +21,8 @@ class Books {
     last = start_;
     w.struck = w.pushed = {};
   }
-  /// Impulses are booked by their own sum: they act within the step, at velocities in between.
+  /// Books the impacts. Their gains are summed impulse by impulse, because they act within the
+  /// step.
   void book_impacts() {
     keep_ = keep_ && !world_.roll.movers.empty();
     if (!keep_) return;
@@ -32,7 +33,7 @@ class Books {
   void begin() {
     if (keep_) mark_ = balance_now();
   }
-  /// What was gained since begin() or the last end(), less what driven bodies gave.
+  /// Books the gain since begin() or the last end(); the part from driven bodies goes to `hand`.
   void end(Balance& account) {
     if (!keep_) return;
     const Balance now = balance_now();
@@ -41,7 +42,7 @@ class Books {
     add(world_.ledger.hand, w_.pushed);
     w_.pushed = {};
   }
-  /// The rest, up to the last end(), is free motion under gravity.
+  /// Books the rest of the gain up to the last end() as free motion under gravity.
   void close() {
     if (!keep_) return;
     world_.memory.balance = mark_;
@@ -53,7 +54,7 @@ class Books {
     account += gain;
     booked_ += gain;
   }
-  /// As balance(); the part of a body whose state has the bits of the last time is not computed again.
+  /// The same as balance(), but reuses the part of each body whose state has not changed.
   Balance balance_now() {
     static_assert(sizeof(State) == 13 * sizeof(double), "no bytes between its numbers");
     if (!knows_parts_) w_.booked.assign(world_.states.size(), {});

@@ -3,15 +3,15 @@
 #include "engine/hull_feature.h"
 #include "engine/search.h"
 
-/// A hull's face, edge or vertex in place of the hull. Private to the engine.
+/// Searches with a face, edge or vertex of a hull in place of the hull. Private to the engine.
 namespace headpin::engine {
 
-/// Where a face is in view: its normal is known, and what touches it must lie
-/// within it.
+/// Tries the face in view, if there is one. The normal is that of the face, and the closest point
+/// of the other shape must lie over the face.
 ///
-/// @param[in,out] n       becomes the face's
-/// @param[in,out] fa, fb  get the edge that is touched if it is not the face
-/// @return  whether c is the answer
+/// @param[in,out] n       becomes the normal of the face
+/// @param[in,out] fa, fb  get the edge to try next, if that point lies outside the face
+/// @return  whether the answer was found; it is then in c
 template <typename A, typename B>
 bool on_face(Search<A, B>& search, Vec3& n, const Query& q, Feature& fa, Feature& fb, Closest& c) {
   constexpr bool hull_a = kHull<A>, hull_b = kHull<B>;
@@ -45,9 +45,10 @@ bool on_face(Search<A, B>& search, Vec3& n, const Query& q, Feature& fa, Feature
   return false;
 }
 
-/// Newton's method with a hull's feature in place of the hull. The result
-/// counts when the whole hull reaches no further along the normal found; false
-/// when the guess was wrong.
+/// Newton's method with a feature of the hull in place of the hull. The result is valid if the
+/// whole hull reaches no further along the normal found.
+///
+/// @return  false if the feature was the wrong one
 template <typename A, typename B>
 bool by_feature(Search<A, B>& search, Vec3 n, double size, const Query& q, double near,
                 Closest& c) {

@@ -27,7 +27,7 @@ bool on_axis(const Pose& X_BG, const Vec3& axis, double size) {
   return (X_BG.p - X_BG.p.dot(axis) * axis).norm() <= 1e-12 * size;
 }
 
-/// Of what is round about its own z.
+/// Whether a shape that is round about its own z is round about `axis`.
 bool turned(double size, const Pose& X_BG, const Vec3& axis) {
   return on_axis(X_BG, axis, size) && std::abs((X_BG.q * Vec3::UnitZ()).dot(axis)) > 1.0 - 1e-12;
 }
@@ -63,7 +63,7 @@ bool revolves(const Part& part, const Vec3& axis) {
   return std::visit([&](const auto& s) { return revolves(s, part.X_BG, axis); }, part.shape);
 }
 
-/// A disc across the axis, and whether a round end (curved no more than the capsule) hangs on it.
+/// Extent of a part along an axis and across it.
 struct Outline {
   double low, high;          // along the axis
   double radius;             // largest distance from the axis
@@ -71,7 +71,7 @@ struct Outline {
   bool round;                // an ellipsoid on the axis
 };
 
-/// The ends of a body of revolution: rims of its largest radius, an apex, or a round end.
+/// Sets the ends of a body of revolution: rims of its largest radius, an apex, or round ends.
 void set_ends(Outline& o, const Ellipsoid&, bool) {
   o.round = true;
 }
@@ -107,9 +107,9 @@ Outline outline(const Part& part, const Vec3& axis) {
 Capsule capsule_along(const std::vector<Part>& parts, const Vec3& axis) {
   double radius = 0.0;
   for (const Part& part : parts) radius = std::max(radius, outline(part, axis).radius);
-  // The end of the segment must lie high enough that its ball holds the top of every part: the rim
-  // of a disc, or an ellipsoid of this or a smaller radius, whose pole the ball touches from
-  // outside.
+  // The ball at each end of the segment must contain the end of every part. That is the rim of a
+  // disc, or the pole of an ellipsoid with at most the radius of the ball. The ball touches this
+  // pole from outside.
   double low = kPi, high = -kPi;
   bool first = true;
   for (const Part& part : parts) {
@@ -216,7 +216,8 @@ double radius_at(const Part& part, double z) {
                     part.shape);
 }
 
-// Slices between the heights where a part begins or ends; middles, so that ends need no care.
+// Slices between the heights where a part begins or ends. The radius is taken at the middle of each
+// slice, so that no slice is cut at such a height.
 Moments stacked_discs(const std::vector<Part>& parts) {
   std::vector<double> cuts;
   for (const Part& part : parts) {
@@ -268,7 +269,7 @@ void keep_quadratic(Interval& t, double a, double b, double c) {  // a t^2 + 2 b
   t.high = std::min(t.high, (-b + std::sqrt(root)) / a);
 }
 
-// What of a stretch of the line p + t d runs inside a shape.
+// The part of an interval t of the line p + t d that lies inside a shape.
 
 Interval inside(const Ellipsoid& e, const Vec3& p, const Vec3& d, Interval t) {
   const Vec3 u = d.cwiseQuotient(e.radii), v = p.cwiseQuotient(e.radii);
@@ -291,7 +292,7 @@ Interval inside(const Polyhedron& h, const Vec3& p, const Vec3& d, Interval t) {
   return t;
 }
 
-/// Below the apex: rho <= (h/2 - z) r / h, both sides squared; the slab keeps the other nappe out.
+/// Inside: rho <= (h/2 - z) r / h. Both sides are squared; the limits of z exclude the other nappe.
 Interval inside(const Cone& k, const Vec3& p, const Vec3& d, Interval t) {
   const double slope = k.radius / k.height, z = p.z() - 0.5 * k.height;
   const double a = d.x() * d.x() + d.y() * d.y() - slope * slope * d.z() * d.z();
@@ -303,7 +304,7 @@ Interval inside(const Cone& k, const Vec3& p, const Vec3& d, Interval t) {
     keep_quadratic(t, a, b, c);
   } else if (a > -1e-15) {
     keep_below(t, c, 2.0 * b);
-  } else {  // steep line: inside the double cone outside the roots; take the lower nappe
+  } else {  // steep line: outside the roots it is inside the double cone; take the lower nappe
     const double root = std::sqrt(std::max(0.0, b * b - a * c));
     const double t1 = (-b + root) / a, t2 = (-b - root) / a;  // t1 <= t2
     if (d.z() > 0.0) {
@@ -324,7 +325,7 @@ Interval inside(const Shape& shape, const Vec3& p, const Vec3& d, Interval t) {
   return std::visit([&](const auto& s) { return inside(s, p, d, t); }, shape);
 }
 
-// Rods along z on a square grid of middles; their overlap with the union is exact.
+// Rods along z on a grid. The part of each centre line that lies inside the union is exact.
 Moments bundled_rods(const std::vector<Part>& parts) {
   constexpr int kRods = 600;
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
@@ -394,7 +395,7 @@ bool is_revolution(const Compound& compound) {
 
 namespace {
 
-/// The principal axes as the rotation least turned from the identity.
+/// Principal axes, in the order and with the signs of the smallest rotation from the identity.
 Mat3 principal_axes(const Mat3& inertia) {
   const Eigen::SelfAdjointEigenSolver<Mat3> solver(inertia);
   const Mat3& v = solver.eigenvectors();

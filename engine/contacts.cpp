@@ -16,7 +16,7 @@ using namespace patches;
 using footing::Ground;
 using footing::Side;
 
-/// All points of a contact whose deepest is known. Works in A's frame.
+/// Adds all points of a contact, given its deepest point. Works in A's frame.
 int add_points(const Shape& a, const Shape& b, const Pose& X_WA, const Pose& X_AB, const Closest& c,
                double margin, std::vector<ContactPoint>& out) {
   const Vec3 n_AB_W = X_WA.q * c.n_AB;
@@ -45,7 +45,7 @@ int add_points(const Shape& a, const Shape& b, const Pose& X_WA, const Pose& X_A
   for (int i = 1; i < count; ++i) {
     if (all[i].depth > all[first].depth) first = i;
   }
-  // The deepest point itself, where no corner comes close to it.
+  // Adds the deepest point itself if no corner is nearly as deep.
   double extent = 0.0;
   for (int i = 0; i < count; ++i) extent = std::max(extent, all[i].x.norm());
   if (all[first].depth < -c.distance - 1e-3 * extent) {
@@ -66,7 +66,8 @@ int add_points(const Shape& a, const Shape& b, const Pose& X_WA, const Pose& X_A
   return added > 0 ? added : one();
 }
 
-/// Of two bounded shapes, B seen from A; where A is in the world is asked for when they meet.
+/// Adds the contacts of two bounded shapes, with B in A's frame. The pose of A in the world is
+/// computed only if they meet.
 template <typename PoseOfA>
 int meet(const Shape& a, PoseOfA&& pose_of_a, const Shape& b, const Pose& X_AB, double margin,
          KeptNormal& kept, const Query& query, QueryCounts& counts,
@@ -79,7 +80,7 @@ int meet(const Shape& a, PoseOfA&& pose_of_a, const Shape& b, const Pose& X_AB, 
   counts.capped += c.capped ? 1 : 0;
   if (c.distance > margin || (c.separated && query.mode == Query::paper)) return 0;
   const Pose X_WA = pose_of_a();
-  if (query.mode == Query::paper) {  // one point, as equation (1) has it
+  if (query.mode == Query::paper) {  // one point, as in equation (1)
     out.push_back({X_WA * (0.5 * (c.p_A + c.p_B)), X_WA.q * c.n_AB, -c.distance, 0, c.capped});
     return 1;
   }
@@ -112,13 +113,13 @@ int find_contacts(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& 
 
 namespace {
 
-/// Where a part stands that is seldom turned.
+/// Pose of a part. Most parts are not turned and need no product of rotations.
 Pose pose_of(const Pose& X_WB, const Compound& c, std::size_t part) {
   const Pose& X_BG = c.parts[part].X_BG;
   return c.part_turned[part] ? X_WB * X_BG : Pose{X_WB.q, X_WB * X_BG.p};
 }
 
-/// Of a compound A over a half-space.
+/// Adds the contacts of a compound A with a half-space.
 HEADPIN_FLATTEN void stand_on(Ground ground, const Compound& a, const Pose& X_WA,
                               QueryCounts& counts) {
   std::vector<ContactPoint>& out = ground.out;
@@ -190,7 +191,7 @@ int find_contacts(const Compound& a, const Pose& X_WA, const Compound& b, const 
         Pose X_GaGb{b.part_turned[j] ? X_AB.q * pb.X_BG.q : X_AB.q, p_GaGb_A};
         if (a.part_turned[i]) X_GaGb = Pose{pa.X_BG.q.conjugate(), Vec3::Zero()} * X_GaGb;
         meet(pa.shape, pose_of_a, pb.shape, X_GaGb, margin, mine, query, counts, out);
-      } else {  // a half-space among them
+      } else {  // one of them is a half-space
         find_contacts(pa.shape, pose_of_a(), pb.shape, X_WB * pb.X_BG, margin, kept[pair], query,
                       counts, out);
       }

@@ -7,8 +7,8 @@
 namespace headpin::engine::detail {
 namespace {
 
-/// Whether a body may stop for good: it is carried. Without gravity nothing is; then only what does
-/// not move at all.
+/// Whether a body may fall asleep: contacts carry at least half of its weight. Without gravity,
+/// only a body that does not move at all may.
 bool may_rest(const World& world, const Solved& solved, BodyId i) {
   if (world.parameters.rules < 2) return true;
   if (!world.parameters.gravity_W.isZero(0.0)) return solved.carried[i] >= 0.5;
@@ -16,7 +16,7 @@ bool may_rest(const World& world, const Solved& solved, BodyId i) {
   return state.v_WB.isZero(0.0) && state.w_WB.isZero(0.0);
 }
 
-/// Whether a touch's B moves what lies on it.
+/// Whether B of a touch is a driven body that moves and touches A.
 bool is_on_the_move(const World& world, const Flight& flight, const Touch& touch, double depth) {
   if (world.bodies[touch.b].kind != Kind::driven || world.parameters.rules < 2) return false;
   return flight.bodies[touch.b].top_speed > 0.0 && touch.points > 0 && depth >= -kRests;
@@ -39,7 +39,7 @@ void fall_asleep(World& world, const Touches& touches, const Flight& flight, Sol
     any |= memory[i].still >= enough;
   }
   if (!any) return;
-  // An island sleeps when its liveliest body has been still for long enough.
+  // An island falls asleep when every body in it has been still for long enough.
   std::vector<BodyId>& parent = solved.islands.parent;
   std::vector<std::int32_t>& calm = solved.islands.calm;
   calm.resize(world.bodies.size());

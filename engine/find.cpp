@@ -7,10 +7,10 @@ namespace headpin::engine::detail {
 namespace {
 
 constexpr double kWakeSpeed = 1e-3;  // approach that counts as moving [m/s]
-constexpr double kWakeDepth = 1e-3;  // overlap that wakes whatever the speed [m]
+constexpr double kWakeDepth = 1e-3;  // overlap that wakes a body at any speed [m]
 
-/// A candidate starts from the normals that it left in the last step, if it was one.
-/// @param last  of the candidates of the last step, the first that may be the same
+/// Adds a candidate, with the normals that the same pair had after the last step, if any.
+/// @param last  the first candidate of the last step that may be the same pair; moves forward
 void add_known(const World& world, std::uint64_t key, BodyId a, BodyId b, std::size_t& last,
                Touches& touches) {
   const Memory& m = world.memory;
@@ -37,7 +37,7 @@ bool really_touch(World& world, const Flight& flight, Touches& touches, Touch to
   return meet;
 }
 
-/// Whether what a sleeper touches is moving, be it sideways or away: its support may be leaving.
+/// Whether the body that a sleeping body touches moves, in any direction: its support may go away.
 bool is_being_left(const World& world, const Flight& flight, const Touches& touches,
                    const Touch& touch, BodyId sleeper) {
   const BodyId other = sleeper == touch.a ? touch.b : touch.a;
@@ -52,7 +52,8 @@ bool is_being_left(const World& world, const Flight& flight, const Touches& touc
   return false;
 }
 
-/// Candidates: pairs whose bounds meet, the bounds widened by how far a body comes within the step.
+/// Finds candidates: pairs whose bounds meet. The bounds are widened by the distance that a body
+/// can move within the step.
 void find_pairs(World& world, const Flight& flight, Workspace& w) {
   const double dt = step_seconds(world);
   Roll& roll = world.roll;
@@ -80,8 +81,8 @@ void find_pairs(World& world, const Flight& flight, Workspace& w) {
   touches.early_candidates = touches.candidates.size();
 }
 
-/// What a touch is from the last step on, if it was there.
-/// @param last  of the touches of the last step, the first that may be the same
+/// Takes over the data of the same touch in the last step, if there was one.
+/// @param last  the first touch of the last step that may be the same pair; moves forward
 void recall(const World& world, Touch& touch, std::size_t& last) {
   const Memory& m = world.memory;
   while (last < m.touches.size() && m.touches[last].key < touch.key) ++last;
@@ -98,7 +99,8 @@ void recall(const World& world, Touch& touch, std::size_t& last) {
   }
 }
 
-/// Touches of the candidates. @return whether any body was woken: all must then be found again
+/// Finds the touches of the candidates. @return whether a body woke up: then all must be found
+/// again
 bool find_contacts(World& world, const Flight& flight, Touches& touches) {
   bool woken = false;
   touches.all.clear();

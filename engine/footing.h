@@ -10,7 +10,7 @@ namespace headpin::engine::footing {
 
 inline constexpr double kSin120 = 0.86602540378443864676;
 
-/// Which of two bodies the ground is: normals point from A to B.
+/// Whether the ground is body A or body B of a contact. Normals point from A to B.
 enum class Side { a, b };
 
 /// The plane of a half-space, and contact points of shapes that stand on it.
@@ -27,10 +27,10 @@ struct Ground {
 
   /// Adds the points of a shape that are no higher than the margin.
   ///
-  /// @param origin  of the shape's frame G: height over the ground [m]
+  /// @param origin  height of the origin of the shape's frame G over the ground [m]
   void carry(const Shape& shape, const Mat3& R_WG, const Vec3& p_WG, double origin);
 
-  const Vec3 up_W, n_AB_W;  // out of the ground, and the normal of its contacts
+  const Vec3 up_W, n_AB_W;  // away from the ground; normal of its contacts
   const Vec3 along_W;       // a direction in the plane
   const double level, margin;
   std::vector<ContactPoint>& out;
@@ -52,15 +52,15 @@ struct Footprint {
   }
 };
 
-/// Horizontal direction of steepest descent in the shape's frame. A round shape that stands upright
-/// has none of its own: then one of the ground's, so that its yaw does not matter.
+/// Horizontal direction of steepest descent in the shape's frame. An upright round shape has none;
+/// then it is a fixed direction of the ground, so that the yaw of the shape does not matter.
 inline Vec2 downhill(const Footprint& foot, const Vec3& down) {
   Vec2 u(down.x(), down.y());
   if (u.squaredNorm() < 1e-8) u = (foot.R_WG.transpose() * foot.ground.along_W).head<2>();
   return u / u.norm();
 }
 
-// Lowest point of a rim and two more, 120 degrees to each side.
+// Adds the lowest point of a rim and the points 120 degrees to each side of it.
 inline void rim(Footprint& foot, double radius, double z, const Vec2& u, std::uint32_t feature) {
   const Vec2 v(-u.y(), u.x());
   const Vec2 left = -0.5 * u + kSin120 * v, right = -0.5 * u - kSin120 * v;
@@ -85,7 +85,8 @@ inline void stand(Footprint& foot, const Cone& s, const Vec3& down, double) {
   foot.point({0.0, 0.0, 0.5 * s.height}, 4);
 }
 
-// Lowest corner, the one furthest from it, and the two furthest to the sides of their line.
+// Adds the lowest corner, the corner furthest from it, and the furthest corner on each side of the
+// line between them.
 inline void stand(Footprint& foot, const Polyhedron& s, const Vec3& down, double above) {
   const std::span<const Vec3> v = s.vertices();
   const std::uint32_t lowest = s.furthest(down);

@@ -6,9 +6,9 @@
 namespace headpin::engine {
 namespace {
 
-/// Three steps of second order in these parts of the time are one of fourth (Yoshida 1990).
+/// Three steps of second order, with these parts of the time, make one of fourth (Yoshida 1990).
 constexpr double kOuter = 1.3512071919596578;  // 1 / (2 - 2^(1/3))
-constexpr double kSmallTurn = 0.1;             // a longer way is cut into parts [rad]
+constexpr double kSmallTurn = 0.1;             // a larger turn is cut into parts [rad]
 
 bool nearly_equal(double a, double b) {
   return std::abs(a - b) <= 1e-9 * std::max(a, b);
@@ -26,12 +26,12 @@ Quat turned_about_z(const Quat& q, double angle) {
           q.w() * s + q.z() * c};
 }
 
-/// Length back to 1 from where a few products have left it: one step of Newton's root.
+/// Restores the length 1 after a few products, with one Newton step for the inverse root.
 void renormalize(Quat& q) {
   q.coeffs() *= 1.5 - 0.5 * q.squaredNorm();
 }
 
-/// The closed solution of a body of revolution.
+/// Free rotation of a body of revolution, in closed form.
 void turn_about_axis(Quat& q_WP, Vec3& w_W, const Inertia& inertia, double dt) {
   const double I1 = inertia.moments[0], I3 = inertia.moments[2], inv_I1 = inertia.inverse[0];
   const double more = inertia.inverse[2] - inv_I1;
@@ -61,7 +61,7 @@ Inertia principal_inertia(const Mat3& inertia_B) {
     throw std::invalid_argument("inertia: expected positive principal moments, found " +
                                 std::to_string(moments.minCoeff()));
   }
-  // The axis that stands alone: the two others are closest to each other.
+  // The axis whose moment differs most: the moments of the two others are closest to each other.
   int alone = 2;
   double closest = std::abs(moments[0] - moments[1]);
   for (int i = 1; i >= 0; --i) {
@@ -122,7 +122,7 @@ double turning_energy(const Inertia& inertia, const Quat& q_WB, const Vec3& w_WB
 
 void turn_freely(Quat& q_WB, Vec3& w_WB, const Inertia& inertia, double dt) {
   const Vec3 &I = inertia.moments, &inv = inertia.inverse;
-  if (is_ball(inertia)) {  // w stays
+  if (is_ball(inertia)) {  // w is constant
     q_WB = rotation(w_WB * dt) * q_WB;
     renormalize(q_WB);
     return;

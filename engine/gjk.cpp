@@ -5,7 +5,7 @@
 namespace headpin::engine {
 namespace {
 
-/// A point of a simplex nearest to the origin: which corners hold it, and how much of each.
+/// The point of a simplex nearest to the origin: its corners and their barycentric weights.
 struct Nearest {
   int corner[4] = {0, 0, 0, 0};
   double weight[4] = {0.0, 0.0, 0.0, 0.0};
@@ -54,7 +54,8 @@ Nearest of_tetrahedron(const Vec3* w) {
   const double v0 = volume(w[1], w[2], w[3]), v1 = -volume(w[0], w[2], w[3]);
   const double v2 = volume(w[0], w[1], w[3]), v3 = -volume(w[0], w[1], w[2]);
   const double sum = v0 + v1 + v2 + v3;
-  // Four points of one face of A - B: rounding decides their signs, so all faces are looked at.
+  // For four points of one face of A - B, rounding decides the signs of the volumes. Then all faces
+  // are examined.
   const double edges =
       (w[1] - w[0]).squaredNorm() * (w[2] - w[0]).squaredNorm() * (w[3] - w[0]).squaredNorm();
   const bool flat = sum * sum <= 1e-20 * edges;
@@ -62,7 +63,7 @@ Nearest of_tetrahedron(const Vec3* w) {
   if (!flat && sign * v0 > 0.0 && sign * v1 > 0.0 && sign * v2 > 0.0 && sign * v3 > 0.0) {
     return {{0, 1, 2, 3}, {v0 / sum, v1 / sum, v2 / sum, v3 / sum}, 4, 0.0};
   }
-  // Nearest are the faces that have the origin on their outside.
+  // The nearest point lies on a face that has the origin on its outer side.
   Nearest best;
   if (flat || sign * v0 <= 0.0) best = of_triangle(w, 1, 2, 3);
   if (flat || sign * v1 <= 0.0) best = nearer(best, of_triangle(w, 0, 2, 3));

@@ -20,8 +20,8 @@ struct Simplex {
     ++count;
   }
 
-  /// Keeps the smallest part of the simplex that holds its point nearest to `from`, weights it, and
-  /// returns that point less `from`. With four points left `from` is inside.
+  /// Reduces the simplex to the smallest part that contains its point nearest to `from`, and sets
+  /// the weights. Returns that point minus `from`. If four points are left, `from` is inside.
   Vec3 reduce(const Vec3& from);
 
   bool holds(const Vec3& point) const {

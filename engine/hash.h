@@ -4,7 +4,7 @@
 
 namespace headpin {
 
-/// FNV-1a of bytes, 64 bits (draft-eastlake-fnv): tells equal states and equal pictures.
+/// FNV-1a of bytes, 64 bits (draft-eastlake-fnv), to compare states and pictures.
 class Fnv {
  public:
   void add(std::uint8_t byte) { hash_ = (hash_ ^ byte) * 0x100000001b3u; }

@@ -2,15 +2,15 @@
 
 #include "engine/stratified_newton.h"
 
-/// Faces, edges and vertices of a hull, in its place while a search is near them. Private to the
-/// engine.
+/// Faces, edges and vertices of a hull. A search near one of them uses it in place of the hull.
+/// Private to the engine.
 namespace headpin::engine {
 
 /// The feature of a hull that is in view along n: a face, an edge or a vertex whose normals are
 /// near n.
 struct Feature {
   const Polyhedron::Face* face = nullptr;
-  std::uint32_t from = 0, to = 0;  ///< of an edge; equal: a vertex
+  std::uint32_t from = 0, to = 0;  ///< ends of an edge; equal for a vertex
 };
 
 inline Feature in_view(const posed::Hull& hull, const Vec3& n, double near) {
@@ -38,8 +38,8 @@ inline Feature in_view(const posed::Hull& hull, const Vec3& n, double near) {
   return f;
 }
 
-/// Whether a point of the face's plane lies in the face; if not, the edge that it is furthest
-/// beyond.
+/// Whether a point of the face's plane lies in the face. If not, `beyond` gets the edge that the
+/// point is furthest outside of.
 inline bool in_face(const posed::Hull& hull, const Polyhedron::Face& face, const Vec3& p,
                     Feature& beyond) {
   const auto corners = hull.shape->corners(face);

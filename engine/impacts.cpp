@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kGentle = 8;  // impacts of a body in a step after which slow ones are left out
 
-/// Brings a body along its path to time `t` of the step.
+/// Moves a body along its path to time `t` of the step.
 void advance(World& world, Flight& flight, BodyId i, double t) {
   Flyer& flyer = flight.bodies[i];
   if (flyer.impacts == 0) {
@@ -22,7 +22,7 @@ void advance(World& world, Flight& flight, BodyId i, double t) {
   flight.mobility[i].inv_inertia_W = inverse_inertia(world.inertias[i], world.states[i].X_WB.q);
 }
 
-/// Gives an impulse to a body that is at its point's time; from then on it falls freely.
+/// Applies an impulse to a body that is at the time of its impact. From then on it falls freely.
 void push(World& world, Flight& flight, BodyId i, const Vec3& F, const Vec3& r) {
   world.states[i].v_WB += flight.mobility[i].inv_mass * F;
   world.states[i].w_WB += flight.mobility[i].inv_inertia_W * r.cross(F);
@@ -42,8 +42,8 @@ void book(const World& world, Workspace& w, const Touch& touch, const Encounter&
   outside.angular_momentum += p_W.cross(F);
 }
 
-/// Whether a body comes back to a driven one that threw or carried it just before and still comes on:
-/// it is held between that and something else.
+/// Whether a body approaches a driven body again that struck or carried it just before, and that
+/// moves towards it. The body is then squeezed between the driven body and something else.
 bool is_squeezed(const World& world, const Touch& touch, bool struck, const ContactPoint& point,
                  const Vec3& rb) {
   return (struck || touch.pressed) && world.parameters.rules > 1 &&
@@ -51,10 +51,10 @@ bool is_squeezed(const World& world, const Touch& touch, bool struck, const Cont
          velocity_at(world.states[touch.b], rb).dot(point.n_AB_W) < 0.0;
 }
 
-/// Impulse on a body that a driven one squeezes: thrown again and again it would gain speed without
-/// end. It is stopped, but gets no faster than what is driven throws, and gains no more energy than
-/// that of a hoop which rolls so fast: else what is driven counts as standing still, and insists no
-/// more in this step.
+/// Impulse on a body that a driven body squeezes. With restitution it would gain speed without end,
+/// so the impulse is inelastic. If the body would still gain more speed than a throw gives, or more
+/// energy than a hoop that rolls at that speed, the driven body counts as standing still. Then this
+/// touch has no more impacts in this step.
 Vec3 squeezing_impulse(const World& world, const Mobility& m, const Touch& touch, Encounter e,
                        const Vec3& ra, const Vec3& rb, bool& insists) {
   State a = world.states[touch.a];
@@ -71,7 +71,7 @@ Vec3 squeezing_impulse(const World& world, const Mobility& m, const Touch& touch
   return e.u_W.dot(e.n_AB_W) > 0.0 ? impulse_inelastic_smooth(e) : Vec3::Zero();
 }
 
-/// Brings the two bodies to where they meet and gives them their impulse.
+/// Moves the two bodies to the time of impact and applies their impulse.
 void strike(World& world, Workspace& w, const Touch& touch, Approach& kept,
             const Meeting& meeting) {
   Flight& flight = w.flight;
@@ -108,7 +108,7 @@ void strike(World& world, Workspace& w, const Touch& touch, Approach& kept,
   ++world.statistics.impacts;
 }
 
-/// Takes the step back to its start, its bodies as they were.
+/// Returns to the start of the step: restores the bodies, and clears the records of the impacts.
 void start_over(World& world, Workspace& w) {
   for (const auto& [i, state] : w.flight.struck) world.states[i] = state;
   world.events.clear();
@@ -116,7 +116,7 @@ void start_over(World& world, Workspace& w) {
   world.statistics.impacts = world.statistics.unfinished_impacts = world.statistics.pulls = 0;
 }
 
-/// The impacts of a step, soonest first.
+/// The impacts of a step, in order of time.
 class Queue {
  public:
   Queue(World& world, Touches& touches, Workspace& w)
@@ -130,7 +130,7 @@ class Queue {
     flight_.touches.assign(touches.all.size(), {});
   }
 
-  /// When the touch may bring an impact, as its points look now.
+  /// Schedules the next possible impact of a touch, from its present contact points.
   void note(std::uint32_t k) {
     Touch& touch = touches_.all[k];
     if (flight_.touches[k].insists) return set_due(k, kNever);
@@ -141,8 +141,8 @@ class Queue {
     leave_what_lands_later(touch);
   }
 
-  /// Leaves what will land just behind the end of the step to the next one, where it is an impact.
-  /// As a lasting contact it would be held back now, so as to be there at the end and no sooner.
+  /// Removes points that will meet just after the end of the step; in the next step they are
+  /// impacts. As lasting contacts they would be slowed down now, to meet exactly at the end.
   void leave_what_lands_later(Touch& touch) {
     if (touch.points == 0 || world_.parameters.rules < 2 || was_loaded(world_.memory, touch))
       return;
@@ -155,7 +155,7 @@ class Queue {
 
   bool empty() const { return w_.coming.empty(); }
 
-  /// @return  whether a sleeping body was hit: the step is back at its start, that body awake
+  /// @return  whether a sleeping body was hit; it is then awake and the step back at its start
   bool work_off() {
     list_touches_of_bodies();
     while (!w_.coming.empty()) {
@@ -169,8 +169,8 @@ class Queue {
   }
 
  private:
-  /// A body that turns fast meets with one point after the other: gentle meetings must not use up
-  /// the impacts it may have.
+  /// Approach speed above which a touch is followed. A body that turns fast meets with one point
+  /// after the other; slow meetings must not use up its number of impacts.
   double threshold(const Touch& touch) const {
     const int had = std::max(flight_.bodies[touch.a].impacts, flight_.bodies[touch.b].impacts);
     return had < kGentle ? followed_speed(world_, flight_, touch.a, touch.b)
@@ -184,7 +184,8 @@ class Queue {
     std::push_heap(w_.coming.begin(), w_.coming.end(), std::greater<>());
   }
 
-  /// What turns far meets with points that are not yet seen: it is followed at once.
+  /// The next meeting, if any. The path of a body that turns far is followed at once, because it
+  /// may meet with points that are not contact points yet.
   std::optional<Meeting> seen_early(Touch& touch) {
     if (touch.time + trusted_for(world_, touch) >= step_seconds(world_)) {
       return soonest(world_, flight_, touches_, touch, threshold(touch));
@@ -201,7 +202,7 @@ class Queue {
     return m;
   }
 
-  /// Follows the touch that seems next; strikes if it is. @return whether it woke a body
+  /// Follows the touch that seems next, and strikes if it is next. @return whether it woke a body
   bool handle(std::uint32_t k) {
     Touch& touch = touches_.all[k];
     Approach& approach = flight_.touches[k];
@@ -239,13 +240,13 @@ class Queue {
     return false;
   }
 
-  /// A body that has had as many impacts as it may stays where the last one left it, to the end of
-  /// the step: it loses time, and goes through nothing.
+  /// A body that has reached the limit of impacts stays at its last impact until the end of the
+  /// step. It loses time, but does not pass through anything.
   void halt(BodyId i) {
     if (is_mover(world_, i) && flight_.bodies[i].impacts >= limit_) w_.halted.push_back(i);
   }
 
-  /// Leaves out the points of surfaces that seem about to touch gently and pass each other instead.
+  /// Removes the points of surfaces that seem to touch slowly but in fact pass each other.
   void leave_out_what_passes(Touch& touch) {
     if (touch.points == 0 || was_loaded(world_.memory, touch)) return;
     if (!soonest(world_, flight_, touches_, touch, 0.0)) return;
@@ -260,7 +261,7 @@ class Queue {
     touch.points = static_cast<std::uint32_t>(end - first);
   }
 
-  /// The body has a new path: what it meets is looked at again.
+  /// Called when a body has a new path: finds the contact points and impacts of its touches again.
   void turned(BodyId i, std::uint32_t cause) {
     each_touch_of(i, [&](std::uint32_t k) {
       if (k == cause) return;
@@ -270,7 +271,8 @@ class Queue {
     seek(i);
   }
 
-  /// One that an impact made faster than it was sought for may meet others within the step.
+  /// Searches for more bodies that a body may meet, if an impact made it faster than the search for
+  /// pairs assumed.
   void seek(BodyId i) {
     const State& state = world_.states[i];
     const Flyer& flyer = flight_.bodies[i];
@@ -289,7 +291,7 @@ class Queue {
     }
   }
 
-  /// Adds the touch of a pair that had none at the start of the step, if it may meet now.
+  /// Adds the touch of a pair that had none at the start of the step, if the pair may meet now.
   void meet_late(std::uint64_t key, BodyId a, BodyId b) {
     bool known = false;
     const auto is_it = [&](std::uint32_t k) { known = known || touches_.all[k].key == key; };

@@ -25,7 +25,7 @@ void find_islands(const World& world, const std::vector<Touch>& touches, Islands
     const BodyId a = island_root(parent, touch.a), b = island_root(parent, touch.b);
     parent[std::max(a, b)] = std::min(a, b);
   }
-  // Number the islands by their first touch, count, and deal the touches out.
+  // Number the islands by their first touch, count their touches, and sort the touches by island.
   islands.end.clear();
   islands.of.resize(touches.size());
   for (std::size_t k = 0; k < touches.size(); ++k) {
@@ -47,7 +47,7 @@ void find_islands(const World& world, const std::vector<Touch>& touches, Islands
   for (std::size_t k = 0; k < touches.size(); ++k) {
     islands.order[islands.end[islands.of[k]]++] = static_cast<std::uint32_t>(k);
   }
-  // Each start is now the end of its island.
+  // Each entry of `end` is now the end of its island.
 }
 
 }  // namespace headpin::engine::detail

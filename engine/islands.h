@@ -3,10 +3,10 @@
 #include "engine/workspace.h"
 #include "engine/world.h"
 
-/// Movers joined by touches. Private to the engine.
+/// Islands: free and awake bodies joined by touches. Private to the engine.
 namespace headpin::engine::detail {
 
-/// Joins the movers anew, and sorts the touches by island.
+/// Finds the islands and sorts the touches by island.
 void find_islands(const World& world, const std::vector<Touch>& touches, Islands& islands);
 
 /// Representative of a body's island: the smallest number in it.

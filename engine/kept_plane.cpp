@@ -6,7 +6,7 @@
 namespace headpin::engine {
 namespace {
 
-// How far a shape reaches along n: n . support(n), without the point.
+// Value of the support function, n . support(n).
 double reach_along(const Ellipsoid& s, const Vec3& n) {
   return s.radii.cwiseProduct(n).norm();
 }
@@ -25,12 +25,13 @@ bool is_plane(const KeptNormal& kept) {
   return kept.of == KeptNormal::apart && std::abs(kept.n_AB.squaredNorm() - 1.0) < 1e-9;
 }
 
-/// Gap between the planes across n, given in the frames of both, the origins `apart` along it.
+/// Gap between the support planes across n. The normal is given in both frames; `apart` is the
+/// distance of the origins along n.
 double gap(const Shape& a, const Vec3& n_A, const Shape& b, const Vec3& n_B, double apart) {
   return visit_both(a, b, [&](const auto& sa, const auto& sb) {
     if constexpr (std::is_same_v<std::decay_t<decltype(sa)>, HalfSpace> ||
                   std::is_same_v<std::decay_t<decltype(sb)>, HalfSpace>) {
-      return -std::numeric_limits<double>::infinity();  // closed forms are as quick
+      return -std::numeric_limits<double>::infinity();  // no proof: the closed form is as fast
     } else {
       return apart - reach_along(sa, n_A) - reach_along(sb, n_B);
     }

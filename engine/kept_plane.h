@@ -2,14 +2,14 @@
 
 #include "engine/non_colliding.h"
 
-/// The plane that was found between two shapes, asked again.
+/// Tests whether the separating plane of the last query still separates two shapes.
 namespace headpin::engine {
 
-/// Whether the plane across a kept normal still proves two shapes apart. It is the first thing to
-/// ask of a pair seen before: neither shape is posed for it, nor seen from the other.
+/// Whether the plane across a kept normal still separates two shapes. This is the first test of a
+/// known pair: it is cheap, because it does not pose the shapes.
 ///
-/// @param kept    what `closest_points` left for the pair. A normal of a pair that was closer than
-///   its margin (or none at all) proves nothing, and costs nothing.
+/// @param kept    as `closest_points` set it for the pair. If the pair was closer than its margin,
+///   or there is no normal, the answer is false at once.
 /// @param margin  by how much they must be apart [m]
 /// @return        true: closest_points would find them separated by more than the margin
 bool still_apart(const Shape& a, const Pose& X_WA, const Shape& b, const Pose& X_WB,

@@ -27,7 +27,7 @@ SinCos sin_cos(double angle) {
                                                     z * (1.0 / 479001600.0 +
                                                          z * (-1.0 / 87178291200.0 +
                                                               z * (1.0 / 20922789888000.0))))))));
-  const bool counts = std::abs(n) < 0x1p62;  // else there is no such turn, and s and c say nothing
+  const bool counts = std::abs(n) < 0x1p62;  // else n is not usable, and s and c are meaningless
   switch (counts ? static_cast<std::int64_t>(n) & 3 : 0) {
     case 0:
       return {s, c};

@@ -4,7 +4,8 @@
 #include <cmath>
 #include <cstdint>
 
-// The library is compiled so; otherwise layouts and bits would be others, without a word.
+// The library is compiled with these flags. With other flags, memory layouts and results would
+// differ without an error message.
 #ifndef EIGEN_DONT_VECTORIZE
 #error \
     "headpin: add what `pkg-config --cflags headpin-engine` says, at least -DEIGEN_DONT_VECTORIZE -ffp-contract=off"
@@ -114,7 +115,7 @@ struct HalfAngle {
 HalfAngle half_of_large_angle(double square);
 inline HalfAngle half_angle(double square) {
   if (!(square < 0.01)) return half_of_large_angle(square);
-  // The common turn of one step: no root, no reduction of the angle.
+  // The usual turn of one step needs no root and no reduction of the angle.
   const double z = 0.25 * square;
   return {1.0 + z * (-0.5 + z * (1.0 / 24 + z * (-1.0 / 720 + z * (1.0 / 40320)))),
           0.5 + z * (-1.0 / 12 + z * (1.0 / 240 + z * (-1.0 / 10080 + z * (1.0 / 725760))))};

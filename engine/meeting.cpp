@@ -5,12 +5,12 @@
 namespace headpin::engine::detail {
 namespace {
 
-constexpr double kRounded = 1e-12;  // gap of which rounding may make none [m]
-constexpr int kQueries = 32;        // most queries on the way there; a few do unless they graze
-constexpr int kTurns = 64;          // at most so often within a step
-constexpr int kBack = 12;           // most queries on the way back from where they overlap
+constexpr double kRounded = 1e-12;  // rounding error of a gap [m]
+constexpr int kQueries = 32;        // most queries until they meet; a few suffice unless they graze
+constexpr int kTurns = 64;          // most parts of a step for bodies that turn fast
+constexpr int kBack = 12;           // most queries to go back from an overlap
 
-/// Where a body's centre of mass is when a touch looks at it, and how fast it and its turn are.
+/// Position and velocities of a body at the time of a touch.
 struct Going {
   Vec3 p_WB, v_WB, w_WB;
 };
@@ -45,7 +45,7 @@ std::optional<Meeting> soonest(const World& world, const Flight& flight, const T
     const double time =
         std::max({touch.time + t, flight.bodies[touch.a].clock, flight.bodies[touch.b].clock});
     if (time > step_seconds(world)) continue;
-    // Of several at once the fastest, whatever their order: a mirrored body has another.
+    // Of several at the same time, take the fastest: their order differs for a mirrored body.
     const bool sooner =
         !best || time < best->time || (time == best->time && speed > best->approach);
     if (sooner) best = {p, time, speed};
@@ -80,7 +80,7 @@ struct Apart {
   double time = 0.0, gap = 0.0;
 };
 
-/// Two that were apart and overlap as the touch now sees them: back to where they meet.
+/// Two bodies were apart `before` and now overlap: moves the touch back to the time when they meet.
 void go_back(World& world, const Flight& flight, Touches& touches, Touch& touch, Apart before) {
   for (int k = 0; k < kBack; ++k) {
     const double depth = deepest(touches, touch);
@@ -111,7 +111,7 @@ std::optional<Meeting> find_meeting(World& world, const Flight& flight, Touches&
                                     Touch& touch, double threshold) {
   const double trusted = trusted_for(world, touch), step = step_seconds(world);
   const int most = trusted < kNever ? kQueries + 2 * kTurns : kQueries;
-  const double least = trusted < kNever ? step / most : 0.0;  // so that it comes to the end
+  const double least = trusted < kNever ? step / most : 0.0;  // so that it reaches the end
   std::optional<Meeting> m = soonest(world, flight, touches, touch, threshold);
   for (int k = 0; k < most; ++k) {
     if (m && (m->time <= touch.time || -m->point.depth <= kMeets)) {

@@ -17,14 +17,14 @@ struct Meeting {
   double approach = 0.0;  ///< [m/s]
 };
 
-/// Soonest among the touch's points that is fast enough, as they look now.
+/// The earliest meeting among the touch's present points that approach faster than `threshold`.
 std::optional<Meeting> soonest(const World& world, const Flight& flight, const Touches& touches,
                                const Touch& touch, double threshold);
 
 /// Follows both paths within the step to where the surfaces meet faster than `threshold`.
 ///
 /// At the start of the step they may be centimetres apart, and the normal some degrees off.
-/// @param touches  gets points behind all others
+/// @param touches  gets the new points at the end
 /// @param touch    with points of the start of the step; gets those of the meeting
 /// @return         none when they pass each other, or meet more slowly or later
 std::optional<Meeting> find_meeting(World& world, const Flight& flight, Touches& touches,
@@ -34,7 +34,7 @@ std::optional<Meeting> find_meeting(World& world, const Flight& flight, Touches&
 bool lands_later(const World& world, const Flight& flight, const Touch& touch,
                  const ContactPoint& p);
 
-/// For how long the points of a touch tell what the bodies will meet with: until these have turned.
+/// Time for which the points of a touch are valid: until its bodies have turned far [s].
 double trusted_for(const World& world, const Touch& touch);
 
 }  // namespace headpin::engine::detail

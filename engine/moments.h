@@ -5,7 +5,7 @@
 
 #include "engine/compound.h"
 
-/// Moments of the shapes in closed form, and what they weigh. Private to the engine.
+/// Moments of the shapes in closed form, and their mass properties. Private to the engine.
 namespace headpin::engine {
 
 /// Volume and its first and second moments about the origin: all that mass properties need.

@@ -4,9 +4,9 @@
 namespace headpin::engine::detail {
 namespace {
 
-// Velocities are those at the end. A free body fell with their mean; one that is carried moves with
-// the end velocity, as its contacts were solved for; one that is held in part goes between, which is
-// where its energy stays what it was.
+// Velocities are those at the end of the step. A falling body moves with the mean of the velocities
+// at the start and the end. A carried body moves with the end velocity, for which its contacts were
+// solved. A partly carried body moves with a velocity in between, which keeps its energy.
 void move_to_end(const World& world, const Flight& flight, const Solved& solved, BodyId i,
                  Pose& X_WB, Vec3& w_WB) {
   const double left = step_seconds(world) - flight.bodies[i].clock;

@@ -13,7 +13,7 @@
 namespace headpin::engine {
 namespace {
 
-/// Steps of the paper's iteration after the first one before Newton's.
+/// Number of steps of the paper's iteration between the first evaluation and Newton's method.
 constexpr int kPaperSteps = 1;
 
 template <typename B>
@@ -41,8 +41,7 @@ Closest settle_round(Search<A, B>& search, Vec3 n, double size, bool warm, const
   const Descent d = descend(search.a, search.b, n, size, q.margin, q.cap);
   search.evaluations += d.evaluations;
   Support best{d.s_A, d.s_B, d.s_A + d.s_B, d.h};
-  // At a kink h is that of one side of it, which proves no gap as small as
-  // rounding.
+  // At a kink, h belongs to one side of it and does not prove a gap as small as rounding.
   if (d.h < 0.0 && d.h > -1e-7 * size) best.h = search(d.n).h;
   if (d.end != Descent::unresolved) return search.answer(best, d.n);
   Closest c = from_outside(search, d.n, best, size, q.margin, 1e-9 * size);
@@ -54,9 +53,9 @@ template <typename A, typename B>
 Closest settle_hull(Search<A, B>& search, const Vec3& n, const Support& first, double size,
                     bool warm, const Query& q) {
   Closest c;
-  // A warm start is near the feature that the pair touched with.
+  // A warm start is near the feature at which the pair touched.
   if (warm && by_feature(search, n, size, q, 0.03, c)) return c;
-  // Polyhedra alone end exactly; with round shapes it is enough to come near
+  // Two polyhedra need the exact end of this search. With a round shape it is enough to come near
   // the feature.
   constexpr bool flat = kHull<A> && kHull<B>;
   c = from_outside(search, n, first, size, q.margin, flat ? 1e-8 * size : 1e-2 * size);
@@ -64,7 +63,8 @@ Closest settle_hull(Search<A, B>& search, const Vec3& n, const Support& first, d
   return from_outside(search, c.n_AB, search(c.n_AB), size, q.margin, 1e-8 * size);
 }
 
-/// From a normal that proves nothing to the closest points. A warm one is near.
+/// Finds the closest points, from a normal that does not yet prove separation. A warm start is
+/// close to the solution.
 template <typename A, typename B>
 HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest settle(Search<A, B>& search, const Vec3& n,
                                                    const Support& first, double size, bool warm,
@@ -76,11 +76,11 @@ HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest settle(Search<A, B>& search, const V
   }
 }
 
-/// From the line of centres: the paper's steps, which are cheap and the end of
-/// most pairs that are apart, and the way on from the best of them.
+/// Searches from the line of centres. It first makes the paper's steps, which are cheap and
+/// separate most pairs that are apart. Then it continues from the best of them.
 template <typename A, typename B>
 Closest from_centres(Search<A, B>& search, Vec3 n, Support best, double size, const Query& q) {
-  Vec3 raw = n;  // not unit: furthest points only ask for the direction
+  Vec3 raw = n;  // not unit: support points depend only on the direction
   Support s = best;
   for (int step = 0; step < kPaperSteps; ++step) {
     const double along = raw.dot(s.S), S2 = s.S.squaredNorm();
@@ -98,8 +98,8 @@ Closest from_centres(Search<A, B>& search, Vec3 n, Support best, double size, co
   return settle(search, n, best, size, false, q);
 }
 
-/// The first look at a pair, along n of any length. Most pairs that are apart
-/// end here, so nothing is prepared that only a second look needs.
+/// The first evaluation of a pair, along n of any length. Most pairs that are apart end here, so it
+/// prepares nothing that only later evaluations need.
 template <typename A, typename B>
 struct Glance {
   const A& a;
@@ -128,8 +128,7 @@ struct Glance {
   }
 };
 
-/// Most ways out looked at, each shorter than the one before, and most
-/// polytopes for them.
+/// Largest number of ways out per polytope, each shorter than the one before, and of polytopes.
 constexpr int kWaysOut = 20, kAttempts = 3;
 
 template <typename S>
@@ -137,10 +136,11 @@ Vec3 furthest_of(void* search, const Vec3& n) {
   return (*static_cast<S*>(search))(n).S;
 }
 
-/// Replaces a way out by shorter ones until none is; false when it had to give
-/// up before that was proven. Two edges lie across each other, or a minimum is
-/// not the least, or there is none: one may even be found where the shapes are
+/// Replaces a way out by shorter ones until there is no shorter one. This is needed where two edges
+/// cross, where a minimum is not the least, or where there is no minimum; the shapes may even be
 /// apart.
+///
+/// @return  false if it gave up before this was proven
 template <typename A, typename B, typename S>
 HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE bool shorten(const A& a, const B& b, const Pose& X_AB,
                                                  S& search, Closest& c, double size,
@@ -158,7 +158,7 @@ HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE bool shorten(const A& a, const B& b, const P
       if (is_proven(a, b, X_AB, c, size)) return true;
     }
     if (k < kWaysOut && !around.gave_up()) return true;
-    // From where it was nearest, and if that leads on, round there.
+    // Continue from the last direction. If the result is shorter, build a new polytope around it.
     const Closest there = settle(search, shorter, search(shorter), size, false, q);
     c.capped = true;
     if (there.distance <= c.distance) return false;
@@ -168,8 +168,8 @@ HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE bool shorten(const A& a, const B& b, const P
   return false;
 }
 
-/// Nothing was proven from a kept normal, as between round shapes that nearly share an axis: the line
-/// of centres may lead to less.
+/// The search from a kept normal proved nothing, as for round shapes that nearly share an axis. The
+/// line of centres may lead to a smaller depth.
 template <typename A, typename B, typename S>
 HEADPIN_OUT_OF_LINE void try_from_centres(const A& a, const B& b, const Pose& X_AB, S& search,
                                           const Vec3& n, Closest& c, double size, const Query& q) {
@@ -180,8 +180,8 @@ HEADPIN_OUT_OF_LINE void try_from_centres(const A& a, const B& b, const Pose& X_
   c.capped = true;
 }
 
-/// Carries on from a normal that proves nothing: until the closest points are
-/// found, and proven, or in the paper's mode to its cap.
+/// Continues from a normal that does not prove separation, until the closest points are found and
+/// proven. In paper mode it stops at the cap.
 template <typename A, typename B, typename Look>
 HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest carry_on(const A& a, const B& b, const Pose& X_AB,
                                                      Look& look, const Vec3& n,
@@ -207,8 +207,8 @@ HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest carry_on(const A& a, const B& b, con
   return c;
 }
 
-/// Round shapes that were closer than the margin go without the first look, as
-/// it would prove nothing.
+/// Round shapes that were closer than the margin skip the first evaluation, because it would prove
+/// nothing.
 template <typename A, typename B>
 HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, KeptNormal& kept,
                                 const Query& q) {
@@ -217,8 +217,7 @@ HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, KeptNo
   const bool warm = starts_warm(q) && kept.of != KeptNormal::none && c2 > 0.5 && c2 < 2.0;
   const bool met = warm && kept.of == KeptNormal::met;
   const Vec3 line = centre_B(b, X_AB) - centre(a);
-  // Furthest points only ask for the direction: no need to wait for the unit
-  // vector.
+  // Support points depend only on the direction, so the unit vector is not needed yet.
   Vec3 n = warm ? kept.n_AB : line;
   double n2 = warm ? c2 : line.squaredNorm();
   if (!(n2 > 1e-200 && n2 < 1e200)) {
@@ -249,7 +248,7 @@ HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, KeptNo
   return c;
 }
 
-// The half-space is its plane: the normal is known.
+// Against a half-space the normal is known: that of its plane.
 template <typename B>
 Closest from_plane(const B& b, const Pose& X_AB) {
   const Vec3 n = Vec3::UnitZ();

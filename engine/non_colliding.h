@@ -7,11 +7,10 @@
 /// The non-colliding method: proof that two convex shapes are apart, or where, which way and how
 /// deep they meet (Uno and Slater 1997, section 2.1).
 ///
-/// For a unit vector n let g(n) = n . (s_B(-n) - s_A(n)), the gap between the planes across n that
-/// hold A and B back (s: support). Where g(n) > 0 the planes prove that A and B are apart and the
-/// search stops. The largest g is the distance, or minus the depth. Every verdict comes with its
-/// proof: apart with such a plane, meeting with a point of both, or with GJK's failure to find a
-/// plane.
+/// For a unit vector n let g(n) = n . (s_B(-n) - s_A(n)), the gap between the support planes of A
+/// and B across n (s: support point). Where g(n) > 0 the planes prove that A and B are apart and
+/// the search stops. The largest g is the distance, or minus the depth. Every verdict has a proof.
+/// For apart it is such a plane. For meeting it is a common point, or that GJK finds no plane.
 ///
 ///     #include "engine/non_colliding.h"
 ///
@@ -24,19 +23,21 @@
 /// Link with headpin::engine; compounds and resting contacts are in contacts.h.
 ///
 /// Two modes:
-/// - paper: from the line of centres, at most `cap` steps, then equations (1), (2) of the plane of
-///   least overlap that was looked at. It never calls a pair that meets separated, but it calls flat
-///   things that are apart a contact (parallel caps at cap 5 nearly always), and its depth is the
-///   true one or more: at cap 20 by 3 % in half of the shallow pairs, with a normal 1 degree off; at
-///   cap 5 by a third, 5 degrees off. One contact point.
-/// - converged, the default: the same start and the same way out at every evaluation, then Newton's
-///   method until (1), (2) hold (stratified_newton.h), a hull being replaced by its face, edge or
-///   vertex in view, and GJK from outside for what is left. Such a minimum need not be the least
-///   way out, nor prove that the shapes meet: it counts when a ball of its length fits in between
-///   (most do), else an expanding polytope looks for shorter ways round it (polytope.h).
+/// - paper: starts from the line of centres and makes at most `cap` steps. Then it applies
+///   equations (1), (2) to the plane of least overlap that it found. It never reports a pair that
+///   meets as separated. But it reports flat shapes that are apart as a contact (parallel caps at
+///   cap 5 nearly always), and its depth is the true one or more: for half of the shallow pairs 3 %
+///   more at cap 20, with a normal 1 degree off, and a third more at cap 5, 5 degrees off. One
+///   contact point.
+/// - converged, the default: the same start, and it also stops at the first proof of separation.
+///   Then Newton's method runs until (1), (2) hold (stratified_newton.h), with the face, edge or
+///   vertex in view in place of a hull. GJK from outside solves the rest. Such a minimum need not
+///   be the least way out, and does not prove that the shapes meet. It is accepted if a ball of
+///   almost its length fits in between (for most pairs). Otherwise an expanding polytope searches
+///   for shorter ways around it (polytope.h).
 ///
-/// What converged mode promises of any two shapes of aspect ratios to 100 and sizes of 1e-3 to 1e3,
-/// cold and from any kept normal; size is the radius about the smaller shape's origin:
+/// Accuracy of converged mode for any two shapes with aspect ratios to 100 and sizes of 1e-3 to
+/// 1e3, cold and from any kept normal; size is the radius about the smaller shape's origin:
 ///
 ///     verdict                    right when the gap is over 1e-6 of the size, or the overlap over
 ///                                1e-9 of both sizes
@@ -45,19 +46,22 @@
 ///     deeper overlap             the same verdict; a way out that no start found shorter, and
 ///                                nearly always the least
 ///
-/// tests/campaign tries a million pairs of each two kinds of shapes against proofs of its own.
+/// tests/campaign checks a million pairs of each two kinds of shapes against proofs of its own.
 ///
-/// What of the paper mode is the paper's: the start at the line of centres, the furthest points, the
-/// end at N . D > 0 or at D parallel to N (here to 1e-6), the cap, equations (1) and (2). How a new
-/// normal is found is only in [UNO 96], which nobody has, so that is ours:
-/// - towards a proof, a step of 1.5 times the projection onto the plane across D, between the
-///   projection and the mirror image of Chung and Wong (1996), which left fewest pairs undecided;
-/// - after half of the cap, once such a step comes to no lower plane, a turn by the part of D across N
-///   over the two arms, as steps towards a proof do not end at the closest points of pairs that meet:
-///   more of them made normal and depth worse;
-/// - at the cap, the answer is the best plane's, not the last one's.
-/// Warm starts, Newton's method and the fallback are ours too. The distance d is N . D, which is |D|
-/// at convergence.
+/// These parts of paper mode are from the paper: the start at the line of centres, the support
+/// points, the end at N . D > 0 or at D parallel to N (here to 1e-6), the cap, equations (1) and
+/// (2). The rule for a new normal is only in [UNO 96], which is not available. These rules are
+/// therefore ours:
+/// - Towards a proof, a step of 1.5 times the projection onto the plane across D. This is between
+///   the projection and the mirror image of Chung and Wong (1996), and left the fewest pairs
+///   undecided.
+/// - After half of the cap, when such a step finds no lower plane, a turn by the part of D across N
+///   divided by the two arms. Steps towards a proof do not end at the closest points of pairs that
+///   meet; more of them made normal and depth worse.
+/// - At the cap, the answer comes from the best plane, not from the last one.
+///
+/// Warm starts, Newton's method and the fallback are also ours. The distance d is N . D, which is
+/// |D| at convergence.
 namespace headpin::engine {
 
 struct Closest {
@@ -72,7 +76,7 @@ struct Closest {
                         ///< that or less, in converged mode the fallback answered
 };
 
-/// What a pair of shapes keeps from query to query, to start from.
+/// The normal of a pair of shapes, kept for the warm start of its next query.
 struct KeptNormal {
   enum Of : std::uint8_t {
     none,   ///< nothing to start from
@@ -90,16 +94,16 @@ struct Query {
   };
   Mode mode = converged;
   int cap = 20;       ///< 5..20 in the paper
-  bool warm = false;  ///< paper mode starts from the kept normal, which is ours and not of 1997
+  bool warm = false;  ///< paper mode starts from the kept normal, which is not in the paper
   bool last =
-      false;  ///< paper mode answers from the last plane and turns towards a proof alone, as
-              ///< trials were recorded before it answered from the best
+      false;  ///< paper mode answers from the last plane and only makes steps towards a proof,
+              ///< as in older trials
   /// Converged mode stops at the proof of a gap of more than this; a closer pair gets its closest
   /// points, apart or not [m].
   double margin = 0.0;
 };
 
-/// Whether a kept normal is where the query begins.
+/// Whether the query starts from the kept normal.
 inline bool starts_warm(const Query& query) {
   return query.mode == Query::converged || query.warm;
 }

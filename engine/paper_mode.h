@@ -5,31 +5,27 @@
 /// The search of the paper's mode. Private to the engine.
 namespace headpin::engine {
 
-/// One step of the paper's iteration. S = A - B looked at from the plane's
-/// normal n; the point S lies on the wrong side of the origin when h >= 0. The
-/// mirror image of n in S (Chung and Wong 1996) would take away 2 (h / S.S)
-/// S; 1.5 was measured to leave fewest pairs unresolved.
+/// One step of the paper's iteration. S is the support point of A - B along the normal n; the plane
+/// across n does not separate if h >= 0. The mirror image of n in S (Chung and Wong 1996) would
+/// subtract 2 (h / S.S) S. In measurements, 1.5 left the fewest pairs unresolved.
 inline Vec3 turned(const Vec3& n, const Support& s) {
   return unit_or(n - 1.5 * s.h / s.S.squaredNorm() * s.S, n);
 }
 
-/// The points lie along the normal: equations (1), (2).
+/// Whether S is parallel to the normal: equations (1), (2).
 inline bool parallel(const Support& s, const Vec3& n) {
   return (s.S - s.h * n).squaredNorm() <= 1e-12 * s.S.squaredNorm();
 }
 
-/// Up to the cap, as the paper has it: D parallel to N ends it, and so does a
-/// proof of separation.
+/// The paper's search. It ends at the cap, if D is parallel to N, or at a proof of separation.
 ///
-/// Where S lies nearly along n, as it does where shapes meet, the steps towards
-/// a proof turn n over. So after half of the cap, as soon as one leads to no
-/// lower plane, the search goes on from the lowest: n is turned by the part of
-/// S across it over both arms, which for two spheres is the way to the line of
-/// centres, and by half as much each time that this leads to no lower plane.
-/// The answer is the lowest plane.
+/// Where S is nearly parallel to n, as for shapes that meet, the steps towards a proof turn n over.
+/// So after half of the cap, when such a step finds no lower plane, the search continues from the
+/// lowest plane. It turns n by the part of S across n divided by both arms; for two spheres this
+/// leads to the line of centres. Each time that it finds no lower plane, it halves the turn. The
+/// answer is the lowest plane.
 ///
-/// @param c_A, c_B  from where the arms of the furthest points are measured, in
-/// A's frame
+/// @param c_A, c_B  centres from which the arms of the support points are measured, in A's frame
 template <typename S>
 HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest paper(S& search, Vec3 n, const Support& first,
                                                   const Vec3& c_A, const Vec3& c_B, int cap) {
@@ -64,8 +60,7 @@ HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest paper(S& search, Vec3 n, const Suppo
   return c;
 }
 
-/// As old trials have it: the depth of the best plane, normal and points of the
-/// last.
+/// The rule of older trials: depth of the best plane, normal and points of the last one.
 template <typename S>
 HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest paper_last(S& search, Vec3 n, const Support& first,
                                                        int cap) {

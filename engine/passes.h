@@ -7,15 +7,15 @@
 /// Passes over the rows of an island. Private to the engine.
 namespace headpin::engine::detail {
 
-/// Friction that lost its load so often within a step is left out of it: where a pair is just about
-/// to part, its friction would come and go for ever.
+/// Friction that lost its load this many times within a step is left out. Where a pair is about to
+/// separate, its friction could switch on and off without end.
 inline constexpr int kReleases = 4;
 
-/// Most islands are done after so many passes; the others are sped up.
+/// Most islands are solved after this many passes. For the others, further passes are accelerated.
 inline constexpr int kPlainPasses = 8;
 
-/// Passes that are sped up and yet change velocities so many times as much as the best have left their
-/// way, as they do where masses differ a thousandfold: from there on they go plainly.
+/// Accelerated passes diverge if one changes velocities by more than this many times the least
+/// change so far. This happens where masses differ a thousandfold. The passes after that are plain.
 inline constexpr double kAstray = 100.0;
 
 template <Other other>
@@ -25,7 +25,7 @@ double approach_of(const NormalRow& row, const State& sa, const State& sb) {
   return approach - (row.n.dot(sb.v_WB) + row.rb_n.dot(sb.w_WB));
 }
 
-/// All rows of a touch at once, if they all press. @return whether they do
+/// Solves all rows of a touch at once, if no impulse becomes negative. @return whether it did
 template <Other other, int n>
 bool solve_as_block(const Island& s, const Touch& touch, const SolvedTouch& solved, double& worst) {
   if (solved.block == kNone) return false;
@@ -81,7 +81,7 @@ double solve_friction(const Island& s, const Touch& touch, FrictionRows& f, doub
   const bool carries = load > 0.0 && f.releases < kReleases;
   if (f.carries && !carries) ++f.releases;
   f.carries = carries;
-  // One after the other: slip, twist and rolling of one contact work on each other.
+  // One after the other, because slip, twist and rolling of one contact affect each other.
   const double most = touch.sliding.limit * load;
   Vec2 F = Vec2::Zero();
   if (carries) {
@@ -132,7 +132,7 @@ double solve(const Island& s, const Touch& touch, const SolvedTouch& solved,
   return std::max(worst, solve_friction<other>(s, touch, *friction, load));
 }
 
-/// How often an island was gone over, and the largest change of a velocity in the last pass [m/s].
+/// Number of passes over an island, and the largest change of a velocity in the last pass [m/s].
 struct Passes {
   int count = 0;
   double worst = 0.0;

@@ -4,8 +4,8 @@
 
 #include "engine/shape.h"
 
-/// Where flat meets flat, or a side lies along something: the parts of two surfaces that face each
-/// other, and a few points of what they share. Private to the engine.
+/// Contacts between faces and sides: the parts of two surfaces that face each other, and a few
+/// points of their common area. Private to the engine.
 namespace headpin::engine::patches {
 
 /// Faces and generators within this angle of facing each other give more than one point [rad].
@@ -174,12 +174,12 @@ struct Candidate {
   double height = 0.0, depth = 0.0;
 };
 
-/// What two patches share, as corners in the contact plane. Returns how many.
+/// The common area of two patches, as corners in the contact plane. Returns their number.
 inline int shared(const Patch& of_a, const Patch& of_b, const Sheet& a, const Sheet& b,
                   Candidate* out) {
   int count = 0;
   if (of_a.count == 2 && of_b.count == 2) {
-    // Side on side: the stretch that both cover, if they are nearly parallel.
+    // Side on side: their common segment, if they are nearly parallel.
     const Vec2 da = a.corner[1] - a.corner[0], db = b.corner[1] - b.corner[0];
     const double length = da.norm(), turn = cross(da, db) / (length * db.norm());
     if (!(std::abs(turn) < kFacing)) return 0;
@@ -190,7 +190,7 @@ inline int shared(const Patch& of_a, const Patch& of_b, const Sheet& a, const Sh
     for (const double s : {low, high}) {
       const Vec2 xa = a.corner[0] + s * t;
       const Vec2 xb = b.corner[0] + (s - b0) / (b1 - b0) * db;
-      // Round sides that part sideways by e are further apart than their lines by e^2 / 2 r.
+      // If the lines of round sides are e apart sideways, the gap is larger by e^2 / 2 r.
       const double e2 = (xa - xb).squaredNorm();
       const double ha = a.height(xa), hb = b.height(xb);
       const double lost = e2 / (2.0 * (of_a.radius + of_b.radius) + std::sqrt(e2) + 1e-300);
@@ -209,7 +209,8 @@ inline int shared(const Patch& of_a, const Patch& of_b, const Sheet& a, const Sh
   return count;
 }
 
-/// Up to four that reach furthest: the first, the furthest from it, and the furthest to both sides.
+/// Chooses up to four candidates: the first, the furthest from it, and the furthest on each side of
+/// the line between them.
 inline int spread(const Candidate* all, int count, int first, int* chosen) {
   chosen[0] = first;
   int far = first;

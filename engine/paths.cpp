@@ -3,7 +3,7 @@
 namespace headpin::engine::detail {
 namespace {
 
-/// Lists who takes part, and where those are that rest.
+/// Lists the bodies that take part in a step, and their bounds.
 void call_roll(World& world) {
   Roll& roll = world.roll;
   roll.movers.clear();
@@ -40,7 +40,7 @@ void depart(World& world, Flight& flight) {
   know_roll(world);
   const Parameters& p = world.parameters;
   const double dt = step_seconds(world), g = p.gravity_W.norm();
-  flight.lasting_speed = std::max(p.impact_speed, 2.5 * g * dt);  // whatever gravity adds in a step
+  flight.lasting_speed = std::max(p.impact_speed, 2.5 * g * dt);  // above gravity's part in a step
   flight.fall = g * dt * dt;
   flight.struck.clear();
   flight.touches.clear();

@@ -13,10 +13,10 @@ enum class EarlyOut {
 };
 
 /// Whether two polyhedra have a point in common: a vertex of one lies inside the other, or an edge
-/// of one passes through it. Both settings give the same verdict. Says nothing of where or how
-/// deep.
+/// of one passes through it. Both settings give the same verdict. It gives no contact point and no
+/// depth.
 ///
-/// Kept as the yardstick: O(vertices and edges of a * faces of b), both ways round.
+/// Used only for comparison. Cost: O(vertices and edges of a * faces of b), and the reverse.
 ///
 /// @param X_AB  frame of b in the frame of a
 bool intersect_by_features(const Polyhedron& a, const Polyhedron& b, const Pose& X_AB,

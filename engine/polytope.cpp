@@ -8,9 +8,10 @@ namespace headpin::engine {
 
 Polytope::Polytope(Furthest furthest, void* pair, const Vec3& n, const Vec3& s)
     : furthest_(furthest), pair_(pair), n_(n) {
-  // Where an edge of A lies across one of B, they make a face of A - B: two directions about n give
-  // corners opposite each other, and two across the line between those the other two. 7 degrees: on
-  // rims, planes through chords of them fall off by up to 0.7 times that, whose cosine is over 0.99.
+  // Where an edge of A crosses an edge of B, they form a face of A - B. Two directions about n give
+  // opposite corners of it, and two directions across the line between those give the other
+  // corners. The tilt is 7 degrees: on rims, planes through chords deviate by up to 0.7 times that,
+  // which has a cosine over 0.99.
   constexpr double kTilt = 0.13;
   const Vec3 u = n.unitOrthogonal();
   points_[0] = s;
@@ -25,8 +26,8 @@ Polytope::Polytope(Furthest furthest, void* pair, const Vec3& n, const Vec3& s)
   count_ = 6;
 }
 
-// Whether the octahedron of the first six points holds the ball. Triangles that all have the origin
-// behind them surround it, convex or not; they end most searches.
+// Whether the octahedron of the first six points contains the ball. If the origin is behind all its
+// triangles, they enclose it, convex or not. This test ends most searches.
 bool Polytope::holds_ball(double radius) const {
   for (int k = 0; k < 4; ++k) {
     const Vec3 &p = points_[1 + k], &q = points_[1 + (k + 1) % 4];
@@ -51,7 +52,8 @@ void Polytope::add_face(int i, int j, int k) {
   f.offset = area > 0.0 ? f.normal.dot(p) : std::numeric_limits<double>::infinity();
 }
 
-// A tetrahedron of four of the points, as large as a greedy choice makes it, and the others.
+// Makes a tetrahedron of four of the points, as large as a greedy choice gives, and inserts the
+// others.
 void Polytope::start() {
   const auto choose = [&](int place, auto&& measure) {
     int best = place;
@@ -72,7 +74,7 @@ void Polytope::start() {
     const double volume = choose(3, [&](const Vec3& x) { return std::abs(m.dot(x - p)); });
     up = m.dot(points_[3] - p);
     if (volume > 1e-3 * area * length || attempt == 2 || count_ + 4 > kPoints) break;
-    // Many directions had one furthest corner: those across what there is lead to others.
+    // Many directions had the same support point. Directions across the points so far give others.
     const bool flat = area > 1e-3 * length * length;
     const Vec3 along = length > 0.0 ? Vec3(e / length) : n_, across = along.unitOrthogonal();
     for (const Vec3& n : {flat ? Vec3(m / area) : across, Vec3(along.cross(across))}) {
@@ -86,7 +88,7 @@ void Polytope::start() {
   add_face(0, k, 3);
   add_face(k, j, 3);
   add_face(j, 0, 3);
-  // Two points on one spot make triangles whose normals say nothing.
+  // Two points at the same place would make triangles with meaningless normals.
   const double near = 10.0 * rounding_;
   int kept = 4;
   for (int i = 4; i < count_; ++i) {
@@ -98,9 +100,9 @@ void Polytope::start() {
   for (int i = 4; i < count_ && insert(i);) ++i;
 }
 
-// The faces that the point sees are replaced by a fan from it to their rim. Those in whose planes
-// it lies are among them: else it could be in line with an edge of the rim, which has no face with
-// it.
+// Replaces the faces that are visible from the point by a fan from the point to their rim. A face
+// whose plane contains the point counts as visible. Otherwise the point could be in line with an
+// edge of the rim, and both together would form no face.
 bool Polytope::insert(int point) {
   const Vec3& s = points_[point];
   Edge rim[3 * kFaces];
@@ -144,13 +146,13 @@ bool Polytope::find_shorter(double depth, Vec3& n) {
       n = nearest->normal;
       return true;
     }
-    if (h - nearest->offset <= 10.0 * rounding_) {  // of the surface itself
+    if (h - nearest->offset <= 10.0 * rounding_) {  // a part of the surface
       nearest->offset = std::numeric_limits<double>::infinity();
       continue;
     }
     if (count_ == kPoints) break;
     points_[count_] = s;
-    if (!insert(count_++)) {  // rounding has torn it: once more, in another order
+    if (!insert(count_++)) {  // rounding has broken it: start again, in another order
       if (made_anew_) break;
       made_anew_ = true;
       start();

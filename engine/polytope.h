@@ -4,11 +4,12 @@
 
 #include "engine/math.h"
 
-/// The expanding polytope (van den Bergen 2001), told a depth to beat. Private to the engine.
+/// The expanding polytope algorithm, EPA (van den Bergen 2001), with a given depth to beat. Private
+/// to the engine.
 namespace headpin::engine {
 
-/// Points of A - B and the triangles between them, with the origin inside. What they span lies
-/// within A - B, so no way out is shorter than the way to the nearest of the triangles.
+/// Points of A - B and the triangles between them, with the origin inside. The solid that they
+/// bound lies within A - B, so no way out is shorter than the distance to the nearest triangle.
 class Polytope {
  public:
   /// Point of A - B furthest along a direction of any length.
@@ -17,12 +18,12 @@ class Polytope {
   /// @param n, s  unit direction of a way out, and the point of A - B where it ends
   Polytope(Furthest furthest, void* pair, const Vec3& n, const Vec3& s);
 
-  /// A direction in which the way out is below `depth`; false when there is none, or when there is
-  /// no room for more points. Called again with less, it goes on from where it was.
+  /// Finds a direction in which the way out is below `depth`. Returns false if there is none, or if
+  /// there is no room for more points. The next call, with a smaller depth, continues from there.
   bool find_shorter(double depth, Vec3& n);
 
-  /// Whether false was for want of room, or as rounding has torn it: then nothing is proven, and n
-  /// is the normal of the nearest triangle.
+  /// Whether it returned false for lack of room, or because rounding broke the polytope. Then
+  /// nothing is proven, and n is the normal of the nearest triangle.
   bool gave_up() const { return gave_up_; }
 
  private:
@@ -33,7 +34,7 @@ class Polytope {
     double offset;  // normal . x on it; infinite: a sliver without a plane, or part of the surface
   };
 
-  struct Edge {  // of the faces a point sees; not a std::pair, which would be made zero
+  struct Edge {  // of the visible faces; not a std::pair, which would be set to zero
     std::uint16_t from, to;
     bool operator==(const Edge&) const = default;
   };
@@ -51,7 +52,7 @@ class Polytope {
   Face faces_[kFaces];
   int face_count_ = 0;
   bool made_anew_ = false, gave_up_ = false;
-  double rounding_ = 0.0;  // what may lie before a plane and yet be on it [m]
+  double rounding_ = 0.0;  // distance from a plane that is only rounding [m]
 };
 
 }  // namespace headpin::engine

@@ -6,23 +6,23 @@
 #include "engine/inlining.h"
 #include "engine/shape.h"
 
-/// The shapes as a query sees them: posed in A's frame, with what Newton's method must know of one
+/// Shapes of a query, posed in A's frame, with the data that Newton's method needs for one
 /// direction. Private to the engine; callers use non_colliding.h.
 ///
 /// A query works on the difference A - B = A + (-B). B is therefore posed mirrored through the
 /// origin: its centre and axis change sign and one set of formulas serves both sides of the sum.
 namespace headpin::engine::posed {
 
-/// What a shape says of a direction n.
+/// Support of a shape along a direction n.
 struct At {
-  /// What is furthest: one point, or with n on a kink of the support function more than that.
+  /// The set of furthest points: one point, or more if n is on a kink of the support function.
   enum Set { point, generator, disc };
 
-  Vec3 s;       ///< a furthest point; of a disc its centre
+  Vec3 s;       ///< a support point; for a disc its centre
   Vec3 t;       ///< points on rims: unit, along the rim
   double bend;  ///< radii of curvature: bend t t' (rims; 0 elsewhere; not used by ellipsoids)
   Set set;
-  int side;  ///< of the circle of kinks n . axis = c: +1, -1; 0 on it
+  int side;  ///< side of the circle of kinks n . axis = c: +1 or -1; 0 on it
 };
 
 /// A generator that is furthest as a whole: s + tau e for low <= tau <= high, s as in At.
@@ -40,19 +40,20 @@ struct Bend {
 
 inline constexpr double kOnKink = 1e-9;
 
-/// Nearer to a pole than this the part of a direction across the axis is rounding, and scaled up to
-/// the radius it would be a point off the shape: the centre of the cap stands for its rim.
+/// Nearer to a pole than this, the part of a direction across the axis is only rounding. Scaled to
+/// the radius, it would give a point off the shape, so the centre of the cap is used instead of its
+/// rim.
 inline constexpr double kAtPole2 = 1e-28;  // sine, squared
 
-/// Minus the z axis, of unit length to the last bit: that of a quaternion is only as good as its
-/// norm, and what is too long or short of it would come out across the axis.
+/// Minus the z axis, with unit length to the last bit. The axis of a quaternion is only as exact as
+/// its norm, and an error of its length would cause an error across the axis.
 inline Vec3 mirrored_axis(const Quat& q) {
   const Vec3 z = z_axis(q);
   return (0.5 * z.squaredNorm() - 1.5) * z;
 }
 
-/// Whether a shape is given in a frame of its own, centre at the origin and axis along z, which
-/// takes a third of the work out of it: `A` of a query is. Else it is `posed`.
+/// `own`: the shape is in its own frame, with its centre at the origin and its axis along z, as A
+/// of a query is. This saves a third of the work. `posed`: any other frame.
 enum class Where { own, posed };
 
 template <Where where>
@@ -89,7 +90,7 @@ struct Ellipsoid {
   }
 };
 
-/// What cylinders and cones share: an axis, and rims round it.
+/// The common part of cylinders and cones: an axis, and rims around it.
 template <Where where>
 struct Round {
   static constexpr bool kKinks = true;
@@ -105,8 +106,8 @@ struct Round {
     return n.dot(axis);
   }
   /// The part of n across the axis, given z = n . axis. Near a pole it is a difference of almost
-  /// equal vectors, whose rounding must not come out along the axis: a point off the shape proves
-  /// nothing.
+  /// equal vectors. Then its rounding error along the axis is removed: it would give a point off
+  /// the shape, which proves nothing.
   HEADPIN_INLINE Vec3 across(const Vec3& n, double z) const {
     if constexpr (where == Where::own) return {n.x(), n.y(), 0.0};
     Vec3 w = n - z * axis;
@@ -213,7 +214,7 @@ struct Hull {
   Mat3 R;  ///< of the shape in A's frame
   Vec3 p;
   double sign;                 ///< -1 when mirrored
-  std::uint32_t last = kNone;  ///< the vertex answered last: the next one is near
+  std::uint32_t last = kNone;  ///< the last support point; the next one is near it
 
   static constexpr std::uint32_t kNone = 0xffffffff;
 
@@ -226,7 +227,7 @@ struct Hull {
   Vec3 normal(const engine::Polyhedron::Face& f) const { return sign * (R * f.normal); }
 };
 
-/// A vertex of a hull on its own.
+/// A single vertex of a hull.
 struct Point {
   static constexpr bool kKinks = false;
   static constexpr double radius = 0.0;
@@ -237,7 +238,7 @@ struct Point {
   static void add_bend(const Vec3&, const At&, const Vec3&, const Vec3&, Bend&) {}
 };
 
-/// An edge of a hull on its own is a cylinder without radius.
+/// A single edge of a hull, as a cylinder with radius 0.
 inline Cylinder<Where::posed> edge(const Hull& hull, std::uint32_t from, std::uint32_t to) {
   const Vec3 a = hull.vertex(from), b = hull.vertex(to), d = b - a;
   const double length = d.norm();

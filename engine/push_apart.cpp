@@ -12,12 +12,12 @@ Vec3 level(const Vec3& n, const Vec3& gravity) {
   return g2 > 0.0 ? Vec3(n - n.dot(gravity) / g2 * gravity) : n;
 }
 
-/// Whether the overlap is such that the way out says little: five times what is deep.
+/// Whether an overlap is so deep that its direction is unreliable: five times a deep one.
 bool is_far_in(const World& world, const Touch& touch, double depth) {
   return touch.points > 0 && depth > 5.0 * deep_for(world, touch.a, touch.b);
 }
 
-/// Notes what something driven holds that is pressed far into that or into anything else.
+/// Lists the bodies that overlap a driven body and are pressed far into it or into another body.
 void find_pinned(const World& world, const Touches& touches, const Solved& solved,
                  std::vector<BodyId>& pinned) {
   pinned.clear();
@@ -42,7 +42,7 @@ bool is_pinned(const std::vector<BodyId>& pinned, const Touch& touch) {
                      [&](BodyId i) { return i == touch.a || i == touch.b; });
 }
 
-/// Nudges a touch's bodies out of an overlap, by what the nudges before have not yet taken back.
+/// Moves a touch's bodies out of an overlap, by the part that earlier nudges have not corrected.
 void nudge(const World& world, const Flight& flight, const Touch& touch, const ContactPoint& point,
            const NormalRow& row, double part, Workspace& w) {
   const Mobility &ma = flight.mobility[touch.a], &mb = flight.mobility[touch.b];
@@ -54,8 +54,9 @@ void nudge(const World& world, const Flight& flight, const Touch& touch, const C
   if (touch.b_moves) apart += row.n.dot(b.p) + row.rb_n.dot(b.w);
   const double more = row.mass * (part * (point.depth - world.parameters.slop) - apart);
   if (more <= 0.0) return;
-  // A guessed depth pushes level and turns nothing: so it cannot add energy. Nor does what is pinned
-  // stand up on an edge, or rise out of what is driven, to fall from there.
+  // An estimated depth moves bodies across gravity only and turns nothing, so that it adds no
+  // energy. A pinned body is not turned, and does not rise out of a driven body: it would fall from
+  // there.
   const bool pinned = is_pinned(w.pinned, touch);
   const bool flat = point.guessed || (pinned && world.bodies[touch.b].kind == Kind::driven);
   const Vec3 n = flat ? level(row.n, world.parameters.gravity_W) : row.n;
@@ -74,7 +75,7 @@ void nudge(const World& world, const Flight& flight, const Touch& touch, const C
 void push_apart(World& world, const Touches& touches, const Flight& flight, const Solved& solved,
                 Workspace& w) {
   const Parameters& p = world.parameters;
-  double part = 0.0;  // of an overlap that is taken back: as much in a given time at every rate
+  double part = 0.0;  // part of an overlap to correct: the same per unit of time at every rate
   w.nudged.clear();
   w.nudges.resize(world.bodies.size());
   find_pinned(world, touches, solved, w.pinned);
@@ -86,7 +87,7 @@ void push_apart(World& world, const Touches& touches, const Flight& flight, cons
   for (std::size_t n = 0; n < touches.all.size(); ++n) {
     const Touch& touch = touches.all[n];
     const SolvedTouch& s = solved.touches[n];
-    if (s.insists) continue;  // pushing would lift what cannot give way
+    if (s.insists) continue;  // pushing would lift a body that cannot give way
     if (!s.swings) {
       for (std::uint32_t k = 0; k < s.deep; ++k) {
         const DeepRow& deep = solved.deep_rows[s.first_deep + k];

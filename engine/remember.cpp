@@ -20,7 +20,7 @@ void note_meetings(World& world) {
 
 void remember(World& world, Touches& touches, const Flight& flight, Solved& solved) {
   note_meetings(world);
-  touches.candidates.resize(touches.early_candidates);  // those found late stand in no order
+  touches.candidates.resize(touches.early_candidates);  // those found late are not sorted
   Memory& memory = world.memory;
   std::swap(touches.candidates, memory.candidates);
   std::swap(touches.normals, memory.normals);

@@ -41,7 +41,7 @@ Vec3 impulse_inelastic_rough(const Encounter& e) {
 Vec3 impulse_elastic_rough(const Encounter& e) {
   const Eigen::LLT<Mat3> K(e.K_W);
   const Vec3 Ku = divide(K, e.u_W), KN = divide(K, e.n_AB_W);
-  const double k = -std::sqrt(e.u_W.dot(Ku) / e.n_AB_W.dot(KN));  // u' = k N leaves eq. (7) true
+  const double k = -std::sqrt(e.u_W.dot(Ku) / e.n_AB_W.dot(KN));  // u' = k N satisfies eq. (7)
   return k * KN - Ku;
 }
 
@@ -63,7 +63,7 @@ Vec3 coulomb_impulse(const Encounter& e, const Coefficients& c) {
   if (const Vec3 Ft = F + Fn * N; Ft.norm() > c.friction * Fn) {
     const Vec3 direction = speed > 0.0 ? Vec3(N + c.friction / speed * slip) : N;
     const double seen = N.dot(e.K_W * direction);
-    // A friction so strong that it would pull the bodies together leaves only the normal part.
+    // If friction is so strong that it would pull the bodies together, use only the normal part.
     F = seen > 0.0 ? Vec3(-(1.0 + c.elasticity) * approach / seen * direction)
                    : Vec3((1.0 + c.elasticity) * impulse_inelastic_smooth(e));
   }

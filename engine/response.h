@@ -11,7 +11,7 @@
 /// point minus that of B's, so the two approach when u.N > 0. The impulse F acts on A, -F on B.
 namespace headpin::engine {
 
-/// All that an impulse between A and B has to go by.
+/// The data that determine an impulse between A and B.
 struct Encounter {
   Vec3 n_AB_W;  ///< unit normal from A to B
   Vec3 u_W;     ///< velocity of A's point minus velocity of B's before, eq. (8) [m/s]
@@ -48,19 +48,19 @@ Vec3 paper_impulse(const Encounter& e, const Coefficients& c);
 
 /// Newton's restitution with Coulomb's friction.
 ///
-/// u'.N = -elasticity u.N; the tangential part sticks (u' along N) where |Ft| <= friction |Fn|
-/// allows it and opposes the slip with just that strength elsewhere. Where this pair of laws
-/// would add energy (slip that turns round within the impact), F is moved towards F00 until it
-/// adds none. Keeps linear and angular momentum; keeps the energy for elasticity 1, friction 0.
+/// u'.N = -elasticity u.N; the tangential part sticks (u' along N) if |Ft| <= friction |Fn| allows
+/// it. Otherwise it opposes the slip with just that strength. Where these two laws would add energy
+/// (the slip reverses within the impact), F is moved towards F00 until it adds none. Keeps linear
+/// and angular momentum; keeps the energy for elasticity 1, friction 0.
 Vec3 coulomb_impulse(const Encounter& e, const Coefficients& c);
 
-/// How sliding goes on where a contact lasts.
+/// How sliding continues at a lasting contact.
 struct Sliding {
   double kept = 1.0;   ///< part of the slip that a step leaves, in [0, 1]
   double limit = 0.0;  ///< largest friction over normal impulse
 };
 
-/// The paper's friction is a rate: a slip dies as (1 - friction)^(t / tau), whatever the load.
+/// The paper's friction is a rate: a slip decays as (1 - friction)^(t / tau), at any load.
 ///
 /// The paper applies its rate once per contact and step; per unit of time nothing depends on the
 /// step rate.
@@ -69,8 +69,7 @@ Sliding paper_sliding(double friction, double dt, double tau);
 /// Coulomb: friction is at most `friction` times the load and stops the slip when it can.
 Sliding coulomb_sliding(double friction, double dt, double tau);
 
-/// A law of response. A third joins by its two functions and a line in the table behind
-/// `responses()`.
+/// A law of response. To add one, write its two functions and a line in the table of `responses()`.
 struct Response {
   std::string_view name;  ///< as users write it
   Vec3 (*impulse)(const Encounter&, const Coefficients&);

@@ -7,12 +7,11 @@
 /// GJK from points outside of A - B. Private to the engine.
 namespace headpin::engine {
 
-/// Walks to a local minimum of h round the outside of A - B.
+/// Moves along the outside of A - B to a local minimum of h.
 ///
-/// From a point p = (h + off) n outside, beyond the best plane so far, the
-/// nearest point of A - B has a normal whose plane is lower still, or p is
-/// already above a minimum. GJK finds that nearest point, and its simplex stays
-/// valid when p moves on, so p moves as soon as a step finds a lower plane.
+/// The point p = (h + off) n is outside, beyond the best plane so far. Either the plane at the
+/// point of A - B nearest to p is lower, or p is already above a minimum. GJK finds that nearest
+/// point. Its simplex stays valid when p moves, so p moves as soon as a step finds a lower plane.
 template <typename S>
 HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest from_outside(S& search, Vec3 n, Support best,
                                                          double size, double margin,
@@ -20,8 +19,7 @@ HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest from_outside(S& search, Vec3 n, Supp
   const double off = 0.1 * size;
   Simplex simplex;
   Vec3 best_n = n;
-  // Well apart, the origin itself is outside, and its nearest point is the
-  // answer.
+  // If the shapes are well apart, the origin is outside, and its nearest point is the answer.
   const auto outside = [&]() -> Vec3 {
     return best.h < -0.5 * off ? Vec3(Vec3::Zero()) : Vec3((best.h + off) * best_n);
   };
@@ -34,8 +32,7 @@ HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest from_outside(S& search, Vec3 n, Supp
     n = -v / length;
     const Support s = search(n);
     if (s.h < -margin) return search.answer(s, n);
-    // The plane across n keeps A - B at least this far from p; v is that far at
-    // most.
+    // The distance of A - B from p is at least n . p - s.h, and at most `length`.
     const double gap = length - (n.dot(p) - s.h);
     const double gain = best.h - s.h;
     if (gain > 0.0) {
@@ -44,14 +41,13 @@ HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest from_outside(S& search, Vec3 n, Supp
     }
     if (gap <= tolerance && gain <= tolerance) break;
     const bool known = simplex.holds(s.S);
-    if (known ? gain <= 0.0 : simplex.count == 4) break;  // rounding: no way on
+    if (known ? gain <= 0.0 : simplex.count == 4) break;  // rounding: no progress
     if (gain > 0.0) p = outside();
     if (!known) simplex.add(s.S, s.s_A, s.s_B);
     v = simplex.reduce(p);
   }
   Closest c = search.answer(best, best_n);
-  // The points of A and B that make up the nearest point: with flat faces, S
-  // alone is some corner.
+  // The points of A and B that form the nearest point. With flat faces, S alone is only a corner.
   c.p_A = simplex.p_A();
   c.p_B = -simplex.p_B();
   return c;

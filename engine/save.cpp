@@ -26,7 +26,7 @@ std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {
   return hash.value();
 }
 
-/// Numbers into bytes, lowest first.
+/// Writes numbers as bytes, lowest byte first.
 class Writer {
  public:
   void add(std::uint8_t x) { bytes.push_back(x); }
@@ -84,7 +84,7 @@ class Reader {
   void get(Quat& q) {
     for (int k = 0; k < 4; ++k) get(q.coeffs()[k]);
   }
-  /// How many of something follow that takes at least so many bytes each.
+  /// Reads the number of items that follow. @param least  minimum number of bytes of an item
   std::size_t count(std::size_t least) {
     std::uint32_t n = 0;
     get(n);
@@ -126,7 +126,8 @@ void add_shape(Writer& w, const Shape& shape) {
   std::visit(Add{w}, shape);
 }
 
-/// A number of all that stays: parameters, and bodies but for who is in hand.
+/// Hash of all that does not change: parameters, and bodies without the difference of free and
+/// driven.
 std::uint64_t made_of(const World& world) {
   Writer w;
   const Parameters& p = world.parameters;
@@ -161,7 +162,7 @@ std::uint64_t made_of(const World& world) {
   return hash_of(w.bytes);
 }
 
-// What is saved, in its order; a Writer adds it, a Reader gets it.
+// The saved values, in their order; a Writer adds them, a Reader gets them.
 
 template <typename B>
 void each_number(B& b, auto&& f) {

@@ -7,22 +7,20 @@
 #include "engine/non_colliding.h"
 #include "engine/posed.h"
 
-/// Two posed shapes that are asked for their furthest points. Private to the
-/// engine.
+/// Support points of two posed shapes. Private to the engine.
 namespace headpin::engine {
 
 template <typename S>
 inline constexpr bool kHull = std::is_same_v<S, posed::Hull>;
 
-/// One evaluation: the furthest points along n and what they prove. S = p_A -
-/// p_B, h = n . S = -g(n).
+/// One evaluation: the support points along n, S = p_A - p_B and h = n . S = -g(n).
 struct Support {
   Vec3 s_A, s_B;  // S = s_A + s_B, B mirrored
   Vec3 S;
   double h = std::numeric_limits<double>::infinity();
 };
 
-/// Two posed shapes and how often they were asked.
+/// Two posed shapes and the number of evaluations.
 template <typename A, typename B>
 struct Search {
   A a;

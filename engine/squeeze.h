@@ -2,11 +2,11 @@
 
 #include "engine/sustained_rows.h"
 
-/// Islands that have no solution because of what presses them. Private to the engine.
+/// Islands that have no solution because driven bodies press them. Private to the engine.
 namespace headpin::engine::detail {
 
-/// Speed that a driven body gives what it throws, as it presses a touch: its own where they touch,
-/// and as much again by elasticity [m/s].
+/// Speed that a driven body gives to a body that it throws: its own speed at the contact points of
+/// a touch, times 1 + elasticity [m/s].
 inline double throws_at(const World& world, const ContactPoint* points, const Touch& touch) {
   const State& driven = world.states[touch.b];
   double fastest = 0.0;
@@ -17,11 +17,11 @@ inline double throws_at(const World& world, const ContactPoint* points, const To
   return (1.0 + touch.pair.elasticity) * fastest;
 }
 
-/// An island that driven bodies press, which may have no solution: they insist, and something behind
-/// does not give way.
+/// An island that driven bodies press. It may have no solution, because the driven bodies do not
+/// stop and something behind the island cannot give way.
 class Squeeze {
  public:
-  /// Notes how the island is before it is solved, if a driven body that moves touches it.
+  /// Stores the states of the island before it is solved, if a moving driven body touches it.
   explicit Squeeze(const Island& island)
       : s_(island), pressed_(island.rows.pressed), pressing_(island.rows.pressing) {
     pressed_.clear();
@@ -29,7 +29,7 @@ class Squeeze {
     if (!s_.world.roll.driven.empty() && s_.world.parameters.rules > 1) note_pressing();
   }
 
-  /// Whether the solution is none, or something gets faster than what is driven would throw it.
+  /// Whether there is no solution, or a body gets more speed or energy than a throw would give it.
   bool is_found(bool solved) const {
     if (pressing_.empty()) return false;
     if (!solved) return true;
@@ -41,8 +41,8 @@ class Squeeze {
     return false;
   }
 
-  /// Takes the impulses back; until the island is solved again what is driven stands still, so that
-  /// it stops what comes and gives no speed. It overlaps what it presses the more.
+  /// Undoes the impulses, and stops the driven bodies until the island is solved again. They then
+  /// stop other bodies but give them no speed. Their overlap grows.
   void yield() {
     for (const auto& [i, before] : pressed_) s_.world.states[i] = before;
     for (NormalRow& row : s_.normals) row.impulse = 0.0;

@@ -12,7 +12,7 @@ void apply_gravity(World& world, const detail::Flight& flight) {
   const Vec3& g = world.parameters.gravity_W;
   const Vec3 dv = step_seconds(world) * g;
   for (const BodyId i : world.roll.movers) world.states[i].v_WB += dv;
-  for (const auto& [i, state] : flight.struck) {  // they have fallen up to their impact
+  for (const auto& [i, state] : flight.struck) {  // they have already fallen until their impact
     world.states[i].v_WB -= flight.bodies[i].clock * g;
   }
 }
@@ -70,7 +70,7 @@ void step(World& world, Workspace& w) {
   }
   Touches* touches = nullptr;
   const Flight* flight = nullptr;
-  while (flight == nullptr) {  // a woken body has contacts of its own: once more, then
+  while (flight == nullptr) {  // if a body woke up, repeat with its contacts
     touches = &find_touches(world, w);
     flight = resolve_impacts(world, *touches, w);
   }

@@ -40,8 +40,7 @@ using posed::Generator;
 
 inline constexpr double kLongestStep = 0.7;  // rad
 
-/// A curvature that a step may be divided by: small and negative ones become
-/// positive.
+/// A curvature that is safe to divide by: small and negative ones become positive.
 inline double safe(double curvature, double floor) {
   return curvature > floor ? curvature : floor + std::abs(curvature);
 }
@@ -50,13 +49,12 @@ inline Vec3 unit(const Vec3& v) {
   return 1.0 / std::sqrt(v.squaredNorm()) * v;
 }
 
-/// 1 / sqrt(1 + x) for x below 1e-3, without the wait for a root and a
-/// division.
+/// 1 / sqrt(1 + x) for x below 1e-3, without a root and a division.
 inline double inverse_root_above_1(double x) {
   return 1.0 + x * (-0.5 + x * (0.375 + x * (-0.3125 + x * 0.2734375)));
 }
 
-/// Two unit vectors across n and each other (Duff et al. 2017).
+/// Two unit vectors perpendicular to n and to each other (Duff et al. 2017).
 inline void across(const Vec3& n, Vec3& u, Vec3& v) {
   const double sign = std::copysign(1.0, n.z());
   const double a = -1.0 / (sign + n.z()), b = n.x() * n.y() * a;
@@ -64,12 +62,12 @@ inline void across(const Vec3& n, Vec3& u, Vec3& v) {
   v = {b, sign + n.y() * n.y() * a, -n.y()};
 }
 
-/// The Newton step of the plane: -H^-1 g, H made positive. Where h falls off to
-/// both sides, as about the tips of two cones, the longest step down.
+/// The Newton step in the plane: -H^-1 g, with H made positive. If h decreases to both sides, as at
+/// the tips of two cones, it is the longest step in the downward direction.
 ///
-/// @param tolerance   what h must fall by on such a step, slope apart [m]
-/// @param[out] least  bound from below on the curvatures it divided by; 0 where
-/// h falls off
+/// @param tolerance   least decrease of h on such a step, without the slope [m]
+/// @param[out] least  lower bound of the curvatures that it divided by; 0 if h decreases to both
+///   sides
 inline Vec2 step_of(const Bend& H, double gu, double gv, double floor, double tolerance,
                     double& least) {
   const double det = H.uu * H.vv - H.uv * H.uv, trace = H.uu + H.vv;
@@ -82,7 +80,7 @@ inline Vec2 step_of(const Bend& H, double gu, double gv, double floor, double to
   const double high = safe(0.5 * trace + root, floor), lowest = 0.5 * trace - root;
   const bool falls = 0.5 * lowest * kLongestStep * kLongestStep < -tolerance;
   least = falls ? 0.0 : floor;
-  // Eigenvector of the higher: of [half uv; uv -half] with eigenvalue root.
+  // Eigenvector of the higher eigenvalue: that of [half uv; uv -half] with eigenvalue `root`.
   Vec2 x = half > 0.0 ? Vec2(root + half, H.uv) : Vec2(H.uv, root - half);
   const double length = x.norm();
   x = length > 0.0 ? Vec2(x / length) : Vec2::UnitX();
@@ -92,8 +90,7 @@ inline Vec2 step_of(const Bend& H, double gu, double gv, double floor, double to
   return -x.dot(g) / high * x + down * y;
 }
 
-/// Of the two normals on both circles the one nearest to n; n itself where the
-/// circles do not meet.
+/// The normal on both circles that is nearest to n; n itself if the circles do not meet.
 template <typename A, typename B>
 Vec3 on_both(const A& a, double ca, const B& b, double cb, const Vec3& n) {
   const Vec3 across = a.axis.cross(b.axis);
@@ -120,7 +117,7 @@ int side_of(const Shape& s, const Vec3& n) {
   return s.along(n) > s.kink() ? 1 : -1;
 }
 
-/// Whether the way from n to `next` went over the pole of a cap.
+/// Whether the step from n to `next` passes over the pole of a cap.
 template <typename Shape>
 bool over_pole(const Shape& s, const Vec3& n, const Vec3& next) {
   const double z0 = s.along(n), z1 = s.along(next);
@@ -132,13 +129,13 @@ Vec3 pole_near(const Shape& s, const Vec3& n) {
   return s.along(n) < 0.0 ? Vec3(-s.axis) : s.axis;
 }
 
-/// The point of a generator at tau becomes the furthest point.
+/// Makes the point of a generator at tau the support point.
 inline void move(At& a, const Generator& line, double tau, Vec3& g) {
   a.s += tau * line.e;
   g += tau * line.e;
 }
 
-/// The search leaves a generator by the end that is nearest to tau.
+/// Leaves a generator at the end that is nearest to tau.
 inline void leave(At& a, const Generator& line, double tau, Vec3& g) {
   const bool high = tau > 0.5 * (line.low + line.high);
   move(a, line, high ? line.high : line.low, g);
@@ -153,9 +150,8 @@ inline double outside(double tau, double low, double high) {
 
 }  // namespace newton
 
-/// The kink next to a normal of the frame before, where there is one: contacts
-/// sit on kinks, and those of B have moved since. A wrong guess costs an
-/// evaluation.
+/// Moves a normal of the last frame onto the kink next to it, if there is one. Most contacts are at
+/// kinks, and those of B have moved since. A wrong guess costs one evaluation.
 template <typename A, typename B>
 Vec3 onto_kinks(const A& a, const B& b, const Vec3& n) {
   constexpr double kNear = 0.02;  // rad
@@ -186,14 +182,13 @@ Vec3 onto_kinks(const A& a, const B& b, const Vec3& n) {
 
 namespace newton {
 
-/// Lengths of a search: what h must fall by on a step, and the least curvature
-/// [m].
+/// Lengths of a search [m]: the least decrease of h on a step, and the least curvature.
 struct Scale {
   double tolerance, floor;
 };
 
-/// A search at the normal n. Points of A and B move along generators and discs
-/// to where S is as parallel to n as it gets.
+/// State of a search at the normal n. The points of A and B move along generators and discs until S
+/// is as parallel to n as possible.
 template <typename A, typename B>
 struct Place {
   Place(const A& shape_a, const B& shape_b, const Vec3& normal)
@@ -207,8 +202,8 @@ struct Place {
   const double h = n.dot(S);
   Vec3 g;  // gradient: S - h n, as the points move
   Generator line_a, line_b;
-  const At* held = nullptr;  // on whose circle the search stays
-  Vec3 S_low;                // S with the low ends of generators held
+  const At* held = nullptr;  // the search stays on its circle
+  Vec3 S_low;                // S before the points moved along the held generators
 
   void look_for_generators() {
     g = S - h * n;
@@ -228,10 +223,10 @@ struct Place {
   }
 };
 
-// The five cases. Each says whether the search is at the minimum; if not, where
-// it aims next, or it leaves the rest to those behind it.
+// The five cases. Each returns whether the search is at the minimum. If not, it sets the next aim,
+// or leaves this to a later case.
 
-/// A cap is in view: flat on flat, or something stands on it.
+/// A whole cap is furthest: a face on a face, or something stands on the cap.
 template <typename A, typename B>
 bool on_disc(Place<A, B>& p, const Scale& scale, Vec3& aim) {
   const auto nearest = [&](At& x, const Generator& line) {
@@ -261,8 +256,8 @@ bool on_disc(Place<A, B>& p, const Scale& scale, Vec3& aim) {
   return false;
 }
 
-/// Two generators: crossed, they meet in one point of both, or the search
-/// leaves the one that ends first; side by side they are one long generator.
+/// Two generators. If they cross, they meet in one point, or the search leaves the one that ends
+/// first. If they are parallel, they act as one long generator.
 template <typename A, typename B>
 bool on_two_generators(Place<A, B>& p) {
   const double det = p.n.dot(p.line_a.e.cross(p.line_b.e));
@@ -296,8 +291,8 @@ bool on_two_generators(Place<A, B>& p) {
   return false;
 }
 
-/// One generator: the search stays on its circle while it holds the point that
-/// makes S parallel to n.
+/// One generator: the search stays on its circle while the generator contains the point that makes
+/// S parallel to n.
 template <typename A, typename B>
 void on_generator(Place<A, B>& p, At& x, const Generator& line) {
   if (x.set != At::generator || p.held != nullptr) return;
@@ -311,7 +306,7 @@ void on_generator(Place<A, B>& p, At& x, const Generator& line) {
   p.held = &x;
 }
 
-/// Along the circle of a generator that holds the search.
+/// A step along the circle of the held generator.
 template <typename A, typename B>
 bool along_circle(const Place<A, B>& p, const Scale& scale, Vec3& aim) {
   const Vec3 t = p.held->t;
@@ -335,8 +330,7 @@ bool along_circle(const Place<A, B>& p, const Scale& scale, Vec3& aim) {
 
 /// Where h is smooth: Newton's step on the sphere.
 ///
-/// @param stiffness  least curvature at the last such step; next to the minimum
-/// it will do
+/// @param stiffness  least curvature at the last such step; near the minimum it is exact enough
 template <typename A, typename B>
 bool across_smooth(const Place<A, B>& p, const Scale& scale, double& stiffness, Vec3& aim) {
   if (p.g.squaredNorm() < scale.tolerance * stiffness) return true;
@@ -360,7 +354,7 @@ bool across_smooth(const Place<A, B>& p, const Scale& scale, double& stiffness, 
   return false;
 }
 
-/// Which of the cases it is. @return whether the search is at the minimum
+/// Selects the case. @return whether the search is at the minimum
 template <typename A, typename B>
 bool at_least(Place<A, B>& p, const Scale& scale, double& stiffness, Vec3& aim) {
   p.look_for_generators();
@@ -389,8 +383,8 @@ struct Kinks {
     free_b = p.at_b.set != At::disc;
   }
 
-  /// Where a step ends that meets a kink on its way. A pole that was no better
-  /// is not tried again.
+  /// The end of a step. A step that would cross a kink ends on it. A pole that was no better is not
+  /// tried again.
   template <typename A, typename B>
   Vec3 stop(const A& a, const B& b, const Vec3& from, const Vec3& to, bool again) const {
     if constexpr (A::kKinks) {
@@ -433,7 +427,7 @@ HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Descent descend(const A& a, const B& b, Vec3
   using namespace newton;
   const Scale scale{1e-11 * size, 0.02 * size};
   Descent d;
-  Vec3 aim = n;  // where the last step wanted to go, kinks apart
+  Vec3 aim = n;  // target of the last step, without kinks
   Kinks kinks;
   double stiffness = 0.0;
   for (int k = 1; k <= cap; ++k) {
@@ -443,7 +437,7 @@ HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Descent descend(const A& a, const B& b, Vec3
       p.answer(d, Descent::apart);
       return d;
     }
-    if (k > 1 && p.h > d.h + 1e-13 * size) {  // too long a step: half of it
+    if (k > 1 && p.h > d.h + 1e-13 * size) {  // the step was too long: halve it
       aim = unit(aim + d.n);
       n = kinks.stop(a, b, d.n, aim, true);
       continue;

@@ -9,15 +9,15 @@
 namespace headpin::engine::detail {
 namespace {
 
-/// Part of a slip that friction leaves in an island that is not solved otherwise, and how many times
-/// the usual passes it gets for that.
+/// Part of a slip that friction leaves in an island that is not solved otherwise, and the number of
+/// passes for that, as a multiple of the usual number.
 constexpr double kSoft = 0.01;
 constexpr int kSoftPasses = 4;
 
-/// What an unsolved island may gain, in parts of its energy of motion.
+/// Energy that an unsolved island may gain, as a fraction of its kinetic energy.
 constexpr double kGain = 1e-9;
 
-/// Work and push of driven bodies within the island's contacts.
+/// Energy and momentum that driven bodies give through the island's contacts.
 Balance given_by_driven(const Island& s) {
   const World& world = s.world;
   Balance given;
@@ -42,7 +42,7 @@ Balance given_by_driven(const Island& s) {
   return given;
 }
 
-/// Energy of motion of an island's bodies, which are listed once each [J].
+/// Kinetic energy of an island's bodies; each is listed once [J].
 double energy_of(const World& world, std::span<const BodyId> bodies) {
   double sum = 0.0;
   for (const BodyId i : bodies) {
@@ -53,10 +53,10 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
   return sum;
 }
 
-/// Passes that do not end may add energy, as they do where friction wedges a light body between
-/// heavy ones: a load brings friction, and that more load. Such an island is solved once more, its
-/// friction limited by what its normals carry without any. So limited every pass takes energy, or
-/// nearly: if it still gains, it is left without friction for the step.
+/// Passes that do not converge may add energy, as where friction wedges a light body between heavy
+/// ones: a load causes friction, and friction causes more load. Such an island is solved again,
+/// with its friction limited by the loads of a solution without friction. With this limit, nearly
+/// every pass removes energy. If the island still gains energy, it has no friction in this step.
 [[gnu::noinline]] void take_back_gain(const Island& s, Passes& done) {
   World& world = s.world;
   std::vector<BodyId>& bodies = s.rows.bodies;
@@ -100,7 +100,7 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
   once_more();
 }
 
-/// Goes on where passes did not end, and friction leaves less of a slip than it might.
+/// Continues with softer friction where passes did not converge, if any friction can be softer.
 [[gnu::noinline]] void solve_softly(const Island& s, Passes& done) {
   bool softer = false;
   for (FrictionRows& f : s.rows.friction) softer = soften(f, kSoft) || softer;
@@ -109,7 +109,7 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
   done = {done.count + more.count, more.worst};
 }
 
-/// Keeps what is asked for later of an island's contacts: what they carry, which are deep.
+/// Stores the results of an island's contacts for later stages: loads, friction and deep points.
 void keep(const Island& s, std::vector<std::uint32_t>& met_now) {
   World& world = s.world;
   Solved& solved = s.result;
@@ -149,7 +149,7 @@ void keep(const Island& s, std::vector<std::uint32_t>& met_now) {
   }
 }
 
-/// Rows of all contact points, then of the friction they bear, from what they carried last.
+/// Adds rows for all contact points, then for their friction, with the impulses of the last step.
 void add_rows(Island& s) {
   s.rows.blocks.clear();
   s.rows.friction.clear();
@@ -211,8 +211,8 @@ HEADPIN_FLATTEN void solve_island(Island& s, Workspace& w) {
   world.statistics.residual = std::max(world.statistics.residual, done.worst);
 }
 
-/// Notes what part of each body's weight its contacts carry, and who need not fall in the next step:
-/// what is carried by half at least and does not rise.
+/// Stores the part of each body's weight that its contacts carry, and which bodies do not fall in
+/// the next step: those that are at least half carried and do not rise.
 void note_carried(World& world, const Flight& flight, std::vector<double>& carried) {
   const Vec3& g = world.parameters.gravity_W;
   const double fall = g.squaredNorm() * step_seconds(world);
@@ -224,7 +224,7 @@ void note_carried(World& world, const Flight& flight, std::vector<double>& carri
   }
 }
 
-/// Notes who has met.
+/// Adds the events of bodies that meet for the first time.
 void note_met(World& world, const Touches& touches, Solved& solved,
               std::vector<std::uint32_t>& met_now) {
   std::sort(met_now.begin(), met_now.end());

@@ -4,21 +4,22 @@
 
 #include "engine/paths.h"
 
-/// What the solver of lasting contacts works on: rows for normals, blocks of them, and friction,
-/// twist and roll of a touch. Private to the engine.
+/// Data of the solver of lasting contacts: rows for normals, blocks of them, and friction, twist
+/// and roll of a touch. Private to the engine.
 namespace headpin::engine::detail {
 
-/// A body whose axis is nearer to the normal than this stands; it has no rolling resistance.
+/// Cosine between axis and normal from which a body stands; then it has no rolling resistance.
 inline constexpr double kStanding = 0.9;
 
-/// Determinant of a touch's rows, over the product of its diagonal, below which they depend on each
-/// other: the inverse would be noise. Four points of one plane have 1e-9 times what their spread is.
+/// The rows of a touch depend on each other if their determinant, divided by the product of the
+/// diagonal, is below this. The inverse would then be noise. For four points of one plane it is
+/// 1e-9 times a measure of their spread.
 inline constexpr double kDependent = 1e-12;
 
-/// A load of less is none: one over it is no number [N s].
+/// A smaller load counts as zero, because its inverse is not a usable number [N s].
 inline constexpr double kNoLoad = 1e-150;
 
-/// What B is to a touch: what has no velocity is left out of every sum.
+/// Kind of body B of a touch. The sums leave out bodies without velocity.
 enum class Other { still, driven, moving };
 
 inline Other other_of(const World& world, const Touch& touch) {
@@ -46,7 +47,8 @@ Arms arms_of(const World& world, const Flight& flight, const Touch& touch) {
   return arms;
 }
 
-/// What a point of the touch carried in the last step: the k-th, or another if their order changed.
+/// Impulse of a point of the touch in the last step: that of the k-th point, or of the point with
+/// this feature if the order changed.
 inline double last_impulse(const Memory& memory, const Touch& touch, std::uint32_t k,
                            std::uint32_t feature) {
   if (touch.fresh) return 0.0;
@@ -59,7 +61,7 @@ inline double last_impulse(const Memory& memory, const Touch& touch, std::uint32
   return 0.0;
 }
 
-/// The bodies that impulses push.
+/// The bodies that impulses act on.
 struct Pushed {
   State* states;
   const Mobility* mobility;
@@ -73,18 +75,18 @@ void push_by(const Pushed& bodies, const Touch& touch, const NormalRow& row, dou
   }
 }
 
-/// An island and what it is solved with.
+/// An island and the data for its solution.
 struct Island {
   World& world;
   const Flight& flight;
-  const Touch* touches;        ///< all, by their numbers,
-  const ContactPoint* points;  ///< their points,
-  SolvedTouch* solved;         ///< and what is solved of them
+  const Touch* touches;        ///< all touches, by their numbers
+  const ContactPoint* points;  ///< points of all touches
+  SolvedTouch* solved;         ///< results of all touches
   Solved& result;
   Rows& rows;
   Pushed bodies;
-  std::span<const std::uint32_t> each = {};  ///< its touches
-  std::span<NormalRow> normals = {};         ///< their rows, once there are
+  std::span<const std::uint32_t> each = {};  ///< numbers of its touches
+  std::span<NormalRow> normals = {};         ///< rows of its touches, set by add_rows
 };
 
 template <Other other>
@@ -115,7 +117,7 @@ void add_normal_rows(const Island& s, const Touch& touch, const SolvedTouch& sol
   }
 }
 
-/// Calls f.template operator()<n>() for the 2 to 4 rows of a touch that are solved as one.
+/// Calls f.template operator()<n>() for a touch with n = 2 to 4 rows, which are solved as a block.
 /// @return false for other numbers
 template <typename F>
 bool with_rows(const SolvedTouch& touch, F&& f) {
@@ -131,8 +133,9 @@ bool with_rows(const SolvedTouch& touch, F&& f) {
   }
 }
 
-/// The rows of a touch solved as one: a base stands without any iteration. Rows that say almost the
-/// same, of points on one spot or line, have no such solution and go one by one.
+/// Prepares to solve the rows of a touch as a block, so that a flat base stands without iteration.
+/// Rows that are almost equal, of points at one place or on one line, are solved one by one
+/// instead.
 template <Other other, int n>
 void add_block(const Island& s, const Touch& touch, SolvedTouch& solved) {
   const NormalRow* const rows = s.normals.data() + solved.first_row;
@@ -145,7 +148,7 @@ void add_block(const Island& s, const Touch& touch, SolvedTouch& solved) {
       if constexpr (other == Other::moving) value += rows[i].rb_n.dot(rows[k].ib);
       K(i, k) = K(k, i) = value;
     }
-    // Four points of one plane carry each other; this picks one of the ways to share the load.
+    // The load of four points of one plane is not unique; this selects one way to share it.
     K(i, i) *= 1.0 + 1e-9;
   }
   Eigen::Matrix<double, n, n> inverse;
@@ -159,7 +162,7 @@ void add_block(const Island& s, const Touch& touch, SolvedTouch& solved) {
   s.rows.blocks.emplace_back().topLeftCorner<n, n>() = inverse;
 }
 
-/// Foot and normal of the friction of a touch: its points, weighted by what they carry.
+/// Point and normal of the friction of a touch: the mean of its points, weighted by their loads.
 struct Foot {
   Vec3 p_W = Vec3::Zero(), n = Vec3::Zero();
   double spread = 0.0;  // of the points about the foot, root of the mean square [m]
@@ -172,7 +175,7 @@ inline Foot foot_of(std::span<const NormalRow> rows, const ContactPoint* points)
     load += rows[k].impulse;
     deepest = std::max(deepest, points[k].depth);
   }
-  // Nothing carried yet: those that touch first.
+  // If there is no load yet, the points that touch first count.
   const auto weight = [&](std::size_t k) {
     return load > kNoLoad ? rows[k].impulse : (points[k].depth > deepest - 1e-4 ? 1.0 : 0.0);
   };
@@ -194,7 +197,7 @@ inline Foot foot_of(std::span<const NormalRow> rows, const ContactPoint* points)
   foot.p_W += from;
   foot.n = rows[0].n;
   if (one_plane) return foot;
-  // Surfaces on both sides of a body share their tangents: their normals count as one.
+  // Surfaces on opposite sides of a body have the same tangents, so their normals count as one.
   std::size_t most = 0;
   for (std::size_t k = 1; k < rows.size(); ++k) most = weight(k) > weight(most) ? k : most;
   const Vec3 side = rows[most].n;
@@ -211,11 +214,11 @@ inline Vec3 tangent(const Vec3& n) {
   return t / std::sqrt(t.squaredNorm());
 }
 
-/// How the bodies of a touch are kept from rolling.
+/// About which axes rolling resistance acts on the bodies of a touch.
 enum class Rolling { freely, about_axis, about_any };
 
-/// A lying body rolls heavily about its axis across the normal, a ball about any; one that stands
-/// does not roll.
+/// Rolling resistance acts on a lying body about its axis, more exactly the part across the normal,
+/// and on a ball about any axis. A standing body does not roll.
 inline Rolling rolling_of(const World& world, const Touch& touch, const Vec3& n, Vec3& axis_W) {
   for (const BodyId i : {touch.a, touch.b}) {
     if (world.bodies[i].kind != Kind::free || world.bodies[i].material.rolling_arm == 0.0) continue;
@@ -234,7 +237,7 @@ inline Vec3 rolling_part(const FrictionRows& f, const Vec3& w) {
   return f.rolls_any ? Vec3(w - f.n.dot(w) * f.n) : Vec3(f.axis.dot(w) * f.axis);
 }
 
-/// What a body gives way to unit impulses of the friction rows, summed over the bodies that move.
+/// Velocity changes by unit impulses of the friction rows, summed over the bodies that move.
 struct Yield {
   Eigen::Matrix2d slip = Eigen::Matrix2d::Zero();
   double twist = 0.0, roll = 0.0;
@@ -255,7 +258,7 @@ inline void add_side(const FrictionRows& f, FrictionSide& side, const Mobility& 
                             : f.axis.dot(m.inv_inertia_W * f.axis);
 }
 
-/// Impulses of a pair's friction: along the tangents, and turning about any axis.
+/// Apply the impulses of a pair's friction: along the tangents, about the normal, and of rolling.
 template <Other other>
 void push_along(const Pushed& bodies, const Touch& touch, const FrictionRows& f, const Vec2& slip) {
   const Vec3 F = slip[0] * f.t[0] + slip[1] * f.t[1];
@@ -281,8 +284,8 @@ void roll_by(const Pushed& bodies, const Touch& touch, const Vec3& roll) {
   }
 }
 
-/// Lets friction leave at least a part `kept` of the slip. Where it leaves none, contacts whose loads
-/// come and go by turns may have no solution.
+/// Softens friction so that it leaves at least a part `kept` of the slip. If it leaves none,
+/// contacts whose loads alternate may have no solution.
 /// @return whether it left less before
 inline bool soften(FrictionRows& f, double kept) {
   if (f.kept >= kept) return false;
@@ -317,7 +320,7 @@ void add_friction(const Island& s, std::uint32_t index) {
   const Rolling rolling = arm > 0.0 ? rolling_of(world, touch, f.n, f.axis) : Rolling::freely;
   f.rolls_any = rolling == Rolling::about_any;
   f.roll_arm = rolling == Rolling::freely ? 0.0 : arm;
-  f.reach = foot.spread + arm;  // what rolls heavily pivots heavily, even on one point
+  f.reach = foot.spread + arm;  // rolling resistance also resists twist, even on one point
 
   const Arms arms = arms_of<other>(world, s.flight, touch);
   Yield yield;
@@ -328,8 +331,8 @@ void add_friction(const Island& s, std::uint32_t index) {
   }
   if constexpr (other == Other::moving) add_side(f, f.b, s.bodies.mobility[touch.b], yield);
 
-  // After the step a part `kept` of the slip u that there would be without friction shall be left:
-  // F = -(1 - kept) K^-1 u. With u' = u + K F that is u' + softness F = 0.
+  // Let u be the slip after the step without friction. A part `kept` of it must remain:
+  // F = -(1 - kept) K^-1 u. With u' = u + K F, this is u' + softness F = 0.
   const double soft = kept < 1.0 ? kept / (1.0 - kept) : 0.0;
   const Eigen::Matrix2d& K = yield.slip;
   f.kept = kept;

@@ -12,18 +12,21 @@ double time_left(const World& world, const Flight& flight, const Touch& touch) {
   return step_seconds(world) - std::max(flight.bodies[touch.a].clock, flight.bodies[touch.b].clock);
 }
 
-/// Whether the points a touch now has say little about the end of the step.
+/// Whether the present points of a touch may be wrong at the end of the step: the bodies turn far,
+/// or overlap deeply.
 bool swings(const World& world, const Flight& flight, const Touch& touch, double depth) {
   const Vec3 spin = world.states[touch.a].w_WB - world.states[touch.b].w_WB;
   const double left = time_left(world, flight, touch);
-  const bool may = spin.squaredNorm() * left * left > 0.99 * kFarTurn * kFarTurn;  // rounding apart
+  const bool may = spin.squaredNorm() * left * left > 0.99 * kFarTurn * kFarTurn;  // for rounding
   if (may && spin.norm() * left > kFarTurn) return true;
   return depth > deep_for(world, touch.a, touch.b);
 }
 
-/// Takes so much of the approach at a point of the end that it is not deep there; no more than there
-/// is, so that energy is only taken. What is driven counts as standing still: pushed here step after
-/// step, a body that cannot give way would get ever faster. @return whether there was any
+/// Reduces the approach at a point of the end of the step until the bodies do not overlap there, by
+/// at most the whole approach, so that energy is only removed. A driven body counts as standing
+/// still: if it pushed a body that cannot give way in every step, that body would get faster and
+/// faster.
+/// @return whether the bodies approached
 bool stop_at(World& world, const Flight& flight, Balance& pushed, const Touch& touch,
              const ContactPoint& point, const NormalRow& row) {
   const State &sa = world.states[touch.a], &sb = world.states[touch.b];

@@ -3,7 +3,7 @@
 namespace headpin::engine::detail {
 namespace {
 
-/// Makes normals point from the touch's A, which may be the candidate's B.
+/// Reverses the normals, if A of the touch is B of the candidate.
 void turn_normals(std::span<ContactPoint> points) {
   for (ContactPoint& p : points) p.n_AB_W = -p.n_AB_W;
 }

@@ -8,15 +8,15 @@ namespace headpin::engine::detail {
 /// Gap at which resting bodies still have contact points [m].
 inline constexpr double kMargin = 1e-3;
 
-/// How far two bodies may be apart and yet meet within the step, as they move now [m]. What an
-/// impact within the step makes of it is seen in the next one.
+/// Largest gap at which two bodies can still meet within the step at their present velocities [m].
+/// The next step includes the effect of an impact within this step.
 inline double reach(const World& world, const Flight& flight, BodyId a, BodyId b) {
   const double drift = (world.states[a].v_WB - world.states[b].v_WB).norm();
   return kMargin + (drift + flight.bodies[a].swing + flight.bodies[b].swing) * step_seconds(world) +
          flight.fall;
 }
 
-/// Appends contact points of the candidate's bodies, posed so, with the normals kept for them.
+/// Appends the contact points of the candidate's bodies at these poses, with their kept normals.
 void contacts_of(World& world, const Candidate& c, std::span<KeptNormal> normals, const Pose& X_WA,
                  const Pose& X_WB, double margin, std::vector<ContactPoint>& out);
 
@@ -25,16 +25,17 @@ void contacts_of(World& world, const Candidate& c, std::span<KeptNormal> normals
 bool add_touch(World& world, const Flight& flight, std::uint32_t candidate, double t,
                Touches& touches);
 
-/// The touch's points at time `t` of the step, on the paths the two bodies now have: appended.
+/// Finds the touch's points again, at time `t` of the step on the present paths of both bodies, and
+/// appends them.
 void look_again(World& world, const Flight& flight, Touch& touch, double t, Touches& touches);
 
-/// How a touch slides on under the world's law of response.
+/// How a touch continues to slide under the world's law of response.
 Sliding sliding_of(const World& world, const Touch& touch);
 
 /// Whether the touch carried anything in the last step.
 bool was_loaded(const Memory& memory, const Touch& touch);
 
-/// Appends to what is found late in a step or by no step before: normals to start from are none.
+/// Appends a candidate that the last step did not have, so it has no normals for a warm start.
 std::uint32_t add_candidate(const World& world, std::uint64_t key, BodyId a, BodyId b,
                             Touches& touches);
 

@@ -10,14 +10,14 @@
 #include "engine/contacts.h"
 #include "engine/memory.h"
 
-/// What a step works with. Users who step often keep a `Workspace` and need nothing inside it.
+/// Buffers of a step. Users who step often keep a `Workspace` and need nothing inside it.
 namespace headpin::engine {
 
 namespace detail {
 
-inline constexpr std::uint32_t kNone = ~std::uint32_t{0};  ///< a number of nothing
+inline constexpr std::uint32_t kNone = ~std::uint32_t{0};  ///< not a valid number
 
-// What finding touches gives.
+// Results of finding touches.
 
 /// A pair of bodies close enough to meet within the step. A is free and awake.
 struct Touch {
@@ -27,64 +27,64 @@ struct Touch {
   bool fresh = false;           ///< not there in the last step
   bool met = false;             ///< the two have met before
   bool pressed = false;         ///< its driven body threw or carried the other in the last step
-  std::uint32_t candidate = 0;  ///< whose normals it uses
+  std::uint32_t candidate = 0;  ///< the one whose normals it uses
   std::uint32_t last = 0;       ///< the same touch in the last step, unless fresh
   std::uint32_t first_point = 0, points = 0;
-  double time = 0.0;  ///< within the step, when its points are right [s]
+  double time = 0.0;  ///< time within the step for which its points were found [s]
   Vec3 w_WA = Vec3::Zero(),
-       w_WB = Vec3::Zero();  ///< turn of A and B then, if that is not their clock
+       w_WB = Vec3::Zero();  ///< angular velocities of A and B at that time
   Coefficients pair;
   Sliding sliding;
 };
 
-/// Touches in the order of their keys, with their points and normals. Impacts move the points to the
-/// time of the last impact of their bodies, take them away where the two pass each other, and append
-/// touches of bodies that got faster, which stand in no order.
+/// Touches in the order of their keys, with their points and normals. Impacts move points to the
+/// time of the last impact of their bodies, remove points of bodies that pass each other, and
+/// append the touches of bodies that got faster. The appended touches are not sorted.
 struct Touches {
   std::vector<Candidate> candidates;
   std::vector<KeptNormal> normals;
   std::vector<Touch> all;
   std::vector<ContactPoint> points;
-  std::size_t early_candidates = 0, early = 0;  ///< those in order, of the start of the step
+  std::size_t early_candidates = 0, early = 0;  ///< number from the start of the step, sorted
 };
 
-// What flying to the impacts gives.
+// Results of moving to the impacts.
 
 /// A body on its way through the step.
 struct Flyer {
   double clock = 0.0;                   ///< time within the step at which its state holds [s]
-  double swing = 0.0, top_speed = 0.0;  ///< of any point of it: by its spin; in all [m/s]
-  double sought = 0.0;                  ///< how far from its start it has been sought for pairs [m]
+  double swing = 0.0, top_speed = 0.0;  ///< bounds for its points: by spin; in all [m/s]
+  double sought = 0.0;                  ///< distance from its start that was searched for pairs [m]
   int impacts = 0;
   std::uint32_t place_struck = 0;  ///< in `Flight::struck`, once it is there
   std::uint32_t first_touch = 0;   ///< in a list through `Approach::next`
-  bool falls = false;              ///< gravity moves it until then: nothing carries it
+  bool falls = false;              ///< gravity moves it: nothing carries it
 };
 
-/// What a step needs of a free and awake body beside its state.
+/// Inverse mass and inertia of a free and awake body.
 struct Mobility {
   double inv_mass = 0.0;
   Mat3 inv_inertia_W = Mat3::Zero();  ///< at its clock
 };
 
-/// What the queue of impacts keeps of a touch.
+/// Data of a touch in the queue of impacts.
 struct Approach {
-  double due = 0.0;                     ///< when it brings an impact next, infinity: never
-  std::array<std::uint32_t, 2> next{};  ///< touch of A, and of B, in the lists of theirs
+  double due = 0.0;                     ///< time of its next possible impact; infinity: never
+  std::array<std::uint32_t, 2> next{};  ///< next touch in the list of A, and in that of B
   bool struck = false;                  ///< it has brought an impact in this step
   bool insists = false;                 ///< its driven body presses what cannot give way
 };
 
 struct Flight {
   std::vector<Flyer> bodies;
-  std::vector<Mobility> mobility;                ///< likewise; meaningless where nothing moves
+  std::vector<Mobility> mobility;                ///< of the bodies; meaningless if they do not move
   std::vector<Approach> touches;                 ///< of the touches, same numbers
-  std::vector<std::pair<BodyId, State>> struck;  ///< what they were before the first impact
-  double lasting_speed = 0.0;  ///< up to which an approach is a lasting contact [m/s]
-  double fall = 0.0;           ///< what gravity adds to a way within the step [m], at most
+  std::vector<std::pair<BodyId, State>> struck;  ///< states before the first impact
+  double lasting_speed = 0.0;  ///< largest approach speed of a lasting contact [m/s]
+  double fall = 0.0;           ///< most that gravity adds to a distance within the step [m]
 };
 
-// What solving lasting contacts gives.
+// Results of solving lasting contacts.
 
 /// One contact point in the solver: approach along n at most `allowed`, impulse at least 0.
 struct NormalRow {
@@ -101,10 +101,11 @@ struct DeepRow {
   std::uint32_t point = 0;
 };
 
-/// Inverse of what the n = 2 to 4 normal rows of a touch do to each other: its first n x n entries.
+/// Inverse of the matrix that couples the n = 2 to 4 normal rows of a touch: its first n x n
+/// entries.
 using Block = Eigen::Matrix4d;
 
-/// One body in the friction of a pair: levers of the tangents, and how unit impulses turn it.
+/// One body in the friction of a pair: lever arms of the tangents, and turns by unit impulses.
 struct FrictionSide {
   std::array<Vec3, 2> r_t, i;
   Vec3 twist_i;
@@ -117,7 +118,7 @@ struct FrictionRows {
   std::uint32_t touch = 0;
   bool carries = false;
   int releases = 0;   ///< how often it lost its load within the step
-  bool held = false;  ///< its limit goes by `load`, not by what the normals carry at the moment
+  bool held = false;  ///< its limit uses `load`, not the present loads of the normals
   double load = 0.0;
   std::array<Vec3, 2> t;
   FrictionSide a, b;
@@ -141,15 +142,15 @@ struct FrictionRows {
   }
 };
 
-/// What is solved of a touch. Its rows go with its island.
+/// Results of a touch. Its rows are valid only while its island is solved.
 struct SolvedTouch {
   std::uint32_t first_row = 0, rows = 0;
-  std::uint32_t block = 0;       ///< of its rows in `blocks`, when it has 2 to 4 that differ
-  std::uint32_t first_load = 0;  ///< of its rows
+  std::uint32_t block = 0;                 ///< index in `blocks`, if it has 2 to 4 independent rows
+  std::uint32_t first_load = 0;            ///< of its rows
   std::uint32_t first_deep = 0, deep = 0;  ///< those of its rows that are in `deep_rows`
   bool met = false;                        ///< the two have met before, or now
   bool insists = false;                    ///< its driven body presses what cannot give way
-  bool swings = false;                     ///< its points say little about the end of the step
+  bool swings = false;                     ///< its points may be wrong at the end of the step
   double depth = 0.0;                      ///< of its deepest point [m]
   Vec3 friction_W = Vec3::Zero();          ///< impulse on A
   double twist = 0.0;
@@ -175,23 +176,23 @@ struct Solved {
 
 // Buffers.
 
-/// What an island is solved with.
+/// Buffers for the solution of an island.
 struct Rows {
   std::vector<NormalRow> normals;
   std::vector<Block> blocks;
   std::vector<FrictionRows> friction;
-  std::vector<double> before, along;               ///< impulses: last pass, way of the passes
-  std::vector<BodyId> bodies;                      ///< of one that its passes did not solve,
-  std::vector<State> unsolved;                     ///< and what they made of them
-  std::vector<std::pair<BodyId, State>> pressed;   ///< as it was before it was solved,
-  std::vector<std::pair<BodyId, State>> pressing;  ///< and the driven bodies that touch it
+  std::vector<double> before, along;               ///< impulses: before a pass; search direction
+  std::vector<BodyId> bodies;                      ///< of an island that its passes did not solve
+  std::vector<State> unsolved;                     ///< states of these bodies after the passes
+  std::vector<std::pair<BodyId, State>> pressed;   ///< states of an island before it is solved
+  std::vector<std::pair<BodyId, State>> pressing;  ///< states of driven bodies that touch it
 };
 
 struct Nudge {
   Vec3 p = Vec3::Zero(), w = Vec3::Zero();
 };
 
-/// A body's part of the balance, and the state that it is of.
+/// A body's part of the balance, and the state for which it was computed.
 struct Booked {
   bool known = false;
   State state;
@@ -200,24 +201,24 @@ struct Booked {
 
 }  // namespace detail
 
-/// Buffers of a step, without meaning between steps: any will do for any world.
+/// Buffers of a step. Their content has no meaning between steps; any workspace works for any
+/// world.
 struct Workspace {
   detail::Touches touches;
   detail::Flight flight;
   detail::Solved solved;
   std::vector<detail::Booked> booked;  ///< of the ledger, by body
-  Balance struck, pushed;              ///< of the step's impacts; of driven bodies in a phase
+  Balance struck, pushed;              ///< gains by the step's impacts; by driven bodies in a phase
   BroadPhase broad_phase;
-  std::vector<std::uint32_t>
-      near;  ///< bounded bodies near one that is faster than it was sought for
+  std::vector<std::uint32_t> near;  ///< bounded bodies near a body that an impact made faster
   std::vector<std::pair<double, std::uint32_t>> coming;  ///< impacts by time, and their touches
-  std::vector<BodyId> halted;                            ///< bodies with as many as they may have
+  std::vector<BodyId> halted;                            ///< bodies at the limit of impacts
   detail::Rows rows;
-  std::vector<std::uint32_t> met_now;  ///< touches that carry and whose bodies had not met
+  std::vector<std::uint32_t> met_now;  ///< touches with a load whose bodies had not met before
   std::vector<KeptNormal> end_normals;
   std::vector<ContactPoint> end_points;
   std::vector<detail::Nudge> nudges;   ///< of bodies
-  std::vector<BodyId> nudged, pinned;  ///< pushed apart; held and pressed far in
+  std::vector<BodyId> nudged, pinned;  ///< pushed apart; held by a driven body, far in
 };
 
 }  // namespace headpin::engine

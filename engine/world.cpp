@@ -86,8 +86,8 @@ void check_number(const World& world, BodyId body) {
                               std::to_string(world.bodies.size()));
 }
 
-/// Calls f(k, point) for the contact points of a body that stands there with each body k that
-/// `concerns` it.
+/// Calls f(k, point) for the contact points of a body at pose X_WB with each body k for which
+/// `concerns` is true.
 template <typename Concerns, typename F>
 void each_contact(const World& world, const Body& body, const Pose& X_WB, double margin,
                   Concerns&& concerns, F&& f) {
@@ -107,7 +107,7 @@ void each_contact(const World& world, const Body& body, const Pose& X_WB, double
   }
 }
 
-/// Refuses a start from which nothing sensible can follow: one body deep inside another.
+/// Throws if one body is deep inside another.
 void check_overlap(const World& world, const Body& body, const State& state,
                    const std::string& who) {
   each_contact(
@@ -121,7 +121,7 @@ void check_overlap(const World& world, const Body& body, const State& state,
       });
 }
 
-/// A body that is taken away leaves nothing hanging in the air.
+/// Wakes a body and the bodies that rest on it, so that nothing floats when it moves away.
 void wake_with_what_rests_on(World& world, BodyId body) {
   wake(world, body);
   world.memory.bodies[body].supported = false;
@@ -131,7 +131,7 @@ void wake_with_what_rests_on(World& world, BodyId body) {
       [&](BodyId k, const ContactPoint&) { wake(world, k); });
 }
 
-/// Numbers into the hash, lowest byte first.
+/// Adds numbers to the hash, lowest byte first.
 class StateHash {
  public:
   void add(std::uint64_t bits) {
@@ -233,8 +233,8 @@ State outside_fixed(const World& world, BodyId body, const State& wanted) {
   const auto is_fixed = [&](BodyId k) { return world.bodies[k].kind == Kind::fixed; };
   State state = wanted;
   Vec3& p = state.X_WB.p;
-  // In strides shorter than its thinnest part, so that it cannot pass through anything; each ends
-  // outside what is fixed.
+  // The body moves in strides shorter than its thinnest part, so that it cannot pass through
+  // anything. Each stride ends outside of fixed bodies.
   const Vec3 start = world.states[body].X_WB.p;
   const double stride =
       0.25 * *std::min_element(mine.shape->part_radius.begin(), mine.shape->part_radius.end());

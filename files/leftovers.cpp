@@ -38,8 +38,8 @@ bool is_gone(pid_t process) {
   return kill(process, 0) != 0 && errno == ESRCH;
 }
 
-/// Whether it is ours and nobody writes it. The process of another machine is none of this one's,
-/// but has its file locked.
+/// Whether a file is ours and no process writes it. A process on another machine is not visible
+/// here, but it has its file locked.
 bool is_left(int folder, const std::string& name) {
   const int file = openat(folder, name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (file < 0) return false;

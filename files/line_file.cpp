@@ -15,9 +15,9 @@ namespace headpin::files {
 
 namespace {
 
-constexpr std::size_t kMostLines = 16'000'000;  // bytes of them
+constexpr std::size_t kMostLines = 16'000'000;  // largest size in bytes
 
-/// The folder of a new file knows it.
+/// Syncs the folder of a new file, so that its name is on the disk.
 void sync_folder_of(const std::string& path) {
   const std::filesystem::path parent = std::filesystem::path(path).parent_path();
   const int folder =

@@ -7,7 +7,7 @@
 namespace headpin::files {
 
 bool lock(int descriptor) {
-  // A file system that knows no locks is no reason to refuse work.
+  // A file system without locks is no reason to refuse work.
   return flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
 }
 

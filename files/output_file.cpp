@@ -36,9 +36,9 @@ fs::path folder_of(const fs::path& path) {
   return parent.empty() ? fs::path(".") : parent;
 }
 
-/// As the kernel does where it is told to (protected_symlinks, protected_fifos): in a folder like
-/// /tmp, where all may write and only owners remove, a link or a pipe of another user is used only
-/// if the folder is that user's.
+/// Like the kernel's protected_symlinks and protected_fifos: in a folder like /tmp, in which
+/// everyone may write and only owners may remove, a link or a pipe of another user is used only if
+/// that user owns the folder.
 void refuse_planted(const fs::path& path) {
   struct stat itself {
   }, folder{};
@@ -55,7 +55,7 @@ void refuse_planted(const fs::path& path) {
   }
 }
 
-/// What is in the working folder of an OutputFolder is called as it will be called in the end.
+/// The final name of a file in the working folder of an OutputFolder, for messages.
 std::string outer_name(const fs::path& path) {
   const fs::path folder = path.parent_path();
   return folder.filename() == kPartFolder ? folder.parent_path() / path.filename() : path;
@@ -66,7 +66,7 @@ std::string outer_name(const fs::path& path) {
 int rename_new(int from_folder, const std::string& from, int to_folder, const std::string& to) {
   if (renameat2(from_folder, from.c_str(), to_folder, to.c_str(), RENAME_NOREPLACE) == 0) return 0;
   if (errno != EINVAL && errno != ENOSYS) return -1;
-  // File systems without that kind of rename.
+  // The file system does not have that kind of rename.
   struct stat is {};
   if (fstatat(from_folder, from.c_str(), &is, AT_SYMLINK_NOFOLLOW) == 0 && S_ISDIR(is.st_mode)) {
     return renameat(from_folder, from.c_str(), to_folder, to.c_str());  // only onto an empty one
@@ -116,7 +116,7 @@ OutputFile::OutputFile(std::string path, Options options)
   struct stat there {};
   const bool exists = stat(path_.c_str(), &there) == 0;
   if (!exists && errno != ENOENT && errno != ELOOP)
-    fail("cannot be reached");  // what may not be seen is not nothing
+    fail("cannot be reached");  // a path without access may exist
   if (exists && S_ISDIR(there.st_mode)) {
     throw std::runtime_error(said_ + ": is a folder; expected the name of a file");
   }
@@ -179,7 +179,7 @@ void OutputFile::open_in_folder(bool exists, const fs::path& folder) {
   part_ = folder / named_;
   lock(descriptor_);
   if (exists) {
-    // Whose it was and who may read it; only root can give files to others, so failing is fine.
+    // Keeps owner and permissions. Only root can give files to others, so a failure is accepted.
     [[maybe_unused]] const int given = fchown(descriptor_, old.st_uid, old.st_gid);
     fchmod(descriptor_, old.st_mode & 0777);
   }
@@ -193,7 +193,7 @@ void OutputFile::open_in_folder(bool exists, const fs::path& folder) {
   sync_folder();
 }
 
-/// Of runs that were killed.
+/// Removes the files of killed runs.
 void OutputFile::clear_away(const fs::path& folder) const {
   for (const std::string& name : remove_leftovers(folder_, part_stem(target_))) {
     std::string text = (folder / name).string();
@@ -233,7 +233,7 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::sync() const {
-  // EINVAL, EROFS: what cannot be synced, such as a pipe.
+  // EINVAL, EROFS: it cannot be synced, for example a pipe.
   if (fdatasync(descriptor_) != 0 && errno != EINVAL && errno != EROFS) fail("cannot be written");
 }
 
@@ -241,7 +241,7 @@ bool OutputFile::cut_back(std::int64_t size) const {
   return ftruncate(descriptor_, size) == 0;
 }
 
-/// Has the name on the disk too.
+/// Syncs the name to the disk too.
 void OutputFile::sync_folder() const {
   if (options_.durable && fsync(folder_) != 0 && errno != EINVAL) fail("cannot be written");
 }

@@ -83,8 +83,8 @@ class OutputFile {
   std::string path_;  ///< as the user wrote it
   std::string said_;  ///< the same, in messages
   Options options_;
-  int folder_ = -1;             ///< where it will be, links followed; -1: nothing gets a name
-  std::string target_, named_;  ///< there: its name in the end, and now
+  int folder_ = -1;             ///< its final folder, links followed; -1: no name is needed
+  std::string target_, named_;  ///< in this folder: its final and its present name
   std::filesystem::path part_;
   int descriptor_ = -1;
 };

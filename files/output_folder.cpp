@@ -17,11 +17,11 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr const char* kOld = ".headpin.old";    // what is being replaced and may have to come back
-constexpr const char* kGone = ".headpin.gone";  // what was replaced
+constexpr const char* kOld = ".headpin.old";    // files being replaced, which may be moved back
+constexpr const char* kGone = ".headpin.gone";  // files that were replaced
 const std::string kTitle = kListTitle;
 
-/// Without `/` at the end: DIR/ is DIR.
+/// Removes `/` at the end: DIR/ becomes DIR.
 fs::path without_slash(const std::string& path) {
   const std::size_t last = path.find_last_not_of('/');
   return last == std::string::npos ? path.substr(0, 1) : path.substr(0, last + 1);
@@ -72,11 +72,11 @@ OutputFolder::OutputFolder(const std::string& path, const Options& options) : pa
       take_lock();
       take_back();
     }
-    refuse_foreign(options);  // before anything of ours is put there
+    refuse_foreign(options);  // before this writes anything there
     if (list_ < 0) take_lock();
     refuse_foreign(options);
     part_.emplace(folder_ / kPartFolder);
-    part_->clear();  // of a run that was killed
+    part_->clear();  // files of a killed run
     if (exists_in(descriptor_, kGone)) WorkFolder(folder_ / kGone);
   } catch (const fs::filesystem_error& error) {
     give_up();
@@ -102,7 +102,7 @@ void OutputFolder::make_folder() {
     struct stat is {};
     if (stat(path.c_str(), &is) == 0) return false;
     if (errno != ENOENT && errno != ENOTDIR)
-      fail("cannot be reached");  // what may not be seen is not nothing
+      fail("cannot be reached");  // a path without access may exist
     return true;
   };
   for (fs::path at = folder_; is_missing(at); at = at.parent_path()) {
@@ -111,11 +111,11 @@ void OutputFolder::make_folder() {
   for (std::size_t i = 0; i < made_.size();) {
     if (mkdir(made_[i].c_str(), 0777) == 0) {
       ++i;
-    } else if (errno == EEXIST) {  // another one made it meanwhile
+    } else if (errno == EEXIST) {  // another process made it meanwhile
       made_.erase(made_.begin() + static_cast<std::ptrdiff_t>(i));
     } else {
       const int error = errno;
-      made_.resize(i);  // the rest was never there
+      made_.resize(i);  // the others were not made
       errno = error;
       fail("cannot be made");
     }
@@ -155,7 +155,7 @@ void OutputFolder::refuse_foreign(const Options& options) const {
   }
 }
 
-/// Opens and locks the list; one that was removed in between is not the one that counts.
+/// Opens and locks the list. Repeats this if the list was removed in between.
 void OutputFolder::take_lock() {
   const fs::path path = folder_ / kList;
   listed_ = exists_in(descriptor_, kList);
@@ -177,7 +177,8 @@ void OutputFolder::take_lock() {
   read_list(descriptor_, ours_);
 }
 
-/// After a crash in the middle of commit(): the old files to their places, the new ones to theirs.
+/// After a crash within commit(): moves the old files back, and the new files to their working
+/// folder.
 void OutputFolder::take_back() {
   WorkFolder old(folder_ / kOld);
   old.keep(true);
@@ -206,7 +207,7 @@ void OutputFolder::move(const Move& move, std::vector<Move>& done) const {
   done.push_back(move);
 }
 
-/// Has the new files on the disk before they replace any.
+/// Syncs the new files to the disk before they replace others.
 void OutputFolder::sync_parts() const {
   constexpr std::size_t kFew = 32;  // a folder of 2000 pictures would wait for the disk 2000 times
   if (part_->names().size() > kFew) {
@@ -225,7 +226,8 @@ void OutputFolder::sync_parts() const {
   part_->sync();
 }
 
-/// Moves our files there are to the folder of old ones, and the new ones into their place.
+/// Moves the existing files of headpin to the folder of old files, and the new files to their
+/// places.
 void OutputFolder::exchange_files(const std::set<std::string>& names, const std::string& last,
                                   WorkFolder& old, std::vector<Move>& done) const {
   std::set<std::string> there;
@@ -236,7 +238,7 @@ void OutputFolder::exchange_files(const std::set<std::string>& names, const std:
   }
   old.sync();
   if (fsync(descriptor_) != 0) fail("cannot be written");
-  // The one that stands for the whole set goes first and comes last.
+  // The file that marks a complete set is removed first and comes last.
   if (there.contains(last)) move({last, nullptr, &old}, done);
   for (const std::string& name : there) {
     if (name != last) move({name, nullptr, &old}, done);
@@ -245,7 +247,7 @@ void OutputFolder::exchange_files(const std::set<std::string>& names, const std:
     if (name != last) move({name, &*part_, nullptr}, done);
   }
   move({last, &*part_, nullptr}, done);
-  // From here on the new ones count, and no longer the old.
+  // From here on, the new files are valid instead of the old ones.
   if (fsync(descriptor_) != 0 || rename_new(descriptor_, kOld, descriptor_, kGone) != 0) {
     fail("cannot be written");
   }
@@ -268,8 +270,8 @@ std::string OutputFolder::move_back(const std::vector<Move>& done) const {
 void OutputFolder::commit(const std::string& last) {
   sync_parts();
   const std::set<std::string> names = part_->names();
-  // From here on old and new are ours, whatever happens. The list may only grow while it can still
-  // be cut back, and shrinks where it needs no new space.
+  // From here on, the list has old and new files, whatever happens. It grows only while it can
+  // still be truncated, and it shrinks only where this needs no new space.
   const std::string before = kTitle + lines_of(ours_);
   const auto cut_back = [&] {
     const int error = errno;
@@ -290,15 +292,15 @@ void OutputFolder::commit(const std::string& last) {
       cut_back();
       throw;
     }
-    // All three tell the next of us what belongs where.
+    // All three show the next headpin where the files belong.
     old->keep(true);
     part_->keep(true);
     listed_ = true;
     throw std::runtime_error(std::string(error.what()) + "; and these could not be moved back:" +
                              stuck + "; the old ones are in " + (folder_ / kOld).string());
   }
-  // What is left over is put away, now or by the next of us. Until the disk has the old ones' new
-  // name, the empty folder of parts tells which are the new.
+  // The rest is removed now or by the next headpin. Until the new name of the old folder is on the
+  // disk, the empty folder of parts shows which files are the new ones.
   old->keep(true);
   old.reset();
   part_->keep(true);
@@ -317,7 +319,7 @@ void OutputFolder::commit(const std::string& last) {
 }
 
 void OutputFolder::give_up() noexcept {
-  if (list_ >= 0) {  // the folder is ours alone
+  if (list_ >= 0) {  // this process has the folder locked
     part_.reset();
     if (!listed_) unlinkat(descriptor_, kList, 0);
     close(std::exchange(list_, -1));

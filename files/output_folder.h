@@ -69,9 +69,9 @@ class OutputFolder {
   std::string path_;  ///< as the user wrote it, for messages
   std::filesystem::path folder_;
   std::optional<WorkFolder> part_;
-  std::set<std::string> ours_;               ///< on the list that stands there
+  std::set<std::string> ours_;               ///< on the existing list
   std::vector<std::filesystem::path> made_;  ///< folders that are new, outermost first
-  bool listed_ = false;                      ///< there was a list before us
+  bool listed_ = false;                      ///< there was a list before
   int list_ = -1;                            ///< open and locked
   int descriptor_ = -1;                      ///< of the folder
 };

@@ -11,8 +11,8 @@ namespace headpin::files {
 
 /// Text that is written through a stream into a file of an OutputFolder.
 ///
-/// What the disk does not take is thrown where it is written, with the disk's reason, and not kept
-/// as a state that nobody asks for.
+/// A failed write throws at once, with the reason, instead of setting a state that may not be
+/// checked.
 class OutputText : private std::streambuf {
  public:
   /// @param path  as OutputFolder::file() gives it
@@ -24,7 +24,7 @@ class OutputText : private std::streambuf {
     return out_ << value;
   }
 
-  /// Gives it its name in the folder.
+  /// Completes the file and gives it its name in the folder.
   void close();
 
  private:

@@ -30,7 +30,7 @@ int nameless_file() {
   const std::string folder = folder_of_all();
   int file = open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
   if (file >= 0) return file;
-  std::string name = folder + "/headpin-XXXXXX";  // file systems without such files
+  std::string name = folder + "/headpin-XXXXXX";  // for file systems without nameless files
   file = mkostemp(name.data(), O_CLOEXEC);
   if (file < 0) fail(folder, "file");
   unlink(name.c_str());

@@ -2,14 +2,14 @@
 
 #include <filesystem>
 
-/// Files and folders that nobody else uses, in TMPDIR or /tmp.
+/// Private files and folders in TMPDIR or /tmp.
 namespace headpin::files {
 
 /// Opens a file without a name for reading and writing; it vanishes when it is closed.
 /// @throws std::runtime_error  naming the folder
 int nameless_file();
 
-/// A folder of our own. It is removed with all that is in it.
+/// A private folder. It is removed with all its content.
 class PrivateFolder {
  public:
   /// @throws std::runtime_error  naming the folder it should be in

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-/// What an OutputFolder keeps in it for itself, each a WorkFolder.
+/// The internal folders of an OutputFolder; each is a WorkFolder.
 constexpr std::array<const char*, 3> kBooks = {".headpin.part", ".headpin.old", ".headpin.gone"};
 
 std::string text_in(int folder, const char* name) {
@@ -42,7 +42,7 @@ std::string text_in(int folder, const char* name) {
   return text;
 }
 
-/// Puts text at the end of a file.
+/// Appends text to a file.
 bool append(int file, std::string_view text) {
   while (!text.empty()) {
     const ssize_t n = write(file, text.data(), text.size());
@@ -58,7 +58,7 @@ bool is_regular(int folder, const std::string& name) {
   return fstatat(folder, name.c_str(), &is, AT_SYMLINK_NOFOLLOW) == 0 && S_ISREG(is.st_mode);
 }
 
-/// All that is in an open folder. One that cannot be read is not an empty one.
+/// All entries of an open folder. Throws if it cannot be read, because it may not be empty.
 std::vector<std::string> entries(int folder) {
   const auto fail = [] {
     throw std::runtime_error(std::string("a folder cannot be read: ") + std::strerror(errno));
@@ -82,8 +82,7 @@ std::vector<std::string> entries(int folder) {
   return names;
 }
 
-/// Whether `name` is what an OutputFile for one of `names` is called while it is written:
-/// NAME.PROCESS-N.part.
+/// Whether `name` is the temporary name of an OutputFile for one of `names`: NAME.PROCESS-N.part.
 bool is_part_of(const std::string& name, const std::set<std::string>& names) {
   constexpr std::string_view kEnd = ".part";
   if (!name.ends_with(kEnd)) return false;
@@ -93,7 +92,7 @@ bool is_part_of(const std::string& name, const std::set<std::string>& names) {
          stem.find_first_not_of("0123456789-", dot + 1) == std::string::npos;
 }
 
-/// Removes what the list in an open folder names, and last the list.
+/// Removes the listed files of an open folder, and last the list.
 void remove_listed(int folder) {
   std::set<std::string> names;
   if (!read_list(folder, names)) return;
@@ -110,7 +109,7 @@ void remove_listed(int folder) {
     if (inner < 0) continue;
     remove_listed(inner);
     close(inner);
-    unlinkat(folder, name.c_str(), AT_REMOVEDIR);  // stays where it holds what is not ours
+    unlinkat(folder, name.c_str(), AT_REMOVEDIR);  // fails if it contains other files
   }
   if (is_regular(folder, kList)) unlinkat(folder, kList, 0);
 }
@@ -152,7 +151,7 @@ int open_folder(int parent, const std::string& name) {
 
 void WorkFolder::fail(const std::string& doing) const {
   const int error = errno;
-  // What an OutputFolder keeps for itself is told as that folder.
+  // Messages name the OutputFolder instead of its internal folders.
   const bool book = std::ranges::count(kBooks, path_.filename().string()) > 0;
   throw std::runtime_error((book ? path_.parent_path() : path_).string() + ": " + doing + ": " +
                            std::strerror(error));
@@ -184,7 +183,7 @@ WorkFolder::WorkFolder(fs::path path) : path_(std::move(path)) {
         (ftruncate(list_, 0) != 0 || !append(list_, title))) {
       fail("cannot be written");
     }
-    char last = '\n';  // else a crash cut the list inside a name
+    char last = '\n';  // otherwise a crash cut the list inside a name
     if (fstat(list_, &is) != 0 || pread(list_, &last, 1, is.st_size - 1) != 1 ||
         (last != '\n' && !append(list_, "\n"))) {
       fail("cannot be written");
@@ -202,7 +201,7 @@ WorkFolder::~WorkFolder() {
   if (!keep_) {
     try {
       remove_listed(folder_);
-    } catch (const std::exception&) {  // a list that cannot be read: what it names stays
+    } catch (const std::exception&) {  // the list cannot be read: its files stay
     }
   }
   close_all();
@@ -232,7 +231,7 @@ void WorkFolder::sync() const {
 }
 
 void WorkFolder::clear() {
-  // The list goes last and is made anew, empty, in the same file: the lock is on that.
+  // The list is cleared last, in the same file, because the lock is on this file.
   for (const std::string& name : names_) {
     if (!name.ends_with('/')) {
       if (is_regular(folder_, name)) unlinkat(folder_, name.c_str(), 0);

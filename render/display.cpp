@@ -9,7 +9,7 @@ namespace headpin::render {
 
 namespace {
 
-/// Which part of which old pixels a new one covers, along one side.
+/// The old pixels that a new pixel covers along one side, with their parts.
 struct Cover {
   int first = 0;
   std::vector<double> shares;  ///< of it, summing to 1
@@ -45,7 +45,7 @@ struct Lens {
   double factor(double square) const {
     return T * (1.0 + square * (k1 + square * k2)) / (1.0 + k1 + k2);
   }
-  /// Where on the display an edge in direction `t` is: by bisection, as the law only grows.
+  /// Position on the display of an edge in direction `t`, by bisection; the lens law is increasing.
   double edge(double t) const {
     double low = 0.0, high = 1.0;
     while (high * factor(high * high) < std::abs(t)) high *= 2.0;
@@ -58,7 +58,7 @@ struct Lens {
   Vec2 direction(const Vec2& s) const { return factor(s.squaredNorm()) * s; }
 };
 
-/// The display's edges in the lens's own measure.
+/// The display's edges in units of the lens.
 Frustum edges_of(const Lens& lens, const Frustum& f) {
   return {
       lens.edge(f.left), lens.edge(f.right), lens.edge(f.bottom), lens.edge(f.top), f.near, f.far};
@@ -74,7 +74,7 @@ View relayed_view(View view, const Optics& optics) {
   return view;
 }
 
-/// In perspective, all that the lens shows of a view, at the resolution of its middle.
+/// The perspective view of all that the lens shows, at the resolution of its middle.
 View behind_lens(const View& shown, const Optics& optics) {
   if (!has_lens(optics)) return shown;
   const Lens lens(shown, optics);
@@ -98,7 +98,7 @@ View behind_lens(const View& shown, const Optics& optics) {
   return drawn;
 }
 
-/// Calls put(pixel, x, y) for each pixel of a view with where it looks in the drawn one [pixels].
+/// Calls put(pixel, x, y) for each pixel of a view; x, y is its place in the drawn view [pixels].
 template <typename Put>
 void look_through(const View& shown, const View& drawn, const Optics& optics, const Put& put) {
   const Lens lens(shown, optics);
@@ -121,7 +121,7 @@ std::uint8_t code_of(double light) {
       std::lround(std::clamp<double>(light, 0.0, kFullLight)))];
 }
 
-/// The light between the centres of four pixels.
+/// Distorts an image, with bilinear interpolation of the light.
 Image bent(const Image& image, const View& shown, const View& drawn, const Optics& optics) {
   Image out{shown.width, shown.height,
             std::vector<std::uint8_t>(std::size_t{3} * static_cast<std::size_t>(shown.width) *
@@ -149,15 +149,15 @@ Image bent(const Image& image, const View& shown, const View& drawn, const Optic
   return out;
 }
 
-/// The change of a value from a pixel to the next one along a side: the lesser of those to both
-/// neighbours, none at an edge of what is seen (the minmod limiter of finite volumes).
+/// Slope of a value from pixel to pixel along a side: the smaller one of the slopes to both
+/// neighbours, and 0 at the edge of an object (the minmod limiter of finite volumes).
 double slope(double before, double here, double after) {
   const double a = here - before, b = after - here;
   if (a * b <= 0.0) return 0.0;
   return std::abs(a) < std::abs(b) ? a : b;
 }
 
-/// Depth between the centres of pixels. Its inverse is straight along a plane, in perspective.
+/// Depth between the centres of pixels. In perspective, its inverse is linear along a plane.
 float depth_at(const Labels& drawn, int i, int j, double x, double y) {
   const auto inverse = [&](int column, int row) {
     return 1.0 /

@@ -30,7 +30,7 @@ std::runtime_error egl_error(const std::string& what, EGLint code) {
   return std::runtime_error(what + " (EGL error " + number.data() + ")");
 }
 
-/// libEGL, kept as long as the program runs.
+/// libEGL, loaded until the end of the program.
 struct EglLibrary {
   void* handle = nullptr;
   decltype(&::eglGetPlatformDisplay) platform_display = nullptr;
@@ -66,7 +66,7 @@ struct EglLibrary {
     find(error, "eglGetError");
   }
 
-  /// A function of an extension, null where there is none.
+  /// A function of an extension; null if it does not exist.
   template <typename Function>
   Function extension(const char* name) const {
     return reinterpret_cast<Function>(function(name));
@@ -85,8 +85,8 @@ void let_go_of_egl() {
   egl().make_current(display, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
 }
 
-/// Has libEGL ask Mesa alone, and Mesa draw on the processor: where a graphics card's driver is
-/// installed, that would answer first. To be called before libEGL is loaded.
+/// Limits libEGL to Mesa, and Mesa to the processor. Otherwise an installed driver of a graphics
+/// card would be used first. To be called before libEGL is loaded.
 void ask_mesas_software() {
   setenv("LIBGL_ALWAYS_SOFTWARE", "1", 1);
   for (const char* folder : {"/etc/glvnd/egl_vendor.d", "/usr/share/glvnd/egl_vendor.d"}) {

@@ -21,7 +21,7 @@ namespace headpin::render {
 namespace {
 
 constexpr std::string_view kPrefix = "egl:", kAuto = "auto";
-constexpr unsigned kPatience = 60;  // that a device may take [s]
+constexpr unsigned kPatience = 60;  // longest time for a device [s]
 
 std::optional<int> number_in(std::string_view text) {
   int number = 0;
@@ -30,13 +30,13 @@ std::optional<int> number_in(std::string_view text) {
   return number;
 }
 
-/// What a child says: '+' or '-', whether it is a card, CUDA's number or nothing, then the rest.
+/// The message of a child: '+' or '-', whether it is a card, CUDA's number if any, then the text.
 std::string told(bool works, bool card, const std::optional<int>& cuda, const std::string& says) {
   return std::string(works ? "+" : "-") + (card ? "c" : "p") +
          (cuda ? std::to_string(*cuda) : std::string()) + "\n" + says;
 }
 
-/// Ends the child, which has said `text`. No destructor runs: what crashed or hangs may not be asked.
+/// Sends `text` and ends the child. No destructor runs, because it could crash or hang.
 [[noreturn]] void say_and_end(int out, const std::string& text) {
   const ssize_t written = write(out, text.data(), text.size());
   _exit(written == static_cast<ssize_t>(text.size()) ? 0 : 1);
@@ -52,8 +52,8 @@ std::string all_from(int in) {
   }
 }
 
-/// What `work` says in a process of its own.
-/// @throws std::runtime_error  when that ends otherwise, or takes too long
+/// The result of `work` in a separate process.
+/// @throws std::runtime_error  if the process fails or takes too long
 std::string in_a_child(const std::function<std::string()>& work) {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC) != 0) throw std::runtime_error(std::strerror(errno));
@@ -63,7 +63,7 @@ std::string in_a_child(const std::function<std::string()>& work) {
     signal(SIGALRM, SIG_DFL);
     alarm(kPatience);
     const int nowhere = open("/dev/null", O_WRONLY | O_CLOEXEC);
-    dup2(nowhere, STDERR_FILENO);  // drivers complain there; what is wrong is said below
+    dup2(nowhere, STDERR_FILENO);  // hides messages of drivers; errors are reported below
     try {
       say_and_end(ends[1], work());
     } catch (const std::exception& error) {
@@ -115,7 +115,7 @@ std::vector<int> numbers_of(std::string_view list) {
   while (!list.empty()) {
     const std::string_view one = list.substr(0, list.find(','));
     const std::optional<int> number = number_in(one);
-    if (one == "-1") break;  // CUDA takes none from here on
+    if (one == "-1") break;  // CUDA ignores the devices after it
     if (!number) {
       throw std::invalid_argument("CUDA_VISIBLE_DEVICES is " + std::string(list) +
                                   ": egl:auto expects numbers; name the device: egl:NUMBER");

@@ -13,7 +13,7 @@
 /// 18 m away would differ by 7 % between the eyes, depending on the place of the samples.
 namespace headpin::render {
 
-inline constexpr double kSmall = 16.0;  // pixels across: what is smaller is drawn again
+inline constexpr double kSmall = 16.0;  // pixels across: smaller objects are drawn again
 
 /// Pixels of a view, from its lower left corner.
 struct Part {

@@ -29,7 +29,7 @@ std::vector<std::string> processor_features() {
 #elif defined(__aarch64__)
   names.emplace_back("neon");
 #endif
-  // Mesa leaves alone what stands behind the level it is told.
+  // Mesa does not use features above the given level.
   const char* level = std::getenv("GALLIUM_OVERRIDE_CPU_CAPS");
   const auto last = level ? std::ranges::find(names, level) : names.end();
   if (last != names.end()) names.erase(last + 1, names.end());
@@ -54,7 +54,7 @@ std::string in_a_row(const std::vector<std::string>& words) {
   return row.empty() ? "nothing" : row;
 }
 
-/// A floor of 2 m, of triangles small and large, its colours running over it.
+/// A floor of 2 m, with small and large triangles and a gradient of colours.
 Mesh test_floor() {
   Mesh floor;
   floor.surface = Surface::floor;
@@ -67,7 +67,7 @@ Mesh test_floor() {
   return floor;
 }
 
-/// A wall behind it, light sent as it is, dark to bright.
+/// A wall behind the floor that emits light, from dark to bright.
 Mesh test_wall() {
   Mesh wall;
   wall.surface = Surface::baked;
@@ -108,7 +108,7 @@ Image test_picture(Renderer& renderer) {
   wall.mesh = renderer.add(test_wall());
   list.items.push_back(wall);
   const int mesh = renderer.add(body);
-  for (int i = 0; i < 6; ++i) {  // a row of small ones
+  for (int i = 0; i < 6; ++i) {  // a row of small objects
     list.items.push_back(standing(mesh, {-0.75 + 0.3 * i, 1.75, 0.12}, {0.4, 0.4, 0.7}));
   }
   list.items.push_back(standing(mesh, {-0.25, 0.7, 0.2}));
@@ -123,7 +123,8 @@ Image test_picture(Renderer& renderer) {
   View view;
   view.X_WE = {rotation(Vec3(0.42 * std::numbers::pi, 0.0, 0.0)), Vec3(0.02, -0.3, 0.6)};
   view.frustum = {-0.7, 0.7, -0.5, 0.4, 0.05, 40.0};
-  // As many samples in any quality, and enough: SSE4.1 and AVX differ in one of 86,400 in a fast look.
+  // The same number of samples in any quality. It is enough: in a fast look, SSE4.1 and AVX differ
+  // in one of 86,400 samples.
   view.width = 1152 / renderer.quality().samples;
   view.height = 768 / renderer.quality().samples;
   Image image;

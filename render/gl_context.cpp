@@ -18,7 +18,7 @@
 #include "render/gl_functions.h"
 
 #ifdef HEADPIN_SANITIZED
-// Mesa and the compiler under it keep some memory to the end of the process.
+// Mesa and its compiler do not free some memory before the end of the process.
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libOSMesa.so\nleak:libLLVM\nleak:libEGL\nleak:swrast_dri.so\n";
 }
@@ -28,8 +28,8 @@ namespace headpin::render {
 
 namespace {
 
-/// Which context this thread draws with, and how its library lets go of it. OSMesa and EGL do not
-/// know of each other: what one believes to be current may be the other's by now.
+/// The current context of this thread, and the function of its library that releases it. OSMesa and
+/// EGL are independent: each may regard its context as current although the other's is.
 struct Current {
   std::uint64_t context = 0;
   void (*let_go)() = nullptr;
@@ -72,9 +72,9 @@ void GlContext::release() {
 
 namespace {
 
-/// Mesa waits for ever for a thread that it could not begin.
+/// Checks that threads can be started: Mesa would wait forever for a thread that does not start.
 void try_threads(const std::string& wanted) {
-  constexpr int kMost = 32;  // that Mesa begins
+  constexpr int kMost = 32;  // largest number that Mesa starts
   std::vector<std::jthread> tried;
   try {
     for (int left = std::min(std::atoi(wanted.c_str()), kMost); left > 0; --left) {
@@ -94,10 +94,10 @@ void try_threads(const std::string& wanted) {
 }  // namespace
 
 void prepare_mesa() {
-  // With threads of its own, Mesa 22.3 frees a fence whose lock they still hold (docs/threads.md).
+  // With its own threads, Mesa 22.3 frees a fence while they still hold its lock (docs/threads.md).
   setenv("LP_NUM_THREADS", "0", 0);
   try_threads(std::getenv("LP_NUM_THREADS"));
-  // On these it crashes instead of failing.
+  // With other drivers it crashes instead of failing.
   const char* driver = std::getenv("GALLIUM_DRIVER");
   if (driver != nullptr && std::strcmp(driver, "llvmpipe") != 0 &&
       std::strcmp(driver, "softpipe") != 0) {
@@ -154,7 +154,7 @@ Gl load_functions(const GlContext& context) {
   HEADPIN_GL_FUNCTIONS(HEADPIN_GL_LOAD)
 #undef HEADPIN_GL_LOAD
 
-  // Addresses prove nothing (names that do not exist have one too); the version does.
+  // An address proves nothing, because unknown names have one too. The version does.
   const std::string version = text(gl, GL_VERSION);
   GLint major = 0, minor = 0;
   gl.GetIntegerv(GL_MAJOR_VERSION, &major);
@@ -200,7 +200,7 @@ void check_drawing(const Gl& gl) {
   gl.BindVertexArray(arrays);
   gl.UseProgram(program);
   gl.Viewport(0, 0, kSize, kSize);
-  gl.DrawArrays(GL_TRIANGLES, 0, 3);  // from the middle up
+  gl.DrawArrays(GL_TRIANGLES, 0, 3);  // the upper half
 
   std::array<std::uint8_t, 4 * kSize * kSize> pixels{};
   gl.ReadPixels(0, 0, kSize, kSize, GL_RGBA, GL_UNSIGNED_BYTE, pixels.data());

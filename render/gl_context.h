@@ -58,7 +58,7 @@ std::unique_ptr<GlContext> egl_context();
 /// @throws as osmesa_context()
 std::unique_ptr<GlContext> egl_device_context(int device);
 int egl_device_count();
-std::optional<int> cuda_number(int device);  ///< CUDA's number of it, where it has one
+std::optional<int> cuda_number(int device);  ///< its CUDA number, if it has one
 
 /// The names that open_context() tries by default, in this order.
 std::span<const std::string_view> context_names();
@@ -91,7 +91,7 @@ Gl load_functions(const GlContext& context);
 ///                             stale buffer, rows upside down
 void check_drawing(const Gl& gl);
 
-std::string renderer_name(const Gl& gl);  ///< as OpenGL tells it
+std::string renderer_name(const Gl& gl);  ///< from OpenGL
 /// Whether a renderer of this name is Mesa's software.
 bool draws_on_the_processor(std::string_view renderer);
 

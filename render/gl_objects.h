@@ -10,7 +10,7 @@
 /// OpenGL objects with the lifetime of C++ objects: programs, render targets, shadow maps.
 namespace headpin::render {
 
-/// Compiled shaders by name of their uniforms.
+/// A compiled shader program; its uniforms are set by name.
 class Program {
  public:
   Program(const Gl& gl, const std::string& vertex, const std::string& fragment) : gl_(&gl) {

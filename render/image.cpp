@@ -42,7 +42,7 @@ std::array<std::uint16_t, 256> make_light_table() {
   return table;
 }
 
-/// Code of each mean light 0..kFullLight.
+/// The sRGB code of each mean light 0..kFullLight.
 Bytes make_code_table() {
   Bytes table(kFullLight + 1);
   for (std::size_t i = 0; i < table.size(); ++i) {
@@ -52,7 +52,7 @@ Bytes make_code_table() {
   return table;
 }
 
-/// Rows as PNG has them.
+/// Rows of pixels in PNG's layout.
 struct Raster {
   const std::uint8_t* bytes;
   int width, height;
@@ -77,7 +77,7 @@ void append_chunk(Bytes& png, std::string_view name, const Bytes& data) {
   append_number(png, libdeflate_crc32(0, png.data() + start, png.size() - start));
 }
 
-/// Each row less the one above it: "up", filter 2 (9.2).
+/// Each row minus the row above it: "up", filter 2 (9.2).
 Bytes filtered(const Raster& image) {
   const std::size_t row = image.stride(), rows = static_cast<std::size_t>(image.height);
   Bytes out((row + 1) * rows);
@@ -106,17 +106,17 @@ Bytes compressed(const Bytes& bytes) {
   return out;
 }
 
-/// What a pixel takes of a sample near it.
+/// The weight of a nearby sample in a pixel.
 struct Share {
   int i, j;              ///< in the grid, from the one at the pixel's lower left corner
   std::uint32_t weight;  ///< of kWhole
 };
 constexpr std::uint32_t kWhole = 1 << 16;
 
-/// Samples by the part of the pixel that lies in each one's cell, which is a square of the grid: an
-/// edge through the pixel is told by all that it passes, not by those inside alone.
+/// The weights of samples: the part of the pixel that lies in the cell of each one, which is a
+/// square of the grid. So all samples near an edge contribute, not only those inside the pixel.
 std::vector<Share> make_shares(int n) {
-  constexpr int kFine = 64;  // points along a side of a cell, counted if they lie in the pixel
+  constexpr int kFine = 64;  // points along a side of a cell; those in the pixel are counted
   const int whole = 2 * kFine * (n * n + 1);
   std::vector<Share> shares;
   std::uint32_t left = kWhole;
@@ -126,7 +126,7 @@ std::vector<Share> make_shares(int n) {
       for (int y = 0; y < kFine; ++y) {
         for (int x = 0; x < kFine; ++x) {
           const int a = kFine * (2 * i - n % 2) + 2 * x + 1, b = 2 * kFine * j + 2 * y + 1;
-          const int across = n * a + b, up = n * b - a;  // of its place in the pixel, of `whole`
+          const int across = n * a + b, up = n * b - a;  // place in the pixel, in parts of `whole`
           if (across >= 0 && across < whole && up >= 0 && up < whole) ++inside;
         }
       }
@@ -137,7 +137,7 @@ std::vector<Share> make_shares(int n) {
       left -= weight;
     }
   }
-  std::ranges::max_element(shares, {}, &Share::weight)->weight += left;  // what rounding left
+  std::ranges::max_element(shares, {}, &Share::weight)->weight += left;  // rest of the rounding
   return shares;
 }
 
@@ -147,7 +147,7 @@ const std::vector<Share>& shares_of_a_pixel(int n) {
   return kOfSamples.at(static_cast<std::size_t>(n - 2));
 }
 
-/// The weighted mean light of each pixel's samples, rows turned over.
+/// The weighted mean light of each pixel's samples; the order of rows is reversed.
 void average_grid(std::span<const std::uint8_t> rgba, int n, Image& image) {
   struct Taken {
     std::ptrdiff_t at;           // from the pixel's corner
@@ -171,7 +171,7 @@ void average_grid(std::span<const std::uint8_t> rgba, int n, Image& image) {
   for (int y = h - 1; y >= 0; --y) {
     const std::uint8_t* corner = rgba.data() + 4 * (n * y * row + h - y);
     for (int x = 0; x < w; ++x, corner += 4 * (row + n), pixel += 3) {
-      std::uint32_t red = kWhole / 2, green = red, blue = red;  // so that it rounds
+      std::uint32_t red = kWhole / 2, green = red, blue = red;  // for rounding
       for (const auto& [at, light] : taken) {
         red += light[corner[at]];
         green += light[corner[at + 1]];
@@ -192,13 +192,14 @@ Bytes encoded(const Raster& raster, double pixel_aspect) {
   Bytes head, aspect;
   append_number(head, static_cast<std::size_t>(raster.width));
   append_number(head, static_cast<std::size_t>(raster.height));
-  // Bits a channel, RGB or grey, and the only compression, filters and order there are.
+  // Bits per channel, RGB or grey, and the only methods for compression, filters and interlace in
+  // use.
   for (const int byte : {colour ? 8 : 16, colour ? 2 : 0, 0, 0, 0}) {
     head.push_back(static_cast<std::uint8_t>(byte));
   }
   append_number(aspect, 10000);
   append_number(aspect, static_cast<std::size_t>(std::lround(10000 * pixel_aspect)));
-  aspect.push_back(0);  // of no unit
+  aspect.push_back(0);  // without a unit
 
   Bytes png{0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
   append_chunk(png, "IHDR", head);
@@ -210,7 +211,7 @@ Bytes encoded(const Raster& raster, double pixel_aspect) {
 }
 
 void write_bytes(const std::filesystem::path& path, const Bytes& bytes) {
-  // One of many in a folder, which has them on the disk when it is whole.
+  // One of many files in a folder; the folder syncs them when it is complete.
   files::OutputFile file(path, {.overwrite = true, .durable = false});
   file.write(bytes.data(), bytes.size());
   file.commit();
@@ -261,7 +262,7 @@ Image average(std::span<const std::uint8_t> rgba, int width, int height, int sam
                                 std::to_string(width) + "x" + std::to_string(height) + " pixels");
   }
   Image image{width, height, Bytes(3 * w * h)};
-  if (samples == 1) {  // the mean of one is itself
+  if (samples == 1) {  // one sample needs no mean
     for (std::size_t y = 0; y < h; ++y) {
       const std::uint8_t* sample = rgba.data() + 4 * w * (h - 1 - y);
       std::uint8_t* pixel = image.rgb.data() + 3 * w * y;
@@ -307,7 +308,7 @@ Image decode_png(std::span<const std::uint8_t> bytes) {
   Image image;
   bool ok = png_image_begin_read_from_memory(&png, bytes.data(), bytes.size()) != 0;
   if (ok) {
-    constexpr png_uint_32 kLargest = 16384;  // what OpenGL draws at most; hostile headers say more
+    constexpr png_uint_32 kLargest = 16384;  // OpenGL's limit; invalid headers may have more
     if (png.width > kLargest || png.height > kLargest) {
       png_image_free(&png);
       throw std::runtime_error("PNG: larger than " + std::to_string(kLargest) + " pixels");

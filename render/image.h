@@ -35,8 +35,8 @@ Image side_by_side(const Image& left, const Image& right);
 /// by the area of the pixel that their cells cover. So an edge has the accuracy of nine samples
 /// although five are in the pixel.
 ///
-/// @param rgba     sRGB bytes as OpenGL reads them, rows from the bottom, four bytes a sample: those
-///                 of the SampleGrid that has the picture in it
+/// @param rgba     sRGB bytes from OpenGL, rows from the bottom, four bytes per sample, of the
+///                 SampleGrid that contains the picture
 /// @param width    of the result
 /// @param height   of the result
 /// @param samples  SampleGrid::n, 1..8

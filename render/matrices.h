@@ -74,7 +74,7 @@ inline LightView light_view(const Shadow& shadow) {
   return {m, (hi - lo).head<2>()};
 }
 
-/// What a box covers of a plane that is looked at along parallel lines: x and y of its corners.
+/// The area that a box covers in a parallel projection: range of x and y of its corners.
 inline Eigen::AlignedBox2d across(const Eigen::AlignedBox3d& box, const Mat4& view) {
   Eigen::AlignedBox2d seen;
   for (int corner = 0; corner < 8; ++corner) {

@@ -4,7 +4,7 @@
 #include "render/gl_objects.h"
 #include "render/shaders.h"
 
-/// Programs out of the shaders' variants.
+/// Programs from variants of the shaders.
 namespace headpin::render {
 
 inline Program mesh_program(const Gl& gl, const shaders::Variant& variant, const char* fragment) {
@@ -12,7 +12,7 @@ inline Program mesh_program(const Gl& gl, const shaders::Variant& variant, const
           shaders::shader(variant, fragment)};
 }
 
-/// Of bodies: the colour of their mesh is what they reflect, and becomes light here.
+/// Programs for bodies: the colour of their mesh is reflectance, from which these compute light.
 struct LitPrograms {
   LitPrograms(const Gl& gl, const Quality& quality, std::size_t lamps)
       : count(static_cast<int>(lamps)),

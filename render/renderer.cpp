@@ -37,7 +37,7 @@ int Renderer::add(const Mesh& mesh) {
       throw std::invalid_argument("mesh: an index exceeds the number of vertices");
   }
   r.context->make_current();
-  // Floors in small parts: of each it is asked whether a shadow may fall on it.
+  // Floors have small parts, because each one is tested for shadows.
   const MeshParts parted =
       mesh.surface == Surface::floor ? part_by_place(mesh, 0.35, 16) : part_by_place(mesh);
   Kept kept{mesh.surface, mesh.fine_light, mesh.gloss, mesh.takes_shadow, parted.parts, parted.box};
@@ -71,7 +71,7 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
   r.make_lit_for(list.lamps.size());
 
   const LightView light = light_view(list.shadow);
-  const Mat4 shadow_view =  // to 0..1, as textures are read
+  const Mat4 shadow_view =  // to 0..1, as textures need it
       matrix({Quat::Identity(), Vec3::Constant(0.5)}, Vec3::Constant(0.5)) * light.to_clip;
   if (r.quality.shadow) r.make_shadow_map_for(light.size);
   if (r.quality.shadow && list.shadow.depth > 0.0) r.draw_depth(list, light.to_clip);
@@ -96,7 +96,7 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
     if (r.quality.mirror) r.draw_mirrored(scenes[i], views[i], r.mirror_images[i]);
     r.draw_part(scenes[i], views[i], whole(views[i]), r.grid, contacts, r.targets[i]);
   }
-  // Read when all are on their way: one is painted while the next is prepared.
+  // Pictures are read after all are submitted, so that one is drawn while the next is prepared.
   for (std::size_t i = 0; i < views.size(); ++i) {
     out[i] = r.read(*r.targets[i], whole(views[i]), r.grid);
     if (r.quality.mirror) r.mirror_images[i]->bind();

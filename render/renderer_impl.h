@@ -31,7 +31,7 @@ struct Kept {
   GLuint arrays = 0, vertices = 0, indices = 0;
 };
 
-inline constexpr double kNear = 48.0;  // pixels across: what is smaller is drawn by its far mesh
+inline constexpr double kNear = 48.0;  // pixels across: smaller objects use their far mesh
 
 /// Texels of a shadow map for a length that it covers.
 inline int texels(double length) {
@@ -54,7 +54,7 @@ inline int faint_mesh(const DrawItem& item) {
 /// The scene for one eye.
 struct Scene {
   const DrawList* list;
-  std::vector<double> sizes;  ///< of the items, as they are seen from there [pixels]
+  std::vector<double> sizes;  ///< sizes of the items in the picture [pixels]
   Mat4 world_to_clip = Mat4::Identity();
   Mat4 shadow_view;  ///< world to the shadow map, 0..1
   Vec3 eye_W = Vec3::Zero();
@@ -63,7 +63,7 @@ struct Scene {
   Vec3 picture_u = Vec3::Zero(),
        picture_v = Vec3::Zero();  ///< (i, j, 1) of a sample to the picture
   bool in_mirror = false;
-  std::vector<Eigen::AlignedBox2d> shades;  ///< what items cover of the shadow map, 0..1
+  std::vector<Eigen::AlignedBox2d> shades;  ///< areas of the shadow map that items cover, 0..1
 };
 
 struct Renderer::Impl {

@@ -14,7 +14,7 @@ struct SampleGrid {
   int turn() const { return n > 1 ? 1 : 0; }
   int a_pixel() const { return n * n + turn(); }
 
-  /// Of the grid's own rows and columns, what holds a picture of w x h pixels [samples].
+  /// Size of the grid, in its own rows and columns, for a picture of w x h pixels [samples].
   int width(int w, int h) const { return n * w + turn() * (h + n % 2); }
   int height(int w, int h) const { return n * h + turn() * w; }
 };

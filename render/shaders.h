@@ -3,22 +3,22 @@
 #include <string>
 #include <utility>
 
-/// GLSL of the renderer. All light is linear, and so is what floors mirror; pictures get its sRGB code,
-/// which shaders work out where it costs least.
+/// GLSL of the renderer. All light is linear, also in reflections. Pictures have sRGB codes, which
+/// shaders compute where this is cheapest.
 namespace headpin::render::shaders {
 
-/// What a program is made for.
+/// The options of a program.
 struct Variant {
-  bool early = false;   ///< has its sRGB code from its vertices
-  bool lamps = false;   ///< lamps are worked out at vertices
-  bool shadow = false;  ///< takes shadows
-  bool mirror = false;  ///< a floor that mirrors what is seen in it
+  bool early = false;   ///< the sRGB code comes from the vertices
+  bool lamps = false;   ///< light of lamps is computed at vertices
+  bool shadow = false;  ///< shows shadows
+  bool mirror = false;  ///< a floor with reflections
   int count = 0;        ///< of lamps
 };
 
-/// What several shaders ask: sRGB of a light, to a tenth of a code by two roots, as powers would be the
-/// dearest part of a shader; and Schlick's (1994) rise of reflection with the cosine of the angle it is
-/// seen at.
+/// Functions of several shaders. One computes the sRGB code of a light, to a tenth of a code with
+/// two roots, because powers would be the most expensive part of a shader. The other one is
+/// Schlick's (1994) increase of reflection with the cosine of the viewing angle.
 inline constexpr const char* kAsked = R"(
 float schlick(float cosine) {
   float graze = 1.0 - max(cosine, 0.0);
@@ -32,8 +32,8 @@ vec3 code(vec3 x) {
 }
 )";
 
-// A vertex's place in the grid of samples. Planes 1 to 4 cut it half a pixel beside the picture; 0 is
-// free.
+// A vertex's place in the grid of samples. Clip planes 1 to 4 are half a pixel outside of the
+// picture; plane 0 is free.
 inline constexpr const char* kPlaced = R"(
 uniform vec3 grid_x;
 uniform vec3 grid_y;
@@ -82,7 +82,8 @@ vec3 light(vec3 p_W, vec3 n_W, vec3 colour) {
 }
 )";
 
-// What is left of the light where items cast their shadow; bodies have it where they face the light.
+// The part of the light that is left in the shadow of items. On bodies, only where they face the
+// light.
 inline constexpr const char* kShade = R"(
 uniform mat4 shadow_view;
 uniform sampler2DShadow shadow_map;
@@ -153,7 +154,8 @@ out vec4 result;
 void main() { result = vec4(colour, 1.0); }
 )";
 
-// Varnish mirrors half at most. A floor without comes with its code already.
+// Varnish reflects half of the light at most. A floor without reflections already has its sRGB
+// code.
 inline constexpr const char* kFloorFragment = R"(
 in vec3 p_W;
 in vec3 n_W;
@@ -198,7 +200,7 @@ void main() {
 )";
 
 // Share of the sky's cosine-weighted light that a ball keeps from a point of a plane:
-// (r/d)^2 cos, less what is too faint to draw. The target is multiplied by the rest.
+// (r/d)^2 cos, minus the part that is too faint to draw. The target is multiplied by the rest.
 inline constexpr const char* kContactFragment = R"(
 in vec3 p_W;
 in vec3 n_W;

@@ -5,11 +5,11 @@
 
 #include "render/renderer_impl.h"
 
-// How the items of a draw list are drawn: by surface, with light, shadows, mirror and contact shadows.
+// Draws the items of a draw list by surface, with light, shadows, reflections and contact shadows.
 namespace headpin::render {
 namespace {
 
-constexpr double kEndless = 1e6;  // farther than anything drawn [m]
+constexpr double kEndless = 1e6;  // farther than all objects [m]
 constexpr std::array<const char*, DrawList::kLamps> kLampPlace{
     "lamp_p[0]", "lamp_p[1]", "lamp_p[2]", "lamp_p[3]",
     "lamp_p[4]", "lamp_p[5]", "lamp_p[6]", "lamp_p[7]"};
@@ -96,7 +96,7 @@ void Renderer::Impl::set_light(const Kept& mesh, const Program& program, const S
         program.set("picture_u", scene.picture_u);
         program.set("picture_v", scene.picture_v);
       }
-      // Where there is no mirror, the colour is code already, and shadows take of that.
+      // Without reflections, the colour is already an sRGB code, and shadows reduce the code.
       if (shaded) {
         const double taken = list.shadow.depth;
         set_shadow(program, scene, mirrors(mesh) ? taken : 1.0 - std::pow(1.0 - taken, 1.0 / 2.2));
@@ -142,7 +142,7 @@ void Renderer::Impl::draw_items(const Scene& scene, Surface surface) const {
       program.set("tint", item.tint);
       draw_elements(mesh, mesh_to_clip, wanted);
     };
-    // To look a shadow up costs more than all else of a floor: it is done where one may fall.
+    // Reading the shadow map costs more than the rest of a floor, so it is done only where needed.
     const Mat4 mesh_to_map = scene.shadow_view * mesh_to_world;
     const auto in_shade = [&](const MeshPart& part) {
       const Eigen::AlignedBox2d box = across(part.box, mesh_to_map);

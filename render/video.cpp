@@ -28,8 +28,8 @@ namespace headpin::render {
 
 namespace {
 
-/// The nearest fraction of whole numbers up to 255, as ffmpeg wants it. The lossless stream does not
-/// decode to its pictures where one of the numbers is above 4096.
+/// The nearest fraction of whole numbers up to 255, as text for ffmpeg. If one of the numbers is
+/// above 4096, the lossless stream does not decode to its pictures.
 std::string ratio(double x) {
   constexpr long kMost = 255;
   long best_over = 1, best_under = 1;
@@ -47,9 +47,9 @@ std::string ratio(double x) {
 
 std::vector<std::string> arguments(int width, int height, std::int64_t fps, double pixel_aspect,
                                    const std::string& lossless_path, const std::string& copy_path) {
-  // As `file:`, or ffmpeg takes what stands before a colon for a protocol.
+  // With `file:`, because ffmpeg would take the part before a colon for a protocol.
   const std::string lossless = "file:" + lossless_path, copy = "file:" + copy_path;
-  // The copy is 240 lines high or more, its pixels square, both sides even as 4:2:0 wants them.
+  // The copy has at least 240 lines, square pixels, and even width and height for 4:2:0.
   const int times = height < 240 ? (240 + height - 1) / height : 1;
   const int copy_height = 2 * ((times * height + 1) / 2);
   const long copy_width = 2 * std::lround(0.5 * times * width * pixel_aspect);
@@ -59,17 +59,17 @@ std::vector<std::string> arguments(int width, int height, std::int64_t fps, doub
                             ":flags=bicubic:out_color_matrix=bt709:out_range=tv,setsar=1";
   std::vector<std::string> words = {
       "ffmpeg", "-hide_banner", "-nostdin", "-loglevel", "error", "-xerror", "-y",
-      // What comes in.
+      // The input.
       "-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size", size, "-framerate", std::to_string(fps),
       "-i", "pipe:0",
-      // Every byte of it.
+      // The lossless output.
       "-map", "0:v", "-vf", "setsar=" + ratio(pixel_aspect) + ":max=255", "-c:v", "libx264rgb",
       "-preset", "ultrafast", "-qp", "0", "-metadata:s:v:0", "stereo_mode=left_right", "-fflags",
       "+bitexact", "-f", "matroska", lossless};
   const std::vector<std::string> to_look_at = {
-      // What players find the halves by: side by side.
+      // The copy, marked for players as side by side.
       "-map", "0:v", "-vf", scale, "-c:v", "libx264", "-x264-params", "frame-packing=3",
-      // Cheap, and a tenth of what every byte takes.
+      // Fast, and a tenth of the size of the lossless file.
       "-preset", "superfast", "-crf", "18", "-pix_fmt", "yuv420p", "-colorspace", "bt709",
       "-color_primaries", "bt709", "-color_trc", "bt709", "-movflags", "+faststart", "-fflags",
       "+bitexact", "-f", "mp4", copy};
@@ -78,7 +78,7 @@ std::vector<std::string> arguments(int width, int height, std::int64_t fps, doub
 }
 
 constexpr int kMostNaps = 200;
-constexpr int kNap_ms = 10;  // between two looks at whether we shall go on
+constexpr int kNap_ms = 10;  // between two calls of the check
 
 /// Runs ffmpeg between two files. Returns its process id.
 int spawn(std::vector<std::string> words, int input, int messages) {
@@ -92,7 +92,7 @@ int spawn(std::vector<std::string> words, int input, int messages) {
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, messages, STDERR_FILENO);
   pid_t process = -1;
-  // A group of its own: an interrupt at the terminal is ours to act upon.
+  // In its own process group, so that an interrupt from the terminal does not stop ffmpeg.
   posix_spawnattr_t attributes;
   posix_spawnattr_init(&attributes);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETPGROUP);
@@ -128,14 +128,14 @@ VideoWriter::VideoWriter(const std::filesystem::path& path, int width, int heigh
     throw std::invalid_argument("video: expected a name that ends in .mkv, found " + path.string());
   }
   copy_.replace_extension(".mp4");
-  constexpr int kLargest = 16384;  // H.264's encoder takes no more
+  constexpr int kLargest = 16384;  // the limit of the H.264 encoder
   if (width < 2 || height < 2 || width > kLargest || height > kLargest || fps < 1 ||
       !(pixel_aspect > 0.01 && pixel_aspect < 100.0)) {
     throw std::invalid_argument("video: " + std::to_string(width) + "x" + std::to_string(height) +
                                 " pixels, " + std::to_string(fps) + " a second, pixel aspect " +
                                 std::to_string(pixel_aspect));
   }
-  // ffmpeg seeks in what it writes.
+  // ffmpeg seeks in its output, so this must be a regular file.
   const files::OutputFile::Options output{.overwrite = force, .regular = true, .inputs = inputs};
   path_file_ = std::make_unique<files::OutputFile>(path_, output);
   if (copy) copy_file_ = std::make_unique<files::OutputFile>(copy_, output);
@@ -219,7 +219,7 @@ void VideoWriter::close() {
   if (copy_file_) copy_file_->commit();
 }
 
-/// Lets go of ffmpeg; its wait status.
+/// Ends the connection to ffmpeg and returns its wait status.
 int VideoWriter::wait() {
   if (socket_ >= 0) ::close(socket_);
   socket_ = -1;
@@ -231,7 +231,7 @@ int VideoWriter::wait() {
 
 void VideoWriter::fail() {
   if (socket_ >= 0) ::close(std::exchange(socket_, -1));
-  for (int nap = 0; process_ >= 0; ++nap) {  // it reads no more: it ends, or is ended
+  for (int nap = 0; process_ >= 0; ++nap) {  // without input it ends, or it is killed
     if (nap == kMostNaps) kill(process_, SIGKILL);
     if (waitpid(process_, nullptr, nap < kMostNaps ? WNOHANG : 0) == process_) process_ = -1;
     if (process_ >= 0) poll(nullptr, 0, kNap_ms);

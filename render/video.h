@@ -63,7 +63,7 @@ class VideoWriter {
   int width_, height_;
   std::int64_t pictures_ = 0;
   int socket_ = -1;    ///< to ffmpeg's standard input
-  int messages_ = -1;  ///< a nameless file with what ffmpeg says
+  int messages_ = -1;  ///< a nameless file with ffmpeg's messages
   int process_ = -1;
   std::function<void()> check_ = [] {};
 };

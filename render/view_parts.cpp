@@ -4,7 +4,7 @@
 
 #include "render/renderer_impl.h"
 
-// How a view is drawn into a grid of samples, in whole or in part, and averaged to a picture.
+// Draws a view, or a part of it, into a grid of samples and averages these to a picture.
 namespace headpin::render {
 
 void Renderer::Impl::check(const DrawList& list, const View& view) const {

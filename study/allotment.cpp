@@ -11,7 +11,7 @@ namespace headpin::study {
 
 namespace {
 
-// What random numbers are drawn for.
+// Purposes of random numbers.
 constexpr std::uint64_t kPlaces = 101, kOrders = 102;
 
 template <typename T>
@@ -19,7 +19,7 @@ void shuffle(std::span<T> all, devices::Random& random) {
   for (std::size_t i = all.size(); i > 1; --i) std::swap(all[i - 1], all[random.next() % i]);
 }
 
-/// The row of every place of a block, those with the same changed parameter beside each other.
+/// The row of every place of a block; rows with the same changed parameter are next to each other.
 std::vector<std::size_t> rows_of_block(const Design& design) {
   std::vector<std::size_t> rows(design.rows.size()), places;
   std::iota(rows.begin(), rows.end(), std::size_t{0});
@@ -30,7 +30,7 @@ std::vector<std::size_t> rows_of_block(const Design& design) {
   return places;
 }
 
-/// Order and colour of every place, two bits: of a pair, one has both other than the other.
+/// Order and colour of every place, as two bits. In each pair of places, both bits are opposite.
 std::vector<unsigned> orders_of_block(const Design& design, const std::vector<std::size_t>& rows,
                                       std::uint64_t seed, std::int64_t block) {
   devices::Random random(seed, kOrders, static_cast<std::uint64_t>(block / 4));

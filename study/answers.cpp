@@ -46,7 +46,7 @@ std::string read_participant(const CsvTable& table, const CsvRow& row,
   return name;
 }
 
-/// A row a participant.
+/// Reads a table with one row per participant.
 std::map<std::string, Answers> parse_wide(const CsvTable& table, const Questionnaire& questions,
                                           const std::set<std::string>& names) {
   for (const std::string& column : table.columns) {

@@ -33,7 +33,7 @@ std::string line(const std::vector<std::string>& cells) {
   return text + "\n";
 }
 
-/// A text without what ends a cell.
+/// A text with spaces in place of the characters that end a cell.
 std::string cell_of(std::string text) {
   for (char& c : text) {
     if (c == '\t' || c == '\n' || c == '\r') c = ' ';

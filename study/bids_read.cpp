@@ -12,7 +12,7 @@ namespace headpin::study {
 
 namespace {
 
-/// A table between tabs, with names or without.
+/// A table with tabs between cells, with or without column names.
 class TabRows {
  public:
   TabRows(const std::string& name, const std::string& text) : name_(name), text_(text) {}
@@ -47,7 +47,7 @@ class TabRows {
     return value;
   }
 
-  /// Of decimal seconds, to the microsecond.
+  /// Reads decimal seconds, to the microsecond.
   Time time(std::string_view cell) const {
     const double value = number<double>(cell);
     if (!(std::abs(value) < 4e9)) refuse("seconds", cell);
@@ -108,7 +108,7 @@ void read_buttons(const std::string& name, const std::string& text, Indexed& sam
   }
 }
 
-/// The trial that the events' sidecar tells of.
+/// The trial in the events' sidecar.
 nlohmann::json trial_in(const std::string& name, const std::string& text) {
   const nlohmann::json json = nlohmann::json::parse(text, nullptr, false);
   if (json.is_object() && json.contains("HeadpinTrial") && json["HeadpinTrial"].is_object()) {

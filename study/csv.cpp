@@ -16,7 +16,7 @@ namespace {
   throw std::invalid_argument(fmt::format("{}:{}: {}", where, line, what));
 }
 
-/// How many bytes the character at `at` has in UTF-8; 0 where there is none.
+/// Number of bytes of the UTF-8 character at `at`; 0 if there is no valid one.
 std::size_t utf8_length(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) {
     return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u;
@@ -43,7 +43,7 @@ void require_utf8(std::string_view text, const std::string& where) {
   }
 }
 
-/// What stands most often between the names, outside quotes.
+/// The most frequent separator in the line of names, outside quotes.
 char separator_of(std::string_view text) {
   constexpr std::string_view kSeparators = ",;\t";
   std::array<int, 3> counts{};

@@ -9,7 +9,7 @@ namespace headpin::study {
 
 namespace {
 
-/// What a count adds to the deviance, given its mean.
+/// The contribution of a count to the deviance, given its mean.
 double deviance_of(double y, double mean, double n) {
   const auto part = [](double count, double expected) {
     return count > 0.0 ? count * std::log(count / expected) : 0.0;
@@ -21,7 +21,7 @@ double deviance_of(double y, double mean, double n) {
 
 Fit fit_binomial(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, double n) {
   constexpr int kMost = 30;
-  constexpr double kSame = 1e-10, kBound = 30.0;  // exp(30): a probability that no data tell from 1
+  constexpr double kSame = 1e-10, kBound = 30.0;  // exp(30): not distinguishable from probability 1
   Fit fit;
   fit.estimates = Eigen::VectorXd::Zero(x.cols());
   double before = std::numeric_limits<double>::infinity();

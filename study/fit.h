@@ -14,7 +14,7 @@ struct Fit {
   bool converged = false;  ///< else an estimate goes to infinity: separation
 };
 
-/// @param x  a row an observation, a column a term
+/// @param x  one row per observation, one column per term
 /// @param y  successes of `n`
 Fit fit_binomial(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, double n);
 

@@ -11,7 +11,7 @@ namespace headpin::study {
 
 namespace {
 
-/// Adds the way from the place before, where there is one.
+/// Adds the distance from the previous place, if there is one.
 void go_on(std::optional<Vec3>& before, const std::optional<Pose>& now, double& path) {
   if (now && before) path += (now->p - *before).norm();
   before = now ? std::optional(now->p) : std::nullopt;

@@ -14,7 +14,7 @@ namespace headpin::study {
 
 namespace {
 
-// What random numbers are drawn for; the item's name is added.
+// Purposes of random numbers; the item's name is added.
 constexpr std::uint64_t kDealt = 1000, kGiven = 2000;
 
 std::uint64_t number_of(const std::string& text) {
@@ -29,7 +29,7 @@ std::optional<std::size_t> factor_with_letter(const Design& design, const std::s
   return static_cast<std::size_t>(found - design.factors.begin());
 }
 
-/// How many places before this one have that changed parameter.
+/// Number of earlier places with that changed parameter.
 std::int64_t rank_of(const Design& design, std::uint64_t seed, std::int64_t place,
                      std::size_t changed) {
   std::int64_t in_block = 0;
@@ -42,7 +42,7 @@ std::int64_t rank_of(const Design& design, std::uint64_t seed, std::int64_t plac
   return rank;
 }
 
-/// The card that somebody gets from shuffled decks of the published answers.
+/// The answer for a rank, from shuffled decks of the published answers.
 std::string dealt(const PublishedAnswers& published, std::uint64_t seed, std::int64_t rank) {
   std::vector<std::string> deck;
   for (const auto& [answer, count] : published.counts) {

@@ -20,7 +20,7 @@ std::string count(std::int64_t n) {
   return fmt::format("{}", n);
 }
 
-/// Of the published answers to an item, how many gave this one; nothing where none are published.
+/// The published number of this answer to an item; nothing if none are published.
 std::optional<int> published_count(const Design& design, const std::string& item,
                                    std::optional<std::size_t> changed, const std::string& answer) {
   for (const PublishedAnswers& one : design.published) {
@@ -37,7 +37,7 @@ std::string or_none(const std::optional<int>& value) {
   return value ? count(*value) : std::string(kNoAnswer);
 }
 
-/// Percent of so many, rounded to whole ones, as the paper prints them.
+/// Percentage of `all`, rounded to whole numbers as in the paper.
 std::string percent(std::int64_t part, std::int64_t all) {
   return all == 0 ? std::string(kNoAnswer) : count((200 * part + all) / (2 * all));
 }

@@ -11,7 +11,7 @@ namespace headpin::study {
 
 namespace {
 
-/// One of a table's columns, and how it is filled.
+/// A column of the table, and the function that fills it.
 struct Filled {
   Column column;
   std::function<std::string(const Person&)> value;

@@ -15,7 +15,7 @@ namespace {
 constexpr const char* kBase = "base";
 constexpr const char* kChanged = "changed";
 
-/// Names are the same on a disk that knows no capitals.
+/// A name in small letters. On disks that ignore case, such names are equal.
 std::string folded(const std::string& id) {
   std::string text = id;
   std::ranges::transform(text, text.begin(), [](unsigned char c) { return std::tolower(c); });
@@ -49,7 +49,7 @@ std::string one_of_rows(const Design& design) {
 
 std::size_t read_design_row(const CsvTable& table, const CsvRow& at, const Design& design) {
   std::string cell = table.cell(at, "cell");
-  // A spreadsheet takes 010 for a number and writes 10.
+  // A spreadsheet treats 010 as a number and writes 10.
   if (const auto number = whole_in(cell); number && cell.size() < design.factors.size()) {
     cell = fmt::format("{:0{}}", *number, design.factors.size());
   }
@@ -79,7 +79,7 @@ std::string read_name(const CsvTable& table, const CsvRow& at, const char* colum
   return name;
 }
 
-/// What the cell and the change say of the version's values is held against what stands there.
+/// Compares the values in a row with those that follow from its cell and its changed parameter.
 void check_values(const CsvTable& table, const PlanRow& row, const Design& design) {
   const std::string cell = design.rows[row.participant.allotted.row].cell;
   const auto games = games_of(design, row.participant.allotted);

@@ -14,7 +14,7 @@ namespace {
 constexpr double kChiSquared95 = 3.841458820694124;  // of one degree of freedom
 constexpr std::uint64_t kStudies = 104, kAnswers = 105;
 
-/// What a simulated study has of its people: the terms' numbers.
+/// The values of the terms for the people of a simulated study.
 Eigen::MatrixXd people_of(const Design& design, const Questionnaire& questions, int people,
                           std::uint64_t seed) {
   Eigen::MatrixXd x(people, std::ssize(design.terms));
@@ -27,7 +27,7 @@ Eigen::MatrixXd people_of(const Design& design, const Questionnaire& questions, 
   return x;
 }
 
-/// High answers of everybody, drawn.
+/// Draws the number of high answers of every person.
 Eigen::VectorXd scores_of(const Eigen::MatrixXd& x, const Eigen::VectorXd& estimates, int n,
                           devices::Random& random) {
   Eigen::VectorXd y = Eigen::VectorXd::Zero(x.rows());

@@ -29,7 +29,7 @@ Texts read_texts(TomlFields& fields, const std::string& key, const Questionnaire
   return texts;
 }
 
-/// A name that can head a column and stand in a formula of R.
+/// Reads an id that is valid as a name of a column and in a formula of R.
 std::string read_id(TomlFields& fields, const std::string& key) {
   const std::string id = fields.text(key);
   const auto plain = [](unsigned char c) { return (c >= 'a' && c <= 'z') || std::isdigit(c); };

@@ -44,7 +44,7 @@ std::string table_of(const Table& table, const Design& design) {
   return html;
 }
 
-/// A throw from above: where the ball left the hand, where it was heading, what it felled.
+/// A picture of a throw from above: release, direction, and skittles knocked down.
 std::string throw_picture(const devices::ThrowRow& one, bool red) {
   constexpr double kPerMetre = 10.0, kAcross = 22.0, kFoulLine = 84.0, kAhead = 6.0;
   std::string svg =
@@ -110,7 +110,7 @@ std::string design_of(const Design& design) {
   return table_of(table, design);
 }
 
-/// A picture in a document of its own: R gives the letters of every picture the same names.
+/// A picture as a separate document, because R uses the same glyph names in every picture.
 std::string picture_of(const std::string& svg) {
   std::string data;
   for (const char c : svg) {

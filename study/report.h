@@ -8,7 +8,7 @@
 
 namespace headpin::study {
 
-/// What a report shows beside what it counts itself.
+/// Further parts of a report that it does not compute itself.
 struct ReportParts {
   std::vector<Table> tables;          ///< in their order; Tables 5 and 6 among them, if any
   std::vector<std::string> pictures;  ///< SVG documents
@@ -17,7 +17,7 @@ struct ReportParts {
   std::string of;  ///< yes: virtual participants, no: people, mixed
 };
 
-/// Text as HTML and SVG take it.
+/// Text escaped for HTML and SVG.
 std::string escaped(const std::string& text);
 
 /// A study as one HTML page that needs nothing else: design, who played what, tables beside the

@@ -7,8 +7,8 @@
 
 namespace headpin::study {
 
-/// The analysis of a design as a program of R's, for anybody to run and to change: the binomial model
-/// of its terms, what it comes to without each of them, separation and bias-reduced estimates.
+/// The analysis of a design as an R program that everyone can run and change: the binomial model
+/// with its terms, the models without each term, separation and bias-reduced estimates.
 ///
 /// @throws std::invalid_argument  for a design without terms
 std::string r_script(const Design& design);

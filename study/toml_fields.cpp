@@ -13,7 +13,7 @@ namespace headpin::study {
 
 namespace {
 
-/// A value as the shortest text that means it; nothing for tables, arrays and dates.
+/// A value as its shortest text; nothing for tables, arrays and dates.
 std::optional<std::string> as_text(const toml::node& node) {
   if (const auto* text = node.as_string()) return text->get();
   if (const auto* whole = node.as_integer()) return fmt::format("{}", whole->get());

@@ -14,10 +14,10 @@ namespace headpin::sweep {
 namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr Time kSpeedOver{100'000};  ///< a speed is that over so long (Snowden and Braddick 1991)
+constexpr Time kSpeedOver{100'000};  ///< time span for a speed (Snowden and Braddick 1991)
 constexpr double kNoBounce = 0.001;  ///< [m]; a ball that rolls does not bounce
 
-/// Angle between two directions [rad], also of a small part of an arc second.
+/// Angle between two directions [rad], accurate also for tiny angles.
 double angle_between(const Vec3& a, const Vec3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
 }
@@ -32,7 +32,7 @@ Vec3 middle(const Place& place) {
   return 0.5 * (place[0] + place[1]);
 }
 
-/// Keeps the largest, and when one was first above the threshold.
+/// Stores the largest difference, and the time when one was first above the threshold.
 void take(Difference& kept, const Difference& now) {
   const std::optional<Time> first = kept.first        ? kept.first
                                     : now.times > 1.0 ? std::optional(now.at)
@@ -132,7 +132,7 @@ Apart::Apart(const scene::Session& a, const scene::Session& b, std::string_view 
   for (auto& bounces : bounces_) bounces.resize(balls_);
 }
 
-/// Of each body: whether the display has a pixel of it, in the left and in the right eye.
+/// For each body: whether the display has a pixel of it, in the left and in the right eye.
 std::array<std::vector<bool>, 2> Apart::seen(const scene::Session& a, const scene::Session& b,
                                              const Pose& X_WD) {
   std::array<std::vector<bool>, 2> found;

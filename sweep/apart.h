@@ -11,7 +11,7 @@
 #include "scene/play/session.h"
 #include "sweep/thresholds.h"
 
-/// What the eyes can tell apart in two sessions with the same motion of the head.
+/// Visible differences between two sessions with the same motion of the head.
 namespace headpin::sweep {
 
 /// Where a ball or skittle is: a ball's centre twice, or the middle of a skittle's foot and of its
@@ -69,9 +69,9 @@ struct BodyApart {
 ///
 /// Angles are measured at the rate of the display from the places of the bodies, not from pixels. A
 /// body counts in frames in which the display has at least one pixel of it. Its speed is the turn of
-/// its direction from the point between the eyes over the last 100 ms, in the world: as for eyes that
-/// follow the room while the head turns. An angle is held against the larger of a pixel of the display
-/// and `kDetail`.
+/// its direction from the point between the eyes over the last 100 ms, in the world: as for eyes
+/// that follow the room while the head turns. The limit for an angle is a pixel of the display or
+/// `kDetail`, whichever is larger.
 class Apart {
  public:
   /// @param a, b  at their start, with the same tick rate and names of bodies

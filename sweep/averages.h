@@ -8,7 +8,7 @@
 
 namespace headpin::sweep {
 
-/// What one point of the grid comes to: the mean over its trials and draws.
+/// The result at one point of the grid: sums over its trials and draws.
 struct Point {
   std::vector<double> sums;         ///< of result columns, NaN-free
   std::vector<std::int64_t> count;  ///< rows that have that number
@@ -22,7 +22,7 @@ class Averages {
  public:
   explicit Averages(const Rows& rows);
 
-  /// Takes in a row of results.
+  /// Adds a row of results.
   /// @param cells  of its line
   /// @throws std::runtime_error  when they are more or fewer than a table of results has
   void add(std::int64_t number, const std::vector<std::string>& cells);

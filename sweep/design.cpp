@@ -27,7 +27,7 @@ constexpr std::int64_t kMostValues = 100'000;  // of one axis
                                           study::shown(found.str())));
 }
 
-/// A number as it is written into a scenario; steps of a range have no digits that come from rounding.
+/// A number as text for a scenario, without digits that come from rounding in the steps of a range.
 std::string in_words(double value) {
   return fmt::format("{:.12g}", value);
 }

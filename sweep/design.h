@@ -23,7 +23,8 @@ struct Range {
   double from = 0.0, to = 1.0;
 };
 
-/// What sweep.toml says: every combination of the grid's values, each with every draw, of every trial.
+/// The content of sweep.toml: every combination of the grid's values, with every draw and every
+/// trial.
 struct Design {
   std::vector<std::string> trials;  ///< names of files, as they are written
   std::vector<Axis> grid;           ///< the last one changes fastest

@@ -32,7 +32,7 @@ void write_file(const fs::path& path, std::string_view text, bool overwrite) {
   file.commit();
 }
 
-/// A file that a plan which was cut off may have written already.
+/// Writes a file, unless an interrupted plan has written it already.
 void write_once(const fs::path& path, const std::string& text) {
   if (fs::exists(path) && files::read_text(path.string(), kMostText) == text) return;
   write_file(path, text, false);
@@ -47,7 +47,7 @@ std::string rows_csv(const Rows& rows, const std::function<void()>& check) {
   return text;
 }
 
-/// Each value alone on each trial: what cannot be is said before anything is made.
+/// Tries each value alone on each trial, so that errors are found before anything is written.
 void try_values(const Design& design, const std::vector<Trial>& trials, const std::string& where) {
   const auto try_one = [&](const std::string& key, const std::string& value) {
     for (std::size_t i = 0; i < trials.size(); ++i) {
@@ -182,7 +182,7 @@ std::optional<PieceEnd> piece_of(const Sweep& sweep, const Piece& piece,
 PieceClaim::PieceClaim(const Sweep& sweep, const Piece& piece)
     : descriptor_(
           open((sweep.at.pieces() / ".claims").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
-  if (descriptor_ < 0) return;  // the piece itself will say what is wrong with the folder
+  if (descriptor_ < 0) return;  // writing the piece will report the error of the folder
   struct flock byte {};
   byte.l_type = F_WRLCK;
   byte.l_whence = SEEK_SET;

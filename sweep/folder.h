@@ -12,7 +12,7 @@
 /// A sweep on the disk: a folder that a person can read.
 namespace headpin::sweep {
 
-/// Where a sweep has what.
+/// The paths in the folder of a sweep.
 struct SweepFolder {
   std::filesystem::path root;
 
@@ -33,29 +33,30 @@ struct Sweep {
   Pieces pieces;
 };
 
-/// Makes the folder: sweep.toml, the trials and rows.csv, which comes last and makes it a sweep.
+/// Makes the folder: sweep.toml, the trials, and last rows.csv, which makes the sweep complete.
 ///
 /// Every value of every key is tried on every trial's scenario first.
 /// @param design  a file; its trials are named from its folder
-/// @param check   called now and then; may throw
-/// @return  how many rows
-/// @throws std::invalid_argument  naming file and key for what cannot be
-/// @throws std::runtime_error     where the folder has something already
+/// @param check   called from time to time; may throw
+/// @return  number of rows
+/// @throws std::invalid_argument  naming file and key of an impossible value
+/// @throws std::runtime_error     if the folder is not empty
 std::int64_t plan(const std::filesystem::path& design, const SweepFolder& at,
                   const std::function<void()>& check);
 
 /// Reads it again.
-/// @throws std::runtime_error  for a folder that holds none, and for rows.csv where the rows are others
-///                             than sweep.toml and the trials say
+/// @throws std::runtime_error  for a folder without a sweep, or if rows.csv does not match
+///   sweep.toml and the trials
 Sweep open_sweep(const std::filesystem::path& root);
 
-/// Its end; nothing where it is not there.
-/// @param lines  null where only the end is asked for
+/// The end of a piece; nothing if the piece does not exist.
+/// @param lines  gets the lines; null if only the end is needed
 /// @throws std::runtime_error  as read_piece
 std::optional<PieceEnd> piece_of(const Sweep& sweep, const Piece& piece,
                                  std::vector<std::string>* lines);
 
-/// Keeps other processes from the piece until it goes, where the file system has locks.
+/// Locks the piece against other processes during the lifetime of this object, if the file system
+/// has locks.
 class PieceClaim {
  public:
   PieceClaim(const Sweep& sweep, const Piece& piece);
@@ -63,7 +64,7 @@ class PieceClaim {
   PieceClaim(const PieceClaim&) = delete;
   PieceClaim& operator=(const PieceClaim&) = delete;
 
-  /// False where another process is at it.
+  /// False if another process works on it.
   bool is_ours() const { return ours_; }
 
  private:
@@ -71,8 +72,8 @@ class PieceClaim {
   bool ours_ = true;
 };
 
-/// Simulates what is missing of a piece and writes it; also where `check` has thrown, with the rows
-/// that are done.
+/// Simulates the missing rows of a piece and writes it. If `check` throws, the finished rows are
+/// written.
 ///
 /// @param check  called at every tick; may throw
 /// @param done   called after each row

@@ -32,7 +32,7 @@ constexpr const char* kScript =
     "document.addEventListener('click',e=>{const i=e.target.dataset&&e.target.dataset.i;"
     "if(i!==undefined)document.getElementById('command').textContent=C[i]})";
 
-/// Results that are drawn.
+/// Results with pictures.
 constexpr std::array kShown = {"skittles_down",  "impact_speed_mps", "entry_angle_deg",
                                "ball_speed_mps", "energy_lost_j",    "rest_s",
                                "apart_arcmin"};
@@ -131,7 +131,7 @@ class Page {
     return svg + text(kLeft + kWide / 2, kTop + kHigh + 36, "middle", grid()[x_].key);
   }
 
-  /// What the colours stand for.
+  /// The legend of the colours.
   static std::string scale(double low, double high) {
     std::string svg = "<p><svg width='430' height='18' font-size='12'>\n";
     svg += text(84, 13, "end", shown(low));
@@ -256,7 +256,7 @@ class Page {
   std::vector<Place> panels_;
 };
 
-/// In quotes only where it needs them, as somebody would type it.
+/// A word for a shell, in quotes only if it needs them.
 std::string for_a_shell(const std::string& text) {
   const bool plain = text.find_first_not_of(
                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=+-") ==
@@ -265,7 +265,7 @@ std::string for_a_shell(const std::string& text) {
   return files::shell_word(text);
 }
 
-/// Any text, in a script inside a page.
+/// JSON that is safe in a script inside a page.
 std::string in_script(const nlohmann::json& value) {
   std::string text = value.dump(-1, ' ', true, nlohmann::json::error_handler_t::replace);
   for (std::size_t at = 0; (at = text.find('<', at)) != std::string::npos;) {

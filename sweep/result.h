@@ -10,7 +10,7 @@
 
 namespace headpin::sweep {
 
-/// A column of what a replay comes to.
+/// A column of the results of a replay.
 struct ResultColumn {
   const char* name;  ///< with the unit last
   const char* unit;  ///< empty where there is none

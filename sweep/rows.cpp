@@ -17,7 +17,7 @@ namespace headpin::sweep {
 
 namespace {
 
-constexpr std::uint64_t kParts = 201, kPlaces = 202;  // what numbers are drawn for
+constexpr std::uint64_t kParts = 201, kPlaces = 202;  // purposes of random numbers
 
 /// A permutation of 0 .. n-1 (Fisher and Yates).
 std::vector<std::uint32_t> shuffled(std::int64_t n, std::uint64_t seed, std::uint64_t which) {
@@ -44,7 +44,7 @@ double from_0_to_1(const std::string& key, const std::string& value) {
       fmt::format("{}: expected a number from 0 to 1, found '{}'", key, value));
 }
 
-/// A name as TOML has it: the shape 'true' is no truth value.
+/// A string in TOML quotes, because the shape 'true' is not a boolean.
 std::string in_quotes(const std::string& key, const std::string& value) {
   if (value.find_first_of("'\n") == std::string::npos) return "'" + value + "'";
   throw std::invalid_argument(

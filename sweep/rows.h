@@ -14,11 +14,10 @@ struct Row {
   std::int64_t number = 0;          ///< from 0
   std::size_t trial = 0;            ///< of the design
   std::vector<std::string> values;  ///< of Rows::keys(), in that order
-  std::string
-      key;  ///< 16 hex digits of what decides the result: the trial's bytes, keys and values
+  std::string key;  ///< 16 hex digits, a hash of the inputs: the trial's bytes, keys and values
 };
 
-/// The rows of a design, each worked out when it is asked for.
+/// The rows of a design, each computed on request.
 class Rows {
  public:
   /// @param hashes  SHA-256 of each trial's file
@@ -43,14 +42,14 @@ class Rows {
   std::int64_t size_ = 0;
 };
 
-/// What a row says, as a condition: elasticity, friction, shape, response, detection and iterations by
-/// these names and every other value by its scenario key.
+/// The condition of a row: elasticity, friction, shape, response, detection and iterations by these
+/// names, and every other value by its scenario key.
 ///
 /// @throws std::invalid_argument  for a value that is none of its key
 scene::Condition condition_of(const std::vector<std::string>& keys,
                               const std::vector<std::string>& values);
 
-/// What comes first in a line of every table: key, trial and values; and the names of these columns.
+/// The first columns of every table: key, trial and values. Their names, and their cells for a row.
 std::vector<std::string> columns_of(const Rows& rows);
 std::vector<std::string> cells_of(const Rows& rows, const Row& row);
 

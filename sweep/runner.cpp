@@ -17,7 +17,7 @@ namespace headpin::sweep {
 
 namespace {
 
-/// What `check` throws is no fault of a row.
+/// An exception of `check`, which is not an error of the row.
 struct Interrupted {
   std::exception_ptr why;
 };

@@ -13,7 +13,7 @@
 
 namespace headpin::sweep {
 
-/// The places of bodies under a trial's own condition, simulated when they are first asked for.
+/// The places of bodies under a trial's own condition, simulated on the first request.
 struct OwnCondition {
   std::once_flag once;
   Frames frames;  ///< none where it cannot be simulated

@@ -5,12 +5,12 @@
 
 namespace headpin::sweep {
 
-/// A published threshold of seeing.
+/// A published threshold of visual perception.
 struct Threshold {
   std::string_view name;
   double value;
   std::string_view unit;
-  std::string_view quantity;  ///< what was told apart, and how
+  std::string_view quantity;  ///< what was distinguished, and how
   std::string_view source;
   std::string_view read_in;  ///< abstract, or a book that cites it
 };

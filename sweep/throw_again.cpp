@@ -72,7 +72,7 @@ Outcome throw_again(const Situation& situation, const Release& release) {
   alone.let_go = opening + wait;
   scene::Score score;
   const auto is_over = [&] {
-    const bool counts = alone.session.game.begun;  // the rules end it themselves
+    const bool counts = alone.session.game.begun;  // then the rules end it
     return alone.over || (!counts && !score.throws.empty() && is_at_rest(alone.session));
   };
   for (std::size_t i = 0; !is_over(); ++i) {
@@ -125,7 +125,7 @@ std::vector<Outcome> throw_again(const Situation& situation, std::span<const Rel
   std::vector<std::thread> threads;
   try {
     for (int i = 0; i < jobs; ++i) threads.emplace_back(work);
-  } catch (const std::system_error&) {  // no more threads here: those that there are do it
+  } catch (const std::system_error&) {  // no more threads possible: continue with fewer
     if (threads.empty()) throw;
     const std::lock_guard lock(mutex);
     running -= jobs - static_cast<int>(threads.size());

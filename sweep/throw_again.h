@@ -30,7 +30,7 @@ struct Situation {
 
 /// Another release: at another moment of the recorded motion, and changed.
 struct Release {
-  Time shift{};  ///< the trigger is released so much later
+  Time shift{};  ///< the trigger is released later by this
   scene::ReleaseChange change{};
 };
 

@@ -26,14 +26,14 @@ Execution mean_of(std::span<const Execution> throws) {
   return mean;
 }
 
-/// Sets of equally many throws, simulated in one go.
+/// Sets with the same number of throws, simulated together.
 class Sets {
  public:
   explicit Sets(const Execution& recorded) : recorded_(recorded) {}
 
   void add(const Execution& one) { releases_.push_back(release_of(one, recorded_)); }
 
-  /// The sums of sets that follow each other.
+  /// The means of consecutive sets.
   std::vector<double> means(const std::vector<Outcome>& outcomes, std::size_t first,
                             std::size_t sets, std::size_t each) const {
     std::vector<double> means(sets, 0.0);

@@ -10,7 +10,7 @@
 
 #include "sweep/throw_again.h"
 
-/// What other releases of a throw would have felled: each moment around the real one, and a grid of
+/// Results of other releases of a throw: at each moment around the real one, and on a grid of
 /// speed, direction, height and spin.
 namespace headpin::sweep {
 
@@ -67,8 +67,8 @@ std::optional<Execution> execution_of(const devices::ThrowRow& thrown);
 /// The release that gives the situation's ball this speed and direction.
 Release release_of(const Execution& execution, const Execution& recorded);
 
-/// How much better a set of throws could have been (Cohen and Sternad 2009, after Mueller and Sternad
-/// 2004): in skittles, each 0 or more.
+/// Possible improvements of a set of throws (Cohen and Sternad 2009, after Mueller and Sternad
+/// 2004), in skittles, each 0 or more.
 struct Costs {
   double mean = 0.0;               ///< skittles down, of the throws in this situation
   double tolerance = 0.0;          ///< gained at the best place of the set, as a whole

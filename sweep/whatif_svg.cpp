@@ -34,7 +34,7 @@ std::string line(double x1, double y1, double x2, double y2, const char* stroke)
                      y1, x2, y2, stroke);
 }
 
-/// Round values from `low` to `high`, some five of them.
+/// About five round values from `low` to `high`.
 std::vector<double> ticks(double low, double high) {
   if (!(high > low)) return {low};
   const double raw = (high - low) / 5.0, size = std::pow(10.0, std::floor(std::log10(raw)));
@@ -58,7 +58,7 @@ struct Strip {
 
 constexpr double kLeft = 64.0, kWide = 600.0;
 
-/// Where a moment is, from the left.
+/// The horizontal position of a moment.
 class Moments {
  public:
   explicit Moments(const WhatIf& whatif) : whatif_(whatif) {
@@ -181,7 +181,8 @@ class Maps {
     return svg;
   }
 
-  /// Left and top corner of a cell's middle; values between the grid's are between cells.
+  /// The position of a value along an axis, in cells; values between those of the grid are between
+  /// cells.
   static double place(const std::vector<double>& axis, double value) {
     if (axis.size() == 1) return 0.5;
     const double n = static_cast<double>(axis.size());

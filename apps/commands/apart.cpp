@@ -78,7 +78,7 @@ nlohmann::ordered_json to_json(const sweep::BodyApart& body) {
           {"bounce", to_json(body.bounce)}};
 }
 
-/// Whether anything of the body differs.
+/// Whether the body differs in any way.
 bool differs(const sweep::BodyApart& body) {
   return body.place.size > 0.0 || (body.contact && body.contact->size > 0.0) ||
          (body.bounce && body.bounce->size > 0.0);

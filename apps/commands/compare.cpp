@@ -31,7 +31,7 @@ struct CompareOptions {
   bool json = false;
 };
 
-/// One trial as the comparison sees it.
+/// One of the compared trials.
 struct Side {
   std::string path;
   devices::TrialFile file;
@@ -58,10 +58,10 @@ struct FirstDifference {
   std::int64_t tick;
   double time_s;
   std::string body;
-  std::string lacks;  ///< the trial that has no state of that tick, empty where both have one
+  std::string lacks;  ///< the trial without a state of that tick; empty if both have one
 };
 
-/// The first tick in which the bits of a body that both have differ, or that only one of the two has.
+/// The first tick in which the bits of a common body differ, or that only one of the trials has.
 std::optional<FirstDifference> first_difference(const Side& a, const Side& b) {
   devices::TrialItems of_a(a.file), of_b(b.file);
   const scene::SharedBodies shared = bodies_of(a, b);
@@ -78,7 +78,7 @@ std::optional<FirstDifference> first_difference(const Side& a, const Side& b) {
   return FirstDifference{extra.tick, seconds(extra.time), "", only_in_a ? b.path : a.path};
 }
 
-/// @param other  its throws are looked for among this one's
+/// @param other  the trial in which the throws of `side` are searched
 nlohmann::json describe(const Side& side, const Side& other) {
   const devices::TrialSummary& trial = side.file.summary();
   const scene::Score score = scene::score(trial.events);
@@ -126,7 +126,7 @@ struct ComparedRow {
   std::string label, a, b;
 };
 
-/// Score sheets of both, game by game; none where neither played one.
+/// Score sheets of both, game by game; empty if there was no game.
 std::vector<ComparedRow> compared_sheets(const nlohmann::json& a, const nlohmann::json& b) {
   std::vector<ComparedRow> rows;
   for (std::size_t i = 0; i < std::max(a.size(), b.size()); ++i) {
@@ -138,7 +138,7 @@ std::vector<ComparedRow> compared_sheets(const nlohmann::json& a, const nlohmann
   return rows;
 }
 
-/// Elasticity, friction and shape of both; of each version where one of them has versions.
+/// Elasticity, friction and shape of both; for each version if one of them has versions.
 std::vector<ComparedRow> compared_conditions(const nlohmann::json& a, const nlohmann::json& b) {
   std::vector<ComparedRow> rows;
   const auto add = [&](const std::string& name, const nlohmann::json& of_a,
@@ -160,7 +160,7 @@ std::vector<ComparedRow> compared_conditions(const nlohmann::json& a, const nloh
   return rows;
 }
 
-/// A value of a scenario as it fits into a row.
+/// A value of a scenario, short enough for a row.
 std::string in_a_line(const std::string& toml) {
   constexpr std::size_t kMost = 40;
   std::string line;
@@ -171,8 +171,7 @@ std::string in_a_line(const std::string& toml) {
   return line.empty() ? "-" : line;
 }
 
-/// Whether a key of the scenario stands in the rows of compared_conditions, or in that of the
-/// response.
+/// Whether a key of the scenario is already in the rows of compared_conditions or of the response.
 bool is_a_row_already(const std::string& key, bool versions) {
   if (key == "collision.response") return true;
   if (!versions) return key == "collision.shape" || key.starts_with("material.");
@@ -184,7 +183,7 @@ bool is_a_row_already(const std::string& key, bool versions) {
   return false;
 }
 
-/// The throws of one side that the other has not.
+/// Prints the throws of one side that the other side does not have.
 void print_unpaired(const std::string& side, const nlohmann::json& result) {
   constexpr std::size_t kMost = 20;
   const nlohmann::json& unpaired = result["throws_without_counterpart"];

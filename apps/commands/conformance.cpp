@@ -72,7 +72,7 @@ class PortLine : public devices::FastrakLine {
   std::string heard_;
 };
 
-/// Whatever the last client left: resumed, stopped, in the factory's set-up.
+/// Resets the unit after the last client: resumed, stopped, in factory settings.
 void reset(PortLine& line) {
   using namespace std::chrono_literals;
   line.ask("\x11\rc", 300ms);
@@ -120,7 +120,7 @@ void print_row(const Row& row, int stations) {
   std::fflush(stdout);
 }
 
-/// Tries once more what fails: a machine or a line may have been held up.
+/// Repeats a failed attempt once, because a machine or a line may have been delayed.
 template <typename Try>
 void examine(Row& row, PortLine& line, Try attempt) {
   for (row.tries = 0; row.tries == 0 || (row.tries < 2 && row.unmet()); ++row.tries) {
@@ -132,7 +132,7 @@ void examine(Row& row, PortLine& line, Try attempt) {
 
 constexpr const char* kReadings = "readings";
 
-/// A row each: the unit's readings, then the clients that are wanted.
+/// One row for the unit's readings, then one for each wanted client.
 ///
 /// @param stations  receivers that the unit has
 std::vector<Row> examine_all(PortLine& line, const ConformanceOptions& options, int& stations,

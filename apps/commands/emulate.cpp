@@ -47,7 +47,7 @@ std::unique_ptr<devices::TcpServer> serve_at(const std::string& where) {
   return std::make_unique<devices::TcpServer>(port, where.substr(0, colon));
 }
 
-/// The line the unit hangs on.
+/// The line of the unit.
 struct Line {
   explicit Line(const EmulateOptions& options) {
     if (!options.tcp.empty()) {
@@ -66,7 +66,8 @@ struct Line {
   std::unique_ptr<devices::TcpServer> tcp;
 };
 
-/// The hand's receiver, where somebody plays a part; 0 when no stylus is plugged in.
+/// The station of the stylus: that of the hand if a trial or LCM gives the motion, otherwise 1; 0
+/// without a stylus.
 int stylus_of(const EmulateOptions& options) {
   if (!options.stylus) return 0;
   const bool somebody = !options.feed.trial.empty() || options.use_lcm;
@@ -92,7 +93,7 @@ devices::FastrakEmulatorOptions unit_of(const EmulateOptions& options, const Fee
   return unit;
 }
 
-/// The line's name alone first, for scripts that read it.
+/// Prints the name of the line on its own line first, for scripts.
 void introduce(const EmulateOptions& options, const Line& line, const Feed& feed, int stylus) {
   std::string text = fmt::format("{}\n", line.name());
   text += fmt::format("Fastrak{}, receivers {}, {} baud, measures {}; ends at SIGINT or SIGTERM\n",
@@ -150,7 +151,7 @@ void emulate(const EmulateOptions& options) {
   const Line line(options);
   introduce(options, line, feed, unit.stylus);
 
-  go_first();  // if it may: a unit has a processor of its own
+  go_first();  // if allowed: a real unit has its own processor
   const auto start = std::chrono::steady_clock::now();
   const auto clock = [&] {
     return std::chrono::duration_cast<Time>(std::chrono::steady_clock::now() - start);
@@ -169,14 +170,14 @@ void emulate(const EmulateOptions& options) {
       }
     }
     if (lcm) lcm->poll(now);
-    // A trial begins with the unit's records, and its buttons are told by the clock of those.
+    // A trial begins with the unit's records; its buttons use the clock of these records.
     const bool of_trial = !options.feed.trial.empty();
     if (mouse && (started > 0 || !of_trial)) {
       mouse->publish(of_trial ? now - emulator.stream_zero() : now, feed.within(now));
     }
     if (line.pty) line.pty->expect_baud(options.strict_baud ? emulator.baud() : 0);
     devices::serve(emulator, line.stream(), now);
-    // A recording begins when somebody starts to listen, and again for the next one.
+    // A recording begins when a client starts the stream, and again for the next client.
     const std::int64_t streams = emulator.statistics().streams;
     if (streams > started) feed.begin = devices::begin_of(feed.first, emulator, now);
     started = streams;
@@ -184,9 +185,9 @@ void emulate(const EmulateOptions& options) {
   conclude(options, line, clock(), emulator.statistics());
 }
 
-/// What the unit measures.
+/// Adds the options for the motion that the unit measures.
 ///
-/// @return  to be called when all is parsed
+/// @return  to be called after parsing
 std::function<void()> add_feed_options(CLI::App& command, EmulateOptions& options) {
   FeedOptions& feed = options.feed;
   auto* trial = command.add_option("TRIAL", feed.trial,
@@ -223,7 +224,7 @@ std::function<void()> add_feed_options(CLI::App& command, EmulateOptions& option
   };
 }
 
-/// How clients reach the unit.
+/// Adds the options for the line to clients.
 void add_line_options(CLI::App& command, EmulateOptions& options) {
   auto* tcp = command
                   .add_option("--tcp", options.tcp,
@@ -243,7 +244,7 @@ void add_line_options(CLI::App& command, EmulateOptions& options) {
       ->excludes(tcp);
 }
 
-/// What kind of unit it is.
+/// Adds the options for the kind of unit.
 void add_unit_options(CLI::App& command, EmulateOptions& options) {
   command.add_option("--receivers", options.receivers, "number of receivers that are plugged in")
       ->check(CLI::Range(1, 4))
@@ -265,7 +266,7 @@ void add_unit_options(CLI::App& command, EmulateOptions& options) {
       ->capture_default_str();
 }
 
-/// What happens to it while it runs.
+/// Adds the options for faults and control while it runs.
 void add_control_options(CLI::App& command, EmulateOptions& options) {
   command.add_option("--faults", options.faults, "faults of the unit and its line, see below");
   command.add_option("--seed", options.seed, "seed of noise and faults")

@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kLargestOutput = 1'000'000'000;  // of R, in bytes
+constexpr std::size_t kLargestOutput = 1'000'000'000;  // longest output of R, in bytes
 
 struct AnalyseOptions {
   std::string study;
@@ -31,7 +31,7 @@ struct AnalyseOptions {
   bool json = false;
 };
 
-/// Whom the model is of: people, virtual or all.
+/// The participants of the model: people, virtual or all.
 std::string whom(const study::CsvTable& people, const Mixing& mixing) {
   if (!mixing.only.empty()) return mixing.only;
   std::size_t counted = 0, virtuals = 0;
@@ -52,8 +52,8 @@ std::string whom(const study::CsvTable& people, const Mixing& mixing) {
   return "all";
 }
 
-/// The study's own script: written once, whoever changes it then.
-/// @return  whether it is another by now
+/// Writes the study's script if it does not exist. A user may change it later.
+/// @return  whether it was changed
 bool require_script(const Study& study, const fs::path& path) {
   const std::string script = study::r_script(study.design);
   if (fs::exists(path)) return read_study_file(path) != script;
@@ -67,7 +67,7 @@ bool require_script(const Study& study, const fs::path& path) {
 void run_script(const fs::path& script, const fs::path& people, const std::string& who,
                 const fs::path& root) {
   StudyTables folder(root / "analysis");
-  // R has a folder of its own. The R of a command that was killed may still be writing into another.
+  // R gets its own folder. The R of a command that was killed may still write into an older one.
   const files::PrivateFolder output;
   const auto ended = run_program(
       {"Rscript", "--vanilla", script.string(), people.string(), output.path().string(), who});
@@ -87,7 +87,7 @@ void run_script(const fs::path& script, const fs::path& people, const std::strin
       throw std::runtime_error(fmt::format("{} did not write {}", script.string(), name));
     }
   }
-  for (const auto& entry : fs::directory_iterator(output.path())) {  // a changed script adds some
+  for (const auto& entry : fs::directory_iterator(output.path())) {  // a changed script may add one
     const std::string name = entry.path().filename().string();
     if (name[0] == '.' || !entry.is_regular_file()) continue;
     folder.write(name, files::read_text(entry.path().string(), kLargestOutput));
@@ -95,7 +95,7 @@ void run_script(const fs::path& script, const fs::path& people, const std::strin
   folder.commit("fit.csv");
 }
 
-/// A table that R wrote, numbers rounded, without the column that is alike in all rows.
+/// Prints a table from R, with rounded numbers, without the column that is equal in all rows.
 void print_table(const Study& study, const std::string& name, const std::string& title) {
   const fs::path path = study.at.root / "analysis" / (name + ".csv");
   const study::CsvTable table = study::parse_csv(read_study_file(path), path.string());

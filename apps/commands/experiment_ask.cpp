@@ -28,7 +28,7 @@ struct AskOptions {
   bool is_virtual = false, all = false, json = false;
 };
 
-/// What was answered stays.
+/// Throws if other answers would change existing ones.
 void refuse_others(const study::Answers& there, const study::Answers& others,
                    const std::string& from, const fs::path& path, const std::string& id) {
   for (const study::Answer& answer : others) {
@@ -39,7 +39,7 @@ void refuse_others(const study::Answers& there, const study::Answers& others,
   }
 }
 
-/// A participant's answers, open to be added to.
+/// The file of a participant's answers; answers can be added.
 class AnswerFile {
  public:
   AnswerFile(const Study& study, const std::string& id) : id_(id), path_(study.at.answers(id)) {
@@ -48,7 +48,7 @@ class AnswerFile {
     answers = study::parse_answers(file_->text(), path_.string(), study.questions, id);
   }
 
-  /// Adds answers that are not there yet, all or none.
+  /// Adds new answers, all or none.
   void add(const study::Answers& more) {
     std::string lines;
     if (answers.empty() && file_->text().empty()) lines = study::answers_heading();
@@ -57,9 +57,9 @@ class AnswerFile {
     answers.insert(answers.end(), more.begin(), more.end());
   }
 
-  /// Those that are not there yet.
-  /// @return  how many
-  /// @throws std::runtime_error  where one is there and is another; then none was added
+  /// Adds the answers that do not exist yet.
+  /// @return  their number
+  /// @throws std::runtime_error  if an existing answer is different; then none is added
   std::size_t add_all(const study::Answers& others, const std::string& from) {
     refuse_others(answers, others, from, path_, id_);
     study::Answers more;
@@ -90,7 +90,7 @@ void print_question(const study::Item& item, std::size_t number, std::size_t all
   for (const study::Choice& choice : item.choices) fmt::print("   {}\n", choice.text.at(language));
 }
 
-/// Asks until there is an answer; nothing where nobody answers any more.
+/// Repeats a question until there is a valid answer; nothing at the end of the input.
 std::optional<std::string> ask_one(const study::Item& item) {
   for (;;) {
     fmt::print("> ");
@@ -132,7 +132,7 @@ void ask_participant(const Study& study, const AskOptions& options) {
   fmt::print("\n{}: all {} questions are answered\n", id, items.size());
 }
 
-/// What was typed in from paper, all of it checked before any is kept.
+/// Reads answers that were typed in from paper. Checks all of them before it stores any.
 void take_forms(const Study& study, const AskOptions& options) {
   std::set<std::string> names;
   for (const study::PlannedParticipant& one : study.plan) names.insert(one.id);
@@ -149,7 +149,7 @@ void take_forms(const Study& study, const AskOptions& options) {
   fmt::print("{}: forms of {} participants, {} new answers\n", options.from, forms.size(), added);
 }
 
-/// Answers that nobody gave, of those whose session nobody played.
+/// Draws the missing answers of participants whose session no person has played.
 void draw(const Study& study, const AskOptions& options) {
   std::size_t added = 0;
   int people = 0;

@@ -31,7 +31,7 @@ struct ExportStudyOptions {
   int jobs = 1;
 };
 
-/// Files of a dataset, in a folder that grows until its description makes it one.
+/// The files of a dataset. The folder is complete when the description is written.
 class Dataset {
  public:
   explicit Dataset(fs::path root) : root_(std::move(root)) {}
@@ -41,7 +41,7 @@ class Dataset {
     const fs::path path = root_ / name;
     fs::create_directories(path.parent_path());
     files::remove_left_parts(path.parent_path().string());
-    // What a killed export left is written again.
+    // Overwrites the files of a killed export.
     files::OutputFile file(path.string(), {.overwrite = true, .durable = false});
     file.write(text.data(), text.size());
     file.commit();
@@ -53,8 +53,8 @@ class Dataset {
   fs::path root_;
 };
 
-/// A dataset is new, or one that was begun by the same and not finished: its README is the first of
-/// its files, its description the last.
+/// Throws unless the dataset is new, or an unfinished one of the same study. Its README is the
+/// first file, its description the last one.
 void require_free(const fs::path& root, const std::string& readme) {
   std::error_code none;
   if (fs::exists(root / "dataset_description.json")) {
@@ -67,7 +67,7 @@ void require_free(const fs::path& root, const std::string& readme) {
   }
 }
 
-/// What a body's motion gives away, whatever name stands above it.
+/// Properties of the body that the motion data show even without a name.
 struct Traits {
   double eyes_m = 0.0;   ///< height of the display while standing: the median of all
   double reach_m = 0.0;  ///< from display to hand, at most
@@ -175,7 +175,7 @@ void export_study(const ExportStudyOptions& options) {
   }
   const auto all =
       study::dataset_files(study.design, study.questions, people, devices::software_version());
-  for (const auto& [name, text] : all) dataset.write(name, text);  // the description is the last
+  for (const auto& [name, text] : all) dataset.write(name, text);  // the description comes last
   if (options.json) {
     return print_json({{"output", root.string()}, {"sessions", gives_away}});
   }

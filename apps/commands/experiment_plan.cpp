@@ -36,13 +36,13 @@ void write_text(const fs::path& path, const std::string& text, bool overwrite) {
   file.commit();
 }
 
-/// What a study stands on; one that was cut off as it began may have it already.
+/// Writes a file of a study. An interrupted earlier run may have written it already.
 void write_once(const fs::path& path, const std::string& text) {
   if (fs::exists(path) && read_study_file(path) == text) return;
   write_text(path, text, false);
 }
 
-/// Each key of the factors and each level can be set in the scenario.
+/// Checks that each key of the factors and each level can be set in the scenario.
 void check_levels(const study::Design& design, scene::Scenario scenario, const std::string& where) {
   if (!scenario.version.buttons) {
     throw std::invalid_argument(
@@ -60,7 +60,7 @@ void check_levels(const study::Design& design, scene::Scenario scenario, const s
   }
 }
 
-/// Every item that the design names is asked.
+/// Checks that the questionnaire has every item that the design uses.
 void check_items(const study::Design& design, const study::Questionnaire& questions,
                  const std::string& where) {
   const auto require = [&](const std::string& id, const std::string& answer) {
@@ -93,12 +93,13 @@ void check_items(const study::Design& design, const study::Questionnaire& questi
   }
 }
 
-/// Makes the folder with what a study stands on; design.toml comes last and makes it one.
+/// Makes the folder of a study with its files. design.toml is the last one; it makes the study
+/// complete.
 void begin_study(const StudyFolder& at, const PlanOptions& options) {
   const fs::path source = bundled("designs", options.design);
   std::string text = read_study_file(source);
   study::Design design = study::parse_design(text, source.string());
-  const auto beside = [&](const std::string& name) {  // files are named from the design's folder
+  const auto beside = [&](const std::string& name) {  // paths are relative to the design's folder
     const bool file = name.find_first_of("./") != std::string::npos;
     return file ? (source.parent_path() / name).string() : name;
   };
@@ -155,7 +156,7 @@ void plan_study(const PlanOptions& options) {
   if (new_one) begin_study(at, options);
   const StudyLock lock(at.design(), "planning this study");
   files::remove_left_parts(at.root.string());
-  if (!fs::exists(at.plan())) {  // new, or cut off before there was one
+  if (!fs::exists(at.plan())) {  // a new study, or interrupted before the plan was written
     const std::string text = read_study_file(at.design());
     write_text(at.plan(), study::to_csv({}, study::parse_design(text, at.design().string())),
                false);

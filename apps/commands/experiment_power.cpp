@@ -31,7 +31,7 @@ struct PowerOptions {
   bool force = false, json = false;
 };
 
-/// One number of people after the other, some at a time.
+/// The power for each number of people; several are computed in parallel.
 std::vector<study::Power> powers(const PowerOptions& options, const study::Design& design,
                                  const study::Questionnaire& questions) {
   std::vector<study::Power> all(options.people.size());

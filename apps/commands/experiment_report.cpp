@@ -29,13 +29,13 @@ struct ReportStudyOptions {
   bool pages = false, force = false, json = false;
 };
 
-/// Where the page of the session that counts is, or goes; nothing where none counts.
+/// The path of the page of the session that counts; nothing if no session counts.
 std::optional<fs::path> page_of(const Study& study, const study::Person& person) {
   if (person.played.run.empty()) return std::nullopt;
   return study.at.sessions(person.planned.id) / (person.played.run + ".html");
 }
 
-/// Writes those pages of sessions that are not there.
+/// Writes the missing pages of sessions.
 void write_pages(const Study& study, const std::vector<study::Person>& people,
                  const std::optional<std::string>& page_to_fill) {
   const StudyLock lock(study.at.design(), "writing the pages of this study");
@@ -52,7 +52,7 @@ void write_pages(const Study& study, const std::vector<study::Person>& people,
   }
 }
 
-/// A table that the analysis wrote, numbers rounded; nothing where it has not.
+/// A table from the analysis, with rounded numbers; nothing if it does not exist.
 std::optional<study::Table> analysed(const Study& study, const std::string& name,
                                      const std::string& title) {
   const fs::path path = study.at.root / "analysis" / (name + ".csv");

@@ -33,7 +33,8 @@ struct RunOptions {
   std::shared_ptr<LiveOptions> live = std::make_shared<LiveOptions>();
 };
 
-/// A participant's folder of sessions, ours alone until this goes, and the name of the next run.
+/// A participant's folder of sessions, locked during the lifetime of this object, and the name of
+/// the next run.
 class NextRun {
  public:
   /// @throws files::Busy         when another one plays this participant's session
@@ -77,7 +78,7 @@ void print_session(const std::string& id, bool is_virtual, const PlayedSession& 
   fmt::print("\n");
 }
 
-/// Everybody who has not played, a session a thread.
+/// Plays the sessions of all participants who have not played, one session per thread.
 class VirtualStudy {
  public:
   VirtualStudy(const Study& study, int jobs) : study_(study), jobs_(jobs) {
@@ -89,7 +90,7 @@ class VirtualStudy {
     played_.resize(waiting_.size());
   }
 
-  /// @throws  what the first failure was; files::Busy where others were at some of the sessions
+  /// @throws  the first failure; files::Busy if other processes were playing some of the sessions
   void play() {
     Progress progress("sessions", static_cast<std::int64_t>(waiting_.size()));
     std::vector<std::thread> threads;
@@ -140,13 +141,13 @@ class VirtualStudy {
   std::vector<std::optional<PlayedSession>> played_;
   std::atomic<std::size_t> next_ = 0;
   std::atomic<bool> failed_ = false;
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  // for the following members
   std::exception_ptr failure_;
   std::string busy_;
   std::int64_t done_ = 0;
 };
 
-/// The trial among the sources, whose rig its samples are in; empty for none.
+/// The trial among the sources, which has the rig of the samples; empty if there is none.
 std::string trial_in(const std::vector<std::string>& sources) {
   for (const std::string& source : sources) {
     if (fs::is_regular_file(source)) return source;

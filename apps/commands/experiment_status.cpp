@@ -18,11 +18,11 @@ struct StatusOptions {
   bool json = false;
 };
 
-/// How far one participant is.
+/// Progress of one participant.
 struct HowFar {
   const study::PlannedParticipant* planned;
   std::vector<Run> runs;
-  std::size_t missing;  ///< answers
+  std::size_t missing;  ///< number of missing answers
   std::string replaced_by;
 };
 
@@ -48,7 +48,7 @@ std::vector<HowFar> steps_done(const Study& study) {
   return all;
 }
 
-/// What to type next; empty when all is done.
+/// The next command for the user; empty if all is done.
 std::string next_command(const Study& study, const std::vector<HowFar>& all) {
   const std::string folder = study.at.root.string();
   for (const HowFar& one : all) {

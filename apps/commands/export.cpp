@@ -33,7 +33,7 @@ struct ExportOptions {
   bool force = false, json = false;
 };
 
-/// Where the walk has the tracked space; nothing where the trial's scenario cannot be read.
+/// Places of the tracked space during the walk; empty if the trial's scenario cannot be read.
 std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const std::string& path) {
   try {
     return scene::walk_of(trial, scene::scenario_of_trial(trial.summary().header.scenario, path));
@@ -42,7 +42,7 @@ std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const std::s
   }
 }
 
-/// All tables, in one walk through the trial.
+/// Writes all tables in one pass through the trial.
 nlohmann::ordered_json write_tables(files::OutputFolder& folder, const devices::TrialFile& trial,
                                     const std::string& path) {
   std::deque<files::OutputText> files;
@@ -78,7 +78,7 @@ nlohmann::ordered_json write_tables(files::OutputFolder& folder, const devices::
   return rows;
 }
 
-/// What stands in no table: who, under what, made by what.
+/// Data that are in no table: participant, condition, software.
 nlohmann::ordered_json about(const devices::TrialSummary& trial) {
   return {{"participant", trial.header.participant},
           {"condition", trial.header.condition},
@@ -89,7 +89,7 @@ nlohmann::ordered_json about(const devices::TrialSummary& trial) {
           {"complete", trial.complete}};
 }
 
-/// What the trial ran under; what cannot be read is written as it is.
+/// The complete scenario of the trial. If it cannot be read, its text is written unchanged.
 std::string scenario_text(const std::string& text, const std::string& path) {
   try {
     return scene::whole_scenario(text, path);

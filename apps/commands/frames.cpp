@@ -46,7 +46,7 @@ struct FramesOptions {
   bool in_parts() const { return jobs > 1 || resume; }
 };
 
-/// The trial's look, unless another is asked for.
+/// The rendering quality: that of the trial, unless the options give another.
 render::Quality look_of(const FramesOptions& options, scene::Scenario scenario) {
   Condition other;
   other.look = options.look;
@@ -55,20 +55,21 @@ render::Quality look_of(const FramesOptions& options, scene::Scenario scenario) 
   return scenario.look;
 }
 
-/// Why the hashes that a trial kept of its frames need not come back here; empty where they must.
+/// The reason why the recorded hashes of frames may differ from the new ones; empty if they must be
+/// equal.
 std::string why_not_compared(const devices::TrialSummary& trial, scene::Eyes& eyes,
                              const render::Quality& own, bool from_the_head) {
   if (!from_the_head) return "they are not what the eyes saw";
   if (eyes.look != own) return "the look is another than the trial's";
   const std::optional<render::Fingerprint> then = scene::drawn_by(trial.events);
-  if (!then) return "";  // from before trials told; who compares all the same finds out
+  if (!then) return "";  // an older trial does not say it; the comparison will show
   const render::Fingerprint now = render::fingerprint(eyes.renderer);
   return then->picture == now.picture
              ? ""
              : "a test picture comes out otherwise: " + render::difference(*then, now);
 }
 
-/// The frames of a trial that were shown and are wanted.
+/// The wanted frames among those that were shown in the trial.
 std::vector<std::int64_t> frames_shown(const scene::Recorded& recorded, const FrameRanges& wanted,
                                        const std::string& asked) {
   std::vector<std::int64_t> frames;
@@ -88,7 +89,7 @@ std::vector<std::int64_t> frames_shown(const scene::Recorded& recorded, const Fr
   return frames;
 }
 
-/// Those of the frames until a time that are wanted.
+/// The wanted frames until a time.
 std::vector<std::int64_t> frames_until(Time end, std::int64_t fps, const FrameRanges& wanted,
                                        const std::string& asked) {
   std::vector<std::int64_t> frames;
@@ -125,7 +126,7 @@ files::OutputFolder::Options folder_options(const FramesOptions& options) {
   return {.overwrite = options.force, .others = others};
 }
 
-/// The folder and the sequences that are asked for.
+/// The wanted folder and sequences.
 class Outputs {
  public:
   Outputs(const FramesOptions& options, const render::Optics& optics, std::int64_t fps) {
@@ -169,15 +170,15 @@ scene::FrameExtras extras_of(const FramesOptions& options, const scene::Scenario
   return extras;
 }
 
-/// What there is to draw, and whether it is compared.
+/// The frames to draw, and whether they are compared.
 struct Task {
   std::vector<std::int64_t> frames;
   std::int64_t fps, ticks;
   bool compares;        ///< the frames drawn as shown, or all shown with --verify
-  std::string why_not;  ///< empty where hashes must come back
+  std::string why_not;  ///< empty if hashes must be equal
 };
 
-/// What came of it.
+/// The result.
 struct Done {
   std::int64_t drawn = 0, compared = 0, there_already = 0;
 };
@@ -205,7 +206,7 @@ Done draw_here(const FramesOptions& options, const Task& task, const scene::Reco
   };
   const auto show = [&](std::int64_t drawn) { progress.show(drawn); };
   std::vector<scene::Observer*> observers;
-  std::optional<scene::Verifier> verifier;  // what is shown is what was recorded, or nothing is
+  std::optional<scene::Verifier> verifier;  // checks that the simulation is the recorded one
   if (source.has_states()) observers.push_back(&verifier.emplace(source, session));
   std::optional<scene::FramesAsShown> shown;
   std::optional<scene::FrameByFrame> drawing;
@@ -240,7 +241,7 @@ Done draw_here(const FramesOptions& options, const Task& task, const scene::Reco
           shown ? shown->compared() : 0};
 }
 
-/// What of the options is said to those who draw a part.
+/// The options for the processes that draw a part.
 std::vector<std::string> arguments_of_parts(const FramesOptions& options) {
   std::vector<std::string> words = {"--layout",      options.layout,
                                     "--view",        options.view,
@@ -325,7 +326,7 @@ void draw_frames(const FramesOptions& options) {
     throw std::runtime_error(
         "the trial has no recorded frames; expected a recording of `headpin live`");
   }
-  scene::first_head_pose(recorded.file, recorded.scenario.rig);  // or it says that there is none
+  scene::first_head_pose(recorded.file, recorded.scenario.rig);  // throws if there is none
 
   scene::Session session = scene::make_session(recorded.scenario);
   scene::Eyes eyes =
@@ -341,7 +342,7 @@ void draw_frames(const FramesOptions& options) {
   report(options, task, done, trial.complete, eyes);
 }
 
-/// What is written.
+/// Adds the options for the output.
 void add_output_options(CLI::App& command, FramesOptions& options) {
   add_output(command, "-o,--output", options.folder,
              "folder for left_NNNNNN.png, right_NNNNNN.png and frames.csv: a new or empty folder; "
@@ -371,7 +372,7 @@ void add_output_options(CLI::App& command, FramesOptions& options) {
                    "has the object of each number");
 }
 
-/// Which pictures are drawn, and how.
+/// Adds the options for the pictures.
 void add_picture_options(CLI::App& command, FramesOptions& options) {
   command
       .add_option("--view", options.view,

@@ -40,7 +40,7 @@ scene::Heading heading(const std::string& name) {
   return name == "keep" ? scene::Heading::keep : scene::Heading::release;
 }
 
-/// X,Y,Z in metres.
+/// Reads X,Y,Z in metres.
 Vec3 read_place(const std::string& text) {
   Vec3 p = Vec3::Zero();
   const char *at = text.data(), *const end = at + text.size();
@@ -55,7 +55,7 @@ Vec3 read_place(const std::string& text) {
   return p;
 }
 
-/// What the options declare.
+/// The options of the reader, from the command line.
 devices::MotionOptions declared(const ImportOptions& options) {
   devices::MotionOptions motion;
   if (!options.units.empty()) motion.unit_m = metres(options.units);
@@ -74,12 +74,12 @@ devices::MotionOptions declared(const ImportOptions& options) {
   return motion;
 }
 
-/// What is in the file, and by which hand it was thrown.
+/// The recording in the file, and the throwing hand.
 struct Thrown {
   devices::MotionRecording recording;
   scene::Side side = scene::Side::right;
   std::size_t throws = 1;          ///< in the file
-  std::vector<std::string> notes;  ///< what in the file was left out
+  std::vector<std::string> notes;  ///< parts of the file that were left out
 };
 
 scene::Side side_of(const ImportOptions& options, const devices::MotionRecording& recording,
@@ -106,7 +106,7 @@ Thrown read_thrown(const ImportOptions& options, const scene::Hand& hand) {
   return thrown;
 }
 
-/// What the user should know of a recording that is taken all the same.
+/// Prints warnings about a recording that is imported anyway.
 void say_doubts(const ImportOptions& options, const Thrown& thrown) {
   std::vector<std::string> all = thrown.notes;
   std::ranges::move(scene::doubts(thrown.recording), std::back_inserter(all));
@@ -119,7 +119,7 @@ void say_doubts(const ImportOptions& options, const Thrown& thrown) {
   }
 }
 
-/// What was found in the recording, to be told from what was recorded.
+/// Events for what was found in the recording, so that it is not taken for recorded data.
 std::vector<devices::Event> found_events(const devices::MotionRecording& recording,
                                          const scene::Throw& found,
                                          const scene::Scenario& scenario) {
@@ -140,7 +140,7 @@ std::vector<devices::Event> found_events(const devices::MotionRecording& recordi
   return events;
 }
 
-/// Seconds as one would write the stamp, 3.035 and not 3.0349999999999997.
+/// Imports one throw. Seconds are rounded to the stamp: 3.035 and not 3.0349999999999997.
 void import_throw(const ImportOptions& options) {
   const scene::Scenario base =
       options.scenario.empty() ? scene::Scenario{} : scene::load_scenario(options.scenario);

@@ -34,7 +34,7 @@ namespace headpin::apps {
 
 namespace {
 
-/// How the session kept up with time: the last thing that its trial says of it.
+/// The event that says how well the session kept real time.
 devices::Event kept_pace(const Live& live) {
   devices::Event event;
   event.time = live.session.now();
@@ -48,7 +48,7 @@ devices::Event kept_pace(const Live& live) {
   return event;
 }
 
-/// A session that nobody took part in has failed, whatever was recorded of it.
+/// Throws if no sample arrived: such a session has failed.
 void require_samples(const Live& live) {
   if (live.samples > 0) return;
   std::string from;
@@ -57,13 +57,13 @@ void require_samples(const Live& live) {
       fmt::format("no sample arrived in {:.1f} s from {}", seconds(live.session.now()), from));
 }
 
-/// A trial that plays beside, or instead of, devices.
+/// A trial that is played in addition to devices or instead of them.
 struct Played {
   std::string path;
   devices::TrialHeader header;
 };
 
-/// Those of the sources that are logs of trials.
+/// The sources that are logs of trials.
 std::vector<Played> played_by(const Live& live) {
   std::vector<Played> all;
   for (const auto& source : live.sources) {
@@ -80,7 +80,7 @@ scene::Scenario scenario_of(const Played& trial) {
   return scene::scenario_of_trial(trial.header.scenario, trial.path);
 }
 
-/// Whose session it is: as it is told, or else as the trial says that is played.
+/// Participant and condition of the session: from the options, otherwise from the played trial.
 devices::TrialHeader whose(const LiveOptions& options, std::span<const Played> played) {
   devices::TrialHeader header;
   if (!played.empty()) {
@@ -93,20 +93,20 @@ devices::TrialHeader whose(const LiveOptions& options, std::span<const Played> p
   return header;
 }
 
-/// Says so where the samples of a log are taken into another scenario than the one they are from.
+/// Prints a message if the samples of a log are used in another scenario than their own.
 void tell_of_another_scenario(const Played& trial, const scene::Scenario& chosen) {
   try {
     scene::Scenario its = scenario_of(trial);
-    its.look = chosen.look;  // how it is drawn is not what it is
+    its.look = chosen.look;  // differences of the rendering quality do not count
     if (scene::to_toml(its) == scene::to_toml(chosen)) return;
-  } catch (const std::invalid_argument&) {  // not whole, so it is not this session's
+  } catch (const std::invalid_argument&) {  // not complete, so it is not that of this session
   }
   say("headpin live: {} was recorded in another scenario than this session's; without --scenario, "
       "the session uses the recorded one\n",
       printable(trial.path));
 }
 
-/// The one that is asked for, or else that of a log which plays, or else the paper's room.
+/// The scenario from the options, otherwise that of a played log, otherwise the paper's room.
 scene::Scenario choose_scenario(const LiveOptions& options, std::span<const Played> played) {
   if (options.given || !options.scenario.empty()) {
     const scene::Scenario chosen =
@@ -146,7 +146,7 @@ Live open_live(const LiveOptions& options) {
   live.session = scene::make_session(scenario);
   if (!options.use_lcm) return live;
   live.link = std::make_unique<devices::LcmLink>(options.lcm);
-  if (live.link->is_replay()) live.link.reset();  // nobody listens to a file
+  if (live.link->is_replay()) live.link.reset();  // a file has no listeners
   if (live.link && !options.no_trial) {
     live.session_link = std::make_unique<devices::LcmLink>(options.lcm, devices::kSessionPrefix);
     live.publisher = std::make_unique<scene::TrialWriter>(std::make_unique<devices::TrialPublisher>(
@@ -155,7 +155,7 @@ Live open_live(const LiveOptions& options) {
   return live;
 }
 
-/// Begins the recording. It comes last: who waits for its file may send from then on.
+/// Begins the recording. This is the last step: programs that wait for its file may then send.
 void open_recording(const LiveOptions& options, Live& live) {
   if (!options.record) return;
   std::vector<std::filesystem::path> inputs = {options.scenario};
@@ -171,7 +171,7 @@ void open_recording(const LiveOptions& options, Live& live) {
                                                                       .epoch = epoch});
 }
 
-/// All that comes in; a stylus switch is the trigger where no mouse of its own says more.
+/// All sources as one. A stylus switch is the trigger if there is no mouse.
 std::unique_ptr<devices::Source> source_of(const Live& live) {
   std::vector<devices::Source*> list;
   bool stylus = false;
@@ -184,7 +184,7 @@ std::unique_ptr<devices::Source> source_of(const Live& live) {
   return std::make_unique<devices::StylusMouse>(std::move(merged));
 }
 
-/// Runs the session until it is told to stop, and gives the recording its end whatever comes.
+/// Runs the session until it is stopped, and ends the recording properly in any case.
 void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
                   std::span<scene::Observer* const> observers, Time end) {
   try {
@@ -199,7 +199,7 @@ void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
         if (!writer) continue;
         writer->write(pace);
         writer->close(live.session);
-      } catch (const std::exception&) {  // it is what failed, or is lost beside it
+      } catch (const std::exception&) {  // this is the failure itself, or less important
       }
     }
     throw;
@@ -222,7 +222,7 @@ void go_live(const LiveOptions& options) {
   const std::unique_ptr<devices::Source> merged = source_of(live);
   devices::Source& source = *merged;
 
-  // Without real time, ticks go before what draws only where that gives way.
+  // Without real-time scheduling, ticks have priority only if the drawing process gives way.
   live.eyes = open_eyes(*live.session.stage, live.link ? options.eyes : std::string("none"),
                         options.lcm, options.gl, to_be_had() != Priority::real_time);
   const Time end = microseconds(options.duration_s.value_or(0.0));
@@ -314,7 +314,7 @@ void add_live(CLI::App& app) {
   add_force(*command, options->force);
   add_json(*command, options->json);
   add_condition_options(*command, options->condition);
-  // A look says how many; --set look.samples=N is above both.
+  // A look sets the number of samples; --set look.samples=N overrides both.
   command->get_option("--samples")->excludes("--look");
   command->footer(
       "Examples:\n  headpin live fastrak:/dev/ttyUSB0 --record session.lcmlog\n"

@@ -34,7 +34,7 @@ struct ReplayOptions {
 
 std::string readable(const nlohmann::json& value, const char* unit) {
   if (value.is_null()) return "-";
-  if (value.is_object()) {  // one of each object
+  if (value.is_object()) {  // one value per object
     const nlohmann::json shared = scene::in_short(value);
     return shared.is_string() ? shared.get<std::string>() : readable(shared, unit);
   }
@@ -80,7 +80,7 @@ void print_summary(const nlohmann::json& s) {
   line("game hash", "game_hash");
 }
 
-/// Keeps the events that tell of throws.
+/// Stores the events of throws.
 struct ThrowEvents : scene::Observer {
   void tick(const scene::Session& session) override {
     using namespace scene::kind;
@@ -93,11 +93,11 @@ struct ThrowEvents : scene::Observer {
   std::vector<devices::Event> events;
 };
 
-/// What happened as a trial was recorded.
+/// The events of the recorded session.
 ///
 /// @param simulated    the trial, under the condition of the replay
 /// @param as_recorded  the trial's own scenario
-/// @param again        what happened in the replay
+/// @param again        events of the replay
 std::vector<devices::Event> recorded_events(scene::Recorded& simulated,
                                             const scene::Scenario& as_recorded,
                                             const std::vector<devices::Event>& again) {
@@ -107,7 +107,7 @@ std::vector<devices::Event> recorded_events(scene::Recorded& simulated,
   return scene::events_of(simulated, [] { check_stop(); });
 }
 
-/// Which throws of a recorded session are not in its replay, and the other way round.
+/// The throws of a recorded session that its replay does not have, and the reverse.
 nlohmann::json compared_throws(const std::vector<devices::Event>& recorded,
                                const std::vector<devices::Event>& again) {
   return {
@@ -125,7 +125,7 @@ void print_throws(const nlohmann::json& result) {
   }
 }
 
-/// Releases that the tracker did not tell all of.
+/// Prints the releases with incomplete tracker data.
 void print_releases(const std::vector<devices::Event>& events) {
   for (const devices::Event& event : events) {
     if (event.kind != scene::kind::release) continue;
@@ -136,7 +136,7 @@ void print_releases(const std::vector<devices::Event>& events) {
   }
 }
 
-/// Holds the game hash that a trial says against the one that a replay came to.
+/// Compares the game hash of the trial with that of the replay.
 ///
 /// @throws std::runtime_error  where they differ
 void verify_game_hash(const devices::TrialSummary& trial, const scene::Session& session) {
@@ -171,7 +171,7 @@ scene::EachThrow each_throw_of(const scene::Session& session, const scene::Scena
   }
 }
 
-/// Every throw on its own, as it was and under the other condition.
+/// Simulates every throw separately, under the trial's condition and the other one.
 void replay_each_throw(const ReplayOptions& options) {
   if (options.output || options.verify) {
     throw UsageError("--each-throw excludes -o and --verify: separate throws are not one session");
@@ -209,7 +209,7 @@ void replay_each_throw(const ReplayOptions& options) {
   }
 }
 
-/// Which trial was simulated, and what was asked for.
+/// The simulated trial and the options, for the output.
 nlohmann::json whose(const ReplayOptions& options, const devices::TrialSummary& trial) {
   return {{"trial", options.trial},
           {"complete", trial.complete},
@@ -221,7 +221,7 @@ nlohmann::json whose(const ReplayOptions& options, const devices::TrialSummary& 
 }
 
 void replay(const ReplayOptions& options) {
-  watch_stop_signals();  // before there is anything to put away
+  watch_stop_signals();  // before the first output exists
   if (options.each_throw) return replay_each_throw(options);
   scene::Recorded recorded = scene::load_trial(options.trial, microseconds(options.longest_gap));
   const devices::TrialSummary& trial = recorded.file.summary();
@@ -243,7 +243,7 @@ void replay(const ReplayOptions& options) {
         devices::Recorder::Options{
             .overwrite = options.force, .inputs = {options.trial}, .states = options.states});
     for (const devices::Event& event : trial.events) {
-      if (event.tick < 0) writer->write(event);  // what was found before any simulation
+      if (event.tick < 0) writer->write(event);  // found before any simulation
     }
     observers.push_back(&*writer);
   }
@@ -258,7 +258,7 @@ void replay(const ReplayOptions& options) {
   if (writer) writer->close(session);
   if (verifier) verify_game_hash(trial, session);
   say_what_is_missing("replay", options.trial, trial);
-  // A recording that is complete may end sooner than its samples; one that is not has lost states.
+  // A complete recording may end before its last samples. An incomplete one has lost states.
   const std::int64_t recorded_ticks = trial.complete ? trial.last_tick : session.tick;
   const std::int64_t unverified = verifier ? recorded_ticks - verifier->compared() : 0;
   if (verifier) require_states(trial, verifier->compared(), unverified);

@@ -30,7 +30,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kMostEmbedded = 20'000'000;  // bytes; more stays beside the page
+constexpr std::size_t kMostEmbedded = 20'000'000;  // bytes; a larger video stays beside the page
 constexpr std::size_t kMostRead = 2'000'000'000;   // bytes of a log that goes into a page
 
 std::string command_of(const TrialPage& options) {
@@ -50,7 +50,7 @@ std::string file_name(const std::string& path) {
   return fs::path(path).filename().string();
 }
 
-/// One trial's share of the page, its blocks named with `which` behind.
+/// Adds one trial to the page; the names of its blocks end with `which`.
 void add_trial(const std::string& path, const scene::PageData& data, const std::string& which,
                PageBlocks& blocks) {
   nlohmann::json text = data.json;
@@ -59,7 +59,7 @@ void add_trial(const std::string& path, const scene::PageData& data, const std::
   blocks["numbers" + which] = deflated(in_quanta(data));
 }
 
-/// Where two trials part when both are simulated again.
+/// The first difference between the simulations of two trials.
 nlohmann::json first_difference(const scene::Recorded& a, const scene::Recorded& b) {
   devices::TrialPlayer in_a(a.file), in_b(b.file);
   scene::Session sa = scene::make_session(a.scenario), sb = scene::make_session(b.scenario);
@@ -84,8 +84,8 @@ nlohmann::json first_difference(const scene::Recorded& a, const scene::Recorded&
   return {{"tick", sa.tick + 1}, {"time_s", seconds(sa.next_tick())}, {"body", ""}};
 }
 
-/// The log without its states, where that simulates to the same bits: so it does unless it is so old
-/// that its states tell when samples were known.
+/// The log without its states, if its simulation has the same bits. Only for old logs it does not,
+/// because there the states show when samples were available.
 std::string log_block(const std::string& path, const std::string& game_hash, Time longest_gap) {
   const std::vector<std::uint8_t> inputs = log_of_inputs(path);
   const scene::Recorded recorded = scene::load_trial(inputs, path, longest_gap);
@@ -104,20 +104,20 @@ std::string log_block(const std::string& path, const std::string& game_hash, Tim
   return deflated(files::read_bytes(path, kMostRead));
 }
 
-/// Whether a file begins as MP4 does: with a box of its type (ISO 14496-12, 4.3).
+/// Whether a file begins like an MP4 file: with a file type box (ISO 14496-12, 4.3).
 bool is_mp4(std::span<const std::uint8_t> bytes) {
   constexpr std::string_view kType = "ftyp";
   return bytes.size() > 8 && std::equal(kType.begin(), kType.end(), bytes.begin() + 4);
 }
 
-/// Where a large video goes.
+/// The path of a large video.
 fs::path beside_page(const TrialPage& options) {
   return fs::path(*options.output).replace_extension(".mp4");
 }
 
-/// The video goes into the page, or beside it where it is large.
+/// Puts the video into the page, or beside it if it is large.
 ///
-/// @param inputs  that the copy must not replace
+/// @param inputs  files that the copy must not replace
 nlohmann::json add_video(const TrialPage& options, const std::vector<fs::path>& inputs,
                          PageBlocks& blocks) {
   if (!options.video) return {};
@@ -146,7 +146,7 @@ nlohmann::json add_video(const TrialPage& options, const std::vector<fs::path>& 
   return {{"embedded", false}, {"file", beside.filename().string()}};
 }
 
-/// What other releases of a throw would have felled, as `headpin whatif` draws and tells it.
+/// Results of other releases of a throw, as pictures and text like `headpin whatif`.
 nlohmann::json whatif_of(const TrialPage& options) {
   WhatIfQuestion question;
   question.trials = {options.trial};

@@ -20,9 +20,9 @@ struct ScenarioOptions {
   bool json = false;
 };
 
-/// What a scenario comes to.
+/// Measures of a scenario.
 struct Measures {
-  std::string name;  ///< as the scenario calls itself
+  std::string name;  ///< in the scenario itself
   std::size_t skittles = 0;
   std::size_t primitives = 0;  ///< of a skittle
   double skittle_m = 0.0, skittle_kg = 0.0;
@@ -31,7 +31,7 @@ struct Measures {
   std::vector<std::string> not_drawn;  ///< of its mesh files
 };
 
-/// @throws std::invalid_argument  where what stands in it cannot be
+/// @throws std::invalid_argument  if its values are not possible
 Measures measure(const std::string& name_or_file) {
   const scene::Scenario s = scene::load_scenario(name_or_file);
   const scene::Stage stage = scene::make_stage(s);

@@ -29,12 +29,12 @@ struct StreamOptions {
   bool force = false, json = false;
 };
 
-/// Walks as the session did that the samples are from.
+/// Repeats the walk of the session from which the samples are.
 class Follower {
  public:
   explicit Follower(const scene::Scenario& scenario) : scenario_(scenario) {}
 
-  /// Makes all ticks that begin before the sample is known, then keeps it for the next.
+  /// Makes all ticks that begin before the sample is available, then stores it for the next tick.
   void take(const devices::Sample& sample) {
     const std::int64_t hz = scenario_.rates.physics_hz;
     for (; tick_time(tick_ + 1, hz) < devices::available(sample); ++tick_) {
@@ -54,8 +54,7 @@ class Follower {
   std::int64_t tick_ = 0;
 };
 
-/// Sends the head's and the hand's samples also as poses in the world, for those who only know
-/// those.
+/// Also sends the samples of head and hand as poses in the world, for programs that use only these.
 void publish_pose(devices::LcmLink& link, const scene::Rig& rig, const Pose& X_WP,
                   const devices::Sample& sample) {
   const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
@@ -69,7 +68,7 @@ void publish_pose(devices::LcmLink& link, const scene::Rig& rig, const Pose& X_W
   }
 }
 
-/// How late each was, counted and not kept.
+/// A histogram of the delays of samples.
 class Lateness {
  public:
   void add(double ms) {
@@ -79,7 +78,7 @@ class Lateness {
     ++all_;
   }
   bool any() const { return all_ > 0; }
-  /// What a share of them was not later than, to a hundredth of it; in ms.
+  /// The quantile of the delays, accurate to 1 % [ms].
   double quantile(double share) const {
     if (share >= 1.0 || all_ == 0) return most_;
     std::int64_t before = 0;
@@ -100,12 +99,12 @@ class Lateness {
   double most_ = 0.0;
 };
 
-/// The samples of a trial in the order in which they were there, one by one.
+/// The samples of a trial in the order in which they were available, one by one.
 class InOrder {
  public:
   explicit InOrder(const devices::TrialFile& file) : player_(file) {}
 
-  /// The next one, until it is asked for again; null at the end.
+  /// The next sample, valid until the next call; null at the end.
   const devices::Sample* next() {
     if (++at_ >= samples_.size()) {
       samples_.clear();
@@ -124,7 +123,7 @@ class InOrder {
 using Clock = std::chrono::steady_clock;
 
 /// Sleeps in pieces, so that a signal does not wait for the end of a long pause.
-/// @return  false when one came
+/// @return  false if a signal came
 bool wait_until(Clock::time_point due) {
   constexpr auto kNap = std::chrono::milliseconds(50);
   while (stop_signal() == 0 && Clock::now() + kNap < due) std::this_thread::sleep_for(kNap);
@@ -133,7 +132,7 @@ bool wait_until(Clock::time_point due) {
   return true;
 }
 
-/// What became of a trial.
+/// The result of streaming a trial.
 struct Streamed {
   std::int64_t sent = 0;
   Time end{};         ///< when the last one was available
@@ -141,7 +140,7 @@ struct Streamed {
   Lateness lateness;
 };
 
-/// Publishes the samples, and the header again and again for those who begin to listen later.
+/// Publishes the samples, and repeats the header for later listeners.
 Streamed publish_samples(const StreamOptions& options, const devices::TrialFile& file,
                          const scene::Scenario& scenario, devices::LcmLink& link) {
   Streamed done;

@@ -27,7 +27,7 @@ struct RunSweepOptions {
   bool json = false;
 };
 
-/// Pieces whose number leaves this rest are ours.
+/// The pieces of this process: those with number mod `of` = `rest`.
 struct Shard {
   std::int64_t rest = 0, of = 1;
 };
@@ -46,12 +46,12 @@ Shard parse_shard(const std::string& text) {
   return {k - 1, n};
 }
 
-/// Threads that take one piece after the other, and how far they are.
+/// Threads that process one piece after the other, and their progress.
 class Workers {
  public:
   Workers(const sweep::Sweep& sweep, Shard shard) : sweep_(sweep), shard_(shard) {}
 
-  /// @throws  what the first of them has thrown
+  /// @throws  the first exception of a thread
   void run(int count, std::int64_t rows) {
     std::vector<std::thread> threads;
     running_ = count;
@@ -69,7 +69,7 @@ class Workers {
   }
 
   std::int64_t done() const { return done_; }
-  std::int64_t elsewhere() const { return elsewhere_; }  ///< pieces that another process is at
+  std::int64_t elsewhere() const { return elsewhere_; }  ///< pieces that another process works on
 
  private:
   void work() {

@@ -35,8 +35,8 @@ void write_script(const fs::path& path, const std::string& text, bool force) {
   file.commit();
 }
 
-/// One task of the array simulates its part; Slurm sends SIGTERM a minute before the time is over, and
-/// the rows that are done are kept.
+/// Each task of the array simulates its part. Slurm sends SIGTERM a minute before the end of the
+/// time, and the finished rows are kept.
 std::string array_script(const fs::path& sweep, const std::string& program, int tasks,
                          std::int64_t minutes) {
   return fmt::format(

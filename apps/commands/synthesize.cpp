@@ -34,9 +34,9 @@ struct SynthesizeOptions {
   bool force = false, json = false;
 };
 
-/// Time for the ball to come to the skittles and for them to fall [s]: that of a plan for the
-/// paper's room, and what a longer lane takes a ball that rolls at two thirds of its first speed;
-/// where it is a game, until the ball has been counted.
+/// Time for the ball to reach the skittles and for them to fall [s]: that of the plan for the
+/// paper's room, plus the time on a longer lane at two thirds of the initial speed. In a game, it
+/// lasts until the ball is counted.
 double long_enough(const scene::ThrowPlan& plan, const scene::Scenario& scenario) {
   const double further = std::max(0.0, scenario.lane.head_pin - scene::Scenario{}.lane.head_pin);
   const double fallen = plan.duration_s + further / (0.65 * plan.speed);
@@ -46,8 +46,8 @@ double long_enough(const scene::ThrowPlan& plan, const scene::Scenario& scenario
   return std::max(fallen, release + scenario.game.ball_back_s + kAfter);
 }
 
-/// As an event log, with what a tracker and a trigger say of the throw.
-/// @return  how many samples
+/// Writes the throw as an event log, with the samples of a tracker and a trigger.
+/// @return  number of samples
 std::size_t write_trial(const SynthesizeOptions& options, const scene::ThrowMotion& motion,
                         const scene::Scenario& scenario, std::uint64_t seed) {
   devices::TrialHeader header;
@@ -64,8 +64,9 @@ std::size_t write_trial(const SynthesizeOptions& options, const scene::ThrowMoti
   return samples.size();
 }
 
-/// As the motion catalogue has throws: head and both hands, no trigger, in centimetres.
-/// @return  how many samples
+/// Writes the throw in the format of the motion catalogue: head and both hands, no trigger, in
+/// centimetres.
+/// @return  number of samples
 std::size_t write_csv(const SynthesizeOptions& options, const scene::ThrowMotion& motion,
                       std::uint64_t seed) {
   const devices::MotionRecording recording = scene::record(motion, seed);

@@ -6,9 +6,9 @@ namespace headpin::devices {
 namespace {
 
 constexpr double kWindow_us = 1e6;
-constexpr double kMostDrift = 1e-3;      // ten times what quartzes differ by
-constexpr double kMostStep_us = 900.0;   // back at once
-constexpr double kBeyondDelay_us = 8e3;  // earlier by more: what was known before was wrong
+constexpr double kMostDrift = 1e-3;      // ten times the difference of quartz clocks
+constexpr double kMostStep_us = 900.0;   // largest correction backwards at once
+constexpr double kBeyondDelay_us = 8e3;  // earlier by more: the old offset was wrong
 
 }  // namespace
 
@@ -16,7 +16,7 @@ double ClockOffset::carry_over(double theirs_us, double seen_us) {
   if (!offset_us_) {
     offset_us_ = seen_us - theirs_us;
   } else if (theirs_us < last_us_) {
-    return ours(theirs_us);  // out of order: it says nothing new
+    return ours(theirs_us);  // out of order: no new information
   } else {
     correct(seen_us - ours(theirs_us), theirs_us - last_us_);
   }
@@ -33,7 +33,7 @@ void ClockOffset::correct(double late_us, double passed_us) {
   least_late_us_ = std::min(least_late_us_, std::max(0.0, late_us));
   window_us_ += passed_us;
   if (window_us_ < kWindow_us) return;
-  // Half of it in the next window: more would swing.
+  // Correct half of it in the next window; a larger part would oscillate.
   drift_ = std::min(0.5 * least_late_us_ / window_us_, kMostDrift);
   least_late_us_ = kNone;
   window_us_ = 0.0;

@@ -31,8 +31,8 @@ class ClockOffset {
   double last_us_ = 0.0;  ///< on their clock
 
   static constexpr double kNone = std::numeric_limits<double>::infinity();
-  double least_late_us_ = kNone;  ///< in the window at hand
-  double window_us_ = 0.0;        ///< of which so much is over
+  double least_late_us_ = kNone;  ///< in the current window
+  double window_us_ = 0.0;        ///< elapsed part of the window
   double drift_ = 0.0;
 };
 

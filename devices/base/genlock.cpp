@@ -7,11 +7,11 @@
 namespace headpin::devices {
 namespace {
 
-// Messages of one clock are late by no more, on a busy day; and an estimate that moves by more than
-// the other is of a clock that was set anew.
+// Largest difference of the delays of one clock's messages on a busy machine; and the change of an
+// estimate from which a clock counts as set to another time.
 constexpr double kSameOffset_us = 5e3, kSetAnew_us = 15e3;
-constexpr double kWidestGrid_us = 25e3;  // poses are late by so much until it is made up
-constexpr double kMadeUpIn_us = 1e6;     // but for 1/e of it
+constexpr double kWidestGrid_us = 25e3;  // largest delay of poses until it is corrected
+constexpr double kMadeUpIn_us = 1e6;     // time constant of the correction
 constexpr double kMostLonger = 1e-2, kMostShorter = 1e-3;
 
 }  // namespace
@@ -28,7 +28,7 @@ double Genlock::offset_us(const void* whose, double estimated_us) {
     const bool same = offset_us_ && std::abs(estimated_us - *offset_us_) < kSameOffset_us;
     return same ? *offset_us_ : estimated_us;
   }
-  // Rounded down, so that the session waits for it and not the other way round.
+  // Rounded down, so that the session waits for the tracker and not the tracker for the session.
   if (!offset_us_ || std::abs(estimated_us - *offset_us_) > std::max(grid_us_, kSetAnew_us)) {
     offset_us_ = std::floor(estimated_us / grid_us_) * grid_us_;
   }

@@ -39,7 +39,7 @@ class Genlock {
   double grid_us_;
   const void* held_to_ = nullptr;
   std::optional<double> offset_us_;
-  double off_us_ = 0.0;  ///< what the session's clock is ahead of where it ought to be
+  double off_us_ = 0.0;  ///< how far the session's clock is ahead of its target
 };
 
 }  // namespace headpin::devices

@@ -6,8 +6,7 @@
 namespace headpin::devices {
 
 namespace {
-constexpr Time kLongestHeld{
-    25'000};  // between two records, beside which the switch is seen no more
+constexpr Time kLongestHeld{25'000};  // limit for the time between two records
 }
 
 std::optional<MouseSample> StylusTrigger::update(const TrackerSample& sample) {

@@ -18,15 +18,16 @@ class StylusTrigger {
   /// @param station  whose records carry the switch; 0: any
   explicit StylusTrigger(std::int32_t station = 0) : station_(station) {}
 
-  /// @return  the mouse's new state, when this sample changes it: halfway between it and the record
-  ///          before, as the switch moved between the two. The first sample makes none unless the
-  ///          trigger is down; one with an error letter counts too, as the switch is no pose.
+  /// @return  the mouse's new state, if this sample changes it. Its time is halfway between this
+  ///   record and the one before, because the switch moved in between. The first sample gives a
+  ///   state only if the trigger is down. Samples with an error letter count too, because the
+  ///   switch does not depend on the pose.
   std::optional<MouseSample> update(const TrackerSample& sample);
 
  private:
   std::int32_t station_;
   bool down_ = false;
-  std::optional<Time> before_;  ///< of the last record
+  std::optional<Time> before_;  ///< time of the last record
 };
 
 /// A tracker source that adds the mouse: it passes all samples on, and adds a MouseSample after

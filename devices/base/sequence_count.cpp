@@ -16,7 +16,7 @@ std::int64_t SequenceCount::take(std::int64_t number, Time measured) {
     holes_.emplace_back(*last_ + 1, number - 1);
     if (holes_.size() > kMostHoles) holes_.pop_front();
   } else if (!last_ || number <= *last_) {
-    holes_.clear();  // measured later, and numbered from the start again
+    holes_.clear();  // measured later, with a lower number: numbering has restarted
   }
   measured_ = last_ ? std::max(measured_, measured) : measured;
   last_ = number;

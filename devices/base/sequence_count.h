@@ -24,7 +24,7 @@ class SequenceCount {
  private:
   bool fill(std::int64_t number);
 
-  static constexpr std::size_t kMostHoles = 64;  ///< in which one that is late is looked for
+  static constexpr std::size_t kMostHoles = 64;  ///< that are searched for a late sample
 
   std::optional<std::int64_t> last_;
   Time measured_{};

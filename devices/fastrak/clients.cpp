@@ -19,20 +19,20 @@ void demand(FastrakLine& line, Demands& demands, std::string what, bool met,
       {shown_bytes(line.sent()), std::move(what), met, met ? "" : shown_bytes(found)});
 }
 
-/// Sends what must not be answered.
+/// Sends a text that must have no answer.
 void tell(FastrakLine& line, Demands& demands, std::string_view text, Time span) {
   const std::string heard = line.ask(text, span);
   demand(line, demands, "no answer", heard.empty(), heard);
 }
 
-/// Asks what must be answered so.
+/// Sends a text that must have this answer.
 void expect(FastrakLine& line, Demands& demands, std::string_view text, Time span,
             std::string_view answer) {
   const std::string heard = line.ask(text, span, answer.size());
   demand(line, demands, fmt::format("the answer {}", shown_bytes(answer)), heard == answer, heard);
 }
 
-/// Tells each station, its digit in place of '#', from the first to the last.
+/// Sends a command for each station, from the first to the last; '#' is replaced by its digit.
 void tell_each(FastrakLine& line, Demands& demands, int last, std::string_view command, Time span) {
   for (int station = 1; station <= last; ++station) {
     std::string text(command);
@@ -41,14 +41,14 @@ void tell_each(FastrakLine& line, Demands& demands, int last, std::string_view c
   }
 }
 
-/// The read-back of l with so many stations on.
+/// The read-back of l with this number of stations on.
 std::string stations_on(int stations) {
   std::array<bool, kFastrakStations> on{};
   std::fill_n(on.begin(), stations, true);
   return encode_active(1, on);
 }
 
-/// A whole status record, as most see to: 55 bytes from `2` to LF.
+/// Requires a whole status record, as most clients do: 55 bytes from `2` to LF.
 std::string status(FastrakLine& line, Demands& demands, Time span) {
   const std::string heard = line.ask("S", span, kFastrakStatusLength);
   demand(line, demands, "a status record of 55 bytes, from 2 to CR LF, in time",
@@ -57,7 +57,8 @@ std::string status(FastrakLine& line, Demands& demands, Time span) {
   return heard;
 }
 
-/// From VRPN's transcript: lists of all four stations, filters, then binary and continuous at once.
+/// From VRPN's transcript: output lists of all four stations, filters, then binary and continuous
+/// output at once.
 void vrpn_with(FastrakLine& line, Demands& demands, std::string_view list1) {
   tell(line, demands, "c", 4s);
   status(line, demands, 1s);
@@ -77,7 +78,7 @@ void vrpn(FastrakLine& line, int, Demands& demands) {
 }
 
 void vrpn_with_stylus(FastrakLine& line, int, Demands& demands) {
-  line.ask("O1,2,11,16,0\r", 50ms);  // while it is made, whatever the unit is doing
+  line.ask("O1,2,11,16,0\r", 50ms);  // sent at construction, in any state of the unit
   vrpn_with(line, demands, "2,11,16,0");
 }
 
@@ -99,7 +100,7 @@ void vrui(FastrakLine& line, int stations, Demands& demands) {
   line.send("C");
 }
 
-/// It flushes its input right after it has sent something: an answer in zero time is lost.
+/// It flushes its input directly after sending: an answer that comes at once is lost.
 void vr_juggler_2007(FastrakLine& line, int stations, Demands& demands) {
   const auto ask = [&](std::string_view text, std::size_t enough) {
     line.send(text);
@@ -149,7 +150,7 @@ void vess(FastrakLine& line, int stations, Demands& demands) {
   line.send("C");
 }
 
-/// Blocks on each byte it did not ask for.
+/// It blocks on each byte that it did not request.
 void covise(FastrakLine& line, int stations, Demands& demands) {
   for (const char* command : {"\n", "c", "u", "F"}) tell(line, demands, command, 100ms);
   for (const char* command :
@@ -167,21 +168,21 @@ void cybergarage(FastrakLine& line, int, Demands& demands) {
   tell(line, demands, "c", 10ms);
 }
 
-/// Everything within microseconds, ended by LF.
+/// It sends everything within microseconds, with LF at the end.
 void georgia_tech(FastrakLine& line, int stations, Demands& demands) {
-  const auto first = static_cast<std::size_t>(47 * stations);  // as the list is at that moment
+  const auto first = static_cast<std::size_t>(47 * stations);  // with the present output list
   const std::string heard =
       line.ask("P\nO1,52,61,50\nO2,52,61,50\nO3,52,61,50\nO4,52,61,50\nu\nf\nC\n", 1s, first);
   demand(line, demands, "records of the set-up before, when P comes before a new one",
          heard.size() >= first && heard.starts_with("01 ") && heard.substr(45, 2) == "\r\n",
          heard.substr(0, first));
-  // It reads on in the stream that has begun; so do we, from its next record on.
+  // It continues to read the running stream; this does the same, from the next record on.
   line.ask("c", 200ms);
   line.flush();
   line.send("C\n");
 }
 
-/// Typed through a terminal that makes CR LF of line ends.
+/// It sends through a terminal that converts line ends to CR LF.
 void ros(FastrakLine& line, int, Demands& demands) {
   tell(line, demands, "c", 200ms);
   tell_each(line, demands, kFastrakStations, "O#,52,61,50\r\n", 50ms);
@@ -239,7 +240,7 @@ void free_vr(FastrakLine& line, int stations, Demands& demands) {
 }
 
 void ros2(FastrakLine& line, int, Demands&) {
-  line.send("C");  // by somebody else
+  line.send("C");  // by another program
 }
 
 const FastrakFormat kVrpn = {{2, 11, 0}, true, false};
@@ -276,7 +277,7 @@ const std::array<FastrakClient, 16> kClients = {{
     {"ROS 2 node", 1, ros2, "", kFactory, kFactory},
 }};
 
-/// Where all stations are by one P, each in metres; none where that is no whole set.
+/// Positions of all stations from one command P [m]; empty if the set is not complete.
 std::vector<Vec3> read_places(FastrakLine& line, int stations, const FastrakFormat& format,
                               Demands& demands) {
   const std::size_t length = fastrak_record_length(format);
@@ -296,11 +297,11 @@ std::vector<Vec3> read_places(FastrakLine& line, int stations, const FastrakForm
   return whole ? places : std::vector<Vec3>();
 }
 
-/// Whether one reading is of the places that two others around it are of.
+/// Requires that one reading agrees with the readings before and after it.
 void same_places(FastrakLine& line, const std::vector<Vec3>& before, const std::vector<Vec3>& read,
                  const std::vector<Vec3>& after, const std::string& what, Demands& demands) {
   constexpr double kRounding = 0.002, kShare = 0.02;  // m, and of the distance: noise
-  if (before.size() != read.size() || read.size() != after.size()) return;  // said already
+  if (before.size() != read.size() || read.size() != after.size()) return;  // already reported
   std::string wrong;
   for (std::size_t i = 0; i < read.size() && wrong.empty(); ++i) {
     const Vec3 place = 0.5 * (before[i] + after[i]);
@@ -333,7 +334,7 @@ int examine_readings(FastrakLine& line, Demands& demands) {
   const auto active = decode_active(on);
   demand(line, demands, "the stations that are on, in 9 bytes", active.has_value(), on);
   if (!active) return 0;
-  // Clients count from station 1 on.
+  // Clients count receivers from station 1.
   const auto stations = static_cast<int>(std::ranges::find(*active, false) - active->begin());
   if (stations == 0) return 0;
   const auto read_in = [&](std::string_view command, const FastrakFormat& format) {
@@ -394,7 +395,7 @@ std::vector<FastrakRecord> run_client(const FastrakClient& client, FastrakLine& 
     const std::size_t set =
         fastrak_record_length(client.first) +
         static_cast<std::size_t>(stations - 1) * fastrak_record_length(client.others);
-    constexpr Time kEach{60'000};  // a set of four at 115200 baud, and a cycle
+    constexpr Time kEach{60'000};  // a set of four records at 115200 baud, plus a cycle
     for (Time waited{}; waited < span; waited += kEach) {
       const std::string records = line.ask(client.poll, kEach);
       if (records.size() != set) {
@@ -406,7 +407,7 @@ std::vector<FastrakRecord> run_client(const FastrakClient& client, FastrakLine& 
   }
   std::vector<FastrakRecord> records = take_apart(client, stations, stream, demands);
   if (client.poll.empty() && !records.empty()) {
-    // A cycle each, unless the line takes longer.
+    // One cycle per record, unless the line takes longer.
     const double length = static_cast<double>(stream.size()) / static_cast<double>(records.size());
     const double rate = std::min(120.0, line.baud() / 10.0 / length);
     const auto expected = static_cast<std::int64_t>(rate * seconds(span));

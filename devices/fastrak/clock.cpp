@@ -11,14 +11,15 @@ namespace {
 constexpr double kCycle_us = 1e6 / static_cast<double>(kFastrakCycleRate);
 constexpr double kLatency_us = 3750.0;  // mid-sampling to output (manual p. E-4)
 
-/// The first records wait so long, so that one of them has come without delay.
+/// The first records wait this long, so that at least one of them came without delay.
 constexpr Time kSettling{250'000};
-/// A late record waits so long for others behind it.
+/// A late record waits this long for the records behind it.
 constexpr Time kPatience{150'000};
-/// Share of a cycle by which a record may come earlier than foreseen before that is a cycle less.
+/// Part of a cycle by which a record may be early before its cycle number is reduced by one.
 constexpr double kEarly = 0.25;
 
-/// A record was measured before it arrived, and a cycle at least before each one behind it.
+/// Upper bound of the time of measurement: a record was measured before it arrived, and at least
+/// one cycle before each record behind it.
 double seen(std::span<const Time> arrivals, double lag_us) {
   double least_us = static_cast<double>(arrivals.front().count()) - lag_us;
   for (std::size_t i = 1; i < arrivals.size(); ++i) {
@@ -28,8 +29,8 @@ double seen(std::span<const Time> arrivals, double lag_us) {
   return least_us;
 }
 
-/// Whether a record came behind the first one as the unit sends them: what was held up on its way
-/// comes in one go.
+/// Whether a record came at the unit's rate after another one. Records that were delayed together
+/// arrive all at once.
 bool came_by_itself(std::span<const Time> arrivals) {
   const Time half_a_cycle{std::llround(0.5 * kCycle_us)};
   return std::ranges::adjacent_find(arrivals, [&](Time before, Time after) {
@@ -44,7 +45,7 @@ FastrakClock::FastrakClock(int active_stations, Time byte_time, std::size_t reco
     : active_(std::max(1, active_stations)),
       genlock_(genlock),
       lag_us_(kLatency_us + static_cast<double>(byte_time.count())),
-      // The last byte leaves while the next record is written behind it.
+      // The last byte of a record leaves while the next record is written.
       line_cycles_(static_cast<double>(record_length - 1) * static_cast<double>(byte_time.count()) /
                    kCycle_us) {}
 
@@ -56,7 +57,7 @@ std::optional<Time> FastrakClock::measured(int turn, std::span<const Time> arriv
     if (waited < kSettling) return std::nullopt;
     cycle_ = turn;
   } else {
-    // Cycles since the last one: as many as fit, of those in which it is this station's turn.
+    // Cycles since the last record: the largest number that fits, with this station's turn.
     const int offset = (turn - turn_ + active_) % active_;
     std::int64_t least = offset > 0 ? offset : active_;
     while (static_cast<double>(least) + kEarly < line_cycles_) least += active_;
@@ -69,7 +70,7 @@ std::optional<Time> FastrakClock::measured(int turn, std::span<const Time> arriv
   }
   const double estimate_us = offset_.carry_over(static_cast<double>(cycle_) * kCycle_us, seen_us);
   last_us_ =
-      first ? estimate_us : std::max(estimate_us, last_us_ + 0.25 * kCycle_us);  // never back
+      first ? estimate_us : std::max(estimate_us, last_us_ + 0.25 * kCycle_us);  // never backwards
   turn_ = turn;
   if (!genlock_) return Time{std::llround(last_us_)};
   const Time cycle_time = tick_time(cycle_, kFastrakCycleRate);

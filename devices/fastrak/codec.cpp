@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t kHead = 3;  // '0', station, error
 
-/// What an item carries; its number's extended-precision twin carries the same.
+/// The content of an item; the extended-precision item of the same number has the same content.
 enum class Content {
   none,
   space,
@@ -110,7 +110,7 @@ std::size_t length_of(const Item& item, bool binary) {
   }
 }
 
-/// Value of the full scale of a compact item: 8192 of its codes.
+/// Full-scale value of a compact item, which is its code 8192.
 double full_scale(const Item& item, const FastrakFormat& format) {
   switch (item.content) {
     case Content::angles:
@@ -175,8 +175,8 @@ void set_values(FastrakRecord& r, Content content, const Values& v) {
   }
 }
 
-/// Whether a value without error letter can be: rounding to four decimals moves the norm of a
-/// unit vector by less than 2e-4, float32 and 14 bits by less still.
+/// Whether a value without error letter is possible. Rounding to four decimals changes the norm of
+/// a unit vector by less than 2e-4; float32 and 14 bits change it even less.
 bool possible(Content content, const Values& v) {
   constexpr double kRounding = 1e-3;
   switch (content) {
@@ -336,15 +336,15 @@ Verdict candidate(Bytes bytes, const FastrakFormats& formats, FastrakFound& foun
   return Verdict::yes;
 }
 
-/// Whether another record seems to open behind one of `length` bytes.
+/// Whether another record seems to begin after one of `length` bytes.
 Verdict followed(Bytes bytes, std::size_t length) {
   const Bytes next = bytes.subspan(length, std::min(kHead, bytes.size() - length));
   if (!is_head(next)) return Verdict::no;
   return next.size() < kHead ? Verdict::wait : Verdict::yes;
 }
 
-/// Whether some record that begins inside the first one is the better reading: it decodes and the
-/// next one opens right behind it.
+/// Whether a record that begins inside the first one is more plausible: it decodes, and the next
+/// one begins directly after it.
 Verdict rivalled(Bytes bytes, const FastrakFormats& formats, std::size_t length) {
   Verdict verdict = Verdict::no;
   for (std::size_t i = 1; i < length; ++i) {

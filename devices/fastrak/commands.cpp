@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kLongestRecord = 254;  // bytes (p. 57)
 constexpr std::size_t kMostItems = 32;       // (p. 57)
 
-// What the columns of read-backs hold.
+// Largest values that the columns of read-backs can hold.
 constexpr double kWidest7 = 999.99, kWidest8 = 999.999;
 constexpr std::array<double, 3> kWidest7s = {kWidest7, kWidest7, kWidest7};
 constexpr std::array<double, 3> kWidest8s = {kWidest8, kWidest8, kWidest8};
@@ -90,7 +90,7 @@ struct Line {
     return {s, s + 1};
   }
 
-  /// Fields from `first` on in place of the stored values; empty ones keep them.
+  /// The stored values, replaced by the fields from `first` on; empty fields keep the stored value.
   template <std::size_t N>
   std::array<double, N> merged(std::size_t first, std::array<double, N> stored,
                                const std::array<double, N>& limits) const {
@@ -162,7 +162,7 @@ std::string alignment(const Line& line, FastrakMemory& m) {
   }
   const std::size_t s = line.station();
   if (line.blank_from(1)) return alignment_answer(m, s);
-  // New points are given in the present frame; there, its own three stand at the factory's.
+  // New points are given in the present frame, in which its own three points are the factory's.
   const double unit = metre_per_unit(m);
   const std::array<Vec3, 3> start = FastrakStationSetup{}.p_TA;
   std::array<double, 9> values{}, limits{};
@@ -204,7 +204,7 @@ std::string no_boresight(const Line& line, FastrakMemory& m) {
   return "";
 }
 
-/// G: angles that boresight makes of the orientation.
+/// G: angles that the orientation reads as after boresight.
 std::string boresight_angles(const Line& line, FastrakMemory& m) {
   return three(line, m.setup.stations[line.station()].boresight_deg, 1.0, kAngles, 7, 2);
 }
@@ -283,7 +283,7 @@ std::string output_list(const Line& line, FastrakMemory& m) {
   return "";
 }
 
-/// e: what the stylus switch does. The station may be left out, and the unit does not look at it.
+/// e: function of the stylus switch. The station may be left out; the unit ignores it.
 std::string stylus_switch(const Line& line, FastrakMemory& m) {
   const bool alone = line.fields.size() == 1;
   m.setup.point_mode = line.whole(alone ? 0 : 1, 0, 1) == 1;
@@ -307,7 +307,7 @@ std::string port(const Line& line, FastrakMemory& m) {
     port.parity = parity != "N";
   }
   if (!line.blank(2)) port.bits = line.whole(2, 7, 8);
-  if (!line.blank(3)) line.whole(3, 0, 1);  // hardware handshake: a wire that is not here
+  if (!line.blank(3)) line.whole(3, 0, 1);  // hardware handshake: there is no such wire
   if (port.bits == 8 && port.parity) throw RefusedField{FastrakRefusal::out_of_range, 1};
   m.port = port;
   return "";

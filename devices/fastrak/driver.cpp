@@ -9,7 +9,7 @@
 namespace headpin::devices {
 namespace {
 
-/// In mid-record, on a machine that has no processor for it; a terminal's kernel took 0.8 s.
+/// Longest pause within a record on a busy machine; the kernel's terminal took 0.8 s.
 constexpr Time kHeldUp{1'000'000};
 constexpr std::size_t kBufferLimit = 1 << 16;  // bytes; a unit sends 1 % of that in a second
 
@@ -44,8 +44,8 @@ std::string FastrakDriver::activity() const {
 }
 
 void FastrakDriver::poll(Time asked, std::vector<Sample>& out) {
-  // A session that is late asks for times gone by; the line knows how long the unit has said
-  // nothing.
+  // A late session asks for a time in the past. The time of the line shows how long the unit has
+  // been silent.
   const Time now = stream_->time(asked);
   hear(now);
   const bool lost = !stream_->trouble().empty();
@@ -130,11 +130,11 @@ void FastrakDriver::try_again(Time now) {
   drain();
   to_say_.clear();
   may_speak_ = now;
-  // Rounds of eight: stop it, break a half-typed line, re-initialise it, then patiently again. From
-  // the second round on at the other rates in turn, two attempts each.
+  // Rounds of eight attempts: stop the unit, end a half-typed line, re-initialise it, then repeat
+  // with longer waits. From the second round on, use the other rates in turn, two attempts each.
   const int place = attempt_ % 8;
   if (options_.search_baud && attempt_ >= 8) {
-    // Downwards from the unit's own, round and round.
+    // Downwards from the unit's own rate, repeatedly.
     const auto own = std::find(kFastrakBauds.rbegin(), kFastrakBauds.rend(), options_.baud) -
                      kFastrakBauds.rbegin();
     const auto rate = static_cast<std::size_t>(own + attempt_ / 2 - 4) % kFastrakBauds.size();
@@ -158,7 +158,7 @@ void FastrakDriver::say(std::vector<std::string> commands) {
   std::ranges::move(commands, std::back_inserter(to_say_));
 }
 
-/// Asks for the next thing to be checked, or starts the stream behind the last one.
+/// Sends the next check, or starts the stream after the last one.
 void FastrakDriver::ask_next(Time now) {
   drain();
   to_say_.clear();
@@ -180,7 +180,7 @@ void FastrakDriver::start_stream(Time now) {
   enter(Phase::streaming, now);
 }
 
-/// Waits until it says nothing, then asks who it is.
+/// Waits until the unit is silent, then asks for its status.
 bool FastrakDriver::stop(Time now) {
   drain();
   if (!said_all(now)) return false;
@@ -189,14 +189,14 @@ bool FastrakDriver::stop(Time now) {
     enter(Phase::status, now);
     return false;
   }
-  // A unit that talks on has not understood.
+  // A unit that continues to send has not understood the command.
   const bool talks_on = now - phase_began_ > answer_time() + 8 * options_.quiet;
   if (talks_on) try_again(now);
   return talks_on;
 }
 
-/// Looks at what it answers to the check at hand.
-/// @return  as step() does; nothing when the set-up is not what records need
+/// Examines the answer to the current check.
+/// @return  as step(); nothing if the set-up is not what the records need
 std::optional<bool> FastrakDriver::check(Time now) {
   const FastrakCheck& check = checks_.front();
   const FastrakVerdict verdict = judge(check, options_, buffer_);
@@ -212,7 +212,7 @@ std::optional<bool> FastrakDriver::check(Time now) {
   return true;
 }
 
-/// Sets the unit up once it has answered with its status. @return whether it has
+/// Sets the unit up after it has sent its status. @return whether it has sent it
 bool FastrakDriver::set_up(Time now) {
   // A unit left at seven bits sends parity in the eighth.
   std::vector<std::uint8_t> seven_bits = buffer_;
@@ -228,12 +228,13 @@ bool FastrakDriver::set_up(Time now) {
   return true;
 }
 
-/// Begins to read the settings back once it has answered which stations are on. @return whether
+/// Begins to read the settings back after the unit has reported its active stations. @return
+/// whether it has reported them
 bool FastrakDriver::begin_checks(Time now) {
   const auto on = find_answer(buffer_, 9, decode_active);
   if (!on) return false;
   active_ = *on;
-  checks_ = {{}};  // the unit's own
+  checks_ = {{}};  // settings of the unit itself
   unconfirmed_.clear();
   for (int station = kFastrakStations; station >= 1; --station) {
     if (!active_[static_cast<std::size_t>(station - 1)]) continue;
@@ -281,13 +282,13 @@ bool FastrakDriver::step(Time now) {
       break;
 
     case Phase::streaming:
-      if (now - last_record_ > options_.watchdog) read_records(now);  // a late poll: they may wait
+      if (now - last_record_ > options_.watchdog) read_records(now);  // a late poll: some may wait
       if (now - last_record_ <= options_.watchdog) return false;
       ++statistics_.restarts;
       start_over(now);
       return true;
   }
-  // Waiting for an answer, or got another one.
+  // The answer is still missing, or it was a different one.
   if (waited < answer_time() && phase_ != Phase::checking) return false;
   try_again(now);
   return true;
@@ -318,7 +319,8 @@ Pose FastrakDriver::pose_of(const FastrakRecord& record) const {
 }
 
 void FastrakDriver::read_records(Time now) {
-  // A record may be under way for its own length; after that, and a while, no more will come.
+  // A record may still arrive for the time of its length. After that and a pause, no more bytes
+  // come.
   const auto length = static_cast<int>(fastrak_record_length(formats_[0]));
   const bool no_more = now - heard_ > kHeldUp + length * byte_time();
   std::size_t done = 0;

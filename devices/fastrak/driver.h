@@ -19,12 +19,12 @@ namespace headpin::devices {
 
 struct FastrakStatistics {
   std::int64_t records = 0;        ///< samples handed out
-  std::int64_t flagged = 0;        ///< of these, with an error letter
-  std::int64_t skipped_bytes = 0;  ///< between records, that belong to none
-  std::int64_t missed = 0;         ///< cycles that brought no record, by the clock of the unit
-  std::int64_t drained_bytes = 0;  ///< thrown away while the unit was brought up
+  std::int64_t flagged = 0;        ///< number of these with an error letter
+  std::int64_t skipped_bytes = 0;  ///< bytes between records
+  std::int64_t missed = 0;         ///< cycles without a record, by the clock of the unit
+  std::int64_t drained_bytes = 0;  ///< discarded while the unit was started
   std::int64_t restarts = 0;       ///< by the watchdog
-  std::int64_t attempts = 0;       ///< to get a status, in all
+  std::int64_t attempts = 0;       ///< total number of attempts to get a status
 };
 
 /// Driver of a Fastrak on a line, as a Source of TrackerSamples.
@@ -112,7 +112,7 @@ class FastrakDriver : public Source {
   bool lost_ = false;                ///< the line has hung up
   int attempt_ = 0;                  ///< since the last record
   int baud_;                         ///< of the line now
-  std::deque<FastrakCheck> checks_;  ///< to be asked; the front one has been
+  std::deque<FastrakCheck> checks_;  ///< to be sent; the front one has been sent
   std::vector<std::string> unconfirmed_;
 
   std::deque<std::string> to_say_;  ///< one command each
@@ -127,7 +127,7 @@ class FastrakDriver : public Source {
   std::deque<Time> record_arrivals_;   ///< of each
   Genlock* genlock_ = nullptr;
   std::optional<FastrakClock> clock_;
-  std::int64_t sequence_before_ = 0;  ///< where counting goes on after a restart
+  std::int64_t sequence_before_ = 0;  ///< start of counting after a restart
   Time last_record_{};
 };
 

@@ -12,12 +12,12 @@ namespace {
 constexpr Time kCycle{8333};                // 1 / kFastrakCycleRate
 constexpr Time kSolutionReady{5500};        // after the start of the field (p. E-2)
 constexpr Time kMidSampling{5500 - 3750};   // effective latency 3.75 ms (p. E-4)
-constexpr std::int64_t kSwitchCycles = 40;  // between looks at the stylus switch
-constexpr std::size_t kOutboxLimit = 1024;  // bytes a reader may leave
-constexpr Time kPiece{50'000};              // in which no line fills it
+constexpr std::int64_t kSwitchCycles = 40;  // between readings of the stylus switch
+constexpr std::size_t kOutboxLimit = 1024;  // bytes that a reader may leave
+constexpr Time kPiece{50'000};              // no line fills the outbox in this time
 constexpr std::size_t kQueueLimit = 8192;   // bytes of answers waiting for the line
 
-// What random numbers are drawn for.
+// Purposes of random numbers.
 constexpr std::uint64_t kNoise = 0, kFaults = 16;
 
 }  // namespace
@@ -46,7 +46,7 @@ FastrakEmulator::FastrakEmulator(FastrakEmulatorOptions options, FastrakMotion m
   };
   eeprom_ = factory_setup(Time{0});
   start_up(Time{0});
-  listening_from_ = Time{0};  // found switched on and ready
+  listening_from_ = Time{0};  // the unit is already on and ready
 }
 
 FastrakSetup FastrakEmulator::factory_setup(Time now) const {
@@ -279,7 +279,7 @@ std::optional<std::size_t> FastrakEmulator::next_active(std::size_t after) const
 
 bool FastrakEmulator::line_free() const {
   if (suspended_ || outbox_.size() >= kOutboxLimit) return false;
-  // The last byte leaves by itself; the next record may be written behind it.
+  // The last byte needs no more waiting; the next record may be written after it.
   return queue_.empty() ||
          (queue_.size() == 1 && queue_.front().sent + 1 >= queue_.front().bytes.size());
 }
@@ -427,8 +427,8 @@ Time begin_of(const TrackerSample& first, const FastrakEmulator& emulator, Time 
 }
 
 void serve(FastrakEmulator& emulator, ByteStream& stream, Time now) {
-  // A server that was held up hands over in pieces what would have left by now: more than its
-  // outbox has room for, and no reader was late for it.
+  // After a delay of the server, the bytes that would have left by now are passed on in pieces.
+  // They may be more than the outbox can hold, although no reader was late.
   for (Time then = emulator.now() + kPiece; then < now; then += kPiece) {
     emulator.taken(stream.write(emulator.due(then)));
   }

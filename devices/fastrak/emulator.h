@@ -127,7 +127,7 @@ class FastrakEmulator {
     std::size_t sent = 0;              ///< bytes that have left
     bool stream = false;               ///< a record of the continuous output
     std::vector<FastrakSent> records;  ///< the data records in it
-    std::size_t garbage = 0;           ///< bytes in it that belong to none
+    std::size_t garbage = 0;           ///< bytes in it that belong to no record
   };
   /// The newest measurement of a station.
   struct Solution {
@@ -178,20 +178,20 @@ class FastrakEmulator {
   FastrakMotion motion_;
   FastrakEmulatorStatistics statistics_;
   FastrakMemory memory_;
-  Time commanded_{};  ///< when the command at hand came
+  Time commanded_{};  ///< arrival of the current command
   FastrakSetup eeprom_;
 
   Time now_{};
   std::int64_t cycle_ = 0;          ///< next one to be run
-  Time listening_from_{};           ///< start-up: nothing heard or said before
+  Time listening_from_{};           ///< start-up: neither receives nor sends before
   Time saved_at_{};                 ///< ^K: nothing measured, and commands wait, before
-  std::vector<std::uint8_t> held_;  ///< what came while saving
+  std::vector<std::uint8_t> held_;  ///< bytes that arrived while saving
   std::size_t measured_ = kFastrakStations - 1;  ///< station of the last measurement
   std::array<Solution, kFastrakStations> solutions_;
   std::array<AdaptiveWeight, kFastrakStations> position_weights_, attitude_weights_;
   std::array<std::optional<Vec3>, kFastrakStations> last_output_;  ///< position reported [m]
   int status_requests_ = 0;                                        ///< heard so far
-  bool switch_was_down_ = false;  ///< at the last look at the stylus switch
+  bool switch_was_down_ = false;  ///< at the last reading of the stylus switch
   bool switched_off_ = false;     ///< continuous output, by the stylus switch
 
   Time stream_zero_{};
@@ -200,7 +200,7 @@ class FastrakEmulator {
   std::uint64_t outputs_ = 0;            ///< records made, for the seeds of the faults
   std::deque<Message> queue_;
   std::int64_t line_free_ns_ = 0;     ///< when the last byte has left
-  std::vector<std::uint8_t> outbox_;  ///< has left, not yet taken
+  std::vector<std::uint8_t> outbox_;  ///< bytes that have left and are not taken yet
 
   std::string line_;  ///< command letter and what followed, up to now
   enum class Swallow { nothing, any_end, line_feed, carriage_return } swallow_ = Swallow::nothing;

@@ -120,7 +120,7 @@ Pose distort(const Pose& X_TS, double metal) {
   if (range < 1e-9) return X_TS;
   const Vec3 direction = X_TS.p / range;
   const double amount = metal * range * range;
-  // Sideways, by the direction turned once around: smooth everywhere, like a lens.
+  // The error is sideways: the direction with its components rotated, which is smooth everywhere.
   const Vec3 sideways(direction.y(), direction.z(), direction.x());
   return {rotation(amount * sideways) * X_TS.q, X_TS.p + amount * sideways};
 }

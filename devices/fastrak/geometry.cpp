@@ -60,8 +60,8 @@ Pose as_received(const Pose& X_TS) {
   Pose X = X_TS;
   X.p = (X.p / kMetrePerCentimetre).unaryExpr(sent) * kMetrePerCentimetre;
   if (X.q.w() < 0.0) X.q.coeffs() = -X.q.coeffs();  // as the unit sends it
-  // A unit quaternion's float32 are not quite unit, so those of what a driver makes of them may be
-  // others. Close by there are some that are not.
+  // The float32 numbers of a unit quaternion are not exactly unit. A driver normalises them, and
+  // its float32 numbers may then differ. A quaternion nearby is found for which they do not differ.
   constexpr double kLastPlace = 6e-8;
   for (int nudge = 0; nudge < 64; ++nudge) {
     Quat near = X.q;

@@ -5,7 +5,7 @@
 
 #include "engine/math.h"
 
-/// What a Fastrak does to a measured pose before it writes it down. Lengths in metres.
+/// Changes that a Fastrak makes to a measured pose before output. Lengths in metres.
 ///
 /// Transmitter frame T: +X forward (away from the cable), +Y right, +Z down (manual p. 51). Sensor
 /// frame S: alike. Angles are azimuth, elevation, roll in degrees.
@@ -45,8 +45,8 @@ struct FastrakFilter {
 
 /// y_k = a x_k + (1 - a) y_(k-1), with a between FLOW and FHIGH (manual p. E-3).
 ///
-/// How `a` adapts is not in the manual's pages that we have; ours: it rises at once to F times the
-/// distance between x_k and y_(k-1) [inches, degrees] and sinks by FACTOR a step.
+/// The available pages of the manual do not say how `a` adapts. Our choice: it rises at once to F
+/// times the distance between x_k and y_(k-1) [inches, degrees] and decreases by FACTOR per step.
 class AdaptiveWeight {
  public:
   double next(const FastrakFilter& filter, double distance);
@@ -63,15 +63,16 @@ struct FastrakNoise {
 
 /// Noise at a distance from the transmitter [m].
 ///
-/// The data sheet's resolution, 0.0002 of the range and 0.025 degrees, holds within 30 inches; from
-/// there it grows with the cube of the distance, as the field of a dipole sinks.
+/// The data sheet's resolution, 0.0002 of the range and 0.025 degrees, is valid within 30 inches.
+/// Beyond, the noise grows with the cube of the distance, because the field of a dipole decreases
+/// so.
 FastrakNoise noise_at(double range);
 
 /// Where the field is too weak: 10 feet [m].
 constexpr double kFastrakRange = 3.048;
 
-/// What a driver gets of a pose, in binary centimetres and as a quaternion: float32, and unit again.
-/// It goes over the line once more as it is.
+/// The pose that a driver receives, in binary centimetres and as a quaternion: float32, normalised.
+/// If it is sent again, it does not change.
 Pose as_received(const Pose& X_TS);
 
 }  // namespace headpin::devices

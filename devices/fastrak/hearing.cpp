@@ -4,7 +4,7 @@
 
 #include "devices/fastrak/emulator.h"
 
-// What comes down the line: bytes, control characters, commands at once and commands by the line.
+// Input from the line: bytes, control characters, immediate commands and line commands.
 namespace headpin::devices {
 namespace {
 
@@ -55,7 +55,7 @@ void FastrakEmulator::hear(std::uint8_t byte, Time now) {
   }
 }
 
-/// Control bytes act at once, in the middle of a line too; the line goes on behind them.
+/// Control bytes act at once, also in the middle of a line, which continues after them.
 bool FastrakEmulator::control(std::uint8_t byte, Time now) {
   switch (byte) {
     case 0x0B:  // ^K
@@ -118,7 +118,8 @@ void FastrakEmulator::immediate(char command, Time now) {
       status.firmware = options_.firmware;
       status.identification = memory_.setup.identification;
       if (options_.tag_2012) {
-        // The coding of the sensor map is not known; ours: one hex digit, bit 0 for station 1.
+        // The coding of the sensor map is not known. Our choice: one hex digit, bit 0 for station
+        // 1.
         int map = 0;
         for (std::size_t s = 0; s < kFastrakStations; ++s) map |= plugged(s, now) ? 1 << s : 0;
         status.tag = std::string("F3") + "0123456789ABCDEF"[map];

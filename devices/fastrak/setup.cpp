@@ -39,7 +39,7 @@ std::string arguments(const std::vector<double>& values) {
   return text;
 }
 
-/// As H takes it, with two decimals.
+/// The values of a zenith for the command H, which takes two decimals.
 std::vector<double> zenith_values(const Vec3& zenith) {
   const Vec3 n = zenith.stableNormalized();
   return {n.x(), n.y(), n.z()};
@@ -131,7 +131,7 @@ void check_items(const std::vector<int>& items) {
 
 std::vector<std::string> setup_commands(const FastrakOptions& options) {
   std::vector<std::string> commands = {
-      "o,N,8,0\r",  // first the port: at seven bits no binary record is whole
+      "o,N,8,0\r",  // first the port: with seven bits no binary record is complete
       options.centimetres ? "u" : "U",
       "F",           // read-backs and refusals in a known format
       "e1,0\r",      // the stylus switch only reports
@@ -143,10 +143,10 @@ std::vector<std::string> setup_commands(const FastrakOptions& options) {
     commands.push_back(line('l', s, options.stations[i] ? ",1" : ",0"));
     commands.push_back(line('R', s, ""));
     commands.push_back(line('b', s, ""));
-    // Tracking starts from the half-space it is in, so that one is set first.
+    // Tracking starts from the present half-space, so this one is set first.
     if (options.zenith[i].isZero()) commands.push_back(line('H', s, ",1,0,0"));
     for (const FastrakCheck& check : setup_checks(options, s)) {
-      if (check.letter == 'A') continue;  // R has done it
+      if (check.letter == 'A') continue;  // the command R has set it
       commands.push_back(line(
           check.letter, s, check.letter == 'O' ? list_of(options.items) : arguments(check.values)));
     }
@@ -160,7 +160,7 @@ std::vector<std::string> stream_commands(const FastrakOptions& options) {
 
 std::vector<FastrakCheck> setup_checks(const FastrakOptions& options, int station) {
   const double metre = options.centimetres ? 100.0 : 1.0 / 0.0254;
-  // No envelope within the unit's reach: 300 cm, where its factory one marks all beyond 200.
+  // No envelope within the unit's reach of 300 cm; the factory's envelope flags all beyond 200 cm.
   const double reach = options.centimetres ? 300.0 : 118.0;
   const Vec3& zenith = options.zenith[static_cast<std::size_t>(station - 1)];
   const std::vector<double> items(options.items.begin(), options.items.end());
@@ -195,7 +195,7 @@ FastrakVerdict judge(const FastrakCheck& check, const FastrakOptions& options, B
   }
   const auto values = find_values(check, heard);
   if (!values) return FastrakVerdict::no_answer;
-  constexpr double kRounded = 0.0101;  // of two decimals, on its way there and back
+  constexpr double kRounded = 0.0101;  // rounding to two decimals, there and back
   return verdict(std::ranges::equal(
       *values, check.values, [](double a, double b) { return std::abs(a - b) <= kRounded; }));
 }

@@ -23,8 +23,8 @@ constexpr std::uint32_t kShortMagic = 0x4c433032, kFragmentMagic = 0x4c433033;  
 constexpr std::size_t kShortHeader = 8, kFragmentHeader = 20;                   // bytes
 constexpr std::size_t kLongestChannel = 63;
 constexpr std::size_t kLargestDatagram = 65536;
-constexpr int kReceiveBuffer = 1 << 21;  // bytes, of which the kernel gives what it may
-constexpr int kMostAtOnce = 1000;        // datagrams, so that a flood cannot keep us
+constexpr int kReceiveBuffer = 1 << 21;  // bytes; the kernel may give less
+constexpr int kMostAtOnce = 1000;        // datagrams, so that a flood cannot block this
 constexpr int kListenFor_ms = 50;
 
 /// A big-endian number of `bytes` at `at`.
@@ -50,7 +50,7 @@ int open_group(const MulticastGroup& group) {
   membership.imr_multiaddr.s_addr = htonl(group.address);
   setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
   setsockopt(fd, SOL_SOCKET, SO_TIMESTAMP, &on, sizeof on);
-  setsockopt(fd, IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof off);  // of this group alone
+  setsockopt(fd, IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof off);  // only of this group
   const char* failed = nullptr;
   if (setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) != 0 ||
       bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
@@ -65,7 +65,7 @@ int open_group(const MulticastGroup& group) {
   cannot_listen(failed);
 }
 
-/// When the kernel got it.
+/// Time at which the kernel received it.
 Time arrival_of(msghdr& header) {
   for (cmsghdr* c = CMSG_FIRSTHDR(&header); c; c = CMSG_NXTHDR(&header, c)) {
     if (c->cmsg_level != SOL_SOCKET || c->cmsg_type != SCM_TIMESTAMP) continue;
@@ -84,7 +84,7 @@ std::optional<LcmDatagram> read_lcm_datagram(std::span<const std::uint8_t> bytes
   LcmDatagram read{.channel = {}, .data = {}, .whole = magic == kShortMagic};
   if (!read.whole) {
     if (magic != kFragmentMagic || bytes.size() < kFragmentHeader) return std::nullopt;
-    if (number_at(bytes, 16, 2) != 0) return read;  // not the first: no channel stands in it
+    if (number_at(bytes, 16, 2) != 0) return read;  // not the first fragment: it has no channel
   }
   const std::span<const std::uint8_t> rest =
       bytes.subspan(read.whole ? kShortHeader : kFragmentHeader);
@@ -157,7 +157,7 @@ void MulticastListener::hear(int wait_ms) {
   for (int i = 0; i < kMostAtOnce && hear_one(); ++i) continue;
 }
 
-/// @return  whether there was one
+/// Reads one datagram. @return  whether there was one
 bool MulticastListener::hear_one() {
   sockaddr_in from{};
   alignas(cmsghdr) std::array<char, 128> control{};

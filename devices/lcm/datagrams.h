@@ -47,9 +47,9 @@ class MulticastListener {
  public:
   struct Message {
     std::string channel;
-    std::vector<std::uint8_t> data;  ///< none of a message of more than one datagram
+    std::vector<std::uint8_t> data;  ///< empty for a message of more than one datagram
     std::uint64_t sender = 0;        ///< its address and port, as sender_name() reads them
-    Time arrived{};                  ///< by the wall's clock, as the kernel says
+    Time arrived{};                  ///< wall-clock time, from the kernel
   };
 
   /// Joins the group. The kernel keeps messages until start() or take().
@@ -77,8 +77,8 @@ class MulticastListener {
   int socket_ = -1;
   std::vector<std::string> channels_;
   std::size_t queue_;
-  std::vector<std::uint8_t> bytes_;  ///< of the datagram at hand
-  std::mutex mutex_;                 ///< of what waits
+  std::vector<std::uint8_t> bytes_;  ///< of the current datagram
+  std::mutex mutex_;                 ///< for the waiting messages
   std::deque<Message> waiting_;
   std::atomic<std::int64_t> dropped_{0};
   std::atomic<bool> stopping_{false};

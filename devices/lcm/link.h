@@ -61,10 +61,10 @@ class LcmLink {
 
   std::string url_, prefix_;
   std::string meant_;         ///< the URL, or that of the environment
-  std::unique_ptr<Lcm> lcm_;  // unless a log is read or written, without liblcm
+  std::unique_ptr<Lcm> lcm_;  // null if a log is read or written, without liblcm
   std::unique_ptr<LogPlayer> log_;
   std::unique_ptr<LogWriter> written_;
-  std::vector<std::uint8_t> bytes_;  // of the message at hand
+  std::vector<std::uint8_t> bytes_;  // of the current message
 };
 
 /// Publishes a trial while it is made. The header and the event drawn_by are repeated every second
@@ -88,7 +88,7 @@ class TrialPublisher : public TrialSink {
   LcmLink& link_;
   TrialHeader header_;
   std::optional<Event> drawn_by_;
-  std::int64_t count_ = 1;  ///< of messages, what is repeated once
+  std::int64_t count_ = 1;  ///< of messages; repeated ones count once
   Time last_{}, next_header_{};
 };
 

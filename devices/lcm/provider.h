@@ -37,7 +37,7 @@ class LcmLink::LogWriter {
       : file_(path, std::move(options)) {}
 
   void write(const std::string& channel, std::span<const std::uint8_t> bytes) {
-    const auto now = std::chrono::system_clock::now().time_since_epoch();  // as liblcm stamps them
+    const auto now = std::chrono::system_clock::now().time_since_epoch();  // like liblcm's stamps
     bytes_.clear();
     append({number_++, std::chrono::duration_cast<Time>(now), channel, bytes}, bytes_);
     file_.write(bytes_.data(), bytes_.size());
@@ -80,14 +80,14 @@ class LcmLink::LogPlayer {
   std::optional<LogEvent> due(Time now) {
     if (!start_) start_ = now;
     if (!next_) return std::nullopt;
-    // Times that a log's writer cannot have meant are no reason to wait for years.
+    // Does not wait for implausibly large gaps between the times of a log.
     const Time gap = next_->time > last_ ? next_->time - last_ : Time{};
     const Time at = played_ + (gap > kLongestGap ? Time{} : gap);
     const double ahead = seconds(now - *start_) * speed_ - seconds(at);
     if (speed_ > 0.0 && ahead < 0.0) return std::nullopt;
     played_ = at;
     last_ = next_->time;
-    // Its bytes are there until the next one is read.
+    // The bytes of an event are valid only until the next one is read.
     channel_ = next_->channel;
     data_.assign(next_->data.begin(), next_->data.end());
     const LogEvent event{next_->number, next_->time, channel_, data_};
@@ -127,7 +127,7 @@ class LcmLink::LogPlayer {
                     url, option));
   }
 
-  FileWindow file_;  ///< not mapped: a log that is cut meanwhile ends there
+  FileWindow file_;  ///< not mapped, so that a log that is truncated meanwhile just ends
   LogReader reader_;
   std::optional<LogEvent> next_;
   std::string channel_;             ///< of the event played last
@@ -136,7 +136,7 @@ class LcmLink::LogPlayer {
   Time begin_ = Time::min();
   std::optional<Time> start_;  ///< on the session's clock
   Time last_{};                ///< of the last event played, in the log
-  Time played_{};              ///< the same, since the first
+  Time played_{};              ///< the same, since the first event
 };
 
 }  // namespace headpin::devices

@@ -16,12 +16,12 @@
 namespace headpin::devices {
 namespace {
 
-constexpr Time kGone{1'000'000};       // a publisher that has sent nothing for so long
-constexpr double kAnother_us = 500e3;  // behind by more: not the same publisher's clock
+constexpr Time kGone{1'000'000};       // a publisher that is silent for this long is gone
+constexpr double kAnother_us = 500e3;  // later by more: the clock of another publisher
 
 }  // namespace
 
-/// Where messages come from: our own listener, or else liblcm's subscriptions.
+/// The origin of messages: our own listener, or otherwise liblcm's subscriptions.
 struct LcmSource::Wire {
   std::unique_ptr<MulticastListener> listener;
   lcm_t* lcm = nullptr;
@@ -79,11 +79,11 @@ void LcmSource::listen() {
 
 void LcmSource::receive(Time now) {
   receiving_ = std::max(now, polled_ + Time{1});
-  // No more at once than the queue holds, so that a flood cannot keep us here.
+  // At most as many as the queue can hold, so that a flood cannot block this.
   for (std::size_t i = 0; i < queue_ && take_next(now); ++i) continue;
 }
 
-/// @return  whether there was one
+/// Takes the next message. @return  whether there was one
 bool LcmSource::take_next(Time now) {
   if (link_.is_replay()) {
     const std::optional<LogEvent> event = link_.log_->due(now);
@@ -104,16 +104,16 @@ bool LcmSource::take_next(Time now) {
   }
   errno = 0;
   const int handled = lcm_handle_timeout(link_.lcm_->handle, 0);
-  // A signal that comes meanwhile is a failure to LCM; what waits is there at the next tick.
+  // For LCM a signal is a failure. Waiting messages are read at the next tick.
   if (handled == 0 || (handled < 0 && errno == EINTR)) return false;
   if (handled < 0) throw std::runtime_error("LCM stopped: " + link_.url());
   return true;
 }
 
-/// By the wall's clock, as LCM has it, when a message came that is handled only now.
+/// Sets the arrival time of the current message from its wall-clock time, as LCM gives it.
 void LcmSource::stamp_arrival(std::int64_t wall_us) {
   if (!clock_) return;
-  // In this order, so that a pause between the two makes it later and not earlier.
+  // In this order, so that a pause between the two calls makes the time later and not earlier.
   const Time wall =
       std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
   const Time waited = std::clamp(wall - Time{wall_us}, Time{0}, Time{1'000'000});
@@ -150,7 +150,7 @@ void LcmSource::take(std::string_view channel, std::span<const std::uint8_t> byt
   std::visit(
       [&](auto& s) {
         stamp(s);
-        s.session_time = Time{};  // another session's, if any
+        s.session_time = Time{};  // from another session, if any
       },
       sample);
   waiting_.push_back(std::move(sample));
@@ -160,7 +160,7 @@ void LcmSource::take(std::string_view channel, std::span<const std::uint8_t> byt
   }
 }
 
-/// Whether it is of who publishes the station, and of nobody else who does so too.
+/// Whether a sample is from the publisher of its station, and not from another publisher.
 bool LcmSource::is_kept(Publisher& publisher, std::int32_t station, Time theirs,
                         std::uint64_t sender) {
   if (!speaks_for(publisher, station, theirs, sender)) {
@@ -170,12 +170,12 @@ bool LcmSource::is_kept(Publisher& publisher, std::int32_t station, Time theirs,
     publisher.other_time = receiving_;
     return false;
   }
-  if (publisher.sender != sender) {  // or it is the first
+  if (publisher.sender != sender) {  // another sender, or the first one
     if (publisher.samples > 0) ++counts_.handovers;
     publisher.sender = sender;
     publisher.clock = {};
     publisher.numbers.begin_anew();
-  } else if (is_behind(publisher, station, theirs)) {  // who has sent nothing for so long
+  } else if (is_behind(publisher, station, theirs)) {  // the old publisher is gone
     publisher.clock = {};
     publisher.numbers.begin_anew();
     ++counts_.clock_jumps;
@@ -183,7 +183,7 @@ bool LcmSource::is_kept(Publisher& publisher, std::int32_t station, Time theirs,
   return true;
 }
 
-/// Whether a sample is later than its publisher's are, where only that tells them apart.
+/// Whether a sample is later than those of its publisher, if only this distinguishes publishers.
 bool LcmSource::is_behind(const Publisher& publisher, std::int32_t station, Time theirs) const {
   const bool known = publisher.sender != 0;
   if (known || station == kMouse || !publisher.clock.started() || is_unstamped(publisher, theirs)) {
@@ -194,7 +194,7 @@ bool LcmSource::is_behind(const Publisher& publisher, std::int32_t station, Time
   return late_us > kAnother_us;
 }
 
-/// Whether no station that is heard has a clock which shows nearly the same.
+/// Whether the clocks of all active stations show another time.
 bool LcmSource::is_of_another_clock(Time theirs) const {
   bool heard = false;
   for (const auto& [station, publisher] : publishers_) {
@@ -210,7 +210,7 @@ bool LcmSource::is_of_another_clock(Time theirs) const {
 bool LcmSource::speaks_for(const Publisher& publisher, std::int32_t station, Time theirs,
                            std::uint64_t sender) const {
   const bool known = sender != 0;
-  if (known && station == kMouse) {  // with the poses of the one who sends those
+  if (known && station == kMouse) {  // it belongs to the sender of the poses
     for (const auto& [other_station, other] : publishers_) {
       if (other_station == kMouse) continue;
       if (other.sender == sender && other.samples > 0) return true;
@@ -225,12 +225,12 @@ bool LcmSource::speaks_for(const Publisher& publisher, std::int32_t station, Tim
   return known ? sender == publisher.sender : !is_behind(publisher, station, theirs);
 }
 
-/// Of the first sample 0 may be the time.
+/// Whether a sample has no time. For the first sample, 0 may be the time.
 bool LcmSource::is_unstamped(const Publisher& publisher, Time theirs) const {
   return theirs == Time{} && publisher.theirs == Time{} && publisher.samples > 0;
 }
 
-/// The time of a sample that has none of its own.
+/// The time of a sample without its own time.
 Time LcmSource::by_arrival(Publisher& publisher) {
   ++counts_.unstamped;
   ++publisher.samples;
@@ -254,8 +254,8 @@ void LcmSource::stamp(TrackerSample& sample) {
   sample.host_time = receiving_;
 }
 
-/// One message says little of what it is late itself, so it follows the station whose clock shows
-/// nearly the same.
+/// The delay of a single message is not known, so the mouse uses the clock of the station that
+/// shows nearly the same time.
 void LcmSource::stamp(MouseSample& sample) {
   constexpr double kSameClock_us = 1e5;
   Publisher& mouse = publishers_[kMouse];
@@ -288,7 +288,7 @@ void LcmSource::stamp(MouseSample& sample) {
   sample.host_time = receiving_;
 }
 
-/// @param held_to  what tells this clock from others that the session's may be held to
+/// @param held_to  identifies this clock for the genlock
 Time LcmSource::carried_over(Publisher& publisher, Time theirs, const void* held_to) {
   constexpr double kJump_us = 1e6;
   const auto theirs_us = static_cast<double>(theirs.count());
@@ -300,7 +300,7 @@ Time LcmSource::carried_over(Publisher& publisher, Time theirs, const void* held
   const bool first = !publisher.clock.started();
   ++publisher.samples;
   Time ours = held(theirs, publisher.clock.carry_over(theirs_us, seen_us), held_to);
-  // What they measured later is later for us too, whatever was learnt of their clock.
+  // A later measurement stays later, even if the offset of the clock was corrected.
   if (!first && theirs > publisher.theirs) ours = std::max(ours, publisher.device_time + Time{1});
   publisher.theirs = theirs;
   publisher.device_time = ours;
@@ -308,7 +308,7 @@ Time LcmSource::carried_over(Publisher& publisher, Time theirs, const void* held
   return ours;
 }
 
-/// @param ours_us  what is estimated for it
+/// @param ours_us  the estimate of its time on the session's clock
 Time LcmSource::held(Time theirs, double ours_us, const void* held_to) const {
   if (!genlock_) return Time{std::llround(ours_us)};
   const double estimated_us = ours_us - static_cast<double>(theirs.count());

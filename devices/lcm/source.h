@@ -31,7 +31,7 @@ class LcmSource : public Source {
  public:
   struct Counts {
     std::int64_t received = 0;
-    std::int64_t dropped = 0;      ///< the oldest, when more wait than the queue holds
+    std::int64_t dropped = 0;      ///< the oldest, if more wait than the queue can hold
     std::int64_t undecodable = 0;  ///< another type or size
     std::int64_t implausible = 0;  ///< NaN, quaternions not unit, times or places out of range
     std::int64_t foreign = 0;      ///< poses in another frame than the transmitter's
@@ -48,15 +48,15 @@ class LcmSource : public Source {
     std::int64_t samples = 0;
     Time theirs{};                 ///< time of its newest sample as published
     Time device_time{};            ///< the same on the session's clock
-    Time host_time{};              ///< when that came
+    Time host_time{};              ///< its time of arrival
     std::uint64_t sender = 0;      ///< where it sends from; 0: unknown
     bool follows_station = false;  ///< of the mouse: its clock is that of a station
     /// The last other publisher of this station, its time, and the number of its skipped samples.
     std::uint64_t other = 0, beside = 0;
     Time other_time{};
     std::int64_t others = 0;
-    /// What that came later than the one of its samples that was late the least; less than 0: its
-    /// time is ahead of the session's clock, which waits for it.
+    /// How much later it came than the sample with the least delay. If less than 0, its time is
+    /// ahead of the session's clock, which waits for it.
     Time late() const { return host_time - device_time; }
   };
 
@@ -114,7 +114,7 @@ class LcmSource : public Source {
 
   LcmLink& link_;
   std::size_t queue_;
-  std::deque<Sample> waiting_;  // in the order they came
+  std::deque<Sample> waiting_;  // in the order of arrival
   std::map<std::int32_t, Publisher> publishers_;
   std::function<Time()> clock_;
   Genlock* genlock_ = nullptr;

@@ -36,7 +36,7 @@ constexpr std::array<std::pair<int, speed_t>, 7> kRates = {{{2400, B2400},
                                                             {57600, B57600},
                                                             {115200, B115200}}};
 
-/// Room a reader may leave unused before the sender has to wait: as much as a terminal holds.
+/// Bytes that a reader may leave before the sender has to wait: as many as a terminal can hold.
 constexpr int kSocketBuffer = 4096;
 
 [[noreturn]] void fail(const std::string& what) {
@@ -86,7 +86,7 @@ class SerialPort : public ByteStream {
     fd_ = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     if (fd_ < 0) fail(path);
     try {
-      // Before anything is changed that the one who has it relies on.
+      // Before any change that could disturb the program that has it open.
       if (!files::lock(fd_)) throw files::Busy("in use by another headpin");
       make_raw(fd_, baud);
     } catch (const files::Busy& error) {
@@ -106,7 +106,7 @@ class SerialPort : public ByteStream {
     const ssize_t n = ::read(fd_, out.data(), out.size());
     if (n > 0) return static_cast<std::size_t>(n);
     if (n < 0 && (errno == EAGAIN || errno == EWOULDBLOCK || errno == EINTR)) return 0;
-    // With VMIN 0 a quiet port reads 0 bytes too; only a hang-up tells that it was pulled out.
+    // With VMIN 0, a silent port also reads 0 bytes; only a hang-up shows that it was unplugged.
     pollfd state{fd_, POLLIN, 0};
     if (n < 0 || (::poll(&state, 1, 0) == 1 && (state.revents & (POLLHUP | POLLERR)))) gone_ = true;
     return 0;
@@ -195,16 +195,16 @@ class MemoryStream : public ByteStream {
   bool closed() const override { return in_->writer_gone && in_->bytes.empty(); }
 
  private:
-  std::shared_ptr<Pipe> in_, out_;  // shared: either end may go first
+  std::shared_ptr<Pipe> in_, out_;  // shared: either end may be destroyed first
   std::size_t capacity_;
 };
 
-/// What a receiver at the wrong rate makes of bytes: bits run into each other, high ones set.
+/// Changes bytes as a receiver at the wrong rate would: bits are mixed, and high bits are set.
 void garble(std::span<std::uint8_t> bytes) {
   for (std::uint8_t& b : bytes) b = static_cast<std::uint8_t>((b * 0x4F) | 0xE0);
 }
 
-/// True when a link may stand at `path`: nothing is there, or a link to a terminal or to nowhere.
+/// True if a link may be made at `path`: nothing is there, or a link to a terminal or to no file.
 bool may_link(const std::string& path) {
   struct stat here {};
   if (lstat(path.c_str(), &here) != 0) {
@@ -216,8 +216,8 @@ bool may_link(const std::string& path) {
   return stat(path.c_str(), &there) != 0 || S_ISCHR(there.st_mode);
 }
 
-/// All of a file, for a lock that belongs to whoever has it open. Clients of a terminal lock it by
-/// files::lock(), which sees nothing of this.
+/// The whole file, for a lock that belongs to the process that has it open. Clients of a terminal
+/// lock it with files::lock(), which is independent of this lock.
 struct flock whole_file() {
   struct flock all {};
   all.l_type = F_WRLCK;
@@ -225,7 +225,7 @@ struct flock whole_file() {
   return all;
 }
 
-/// Whether another PseudoTerminal lives behind the terminal that `link` leads to.
+/// Whether another PseudoTerminal serves the terminal to which `link` points.
 bool is_served(const std::string& link) {
   const int fd = ::open(link.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (fd < 0) return false;
@@ -293,7 +293,7 @@ PseudoTerminal::PseudoTerminal(const std::string& link) {
     if (slave_ < 0) fail(name_);
     struct flock ours = whole_file();
     fcntl(slave_, F_OFD_SETLK, &ours);
-    make_raw(slave_, 115200);  // before anyone learns the name: no echo, no line editing
+    make_raw(slave_, 115200);  // before the name is known to others: no echo, no line editing
     watch_ = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
     if (watch_ >= 0) inotify_add_watch(watch_, name_.c_str(), IN_OPEN | IN_CLOSE);
     if (!link.empty()) {
@@ -366,7 +366,7 @@ TcpServer::TcpServer(int port, const std::string& host) : address_(host) {
   if (listener_ < 0) fail("no socket");
   const int on = 1;
   setsockopt(listener_, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
-  // Small, so that a reader who is late gets the newest records and not minutes-old ones.
+  // Small, so that a late reader gets the newest records and not records that are minutes old.
   setsockopt(listener_, SOL_SOCKET, SO_SNDBUF, &kSocketBuffer, sizeof kSocketBuffer);
   sockaddr_in address{};
   address.sin_family = AF_INET;

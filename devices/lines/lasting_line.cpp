@@ -37,7 +37,7 @@ LastingLine::LastingLine(std::string name, Open open)
       line_(open_()),
       last_try_(std::chrono::steady_clock::now()) {}
 
-/// Whether it is; tries to open it again now and then.
+/// Whether the line is open; from time to time tries to open it again.
 bool LastingLine::there() {
   if (line_ && !line_->closed()) return true;
   line_.reset();
@@ -47,13 +47,13 @@ bool LastingLine::there() {
   try {
     line_ = open_();
   } catch (const std::runtime_error&) {
-    return false;  // not there yet
+    return false;  // not available yet
   }
   set_rate();
   return line_ != nullptr;
 }
 
-/// As last asked for. A line that cannot be set has hung up since it was looked at.
+/// Sets the rate that was last requested. A line that cannot be set has hung up in the meantime.
 void LastingLine::set_rate() {
   if (baud_ == 0) return;
   try {

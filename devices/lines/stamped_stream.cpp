@@ -9,8 +9,8 @@
 namespace headpin::devices {
 namespace {
 
-constexpr std::size_t kLimit = 1 << 16;  // bytes; a user who leaves more has gone to sleep
-constexpr int kNap_ms = 4;               // between looks at a quiet line
+constexpr std::size_t kLimit = 1 << 16;  // bytes; a user who leaves more does not read any more
+constexpr int kNap_ms = 4;               // between checks of a silent line
 
 }  // namespace
 
@@ -92,7 +92,7 @@ void StampedStream::take_in() {
   }
 }
 
-/// From one piece at a time, as all that one call returns has one stamp.
+/// Reads from one piece at a time, because all bytes of one call have one time stamp.
 std::size_t StampedStream::read(std::span<std::uint8_t> out) {
   const std::lock_guard lock(pile_);
   if (failure_) std::rethrow_exception(failure_);

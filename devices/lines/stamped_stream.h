@@ -61,8 +61,8 @@ class StampedStream : public ByteStream {
   void take_in();
 
   Clock clock_;
-  std::unique_ptr<ByteStream> stream_;  ///< the listener's alone
-  mutable std::mutex pile_;             ///< of what was read, and of all below
+  std::unique_ptr<ByteStream> stream_;  ///< used only by the thread that listens
+  mutable std::mutex pile_;             ///< for the bytes that were read, and all members below
   std::deque<Piece> pieces_;
   std::size_t waiting_ = 0;  ///< bytes in them
   std::deque<Order> orders_;
@@ -70,8 +70,8 @@ class StampedStream : public ByteStream {
   std::string trouble_;
   bool closed_ = false;
   std::exception_ptr failure_;
-  Time stamp_{};      ///< of what was handed out last
-  Time heard_out_{};  ///< nothing was left on the line then
+  Time stamp_{};      ///< of the bytes that were returned last
+  Time heard_out_{};  ///< time at which the line was empty
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

@@ -11,7 +11,7 @@ namespace {
 
 class LiveFastrak : public LiveSource {
  public:
-  /// @param line  within the driver, where it has a thread to be started
+  /// @param line  the stream within the driver, if it has a thread to start; else null
   LiveFastrak(const std::string& name, std::unique_ptr<ByteStream> stream, StampedStream* line,
               const FastrakOptions& options)
       : LiveSource(name), line_(line), driver_(std::move(stream), options) {}

@@ -42,7 +42,7 @@ class LiveLcm : public LiveSource {
         {c.clock_jumps, fmt::format("a publisher's clock has jumped {} times", c.clock_jumps)}};
   }
 
-  /// How old the newest sample of each publisher is, and how late it came.
+  /// The age and the delay of the newest sample of each publisher.
   std::string report(Time now) const override {
     std::string text =
         fmt::format("LCM {} lost on the way, {} dropped", source_.lost(), source_.counts().dropped);
@@ -84,7 +84,7 @@ class LiveLcm : public LiveSource {
         c.undecodable, c.implausible, c.foreign);
   }
 
-  /// Whose samples are left out, and who sends those that are taken.
+  /// The publishers whose samples are skipped, and those whose samples are used.
   std::string others() const {
     std::string text;
     for (const auto& [station, publisher] : source_.publishers()) {

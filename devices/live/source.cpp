@@ -33,7 +33,7 @@ class LiveTrial : public LiveSource {
   TrialPlayer player_;
 };
 
-/// A kind of source by what its names begin with.
+/// A kind of source, by the prefix of its names.
 struct Kind {
   std::string_view prefix;
   std::unique_ptr<LiveSource> (*open)(const std::string& name, const std::string& where,

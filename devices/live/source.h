@@ -25,7 +25,7 @@ class LiveSource : public Source {
   const std::string& name() const { return name_; }
 
   /// To be called when the session's clock starts; earlier samples are discarded.
-  /// @param genlock  what a tracker's clock is held to it by; must outlive this; null: nothing
+  /// @param genlock  synchronises a tracker's clock with it; must outlive this; null: none
   virtual void start(Genlock* /*genlock*/ = nullptr) {}
 
   /// What it is doing, as text.
@@ -34,10 +34,10 @@ class LiveSource : public Source {
   virtual std::string trouble() const { return {}; }
   /// A kind of fault in received samples, and its number.
   struct Amiss {
-    std::int64_t count = 0;  ///< of messages, or of times that it happened
+    std::int64_t count = 0;  ///< of messages, or of occurrences
     std::string what;        ///< for people, in a clause
   };
-  /// Each kind in its own place, also those of which there are none.
+  /// Each kind at a fixed place in the list, also kinds that did not occur.
   virtual std::vector<Amiss> amiss() const { return {}; }
 
   /// Its state as text.
@@ -58,9 +58,9 @@ class LiveSource : public Source {
 /// seconds.
 class AmissNews {
  public:
-  /// @return  in words, what is new since it was said last; nothing before ten seconds are over
+  /// @return  the new faults since the last message, as text; empty within ten seconds of it
   std::vector<std::string> take(const LiveSource& source, Time now);
-  /// The same, whenever that was.
+  /// The same, without the limit of ten seconds.
   std::vector<std::string> take_rest(const LiveSource& source);
 
  private:

@@ -35,7 +35,7 @@ void require_columns(const TextTable& table) {
                          fmt::join(missing, ", ")));
 }
 
-/// The seven columns of one tracked thing.
+/// The seven columns of one tracked object.
 struct PoseColumns {
   std::string name;
   std::array<std::size_t, 7> columns;

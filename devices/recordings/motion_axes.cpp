@@ -26,7 +26,7 @@ Axes::Axes(const std::string& letters, std::string_view where) {
 }
 
 Pose Axes::ours(const Pose& theirs) const {
-  // A mirror turns what it shows of a rotation the other way round.
+  // A mirror reverses the direction of rotations.
   const Vec3 turned = hand_ * (R_ * theirs.q.vec());
   return {Quat(theirs.q.w(), turned.x(), turned.y(), turned.z()), R_ * theirs.p};
 }

@@ -1,4 +1,4 @@
-// Motion-BIDS: numbers in ..._motion.tsv, what they are in ..._channels.tsv.
+// Motion-BIDS: numbers in ..._motion.tsv, their meanings in ..._channels.tsv.
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,7 @@
 namespace headpin::devices {
 namespace {
 
-/// Of one tracked point: x, y, z, then the quaternion's w, x, y, z, or else three angles.
+/// Columns of one tracked point: x, y, z, then the quaternion's w, x, y, z, or three angles.
 struct Point {
   std::array<std::optional<std::size_t>, 7> column;
   std::array<std::optional<std::size_t>, 3> angle;  ///< about x, y, z

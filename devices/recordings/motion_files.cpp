@@ -43,7 +43,7 @@ bool is_called(const std::string& name, std::size_t part) {
   return !eye && has(part == 1 ? "left" : "right");
 }
 
-/// The tracks that are a part, by the name that is given or by words.
+/// The tracks of a part of the body, by the given name or by words in their names.
 std::vector<const PoseTrack*> tracks_of(const Tracks& tracks, std::size_t part,
                                         const std::string& wanted) {
   std::vector<const PoseTrack*> found;
@@ -192,7 +192,7 @@ nlohmann::json json_beside(const std::string& stem, const char* ending) {
   return nlohmann::json::parse(text_of(stem + ending), nullptr, false);
 }
 
-/// What the first reference frame says of itself, by this name; empty when it does not.
+/// The value of this name in the first reference frame; empty if it has none.
 std::string said_of_frame(const nlohmann::json& channels, const char* name) {
   if (!channels.is_object()) return "";
   const nlohmann::json frame = channels.value("reference_frame", nlohmann::json::object());
@@ -251,7 +251,7 @@ constexpr std::array<MotionFormat, 4> kFormats = {{
     {"VRPN", "a connection's log", is_vrpn, read_vrpn},
 }};
 
-/// What a file of another format seems to be.
+/// The probable kind of a file in an unknown format.
 std::string looks_like(const std::string& path, std::string_view begin) {
   if (fs::is_directory(path)) return "a folder of something else";
   constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kBeginnings = {{
@@ -293,7 +293,7 @@ std::string beginning(const std::string& path) {
   return {bytes.begin(), bytes.end()};
 }
 
-/// In a frame whose origin is on the floor.
+/// The recording in a frame with its origin on the floor.
 MotionRecording counted_from(const Vec3& p_origin, MotionRecording recording) {
   for (auto* track : {&recording.head, &recording.left_hand, &recording.right_hand}) {
     for (Pose& pose : *track) pose.p += p_origin;

@@ -12,7 +12,7 @@
 namespace headpin::devices {
 namespace {
 
-/// A value that stays what it is until the next change.
+/// A value that is constant from one change to the next.
 template <typename T>
 class Steps {
  public:
@@ -25,7 +25,7 @@ class Steps {
     const auto after = later_than(time);
     return after == changes_.begin() ? before : (after - 1)->value;
   }
-  /// All that is older, but for the last one before it.
+  /// Removes older changes, except the last one before the time.
   void forget_before(Time time) {
     const auto after = later_than(time);
     if (after - changes_.begin() > 1) changes_.erase(changes_.begin(), after - 1);
@@ -40,7 +40,7 @@ class Steps {
   std::optional<Time> newest_;
 };
 
-/// A stamp is a whole microsecond: a sample within one is what was measured then.
+/// The pose at a time. Stamps are whole microseconds, so a sample within one microsecond is exact.
 std::optional<Pose> pose_at(const PoseTrack& poses, Time time) {
   const auto& samples = poses.samples();
   const auto near = std::ranges::lower_bound(samples, time - Time{1}, {}, &Stamped<Pose>::time);
@@ -48,7 +48,7 @@ std::optional<Pose> pose_at(const PoseTrack& poses, Time time) {
   return poses.at(time);
 }
 
-/// What was measured of one station.
+/// The measurements of one station.
 struct StationTrack {
   PoseTrack poses;
   Steps<char> errors;
@@ -89,7 +89,7 @@ struct Recording {
   }
 };
 
-/// A trial on disk, of which a piece is held around the time that is asked for.
+/// A trial on disk; only the part around the requested time is in memory.
 class ForwardRecording {
  public:
   ForwardRecording(std::shared_ptr<const TrialFile> file, const std::vector<MouseSample>& buttons)
@@ -115,7 +115,7 @@ class ForwardRecording {
     items_.emplace(*file_);
     ended_ = false;
   }
-  /// Whether no sample to come can say anything about this time.
+  /// Whether no later sample can change the state at this time.
   bool knows(Time time) const {
     if (ended_) return true;
     for (const auto& [device, summary] : file_->summary().devices) {
@@ -140,12 +140,12 @@ class ForwardRecording {
   Recording at_start_;  // with all changes of the trigger
   Recording recording_;
   std::optional<TrialItems> items_;
-  std::array<std::optional<Time>, kFastrakStations> newest_;  // that were read
-  Time latest_{};                                             // that was asked for
+  std::array<std::optional<Time>, kFastrakStations> newest_;  // of the samples read so far
+  Time latest_{};                                             // latest requested time
   bool ended_ = false;
 };
 
-/// Shows every sample of a recording.
+/// Calls a function for every sample of a recording.
 using Samples = std::function<void(const std::function<void(const Sample&)>&)>;
 
 Samples samples_of(const std::vector<Sample>& samples) {
@@ -163,7 +163,7 @@ Samples samples_of(const TrialFile& file) {
   };
 }
 
-/// Where good measurements are.
+/// The range of good measurements.
 struct Reach {
   bool any = false;
   Vec3 low = Vec3::Zero(), high = Vec3::Zero();
@@ -185,7 +185,7 @@ Reach reach_from(const Samples& samples, const Vec3& p_TP) {
 }
 
 FastrakPlace place_of(const Samples& samples) {
-  constexpr double kAhead = 0.3;  // nearer to the transmitter the field is no dipole's [m]
+  constexpr double kAhead = 0.3;  // nearer to the transmitter, the field is not a dipole's [m]
   FastrakPlace place;
   const Reach e = reach_from(samples, place.p_TP);
   if (!e.any) return place;
@@ -201,7 +201,7 @@ FastrakPlace place_of(const Samples& samples) {
   return place;
 }
 
-/// The first in time of the measurements, the last time, and the mouse's changes.
+/// Finds the earliest measurement, the last time, and the changes of the mouse.
 void look_through(const Samples& samples, RecordedUnit& unit) {
   bool measured = false;
   samples([&](const Sample& sample) {

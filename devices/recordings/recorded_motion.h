@@ -23,7 +23,7 @@ FastrakMotion recorded_motion(const std::vector<Sample>& samples);
 /// sideways ranges.
 FastrakPlace place_for(const std::vector<Sample>& samples);
 
-/// The first in time of a recording's measurements; a default one where there is none.
+/// The earliest measurement of a recording; a default one if there is none.
 TrackerSample first_measurement(const std::vector<Sample>& samples);
 
 /// Time of a recording's last sample.
@@ -31,9 +31,9 @@ Time last_time(const std::vector<Sample>& samples);
 
 /// The same of a trial on disk, which is not kept in memory.
 struct RecordedUnit {
-  /// Reads the file forward as the times that are asked for go on, and from its start again when
-  /// they go back by more than a second. Holds as much of it as the longest time without a sample
-  /// of one of its receivers.
+  /// Reads the file forward with the requested times, and from its start again if they go back by
+  /// more than a second. The part in memory is as long as the longest time without a sample of one
+  /// of its receivers.
   FastrakMotion motion;
   FastrakPlace place;
   TrackerSample first;

@@ -8,7 +8,7 @@
 /// dependency reads CSV, and messages need file and line.
 namespace headpin::devices {
 
-/// Takes what stands before `separator` off the front of `text`.
+/// Removes the part before `separator` from the front of `text` and returns it.
 std::string_view take_front(std::string_view& text, char separator);
 
 std::string_view trimmed(std::string_view text);
@@ -30,7 +30,7 @@ class TextTable {
   bool next();
 
   const std::vector<std::string>& names() const { return names_; }
-  /// Of the first of this name; as many as there are when there is none.
+  /// The index of the first column of this name; the number of columns if there is none.
   std::size_t column(std::string_view name) const;
   std::string_view text(std::size_t column) const { return cells_[column]; }
   /// @throws std::invalid_argument  when it is no finite number

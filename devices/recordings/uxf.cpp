@@ -42,7 +42,7 @@ PoseTrack parse_uxf(std::string_view text, std::string_view where,
     for (std::size_t i = 4; i < 7; ++i) {
       if (std::abs(value(i)) > 1e6) table.fail(fmt::format("{}: expected degrees", kColumns[i]));
     }
-    // Turning z round turns a rotation about x or y back.
+    // The reversal of z reverses rotations about x and y.
     const Quat q = turn(Vec3::UnitY(), -value(5)) * turn(Vec3::UnitX(), -value(4)) *
                    turn(Vec3::UnitZ(), value(6));
     if (!track.push(microseconds(time), {q.normalized(), Vec3(value(1), value(2), -value(3))})) {

@@ -1,6 +1,7 @@
-// Logs of VRPN's connections: a cookie of 24 bytes, then messages: type, sender, seconds,
-// microseconds, length and 0, big-endian int32, and so many bytes. Names of types and senders are
-// messages too, of type -2 and -1, the sender being the number that is named.
+// Logs of VRPN's connections: a cookie of 24 bytes, then messages. A message has type, sender,
+// seconds, microseconds, length and 0 as big-endian int32, and then as many bytes as the length
+// says. Names of types and senders are also messages, of type -2 and -1; their sender is the number
+// that gets the name.
 
 #include <bit>
 #include <map>
@@ -20,7 +21,7 @@ std::int32_t int32_at(std::span<const std::uint8_t> bytes, std::size_t at) {
   return static_cast<std::int32_t>(big_endian(bytes.subspan(at, 4)));
 }
 
-/// A name: its length, itself, and mostly a NUL.
+/// A name: its length, its text, and usually a NUL.
 std::string name_in(std::span<const std::uint8_t> data) {
   if (data.size() < 4) return "";
   const std::size_t size = std::min<std::size_t>(big_endian(data.first(4)), data.size() - 4);
@@ -42,7 +43,7 @@ std::vector<std::pair<std::string, PoseTrack>> parse_vrpn(std::span<const std::u
     throw std::invalid_argument(fmt::format("{}: byte {}: {}", where, at, what));
   };
   std::size_t at = kCookie;
-  // The last message may be cut off, as a log is that was never closed.
+  // The last message may be incomplete, because the log was not closed.
   while (at + kHeader <= bytes.size()) {
     const std::int32_t type = int32_at(bytes, at), sender = int32_at(bytes, at + 4);
     const Time time = Time{1'000'000} * int32_at(bytes, at + 8) + Time{int32_at(bytes, at + 12)};
@@ -78,7 +79,7 @@ std::vector<std::pair<std::string, PoseTrack>> parse_vrpn(std::span<const std::u
       }
       if (!first) first = time;
       PoseTrack& poses = track->second;
-      // A report is sent again at times; that is no new one.
+      // VRPN sometimes repeats a report; the repetition is not a new one.
       if (!poses.push(time - *first, pose) && time - *first < poses.samples().back().time) {
         fail(at, fmt::format("{}: time must advance", name));
       }

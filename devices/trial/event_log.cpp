@@ -10,7 +10,8 @@ namespace {
 
 constexpr std::array<std::uint8_t, 4> kMagic = {0xED, 0xA1, 0xDA, 0x01};
 constexpr std::size_t kHeaderSize = 28;
-/// Stamps beyond it [us] can be no time and are taken for it, so that any two may be subtracted.
+/// Stamps beyond this [us] are impossible and are replaced by it, so that any two can be
+/// subtracted.
 constexpr std::int64_t kFarthest = 4'000'000'000'000'000;
 constexpr std::size_t kLongestChannel = 999;  // liblcm's own bound; its publishers keep to 63
 

@@ -69,7 +69,7 @@ class LogReader {
   bool magic_at(std::size_t at) const;
 
   std::span<const std::uint8_t> bytes_;
-  FileWindow* file_ = nullptr;  // in place of them
+  FileWindow* file_ = nullptr;  // used instead of them
   std::size_t size_;
   std::size_t at_ = 0;
   std::int64_t skipped_bytes_ = 0;

@@ -17,7 +17,7 @@
 namespace headpin::devices {
 namespace {
 
-/// Whether a session published its own trial here, beside what it listened to.
+/// Whether the log also contains the trial that a session published, besides its inputs.
 bool holds_session(LogReader reader) {
   const std::string header = std::string(kSessionPrefix) + std::string(kTrialChannel);
   while (const std::optional<LogEvent> event = reader.next()) {
@@ -42,7 +42,7 @@ struct LogContent {
   void look_through();
 };
 
-/// What is left of a trial when its misdated messages are gone.
+/// Iterates over a trial without its misdated messages.
 class TrialWalk {
  public:
   explicit TrialWalk(const LogContent& content)
@@ -74,7 +74,7 @@ class TrialWalk {
   TrialSummary& counted() { return messages_.counted(); }
 
  private:
-  /// Puts in the state that a change comes to; false where that is none.
+  /// Replaces a change by the state that results from it; false if there is none.
   bool make_whole(Message& message, bool misdated) {
     const auto meant = [&](std::int64_t tick) {
       return misdated ? states_.next_tick().value_or(tick) : tick;
@@ -110,11 +110,11 @@ class TrialWalk {
     return std::holds_alternative<MouseSample>(message) ? device_name(0)
                                                         : std::string(kStateChannel);
   }
-  /// Between a sample's first byte and its turn: the rest of it on a slow line, and a poll. As much
-  /// is nothing amiss.
+  /// Usual time between a sample's first byte and its use: the rest of the sample on a slow line,
+  /// and a poll. This is not a fault.
   static constexpr Time kUsuallyLate{50'000};
 
-  /// A sample that stands behind a state was not known to it.
+  /// Sets the session time of a sample that follows a state: that state did not include it.
   template <typename T>
   void date(T& sample) {
     ++samples_;
@@ -150,7 +150,7 @@ class AstrayFinder {
   }
 
  private:
-  /// No hand is so fast, nor a receiver's noise so wide.
+  /// Whether two positions are further apart than a hand and a receiver's noise allow.
   static bool far_apart(const Stamped<Vec3>& a, const Stamped<Vec3>& b) {
     constexpr double kFastest = 50.0, kNoise = 0.1;  // m/s, m
     const double passed = std::abs(seconds(b.time - a.time));
@@ -160,14 +160,14 @@ class AstrayFinder {
   std::optional<Stamped<Vec3>> before_, last_;
 };
 
-/// Sums up what comes by.
+/// Adds samples to a summary.
 class Summing {
  public:
   explicit Summing(TrialSummary& into) : into_(into) {}
 
-  /// What a sample shows to be amiss with those before it.
+  /// Faults of earlier samples that a sample shows.
   struct Found {
-    std::int64_t lost = 0;  ///< missing just before it; -1: it was one of them
+    std::int64_t lost = 0;  ///< missing just before it; -1: it was a missing one
     bool astray = false;    ///< the one before it
   };
   Found take(const Sample& sample) {
@@ -230,7 +230,7 @@ class Summing {
   std::map<std::int32_t, AstrayFinder> places_;
 };
 
-/// The sample that a message is.
+/// The sample in a message, if it is one.
 std::optional<Sample> sample_of(Message& message) {
   if (auto* tracker = std::get_if<TrackerSample>(&message)) return Sample(std::move(*tracker));
   if (auto* mouse = std::get_if<MouseSample>(&message)) return Sample(*mouse);
@@ -375,7 +375,7 @@ std::optional<Time> TrialPlayer::next_time() {
   return samples_.empty() ? std::nullopt : std::optional(samples_.begin()->first);
 }
 
-/// Takes in the next message.
+/// Reads the next message.
 void TrialPlayer::read() {
   std::optional<Message> message = walk_->next();
   if (!message) {

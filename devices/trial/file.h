@@ -16,8 +16,8 @@
 /// A trial on disk, which can be read repeatedly in constant memory.
 namespace headpin::devices {
 
-struct LogContent;  // of a TrialFile
-class TrialWalk;    // through it
+struct LogContent;  // content of a TrialFile
+class TrialWalk;    // iterates over it
 
 /// A log that has been scanned once.
 ///

@@ -74,14 +74,14 @@ struct Recorder::File {
   Options options;
   files::OutputFile output;
   lcm_eventlog_t* log = nullptr;
-  Buffer bytes;            // of the message at hand
+  Buffer bytes;            // of the current message
   std::int64_t size = 0;   // of the file, up to the last whole event
   std::int64_t count = 0;  // of messages
   Time last{};
   StateHistory states;
-  Time whole_due{};  // when the next state is told whole
+  Time whole_due{};  // time of the next whole state
   std::atomic<bool> unsynced = false;
-  std::jthread syncing;  // last, so that it ends before what it works with
+  std::jthread syncing;  // last member, so that it ends before the others
 
   File(const std::string& name, const Options& how)
       : path(name),
@@ -90,7 +90,7 @@ struct Recorder::File {
                       .live = how.live,
                       .standard_output = true,
                       .inputs = how.inputs}) {
-    // liblcm opens by name only, and would open what is there; so it opens nothing.
+    // liblcm can only open a name and would open an existing file. So it opens /dev/null.
     std::FILE* file = fdopen(fcntl(output.descriptor(), F_DUPFD_CLOEXEC, 3), "w");
     log = file ? lcm_eventlog_create("/dev/null", "w") : nullptr;
     if (!log) throw std::runtime_error(path + ": cannot create: " + std::strerror(errno));
@@ -105,9 +105,10 @@ struct Recorder::File {
     if (log) lcm_eventlog_destroy(log);
   }
 
-  /// Has what was written on the disk every second, beside the session: a disk may take its time.
+  /// Syncs the written data to the disk every second, in parallel with the session, because a disk
+  /// may be slow.
   void sync_until(const std::stop_token& stopped) {
-    const sched_param as_others{};  // whatever the session's ticks go before
+    const sched_param as_others{};  // normal priority, whatever that of the session's ticks is
     sched_setscheduler(0, SCHED_OTHER, &as_others);
     std::mutex none;
     std::condition_variable_any nap;
@@ -122,7 +123,7 @@ struct Recorder::File {
     }
   }
 
-  /// What is new in a state; nothing where it is to be told whole.
+  /// The changes of a state; nothing if it must be stored whole.
   std::optional<StateChange> change_to(const TickState& state) {
     if (options.states == States::all) return std::nullopt;
     if (state.time < whole_due) {
@@ -151,10 +152,10 @@ struct Recorder::File {
     ++count;
   }
 
-  /// Leaves the file with its whole events after a write that failed.
+  /// After a failed write, truncates the file to its complete events.
   [[noreturn]] void cut_back() {
     const int error = errno;
-    __fpurge(log->f);  // else closing would try again
+    __fpurge(log->f);  // otherwise close would try again
     const bool cut = output.cut_back(size);
     lcm_eventlog_destroy(log);
     log = nullptr;

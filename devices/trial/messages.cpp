@@ -122,7 +122,7 @@ std::optional<Message> decode_header(std::span<const std::uint8_t> bytes) {
   return header;
 }
 
-/// What both versions of the type have.
+/// The fields that both versions of the type have.
 template <typename Lcm>
 TrackerSample tracker_sample(const Lcm& m) {
   TrackerSample sample;
@@ -202,7 +202,7 @@ std::optional<Message> decode_state(std::span<const std::uint8_t> bytes) {
   return state;
 }
 
-/// The body at the front of `bytes`, which has none before `first`.
+/// Takes the body at the front of `bytes`; its number is at least `first`.
 std::optional<BodyChange> take_body(Bytes& bytes, std::int32_t first) {
   constexpr std::uint64_t kMostBodies = 100'000;
   const std::optional<std::uint64_t> body = take_varint(bytes);

@@ -11,12 +11,12 @@
 namespace headpin::devices {
 namespace {
 
-/// Finds the numbers of a row that jump away from those around them, and back.
+/// Finds numbers of a sequence that jump away from their neighbours and back.
 class LoneFinder {
  public:
-  /// @param most    that neighbours differ
-  /// @param fewest  numbers that tell which of them is wrong
-  /// @param found   where the messages they are from are put
+  /// @param most    largest difference of neighbours
+  /// @param fewest  smallest number of values that shows which of them is wrong
+  /// @param found   gets the messages of the wrong values
   LoneFinder(double most, std::size_t fewest, std::vector<std::int64_t>& found)
       : most_(most), fewest_(fewest), found_(&found) {}
 
@@ -38,16 +38,16 @@ class LoneFinder {
 
   bool differ(double a, double b) const { return std::abs(a - b) > most_; }
 
-  /// Whether one of the next few goes on where it was before.
+  /// Whether one of the next few values continues from the value before.
   bool comes_back() const {
     const std::size_t end = std::min(row_.size(), 1 + kAhead);
     for (std::size_t k = 1; k < end; ++k) {
       if (!differ(*before_, row_[k].value)) return true;
     }
-    return end == 1;  // nothing behind it speaks for it
+    return end == 1;  // no later value confirms it
   }
 
-  /// The first one has nobody before it: it is wrong when those behind it agree with each other.
+  /// The first value has none before it. It is wrong if the values after it agree with each other.
   bool first_is_wrong() const {
     return row_.size() > 2 && differ(row_[0].value, row_[1].value) &&
            differ(row_[0].value, row_[2].value) && !differ(row_[1].value, row_[2].value);
@@ -77,7 +77,7 @@ constexpr double kMostJump_s = 1.0;
 
 std::vector<std::int64_t> find_misdated(Messages messages) {
   constexpr double kMostTicks = 1000.0;
-  constexpr std::size_t kFewest = 8;  // two presses of a button do not tell which of them is wrong
+  constexpr std::size_t kFewest = 8;  // two presses of a button do not show which of them is wrong
   std::vector<std::int64_t> found;
   std::map<std::pair<std::int32_t, std::size_t>, LoneFinder> samples;  // each device, all its times
   LoneFinder times(kMostJump_s, 1, found), ticks(kMostTicks, 1, found);

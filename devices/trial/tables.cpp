@@ -65,7 +65,7 @@ const char* yes_no(bool yes) {
   return yes ? "1" : "0";
 }
 
-/// What may not be known is empty then.
+/// A value as text; empty if it is not known.
 template <typename T>
 std::string maybe(const std::optional<T>& value) {
   return value ? fmt::format("{}", *value) : "";
@@ -87,7 +87,7 @@ std::vector<Field<Row>> maybe_vector_fields(const char* x, const char* y, const 
           {z, "number", unit, "", part<Of, 2, Row>}};
 }
 
-/// A sample, and where the tracked space stood when it was taken in.
+/// A sample, and the place of the tracked space when it was used.
 struct TrackerRow {
   const TrackerSample& sample;
   std::optional<Vec3> p_WP;
@@ -328,7 +328,7 @@ std::vector<TableColumn> table_columns() {
   list(all, "throws", throw_fields());
   list(all, "states", state_fields());
   list(all, "frames", frame_fields());
-  for (std::size_t i = 1; i < all.size(); ++i) {  // y and z, or qx .. qz, mean what the first does
+  for (std::size_t i = 1; i < all.size(); ++i) {  // y and z, or qx .. qz, have the same meaning
     if (all[i].meaning.empty()) all[i].meaning = all[i - 1].meaning;
   }
   return all;

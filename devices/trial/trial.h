@@ -30,7 +30,7 @@ struct TrialHeader {
 };
 
 constexpr std::int32_t kFormatVersion = 1;         ///< every state is whole
-constexpr std::int32_t kChangesFormatVersion = 2;  ///< most are told by what is new in them
+constexpr std::int32_t kChangesFormatVersion = 2;  ///< most are stored as changes
 
 /// An event. Vectors are in the world frame W; values that do not apply are zero or empty.
 struct Event {
@@ -94,7 +94,7 @@ struct Skipped {
       0;  ///< messages with NaN, quaternions not unit, times or places out of range
   std::int64_t other_trials = 0;  ///< a second header: what follows it is another trial
   std::int64_t foreign = 0;       ///< samples in another frame than the transmitter's
-  std::int64_t baseless = 0;      ///< states told by what is new since one that is not known
+  std::int64_t baseless = 0;      ///< states stored as changes from an unknown state
   std::int64_t misdated = 0;      ///< samples and states whose time, unlike those around them, is
                                   ///< another than the log's
 
@@ -122,7 +122,7 @@ struct DeviceSummary {
   Time longest_gap{};
   std::int64_t lost = 0;    ///< holes in the sequence
   std::int64_t bad = 0;     ///< with a status other than good
-  std::int64_t astray = 0;  ///< alone in a place that no hand gets to and back from so fast
+  std::int64_t astray = 0;  ///< single samples at a place that no hand reaches so fast
 };
 
 /// A stretch of time in which no sample became available.
@@ -140,7 +140,7 @@ struct TrialSummary {
   std::map<std::int32_t, DeviceSummary> devices;  ///< by station; 0 is the 3D mouse
   std::optional<Time> first, last;                ///< of the times of samples, states and frames
   Time end{};                                     ///< when the last sample is available
-  Time disorder{};  ///< that a sample is available before one that stands ahead of it, at most
+  Time disorder{};             ///< most that a sample is available before an earlier one in the log
   std::int64_t last_tick = 0;  ///< of the last state
   std::size_t bodies = 0;      ///< in it
 
@@ -148,7 +148,7 @@ struct TrialSummary {
   Skipped skipped;
   std::vector<Trouble> trouble;
   std::int64_t backwards = 0;  ///< samples not later than the one before of the same device
-  std::int64_t late = 0;       ///< samples that the session got later than when they were available
+  std::int64_t late = 0;       ///< samples that the session used later than they were available
   Gap longest_gap;             ///< from 0 to the first sample, or from one to the next
   bool complete = false;       ///< the end event is there, and all messages it counts
 };

@@ -37,7 +37,7 @@ class Messages {
 
   LogReader reader_;
   bool session_, over_ = false;
-  bool drawn_by_ = false;  ///< has been told
+  bool drawn_by_ = false;  ///< has been returned
   std::int64_t taken_ = 0;
   Time stamp_{};
   std::optional<Time> first_stamp_;

@@ -7,7 +7,7 @@
 namespace headpin::render {
 namespace {
 
-// Data, not code: who has another display adds a line.
+// To add another display, add a line.
 constexpr std::array<HmdProfile, 7> kProfiles = {{
     {"flight-helmet",
      "Uno & Slater 1997, section 3: Virtual Research Flight Helmet",
@@ -21,8 +21,8 @@ constexpr std::array<HmdProfile, 7> kProfiles = {{
     {"flight-helmet-elements",
      "the same optics, its single-colour elements as brochures count them",
      {.width = 360, .height = 240, .horizontal_fov_deg = 75.3, .vertical_fov_deg = 58.4}},
-    // With square pixels and 40 degrees down an eye sees 57.3: 37.5 outward, 19.8 inward, so that
-    // 39.6 are seen by both.
+    // With square pixels and 40 degrees vertically, an eye sees 57.3 degrees horizontally: 37.5
+    // outward and 19.8 inward. Both eyes together see 39.6 degrees.
     {"flight-helmet-total",
      "as flight-helmet, its 75 degrees being those of both eyes together, which overlap in part",
      {.width = 360,

@@ -76,7 +76,7 @@ Mesh turned(std::span<const Ring> rings, int sides) {
   for (const Ring& ring : rings) {
     const Vec2 n = ring.n.normalized();
     for (std::uint32_t i = 0; i <= around; ++i) {
-      // The last column stands on the first, bit for bit.
+      // The last column has the same bits as the first.
       const SinCos turn = sin_cos(2.0 * std::numbers::pi * (i % around) / sides);
       const Vec3 out(turn.cos, turn.sin, 0.0);
       mesh.vertices.push_back({Vec3(ring.r * out + ring.z * Vec3::UnitZ()).cast<float>(),
@@ -110,8 +110,8 @@ Mesh ellipsoid(double a, double c, int sides, int rings,
 
 namespace {
 
-/// A surface where a field is 0, from cells of a grid: a vertex in each cell that it cuts, a face
-/// across each edge of the grid that it cuts (surface nets).
+/// The surface where a field is 0, by surface nets: a vertex in each grid cell that it cuts, and a
+/// face across each grid edge that it cuts.
 class SurfaceNet {
  public:
   SurfaceNet(const std::function<double(const Vec3&)>& field, const Vec3& lo, const Vec3& hi,
@@ -156,7 +156,7 @@ class SurfaceNet {
   }
   bool inside(const Point& at) const { return values_[index(at)] < 0.0; }
 
-  /// The mean of where the surface cuts the edges of a cell, if it does.
+  /// Adds a vertex at the mean of the points where the surface cuts the edges of a cell, if any.
   void add_vertex(const Point& cell, const Vec3& colour, Mesh& out) {
     Vec3 sum = Vec3::Zero();
     int crossings = 0;

@@ -8,7 +8,7 @@ namespace headpin::render {
 
 /// The rendering quality of pictures. Participants see its effects, so trials store it.
 struct Quality {
-  int samples = 2;              ///< of n, 2..8, n^2 + 1 lie in each pixel; of 1, one
+  int samples = 2;              ///< n; each pixel has n^2 + 1 samples for n of 2..8, one for 1
   bool contact = true;          ///< floors darken beneath and beside bodies
   bool shadow = true;           ///< bodies cast shadows on floors and bodies
   bool mirror = true;           ///< polished floors mirror what stands on them

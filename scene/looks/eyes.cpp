@@ -9,7 +9,8 @@ namespace headpin::scene {
 
 namespace {
 
-/// From one corner of the room to the opposite one, and a little for what is behind its walls.
+/// The distance between opposite corners of the room, and a little more for objects behind its
+/// walls.
 double farthest_seen(const Room& room) {
   return 1.0 + std::hypot(room.width, room.height, room.behind + room.ahead);
 }
@@ -18,7 +19,7 @@ render::DrawList list_of(const Eyes& eyes, const Glimpse& g) {
   return draw_list(eyes.looks, moving(g));
 }
 
-/// Of the head, or of the camera, which may be farther away.
+/// The views of the head or of the camera, which may be farther away.
 std::array<render::View, 2> views_of(const Eyes& eyes, const Glimpse& g) {
   if (!g.X_WC) return render::eyes(g.X_WD, eyes.optics);
   render::Optics optics = eyes.optics;
@@ -26,7 +27,7 @@ std::array<render::View, 2> views_of(const Eyes& eyes, const Glimpse& g) {
   return render::eyes(*g.X_WC, optics);
 }
 
-/// What is drawn for them.
+/// The views that are drawn for these views.
 std::array<render::View, 2> drawn_views_of(const Eyes& eyes,
                                            const std::array<render::View, 2>& views) {
   return {render::drawn_view(views[0], eyes.optics), render::drawn_view(views[1], eyes.optics)};

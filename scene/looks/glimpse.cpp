@@ -6,7 +6,8 @@ namespace headpin::scene {
 
 namespace {
 
-/// A hand closes as long as it opens, beginning with the tick that took or let go.
+/// How closed the hand is, 0 to 1. Closing and opening take equally long, from the tick of the grab
+/// or release.
 double how_closed(const Session& session) {
   constexpr double kTakes = 0.1;  // [s]
   const Player& player = session.player;
@@ -52,7 +53,7 @@ void BetweenTicks::keep(const Session& session) {
 Glimpse BetweenTicks::glimpse(const Session& session, Time at, const Pose& X_WD) const {
   Glimpse now = scene::glimpse(session, X_WD);
   if (!stage_ || at >= session.now()) return now;
-  if (stage_ != session.stage) {  // another version's world begins with the tick
+  if (stage_ != session.stage) {  // the world of another version begins with this tick
     now = seen_;
     now.X_WD = X_WD;
     return now;
@@ -64,7 +65,7 @@ Glimpse BetweenTicks::glimpse(const Session& session, Time at, const Pose& X_WD)
     for (std::size_t i = 0; i < poses.size(); ++i) {
       const double speed =
           states_[bodies[i]].v_WB.norm() + session.world.states[bodies[i]].v_WB.norm();
-      constexpr double kPushed = 0.02;  // by what overlapped it, or by the hand that carries it [m]
+      constexpr double kPushed = 0.02;  // limit of a push by an overlap or by the carrying hand [m]
       const bool moved = (poses[i].p - before[i].p).norm() <= speed * dt + kPushed;
       poses[i] = moved ? interpolate(before[i], poses[i], s) : before[i];
     }

@@ -32,9 +32,9 @@ class BetweenTicks {
   /// To be called after every tick, once its pictures are taken.
   void keep(const Session& session);
 
-  /// At a time since the tick that was kept, which is the one before the session's last. What was
-  /// put elsewhere within the tick, as by a new rack, is seen where it was until the tick is over.
-  /// Without a tick that was kept, as at the last one.
+  /// The glimpse at a time between the stored tick and the session's last tick. A body that was
+  /// moved to another place within the tick, as by a new rack, stays at its old place until the
+  /// tick is over. Without a stored tick, the glimpse is that of the last tick.
   Glimpse glimpse(const Session& session, Time at, const Pose& X_WD) const;
 
  private:

@@ -33,11 +33,11 @@ constexpr std::array<double, kFingers> kAcross{-0.030, -0.010, 0.010, 0.029};  /
 constexpr std::array<double, kFingers> kLength{0.074, 0.082, 0.076, 0.060};    // knuckle to tip
 constexpr std::array<double, kFingers> kAhead{0.042, 0.045, 0.041, 0.034};     // of the knuckles
 constexpr double kFingerRadius = 0.0105, kThumbRadius = 0.0145, kWristRadius = 0.026;
-constexpr double kThinner = 0.92;  // each piece of a finger than the one before
+constexpr double kThinner = 0.92;  // ratio of radii: a piece of a finger to the piece before
 
-/// Where the joints are.
+/// Positions of the joints.
 struct Joints {
-  Vec3 elbow, wrist;                           ///< the forearm's own, as far as it is seen
+  Vec3 elbow, wrist;                           ///< ends of the visible part of the forearm
   std::array<Vec3, kFingers> palm;             ///< where the metacarpals begin
   std::array<std::array<Vec3, 4>, 5> fingers;  ///< knuckle to tip, the thumb's last
 };
@@ -79,7 +79,7 @@ struct AroundBall {
   }
 };
 
-/// Where a finger's last but one joint bends into its hole: middle and ring finger, and the thumb.
+/// Where the last but one joint of a finger bends into its hole: middle finger, ring finger, thumb.
 struct Hole {
   std::size_t finger;
   double up, across;
@@ -111,7 +111,7 @@ Joints gripping_joints(const AroundBall& ball) {
   return hand;
 }
 
-/// On the way from one to the other, no joint deeper in the ball than at the end of it.
+/// Joints between an open and a gripping hand. No joint is deeper in the ball than in the grip.
 Joints between(const Joints& open, const Joints& grip, const Vec3& p_HB, double closed) {
   const auto mix = [&](const Vec3& a, const Vec3& b) -> Vec3 {
     const Vec3 from = a + closed * (b - a) - p_HB;
@@ -167,7 +167,7 @@ Vec3 slope(const std::vector<Bone>& bones, const Vec3& p) {
   return g.normalized();
 }
 
-/// A section of a tube: its middle, its half axes.
+/// A cross-section of a tube: its centre and half axes.
 struct Section {
   Vec3 p, across, up;
 };
@@ -202,7 +202,7 @@ render::Mesh tube(const std::vector<Section>& sections, const Vec3& end, std::ui
   return mesh;
 }
 
-/// Lays a tube's vertices onto the skin, so that where tubes meet they are one surface.
+/// Moves a tube's vertices onto the skin, so that tubes that meet form one surface.
 void wrap(render::Mesh& mesh, const std::vector<Bone>& bones) {
   for (render::Vertex& v : mesh.vertices) {
     Vec3 p = v.p.cast<double>();
@@ -212,8 +212,8 @@ void wrap(render::Mesh& mesh, const std::vector<Bone>& bones) {
   }
 }
 
-/// Along a line of joints: at both ends of each piece and, the longest, in its middle. `across` is
-/// kept as well as it can be.
+/// Cross-sections along a line of joints: at both ends of each piece, in the middle of the first
+/// piece, and beyond the tip. They are as parallel to `across` as possible.
 std::vector<Section> sections_along(const std::array<Vec3, 4>& joints, double radius,
                                     const Vec3& across) {
   std::vector<Section> sections;
@@ -243,7 +243,7 @@ void append_finger(render::Mesh& mesh, const Joints& hand, std::size_t i, const 
   append(mesh, finger);
 }
 
-/// From under the sleeve to the knuckles.
+/// Adds the palm, from under the sleeve to the knuckles.
 void append_palm(render::Mesh& mesh, const Joints& hand, const Vec3& across,
                  const std::vector<Bone>& bones, const Vec3& skin) {
   Vec3 knuckles = Vec3::Zero(), heel = Vec3::Zero();
@@ -268,7 +268,7 @@ void append_palm(render::Mesh& mesh, const Joints& hand, const Vec3& across,
   append(mesh, palm);
 }
 
-/// Over the forearm, from its cuff to where the elbow bends out of sight.
+/// Adds the sleeve over the forearm, from its cuff towards the elbow.
 void append_sleeve(render::Mesh& mesh, const Joints& hand, const Vec3& across) {
   const Vec3 along = hand.elbow - hand.wrist;
   const Vec3 ahead = along.normalized();
@@ -306,7 +306,7 @@ render::Mesh hand_mesh(const Vec3& p_HB, double radius, double closed) {
 }
 
 std::array<Vec3, 3> ball_holes(const Vec3& p_HB, double radius) {
-  // As the model's arm takes it from its stand: 28 degrees forward, 40 aside (arm_model).
+  // The orientation when the arm model takes the ball from its stand: 28 degrees forward, 40 aside.
   constexpr double kDegree = std::numbers::pi / 180.0;
   const Quat q_WH = rotation(Vec3(0.0, 0.0, -40.0 * kDegree)) *
                     rotation(Vec3(28.0 * kDegree, 0.0, 0.0)) *

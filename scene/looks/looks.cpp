@@ -17,15 +17,15 @@ using render::DrawItem;
 using render::DrawList;
 using render::Occluder;
 
-/// How finely a skittle is made.
+/// Resolution of a skittle's mesh.
 struct Detail {
   int rings, sides;
 };
 constexpr Detail kNear{26, 18}, kFar{14, 18}, kFaint{9, 8};
 
-constexpr int kHands = 7;  // from open to closed, as frames may show them
+constexpr int kHands = 7;  // number of hand meshes, from open to closed
 
-/// Three balls on the axis that fill a turned body about as well as it fills itself.
+/// Three balls on the axis that approximate a body of revolution, for occlusion.
 std::vector<Occluder> occluders_of(const Outline& outline, double origin) {
   std::vector<Occluder> balls;
   const double height = outline.back().x();
@@ -51,7 +51,8 @@ render::Mesh head_mesh() {
   return head;
 }
 
-/// Of a few pixels: as wide as a round one in the mean of all directions, and lit at its vertices.
+/// The mesh of a skittle that covers a few pixels: lit at its vertices, and scaled to the mean
+/// width of a round one.
 render::Mesh far_skittle_mesh(const Outline& outline, double origin, Detail detail) {
   render::Mesh mesh = skittle_mesh(outline, origin, detail.rings, detail.sides);
   mesh.fine_light = false;
@@ -98,7 +99,7 @@ render::Mesh faces_of(const SkittlePart& part, double origin) {
   return mesh;
 }
 
-/// A skittle as it collides: the parts that it is made of.
+/// The meshes of a skittle's collision shape: its parts.
 BodyMeshes collider_meshes(const MeshKeeper& keeper, const Skittle& skittle, double origin) {
   std::vector<TurnedPart> turned;
   render::Mesh solid;
@@ -198,7 +199,7 @@ void Looks::add_hands(const MeshKeeper& keeper, const Scenario& scenario) {
   }
 }
 
-/// What never moves, and its light.
+/// Adds the objects that never move, and the light.
 void Looks::add_room(const MeshKeeper& keeper, const Scenario& scenario) {
   const RoomMeasures measures = room_measures(scenario);
   const RoomMeshes meshes = room_meshes(measures);

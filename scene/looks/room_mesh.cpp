@@ -17,7 +17,7 @@ using render::Ring;
 using render::srgb;
 using render::Surface;
 
-constexpr double kCell = 0.25;  // light is worked out this often on walls [m]
+constexpr double kCell = 0.25;  // distance of points with computed light on walls [m]
 constexpr double kLap = 2e-5;   // of the room's length: panels reach under their neighbours by it
 constexpr double kStraight = 0.015;  // of the light: less than an 8-bit step of it is seen
 
@@ -55,8 +55,8 @@ class Builder {
   }
 
   /// A rectangle with corner `a` and sides u, v, seen from where u x v points. It has vertices
-  /// where the light bends: what is between them is drawn as straight. It is a little larger: an edge
-  /// that its neighbour divides otherwise would let pinholes through.
+  /// where the change of the light bends; between vertices the light is linear. The rectangle is a
+  /// little larger, because an edge that its neighbour divides in another way would have pinholes.
   void panel(Mesh& mesh, const Vec3& a, const Vec3& u, const Vec3& v, const Vec3& albedo,
              double cell = kCell) const {
     lapped_panel(mesh, a, u, v, albedo, cell, kLap * (room_.behind + room_.ahead));
@@ -126,8 +126,9 @@ class Builder {
     mark(mesh, corners, albedo);
   }
 
-  /// A box between two corners, without its bottom. Its sides reach above its top, which does not
-  /// reach beyond them: before what stands on it there would be a line of its colour.
+  /// A box between two corners, without its bottom. Its sides are a little higher than its top, and
+  /// its top is not enlarged: otherwise it would show as a line in front of objects that stand on
+  /// it.
   void block(Mesh& mesh, const Vec3& lo, const Vec3& hi, const Vec3& albedo,
              const Vec3& top) const {
     const Vec3 s = hi - lo, x(s.x(), 0, 0), y(0, s.y(), 0), z(0, 0, s.z());
@@ -144,8 +145,8 @@ class Builder {
     mesh.vertices.push_back({p.cast<float>(), n.cast<float>(), colour.cast<float>()});
   }
 
-  /// Where along u, as shares, a panel needs vertices: light between them is straight to within
-  /// kStraight, all the way along v.
+  /// The places along u, from 0 to 1, where a panel needs vertices. Between them, light is linear
+  /// to within kStraight, for every place along v.
   std::vector<double> bends(const Vec3& a, const Vec3& u, const Vec3& v, const Vec3& n,
                             double cell) const {
     const int count = std::max(1, static_cast<int>(std::ceil(u.norm() / cell)));
@@ -185,7 +186,7 @@ class Builder {
 const Vec3 kWainscot = srgb(0x8a5a34), kApproach = srgb(0xcfa06a), kLane = srgb(0xe3bd83),
            kCarpet = srgb(0x3d4a63);
 
-/// HEADPIN, seven rows of five squares a letter.
+/// The word HEADPIN; each letter has seven rows of five squares.
 constexpr std::array<std::array<int, 7>, 7> kName{{{0x11, 0x11, 0x11, 0x1f, 0x11, 0x11, 0x11},
                                                    {0x1f, 0x10, 0x10, 0x1e, 0x10, 0x10, 0x1f},
                                                    {0x0e, 0x11, 0x11, 0x1f, 0x11, 0x11, 0x11},
@@ -198,7 +199,7 @@ constexpr int kGutterFaces = 6;
 
 /// Corner `i` of the right gutter's section: (x from the lane's middle, z).
 Vec2 gutter_point(const RoomMeasures& room, int i) {
-  if (room.gutter_depth > 0.0) {  // as it is met: a slope, the bottom, a slope
+  if (room.gutter_depth > 0.0) {  // the collision shape: a slope, the bottom, a slope
     const double x = i < 2 ? 0.5 * room.lane_width + i * room.gutter_slope()
                            : room.gutter_edge() - (3 - i) * room.gutter_slope();
     return {x, i == 1 || i == 2 ? -room.gutter_depth : 0.0};
@@ -237,7 +238,7 @@ Mesh beside_mesh(const RoomMeasures& room, const Builder& build) {
       Vec2 a = gutter_point(room, i), b = gutter_point(room, i + 1);
       if (side < 0.0) std::swap(a, b);
       const Vec3 from(side * a.x(), 0, a.y()), to(side * b.x(), 0, b.y());
-      // Flat or not, it is shaded like a channel.
+      // A flat gutter is also shaded like a channel.
       const double across = (i + 0.5) / gutter_faces(room);
       const double shade = 1.0 - 0.55 * sin_cos(std::numbers::pi * across).sin;
       build.panel(mesh, from, to - from, along, shade * srgb(0x6b6f74), 0.5);
@@ -265,8 +266,8 @@ Mesh lane_mesh(const RoomMeasures& room, const Builder& build) {
   const double w = 0.5 * room.lane_width, board = room.lane_width / 39;
   build.boards(mesh, {-w, 0.0}, {w, room.deck_end}, 39, kLane, 0.11, 7);
   const Vec3 dark = srgb(0x4a2a12);
-  // Seven arrows, five boards apart, the middle one farthest; ten dots before them. On a shorter
-  // lane they lie as much nearer (USBC: arrows 12 to 16 ft from the foul line, of 60 ft).
+  // Seven arrows, five boards apart, the middle one farthest, and ten dots nearer to the player. On
+  // a shorter lane, distances are scaled (USBC: arrows 12 to 16 ft from the foul line, of 60 ft).
   const double share = std::max(room.head_pin / 18.288, 0.45);
   for (int i = -3; i <= 3; ++i) {
     const double x = 5 * board * i;
@@ -288,7 +289,7 @@ Mesh wall_mesh(const RoomMeasures& room, const Builder& build) {
   const double w = 0.5 * room.width, length = room.behind + room.ahead;
   const Vec3 rail = srgb(0xc79a66), cream = srgb(0xefe4cb);
   const double dado = 0.9, cap = 0.06;
-  // Each wall from its lower corner, left as one faces it.
+  // Each wall starts at its lower left corner, seen from inside the room.
   const std::array<std::pair<Vec3, Vec3>, 3> walls{
       std::pair{Vec3(-w, -room.behind, 0), Vec3(0, length, 0)},
       std::pair{Vec3(w, room.ahead, 0), Vec3(0, -length, 0)},
@@ -301,7 +302,7 @@ Mesh wall_mesh(const RoomMeasures& room, const Builder& build) {
                   kWainscot * (1.0 + 0.10 * speckle(i, 11)), 0.45);
     }
     build.panel(mesh, corner + dado * up, along, cap * up, rail);
-    // Stripes at the height of the eyes' lower view: walls that move show how fast one moves.
+    // Stripes in the lower part of the view: their motion shows the player's own speed.
     const std::array<std::pair<double, Vec3>, 5> stripes{
         std::pair{dado + cap, cream}, std::pair{1.32, srgb(0xc9502f)}, std::pair{1.38, cream},
         std::pair{1.42, srgb(0x2d5f9a)}, std::pair{1.48, cream}};
@@ -351,7 +352,7 @@ void paint_panel(Mesh& mesh, const Builder& build, const Block& panel) {
   }
 }
 
-/// The wall behind the skittles, and what stands or hangs before it.
+/// The wall behind the skittles, and the objects in front of it.
 Mesh front_mesh(const RoomMeasures& room, const Builder& build) {
   Mesh mesh;
   mesh.surface = Surface::baked;
@@ -380,8 +381,8 @@ Mesh front_mesh(const RoomMeasures& room, const Builder& build) {
 std::vector<Lamp> room_lamps(const RoomMeasures& room) {
   const Vec3 warm(1.0, 0.94, 0.84);
   const double z = room.height - 0.12;
-  // Three over the paper's 10.6 m, and as much light to a metre in any other room: as many as there
-  // is room for beside the last one, stronger where they hang farther apart.
+  // Three lamps in the paper's room of 10.6 m, and the same light per metre in any other room.
+  // Their number is limited; lamps that are farther apart are stronger.
   constexpr double kApart = 3.18, kPower = 2.3, kInset = 0.16 / 0.3;
   constexpr int kMost = static_cast<int>(render::DrawList::kLamps) - 1;
   const double lit = 0.9 * (room.behind + room.ahead);
@@ -392,7 +393,7 @@ std::vector<Lamp> room_lamps(const RoomMeasures& room) {
     const double y = -room.behind + (i + kInset) * apart;
     lamps.push_back({{0.0, y, z}, kPower * apart / kApart * warm});
   }
-  // Hidden behind the panel where there is one, on the ceiling otherwise.
+  // The last lamp is behind the masking panel if there is one, otherwise on the ceiling.
   const double last = room.masking_panel ? room.masking_low + 0.1 : z;
   lamps.push_back({{0.0, room.portal() + 0.25, last}, (room.masking_panel ? 0.42 : 1.2) * warm});
   return lamps;

@@ -15,7 +15,8 @@ using render::srgb;
 const Vec3 kWhite = srgb(0xf4f1e6);
 const Vec3 kRed = srgb(0xc3161c);
 
-/// Stripes, as shares of the height. Real ones are narrower; these are still seen from 6 m.
+/// Edges of the stripes, as parts of the height. Real stripes are narrower; these are visible from
+/// 6 m.
 constexpr std::array<double, 4> kStripes{0.580, 0.632, 0.672, 0.724};
 
 Vec3 colour_at(double share) {
@@ -35,7 +36,7 @@ OnOutline along(const Outline& outline, const std::vector<double>& length, doubl
   const double step = length[i] - length[i - 1];
   const double share = step > 0.0 ? std::clamp((s - length[i - 1]) / step, 0.0, 1.0) : 0.0;
   const Vec2 p = outline[i - 1] + share * (outline[i] - outline[i - 1]);
-  // The direction of a few points around, so that the straight pieces do not show.
+  // The direction is that between points a little apart, so that straight pieces are not visible.
   const std::size_t a = i >= 2 ? i - 2 : 0, b = std::min(i + 1, outline.size() - 1);
   const Vec2 t = (outline[b] - outline[a]).normalized();
   return {p, {t.x(), -t.y()}};
@@ -49,8 +50,8 @@ std::vector<double> lengths_along(const Outline& outline) {
   return length;
 }
 
-/// Those points between two, first excluded and last included, that straight lines need to stay so
-/// near to an outline (Ramer 1972, Douglas and Peucker 1973).
+/// Appends the points after `first`, up to `last`, that a polyline needs to stay within `off` of an
+/// outline (Ramer 1972, Douglas and Peucker 1973).
 void append_bends(const Outline& outline, std::size_t first, std::size_t last, double off,
                   std::vector<std::size_t>& bends) {
   const Vec2 along = (outline[last] - outline[first]).normalized();
@@ -69,7 +70,7 @@ void append_bends(const Outline& outline, std::size_t first, std::size_t last, d
 }
 
 /// @param at    distances along the outline that get a ring
-/// @param near  a plain ring so near to a stripe's edge would only make a sliver
+/// @param near  a plain ring that is nearer to a stripe's edge is left out: it would make slivers
 Mesh striped(const Outline& outline, const std::vector<double>& length, std::vector<double> at,
              double near, double origin, int sides) {
   const double height = outline.back().x();

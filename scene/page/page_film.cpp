@@ -28,7 +28,7 @@ std::int64_t stride(std::int64_t all, std::int64_t most) {
 
 std::array<float, 7> in_numbers(const Pose& X, const std::vector<std::array<float, 7>>& before) {
   Quat q = X.q;
-  if (!before.empty()) {  // of the two that mean this turn, the one nearer to the last
+  if (!before.empty()) {  // of the two quaternions of a rotation, the one nearer to the last
     const auto& b = before.back();
     const double dot = q.w() * b[0] + q.x() * b[1] + q.y() * b[2] + q.z() * b[3];
     if (dot < 0.0) q.coeffs() = -q.coeffs();
@@ -52,7 +52,7 @@ std::string name_of(std::uint32_t id, const Stage& stage) {
   return role_of(id);
 }
 
-/// A trial's own states hold for a stage that has its bodies.
+/// Whether the recorded state has as many bodies as the session.
 bool fits(const devices::TickState* recorded, const Session& session) {
   return recorded && recorded->bodies.size() == session.world.states.size();
 }
@@ -97,7 +97,7 @@ Film::Film(const Looks& looks, const devices::TrialSummary& trial, std::int64_t 
                 kImpulseQuantum, kImpulseQuantum, kSpeedQuantum},
                {}};
   for (const auto& [station, device] : trial.devices) {
-    if (station == 0) continue;  // the mouse speaks when something changes
+    if (station == 0) continue;  // the mouse sends samples only when something changes
     Clock& clock = clocks_[station];
     clock.every = stride(device.samples, kMostClockRows);
     clock.table = {fmt::format("clock {}", devices::device_name(station)),
@@ -189,7 +189,7 @@ void Film::note_contacts(const Session& session) {
   if (contacts_.rows() > 2 * kMostContacts) drop_weak_contacts();
 }
 
-/// Keeps the strongest, in their order.
+/// Keeps the strongest contacts, in their order.
 void Film::drop_weak_contacts() {
   const std::size_t width = contacts_.columns.size();
   std::vector<double> strengths;
@@ -210,7 +210,8 @@ void Film::drop_weak_contacts() {
   contacts_.values = std::move(kept);
 }
 
-/// Of each few samples the one that took longest: what is late is what one looks for.
+/// Stores the sample with the longest delay of every few samples, because late ones are of
+/// interest.
 void Film::note_clocks(const Session& session) {
   for (const devices::Sample& sample : session.samples) {
     const auto* tracker = std::get_if<devices::TrackerSample>(&sample);

@@ -120,7 +120,7 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
   hand_turn_ = trembling(0.1 * kDegree, 7.0, 11.0);
   head_turn_ = trembling(0.3 * kDegree, 0.3, 1.5);
 
-  // The swing is as quick as the speed asks for: the slower, the longer it takes.
+  // The duration of the swing follows from the speed: a slower swing takes longer.
   const double speed = plan.speed * (1.0 + 0.01 * random.normal());
   const double aim = plan.aim + 0.3 * kDegree * random.normal();
   const double back_swing = -75.0 * kDegree + 3.0 * kDegree * random.normal();
@@ -143,7 +143,8 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
         "duration: expected {:.1f} s (the throw) to 600 s, found {} s", shortest, plan.duration_s));
   }
 
-  // Stand so that the ball leaves above the middle of the foul line, the way it is aimed.
+  // Place the model so that the ball leaves above the middle of the foul line, in the aimed
+  // direction.
   const Vec3 v_MB = ball_at_release(hand);
   speed_ = v_MB.norm();
   const Vec3 ahead = Vec3(v_MB.x(), v_MB.y(), 0.0).normalized();
@@ -155,8 +156,8 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
   X_WM_.p = Vec3(-p.x(), -p.y(), 0.0);
 }
 
-/// Bends the joints for a swing that is as quick as the speed asks for.
-/// @return  how long it takes [s]
+/// Sets the joints for a swing that releases the ball at the wanted speed.
+/// @return  duration of the swing [s]
 double ThrowMotion::swing(const Swing& wanted, const Hand& hand) {
   const double released =
       (wanted.released - wanted.back_swing) / (kFollowThrough - wanted.back_swing);
@@ -202,7 +203,7 @@ Pose ThrowMotion::head(Time time) const {
   const double t = seconds(time);
   const Vec3 p_MD = Vec3(0.0, 0.10, kEyeHeight) + trunk(t);
   Mat3 R_MD;  // x right, y up, looking along -z
-  // No head bends down further than 44 degrees: the eyes do the rest.
+  // The head bends down by 44 degrees at most; below that, only the eyes turn.
   constexpr double kSteepest = 0.69;
   Vec3 back = (p_MD - looked_at(t)).normalized();
   if (back.z() > kSteepest) {
@@ -221,7 +222,7 @@ Pose ThrowMotion::hand(Time time) const {
 }
 
 Pose ThrowMotion::hand_in_model(double t) const {
-  // Hanging, the palm looks ahead: fingers (-z) down, back of the hand (y) to the rear.
+  // When the arm hangs, the palm faces ahead: fingers (-z) down, back of the hand (y) to the rear.
   const Quat q_MH = about_z(-joints_.aside.at(t)) * about_x(joints_.raise.at(t)) * about_z(kPi) *
                     rotation(hand_turn_.at(t));
   const Vec3 p_MH = Vec3(kShoulderAside, 0.0, kShoulderHeight) + trunk(t) +
@@ -274,7 +275,7 @@ void set_up(Scenario& scenario, const ThrowMotion& motion) {
 
 std::vector<devices::Sample> sense(const ThrowMotion& motion, const Rig& rig, std::uint64_t seed,
                                    const TrackerNoise& noise) {
-  Random random(~seed);  // not the motion's own numbers again
+  Random random(~seed);  // other numbers than those of the motion
   const Pose X_TW = rig.X_WT.inverse();
   const Pose X_DS = rig.X_SD.inverse(), X_HS = rig.X_SH.inverse();
   std::vector<devices::Sample> samples;

@@ -22,7 +22,7 @@ Quat turn_about(const Vec3& axis, double angle) {
   return rotation(angle * axis);
 }
 
-/// From the hips, in the tracked space.
+/// A point relative to the hips, in the tracked space.
 Vec3 from_hips(const Build& build, const Posture& posture, const Vec3& p) {
   const Vec3 p_PHips(posture.x, posture.y, kHips * build.height - posture.crouch);
   return p_PHips +
@@ -35,7 +35,8 @@ double direction(double along, double across) {
   const double length = std::sqrt(along * along + across * across);
   if (length == 0.0) return 0.0;
   if (along < 0.0 && across == 0.0) return std::numbers::pi;
-  // Half the angle is that to the vector plus its length ahead; far behind, from the other side.
+  // Half of the angle is the direction of the vector plus its length ahead. If it points backward,
+  // the angle is measured from behind.
   if (along < 0.0) {
     const double beyond = direction(-along, -across);
     return across > 0.0 ? beyond + std::numbers::pi : beyond - std::numbers::pi;

@@ -11,11 +11,11 @@ namespace headpin::scene {
 
 namespace {
 
-constexpr std::uint64_t kThrowsDrawn = 4;  ///< what the numbers are drawn for
+constexpr std::uint64_t kThrowsDrawn = 4;  ///< purpose of the random numbers
 constexpr double kStartAhead = -2.0;       ///< of the foul line [m]
-constexpr double kThere = 0.03;            ///< near enough to where one walks [m]
-constexpr double kOneStep = 0.35;          ///< walked on foot [m]
-constexpr double kPatience = 15.0;         ///< with a walk [s]
+constexpr double kThere = 0.03;            ///< distance at which a walk has arrived [m]
+constexpr double kOneStep = 0.35;          ///< longest way on foot [m]
+constexpr double kPatience = 15.0;         ///< longest time for a walk [s]
 constexpr int kMostTries = 4;
 
 Vec2 level_of(const Vec3& v) {
@@ -27,8 +27,8 @@ bool is_waiting(const Session& s, engine::BodyId ball) {
   return !held && s.world.bodies[ball].kind == engine::Kind::driven;
 }
 
-/// The skittle to aim at: the one with most others beside it, of those the nearest; nothing when all
-/// are down.
+/// The skittle to aim at: the one with the most others beside it; of several, the nearest. Nothing
+/// if all are down.
 std::optional<Vec3> worth_aiming_at(const Session& s) {
   std::vector<Vec3> standing;
   for (const engine::BodyId skittle : s.stage->skittles) {
@@ -50,7 +50,7 @@ std::optional<Vec3> worth_aiming_at(const Session& s) {
   return best;
 }
 
-/// What moves fastest among the skittles, where anything does.
+/// The position of the fastest skittle, if one moves.
 std::optional<Vec3> liveliest_skittle(const Session& s) {
   constexpr double kLively = 0.3;
   std::optional<Vec3> found;
@@ -169,7 +169,7 @@ void Participant::act(const Session& session, double now) {
   }
 }
 
-/// What the last tick brought, as far as it is waited for.
+/// Processes the events of the last tick that the participant waits for.
 void Participant::notice(const Session& session, double now) {
   const bool awaited =
       doing_ == Doing::touches || doing_ == Doing::takes || doing_ == Doing::watches;
@@ -218,7 +218,7 @@ void Participant::touch(const Session& session, double now) {
   const Vec3& button = next_button(session);
   gaze_W_ = button;
   const double tried = now - since_;
-  if (acted_ > 0.0) {  // it has begun
+  if (acted_ > 0.0) {  // the version has begun
     if (now < acted_ + plan_.person.reaction_s) return;
     body_.figure.to(at_rest(now), now, 0.8 * pace);
     throws_ = 0;
@@ -260,7 +260,7 @@ void Participant::wait_for_ball(const Session& session, double now) {
     if (now > since_ + scenario_.game.ball_back_s + kLonger) give_up(now);
     return;
   }
-  // From where the throw is made, if the arm comes that far.
+  // From the place of the throw, if the arm can reach the ball from there.
   gaze_W_ = session.world.states[*ball_].X_WB.p;
   Posture posture;
   const Vec2 there = throwing_spot();
@@ -349,7 +349,7 @@ void Participant::watch(const Session& session, double now) {
   begin(version_ < versions_ ? Doing::walks_to_button : Doing::leaves, now);
 }
 
-/// The next throw makes a part of a miss good: of a ball that missed what it was thrown at.
+/// Corrects the aim of the next throw by a part of the miss, if the ball missed its target.
 void Participant::mend() {
   if (thrown_ && thrown_->miss) {
     const double way = thrown_->target_W.y() - thrown_->from_W.y();
@@ -383,7 +383,8 @@ bool Participant::walk_to(const Session& session, const Vec2& spot_W, double now
   return false;
 }
 
-/// Looks where it goes, and presses a thumb until so near that it comes to rest there.
+/// Looks in the direction of the walk, and presses a thumb button until the walk will stop at its
+/// end.
 void Participant::walk_by_thumbs(const Session& session, const Vec2& way, double now) {
   constexpr double kFar = 0.5, kInLine = 0.995;
   const Walk& walk = session.player.walk;
@@ -408,7 +409,8 @@ void Participant::walk_by_thumbs(const Session& session, const Vec2& way, double
   }
 }
 
-/// Away from what flies at it, a reaction time after that began; back again when it has passed.
+/// Moves away from a body that flies at the participant, after the reaction time, and back again
+/// when it has passed.
 void Participant::draw_back(const Session& session, double now) {
   if (!plan_.person.draws_back) return;
   const bool free_to = doing_ == Doing::watches || doing_ == Doing::arrives ||

@@ -13,10 +13,10 @@ namespace headpin::scene {
 
 namespace {
 
-// What the numbers are drawn for, so that none depends on how many others were.
+// Purposes of random numbers. Each has its own sequence, independent of how many others were drawn.
 constexpr std::uint64_t kTremblesDrawn = 2, kNoiseDrawn = 3;
 
-constexpr double kTurnMost = 6.0;    ///< a quick head [rad/s]
+constexpr double kTurnMost = 6.0;    ///< a fast head [rad/s]
 constexpr double kFollowRate = 9.0;  ///< of the head after the eyes [1/s]
 
 devices::Random trembles_of(const Person& person) {

@@ -43,7 +43,7 @@ class ParticipantBody {
   Pose head(double time) const;
   Pose hand(double time) const;
 
-  // Buttons, from a time on; what is said later is later.
+  // Buttons, from a time on. Times of later calls are later.
   void thumbs(Time time, int forward);  ///< 1 forward, -1 backward, 0 none
   void trigger(Time time, bool down);
 
@@ -59,10 +59,10 @@ class ParticipantBody {
   Trembles sway_, hand_shift_, hand_turn_;
   devices::Random noise_;
   Following turn_, pitch_;
-  double looked_ = 0.0;  ///< when the head was turned last
+  double looked_ = 0.0;  ///< time at which the head was last turned
   devices::MouseSample mouse_;
   std::int64_t cycle_ = 0;
-  std::vector<devices::Sample> waiting_;  ///< not across yet
+  std::vector<devices::Sample> waiting_;  ///< not arrived yet
 };
 
 }  // namespace headpin::scene

@@ -10,15 +10,15 @@ namespace headpin::scene {
 
 namespace {
 
-constexpr std::uint64_t kPersonsTraits = 1;  ///< what these numbers are drawn for
+constexpr std::uint64_t kPersonsTraits = 1;  ///< purpose of these random numbers
 
-/// From `novice` to `master` by skill.
+/// Interpolates from `novice` to `master` by skill.
 double by_skill(const Person& person, double novice, double master) {
   return novice + (master - novice) * person.skill;
 }
 
-/// How far a person's throws differ, in speed, aim and timing: traits of their own, that have skill in
-/// common and no more.
+/// Draws the spreads of a person's throws in speed, aim and timing. They correlate only through
+/// skill.
 void draw_spreads(Person& person) {
   constexpr double kRadian = std::numbers::pi / 180.0;
   constexpr double kAlike = 0.3;  // correlation of any two

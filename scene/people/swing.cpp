@@ -26,7 +26,7 @@ Swing plan_swing(const Build& build, const Hand& hand, const Posture& stands, co
   swing.back = released;
   swing.back.raise = kBack;
   const double share = (released.raise - kBack) / (swing.through - kBack);
-  double low = 0.0, high = 1.0;  // of its time, by which the arm is there
+  double low = 0.0, high = 1.0;  // part of the time after which the arm is there
   for (int i = 0; i < 50; ++i) {
     const double s = 0.5 * (low + high);
     (s * s * s * (10.0 + s * (-15.0 + 6.0 * s)) < share ? low : high) = s;

@@ -14,7 +14,8 @@ using devices::MotionRecording;
 
 constexpr double kRestingHand = 0.35;  // m/s
 
-/// Where the ball is in the hand: a scenario has that of a right hand, a left one mirrors it.
+/// Position of the ball in the hand. The scenario has that of a right hand; for a left one it is
+/// mirrored.
 Vec3 grip_of(const Hand& hand, Side side) {
   const Vec3& p = hand.grip;
   return side == Side::left ? Vec3(-p.x(), p.y(), p.z()) : p;
@@ -56,8 +57,8 @@ Throw find_throw(const MotionRecording& r, const Hand& hand, Side side) {
   const std::size_t lowest =
       best(swing, fastest + 1, [&](std::size_t i) { return -hand_height(i); });
   found.release = std::min(lowest + 1, fastest);
-  // Lowest where it rests, other than at the end of the back swing; a hand that never does has had
-  // the ball from the start.
+  // The grab is the lowest sample at which the hand rests, except at the end of the back swing. A
+  // hand that never rests has the ball from the start.
   constexpr Time kForward{1'500'000};
   const Vec3 along = horizontal(hand_velocity(fastest));
   for (std::size_t i = 0; i < found.release; ++i) {
@@ -73,7 +74,7 @@ Throw find_throw(const MotionRecording& r, const Hand& hand, Side side) {
 }
 
 std::vector<MotionRecording> split_throws(const MotionRecording& r, Side side) {
-  constexpr Time kApart{1'500'000};  // a back swing is nearer to its throw, the next throw farther
+  constexpr Time kApart{1'500'000};  // longer than back swing to throw, shorter than between throws
   const std::vector<Pose>& track = throwing_hand(r, side);
   std::vector<std::size_t> peaks;
   std::vector<double> speeds;
@@ -94,7 +95,7 @@ std::vector<MotionRecording> split_throws(const MotionRecording& r, Side side) {
   for (std::size_t k = 0; k < peaks.size(); ++k) {
     std::size_t end = track.size();
     if (k + 1 < peaks.size()) {
-      // The follow-through is this one's; the way back to the ball is the next one's.
+      // The follow-through belongs to this throw, the way back to the ball to the next one.
       const Time until = r.times[peaks[k]] +
                          std::min(Time{1'000'000}, (r.times[peaks[k + 1]] - r.times[peaks[k]]) / 2);
       end = static_cast<std::size_t>(std::ranges::upper_bound(r.times, until) - r.times.begin());
@@ -117,7 +118,7 @@ Scenario stand_thrower(Scenario scenario, const MotionRecording& recording, cons
   Vec3 ahead = -Vec3::UnitZ();
   if (heading == Heading::release) ahead = horizontal(found.V_TB.v).normalized();
   if (heading == Heading::gaze) ahead = horizontal(mean_look(recording, found)).normalized();
-  // The world's x, y, z as they stand in the recording: right, ahead, up.
+  // The world's x, y, z in the frame of the recording: right, ahead, up.
   Mat3 R_TW;
   R_TW << ahead.cross(kUp), ahead, kUp;
   const Quat q_WT(R_TW.transpose());
@@ -127,7 +128,7 @@ Scenario stand_thrower(Scenario scenario, const MotionRecording& recording, cons
   const Vec3 p_TB = track[found.release] * scenario.hand.grip;
   const Vec3 p_W = q_WT * -horizontal(p_TB);
   scenario.rig.X_WT = {q_WT.normalized(), Vec3(p_W.x(), p_W.y(), 0.0)};
-  scenario.rig.head_station = devices::kHeadStation;  // as to_samples has them
+  scenario.rig.head_station = devices::kHeadStation;  // as in to_samples
   scenario.rig.hand_station = devices::kHandStation;
   scenario.rig.X_SD = {};
   scenario.rig.X_SH = {};

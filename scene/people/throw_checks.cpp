@@ -8,15 +8,15 @@
 #include "scene/people/throw_motion.h"
 #include "scene/play/quantile.h"
 
-// Whether a recording is a person's throw, and what to mend where it is not.
+// Checks whether a recording is a person's throw, and finds a correction if it is not.
 namespace headpin::scene {
 namespace {
 
 using devices::MotionRecording;
 
-// What a body allows. Standing adults' eyes are 1.4 to 1.8 m up (5th percentile of women to 95th of
-// men); wider here for the young, the tall, and headsets worn high. Bowlers let the ball go at up
-// to 9.4 m/s.
+// Limits of the human body. Standing adults' eyes are 1.4 to 1.8 m up (5th percentile of women to
+// 95th of men); the range is wider for young and tall people and for headsets that are worn high.
+// Bowlers release the ball at up to 9.4 m/s.
 constexpr double kLowestHead = 1.2, kHighestHead = 2.1;       // m, median
 constexpr double kShortestReach = 0.5, kLongestReach = 1.25;  // m, head to hand, at its largest
 constexpr double kFastestHand = 10.5;                         // m/s, hand at its fastest
@@ -57,7 +57,7 @@ double longest_reach(const MotionRecording& r, const std::vector<Pose>& hand) {
   return reach;
 }
 
-/// How far a hand is to the right of the head, on average over the swing.
+/// Mean distance of a hand to the right of the head in the swing.
 double mean_side(const MotionRecording& r, const Throw& found, const std::vector<Pose>& hand) {
   const auto [begin, end] = samples_of_swing(r, found);
   double sum = 0.0;
@@ -126,7 +126,7 @@ Side other_than(Side side) {
   return side == Side::left ? Side::right : Side::left;
 }
 
-/// Height of the head, reach and speed of the hands.
+/// Checks the height of the head, and reach and speed of the hands.
 void check_body(const MotionRecording& r, const Throw& found, Complaints& out) {
   const Side other = other_than(found.side);
   const std::vector<Pose>&throwing = throwing_hand(r, found.side),
@@ -142,7 +142,7 @@ void check_body(const MotionRecording& r, const Throw& found, Complaints& out) {
   out.expect("the head's fastest is", fastest(r, r.head), 0.0, kFastestHead, "m/s");
 }
 
-/// The head is upright, level, and looks along the throw and at the ball.
+/// Checks that the head is upright and level, and looks along the throw and at the ball.
 void check_head(const MotionRecording& r, const Throw& found, const Hand& hand, Complaints& out) {
   const double upright = mean_upright(r, found), roll = usual_roll(r.head);
   out.claim(upright > kLeastUpright, [&] {
@@ -179,7 +179,7 @@ void check_head(const MotionRecording& r, const Throw& found, const Hand& hand, 
   });
 }
 
-/// The hand that throws is on its own side of the head, and of the other hand.
+/// Checks that the throwing hand is on its own side of the head and of the other hand.
 void check_side(const MotionRecording& r, const Throw& found, Complaints& out) {
   const double sign = found.side == Side::right ? 1.0 : -1.0;
   const std::vector<Pose>& resting = throwing_hand(r, other_than(found.side));
@@ -226,7 +226,7 @@ std::vector<std::string> why_no_throw(const MotionRecording& r, const Hand& hand
 
 namespace {
 
-/// A common mistake, undone.
+/// The correction of a common mistake.
 struct Remedy {
   const char* name;
   std::function<void(Time&)> time;
@@ -251,7 +251,7 @@ std::vector<Remedy> remedies() {
   const auto mirrored = [](int axis) {
     return [axis](Pose& pose) { pose.p[axis] = -pose.p[axis]; };
   };
-  // A mirror turns a rotation about its own axis on, the others back.
+  // A mirror keeps a rotation about its own axis and reverses the others.
   const auto all_mirrored = [](int axis) {
     return [axis](Pose& pose) {
       pose.p[axis] = -pose.p[axis];
@@ -325,7 +325,7 @@ void require_throw(const MotionRecording& recording, const Hand& hand, const std
   if (problems.empty()) return;
   std::string message = fmt::format("{}: not a person's throw: {}", where, problems.front());
   const Side other = side == Side::left ? Side::right : Side::left;
-  MotionRecording exchanged = recording;  // of one hand, which may be the other
+  MotionRecording exchanged = recording;  // with the hands exchanged
   if (throwing_hand(recording, other).empty()) std::swap(exchanged.left_hand, exchanged.right_hand);
   if (why_no_throw(exchanged, hand, other).empty()) {
     message +=

@@ -6,33 +6,33 @@
 
 #include "scene/people/throw.h"
 
-/// What is measured on the tracks of a recorded throw, in its own frame; for the sources of throw.h.
+/// Measurements on the tracks of a recorded throw, in its own frame. For the sources of throw.h.
 namespace headpin::scene {
 
 inline const Vec3 kUp = Vec3::UnitY();
-inline constexpr double kSlowestThrow = 3.0;  ///< of the hand, where it is fastest [m/s]
-inline constexpr Time kReadLate{28'000};      ///< a pose is used so long after its sample
+inline constexpr double kSlowestThrow = 3.0;  ///< least top speed of the hand in a throw [m/s]
+inline constexpr Time kReadLate{28'000};      ///< a pose is used this long after its sample
 
 inline Vec3 horizontal(const Vec3& v) {
   return Vec3(v.x(), 0.0, v.z());
 }
 
-/// Of a track at a sample, from the samples before and after it.
+/// Velocity of a track at a sample, from the samples before and after it.
 Vec3 velocity(const std::vector<Time>& times, const std::vector<Pose>& track, std::size_t i);
 
 /// The largest speed between neighbours of a sample.
 double fastest(const devices::MotionRecording& r, const std::vector<Pose>& track);
 
-/// Of a ball held at p_HB, at its release: as a session computes it that uses each pose kReadLate
-/// after its sample.
+/// Velocity of a ball held at p_HB, at its release, computed like in a session that uses each pose
+/// kReadLate after its sample.
 Twist ball_velocity(const devices::MotionRecording& r, std::size_t release, Side side,
                     const Vec3& p_HB, const Hand& rules);
 
-/// Of the hand at the release, fitted as that of the ball is.
+/// Velocity of the hand at the release, with the same fit as for the ball.
 Vec3 hand_velocity_at(const devices::MotionRecording& r, const Throw& found, const Hand& hand);
 
-/// The samples, first and end, of the second before the release. In it the thrower has lifted the
-/// ball and sees the lane.
+/// The samples of the second before the release: the first one and the end. In this second the
+/// thrower has lifted the ball and sees the lane.
 std::pair<std::size_t, std::size_t> samples_of_swing(const devices::MotionRecording& r,
                                                      const Throw& found);
 

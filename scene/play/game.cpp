@@ -20,7 +20,7 @@ devices::Event event(const Moment& moment, std::string_view kind, const engine::
 
 namespace {
 
-/// Whose doing a skittle's fall is gets told apart.
+/// Whether the game distinguishes the causes of a skittle's fall.
 bool tells_apart(const Stage& stage) {
   return stage.scenario.game.hand_fells == "apart";
 }
@@ -37,7 +37,8 @@ void note_contacts(Game& game, const Stage& stage, const engine::World& world, c
     const bool of_ball = a == Role::ball || b == Role::ball;
     const bool of_hand = a == Role::hand || b == Role::hand;
     const engine::BodyId ball = a == Role::ball ? contact.a : contact.b;
-    // A ball in the hand is not thrown; one that is may meet what it touched in the hand.
+    // A ball in the hand is not thrown. A thrown ball may meet a body that it touched in the hand
+    // before.
     const bool thrown = of_ball && (!tells_apart(stage) || is_free(world, ball));
     const bool strikes = of_skittle && thrown && !game.struck;
     const bool met = contact.first || (strikes && tells_apart(stage));
@@ -60,8 +61,8 @@ void note_contacts(Game& game, const Stage& stage, const engine::World& world, c
   }
 }
 
-/// Who meets a skittle: a ball that was thrown, the hand or what it carries, or whoever moved what
-/// meets it.
+/// The cause when a body meets a skittle: a thrown ball, the hand or a body in it, or the cause
+/// that moved the other skittle.
 By who(const Game& game, const Stage& stage, const engine::World& world, engine::BodyId body) {
   switch (stage.roles[body]) {
     case Role::hand:
@@ -75,7 +76,7 @@ By who(const Game& game, const Stage& stage, const engine::World& world, engine:
   }
 }
 
-/// Keeps who set which skittle moving; of one that is down, no more.
+/// Stores what set each skittle in motion. Skittles that are down are not changed.
 void credit(Game& game, const Stage& stage, const engine::World& world) {
   for (const engine::BodyId skittle : stage.skittles) {
     if (game.down[skittle] || game.swept[skittle]) continue;
@@ -112,7 +113,7 @@ void note_fallen(Game& game, const Stage& stage, const engine::World& world, con
   }
 }
 
-/// Where a body was let go: by the event's detail at the very moment, else where the tick has it.
+/// Position of a body at its release: from the event's detail, otherwise the position at the tick.
 Vec3 released_at(const devices::Event& release) {
   const nlohmann::json detail = nlohmann::json::parse(release.detail, nullptr, false);
   const auto p = detail.is_object() ? detail.find("position_m") : detail.end();
@@ -120,7 +121,8 @@ Vec3 released_at(const devices::Event& release) {
   return {(*p)[0].get<double>(), (*p)[1].get<double>(), (*p)[2].get<double>()};
 }
 
-/// A ball that was let go in this tick: where it left from, and that it has struck nothing yet.
+/// For each ball that was released in this tick: stores that it has not struck a skittle yet, and
+/// checks for a foul.
 void note_releases(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
                    std::vector<devices::Event>& out) {
   const std::size_t before = out.size();

@@ -11,14 +11,14 @@ namespace headpin::scene {
 
 namespace {
 
-/// A slope and how well it is known along an axis; 0 where nothing tells.
+/// A slope and its standard error along an axis; 0 if the error is not known.
 struct Slope {
   Vec3 value;
   double deviation = 0.0;
 };
 
-/// Slope at t = 0 of the parabola through points whose last one lies there, by least squares; of
-/// the line through them where they are fewer than four.
+/// Slope at t = 0, which is the last point, of a least-squares parabola; of a line if there are
+/// fewer than four points.
 ///
 /// @param t  [s], rising to 0
 /// @return   per second
@@ -39,7 +39,7 @@ Slope slope_at_end(std::span<const double> t, std::span<const Vec3> y) {
   const Mat3 coefficients = inverse * right;
   Slope slope{coefficients.row(1).transpose() / scale};
   if (terms < 3) return slope;
-  double squares = 0.0;  // of what the parabola leaves, on three axes
+  double squares = 0.0;  // sum of squared residuals, on three axes
   for (std::size_t i = 0; i < t.size(); ++i) {
     const double x = t[i] / scale;
     squares += (y[i] - coefficients.transpose() * Vec3(1.0, x, x * x)).squaredNorm();

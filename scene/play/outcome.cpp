@@ -17,7 +17,7 @@ const devices::Event* first_of(std::span<const devices::Event> events, std::stri
   return found == events.end() ? nullptr : &*found;
 }
 
-/// The other body of a meeting of the ball.
+/// The body that the ball met.
 std::string met_by_ball(const devices::Event& event) {
   for (const std::string& body : event.bodies) {
     if (!body.starts_with("ball")) return body;

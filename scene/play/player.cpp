@@ -16,9 +16,9 @@ namespace headpin::scene {
 
 namespace {
 
-constexpr Time kMemory{1'000'000};  ///< how long poses are remembered
+constexpr Time kMemory{1'000'000};  ///< how long poses are stored
 
-/// What one call of `drive` works on.
+/// The arguments of one call of `drive`.
 struct Scene {
   const Stage& stage;
   engine::World& world;
@@ -34,12 +34,12 @@ devices::Event& note(const Scene& scene, std::string_view kind, engine::BodyId b
   return scene.out.emplace_back(std::move(e));
 }
 
-/// Whether what the hand holds has its velocity at that very moment.
+/// Whether a release uses the hand's velocity at the time of the trigger.
 bool at_trigger(const Hand& hand) {
   return hand.release_at == "trigger";
 }
 
-/// Puts a sample where it belongs: to the tracked space, and on what its sensor is worn on.
+/// Adds a sample to the track of head or hand, in the tracked space.
 void take(Player& player, const Rig& rig, const devices::TrackerSample& sample) {
   const bool on_head = sample.station == rig.head_station;
   if (!sample.good() || (!on_head && sample.station != rig.hand_station)) return;
@@ -63,8 +63,8 @@ std::optional<Pose> hand_at(const Player& player, Time time, Time now) {
   return player.walk.X_WP(seconds(now - time)) * *X_PH;
 }
 
-/// Velocity in the tracked space of a point of the hand at its last sample before `time`; a hand
-/// that has not been seen to move stands still.
+/// Velocity in the tracked space of a point of the hand at its last sample before `time`; zero
+/// without enough samples.
 Twist velocity_at_sample(const Player& player, const Hand& hand, const Vec3& p_HB, Time time) {
   const std::vector<Stamped<Pose>>& track = player.hand.samples();
   const auto last = std::upper_bound(track.begin(), track.end(), time,
@@ -76,7 +76,7 @@ Twist velocity_at_sample(const Player& player, const Hand& hand, const Vec3& p_H
   return release_velocity(seen, p_HB, window);
 }
 
-/// How a point of the hand moves in the tracked space at `time`.
+/// Motion of a point of the hand in the tracked space at `time`.
 Motion hand_motion(const Player& player, const Scenario& scenario, const Vec3& p_HB, Time time) {
   const Hand& hand = scenario.hand;
   if (!at_trigger(hand)) return {velocity_at_sample(player, hand, p_HB, time)};
@@ -87,13 +87,13 @@ Motion hand_motion(const Player& player, const Scenario& scenario, const Vec3& p
   return motion_at(told, time, p_HB, release_window(hand));
 }
 
-/// What the hand carries at a time, and how well its motion is known.
+/// State of the carried body at a time, and how its motion is known.
 struct Carried {
   engine::State state;
   Motion motion;
 };
 
-/// At `time`, not later than `now`: the walk's velocity on top.
+/// The carried body at `time`, not later than `now`. Its velocity includes that of the walk.
 Carried carried(const Player& player, const Scenario& scenario, Time time, Time now) {
   const Hand& hand = scenario.hand;
   const Pose X_WH = *hand_at(player, time, now);
@@ -102,14 +102,14 @@ Carried carried(const Player& player, const Scenario& scenario, Time time, Time 
   return {{{X_WH.q * player.held->q_HB, X_WH * hand.grip}, motion.V_WB.v, motion.V_WB.w}, motion};
 }
 
-/// A driven body that is at a pose when the tick ends, as the hand is.
+/// The state from which a driven body reaches this pose at the end of the tick.
 engine::State ending_at(engine::State state, double dt) {
   state.X_WB.p -= dt * state.v_WB;
   state.X_WB.q = (rotation(-dt * state.w_WB) * state.X_WB.q).normalized();
   return state;
 }
 
-/// From a point to the surface of a ball, or to the cylinder around a skittle [m].
+/// Distance from a point to the surface of a ball, or to the cylinder around a skittle [m].
 double gap_to(const Stage& stage, const engine::World& world, engine::BodyId body,
               const Vec3& p_W) {
   const Pose& X_WB = world.states[body].X_WB;
@@ -121,7 +121,7 @@ double gap_to(const Stage& stage, const engine::World& world, engine::BodyId bod
   return (p_B - Vec3(0.0, 0.0, std::clamp(p_B.z(), low, high))).norm() - stage.widest_skittle;
 }
 
-/// Takes the nearest ball or skittle, if it is within reach.
+/// Grabs the nearest ball or skittle, if it is within reach.
 void grab(Player& player, const Scene& scene, Time time, Time now) {
   const std::optional<Pose> X_WH = hand_at(player, time, now);
   if (!X_WH) return;
@@ -150,9 +150,9 @@ void grab(Player& player, const Scene& scene, Time time, Time now) {
   if (at_trigger(scene.stage.scenario.hand)) e.time -= now - time;
 }
 
-/// When, where and how something was let go.
+/// The event's detail for a release: time, place and velocity.
 ///
-/// @param time  of the trigger, as its device tells it
+/// @param time  of the trigger, from its device
 nlohmann::json told_of_release(Time time, const engine::State& state) {
   const auto numbers = [](const Vec3& v) { return nlohmann::json{v.x(), v.y(), v.z()}; };
   return {{"trigger_s", nearest_seconds(time)},
@@ -161,7 +161,7 @@ nlohmann::json told_of_release(Time time, const engine::State& state) {
           {"spin_radps", numbers(state.w_WB)}};
 }
 
-/// What leaves the hand with a change.
+/// The released body with a change.
 Carried changed(Carried carried, const ReleaseChange& by) {
   if (by == ReleaseChange{}) return carried;
   engine::State& state = carried.state;
@@ -174,8 +174,9 @@ Carried changed(Carried carried, const ReleaseChange& by) {
   return carried;
 }
 
-/// Lets go at `time`, and lets the ball fly until `now`, which is later by less than a tick. The step
-/// takes it on by a tick: it flies until the start of that, which may be before it was let go.
+/// Releases the ball at `time` and lets it fly until `now`, which is less than a tick later. With
+/// release at the trigger, it flies only until the start of the tick that the step will make; this
+/// may be before the release.
 void release(Player& player, const Scene& scene, Time time, Time now) {
   const engine::BodyId body = player.held->body;
   const Hand& hand = scene.stage.scenario.hand;
@@ -206,8 +207,7 @@ void release(Player& player, const Scene& scene, Time time, Time now) {
   e.detail = told.dump();
 }
 
-/// Carries what is held to where the hand has it, outside of everything fixed now and at the end of
-/// the tick: there where the hand is now.
+/// Moves the held body with the hand, outside of fixed bodies now and at the end of the tick.
 void carry(const Player& player, const Scene& scene, Time now) {
   const engine::BodyId body = player.held->body;
   engine::World& world = scene.world;
@@ -221,12 +221,12 @@ void carry(const Player& player, const Scene& scene, Time now) {
   engine::State ahead = state;
   ahead.X_WB.p += dt * state.v_WB;
   const Vec3 p_WB = engine::outside_fixed(world, body, at_trigger(hand) ? there : ahead).X_WB.p;
-  if (p_WB == ahead.X_WB.p) return;  // nothing is in its way
+  if (p_WB == ahead.X_WB.p) return;  // no fixed body is in its way
   state.v_WB = (p_WB - state.X_WB.p) / dt;
   engine::set_state(world, body, state);
 }
 
-/// Whether the ball that was let go has left the hand.
+/// Whether the released body is clear of the hand.
 bool clear_of(const Player& player, const engine::World& world, const Pose& X_WH,
               double hand_radius) {
   if (!player.leaving) return true;
@@ -234,7 +234,7 @@ bool clear_of(const Player& player, const engine::World& world, const Pose& X_WH
   return apart > world.bodies[*player.leaving].shape->bounding_radius + hand_radius;
 }
 
-/// Puts the hand's body where the hand is, or away.
+/// Moves the hand's body to the hand, or away.
 void place_hand(Player& player, const Scene& scene, Time now) {
   constexpr double kOpenHand = 0.13;  // from the palm's middle to the fingertips [m]
   const std::optional<Pose> X_WH = hand_at(player, now, now);
@@ -281,7 +281,7 @@ void follow(Player& player, std::span<const devices::Sample> samples, const Scen
   if (!X_PD) return;
   const bool by_hand = scenario.walk.along == "hand";
   const std::optional<Pose> X_PX = by_hand ? player.hand.at(now) : X_PD;
-  // A hand that was never seen points nowhere: nobody walks, and who walks comes to rest.
+  // Without a pose of the hand there is no direction: the walk does not start, or it stops.
   step(player.walk, scenario, *X_PD, X_PX.value_or(*X_PD), X_PX ? thumbs : 0, dt);
 }
 

@@ -16,22 +16,22 @@ namespace headpin::scene {
 namespace {
 
 constexpr double kCrown = 0.12;       ///< above the eyes [m]
-constexpr Time kAfterwards{300'000};  ///< a late start still counts
-constexpr Time kFitted{200'000};      ///< an acceleration is that of so long
-constexpr double kSlowAgain = 0.5;    ///< what came at the player has been stopped [m/s]
-constexpr double kAtItsHeight = 0.5;  ///< where up and down are ways out [m]
-constexpr double kOnItsWay = 0.05;    ///< so near to its path either side is a way out [m]
+constexpr Time kAfterwards{300'000};  ///< moving away this late still counts
+constexpr Time kFitted{200'000};      ///< time span of the fit for an acceleration
+constexpr double kSlowAgain = 0.5;    ///< a slower body has been stopped [m/s]
+constexpr double kAtItsHeight = 0.5;  ///< height within which up and down count as away [m]
+constexpr double kOnItsWay = 0.05;    ///< this near to its path, both sides count as away [m]
 
-/// Of head and neck, from between the eyes: a head that turns there is not on its way [m].
+/// Joint of head and neck, from between the eyes. Turning the head does not move it [m].
 const Vec3 kNeckJoint(0.0, -0.08, 0.10);
 
-/// What one call of `watch` works on.
+/// The data of one call of `watch`.
 struct Sight {
   const Player& player;
   const Stage& stage;
   const engine::World& world;
   const Moment& moment;
-  Time measured{};           ///< when poses of now were measured
+  Time measured{};           ///< time at which the present poses were measured
   Vec3 p_WD;                 ///< head
   std::optional<Vec3> p_WH;  ///< hand
 };
@@ -40,7 +40,7 @@ Vec3 level(const Vec3& v) {
   return {v.x(), v.y(), 0.0};
 }
 
-/// Surface of a thing at `p_WB` to the line from the floor to the crown.
+/// Distance of the surface of a body at `p_WB` from the line from the floor to the crown.
 double to_upright(const Vec3& p_WB, double radius, const Vec3& p_WD) {
   const double above = std::max(0.0, p_WB.z() - (p_WD.z() + kCrown));
   const Vec3 aside = level(p_WB - p_WD) + Vec3(0.0, 0.0, above);
@@ -60,9 +60,9 @@ std::optional<Passing> passing_of(const Sight& sight, engine::BodyId body) {
                  sight.stage.scenario.collision.gravity);
 }
 
-/// Of a point to a convex part; 0 inside it.
+/// Distance of a point from a convex part; 0 inside it.
 double gap_to_part(const engine::Part& part, const Pose& X_WB, const Vec3& p_W) {
-  constexpr double kDot = 1e-3, kFar = 100.0;  // of the sphere that stands for the point; [m]
+  constexpr double kDot = 1e-3, kFar = 100.0;  // radius of the sphere used as the point; [m]
   engine::KeptNormal normal;
   const engine::Closest found = engine::closest_points(
       part.shape, engine::Ellipsoid{Vec3::Constant(kDot)},
@@ -70,8 +70,8 @@ double gap_to_part(const engine::Part& part, const Pose& X_WB, const Vec3& p_W) 
   return std::max(0.0, found.distance + kDot);
 }
 
-/// Of the line from the floor to `top` to a part. The distance of a point to what is convex has one
-/// least value along a line: a search by the golden section.
+/// Distance of the line from the floor to `top` from a part. Along a line, the distance from a
+/// convex part has one minimum, which a golden-section search finds.
 double gap_to_part(const engine::Part& part, const Pose& X_WB, const Vec3& top, double floor) {
   constexpr double kGolden = 0.61803398874989485;
   constexpr int kCuts = 22;  // to 0.1 mm of 2 m
@@ -91,7 +91,7 @@ double gap_to_part(const engine::Part& part, const Pose& X_WB, const Vec3& top, 
   return std::min({at_a, at_b, at(low), at(high)});
 }
 
-/// Surface of a body, as it collides, to the player.
+/// Distance of a body's collision surface from the player.
 double distance_now(const Sight& sight, engine::BodyId body) {
   const Pose& X_WB = sight.world.states[body].X_WB;
   if (sight.stage.roles[body] == Role::ball) {
@@ -108,8 +108,8 @@ double distance_now(const Sight& sight, engine::BodyId body) {
   return least;
 }
 
-/// Of a point of what is tracked, over the last samples by then, in the tracked space; zero for too few
-/// [m/s^2].
+/// Acceleration of a tracked point in the tracked space, from the samples before `now`; zero if
+/// there are too few [m/s^2].
 Vec3 acceleration(std::span<const Stamped<Pose>> track, const Vec3& p_SQ, Time now) {
   Mat3 normal = Mat3::Zero(), right = Mat3::Zero();  // of 1, t, t^2
   int count = 0;
@@ -128,16 +128,16 @@ Vec3 acceleration(std::span<const Stamped<Pose>> track, const Vec3& p_SQ, Time n
   return 2.0 / (unit * unit) * coefficients.row(2).transpose();
 }
 
-/// Whether a hand is on a way of its own, as in a throw.
+/// Whether a hand moves far, as in a throw.
 bool is_swinging(const devices::PoseTrack& hand, Time now) {
   constexpr double kSwing = 0.3;  // [m]
   const std::optional<Pose> before = hand.at(now - kFitted), after = hand.at(now);
   return !before || !after || (after->p - before->p).norm() > kSwing;
 }
 
-/// The part of an acceleration that leads out of the way of a thing.
+/// The part of an acceleration that leads away from a body that flies at the player.
 ///
-/// @param p_WQ  of what may be hit
+/// @param p_WQ  the point that may be hit
 double out_of_its_way(const Vec3& a, const Vec3& along_W, const Vec3& p_WB, const Vec3& p_WQ) {
   const Vec3 to_player = p_WQ - p_WB;
   const Vec3 side_W(along_W.y(), -along_W.x(), 0.0);
@@ -157,7 +157,7 @@ devices::Event seen_event(const Sight& sight, std::string_view kind, engine::Bod
   return e;
 }
 
-/// One more tick of a thing in the air.
+/// Updates an approach by one tick.
 void follow_approach(Approach& approach, const Sight& sight) {
   const engine::State& state = sight.world.states[approach.body];
   if (!approach.passed) {
@@ -190,7 +190,8 @@ devices::Event passed_event(const Sight& sight, const Approach& approach) {
   return e;
 }
 
-/// Whether it may be one's own throw no longer: it flies back, or away and is out of reach.
+/// Whether a body no longer counts as the player's own throw: it flies back, or it flies away and
+/// is far enough.
 bool is_nobodys(const Own& own, const Sight& sight) {
   const engine::State& state = sight.world.states[own.body];
   if (sight.world.bodies[own.body].kind != engine::Kind::free) return true;
@@ -199,7 +200,7 @@ bool is_nobodys(const Own& own, const Sight& sight) {
          distance_now(sight, own.body) > Alarm{}.near;
 }
 
-/// Keeps what the player has let go, by the events of this tick so far.
+/// Stores the bodies that the player has released, from the events of this tick so far.
 void keep_own(Presence& presence, const Sight& sight, std::span<const devices::Event> events) {
   std::erase_if(presence.own, [&](const Own& own) { return is_nobodys(own, sight); });
   for (const devices::Event& e : events) {
@@ -213,7 +214,7 @@ void keep_own(Presence& presence, const Sight& sight, std::span<const devices::E
   }
 }
 
-/// Notices what begins to fly at the player.
+/// Starts an approach if a body begins to fly at the player.
 void notice(Presence& presence, const Sight& sight, engine::BodyId body,
             std::vector<devices::Event>& out) {
   const engine::State& state = sight.world.states[body];
@@ -255,7 +256,7 @@ std::optional<Passing> passing(const engine::State& state, double radius, const 
     return Vec3(state.X_WB.p.x() + t * v.x(), state.X_WB.p.y() + t * v.y(),
                 std::max(floor, z + t * (state.v_WB.z() - 0.5 * gravity * t)));
   };
-  // What has just been thrown may come near the hand again, on its way off.
+  // A body that was just thrown may come near the hand again while it flies away.
   const double time_s = at(p_WD);
   if (time_s <= 0.0) return std::nullopt;
   const Passing nearest{time_s, to_upright(then(time_s), radius, p_WD)};
@@ -297,7 +298,7 @@ nlohmann::json approaches_of(std::span<const devices::Event> events) {
   for (const devices::Event& event : events) {
     if (event.kind != kind::passed_player) continue;
     nlohmann::json one = nlohmann::json::parse(event.detail, nullptr, false);
-    if (!one.is_object()) continue;  // of a damaged log
+    if (!one.is_object()) continue;  // the log is damaged
     one["time_s"] = nearest_seconds(event.time);
     one["body"] = event.bodies.empty() ? "" : event.bodies.front();
     one["closest_m"] = event.value;

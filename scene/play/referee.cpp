@@ -11,7 +11,7 @@ namespace headpin::scene {
 
 namespace {
 
-/// What one call of `referee` works on.
+/// The data of one call of `referee`.
 struct Field {
   Game& game;
   const Stage& stage;
@@ -27,7 +27,7 @@ struct Field {
   bool waits_for_rest() const { return plan().ends == "rest"; }
 };
 
-constexpr Time kFirst{500'000};  // a ball let go at rest has not fallen yet
+constexpr Time kFirst{500'000};  // a ball released at rest has not fallen yet
 
 void note(const Field& f, std::string_view kind, double value, std::string detail = {}) {
   devices::Event e = event(f.moment, kind, f.world, {});
@@ -46,13 +46,14 @@ bool at_rest(const engine::World& world, engine::BodyId body) {
   return is_still(world, body) || (state.v_WB.norm() < kSlow && state.w_WB.norm() < kSlowSpin);
 }
 
-/// A ball rolls on for long: at this speed it has a quarter of what tips a skittle.
+/// Whether a ball is too slow to matter. A ball rolls for a long time; at this speed it has a
+/// quarter of what tips a skittle.
 bool is_spent(const engine::World& world, engine::BodyId ball) {
   constexpr double kSlow = 0.05;  // [m/s]
   return is_still(world, ball) || world.states[ball].v_WB.norm() < kSlow;
 }
 
-/// Whether a ball is where none comes back from: through a wall that is none, or below the floor.
+/// Whether a ball has left the room and cannot come back: beyond a wall, or below the floor.
 bool is_gone(const Field& f, engine::BodyId ball) {
   const Room& room = f.stage.scenario.room;
   const Vec3& p_W = f.world.states[ball].X_WB.p;
@@ -60,7 +61,7 @@ bool is_gone(const Field& f, engine::BodyId ball) {
          p_W.z() < -1.0;
 }
 
-/// Whether nothing moves any more that could fell another skittle.
+/// Whether no body moves that could knock down another skittle.
 bool all_at_rest(const Field& f) {
   const auto over = [&](engine::BodyId ball) {
     return is_spent(f.world, ball) || (f.waits_for_rest() && is_gone(f, ball));
@@ -69,8 +70,8 @@ bool all_at_rest(const Field& f) {
          std::ranges::all_of(f.stage.skittles, [&](auto body) { return at_rest(f.world, body); });
 }
 
-/// How long all must be at rest. What is thrown up is slow for 2 v / g at the top of its flight; this
-/// is twice as long, and some ticks.
+/// Time for which all bodies must be at rest. A body that was thrown up is slow for 2 v / g at the
+/// top of its flight; this is twice as long, plus some ticks.
 Time long_enough(const Field& f) {
   constexpr double kSlow = 0.05, kTicks = 0.1;  // [m/s], [s]
   const double gravity = f.stage.scenario.collision.gravity;
@@ -79,7 +80,7 @@ Time long_enough(const Field& f) {
   return microseconds(std::min(longest, hangs + kTicks));
 }
 
-/// Whether all has been at rest for long enough, by this tick.
+/// Whether all bodies have been at rest for long enough at this tick.
 bool stays_at_rest(const Field& f) {
   if (!all_at_rest(f)) {
     f.game.quiet.reset();
@@ -95,7 +96,7 @@ bool is_down(const Field& f, engine::BodyId skittle) {
   return has_fallen(X_WB) || (X_WB.p - spot).head<2>().norm() > f.plan().off_spot;
 }
 
-/// Puts a skittle away: upright beside the others behind the wall ahead, where nobody comes or sees.
+/// Puts a skittle away: upright beside the others behind the wall ahead, where it is not visible.
 void put_away(const Field& f, engine::BodyId skittle) {
   constexpr double kBehind = 1.0, kApart = 0.3;
   engine::set_kind(f.world, skittle, engine::Kind::driven);
@@ -105,7 +106,7 @@ void put_away(const Field& f, engine::BodyId skittle) {
   engine::set_state(f.world, skittle, away);
 }
 
-/// Puts a body back to where the stage has it, as if nothing had happened to it.
+/// Puts a body back to its initial state in the stage.
 void put_back(const Field& f, engine::BodyId body) {
   engine::set_kind(f.world, body, f.stage.world.bodies[body].kind);
   engine::set_state(f.world, body, f.stage.world.states[body]);
@@ -120,14 +121,16 @@ void set_up(const Field& f, engine::BodyId skittle) {
   f.game.moved_by[skittle] = By::nobody;
 }
 
-/// Whether a skittle that is down is dead wood. Where nothing tells, it is the ball's that has struck.
+/// Whether a skittle that is down is dead wood. If the cause is not known, the ball counts as the
+/// cause if it has struck a skittle.
 bool is_dead_wood(const Field& f, engine::BodyId skittle) {
   if (!f.tells_apart()) return false;
   const By by = f.game.moved_by[skittle];
   return by == By::hand || (by == By::nobody && !f.game.struck);
 }
 
-/// Sweeps what is down; after a foul that costs the ball, what it felled is set up again.
+/// Removes the skittles that are down. After a foul with which the ball does not count, its
+/// skittles are set up again.
 ///
 /// @return  skittles down that count for the ball that was thrown
 int count(const Field& f) {
@@ -156,7 +159,7 @@ int count(const Field& f) {
   return static_cast<int>(felled);
 }
 
-/// @return  whether one of them was in the hand
+/// Sets up all skittles. @return  whether one of them was in the hand
 bool set_rack(const Field& f) {
   bool taken = false;
   for (const engine::BodyId skittle : f.stage.skittles) {
@@ -171,7 +174,7 @@ bool set_rack(const Field& f) {
 
 void bring_balls_back(const Field& f) {
   for (const engine::BodyId ball : f.stage.balls) {
-    if (f.world.bodies[ball].kind != engine::Kind::free) continue;  // waits or is carried
+    if (f.world.bodies[ball].kind != engine::Kind::free) continue;  // on its stand or carried
     put_back(f, ball);
     devices::Event back = event(f.moment, kind::ball_back, f.world, {ball});
     back.p_W = f.world.states[ball].X_WB.p;
@@ -180,7 +183,7 @@ void bring_balls_back(const Field& f) {
   f.game.struck = false;
 }
 
-/// Whether a frame is over where no skittle is left to be thrown at.
+/// Whether a frame is over if no skittle is left to throw at.
 bool ends_empty(const Field& f, bool last) {
   const Rules& rules = f.rules();
   if (rules.full_rack || rules.set_again) return false;
@@ -188,7 +191,7 @@ bool ends_empty(const Field& f, bool last) {
   return !(last && rules.bonuses && std::accumulate(frame.begin(), frame.end(), 0) >= f.rack());
 }
 
-/// @return  whether what the hand holds was taken from it
+/// @return  whether the body in the hand was taken from it
 bool end_delivery(const Field& f) {
   const Rules& rules = f.rules();
   std::vector<Frame>& frames = f.game.frames;
@@ -213,7 +216,7 @@ bool end_delivery(const Field& f) {
   return set_rack(f);
 }
 
-/// A ball begins to be under way: what stands still by now is nobody's doing.
+/// A ball starts: skittles that stand still now have no cause of motion.
 void begin_delivery(const Field& f) {
   f.game.thrown = f.moment.time;
   f.game.quiet.reset();
@@ -223,8 +226,8 @@ void begin_delivery(const Field& f) {
   }
 }
 
-/// What was set aside in the hand is put away once it is let go; what stands again on its spot
-/// has not been moved by anybody.
+/// Puts away a counted skittle when the hand has released it. A skittle that stands on its spot
+/// again has no cause of motion.
 void tidy(const Field& f) {
   for (const engine::BodyId skittle : f.stage.skittles) {
     if (f.world.bodies[skittle].kind != engine::Kind::free) continue;
@@ -237,7 +240,7 @@ void tidy(const Field& f) {
   }
 }
 
-/// Whether the ball that is under way is in the hand again and was not thrown at all.
+/// Whether the ball is in the hand again and does not count as thrown.
 bool is_taken_back(const Field& f, bool under_way) {
   if (under_way || f.game.struck) return false;
   return !f.game.beyond || f.moment.time - *f.game.thrown < kFirst;

@@ -14,23 +14,23 @@ namespace {
 
 using nlohmann::ordered_json;
 using Track = std::vector<Stamped<Pose>>;
-// Plain sums in a fixed order: a library's way with four numbers depends on the processor.
+// Plain sums in a fixed order, because a library's order of four numbers depends on the processor.
 using Four = std::array<double, 4>;
 using Square = std::array<Four, 4>;
 
 constexpr double kFastestHand = 20.0;  // m/s; the fastest bowlers' hands reach half of it
 constexpr double kUsualHand = 10.0;    // m/s, faster is less likely
-constexpr double kFastestOver = 12.0;  // m/s, past samples that are left out
+constexpr double kFastestOver = 12.0;  // m/s, limit across samples that are left out
 constexpr double kJitter = 0.05;       // m, between two samples of a noisy tracker
-constexpr Time kFollowed{30'000};      // past the last sample
-constexpr double kAfter = 0.04;        // s, the window's half after the time
-constexpr Time kHole{50'000};          // between two samples: what is inside was not tracked
-constexpr double kOffPath = 0.015, kOffTurn = 0.15;  // m, rad: what is nearer is no outlier
-constexpr double kOffFit = 16.0;  // all others leave so many times less squares without an outlier
+constexpr Time kFollowed{30'000};      // extrapolation after the last sample
+constexpr double kAfter = 0.04;        // s, part of the window after the time
+constexpr Time kHole{50'000};          // a longer time between two samples was not tracked
+constexpr double kOffPath = 0.015, kOffTurn = 0.15;  // m, rad: a nearer sample is no outlier
+constexpr double kOffFit = 16.0;           // without an outlier, squares are smaller by this factor
 constexpr std::size_t kFewestToJudge = 7;  // a cubic and three more
 
-/// What it costs to believe that a hand got from one to the other with `skipped` samples between
-/// that were not its own, where one sample more is worth 1; nothing where no hand could.
+/// Cost of the assumption that the hand moved from sample a to sample b and that the `skipped`
+/// samples in between are wrong. A kept sample is worth 1. Nothing if no hand is fast enough.
 std::optional<double> cost(const Stamped<Pose>& a, const Stamped<Pose>& b, std::size_t skipped) {
   const double dt = std::abs(seconds(b.time - a.time));
   const double speed = std::max(0.0, (b.value.p - a.value.p).norm() - kJitter) / dt;
@@ -38,8 +38,8 @@ std::optional<double> cost(const Stamped<Pose>& a, const Stamped<Pose>& b, std::
   return 0.95 * static_cast<double>(skipped) + std::max(0.0, speed - kUsualHand) / kUsualHand;
 }
 
-/// The samples of a track that a hand can have made: as many as can be with little between them that
-/// it cannot; the latest of equal ones.
+/// The samples of a track that are plausible for a hand: the sequence with the most samples at the
+/// least cost; of equal sequences, the latest.
 Track possible(std::span<const Stamped<Pose>> track) {
   std::vector<double> worth(track.size(), 1.0);
   std::vector<std::size_t> before(track.size());
@@ -67,10 +67,10 @@ Track possible(std::span<const Stamped<Pose>> track) {
 /// A polynomial through points in time, by weighted least squares.
 struct Fit {
   Vec3 slope = Vec3::Zero();  ///< at t = 0, per second
-  double deviation = 0.0;     ///< of it along an axis; 0 where nothing tells
-  std::size_t worst = 0;      ///< the point that the others say most to be elsewhere
-  double off = 0.0;           ///< how far it is from there
-  bool alone = false;         ///< without it the rest fits far better
+  double deviation = 0.0;     ///< of the slope along an axis; 0 if unknown
+  std::size_t worst = 0;      ///< the point that disagrees most with the others
+  double off = 0.0;           ///< its distance from the fit of the others
+  bool alone = false;         ///< without it the others fit much better
 };
 
 double tricube(double u) {
@@ -116,7 +116,7 @@ double form(const Four& x, const Square& a, const Four& y, std::size_t n) {
   return sum;
 }
 
-/// A weighted least-squares problem: what does not depend on the points, only on their times.
+/// The part of a weighted least-squares problem that depends only on the times of the points.
 struct Design {
   std::span<const double> w;
   std::size_t used = 0;  ///< points that have a weight
@@ -130,7 +130,7 @@ struct Design {
 constexpr double kScale = 0.05;  // of the times [s]
 
 /// @param t  [s]; slopes are those at 0
-/// @param w  must outlive what is given back
+/// @param w  must outlive the result
 Design design(std::span<const double> t, std::span<const double> w) {
   Design d;
   d.w = w;
@@ -182,7 +182,7 @@ Fit fit(const Design& d, std::span<const Vec3> y) {
     Vec3 left = y[i];
     for (std::size_t a = 0; a < d.n; ++a) left -= d.powers[i][a] * coefficient[a];
     squares += d.w[i] * left.squaredNorm();
-    // So much less if it was not there.
+    // The decrease of the sum of squares without this point.
     const double without = d.w[i] * left.squaredNorm() / d.apart[i];
     if (!(d.apart[i] > 1e-6) || without <= most) continue;
     most = without;
@@ -196,7 +196,7 @@ Fit fit(const Design& d, std::span<const Vec3> y) {
   return found;
 }
 
-/// What of a track tells about a time, from the nearest sample back to the window's start.
+/// The samples of a track that are used for a time, back to the start of the longest window.
 struct Near {
   Track track;
   int left_out = 0;
@@ -223,7 +223,7 @@ Near samples_near(std::span<const Stamped<Pose>> track, Time at, const ReleaseWi
   return near;
 }
 
-/// How far the nearest sample is; 0 between two that are near each other.
+/// Time to the nearest sample; 0 between two samples that are near each other.
 Time away(const Track& track, Time at) {
   const auto after = std::ranges::lower_bound(track, at, {}, &Stamped<Pose>::time);
   if (after == track.end()) return at - track.back().time;
@@ -243,7 +243,7 @@ Quat orientation_at(const Track& track, Time at) {
       .q;
 }
 
-/// The two fits of a track at a time, over the shortest window that does.
+/// The two fits of a track at a time, over the shortest window that is accurate enough.
 struct Fits {
   Fit path, turn;
 };

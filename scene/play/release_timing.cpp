@@ -16,7 +16,7 @@ constexpr Time kAround{500'000};
 
 using Track = std::vector<Stamped<Pose>>;
 
-/// X_PH of the samples that matter for a release at one of these times.
+/// X_PH of the samples that are needed for a release at one of these times.
 Track hand_around(const devices::TrialFile& trial, const Rig& rig, const std::vector<Time>& times,
                   Time before) {
   Track track;
@@ -39,7 +39,7 @@ ReleaseTiming at_samples(const Track& track, Time time, const Scenario& scenario
   const ReleaseWindow window = release_window(scenario.hand);
   ReleaseTiming timing{.release = time};
   for (std::size_t i = 1; i < track.size(); ++i) {
-    // Poses are used so long after they were measured.
+    // Poses are used `rig.delay_s` after they were measured.
     const Time at = track[i].time + microseconds(scenario.rig.delay_s);
     if (at < time - kAround || at > time + kAround) continue;
     if (track[i - 1].time < track[i].time - window.longest()) continue;

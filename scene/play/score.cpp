@@ -31,7 +31,7 @@ bool is_of_ball(const devices::Event& event) {
   return !event.bodies.empty() && event.bodies.front().starts_with("ball");
 }
 
-/// What the release of a ball tells of a throw.
+/// The row of a throw, from the release of its ball.
 devices::ThrowRow thrown(const devices::Event& release, const std::string& version) {
   devices::ThrowRow row;
   row.version = version;
@@ -55,7 +55,7 @@ devices::ThrowRow thrown(const devices::Event& release, const std::string& versi
   return row;
 }
 
-/// As the sheet says it of a ball: "foul (frame 2 ball 1)".
+/// The mark for a ball on the sheet: "foul (frame 2 ball 1)".
 std::string mark(const Sheet& game, const std::string& what) {
   return fmt::format("{} (frame {} ball {})", what, game.frames.size(),
                      game.frames.back().size() + 1);
@@ -66,7 +66,7 @@ std::string mark(const Sheet& game, const std::string& what) {
 double degrees_from_y(const Vec3& v) {
   const double speed = std::sqrt(v.x() * v.x() + v.y() * v.y());
   if (speed <= 0.0) return 0.0;
-  // The turn by half of it, from whichever of two equal ratios does not cancel.
+  // The rotation by half of the angle, from the one of two equal ratios that has no cancellation.
   Quat half = v.y() >= 0.0 ? Quat(speed + v.y(), 0.0, 0.0, v.x())
                            : Quat(std::abs(v.x()), 0.0, 0.0, std::copysign(speed - v.y(), v.x()));
   half.normalize();
@@ -87,7 +87,7 @@ std::string in_words(const Sheet& sheet) {
 
 void Score::add_to_game(const devices::Event& event) {
   if (event.kind == kind::game && is_rules(event.detail)) {
-    if (games.empty()) skittles_down = felled_by_hand = 0;  // what fell before is in no sheet
+    if (games.empty()) skittles_down = felled_by_hand = 0;  // earlier falls are in no sheet
     games.push_back({.version = version_,
                      .rules = event.detail,
                      .rack = static_cast<int>(event.value),

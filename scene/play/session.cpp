@@ -19,7 +19,7 @@ bool has_buttons(const Session& s) {
   return s.versions[0] != nullptr;
 }
 
-/// The button that the hand is at, from wrist to fingertips.
+/// The button that the hand touches, from wrist to fingertips.
 std::optional<std::size_t> button_at_hand(const Session& s, Time now) {
   const std::optional<Pose> X_WH = in_room(s, s.player.hand, now);
   if (!X_WH) return std::nullopt;
@@ -34,8 +34,8 @@ std::optional<std::size_t> button_at_hand(const Session& s, Time now) {
   return std::nullopt;
 }
 
-/// Counts the ball that is under way for the version it was thrown in: a copy of its world goes on
-/// without the player until that is done. What comes of it happens now.
+/// Counts the moving ball for the version in which it was thrown. A copy of its world continues
+/// without the player until the ball is counted; the resulting events happen now.
 void count_ahead(const Session& s, const Moment& moment, std::vector<devices::Event>& out) {
   if (s.scenario().game.ends != "rest" || !s.game.thrown) return;
   engine::World world = s.world;
@@ -66,7 +66,7 @@ void count_ahead(const Session& s, const Moment& moment, std::vector<devices::Ev
   }
 }
 
-/// Sets up the world of a version; what time and energy have come to goes on.
+/// Sets up the world of a version. Tick and ledger continue.
 void start_version(Session& s, std::size_t version, const Moment& moment) {
   count_ahead(s, moment, s.events);
   engine::World before = std::move(s.world);
@@ -74,7 +74,7 @@ void start_version(Session& s, std::size_t version, const Moment& moment) {
   s.world = s.stage->world;
   s.world.tick = before.tick;
   s.world.ledger = before.ledger;
-  s.world.memory.balance = before.memory.balance;  // the next step books what is other now
+  s.world.memory.balance = before.memory.balance;  // the next step books the difference
   s.player.held.reset();
   s.player.leaving.reset();
   s.game = make_game(*s.stage);
@@ -89,7 +89,7 @@ void start_version(Session& s, std::size_t version, const Moment& moment) {
   s.events.push_back(std::move(e));
 }
 
-/// A button works when the hand comes to it, not while it stays.
+/// A button acts when the hand begins to touch it, not while the hand stays there.
 void touch_buttons(Session& s, const Moment& moment) {
   if (!has_buttons(s)) return;
   const std::optional<std::size_t> now = button_at_hand(s, moment.time);

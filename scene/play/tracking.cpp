@@ -9,7 +9,8 @@ namespace headpin::scene {
 
 namespace {
 
-/// Time of the last sample up to a time, of a track that is not empty; of the first if all are later.
+/// Time of the last sample up to a time, or of the first sample if all are later. The track is not
+/// empty.
 Time last_until(const devices::PoseTrack& track, Time time) {
   const std::vector<Stamped<Pose>>& samples = track.samples();
   const auto after = std::ranges::upper_bound(samples, time, {}, &Stamped<Pose>::time);

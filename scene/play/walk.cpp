@@ -18,7 +18,7 @@ Vec3 level_ahead(const Pose& X_PX) {
   return length < kStraightUp ? Vec3::Zero() : Vec3(ahead / length);
 }
 
-/// How far a head is into what it must stay out of, seen from above [m].
+/// How far the head is inside a forbidden area, seen from above [m].
 double depth(const Vec3& p_WD, const Scenario& scenario) {
   const Room& room = scenario.room;
   const double clear = scenario.walk.clearance;
@@ -44,7 +44,7 @@ void step(Walk& walk, const Scenario& scenario, const Pose& X_PD, const Pose& X_
   const double most = scenario.walk.acceleration * dt;
   walk.v_WP = change.norm() <= most ? wanted : Vec3(walk.v_WP + most * change.normalized());
   if (walk.v_WP.isZero(0.0)) return;
-  for (const int axis : {0, 1}) {  // one after the other: along a wall one may walk on
+  for (const int axis : {0, 1}) {  // separately, so that walking along a wall is possible
     Vec3 there = walk.p_WP;
     there[axis] += walk.v_WP[axis] * dt;
     if (depth(there + X_PD.p, scenario) > depth(walk.p_WP + X_PD.p, scenario)) {

@@ -14,7 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Where the running program is; by how it was called where there is no /proc, as in a bare chroot.
+/// Path of the running program. Without /proc, as in a bare chroot, it comes from how it was
+/// called.
 fs::path program_file() {
   std::error_code error;
   fs::path file = fs::read_symlink("/proc/self/exe", error);
@@ -24,7 +25,7 @@ fs::path program_file() {
   return error ? fs::path{} : file;
 }
 
-/// Empty where there is none.
+/// The folder of the bundled scenarios; empty if there is none.
 fs::path scenario_folder() {
   std::error_code none;
   for (const fs::path& data : data_folders()) {

@@ -7,11 +7,11 @@
 #include "scene/scenario/scenario.h"
 #include "scene/scenario/writer.h"
 
-// The keys of a scenario, listed by the one list of its fields.
+// Lists the keys of a scenario from the list of its fields.
 namespace headpin::scene {
 namespace {
 
-/// Lists fields in their order, each with what a reader wants to know of it.
+/// Lists fields in their order, each with its data for documentation.
 class Lister {
  public:
   template <typename T, typename Allowed>
@@ -22,7 +22,7 @@ class Lister {
     keys_.push_back({path, kind(value), text(allowed), fallback(value), std::string(meaning),
                      std::string(source)});
     if constexpr (std::is_same_v<T, std::vector<SkittlePart>>) {
-      for (const char* shape : {"ellipsoid", "polyhedron"}) {  // which have keys of their own
+      for (const char* shape : {"ellipsoid", "polyhedron"}) {  // these shapes have other keys
         SkittlePart part{.shape = shape};
         section(std::string(key) + "[]", "", part);
       }
@@ -67,7 +67,7 @@ class Lister {
     return fmt::format("{}", fmt::join(choices, ", "));
   }
 
-  /// Empty where the default is a list, too long to be shown.
+  /// The default as text; empty for a list, which is too long.
   template <typename T>
   static std::string fallback(const T& value) {
     const std::string text = Writer::text(value);

@@ -52,7 +52,7 @@ inline constexpr std::pair<std::string_view, std::string_view> kKeysSince[] = {
     {"version.blue.detection", "'collision'"},
     {"version.blue.iterations", "0"},
     {"walk.along", "'gaze'"},
-    {"walk.speed", "0.0"},  // thumbs moved nobody
+    {"walk.speed", "0.0"},  // thumb buttons had no effect
     {"walk.acceleration", "3.0"},
     {"walk.clearance", "0.3"},
     {"room.solid_ceiling", "false"},

@@ -29,7 +29,7 @@ int down_since_set(const Frame& frame, int rack) {
   return down;
 }
 
-/// What the next balls of the game bring, as many as are thrown.
+/// Sum of the next balls of the game, as far as they have been thrown.
 int next_balls(std::span<const Frame> later, int count) {
   int all = 0;
   for (const Frame& frame : later) {

@@ -8,7 +8,7 @@
 namespace headpin::scene {
 namespace {
 
-/// Rounded, so that the text of a scenario shows measures and not the noise of a product.
+/// Rounds a length, so that the text of a scenario does not show rounding errors of products.
 double ten_micrometres(double length) {
   return std::round(length * 1e5) / 1e5;
 }
@@ -28,7 +28,7 @@ Scenario::Scenario() : hmd(hmd_of_profile(render::hmd_profiles().front().name)) 
                               ten_micrometres(r * 0.26396));
     }
   }
-  // Within 1.9 mm of the profile: fitted, the base's radius and the height given.
+  // Fitted to within 1.9 mm of the profile, with given radius of the base and given height.
   skittle.parts = {{"cylinder", 0.0258, 0.0, 0.02},     {"cylinder", 0.0287, 0.003, 0.02},
                    {"ellipsoid", 0.0384, 0.0002, 0.05}, {"ellipsoid", 0.0605, 0.004, 0.229},
                    {"cone", 0.0605, 0.1335, 0.3131},    {"cylinder", 0.0246, 0.2, 0.33},

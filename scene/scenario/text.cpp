@@ -15,11 +15,11 @@
 #include "scene/scenario/toml_text.h"
 #include "scene/scenario/writer.h"
 
-// Scenarios as TOML, read, written and listed by the one list of their fields.
+// Scenarios as TOML: reading, writing and listing use the same list of fields.
 namespace headpin::scene {
 namespace {
 
-/// Fills fields from a TOML table; refuses what it does not know.
+/// Fills fields from a TOML table; rejects unknown keys.
 class Reader {
  public:
   Reader(const toml::table& table, ScenarioText& text, std::string path)
@@ -50,7 +50,7 @@ class Reader {
     inner.finish();
   }
 
-  /// To be called last: complains about the first key that no field asked for.
+  /// To be called last: throws for the first key that no field used.
   void finish() const {
     for (const auto& [key, node] : table_) {
       if (known_.contains(std::string(key.str()))) continue;
@@ -84,7 +84,7 @@ class Reader {
     text_.lines[path] = static_cast<int>(node.source().begin.line);
   }
 
-  /// {v = VALUE} for a key that came later than the text at hand.
+  /// {v = VALUE} for a key that is newer than this text.
   toml::table value_before(const std::string& path) const {
     for (const auto& [key, value] : kKeysSince) {
       if (key == path) return toml::parse(fmt::format("v = {}", value));
@@ -157,7 +157,7 @@ class Reader {
     refuse(node, path, names);
   }
 
-  /// By the name of its profile, which sets all of it.
+  /// Reads the name of a profile, which sets all values of the display.
   void read(const toml::node& node, const std::string& path, Hmd& value, Range range) const {
     std::string name;
     read(node, path, name, range);
@@ -213,7 +213,7 @@ class Reader {
       visit(inner, value.emplace_back());
       note_line(item, fmt::format("{}[{}]", path, value.size()));
       inner.finish();
-      const SkittlePart& part = value.back();  // a polyhedron's measures are those of its corners
+      const SkittlePart& part = value.back();  // measures of a polyhedron follow from its corners
       if (part.shape != "polyhedron" && !(part.low < part.high))
         refuse(item, path, "low below high");
     }
@@ -337,7 +337,7 @@ void read_assignment(Scenario& scenario, std::string_view assignment, ScenarioTe
 }
 
 std::string to_toml(const Scenario& scenario) {
-  // The list of fields is one for reading and writing, so it takes what it could change.
+  // The list of fields is the same for reading and writing, so it needs non-const objects.
   Scenario usual, copy = scenario;
   const std::map<std::string, std::string> none;
   Writer first(none);

@@ -16,9 +16,9 @@ namespace headpin::scene {
 
 namespace {
 
-/// Passes over a string that begins at `at`, quotes and all.
-/// @return  where it ends; an unfinished one ends with its line, or with the text if it may have
-///          many
+/// Skips a string that begins at `at`, with its quotes.
+/// @return  its end; an unfinished string ends with its line, or with the text if it may have
+///   several lines
 std::size_t after_string(std::string_view toml, std::size_t at) {
   const char quote = toml[at];
   const std::string three(3, quote);
@@ -44,7 +44,7 @@ std::string brief(std::string_view text) {
 
 std::string read_scenario_file(const std::string& path) {
   constexpr std::size_t kMost = 16'000'000;
-  // A pipe is read where somebody writes to it, and not waited for where nobody does.
+  // A pipe is read if another process writes to it; otherwise this does not wait.
   const int file = open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   std::string text;
   std::array<char, 65536> bytes{};
@@ -87,7 +87,7 @@ void require_shallow(std::string_view toml, std::string_view where) {
     } else if (c == ']' || c == '}') {
       brackets = std::max(0, brackets - 1);
     } else if (c == '=' || c == ',' || c == '\n') {
-      dots = 0;  // those of one key or number come without any of these
+      dots = 0;  // dots of one key or number have none of these in between
     }
     if (brackets > kDeepest || dots > kDeepest) {
       const auto line = 1 + std::count(toml.begin(), toml.begin() + static_cast<long>(at), '\n');

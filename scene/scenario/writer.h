@@ -23,11 +23,11 @@ inline std::string number_text(double value) {
   return text;
 }
 
-/// Writes fields in their order, each with its meaning beside it, and where it is from if it is
-/// still the value that is from there.
+/// Writes fields in their order, each with its meaning, and with its source if the value is still
+/// that of the source.
 class Writer {
  public:
-  /// @param sourced  the values that the sources are of, by key; none for no sources
+  /// @param sourced  the values to which the sources belong, by key; empty for no sources
   explicit Writer(const std::map<std::string, std::string>& sourced) : sourced_(sourced) {}
 
   template <typename T, typename Allowed>
@@ -58,7 +58,7 @@ class Writer {
     out_ += "\n";
   }
 
-  /// @return  the path outside
+  /// @return  the path of the outer table
   std::string enter(std::string_view key, std::string_view meaning) {
     const std::string outer = path_;
     path_ += (path_.empty() ? "" : ".") + std::string(key);

@@ -22,7 +22,7 @@ namespace {
 
 constexpr char kGood = '+', kBad = '-', kMemory = 'm';
 
-/// Private memory of this process that can be written [bytes].
+/// Private writable memory of this process [bytes].
 std::size_t memory_now() {
   std::ifstream statm("/proc/self/statm");
   std::size_t pages = 0;  // size, resident, shared, text, lib, data
@@ -46,7 +46,7 @@ bool write_all(int to, const std::string& bytes) {
   return true;
 }
 
-/// Never returns, and leaves nothing of this process flushed or undone twice.
+/// Never returns. Does not flush buffers or run exit handlers a second time.
 [[noreturn]] void work_and_tell(const std::function<std::string()>& work, const Limits& limits,
                                 int to) {
   for (const int signal : {SIGSEGV, SIGABRT, SIGBUS, SIGFPE, SIGXCPU, SIGTERM, SIGINT}) {

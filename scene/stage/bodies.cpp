@@ -26,7 +26,7 @@ engine::Part make_part(const SkittlePart& part) {
   return {engine::Ellipsoid{Vec3(part.radius, part.radius, half)}, X_BG};
 }
 
-/// As the skittle's own outline has it, or its parts, or the one ellipsoid that collides for it.
+/// Mass properties of the skittle: from its outline, its parts, or its one ellipsoid.
 engine::MassProperties skittle_mass(const Scenario& scenario, const engine::Compound& shape) {
   const Skittle& skittle = scenario.skittle;
   const auto of_parts = [&](const engine::Compound& parts) {
@@ -57,7 +57,7 @@ engine::Polyhedron box(const Vec3& half) {
           {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}};
 }
 
-/// A solid whose sections across y are all alike, about its middle.
+/// A prism along y, about its middle.
 engine::Part prism(const Slab& slab) {
   const auto n = static_cast<std::uint32_t>(slab.section.size());
   const double half = 0.5 * (slab.end - slab.begin);
@@ -73,7 +73,7 @@ engine::Part prism(const Slab& slab) {
     for (const Vec2& p : slab.section)
       corners.emplace_back(p.x() - middle.x(), y, p.y() - middle.y());
   }
-  for (std::uint32_t i = 0; i < n; ++i) {  // the section is counterclockwise as the player sees it
+  for (std::uint32_t i = 0; i < n; ++i) {  // the section is counterclockwise, seen by the player
     const std::uint32_t next = (i + 1) % n;
     faces[0].push_back(i);
     faces[1].push_back(2 * n - 1 - i);

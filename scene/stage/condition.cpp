@@ -25,10 +25,10 @@ bool is_in(const std::string& key, const std::string& section) {
   return key == section || key.starts_with(section + ".");
 }
 
-/// What the assignments say of all objects goes to every version, as each of them has one
-/// elasticity and one friction for all.
+/// Applies values that the assignments set for all objects to every version, because a version has
+/// one elasticity and one friction for all objects.
 ///
-/// @throws std::invalid_argument  where they say it of some objects alone, which no version can have
+/// @throws std::invalid_argument  if they set it for some objects only, which no version can have
 void pass_on_materials(const std::vector<std::string>& assignments, Scenario& scenario) {
   std::map<std::string, std::set<std::string>> said;  // of what, about which objects
   for (const std::string& assignment : assignments) {
@@ -62,8 +62,8 @@ void pass_on_materials(const std::vector<std::string>& assignments, Scenario& sc
           [](Scenario& s, double value) { set_friction(s, value); });
 }
 
-/// Versions have materials, a shape and perhaps a detection of their own: what is said of the scenario's goes to each of
-/// them, and what is said of a version stays that version's.
+/// Versions have their own materials, shape and perhaps detection. Values for the scenario go to
+/// each version; values for one version stay with it.
 void pass_on_to_versions(const Condition& condition, Scenario& scenario) {
   if (!scenario.version.buttons) return;
   if (condition.elasticity) set_elasticity(scenario, *condition.elasticity);

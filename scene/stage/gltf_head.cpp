@@ -13,7 +13,7 @@ namespace {
 
 using nlohmann::json;
 
-/// The JSON of a file; null where it has none, which its reader complains of.
+/// The JSON of a file; null if it has none, which the reader of the file reports.
 json json_of(std::string_view bytes) {
   // The binary form (glTF 2.0, section 4.4): a head of 12 bytes, the length of the first chunk and
   // "JSON", then so many bytes.
@@ -27,7 +27,7 @@ json json_of(std::string_view bytes) {
   return found.is_object() ? found : json(nullptr);
 }
 
-// What a file says under a key, or nothing: it may have any JSON there.
+// The value of a key in a file, or nothing. A file may have any JSON there.
 
 json value(const json& object, const char* key) {
   return object.is_object() ? object.value(key, json()) : json();

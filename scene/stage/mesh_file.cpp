@@ -35,7 +35,7 @@ constexpr std::size_t kMostCorners = 20'000, kMostVertices = 1000;  // of a poly
 constexpr const char* kHalfRead = "its reader was cut short";
 constexpr double kFarthest = 1e3;  // that a point may be [m]
 
-/// Small letters.
+/// The extension in small letters.
 std::string kind_of(const std::filesystem::path& path) {
   std::string kind = path.extension().string();
   for (char& c : kind) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
@@ -46,7 +46,7 @@ bool is_gltf(const std::string& kind) {
   return kind == ".gltf" || kind == ".glb";
 }
 
-/// What is read of a file, as it stands there.
+/// The unchanged content of a file.
 struct Read {
   std::vector<aiVector3D> points;
   std::vector<aiVector3D> normals;  // of the points, 0 where the file has none; then of the corners
@@ -64,7 +64,8 @@ void put(std::string& bytes, const std::vector<T>& list) {
   bytes.append(reinterpret_cast<const char*>(list.data()), size * sizeof(T));
 }
 
-/// What put() put; a file may have brought whoever wrote it to write anything.
+/// Reads the data of put(). It is not trusted, because a file may have made its writer write
+/// anything.
 template <typename T>
 void take(std::string_view& bytes, std::vector<T>& list) {
   std::size_t size = 0;
@@ -95,7 +96,7 @@ class OneFile : public Assimp::IOSystem {
   std::string name_;
 };
 
-/// Keeps the first thing that assimp complains of and would put up with.
+/// Stores the first error that assimp reports but would ignore.
 class FirstError : public Assimp::LogStream {
  public:
   explicit FirstError(std::string& text) : text_(text) {}
@@ -107,17 +108,18 @@ class FirstError : public Assimp::LogStream {
   std::string& text_;
 };
 
-/// Without what a log puts before it, and the end of its line.
+/// A log message without its prefix and the end of its line.
 std::string bare(std::string text) {
   if (text.starts_with("Error, T")) text.erase(0, text.find(": ") + 2);
   while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
   return text;
 }
 
-/// Who asks for a mesh: surfaces seen from both sides are there twice for the eyes.
+/// The purpose of a mesh. For the eyes, surfaces that are visible from both sides are stored twice.
 enum class For { eyes, collisions };
 
-/// A mesh where its node stands. A mirror turns its faces' corners round (glTF 2.0, section 3.7.4).
+/// Appends a mesh at the pose of its node. A mirror reverses the corners of faces (glTF 2.0,
+/// section 3.7.4).
 void append(Read& all, const aiMesh& mesh, const aiMatrix4x4& X, bool turned, bool other_side) {
   const auto base = static_cast<std::uint32_t>(all.points.size());
   const aiMatrix3x3 for_normals = aiMatrix3x3(X).Inverse().Transpose();
@@ -135,7 +137,8 @@ void append(Read& all, const aiMesh& mesh, const aiMatrix4x4& X, bool turned, bo
   }
 }
 
-/// As many colours as append() adds points: of the points, times the material's.
+/// Appends as many colours as append() adds points: those of the points, times that of the
+/// material.
 void append_colours(Read& all, const aiMesh& mesh, const aiMaterial* gltf_material) {
   aiColor4D plain(1.0F, 1.0F, 1.0F, 1.0F);
   const bool has_plain =
@@ -148,7 +151,7 @@ void append_colours(Read& all, const aiMesh& mesh, const aiMaterial* gltf_materi
 
 using Key = std::array<float, 9>;
 
-/// What has an order, also where it is no number.
+/// A key that has an order even if a value is not a number.
 Key key_of(const aiVector3D& p, const aiVector3D& n = {}, const aiColor4D& c = {}) {
   Key key{p.x, p.y, p.z, n.x, n.y, n.z, c.r, c.g, c.b};
   for (float& x : key) x = std::isfinite(x) ? x : 0.0F;
@@ -159,8 +162,8 @@ bool has_direction(const aiVector3D& n) {
   return std::isfinite(n.SquareLength()) && n.SquareLength() > 0.0F;
 }
 
-/// Of each triangle's corners: what the file says; where it says none, or 0, the mean of the faces
-/// there that are within 50 degrees of its own, so that a sharp edge stays one.
+/// Normals of each triangle's corners: those of the file. If the file has none, or 0, it is the
+/// mean of the faces there within 50 degrees of its own face, so that sharp edges stay sharp.
 std::vector<aiVector3D> normals_of_corners(const Read& all) {
   constexpr float kSmooth = 0.64279F;  // cosine of 50 degrees
   std::vector<aiVector3D> normals, faces;
@@ -215,7 +218,7 @@ void append(Read& all, const aiScene& scene, const aiNode& node, const aiMatrix4
   }
 }
 
-/// Done in a process of its own: assimp believes what a file says of its sizes.
+/// Runs in a separate process, because assimp trusts the sizes in a file.
 std::string read_by_assimp(std::string_view bytes, const std::string& kind, unsigned flags,
                            For whom) {
   Read all;
@@ -264,7 +267,7 @@ Read read_apart(std::string_view file, const std::string& kind, unsigned flags, 
   return all;
 }
 
-/// From a file's numbers to metres, x right, y ahead, z up.
+/// Transform from a file's numbers to metres, x right, y ahead, z up.
 struct FromFile {
   Mat3 R;
   double unit;
@@ -310,7 +313,7 @@ auto naming(const std::filesystem::path& path, F&& f) {
   }
 }
 
-/// Index of each corner among the distinct ones, which are returned: within `apart` is the same.
+/// Index of each corner among the distinct corners. Corners within `apart` of each other are equal.
 std::vector<std::uint32_t> weld(const std::vector<Vec3>& corners, double apart,
                                 std::vector<Vec3>& distinct) {
   std::vector<std::uint32_t> by_x(corners.size());
@@ -343,7 +346,7 @@ std::string read_mesh_file(const std::filesystem::path& path) {
     throw std::runtime_error(
         fmt::format("{}: kind \"{}\", expected .gltf, .glb, .obj, .ply, .stl or .off", name, kind));
   }
-  const int file = open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // waits at no pipe
+  const int file = open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // never waits for a pipe
   struct stat is {};
   if (file < 0 || fstat(file, &is) != 0) {
     const int error = errno;
@@ -388,7 +391,7 @@ MeshData mesh_of(std::string_view bytes, const std::filesystem::path& path,
       throw std::runtime_error(kHalfRead);
     }
     const bool coloured = all.colours.size() == all.points.size();
-    std::map<Key, std::uint32_t> alike;  // (Assimp's own way of it mixes colours up.)
+    std::map<Key, std::uint32_t> alike;  // (Assimp's own function mixes up colours.)
     MeshData mesh;
     mesh.unseen.assign(all.unseen.begin(), all.unseen.end());
     for (std::size_t i = 0; i < all.corners.size(); ++i) {
@@ -400,7 +403,7 @@ MeshData mesh_of(std::string_view bytes, const std::filesystem::path& path,
       if (!is_new) continue;
       mesh.points.push_back(from.point(all.points[at]));
       const Vec3 n = from.R * Vec3(all.normals[i].x, all.normals[i].y, all.normals[i].z);
-      const bool has_length = n.allFinite() && n.norm() > 0.0;  // else it is of no area
+      const bool has_length = n.allFinite() && n.norm() > 0.0;  // otherwise the area is 0
       mesh.normals.push_back(has_length ? Vec3(n.normalized()) : Vec3::UnitZ());
       if (coloured) mesh.colours.push_back(light_of(colour, is_gltf(kind)));
     }

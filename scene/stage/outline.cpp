@@ -21,7 +21,7 @@ Outline smooth_outline(std::span<const Vec2> profile) {
   std::vector<Vec2> p(profile.begin(), profile.end() - (round ? 1 : 0));
   const Vec2 first = p[0], second = p[1], last = p.back(), before = p[p.size() - 2];
   p.insert(p.begin(), 2.0 * first - second);
-  p.emplace_back(2.0 * last.x() - before.x(), before.y());  // upright at its end
+  p.emplace_back(2.0 * last.x() - before.x(), before.y());  // vertical at its end
 
   constexpr int kSteps = 16;
   Outline outline;
@@ -74,7 +74,7 @@ Outline outline_of_parts(std::span<const TurnedPart> parts) {
     }
   }
   std::ranges::sort(heights);
-  // The widest of the parts that are below, or above, a height; both where they go on.
+  // The largest radius of the parts directly below, or above, a height.
   const auto widest = [&](double height, bool below) {
     double radius = 0.0;
     for (const TurnedPart& part : parts) {
@@ -95,8 +95,8 @@ Outline outline_of_parts(std::span<const TurnedPart> parts) {
 }
 
 engine::MassProperties turned_mass(const Outline& outline, double mass) {
-  // Integrals over the height h of what the discs have: at most h^2 r^2 and r^4 between two points,
-  // which three of Gauss's points have exactly.
+  // Integrals over the height h of the discs. Between two points they are polynomials, at most h^2
+  // r^2 and r^4, which three-point Gauss quadrature integrates exactly.
   const double off = std::sqrt(0.6);
   const std::array<Vec2, 3> gauss{Vec2(-off, 5.0 / 18.0), Vec2(0.0, 8.0 / 18.0),
                                   Vec2(off, 5.0 / 18.0)};

@@ -14,7 +14,7 @@ namespace headpin::scene {
 
 namespace {
 
-/// The polyhedra that skittles are made of: their corners, from files where a text names them.
+/// Completes the polyhedra of skittles, with corners from files if the text names them.
 void take_polyhedra(Scenario& scenario, const ScenarioText& text) {
   for (std::size_t i = 0; i < scenario.skittle.parts.size(); ++i) {
     SkittlePart& part = scenario.skittle.parts[i];
@@ -32,7 +32,7 @@ void take_polyhedra(Scenario& scenario, const ScenarioText& text) {
   }
 }
 
-/// The meshes that eyes see: read where the text names one, found again where a trial does.
+/// Completes the visible meshes: reads files that a text names, and finds those of a trial again.
 void take_meshes(Scenario& scenario, const ScenarioText& text) {
   for (const auto& [object, mesh, reach] :
        {std::tuple{"room", &scenario.room.mesh, kReachOfRoom},
@@ -45,7 +45,7 @@ void take_meshes(Scenario& scenario, const ScenarioText& text) {
       find_again(*mesh, text.folder / "trial");
       continue;
     }
-    if (!text.has(key + ".sha256")) mesh->sha256.clear();  // of the one that was named before
+    if (!text.has(key + ".sha256")) mesh->sha256.clear();  // it belongs to the earlier file
     try {
       take_seen(*mesh, text.folder, reach);
     } catch (const std::exception& e) {
@@ -55,7 +55,7 @@ void take_meshes(Scenario& scenario, const ScenarioText& text) {
   }
 }
 
-/// What is left to do once a text is read.
+/// Completes a scenario after its text was read.
 void complete(Scenario& scenario, const ScenarioText& text) {
   take_polyhedra(scenario, text);
   take_meshes(scenario, text);

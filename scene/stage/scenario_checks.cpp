@@ -15,9 +15,9 @@ namespace headpin::scene {
 
 namespace {
 
-/// Heights said twice may differ by their rounding, no more [m].
+/// A height that is given twice may differ only by rounding [m].
 constexpr double kSame = 1e-3;
-/// No gap: what the last bits of a sum leave [m].
+/// Counts as no gap: rounding of a sum [m].
 constexpr double kNone = 1e-9;
 
 /// "rack.spots" of "rack.spots[2]".
@@ -59,7 +59,7 @@ class Checker {
   }
 
  private:
-  /// @param others  keys it does not agree with, one of which may be the one that was written
+  /// @param others  keys with which it does not agree; the user may have set one of them instead
   [[noreturn]] void refuse(const std::string& key, const std::string& what,
                            std::vector<std::string> others = {}) const {
     others.insert(others.begin(), {key, array_of(key)});
@@ -92,7 +92,7 @@ class Checker {
     }
   }
 
-  /// From the base to the top there is something of a skittle everywhere.
+  /// Checks that the parts of a skittle leave no gap from the base to the top.
   void check_parts() const {
     const std::vector<SkittlePart>& parts = s_.skittle.parts;
     std::vector<std::size_t> upwards(parts.size());
@@ -149,7 +149,7 @@ class Checker {
     if (s_.lane.gutter_depth > 0.0) check_gutters();
   }
 
-  /// Gutters that are painted, or none, may be anywhere.
+  /// Checks gutters that have depth. Painted gutters may be anywhere.
   void check_gutters() const {
     const Lane& lane = s_.lane;
     constexpr double kNarrowest = 0.02, kShallowest = 0.005;
@@ -193,7 +193,7 @@ class Checker {
       }
     }
     if (s_.lane.kick_backs) check_between_kick_backs();
-    // Neighbours by x, so that ten thousand are compared in no time.
+    // Sorted by x, so that only neighbours are compared; there may be ten thousand.
     std::vector<std::size_t> order(spots.size());
     std::iota(order.begin(), order.end(), 0u);
     std::ranges::stable_sort(order, {}, [&](std::size_t i) { return spots[i].x(); });
@@ -251,7 +251,8 @@ class Checker {
     }
   }
 
-  /// Of a text: what the two versions are made of is the experimenter's, and nobody else's.
+  /// Checks that a text gives the materials of both versions: only the experimenter can choose
+  /// them.
   void check_materials_of_versions() const {
     if (!lines_.contains("version.buttons")) return;
     for (const char* key : {"version.red.elasticity", "version.red.friction",
@@ -267,7 +268,7 @@ class Checker {
     for (const auto& [key, cap] :
          {std::pair{"version.red.iterations", s_.version.red.iterations},
           std::pair{"version.blue.iterations", s_.version.blue.iterations}}) {
-      constexpr int kLeast = 5;  // as of collision.iterations
+      constexpr int kLeast = 5;  // as for collision.iterations
       if (cap != 0 && cap < kLeast) {
         refuse(key, fmt::format("must be 0, or a cap from {} to 20; found {}", kLeast, cap),
                {"version.buttons"});
@@ -277,7 +278,7 @@ class Checker {
     const double r = s_.version.radius;
     for (const auto& [key, p] : {std::pair{"version.red.button", s_.version.red.button},
                                  std::pair{"version.blue.button", s_.version.blue.button}}) {
-      constexpr double kLowest = 0.3, kHighest = 2.2;  // that a hand reaches
+      constexpr double kLowest = 0.3, kHighest = 2.2;  // heights that a hand can reach
       const bool inside = std::abs(p.x()) <= 0.5 * room.width - r && p.y() >= r - room.behind &&
                           p.y() <= room.ahead - r && p.z() >= kLowest && p.z() <= kHighest;
       if (inside) continue;

@@ -20,7 +20,7 @@ MeshMeasure measure_of(const MeshFile& mesh) {
   return {mesh.unit, mesh.axes};
 }
 
-/// The bytes of the file, with the hash it has if it must have one.
+/// The bytes of the file. Checks its hash if one is given.
 std::string bytes_of(MeshFile& mesh) {
   std::string bytes = read_mesh_file(mesh.file);
   const std::string found = files::sha256(bytes);
@@ -76,7 +76,7 @@ void take_seen(MeshFile& mesh, const fs::path& folder, const Reach& reach) {
         "set `unit` if the file has other units",
         mesh.file, farthest, reach.least, reach.most));
   }
-  constexpr double kFlat = 1e-6;  // of a square around it
+  constexpr double kFlat = 1e-6;  // as a part of a square around it
   if (area_of(data) < kFlat * farthest * farthest) {
     throw std::invalid_argument(
         fmt::format("{}: {} triangles of no area", mesh.file, data.triangles.size() / 3));
@@ -114,7 +114,7 @@ void take_polyhedron(SkittlePart& part, const fs::path& folder) {
       part.faces.emplace_back(corners.begin(), corners.end());
     }
   }
-  const engine::Polyhedron hull(part.corners, part.faces);  // whatever it is from
+  const engine::Polyhedron hull(part.corners, part.faces);  // also checks its corners and faces
   part.low = part.high = part.corners.front().z();
   part.radius = 0.0;
   for (const Vec3& p : hull.vertices()) {
@@ -136,7 +136,7 @@ void find_again(MeshFile& mesh, const fs::path& trial) {
       bytes_of(found);
       mesh = found;
       return;
-    } catch (const std::runtime_error&) {  // it may be at the next place
+    } catch (const std::runtime_error&) {  // try the next place
     }
   }
 }

@@ -43,7 +43,7 @@ engine::BodyId add_ball(Stage& stage, const Vec3& home) {
   engine::Body body = ball_body(stage.scenario);
   body.name = numbered(body.name, stage.balls.size());
   const engine::BodyId ball = add(stage, Role::ball, std::move(body), {Quat::Identity(), home});
-  engine::set_kind(stage.world, ball, engine::Kind::driven);  // on its stand until it is taken
+  engine::set_kind(stage.world, ball, engine::Kind::driven);  // on its stand until it is grabbed
   stage.balls.push_back(ball);
   return ball;
 }

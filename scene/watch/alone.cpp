@@ -8,7 +8,7 @@ namespace headpin::scene {
 
 namespace {
 
-/// Gives a session the samples that another one took in.
+/// Gives a session the samples of another session.
 class Handed : public devices::Source {
  public:
   explicit Handed(const std::vector<devices::Sample>& samples) : samples_(samples) {}
@@ -21,11 +21,11 @@ class Handed : public devices::Source {
   const std::vector<devices::Sample>& samples_;
 };
 
-/// The world of another stage with all bodies where they are in this one.
+/// The world of another stage, with all bodies at their present places.
 engine::World moved_into(const engine::World& from, const Stage& before, const Stage& stage) {
   engine::World world = stage.world;
   engine::take_over(world, from);
-  // A skittle of another shape may have its centre of mass elsewhere; its base stays.
+  // A skittle of another shape may have another centre of mass; its base stays in place.
   const Vec3 higher(0.0, 0.0, stage.skittle_centre - before.skittle_centre);
   for (const engine::BodyId skittle : stage.skittles) {
     Pose& X_WB = world.states[skittle].X_WB;
@@ -64,7 +64,7 @@ void Alone::step(const std::vector<devices::Sample>& samples) {
       result.felled = static_cast<int>(event.value);
     }
   }
-  constexpr Time kCounting{1'000'000};  // the rules count a little after the last moment
+  constexpr Time kCounting{1'000'000};  // the rules may count a little later
   const bool counts = session.game.begun && !session.game.over;
   const Time longest =
       microseconds(session.scenario().game.ball_back_s) + (counts ? kCounting : Time{});

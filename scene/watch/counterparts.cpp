@@ -12,16 +12,16 @@ namespace headpin::scene {
 
 namespace {
 
-/// Two sessions that tick at other rates let go at the same time within a tick of the slower one.
+/// Releases in two sessions with different tick rates count as simultaneous within this time.
 constexpr Time kSameMoment{10'000};
 
 bool tells_of_ball(const devices::Event& event) {
   return !event.bodies.empty() && event.bodies.front().starts_with("ball");
 }
 
-/// Why a ball was not let go at `time`.
+/// The reason why no ball was released at `time`.
 ///
-/// @param before  when the one before was
+/// @param before  time of the previous release
 std::string why_not_thrown(std::span<const devices::Event> events, Time before, Time time) {
   const auto within = [&](std::string_view kind) {
     return std::ranges::find_if(events, [&](const devices::Event& event) {

@@ -12,7 +12,7 @@ namespace headpin::scene {
 
 namespace {
 
-/// The trigger takes nothing more.
+/// Removes trigger presses, so that the hand grabs nothing more.
 void open_hand(std::vector<devices::MouseSample>& buttons) {
   for (devices::MouseSample& button : buttons) button.trigger = false;
 }

@@ -13,7 +13,7 @@ double seconds_between(RealTime::Clock::time_point a, RealTime::Clock::time_poin
   return std::chrono::duration<double>(b - a).count();
 }
 
-/// Draws a frame and what is wanted beside it.
+/// Draws a frame and its wanted extras.
 void draw(Eyes& eyes, Glimpse g, const FrameExtras& extras, EyeFrame& frame) {
   g.X_WC = extras.X_WC;
   frame.views = see(eyes, g, frame.images);
@@ -58,7 +58,7 @@ void FrameByFrame::tick(const Session& session) {
     for (FrameSink* sink : sinks_) sink->add(frame_);
     plan_.progress(++drawn_);
   }
-  // Where every frame is at a tick there is nothing between.
+  // If every frame is at a tick, nothing is drawn between ticks.
   if (session.scenario().rates.physics_hz % plan_.fps != 0) before_.keep(session);
 }
 
@@ -104,7 +104,7 @@ DrawerHere::DrawerHere(Eyes eyes, std::unique_ptr<FrameSink> sink)
     : eyes_(std::move(eyes)),
       sink_(std::move(sink)),
       drawn_by_(render::fingerprint(eyes_.renderer)) {
-  see(eyes_, {}, frame_.images);  // so that the first frame need not wait for shaders
+  see(eyes_, {}, frame_.images);  // compiles the shaders before the first frame
 }
 
 std::optional<DrawnFrame> DrawerHere::draw(const FrameJob& job) {
@@ -152,11 +152,11 @@ void FramesBeside::tick(const Session& session) {
   const std::optional<Pose> X_WD = head_pose(session);
   if (!X_WD) return;
   Offer due{{frame, session.tick, now, glimpse(session, *X_WD)}, {}, Clock::now()};
-  if (pace_ && newest_ != shown_) {  // latency is that of fresh samples
+  if (pace_ && newest_ != shown_) {  // latency is measured for new samples only
     due.stages = {.ticked = seconds_between(pace_->at(*newest_), taken_),
                   .waited = seconds_between(taken_, due.at)};
     const Time tick = tick_time(1, rates.physics_hz);
-    // One frame's time is enough where the tracker has the frames' rate; with another rate nothing is.
+    // One frame interval is enough if the tracker has the frame rate; at other rates nothing helps.
     if (now - since_ > tick && lead_ < tick_time(1, rates.frame_hz)) lead_ += tick;
   }
   shown_ = newest_;

@@ -66,7 +66,7 @@ nlohmann::json to_json(const std::vector<Sheet>& games) {
   nlohmann::json all = nlohmann::json::array();
   for (const Sheet& game : games) {
     std::vector<Frame> frames = game.frames;
-    std::erase_if(frames, [](const Frame& frame) { return frame.empty(); });  // begun, no more
+    std::erase_if(frames, [](const Frame& frame) { return frame.empty(); });  // no ball yet
     all.push_back({{"name", game.version},
                    {"rules", game.rules},
                    {"rolls", frames},

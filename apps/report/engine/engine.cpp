@@ -15,14 +15,13 @@
 
 #include "scene/page/page_data.h"
 
-// What the page calls, in plain C; engine.js beside this makes functions of it that a page likes.
-// Nothing is thrown past here: each says whether it went well, and `headpin_text` what came of it, or
-// what is wrong.
+// The functions that the page calls, in plain C; engine.js wraps them for the page. No exception
+// leaves them: each returns whether it succeeded, and `headpin_text` gives the result or the error.
 namespace {
 
 using namespace headpin;
 
-/// The bytes of a log, the trial that reads them, and what it looks like.
+/// The bytes of a log, its trial, and its meshes.
 struct Opened {
   std::vector<std::uint8_t> bytes;
   scene::Recorded recorded;
@@ -32,7 +31,7 @@ struct Opened {
       : bytes(std::move(log)), recorded(scene::load_trial(bytes, "trial")), looks(recorded) {}
 };
 
-std::vector<std::uint8_t> given;  // by the page, for the next call
+std::vector<std::uint8_t> given;  // input from the page for the next call
 std::unique_ptr<Opened> opened;
 std::string text;
 std::vector<float> floats;
@@ -86,13 +85,13 @@ scene::Moved moved_by(const std::vector<std::uint8_t>& question) {
 
 extern "C" {
 
-/// Room for the bytes that the next call is about: a log, or the text of a question.
-/// @return  null when there is not so much
+/// Memory for the input of the next call: a log, or the text of a question.
+/// @return  null without enough memory
 EMSCRIPTEN_KEEPALIVE std::uint8_t* headpin_room(std::size_t size) {
   return attempt([&] { given = std::vector<std::uint8_t>(size); }) ? given.data() : nullptr;
 }
 
-/// Makes the log that was given the trial at hand; the one before stays when it is none.
+/// Opens the given log as the current trial. If it is not a trial, the previous one stays.
 EMSCRIPTEN_KEEPALIVE bool headpin_load() {
   return attempt([] {
     opened = std::make_unique<Opened>(std::exchange(given, {}));
@@ -100,9 +99,9 @@ EMSCRIPTEN_KEEPALIVE bool headpin_load() {
   });
 }
 
-/// Simulates the trial at hand as the JSON that was given moves it.
+/// Simulates the current trial with the changes of the given JSON.
 ///
-/// @param meshes  with what its bodies look like
+/// @param meshes  include the meshes of its bodies
 EMSCRIPTEN_KEEPALIVE bool headpin_simulate(bool meshes) {
   return attempt([&] {
     if (!opened) throw std::logic_error("no trial is open");
@@ -113,7 +112,7 @@ EMSCRIPTEN_KEEPALIVE bool headpin_simulate(bool meshes) {
   });
 }
 
-/// What the last call came to.
+/// The result of the last call.
 EMSCRIPTEN_KEEPALIVE const char* headpin_text() {
   return text.data();
 }
