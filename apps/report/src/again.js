@@ -9,6 +9,20 @@ function first(summary, key) {
   return summary[key] ?? summary.versions.red[key];
 }
 
+function shellWord(name) {
+  return /^[\w./-]+$/.test(name) && !name.startsWith('-') ? name : `'./${name.replaceAll("'", "'\\''")}'`;
+}
+
+export function pageCommand(name) {
+  return `headpin report ${shellWord(name)} -o trial.html`;
+}
+
+/** The command that reads a file which is no trial. */
+export function howToReadIt(name) {
+  return name.toLowerCase().endsWith('.lcmlog') ? `; what is in it: headpin info ${shellWord(name)}`
+    : `; a recording of trackers becomes a trial by: headpin import ${shellWord(name)} -o throw.lcmlog`;
+}
+
 export class Again {
   /** @param show  told of every simulation: show(again, which), `again` null for none */
   constructor(show, openTrial) {
@@ -29,8 +43,21 @@ export class Again {
     document.addEventListener('dragover', (event) => event.preventDefault());
     document.addEventListener('drop', (event) => {
       event.preventDefault();
-      this.openFile(event.dataTransfer.files[0]);
+      this.openFile(event.dataTransfer.files[0], event);
     });
+    find('dropped').querySelector('button').addEventListener('click', () => { find('dropped').hidden = true; });
+  }
+
+  /** What went wrong with a file: under the engine's heading, and where the file was dropped. */
+  refuse(text, where) {
+    this.say(text);
+    if (!where) return;
+    const box = find('dropped');
+    box.querySelector('p').textContent = text;
+    box.hidden = false;
+    const place = (at, size, room) => `${Math.max(8, Math.min(at, room - size - 8))}px`;
+    box.style.left = place(where.clientX, box.offsetWidth, innerWidth);
+    box.style.top = place(where.clientY, box.offsetHeight, innerHeight);
   }
 
   say(text) {
@@ -118,8 +145,14 @@ export class Again {
     this.show(this.again, which);
   }
 
-  async openFile(file) {
-    if (!file || !this.engine) return;
+  /** @param where  the event that dropped it; none where it was chosen */
+  async openFile(file, where) {
+    if (!file) return;
+    find('dropped').hidden = true;
+    if (!this.engine) {
+      this.refuse(`${file.name}: this page has no engine to open it with. A page of its own: ${pageCommand(file.name)}`, where);
+      return;
+    }
     this.say(`Opening ${file.name}`);
     try {
       const bytes = new Uint8Array(await file.arrayBuffer());
@@ -133,7 +166,8 @@ export class Again {
       this.openTrial(trial);
       await this.simulate();
     } catch (error) {
-      this.say(`${file.name}: ${error.message}`);
+      // The engine calls every log `trial`.
+      this.refuse(`${file.name}: ${error.message.replace(/^trial: /, '')}${howToReadIt(file.name)}`, where);
     }
   }
 }

@@ -80,6 +80,10 @@ export function differencesTable(differences, a, b) {
     : [table('What differs in the scenario', ['Key', a, b], differences.map((one) => [one.key, brief(one.a), brief(one.b)]))];
 }
 
+/** Units of the values of events, as docs/events.md has them. */
+const kValueUnits = { release: 'm/s', first_contact: 'm/s', touch: 'm/s', ball_touch: 'm/s', hand_touch: 'm/s', missed_grab: 'm',
+  foul: 'm', flies_at_player: 's', passed_player: 'm', tracking_lost: 's', tracking_back: 's' };
+
 export function showEvents(trial, go) {
   const { events, event_kinds: kinds } = trial.json;
   const most = 2000;
@@ -94,7 +98,7 @@ export function showEvents(trial, go) {
         event.tick < 0 ? kNone : event.tick,
         make('span', { title: kinds[event.kind] ?? '' }, event.kind.replaceAll('_', ' ')),
         words(event),
-        event.value ? number(event.value) : kNone,
+        event.value ? `${number(event.value)} ${kValueUnits[event.kind] ?? ''}`.trim() : kNone,
         Math.hypot(...event.j) ? `${number(Math.hypot(...event.j))} N s` : kNone])));
 }
 

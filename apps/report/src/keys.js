@@ -27,16 +27,26 @@ export function listen(actions) {
   ];
   find('keys-body').append(table('What keys do', ['Key', 'Does'],
     keys.map(([names, does]) => [names.join(' '), does])));
+  // After a click Space plays; after a Tab it is of the button that the Tab went to.
+  let clicked = false;
+  document.addEventListener('pointerdown', () => { clicked = true; }, true);
+  document.addEventListener('keydown', (event) => { if (event.key === 'Tab') clicked = false; }, true);
   document.addEventListener('keydown', (event) => {
     if (!find('keys-on').checked && document.activeElement !== find('view')) return;
     if (event.ctrlKey || event.metaKey || event.altKey) return;
     const key = event.key === ' ' ? 'Space' : event.key;
-    if (isTaken(event.target, key)) return;
+    if (key === 'Space' && clicked && !isTyped(event.target)) event.target.blur();
+    else if (isTaken(event.target, key)) return;
     const found = keys.find(([names]) => names.includes(key));
     if (!found) return;
     event.preventDefault();
     found[2](key);
   });
+}
+
+/** Whether a space is a letter there. */
+function isTyped(element) {
+  return element.matches('textarea, input[type=text]');
 }
 
 /** Whether the element under the keys has its own use for one. */

@@ -9,7 +9,7 @@ import { Plots } from './plots.js';
 import { Timeline } from './timeline.js';
 import { Trial } from './trial.js';
 import { Video } from './video.js';
-import { View } from './view.js';
+import { openView } from './view.js';
 import { showWhatIf } from './whatif.js';
 import { firstDifferenceInWords } from './words.js';
 
@@ -61,7 +61,7 @@ class Page {
     this.trial = await trialOf('');
     this.clock = new Clock(this.trial.lastTick, this.trial.rate);
     this.other = hasBlock('json-other') ? await trialOf('-other') : null;
-    this.view = new View(find('view'), this.trial, this.other);
+    this.view = openView(find('view'), this.trial, this.other);
     this.timeline = new Timeline(this.clock);
     this.clock.onChange(() => this.view.show(this.clock.tick));
     this.view.drawNow(true);
@@ -98,12 +98,18 @@ class Page {
   }
 
   describe() {
+    if (this.view.why) {
+      for (const id of ['modes', 'layers', 'from-field']) find(id).hidden = true;
+      find('seen').textContent = `No picture: this browser cannot draw in 3D (${this.view.why}). It needs WebGL 2. `
+        + 'All else on this page works; headpin frames draws what the eyes saw.';
+      return;
+    }
     const what = { around: 'the room from outside', left: 'what the left eye sees', right: 'what the right eye sees',
       both: 'what both eyes see' }[this.view.mode];
     const eye = this.trial.json.eyes[0];
     find('view').setAttribute('aria-label', `3D view: ${what}. Keys are listed at the end of the page.`);
     find('seen').textContent = this.view.mode === 'around'
-      ? 'Drag to turn, with Shift to slide, wheel to come nearer; or w a s d r f.'
+      ? 'Drag to turn, with Shift to slide; click, or hold Ctrl, and turn the wheel to come nearer. With fingers: two turn, and pinch. Keys: w a s d r f. Trails: head orange, hand green, ball blue.'
       : `${eye.width} × ${eye.height} pixels a picture, each ${number(this.view.pixelShape())} times as wide as high, as the display has them.`;
     find('from').disabled = this.view.mode !== 'around';
   }

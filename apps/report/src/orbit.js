@@ -1,4 +1,4 @@
-// A camera that goes around a point: by mouse, finger, wheel or keys.
+// A camera that goes around a point: by mouse, fingers, wheel or keys.
 import { PerspectiveCamera, Vector3 } from 'three';
 
 const kStep = 0.08;
@@ -13,6 +13,9 @@ export class Orbit {
     canvas.addEventListener('pointerdown', (event) => canvas.setPointerCapture(event.pointerId));
     canvas.addEventListener('pointermove', (event) => this.drag(event));
     canvas.addEventListener('wheel', (event) => this.wheel(event), { passive: false });
+    for (const kind of ['touchstart', 'touchmove']) {
+      canvas.addEventListener(kind, (event) => this.fingers(event), { passive: false });
+    }
   }
 
   /** Where one begins: behind the player, beside the lane, above it or at the skittles. */
@@ -46,7 +49,7 @@ export class Orbit {
   }
 
   drag(event) {
-    if (!event.buttons) return;
+    if (!event.buttons || event.pointerType === 'touch') return;
     if (event.shiftKey || event.buttons & 6) {
       this.slide(-event.movementX * 0.002, event.movementY * 0.002);
     } else {
@@ -62,7 +65,25 @@ export class Orbit {
     this.target.addScaledVector(new Vector3(m[4], m[5], m[6]), up * this.away);
   }
 
+  /** Two fingers turn the camera, and pinch; one scrolls the page. */
+  fingers(event) {
+    if (event.touches.length !== 2) return;
+    event.preventDefault();
+    const [a, b] = event.touches;
+    const now = { x: 0.5 * (a.clientX + b.clientX), y: 0.5 * (a.clientY + b.clientY),
+      apart: Math.max(1, Math.hypot(a.clientX - b.clientX, a.clientY - b.clientY)) };
+    if (event.type === 'touchmove' && this.touched) {
+      this.turn -= (now.x - this.touched.x) * 0.006;
+      this.rise += (now.y - this.touched.y) * 0.006;
+      this.away *= this.touched.apart / now.apart;
+      this.moved();
+    }
+    this.touched = now;
+  }
+
+  /** Comes nearer where the picture was clicked, or with Ctrl; else the page scrolls. */
   wheel(event) {
+    if (!event.ctrlKey && document.activeElement !== event.currentTarget) return;
     event.preventDefault();
     this.away *= Math.exp(event.deltaY * 0.001);
     this.moved();

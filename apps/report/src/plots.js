@@ -6,6 +6,7 @@ import { find, make, number, table } from './elements.js';
 const kMostRows = 400;    // of a table
 const kMostPoints = 3000;  // of a curve, on a plot 1200 pixels wide
 const kDashes = [[], [8, 4], [2, 3], [10, 3, 2, 3], [5, 5], [1, 4]];
+const kMarkers = ['solid', 'dashed', 'dotted', 'dashed', 'dashed', 'dotted'];  // the nearest that CSS has
 
 function style(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -44,10 +45,11 @@ export function chartsOf(trial) {
   const contacts = trial.sections.get('contacts');
   if (contacts.rows) {
     const j = ['jx', 'jy', 'jz'].map((axis) => trial.column('contacts', axis));
-    charts.push({ name: 'Impulses', unit: 'N s', points: true,
-      times: trial.column('contacts', 'tick').map((tick) => trial.seconds(tick)),
-      curves: [['impulse', j[0].map((x, i) => Math.hypot(x, j[1][i], j[2][i]))],
-        ['approach (m/s)', trial.column('contacts', 'approach_mps')]] });
+    const at = trial.column('contacts', 'tick').map((tick) => trial.seconds(tick));
+    charts.push({ name: 'Impulses', unit: 'N s', points: true, times: at,
+      curves: [['impulse', j[0].map((x, i) => Math.hypot(x, j[1][i], j[2][i]))]] });
+    charts.push({ name: 'Speed of approach at contacts', unit: 'm/s', points: true, times: at,
+      curves: [['approach', trial.column('contacts', 'approach_mps')]] });
   }
   for (const name of trial.sections.keys()) {
     if (!name.startsWith('clock ') || !trial.sections.get(name).rows) continue;
@@ -92,32 +94,46 @@ export class Plots {
 
   load(trial) {
     this.trial = trial;
+    const open = new Set(this.plots.filter(({ details }) => details.open).map(({ name }) => name));
     for (const { plot } of this.plots) plot.destroy();
     find('plots-body').replaceChildren();
-    this.plots = chartsOf(trial).map((chart) => this.add(chart));
+    const charts = chartsOf(trial);
+    const ends = charts.flatMap(({ times }) => [times[0], times[times.length - 1]]).filter(Number.isFinite);
+    const range = [Math.min(0, ...ends), Math.max(trial.seconds(trial.lastTick), ...ends)];
+    this.plots = charts.map((chart) => this.add(chart, range, open.has(chart.name)));
     this.fit();
   }
 
-  add(chart) {
+  /**
+   * @param range  of the time axis, the same in all plots [s]
+   * @param open   whether its table is open
+   */
+  add(chart, range, open) {
     const unit = chart.unit ? ` [${chart.unit}]` : '';
     const holder = make('div', { class: 'plot', role: 'img',
       'aria-label': `${chart.name}${unit} over time: ${chart.curves.map(([name]) => name).join(', ')}. The table below has the numbers.` });
     const line = make('div', { class: 'now' });
     const details = make('details', {}, make('summary', {}, 'As a table'));
-    details.addEventListener('toggle', () => {
+    const fill = () => {
       if (details.open && details.children.length === 1) {
         details.append(tableOf(chart), make('button', { type: 'button', onclick: () => saveCsv(chart) }, 'Save all rows as CSV'));
       }
-    });
+    };
+    details.addEventListener('toggle', fill);
+    details.open = open;
+    fill();
     find('plots-body').append(make('figure', { class: 'chart' },
       make('figcaption', {}, `${chart.name}${unit}`), holder, details));
-    const axis = { stroke: style('--text'), grid: { stroke: style('--line') }, ticks: { stroke: style('--line') }, font: '13px system-ui, sans-serif' };
+    const axis = { stroke: style('--text'), grid: { stroke: style('--grid'), width: 1 }, ticks: { stroke: style('--line') }, font: '13px system-ui, sans-serif' };
     const plot = new uPlot({
-      width: 400, height: 220, cursor: { drag: { x: false, y: false } }, legend: { live: false },
-      scales: { x: { time: false } },
+      width: 400, height: 220, cursor: { drag: { x: false, y: false }, sync: { key: 'time' } },
+      // Marked as its curve is drawn; under the pointer with its value.
+      legend: { live: true, markers: { width: 3, fill: () => 'transparent',
+        dash: (_, i) => kMarkers[i - 1] ?? 'solid' } },
+      scales: { x: { time: false, range } },
       axes: [{ ...axis, label: 's', labelSize: 18, labelFont: axis.font }, { ...axis, size: 60 }],
-      series: [{}, ...chart.curves.map(([name], i) => ({
-        label: name, stroke: style(`--curve-${i}`), width: 1.75, dash: kDashes[i],
+      series: [{ label: 'time', value: (_, at) => (at === null ? '' : `${at.toFixed(3)} s`) }, ...chart.curves.map(([name], i) => ({
+        label: name, value: (_, value) => (value === null || value === undefined ? '' : `${number(value, 4)} ${chart.unit}`), stroke: style(`--curve-${i}`), width: 1.75, dash: kDashes[i],
         points: { show: Boolean(chart.points), size: 4, fill: style(`--curve-${i}`) },
         paths: chart.points ? () => null : undefined,
       }))],
@@ -128,7 +144,7 @@ export class Plots {
       this.clock.pause();
       this.clock.go(Math.round(seconds * this.trial.rate));
     });
-    return { plot, holder, line };
+    return { plot, holder, line, details, name: chart.name };
   }
 
   fit() {

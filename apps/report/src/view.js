@@ -14,13 +14,59 @@ const kSettled = 200;  // ms after the last change
 const kCoarse = 0.4;   // pixels of the picture a pixel of the screen, while it changes, in software
 const kOtherTint = [0.55, 0.8, 1.25];
 
-/** Without a graphics card every pixel costs: smooth edges and fine pixels are left out then. */
-function drawsInSoftware() {
-  const gl = document.createElement('canvas').getContext('webgl2');
-  const who = gl?.getExtension('WEBGL_debug_renderer_info');
+/** Whether the browser draws with a processor alone, and why it does not draw at all. */
+function lookAtWebGl() {
+  const canvas = document.createElement('canvas');
+  let why = '';
+  canvas.addEventListener('webglcontextcreationerror', (event) => { why = event.statusMessage; });
+  const gl = canvas.getContext('webgl2');
+  if (!gl) return { why: why || 'it is switched off, or there is no driver for it' };
+  const who = gl.getExtension('WEBGL_debug_renderer_info');
   const name = who ? gl.getParameter(who.UNMASKED_RENDERER_WEBGL) : '';
-  gl?.getExtension('WEBGL_lose_context')?.loseContext();
-  return /swiftshader|llvmpipe|software/i.test(name);
+  gl.getExtension('WEBGL_lose_context')?.loseContext();
+  return { software: /swiftshader|llvmpipe|software/i.test(name) };
+}
+
+/** Width of a display's pixel over its height, by the tangents it is seen under. */
+function pixelShapeOf({ frustum: { left, right, bottom, top }, width, height }) {
+  return (((right - left) / (top - bottom)) * height) / width;
+}
+
+/** What stands in for the picture where the browser has no WebGL: all else of the page works. */
+class NoView {
+  constructor(canvas, trial, why) {
+    this.why = why;
+    this.mode = 'around';
+    this.layers = {};
+    this.orbit = { look() {}, key() {} };
+    canvas.hidden = true;
+    this.load(trial);
+  }
+
+  load(trial) {
+    this.trial = trial;
+  }
+
+  pixelShape() {
+    return pixelShapeOf(this.trial.json.eyes[0]);
+  }
+
+  setMode(mode) {
+    this.mode = mode;
+  }
+
+  addOverlays() {}
+  draw() {}
+  drawNow() {}
+  show() {}
+}
+
+/** The picture, or what stands in for it. */
+export function openView(canvas, trial, other) {
+  const { software, why } = lookAtWebGl();
+  if (why) return new NoView(canvas, trial, why);
+  // Without a graphics card every pixel costs: smooth edges and fine pixels are left out then.
+  return new View(canvas, trial, other, software);
 }
 
 /** The pictures of one eye: drawn in the display's pixels, shown as wide as they are seen. */
@@ -50,10 +96,10 @@ class Eye {
   }
 }
 
-export class View {
-  constructor(canvas, trial, other) {
+class View {
+  constructor(canvas, trial, other, software) {
     this.canvas = canvas;
-    this.software = drawsInSoftware();
+    this.software = software;
     this.renderer = new WebGLRenderer({ canvas, antialias: !this.software });
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.renderer.autoClear = false;
@@ -117,10 +163,8 @@ export class View {
     this.draw();
   }
 
-  /** Width of a display's pixel over its height, by the tangents it is seen under. */
   pixelShape() {
-    const { eye, aspect } = this.eyes[0];
-    return (aspect * eye.height) / eye.width;
+    return pixelShapeOf(this.eyes[0].eye);
   }
 
   setMode(mode) {

@@ -25,10 +25,13 @@ export function refused(...words) {
 }
 
 /** Software GL: SwiftShader has to be asked for (Chromium's docs/gpu/swiftshader.md). */
-export function launch() {
+const kSoftware = ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'];
+
+/** @param drawing  options that say what draws in 3D */
+export function launch(drawing = kSoftware) {
   return chromium.launch({
     executablePath: process.env.CHROMIUM ?? '/usr/bin/chromium',
-    args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'],
+    args: ['--no-sandbox', ...drawing],
   });
 }
 

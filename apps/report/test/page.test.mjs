@@ -386,6 +386,170 @@ test('where a mesh file is gone, the page says that a body is not as the eyes sa
   await page.context().close();
 });
 
+test('without WebGL only the picture is missing', async () => {
+  const without = await launch(['--disable-3d-apis']);
+  const { page } = await open(without, 'game.html');
+  await page.waitForSelector('html[data-engine=yes]');
+  assert.match(await page.textContent('#seen'), /^No picture: this browser cannot draw in 3D \(.+\)/);
+  for (const id of ['view', 'modes', 'from-field', 'layers']) assert.equal(await page.isVisible(`#${id}`), false, id);
+  assert.equal(await page.isVisible('#trouble'), false);
+  for (const key of ['2', '1', 't', 'w', 'r', ']']) await page.keyboard.press(key);
+  assert.match(await page.textContent('#nearest'), /grab ball/);
+  const { state_hash: hash } = JSON.parse(headpin('replay', 'game.lcmlog', '--json'));
+  assert.equal(await page.textContent('#hash'), hash);
+  assert.ok((await page.textContent('#again-status')).includes(hash));
+  assert.ok(await page.locator('.plot canvas').count() >= 6);
+  assert.ok(await page.locator('#events-body tbody tr').count() > 10);
+  await page.fill('#friction', '0.2');
+  const { state_hash: other } = JSON.parse(headpin('replay', 'game.lcmlog', '--friction', '0.2', '--json'));
+  await until(page, (want) => document.getElementById('again-status').textContent.includes(want), other);
+  await page.addScriptTag({ content: axe });
+  const { violations } = await page.evaluate(() => window.axe.run(document));
+  assert.deepEqual(violations.map(({ id }) => id), []);
+  await without.close();
+});
+
+test('Space plays, whatever was clicked before; after a Tab it is of what has the focus', async () => {
+  const { page } = await open(browser, 'game.html');
+  const plays = () => page.evaluate(() => window.headpin.clock.playing);
+  for (const id of ['#layers [value=trails]', '#modes [value=left]', '#first', '#speed', '#plots summary', '#view']) {
+    await page.click(id);
+    if (id === '#speed') await page.keyboard.press('Escape');
+    const shown = await page.evaluate(() => window.headpin.view.layers.trails);
+    await page.keyboard.press('Space');
+    assert.equal(await plays(), true, id);
+    await page.keyboard.press('Space');
+    assert.equal(await plays(), false, id);
+    assert.equal(await page.evaluate(() => window.headpin.view.layers.trails), shown, id);
+  }
+  await page.focus('#layers [value=frusta]');
+  await page.keyboard.press('Tab');
+  assert.equal(await page.evaluate(() => document.activeElement.value), 'contacts');
+  await page.keyboard.press('Space');
+  assert.equal(await plays(), false);
+  assert.equal(await page.evaluate(() => window.headpin.view.layers.contacts), false);
+  await page.context().close();
+});
+
+test('the wheel scrolls until the picture is clicked or Ctrl is held', async () => {
+  const { page } = await open(browser, 'game.html');
+  const away = () => page.evaluate(() => window.headpin.view.orbit.away);
+  const { x, y } = await page.locator('#view').boundingBox();
+  const first = await away();
+  await page.mouse.move(x + 100, y + 100);
+  await page.mouse.wheel(0, 200);
+  await until(page, () => scrollY > 0);
+  assert.equal(await away(), first);
+  await page.keyboard.down('Control');
+  await page.mouse.wheel(0, 100);
+  await until(page, (from) => window.headpin.view.orbit.away > from, first);
+  await page.keyboard.up('Control');
+  await page.evaluate(() => scrollTo(0, 0));
+  await page.mouse.click(x + 100, y + 100);
+  const before = await away();
+  await page.mouse.wheel(0, 100);
+  await until(page, (from) => window.headpin.view.orbit.away > from, before);
+  assert.equal(await page.evaluate(() => scrollY), 0);
+  await page.context().close();
+});
+
+test('on a phone a swipe over the picture scrolls; two fingers turn it and pinch', async () => {
+  const { page } = await open(browser, 'game.html', { width: 390, height: 844, hasTouch: true, isMobile: true });
+  const orbit = () => page.evaluate(() => { const { away, turn, rise } = window.headpin.view.orbit; return { away, turn, rise }; });
+  const { x, y } = await page.locator('#view').boundingBox();
+  const touch = await page.context().newCDPSession(page);
+  const first = await orbit();
+  const fingers = async (...steps) => {  // each step a list of places
+    for (const [i, step] of steps.entries()) {
+      await touch.send('Input.dispatchTouchEvent', { type: i ? 'touchMove' : 'touchStart',
+        touchPoints: step.map(([right, down], id) => ({ x: x + right, y: y + down, id })) });
+    }
+    await touch.send('Input.dispatchTouchEvent', { type: 'touchEnd', touchPoints: [] });
+  };
+  await fingers([[100, 100], [200, 100]], [[80, 100], [220, 100]], [[50, 120], [250, 120]]);
+  const pinched = await orbit();
+  assert.ok(Math.abs(pinched.away / first.away - 0.5) < 1e-9, `${pinched.away} of ${first.away}`);
+  assert.ok(pinched.rise > first.rise && pinched.turn === first.turn);
+  assert.equal(await page.evaluate(() => scrollY), 0);
+  await fingers([[100, 300]], [[100, 260]], [[100, 200]], [[100, 100]], [[100, 40]]);
+  await until(page, () => scrollY > 50);
+  assert.deepEqual(await orbit(), pinched);
+  await page.context().close();
+});
+
+test('what went wrong with a dropped file is said where it was dropped, with the command for it', async () => {
+  const { page, said } = await withEngine('game.html');
+  const drop = (name, x, y) => page.evaluate(([file, clientX, clientY]) => {
+    const files = new DataTransfer();
+    files.items.add(new File(['time,x,y,z\n'], file));
+    document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: files, bubbles: true, clientX, clientY }));
+  }, [name, x, y]);
+  const box = page.locator('#dropped');
+  await drop("it's mine.csv", 300, 200);
+  await box.waitFor();
+  assert.match(await box.textContent(), /^it's mine\.csv: .+; .*headpin import '\.\/it'\\''s mine\.csv' -o throw\.lcmlog/);
+  const place = await box.boundingBox();
+  assert.ok(Math.abs(place.x - 300) < 1 && Math.abs(place.y - 200) < 1, JSON.stringify(place));
+  await box.locator('button').click();
+  assert.equal(await box.isVisible(), false);
+  await drop('cut.LCMLOG', 1275, 890);  // in a corner
+  await box.waitFor();
+  assert.match(await box.textContent(), /headpin info cut\.LCMLOG/);
+  const corner = await box.boundingBox();
+  assert.ok(corner.x + corner.width <= 1280 && corner.y + corner.height <= 900, JSON.stringify(corner));
+  await page.addScriptTag({ content: axe });
+  const { violations } = await page.evaluate(() => window.axe.run(document));
+  assert.deepEqual(violations.map(({ id }) => id), []);
+  assert.deepEqual(said, []);
+  await page.context().close();
+});
+
+test('plots have one time axis and one unit each, and say the value under the pointer in all', async () => {
+  const { page } = await withEngine('game.html');
+  const ranges = await page.evaluate(() => window.headpin.plots.plots.map(({ plot }) => [plot.scales.x.min, plot.scales.x.max]));
+  assert.ok(ranges.length >= 6);
+  for (const range of ranges) assert.deepEqual(range, ranges[0]);
+  const captions = await page.locator('.chart figcaption').allTextContents();
+  assert.ok(captions.includes('Impulses [N s]') && captions.includes('Speed of approach at contacts [m/s]'), captions.join());
+  await page.locator('.plot .u-over').first().scrollIntoViewIfNeeded();
+  await page.locator('.plot .u-over').first().hover();
+  await until(page, () => [...document.querySelectorAll('.plot')].slice(0, 2).every((plot) =>
+    /\d\.\d{3} s$/.test(plot.querySelector('.u-series .u-value').textContent)));
+  assert.match(await page.locator('.plot').first().locator('.u-value').nth(1).textContent(), / m\/s$/);
+  await page.context().close();
+});
+
+test('a table that is open stays open when the trial is simulated again', async () => {
+  const { page } = await withEngine('game.html');
+  await page.locator('.chart summary').nth(1).click();
+  await page.locator('.chart').nth(1).locator('tbody tr').nth(5).waitFor();
+  const before = await page.locator('.chart').nth(1).locator('tbody tr').last().textContent();
+  await page.fill('#friction', '0.1');
+  await until(page, (old) => {
+    const rows = document.querySelectorAll('.chart')[1].querySelectorAll('tbody tr');
+    return rows.length > 5 && rows[rows.length - 1].textContent !== old;
+  }, before);
+  assert.equal(await page.locator('.chart details[open]').count(), 1);
+  await page.context().close();
+});
+
+test('values of events have the units of docs/events.md', async () => {
+  const { page } = await open(browser, 'game.html');
+  const told = readFileSync(join(root, 'docs/events.md'), 'utf8');
+  const rows = await page.locator('#events-body tbody tr').evaluateAll((all) => all.map((row) =>
+    [...row.querySelectorAll('td')].map((cell) => cell.textContent)));
+  let units = 0;
+  for (const [, what, , value] of rows) {
+    const line = told.split('\n').find((one) => one.startsWith(`| \`${what.replaceAll(' ', '_')}\` |`));
+    const unit = /\[([^\]]+)\] \|$/.exec(line)?.[1] ?? '';
+    if (value === '–') continue;
+    assert.equal(value.split(' ')[1] ?? '', unit, `${what}: ${value}`);
+    units += unit !== '';
+  }
+  assert.ok(units > 5);
+  await page.context().close();
+});
+
 test('on paper, what cannot be pressed is gone, and plots and tables are there', async () => {
   const { page } = await open(browser, 'game.html');
   await page.emulateMedia({ media: 'print' });
