@@ -69,6 +69,16 @@ export function openView(canvas, trial, other) {
   return new View(canvas, trial, other, software);
 }
 
+/** Gives back what three.js keeps of materials. Geometries belong to the looks. */
+function releaseMaterials(object) {
+  object.traverse((part) => part.material?.dispose());
+}
+
+function releaseOverlay({ group }) {
+  releaseMaterials(group);
+  group.traverse((part) => part.geometry?.dispose());
+}
+
 /** The pictures of one eye: drawn in the display's pixels, shown as wide as they are seen. */
 class Eye {
   constructor(eye) {
@@ -86,6 +96,10 @@ class Eye {
     const [w, x, y, z, ...p] = eye.X_DE;
     this.q_DE = new Quaternion(x, y, z, w);
     this.p_DE = new Vector3(...p);
+  }
+
+  release() {
+    for (const target of Object.values(this.target)) target.dispose();
   }
 
   put(head) {
@@ -123,7 +137,16 @@ class View {
 
   /** Shows another trial, or the same one simulated again. */
   load(trial, other) {
+    const { scene, overlays, eyes, looks } = this;
+    for (const overlay of Object.values(overlays)) {
+      scene.remove(overlay.group);
+      releaseOverlay(overlay);
+    }
+    this.setOther(null);
     this.stage(trial, other);
+    releaseMaterials(scene);
+    if (looks !== this.looks) looks.release();
+    for (const eye of eyes) eye.release();
     this.addOverlays();
   }
 
@@ -152,7 +175,11 @@ class View {
 
   /** A second trial over the first, see-through and blue. */
   setOther(other) {
-    if (this.otherCast) this.scene.remove(this.otherCast.group);
+    if (this.otherCast) {
+      this.scene.remove(this.otherCast.group);
+      releaseMaterials(this.otherCast.group);
+      if (this.otherCast.looks !== this.looks) this.otherCast.looks.release();
+    }
     this.otherCast = null;
     this.other = other;
     if (other) {

@@ -71,6 +71,11 @@ export class Looks {
     return this.thin.get(number);
   }
 
+  /** Gives back what three.js keeps of all shapes. */
+  release() {
+    for (const geometry of [...this.geometries.values(), ...this.thin.values()]) geometry.dispose();
+  }
+
   mesh(number, style) {
     return new Mesh(this.geometry(number, false), materialOf(this.meshes.get(number), this.light, style));
   }

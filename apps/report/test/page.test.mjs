@@ -533,6 +533,33 @@ test('a table that is open stays open when the trial is simulated again', async 
   await page.context().close();
 });
 
+test('simulating again and again does not fill the memory', async () => {
+  const { page, said } = await withEngine('game.html');
+  await page.locator('#shown [value=both]').check();
+  const devtools = await page.context().newCDPSession(page);
+  const heap = async () => {
+    await devtools.send('HeapProfiler.collectGarbage');
+    return (await devtools.send('Runtime.getHeapUsage')).usedSize;
+  };
+  const simulate = (times) => page.evaluate(async (most) => {
+    const { again, view } = window.headpin;
+    for (let i = 0; i < most; ++i) {
+      again.set = { friction: i / most };
+      await again.simulate();
+      view.drawNow(true);
+    }
+    const { geometries, textures } = view.renderer.info.memory;
+    return { geometries, textures, programs: view.renderer.info.programs.length };
+  }, times);
+  const held = await simulate(25);  // compiled and optimised by then
+  const before = await heap();
+  assert.deepEqual(await simulate(40), held);
+  const grown = (await heap()) - before;
+  assert.ok(grown < 40 * 10_000, `${grown} bytes in 40 simulations`);
+  assert.deepEqual(said, []);
+  await page.context().close();
+});
+
 test('values of events have the units of docs/events.md', async () => {
   const { page } = await open(browser, 'game.html');
   const told = readFileSync(join(root, 'docs/events.md'), 'utf8');
