@@ -84,15 +84,17 @@ export function differencesTable(differences, a, b) {
 const kValueUnits = { release: 'm/s', first_contact: 'm/s', touch: 'm/s', ball_touch: 'm/s', hand_touch: 'm/s', missed_grab: 'm',
   foul: 'm', flies_at_player: 's', passed_player: 'm', tracking_lost: 's', tracking_back: 's' };
 
+/** @return  marks the row of the last event up to a tick, and brings it into the table's view */
 export function showEvents(trial, go) {
-  const { events, event_kinds: kinds } = trial.json;
+  const { events: all, event_kinds: kinds } = trial.json;
   const most = 2000;
+  const events = all.slice(0, most);
   const words = (event) => event.bodies.concat(event.known || []).join(', ')
     || (event.detail.startsWith('{') ? '' : event.detail);
   find('events-body').replaceChildren(
-    ...(events.length > most ? [make('p', { class: 'note' }, `The first ${most} of ${events.length}.`)] : []),
+    ...(all.length > most ? [make('p', { class: 'note' }, `The first ${most} of ${all.length}.`)] : []),
     table('Events; click a time to go there', ['Time', 'Tick', 'What', 'To what', 'Value', 'Impulse'],
-      events.slice(0, most).map((event) => [
+      events.map((event) => [
         make('button', { type: 'button', class: 'link', onclick: () => go(Math.max(0, event.tick)) },
           `${event.time_s.toFixed(3)} s`),
         event.tick < 0 ? kNone : event.tick,
@@ -100,6 +102,22 @@ export function showEvents(trial, go) {
         words(event),
         event.value ? `${number(event.value)} ${kValueUnits[event.kind] ?? ''}`.trim() : kNone,
         Math.hypot(...event.j) ? `${number(Math.hypot(...event.j))} N s` : kNone])));
+  const rows = [...find('events-body').querySelectorAll('tbody tr')];
+  const scroll = find('events-body').querySelector('.scroll');
+  let marked = null;
+  return (tick) => {
+    const row = rows[events.findLastIndex((event) => event.tick >= 0 && event.tick <= tick)] ?? null;
+    if (row === marked) return;
+    marked?.removeAttribute('aria-current');
+    row?.setAttribute('aria-current', 'true');
+    marked = row;
+    if (!row) return;
+    const head = rows[0].parentElement.previousElementSibling.offsetHeight;
+    const above = row.offsetTop - head - scroll.scrollTop;
+    const below = row.offsetTop + row.offsetHeight - scroll.clientHeight - scroll.scrollTop;
+    if (above < 0) scroll.scrollTop += above;
+    else if (below > 0) scroll.scrollTop += below;
+  };
 }
 
 export function showDevices(trial) {

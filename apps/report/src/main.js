@@ -55,6 +55,13 @@ function controls(page) {
   });
 }
 
+/** Links to the panels that are there. */
+function listPanels() {
+  const panels = [...document.querySelectorAll('#panels > section:not([hidden])')];
+  find('jump').replaceChildren(...panels.map((panel) =>
+    make('a', { href: `#${panel.id}` }, panel.querySelector('h2').dataset.brief ?? panel.querySelector('h2').textContent)));
+}
+
 class Page {
   async open() {
     this.about = await jsonBlock('about');
@@ -64,6 +71,7 @@ class Page {
     this.view = openView(find('view'), this.trial, this.other);
     this.timeline = new Timeline(this.clock);
     this.clock.onChange(() => this.view.show(this.clock.tick));
+    this.clock.onChange(() => this.markEvent?.(this.clock.tick));
     this.view.drawNow(true);
     performance.mark('first picture');
     await new Promise((resolve) => requestAnimationFrame(() => setTimeout(resolve)));
@@ -77,9 +85,11 @@ class Page {
       showCompared(this.trial, this.other, this.about);
     }
     await showWhatIf();
+    listPanels();
     document.documentElement.dataset.ready = 'yes';
     this.again = new Again((again, which) => this.showAgain(again, which), (trial) => this.openTrial(trial));
     await this.again.start(this.trial);
+    listPanels();
     document.documentElement.dataset.engine = this.again.engine ? 'yes' : 'no';
   }
 
@@ -88,7 +98,8 @@ class Page {
     this.clock.reset(trial.lastTick, trial.rate);
     showHead(this.trial, again);
     showResult(this.trial);
-    showEvents(trial, (tick) => { this.clock.pause(); this.clock.go(tick); });
+    this.markEvent = showEvents(trial, (tick) => { this.clock.pause(); this.clock.go(tick); });
+    this.markEvent(this.clock.tick);
     showMissing(this.trial);
     showDevices(this.trial);
     showProvenance(this.trial, this.about);
@@ -149,6 +160,7 @@ class Page {
     this.view.load(trial, null);
     this.nameOther(null);
     this.show(trial);
+    listPanels();
     this.view.show(this.clock.tick);
   }
 }

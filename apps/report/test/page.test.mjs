@@ -409,6 +409,50 @@ test('without WebGL only the picture is missing', async () => {
   await without.close();
 });
 
+/** Whether all of an element is on the screen. */
+const onScreen = (page, selector) => page.locator(selector).evaluate((element) => {
+  const { top, bottom, left, right } = element.getBoundingClientRect();
+  return top >= 0 && left >= 0 && bottom <= innerHeight && right <= innerWidth;
+});
+
+for (const [width, height] of [[360, 640], [390, 844], [768, 1024], [1366, 768], [1920, 1080], [2560, 1440]]) {
+  test(`the first screen has picture, clock, score and what was recorded: ${width} x ${height}`, async () => {
+    const { page } = await open(browser, 'game.html', { width, height });
+    for (const id of ['#title', '#subtitle', '#view', '#play', '#time', '#scrub']) assert.ok(await onScreen(page, id), id);
+    assert.match(await page.textContent('#subtitle'), /9 of 10 skittles down/);
+    assert.ok((await page.locator('#view').boundingBox()).height >= 0.25 * height);
+    assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+    if (width >= 1366) {
+      for (const panel of ['again', 'plots', 'events', 'provenance']) {
+        await page.click(`#jump a[href="#${panel}"]`);
+        for (const id of ['#view', '#play', '#time', `#${panel}-heading`]) assert.ok(await onScreen(page, id), `${panel}: ${id}`);
+      }
+    }
+    await page.context().close();
+  });
+}
+
+test('the row of the last event is marked and follows the clock', async () => {
+  const { page } = await open(browser, 'game.html', { width: 1366, height: 768 });
+  const events = JSON.parse(headpin('info', 'game.lcmlog', '--json')).events  // in time; sums come after all
+    .filter(({ kind }) => kind !== 'ledger' && kind !== 'game_hash');
+  assert.equal(await page.locator('#events-body tr[aria-current]').count(), 0);
+  await page.evaluate(() => scrollTo(0, 0));
+  for (const tick of [events[0].tick, 1215, 1682, 1300]) {
+    await page.evaluate((to) => window.headpin.clock.go(to), tick);
+    const { row, seen } = await page.locator('#events-body tr[aria-current]').evaluate((element) => {
+      const [a, b] = [element, element.closest('.scroll')].map((one) => one.getBoundingClientRect());
+      return { row: element.cells[1].textContent, seen: a.top >= b.top && a.bottom <= b.bottom + 1 };
+    });
+    assert.equal(Number(row), events.findLast((event) => event.tick <= tick).tick);
+    assert.ok(seen, `the row of tick ${row}`);
+  }
+  assert.equal(await page.evaluate(() => scrollY), 0);  // the page itself stays
+  await page.locator('#events-body button').first().click();
+  assert.equal(await page.evaluate(() => window.headpin.clock.tick), events[0].tick);
+  await page.context().close();
+});
+
 test('Space plays, whatever was clicked before; after a Tab it is of what has the focus', async () => {
   const { page } = await open(browser, 'game.html');
   const plays = () => page.evaluate(() => window.headpin.clock.playing);
