@@ -1,6 +1,6 @@
 // What is known of a trial, in words and tables.
 import { facts, find, make, number, table } from './elements.js';
-import { conditionInWords, framesOf, hashInWords, headInWords, lostEnergy, unpairedInWords, versionInWords } from './words.js';
+import { conditionInWords, framesOf, hashInWords, headInWords, lostEnergy, resultInBrief, unpairedInWords, versionInWords } from './words.js';
 
 const kNone = '–';
 
@@ -44,7 +44,7 @@ export function resultTable(caption, columns) {
     }));
 }
 
-function sheets(summary) {
+export function sheets(summary) {
   return summary.games.map((game) => {
     const frames = framesOf(game);
     const condition = versionInWords(summary, game.name);
@@ -84,29 +84,54 @@ export function differencesTable(differences, a, b) {
 const kValueUnits = { release: 'm/s', first_contact: 'm/s', touch: 'm/s', ball_touch: 'm/s', hand_touch: 'm/s', missed_grab: 'm',
   foul: 'm', flies_at_player: 's', passed_player: 'm', tracking_lost: 's', tracking_back: 's' };
 
-/** @return  marks the row of the last event up to a tick, and brings it into the table's view */
-export function showEvents(trial, go) {
+function valueOf(event) {
+  return event?.value ? `${number(event.value)} ${kValueUnits[event.kind] ?? ''}`.trim() : kNone;
+}
+
+function impulseOf(event) {
+  return Math.hypot(...event.j) ? `${number(Math.hypot(...event.j))} N s` : kNone;
+}
+
+/** Events of two trials in one list: the same thing that happens to the same bodies in both is one row. */
+export function paired(a, b, rate) {
+  const left = b.map((event) => ({ b: event }));
+  const rows = a.map((event) => {
+    const same = left.findIndex(({ b: other }) => other.kind === event.kind
+      && other.bodies.join() === event.bodies.join() && Math.abs(other.tick - event.tick) <= rate);
+    return same < 0 ? { a: event } : { a: event, b: left.splice(same, 1)[0].b };
+  });
+  const tick = ({ a: one, b: other }) => Math.min(one?.tick ?? Infinity, other?.tick ?? Infinity);
+  return rows.concat(left).sort((one, other) => tick(one) - tick(other));
+}
+
+/**
+ * @param other  the trial that is compared; null without one
+ * @param names  of both trials
+ * @return       marks the row of the last event up to a tick, and brings it into the table's view
+ */
+export function showEvents(trial, go, other = null, names = []) {
   const { events: all, event_kinds: kinds } = trial.json;
   const most = 2000;
-  const events = all.slice(0, most);
-  const words = (event) => event.bodies.concat(event.known || []).join(', ')
+  const shown = (other ? paired(all, other.json.events, trial.rate) : all.map((a) => ({ a }))).slice(0, most);
+  const at = (event) => (event ? make('button', { type: 'button', class: 'link', onclick: () => go(Math.max(0, event.tick)) },
+    `${event.time_s.toFixed(3)} s`) : kNone);
+  const what = ({ kind }) => make('span', { title: kinds[kind] ?? '' }, kind.replaceAll('_', ' '));
+  const bodies = (event) => event.bodies.concat(event.known || []).join(', ')
     || (event.detail.startsWith('{') ? '' : event.detail);
+  const [a, b] = names;
   find('events-body').replaceChildren(
     ...(all.length > most ? [make('p', { class: 'note' }, `The first ${most} of ${all.length}.`)] : []),
-    table('Events; click a time to go there', ['Time', 'Tick', 'What', 'To what', 'Value', 'Impulse'],
-      events.map((event) => [
-        make('button', { type: 'button', class: 'link', onclick: () => go(Math.max(0, event.tick)) },
-          `${event.time_s.toFixed(3)} s`),
-        event.tick < 0 ? kNone : event.tick,
-        make('span', { title: kinds[event.kind] ?? '' }, event.kind.replaceAll('_', ' ')),
-        words(event),
-        event.value ? `${number(event.value)} ${kValueUnits[event.kind] ?? ''}`.trim() : kNone,
-        Math.hypot(...event.j) ? `${number(Math.hypot(...event.j))} N s` : kNone])));
+    other
+      ? table('Events of both; click a time to go there', [`Time, ${a}`, `Time, ${b}`, 'What', 'To what', `Value, ${a}`, `Value, ${b}`],
+        shown.map((row) => [at(row.a), at(row.b), what(row.a ?? row.b), bodies(row.a ?? row.b), valueOf(row.a), valueOf(row.b)]))
+      : table('Events; click a time to go there', ['Time', 'Tick', 'What', 'To what', 'Value', 'Impulse'],
+        shown.map(({ a: event }) => [at(event), event.tick < 0 ? kNone : event.tick, what(event), bodies(event), valueOf(event), impulseOf(event)])));
   const rows = [...find('events-body').querySelectorAll('tbody tr')];
+  const ticks = shown.map((row) => Math.min(...[row.a, row.b].filter(Boolean).map(({ tick }) => (tick < 0 ? Infinity : tick))));
   const scroll = find('events-body').querySelector('.scroll');
   let marked = null;
   return (tick) => {
-    const row = rows[events.findLastIndex((event) => event.tick >= 0 && event.tick <= tick)] ?? null;
+    const row = rows[ticks.findLastIndex((one) => one <= tick)] ?? null;
     if (row === marked) return;
     marked?.removeAttribute('aria-current');
     row?.setAttribute('aria-current', 'true');
@@ -159,13 +184,16 @@ export function showProvenance(trial, about) {
       make('pre', { tabindex: 0, role: 'region', 'aria-label': 'Scenario' }, t.scenario)));
 }
 
-/** @param again  what is shown in place of the trial or with it; null for none */
-export function showHead(trial, again) {
-  const { name } = trial.json.trial;
-  const brief = name.length > 120 ? `${name.slice(0, 120)}…` : name;
-  document.title = `${brief} – headpin`;
-  find('title').textContent = brief;
-  find('subtitle').textContent = headInWords(trial, again);
+/**
+ * @param again  what is shown in place of the trial or with it; null for none
+ * @param other  a second trial that the page has; null without one
+ */
+export function showHead(trial, again, other = null) {
+  const brief = ({ json: { trial: { name } } }) => (name.length > 120 ? `${name.slice(0, 120)}…` : name);
+  document.title = `${brief(trial)} – headpin`;
+  find('title').textContent = other ? `A: ${brief(trial)}, B: ${brief(other)}` : brief(trial);
+  find('subtitle').textContent = headInWords(trial, again)
+    + (other ? ` · B: ${resultInBrief(other.json.summary)}` : '');
   for (const [id, heading] of [['events', 'Events'], ['plots', 'Over time']]) {
     find(`${id}-heading`).textContent = again ? `${heading}, simulated again` : heading;
   }

@@ -19,6 +19,7 @@ export function listen(actions) {
     [['2'], 'view: left eye', () => actions.mode('left')],
     [['3'], 'view: right eye', () => actions.mode('right')],
     [['4'], 'view: both eyes', () => actions.mode('both')],
+    [['b'], 'of two trials: A, B or both; of one: the trial, simulated again, or both', () => actions.pair()],
     [['t'], 'trails', () => actions.layer('trails')],
     [['v'], 'view frusta', () => actions.layer('frusta')],
     [['c'], 'impulses', () => actions.layer('contacts')],

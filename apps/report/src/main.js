@@ -3,7 +3,7 @@ import { Again } from './again.js';
 import { Clock } from './clock.js';
 import { block, hasBlock, jsonBlock, numbersOf } from './data.js';
 import { find, make, number } from './elements.js';
-import { differencesTable, resultTable, showDevices, showEvents, showHead, showMissing, showProvenance, showResult, unpairedList } from './facts.js';
+import { differencesTable, resultTable, showDevices, showEvents, showHead, showMissing, showProvenance, showResult, sheets, unpairedList } from './facts.js';
 import { listen } from './keys.js';
 import { Plots } from './plots.js';
 import { Timeline } from './timeline.js';
@@ -31,12 +31,14 @@ function showCompared(trial, other, about) {
     ...differencesTable(about.scenario_differences, a, b),
     ...unpairedList(`Throws of ${a} that have no counterpart in ${b}:`, about.only_thrown_in_a),
     ...unpairedList(`Throws of ${b} that have no counterpart in ${a}:`, about.only_thrown_in_b),
-    resultTable('Both in numbers', [[a, trial], [b, other]]));
+    resultTable('Both in numbers', [[a, trial], [b, other]]),
+    ...(other.json.summary.games.length ? [make('p', {}, `Score sheets of ${b}:`), ...sheets(other.json.summary)] : []));
 }
 
 function controls(page) {
   const { view, clock, timeline } = page;
   find('modes').addEventListener('change', (event) => page.setMode(event.target.value));
+  find('pair').addEventListener('change', (event) => page.showPair(event.target.value));
   find('from').addEventListener('change', (event) => view.orbit.look(event.target.value));
   find('layers').addEventListener('change', (event) => {
     view.layers[event.target.value] = event.target.checked;
@@ -50,6 +52,7 @@ function controls(page) {
     event: (direction) => timeline.toEvent(direction),
     faster: (steps) => clock.faster(steps),
     mode: (mode) => { find('modes').querySelector(`[value=${mode}]`).checked = true; page.setMode(mode); },
+    pair: () => page.nextOfPair(),
     layer: (name) => find('layers').querySelector(`[value=${name}]`).click(),
     orbit: (key) => view.orbit.key(key),
   });
@@ -79,9 +82,9 @@ class Page {
     this.plots = new Plots(this.clock);
     this.video = new Video(this.clock, this.about);
     controls(this);
-    this.show(this.trial);
+    this.show(this.trial, null, this.other);
     if (this.other) {
-      this.nameOther('Other trial (blue)');
+      this.nameOther('B (blue)');
       showCompared(this.trial, this.other, this.about);
     }
     await showWhatIf();
@@ -93,18 +96,22 @@ class Page {
     document.documentElement.dataset.engine = this.again.engine ? 'yes' : 'no';
   }
 
-  /** All of the page but the 3D view, of the trial that is shown. */
-  show(trial, again = null) {
-    this.clock.reset(trial.lastTick, trial.rate);
-    showHead(this.trial, again);
+  /**
+   * All of the page but the 3D view, of the trial that is shown.
+   * @param beside  the trial that is compared with it; null without one
+   * @param names   of both
+   */
+  show(trial, again = null, beside = null, names = ['A', 'B']) {
+    this.clock.reset(Math.max(trial.lastTick, beside?.lastTick ?? 0), trial.rate);
+    showHead(this.trial, again, this.other);
     showResult(this.trial);
-    this.markEvent = showEvents(trial, (tick) => { this.clock.pause(); this.clock.go(tick); });
+    this.markEvent = showEvents(trial, (tick) => { this.clock.pause(); this.clock.go(tick); }, beside, names);
     this.markEvent(this.clock.tick);
     showMissing(this.trial);
     showDevices(this.trial);
     showProvenance(this.trial, this.about);
     this.timeline.load(trial);
-    this.plots.load(trial);
+    this.plots.load(trial, beside, names);
     this.describe();
   }
 
@@ -135,13 +142,35 @@ class Page {
     if (name !== null) find('other-layer').querySelector('span').textContent = name;
   }
 
+  /** Of two trials the first, the second, or both. */
+  showPair(which) {
+    if (!this.other) return;
+    find('pair').querySelector(`[value=${which}]`).checked = true;
+    const shown = which === 'b' ? this.other : this.trial;
+    const beside = which === 'both' ? this.other : null;
+    this.view.load(shown, beside);
+    this.nameOther(beside && 'B (blue)');
+    this.show(shown, null, beside);
+    this.view.show(this.clock.tick);
+  }
+
+  /** Goes on from the first trial to the second, to both: of two trials, or of one and what was simulated again. */
+  nextOfPair() {
+    const buttons = [...find(this.other ? 'pair' : 'shown').querySelectorAll('input')];
+    const next = buttons[(buttons.findIndex(({ checked }) => checked) + 1) % buttons.length];
+    next.checked = true;
+    next.dispatchEvent(new Event('change', { bubbles: true }));
+  }
+
   /** The trial, what the engine made of it, or both. */
   showAgain(again, which) {
     const shown = again && which === 'again' ? again : this.trial;
     this.view.load(shown, which === 'both' && again ? again : which === 'again' ? null : this.other);
-    this.nameOther(which === 'both' ? 'Simulated again (blue)' : this.other && which !== 'again' ? 'Other trial (blue)' : null);
+    this.nameOther(which === 'both' ? 'Simulated again (blue)' : this.other && which !== 'again' ? 'B (blue)' : null);
     const shownAgain = again && which !== 'recorded' ? again : null;
-    this.show(shown, shownAgain);
+    if (which === 'both' && again) this.show(shown, shownAgain, again, ['trial', 'again']);
+    else this.show(shown, shownAgain, shownAgain ? null : this.other);
+    find('pair').querySelector('[value=both]').checked = true;
     if (shownAgain) {
       find('result-body').append(...differencesTable(again.json.scenario_differences, 'the trial', 'again'),
         ...unpairedList('Throws of the trial that have no counterpart here:', again.json.throws_without_counterpart),

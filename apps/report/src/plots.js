@@ -62,6 +62,26 @@ export function chartsOf(trial) {
   return charts;
 }
 
+/** Two charts as one: a colour for each trial, a dash for each curve. */
+function together(chart, other, names) {
+  const rows = ({ times, curves }) => [times, ...curves.map(([, values]) => values)];
+  const [times, ...values] = uPlot.join([rows(chart), rows(other)]);
+  const curves = [chart, other].flatMap((one, who) => one.curves.map(([name], which) => ({ name: `${name}, ${names[who]}`, who, which })));
+  return { ...chart, times, curves: curves.map(({ name }, i) => [name, values[i]]),
+    lines: curves, plotted: uPlot.join([thinned(chart), thinned(other)]) };
+}
+
+/** The charts of a trial, or of two over each other where both have one. */
+export function chartsOfBoth(trial, other, names) {
+  const charts = chartsOf(trial);
+  if (!other) return charts;
+  const others = chartsOf(other);
+  return charts.map((chart) => {
+    const same = others.find(({ name }) => name === chart.name);
+    return same ? together(chart, same, names) : chart;
+  });
+}
+
 function tableOf(chart) {
   const rows = chart.times.length;
   const every = Math.max(1, Math.ceil(rows / kMostRows));
@@ -89,17 +109,19 @@ export class Plots {
     this.plots = [];
     clock.onChange(() => this.mark());
     new ResizeObserver(() => this.fit()).observe(find('plots-body'));
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.load(this.trial));
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.load(...this.loaded));
   }
 
-  load(trial) {
+  /** @param other  the trial that is compared; null without one */
+  load(trial, other = null, names = []) {
     this.trial = trial;
+    this.loaded = [trial, other, names];
     const open = new Set(this.plots.filter(({ details }) => details.open).map(({ name }) => name));
     for (const { plot } of this.plots) plot.destroy();
     find('plots-body').replaceChildren();
-    const charts = chartsOf(trial);
+    const charts = chartsOfBoth(trial, other, names);
     const ends = charts.flatMap(({ times }) => [times[0], times[times.length - 1]]).filter(Number.isFinite);
-    const range = [Math.min(0, ...ends), Math.max(trial.seconds(trial.lastTick), ...ends)];
+    const range = [Math.min(0, ...ends), Math.max(trial.seconds(trial.lastTick), other ? other.seconds(other.lastTick) : 0, ...ends)];
     this.plots = charts.map((chart) => this.add(chart, range, open.has(chart.name)));
     this.fit();
   }
@@ -124,20 +146,22 @@ export class Plots {
     fill();
     find('plots-body').append(make('figure', { class: 'chart' },
       make('figcaption', {}, `${chart.name}${unit}`), holder, details));
+    const lines = chart.lines ?? chart.curves.map(([name], which) => ({ name, who: -1, which }));
+    const colour = (who, which) => style(`--curve-${who < 0 ? which : 1 - who}`);  // the second trial is blue, as in the picture
     const axis = { stroke: style('--text'), grid: { stroke: style('--grid'), width: 1 }, ticks: { stroke: style('--line') }, font: '13px system-ui, sans-serif' };
     const plot = new uPlot({
       width: 400, height: 220, cursor: { drag: { x: false, y: false }, sync: { key: 'time' } },
       // Marked as its curve is drawn; under the pointer with its value.
       legend: { live: true, markers: { width: 3, fill: () => 'transparent',
-        dash: (_, i) => kMarkers[i - 1] ?? 'solid' } },
+        dash: (_, i) => kMarkers[lines[i - 1]?.which] ?? 'solid' } },
       scales: { x: { time: false, range } },
       axes: [{ ...axis, label: 's', labelSize: 18, labelFont: axis.font }, { ...axis, size: 60 }],
-      series: [{ label: 'time', value: (_, at) => (at === null ? '' : `${at.toFixed(3)} s`) }, ...chart.curves.map(([name], i) => ({
-        label: name, value: (_, value) => (value === null || value === undefined ? '' : `${number(value, 4)} ${chart.unit}`), stroke: style(`--curve-${i}`), width: 1.75, dash: kDashes[i],
-        points: { show: Boolean(chart.points), size: 4, fill: style(`--curve-${i}`) },
+      series: [{ label: 'time', value: (_, at) => (at === null ? '' : `${at.toFixed(3)} s`) }, ...lines.map(({ name, who, which }) => ({
+        label: name, spanGaps: Boolean(chart.lines), value: (_, value) => (value === null || value === undefined ? '' : `${number(value, 4)} ${chart.unit}`), stroke: colour(who, which), width: 1.75, dash: kDashes[which],
+        points: { show: Boolean(chart.points), size: 4, fill: colour(who, which) },
         paths: chart.points ? () => null : undefined,
       }))],
-    }, thinned(chart), holder);
+    }, chart.plotted ?? thinned(chart), holder);
     plot.over.append(line);
     plot.over.addEventListener('click', (event) => {
       const seconds = plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, 'x');

@@ -28,9 +28,9 @@ export class Timeline {
 
   load(trial) {
     this.trial = trial;
-    find('scrub').max = trial.lastTick;
+    find('scrub').max = this.clock.lastTick;
     this.events = trial.json.events.filter((event) => event.tick >= 0 && event.kind !== 'ledger');
-    const share = (event) => `${(100 * event.tick) / Math.max(1, trial.lastTick)}%`;
+    const share = (event) => `${(100 * event.tick) / Math.max(1, this.clock.lastTick)}%`;
     find('marks').replaceChildren(...this.events.slice(0, 1000).map((event) => {
       const words = `${event.kind.replaceAll('_', ' ')} ${event.bodies.join(', ')}`;
       const mark = make('span', { class: 'mark', title: `${event.time_s.toFixed(3)} s: ${words}`,

@@ -216,6 +216,59 @@ test('two trials: the first different tick and body, and both in the room', asyn
   await page.context().close();
 });
 
+test('two trials are compared in plots, events, scores, and shown one by one by a key', async () => {
+  const [a, b] = ['game', 'smooth'].map((name) => JSON.parse(headpin('info', `${name}.lcmlog`, '--json')));
+  const { page, said } = await open(browser, 'two.html');
+  const down = (one) => `${one.result.skittles_down} of 10 skittles down`;
+  const head = await page.textContent('#subtitle');
+  assert.ok(head.includes(down(a)) && head.includes(`B: ${down(b)}`), head);
+
+  // Plots: a colour for each trial, a dash for each curve.
+  const lines = await page.evaluate(() => window.headpin.plots.plots[0].plot.series.slice(1).map((one) =>
+    [one.label, one.stroke(), String(one.dash ?? ''), one.spanGaps]));
+  assert.deepEqual(lines.map(([label]) => label), ['ball, A', 'fastest skittle, A', 'hand, A', 'ball, B', 'fastest skittle, B', 'hand, B']);
+  assert.equal(new Set(lines.slice(0, 3).map(([, stroke]) => stroke)).size, 1);
+  assert.notEqual(lines[0][1], lines[3][1]);
+  assert.equal(lines[1][2], lines[4][2]);
+  const speeds = await page.evaluate(() => {
+    const { data } = window.headpin.plots.plots[0].plot;
+    const most = (values) => Math.max(...values.filter((value) => value !== null && value !== undefined));
+    return [most(data[1]), most(data[4])];
+  });
+  for (const [i, name] of ['game', 'smooth'].entries()) {
+    const peak = await page.evaluate((which) => Math.max(...(which ? window.headpin.other : window.headpin.trial).column('series', 'ball_mps')), i);
+    assert.ok(Math.abs(speeds[i] - peak) < 1e-9, `${name}: ${speeds[i]}, ${peak}`);
+  }
+
+  // Events: one list, each event of each trial once, both in a row where the same thing happened.
+  const rows = await page.locator('#events-body tbody tr').evaluateAll((all) => all.map((row) => [...row.cells].map((cell) => cell.textContent)));
+  for (const [column, { events }] of [a, b].entries()) {
+    const told = events.filter(({ kind }) => kind !== 'ledger' && kind !== 'game_hash').map(({ time_s: time }) => time);
+    const times = rows.map((row) => row[column]).filter((time) => time !== '–').map(parseFloat).sort((one, other) => one - other);
+    assert.equal(times.length, told.length);
+    told.forEach((time, i) => assert.ok(Math.abs(time - times[i]) < 1e-3, `${times[i]}, ${time}`));
+  }
+  const release = rows.find(([, , what]) => what === 'release');
+  assert.ok(release[0] === release[1] && release[4].endsWith(' m/s') && release[5].endsWith(' m/s'), release.join());
+  assert.ok(rows.some(([time]) => time === '–') && rows.some(([, time]) => time === '–'));
+
+  const shown = () => page.evaluate(() => [window.headpin.view.trial === window.headpin.other, Boolean(window.headpin.view.otherCast),
+    window.headpin.plots.plots[0].plot.series.length]);
+  assert.deepEqual(await shown(), [false, true, 7]);
+  await page.keyboard.press('b');
+  assert.deepEqual(await shown(), [false, false, 4]);
+  await page.keyboard.press('b');
+  assert.deepEqual(await shown(), [true, false, 4]);
+  assert.equal(await page.locator('#pair :checked').getAttribute('value'), 'b');
+  await page.keyboard.press('b');
+  assert.deepEqual(await shown(), [false, true, 7]);
+  await page.addScriptTag({ content: axe });
+  const { violations } = await page.evaluate(() => window.axe.run(document));
+  assert.deepEqual(violations.map(({ id, nodes }) => [id, nodes[0].html]), []);
+  assert.deepEqual(said, []);
+  await page.context().close();
+});
+
 /** Opens the page and waits for what the engine says of the unmoved trial. */
 async function withEngine(file) {
   const opened = await open(browser, file);
@@ -579,7 +632,10 @@ test('a table that is open stays open when the trial is simulated again', async 
 
 test('simulating again and again does not fill the memory', async () => {
   const { page, said } = await withEngine('game.html');
-  await page.locator('#shown [value=both]').check();
+  await page.focus('#view');
+  await page.keyboard.press('b');
+  await page.keyboard.press('b');
+  assert.equal(await page.locator('#shown [value=both]').isChecked(), true);
   const devtools = await page.context().newCDPSession(page);
   const heap = async () => {
     await devtools.send('HeapProfiler.collectGarbage');
