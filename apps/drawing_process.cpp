@@ -325,10 +325,11 @@ class DrawerElsewhere : public scene::FrameDrawer {
     ++fruitless_;
     if (why.empty()) why = "the process that draws has ended, " + end;
     if (!order_.first) {
-      why += fruitless_ < kMostStarts
-                 ? "; it is started again"
-                 : fmt::format("; so it did {} times without a picture: there are no more",
-                               fruitless_);
+      why +=
+          fruitless_ < kMostStarts
+              ? "; it is started again"
+              : fmt::format("; it has failed {} times without a picture and is not started again",
+                            fruitless_);
     }
     throw scene::DrawingFailed(why);
   }

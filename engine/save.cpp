@@ -346,7 +346,7 @@ std::vector<std::uint8_t> save(const World& world) {
 World restore(World world, std::span<const std::uint8_t> bytes) {
   const std::size_t head = kMagic.size() + 1;
   if (bytes.size() < head + kChecksum || !std::equal(kMagic.begin(), kMagic.end(), bytes.begin())) {
-    refuse("these bytes are none");
+    refuse("expected the bytes of a saved world, found others");
   }
   const std::uint8_t version = bytes[kMagic.size()];
   if (version != kVersion) {

@@ -185,7 +185,7 @@ void set_state(World& world, BodyId body, const State& state) {
   check_number(world, body);
   if (!is_good(state)) refuse(state, detail::title(world, body));
   if (world.bodies[body].kind == Kind::fixed) {
-    throw std::invalid_argument(detail::title(world, body) + ": is fixed, cannot be moved");
+    throw std::invalid_argument(detail::title(world, body) + ": is fixed and cannot be moved");
   }
   wake_with_what_rests_on(world, body);
   world.states[body] = state;

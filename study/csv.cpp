@@ -122,7 +122,7 @@ void check_names(const CsvTable& table, int line) {
     const std::string& name = table.columns[i];
     if (name.empty()) fail(table.where, line, fmt::format("column {} has no name", i + 1));
     if (std::ranges::count(table.columns, name) > 1) {
-      fail(table.where, line, fmt::format("column '{}' is there twice", shown(name)));
+      fail(table.where, line, fmt::format("column '{}' occurs twice", shown(name)));
     }
   }
 }

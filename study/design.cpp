@@ -64,7 +64,7 @@ DesignRow read_row(TomlFields fields, const Design& design) {
   fields.finish();
   for (const DesignRow& other : design.rows) {
     if (other.cell != row.cell || other.changed != row.changed) continue;
-    fields.refuse("cell", "another one: this cell with this change is there already");
+    fields.refuse("cell", "another one: this cell with this change exists already");
   }
   return row;
 }
@@ -81,7 +81,7 @@ Term read_term(TomlFields fields, const Design& design) {
   if (fields.has("se")) term.se = fields.number("se");
   fields.finish();
   for (const Term& other : design.terms) {
-    if (other.name == term.name) fields.refuse("name", "another name: this one is there already");
+    if (other.name == term.name) fields.refuse("name", "another name: this one exists already");
   }
   return term;
 }

@@ -32,9 +32,9 @@ void add_plan(const Design& design, const Questionnaire& questions, std::vector<
   text("participant", "text", "name", [](const Person& p) { return p.planned.id; });
   text("virtual", "yes/no", "a virtual participant played, or answers were drawn from a model",
        [](const Person& p) { return yes_no(p.is_virtual()); });
-  text("counts", "yes/no", "is one of those whom tables and model are of",
+  text("counts", "yes/no", "whether tables and model include the participant",
        [=](const Person& p) { return yes_no(why_not(design, questions, p).empty()); });
-  text("why_not", "text", "why not, where it is not",
+  text("why_not", "text", "why they do not",
        [=](const Person& p) { return why_not(design, questions, p); });
   text("place", "whole", "of the allotment",
        [](const Person& p) { return fmt::format("{}", p.planned.place + 1); });

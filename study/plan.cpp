@@ -126,7 +126,7 @@ void take(const CsvTable& table, const PlanRow& row, Plan& plan,
     }
     if (other.game == row.game) {
       refuse(table, *row.at,
-             "one row a participant and game; this one is there already, in " + before,
+             "one row per participant and game; this one exists already, in " + before,
              fmt::format("{}, game {}", row.participant.id, row.game));
     }
     if (other.participant != row.participant) {

@@ -200,7 +200,7 @@ void print_skipped(const devices::TrialSummary& trial) {
   line(trial.skipped.cut_bytes, "bytes of an event the file ends in");
   line(trial.skipped.bytes, "bytes that belong to no event");
   line(trial.skipped.undecodable, "messages with another type or size");
-  line(trial.skipped.implausible, "messages with numbers that cannot be");
+  line(trial.skipped.implausible, "messages with impossible numbers");
   line(trial.skipped.other_trials, "more trial in the same file, and what follows its header");
   line(trial.skipped.foreign, "poses in another frame than the transmitter's");
   line(trial.skipped.baseless, "states told by what is new since one that is not known");

@@ -80,7 +80,7 @@ class LiveLcm : public LiveSource {
     const LcmSource::Counts& c = source_.counts();
     return fmt::format(
         "messages that cannot be used: {} of another type or size than TRACKER's and MOUSE3D's, {} "
-        "with numbers that cannot be, {} in another frame than \"T\"",
+        "with impossible numbers, {} in another frame than \"T\"",
         c.undecodable, c.implausible, c.foreign);
   }
 

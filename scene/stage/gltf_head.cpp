@@ -48,7 +48,8 @@ void require_known_extensions(const json& file) {
     const std::string name = one.is_string() ? one.get<std::string>() : one.dump();
     const bool looks = name.starts_with("KHR_materials_") || name.starts_with("KHR_texture_") ||
                        name.starts_with("EXT_texture_") || name == "KHR_lights_punctual";
-    if (!looks) throw std::runtime_error(fmt::format("it requires {}, which is not read", name));
+    if (!looks)
+      throw std::runtime_error(fmt::format("it requires {}, which headpin does not read", name));
   }
 }
 

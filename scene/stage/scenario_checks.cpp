@@ -258,7 +258,7 @@ class Checker {
     for (const char* key : {"version.red.elasticity", "version.red.friction",
                             "version.blue.elasticity", "version.blue.friction"}) {
       if (lines_.contains(key)) continue;
-      refuse(key, "must be said, a number from 0 to 1, where there are buttons; found none",
+      refuse(key, "must be a number from 0 to 1, because the scenario has buttons; found none",
              {"version.buttons"});
     }
   }

@@ -349,14 +349,14 @@ TEST_F(LiveFastrak, WhatDrawsMayCrashAgainAndAgain) {
   const Result result =
       shell(kEndlessSession +
             "counted $live live.lcmlog FRAME 5\n"
-            "while kill -0 $live && [ $(count live.lcmlog there.are.no.more) -lt 1 ]; do\n"
+            "while kill -0 $live && [ $(count live.lcmlog not.started.again) -lt 1 ]; do\n"
             "  child=$(cat /proc/$live/task/*/children) && kill -SEGV $child 2>/dev/null\n"
             "done\n"
             "ticks=$(count live.lcmlog STATE)\n"
             "counted $live live.lcmlog STATE $((ticks + 100))\n"
             "interrupt $live; code=$?\ninterrupt $unit\nexit $code");
   ASSERT_EQ(result.code, 0) << result.err;
-  EXPECT_THAT(result.err, testing::HasSubstr("times without a picture: there are no more"));
+  EXPECT_THAT(result.err, testing::HasSubstr("times without a picture and is not started again"));
   const devices::Trial recorded = trial("live.lcmlog");
   EXPECT_TRUE(recorded.complete);
   EXPECT_EQ(recorded.states.back().tick, recorded.states.size());

@@ -201,7 +201,8 @@ TEST(SavedWorld, IsRefusedWhenCutOffOrChangedAnywhere) {
     changed[k] ^= static_cast<std::uint8_t>(1u << k % 8);
     ASSERT_THAT(refusal(made, changed), HasSubstr("saved world: ")) << k;
   }
-  EXPECT_EQ(refusal(made, Bytes(20, 0)), "saved world: these bytes are none");
+  EXPECT_EQ(refusal(made, Bytes(20, 0)),
+            "saved world: expected the bytes of a saved world, found others");
 }
 
 /// Whether a step of it takes no longer than others.

@@ -201,7 +201,7 @@ TEST(Gltf, ThatRequiresWhatIsNotReadIsRefused) {
     return complaint([&] { read(path); });
   };
   EXPECT_THAT(refusal({.more = R"("extensionsRequired":["KHR_mesh_quantization"],)"}),
-              HasSubstr("x.glb: it requires KHR_mesh_quantization, which is not read"));
+              HasSubstr("x.glb: it requires KHR_mesh_quantization, which headpin does not read"));
   EXPECT_THAT(refusal({.type = 5122}), HasSubstr("x.glb: POSITION of component type 5122"));
   EXPECT_EQ(refusal({.more = R"("extensionsUsed":["KHR_materials_unlit"],)"
                              R"("extensionsRequired":["KHR_materials_unlit"],)"}),

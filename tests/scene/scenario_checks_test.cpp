@@ -149,10 +149,10 @@ TEST(ScenarioCheck, AVersionHasMaterials) {
   const std::string blue = "[version.blue]\nelasticity = 0.7\nfriction = 0.7\n";
   EXPECT_EQ(refusal(buttons + red + blue), "");
   EXPECT_EQ(refusal(buttons + red),
-            "lane.toml:2: version.blue.elasticity must be said, a number from 0 to 1, where there "
-            "are buttons; found none");
+            "lane.toml:2: version.blue.elasticity must be a number from 0 to 1, because the "
+            "scenario has buttons; found none");
   EXPECT_THAT(refusal(buttons + "[version.red]\nelasticity = 1.0\n" + blue),
-              HasSubstr("lane.toml:2: version.red.friction must be said"));
+              HasSubstr("lane.toml:2: version.red.friction must be a number from 0 to 1"));
   EXPECT_EQ(refusal("[version]\nbuttons = false\n"), "");
 }
 

@@ -41,7 +41,7 @@ TEST(Csv, WhatIsNoTableIsRefusedWithFileAndLine) {
   EXPECT_THAT(says(""), HasSubstr("t.csv:1: expected a line of column names"));
   EXPECT_THAT(says("a,b\n1,2\n3\n"), HasSubstr("t.csv:3: expected 2 cells, found 1"));
   EXPECT_THAT(says("a,b\n\"1,2\n"), HasSubstr("t.csv:2: expected a quote"));
-  EXPECT_THAT(says("a,a\n"), HasSubstr("t.csv:1: column 'a' is there twice"));
+  EXPECT_THAT(says("a,a\n"), HasSubstr("t.csv:1: column 'a' occurs twice"));
   EXPECT_THAT(says("a,\n"), HasSubstr("t.csv:1: column 2 has no name"));
   EXPECT_THAT(says("a,b\n\"1\"x,2\n"), HasSubstr("t.csv:2:"));
   EXPECT_THAT(says(std::string("\xff\xfe"

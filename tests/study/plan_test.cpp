@@ -96,7 +96,7 @@ TEST_F(PlanTable, WhatIsWrongIsSaidWithFileLineAndWhatWasExpected) {
   const std::string text = to_csv(plan_, design_);
   const std::vector<std::string> all = lines(text);
   EXPECT_THAT(says(text + all[3] + "\n"),
-              HasSubstr("plan.csv:38: expected one row a participant and game; this one is there "
+              HasSubstr("plan.csv:38: expected one row per participant and game; this one exists "
                         "already, in line 4"));
   EXPECT_THAT(says(joined({all[0], all[1]})), HasSubstr("plan.csv:2: expected two rows"));
   EXPECT_THAT(says_with(5, 2, "020"),
