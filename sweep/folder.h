@@ -40,7 +40,7 @@ struct Sweep {
 /// @param check   called from time to time; may throw
 /// @return  number of rows
 /// @throws std::invalid_argument  naming file and key of an impossible value
-/// @throws std::runtime_error     if the folder is not empty
+/// @throws std::runtime_error     if the folder has something else already
 std::int64_t plan(const std::filesystem::path& design, const SweepFolder& at,
                   const std::function<void()>& check);
 

@@ -58,7 +58,7 @@ std::vector<Finding> look_at_contexts(const std::string& gl) {
   }
   for (Finding* alone : {&findings[1], &findings[2]}) {
     if (alone->works || !findings[0].works) continue;
-    alone->says += "; not needed, because the other context draws";
+    alone->says += "; not needed, because another context draws";
     alone->remedy.clear();
   }
   return findings;
@@ -121,7 +121,7 @@ Finding look_at_priority() {
           "echo '* - rtprio 1' > /etc/security/limits.d/headpin.conf && exec su - $USER"};
 }
 
-/// @param users  the commands that run it
+/// @param users  what needs it
 Finding look_for_program(const char* name, const char* package, const char* users) {
   const char* path = std::getenv("PATH");
   std::string_view rest = path ? path : "";
@@ -131,7 +131,7 @@ Finding look_for_program(const char* name, const char* package, const char* user
     if (access(candidate.c_str(), X_OK) == 0) return {name, true, candidate, ""};
     rest = colon == std::string_view::npos ? "" : rest.substr(colon + 1);
   }
-  return {name, false, fmt::format("not installed; needed for {}", users),
+  return {name, false, fmt::format("not installed; needed only for {}", users),
           fmt::format("apt-get install {}", package)};
 }
 
@@ -141,8 +141,8 @@ void diagnose(bool json, const std::string& gl) {
   findings.insert(findings.end(), devices.begin(), devices.end());
   for (const Finding& finding :
        {look_at_multicast(), look_at_receive_buffer(), look_at_priority(),
-        look_for_program("ffmpeg", "ffmpeg", "videos alone"),
-        look_for_program("Rscript", "r-base-core", "`experiment analyse` alone")}) {
+        look_for_program("ffmpeg", "ffmpeg", "videos"),
+        look_for_program("Rscript", "r-base-core", "`experiment analyse`")}) {
     findings.push_back(finding);
   }
   nlohmann::json all = nlohmann::json::object();

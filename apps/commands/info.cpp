@@ -203,7 +203,7 @@ void print_skipped(const devices::TrialSummary& trial) {
   line(trial.skipped.implausible, "messages with impossible numbers");
   line(trial.skipped.other_trials, "more trial in the same file, and what follows its header");
   line(trial.skipped.foreign, "poses in another frame than the transmitter's");
-  line(trial.skipped.baseless, "states told by what is new since one that is not known");
+  line(trial.skipped.baseless, "states stored as changes of a state that is missing");
   line(trial.skipped.misdated,
        "samples and states with a time that those around them do not share");
   line(trial.backwards, "samples not later than the one before (kept)");

@@ -6,7 +6,7 @@
 namespace headpin::devices {
 
 namespace {
-constexpr Time kLongestHeld{25'000};  // limit for the time between two records
+constexpr Time kLongestHeld{25'000};  // a longer time between two records counts as this
 }
 
 std::optional<MouseSample> StylusTrigger::update(const TrackerSample& sample) {

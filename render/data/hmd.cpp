@@ -22,7 +22,7 @@ constexpr std::array<HmdProfile, 7> kProfiles = {{
      "the same optics, its single-colour elements as brochures count them",
      {.width = 360, .height = 240, .horizontal_fov_deg = 75.3, .vertical_fov_deg = 58.4}},
     // With square pixels and 40 degrees vertically, an eye sees 57.3 degrees horizontally: 37.5
-    // outward and 19.8 inward. Both eyes together see 39.6 degrees.
+    // outward and 19.8 inward. 39.6 degrees are seen by both eyes.
     {"flight-helmet-total",
      "as flight-helmet, its 75 degrees being those of both eyes together, which overlap in part",
      {.width = 360,

@@ -13,6 +13,7 @@ function shellWord(name) {
   return /^[\w./-]+$/.test(name) && !name.startsWith('-') ? name : `'./${name.replaceAll("'", "'\\''")}'`;
 }
 
+/** The command that makes a page of a trial's file. */
 export function pageCommand(name) {
   return `headpin report ${shellWord(name)} -o trial.html`;
 }
@@ -73,7 +74,8 @@ export class Again {
     if (!hasBlock('log')) {
       this.say('The log of this trial is too long to be in the page: drop its file here to simulate it again.');
     }
-    this.engine = await engines.Engine.start();
+    this.starting = engines.Engine.start();
+    this.engine = await this.starting;
     if (!hasBlock('log')) return;
     await this.engine.load(await inflated(rawBlock('log')));
     await this.simulate();
@@ -149,12 +151,13 @@ export class Again {
   async openFile(file, where) {
     if (!file) return;
     find('dropped').hidden = true;
-    if (!this.engine) {
+    if (!engines.isThere()) {
       this.refuse(`${file.name}: this page has no engine to open it with. A page of its own: ${pageCommand(file.name)}`, where);
       return;
     }
     this.say(`Opening ${file.name}`);
     try {
+      await this.starting;
       const bytes = new Uint8Array(await file.arrayBuffer());
       const trial = await this.engine.openTrial(bytes);
       trial.json.trial.name = file.name;

@@ -92,16 +92,24 @@ function impulseOf(event) {
   return Math.hypot(...event.j) ? `${number(Math.hypot(...event.j))} N s` : kNone;
 }
 
-/** Events of two trials in one list: the same thing that happens to the same bodies in both is one row. */
+/**
+ * Events of two trials in one list. What happens to the same bodies in both within a second is one row.
+ * @param rate  ticks a second of both
+ */
 export function paired(a, b, rate) {
-  const left = b.map((event) => ({ b: event }));
+  const nameOf = ({ kind, bodies }) => [kind, ...bodies].join();
+  const left = new Map();  // events of b that have no partner yet, in time
+  for (const event of b) {
+    if (!left.has(nameOf(event))) left.set(nameOf(event), []);
+    left.get(nameOf(event)).push(event);
+  }
   const rows = a.map((event) => {
-    const same = left.findIndex(({ b: other }) => other.kind === event.kind
-      && other.bodies.join() === event.bodies.join() && Math.abs(other.tick - event.tick) <= rate);
-    return same < 0 ? { a: event } : { a: event, b: left.splice(same, 1)[0].b };
+    const alike = left.get(nameOf(event)) ?? [];
+    const same = alike.findIndex(({ tick }) => Math.abs(tick - event.tick) <= rate);
+    return same < 0 ? { a: event } : { a: event, b: alike.splice(same, 1)[0] };
   });
   const tick = ({ a: one, b: other }) => Math.min(one?.tick ?? Infinity, other?.tick ?? Infinity);
-  return rows.concat(left).sort((one, other) => tick(one) - tick(other));
+  return rows.concat([...left.values()].flat().map((event) => ({ b: event }))).sort((one, other) => tick(one) - tick(other));
 }
 
 /**
@@ -112,7 +120,8 @@ export function paired(a, b, rate) {
 export function showEvents(trial, go, other = null, names = []) {
   const { events: all, event_kinds: kinds } = trial.json;
   const most = 2000;
-  const shown = (other ? paired(all, other.json.events, trial.rate) : all.map((a) => ({ a }))).slice(0, most);
+  const entries = other ? paired(all, other.json.events, trial.rate) : all.map((a) => ({ a }));
+  const shown = entries.slice(0, most);
   const at = (event) => (event ? make('button', { type: 'button', class: 'link', onclick: () => go(Math.max(0, event.tick)) },
     `${event.time_s.toFixed(3)} s`) : kNone);
   const what = ({ kind }) => make('span', { title: kinds[kind] ?? '' }, kind.replaceAll('_', ' '));
@@ -120,7 +129,7 @@ export function showEvents(trial, go, other = null, names = []) {
     || (event.detail.startsWith('{') ? '' : event.detail);
   const [a, b] = names;
   find('events-body').replaceChildren(
-    ...(all.length > most ? [make('p', { class: 'note' }, `The first ${most} of ${all.length}.`)] : []),
+    ...(entries.length > most ? [make('p', { class: 'note' }, `The first ${most} of ${entries.length}.`)] : []),
     other
       ? table('Events of both; click a time to go there', [`Time, ${a}`, `Time, ${b}`, 'What', 'To what', `Value, ${a}`, `Value, ${b}`],
         shown.map((row) => [at(row.a), at(row.b), what(row.a ?? row.b), bodies(row.a ?? row.b), valueOf(row.a), valueOf(row.b)]))

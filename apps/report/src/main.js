@@ -1,5 +1,5 @@
 // The page: one clock, and everything that shows a trial at its time.
-import { Again } from './again.js';
+import { Again, pageCommand } from './again.js';
 import { Clock } from './clock.js';
 import { block, hasBlock, jsonBlock, numbersOf } from './data.js';
 import { find, make, number } from './elements.js';
@@ -185,7 +185,7 @@ class Page {
     find('compared').hidden = true;
     find('whatif').hidden = true;
     find('video').hidden = true;
-    this.about = { ...this.about, command: `headpin report '${trial.json.trial.name.replaceAll("'", "'\\''")}' -o trial.html`, log_left_out: false };
+    this.about = { ...this.about, command: pageCommand(trial.json.trial.name), log_left_out: false };
     this.view.load(trial, null);
     this.nameOther(null);
     this.show(trial);

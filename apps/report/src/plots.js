@@ -62,24 +62,43 @@ export function chartsOf(trial) {
   return charts;
 }
 
-/** Two charts as one: a colour for each trial, a dash for each curve. */
-function together(chart, other, names) {
-  const rows = ({ times, curves }) => [times, ...curves.map(([, values]) => values)];
-  const [times, ...values] = uPlot.join([rows(chart), rows(other)]);
-  const curves = [chart, other].flatMap((one, who) => one.curves.map(([name], which) => ({ name: `${name}, ${names[who]}`, who, which })));
-  return { ...chart, times, curves: curves.map(({ name }, i) => [name, values[i]]),
-    lines: curves, plotted: uPlot.join([thinned(chart), thinned(other)]) };
+/**
+ * Columns of two tables by their first one, the time: rows of equal times become one row, in turn where several rows of a table
+ * have the same time. (uPlot.join keeps one row a time.)
+ */
+export function joined(a, b) {
+  const out = Array.from({ length: a.length + b.length - 1 }, () => []);
+  const [n, m] = [a[0].length, b[0].length];
+  for (let i = 0, j = 0; i < n || j < m;) {
+    const time = Math.min(i < n ? a[0][i] : Infinity, j < m ? b[0][j] : Infinity);
+    const [ofA, ofB] = [i < n && a[0][i] === time, j < m && b[0][j] === time];
+    out[0].push(time);
+    for (let k = 1; k < a.length; ++k) out[k].push(ofA ? a[k][i] : null);
+    for (let k = 1; k < b.length; ++k) out[a.length + k - 1].push(ofB ? b[k][j] : null);
+    i += ofA;
+    j += ofB;
+  }
+  return out;
 }
 
-/** The charts of a trial, or of two over each other where both have one. */
+/** Two charts as one: a colour for each trial, a dash for each curve. */
+function together(chart, other, names) {
+  const columns = ({ times, curves }) => [times, ...curves.map(([, values]) => values)];
+  const [times, ...values] = joined(columns(chart), columns(other));
+  const lines = [chart, other].flatMap((one, who) => one.curves.map(([name], which) => ({ name: `${name}, ${names[who]}`, who, which })));
+  return { ...chart, times, curves: lines.map(({ name }, i) => [name, values[i]]), lines,
+    plotted: joined(thinned(chart), thinned(other)) };
+}
+
+/** The charts of a trial, or of two over each other. A chart that one trial alone has is together with an empty one. */
 export function chartsOfBoth(trial, other, names) {
   const charts = chartsOf(trial);
   if (!other) return charts;
-  const others = chartsOf(other);
-  return charts.map((chart) => {
-    const same = others.find(({ name }) => name === chart.name);
-    return same ? together(chart, same, names) : chart;
-  });
+  const others = new Map(chartsOf(other).map((chart) => [chart.name, chart]));
+  const empty = (chart) => ({ ...chart, times: [], curves: chart.curves.map(([name]) => [name, []]) });
+  const both = charts.map((chart) => together(chart, others.get(chart.name) ?? empty(chart), names));
+  for (const { name } of charts) others.delete(name);
+  return both.concat([...others.values()].map((chart) => together(empty(chart), chart, names)));
 }
 
 function tableOf(chart) {
@@ -119,7 +138,7 @@ export class Plots {
     const open = new Set(this.plots.filter(({ details }) => details.open).map(({ name }) => name));
     for (const { plot } of this.plots) plot.destroy();
     find('plots-body').replaceChildren();
-    const charts = chartsOfBoth(trial, other, names);
+    const charts = this.charts = chartsOfBoth(trial, other, names);
     const ends = charts.flatMap(({ times }) => [times[0], times[times.length - 1]]).filter(Number.isFinite);
     const range = [Math.min(0, ...ends), Math.max(trial.seconds(trial.lastTick), other ? other.seconds(other.lastTick) : 0, ...ends)];
     this.plots = charts.map((chart) => this.add(chart, range, open.has(chart.name)));
@@ -157,7 +176,8 @@ export class Plots {
       scales: { x: { time: false, range } },
       axes: [{ ...axis, label: 's', labelSize: 18, labelFont: axis.font }, { ...axis, size: 60 }],
       series: [{ label: 'time', value: (_, at) => (at === null ? '' : `${at.toFixed(3)} s`) }, ...lines.map(({ name, who, which }) => ({
-        label: name, spanGaps: Boolean(chart.lines), value: (_, value) => (value === null || value === undefined ? '' : `${number(value, 4)} ${chart.unit}`), stroke: colour(who, which), width: 1.75, dash: kDashes[which],
+        label: name, stroke: colour(who, which), width: 1.75, dash: kDashes[which], spanGaps: Boolean(chart.lines),
+        value: (_, value) => (value === null || value === undefined ? '' : `${number(value, 4)} ${chart.unit}`),
         points: { show: Boolean(chart.points), size: 4, fill: colour(who, which) },
         paths: chart.points ? () => null : undefined,
       }))],

@@ -240,6 +240,13 @@ test('two trials are compared in plots, events, scores, and shown one by one by 
     assert.ok(Math.abs(speeds[i] - peak) < 1e-9, `${name}: ${speeds[i]}, ${peak}`);
   }
 
+  // Every impulse of both, though many have one time.
+  const impulses = await page.evaluate(() => {
+    const { curves } = window.headpin.plots.charts.find(({ name }) => name === 'Impulses');
+    return curves.map(([, values]) => values.filter((value) => value !== null).length);
+  });
+  assert.deepEqual(impulses, await page.evaluate(() => [window.headpin.trial, window.headpin.other].map((trial) => trial.sections.get('contacts').rows)));
+
   // Events: one list, each event of each trial once, both in a row where the same thing happened.
   const rows = await page.locator('#events-body tbody tr').evaluateAll((all) => all.map((row) => [...row.cells].map((cell) => cell.textContent)));
   for (const [column, { events }] of [a, b].entries()) {
@@ -597,6 +604,23 @@ test('what went wrong with a dropped file is said where it was dropped, with the
   await page.addScriptTag({ content: axe });
   const { violations } = await page.evaluate(() => window.axe.run(document));
   assert.deepEqual(violations.map(({ id }) => id), []);
+  assert.deepEqual(said, []);
+  await page.context().close();
+});
+
+test('a page without an engine says so of a dropped file', async () => {
+  const html = readFileSync(join(folder, 'game.html'), 'utf8');
+  const without = html.replace(/<script[^>]*data-block="engine-wasm"[^>]*>[^<]*<\/script>/, '');
+  assert.ok(without.length < html.length);
+  writeFileSync(join(folder, 'plain.html'), without);
+  const { page, said } = await open(browser, 'plain.html');
+  await page.waitForSelector('html[data-engine=no]');
+  await page.evaluate(() => {
+    const files = new DataTransfer();
+    files.items.add(new File(['x'], 'other.lcmlog'));
+    document.body.dispatchEvent(new DragEvent('drop', { dataTransfer: files, bubbles: true, clientX: 300, clientY: 200 }));
+  });
+  assert.match(await page.locator('#dropped').textContent(), /^other\.lcmlog: this page has no engine.*headpin report other\.lcmlog -o/);
   assert.deepEqual(said, []);
   await page.context().close();
 });
