@@ -39,7 +39,7 @@ int close_standard_output(const std::string& command, int code) {
   const bool failed_before = std::ferror(stdout) != 0;
   const bool failed_now = std::fflush(stdout) != 0;
   // The reason of an earlier failure is not known any more; another write gives it.
-  const bool failed_again = failed_before && !failed_now && write(STDOUT_FILENO, "\n", 1) < 0;
+  const bool failed_again = failed_before && !failed_now && ::write(STDOUT_FILENO, "\n", 1) < 0;
   const int error = failed_now || failed_again ? errno : EIO;
   const bool gone = reader_is_gone();
   const bool failed_closing = std::fclose(stdout) != 0;

@@ -1,21 +1,23 @@
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <iostream>
 #include <memory>
 #include <optional>
-#include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/bids_session.h"
 #include "apps/command.h"
+#include "apps/import_explain.h"
+#include "apps/import_options.h"
 #include "apps/options.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "devices/recordings/marker_file.h"
 #include "devices/recordings/motion_files.h"
 #include "devices/trial/log.h"
+#include "files/input_file.h"
 #include "scene/people/throw.h"
 #include "scene/play/events.h"
 #include "scene/stage/read_scenario.h"
@@ -23,55 +25,13 @@
 namespace headpin::apps {
 namespace {
 
-struct ImportOptions {
-  std::optional<std::string> output;
-  std::string file, scenario, participant, condition;
-  std::string units, heading = "release", hand = "auto", names, axes, transmitter;
-  std::optional<int> which;
-  bool force = false, json = false;
-};
-
-double metres(const std::string& unit) {
-  return unit == "mm" ? 0.001 : unit == "cm" ? 0.01 : 1.0;
+scene::Scenario room_of(const ImportOptions& options) {
+  return options.scenario.empty() ? scene::Scenario{} : scene::load_scenario(options.scenario);
 }
 
 scene::Heading heading(const std::string& name) {
   if (name == "gaze") return scene::Heading::gaze;
   return name == "keep" ? scene::Heading::keep : scene::Heading::release;
-}
-
-/// Reads X,Y,Z in metres.
-Vec3 read_place(const std::string& text) {
-  Vec3 p = Vec3::Zero();
-  const char *at = text.data(), *const end = at + text.size();
-  for (int i = 0; i < 3; ++i) {
-    const auto read = std::from_chars(at, end, p[i]);
-    at = read.ptr;
-    const bool right = read.ec == std::errc{} && std::abs(p[i]) <= 100.0 &&
-                       (i == 2 ? at == end : at != end && *at++ == ',');
-    if (right) continue;
-    throw UsageError("--transmitter " + text + ": expected X,Y,Z, metres from -100 to 100");
-  }
-  return p;
-}
-
-/// The options of the reader, from the command line.
-devices::MotionOptions declared(const ImportOptions& options) {
-  devices::MotionOptions motion;
-  if (!options.units.empty()) motion.unit_m = metres(options.units);
-  if (!options.axes.empty()) motion.axes = options.axes;
-  motion.only_hand_is_left = options.hand == "left";
-  if (!options.transmitter.empty()) motion.p_origin = read_place(options.transmitter);
-  if (options.names.empty()) return motion;
-  std::istringstream names(options.names);
-  for (std::string& name : motion.names) std::getline(names, name, ',');
-  const auto& [head, left, right] = motion.names;
-  if (std::ranges::count(options.names, ',') != 2 || head.empty() ||
-      (left.empty() && right.empty())) {
-    throw UsageError("--names " + options.names +
-                     ": expected three names, HEAD,LEFT,RIGHT, one hand of which may be empty");
-  }
-  return motion;
 }
 
 /// The recording in the file, and the throwing hand.
@@ -84,18 +44,44 @@ struct Thrown {
 
 scene::Side side_of(const ImportOptions& options, const devices::MotionRecording& recording,
                     const scene::Hand& hand) {
-  if (options.hand == "auto") return scene::throwing_side(recording, hand);
+  if (options.hand == "auto" || options.hand == "none")
+    return scene::throwing_side(recording, hand);
   return options.hand == "left" ? scene::Side::left : scene::Side::right;
+}
+
+/// Grab and release from the file of --events, for both hands.
+void take_events(const ImportOptions& options, devices::MotionRecording& recording) {
+  if (options.events.empty()) return;
+  std::vector<Stamped<bool>> markers = devices::parse_markers(
+      files::read_text(options.events, 100'000'000), options.events, recording.reading.time_unit_s);
+  for (Stamped<bool>& marker : markers) marker.time -= recording.start;
+  const auto inside = [&](const Stamped<bool>& marker) {
+    return marker.time >= Time{} && marker.time <= recording.times.back();
+  };
+  if (std::ranges::none_of(markers, inside)) {
+    throw std::invalid_argument(
+        fmt::format("{}: expected times between {:.3f} and {:.3f} s, as the recording has; found "
+                    "{:.3f} to {:.3f} s",
+                    options.events, nearest_seconds(recording.start),
+                    nearest_seconds(recording.start + recording.times.back()),
+                    nearest_seconds(recording.start + markers.front().time),
+                    nearest_seconds(recording.start + markers.back().time)));
+  }
+  recording.triggers = {markers, markers};
 }
 
 Thrown read_thrown(const ImportOptions& options, const scene::Hand& hand) {
   Thrown thrown;
   thrown.recording = devices::read_motion(options.file, declared(options));
+  take_events(options, thrown.recording);
   thrown.side = side_of(options, thrown.recording, hand);
   std::vector<devices::MotionRecording> throws = scene::split_throws(thrown.recording, thrown.side);
   thrown.throws = throws.size();
   thrown.notes = thrown.recording.notes;
-  if (!options.which) return thrown;
+  if (!options.which) {
+    thrown.recording = scene::looking_along(std::move(thrown.recording), hand, thrown.side);
+    return thrown;
+  }
   const auto wanted = static_cast<std::size_t>(*options.which);
   if (wanted > throws.size()) {
     throw std::runtime_error(fmt::format("{}: expected a throw number {}, found {} throws",
@@ -103,6 +89,7 @@ Thrown read_thrown(const ImportOptions& options, const scene::Hand& hand) {
   }
   thrown.recording = std::move(throws[wanted - 1]);
   thrown.side = side_of(options, thrown.recording, hand);
+  thrown.recording = scene::looking_along(std::move(thrown.recording), hand, thrown.side);
   return thrown;
 }
 
@@ -119,6 +106,25 @@ void say_doubts(const ImportOptions& options, const Thrown& thrown) {
   }
 }
 
+/// Events for what was not measured.
+std::vector<devices::Event> not_measured(const devices::MotionRecording& recording) {
+  std::vector<devices::Event> events;
+  const auto add = [&](const char* detail) {
+    devices::Event e;
+    e.time = recording.times.front();
+    e.kind = scene::kind::not_measured;
+    e.detail = detail;
+    events.push_back(e);
+  };
+  if (!recording.head_moves) {
+    add("the head: it stays in one place and looks along the throw");
+  } else if (!recording.head_turns) {
+    add("the rotation of the head: it looks level, along the throw");
+  }
+  if (!recording.hands_turn) add("the rotation of the hands: they do not turn");
+  return events;
+}
+
 /// Events for what was found in the recording, so that it is not taken for recorded data.
 std::vector<devices::Event> found_events(const devices::MotionRecording& recording,
                                          const scene::Throw& found,
@@ -132,35 +138,89 @@ std::vector<devices::Event> found_events(const devices::MotionRecording& recordi
             (scene::throwing_hand(recording, found.side)[sample] * scenario.hand.grip);
     return e;
   };
-  std::vector<devices::Event> events = {event(scene::kind::grab_found, found.grab),
-                                        event(scene::kind::release_found, found.release)};
-  events[0].detail = "where the hand rests lowest; the recording has no buttons";
-  events[1].detail = "the hand rises out of the bottom of its swing; the recording has no buttons";
-  events[1].value = found.V_TB.v.norm();
+  std::vector<devices::Event> events = not_measured(recording);
+  if (found.by_trigger) return events;
+  events.push_back(event(scene::kind::grab_found, found.grab));
+  events.back().detail = "where the hand rests lowest; the recording has no buttons";
+  events.push_back(event(scene::kind::release_found, found.release));
+  events.back().detail =
+      "the hand rises out of the bottom of its swing; the recording has no buttons";
+  events.back().value = found.V_TB.v.norm();
   return events;
 }
 
-/// Imports one throw. Seconds are rounded to the stamp: 3.035 and not 3.0349999999999997.
-void import_throw(const ImportOptions& options) {
-  const scene::Scenario base =
-      options.scenario.empty() ? scene::Scenario{} : scene::load_scenario(options.scenario);
-  const Thrown thrown = read_thrown(options, base.hand);
-  const devices::MotionRecording& recording = thrown.recording;
-  scene::require_throw(recording, base.hand, options.file, thrown.side);
-  say_doubts(options, thrown);
-  const scene::Throw found = scene::find_throw(recording, base.hand, thrown.side);
-  const scene::Scenario scenario =
-      scene::stand_thrower(base, recording, found, heading(options.heading));
-  scene::check(scenario, options.file + " as thrown in this room");
+/// Refuses a recording that is no throw, and names the options that would make it one.
+void require_throw(const ImportOptions& options, const Thrown& thrown, const scene::Hand& hand) {
+  try {
+    scene::require_throw(thrown.recording, hand, options.file, thrown.side);
+  } catch (const scene::NoThrow& error) {
+    if (!error.would_be) throw;
+    throw std::runtime_error(fmt::format(
+        "{}: {}", error.what(), options_between(thrown.recording.reading, *error.would_be)));
+  }
+}
 
+/// The header and the file of a trial.
+devices::Recorder recorder_for(const ImportOptions& options, const scene::Scenario& scenario) {
+  scene::check(scenario, options.file + " as recorded, in this room");
   devices::TrialHeader header;
   header.participant = options.participant;
   header.condition = options.condition;
   header.scenario = scene::to_toml(scenario);
   watch_stop_signals();
-  devices::Recorder recorder(
+  return devices::Recorder(
       *options.output, header,
-      {.overwrite = options.force, .inputs = {options.file, options.scenario}});
+      {.overwrite = options.force,
+       .inputs = {options.file, options.scenario, options.events, options.columns}});
+}
+
+/// Imports a recording of the head alone: nothing is thrown.
+void import_head(const ImportOptions& options, const scene::Scenario& base,
+                 const devices::MotionRecording& recording) {
+  for (const std::string& note : recording.notes) {
+    say("headpin import: {}: {}\n", printable(options.file), printable(note));
+  }
+  const double height = recording.head.front().p.y();
+  if (!(height > 1.0 && height < 2.2)) {
+    throw std::runtime_error(
+        fmt::format("{}: not a person's head: it is up {:.3g} m at first, expected 1 to 2.2",
+                    options.file, height));
+  }
+  devices::Recorder recorder =
+      recorder_for(options, scene::stand_onlooker(base, recording, heading(options.heading)));
+  std::vector<devices::Event> events = not_measured(recording);
+  events.emplace_back();
+  events.back().kind = scene::kind::not_measured;
+  events.back().detail = "the hands: nothing is thrown";
+  devices::write(recorder, scene::head_samples(recording), events);
+  check_stop();
+  recorder.close();
+  const double duration = nearest_seconds(recording.times.back());
+  if (options.json) {
+    print_json({{"output", *options.output},
+                {"samples", recording.times.size()},
+                {"duration_s", duration}});
+    return;
+  }
+  std::cout << fmt::format(
+      "{}\n  samples            {} of the head\n  duration           {:.3f} s\n", *options.output,
+      recording.times.size(), duration);
+}
+
+/// Imports one throw. Seconds are rounded to the stamp: 3.035 and not 3.0349999999999997.
+void import_throw(const ImportOptions& options) {
+  const scene::Scenario base = room_of(options);
+  if (options.hand == "none") {
+    return import_head(options, base, devices::read_motion(options.file, declared(options)));
+  }
+  const Thrown thrown = read_thrown(options, base.hand);
+  const devices::MotionRecording& recording = thrown.recording;
+  require_throw(options, thrown, base.hand);
+  say_doubts(options, thrown);
+  const scene::Throw found = scene::find_throw(recording, base.hand, thrown.side);
+  const scene::Scenario scenario =
+      scene::stand_thrower(base, recording, found, heading(options.heading));
+  devices::Recorder recorder = recorder_for(options, scenario);
   devices::write(recorder, scene::to_samples(recording, found),
                  found_events(recording, found, scenario));
   check_stop();
@@ -169,8 +229,8 @@ void import_throw(const ImportOptions& options) {
   const std::size_t samples = recording.times.size();
   const double duration = nearest_seconds(recording.times.back() - recording.times.front());
   const double rate = static_cast<double>(samples - 1) / duration;
-  const double grab = nearest_seconds(recording.times[found.grab]);
-  const double release = nearest_seconds(recording.times[found.release]);
+  const double grab = nearest_seconds(found.grab_time);
+  const double release = nearest_seconds(found.release_time);
   const double speed = found.V_TB.v.norm();
   if (options.json) {
     print_json({{"output", *options.output},
@@ -182,6 +242,7 @@ void import_throw(const ImportOptions& options) {
                 {"peak_hand_speed_mps", found.peak_hand_speed},
                 {"grab_s", grab},
                 {"release_s", release},
+                {"by_trigger", found.by_trigger},
                 {"release_speed_mps", speed}});
     return;
   }
@@ -192,13 +253,72 @@ void import_throw(const ImportOptions& options) {
       "  duration           {:.3f} s\n"
       "  rate               {:.1f} Hz\n"
       "  peak hand speed    {:.2f} m/s\n"
-      "  grab, found        {:.3f} s\n"
-      "  release, found     {:.3f} s\n"
+      "  grab{}        {:.3f} s\n"
+      "  release{}     {:.3f} s\n"
       "  ball at release    {:.2f} m/s\n",
       *options.output, samples,
       recording.left_hand.empty() || recording.right_hand.empty() ? "one hand" : "both hands",
       found.side == scene::Side::left ? "left" : "right", duration, rate, found.peak_hand_speed,
-      grab, release, speed);
+      found.by_trigger ? "       " : ", found", grab, found.by_trigger ? "       " : ", found",
+      release, speed);
+}
+
+}  // namespace
+
+namespace {
+
+/// Options that say how the file is read.
+void add_reading(CLI::App& command, ImportOptions& options) {
+  command
+      .add_option("--columns", options.columns,
+                  "columns of a table, such as 'time=t, head=HMD_*, right=ctrl_*', or a .toml file "
+                  "from --explain; default: found by their names")
+      ->type_name("WHAT=COLUMN,...|FILE");
+  command
+      .add_option(
+          "--units", options.units,
+          "unit of the positions: m, cm, mm, in or ft; default: what the file or its format "
+          "says, else m")
+      ->check(CLI::IsMember({"m", "cm", "mm", "in", "ft"}));
+  command
+      .add_option(
+          "--axes", options.axes,
+          "directions of +x, +y and +z: three of R right, L left, S up, I down, A ahead, P "
+          "back; a second three if rotations have other axes; default: what the file or its "
+          "format says, else RSP")
+      ->type_name("XYZ[,XYZ]");
+  command
+      .add_option("--time-unit", options.time_unit,
+                  "unit of the times: s, ms, us, ns, or the rate of frames such as 90Hz; default: "
+                  "what the file says, or what fits")
+      ->type_name("UNIT");
+  command
+      .add_option(
+          "--rotations", options.rotations,
+          "order of a quaternion's columns (xyzw, wxyz) or of angles (YXZ about turning axes, "
+          "zxy about fixed ones); vector; none; and inverse, deg or rad")
+      ->type_name("WORD,...");
+  command
+      .add_option("--names", options.names,
+                  "names of head, left hand and right hand in the file, such as 0,,1 without a "
+                  "left hand; default: names that contain these words, or the sensors 0, 1 and 2; "
+                  "of two sensors the second is the hand")
+      ->type_name("HEAD,LEFT,RIGHT");
+  command
+      .add_option("--transmitter", options.transmitter,
+                  "place of the tracker's transmitter, the origin of the positions: metres to the "
+                  "right, above the floor, and back; default: 0,0,0")
+      ->type_name("X,Y,Z");
+  command
+      .add_option(
+          "--head", options.head,
+          "place of a head that was not recorded: metres to the right, above the floor, and "
+          "back")
+      ->type_name("X,Y,Z");
+  command
+      .add_option("--events", options.events,
+                  "file with the times of grab and release, a line each, on the recording's clock")
+      ->type_name("FILE");
 }
 
 }  // namespace
@@ -208,38 +328,23 @@ void add_import(CLI::App& app) {
   const auto options = std::make_shared<ImportOptions>();
   command
       ->add_option("FILE", options->file,
-                   "recording: a CSV file of the XR motion catalogue, the folder of a UXF session "
-                   "or one of its tracker files, a Motion-BIDS ..._motion.tsv, or a VRPN log")
+                   "recording: a text table with a time and the poses of head and hand (CSV, TSV), "
+                   "the folder of a UXF session or one of its tracker files, a Motion-BIDS "
+                   "..._motion.tsv, or a VRPN log")
       ->required();
   add_output(*command, "-o,--output", options->output,
-             "trial to write (.lcmlog); - is standard output", {".lcmlog"})
-      ->required();
-  command
-      ->add_option("--units", options->units,
-                   "unit of the positions, if the file does not say it: m, cm or mm; default: cm "
-                   "for the catalogue, m for VRPN")
-      ->check(CLI::IsMember({"m", "cm", "mm"}));
+             "trial to write (.lcmlog); - is standard output; with --explain a .toml file",
+             {".lcmlog", ".toml"});
+  command->add_flag("--explain", options->explain,
+                    "import nothing: print what is understood of the file and what is missing; -o "
+                    "then writes the columns to a .toml file");
+  add_reading(*command, *options);
   command
       ->add_option(
-          "--axes", options->axes,
-          "directions of +x, +y and +z, for VRPN, or for Motion-BIDS if the file does not say it: "
-          "three of R right, L left, S up, I down, A ahead, P back; default for VRPN: RSP")
-      ->type_name("XYZ");
-  command
-      ->add_option("--names", options->names,
-                   "names of head, left hand and right hand in the file, such as 0,,1 without a "
-                   "left hand; default: names that contain these words, or the sensors 0, 1 and 2; "
-                   "of two sensors the second is the hand")
-      ->type_name("HEAD,LEFT,RIGHT");
-  command
-      ->add_option("--transmitter", options->transmitter,
-                   "place of the tracker's transmitter, the origin of the positions: metres to the "
-                   "right, above the floor, and back; default: 0,0,0")
-      ->type_name("X,Y,Z");
-  command
-      ->add_option("--hand", options->hand,
-                   "hand that throws: left, right, or auto (found in the recording)")
-      ->check(CLI::IsMember({"left", "right", "auto"}))
+          "--hand", options->hand,
+          "hand that throws: left, right, auto (found in the recording), or none (the head "
+          "alone was recorded)")
+      ->check(CLI::IsMember({"left", "right", "auto", "none"}))
       ->capture_default_str();
   command->add_option("--throw", options->which, "number of the throw in the file, from 1")
       ->check(CLI::Range(1, 10'000));
@@ -256,11 +361,17 @@ void add_import(CLI::App& app) {
   add_force(*command, options->force);
   add_json(*command, options->json);
   command->footer(
-      "Such files have no buttons: the program finds grab and release in the motion, and marks "
-      "them as found.\nA recording that cannot be a person's throw is refused, with the reason. A "
+      "Without a trigger in the file, or --events, the program finds grab and release in the "
+      "motion, "
+      "and\nmarks them as found. A recording that cannot be a person's throw is refused, with the "
+      "reason. A "
       "session from\n`experiment export` is read back complete, with its buttons.\n\n"
       "Example:\n  headpin import throw.csv -o throw.lcmlog --heading gaze");
   command->callback([options] {
+    if (options->explain) return explain_import(*options, room_of(*options));
+    if (!options->output || options->output->ends_with(".toml")) {
+      throw UsageError("--output is required: a trial to write (.lcmlog)");
+    }
     if (is_bids_session(options->file)) {
       import_bids_session(options->file, *options->output, options->force, options->json);
     } else {

@@ -1,14 +1,10 @@
 #include "devices/recordings/catalogue_csv.h"
 
-#include <algorithm>
 #include <array>
-#include <stdexcept>
 #include <string>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-
-#include "devices/recordings/text_table.h"
 
 namespace headpin::devices {
 namespace {
@@ -21,40 +17,6 @@ constexpr std::array<const char*, 7> kPoseColumns = {"pos_x", "pos_y", "pos_z", 
 std::string pose_column(const std::string& tracked, std::size_t i) {
   return tracked + "_" + kPoseColumns[i];
 }
-
-/// @throws std::invalid_argument  naming every column of the catalogue that is not there
-void require_columns(const TextTable& table) {
-  std::vector<std::string> missing;
-  for (const std::string& name : catalogue_columns()) {
-    if (table.column(name) == table.names().size()) missing.push_back(name);
-  }
-  if (missing.empty()) return;
-  table.fail(fmt::format("expected the {} columns of the catalogue, {} missing: {}",
-                         catalogue_columns().size(),
-                         missing.size() == 1 ? "one is" : fmt::format("{} are", missing.size()),
-                         fmt::join(missing, ", ")));
-}
-
-/// The seven columns of one tracked object.
-struct PoseColumns {
-  std::string name;
-  std::array<std::size_t, 7> columns;
-
-  PoseColumns(const TextTable& table, const std::string& of) : name(of) {
-    for (std::size_t i = 0; i < columns.size(); ++i) columns[i] = table.column(pose_column(of, i));
-  }
-
-  Pose read(const TextTable& table, double unit_m) const {
-    const auto value = [&](std::size_t i) { return table.number(columns[i]); };
-    const Pose pose{Quat(value(3), value(4), value(5), value(6)),
-                    unit_m * Vec3(value(0), value(1), value(2))};
-    if (!(std::abs(pose.q.norm() - 1.0) < 1e-3)) {
-      table.fail(fmt::format("{}_rot: expected a unit quaternion, found one of length {:.6g}", name,
-                             pose.q.norm()));
-    }
-    return pose;
-  }
-};
 
 }  // namespace
 
@@ -79,30 +41,6 @@ std::string to_catalogue_csv(const MotionRecording& recording, double unit_m) {
     text += '\n';
   }
   return text;
-}
-
-MotionRecording parse_catalogue_csv(std::string_view text, std::string_view where, double unit_m) {
-  TextTable table(text, where, ',');
-  table.read_names();
-  require_columns(table);
-  const std::size_t time_ms = table.column(kTimeColumn);
-  const PoseColumns head(table, kTracked[0]), left(table, kTracked[1]), right(table, kTracked[2]);
-
-  MotionRecording recording;
-  while (table.next()) {
-    const double ms = table.number(time_ms);
-    if (std::abs(ms) > 1e9) table.fail(fmt::format("delta_time_ms: {} is out of range", ms));
-    const Time time = microseconds(1e-3 * ms);
-    if (!recording.times.empty() && time <= recording.times.back()) {
-      table.fail(fmt::format("delta_time_ms: time must advance, found {:.6g} s after {:.6g} s",
-                             seconds(time), seconds(recording.times.back())));
-    }
-    recording.times.push_back(time);
-    recording.head.push_back(head.read(table, unit_m));
-    recording.left_hand.push_back(left.read(table, unit_m));
-    recording.right_hand.push_back(right.read(table, unit_m));
-  }
-  return recording;
 }
 
 }  // namespace headpin::devices

@@ -8,7 +8,6 @@
 
 #include <fmt/format.h>
 
-#include "devices/recordings/motion_axes.h"
 #include "devices/recordings/motion_files.h"
 #include "devices/recordings/text_table.h"
 
@@ -144,6 +143,11 @@ class Rows {
   }
 
   MotionTracks read() {
+    read_.reading = {.axes = frame_.axes, .turning = frame_.axes};
+    for (const auto& [name, point] : columns_.points) {
+      read_.reading.unit_m = point.unit_m;
+      if (point.has_quaternion()) read_.reading.quaternion = "wxyz";
+    }
     for (std::int64_t row = 0; table_.next(); ++row) {
       const std::optional<double> time =
           columns_.latency ? number(*columns_.latency) : static_cast<double>(row) / frame_.rate_hz;

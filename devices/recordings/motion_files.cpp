@@ -9,7 +9,6 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
-#include "devices/recordings/motion_axes.h"
 #include "devices/recordings/text_table.h"
 #include "devices/trial/event_log.h"
 #include "files/input_file.h"
@@ -26,30 +25,13 @@ std::string text_of(const std::string& path) {
   return files::read_text(path, kMost);
 }
 
-std::string lower(std::string text) {
-  for (char& c : text) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return text;
-}
-
-constexpr std::array kParts = {"head", "left hand", "right hand"};
-
-/// Words in the names of heads, left and right hands, in small letters.
-bool is_called(const std::string& name, std::size_t part) {
-  const std::string text = lower(name);
-  const auto has = [&](std::string_view word) { return text.find(word) != std::string::npos; };
-  const bool eye = has("eye");  // Unity's LeftEyeAnchor is no hand, CenterEyeAnchor the head
-  if (part == 0)
-    return has("head") || has("hmd") || has("camera") || has("helmet") || has("centereye");
-  return !eye && has(part == 1 ? "left" : "right");
-}
-
 /// The tracks of a part of the body, by the given name or by words in their names.
 std::vector<const PoseTrack*> tracks_of(const Tracks& tracks, std::size_t part,
                                         const std::string& wanted) {
   std::vector<const PoseTrack*> found;
   for (const auto& [name, track] : tracks) {
-    const bool is_it =
-        wanted.empty() ? is_called(name, part) : name == wanted || name.ends_with(":" + wanted);
+    const bool is_it = wanted.empty() ? part_of_name(name) == part
+                                      : name == wanted || name.ends_with(":" + wanted);
     if (is_it) found.push_back(&track);
   }
   return found;
@@ -92,42 +74,21 @@ Parts find_parts(const Tracks& tracks, const MotionOptions& options, const std::
   };
   Parts parts{};
   for (std::size_t part = 0; part < 3; ++part) {
-    const bool needed = part == 0 || !options.names[part].empty();
+    const bool needed = part == 0 ? !options.p_head : !options.names[part].empty();
     if (found[part].size() > 1 || (needed && found[part].empty())) {
-      refuse(kParts[part], found[part].size());
+      refuse(kPartNames[part], found[part].size());
     }
     if (!found[part].empty()) parts[part] = found[part].front();
   }
-  if (!parts[1] && !parts[2]) refuse("hand", 0);
+  if (!parts[1] && !parts[2] && !options.no_hand) refuse("hand", 0);
   return parts;
 }
 
-MotionRecording of_parts(MotionTracks read, const MotionOptions& options,
-                         const std::string& where) {
-  const auto [head, left, right] = find_parts(read.tracks, options, where);
-  MotionRecording recording = together(*head, left, right, where);
-  recording.notes = std::move(read.notes);
-  return recording;
-}
-
-// The catalogue.
-
-bool is_catalogue(const std::string&, std::string_view begin) {
-  const std::string_view line = begin.substr(0, begin.find('\n'));
-  return std::ranges::any_of(catalogue_columns(), [&](const std::string& column) {
-    return line.find(column) != std::string_view::npos;
-  });
-}
-
-MotionRecording read_catalogue(const std::string& path, const MotionOptions& options) {
-  if (options.axes ||
-      std::ranges::any_of(options.names, [](auto& name) { return !name.empty(); })) {
-    throw std::invalid_argument(
-        path +
-        ": the catalogue's CSV says itself where its axes point and what is "
-        "tracked; expected neither --axes nor --names");
-  }
-  return parse_catalogue_csv(text_of(path), path, options.unit_m.value_or(0.01));
+/// The track of a head that stands still, at the times of another track.
+PoseTrack standing(const Vec3& p, const PoseTrack& times) {
+  PoseTrack head;
+  for (const Stamped<Pose>& sample : times.samples()) head.push(sample.time, {Quat::Identity(), p});
+  return head;
 }
 
 // UXF: OBJECT_movement_T001.csv, a file an object and trial.
@@ -153,7 +114,7 @@ bool is_uxf(const std::string& path, std::string_view begin) {
                              [](const auto& entry) { return !uxf_ending(entry.path()).empty(); });
 }
 
-MotionRecording read_uxf(const std::string& path, const MotionOptions& options) {
+MotionTracks read_uxf(const std::string& path, const MotionOptions&) {
   const bool folder = fs::is_directory(path);
   const fs::path there = folder ? uxf_folder(path) : fs::absolute(path).parent_path();
   std::string ending = folder ? "" : uxf_ending(path);
@@ -176,7 +137,8 @@ MotionRecording read_uxf(const std::string& path, const MotionOptions& options) 
     read.tracks.push_back({object.substr(0, object.size() - ending.size()),
                            parse_uxf(text_of(name), name.string(), read.notes)});
   }
-  return of_parts(std::move(read), options, path);
+  read.reading.axes = read.reading.turning = "RSA";  // Unity's
+  return read;
 }
 
 // Motion-BIDS.
@@ -204,24 +166,24 @@ std::string said_of_frame(const nlohmann::json& channels, const char* name) {
   return said ? first[name].get<std::string>() : "";
 }
 
-MotionRecording read_motion_bids(const std::string& path, const MotionOptions& options) {
+MotionTracks read_motion_bids(const std::string& path, const MotionOptions& options) {
   const std::string stem = path.substr(0, path.size() - kMotionTsv.size());
   const nlohmann::json beside = json_beside(stem, "_channels.json");
   BidsFrame frame;
-  frame.axes = options.axes.value_or(said_of_frame(beside, "SpatialAxes"));
+  frame.axes = said_of_frame(beside, "SpatialAxes");
+  if (frame.axes.empty()) frame.axes = options.reading.axes.value_or("");
   frame.rotation_order = said_of_frame(beside, "RotationOrder");
   frame.left_handed = said_of_frame(beside, "RotationRule") == "left-hand";
   if (frame.axes.empty()) {
-    throw std::invalid_argument(
-        fmt::format("{}: expected SpatialAxes in {}_channels.json, or --axes", path, stem));
+    throw std::invalid_argument(fmt::format(
+        "{}: expected SpatialAxes in {}_channels.json, or axes from the user", path, stem));
   }
   const nlohmann::json about = json_beside(stem, "_motion.json");
   if (about.is_object() && about.contains("SamplingFrequency") &&
       about["SamplingFrequency"].is_number()) {
     frame.rate_hz = about["SamplingFrequency"].get<double>();
   }
-  return of_parts(parse_motion_bids(text_of(path), text_of(stem + "_channels.tsv"), path, frame),
-                  options, path);
+  return parse_motion_bids(text_of(path), text_of(stem + "_channels.tsv"), path, frame);
 }
 
 // VRPN.
@@ -230,30 +192,44 @@ bool is_vrpn(const std::string&, std::string_view begin) {
   return begin.starts_with("vrpn: ver.");
 }
 
-MotionRecording read_vrpn(const std::string& path, const MotionOptions& options) {
-  const std::vector<std::uint8_t> bytes = files::read_bytes(path, kMost);
-  const Axes axes(options.axes.value_or("RSP"), path);
-  MotionTracks ours;
-  for (const auto& [name, track] : parse_vrpn(bytes, path, options.unit_m.value_or(1.0))) {
-    PoseTrack turned;
-    for (const Stamped<Pose>& sample : track.samples()) {
-      turned.push(sample.time, axes.ours(sample.value));
+MotionTracks read_vrpn(const std::string& path, const MotionOptions&) {
+  MotionTracks read;
+  read.tracks = parse_vrpn(files::read_bytes(path, kMost), path, 1.0);
+  read.reading.quaternion = "xyzw";
+  return read;
+}
+
+// Any other table.
+
+bool is_table(const std::string& path, std::string_view begin) {
+  if (fs::is_directory(path)) return false;
+  // Text: no zero bytes, and some line with three separators of one kind, or four words.
+  if (begin.find('\0') != std::string_view::npos) return false;
+  std::string_view rest = begin;
+  while (!rest.empty()) {
+    const std::string_view line = trimmed(take_front(rest, '\n'));
+    for (const char separator : {',', ';', '\t', '|', ' '}) {
+      if (std::ranges::count(line, separator) >= 3 &&
+          std::ranges::any_of(line, [](char c) { return c >= '0' && c <= '9'; }))
+        return true;
     }
-    ours.tracks.push_back({name, std::move(turned)});
   }
-  return of_parts(std::move(ours), options, path);
+  return false;
+}
+
+MotionTracks read_table(const std::string& path, const MotionOptions& options) {
+  return parse_motion_table(text_of(path), path, options);
 }
 
 constexpr std::array<MotionFormat, 4> kFormats = {{
-    {"the XR motion catalogue", "its CSV", is_catalogue, read_catalogue},
     {"UXF", "a session's folder, or one of its OBJECT_movement_T001.csv", is_uxf, read_uxf},
     {"Motion-BIDS", "..._motion.tsv", is_motion_bids, read_motion_bids},
     {"VRPN", "a connection's log", is_vrpn, read_vrpn},
+    {"table", "any text table with a time and the poses of head and hand", is_table, read_table},
 }};
 
-/// The probable kind of a file in an unknown format.
-std::string looks_like(const std::string& path, std::string_view begin) {
-  if (fs::is_directory(path)) return "a folder of something else";
+/// The kind of a file of another format that is known by its first bytes; empty if it is none.
+std::string known_binary(std::string_view begin) {
   constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kBeginnings = {{
       {"HIERARCHY", "BVH"},
       {"XDF:", "XDF"},
@@ -270,6 +246,13 @@ std::string looks_like(const std::string& path, std::string_view begin) {
   for (const auto& [bytes, name] : kBeginnings) {
     if (begin.starts_with(bytes)) return std::string(name);
   }
+  return "";
+}
+
+/// The probable kind of a file in an unknown format.
+std::string looks_like(const std::string& path, std::string_view begin) {
+  if (fs::is_directory(path)) return "a folder of something else";
+  if (const std::string known = known_binary(begin); !known.empty()) return known;
   if (begin.empty()) return "empty";
   if (begin.size() > 1 && begin[1] == 'P' && static_cast<unsigned char>(begin[0]) < 32)
     return "C3D";
@@ -293,11 +276,30 @@ std::string beginning(const std::string& path) {
   return {bytes.begin(), bytes.end()};
 }
 
+/// The tracks as the user says that their numbers are read.
+MotionTracks as_told(MotionTracks read, const ToldReading& told, const std::string& path) {
+  const Reading wanted = with(told, read.reading, path);
+  if (wanted == read.reading) return read;
+  const Again again(read.reading, wanted, path);
+  for (auto& [name, track] : read.tracks) {
+    PoseTrack turned;
+    for (const Stamped<Pose>& sample : track.samples())
+      turned.push(again(sample.time), again(sample.value));
+    track = std::move(turned);
+  }
+  for (auto& trigger : read.triggers) {
+    for (Stamped<bool>& change : trigger) change.time = again(change.time);
+  }
+  read.reading = wanted;
+  return read;
+}
+
 /// The recording in a frame with its origin on the floor.
 MotionRecording counted_from(const Vec3& p_origin, MotionRecording recording) {
   for (auto* track : {&recording.head, &recording.left_hand, &recording.right_hand}) {
     for (Pose& pose : *track) pose.p += p_origin;
   }
+  recording.p_origin = p_origin;
   return recording;
 }
 
@@ -307,18 +309,55 @@ std::span<const MotionFormat> motion_formats() {
   return kFormats;
 }
 
-MotionRecording read_motion(const std::string& path, const MotionOptions& options) {
+const MotionFormat* format_of(const std::string& path) {
   const std::string begin = beginning(path);
+  if (!known_binary(begin).empty()) return nullptr;
+  const auto format = std::ranges::find_if(
+      kFormats, [&](const MotionFormat& one) { return one.is_one(path, begin); });
+  return format == kFormats.end() ? nullptr : format;
+}
+
+MotionRecording recording_of(const MotionTracks& read, const MotionOptions& options,
+                             const std::string& where) {
+  const auto [head, left, right] = find_parts(read.tracks, options, where);
+  const PoseTrack fixed = options.p_head && (left || right)
+                              ? standing(*options.p_head - options.p_origin, left ? *left : *right)
+                              : PoseTrack{};
+  MotionRecording recording = together(options.p_head ? fixed : *head, left, right, where);
+  if (read.since_start) {
+    for (Time& time : recording.times) time += recording.start;
+    recording.start = Time{};
+  }
+  recording.notes = read.notes;
+  recording.reading = read.reading;
+  recording.triggers = read.triggers;
+  for (auto& trigger : recording.triggers) {
+    for (Stamped<bool>& change : trigger) change.time -= recording.start;
+  }
+  const auto turns = [&](const PoseTrack* track) {
+    const auto named =
+        std::ranges::find_if(read.tracks, [&](const auto& one) { return &one.second == track; });
+    return named == read.tracks.end() ||
+           std::ranges::find(read.without_rotation, named->first) == read.without_rotation.end();
+  };
+  recording.head_moves = !options.p_head;
+  recording.head_turns = recording.head_moves && turns(head);
+  recording.hands_turn = turns(left) && turns(right);
+  return recording;
+}
+
+MotionRecording read_motion(const std::string& path, const MotionOptions& options) {
+  if (const MotionFormat* format = format_of(path)) {
+    const MotionTracks read = as_told(format->read(path, options), options.reading, path);
+    return counted_from(options.p_origin, recording_of(read, options, path));
+  }
   std::vector<std::string> known;
   for (const MotionFormat& format : kFormats) {
-    if (format.is_one(path, begin)) {
-      return counted_from(options.p_origin, format.read(path, options));
-    }
     known.push_back(fmt::format("{} ({})", format.name, format.files));
   }
   throw std::invalid_argument(
       fmt::format("{}: unknown format; known formats: {}; this seems to be {}", path,
-                  fmt::join(known, ", "), looks_like(path, begin)));
+                  fmt::join(known, ", "), looks_like(path, beginning(path))));
 }
 
 MotionRecording together(const PoseTrack& head, const PoseTrack* left, const PoseTrack* right,
@@ -329,7 +368,7 @@ MotionRecording together(const PoseTrack& head, const PoseTrack* left, const Pos
     if (!tracks[i]) continue;
     const std::vector<Stamped<Pose>>& samples = tracks[i]->samples();
     if (samples.empty()) {
-      throw std::invalid_argument(fmt::format("{}: no samples of the {}", where, kParts[i]));
+      throw std::invalid_argument(fmt::format("{}: no samples of the {}", where, kPartNames[i]));
     }
     begin = std::max(begin, samples.front().time);
     end = std::min(end, samples.back().time);
@@ -341,12 +380,15 @@ MotionRecording together(const PoseTrack& head, const PoseTrack* left, const Pos
     for (std::size_t k = 1; k < samples.size(); ++k) {
       const Time from = samples[k - 1].time, gap = samples[k].time - from;
       if (gap <= kLongestMixed || from >= end || samples[k].time <= begin) continue;
+      const auto mixed = std::ranges::upper_bound(head.samples(), from, {}, &Stamped<Pose>::time);
+      if (mixed == head.samples().end() || mixed->time >= samples[k].time) continue;
       throw std::invalid_argument(fmt::format(
           "{}: no samples of the {} for {:.3g} s from {:.3g} s, expected no gap above 0.1 s", where,
-          kParts[i], seconds(gap), seconds(from)));
+          kPartNames[i], seconds(gap), seconds(from)));
     }
   }
   MotionRecording recording;
+  recording.start = begin;
   for (const Stamped<Pose>& sample : head.samples()) {
     if (sample.time < begin || sample.time > end) continue;
     recording.times.push_back(sample.time - begin);

@@ -8,30 +8,48 @@
 #include <utility>
 #include <vector>
 
-#include "devices/recordings/catalogue_csv.h"
+#include "devices/recordings/motion_recording.h"
+#include "devices/recordings/table_columns.h"
 #include "devices/trial/resample.h"
 
 /// Readers for recordings of human motion in foreign formats, with one common frame.
 ///
-/// Every reader returns a MotionRecording. Units and axes come from the format's specification;
-/// nothing is guessed.
+/// Units and axes come from the format's specification, from the file, or from the user. What a table
+/// does not say and a reader had to decide is a note.
 namespace headpin::devices {
 
 /// Options for a recording that a user gives.
 struct MotionOptions {
-  /// What one unit of the positions is, where the format does not say it [m].
-  std::optional<double> unit_m = {};
+  /// Units, axes and order of quaternions where the format does not say them, or says them wrongly.
+  ToldReading reading = {};
   /// What head, left and right hand are called: an object of UXF, a tracked point of Motion-BIDS,
-  /// a sensor of VRPN as DEVICE:NUMBER or NUMBER. One hand may be empty: it was not tracked. All
-  /// empty: found by name, or sensors 0, 1, 2; of two sensors the second is the only hand.
+  /// a sensor of VRPN as DEVICE:NUMBER or NUMBER, the beginning of columns' names. One hand may be
+  /// empty: it was not tracked. All empty: found by name, or sensors 0, 1, 2; of two sensors the
+  /// second is the only hand.
   std::array<std::string, 3> names = {};
   /// Which hand is the only one of a file that does not say it.
   bool only_hand_is_left = false;
   /// Where positions count from, in our frame [m]: a transmitter above the floor.
   Vec3 p_origin = Vec3::Zero();
-  /// Where +x, +y and +z point, where the format does not say it: of R right, L left, S up, I down, A ahead, P
-  /// back.
-  std::optional<std::string> axes = {};
+  /// Place of a head that was not recorded, in our frame [m]. Its rotation is not known.
+  std::optional<Vec3> p_head = {};
+  bool no_hand = false;  ///< a recording of the head alone is accepted
+
+  // For tables alone.
+  ToldColumns columns = {};
+  /// Order of angles ("YXZ" about axes that turn with the body, "yxz" about fixed ones), "vector", or "none".
+  std::optional<std::string> rotations = {};
+  std::optional<bool> degrees = {};
+};
+
+/// The tracks by name, and notes about ignored parts of the file.
+struct MotionTracks {
+  bool since_start = false;  ///< times count from the start of the recording, so they are kept
+  std::vector<std::pair<std::string, PoseTrack>> tracks;
+  std::vector<std::string> notes;
+  Reading reading = {};  ///< how the format says that its numbers are read
+  std::vector<std::string> without_rotation = {};  ///< tracks whose rotation was not measured
+  std::array<std::vector<Stamped<bool>>, 2> triggers = {};  ///< as MotionRecording has them
 };
 
 /// One format and its reader.
@@ -42,24 +60,23 @@ struct MotionFormat {
   bool (*is_one)(const std::string& path, std::string_view begin);
   /// @throws std::invalid_argument  naming file and line or byte of what is wrong
   /// @throws std::runtime_error     for a file that cannot be read
-  MotionRecording (*read)(const std::string& path, const MotionOptions& options);
+  MotionTracks (*read)(const std::string& path, const MotionOptions& options);
 };
 
 std::span<const MotionFormat> motion_formats();
 
+/// The format of a file or folder; null if it is none of these.
+const MotionFormat* format_of(const std::string& path);
+
 /// Detects the format of a file or folder and reads it.
+///
+/// What the user says of units, axes and quaternions holds for every format.
 ///
 /// @throws std::invalid_argument  for a format not known here, naming those that are and what this
 ///                                seems to be; else as MotionFormat::read
 MotionRecording read_motion(const std::string& path, const MotionOptions& options);
 
 // The readers' parts that see bytes alone, for tests.
-
-/// The tracks by name, and notes about ignored parts of the file.
-struct MotionTracks {
-  std::vector<std::pair<std::string, PoseTrack>> tracks;
-  std::vector<std::string> notes;
-};
 
 /// One object's poses of a UXF folder, a `trackers/OBJECT_movement_T001.csv`.
 ///
@@ -89,11 +106,39 @@ struct BidsFrame {
 MotionTracks parse_motion_bids(std::string_view motion, std::string_view channels,
                                std::string_view where, const BidsFrame& frame);
 
+/// Any text table with a time and poses. Axes are RSP unless told, units metres unless the file says them.
+///
+/// @throws std::invalid_argument  naming file and line: no table, no time, no head or no hand
+MotionTracks parse_motion_table(std::string_view text, std::string_view where,
+                                const MotionOptions& options);
+
+/// Head and hands among tracks, by the given names or by words in theirs.
+/// @throws std::invalid_argument  when there is not one head and at least one hand, or as `together`
+MotionRecording recording_of(const MotionTracks& read, const MotionOptions& options,
+                             const std::string& where);
+
+/// What is understood of a table, though it may be no recording.
+struct TableFindings {
+  struct Column {
+    std::string name, unit, meaning, first;  ///< first: its first cell
+  };
+  std::vector<Column> columns;
+  ToldColumns mapping;  ///< the columns that are used, as a user would tell them
+  std::string kind;     ///< the program whose header it has, or empty
+  char separator = ',';
+  bool decimal_comma = false;
+  std::size_t rows = 0;
+  std::vector<std::string> missing;  ///< sentences
+};
+/// @throws std::invalid_argument  no table, or told columns that are not there
+TableFindings look_at_table(std::string_view text, std::string_view where,
+                            const MotionOptions& options);
+
 /// Head and hands at the same times: the times of the head while all are tracked, with interpolated
 /// hands.
 ///
 /// @param left, right  null for one that was not tracked
-/// @throws std::invalid_argument  when there is no such time, or no hand
+/// @throws std::invalid_argument  when there is no such time
 MotionRecording together(const PoseTrack& head, const PoseTrack* left, const PoseTrack* right,
                          std::string_view where);
 

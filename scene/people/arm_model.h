@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "devices/base/sample.h"
-#include "devices/recordings/catalogue_csv.h"
+#include "devices/recordings/motion_recording.h"
 #include "scene/scenario/scenario.h"
 
 /// A throw by a model of the arm, without a person.

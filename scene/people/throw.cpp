@@ -30,6 +30,58 @@ std::size_t best(std::size_t begin, std::size_t end, const Score& score) {
   return best;
 }
 
+/// The last sample at or before a time; the first if all are later.
+std::size_t sample_at(const std::vector<Time>& times, Time time) {
+  const auto after = std::ranges::upper_bound(times, time);
+  return after == times.begin() ? 0 : static_cast<std::size_t>(after - times.begin()) - 1;
+}
+
+/// Grab and release by the trigger: the press that ends nearest to a time.
+void take_trigger(const MotionRecording& r, Time fastest, Throw& found) {
+  const std::vector<Stamped<bool>>& trigger = r.triggers[found.side == Side::left ? 0 : 1];
+  for (std::size_t i = 1; i < trigger.size(); ++i) {
+    const Time released = trigger[i].time;
+    if (trigger[i].value || released < r.times.front() || released > r.times.back()) continue;
+    if (found.by_trigger &&
+        std::chrono::abs(found.release_time - fastest) <= std::chrono::abs(released - fastest)) {
+      continue;
+    }
+    found.by_trigger = true;
+    found.release_time = released;
+    found.grab_time = std::max(trigger[i - 1].time, r.times.front());
+  }
+  if (!found.by_trigger) return;
+  found.grab = sample_at(r.times, found.grab_time);
+  found.release = sample_at(r.times, found.release_time);
+}
+
+devices::TrackerSample tracker(const MotionRecording& r, std::size_t i, std::int32_t station,
+                               const Pose& X_TS) {
+  devices::TrackerSample sample;
+  sample.device_time = r.times[i];
+  sample.sequence = static_cast<std::int64_t>(i);
+  sample.station = station;
+  sample.X_TS = X_TS;
+  return sample;
+}
+
+/// The world's x, y, z in the frame of the recording: right, ahead, up.
+Quat turned_ahead(const Vec3& ahead) {
+  Mat3 R_TW;
+  R_TW << ahead.cross(kUp), ahead, kUp;
+  return Quat(R_TW.transpose());
+}
+
+void use_recorded_rig(Scenario& scenario, const Quat& q_WT, const Vec3& p_over_foul_line) {
+  const Vec3 p_W = q_WT * -horizontal(p_over_foul_line);
+  scenario.rig.X_WT = {q_WT.normalized(), Vec3(p_W.x(), p_W.y(), 0.0)};
+  scenario.rig.head_station = devices::kHeadStation;  // as in to_samples
+  scenario.rig.hand_station = devices::kHandStation;
+  scenario.rig.X_SD = {};
+  scenario.rig.X_SH = {};
+  scenario.rig.delay_s = nearest_seconds(kReadLate);
+}
+
 }  // namespace
 
 const std::vector<Pose>& throwing_hand(const MotionRecording& r, Side side) {
@@ -67,8 +119,11 @@ Throw find_throw(const MotionRecording& r, const Hand& hand, Side side) {
         r.times[found.release] - r.times[i] < kForward && along.dot(track[i].p - r.head[i].p) < 0.0;
     if (hand_velocity(i).norm() < kRestingHand && lower && !swung_back) found.grab = i;
   }
-  if (r.times[found.release] - window.least >= r.times.front()) {
-    found.V_TB = ball_velocity(r, found.release, side, grip_of(hand, side), hand);
+  found.grab_time = r.times[found.grab];
+  found.release_time = r.times[found.release];
+  take_trigger(r, r.times[fastest], found);
+  if (found.release_time - window.least >= r.times.front()) {
+    found.V_TB = ball_velocity(r, found.release_time, side, grip_of(hand, side), hand);
   }
   return found;
 }
@@ -100,14 +155,7 @@ std::vector<MotionRecording> split_throws(const MotionRecording& r, Side side) {
                          std::min(Time{1'000'000}, (r.times[peaks[k + 1]] - r.times[peaks[k]]) / 2);
       end = static_cast<std::size_t>(std::ranges::upper_bound(r.times, until) - r.times.begin());
     }
-    MotionRecording one;
-    for (std::size_t i = begin; i < end; ++i) {
-      one.times.push_back(r.times[i] - r.times[begin]);
-      one.head.push_back(r.head[i]);
-      if (!r.left_hand.empty()) one.left_hand.push_back(r.left_hand[i]);
-      if (!r.right_hand.empty()) one.right_hand.push_back(r.right_hand[i]);
-    }
-    all.push_back(std::move(one));
+    all.push_back(samples_of(r, begin, end));
     begin = end;
   }
   return all;
@@ -118,23 +166,36 @@ Scenario stand_thrower(Scenario scenario, const MotionRecording& recording, cons
   Vec3 ahead = -Vec3::UnitZ();
   if (heading == Heading::release) ahead = horizontal(found.V_TB.v).normalized();
   if (heading == Heading::gaze) ahead = horizontal(mean_look(recording, found)).normalized();
-  // The world's x, y, z in the frame of the recording: right, ahead, up.
-  Mat3 R_TW;
-  R_TW << ahead.cross(kUp), ahead, kUp;
-  const Quat q_WT(R_TW.transpose());
+  const Quat q_WT = turned_ahead(ahead);
 
   scenario.hand.grip = grip_of(scenario.hand, found.side);
   const std::vector<Pose>& track = throwing_hand(recording, found.side);
   const Vec3 p_TB = track[found.release] * scenario.hand.grip;
-  const Vec3 p_W = q_WT * -horizontal(p_TB);
-  scenario.rig.X_WT = {q_WT.normalized(), Vec3(p_W.x(), p_W.y(), 0.0)};
-  scenario.rig.head_station = devices::kHeadStation;  // as in to_samples
-  scenario.rig.hand_station = devices::kHandStation;
-  scenario.rig.X_SD = {};
-  scenario.rig.X_SH = {};
-  scenario.rig.delay_s = nearest_seconds(kReadLate);
+  use_recorded_rig(scenario, q_WT, p_TB);
   scenario.ball.home = scenario.rig.X_WT * (track[found.grab] * scenario.hand.grip);
   return scenario;
+}
+
+Scenario stand_onlooker(Scenario scenario, const MotionRecording& recording, Heading heading) {
+  Vec3 ahead = -Vec3::UnitZ();
+  if (heading != Heading::keep) {
+    Vec3 look = Vec3::Zero();
+    for (std::size_t i = 0; i < recording.times.size() && recording.times[i] < Time{1'000'000};
+         ++i) {
+      look += horizontal(recording.head[i].q * -Vec3::UnitZ());
+    }
+    if (look.norm() > 0.0) ahead = look.normalized();
+  }
+  use_recorded_rig(scenario, turned_ahead(ahead), recording.head.front().p);
+  return scenario;
+}
+
+std::vector<devices::Sample> head_samples(const MotionRecording& recording) {
+  std::vector<devices::Sample> samples;
+  for (std::size_t i = 0; i < recording.times.size(); ++i) {
+    samples.emplace_back(tracker(recording, i, devices::kHeadStation, recording.head[i]));
+  }
+  return samples;
 }
 
 std::vector<devices::Sample> to_samples(const MotionRecording& recording, const Throw& found) {
@@ -142,22 +203,18 @@ std::vector<devices::Sample> to_samples(const MotionRecording& recording, const 
   const Side other = found.side == Side::left ? Side::right : Side::left;
   std::vector<devices::Sample> samples;
   for (std::size_t i = 0; i < recording.times.size(); ++i) {
-    const auto tracker = [&](std::int32_t station, const Pose& X_TS) {
-      devices::TrackerSample sample;
-      sample.device_time = recording.times[i];
-      sample.sequence = static_cast<std::int64_t>(i);
-      sample.station = station;
-      sample.X_TS = X_TS;
-      samples.emplace_back(sample);
+    const auto add = [&](std::int32_t station, const Pose& X_TS) {
+      samples.emplace_back(tracker(recording, i, station, X_TS));
     };
-    tracker(devices::kHeadStation, recording.head[i]);
-    tracker(devices::kHandStation, throwing_hand(recording, found.side)[i]);
+    add(devices::kHeadStation, recording.head[i]);
+    add(devices::kHandStation, throwing_hand(recording, found.side)[i]);
     const std::vector<Pose>& resting = throwing_hand(recording, other);
-    if (!resting.empty()) tracker(kOtherHandStation, resting[i]);
-    if (i == found.grab || i == found.release) {
+    if (!resting.empty()) add(kOtherHandStation, resting[i]);
+    for (const bool pressed : {true, false}) {
+      if (i != (pressed ? found.grab : found.release)) continue;
       devices::MouseSample mouse;
-      mouse.device_time = recording.times[i];
-      mouse.trigger = i == found.grab;
+      mouse.device_time = pressed ? found.grab_time : found.release_time;
+      mouse.trigger = pressed;
       samples.emplace_back(mouse);
     }
   }

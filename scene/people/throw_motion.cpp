@@ -8,28 +8,51 @@ namespace headpin::scene {
 
 using devices::MotionRecording;
 
+MotionRecording samples_of(const MotionRecording& r, std::size_t begin, std::size_t end) {
+  MotionRecording part = r;
+  const auto cut = [&](auto& list) {
+    if (list.empty()) return;
+    list.erase(list.begin() + static_cast<std::ptrdiff_t>(end), list.end());
+    list.erase(list.begin(), list.begin() + static_cast<std::ptrdiff_t>(begin));
+  };
+  for (auto* track : {&part.head, &part.left_hand, &part.right_hand}) cut(*track);
+  cut(part.times);
+  const Time start = r.times[begin];
+  for (Time& time : part.times) time -= start;
+  part.start += start;
+  for (auto& trigger : part.triggers) {
+    for (Stamped<bool>& change : trigger) change.time -= start;
+    const auto first =
+        std::ranges::find_if(trigger, [](const auto& c) { return c.time >= Time{}; });
+    const bool held = first != trigger.begin() && std::prev(first)->value;  // since before
+    if (held) std::prev(first)->time = Time{};
+    trigger.erase(trigger.begin(), held ? std::prev(first) : first);
+  }
+  return part;
+}
+
 Vec3 velocity(const std::vector<Time>& times, const std::vector<Pose>& track, std::size_t i) {
   const std::size_t before = i == 0 ? 0 : i - 1, after = std::min(i + 1, track.size() - 1);
   return (track[after].p - track[before].p) / seconds(times[after] - times[before]);
 }
 
-Twist ball_velocity(const MotionRecording& r, std::size_t release, Side side, const Vec3& p_HB,
+Twist ball_velocity(const MotionRecording& r, Time release, Side side, const Vec3& p_HB,
                     const Hand& rules) {
   const std::vector<Pose>& hand = throwing_hand(r, side);
   const ReleaseWindow window = release_window(rules);
   const bool after = rules.release_at == "trigger";
-  const Time last = after ? told_until(r.times[release], seconds(kReadLate)) : r.times[release];
+  const Time last = after ? told_until(release, seconds(kReadLate)) : release;
   std::vector<Stamped<Pose>> track;
   for (std::size_t i = 0; i < r.times.size(); ++i) {
-    if (r.times[release] - r.times[i] > window.longest() || r.times[i] > last) continue;
+    if (release - r.times[i] > window.longest() || r.times[i] > last) continue;
     track.push_back({r.times[i], hand[i]});
   }
-  return after ? motion_at(track, r.times[release], p_HB, window).V_WB
+  return after ? motion_at(track, release, p_HB, window).V_WB
                : release_velocity(track, p_HB, window);
 }
 
 Vec3 hand_velocity_at(const MotionRecording& r, const Throw& found, const Hand& hand) {
-  return ball_velocity(r, found.release, found.side, Vec3::Zero(), hand).v;
+  return ball_velocity(r, found.release_time, found.side, Vec3::Zero(), hand).v;
 }
 
 std::pair<std::size_t, std::size_t> samples_of_swing(const MotionRecording& r, const Throw& found) {

@@ -17,6 +17,10 @@ inline Vec3 horizontal(const Vec3& v) {
   return Vec3(v.x(), 0.0, v.z());
 }
 
+/// The samples from `begin` to before `end`, as a recording of its own, whose times begin at 0.
+devices::MotionRecording samples_of(const devices::MotionRecording& r, std::size_t begin,
+                                    std::size_t end);
+
 /// Velocity of a track at a sample, from the samples before and after it.
 Vec3 velocity(const std::vector<Time>& times, const std::vector<Pose>& track, std::size_t i);
 
@@ -25,8 +29,8 @@ double fastest(const devices::MotionRecording& r, const std::vector<Pose>& track
 
 /// Velocity of a ball held at p_HB, at its release, computed like in a session that uses each pose
 /// kReadLate after its sample.
-Twist ball_velocity(const devices::MotionRecording& r, std::size_t release, Side side,
-                    const Vec3& p_HB, const Hand& rules);
+Twist ball_velocity(const devices::MotionRecording& r, Time release, Side side, const Vec3& p_HB,
+                    const Hand& rules);
 
 /// Velocity of the hand at the release, with the same fit as for the ball.
 Vec3 hand_velocity_at(const devices::MotionRecording& r, const Throw& found, const Hand& hand);

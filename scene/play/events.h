@@ -37,6 +37,7 @@ inline constexpr std::string_view kept_pace = "kept_pace";
 inline constexpr std::string_view source_amiss = "source_amiss";
 inline constexpr std::string_view grab_found = "grab_found";
 inline constexpr std::string_view release_found = "release_found";
+inline constexpr std::string_view not_measured = "not_measured";
 }  // namespace kind
 
 /// One kind, for people.
@@ -121,6 +122,9 @@ inline constexpr auto kEventKinds = std::to_array<EventKind>({
     {kind::release_found,
      "in a recording without buttons: the program found that the hand released the ball here", "",
      ""},
+    {kind::not_measured,
+     "in an imported recording: detail says what was not measured, and which value is in its place",
+     "", ""},
     {devices::kEndEvent, "last message of a finished log", "", "number of messages before it"},
 });
 

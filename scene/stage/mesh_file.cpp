@@ -22,7 +22,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "devices/recordings/motion_axes.h"
+#include "devices/recordings/reading.h"
 #include "render/data/mesh.h"
 #include "scene/stage/apart.h"
 #include "scene/stage/mesh_text.h"
@@ -278,7 +278,7 @@ struct FromFile {
     }
     const devices::Axes axes(measure.axes, path);
     for (int i = 0; i < 3; ++i) {  // those are in a frame of x right, y up, z back
-      const Vec3 p = axes.ours({Quat::Identity(), Vec3::Unit(i)}).p;
+      const Vec3 p = axes.ours(Vec3(Vec3::Unit(i)));
       R.col(i) = Vec3(p.x(), -p.z(), p.y());
     }
     if (R.determinant() < 0.0) {

@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "devices/recordings/motion_axes.h"
+#include "devices/recordings/reading.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {
@@ -268,6 +268,7 @@ TEST(MotionFiles, HeadAndHandsComeTogether) {
   EXPECT_NEAR(r.right_hand[79].p.x(), 0.99, 1e-12);
   PoseTrack holed = right, late;
   holed.push(Time{1'500'000}, {});
+  head.push(Time{1'300'000}, {});
   head.push(Time{1'600'000}, {});
   left.push(Time{1'600'000}, {});
   EXPECT_EQ(complaint([&] { together(head, &right, &holed, "x"); }), "");
@@ -316,7 +317,7 @@ TEST_F(MotionFilesIn, AVrpnLogIsKnownByItsBytes) {
   spit(folder / "log.vrpn", {log.begin(), log.end()});
   EXPECT_EQ(read("log.vrpn").right_hand.at(0).p.x(), 3.0);
   EXPECT_EQ(read("log.vrpn", {.names = {"2", "1", "0"}}).head.at(0).p.x(), 3.0);
-  EXPECT_EQ(read("log.vrpn", {.axes = "LSA"}).head.at(0).p.x(), -1.0);
+  EXPECT_EQ(read("log.vrpn", {.reading = {.axes = "LSA"}}).head.at(0).p.x(), -1.0);
   EXPECT_THAT(why_not("log.vrpn", {.names = {"2", "1", "5"}}),
               HasSubstr("expected one right hand among Tracker0:0, Tracker0:1, Tracker0:2"));
 

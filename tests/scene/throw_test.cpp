@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "devices/recordings/motion_files.h"
 #include "devices/trial/resample.h"
 #include "scene/people/arm_model.h"
 #include "scene/play/hand.h"
@@ -60,6 +61,12 @@ Csv parse(const std::string& text) {
   return csv;
 }
 
+devices::MotionRecording read_csv(const std::string& text, double unit_m) {
+  const devices::MotionOptions options{.reading = {.unit_m = unit_m}};
+  return devices::recording_of(devices::parse_motion_table(text, "throw.csv", options), options,
+                               "throw.csv");
+}
+
 /// The recording of a modelled throw as a file, in centimetres.
 std::string synthesized() {
   const ThrowMotion motion({.seed = 3}, Hand{});
@@ -96,9 +103,7 @@ class ThrowTest : public testing::TestWithParam<const char*> {
     good_.assign(std::istreambuf_iterator<char>(file), {});
   }
 
-  devices::MotionRecording good() const {
-    return devices::parse_catalogue_csv(good_, "throw.csv", 0.01);
-  }
+  devices::MotionRecording good() const { return read_csv(good_, 0.01); }
 
   /// What is said of the good file, spoilt.
   std::string complaint(const std::function<void(Csv&)>& spoil, double unit_m = 0.01) const {
@@ -109,7 +114,7 @@ class ThrowTest : public testing::TestWithParam<const char*> {
 
   std::string complaint_about(const std::string& text, double unit_m = 0.01) const {
     try {
-      require_throw(devices::parse_catalogue_csv(text, "throw.csv", unit_m), Hand{}, "throw.csv");
+      require_throw(read_csv(text, unit_m), Hand{}, "throw.csv");
     } catch (const std::invalid_argument& error) {
       return error.what();
     }
@@ -139,7 +144,7 @@ TEST_P(ThrowTest, RefusesAnotherSizeThanAPersons) {
   EXPECT_THAT(scaled(0.01), HasSubstr("it would be one in metres"));
   EXPECT_THAT(scaled(10.0), HasSubstr("it would be one in millimetres"));
   EXPECT_THAT(scaled(3.0), HasSubstr("it would be one at a third of the size"));
-  EXPECT_THAT(scaled(1.0 / 3.0), HasSubstr("it would be one at three times the size"));
+  EXPECT_THAT(scaled(1.0 / 3.0), HasSubstr("it would be one in inches"));
 }
 
 TEST_P(ThrowTest, RefusesAnotherPaceThanAPersons) {
@@ -164,13 +169,16 @@ TEST_P(ThrowTest, RefusesMirroredAxes) {
         [&](Csv& csv) { csv.each(axis, [](auto& row, std::size_t c) { row[c] = -row[c]; }); });
   };
   // Heads are not turned along, and a head that follows the hand looks away from it then.
-  EXPECT_THAT(mirrored("_pos_x"), AllOf(AnyOf(HasSubstr("the right hand is not on the right"),
-                                              HasSubstr("the head does not look at the ball")),
-                                        HasSubstr("it would be one with x mirrored")));
+  EXPECT_THAT(mirrored("_pos_x"),
+              AllOf(AnyOf(HasSubstr("the right hand is not on the right"),
+                          HasSubstr("the head does not look at the ball")),
+                    HasSubstr("it would be one with +x left, +y up and +z back")));
   EXPECT_THAT(mirrored("_pos_y"),
-              AllOf(HasSubstr("the head is up -1."), HasSubstr("it would be one with y mirrored")));
-  EXPECT_THAT(mirrored("_pos_z"), AllOf(HasSubstr("not along the throw"),
-                                        HasSubstr("it would be one with z mirrored")));
+              AllOf(HasSubstr("the head is up -1."),
+                    HasSubstr("it would be one with +x right, +y down and +z back")));
+  EXPECT_THAT(mirrored("_pos_z"),
+              AllOf(HasSubstr("not along the throw"),
+                    HasSubstr("it would be one with +x right, +y up and +z ahead")));
 }
 
 TEST_P(ThrowTest, RefusesAMirroredPersonEvenWhenRotationsAgree) {
@@ -258,12 +266,12 @@ TEST_P(ThrowTest, FewSamplesAndShortHolesAreTakenWithAWord) {
   }
   csv.rows = rows;
   EXPECT_EQ(complaint_about(csv.text()), "accepted");
-  EXPECT_THAT(doubts(devices::parse_catalogue_csv(csv.text(), "throw.csv", 0.01)),
+  EXPECT_THAT(doubts(read_csv(csv.text(), 0.01)),
               testing::Contains(HasSubstr("samples per second: below")));
   csv = parse(good_);
   csv.rows.erase(csv.rows.begin() + 40, csv.rows.begin() + 45);
   EXPECT_EQ(complaint_about(csv.text()), "accepted");
-  EXPECT_THAT(doubts(devices::parse_catalogue_csv(csv.text(), "throw.csv", 0.01)),
+  EXPECT_THAT(doubts(read_csv(csv.text(), 0.01)),
               testing::ElementsAre(HasSubstr("no samples for 0.0")));
   // Some programs end each line with a comma.
   std::string text = good_;
@@ -277,7 +285,8 @@ TEST_P(ThrowTest, RefusesExchangedAxes) {
   EXPECT_THAT(complaint([](Csv& csv) {
                 csv.each("_pos_y", [](auto& row, std::size_t c) { std::swap(row[c], row[c + 1]); });
               }),
-              AllOf(HasSubstr("the head is up"), HasSubstr("it would be one with y and z")));
+              AllOf(HasSubstr("the head is up"),
+                    HasSubstr("it would be one with +x right, +y back and +z up")));
 }
 
 TEST_P(ThrowTest, RefusesAnyOtherOrderOfTheQuaternion) {
@@ -310,14 +319,15 @@ TEST_P(ThrowTest, RefusesWhatIsNoRecording) {
   EXPECT_THAT(complaint([](Csv& csv) {
                 csv.each("_rot_w", [](auto& row, std::size_t c) { row[c] *= 1.1; });
               }),
-              HasSubstr("expected a unit quaternion"));
-  EXPECT_THAT(complaint([](Csv& csv) { std::swap(csv.rows[200], csv.rows[201]); }),
-              HasSubstr("time must advance"));
-  EXPECT_THAT(complaint([](Csv& csv) { csv.rows[300][5] = std::nan(""); }),
-              HasSubstr("throw.csv:302: head_rot_x: expected a finite number, found 'nan'"));
+              HasSubstr("quaternions of length 1"));
   std::string text = good_;
   EXPECT_THAT(complaint_about(text.replace(text.find("right_hand_pos_x"), 16, "right_hand")),
-              HasSubstr("missing: right_hand_pos_x"));
+              HasSubstr("not a person's throw"));  // the left hand is one
+}
+
+TEST_P(ThrowTest, ExchangedRowsAndAHoleOfOneCellAreMended) {
+  EXPECT_EQ(complaint([](Csv& csv) { std::swap(csv.rows[200], csv.rows[201]); }), "accepted");
+  EXPECT_EQ(complaint([](Csv& csv) { csv.rows[300][5] = std::nan(""); }), "accepted");
 }
 
 TEST_P(ThrowTest, RefusesAFileTooShortForAThrow) {
@@ -326,7 +336,7 @@ TEST_P(ThrowTest, RefusesAFileTooShortForAThrow) {
   const auto first = [&](std::size_t samples) {
     return complaint([&](Csv& csv) { csv.rows.resize(samples); });
   };
-  EXPECT_THAT(first(0), HasSubstr("0 samples in 0 s, expected at least 100 in 2 s"));
+  EXPECT_THAT(first(0), HasSubstr("expected a table"));
   EXPECT_THAT(first(1), HasSubstr("1 samples"));
   EXPECT_THAT(first(99), HasSubstr("99 samples"));
   for (const std::size_t samples : {std::size_t{150}, found.release - 30, found.release - 5,
@@ -421,7 +431,7 @@ TEST(RecordedThrowTest, IsFoundAsMeasuredByHand) {
   std::ifstream file(kRecorded);
   if (!file) GTEST_SKIP() << "no recorded throw at " << kRecorded;
   const std::string text(std::istreambuf_iterator<char>(file), {});
-  const devices::MotionRecording r = devices::parse_catalogue_csv(text, kRecorded, 0.01);
+  const devices::MotionRecording r = read_csv(text, 0.01);
   const Throw found = find_throw(r, Hand{});
   EXPECT_EQ(r.times.size(), 517u);
   EXPECT_EQ(r.times.back(), Time{7'185'000});

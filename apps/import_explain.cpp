@@ -1,0 +1,214 @@
+#include "apps/import_explain.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/command.h"
+#include "apps/streams.h"
+#include "files/input_file.h"
+#include "files/output_file.h"
+#include "scene/people/throw.h"
+
+namespace headpin::apps {
+namespace {
+
+using devices::MotionRecording;
+
+/// What was found out about a file.
+struct Explained {
+  std::optional<devices::TableFindings> table;
+  std::optional<MotionRecording> recording;
+  std::vector<std::string> persons;  ///< a person in the room, at some of the samples
+  std::string problem;               ///< why it cannot be imported; empty if it can
+  std::string remedy;                ///< options that would make it a throw
+};
+
+/// Where a level direction points, seen along another one.
+std::string towards(const Vec3& look, const Vec3& along) {
+  const Vec3 level(look.x(), 0.0, look.z()), ahead(along.x(), 0.0, along.z());
+  const double up = std::asin(std::clamp(look.y(), -1.0, 1.0)) * 57.29577951308232;
+  std::string where = "down the lane";
+  if (level.norm() < 0.2) return look.y() < 0.0 ? "at the floor" : "at the ceiling";
+  const double c = level.normalized().dot(ahead.normalized());
+  const double side = ahead.cross(Vec3::UnitY()).dot(level);
+  if (c < -0.7)
+    where = "away from the lane";
+  else if (c < 0.7)
+    where = side > 0.0 ? "to the right of the lane" : "to the left of the lane";
+  if (up < -20.0) where += fmt::format(", {:.0f} degrees down", -up);
+  if (up > 20.0) where += fmt::format(", {:.0f} degrees up", up);
+  return where;
+}
+
+std::string person_at(const MotionRecording& r, std::size_t i, const Vec3& along) {
+  const Vec3 right = along.cross(Vec3::UnitY());
+  std::string text = fmt::format(
+      "at {:.3f} s: head {:.2f} m up, looking {}", nearest_seconds(r.times[i]), r.head[i].p.y(),
+      r.head_turns ? towards(r.head[i].q * -Vec3::UnitZ(), along) : "nobody knows where");
+  const auto add = [&](const char* name, const std::vector<Pose>& hand) {
+    if (hand.empty()) return;
+    const Vec3 p = hand[i].p - r.head[i].p;
+    const double aside = p.dot(right), ahead = p.dot(along);
+    text += fmt::format("; {} hand {:.2f} m up, {:.2f} m {}, {:.2f} m {}", name, hand[i].p.y(),
+                        std::abs(aside), aside < 0.0 ? "left" : "right", std::abs(ahead),
+                        ahead < 0.0 ? "behind" : "ahead");
+  };
+  add("left", r.left_hand);
+  add("right", r.right_hand);
+  return text;
+}
+
+/// The direction of the throw, or of the recording's -z where there is none.
+Vec3 lane_of(const MotionRecording& r, const scene::Hand& hand, scene::Side side) {
+  if (r.times.size() < 10 || scene::throwing_hand(r, side).empty()) return -Vec3::UnitZ();
+  const Vec3 v = scene::find_throw(r, hand, side).V_TB.v;
+  const Vec3 level(v.x(), 0.0, v.z());
+  return level.norm() > 0.0 ? Vec3(level.normalized()) : Vec3(-Vec3::UnitZ());
+}
+
+void judge(const ImportOptions& options, const scene::Hand& hand, Explained& found) {
+  const MotionRecording& r = *found.recording;
+  if (r.left_hand.empty() && r.right_hand.empty()) return;
+  const scene::Side side = options.hand == "left"    ? scene::Side::left
+                           : options.hand == "right" ? scene::Side::right
+                                                     : scene::throwing_side(r, hand);
+  try {
+    scene::require_throw(r, hand, options.file, side);
+  } catch (const scene::NoThrow& error) {
+    found.problem = error.what();
+    if (error.would_be) found.remedy = options_between(r.reading, *error.would_be);
+  }
+  const Vec3 along = lane_of(r, hand, side);
+  const std::size_t n = r.times.size();
+  for (const std::size_t i : {std::size_t{0}, n / 4, n / 2}) {
+    if (i < n) found.persons.push_back(person_at(r, i, along));
+  }
+}
+
+bool is_text_table(const std::string& file) {
+  for (const devices::MotionFormat& format : devices::motion_formats()) {
+    if (format.name == "table") return devices::format_of(file) == &format;
+  }
+  return false;
+}
+
+Explained find_out(const ImportOptions& options, const scene::Hand& hand) {
+  Explained found;
+  const devices::MotionOptions motion = declared(options);
+  try {
+    if (is_text_table(options.file)) {
+      found.table = devices::look_at_table(files::read_text(options.file, 2'000'000'000),
+                                           options.file, motion);
+    }
+    found.recording = devices::read_motion(options.file, motion);
+    judge(options, hand, found);
+  } catch (const std::invalid_argument& error) {
+    found.problem = error.what();
+  }
+  return found;
+}
+
+std::string separator_name(char separator) {
+  return separator == ','    ? "commas"
+         : separator == ';'  ? "semicolons"
+         : separator == '\t' ? "tabs"
+         : separator == '|'  ? "bars"
+                             : "blanks";
+}
+
+void print_table(const devices::TableFindings& table) {
+  std::cout << fmt::format("  table              {} rows, {} columns between {}{}{}\n", table.rows,
+                           table.columns.size(), separator_name(table.separator),
+                           table.decimal_comma ? ", decimal commas" : "",
+                           table.kind.empty() ? "" : ", as " + table.kind + " writes them");
+  std::size_t widest = 0;
+  for (const auto& column : table.columns)
+    widest = std::max(widest, std::min<std::size_t>(column.name.size(), 40));
+  for (const auto& column : table.columns) {
+    std::cout << fmt::format("    {:{}}  {:28} {}{}\n", printable(column.name), widest,
+                             column.meaning.empty() ? "not used" : column.meaning,
+                             printable(column.first.substr(0, 24)),
+                             column.unit.empty() ? "" : " " + printable(column.unit));
+  }
+}
+
+void print_recording(const MotionRecording& r) {
+  const devices::Reading& reading = r.reading;
+  const double duration = r.times.empty() ? 0.0 : nearest_seconds(r.times.back() - r.times.front());
+  std::cout << fmt::format("  samples            {} in {:.3f} s\n", r.times.size(), duration);
+  std::cout << fmt::format(
+      "  read with          {}\n",
+      options_between({.unit_m = 0, .axes = "", .turning = "", .time_unit_s = 0}, reading));
+  std::cout << fmt::format("  trigger            {}\n",
+                           r.triggers[0].empty() && r.triggers[1].empty()
+                               ? "none: grab and release are found in the motion"
+                               : "grab and release are those of the trigger");
+}
+
+void print_explained(const ImportOptions& options, const Explained& found) {
+  std::cout << printable(options.file) << '\n';
+  if (found.table) print_table(*found.table);
+  if (found.recording) print_recording(*found.recording);
+  for (std::string person : found.persons) {
+    for (std::size_t at = 0; (at = person.find("; ")) != std::string::npos;) {
+      person.replace(at, 2, "\n                       ");
+    }
+    std::cout << "  person             " << person << '\n';
+  }
+  std::vector<std::string> notes =
+      found.recording ? found.recording->notes : std::vector<std::string>{};
+  if (found.table && !found.recording) notes = found.table->missing;
+  for (const std::string& note : notes)
+    std::cout << "  note               " << printable(note) << '\n';
+  if (found.problem.empty()) {
+    std::cout << "  result             can be imported\n";
+  } else {
+    std::cout << "  result             " << printable(found.problem) << '\n';
+    if (!found.remedy.empty()) std::cout << "  try                " << found.remedy << '\n';
+  }
+}
+
+void print_as_json(const ImportOptions& options, const Explained& found) {
+  nlohmann::ordered_json all = {{"file", options.file}, {"can_be_imported", found.problem.empty()}};
+  if (!found.problem.empty()) all["problem"] = found.problem;
+  if (!found.remedy.empty()) all["try"] = found.remedy;
+  if (found.table) {
+    nlohmann::ordered_json columns = nlohmann::ordered_json::array();
+    for (const auto& column : found.table->columns) {
+      columns.push_back(
+          {{"name", column.name}, {"unit", column.unit}, {"meaning", column.meaning}});
+    }
+    all["columns"] = columns;
+    all["missing"] = found.table->missing;
+  }
+  if (found.recording) {
+    all["samples"] = found.recording->times.size();
+    all["notes"] = found.recording->notes;
+    all["persons"] = found.persons;
+  }
+  print_json(all);
+}
+
+}  // namespace
+
+void explain_import(const ImportOptions& options, const scene::Scenario& scenario) {
+  const Explained found = find_out(options, scenario.hand);
+  if (options.output) {
+    if (!found.table) {
+      throw std::runtime_error(options.file + ": columns can be written for a table only");
+    }
+    const std::string text = mapping_text(options.file, found.table->mapping,
+                                          found.recording ? &*found.recording : nullptr);
+    files::OutputFile file(*options.output,
+                           {.overwrite = options.force, .inputs = {options.file, options.columns}});
+    file.write(text.data(), text.size());
+    file.commit();
+  }
+  options.json ? print_as_json(options, found) : print_explained(options, found);
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,281 @@
+#include "apps/import_options.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <toml++/toml.h>
+
+#include "apps/command.h"
+#include "files/input_file.h"
+#include "scene/scenario/toml_text.h"
+
+namespace headpin::apps {
+namespace {
+
+constexpr std::array<std::pair<std::string_view, double>, 5> kLengths = {
+    {{"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}}};
+constexpr std::array<std::pair<std::string_view, double>, 4> kTimes = {
+    {{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}};
+
+template <std::size_t N>
+std::optional<double> of_name(const std::array<std::pair<std::string_view, double>, N>& all,
+                              std::string_view name) {
+  for (const auto& [its, value] : all) {
+    if (its == name) return value;
+  }
+  return std::nullopt;
+}
+
+/// Reads X,Y,Z in metres.
+Vec3 read_place(const std::string& option, const std::string& text) {
+  Vec3 p = Vec3::Zero();
+  const char *at = text.data(), *const end = at + text.size();
+  for (int i = 0; i < 3; ++i) {
+    const auto read = std::from_chars(at, end, p[i]);
+    at = read.ptr;
+    const bool right = read.ec == std::errc{} && std::abs(p[i]) <= 100.0 &&
+                       (i == 2 ? at == end : at != end && *at++ == ',');
+    if (right) continue;
+    throw UsageError(option + " " + text + ": expected X,Y,Z, metres from -100 to 100");
+  }
+  return p;
+}
+
+std::string trimmed_word(const std::string& text) {
+  const std::size_t begin = text.find_first_not_of(" \t\n");
+  return begin == std::string::npos
+             ? ""
+             : text.substr(begin, text.find_last_not_of(" \t\n") - begin + 1);
+}
+
+std::vector<std::string> parts_of(const std::string& text, char separator) {
+  std::vector<std::string> parts;
+  std::istringstream stream(text);
+  for (std::string part; std::getline(stream, part, separator);)
+    parts.push_back(trimmed_word(part));
+  return parts;
+}
+
+bool same_letters(std::string word, std::string_view sorted) {
+  std::ranges::sort(word);
+  return word == sorted;
+}
+
+void read_units(const std::string& text, devices::MotionOptions& motion) {
+  motion.reading.unit_m = of_name(kLengths, text);
+  if (!motion.reading.unit_m) {
+    throw UsageError("units " + text + ": expected m, cm, mm, in or ft");
+  }
+}
+
+/// s, ms, us, ns, or the rate of frames: 90Hz.
+void read_time_unit(const std::string& text, devices::MotionOptions& motion) {
+  motion.reading.time_unit_s = of_name(kTimes, text);
+  if (motion.reading.time_unit_s) return;
+  double rate = 0.0;
+  const auto read = std::from_chars(text.data(), text.data() + text.size(), rate);
+  const std::string_view rest(read.ptr, text.data() + text.size());
+  if (read.ec != std::errc{} || rest != "Hz" || !(rate >= 1.0 && rate <= 1e5)) {
+    throw UsageError("time unit " + text +
+                     ": expected s, ms, us, ns, or the rate of frames such as 90Hz");
+  }
+  motion.reading.time_unit_s = 1.0 / rate;
+}
+
+/// Axes of positions, and of rotations where they differ: RSA,RSP.
+void read_axes(const std::string& text, devices::MotionOptions& motion) {
+  const std::vector<std::string> parts = parts_of(text, ',');
+  if (parts.empty() || parts.size() > 2) {
+    throw UsageError("axes " + text + ": expected XYZ, or XYZ,XYZ for positions and rotations");
+  }
+  motion.reading.axes = parts[0];
+  if (parts.size() == 2) motion.reading.turning = parts[1];
+}
+
+void read_rotations(const std::string& text, devices::MotionOptions& motion) {
+  for (const std::string& word : parts_of(text, ',')) {
+    if (same_letters(word, "wxyz")) {
+      motion.reading.quaternion = word;
+    } else if (same_letters(word, "XYZ") || same_letters(word, "xyz") || word == "vector" ||
+               word == "none") {
+      motion.rotations = word;
+    } else if (word == "inverse") {
+      motion.reading.inverted = true;
+    } else if (word == "deg" || word == "rad") {
+      motion.degrees = word == "deg";
+    } else {
+      throw UsageError(fmt::format(
+          "rotations {}: expected the order of a quaternion (xyzw or wxyz), the order of angles "
+          "(such as YXZ about turning or zxy about fixed axes), vector, none, inverse, deg or rad",
+          word.substr(0, 40)));
+    }
+  }
+}
+
+/// What a file of columns says in place of an option.
+void take_setting(const std::string& key, const std::string& value, const ImportOptions& options,
+                  devices::MotionOptions& motion) {
+  if (key == "units") {
+    if (options.units.empty()) read_units(value, motion);
+  } else if (key == "time_unit") {
+    if (options.time_unit.empty()) read_time_unit(value, motion);
+  } else if (key == "axes") {
+    if (options.axes.empty()) read_axes(value, motion);
+  } else if (key == "rotations") {
+    if (options.rotations.empty()) read_rotations(value, motion);
+  } else {
+    motion.columns.emplace_back(key, value);
+  }
+}
+
+void read_mapping(const ImportOptions& options, devices::MotionOptions& motion) {
+  const std::string& path = options.columns;
+  const std::string text = files::read_text(path, 1'000'000);
+  scene::require_shallow(text, path);
+  toml::table root;
+  try {
+    root = toml::parse(text, path);
+  } catch (const toml::parse_error& error) {
+    throw std::invalid_argument(
+        fmt::format("{}:{}: {}", path, error.source().begin.line, error.description()));
+  }
+  const auto take = [&](const std::string& key, const toml::node& node) {
+    const auto* value = node.as_string();
+    if (!value) {
+      throw std::invalid_argument(
+          fmt::format("{}:{}: {}: expected a name in quotes", path, node.source().begin.line, key));
+    }
+    take_setting(key, value->get(), options, motion);
+  };
+  for (const auto& [key, node] : root) {
+    const std::string name(key.str());
+    if (const toml::table* part = node.as_table()) {
+      for (const auto& [component, inner] : *part) {
+        take(fmt::format("{}.{}", name, component.str()), inner);
+      }
+    } else {
+      take(name, node);
+    }
+  }
+}
+
+/// "time=t, head=HMD_*": columns in the text of the option itself.
+void read_columns(const ImportOptions& options, devices::MotionOptions& motion) {
+  if (options.columns.empty()) return;
+  if (options.columns.ends_with(".toml")) return read_mapping(options, motion);
+  for (const std::string& part : parts_of(options.columns, ',')) {
+    const std::size_t sign = part.find('=');
+    if (sign == std::string::npos) {
+      throw UsageError("--columns " + options.columns +
+                       ": expected WHAT=COLUMN, ... such as time=t, head=HMD_*; or a .toml file");
+    }
+    motion.columns.emplace_back(trimmed_word(part.substr(0, sign)),
+                                trimmed_word(part.substr(sign + 1)));
+  }
+}
+
+void read_names(const ImportOptions& options, devices::MotionOptions& motion) {
+  if (options.names.empty()) return;
+  std::istringstream names(options.names);
+  for (std::string& name : motion.names) std::getline(names, name, ',');
+  const auto& [head, left, right] = motion.names;
+  if (std::ranges::count(options.names, ',') != 2 || head.empty() ||
+      (left.empty() && right.empty())) {
+    throw UsageError("--names " + options.names +
+                     ": expected three names, HEAD,LEFT,RIGHT, one hand of which may be empty");
+  }
+}
+
+}  // namespace
+
+devices::MotionOptions declared(const ImportOptions& options) {
+  devices::MotionOptions motion;
+  read_columns(options, motion);
+  if (!options.units.empty()) read_units(options.units, motion);
+  if (!options.time_unit.empty()) read_time_unit(options.time_unit, motion);
+  if (!options.axes.empty()) read_axes(options.axes, motion);
+  if (!options.rotations.empty()) read_rotations(options.rotations, motion);
+  motion.only_hand_is_left = options.hand == "left";
+  motion.no_hand = options.hand == "none";
+  if (!options.transmitter.empty())
+    motion.p_origin = read_place("--transmitter", options.transmitter);
+  if (!options.head.empty()) motion.p_head = read_place("--head", options.head);
+  read_names(options, motion);
+  return motion;
+}
+
+namespace {
+
+std::string name_of(const auto& all, double value) {
+  for (const auto& [name, its] : all) {
+    if (its == value) return std::string(name);
+  }
+  return "";
+}
+
+std::string time_unit_name(double unit_s) {
+  const std::string name = name_of(kTimes, unit_s);
+  return name.empty() ? fmt::format("{:.9g}Hz", 1.0 / unit_s) : name;
+}
+
+std::string axes_text(const devices::Reading& reading) {
+  return reading.turning == reading.axes ? reading.axes : reading.axes + "," + reading.turning;
+}
+
+std::string rotations_text(const devices::Reading& reading) {
+  return reading.quaternion +
+         (reading.inverted ? reading.quaternion.empty() ? "inverse" : ",inverse" : "");
+}
+
+}  // namespace
+
+std::string options_between(const devices::Reading& was, const devices::Reading& is) {
+  std::string text;
+  const auto add = [&](const std::string& option, const std::string& value) {
+    text += fmt::format("{}{} {}", text.empty() ? "" : " ", option, value);
+  };
+  if (is.unit_m != was.unit_m) add("--units", name_of(kLengths, is.unit_m));
+  if (is.time_unit_s != was.time_unit_s) add("--time-unit", time_unit_name(is.time_unit_s));
+  if (axes_text(is) != axes_text(was)) add("--axes", axes_text(is));
+  if (rotations_text(is) != rotations_text(was)) add("--rotations", rotations_text(is));
+  return text;
+}
+
+std::string mapping_text(const std::string& file, const devices::ToldColumns& columns,
+                         const devices::MotionRecording* recording) {
+  std::string text =
+      "# How `headpin import --columns` reads " + file + ": a name, or #3 for the third column.\n";
+  const auto line = [&](std::string_view key, const std::string& value) {
+    std::ostringstream quoted;
+    quoted << toml::value<std::string>(value);
+    text += fmt::format("{} = {}\n", key, quoted.str());
+  };
+  for (const auto& [key, value] : columns) {
+    if (key.find('.') == std::string::npos) line(key, value);
+  }
+  if (recording) {
+    const devices::Reading& reading = recording->reading;
+    line("time_unit", time_unit_name(reading.time_unit_s));
+    line("units", name_of(kLengths, reading.unit_m));
+    line("axes", axes_text(reading));
+    if (const std::string rotations = rotations_text(reading); !rotations.empty())
+      line("rotations", rotations);
+  }
+  for (const char* part : devices::kPartKeys) {
+    bool first = true;
+    for (const auto& [key, value] : columns) {
+      if (!key.starts_with(std::string(part) + ".")) continue;
+      if (first) text += fmt::format("\n[{}]\n", part);
+      first = false;
+      line(key.substr(key.find('.') + 1), value);
+    }
+  }
+  return text;
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,159 @@
+#include "devices/recordings/column_names.h"
+
+#include <algorithm>
+#include <cctype>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "devices/recordings/any_table.h"
+
+namespace headpin::devices {
+namespace {
+
+bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
+  return std::ranges::find(words, word) != words.end();
+}
+
+std::string joined(std::vector<std::string> words, std::size_t count) {
+  words.resize(count);
+  return fmt::format("{}", fmt::join(words, " "));
+}
+
+std::size_t index_in(std::string_view letters, char letter) {
+  return letters.find(letter);
+}
+
+Quantity quantity_called(std::string_view word) {
+  if (is_one_of(word, {"pos", "position", "p", "loc", "location", "translation", "trans", "t"}))
+    return Quantity::position;
+  if (is_one_of(word,
+                {"q", "quat", "quaternion", "rotation", "rot", "orientation", "ori", "orient"})) {
+    return Quantity::quaternion;
+  }
+  if (is_one_of(word, {"euler", "angle", "angles", "eul"})) return Quantity::angle;
+  return Quantity::none;
+}
+
+/// "qx", "posx", "rotw", "tz", "rx": a quantity and a letter in one word.
+std::optional<Component> two_in_one(std::string_view word) {
+  if (word.size() < 2) return std::nullopt;
+  const std::size_t letter = index_in("xyz", word.back());
+  const std::string_view quantity = word.substr(0, word.size() - 1);
+  const Quantity said = quantity == "e"   ? Quantity::angle
+                        : quantity == "r" ? Quantity::quaternion
+                                          : quantity_called(quantity);
+  if (word.back() == 'w' && said == Quantity::quaternion) return Component{said, 0, {}};
+  if (letter >= 3 || said == Quantity::none) return std::nullopt;
+  if (said == Quantity::quaternion) {
+    // "rx" without an "rw" is an angle: decided when all columns are known.
+    return Component{said, letter + 1, {}};
+  }
+  return Component{said, letter, {}};
+}
+
+/// Words that stand between an object and its component and say nothing: "local", "global", "anchor".
+bool says_nothing(std::string_view word) {
+  return is_one_of(word, {"local", "global", "world", "pose", "transform", "m", "mm", "cm", "deg",
+                          "rad", "angles"});
+}
+
+std::size_t last_word(const std::vector<std::string>& words, std::size_t count) {
+  while (count > 0 && says_nothing(words[count - 1])) --count;
+  return count;
+}
+
+}  // namespace
+
+Component component_of(const std::string& name) {
+  std::vector<std::string> words = words_of(name);
+  std::size_t n = words.size();
+  // A unit behind the name: "head_x_mm".
+  while (n > 1 &&
+         is_one_of(words[n - 1], {"mm", "cm", "deg", "rad", "degrees", "meters", "metres"}))
+    --n;
+  if (n == 0) return {};
+  const std::string& last = words[n - 1];
+
+  if (is_one_of(last, {"trigger", "squeeze", "grip", "button", "pressed", "grab", "pinch"})) {
+    return {Quantity::trigger, 0, joined(words, n - 1)};
+  }
+  if (const std::size_t angle = is_one_of(last, {"pitch"})                       ? 0
+                                : is_one_of(last, {"yaw", "heading", "azimuth"}) ? 1
+                                : is_one_of(last, {"roll"})                      ? 2
+                                                                                 : 3;
+      angle < 3) {
+    std::size_t before = last_word(words, n - 1);
+    if (before > 0 && quantity_called(words[before - 1]) != Quantity::none) --before;
+    return {Quantity::angle, angle, joined(words, before)};
+  }
+  // "m00" or "r11": words are split at digits.
+  const bool digits =
+      last.size() == 2 && std::ranges::all_of(last, [](char c) { return c >= '0' && c <= '3'; });
+  if (digits && n > 1 && is_one_of(words[n - 2], {"m", "r", "mat", "matrix", "rot", "rotation"})) {
+    const std::size_t before = last_word(words, n - 2);
+    return {Quantity::matrix,
+            10u * static_cast<std::size_t>(last[0] - '0') + static_cast<std::size_t>(last[1] - '0'),
+            joined(words, before)};
+  }
+  if (auto both = two_in_one(last)) {
+    std::size_t before = last_word(words, n - 1);
+    both->object = joined(words, before);
+    return *both;
+  }
+  if (last.size() != 1 || index_in("wxyz", last[0]) > 3) return {};
+  const std::size_t letter = index_in("wxyz", last[0]);
+  std::size_t before = last_word(words, n - 1);
+  Quantity said = before > 0 ? quantity_called(words[before - 1]) : Quantity::none;
+  if (said != Quantity::none) --before;
+  // "rotation.eulerAngles.x", "rot_q_x"
+  if (before > 0 && said != Quantity::none && said != Quantity::position &&
+      quantity_called(words[before - 1]) != Quantity::none)
+    --before;
+  if (said == Quantity::none) said = letter == 0 ? Quantity::quaternion : Quantity::position;
+  const std::string object = joined(words, last_word(words, before));
+  return {said, said == Quantity::quaternion ? letter : letter - 1, object};
+}
+
+std::vector<std::string> words_of(std::string_view name) {
+  std::vector<std::string> words;
+  const auto is = [](char x, int (*test)(int)) { return test(static_cast<unsigned char>(x)) != 0; };
+  char before = ' ';
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    const char c = name[i], after = i + 1 < name.size() ? name[i + 1] : ' ';
+    const bool part_of_word = is(c, std::isalnum) || static_cast<unsigned char>(c) >= 128;
+    // "posX" and "HMDPos" are two words each.
+    const bool capital =
+        is(c, std::isupper) &&
+        (is(before, std::islower) || (is(before, std::isupper) && is(after, std::islower)));
+    const bool begins =
+        !is(before, std::isalnum) || capital || is(c, std::isdigit) != is(before, std::isdigit);
+    if (part_of_word) {
+      if (begins || words.empty()) words.emplace_back();
+      words.back() += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    }
+    before = c;
+  }
+  return words;
+}
+
+std::optional<std::size_t> part_of_name(std::string_view name) {
+  const std::vector<std::string> words = words_of(name);
+  const std::string text = small_letters(name);
+  const auto has = [&](std::string_view part) { return text.find(part) != std::string::npos; };
+  const auto word = [&](std::string_view whole_word) {
+    return std::ranges::find(words, whole_word) != words.end();
+  };
+  const bool eye = has("eye");  // Unity's LeftEyeAnchor is no hand, CenterEyeAnchor the head
+  if (has("hmd") || has("camera") || has("helmet") || has("headset") || has("glasses") ||
+      word("view") || word("viewer") || has("centereye") || has("center eye") ||
+      (has("head") && !has("ahead"))) {
+    return 0;
+  }
+  if (eye) return std::nullopt;
+  if (has("left") || word("l") || word("lhand")) return 1;
+  if (has("right") || word("r") || word("rhand")) return 2;
+  return std::nullopt;
+}
+
+}  // namespace headpin::devices

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "devices/recordings/motion_recording.h"
+
+namespace headpin::devices {
+
+/// Reads when a hand grabbed and released from a file of markers: a line each, with a time and a word.
+///
+/// The time is the column called onset, time or t, or else the first number of a line. Words for grab:
+/// grab, grasp, pick, press, down, take, hold, and their forms; for release: release, throw, let go, drop,
+/// up. Other lines are ignored.
+///
+/// @param unit_s  of times that are numbers [s]; dates of ISO 8601 need none
+/// @return  times as in the file, in order
+/// @throws std::invalid_argument  naming file and line: no grab with a release after it
+std::vector<Stamped<bool>> parse_markers(std::string_view text, std::string_view where,
+                                         double unit_s);
+
+}  // namespace headpin::devices

@@ -1,0 +1,362 @@
+#include "devices/recordings/table_columns.h"
+
+#include <algorithm>
+#include <map>
+#include <stdexcept>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace headpin::devices {
+namespace {
+
+/// Matrices count from 0 or from 1: "m00" to "m23", or "r11" to "r33".
+void take_matrix(PartColumns& part, const std::map<std::size_t, std::size_t>& elements) {
+  const std::size_t from = elements.contains(0) ? 0 : 1;
+  for (std::size_t row = 0; row < 3; ++row) {
+    for (std::size_t column = 0; column < 4; ++column) {
+      const auto found = elements.find(10 * (row + from) + column + from);
+      if (found == elements.end()) continue;
+      if (column < 3) {
+        part.matrix[3 * row + column] = found->second;
+      } else if (!part.position[row]) {
+        part.position[row] = found->second;
+      }
+    }
+  }
+}
+
+/// The columns of one object of the table.
+struct Object {
+  PartColumns columns;
+  std::map<std::size_t, std::size_t> elements;  ///< of a matrix
+};
+
+template <std::size_t N>
+bool whole(const std::array<std::optional<std::size_t>, N>& columns) {
+  return std::ranges::all_of(columns, [](const auto& c) { return c.has_value(); });
+}
+
+template <std::size_t N>
+bool any(const std::array<std::optional<std::size_t>, N>& columns) {
+  return std::ranges::any_of(columns, [](const auto& c) { return c.has_value(); });
+}
+
+void finish(Object& object) {
+  PartColumns& part = object.columns;
+  if (!object.elements.empty()) take_matrix(part, object.elements);
+  // Three numbers called a rotation, without a fourth, are angles.
+  if (!part.quaternion[0] && part.quaternion[1] && !any(part.angles)) {
+    part.angles = {part.quaternion[1], part.quaternion[2], part.quaternion[3]};
+    part.quaternion = {};
+  }
+  part.rotation = whole(part.quaternion) ? RotationKind::quaternion
+                  : whole(part.angles)   ? RotationKind::angles
+                  : whole(part.matrix)   ? RotationKind::matrix
+                                         : RotationKind::none;
+}
+
+void put(Object& object, const Component& component, std::size_t column) {
+  PartColumns& part = object.columns;
+  const auto set = [&](std::optional<std::size_t>& place) {
+    if (!place) place = column;
+  };
+  switch (component.quantity) {
+    case Quantity::position:
+      set(part.position[component.index]);
+      break;
+    case Quantity::quaternion:
+      set(part.quaternion[component.index]);
+      break;
+    case Quantity::angle:
+      set(part.angles[component.index]);
+      break;
+    case Quantity::matrix:
+      object.elements.emplace(component.index, column);
+      break;
+    case Quantity::trigger:
+      set(part.trigger);
+      break;
+    case Quantity::none:
+      break;
+  }
+}
+
+/// The objects of a table by name, those with a whole position.
+std::vector<std::pair<std::string, Object>> objects_of(const AnyTable& table,
+                                                       std::string_view pattern = "*") {
+  const std::size_t star = pattern.find('*');
+  const std::string_view begin = pattern.substr(0, star), end = pattern.substr(star + 1);
+  std::vector<std::pair<std::string, Object>> objects;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    const std::string& name = table.columns[c].name;
+    if (name.size() < begin.size() + end.size() || !name.starts_with(begin) || !name.ends_with(end))
+      continue;
+    const std::string rest = name.substr(begin.size(), name.size() - begin.size() - end.size());
+    const Component component = component_of(rest);
+    if (component.quantity == Quantity::none) continue;
+    auto object =
+        std::ranges::find(objects, component.object, &std::pair<std::string, Object>::first);
+    if (object == objects.end()) object = objects.insert(objects.end(), {component.object, {}});
+    put(object->second, component, c);
+  }
+  for (auto& [name, object] : objects) finish(object);
+  return objects;
+}
+
+std::optional<std::size_t> column_called(const AnyTable& table, std::string_view name) {
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    if (table.columns[c].name == name || name == fmt::format("#{}", c + 1)) return c;
+  }
+  const auto is_it = [&](const FoundColumn& column) { return column.last == name; };
+  if (std::ranges::count_if(table.columns, is_it) != 1) return std::nullopt;
+  return static_cast<std::size_t>(std::ranges::find_if(table.columns, is_it) -
+                                  table.columns.begin());
+}
+
+std::string names_of(const AnyTable& table) {
+  std::vector<std::string> names;
+  for (const FoundColumn& column : table.columns) names.push_back(column.name);
+  if (names.size() > 40) names.resize(40), names.emplace_back("...");
+  return fmt::format("{}", fmt::join(names, ", "));
+}
+
+std::optional<std::size_t> find_time(const AnyTable& table) {
+  // The best name first.
+  constexpr std::array<std::array<std::string_view, 4>, 3> kNames = {
+      {{"time", "timestamp", "t", "elapsed"},
+       {"timestamps", "seconds", "sec", "utc"},
+       {"frame", "sample", "frames", "index"}}};
+  for (const auto& names : kNames) {
+    for (std::size_t c = 0; c < table.columns.size(); ++c) {
+      const std::vector<std::string> words = words_of(table.columns[c].last);
+      const bool named = std::ranges::any_of(words, [&](const std::string& word) {
+        return std::ranges::find(names, word) != names.end();
+      });
+      if (named && component_of(table.columns[c].name).quantity == Quantity::none) return c;
+    }
+  }
+  return std::nullopt;
+}
+
+/// Puts what the user told into the columns.
+class Told {
+ public:
+  Told(const AnyTable& table, std::string_view where, MotionColumns& columns)
+      : table_(table), where_(where), columns_(columns) {}
+
+  void take(const std::string& key, const std::string& value) {
+    const std::size_t dot = key.find('.');
+    const auto part = std::ranges::find(kPartKeys, key.substr(0, dot));
+    if (key == "time") {
+      columns_.time = column(key, value);
+    } else if (key == "trigger") {
+      for (PartColumns& each : columns_.parts) each.trigger = column(key, value);
+    } else if (part == kPartKeys.end()) {
+      refuse(
+          fmt::format("'{}': expected time, trigger, head, left, right, or a component of these "
+                      "such as head.x or right.qw",
+                      key));
+    } else if (dot == std::string::npos) {
+      whole_part(static_cast<std::size_t>(part - kPartKeys.begin()), key, value);
+    } else {
+      const Component component = component_of(key.substr(dot + 1));
+      if (component.quantity == Quantity::none || !component.object.empty()) {
+        refuse(
+            fmt::format("'{}': expected a component: x, y, z, qw, qx, qy, qz, rx, ry, rz (angles), "
+                        "m00 to m22 or trigger",
+                        key));
+      }
+      put(objects_[static_cast<std::size_t>(part - kPartKeys.begin())], component,
+          column(key, value));
+    }
+  }
+
+  /// Which parts were told.
+  std::array<bool, 3> done() {
+    std::array<bool, 3> told{};
+    for (auto& [part, object] : objects_) {
+      finish(object);
+      const std::optional<std::size_t> trigger = columns_.parts[part].trigger;
+      columns_.parts[part] = object.columns;
+      if (!object.columns.trigger) columns_.parts[part].trigger = trigger;
+      told[part] = true;
+    }
+    return told;
+  }
+
+ private:
+  std::size_t column(const std::string& key, const std::string& value) const {
+    if (const auto found = column_called(table_, value)) return *found;
+    refuse(
+        fmt::format("{} = '{}': no such column; the table has {}", key, value, names_of(table_)));
+  }
+
+  void whole_part(std::size_t part, const std::string& key, const std::string& value) {
+    if (std::ranges::count(value, '*') != 1) {
+      refuse(fmt::format("{} = '{}': expected a name with one *, such as HMD_*", key, value));
+    }
+    const auto found = objects_of(table_, value);
+    if (found.size() != 1 || !whole(found.front().second.columns.position)) {
+      refuse(
+          fmt::format("{} = '{}': expected the columns of one object, at least its x, y and z; "
+                      "found {} among {}",
+                      key, value, found.size(), names_of(table_)));
+    }
+    objects_[part] = found.front().second;
+  }
+
+  [[noreturn]] void refuse(const std::string& what) const {
+    throw std::invalid_argument(fmt::format("{}: columns: {}", where_, what));
+  }
+
+  const AnyTable& table_;
+  std::string_view where_;
+  MotionColumns& columns_;
+  std::map<std::size_t, Object> objects_;
+};
+
+using Objects = std::vector<std::pair<std::string, Object>>;
+
+/// The object that a part is: of several, the one with a rotation.
+const Object* object_of(const Objects& objects, std::size_t part, std::string_view where) {
+  std::vector<const std::pair<std::string, Object>*> found;
+  for (const auto& object : objects) {
+    if (whole(object.second.columns.position) && part_of_name(object.first) == part)
+      found.push_back(&object);
+  }
+  if (found.size() > 1) {
+    std::erase_if(found, [](const auto* object) {
+      return object->second.columns.rotation == RotationKind::none;
+    });
+  }
+  if (found.empty()) return nullptr;
+  if (found.size() == 1) return &found.front()->second;
+  throw std::invalid_argument(fmt::format(
+      "{}: columns: expected one {}, found {} ('{}', '{}'); say which, such as {} = 'NAME*'", where,
+      kPartNames[part], found.size(), found[0]->first, found[1]->first, kPartKeys[part]));
+}
+
+/// A hand whose name does not say the side: the only object besides the head.
+const Object* only_hand(const Objects& objects, const Object* head) {
+  const Object* hand = nullptr;
+  for (const auto& [name, object] : objects) {
+    if (!whole(object.columns.position) || &object == head) continue;
+    const std::vector<std::string> words = words_of(name);
+    const bool marker = std::ranges::find(words, "marker") != words.end();
+    if (marker) continue;
+    if (hand) return nullptr;
+    hand = &object;
+  }
+  return hand;
+}
+
+/// A trigger or button that belongs to no object with a position.
+std::optional<std::size_t> loose_trigger(const Objects& objects, std::size_t part) {
+  std::optional<std::size_t> found;
+  for (const auto& [name, object] : objects) {
+    const auto of = part_of_name(name);
+    if (!object.columns.trigger || (of && *of != part)) continue;
+    if (of || !found) found = object.columns.trigger;
+  }
+  return found;
+}
+
+void say_meanings(const AnyTable& table, MotionColumns& columns) {
+  columns.meanings.assign(table.columns.size(), "");
+  const auto say = [&](const std::optional<std::size_t>& column, const std::string& what) {
+    if (!column) return;
+    std::string& meaning = columns.meanings[*column];
+    meaning += (meaning.empty() ? "" : "; ") + what;
+  };
+  say(columns.time, "time");
+  for (std::size_t part = 0; part < 3; ++part) {
+    const PartColumns& its = columns.parts[part];
+    if (!its.tracked()) continue;
+    const auto each = [&](const auto& places, const char* what, std::string_view letters) {
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        say(places[i], fmt::format("{}, {} {}", kPartNames[part], what, letters[i]));
+      }
+    };
+    each(its.position, "position", "xyz");
+    if (its.rotation == RotationKind::quaternion) each(its.quaternion, "quaternion", "wxyz");
+    if (its.rotation == RotationKind::angles) each(its.angles, "angle about", "xyz");
+    if (its.rotation == RotationKind::vector) each(its.angles, "rotation vector", "xyz");
+    if (its.rotation == RotationKind::matrix) each(its.matrix, "matrix element", "012345678");
+    if (part > 0) say(its.trigger, fmt::format("{}, trigger", kPartNames[part]));
+  }
+}
+
+void say_missing(MotionColumns& columns) {
+  if (!columns.time) columns.missing.emplace_back("no column of the time was found");
+  if (!columns.parts[0].tracked()) columns.missing.emplace_back("no head was found");
+  if (!columns.parts[1].tracked() && !columns.parts[2].tracked())
+    columns.missing.emplace_back("no hand was found");
+  for (std::size_t part = 0; part < 3; ++part) {
+    if (columns.parts[part].tracked() && columns.parts[part].rotation == RotationKind::none) {
+      columns.missing.push_back(fmt::format("the {} has no rotation", kPartNames[part]));
+    }
+  }
+}
+
+}  // namespace
+
+ToldColumns mapping_of(const AnyTable& table, const MotionColumns& columns) {
+  ToldColumns all;
+  const auto tell = [&](const std::string& key, const std::optional<std::size_t>& column) {
+    if (!column) return;
+    const std::string& name = table.columns[*column].name;
+    const bool once = std::ranges::count(table.columns, name, &FoundColumn::name) == 1;
+    all.emplace_back(key, once ? name : fmt::format("#{}", *column + 1));
+  };
+  tell("time", columns.time);
+  for (std::size_t part = 0; part < 3; ++part) {
+    const PartColumns& its = columns.parts[part];
+    if (!its.tracked()) continue;
+    const auto each = [&](const auto& places, std::string_view before, std::string_view letters) {
+      for (std::size_t i = 0; i < places.size(); ++i) {
+        tell(fmt::format("{}.{}{}", kPartKeys[part], before, letters[i]), places[i]);
+      }
+    };
+    each(its.position, "", "xyz");
+    each(its.quaternion, "q", "wxyz");
+    each(its.angles, "r", "xyz");
+    for (std::size_t i = 0; i < 9; ++i) {
+      tell(fmt::format("{}.m{}{}", kPartKeys[part], i / 3, i % 3), its.matrix[i]);
+    }
+    if (part > 0) tell(fmt::format("{}.trigger", kPartKeys[part]), its.trigger);
+  }
+  return all;
+}
+
+MotionColumns find_columns(const AnyTable& table, const ToldColumns& told, bool only_hand_is_left,
+                           std::string_view where) {
+  MotionColumns columns;
+  Told said(table, where, columns);
+  for (const auto& [key, value] : told) said.take(key, value);
+  const std::array<bool, 3> is_told = said.done();
+  const bool any_told = std::ranges::any_of(is_told, [](bool one) { return one; });
+
+  const Objects objects = objects_of(table);
+  if (!columns.time) columns.time = find_time(table);
+  std::array<const Object*, 3> found{};
+  for (std::size_t part = 0; part < 3; ++part) {
+    if (is_told[part] || (any_told && part > 0))
+      continue;  // a hand that was not told is not wanted
+    found[part] = object_of(objects, part, where);
+  }
+  const bool hand_is_there = found[1] || found[2] || is_told[1] || is_told[2];
+  if (!hand_is_there && !any_told) found[only_hand_is_left ? 1 : 2] = only_hand(objects, found[0]);
+  for (std::size_t part = 0; part < 3; ++part) {
+    PartColumns& its = columns.parts[part];
+    const std::optional<std::size_t> trigger = its.trigger;
+    if (found[part]) its = found[part]->columns;
+    if (trigger) its.trigger = trigger;
+    if (part > 0 && its.tracked() && !its.trigger) its.trigger = loose_trigger(objects, part);
+  }
+  say_meanings(table, columns);
+  say_missing(columns);
+  return columns;
+}
+
+}  // namespace headpin::devices

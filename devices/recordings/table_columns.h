@@ -1,0 +1,60 @@
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "devices/recordings/any_table.h"
+#include "devices/recordings/column_names.h"
+
+/// What the columns of a table mean, found by their names or told by the user.
+namespace headpin::devices {
+
+/// Columns told by the user, by meaning: `time`, `trigger`, `head`, `left`, `right`, or one component
+/// such as `head.x`, `right.qw`, `left.rx` (an angle), `head.m00` (a matrix); then a column's name, `#3`
+/// for the third column, or for head and hands a pattern with one `*`: `HMD_*`.
+using ToldColumns = std::vector<std::pair<std::string, std::string>>;
+
+/// How the rotation of a head or hand is written.
+enum class RotationKind { none, quaternion, angles, vector, matrix };
+
+/// The columns of a head or hand.
+struct PartColumns {
+  std::array<std::optional<std::size_t>, 3> position;    ///< x, y, z
+  std::array<std::optional<std::size_t>, 4> quaternion;  ///< w, x, y, z
+  std::array<std::optional<std::size_t>, 3> angles;      ///< about x, y, z, or a rotation vector
+  std::array<std::optional<std::size_t>, 9> matrix;      ///< row by row
+  std::optional<std::size_t> trigger;
+  RotationKind rotation = RotationKind::none;
+
+  bool tracked() const { return position[0].has_value(); }
+};
+
+/// The columns of a recording; parts are head, left and right hand.
+struct MotionColumns {
+  std::optional<std::size_t> time;
+  std::array<PartColumns, 3> parts;
+  /// What each column of the table is, such as "head, position x"; empty if it is not used.
+  std::vector<std::string> meanings;
+  std::vector<std::string> missing;  ///< sentences about what a throw needs and was not found
+};
+
+/// Finds the columns of time, head and hands.
+///
+/// A column's name is split into words: "HMD_qw", "leftHand.position.x", "Rigid Body Head Rotation X".
+/// The last words say the component, the words before them the object. What the user told is used first.
+///
+/// @param only_hand_is_left  of a hand whose name does not say the side
+/// @throws std::invalid_argument  for told columns that are not there, or that mean nothing; for two
+///                                objects that could be the same part
+MotionColumns find_columns(const AnyTable& table, const ToldColumns& told, bool only_hand_is_left,
+                           std::string_view where);
+
+/// The columns that are used, as a user would tell them: "head.x", "HMD_x".
+ToldColumns mapping_of(const AnyTable& table, const MotionColumns& columns);
+
+inline constexpr std::array kPartKeys = {"head", "left", "right"};
+
+}  // namespace headpin::devices

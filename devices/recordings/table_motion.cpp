@@ -1,0 +1,380 @@
+// Any text table with a time and poses: its cells by any_table.h, their meaning by table_columns.h.
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "devices/recordings/any_table.h"
+#include "devices/recordings/catalogue_csv.h"
+#include "devices/recordings/motion_files.h"
+#include "devices/recordings/table_columns.h"
+#include "devices/recordings/table_time.h"
+
+namespace headpin::devices {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+bool is_catalogue(const AnyTable& table) {
+  const auto has = [&](std::string_view name) {
+    return std::ranges::find(table.columns, name, &FoundColumn::name) != table.columns.end();
+  };
+  return has("delta_time_ms") && has("head_pos_x");
+}
+
+std::optional<double> metres_of(std::string_view unit) {
+  const auto is = [&](std::initializer_list<std::string_view> names) {
+    return std::ranges::find(names, unit) != names.end();
+  };
+  if (is({"m", "meter", "meters", "metre", "metres"})) return 1.0;
+  if (is({"cm", "centimeters", "centimetres"})) return 0.01;
+  if (is({"mm", "millimeters", "millimetres"})) return 0.001;
+  if (is({"in", "inch", "inches"})) return 0.0254;
+  if (is({"ft", "feet"})) return 0.3048;
+  return std::nullopt;
+}
+
+/// Rotations about three axes in an order: capitals about the axes that turn with the body, small
+/// letters about fixed ones, as SciPy has them.
+Quat of_angles(const Vec3& angles, std::string_view order) {
+  Quat q = Quat::Identity();
+  for (const char letter : order) {
+    const bool fixed = letter >= 'x';
+    const auto axis = static_cast<Eigen::Index>(letter - (fixed ? 'x' : 'X'));
+    const Quat turn = rotation(angles[axis] * Vec3::Unit(axis));
+    q = fixed ? turn * q : q * turn;
+  }
+  return q.normalized();
+}
+
+/// The rotation of one part, row by row.
+class RotationReader {
+ public:
+  RotationReader(const AnyTable& table, const PartColumns& part, const MotionOptions& options,
+                 const std::string& order)
+      : table_(table), part_(part), order_(order) {
+    degrees_ = options.degrees.value_or(part.angles[0].has_value() && angles_look_like_degrees());
+  }
+
+  bool degrees() const { return degrees_; }
+
+  /// @param quaternion  the order of the four columns as they stand in the file
+  /// @return  none for cells that are no numbers, or that are no rotation
+  std::optional<Quat> operator()(const AnyTable::Row& row, std::string_view quaternion) const {
+    switch (part_.rotation) {
+      case RotationKind::none:
+        return Quat::Identity();
+      case RotationKind::quaternion:
+        return of_quaternion(row, quaternion);
+      case RotationKind::matrix:
+        return of_matrix(row);
+      case RotationKind::angles:
+      case RotationKind::vector:
+        break;
+    }
+    const auto angles = numbers<3>(row, part_.angles);
+    if (!angles) return std::nullopt;
+    const Vec3 a = (degrees_ ? kDegree : 1.0) * Vec3((*angles)[0], (*angles)[1], (*angles)[2]);
+    if (!(a.norm() < 1e4)) return std::nullopt;
+    return part_.rotation == RotationKind::vector ? rotation(a) : of_angles(a, order_);
+  }
+
+ private:
+  template <std::size_t N>
+  std::optional<std::array<double, N>> numbers(
+      const AnyTable::Row& row, const std::array<std::optional<std::size_t>, N>& columns) const {
+    std::array<double, N> all{};
+    for (std::size_t i = 0; i < N; ++i) {
+      const std::optional<double> number = table_.number(row.cells[*columns[i]]);
+      if (!number) return std::nullopt;
+      all[i] = *number;
+    }
+    return all;
+  }
+
+  std::optional<Quat> of_quaternion(const AnyTable::Row& row, std::string_view letters) const {
+    std::array<std::optional<std::size_t>, 4> columns = part_.quaternion;
+    std::ranges::sort(columns);  // as they stand in the file
+    const auto four = numbers<4>(row, columns);
+    if (!four) return std::nullopt;
+    const Quat q = quaternion_of(*four, letters);
+    if (!(std::abs(q.norm() - 1.0) < 1e-3)) return std::nullopt;
+    return q;
+  }
+
+  std::optional<Quat> of_matrix(const AnyTable::Row& row) const {
+    const auto nine = numbers<9>(row, part_.matrix);
+    if (!nine) return std::nullopt;
+    Mat3 R;
+    for (std::size_t i = 0; i < 9; ++i)
+      R(static_cast<Eigen::Index>(i / 3), static_cast<Eigen::Index>(i % 3)) = (*nine)[i];
+    if (!((R * R.transpose() - Mat3::Identity()).norm() < 1e-2) || R.determinant() < 0.0)
+      return std::nullopt;
+    return Quat(R).normalized();
+  }
+
+  bool angles_look_like_degrees() const {
+    for (const auto& column : part_.angles) {
+      const std::string unit = unit_of(table_.columns[*column]);
+      if (unit == "deg" || unit == "degrees") return true;
+      if (unit == "rad" || unit == "radians") return false;
+      for (const AnyTable::Row& row : table_.rows) {
+        if (std::abs(table_.number(row.cells[*column]).value_or(0.0)) > 2.0 * std::numbers::pi)
+          return true;
+      }
+    }
+    return false;
+  }
+
+  const AnyTable& table_;
+  const PartColumns& part_;
+  std::string order_;
+  bool degrees_ = false;
+};
+
+/// The letters of a quaternion's columns in the order in which they stand in the file.
+std::string order_of(const PartColumns& part) {
+  std::array<std::pair<std::size_t, char>, 4> letters{};
+  for (std::size_t i = 0; i < 4; ++i) letters[i] = {*part.quaternion[i], "wxyz"[i]};
+  std::ranges::sort(letters);
+  return {letters[0].second, letters[1].second, letters[2].second, letters[3].second};
+}
+
+/// The changes of a trigger: a press is above half of its largest value.
+std::vector<Stamped<bool>> presses(const AnyTable& table, std::size_t column,
+                                   const std::vector<std::pair<Time, const AnyTable::Row*>>& rows) {
+  const auto value = [&](const AnyTable::Row& row) {
+    const std::string_view cell = row.cells[column];
+    if (const auto number = table.number(cell)) return *number;
+    const std::string word = small_letters(cell);
+    const bool on =
+        word == "true" || word == "pressed" || word == "down" || word == "on" || word == "yes";
+    return on ? 1.0 : 0.0;
+  };
+  double most = 0.0;
+  for (const auto& [time, row] : rows) most = std::max(most, value(*row));
+  std::vector<Stamped<bool>> changes;
+  for (const auto& [time, row] : rows) {
+    const bool pressed = most > 0.0 && value(*row) > 0.5 * most;
+    if (pressed != (!changes.empty() && changes.back().value)) changes.push_back({time, pressed});
+  }
+  return changes;
+}
+
+/// Reads the rows of a table into tracks.
+class TableMotion {
+ public:
+  TableMotion(const AnyTable& table, const MotionOptions& options, std::string_view where)
+      : table_(table),
+        options_(options),
+        where_(where),
+        columns_(find_columns(table, told_columns(), options.only_hand_is_left, where)) {
+    tracks_.notes = table.notes;
+    if (options.rotations == "none") {
+      for (PartColumns& part : columns_.parts) part.rotation = RotationKind::none;
+    }
+    const bool vectors = options.rotations ? *options.rotations == "vector" : table.kind == "Vicon";
+    for (PartColumns& part : columns_.parts) {
+      if (vectors && part.rotation == RotationKind::angles) part.rotation = RotationKind::vector;
+    }
+  }
+
+  MotionTracks read() {
+    require_columns();
+    find_reading();
+    order_rows();
+    for (std::size_t part = 0; part < 3; ++part) {
+      if (columns_.parts[part].tracked()) read_part(part);
+    }
+    return std::move(tracks_);
+  }
+
+  const MotionColumns& columns() const { return columns_; }
+
+ private:
+  /// Names of objects are columns of that beginning.
+  ToldColumns told_columns() const {
+    ToldColumns told = options_.columns;
+    for (std::size_t part = 0; part < 3; ++part) {
+      const std::string& name = options_.names[part];
+      if (!name.empty()) told.emplace_back(kPartKeys[part], name + "*");
+    }
+    return told;
+  }
+
+  void require_columns() const {
+    const bool hand = columns_.parts[1].tracked() || columns_.parts[2].tracked();
+    const bool head = columns_.parts[0].tracked() || options_.p_head.has_value();
+    if (columns_.time && head && (hand || options_.no_hand)) return;
+    std::string names;
+    for (const FoundColumn& column : table_.columns)
+      names += (names.empty() ? "" : ", ") + column.name;
+    throw std::invalid_argument(
+        fmt::format("{}: {}; the columns are {}", where_, columns_.missing.front(), brief(names)));
+  }
+
+  static std::string brief(const std::string& text) {
+    return text.size() > 600 ? text.substr(0, 600) + "..." : text;
+  }
+
+  void find_reading() {
+    Reading& reading = tracks_.reading;
+    tracks_.since_start = is_catalogue(table_);
+    const PartColumns& first = *std::ranges::find_if(columns_.parts, &PartColumns::tracked);
+    reading.unit_m =
+        metres_of(unit_of(table_.columns[*first.position[0]]))
+            .value_or(
+                metres_of(table_.fact("length units")).value_or(is_catalogue(table_) ? 0.01 : 1.0));
+    if (table_.kind == "Vicon") reading.axes = reading.turning = "RAS";  // z up
+    for (const PartColumns& part : columns_.parts) {
+      if (part.tracked() && part.rotation == RotationKind::quaternion)
+        reading.quaternion = order_of(part);
+    }
+    std::vector<std::string>& notes = tracks_.notes;
+    TableTimes times =
+        read_times(table_, *columns_.time, options_.reading.time_unit_s, where_, notes);
+    reading.time_unit_s = times.unit_s;
+    times_ = std::move(times.of_row);
+    reading_ = with(options_.reading, reading, where_);
+    tracks_.reading = reading_;
+  }
+
+  /// Rows in order of time, each time once.
+  void order_rows() {
+    std::size_t timeless = 0, unordered = 0;
+    for (std::size_t i = 0; i < table_.rows.size(); ++i) {
+      const double time_s = times_[i].value_or(NAN) * reading_.time_unit_s;
+      if (!(std::abs(time_s) < 1e11)) {
+        ++timeless;
+        continue;
+      }
+      rows_.emplace_back(microseconds(time_s), &table_.rows[i]);
+      if (rows_.size() > 1 && rows_.back().first < rows_[rows_.size() - 2].first) ++unordered;
+    }
+    std::ranges::stable_sort(rows_, {}, [](const auto& row) { return row.first; });
+    const std::size_t all = rows_.size();
+    const auto same = std::ranges::unique(rows_, {}, [](const auto& row) { return row.first; });
+    rows_.erase(same.begin(), same.end());
+    note(timeless, "rows have no time: ignored");
+    note(unordered, "rows are earlier than the row before: put in order");
+    note(all - rows_.size(), "rows have the time of another one: ignored");
+  }
+
+  void note(std::size_t count, std::string_view what) {
+    if (count > 0) tracks_.notes.push_back(fmt::format("{} {}", count, what));
+  }
+
+  void read_part(std::size_t part) {
+    const PartColumns& its = columns_.parts[part];
+    const std::string order = angle_order();
+    const RotationReader rotation_of(table_, its, options_, order);
+    const Axes axes(reading_.axes, where_), turning(reading_.turning, where_);
+    PoseTrack track;
+    std::size_t lost = 0, first_lost = 0;
+    for (const auto& [time, row] : rows_) {
+      const auto p = place(*row, its);
+      const std::optional<Quat> q = rotation_of(*row, reading_.quaternion);
+      if (!p || !q) {
+        if (lost++ == 0) first_lost = row->line;
+        continue;
+      }
+      const Quat turned = reading_.inverted ? q->conjugate() : *q;
+      track.push(time, {turning.ours(turned), axes.ours(Vec3(reading_.unit_m * *p))});
+    }
+    if (2 * lost > rows_.size()) refuse_part(part, lost, first_lost);
+    note(lost, fmt::format("samples of the {} have blank cells, no numbers or no rotation (the "
+                           "first in line {}): ignored",
+                           kPartNames[part], first_lost));
+    if (its.rotation == RotationKind::angles && part == 0) {
+      tracks_.notes.push_back(fmt::format("rotations are angles: read as {} in {}", order,
+                                          rotation_of.degrees() ? "degrees" : "radians"));
+    }
+    if (its.rotation == RotationKind::none) tracks_.without_rotation.emplace_back(kPartNames[part]);
+    if (part > 0 && its.trigger) tracks_.triggers[part - 1] = presses(table_, *its.trigger, rows_);
+    tracks_.tracks.emplace_back(kPartNames[part], std::move(track));
+  }
+
+  std::optional<Vec3> place(const AnyTable::Row& row, const PartColumns& its) const {
+    Vec3 p;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const std::optional<double> number = table_.number(row.cells[*its.position[i]]);
+      if (!number || std::abs(*number) > 1e9) return std::nullopt;
+      p[static_cast<Eigen::Index>(i)] = *number;
+    }
+    return p;
+  }
+
+  [[noreturn]] void refuse_part(std::size_t part, std::size_t lost, std::size_t line) const {
+    throw std::invalid_argument(
+        fmt::format("{}:{}: {}: expected numbers, and quaternions of length 1 or matrices that are "
+                    "rotations; {} of {} rows have none",
+                    where_, line, kPartNames[part], lost, rows_.size()));
+  }
+
+  std::string angle_order() const {
+    if (options_.rotations && options_.rotations->size() == 3) return *options_.rotations;
+    const std::string motive = table_.fact("rotation type");  // "xyz": about axes that turn
+    if (motive.size() == 3) {
+      std::string order = motive;
+      for (char& c : order) c = static_cast<char>(c - 'a' + 'A');
+      std::string sorted = order;
+      std::ranges::sort(sorted);
+      if (sorted == "XYZ") return order;
+    }
+    return "YXZ";  // Unity's
+  }
+
+  const AnyTable& table_;
+  const MotionOptions& options_;
+  std::string_view where_;
+  MotionColumns columns_;
+  std::vector<std::optional<double>> times_;
+  std::vector<std::pair<Time, const AnyTable::Row*>> rows_;
+  Reading reading_;
+  MotionTracks tracks_;
+};
+
+/// Without a last line that has no end: its last number may be cut.
+std::string_view whole_lines(std::string_view text, std::vector<std::string>& notes) {
+  const std::size_t end = text.find_last_of("\r\n");
+  if (end == std::string_view::npos || end + 1 == text.size()) return text;
+  notes.emplace_back(
+      "the last line has no end, so its last number may be incomplete; the line is ignored");
+  return text.substr(0, end + 1);
+}
+
+}  // namespace
+
+MotionTracks parse_motion_table(std::string_view text, std::string_view where,
+                                const MotionOptions& options) {
+  std::vector<std::string> notes;
+  const AnyTable table = read_any_table(whole_lines(text, notes), where);
+  MotionTracks tracks = TableMotion(table, options, where).read();
+  tracks.notes.insert(tracks.notes.begin(), notes.begin(), notes.end());
+  return tracks;
+}
+
+TableFindings look_at_table(std::string_view text, std::string_view where,
+                            const MotionOptions& options) {
+  const AnyTable table = read_any_table(text, where);
+  const MotionColumns columns = TableMotion(table, options, where).columns();
+  TableFindings findings;
+  findings.kind = table.kind;
+  findings.separator = table.separator;
+  findings.decimal_comma = table.decimal_comma;
+  findings.rows = table.rows.size();
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    const std::string first = table.rows.empty() ? "" : std::string(table.rows.front().cells[c]);
+    findings.columns.push_back(
+        {table.columns[c].name, table.columns[c].unit, columns.meanings[c], first});
+  }
+  findings.mapping = mapping_of(table, columns);
+  findings.missing = columns.missing;
+  return findings;
+}
+
+}  // namespace headpin::devices

@@ -1,0 +1,170 @@
+#include "devices/recordings/table_time.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <stdexcept>
+
+#include <fmt/format.h>
+
+#include "devices/recordings/column_names.h"
+
+namespace headpin::devices {
+namespace {
+
+std::optional<double> seconds_of(std::string_view unit) {
+  const auto is = [&](std::initializer_list<std::string_view> names) {
+    return std::ranges::find(names, unit) != names.end();
+  };
+  if (is({"s", "sec", "secs", "second", "seconds"})) return 1.0;
+  if (is({"ms", "msec", "millis", "milliseconds"})) return 1e-3;
+  if (is({"us", "usec", "micros", "microseconds"})) return 1e-6;
+  if (is({"ns", "nsec", "nanos", "nanoseconds"})) return 1e-9;
+  return std::nullopt;
+}
+
+double median_step(std::vector<double> times) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    if (times[i] > times[i - 1]) steps.push_back(times[i] - times[i - 1]);
+  }
+  if (steps.empty()) return 0.0;
+  std::ranges::nth_element(steps, steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2));
+  return steps[steps.size() / 2];
+}
+
+/// Takes a whole number of up to `most` digits from the front.
+std::optional<int> take_digits(std::string_view& text, std::size_t most) {
+  std::size_t n = 0;
+  int number = 0;
+  while (n < most && n < text.size() && text[n] >= '0' && text[n] <= '9')
+    number = 10 * number + (text[n++] - '0');
+  text.remove_prefix(n);
+  if (n == 0) return std::nullopt;
+  return number;
+}
+
+bool take(std::string_view& text, std::string_view any_of) {
+  if (text.empty() || any_of.find(text.front()) == std::string_view::npos) return false;
+  text.remove_prefix(1);
+  return true;
+}
+
+/// "2026-11-25T13:57:27.123Z", or "13:57:27.123" alone: seconds since 1970, or since midnight.
+std::optional<double> date_seconds(std::string_view text) {
+  double days = 0.0;
+  std::string_view clock = text;
+  if (text.size() > 10 && text[4] == '-') {
+    const auto year = take_digits(text, 4);
+    const bool first = take(text, "-");
+    const auto month = take_digits(text, 2);
+    const bool second = take(text, "-");
+    const auto day = take_digits(text, 2);
+    if (!year || !month || !day || !first || !second || !take(text, "T ")) return std::nullopt;
+    const std::chrono::year_month_day date{std::chrono::year{*year},
+                                           std::chrono::month{static_cast<unsigned>(*month)},
+                                           std::chrono::day{static_cast<unsigned>(*day)}};
+    if (!date.ok()) return std::nullopt;
+    days = static_cast<double>(std::chrono::sys_days{date}.time_since_epoch().count());
+    clock = text;
+  }
+  const auto hour = take_digits(clock, 2);
+  const bool first = take(clock, ":");
+  const auto minute = take_digits(clock, 2);
+  const bool second = take(clock, ":");
+  const auto whole = take_digits(clock, 2);
+  if (!hour || !minute || !whole || !first || !second || *hour > 24 || *minute > 59 || *whole > 60)
+    return std::nullopt;
+  double fraction = 0.0;
+  if (take(clock, ".,")) {
+    for (double digit = 0.1; !clock.empty() && clock[0] >= '0' && clock[0] <= '9'; digit *= 0.1) {
+      fraction += digit * (clock[0] - '0');
+      clock.remove_prefix(1);
+    }
+  }
+  // The zone is the same in all rows.
+  return 86400.0 * days + 3600.0 * *hour + 60.0 * *minute + *whole + fraction;
+}
+
+class TimeReader {
+ public:
+  TimeReader(const AnyTable& table, std::size_t column, std::optional<double> told_s,
+             std::string_view where, std::vector<std::string>& notes)
+      : table_(table),
+        column_(table.columns[column]),
+        index_(column),
+        told_s_(told_s),
+        where_(where),
+        notes_(notes) {}
+
+  TableTimes read() const {
+    TableTimes times;
+    const bool dates = !table_.rows.empty() && !cell_number(table_.rows.front()) &&
+                       date_seconds(table_.rows.front().cells[index_]).has_value();
+    std::vector<double> numbers;
+    for (const AnyTable::Row& row : table_.rows) {
+      const std::optional<double> time = dates ? date_seconds(row.cells[index_]) : cell_number(row);
+      times.of_row.push_back(time);
+      if (time) numbers.push_back(*time);
+    }
+    times.unit_s = dates ? 1.0 : unit(numbers);
+    return times;
+  }
+
+ private:
+  std::optional<double> cell_number(const AnyTable::Row& row) const {
+    return table_.number(row.cells[index_]);
+  }
+
+  double unit(const std::vector<double>& numbers) const {
+    if (told_s_) return *told_s_;
+    if (const auto said = seconds_of(unit_of(column_))) return *said;
+    const double step = median_step(numbers);
+    if (const auto rate = table_.number(table_.fact("rate")); rate && step == 1.0)
+      return 1.0 / *rate;
+    constexpr std::array<std::pair<double, const char*>, 5> kUnits = {
+        {{1.0, "s"}, {1e-3, "ms"}, {1e-6, "us"}, {1e-9, "ns"}, {1e-7, "ticks of 100 ns"}}};
+    for (const auto& [unit_s, name] : kUnits) {
+      const double seconds = step * unit_s;
+      if (seconds < 0.0025 || seconds > 0.05) continue;
+      notes_.push_back(fmt::format(
+          "the time has no unit; read in {}, as it advances by {:.4g} a row", name, step));
+      return unit_s;
+    }
+    throw std::invalid_argument(
+        fmt::format("{}: {}: expected a unit of the time, as it advances by {:.4g} a row: s, ms, "
+                    "us, ns, or a rate such as 90Hz where it counts frames",
+                    where_, column_.name, step));
+  }
+
+  const AnyTable& table_;
+  const FoundColumn& column_;
+  std::size_t index_;
+  std::optional<double> told_s_;
+  std::string_view where_;
+  std::vector<std::string>& notes_;
+};
+
+}  // namespace
+
+/// The unit of a column: from brackets, a row of units, or the last word of its name.
+std::string unit_of(const FoundColumn& column) {
+  if (!column.unit.empty()) return column.unit;
+  const std::vector<std::string> words = words_of(column.last);
+  return words.size() < 2 ? "" : words.back();
+}
+
+std::optional<double> time_of(std::string_view cell, double unit_s) {
+  AnyTable plain;
+  if (const auto number = plain.number(cell)) return unit_s * *number;
+  plain.decimal_comma = true;
+  if (const auto number = plain.number(cell)) return unit_s * *number;
+  return date_seconds(cell);
+}
+
+TableTimes read_times(const AnyTable& table, std::size_t column, std::optional<double> told_unit_s,
+                      std::string_view where, std::vector<std::string>& notes) {
+  return TimeReader(table, column, told_unit_s, where, notes).read();
+}
+
+}  // namespace headpin::devices

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "devices/recordings/any_table.h"
+
+namespace headpin::devices {
+
+/// Times of a table's rows.
+struct TableTimes {
+  std::vector<std::optional<double>> of_row;  ///< in their unit; none for a cell that is no time
+  double unit_s = 1.0;
+};
+
+/// The unit of a column: from brackets, a row of units, or the last word of its name; in small letters.
+std::string unit_of(const FoundColumn& column);
+
+/// One time in seconds: a number of units, or a date of ISO 8601.
+std::optional<double> time_of(std::string_view cell, double unit_s);
+
+/// Reads the column of the time: numbers, or dates of ISO 8601.
+///
+/// The unit is the told one, or the header's, or else the one of s, ms, us, ns and 100 ns in which rows
+/// are 2.5 to 50 ms apart, with a note. Frames are counted at the rate that the table says.
+///
+/// @throws std::invalid_argument  when no unit fits
+TableTimes read_times(const AnyTable& table, std::size_t column, std::optional<double> told_unit_s,
+                      std::string_view where, std::vector<std::string>& notes);
+
+}  // namespace headpin::devices

@@ -1,0 +1,222 @@
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+#include "scene/people/throw.h"
+#include "scene/people/throw_motion.h"
+
+// Finds out whether a recording would be a person's throw if its numbers were read in another way.
+namespace headpin::scene {
+namespace {
+
+using devices::MotionRecording;
+using devices::Reading;
+
+/// Another way to read the numbers.
+struct Candidate {
+  Reading reading;
+  std::string what;
+};
+
+constexpr std::array<std::pair<double, const char*>, 5> kUnits = {{{0.01, "in centimetres"},
+                                                                   {1.0, "in metres"},
+                                                                   {0.001, "in millimetres"},
+                                                                   {0.0254, "in inches"},
+                                                                   {0.3048, "in feet"}}};
+
+std::vector<Candidate> other_units(const Reading& was) {
+  std::vector<Candidate> all;
+  for (const auto& [unit_m, what] : kUnits) {
+    if (unit_m == was.unit_m) continue;
+    all.push_back({was, what});
+    all.back().reading.unit_m = unit_m;
+  }
+  return all;
+}
+
+std::vector<Candidate> other_times(const Reading& was) {
+  constexpr std::array<std::pair<double, const char*>, 4> kTimes = {
+      {{1.0, "with time in seconds"},
+       {1e-3, "with time in milliseconds"},
+       {1e-6, "with time in microseconds"},
+       {1e-9, "with time in nanoseconds"}}};
+  std::vector<Candidate> all;
+  for (const auto& [unit_s, what] : kTimes) {
+    if (unit_s == was.time_unit_s) continue;
+    all.push_back({was, what});
+    all.back().reading.time_unit_s = unit_s;
+  }
+  return all;
+}
+
+std::vector<Candidate> other_quaternions(const Reading& was) {
+  std::vector<Candidate> all;
+  for (const auto& [order, words] : {std::pair{"xyzw", "x, y, z, w"}, {"wxyz", "w, x, y, z"}}) {
+    if (was.quaternion.empty() || was.quaternion == order) continue;
+    all.push_back({was, fmt::format("with its quaternions read as {}", words)});
+    all.back().reading.quaternion = order;
+  }
+  all.push_back({was, was.quaternion.empty() ? "with its rotations inverted"
+                                             : "with its quaternions inverted"});
+  all.back().reading.inverted = !was.inverted;
+  return all;
+}
+
+/// All frames, those with few other letters first.
+std::vector<std::string> frames_near(const std::string& letters) {
+  std::vector<std::string> all;
+  constexpr std::array<std::string_view, 3> kPairs = {"RL", "SI", "AP"};
+  std::array<std::size_t, 3> order = {0, 1, 2};
+  do {
+    for (std::size_t signs = 0; signs < 8; ++signs) {
+      std::string frame;
+      for (std::size_t i = 0; i < 3; ++i) frame += kPairs[order[i]][(signs >> i) & 1];
+      if (frame != letters) all.push_back(frame);
+    }
+  } while (std::ranges::next_permutation(order).found);
+  const auto differences = [&](const std::string& frame) {
+    int n = 0;
+    for (std::size_t i = 0; i < 3; ++i) n += frame[i] != letters[i];
+    return n;
+  };
+  std::ranges::stable_sort(all, {}, differences);
+  return all;
+}
+
+std::string directions(const std::string& frame) {
+  const auto word = [](char letter) {
+    return letter == 'R'   ? "right"
+           : letter == 'L' ? "left"
+           : letter == 'S' ? "up"
+           : letter == 'I' ? "down"
+           : letter == 'A' ? "ahead"
+                           : "back";
+  };
+  return fmt::format("with +x {}, +y {} and +z {}", word(frame[0]), word(frame[1]), word(frame[2]));
+}
+
+std::vector<Candidate> other_axes(const Reading& was) {
+  std::vector<Candidate> both, positions, rotations;
+  for (const std::string& frame : frames_near(was.axes)) {
+    both.push_back({was, directions(frame)});
+    both.back().reading.axes = both.back().reading.turning = frame;
+    positions.push_back({was, directions(frame) + ", positions alone"});
+    positions.back().reading.axes = frame;
+  }
+  for (const std::string& frame : frames_near(was.turning)) {
+    rotations.push_back({was, directions(frame) + ", rotations alone"});
+    rotations.back().reading.turning = frame;
+  }
+  both.insert(both.end(), positions.begin(), positions.end());
+  both.insert(both.end(), rotations.begin(), rotations.end());
+  return both;
+}
+
+/// Units and axes of positions and rotations together.
+std::vector<Candidate> other_units_and_axes(const Reading& was) {
+  std::vector<Candidate> all;
+  for (const Candidate& unit : other_units(was)) {
+    for (const std::string& frame : frames_near(was.axes)) {
+      all.push_back({unit.reading, unit.what + ", " + directions(frame)});
+      all.back().reading.axes = all.back().reading.turning = frame;
+    }
+  }
+  return all;
+}
+
+/// Corrections that no reading of the numbers makes.
+const char* other_scale(const MotionRecording& recording, const Hand& hand, Side side) {
+  struct Scale {
+    double size, pace;
+    const char* what;
+  };
+  for (const Scale& scale :
+       {Scale{1.0 / 3.0, 1.0, "at a third of the size"}, Scale{3.0, 1.0, "at three times the size"},
+        Scale{1.0, 2.0, "at half the speed"}, Scale{1.0, 0.5, "at twice the speed"},
+        Scale{1.0, 10.0, "at a tenth of the speed"}, Scale{1.0, 0.1, "at ten times the speed"}}) {
+    Reading reading = recording.reading;
+    reading.unit_m *= scale.size;
+    reading.time_unit_s *= scale.pace;
+    if (why_no_throw(read_again(recording, reading), hand, side).empty()) return scale.what;
+  }
+  return nullptr;
+}
+
+/// The 20 s around the hand's fastest motion: enough to judge by, in a recording of hours.
+MotionRecording around_the_throw(const MotionRecording& r, Side side) {
+  constexpr std::size_t kMost = 5000;
+  const std::vector<Pose>& hand = throwing_hand(r, side);
+  if (r.times.size() <= kMost || hand.empty()) return r;
+  std::size_t fastest = 0;
+  double most = 0.0;
+  for (std::size_t i = 0; i < hand.size(); ++i) {
+    if (const double speed = velocity(r.times, hand, i).norm(); speed > most)
+      most = speed, fastest = i;
+  }
+  const std::size_t begin =
+      std::min(fastest - std::min(fastest, kMost / 2), r.times.size() - kMost);
+  return samples_of(r, begin, begin + kMost);
+}
+
+}  // namespace
+
+MotionRecording read_again(MotionRecording r, const Reading& reading) {
+  const devices::Again again(r.reading, reading, "the recording");
+  for (Time& time : r.times) time = again(time);
+  for (auto* track : {&r.head, &r.left_hand, &r.right_hand}) {
+    if (track == &r.head && !r.head_moves) continue;
+    for (Pose& pose : *track) {
+      pose = again(Pose{pose.q, pose.p - r.p_origin});
+      pose.p += r.p_origin;
+    }
+  }
+  for (auto& trigger : r.triggers) {
+    for (Stamped<bool>& change : trigger) change.time = again(change.time);
+  }
+  r.reading = reading;
+  return r;
+}
+
+std::optional<Reading> reading_of_a_throw(const MotionRecording& recording, const Hand& hand,
+                                          Side side, std::string& what) {
+  const MotionRecording part = around_the_throw(recording, side);
+  for (const auto& candidates :
+       {other_units, other_times, other_quaternions, other_axes, other_units_and_axes}) {
+    for (const Candidate& other : candidates(part.reading)) {
+      if (!why_no_throw(read_again(part, other.reading), hand, side).empty()) continue;
+      what = other.what;
+      return other.reading;
+    }
+  }
+  return std::nullopt;
+}
+
+void require_throw(const MotionRecording& recording, const Hand& hand, const std::string& where,
+                   Side side) {
+  const std::vector<std::string> problems = why_no_throw(recording, hand, side);
+  if (problems.empty()) return;
+  const std::string problem = fmt::format("{}: not a person's throw: {}", where, problems.front());
+  const Side other = side == Side::left ? Side::right : Side::left;
+  MotionRecording exchanged = recording;  // with the hands exchanged
+  if (throwing_hand(recording, other).empty()) {
+    std::swap(exchanged.left_hand, exchanged.right_hand);
+    std::swap(exchanged.triggers[0], exchanged.triggers[1]);
+  }
+  if (why_no_throw(exchanged, hand, other).empty()) {
+    throw NoThrow(fmt::format("{}; it would be one by the {} hand", problem,
+                              other == Side::left ? "left" : "right"));
+  }
+  std::string what;
+  if (const auto reading = reading_of_a_throw(recording, hand, side, what)) {
+    NoThrow error(fmt::format("{}; it would be one {}", problem, what));
+    error.would_be = reading;
+    throw error;
+  }
+  if (const char* scale = other_scale(recording, hand, side)) {
+    throw NoThrow(fmt::format("{}; it would be one {}", problem, scale));
+  }
+  throw NoThrow(problem);
+}
+
+}  // namespace headpin::scene

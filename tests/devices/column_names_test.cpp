@@ -1,0 +1,124 @@
+#include "devices/recordings/column_names.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "devices/recordings/any_table.h"
+#include "devices/recordings/marker_file.h"
+#include "devices/recordings/table_time.h"
+#include "tests/support/folder.h"
+
+namespace headpin::devices {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+TEST(ColumnNames, AreSplitIntoWords) {
+  EXPECT_THAT(words_of("leftHand.position.x"), ElementsAre("left", "hand", "position", "x"));
+  EXPECT_THAT(words_of("HMDPosX"), ElementsAre("hmd", "pos", "x"));
+  EXPECT_THAT(words_of("head_m01"), ElementsAre("head", "m", "01"));
+  EXPECT_THAT(words_of("/user/hand/right RX"), ElementsAre("user", "hand", "right", "rx"));
+  EXPECT_THAT(words_of("--"), ElementsAre());
+}
+
+TEST(ColumnNames, SayObjectAndComponent) {
+  struct Case {
+    const char* name;
+    Quantity quantity;
+    std::size_t index;
+    const char* object;
+  };
+  for (const Case& one : {
+           Case{"HMD_x", Quantity::position, 0, "hmd"},
+           Case{"HMD_qw", Quantity::quaternion, 0, "hmd"},
+           Case{"head_rot_z", Quantity::quaternion, 3, "head"},
+           Case{"leftHand.position.y", Quantity::position, 1, "left hand"},
+           Case{"leftHand.rotation.eulerAngles.y", Quantity::angle, 1, "left hand"},
+           Case{"Head Rotation W", Quantity::quaternion, 0, "head"},
+           Case{"ctrl_r_x", Quantity::position, 0, "ctrl r"},
+           Case{"wand_yaw", Quantity::angle, 1, "wand"},
+           Case{"hmd_m23", Quantity::matrix, 23, "hmd"},
+           Case{"hmd_pose_r11", Quantity::matrix, 11, "hmd"},
+           Case{"head_x_mm", Quantity::position, 0, "head"},
+           Case{"right_trigger", Quantity::trigger, 0, "right"},
+           Case{"qx", Quantity::quaternion, 1, ""},
+           Case{"battery", Quantity::none, 0, ""},
+           Case{"t", Quantity::none, 0, ""},
+       }) {
+    const Component found = component_of(one.name);
+    EXPECT_EQ(found.quantity, one.quantity) << one.name;
+    EXPECT_EQ(found.index, one.index) << one.name;
+    EXPECT_EQ(found.object, one.object) << one.name;
+  }
+}
+
+TEST(ColumnNames, SayThePart) {
+  for (const char* head :
+       {"hmd", "Main Camera", "CenterEyeAnchor", "helmet", "view", "XR Headset"}) {
+    EXPECT_EQ(part_of_name(head), 0u) << head;
+  }
+  for (const char* hand : {"left hand", "LHand", "ctrl l", "LeftHandAnchor"}) {
+    EXPECT_EQ(part_of_name(hand), 1u) << hand;
+  }
+  EXPECT_EQ(part_of_name("controller right"), 2u);
+  for (const char* other : {"LeftEyeAnchor", "ahead", "ball", "wall"}) {
+    EXPECT_FALSE(part_of_name(other)) << other;
+  }
+}
+
+TEST(AnyTable, FindsSeparatorDecimalSignAndHeader) {
+  const AnyTable table =
+      read_any_table("My recording\nt;\"a; b\";c [mm];d\n0,5;1;-2e3;x\n1,5;;3;y\n", "t.csv");
+  EXPECT_EQ(table.separator, ';');
+  EXPECT_TRUE(table.decimal_comma);
+  ASSERT_EQ(table.columns.size(), 4u);
+  EXPECT_EQ(table.columns[1].name, "a; b");
+  EXPECT_EQ(table.columns[2].name, "c");
+  EXPECT_EQ(table.columns[2].unit, "mm");
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_EQ(table.rows[1].line, 4u);
+  EXPECT_EQ(table.number(table.rows[0].cells[0]), 0.5);
+  EXPECT_EQ(table.number(table.rows[0].cells[2]), -2000.0);
+  EXPECT_FALSE(table.number(table.rows[1].cells[1]));
+  EXPECT_FALSE(table.number("1e999"));
+  EXPECT_THAT(complaint([] { read_any_table("a,b\n1,2\n", "t.csv"); }),
+              HasSubstr("t.csv: expected a table"));
+}
+
+TEST(AnyTable, ARowOfNumbersIsNoHeaderHoweverShort) {
+  const AnyTable table = read_any_table("a,b,c,d,e\n1,2,3,4\n1,2,3,4,5\n2,3,4,5,6\n", "t.csv");
+  EXPECT_EQ(table.columns[0].name, "a");
+  EXPECT_EQ(table.rows.size(), 2u);
+  EXPECT_THAT(table.notes, ElementsAre(HasSubstr("the first is line 2")));
+}
+
+TEST(TableTime, IsADateOrANumberOfUnits) {
+  EXPECT_EQ(time_of("1970-01-02T00:00:01.5Z", 1.0), 86401.5);
+  EXPECT_EQ(time_of("2026-11-25 09:59:52", 1.0), time_of("2026-11-25T09:59:51", 1.0).value() + 1.0);
+  EXPECT_EQ(time_of("01:02:03", 1.0), 3723.0);
+  EXPECT_EQ(time_of("1500", 1e-3), 1.5);
+  EXPECT_EQ(time_of("1,5", 1.0), 1.5);
+  for (const char* none :
+       {"", "2026-13-01T00:00:00", "2026-02-30T00:00:00", "12:60:00", "soon", "2026-1"}) {
+    EXPECT_FALSE(time_of(none, 1.0)) << none;
+  }
+}
+
+TEST(Markers, AreGrabsAndReleasesInOrder) {
+  const auto read = [](const std::string& text) { return parse_markers(text, "m.csv", 1.0); };
+  const std::vector<Stamped<bool>> found =
+      read("2.5 thrown\n# a remark\n1.0 picked up\n9 end\n1.5 grabbed\n");
+  ASSERT_EQ(found.size(), 2u);
+  EXPECT_EQ(found[0].time, Time{1'000'000});
+  EXPECT_TRUE(found[0].value);
+  EXPECT_EQ(found[1].time, Time{2'500'000});
+  EXPECT_FALSE(found[1].value);
+  EXPECT_EQ(read("duration,onset,what\n7,1,grab\n8,2,let go\n").at(1).time, Time{2'000'000});
+  EXPECT_THAT(complaint([&] { read("grab,release\n"); }), HasSubstr("m.csv:1: expected a time"));
+  EXPECT_THAT(complaint([&] { read("1,release\n2,grab\n"); }),
+              HasSubstr("found 1 of them in 2 lines"));
+}
+
+}  // namespace
+}  // namespace headpin::devices
