@@ -150,13 +150,15 @@ class Told {
     const auto part = std::ranges::find(kPartKeys, key.substr(0, dot));
     if (key == "time") {
       columns_.time = column(key, value);
+    } else if (key == "object") {
+      columns_.object = column(key, value);
     } else if (key == "trigger") {
       for (PartColumns& each : columns_.parts) each.trigger = column(key, value);
     } else if (part == kPartKeys.end()) {
-      refuse(
-          fmt::format("'{}': expected time, trigger, head, left, right, or a component of these "
-                      "such as head.x or right.qw",
-                      key));
+      refuse(fmt::format(
+          "'{}': expected time, trigger, object, head, left, right, or a component of these "
+          "such as head.x or right.qw",
+          key));
     } else if (dot == std::string::npos) {
       whole_part(static_cast<std::size_t>(part - kPartKeys.begin()), key, value);
     } else {
@@ -262,6 +264,44 @@ std::optional<std::size_t> loose_trigger(const Objects& objects, std::size_t par
   return found;
 }
 
+/// The words in a column, at most twenty of them; none if it has numbers.
+std::vector<std::string> words_in(const AnyTable& table, std::size_t column) {
+  std::vector<std::string> words;
+  for (const AnyTable::Row& row : table.rows) {
+    const std::string_view cell = row.cells[column];
+    if (cell.empty()) continue;
+    if (words.size() >= 20 || table.number(cell)) return {};
+    if (std::ranges::find(words, cell) == words.end()) words.emplace_back(cell);
+  }
+  return words;
+}
+
+/// A table with a row for each object: finds the column of its name, and the names of the parts.
+void find_objects(const AnyTable& table, const Objects& objects, bool only_hand_is_left,
+                  MotionColumns& columns) {
+  const auto placed = [](const auto& object) { return whole(object.second.columns.position); };
+  if (std::ranges::count_if(objects, placed) != 1) return;
+  const std::optional<std::size_t> told = columns.object;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    if (told && *told != c) continue;
+    std::array<std::string, 3> names;
+    std::string other;
+    for (const std::string& word : words_in(table, c)) {
+      const auto part = part_of_name(word);
+      (part ? names[*part] : other) = word;
+    }
+    if (names[1].empty() && names[2].empty()) names[only_hand_is_left ? 1 : 2] = other;
+    if (names[0].empty() && !told) continue;
+    columns.object = c;
+    columns.objects = names;
+    for (std::size_t part = 0; part < 3; ++part) {
+      if (!names[part].empty())
+        columns.parts[part] = std::ranges::find_if(objects, placed)->second.columns;
+    }
+    return;
+  }
+}
+
 void say_meanings(const AnyTable& table, MotionColumns& columns) {
   columns.meanings.assign(table.columns.size(), "");
   const auto say = [&](const std::optional<std::size_t>& column, const std::string& what) {
@@ -270,6 +310,7 @@ void say_meanings(const AnyTable& table, MotionColumns& columns) {
     meaning += (meaning.empty() ? "" : "; ") + what;
   };
   say(columns.time, "time");
+  say(columns.object, "the object of the row");
   for (std::size_t part = 0; part < 3; ++part) {
     const PartColumns& its = columns.parts[part];
     if (!its.tracked()) continue;
@@ -310,6 +351,8 @@ ToldColumns mapping_of(const AnyTable& table, const MotionColumns& columns) {
     all.emplace_back(key, once ? name : fmt::format("#{}", *column + 1));
   };
   tell("time", columns.time);
+  tell("object", columns.object);
+  if (columns.object) return all;  // its other columns are found again
   for (std::size_t part = 0; part < 3; ++part) {
     const PartColumns& its = columns.parts[part];
     if (!its.tracked()) continue;
@@ -353,6 +396,9 @@ MotionColumns find_columns(const AnyTable& table, const ToldColumns& told, bool 
     if (found[part]) its = found[part]->columns;
     if (trigger) its.trigger = trigger;
     if (part > 0 && its.tracked() && !its.trigger) its.trigger = loose_trigger(objects, part);
+  }
+  if (!columns.parts[0].tracked() || columns.object) {
+    find_objects(table, objects, only_hand_is_left, columns);
   }
   say_meanings(table, columns);
   say_missing(columns);

@@ -12,7 +12,7 @@
 /// What the columns of a table mean, found by their names or told by the user.
 namespace headpin::devices {
 
-/// Columns told by the user, by meaning: `time`, `trigger`, `head`, `left`, `right`, or one component
+/// Columns told by the user, by meaning: `time`, `trigger`, `object` (the name of a row's object), `head`, `left`, `right`, or one component
 /// such as `head.x`, `right.qw`, `left.rx` (an angle), `head.m00` (a matrix); then a column's name, `#3`
 /// for the third column, or for head and hands a pattern with one `*`: `HMD_*`.
 using ToldColumns = std::vector<std::pair<std::string, std::string>>;
@@ -36,6 +36,9 @@ struct PartColumns {
 struct MotionColumns {
   std::optional<std::size_t> time;
   std::array<PartColumns, 3> parts;
+  /// Of a table with a row for each object: the column with the object's name, and the names of the parts.
+  std::optional<std::size_t> object;
+  std::array<std::string, 3> objects;
   /// What each column of the table is, such as "head, position x"; empty if it is not used.
   std::vector<std::string> meanings;
   std::vector<std::string> missing;  ///< sentences about what a throw needs and was not found

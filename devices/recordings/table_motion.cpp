@@ -243,7 +243,7 @@ class TableMotion {
     tracks_.reading = reading_;
   }
 
-  /// Rows in order of time, each time once.
+  /// Rows in order of time.
   void order_rows() {
     std::size_t timeless = 0, unordered = 0;
     for (std::size_t i = 0; i < table_.rows.size(); ++i) {
@@ -256,36 +256,48 @@ class TableMotion {
       if (rows_.size() > 1 && rows_.back().first < rows_[rows_.size() - 2].first) ++unordered;
     }
     std::ranges::stable_sort(rows_, {}, [](const auto& row) { return row.first; });
-    const std::size_t all = rows_.size();
-    const auto same = std::ranges::unique(rows_, {}, [](const auto& row) { return row.first; });
-    rows_.erase(same.begin(), same.end());
     note(timeless, "rows have no time: ignored");
     note(unordered, "rows are earlier than the row before: put in order");
-    note(all - rows_.size(), "rows have the time of another one: ignored");
   }
 
   void note(std::size_t count, std::string_view what) {
     if (count > 0) tracks_.notes.push_back(fmt::format("{} {}", count, what));
   }
 
+  /// The rows that have a part in them.
+  std::vector<std::pair<Time, const AnyTable::Row*>> rows_of(std::size_t part) const {
+    if (!columns_.object) return rows_;
+    std::vector<std::pair<Time, const AnyTable::Row*>> rows;
+    for (const auto& row : rows_) {
+      if (row.second->cells[*columns_.object] == columns_.objects[part]) rows.push_back(row);
+    }
+    return rows;
+  }
+
   void read_part(std::size_t part) {
     const PartColumns& its = columns_.parts[part];
+    const std::vector<std::pair<Time, const AnyTable::Row*>> rows = rows_of(part);
     const std::string order = angle_order();
     const RotationReader rotation_of(table_, its, options_, order);
     const Axes axes(reading_.axes, where_), turning(reading_.turning, where_);
     PoseTrack track;
-    std::size_t lost = 0, first_lost = 0;
-    for (const auto& [time, row] : rows_) {
+    const std::string quaternion = its.rotation != RotationKind::quaternion
+                                       ? ""
+                                       : options_.reading.quaternion.value_or(order_of(its));
+    std::size_t lost = 0, first_lost = 0, again = 0;
+    for (const auto& [time, row] : rows) {
       const auto p = place(*row, its);
-      const std::optional<Quat> q = rotation_of(*row, reading_.quaternion);
+      const std::optional<Quat> q = rotation_of(*row, quaternion);
       if (!p || !q) {
         if (lost++ == 0) first_lost = row->line;
         continue;
       }
       const Quat turned = reading_.inverted ? q->conjugate() : *q;
-      track.push(time, {turning.ours(turned), axes.ours(Vec3(reading_.unit_m * *p))});
+      again += !track.push(time, {turning.ours(turned), axes.ours(Vec3(reading_.unit_m * *p))});
     }
-    if (2 * lost > rows_.size()) refuse_part(part, lost, first_lost);
+    if (2 * lost > rows.size()) refuse_part(part, lost, rows.size(), first_lost);
+    note(again,
+         fmt::format("samples of the {} have the time of another one: ignored", kPartNames[part]));
     note(lost, fmt::format("samples of the {} have blank cells, no numbers or no rotation (the "
                            "first in line {}): ignored",
                            kPartNames[part], first_lost));
@@ -294,7 +306,7 @@ class TableMotion {
                                           rotation_of.degrees() ? "degrees" : "radians"));
     }
     if (its.rotation == RotationKind::none) tracks_.without_rotation.emplace_back(kPartNames[part]);
-    if (part > 0 && its.trigger) tracks_.triggers[part - 1] = presses(table_, *its.trigger, rows_);
+    if (part > 0 && its.trigger) tracks_.triggers[part - 1] = presses(table_, *its.trigger, rows);
     tracks_.tracks.emplace_back(kPartNames[part], std::move(track));
   }
 
@@ -308,11 +320,12 @@ class TableMotion {
     return p;
   }
 
-  [[noreturn]] void refuse_part(std::size_t part, std::size_t lost, std::size_t line) const {
+  [[noreturn]] void refuse_part(std::size_t part, std::size_t lost, std::size_t all,
+                                std::size_t line) const {
     throw std::invalid_argument(
         fmt::format("{}:{}: {}: expected numbers, and quaternions of length 1 or matrices that are "
                     "rotations; {} of {} rows have none",
-                    where_, line, kPartNames[part], lost, rows_.size()));
+                    where_, line, kPartNames[part], lost, all));
   }
 
   std::string angle_order() const {

@@ -163,44 +163,9 @@ ForeignTable changed(ForeignTable table, const std::string& name,
   return table;
 }
 
-}  // namespace
-
-std::string foreign_cell(const ForeignTable& table, const devices::MotionRecording& r,
-                         std::size_t i, const std::string& what, Time pressed, Time released) {
-  if (what.starts_with('=')) return what.substr(1);
-  if (what == "t") return table.time(r.times[i]);
-  if (what == "frame") return std::to_string(i + 1);
-  if (what == "right.trigger") return r.times[i] >= pressed && r.times[i] < released ? "1" : "0";
-  const bool head = what.starts_with("head.");
-  const Pose& pose = head ? r.head[i] : r.right_hand[i];
-  std::string text = fmt::format("{:.9f}", number_of(table, pose, what.substr(what.find('.') + 1)));
-  if (table.decimal_comma) text[text.find('.')] = ',';
-  return text;
-}
-
-std::string foreign_text(const ForeignTable& table, const devices::MotionRecording& r, Time pressed,
-                         Time released) {
-  std::string text = table.before;
-  const auto line = [&](const std::vector<std::string>& cells) {
-    text += fmt::format("{}{}", fmt::join(cells, table.separator), table.line_end);
-  };
-  std::vector<std::string> header = table.header;
-  for (std::string& name : header) {
-    if (table.quoted) name = '"' + name + '"';
-  }
-  if (!header.empty()) line(header);
-  for (std::size_t i = 0; i < r.times.size(); ++i) {
-    std::vector<std::string> cells;
-    for (const std::string& what : table.columns)
-      cells.push_back(foreign_cell(table, r, i, what, pressed, released));
-    line(cells);
-  }
-  return text;
-}
-
-std::vector<ForeignTable> foreign_tables() {
+/// Cells, lines and times as other programs write them.
+std::vector<ForeignTable> written_otherwise() {
   const ForeignTable base = plain("plain", kXyzw);
-  const Mat3 unity = rows(kRight, kUp, kAhead), z_up = rows(kAhead, -kRight, kUp);
   const auto epoch = [](Time t) {
     return fmt::format("{}", 1'790'000'000'000'000'000 + 1000 * t.count());
   };
@@ -210,17 +175,6 @@ std::vector<ForeignTable> foreign_tables() {
   return {
       base,
       plain("w_first", kWxyz),
-      changed(base, "openxr",
-              [](ForeignTable& t) {
-                t.header = {"time"};
-                for (const std::string part : {"view", "/user/hand/right/input/grip/pose"}) {
-                  for (const char* cell :
-                       {"position.x", "position.y", "position.z", "orientation.x", "orientation.y",
-                        "orientation.z", "orientation.w"}) {
-                    t.header.push_back(part + "." + cell);
-                  }
-                }
-              }),
       changed(base, "semicolons_and_decimal_commas",
               [](ForeignTable& t) {
                 t.separator = ";", t.decimal_comma = true;
@@ -254,6 +208,14 @@ std::vector<ForeignTable> foreign_tables() {
               [](ForeignTable& t) {
                 t.header[0] = "frame", t.columns[0] = "frame", t.options = "--time-unit 72Hz";
               }),
+  };
+}
+
+/// Other units, axes and rotations.
+std::vector<ForeignTable> measured_otherwise() {
+  const ForeignTable base = plain("plain", kXyzw);
+  const Mat3 unity = rows(kRight, kUp, kAhead), z_up = rows(kAhead, -kRight, kUp);
+  return {
       changed(base, "millimetres_in_brackets",
               [](ForeignTable& t) {
                 t.unit_m = 0.001;
@@ -298,6 +260,29 @@ std::vector<ForeignTable> foreign_tables() {
                 t.columns = both({"x", "y", "z", "ix", "iy", "iz", "iw"}),
                 t.options = "--rotations inverse";
               }),
+      changed(base, "two_orders_of_quaternions",
+              [](ForeignTable& t) {
+                t.columns = joined({{"t"}, pose_cells("head", kXyzw), pose_cells("right", kWxyz)});
+                t.header = joined({{"t"}, named("HMD_{}", kXyzw), named("ctrl_right_{}", kWxyz)});
+              }),
+  };
+}
+
+/// Other columns and headers.
+std::vector<ForeignTable> arranged_otherwise() {
+  const ForeignTable base = plain("plain", kXyzw);
+  return {
+      changed(base, "openxr",
+              [](ForeignTable& t) {
+                t.header = {"time"};
+                for (const std::string part : {"view", "/user/hand/right/input/grip/pose"}) {
+                  for (const char* cell :
+                       {"position.x", "position.y", "position.z", "orientation.x", "orientation.y",
+                        "orientation.z", "orientation.w"}) {
+                    t.header.push_back(part + "." + cell);
+                  }
+                }
+              }),
       changed(base, "names_that_say_nothing",
               [](ForeignTable& t) {
                 t.header = joined({{"t"}, named("A_{}", kXyzw), named("B_{}", kXyzw)});
@@ -317,10 +302,67 @@ std::vector<ForeignTable> foreign_tables() {
               [](ForeignTable& t) {
                 t.columns.push_back("right.trigger"), t.header.push_back("ctrl_right_trigger");
               }),
+      changed(base, "a_row_for_each_object",
+              [](ForeignTable& t) {
+                t.header = joined({{"time", "device"}, kXyzw});
+              }),
       motive(),
       vicon(),
       steamvr(),
   };
+}
+
+}  // namespace
+
+std::string foreign_cell(const ForeignTable& table, const devices::MotionRecording& r,
+                         std::size_t i, const std::string& what, Time pressed, Time released) {
+  if (what.starts_with('=')) return what.substr(1);
+  if (what == "t") return table.time(r.times[i]);
+  if (what == "frame") return std::to_string(i + 1);
+  if (what == "right.trigger") return r.times[i] >= pressed && r.times[i] < released ? "1" : "0";
+  const bool head = what.starts_with("head.");
+  const Pose& pose = head ? r.head[i] : r.right_hand[i];
+  std::string text = fmt::format("{:.9f}", number_of(table, pose, what.substr(what.find('.') + 1)));
+  if (table.decimal_comma) text[text.find('.')] = ',';
+  return text;
+}
+
+std::string foreign_text(const ForeignTable& table, const devices::MotionRecording& r, Time pressed,
+                         Time released) {
+  std::string text = table.before;
+  const auto line = [&](const std::vector<std::string>& cells) {
+    text += fmt::format("{}{}", fmt::join(cells, table.separator), table.line_end);
+  };
+  std::vector<std::string> header = table.header;
+  for (std::string& name : header) {
+    if (table.quoted) name = '"' + name + '"';
+  }
+  if (!header.empty()) line(header);
+  for (std::size_t i = 0; i < r.times.size(); ++i) {
+    if (table.name == "a_row_for_each_object") {
+      for (const std::string part : {"head", "right"}) {
+        std::vector<std::string> cells = {table.time(r.times[i]),
+                                          part == "head" ? "HMD" : "Controller (right)"};
+        for (const std::string& what : kXyzw)
+          cells.push_back(foreign_cell(table, r, i, part + "." + what, pressed, released));
+        line(cells);
+      }
+      continue;
+    }
+    std::vector<std::string> cells;
+    for (const std::string& what : table.columns)
+      cells.push_back(foreign_cell(table, r, i, what, pressed, released));
+    line(cells);
+  }
+  return text;
+}
+
+std::vector<ForeignTable> foreign_tables() {
+  std::vector<ForeignTable> all = written_otherwise();
+  for (const auto& more : {measured_otherwise(), arranged_otherwise()}) {
+    all.insert(all.end(), more.begin(), more.end());
+  }
+  return all;
 }
 
 }  // namespace headpin

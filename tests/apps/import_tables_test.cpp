@@ -11,10 +11,12 @@ namespace {
 using testing::HasSubstr;
 using testing::Not;
 
-/// The bundled throw at an even rate of 72 Hz.
-devices::MotionRecording even_throw() {
-  const devices::MotionRecording r =
-      devices::read_motion(HEADPIN_SOURCE_DIR "/assets/throws/example.csv", {});
+const std::string kBundledThrow = HEADPIN_SOURCE_DIR "/assets/throws/example.csv";
+const std::string kRealThrow = HEADPIN_SHARED_DIR "/throws/liebers_labstudy21_bowling.csv";
+
+/// A throw at an even rate of 72 Hz.
+devices::MotionRecording even_throw(const std::string& file) {
+  const devices::MotionRecording r = devices::read_motion(file, {});
   devices::PoseTrack head, hand;
   for (std::size_t i = 0; i < r.times.size(); ++i) {
     head.push(r.times[i], r.head[i]);
@@ -39,15 +41,17 @@ class ImportTables : public TrialCommands {
     return *std::ranges::find(all, name, &ForeignTable::name);
   }
 
-  const devices::MotionRecording even_ = even_throw();
+  void expect_one_game();
+
+  devices::MotionRecording even_ = even_throw(kBundledThrow);
   Time pressed_{1'400'000}, released_{3'950'000};
 };
 
-TEST_F(ImportTables, OneThrowInAllOfThemIsOneGame) {
+void ImportTables::expect_one_game() {
   write("plain.csv", table("plain"));
-  const nlohmann::json wanted = json("import plain.csv -o plain.lcmlog --json");
+  const nlohmann::json wanted = json("import plain.csv -o plain.lcmlog --force --json");
   const nlohmann::json game = json("replay plain.lcmlog --json");
-  ASSERT_GT(game["skittles_down"].get<int>(), 3);
+  ASSERT_GT(game["skittles_down"].get<int>(), 0);
   for (const ForeignTable& one : foreign_tables()) {
     SCOPED_TRACE(one.name);
     write("t.csv", one);
@@ -63,6 +67,18 @@ TEST_F(ImportTables, OneThrowInAllOfThemIsOneGame) {
                 1e-3);
     EXPECT_EQ(json("replay t.lcmlog --json")["skittles_down"], game["skittles_down"]);
   }
+}
+
+TEST_F(ImportTables, OneThrowInAllOfThemIsOneGame) {
+  expect_one_game();
+}
+
+TEST_F(ImportTables, SoIsARealOne) {
+  if (!std::filesystem::exists(kRealThrow)) GTEST_SKIP() << "no recorded throw at " << kRealThrow;
+  even_ = even_throw(kRealThrow);
+  pressed_ = Time{600'000};
+  released_ = Time{3'040'000};
+  expect_one_game();
 }
 
 // What a table does not say, or says wrongly, is found out and offered; with the offer it is the throw.
@@ -84,8 +100,7 @@ TEST_F(ImportTables, TheOptionThatMakesItAThrowIsOffered) {
 }
 
 TEST_F(ImportTables, EveryFormatTakesTheOptions) {
-  const std::string example = HEADPIN_SOURCE_DIR "/assets/throws/example.csv";
-  const nlohmann::json wanted = json("import " + example + " -o a.lcmlog --json");
+  const nlohmann::json wanted = json("import " + kBundledThrow + " -o a.lcmlog --json");
   // As UXF, mirrored in z as by a script that forgot Unity's axes.
   const char* const header = "time,pos_x,pos_y,pos_z,rot_x,rot_y,rot_z\n";
   std::string head = header, hand = header;
@@ -197,7 +212,7 @@ TEST_F(ImportTables, RowsThatAreLateRepeatedOrBlankAreReadWithANote) {
   const Result result = headpin("import t.csv -o t.lcmlog");
   EXPECT_EQ(result.code, 0);
   EXPECT_THAT(result.err, HasSubstr("t.csv: 1 rows are earlier than the row before: put in order"));
-  EXPECT_THAT(result.err, HasSubstr("1 rows have the time of another one: ignored"));
+  EXPECT_THAT(result.err, HasSubstr("1 samples of the head have the time of another one: ignored"));
   EXPECT_THAT(result.err, HasSubstr("1 samples of the head have blank cells"));
 }
 

@@ -58,6 +58,7 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
   take("synthesize --json -o throw.lcmlog");
   take("synthesize --json --participant 7 --throws 1 -o session.lcmlog");
   take("import --json " HEADPIN_SOURCE_DIR "/assets/throws/example.csv -o found.lcmlog");
+  take("import --json --explain " HEADPIN_SOURCE_DIR "/assets/throws/example.csv --units m");
   take("replay --json throw.lcmlog -o game.lcmlog");
   take("replay --json game.lcmlog --verify");
   take("replay --json session.lcmlog -o played.lcmlog");

@@ -76,7 +76,7 @@ TEST(CatalogueCsvTest, ABadCellCostsItsSample) {
               testing::ElementsAre(HasSubstr(
                   "1 of 3 lines have another number of cells than 22, the first is line 2")));
   EXPECT_THAT(read(with("\n14,", "\n0,")).notes,
-              testing::ElementsAre(HasSubstr("1 rows have the time of another one")));
+              testing::Contains(HasSubstr("1 samples of the head have the time of another one")));
   const MotionRecording ordered = read(with("\n27.5,", "\n13,"));
   EXPECT_EQ(ordered.times, (std::vector{Time{0}, Time{13'000}, Time{14'000}}));
   EXPECT_THAT(ordered.notes,
