@@ -25,6 +25,7 @@ struct Explained {
   std::vector<std::string> persons;  ///< a person in the room, at some of the samples
   std::string problem;               ///< why it cannot be imported; empty if it can
   std::string remedy;                ///< options that would make it a throw
+  bool by_trigger = false;           ///< grab and release are those of a trigger
 };
 
 /// Where a level direction points, seen along another one.
@@ -82,6 +83,7 @@ void judge(const ImportOptions& options, const scene::Hand& hand, Explained& fou
     found.problem = error.what();
     if (error.would_be) found.remedy = options_between(r.reading, *error.would_be);
   }
+  found.by_trigger = r.times.size() >= 10 && scene::find_throw(r, hand, side).by_trigger;
   const Vec3 along = lane_of(r, hand, side);
   const std::size_t n = r.times.size();
   for (const std::size_t i : {std::size_t{0}, n / 4, n / 2}) {
@@ -105,6 +107,7 @@ Explained find_out(const ImportOptions& options, const scene::Hand& hand) {
                                            options.file, motion);
     }
     found.recording = devices::read_motion(options.file, motion);
+    if (options.no_trigger) found.recording->triggers = {};
     judge(options, hand, found);
   } catch (const std::invalid_argument& error) {
     found.problem = error.what();
@@ -136,7 +139,7 @@ void print_table(const devices::TableFindings& table) {
   }
 }
 
-void print_recording(const MotionRecording& r) {
+void print_recording(const MotionRecording& r, bool by_trigger) {
   const devices::Reading& reading = r.reading;
   const double duration = r.times.empty() ? 0.0 : nearest_seconds(r.times.back() - r.times.front());
   std::cout << fmt::format("  samples            {} in {:.3f} s\n", r.times.size(), duration);
@@ -144,15 +147,14 @@ void print_recording(const MotionRecording& r) {
       "  read with          {}\n",
       options_between({.unit_m = 0, .axes = "", .turning = "", .time_unit_s = 0}, reading));
   std::cout << fmt::format("  trigger            {}\n",
-                           r.triggers[0].empty() && r.triggers[1].empty()
-                               ? "none: grab and release are found in the motion"
-                               : "grab and release are those of the trigger");
+                           by_trigger ? "grab and release are those of the trigger"
+                                      : "none: grab and release are found in the motion");
 }
 
 void print_explained(const ImportOptions& options, const Explained& found) {
   std::cout << printable(options.file) << '\n';
   if (found.table) print_table(*found.table);
-  if (found.recording) print_recording(*found.recording);
+  if (found.recording) print_recording(*found.recording, found.by_trigger);
   for (std::string person : found.persons) {
     for (std::size_t at = 0; (at = person.find("; ")) != std::string::npos;) {
       person.replace(at, 2, "\n                       ");
@@ -201,7 +203,9 @@ void explain_import(const ImportOptions& options, const scene::Scenario& scenari
     if (!found.table) {
       throw std::runtime_error(options.file + ": columns can be written for a table only");
     }
-    const std::string text = mapping_text(options.file, found.table->mapping,
+    std::vector<std::string> names;
+    for (const auto& column : found.table->columns) names.push_back(column.name);
+    const std::string text = mapping_text(options.file, found.table->mapping, names,
                                           found.recording ? &*found.recording : nullptr);
     files::OutputFile file(*options.output,
                            {.overwrite = options.force, .inputs = {options.file, options.columns}});

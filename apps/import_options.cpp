@@ -19,8 +19,8 @@ namespace {
 
 constexpr std::array<std::pair<std::string_view, double>, 5> kLengths = {
     {{"m", 1.0}, {"cm", 0.01}, {"mm", 0.001}, {"in", 0.0254}, {"ft", 0.3048}}};
-constexpr std::array<std::pair<std::string_view, double>, 4> kTimes = {
-    {{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}}};
+constexpr std::array<std::pair<std::string_view, double>, 5> kTimes = {
+    {{"s", 1.0}, {"ms", 1e-3}, {"us", 1e-6}, {"ns", 1e-9}, {"100ns", 1e-7}}};
 
 template <std::size_t N>
 std::optional<double> of_name(const std::array<std::pair<std::string_view, double>, N>& all,
@@ -82,7 +82,7 @@ void read_time_unit(const std::string& text, devices::MotionOptions& motion) {
   const std::string_view rest(read.ptr, text.data() + text.size());
   if (read.ec != std::errc{} || rest != "Hz" || !(rate >= 1.0 && rate <= 1e5)) {
     throw UsageError("time unit " + text +
-                     ": expected s, ms, us, ns, or the rate of frames such as 90Hz");
+                     ": expected s, ms, us, ns, 100ns, or the rate of frames such as 90Hz");
   }
   motion.reading.time_unit_s = 1.0 / rate;
 }
@@ -92,6 +92,11 @@ void read_axes(const std::string& text, devices::MotionOptions& motion) {
   const std::vector<std::string> parts = parts_of(text, ',');
   if (parts.empty() || parts.size() > 2) {
     throw UsageError("axes " + text + ": expected XYZ, or XYZ,XYZ for positions and rotations");
+  }
+  try {
+    for (const std::string& letters : parts) devices::Axes(letters, "--axes");
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
   }
   motion.reading.axes = parts[0];
   if (parts.size() == 2) motion.reading.turning = parts[1];
@@ -247,6 +252,7 @@ std::string options_between(const devices::Reading& was, const devices::Reading&
 }
 
 std::string mapping_text(const std::string& file, const devices::ToldColumns& columns,
+                         const std::vector<std::string>& names,
                          const devices::MotionRecording* recording) {
   std::string text =
       "# How `headpin import --columns` reads " + file + ": a name, or #3 for the third column.\n";
@@ -265,6 +271,12 @@ std::string mapping_text(const std::string& file, const devices::ToldColumns& co
     line("axes", axes_text(reading));
     if (const std::string rotations = rotations_text(reading); !rotations.empty())
       line("rotations", rotations);
+  }
+  if (columns.empty() || !recording) {
+    text +=
+        "# To be said: time = 'COLUMN', and for [head] and [right] or [left] x, y, z, and qw, qx, "
+        "qy, qz.\n";
+    for (const std::string& name : names) text += "#   " + name + "\n";
   }
   for (const char* part : devices::kPartKeys) {
     bool first = true;

@@ -14,7 +14,7 @@ struct ImportOptions {
   std::string units, time_unit, heading = "release", hand = "auto", names, axes, rotations, columns;
   std::string transmitter, head, events;
   std::optional<int> which;
-  bool force = false, json = false, explain = false;
+  bool force = false, json = false, explain = false, no_trigger = false;
 };
 
 /// The options of the reader.
@@ -27,7 +27,9 @@ devices::MotionOptions declared(const ImportOptions& options);
 std::string options_between(const devices::Reading& was, const devices::Reading& is);
 
 /// A file for --columns, to edit: the columns that are used, units, axes and rotations.
+/// @param names  of all columns, for a table that is not understood
 std::string mapping_text(const std::string& file, const devices::ToldColumns& columns,
+                         const std::vector<std::string>& names,
                          const devices::MotionRecording* recording);
 
 }  // namespace headpin::apps

@@ -1,5 +1,7 @@
 #include "apps/live_report.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "apps/damage.h"
@@ -83,6 +85,10 @@ void Reporter::report_loss() {
 
 void Reporter::tick(const scene::Session& session) {
   live_.samples += static_cast<std::int64_t>(session.samples.size());
+  live_.bad_samples += std::ranges::count_if(session.samples, [](const devices::Sample& sample) {
+    const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
+    return tracker && !tracker->good();
+  });
   take_frames();
   take_failures();
   for (const auto& source : live_.sources) {
@@ -103,6 +109,9 @@ void print_line(const Live& live) {
       1e3 * scene::quantile(live.latency.each_s, 0.5),
       1e3 * scene::quantile(live.latency.each_s, 0.99), live.pace->overruns(),
       live.totals.score().skittles_down);
+  if (live.bad_samples > 0) {
+    text += fmt::format("; {} bad samples, whose status is not a space", live.bad_samples);
+  }
   for (const auto& source : live.sources) text += "; " + source->report(live.session.now());
   say("{}\n", text);
 }

@@ -31,7 +31,7 @@ struct Live {
   devices::TrialHeader header;                           ///< participant and condition
   scene::Totals totals;
   std::unique_ptr<scene::FramesBeside> eyes;
-  std::int64_t samples = 0, frames = 0, drawing_failures = 0;
+  std::int64_t samples = 0, bad_samples = 0, frames = 0, drawing_failures = 0;
   scene::FrameLatency latency;
 };
 

@@ -51,17 +51,29 @@ scene::Side side_of(const ImportOptions& options, const devices::MotionRecording
 
 /// Grab and release from the file of --events, for both hands.
 void take_events(const ImportOptions& options, devices::MotionRecording& recording) {
+  if (options.no_trigger) recording.triggers = {};
   if (options.events.empty()) return;
-  std::vector<Stamped<bool>> markers = devices::parse_markers(
-      files::read_text(options.events, 100'000'000), options.events, recording.reading.time_unit_s);
-  for (Stamped<bool>& marker : markers) marker.time -= recording.start;
-  const auto inside = [&](const Stamped<bool>& marker) {
-    return marker.time >= Time{} && marker.time <= recording.times.back();
+  const std::string text = files::read_text(options.events, 100'000'000);
+  std::vector<Stamped<bool>> markers;
+  const auto fits = [&] {
+    return std::ranges::all_of(markers,
+                               [&](const Stamped<bool>& marker) {
+                                 return marker.time >= Time{} &&
+                                        marker.time <= recording.times.back();
+                               }) &&
+           markers[1].time - markers[0].time >= Time{100'000};
   };
-  if (std::ranges::none_of(markers, inside)) {
+  // In the unit of the recording, or in seconds.
+  for (const double unit_s : {recording.reading.time_unit_s, 1.0}) {
+    markers = devices::parse_markers(text, options.events, unit_s);
+    for (Stamped<bool>& marker : markers) marker.time -= recording.start;
+    if (fits()) break;
+  }
+  if (!fits()) {
     throw std::invalid_argument(
-        fmt::format("{}: expected times between {:.3f} and {:.3f} s, as the recording has; found "
-                    "{:.3f} to {:.3f} s",
+        fmt::format("{}: expected times of grab and release between {:.3f} and {:.3f} s, as the "
+                    "recording has; found {:.3f} "
+                    "to {:.3f} s",
                     options.events, nearest_seconds(recording.start),
                     nearest_seconds(recording.start + recording.times.back()),
                     nearest_seconds(recording.start + markers.front().time),
@@ -93,11 +105,35 @@ Thrown read_thrown(const ImportOptions& options, const scene::Hand& hand) {
   return thrown;
 }
 
-/// Prints warnings about a recording that is imported anyway.
-void say_doubts(const ImportOptions& options, const Thrown& thrown) {
+/// What to know about a recording that is imported anyway.
+std::vector<std::string> doubts_about(const Thrown& thrown, const scene::Throw& found,
+                                      const scene::Scenario& base) {
   std::vector<std::string> all = thrown.notes;
+  if (!thrown.recording.hands_turn) {
+    all.emplace_back(
+        "the hands' rotations were not measured: the ball leaves without spin, at the speed of the "
+        "hand");
+  }
+  if (!thrown.recording.head_turns || !thrown.recording.head_moves) {
+    all.emplace_back("the head's rotation was not measured: it looks level, along the throw");
+  }
+  const double speed = found.V_TB.v.norm();
+  const double after = seconds(thrown.recording.times.back() - found.release_time);
+  const double needed = speed > 0.0 ? base.lane.head_pin / speed + 1.0 : 0.0;
+  if (after < needed) {
+    all.push_back(
+        fmt::format("ends {:.2f} s after the release: a replay ends there too, before all skittles "
+                    "have fallen; `replay "
+                    "--each-throw` goes on",
+                    after));
+  }
   std::ranges::move(scene::doubts(thrown.recording), std::back_inserter(all));
-  for (const std::string& one : all) {
+  return all;
+}
+
+void say_doubts(const ImportOptions& options, const Thrown& thrown,
+                const std::vector<std::string>& doubts) {
+  for (const std::string& one : doubts) {
     say("headpin import: {}: {}\n", printable(options.file), printable(one));
   }
   if (thrown.throws > 1 && !options.which) {
@@ -216,8 +252,9 @@ void import_throw(const ImportOptions& options) {
   const Thrown thrown = read_thrown(options, base.hand);
   const devices::MotionRecording& recording = thrown.recording;
   require_throw(options, thrown, base.hand);
-  say_doubts(options, thrown);
   const scene::Throw found = scene::find_throw(recording, base.hand, thrown.side);
+  const std::vector<std::string> doubts = doubts_about(thrown, found, base);
+  say_doubts(options, thrown, doubts);
   const scene::Scenario scenario =
       scene::stand_thrower(base, recording, found, heading(options.heading));
   devices::Recorder recorder = recorder_for(options, scenario);
@@ -243,6 +280,7 @@ void import_throw(const ImportOptions& options) {
                 {"grab_s", grab},
                 {"release_s", release},
                 {"by_trigger", found.by_trigger},
+                {"notes", doubts},
                 {"release_speed_mps", speed}});
     return;
   }
@@ -316,9 +354,13 @@ void add_reading(CLI::App& command, ImportOptions& options) {
           "back")
       ->type_name("X,Y,Z");
   command
-      .add_option("--events", options.events,
-                  "file with the times of grab and release, a line each, on the recording's clock")
+      .add_option(
+          "--events", options.events,
+          "file with the times of grab and release, a line each, on the recording's clock, in its "
+          "unit or in seconds")
       ->type_name("FILE");
+  command.add_flag("--no-trigger", options.no_trigger,
+                   "find grab and release in the motion, though the file has a trigger");
 }
 
 }  // namespace

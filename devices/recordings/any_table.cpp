@@ -196,7 +196,7 @@ class Header {
       FoundColumn& column = all[c];
       for (const Cells& row : rows_) {
         if (c >= row.size() || row[c].empty()) continue;
-        column.last = row[c];
+        column.last = column.written = row[c];
         column.unit = take_unit(column.last);
         column.name += (column.name.empty() ? "" : " ") + column.last;
       }
@@ -279,6 +279,13 @@ std::string AnyTable::fact(std::string_view name) const {
 
 AnyTable read_any_table(std::string_view text, std::string_view where) {
   const std::vector<Line> lines = lines_of(text);
+  constexpr std::size_t kLongestLine = 1'000'000, kMostColumns = 4'000;
+  for (const Line& line : lines) {
+    if (line.text.size() <= kLongestLine) continue;
+    throw std::invalid_argument(
+        fmt::format("{}:{}: expected a line of a table, found one of {} bytes", where, line.number,
+                    line.text.size()));
+  }
   const Style style = style_of(lines);
   const std::size_t begin = first_row(lines, style);
   if (begin == lines.size()) {
@@ -291,6 +298,10 @@ AnyTable read_any_table(std::string_view text, std::string_view where) {
   table.separator = style.separator;
   table.decimal_comma = style.decimal_comma;
   std::size_t columns = usual_count(lines, begin, style.separator);
+  if (columns > kMostColumns) {
+    throw std::invalid_argument(fmt::format("{}:{}: expected at most {} columns, found {}", where,
+                                            lines[begin].number, kMostColumns, columns));
+  }
   // Some programs end each line with a separator.
   const auto is_open = [&](const Cells& cells) {
     return cells.size() == columns && cells.back().empty();

@@ -10,10 +10,11 @@ namespace headpin::devices {
 
 /// One column's header.
 struct FoundColumn {
-  std::string name;  ///< the cells above it, joined by spaces; "#3" without a header
-  std::string last;  ///< the lowest of these cells
-  std::string
-      unit;  ///< in small letters, from brackets in the header or a row of units; else empty
+  std::string name;     ///< the cells above it, joined by spaces; "#3" without a header
+  std::string last;     ///< the lowest of these cells
+  std::string written;  ///< that cell as it is in the file, with its unit
+  /// In small letters, from brackets in the header or a row of units; else empty.
+  std::string unit;
 };
 
 /// The cells of a table. Cells point into the text, which must outlive this.

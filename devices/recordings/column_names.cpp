@@ -11,10 +11,6 @@
 namespace headpin::devices {
 namespace {
 
-bool is_one_of(std::string_view word, std::initializer_list<std::string_view> words) {
-  return std::ranges::find(words, word) != words.end();
-}
-
 std::string joined(std::vector<std::string> words, std::size_t count) {
   words.resize(count);
   return fmt::format("{}", fmt::join(words, " "));
@@ -111,6 +107,7 @@ Component component_of(const std::string& name) {
       quantity_called(words[before - 1]) != Quantity::none)
     --before;
   if (said == Quantity::none) said = letter == 0 ? Quantity::quaternion : Quantity::position;
+  if (letter == 0 && said != Quantity::quaternion) return {};
   const std::string object = joined(words, last_word(words, before));
   return {said, said == Quantity::quaternion ? letter : letter - 1, object};
 }

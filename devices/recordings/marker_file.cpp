@@ -65,8 +65,10 @@ std::vector<Stamped<bool>> parse_markers(std::string_view text, std::string_view
     markers.push_back({microseconds(*time_s), *pressed});
   }
   std::ranges::stable_sort(markers, {}, &Stamped<bool>::time);
-  const auto same = std::ranges::unique(markers, {}, &Stamped<bool>::value);
-  markers.erase(same.begin(), same.end());
+  const auto same = [](const Stamped<bool>& a, const Stamped<bool>& b) {
+    return a.value == b.value;
+  };
+  markers.erase(std::unique(markers.begin(), markers.end(), same), markers.end());
   if (!markers.empty() && !markers.front().value) markers.erase(markers.begin());
   if (markers.size() < 2) {
     throw std::invalid_argument(

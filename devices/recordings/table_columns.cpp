@@ -106,7 +106,10 @@ std::vector<std::pair<std::string, Object>> objects_of(const AnyTable& table,
 
 std::optional<std::size_t> column_called(const AnyTable& table, std::string_view name) {
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    if (table.columns[c].name == name || name == fmt::format("#{}", c + 1)) return c;
+    if (table.columns[c].name == name || table.columns[c].written == name ||
+        name == fmt::format("#{}", c + 1)) {
+      return c;
+    }
   }
   const auto is_it = [&](const FoundColumn& column) { return column.last == name; };
   if (std::ranges::count_if(table.columns, is_it) != 1) return std::nullopt;
@@ -220,18 +223,34 @@ class Told {
 
 using Objects = std::vector<std::pair<std::string, Object>>;
 
-/// The object that a part is: of several, the one with a rotation.
-const Object* object_of(const Objects& objects, std::size_t part, std::string_view where) {
-  std::vector<const std::pair<std::string, Object>*> found;
-  for (const auto& object : objects) {
-    if (whole(object.second.columns.position) && part_of_name(object.first) == part)
-      found.push_back(&object);
-  }
-  if (found.size() > 1) {
-    std::erase_if(found, [](const auto* object) {
-      return object->second.columns.rotation == RotationKind::none;
+using Candidates = std::vector<const std::pair<std::string, Object>*>;
+
+/// Of several objects, those with a rotation; of these, those that are called a head or a hand.
+void prefer(Candidates& found) {
+  const auto keep = [&](const auto& wanted) {
+    if (found.size() > 1 && std::ranges::any_of(found, wanted)) {
+      std::erase_if(found, [&](const auto* object) { return !wanted(object); });
+    }
+  };
+  keep([](const auto* object) { return object->second.columns.rotation != RotationKind::none; });
+  keep([](const auto* object) {
+    const std::vector<std::string> words = words_of(object->first);
+    return std::ranges::any_of(words, [](const std::string& word) {
+      return is_one_of(word,
+                       {"hand", "controller", "ctrl", "wrist", "palm", "wand", "head", "hmd"});
     });
+  });
+}
+
+/// The object that a part is.
+const Object* object_of(const Objects& objects, std::size_t part, std::string_view where) {
+  Candidates found;
+  for (const auto& object : objects) {
+    if (whole(object.second.columns.position) && part_of_name(object.first) == part) {
+      found.push_back(&object);
+    }
   }
+  prefer(found);
   if (found.empty()) return nullptr;
   if (found.size() == 1) return &found.front()->second;
   throw std::invalid_argument(fmt::format(
@@ -239,18 +258,20 @@ const Object* object_of(const Objects& objects, std::size_t part, std::string_vi
       kPartNames[part], found.size(), found[0]->first, found[1]->first, kPartKeys[part]));
 }
 
-/// A hand whose name does not say the side: the only object besides the head.
+/// A hand whose name does not say the side: the only object besides the head, or the only one that is
+/// called a hand.
 const Object* only_hand(const Objects& objects, const Object* head) {
-  const Object* hand = nullptr;
-  for (const auto& [name, object] : objects) {
-    if (!whole(object.columns.position) || &object == head) continue;
-    const std::vector<std::string> words = words_of(name);
+  Candidates found;
+  for (const auto& object : objects) {
+    const std::vector<std::string> words = words_of(object.first);
     const bool marker = std::ranges::find(words, "marker") != words.end();
-    if (marker) continue;
-    if (hand) return nullptr;
-    hand = &object;
+    if (whole(object.second.columns.position) && &object.second != head && !marker) {
+      found.push_back(&object);
+    }
   }
-  return hand;
+  if (head == nullptr && found.size() > 1) return nullptr;
+  prefer(found);
+  return found.size() == 1 ? &found.front()->second : nullptr;
 }
 
 /// A trigger or button that belongs to no object with a position.
@@ -328,7 +349,7 @@ void say_meanings(const AnyTable& table, MotionColumns& columns) {
   }
 }
 
-void say_missing(MotionColumns& columns) {
+void say_missing(const AnyTable& table, MotionColumns& columns) {
   if (!columns.time) columns.missing.emplace_back("no column of the time was found");
   if (!columns.parts[0].tracked()) columns.missing.emplace_back("no head was found");
   if (!columns.parts[1].tracked() && !columns.parts[2].tracked())
@@ -337,6 +358,17 @@ void say_missing(MotionColumns& columns) {
     if (columns.parts[part].tracked() && columns.parts[part].rotation == RotationKind::none) {
       columns.missing.push_back(fmt::format("the {} has no rotation", kPartNames[part]));
     }
+  }
+  if (columns.missing.empty()) return;
+  std::string unused;
+  for (std::size_t c = 0; c < table.columns.size(); ++c) {
+    if (!columns.meanings[c].empty()) continue;
+    unused += (unused.empty() ? "" : ", ") + table.columns[c].name;
+  }
+  if (!unused.empty()) {
+    columns.missing.push_back(fmt::format(
+        "not understood: {} (say what they are, such as time=t, head=HMD_*, right.qw=q0)",
+        unused.substr(0, 400)));
   }
 }
 
@@ -401,7 +433,7 @@ MotionColumns find_columns(const AnyTable& table, const ToldColumns& told, bool 
     find_objects(table, objects, only_hand_is_left, columns);
   }
   say_meanings(table, columns);
-  say_missing(columns);
+  say_missing(table, columns);
   return columns;
 }
 

@@ -185,6 +185,7 @@ class TableMotion {
 
   MotionTracks read() {
     require_columns();
+    for (const std::string& missing : columns_.missing) tracks_.notes.push_back(missing);
     find_reading();
     order_rows();
     for (std::size_t part = 0; part < 3; ++part) {
@@ -213,8 +214,9 @@ class TableMotion {
     std::string names;
     for (const FoundColumn& column : table_.columns)
       names += (names.empty() ? "" : ", ") + column.name;
-    throw std::invalid_argument(
-        fmt::format("{}: {}; the columns are {}", where_, columns_.missing.front(), brief(names)));
+    throw std::invalid_argument(fmt::format(
+        "{}: {}; the columns are {}; say which are meant, such as time=t, head=HMD_*, right=ctrl_*",
+        where_, columns_.missing.front(), brief(names)));
   }
 
   static std::string brief(const std::string& text) {

@@ -20,6 +20,7 @@ using devices::MotionRecording;
 constexpr double kLowestHead = 1.2, kHighestHead = 2.1;       // m, median
 constexpr double kShortestReach = 0.5, kLongestReach = 1.25;  // m, head to hand, at its largest
 constexpr double kFastestHand = 10.5;                         // m/s, hand at its fastest
+constexpr double kSlowestTriggered = 1.0;                     // m/s, ball as the trigger says
 constexpr double kFastestHead = 3.0;                          // m/s
 constexpr double kLeastUpright = 0.7;  // cosine of the head's mean tilt before the release
 constexpr double kMostRoll = 0.4;      // sine of the head's roll, but for a tenth of the time
@@ -226,6 +227,12 @@ std::vector<std::string> why_no_throw(const MotionRecording& recording, const Ha
 
   const MotionRecording r = looking_along(recording, hand, side);
   const Throw found = find_throw(r, hand, side);
+  if (const double speed = found.V_TB.v.norm(); found.by_trigger && speed < kSlowestTriggered) {
+    out.all.push_back(fmt::format(
+        "the trigger is released at {:.3f} s, when the ball has {:.2f} m/s, expected at least {}",
+        seconds(found.release_time), speed, kSlowestTriggered));
+    return out.all;
+  }
   check_body(r, found, out);
   const Time release = r.times[found.release];
   if (release - r.times[found.grab] < Time{300'000} || r.times.back() - release < Time{100'000}) {

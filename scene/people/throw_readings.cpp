@@ -181,8 +181,10 @@ MotionRecording read_again(MotionRecording r, const Reading& reading) {
 std::optional<Reading> reading_of_a_throw(const MotionRecording& recording, const Hand& hand,
                                           Side side, std::string& what) {
   const MotionRecording part = around_the_throw(recording, side);
+  const bool look = part.head_turns && part.head_moves;  // else many axes would do
   for (const auto& candidates :
        {other_units, other_times, other_quaternions, other_axes, other_units_and_axes}) {
+    if (!look && (candidates == other_axes || candidates == other_units_and_axes)) continue;
     for (const Candidate& other : candidates(part.reading)) {
       if (!why_no_throw(read_again(part, other.reading), hand, side).empty()) continue;
       what = other.what;
@@ -197,6 +199,12 @@ void require_throw(const MotionRecording& recording, const Hand& hand, const std
   const std::vector<std::string> problems = why_no_throw(recording, hand, side);
   if (problems.empty()) return;
   const std::string problem = fmt::format("{}: not a person's throw: {}", where, problems.front());
+  MotionRecording by_motion = recording;
+  by_motion.triggers = {};
+  if (!recording.triggers[side == Side::left ? 0 : 1].empty() &&
+      why_no_throw(by_motion, hand, side).empty()) {
+    throw NoThrow(problem + "; it would be one without its trigger, by the motion alone");
+  }
   const Side other = side == Side::left ? Side::right : Side::left;
   MotionRecording exchanged = recording;  // with the hands exchanged
   if (throwing_hand(recording, other).empty()) {
@@ -204,8 +212,9 @@ void require_throw(const MotionRecording& recording, const Hand& hand, const std
     std::swap(exchanged.triggers[0], exchanged.triggers[1]);
   }
   if (why_no_throw(exchanged, hand, other).empty()) {
-    throw NoThrow(fmt::format("{}; it would be one by the {} hand", problem,
-                              other == Side::left ? "left" : "right"));
+    throw NoThrow(fmt::format("{}; it would be one by the {} hand{}", problem,
+                              other == Side::left ? "left" : "right",
+                              recording.head_turns ? "" : ", or with mirrored axes"));
   }
   std::string what;
   if (const auto reading = reading_of_a_throw(recording, hand, side, what)) {

@@ -287,7 +287,7 @@ toml::table parse_table(std::string_view toml, const ScenarioText& text) {
   } catch (const toml::parse_error& error) {
     throw std::invalid_argument(fmt::format("{}: not TOML: {}",
                                             text.place(static_cast<int>(error.source().begin.line)),
-                                            brief(error.description())));
+                                            error.description().substr(0, 300)));
   }
 }
 

@@ -150,10 +150,79 @@ TEST_F(ImportTables, ATriggerAndAFileOfEventsSayGrabAndRelease) {
 
   spit(folder_ / "late.csv", "time,what\n100,grab\n101,let go\n");
   expect_refusal("import p.csv -o OUT.lcmlog --events late.csv", 1,
-                 "expected times between 0.000 and");
+                 "expected times of grab and release between 0.000 and");
   spit(folder_ / "none.csv", "time,what\n1,begin\n");
   expect_refusal("import p.csv -o OUT.lcmlog --events none.csv", 1,
                  "none.csv: expected lines with a time and a word such as grab");
+}
+
+TEST_F(ImportTables, ATriggerThatIsNotTheThrowsIsNamedAndCanBeLeftOut) {
+  released_ = Time{2'500'000};  // in the back swing
+  write("t.csv", table("a_trigger"));
+  const Result refused = headpin("import t.csv -o t.lcmlog");
+  EXPECT_EQ(refused.code, 1);
+  EXPECT_THAT(refused.err, HasSubstr("the trigger is released at 2.5"));
+  EXPECT_THAT(refused.err, HasSubstr("it would be one without its trigger, by the motion alone"));
+  EXPECT_THAT(refused.err, Not(HasSubstr("--axes")));
+  EXPECT_FALSE(json("import t.csv -o t.lcmlog --no-trigger --json")["by_trigger"].get<bool>());
+  EXPECT_THAT(headpin("import t.csv --explain --no-trigger").out,
+              HasSubstr("trigger            none"));
+
+  // The catalogue's times are milliseconds, those of a person's notes are seconds.
+  spit(folder_ / "s.txt", "1.4 grab\n3.95 let go\n");
+  spit(folder_ / "ms.txt", "1400 grab\n3950 let go\n");
+  for (const std::string events : {"s.txt", "ms.txt"}) {
+    EXPECT_EQ(json("import " + kBundledThrow + " -o e.lcmlog --force --json --events " +
+                   events)["release_s"],
+              3.95);
+  }
+}
+
+TEST_F(ImportTables, NamesThatAreNotUnderstoodAreNotPassedOverInSilence) {
+  ForeignTable strange = table("plain");
+  strange.header = {"t",       "head_x",   "head_y",   "head_z",   "head_q1",
+                    "head_q2", "head_q3",  "head_q4",  "right_x",  "right_y",
+                    "right_z", "right_q1", "right_q2", "right_q3", "right_q4"};
+  write("t.csv", strange);
+  const Result imported = headpin("import t.csv -o t.lcmlog");
+  EXPECT_EQ(imported.code, 0);
+  EXPECT_THAT(imported.err, HasSubstr("the right hand has no rotation"));
+  EXPECT_THAT(imported.err, HasSubstr("not understood: head_q1, head_q2"));
+  EXPECT_THAT(imported.err, HasSubstr("the ball leaves without spin, at the speed of the hand"));
+  EXPECT_THAT(json("import t.csv -o t.lcmlog --force --json")["notes"].dump(),
+              HasSubstr("not understood"));
+
+  strange.header = {"zeit", "kopf_x", "b", "c", "d", "e", "f", "g",
+                    "h",    "i",      "j", "k", "l", "m", "n"};
+  write("u.csv", strange);
+  expect_refusal("import u.csv -o OUT.lcmlog", 1, "say which are meant, such as time=t");
+  ASSERT_EQ(headpin("import u.csv --explain -o u.toml").code, 0);
+  EXPECT_THAT(slurp(folder_ / "u.toml"), HasSubstr("#   kopf_x"));
+}
+
+TEST_F(ImportTables, ARecordingThatEndsTooSoonForTheSkittlesSaysSo) {
+  EXPECT_EQ(headpin("import " + kBundledThrow + " -o a.lcmlog").err, "");
+  while (even_.times.back() > Time{4'600'000}) {
+    even_.times.pop_back();
+    even_.head.pop_back();
+    even_.right_hand.pop_back();
+  }
+  write("short.csv", table("plain"));
+  EXPECT_THAT(headpin("import short.csv -o s.lcmlog").err,
+              HasSubstr("after the release: a replay ends there too"));
+}
+
+TEST_F(ImportTables, WideAndLongLinesAreRefusedAtOnce) {
+  std::string wide = "1";
+  for (int i = 0; i < 100'000; ++i) wide += ",1";
+  spit(folder_ / "wide.csv", wide + "\n" + wide + "\n");
+  expect_refusal("import wide.csv -o OUT.lcmlog", 1,
+                 "wide.csv:1: expected at most 4000 columns, found 100001");
+  std::string line = "1,2,3,4\n1";
+  for (int i = 0; i < 600'000; ++i) line += ",1";
+  spit(folder_ / "long.csv", line + "\n");
+  expect_refusal("import long.csv -o OUT.lcmlog", 1,
+                 "long.csv:2: expected a line of a table, found one of 1200001 bytes");
 }
 
 TEST_F(ImportTables, WhatWasNotMeasuredIsAllowedAndSaidInTheTrial) {

@@ -25,6 +25,22 @@ TEST_F(LiveFastrak, ASessionThatNobodyTakesPartInHasFailed) {
   EXPECT_TRUE(trial("empty.lcmlog").complete);
 }
 
+// A message whose status was left at 0 is the commonest mistake of a publisher.
+TEST_F(LiveFastrak, ASessionOfBadSamplesSaysSo) {
+  ASSERT_EQ(headpin("synthesize -o good.lcmlog").code, 0);
+  devices::Trial made = trial("good.lcmlog");
+  for (devices::Sample& sample : made.samples) {
+    if (auto* tracker = std::get_if<devices::TrackerSample>(&sample)) tracker->status = '\0';
+  }
+  devices::Recorder recorder((folder_ / "bad.lcmlog").string(), made.header, {});
+  devices::write(recorder, made.samples, {});
+  recorder.close();
+  const std::string live = "live --eyes none --duration 0.5 --lcm file://";
+  EXPECT_THAT(headpin(live + "bad.lcmlog").err,
+              testing::HasSubstr(" bad samples, whose status is not a space"));
+  EXPECT_THAT(headpin(live + "good.lcmlog").err, testing::Not(testing::HasSubstr("bad samples")));
+}
+
 TEST_F(LiveFastrak, ASecondSessionOnALineAndASecondUnitAtALinkAreRefused) {
   const Result run = shell(
       "$headpin emulate --link line --motion circle --control unit >/dev/null &\n"

@@ -43,6 +43,7 @@ TEST(ColumnNames, SayObjectAndComponent) {
            Case{"head_x_mm", Quantity::position, 0, "head"},
            Case{"right_trigger", Quantity::trigger, 0, "right"},
            Case{"qx", Quantity::quaternion, 1, ""},
+           Case{"head_pos_w", Quantity::none, 0, ""},
            Case{"battery", Quantity::none, 0, ""},
            Case{"t", Quantity::none, 0, ""},
        }) {
