@@ -233,8 +233,9 @@ std::string axes_text(const devices::Reading& reading) {
 }
 
 std::string rotations_text(const devices::Reading& reading) {
-  return reading.quaternion +
-         (reading.inverted ? reading.quaternion.empty() ? "inverse" : ",inverse" : "");
+  std::string text = reading.quaternion.empty() ? reading.angles : reading.quaternion;
+  if (reading.inverted) text += text.empty() ? "inverse" : ",inverse";
+  return text;
 }
 
 }  // namespace

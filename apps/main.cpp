@@ -73,10 +73,25 @@ void check_command(const CLI::App& app, std::string_view word) {
                                meant ? fmt::format("the nearest is {}", *meant) : all));
 }
 
-/// A hint for an unknown word: "; the nearest to --frction is --friction".
-std::string what_is_meant(const CLI::App& app) {
+/// The command that was given: of `experiment plan`, plan.
+const CLI::App* innermost(const CLI::App& app) {
   const CLI::App* command = &app;
   while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
+  return command;
+}
+
+/// What is wrong where a command is missing: the parser does not name the word in its place.
+std::string without_command(const CLI::App& app) {
+  const std::string all = fmt::format("one of {}", fmt::join(commands_of(*innermost(app)), ", "));
+  const std::vector<std::string> rest = app.remaining(true);
+  if (rest.empty()) return "expected a command: " + all;
+  const char* const kind = rest.front().starts_with('-') ? "option" : "command";
+  return fmt::format("unknown {} '{}'; expected a command: {}", kind, rest.front(), all);
+}
+
+/// A hint for an unknown word: "; the nearest to --frction is --friction".
+std::string what_is_meant(const CLI::App& app) {
+  const CLI::App* command = innermost(app);
   std::vector<std::string> options;
   for (const CLI::Option* option : command->get_options()) {
     for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
@@ -92,7 +107,7 @@ std::string what_is_meant(const CLI::App& app) {
 /// All topics with the titles of their pages, and the folder of the pages.
 void print_topics() {
   fmt::print("Topics; `headpin help TOPIC` prints the file of its page:\n");
-  for (const Topic& topic : topics()) fmt::print("  {:<14}{}\n", topic.name, topic.title);
+  for (const Topic& topic : topics()) fmt::print("  {:<20}{}\n", topic.name, topic.title);
   fmt::print("All pages are in {}\n", docs_folder().string());
 }
 
@@ -152,7 +167,9 @@ int run(CLI::App& app, int argc, char** argv) {
       std::fputs(wrapped(help.str(), terminal_width()).c_str(), stdout);  // fails when it is closed
       return EXIT_SUCCESS;
     }
-    const std::string why = error.what() + what_is_meant(app);
+    const bool no_command =
+        std::string_view(error.what()).find("subcommand is required") != std::string_view::npos;
+    const std::string why = (no_command ? without_command(app) : error.what()) + what_is_meant(app);
     return fail(app, json, fmt::format("{}; see `{} --help`", why, name_of(app)), 2);
   } catch (const Stopped& error) {
     return fail(app, json, error.what(), 128 + error.signal);

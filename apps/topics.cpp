@@ -13,6 +13,10 @@ namespace fs = std::filesystem;
 
 constexpr std::array kTopics = {
     Topic{"tutorial", "tutorial.md", "Tutorial: from the first throw to a figure for a paper"},
+    Topic{"tutorial-recording", "tutorial-recording.md", "Tutorial: your own recording"},
+    Topic{"tutorial-pins", "tutorial-pins.md", "Tutorial: your own pins"},
+    Topic{"tutorial-driver", "tutorial-driver.md",
+          "Tutorial: your own driver, tried on the emulator"},
     Topic{"conditions", "guides/replay.md", "Replay a trial and compare conditions"},
     Topic{"page", "guides/page.md", "One page to look at and to send"},
     Topic{"pictures", "guides/frames.md", "See what the participant saw"},

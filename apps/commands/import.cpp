@@ -55,13 +55,15 @@ void take_events(const ImportOptions& options, devices::MotionRecording& recordi
   if (options.events.empty()) return;
   const std::string text = files::read_text(options.events, 100'000'000);
   std::vector<Stamped<bool>> markers;
+  // Whether some grab and release are inside the recording, as far apart as those of a throw.
   const auto fits = [&] {
-    return std::ranges::all_of(markers,
-                               [&](const Stamped<bool>& marker) {
-                                 return marker.time >= Time{} &&
-                                        marker.time <= recording.times.back();
-                               }) &&
-           markers[1].time - markers[0].time >= Time{100'000};
+    for (std::size_t i = 1; i < markers.size(); i += 2) {
+      const Time grab = markers[i - 1].time, release = markers[i].time;
+      if (grab >= Time{} && release <= recording.times.back() && release - grab >= Time{100'000}) {
+        return true;
+      }
+    }
+    return false;
   };
   // In the unit of the recording, or in seconds.
   for (const double unit_s : {recording.reading.time_unit_s, 1.0}) {
@@ -96,8 +98,9 @@ Thrown read_thrown(const ImportOptions& options, const scene::Hand& hand) {
   }
   const auto wanted = static_cast<std::size_t>(*options.which);
   if (wanted > throws.size()) {
-    throw std::runtime_error(fmt::format("{}: expected a throw number {}, found {} throws",
-                                         options.file, wanted, throws.size()));
+    throw std::runtime_error(
+        fmt::format("{}: --throw {}: expected 1 to {}, the number of its throws", options.file,
+                    wanted, throws.size()));
   }
   thrown.recording = std::move(throws[wanted - 1]);
   thrown.side = side_of(options, thrown.recording, hand);

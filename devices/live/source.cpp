@@ -1,6 +1,8 @@
 #include "devices/live/source.h"
 
 #include <array>
+#include <filesystem>
+#include <stdexcept>
 #include <string_view>
 
 #include <fmt/format.h>
@@ -69,6 +71,12 @@ std::unique_ptr<LiveSource> open_source(const std::string& name, const SourceOpt
     if (name.starts_with(kind.prefix)) {
       return kind.open(name, name.substr(kind.prefix.size()), options);
     }
+  }
+  const std::size_t colon = name.find(':');
+  if (colon != std::string::npos && name.find('/') > colon && !std::filesystem::exists(name)) {
+    throw std::invalid_argument(fmt::format(
+        "unknown kind of source '{}'; expected fastrak:LINE, lcm:URL, or the file of a trial",
+        name.substr(0, colon)));
   }
   return std::make_unique<LiveTrial>(name);
 }

@@ -71,6 +71,11 @@ Component component_of(const std::string& name) {
   if (n == 0) return {};
   const std::string& last = words[n - 1];
 
+  const bool measured = n > 1 && is_one_of(last, {"value", "state", "pressed", "axis"});
+  if (measured &&
+      is_one_of(words[n - 2], {"trigger", "squeeze", "grip", "button", "grab", "pinch"})) {
+    return {Quantity::trigger, 0, joined(words, n - 2)};
+  }
   if (is_one_of(last, {"trigger", "squeeze", "grip", "button", "pressed", "grab", "pinch"})) {
     return {Quantity::trigger, 0, joined(words, n - 1)};
   }

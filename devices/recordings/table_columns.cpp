@@ -136,7 +136,11 @@ std::optional<std::size_t> find_time(const AnyTable& table) {
       const bool named = std::ranges::any_of(words, [&](const std::string& word) {
         return std::ranges::find(names, word) != names.end();
       });
-      if (named && component_of(table.columns[c].name).quantity == Quantity::none) return c;
+      // "time_frame" is a number of frames.
+      const bool frames =
+          &names != &kNames.back() && std::ranges::find(words, "frame") != words.end();
+      if (named && !frames && component_of(table.columns[c].name).quantity == Quantity::none)
+        return c;
     }
   }
   return std::nullopt;
@@ -240,6 +244,11 @@ void prefer(Candidates& found) {
                        {"hand", "controller", "ctrl", "wrist", "palm", "wand", "head", "hmd"});
     });
   });
+  // "head" before "head forward", "right hand" before "right hand index".
+  if (found.empty()) return;
+  const auto length = [](const auto* object) { return words_of(object->first).size(); };
+  const std::size_t least = length(*std::ranges::min_element(found, {}, length));
+  keep([&](const auto* object) { return length(object) == least; });
 }
 
 /// The object that a part is.

@@ -300,9 +300,17 @@ class TableMotion {
     if (2 * lost > rows.size()) refuse_part(part, lost, rows.size(), first_lost);
     note(again,
          fmt::format("samples of the {} have the time of another one: ignored", kPartNames[part]));
+    if (50 * again > rows.size()) {
+      tracks_.notes.emplace_back("the clock of the rows is coarse: speeds are less accurate");
+    }
     note(lost, fmt::format("samples of the {} have blank cells, no numbers or no rotation (the "
                            "first in line {}): ignored",
                            kPartNames[part], first_lost));
+    if (its.angles[0]) {
+      tracks_.reading.angles =
+          fmt::format("{},{}", its.rotation == RotationKind::vector ? "vector" : order,
+                      rotation_of.degrees() ? "deg" : "rad");
+    }
     if (its.rotation == RotationKind::angles && part == 0) {
       tracks_.notes.push_back(fmt::format("rotations are angles: read as {} in {}", order,
                                           rotation_of.degrees() ? "degrees" : "radians"));

@@ -51,7 +51,7 @@ Throw find_throw(const devices::MotionRecording& recording, const Hand& hand,
 std::vector<std::string> why_no_throw(const devices::MotionRecording& recording, const Hand& hand,
                                       Side side = Side::right);
 
-/// Reasons why the release is less accurate: a low sample rate or long gaps. Sentences; empty for a
+/// Reasons why the release is less accurate: a low sample rate, long gaps, repeated poses. Sentences; empty for a
 /// good recording.
 std::vector<std::string> doubts(const devices::MotionRecording& recording);
 

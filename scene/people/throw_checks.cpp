@@ -31,6 +31,7 @@ constexpr double kLowestRate = 45.0, kHighestRate = 250.0;  // Hz
 constexpr double kUsualRate = 59.0;                         // Hz; head-mounted displays: 60 and up
 constexpr double kLongestGap = 0.1, kUsualGap = 0.05;       // s
 constexpr std::size_t kFewestSamples = 100;
+constexpr double kMostRepeated = 0.1;
 constexpr double kShortestDuration = 2.0;  // s
 
 template <typename Value>
@@ -247,6 +248,30 @@ std::vector<std::string> why_no_throw(const MotionRecording& recording, const Ha
   return out.all;
 }
 
+namespace {
+
+/// The share of samples within a quarter of a second of a hand's fastest motion that repeat the one before.
+double repeated(const MotionRecording& r, const std::vector<Pose>& hand) {
+  if (hand.size() < 2) return 0.0;
+  std::size_t fastest = 0;
+  double most = 0.0;
+  for (std::size_t i = 0; i < hand.size(); ++i) {
+    if (const double speed = velocity(r.times, hand, i).norm(); speed > most)
+      most = speed, fastest = i;
+  }
+  if (most < kSlowestThrow) return 0.0;  // a hand that rests
+  constexpr Time kAround{250'000};
+  std::size_t all = 0, same = 0;
+  for (std::size_t i = 1; i < hand.size(); ++i) {
+    if (std::chrono::abs(r.times[i] - r.times[fastest]) > kAround) continue;
+    ++all;
+    same += hand[i].p == hand[i - 1].p && hand[i].q.coeffs() == hand[i - 1].q.coeffs();
+  }
+  return all == 0 ? 0.0 : static_cast<double>(same) / static_cast<double>(all);
+}
+
+}  // namespace
+
 std::vector<std::string> doubts(const MotionRecording& r) {
   std::vector<std::string> said;
   const std::size_t n = r.times.size();
@@ -266,6 +291,15 @@ std::vector<std::string> doubts(const MotionRecording& r) {
     said.push_back(
         fmt::format("no samples for {:.3g} s from {:.3g} s: the motion there is interpolated",
                     longest, seconds(r.times[at])));
+  }
+  for (const auto& [hand, name] : {std::pair{&r.left_hand, "left"}, {&r.right_hand, "right"}}) {
+    const double share = repeated(r, *hand);
+    if (share < kMostRepeated) continue;
+    said.push_back(
+        fmt::format("the {} hand repeats its pose in {:.0f} % of the samples of its swing: its "
+                    "tracker is slower "
+                    "than the recording, and the release is less accurate",
+                    name, 100.0 * share));
   }
   return said;
 }

@@ -122,4 +122,47 @@ engine::MassProperties turned_mass(const Outline& outline, double mass) {
   return found;
 }
 
+namespace {
+
+/// Largest distance from the axis of a convex polyhedron's section at a height.
+double radius_of_section(const SkittlePart& part, double height) {
+  double radius = 0.0;
+  for (const std::vector<std::uint32_t>& face : part.faces) {
+    for (std::size_t i = 0; i < face.size(); ++i) {
+      const Vec3 &a = part.corners[face[i]], &b = part.corners[face[(i + 1) % face.size()]];
+      const double from = height - a.z(), to = height - b.z();
+      if (from * to > 0.0) continue;  // the edge is above or below
+      const double share = a.z() == b.z() ? 0.0 : from / (b.z() - a.z());
+      const Vec3 p = a + share * (b - a);
+      radius = std::max(
+          {radius, std::hypot(p.x(), p.y()), a.z() == b.z() ? std::hypot(b.x(), b.y()) : 0.0});
+    }
+  }
+  return radius;
+}
+
+double radius_of_part(const SkittlePart& part, double height) {
+  if (height < part.low || height > part.high) return 0.0;
+  if (part.shape == "polyhedron") return radius_of_section(part, height);
+  if (part.shape == "cylinder") return part.radius;
+  const double share = (height - part.low) / (part.high - part.low);
+  if (part.shape == "cone") return part.radius * (1.0 - share);
+  const double across = 2.0 * share - 1.0;
+  return part.radius * std::sqrt(std::max(0.0, 1.0 - across * across));
+}
+
+}  // namespace
+
+std::vector<Vec2> profile_of_parts(std::span<const SkittlePart> parts, double height) {
+  constexpr int kSteps = 24;
+  std::vector<Vec2> profile;
+  for (int i = 0; i <= kSteps; ++i) {
+    const double at = i == kSteps ? height : height * i / kSteps;
+    double radius = 0.0;
+    for (const SkittlePart& part : parts) radius = std::max(radius, radius_of_part(part, at));
+    profile.emplace_back(at, radius);
+  }
+  return profile;
+}
+
 }  // namespace headpin::scene

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "engine/compound.h"
+#include "scene/scenario/scenario.h"
 
 /// Outlines of bodies of revolution, and their mass properties.
 namespace headpin::scene {
@@ -36,6 +37,10 @@ struct TurnedPart {
 ///
 /// @param parts  1 or more, that leave no gap
 Outline outline_of_parts(std::span<const TurnedPart> parts);
+
+/// The profile of a skittle that was given by its parts alone: at 25 heights from the base to the top, the
+/// largest distance of a part from the axis.
+std::vector<Vec2> profile_of_parts(std::span<const SkittlePart> parts, double height);
 
 /// The mass properties of the solid of revolution about z, with uniform density; exact for the
 /// polyline.

@@ -1,5 +1,6 @@
 #include "scene/stage/read_scenario.h"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -7,6 +8,7 @@
 #include "scene/scenario/files.h"
 #include "scene/scenario/text.h"
 #include "scene/scenario/toml_text.h"
+#include "scene/stage/outline.h"
 #include "scene/stage/scenario_checks.h"
 #include "scene/stage/seen_mesh.h"
 
@@ -30,6 +32,38 @@ void take_polyhedra(Scenario& scenario, const ScenarioText& text) {
         fmt::format("{}: skittle.parts must be low below high, found {} and {}", text.place(key),
                     part.low, part.high));
   }
+}
+
+/// Refuses a height that no skittle has, and names the unit that would make it one.
+void require_skittles_size(double height, const ScenarioText& text) {
+  constexpr double kLeast = 0.05, kMost = 2.0;  // m
+  if (height >= kLeast && height <= kMost) return;
+  std::string offer;
+  for (const double unit : {0.001, 0.01, 0.0254, 0.3048}) {
+    if (height * unit < 0.1 || height * unit > 1.0) continue;
+    offer = fmt::format("; with unit = {} it would be {:.3g}", unit, height * unit);
+    break;
+  }
+  throw std::invalid_argument(fmt::format("{}: skittle.parts: {:.6g} m high, expected {} to {}{}",
+                                          text.place("skittle.parts"), height, kLeast, kMost,
+                                          offer));
+}
+
+/// What a file does not say of a skittle that it gives by polyhedra follows from these: its height, its
+/// profile, what its mass properties are of, and what is seen.
+void follow_polyhedra(Scenario& scenario, const ScenarioText& text) {
+  Skittle& skittle = scenario.skittle;
+  const bool polyhedra = std::ranges::any_of(
+      skittle.parts, [](const SkittlePart& part) { return part.shape == "polyhedron"; });
+  if (text.whole || text.one_line || !text.has("skittle.parts") || !polyhedra) return;
+  if (!text.has("skittle.height")) {
+    skittle.height = std::ranges::max_element(skittle.parts, {}, &SkittlePart::high)->high;
+    require_skittles_size(skittle.height, text);
+  }
+  if (text.has("skittle.profile")) return;
+  skittle.profile = profile_of_parts(skittle.parts, skittle.height);
+  if (!text.has("skittle.weighed")) skittle.weighed = "parts";
+  if (!text.has("skittle.seen") && !text.has("skittle.mesh.file")) skittle.seen = "collider";
 }
 
 /// Completes the visible meshes: reads files that a text names, and finds those of a trial again.
@@ -58,6 +92,7 @@ void take_meshes(Scenario& scenario, const ScenarioText& text) {
 /// Completes a scenario after its text was read.
 void complete(Scenario& scenario, const ScenarioText& text) {
   take_polyhedra(scenario, text);
+  follow_polyhedra(scenario, text);
   take_meshes(scenario, text);
   const Lines lines = text.one_line ? Lines{} : text.lines;
   check(scenario, text.where, lines);

@@ -110,7 +110,7 @@ class Checker {
     }
     if (std::abs(top - s_.skittle.height) > kSame) {
       refuse("skittle.height",
-             fmt::format("must be that of its parts, {}; found {}", top, s_.skittle.height),
+             fmt::format("must be that of its parts, {:.6g}; found {:.6g}", top, s_.skittle.height),
              {"skittle.parts"});
     }
   }

@@ -42,6 +42,9 @@ TEST_F(CommandLine, HelpIsACommandToo) {
     EXPECT_EQ(help.code, 0) << help.err;
     EXPECT_EQ(help.out, headpin(command + " --help").out) << command;
   }
+  expect_refusal("--foo", 2, "unknown option '--foo'; expected a command: one of scenario, ");
+  expect_refusal("sweep make", 2, "unknown command 'make'; expected a command: one of ");
+  expect_refusal("sweep", 2, "expected a command: one of ");
   expect_refusal("help replya", 2, "unknown command 'replya'; the nearest is replay");
   expect_refusal("help replay more", 2, "unknown command 'more'; there are none here");
 }

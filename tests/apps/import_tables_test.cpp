@@ -148,6 +148,9 @@ TEST_F(ImportTables, ATriggerAndAFileOfEventsSayGrabAndRelease) {
   EXPECT_NEAR(json("replay p.lcmlog --json")["release_speed_mps"].get<double>(),
               by_events["release_speed_mps"].get<double>(), 1e-6);
 
+  // A file of markers may cover more than the recording.
+  spit(folder_ / "session.csv", "time,what\n1.4,grab\n3.95,let go\n100,grab\n101,let go\n");
+  EXPECT_EQ(json("import p.csv -o s.lcmlog --events session.csv --json")["release_s"], 3.95);
   spit(folder_ / "late.csv", "time,what\n100,grab\n101,let go\n");
   expect_refusal("import p.csv -o OUT.lcmlog --events late.csv", 1,
                  "expected times of grab and release between 0.000 and");
@@ -198,6 +201,23 @@ TEST_F(ImportTables, NamesThatAreNotUnderstoodAreNotPassedOverInSilence) {
   expect_refusal("import u.csv -o OUT.lcmlog", 1, "say which are meant, such as time=t");
   ASSERT_EQ(headpin("import u.csv --explain -o u.toml").code, 0);
   EXPECT_THAT(slurp(folder_ / "u.toml"), HasSubstr("#   kopf_x"));
+}
+
+TEST_F(ImportTables, OfManyObjectsTheHeadAndTheHandAreTaken) {
+  ForeignTable many = table("plain");
+  for (const char* other : {"head_forward", "right_hand_index", "right_elbow", "ball"}) {
+    for (const char* cell : {"x", "y", "z", "qx", "qy", "qz", "qw"}) {
+      many.header.push_back(std::string(other) + "_" + cell);
+      many.columns.push_back("=0.5");
+    }
+  }
+  for (std::string& name : many.header) {
+    if (name.starts_with("ctrl_right")) name.replace(0, 10, "right_hand");
+  }
+  write("many.csv", many);
+  write("plain.csv", table("plain"));
+  EXPECT_EQ(json("import many.csv -o m.lcmlog --json")["release_speed_mps"],
+            json("import plain.csv -o p.lcmlog --json")["release_speed_mps"]);
 }
 
 TEST_F(ImportTables, ARecordingThatEndsTooSoonForTheSkittlesSaysSo) {
@@ -295,6 +315,7 @@ TEST_F(ImportTables, ExplainSaysWhatIsUnderstoodAndWritesItsColumns) {
   }
   EXPECT_THAT(headpin("import t.csv --explain --axes RSA").out, HasSubstr("looking down the lane"));
   ASSERT_EQ(headpin("import t.csv --explain --axes RSA -o map.toml").code, 0);
+  EXPECT_THAT(slurp(folder_ / "map.toml"), HasSubstr("rotations = 'YXZ,deg'"));
   EXPECT_EQ(headpin("import t.csv --explain -o map.toml").code, 1);  // not overwritten unasked
   const nlohmann::json by_map = json("import t.csv --columns map.toml -o a.lcmlog --json");
   EXPECT_EQ(by_map["release_speed_mps"],

@@ -97,9 +97,9 @@ TEST_F(SweepCommands, StoppedOrKilledAnywhereItEndsWithTheSameBytes) {
   plan("timed");
   const auto begin = std::chrono::steady_clock::now();
   ASSERT_EQ(headpin("sweep run timed --jobs 2").code, 0);
-  const auto took = std::chrono::duration_cast<std::chrono::microseconds>(
-                        std::chrono::steady_clock::now() - begin)
-                        .count();
+  auto took = std::chrono::duration_cast<std::chrono::microseconds>(
+                  std::chrono::steady_clock::now() - begin)
+                  .count();
   std::mt19937 random(7);
   plan("killed");
   int ended = 0;
@@ -116,7 +116,12 @@ TEST_F(SweepCommands, StoppedOrKilledAnywhereItEndsWithTheSameBytes) {
     const bool done = WIFEXITED(status) && WEXITSTATUS(status) == 0;
     EXPECT_TRUE(killed || stopped || at_once || done) << status;
     ended += done ? 0 : 1;
-    if (done) break;
+    if (done && ended > 0) break;
+    if (!done) continue;
+    // The machine was slower when the time was taken: earlier, on a new sweep.
+    took = std::max<decltype(took)>(took / 4, 1000);
+    fs::remove_all(folder_ / "killed");
+    plan("killed");
   }
   EXPECT_GT(ended, 0);
   ASSERT_EQ(headpin("sweep run killed").code, 0);

@@ -42,6 +42,7 @@ TEST(ColumnNames, SayObjectAndComponent) {
            Case{"hmd_pose_r11", Quantity::matrix, 11, "hmd"},
            Case{"head_x_mm", Quantity::position, 0, "head"},
            Case{"right_trigger", Quantity::trigger, 0, "right"},
+           Case{"right_trigger_value", Quantity::trigger, 0, "right"},
            Case{"qx", Quantity::quaternion, 1, ""},
            Case{"head_pos_w", Quantity::none, 0, ""},
            Case{"battery", Quantity::none, 0, ""},

@@ -76,6 +76,7 @@ TEST(OpenSource, SaysWhatItCannotOpen) {
   EXPECT_THAT(refusal("fastrak:/dev/nobody"), testing::HasSubstr("/dev/nobody"));
   EXPECT_THROW(open_source("fastrak:tcp:here:none", {}), std::invalid_argument);
   EXPECT_THAT(refusal("lcm:carrier-pigeon://"), testing::HasSubstr("cannot open LCM"));
+  EXPECT_THAT(refusal("xyz:abc"), testing::HasSubstr("unknown kind of source 'xyz'"));
 }
 
 }  // namespace

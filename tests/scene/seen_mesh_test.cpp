@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "scene/looks/eyes.h"
+#include "scene/stage/bodies.h"
 #include "scene/stage/read_scenario.h"
 #include "tests/support/folder.h"
 
@@ -69,6 +70,52 @@ TEST(PolyhedronPart, StandsUntilItIsStruck) {
   }
 }
 
+// What a file does not say follows from its mesh; what it says stays.
+TEST(PolyhedronPart, DecidesHeightProfileMassAndLook) {
+  const TemporaryFolder folder;
+  spit(folder / "box.obj",
+       "v -0.05 0 -0.05\nv 0.05 0 -0.05\nv 0.05 0 0.05\nv -0.05 0 0.05\n"
+       "v -0.05 0.3 -0.05\nv 0.05 0.3 -0.05\nv 0.05 0.3 0.05\nv -0.05 0.3 0.05\n"
+       "f 1 2 3 4\nf 8 7 6 5\nf 1 5 6 2\nf 2 6 7 3\nf 3 7 8 4\nf 4 8 5 1\n");
+  const auto read = [&](const std::string& more) {
+    return parse_scenario(
+        "[skittle]\nparts = [{shape = 'polyhedron', file = 'box.obj', axes = 'RSP'}]\n" + more,
+        (folder / "box.toml").string());
+  };
+  const Skittle box = read("").skittle;
+  EXPECT_NEAR(box.height, 0.3, 1e-7);
+  EXPECT_EQ(box.weighed, "parts");
+  EXPECT_EQ(box.seen, "collider");
+  EXPECT_EQ(box.profile.back().x(), box.height);
+  for (const Vec2& point : box.profile) EXPECT_NEAR(point.y(), std::hypot(0.05, 0.05), 1e-7);
+  EXPECT_NEAR(skittle_body(read("")).centre_height, 0.15, 1e-7);
+
+  const Skittle said =
+      read("weighed = 'profile'\nseen = 'true'\nprofile = [[0.0, 0.05], [0.15, 0.06], [0.3, 0.05]]")
+          .skittle;
+  EXPECT_EQ(said.weighed, "profile");
+  EXPECT_EQ(said.seen, "true");
+  EXPECT_EQ(said.profile.size(), 3u);
+  EXPECT_THROW(read("height = 0.31"), std::invalid_argument);
+  const std::string metres = slurp(folder / "box.obj");
+  std::string millimetres = metres;
+  for (std::size_t at = 0; (at = millimetres.find("0.05", at)) != std::string::npos;)
+    millimetres.replace(at, 4, "50");
+  for (std::size_t at = 0; (at = millimetres.find("0.3", at)) != std::string::npos;)
+    millimetres.replace(at, 3, "300");
+  spit(folder / "box.obj", millimetres);
+  EXPECT_THAT(complaint([&] { read(""); }),
+              HasSubstr("box.toml:2: skittle.parts: 300 m high, expected 0.05 to 2; with unit = "
+                        "0.001 it would be 0.3"));
+  // Primitives alone do not change what is seen.
+  const Skittle plain =
+      parse_scenario(
+          "[skittle]\nparts = [{shape = 'cylinder', radius = 0.05, low = 0.0, high = 0.381}]", "x")
+          .skittle;
+  EXPECT_EQ(plain.profile, Scenario{}.skittle.profile);
+  EXPECT_EQ(plain.weighed, "profile");
+}
+
 TEST(PolyhedronPart, ThatIsNoneIsRefusedWithItsPlace) {
   const TemporaryFolder folder;
   const std::string where = (folder / "lane.toml").string();
@@ -84,7 +131,8 @@ TEST(PolyhedronPart, ThatIsNoneIsRefusedWithItsPlace) {
   EXPECT_THAT(refusal(hull_scenario(", sha256 = 'abc'")), HasSubstr("expected abc"));
   EXPECT_THAT(refusal(hull_scenario(", radius = 0.1")), HasSubstr("unknown key"));
   EXPECT_THAT(refusal(hull_scenario(", axes = 'up'")), HasSubstr("axes 'up'"));
-  EXPECT_THAT(refusal(hull_scenario(", unit = 0.0254")), HasSubstr("skittle.height must be"));
+  EXPECT_THAT(refusal(hull_scenario(", unit = 0.0254")),
+              HasSubstr("skittle.parts: 0.0096774 m high, expected 0.05 to 2"));
   EXPECT_THAT(refusal(hull_scenario(", corners = [[0, 0, 0]], faces = [[0, 1, 9]]")),
               HasSubstr("lane.toml:2: skittle.parts: polyhedron"));
   EXPECT_THAT(refusal("[skittle]\nparts = [{shape = 'polyhedron'}]"), HasSubstr("neither"));

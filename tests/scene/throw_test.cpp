@@ -273,6 +273,11 @@ TEST_P(ThrowTest, FewSamplesAndShortHolesAreTakenWithAWord) {
   EXPECT_EQ(complaint_about(csv.text()), "accepted");
   EXPECT_THAT(doubts(read_csv(csv.text(), 0.01)),
               testing::ElementsAre(HasSubstr("no samples for 0.0")));
+  // A tracker of half the rate: each pose twice.
+  devices::MotionRecording held = good();
+  for (std::size_t i = 1; i < held.times.size(); i += 2)
+    held.right_hand[i] = held.right_hand[i - 1];
+  EXPECT_THAT(doubts(held), testing::Contains(HasSubstr("the right hand repeats its pose in ")));
   // Some programs end each line with a comma.
   std::string text = good_;
   for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; at += 2) {
