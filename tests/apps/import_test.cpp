@@ -104,7 +104,8 @@ TEST_F(TrialCommands, ImportRefusesInOneLineAndLeavesNothing) {
       "import " HEADPIN_SOURCE_DIR "/assets/throws/example.csv -o OUT.lcmlog";
   expect_refusal(example + " --axes RSX", 2, "axes 'RSX': expected where +x, +y and +z point");
   expect_refusal(example + " --names a,b,c", 1, "expected the columns of one object");
-  expect_refusal("import bad.csv -o OUT.lcmlog", 1, "seems to be CSV that begins with 'delta_time_ms,head_pos_x'");
+  expect_refusal("import bad.csv -o OUT.lcmlog", 1,
+                 "seems to be CSV that begins with 'delta_time_ms,head_pos_x'");
   expect_refusal("import missing.csv -o OUT.lcmlog", 1, "missing.csv: cannot open");
   expect_refusal("import bad.csv", 2, "--output");
   expect_refusal("import bad.csv -o OUT.lcmlog --heading north", 2, "--heading");
