@@ -181,17 +181,33 @@ class Told {
     }
   }
 
-  /// Which parts were told.
+  /// Which parts were told whole.
   std::array<bool, 3> done() {
     std::array<bool, 3> told{};
     for (auto& [part, object] : objects_) {
-      finish(object);
+      if (object.columns.rotation == RotationKind::none) finish(object);
+      if (!whole(object.columns.position)) continue;
       const std::optional<std::size_t> trigger = columns_.parts[part].trigger;
       columns_.parts[part] = object.columns;
       if (!object.columns.trigger) columns_.parts[part].trigger = trigger;
       told[part] = true;
     }
     return told;
+  }
+
+  /// Adds what was told of a part to what was found of it.
+  void add(std::size_t part, PartColumns& found) const {
+    const auto told = objects_.find(part);
+    if (told == objects_.end()) return;
+    const auto take = [](const auto& from, auto& to) {
+      if (whole(from)) to = from;
+    };
+    const PartColumns& its = told->second.columns;
+    take(its.quaternion, found.quaternion);
+    take(its.angles, found.angles);
+    take(its.matrix, found.matrix);
+    if (its.trigger) found.trigger = its.trigger;
+    if (its.rotation != RotationKind::none) found.rotation = its.rotation;
   }
 
  private:
@@ -419,22 +435,25 @@ MotionColumns find_columns(const AnyTable& table, const ToldColumns& told, bool 
   Told said(table, where, columns);
   for (const auto& [key, value] : told) said.take(key, value);
   const std::array<bool, 3> is_told = said.done();
-  const bool any_told = std::ranges::any_of(is_told, [](bool one) { return one; });
+  const bool hand_told = is_told[1] || is_told[2];
 
   const Objects objects = objects_of(table);
   if (!columns.time) columns.time = find_time(table);
   std::array<const Object*, 3> found{};
   for (std::size_t part = 0; part < 3; ++part) {
-    if (is_told[part] || (any_told && part > 0))
-      continue;  // a hand that was not told is not wanted
+    // Of two hands, one that was not told is not wanted.
+    if (is_told[part] || (hand_told && part > 0)) continue;
     found[part] = object_of(objects, part, where);
   }
-  const bool hand_is_there = found[1] || found[2] || is_told[1] || is_told[2];
-  if (!hand_is_there && !any_told) found[only_hand_is_left ? 1 : 2] = only_hand(objects, found[0]);
+  if (!found[1] && !found[2] && !hand_told)
+    found[only_hand_is_left ? 1 : 2] = only_hand(objects, found[0]);
   for (std::size_t part = 0; part < 3; ++part) {
     PartColumns& its = columns.parts[part];
     const std::optional<std::size_t> trigger = its.trigger;
-    if (found[part]) its = found[part]->columns;
+    if (found[part]) {
+      its = found[part]->columns;
+      said.add(part, its);
+    }
     if (trigger) its.trigger = trigger;
     if (part > 0 && its.tracked() && !its.trigger) its.trigger = loose_trigger(objects, part);
   }

@@ -195,6 +195,15 @@ TEST_F(ImportTables, NamesThatAreNotUnderstoodAreNotPassedOverInSilence) {
   EXPECT_THAT(json("import t.csv -o t.lcmlog --force --json")["notes"].dump(),
               HasSubstr("not understood"));
 
+  // Told what the four are, it is the throw again.
+  const nlohmann::json told = json(
+      "import t.csv -o t.lcmlog --force --json --columns "
+      "'head.qx=head_q1,head.qy=head_q2,head.qz=head_q3,"
+      "head.qw=head_q4,right.qx=right_q1,right.qy=right_q2,right.qz=right_q3,right.qw=right_q4'");
+  write("plain.csv", table("plain"));
+  EXPECT_EQ(told["release_speed_mps"],
+            json("import plain.csv -o p.lcmlog --json")["release_speed_mps"]);
+
   strange.header = {"zeit", "kopf_x", "b", "c", "d", "e", "f", "g",
                     "h",    "i",      "j", "k", "l", "m", "n"};
   write("u.csv", strange);
