@@ -57,7 +57,10 @@ void follow_polyhedra(Scenario& scenario, const ScenarioText& text) {
       skittle.parts, [](const SkittlePart& part) { return part.shape == "polyhedron"; });
   if (text.whole || text.one_line || !text.has("skittle.parts") || !polyhedra) return;
   if (!text.has("skittle.height")) {
-    skittle.height = std::ranges::max_element(skittle.parts, {}, &SkittlePart::high)->high;
+    skittle.height = 0.0;
+    for (const SkittlePart& part : skittle.parts) {
+      skittle.height = std::max(skittle.height, part.high);
+    }
     require_skittles_size(skittle.height, text);
   }
   if (text.has("skittle.profile")) return;
