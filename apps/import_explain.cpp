@@ -92,10 +92,8 @@ void judge(const ImportOptions& options, const scene::Hand& hand, Explained& fou
 }
 
 bool is_text_table(const std::string& file) {
-  for (const devices::MotionFormat& format : devices::motion_formats()) {
-    if (format.name == "table") return devices::format_of(file) == &format;
-  }
-  return false;
+  const devices::MotionFormat* format = devices::format_of(file);
+  return format && format->name == "table";
 }
 
 Explained find_out(const ImportOptions& options, const scene::Hand& hand) {

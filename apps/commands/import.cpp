@@ -74,8 +74,7 @@ void take_events(const ImportOptions& options, devices::MotionRecording& recordi
   if (!fits()) {
     throw std::invalid_argument(
         fmt::format("{}: expected times of grab and release between {:.3f} and {:.3f} s, as the "
-                    "recording has; found {:.3f} "
-                    "to {:.3f} s",
+                    "recording has; found {:.3f} to {:.3f} s",
                     options.events, nearest_seconds(recording.start),
                     nearest_seconds(recording.start + recording.times.back()),
                     nearest_seconds(recording.start + markers.front().time),
@@ -126,8 +125,7 @@ std::vector<std::string> doubts_about(const Thrown& thrown, const scene::Throw& 
   if (after < needed) {
     all.push_back(
         fmt::format("ends {:.2f} s after the release: a replay ends there too, before all skittles "
-                    "have fallen; `replay "
-                    "--each-throw` goes on",
+                    "have fallen; `replay --each-throw` goes on",
                     after));
   }
   std::ranges::move(scene::doubts(thrown.recording), std::back_inserter(all));
@@ -304,10 +302,6 @@ void import_throw(const ImportOptions& options) {
       release, speed);
 }
 
-}  // namespace
-
-namespace {
-
 /// Options that say how the file is read.
 void add_reading(CLI::App& command, ImportOptions& options) {
   command
@@ -407,8 +401,8 @@ void add_import(CLI::App& app) {
   add_json(*command, options->json);
   command->footer(
       "Without a trigger in the file, or --events, the program finds grab and release in the "
-      "motion, "
-      "and\nmarks them as found. A recording that cannot be a person's throw is refused, with the "
+      "motion, and\nmarks them as found. A recording that cannot be a person's throw is refused, "
+      "with the "
       "reason. A "
       "session from\n`experiment export` is read back complete, with its buttons.\n\n"
       "Example:\n  headpin import throw.csv -o throw.lcmlog --heading gaze");

@@ -256,10 +256,14 @@ std::size_t usual_count(const std::vector<Line>& lines, std::size_t from, char s
 }  // namespace
 
 std::vector<std::string_view> split_cells(std::string_view line) {
-  for (const char separator : {';', '\t', ','}) {
+  for (const char separator : {';', '\t'}) {
     if (line.find(separator) != std::string_view::npos) return split(line, separator);
   }
-  return split(line, ' ');
+  // "1,2 grab": the comma is in a number.
+  const Cells words = split(line, ' ');
+  const std::size_t comma = line.find(',');
+  const bool decimal = words.size() > 1 && !words[0].ends_with(',') && number_of(words[0], true);
+  return comma == std::string_view::npos || decimal ? words : split(line, ',');
 }
 
 std::string small_letters(std::string_view text) {

@@ -49,7 +49,8 @@ struct AnyTable {
 /// @throws std::invalid_argument  when there are no lines with at least four cells, most of them numbers
 AnyTable read_any_table(std::string_view text, std::string_view where);
 
-/// The cells of one line, between semicolons, tabs, commas or blanks: the first of these that it has.
+/// The cells of one line, between semicolons, tabs, commas or blanks: the first of these that it has. A comma in a
+/// number before a blank is a decimal comma: "1,2 grab".
 std::vector<std::string_view> split_cells(std::string_view line);
 
 /// Text in small letters.

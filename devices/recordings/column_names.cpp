@@ -48,7 +48,7 @@ std::optional<Component> two_in_one(std::string_view word) {
   return Component{said, letter, {}};
 }
 
-/// Words that stand between an object and its component and say nothing: "local", "global", "anchor".
+/// Words between an object and its component that say nothing: "local", "global".
 bool says_nothing(std::string_view word) {
   return is_one_of(word, {"local", "global", "world", "pose", "transform", "m", "mm", "cm", "deg",
                           "rad", "angles"});
@@ -66,7 +66,7 @@ Component component_of(const std::string& name) {
   std::size_t n = words.size();
   // A unit behind the name: "head_x_mm".
   while (n > 1 &&
-         is_one_of(words[n - 1], {"mm", "cm", "deg", "rad", "degrees", "meters", "metres"}))
+         is_one_of(words[n - 1], {"m", "mm", "cm", "deg", "rad", "degrees", "meters", "metres"}))
     --n;
   if (n == 0) return {};
   const std::string& last = words[n - 1];

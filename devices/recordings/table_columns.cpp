@@ -336,10 +336,12 @@ void find_objects(const AnyTable& table, const Objects& objects, bool only_hand_
       const auto part = part_of_name(word);
       (part ? names[*part] : other) = word;
     }
+    const bool known = std::ranges::any_of(names, [](const auto& name) { return !name.empty(); });
+    if (!known && !told) continue;
     if (names[1].empty() && names[2].empty()) names[only_hand_is_left ? 1 : 2] = other;
-    if (names[0].empty() && !told) continue;
     columns.object = c;
     columns.objects = names;
+    columns.parts = {};
     for (std::size_t part = 0; part < 3; ++part) {
       if (!names[part].empty())
         columns.parts[part] = std::ranges::find_if(objects, placed)->second.columns;

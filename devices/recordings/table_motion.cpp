@@ -19,6 +19,8 @@ namespace {
 
 constexpr double kDegree = std::numbers::pi / 180.0;
 
+using TimedRows = std::vector<std::pair<Time, const AnyTable::Row*>>;
+
 bool is_catalogue(const AnyTable& table) {
   const auto has = [&](std::string_view name) {
     return std::ranges::find(table.columns, name, &FoundColumn::name) != table.columns.end();
@@ -27,14 +29,11 @@ bool is_catalogue(const AnyTable& table) {
 }
 
 std::optional<double> metres_of(std::string_view unit) {
-  const auto is = [&](std::initializer_list<std::string_view> names) {
-    return std::ranges::find(names, unit) != names.end();
-  };
-  if (is({"m", "meter", "meters", "metre", "metres"})) return 1.0;
-  if (is({"cm", "centimeters", "centimetres"})) return 0.01;
-  if (is({"mm", "millimeters", "millimetres"})) return 0.001;
-  if (is({"in", "inch", "inches"})) return 0.0254;
-  if (is({"ft", "feet"})) return 0.3048;
+  if (is_one_of(unit, {"m", "meter", "meters", "metre", "metres"})) return 1.0;
+  if (is_one_of(unit, {"cm", "centimeters", "centimetres"})) return 0.01;
+  if (is_one_of(unit, {"mm", "millimeters", "millimetres"})) return 0.001;
+  if (is_one_of(unit, {"in", "inch", "inches"})) return 0.0254;
+  if (is_one_of(unit, {"ft", "feet"})) return 0.3048;
   return std::nullopt;
 }
 
@@ -146,14 +145,12 @@ std::string order_of(const PartColumns& part) {
 
 /// The changes of a trigger: a press is above half of its largest value.
 std::vector<Stamped<bool>> presses(const AnyTable& table, std::size_t column,
-                                   const std::vector<std::pair<Time, const AnyTable::Row*>>& rows) {
+                                   const TimedRows& rows) {
   const auto value = [&](const AnyTable::Row& row) {
     const std::string_view cell = row.cells[column];
     if (const auto number = table.number(cell)) return *number;
     const std::string word = small_letters(cell);
-    const bool on =
-        word == "true" || word == "pressed" || word == "down" || word == "on" || word == "yes";
-    return on ? 1.0 : 0.0;
+    return is_one_of(word, {"true", "pressed", "down", "on", "yes"}) ? 1.0 : 0.0;
   };
   double most = 0.0;
   for (const auto& [time, row] : rows) most = std::max(most, value(*row));
@@ -267,9 +264,9 @@ class TableMotion {
   }
 
   /// The rows that have a part in them.
-  std::vector<std::pair<Time, const AnyTable::Row*>> rows_of(std::size_t part) const {
+  TimedRows rows_of(std::size_t part) const {
     if (!columns_.object) return rows_;
-    std::vector<std::pair<Time, const AnyTable::Row*>> rows;
+    TimedRows rows;
     for (const auto& row : rows_) {
       if (row.second->cells[*columns_.object] == columns_.objects[part]) rows.push_back(row);
     }
@@ -278,7 +275,7 @@ class TableMotion {
 
   void read_part(std::size_t part) {
     const PartColumns& its = columns_.parts[part];
-    const std::vector<std::pair<Time, const AnyTable::Row*>> rows = rows_of(part);
+    const TimedRows rows = rows_of(part);
     const std::string order = angle_order();
     const RotationReader rotation_of(table_, its, options_, order);
     const Axes axes(reading_.axes, where_), turning(reading_.turning, where_);
@@ -356,7 +353,7 @@ class TableMotion {
   std::string_view where_;
   MotionColumns columns_;
   std::vector<std::optional<double>> times_;
-  std::vector<std::pair<Time, const AnyTable::Row*>> rows_;
+  TimedRows rows_;
   Reading reading_;
   MotionTracks tracks_;
 };

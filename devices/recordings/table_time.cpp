@@ -13,13 +13,10 @@ namespace headpin::devices {
 namespace {
 
 std::optional<double> seconds_of(std::string_view unit) {
-  const auto is = [&](std::initializer_list<std::string_view> names) {
-    return std::ranges::find(names, unit) != names.end();
-  };
-  if (is({"s", "sec", "secs", "second", "seconds"})) return 1.0;
-  if (is({"ms", "msec", "millis", "milliseconds"})) return 1e-3;
-  if (is({"us", "usec", "micros", "microseconds"})) return 1e-6;
-  if (is({"ns", "nsec", "nanos", "nanoseconds"})) return 1e-9;
+  if (is_one_of(unit, {"s", "sec", "secs", "second", "seconds"})) return 1.0;
+  if (is_one_of(unit, {"ms", "msec", "millis", "milliseconds"})) return 1e-3;
+  if (is_one_of(unit, {"us", "usec", "micros", "microseconds"})) return 1e-6;
+  if (is_one_of(unit, {"ns", "nsec", "nanos", "nanoseconds"})) return 1e-9;
   return std::nullopt;
 }
 
@@ -147,7 +144,6 @@ class TimeReader {
 
 }  // namespace
 
-/// The unit of a column: from brackets, a row of units, or the last word of its name.
 std::string unit_of(const FoundColumn& column) {
   if (!column.unit.empty()) return column.unit;
   const std::vector<std::string> words = words_of(column.last);

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
-/// Foreign text tables: one row per line, cells between separators. It stays our own code: no
-/// dependency reads CSV, and messages need file and line.
+/// Text tables whose columns are known: one row per line, cells between separators. It stays our own
+/// code: no dependency reads CSV, and messages need file and line. Tables of any make: any_table.h.
 namespace headpin::devices {
 
 /// Removes the part before `separator` from the front of `text` and returns it.

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <initializer_list>
 
 #include <fmt/format.h>
 
@@ -19,35 +20,33 @@ struct Candidate {
   std::string what;
 };
 
-constexpr std::array<std::pair<double, const char*>, 5> kUnits = {{{0.01, "in centimetres"},
-                                                                   {1.0, "in metres"},
-                                                                   {0.001, "in millimetres"},
-                                                                   {0.0254, "in inches"},
-                                                                   {0.3048, "in feet"}}};
-
-std::vector<Candidate> other_units(const Reading& was) {
+/// Other values of one number of a reading.
+std::vector<Candidate> others(const Reading& was, double Reading::*number,
+                              std::initializer_list<std::pair<double, const char*>> values) {
   std::vector<Candidate> all;
-  for (const auto& [unit_m, what] : kUnits) {
-    if (unit_m == was.unit_m) continue;
+  for (const auto& [value, what] : values) {
+    if (value == was.*number) continue;
     all.push_back({was, what});
-    all.back().reading.unit_m = unit_m;
+    all.back().reading.*number = value;
   }
   return all;
 }
 
+std::vector<Candidate> other_units(const Reading& was) {
+  return others(was, &Reading::unit_m,
+                {{0.01, "in centimetres"},
+                 {1.0, "in metres"},
+                 {0.001, "in millimetres"},
+                 {0.0254, "in inches"},
+                 {0.3048, "in feet"}});
+}
+
 std::vector<Candidate> other_times(const Reading& was) {
-  constexpr std::array<std::pair<double, const char*>, 4> kTimes = {
-      {{1.0, "with time in seconds"},
-       {1e-3, "with time in milliseconds"},
-       {1e-6, "with time in microseconds"},
-       {1e-9, "with time in nanoseconds"}}};
-  std::vector<Candidate> all;
-  for (const auto& [unit_s, what] : kTimes) {
-    if (unit_s == was.time_unit_s) continue;
-    all.push_back({was, what});
-    all.back().reading.time_unit_s = unit_s;
-  }
-  return all;
+  return others(was, &Reading::time_unit_s,
+                {{1.0, "with time in seconds"},
+                 {1e-3, "with time in milliseconds"},
+                 {1e-6, "with time in microseconds"},
+                 {1e-9, "with time in nanoseconds"}});
 }
 
 std::vector<Candidate> other_quaternions(const Reading& was) {

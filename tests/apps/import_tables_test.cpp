@@ -229,6 +229,27 @@ TEST_F(ImportTables, OfManyObjectsTheHeadAndTheHandAreTaken) {
             json("import plain.csv -o p.lcmlog --json")["release_speed_mps"]);
 }
 
+// A row for each object, and no head among them: the other objects are not the hand.
+TEST_F(ImportTables, AnObjectsRowsAreItsOwn) {
+  std::string text = "time,device,x,y,z,qx,qy,qz,qw\n";
+  const ForeignTable plain = table("plain");
+  for (std::size_t i = 0; i < even_.times.size(); ++i) {
+    std::string row = plain.time(even_.times[i]) + ",controller_left";
+    for (const char* cell : {".x", ".y", ".z", ".qx", ".qy", ".qz", ".qw"}) {
+      row += "," + foreign_cell(plain, even_, i, std::string("right") + cell, {}, {});
+    }
+    text += row + "\n" + plain.time(even_.times[i]) + ",ball,1,1,1,0,0,0,1\n";
+  }
+  spit(folder_ / "t.csv", text);
+  const Vec3 p = even_.head.front().p;
+  const Result refused = headpin(
+      fmt::format("import t.csv -o t.lcmlog --head={:.3f},{:.3f},{:.3f}", p.x(), p.y(), p.z()));
+  EXPECT_THAT(
+      refused.err,
+      HasSubstr("it would be one by the right hand"));  // it is called left, and is on the right
+  EXPECT_THAT(refused.err, Not(HasSubstr("time of another")));
+}
+
 TEST_F(ImportTables, ARecordingThatEndsTooSoonForTheSkittlesSaysSo) {
   EXPECT_EQ(headpin("import " + kBundledThrow + " -o a.lcmlog").err, "");
   while (even_.times.back() > Time{4'600'000}) {

@@ -40,6 +40,7 @@ TEST(ColumnNames, SayObjectAndComponent) {
            Case{"wand_yaw", Quantity::angle, 1, "wand"},
            Case{"hmd_m23", Quantity::matrix, 23, "hmd"},
            Case{"hmd_pose_r11", Quantity::matrix, 11, "hmd"},
+           Case{"head_x_m", Quantity::position, 0, "head"},
            Case{"head_x_mm", Quantity::position, 0, "head"},
            Case{"right_trigger", Quantity::trigger, 0, "right"},
            Case{"right_trigger_value", Quantity::trigger, 0, "right"},
@@ -116,6 +117,8 @@ TEST(Markers, AreGrabsAndReleasesInOrder) {
   EXPECT_TRUE(found[0].value);
   EXPECT_EQ(found[1].time, Time{2'500'000});
   EXPECT_FALSE(found[1].value);
+  EXPECT_EQ(read("1,2 grab\n3,962 release\n").at(1).time, Time{3'962'000});
+  EXPECT_EQ(read("1, grab\n3, release\n").at(1).time, Time{3'000'000});
   EXPECT_EQ(read("duration,onset,what\n7,1,grab\n8,2,let go\n").at(1).time, Time{2'000'000});
   EXPECT_THAT(complaint([&] { read("grab,release\n"); }), HasSubstr("m.csv:1: expected a time"));
   EXPECT_THAT(complaint([&] { read("1,release\n2,grab\n"); }),
