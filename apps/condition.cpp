@@ -16,7 +16,7 @@ CLI::Option* add_look(CLI::App& command, std::optional<std::string>& value) {
     looks += fmt::format("\n{}: {}", look.name, look.meaning);
     names.emplace_back(look.name);
   }
-  return command.add_option("--look", value, looks)->check(CLI::IsMember(names));
+  return command.add_option("--look", value, looks)->check(one_of(names));
 }
 
 void add_condition_options(CLI::App& command, Condition& condition) {
@@ -36,7 +36,7 @@ void add_condition_options(CLI::App& command, Condition& condition) {
       ->group(group);
   command
       .add_option("--shape", condition.shape, "collision shape of the skittles: ellipsoid or true")
-      ->check(CLI::IsMember({"ellipsoid", "true"}))
+      ->check(one_of({"ellipsoid", "true"}))
       ->group(group);
   std::string laws = "collision response; what each one conserves:";
   std::vector<std::string> names;
@@ -44,18 +44,16 @@ void add_condition_options(CLI::App& command, Condition& condition) {
     laws += fmt::format("\n{}: {}", response.name, response.keeps);
     names.emplace_back(response.name);
   }
-  command.add_option("--response", condition.response, laws)
-      ->check(CLI::IsMember(names))
-      ->group(group);
+  command.add_option("--response", condition.response, laws)->check(one_of(names))->group(group);
   command
       .add_option("--detection", condition.detection,
                   "collision detection: converged, or with the paper's cap on iterations")
-      ->check(CLI::IsMember({"converged", "paper"}))
+      ->check(one_of({"converged", "paper"}))
       ->group(group);
   command
       .add_option("--iterations", condition.iterations,
                   "cap on the iterations of a detection query, 5 to 20")
-      ->check(CLI::Range(5, 20))
+      ->check(whole_number_from(5, 20))
       ->group(group);
   command
       .add_flag("--warm", condition.warm,

@@ -352,7 +352,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
      "messages"},
     {"try", "options with which the file would be a person's throw"},
     {"undecodable", "messages with another type or size"},
-    {"unfinished_impacts", "steps that still had impacts after the last pass"},
+    {"unfinished_impacts", "steps in which a body reached the limit of impacts"},
     {"unit", "unit of a column, if the file says it"},
     {"unsolved_islands", "islands that the solver left unconverged at its last pass"},
     {"unstamped_samples", "samples without a time of their own; their time of arrival is used"},

@@ -410,7 +410,7 @@ void add_manual(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("manual", "Write manual pages, completion and the pages of docs")
           ->group("");  // for the build; not shown in the help
-  command->add_option("folder", *folder, "where to; man1/ is made in it")->required();
+  command->add_option("FOLDER", *folder, "where to; man1/ is made in it")->required();
   command->callback([&app, folder] { write_all(app, *folder); });
 }
 

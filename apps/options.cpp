@@ -13,6 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "apps/command.h"
+#include "apps/nearest.h"
 #include "render/gl_context.h"
 
 namespace headpin::apps {
@@ -50,6 +51,12 @@ std::string wrong_output(const std::string& name, const std::vector<std::string>
   return endings.empty() ? fmt::format("expected the name of a folder, found {}", name)
                          : fmt::format("expected a name that ends in {}, found {}",
                                        fmt::join(endings, " or "), name);
+}
+
+/// "a", "a or b", "a, b or c"
+std::string either_of(const std::vector<std::string>& words) {
+  if (words.size() < 2) return fmt::format("{}", fmt::join(words, ""));
+  return fmt::format("{} or {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
 }
 
 }  // namespace
@@ -99,7 +106,7 @@ CLI::Option* add_states(CLI::App& command, devices::States& value) {
           },
           "how the states of the ticks are stored. changes: only what changed, and a whole state "
           "about once a second; all: every state whole, for readers of format 1 [changes]")
-      ->check(CLI::IsMember({"changes", "all"}));
+      ->check(one_of({"changes", "all"}));
 }
 
 CLI::Option* add_longest_gap(CLI::App& command, double& value) {
@@ -124,6 +131,28 @@ CLI::Validator number_from(double low, double high) {
         return fmt::format("expected a number from {} to {}, found {}", low, high, text);
       },
       fmt::format("{} to {}", low, high));
+}
+
+CLI::Validator whole_number_from(long long low, long long high) {
+  return CLI::Validator(
+      [low, high](std::string& text) {
+        const std::optional<long long> value = whole<long long>(text);
+        if (value && *value >= low && *value <= high) return std::string();
+        return fmt::format("expected a whole number from {} to {}, found {}", low, high, text);
+      },
+      fmt::format("{} to {}", low, high));
+}
+
+CLI::Validator one_of(std::vector<std::string> words) {
+  const std::string all = fmt::format("{{{}}}", fmt::join(words, ","));
+  return CLI::Validator(
+      [words = std::move(words)](std::string& text) {
+        if (std::ranges::count(words, text) > 0) return std::string();
+        const std::optional<std::string> meant = nearest(text, words);
+        return fmt::format("expected {}, found {}{}", either_of(words), text,
+                           meant ? fmt::format("; the nearest is {}", *meant) : "");
+      },
+      all);
 }
 
 CLI::Validator seed() {

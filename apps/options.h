@@ -35,6 +35,12 @@ CLI::Option* add_duration(CLI::App& command, std::optional<double>& value, const
 /// A finite number from `low` to `high`; CLI11's own check lets NaN through.
 CLI::Validator number_from(double low, double high);
 
+/// A whole number from `low` to `high`.
+CLI::Validator whole_number_from(long long low, long long high);
+
+/// One of some words; the error names the nearest one.
+CLI::Validator one_of(std::vector<std::string> words);
+
 /// A whole number from 0 to 2^64 - 1; CLI11 reads -1 as the largest.
 CLI::Validator seed();
 

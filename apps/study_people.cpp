@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
+#include "apps/options.h"
 #include "apps/stop.h"
 #include "files/input_file.h"
 #include "files/sha256.h"
@@ -126,7 +127,7 @@ void add_mixing(CLI::App& command, Mixing& mixing) {
   CLI::Option* mix =
       command.add_flag("--mix", mixing.mix, "count people and virtual participants together");
   command.add_option("--only", mixing.only, "count these alone")
-      ->check(CLI::IsMember({"people", "virtual"}))
+      ->check(one_of({"people", "virtual"}))
       ->excludes(mix);
 }
 

@@ -10,7 +10,7 @@
 namespace headpin::apps {
 
 CLI::Option* add_sweep_folder(CLI::App& command, std::string& folder) {
-  return command.add_option("sweep", folder, "the sweep's folder")->required();
+  return command.add_option("SWEEP", folder, "the sweep's folder")->required();
 }
 
 double seconds_per_row(const sweep::Sweep& sweep) {

@@ -10,7 +10,8 @@
 /// For a unit vector n let g(n) = n . (s_B(-n) - s_A(n)), the gap between the support planes of A
 /// and B across n (s: support point). Where g(n) > 0 the planes prove that A and B are apart and
 /// the search stops. The largest g is the distance, or minus the depth. Every verdict has a proof.
-/// For apart it is such a plane. For meeting it is a common point, or that GJK finds no plane.
+/// If the shapes are apart, the proof is such a plane. If they intersect, the proof is a common
+/// point, or the fact that GJK finds no separating plane.
 ///
 ///     #include "engine/non_colliding.h"
 ///

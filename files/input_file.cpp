@@ -27,6 +27,16 @@ Content read_all(const std::string& path, std::size_t most) {
   return content;
 }
 
+/// What is not a regular file: "a folder".
+const char* kind_of(mode_t mode) {
+  return S_ISDIR(mode)    ? "a folder"
+         : S_ISFIFO(mode) ? "a named pipe"
+         : S_ISCHR(mode)  ? "a device"
+         : S_ISBLK(mode)  ? "a device"
+         : S_ISSOCK(mode) ? "a socket"
+                          : "something else";
+}
+
 /// @return  standard input itself if it is a file at its start, else a nameless copy of its bytes
 int keep_standard_input() {
   struct stat status {};
@@ -74,7 +84,7 @@ InputFile::InputFile(std::string path) : path_(std::move(path)) {
     return;
   }
   close(file_);
-  throw std::runtime_error(path_ + ": expected a file, found something else");
+  throw std::runtime_error(path_ + ": expected a file, found " + kind_of(status.st_mode));
 }
 
 InputFile::~InputFile() {

@@ -149,10 +149,14 @@ void OutputFile::open_special() {
 void OutputFile::open_beside(bool exists) {
   const fs::path target = follow_links(path_);
   target_ = target.filename().string();
-  folder_ = open(folder_of(target).c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  const std::string folder = folder_of(target).string();
+  folder_ = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder_ < 0 && errno == ENOENT) {
+    throw std::runtime_error(said_ + ": cannot be created: there is no folder " + folder);
+  }
   if (folder_ < 0) fail("cannot be created");
   try {
-    open_in_folder(exists, folder_of(target));
+    open_in_folder(exists, folder);
   } catch (...) {
     close_all();
     throw;

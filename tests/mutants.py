@@ -69,6 +69,14 @@ def is_constant(cursor):
     return False
 
 
+def is_if_constexpr(cursor):
+    """Whether the first part of a statement is the condition of an `if constexpr`."""
+    if cursor.kind != Kind.IF_STMT:
+        return False
+    tokens = cursor.get_tokens()
+    return [next(tokens).spelling, next(tokens).spelling] == ["if", "constexpr"]
+
+
 def edits(unit, path, text):
     """Faults: (begin, end, what is put before, behind, name); the text between is kept and may hold others."""
     found = []
@@ -105,7 +113,7 @@ def edits(unit, path, text):
                 end = cursor.extent.end.offset
                 if text[end:end + 1] == ";":
                     add(cursor, None, "statement left out")
-        for part in parts:
+        for part in parts[is_if_constexpr(cursor):]:
             visit(part, cursor)
 
     for cursor in unit.cursor.get_children():

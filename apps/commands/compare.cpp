@@ -290,9 +290,9 @@ void compare(const CompareOptions& options) {
 void add_compare(CLI::App& app) {
   auto options = std::make_shared<CompareOptions>();
   CLI::App* command = app.add_subcommand("compare", "Compare two replayed trials tick by tick");
-  command->add_option("a", options->a, "a trial with states (.lcmlog); - is standard input")
+  command->add_option("TRIAL", options->a, "a trial with states (.lcmlog); - is standard input")
       ->required();
-  command->add_option("b", options->b, "the trial to compare it with")->required();
+  command->add_option("OTHER", options->b, "the trial to compare it with")->required();
   add_json(*command, options->json);
   command->footer("Example:\n  headpin compare rough.lcmlog smooth.lcmlog");
   command->callback([options] { compare(*options); });

@@ -203,7 +203,7 @@ void add_conformance(CLI::App& app) {
   command->add_option("LINE", options->line, "serial port or tcp:HOST:PORT of the unit")
       ->required();
   command->add_option("--baud", options->baud, "baud rate of the port")
-      ->check(CLI::IsMember({2400, 4800, 9600, 19200, 38400, 57600, 115200}))
+      ->check(one_of({"2400", "4800", "9600", "19200", "38400", "57600", "115200"}))
       ->capture_default_str();
   command->add_option("--client", options->client, "test only this client");
   command->add_option("--seconds", options->seconds, "seconds of records to read for each client")

@@ -194,7 +194,7 @@ std::function<void()> add_feed_options(CLI::App& command, EmulateOptions& option
                                    "replay the tracker samples of this trial; starts again each "
                                    "time a client switches continuous output on");
   command.add_option("--motion", feed.motion, "without a TRIAL: a test pattern, circle or still")
-      ->check(CLI::IsMember({"still", "circle"}))
+      ->check(one_of({"still", "circle"}))
       ->excludes(trial);
   auto* lcm = command
                   .add_option("--lcm", options.lcm,
@@ -211,7 +211,7 @@ std::function<void()> add_feed_options(CLI::App& command, EmulateOptions& option
       .add_option("--place", feed.place,
                   "place of the transmitter: recorded, or auto: moved where necessary, so that "
                   "clients work that set neither hemisphere nor envelope")
-      ->check(CLI::IsMember({"auto", "recorded"}))
+      ->check(one_of({"auto", "recorded"}))
       ->needs(trial)
       ->capture_default_str();
   add_longest_gap(command, feed.longest_gap)->needs(trial);
@@ -235,7 +235,7 @@ void add_line_options(CLI::App& command, EmulateOptions& options) {
   command.add_option("--link", options.link, "create this symbolic link to the pseudo-terminal")
       ->excludes(tcp);
   command.add_option("--baud", options.baud, "baud rate that is set at the unit's switches")
-      ->check(CLI::IsMember({2400, 4800, 9600, 19200, 38400, 57600, 115200}))
+      ->check(one_of({"2400", "4800", "9600", "19200", "38400", "57600", "115200"}))
       ->capture_default_str();
   command
       .add_flag("--strict-baud", options.strict_baud,
@@ -247,7 +247,7 @@ void add_line_options(CLI::App& command, EmulateOptions& options) {
 /// Adds the options for the kind of unit.
 void add_unit_options(CLI::App& command, EmulateOptions& options) {
   command.add_option("--receivers", options.receivers, "number of receivers that are plugged in")
-      ->check(CLI::Range(1, 4))
+      ->check(whole_number_from(1, 4))
       ->capture_default_str();
   command.add_flag("--stylus", options.stylus,
                    "the receiver of the hand (receiver 2; receiver 1 with a test pattern) is a "

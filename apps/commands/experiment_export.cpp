@@ -200,7 +200,7 @@ void add_experiment_export(CLI::App& group) {
                     "write numbers instead of names, leave out the trials (they contain the date), "
                     "and list what the motion data still reveal");
   command->add_option("--jobs", options->jobs, "number of sessions to process in parallel")
-      ->check(CLI::Range(1, 256))
+      ->check(whole_number_from(1, 256))
       ->capture_default_str();
   add_json(*command, options->json);
   command->footer(

@@ -203,7 +203,7 @@ void add_experiment_plan(CLI::App& group) {
   command
       ->add_option("--people", options->people,
                    "total number of participants; default: one block of the design")
-      ->check(CLI::Range(1, 100000));
+      ->check(whole_number_from(1, 100000));
   command->add_option("--replace", options->replace,
                       "add a participant who gets the conditions of this one, who dropped out");
   add_json(*command, options->json);

@@ -140,18 +140,18 @@ void add_experiment_power(CLI::App& group) {
       ->add_option("--people", options->people,
                    "number of people in a study; several numbers separated by commas")
       ->delimiter(',')
-      ->check(CLI::Range(2, 10000))
+      ->check(whole_number_from(2, 10000))
       ->capture_default_str();
   command
       ->add_option("--studies", options->studies,
                    "number of simulated studies for each number of people")
-      ->check(CLI::Range(1, 1000000))
+      ->check(whole_number_from(1, 1000000))
       ->capture_default_str();
   command->add_option("--seed", options->seed, "seed of allotment and answers")
       ->check(seed())
       ->capture_default_str();
   command->add_option("--jobs", options->jobs, "numbers of people to simulate in parallel")
-      ->check(CLI::Range(1, 64))
+      ->check(whole_number_from(1, 64))
       ->capture_default_str();
   add_output(*command, "-o,--output", options->output,
              "table (.csv) or plot (.svg) to write; - is standard output", {".csv", ".svg"});

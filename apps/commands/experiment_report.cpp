@@ -131,7 +131,7 @@ void add_experiment_report(CLI::App& group) {
       ->required();
   add_mixing(*command, options->mixing);
   command->add_option("--jobs", options->jobs, "number of sessions to process in parallel")
-      ->check(CLI::Range(1, 256))
+      ->check(whole_number_from(1, 256))
       ->capture_default_str();
   command->add_flag("--pages", options->pages,
                     "write the missing pages of trials, sessions/NAME/RUN.html");

@@ -231,7 +231,7 @@ void add_experiment_run(CLI::App& group) {
       "play the samples of this trial without waiting, with the trial's own tracker mounting");
   command->add_flag("--all", options->all, "with --virtual: everybody who has not played yet");
   command->add_option("--jobs", options->jobs, "with --all: number of sessions to run in parallel")
-      ->check(CLI::Range(1, 256))
+      ->check(whole_number_from(1, 256))
       ->capture_default_str();
   const auto take_sources = add_source_options(*command, options->live);
   add_json(*command, options->json);

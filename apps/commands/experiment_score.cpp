@@ -91,7 +91,7 @@ void add_experiment_score(CLI::App& group) {
   add_study(*command, options->study);
   add_mixing(*command, options->mixing);
   command->add_option("--jobs", options->jobs, "number of sessions to simulate in parallel")
-      ->check(CLI::Range(1, 256))
+      ->check(whole_number_from(1, 256))
       ->capture_default_str();
   add_json(*command, options->json);
   command->footer(

@@ -207,7 +207,7 @@ Done draw_here(const FramesOptions& options, const Task& task, const scene::Reco
   const auto show = [&](std::int64_t drawn) { progress.show(drawn); };
   std::vector<scene::Observer*> observers;
   std::optional<scene::Verifier> verifier;  // checks that the simulation is the recorded one
-  if (source.has_states()) observers.push_back(&verifier.emplace(source, session));
+  if (source.has_states()) observers.push_back(&verifier.emplace(options.trial, source, session));
   std::optional<scene::FramesAsShown> shown;
   std::optional<scene::FrameByFrame> drawing;
   if (options.as_shown) {
@@ -361,7 +361,7 @@ void add_output_options(CLI::App& command, FramesOptions& options) {
   command
       .add_option("--layout", options.layout,
                   "layout of the PNG files: one file per eye, or both eyes in one file")
-      ->check(CLI::IsMember({"separate", "side-by-side"}))
+      ->check(one_of({"separate", "side-by-side"}))
       ->capture_default_str();
   command.add_flag(
       "--depth", options.files.depth,
@@ -377,16 +377,16 @@ void add_picture_options(CLI::App& command, FramesOptions& options) {
   command
       .add_option("--view", options.view,
                   "viewpoint: eyes; third-person, from behind the participant; or top, from above")
-      ->check(CLI::IsMember({"eyes", "third-person", "top"}))
+      ->check(one_of({"eyes", "third-person", "top"}))
       ->capture_default_str();
   command.add_option("--frames", options.frames, "draw only these frames, such as 10-20,35");
   command.add_option("--fps", options.fps, "frame rate; default: that of the scenario")
-      ->check(CLI::Range(1, 1000));
+      ->check(whole_number_from(1, 1000));
   command
       .add_option(
           "--jobs", options.jobs,
           "number of processes that draw the folder in parallel; the files do not depend on it")
-      ->check(CLI::Range(1, 256))
+      ->check(whole_number_from(1, 256))
       ->capture_default_str();
   command.add_flag("--resume", options.resume,
                    "continue an interrupted run: finished parts of the folder are kept in "
@@ -397,7 +397,7 @@ void add_picture_options(CLI::App& command, FramesOptions& options) {
       .add_option("--samples", options.samples,
                   "anti-aliasing: N^2 + 1 samples per pixel, or one with N = 1; default: as the "
                   "trial or --look says")
-      ->check(CLI::Range(1, 8));
+      ->check(whole_number_from(1, 8));
   command
       .add_flag("--as-shown", options.as_shown,
                 "draw the frames that a live session showed, and compare each with its recorded "
@@ -416,7 +416,7 @@ void add_frames(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("frames", "Draw what the participant saw: one picture per eye and frame");
   command
-      ->add_option("trial", options->trial,
+      ->add_option("TRIAL", options->trial,
                    "a trial (.lcmlog), replayed or not; - is standard input")
       ->required();
   add_output_options(*command, *options);

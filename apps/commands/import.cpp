@@ -314,7 +314,7 @@ void add_reading(CLI::App& command, ImportOptions& options) {
           "--units", options.units,
           "unit of the positions: m, cm, mm, in or ft; default: what the file or its format "
           "says, else m")
-      ->check(CLI::IsMember({"m", "cm", "mm", "in", "ft"}));
+      ->check(one_of({"m", "cm", "mm", "in", "ft"}));
   command
       .add_option(
           "--axes", options.axes,
@@ -383,15 +383,15 @@ void add_import(CLI::App& app) {
           "--hand", options->hand,
           "hand that throws: left, right, auto (found in the recording), or none (the head "
           "alone was recorded)")
-      ->check(CLI::IsMember({"left", "right", "auto", "none"}))
+      ->check(one_of({"left", "right", "auto", "none"}))
       ->capture_default_str();
   command->add_option("--throw", options->which, "number of the throw in the file, from 1")
-      ->check(CLI::Range(1, 10'000));
+      ->check(whole_number_from(1, 10'000));
   command
       ->add_option("--heading", options->heading,
                    "what points down the lane: release (the ball's velocity at its release), gaze "
                    "(the head's direction before it), or keep (the recording's -z axis)")
-      ->check(CLI::IsMember({"release", "gaze", "keep"}))
+      ->check(one_of({"release", "gaze", "keep"}))
       ->capture_default_str();
   command->add_option("--scenario", options->scenario,
                       "name of a bundled scenario or a TOML file; default: the paper's room");

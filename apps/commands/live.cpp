@@ -261,7 +261,7 @@ std::function<void()> add_source_options(CLI::App& command,
   CLI::Option* line = command.add_option("--fastrak", *fastrak, "use fastrak:TTY as a source")
                           ->type_name("TTY|tcp:HOST:PORT");
   command.add_option("--baud", options->baud, "baud rate of a Fastrak's line")
-      ->check(CLI::IsMember({2400, 4800, 9600, 19200, 38400, 57600, 115200}))
+      ->check(one_of({"2400", "4800", "9600", "19200", "38400", "57600", "115200"}))
       ->capture_default_str();
   command
       .add_option("--hemisphere", options->hemispheres,
@@ -275,7 +275,7 @@ std::function<void()> add_source_options(CLI::App& command,
       .add_option("--eyes", options->eyes,
                   "format of the pictures on HEADPIN_EYES: raw or png; none: draw them only for "
                   "the recording")
-      ->check(CLI::IsMember({"raw", "png", "none"}))
+      ->check(one_of({"raw", "png", "none"}))
       ->capture_default_str();
   command
       .add_flag("--no-trial", options->no_trial,
@@ -309,7 +309,7 @@ void add_live(CLI::App& app) {
       ->add_option("--samples", options->samples,
                    "anti-aliasing: N^2 + 1 samples per pixel, or one with N = 1; stored in the "
                    "trial as look.samples")
-      ->check(CLI::Range(1, 4))
+      ->check(whole_number_from(1, 4))
       ->capture_default_str();
   add_force(*command, options->force);
   add_json(*command, options->json);

@@ -139,22 +139,24 @@ void print_releases(const std::vector<devices::Event>& events) {
 /// Compares the game hash of the trial with that of the replay.
 ///
 /// @throws std::runtime_error  where they differ
-void verify_game_hash(const devices::TrialSummary& trial, const scene::Session& session) {
+void verify_game_hash(const std::string& path, const devices::TrialSummary& trial,
+                      const scene::Session& session) {
   const std::optional<scene::SaidGameHash> said = scene::said_game_hash(trial);
   const std::string found = scene::in_hex(session.game_hash.value());
   if (!said || said->tick != session.tick || said->hash == found) return;
   throw std::runtime_error(
-      fmt::format("the game differs from the recording: expected the game hash {}, found {}",
-                  said->hash, found));
+      fmt::format("{}: the replayed game differs from the recorded one: expected the game hash {}, "
+                  "found {}",
+                  path, said->hash, found));
 }
 
 /// @param unverified  ticks up to the end of the recording that have no state in it
 /// @throws std::runtime_error  when there are any but the one in which a recording was cut off
-void require_states(const devices::TrialSummary& trial, std::int64_t compared,
-                    std::int64_t unverified) {
+void require_states(const std::string& path, const devices::TrialSummary& trial,
+                    std::int64_t compared, std::int64_t unverified) {
   if (unverified <= (trial.complete ? 0 : 1)) return;
   throw std::runtime_error(fmt::format(
-      "{} of the {} recorded ticks have no state to compare with; the other {} are equal",
+      "{}: {} of the {} recorded ticks have no state to compare with; the other {} are equal", path,
       unverified, compared + unverified, compared));
 }
 
@@ -248,7 +250,7 @@ void replay(const ReplayOptions& options) {
     observers.push_back(&*writer);
   }
   devices::TrialPlayer source(recorded.file, {.states = options.verify});
-  if (options.verify) observers.push_back(&verifier.emplace(source, session));
+  if (options.verify) observers.push_back(&verifier.emplace(options.trial, source, session));
   observers.push_back(&progress);
 
   scene::run(session, source, stopwatch, observers, [&](const scene::Session& s) {
@@ -256,12 +258,12 @@ void replay(const ReplayOptions& options) {
     return s.tick >= ticks;
   });
   if (writer) writer->close(session);
-  if (verifier) verify_game_hash(trial, session);
+  if (verifier) verify_game_hash(options.trial, trial, session);
   say_what_is_missing("replay", options.trial, trial);
   // A complete recording may end before its last samples. An incomplete one has lost states.
   const std::int64_t recorded_ticks = trial.complete ? trial.last_tick : session.tick;
   const std::int64_t unverified = verifier ? recorded_ticks - verifier->compared() : 0;
-  if (verifier) require_states(trial, verifier->compared(), unverified);
+  if (verifier) require_states(options.trial, trial, verifier->compared(), unverified);
 
   nlohmann::json result = scene::summary(session, totals.score());
   result.update(whose(options, trial));
@@ -292,7 +294,7 @@ void add_replay(CLI::App& app) {
   auto options = std::make_shared<ReplayOptions>();
   CLI::App* command =
       app.add_subcommand("replay", "Simulate a trial again from its device samples");
-  command->add_option("trial", options->trial, "a trial (.lcmlog); - is standard input")
+  command->add_option("TRIAL", options->trial, "a trial (.lcmlog); - is standard input")
       ->required();
   add_output(*command, "-o,--output", options->output,
              "file for the new trial with its states and events (.lcmlog); - is standard output",

@@ -261,7 +261,7 @@ void add_report(CLI::App& app) {
       ->add_option("--whatif", options->whatif,
                    "number of a throw: also show what other releases of it would have felled, as "
                    "`headpin whatif` with its defaults")
-      ->check(CLI::Range(1, 1'000'000));
+      ->check(whole_number_from(1, 1'000'000));
   command->add_option("--page", options->page,
                       "page template; default: the one that is installed with the program");
   add_force(*command, options->force);

@@ -109,7 +109,7 @@ void add_scenario(CLI::App& app) {
                    "list: list the bundled scenarios; show: print all keys of a scenario with "
                    "their meanings; check: check the values of a scenario")
       ->required()
-      ->check(CLI::IsMember({"list", "show", "check"}));
+      ->check(one_of({"list", "show", "check"}));
   command->add_option("SCENARIO", options->scenario, "name of a bundled scenario or a TOML file");
   add_json(*command, options->json);
   command->footer(

@@ -119,7 +119,7 @@ void merge(const MergeOptions& options) {
 void add_sweep_plan(CLI::App& group) {
   CLI::App* command = group.add_subcommand("plan", "Make a sweep from a design in TOML");
   const auto options = std::make_shared<PlanSweepOptions>();
-  command->add_option("design", options->design, "trials, grid and random values (.toml)")
+  command->add_option("DESIGN", options->design, "trials, grid and random values (.toml)")
       ->required();
   add_output(*command, "-o,--output", options->output, "folder to make", {})->required();
   command->add_flag("--estimate", options->estimate,

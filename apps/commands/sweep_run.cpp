@@ -157,7 +157,7 @@ void add_sweep_run(CLI::App& group) {
   const auto options = std::make_shared<RunSweepOptions>();
   add_sweep_folder(*command, options->sweep);
   command->add_option("--jobs", options->jobs, "rows at a time; all cores when not given")
-      ->check(CLI::Range(1, 1024));
+      ->check(whole_number_from(1, 1024));
   command->add_option("--shard", options->shard,
                       "K/N: the K-th of N parts of the sweep, for N processes or machines");
   add_json(*command, options->json);

@@ -116,12 +116,12 @@ void add_sweep_slurm(CLI::App& group) {
   command
       ->add_option("--tasks", options->tasks,
                    "of the array; as many as there are pieces, at most 1000, when not given")
-      ->check(CLI::Range(1, kMostTasks));
+      ->check(whole_number_from(1, kMostTasks));
   command
       ->add_option("--minutes", options->minutes,
                    "time limit of a task; when not given, three times what this machine would "
                    "take and ten minutes")
-      ->check(CLI::Range(1.0, 100'000.0));
+      ->check(number_from(1, 100000));
   add_force(*command, options->force);
   add_json(*command, options->json);
   command->footer(

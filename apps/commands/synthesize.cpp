@@ -174,7 +174,7 @@ void add_synthesize(CLI::App& app) {
           ->check(seed())
           ->excludes(seeded, speed, height, aim);
   command->add_option("--throws", options->throws, "throws of the participant with each version")
-      ->check(CLI::Range(1, 1000))
+      ->check(whole_number_from(1, 1000))
       ->needs(participant)
       ->capture_default_str();
   command->add_option("--name", options->name, "name of the participant in the trial");

@@ -69,12 +69,12 @@ void add_whatif(CLI::App& app) {
   question.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   command
       ->add_option(
-          "trials", question.trials,
+          "TRIALS", question.trials,
           "a trial (.lcmlog) with the throw; further trials add their throws; - is standard input")
       ->required();
   add_output(*command, "-o,--output", options->output, "folder for tables and pictures", {});
   command->add_option("--throw", question.number, "number of the throw in its trial")
-      ->check(CLI::Range(1, 1'000'000))
+      ->check(whole_number_from(1, 1'000'000))
       ->capture_default_str();
   command->add_option("--within", question.within_ms, "moments before and after the release [ms]")
       ->check(number_from(0.0, 1e3 * seconds(sweep::kMostShift)))
@@ -95,11 +95,11 @@ void add_whatif(CLI::App& app) {
   command
       ->add_option("--success", options->question.success,
                    "skittles down that are a success; by default, as many as the throw felled")
-      ->check(CLI::Range(1, 1000));
+      ->check(whole_number_from(1, 1000));
   command->add_flag("--costs", question.costs,
                     "also the costs of tolerance, noise and covariation of all throws");
   command->add_option("--jobs", question.jobs, "releases at a time; by default, all cores")
-      ->check(CLI::Range(1, 1024));
+      ->check(whole_number_from(1, 1024));
   add_force(*command, options->force);
   add_longest_gap(*command, question.longest_gap);
   add_json(*command, options->json);

@@ -16,9 +16,10 @@ namespace headpin::devices {
 /// changed.
 class Genlock {
  public:
-  /// @param rate_hz  of the ticks. The grid is as many of them as are whole microseconds, 12.5 ms of
-  ///                 240 Hz, so that it is the same from each step of it; of rates where those
-  ///                 would be more than 25 ms, single ticks, and the same to a microsecond.
+  /// @param rate_hz  of the ticks. A grid step is the smallest number of ticks that lasts whole
+  ///                 microseconds, such as 3 ticks (12.5 ms) at 240 Hz. So the ticks are at the
+  ///                 same microseconds within each grid step. If this would be more than 25 ms,
+  ///                 a grid step is one tick, and they are the same to a microsecond.
   explicit Genlock(std::int64_t rate_hz);
 
   /// The offset that is used for a clock against the session's.

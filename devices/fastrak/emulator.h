@@ -209,8 +209,8 @@ class FastrakEmulator {
 /// The time from `now` on at which a recording should begin, so that the unit's cycles coincide
 /// with its samples.
 ///
-/// Measurements between the samples change the throw: for the bundled trial, 6.62 to 6.65 m/s
-/// instead of 6.63, and 6 to 10 skittles instead of 9. If the stations' turns allow it, the
+/// Measurements between the samples change the throw: for the bundled trial, the release speed by
+/// some centimetres per second, and 6 to 10 skittles fall instead of 9. If the stations' turns allow it, the
 /// recording begins a multiple of three cycles after the first record. That is a whole number of
 /// microseconds, so all times of a recording from a real unit are shifted by the same amount.
 ///

@@ -230,7 +230,7 @@ void visit(V& v, Version& version) {
 template <typename V>
 void visit(V& v, Versions& versions) {
   v.field("buttons", versions.buttons, kAny,
-          "true: there are a red and a blue button, which the virtual hand presses");
+          "true: there are a red and a blue button, which the virtual hand touches");
   v.field("radius", versions.radius, Range{0.01, 0.5}, "radius of a button");
   v.section("red", "", versions.red);
   v.section("blue", "", versions.blue);

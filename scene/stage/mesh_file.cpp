@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <cmath>
 #include <cstring>
 #include <map>
@@ -17,12 +16,10 @@
 #include <assimp/MemoryIOWrapper.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include "devices/recordings/reading.h"
+#include "files/input_file.h"
 #include "render/data/mesh.h"
 #include "scene/stage/apart.h"
 #include "scene/stage/mesh_text.h"
@@ -108,11 +105,11 @@ class FirstError : public Assimp::LogStream {
   std::string& text_;
 };
 
-/// A log message without its prefix and the end of its line.
-std::string bare(std::string text) {
+/// A message of assimp, without the prefix of its log and the end of its line.
+std::string in_words_of_assimp(const std::string& kind, std::string text) {
   if (text.starts_with("Error, T")) text.erase(0, text.find(": ") + 2);
   while (!text.empty() && (text.back() == '\n' || text.back() == '.')) text.pop_back();
-  return text;
+  return fmt::format("expected a whole {} file; its reader, assimp, says: {}", kind, text);
 }
 
 /// The purpose of a mesh. For the eyes, surfaces that are visible from both sides are stored twice.
@@ -237,9 +234,9 @@ std::string read_by_assimp(std::string_view bytes, const std::string& kind, unsi
   if (scene == nullptr) {
     const std::string why = importer.GetErrorString();
     if (why.find("bad_alloc") != std::string::npos) throw std::bad_alloc();
-    throw std::runtime_error(bare(why));
+    throw std::runtime_error(in_words_of_assimp(kind, why));
   }
-  if (!complaint.empty()) throw std::runtime_error(bare(complaint));
+  if (!complaint.empty()) throw std::runtime_error(in_words_of_assimp(kind, complaint));
   append(all, *scene, *scene->mRootNode, {}, is_gltf(kind), whom);
   if (whom == For::eyes) all.normals = normals_of_corners(all);
   std::string out;
@@ -346,33 +343,8 @@ std::string read_mesh_file(const std::filesystem::path& path) {
     throw std::runtime_error(
         fmt::format("{}: kind \"{}\", expected .gltf, .glb, .obj, .ply, .stl or .off", name, kind));
   }
-  const int file = open(name.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);  // never waits for a pipe
-  struct stat is {};
-  if (file < 0 || fstat(file, &is) != 0) {
-    const int error = errno;
-    if (file >= 0) close(file);
-    throw std::runtime_error(fmt::format("{}: cannot be read: {}", name, std::strerror(error)));
-  }
-  std::string bytes;
-  const char* wrong = !S_ISREG(is.st_mode) ? "expected a regular file, found something else"
-                      : is.st_size == 0    ? "empty"
-                                           : nullptr;
-  if (wrong == nullptr && static_cast<std::size_t>(is.st_size) <= kMostBytes) {
-    bytes.resize(static_cast<std::size_t>(is.st_size));
-    std::size_t done = 0;
-    while (done < bytes.size()) {
-      const ssize_t n = read(file, bytes.data() + done, bytes.size() - done);
-      if (n <= 0) break;
-      done += static_cast<std::size_t>(n);
-    }
-    if (done < bytes.size()) wrong = "cannot be read to its end";
-  }
-  close(file);
-  if (wrong != nullptr) throw std::runtime_error(fmt::format("{}: {}", name, wrong));
-  if (bytes.empty()) {
-    throw std::runtime_error(fmt::format("{}: {} bytes, expected at most {}", name,
-                                         static_cast<std::size_t>(is.st_size), kMostBytes));
-  }
+  std::string bytes = files::read_text(name, kMostBytes);
+  if (bytes.empty()) throw std::runtime_error(name + ": expected a mesh, found an empty file");
   return bytes;
 }
 

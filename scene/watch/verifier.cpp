@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstring>
 #include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -64,12 +65,13 @@ std::optional<std::string> first_different_body(const devices::TickState& a,
   return std::nullopt;
 }
 
-Verifier::Verifier(devices::TrialPlayer& recorded, const Session& session)
-    : recorded_(recorded), names_(body_names(*session.stage)) {
+Verifier::Verifier(std::string trial, devices::TrialPlayer& recorded, const Session& session)
+    : trial_(std::move(trial)), recorded_(recorded), names_(body_names(*session.stage)) {
   if (!recorded.has_states()) {
     throw std::runtime_error(
-        "the trial holds no states to compare with; expected one made by `headpin replay -o` or "
-        "`headpin live`");
+        trial_ +
+        ": holds no states to compare with; expected a trial made by `headpin replay -o` "
+        "or `headpin live`");
   }
 }
 
@@ -79,17 +81,17 @@ void Verifier::tick(const Session& session) {
   tick_state(session, state_);
   const auto body = first_different_body(state_, *recorded, names_);
   if (body && state_.hash == recorded->hash) {
-    throw std::runtime_error(
-        fmt::format("tick {} ({:.6f} s): the recorded state does not match its hash {:016x}, but "
-                    "the replay's state does; first difference in the {}",
-                    state_.tick, seconds(state_.time), recorded->hash,
-                    body->empty() ? "number of bodies" : *body));
+    throw std::runtime_error(fmt::format(
+        "{}: tick {} ({:.6f} s): the recorded state does not match its hash {:016x}, but "
+        "the replay's state does; first difference in the {}",
+        trial_, state_.tick, seconds(state_.time), recorded->hash,
+        body->empty() ? "number of bodies" : *body));
   }
   if (body) {
     throw std::runtime_error(fmt::format(
-        "tick {} ({:.6f} s) differs from the recording, first difference {}: expected state "
-        "{:016x}, found {:016x}{}",
-        state_.tick, seconds(state_.time),
+        "{}: tick {} ({:.6f} s) of the replay differs from the recording, first difference {}: "
+        "expected state {:016x}, found {:016x}{}",
+        trial_, state_.tick, seconds(state_.time),
         body->empty() ? "in what only the hash tells" : "in the " + *body, recorded->hash,
         state_.hash,
         recorded_.complete() ? ""

@@ -35,16 +35,18 @@ std::optional<std::string> first_different_body(const devices::TickState& a,
 /// Compares a run with the recorded states of a trial.
 class Verifier : public Observer {
  public:
+  /// @param trial     its name, for errors
   /// @param recorded  with the states beside it; must outlive this
   /// @throws std::runtime_error  when there are none
-  Verifier(devices::TrialPlayer& recorded, const Session& session);
+  Verifier(std::string trial, devices::TrialPlayer& recorded, const Session& session);
 
-  /// @throws std::runtime_error  naming the tick, and the first body that differs
+  /// @throws std::runtime_error  naming the trial, the tick, and the first body that differs
   void tick(const Session& session) override;
 
   std::int64_t compared() const { return compared_; }  ///< ticks found equal
 
  private:
+  std::string trial_;
   devices::TrialPlayer& recorded_;
   std::vector<std::string> names_;
   devices::TickState state_;

@@ -95,9 +95,16 @@ TEST_F(CommandLine, WhatIsMistypedIsToldWithTheNearest) {
 TEST_F(CommandLine, WrongUseIsTwo) {
   expect_refusal("", 2, "expected a command");
   expect_refusal("bowl", 2, "bowl");
-  expect_refusal("replay", 2, "trial");
+  expect_refusal("replay", 2, "TRIAL is required");
   expect_refusal("replay " + kDemo + " --elasticity 1.2", 2, "--elasticity");
-  expect_refusal("replay " + kDemo + " --shape cube", 2, "--shape");
+  expect_refusal("replay " + kDemo + " --shape cube", 2,
+                 "--shape: expected ellipsoid or true, found cube;");
+  expect_refusal("replay " + kDemo + " --response coulom", 2,
+                 "found coulom; the nearest is coulomb;");
+  expect_refusal("replay " + kDemo + " --iterations 5.5", 2,
+                 "--iterations: expected a whole number from 5 to 20, found 5.5");
+  expect_refusal("replay " + kDemo + " --iterations 21", 2, "from 5 to 20, found 21");
+  expect_refusal("replay " + kDemo + " --iterations 1e99999", 2, "found 1e99999");
   expect_refusal("replay " + kDemo + " --set ball.weight=3", 2, "unknown key 'ball.weight'");
   expect_refusal("replay " + kDemo + " --set ball.mass=-3", 2, "ball.mass must be a number");
   expect_refusal("frames " + kDemo + " -o OUT --frames 20-10", 2, "ends before it begins");
@@ -267,11 +274,12 @@ TEST_F(CommandLine, AnotherConditionIsAnotherGameAndVerifyNamesTickAndBody) {
   EXPECT_GT(compared["first_difference_tick"].get<int>(), 0);
   EXPECT_EQ(compared["first_difference_body"], "ball");
   expect_refusal("replay rough.lcmlog --verify --friction 0.6", 1,
-                 "differs from the recording, first difference in the ball");
+                 "of the replay differs from the recording, first difference in the ball");
   // The ball differs from where it first touches the lane.
   const std::string tick = std::to_string(
       json("compare rough.lcmlog smooth.lcmlog --json")["first_difference_tick"].get<int>());
-  expect_refusal("replay rough.lcmlog --verify --friction 0 --elasticity 1", 1, "tick " + tick);
+  expect_refusal("replay rough.lcmlog --verify --friction 0 --elasticity 1", 1,
+                 "rough.lcmlog: tick " + tick + " (");
   expect_refusal("replay " + kDemo + " --verify", 1, "holds no states");
 }
 

@@ -181,7 +181,7 @@ TEST_F(ScenarioCommands, ATrialReplaysWithoutItsMeshesAndIsSeenWithThem) {
   ASSERT_EQ(headpin("frames a.lcmlog -o there --frames 300").code, 0);
   fs::remove_all(folder_ / "lab");
   EXPECT_EQ(headpin("replay a.lcmlog --verify").code, 0);
-  expect_refusal("frames a.lcmlog -o OUT --frames 300", 1, "pin.obj: cannot be read");
+  expect_refusal("frames a.lcmlog -o OUT --frames 300", 1, "pin.obj: cannot open");
   fs::copy_file(meshes / "skittle.obj", folder_ / "pin.obj");
   ASSERT_EQ(headpin("frames a.lcmlog -o beside --frames 300").code, 0);
   EXPECT_EQ(slurp(folder_ / "there/frames.csv"), slurp(folder_ / "beside/frames.csv"));

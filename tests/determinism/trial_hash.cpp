@@ -19,7 +19,7 @@ void replay(const char* path) {
   scene::Session session = scene::make_session(recorded.scenario);
   devices::TrialPlayer source(recorded.file, {.states = true});
   scene::Totals totals;
-  scene::Verifier verifier(source, session);
+  scene::Verifier verifier(path, source, session);
   scene::Observer* const observers[] = {&totals, &verifier};
   scene::NoPace pace;
   const std::int64_t ticks =

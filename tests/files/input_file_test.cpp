@@ -76,7 +76,7 @@ TEST(InputFileTest, WhatIsMissingOrAFolderIsSaid) {
   EXPECT_THAT(complaint([&] { InputFile file(folder / "none"); }),
               HasSubstr("none: cannot open: No such file"));
   EXPECT_THAT(complaint([&] { InputFile file(folder.path()); }),
-              HasSubstr("expected a file, found something else"));
+              HasSubstr("expected a file, found a folder"));
 }
 
 TEST(InputFileTest, OfAStreamTooAFailedReadIsNoEndAndASignalNoFailure) {
@@ -100,7 +100,7 @@ TEST(InputFileTest, ANamedPipeIsNotWaitedFor) {
   const TemporaryFolder folder;
   ASSERT_EQ(mkfifo((folder / "pipe").c_str(), 0600), 0);
   EXPECT_THAT(complaint([&] { InputFile file(folder / "pipe"); }),
-              HasSubstr("expected a file, found something else"));
+              HasSubstr("expected a file, found a named pipe"));
 }
 
 }  // namespace
