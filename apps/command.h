@@ -25,6 +25,7 @@ void add_emulate(CLI::App& app);
 void add_experiment(CLI::App& app);
 void add_export(CLI::App& app);
 void add_frames(CLI::App& app);
+void add_help(CLI::App& app);
 void add_import(CLI::App& app);
 void add_info(CLI::App& app);
 void add_live(CLI::App& app);

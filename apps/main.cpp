@@ -1,21 +1,17 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
-#include <memory>
-#include <optional>
 #include <sstream>
 #include <system_error>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/command.h"
-#include "apps/nearest.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "apps/topics.h"
 #include "apps/wrap.h"
+#include "apps/wrong_use.h"
 #include "devices/base/version.h"
 #include "files/lock.h"
 
@@ -45,107 +41,6 @@ int fail(const CLI::App& app, bool json, const std::string& why, int code) {
   return code;
 }
 
-/// The visible commands of a command.
-std::vector<std::string> commands_of(const CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    if (!command->get_group().empty()) names.push_back(command->get_name());
-  }
-  return names;
-}
-
-const CLI::App* find_command(const CLI::App& app, std::string_view name) {
-  for (const CLI::App* command : app.get_subcommands([](const CLI::App*) { return true; })) {
-    if (command->get_name() == name) return command;
-  }
-  return nullptr;
-}
-
-/// Refuses a first word that is not a command, and names it. The parser would only say that a
-/// command is missing.
-void check_command(const CLI::App& app, std::string_view word) {
-  if (find_command(app, word)) return;
-  const std::vector<std::string> names = commands_of(app);
-  const std::optional<std::string> meant = nearest(word, names);
-  const std::string all =
-      names.empty() ? "there are none here" : fmt::format("one of {}", fmt::join(names, ", "));
-  throw UsageError(fmt::format("unknown command '{}'; {}", word,
-                               meant ? fmt::format("the nearest is {}", *meant) : all));
-}
-
-/// The command that was given: of `experiment plan`, plan.
-const CLI::App* innermost(const CLI::App& app) {
-  const CLI::App* command = &app;
-  while (!command->get_subcommands().empty()) command = command->get_subcommands().front();
-  return command;
-}
-
-/// What is wrong where a command is missing: the parser does not name the word in its place.
-std::string without_command(const CLI::App& app) {
-  const std::string all = fmt::format("one of {}", fmt::join(commands_of(*innermost(app)), ", "));
-  const std::vector<std::string> rest = app.remaining(true);
-  if (rest.empty()) return "expected a command: " + all;
-  const char* const kind = rest.front().starts_with('-') ? "option" : "command";
-  return fmt::format("unknown {} '{}'; expected a command: {}", kind, rest.front(), all);
-}
-
-/// A hint for an unknown word: "; the nearest to --frction is --friction".
-std::string what_is_meant(const CLI::App& app) {
-  const CLI::App* command = innermost(app);
-  std::vector<std::string> options;
-  for (const CLI::Option* option : command->get_options()) {
-    for (const std::string& name : option->get_lnames()) options.push_back("--" + name);
-  }
-  for (const std::string& word : app.remaining(true)) {
-    const std::string bare = word.substr(0, word.find('='));
-    const auto meant = nearest(bare, bare.starts_with('-') ? options : commands_of(*command));
-    if (meant) return fmt::format("; the nearest to {} is {}", bare, *meant);
-  }
-  return "";
-}
-
-/// All topics with the titles of their pages, and the folder of the pages.
-void print_topics() {
-  fmt::print("Topics; `headpin help TOPIC` prints the file of its page:\n");
-  for (const Topic& topic : topics()) fmt::print("  {:<20}{}\n", topic.name, topic.title);
-  fmt::print("All pages are in {}\n", docs_folder().string());
-}
-
-/// Prints the information about a topic. @return whether there is such a topic
-bool print_topic(const std::string& name) {
-  if (name == "topics") {
-    print_topics();
-    return true;
-  }
-  const std::optional<Topic> topic = find_topic(name);
-  if (topic) fmt::print("{}\n{}\n", topic->title, (docs_folder() / topic->page).string());
-  return topic.has_value();
-}
-
-/// Adds `help`: it prints the help of a command, like --help, or the page of a topic.
-void add_help(CLI::App& app) {
-  const auto words = std::make_shared<std::vector<std::string>>();
-  CLI::App* command =
-      app.add_subcommand("help", "Show how to use a command, or which page explains a topic");
-  command->add_option("COMMAND", *words,
-                      "a command such as replay, or a topic; `topics` lists the topics; default: "
-                      "list all commands");
-  command->footer("Examples:\n  headpin help replay\n  headpin help topics");
-  command->callback([words, &app] {
-    if (words->size() == 1 && print_topic(words->front())) return;
-    const CLI::App* at = &app;
-    std::string before;
-    for (const std::string& word : *words) {
-      check_command(*at, word);
-      before += (before.empty() ? "" : " ") + at->get_name();
-      at = find_command(*at, word);
-    }
-    const std::string name = before.empty() ? at->get_name() : before + " " + at->get_name();
-    const std::string help = at->get_formatter()->make_help(at, name, CLI::AppFormatMode::Normal);
-    fmt::print("{}", wrapped(help, terminal_width()));
-  });
-}
-
 int run(CLI::App& app, int argc, char** argv) {
   const bool json = std::any_of(
       argv, argv + argc, [](const char* word) { return std::string_view(word) == "--json"; });
@@ -167,10 +62,8 @@ int run(CLI::App& app, int argc, char** argv) {
       std::fputs(wrapped(help.str(), terminal_width()).c_str(), stdout);  // fails when it is closed
       return EXIT_SUCCESS;
     }
-    const bool no_command =
-        std::string_view(error.what()).find("subcommand is required") != std::string_view::npos;
-    const std::string why = (no_command ? without_command(app) : error.what()) + what_is_meant(app);
-    return fail(app, json, fmt::format("{}; see `{} --help`", why, name_of(app)), 2);
+    return fail(app, json, fmt::format("{}; see `{} --help`", wrong_use(error, app), name_of(app)),
+                2);
   } catch (const Stopped& error) {
     return fail(app, json, error.what(), 128 + error.signal);
   } catch (const UsageError& error) {

@@ -143,6 +143,15 @@ CLI::Validator whole_number_from(long long low, long long high) {
       fmt::format("{} to {}", low, high));
 }
 
+CLI::Validator ending_in(std::string ending) {
+  return CLI::Validator(
+      [ending = std::move(ending)](std::string& name) {
+        if (std::filesystem::path(name).extension() == ending) return std::string();
+        return fmt::format("expected a name that ends in {}, found {}", ending, name);
+      },
+      "");
+}
+
 CLI::Validator one_of(std::vector<std::string> words) {
   const std::string all = fmt::format("{{{}}}", fmt::join(words, ","));
   return CLI::Validator(

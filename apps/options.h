@@ -38,6 +38,9 @@ CLI::Validator number_from(double low, double high);
 /// A whole number from `low` to `high`.
 CLI::Validator whole_number_from(long long low, long long high);
 
+/// A name with that ending.
+CLI::Validator ending_in(std::string ending);
+
 /// One of some words; the error names the nearest one.
 CLI::Validator one_of(std::vector<std::string> words);
 

@@ -204,7 +204,7 @@ std::unique_ptr<GlContext> egl_device_context(int device) {
   const std::vector<EGLDeviceEXT> devices = all_devices();
   if (static_cast<std::size_t>(device) >= devices.size()) {
     throw std::runtime_error("EGL lists " + std::to_string(devices.size()) +
-                             " devices, from 0 on; found no " + std::to_string(device));
+                             " devices, numbered from 0; there is no " + std::to_string(device));
   }
   const EGLDisplay display = egl().platform_display(
       EGL_PLATFORM_DEVICE_EXT, devices[static_cast<std::size_t>(device)], nullptr);

@@ -179,7 +179,7 @@ std::unique_ptr<GlContext> open_egl_device(std::string_view name) {
     }
     if (devices.empty()) why = "EGL lists no device";
   }
-  if (!number) throw std::runtime_error("nothing to draw with: " + std::string(name) + ": " + why);
+  if (!number) throw std::runtime_error(std::string(name) + ": cannot be drawn with: " + why);
   std::unique_ptr<GlContext> context = egl_device_context(*number);
   context->make_current();
   check_drawing(load_functions(*context));

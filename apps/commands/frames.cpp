@@ -351,7 +351,8 @@ void add_output_options(CLI::App& command, FramesOptions& options) {
   add_output(command, "--video", options.video,
              "video to write, both eyes side by side, lossless (.mkv); a copy with the ending .mp4 "
              "plays in any player",
-             {".mkv"});
+             {".mkv"})
+      ->check(ending_in(".mkv"));
   command.add_flag("--no-mp4", options.no_copy, "with --video: do not write the .mp4 copy");
   add_output(
       command, "--y4m", options.y4m,

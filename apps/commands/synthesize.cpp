@@ -161,9 +161,10 @@ void add_synthesize(CLI::App& app) {
                                "direction of the throw to the right of the lane's axis [degrees]")
                   ->check(number_from(-10, 10))
                   ->capture_default_str();
-  add_duration(*command, options->duration_s,
-               "duration of the trial [s]; default: 7 in the paper's room, more if the lane is "
-               "longer or the game counts balls");
+  auto* duration =
+      add_duration(*command, options->duration_s,
+                   "duration of the trial [s]; default: 7 in the paper's room, more if the lane is "
+                   "longer or the game counts balls");
   command->add_option("--scenario", options->scenario,
                       "name of a bundled scenario or a TOML file; default: the paper's room");
   auto* participant =
@@ -172,7 +173,7 @@ void add_synthesize(CLI::App& app) {
                        "make a whole session of the virtual participant with this seed instead of "
                        "one throw; default scenario: paper-experiment")
           ->check(seed())
-          ->excludes(seeded, speed, height, aim);
+          ->excludes(seeded, speed, height, aim, duration);
   command->add_option("--throws", options->throws, "throws of the participant with each version")
       ->check(whole_number_from(1, 1000))
       ->needs(participant)

@@ -239,13 +239,20 @@ std::optional<Sample> sample_of(Message& message) {
 
 }  // namespace
 
+std::string why_without_events(const TrialSummary& log, std::size_t bytes) {
+  const std::string none = "no whole event in " + std::to_string(bytes) + " bytes";
+  if (bytes == 0) return "is empty; expected an LCM event log";
+  if (log.skipped.cut_bytes >= 4) return "is cut short within its first event: " + none;
+  return "not an LCM event log: " + none;
+}
+
 TrialFile::TrialFile(const std::string& path) : content_(std::make_unique<LogContent>()) {
   content_->path = path;
   content_->file = std::make_unique<FileWindow>(path);
   look_through();
   if (content_->summary.channels.empty()) {
-    throw std::runtime_error(path + ": not an LCM event log: no whole event in " +
-                             std::to_string(content_->file->size()) + " bytes");
+    throw std::runtime_error(path + ": " +
+                             why_without_events(content_->summary, content_->file->size()));
   }
 }
 

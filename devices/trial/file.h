@@ -19,6 +19,10 @@ namespace headpin::devices {
 struct LogContent;  // content of a TrialFile
 class TrialWalk;    // iterates over it
 
+/// Why a log has no events: it is empty, cut short, or no log.
+/// @param bytes  its size
+std::string why_without_events(const TrialSummary& log, std::size_t bytes);
+
 /// A log that has been scanned once.
 ///
 /// See read_log for what is skipped. It stores the summary, and which messages have a time that

@@ -140,7 +140,7 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
   const double shortest = kBackSwingEnd + swing_s + 0.5;
   if (!(plan.duration_s >= shortest && plan.duration_s <= 600.0)) {
     throw std::invalid_argument(fmt::format(
-        "duration: expected {:.1f} s (the throw) to 600 s, found {} s", shortest, plan.duration_s));
+        "a duration of {} s; expected {:.1f} s (the throw) to 600 s", plan.duration_s, shortest));
   }
 
   // Place the model so that the ball leaves above the middle of the foul line, in the aimed

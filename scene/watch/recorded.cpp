@@ -32,8 +32,8 @@ Recorded load_trial(std::span<const std::uint8_t> bytes, const std::string& name
                     Time longest_gap) {
   devices::TrialFile file(bytes);
   if (file.summary().channels.empty()) {
-    throw std::runtime_error(
-        fmt::format("{}: not an LCM event log: no whole event in {} bytes", name, bytes.size()));
+    throw std::runtime_error(name + ": " +
+                             devices::why_without_events(file.summary(), bytes.size()));
   }
   return read(std::move(file), name, longest_gap);
 }

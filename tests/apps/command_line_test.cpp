@@ -46,7 +46,26 @@ TEST_F(CommandLine, HelpIsACommandToo) {
   expect_refusal("sweep make", 2, "unknown command 'make'; expected a command: one of ");
   expect_refusal("sweep", 2, "expected a command: one of ");
   expect_refusal("help replya", 2, "unknown command 'replya'; the nearest is replay");
-  expect_refusal("help replay more", 2, "unknown command 'more'; there are none here");
+  expect_refusal("help replay more", 2,
+                 "unknown command 'more'; replay has no commands of its own");
+}
+
+TEST_F(CommandLine, HelpRefusesWhatIsNeitherACommandNorATopic) {
+  expect_refusal("help topcs", 2, "no command or topic 'topcs'; the nearest topic is topics");
+  expect_refusal("help topics more", 2, "expected no word behind the topic topics, found more");
+  expect_refusal("help bowl", 2, "unknown command 'bowl'; one of ");
+}
+
+TEST_F(CommandLine, AnOptionSaysWhatItTakesAndHowOften) {
+  expect_refusal("replay x --friction", 2, "--friction: expected a value, found none;");
+  expect_refusal("replay x -o a.lcmlog -o b.lcmlog", 2, "--output: expected once, found 2 times;");
+  expect_refusal("replay x --warm=maybe", 2, "--warm: expected no value, found maybe;");
+  expect_refusal("synthesize -o a.lcmlog --participant 1 --duration 9", 2,
+                 "--duration excludes --participant");
+  expect_refusal("frames x --video -", 2, "--video: expected a name that ends in .mkv, found -;");
+  expect_refusal("replay x y", 2, "'y' is one argument too many;");
+  expect_refusal("replay x 0.1 --frictoin", 2,
+                 "unknown option --frictoin; the nearest is --friction;");
 }
 
 TEST_F(CommandLine, HelpNamesThePageOfEachTopic) {
@@ -82,9 +101,9 @@ TEST_F(CommandLine, WhatIsMistypedIsToldWithTheNearest) {
         {"enulate", "the nearest is emulate"},
         {"fraems x -o y", "the nearest is frames"},
         {"inf x", "the nearest is info"},
-        {"replay x --frction 0.1", "the nearest to --frction is --friction"},
-        {"replay x --elastciity=0.1", "the nearest to --elastciity is --elasticity"},
-        {"live --recrod x", "the nearest to --recrod is --record"}}) {
+        {"replay x --frction 0.1", "unknown option --frction; the nearest is --friction"},
+        {"replay x --elastciity=0.1", "unknown option --elastciity; the nearest is --elasticity"},
+        {"live --recrod x", "unknown option --recrod; the nearest is --record"}}) {
     expect_refusal(typed, 2, nearest);
   }
   for (const char* typed : {"bowl", "replay x --nothing-like-it", "replay x y"}) {

@@ -78,7 +78,7 @@ TEST_F(Inputs, APipeWithoutATrialIsRefused) {
     EXPECT_THAT(result.err, HasSubstr(says)) << arguments;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
   };
-  expect_failure("true", "info -", "-: not an LCM event log: no whole event in 0 bytes");
+  expect_failure("true", "info -", "-: is empty; expected an LCM event log");
   expect_failure("head -c 1000 '" + kDemo + "'", "replay -", "no whole event in 1000 bytes");
   expect_failure("true", "info - <&-", "-: ");
   expect_failure("true", "info - </", "-: cannot be read: Is a directory");

@@ -314,8 +314,12 @@ TEST(LogTest, SaysWhatIsWrongWithAFileThatIsNoTrial) {
     }
     return "read";
   };
-  EXPECT_THAT(message({}), HasSubstr("not an LCM event log: no whole event in 0 bytes"));
-  EXPECT_THAT(message(Buffer(5000, 'x')), HasSubstr("no whole event in 5000 bytes"));
+  EXPECT_THAT(message({}), HasSubstr("x.lcmlog: is empty; expected an LCM event log"));
+  const Buffer whole = one_event("LIDAR", Buffer(100, 1));
+  EXPECT_THAT(message(std::span(whole).first(100)),
+              HasSubstr("is cut short within its first event: no whole event in 100 bytes"));
+  EXPECT_THAT(message(Buffer(5000, 'x')),
+              HasSubstr("not an LCM event log: no whole event in 5000 bytes"));
   EXPECT_THAT(message(one_event("LIDAR", {1})), HasSubstr("no message on HEADPIN_TRIAL"));
   TrialHeader later = header();
   later.format_version = 3;

@@ -90,7 +90,7 @@ test('what is no trial is refused in words, and the one before stays', () => {
   answered(engine.load(readFileSync(demo)));
   const whole = readFileSync(demo);
   for (const [bytes, words] of [
-    [new Uint8Array(0), /no whole event in 0 bytes/],
+    [new Uint8Array(0), /is empty; expected an LCM event log/],
     [new TextEncoder().encode('<script>alert(1)</script>'), /not an LCM event log/],
     [new Uint8Array(1 << 20), /not an LCM event log/],
     [whole.subarray(0, 20), /no whole event in 20 bytes/],
