@@ -1,5 +1,10 @@
+#include <algorithm>
+#include <array>
+#include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -7,17 +12,22 @@
 #include "apps/command.h"
 #include "apps/options.h"
 #include "apps/streams.h"
+#include "files/output_file.h"
+#include "render/image.h"
+#include "scene/looks/scenario_picture.h"
 #include "scene/scenario/files.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/stage/seen_mesh.h"
 #include "scene/stage/stage.h"
+#include "scene/watch/totals.h"
 
 namespace headpin::apps {
 namespace {
 
 struct ScenarioOptions {
-  std::string action, scenario;
-  bool json = false;
+  std::string action, scenario, other, from, gl;
+  std::optional<std::string> output;
+  bool gl_given = false, force = false, json = false;
 };
 
 /// Measures of a scenario.
@@ -79,44 +89,129 @@ void list(bool json) {
   if (json) print_json({{"scenarios", all}});
 }
 
-void tell_scenarios(const ScenarioOptions& options) {
-  if ((options.action == "list") != options.scenario.empty()) {
-    throw UsageError(options.action == "list"
-                         ? "scenario list: expected no further argument"
-                         : fmt::format("scenario {0}: expected a name or file: scenario {0} FILE",
-                                       options.action));
+/// A scenario file of one's own: all keys of another scenario, with their meanings.
+void make_new(const ScenarioOptions& options) {
+  scene::Scenario scenario = scene::load_scenario(options.from);
+  scenario.name = std::filesystem::path(*options.output).stem().string();
+  const std::string text = scene::to_toml(scenario);
+  files::OutputFile file(*options.output, {.overwrite = options.force,
+                                           .inputs = {scene::scenario_path(options.from)}});
+  file.write(text.data(), text.size());
+  file.commit();
+  fmt::print("{}: all keys of {}\n", *options.output, options.from);
+}
+
+/// A value of TOML on one line.
+std::string on_a_line(std::string toml) {
+  std::erase(toml, '\n');
+  return toml.empty() ? "-" : toml;
+}
+
+void tell_differences(const ScenarioOptions& options) {
+  const std::vector<scene::KeyDifference> all = scene::differences(
+      scene::load_scenario(options.scenario), scene::load_scenario(options.other));
+  if (options.json) {
+    return print_json({{"a", options.scenario},
+                       {"b", options.other},
+                       {"scenario_differences", scene::to_json(all)}});
   }
-  if (options.action == "list") return list(options.json);
-  if (options.action == "show") {
-    if (options.json) throw UsageError("scenario show: it prints TOML; expected no --json");
-    fmt::print("{}", scene::to_toml(scene::load_scenario(options.scenario)));
-    return;
+  if (all.empty()) fmt::print("the same values\n");
+  for (const scene::KeyDifference& one : all) {
+    fmt::print("{:<28}{}  ->  {}\n", one.key, on_a_line(one.a), on_a_line(one.b));
   }
+}
+
+void draw(const ScenarioOptions& options) {
+  const scene::Scenario scenario = scene::load_scenario(options.scenario);
+  const render::Image picture = scene::picture_of(scenario, options.gl);
+  const std::vector<std::uint8_t> png = render::encode_png(picture);
+  files::OutputFile file(*options.output, {.overwrite = options.force,
+                                           .inputs = {scene::scenario_path(options.scenario)}});
+  file.write(png.data(), png.size());
+  file.commit();
+  fmt::print("{}: {} from above and from the side; what the left and the right eye see\n",
+             *options.output, scenario.name);
+}
+
+void check(const ScenarioOptions& options) {
   const Measures m = measure(options.scenario);
   if (options.json) return print_json(in_json(scene::scenario_path(options.scenario), m));
   fmt::print("{}: {}\n", m.name, in_words(m));
   for (const std::string& one : m.not_drawn) fmt::print("{}\n", printable(one));
 }
 
+/// The parts of the command line that an action needs; it takes no others.
+struct Action {
+  const char* name;
+  bool scenario, other, from, output, json, gl;
+  const char* usage;
+};
+constexpr std::array<Action, 6> kActions = {{
+    {"list", false, false, false, false, true, false, "scenario list [--json]"},
+    {"show", true, false, false, false, false, false, "scenario show SCENARIO"},
+    {"check", true, false, false, false, true, false, "scenario check SCENARIO [--json]"},
+    {"new", false, false, true, true, false, false, "scenario new --from SCENARIO -o FILE.toml"},
+    {"diff", true, true, false, false, true, false, "scenario diff SCENARIO OTHER [--json]"},
+    {"draw", true, false, false, true, false, true, "scenario draw SCENARIO -o FILE.png"},
+}};
+
+void run_action(const ScenarioOptions& options) {
+  const Action& action =
+      *std::ranges::find_if(kActions, [&](const Action& a) { return options.action == a.name; });
+  const bool fits = action.scenario != options.scenario.empty() &&
+                    action.other != options.other.empty() && action.from != options.from.empty() &&
+                    action.output == options.output.has_value() &&
+                    (action.output || !options.force) && (action.json || !options.json) &&
+                    (action.gl || !options.gl_given);
+  if (!fits) {
+    throw UsageError(fmt::format("scenario {}: expected headpin {}", action.name, action.usage));
+  }
+  if (options.action == "list") return list(options.json);
+  if (options.action == "show") {
+    fmt::print("{}", scene::to_toml(scene::load_scenario(options.scenario)));
+    return;
+  }
+  if (options.action == "check") return check(options);
+  if (options.action == "diff") return tell_differences(options);
+  const std::string ending = options.action == "new" ? ".toml" : ".png";
+  if (std::filesystem::path(*options.output).extension() != ending) {
+    throw UsageError(fmt::format("--output: expected a name that ends in {}, found {}", ending,
+                                 *options.output));
+  }
+  return options.action == "new" ? make_new(options) : draw(options);
+}
+
 }  // namespace
 
 void add_scenario(CLI::App& app) {
   auto options = std::make_shared<ScenarioOptions>();
-  CLI::App* command =
-      app.add_subcommand("scenario", "List, show and check scenarios: rooms, skittles, rules");
+  CLI::App* command = app.add_subcommand(
+      "scenario", "List, show, check, make, compare and draw scenarios: rooms, skittles, rules");
   command
       ->add_option("ACTION", options->action,
                    "list: list the bundled scenarios; show: print all keys of a scenario with "
-                   "their meanings; check: check the values of a scenario")
+                   "their meanings; check: check the values of a scenario; new: write all keys of "
+                   "a scenario to a file of your own; diff: list the keys whose values differ; "
+                   "draw: draw the room from above, from the side, and as both eyes see it")
       ->required()
-      ->check(one_of({"list", "show", "check"}));
+      ->check(one_of({"list", "show", "check", "new", "diff", "draw"}));
   command->add_option("SCENARIO", options->scenario, "name of a bundled scenario or a TOML file");
+  command->add_option("OTHER", options->other, "with diff: the scenario to compare it with");
+  command->add_option("--from", options->from,
+                      "with new: name of a bundled scenario or a TOML file to start from");
+  add_output(*command, "-o,--output", options->output,
+             "file to write: with new, a scenario (.toml); with draw, a picture (.png)",
+             {".toml", ".png"});
+  add_gl(*command, options->gl)->each([options](const std::string&) { options->gl_given = true; });
+  add_force(*command, options->force);
   add_json(*command, options->json);
   command->footer(
       "Error messages have the file, the line and the key.\n\n"
-      "Examples:\n  headpin scenario list\n  headpin scenario show german-ninepins > own.toml\n"
-      "  headpin scenario check own.toml");
-  command->callback([options] { tell_scenarios(*options); });
+      "Examples:\n  headpin scenario list\n  headpin scenario new --from german-ninepins -o "
+      "own.toml\n"
+      "  headpin scenario check own.toml\n  headpin scenario diff german-ninepins own.toml\n"
+      "  headpin scenario draw own.toml -o own.png");
+  command->callback([options] { run_action(*options); });
 }
 
 }  // namespace headpin::apps

@@ -33,12 +33,12 @@ std::array<render::View, 2> drawn_views_of(const Eyes& eyes,
   return {render::drawn_view(views[0], eyes.optics), render::drawn_view(views[1], eyes.optics)};
 }
 
-Pose looking_at(const Vec3& p_WC, const Vec3& target_W) {
-  const Vec3 back = (p_WC - target_W).normalized();
-  const Vec3 right = Vec3::UnitZ().cross(back).normalized();
-  Eigen::Matrix3d R_WC;
-  R_WC << right, back.cross(right), back;
-  return {Quat(R_WC), p_WC};
+/// How far a camera with the optics of the scenario's display is from a rectangle that it shows [m].
+double distance_to_show(const Scenario& scenario, double width, double height) {
+  const render::Frustum f = render::eyes({}, scenario.hmd.optics)[0].frustum;
+  const double across = std::min(-f.left, f.right), down = std::min(-f.bottom, f.top);
+  constexpr double kMargin = 1.05;
+  return kMargin * std::max(0.5 * width / across, 0.5 * height / down);
 }
 
 }  // namespace
@@ -55,6 +55,14 @@ Eyes open_eyes(const Stage& stage, const render::Quality& look, std::string_view
   return {std::move(renderer), std::move(looks), optics, look};
 }
 
+Pose looking_at(const Vec3& p_WC, const Vec3& target_W) {
+  const Vec3 back = (p_WC - target_W).normalized();
+  const Vec3 right = Vec3::UnitZ().cross(back).normalized();
+  Eigen::Matrix3d R_WC;
+  R_WC << right, back.cross(right), back;
+  return {Quat(R_WC), p_WC};
+}
+
 Pose third_person_camera(const Scenario& scenario) {
   const Room& room = scenario.room;
   constexpr double kFromWalls = 0.3;
@@ -65,14 +73,18 @@ Pose third_person_camera(const Scenario& scenario) {
 
 Pose top_camera(const Scenario& scenario) {
   const Room& room = scenario.room;
-  const render::Frustum f = render::eyes({}, scenario.hmd.optics)[0].frustum;
-  const double across = std::min(-f.left, f.right), down = std::min(-f.bottom, f.top);
-  constexpr double kMargin = 1.05;
-  const double above =
-      kMargin * std::max(0.5 * (room.behind + room.ahead) / across, 0.5 * room.width / down);
   Eigen::Matrix3d R_WC;
   R_WC << Vec3::UnitY(), -Vec3::UnitX(), Vec3::UnitZ();
-  return {Quat(R_WC), Vec3(0.0, 0.5 * (room.ahead - room.behind), above)};
+  return {Quat(R_WC), Vec3(0.0, 0.5 * (room.ahead - room.behind),
+                           distance_to_show(scenario, room.behind + room.ahead, room.width))};
+}
+
+Pose side_camera(const Scenario& scenario) {
+  const Room& room = scenario.room;
+  Eigen::Matrix3d R_WC;
+  R_WC << Vec3::UnitY(), Vec3::UnitZ(), Vec3::UnitX();
+  return {Quat(R_WC), Vec3(distance_to_show(scenario, room.behind + room.ahead, room.height),
+                           0.5 * (room.ahead - room.behind), 0.5 * room.height)};
 }
 
 std::array<render::View, 2> see(Eyes& eyes, const Glimpse& g, std::array<render::Image, 2>& out) {

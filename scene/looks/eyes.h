@@ -22,10 +22,14 @@ Eyes open_eyes(const Stage& stage);
 /// @param gl  as render::open_context
 Eyes open_eyes(const Stage& stage, const render::Quality& look, std::string_view gl = {});
 
-/// Cameras that show the thrower: from behind and beside, or from above with the whole room, the
-/// lane to the right.
+/// A camera or head at a place that looks at another place, level.
+Pose looking_at(const Vec3& p_WC, const Vec3& target_W);
+
+/// Cameras that show the thrower: from behind and beside; from above or from the side with the whole
+/// room, the lane to the right.
 Pose third_person_camera(const Scenario& scenario);
 Pose top_camera(const Scenario& scenario);
+Pose side_camera(const Scenario& scenario);
 
 /// Draws both eyes, left first.
 ///
