@@ -4,6 +4,8 @@
 #include <charconv>
 #include <cmath>
 
+#include "devices/base/text.h"
+
 namespace headpin::devices {
 namespace {
 
@@ -21,12 +23,6 @@ struct RefusedField {
   FastrakRefusal why;
   std::size_t field;
 };
-
-std::string_view without_spaces(std::string_view text) {
-  while (!text.empty() && text.front() == ' ') text.remove_prefix(1);
-  while (!text.empty() && text.back() == ' ') text.remove_suffix(1);
-  return text;
-}
 
 /// A line command cut into its fields.
 struct Line {

@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "devices/base/text.h"
+
 namespace headpin::devices {
 namespace {
 
@@ -43,7 +45,12 @@ StationFault station_fault(std::string_view entry, std::string_view value) {
   fault.when.from = at(entry, when.substr(0, dash), expected);
   if (dash != std::string_view::npos) {
     fault.when.to = at(entry, when.substr(dash + 1), expected);
-    if (fault.when.to <= fault.when.from) refuse(entry, expected);
+    if (fault.when.to <= fault.when.from) {
+      throw std::invalid_argument(
+          "fault '" + std::string(entry) + "': it ends " +
+          (fault.when.to < fault.when.from ? "before" : "when") +
+          " it begins; expected STATION@FROM-TO with TO later than FROM, seconds");
+    }
   }
   return fault;
 }
@@ -63,7 +70,7 @@ FastrakFaults parse_faults(const std::string& spec) {
   std::string_view rest = spec;
   while (!rest.empty()) {
     const std::size_t comma = rest.find(',');
-    const std::string_view entry = rest.substr(0, comma);
+    const std::string_view entry = without_spaces(rest.substr(0, comma));
     rest = comma == std::string_view::npos ? std::string_view{} : rest.substr(comma + 1);
     const std::size_t equals = entry.find('=');
     const std::string_view name = entry.substr(0, equals);
@@ -75,7 +82,7 @@ FastrakFaults parse_faults(const std::string& spec) {
       return static_cast<int>(v);
     };
     if (name == "noise") {
-      faults.noise = number(entry, value, 0.0, 1e6, "a factor, 0 or more");
+      faults.noise = number(entry, value, 0.0, 1e6, "a factor from 0 to 1000000");
     } else if (name == "dropout") {
       faults.dropout = number(entry, value, 0.0, 1.0, "a chance from 0 to 1");
     } else if (name == "garbage") {
@@ -83,11 +90,12 @@ FastrakFaults parse_faults(const std::string& spec) {
     } else if (name == "damage") {
       faults.damage = number(entry, value, 0.0, 1.0, "a chance from 0 to 1");
     } else if (name == "metal") {
-      faults.metal = number(entry, value, 0.0, 1.0, "metres at 1 m, 0 to 1");
+      faults.metal = number(entry, value, 0.0, 1.0, "metres at 1 m, from 0 to 1");
     } else if (name == "slow") {
-      faults.slow_baud = whole(110, 115200, "a baud rate, 110 to 115200");
+      faults.slow_baud = whole(110, 115200, "a baud rate from 110 to 115200");
     } else if (name == "deaf") {
-      faults.deaf = whole(0, std::numeric_limits<int>::max(), "a whole number");
+      faults.deaf =
+          whole(0, std::numeric_limits<int>::max(), "a whole number from 0 to 2147483647");
     } else if (name == "stuck") {
       faults.stuck.push_back(station_fault(entry, value));
     } else if (name == "unplug") {
@@ -95,7 +103,8 @@ FastrakFaults parse_faults(const std::string& spec) {
     } else if (name == "silence") {
       faults.silence.push_back(silence(entry, value));
     } else {
-      refuse(entry, "one of noise dropout garbage damage metal slow deaf stuck unplug silence");
+      refuse(entry,
+             "one of noise, dropout, garbage, damage, metal, slow, deaf, stuck, unplug, silence");
     }
   }
   return faults;

@@ -42,7 +42,8 @@ struct FastrakFaults {
 ///     noise=F  dropout=P  garbage=P  damage=P  metal=METRES  slow=BAUD  deaf=N
 ///     stuck=STATION@FROM[-TO]   unplug=STATION@FROM[-TO]   silence=SECONDS@FROM
 ///
-/// Times are seconds since the emulator started; P is a chance from 0 to 1.
+/// Times are seconds since the emulator started; P is a chance from 0 to 1. Spaces around an entry do
+/// not count.
 /// @throws std::invalid_argument  naming the entry and what was expected
 FastrakFaults parse_faults(const std::string& spec);
 

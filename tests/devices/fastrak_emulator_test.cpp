@@ -8,6 +8,7 @@
 
 #include "devices/fastrak/emulator.h"
 #include "tests/devices/fastrak_unit.h"
+#include "tests/support/folder.h"
 
 namespace headpin::devices {
 namespace {
@@ -374,6 +375,23 @@ TEST(FastrakFaultTest, BadSpecificationsAreNamed) {
   EXPECT_TRUE(f.stuck[0].when.holds(5s) && !f.stuck[0].when.holds(8s));
   EXPECT_TRUE(f.silence[0].holds(13s) && !f.silence[0].holds(14s));
   EXPECT_EQ(f.deaf, 3);
+  const FastrakFaults spaced = parse_faults(" noise=0, deaf=2 ");
+  EXPECT_EQ(spaced.noise, 0.0);
+  EXPECT_EQ(spaced.deaf, 2);
+}
+
+TEST(FastrakFaultTest, ABadSpecificationSaysWhatWasExpected) {
+  const auto expect_says = [](const std::string& spec, const std::string& says) {
+    EXPECT_EQ(complaint([&] { parse_faults(spec); }), says);
+  };
+  expect_says("noise=1, loud=2",
+              "fault 'loud=2': expected one of noise, dropout, garbage, damage, metal, slow, deaf, "
+              "stuck, unplug, silence");
+  expect_says("deaf=1.5", "fault 'deaf=1.5': expected a whole number from 0 to 2147483647");
+  expect_says("stuck=1@5-2",
+              "fault 'stuck=1@5-2': it ends before it begins; expected STATION@FROM-TO with TO "
+              "later than FROM, seconds");
+  EXPECT_THAT(complaint([] { parse_faults("unplug=1@5-5"); }), HasSubstr("it ends when it begins"));
 }
 
 }  // namespace
