@@ -4,6 +4,7 @@
 #include <cerrno>
 #include <climits>
 #include <cstring>
+#include <filesystem>
 #include <stdexcept>
 
 #include <fcntl.h>
@@ -12,18 +13,27 @@
 
 namespace headpin::files {
 
+namespace {
+
+[[noreturn]] void fail_to_link(const std::string& link, int error) {
+  const std::filesystem::path folder = std::filesystem::path(link).parent_path();
+  const std::string why = error == ENOENT    ? "there is no folder " + folder.string()
+                          : error == ENOTDIR ? folder.string() + " is not a folder"
+                                             : std::strerror(error);
+  throw std::runtime_error(link + ": cannot be created: " + why);
+}
+
+}  // namespace
+
 void place_link(const std::string& target, const std::string& link) {
-  const auto fail = [](const std::string& name, int error) {
-    throw std::runtime_error(name + ": " + std::strerror(error));
-  };
   struct stat there {};
-  if (lstat(link.c_str(), &there) == 0 && !S_ISLNK(there.st_mode)) fail(link, EEXIST);
+  if (lstat(link.c_str(), &there) == 0 && !S_ISLNK(there.st_mode)) fail_to_link(link, EEXIST);
   const std::string beside = link + "." + std::to_string(getpid());
-  if (symlink(target.c_str(), beside.c_str()) != 0) fail(beside, errno);
+  if (symlink(target.c_str(), beside.c_str()) != 0) fail_to_link(link, errno);
   if (rename(beside.c_str(), link.c_str()) != 0) {
     const int why = errno;
     remove_link(target, beside);
-    fail(link, why);
+    fail_to_link(link, why);
   }
 }
 

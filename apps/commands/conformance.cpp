@@ -3,9 +3,11 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <stdexcept>
 #include <thread>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 #include <poll.h>
 
@@ -24,11 +26,19 @@ struct ConformanceOptions {
   bool json = false;
 };
 
+/// @throws UsageError  for a name that no line can have
+std::unique_ptr<devices::ByteStream> stream_at(const std::string& name, int baud) {
+  try {
+    return devices::open_line(name, baud);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+}
+
 /// A client's end of a real line.
 class PortLine : public devices::FastrakLine {
  public:
-  PortLine(const std::string& name, int baud)
-      : stream_(devices::open_line(name, baud)), baud_(baud) {}
+  PortLine(const std::string& name, int baud) : stream_(stream_at(name, baud)), baud_(baud) {}
 
   void put(std::string_view text) override {
     devices::Bytes rest(reinterpret_cast<const std::uint8_t*>(text.data()), text.size());
@@ -164,12 +174,22 @@ std::vector<Row> examine_all(PortLine& line, const ConformanceOptions& options, 
   return rows;
 }
 
-void examine_unit(const ConformanceOptions& options) {
-  const auto known = devices::fastrak_clients();
-  if (!options.client.empty() &&
-      std::ranges::find(known, options.client, &devices::FastrakClient::name) == known.end()) {
-    throw UsageError("--client '" + options.client + "': no such client; see --help");
+std::vector<std::string> client_names() {
+  std::vector<std::string> names;
+  for (const devices::FastrakClient& client : devices::fastrak_clients()) {
+    names.emplace_back(client.name);
   }
+  return names;
+}
+
+/// Checked here and not by the option itself, whose help would list all clients twice.
+void require_known_client(std::string name) {
+  const std::string wrong = name.empty() ? "" : one_of(client_names())(name);
+  if (!wrong.empty()) throw UsageError("--client: " + wrong);
+}
+
+void examine_unit(const ConformanceOptions& options) {
+  require_known_client(options.client);
   PortLine line(options.line, options.baud);
   int stations = 0;
   const std::vector<Row> rows = examine_all(line, options, stations, [&](const Row& row) {
@@ -184,14 +204,6 @@ void examine_unit(const ConformanceOptions& options) {
   if (std::ranges::any_of(rows, [](const Row& row) { return row.unmet() != nullptr; })) {
     throw std::runtime_error(options.line + ": at least one client does not work with this unit");
   }
-}
-
-std::string client_names() {
-  std::string names;
-  for (const devices::FastrakClient& client : devices::fastrak_clients()) {
-    names += (names.empty() ? "" : ", ") + std::string(client.name);
-  }
-  return names;
 }
 
 }  // namespace
@@ -210,7 +222,7 @@ void add_conformance(CLI::App& app) {
       ->check(number_from(0.5, 3600.0))
       ->capture_default_str();
   add_json(*command, options->json);
-  command->footer("Clients: " + client_names() +
+  command->footer(fmt::format("Clients: {}", fmt::join(client_names(), ", ")) +
                   ".\nFirst, the command reads one pose in inches, in centimetres and in binary; "
                   "the three must agree.\nA check that fails is repeated once. All checks take "
                   "about two minutes. The unit is left running in\nits factory settings; nothing "

@@ -80,12 +80,31 @@ void make_raw(int fd, int baud) {
   if (tcsetattr(fd, TCSANOW, &settings) != 0) fail("cannot set up the terminal");
 }
 
+/// Says why a name is not that of a serial port, as far as the file system shows it.
+void require_serial_port(const std::string& path) {
+  struct stat there {};
+  if (stat(path.c_str(), &there) != 0) {
+    if (errno != ENOENT && errno != ENOTDIR) fail(path + ": cannot be opened");
+    throw std::runtime_error(path +
+                             ": there is no such serial port; expected a serial port such as "
+                             "/dev/ttyUSB0, or tcp:HOST:PORT");
+  }
+  if (S_ISCHR(there.st_mode)) return;
+  const bool file = S_ISREG(there.st_mode), folder = S_ISDIR(there.st_mode);
+  throw std::runtime_error(path + ": expected a serial port, found " +
+                           (file     ? "a file"
+                            : folder ? "a folder"
+                                     : "something else"));
+}
+
 class SerialPort : public ByteStream {
  public:
   SerialPort(const std::string& path, int baud) {
+    require_serial_port(path);
     fd_ = ::open(path.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-    if (fd_ < 0) fail(path);
+    if (fd_ < 0) fail(path + ": cannot be opened");
     try {
+      if (!isatty(fd_)) throw std::runtime_error("expected a serial port, found another device");
       // Before any change that could disturb the program that has it open.
       if (!files::lock(fd_)) throw files::Busy("in use by another headpin");
       make_raw(fd_, baud);
@@ -207,10 +226,7 @@ void garble(std::span<std::uint8_t> bytes) {
 /// True if a link may be made at `path`: nothing is there, or a link to a terminal or to no file.
 bool may_link(const std::string& path) {
   struct stat here {};
-  if (lstat(path.c_str(), &here) != 0) {
-    if (errno == ENOENT) return true;
-    throw std::runtime_error(path + ": " + std::strerror(errno));
-  }
+  if (lstat(path.c_str(), &here) != 0) return true;
   if (!S_ISLNK(here.st_mode)) return false;
   struct stat there {};
   return stat(path.c_str(), &there) != 0 || S_ISCHR(there.st_mode);
@@ -247,9 +263,9 @@ std::unique_ptr<ByteStream> connect_tcp(const std::string& host, int port,
   hints.ai_family = AF_UNSPEC;
   hints.ai_socktype = SOCK_STREAM;
   addrinfo* found = nullptr;
-  const std::string where = host + ":" + std::to_string(port);
+  const std::string nobody = "tcp:" + host + ":" + std::to_string(port) + ": nobody answers there";
   if (const int e = getaddrinfo(host.c_str(), std::to_string(port).c_str(), &hints, &found)) {
-    throw std::runtime_error(where + ": " + gai_strerror(e));
+    throw std::runtime_error(nobody + ": " + gai_strerror(e));
   }
   int fd = -1;
   for (const addrinfo* a = found; a && fd < 0; a = a->ai_next) {
@@ -262,7 +278,7 @@ std::unique_ptr<ByteStream> connect_tcp(const std::string& host, int port,
     }
   }
   freeaddrinfo(found);
-  if (fd < 0) fail(where);
+  if (fd < 0) fail(nobody);
   prepare_socket(fd);
   return std::make_unique<Socket>(fd);
 }
@@ -275,12 +291,6 @@ std::pair<std::unique_ptr<ByteStream>, std::unique_ptr<ByteStream>> memory_strea
 }
 
 PseudoTerminal::PseudoTerminal(const std::string& link) {
-  if (!link.empty() && !may_link(link)) {
-    throw std::runtime_error(link + ": exists and is not a link to a terminal");
-  }
-  if (!link.empty() && is_served(link)) {
-    throw files::Busy(link + ": another emulator uses it");
-  }
   try {
     master_ = posix_openpt(O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
     std::array<char, 128> name{};
@@ -296,16 +306,20 @@ PseudoTerminal::PseudoTerminal(const std::string& link) {
     make_raw(slave_, 115200);  // before the name is known to others: no echo, no line editing
     watch_ = inotify_init1(IN_NONBLOCK | IN_CLOEXEC);
     if (watch_ >= 0) inotify_add_watch(watch_, name_.c_str(), IN_OPEN | IN_CLOSE);
-    if (!link.empty()) {
-      files::place_link(name_, link);
-      link_ = link;
-    }
+    if (!link.empty()) link_at(link);
   } catch (...) {
     for (const int fd : {watch_, slave_, master_}) {
       if (fd >= 0) ::close(fd);
     }
     throw;
   }
+}
+
+void PseudoTerminal::link_at(const std::string& link) {
+  if (!may_link(link)) throw std::runtime_error(link + ": exists and is not a link to a terminal");
+  if (is_served(link)) throw files::Busy(link + ": another emulator uses it");
+  files::place_link(name_, link);
+  link_ = link;
 }
 
 PseudoTerminal::~PseudoTerminal() {
@@ -379,8 +393,13 @@ TcpServer::TcpServer(int port, const std::string& host) : address_(host) {
       getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size) != 0) {
     const int why = errno;
     ::close(listener_);
+    if (why == EADDRNOTAVAIL) {
+      throw std::invalid_argument(
+          "expected an IPv4 address of this computer in numbers, such as 127.0.0.1:" +
+          std::to_string(port) + ", found '" + host + "'");
+    }
     errno = why;
-    fail(host + ":" + std::to_string(port));
+    fail("this port cannot be opened");
   }
   port_ = ntohs(address.sin_port);
 }

@@ -82,6 +82,9 @@ class PseudoTerminal : public ByteStream {
   PseudoTerminal(const PseudoTerminal&) = delete;
   PseudoTerminal& operator=(const PseudoTerminal&) = delete;
 
+  /// Makes the link to a terminal that has none yet, as the constructor does.
+  void link_at(const std::string& link);
+
   /// The terminal's own name, /dev/pts/N.
   const std::string& name() const { return name_; }
 
@@ -116,8 +119,9 @@ class TcpServer : public ByteStream {
  public:
   /// @param port     0 for any free one
   /// @param address  of the interface to serve, a number; the default only this machine
-  /// @throws files::Busy         when the port is taken
-  /// @throws std::runtime_error  when the address is not one of this computer
+  /// @throws files::Busy         when the port is taken; these errors name neither address nor port
+  /// @throws std::runtime_error  when the port cannot be opened
+  /// @throws std::invalid_argument  when the address is not one of this computer
   explicit TcpServer(int port, const std::string& address = "127.0.0.1");
   ~TcpServer() override;
   TcpServer(const TcpServer&) = delete;

@@ -23,7 +23,7 @@ TcpAddress read_address(const std::string& name) {
       std::from_chars(digits.data(), digits.data() + digits.size(), read.port);
   if (colon == 0 || error != std::errc{} || end != digits.data() + digits.size() || read.port < 1 ||
       read.port > 65535) {
-    throw std::invalid_argument("'" + name + "': expected tcp:HOST:PORT, a port from 1 to 65535");
+    throw std::invalid_argument(name + ": expected tcp:HOST:PORT, a port from 1 to 65535");
   }
   read.host = address.substr(0, colon);
   return read;
@@ -84,6 +84,9 @@ void LastingLine::set_baud(int baud) {
 }
 
 std::unique_ptr<ByteStream> open_line(const std::string& name, int baud) {
+  if (name.empty()) {
+    throw std::invalid_argument("line '': expected the name of a serial port or tcp:HOST:PORT");
+  }
   if (!name.starts_with("tcp:")) {
     return std::make_unique<LastingLine>(name, [=] { return open_serial(name, baud); });
   }

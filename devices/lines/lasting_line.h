@@ -46,8 +46,8 @@ class LastingLine : public ByteStream {
 /// or the path of a serial port. It is reopened after failures.
 ///
 /// @throws std::runtime_error  when it cannot be opened now
-/// @throws std::invalid_argument  for a port that is no number from 1 to 65535, or another rate
-///                                than a Fastrak's
+/// @throws std::invalid_argument  without a name, for a port that is no number from 1 to 65535, or
+///                                for another rate than a Fastrak's
 std::unique_ptr<ByteStream> open_line(const std::string& name, int baud);
 
 }  // namespace headpin::devices

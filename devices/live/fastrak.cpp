@@ -1,5 +1,7 @@
 #include "devices/live/fastrak.h"
 
+#include <stdexcept>
+
 #include <fmt/format.h>
 
 #include "devices/fastrak/driver.h"
@@ -50,6 +52,11 @@ class LiveFastrak : public LiveSource {
 
 std::unique_ptr<LiveSource> live_fastrak(const std::string& name, const std::string& line,
                                          const SourceOptions& options) {
+  if (line.empty()) {
+    throw std::invalid_argument(
+        name +
+        " expected the name of a serial port or tcp:HOST:PORT after the colon, found nothing");
+  }
   std::unique_ptr<ByteStream> stream = open_line(line, options.fastrak.baud);
   StampedStream* stamped = nullptr;
   if (options.clock) {

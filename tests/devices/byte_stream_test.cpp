@@ -181,6 +181,23 @@ TEST(SerialTest, WhatIsNoTerminalIsRefusedByName) {
   EXPECT_THROW(open_serial(pty.name(), 12345), std::runtime_error);
 }
 
+TEST(SerialTest, SaysWhatIsThereInPlaceOfAPort) {
+  const auto said = [](const std::string& name) {
+    return complaint([&] { open_serial(name, 9600); });
+  };
+  const std::string none =
+      ": there is no such serial port; expected a serial port such as /dev/ttyUSB0, or "
+      "tcp:HOST:PORT";
+  const std::string file = scratch("text.txt").string(), folder = scratch("folder").string();
+  std::ofstream(file) << "text";
+  fs::create_directory(folder);
+  EXPECT_EQ(said("/dev/no-such-port"), "/dev/no-such-port" + none);
+  EXPECT_EQ(said("udp:127.0.0.1:1"), "udp:127.0.0.1:1" + none);
+  EXPECT_EQ(said(file), file + ": expected a serial port, found a file");
+  EXPECT_EQ(said(folder), folder + ": expected a serial port, found a folder");
+  EXPECT_EQ(said("/dev/null"), "/dev/null: expected a serial port, found another device");
+}
+
 TEST(SerialTest, APortThatIsPulledOutIsClosed) {
   auto pty = std::make_unique<PseudoTerminal>();
   const auto port = open_serial(pty->name(), 9600);
@@ -261,7 +278,20 @@ TEST(TcpServerTest, WhoReadsLateFindsFewRecordsThatWaited) {
 TEST(TcpServerTest, ATakenPortIsAnError) {
   TcpServer server(0);
   EXPECT_THROW(TcpServer second(server.port()), files::Busy);
-  EXPECT_THROW(connect_tcp("127.0.0.1", 1), std::runtime_error);
+  EXPECT_EQ(complaint([&] { TcpServer second(server.port()); }),
+            "this port cannot be opened: Address already in use");
+  EXPECT_EQ(complaint([] { connect_tcp("127.0.0.1", 1); }),
+            "tcp:127.0.0.1:1: nobody answers there: Connection refused");
+}
+
+TEST(TcpServerTest, AnAddressThatIsNoneOfThisComputerIsRefused) {
+  for (const std::string address : {"localhost", "", "nobody", "198.51.100.77", "::1"}) {
+    EXPECT_THROW(TcpServer server(5555, address), std::invalid_argument);
+    EXPECT_EQ(complaint([&] { TcpServer server(5555, address); }),
+              "expected an IPv4 address of this computer in numbers, such as 127.0.0.1:5555, found "
+              "'" +
+                  address + "'");
+  }
 }
 
 TEST(TcpServerTest, TheClientSeesTheEnd) {

@@ -239,7 +239,7 @@ TEST(FastrakDriverTest, SoDoesOneBehindAnEthernetAdapter) {
 
 TEST(FastrakDriverTest, ALineThatCannotBeOpenedIsNamed) {
   for (const char* name :
-       {"tcp:", "tcp:localhost", "tcp:localhost:0", "tcp:localhost:x", "tcp::1"}) {
+       {"", "tcp:", "tcp:localhost", "tcp:localhost:0", "tcp:localhost:x", "tcp::1"}) {
     EXPECT_THROW(open_line(name, 115200), std::invalid_argument) << name;
   }
   EXPECT_THROW(open_line("/nowhere/tty", 115200), std::runtime_error);

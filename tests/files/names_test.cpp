@@ -38,18 +38,24 @@ TEST_F(NamesTest, ALinkIsPlacedInOneStepAndInPlaceOfALinkAlone) {
   place_link("two", path("link"));
   EXPECT_EQ(fs::read_symlink(path("link")), "two");
   spit(path("file"), "precious");
-  EXPECT_THAT(complaint([&] { place_link("two", path("file")); }), HasSubstr("file: File exists"));
+  EXPECT_THAT(complaint([&] { place_link("two", path("file")); }),
+              HasSubstr("file: cannot be created: File exists"));
   EXPECT_EQ(slurp(path("file")), "precious");
   EXPECT_EQ(entries(), 2u);
 }
 
 TEST_F(NamesTest, ALinkThatCannotBePlacedLeavesNothing) {
-  EXPECT_THAT(complaint([&] { place_link("one", path("none/link")); }),
-              testing::EndsWith("No such file or directory"));
+  EXPECT_THAT(
+      complaint([&] { place_link("one", path("none/link")); }),
+      testing::EndsWith("none/link: cannot be created: there is no folder " + path("none")));
+  spit(path("file"), "precious");
+  EXPECT_THAT(complaint([&] { place_link("one", path("file/link")); }),
+              testing::EndsWith("link: cannot be created: " + path("file") + " is not a folder"));
+  fs::remove(path("file"));
   place_link("old", path("link"));
   fail_call("rename", 0, EACCES);
   EXPECT_THAT(complaint([&] { place_link("new", path("link")); }),
-              testing::EndsWith("link: Permission denied"));
+              testing::EndsWith("link: cannot be created: Permission denied"));
   EXPECT_EQ(fs::read_symlink(path("link")), "old");
   EXPECT_EQ(entries(), 1u);
 }
