@@ -15,7 +15,7 @@ namespace headpin::apps {
 class EmulatedMouse {
  public:
   /// @param recorded  samples of a trial in order of time, which are replayed
-  EmulatedMouse(const std::string& url, std::vector<devices::MouseSample> recorded)
+  EmulatedMouse(const devices::LcmUrl& url, std::vector<devices::MouseSample> recorded)
       : link_(url), recorded_(std::move(recorded)) {}
 
   devices::MouseSample typed;  ///< buttons that --control presses

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <stdexcept>
 #include <string_view>
 #include <utility>
 
@@ -116,6 +117,14 @@ CLI::Option* add_longest_gap(CLI::App& command, double& value) {
                   "trial is damaged")
       ->check(number_from(0.001, 1e6))
       ->capture_default_str();
+}
+
+devices::LcmUrl lcm_url(const std::string& option, const std::string& typed, devices::LcmUse use) {
+  try {
+    return devices::LcmUrl(typed, option + " ", use);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
 }
 
 CLI::Option* add_duration(CLI::App& command, std::optional<double>& value,

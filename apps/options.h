@@ -6,6 +6,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include "devices/lcm/url.h"
 #include "devices/trial/log.h"
 
 /// Options of several commands.
@@ -28,6 +29,10 @@ CLI::Option* add_states(CLI::App& command, devices::States& value);
 
 /// --longest-gap: longest accepted gap between samples in seconds.
 CLI::Option* add_longest_gap(CLI::App& command, double& value);
+
+/// The LCM URL of an option such as --lcm.
+/// @throws UsageError  naming the option and the URL
+devices::LcmUrl lcm_url(const std::string& option, const std::string& typed, devices::LcmUse use);
 
 /// --duration in seconds.
 CLI::Option* add_duration(CLI::App& command, std::optional<double>& value, const std::string& help);

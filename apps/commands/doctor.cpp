@@ -2,6 +2,7 @@
 #include <fstream>
 #include <memory>
 #include <set>
+#include <stdexcept>
 #include <thread>
 
 #include <fmt/format.h>
@@ -95,6 +96,8 @@ Finding look_at_multicast() {
       if (source.counts().received > 0) return {"lcm_multicast", true, "a sample came back", ""};
     }
     return {"lcm_multicast", false, "what is sent does not come back", remedy};
+  } catch (const std::invalid_argument& error) {
+    return {"lcm_multicast", false, error.what(), "unset LCM_DEFAULT_URL"};
   } catch (const std::exception& error) {
     const std::string says = error.what();
     return {"lcm_multicast", false, says.substr(0, says.find(';')), remedy};

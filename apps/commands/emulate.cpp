@@ -5,6 +5,7 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -20,6 +21,7 @@
 #include "apps/streams.h"
 #include "devices/fastrak/emulator.h"
 #include "devices/lines/byte_stream.h"
+#include "files/lock.h"
 
 namespace headpin::apps {
 namespace {
@@ -38,13 +40,35 @@ struct EmulateOptions {
 std::unique_ptr<devices::TcpServer> serve_at(const std::string& where) {
   const std::size_t colon = where.rfind(':');
   const std::string digits = colon == std::string::npos ? where : where.substr(colon + 1);
+  const std::string option = "--tcp " + where + ": ";
   int port = -1;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), port);
   if (error != std::errc{} || end != digits.data() + digits.size() || port < 0 || port > 65535) {
-    throw UsageError("--tcp " + where + ": expected [ADDRESS:]PORT, a port from 0 to 65535");
+    throw UsageError(option + "expected [ADDRESS:]PORT, a port from 0 to 65535");
   }
-  if (colon == std::string::npos) return std::make_unique<devices::TcpServer>(port);
-  return std::make_unique<devices::TcpServer>(port, where.substr(0, colon));
+  try {
+    if (colon == std::string::npos) return std::make_unique<devices::TcpServer>(port);
+    return std::make_unique<devices::TcpServer>(port, where.substr(0, colon));
+  } catch (const std::invalid_argument& wrong) {
+    throw UsageError(option + wrong.what());
+  } catch (const files::Busy& busy) {
+    throw files::Busy(option + busy.what());
+  } catch (const std::runtime_error& failure) {
+    throw std::runtime_error(option + failure.what());
+  }
+}
+
+/// @param link  to the terminal; empty: none
+std::unique_ptr<devices::PseudoTerminal> terminal_at(const std::string& link) {
+  auto terminal = std::make_unique<devices::PseudoTerminal>();
+  try {
+    if (!link.empty()) terminal->link_at(link);
+  } catch (const files::Busy& busy) {
+    throw files::Busy(std::string("--link ") + busy.what());
+  } catch (const std::runtime_error& failure) {
+    throw std::runtime_error(std::string("--link ") + failure.what());
+  }
+  return terminal;
 }
 
 /// The line of the unit.
@@ -53,7 +77,7 @@ struct Line {
     if (!options.tcp.empty()) {
       tcp = serve_at(options.tcp);
     } else {
-      pty = std::make_unique<devices::PseudoTerminal>(options.link);
+      pty = terminal_at(options.link);
     }
   }
   devices::ByteStream& stream() const {
@@ -88,7 +112,7 @@ devices::FastrakEmulatorOptions unit_of(const EmulateOptions& options, const Fee
   try {
     unit.faults = devices::parse_faults(options.faults);
   } catch (const std::invalid_argument& error) {
-    throw UsageError(error.what());
+    throw UsageError(std::string("--faults: ") + error.what());
   }
   return unit;
 }
@@ -134,9 +158,14 @@ void wait_for_bytes(const Line& line, const Control& control) {
 }
 
 void emulate(const EmulateOptions& options) {
+  std::optional<devices::LcmUrl> to_mouse;
+  if (options.use_mouse) {
+    to_mouse = lcm_url("--mouse", options.mouse, devices::LcmUse::publishing);
+  }
   Feed feed = feed_of(options.feed);
   std::unique_ptr<LcmFeed> lcm;
   if (options.use_lcm) {
+    lcm_url("--lcm", options.lcm, devices::LcmUse::reading);  // named as it was given
     lcm = std::make_unique<LcmFeed>(options.lcm);
     feed.motion = [&lcm](int station, Time) { return lcm->at(station); };
   }
@@ -146,7 +175,7 @@ void emulate(const EmulateOptions& options) {
   watch_stop_signals();
 
   std::optional<EmulatedMouse> mouse;
-  if (options.use_mouse) mouse.emplace(options.mouse, feed.buttons);
+  if (to_mouse) mouse.emplace(*to_mouse, feed.buttons);
   Control control(options.control);
   const Line line(options);
   introduce(options, line, feed, unit.stylus);

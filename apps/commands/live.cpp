@@ -130,6 +130,8 @@ devices::SourceOptions source_options(const LiveOptions& options,
 
 Live open_live(const LiveOptions& options) {
   Live live;
+  std::optional<devices::LcmUrl> lcm;
+  if (options.use_lcm) lcm = lcm_url("--lcm", options.lcm, devices::LcmUse::reading);
   try {
     const devices::SourceOptions how = source_options(options, live.pace);
     for (const std::string& name : options.sources) {
@@ -144,11 +146,11 @@ Live open_live(const LiveOptions& options) {
   scenario.look.samples = options.samples;
   apply_condition(options.condition, scenario);
   live.session = scene::make_session(scenario);
-  if (!options.use_lcm) return live;
-  live.link = std::make_unique<devices::LcmLink>(options.lcm);
+  if (!lcm) return live;
+  live.link = std::make_unique<devices::LcmLink>(*lcm);
   if (live.link->is_replay()) live.link.reset();  // a file has no listeners
   if (live.link && !options.no_trial) {
-    live.session_link = std::make_unique<devices::LcmLink>(options.lcm, devices::kSessionPrefix);
+    live.session_link = std::make_unique<devices::LcmLink>(*lcm, devices::kSessionPrefix);
     live.publisher = std::make_unique<scene::TrialWriter>(std::make_unique<devices::TrialPublisher>(
         *live.session_link, scene::header_of(live.header, live.session)));
   }

@@ -197,6 +197,7 @@ void print_streamed(const StreamOptions& options, const Streamed& done, std::int
 }
 
 void stream(const StreamOptions& options) {
+  const devices::LcmUrl url = lcm_url("--lcm", options.url, devices::LcmUse::publishing);
   const devices::TrialFile file(options.trial);
   file.require_trial(microseconds(options.longest_gap));
   const std::int64_t all = file.summary().sample_count;
@@ -204,7 +205,7 @@ void stream(const StreamOptions& options) {
   const scene::Scenario scenario =
       scene::scenario_of_trial(file.summary().header.scenario, options.trial);
   say_what_is_missing("stream", options.trial, file.summary());
-  devices::LcmLink link(options.url, "", {.overwrite = options.force, .inputs = {options.trial}});
+  devices::LcmLink link(url, "", {.overwrite = options.force, .inputs = {options.trial}});
   watch_stop_signals();
 
   const Streamed done = publish_samples(options, file, scenario, link);

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
-#include <charconv>
 #include <chrono>
 #include <cstring>
 #include <stdexcept>
@@ -36,7 +35,7 @@ std::uint32_t number_at(std::span<const std::uint8_t> all, std::size_t at, std::
 
 [[noreturn]] void cannot_listen(const char* what) {
   throw std::runtime_error(fmt::format("cannot listen to LCM's multicast: {}: {}{}", what,
-                                       std::strerror(errno), multicast_hint("")));
+                                       std::strerror(errno), LcmUrl::kMulticastHint));
 }
 
 int open_group(const MulticastGroup& group) {
@@ -94,33 +93,6 @@ std::optional<LcmDatagram> read_lcm_datagram(std::span<const std::uint8_t> bytes
   read.channel = {reinterpret_cast<const char*>(rest.data()), length};
   if (read.whole) read.data = rest.subspan(length + 1);
   return read;
-}
-
-std::optional<MulticastGroup> multicast_group(const std::string& url) {
-  constexpr std::string_view kScheme = "udpm://";
-  if (!url.empty() && !url.starts_with(kScheme)) return std::nullopt;
-  std::string network = url.empty() ? "" : url.substr(kScheme.size());
-  network = network.substr(0, network.find('?'));
-  const std::size_t colon = network.find(':');
-  std::string host = network.substr(0, colon);
-  if (host.empty()) host = "239.255.76.67";
-  MulticastGroup group{.address = 0, .port = 7667};
-  if (colon != std::string::npos) {
-    const char* end = network.data() + network.size();
-    const auto read = std::from_chars(network.data() + colon + 1, end, group.port);
-    if (read.ec != std::errc{} || read.ptr != end) return std::nullopt;
-  }
-  in_addr address{};
-  if (inet_pton(AF_INET, host.c_str(), &address) != 1) return std::nullopt;
-  group.address = ntohl(address.s_addr);
-  return group;
-}
-
-std::string multicast_hint(const std::string& url) {
-  const bool multicast = url.empty() || url.starts_with("udpm:");
-  return multicast ? "; multicast needs a route, without a network: ip link set lo multicast on && "
-                     "ip route add 224.0.0.0/4 dev lo"
-                   : "";
 }
 
 MulticastListener::MulticastListener(const MulticastGroup& group, std::vector<std::string> channels,

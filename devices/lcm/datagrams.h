@@ -12,6 +12,7 @@
 #include <thread>
 #include <vector>
 
+#include "devices/lcm/url.h"
 #include "engine/math.h"
 
 /// Reads LCM's multicast messages (udpm). This stays our own code, because two datagrams can crash
@@ -28,19 +29,6 @@ struct LcmDatagram {
 
 /// @return  nothing for bytes that are not LCM's; else with views into the bytes
 std::optional<LcmDatagram> read_lcm_datagram(std::span<const std::uint8_t> bytes);
-
-/// The destination of messages for a URL such as udpm://239.255.76.67:7667?ttl=0.
-struct MulticastGroup {
-  std::uint32_t address = 0;  ///< in the host's order
-  std::uint16_t port = 0;
-};
-
-/// @param url  empty: LCM's default
-/// @return  nothing for the URL of another provider, or of no address
-std::optional<MulticastGroup> multicast_group(const std::string& url);
-
-/// A hint for the most frequent multicast problem; empty for other URLs.
-std::string multicast_hint(const std::string& url);
 
 /// Receives messages on some channels of a multicast group, with their arrival times and senders.
 class MulticastListener {

@@ -5,7 +5,6 @@
 #include <cerrno>
 #include <chrono>
 #include <cmath>
-#include <cstdlib>
 #include <cstring>
 #include <stdexcept>
 #include <string_view>
@@ -14,8 +13,8 @@
 #include <headpin/rigid_transform_t.hpp>
 #include <lcm/lcm.h>
 
-#include "devices/lcm/datagrams.h"
 #include "devices/lcm/provider.h"
+#include "devices/lcm/server.h"
 #include "devices/trial/event_log.h"
 #include "devices/trial/log.h"
 #include "devices/trial/messages.h"
@@ -23,49 +22,39 @@
 
 namespace headpin::devices {
 
-namespace {
-
-std::string shown(const std::string& url) {
-  return url.empty() ? "its default URL" : url;
-}
-
-}  // namespace
-
-LcmLink::LcmLink(const std::string& url, std::string_view prefix, files::OutputFile::Options output)
-    : url_(url), prefix_(prefix) {
-  if (LogPlayer::reads(url)) {
-    log_ = std::make_unique<LogPlayer>(url);
-    return;
-  }
-  const char* of_environment = std::getenv("LCM_DEFAULT_URL");
-  meant_ = url.empty() && of_environment != nullptr ? of_environment : url;
-  if (const std::string path = LogPlayer::written_by(meant_); !path.empty()) {
-    if (meant_.find("mode=a") != std::string::npos) {
-      throw std::runtime_error(path + ": cannot append to a log; expected mode=w");
-    }
+LcmLink::LcmLink(LcmUrl url, std::string_view prefix, files::OutputFile::Options output)
+    : url_(std::move(url)), prefix_(prefix) {
+  if (const auto& log = url_.log()) {
     output.live = true;
-    written_ = std::make_unique<LogWriter>(path, std::move(output));
+    if (log->written) {
+      written_ = std::make_unique<LogWriter>(log->path, std::move(output));
+    } else {
+      log_ = std::make_unique<LogPlayer>(*log);
+    }
     return;
-  }
-  if (meant_.starts_with("mpudpm:")) {
-    throw std::runtime_error(meant_ +
-                             ": two datagrams of anybody end a program in which liblcm 1.3.1 reads "
-                             "mpudpm; expected udpm://");
   }
   lcm_ = std::make_unique<Lcm>();
-  lcm_->handle = lcm_create(meant_.empty() ? nullptr : meant_.c_str());
+  lcm_->has_server = url_.server().has_value();
+  const std::string complete = lcm_->has_server ? find_server(url_) : url_.for_liblcm();
+  lcm_->handle = lcm_create(complete.c_str());
   if (!lcm_->handle) {
-    throw std::runtime_error("cannot open LCM at " + shown(url) + multicast_hint(url));
+    throw std::runtime_error(fmt::format("cannot open LCM at {}{}", url_.shown(), url_.hint()));
   }
+  lcm_->require_server(url_);
 }
+
+LcmLink::LcmLink(const std::string& url, std::string_view prefix, files::OutputFile::Options output)
+    : LcmLink(LcmUrl(url), prefix, std::move(output)) {}
 
 LcmLink::~LcmLink() = default;
 
 void LcmLink::send(const std::string& channel, std::span<const std::uint8_t> bytes) {
-  if (log_)
-    throw std::runtime_error("cannot publish on " + channel + " at " + url_ +
-                             ": it is opened for reading");
+  if (log_) {
+    throw std::runtime_error(
+        fmt::format("cannot publish on {} at {}: it is opened for reading", channel, url_.shown()));
+  }
   if (written_) return written_->write(channel, bytes);
+  lcm_->require_server(url_);
   do {
     errno = 0;
     if (lcm_publish(lcm_->handle, channel.c_str(), bytes.data(),
@@ -73,9 +62,10 @@ void LcmLink::send(const std::string& channel, std::span<const std::uint8_t> byt
       return;
     }
   } while (errno == EINTR);
-  throw std::runtime_error(fmt::format("cannot publish on {} at {}: {}{}", channel, shown(url_),
-                                       errno ? std::strerror(errno) : "refused by LCM",
-                                       multicast_hint(url_)));
+  const int why = errno;
+  lcm_->require_server(url_);
+  throw std::runtime_error(fmt::format("cannot publish on {} at {}: {}{}", channel, url_.shown(),
+                                       why ? std::strerror(why) : "refused by LCM", url_.hint()));
 }
 
 void LcmLink::publish(const TrialHeader& header) {

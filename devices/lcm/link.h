@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "devices/base/sample.h"
+#include "devices/lcm/url.h"
 #include "devices/lcm/viewer_messages.h"
 #include "devices/trial/sink.h"
 #include "files/output_file.h"
@@ -19,12 +20,14 @@ namespace headpin::devices {
 /// A connection to LCM by the provider of its URL: udpm, file, memq, tcpq.
 class LcmLink {
  public:
-  /// @param url  empty: LCM_DEFAULT_URL, else multicast on 239.255.76.67:7667 that stays on
-  ///             the host
-  /// @throws std::runtime_error  when LCM cannot be opened there
   /// @param prefix  before the channels of a trial's messages
   /// @param output  how a log is written, file://PATH?mode=w: a file as all outputs, there from the
   ///                start
+  /// @throws std::runtime_error  when LCM cannot be opened there
+  explicit LcmLink(LcmUrl url, std::string_view prefix = "",
+                   files::OutputFile::Options output = {});
+  /// @param url  as LcmUrl takes it
+  /// @throws std::invalid_argument  for a wrong URL
   explicit LcmLink(const std::string& url, std::string_view prefix = "",
                    files::OutputFile::Options output = {});
   ~LcmLink();
@@ -46,7 +49,7 @@ class LcmLink {
   /// bot_core's rigid_transform_t, for programs that do not know headpin's types.
   void publish_pose(const std::string& channel, Time time, const Pose& pose);
 
-  const std::string& url() const { return url_; }
+  const LcmUrl& url() const { return url_; }
   /// True for a log that is read: its messages arrive at the recorded times until its end, and
   /// nothing can be published.
   bool is_replay() const { return log_ != nullptr; }
@@ -59,8 +62,8 @@ class LcmLink {
   std::string named(std::string_view channel) const { return prefix_ + std::string(channel); }
   void send(const std::string& channel, std::span<const std::uint8_t> bytes);
 
-  std::string url_, prefix_;
-  std::string meant_;         ///< the URL, or that of the environment
+  LcmUrl url_;
+  std::string prefix_;
   std::unique_ptr<Lcm> lcm_;  // null if a log is read or written, without liblcm
   std::unique_ptr<LogPlayer> log_;
   std::unique_ptr<LogWriter> written_;

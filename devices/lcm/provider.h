@@ -1,8 +1,8 @@
 #pragma once
 
-#include <charconv>
+#include <algorithm>
+#include <cerrno>
 #include <chrono>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <span>
@@ -11,8 +11,8 @@
 #include <string_view>
 #include <vector>
 
-#include <fmt/format.h>
 #include <lcm/lcm.h>
+#include <sys/socket.h>
 
 #include "devices/lcm/link.h"
 #include "devices/trial/event_log.h"
@@ -24,6 +24,23 @@ namespace headpin::devices {
 
 struct LcmLink::Lcm {
   lcm_t* handle = nullptr;
+  bool has_server = false;
+
+  /// Whether the server of tcpq has closed the connection. liblcm would then connect again, which may
+  /// block, and it aborts when it waits for messages without a socket.
+  bool lost() const {
+    if (!has_server) return false;
+    const int fd = lcm_get_fileno(handle);
+    if (fd < 0) return true;
+    char next = 0;
+    const ssize_t n = recv(fd, &next, 1, MSG_PEEK | MSG_DONTWAIT);
+    return n == 0 || (n < 0 && errno != EAGAIN && errno != EWOULDBLOCK && errno != EINTR);
+  }
+  /// @throws std::runtime_error  when the connection is lost
+  void require_server(const LcmUrl& url) const {
+    if (lost()) throw std::runtime_error(url.name() + ": the LCM server has closed the connection");
+  }
+
   ~Lcm() {
     if (handle) lcm_destroy(handle);
   }
@@ -49,31 +66,14 @@ class LcmLink::LogWriter {
   std::vector<std::uint8_t> bytes_;
 };
 
-/// A log that is played: file://PATH, with liblcm's options speed=N (1; 0: all at once) and
-/// start_timestamp=N. Our own reader reads damaged logs safely.
+/// A log that is played. Our own reader reads damaged logs safely.
 class LcmLink::LogPlayer {
  public:
-  explicit LogPlayer(const std::string& url)
-      : file_(path_of(url)), reader_(file_), next_(reader_.next()) {
-    if (!next_) throw std::runtime_error(path_of(url) + ": not an LCM event log: no whole event");
-    for (std::string_view rest = options_of(url); !rest.empty();) {
-      const std::string_view option = rest.substr(0, rest.find('&'));
-      rest.remove_prefix(std::min(rest.size(), option.size() + 1));
-      take_option(url, option);
-    }
-    while (next_ && next_->time < begin_) next_ = reader_.next();
+  explicit LogPlayer(const LcmUrl::Log& log)
+      : file_(log.path), reader_(file_), next_(reader_.next()), speed_(log.speed) {
+    if (!next_) throw std::runtime_error(log.path + ": not an LCM event log: no whole event");
+    while (next_ && next_->time < log.begin) next_ = reader_.next();
     if (next_) last_ = next_->time;
-  }
-
-  /// For a log that is only read, unlike file://PATH?mode=w.
-  static bool reads(const std::string& url) {
-    return url.starts_with(kScheme) && options_of(url).find("mode=w") == std::string_view::npos &&
-           options_of(url).find("mode=a") == std::string_view::npos;
-  }
-
-  /// The file of a URL that writes one; empty for other URLs.
-  static std::string written_by(const std::string& url) {
-    return url.starts_with(kScheme) && !reads(url) ? path_of(url) : "";
   }
 
   /// The next event that is due by `now`, counted from the first call; valid until the next call.
@@ -97,43 +97,12 @@ class LcmLink::LogPlayer {
   bool ended() const { return !next_; }
 
  private:
-  static constexpr std::string_view kScheme = "file://";
-  static std::string path_of(const std::string& url) {
-    return url.substr(kScheme.size(), url.find('?') - kScheme.size());
-  }
-  static std::string_view options_of(std::string_view url) {
-    const std::size_t mark = url.find('?');
-    return mark == std::string_view::npos ? std::string_view() : url.substr(mark + 1);
-  }
-  void take_option(const std::string& url, std::string_view option) {
-    const std::size_t sign = option.find('=');
-    const std::string_view name = option.substr(0, sign);
-    const std::string_view value =
-        option.substr(sign == std::string_view::npos ? option.size() : sign + 1);
-    const auto number = [&](auto& into) {
-      const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), into);
-      return error == std::errc{} && end == value.data() + value.size();
-    };
-    std::int64_t begin = 0;
-    if (name == "mode" && value == "r") return;
-    if (name == "speed" && number(speed_) && speed_ >= 0.0 && std::isfinite(speed_)) return;
-    if (name == "start_timestamp" && number(begin)) {
-      begin_ = Time{begin};
-      return;
-    }
-    throw std::runtime_error(
-        fmt::format("{}: option '{}': expected speed=N (0: as fast as possible), "
-                    "start_timestamp=MICROSECONDS or mode=r",
-                    url, option));
-  }
-
   FileWindow file_;  ///< not mapped, so that a log that is truncated meanwhile just ends
   LogReader reader_;
   std::optional<LogEvent> next_;
   std::string channel_;             ///< of the event played last
   std::vector<std::uint8_t> data_;  ///< likewise
-  double speed_ = 1.0;
-  Time begin_ = Time::min();
+  double speed_;
   std::optional<Time> start_;  ///< on the session's clock
   Time last_{};                ///< of the last event played, in the log
   Time played_{};              ///< the same, since the first event

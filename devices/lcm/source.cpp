@@ -24,12 +24,12 @@ constexpr double kAnother_us = 500e3;  // later by more: the clock of another pu
 /// The origin of messages: our own listener, or otherwise liblcm's subscriptions.
 struct LcmSource::Wire {
   std::unique_ptr<MulticastListener> listener;
-  lcm_t* lcm = nullptr;
+  LcmLink::Lcm* lcm = nullptr;
   std::vector<lcm_subscription_t*> all;
 
   void subscribe(LcmSource& source, std::string_view channel, int queue) {
     lcm_subscription_t* subscription = lcm_subscribe(
-        lcm, std::string(channel).c_str(),
+        lcm->handle, std::string(channel).c_str(),
         [](const lcm_recv_buf_t* received, const char* on, void* to) {
           auto* subscriber = static_cast<LcmSource*>(to);
           subscriber->stamp_arrival(received->recv_utime);
@@ -42,22 +42,24 @@ struct LcmSource::Wire {
     all.push_back(subscription);
   }
   ~Wire() {
-    for (lcm_subscription_t* subscription : all) lcm_unsubscribe(lcm, subscription);
+    if (!lcm || lcm->lost()) return;  // liblcm would connect again to unsubscribe
+    for (lcm_subscription_t* subscription : all) lcm_unsubscribe(lcm->handle, subscription);
   }
 };
 
 LcmSource::LcmSource(LcmLink& link, std::size_t queue)
     : link_(link), queue_(queue), wire_(std::make_unique<Wire>()) {
   if (link.is_replay()) return;
-  if (const auto group = multicast_group(link.meant_)) {
+  if (const auto& group = link.url().group()) {
     const std::vector<std::string> channels = {std::string(kTrackerChannel),
                                                std::string(kMouseChannel)};
     wire_->listener = std::make_unique<MulticastListener>(*group, channels, queue);
     return;
   }
   if (!link.lcm_)
-    throw std::runtime_error(link.url() + ": is opened for writing; expected one for reading");
-  wire_->lcm = link.lcm_->handle;
+    throw std::runtime_error(link.url().shown() +
+                             ": is opened for writing; expected one for reading");
+  wire_->lcm = link.lcm_.get();
   const int capacity = static_cast<int>(std::min<std::size_t>(queue, 1 << 20));
   wire_->subscribe(*this, kTrackerChannel, capacity);
   wire_->subscribe(*this, kMouseChannel, capacity);
@@ -102,12 +104,14 @@ bool LcmSource::take_next(Time now) {
     take(message->channel, message->data, message->sender);
     return true;
   }
+  link_.lcm_->require_server(link_.url());
   errno = 0;
   const int handled = lcm_handle_timeout(link_.lcm_->handle, 0);
   // For LCM a signal is a failure. Waiting messages are read at the next tick.
   if (handled == 0 || (handled < 0 && errno == EINTR)) return false;
-  if (handled < 0) throw std::runtime_error("LCM stopped: " + link_.url());
-  return true;
+  if (handled > 0) return true;
+  link_.lcm_->require_server(link_.url());
+  throw std::runtime_error("LCM stopped: " + link_.url().shown());
 }
 
 /// Sets the arrival time of the current message from its wall-clock time, as LCM gives it.

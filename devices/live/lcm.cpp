@@ -1,7 +1,7 @@
 #include "devices/live/lcm.h"
 
 #include <algorithm>
-#include <string_view>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -15,8 +15,8 @@ namespace {
 
 class LiveLcm : public LiveSource {
  public:
-  LiveLcm(const std::string& name, const std::string& url, const std::function<Time()>& clock)
-      : LiveSource(name), link_(url), source_(link_) {
+  LiveLcm(const std::string& name, LcmUrl url, const std::function<Time()>& clock)
+      : LiveSource(name), link_(std::move(url)), source_(link_) {
     if (clock && !link_.is_replay()) source_.use_clock(clock);
   }
 
@@ -60,9 +60,7 @@ class LiveLcm : public LiveSource {
   }
 
   std::string recording() const override {
-    if (!link_.is_replay()) return {};
-    const std::string path = link_.url().substr(std::string_view("file://").size());
-    return path.substr(0, path.find('?'));
+    return link_.is_replay() ? link_.url().log()->path : std::string();
   }
 
  private:
@@ -106,7 +104,7 @@ class LiveLcm : public LiveSource {
 
 std::unique_ptr<LiveSource> live_lcm(const std::string& name, const std::string& url,
                                      const SourceOptions& options) {
-  return std::make_unique<LiveLcm>(name, url, options.clock);
+  return std::make_unique<LiveLcm>(name, LcmUrl(url, "lcm:", LcmUse::reading), options.clock);
 }
 
 }  // namespace headpin::devices

@@ -78,7 +78,7 @@ struct SourceOptions {
 /// trial by its path, which plays from the session's start, each sample when it was available.
 ///
 /// @throws std::runtime_error  when it cannot be opened or is no trial
-/// @throws std::invalid_argument  for a name that no line can have
+/// @throws std::invalid_argument  for a name that no line can have, or a wrong LCM URL
 std::unique_ptr<LiveSource> open_source(const std::string& name, const SourceOptions& options);
 
 }  // namespace headpin::devices

@@ -101,23 +101,6 @@ TEST(LcmDatagrams, AnyBytesAreReadWithinThemselves) {
   }
 }
 
-TEST(LcmDatagrams, AUrlNamesItsGroup) {
-  const auto is = [](const std::string& url, std::uint32_t address, int port) {
-    const auto group = multicast_group(url);
-    return group && group->address == address && group->port == port;
-  };
-  const std::uint32_t usual = 239u << 24 | 255u << 16 | 76u << 8 | 67u;
-  EXPECT_TRUE(is("", usual, 7667));
-  EXPECT_TRUE(is("udpm://", usual, 7667));
-  EXPECT_TRUE(is("udpm://239.255.76.67:7667?ttl=0", usual, 7667));
-  EXPECT_TRUE(is("udpm://239.1.2.3?ttl=1", 239u << 24 | 1u << 16 | 2u << 8 | 3u, 7667));
-  EXPECT_TRUE(is("udpm://239.1.2.3:80", 239u << 24 | 1u << 16 | 2u << 8 | 3u, 80));
-  for (const char* other : {"memq://", "tcpq://localhost", "file://x", "udpm://nobody:80",
-                            "udpm://239.1.2.3:x", "udpm://239.1.2.3:99999"}) {
-    EXPECT_FALSE(multicast_group(other)) << other;
-  }
-}
-
 TEST(LcmDatagrams, ASenderIsNamedByWhereItSendsFrom) {
   EXPECT_EQ(sender_name((192ull << 24 | 168 << 16 | 1 << 8 | 20) << 16 | 40000),
             "192.168.1.20:40000");

@@ -129,7 +129,7 @@ TEST(LcmLinkTest, ADamagedLogPlaysWhatIsWhole) {
   std::filesystem::remove(path);
   EXPECT_THROW(LcmLink("file://" + path.string()), std::runtime_error);
   EXPECT_THROW(LcmLink("file://" HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog?sped=0"),
-               std::runtime_error);
+               std::invalid_argument);
 }
 
 // One of less than is read ahead is in memory by then.
@@ -488,12 +488,6 @@ TEST(LcmLinkTest, OfTwoMiceTheOneWithTheStationsClockIsKept) {
   EXPECT_EQ(source.publishers().at(LcmSource::kMouse).others, 3);
   play(Time{7'000'000}, Time{11'000'000}, false, true);
   EXPECT_EQ(pressed, 6);
-}
-
-TEST(LcmLinkTest, SaysWhichUrlItCannotOpen) {
-  EXPECT_THAT([] { LcmLink("mpudpm://239.255.76.67:7667"); },
-              testing::ThrowsMessage<std::runtime_error>(testing::HasSubstr("expected udpm://")));
-  EXPECT_THROW(LcmLink("nonsense://"), std::runtime_error);
 }
 
 }  // namespace

@@ -75,7 +75,15 @@ TEST(OpenSource, SaysWhatItCannotOpen) {
   EXPECT_THAT(refusal(HEADPIN_SOURCE_DIR "/README.md"), testing::HasSubstr("not an LCM event log"));
   EXPECT_THAT(refusal("fastrak:/dev/nobody"), testing::HasSubstr("/dev/nobody"));
   EXPECT_THROW(open_source("fastrak:tcp:here:none", {}), std::invalid_argument);
-  EXPECT_THAT(refusal("lcm:carrier-pigeon://"), testing::HasSubstr("cannot open LCM"));
+  EXPECT_EQ(refusal("fastrak:"),
+            "fastrak: expected the name of a serial port or tcp:HOST:PORT after the colon, found "
+            "nothing");
+  EXPECT_THROW(open_source("fastrak:", {}), std::invalid_argument);
+  EXPECT_THAT(refusal("lcm:carrier-pigeon://"),
+              testing::HasSubstr("lcm:carrier-pigeon://: expected an LCM URL such as"));
+  EXPECT_THROW(open_source("lcm:foo", {}), std::invalid_argument);
+  EXPECT_THAT(refusal("lcm:file://" + kDemo + "?mode=w"),
+              testing::HasSubstr("this would be written; to read a log, expected file://"));
   EXPECT_THAT(refusal("xyz:abc"), testing::HasSubstr("unknown kind of source 'xyz'"));
 }
 

@@ -1,0 +1,66 @@
+// tcpq with servers of this test, over real sockets: one that is not there, one that closes the
+// connection at once, and one that goes away later.
+
+#include "tests/support/lcm_server.h"
+
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "devices/lcm/link.h"
+#include "devices/lcm/source.h"
+#include "devices/live/source.h"
+#include "tests/support/folder.h"
+
+namespace headpin::devices {
+namespace {
+
+using testing::EndsWith;
+
+const std::string kNobody = ": no LCM server answers there; expected a running lcm-tcpq-server";
+const std::string kGone = ": the LCM server has closed the connection";
+
+TEST(LcmServerTest, WhereNobodyListensThereIsNoSession) {
+  const LocalPort closed;
+  EXPECT_EQ(complaint([&] { open_source("lcm:" + closed.url(), {}); }),
+            "lcm:" + closed.url() + kNobody);
+  EXPECT_EQ(complaint([&] { LcmLink link(LcmUrl(closed.url(), "--lcm ")); }),
+            "--lcm " + closed.url() + kNobody);
+}
+
+TEST(LcmServerTest, WhoClosesAtOnceIsNoServer) {
+  const LocalLcmServer closes(false);
+  EXPECT_EQ(complaint([&] { open_source("lcm:" + closes.url(), {}); }),
+            "lcm:" + closes.url() + kNobody);
+}
+
+// liblcm then has no socket, and aborts when it is asked to wait for messages.
+TEST(LcmServerTest, AServerThatGoesAwayEndsTheSessionWithAWord) {
+  LocalLcmServer server(true);
+  const auto source = open_source("lcm:" + server.url(), {});
+  source->start();
+  std::vector<Sample> samples;
+  source->poll(Time{1000}, samples);
+  server.close_all();
+  std::string said;
+  for (Time now{2000}; said.empty(); now += Time{1000}) {  // until the end has come over the line
+    said = complaint([&] { source->poll(now, samples); });
+  }
+  EXPECT_EQ(said, "lcm:" + server.url() + kGone);
+  EXPECT_EQ(complaint([&] { source->poll(Time{1'000'000'000}, samples); }), said);
+}
+
+TEST(LcmServerTest, WhoPublishesToAServerThatGoesAwayIsTold) {
+  LocalLcmServer server(true);
+  LcmLink link(server.url());
+  link.publish(Sample(TrackerSample{}));
+  server.close_all();
+  std::string said;
+  while (said.empty()) said = complaint([&] { link.publish(Sample(TrackerSample{})); });
+  EXPECT_THAT(said, EndsWith(server.url() + kGone));
+}
+
+}  // namespace
+}  // namespace headpin::devices
