@@ -9,7 +9,6 @@
 
 #include "apps/command.h"
 #include "apps/streams.h"
-#include "files/input_file.h"
 #include "files/output_file.h"
 #include "scene/people/throw.h"
 
@@ -100,11 +99,8 @@ Explained find_out(const ImportOptions& options, const scene::Hand& hand) {
   Explained found;
   const devices::MotionOptions motion = declared(options);
   try {
-    if (is_text_table(options.file)) {
-      found.table = devices::look_at_table(files::read_text(options.file, 2'000'000'000),
-                                           options.file, motion);
-    }
-    found.recording = devices::read_motion(options.file, motion);
+    if (is_text_table(options.file)) found.table = look_declared(options.file, motion);
+    found.recording = read_declared(options.file, motion);
     if (options.no_trigger) found.recording->triggers = {};
     judge(options, hand, found);
   } catch (const std::invalid_argument& error) {

@@ -11,6 +11,7 @@
 #include <toml++/toml.h>
 
 #include "apps/command.h"
+#include "apps/nearest.h"
 #include "files/input_file.h"
 #include "scene/scenario/toml_text.h"
 
@@ -31,17 +32,33 @@ std::optional<double> of_name(const std::array<std::pair<std::string_view, doubl
   return std::nullopt;
 }
 
+/// A word that a user gave for an option, or in a line of a file of columns.
+struct Word {
+  std::string text;
+  std::string where;  ///< "--axes", or "mine.toml:4: axes"
+  bool in_file = false;
+
+  /// Wrong words are wrong usage in an option, and a wrong file in a file.
+  [[noreturn]] void refuse(std::string_view expected) const {
+    const std::string found = text.substr(0, 60);
+    if (in_file) {
+      throw std::invalid_argument(
+          fmt::format("{}: expected {}, found '{}'", where, expected, found));
+    }
+    throw UsageError(fmt::format("{}: expected {}, found {}", where, expected, found));
+  }
+};
+
 /// Reads X,Y,Z in metres.
-Vec3 read_place(const std::string& option, const std::string& text) {
+Vec3 read_place(const Word& word) {
   Vec3 p = Vec3::Zero();
-  const char *at = text.data(), *const end = at + text.size();
+  const char *at = word.text.data(), *const end = at + word.text.size();
   for (int i = 0; i < 3; ++i) {
     const auto read = std::from_chars(at, end, p[i]);
     at = read.ptr;
     const bool right = read.ec == std::errc{} && std::abs(p[i]) <= 100.0 &&
                        (i == 2 ? at == end : at != end && *at++ == ',');
-    if (right) continue;
-    throw UsageError(option + " " + text + ": expected X,Y,Z, metres from -100 to 100");
+    if (!right) word.refuse("X,Y,Z in metres from -100 to 100");
   }
   return p;
 }
@@ -66,44 +83,47 @@ bool same_letters(std::string word, std::string_view sorted) {
   return word == sorted;
 }
 
-void read_units(const std::string& text, devices::MotionOptions& motion) {
-  motion.reading.unit_m = of_name(kLengths, text);
-  if (!motion.reading.unit_m) {
-    throw UsageError("units " + text + ": expected m, cm, mm, in or ft");
-  }
+void read_units(const Word& word, devices::MotionOptions& motion) {
+  motion.reading.unit_m = of_name(kLengths, word.text);
+  if (!motion.reading.unit_m) word.refuse("m, cm, mm, in or ft");
 }
 
 /// s, ms, us, ns, or the rate of frames: 90Hz.
-void read_time_unit(const std::string& text, devices::MotionOptions& motion) {
+void read_time_unit(const Word& word, devices::MotionOptions& motion) {
+  const std::string& text = word.text;
   motion.reading.time_unit_s = of_name(kTimes, text);
   if (motion.reading.time_unit_s) return;
   double rate = 0.0;
   const auto read = std::from_chars(text.data(), text.data() + text.size(), rate);
   const std::string_view rest(read.ptr, text.data() + text.size());
   if (read.ec != std::errc{} || rest != "Hz" || !(rate >= 1.0 && rate <= 1e5)) {
-    throw UsageError("time unit " + text +
-                     ": expected s, ms, us, ns, 100ns, or the rate of frames such as 90Hz");
+    word.refuse("s, ms, us, ns, 100ns, or the rate of frames such as 90Hz");
   }
   motion.reading.time_unit_s = 1.0 / rate;
 }
 
 /// Axes of positions, and of rotations where they differ: RSA,RSP.
-void read_axes(const std::string& text, devices::MotionOptions& motion) {
-  const std::vector<std::string> parts = parts_of(text, ',');
-  if (parts.empty() || parts.size() > 2) {
-    throw UsageError("axes " + text + ": expected XYZ, or XYZ,XYZ for positions and rotations");
-  }
-  try {
-    for (const std::string& letters : parts) devices::Axes(letters, "--axes");
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(error.what());
+void read_axes(const Word& word, devices::MotionOptions& motion) {
+  const std::vector<std::string> parts = parts_of(word.text, ',');
+  const auto right = [](const std::string& letters) {
+    try {
+      devices::Axes(letters, "");
+    } catch (const std::invalid_argument&) {
+      return false;
+    }
+    return true;
+  };
+  if (parts.empty() || parts.size() > 2 || !std::ranges::all_of(parts, right)) {
+    word.refuse(
+        "where +x, +y and +z point, one letter each of R or L (right, left), S or I (up, down), A "
+        "or P (ahead, back), such as RSP, or RSA,RSP where rotations have others");
   }
   motion.reading.axes = parts[0];
   if (parts.size() == 2) motion.reading.turning = parts[1];
 }
 
-void read_rotations(const std::string& text, devices::MotionOptions& motion) {
-  for (const std::string& word : parts_of(text, ',')) {
+void read_rotations(const Word& all, devices::MotionOptions& motion) {
+  for (const std::string& word : parts_of(all.text, ',')) {
     if (same_letters(word, "wxyz")) {
       motion.reading.quaternion = word;
     } else if (same_letters(word, "XYZ") || same_letters(word, "xyz") || word == "vector" ||
@@ -114,27 +134,31 @@ void read_rotations(const std::string& text, devices::MotionOptions& motion) {
     } else if (word == "deg" || word == "rad") {
       motion.degrees = word == "deg";
     } else {
-      throw UsageError(fmt::format(
-          "rotations {}: expected the order of a quaternion (xyzw or wxyz), the order of angles "
-          "(such as YXZ about turning or zxy about fixed axes), vector, none, inverse, deg or rad",
-          word.substr(0, 40)));
+      Word{word, all.where, all.in_file}.refuse(
+          "the order of a quaternion (xyzw or wxyz), the order of angles (such as YXZ about "
+          "turning or zxy about fixed axes), vector, none, inverse, deg or rad");
     }
   }
 }
 
-/// What a file of columns says in place of an option.
-void take_setting(const std::string& key, const std::string& value, const ImportOptions& options,
-                  devices::MotionOptions& motion) {
+/// What a line of a file of columns says, where no option says it.
+void take_setting(const std::string& key, const std::string& value, const std::string& source,
+                  const ImportOptions& options, devices::MotionOptions& motion) {
+  const Word word{value, fmt::format("{}: {}", source, key), true};
   if (key == "units") {
-    if (options.units.empty()) read_units(value, motion);
+    if (options.units.empty()) read_units(word, motion);
   } else if (key == "time_unit") {
-    if (options.time_unit.empty()) read_time_unit(value, motion);
+    if (options.time_unit.empty()) read_time_unit(word, motion);
   } else if (key == "axes") {
-    if (options.axes.empty()) read_axes(value, motion);
+    if (options.axes.empty()) read_axes(word, motion);
   } else if (key == "rotations") {
-    if (options.rotations.empty()) read_rotations(value, motion);
+    if (options.rotations.empty()) read_rotations(word, motion);
+  } else if (devices::is_column_key(key)) {
+    motion.columns.push_back({key, value, source});
   } else {
-    motion.columns.emplace_back(key, value);
+    throw std::invalid_argument(
+        fmt::format("{}: unknown key '{}'; expected {} (or units, time_unit, axes, rotations)",
+                    source, key, devices::kColumnKeys));
   }
 }
 
@@ -150,12 +174,12 @@ void read_mapping(const ImportOptions& options, devices::MotionOptions& motion) 
         fmt::format("{}:{}: {}", path, error.source().begin.line, error.description()));
   }
   const auto take = [&](const std::string& key, const toml::node& node) {
+    const std::string source = fmt::format("{}:{}", path, node.source().begin.line);
     const auto* value = node.as_string();
     if (!value) {
-      throw std::invalid_argument(
-          fmt::format("{}:{}: {}: expected a name in quotes", path, node.source().begin.line, key));
+      throw std::invalid_argument(fmt::format("{}: {}: expected a name in quotes", source, key));
     }
-    take_setting(key, value->get(), options, motion);
+    take_setting(key, value->get(), source, options, motion);
   };
   for (const auto& [key, node] : root) {
     const std::string name(key.str());
@@ -176,11 +200,11 @@ void read_columns(const ImportOptions& options, devices::MotionOptions& motion) 
   for (const std::string& part : parts_of(options.columns, ',')) {
     const std::size_t sign = part.find('=');
     if (sign == std::string::npos) {
-      throw UsageError("--columns " + options.columns +
-                       ": expected WHAT=COLUMN, ... such as time=t, head=HMD_*; or a .toml file");
+      Word{options.columns, "--columns"}.refuse(
+          "WHAT=COLUMN, ... such as time=t, head=HMD_*; or a .toml file");
     }
-    motion.columns.emplace_back(trimmed_word(part.substr(0, sign)),
-                                trimmed_word(part.substr(sign + 1)));
+    motion.columns.push_back(
+        {trimmed_word(part.substr(0, sign)), trimmed_word(part.substr(sign + 1)), "--columns"});
   }
 }
 
@@ -191,9 +215,20 @@ void read_names(const ImportOptions& options, devices::MotionOptions& motion) {
   const auto& [head, left, right] = motion.names;
   if (std::ranges::count(options.names, ',') != 2 || head.empty() ||
       (left.empty() && right.empty())) {
-    throw UsageError("--names " + options.names +
-                     ": expected three names, HEAD,LEFT,RIGHT, one hand of which may be empty");
+    Word{options.names, "--names"}.refuse(
+        "three names HEAD,LEFT,RIGHT, one hand of which may be empty");
   }
+}
+
+/// Says of a told column what the table has instead.
+[[noreturn]] void refuse_column(const devices::WrongColumn& error) {
+  const devices::ToldColumn& told = error.told;
+  const std::optional<std::string> meant = nearest(told.column, error.known);
+  const std::string text =
+      meant ? fmt::format("{}: {}; the nearest is {}", told.source, error.wrong, *meant)
+            : error.what();
+  if (told.source.starts_with("--")) throw UsageError(text);
+  throw std::invalid_argument(text);
 }
 
 }  // namespace
@@ -201,17 +236,35 @@ void read_names(const ImportOptions& options, devices::MotionOptions& motion) {
 devices::MotionOptions declared(const ImportOptions& options) {
   devices::MotionOptions motion;
   read_columns(options, motion);
-  if (!options.units.empty()) read_units(options.units, motion);
-  if (!options.time_unit.empty()) read_time_unit(options.time_unit, motion);
-  if (!options.axes.empty()) read_axes(options.axes, motion);
-  if (!options.rotations.empty()) read_rotations(options.rotations, motion);
+  if (!options.units.empty()) read_units({options.units, "--units"}, motion);
+  if (!options.time_unit.empty()) read_time_unit({options.time_unit, "--time-unit"}, motion);
+  if (!options.axes.empty()) read_axes({options.axes, "--axes"}, motion);
+  if (!options.rotations.empty()) read_rotations({options.rotations, "--rotations"}, motion);
   motion.only_hand_is_left = options.hand == "left";
   motion.no_hand = options.hand == "none";
   if (!options.transmitter.empty())
-    motion.p_origin = read_place("--transmitter", options.transmitter);
-  if (!options.head.empty()) motion.p_head = read_place("--head", options.head);
+    motion.p_origin = read_place({options.transmitter, "--transmitter"});
+  if (!options.head.empty()) motion.p_head = read_place({options.head, "--head"});
   read_names(options, motion);
   return motion;
+}
+
+devices::MotionRecording read_declared(const std::string& file,
+                                       const devices::MotionOptions& motion) {
+  try {
+    return devices::read_motion(file, motion);
+  } catch (const devices::WrongColumn& error) {
+    refuse_column(error);
+  }
+}
+
+devices::TableFindings look_declared(const std::string& file,
+                                     const devices::MotionOptions& motion) {
+  try {
+    return devices::look_at_table(files::read_text(file, 2'000'000'000), file, motion);
+  } catch (const devices::WrongColumn& error) {
+    refuse_column(error);
+  }
 }
 
 namespace {
@@ -262,8 +315,8 @@ std::string mapping_text(const std::string& file, const devices::ToldColumns& co
     quoted << toml::value<std::string>(value);
     text += fmt::format("{} = {}\n", key, quoted.str());
   };
-  for (const auto& [key, value] : columns) {
-    if (key.find('.') == std::string::npos) line(key, value);
+  for (const devices::ToldColumn& one : columns) {
+    if (one.key.find('.') == std::string::npos) line(one.key, one.column);
   }
   if (recording) {
     const devices::Reading& reading = recording->reading;
@@ -281,11 +334,11 @@ std::string mapping_text(const std::string& file, const devices::ToldColumns& co
   }
   for (const char* part : devices::kPartKeys) {
     bool first = true;
-    for (const auto& [key, value] : columns) {
-      if (!key.starts_with(std::string(part) + ".")) continue;
+    for (const devices::ToldColumn& one : columns) {
+      if (!one.key.starts_with(std::string(part) + ".")) continue;
       if (first) text += fmt::format("\n[{}]\n", part);
       first = false;
-      line(key.substr(key.find('.') + 1), value);
+      line(one.key.substr(one.key.find('.') + 1), one.column);
     }
   }
   return text;

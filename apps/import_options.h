@@ -23,6 +23,14 @@ struct ImportOptions {
 /// @throws std::runtime_error     it cannot be read
 devices::MotionOptions declared(const ImportOptions& options);
 
+/// devices::read_motion with the options of declared().
+/// @throws UsageError  an option that names columns which the file does not have; else as read_motion()
+devices::MotionRecording read_declared(const std::string& file,
+                                       const devices::MotionOptions& motion);
+
+/// devices::look_at_table with these options; throws as read_declared().
+devices::TableFindings look_declared(const std::string& file, const devices::MotionOptions& motion);
+
 /// The options that make one reading of another, such as "--units cm --axes RSA".
 std::string options_between(const devices::Reading& was, const devices::Reading& is);
 

@@ -85,7 +85,7 @@ void take_events(const ImportOptions& options, devices::MotionRecording& recordi
 
 Thrown read_thrown(const ImportOptions& options, const scene::Hand& hand) {
   Thrown thrown;
-  thrown.recording = devices::read_motion(options.file, declared(options));
+  thrown.recording = read_declared(options.file, declared(options));
   take_events(options, thrown.recording);
   thrown.side = side_of(options, thrown.recording, hand);
   std::vector<devices::MotionRecording> throws = scene::split_throws(thrown.recording, thrown.side);
@@ -248,7 +248,7 @@ void import_head(const ImportOptions& options, const scene::Scenario& base,
 void import_throw(const ImportOptions& options) {
   const scene::Scenario base = room_of(options);
   if (options.hand == "none") {
-    return import_head(options, base, devices::read_motion(options.file, declared(options)));
+    return import_head(options, base, read_declared(options.file, declared(options)));
   }
   const Thrown thrown = read_thrown(options, base.hand);
   const devices::MotionRecording& recording = thrown.recording;
@@ -300,6 +300,26 @@ void import_throw(const ImportOptions& options) {
       found.side == scene::Side::left ? "left" : "right", duration, rate, found.peak_hand_speed,
       found.by_trigger ? "       " : ", found", grab, found.by_trigger ? "       " : ", found",
       release, speed);
+}
+
+/// A trial is written, or with --explain a file of columns.
+void require_output(const ImportOptions& options) {
+  if (!options.output) {
+    if (options.explain) return;
+    throw UsageError("--output is required: a trial to write (.lcmlog)");
+  }
+  const std::string& name = *options.output;
+  if (options.explain && name.ends_with(".lcmlog")) {
+    throw UsageError(fmt::format(
+        "--output: expected a name that ends in .toml, found {} (--explain writes no trial)",
+        name));
+  }
+  if (!options.explain && name.ends_with(".toml")) {
+    throw UsageError(fmt::format(
+        "--output: expected a name that ends in .lcmlog, found {} (.toml is written only with "
+        "--explain)",
+        name));
+  }
 }
 
 /// Options that say how the file is read.
@@ -407,10 +427,8 @@ void add_import(CLI::App& app) {
       "session from\n`experiment export` is read back complete, with its buttons.\n\n"
       "Example:\n  headpin import throw.csv -o throw.lcmlog --heading gaze");
   command->callback([options] {
+    require_output(*options);
     if (options->explain) return explain_import(*options, room_of(*options));
-    if (!options->output || options->output->ends_with(".toml")) {
-      throw UsageError("--output is required: a trial to write (.lcmlog)");
-    }
     if (is_bids_session(options->file)) {
       import_bids_session(options->file, *options->output, options->force, options->json);
     } else {

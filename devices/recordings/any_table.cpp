@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "devices/recordings/motion_recording.h"
 #include "devices/recordings/text_table.h"
 
 namespace headpin::devices {
@@ -281,6 +282,36 @@ std::string AnyTable::fact(std::string_view name) const {
   return found == facts.end() ? "" : found->second;
 }
 
+std::string names_in(const AnyTable& table) {
+  constexpr std::size_t kMost = 120;
+  std::string names;
+  for (const FoundColumn& column : table.columns) {
+    const bool first = names.empty();
+    if (names.size() + column.name.size() > kMost) {
+      names += first ? "..." : ", ...";
+      names += " (--explain shows all)";
+      break;
+    }
+    names += (first ? "" : ", ") + column.name;
+  }
+  return fmt::format("the {} columns are {}", table.columns.size(), names);
+}
+
+void require_rows(std::string_view text, std::string_view where) {
+  constexpr std::size_t kLongestHeading = 4;  // lines: names, parts of names, units
+  const std::vector<Line> lines = lines_of(text);
+  const auto has_names_alone = [](const Line& line) {
+    return std::ranges::any_of(std::string_view(",;\t|"), [&](char separator) {
+      const Cells cells = split(line.text, separator);
+      return cells.size() >= 4 && numbers_in(cells, false) == 0;
+    });
+  };
+  if (lines.empty() || lines.size() > kLongestHeading) return;
+  if (!std::ranges::all_of(lines, has_names_alone)) return;
+  throw std::invalid_argument(fmt::format(
+      "{}: has column names but no rows; expected at least {} samples", where, kFewestSamples));
+}
+
 AnyTable read_any_table(std::string_view text, std::string_view where) {
   const std::vector<Line> lines = lines_of(text);
   constexpr std::size_t kLongestLine = 1'000'000, kMostColumns = 4'000;
@@ -293,6 +324,7 @@ AnyTable read_any_table(std::string_view text, std::string_view where) {
   const Style style = style_of(lines);
   const std::size_t begin = first_row(lines, style);
   if (begin == lines.size()) {
+    require_rows(text, where);
     throw std::invalid_argument(
         fmt::format("{}: expected a table: lines with at least four cells, most of them numbers; "
                     "found none in {} lines",

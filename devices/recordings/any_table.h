@@ -39,6 +39,13 @@ struct AnyTable {
   std::string fact(std::string_view name) const;
 };
 
+/// How many columns it has, and their names, for messages: at most 120 characters of them.
+std::string names_in(const AnyTable& table);
+
+/// Refuses a text that has column names and nothing else.
+/// @throws std::invalid_argument  naming `where`
+void require_rows(std::string_view text, std::string_view where);
+
 /// Reads a table with a header of any number of lines, or none.
 ///
 /// Comment lines (#, %, //) are skipped, except one with names just above the numbers. Quotes around

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "devices/recordings/any_table.h"
 #include "devices/recordings/column_names.h"
@@ -39,11 +40,35 @@ std::optional<std::size_t> time_column(const std::vector<std::string_view>& head
   return std::nullopt;
 }
 
-}  // namespace
+/// A grab or a release as a line says it.
+struct Marker {
+  Stamped<bool> pressed;
+  std::size_t line;
+  std::string_view time;
+};
 
-std::vector<Stamped<bool>> parse_markers(std::string_view text, std::string_view where,
-                                         double unit_s) {
-  std::vector<Stamped<bool>> markers;
+/// Another word of a line.
+struct OtherWord {
+  std::string_view word;
+  std::size_t line;
+};
+
+/// What a file of markers says.
+struct MarkerLines {
+  std::vector<Marker> markers;
+  std::vector<OtherWord> others;
+};
+
+/// The first cell that is a word and no time; empty if there is none.
+std::string_view word_in(const std::vector<std::string_view>& cells, double unit_s) {
+  const auto word = std::ranges::find_if(cells, [&](std::string_view cell) {
+    return cell != "n/a" && !words_of(cell).empty() && !time_of(cell, unit_s);
+  });
+  return word == cells.end() ? std::string_view{} : *word;
+}
+
+MarkerLines read_lines(std::string_view text, std::string_view where, double unit_s) {
+  MarkerLines read;
   std::optional<std::size_t> column;
   std::size_t number = 0;
   while (!text.empty()) {
@@ -53,29 +78,73 @@ std::vector<Stamped<bool>> parse_markers(std::string_view text, std::string_view
     const std::vector<std::string_view> cells = split_cells(line);
     if (number == 1) column = time_column(cells);
     const std::optional<bool> pressed = pressed_by(words_of(line));
-    if (!pressed || (number == 1 && column)) continue;
+    if (number == 1 && column) continue;
+    if (!pressed) {
+      const std::string_view word = word_in(cells, unit_s);
+      if (!word.empty()) read.others.push_back({word, number});
+      continue;
+    }
     std::optional<double> time_s;
+    std::size_t at = 0;
     for (std::size_t c = 0; c < cells.size() && !time_s; ++c) {
-      if (!column || *column == c) time_s = time_of(cells[c], unit_s);
+      if (!column || *column == c) time_s = time_of(cells[at = c], unit_s);
     }
     if (!time_s || std::abs(*time_s) > 1e11) {
       throw std::invalid_argument(
           fmt::format("{}:{}: expected a time beside '{}'", where, number, line.substr(0, 60)));
     }
-    markers.push_back({microseconds(*time_s), *pressed});
+    read.markers.push_back({{microseconds(*time_s), *pressed}, number, cells[at]});
   }
+  return read;
+}
+
+/// Refuses a file without a grab and a release after it, and says what is nearest to them.
+[[noreturn]] void refuse_lines(const MarkerLines& read, std::string_view where) {
+  const auto first = [&](bool pressed) {
+    return std::ranges::find_if(
+        read.markers, [&](const Marker& marker) { return marker.pressed.value == pressed; });
+  };
+  const auto grab = first(true), release = first(false);
+  if (grab != read.markers.end() && release != read.markers.end()) {
+    throw std::invalid_argument(fmt::format(
+        "{}:{}: the release ({}) is {} the grab ({}); expected a later time", where, release->line,
+        release->time, release->pressed.time < grab->pressed.time ? "before" : "not after",
+        grab->time));
+  }
+  constexpr std::size_t kLongest = 40;
+  if (read.others.size() == 1) {
+    const auto& [word, line] = read.others.front();
+    throw std::invalid_argument(fmt::format("{}:{}: unknown word '{}'; expected grab or release",
+                                            where, line, word.substr(0, kLongest)));
+  }
+  std::vector<std::string> found;
+  const auto add = [&](std::string_view word) {
+    std::string name(word.substr(0, kLongest));
+    if (found.size() < 4 && std::ranges::find(found, name) == found.end())
+      found.push_back(std::move(name));
+  };
+  if (!read.markers.empty()) add(grab != read.markers.end() ? "grab" : "release");
+  for (const OtherWord& other : read.others) add(other.word);
+  throw std::invalid_argument(fmt::format(
+      "{}: expected a line with a time and grab, and one with a later time and release; "
+      "found {}",
+      where, found.empty() ? "none" : fmt::format("{}", fmt::join(found, ", "))));
+}
+
+}  // namespace
+
+std::vector<Stamped<bool>> parse_markers(std::string_view text, std::string_view where,
+                                         double unit_s) {
+  const MarkerLines read = read_lines(text, where, unit_s);
+  std::vector<Stamped<bool>> markers;
+  for (const Marker& marker : read.markers) markers.push_back(marker.pressed);
   std::ranges::stable_sort(markers, {}, &Stamped<bool>::time);
   const auto same = [](const Stamped<bool>& a, const Stamped<bool>& b) {
     return a.value == b.value;
   };
   markers.erase(std::unique(markers.begin(), markers.end(), same), markers.end());
   if (!markers.empty() && !markers.front().value) markers.erase(markers.begin());
-  if (markers.size() < 2) {
-    throw std::invalid_argument(
-        fmt::format("{}: expected lines with a time and a word such as grab, and then release; "
-                    "found {} of them in {} lines",
-                    where, markers.size(), number));
-  }
+  if (markers.size() < 2) refuse_lines(read, where);
   return markers;
 }
 

@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "devices/recordings/any_table.h"
 #include "devices/recordings/text_table.h"
 #include "devices/trial/event_log.h"
 #include "files/input_file.h"
@@ -20,6 +21,8 @@ namespace fs = std::filesystem;
 using Tracks = std::vector<std::pair<std::string, PoseTrack>>;
 
 constexpr std::size_t kMost = 2'000'000'000;  // bytes of a recording: hours
+constexpr std::size_t kBeginning = 4096;      // bytes by which a format is known
+constexpr std::string_view kLcmLog = "\xed\xa1\xda\x01";
 
 std::string text_of(const std::string& path) {
   return files::read_text(path, kMost);
@@ -236,7 +239,7 @@ std::string known_binary(std::string_view begin) {
       {"Kaydara FBX", "FBX"},
       {"\x89MCAP", "MCAP"},
       {"#ROSBAG", "a ROS bag"},
-      {"\xed\xa1\xda\x01", "an LCM event log; a trial needs no import"},
+      {kLcmLog, "an LCM event log"},
       {"PK\x03\x04", "a ZIP archive"},
       {"\x1f\x8b", "compressed by gzip"},
       {"\x89HDF", "HDF5"},
@@ -253,7 +256,6 @@ std::string known_binary(std::string_view begin) {
 std::string looks_like(const std::string& path, std::string_view begin) {
   if (fs::is_directory(path)) return "a folder of something else";
   if (const std::string known = known_binary(begin); !known.empty()) return known;
-  if (begin.empty()) return "empty";
   if (begin.size() > 1 && begin[1] == 'P' && static_cast<unsigned char>(begin[0]) < 32)
     return "C3D";
   const std::string_view line = trimmed(begin.substr(0, begin.find('\n')));
@@ -272,8 +274,31 @@ std::string looks_like(const std::string& path, std::string_view begin) {
 std::string beginning(const std::string& path) {
   if (fs::is_directory(path)) return "";
   FileWindow file(path);
-  const std::span<const std::uint8_t> bytes = file.read(0, 4096);
+  const std::span<const std::uint8_t> bytes = file.read(0, kBeginning);
   return {bytes.begin(), bytes.end()};
+}
+
+/// Refuses a file of no known format, and says what it is or seems to be.
+[[noreturn]] void refuse_unknown(const std::string& path) {
+  const std::string begin = beginning(path);
+  const auto refusal = [&](const std::string& what) {
+    return std::invalid_argument(path + ": " + what);
+  };
+  if (begin.empty() && !fs::is_directory(path)) {
+    throw refusal("is empty; expected a recording (UXF, Motion-BIDS, VRPN or a table)");
+  }
+  if (begin.starts_with(kLcmLog)) {
+    throw refusal(
+        "is an LCM event log (a trial) and needs no import; expected a recording of another "
+        "program");
+  }
+  if (begin.size() < kBeginning) require_rows(begin, path);
+  std::vector<std::string> known;
+  for (const MotionFormat& format : kFormats) {
+    known.push_back(fmt::format("{} ({})", format.name, format.files));
+  }
+  throw refusal(fmt::format("seems to be {}; expected one of {}", looks_like(path, begin),
+                            fmt::join(known, ", ")));
 }
 
 /// The tracks as the user says that their numbers are read.
@@ -351,13 +376,7 @@ MotionRecording read_motion(const std::string& path, const MotionOptions& option
     const MotionTracks read = as_told(format->read(path, options), options.reading, path);
     return counted_from(options.p_origin, recording_of(read, options, path));
   }
-  std::vector<std::string> known;
-  for (const MotionFormat& format : kFormats) {
-    known.push_back(fmt::format("{} ({})", format.name, format.files));
-  }
-  throw std::invalid_argument(
-      fmt::format("{}: unknown format; known formats: {}; this seems to be {}", path,
-                  fmt::join(known, ", "), looks_like(path, beginning(path))));
+  refuse_unknown(path);
 }
 
 MotionRecording together(const PoseTrack& head, const PoseTrack* left, const PoseTrack* right,

@@ -1,12 +1,16 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <string>
 #include <vector>
 
 #include "devices/recordings/reading.h"
 
 namespace headpin::devices {
+
+/// Of a recording that can be a throw.
+inline constexpr std::size_t kFewestSamples = 100;
 
 /// Head and hands of one person, as recorded; entry i of each list is at times[i]. A hand that was
 /// not tracked has an empty list.

@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <map>
-#include <stdexcept>
+#include <utility>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
 namespace headpin::devices {
 namespace {
@@ -82,18 +81,23 @@ void put(Object& object, const Component& component, std::size_t column) {
   }
 }
 
+/// What the * of a pattern stands for in a name; none if the name is not of the pattern.
+std::optional<std::string> starred(std::string_view name, std::string_view pattern) {
+  const std::size_t star = pattern.find('*');
+  const std::string_view begin = pattern.substr(0, star), end = pattern.substr(star + 1);
+  if (name.size() < begin.size() + end.size() || !name.starts_with(begin) || !name.ends_with(end))
+    return std::nullopt;
+  return std::string(name.substr(begin.size(), name.size() - begin.size() - end.size()));
+}
+
 /// The objects of a table by name, those with a whole position.
 std::vector<std::pair<std::string, Object>> objects_of(const AnyTable& table,
                                                        std::string_view pattern = "*") {
-  const std::size_t star = pattern.find('*');
-  const std::string_view begin = pattern.substr(0, star), end = pattern.substr(star + 1);
   std::vector<std::pair<std::string, Object>> objects;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    const std::string& name = table.columns[c].name;
-    if (name.size() < begin.size() + end.size() || !name.starts_with(begin) || !name.ends_with(end))
-      continue;
-    const std::string rest = name.substr(begin.size(), name.size() - begin.size() - end.size());
-    const Component component = component_of(rest);
+    const std::optional<std::string> rest = starred(table.columns[c].name, pattern);
+    if (!rest) continue;
+    const Component component = component_of(*rest);
     if (component.quantity == Quantity::none) continue;
     auto object =
         std::ranges::find(objects, component.object, &std::pair<std::string, Object>::first);
@@ -115,13 +119,6 @@ std::optional<std::size_t> column_called(const AnyTable& table, std::string_view
   if (std::ranges::count_if(table.columns, is_it) != 1) return std::nullopt;
   return static_cast<std::size_t>(std::ranges::find_if(table.columns, is_it) -
                                   table.columns.begin());
-}
-
-std::string names_of(const AnyTable& table) {
-  std::vector<std::string> names;
-  for (const FoundColumn& column : table.columns) names.push_back(column.name);
-  if (names.size() > 40) names.resize(40), names.emplace_back("...");
-  return fmt::format("{}", fmt::join(names, ", "));
 }
 
 std::optional<std::size_t> find_time(const AnyTable& table) {
@@ -152,32 +149,31 @@ class Told {
   Told(const AnyTable& table, std::string_view where, MotionColumns& columns)
       : table_(table), where_(where), columns_(columns) {}
 
-  void take(const std::string& key, const std::string& value) {
+  void take(const ToldColumn& told) {
+    const std::string& key = told.key;
     const std::size_t dot = key.find('.');
-    const auto part = std::ranges::find(kPartKeys, key.substr(0, dot));
+    const auto part = static_cast<std::size_t>(std::ranges::find(kPartKeys, key.substr(0, dot)) -
+                                               kPartKeys.begin());
+    if (!is_column_key(key)) {
+      throw WrongColumn(told, fmt::format("unknown key '{}'", key),
+                        fmt::format("expected {}", kColumnKeys));
+    }
     if (key == "time") {
-      columns_.time = column(key, value);
+      columns_.time = column(told);
     } else if (key == "object") {
-      columns_.object = column(key, value);
+      columns_.object = column(told);
     } else if (key == "trigger") {
-      for (PartColumns& each : columns_.parts) each.trigger = column(key, value);
-    } else if (part == kPartKeys.end()) {
-      refuse(fmt::format(
-          "'{}': expected time, trigger, object, head, left, right, or a component of these "
-          "such as head.x or right.qw",
-          key));
+      for (PartColumns& each : columns_.parts) each.trigger = column(told);
     } else if (dot == std::string::npos) {
-      whole_part(static_cast<std::size_t>(part - kPartKeys.begin()), key, value);
+      whole_part(part, told);
     } else {
       const Component component = component_of(key.substr(dot + 1));
       if (component.quantity == Quantity::none || !component.object.empty()) {
-        refuse(
-            fmt::format("'{}': expected a component: x, y, z, qw, qx, qy, qz, rx, ry, rz (angles), "
-                        "m00 to m22 or trigger",
-                        key));
+        throw WrongColumn(told, fmt::format("unknown component '{}'", key),
+                          "expected x, y, z, qw, qx, qy, qz, rx, ry, rz (angles), m00 to m22 or "
+                          "trigger");
       }
-      put(objects_[static_cast<std::size_t>(part - kPartKeys.begin())], component,
-          column(key, value));
+      put(objects_[part], component, column(told));
     }
   }
 
@@ -211,28 +207,40 @@ class Told {
   }
 
  private:
-  std::size_t column(const std::string& key, const std::string& value) const {
-    if (const auto found = column_called(table_, value)) return *found;
-    refuse(
-        fmt::format("{} = '{}': no such column; the table has {}", key, value, names_of(table_)));
+  std::size_t column(const ToldColumn& told) const {
+    if (const auto found = column_called(table_, told.column)) return *found;
+    std::vector<std::string> names;
+    for (const FoundColumn& one : table_.columns) names.push_back(one.name);
+    throw WrongColumn(told, fmt::format("{} has no column '{}'", where_, told.column),
+                      names_in(table_), std::move(names));
   }
 
-  void whole_part(std::size_t part, const std::string& key, const std::string& value) {
-    if (std::ranges::count(value, '*') != 1) {
-      refuse(fmt::format("{} = '{}': expected a name with one *, such as HMD_*", key, value));
+  void whole_part(std::size_t part, const ToldColumn& told) {
+    const std::string& pattern = told.column;
+    if (std::ranges::count(pattern, '*') != 1) {
+      throw WrongColumn(told, fmt::format("{} = '{}'", told.key, pattern),
+                        "expected a name with one *, such as HMD_*");
     }
-    const auto found = objects_of(table_, value);
+    const auto found = objects_of(table_, pattern);
+    const std::string which =
+        pattern.ends_with('*')
+            ? fmt::format("begin with '{}'", pattern.substr(0, pattern.size() - 1))
+            : fmt::format("are called '{}'", pattern);
+    const auto fits = [&](const FoundColumn& one) {
+      return starred(one.name, pattern).has_value();
+    };
+    if (std::ranges::none_of(table_.columns, fits)) {
+      throw WrongColumn(told, fmt::format("no columns of {} {}", where_, which), names_in(table_));
+    }
     if (found.size() != 1 || !whole(found.front().second.columns.position)) {
-      refuse(
-          fmt::format("{} = '{}': expected the columns of one object, at least its x, y and z; "
-                      "found {} among {}",
-                      key, value, found.size(), names_of(table_)));
+      throw WrongColumn(
+          told,
+          fmt::format(
+              "the columns of {} that {} {}", where_, which,
+              found.size() > 1 ? fmt::format("are of {} objects", found.size()) : "lack x, y or z"),
+          "expected x, y and z of one object");
     }
     objects_[part] = found.front().second;
-  }
-
-  [[noreturn]] void refuse(const std::string& what) const {
-    throw std::invalid_argument(fmt::format("{}: columns: {}", where_, what));
   }
 
   const AnyTable& table_;
@@ -378,9 +386,11 @@ void say_meanings(const AnyTable& table, MotionColumns& columns) {
 
 void say_missing(const AnyTable& table, MotionColumns& columns) {
   if (!columns.time) columns.missing.emplace_back("no column of the time was found");
-  if (!columns.parts[0].tracked()) columns.missing.emplace_back("no head was found");
-  if (!columns.parts[1].tracked() && !columns.parts[2].tracked())
-    columns.missing.emplace_back("no hand was found");
+  const auto lacks = [&](const char* what) {
+    columns.missing.push_back(fmt::format("no {} was found (x, y and z of one object)", what));
+  };
+  if (!columns.parts[0].tracked()) lacks("head");
+  if (!columns.parts[1].tracked() && !columns.parts[2].tracked()) lacks("hand");
   for (std::size_t part = 0; part < 3; ++part) {
     if (columns.parts[part].tracked() && columns.parts[part].rotation == RotationKind::none) {
       columns.missing.push_back(fmt::format("the {} has no rotation", kPartNames[part]));
@@ -401,13 +411,25 @@ void say_missing(const AnyTable& table, MotionColumns& columns) {
 
 }  // namespace
 
+bool is_column_key(std::string_view key) {
+  return is_one_of(key, {"time", "trigger", "object"}) ||
+         std::ranges::find(kPartKeys, key.substr(0, key.find('.'))) != kPartKeys.end();
+}
+
+WrongColumn::WrongColumn(ToldColumn which, std::string what_is_wrong, const std::string& expected,
+                         std::vector<std::string> names)
+    : std::invalid_argument(fmt::format("{}: {}; {}", which.source, what_is_wrong, expected)),
+      told(std::move(which)),
+      wrong(std::move(what_is_wrong)),
+      known(std::move(names)) {}
+
 ToldColumns mapping_of(const AnyTable& table, const MotionColumns& columns) {
   ToldColumns all;
   const auto tell = [&](const std::string& key, const std::optional<std::size_t>& column) {
     if (!column) return;
     const std::string& name = table.columns[*column].name;
     const bool once = std::ranges::count(table.columns, name, &FoundColumn::name) == 1;
-    all.emplace_back(key, once ? name : fmt::format("#{}", *column + 1));
+    all.push_back({key, once ? name : fmt::format("#{}", *column + 1)});
   };
   tell("time", columns.time);
   tell("object", columns.object);
@@ -435,7 +457,7 @@ MotionColumns find_columns(const AnyTable& table, const ToldColumns& told, bool 
                            std::string_view where) {
   MotionColumns columns;
   Told said(table, where, columns);
-  for (const auto& [key, value] : told) said.take(key, value);
+  for (const ToldColumn& one : told) said.take(one);
   const std::array<bool, 3> is_told = said.done();
   const bool hand_told = is_told[1] || is_told[2];
 

@@ -2,8 +2,9 @@
 
 #include <array>
 #include <optional>
+#include <stdexcept>
 #include <string>
-#include <utility>
+#include <string_view>
 #include <vector>
 
 #include "devices/recordings/any_table.h"
@@ -12,10 +13,29 @@
 /// What the columns of a table mean, found by their names or told by the user.
 namespace headpin::devices {
 
-/// Columns told by the user, by meaning: `time`, `trigger`, `object` (the name of a row's object), `head`, `left`, `right`, or one component
-/// such as `head.x`, `right.qw`, `left.rx` (an angle), `head.m00` (a matrix); then a column's name, `#3`
-/// for the third column, or for head and hands a pattern with one `*`: `HMD_*`.
-using ToldColumns = std::vector<std::pair<std::string, std::string>>;
+/// A column told by the user.
+struct ToldColumn {
+  /// Its meaning: `time`, `trigger`, `object` (the name of a row's object), `head`, `left`, `right`, or one
+  /// component such as `head.x`, `right.qw`, `left.rx` (an angle), `head.m00` (a matrix).
+  std::string key;
+  /// Its name, `#3` for the third column, or for head and hands a pattern with one `*`: `HMD_*`.
+  std::string column;
+  std::string source = {};  ///< where it was told: an option, or FILE:LINE
+};
+using ToldColumns = std::vector<ToldColumn>;
+
+/// Whether a key is the meaning of a column, as ToldColumn has it; its component is not checked.
+bool is_column_key(std::string_view key);
+inline constexpr std::string_view kColumnKeys = "time, trigger, object, head, left or right";
+
+/// A told column that means nothing, or that the table does not have.
+struct WrongColumn : std::invalid_argument {
+  WrongColumn(ToldColumn which, std::string what_is_wrong, const std::string& expected,
+              std::vector<std::string> names = {});
+  ToldColumn told;
+  std::string wrong;               ///< what is wrong with it
+  std::vector<std::string> known;  ///< names of columns that may be meant
+};
 
 /// How the rotation of a head or hand is written.
 enum class RotationKind { none, quaternion, angles, vector, matrix };
@@ -50,8 +70,8 @@ struct MotionColumns {
 /// The last words say the component, the words before them the object. What the user told is used first.
 ///
 /// @param only_hand_is_left  of a hand whose name does not say the side
-/// @throws std::invalid_argument  for told columns that are not there, or that mean nothing; for two
-///                                objects that could be the same part
+/// @throws WrongColumn            for told columns that are not there, or that mean nothing
+/// @throws std::invalid_argument  for two objects that could be the same part
 MotionColumns find_columns(const AnyTable& table, const ToldColumns& told, bool only_hand_is_left,
                            std::string_view where);
 

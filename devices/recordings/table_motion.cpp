@@ -199,7 +199,7 @@ class TableMotion {
     ToldColumns told = options_.columns;
     for (std::size_t part = 0; part < 3; ++part) {
       const std::string& name = options_.names[part];
-      if (!name.empty()) told.emplace_back(kPartKeys[part], name + "*");
+      if (!name.empty()) told.push_back({kPartKeys[part], name + "*", "--names"});
     }
     return told;
   }
@@ -208,16 +208,11 @@ class TableMotion {
     const bool hand = columns_.parts[1].tracked() || columns_.parts[2].tracked();
     const bool head = columns_.parts[0].tracked() || options_.p_head.has_value();
     if (columns_.time && head && (hand || options_.no_hand)) return;
-    std::string names;
-    for (const FoundColumn& column : table_.columns)
-      names += (names.empty() ? "" : ", ") + column.name;
+    // A head that was told need not be found.
+    const bool told = columns_.time && options_.p_head && !columns_.parts[0].tracked();
     throw std::invalid_argument(fmt::format(
-        "{}: {}; the columns are {}; say which are meant, such as time=t, head=HMD_*, right=ctrl_*",
-        where_, columns_.missing.front(), brief(names)));
-  }
-
-  static std::string brief(const std::string& text) {
-    return text.size() > 600 ? text.substr(0, 600) + "..." : text;
+        "{}: {}; --columns 'time=t, head=HMD_*, right=ctrl_*' says which columns are meant; {}",
+        where_, columns_.missing[told ? 1 : 0], names_in(table_)));
   }
 
   void find_reading() {

@@ -30,7 +30,6 @@ constexpr double kLeastAlong = 0.906;  // cosine between look and throw from abo
 constexpr double kLowestRate = 45.0, kHighestRate = 250.0;  // Hz
 constexpr double kUsualRate = 59.0;                         // Hz; head-mounted displays: 60 and up
 constexpr double kLongestGap = 0.1, kUsualGap = 0.05;       // s
-constexpr std::size_t kFewestSamples = 100;
 constexpr double kMostRepeated = 0.1;
 constexpr double kShortestDuration = 2.0;  // s
 
@@ -82,9 +81,9 @@ std::vector<std::string> problems_of_length(const MotionRecording& r) {
   std::vector<std::string> problems;
   const std::size_t n = r.times.size();
   const double duration = n < 2 ? 0.0 : seconds(r.times.back() - r.times.front());
-  if (n < kFewestSamples || duration < kShortestDuration) {
+  if (n < devices::kFewestSamples || duration < kShortestDuration) {
     problems.push_back(fmt::format("{} samples in {:.3g} s, expected at least {} in {} s", n,
-                                   duration, kFewestSamples, kShortestDuration));
+                                   duration, devices::kFewestSamples, kShortestDuration));
     return problems;
   }
   const double rate = static_cast<double>(n - 1) / duration;

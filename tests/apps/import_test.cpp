@@ -102,12 +102,20 @@ TEST_F(TrialCommands, ImportRefusesInOneLineAndLeavesNothing) {
   std::ofstream(folder_ / "bad.csv") << "delta_time_ms,head_pos_x\n0,1\n";
   const std::string example =
       "import " HEADPIN_SOURCE_DIR "/assets/throws/example.csv -o OUT.lcmlog";
-  expect_refusal(example + " --axes RSX", 2, "axes 'RSX': expected where +x, +y and +z point");
-  expect_refusal(example + " --names a,b,c", 1, "expected the columns of one object");
+  expect_refusal(example + " --axes RSX", 2, "--axes: expected where +x, +y and +z point");
+  expect_refusal(example + " --axes RSA,RSP,RSP", 2, "where rotations have others, found RSA,RSP,");
+  expect_refusal(example + " --names a,b,c", 2, "--names: no columns of ");
   expect_refusal("import bad.csv -o OUT.lcmlog", 1,
                  "seems to be CSV that begins with 'delta_time_ms,head_pos_x'");
   expect_refusal("import missing.csv -o OUT.lcmlog", 1, "missing.csv: cannot open");
-  expect_refusal("import bad.csv", 2, "--output");
+  expect_refusal("import bad.csv", 2, "--output is required: a trial to write (.lcmlog)");
+  expect_refusal("import bad.csv -o OUT.toml", 2,
+                 "--output: expected a name that ends in .lcmlog, found OUT.toml (.toml is written "
+                 "only with --explain)");
+  expect_refusal("import bad.csv --explain -o OUT.lcmlog", 2,
+                 "--output: expected a name that ends in .toml, found OUT.lcmlog");
+  expect_refusal("import " + kDemo + " -o OUT.lcmlog", 1,
+                 "demo.lcmlog: is an LCM event log (a trial) and needs no import");
   expect_refusal("import bad.csv -o OUT.lcmlog --heading north", 2, "--heading");
   expect_refusal("import bad.csv -o OUT.lcmlog --units furlong", 2, "--units");
 }

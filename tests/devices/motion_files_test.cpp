@@ -362,11 +362,16 @@ TEST_F(MotionFilesIn, OfAnotherFormatAreToldWithThoseThatAreKnown) {
   for (const MotionFormat& format : motion_formats()) {
     EXPECT_THAT(said("HIERARCHY\nROOT"), HasSubstr(std::string(format.name)));
   }
-  EXPECT_THAT(said("HIERARCHY\nROOT"), HasSubstr("this seems to be BVH"));
-  EXPECT_THAT(said("XDF:\x01"), HasSubstr("this seems to be XDF"));
-  EXPECT_THAT(said("\xed\xa1\xda\x01"), HasSubstr("an LCM event log; a trial needs no import"));
+  EXPECT_THAT(said("HIERARCHY\nROOT"), HasSubstr("x: seems to be BVH; expected one of UXF"));
+  EXPECT_THAT(said("XDF:\x01"), HasSubstr("seems to be XDF"));
+  EXPECT_THAT(
+      said("\xed\xa1\xda\x01"),
+      HasSubstr("x: is an LCM event log (a trial) and needs no import; expected a recording"));
   EXPECT_THAT(said("frame,x,y\n1,2,3\n"), HasSubstr("CSV that begins with 'frame,x,y'"));
-  EXPECT_THAT(said(""), HasSubstr("seems to be empty"));
+  EXPECT_THAT(said(""), HasSubstr("x: is empty; expected a recording (UXF, Motion-BIDS"));
+  for (const char* names : {"t,HMD_x,HMD_y,HMD_z\n", "t;q0;q1;q2", "# t\ta\tb\tc\n\n"}) {
+    EXPECT_THAT(said(names), HasSubstr("x: has column names but no rows; expected at least 100"));
+  }
   EXPECT_THAT(said(std::string("\x02P\x00\x00", 4)), HasSubstr("C3D"));
   EXPECT_THAT(why_not("."), HasSubstr("a folder of something else"));
   EXPECT_THAT(why_not("missing"), HasSubstr("cannot open"));
