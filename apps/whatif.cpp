@@ -81,7 +81,7 @@ std::vector<sweep::Situation> throws_of(const std::string& path, const WhatIfQue
     check_stop();
     return s.tick >= ticks;
   });
-  say_what_is_missing(command, path, recorded.file.summary());
+  if (!command.empty()) say_what_is_missing(command, path, recorded.file.summary());
   return situations.all();
 }
 
@@ -148,11 +148,13 @@ sweep::WhatIf ask_what_if(const WhatIfQuestion& question, std::string_view comma
     if (t == 0) throws = std::move(of_trial);
   }
   if (throws.empty()) {
-    throw UsageError(fmt::format("{} has no throw: no ball was released", question.trials.front()));
+    throw std::runtime_error(question.trials.front() +
+                             ": has no throw; expected a trial in which a ball is released");
   }
   if (question.number < 1 || question.number > std::ssize(throws)) {
-    throw UsageError(fmt::format("--throw: expected a throw of {} from 1 to {}, found {}",
-                                 question.trials.front(), throws.size(), question.number));
+    throw UsageError(fmt::format("{}: expected a throw of {} from 1 to {}, found {}",
+                                 question.option, question.trials.front(), throws.size(),
+                                 question.number));
   }
   if (question.costs) whatif.in_costs = throws_with_velocity(whatif);
   const sweep::Situation& situation = throws[static_cast<std::size_t>(question.number - 1)];

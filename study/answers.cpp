@@ -3,12 +3,15 @@
 #include <algorithm>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "study/csv.h"
 
 namespace headpin::study {
 
 namespace {
+
+const std::vector<std::string> kAnswerColumns = {"participant", "item", "answer", "source"};
 
 std::string ids_of(const Questionnaire& questions) {
   std::string all;
@@ -73,7 +76,7 @@ const Answer* find(const Answers& answers, std::string_view item) {
 }
 
 std::string answers_heading() {
-  return csv_line({"participant", "item", "answer", "source"});
+  return csv_line(kAnswerColumns);
 }
 
 std::string answer_line(const std::string& participant, const Answer& answer) {
@@ -85,6 +88,10 @@ Answers parse_answers(std::string_view text, const std::string& where,
   Answers answers;
   if (text.empty()) return answers;
   const CsvTable table = parse_csv(text, where);
+  if (table.columns != kAnswerColumns) {  // more answers are added as they stand there
+    refuse(table, CsvRow{1, {}}, fmt::format("the columns {}", fmt::join(kAnswerColumns, ", ")),
+           fmt::format("{}", fmt::join(table.columns, ", ")));
+  }
   for (const CsvRow& row : table.rows) {
     const std::string& name = table.cell(row, "participant");
     if (name != participant) refuse(table, row, "answers of " + participant, name);

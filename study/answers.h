@@ -34,8 +34,8 @@ std::string answer_line(const std::string& participant, const Answer& answer);
 
 /// Reads a participant's answers, one per row.
 ///
-/// @throws std::invalid_argument  naming file and line, what was expected and what was found: another
-///         participant, an item that is not asked, an answer out of range, two for one item
+/// @throws std::invalid_argument  naming file and line, what was expected and what was found: other
+///         columns than those of answers_heading(), another participant, an item that is not asked, an answer out of range, two for one item
 Answers parse_answers(std::string_view text, const std::string& where,
                       const Questionnaire& questions, const std::string& participant);
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
+#include <tuple>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -39,6 +41,19 @@ void take(Difference& kept, const Difference& now) {
                                                       : std::nullopt;
   if (now.size > kept.size) kept = now;
   kept.first = first;
+}
+
+/// Refuses two stages whose balls and skittles are not the same ones.
+void require_same_bodies(const scene::Stage& a, const scene::Stage& b, const Apart::Names& names) {
+  if (names_of_places(a) == names_of_places(b)) return;
+  std::string what = fmt::format("has other balls or skittles than {}", names[0]);
+  for (const auto& [kind, of_a, of_b] : {std::tuple{"ball", a.balls.size(), b.balls.size()},
+                                         {"skittle", a.skittles.size(), b.skittles.size()}}) {
+    if (of_a == of_b) continue;
+    what = fmt::format("has {} {}{}, {} has {}", of_b, kind, of_b == 1 ? "" : "s", names[0], of_a);
+  }
+  throw std::invalid_argument(
+      fmt::format("{}: {}; expected the same balls and skittles", names[1], what));
 }
 
 bool is_ball_or_skittle(const std::string& name) {
@@ -112,23 +127,25 @@ std::optional<double> arcmin_in_view(const scene::Session& session,
   return largest;
 }
 
-Apart::Apart(const scene::Session& a, const scene::Session& b, std::string_view gl)
+Apart::Apart(const scene::Session& a, const scene::Session& b, std::string_view gl, Names names)
     : eyes_a_(scene::open_eyes(*a.stage, a.scenario().look, gl)),
-      eyes_b_(scene::open_eyes(*b.stage, b.scenario().look, gl)) {
-  if (a.scenario().rates.physics_hz != b.scenario().rates.physics_hz) {
-    throw std::invalid_argument("two trials are compared with one tick rate: rates.physics_hz");
+      eyes_b_(scene::open_eyes(*b.stage, b.scenario().look, gl)),
+      names_(std::move(names)) {
+  const std::int64_t rate_a = a.scenario().rates.physics_hz, rate_b = b.scenario().rates.physics_hz;
+  if (rate_a != rate_b) {
+    throw std::invalid_argument(
+        fmt::format("{}: has rates.physics_hz = {}, {} has {}; expected the same tick rate",
+                    names_[1], rate_b, names_[0], rate_a));
   }
-  const std::vector<std::string> names = names_of_places(*a.stage);
-  if (names != names_of_places(*b.stage)) {
-    throw std::invalid_argument("two trials are compared with the same balls and skittles");
-  }
+  require_same_bodies(*a.stage, *b.stage, names_);
+  const std::vector<std::string> bodies = names_of_places(*a.stage);
   pixel_ = pixel_of(a.scenario().hmd.optics);
   limit_ = std::max(pixel_, kDetail.value);
   balls_ = a.stage->balls.size();
-  for (const std::string& name : names) {
+  for (const std::string& name : bodies) {
     bodies_.emplace_back().body = name;
   }
-  for (auto& contacts : contacts_) contacts.resize(names.size());
+  for (auto& contacts : contacts_) contacts.resize(bodies.size());
   for (auto& bounces : bounces_) bounces.resize(balls_);
 }
 
@@ -262,8 +279,8 @@ void Apart::tick(const scene::Session& a, const scene::Session& b) {
   if (!head && !other) return;
   if (!head || !other || head->p != other->p || !(head->q.coeffs() == other->q.coeffs())) {
     throw std::runtime_error(fmt::format(
-        "the heads of the two trials are at different places at {:.3f} s; expected one recording",
-        seconds(a.now())));
+        "{} and {}: their heads are at different places at {:.3f} s; expected one recording",
+        names_[0], names_[1], seconds(a.now())));
   }
   look(a, b, *head);
 }

@@ -74,11 +74,15 @@ struct BodyApart {
 /// `kDetail`, whichever is larger.
 class Apart {
  public:
+  /// The names of both sessions, for messages.
+  using Names = std::array<std::string, 2>;
+
   /// @param a, b  at their start, with the same tick rate and names of bodies
   /// @param gl    as render::open_context; both sessions are drawn with it
   /// @throws std::invalid_argument  for other bodies or another tick rate
   /// @throws std::runtime_error     when no OpenGL context works
-  Apart(const scene::Session& a, const scene::Session& b, std::string_view gl = {});
+  Apart(const scene::Session& a, const scene::Session& b, std::string_view gl = {},
+        Names names = {"one trial", "another trial"});
 
   /// After each tick of both.
   /// @throws std::runtime_error  where the two heads are not at the same pose
@@ -112,6 +116,7 @@ class Apart {
   };
 
   scene::Eyes eyes_a_, eyes_b_;
+  Names names_;
   double pixel_ = 0.0, limit_ = 0.0;
   std::int64_t frames_ = 0;
   std::size_t balls_ = 0;

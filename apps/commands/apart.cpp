@@ -138,9 +138,11 @@ void print_table(const sweep::Apart& apart) {
 }
 
 sweep::Apart apart_of(const Simulated& a, const Simulated& b, const ApartOptions& options) {
+  const std::string other = options.b.value_or(options.a + " under the condition");
   try {
-    return {a.session, b.session, options.gl};
+    return {a.session, b.session, options.gl, {options.a, other}};
   } catch (const std::invalid_argument& error) {
+    if (options.b) throw;
     throw UsageError(error.what());
   }
 }

@@ -1,4 +1,5 @@
 #include <memory>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -33,7 +34,6 @@ struct AnalyseOptions {
 
 /// The participants of the model: people, virtual or all.
 std::string whom(const study::CsvTable& people, const Mixing& mixing) {
-  if (!mixing.only.empty()) return mixing.only;
   std::size_t counted = 0, virtuals = 0;
   for (const study::CsvRow& row : people.rows) {
     if (people.cell(row, "counts") != "yes") continue;
@@ -42,6 +42,15 @@ std::string whom(const study::CsvTable& people, const Mixing& mixing) {
   }
   if (counted == 0) {
     throw std::runtime_error(people.where + ": no participant counts; see the column why_not");
+  }
+  if (!mixing.only.empty()) {
+    const bool of_people = mixing.only == "people";
+    if ((of_people ? counted - virtuals : virtuals) == 0) {
+      throw std::runtime_error(
+          fmt::format("{}: nobody counts with --only {}; expected at least one {}", people.where,
+                      mixing.only, of_people ? "person" : "virtual participant"));
+    }
+    return mixing.only;
   }
   if (virtuals > 0 && virtuals < counted && !mixing.mix) {
     throw UsageError(
@@ -64,6 +73,18 @@ bool require_script(const Study& study, const fs::path& path) {
   return false;
 }
 
+/// Why R stopped, on one line: from its last error on.
+std::string last_words(const Ended& ended) {
+  constexpr std::size_t kMost = 200;
+  std::string text;
+  std::istringstream words(ended.says);
+  for (std::string word; words >> word;) text += (text.empty() ? "" : " ") + word;
+  if (text.empty()) return fmt::format("exit code {}", ended.code);
+  if (const std::size_t error = text.rfind("Error"); error != std::string::npos)
+    text.erase(0, error);
+  return text.size() <= kMost ? text : text.substr(0, text.rfind(' ', kMost)) + " ...";
+}
+
 void run_script(const fs::path& script, const fs::path& people, const std::string& who,
                 const fs::path& root) {
   StudyTables folder(root / "analysis");
@@ -79,8 +100,8 @@ void run_script(const fs::path& script, const fs::path& people, const std::strin
                     people.parent_path().string()));
   }
   if (ended->code != 0) {
-    throw std::runtime_error(fmt::format("{}: R ended with {}: {}", script.string(), ended->code,
-                                         printable(ended->says)));
+    throw std::runtime_error(
+        fmt::format("{}: R stopped: {}", script.string(), printable(last_words(*ended))));
   }
   for (const std::string& name : study::r_outputs()) {
     if (!fs::exists(output.path() / name)) {

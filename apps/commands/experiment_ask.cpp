@@ -46,6 +46,7 @@ class AnswerFile {
     fs::create_directories(path_.parent_path());
     file_.emplace(path_.string());
     answers = study::parse_answers(file_->text(), path_.string(), study.questions, id);
+    require_commas();
   }
 
   /// Adds new answers, all or none.
@@ -74,6 +75,15 @@ class AnswerFile {
   study::Answers answers;
 
  private:
+  /// Lines are added as answer_line() writes them.
+  void require_commas() const {
+    const std::string& text = file_->text();
+    if (text.empty() || study::parse_csv(text, path_.string()).separator == ',') return;
+    throw std::runtime_error(path_.string() +
+                             ":1: expected commas between the columns, found semicolons or tabs; "
+                             "save the file as CSV with commas");
+  }
+
   std::string id_;
   fs::path path_;
   std::optional<files::LineFile> file_;

@@ -180,7 +180,10 @@ void run_one(const Study& study, const RunOptions& options) {
   const study::PlannedParticipant& who = planned(study, options.participant);
   const auto replaced = study::replaced(study.plan);
   if (replaced.contains(who.id)) {
-    throw UsageError(fmt::format("{} was replaced by {}", who.id, replaced.at(who.id)));
+    const std::string& by = replaced.at(who.id);
+    throw UsageError(
+        fmt::format("--participant: {} was replaced by {}; expected {} or another name of {}",
+                    who.id, by, by, study.at.plan().string()));
   }
   const NextRun run(study, who.id);
   if (!options.live->sources.empty()) return run_live(study, who, options, run);
@@ -193,24 +196,32 @@ void run_one(const Study& study, const RunOptions& options) {
   print_session(who.id, is_virtual, session);
 }
 
+/// Refuses none and two of several ways, of which one is needed.
+void require_one(const std::vector<std::string>& given, const std::string& expected) {
+  if (given.size() == 1) return;
+  if (given.empty()) throw UsageError("expected " + expected);
+  throw UsageError(fmt::format("{} excludes {}; expected {}, found {}", given[0], given[1],
+                               expected, given.size() == 2 ? "two" : "three"));
+}
+
 void check_ways(const RunOptions& options) {
-  const int ways = (options.live->sources.empty() ? 0 : 1) + (options.trial.empty() ? 0 : 1) +
-                   (options.is_virtual ? 1 : 0);
-  if (ways != 1) {
-    throw UsageError("expected one of: SOURCE (as in `headpin live`), --trial FILE, --virtual");
-  }
-  if (options.all != options.participant.empty()) {
-    throw UsageError("expected --participant NAME, or --all with --virtual");
-  }
+  std::vector<std::string> sources, people;
+  if (!options.live->sources.empty()) sources.push_back(options.live->sources.front());
+  if (!options.trial.empty()) sources.emplace_back("--trial");
+  if (options.is_virtual) sources.emplace_back("--virtual");
+  require_one(sources, "one of: SOURCE (as in `headpin live`), --trial FILE, --virtual");
+  if (!options.participant.empty()) people.emplace_back("--participant");
+  if (options.all) people.emplace_back("--all");
+  require_one(people, "--participant NAME, or --all with --virtual");
   if (options.all && !options.is_virtual) {
     throw UsageError("--all: only virtual participants play all at once; expected --virtual");
   }
 }
 
 void run_study(const RunOptions& options) {
-  check_ways(options);
   watch_stop_signals();
   const Study study = open_study(options.study);
+  check_ways(options);
   if (!options.all) return run_one(study, options);
   VirtualStudy all(study, options.jobs);
   all.play();

@@ -323,8 +323,8 @@ void draw_frames(const FramesOptions& options) {
   task.frames = options.as_shown ? frames_shown(recorded, wanted, options.frames)
                                  : frames_until(end, task.fps, wanted, options.frames);
   if (task.compares && trial.frame_count == 0) {
-    throw std::runtime_error(
-        "the trial has no recorded frames; expected a recording of `headpin live`");
+    throw std::runtime_error(options.trial +
+                             ": has no recorded frames; expected a recording of `headpin live`");
   }
   scene::first_head_pose(recorded.file, recorded.scenario.rig);  // throws if there is none
 

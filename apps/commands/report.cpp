@@ -151,9 +151,10 @@ nlohmann::json whatif_of(const TrialPage& options) {
   WhatIfQuestion question;
   question.trials = {options.trial};
   question.number = *options.whatif;
+  question.option = "--whatif";
   question.longest_gap = options.longest_gap;
   question.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  const sweep::WhatIf whatif = ask_what_if(question, "report");
+  const sweep::WhatIf whatif = ask_what_if(question, "");
   nlohmann::json moments = nlohmann::json::array();
   for (std::size_t i = 0; i < whatif.moments.size(); ++i) {
     const sweep::Outcome& outcome = whatif.of_moments[i];

@@ -69,34 +69,42 @@ void follow_polyhedra(Scenario& scenario, const ScenarioText& text) {
   if (!text.has("skittle.seen") && !text.has("skittle.mesh.file")) skittle.seen = "collider";
 }
 
-/// Completes the visible meshes: reads files that a text names, and finds those of a trial again.
-void take_meshes(Scenario& scenario, const ScenarioText& text) {
-  for (const auto& [object, mesh, reach] :
-       {std::tuple{"room", &scenario.room.mesh, kReachOfRoom},
-        {"skittle", &scenario.skittle.mesh, reach_of_skittle(scenario.skittle)},
-        {"ball", &scenario.ball.mesh, reach_of_ball(scenario.ball)},
-        {"hand", &scenario.hand.mesh, kReachOfHand}}) {
+/// Completes the visible meshes: reads files that a text names, and finds those of a trial again. A hash
+/// that is given is checked, whether it comes with the file, before it or after it.
+void take_meshes(Scenario& scenario, const ScenarioText& text, const Scenario& before) {
+  for (const auto& [object, mesh, earlier, reach] :
+       {std::tuple{"room", &scenario.room.mesh, &before.room.mesh, kReachOfRoom},
+        {"skittle", &scenario.skittle.mesh, &before.skittle.mesh,
+         reach_of_skittle(scenario.skittle)},
+        {"ball", &scenario.ball.mesh, &before.ball.mesh, reach_of_ball(scenario.ball)},
+        {"hand", &scenario.hand.mesh, &before.hand.mesh, kReachOfHand}}) {
     const std::string key = fmt::format("{}.mesh", object);
-    if (!text.has(key + ".file") || mesh->file.empty()) continue;
+    const bool named = text.has(key + ".file"), hashed = text.has(key + ".sha256");
+    if (mesh->file.empty()) {
+      if (named && (text.whole || !hashed)) mesh->sha256.clear();  // it belongs to no file
+      continue;
+    }
+    if (!named && !hashed) continue;
     if (text.whole) {
       find_again(*mesh, text.folder / "trial");
       continue;
     }
-    if (!text.has(key + ".sha256")) mesh->sha256.clear();  // it belongs to the earlier file
+    if (!hashed && !earlier->file.empty()) mesh->sha256.clear();  // it belongs to the earlier file
     try {
       take_seen(*mesh, text.folder, reach);
     } catch (const std::exception& e) {
-      throw std::invalid_argument(
-          fmt::format("{}: {}: {}", text.place(key + ".file"), key, e.what()));
+      throw std::invalid_argument(fmt::format(
+          "{}: {}: {}", text.place(key + (named ? ".file" : ".sha256")), key, e.what()));
     }
   }
 }
 
 /// Completes a scenario after its text was read.
-void complete(Scenario& scenario, const ScenarioText& text) {
+/// @param before  the scenario that the text changed
+void complete(Scenario& scenario, const ScenarioText& text, const Scenario& before = {}) {
   take_polyhedra(scenario, text);
   follow_polyhedra(scenario, text);
-  take_meshes(scenario, text);
+  take_meshes(scenario, text, before);
   const Lines lines = text.one_line ? Lines{} : text.lines;
   check(scenario, text.where, lines);
   if (!text.whole && (text.names("rig") || text.names("game"))) {
@@ -140,8 +148,9 @@ void check(const Scenario& scenario, std::string_view where) {
 
 void set(Scenario& scenario, std::string_view assignment) {
   ScenarioText text{.where = fmt::format("--set {}", brief(assignment)), .one_line = true};
+  const Scenario before = scenario;
   read_assignment(scenario, assignment, text);
-  complete(scenario, text);
+  complete(scenario, text, before);
 }
 
 }  // namespace headpin::scene

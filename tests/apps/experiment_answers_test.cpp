@@ -114,6 +114,18 @@ TEST_F(StudyAnswers, OfPaperFormsAreCheckedBeforeAnyIsKept) {
   expect_refusal("experiment ask study --from f.csv", 1,
                  "p001 has answered 3 to sick; f.csv says 4");
   EXPECT_FALSE(fs::exists(folder_ / "study/answers/p003.csv"));
+
+  // Nothing is added to a file of something else, or with other separators.
+  forms("participant,sick\np003,1\n");
+  for (const auto& [text, says] :
+       {std::pair{"foo\n",
+                  "study/answers/p003.csv:1: expected the columns participant, item, "
+                  "answer, source, found 'foo'"},
+        {"participant;item;answer;source\n", "p003.csv:1: expected commas between the columns"}}) {
+    spit(folder_ / "study/answers/p003.csv", text);
+    expect_refusal("experiment ask study --from f.csv", 1, says);
+    EXPECT_EQ(slurp(folder_ / "study/answers/p003.csv"), text);
+  }
 }
 
 // What the tables say of a session is what `replay` says of its trial.
@@ -219,6 +231,9 @@ TEST_F(StudyAnswers, AreFittedByRAsByAnotherProgram) {
   expect_refusal("experiment analyse study", 1, "headpin experiment score study");
   ASSERT_EQ(headpin("experiment score study").code, 0);
   const std::string before = slurp(folder_ / "study/tables/participants.csv");
+  expect_refusal("experiment analyse study --only people", 1,
+                 "study/tables/participants.csv: nobody counts with --only people; expected at "
+                 "least one person");
   const Result without = headpin("experiment analyse study");
   if (!has_r()) {
     EXPECT_EQ(without.code, 1);
@@ -238,7 +253,8 @@ TEST_F(StudyAnswers, AreFittedByRAsByAnotherProgram) {
   EXPECT_EQ(again["script_changed"], true);
   EXPECT_EQ(slurp(folder_ / "study/analysis/own.txt"), "mine\n");
   std::ofstream(folder_ / "study/model.R", std::ios::app) << "\nstop('too few')\n";
-  expect_refusal("experiment analyse study", 1, "too few");
+  expect_refusal("experiment analyse study", 1, "study/model.R: R stopped: ");
+  EXPECT_THAT(headpin("experiment analyse study").err, HasSubstr("too few Execution halted\n"));
   EXPECT_EQ(slurp(folder_ / "study/analysis/own.txt"), "mine\n");
   EXPECT_EQ(slurp(folder_ / "study/tables/participants.csv"), before);
 }

@@ -203,11 +203,20 @@ TEST_F(Experiment, WhatARunNeedsIsSaid) {
   plan_short("a", 2);
   expect_refusal("experiment run a --participant p001", 2, "expected one of: SOURCE");
   expect_refusal("experiment run a --virtual", 2, "expected --participant NAME, or --all");
+  expect_refusal("experiment run nofolder", 1, "nofolder: expected a study, found no design.toml");
+  expect_refusal("experiment run a --participant p001 --virtual --trial x.lcmlog", 2,
+                 "--trial excludes --virtual; expected one of: SOURCE (as in `headpin live`), "
+                 "--trial FILE, --virtual, found two");
+  expect_refusal("experiment run a --participant p001 --all --virtual", 2,
+                 "--participant excludes --all; expected --participant NAME, or --all with "
+                 "--virtual, found two");
   expect_refusal("experiment run a --all --trial x.lcmlog", 2, "--virtual");
   expect_refusal("experiment run a --participant ../x --virtual", 2, "found '../x'");
   expect_refusal("experiment run a --participant 山田 --virtual", 2, "found '山田'");
   ASSERT_EQ(headpin("experiment plan -o a --replace p001").code, 0);
-  expect_refusal("experiment run a --participant p001 --virtual", 2, "was replaced by p003");
+  expect_refusal("experiment run a --participant p001 --virtual", 2,
+                 "--participant: p001 was replaced by p003; expected p003 or another name of "
+                 "a/plan.csv");
 }
 
 }  // namespace

@@ -87,7 +87,8 @@ TEST_F(Frames, AsShownAreThoseThatWereShownAtTheirTicks) {
   EXPECT_EQ(index("one").at(shown.frames.back().frame), rows.at(shown.frames.back().frame));
   expect_refusal("frames shown.lcmlog --as-shown -o OUT --frames 99999", 2,
                  "expected recorded frames, from");
-  expect_refusal("frames " + kDemo + " --as-shown -o OUT", 1, "has no recorded frames");
+  expect_refusal("frames " + kDemo + " --as-shown -o OUT", 1,
+                 "demo.lcmlog: has no recorded frames");
 }
 
 TEST_F(Frames, TheFirstPictureThatDiffersIsNamed) {

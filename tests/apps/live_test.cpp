@@ -320,7 +320,7 @@ TEST_F(LiveFastrak, RecordedFramesAreDrawnAgainToThePixel) {
   recorder.close();
   expect_refusal("frames other.lcmlog --verify", 1,
                  "differs from the recording, first difference in the left");
-  expect_refusal("frames " + kDemo + " --verify", 1, "has no recorded frames");
+  expect_refusal("frames " + kDemo + " --verify", 1, "demo.lcmlog: has no recorded frames");
 }
 
 // Pictures are drawn in a process of its own: its end costs pictures. The trial tells of it.

@@ -103,6 +103,19 @@ TEST_F(Report, ALogThatIsCutOffIsShownUpToThere) {
   EXPECT_LT(made["ticks"], json("replay --json " + kDemo)["ticks"]);
 }
 
+TEST_F(Report, AThrowThatATrialDoesNotHaveIsRefusedByTheOptionThatNamesIt) {
+  expect_refusal("report " + kDemo + " -o OUT.html --page page.html --whatif 99", 2,
+                 "--whatif: expected a throw of ");
+  const std::string whole = slurp(kDemo);
+  write("cut.lcmlog", whole.substr(0, whole.size() / 4));  // before the release
+  const Result cut = headpin("report cut.lcmlog -o OUT.html --page page.html --whatif 1");
+  EXPECT_EQ(cut.code, 1);
+  EXPECT_THAT(cut.err, HasSubstr("cut.lcmlog: has no throw; expected"));
+  const std::size_t first = cut.err.find("is incomplete");
+  EXPECT_NE(first, std::string::npos) << cut.err;
+  EXPECT_EQ(cut.err.find("is incomplete", first + 1), std::string::npos) << cut.err;
+}
+
 TEST_F(Report, AVideoPastTwentyMegabytesLiesBesideThePage) {
   write("both.mp4", "1234ftypisom");
   write("long.mp4", "1234ftyp" + std::string(20'000'000, 'v'));

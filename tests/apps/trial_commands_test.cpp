@@ -375,5 +375,18 @@ TEST_F(TrialCommands, TheBundledTrialComesToTheHashesInReadme) {
   EXPECT_EQ(replayed["game_hash"], shown("game hash         "));
 }
 
+TEST_F(TrialCommands, ApartNamesTheTrialThatIsNoneOfTheSameRecording) {
+  const std::string one = " --set 'rack.spots=[[-1.5,-4.0]]'";
+  ASSERT_EQ(headpin("replay " + kDemo + " -o one.lcmlog" + one).code, 0);
+  const std::string demo = "apart " + kDemo;
+  expect_refusal(
+      demo + " one.lcmlog", 1,
+      "one.lcmlog: has 1 skittle, " + kDemo + " has 10; expected the same balls and skittles");
+  expect_refusal(demo + one, 2, "demo.lcmlog under the condition: has 1 skittle, ");
+  ASSERT_EQ(headpin("synthesize -o other.lcmlog --seed 5").code, 0);
+  expect_refusal(demo + " other.lcmlog", 1,
+                 "demo.lcmlog and other.lcmlog: their heads are at different places at ");
+}
+
 }  // namespace
 }  // namespace headpin

@@ -82,7 +82,7 @@ TEST_F(WhatIfCommand, RefusesWhatCannotBe) {
   expect_refusal(demo + "--step 0", 2, "--step");
   expect_refusal(demo + "--within 501", 2, "--within");
   expect_refusal("whatif gone.lcmlog -o OUT", 1, "gone.lcmlog: cannot open");
-  expect_refusal(demo + "--set rig.hand_station=3", 2, "has no throw");
+  expect_refusal(demo + "--set rig.hand_station=3", 1, "demo.lcmlog: has no throw; expected");
 }
 
 TEST_F(WhatIfCommand, ReplacesOnlyItsOwn) {

@@ -216,5 +216,38 @@ TEST(SeenMesh, SetAnewHasAnotherHash) {
               HasSubstr("skittle.mesh: /nowhere/x.obj: cannot be read"));
 }
 
+TEST(SeenMesh, AGivenHashIsCheckedBeforeAndAfterItsFile) {
+  const std::string file = "skittle.mesh.file=" + (kMeshes / "skittle.obj").string();
+  const auto refusal = [](Scenario scenario, const std::vector<std::string>& assignments) {
+    return complaint([&] {
+      for (const std::string& one : assignments) set(scenario, one);
+    });
+  };
+  Scenario seen;
+  set(seen, file);
+  const std::string hash = "skittle.mesh.sha256=" + seen.skittle.mesh.sha256;
+  EXPECT_THAT(refusal({}, {file, "skittle.mesh.sha256=abcd"}),
+              HasSubstr("--set skittle.mesh.sha256=abcd: skittle.mesh: "));
+  EXPECT_THAT(refusal({}, {file, "skittle.mesh.sha256=abcd"}), HasSubstr("expected abcd"));
+  EXPECT_THAT(refusal({}, {"skittle.mesh.sha256=abcd", file}), HasSubstr("expected abcd"));
+  EXPECT_EQ(refusal({}, {file, hash}), "");
+  EXPECT_EQ(refusal({}, {hash, file}), "");
+  // The hash of an earlier file is no given one, also where that file is taken away or gone.
+  const std::string trial = to_toml(seen);
+  const Scenario replayed = scenario_of_trial(trial, "elsewhere/trial.lcmlog");
+  const TemporaryFolder folder;
+  std::filesystem::copy_file(kMeshes / "skittle.obj", folder / "other.obj");
+  std::ofstream(folder / "other.obj", std::ios::app) << "# one line more\n";
+  const std::string other = "skittle.mesh.file=" + (folder / "other.obj").string();
+  EXPECT_EQ(refusal(replayed, {other}), "");
+  EXPECT_EQ(refusal(replayed, {"skittle.mesh.file=", other}), "");
+  Scenario gone = seen;
+  gone.skittle.mesh.file = "/nowhere/x.obj";
+  const Scenario without = scenario_of_trial(to_toml(gone), "elsewhere/trial.lcmlog");
+  EXPECT_EQ(without.skittle.mesh.sha256, seen.skittle.mesh.sha256);
+  EXPECT_EQ(refusal(without, {"ball.mass=5"}), "");
+  EXPECT_EQ(refusal(without, {other}), "");
+}
+
 }  // namespace
 }  // namespace headpin::scene

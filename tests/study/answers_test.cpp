@@ -44,6 +44,19 @@ TEST_F(AnswerTable, WhatIsWrongIsSaidWithFileLineAndWhatWasExpected) {
               HasSubstr("p001.csv:3: expected one answer to sick; 6 is given already, found '5'"));
 }
 
+// Answers are added to the file as its columns stand.
+TEST_F(AnswerTable, OtherColumnsAreRefused) {
+  const auto of = [&](const std::string& text) {
+    return complaint([&] { parse_answers(text, "p001.csv", questions_, "p001"); });
+  };
+  EXPECT_EQ(of("foo\n"),
+            "p001.csv:1: expected the columns participant, item, answer, source, found 'foo'");
+  EXPECT_THAT(of("participant,item,answer,source,note\n"), HasSubstr("expected the columns"));
+  EXPECT_THAT(of("participant,answer,item,source\n"), HasSubstr("expected the columns"));
+  EXPECT_EQ(of(answers_heading()), "");
+  EXPECT_EQ(of(""), "");
+}
+
 TEST_F(AnswerTable, FormsAreTakenWideAndLong) {
   const auto wide = parse_forms("participant;sick;noticed\np001;3;Yes\np002;n/a;nein\n", "f.csv",
                                 questions_, {"p001", "p002"});
