@@ -11,8 +11,8 @@
 #include <toml++/toml.h>
 
 #include "apps/command.h"
-#include "apps/nearest.h"
 #include "files/input_file.h"
+#include "scene/scenario/nearest.h"
 #include "scene/scenario/toml_text.h"
 
 namespace headpin::apps {
@@ -223,7 +223,7 @@ void read_names(const ImportOptions& options, devices::MotionOptions& motion) {
 /// Says of a told column what the table has instead.
 [[noreturn]] void refuse_column(const devices::WrongColumn& error) {
   const devices::ToldColumn& told = error.told;
-  const std::optional<std::string> meant = nearest(told.column, error.known);
+  const std::optional<std::string> meant = scene::nearest(told.column, error.known);
   const std::string text =
       meant ? fmt::format("{}: {}; the nearest is {}", told.source, error.wrong, *meant)
             : error.what();

@@ -14,8 +14,8 @@
 #include <fmt/ranges.h>
 
 #include "apps/command.h"
-#include "apps/nearest.h"
 #include "render/gl_context.h"
+#include "scene/scenario/nearest.h"
 
 namespace headpin::apps {
 
@@ -166,7 +166,7 @@ CLI::Validator one_of(std::vector<std::string> words) {
   return CLI::Validator(
       [words = std::move(words)](std::string& text) {
         if (std::ranges::count(words, text) > 0) return std::string();
-        const std::optional<std::string> meant = nearest(text, words);
+        const std::optional<std::string> meant = scene::nearest(text, words);
         return fmt::format("expected {}, found {}{}", either_of(words), text,
                            meant ? fmt::format("; the nearest is {}", *meant) : "");
       },

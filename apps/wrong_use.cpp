@@ -7,7 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "apps/command.h"
-#include "apps/nearest.h"
+#include "scene/scenario/nearest.h"
 
 namespace headpin::apps {
 
@@ -39,7 +39,7 @@ const CLI::App& innermost(const CLI::App& app) {
 
 /// "; the nearest is replay", or nothing.
 std::string nearest_in_words(std::string_view word, const std::vector<std::string>& names) {
-  const std::optional<std::string> meant = nearest(word, names);
+  const std::optional<std::string> meant = scene::nearest(word, names);
   return meant ? fmt::format("; the nearest is {}", *meant) : "";
 }
 

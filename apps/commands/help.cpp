@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 
 #include "apps/command.h"
-#include "apps/nearest.h"
 #include "apps/topics.h"
 #include "apps/wrap.h"
 #include "apps/wrong_use.h"
+#include "scene/scenario/nearest.h"
 
 namespace headpin::apps {
 
@@ -43,7 +43,7 @@ void check_command_or_topic(const CLI::App& app, const std::vector<std::string>&
   }
   std::vector<std::string> names = {"topics"};
   for (const Topic& topic : topics()) names.emplace_back(topic.name);
-  if (const std::optional<std::string> meant = nearest(words.front(), names)) {
+  if (const std::optional<std::string> meant = scene::nearest(words.front(), names)) {
     throw UsageError(
         fmt::format("no command or topic '{}'; the nearest topic is {}", words.front(), *meant));
   }

@@ -1,34 +1,45 @@
 #include "scene/scenario/text.h"
 
+#include <algorithm>
 #include <map>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 #include <toml++/toml.h>
 
 #include "scene/scenario/fields.h"
 #include "scene/scenario/keys_since.h"
+#include "scene/scenario/nearest.h"
 #include "scene/scenario/scenario.h"
+#include "scene/scenario/toml_reading.h"
 #include "scene/scenario/toml_text.h"
+#include "scene/scenario/units.h"
 #include "scene/scenario/writer.h"
 
 // Scenarios as TOML: reading, writing and listing use the same list of fields.
 namespace headpin::scene {
 namespace {
 
+/// The whole names of all keys.
+std::vector<std::string> names_of_keys() {
+  std::vector<std::string> names;
+  for (const ScenarioKey& key : scenario_keys()) names.push_back(key.key);
+  return names;
+}
+
 /// Fills fields from a TOML table; rejects unknown keys.
 class Reader {
  public:
-  Reader(const toml::table& table, ScenarioText& text, std::string path)
-      : table_(table), text_(text), path_(std::move(path)) {}
+  /// @param entry  where the table is one of a list, "skittle.parts, part 2: "
+  Reader(const toml::table& table, ScenarioText& text, std::string path, std::string entry = {})
+      : table_(table), text_(text), path_(std::move(path)), entry_(std::move(entry)) {}
 
   template <typename T, typename Allowed>
-  void field(std::string_view key, T& value, const Allowed& allowed, std::string_view,
+  void field(std::string_view key, T& value, const Allowed& allowed, std::string_view meaning,
              std::string_view = {}) {
     known_.insert(std::string(key));
+    unit_ = unit_of(key, meaning);
     const std::string path = path_ + std::string(key);
     if (const toml::node* node = table_.get(key)) {
       note_line(*node, path);
@@ -54,25 +65,18 @@ class Reader {
   void finish() const {
     for (const auto& [key, node] : table_) {
       if (known_.contains(std::string(key.str()))) continue;
-      std::string names;
-      for (const std::string& name : known_) names += (names.empty() ? "" : ", ") + name;
-      throw std::invalid_argument(fmt::format("{}: unknown key '{}{}'; known here: {}", place(key),
-                                              path_, brief(key.str()), names));
+      const std::vector<std::string> here(known_.begin(), known_.end());
+      throw std::invalid_argument(fmt::format(
+          "{}: {}{}", place(key), entry_,
+          unknown_key(path_ + std::string(key.str()), entry_.empty() ? names_of_keys() : here)));
     }
   }
 
  private:
   [[noreturn]] void refuse(const toml::node& node, const std::string& path,
                            const std::string& expected) const {
-    std::ostringstream found;
-    const toml::array* array = node.as_array();
-    if (array && array->size() > 4) {
-      found << array->size() << " items";
-    } else {
-      node.visit([&](const auto& n) { found << toml::node_view<const toml::node>(&n); });
-    }
-    throw std::invalid_argument(fmt::format("{}: {} must be {}, found {}", place(node), path,
-                                            expected, brief(found.str())));
+    throw std::invalid_argument(fmt::format("{}: {}{} must be {}, found {}", place(node), entry_,
+                                            path, expected, value_in_words(node)));
   }
 
   template <typename Node>
@@ -81,7 +85,7 @@ class Reader {
   }
 
   void note_line(const toml::node& node, const std::string& path) {
-    text_.lines[path] = static_cast<int>(node.source().begin.line);
+    text_.lines[entry_ + path] = static_cast<int>(node.source().begin.line);
   }
 
   /// {v = VALUE} for a key that is newer than this text.
@@ -90,41 +94,75 @@ class Reader {
       if (key == path) return toml::parse(fmt::format("v = {}", value));
     }
     throw std::invalid_argument(fmt::format(
-        "{}: {} is missing; a trial must contain its whole scenario", text_.where, path));
+        "{}: {}{} is missing; a trial must contain its whole scenario", text_.where, entry_, path));
   }
 
-  double number(const toml::node& node, const std::string& path, Range range) const {
+  static bool is_number(const toml::node& node, Range range) {
     const auto value = node.value<double>();
-    const bool is_number = node.is_integer() || node.is_floating_point();
-    if (!is_number || !value || !(*value >= range.low && *value <= range.high)) {
-      refuse(node, path,
-             range.high == kAny.high
-                 ? std::string("a finite number")
-                 : fmt::format("a number from {} to {}", range.low, range.high));
-    }
-    return *value;
+    const bool typed = node.is_integer() || node.is_floating_point();
+    return typed && value && *value >= range.low && *value <= range.high;
   }
 
-  /// The node as an array of `size` numbers (any number of them for size 0).
+  /// "a number from 0 to 1"
+  /// @param kind  number, whole number
+  static std::string number_from_to(const char* kind, Range range) {
+    return range.high == kAny.high ? fmt::format("a finite {}", kind)
+                                   : fmt::format("a {} from {} to {}", kind, range.low, range.high);
+  }
+
+  /// Refuses a number in quotes, most often with a unit beside it, and says what to write.
+  void refuse_quoted_number(const toml::node& node, const std::string& path, const char* kind,
+                            Range range) const {
+    const auto* text = node.as_string();
+    const auto quoted = text ? quoted_number(text->get()) : std::nullopt;
+    if (!quoted) return;
+    const std::string allowed =
+        unit_.empty() ? number_from_to(kind, range) : fmt::format("a {} in {}", kind, unit_);
+    std::string advice;
+    if (is_unit(quoted->unit, unit_)) {
+      advice = fmt::format("; write {} = {}", path, quoted->number);
+    } else if (unit_.empty()) {
+      advice = "; units are metre, kilogram and second";
+    }
+    throw std::invalid_argument(fmt::format("{}: {}{} must be {}, found the text '{}'{}",
+                                            place(node), entry_, path, allowed, brief(text->get()),
+                                            advice));
+  }
+
+  /// The node as a list of `size` numbers (any number of them for size 0).
+  /// @param entry  of a list of such lists, from 1; 0 where it is none
   std::vector<double> numbers(const toml::node& node, const std::string& path, std::size_t size,
-                              Range range) const {
+                              Range range, std::size_t entry = 0) const {
+    const auto named = [&](std::size_t item) {
+      return fmt::format("{}{}{}", path, entry == 0 ? "" : fmt::format(", entry {}", entry),
+                         item == 0 ? "" : fmt::format(", number {}", item));
+    };
     const toml::array* array = node.as_array();
     if (!array || (size != 0 && array->size() != size)) {
-      refuse(node, path, fmt::format("an array of {} numbers", size));
+      refuse(node, named(0),
+             size == 0 ? "a list of numbers" : fmt::format("a list of {} numbers", size));
     }
     std::vector<double> values;
-    for (const toml::node& item : *array) values.push_back(number(item, path, range));
+    for (const toml::node& item : *array) {
+      if (!is_number(item, range))
+        refuse(item, named(values.size() + 1), number_from_to("number", range));
+      values.push_back(*item.value<double>());
+    }
     return values;
   }
 
   void read(const toml::node& node, const std::string& path, double& value, Range range) const {
-    value = number(node, path, range);
+    refuse_quoted_number(node, path, "number", range);
+    if (!is_number(node, range)) refuse(node, path, number_from_to("number", range));
+    value = *node.value<double>();
   }
 
   void read(const toml::node& node, const std::string& path, std::int64_t& value,
             Range range) const {
-    if (!node.is_integer()) refuse(node, path, "a whole number");
-    number(node, path, range);
+    refuse_quoted_number(node, path, "whole number", range);
+    if (!node.is_integer() || !is_number(node, range)) {
+      refuse(node, path, number_from_to("whole number", range));
+    }
     value = *node.value<std::int64_t>();
   }
 
@@ -140,7 +178,7 @@ class Reader {
   }
 
   void read(const toml::node& node, const std::string& path, std::string& value, Range) const {
-    if (!node.is_string()) refuse(node, path, "a string");
+    if (!node.is_string()) refuse(node, path, "text");
     value = *node.value<std::string>();
   }
 
@@ -192,11 +230,11 @@ class Reader {
   void read(const toml::node& node, const std::string& path, std::vector<Vec2>& value, Range) {
     const toml::array* array = node.as_array();
     if (!array || array->empty() || array->size() > 10'000) {
-      refuse(node, path, "an array of 1 to 10000 pairs of numbers");
+      refuse(node, path, "a list of 1 to 10000 pairs of numbers");
     }
     value.clear();
     for (const toml::node& item : *array) {
-      const std::vector<double> v = numbers(item, path, 2, Range{-100, 100});
+      const std::vector<double> v = numbers(item, path, 2, Range{-100, 100}, value.size() + 1);
       value.emplace_back(v[0], v[1]);
       note_line(item, fmt::format("{}[{}]", path, value.size()));
     }
@@ -205,27 +243,27 @@ class Reader {
   void read(const toml::node& node, const std::string& path, std::vector<SkittlePart>& value,
             Range) {
     const toml::array* array = node.as_array();
-    if (!array || array->empty() || array->size() > 16) refuse(node, path, "1 to 16 parts");
+    if (!array || array->empty() || array->size() > 16) {
+      refuse(node, path, "a list of 1 to 16 parts");
+    }
     value.clear();
     for (const toml::node& item : *array) {
-      if (!item.is_table()) refuse(item, path, "tables {shape, radius, low, high}");
-      Reader inner(*item.as_table(), text_, path + ".");
+      const std::string part = fmt::format("{}, part {}", path, value.size() + 1);
+      if (!item.is_table()) refuse(item, part, "a table {shape, radius, low, high}");
+      Reader inner(*item.as_table(), text_, "", part + ": ");
       visit(inner, value.emplace_back());
       note_line(item, fmt::format("{}[{}]", path, value.size()));
       inner.finish();
-      const SkittlePart& part = value.back();  // measures of a polyhedron follow from its corners
-      if (part.shape != "polyhedron" && !(part.low < part.high))
-        refuse(item, path, "low below high");
     }
   }
 
   void read(const toml::node& node, const std::string& path, std::vector<Vec3>& value,
             Range range) const {
     const toml::array* array = node.as_array();
-    if (!array || array->size() > kMostOfHull) refuse(node, path, "at most 2000 points");
+    if (!array || array->size() > kMostOfHull) refuse(node, path, "a list of 2000 points at most");
     value.clear();
     for (const toml::node& item : *array) {
-      const std::vector<double> v = numbers(item, path, 3, range);
+      const std::vector<double> v = numbers(item, path, 3, range, value.size() + 1);
       value.emplace_back(v[0], v[1], v[2]);
     }
   }
@@ -233,11 +271,11 @@ class Reader {
   void read(const toml::node& node, const std::string& path,
             std::vector<std::vector<std::uint32_t>>& value, Range) const {
     const toml::array* array = node.as_array();
-    if (!array || array->size() > kMostOfHull) refuse(node, path, "at most 2000 faces");
+    if (!array || array->size() > kMostOfHull) refuse(node, path, "a list of 2000 faces at most");
     value.clear();
     for (const toml::node& item : *array) {
       std::vector<std::uint32_t>& face = value.emplace_back();
-      for (const double corner : numbers(item, path, 0, Range{0, kMostOfHull})) {
+      for (const double corner : numbers(item, path, 0, Range{0, kMostOfHull}, value.size())) {
         face.push_back(static_cast<std::uint32_t>(corner));
       }
     }
@@ -246,7 +284,8 @@ class Reader {
   static constexpr std::size_t kMostOfHull = 2000;
   const toml::table& table_;
   ScenarioText& text_;
-  std::string path_;
+  std::string path_, entry_;
+  std::string_view unit_;  ///< of the field that is read
   std::set<std::string> known_;
 };
 
@@ -280,21 +319,64 @@ std::vector<std::pair<std::string, std::string>> values_of(Scenario scenario) {
   return std::move(values).all();
 }
 
-toml::table parse_table(std::string_view toml, const ScenarioText& text) {
-  require_shallow(toml, text.where);
-  try {
-    return toml::parse(toml);
-  } catch (const toml::parse_error& error) {
-    throw std::invalid_argument(fmt::format("{}: not TOML: {}",
-                                            text.place(static_cast<int>(error.source().begin.line)),
-                                            error.description().substr(0, 300)));
-  }
-}
-
 void read_into(Scenario& scenario, const toml::table& table, ScenarioText& text) {
   Reader reader(table, text, "");
   visit(reader, scenario);
   reader.finish();
+}
+
+/// How a list of that kind is typed.
+std::string_view typed_list(std::string_view kind) {
+  if (kind == "list of tables") return "[{...}, ...]";
+  if (kind == "list of pairs") return "[[x, y], ...]";
+  return kind == "list of [x, y, z]" ? "[[x, y, z], ...]" : kind;  // [x, y, z] itself
+}
+
+/// Refuses a key that is none of TOML, and says what to type instead.
+void require_dotted_names(const std::string& key, const ScenarioText& text) {
+  if (const std::size_t bracket = key.find('['); bracket != std::string::npos) {
+    const std::vector<ScenarioKey> keys = scenario_keys();
+    const std::string name = key.substr(0, bracket);
+    const auto list = std::ranges::find(keys, name, &ScenarioKey::key);
+    if (list == keys.end()) {
+      throw std::invalid_argument(
+          fmt::format("{}: {}", text.where, unknown_key(name, names_of_keys())));
+    }
+    if (list->kind.find('[') == std::string::npos && !list->kind.starts_with("list")) {
+      throw std::invalid_argument(
+          fmt::format("{}: {} is no list; expected {}=VALUE", text.where, name, name));
+    }
+    throw std::invalid_argument(
+        fmt::format("{}: one entry of a list cannot be set; expected the whole list, {}={}",
+                    text.where, name, typed_list(list->kind)));
+  }
+  if (key.starts_with('.') || key.ends_with('.') || key.find("..") != std::string::npos) {
+    throw std::invalid_argument(
+        fmt::format("{}: expected a name on both sides of a dot, as in {}, found '{}'", text.where,
+                    nearest(key, names_of_keys()).value_or("ball.mass"), brief(key)));
+  }
+}
+
+/// Without spaces and tabs around it.
+std::string_view without_blanks(std::string_view text) {
+  const std::size_t first = text.find_first_not_of(" \t");
+  if (first == std::string_view::npos) return {};
+  return text.substr(first, text.find_last_not_of(" \t") - first + 1);
+}
+
+/// KEY=VALUE as TOML. A value that TOML does not know is text: `collision.shape=ellipsoid`.
+toml::table parse_assignment(std::string_view assignment, std::size_t equals,
+                             const ScenarioText& text) {
+  const std::string_view value = without_blanks(assignment.substr(equals + 1));
+  try {
+    return parse_toml(assignment, text.where, true);
+  } catch (const std::invalid_argument&) {
+    const bool meant_as_toml = value.find_first_of("[{'\"") == 0;
+    if (meant_as_toml) throw;
+  }
+  return parse_toml(
+      fmt::format("{}={}", assignment.substr(0, equals), Writer::text(std::string(value))),
+      text.where, true);
 }
 
 }  // namespace
@@ -315,7 +397,7 @@ bool ScenarioText::names(std::string_view section) const {
 }
 
 void read_text(Scenario& scenario, std::string_view toml, ScenarioText& text) {
-  read_into(scenario, parse_table(toml, text), text);
+  read_into(scenario, parse_toml(toml, text.where, text.one_line), text);
 }
 
 void read_assignment(Scenario& scenario, std::string_view assignment, ScenarioText& text) {
@@ -324,16 +406,8 @@ void read_assignment(Scenario& scenario, std::string_view assignment, ScenarioTe
     throw std::invalid_argument(
         fmt::format("{}: expected key=value, such as ball.mass=5", text.where));
   }
-  const std::string key(assignment.substr(0, equals));
-  const std::string value(assignment.substr(equals + 1));
-  toml::table table;
-  require_shallow(assignment, text.where);
-  try {
-    table = toml::parse(key + " = " + value);
-  } catch (const toml::parse_error&) {  // a bare word is a string
-    table = parse_table(fmt::format("{} = '{}'", key, value), text);
-  }
-  read_into(scenario, table, text);
+  require_dotted_names(std::string(without_blanks(assignment.substr(0, equals))), text);
+  read_into(scenario, parse_assignment(assignment, equals, text), text);
 }
 
 std::string to_toml(const Scenario& scenario) {

@@ -37,9 +37,26 @@ std::size_t after_string(std::string_view toml, std::size_t at) {
 
 }  // namespace
 
-std::string brief(std::string_view text) {
-  constexpr std::size_t kMost = 60;
-  return text.size() <= kMost ? std::string(text) : std::string(text.substr(0, kMost)) + "...";
+std::string on_one_line(std::string_view text) {
+  std::string all;
+  for (const char c : text) {
+    if (c == '\n') {
+      all += "\\n";
+    } else if (c == '\t') {
+      all += "\\t";
+    } else if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) {
+      all += fmt::format("\\u{:04X}", static_cast<unsigned>(c));
+    } else {
+      all += c;
+    }
+  }
+  return all;
+}
+
+std::string brief(std::string_view text, std::size_t most) {
+  if (text.size() <= most) return on_one_line(text);
+  while (most > 0 && (static_cast<unsigned char>(text[most]) & 0xc0) == 0x80) --most;  // UTF-8
+  return on_one_line(text.substr(0, most)) + "...";
 }
 
 std::string read_scenario_file(const std::string& path) {

@@ -18,7 +18,11 @@ std::string read_scenario_file(const std::string& path);
 /// @throws std::invalid_argument  naming file and line
 void require_shallow(std::string_view toml, std::string_view where);
 
-/// A short form of a text for messages.
-std::string brief(std::string_view text);
+/// A text on one line, for messages: control characters as TOML writes them, such as \n.
+std::string on_one_line(std::string_view text);
+
+/// The beginning of a text, on one line, for messages.
+/// @param most  bytes; a longer text ends in "..."
+std::string brief(std::string_view text, std::size_t most = 60);
 
 }  // namespace headpin::scene

@@ -16,21 +16,21 @@ namespace headpin::scene {
 
 namespace {
 
-/// Completes the polyhedra of skittles, with corners from files if the text names them.
-void take_polyhedra(Scenario& scenario, const ScenarioText& text) {
+/// Completes the parts of skittles, with corners from files if the text names them.
+void take_parts(Scenario& scenario, const ScenarioText& text) {
   for (std::size_t i = 0; i < scenario.skittle.parts.size(); ++i) {
     SkittlePart& part = scenario.skittle.parts[i];
     const std::string key = fmt::format("skittle.parts[{}]", i + 1);
-    if (part.shape != "polyhedron" || !text.has(key)) continue;
+    if (!text.has(key)) continue;
     try {
-      take_polyhedron(part, text.folder);
+      if (part.shape == "polyhedron") take_polyhedron(part, text.folder);
     } catch (const std::exception& e) {
       throw std::invalid_argument(fmt::format("{}: skittle.parts: {}", text.place(key), e.what()));
     }
     if (part.low < part.high) continue;
     throw std::invalid_argument(
-        fmt::format("{}: skittle.parts must be low below high, found {} and {}", text.place(key),
-                    part.low, part.high));
+        fmt::format("{}: skittle.parts, part {}: low must be below high, found low {} and high {}",
+                    text.place(key), i + 1, part.low, part.high));
   }
 }
 
@@ -102,7 +102,7 @@ void take_meshes(Scenario& scenario, const ScenarioText& text, const Scenario& b
 /// Completes a scenario after its text was read.
 /// @param before  the scenario that the text changed
 void complete(Scenario& scenario, const ScenarioText& text, const Scenario& before = {}) {
-  take_polyhedra(scenario, text);
+  take_parts(scenario, text);
   follow_polyhedra(scenario, text);
   take_meshes(scenario, text, before);
   const Lines lines = text.one_line ? Lines{} : text.lines;

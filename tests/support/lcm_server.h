@@ -46,7 +46,7 @@ class LocalLcmServer {
  public:
   /// @param greets  answers as a server of LCM, else closes each connection at once
   explicit LocalLcmServer(bool greets) : greets_(greets) {
-    if (listen(port_.descriptor(), 10) != 0) throw std::runtime_error("cannot listen");
+    if (::listen(port_.descriptor(), 10) != 0) throw std::runtime_error("cannot listen");
     thread_ = std::thread([this] { serve(); });
   }
   ~LocalLcmServer() {
