@@ -97,6 +97,20 @@ fs::path bundled(const std::string& kind, const std::string& name_or_file) {
       kind, study::shown(name_or_file), study::shown(name_or_file), fmt::join(names, ", ")));
 }
 
+std::string path_beside(const fs::path& design_file, const std::string& name) {
+  const bool file = name.find_first_of("./") != std::string::npos;
+  return file ? (design_file.parent_path() / name).string() : name;
+}
+
+fs::path questionnaire_of(const study::Design& design, const fs::path& design_file) {
+  try {
+    return bundled("questionnaires", path_beside(design_file, design.questionnaire));
+  } catch (const UsageError& error) {
+    throw std::invalid_argument(fmt::format("{}:{}: questionnaire: {}", design_file.string(),
+                                            design.questionnaire_line, error.what()));
+  }
+}
+
 StudyLock::StudyLock(const fs::path& path, const std::string& what)
     : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
   if (descriptor_ < 0) {

@@ -50,6 +50,14 @@ const study::PlannedParticipant& planned(const Study& study, const std::string& 
 /// @throws UsageError  for a name that is not there, with those that are
 std::filesystem::path bundled(const std::string& kind, const std::string& name_or_file);
 
+/// A file that a design names: relative to the design's folder, or a bundled one by its name.
+std::string path_beside(const std::filesystem::path& design_file, const std::string& name);
+
+/// The path of the questionnaire that a design names.
+/// @throws std::invalid_argument  naming the design's file and line, if there is none of that name
+std::filesystem::path questionnaire_of(const study::Design& design,
+                                       const std::filesystem::path& design_file);
+
 /// A lock against other headpin processes, until it is destroyed.
 class StudyLock {
  public:

@@ -212,4 +212,12 @@ void refuse(const CsvTable& table, const CsvRow& row, const std::string& expecte
   fail(table.where, row.line, fmt::format("expected {}, found '{}'", expected, shown(found)));
 }
 
+void refuse_cell(const CsvTable& table, const CsvRow& row, std::string_view column,
+                 const std::string& expected, const std::string& found) {
+  const std::string cell = fmt::format("'{}'", shown(table.cell(row, column)));
+  fail(table.where, row.line,
+       fmt::format("column {}: expected {}, found {}", column, expected,
+                   found.empty() ? cell : found));
+}
+
 }  // namespace headpin::study

@@ -56,4 +56,9 @@ std::string shown(std::string_view cell);
 [[noreturn]] void refuse(const CsvTable& table, const CsvRow& row, const std::string& expected,
                          const std::string& found);
 
+/// "FILE:LINE: column COLUMN: expected WHAT, found FOUND", as an exception.
+/// @param found  in words; without it the cell, in quotes
+[[noreturn]] void refuse_cell(const CsvTable& table, const CsvRow& row, std::string_view column,
+                              const std::string& expected, const std::string& found = {});
+
 }  // namespace headpin::study

@@ -15,6 +15,16 @@ namespace {
 
 constexpr int kMostPeople = 100'000;
 
+const std::vector<std::string>& keys_of_designs() {
+  static const std::vector<std::string> kKeys = {
+      "seed",       "name",         "title",          "scenario",          "questionnaire",
+      "throws",     "deviance",     "factor.letter",  "factor.key",        "factor.levels",
+      "row.cell",   "row.changed",  "row.people",     "term.name",         "term.of",
+      "term.is",    "term.changed", "term.unless",    "term.estimate",     "term.se",
+      "note.table", "note.text",    "published.item", "published.changed", "published.counts"};
+  return kKeys;
+}
+
 std::string keys_of(const Design& design) {
   std::vector<std::string> keys;
   for (const Factor& factor : design.factors) keys.push_back(factor.key);
@@ -37,6 +47,7 @@ Factor read_factor(TomlFields fields) {
   const std::vector<std::string> levels = fields.texts("levels");
   if (levels.size() != 2 || levels[0] == levels[1]) fields.refuse("levels", "two different values");
   factor.levels = {levels[0], levels[1]};
+  factor.levels_line = fields.line("levels");
   fields.finish();
   return factor;
 }
@@ -73,7 +84,9 @@ Term read_term(TomlFields fields, const Design& design) {
   Term term;
   term.name = fields.text("name");
   term.of = fields.text("of", "");
+  term.of_line = fields.line("of");
   term.is = fields.text("is", "");
+  term.is_line = fields.line("is");
   if (!term.is.empty() && term.of.empty()) fields.refuse("of", "an item where `is` is given");
   term.changed = read_factor_key(fields, "changed", design);
   term.unless = read_factor_key(fields, "unless", design);
@@ -89,17 +102,13 @@ Term read_term(TomlFields fields, const Design& design) {
 PublishedAnswers read_published(TomlFields fields, const Design& design) {
   PublishedAnswers answers;
   answers.item = fields.text("item");
+  answers.item_line = fields.line("item");
   answers.changed = read_factor_key(fields, "changed", design);
+  answers.counts = fields.counts("counts", kMostPeople);
+  answers.counts_line = fields.line("counts");
   int sum = 0;
-  for (const auto& [answer, count] : fields.named_texts("counts")) {
-    const auto number = whole_in(count);
-    if (!number || *number < 0 || *number > kMostPeople) {
-      fields.refuse("counts", "a table {answer = how many}");
-    }
-    answers.counts.emplace_back(answer, *number);
-    sum += *number;
-  }
-  if (sum == 0) fields.refuse("counts", "of somebody");
+  for (const auto& [answer, count] : answers.counts) sum += count;
+  if (sum == 0) fields.refuse("counts", "those of one person or more");
   fields.finish();
   return answers;
 }
@@ -137,14 +146,16 @@ std::string Design::letters() const {
 }
 
 Design parse_design(std::string_view toml, const std::string& where) {
-  const toml::table table = parse_toml(toml, where);
+  const toml::table table = parse_toml(toml, where, keys_of_designs());
   TomlFields fields(table, where, "");
   Design design;
   if (fields.has("seed")) design.seed = fields.seed("seed");
   design.name = fields.text("name");
   design.title = fields.text("title", "");
   design.scenario = fields.text("scenario");
+  design.scenario_line = fields.line("scenario");
   design.questionnaire = fields.text("questionnaire");
+  design.questionnaire_line = fields.line("questionnaire");
   design.throws = fields.whole("throws", 1, 1000, 10);
   if (fields.has("deviance")) design.deviance = fields.number("deviance");
   for (TomlFields& one : fields.tables("factor")) {

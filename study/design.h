@@ -19,6 +19,7 @@ struct Factor {
   std::string letter;                 ///< in the name of a cell: E of EFS
   std::string key;                    ///< of a version of the scenario: elasticity
   std::array<std::string, 2> levels;  ///< its value at 0 and at 1, as the plan writes it
+  int levels_line = 0;                ///< of the design's file, as are the other lines
 };
 
 /// "version.red.shape='true'": how a level is put into a scenario.
@@ -39,6 +40,7 @@ struct Term {
   std::optional<std::size_t> changed;  ///< 0 where another factor changes
   std::optional<std::size_t> unless;   ///< 0 where this factor changes
   std::optional<double> estimate, se;  ///< as published
+  int of_line = 0, is_line = 0;
 };
 
 /// How often an answer was given, as published.
@@ -46,6 +48,7 @@ struct PublishedAnswers {
   std::string item;
   std::optional<std::size_t> changed;  ///< among those for whom this factor changed
   std::vector<std::pair<std::string, int>> counts;
+  int item_line = 0, counts_line = 0;
 };
 
 /// A note for readers of a table.
@@ -56,8 +59,9 @@ struct Note {
 struct Design {
   std::string name, title;
   std::string scenario, questionnaire;  ///< names of those that come along, or files
-  int throws = 10;                      ///< of each version, of a virtual participant
-  std::optional<std::uint64_t> seed;    ///< of the allotment; a study has one
+  int scenario_line = 0, questionnaire_line = 0;
+  int throws = 10;                    ///< of each version, of a virtual participant
+  std::optional<std::uint64_t> seed;  ///< of the allotment; a study has one
   std::vector<Factor> factors;
   std::vector<DesignRow> rows;
   std::vector<Term> terms;         ///< terms of the model; without terms nothing is fitted

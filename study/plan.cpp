@@ -60,21 +60,22 @@ std::size_t read_design_row(const CsvTable& table, const CsvRow& at, const Desig
     is_cell = true;
     if (design.factors[design.rows[i].changed].key == changed) return i;
   }
-  if (!is_cell) refuse(table, at, "a cell of the design (" + one_of_rows(design) + ")", cell);
-  refuse(table, at, fmt::format("a parameter that changes in cell {}", cell), changed);
+  if (!is_cell)
+    refuse_cell(table, at, "cell", "a cell of the design (" + one_of_rows(design) + ")");
+  refuse_cell(table, at, "changed", fmt::format("a parameter that changes in cell {}", cell));
 }
 
 bool read_choice(const CsvTable& table, const CsvRow& at, const char* column, const char* yes,
                  const char* no) {
   const std::string& cell = table.cell(at, column);
-  if (cell != yes && cell != no) refuse(table, at, fmt::format("{} or {}", yes, no), cell);
+  if (cell != yes && cell != no) refuse_cell(table, at, column, fmt::format("{} or {}", yes, no));
   return cell == yes;
 }
 
 std::string read_name(const CsvTable& table, const CsvRow& at, const char* column) {
   const std::string& name = table.cell(at, column);
   if (const std::string wrong = wrong_with_name(name); !wrong.empty()) {
-    refuse(table, at, fmt::format("the name of a participant ({})", wrong), name);
+    refuse_cell(table, at, column, fmt::format("the name of a participant ({})", wrong));
   }
   return name;
 }
@@ -88,10 +89,9 @@ void check_values(const CsvTable& table, const PlanRow& row, const Design& desig
     const std::string& found = table.cell(*row.at, design.factors[i].key);
     const auto a = number_in(table, found), b = number_in(table, game.values[i]);
     if (found == game.values[i] || (a && b && *a == *b)) continue;
-    refuse(table, *row.at,
-           fmt::format("{} {} in the {} version of cell {}", design.factors[i].key, game.values[i],
-                       row.changed ? kChanged : kBase, cell),
-           found);
+    refuse_cell(table, *row.at, design.factors[i].key,
+                fmt::format("{} in the {} version of cell {}", game.values[i],
+                            row.changed ? kChanged : kBase, cell));
   }
 }
 
@@ -99,7 +99,7 @@ PlanRow read_plan_row(const CsvTable& table, const CsvRow& at, const Design& des
   PlanRow row{&at, 0, false, false, {}};
   row.participant.id = read_name(table, at, "participant");
   const auto place = whole_in(table.cell(at, "place"));
-  if (!place || *place < 1) refuse(table, at, "a place, from 1 on", table.cell(at, "place"));
+  if (!place || *place < 1) refuse_cell(table, at, "place", "a whole number from 1 on");
   row.participant.place = *place - 1;
   row.participant.allotted.row = read_design_row(table, at, design);
   row.game = read_choice(table, at, "game", "1", "2") ? 1 : 2;
@@ -114,25 +114,48 @@ PlanRow read_plan_row(const CsvTable& table, const CsvRow& at, const Design& des
   return row;
 }
 
-void take(const CsvTable& table, const PlanRow& row, Plan& plan,
+/// Compares a row with the other game of its participant: they differ in version and colour alone.
+void require_pair(const CsvTable& table, const PlanRow& row, const PlanRow& other,
+                  const Design& design) {
+  const auto require_same = [&](const char* column, bool same) {
+    if (same) return;
+    const std::string& expected = table.cell(*other.at, column);
+    refuse_cell(table, *row.at, column,
+                fmt::format("{} as in line {} (the other game of {})",
+                            expected.empty() ? "nothing" : shown(expected), other.at->line,
+                            other.participant.id),
+                shown(table.cell(*row.at, column)));
+  };
+  const auto require_another = [&](const char* column, bool same) {
+    if (!same) return;
+    refuse_cell(table, *row.at, column,
+                fmt::format("another one than in line {} (the other game of {})", other.at->line,
+                            other.participant.id));
+  };
+  const PlannedParticipant &one = row.participant, &two = other.participant;
+  require_same("place", one.place == two.place);
+  require_same("cell", cell_of(design, one) == cell_of(design, two));
+  require_same("changed", one.allotted.row == two.allotted.row);
+  require_another("version", row.changed == other.changed);
+  require_another("colour", row.red == other.red);
+  require_same("replaces", one.replaces == two.replaces);
+}
+
+void take(const CsvTable& table, const PlanRow& row, const Design& design, Plan& plan,
           std::map<std::string, std::vector<PlanRow>>& rows) {
   std::vector<PlanRow>& others = rows[folded(row.participant.id)];
   for (const PlanRow& other : others) {
-    const std::string before = fmt::format("line {}", other.at->line);
     if (other.participant.id != row.participant.id) {
-      refuse(table, *row.at,
-             "a name that differs from that of " + before + " in more than capitals",
-             row.participant.id);
+      refuse_cell(table, *row.at, "participant",
+                  fmt::format("a name that differs from that of line {} in more than capitals",
+                              other.at->line));
     }
     if (other.game == row.game) {
-      refuse(table, *row.at,
-             "one row per participant and game; this one exists already, in " + before,
-             fmt::format("{}, game {}", row.participant.id, row.game));
+      refuse_cell(table, *row.at, "game",
+                  fmt::format("the other game of {}: this one is in line {}", row.participant.id,
+                              other.at->line));
     }
-    if (other.participant != row.participant) {
-      refuse(table, *row.at, "a row that fits the other one of this participant, in " + before,
-             row.participant.id);
-    }
+    require_pair(table, row, other, design);
   }
   if (others.empty()) plan.push_back(row.participant);
   others.push_back(row);
@@ -236,24 +259,28 @@ Plan parse_plan(std::string_view text, const std::string& where, const Design& d
   const CsvTable table = parse_csv(text, where);
   Plan plan;
   std::map<std::string, std::vector<PlanRow>> rows;
-  for (const CsvRow& row : table.rows) take(table, read_plan_row(table, row, design), plan, rows);
+  for (const CsvRow& row : table.rows) {
+    take(table, read_plan_row(table, row, design), design, plan, rows);
+  }
   for (const auto& [name, both] : rows) {
     if (both.size() == 2) continue;
-    refuse(table, *both[0].at, "two rows of each participant, game 1 and game 2",
-           fmt::format("one of {}", both[0].participant.id));
+    refuse_cell(table, *both[0].at, "game",
+                fmt::format("two rows of {}, game 1 and game 2", both[0].participant.id),
+                fmt::format("game {} alone", both[0].game));
   }
   std::set<std::string> gone;
   for (const PlannedParticipant& one : plan) {
     if (one.replaces.empty()) continue;
     const CsvRow& at = *rows.at(folded(one.id))[0].at;
     const auto whom = std::ranges::find(plan, one.replaces, &PlannedParticipant::id);
-    if (whom == plan.end())
-      refuse(table, at, "in `replaces` a participant of the plan", one.replaces);
+    if (whom == plan.end() || one.replaces == one.id) {
+      refuse_cell(table, at, "replaces", "another participant of the plan");
+    }
     if (whom->allotted != one.allotted) {
-      refuse(table, at, "the conditions of whom it replaces, " + one.replaces, one.id);
+      refuse_cell(table, at, "replaces", "a participant with the conditions of " + one.id);
     }
     if (!gone.insert(one.replaces).second) {
-      refuse(table, at, "one who replaces " + one.replaces, one.id);
+      refuse_cell(table, at, "replaces", "a participant whom nobody else replaces");
     }
   }
   return plan;

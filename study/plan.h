@@ -60,9 +60,9 @@ std::string to_csv(const Plan& plan, const Design& design);
 
 /// Reads the plan; the order of rows does not matter.
 ///
-/// @throws std::invalid_argument  naming file and line, what was expected and what was found: a cell
-///         that is none of the design's, values that are not the cell's, a row twice, one missing,
-///         a name that is none
+/// @throws std::invalid_argument  naming file, line and column, what was expected and what was found: a
+///         cell that is none of the design's, values that are not the cell's, a row twice, one
+///         missing, a name that is none, someone who replaces himself
 Plan parse_plan(std::string_view text, const std::string& where, const Design& design);
 
 }  // namespace headpin::study

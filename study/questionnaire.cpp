@@ -24,7 +24,8 @@ Texts read_texts(TomlFields& fields, const std::string& key, const Questionnaire
   Texts texts;
   for (const auto& [language, text] : fields.named_texts(key)) texts[language] = text;
   for (const std::string& language : questions.languages) {
-    if (!texts.contains(language)) fields.refuse(key, "given in every language: " + language);
+    if (texts.contains(language)) continue;
+    fields.fail(key, fmt::format("has no text for the language '{}'", shown(language)));
   }
   return texts;
 }
@@ -89,7 +90,12 @@ int Questionnaire::scored() const {
 }
 
 Questionnaire parse_questionnaire(std::string_view toml, const std::string& where) {
-  const toml::table table = parse_toml(toml, where);
+  static const std::vector<std::string> kKeys = {
+      "name",           "languages",       "item.id",
+      "item.text",      "item.low",        "item.high",
+      "item.low_end",   "item.high_end",   "item.counts_from",
+      "item.answer.id", "item.answer.text"};
+  const toml::table table = parse_toml(toml, where, kKeys);
   TomlFields fields(table, where, "");
   Questionnaire questions;
   questions.name = fields.text("name");

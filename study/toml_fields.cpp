@@ -1,13 +1,12 @@
 #include "study/toml_fields.h"
 
-#include <sstream>
+#include <algorithm>
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <fmt/ranges.h>
 
-#include "scene/scenario/toml_text.h"
-#include "study/csv.h"
+#include "scene/scenario/nearest.h"
+#include "scene/scenario/toml_reading.h"
 
 namespace headpin::study {
 
@@ -22,23 +21,54 @@ std::optional<std::string> as_text(const toml::node& node) {
   return std::nullopt;
 }
 
-std::string in_words(const toml::node& node) {
-  if (const auto text = as_text(node)) return shown(*text);
-  return node.is_table() ? "a table" : node.is_array() ? "an array" : "another value";
+/// Refuses the first key that is none of those, in this table and in those in it.
+void require_known(const toml::table& table, const std::string& path,
+                   const std::vector<std::string>& keys, const std::string& where) {
+  for (const auto& [key, node] : table) {
+    const std::string name = path + std::string(key.str());
+    const bool is_table = std::ranges::any_of(
+        keys, [&](const std::string& one) { return one.starts_with(name + "."); });
+    if (!is_table && std::ranges::find(keys, name) == keys.end()) {
+      throw std::invalid_argument(
+          fmt::format("{}:{}: {}", where, key.source().begin.line, scene::unknown_key(name, keys)));
+    }
+    if (!is_table) continue;
+    if (const auto* inner = node.as_table()) require_known(*inner, name + ".", keys, where);
+    if (const auto* list = node.as_array()) {
+      for (const toml::node& item : *list) {
+        if (const auto* inner = item.as_table()) require_known(*inner, name + ".", keys, where);
+      }
+    }
+  }
 }
 
 }  // namespace
+
+bool TomlFields::has(const std::string& key) {
+  known_.insert(key);
+  return table_->contains(key);
+}
 
 int TomlFields::line(const std::string& key) const {
   const toml::node* node = table_->get(key);
   return static_cast<int>((node ? node->source() : table_->source()).begin.line);
 }
 
+void TomlFields::fail(const std::string& key, const std::string& what) const {
+  throw std::invalid_argument(fmt::format("{}:{}: {}{} {}", where_, line(key), path_, key, what));
+}
+
 void TomlFields::refuse(const std::string& key, const std::string& expected) const {
   const toml::node* node = table_->get(key);
-  throw std::invalid_argument(fmt::format("{}:{}: {}{} must be {}, found {}", where_, line(key),
-                                          path_, key, expected,
-                                          node ? in_words(*node) : "nothing"));
+  fail(key, fmt::format("must be {}, found {}", expected,
+                        node ? scene::value_in_words(*node) : "nothing"));
+}
+
+void TomlFields::refuse_named(const std::string& key, const toml::key& name,
+                              const toml::node& value, const std::string& expected) const {
+  throw std::invalid_argument(fmt::format("{}:{}: {}{}.{} must be {}, found {}", where_,
+                                          name.source().begin.line, path_, key, name.str(),
+                                          expected, scene::value_in_words(value)));
 }
 
 const toml::node& TomlFields::need(const std::string& key) {
@@ -47,14 +77,19 @@ const toml::node& TomlFields::need(const std::string& key) {
   refuse(key, "given");
 }
 
+const toml::table& TomlFields::need_named(const std::string& key) {
+  const auto* table = need(key).as_table();
+  if (!table || table->empty()) refuse(key, "a table {name = value}");
+  return *table;
+}
+
 std::string TomlFields::text(const std::string& key) {
   const toml::node& node = need(key);
-  if (!node.is_string()) refuse(key, "a string");
+  if (!node.is_string()) refuse(key, "text");
   return node.as_string()->get();
 }
 
 std::string TomlFields::text(const std::string& key, const std::string& fallback) {
-  known_.insert(key);
   return has(key) ? text(key) : fallback;
 }
 
@@ -67,7 +102,6 @@ int TomlFields::whole(const std::string& key, int low, int high) {
 }
 
 int TomlFields::whole(const std::string& key, int low, int high, int fallback) {
-  known_.insert(key);
   return has(key) ? whole(key, low, high) : fallback;
 }
 
@@ -86,30 +120,38 @@ double TomlFields::number(const std::string& key) {
 
 std::vector<std::string> TomlFields::texts(const std::string& key) {
   const auto* array = need(key).as_array();
-  if (!array || array->empty()) refuse(key, "an array of values");
+  if (!array || array->empty()) refuse(key, "a list of one value or more");
   std::vector<std::string> all;
   for (const toml::node& item : *array) {
     const auto value = as_text(item);
-    if (!value) refuse(key, "an array of values");
+    if (!value) refuse(key, "a list of numbers or texts");
     all.push_back(*value);
   }
   return all;
 }
 
 std::vector<std::pair<std::string, std::string>> TomlFields::named_texts(const std::string& key) {
-  const auto* table = need(key).as_table();
-  if (!table || table->empty()) refuse(key, "a table {name = value}");
   std::vector<std::pair<std::string, std::string>> all;
-  for (const auto& [name, item] : *table) {
+  for (const auto& [name, item] : need_named(key)) {
     const auto value = as_text(item);
-    if (!value) refuse(key, "a table {name = value}");
+    if (!value) refuse_named(key, name, item, "text");
     all.emplace_back(name.str(), *value);
   }
   return all;
 }
 
+std::vector<std::pair<std::string, int>> TomlFields::counts(const std::string& key, int most) {
+  std::vector<std::pair<std::string, int>> all;
+  for (const auto& [name, item] : need_named(key)) {
+    const auto* value = item.as_integer();
+    if (!value || value->get() < 0) refuse_named(key, name, item, "a whole number from 0 on");
+    if (value->get() > most) refuse_named(key, name, item, fmt::format("{} at most", most));
+    all.emplace_back(name.str(), static_cast<int>(value->get()));
+  }
+  return all;
+}
+
 std::vector<TomlFields> TomlFields::tables(const std::string& key) {
-  known_.insert(key);
   std::vector<TomlFields> all;
   if (!has(key)) return all;
   const auto* array = table_->get(key)->as_array();
@@ -122,22 +164,16 @@ std::vector<TomlFields> TomlFields::tables(const std::string& key) {
 }
 
 void TomlFields::finish() const {
-  for (const auto& [key, node] : *table_) {
-    if (known_.contains(std::string(key.str()))) continue;
-    throw std::invalid_argument(fmt::format("{}:{}: unknown key '{}{}'; known here: {}", where_,
-                                            key.source().begin.line, path_, shown(key.str()),
-                                            fmt::join(known_, ", ")));
-  }
+  std::vector<std::string> known;
+  for (const std::string& key : known_) known.push_back(path_ + key);
+  require_known(*table_, path_, known, where_);
 }
 
-toml::table parse_toml(std::string_view text, const std::string& where) {
-  scene::require_shallow(text, where);
-  try {
-    return toml::parse(text, where);
-  } catch (const toml::parse_error& error) {
-    throw std::invalid_argument(
-        fmt::format("{}:{}: not TOML: {}", where, error.source().begin.line, error.description()));
-  }
+toml::table parse_toml(std::string_view text, const std::string& where,
+                       const std::vector<std::string>& keys) {
+  toml::table table = scene::parse_toml(text, where);
+  require_known(table, "", keys, where);
+  return table;
 }
 
 }  // namespace headpin::study

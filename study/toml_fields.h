@@ -18,7 +18,7 @@ class TomlFields {
   TomlFields(const toml::table& table, std::string where, std::string path)
       : table_(&table), where_(std::move(where)), path_(std::move(path)) {}
 
-  bool has(const std::string& key) const { return table_->contains(key); }
+  bool has(const std::string& key);
   int line(const std::string& key) const;
 
   std::string text(const std::string& key);
@@ -29,21 +29,32 @@ class TomlFields {
   double number(const std::string& key);
   std::vector<std::string> texts(const std::string& key);  ///< numbers as the shortest text
   std::vector<std::pair<std::string, std::string>> named_texts(const std::string& key);
+  /// A table {name = how many}, each at most `most`.
+  std::vector<std::pair<std::string, int>> counts(const std::string& key, int most);
   std::vector<TomlFields> tables(const std::string& key);  ///< of `[[key]]`; empty without any
   void finish() const;
 
+  /// @throws std::invalid_argument  "FILE:LINE: PATH.KEY WHAT"
+  [[noreturn]] void fail(const std::string& key, const std::string& what) const;
   /// @throws std::invalid_argument  "FILE:LINE: PATH.KEY must be EXPECTED, found FOUND"
   [[noreturn]] void refuse(const std::string& key, const std::string& expected) const;
 
  private:
   const toml::node& need(const std::string& key);
+  const toml::table& need_named(const std::string& key);
+  /// Refuses the value of one name in the table of a key.
+  [[noreturn]] void refuse_named(const std::string& key, const toml::key& name,
+                                 const toml::node& value, const std::string& expected) const;
 
   const toml::table* table_;
   std::string where_, path_;
   std::set<std::string> known_;
 };
 
-/// @throws std::invalid_argument  naming file and line, for text that is not TOML
-toml::table parse_toml(std::string_view text, const std::string& where);
+/// @param keys  the whole names of all keys, such as factor.levels; another one is refused before any
+///   is missed
+/// @throws std::invalid_argument  naming file and line, for text that is not TOML, or an unknown key
+toml::table parse_toml(std::string_view text, const std::string& where,
+                       const std::vector<std::string>& keys);
 
 }  // namespace headpin::study

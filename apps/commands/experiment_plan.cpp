@@ -2,6 +2,7 @@
 #include <optional>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/experiment.h"
@@ -11,7 +12,9 @@
 #include "apps/study_folder.h"
 #include "files/left_parts.h"
 #include "files/output_file.h"
+#include "scene/scenario/files.h"
 #include "scene/scenario/scenario.h"
+#include "scene/scenario/toml_text.h"
 #include "scene/stage/read_scenario.h"
 
 namespace headpin::apps {
@@ -42,54 +45,87 @@ void write_once(const fs::path& path, const std::string& text) {
   write_text(path, text, false);
 }
 
+/// The scenario that a design names.
+scene::Scenario scenario_named_in(const study::Design& design, const fs::path& design_file) {
+  std::string path;
+  try {
+    path = scene::scenario_path(path_beside(design_file, design.scenario));
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(fmt::format("{}:{}: scenario: {}", design_file.string(),
+                                            design.scenario_line, error.what()));
+  }
+  return scene::parse_scenario(scene::read_scenario_file(path), path);
+}
+
 /// Checks that each key of the factors and each level can be set in the scenario.
 void check_levels(const study::Design& design, scene::Scenario scenario, const std::string& where) {
   if (!scenario.version.buttons) {
     throw std::invalid_argument(
-        fmt::format("{}: scenario '{}' has no two versions; expected [version] buttons = true",
-                    where, design.scenario));
+        fmt::format("{}:{}: scenario '{}' has no two versions; expected [version] buttons = true",
+                    where, design.scenario_line, design.scenario));
   }
   for (const study::Factor& factor : design.factors) {
+    const std::string place = fmt::format("{}:{}: factor.levels", where, factor.levels_line);
     for (const std::string& level : factor.levels) {
       try {
-        scene::set(scenario, study::assignment(factor, "red", level));
+        scene::set(scenario, study::assignment(factor, "red", level), place);
       } catch (const std::invalid_argument& error) {
-        throw std::invalid_argument(fmt::format("{}: {}", where, error.what()));
+        constexpr std::string_view kVersion = "version.red.";  // is not in the design
+        std::string what = error.what();
+        if (const auto at = what.find(kVersion); at != std::string::npos) {
+          what.erase(at, kVersion.size());
+        }
+        throw std::invalid_argument(what);
       }
     }
   }
 }
 
+/// @throws std::invalid_argument  "FILE:LINE: KEY must be EXPECTED, found 'FOUND'"
+[[noreturn]] void refuse_name(const std::string& where, int line, const char* key,
+                              const std::string& expected, const std::string& found) {
+  throw std::invalid_argument(fmt::format("{}:{}: {} must be {}, found '{}'", where, line, key,
+                                          expected, study::shown(found)));
+}
+
+/// The item of that id.
+/// @param others  what may be named in place of an item: "a factor (E, F) or "
+const study::Item& require_item(const study::Questionnaire& questions, const std::string& id,
+                                const std::string& others, const std::string& where, int line,
+                                const char* key) {
+  if (const study::Item* item = questions.find(id)) return *item;
+  std::vector<std::string> ids;
+  for (const study::Item& item : questions.items) ids.push_back(item.id);
+  refuse_name(where, line, key, fmt::format("{}an item ({})", others, fmt::join(ids, ", ")), id);
+}
+
+void require_answer(const study::Item& item, const std::string& answer, const std::string& where,
+                    int line, const char* key) {
+  if (study::answer_of(item, answer) == answer) return;
+  refuse_name(where, line, key,
+              fmt::format("an answer of item '{}' ({})", item.id, study::allowed(item)), answer);
+}
+
 /// Checks that the questionnaire has every item that the design uses.
 void check_items(const study::Design& design, const study::Questionnaire& questions,
                  const std::string& where) {
-  const auto require = [&](const std::string& id, const std::string& answer) {
-    const study::Item* item = questions.find(id);
-    if (!item) {
-      throw std::invalid_argument(
-          fmt::format("{}: expected an item of questionnaire '{}', found "
-                      "'{}'",
-                      where, questions.name, id));
-    }
-    if (!answer.empty() && study::answer_of(*item, answer) != answer) {
-      throw std::invalid_argument(
-          fmt::format("{}: expected an answer of item '{}' ({}), found '{}'", where, id,
-                      study::allowed(*item), answer));
-    }
-  };
+  std::vector<std::string> letters;
+  for (const study::Factor& factor : design.factors) letters.push_back(factor.letter);
+  const std::string factors = fmt::format("a factor ({}) or ", fmt::join(letters, ", "));
   for (const study::Term& term : design.terms) {
-    const bool factor =
-        std::ranges::find(design.factors, term.of, &study::Factor::letter) != design.factors.end();
-    if (!term.of.empty() && !factor) require(term.of, term.is);
-    const study::Item* item = questions.find(term.of);
-    if (item && item->counts_from) {
-      throw std::invalid_argument(
-          fmt::format("{}: term '{}' uses '{}', which is part of the score; expected another item",
-                      where, term.name, term.of));
-    }
+    if (term.of.empty() || std::ranges::find(letters, term.of) != letters.end()) continue;
+    const study::Item& item =
+        require_item(questions, term.of, factors, where, term.of_line, "term.of");
+    if (!term.is.empty()) require_answer(item, term.is, where, term.is_line, "term.is");
+    if (!item.counts_from) continue;
+    refuse_name(where, term.of_line, "term.of", "an item that is no part of the score", term.of);
   }
   for (const study::PublishedAnswers& one : design.published) {
-    for (const auto& [answer, count] : one.counts) require(one.item, answer);
+    const study::Item& item =
+        require_item(questions, one.item, "", where, one.item_line, "published.item");
+    for (const auto& [answer, count] : one.counts) {
+      require_answer(item, answer, where, one.counts_line, "a name in published.counts");
+    }
   }
 }
 
@@ -99,14 +135,10 @@ void begin_study(const StudyFolder& at, const PlanOptions& options) {
   const fs::path source = bundled("designs", options.design);
   std::string text = read_study_file(source);
   study::Design design = study::parse_design(text, source.string());
-  const auto beside = [&](const std::string& name) {  // paths are relative to the design's folder
-    const bool file = name.find_first_of("./") != std::string::npos;
-    return file ? (source.parent_path() / name).string() : name;
-  };
-  const fs::path asked = bundled("questionnaires", beside(design.questionnaire));
+  const fs::path asked = questionnaire_of(design, source);
   const std::string questions = read_study_file(asked);
   check_items(design, study::parse_questionnaire(questions, asked.string()), source.string());
-  const scene::Scenario scenario = scene::load_scenario(beside(design.scenario));
+  const scene::Scenario scenario = scenario_named_in(design, source);
   check_levels(design, scenario, source.string());
   if (!design.seed) {
     text = fmt::format("seed = {}  # of the allotment\n", options.seed.value_or(1)) + text;

@@ -96,7 +96,7 @@ void tell_power(PowerOptions options) {
   watch_stop_signals();
   const auto source = bundled("designs", options.design);
   const study::Design design = study::parse_design(read_study_file(source), source.string());
-  const auto asked = bundled("questionnaires", design.questionnaire);
+  const auto asked = questionnaire_of(design, source);
   const study::Questionnaire questions =
       study::parse_questionnaire(read_study_file(asked), asked.string());
   std::vector<study::Power> all;

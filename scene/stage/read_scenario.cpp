@@ -147,7 +147,11 @@ void check(const Scenario& scenario, std::string_view where) {
 }
 
 void set(Scenario& scenario, std::string_view assignment) {
-  ScenarioText text{.where = fmt::format("--set {}", brief(assignment)), .one_line = true};
+  set(scenario, assignment, fmt::format("--set {}", brief(assignment)));
+}
+
+void set(Scenario& scenario, std::string_view assignment, std::string_view where) {
+  ScenarioText text{.where = std::string(where), .one_line = true};
   const Scenario before = scenario;
   read_assignment(scenario, assignment, text);
   complete(scenario, text, before);

@@ -55,7 +55,8 @@ TEST_F(Experiment, IsPlannedGrownAndTold) {
   // By hand, and wrong.
   std::ofstream(folder_ / "study/plan.csv", std::ios::app)
       << "=cmd,1,000,shape,1,base,red,1,0,x,\n";
-  expect_refusal("experiment status study", 1, "study/plan.csv:44: expected the name");
+  expect_refusal("experiment status study", 1,
+                 "study/plan.csv:44: column participant: expected the name");
 }
 
 TEST_F(Experiment, TheSameSeedPlansTheSameBytes) {
@@ -75,11 +76,30 @@ TEST_F(Experiment, ADesignOfOnesOwnIsHeldAgainstScenarioAndQuestionnaire) {
     std::ofstream(folder_ / "own.toml") << own;
   };
   with("levels = [1.0, 0.7]", "levels = [1.5, 0.7]");
-  expect_refusal("experiment plan -o OUT --design own.toml", 1, "version.red.elasticity");
+  expect_refusal("experiment plan -o OUT --design own.toml", 1,
+                 "own.toml:13: factor.levels: elasticity must be a number from 0 to 1, found 1.5");
   with("item = 'sick'", "item = 'ill'");
-  expect_refusal("experiment plan -o OUT --design own.toml", 1, "found 'ill'");
+  expect_refusal("experiment plan -o OUT --design own.toml", 1, "published.item must be an item (");
+  with("of = 'sick'", "of = 'sick2'");
+  expect_refusal("experiment plan -o OUT --design own.toml", 1,
+                 "term.of must be a factor (E, F, S) or an item (presence1, ");
+  expect_refusal("experiment plan -o OUT --design own.toml", 1, "found 'sick2'");
+  with("is = 'no'", "is = 'perhaps'");
+  expect_refusal("experiment plan -o OUT --design own.toml", 1,
+                 "term.is must be an answer of item 'vrbefore' (yes, no or n/a), found 'perhaps'");
+  with("counts = {yes = 7,", "counts = {maybe = 7,");
+  expect_refusal("experiment plan -o OUT --design own.toml", 1,
+                 "own.toml:161: a name in published.counts must be an answer of item 'vrbefore'");
+  with("questionnaire = 'uno-slater-1997'", "questionnaire = 'nothing'");
+  expect_refusal("experiment plan -o OUT --design own.toml", 1,
+                 "own.toml:6: questionnaire: none of the questionnaires is called 'nothing'");
+  expect_refusal("experiment power --design own.toml", 1, "own.toml:6: questionnaire: none of");
+  with("scenario = 'uno-slater-1997'", "scenario = 'nothing'");
+  expect_refusal("experiment plan -o OUT --design own.toml", 1,
+                 "own.toml:5: scenario: no scenario is called 'nothing'");
   with("scenario = 'uno-slater-1997'", "scenario = 'paper-room'");
-  expect_refusal("experiment plan -o OUT --design own.toml", 1, "has no two versions");
+  expect_refusal("experiment plan -o OUT --design own.toml", 1,
+                 "own.toml:5: scenario 'paper-room' has no two versions");
   with("throws = 10", "throws = 3");
   EXPECT_EQ(json("experiment plan -o study --design own.toml --json")["participants"], 18);
 }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <random>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "tests/study/study_files.h"
@@ -96,27 +97,56 @@ TEST_F(PlanTable, WhatIsWrongIsSaidWithFileLineAndWhatWasExpected) {
   const std::string text = to_csv(plan_, design_);
   const std::vector<std::string> all = lines(text);
   EXPECT_THAT(says(text + all[3] + "\n"),
-              HasSubstr("plan.csv:38: expected one row per participant and game; this one exists "
-                        "already, in line 4"));
-  EXPECT_THAT(says(joined({all[0], all[1]})), HasSubstr("plan.csv:2: expected two rows"));
+              HasSubstr("plan.csv:38: column game: expected the other game of p002: this one is in "
+                        "line 4, found '1'"));
+  EXPECT_EQ(says(joined({all[0], all[1]})),
+            "plan.csv:2: column game: expected two rows of p001, game 1 and game 2, found game 1 "
+            "alone");
   EXPECT_THAT(says_with(5, 2, "020"),
-              HasSubstr("plan.csv:5: expected a cell of the design (000, "));
+              HasSubstr("plan.csv:5: column cell: expected a cell of the design (000, "));
   EXPECT_THAT(says_with(5, 3, "gravity"),
-              HasSubstr("plan.csv:5: expected a parameter that changes"));
-  EXPECT_THAT(says_with(5, 4, "3"), HasSubstr("plan.csv:5: expected 1 or 2, found '3'"));
-  EXPECT_THAT(says_with(5, 6, "green"), HasSubstr("plan.csv:5: expected red or blue"));
-  EXPECT_THAT(says_with(5, 7, "0.8"), HasSubstr("plan.csv:5: expected elasticity "));
-  EXPECT_THAT(says_with(5, 1, "0"), HasSubstr("plan.csv:5: expected a place"));
-  EXPECT_THAT(says_with(5, 10, "p999"), HasSubstr("plan.csv:"));
+              HasSubstr("plan.csv:5: column changed: expected a parameter that changes"));
+  EXPECT_EQ(says_with(5, 4, "3"), "plan.csv:5: column game: expected 1 or 2, found '3'");
+  EXPECT_THAT(says_with(5, 6, "green"),
+              HasSubstr("plan.csv:5: column colour: expected red or blue"));
+  EXPECT_THAT(says_with(5, 7, "0.8"), HasSubstr("plan.csv:5: column elasticity: expected "));
+  EXPECT_THAT(says_with(5, 1, "0"), HasSubstr("plan.csv:5: column place: expected a whole number"));
   // One of the two rows alone.
   EXPECT_NE(says_with(5, 6, "red") + says_with(5, 6, "blue"), "");
   for (const char* name : {"../x", "=cmd", "", "山田", "a b", "p001,x"}) {
-    EXPECT_THAT(says_with(4, 0, name), HasSubstr("plan.csv:4: expected the name of a participant"))
+    EXPECT_THAT(says_with(4, 0, name),
+                HasSubstr("plan.csv:4: column participant: expected the name of a participant"))
         << name;
   }
   EXPECT_THAT(says_with(4, 0, std::string(300, 'a')), HasSubstr("plan.csv:4:"));
   EXPECT_LT(says_with(4, 0, std::string(300, 'a')).size(), 200u);
   EXPECT_THAT(says_with(4, 0, "P001"), HasSubstr("in more than capitals"));
+}
+
+TEST_F(PlanTable, WhatTheTwoGamesOfAParticipantDisagreeAboutIsNamedByItsColumn) {
+  EXPECT_EQ(says_with(2, 1, "99"),
+            "plan.csv:3: column place: expected 99 as in line 2 (the other game of p001), found 1");
+  EXPECT_EQ(says_with(5, 10, "p001"),
+            "plan.csv:5: column replaces: expected nothing as in line 4 (the other game of p002), "
+            "found p001");
+  const std::vector<std::string> all = lines(to_csv(plan_, design_));
+  const bool red = all[3].find(",red,") != std::string::npos;
+  EXPECT_EQ(says_with(5, 6, red ? "red" : "blue"),
+            fmt::format("plan.csv:5: column colour: expected another one than in line 4 (the other "
+                        "game of p002), found '{}'",
+                        red ? "red" : "blue"));
+}
+
+TEST_F(PlanTable, NobodyReplacesHimselfOrWhoIsNotInThePlan) {
+  for (const char* name : {"p001", "p999"}) {
+    std::vector<std::string> all = lines(to_csv(plan_, design_));
+    all[1] += name;
+    all[2] += name;
+    EXPECT_EQ(says(joined(all)),
+              fmt::format("plan.csv:2: column replaces: expected another participant of the plan, "
+                          "found '{}'",
+                          name));
+  }
 }
 
 TEST(Designs, WhatIsWrongIsSaidWithFileAndLine) {
@@ -136,12 +166,32 @@ TEST(Designs, WhatIsWrongIsSaidWithFileAndLine) {
               HasSubstr("row.changed must be the key of a factor: elasticity, friction, shape"));
   EXPECT_THAT(says("letter = 'F'", "letter = 'E'"), HasSubstr("factor.letter must be another one"));
   EXPECT_THAT(says("levels = [0.0, 0.7]", "levels = [0.7, 0.7]"),
-              HasSubstr("two different values"));
+              HasSubstr("factor.levels must be two different values, found [0.7, 0.7]"));
   EXPECT_THAT(says("key = 'shape'", "key = 'colour'"), HasSubstr("factor.key must be"));
-  EXPECT_THAT(says("throws = 10", "thorws = 10"), HasSubstr("unknown key 'thorws'"));
+  EXPECT_THAT(says("throws = 10", "thorws = 10"),
+              HasSubstr("d.toml:7: unknown key 'thorws'; the nearest is throws"));
   EXPECT_THAT(says("name = 'F'", "name = 'sick'"), HasSubstr("term.name must be another name"));
   EXPECT_THAT(says("[[row]]", "[[row"), HasSubstr("not TOML"));
-  EXPECT_THAT(says("cell = '000'", "cell = '000'\nsex = 1"), HasSubstr("unknown key 'row.sex'"));
+  EXPECT_THAT(says("cell = '000'", "cell = '000'\nsex = 1"),
+              HasSubstr("unknown key 'row.sex'; known here: cell, changed, people"));
+  EXPECT_EQ(says("counts = {yes = 7,", "counts = {yes = -7,"),
+            "d.toml:161: published.counts.yes must be a whole number from 0 on, found -7");
+}
+
+// Each of these hides a key that must be given.
+TEST(Designs, AnUnknownKeyIsToldBeforeAMissingOne) {
+  const std::string begin = "name = 'd'\nscenario = 's'\nquestionnaire = 'q'\n";
+  const auto says = [&](const std::string& rest) {
+    return complaint([&] { parse_design(begin + rest, "d.toml"); });
+  };
+  EXPECT_EQ(says("[[faktor]]\nletter = 'E'"),
+            "d.toml:4: unknown key 'faktor'; the nearest is factor");
+  EXPECT_EQ(says("[[factor]]\nleter = 'E'"),
+            "d.toml:5: unknown key 'factor.leter'; the nearest is factor.letter");
+  EXPECT_EQ(says("[[term]]\nname = 'E'\nestimat = 1"),
+            "d.toml:6: unknown key 'term.estimat'; the nearest is term.estimate");
+  EXPECT_EQ(says("people = 3"), "d.toml:4: unknown key 'people'; the nearest is row.people");
+  EXPECT_EQ(says(""), "d.toml:1: factor must be 1 to 5 tables, found nothing");
 }
 
 TEST(Questionnaires, WhatIsWrongIsSaidWithFileAndLine) {
@@ -155,7 +205,14 @@ TEST(Questionnaires, WhatIsWrongIsSaidWithFileAndLine) {
   EXPECT_THAT(says("id = 'presence2'", "id = 'two words'"), HasSubstr("item.id must be 1 to 32"));
   EXPECT_THAT(says("high = 7", "high = 1"), HasSubstr("item.high must be a whole number from 2"));
   EXPECT_THAT(says("counts_from = 6", "counts_from = 8"), HasSubstr("item.counts_from must be"));
-  EXPECT_THAT(says("'en', 'de'", "'en', 'de', 'ja'"), HasSubstr("in every language: ja"));
+  EXPECT_THAT(says("'en', 'de'", "'en', 'de', 'ja'"),
+              HasSubstr(": item.text has no text for the language 'ja'"));
+  EXPECT_EQ(says("'en', 'de'", ""),
+            "q.toml:6: languages must be a list of one value or more, found []");
+  EXPECT_THAT(says("id = 'presence2'", "id = 'presence2'\nlow_and = 1"),
+              HasSubstr("unknown key 'item.low_and'; the nearest is item.low_end"));
+  EXPECT_THAT(says("id = 'noticed'", "id = 'noticed'\nlow = 1"),
+              HasSubstr("unknown key 'item.low'; known here: answer, id, text"));
 }
 
 // Appendix A has six questions, answered from 1 to 7, of which 6 and 7 count.
