@@ -13,6 +13,7 @@
 #include "apps/command.h"
 #include "files/input_file.h"
 #include "scene/scenario/nearest.h"
+#include "scene/scenario/toml_reading.h"
 #include "scene/scenario/toml_text.h"
 
 namespace headpin::apps {
@@ -165,14 +166,7 @@ void take_setting(const std::string& key, const std::string& value, const std::s
 void read_mapping(const ImportOptions& options, devices::MotionOptions& motion) {
   const std::string& path = options.columns;
   const std::string text = files::read_text(path, 1'000'000);
-  scene::require_shallow(text, path);
-  toml::table root;
-  try {
-    root = toml::parse(text, path);
-  } catch (const toml::parse_error& error) {
-    throw std::invalid_argument(
-        fmt::format("{}:{}: {}", path, error.source().begin.line, error.description()));
-  }
+  const toml::table root = scene::parse_toml(text, path);
   const auto take = [&](const std::string& key, const toml::node& node) {
     const std::string source = fmt::format("{}:{}", path, node.source().begin.line);
     const auto* value = node.as_string();

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <optional>
 #include <set>
-#include <sstream>
 #include <stdexcept>
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
 
+#include "scene/scenario/toml_reading.h"
 #include "study/csv.h"
 #include "study/toml_fields.h"
 
@@ -20,11 +20,9 @@ constexpr std::int64_t kMostValues = 100'000;  // of one axis
 
 [[noreturn]] void refuse(const std::string& where, const toml::node& node, const std::string& key,
                          const std::string& expected) {
-  std::ostringstream found;
-  node.visit([&](const auto& value) { found << value; });
   throw std::invalid_argument(fmt::format("{}:{}: {} must be {}, found {}", where,
                                           node.source().begin.line, key, expected,
-                                          study::shown(found.str())));
+                                          scene::value_in_words(node)));
 }
 
 /// A number as text for a scenario, without digits that come from rounding in the steps of a range.
@@ -41,15 +39,21 @@ std::optional<std::string> scalar(const toml::node& node) {
   return std::nullopt;
 }
 
+/// One of its names is enough: another one may be misspelled.
 bool is_range(const toml::table& table) {
-  return table.contains("from") && table.contains("to");
+  return table.contains("from") || table.contains("to") || table.contains("steps");
+}
+
+int line_of(const toml::node& node) {
+  return static_cast<int>(node.source().begin.line);
 }
 
 double bound(const toml::table& table, const char* name, const std::string& where,
              const std::string& key) {
-  const auto value = table[name].value<double>();
+  const toml::node* node = table.get(name);
+  const auto value = node ? node->value<double>() : std::nullopt;
   if (!value || !std::isfinite(*value)) {
-    refuse(where, *table.get(name), fmt::format("{}.{}", key, name), "a finite number");
+    refuse(where, node ? *node : table, fmt::format("{}.{}", key, name), "a finite number");
   }
   return *value;
 }
@@ -63,7 +67,8 @@ Range read_range(const toml::table& table, const std::string& where, const std::
                                             where, name.source().begin.line, key,
                                             study::shown(name.str()), steps ? ", steps" : ""));
   }
-  Range range{key, bound(table, "from", where, key), bound(table, "to", where, key)};
+  Range range{key, bound(table, "from", where, key), bound(table, "to", where, key),
+              line_of(table)};
   if (!(range.from < range.to)) refuse(where, *table.get("to"), key + ".to", "above from");
   if (!steps) return range;
   const auto count = table["steps"].value<std::int64_t>();
@@ -128,7 +133,8 @@ const toml::table& table_of(const toml::table& all, const char* key, const std::
 void read_grid(const toml::table& grid, const std::string& where, Design& design) {
   std::vector<std::pair<toml::source_position, Axis>> found;  // a table does not keep its order
   each_key(grid, "", [&](const std::string& key, const toml::node& node) {
-    found.emplace_back(node.source().begin, Axis{key, read_values(node, where, key)});
+    found.emplace_back(node.source().begin,
+                       Axis{key, read_values(node, where, key), line_of(node)});
   });
   std::ranges::stable_sort(found, [](const auto& a, const auto& b) { return a.first < b.first; });
   for (auto& [place, axis] : found) design.grid.push_back(std::move(axis));
@@ -165,26 +171,20 @@ void read_random(const toml::table& random, const std::string& where, Design& de
 
 void require_different_keys(const Design& design, const std::string& where) {
   std::set<std::string> keys;
-  const auto add = [&](const std::string& key) {
+  const auto add = [&](const std::string& key, int line) {
     if (!keys.insert(key).second) {
-      throw std::invalid_argument(
-          fmt::format("{}: expected each key once, found '{}' twice", where, study::shown(key)));
+      throw std::invalid_argument(fmt::format("{}:{}: expected each key once, found '{}' twice",
+                                              where, line, study::shown(key)));
     }
   };
-  for (const Axis& axis : design.grid) add(axis.key);
-  for (const Range& range : design.drawn) add(range.key);
+  for (const Axis& axis : design.grid) add(axis.key, axis.line);
+  for (const Range& range : design.drawn) add(range.key, range.line);
 }
 
 }  // namespace
 
 Design parse_design(std::string_view text, const std::string& where) {
-  const toml::table all = study::parse_toml(text, where);
-  for (const auto& [name, node] : all) {
-    if (name == "trials" || name == "grid" || name == "random") continue;
-    throw std::invalid_argument(
-        fmt::format("{}:{}: unknown key '{}'; known here: trials, grid, random", where,
-                    name.source().begin.line, study::shown(name.str())));
-  }
+  const toml::table all = study::parse_toml(text, where, {"trials", "grid", "random"});
   Design design;
   const toml::node* trials = all.get("trials");
   if (!trials)

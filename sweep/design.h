@@ -15,12 +15,14 @@ inline constexpr std::int64_t kMostRows = 10'000'000;
 struct Axis {
   std::string key;  ///< "elasticity", "ball.mass", ...
   std::vector<std::string> values;
+  int line = 0;  ///< of the design's file
 };
 
 /// A key of the scenario and the range from which its values are drawn.
 struct Range {
   std::string key;
   double from = 0.0, to = 1.0;
+  int line = 0;
 };
 
 /// The content of sweep.toml: every combination of the grid's values, with every draw and every
@@ -35,7 +37,8 @@ struct Design {
 };
 
 /// @param where  name of the file, for messages
-/// @throws std::invalid_argument  "FILE:LINE: KEY must be EXPECTED, found FOUND"
+/// @throws std::invalid_argument  "FILE:LINE: KEY must be EXPECTED, found FOUND"; which keys there are
+///   is checked by plan()
 Design parse_design(std::string_view text, const std::string& where);
 
 /// Trials x points of the grid x draws, at most kMostRows.

@@ -14,6 +14,7 @@
 #include "files/left_parts.h"
 #include "files/output_file.h"
 #include "files/sha256.h"
+#include "scene/scenario/nearest.h"
 #include "scene/stage/read_scenario.h"
 #include "study/csv.h"
 #include "sweep/result.h"
@@ -47,25 +48,45 @@ std::string rows_csv(const Rows& rows, const std::function<void()>& check) {
   return text;
 }
 
+/// Tries a value on each trial.
+/// @param place  of its key in the design, for messages
+void try_value(const std::string& key, const std::string& value, const Design& design,
+               const std::vector<Trial>& trials, const std::string& place) {
+  const std::string begin = place + ": ";
+  for (std::size_t i = 0; i < trials.size(); ++i) {
+    try {
+      scene::Scenario scenario = trials[i].scenario;
+      scene::Condition condition = condition_of({key}, {value});
+      condition.where = place;
+      scene::apply(condition, scenario);
+    } catch (const std::invalid_argument& error) {
+      std::string what = error.what();
+      if (what.starts_with(begin)) what.erase(0, begin.size());
+      const std::string_view whole = "collision.";  // of `shape`, as the scenario calls it
+      if (what.starts_with(fmt::format("{}{} ", whole, key))) what.erase(0, whole.size());
+      if (trials.size() > 1) what += fmt::format(", on {}", design.trials[i]);
+      throw std::invalid_argument(begin + what);
+    }
+  }
+}
+
 /// Tries each value alone on each trial, so that errors are found before anything is written.
 void try_values(const Design& design, const std::vector<Trial>& trials, const std::string& where) {
-  const auto try_one = [&](const std::string& key, const std::string& value) {
-    for (std::size_t i = 0; i < trials.size(); ++i) {
-      try {
-        scene::Scenario scenario = trials[i].scenario;
-        scene::apply(condition_of({key}, {value}), scenario);
-      } catch (const std::invalid_argument& error) {
-        throw std::invalid_argument(fmt::format("{}: {} = {} on {}: {}", where, key, value,
-                                                design.trials[i], error.what()));
-      }
-    }
+  const std::vector<std::string> keys = keys_of_conditions();
+  const auto place_of = [&](const std::string& key, int line) {
+    const std::string place = fmt::format("{}:{}", where, line);
+    if (std::ranges::find(keys, key) != keys.end()) return place;
+    throw std::invalid_argument(fmt::format("{}: {}", place, scene::unknown_key(key, keys)));
   };
   for (const Axis& axis : design.grid) {
-    for (const std::string& value : axis.values) try_one(axis.key, value);
+    const std::string place = place_of(axis.key, axis.line);
+    for (const std::string& value : axis.values) try_value(axis.key, value, design, trials, place);
   }
   for (const Range& range : design.drawn) {
-    try_one(range.key, fmt::format("{}", range.from));
-    try_one(range.key, fmt::format("{}", range.to));
+    const std::string place = place_of(range.key, range.line);
+    for (const double bound : {range.from, range.to}) {
+      try_value(range.key, fmt::format("{}", bound), design, trials, place);
+    }
   }
 }
 
@@ -90,19 +111,25 @@ std::vector<std::string> hashes_of(const std::vector<Trial>& trials) {
   return hashes;
 }
 
+/// The first line of a text.
+std::string_view without_line_end(std::string_view text) {
+  return text.substr(0, text.find('\n'));
+}
+
 /// Compares rows.csv with the rows, line by line.
 /// @return  its SHA-256
 std::string require_rows(const fs::path& path, const Rows& rows) {
   const std::string text = files::read_text(path.string(), kMostText);
   std::size_t at = 0;
   const auto require = [&](std::int64_t line, const std::string& expected) {
-    const std::string_view found = std::string_view(text).substr(at, expected.size());
+    const std::string_view rest = std::string_view(text).substr(at);
     at += expected.size();
-    if (found == expected) return;
+    if (rest.starts_with(expected)) return;
     throw std::runtime_error(fmt::format(
         "{}:{}: expected '{}', as sweep.toml and the trials say, found '{}'; plan a new "
         "sweep to have other rows",
-        path.string(), line, study::shown(expected), study::shown(found)));
+        path.string(), line, study::shown(without_line_end(expected)),
+        study::shown(without_line_end(rest))));
   };
   require(1, study::csv_line(columns_of(rows)));
   for (std::int64_t i = 0; i < rows.size(); ++i) {

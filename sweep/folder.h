@@ -39,7 +39,7 @@ struct Sweep {
 /// @param design  a file; its trials are named from its folder
 /// @param check   called from time to time; may throw
 /// @return  number of rows
-/// @throws std::invalid_argument  naming file and key of an impossible value
+/// @throws std::invalid_argument  naming file, line and key of an unknown key or an impossible value
 /// @throws std::runtime_error     if the folder has something else already
 std::int64_t plan(const std::filesystem::path& design, const SweepFolder& at,
                   const std::function<void()>& check);

@@ -28,27 +28,21 @@ std::vector<std::uint32_t> shuffled(std::int64_t n, std::uint64_t seed, std::uin
   return all;
 }
 
-double number_of(const std::string& key, const std::string& value) {
+double from_0_to_1(const std::string& key, const std::string& value) {
   double number = 0.0;
   const auto [end, error] = std::from_chars(value.data(), value.data() + value.size(), number);
-  if (error != std::errc{} || end != value.data() + value.size()) {
-    throw std::invalid_argument(fmt::format("{}: expected a number, found '{}'", key, value));
-  }
-  return number;
-}
-
-double from_0_to_1(const std::string& key, const std::string& value) {
-  const double number = number_of(key, value);
-  if (number >= 0.0 && number <= 1.0) return number;
+  const bool is_number = error == std::errc{} && end == value.data() + value.size();
+  if (is_number && number >= 0.0 && number <= 1.0) return number;
   throw std::invalid_argument(
-      fmt::format("{}: expected a number from 0 to 1, found '{}'", key, value));
+      fmt::format("{} must be a number from 0 to 1, found {}", key,
+                  is_number ? value : fmt::format("'{}'", study::shown(value))));
 }
 
 /// A string in TOML quotes, because the shape 'true' is not a boolean.
 std::string in_quotes(const std::string& key, const std::string& value) {
   if (value.find_first_of("'\n") == std::string::npos) return "'" + value + "'";
   throw std::invalid_argument(
-      fmt::format("{}: expected a name, found {}", key, study::shown(value)));
+      fmt::format("{} must be a name, found '{}'", key, study::shown(value)));
 }
 
 }  // namespace
@@ -96,6 +90,16 @@ Row Rows::at(std::int64_t number) const {
   for (const auto& [key, value] : said) text += key + "=" + value + "\n";
   row.key = files::sha256(text).substr(0, 16);
   return row;
+}
+
+std::vector<std::string> keys_of_conditions() {
+  std::vector<std::string> keys = {"elasticity", "friction",  "shape",
+                                   "response",   "detection", "iterations"};
+  for (const scene::ScenarioKey& key : scene::scenario_keys()) {
+    const bool in_a_list = key.key.find('[') != std::string::npos;
+    if (key.kind != "table" && !in_a_list) keys.push_back(key.key);
+  }
+  return keys;
 }
 
 scene::Condition condition_of(const std::vector<std::string>& keys,

@@ -42,6 +42,9 @@ class Rows {
   std::int64_t size_ = 0;
 };
 
+/// The keys that condition_of() knows.
+std::vector<std::string> keys_of_conditions();
+
 /// The condition of a row: elasticity, friction, shape, response, detection and iterations by these
 /// names, and every other value by its scenario key.
 ///

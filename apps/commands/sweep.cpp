@@ -26,12 +26,7 @@ struct PlanSweepOptions {
 void plan_sweep(const PlanSweepOptions& options) {
   watch_stop_signals();
   const sweep::SweepFolder at{*options.output};
-  std::int64_t rows = 0;
-  try {
-    rows = sweep::plan(options.design, at, [] { check_stop(); });
-  } catch (const std::invalid_argument& error) {
-    throw UsageError(error.what());
-  }
+  const std::int64_t rows = sweep::plan(options.design, at, [] { check_stop(); });
   nlohmann::ordered_json result = {{"output", *options.output}, {"planned", rows}};
   double each = 0.0;
   if (options.estimate) {
@@ -80,6 +75,7 @@ void merge(const MergeOptions& options) {
   files::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
   file.write(sweep.columns.data(), sweep.columns.size());
   SweepProgress progress{.rows = sweep.rows.size()};
+  std::int64_t first_missing = 0;  // from 1
   Progress bar("pieces", sweep.pieces.size());
   std::vector<std::string> lines;
   for (std::int64_t i = 0; i < sweep.pieces.size(); ++i) {
@@ -87,21 +83,22 @@ void merge(const MergeOptions& options) {
     bar.show(i);
     const sweep::Piece piece = sweep.pieces.at(i);
     const auto end = sweep::piece_of(sweep, piece, &lines);
-    if (!end || end->rows < piece.rows) {
-      if (!options.partial) {
-        throw std::runtime_error(
-            fmt::format("{}: rows {} to {} are not done; `headpin sweep run {}` goes on, --partial "
-                        "merges those that are there",
-                        options.sweep, piece.first + (end ? end->rows : 0) + 1,
-                        piece.first + piece.rows, options.sweep));
-      }
-      if (!end) continue;
-    }
-    progress.done += end->rows;
-    progress.failed += end->failed;
+    const std::int64_t done = end ? end->rows : 0;
+    if (done < piece.rows && first_missing == 0) first_missing = piece.first + done + 1;
+    progress.done += done;
+    progress.failed += end ? end->failed : 0;
+    if (!end || (first_missing > 0 && !options.partial)) continue;
     std::string text;
     for (const std::string& line : lines) text += line;
     file.write(text.data(), text.size());
+  }
+  if (first_missing > 0 && !options.partial) {
+    const std::int64_t missing = progress.rows - progress.done;
+    throw std::runtime_error(fmt::format(
+        "{}: {} of {} rows {} not done, the first is row {}; `headpin sweep run {}` goes on, "
+        "--partial merges those that are there",
+        options.sweep, missing, progress.rows, missing == 1 ? "is" : "are", first_missing,
+        options.sweep));
   }
   file.commit();
   if (options.json) {

@@ -62,6 +62,14 @@ void pass_on_materials(const std::vector<std::string>& assignments, Scenario& sc
           [](Scenario& s, double value) { set_friction(s, value); });
 }
 
+void set_under(const Condition& condition, const std::string& assignment, Scenario& scenario) {
+  if (condition.where.empty()) {
+    set(scenario, assignment);
+  } else {
+    set(scenario, assignment, condition.where);
+  }
+}
+
 /// Versions have their own materials, shape and perhaps detection. Values for the scenario go to
 /// each version; values for one version stay with it.
 void pass_on_to_versions(const Condition& condition, Scenario& scenario) {
@@ -79,7 +87,7 @@ void pass_on_to_versions(const Condition& condition, Scenario& scenario) {
     detection |= is_of(assignment, "detection");
     iterations |= is_of(assignment, "iterations");
     if (!is_of(assignment, "shape")) continue;
-    set(scenario, assignment);
+    set_under(condition, assignment, scenario);
     set_shape(scenario, scenario.collision.shape);
   }
   for (Version* version : {&scenario.version.red, &scenario.version.blue}) {
@@ -88,7 +96,7 @@ void pass_on_to_versions(const Condition& condition, Scenario& scenario) {
   }
   pass_on_materials(condition.set, scenario);
   for (const std::string& assignment : condition.set) {
-    if (is_in(key_of(assignment), "version")) set(scenario, assignment);
+    if (is_in(key_of(assignment), "version")) set_under(condition, assignment, scenario);
   }
 }
 
@@ -105,7 +113,7 @@ void apply(const Condition& condition, Scenario& scenario) {
   for (const render::Look& look : render::looks()) {
     if (condition.look == look.name) scenario.look = look.quality;
   }
-  for (const std::string& assignment : condition.set) set(scenario, assignment);
+  for (const std::string& assignment : condition.set) set_under(condition, assignment, scenario);
   pass_on_to_versions(condition, scenario);
 }
 

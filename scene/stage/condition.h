@@ -17,6 +17,7 @@ struct Condition {
   std::optional<bool> warm;
   std::optional<std::string> look;
   std::vector<std::string> set;  ///< any other keys: "KEY=VALUE"
+  std::string where = {};        ///< what messages about these begin with; empty: "--set KEY=VALUE"
 };
 
 /// Puts a scenario under the condition. Elasticity, friction and shape go to every version of the game

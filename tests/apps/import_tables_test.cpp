@@ -359,6 +359,10 @@ TEST_F(ImportTables, ExplainSaysWhatIsUnderstoodAndWritesItsColumns) {
   spit(folder_ / "other.csv", "a,b,c,d\n1,2,3,4\n2,3,4,5\n");
   EXPECT_THAT(headpin("import other.csv --explain").out,
               HasSubstr("no column of the time was found"));
+  spit(folder_ / "bad.toml", "time = 't'\nhead = HMD_*\n");
+  expect_refusal("import t.csv --columns bad.toml -o OUT.lcmlog", 1,
+                 "bad.toml:2: not TOML: column 8: 'HMD_*': could not determine value type; text "
+                 "needs quotes");
   spit(folder_ / "bad.toml", "time = 3\n");
   expect_refusal("import t.csv --columns bad.toml -o OUT.lcmlog", 1,
                  "bad.toml:1: time: expected a name in quotes");

@@ -144,7 +144,11 @@ TEST_F(SweepCommands, WhatIsMissingOrDamagedIsSaidAndMadeAgain) {
     EXPECT_TRUE(slurp(piece) == bad);
   }
   fs::remove(piece);
-  expect_refusal("sweep merge whole -o OUT.csv", 1, "rows 6 to 6 are not done");
+  expect_refusal("sweep merge whole -o OUT.csv", 1,
+                 "whole: 1 of 24 rows is not done, the first is row 6;");
+  plan("none");
+  expect_refusal("sweep merge none -o OUT.csv", 1,
+                 "none: 24 of 24 rows are not done, the first is row 1; `headpin sweep run none`");
   EXPECT_EQ(json("sweep merge whole -o part.csv --partial --json")["merged"], 23);
   EXPECT_THAT(headpin("sweep status whole").out, HasSubstr("23 of 24 rows are done"));
   EXPECT_EQ(json("sweep run whole --json")["simulated"], 1);
@@ -154,6 +158,9 @@ TEST_F(SweepCommands, WhatIsMissingOrDamagedIsSaidAndMadeAgain) {
   moved[moved.find("ellipsoid")] = 'E';
   std::ofstream(folder_ / "whole/rows.csv", std::ios::binary) << moved;
   expect_refusal("sweep run whole", 1, "rows.csv:2: expected");
+  std::ofstream(folder_ / "whole/rows.csv", std::ios::binary) << "key;" << rows;
+  expect_refusal("sweep run whole", 1,
+                 "rows.csv:1: expected 'key,trial,elasticity,friction,shape,ball...', as");
   std::ofstream(folder_ / "whole/rows.csv", std::ios::binary) << rows;
   std::ofstream(folder_ / "whole/trials/throw.lcmlog", std::ios::app) << "x";
   expect_refusal("sweep run whole", 1, "rows.csv:2: expected");
@@ -181,16 +188,24 @@ TEST_F(SweepCommands, WhatCannotBeIsRefusedBeforeAnythingIsMade) {
     write_design(text);
     expect_refusal("sweep plan sweep.toml -o OUT", code, says);
   };
-  refuses("[grid]\nfriction = [0, 2]\n", 2, "friction = 2 on throw.lcmlog: friction: expected");
-  refuses("[grid]\nshape = ['cube']\n", 2, "collision.shape");
-  refuses("[grid]\nball.colour = [1]\n", 2, "ball.colour");
-  refuses("[grid]\nball.mass = ['5\\nlane.width=3']\n", 2, "ball.mass");
-  refuses("[random]\nball.mass = {from = -1, to = 7}\n", 2, "ball.mass = -1");
-  refuses("[grid\n", 2, "sweep.toml:2: not TOML");
+  const std::string plan_says = "headpin sweep plan: sweep.toml:3: ";
+  refuses("[grid]\nfriction = [0, 2]\n", 1,
+          plan_says + "friction must be a number from 0 to 1, found 2\n");
+  refuses("[grid]\nfriction = ['none']\n", 1, "must be a number from 0 to 1, found 'none'\n");
+  refuses("[grid]\nfrition = [0, 1]\n", 1,
+          plan_says + "unknown key 'frition'; the nearest is friction\n");
+  refuses("[grid]\nshape = ['cube']\n", 1,
+          plan_says + "shape must be \"true\" or \"ellipsoid\", found 'cube'\n");
+  refuses("[grid]\nball.colour = [1]\n", 1,
+          plan_says + "unknown key 'ball.colour'; known here: home, mass, mesh, radius\n");
+  refuses("[grid]\nball.mass = ['5\\nlane.width=3']\n", 1, plan_says + "ball.mass must be");
+  refuses("[random]\nball.mass = {from = -1, to = 7}\n", 1,
+          plan_says + "ball.mass must be a number from 0.01 to 100, found -1\n");
+  refuses("[grid\n", 1, "sweep.toml:2: not TOML");
   std::ofstream(folder_ / "sweep.toml") << "trials = ['nothing.lcmlog']\n";
   expect_refusal("sweep plan sweep.toml -o OUT", 1, "nothing.lcmlog");
   std::ofstream(folder_ / "sweep.toml") << "trials = ['throw.lcmlog', './throw.lcmlog']\n";
-  expect_refusal("sweep plan sweep.toml -o OUT", 2, "trials of different names");
+  expect_refusal("sweep plan sweep.toml -o OUT", 1, "trials of different names");
   write_design("");
   plan("one");
   expect_refusal("sweep plan sweep.toml -o one", 1, "a sweep is there already");

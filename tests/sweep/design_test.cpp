@@ -98,7 +98,8 @@ TEST(SweepDesign, WhatCannotBeIsRefusedWithFileAndLine) {
   refuses("trials = []", "s.toml:1: trials must be a list of files, found []");
   refuses("trials = 'a'", "s.toml:1: trials must be");
   refuses("trials = [3]", "s.toml:1: trials must be");
-  refuses(begin + "grids = 3", "s.toml:2: unknown key 'grids'; known here: trials, grid, random");
+  refuses(begin + "grids = 3", "s.toml:2: unknown key 'grids'; the nearest is grid");
+  refuses(begin + "colour = 3", "s.toml:2: unknown key 'colour'; known here: grid, random, trials");
   refuses(begin + "grid = 3", "s.toml:2: grid must be a table");
   refuses(begin + "[grid]\nfriction = 3", "s.toml:3: friction must be a list of values or {from");
   refuses(begin + "[grid]\nfriction = []", "s.toml:3: friction must be");
@@ -108,18 +109,23 @@ TEST(SweepDesign, WhatCannotBeIsRefusedWithFileAndLine) {
   refuses(begin + "[grid]\nfriction = {from = 1, to = 0, steps = 3}", "friction.to must be above");
   refuses(begin + "[grid]\nfriction = {from = 0, to = inf, steps = 3}", "a finite number");
   refuses(begin + "[grid]\nfriction = {from = 0, to = 1, step = 3}", "unknown key 'friction.step'");
+  refuses(begin + "[grid]\nfriction = {from = 0, too = 1, steps = 3}",
+          "s.toml:3: unknown key 'friction.too'; known here: from, to, steps");
+  refuses(begin + "[grid]\nfriction = {from = 0, steps = 3}",
+          "s.toml:3: friction.to must be a finite number, found {from = 0, steps = 3}");
   refuses(begin + "[random]\nmethod = 'sobol'\nball.mass = {from = 4, to = 8}",
           "s.toml:3: method must be 'latin-hypercube' or 'uniform'");
   refuses(begin + "[random]\ndraws = 0\nball.mass = {from = 4, to = 8}", "s.toml:3: draws must be");
   refuses(begin + "[random]\ndraws = 3\n", "random must be a table with ranges");
   refuses(begin + "[random]\nball.mass = [4, 8]", "s.toml:3: ball.mass must be a range");
   refuses(begin + "[grid]\nball.mass = [4]\n[random]\nball.mass = {from = 4, to = 8}",
-          "found 'ball.mass' twice");
+          "s.toml:5: expected each key once, found 'ball.mass' twice");
   refuses(begin +
               "[grid]\na = {from = 0, to = 1, steps = 100000}\nb = {from = 0, to = 1, steps = "
               "100000}\nc = {from = 0, to = 1, steps = 100000}",
           "at most 10000000 rows");
-  refuses(begin + "[grid", "s.toml:2: not TOML");
+  refuses(begin + "[grid",
+          "s.toml:2: not TOML: column 6: '[grid': the text ends within the table header");
   refuses(begin + std::string(100'000, '['), "s.toml");
 }
 
