@@ -14,7 +14,6 @@
 #include "files/input_file.h"
 #include "scene/scenario/nearest.h"
 #include "scene/scenario/toml_reading.h"
-#include "scene/scenario/toml_text.h"
 
 namespace headpin::apps {
 namespace {

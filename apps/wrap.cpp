@@ -65,4 +65,14 @@ std::size_t terminal_width() {
   return size.ws_col < kNarrowest ? 0 : size.ws_col;
 }
 
+std::string in_a_line(const std::string& toml) {
+  constexpr std::size_t kMost = 40;
+  std::string line;
+  for (const char c : toml) {
+    if (c != '\n') line += c;
+  }
+  if (line.size() > kMost) line = line.substr(0, kMost) + "...";
+  return line.empty() ? "-" : line;
+}
+
 }  // namespace headpin::apps

@@ -17,4 +17,7 @@ std::string wrapped(std::string_view text, std::size_t width);
 /// where the terminal is too narrow for two columns.
 std::size_t terminal_width();
 
+/// A value of a scenario in TOML on one line, cut after 40 characters; - for nothing.
+std::string in_a_line(const std::string& toml);
+
 }  // namespace headpin::apps

@@ -14,6 +14,7 @@
 #include "apps/options.h"
 #include "apps/recorded_world.h"
 #include "apps/streams.h"
+#include "apps/wrap.h"
 #include "devices/trial/file.h"
 #include "scene/play/game_hash.h"
 #include "scene/play/score.h"
@@ -158,17 +159,6 @@ std::vector<ComparedRow> compared_conditions(const nlohmann::json& a, const nloh
     add(name + " ", version(a), version(b));
   }
   return rows;
-}
-
-/// A value of a scenario, short enough for a row.
-std::string in_a_line(const std::string& toml) {
-  constexpr std::size_t kMost = 40;
-  std::string line;
-  for (const char c : toml) {
-    if (c != '\n') line += c;
-  }
-  if (line.size() > kMost) line = line.substr(0, kMost) + "...";
-  return line.empty() ? "-" : line;
 }
 
 /// Whether a key of the scenario is already in the rows of compared_conditions or of the response.

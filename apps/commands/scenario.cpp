@@ -12,6 +12,7 @@
 #include "apps/command.h"
 #include "apps/options.h"
 #include "apps/streams.h"
+#include "apps/wrap.h"
 #include "files/output_file.h"
 #include "render/image.h"
 #include "scene/looks/scenario_picture.h"
@@ -101,12 +102,6 @@ void make_new(const ScenarioOptions& options) {
   fmt::print("{}: all keys of {}\n", *options.output, options.from);
 }
 
-/// A value of TOML on one line.
-std::string on_a_line(std::string toml) {
-  std::erase(toml, '\n');
-  return toml.empty() ? "-" : toml;
-}
-
 void tell_differences(const ScenarioOptions& options) {
   const std::vector<scene::KeyDifference> all = scene::differences(
       scene::load_scenario(options.scenario), scene::load_scenario(options.other));
@@ -117,7 +112,7 @@ void tell_differences(const ScenarioOptions& options) {
   }
   if (all.empty()) fmt::print("the same values\n");
   for (const scene::KeyDifference& one : all) {
-    fmt::print("{:<28}{}  ->  {}\n", one.key, on_a_line(one.a), on_a_line(one.b));
+    fmt::print("{:<28}{}  ->  {}\n", one.key, in_a_line(one.a), in_a_line(one.b));
   }
 }
 

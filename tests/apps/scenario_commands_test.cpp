@@ -1,8 +1,11 @@
 // Scenarios as the commands meet them: from a file, and inside a trial.
 
+#include <set>
+
 #include <fmt/format.h>
 
 #include "devices/trial/log.h"
+#include "render/image.h"
 #include "scene/scenario/scenario.h"
 #include "scene/stage/read_scenario.h"
 #include "tests/apps/command_line.h"
@@ -49,8 +52,54 @@ TEST_F(ScenarioCommands, ThoseThatComeAlongAreListedShownAndChecked) {
   EXPECT_THAT(headpin("scenario check german-ninepins").out, HasSubstr("9 skittles of "));
   write("bad.toml", "name = 'bad'\n[ball]\nmas = 5\n");
   expect_refusal("scenario check bad.toml", 1, "bad.toml:3: unknown key 'ball.mas'");
-  expect_refusal("scenario check", 2, "expected a name or file");
-  expect_refusal("scenario list paper-room", 2, "expected no further argument");
+  expect_refusal("scenario check", 2, "expected headpin scenario check SCENARIO");
+  expect_refusal("scenario list paper-room", 2, "expected headpin scenario list");
+}
+
+TEST_F(ScenarioCommands, ANewOneHasAllKeysOfAnotherAndItsOwnName) {
+  const Result made = headpin("scenario new --from german-ninepins -o mine.toml");
+  EXPECT_EQ(made.code, 0) << made.err;
+  const nlohmann::json same = json("scenario diff german-ninepins mine.toml --json");
+  ASSERT_EQ(same["scenario_differences"].size(), 1u);
+  EXPECT_EQ(same["scenario_differences"][0]["key"], "name");
+  EXPECT_THAT(slurp(folder_ / "mine.toml"), HasSubstr("name = 'mine'"));
+  expect_refusal("scenario new --from paper-room -o mine.toml", 1, "--force replaces it");
+  expect_refusal("scenario new --from paper-room -o mine.png", 2, "ends in .toml, found mine.png");
+  expect_refusal("scenario new paper-room -o other.toml", 2, "--from SCENARIO -o FILE.toml");
+  expect_refusal("scenario new --from mine.toml -o mine.toml --force", 1, "is an input");
+  EXPECT_EQ(headpin("scenario new --from paper-room -o mine.toml --force").code, 0);
+  write("heavy.toml", "[ball]\nmass = 7.5\n");
+  EXPECT_THAT(headpin("scenario diff paper-room heavy.toml").out,
+              testing::ContainsRegex("ball.mass +[0-9.]+  ->  7.5\n"));
+  EXPECT_EQ(headpin("scenario diff mine.toml mine.toml").out, "the same values\n");
+  expect_refusal("scenario diff paper-room", 2, "scenario diff SCENARIO OTHER");
+}
+
+TEST_F(ScenarioCommands, ADrawingShowsTheRoomFromFourSides) {
+  ASSERT_EQ(headpin("scenario draw paper-room -o room.png").code, 0);
+  const render::Image all = render::read_png(folder_ / "room.png");
+  EXPECT_EQ(all.width, 1440);
+  const auto quarter = [&](int row, int column) {
+    render::Image part{all.width / 2, all.height / 2, {}};
+    for (int y = row * part.height; y < (row + 1) * part.height; ++y) {
+      const auto begin = all.rgb.begin() + 3 * (y * all.width + column * part.width);
+      part.rgb.insert(part.rgb.end(), begin, begin + 3 * part.width);
+    }
+    return part;
+  };
+  std::set<std::uint64_t> different;
+  for (const int row : {0, 1}) {
+    for (const int column : {0, 1}) {
+      const render::Image part = quarter(row, column);
+      different.insert(render::pixel_hash(part));
+      const std::set<std::uint8_t> shades(part.rgb.begin(), part.rgb.end());
+      EXPECT_GT(shades.size(), 100u) << row << column;
+    }
+  }
+  EXPECT_EQ(different.size(), 4u);
+  expect_refusal("scenario draw paper-room", 2, "scenario draw SCENARIO -o FILE.png");
+  expect_refusal("scenario draw paper-room -o room.png", 1, "--force replaces it");
+  expect_refusal("scenario check paper-room --gl osmesa", 2, "scenario check SCENARIO");
 }
 
 TEST_F(ScenarioCommands, AGameOfTwoVersionsIsScoredReplayedAndVerified) {

@@ -53,7 +53,7 @@ TEST_F(LcmUrlTest, AddressAndPortOfMulticastMayBeLeftOut) {
 
 TEST_F(LcmUrlTest, WhatIsNoUrlOfLcmIsRefused) {
   for (const char* url : {"foo", "http://foo", "://", "?ttl=0", "udpm:239.255.76.67:7667",
-                          "UDPM://", " udpm://", "udpm", "/tmp/a?b://c"}) {
+                          "UDPM://", " udpm://", "udpm", "/a?b://c"}) {
     expect_refused(url, kNoUrl);
   }
   expect_refused("mpudpm://239.255.76.67:7667",

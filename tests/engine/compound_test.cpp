@@ -1,5 +1,7 @@
 #include "engine/compound.h"
 
+#include <numbers>
+
 #include <gtest/gtest.h>
 
 #include "tests/support/random_shapes.h"
@@ -119,6 +121,53 @@ TEST(MassProperties, AgreeWithCountedPoints) {
     EXPECT_NEAR(m.mass, each * hits, 0.013 * m.mass) << kind(c.parts[0].shape);
     EXPECT_LT((m.centre - first / hits).norm(), 0.01 * r) << kind(c.parts[0].shape);
     EXPECT_LT((m.inertia - inertia).norm(), 0.03 * m.inertia.norm()) << kind(c.parts[0].shape);
+  }
+}
+
+TEST(MassProperties, OfPartsThatDoNotOverlapAreExact) {
+  const double r = 0.1, apart = 0.3, density = 700.0;
+  const Compound c =
+      make_compound({{Ellipsoid{Vec3::Constant(r)}, {Quat::Identity(), {-apart, 0, 0}}},
+                     {Ellipsoid{Vec3::Constant(r)}, {Quat::Identity(), {apart, 0, 0}}}});
+  const MassProperties m = mass_properties(c, density);
+  const double ball = density * 4.0 / 3.0 * std::numbers::pi * r * r * r;
+  EXPECT_NEAR(m.mass, 2.0 * ball, 1e-12 * ball);
+  EXPECT_NEAR(m.inertia(0, 0), 2.0 * 0.4 * ball * r * r, 1e-12 * ball);
+  EXPECT_NEAR(m.inertia(1, 1), 2.0 * ball * (0.4 * r * r + apart * apart), 1e-12 * ball);
+}
+
+// The same cone twice is one cone. It lies beside the axis, so that it is cut into rods along its own.
+TEST(MassProperties, OfACutIntoRodsAreThoseOfTheWhole) {
+  for (const Quat& q : {Quat::Identity(), Quat(0.0, 1.0, 0.0, 0.0)}) {
+    const Part cone{Cone{0.2, 0.5}, {q, {0.3, 0, 0}}};
+    const MassProperties one = mass_properties(make_compound({cone}), 1.0);
+    const MassProperties twice = mass_properties(make_compound({cone, cone}), 1.0);
+    EXPECT_NEAR(one.mass, std::numbers::pi * 0.04 * 0.5 / 3.0, 1e-12);
+    EXPECT_NEAR(twice.mass, one.mass, 1e-3 * one.mass);
+    EXPECT_LT((twice.centre - one.centre).norm(), 1e-3);
+  }
+}
+
+TEST(MakeCompound, RefusesAPartThatCannotBe) {
+  const auto refused = [](const Shape& shape) {
+    try {
+      make_compound({{Ellipsoid{Vec3::Ones()}, {}}, {shape, {}}});
+    } catch (const std::invalid_argument&) {
+      return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(refused(Cylinder{0.1, 0.2}));
+  EXPECT_TRUE(refused(Cylinder{-0.1, 0.2}));
+  EXPECT_TRUE(refused(Ellipsoid{{0.1, 0.0, 0.1}}));
+}
+
+// A box whose edges are along the axes needs no other axes.
+TEST(AboutCentre, LeavesAxesAloneThatArePrincipalOnes) {
+  for (const Vec3& half : {Vec3(0.1, 0.2, 0.3), Vec3(0.3, 0.2, 0.1), Vec3(0.2, 0.3, 0.1)}) {
+    const Compound c = make_compound({{test::box(half), {}}});
+    EXPECT_EQ(about_centre(c, mass_properties(c, 500.0)).X_BC.q.coeffs(),
+              Quat::Identity().coeffs());
   }
 }
 

@@ -184,5 +184,47 @@ TEST(ARoundBody, StandsOnTheSamePointsAtEveryYaw) {
   }
 }
 
+// A search adds to what others found, and counts its own points alone.
+TEST(FindContacts, CountsThePointsThatItAdds) {
+  const Shape ball = Ellipsoid{Vec3::Constant(0.1)};
+  const Pose low{Quat::Identity(), {0, 0, 0.09}};
+  KeptNormal n;
+  QueryCounts counts;
+  std::vector<ContactPoint> out(3);
+  EXPECT_EQ(find_contacts(HalfSpace{}, {}, ball, low, 0.0, n, {}, counts, out), 1);
+  EXPECT_EQ(find_contacts(ball, low, HalfSpace{}, {}, 0.0, n, {}, counts, out), 1);
+  const Compound floor = make_compound({{HalfSpace{}, {}}}), body = make_compound({{ball, {}}});
+  EXPECT_EQ(find_contacts(floor, {}, body, low, 0.0, {}, {}, counts, out), 1);
+  EXPECT_EQ(find_contacts(body, low, floor, {}, 0.0, {}, {}, counts, out), 1);
+  EXPECT_EQ(out.size(), 7u);
+}
+
+// A search that knows the last normals finds what one without them finds, also of parts that are
+// turned in their body.
+TEST(FindContacts, OfTurnedPartsFindTheSameFromTheLastNormals) {
+  Random random(21);
+  const Compound ball = make_compound({{Ellipsoid{Vec3::Constant(0.1)}, {}}});
+  const Quat lying(std::sqrt(0.5), std::sqrt(0.5), 0.0, 0.0);
+  const Compound log = make_compound({{Cylinder{0.05, 0.5}, {lying, {0.0, 0.0, 0.0}}}});
+  for (const bool turned_first : {true, false}) {
+    const Compound &a = turned_first ? log : ball, &b = turned_first ? ball : log;
+    std::vector<KeptNormal> kept(kept_normals(a, b));
+    int met = 0;
+    for (int i = 0; i <= 200; ++i) {  // over the log, from end to end, and into it
+      const Pose X_WB{Quat::Identity(), {0.0, 0.009 * (i - 100), 0.145 + 0.02 * std::sin(0.2 * i)}};
+      std::vector<KeptNormal> none(kept_normals(a, b));
+      std::vector<ContactPoint> warm, cold;
+      QueryCounts counts;
+      const int found = find_contacts(a, {}, b, X_WB, 0.0, kept, {}, counts, warm);
+      ASSERT_EQ(found, find_contacts(a, {}, b, X_WB, 0.0, none, {}, counts, cold)) << i;
+      if (found == 0) continue;
+      ++met;
+      EXPECT_NEAR(warm[0].depth, cold[0].depth, 1e-9) << i;
+    }
+    EXPECT_GT(met, 30);
+    EXPECT_LT(met, 170);
+  }
+}
+
 }  // namespace
 }  // namespace headpin::engine

@@ -369,5 +369,19 @@ TEST(AHalfSpace, IsMetByWhateverReachesBelowIt) {
   EXPECT_THROW(query(HalfSpace{}, HalfSpace{}, {}), std::invalid_argument);
 }
 
+// A floor is met in closed form, whichever of the two it is, so no cap is ever reached.
+TEST(ClosestPoints, OfAFloorAreNeverCapped) {
+  const Shape floor = HalfSpace{}, ball = Ellipsoid{{0.1, 0.2, 0.3}};
+  KeptNormal kept;
+  Query query;
+  query.mode = Query::Mode::paper;
+  query.cap = 5;
+  const Pose up{Quat::Identity(), {0, 0, 0.25}}, down{Quat::Identity(), {0, 0, -0.25}};
+  EXPECT_FALSE(closest_points(floor, ball, up, kept, query).capped);
+  EXPECT_FALSE(closest_points(ball, floor, down, kept, query).capped);
+  EXPECT_NEAR(closest_points(floor, ball, up, kept, query).distance, -0.05, 1e-12);
+  EXPECT_NEAR(closest_points(ball, floor, down, kept, query).distance, -0.05, 1e-12);
+}
+
 }  // namespace
 }  // namespace headpin::engine

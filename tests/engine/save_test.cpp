@@ -255,6 +255,29 @@ TEST(SavedWorld, IsRefusedByAWorldOfOtherBodiesOrParameters) {
   World rougher = at.scene.bowling.world;
   rougher.bodies[at.scene.bowling.lane].material.friction = 0.1;
   EXPECT_EQ(refusal(rougher, at.bytes), other);
+  World coulombs = at.scene.bowling.world;
+  coulombs.parameters.response = "coulomb";
+  EXPECT_EQ(refusal(coulombs, at.bytes), other);
+}
+
+TEST(SavedWorld, HasTheTouchesOfTheStepBefore) {
+  const Bowling made = bowling({});
+  Bowling b = made;
+  int met = 0;
+  for (int tick = 0; tick < 480; ++tick) {
+    run(b.world, 1.0 / 240.0);
+    const World restored = restore(made.world, save(b.world));
+    const std::vector<PastTouch>& was = b.world.memory.touches;
+    ASSERT_EQ(restored.memory.touches.size(), was.size());
+    for (std::size_t i = 0; i < was.size(); ++i) {
+      const PastTouch& is = restored.memory.touches[i];
+      met += was[i].met;
+      ASSERT_EQ(is.key, was[i].key) << tick;
+      ASSERT_EQ(is.met, was[i].met) << tick;
+      ASSERT_EQ(is.struck, was[i].struck) << tick;
+    }
+  }
+  EXPECT_GT(met, 10);
 }
 
 }  // namespace

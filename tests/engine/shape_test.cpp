@@ -104,6 +104,8 @@ TEST(Polyhedron, IsRefusedWithTheReason) {
   EXPECT_EQ(refusal(v, good), "");
   EXPECT_THAT(refusal(v, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}}), HasSubstr("3 faces"));
   EXPECT_THAT(refusal(v, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 1}}), HasSubstr("not closed"));
+  EXPECT_THAT(refusal(v, {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}, {0, 2, 3}}),
+              HasSubstr("belongs to 3 faces"));
   EXPECT_THAT(refusal(v, {{0, 1, 2}, {0, 1, 3}, {1, 2, 3}, {0, 3, 2}}), HasSubstr("turned over"));
   EXPECT_THAT(refusal(v, {{0, 1, 2}, {0, 3, 1}, {1, 3, 2}, {0, 2, 3}}), HasSubstr("inside out"));
   EXPECT_THAT(refusal(v, {{0, 2, 1}, {0, 1, 3}, {1, 2, 4}, {0, 3, 2}}), HasSubstr("vertex 4 of 4"));

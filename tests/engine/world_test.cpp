@@ -1,5 +1,7 @@
 #include "engine/world.h"
 
+#include <array>
+#include <cstring>
 #include <limits>
 
 #include <gmock/gmock.h>
@@ -115,6 +117,47 @@ TEST(StateHash, ChangesWithEveryPartOfTheState) {
   EXPECT_NE(changed([](World& w) { w.states[5].v_WB.y() = -0.0; }), hash);
   EXPECT_NE(changed([](World& w) { w.states[5].w_WB.z() = 1e-9; }), hash);
   EXPECT_NE(changed([](World& w) { w.asleep[7] = 1; }), hash);
+}
+
+// FNV-1a over tick, poses, velocities and sleep of each body, lowest byte first, as
+// docs/hash-and-ledger.md says.
+TEST(StateHash, IsFnv1aOfTheBytesOfTheState) {
+  World world = make_world({});
+  State s;
+  s.X_WB = {Quat(0.5, 0.5, -0.5, 0.5), Vec3(1.0, -2.0, 3.5)};
+  s.v_WB = Vec3(0.25, -0.0, 7.0);
+  s.w_WB = Vec3(1e-9, 2.0, -3.0);
+  add_body(world, ball_body({}), s);
+  world.tick = 77;
+  std::uint64_t hash = 0xcbf29ce484222325;
+  const auto add = [&](const void* number) {
+    std::array<unsigned char, 8> bytes{};
+    std::memcpy(bytes.data(), number, bytes.size());
+    for (const unsigned char byte : bytes) hash = (hash ^ byte) * 0x100000001b3;
+  };
+  const std::int64_t tick = 77, asleep = 0;
+  add(&tick);
+  for (const double x : {1.0, -2.0, 3.5, 0.5, -0.5, 0.5, 0.5, 0.25, -0.0, 7.0, 1e-9, 2.0, -3.0}) {
+    add(&x);
+  }
+  add(&asleep);
+  EXPECT_EQ(state_hash(world), hash);
+}
+
+// Also where two balls touch in one point at the ends of their bounds.
+TEST(Sleeper, FallsWhenTheBallBelowItIsTakenAway) {
+  World world = make_world({});
+  Body lower = ball_body({});
+  lower.kind = Kind::driven;
+  State s;
+  const BodyId below = add_body(world, lower, s);
+  s.X_WB.p.z() = 2.0 * kBallRadius;
+  const BodyId above = add_body(world, ball_body({}), s);
+  run(world, 2.0);
+  ASSERT_TRUE(is_asleep(world, above));
+  s.X_WB.p = Vec3(1.0, 0.0, 0.0);
+  set_state(world, below, s);
+  EXPECT_FALSE(is_asleep(world, above));
 }
 
 TEST(Sleeper, StandsOnAnythingUntilItIsReallyTouched) {

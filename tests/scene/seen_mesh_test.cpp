@@ -123,7 +123,7 @@ TEST(PolyhedronPart, ThatIsNoneIsRefusedWithItsPlace) {
     return complaint([&] { parse_scenario(text, where); });
   };
   EXPECT_THAT(refusal(hull_scenario()), HasSubstr("lane.toml:2: skittle.parts: "));
-  EXPECT_THAT(refusal(hull_scenario()), HasSubstr("hull.obj: cannot be read"));
+  EXPECT_THAT(refusal(hull_scenario()), HasSubstr("hull.obj: cannot open"));
   std::filesystem::copy_file(kMeshes / "skittle.obj", folder / "hull.obj");  // with a neck
   EXPECT_THAT(refusal(hull_scenario()), HasSubstr("hull.obj: polyhedron: "));
   std::filesystem::remove(folder / "hull.obj");
@@ -190,7 +190,7 @@ TEST(SeenMesh, OfATrialIsFoundAgainByItsHash) {
   std::filesystem::remove(pin);
   EXPECT_EQ(again().file, pin.string());  // and whoever wants to see it is told
   EXPECT_THAT(complaint([&] { seen_mesh(again(), Vec3::Ones(), 0.5); }),
-              HasSubstr("pin.obj: cannot be read: No such file"));
+              HasSubstr("pin.obj: cannot open: No such file"));
   std::filesystem::remove(beside);
   std::filesystem::copy_file(kMeshes / "skittle.obj", beside);
   EXPECT_EQ(again().file, beside.string());
@@ -213,7 +213,7 @@ TEST(SeenMesh, SetAnewHasAnotherHash) {
   set(scenario, fmt::format("skittle.mesh.file={}", (folder / "other.obj").string()));
   EXPECT_NE(scenario.skittle.mesh.sha256, first);
   EXPECT_THAT(complaint([&] { set(scenario, "skittle.mesh.file=/nowhere/x.obj"); }),
-              HasSubstr("skittle.mesh: /nowhere/x.obj: cannot be read"));
+              HasSubstr("skittle.mesh: /nowhere/x.obj: cannot open"));
 }
 
 TEST(SeenMesh, AGivenHashIsCheckedBeforeAndAfterItsFile) {

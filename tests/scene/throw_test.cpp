@@ -341,7 +341,7 @@ TEST_P(ThrowTest, RefusesAFileTooShortForAThrow) {
   const auto first = [&](std::size_t samples) {
     return complaint([&](Csv& csv) { csv.rows.resize(samples); });
   };
-  EXPECT_THAT(first(0), HasSubstr("expected a table"));
+  EXPECT_THAT(first(0), HasSubstr("has column names but no rows; expected at least 100 samples"));
   EXPECT_THAT(first(1), HasSubstr("1 samples"));
   EXPECT_THAT(first(99), HasSubstr("99 samples"));
   for (const std::size_t samples : {std::size_t{150}, found.release - 30, found.release - 5,
