@@ -69,7 +69,7 @@ class LcmLink::LogWriter {
 /// A log that is played. Our own reader reads damaged logs safely.
 class LcmLink::LogPlayer {
  public:
-  explicit LogPlayer(const LcmUrl::Log& log)
+  explicit LogPlayer(const UrlOfLog& log)
       : file_(log.path), reader_(file_), next_(reader_.next()), speed_(log.speed) {
     if (!next_) throw std::runtime_error(log.path + ": not an LCM event log: no whole event");
     while (next_ && next_->time < log.begin) next_ = reader_.next();

@@ -20,22 +20,23 @@ struct MulticastGroup {
 /// What a URL is used for. A log is either read or written.
 enum class LcmUse { any, reading, publishing };
 
+/// The file of file://PATH, with the options mode, speed and start_timestamp.
+struct UrlOfLog {
+  std::string path;
+  bool written = false;
+  double speed = 1.0;  ///< 0: as fast as possible
+  Time begin = Time::min();
+};
+
+/// The server of tcpq://HOST:PORT.
+struct UrlOfServer {
+  std::string host = "127.0.0.1";
+  int port = 7700;
+};
+
 /// The URL of an LCM provider: udpm, file, memq or tcpq.
 class LcmUrl {
  public:
-  /// The file of file://PATH, with the options mode, speed and start_timestamp.
-  struct Log {
-    std::string path;
-    bool written = false;
-    double speed = 1.0;  ///< 0: as fast as possible
-    Time begin = Time::min();
-  };
-  /// The server of tcpq://HOST:PORT.
-  struct Server {
-    std::string host = "127.0.0.1";
-    int port = 7700;
-  };
-
   /// @param typed   empty: LCM_DEFAULT_URL, else multicast on 239.255.76.67:7667 that stays on the
   ///                host
   /// @param before  what stands before it for the user, such as "--lcm " or "lcm:"
@@ -49,8 +50,8 @@ class LcmUrl {
 
   /// One of these is there; none of them for memq.
   const std::optional<MulticastGroup>& group() const { return group_; }
-  const std::optional<Log>& log() const { return log_; }
-  const std::optional<Server>& server() const { return server_; }
+  const std::optional<UrlOfLog>& log() const { return log_; }
+  const std::optional<UrlOfServer>& server() const { return server_; }
 
   /// A hint for the most frequent problem of multicast; empty for other URLs.
   std::string_view hint() const { return group_ ? kMulticastHint : ""; }
@@ -75,8 +76,8 @@ class LcmUrl {
   bool of_environment_ = false;
   std::optional<MulticastGroup> group_;
   int ttl_ = 0, receive_buffer_ = 0;  // of multicast; a buffer of 0 is the system's
-  std::optional<Log> log_;
-  std::optional<Server> server_;
+  std::optional<UrlOfLog> log_;
+  std::optional<UrlOfServer> server_;
 };
 
 }  // namespace headpin::devices

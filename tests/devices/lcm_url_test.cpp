@@ -96,11 +96,11 @@ TEST_F(LcmUrlTest, AParameterThatMeansNothingIsRefused) {
 }
 
 TEST_F(LcmUrlTest, ALogIsReadOrWritten) {
-  const LcmUrl::Log plain = *LcmUrl("file://a,b.lcmlog").log();
+  const UrlOfLog plain = *LcmUrl("file://a,b.lcmlog").log();
   EXPECT_EQ(plain.path, "a,b.lcmlog");
   EXPECT_FALSE(plain.written);
   EXPECT_EQ(plain.speed, 1.0);
-  const LcmUrl::Log log = *LcmUrl("file:///a?mode=r&speed=0.5&start_timestamp=-7").log();
+  const UrlOfLog log = *LcmUrl("file:///a?mode=r&speed=0.5&start_timestamp=-7").log();
   EXPECT_EQ(log.path, "/a");
   EXPECT_EQ(log.speed, 0.5);
   EXPECT_EQ(log.begin, Time{-7});
