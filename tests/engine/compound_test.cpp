@@ -189,6 +189,7 @@ TEST(AboutCentre, LeavesTheAxisOfABodyOfRevolutionAlone) {
   EXPECT_TRUE(centred.revolution);
   EXPECT_EQ(centred.X_BC.q.coeffs(), Quat::Identity().coeffs());
   EXPECT_EQ(centred.inertia.x(), centred.inertia.y());
+  EXPECT_NEAR(centred.inertia.x(), mass_properties(centred.compound, 754.0).inertia(0, 0), 1e-9);
   EXPECT_LT(std::abs(mass_properties(centred.compound, 754.0).centre.z()), 1e-9);
 }
 

@@ -260,6 +260,26 @@ TEST(SavedWorld, IsRefusedByAWorldOfOtherBodiesOrParameters) {
   EXPECT_EQ(refusal(coulombs, at.bytes), other);
 }
 
+TEST(SavedWorld, IsRefusedByAWorldOfOtherShapes) {
+  const auto world_of = [](const Part& part) {
+    World world = make_world({});
+    Body body = ball_body({});
+    body.shape = make_compound({{Ellipsoid{Vec3::Constant(0.05)}, {}}, part});
+    add_body(world, body);
+    return world;
+  };
+  const Quat turned(std::sqrt(0.5), 0.0, std::sqrt(0.5), 0.0);
+  const Part cone{Cone{0.1, 0.2}, {}};
+  const std::vector<std::uint8_t> bytes = save(world_of(cone));
+  EXPECT_EQ(refusal(world_of(cone), bytes), "accepted");
+  for (const Part& other :
+       {Part{Cone{0.1, 0.21}, {}}, Part{Cone{0.11, 0.2}, {}}, Part{Cylinder{0.1, 0.2}, {}},
+        Part{Cone{0.1, 0.2}, {turned, Vec3::Zero()}},
+        Part{Cone{0.1, 0.2}, {Quat::Identity(), {0.0, 0.0, 0.01}}}}) {
+    EXPECT_NE(refusal(world_of(other), bytes), "accepted");
+  }
+}
+
 TEST(SavedWorld, HasTheTouchesOfTheStepBefore) {
   const Bowling made = bowling({});
   Bowling b = made;

@@ -126,6 +126,19 @@ TEST(Polyhedron, IsRefusedWithTheReason) {
   dent = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 0.1}, {0, 0, 1}};
   EXPECT_THAT(refusal(dent, {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}),
               HasSubstr("not flat"));
+  // The tolerance is in proportion to the size.
+  for (const double size : {1e-3, 1e3}) {
+    std::vector<Vec3> small = {{1, 0, 0}, {0, 1, 0}, {-1, 0, 0}, {0, -1, 1e-4}, {0, 0, 1}};
+    for (Vec3& p : small) p *= size;
+    EXPECT_THAT(refusal(small, {{0, 3, 2, 1}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}),
+                HasSubstr("not flat"))
+        << size;
+  }
+  // The base is an arrowhead.
+  const std::vector<Vec3> arrow = {
+      {-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {0.3, -0.3, 0}, {0.5, -0.5, 1}};
+  EXPECT_THAT(refusal(arrow, {{3, 2, 1, 0}, {0, 1, 4}, {1, 2, 4}, {2, 3, 4}, {3, 0, 4}}),
+              HasSubstr("turns inwards at vertex 3"));
 }
 
 // A climb over edges finds what a search over all corners finds.

@@ -176,6 +176,10 @@ TEST(Ledger, ChargesATurntableWithTheTurnThatItGives) {
     }
     EXPECT_GT(world.states[i].w_WB.z(), 1.0) << response;
     EXPECT_GT(world.ledger.hand.energy, balance(world).energy) << response;
+    // All forces but gravity are the hand's, so none of the momentum is the contacts' own.
+    EXPECT_LT(world.ledger.sustained.momentum.norm(), 1e-9) << response;
+    EXPECT_LT(world.ledger.sustained.angular_momentum.norm(), 1e-9) << response;
+    EXPECT_GT(world.ledger.hand.momentum.z(), 9.0) << response;  // 1 kg carried for 1 s
     expect_same(world.ledger.sum(), balance(world), 1e-9);
   }
 }
