@@ -11,6 +11,7 @@
 #include <toml++/toml.h>
 
 #include "apps/command.h"
+#include "devices/recordings/text_encoding.h"
 #include "files/input_file.h"
 #include "scene/scenario/nearest.h"
 #include "scene/scenario/toml_reading.h"
@@ -254,7 +255,7 @@ devices::MotionRecording read_declared(const std::string& file,
 devices::TableFindings look_declared(const std::string& file,
                                      const devices::MotionOptions& motion) {
   try {
-    return devices::look_at_table(files::read_text(file, 2'000'000'000), file, motion);
+    return devices::look_at_table(devices::read_as_utf8(file, 2'000'000'000), file, motion);
   } catch (const devices::WrongColumn& error) {
     refuse_column(error);
   }

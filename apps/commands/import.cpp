@@ -16,8 +16,8 @@
 #include "apps/streams.h"
 #include "devices/recordings/marker_file.h"
 #include "devices/recordings/motion_files.h"
+#include "devices/recordings/text_encoding.h"
 #include "devices/trial/log.h"
-#include "files/input_file.h"
 #include "scene/people/throw.h"
 #include "scene/play/events.h"
 #include "scene/stage/read_scenario.h"
@@ -53,7 +53,7 @@ scene::Side side_of(const ImportOptions& options, const devices::MotionRecording
 void take_events(const ImportOptions& options, devices::MotionRecording& recording) {
   if (options.no_trigger) recording.triggers = {};
   if (options.events.empty()) return;
-  const std::string text = files::read_text(options.events, 100'000'000);
+  const std::string text = devices::read_as_utf8(options.events, 100'000'000);
   std::vector<Stamped<bool>> markers;
   // Whether some grab and release are inside the recording, as far apart as those of a throw.
   const auto fits = [&] {

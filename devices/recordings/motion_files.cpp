@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "devices/recordings/any_table.h"
+#include "devices/recordings/text_encoding.h"
 #include "devices/recordings/text_table.h"
 #include "devices/trial/event_log.h"
 #include "files/input_file.h"
@@ -25,7 +26,7 @@ constexpr std::size_t kBeginning = 4096;      // bytes by which a format is know
 constexpr std::string_view kLcmLog = "\xed\xa1\xda\x01";
 
 std::string text_of(const std::string& path) {
-  return files::read_text(path, kMost);
+  return read_as_utf8(path, kMost);
 }
 
 /// The tracks of a part of the body, by the given name or by words in their names.
@@ -275,7 +276,7 @@ std::string beginning(const std::string& path) {
   if (fs::is_directory(path)) return "";
   FileWindow file(path);
   const std::span<const std::uint8_t> bytes = file.read(0, kBeginning);
-  return {bytes.begin(), bytes.end()};
+  return as_utf8({bytes.begin(), bytes.end()}).text;
 }
 
 /// Refuses a file of no known format, and says what it is or seems to be.

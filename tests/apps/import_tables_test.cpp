@@ -1,11 +1,14 @@
 // Tables of other programs' make, that `headpin import` makes trials of.
 
+#include <regex>
+
 #include <fmt/format.h>
 
 #include "devices/recordings/motion_files.h"
 #include "devices/trial/resample.h"
 #include "tests/apps/foreign_tables.h"
 #include "tests/apps/trial_commands.h"
+#include "tests/support/output_of.h"
 
 namespace headpin {
 namespace {
@@ -73,6 +76,28 @@ void ImportTables::expect_one_game() {
 
 TEST_F(ImportTables, OneThrowInAllOfThemIsOneGame) {
   expect_one_game();
+}
+
+// As spreadsheets write it: tabs, UTF-16, and names of the world.
+TEST_F(ImportTables, InUtf16IsTheSame) {
+  std::string plain = foreign_text(table("tabs_mark_and_line_ends"), even_, pressed_, released_);
+  plain.erase(0, 3);  // the mark of UTF-8
+  spit(folder_ / "utf8.txt", "# Gew\u00f6hnlich \U0001f3b3\n" + plain);
+  const nlohmann::json wanted = json("import utf8.txt -o utf8.lcmlog --json");
+  for (const auto& [name, mark] : {std::pair{"UTF-16LE", "\xff\xfe"}, {"UTF-16BE", "\xfe\xff"}}) {
+    const std::string convert =
+        fmt::format("iconv -f UTF-8 -t {} '{}'", name, (folder_ / "utf8.txt").string());
+    spit(folder_ / "wide.txt", mark + output_of(convert));
+    nlohmann::json found = json("import wide.txt -o wide.lcmlog --force --json");
+    EXPECT_EQ(found["release_speed_mps"], wanted["release_speed_mps"]) << name;
+    EXPECT_EQ(found["samples"], wanted["samples"]) << name;
+    EXPECT_EQ(
+        headpin("import wide.txt --explain").out,
+        std::regex_replace(headpin("import utf8.txt --explain").out, std::regex("utf8"), "wide"));
+    const std::string whole = slurp(folder_ / "wide.txt");
+    spit(folder_ / "cut.txt", whole.substr(0, whole.size() - 1));  // half a character
+    expect_refusal("import cut.txt -o cut.lcmlog", 1, "expected whole characters of UTF-16");
+  }
 }
 
 TEST_F(ImportTables, SoIsARealOne) {
