@@ -213,7 +213,8 @@ TEST(Png, NamesTheFileThatCannotBeWrittenOrRead) {
     write_png("/nowhere/image.png", noise(2, 2, 1));
     FAIL();
   } catch (const std::runtime_error& error) {
-    EXPECT_STREQ(error.what(), "/nowhere/image.png: cannot be created: there is no folder /nowhere");
+    EXPECT_STREQ(error.what(),
+                 "/nowhere/image.png: cannot be created: there is no folder /nowhere");
   }
   EXPECT_THROW(read_png("/nowhere/image.png"), std::runtime_error);
 }
