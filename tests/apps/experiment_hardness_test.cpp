@@ -18,6 +18,12 @@ using testing::HasSubstr;
 
 class StudyUnderStress : public CommandLine {
  protected:
+  /// What a killed command leaves is in the test's own folder.
+  StudyUnderStress() {
+    fs::create_directory(folder_ / "tmp");
+    setenv("TMPDIR", (folder_ / "tmp").c_str(), 1);
+  }
+
   void write_short_design() const {
     std::string text = slurp(HEADPIN_SOURCE_DIR "/assets/designs/uno-slater-1997.toml");
     text.replace(text.find("throws = 10"), 11, "throws = 1");
