@@ -220,6 +220,8 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"new_throws", "throws of the replay that the recording does not have"},
     {"next", "next command to type; empty if everything is done"},
     {"noise", "skittles gained by the best size of a set of throws, around its own mean"},
+    {"not_convex",
+     "mesh files that are not convex, and the convex pieces that collide in their place"},
     {"not_counted", "participants that are not in the tables"},
     {"not_drawn", "parts of mesh files that are not drawn: textures, transparency"},
     {"notes", "what was ignored or decided in reading the file"},

@@ -22,9 +22,17 @@ MeshData mesh_of(std::string_view, const std::filesystem::path& path, const Mesh
   refuse(path);
 }
 
-engine::Polyhedron polyhedron_of(std::string_view, const std::filesystem::path& path,
-                                 const MeshMeasure&) {
+std::vector<engine::Polyhedron> polyhedra_of(std::string_view, const std::filesystem::path& path,
+                                             const MeshMeasure&, std::size_t) {
   refuse(path);
+}
+
+double enclosed_volume(std::string_view, const std::filesystem::path& path, const MeshMeasure&) {
+  refuse(path);
+}
+
+std::string offer_of_measure(std::span<const Vec3>, const MeshMeasure&) {
+  return "";
 }
 
 }  // namespace headpin::scene

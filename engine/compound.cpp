@@ -373,11 +373,11 @@ MassProperties mass_properties(const Shape& shape, double density) {
   return weigh(moments(shape), density);
 }
 
-MassProperties mass_properties(const Compound& compound, double density) {
+MassProperties mass_properties(const Compound& compound, double density, Overlaps overlaps) {
   const std::vector<Part>& parts = compound.parts;
   if (std::any_of(parts.begin(), parts.end(), is_half_space)) moments(HalfSpace{});
   bool any = false;
-  for (std::size_t i = 0; i < parts.size(); ++i) {
+  for (std::size_t i = 0; i < parts.size() && overlaps == Overlaps::maybe; ++i) {
     for (std::size_t j = i + 1; j < parts.size() && !any; ++j) any = overlap(parts[i], parts[j]);
   }
   if (any) {

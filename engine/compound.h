@@ -48,15 +48,20 @@ struct MassProperties {
 /// @throws std::invalid_argument  for a half-space
 MassProperties mass_properties(const Shape& shape, double density);
 
+/// What is known of parts before they are weighed. Parts that touch count as parts that overlap, unless
+/// they are known not to.
+enum class Overlaps { maybe, none };
+
 /// Mass properties of the union of the parts: matter where parts overlap counts once.
 ///
-/// A single part, and parts whose bounding spheres are apart, are summed in closed form. Parts that
+/// A single part, and parts that are apart or known not to overlap, are summed in closed form. Parts that
 /// share the axis z as bodies of revolution are cut into discs (relative error below 1e-6), others
 /// into rods along z, each of whose overlaps with the parts is exact (below 1e-3).
 ///
 /// @param density  [kg/m3]
 /// @throws std::invalid_argument  with a half-space among the parts
-MassProperties mass_properties(const Compound& compound, double density);
+MassProperties mass_properties(const Compound& compound, double density,
+                               Overlaps overlaps = Overlaps::maybe);
 
 /// Whether every part is a body of revolution about the z axis of B.
 bool is_revolution(const Compound& compound);

@@ -37,9 +37,10 @@ struct Measures {
   std::size_t skittles = 0;
   std::size_t primitives = 0;  ///< of a skittle
   double skittle_m = 0.0, skittle_kg = 0.0;
-  double ball_m = 0.0, ball_kg = 0.0;  ///< across
-  double lane_m = 0.0;                 ///< foul line to head pin
-  std::vector<std::string> not_drawn;  ///< of its mesh files
+  double ball_m = 0.0, ball_kg = 0.0;   ///< across
+  double lane_m = 0.0;                  ///< foul line to head pin
+  std::vector<std::string> not_drawn;   ///< of its mesh files
+  std::vector<std::string> not_convex;  ///< mesh files in whose place convex pieces collide
 };
 
 /// @throws std::invalid_argument  if its values are not possible
@@ -54,7 +55,8 @@ Measures measure(const std::string& name_or_file) {
           .ball_m = 2.0 * s.ball.radius,
           .ball_kg = s.ball.mass,
           .lane_m = s.lane.head_pin,
-          .not_drawn = scene::not_drawn(s)};
+          .not_drawn = scene::not_drawn(s),
+          .not_convex = scene::not_convex(s)};
 }
 
 std::string in_words(const Measures& m) {
@@ -70,7 +72,8 @@ nlohmann::ordered_json in_json(const std::string& file, const Measures& m) {
           {"skittles", m.skittles},      {"primitives", m.primitives},
           {"height_m", m.skittle_m},     {"mass_kg", m.skittle_kg},
           {"ball_diameter_m", m.ball_m}, {"ball_mass_kg", m.ball_kg},
-          {"lane_m", m.lane_m},          {"not_drawn", m.not_drawn}};
+          {"lane_m", m.lane_m},          {"not_drawn", m.not_drawn},
+          {"not_convex", m.not_convex}};
 }
 
 void list(bool json) {
@@ -132,7 +135,9 @@ void check(const ScenarioOptions& options) {
   const Measures m = measure(options.scenario);
   if (options.json) return print_json(in_json(scene::scenario_path(options.scenario), m));
   fmt::print("{}: {}\n", m.name, in_words(m));
-  for (const std::string& one : m.not_drawn) fmt::print("{}\n", printable(one));
+  for (const std::vector<std::string>* notes : {&m.not_convex, &m.not_drawn}) {
+    for (const std::string& one : *notes) fmt::print("{}\n", printable(one));
+  }
 }
 
 /// The parts of the command line that an action needs; it takes no others.

@@ -26,12 +26,23 @@ engine::Part make_part(const SkittlePart& part) {
   return {engine::Ellipsoid{Vec3(part.radius, part.radius, half)}, X_BG};
 }
 
+/// Whether all parts are the convex pieces of one mesh file. These touch and do not overlap.
+engine::Overlaps overlaps_of(const std::vector<SkittlePart>& parts) {
+  const auto is_piece = [&](const SkittlePart& part) {
+    return part.shape == "polyhedron" && !part.mesh.file.empty() &&
+           part.mesh.file == parts[0].mesh.file && part.mesh.sha256 == parts[0].mesh.sha256;
+  };
+  return std::all_of(parts.begin(), parts.end(), is_piece) ? engine::Overlaps::none
+                                                           : engine::Overlaps::maybe;
+}
+
 /// Mass properties of the skittle: from its outline, its parts, or its one ellipsoid.
 engine::MassProperties skittle_mass(const Scenario& scenario, const engine::Compound& shape) {
   const Skittle& skittle = scenario.skittle;
   const auto of_parts = [&](const engine::Compound& parts) {
-    const double volume = engine::mass_properties(parts, 1.0).mass;
-    return engine::mass_properties(parts, skittle.mass / volume);
+    const engine::Overlaps overlaps = overlaps_of(skittle.parts);
+    const double volume = engine::mass_properties(parts, 1.0, overlaps).mass;
+    return engine::mass_properties(parts, skittle.mass / volume, overlaps);
   };
   const bool is_true = scenario.collision.shape == "true";
   if (!is_true && skittle.ellipsoid_weighed == "itself") return of_parts(shape);

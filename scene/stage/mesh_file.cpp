@@ -18,10 +18,11 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
-#include "devices/recordings/reading.h"
 #include "files/input_file.h"
 #include "render/data/mesh.h"
 #include "scene/stage/apart.h"
+#include "scene/stage/convex_hull.h"
+#include "scene/stage/convex_pieces.h"
 #include "scene/stage/mesh_text.h"
 
 namespace headpin::scene {
@@ -29,6 +30,7 @@ namespace {
 
 constexpr std::size_t kMostBytes = 16'000'000, kMostTriangles = 200'000;
 constexpr std::size_t kMostCorners = 20'000, kMostVertices = 1000;  // of a polyhedron
+constexpr unsigned kMostSecondsToCut = 10;
 constexpr const char* kHalfRead = "its reader was cut short";
 constexpr double kFarthest = 1e3;  // that a point may be [m]
 
@@ -273,15 +275,7 @@ struct FromFile {
     if (!(unit > 0.0 && std::isfinite(unit))) {
       throw std::invalid_argument(fmt::format("{}: unit {}, expected above 0", path, unit));
     }
-    const devices::Axes axes(measure.axes, path);
-    for (int i = 0; i < 3; ++i) {  // those are in a frame of x right, y up, z back
-      const Vec3 p = axes.ours(Vec3(Vec3::Unit(i)));
-      R.col(i) = Vec3(p.x(), -p.z(), p.y());
-    }
-    if (R.determinant() < 0.0) {
-      throw std::invalid_argument(fmt::format(
-          "{}: axes '{}' are left-handed, expected right-handed ones", path, measure.axes));
-    }
+    R = rotation_of(measure, path);
   }
 
   Vec3 point(const aiVector3D& v) const {
@@ -310,28 +304,91 @@ auto naming(const std::filesystem::path& path, F&& f) {
   }
 }
 
-/// Index of each corner among the distinct corners. Corners within `apart` of each other are equal.
-std::vector<std::uint32_t> weld(const std::vector<Vec3>& corners, double apart,
-                                std::vector<Vec3>& distinct) {
-  std::vector<std::uint32_t> by_x(corners.size());
-  for (std::uint32_t i = 0; i < by_x.size(); ++i) by_x[i] = i;
-  std::sort(by_x.begin(), by_x.end(), [&](std::uint32_t i, std::uint32_t j) {
-    return corners[i].x() != corners[j].x() ? corners[i].x() < corners[j].x() : i < j;
-  });
-  constexpr std::uint32_t kNone = 0xffffffff;
-  std::vector<std::uint32_t> index(corners.size(), kNone);
-  for (std::size_t k = 0; k < by_x.size(); ++k) {
-    const std::uint32_t i = by_x[k];
-    if (index[i] != kNone) continue;
-    index[i] = static_cast<std::uint32_t>(distinct.size());
-    distinct.push_back(corners[i]);
-    for (std::size_t m = k + 1; m < by_x.size(); ++m) {
-      const std::uint32_t j = by_x[m];
-      if (corners[j].x() - corners[i].x() > apart) break;
-      if (index[j] == kNone && (corners[j] - corners[i]).norm() <= apart) index[j] = index[i];
-    }
+/// Flat faces with shared points [m].
+struct Flat {
+  std::vector<Vec3> points;
+  std::vector<std::vector<std::uint32_t>> faces;
+};
+
+Flat welded(const Read& all, const FromFile& from) {
+  if (all.points.size() > kMostCorners) {
+    throw std::runtime_error(
+        fmt::format("{} corners of faces, expected at most {}", all.points.size(), kMostCorners));
   }
-  return index;
+  std::vector<Vec3> corners;
+  Vec3 low = Vec3::Constant(kFarthest), high = -low;
+  for (const aiVector3D& v : all.points) {
+    corners.push_back(from.point(v));
+    low = low.cwiseMin(corners.back());
+    high = high.cwiseMax(corners.back());
+  }
+  Flat flat;
+  const std::vector<std::uint32_t> index =
+      weld(corners, kWelded * (high - low).norm(), flat.points);
+  std::size_t at = 0;
+  for (const std::uint32_t size : all.sizes) {
+    std::vector<std::uint32_t>& face = flat.faces.emplace_back();
+    for (std::uint32_t k = 0; k < size; ++k) face.push_back(index[all.corners[at++]]);
+  }
+  return flat;
+}
+
+/// The triangles of a file, without those that welding made a line.
+Surface read_surface(std::string_view bytes, const std::filesystem::path& path,
+                     const FromFile& from) {
+  Flat flat =
+      welded(read_apart(bytes, kind_of(path), aiProcess_Triangulate, For::collisions), from);
+  Surface surface{.points = std::move(flat.points), .triangles = {}};
+  for (const std::vector<std::uint32_t>& f : flat.faces) {
+    if (f.size() != 3 || f[0] == f[1] || f[1] == f[2] || f[2] == f[0]) continue;
+    surface.triangles.push_back({f[0], f[1], f[2]});
+  }
+  return surface;
+}
+
+/// convex_pieces() in a separate process, because a hostile surface may take it any time.
+std::vector<engine::Polyhedron> pieces_apart(const Surface& surface, std::size_t most) {
+  const auto work = [&] {
+    std::string out;
+    for (const engine::Polyhedron& piece : convex_pieces(surface, most)) {
+      std::vector<double> numbers;
+      std::vector<std::uint32_t> sizes, corners;
+      for (const Vec3& p : piece.vertices()) numbers.insert(numbers.end(), {p.x(), p.y(), p.z()});
+      for (const engine::Polyhedron::Face& face : piece.faces()) {
+        sizes.push_back(face.count);
+        for (const std::uint32_t corner : piece.corners(face)) corners.push_back(corner);
+      }
+      put(out, numbers);
+      put(out, sizes);
+      put(out, corners);
+    }
+    return out;
+  };
+  const std::string told = apart(work, {.cpu_s = kMostSecondsToCut});
+  std::vector<engine::Polyhedron> pieces;
+  for (std::string_view bytes = told; !bytes.empty();) {
+    std::vector<double> numbers;
+    std::vector<std::uint32_t> sizes, corners;
+    take(bytes, numbers);
+    take(bytes, sizes);
+    take(bytes, corners);
+    require_faces(sizes, corners, numbers.size() / 3);
+    Flat flat;
+    for (std::size_t i = 0; i + 2 < numbers.size(); i += 3) {
+      flat.points.emplace_back(numbers[i], numbers[i + 1], numbers[i + 2]);
+    }
+    if (flat.points.size() > kMostVertices) {
+      throw std::runtime_error(fmt::format("{} vertices in a convex piece, expected at most {}",
+                                           flat.points.size(), kMostVertices));
+    }
+    auto corner = corners.begin();
+    for (const std::uint32_t size : sizes) {
+      flat.faces.emplace_back(corner, corner + size);
+      corner += size;
+    }
+    pieces.emplace_back(std::move(flat.points), flat.faces);
+  }
+  return pieces;
 }
 
 }  // namespace
@@ -383,45 +440,27 @@ MeshData mesh_of(std::string_view bytes, const std::filesystem::path& path,
   });
 }
 
-engine::Polyhedron polyhedron_of(std::string_view bytes, const std::filesystem::path& path,
-                                 const MeshMeasure& measure) {
+std::vector<engine::Polyhedron> polyhedra_of(std::string_view bytes,
+                                             const std::filesystem::path& path,
+                                             const MeshMeasure& measure, std::size_t most) {
   const FromFile from(path.string(), measure);
-  std::vector<Vec3> distinct;
-  std::vector<std::vector<std::uint32_t>> faces;
-  naming(path, [&] {
-    const Read all = read_apart(bytes, kind_of(path), 0, For::collisions);
-    if (all.points.size() > kMostCorners) {
-      throw std::runtime_error(
-          fmt::format("{} corners of faces, expected at most {}", all.points.size(), kMostCorners));
+  return naming(path, [&] {
+    const Flat flat = welded(read_apart(bytes, kind_of(path), 0, For::collisions), from);
+    if (flat.points.size() <= kMostVertices) {
+      try {
+        return std::vector{engine::Polyhedron(flat.points, flat.faces)};
+      } catch (
+          const std::invalid_argument&) {  // not convex, or not even closed: this is said below
+      }
     }
-    std::vector<Vec3> corners;
-    Vec3 low = Vec3::Constant(kFarthest), high = -low;
-    for (const aiVector3D& v : all.points) {
-      corners.push_back(from.point(v));
-      low = low.cwiseMin(corners.back());
-      high = high.cwiseMax(corners.back());
-    }
-    const std::vector<std::uint32_t> index = weld(corners, 1e-6 * (high - low).norm(), distinct);
-    if (distinct.size() > kMostVertices) {
-      throw std::runtime_error(
-          fmt::format("{} vertices, expected at most {}", distinct.size(), kMostVertices));
-    }
-    std::size_t at = 0;
-    for (const std::uint32_t size : all.sizes) {
-      std::vector<std::uint32_t>& face = faces.emplace_back();
-      for (std::uint32_t k = 0; k < size; ++k) face.push_back(index[all.corners[at++]]);
-    }
-    return 0;
+    return pieces_apart(read_surface(bytes, path, from), most);
   });
-  try {
-    return engine::Polyhedron(std::move(distinct), faces);
-  } catch (const std::invalid_argument& e) {
-    throw std::invalid_argument(path.string() + ": " + e.what());
-  }
 }
 
-engine::Polyhedron load_polyhedron(const std::filesystem::path& path, const MeshMeasure& measure) {
-  return polyhedron_of(read_mesh_file(path), path, measure);
+double enclosed_volume(std::string_view bytes, const std::filesystem::path& path,
+                       const MeshMeasure& measure) {
+  const FromFile from(path.string(), measure);
+  return naming(path, [&] { return volume_of(read_surface(bytes, path, from)); });
 }
 
 }  // namespace headpin::scene

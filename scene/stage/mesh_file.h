@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "engine/shape.h"
+#include "scene/stage/mesh_measure.h"
 
 /// Mesh files: glTF (.gltf, .glb), OBJ, PLY, STL and OFF, through assimp.
 ///
@@ -15,13 +16,6 @@
 /// textures and alpha are not drawn, which MeshData reports. Errors that assimp would correct, such
 /// as an index beyond the vertices, are refused.
 namespace headpin::scene {
-
-/// Unit and axes of a file.
-struct MeshMeasure {
-  double unit = 1.0;         ///< metres per unit of the file
-  std::string axes = "RAS";  ///< where its +x, +y, +z point: R right, L left, A ahead, P back,
-                             ///< S up, I down
-};
 
 /// A mesh in metres, x right, y ahead, z up. Equal corners are stored once.
 struct MeshData {
@@ -49,19 +43,24 @@ std::string read_mesh_file(const std::filesystem::path& path);
 MeshData mesh_of(std::string_view bytes, const std::filesystem::path& path,
                  const MeshMeasure& measure);
 
-/// All meshes of a file as one convex polyhedron.
+/// All meshes of a file as convex polyhedra: one with the flat polygons of the file if it is convex, or
+/// else pieces (see convex_pieces()).
 ///
-/// Corners with a distance below 1e-6 of the size are merged (STL has no shared corners); flat
-/// polygons are not split.
+/// Corners with a distance below kWelded of the size are merged (STL has no shared corners).
 ///
-/// @throws std::runtime_error      as mesh_of(), and beyond 1000 vertices
-/// @throws std::invalid_argument   naming the file, when unit or axes are none or the mesh is not a
-///   closed convex polyhedron (see engine::Polyhedron)
-engine::Polyhedron polyhedron_of(std::string_view bytes, const std::filesystem::path& path,
-                                 const MeshMeasure& measure);
+/// @param most  number of pieces, 1 or more
+/// @throws std::runtime_error     as mesh_of(), beyond 1000 vertices of a polyhedron, beyond 10 s of
+///                                cutting, and when the mesh is not closed, is turned inside out or has
+///                                no volume
+/// @throws std::invalid_argument  unit or axes that are none
+std::vector<engine::Polyhedron> polyhedra_of(std::string_view bytes,
+                                             const std::filesystem::path& path,
+                                             const MeshMeasure& measure, std::size_t most);
 
-/// polyhedron_of() what read_mesh_file() reads.
-engine::Polyhedron load_polyhedron(const std::filesystem::path& path,
-                                   const MeshMeasure& measure = {});
+/// What all meshes of a file enclose [m^3], whether they are convex or not.
+///
+/// @throws std::runtime_error, std::invalid_argument  as mesh_of()
+double enclosed_volume(std::string_view bytes, const std::filesystem::path& path,
+                       const MeshMeasure& measure);
 
 }  // namespace headpin::scene

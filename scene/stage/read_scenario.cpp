@@ -1,13 +1,19 @@
 #include "scene/stage/read_scenario.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 
 #include "scene/scenario/files.h"
 #include "scene/scenario/text.h"
 #include "scene/scenario/toml_text.h"
+#include "scene/stage/mesh_measure.h"
 #include "scene/stage/outline.h"
 #include "scene/stage/scenario_checks.h"
 #include "scene/stage/seen_mesh.h"
@@ -16,37 +22,66 @@ namespace headpin::scene {
 
 namespace {
 
-/// Completes the parts of skittles, with corners from files if the text names them.
-void take_parts(Scenario& scenario, const ScenarioText& text) {
-  for (std::size_t i = 0; i < scenario.skittle.parts.size(); ++i) {
-    SkittlePart& part = scenario.skittle.parts[i];
-    const std::string key = fmt::format("skittle.parts[{}]", i + 1);
-    if (!text.has(key)) continue;
-    try {
-      if (part.shape == "polyhedron") take_polyhedron(part, text.folder);
-    } catch (const std::exception& e) {
-      throw std::invalid_argument(fmt::format("{}: skittle.parts: {}", text.place(key), e.what()));
+/// Completes the parts of skittles, with corners from files if the text names them. A mesh that is not
+/// convex becomes several parts, which all are at its line.
+void take_parts(Scenario& scenario, ScenarioText& text) {
+  constexpr std::size_t kMostParts = 16;  // as text.cpp reads
+  const auto key_of_part = [](std::size_t i) { return fmt::format("skittle.parts[{}]", i + 1); };
+  const std::vector<SkittlePart> given = std::exchange(scenario.skittle.parts, {});
+  std::map<std::string, int> lines;
+  for (std::size_t i = 0; i < given.size(); ++i) {
+    const std::string key = key_of_part(i);
+    std::vector<SkittlePart> parts{given[i]};
+    if (text.has(key)) {
+      const std::size_t most = kMostParts - scenario.skittle.parts.size() - (given.size() - i - 1);
+      try {
+        if (given[i].shape == "polyhedron") parts = polyhedra_of_part(given[i], text.folder, most);
+      } catch (const std::exception& e) {
+        throw std::invalid_argument(
+            fmt::format("{}: skittle.parts: {}", text.place(key), e.what()));
+      }
+      if (!(parts[0].low < parts[0].high)) {
+        throw std::invalid_argument(fmt::format(
+            "{}: skittle.parts, part {}: low must be below high, found low {} and high {}",
+            text.place(key), i + 1, parts[0].low, parts[0].high));
+      }
     }
-    if (part.low < part.high) continue;
-    throw std::invalid_argument(
-        fmt::format("{}: skittle.parts, part {}: low must be below high, found low {} and high {}",
-                    text.place(key), i + 1, part.low, part.high));
+    for (SkittlePart& part : parts) {
+      scenario.skittle.parts.push_back(std::move(part));
+      if (text.has(key)) {
+        lines[key_of_part(scenario.skittle.parts.size() - 1)] = text.lines.at(key);
+      }
+    }
   }
+  for (const auto& [key, line] : lines) text.lines[key] = line;
 }
 
-/// Refuses a height that no skittle has, and names the unit that would make it one.
-void require_skittles_size(double height, const ScenarioText& text) {
-  constexpr double kLeast = 0.05, kMost = 2.0;  // m
-  if (height >= kLeast && height <= kMost) return;
-  std::string offer;
-  for (const double unit : {0.001, 0.01, 0.0254, 0.3048}) {
-    if (height * unit < 0.1 || height * unit > 1.0) continue;
-    offer = fmt::format("; with unit = {} it would be {:.3g}", unit, height * unit);
-    break;
+/// Refuses a height that no skittle has and a mesh that does not stand on its base, and names the unit
+/// and the axes with which it would.
+void require_skittle_stands(const Scenario& scenario, const ScenarioText& text) {
+  constexpr double kLeast = 0.05, kMost = 2.0;  // heights [m]
+  constexpr double kOff = 1e-3;                 // how far off its base may be [m]
+  const double height = scenario.skittle.height;
+  std::vector<Vec3> points;
+  double low = height;
+  MeshMeasure measure;
+  for (const SkittlePart& part : scenario.skittle.parts) {
+    low = std::min(low, part.low);
+    if (part.shape != "polyhedron") continue;
+    points.insert(points.end(), part.corners.begin(), part.corners.end());
+    measure = {part.mesh.unit, part.mesh.axes};
   }
-  throw std::invalid_argument(fmt::format("{}: skittle.parts: {:.6g} m high, expected {} to {}{}",
-                                          text.place("skittle.parts"), height, kLeast, kMost,
-                                          offer));
+  if (height >= kLeast && height <= kMost && std::abs(low) <= kOff) return;
+  const std::string offer = offer_of_measure(points, measure);
+  if (!(height >= kLeast && height <= kMost)) {
+    throw std::invalid_argument(fmt::format("{}: skittle.parts: {:.6g} m high, expected {} to {}{}",
+                                            text.place("skittle.parts"), height, kLeast, kMost,
+                                            offer));
+  }
+  throw std::invalid_argument(fmt::format(
+      "{}: skittle.parts must begin at the base, 0; found {:.4g} as the lowest{}",
+      text.place("skittle.parts"), low,
+      offer.empty() ? "; move the mesh so that the middle of its base is at 0, 0, 0" : offer));
 }
 
 /// What a file does not say of a skittle that it gives by polyhedra follows from these: its height, its
@@ -61,8 +96,8 @@ void follow_polyhedra(Scenario& scenario, const ScenarioText& text) {
     for (const SkittlePart& part : skittle.parts) {
       skittle.height = std::max(skittle.height, part.high);
     }
-    require_skittles_size(skittle.height, text);
   }
+  require_skittle_stands(scenario, text);
   if (text.has("skittle.profile")) return;
   skittle.profile = profile_of_parts(skittle.parts, skittle.height);
   if (!text.has("skittle.weighed")) skittle.weighed = "parts";
@@ -101,7 +136,7 @@ void take_meshes(Scenario& scenario, const ScenarioText& text, const Scenario& b
 
 /// Completes a scenario after its text was read.
 /// @param before  the scenario that the text changed
-void complete(Scenario& scenario, const ScenarioText& text, const Scenario& before = {}) {
+void complete(Scenario& scenario, ScenarioText& text, const Scenario& before = {}) {
   take_parts(scenario, text);
   follow_polyhedra(scenario, text);
   take_meshes(scenario, text, before);

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
+#include "engine/compound.h"
 #include "files/sha256.h"
 #include "scene/scenario/files.h"
 #include "scene/stage/mesh_file.h"
@@ -55,6 +57,16 @@ void make_absolute(MeshFile& mesh, const fs::path& folder) {
   mesh.file = fs::absolute(folder / mesh.file).lexically_normal().string();
 }
 
+/// The unit with which a mesh would be as large as it must.
+std::string offer_of_unit(double unit, double farthest, const Reach& reach) {
+  for (const double other : {1.0, 0.001, 0.01, 0.0254, 0.3048}) {
+    const double then = farthest * other / unit;
+    if (then < reach.least || then > reach.most) continue;
+    return fmt::format("with unit = {} it would be {:.3g}", other, then);
+  }
+  return "set `unit` if the file has other units";
+}
+
 }  // namespace
 
 Reach reach_of_ball(const Ball& ball) {
@@ -73,8 +85,8 @@ void take_seen(MeshFile& mesh, const fs::path& folder, const Reach& reach) {
   if (!(farthest >= reach.least && farthest <= reach.most)) {
     throw std::invalid_argument(fmt::format(
         "{}: its farthest point is {:.4g} m from its origin, expected {:.4g} to {:.4g}; "
-        "set `unit` if the file has other units",
-        mesh.file, farthest, reach.least, reach.most));
+        "{}",
+        mesh.file, farthest, reach.least, reach.most, offer_of_unit(mesh.unit, farthest, reach)));
   }
   constexpr double kFlat = 1e-6;  // as a part of a square around it
   if (area_of(data) < kFlat * farthest * farthest) {
@@ -97,31 +109,73 @@ std::vector<std::string> not_drawn(const Scenario& scenario) {
   return told;
 }
 
-void take_polyhedron(SkittlePart& part, const fs::path& folder) {
+std::vector<std::string> not_convex(const Scenario& scenario) {
+  std::map<std::string, std::vector<const SkittlePart*>> by_file;
+  for (const SkittlePart& part : scenario.skittle.parts) {
+    if (part.shape == "polyhedron" && !part.mesh.file.empty()) {
+      by_file[part.mesh.file].push_back(&part);
+    }
+  }
+  std::vector<std::string> told;
+  for (const auto& [file, pieces] : by_file) {
+    MeshFile mesh = pieces[0]->mesh;
+    const double volume = enclosed_volume(bytes_of(mesh), file, measure_of(mesh));
+    std::vector<engine::Part> hulls;
+    for (const SkittlePart* piece : pieces) {
+      hulls.push_back({engine::Polyhedron(piece->corners, piece->faces), {}});
+    }
+    const double of_pieces = engine::mass_properties(engine::make_compound(std::move(hulls)), 1.0,
+                                                     engine::Overlaps::none)
+                                 .mass;
+    const double added = std::max(0.0, of_pieces / volume - 1.0);
+    constexpr double kRounding = 1e-4;  // of coordinates that a file gives with four digits
+    if (pieces.size() == 1 && added < kRounding) continue;
+    told.push_back(
+        fmt::format("skittle.parts: {}: not convex: {} convex piece{} collide{} in its place, with "
+                    "{:.1f} % more volume",
+                    fs::path(file).filename().string(), pieces.size(),
+                    pieces.size() == 1 ? "" : "s", pieces.size() == 1 ? "s" : "", 100.0 * added));
+  }
+  return told;
+}
+
+std::vector<SkittlePart> polyhedra_of_part(const SkittlePart& part, const fs::path& folder,
+                                           std::size_t most) {
   if (part.corners.empty() != part.faces.empty()) {
     throw std::invalid_argument("a polyhedron has corners and faces, or neither and a file");
   }
-  if (part.corners.empty()) {
-    if (part.mesh.file.empty()) {
-      throw std::invalid_argument("a polyhedron has a file, or corners and faces; found neither");
-    }
-    make_absolute(part.mesh, folder);
-    const engine::Polyhedron hull =
-        polyhedron_of(bytes_of(part.mesh), part.mesh.file, measure_of(part.mesh));
-    part.corners.assign(hull.vertices().begin(), hull.vertices().end());
+  std::vector<SkittlePart> parts;
+  const auto add = [&](const SkittlePart& from, const engine::Polyhedron& hull) {
+    SkittlePart& one = parts.emplace_back(from);
+    one.corners.assign(hull.vertices().begin(), hull.vertices().end());
+    one.faces.clear();
     for (const engine::Polyhedron::Face& face : hull.faces()) {
       const auto corners = hull.corners(face);
-      part.faces.emplace_back(corners.begin(), corners.end());
+      one.faces.emplace_back(corners.begin(), corners.end());
     }
+    one.low = one.high = one.corners.front().z();
+    one.radius = 0.0;
+    for (const Vec3& p : one.corners) {
+      one.low = std::min(one.low, p.z());
+      one.high = std::max(one.high, p.z());
+      one.radius = std::max(one.radius, p.head<2>().norm());
+    }
+  };
+  if (!part.corners.empty()) {
+    add(part, engine::Polyhedron(part.corners, part.faces));  // also checks its corners and faces
+    return parts;
   }
-  const engine::Polyhedron hull(part.corners, part.faces);  // also checks its corners and faces
-  part.low = part.high = part.corners.front().z();
-  part.radius = 0.0;
-  for (const Vec3& p : hull.vertices()) {
-    part.low = std::min(part.low, p.z());
-    part.high = std::max(part.high, p.z());
-    part.radius = std::max(part.radius, p.head<2>().norm());
+  if (part.mesh.file.empty()) {
+    throw std::invalid_argument("a polyhedron has a file, or corners and faces; found neither");
   }
+  SkittlePart from = part;
+  make_absolute(from.mesh, folder);
+  const std::string bytes = bytes_of(from.mesh);
+  for (const engine::Polyhedron& hull :
+       polyhedra_of(bytes, from.mesh.file, measure_of(from.mesh), most)) {
+    add(from, hull);
+  }
+  return parts;
 }
 
 void find_again(MeshFile& mesh, const fs::path& trial) {

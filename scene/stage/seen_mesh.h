@@ -37,11 +37,19 @@ void take_seen(MeshFile& mesh, const std::filesystem::path& folder, const Reach&
 /// @throws std::runtime_error  as seen_mesh()
 std::vector<std::string> not_drawn(const Scenario& scenario);
 
-/// Completes a polyhedron: reads corners and faces from its file if it has none, and computes its
-/// measures.
+/// The mesh files of skittles that are not convex, with the convex pieces that collide in their place,
+/// one sentence per file.
 ///
-/// @throws std::runtime_error, std::invalid_argument  as polyhedron_of(), and for another hash
-void take_polyhedron(SkittlePart& part, const std::filesystem::path& folder);
+/// @throws std::runtime_error  as seen_mesh()
+std::vector<std::string> not_convex(const Scenario& scenario);
+
+/// A polyhedron with its corners, faces and measures. Without corners it is read from its file, and
+/// becomes several where the mesh is not convex.
+///
+/// @param most  number of parts, 1 or more
+/// @throws std::runtime_error, std::invalid_argument  as polyhedra_of(), and for another hash
+std::vector<SkittlePart> polyhedra_of_part(const SkittlePart& part,
+                                           const std::filesystem::path& folder, std::size_t most);
 
 /// Finds a trial's mesh: at its path, next to the trial, or among the bundled ones; the first file
 /// with its hash. Otherwise it keeps its path, and seen_mesh() throws.

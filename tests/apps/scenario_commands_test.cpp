@@ -216,6 +216,23 @@ TEST_F(ScenarioCommands, SynthesizeKeepsWhatTheScenarioSays) {
   expect_refusal("synthesize -o OUT --scenario far.toml", 2, "ball.home must be within the arm's");
 }
 
+// A mesh with a neck is thrown at as its pieces, which are in the trial.
+TEST_F(ScenarioCommands, AMeshThatIsNotConvexIsThrownAtAndToldOf) {
+  fs::create_directory(folder_ / "lab");
+  fs::copy_file(HEADPIN_SOURCE_DIR "/assets/meshes/skittle.obj", folder_ / "lab" / "pin.obj");
+  write("lab/pins.toml", "[skittle]\nparts = [{shape = 'polyhedron', file = 'pin.obj'}]\n");
+  const nlohmann::json told = json("scenario check lab/pins.toml --json");
+  EXPECT_GT(told["primitives"], 1);
+  ASSERT_EQ(told["not_convex"].size(), 1u);
+  EXPECT_THAT(told["not_convex"][0].get<std::string>(), HasSubstr("pin.obj: not convex: "));
+  EXPECT_EQ(json("scenario check paper-room --json")["not_convex"].size(), 0u);
+  ASSERT_EQ(headpin("synthesize -o thrown.lcmlog --seed 3 --scenario lab/pins.toml").code, 0);
+  fs::remove_all(folder_ / "lab");
+  const nlohmann::json game = json("replay thrown.lcmlog -o a.lcmlog --json");
+  EXPECT_GT(game["skittles_down"], 0);
+  EXPECT_EQ(headpin("replay a.lcmlog --verify").code, 0);
+}
+
 // What collides is in the trial, what is only seen is a file beside it.
 TEST_F(ScenarioCommands, ATrialReplaysWithoutItsMeshesAndIsSeenWithThem) {
   const fs::path meshes = HEADPIN_SOURCE_DIR "/assets/meshes";

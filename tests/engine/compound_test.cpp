@@ -66,6 +66,27 @@ TEST(Pin, WeighsWhatTheTableOfMeasuresSays) {
   EXPECT_NEAR(m.inertia(0, 0), 1.344e-2, 0.01 * 1.344e-2);
 }
 
+// Halves of a box that touch are summed in closed form where they are known not to overlap.
+TEST(MassProperties, OfPartsThatTouchAreExact) {
+  const auto block = [](double low, double high) {
+    std::vector<Vec3> corners;
+    for (int i = 0; i < 8; ++i) {
+      corners.emplace_back(i & 1 ? 0.05 : -0.05, i & 2 ? 0.05 : -0.05, i & 4 ? high : low);
+    }
+    return Part{
+        Polyhedron(
+            corners,
+            {{0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}}),
+        {}};
+  };
+  const Compound two = make_compound({block(0.0, 0.1), block(0.1, 0.3)});
+  const MassProperties m = mass_properties(two, 500.0, Overlaps::none);
+  EXPECT_NEAR(m.mass, 1.5, 1e-12);
+  EXPECT_LT((m.centre - Vec3(0, 0, 0.15)).norm(), 1e-12);
+  EXPECT_NEAR(m.inertia(2, 2), 1.5 * (0.01 + 0.01) / 12.0, 1e-12);
+  EXPECT_NEAR(m.inertia(0, 0), 1.5 * (0.01 + 0.09) / 12.0, 1e-12);
+}
+
 // A cylinder cut in two overlapping lengths weighs what the whole one does, however it is posed.
 TEST(Overlap, CountsOnce) {
   const double density = 700.0;
