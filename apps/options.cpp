@@ -43,21 +43,21 @@ std::string wrong_context(std::string_view name) {
   return fmt::format("expected osmesa, egl, egl:auto or egl:NUMBER, found '{}'", name);
 }
 
+/// "a", "a or b", "a, b or c"
+std::string either_of(const std::vector<std::string>& words) {
+  if (words.size() < 2) return fmt::format("{}", fmt::join(words, ""));
+  return fmt::format("{} or {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
+}
+
 /// The error in the name of an output; empty if it is correct.
 std::string wrong_output(const std::string& name, const std::vector<std::string>& endings) {
   if (name.empty()) return "expected a name, found none";
   const std::string ending = std::filesystem::path(name).extension().string();
   const bool kind = std::ranges::count(kKindsOfFiles, CLI::detail::to_lower(ending)) > 0;
   if (!kind || std::ranges::count(endings, ending) > 0) return "";
-  return endings.empty() ? fmt::format("expected the name of a folder, found {}", name)
-                         : fmt::format("expected a name that ends in {}, found {}",
-                                       fmt::join(endings, " or "), name);
-}
-
-/// "a", "a or b", "a, b or c"
-std::string either_of(const std::vector<std::string>& words) {
-  if (words.size() < 2) return fmt::format("{}", fmt::join(words, ""));
-  return fmt::format("{} or {}", fmt::join(words.begin(), words.end() - 1, ", "), words.back());
+  return endings.empty()
+             ? fmt::format("expected the name of a folder, found {}", name)
+             : fmt::format("expected a name that ends in {}, found {}", either_of(endings), name);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME headpin)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_DEPENDS "libosmesa6 | libegl1")  # loaded at run time
-set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS ffmpeg)
+set(CPACK_DEBIAN_PROGRAM_PACKAGE_RECOMMENDS "ffmpeg, librsvg2-2")  # librsvg2-2: loaded at run time
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SUGGESTS "liblcm-bin, libheadpin-dev")
 set(CPACK_COMPONENT_PROGRAM_DESCRIPTION
 "Re-creates and goes beyond the system of Uno & Slater (1997): samples of

@@ -18,9 +18,10 @@
 #include "render/gl_functions.h"
 
 #ifdef HEADPIN_SANITIZED
-// Mesa and its compiler do not free some memory before the end of the process.
+// Mesa and its compiler do not free some memory before the end of the process. Nor does fontconfig,
+// which finds the fonts of plots (apps/rsvg.h).
 extern "C" const char* __lsan_default_suppressions() {
-  return "leak:libOSMesa.so\nleak:libLLVM\nleak:libEGL\nleak:swrast_dri.so\n";
+  return "leak:libOSMesa.so\nleak:libLLVM\nleak:libEGL\nleak:swrast_dri.so\nleak:libfontconfig\n";
 }
 
 // Of thread-local memory that a library brings when it is loaded, clang 14's runtime reads a header

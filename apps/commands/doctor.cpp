@@ -11,7 +11,9 @@
 
 #include "apps/command.h"
 #include "apps/options.h"
+#include "apps/plot_file.h"
 #include "apps/priority.h"
+#include "apps/rsvg.h"
 #include "apps/streams.h"
 #include "devices/lcm/link.h"
 #include "devices/lcm/source.h"
@@ -124,6 +126,20 @@ Finding look_at_priority() {
           "echo '* - rtprio 1' > /etc/security/limits.d/headpin.conf && exec su - $USER"};
 }
 
+/// Draws a small plot as PNG and as PDF.
+Finding look_at_plots() {
+  try {
+    const std::string& versions = rsvg().versions;
+    for (const char* name : {"plot.png", "plot.pdf"}) {
+      plot_file("<svg xmlns='http://www.w3.org/2000/svg' width='2' height='2'/>", name);
+    }
+    return {"librsvg", true, versions, ""};
+  } catch (const std::runtime_error& error) {
+    return {"librsvg", false, fmt::format("{}; needed only for plots as PNG or PDF", error.what()),
+            "apt-get install librsvg2-2"};
+  }
+}
+
 /// @param users  what needs it
 Finding look_for_program(const char* name, const char* package, const char* users) {
   const char* path = std::getenv("PATH");
@@ -143,7 +159,7 @@ void diagnose(bool json, const std::string& gl) {
   std::vector<Finding> findings = look_at_contexts(gl);
   findings.insert(findings.end(), devices.begin(), devices.end());
   for (const Finding& finding :
-       {look_at_multicast(), look_at_receive_buffer(), look_at_priority(),
+       {look_at_multicast(), look_at_receive_buffer(), look_at_priority(), look_at_plots(),
         look_for_program("ffmpeg", "ffmpeg", "videos"),
         look_for_program("Rscript", "r-base-core", "`experiment analyse`")}) {
     findings.push_back(finding);
@@ -167,9 +183,9 @@ void add_doctor(CLI::App& app) {
   add_json(*command, *json);
   add_gl(*command, *gl);
   command->footer(
-      "OSMesa or EGL is needed only for pictures, ffmpeg only for videos, R only for `experiment "
-      "analyse`.\nWithout a multicast route, commands still work with file:// and memq:// "
-      "URLs.\n\nExample:\n  headpin doctor");
+      "OSMesa or EGL is needed only for pictures, librsvg only for plots as PNG or PDF, ffmpeg "
+      "only for videos, R only for `experiment analyse`.\nWithout a multicast route, commands "
+      "still work with file:// and memq:// URLs.\n\nExample:\n  headpin doctor");
   command->callback([json, gl] { diagnose(*json, *gl); });
 }
 

@@ -11,6 +11,7 @@
 
 #include "apps/experiment.h"
 #include "apps/options.h"
+#include "apps/plot_file.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/study_folder.h"
@@ -93,6 +94,7 @@ void print_power(const std::vector<study::Power>& all) {
 
 void tell_power(PowerOptions options) {
   std::ranges::sort(options.people);
+  if (options.output) require_plot_library(*options.output);
   watch_stop_signals();
   const auto source = bundled("designs", options.design);
   const study::Design design = study::parse_design(read_study_file(source), source.string());
@@ -106,8 +108,9 @@ void tell_power(PowerOptions options) {
     throw UsageError(error.what());
   }
   if (options.output) {
-    const std::string text =
-        options.output->ends_with(".svg") ? study::power_svg(all) : power_csv(all, options.seed);
+    const std::string text = is_plot(*options.output)
+                                 ? plot_file(study::power_svg(all), *options.output)
+                                 : power_csv(all, options.seed);
     files::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
     file.write(text.data(), text.size());
     check_stop();
@@ -154,7 +157,8 @@ void add_experiment_power(CLI::App& group) {
       ->check(whole_number_from(1, 64))
       ->capture_default_str();
   add_output(*command, "-o,--output", options->output,
-             "table (.csv) or plot (.svg) to write; - is standard output", {".csv", ".svg"});
+             "table (.csv) or plot (.svg, .png, .pdf) to write; - is standard output, a table",
+             {".csv", ".svg", ".png", ".pdf"});
   add_force(*command, options->force);
   add_json(*command, options->json);
   command->footer(

@@ -11,6 +11,7 @@
 #include "apps/command.h"
 #include "apps/damage.h"
 #include "apps/options.h"
+#include "apps/plot_file.h"
 #include "apps/recorded_world.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
@@ -173,6 +174,7 @@ void plot_trial(const PlotOptions& options) {
   if (options.json && *options.output == "-") {
     throw UsageError("--json and -o - both write to standard output; expected one of them");
   }
+  require_plot_library(*options.output);
   const devices::TrialFile file(options.trial);
   file.require_trial(devices::kLongestGap);
   const devices::TrialSummary& trial = file.summary();
@@ -183,12 +185,12 @@ void plot_trial(const PlotOptions& options) {
                              options.trial + " -o OUT.lcmlog` writes them");
   }
   RecordedWorld world(scene::scenario_of_trial(trial.header.scenario, options.trial));
-  const std::string svg = to_svg(chart(options.trial, file, world));
+  const std::string plot = plot_file(to_svg(chart(options.trial, file, world)), *options.output);
   watch_stop_signals();
   files::OutputFile out(
       *options.output,
       {.overwrite = options.force, .standard_output = true, .inputs = {options.trial}});
-  out.write(svg.data(), svg.size());
+  out.write(plot.data(), plot.size());
   check_stop();
   out.commit();
   if (options.json) {
@@ -206,13 +208,17 @@ void add_plot(CLI::App& app) {
   command->add_option("TRIAL", options->trial, "a trial with states (.lcmlog); - is standard input")
       ->required();
   add_output(*command, "-o,--output", options->output,
-             "picture to write (.svg); - is standard output", {".svg"})
+             "picture to write (.svg, .png or .pdf); - is standard output, as SVG",
+             {".svg", ".png", ".pdf"})
       ->required();
   add_force(*command, options->force);
   add_json(*command, options->json);
   command->footer(
-      "Any browser shows SVG; `rsvg-convert game.svg -o game.png` converts it to PNG.\n\n"
-      "Example:\n  headpin plot game.lcmlog -o game.svg");
+      "Any browser shows SVG. PNG has twice its width and height in pixels. PDF has one page, for "
+      "a "
+      "paper.\nPNG and PDF are drawn by librsvg (Debian: librsvg2-2). Equal trials give equal "
+      "files.\n\n"
+      "Example:\n  headpin plot game.lcmlog -o game.pdf");
   command->callback([options] { plot_trial(*options); });
 }
 
