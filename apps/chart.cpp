@@ -4,6 +4,9 @@
 #include <cmath>
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/streams.h"
 
 namespace headpin::apps {
 
@@ -13,9 +16,13 @@ namespace {
 constexpr double kWidth = 960, kLeft = 70, kRight = 20, kTop = 64, kPanel = 150, kGap = 40,
                  kBottom = 44;
 
+/// As XML has it: with neither control characters nor bytes that are not UTF-8.
 std::string escaped(const std::string& text) {
+  using Json = nlohmann::json;
+  const std::string quoted =
+      Json(printable(text)).dump(-1, ' ', false, Json::error_handler_t::replace);
   std::string out;
-  for (const char c : text) {
+  for (const char c : Json::parse(quoted).get<std::string>()) {
     out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '>' ? "&gt;" : std::string(1, c);
   }
   return out;
