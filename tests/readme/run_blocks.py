@@ -21,6 +21,7 @@ PAGE is a page as named from the source folder; without one, README.md and all p
 """
 
 import contextlib
+import ctypes.util
 import glob
 import os
 import re
@@ -54,6 +55,7 @@ UNSTABLE = [
 NEEDS = [
     ("headpin report", lambda source: os.path.exists(os.path.join(source, "build/report/page.html"))),
     ("Rscript", lambda source: shutil.which("Rscript")),
+    ("trial.pdf", lambda source: ctypes.util.find_library("rsvg-2")),
 ]
 
 
