@@ -113,15 +113,17 @@ TEST_F(Inputs, WhoWaitsForAPipeCanBeStopped) {
 // What other programs take for a picture, a page or a table is one.
 TEST_F(Inputs, AnEndingThatDoesNotFitIsRefused) {
   ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
-  const std::string svg = "expected a name that ends in .svg, found OUT.png";
-  expect_refusal("plot game.lcmlog -o OUT.png", 2, svg);
-  expect_refusal("plot game.lcmlog -o OUT.SVG", 2, "ends in .svg, found OUT.SVG");
+  const std::string plot = "expected a name that ends in .svg, .png or .pdf, found OUT";
+  expect_refusal("plot game.lcmlog -o OUT.gif", 2, plot + ".gif");
+  expect_refusal("plot game.lcmlog -o OUT.SVG", 2, plot + ".SVG");
+  expect_refusal("plot game.lcmlog -o OUT.PNG", 2, plot + ".PNG");
   expect_refusal("report game.lcmlog -o OUT.pdf", 2, "ends in .html or .htm, found OUT.pdf");
   expect_refusal("replay game.lcmlog -o OUT.csv", 2, "ends in .lcmlog, found OUT.csv");
   expect_refusal("synthesize -o OUT.json", 2, "ends in .lcmlog or .csv, found OUT.json");
   expect_refusal("live --record OUT.txt", 2, "ends in .lcmlog, found OUT.txt");
   expect_refusal("frames game.lcmlog --video OUT.gif", 2, "ends in .mkv, found OUT.gif");
-  expect_refusal("experiment power -o OUT.png", 2, "ends in .csv or .svg, found OUT.png");
+  expect_refusal("experiment power -o OUT.gif", 2,
+                 "ends in .csv, .svg, .png or .pdf, found OUT.gif");
   for (const char* command : {"export", "whatif", "frames"}) {
     expect_refusal(std::string(command) + " game.lcmlog -o OUT.csv", 2,
                    "expected the name of a folder, found OUT.csv");
