@@ -31,12 +31,24 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/packages/copyright
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/packages/copyright
         DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/${HEADPIN_RUNTIME_PACKAGE} COMPONENT runtime)
 # The pages of the documentation with their pictures; `headpin help topics` says where they are.
-install(FILES README.md CHANGELOG.md CITATION.cff CONTRIBUTING.md
-        DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/headpin COMPONENT program)
-install(DIRECTORY docs DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/headpin COMPONENT program
-        FILES_MATCHING PATTERN "*.md" PATTERN "*.svg")
-install(DIRECTORY assets/pictures DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/headpin/assets
-        COMPONENT program)
+set(HEADPIN_DOC_DIR ${CMAKE_INSTALL_DATADIR}/doc/headpin)
+file(GLOB_RECURSE pages RELATIVE ${PROJECT_SOURCE_DIR} CONFIGURE_DEPENDS docs/*.md)
+list(APPEND pages README.md CHANGELOG.md CONTRIBUTING.md)
+set(installed_pages "")
+foreach(page IN LISTS pages)
+  set(written ${CMAKE_CURRENT_BINARY_DIR}/pages/${page})
+  add_custom_command(OUTPUT ${written}
+    COMMAND ${CMAKE_COMMAND} -DSOURCE=${PROJECT_SOURCE_DIR} -DPAGE=${page} -DOUTPUT=${written}
+            -P ${PROJECT_SOURCE_DIR}/cmake/installed_page.cmake
+    DEPENDS ${page} cmake/installed_page.cmake COMMENT "${page} as it is installed" VERBATIM)
+  list(APPEND installed_pages ${written})
+  cmake_path(GET page PARENT_PATH folder)
+  install(FILES ${written} DESTINATION ${HEADPIN_DOC_DIR}/${folder} COMPONENT program)
+endforeach()
+add_custom_target(headpin_pages ALL DEPENDS ${installed_pages})
+install(FILES CITATION.cff DESTINATION ${HEADPIN_DOC_DIR} COMPONENT program)
+install(DIRECTORY docs DESTINATION ${HEADPIN_DOC_DIR} COMPONENT program FILES_MATCHING PATTERN "*.svg")
+install(DIRECTORY assets/pictures DESTINATION ${HEADPIN_DOC_DIR}/assets COMPONENT program)
 
 # Manual and completion, as the program writes them after it was linked (apps/CMakeLists.txt).
 set(HEADPIN_ZSH_DIR ${CMAKE_INSTALL_DATADIR}/zsh/site-functions CACHE STRING

@@ -35,7 +35,7 @@ done
 
 echo "== the documentation"
 if command -v python3 >/dev/null; then
-  quietly python3 -B "$here/../readme/links.py" "$prefix/share/doc/headpin" --installed
+  quietly python3 -B "$here/../readme/links.py" "$prefix/share/doc/headpin"
 fi
 topics=$("$headpin" help topics | sed -n 's/^  \([a-z-]\+\) .*/\1/p')
 [ "$(wc -w <<<"$topics")" -ge 20 ] || fail "topics not found: $topics"

@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
 """Checks that the links of the documentation lead somewhere, and that README leads to every page.
 
-usage: links.py SOURCE-FOLDER [--installed]
+usage: links.py FOLDER
 
 - Every relative link of README.md, CHANGELOG.md, CONTRIBUTING.md, docs/ and the README.md of tests/
   names a file or a folder that is there, and an anchor that is a heading of that page.
 - From README.md every page of docs/ is reached by two clicks; README.md has at most 150 lines.
 - The map, docs/README.md, has every page of docs/.
 
-With --installed the folder is that of an installation, such as share/doc/headpin. There links to
-sources lead nowhere; links to pages and to pictures must lead somewhere.
+FOLDER is that of the sources, or share/doc/headpin of an installation. There the pages have no link
+into the sources (cmake/installed_page.cmake).
 """
 
 import glob
@@ -69,16 +69,10 @@ def pages_in(root):
     return {name: Page(root, name) for name in (os.path.relpath(path, root) for path in paths)}
 
 
-def is_documentation(path):
-    return path.endswith((".md", ".png", ".svg")) and not path.startswith("tests/")
-
-
-def broken_links(root, pages, installed):
+def broken_links(root, pages):
     for page in pages.values():
         for target in page.links:
             path, anchor = resolved(page, target)
-            if installed and not is_documentation(path):
-                continue
             if not os.path.exists(os.path.join(root, path)):
                 yield f"{page.name}: {target}: {path} is not there"
             elif anchor and path in pages and anchor not in pages[path].anchors:
@@ -107,9 +101,9 @@ def lost_pages(pages):
 
 
 def main():
-    root, installed = sys.argv[1], "--installed" in sys.argv
+    root = sys.argv[1]
     pages = pages_in(root)
-    said = list(broken_links(root, pages, installed)) + list(lost_pages(pages))
+    said = list(broken_links(root, pages)) + list(lost_pages(pages))
     if pages["README.md"].length > README_MOST:
         said.append(f"README.md: {pages['README.md'].length} lines, expected {README_MOST} at most")
     links = sum(len(page.links) for page in pages.values())
