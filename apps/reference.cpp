@@ -68,8 +68,8 @@ std::string channels_page() {
       "# LCM channels and types\n\n{}A trial is one LCM event log; a live session publishes the "
       "same messages. The types belong to `headpin`, unless they are\nwire-compatible with another "
       "project's. The `.lcm` files are in `devices/lcm/types`, in `share/headpin/types` after "
-      "installation, and in\nthe header of every trial.\n\n| channel | type | when "
-      "|\n|---|---|---|\n",
+      "installation, and in\nthe header of every trial. [lcm-spy](guides/spy.md) shows the "
+      "channels of a session.\n\n| channel | type | when |\n|---|---|---|\n",
       kWritten);
   for (const ChannelUse& use : channel_uses()) {
     out += fmt::format("| `{}` | `{}` | {} |\n", use.channel, use.type, use.when);

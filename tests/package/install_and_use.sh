@@ -32,6 +32,7 @@ mkdir away
 for file in share/doc/headpin/copyright share/headpin/types/tracked_device_t.lcm; do
   [ -s "$prefix/$file" ] || fail "$file is missing"
 done
+[ ! -e "$build/devices/headpin-types.jar" ] || cmp "$build/devices/headpin-types.jar" "$prefix/share/java/headpin-types.jar"
 
 echo "== the documentation"
 if command -v python3 >/dev/null; then
