@@ -37,4 +37,10 @@ add_custom_command(OUTPUT ${jar}
   DEPENDS ${lcm_types} ${CMAKE_CURRENT_BINARY_DIR}/java.manifest COMMENT "headpin-types.jar" VERBATIM)
 add_custom_target(headpin_types_jar ALL DEPENDS ${jar})
 set_target_properties(headpin_types_jar PROPERTIES JAR ${jar})
-install(FILES ${jar} DESTINATION ${CMAKE_INSTALL_DATADIR}/java COMPONENT program)
+# Debian's policy for Java: the version in the name, and a link without it.
+set(versioned headpin-types-${PROJECT_VERSION}.jar)
+file(MAKE_DIRECTORY ${CMAKE_CURRENT_BINARY_DIR}/installed)
+file(CREATE_LINK ${versioned} ${CMAKE_CURRENT_BINARY_DIR}/installed/headpin-types.jar SYMBOLIC)
+install(FILES ${jar} RENAME ${versioned} DESTINATION ${CMAKE_INSTALL_DATADIR}/java COMPONENT program)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/installed/headpin-types.jar
+        DESTINATION ${CMAKE_INSTALL_DATADIR}/java COMPONENT program)
