@@ -255,6 +255,21 @@ std::string to_csv(const Plan& plan, const Design& design) {
   return text;
 }
 
+namespace {
+
+/// Whether those whom a participant replaces, one after the other, come back to that participant.
+bool begins_nowhere(const Plan& plan, const PlannedParticipant& last) {
+  std::string whom = last.replaces;
+  for (std::size_t steps = 0; steps < plan.size() && !whom.empty(); ++steps) {
+    if (whom == last.id) return true;
+    const auto next = std::ranges::find(plan, whom, &PlannedParticipant::id);
+    whom = next == plan.end() ? "" : next->replaces;
+  }
+  return false;
+}
+
+}  // namespace
+
 Plan parse_plan(std::string_view text, const std::string& where, const Design& design) {
   const CsvTable table = parse_csv(text, where);
   Plan plan;
@@ -281,6 +296,9 @@ Plan parse_plan(std::string_view text, const std::string& where, const Design& d
     }
     if (!gone.insert(one.replaces).second) {
       refuse_cell(table, at, "replaces", "a participant whom nobody else replaces");
+    }
+    if (begins_nowhere(plan, one)) {
+      refuse_cell(table, at, "replaces", "a participant who was there before " + one.id);
     }
   }
   return plan;

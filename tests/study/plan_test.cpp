@@ -149,6 +149,19 @@ TEST_F(PlanTable, NobodyReplacesHimselfOrWhoIsNotInThePlan) {
   }
 }
 
+// p001 replaced by another, who is replaced by p001: somebody must have been there first.
+TEST_F(PlanTable, NobodyIsReplacedByWhoCameBefore) {
+  Plan plan = plan_;
+  replace(plan, "p001");
+  replace(plan, plan.back().id);
+  EXPECT_EQ(says(to_csv(plan, design_)), "");
+  plan[0].replaces = plan.back().id;
+  EXPECT_EQ(says(to_csv(plan, design_)),
+            fmt::format("plan.csv:2: column replaces: expected a participant who was there before "
+                        "p001, found '{}'",
+                        plan.back().id));
+}
+
 TEST(Designs, WhatIsWrongIsSaidWithFileAndLine) {
   const std::string text = slurp(HEADPIN_SOURCE_DIR "/assets/designs/uno-slater-1997.toml");
   const auto says = [&](const std::string& from, const std::string& to) {
