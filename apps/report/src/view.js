@@ -14,13 +14,18 @@ const kSettled = 200;  // ms after the last change
 const kCoarse = 0.4;   // pixels of the picture a pixel of the screen, while it changes, in software
 const kOtherTint = [0.55, 0.8, 1.25];
 
+/** What a browser says, which may be a list of several lines, as part of a sentence. */
+function inBrief(text) {
+  return text.replace(/\s+/g, ' ').replace(/(\.| |\(\))+$/, '');
+}
+
 /** Whether the browser draws with a processor alone, and why it does not draw at all. */
 function lookAtWebGl() {
   const canvas = document.createElement('canvas');
   let why = '';
   canvas.addEventListener('webglcontextcreationerror', (event) => { why = event.statusMessage; });
   const gl = canvas.getContext('webgl2');
-  if (!gl) return { why: why || 'it is switched off, or there is no driver for it' };
+  if (!gl) return { why: inBrief(why) || 'it is switched off, or there is no driver for it' };
   const who = gl.getExtension('WEBGL_debug_renderer_info');
   const name = who ? gl.getParameter(who.UNMASKED_RENDERER_WEBGL) : '';
   gl.getExtension('WEBGL_lose_context')?.loseContext();
