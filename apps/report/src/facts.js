@@ -36,12 +36,14 @@ export function showMissing({ json }) {
 /** @param columns  [heading, trial] of each, side by side */
 export function resultTable(caption, columns) {
   const several = columns.length > 1;
-  return table(caption, ['What', ...columns.map(([heading]) => heading), ...(several ? ['Differs'] : [])],
+  const whole = table(caption, ['What', ...columns.map(([heading]) => heading), ...(several ? ['Differs'] : [])],
     kRows.map(([name, of]) => {
       const cells = columns.map(([, trial]) => of(trial.json.summary));
       const words = new Set(cells.map((cell) => cell.textContent ?? cell));
       return [name, ...cells, ...(several ? [words.size > 1 ? 'yes' : 'no'] : [])];
     }));
+  whole.classList.add('whole');
+  return whole;
 }
 
 export function sheets(summary) {
