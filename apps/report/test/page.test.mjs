@@ -1,14 +1,12 @@
 import assert from 'node:assert/strict';
 import { copyFileSync, readFileSync, rmSync, statSync, truncateSync, writeFileSync } from 'node:fs';
-import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
-import { pathToFileURL } from 'node:url';
 
-import { demo, drawnAt, folder, headpin, launch, open, refused, root, until } from './browser.mjs';
-import { readPng } from './png.mjs';
+import { launch, open } from './chromium.mjs';
+import { axeFinds, differenceOver, drawnAt, pixelsOf, until } from './page.mjs';
+import { demo, folder, headpin, refused, root, urlOf } from './program.mjs';
 
-const axe = readFileSync(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
 let browser;
 
 before(async () => {
@@ -36,28 +34,6 @@ test('it is no larger than a mail takes', () => {
   assert.ok(statSync(join(folder, 'game.html')).size < 2e6);
 });
 
-/** Mean difference of the page's picture of an eye from headpin's own, over the pixels of a body. */
-async function differenceOver(page, mask, own) {
-  return page.evaluate(([pixels, colours]) => {
-    const { view } = window.headpin;
-    view.drawNow();
-    const copy = document.createElement('canvas');
-    [copy.width, copy.height] = [view.canvas.width, view.canvas.height];
-    const context = copy.getContext('2d');
-    context.drawImage(view.canvas, 0, 0);
-    const scale = view.canvas.width / view.canvas.clientWidth;
-    const [[eye, x, y, w, h]] = view.eyeFrames(view.canvas.clientWidth, view.canvas.clientHeight);
-    const { width, height } = view.eyes[eye].eye;
-    let sum = 0;
-    pixels.forEach(([column, row], i) => {
-      const seen = context.getImageData(Math.floor(scale * (x + ((column + 0.5) / width) * w)),
-        Math.floor(scale * (y + ((row + 0.5) / height) * h)), 1, 1).data;
-      for (let c = 0; c < 3; ++c) sum += Math.abs(seen[c] - colours[i][c]);
-    });
-    return sum / (3 * pixels.length);
-  }, [mask, own]);
-}
-
 test('ball and skittle are where the trial has them, as the eyes see them, at three times', async () => {
   const frames = [280, 300, 312];
   headpin('frames', 'game.lcmlog', '-o', 'frames', '--frames', frames.join(','), '--ids');
@@ -67,24 +43,16 @@ test('ball and skittle are where the trial has them, as the eyes see them, at th
     await page.evaluate((to) => window.headpin.setMode(to), mode);
     for (const frame of frames) {
       const name = join(folder, 'frames', `${eye}_${String(frame).padStart(6, '0')}`);
-      const ids = readPng(`${name}_ids.png`);
-      const own = readPng(`${name}.png`);
       for (const [body, id] of [['ball', 10], ['skittle 10', 109]]) {
-        const mask = [];
-        const colours = [];
-        ids.values.forEach((found, i) => {
-          if (found !== id) return;
-          mask.push([i % ids.width, Math.floor(i / ids.width)]);
-          colours.push([...own.values.subarray(3 * i, 3 * i + 3)]);
-        });
-        assert.ok(mask.length >= 8, `${body} in frame ${frame}: ${mask.length} pixels`);
+        const pixels = pixelsOf(name, id);
+        assert.ok(pixels.mask.length >= 8, `${body} in frame ${frame}: ${pixels.mask.length} pixels`);
         await drawnAt(page, 4 * frame);
-        const there = await differenceOver(page, mask, colours);
+        const there = await differenceOver(page, pixels);
         // Its mirror image and its shade aside, which are not of its own pixels, it looks the same.
         assert.ok(there < 26, `${body} in the ${eye} eye's frame ${frame}: ${there} levels off`);
         if (body === 'ball') {  // and would be seen to be elsewhere a tenth of a second later
           await drawnAt(page, 4 * frame + 24);
-          const later = await differenceOver(page, mask, colours);
+          const later = await differenceOver(page, pixels);
           assert.ok(later > 1.5 * there, `${later} a tenth of a second later, ${there} at its time`);
         }
       }
@@ -176,10 +144,7 @@ for (const options of [{ width: 1400 }, { width: 390, height: 844 }, { colorSche
   test(`axe-core finds no fault: ${JSON.stringify(options)}`, async () => {
     const { page } = await open(browser, 'game.html', options);
     for (const id of ['plots', 'provenance']) await page.locator(`#${id} summary`).first().click();
-    await page.addScriptTag({ content: axe });
-    const { violations } = await page.evaluate(() => window.axe.run(document,
-      { runOnly: ['wcag2a', 'wcag2aa', 'wcag21a', 'wcag21aa', 'wcag22aa', 'best-practice'] }));
-    assert.deepEqual(violations.map(({ id, nodes }) => [id, nodes.slice(0, 3).map((node) => node.html)]), []);
+    assert.deepEqual(await axeFinds(page), []);
     await page.context().close();
   });
 }
@@ -194,9 +159,7 @@ test('other releases of a throw: pictures, the window of success, each moment as
   assert.equal(await page.locator('#whatif img').count(), 2);
   await page.locator('#whatif summary').click();
   assert.equal(await page.locator('#whatif tbody tr').count(), 301);
-  await page.addScriptTag({ content: axe });
-  const { violations } = await page.evaluate(() => window.axe.run(document.getElementById('whatif')));
-  assert.deepEqual(violations.map(({ id }) => id), []);
+  assert.deepEqual(await axeFinds(page, '#whatif'), []);
   assert.deepEqual(said, []);
   await page.context().close();
 });
@@ -269,9 +232,7 @@ test('two trials are compared in plots, events, scores, and shown one by one by 
   assert.equal(await page.locator('#pair :checked').getAttribute('value'), 'b');
   await page.keyboard.press('b');
   assert.deepEqual(await shown(), [false, true, 7]);
-  await page.addScriptTag({ content: axe });
-  const { violations } = await page.evaluate(() => window.axe.run(document));
-  assert.deepEqual(violations.map(({ id, nodes }) => [id, nodes[0].html]), []);
+  assert.deepEqual(await axeFinds(page), []);
   assert.deepEqual(said, []);
   await page.context().close();
 });
@@ -427,7 +388,7 @@ test('past 20 MB it lies beside the page, and is shown from there', async () => 
   await drawnAt(page, 240);
   await until(page, () => Math.abs(document.querySelector('video').currentTime - 1) < 0.01);
   assert.deepEqual(said, []);
-  assert.deepEqual([...new Set(asked())], [pathToFileURL(join(folder, 'beside.mp4')).href]);
+  assert.deepEqual([...new Set(asked())], [urlOf('beside.mp4')]);
   await page.context().close();
 });
 
@@ -463,9 +424,7 @@ test('without WebGL only the picture is missing', async () => {
   await page.fill('#friction', '0.2');
   const { state_hash: other } = JSON.parse(headpin('replay', 'game.lcmlog', '--friction', '0.2', '--json'));
   await until(page, (want) => document.getElementById('again-status').textContent.includes(want), other);
-  await page.addScriptTag({ content: axe });
-  const { violations } = await page.evaluate(() => window.axe.run(document));
-  assert.deepEqual(violations.map(({ id }) => id), []);
+  assert.deepEqual(await axeFinds(page), []);
   await without.close();
 });
 
@@ -601,9 +560,7 @@ test('what went wrong with a dropped file is said where it was dropped, with the
   assert.match(await box.textContent(), /headpin info cut\.LCMLOG/);
   const corner = await box.boundingBox();
   assert.ok(corner.x + corner.width <= 1280 && corner.y + corner.height <= 900, JSON.stringify(corner));
-  await page.addScriptTag({ content: axe });
-  const { violations } = await page.evaluate(() => window.axe.run(document));
-  assert.deepEqual(violations.map(({ id }) => id), []);
+  assert.deepEqual(await axeFinds(page), []);
   assert.deepEqual(said, []);
   await page.context().close();
 });

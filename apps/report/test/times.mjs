@@ -6,7 +6,9 @@
 import { statSync } from 'node:fs';
 import { join } from 'node:path';
 
-import { demo, folder, headpin, launch, open, until } from './browser.mjs';
+import { launch, open } from './chromium.mjs';
+import { until } from './page.mjs';
+import { demo, folder, headpin } from './program.mjs';
 
 const kOpened = 7;
 const median = (values) => values.toSorted((a, b) => a - b)[Math.floor(values.length / 2)];
