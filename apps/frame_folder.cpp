@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "files/output_file.h"
+#include "render/flow.h"
 #include "scene/looks/looks.h"
 
 namespace headpin::apps {
@@ -40,6 +41,20 @@ std::uint16_t millimetres(float depth) {
   return static_cast<std::uint16_t>(std::lround(std::clamp(1000.0F * depth, 0.0F, 65535.0F)));
 }
 
+using Flow = std::vector<std::array<float, 2>>;
+
+/// Middlebury's format: a number that tells the byte order, width, height, and the flow of each
+/// pixel.
+void write_flo(const std::string& path, const Flow& flow, std::int32_t width, std::int32_t height) {
+  constexpr float kTag = 202021.25F;
+  files::OutputFile file(path, {.overwrite = true, .durable = false});
+  file.write(&kTag, sizeof kTag);
+  file.write(&width, sizeof width);
+  file.write(&height, sizeof height);
+  file.write(flow.data(), flow.size() * sizeof flow[0]);
+  file.commit();
+}
+
 }  // namespace
 
 FrameFolder::FrameFolder(const std::string& folder, const FrameFiles& files, double pixel_aspect,
@@ -69,6 +84,17 @@ void FrameFolder::write_names() {
 }
 
 void FrameFolder::add(const scene::EyeFrame& frame) {
+  const bool wanted = frame.number != files_.flow_to;
+  if (wanted) write_row(frame);
+  wait();
+  writing_ = std::async(std::launch::async, [this, frame, wanted] {
+    if (before_) write_flow(*before_, frame);
+    if (wanted) write_files(frame);
+    if (files_.flow) before_ = frame;
+  });
+}
+
+void FrameFolder::write_row(const scene::EyeFrame& frame) {
   index_ << fmt::format("{},{:.6f},{}", frame.number, seconds(frame.time), frame.tick);
   for (std::size_t eye = 0; eye < 2; ++eye) {
     const Pose& X_WE = frame.views[eye].X_WE;
@@ -77,8 +103,6 @@ void FrameFolder::add(const scene::EyeFrame& frame) {
                           render::pixel_hash(frame.images[eye]));
   }
   index_ << '\n';
-  wait();
-  writing_ = std::async(std::launch::async, [this, frame] { write_files(frame); });
 }
 
 void FrameFolder::write_files(const scene::EyeFrame& frame) {
@@ -93,6 +117,24 @@ void FrameFolder::write_files(const scene::EyeFrame& frame) {
     const std::string stem = fmt::format("{}_{:06}", kEyes[eye], frame.number);
     render::write_png(folder_.file(stem + ".png"), frame.images[eye], pixel_aspect_);
     if (files_.labels()) write_labels(frame.labels[eye], stem);
+  }
+}
+
+void FrameFolder::write_flow(const scene::EyeFrame& before, const scene::EyeFrame& after) {
+  std::array<Flow, 2> flow;
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    flow[eye] = render::flow({before.views[eye], before.items}, before.labels[eye],
+                             {after.views[eye], after.items});
+  }
+  const int width = before.labels[0].width, height = before.labels[0].height;
+  const auto file = [&](const char* name) {
+    return folder_.file(fmt::format("{}_{:06}.flo", name, before.number)).string();
+  };
+  if (files_.side_by_side) {
+    return write_flo(file("both"), beside(flow[0], flow[1], width), 2 * width, height);
+  }
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    write_flo(file(kEyes[eye]), flow[eye], width, height);
   }
 }
 

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <future>
+#include <optional>
 #include <string>
 
 #include "files/output_folder.h"
@@ -14,8 +17,11 @@ struct FrameFiles {
   bool side_by_side = false;  ///< both eyes in one picture
   bool depth = false;         ///< along each eye's axis: PNG of 16 bits [mm], and float32 [m]
   bool ids = false;           ///< object at each pixel's centre: PNG of 16 bits
+  bool flow = false;  ///< displacement of each pixel until the next frame: Middlebury's .flo
+  /// This frame, the last one, is only needed for the flow to it.
+  std::optional<std::int64_t> flow_to = {};
 
-  bool labels() const { return depth || ids; }
+  bool labels() const { return depth || ids || flow; }
 };
 
 /// Writes PNG files and their index, frames.csv, to a folder; they get their names when all are
@@ -34,7 +40,9 @@ class FrameFolder : public scene::FrameSink {
 
  private:
   void wait();
+  void write_row(const scene::EyeFrame& frame);
   void write_files(const scene::EyeFrame& frame);
+  void write_flow(const scene::EyeFrame& before, const scene::EyeFrame& after);
   void write_labels(const render::Labels& labels, const std::string& stem);
   void write_names();
 
@@ -42,6 +50,7 @@ class FrameFolder : public scene::FrameSink {
   FrameFiles files_;
   double pixel_aspect_;
   files::OutputText index_;
+  std::optional<scene::EyeFrame> before_;  // the last frame, for the flow from it
   std::future<void> writing_;  // last member, so that it ends before the folder is destroyed
 };
 

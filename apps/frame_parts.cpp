@@ -137,10 +137,14 @@ class Drawers {
 
   std::size_t running() const { return running_.size(); }
 
-  void begin(std::size_t part, std::span<const std::int64_t> frames) {
+  /// @param flow_to  a frame after the others, if the flow to it is wanted
+  void begin(std::size_t part, std::span<const std::int64_t> frames,
+             const std::optional<std::int64_t>& flow_to) {
+    std::string ranges = as_ranges(frames);
+    if (flow_to) ranges += fmt::format(",{}", *flow_to);
     std::vector<std::string> words = {
-        "headpin",  "frames",         parts_.trial, "-o", folder_.part(part).string(),
-        "--frames", as_ranges(frames)};
+        "headpin", "frames", parts_.trial, "-o", folder_.part(part).string(), "--frames", ranges};
+    if (flow_to) words.insert(words.end(), {"--flow-to", fmt::format("{}", *flow_to)});
     words.insert(words.end(), parts_.arguments.begin(), parts_.arguments.end());
     const int in = parts_.trial == "-" ? files::standard_input() : -1;
     const int said = memfd_create("said", MFD_CLOEXEC);  // in memory, because the disk may be full
@@ -242,6 +246,9 @@ std::int64_t draw_in_parts(const FrameParts& parts, files::OutputFolder& result)
   const auto frames_of = [&](std::size_t i) {
     return all.subspan(i * size, std::min(size, all.size() - i * size));
   };
+  const auto flow_to = [&](std::size_t i) {
+    return parts.flow && i + 1 < count ? std::optional(frames_of(i + 1).front()) : std::nullopt;
+  };
   std::int64_t drawn = 0;
   std::vector<std::size_t> left;
   for (std::size_t i = 0; i < count; ++i) {
@@ -255,7 +262,7 @@ std::int64_t draw_in_parts(const FrameParts& parts, files::OutputFolder& result)
   Drawers drawers(parts, folder);
   for (std::size_t next = 0; next < left.size() || drawers.running() > 0;) {
     if (next < left.size() && drawers.running() < static_cast<std::size_t>(parts.jobs)) {
-      drawers.begin(left[next], frames_of(left[next]));
+      drawers.begin(left[next], frames_of(left[next]), flow_to(left[next]));
       ++next;
       continue;
     }

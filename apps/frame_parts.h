@@ -15,6 +15,7 @@ struct FrameParts {
   std::string trial;                   ///< its file
   std::vector<std::string> arguments;  ///< of `headpin frames`, but for trial, folder and frames
   std::vector<std::int64_t> frames;    ///< rising
+  bool flow = false;                   ///< of each part's last frame to the next part's first
   int jobs = 1;                        ///< processes at a time
   bool resume = false;                 ///< continues with existing parts, and keeps them
   std::string made_by;                 ///< identifies the renderer: parts of others are refused

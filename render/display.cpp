@@ -64,10 +64,6 @@ Frustum edges_of(const Lens& lens, const Frustum& f) {
       lens.edge(f.left), lens.edge(f.right), lens.edge(f.bottom), lens.edge(f.top), f.near, f.far};
 }
 
-bool has_lens(const Optics& optics) {
-  return optics.lens_k1 != 0.0 || optics.lens_k2 != 0.0;
-}
-
 View relayed_view(View view, const Optics& optics) {
   if (optics.relay_width > 0) view.width = optics.relay_width;
   if (optics.relay_height > 0) view.height = optics.relay_height;
@@ -210,6 +206,10 @@ Image area_filtered(const Image& image, int width, int height) {
 
 bool is_plain(const Optics& optics) {
   return optics.relay_width == 0 && optics.relay_height == 0 && !has_lens(optics);
+}
+
+bool has_lens(const Optics& optics) {
+  return optics.lens_k1 != 0.0 || optics.lens_k2 != 0.0;
 }
 
 View drawn_view(const View& shown, const Optics& optics) {

@@ -14,6 +14,9 @@ Image area_filtered(const Image& image, int width, int height);
 /// Whether pictures are displayed without conversion.
 bool is_plain(const Optics& optics);
 
+/// Whether a lens distorts, so that the display is no pinhole camera.
+bool has_lens(const Optics& optics);
+
 /// The view to draw for a view of the display: of the scaled size, wider if a lens shows more in
 /// the corners, and with the resolution that the middle needs.
 View drawn_view(const View& shown, const Optics& optics);

@@ -9,16 +9,16 @@
 #include "apps/command.h"
 #include "apps/condition.h"
 #include "apps/damage.h"
-#include "apps/frame_folder.h"
+#include "apps/frame_outputs.h"
 #include "apps/frame_parts.h"
 #include "apps/frame_ranges.h"
-#include "apps/frame_sinks.h"
 #include "apps/live_eyes.h"
 #include "apps/options.h"
 #include "apps/progress.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "render/data/hmd.h"
+#include "render/display.h"
 #include "scene/watch/drawn_by.h"
 #include "scene/watch/eye_frames.h"
 #include "scene/watch/recorded.h"
@@ -27,24 +27,6 @@
 namespace headpin::apps {
 
 namespace {
-
-namespace fs = std::filesystem;
-
-struct FramesOptions {
-  std::string trial, frames, gl;
-  std::optional<std::string> folder, video, y4m, look;
-  std::optional<int> samples;
-  std::int64_t fps = 0;
-  double longest_gap = seconds(devices::kLongestGap);
-  std::string layout = "separate", view = "eyes";
-  int jobs = 1;
-  FrameFiles files;
-  bool verify = false, as_shown = false, force = false, json = false, no_copy = false,
-       resume = false;
-
-  bool writes() const { return folder || video || y4m; }
-  bool in_parts() const { return jobs > 1 || resume; }
-};
 
 /// The rendering quality: that of the trial, unless the options give another.
 render::Quality look_of(const FramesOptions& options, scene::Scenario scenario) {
@@ -105,66 +87,37 @@ std::vector<std::int64_t> frames_until(Time end, std::int64_t fps, const FrameRa
 
 void check_use(const FramesOptions& options) {
   if (!options.writes() && !options.verify) {
-    throw UsageError("nothing to write: expected -o DIR, --video FILE, --y4m FILE or --verify");
+    throw UsageError(
+        "nothing to write: expected -o DIR, --video FILE, --y4m FILE, --cameras FILE, --colmap DIR "
+        "or --verify");
   }
   if (options.verify && (options.look || options.samples || options.view != "eyes")) {
     throw UsageError(
         "--verify compares with what was shown: expected no --look, no --samples and no --view");
   }
   if (!options.folder && (options.files.labels() || options.layout != "separate")) {
-    throw UsageError("--depth, --ids and --layout need -o DIR");
+    throw UsageError("--depth, --ids, --flow and --layout need -o DIR");
+  }
+  if (options.colmap && options.layout != "separate") {
+    throw UsageError("--colmap names a picture of each eye: expected no --layout side-by-side");
   }
   if (options.in_parts() && (!options.folder || options.video || options.y4m || options.verify)) {
     throw UsageError("--jobs and --resume need -o DIR, without --video, --y4m or --verify");
   }
 }
 
-files::OutputFolder::Options folder_options(const FramesOptions& options) {
-  std::vector<fs::path> others = {options.trial};
-  if (options.video) others.push_back(*options.video);
-  if (options.y4m && *options.y4m != "-") others.push_back(*options.y4m);
-  return {.overwrite = options.force, .others = others};
+/// A lens bends the picture, which a camera's matrix cannot describe.
+void check_pinhole(const FramesOptions& options, const render::Optics& optics) {
+  if (!render::has_lens(optics) || !(options.writes_cameras() || options.files.flow)) return;
+  throw std::runtime_error(
+      fmt::format("{}: its display has a lens: for --cameras, --colmap and --flow expected "
+                  "hmd.lens_k1 = 0 and hmd.lens_k2 = 0, found {} and {}",
+                  printable(options.trial), optics.lens_k1, optics.lens_k2));
 }
 
-/// The wanted folder and sequences.
-class Outputs {
- public:
-  Outputs(const FramesOptions& options, const render::Optics& optics, std::int64_t fps) {
-    if (options.folder) {
-      FrameFiles files = options.files;
-      files.side_by_side = options.layout == "side-by-side";
-      sinks_.push_back(
-          &folder_.emplace(*options.folder, files, optics.pixel_aspect(), folder_options(options)));
-    }
-    VideoOptions how{.path = options.video.value_or(""),
-                     .fps = fps,
-                     .force = options.force,
-                     .hold = !options.as_shown        ? Hold::one_each
-                             : options.frames.empty() ? Hold::from_time_zero
-                                                      : Hold::from_first_shown,
-                     .copy = !options.no_copy,
-                     .inputs = {options.trial}};
-    if (options.video) sinks_.push_back(&video_.emplace(how, optics));
-    how.path = options.y4m.value_or("");
-    if (options.y4m) sinks_.push_back(&y4m_.emplace(how, optics));
-  }
-
-  const std::vector<scene::FrameSink*>& sinks() const { return sinks_; }
-  void close() {
-    if (y4m_) y4m_->close();
-    if (video_) video_->close();
-    if (folder_) folder_->close();
-  }
-
- private:
-  std::optional<FrameFolder> folder_;
-  std::optional<VideoSink> video_;
-  std::optional<Y4mSink> y4m_;
-  std::vector<scene::FrameSink*> sinks_;
-};
-
 scene::FrameExtras extras_of(const FramesOptions& options, const scene::Scenario& scenario) {
-  scene::FrameExtras extras{.labels = options.files.labels()};
+  scene::FrameExtras extras{.pictures = options.writes_pictures(),
+                            .labels = options.folder && options.files.labels()};
   if (options.view == "third-person") extras.X_WC = scene::third_person_camera(scenario);
   if (options.view == "top") extras.X_WC = scene::top_camera(scenario);
   return extras;
@@ -195,11 +148,19 @@ std::string check_comparable(const FramesOptions& options, const scene::Recorded
   return why_not;
 }
 
-Done draw_here(const FramesOptions& options, const Task& task, const scene::Recorded& recorded,
-               scene::Session session, scene::Eyes& eyes) {
-  Outputs outputs(options, eyes.optics, task.fps);
+/// Opens the outputs before anything is drawn.
+FrameOutputs outputs_of(const FramesOptions& options, const Task& task,
+                        const scene::Recorded& recorded, const scene::Eyes& eyes) {
   const scene::FrameExtras extras = extras_of(options, recorded.scenario);
-  devices::TrialPlayer source(recorded.file, {.states = true, .frames = task.compares});
+  return {options, eyes.optics, scene::views_of(eyes, {.X_WC = extras.X_WC}), task.fps};
+}
+
+/// Runs the session and gives the frames to the outputs.
+Done watch(const FramesOptions& options, const Task& task, const scene::Recorded& recorded,
+           scene::Session session, scene::Eyes& eyes, const FrameOutputs& outputs) {
+  scene::FrameExtras extras = extras_of(options, recorded.scenario);
+  devices::TrialPlayer source(recorded.file,
+                              {.states = true, .frames = options.as_shown || options.verify});
   Progress progress("frames", static_cast<std::int64_t>(task.frames.size()));
   const auto is_wanted = [&](std::int64_t frame) {
     return std::ranges::binary_search(task.frames, frame);
@@ -211,9 +172,11 @@ Done draw_here(const FramesOptions& options, const Task& task, const scene::Reco
   std::optional<scene::FramesAsShown> shown;
   std::optional<scene::FrameByFrame> drawing;
   if (options.as_shown) {
-    observers.push_back(&shown.emplace(
-        eyes, source, scene::FramesAsShown::Plan{task.why_not.empty(), is_wanted, show, extras},
-        outputs.sinks()));
+    const bool compare = task.compares && task.why_not.empty();
+    extras.pictures = extras.pictures || compare;
+    observers.push_back(&shown.emplace(eyes, source,
+                                       scene::FramesAsShown::Plan{compare, is_wanted, show, extras},
+                                       outputs.sinks()));
   } else {
     if (options.verify) {
       const auto all = [](std::int64_t) { return true; };
@@ -234,11 +197,18 @@ Done draw_here(const FramesOptions& options, const Task& task, const scene::Reco
     check_stop();
     return s.tick >= task.ticks;
   });
-  outputs.close();
   return {drawing            ? drawing->drawn()
           : options.as_shown ? shown->drawn()
                              : 0,
           shown ? shown->compared() : 0};
+}
+
+Done draw_here(const FramesOptions& options, const Task& task, const scene::Recorded& recorded,
+               scene::Session session, scene::Eyes& eyes) {
+  FrameOutputs outputs = outputs_of(options, task, recorded, eyes);
+  const Done done = watch(options, task, recorded, std::move(session), eyes, outputs);
+  outputs.close();
+  return done;
 }
 
 /// The options for the processes that draw a part.
@@ -255,13 +225,24 @@ std::vector<std::string> arguments_of_parts(const FramesOptions& options) {
   add(!options.gl.empty(), {"--gl", options.gl});
   add(options.files.depth, {"--depth"});
   add(options.files.ids, {"--ids"});
+  add(options.files.flow, {"--flow"});
   add(options.as_shown, {"--as-shown"});
   return words;
 }
 
-Done draw_apart(const FramesOptions& options, const Task& task, scene::Eyes& eyes) {
+Done draw_apart(const FramesOptions& options, const Task& task, const scene::Recorded& recorded,
+                scene::Session session, scene::Eyes& eyes) {
   const auto total = static_cast<std::int64_t>(task.frames.size());
-  files::OutputFolder folder(*options.folder, folder_options(options));
+  files::OutputFolder folder(*options.folder, picture_folder_options(options));
+  // The cameras need no pictures: this process writes them all.
+  FramesOptions cameras_alone = options;
+  cameras_alone.folder.reset();
+  Task without_pictures = task;
+  without_pictures.compares = false;
+  FrameOutputs cameras = outputs_of(cameras_alone, task, recorded, eyes);
+  if (options.writes_cameras()) {
+    watch(cameras_alone, without_pictures, recorded, std::move(session), eyes, cameras);
+  }
   Progress progress("frames", total);
   const render::Fingerprint who = render::fingerprint(eyes.renderer);
   const std::int64_t there_already =
@@ -269,11 +250,13 @@ Done draw_apart(const FramesOptions& options, const Task& task, scene::Eyes& eye
                      .trial = options.trial,
                      .arguments = arguments_of_parts(options),
                      .frames = task.frames,
+                     .flow = options.files.flow,
                      .jobs = options.jobs,
                      .resume = options.resume,
                      .made_by = fmt::format("{:016x} {}", who.picture, who.renderer),
                      .progress = [&](std::int64_t drawn) { progress.show(drawn); }},
                     folder);
+  cameras.close();
   return {total, options.as_shown && task.why_not.empty() ? total : 0, there_already};
 }
 
@@ -287,6 +270,8 @@ void report(const FramesOptions& options, const Task& task, const Done& done, bo
                 {"output", path(options.folder)},
                 {"video", path(options.video)},
                 {"y4m", path(options.y4m)},
+                {"cameras", path(options.cameras)},
+                {"colmap", path(options.colmap)},
                 {"complete", complete},
                 {"frames", done.drawn},
                 {"frames_there_already", done.there_already},
@@ -302,8 +287,9 @@ void report(const FramesOptions& options, const Task& task, const Done& done, bo
     fmt::print("{} frames equal the recording\n", done.compared);
   }
   if (!options.writes()) return;
-  fmt::print("{} frames of two eyes, {}x{} each, drawn by {}\n", done.drawn, eyes.optics.width,
-             eyes.optics.height, eyes.renderer.description());
+  fmt::print(
+      "{} frames of two eyes, {}x{} each, {}\n", done.drawn, eyes.optics.width, eyes.optics.height,
+      options.writes_pictures() ? "drawn by " + eyes.renderer.description() : "their cameras only");
   if (done.there_already > 0) fmt::print("{} of them were there already\n", done.there_already);
 }
 
@@ -331,13 +317,14 @@ void draw_frames(const FramesOptions& options) {
   scene::Session session = scene::make_session(recorded.scenario);
   scene::Eyes eyes =
       scene::open_eyes(*session.stage, look_of(options, recorded.scenario), options.gl);
+  check_pinhole(options, eyes.optics);
   say_instead_of("frames", eyes);
   say_not_drawn("frames", recorded.scenario);
   if (task.compares) task.why_not = check_comparable(options, recorded, eyes);
   say_what_is_missing("frames", options.trial, trial);
   watch_stop_signals();
   const Done done = options.in_parts()
-                        ? draw_apart(options, task, eyes)
+                        ? draw_apart(options, task, recorded, std::move(session), eyes)
                         : draw_here(options, task, recorded, std::move(session), eyes);
   report(options, task, done, trial.complete, eyes);
 }
@@ -371,6 +358,20 @@ void add_output_options(CLI::App& command, FramesOptions& options) {
   command.add_flag("--ids", options.files.ids,
                    "write which object each pixel shows: NAME_ids.png has 16-bit numbers, ids.csv "
                    "has the object of each number");
+  command.add_flag("--flow", options.files.flow,
+                   "write the displacement of each pixel until the next frame that is drawn: "
+                   "NAME.flo has pixels in Middlebury's format; the last frame has none");
+  command.add_option("--flow-to", options.files.flow_to)
+      ->group("");  // internal, not shown in the help: the frame is only for the flow to it
+  add_output(command, "--cameras", options.cameras,
+             "cameras to write (.json): the matrix of each eye, and its pose in each frame, in "
+             "OpenCV's convention",
+             {".json"})
+      ->check(ending_in(".json"));
+  add_output(command, "--colmap", options.colmap,
+             "folder for the same as COLMAP's cameras.txt and images.txt: a new or empty folder; "
+             "with --force also one that headpin wrote",
+             {});
 }
 
 /// Adds the options for the pictures.

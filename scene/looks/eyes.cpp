@@ -15,18 +15,6 @@ double farthest_seen(const Room& room) {
   return 1.0 + std::hypot(room.width, room.height, room.behind + room.ahead);
 }
 
-render::DrawList list_of(const Eyes& eyes, const Glimpse& g) {
-  return draw_list(eyes.looks, moving(g));
-}
-
-/// The views of the head or of the camera, which may be farther away.
-std::array<render::View, 2> views_of(const Eyes& eyes, const Glimpse& g) {
-  if (!g.X_WC) return render::eyes(g.X_WD, eyes.optics);
-  render::Optics optics = eyes.optics;
-  optics.far += g.X_WC->p.norm();
-  return render::eyes(*g.X_WC, optics);
-}
-
 /// The views that are drawn for these views.
 std::array<render::View, 2> drawn_views_of(const Eyes& eyes,
                                            const std::array<render::View, 2>& views) {
@@ -85,6 +73,17 @@ Pose side_camera(const Scenario& scenario) {
   R_WC << Vec3::UnitY(), Vec3::UnitZ(), Vec3::UnitX();
   return {Quat(R_WC), Vec3(distance_to_show(scenario, room.behind + room.ahead, room.height),
                            0.5 * (room.ahead - room.behind), 0.5 * room.height)};
+}
+
+std::array<render::View, 2> views_of(const Eyes& eyes, const Glimpse& g) {
+  if (!g.X_WC) return render::eyes(g.X_WD, eyes.optics);
+  render::Optics optics = eyes.optics;  // the camera may be farther away than a head
+  optics.far += g.X_WC->p.norm();
+  return render::eyes(*g.X_WC, optics);
+}
+
+render::DrawList list_of(const Eyes& eyes, const Glimpse& g) {
+  return draw_list(eyes.looks, moving(g));
 }
 
 std::array<render::View, 2> see(Eyes& eyes, const Glimpse& g, std::array<render::Image, 2>& out) {

@@ -31,6 +31,12 @@ Pose third_person_camera(const Scenario& scenario);
 Pose top_camera(const Scenario& scenario);
 Pose side_camera(const Scenario& scenario);
 
+/// The views of both eyes, or of a camera in their place, left first.
+std::array<render::View, 2> views_of(const Eyes& eyes, const Glimpse& glimpse);
+
+/// All that is drawn.
+render::DrawList list_of(const Eyes& eyes, const Glimpse& glimpse);
+
 /// Draws both eyes, left first.
 ///
 /// @return  the views, with X_WE of each eye

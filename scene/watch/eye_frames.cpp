@@ -16,8 +16,10 @@ double seconds_between(RealTime::Clock::time_point a, RealTime::Clock::time_poin
 /// Draws a frame and its wanted extras.
 void draw(Eyes& eyes, Glimpse g, const FrameExtras& extras, EyeFrame& frame) {
   g.X_WC = extras.X_WC;
-  frame.views = see(eyes, g, frame.images);
-  if (extras.labels) frame.labels = see_labels(eyes, g);
+  frame.views = extras.pictures ? see(eyes, g, frame.images) : views_of(eyes, g);
+  if (!extras.labels) return;
+  frame.labels = see_labels(eyes, g);
+  frame.items = list_of(eyes, g).items;
 }
 
 }  // namespace

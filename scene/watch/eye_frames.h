@@ -26,10 +26,12 @@ struct EyeFrame {
   std::array<render::View, 2> views;
   std::array<render::Image, 2> images;
   std::array<render::Labels, 2> labels;  ///< where they are wanted
+  std::vector<render::DrawItem> items;   ///< likewise: the objects, with their poses
 };
 
 /// Options of drawing a frame.
 struct FrameExtras {
+  bool pictures = true;  ///< else only the views
   bool labels = false;
   std::optional<Pose> X_WC = {};  ///< viewpoint instead of the head
 };

@@ -13,6 +13,7 @@
 #include "scene/play/events.h"
 #include "scene/scenario/scenario.h"
 #include "tests/apps/command_line.h"
+#include "tests/apps/decoded.h"
 #include "tests/support/processes.h"
 
 namespace headpin {
@@ -220,17 +221,6 @@ TEST_F(Frames, TheEnvironmentChoosesWhatDraws) {
   EXPECT_EQ(draws_nothing.code, 0) << draws_nothing.err;
 }
 
-/// A picture's bytes as ffmpeg reads them.
-std::string decoded(const fs::path& file, const std::string& format) {
-  const fs::path raw = file.parent_path() / "decoded.raw";
-  const std::string command = "ffmpeg -v error -y -i '" + file.string() +
-                              "' -f rawvideo -pix_fmt " + format + " '" + raw.string() + "'";
-  EXPECT_EQ(std::system(command.c_str()), 0) << command;
-  std::string bytes = slurp(raw);
-  fs::remove(raw);
-  return bytes;
-}
-
 /// The picture's bytes, as ffmpeg reads the PNG of both eyes.
 std::string both_eyes(const fs::path& folder, std::int64_t frame) {
   return decoded(folder / fmt::format("both_{:06}.png", frame), "rgb24");
@@ -420,10 +410,14 @@ std::map<std::string, std::string> contents(const fs::path& folder) {
 
 // 130 frames are three parts.
 TEST_F(Frames, DrawnBySeveralProcessesAreTheSameFiles) {
-  const std::string draw = "frames " + kDemo + " --look 1997 --ids --frames 170-299 -o ";
-  ASSERT_EQ(headpin(draw + "one").code, 0);
-  EXPECT_EQ(json(draw + "three --jobs 3 --json")["frames"], 130);
+  const std::string draw = "frames " + kDemo + " --look 1997 --ids --flow --frames 170-299 -o ";
+  ASSERT_EQ(headpin(draw + "one --cameras one.json --colmap model").code, 0);
+  EXPECT_EQ(json(draw + "three --cameras three.json --colmap models --jobs 3 --json")["frames"],
+            130);
   EXPECT_EQ(contents(folder_ / "three"), contents(folder_ / "one"));
+  EXPECT_TRUE(fs::exists(folder_ / "one/right_000298.flo"));
+  EXPECT_EQ(slurp(folder_ / "three.json"), slurp(folder_ / "one.json"));
+  EXPECT_EQ(contents(folder_ / "models"), contents(folder_ / "model"));
   EXPECT_FALSE(fs::exists(folder_ / "three.parts"));
   expect_refusal(draw + "one --jobs 2", 1, "one: exists already");
   expect_refusal("frames " + kDemo + " --jobs 2 --video OUT.mkv", 2, "need -o DIR");

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "files/output_file.h"
+#include "files/output_folder.h"
+#include "files/output_text.h"
+#include "render/eyes.h"
+#include "scene/watch/eye_frames.h"
+
+/// The cameras of both eyes, frame by frame, for computer vision.
+namespace headpin::apps {
+
+/// OpenCV's matrices of both eyes as JSON (docs/guides/frames.md).
+class CamerasFile : public scene::FrameSink {
+ public:
+  /// @param views  of both eyes, at any time
+  /// @throws as files::OutputFile
+  CamerasFile(const std::string& path, const std::array<render::View, 2>& views,
+              const files::OutputFile::Options& options);
+
+  void add(const scene::EyeFrame& frame) override;
+  void close();
+
+ private:
+  void write(const std::string& text) { file_.write(text.data(), text.size()); }
+
+  files::OutputFile file_;
+  bool first_ = true;
+};
+
+/// The model of COLMAP as text: cameras.txt, images.txt and an empty points3D.txt.
+class ColmapFolder : public scene::FrameSink {
+ public:
+  /// @throws as files::OutputFolder
+  ColmapFolder(const std::string& path, const std::array<render::View, 2>& views,
+               const files::OutputFolder::Options& options);
+
+  void add(const scene::EyeFrame& frame) override;
+  void close();
+
+ private:
+  files::OutputFolder folder_;
+  files::OutputText images_;
+  std::int64_t written_ = 0;  ///< images
+};
+
+}  // namespace headpin::apps

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/camera_sinks.h"
+#include "apps/frame_folder.h"
+#include "apps/frame_sinks.h"
+#include "devices/trial/sources.h"
+
+/// The options of `headpin frames`, and its outputs.
+namespace headpin::apps {
+
+struct FramesOptions {
+  std::string trial, frames, gl;
+  std::optional<std::string> folder, video, y4m, cameras, colmap, look;
+  std::optional<int> samples;
+  std::int64_t fps = 0;
+  double longest_gap = seconds(devices::kLongestGap);
+  std::string layout = "separate", view = "eyes";
+  int jobs = 1;
+  FrameFiles files;
+  bool verify = false, as_shown = false, force = false, json = false, no_copy = false,
+       resume = false;
+
+  bool writes_pictures() const { return folder || video || y4m; }
+  bool writes_cameras() const { return cameras || colmap; }
+  bool writes() const { return writes_pictures() || writes_cameras(); }
+  bool in_parts() const { return jobs > 1 || resume; }
+};
+
+/// For the folder of the pictures.
+files::OutputFolder::Options picture_folder_options(const FramesOptions& options);
+
+/// The wanted folders and files, opened before anything is drawn.
+class FrameOutputs {
+ public:
+  /// @param views  of both eyes, at any time
+  FrameOutputs(const FramesOptions& options, const render::Optics& optics,
+               const std::array<render::View, 2>& views, std::int64_t fps);
+
+  const std::vector<scene::FrameSink*>& sinks() const { return sinks_; }
+  void close();
+
+ private:
+  std::optional<FrameFolder> folder_;
+  std::optional<CamerasFile> cameras_;
+  std::optional<ColmapFolder> colmap_;
+  std::optional<VideoSink> video_;
+  std::optional<Y4mSink> y4m_;
+  std::vector<scene::FrameSink*> sinks_;
+};
+
+}  // namespace headpin::apps
