@@ -27,9 +27,11 @@ std::vector<const CLI::App*> commands(const CLI::App& app) {
   return app.get_subcommands([](const CLI::App* command) { return !command->get_group().empty(); });
 }
 
+/// The visible options.
 std::vector<const CLI::Option*> options(const CLI::App& command, bool positional) {
-  return command.get_options(
-      [=](const CLI::Option* option) { return option->get_positional() == positional; });
+  return command.get_options([=](const CLI::Option* option) {
+    return option->get_positional() == positional && !option->get_group().empty();
+  });
 }
 
 /// The options of a command and, for a group, of all commands in it; each name once.

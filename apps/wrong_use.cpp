@@ -22,9 +22,11 @@ std::vector<std::string> commands_of(const CLI::App& app) {
   return names;
 }
 
+/// The visible options of a command.
 std::vector<std::string> options_of(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {
+    if (option->get_group().empty()) continue;
     for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
   }
   return names;
