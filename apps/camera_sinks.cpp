@@ -10,22 +10,20 @@ namespace headpin::apps {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
-
 constexpr std::array<const char*, 2> kCameraNames = {"left", "right"};
 
 template <typename Matrix>
-Json rows_of(const Matrix& matrix) {
-  Json rows = Json::array();
+nlohmann::ordered_json rows_of(const Matrix& matrix) {
+  nlohmann::ordered_json rows = nlohmann::ordered_json::array();
   for (Eigen::Index i = 0; i < matrix.rows(); ++i) {
-    Json row = Json::array();
+    nlohmann::ordered_json row = nlohmann::ordered_json::array();
     for (Eigen::Index j = 0; j < matrix.cols(); ++j) row.push_back(matrix(i, j));
     rows.push_back(row);
   }
   return rows;
 }
 
-Json camera_json(const render::View& view) {
+nlohmann::ordered_json camera_json(const render::View& view) {
   const render::Camera camera(view);
   Mat3 K;
   K << camera.fx, 0.0, camera.cx, 0.0, camera.fy, camera.cy, 0.0, 0.0, 1.0;
@@ -41,10 +39,11 @@ Json camera_json(const render::View& view) {
 CamerasFile::CamerasFile(const std::string& path, const std::array<render::View, 2>& views,
                          const files::OutputFile::Options& options)
     : file_(path, options) {
-  const Json convention = "OpenCV: x right, y down, z ahead";
-  const Json pixels = "the centre of the first pixel, top left, is at (0, 0)";
-  const Json world = "T_cam_world takes a point of the world [m] into the camera [m]";
-  const Json gl_view = "diag(1, -1, -1, 1) * T_cam_world";
+  const nlohmann::ordered_json convention = "OpenCV: x right, y down, z ahead";
+  const nlohmann::ordered_json pixels = "the centre of the first pixel, top left, is at (0, 0)";
+  const nlohmann::ordered_json world =
+      "T_cam_world takes a point of the world [m] into the camera [m]";
+  const nlohmann::ordered_json gl_view = "diag(1, -1, -1, 1) * T_cam_world";
   write(fmt::format("{{\n\"convention\": {},\n\"pixels\": {},\n\"world\": {},\n\"gl_view\": {},\n",
                     convention.dump(), pixels.dump(), world.dump(), gl_view.dump()));
   write("\"cameras\": {");
@@ -56,7 +55,8 @@ CamerasFile::CamerasFile(const std::string& path, const std::array<render::View,
 }
 
 void CamerasFile::add(const scene::EyeFrame& frame) {
-  Json row = {{"frame", frame.number}, {"tick", frame.tick}, {"t_us", frame.time.count()}};
+  nlohmann::ordered_json row = {
+      {"frame", frame.number}, {"tick", frame.tick}, {"t_us", frame.time.count()}};
   for (std::size_t eye = 0; eye < 2; ++eye) {
     const Pose X_CW = render::Camera(frame.views[eye]).X_CW;
     row[kCameraNames[eye]] = {{"T_cam_world", rows_of(render::matrix(X_CW))}};
