@@ -267,6 +267,24 @@ TEST_F(Cameras, FlowIsZeroWhereCameraAndWorldRest) {
   EXPECT_GT(most.at(2), 0.1);  // the hand
 }
 
+TEST_F(Cameras, FlowOfBothEyesIsSideBySideLikeThePictures) {
+  const std::string draw = "frames " + kDemo + " --frames 250-251 --look 1997 --flow ";
+  ASSERT_EQ(headpin(draw + "-o two").code, 0);
+  ASSERT_EQ(headpin(draw + "-o one --layout side-by-side").code, 0);
+  const std::string both = slurp(folder_ / "one/both_000250.flo");
+  EXPECT_EQ(values_of<std::int32_t>(both.substr(4, 8)), (std::vector{2 * kWidth, kHeight}));
+  constexpr std::size_t kRow = std::size_t{8} * kWidth;
+  const std::array eyes = {slurp(folder_ / "two/left_000250.flo"),
+                           slurp(folder_ / "two/right_000250.flo")};
+  ASSERT_EQ(both.size(), 12 + 2 * kRow * kHeight);
+  for (std::size_t y = 0; y < kHeight; ++y) {
+    for (std::size_t eye = 0; eye < 2; ++eye) {
+      EXPECT_EQ(both.substr(12 + kRow * (2 * y + eye), kRow), eyes[eye].substr(12 + kRow * y, kRow))
+          << eye << " " << y;
+    }
+  }
+}
+
 TEST_F(Cameras, AreWrittenLikeOtherOutputs) {
   const std::string draw = "frames " + kDemo + " --frames 3-4 ";
   const nlohmann::json told = json(draw + "--cameras c.json --colmap model --json");
