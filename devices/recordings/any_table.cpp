@@ -159,11 +159,27 @@ std::string take_unit(std::string& name) {
   return "";
 }
 
+/// "ms" of "[ms]" and "(ms)".
+std::string_view without_brackets(std::string_view cell) {
+  const bool in_brackets = cell.size() > 2 && ((cell.front() == '[' && cell.back() == ']') ||
+                                               (cell.front() == '(' && cell.back() == ')'));
+  return in_brackets ? trimmed(cell.substr(1, cell.size() - 2)) : cell;
+}
+
 bool is_unit(std::string_view cell) {
-  constexpr std::array kUnits = {"m",      "cm",      "mm",  "in",  "ft",      "s",       "ms",
-                                 "us",     "ns",      "deg", "rad", "degrees", "radians", "meters",
-                                 "metres", "seconds", "1",   "-",   "quat"};
-  return std::ranges::find(kUnits, small_letters(cell)) != kUnits.end();
+  constexpr std::array kUnits = {"m",       "cm",     "mm",     "in",      "ft",  "s",
+                                 "ms",      "us",     "ns",     "deg",     "rad", "degrees",
+                                 "radians", "meters", "metres", "seconds", "1",   "-",
+                                 "quat",    "%",      "v",      "bool",    "0/1", "°"};
+  return std::ranges::find(kUnits, small_letters(without_brackets(cell))) != kUnits.end();
+}
+
+/// Whether most words of a line are units: a row of units. A word beside them may be one that is not
+/// known here.
+bool are_units(const Cells& cells) {
+  const auto words = std::ranges::count_if(cells, [](auto cell) { return !cell.empty(); });
+  const auto units = std::ranges::count_if(cells, is_unit);
+  return units == words || (units >= 2 && 2 * units > words);
 }
 
 /// The lines above the numbers, as rows of cells.
@@ -183,10 +199,13 @@ class Header {
     if (cells.size() == columns_ + 1 && cells.back().empty()) cells.pop_back();
     if (line.comment && cells.size() != columns_) return;
     if (take_facts(cells, table)) return;
-    if (std::ranges::all_of(cells, [](auto cell) { return cell.empty() || is_unit(cell); })) {
+    if (are_units(cells)) {
       units_ = cells;
       return;
     }
+    // "Laboratory 3;P07;throw 2" says nothing of the columns.
+    const bool whole = std::ranges::none_of(cells, &std::string_view::empty);
+    if (!last && whole && 2 * cells.size() <= columns_) return;
     rows_.push_back(std::move(cells));
   }
 
@@ -197,12 +216,18 @@ class Header {
       FoundColumn& column = all[c];
       for (const Cells& row : rows_) {
         if (c >= row.size() || row[c].empty()) continue;
-        column.last = column.written = row[c];
-        column.unit = take_unit(column.last);
-        column.name += (column.name.empty() ? "" : " ") + column.last;
+        std::string name(row[c]);
+        const std::string unit = take_unit(name);
+        if (!unit.empty()) column.unit = unit;
+        if (name.empty()) continue;
+        column.written = row[c];
+        column.last = name;
+        column.name += (column.name.empty() ? "" : " ") + name;
       }
       if (column.name.empty()) column.name = column.last = fmt::format("#{}", c + 1);
-      if (c < units_.size() && !units_[c].empty()) column.unit = small_letters(units_[c]);
+      if (c < units_.size() && is_unit(units_[c])) {
+        column.unit = small_letters(without_brackets(units_[c]));
+      }
     }
     return all;
   }

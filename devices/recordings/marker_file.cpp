@@ -14,23 +14,6 @@
 namespace headpin::devices {
 namespace {
 
-/// Whether words say a grab (true) or a release (false).
-std::optional<bool> pressed_by(const std::vector<std::string>& words) {
-  const auto any = [&](std::initializer_list<std::string_view> beginnings) {
-    return std::ranges::any_of(words, [&](const std::string& word) {
-      return std::ranges::any_of(beginnings,
-                                 [&](std::string_view one) { return word.starts_with(one); });
-    });
-  };
-  const auto is = [&](std::string_view word) {
-    return std::ranges::find(words, word) != words.end();
-  };
-  if (any({"pick"})) return true;  // up, too
-  if (any({"release", "throw", "drop", "letgo"}) || is("let") || is("up")) return false;
-  if (any({"grab", "grasp", "press", "take", "hold"}) || is("down")) return true;
-  return std::nullopt;
-}
-
 /// The column of the times, from a header; none without one.
 std::optional<std::size_t> time_column(const std::vector<std::string_view>& header) {
   for (std::size_t c = 0; c < header.size(); ++c) {
@@ -132,6 +115,22 @@ MarkerLines read_lines(std::string_view text, std::string_view where, double uni
 }
 
 }  // namespace
+
+std::optional<bool> pressed_by(const std::vector<std::string>& words) {
+  const auto any = [&](std::initializer_list<std::string_view> beginnings) {
+    return std::ranges::any_of(words, [&](const std::string& word) {
+      return std::ranges::any_of(beginnings,
+                                 [&](std::string_view one) { return word.starts_with(one); });
+    });
+  };
+  const auto is = [&](std::string_view word) {
+    return std::ranges::find(words, word) != words.end();
+  };
+  if (any({"pick"})) return true;  // up, too
+  if (any({"release", "throw", "drop", "letgo"}) || is("let") || is("up")) return false;
+  if (any({"grab", "grasp", "press", "take", "hold"}) || is("down")) return true;
+  return std::nullopt;
+}
 
 std::vector<Stamped<bool>> parse_markers(std::string_view text, std::string_view where,
                                          double unit_s) {

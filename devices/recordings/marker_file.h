@@ -1,11 +1,16 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
 #include "devices/recordings/motion_recording.h"
 
 namespace headpin::devices {
+
+/// Whether words say that a hand grabs or holds (true), or that it lets go (false): see parse_markers().
+std::optional<bool> pressed_by(const std::vector<std::string>& words);
 
 /// Reads when a hand grabbed and released from a file of markers: a line each, with a time and a word.
 ///

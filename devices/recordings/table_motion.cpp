@@ -10,6 +10,7 @@
 
 #include "devices/recordings/any_table.h"
 #include "devices/recordings/catalogue_csv.h"
+#include "devices/recordings/marker_file.h"
 #include "devices/recordings/motion_files.h"
 #include "devices/recordings/table_columns.h"
 #include "devices/recordings/table_time.h"
@@ -143,21 +144,48 @@ std::string order_of(const PartColumns& part) {
   return {letters[0].second, letters[1].second, letters[2].second, letters[3].second};
 }
 
-/// The changes of a trigger: a press is above half of its largest value.
-std::vector<Stamped<bool>> presses(const AnyTable& table, std::size_t column,
-                                   const TimedRows& rows) {
-  const auto value = [&](const AnyTable::Row& row) {
-    const std::string_view cell = row.cells[column];
-    if (const auto number = table.number(cell)) return *number;
-    const std::string word = small_letters(cell);
-    return is_one_of(word, {"true", "pressed", "down", "on", "yes"}) ? 1.0 : 0.0;
-  };
+/// What a cell says of a trigger: a number, or 1 and 0 for a word. Nothing for blank and other cells.
+std::optional<double> trigger_value(const AnyTable& table, std::string_view cell) {
+  if (const auto number = table.number(cell)) return number;
+  const std::string word = small_letters(cell);
+  if (is_one_of(word, {"true", "on", "yes"})) return 1.0;
+  if (is_one_of(word, {"false", "off", "no"})) return 0.0;
+  if (const auto pressed = pressed_by(words_of(cell))) return *pressed ? 1.0 : 0.0;
+  return std::nullopt;
+}
+
+/// The changes of a trigger: a press is above half of its largest value. A cell that says nothing keeps
+/// the value before; in a column that never says "not pressed" it is not pressed.
+std::vector<Stamped<bool>> presses(const AnyTable& table, std::size_t column, const TimedRows& rows,
+                                   std::vector<std::string>& notes) {
   double most = 0.0;
-  for (const auto& [time, row] : rows) most = std::max(most, value(*row));
-  std::vector<Stamped<bool>> changes;
+  std::size_t silent = 0;
   for (const auto& [time, row] : rows) {
-    const bool pressed = most > 0.0 && value(*row) > 0.5 * most;
-    if (pressed != (!changes.empty() && changes.back().value)) changes.push_back({time, pressed});
+    const auto value = trigger_value(table, row->cells[column]);
+    most = std::max(most, value.value_or(0.0));
+    silent += !value;
+  }
+  const std::string& name = table.columns[column].name;
+  if (silent == rows.size()) {
+    notes.push_back(fmt::format(
+        "the trigger '{}' has no numbers, and no words such as grab and release: ignored", name));
+    return {};
+  }
+  const auto is_released = [&](const auto& row) {
+    const auto value = trigger_value(table, row.second->cells[column]);
+    return value && !(most > 0.0 && *value > 0.5 * most);
+  };
+  const bool keeps = std::ranges::any_of(rows, is_released);
+  if (silent > 0) {
+    notes.push_back(fmt::format("{} cells of the trigger '{}' are blank or no numbers: {}", silent,
+                                name, keeps ? "the value before is kept" : "not pressed"));
+  }
+  std::vector<Stamped<bool>> changes;
+  for (const auto& row : rows) {
+    const bool before = !changes.empty() && changes.back().value;
+    const bool says = trigger_value(table, row.second->cells[column]).has_value();
+    const bool pressed = says ? most > 0.0 && !is_released(row) : keeps && before;
+    if (pressed != before) changes.push_back({row.first, pressed});
   }
   return changes;
 }
@@ -308,7 +336,9 @@ class TableMotion {
                                           rotation_of.degrees() ? "degrees" : "radians"));
     }
     if (its.rotation == RotationKind::none) tracks_.without_rotation.emplace_back(kPartNames[part]);
-    if (part > 0 && its.trigger) tracks_.triggers[part - 1] = presses(table_, *its.trigger, rows);
+    if (part > 0 && its.trigger) {
+      tracks_.triggers[part - 1] = presses(table_, *its.trigger, rows, tracks_.notes);
+    }
     tracks_.tracks.emplace_back(kPartNames[part], std::move(track));
   }
 

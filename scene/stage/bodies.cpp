@@ -122,7 +122,8 @@ SkittleBody skittle_body(const Scenario& scenario) {
   if (off > kUpright || tilt > kUpright) {
     throw std::invalid_argument(fmt::format(
         "skittle.parts have their centre of mass {:.4g} m beside the axis and a principal axis "
-        "{:.4g} rad from it, expected within {:g}; or weigh the profile (skittle.weighed)",
+        "{:.4g} rad from it, expected within {:g}; move the mesh so that its axis is at x = 0, y = "
+        "0, or weigh the profile (skittle.weighed)",
         off, tilt, kUpright));
   }
   return {{.name = "skittle",

@@ -42,10 +42,17 @@ std::map<Directed, std::uint32_t> sides_of(const Surface& surface) {
                                  edge.first, edge.second, sides[edge], t));
     }
   }
+  std::size_t alone = 0;
+  Vec3 first = Vec3::Zero();
   for (const auto& [edge, triangle] : sides) {
     if (sides.contains({edge.second, edge.first})) continue;
-    refuse_surface(fmt::format("not closed: edge {}-{} belongs to triangle {} alone", edge.first,
-                               edge.second, triangle));
+    if (alone++ == 0) first = surface.points[edge.first];
+  }
+  if (alone > 0) {
+    refuse_surface(
+        fmt::format("not closed: {} edges belong to one triangle alone; the first is at {:.4g}, "
+                    "{:.4g}, {:.4g} m",
+                    alone, first.x(), first.y(), first.z()));
   }
   return sides;
 }
@@ -318,7 +325,8 @@ std::vector<engine::Polyhedron> convex_pieces(const Surface& surface, std::size_
   const std::map<Directed, std::uint32_t> sides = sides_of(surface);
   const Clipper clipper(surface);
   const double size = (clipper.high() - clipper.low()).norm(), volume = volume_of(surface);
-  if (volume < 0.0) refuse_surface("turned inside out: its faces are clockwise from outside");
+  if (volume < 0.0)
+    refuse_surface("turned inside out: its faces are clockwise from outside; flip its normals");
   if (!(volume > 1e-9 * size * size * size)) refuse_surface("has no volume");
   Cutter cutter(clipper, bends_of(surface, sides, engine::Polyhedron::kTolerance * size), volume);
   std::vector<Piece> pieces{cutter.whole()};

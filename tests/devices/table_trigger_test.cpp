@@ -1,0 +1,104 @@
+#include <functional>
+#include <string>
+#include <vector>
+
+#include <fmt/format.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "devices/recordings/motion_files.h"
+
+namespace headpin::devices {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+/// Forty rows at 100 Hz of a head and a right hand, with a trigger as a function of the row.
+MotionTracks with_trigger(const std::function<std::string(int)>& cell,
+                          const std::string& header = "") {
+  std::string text = header.empty()
+                         ? "time,head_x,head_y,head_z,head_qw,head_qx,head_qy,head_qz,"
+                           "right_x,right_y,right_z,right_qw,right_qx,right_qy,right_qz,trigger\n"
+                         : header;
+  for (int i = 0; i < 40; ++i) {
+    text += fmt::format("{:.2f},0,1.6,0,1,0,0,0,0.2,{:.3f},0,1,0,0,0,{}\n", 0.01 * i,
+                        1.0 + 0.001 * i, cell(i));
+  }
+  return parse_motion_table(text, "t.csv", {});
+}
+
+std::vector<std::pair<std::int64_t, bool>> changes_ms(const MotionTracks& tracks) {
+  std::vector<std::pair<std::int64_t, bool>> all;
+  for (const Stamped<bool>& change : tracks.triggers[1]) {
+    all.emplace_back(change.time.count() / 1000, change.value);
+  }
+  return all;
+}
+
+bool held(int i) {
+  return i >= 10 && i < 30;
+}
+
+TEST(TableTrigger, BlankCellsKeepTheValueBeforeAndAreNoted) {
+  const auto whole = with_trigger([](int i) { return held(i) ? "100" : "0"; });
+  EXPECT_THAT(changes_ms(whole), ElementsAre(std::pair(100, true), std::pair(300, false)));
+  const auto blank = with_trigger([](int i) -> std::string {
+    return i % 7 == 5 ? "" : held(i) ? "100" : "0";
+  });
+  EXPECT_EQ(changes_ms(blank), changes_ms(whole));
+  EXPECT_THAT(blank.notes,
+              Contains("5 cells of the trigger 'trigger' are blank or no numbers: the value before "
+                       "is kept"));
+}
+
+TEST(TableTrigger, ThatIsOnlySaidWhilePressedIsNotPressedInBlankCells) {
+  const auto tracks = with_trigger([](int i) { return held(i) ? "1" : ""; });
+  EXPECT_THAT(changes_ms(tracks), ElementsAre(std::pair(100, true), std::pair(300, false)));
+  EXPECT_THAT(tracks.notes, Contains(HasSubstr("20 cells of the trigger 'trigger'")));
+}
+
+TEST(TableTrigger, MayBeWords) {
+  const auto marks = with_trigger([](int i) {
+    return i == 10 ? "grab" : i == 30 ? "release" : "";
+  });
+  EXPECT_THAT(changes_ms(marks), ElementsAre(std::pair(100, true), std::pair(300, false)));
+  const auto truth = with_trigger([](int i) { return held(i) ? "TRUE" : "False"; });
+  EXPECT_EQ(changes_ms(truth), changes_ms(marks));
+  const auto none = with_trigger([](int) { return "n/a"; });
+  EXPECT_THAT(changes_ms(none), IsEmpty());
+  EXPECT_THAT(none.notes, Contains("the trigger 'trigger' has no numbers, and no words such as "
+                                   "grab and release: ignored"));
+}
+
+// Rows of units as programs write them: in brackets, and with words that are no unit here.
+TEST(TableHeader, HasARowOfUnits) {
+  const std::string names =
+      "timestamp,head_x,head_y,head_z,head_qw,head_qx,head_qy,head_qz,"
+      "right_x,right_y,right_z,right_qw,right_qx,right_qy,right_qz,trigger\n";
+  const auto cell = [](int i) { return held(i) ? "1" : "0"; };
+  for (const char* units : {"s,cm,cm,cm,,,,,cm,cm,cm,,,,,%\n", "s,cm,cm,cm,,,,,cm,cm,cm,,,,,V\n",
+                            "[s],[cm],[cm],[cm],,,,,[cm],[cm],[cm],,,,,[0/1]\n",
+                            "(s),(cm),(cm),(cm),-,-,-,-,(cm),(cm),(cm),-,-,-,-,percent\n"}) {
+    SCOPED_TRACE(units);
+    const MotionTracks tracks = with_trigger(cell, names + units);
+    EXPECT_EQ(tracks.reading.unit_m, 0.01);
+    EXPECT_EQ(tracks.reading.time_unit_s, 1.0);
+    EXPECT_EQ(changes_ms(tracks).size(), 2u);
+  }
+}
+
+TEST(TableHeader, IsNotMixedWithALineOfOtherWords) {
+  const auto tracks =
+      with_trigger([](int i) { return held(i) ? "1" : "0"; },
+                   "Laboratory 3,P07,throw 2\n"
+                   "time,head_x,head_y,head_z,head_qw,head_qx,head_qy,head_qz,"
+                   "right_x,right_y,right_z,right_qw,right_qx,right_qy,right_qz,trigger\n");
+  EXPECT_EQ(tracks.tracks.size(), 2u);
+  EXPECT_EQ(changes_ms(tracks).size(), 2u);
+}
+
+}  // namespace
+}  // namespace headpin::devices
