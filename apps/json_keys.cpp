@@ -150,6 +150,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"gave_up",
      "true if the virtual participant ended early, because a button was out of reach or a ball did "
      "not come back"},
+    {"gltf", "file of the animated scene"},
     {"grab_s", "time at which the ball was grabbed"},
     {"gravity_j", "ledger: energy of free motion"},
     {"grid_releases",

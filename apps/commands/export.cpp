@@ -2,6 +2,7 @@
 #include <deque>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <optional>
 #include <sstream>
@@ -11,11 +12,14 @@
 
 #include "apps/command.h"
 #include "apps/damage.h"
+#include "apps/gltf_trial.h"
 #include "apps/options.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "devices/base/version.h"
 #include "devices/trial/file.h"
 #include "devices/trial/tables.h"
+#include "files/output_file.h"
 #include "files/output_folder.h"
 #include "files/output_text.h"
 #include "scene/play/score.h"
@@ -29,7 +33,8 @@ namespace {
 
 struct ExportOptions {
   std::string trial;
-  std::optional<std::string> folder;
+  std::optional<std::string> folder, gltf;
+  double tolerance_mm = 0.0;
   bool force = false, json = false;
 };
 
@@ -98,7 +103,43 @@ std::string scenario_text(const std::string& text, const std::string& path) {
   }
 }
 
+/// Simulates the trial again and writes its motion as glTF.
+void export_gltf(const ExportOptions& options) {
+  watch_stop_signals();
+  const scene::Recorded recorded = scene::load_trial(options.trial);
+  say_what_is_missing("export", options.trial, recorded.file.summary());
+  files::OutputFile file(
+      *options.gltf,
+      {.overwrite = options.force, .standard_output = true, .inputs = {options.trial}});
+  scene::Session session = scene::make_session(recorded.scenario);
+  GltfTrial gltf(session, scene::first_head_pose(recorded.file, recorded.scenario.rig),
+                 1e-3 * options.tolerance_mm);
+  const std::int64_t ticks =
+      scene::tick_count(recorded.file.summary(), recorded.scenario.rates.physics_hz);
+  devices::TrialPlayer source(recorded.file);
+  scene::NoPace pace;
+  scene::Observer* const observers[] = {&gltf};
+  scene::run(session, source, pace, observers, [&](const scene::Session& s) {
+    check_stop();
+    return s.tick >= ticks;
+  });
+  const std::string bytes =
+      gltf.file(session, {{"trial", options.trial}, {"version", devices::software_version()}});
+  file.write(bytes.data(), bytes.size());
+  file.commit();
+  if (options.json) {
+    print_json({{"gltf", *options.gltf}});
+  } else if (*options.gltf != "-") {
+    fmt::print("{}: {} ticks, {} keys\n", *options.gltf, session.tick, gltf.keys());
+  }
+}
+
 void export_trial(const ExportOptions& options) {
+  if (options.gltf.has_value() == options.folder.has_value()) {
+    throw UsageError("expected one of -o FOLDER (tables) and --gltf FILE.glb (animation)");
+  }
+  if (options.tolerance_mm > 0.0 && !options.gltf) throw UsageError("--tolerance needs --gltf");
+  if (options.gltf) return export_gltf(options);
   const devices::TrialFile trial(options.trial);
   trial.require_trial(devices::kLongestGap);
   const devices::TrialSummary& summary = trial.summary();
@@ -138,17 +179,30 @@ void export_trial(const ExportOptions& options) {
 
 void add_export(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
-  CLI::App* command = app.add_subcommand("export", "Write a trial as tables (CSV)");
+  CLI::App* command =
+      app.add_subcommand("export", "Write a trial as tables (CSV) or as an animated scene (glTF)");
   command->add_option("TRIAL", options->trial, "a trial (.lcmlog); - is standard input")
       ->required();
-  add_output(*command, "-o,--output", options->folder, "folder for the tables", {})->required();
+  add_output(*command, "-o,--output", options->folder, "folder for the tables", {});
+  add_output(*command, "--gltf", options->gltf,
+             "file for the animated scene (.glb); - is standard output", {".glb"});
+  command
+      ->add_option("--tolerance", options->tolerance_mm,
+                   "leave out keys of the animation; 0.1 or 0.1mm is the largest error")
+      ->transform(CLI::AsNumberWithUnit(std::map<std::string, double>{{"mm", 1.0}, {"m", 1000.0}}))
+      ->check(number_from(0.0, 1000.0));
   add_force(*command, options->force);
   add_json(*command, options->json);
   command->footer(
       "Tables: trackers.csv, buttons.csv, events.csv, throws.csv (one row per throw), states.csv "
       "(one row per\nbody and tick), frames.csv (one row per eye and frame). columns.csv explains "
       "each column. The numbers\nread back to the same bits.\n\n"
-      "Example:\n  headpin export game.lcmlog -o tables");
+      "With --gltf: room, bodies, hand, both eyes as cameras, and events, with a key at every "
+      "tick. The "
+      "trial is\nsimulated again. A camera of glTF is centred: where an eye's frustum is not, the "
+      "camera shows more, and its\nextras have the edges.\n\n"
+      "Example:\n  headpin export game.lcmlog -o tables\n"
+      "  headpin export game.lcmlog --gltf game.glb --tolerance 0.1mm");
   command->callback([options] { export_trial(*options); });
 }
 

@@ -78,6 +78,7 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
   take("replay --json throw.lcmlog --set game.rules=plain");
   take("compare --json game.lcmlog other.lcmlog");
   take("export --json game.lcmlog -o tables");
+  take("export --json game.lcmlog --gltf game.glb");
   take("plot --json game.lcmlog -o game.svg");
   take("frames --json game.lcmlog -o frames --frames 0-1");
   take("stream --json throw.lcmlog --lcm 'file://stream.lcmlog?mode=w' --speed 0");
