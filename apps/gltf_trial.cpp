@@ -101,7 +101,7 @@ void GltfTrial::add_looks(const scene::Stage& stage) {
   const double tall = stage.scenario.skittle.height;
   for (const engine::BodyId body : stage.skittles) add_body(body, skittle, tall);
   for (const engine::BodyId body : stage.balls) add_body(body, ball, stage.scenario.ball.radius);
-  hand_ = {"hand", 0.1, {}};
+  hand_ = {"virtual hand", 0.1, {}};  // "hand" is the body that collides
 }
 
 void GltfTrial::add_cameras(const render::Optics& optics) {

@@ -1,0 +1,102 @@
+// The animated scene of a trial, read back from its bytes.
+
+#include <cstring>
+#include <set>
+#include <sstream>
+
+#include "engine/math.h"
+#include "tests/apps/command_line.h"
+
+namespace headpin {
+namespace {
+
+/// A GLB file: its JSON, and where its binary chunk begins.
+struct ReadGlb {
+  explicit ReadGlb(std::string file) : bytes(std::move(file)) {
+    const auto length = number<std::uint32_t>(12);
+    json = nlohmann::json::parse(bytes.substr(20, length));
+    binary = 28 + length;
+  }
+  template <typename T>
+  T number(std::size_t at) const {
+    T value{};
+    std::memcpy(&value, bytes.substr(at, sizeof value).data(), sizeof value);
+    return value;
+  }
+  /// Number `i` of an accessor.
+  double value(const nlohmann::json& accessor, std::size_t i) const {
+    const nlohmann::json& a = json["accessors"][accessor.get<std::size_t>()];
+    const auto view = a["bufferView"].get<std::size_t>();
+    const auto begin = json["bufferViews"][view]["byteOffset"].get<std::size_t>();
+    return number<float>(binary + begin + 4 * i);
+  }
+  /// The place of a moving node at a time, between its keys on a line.
+  Vec3 place(const std::string& name, double time) const {
+    for (const nlohmann::json& channel : json["animations"][0]["channels"]) {
+      const nlohmann::json& target = channel["target"];
+      if (json["nodes"][target["node"].get<std::size_t>()]["name"] != name) continue;
+      if (target["path"] != "translation") continue;
+      const auto which = channel["sampler"].get<std::size_t>();
+      const nlohmann::json& sampler = json["animations"][0]["samplers"][which];
+      std::size_t next = 1;
+      while (value(sampler["input"], next) < time - 1e-6) ++next;
+      const double from = value(sampler["input"], next - 1);
+      const double s = (time - from) / (value(sampler["input"], next) - from);
+      Vec3 p;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const double a = value(sampler["output"], 3 * next - 3 + k);
+        p[static_cast<Eigen::Index>(k)] = a + s * (value(sampler["output"], 3 * next + k) - a);
+      }
+      return p;
+    }
+    ADD_FAILURE() << name << " does not move";
+    return Vec3::Zero();
+  }
+  std::string bytes;
+  nlohmann::json json;
+  std::size_t binary = 0;
+};
+
+class Gltf : public CommandLine {
+ protected:
+  /// Compares the ball in every 50th tick with the table of states.
+  void expect_ball_as_in_table(const ReadGlb& glb, double tolerance) const {
+    std::istringstream table(slurp(folder_ / "tables/states.csv"));
+    int compared = 0;
+    for (std::string line; std::getline(table, line);) {
+      std::vector<std::string> cells;
+      std::istringstream row(line);
+      for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+      if (cells[4] != "ball" || std::stoi(cells[0]) % 50 != 0) continue;
+      const Vec3 p(std::stod(cells[5]), std::stod(cells[6]), std::stod(cells[7]));
+      EXPECT_LE((glb.place("ball", std::stod(cells[1])) - p).norm(), tolerance) << line;
+      ++compared;
+    }
+    EXPECT_GT(compared, 20);
+  }
+};
+
+// float32 rounds places of 20 m by 1 um; a time rounded by 0.5 us moves a ball of 7 m/s by 4 um.
+TEST_F(Gltf, TheBallIsWhereTheTableOfStatesHasIt) {
+  ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
+  ASSERT_EQ(headpin("export game.lcmlog -o tables").code, 0);
+  ASSERT_EQ(headpin("export game.lcmlog --gltf all.glb").code, 0);
+  ASSERT_EQ(headpin("export game.lcmlog --gltf thin.glb --tolerance 0.1mm").code, 0);
+  const ReadGlb all(slurp(folder_ / "all.glb")), thin(slurp(folder_ / "thin.glb"));
+  expect_ball_as_in_table(all, 1e-5);
+  expect_ball_as_in_table(thin, 1e-4 + 1e-5);
+  EXPECT_LT(thin.bytes.size(), all.bytes.size());
+  std::set<std::string> names;
+  for (const nlohmann::json& node : all.json["nodes"]) names.insert(node["name"]);
+  EXPECT_EQ(names.size(), all.json["nodes"].size());
+}
+
+TEST_F(Gltf, ExistingFilesAndWrongUseAreRefused) {
+  ASSERT_EQ(headpin("export " + kDemo + " --gltf a.glb").code, 0);
+  expect_refusal("export " + kDemo + " --gltf a.glb", 1, "exists already");
+  expect_refusal("export " + kDemo, 2, "--gltf FILE.glb");
+  expect_refusal("export " + kDemo + " -o tables --tolerance 1mm", 2, "--tolerance needs --gltf");
+}
+
+}  // namespace
+}  // namespace headpin
