@@ -91,6 +91,16 @@ TEST_F(Gltf, TheBallIsWhereTheTableOfStatesHasIt) {
   EXPECT_EQ(names.size(), all.json["nodes"].size());
 }
 
+TEST_F(Gltf, ATrialThatWasCutIsWrittenAsFarAsItGoesAndSaidToBeIncomplete) {
+  std::ofstream(folder_ / "cut.lcmlog") << slurp(kDemo).substr(0, 60000);
+  const Result cut = headpin("export cut.lcmlog --gltf cut.glb");
+  EXPECT_EQ(cut.code, 0);
+  EXPECT_THAT(cut.err, testing::HasSubstr("is incomplete"));
+  const ReadGlb glb(slurp(folder_ / "cut.glb"));
+  EXPECT_GT(glb.json["asset"]["extras"]["ticks"], 0);
+  EXPECT_LT(glb.json["asset"]["extras"]["ticks"], 1682);
+}
+
 TEST_F(Gltf, ExistingFilesAndWrongUseAreRefused) {
   ASSERT_EQ(headpin("export " + kDemo + " --gltf a.glb").code, 0);
   expect_refusal("export " + kDemo + " --gltf a.glb", 1, "exists already");
