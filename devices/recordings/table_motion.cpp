@@ -177,8 +177,9 @@ std::vector<Stamped<bool>> presses(const AnyTable& table, std::size_t column, co
   };
   const bool keeps = std::ranges::any_of(rows, is_released);
   if (silent > 0) {
-    notes.push_back(fmt::format("{} cells of the trigger '{}' are blank or no numbers: {}", silent,
-                                name, keeps ? "the value before is kept" : "not pressed"));
+    notes.push_back(fmt::format("the trigger '{}' is blank or no number in {} of {} rows: {}", name,
+                                silent, rows.size(),
+                                keeps ? "the value before is kept" : "not pressed"));
   }
   std::vector<Stamped<bool>> changes;
   for (const auto& row : rows) {

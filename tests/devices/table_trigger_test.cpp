@@ -50,14 +50,14 @@ TEST(TableTrigger, BlankCellsKeepTheValueBeforeAndAreNoted) {
   });
   EXPECT_EQ(changes_ms(blank), changes_ms(whole));
   EXPECT_THAT(blank.notes,
-              Contains("5 cells of the trigger 'trigger' are blank or no numbers: the value before "
-                       "is kept"));
+              Contains("the trigger 'trigger' is blank or no number in 5 of 40 rows: the value "
+                       "before is kept"));
 }
 
 TEST(TableTrigger, ThatIsOnlySaidWhilePressedIsNotPressedInBlankCells) {
   const auto tracks = with_trigger([](int i) { return held(i) ? "1" : ""; });
   EXPECT_THAT(changes_ms(tracks), ElementsAre(std::pair(100, true), std::pair(300, false)));
-  EXPECT_THAT(tracks.notes, Contains(HasSubstr("20 cells of the trigger 'trigger'")));
+  EXPECT_THAT(tracks.notes, Contains(HasSubstr("in 20 of 40 rows: not pressed")));
 }
 
 TEST(TableTrigger, MayBeWords) {
