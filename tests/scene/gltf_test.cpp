@@ -264,9 +264,12 @@ TEST(SeenMesh, OfAnotherSizeThanWhatItStandsForOrOfNoAreaIsRefused) {
     });
   };
   EXPECT_EQ(refusal(glb_of(ball_points(0.1085), {}), "ball"), "");
-  EXPECT_THAT(refusal(glb_of(ball_points(108.5), {}), "ball"),
-              HasSubstr("farthest point is 108.5 m from its origin, expected 0.05425 to 0.217"));
-  EXPECT_THAT(refusal(glb_of(ball_points(0.001), {}), "ball"), HasSubstr("farthest point"));
+  EXPECT_THAT(
+      refusal(glb_of(ball_points(108.5), {}), "ball"),
+      HasSubstr("farthest point is 108.5 m from its origin, expected 0.05425 to 0.217; with "
+                "unit = 0.001 it would be 0.109"));
+  EXPECT_THAT(refusal(glb_of(ball_points(0.001), {}), "ball"),
+              HasSubstr("set `unit` if the file has other units"));
   EXPECT_THAT(refusal(glb_of(ball_points(108.5), {}), "skittle"), HasSubstr("0.1905 to 0.762"));
   EXPECT_THAT(refusal(glb_of(ball_points(30.0), {}), "hand"), HasSubstr("0.05 to 1.5"));
   EXPECT_THAT(refusal(glb_of(ball_points(0.004), {}), "room"), HasSubstr("0.5 to 1000"));
