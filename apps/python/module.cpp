@@ -1,0 +1,8 @@
+#include "apps/python/module.h"
+
+#include "devices/base/version.h"
+
+PYBIND11_MODULE(_headpin, module) {
+  module.doc() = "The compiled part of headpin.";
+  module.attr("__version__") = headpin::devices::software_version();
+}
