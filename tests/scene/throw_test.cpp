@@ -14,6 +14,7 @@
 #include "devices/trial/resample.h"
 #include "scene/people/arm_model.h"
 #include "scene/play/hand.h"
+#include "tests/support/scale.h"
 
 namespace headpin::scene {
 namespace {
@@ -299,6 +300,7 @@ TEST_P(ThrowTest, RefusesAnyOtherOrderOfTheQuaternion) {
   while (std::next_permutation(order.begin(), order.end())) {
     // The modelled head turns too little for an exchange of x, y and z to show.
     if (order[0] == 0 && GetParam() == std::string("Synthesized")) continue;
+    if (!kThorough && order[0] + 1 != order[1]) continue;
     const std::string found = complaint([&](Csv& csv) {
       csv.each("_rot_w", [&](auto& row, std::size_t c) {
         const std::array q = {row[c], row[c + 1], row[c + 2], row[c + 3]};
