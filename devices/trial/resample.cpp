@@ -10,16 +10,25 @@ bool PoseTrack::push(Time time, const Pose& pose) {
   return true;
 }
 
-std::optional<Pose> PoseTrack::at(Time time) const {
+std::optional<KnownPose> PoseTrack::read(Time time) const {
   if (samples_.empty()) return std::nullopt;
   const auto after =
       std::upper_bound(samples_.begin(), samples_.end(), time,
                        [](Time t, const Stamped<Pose>& sample) { return t < sample.time; });
-  if (after == samples_.begin()) return after->value;
+  if (after == samples_.begin()) return KnownPose{after->value, PoseKnown::held, after->time};
   const auto before = after - 1;
-  if (after == samples_.end()) return before->value;
-  return interpolate(before->value, after->value,
-                     seconds(time - before->time) / seconds(after->time - before->time));
+  const bool sampled = before->time == time;
+  if (after == samples_.end()) {
+    return KnownPose{before->value, sampled ? PoseKnown::sampled : PoseKnown::held, before->time};
+  }
+  const double part = seconds(time - before->time) / seconds(after->time - before->time);
+  return KnownPose{interpolate(before->value, after->value, part),
+                   sampled ? PoseKnown::sampled : PoseKnown::interpolated, before->time};
+}
+
+std::optional<Pose> PoseTrack::at(Time time) const {
+  const std::optional<KnownPose> known = read(time);
+  return known ? std::optional(known->pose) : std::nullopt;
 }
 
 void PoseTrack::forget_before(Time time) {

@@ -1,6 +1,6 @@
 #include "scene/play/tracking.h"
 
-#include <algorithm>
+#include <optional>
 #include <string>
 
 #include "scene/play/events.h"
@@ -9,19 +9,12 @@ namespace headpin::scene {
 
 namespace {
 
-/// Time of the last sample up to a time, or of the first sample if all are later. The track is not
-/// empty.
-Time last_until(const devices::PoseTrack& track, Time time) {
-  const std::vector<Stamped<Pose>>& samples = track.samples();
-  const auto after = std::ranges::upper_bound(samples, time, {}, &Stamped<Pose>::time);
-  return after == samples.begin() ? after->time : (after - 1)->time;
-}
-
 void watch_receiver(Tracking::Receiver& receiver, const devices::PoseTrack& track,
                     const std::string& name, Time measured, const engine::World& world,
                     const Moment& moment, std::vector<devices::Event>& out) {
-  if (track.samples().empty()) return;
-  const Time last = last_until(track, measured);
+  const std::optional<devices::KnownPose> known = track.read(measured);
+  if (!known) return;
+  const Time last = known->last;
   const bool lost = measured - last > kTrackingLost;
   if (lost != receiver.lost) {
     devices::Event e = event(moment, lost ? kind::tracking_lost : kind::tracking_back, world, {});
