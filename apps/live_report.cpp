@@ -139,6 +139,8 @@ nlohmann::json summary(const Live& live, const LiveOptions& options) {
   nlohmann::json j = scene::summary(live.session, live.totals.score());
   j["output"] = options.record ? nlohmann::json(*options.record) : nlohmann::json();
   j["duration_s"] = seconds(live.session.now());
+  if (const std::string why = live.totals.why_nothing_fell(); !why.empty())
+    j["why_nothing_fell"] = why;
   j["samples"] = live.samples;
   j["frames"] = live.frames;
   j["late_frames"] = live.eyes->late();

@@ -247,6 +247,9 @@ void go_live(const LiveOptions& options) {
   print_line(live);
   if (!live.latency.each_s.empty()) print_stages(live.latency);
   require_samples(live);
+  if (const std::string why = live.totals.why_nothing_fell(); !why.empty()) {
+    say("{:11}no skittle fell: {}\n", "", printable(why));
+  }
   if (options.json) print_json(summary(live, options));
 }
 

@@ -269,6 +269,8 @@ void replay(const ReplayOptions& options) {
   result.update(whose(options, trial));
   result.update(
       compared_throws(recorded_events(recorded, as_recorded, happened.events), happened.events));
+  const std::string why = totals.why_nothing_fell();
+  if (!why.empty()) result["why_nothing_fell"] = why;
   result["realtime_factor"] = seconds(session.now()) / stopwatch.spent_s();
   if (verifier) {
     result["verified_ticks"] = verifier->compared();
@@ -278,6 +280,7 @@ void replay(const ReplayOptions& options) {
     print_json(result);
   } else {
     print_summary(result);
+    if (!why.empty()) fmt::print("{:<18}{}\n", "nothing fell", why);
     print_releases(happened.events);
     print_throws(result);
     if (verifier) {

@@ -6,6 +6,8 @@
 #include <nlohmann/json.hpp>
 
 #include "devices/base/version.h"
+#include "scene/play/events.h"
+#include "scene/play/outcome.h"
 
 namespace headpin::scene {
 
@@ -31,10 +33,30 @@ nlohmann::json number(const std::optional<double>& value) {
   return value ? nlohmann::json(*value) : nlohmann::json();
 }
 
+constexpr std::size_t kMostTouches = 1000;  // of the ball, that are kept
+
+/// Whether scene::why_nothing_fell looks for such events.
+bool explains(const devices::Event& event) {
+  using namespace kind;
+  for (const std::string_view one : {grab, missed_grab, release, first_contact, ball_touch}) {
+    if (event.kind == one) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 void Totals::tick(const Session& session) {
-  for (const devices::Event& event : session.events) score_.add(event);
+  for (const devices::Event& event : session.events) {
+    score_.add(event);
+    fell_ |= event.kind == kind::skittle_down && event.detail != "hand";
+    const bool kept = event.kind != kind::ball_touch || before_.size() < kMostTouches;
+    if (!fell_ && kept && explains(event)) before_.push_back(event);
+  }
+}
+
+std::string Totals::why_nothing_fell() const {
+  return fell_ ? "" : scene::why_nothing_fell(before_);
 }
 
 nlohmann::json per_object(const Materials& m, double Coefficients::*coefficient) {

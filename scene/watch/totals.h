@@ -1,6 +1,8 @@
 #pragma once
 
 #include <chrono>
+#include <string>
+#include <vector>
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -15,9 +17,13 @@ class Totals : public Observer {
   void tick(const Session& session) override;
 
   const Score& score() const { return score_; }
+  /// See scene/play/outcome.h; by what has happened until now.
+  std::string why_nothing_fell() const;
 
  private:
   Score score_;
+  bool fell_ = false;
+  std::vector<devices::Event> before_;  ///< what may explain why nothing fell
 };
 
 /// Measures the computing time of the simulation: as the pace it starts with each tick, as the

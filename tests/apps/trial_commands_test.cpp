@@ -208,6 +208,7 @@ TEST_F(TrialCommands, InfoTellsWhatTheBallMetAndWhyNothingFell) {
   const nlohmann::json game = json("info game.lcmlog --json");
   EXPECT_THAT(kinds(game, "ball_touch"), testing::Contains(HasSubstr("lane")));
   EXPECT_FALSE(game["result"].contains("why_nothing_fell"));
+  EXPECT_FALSE(json("replay game.lcmlog --json").contains("why_nothing_fell"));
   EXPECT_GT(game["ledger"]["hand_j"].get<double>(), 100.0);
 
   // One skittle in a corner that the ball does not come to: it meets lane and walls.
@@ -218,9 +219,13 @@ TEST_F(TrialCommands, InfoTellsWhatTheBallMetAndWhyNothingFell) {
               testing::AllOf(HasSubstr("released at 6.5"), HasSubstr("lane"),
                              HasSubstr("wall ahead"), HasSubstr("but no skittle")));
   EXPECT_THAT(headpin("info miss.lcmlog").out, HasSubstr("but no skittle"));
+  EXPECT_EQ(json("replay miss.lcmlog --json")["why_nothing_fell"],
+            miss["result"]["why_nothing_fell"]);
 
   ASSERT_EQ(headpin("replay " + kDemo + " -o far.lcmlog --set 'ball.home=[1.5,1.0,0.85]'").code, 0);
   EXPECT_THAT(headpin("info far.lcmlog").out, HasSubstr("m from the ball, too far to take it"));
+  EXPECT_THAT(headpin("replay far.lcmlog").out,
+              HasSubstr("\nnothing fell      the trigger was pressed at "));
 }
 
 TEST_F(TrialCommands, AStreamedTrialIsTheTrial) {
