@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "render/eyes.h"
+#include "scene/looks/glimpse.h"
 #include "scene/looks/looks.h"
 
 namespace headpin::apps {
@@ -92,7 +93,7 @@ void GltfTrial::add_looks(const scene::Stage& stage) {
   const std::size_t skittle =
       add_mesh((ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle).mesh, "skittle");
   const std::size_t ball = add_mesh(looks.ball.mesh, "ball");
-  hand_mesh_ = add_mesh(looks.hands.back(), "hand");
+  for (const int hand : looks.hands) hand_meshes_.push_back(add_mesh(hand, "hand"));
   const std::vector<std::string> names = scene::body_names(stage);
   const auto add_body = [&](engine::BodyId body, std::size_t mesh, double radius) {
     bodies_.push_back({names[body], radius, {}});
@@ -147,6 +148,7 @@ void GltfTrial::keep(const scene::Session& session) {
   } else if (!hand_.X_WN.empty()) {
     hand_.X_WN.push_back(hand_.X_WN.back());
   }
+  grips_.push_back(scene::hand_at(scene::glimpse(session, X_WD_).closed, hand_meshes_.size()));
   X_WD_ = scene::head_pose(session).value_or(X_WD_);
   const auto views = render::eyes(X_WD_, session.scenario().hmd.optics);
   for (std::size_t eye = 0; eye < 2; ++eye) eyes_[eye].X_WN.push_back(views[eye].X_WE);
@@ -158,7 +160,7 @@ void GltfTrial::add_node(nlohmann::json node) {
 }
 
 void GltfTrial::add_channel(std::size_t node, const char* path, std::span<const std::size_t> kept,
-                            const std::vector<float>& values) {
+                            const std::vector<float>& values, const char* between) {
   const std::size_t width = values.size() / times_.size();
   std::vector<float> times, numbers;
   for (const std::size_t key : kept) {
@@ -171,7 +173,7 @@ void GltfTrial::add_channel(std::size_t node, const char* path, std::span<const 
   const std::size_t input = glb_.add_floats(times, 1, true);
   const std::size_t output = glb_.add_floats(numbers, width, false);
   animation["samplers"].push_back(
-      {{"input", input}, {"output", output}, {"interpolation", "LINEAR"}});
+      {{"input", input}, {"output", output}, {"interpolation", between}});
   animation["channels"].push_back(
       {{"sampler", sampler}, {"target", {{"node", node}, {"path", path}}}});
   keys_ += kept.size();
@@ -201,6 +203,35 @@ void GltfTrial::animate(const Track& track, std::size_t node) {
   if (rotates) add_channel(node, "rotation", kept_keys(poses.size(), tolerance, turned_off), turns);
 }
 
+/// Adds a moving node.
+/// @param more  of the node, besides its name and pose
+std::size_t GltfTrial::add_track(const Track& track, nlohmann::json more) {
+  more.update(placed(track.name, track.X_WN.front()));
+  add_node(std::move(more));
+  const std::size_t node = glb_.json["nodes"].size() - 1;
+  animate(track, node);
+  return node;
+}
+
+void GltfTrial::add_hand() {
+  const std::size_t hand = add_track(hand_, nlohmann::json::object());
+  std::vector<std::size_t> changes = {0};
+  for (std::size_t i = 1; i < grips_.size(); ++i) {
+    if (grips_[i] != grips_[i - 1]) changes.push_back(i);
+  }
+  for (std::size_t grip = 0; grip < hand_meshes_.size(); ++grip) {
+    if (std::ranges::find(grips_, grip) == grips_.end()) continue;
+    std::vector<float> sizes;
+    for (const std::size_t seen : grips_) sizes.insert(sizes.end(), 3, seen == grip ? 1.0F : 0.0F);
+    const std::size_t node =
+        glb_.add("nodes", {{"name", fmt::format("hand {} of {}", grip + 1, hand_meshes_.size())},
+                           {"mesh", hand_meshes_[grip]},
+                           {"scale", {sizes[0], sizes[1], sizes[2]}}});
+    glb_.json["nodes"][hand]["children"].push_back(node);
+    if (changes.size() > 1) add_channel(node, "scale", changes, sizes, "STEP");
+  }
+}
+
 void GltfTrial::add_events() {
   std::size_t number = 0;
   for (const devices::Event& event : events_) {
@@ -216,15 +247,9 @@ void GltfTrial::add_events() {
 }
 
 std::string GltfTrial::file(const scene::Session& session, nlohmann::json about) {
-  const auto add = [&](const Track& track, const char* kind, std::size_t number) {
-    nlohmann::json node = placed(track.name, track.X_WN.front());
-    node[kind] = number;
-    add_node(node);
-    animate(track, glb_.json["nodes"].size() - 1);
-  };
-  for (std::size_t i = 0; i < bodies_.size(); ++i) add(bodies_[i], "mesh", meshes_[i]);
-  if (!hand_.X_WN.empty()) add(hand_, "mesh", hand_mesh_);
-  for (std::size_t eye = 0; eye < 2; ++eye) add(eyes_[eye], "camera", eye);
+  for (std::size_t i = 0; i < bodies_.size(); ++i) add_track(bodies_[i], {{"mesh", meshes_[i]}});
+  if (!hand_.X_WN.empty()) add_hand();
+  for (std::size_t eye = 0; eye < 2; ++eye) add_track(eyes_[eye], {{"camera", eye}});
   add_events();
   if (glb_.json.contains("animations")) glb_.json["animations"][0]["name"] = "trial";
   glb_.json["scenes"][0] = {{"name", "trial"}, {"nodes", {0}}};

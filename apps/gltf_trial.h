@@ -27,7 +27,8 @@ std::vector<std::size_t> kept_keys(
 
 /// Makes a trial into a glTF file: room, bodies, hand and both eyes, with one animation.
 ///
-/// The fingers do not move, and a version that begins does not change a shape.
+/// The hand has one node per mesh from open to closed; all but one are scaled to nothing, because the core
+/// of glTF has no other way to hide a node. A version that begins does not change a shape.
 class GltfTrial : public scene::Observer {
  public:
   /// @param tolerance  of the thinned keys [m]; 0 keeps the key of every tick
@@ -47,9 +48,11 @@ class GltfTrial : public scene::Observer {
   void add_looks(const scene::Stage& stage);
   void add_cameras(const render::Optics& optics);
   void add_node(nlohmann::json node);
+  std::size_t add_track(const Track& track, nlohmann::json more);
+  void add_hand();
   void animate(const Track& track, std::size_t node);
   void add_channel(std::size_t node, const char* path, std::span<const std::size_t> kept,
-                   const std::vector<float>& values);
+                   const std::vector<float>& values, const char* between = "LINEAR");
   void add_events();
 
   Glb glb_;
@@ -57,8 +60,9 @@ class GltfTrial : public scene::Observer {
   std::vector<float> times_;
   std::vector<Track> bodies_, eyes_;
   Track hand_;
-  std::vector<std::size_t> meshes_;  ///< of bodies_
-  std::size_t hand_mesh_ = 0;
+  std::vector<std::size_t> meshes_;       ///< of bodies_
+  std::vector<std::size_t> hand_meshes_;  ///< from open to closed
+  std::vector<std::size_t> grips_;        ///< which of them is seen, one per tick
   Pose X_WD_;
   std::vector<devices::Event> events_;
   std::size_t keys_ = 0;

@@ -199,6 +199,10 @@ void Looks::add_hands(const MeshKeeper& keeper, const Scenario& scenario) {
   }
 }
 
+std::size_t hand_at(double closed, std::size_t hands) {
+  return static_cast<std::size_t>(std::lround(closed * static_cast<double>(hands - 1)));
+}
+
 /// Adds the objects that never move, and the light.
 void Looks::add_room(const MeshKeeper& keeper, const Scenario& scenario) {
   const RoomMeasures measures = room_measures(scenario);
@@ -274,9 +278,7 @@ DrawList draw_list(const Looks& looks, const Moving& moving) {
     list.occluders.push_back({X_WB.p, looks.ball_radius});
   }
   if (moving.X_WH) {
-    const double last = static_cast<double>(looks.hands.size() - 1);
-    const auto nearest = static_cast<std::size_t>(std::lround(moving.closed * last));
-    add({looks.hands[nearest]}, *moving.X_WH, kHandId);
+    add({looks.hands[hand_at(moving.closed, looks.hands.size())]}, *moving.X_WH, kHandId);
     list.occluders.push_back({moving.X_WH->p, 0.05});
   }
   if (moving.X_WD) add({looks.head}, *moving.X_WD, kHeadId);

@@ -31,6 +31,12 @@ struct BodyMeshes {
   std::optional<int> far_mesh = {}, faint_mesh = {};
 };
 
+/// Which of the hands is drawn.
+///
+/// @param closed  0: open, 1: around the ball
+/// @param hands   how many there are
+std::size_t hand_at(double closed, std::size_t hands);
+
 /// All visible objects of a stage, and their light.
 struct Looks {
   /// Adds all meshes to the keeper.
