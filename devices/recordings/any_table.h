@@ -32,6 +32,8 @@ struct AnyTable {
   /// Facts from the lines above the header, in small letters: "length units", "rotation type", "rate".
   std::vector<std::pair<std::string, std::string>> facts;
   std::vector<std::string> notes;  ///< what was left out
+  /// Each row is a sample of one of several streams: its cells in the columns of the others are empty.
+  bool of_streams = false;
 
   /// A cell as a number; none for blanks and words.
   std::optional<double> number(std::string_view cell) const;

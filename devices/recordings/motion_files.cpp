@@ -12,6 +12,7 @@
 #include "devices/recordings/any_table.h"
 #include "devices/recordings/text_encoding.h"
 #include "devices/recordings/text_table.h"
+#include "devices/recordings/xdf_motion.h"
 #include "devices/trial/event_log.h"
 #include "files/input_file.h"
 
@@ -225,18 +226,39 @@ MotionTracks read_table(const std::string& path, const MotionOptions& options) {
   return parse_motion_table(text_of(path), path, options);
 }
 
-constexpr std::array<MotionFormat, 4> kFormats = {{
+TableFindings look_at_text(const std::string& path, const MotionOptions& options) {
+  return look_at_table(text_of(path), path, options);
+}
+
+// XDF.
+
+bool is_xdf(const std::string&, std::string_view begin) {
+  return begin.starts_with(kXdfMagic);
+}
+
+MotionTracks read_xdf_file(const std::string& path, const MotionOptions& options) {
+  FileWindow file(path);
+  return parse_xdf_motion(bytes_of(file), path, options);
+}
+
+TableFindings look_at_xdf_file(const std::string& path, const MotionOptions& options) {
+  FileWindow file(path);
+  return look_at_xdf(bytes_of(file), path, options);
+}
+
+constexpr std::array<MotionFormat, 5> kFormats = {{
     {"UXF", "a session's folder, or one of its OBJECT_movement_T001.csv", is_uxf, read_uxf},
     {"Motion-BIDS", "..._motion.tsv", is_motion_bids, read_motion_bids},
     {"VRPN", "a connection's log", is_vrpn, read_vrpn},
-    {"table", "any text table with a time and the poses of head and hand", is_table, read_table},
+    {"XDF", "a recording of LabRecorder", is_xdf, read_xdf_file, look_at_xdf_file},
+    {"table", "any text table with a time and the poses of head and hand", is_table, read_table,
+     look_at_text},
 }};
 
 /// The kind of a file of another format that is known by its first bytes; empty if it is none.
 std::string known_binary(std::string_view begin) {
-  constexpr std::array<std::pair<std::string_view, std::string_view>, 11> kBeginnings = {{
+  constexpr std::array<std::pair<std::string_view, std::string_view>, 10> kBeginnings = {{
       {"HIERARCHY", "BVH"},
-      {"XDF:", "XDF"},
       {"Kaydara FBX", "FBX"},
       {"\x89MCAP", "MCAP"},
       {"#ROSBAG", "a ROS bag"},
@@ -286,7 +308,7 @@ std::string beginning(const std::string& path) {
     return std::invalid_argument(path + ": " + what);
   };
   if (begin.empty() && !fs::is_directory(path)) {
-    throw refusal("is empty; expected a recording (UXF, Motion-BIDS, VRPN or a table)");
+    throw refusal("is empty; expected a recording (UXF, Motion-BIDS, VRPN, XDF or a table)");
   }
   if (begin.starts_with(kLcmLog)) {
     throw refusal(

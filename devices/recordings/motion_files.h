@@ -52,6 +52,21 @@ struct MotionTracks {
   std::array<std::vector<Stamped<bool>>, 2> triggers = {};  ///< as MotionRecording has them
 };
 
+/// What is understood of a table, though it may be no recording.
+struct TableFindings {
+  struct Column {
+    std::string name, unit, meaning, first;  ///< first: its first cell that is not empty
+  };
+  std::vector<Column> columns;
+  ToldColumns mapping;  ///< the columns that are used, as a user would tell them
+  std::string kind;     ///< the program whose header it has, or empty
+  char separator = ',';
+  bool decimal_comma = false;
+  bool of_streams = false;  ///< as AnyTable has it
+  std::size_t rows = 0;
+  std::vector<std::string> missing;  ///< sentences
+};
+
 /// One format and its reader.
 struct MotionFormat {
   std::string_view name;   ///< as it is called: "VRPN log"
@@ -61,6 +76,8 @@ struct MotionFormat {
   /// @throws std::invalid_argument  naming file and line or byte of what is wrong
   /// @throws std::runtime_error     for a file that cannot be read
   MotionTracks (*read)(const std::string& path, const MotionOptions& options);
+  /// What is understood of its columns; null where the format has none that a user could tell.
+  TableFindings (*look)(const std::string& path, const MotionOptions& options) = nullptr;
 };
 
 std::span<const MotionFormat> motion_formats();
@@ -117,22 +134,15 @@ MotionTracks parse_motion_table(std::string_view text, std::string_view where,
 MotionRecording recording_of(const MotionTracks& read, const MotionOptions& options,
                              const std::string& where);
 
-/// What is understood of a table, though it may be no recording.
-struct TableFindings {
-  struct Column {
-    std::string name, unit, meaning, first;  ///< first: its first cell
-  };
-  std::vector<Column> columns;
-  ToldColumns mapping;  ///< the columns that are used, as a user would tell them
-  std::string kind;     ///< the program whose header it has, or empty
-  char separator = ',';
-  bool decimal_comma = false;
-  std::size_t rows = 0;
-  std::vector<std::string> missing;  ///< sentences
-};
+/// What is understood of a text table.
 /// @throws std::invalid_argument  no table, or told columns that are not there
 TableFindings look_at_table(std::string_view text, std::string_view where,
                             const MotionOptions& options);
+
+/// The same of a table that was read.
+MotionTracks tracks_in(const AnyTable& table, std::string_view where, const MotionOptions& options);
+TableFindings findings_in(const AnyTable& table, std::string_view where,
+                          const MotionOptions& options);
 
 /// Head and hands at the same times: the times of the head while all are tracked, with interpolated
 /// hands.

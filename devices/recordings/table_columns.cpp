@@ -334,6 +334,7 @@ std::vector<std::string> words_in(const AnyTable& table, std::size_t column) {
 void find_objects(const AnyTable& table, const Objects& objects, bool only_hand_is_left,
                   MotionColumns& columns) {
   const auto placed = [](const auto& object) { return whole(object.second.columns.position); };
+  if (table.of_streams) return;
   if (std::ranges::count_if(objects, placed) != 1) return;
   const std::optional<std::size_t> told = columns.object;
   for (std::size_t c = 0; c < table.columns.size(); ++c) {

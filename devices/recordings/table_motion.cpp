@@ -287,8 +287,18 @@ class TableMotion {
     if (count > 0) tracks_.notes.push_back(fmt::format("{} {}", count, what));
   }
 
+  /// The rows of the stream that a column is of.
+  TimedRows rows_with(std::size_t column) const {
+    TimedRows rows;
+    for (const auto& row : rows_) {
+      if (!row.second->cells[column].empty()) rows.push_back(row);
+    }
+    return rows;
+  }
+
   /// The rows that have a part in them.
   TimedRows rows_of(std::size_t part) const {
+    if (table_.of_streams) return rows_with(*columns_.parts[part].position[0]);
     if (!columns_.object) return rows_;
     TimedRows rows;
     for (const auto& row : rows_) {
@@ -338,7 +348,8 @@ class TableMotion {
     }
     if (its.rotation == RotationKind::none) tracks_.without_rotation.emplace_back(kPartNames[part]);
     if (part > 0 && its.trigger) {
-      tracks_.triggers[part - 1] = presses(table_, *its.trigger, rows, tracks_.notes);
+      tracks_.triggers[part - 1] = presses(
+          table_, *its.trigger, table_.of_streams ? rows_with(*its.trigger) : rows, tracks_.notes);
     }
     tracks_.tracks.emplace_back(kPartNames[part], std::move(track));
   }
@@ -399,22 +410,34 @@ MotionTracks parse_motion_table(std::string_view text, std::string_view where,
                                 const MotionOptions& options) {
   std::vector<std::string> notes;
   const AnyTable table = read_any_table(whole_lines(text, notes), where);
-  MotionTracks tracks = TableMotion(table, options, where).read();
+  MotionTracks tracks = tracks_in(table, where, options);
   tracks.notes.insert(tracks.notes.begin(), notes.begin(), notes.end());
   return tracks;
 }
 
+MotionTracks tracks_in(const AnyTable& table, std::string_view where,
+                       const MotionOptions& options) {
+  return TableMotion(table, options, where).read();
+}
+
 TableFindings look_at_table(std::string_view text, std::string_view where,
                             const MotionOptions& options) {
-  const AnyTable table = read_any_table(text, where);
+  return findings_in(read_any_table(text, where), where, options);
+}
+
+TableFindings findings_in(const AnyTable& table, std::string_view where,
+                          const MotionOptions& options) {
   const MotionColumns columns = TableMotion(table, options, where).columns();
   TableFindings findings;
   findings.kind = table.kind;
+  findings.of_streams = table.of_streams;
   findings.separator = table.separator;
   findings.decimal_comma = table.decimal_comma;
   findings.rows = table.rows.size();
   for (std::size_t c = 0; c < table.columns.size(); ++c) {
-    const std::string first = table.rows.empty() ? "" : std::string(table.rows.front().cells[c]);
+    const auto filled =
+        std::ranges::find_if(table.rows, [&](const auto& row) { return !row.cells[c].empty(); });
+    const std::string first = filled == table.rows.end() ? "" : std::string(filled->cells[c]);
     findings.columns.push_back(
         {table.columns[c].name, table.columns[c].unit, columns.meanings[c], first});
   }
