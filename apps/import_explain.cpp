@@ -90,16 +90,16 @@ void judge(const ImportOptions& options, const scene::Hand& hand, Explained& fou
   }
 }
 
-bool is_text_table(const std::string& file) {
+bool has_columns(const std::string& file) {
   const devices::MotionFormat* format = devices::format_of(file);
-  return format && format->name == "table";
+  return format && format->look;
 }
 
 Explained find_out(const ImportOptions& options, const scene::Hand& hand) {
   Explained found;
   const devices::MotionOptions motion = declared(options);
   try {
-    if (is_text_table(options.file)) found.table = look_declared(options.file, motion);
+    if (has_columns(options.file)) found.table = look_declared(options.file, motion);
     found.recording = read_declared(options.file, motion);
     if (options.no_trigger) found.recording->triggers = {};
     judge(options, hand, found);
@@ -118,10 +118,15 @@ std::string separator_name(char separator) {
 }
 
 void print_table(const devices::TableFindings& table) {
-  std::cout << fmt::format("  table              {} rows, {} columns between {}{}{}\n", table.rows,
-                           table.columns.size(), separator_name(table.separator),
-                           table.decimal_comma ? ", decimal commas" : "",
-                           table.kind.empty() ? "" : ", as " + table.kind + " writes them");
+  if (table.of_streams) {
+    std::cout << fmt::format("  streams            {} samples, {} columns\n", table.rows,
+                             table.columns.size());
+  } else {
+    std::cout << fmt::format("  table              {} rows, {} columns between {}{}{}\n",
+                             table.rows, table.columns.size(), separator_name(table.separator),
+                             table.decimal_comma ? ", decimal commas" : "",
+                             table.kind.empty() ? "" : ", as " + table.kind + " writes them");
+  }
   std::size_t widest = 0;
   for (const auto& column : table.columns)
     widest = std::max(widest, std::min<std::size_t>(column.name.size(), 40));

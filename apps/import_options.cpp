@@ -11,7 +11,6 @@
 #include <toml++/toml.h>
 
 #include "apps/command.h"
-#include "devices/recordings/text_encoding.h"
 #include "files/input_file.h"
 #include "scene/scenario/nearest.h"
 #include "scene/scenario/toml_reading.h"
@@ -255,7 +254,7 @@ devices::MotionRecording read_declared(const std::string& file,
 devices::TableFindings look_declared(const std::string& file,
                                      const devices::MotionOptions& motion) {
   try {
-    return devices::look_at_table(devices::read_as_utf8(file, 2'000'000'000), file, motion);
+    return devices::format_of(file)->look(file, motion);
   } catch (const devices::WrongColumn& error) {
     refuse_column(error);
   }

@@ -28,7 +28,7 @@ devices::MotionOptions declared(const ImportOptions& options);
 devices::MotionRecording read_declared(const std::string& file,
                                        const devices::MotionOptions& motion);
 
-/// devices::look_at_table with these options; throws as read_declared().
+/// What is understood of the columns of a file whose format has some; throws as read_declared().
 devices::TableFindings look_declared(const std::string& file, const devices::MotionOptions& motion);
 
 /// The options that make one reading of another, such as "--units cm --axes RSA".

@@ -192,6 +192,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"left_arcmin",
      "largest angle between the two places of a body on the left retina, while that eye sees it"},
     {"left_handed", "true if the virtual participant throws with the left hand"},
+    {"left_out", "numbers of states and frames that were not written"},
     {"limit_arcmin",
      "threshold of an angle: the larger of a pixel and the smallest detail that the eye resolves"},
     {"line", "terminal or port of an emulated unit"},
@@ -322,7 +323,10 @@ constexpr auto kKeys = std::to_array<JsonKey>({
      "null if it was never from 4 to 64 deg/s"},
     {"spin_radps", "angular velocity of the ball at its release, in the world"},
     {"state_hash", "hash of the state after the last tick (docs/hash-and-ledger.md)"},
+    {"states", "number of states of the trial"},
     {"statistics", "counters of the engine"},
+    {"stream", "name of a stream"},
+    {"streams", "streams that were written"},
     {"studies", "number of simulated studies for each number of people"},
     {"submit", "command that submits both jobs to Slurm"},
     {"success_from", "so many skittles down are a success"},
@@ -381,6 +385,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
      "window of success: the moments of the release around the real one that are a success; null "
      "if the real one is none"},
     {"works", "true if it works"},
+    {"xdf", "file of the streams"},
     {"y4m", "raw video that was written; null without one"},
 });
 static_assert(std::ranges::adjacent_find(kKeys, std::greater_equal{}, &JsonKey::key) == kKeys.end(),

@@ -17,6 +17,7 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "devices/base/version.h"
+#include "devices/recordings/xdf_trial.h"
 #include "devices/trial/file.h"
 #include "devices/trial/tables.h"
 #include "files/output_file.h"
@@ -33,7 +34,7 @@ namespace {
 
 struct ExportOptions {
   std::string trial;
-  std::optional<std::string> folder, gltf;
+  std::optional<std::string> folder, gltf, xdf;
   double tolerance_mm = 0.0;
   bool force = false, json = false;
 };
@@ -134,12 +135,55 @@ void export_gltf(const ExportOptions& options) {
   }
 }
 
+/// Pose of the transmitter in the world; none if the trial's scenario cannot be read.
+std::optional<Pose> transmitter_of(const devices::TrialHeader& header, const std::string& path) {
+  try {
+    return scene::scenario_of_trial(header.scenario, path).rig.X_WT;
+  } catch (const std::invalid_argument&) {
+    return std::nullopt;
+  }
+}
+
+/// Writes samples and events as streams.
+void export_xdf(const ExportOptions& options) {
+  watch_stop_signals();
+  const devices::TrialFile trial(options.trial);
+  trial.require_trial(devices::kLongestGap);
+  const devices::TrialSummary& summary = trial.summary();
+  say_what_is_missing("export", options.trial, summary);
+  files::OutputFile file(
+      *options.xdf,
+      {.overwrite = options.force, .standard_output = true, .inputs = {options.trial}});
+  const auto streams = devices::write_xdf_trial(
+      trial, transmitter_of(summary.header, options.trial), [&](std::string_view bytes) {
+        check_stop();
+        file.write(bytes.data(), bytes.size());
+      });
+  file.commit();
+  if (options.json) {
+    nlohmann::ordered_json all = nlohmann::ordered_json::array();
+    for (const auto& [name, samples] : streams)
+      all.push_back({{"stream", name}, {"samples", samples}});
+    print_json({{"xdf", *options.xdf},
+                {"streams", all},
+                {"left_out", {{"states", summary.state_count}, {"frames", summary.frame_count}}}});
+    return;
+  }
+  if (*options.xdf == "-") return;
+  fmt::print("{}\n", *options.xdf);
+  for (const auto& [name, samples] : streams) fmt::print("  {:<14}{:>8} samples\n", name, samples);
+  fmt::print("left out: {} states, {} frames\n", summary.state_count, summary.frame_count);
+}
+
 void export_trial(const ExportOptions& options) {
-  if (options.gltf.has_value() == options.folder.has_value()) {
-    throw UsageError("expected one of -o FOLDER (tables) and --gltf FILE.glb (animation)");
+  if (options.folder.has_value() + options.gltf.has_value() + options.xdf.has_value() != 1) {
+    throw UsageError(
+        "expected one of -o FOLDER (tables), --gltf FILE.glb (animation) and --xdf FILE.xdf "
+        "(streams)");
   }
   if (options.tolerance_mm > 0.0 && !options.gltf) throw UsageError("--tolerance needs --gltf");
   if (options.gltf) return export_gltf(options);
+  if (options.xdf) return export_xdf(options);
   const devices::TrialFile trial(options.trial);
   trial.require_trial(devices::kLongestGap);
   const devices::TrialSummary& summary = trial.summary();
@@ -179,13 +223,16 @@ void export_trial(const ExportOptions& options) {
 
 void add_export(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
-  CLI::App* command =
-      app.add_subcommand("export", "Write a trial as tables (CSV) or as an animated scene (glTF)");
+  CLI::App* command = app.add_subcommand(
+      "export", "Write a trial as tables (CSV), an animated scene (glTF) or streams (XDF)");
   command->add_option("TRIAL", options->trial, "a trial (.lcmlog); - is standard input")
       ->required();
   add_output(*command, "-o,--output", options->folder, "folder for the tables", {});
   add_output(*command, "--gltf", options->gltf,
              "file for the animated scene (.glb); - is standard output", {".glb"});
+  add_output(*command, "--xdf", options->xdf,
+             "file for the streams of trackers, buttons and events (.xdf); - is standard output",
+             {".xdf"});
   command
       ->add_option("--tolerance", options->tolerance_mm,
                    "leave out keys of the animation; 0.1 or 0.1mm is the largest error")
@@ -201,8 +248,11 @@ void add_export(CLI::App& app) {
       "tick. The "
       "trial is\nsimulated again. A camera of glTF is centred: where an eye's frustum is not, the "
       "camera shows more, and its\nextras have the edges.\n\n"
+      "With --xdf: one stream per receiver, one for the 3D mouse, three for the events, as "
+      "LabRecorder writes them.\nStates of bodies and frames are left out.\n\n"
       "Example:\n  headpin export game.lcmlog -o tables\n"
-      "  headpin export game.lcmlog --gltf game.glb --tolerance 0.1mm");
+      "  headpin export game.lcmlog --gltf game.glb --tolerance 0.1mm\n"
+      "  headpin export game.lcmlog --xdf game.xdf");
   command->callback([options] { export_trial(*options); });
 }
 

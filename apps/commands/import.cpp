@@ -14,6 +14,7 @@
 #include "apps/options.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "apps/xdf_session.h"
 #include "devices/recordings/marker_file.h"
 #include "devices/recordings/motion_files.h"
 #include "devices/recordings/text_encoding.h"
@@ -389,7 +390,7 @@ void add_import(CLI::App& app) {
       ->add_option("FILE", options->file,
                    "recording: a text table with a time and the poses of head and hand (CSV, TSV), "
                    "the folder of a UXF session or one of its tracker files, a Motion-BIDS "
-                   "..._motion.tsv, or a VRPN log")
+                   "..._motion.tsv, a VRPN log, or a recording of LabRecorder (XDF)")
       ->required();
   add_output(*command, "-o,--output", options->output,
              "trial to write (.lcmlog); - is standard output; with --explain a .toml file",
@@ -424,10 +425,12 @@ void add_import(CLI::App& app) {
       "motion, and\nmarks them as found. A recording that cannot be a person's throw is refused, "
       "with the "
       "reason. A "
-      "session from\n`experiment export` is read back complete, with its buttons.\n\n"
+      "session from\n`experiment export` or `export --xdf` is read back complete, with its "
+      "buttons.\n\n"
       "Example:\n  headpin import throw.csv -o throw.lcmlog --heading gaze");
   command->callback([options] {
     require_output(*options);
+    if (is_xdf_session(*options)) return import_xdf_session(*options);
     if (options->explain) return explain_import(*options, room_of(*options));
     if (is_bids_session(options->file)) {
       import_bids_session(options->file, *options->output, options->force, options->json);
