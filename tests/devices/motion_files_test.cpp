@@ -363,7 +363,7 @@ TEST_F(MotionFilesIn, OfAnotherFormatAreToldWithThoseThatAreKnown) {
     EXPECT_THAT(said("HIERARCHY\nROOT"), HasSubstr(std::string(format.name)));
   }
   EXPECT_THAT(said("HIERARCHY\nROOT"), HasSubstr("x: seems to be BVH; expected one of UXF"));
-  EXPECT_THAT(said("XDF:\x01"), HasSubstr("seems to be XDF"));
+  EXPECT_THAT(said("XDF:\x01"), HasSubstr("expected a stream with the positions of head and hand"));
   EXPECT_THAT(
       said("\xed\xa1\xda\x01"),
       HasSubstr("x: is an LCM event log (a trial) and needs no import; expected a recording"));
