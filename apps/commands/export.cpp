@@ -248,7 +248,7 @@ void add_export(CLI::App& app) {
       "tick. The "
       "trial is\nsimulated again. A camera of glTF is centred: where an eye's frustum is not, the "
       "camera shows more, and its\nextras have the edges.\n\n"
-      "With --xdf: one stream per receiver, one for the 3D mouse, three for the events, as "
+      "With --xdf: one stream per receiver, one for the 3D mouse, four for the events, as "
       "LabRecorder writes them.\nStates of bodies and frames are left out.\n\n"
       "Example:\n  headpin export game.lcmlog -o tables\n"
       "  headpin export game.lcmlog --gltf game.glb --tolerance 0.1mm\n"

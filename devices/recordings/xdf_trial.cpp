@@ -16,7 +16,8 @@ namespace headpin::devices {
 namespace {
 
 constexpr std::string_view kMocap = "MoCap", kButtons = "Buttons", kMarkers = "Markers",
-                           kEventTexts = "EventTexts", kEventValues = "EventValues";
+                           kEventBodies = "EventBodies", kEventDetails = "EventDetails",
+                           kEventValues = "EventValues";
 
 /// Channels of a receiver. `order` is the number of the sample among all of the trial.
 std::vector<XdfChannel> tracker_channels(const std::string& object) {
@@ -43,9 +44,10 @@ const std::vector<XdfChannel> kMouseChannels = {
     {"trigger", "Button", "0/1", ""},    {"host_time_s", "Time", "s", ""},
     {"session_time_s", "Time", "s", ""}, {"order", "Count", "", ""}};
 
+// Some readers expect one channel in each stream of strings.
 const std::vector<XdfChannel> kMarkerChannels = {{"kind", "Marker", "", ""}};
-const std::vector<XdfChannel> kTextChannels = {{"bodies", "Text", "", ""},
-                                               {"detail", "Text", "", ""}};
+const std::vector<XdfChannel> kBodiesChannels = {{"bodies", "Text", "", ""}};
+const std::vector<XdfChannel> kDetailChannels = {{"detail", "Text", "", ""}};
 const std::vector<XdfChannel> kValueChannels = {{"tick", "Count", "", ""},
                                                 {"x_m", "EventX", "meters", ""},
                                                 {"y_m", "EventY", "meters", ""},
@@ -73,8 +75,7 @@ std::string about_trial(const TrialSummary& trial) {
 /// The frame of positions and rotations.
 std::string about_frame(std::int32_t station, const std::optional<Pose>& X_WT) {
   std::string about = xml_element("station", std::to_string(station)) +
-                      "<acquisition><manufacturer>Polhemus</manufacturer><model>Fastrak</model>"
-                      "</acquisition><setup><name>T, the frame of the transmitter</name>";
+                      "<setup><name>T, the frame of the transmitter</name>";
   if (X_WT) {
     const Vec3& p = X_WT->p;
     const Quat& q = X_WT->q;
@@ -102,7 +103,9 @@ class TrialToXdf {
           writer_.begin({device_name(0), std::string(kButtons), "double64", kMouseChannels});
     }
     kinds_ = writer_.begin({"events", std::string(kMarkers), "string", kMarkerChannels});
-    texts_ = writer_.begin({"event texts", std::string(kEventTexts), "string", kTextChannels});
+    bodies_ = writer_.begin({"event bodies", std::string(kEventBodies), "string", kBodiesChannels});
+    details_ =
+        writer_.begin({"event details", std::string(kEventDetails), "string", kDetailChannels});
     values_ =
         writer_.begin({"event values", std::string(kEventValues), "double64", kValueChannels});
   }
@@ -134,8 +137,8 @@ class TrialToXdf {
     clock_ = std::max(clock_, time);
     writer_.advance(clock_);
     writer_.add(kinds_, time, std::array{event.kind});
-    writer_.add(texts_, time,
-                std::array{fmt::format("{}", fmt::join(event.bodies, ";")), event.detail});
+    writer_.add(bodies_, time, std::array{fmt::format("{}", fmt::join(event.bodies, ";"))});
+    writer_.add(details_, time, std::array{event.detail});
     writer_.add(
         values_, time,
         std::array{static_cast<double>(event.tick), event.p_W.x(), event.p_W.y(), event.p_W.z(),
@@ -165,7 +168,7 @@ class TrialToXdf {
   const std::vector<Event>& events_;
   std::size_t next_event_ = 0;
   std::map<std::int32_t, std::size_t> streams_;
-  std::size_t kinds_ = 0, texts_ = 0, values_ = 0;
+  std::size_t kinds_ = 0, bodies_ = 0, details_ = 0, values_ = 0;
   std::int64_t order_ = 0;
   double clock_ = 0.0;
 };
@@ -316,21 +319,21 @@ class TrialFromXdf {
   }
 
   void take_events() {
-    const XdfStream *kinds = stream_of(kMarkers), *texts = stream_of(kEventTexts),
-                    *values = stream_of(kEventValues);
-    if (!kinds || !texts || !values) return;
-    StreamRow kind(*kinds, kMarkerChannels, where_), text(*texts, kTextChannels, where_),
-        value(*values, kValueChannels, where_);
-    const std::size_t count =
-        std::min({kinds->times.size(), texts->times.size(), values->times.size()});
+    const XdfStream *kinds = stream_of(kMarkers), *bodies = stream_of(kEventBodies),
+                    *details = stream_of(kEventDetails), *values = stream_of(kEventValues);
+    if (!kinds || !bodies || !details || !values) return;
+    StreamRow kind(*kinds, kMarkerChannels, where_), body(*bodies, kBodiesChannels, where_),
+        detail(*details, kDetailChannels, where_), value(*values, kValueChannels, where_);
+    const std::size_t count = std::min(
+        {kinds->times.size(), bodies->times.size(), details->times.size(), values->times.size()});
     for (std::size_t i = 0; i < count; ++i) {
-      for (StreamRow* row : {&kind, &text, &value}) row->go_to(i);
+      for (StreamRow* row : {&kind, &body, &detail, &value}) row->go_to(i);
       if (value.whole("tick") >= 0) continue;
       Event event;
       event.time = kind.time();
       event.kind = kind.word("kind");
-      event.bodies = bodies_of(text.word("bodies"));
-      event.detail = text.word("detail");
+      event.bodies = bodies_of(body.word("bodies"));
+      event.detail = detail.word("detail");
       event.p_W = {value.number("x_m"), value.number("y_m"), value.number("z_m")};
       event.j_W = {value.number("impulse_x_ns"), value.number("impulse_y_ns"),
                    value.number("impulse_z_ns")};

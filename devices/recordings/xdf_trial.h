@@ -11,8 +11,8 @@
 
 /// A trial as XDF, and back.
 ///
-/// A stream is a receiver, the 3D mouse, or the events: their kinds as markers, and their texts and
-/// numbers as two more streams with the same times. Labels of channels are the columns of docs/tables.md.
+/// A stream is a receiver, the 3D mouse, or the events: their kinds as markers, and their bodies, details
+/// and numbers as three more streams with the same times. Labels of channels are the columns of docs/tables.md.
 /// Times are those of the trial's clock. The header of the file has that of the trial.
 namespace headpin::devices {
 
