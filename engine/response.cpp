@@ -86,7 +86,7 @@ Sliding coulomb_sliding(double friction, double, double) {
 }
 
 std::span<const Response> responses() {
-  static constexpr std::array<Response, 2> kResponses{{
+  static const std::array<Response, 2> kResponses{{
       {"paper", paper_impulse, paper_sliding,
        "momentum always; energy for elasticity 1 with friction 0 or 1; energy never grows"},
       {"coulomb", coulomb_impulse, coulomb_sliding,

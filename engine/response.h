@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string_view>
 
@@ -69,10 +70,12 @@ Sliding paper_sliding(double friction, double dt, double tau);
 /// Coulomb: friction is at most `friction` times the load and stops the slip when it can.
 Sliding coulomb_sliding(double friction, double dt, double tau);
 
-/// A law of response. To add one, write its two functions and a line in the table of `responses()`.
+/// A law of response. To add one, write its two functions and a line in the table of `responses()`;
+/// `set_response` (world.h) gives one world a law of its own.
 struct Response {
   std::string_view name;  ///< as users write it
-  Vec3 (*impulse)(const Encounter&, const Coefficients&);
+  /// The impulse on A. Where it would pull the bodies together, the step uses F00 instead.
+  std::function<Vec3(const Encounter&, const Coefficients&)> impulse;
   Sliding (*sliding)(double friction, double dt, double tau);
   std::string_view keeps;  ///< what it conserves, for help and reports
 };

@@ -226,6 +226,11 @@ void put_to_sleep(World& world, BodyId body) {
   detail::become(world, body, Kind::free, true);
 }
 
+void set_response(World& world, const Response& response) {
+  world.response = &response;
+  world.parameters.response = response.name;
+}
+
 State outside_fixed(const World& world, BodyId body, const State& wanted) {
   check_number(world, body);
   if (!is_good(wanted)) refuse(wanted, detail::title(world, body));

@@ -161,6 +161,12 @@ inline bool is_asleep(const World& world, BodyId body) {
   return world.asleep[body] != 0;
 }
 
+/// Gives the world a law of response of one's own, from the next step on. `parameters.response` then
+/// has its name; a saved world can be restored only into worlds with a law of that name.
+///
+/// @param response  must outlive the world and its copies
+void set_response(World& world, const Response& response);
+
 /// Forgets which bodies a body has met: its next touch with each is the first one again.
 ///
 /// @throws std::invalid_argument  for an unknown body

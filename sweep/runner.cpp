@@ -12,6 +12,7 @@
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/recorded.h"
 #include "sweep/result.h"
+#include "sweep/rows.h"
 
 namespace headpin::sweep {
 
@@ -69,31 +70,33 @@ Trial read_trial(const std::string& path) {
   return trial;
 }
 
-std::shared_ptr<const scene::Stage> Runner::stage_of(const Row& row) {
-  const Trial& trial = trials_[row.trial];
+std::shared_ptr<const scene::Stage> Replayer::stage_of(std::size_t number,
+                                                       const std::vector<std::string>& values) {
+  const Trial& trial = trials_[number];
   std::string text = trial.scenario_text;
-  for (const std::string& value : row.values) text += "\n" + value;
+  for (const std::string& value : values) text += "\n" + value;
   if (!stage_ || text != stage_text_) {
     stage_.reset();
     scene::Scenario scenario = trial.scenario;
-    scene::apply(condition_of(rows_.keys(), row.values), scenario);
+    scene::apply(condition_of(keys_, values), scenario);
     stage_ = std::make_shared<const scene::Stage>(scene::make_stage(scenario));
     stage_text_ = std::move(text);
   }
   return stage_;
 }
 
-std::vector<std::string> Runner::run(const Row& row, const std::function<void()>& check) {
-  std::vector<std::string> line = cells_of(rows_, row), result;
+std::vector<std::string> Replayer::run(std::size_t number, const std::vector<std::string>& values,
+                                       const std::function<void()>& check) {
+  const Trial& trial = trials_[number];
   try {
-    scene::Session session = scene::make_session(stage_of(row));
+    scene::Session session = scene::make_session(stage_of(number, values));
     session.hashes = false;
-    devices::ReplaySource source(trials_[row.trial].samples);
-    Result sum(&own_condition(trials_[row.trial]));
+    devices::ReplaySource source(trial.samples);
+    Result sum(&own_condition(trial));
     scene::NoPace pace;
     scene::Observer* const observer = &sum;
     const std::int64_t ticks =
-        scene::tick_count(trials_[row.trial].summary, session.scenario().rates.physics_hz);
+        scene::tick_count(trial.summary, session.scenario().rates.physics_hz);
     scene::run(session, source, pace, std::span(&observer, 1), [&](const scene::Session& s) {
       try {
         check();
@@ -102,12 +105,17 @@ std::vector<std::string> Runner::run(const Row& row, const std::function<void()>
       }
       return s.tick >= ticks;
     });
-    result = sum.cells(session);
+    return sum.cells(session);
   } catch (const Interrupted& interrupted) {
     std::rethrow_exception(interrupted.why);
   } catch (const std::exception& error) {
-    result = failed_cells(error.what());
+    return failed_cells(error.what());
   }
+}
+
+std::vector<std::string> Runner::run(const Row& row, const std::function<void()>& check) {
+  std::vector<std::string> line = cells_of(rows_, row);
+  const std::vector<std::string> result = replayer_.run(row.trial, row.values, check);
   line.insert(line.end(), result.begin(), result.end());
   return line;
 }

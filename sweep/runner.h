@@ -32,11 +32,38 @@ struct Trial {
 /// @throws std::runtime_error  as scene::load_trial
 Trial read_trial(const std::string& path);
 
+/// Simulates trials under conditions, one after the other. Each thread has its own.
+class Replayer {
+ public:
+  /// @param keys    those of the conditions, see condition_of()
+  /// @param trials  must outlive this, as `keys` must
+  Replayer(const std::vector<std::string>& keys, const std::vector<Trial>& trials)
+      : keys_(keys), trials_(trials) {}
+
+  /// @param trial   its number
+  /// @param values  of the keys, in their order
+  /// @param check   called at every tick; may throw
+  /// @return  the cells of result_columns(); a replay that fails has its reason in the last
+  /// @throws  whatever `check` throws
+  std::vector<std::string> run(std::size_t trial, const std::vector<std::string>& values,
+                               const std::function<void()>& check);
+
+ private:
+  std::shared_ptr<const scene::Stage> stage_of(std::size_t trial,
+                                               const std::vector<std::string>& values);
+
+  const std::vector<std::string>& keys_;
+  const std::vector<Trial>& trials_;
+  std::shared_ptr<const scene::Stage> stage_;  ///< of the last replay
+  std::string stage_text_;                     ///< what it was made from
+};
+
 /// Simulates rows, one after the other. Each thread has its own.
 class Runner {
  public:
   /// @param rows, trials  must outlive this
-  Runner(const Rows& rows, const std::vector<Trial>& trials) : rows_(rows), trials_(trials) {}
+  Runner(const Rows& rows, const std::vector<Trial>& trials)
+      : rows_(rows), replayer_(rows.keys(), trials) {}
 
   /// @param check  called at every tick; may throw
   /// @return  the cells of a line, the row's own first; a row that fails has its reason in it
@@ -44,12 +71,8 @@ class Runner {
   std::vector<std::string> run(const Row& row, const std::function<void()>& check);
 
  private:
-  std::shared_ptr<const scene::Stage> stage_of(const Row& row);
-
   const Rows& rows_;
-  const std::vector<Trial>& trials_;
-  std::shared_ptr<const scene::Stage> stage_;  ///< of the last row
-  std::string stage_text_;                     ///< what it was made from
+  Replayer replayer_;
 };
 
 }  // namespace headpin::sweep

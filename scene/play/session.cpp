@@ -117,6 +117,17 @@ Session make_session(const Scenario& scenario) {
   return make_session(std::make_shared<const Stage>(make_stage(scenario)));
 }
 
+void set_response(Session& s, const engine::Response& response) {
+  for (std::shared_ptr<const Stage>* of : {&s.stage, &s.versions[0], &s.versions[1]}) {
+    if (!*of) continue;
+    auto stage = std::make_shared<Stage>(**of);
+    engine::set_response(stage->world, response);
+    *of = std::move(stage);
+  }
+  engine::set_response(s.world, response);
+  s.hashes = false;
+}
+
 void advance(Session& s, devices::Source& source) {
   const Moment moment{s.next_tick(), s.tick + 1};
   s.samples.clear();

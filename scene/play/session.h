@@ -50,6 +50,12 @@ struct Session {
 Session make_session(std::shared_ptr<const Stage> stage);
 Session make_session(const Scenario& scenario);
 
+/// Gives the session a law of response of one's own, in every version of its game. Its trial replays
+/// only with the same law, so the session makes no hashes.
+///
+/// @param response  must outlive the session
+void set_response(Session& session, const engine::Response& response);
+
 /// Makes one tick: takes all samples that the source has by then, steps the world, finds bodies
 /// that fly at the player, and applies the rules of the game.
 ///

@@ -164,7 +164,7 @@ nlohmann::json summary(const Session& s, const Score& score) {
   const Scenario& scenario = s.scenario();
   nlohmann::json all = conditions(scenario);
   all.update({{"version", devices::software_version()},
-              {"response", scenario.collision.response},
+              {"response", s.world.parameters.response},
               {"detection", scenario.collision.detection},
               {"skittles", s.stage->skittles.size()},
               {"skittles_down", score.skittles_down},
