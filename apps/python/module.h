@@ -7,4 +7,8 @@ namespace headpin::python {
 
 namespace py = pybind11;
 
+void add_engine(py::module_& module);   ///< headpin.engine
+void add_many(py::module_& module);     ///< replay_many
+void add_session(py::module_& module);  ///< Session, TrackerSample, MouseSample
+
 }  // namespace headpin::python

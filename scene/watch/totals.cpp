@@ -162,6 +162,9 @@ nlohmann::json to_json(const std::vector<devices::ThrowRow>& throws) {
 
 nlohmann::json summary(const Session& s, const Score& score) {
   const Scenario& scenario = s.scenario();
+  const auto hash = [&](std::uint64_t value) {
+    return s.hashes ? nlohmann::json(in_hex(value)) : nlohmann::json();
+  };
   nlohmann::json all = conditions(scenario);
   all.update({{"version", devices::software_version()},
               {"response", s.world.parameters.response},
@@ -177,8 +180,8 @@ nlohmann::json summary(const Session& s, const Score& score) {
               {"ticks", s.tick},
               {"ledger", to_json(s.world.ledger)},
               {"statistics", to_json(s.statistics)},
-              {"state_hash", in_hex(s.state_hash)},
-              {"game_hash", in_hex(s.game_hash.value())}});
+              {"state_hash", hash(s.state_hash)},
+              {"game_hash", hash(s.game_hash.value())}});
   return all;
 }
 

@@ -62,7 +62,7 @@ nlohmann::json to_json(const std::vector<KeyDifference>& differences);
 /// One object per throw.
 nlohmann::json to_json(const std::vector<devices::ThrowRow>& throws);
 
-/// The result of a session, as in `--json` of every command.
+/// The result of a session, as in `--json` of every command. The hashes are null where it makes none.
 nlohmann::json summary(const Session& session, const Score& score);
 
 }  // namespace headpin::scene

@@ -1,5 +1,7 @@
 """headpin: a headless immersive bowling simulator with a tracked-device layer."""
 
-from ._headpin import __version__
+from . import engine
+from ._headpin import MouseSample, Session, TrackerSample, __version__
+from ._many import replay_many
 
-__all__ = ["__version__"]
+__all__ = ["MouseSample", "Session", "TrackerSample", "__version__", "engine", "replay_many"]

@@ -1,0 +1,143 @@
+"""Many replays: trials under a table of conditions, on all cores."""
+
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+
+from . import _headpin
+
+
+def replay_many(trials, table, threads=0, progress=None):
+    """Replays every trial under every condition of a table, in threads of C++.
+
+    trials: paths or Trial objects; one, or a list.
+    table: the conditions. A dict of columns (a key and its values; a single value stands for all
+        rows), a list of dicts, a structured array or a pandas data frame. The keys are those of
+        `headpin sweep`: elasticity, friction, shape, response, detection, iterations, and every key
+        of a scenario, such as ball.mass.
+    threads: how many; 0: one for each core.
+    progress: a function (done, total), called ten times a second; None: a line on a terminal or in
+        a notebook; False: nothing.
+
+    Returns a structured array of one row per replay; all trials under the first condition come
+    first. Its columns are trial (its name), the keys, and the results with the names and units of
+    `headpin sweep` (docs/guides/sweeps.md), equal to them bit for bit. A number that a replay does
+    not have is NaN. A replay that fails has its reason in the column error, which is empty else.
+
+    Raises ValueError for a key that is none. Ctrl-C stops it.
+    """
+    paths = [_path(trial) for trial in ([trials] if _is_one(trials) else trials)]
+    keys, conditions = _conditions(table)
+    line = _Line() if progress is None else None
+    try:
+        results = _headpin._replay_many(
+            paths,
+            keys,
+            [[_text(value) for value in values] for values in conditions],
+            threads,
+            line or progress or None,
+        )
+    finally:
+        if line:
+            line.erase()
+    columns = {"trial": [Path(path).stem for path in paths] * len(conditions)}
+    for i, key in enumerate(keys):
+        columns[key] = np.repeat(_column([values[i] for values in conditions]), len(paths))
+    columns.update(results)
+    return _structured(columns)
+
+
+def _is_one(trials):
+    return isinstance(trials, (str, os.PathLike)) or hasattr(trials, "path")
+
+
+def _path(trial):
+    return os.fspath(getattr(trial, "path", trial))
+
+
+def _conditions(table):
+    """The keys of a table, and the values of each row."""
+    if hasattr(table, "to_records"):
+        table = {name: list(table[name]) for name in table.columns}
+    names = getattr(getattr(table, "dtype", None), "names", None)
+    if names:
+        table = {name: table[name] for name in names}
+    if isinstance(table, dict):
+        return list(table), _rows(table)
+    rows = list(table)
+    keys = list(rows[0]) if rows else []
+    for number, row in enumerate(rows):
+        if set(row) != set(keys):
+            raise ValueError(
+                f"table: row {number}: expected the keys {', '.join(keys)}, found {', '.join(row)}"
+            )
+    return keys, [[row[key] for key in keys] for row in rows]
+
+
+def _rows(columns):
+    lengths = {key: len(column) for key, column in columns.items() if _is_column(column)}
+    if len(set(lengths.values())) > 1:
+        found = ", ".join(f"{key} {length}" for key, length in lengths.items())
+        raise ValueError(f"table: expected columns of one length, found {found}")
+    length = next(iter(lengths.values()), 1)
+    full = [column if key in lengths else [column] * length for key, column in columns.items()]
+    return [list(row) for row in zip(*full)] if full else [[]]
+
+
+def _is_column(values):
+    return hasattr(values, "__len__") and not isinstance(values, (str, bytes))
+
+
+def _text(value):
+    """A value as TOML has it; texts as they are."""
+    if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
+        value = value.item()
+    if isinstance(value, str):
+        return value
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (int, float)):
+        return repr(value)
+    if _is_column(value):
+        return "[" + ", ".join(_text(one) for one in value) + "]"
+    raise ValueError(f"table: expected numbers, texts, truth values or lists of them, found {value!r}")
+
+
+def _column(values):
+    """Values as an array of one dimension; lists become texts."""
+    if any(_is_column(value) for value in values):
+        return np.array([_text(value) for value in values], dtype=object)
+    return np.asarray(values)
+
+
+def _structured(columns):
+    arrays = {name: np.asarray(column) for name, column in columns.items()}
+    for name, array in arrays.items():
+        if array.dtype.kind == "U" and array.dtype.itemsize == 0:
+            arrays[name] = array.astype("U1")
+    length = len(arrays["trial"])
+    table = np.empty(length, dtype=[(name, array.dtype) for name, array in arrays.items()])
+    for name, array in arrays.items():
+        table[name] = array
+    return table
+
+
+class _Line:
+    """A progress line: on a terminal, and in the output of a notebook's cell."""
+
+    def __init__(self):
+        self._shows = sys.stderr.isatty() or "ipykernel" in sys.modules
+        self._width = 0
+
+    def __call__(self, done, total):
+        if not self._shows:
+            return
+        text = f"{done} of {total} replays"
+        print("\r" + text.ljust(self._width), end="", file=sys.stderr, flush=True)
+        self._width = len(text)
+
+    def erase(self):
+        if self._width:
+            print("\r" + " " * self._width + "\r", end="", file=sys.stderr, flush=True)
