@@ -11,6 +11,7 @@
 #include <pybind11/stl.h>
 
 #include "apps/python/engine.h"
+#include "apps/python/in_use.h"
 #include "apps/python/interrupts.h"
 #include "apps/python/response.h"
 #include "apps/python/samples.h"
