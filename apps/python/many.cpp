@@ -13,6 +13,7 @@
 #include <pybind11/stl.h>
 
 #include "apps/python/interrupts.h"
+#include "apps/python/module.h"
 #include "sweep/result.h"
 #include "sweep/runner.h"
 

@@ -55,6 +55,11 @@ MouseSample mouse_sample(std::int64_t time_us, bool left_thumb, bool right_thumb
           trigger,       Time{session_time_us}};
 }
 
+template <typename Sample>
+std::int64_t session_time_us(const Sample& s) {
+  return s.session_time.count();
+}
+
 /// Cells of a row of a table, by their names.
 struct Cells {
   const py::handle row;
@@ -142,12 +147,18 @@ void add_samples(py::module_& module) {
            "is "
            "pressed. status: empty, or the Fastrak's error letter.\nhost_time_us: when it arrived; "
            "session_time_us: when a recorded session used it; 0: at once.")
+      .def_readonly("station", &TrackerSample::station)
+      .def_property_readonly("time_us",
+                             [](const TrackerSample& s) { return s.device_time.count(); })
+      .def_property_readonly("session_time_us", session_time_us<TrackerSample>)
       .def("__repr__", repr);
   py::class_<MouseSample>(module, "MouseSample", "The buttons of the 3D mouse, when one changes.")
       .def(py::init(&mouse_sample), "time_us"_a, "left_thumb"_a = false, "right_thumb"_a = false,
            "trigger"_a = false, py::kw_only(), "host_time_us"_a = 0, "session_time_us"_a = 0,
            "time_us: on the session's clock [microseconds]. left_thumb walks forward, right_thumb "
-           "backward, trigger grabs.");
+           "backward, trigger grabs.")
+      .def_property_readonly("time_us", [](const MouseSample& s) { return s.device_time.count(); })
+      .def_property_readonly("session_time_us", session_time_us<MouseSample>);
 }
 
 }  // namespace headpin::python

@@ -13,6 +13,7 @@
 #include "apps/python/engine.h"
 #include "apps/python/in_use.h"
 #include "apps/python/interrupts.h"
+#include "apps/python/module.h"
 #include "apps/python/response.h"
 #include "apps/python/samples.h"
 #include "devices/trial/sources.h"

@@ -10,6 +10,7 @@
 #include "apps/python/engine.h"
 #include "apps/python/in_use.h"
 #include "apps/python/interrupts.h"
+#include "apps/python/module.h"
 #include "apps/python/response.h"
 #include "engine/save.h"
 #include "engine/workspace.h"

@@ -1,5 +1,6 @@
 """Many replays: trials under a table of conditions, on all cores."""
 
+import json
 import os
 import sys
 from pathlib import Path
@@ -35,7 +36,7 @@ def replay_many(trials, table, threads=0, progress=None):
         results = _headpin._replay_many(
             paths,
             keys,
-            [[_text(value) for value in values] for values in conditions],
+            [[_of_key(*pair) for pair in zip(keys, values)] for values in conditions],
             threads,
             line or progress or None,
         )
@@ -90,12 +91,17 @@ def _is_column(values):
     return hasattr(values, "__len__") and not isinstance(values, (str, bytes))
 
 
+def _of_key(key, value):
+    """A value as `headpin sweep` has it: of these keys a name, of all others in TOML."""
+    return value if key in ("shape", "response", "detection") and isinstance(value, str) else _text(value)
+
+
 def _text(value):
-    """A value as TOML has it; texts as they are."""
+    """A value in TOML."""
     if isinstance(value, np.generic) or (isinstance(value, np.ndarray) and value.ndim == 0):
         value = value.item()
     if isinstance(value, str):
-        return value
+        return json.dumps(value)  # TOML's and JSON's texts are written alike
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, (int, float)):

@@ -1,0 +1,268 @@
+"""headpin.engine: the engine in Python, with the bits of C++."""
+
+import ctypes
+import os
+import signal
+import subprocess
+import sys
+import threading
+import unittest
+
+import numpy as np
+
+from headpin import engine
+
+R, M = 0.1085, 6.8  # of a bowling ball [m, kg]
+
+
+def ball(**more):
+    return engine.Body(engine.Ellipsoid([R, R, R]), "ball", M, 0.4 * M * R * R * np.eye(3), **more)
+
+
+def lane(**more):
+    return engine.Body(engine.HalfSpace(), "lane", kind="fixed", **more)
+
+
+def strike(**parameters):
+    """The world of engine_states.cpp."""
+    world = engine.World(**parameters)
+    world.add(lane())
+    world.add(ball(), [0, 0, 0.5], velocity=[0, 5, 0])
+    pin = engine.Compound(
+        [
+            engine.Part(engine.Cylinder(0.06, 0.15), [0, 0, -0.04]),
+            engine.Part(engine.Ellipsoid([0.05, 0.05, 0.05]), [0, 0, 0.14]),
+        ]
+    )
+    for k in (-1, 0, 1):
+        body = engine.Body(
+            pin, "pin", 1.5, np.diag([0.01, 0.01, 0.003]), elasticity=0.8, friction=0.3
+        )
+        world.add(body, [0.3 * k, 3.0, 0.19])
+    return world
+
+
+def hashes(world, count):
+    found = []
+    for _ in range(count):
+        world.step()
+        found.append(world.state_hash)
+    return found
+
+
+class World(unittest.TestCase):
+    def test_has_the_bits_of_the_same_world_in_cpp(self):
+        program = subprocess.run(
+            [os.environ["HEADPIN_ENGINE_STATES"]], capture_output=True, text=True, check=True
+        )
+        self.assertEqual(hashes(strike(), 480), program.stdout.split())
+
+    def test_goes_on_with_the_same_bits_after_it_was_restored(self):
+        world = strike()
+        world.step(150)
+        saved, copy = world.save(), world.copy()
+        after = hashes(world, 100)
+        restored = strike()
+        restored.restore(saved)
+        self.assertEqual(restored.tick, 150)
+        self.assertEqual(hashes(restored, 100), after)
+        self.assertEqual(hashes(copy, 100), after)
+
+    def test_refuses_damaged_saved_states_and_stays_as_it_was(self):
+        world = strike()
+        world.step(100)
+        saved, before = world.save(), world.state_hash
+        for bytes_ in (b"", saved[:-1], saved[:50] + bytes([saved[50] ^ 1]) + saved[51:]):
+            with self.assertRaisesRegex(ValueError, "^saved world: "):
+                world.restore(bytes_)
+        self.assertEqual(world.state_hash, before)
+
+    def test_a_ball_falls_as_galileo_says_and_its_event_tells_the_speed(self):
+        world = engine.World(rate_hz=1000)
+        world.add(lane(elasticity=0.0))
+        number = world.add(ball(), [0, 0, R + 1.0])
+        while not len(world.events):
+            world.step()
+        event = world.events[0]
+        self.assertEqual({event["a"], event["b"]}, {0, number})
+        self.assertTrue(event["first"])
+        self.assertAlmostEqual(event["approach_speed"], np.sqrt(2 * 9.81), delta=9.81 / 1000)
+        self.assertAlmostEqual(event["position"][2], 0.0, delta=1e-3)
+        self.assertGreater(abs(event["impulse"][2]), 0.9 * M * event["approach_speed"])
+        touching = world.contacts(margin=1e-3)
+        self.assertEqual(len(touching), 1)
+        np.testing.assert_allclose(np.abs(touching["normal"][0]), [0, 0, 1], atol=1e-12)
+
+    def test_states_have_what_was_set(self):
+        world = engine.World(gravity=[0, 0, 0])
+        number = world.add(ball(kind="driven"), [1, 2, 3])
+        quaternion = np.array([0.5, 0.5, -0.5, 0.5])
+        world.set_state(number, [4, 5, 6], quaternion, [1, 0, 0], [0, 2, 0])
+        state = world.states[number]
+        np.testing.assert_array_equal(state["position"], [4, 5, 6])
+        np.testing.assert_array_equal(state["quaternion"], quaternion)
+        np.testing.assert_array_equal(state["velocity"], [1, 0, 0])
+        np.testing.assert_array_equal(state["angular_velocity"], [0, 2, 0])
+        self.assertFalse(state["asleep"])
+
+    def test_errors_name_what_is_wrong(self):
+        world = engine.World()
+        for wrong, words in (
+            (lambda: engine.World(rate_hz=0), "rate_hz|rate"),
+            (lambda: engine.World(response="rubber"), "response: expected one of paper, coulomb"),
+            (lambda: engine.World(detection="none"), "detection: expected one of"),
+            (lambda: engine.Body(engine.HalfSpace(), kind="solid"), "kind: expected one of"),
+            (lambda: world.add(ball(elasticity=2.0)), "'ball': .*elasticity"),
+            (lambda: world.add(ball(), [0, 0, np.nan]), "expected a finite pose"),
+            (lambda: world.set_state(7, [0, 0, 0]), "body 7: there are 0"),
+            (lambda: engine.Compound([]), "part"),
+        ):
+            with self.assertRaisesRegex(ValueError, words):
+                wrong()
+
+    def test_two_threads_step_two_worlds_as_one_does(self):
+        expected = hashes(strike(), 480)[-1]
+        worlds = [strike(), strike()]
+        threads = [threading.Thread(target=world.step, args=(480,)) for world in worlds]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+        self.assertEqual([world.state_hash for world in worlds], [expected] * 2)
+
+    def test_stops_at_ctrl_c(self):
+        script = (
+            "import headpin.engine as e\n"
+            "world = e.World()\n"
+            "world.add(e.Body(e.Ellipsoid([1, 1, 1])))\n"
+            "try:\n"
+            "    print('steps', flush=True)\n"
+            "    world.step(10**15)\n"
+            "except KeyboardInterrupt:\n"
+            "    print('stopped')\n"
+        )
+        child = subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True)
+        self.assertEqual(child.stdout.readline(), "steps\n")
+        child.send_signal(signal.SIGINT)
+        self.assertEqual(child.communicate()[0], "stopped\n")
+
+
+class OwnResponse(unittest.TestCase):
+    @staticmethod
+    def smooth(u, K, N, elasticity, friction):
+        """The paper's response without friction."""
+        return -(1.0 + elasticity) * u.dot(N) / N.dot(K @ N) * N
+
+    def bounces(self, **parameters):
+        """Where a smooth ball is while it rises from its first bounce, and the world."""
+        world = engine.World(**parameters)
+        world.add(lane(friction=0.0))
+        world.add(ball(friction=0.0), [0, 0, 1.0], velocity=[0, 2, 0])
+        world.step(130)
+        return world.states[1]["position"], world
+
+    def test_of_the_papers_formula_moves_bodies_as_the_paper_does(self):
+        paper, _ = self.bounces(response="paper")
+        own, world = self.bounces(response=self.smooth)
+        self.assertEqual(world.response, "custom")
+        np.testing.assert_allclose(own, paper, rtol=0, atol=1e-9)
+        dull, _ = self.bounces(response=lambda u, K, N, e, f: self.smooth(u, K, N, 0.0, f))
+        self.assertGreater(np.abs(dull - paper).max(), 1e-3)
+
+    def test_of_a_c_function_has_the_bits_of_the_same_one_in_python(self):
+        numbers = ctypes.POINTER(ctypes.c_double)
+
+        @ctypes.CFUNCTYPE(
+            None, numbers, numbers, numbers, ctypes.c_double, ctypes.c_double, numbers
+        )
+        def law(u, K, N, elasticity, friction, impulse):
+            u, K, N = np.array(u[:3]), np.array(K[:9]).reshape(3, 3), np.array(N[:3])
+            impulse[0], impulse[1], impulse[2] = self.smooth(u, K, N, elasticity, friction)
+
+        address = ctypes.cast(law, ctypes.c_void_p).value
+        _, in_c = self.bounces(response=address)
+        _, in_python = self.bounces(response=self.smooth)
+        self.assertEqual(in_c.state_hash, in_python.state_hash)
+
+    def test_raises_its_errors_from_step_and_leaves_the_world_as_before(self):
+        class Oops(Exception):
+            pass
+
+        def fails(u, K, N, elasticity, friction):
+            raise Oops("no impulse")
+
+        world = engine.World(response=fails)
+        world.add(lane())
+        world.add(ball(), [0, 0, 0.3])
+        with self.assertRaisesRegex(Oops, "no impulse"):
+            world.step(300)
+        tick, before = world.tick, world.state_hash
+        self.assertTrue(0 < tick < 300)
+        with self.assertRaises(Oops):
+            world.step()
+        self.assertEqual((world.tick, world.state_hash), (tick, before))
+
+    def test_must_give_three_finite_numbers(self):
+        for given in ([1.0, 2.0], [0.0, np.nan, 0.0], "none", None):
+            with self.assertRaisesRegex(ValueError, "expected an impulse of three finite numbers"):
+                self.bounces(response=lambda *_, given=given: given)
+
+    def test_is_a_function_or_an_address(self):
+        for wrong, words in ((0, "address"), (1.5, "expected a name, a function or the address")):
+            with self.assertRaisesRegex(ValueError, words):
+                engine.World(response=wrong)
+
+    def test_cannot_use_the_world_that_calls_it(self):
+        def law(u, K, N, elasticity, friction):
+            world.step()
+
+        world = engine.World(response=law)
+        world.add(lane())
+        world.add(ball(), [0, 0, 0.3])
+        with self.assertRaisesRegex(RuntimeError, "world: is making a step in another call"):
+            world.step(300)
+
+
+class Shapes(unittest.TestCase):
+    def test_balls_are_apart_by_the_distance_of_their_centres_less_their_radii(self):
+        a, b = engine.Ellipsoid([0.1] * 3), engine.Ellipsoid([0.2] * 3)
+        apart = engine.closest_points(a, b, [0.5, 0, 0], margin=1.0)
+        self.assertTrue(apart["separated"])
+        self.assertAlmostEqual(apart["distance"], 0.2, places=9)
+        np.testing.assert_allclose(apart["point_a"], [0.1, 0, 0], atol=1e-9)
+        deep = engine.closest_points(a, b, [0.25, 0, 0])
+        self.assertFalse(deep["separated"])
+        self.assertAlmostEqual(deep["distance"], -0.05, places=9)
+        np.testing.assert_allclose(deep["normal"], [1, 0, 0], atol=1e-9)
+
+    def test_a_cylinder_weighs_what_geometry_says(self):
+        radius, half, density = 0.06, 0.2, 700.0
+        mass = np.pi * radius**2 * 2 * half * density
+        of = engine.mass_properties(engine.Cylinder(radius, half), density)
+        self.assertAlmostEqual(of.mass, mass, places=12)
+        across = mass * (3 * radius**2 + (2 * half) ** 2) / 12
+        along = mass * radius**2 / 2
+        np.testing.assert_allclose(of.inertia, np.diag([across, across, along]), atol=1e-12)
+        body = engine.Body(engine.Cylinder(radius, half), mass=2 * mass)
+        np.testing.assert_allclose(body.inertia, 2 * of.inertia, atol=1e-12)
+
+    def test_a_polyhedron_that_is_not_closed_is_refused_with_its_fault(self):
+        corners = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]
+        faces = [[0, 2, 1], [0, 1, 3], [1, 2, 3], [0, 3, 2]]
+        self.assertEqual(len(engine.Polyhedron(corners, faces).vertices), 4)
+        with self.assertRaisesRegex(ValueError, "edge"):
+            engine.Polyhedron(corners, [faces[0][::-1], *faces[1:]])
+
+    def test_a_compound_is_put_about_its_centre(self):
+        parts = [engine.Part(engine.Ellipsoid([0.1] * 3), [x, 0, 0]) for x in (0.0, 1.0)]
+        off = engine.Compound(parts)
+        with self.assertRaisesRegex(ValueError, "about_centre"):
+            engine.Body(off)
+        centred = engine.about_centre(off, 1000.0)
+        np.testing.assert_allclose(centred["position"], [0.5, 0, 0], atol=1e-9)
+        body = engine.Body(centred["compound"], mass=centred["mass"])
+        np.testing.assert_allclose(body.inertia, centred["inertia"], rtol=1e-6, atol=1e-9)
+
+
+if __name__ == "__main__":
+    unittest.main()

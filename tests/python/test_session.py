@@ -1,0 +1,227 @@
+"""headpin.Session: a session tick by tick, with the bits of the commands."""
+
+import csv
+import os
+import tempfile
+import unittest
+
+import headpin
+import numpy as np
+import support
+
+SCENARIO = os.path.join(support.SOURCES, "assets/scenarios/uno-slater-1997.toml")
+
+
+def rows(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        return list(csv.DictReader(file))
+
+
+def us(seconds):
+    return round(float(seconds) * 1e6)
+
+
+def samples_of(folder):
+    """The samples of an exported trial."""
+    trackers = [
+        headpin.TrackerSample(
+            int(r["station"]),
+            us(r["device_time_s"]),
+            [float(r[k]) for k in ("x_m", "y_m", "z_m")],
+            [float(r[k]) for k in ("qw", "qx", "qy", "qz")],
+            int(r["stylus"]),
+            status=r["status"],
+            sequence=int(r["sequence"]),
+            host_time_us=us(r["host_time_s"]),
+            session_time_us=us(r["session_time_s"]),
+        )
+        for r in rows(os.path.join(folder, "trackers.csv"))
+    ]
+    buttons = [
+        headpin.MouseSample(
+            us(r["device_time_s"]),
+            r["left_thumb"] == "1",
+            r["right_thumb"] == "1",
+            r["trigger"] == "1",
+            host_time_us=us(r["host_time_s"]),
+            session_time_us=us(r["session_time_s"]),
+        )
+        for r in rows(os.path.join(folder, "buttons.csv"))
+    ]
+    return trackers + buttons
+
+
+class OfATrial(unittest.TestCase):
+    """A session that gets the samples of the bundled trial."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        path = cls.folder.name
+        cls.trial = os.path.join(path, "trial.lcmlog")
+        cls.summary = support.json_of("replay", support.DEMO, "-o", cls.trial)
+        cls.tables = os.path.join(path, "tables")
+        support.command("export", cls.trial, "-o", cls.tables)
+        cls.scenario = support.command("info", support.DEMO, "--scenario")
+        cls.samples = samples_of(cls.tables)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_has_the_hashes_events_bodies_and_summary_of_the_trial(self):
+        session = headpin.Session(self.scenario)
+        session.push(self.samples)
+        session.step(self.summary["ticks"])
+        self.assertEqual(session.tick, self.summary["ticks"])
+        self.assertEqual(session.state_hash, self.summary["state_hash"])
+        self.assertEqual(session.game_hash, self.summary["game_hash"])
+        self.assertEqual(session.score, self.summary["skittles_down"])
+        for key, value in session.summary.items():
+            self.assertEqual(value, self.summary[key], key)
+
+        events = [e for e in rows(os.path.join(self.tables, "events.csv")) if int(e["tick"]) > 0]
+        events = [e for e in events if e["kind"] not in ("ledger", "game_hash")]  # of the file
+        self.assertEqual(len(session.events), len(events))
+        for found, expected in zip(session.events, events):
+            self.assertEqual(";".join(found["bodies"]), expected["bodies"])
+            for text in ("kind", "detail"):
+                self.assertEqual(found[text], expected[text])
+            for number in set(expected) - {"kind", "bodies", "detail"}:
+                self.assertEqual(found[number], float(expected[number]), number)
+
+        last = [
+            s
+            for s in rows(os.path.join(self.tables, "states.csv"))
+            if int(s["tick"]) == session.tick
+        ]
+        self.assertEqual(session.names, [s["body"] for s in last])
+        for column in session.bodies.dtype.names:
+            found = session.bodies[column].astype(float).tolist()
+            self.assertEqual(found, [float(s[column]) for s in last], column)
+
+    def test_has_the_same_bits_when_samples_come_tick_by_tick(self):
+        waiting = sorted(self.samples, key=lambda s: s.session_time_us)
+        session = headpin.Session(self.scenario)
+        ticks = self.summary["ticks"]
+        rate = round(ticks / self.summary["simulated_s"])
+        for tick in range(1, ticks + 1):
+            while waiting and waiting[0].session_time_us <= tick * 1e6 / rate:
+                session.push(waiting.pop(0))
+            session.step()
+        self.assertEqual(waiting, [])
+        self.assertEqual(session.game_hash, self.summary["game_hash"])
+
+    def test_takes_rows_of_tables_with_the_columns_of_an_export(self):
+        session = headpin.Session(self.scenario)
+        for name in ("trackers", "buttons"):
+            path = os.path.join(self.tables, name + ".csv")
+            table = np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
+            if name == "trackers":
+                texts = [(r["status"], r["frame"]) for r in rows(path)]
+                table = np.array(
+                    [tuple(row)[:4] + (text[1],) + tuple(row)[5:12] + (text[0], row["stylus"], row["session_time_s"])
+                     for row, text in zip(table, texts)],
+                    dtype=[(n, table.dtype[n]) for n in table.dtype.names[:4]]
+                    + [("frame", "U8")]
+                    + [(n, float) for n in table.dtype.names[5:12]]
+                    + [("status", "U1"), ("stylus", bool), ("session_time_s", float)],
+                )
+            session.push(table)
+        session.step(self.summary["ticks"])
+        self.assertEqual(session.state_hash, self.summary["state_hash"])
+
+    def test_under_another_response_has_the_hash_of_that_replay(self):
+        expected = support.json_of("replay", support.DEMO, "--response", "coulomb")
+        session = headpin.Session(self.scenario, response="coulomb")
+        session.push(self.samples)
+        session.step(expected["ticks"])
+        self.assertEqual(session.state_hash, expected["state_hash"])
+        self.assertEqual(session.summary["response"], "coulomb")
+
+    def test_with_a_response_of_ones_own_says_so_and_has_no_hash(self):
+        calls = []
+
+        def smooth(u, K, N, elasticity, friction):
+            calls.append((elasticity, friction))
+            return -(1.0 + elasticity) * u.dot(N) / N.dot(K @ N) * N
+
+        session = headpin.Session(self.scenario, response=smooth)
+        session.push(self.samples)
+        session.step(self.summary["ticks"])
+        self.assertGreater(len(calls), 10)
+        self.assertIn((0.7 * 0.7, 0.7 * 0.7), calls)
+        self.assertEqual(session.response, "custom")
+        self.assertEqual(session.summary["response"], "custom")
+        self.assertEqual((session.state_hash, session.game_hash), (None, None))
+        self.assertIsNone(session.summary["state_hash"])
+        self.assertGreater(session.score, 0)
+
+    def test_cannot_go_on_after_an_error_in_its_response(self):
+        def fails(u, K, N, elasticity, friction):
+            raise KeyError("rubber")
+
+        session = headpin.Session(self.scenario, response=fails)
+        session.push(self.samples)
+        with self.assertRaisesRegex(KeyError, "rubber"):
+            session.step(self.summary["ticks"])
+        with self.assertRaisesRegex(RuntimeError, f"session: tick {session.tick + 1} was not"):
+            session.step()
+
+
+class OfAScenario(unittest.TestCase):
+    def test_is_the_same_by_path_and_by_text(self):
+        with open(SCENARIO, encoding="utf-8") as file:
+            of_text = headpin.Session(file.read())
+        of_path = headpin.Session(SCENARIO)
+        self.assertEqual(of_text.state_hash, of_path.state_hash)
+        self.assertEqual(of_text.names, of_path.names)
+        self.assertIn("ball", of_path.names)
+
+    def test_moves_the_solid_hand_with_its_samples(self):
+        session = headpin.Session(SCENARIO)
+        hand = session.names.index("hand")
+        hidden = session.bodies[hand]["z_m"]
+        session.push(headpin.TrackerSample(1, 0, [0, 0, 1.7], [1, 0, 0, 0]))
+        session.push(headpin.TrackerSample(2, 0, [0.2, 0.3, 0.9], [1, 0, 0, 0]))
+        session.step(24)
+        self.assertLess(hidden, -1.0)
+        self.assertGreater(session.bodies[hand]["z_m"], 0.0)
+
+    def test_uses_a_late_sample_in_the_next_tick(self):
+        early, late = headpin.Session(SCENARIO), headpin.Session(SCENARIO)
+        hand = early.names.index("hand")
+        sample = headpin.TrackerSample(2, 100_000, [0.2, 0.3, 0.9], [1, 0, 0, 0])
+        early.push(sample)
+        early.step(48)
+        late.step(48)
+        self.assertNotEqual(late.bodies[hand]["z_m"], early.bodies[hand]["z_m"])
+        late.push(sample)
+        late.step()
+        self.assertGreater(late.bodies[hand]["z_m"], -1.0)
+
+    def test_refuses_what_is_no_scenario_as_the_commands_do(self):
+        with self.assertRaisesRegex(ValueError, "no scenario is called 'bowls'"):
+            headpin.Session("bowls")
+        with self.assertRaisesRegex(ValueError, "ball.mas"):
+            headpin.Session("[ball]\nmas = 6\n")
+        with self.assertRaises((RuntimeError, FileNotFoundError)):
+            headpin.Session("./there-is-none.toml")
+        with self.assertRaisesRegex(ValueError, "paper"):
+            headpin.Session(SCENARIO, response="rubber")
+
+    def test_refuses_samples_that_cannot_be(self):
+        session = headpin.Session(SCENARIO)
+        for wrong, words in (
+            (lambda: headpin.TrackerSample(5, 0, [0, 0, 0], [1, 0, 0, 0]), "station: expected 1 to 4"),
+            (lambda: headpin.TrackerSample(1, 0, [0, 0, np.nan], [1, 0, 0, 0]), "finite position"),
+            (lambda: headpin.TrackerSample(1, 0, [0, 0, 0], [1, 1, 0, 0]), "unit quaternion"),
+            (lambda: session.push("sample"), "expected a TrackerSample or a MouseSample"),
+            (lambda: session.push(np.zeros(3)), "expected rows of the table"),
+        ):
+            with self.assertRaisesRegex(ValueError, words):
+                wrong()
+
+
+if __name__ == "__main__":
+    unittest.main()
