@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "engine/save.h"
 #include "tests/support/bowling.h"
 #include "tests/support/random_shapes.h"
 
@@ -347,6 +348,23 @@ TEST(Events, TellAMeetingAgainOfABodyThatForgets) {
   forget_meetings(world, floor);
   EXPECT_EQ(firsts(), 1);
   EXPECT_THROW(forget_meetings(world, 2), std::invalid_argument);
+}
+
+TEST(SetResponse, OfCoulombsFunctionsGivesCoulombsBitsUnderItsOwnName) {
+  const Response own{"mine", coulomb_impulse, coulomb_sliding, "what Coulomb's keeps"};
+  RackOptions coulomb;
+  coulomb.parameters.response = "coulomb";
+  Bowling expected = bowling(coulomb), paper = bowling({}), given = bowling({});
+  set_response(given.world, own);
+  EXPECT_EQ(given.world.parameters.response, "mine");
+  for (Bowling* b : {&expected, &paper, &given}) run(b->world, 2.0);
+  EXPECT_EQ(state_hash(given.world), state_hash(expected.world));
+  EXPECT_NE(state_hash(given.world), state_hash(paper.world));
+  // A world under another law does not go on from its state.
+  const std::vector<std::uint8_t> saved = save(given.world);
+  EXPECT_THAT(refusal([&] { restore(expected.world, saved); }),
+              HasSubstr("other bodies or parameters"));
+  EXPECT_EQ(state_hash(restore(given.world, saved)), state_hash(given.world));
 }
 
 TEST(Statistics, CountWhatHappened) {

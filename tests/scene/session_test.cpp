@@ -363,6 +363,29 @@ TEST(ReleaseTimingTest, TellsHowLongBeforeTheFastestMomentTheBallWasLetGo) {
   }
 }
 
+TEST(SetResponse, IsKeptByEveryVersionAndMakesNoHashes) {
+  int calls = 0;
+  const engine::Response own{"mine",
+                             [&](const engine::Encounter& e, const engine::Coefficients& c) {
+                               ++calls;
+                               return engine::paper_impulse(e, c);
+                             },
+                             engine::paper_sliding, "what the paper's keeps"};
+  Scenario scenario;
+  const Outcome paper = play(scenario, straight_throw(scenario), 3.0);
+  Session session = make_session(scenario);
+  set_response(session, own);
+  devices::ReplaySource source(straight_throw(scenario));
+  while (seconds(session.now()) < 3.0) advance(session, source);
+  EXPECT_GT(calls, 0);
+  EXPECT_EQ(engine::state_hash(session.world), paper.hashes.back());
+  EXPECT_FALSE(session.hashes);
+  scenario.version.buttons = true;
+  Session versions = make_session(scenario);
+  set_response(versions, own);
+  for (const auto& stage : versions.versions) EXPECT_EQ(stage->world.response, &own);
+}
+
 TEST(SessionTest, TheRigSaysWhatIsWornWhere) {
   Scenario scenario;
   scenario.rig.head_station = 4;

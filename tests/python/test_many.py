@@ -1,0 +1,185 @@
+"""headpin.replay_many: many replays, with the bits of `headpin sweep`."""
+
+import csv
+import io
+import os
+import pathlib
+import pty
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+from contextlib import redirect_stderr
+
+import headpin
+import numpy as np
+import pandas
+import support
+
+DESIGN = """trials = ['a.lcmlog', 'b.lcmlog']
+[grid]
+friction = [0, 0.3, 0.9]
+shape = ['true', 'ellipsoid']
+[random]
+draws = 2
+ball.mass = {from = 5, to = 7}
+"""
+KEYS = ("friction", "shape", "ball.mass")
+
+
+def cell(text):
+    return float(text) if text else np.nan
+
+
+class Sweep(unittest.TestCase):
+    """The same rows as a sweep of the program."""
+
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        path = pathlib.Path(cls.folder.name)
+        cls.trials = [path / "a.lcmlog", path / "b.lcmlog"]
+        for trial, elasticity in zip(cls.trials, (0.7, 0.9)):
+            support.command("replay", support.DEMO, "--elasticity", elasticity, "-o", trial)
+        (path / "sweep.toml").write_text(DESIGN)
+        support.command("sweep", "plan", path / "sweep.toml", "-o", path / "sweep")
+        support.command("sweep", "run", path / "sweep")
+        support.command("sweep", "merge", path / "sweep", "-o", path / "all.csv")
+        with open(path / "all.csv", newline="", encoding="utf-8") as file:
+            cls.rows = list(csv.DictReader(file))
+        cls.table = [
+            {
+                "friction": float(row["friction"]),
+                "shape": row["shape"],
+                "ball.mass": float(row["ball.mass"]),
+            }
+            for row in cls.rows[::2]  # both trials of a condition follow each other
+        ]
+        cls.result = headpin.replay_many(cls.trials, cls.table)
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_has_its_columns_to_the_last_bit(self):
+        self.assertEqual(len(self.result), 24)
+        self.assertEqual(list(self.result.dtype.names), [c for c in self.rows[0] if c != "key"])
+        for column in self.result.dtype.names:
+            found = self.result[column].tolist()
+            expected = [row[column] for row in self.rows]
+            if column not in ("trial", "shape", "state_hash", "error"):
+                np.testing.assert_array_equal(found, [cell(text) for text in expected], column)
+            else:
+                self.assertEqual(found, expected, column)
+        self.assertGreater(len(set(self.result["state_hash"].tolist())), 12)
+
+    def test_is_the_same_for_any_number_of_threads_and_kind_of_table(self):
+        some = self.table[:3]
+        expected = self.result[:6]
+        frame = pandas.DataFrame(some)
+        for threads, table in (
+            (1, some),
+            (3, {key: [row[key] for row in some] for key in KEYS}),
+            (2, frame),
+            (7, frame.to_records(index=False)),
+        ):
+            found = headpin.replay_many([str(t) for t in self.trials], table, threads=threads)
+            for column in expected.dtype.names:
+                self.assertEqual(str(found[column].tolist()), str(expected[column].tolist()))
+
+
+class Replays(unittest.TestCase):
+    def test_a_condition_is_that_of_the_command(self):
+        once = headpin.replay_many(support.DEMO, {"friction": 0.2, "response": "coulomb"})
+        summary = support.json_of("replay", support.DEMO, "--friction", 0.2, "--response", "coulomb")
+        self.assertEqual(once["state_hash"].tolist(), [summary["state_hash"]])
+        self.assertEqual(once["skittles_down"].tolist(), [summary["skittles_down"]])
+        self.assertEqual(once["release_speed_mps"].tolist(), [summary["release_speed_mps"]])
+
+    def test_values_may_be_lists_texts_and_truth_values(self):
+        table = [{"collision.shape": "ellipsoid", "collision.sleep": False, "ball.home": [0.3, 0.1, 0.9]}]
+        once = headpin.replay_many(support.DEMO, table)
+        self.assertEqual(once["error"].tolist(), [""])
+        words = ["--shape", "ellipsoid", "--set", "collision.sleep=false", "--set", "ball.home=[0.3,0.1,0.9]"]
+        summary = support.json_of("replay", support.DEMO, *words)
+        self.assertEqual(once["state_hash"].tolist(), [summary["state_hash"]])
+
+    def test_a_replay_that_fails_has_its_reason_and_no_numbers(self):
+        table = {"ball.mass": [6.0, -1.0]}
+        good, bad = headpin.replay_many(support.DEMO, table)
+        self.assertEqual(good["error"], "")
+        self.assertIn("ball.mass", bad["error"])
+        self.assertTrue(np.isnan(bad["skittles_down"]))
+        self.assertEqual(bad["state_hash"], "")
+
+    def test_refuses_what_is_no_table(self):
+        for table, words in (
+            ({"frictoin": [0.1]}, "'frictoin' is no key"),
+            ({"friction": [0, 1], "elasticity": [0]}, "columns of one length, found friction 2, elasticity 1"),
+            ([{"friction": 1}, {"elasticity": 1}], "row 1: expected the keys friction, found elasticity"),
+            ({"friction": [None]}, "expected numbers, texts"),
+        ):
+            with self.assertRaisesRegex(ValueError, words):
+                headpin.replay_many(support.DEMO, table)
+        with self.assertRaisesRegex(ValueError, "threads: expected 0 to 1024, found -1"):
+            headpin.replay_many(support.DEMO, {"friction": 0}, threads=-1)
+        with self.assertRaises((RuntimeError, FileNotFoundError)):
+            headpin.replay_many("./there-is-none.lcmlog", {"friction": 0})
+
+    def test_tells_its_progress_to_a_function_and_stops_at_its_errors(self):
+        class Enough(Exception):
+            pass
+
+        told = []
+
+        def stop(done, total):
+            told.append((done, total))
+            raise Enough
+
+        with self.assertRaises(Enough):
+            headpin.replay_many(support.DEMO, {"friction": np.linspace(0, 1, 100_000)}, progress=stop)
+        self.assertEqual(len(told), 1)
+        self.assertEqual(told[0][1], 100_000)
+
+    def test_prints_nothing_where_no_terminal_is(self):
+        said = io.StringIO()
+        with redirect_stderr(said):
+            headpin.replay_many(support.DEMO, {"friction": np.linspace(0, 1, 30)})
+        self.assertEqual(said.getvalue(), "")
+
+    def test_shows_a_line_on_a_terminal_and_erases_it(self):
+        script = (
+            "import headpin, os\n"
+            "headpin.replay_many(os.environ['TRIAL'], {'friction': [0.5] * 100})\n"
+        )
+        near, far = pty.openpty()
+        environment = {**os.environ, "TRIAL": support.DEMO}
+        child = subprocess.Popen([sys.executable, "-c", script], stderr=far, env=environment)
+        os.close(far)
+        self.assertEqual(child.wait(), 0)
+        with open(near, "rb", buffering=0) as terminal:
+            said = terminal.read(4096).decode()
+        self.assertRegex(said, r"^\r\d+ of 100 replays")
+        self.assertRegex(said, r"\r *\r$")
+
+    def test_stops_at_ctrl_c(self):
+        script = (
+            "import headpin, os\n"
+            "try:\n"
+            "    print('replays', flush=True)\n"
+            "    headpin.replay_many(os.environ['TRIAL'], {'friction': [0.5] * 1_000_000})\n"
+            "except KeyboardInterrupt:\n"
+            "    print('stopped')\n"
+        )
+        environment = {**os.environ, "TRIAL": support.DEMO}
+        child = subprocess.Popen(
+            [sys.executable, "-c", script], stdout=subprocess.PIPE, text=True, env=environment
+        )
+        self.assertEqual(child.stdout.readline(), "replays\n")
+        child.send_signal(signal.SIGINT)
+        self.assertEqual(child.communicate()[0], "stopped\n")
+
+
+if __name__ == "__main__":
+    unittest.main()
