@@ -141,6 +141,15 @@ py::object summary(PySession& s) {
   return py::module_::import("json").attr("loads")(text);
 }
 
+py::dict score(PySession& s) {
+  const py::object all = summary(s);
+  py::dict score;
+  for (const char* key : {"skittles", "skittles_down", "felled_by_hand", "games", "throws"}) {
+    score[key] = all[key];
+  }
+  return score;
+}
+
 py::object hash_in_python(PySession& s, std::uint64_t hash) {
   return s.session.hashes ? py::cast(scene::in_hex(hash)) : py::none();
 }
@@ -162,13 +171,9 @@ void add_what_it_is(py::class_<PySession>& c) {
           "events", events,
           "Events of the last call of step(): list of dicts with the columns of events.csv "
           "(docs/tables.md).")
-      .def_property_readonly(
-          "score",
-          [](PySession& s) {
-            s.get();
-            return s.totals.score().skittles_down;
-          },
-          "Skittles down so far: by balls; of games, what their sheets count.")
+      .def_property_readonly("score", score,
+                             "Dict of skittles, skittles_down, felled_by_hand, games (score "
+                             "sheets) and throws, so far.")
       .def_property_readonly("summary", summary,
                              "Dict with the keys of `headpin replay --json` (docs/json.md), of the "
                              "session so far.")

@@ -1,0 +1,5 @@
+"""A session, tick by tick."""
+
+from ._headpin import MouseSample, Session, TrackerSample
+
+__all__ = ["MouseSample", "Session", "TrackerSample"]
