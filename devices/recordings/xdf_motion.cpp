@@ -41,13 +41,22 @@ std::string_view component_of_type(std::string_view type) {
   return found == kTypes.end() ? std::string_view{} : found->second;
 }
 
+/// The object in the label of a channel with such a type: "head" of "Head_X", "HeadA" and "head_qa".
+std::string object_in(const std::string& label) {
+  const Component component = component_of(label);
+  if (component.quantity != Quantity::none) return component.object;
+  std::vector<std::string> words = words_of(label);
+  if (!words.empty() && words.back().size() <= 2) words.pop_back();
+  return fmt::format("{}", fmt::join(words, " "));
+}
+
 /// What a stream's column is called: "OptiTrack Head qw".
 std::string column_name(const XdfStream& stream, std::size_t channel) {
   const XdfChannel& its = stream.channels[channel];
   const std::string_view component = component_of_type(its.type);
   std::string name = its.label;
   if (!component.empty()) {
-    const std::string object = its.object.empty() ? component_of(its.label).object : its.object;
+    const std::string object = its.object.empty() ? object_in(its.label) : its.object;
     name = fmt::format("{}{}{}", object, object.empty() ? "" : " ", component);
   } else if (name.empty()) {
     name = stream.channels.size() == 1 ? "" : fmt::format("channel {}", channel + 1);

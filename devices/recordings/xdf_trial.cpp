@@ -249,6 +249,17 @@ MouseSample mouse_at(const StreamRow& row) {
   return s;
 }
 
+/// The station with a device_name(); another one if there is none.
+std::int32_t station_called(std::string_view name) {
+  for (const std::int32_t station : {kHeadStation, kHandStation, kLeftHandStation}) {
+    if (device_name(station) == name) return station;
+  }
+  std::int32_t number = 0;
+  name.remove_prefix(std::min(name.size(), std::string_view("station ").size()));
+  std::from_chars(name.data(), name.data() + name.size(), number);
+  return number;
+}
+
 /// "a;b" as two names.
 std::vector<std::string> bodies_of(std::string_view text) {
   std::vector<std::string> bodies;
@@ -295,10 +306,10 @@ class TrialFromXdf {
   }
 
   void take_tracker(const XdfStream& stream) {
-    std::int32_t station = 1;
-    while (station <= 4 && device_name(station) != stream.name) ++station;
     StreamRow row(stream, tracker_channels(stream.name), where_);
-    if (station > 4) row.fail("expected the name of a receiver");
+    const std::int32_t station = station_called(stream.name);
+    if (station == 0 || device_name(station) != stream.name)
+      row.fail("expected the name of a receiver");
     for (std::size_t i = 0; i < stream.times.size(); ++i) {
       row.go_to(i);
       samples_.emplace_back(row.whole("order"), tracker_at(row, station));

@@ -269,6 +269,27 @@ TEST(XdfMotion, EulerAnglesOfTheirTypesAreRead) {
   EXPECT_LT((recording.left_hand[0].q * Vec3::UnitX() - Vec3::UnitY()).norm(), 1e-12);
 }
 
+// As LSL's program for OptiTrack labels them, but without <object>.
+TEST(XdfMotion, TheObjectIsFoundInLabelsThatEndWithALetter) {
+  xdf::Channels channels;
+  const std::string letters = "XYZABCD";
+  for (const std::string object : {"Head", "Right wrist"}) {
+    for (const char letter : letters) {
+      const std::string kind = letter < 'X' ? "Orientation" : "Position";
+      channels.push_back({object + "_" + letter, of_type(kind + letter, "")});
+    }
+  }
+  const std::string half = xdf::bytes(0.5), two = xdf::bytes(2.0);
+  const std::string pose = two + two + two + half + half + half + half;
+  const std::string file = xdf::begin() + xdf::stream(1, "M", "MoCap", "double64", 0.0, channels) +
+                           xdf::samples(1, 1, xdf::sample(1.0, pose + pose)) + xdf::footer(1);
+  const MotionTracks read = parse_xdf_motion(bytes_in(file), "x.xdf", {});
+  EXPECT_THAT(read.without_rotation, ElementsAre());
+  const MotionRecording recording = recording_of(read, {}, "x.xdf");
+  ASSERT_EQ(recording.right_hand.size(), 1u);
+  EXPECT_EQ(recording.right_hand[0].q.coeffs(), Quat(0.5, 0.5, 0.5, 0.5).coeffs());
+}
+
 TEST(XdfMotion, AFileWithoutMotionIsRefusedWithItsStreams) {
   const std::string file =
       xdf::begin() + xdf::stream(3, "Amp", "EEG", "int16", 500.0, {{"Pz", ""}});
