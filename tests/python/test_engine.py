@@ -1,7 +1,10 @@
 """headpin.engine: the engine in Python, with the bits of C++."""
 
+import contextlib
 import ctypes
+import io
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -9,6 +12,7 @@ import threading
 import unittest
 
 import numpy as np
+import support
 
 from headpin import engine
 
@@ -56,6 +60,17 @@ class World(unittest.TestCase):
             [os.environ["HEADPIN_ENGINE_STATES"]], capture_output=True, text=True, check=True
         )
         self.assertEqual(hashes(strike(), 480), program.stdout.split())
+
+    def test_of_the_guide_says_what_the_program_of_the_guide_says(self):
+        with open(os.path.join(support.SOURCES, "docs/guides/engine.md"), encoding="utf-8") as guide:
+            example = re.search(r"```python\n(.*?)```", guide.read(), re.DOTALL).group(1)
+        program = os.environ["HEADPIN_ENGINE_GUIDE"]
+        said = subprocess.run([program], capture_output=True, text=True, check=True).stdout
+        self.assertIn("lands after", said)
+        in_python = io.StringIO()
+        with contextlib.redirect_stdout(in_python):
+            exec(example, {})
+        self.assertEqual(in_python.getvalue(), said)
 
     def test_goes_on_with_the_same_bits_after_it_was_restored(self):
         world = strike()

@@ -36,7 +36,7 @@ class LoopOfTheGymnasiumExample(unittest.TestCase):
         self.assertGreater(reward, 0.0)
         self.assertEqual(reward, loop.session.score["skittles_down"])
         self.assertGreater(seen[4], 5.0)  # the ball is far down the lane
-        _, aside, over, _ = throw(2.5)
+        _, aside, over, _ = throw(1.0)
         self.assertTrue(over)
         self.assertEqual(aside, 0.0)
 
