@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <deque>
 #include <filesystem>
 #include <fstream>
@@ -39,26 +38,13 @@ struct ExportOptions {
   bool force = false, json = false;
 };
 
-/// Places of the tracked space during the walk; empty if the trial's scenario cannot be read.
-std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const std::string& path) {
-  try {
-    return scene::walk_of(trial, scene::scenario_of_trial(trial.summary().header.scenario, path));
-  } catch (const std::invalid_argument&) {
-    return {};
-  }
-}
-
 /// Writes all tables in one pass through the trial.
 nlohmann::ordered_json write_tables(files::OutputFolder& folder, const devices::TrialFile& trial,
                                     const std::string& path) {
   std::deque<files::OutputText> files;
   std::deque<devices::TableWriter> tables;
   const std::vector<std::string> names = devices::table_names();
-  const std::vector<Stamped<Vec3>> walk = walk_of(trial, path);
-  const auto walked = [&walk](Time time) -> std::optional<Vec3> {
-    const auto later = std::ranges::upper_bound(walk, time, {}, &Stamped<Vec3>::time);
-    return later == walk.begin() ? std::nullopt : std::optional(std::prev(later)->value);
-  };
+  const devices::TableRows::Walk walked = scene::walk_in_time(trial, path);
   for (const std::string& name : names) {
     tables.emplace_back(files.emplace_back(folder.file(name + ".csv")).out(), name,
                         trial.summary().header, walked);

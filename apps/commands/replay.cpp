@@ -93,28 +93,6 @@ struct ThrowEvents : scene::Observer {
   std::vector<devices::Event> events;
 };
 
-/// The events of the recorded session.
-///
-/// @param simulated    the trial, under the condition of the replay
-/// @param as_recorded  the trial's own scenario
-/// @param again        events of the replay
-std::vector<devices::Event> recorded_events(scene::Recorded& simulated,
-                                            const scene::Scenario& as_recorded,
-                                            const std::vector<devices::Event>& again) {
-  const bool same = scene::differences(as_recorded, simulated.scenario).empty();
-  if (same && !scene::says_events(simulated.file.summary())) return again;
-  simulated.scenario = as_recorded;
-  return scene::events_of(simulated, [] { check_stop(); });
-}
-
-/// The throws of a recorded session that its replay does not have, and the reverse.
-nlohmann::json compared_throws(const std::vector<devices::Event>& recorded,
-                               const std::vector<devices::Event>& again) {
-  return {
-      {"throws_without_counterpart", scene::to_json(scene::without_counterpart(recorded, again))},
-      {"new_throws", scene::to_json(scene::without_counterpart(again, recorded))}};
-}
-
 void print_throws(const nlohmann::json& result) {
   for (const auto& [key, what] :
        {std::pair("throws_without_counterpart", "of the trial, has no counterpart here: "),
@@ -134,30 +112,6 @@ void print_releases(const std::vector<devices::Event>& events) {
     fmt::print("{:<18}of {} at {:.3f} s: {}\n", "release", event.bodies.front(),
                seconds(event.time), scene::in_words(*motion));
   }
-}
-
-/// Compares the game hash of the trial with that of the replay.
-///
-/// @throws std::runtime_error  where they differ
-void verify_game_hash(const std::string& path, const devices::TrialSummary& trial,
-                      const scene::Session& session) {
-  const std::optional<scene::SaidGameHash> said = scene::said_game_hash(trial);
-  const std::string found = scene::in_hex(session.game_hash.value());
-  if (!said || said->tick != session.tick || said->hash == found) return;
-  throw std::runtime_error(
-      fmt::format("{}: the replayed game differs from the recorded one: expected the game hash {}, "
-                  "found {}",
-                  path, said->hash, found));
-}
-
-/// @param unverified  ticks up to the end of the recording that have no state in it
-/// @throws std::runtime_error  when there are any but the one in which a recording was cut off
-void require_states(const std::string& path, const devices::TrialSummary& trial,
-                    std::int64_t compared, std::int64_t unverified) {
-  if (unverified <= (trial.complete ? 0 : 1)) return;
-  throw std::runtime_error(fmt::format(
-      "{}: {} of the {} recorded ticks have no state to compare with; the other {} are equal", path,
-      unverified, compared + unverified, compared));
 }
 
 std::string count_in_words(const nlohmann::json& result) {
@@ -211,17 +165,6 @@ void replay_each_throw(const ReplayOptions& options) {
   }
 }
 
-/// The simulated trial and the options, for the output.
-nlohmann::json whose(const ReplayOptions& options, const devices::TrialSummary& trial) {
-  return {{"trial", options.trial},
-          {"complete", trial.complete},
-          {"participant", trial.header.participant},
-          {"condition", trial.header.condition},
-          {"seed", trial.header.seed},
-          {"set", options.condition.set},
-          {"output", options.output ? nlohmann::json(*options.output) : nlohmann::json()}};
-}
-
 void replay(const ReplayOptions& options) {
   watch_stop_signals();  // before the first output exists
   if (options.each_throw) return replay_each_throw(options);
@@ -258,17 +201,14 @@ void replay(const ReplayOptions& options) {
     return s.tick >= ticks;
   });
   if (writer) writer->close(session);
-  if (verifier) verify_game_hash(options.trial, trial, session);
   say_what_is_missing("replay", options.trial, trial);
-  // A complete recording may end before its last samples. An incomplete one has lost states.
-  const std::int64_t recorded_ticks = trial.complete ? trial.last_tick : session.tick;
-  const std::int64_t unverified = verifier ? recorded_ticks - verifier->compared() : 0;
-  if (verifier) require_states(options.trial, trial, verifier->compared(), unverified);
+  const std::int64_t unverified = verifier ? verifier->finish(trial, session) : 0;
 
   nlohmann::json result = scene::summary(session, totals.score());
-  result.update(whose(options, trial));
-  result.update(
-      compared_throws(recorded_events(recorded, as_recorded, happened.events), happened.events));
+  result.update(scene::whose(options.trial, trial, options.condition));
+  result["output"] = options.output ? nlohmann::json(*options.output) : nlohmann::json();
+  result.update(scene::compared_throws(recorded.file, as_recorded, recorded.scenario,
+                                       happened.events, [] { check_stop(); }));
   const std::string why = totals.why_nothing_fell();
   if (!why.empty()) result["why_nothing_fell"] = why;
   result["realtime_factor"] = seconds(session.now()) / stopwatch.spent_s();

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "devices/base/sequence_count.h"
 #include "devices/trial/event_log.h"
@@ -27,6 +28,23 @@ bool holds_session(LogReader reader) {
 }
 
 }  // namespace
+
+std::string what_is_missing(const TrialSummary& trial) {
+  if (trial.complete) return {};
+  const Skipped& skipped = trial.skipped;
+  std::vector<std::string> unread;
+  if (const auto n =
+          skipped.undecodable + skipped.implausible + skipped.baseless + skipped.misdated;
+      n > 0) {
+    unread.push_back(fmt::format("{} messages", n));
+  }
+  if (const auto n = skipped.bytes + skipped.cut_bytes; n > 0) {
+    unread.push_back(fmt::format("{} bytes", n));
+  }
+  return fmt::format(
+      "is incomplete: it ends at {:.3f} s{}", seconds(trial.last.value_or(Time{})),
+      unread.empty() ? "" : fmt::format("; {} of it cannot be read", fmt::join(unread, " and ")));
+}
 
 struct LogContent {
   std::string path;

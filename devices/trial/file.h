@@ -23,6 +23,10 @@ class TrialWalk;    // iterates over it
 /// @param bytes  its size
 std::string why_without_events(const TrialSummary& log, std::size_t bytes);
 
+/// Where an incomplete trial ends and how much of it is unreadable: "is incomplete: it ends at 3.000 s;
+/// 12 bytes of it cannot be read". Empty for a complete one.
+std::string what_is_missing(const TrialSummary& trial);
+
 /// A log that has been scanned once.
 ///
 /// See read_log for what is skipped. It stores the summary, and which messages have a time that

@@ -4,8 +4,10 @@
 #include <iosfwd>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "devices/trial/trial.h"
@@ -49,19 +51,24 @@ std::vector<TableColumn> table_columns();
 /// Names of the tables, in their order.
 std::vector<std::string> table_names();
 
-/// Writes one table of a trial as CSV (RFC 4180, lines end with LF): names, then rows.
-///
-/// Numbers are the shortest that read back to the same bits; times are exact, in decimal seconds.
-class TableWriter {
+/// A value of a row: a number, a whole number, a hash, yes or no, a time, or a text. Nothing: it is
+/// not known.
+using TableValue =
+    std::variant<std::monostate, double, std::int64_t, std::uint64_t, bool, Time, std::string>;
+
+/// Makes the rows of one table of a trial.
+class TableRows {
  public:
+  using Take = std::function<void(std::span<const TableValue> row)>;
+  using Walk = std::function<std::optional<Vec3>(Time taken_in)>;
+
   /// @param header  of the trial
-  /// @param out     both must outlive this
+  /// @param take    called with each row: one value per column
   /// @param walk    p_WP of the tracked space when a sample was used; none if unknown
   /// @throws std::invalid_argument  for an unknown table
-  TableWriter(std::ostream& out, std::string_view table, const TrialHeader& header,
-              std::function<std::optional<Vec3>(Time taken_in)> walk = {});
-  ~TableWriter();
-  TableWriter(TableWriter&&) noexcept;
+  TableRows(std::string_view table, const TrialHeader& header, Take take, Walk walk = {});
+  ~TableRows();
+  TableRows(TableRows&&) noexcept;
 
   /// Messages that do not belong to this table are skipped.
   void add(const Sample& sample);
@@ -70,11 +77,31 @@ class TableWriter {
   void add(const TickState& state);
   void add(const FrameRecord& frame);
 
-  std::int64_t rows() const;
-
  private:
   struct Table;
   std::unique_ptr<Table> table_;
+};
+
+/// Writes one table of a trial as CSV (RFC 4180, lines end with LF): names, then rows.
+///
+/// Numbers are the shortest that read back to the same bits; times are exact, in decimal seconds.
+class TableWriter {
+ public:
+  /// @param out  must outlive this; the others as for TableRows
+  /// @throws std::invalid_argument  for an unknown table
+  TableWriter(std::ostream& out, std::string_view table, const TrialHeader& header,
+              TableRows::Walk walk = {});
+
+  template <typename Message>
+  void add(const Message& message) {
+    table_.add(message);
+  }
+
+  std::int64_t rows() const { return *rows_; }
+
+ private:
+  std::unique_ptr<std::int64_t> rows_;
+  TableRows table_;
 };
 
 /// Describes every column, as CSV: table, column, kind, unit, meaning.

@@ -59,14 +59,14 @@ bool says_events(const devices::TrialSummary& trial) {
   return std::ranges::any_of(trial.events, [](const auto& event) { return event.tick >= 0; });
 }
 
-std::vector<devices::Event> events_of(const Recorded& recorded,
+std::vector<devices::Event> events_of(const devices::TrialFile& file, const Scenario& scenario,
                                       const std::function<void()>& each_tick) {
-  const devices::TrialSummary& trial = recorded.file.summary();
+  const devices::TrialSummary& trial = file.summary();
   if (says_events(trial)) return trial.events;
   std::vector<devices::Event> events;
-  devices::TrialPlayer source(recorded.file);
-  Session session = make_session(recorded.scenario);
-  const std::int64_t ticks = tick_count(trial, recorded.scenario.rates.physics_hz);
+  devices::TrialPlayer source(file);
+  Session session = make_session(scenario);
+  const std::int64_t ticks = tick_count(trial, scenario.rates.physics_hz);
   while (session.tick < ticks) {
     if (each_tick) each_tick();
     advance(session, source);
@@ -96,6 +96,16 @@ std::vector<Unpaired> without_counterpart(std::span<const devices::Event> a,
     before = one.time;
   }
   return all;
+}
+
+nlohmann::json compared_throws(const devices::TrialFile& file, const Scenario& as_recorded,
+                               const Scenario& replayed, std::span<const devices::Event> again,
+                               const std::function<void()>& each_tick) {
+  const bool same = differences(as_recorded, replayed).empty();
+  std::vector<devices::Event> events(again.begin(), again.end());
+  if (!same || says_events(file.summary())) events = events_of(file, as_recorded, each_tick);
+  return {{"throws_without_counterpart", to_json(without_counterpart(events, again))},
+          {"new_throws", to_json(without_counterpart(again, events))}};
 }
 
 nlohmann::json to_json(const std::vector<Unpaired>& unpaired) {

@@ -33,8 +33,12 @@ bool says_events(const devices::TrialSummary& trial);
 /// simulation under the recorded condition.
 ///
 /// @param each_tick  called before each tick that is simulated for that
-std::vector<devices::Event> events_of(const Recorded& recorded,
+std::vector<devices::Event> events_of(const devices::TrialFile& file, const Scenario& scenario,
                                       const std::function<void()>& each_tick = {});
+inline std::vector<devices::Event> events_of(const Recorded& recorded,
+                                             const std::function<void()>& each_tick = {}) {
+  return events_of(recorded.file, recorded.scenario, each_tick);
+}
 
 /// A throw that the other session does not have, with the reason.
 struct Unpaired {
@@ -48,6 +52,16 @@ std::vector<Unpaired> without_counterpart(std::span<const devices::Event> a,
                                           std::span<const devices::Event> b);
 
 nlohmann::json to_json(const std::vector<Unpaired>& unpaired);
+
+/// The throws of a recorded session that its replay does not have, and the reverse, as in `--json`.
+///
+/// @param as_recorded  the trial's own scenario
+/// @param replayed     that of the replay
+/// @param again        events of the replay
+/// @param each_tick    as for events_of
+nlohmann::json compared_throws(const devices::TrialFile& file, const Scenario& as_recorded,
+                               const Scenario& replayed, std::span<const devices::Event> again,
+                               const std::function<void()>& each_tick);
 
 /// One of them: "throw 7 (red, 63.200 s): not thrown: the hand closed on nothing".
 std::string unpaired_in_words(const nlohmann::json& unpaired);

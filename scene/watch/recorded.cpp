@@ -63,6 +63,19 @@ std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const Scenar
   return walk;
 }
 
+std::function<std::optional<Vec3>(Time)> walk_in_time(const devices::TrialFile& trial,
+                                                      const std::string& path) {
+  std::vector<Stamped<Vec3>> walk;
+  try {
+    walk = walk_of(trial, scenario_of_trial(trial.summary().header.scenario, path));
+  } catch (const std::invalid_argument&) {  // the scenario of a damaged trial
+  }
+  return [walk = std::move(walk)](Time time) -> std::optional<Vec3> {
+    const auto later = std::ranges::upper_bound(walk, time, {}, &Stamped<Vec3>::time);
+    return later == walk.begin() ? std::nullopt : std::optional(std::prev(later)->value);
+  };
+}
+
 Pose first_head_pose(const devices::TrialFile& trial, const Rig& rig) {
   std::optional<Pose> X_WD;
   trial.walk([&](const devices::TrialFile::Item& item) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -37,6 +39,14 @@ std::int64_t tick_count(const devices::TrialSummary& trial, std::int64_t rate_hz
 /// @return  p_WP, oldest first; the first entry is for time 0
 /// @throws std::runtime_error  as load_trial, and when the file is another by now
 std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const Scenario& scenario);
+
+/// The same as a function of time, for devices::TableRows. It gives nothing if the trial's scenario
+/// cannot be read.
+///
+/// @param path  name of the trial, for messages
+/// @throws std::runtime_error  as walk_of
+std::function<std::optional<Vec3>(Time)> walk_in_time(const devices::TrialFile& trial,
+                                                      const std::string& path);
 
 /// X_WD at the first good sample of the head, which is used until then.
 ///

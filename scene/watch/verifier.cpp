@@ -81,14 +81,14 @@ void Verifier::tick(const Session& session) {
   tick_state(session, state_);
   const auto body = first_different_body(state_, *recorded, names_);
   if (body && state_.hash == recorded->hash) {
-    throw std::runtime_error(fmt::format(
+    throw Differs(fmt::format(
         "{}: tick {} ({:.6f} s): the recorded state does not match its hash {:016x}, but "
         "the replay's state does; first difference in the {}",
         trial_, state_.tick, seconds(state_.time), recorded->hash,
         body->empty() ? "number of bodies" : *body));
   }
   if (body) {
-    throw std::runtime_error(fmt::format(
+    throw Differs(fmt::format(
         "{}: tick {} ({:.6f} s) of the replay differs from the recording, first difference {}: "
         "expected state {:016x}, found {:016x}{}",
         trial_, state_.tick, seconds(state_.time),
@@ -99,6 +99,24 @@ void Verifier::tick(const Session& session) {
                                "got may be missing in it"));
   }
   ++compared_;
+}
+
+std::int64_t Verifier::finish(const devices::TrialSummary& trial, const Session& session) const {
+  const std::optional<SaidGameHash> said = said_game_hash(trial);
+  const std::string found = in_hex(session.game_hash.value());
+  if (said && said->tick == session.tick && said->hash != found) {
+    throw Differs(fmt::format(
+        "{}: the replayed game differs from the recorded one: expected the game hash {}, found {}",
+        trial_, said->hash, found));
+  }
+  const std::int64_t ticks = trial.complete ? trial.last_tick : session.tick;
+  const std::int64_t unverified = ticks - compared_;
+  if (unverified > (trial.complete ? 0 : 1)) {
+    throw std::runtime_error(fmt::format(
+        "{}: {} of the {} recorded ticks have no state to compare with; the other {} are equal",
+        trial_, unverified, ticks, compared_));
+  }
+  return unverified;
 }
 
 }  // namespace headpin::scene

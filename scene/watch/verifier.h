@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,11 @@ std::optional<std::string> first_different_body(const devices::TickState& a,
                                                 const devices::TickState& b,
                                                 const SharedBodies& shared);
 
+/// A run differs from the recording.
+struct Differs : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// Compares a run with the recorded states of a trial.
 class Verifier : public Observer {
  public:
@@ -40,8 +46,17 @@ class Verifier : public Observer {
   /// @throws std::runtime_error  when there are none
   Verifier(std::string trial, devices::TrialPlayer& recorded, const Session& session);
 
-  /// @throws std::runtime_error  naming the trial, the tick, and the first body that differs
+  /// @throws Differs  naming the trial, the tick, and the first body that differs
   void tick(const Session& session) override;
+
+  /// Compares what is known at the end: the game hash and the number of states. A complete recording may
+  /// end before its last samples; an incomplete one has lost states.
+  ///
+  /// @return  ticks up to the end of the recording that have no state in it
+  /// @throws Differs             when the game hash differs
+  /// @throws std::runtime_error  when states are missing, except for that of the tick in which a
+  ///                             recording was cut off
+  std::int64_t finish(const devices::TrialSummary& trial, const Session& session) const;
 
   std::int64_t compared() const { return compared_; }  ///< ticks found equal
 
