@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <stdexcept>
 
+#include <dlfcn.h>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <sys/auxv.h>
@@ -25,6 +26,17 @@ fs::path program_file() {
   return error ? fs::path{} : file;
 }
 
+/// Path of the file that has this code: the program, or a module that another program, such as
+/// Python, has loaded.
+fs::path code_file() {
+#ifndef __EMSCRIPTEN__  // which loads no modules
+  Dl_info found{};
+  const bool known = dladdr(reinterpret_cast<const void*>(&program_file), &found) != 0;
+  if (known && fs::path(found.dli_fname).extension() == ".so") return fs::absolute(found.dli_fname);
+#endif
+  return program_file();
+}
+
 /// The folder of the bundled scenarios; empty if there is none.
 fs::path scenario_folder() {
   std::error_code none;
@@ -43,8 +55,12 @@ fs::path program_folder() {
 
 std::vector<fs::path> data_folders() {
   std::vector<fs::path> folders;
-  for (const char* data : {HEADPIN_DATA_FROM_PROGRAM, "share/headpin"}) {
-    folders.push_back((program_folder() / data).lexically_normal());
+  std::vector<fs::path> files = {code_file(), program_file()};
+  files.erase(std::unique(files.begin(), files.end()), files.end());
+  for (const fs::path& file : files) {
+    for (const char* data : {HEADPIN_DATA_FROM_PROGRAM, "share/headpin"}) {
+      folders.push_back((file.parent_path() / data).lexically_normal());
+    }
   }
   return folders;
 }

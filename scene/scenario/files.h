@@ -12,7 +12,8 @@ namespace headpin::scene {
 std::filesystem::path program_folder();
 
 /// Possible places of share/headpin, the most likely first: next to `bin` after installation, and
-/// next to the program in a build folder.
+/// next to the program in a build folder. If another program has loaded this code as a module, its
+/// places come first.
 std::vector<std::filesystem::path> data_folders();
 
 /// Names of the scenarios that are found, in order; empty where the program stands alone.
