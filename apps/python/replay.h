@@ -1,0 +1,33 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json.hpp>
+#include <pybind11/pybind11.h>
+
+#include "apps/python/open_trial.h"
+#include "devices/trial/tables.h"
+#include "scene/stage/condition.h"
+
+namespace headpin::python {
+
+/// A trial that was simulated again. It has the results; states are simulated once more when they are asked for.
+struct Replay {
+  std::shared_ptr<OpenTrial> trial;
+  scene::Condition condition;
+  scene::Scenario scenario;            ///< under the condition
+  nlohmann::json result;               ///< scene::summary()
+  devices::TrialHeader header;         ///< with the names of the bodies
+  std::vector<devices::Event> events;  ///< of all ticks
+  std::vector<devices::ThrowRow> throws;
+  std::map<std::string, pybind11::object> made;  ///< what was asked for, by its name
+};
+
+/// Simulates a trial under a condition.
+std::unique_ptr<Replay> replay(const std::shared_ptr<OpenTrial>& trial,
+                               const scene::Condition& condition);
+
+}  // namespace headpin::python

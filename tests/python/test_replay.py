@@ -1,0 +1,149 @@
+"""A replay from Python is that of the command, to the bit."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import threading
+import unittest
+
+import headpin
+import support
+
+CONDITIONS = [
+    ([], {}),
+    (["--friction", "0", "--elasticity", "1"], {"friction": 0, "elasticity": 1}),
+    (["--shape", "ellipsoid", "--response", "coulomb"], {"shape": "ellipsoid", "response": "coulomb"}),
+    (["--detection", "paper", "--iterations", "7", "--warm"], {"detection": "paper", "iterations": 7, "warm": True}),
+    (["--set", "ball.mass=5.5", "--set", "collision.shape=ellipsoid", "--set", "rack.spots=[[0,0],[0.2,0.3]]"],
+     {"set": {"ball.mass": 5.5, "collision.shape": "ellipsoid", "rack.spots": [[0, 0], [0.2, 0.3]]}}),
+]
+
+
+class Replay(unittest.TestCase):
+    def test_has_the_results_of_the_command(self):
+        trial = headpin.Trial(support.DEMO)
+        hashes = set()
+        for options, words in CONDITIONS:
+            said = support.json_of("replay", support.DEMO, *options)
+            replay = trial.replay(**words)
+            self.assertEqual((replay.state_hash, replay.game_hash), (said["state_hash"], said["game_hash"]), options)
+            different = {key for key in said if said[key] != replay.summary.get(key, said)}
+            self.assertLessEqual(different, {"realtime_factor", "output", "set"}, options)
+            self.assertEqual(replay.score, {key: said[key] for key in replay.score})
+            self.assertEqual(len(replay.summary["set"]), len(said["set"]))
+            hashes.add(replay.game_hash)
+        self.assertEqual(len(hashes), len(CONDITIONS))
+
+    def test_is_saved_as_the_command_saves_it(self):
+        paths = [support.file("by_command.lcmlog"), support.file("by_python.lcmlog")]
+        support.command("replay", support.DEMO, "--friction", "0.1", "-o", paths[0])
+        replay = headpin.Trial(support.DEMO).replay(friction=0.1)
+        replay.save(paths[1])
+        with open(paths[0], "rb") as a, open(paths[1], "rb") as b:
+            self.assertTrue(a.read() == b.read())
+        saved = headpin.Trial(paths[1])
+        self.assertTrue((replay.states == saved.states).all())
+        self.assertTrue((replay.throws["speed_mps"] == saved.throws["speed_mps"]).all())
+        own = [event for event in saved.events.tolist() if event[2] not in ("ledger", "game_hash")]
+        self.assertEqual(own, replay.events.tolist())
+        self.assertIsNone(saved.verify())
+
+    def test_overwrites_nothing_unasked(self):
+        path = support.file("there.lcmlog")
+        with open(path, "w", encoding="ascii") as file:
+            file.write("mine")
+        replay = headpin.Trial(support.DEMO).replay()
+        with self.assertRaisesRegex(FileExistsError, "there.lcmlog"):
+            replay.save(path)
+        with open(path, encoding="ascii") as file:
+            self.assertEqual(file.read(), "mine")
+        replay.save(path, overwrite=True)
+        self.assertIsNone(headpin.Trial(path).verify())
+
+    def test_says_when_nothing_can_be_written(self):
+        replay = headpin.Trial(support.DEMO).replay()
+        with self.assertRaises(OSError):
+            replay.save("/dev/full", overwrite=True)
+        with self.assertRaisesRegex(OSError, "absent"):
+            replay.save(support.file("absent/x.lcmlog"))
+
+    def test_refuses_what_the_command_refuses(self):
+        trial = headpin.Trial(support.DEMO)
+        for words in ({"friction": 2}, {"friction": float("nan")}, {"shape": "round"}, {"response": "none"},
+                      {"iterations": 4}, {"set": {"ball.mas": 5}}, {"set": {"ball.mass": "much"}}):
+            with self.assertRaises(ValueError, msg=words):
+                trial.replay(**words)
+        with self.assertRaisesRegex(TypeError, "fricton"):
+            trial.replay(fricton=0)
+        said = subprocess.run([support.PROGRAM, "replay", support.DEMO, "--set", "ball.mass=-1"], capture_output=True,
+                              text=True).stderr
+        with self.assertRaises(ValueError) as raised:
+            trial.replay(set={"ball.mass": -1})
+        self.assertIn(str(raised.exception), said)
+
+
+class Verify(unittest.TestCase):
+    def test_finds_no_difference_in_a_replay(self):
+        self.assertIsNone(headpin.Trial(support.simulated()).verify())
+
+    def test_says_the_first_difference_as_the_command(self):
+        path = support.file("nudged.lcmlog")
+        support.command("replay", support.DEMO, "--states", "all", "-o", path)
+        with open(path, "r+b") as file:
+            all = bytearray(file.read())
+            data = all.find(b"STATE", len(all) // 2) + len("STATE")
+            all[data + 47] ^= 1  # the last bit of the first body's first coordinate (state_t.lcm)
+            file.seek(0)
+            file.write(all)
+        said = subprocess.run([support.PROGRAM, "replay", path, "--verify"], capture_output=True, text=True)
+        self.assertEqual(said.returncode, 1)
+        difference = headpin.Trial(path).verify()
+        self.assertIn(difference, said.stderr)
+        self.assertIn("tick", difference)
+
+    def test_needs_states(self):
+        with self.assertRaisesRegex(RuntimeError, "holds no states to compare with"):
+            headpin.Trial(support.DEMO).verify()
+
+
+class Interrupts(unittest.TestCase):
+    def test_stop_a_long_replay(self):
+        path = support.file("long.lcmlog")
+        support.command("synthesize", "--duration", "600", "-o", path)
+        code = ("import headpin, sys\n"
+                "t = headpin.Trial(sys.argv[1])\n"
+                "print('begins', flush=True)\n"
+                "try:\n"
+                "    while True: t.replay()\n"
+                "except KeyboardInterrupt:\n"
+                "    print('stopped')\n"
+                "    print(len(t.samples) > 0)\n")
+        child = subprocess.Popen([sys.executable, "-c", code, path], stdout=subprocess.PIPE, text=True)
+        self.assertEqual(child.stdout.readline(), "begins\n")
+        child.send_signal(signal.SIGINT)
+        said, _ = child.communicate()
+        self.assertEqual(said, "stopped\nTrue\n")
+
+    def test_of_another_thread_wait_for_nobody(self):
+        """Python goes on in one thread while another simulates."""
+        trial = headpin.Trial(support.DEMO)
+        done = threading.Event()
+
+        def simulate():
+            for _ in range(20):
+                trial.replay()
+            done.set()
+
+        thread = threading.Thread(target=simulate)
+        thread.start()
+        count = 0
+        while not done.is_set():
+            count += 1
+        thread.join()
+        self.assertGreater(count, 20)
+
+
+if __name__ == "__main__":
+    unittest.main()
