@@ -4,7 +4,7 @@
     t = headpin.Trial("trial.lcmlog")     # samples, events, states: arrays of numpy
     r = t.replay(friction=0.1)            # simulated again under another condition
     f = t.frames(250, depth=True)         # what an eye saw
-    s = headpin.Session("paper")          # step by step, with samples of one's own
+    s = headpin.Session("uno-slater-1997")  # step by step, with samples of one's own
 
 `headpin.replay_many` makes many replays, and `headpin.engine` has worlds, shapes and bodies alone.
 Lengths are in metres, times in seconds, angles in radians, quaternions are w, x, y, z.
