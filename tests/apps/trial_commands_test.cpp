@@ -48,12 +48,14 @@ TEST_F(TrialCommands, MemoryDoesNotGrowWithATrial) {
   const std::string brief = folder_ / "30", lengthy = folder_ / "300";
   const std::string new_trial = folder_ / "new", frames = folder_ / "frames";
   const std::string tables = folder_ / "tables", picture = folder_ / "picture.svg";
+  const std::string streams = folder_ / "streams.xdf";
   const std::vector<std::vector<std::string>> commands = {
       {"info"},
       {"replay", "--verify"},
       {"replay", "-o", new_trial, "--force"},
       {"frames", "--frames", "3", "-o", frames, "--force"},
       {"export", "-o", tables, "--force"},
+      {"export", "--xdf", streams, "--force"},
       {"plot", "-o", picture, "--force"},
       {"stream", "--lcm", "memq://", "--speed", "0"},
       {"emulate", "--duration", "0.1"},
