@@ -165,8 +165,9 @@ class StreamTable {
                                          left > 0 ? fmt::format(" and {} more", left) : "");
     if (!numbers) {
       throw std::invalid_argument(
-          fmt::format("{}: expected a stream with the positions of head and hand; found {}", where,
-                      others.empty() ? "none" : list));
+          fmt::format("{}: expected a stream with the positions of head and hand; found {}{}{}",
+                      where, others.empty() ? "none" : list, table_.notes.empty() ? "" : "; ",
+                      table_.notes.empty() ? "" : table_.notes.front()));
     }
     if (!others.empty()) table_.notes.push_back("streams without motion are ignored: " + list);
   }

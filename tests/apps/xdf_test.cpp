@@ -22,7 +22,7 @@ class XdfCommands : public TrialCommands {
   }
 };
 
-void expect_same(const devices::Sample& a, const devices::Sample& b) {
+void expect_same_sample(const devices::Sample& a, const devices::Sample& b) {
   ASSERT_EQ(a.index(), b.index());
   if (const auto* s = std::get_if<devices::TrackerSample>(&a)) {
     const auto& t = std::get<devices::TrackerSample>(b);
@@ -47,7 +47,7 @@ TEST_F(XdfCommands, ATrialComesBackWithEverySampleAndTheSameGame) {
   const devices::Trial before = trial("game.lcmlog"), after = trial("back.lcmlog");
   ASSERT_EQ(after.samples.size(), before.samples.size());
   for (std::size_t i = 0; i < before.samples.size(); ++i)
-    expect_same(before.samples[i], after.samples[i]);
+    expect_same_sample(before.samples[i], after.samples[i]);
   EXPECT_EQ(after.header.scenario, before.header.scenario);
   EXPECT_EQ(after.header.participant, before.header.participant);
   EXPECT_EQ(after.header.seed, before.header.seed);
@@ -104,6 +104,9 @@ void expect_rows(const Xdf::Stream& stream,
 }
 
 TEST_F(XdfCommands, LibxdfReadsEverySampleOfTheTables) {
+#ifdef HEADPIN_SANITIZED
+  GTEST_SKIP() << "libxdf 0.99.8 takes headers, which have no end, for strings of C";
+#endif
   EXPECT_EQ(headpin("export game.lcmlog -o tables").code, 0);
   Xdf file;
   testing::internal::CaptureStdout();  // it reports there
@@ -158,7 +161,7 @@ TEST_F(XdfCommands, ACutTrialIsReadToWhereItIsWhole) {
   for (std::size_t i = 0; i < after.samples.size(); ++i) {
     // Of the last half second, some streams may have nothing.
     if (in_half_seconds(after.samples[i]) + 1 >= in_half_seconds(after.samples.back())) break;
-    expect_same(before.samples[i], after.samples[i]);
+    expect_same_sample(before.samples[i], after.samples[i]);
   }
   write("header.xdf", whole.substr(0, 100));
   expect_refusal("import header.xdf -o OUT.lcmlog", 1, "header.xdf");
