@@ -1,7 +1,5 @@
 """A replay from Python is that of the command, to the bit."""
 
-import os
-import re
 import signal
 import subprocess
 import sys
@@ -109,40 +107,67 @@ class Verify(unittest.TestCase):
 
 
 class Interrupts(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.long = support.file("long.lcmlog")
+        support.command("synthesize", "--duration", "600", "-o", cls.long)
+
     def test_stop_a_long_replay(self):
-        path = support.file("long.lcmlog")
-        support.command("synthesize", "--duration", "600", "-o", path)
         code = ("import headpin, sys\n"
                 "t = headpin.Trial(sys.argv[1])\n"
-                "print('begins', flush=True)\n"
                 "try:\n"
+                "    print('begins', flush=True)\n"
                 "    while True: t.replay()\n"
                 "except KeyboardInterrupt:\n"
                 "    print('stopped')\n"
                 "    print(len(t.samples) > 0)\n")
-        child = subprocess.Popen([sys.executable, "-c", code, path], stdout=subprocess.PIPE, text=True)
-        self.assertEqual(child.stdout.readline(), "begins\n")
-        child.send_signal(signal.SIGINT)
-        said, _ = child.communicate()
+        child = subprocess.Popen([sys.executable, "-c", code, self.long], stdout=subprocess.PIPE, text=True)
+        with child:
+            self.assertEqual(child.stdout.readline(), "begins\n")
+            child.send_signal(signal.SIGINT)
+            said, _ = child.communicate()
         self.assertEqual(said, "stopped\nTrue\n")
 
-    def test_of_another_thread_wait_for_nobody(self):
-        """Python goes on in one thread while another simulates."""
+    def test_are_looked_for_while_it_simulates(self):
+        """Without that, signals that come during a call are handled once, after it."""
+        handled = []
+        self.addCleanup(signal.signal, signal.SIGALRM, signal.signal(signal.SIGALRM, lambda *_: handled.append(True)))
+        self.addCleanup(signal.setitimer, signal.ITIMER_REAL, 0)
+        trial = headpin.Trial(self.long)
+        most = 0
+        signal.setitimer(signal.ITIMER_REAL, 0.02, 0.02)
+        for _ in range(20):
+            handled.clear()
+            trial.replay()
+            most = max(most, len(handled))
+            if most > 2:
+                break
+        self.assertGreater(most, 2)
+
+
+class Threads(unittest.TestCase):
+    def test_go_on_while_one_simulates(self):
+        """Python never takes the lock from a thread here: another one runs only where a call gives it away."""
+        usual = sys.getswitchinterval()
+        self.addCleanup(sys.setswitchinterval, usual)
+        sys.setswitchinterval(1000)
         trial = headpin.Trial(support.DEMO)
-        done = threading.Event()
+        began, others_ran, ended = threading.Event(), [], []
 
         def simulate():
-            for _ in range(20):
-                trial.replay()
-            done.set()
+            began.set()
+            for _ in range(100):
+                if not others_ran:
+                    trial.replay()
+            ended.append(True)
 
         thread = threading.Thread(target=simulate)
         thread.start()
-        count = 0
-        while not done.is_set():
-            count += 1
+        began.wait()
+        if not ended:
+            others_ran.append(True)
         thread.join()
-        self.assertGreater(count, 20)
+        self.assertEqual(others_ran, [True])
 
 
 if __name__ == "__main__":
