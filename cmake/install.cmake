@@ -1,8 +1,9 @@
-# What `cmake --install` puts where, besides the libraries. Four components:
+# What `cmake --install` puts where, besides the libraries. Five components:
 #   program    headpin, its manual, completion, scenarios, message types
 #   runtime    the collision engine as a shared library
 #   engine     what it takes to build with the collision engine; needs Eigen alone
 #   libraries  the same for devices, render and scene
+#   python     the Python package, where HEADPIN_PYTHON is ON
 set(HEADPIN_RUNTIME_PACKAGE libheadpin-engine${PROJECT_VERSION_MAJOR}.${PROJECT_VERSION_MINOR})
 include(CMakePackageConfigHelpers)
 configure_package_config_file(cmake/headpin-config.cmake.in headpin-config.cmake

@@ -56,9 +56,30 @@ set(CPACK_COMPONENT_RUNTIME_DESCRIPTION
 contacts, the impulses of Uno & Slater (1997) and Coulomb's, steps that repeat
 to the bit. Its symbols may change with each 0.x.")
 
+set(packages headpin libheadpin-dev ${HEADPIN_RUNTIME_PACKAGE})
+if(HEADPIN_PYTHON)
+  find_package(Python3 REQUIRED COMPONENTS Interpreter)
+  math(EXPR next_minor "${Python3_VERSION_MINOR} + 1")
+  list(APPEND packages python3-headpin)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-headpin)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS  # headpin: its scenarios and meshes
+      "headpin (= ${PROJECT_VERSION}), python3 (>= 3.${Python3_VERSION_MINOR}), python3 (<< 3.${next_minor}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-pandas")
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION
+"headpin as a module of Python: trials as arrays of numpy, replays under other
+conditions, what each eye saw with depth and cameras, sessions made step by
+step, and the collision engine.")
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/packages/copyright
+                ${CMAKE_CURRENT_BINARY_DIR}/packages/python3-headpin/changelog.gz
+          DESTINATION ${CMAKE_INSTALL_DATADIR}/doc/python3-headpin COMPONENT python)
+endif()
+
 # Each package says what changed, in Debian's form.
 string(TIMESTAMP now "%a, %d %b %Y %H:%M:%S +0000" UTC)  # of SOURCE_DATE_EPOCH where that is set
-foreach(package headpin libheadpin-dev ${HEADPIN_RUNTIME_PACKAGE})
+foreach(package IN LISTS packages)
   set(changelog ${CMAKE_CURRENT_BINARY_DIR}/packages/${package}/changelog)
   file(WRITE ${changelog} "${package} (${PROJECT_VERSION}) unstable; urgency=medium\n\n"
        "  * What changed is told in CHANGELOG.md of the sources.\n\n"

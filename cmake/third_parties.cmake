@@ -17,7 +17,7 @@ set(HEADPIN_COPYRIGHT_FILES "")
 set(HEADPIN_SPDX_PACKAGES "")
 set(HEADPIN_SPDX_RELATIONS "")
 
-# third_party(NAME VERSION LICENCE HOLDERS PLACE...): PLACE: program, library, page, page's engine.
+# third_party(NAME VERSION LICENCE HOLDERS PLACE...): PLACE: program, library, Python package, page, page's engine.
 function(third_party name version licence holders)
   if(NOT version)
     set(version NOASSERTION)
@@ -45,6 +45,7 @@ set(version_of_eigen "${Eigen3_VERSION}")
 set(version_of_libstdc++ "${CMAKE_CXX_COMPILER_VERSION}")
 set(version_of_cli11 "${CLI11_VERSION}")
 set(version_of_fmt "${fmt_VERSION}")
+set(version_of_pybind11 "${HEADPIN_PYBIND11_VERSION}")
 set(version_of_nlohmann-json "${nlohmann_json_VERSION}")
 set(version_of_tomlplusplus "${TOMLPLUSPLUS_VERSION}")
 set(version_of_lcm "${LCM_VERSION}")

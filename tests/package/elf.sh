@@ -15,7 +15,9 @@ refuse() {
 program=$folder/usr/bin/headpin
 library=$(find "$folder" -name 'libheadpin-engine.so.*.*.*' -type f)
 [ -n "$library" ] || { echo "no shared library"; exit 1; }
-for file in "$program" "$library"; do
+module=$(find "$folder" -name '_headpin.*.so')
+[ -n "$module" ] || { echo "no module of Python"; exit 1; }
+for file in "$program" "$library" "$module"; do
   headers=$(readelf -Wl "$file") dynamic=$(readelf -Wd "$file") symbols=$(nm -D "$file") notes=$(readelf -Wn "$file")
   expect "read-only relocations" "$file" "$headers" GNU_RELRO
   expect "binding at the start" "$file" "$dynamic" 'BIND_NOW|FLAGS.*NOW'
@@ -31,6 +33,7 @@ expect "soname" "$library" "$(readelf -Wd "$library")" 'SONAME.*libheadpin-engin
 exported=$(nm -DC --defined-only "$library")
 expect "step()" "$library" "$exported" 'T headpin::engine::step\('
 refuse "symbols of others" "$library" "$(grep -vE ' (headpin::|(vtable|typeinfo|typeinfo name|VTT|guard variable) for headpin::|HEADPIN_)' <<<"$exported")" .
+refuse "symbols other than its start" "$module" "$(nm -D --defined-only "$module" | grep -v ' T PyInit__headpin$')" .
 refuse "what is for itself" "$library" "$exported" "headpin::engine::detail"
 
 # Plugins: one with the static library in it, one beside the shared one; a program loads both.

@@ -10,7 +10,8 @@ import re
 import subprocess
 import sys
 
-LINKED = {"png", "zlib", "lcm", "osmesa", "egl", "deflate", "assimp", "qhull_r", "threads", "pkgconfig"}  # when it runs
+LINKED = {"png", "zlib", "lcm", "osmesa", "egl", "deflate", "assimp", "qhull_r", "threads", "pkgconfig",
+          "python3"}  # when it runs
 OURS = {"eigen3": "eigen", "nlohmann_json": "nlohmann-json", "cli11": "cli11", "fmt": "fmt",
         "tomlplusplus": "tomlplusplus"}
 
@@ -23,8 +24,9 @@ def main():
     with open(copyright_file, encoding="utf-8") as file:
         legal = file.read()
     wanted = set()
-    for name in subprocess.run(["git", "-C", sources, "ls-files", "apps/CMakeLists.txt", "scene/CMakeLists.txt",
-                                "devices/CMakeLists.txt", "render/CMakeLists.txt", "CMakeLists.txt"],
+    for name in subprocess.run(["git", "-C", sources, "ls-files", "apps/CMakeLists.txt", "apps/python/CMakeLists.txt",
+                                "scene/CMakeLists.txt", "devices/CMakeLists.txt", "render/CMakeLists.txt",
+                                "CMakeLists.txt"],
                                check=True, capture_output=True, text=True).stdout.split():
         with open(f"{sources}/{name}", encoding="utf-8") as file:
             text = file.read()
