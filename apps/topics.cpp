@@ -35,6 +35,7 @@ constexpr std::array kTopics = {
     Topic{"seen", "guides/apart.md", "What the eyes can tell apart"},
     Topic{"tables", "guides/tables.md", "Tables and plots"},
     Topic{"scripts", "guides/scripts.md", "Use headpin in scripts"},
+    Topic{"python", "guides/python.md", "Use headpin from Python"},
     Topic{"engine", "guides/engine.md", "The engine as a library"},
     Topic{"install", "guides/install.md", "Install headpin"},
     Topic{"cite", "guides/cite.md", "Cite headpin"},

@@ -33,7 +33,8 @@ expect "soname" "$library" "$(readelf -Wd "$library")" 'SONAME.*libheadpin-engin
 exported=$(nm -DC --defined-only "$library")
 expect "step()" "$library" "$exported" 'T headpin::engine::step\('
 refuse "symbols of others" "$library" "$(grep -vE ' (headpin::|(vtable|typeinfo|typeinfo name|VTT|guard variable) for headpin::|HEADPIN_)' <<<"$exported")" .
-refuse "symbols other than its start" "$module" "$(nm -D --defined-only "$module" | grep -v ' T PyInit__headpin$')" .
+expect "start of the module" "$module" "$(nm -D --defined-only "$module")" ' T PyInit__headpin$'
+refuse "symbols of headpin" "$module" "$(nm -D --defined-only "$module" | grep -v ' PyInit__headpin$')" headpin
 refuse "what is for itself" "$library" "$exported" "headpin::engine::detail"
 
 # Plugins: one with the static library in it, one beside the shared one; a program loads both.

@@ -15,6 +15,8 @@ PAGE is a page as named from the source folder; without one, README.md and all p
 - What needs a multicast route runs in a network of its own, or is passed over where this user may
   not have one.
 - A block that needs what this machine lacks (NEEDS, below) is passed over, and that is said.
+- The `python` blocks of a page are one program, in such a folder; the `text` block behind one has what it prints.
+  They are passed over where the Python package is not built beside the program.
 - `cmake` and `cpp` blocks must stand in tests/package/engine_client, which a test builds and runs.
 - `sh` blocks are for a clone: their commands must be known to ./dev, or be git's or cmake's.
 - A `bibtex` or `text` block is not run.
@@ -23,6 +25,7 @@ PAGE is a page as named from the source folder; without one, README.md and all p
 import contextlib
 import ctypes.util
 import glob
+import itertools
 import os
 import re
 import shutil
@@ -232,6 +235,24 @@ def check_shell(source, block):
     return said
 
 
+def run_python(source, program, found):
+    """Runs the python blocks as one program that prints a mark before each of them."""
+    package = os.path.join(os.path.dirname(program), "python")
+    pairs = [(block, found[i + 1].lines if found[i + 1:] and found[i + 1].language == "text" else [])
+             for i, block in enumerate(found) if block.language == "python"]
+    if pairs and not os.path.isdir(package):
+        print(f"{pairs[0][0].at}: passed over: no {package}")
+        return []
+    code = "".join(f"print('{MARK}')\n" + "\n".join(block.lines) + "\n" for block, _ in pairs)
+    with tempfile.TemporaryDirectory(prefix="headpin-readme-") as folder:
+        os.symlink(os.path.join(source, "assets"), os.path.join(folder, "assets"))
+        done = subprocess.run([sys.executable, "-B", "-c", code], cwd=folder, env=dict(os.environ, PYTHONPATH=package),
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    parts = [part.splitlines() for part in ("\n" + done.stdout).split("\n" + MARK + "\n")[1:]]
+    return [f"{block.at}: shows\n    " + "\n    ".join(expected) + "\n  and prints\n    " + "\n    ".join(printed)
+            for (block, expected), printed in itertools.zip_longest(pairs, parts, fillvalue=[]) if expected != printed]
+
+
 def check_page(source, program, page):
     """What is wrong on a page, and how many console blocks and blocks it has."""
     found = blocks(source, page)
@@ -241,8 +262,10 @@ def check_page(source, program, page):
             said += check_sources(source, block)
         elif block.language == "sh":
             said += check_shell(source, block)
-        elif block.language not in ("console", "bibtex", "text", ""):
+        elif block.language not in ("console", "python", "bibtex", "text", ""):
             said.append(f"{block.at}: nobody knows how to try a {block.language} block")
+    if any(block.language == "python" for block in found):
+        said += run_python(source, program, found)
     consoles = [block for block in found if block.language == "console"]
     if consoles:
         said += run_console(source, program, consoles)
