@@ -106,7 +106,7 @@ Pose pose_of(const Vec3& position, const Quaternion& q) {
 
 void add_engine(py::module_& module) {
   py::module_ m = module.def_submodule(
-      "engine",
+      "_engine",
       "Rigid bodies that stand, roll, fall and collide, and repeat to the bit.\n\n"
       "Metre, kilogram, second, radian; vectors are in the world frame W, quaternions are (w, x, "
       "y, "
@@ -121,6 +121,9 @@ void add_engine(py::module_& module) {
         "margin: up to this gap the search goes on to the closest points [m].\n\n"
         "Returns a dict: separated; distance, a gap or minus the depth [m]; point_a and point_b on "
         "the surfaces;\nnormal from a to b; iterations, evaluations of the support functions.");
+  for (const auto& [name, what] : py::dict(m.attr("__dict__"))) {
+    if (py::isinstance<py::type>(what)) what.attr("__module__") = "headpin.engine";
+  }
 }
 
 }  // namespace headpin::python

@@ -14,6 +14,7 @@
 
 #include "apps/python/interrupts.h"
 #include "apps/python/module.h"
+#include "apps/python/reading.h"
 #include "sweep/result.h"
 #include "sweep/runner.h"
 
@@ -156,7 +157,7 @@ py::dict replay_many(const std::vector<std::string>& trials, const std::vector<s
     Interrupts interrupts;
     for (const std::string& path : trials) {
       interrupts.check();
-      plan.trials.push_back(sweep::read_trial(path));
+      plan.trials.push_back(reading<DamagedTrial>(path, [&] { return sweep::read_trial(path); }));
     }
     replays.emplace(plan);
     replays->run(threads == 0 ? cores : static_cast<unsigned>(threads), [&](std::size_t done) {

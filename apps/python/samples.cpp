@@ -136,8 +136,9 @@ std::vector<devices::Sample> samples_of(const py::object& what) {
 }
 
 void add_samples(py::module_& module) {
-  py::class_<TrackerSample>(module, "TrackerSample",
-                            "A pose that a tracker measured, in the transmitter's frame T.")
+  py::class_<TrackerSample> tracker(
+      module, "TrackerSample", "A pose that a tracker measured, in the transmitter's frame T.");
+  tracker
       .def(py::init(&tracker_sample), "station"_a, "time_us"_a, "position"_a, "quaternion"_a,
            "buttons"_a = 0, py::kw_only(), "status"_a = "", "sequence"_a = 0, "host_time_us"_a = 0,
            "session_time_us"_a = 0,
@@ -152,13 +153,17 @@ void add_samples(py::module_& module) {
                              [](const TrackerSample& s) { return s.device_time.count(); })
       .def_property_readonly("session_time_us", session_time_us<TrackerSample>)
       .def("__repr__", repr);
-  py::class_<MouseSample>(module, "MouseSample", "The buttons of the 3D mouse, when one changes.")
+  py::class_<MouseSample> mouse(module, "MouseSample",
+                                "The buttons of the 3D mouse, when one changes.");
+  mouse
       .def(py::init(&mouse_sample), "time_us"_a, "left_thumb"_a = false, "right_thumb"_a = false,
            "trigger"_a = false, py::kw_only(), "host_time_us"_a = 0, "session_time_us"_a = 0,
            "time_us: on the session's clock [microseconds]. left_thumb walks forward, right_thumb "
            "backward, trigger grabs.")
       .def_property_readonly("time_us", [](const MouseSample& s) { return s.device_time.count(); })
       .def_property_readonly("session_time_us", session_time_us<MouseSample>);
+  tracker.attr("__module__") = "headpin";
+  mouse.attr("__module__") = "headpin";
 }
 
 }  // namespace headpin::python

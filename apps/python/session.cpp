@@ -14,9 +14,12 @@
 #include "apps/python/in_use.h"
 #include "apps/python/interrupts.h"
 #include "apps/python/module.h"
+#include "apps/python/reading.h"
 #include "apps/python/response.h"
 #include "apps/python/samples.h"
+#include "apps/python/values.h"
 #include "devices/trial/sources.h"
+#include "scene/scenario/files.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/totals.h"
 
@@ -62,7 +65,9 @@ struct PySession {
 
 scene::Scenario scenario_of(const std::string& name) {
   const bool is_text = name.find_first_of("\n=") != std::string::npos;
-  return is_text ? scene::parse_scenario(name, "scenario") : scene::load_scenario(name);
+  if (is_text) return scene::parse_scenario(name, "scenario");
+  const std::string path = scene::scenario_path(name);
+  return reading<std::runtime_error>(path, [&] { return scene::load_scenario(path); });
 }
 
 std::unique_ptr<PySession> session_of(const py::object& scenario, const py::object& response,
@@ -137,17 +142,16 @@ py::list events(PySession& s) {
 }
 
 py::object summary(PySession& s) {
-  const std::string text = scene::summary(s.get(), s.totals.score()).dump();
-  return py::module_::import("json").attr("loads")(text);
+  return to_python(scene::summary(s.get(), s.totals.score()));
 }
 
 py::dict score(PySession& s) {
   const py::object all = summary(s);
-  py::dict score;
+  py::dict of;
   for (const char* key : {"skittles", "skittles_down", "felled_by_hand", "games", "throws"}) {
-    score[key] = all[key];
+    of[key] = all[key];
   }
-  return score;
+  return of;
 }
 
 py::object hash_in_python(PySession& s, std::uint64_t hash) {
@@ -217,6 +221,7 @@ void add_session(py::module_& module) {
           "step", make_ticks, "count"_a = 1,
           "Makes ticks. Other threads go on meanwhile; Ctrl-C stops between two ticks.\n\nAn error "
           "in a response of one's own is raised from here; the session cannot go on after it.");
+  session.attr("__module__") = "headpin";
   add_what_it_is(session);
 }
 

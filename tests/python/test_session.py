@@ -207,7 +207,7 @@ class OfAScenario(unittest.TestCase):
             headpin.Session("bowls")
         with self.assertRaisesRegex(ValueError, "ball.mas"):
             headpin.Session("[ball]\nmas = 6\n")
-        with self.assertRaises((RuntimeError, FileNotFoundError)):
+        with self.assertRaisesRegex(FileNotFoundError, "there-is-none.toml"):
             headpin.Session("./there-is-none.toml")
         with self.assertRaisesRegex(ValueError, "paper"):
             headpin.Session(SCENARIO, response="rubber")

@@ -1,6 +1,6 @@
 """Rigid bodies that stand, roll, fall and collide, and repeat to the bit."""
 
-from ._headpin.engine import (
+from ._headpin._engine import (
     Body,
     Compound,
     Cone,
