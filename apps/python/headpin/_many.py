@@ -131,19 +131,39 @@ def _structured(columns):
 
 
 class _Line:
-    """A progress line: on a terminal, and in the output of a notebook's cell."""
+    """A progress line: on a terminal, and under the cell of a notebook; nothing elsewhere."""
 
     def __init__(self):
-        self._shows = sys.stderr.isatty() or "ipykernel" in sys.modules
+        self._handle = None
         self._width = 0
+        self._show = self._nothing
+        if "ipykernel" in sys.modules:
+            self._show = self._in_notebook
+        elif sys.stderr.isatty():
+            self._show = self._on_terminal
 
     def __call__(self, done, total):
-        if not self._shows:
-            return
-        text = f"{done} of {total} replays"
-        print("\r" + text.ljust(self._width), end="", file=sys.stderr, flush=True)
-        self._width = len(text)
+        self._show(f"{done} of {total} replays")
 
     def erase(self):
         if self._width:
-            print("\r" + " " * self._width + "\r", end="", file=sys.stderr, flush=True)
+            self._on_terminal("")
+            print("\r", end="", file=sys.stderr, flush=True)
+        if self._handle:
+            self._in_notebook("")
+
+    def _nothing(self, text):
+        pass
+
+    def _on_terminal(self, text):
+        print("\r" + text.ljust(self._width), end="", file=sys.stderr, flush=True)
+        self._width = len(text)
+
+    def _in_notebook(self, text):
+        from IPython.display import display
+
+        said = {"text/plain": text}
+        if self._handle:
+            self._handle.update(said, raw=True)
+        else:
+            self._handle = display(said, raw=True, display_id=True)
