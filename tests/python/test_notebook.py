@@ -27,10 +27,10 @@ class Notebook(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.stored = nbformat.read(os.path.join(FOLDER, "notebook.ipynb"), as_version=4)
-        cls.run = nbformat.from_dict(cls.stored)
-        client = NotebookClient(cls.run, timeout=800, resources={"metadata": {"path": FOLDER}})
+        cls.played = nbformat.from_dict(cls.stored)
+        client = NotebookClient(cls.played, timeout=800, resources={"metadata": {"path": FOLDER}})
         client.execute()  # raises the error of a cell
-        cls.code = [cell for cell in cls.run["cells"] if cell["cell_type"] == "code"]
+        cls.code = [cell for cell in cls.played["cells"] if cell["cell_type"] == "code"]
 
     def test_replays_the_eight_conditions_as_the_command_does(self):
         (table,) = [t for cell in self.code for t in outputs(cell, "text/html") if "skittles_down" in t]
@@ -49,7 +49,7 @@ class Notebook(unittest.TestCase):
             self.assertTrue(b64decode(picture).startswith(b"\x89PNG"))
 
     def test_is_stored_with_what_it_shows(self):
-        for stored, run in zip(self.stored["cells"], self.run["cells"]):
+        for stored, run in zip(self.stored["cells"], self.played["cells"]):
             if stored["cell_type"] != "code":
                 continue
             self.assertEqual(len(outputs(stored, "image/png")), len(outputs(run, "image/png")))
