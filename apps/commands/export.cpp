@@ -12,6 +12,7 @@
 #include "apps/command.h"
 #include "apps/damage.h"
 #include "apps/gltf_trial.h"
+#include "apps/mcap/export_mcap.h"
 #include "apps/options.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
@@ -33,8 +34,9 @@ namespace {
 
 struct ExportOptions {
   std::string trial;
-  std::optional<std::string> folder, gltf, xdf;
+  std::optional<std::string> folder, gltf, mcap, xdf;
   double tolerance_mm = 0.0;
+  bool eyes = false;
   bool force = false, json = false;
 };
 
@@ -162,13 +164,19 @@ void export_xdf(const ExportOptions& options) {
 }
 
 void export_trial(const ExportOptions& options) {
-  if (options.folder.has_value() + options.gltf.has_value() + options.xdf.has_value() != 1) {
+  if (options.folder.has_value() + options.gltf.has_value() + options.mcap.has_value() +
+          options.xdf.has_value() !=
+      1) {
     throw UsageError(
-        "expected one of -o FOLDER (tables), --gltf FILE.glb (animation) and --xdf FILE.xdf "
-        "(streams)");
+        "expected one of -o FOLDER (tables), --gltf FILE.glb (animation), --mcap FILE.mcap "
+        "(messages) and --xdf FILE.xdf (streams)");
   }
   if (options.tolerance_mm > 0.0 && !options.gltf) throw UsageError("--tolerance needs --gltf");
+  if (options.eyes && !options.mcap) throw UsageError("--eyes needs --mcap");
   if (options.gltf) return export_gltf(options);
+  if (options.mcap) {
+    return export_mcap({options.trial, *options.mcap, options.eyes, options.force, options.json});
+  }
   if (options.xdf) return export_xdf(options);
   const devices::TrialFile trial(options.trial);
   trial.require_trial(devices::kLongestGap);
@@ -210,7 +218,8 @@ void export_trial(const ExportOptions& options) {
 void add_export(CLI::App& app) {
   auto options = std::make_shared<ExportOptions>();
   CLI::App* command = app.add_subcommand(
-      "export", "Write a trial as tables (CSV), an animated scene (glTF) or streams (XDF)");
+      "export",
+      "Write a trial as tables (CSV), an animated scene (glTF), messages (MCAP) or streams (XDF)");
   command->add_option("TRIAL", options->trial, "a trial (.lcmlog); - is standard input")
       ->required();
   add_output(*command, "-o,--output", options->folder, "folder for the tables", {});
@@ -234,10 +243,15 @@ void add_export(CLI::App& app) {
       "tick. The "
       "trial is\nsimulated again. A camera of glTF is centred: where an eye's frustum is not, the "
       "camera shows more, and its\nextras have the edges.\n\n"
+      "With --mcap: poses and shapes of bodies, head, eyes and hand, events and cameras as "
+      "messages "
+      "of Foxglove, at\nevery tick; and the messages of the trial's log as they are. The trial is "
+      "simulated again.\n\n"
       "With --xdf: one stream per receiver, one for the 3D mouse, four for the events, as "
       "LabRecorder writes them.\nStates of bodies and frames are left out.\n\n"
       "Example:\n  headpin export game.lcmlog -o tables\n"
       "  headpin export game.lcmlog --gltf game.glb --tolerance 0.1mm\n"
+      "  headpin export game.lcmlog --mcap game.mcap --eyes\n"
       "  headpin export game.lcmlog --xdf game.xdf");
   command->callback([options] { export_trial(*options); });
 }
