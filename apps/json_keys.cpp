@@ -204,6 +204,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"lost_samples", "samples that did not arrive, by the sequence numbers of their stations"},
     {"marks", "marks of a score sheet: fouls, and skittles that the hand knocked down"},
     {"mass_kg", "mass of a skittle"},
+    {"mcap", "file of the messages"},
     {"mean_down",
      "skittles down on average, if each of the throws was made in the situation of the one that "
      "was asked for"},
@@ -353,6 +354,8 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"to_ms", "end of the window, after the real release"},
     {"to_s", "end of a stretch of time"},
     {"tolerance", "skittles gained by the best place of a set of throws as a whole"},
+    {"topic", "name of a channel of messages"},
+    {"topics", "channels of messages that were written"},
     {"touches", "pairs of bodies that touched, at least one of them a skittle"},
     {"trial", "file of the trial"},
     {"trigger_s", "time at which the trigger was released, as its device measured it"},

@@ -152,6 +152,7 @@ TEST_F(Outputs, OnAFullDiskTheReasonAndTheFileAreSaid) {
   const std::vector<std::pair<std::string, std::string>> commands = {
       {"export " + kDemo + " -o tables", "tables/trackers.csv"},
       {"export " + kDemo + " --gltf full.glb", "full.glb"},
+      {"export " + kDemo + " --mcap full.mcap", "full.mcap"},
       {"export " + kDemo + " --xdf full.xdf", "full.xdf"},
       {"frames " + kDemo + " -o drawn --frames 200", "drawn/left_000200.png"},
       {"frames " + kDemo + " -o parts --frames 200-259 --jobs 2", "parts/left_000200.png"},

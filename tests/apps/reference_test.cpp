@@ -79,6 +79,7 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
   take("compare --json game.lcmlog other.lcmlog");
   take("export --json game.lcmlog -o tables");
   take("export --json game.lcmlog --gltf game.glb");
+  take("export --json game.lcmlog --mcap game.mcap");
   take("export --json game.lcmlog --xdf game.xdf");
   take("plot --json game.lcmlog -o game.svg");
   take("frames --json game.lcmlog -o frames --frames 0-1");
