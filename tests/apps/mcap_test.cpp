@@ -211,7 +211,11 @@ TEST_F(Mcap, EveryBodyIsWhereTheTableOfStatesHasItToTheLastBit) {
 
 TEST_F(Mcap, EveryMessageIsOfItsSchemaAndEveryEventIsThere) {
   ReadMcap mcap(slurp(folder_ / "game.mcap"));
-  const auto events = rows("events.csv");
+  auto events = rows("events.csv");
+  // These say how the recording ended; they are in lcm/EVENT.
+  std::erase_if(events, [](const auto& row) {
+    return row.at("kind") == "ledger" || row.at("kind") == "game_hash";
+  });
   std::size_t next = 0;
   for (const McapMessage& message : mcap.messages) {
     if (!mcap.type_of_topic.contains(message.topic)) continue;

@@ -96,7 +96,9 @@ test('both eyes are where the frames have them, and see through the same cameras
 });
 
 test('every event is its row of the table of events', () => {
-  const rows = table('tables/events.csv');
+  // The last two say how the recording ended; they are in lcm/EVENT.
+  const rows = table('tables/events.csv').filter((row) => !['ledger', 'game_hash'].includes(row.kind));
+  assert.ok(rows.length > 30);
   const events = messages.get('/events').map(({ value, us }) => ({ ...JSON.parse(value.message), name: value.name, us }));
   assert.equal(events.length, rows.length);
   for (const [i, row] of rows.entries()) {
