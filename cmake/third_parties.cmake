@@ -49,6 +49,7 @@ set(version_of_pybind11 "${HEADPIN_PYBIND11_VERSION}")
 set(version_of_nlohmann-json "${nlohmann_json_VERSION}")
 set(version_of_tomlplusplus "${TOMLPLUSPLUS_VERSION}")
 set(version_of_lcm "${LCM_VERSION}")
+set(version_of_foxglove-schemas "2.1.0")
 
 # The list itself, which the page's notices are written from too (apps/report/build.mjs).
 set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${CMAKE_CURRENT_LIST_DIR}/third_parties.json)

@@ -10,7 +10,7 @@ import re
 import subprocess
 import sys
 
-LINKED = {"png", "zlib", "lcm", "osmesa", "egl", "deflate", "assimp", "qhull_r", "threads", "pkgconfig",
+LINKED = {"png", "zlib", "lcm", "osmesa", "egl", "deflate", "assimp", "qhull_r", "threads", "zstd", "pkgconfig",
           "python3"}  # when it runs
 OURS = {"eigen3": "eigen", "nlohmann_json": "nlohmann-json", "cli11": "cli11", "fmt": "fmt",
         "tomlplusplus": "tomlplusplus"}
