@@ -209,13 +209,24 @@ TEST_F(Mcap, EveryBodyIsWhereTheTableOfStatesHasItToTheLastBit) {
   EXPECT_EQ(compared, 1682u * 11u);  // every tick; the ball and ten skittles
 }
 
+/// The table without its last column, whose cells can have commas; and without the rows that say how the
+/// recording ended, which are in lcm/EVENT.
+std::string events_without_detail(const std::string& table) {
+  constexpr int kCommas = 11;  // before the detail
+  std::istringstream lines(table);
+  std::string out;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find(",ledger,") != line.npos || line.find(",game_hash,") != line.npos) continue;
+    std::size_t end = 0;
+    for (int i = 0; i < kCommas; ++i) end = line.find(',', end) + 1;
+    out += line.substr(0, end - 1) + "\n";
+  }
+  return out;
+}
+
 TEST_F(Mcap, EveryMessageIsOfItsSchemaAndEveryEventIsThere) {
   ReadMcap mcap(slurp(folder_ / "game.mcap"));
-  auto events = rows("events.csv");
-  // These say how the recording ended; they are in lcm/EVENT.
-  std::erase_if(events, [](const auto& row) {
-    return row.at("kind") == "ledger" || row.at("kind") == "game_hash";
-  });
+  const auto events = csv_rows(events_without_detail(slurp(folder_ / "tables/events.csv")));
   std::size_t next = 0;
   for (const McapMessage& message : mcap.messages) {
     if (!mcap.type_of_topic.contains(message.topic)) continue;
