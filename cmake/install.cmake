@@ -48,7 +48,8 @@ foreach(page IN LISTS pages)
 endforeach()
 add_custom_target(headpin_pages ALL DEPENDS ${installed_pages})
 install(FILES CITATION.cff DESTINATION ${HEADPIN_DOC_DIR} COMPONENT program)
-install(DIRECTORY docs DESTINATION ${HEADPIN_DOC_DIR} COMPONENT program FILES_MATCHING PATTERN "*.svg")
+install(DIRECTORY docs DESTINATION ${HEADPIN_DOC_DIR} COMPONENT program FILES_MATCHING PATTERN "*.svg"
+        PATTERN "*.ipynb" PATTERN "gymnasium_bowling.py")
 install(DIRECTORY assets/pictures DESTINATION ${HEADPIN_DOC_DIR}/assets COMPONENT program)
 
 # Manual and completion, as the program writes them after it was linked (apps/CMakeLists.txt).
