@@ -114,24 +114,14 @@ class OfATrial(unittest.TestCase):
         self.assertEqual(waiting, [])
         self.assertEqual(session.game_hash, self.summary["game_hash"])
 
-    def test_takes_rows_of_tables_with_the_columns_of_an_export(self):
-        session = headpin.Session(self.scenario)
-        for name in ("trackers", "buttons"):
-            path = os.path.join(self.tables, name + ".csv")
-            table = np.genfromtxt(path, delimiter=",", names=True, dtype=None, encoding="utf-8")
-            if name == "trackers":
-                texts = [(r["status"], r["frame"]) for r in rows(path)]
-                table = np.array(
-                    [tuple(row)[:4] + (text[1],) + tuple(row)[5:12] + (text[0], row["stylus"], row["session_time_s"])
-                     for row, text in zip(table, texts)],
-                    dtype=[(n, table.dtype[n]) for n in table.dtype.names[:4]]
-                    + [("frame", "U8")]
-                    + [(n, float) for n in table.dtype.names[5:12]]
-                    + [("status", "U1"), ("stylus", bool), ("session_time_s", float)],
-                )
-            session.push(table)
+    def test_takes_the_tables_of_a_trial(self):
+        trial = headpin.Trial(support.DEMO)
+        session = headpin.Session(trial.scenario)
+        session.push(trial.samples)
+        for row in trial.buttons:
+            session.push(row)
         session.step(self.summary["ticks"])
-        self.assertEqual(session.state_hash, self.summary["state_hash"])
+        self.assertEqual(session.game_hash, self.summary["game_hash"])
 
     def test_under_another_response_has_the_hash_of_that_replay(self):
         expected = support.json_of("replay", support.DEMO, "--response", "coulomb")
