@@ -13,6 +13,7 @@
 #include "apps/streams.h"
 #include "scene/play/events.h"
 #include "scene/play/release.h"
+#include "scene/watch/counterparts.h"
 #include "scene/watch/each_throw.h"
 #include "scene/watch/recorded.h"
 #include "scene/watch/totals.h"
@@ -205,7 +206,7 @@ void replay(const ReplayOptions& options) {
   const std::int64_t unverified = verifier ? verifier->finish(trial, session) : 0;
 
   nlohmann::json result = scene::summary(session, totals.score());
-  result.update(scene::whose(options.trial, trial, options.condition));
+  result.update(scene::whose(options.trial, trial, options.condition.set));
   result["output"] = options.output ? nlohmann::json(*options.output) : nlohmann::json();
   result.update(scene::compared_throws(recorded.file, as_recorded, recorded.scenario,
                                        happened.events, [] { check_stop(); }));

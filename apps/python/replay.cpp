@@ -97,7 +97,7 @@ py::object summary_of(const Replay& replay) {
     const py::gil_scoped_release released;
     const auto lock = replay.trial->lock();
     Interrupts interrupts;
-    all.update(scene::whose(replay.trial->path(), replay.trial->summary(), replay.condition));
+    all.update(scene::whose(replay.trial->path(), replay.trial->summary(), replay.condition.set));
     all.update(scene::compared_throws(replay.trial->file(), replay.trial->scenario(),
                                       replay.scenario, replay.events, [&] { interrupts.check(); }));
   }

@@ -98,6 +98,16 @@ std::vector<Unpaired> without_counterpart(std::span<const devices::Event> a,
   return all;
 }
 
+nlohmann::json whose(const std::string& path, const devices::TrialSummary& trial,
+                     const std::vector<std::string>& set) {
+  return {{"trial", path},
+          {"complete", trial.complete},
+          {"participant", trial.header.participant},
+          {"condition", trial.header.condition},
+          {"seed", trial.header.seed},
+          {"set", set}};
+}
+
 nlohmann::json compared_throws(const devices::TrialFile& file, const Scenario& as_recorded,
                                const Scenario& replayed, std::span<const devices::Event> again,
                                const std::function<void()>& each_tick) {

@@ -53,6 +53,10 @@ std::vector<Unpaired> without_counterpart(std::span<const devices::Event> a,
 
 nlohmann::json to_json(const std::vector<Unpaired>& unpaired);
 
+/// The simulated trial, and what `--set` says, as in `--json`.
+nlohmann::json whose(const std::string& path, const devices::TrialSummary& trial,
+                     const std::vector<std::string>& set);
+
 /// The throws of a recorded session that its replay does not have, and the reverse, as in `--json`.
 ///
 /// @param as_recorded  the trial's own scenario

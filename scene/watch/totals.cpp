@@ -160,16 +160,6 @@ nlohmann::json to_json(const std::vector<devices::ThrowRow>& throws) {
   return all;
 }
 
-nlohmann::json whose(const std::string& path, const devices::TrialSummary& trial,
-                     const Condition& condition) {
-  return {{"trial", path},
-          {"complete", trial.complete},
-          {"participant", trial.header.participant},
-          {"condition", trial.header.condition},
-          {"seed", trial.header.seed},
-          {"set", condition.set}};
-}
-
 nlohmann::json summary(const Session& s, const Score& score) {
   const Scenario& scenario = s.scenario();
   const auto hash = [&](std::uint64_t value) {

@@ -8,7 +8,6 @@
 
 #include "scene/play/run.h"
 #include "scene/play/score.h"
-#include "scene/stage/condition.h"
 
 namespace headpin::scene {
 
@@ -62,10 +61,6 @@ nlohmann::json to_json(const std::vector<KeyDifference>& differences);
 
 /// One object per throw.
 nlohmann::json to_json(const std::vector<devices::ThrowRow>& throws);
-
-/// The simulated trial and the condition, as in `--json`.
-nlohmann::json whose(const std::string& path, const devices::TrialSummary& trial,
-                     const Condition& condition);
 
 /// The result of a session, as in `--json` of every command. The hashes are null where it makes none.
 nlohmann::json summary(const Session& session, const Score& score);
