@@ -4,6 +4,8 @@ from typing import Any, Iterable, Literal, Mapping, SupportsIndex, overload
 import numpy as np
 import numpy.typing as npt
 
+from ._session import MouseSample as MouseSample, Session as Session, TrackerSample as TrackerSample
+
 __version__: str
 
 class DamagedTrial(RuntimeError): ...
