@@ -225,6 +225,10 @@ void add_export(CLI::App& app) {
   add_output(*command, "-o,--output", options->folder, "folder for the tables", {});
   add_output(*command, "--gltf", options->gltf,
              "file for the animated scene (.glb); - is standard output", {".glb"});
+  add_output(*command, "--mcap", options->mcap,
+             "file of messages for Foxglove and Rerun (.mcap); - is standard output", {".mcap"});
+  command->add_flag("--eyes", options->eyes,
+                    "with --mcap: also the pictures of both eyes, at the frame rate of the trial");
   add_output(*command, "--xdf", options->xdf,
              "file for the streams of trackers, buttons and events (.xdf); - is standard output",
              {".xdf"});
