@@ -123,6 +123,10 @@ std::string repr(const TrackerSample& s) {
          ", time_us=" + std::to_string(s.device_time.count()) + ")";
 }
 
+constexpr const char* kTimeWords = "When it was measured, on the session's clock [microseconds].";
+constexpr const char* kSessionTimeWords =
+    "When a recorded session used it [microseconds]; 0: at once.";
+
 }  // namespace
 
 std::vector<devices::Sample> samples_of(const py::object& what) {
@@ -148,10 +152,10 @@ void add_samples(py::module_& module) {
            "is "
            "pressed. status: empty, or the Fastrak's error letter.\nhost_time_us: when it arrived; "
            "session_time_us: when a recorded session used it; 0: at once.")
-      .def_readonly("station", &TrackerSample::station)
-      .def_property_readonly("time_us",
-                             [](const TrackerSample& s) { return s.device_time.count(); })
-      .def_property_readonly("session_time_us", session_time_us<TrackerSample>)
+      .def_readonly("station", &TrackerSample::station, "Number of the receiver, from 1.")
+      .def_property_readonly(
+          "time_us", [](const TrackerSample& s) { return s.device_time.count(); }, kTimeWords)
+      .def_property_readonly("session_time_us", session_time_us<TrackerSample>, kSessionTimeWords)
       .def("__repr__", repr);
   py::class_<MouseSample> mouse(module, "MouseSample",
                                 "The buttons of the 3D mouse, when one changes.");
@@ -160,8 +164,9 @@ void add_samples(py::module_& module) {
            "trigger"_a = false, py::kw_only(), "host_time_us"_a = 0, "session_time_us"_a = 0,
            "time_us: on the session's clock [microseconds]. left_thumb walks forward, right_thumb "
            "backward, trigger grabs.")
-      .def_property_readonly("time_us", [](const MouseSample& s) { return s.device_time.count(); })
-      .def_property_readonly("session_time_us", session_time_us<MouseSample>);
+      .def_property_readonly(
+          "time_us", [](const MouseSample& s) { return s.device_time.count(); }, kTimeWords)
+      .def_property_readonly("session_time_us", session_time_us<MouseSample>, kSessionTimeWords);
   tracker.attr("__module__") = "headpin";
   mouse.attr("__module__") = "headpin";
 }

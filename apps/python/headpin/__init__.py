@@ -15,6 +15,8 @@ from ._headpin import DamagedTrial, Frame, Replay, Trial, __version__
 from ._many import replay_many
 from ._session import MouseSample, Session, TrackerSample
 
+replay_many.__module__ = __name__  # where its users find it
+
 __all__ = [
     "DamagedTrial", "Frame", "MouseSample", "Replay", "Session", "TrackerSample", "Trial", "__version__", "engine",
     "replay_many",
