@@ -65,7 +65,8 @@ def resolved(page, target):
 def pages_in(root):
     patterns = ["README.md", "CHANGELOG.md", "CONTRIBUTING.md", "docs/**/*.md", "tests/**/README.md"]
     paths = [path for pattern in patterns
-             for path in glob.glob(os.path.join(root, pattern), recursive=True)]
+             for path in glob.glob(os.path.join(root, pattern), recursive=True)
+             if "node_modules" not in path]  # other people's
     return {name: Page(root, name) for name in (os.path.relpath(path, root) for path in paths)}
 
 
