@@ -88,8 +88,7 @@ void GltfTrial::add_looks(const scene::Stage& stage) {
     node["mesh"] = add_mesh(item.mesh, name);
     add_node(node);
   }
-  const bool ellipsoids =
-      stage.scenario.skittle.seen == "collider" && stage.scenario.collision.shape == "ellipsoid";
+  const bool ellipsoids = scene::shows_ellipsoids(stage.scenario);
   const std::size_t skittle =
       add_mesh((ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle).mesh, "skittle");
   const std::size_t ball = add_mesh(looks.ball.mesh, "ball");

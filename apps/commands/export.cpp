@@ -14,6 +14,7 @@
 #include "apps/gltf_trial.h"
 #include "apps/mcap/export_mcap.h"
 #include "apps/options.h"
+#include "apps/run_again.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "devices/base/version.h"
@@ -103,15 +104,7 @@ void export_gltf(const ExportOptions& options) {
   scene::Session session = scene::make_session(recorded.scenario);
   GltfTrial gltf(session, scene::first_head_pose(recorded.file, recorded.scenario.rig),
                  1e-3 * options.tolerance_mm);
-  const std::int64_t ticks =
-      scene::tick_count(recorded.file.summary(), recorded.scenario.rates.physics_hz);
-  devices::TrialPlayer source(recorded.file);
-  scene::NoPace pace;
-  scene::Observer* const observers[] = {&gltf};
-  scene::run(session, source, pace, observers, [&](const scene::Session& s) {
-    check_stop();
-    return s.tick >= ticks;
-  });
+  run_again(recorded, session, {&gltf});
   const std::string bytes =
       gltf.file(session, {{"trial", options.trial}, {"version", devices::software_version()}});
   file.write(bytes.data(), bytes.size());

@@ -10,6 +10,7 @@
 #include "apps/damage.h"
 #include "apps/live_eyes.h"
 #include "apps/mcap/mcap_trial.h"
+#include "apps/run_again.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "devices/base/version.h"
@@ -87,12 +88,7 @@ void export_mcap(const McapOptions& options) {
   if (options.pictures) {
     observers.push_back(&pictures.emplace(session, ticks, X_WD_first, mcap).observer());
   }
-  devices::TrialPlayer source(recorded.file);
-  scene::NoPace pace;
-  scene::run(session, source, pace, observers, [&](const scene::Session& s) {
-    check_stop();
-    return s.tick >= ticks;
-  });
+  run_again(recorded, session, observers);
   mcap.finish(session, {{"trial", options.trial},
                         {"version", devices::software_version()},
                         {"participant", summary.header.participant},

@@ -127,8 +127,7 @@ void McapTrial::add_shapes(const scene::Session& session) {
     foxglove::add_triangles(room, meshes[static_cast<std::size_t>(item.mesh)], item.X_WG);
   }
   add_scene(kWorldFrame, "room", room);
-  const bool ellipsoids =
-      stage.scenario.skittle.seen == "collider" && stage.scenario.collision.shape == "ellipsoid";
+  const bool ellipsoids = scene::shows_ellipsoids(stage.scenario);
   const ProtobufWriter ball = shape_of(looks.ball.mesh);
   const ProtobufWriter skittle =
       shape_of((ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle).mesh);

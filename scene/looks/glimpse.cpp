@@ -18,10 +18,13 @@ double how_closed(const Session& session) {
 
 }  // namespace
 
+bool shows_ellipsoids(const Scenario& scenario) {
+  return scenario.skittle.seen == "collider" && scenario.collision.shape == "ellipsoid";
+}
+
 Glimpse glimpse(const Session& session, const Pose& X_WD) {
   Glimpse g{.X_WD = X_WD,
-            .ellipsoids = session.scenario().skittle.seen == "collider" &&
-                          session.scenario().collision.shape == "ellipsoid",
+            .ellipsoids = shows_ellipsoids(session.scenario()),
             .skittle_centre = session.stage->skittle_centre,
             .X_WH = hand_pose(session),
             .closed = how_closed(session)};

@@ -23,6 +23,9 @@ struct Glimpse {
 
 Glimpse glimpse(const Session& session, const Pose& X_WD);
 
+/// Whether skittles are drawn as the ellipsoids that collide.
+bool shows_ellipsoids(const Scenario& scenario);
+
 /// The poses that are drawn.
 Moving moving(const Glimpse& glimpse);
 
