@@ -1,31 +1,13 @@
 #include "apps/python/open_trial.h"
 
-#include <filesystem>
-
-#include <unistd.h>
-
-#include "apps/python/errors.h"
+#include "apps/python/reading.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/recorded.h"
 
 namespace headpin::python {
 
-namespace {
-
-devices::TrialFile opened(const std::string& path) {
-  try {
-    return devices::TrialFile(path);
-  } catch (const std::runtime_error& error) {
-    std::error_code none;
-    if (!std::filesystem::exists(path, none)) throw FileMissing(error.what());
-    if (access(path.c_str(), R_OK) != 0) throw NotPermitted(error.what());
-    throw DamagedTrial(error.what());
-  }
-}
-
-}  // namespace
-
-OpenTrial::OpenTrial(const std::string& path, Time longest_gap) : path_(path), file_(opened(path)) {
+OpenTrial::OpenTrial(const std::string& path, Time longest_gap)
+    : path_(path), file_(reading<DamagedTrial>(path, [&] { return devices::TrialFile(path); })) {
   try {
     file_.require_trial(longest_gap);
   } catch (const std::runtime_error& error) {
