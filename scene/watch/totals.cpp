@@ -37,8 +37,8 @@ constexpr std::size_t kMostTouches = 1000;  // of the ball, that are kept
 
 /// Whether scene::why_nothing_fell looks for such events.
 bool explains(const devices::Event& event) {
-  using namespace kind;
-  for (const std::string_view one : {grab, missed_grab, release, first_contact, ball_touch}) {
+  for (const std::string_view one :
+       {kind::grab, kind::missed_grab, kind::release, kind::first_contact, kind::ball_touch}) {
     if (event.kind == one) return true;
   }
   return false;
