@@ -164,6 +164,9 @@ std::unique_ptr<Replay> replay(const std::shared_ptr<OpenTrial>& trial,
   done->condition = condition;
   done->scenario = std::move(scenario);
   done->result = scene::summary(run.session, totals.score());
+  if (const std::string why = totals.why_nothing_fell(); !why.empty()) {
+    done->result["why_nothing_fell"] = why;
+  }
   done->header = scene::header_of(trial->summary().header, run.session);
   done->events = std::move(events.all);
   done->throws = totals.score().throws;

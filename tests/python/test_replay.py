@@ -16,6 +16,7 @@ CONDITIONS = [
     (["--detection", "paper", "--iterations", "7", "--warm"], {"detection": "paper", "iterations": 7, "warm": True}),
     (["--set", "ball.mass=5.5", "--set", "collision.shape=ellipsoid", "--set", "rack.spots=[[0,0],[0.2,0.3]]"],
      {"set": {"ball.mass": 5.5, "collision.shape": "ellipsoid", "rack.spots": [[0, 0], [0.2, 0.3]]}}),
+    (["--set", "ball.home=[1.5,1.0,0.85]"], {"set": {"ball.home": [1.5, 1.0, 0.85]}}),  # out of reach: nothing falls
 ]
 
 
@@ -33,6 +34,11 @@ class Replay(unittest.TestCase):
             self.assertEqual(len(replay.summary["set"]), len(said["set"]))
             hashes.add(replay.game_hash)
         self.assertEqual(len(hashes), len(CONDITIONS))
+
+    def test_says_why_nothing_fell(self):
+        far = headpin.Trial(support.DEMO).replay(set={"ball.home": [1.5, 1.0, 0.85]})
+        self.assertIn("too far to take it", far.summary["why_nothing_fell"])
+        self.assertNotIn("why_nothing_fell", headpin.Trial(support.DEMO).replay().summary)
 
     def test_is_saved_as_the_command_saves_it(self):
         paths = [support.file("by_command.lcmlog"), support.file("by_python.lcmlog")]
