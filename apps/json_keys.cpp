@@ -308,6 +308,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
      "collision shape of the skittles: `true` or `ellipsoid`; null if the versions differ"},
     {"sheet", "score sheet as text"},
     {"simulated", "number of rows of a sweep that this run simulated"},
+    {"simulated_from_s", "time at which the simulation began: a snapshot of the trial, or 0"},
     {"simulated_s", "simulated time"},
     {"size", "size of a difference, in the unit of its quantity"},
     {"skill", "skill of a virtual participant: 0 has never thrown, 1 throws every week"},

@@ -81,6 +81,7 @@ std::vector<std::uint8_t> log_of_inputs(const std::string& path) {
   while (auto event = log.next()) {
     const bool of_simulation = event->channel == devices::kStateChannel ||
                                event->channel == devices::kStateChangeChannel ||
+                               event->channel == devices::kSnapshotChannel ||
                                event->channel == devices::kFrameChannel;
     if (of_simulation) continue;
     event->number = number++;

@@ -117,6 +117,9 @@ std::vector<ChannelUse> channel_uses() {
       {"STATE", "state_t", "every tick of a simulation; in a file about once per second"},
       {"STATE_CHANGE", "state_change_t",
        "in a file: the ticks between two STATE messages (format 2; not with `--states all`)"},
+      {"SNAPSHOT", "snapshot_t",
+       "in a file, every ten seconds of a simulation: the session as it is then, for replays that "
+       "start there"},
       {"FRAME", "frame_t", "each frame that was drawn"},
       {"SESSION_...", "the same six",
        "`live`: the session's own trial while it runs, with the header every second, so that a "

@@ -1,113 +1,26 @@
 #include "engine/save.h"
 
 #include <algorithm>
-#include <cstring>
 #include <stdexcept>
 #include <string>
 #include <string_view>
 
 #include "engine/bodies.h"
-#include "engine/hash.h"
+#include "engine/saved_bytes.h"
 
 namespace headpin::engine {
 namespace {
 
 constexpr std::string_view kMagic = "HPWORLD";
 constexpr std::uint8_t kVersion = 1;
-constexpr std::size_t kChecksum = 8;  // bytes of it, at the end
 
 [[noreturn]] void refuse(const std::string& why) {
   throw std::invalid_argument("saved world: " + why);
 }
 
-std::uint64_t hash_of(std::span<const std::uint8_t> bytes) {
-  Fnv hash;
-  for (const std::uint8_t byte : bytes) hash.add(byte);
-  return hash.value();
-}
-
-/// Writes numbers as bytes, lowest byte first.
-class Writer {
- public:
-  void add(std::uint8_t x) { bytes.push_back(x); }
-  void add(std::uint32_t x) { put(x, 4); }
-  void add(std::uint64_t x) { put(x, 8); }
-  void add(std::int32_t x) { put(static_cast<std::uint32_t>(x), 4); }
-  void add(std::int64_t x) { put(static_cast<std::uint64_t>(x), 8); }
-  void add(double x) {
-    std::uint64_t bits;
-    std::memcpy(&bits, &x, sizeof bits);
-    put(bits, 8);
-  }
-  void add(bool x) { add(static_cast<std::uint8_t>(x ? 1 : 0)); }
-  void add(const Vec3& v) {
-    for (int k = 0; k < 3; ++k) add(v[k]);
-  }
-  void add(const Quat& q) {
-    for (int k = 0; k < 4; ++k) add(q.coeffs()[k]);
-  }
-  void add(std::string_view text) {
-    add(static_cast<std::uint32_t>(text.size()));
-    bytes.insert(bytes.end(), text.begin(), text.end());
-  }
-
-  std::vector<std::uint8_t> bytes;
-
- private:
-  void put(std::uint64_t x, int count) {
-    for (int k = 0; k < count; ++k, x >>= 8) bytes.push_back(static_cast<std::uint8_t>(x));
-  }
-};
-
-class Reader {
- public:
-  explicit Reader(std::span<const std::uint8_t> bytes) : left_(bytes) {}
-
-  void get(std::uint8_t& x) { x = static_cast<std::uint8_t>(take(1)); }
-  void get(std::uint32_t& x) { x = static_cast<std::uint32_t>(take(4)); }
-  void get(std::uint64_t& x) { x = take(8); }
-  void get(std::int32_t& x) { x = static_cast<std::int32_t>(take(4)); }
-  void get(std::int64_t& x) { x = static_cast<std::int64_t>(take(8)); }
-  void get(double& x) {
-    const std::uint64_t bits = take(8);
-    std::memcpy(&x, &bits, sizeof x);
-    if (!std::isfinite(x)) refuse("expected finite numbers");
-  }
-  void get(bool& x) {
-    const std::uint64_t byte = take(1);
-    if (byte > 1) refuse("expected 0 or 1, found " + std::to_string(byte));
-    x = byte == 1;
-  }
-  void get(Vec3& v) {
-    for (int k = 0; k < 3; ++k) get(v[k]);
-  }
-  void get(Quat& q) {
-    for (int k = 0; k < 4; ++k) get(q.coeffs()[k]);
-  }
-  /// Reads the number of items that follow. @param least  minimum number of bytes of an item
-  std::size_t count(std::size_t least) {
-    std::uint32_t n = 0;
-    get(n);
-    if (n > left_.size() / least) refuse("ends early");
-    return n;
-  }
-  bool empty() const { return left_.empty(); }
-
- private:
-  std::uint64_t take(std::size_t count) {
-    if (left_.size() < count) refuse("ends early");
-    std::uint64_t x = 0;
-    for (std::size_t k = count; k-- > 0;) x = x << 8 | left_[k];
-    left_ = left_.subspan(count);
-    return x;
-  }
-
-  std::span<const std::uint8_t> left_;
-};
-
-void add_shape(Writer& w, const Shape& shape) {
+void add_shape(SavedWriter& w, const Shape& shape) {
   struct Add {
-    Writer& w;
+    SavedWriter& w;
     void operator()(const Ellipsoid& s) const { w.add(s.radii); }
     void operator()(const Cylinder& s) const {
       w.add(s.radius);
@@ -129,7 +42,7 @@ void add_shape(Writer& w, const Shape& shape) {
 /// Hash of all that does not change: parameters, and bodies without the difference of free and
 /// driven.
 std::uint64_t made_of(const World& world) {
-  Writer w;
+  SavedWriter w;
   const Parameters& p = world.parameters;
   w.add(p.rate_hz);
   w.add(p.gravity_W);
@@ -159,10 +72,10 @@ std::uint64_t made_of(const World& world) {
       w.add(part.X_BG.q);
     }
   }
-  return hash_of(w.bytes);
+  return fnv(w.bytes);
 }
 
-// The saved values, in their order; a Writer adds them, a Reader gets them.
+// The saved values, in their order; a SavedWriter adds them, a SavedReader gets them.
 
 template <typename B>
 void each_number(B& b, auto&& f) {
@@ -203,7 +116,7 @@ void each_number_of_touch(T& t, auto&& f) {
 constexpr std::size_t kTouchBytes = 8 + 1 + 1 + 4 + 4 + 8 * 8, kLoadBytes = 12,
                       kCandidateBytes = 24, kBodyBytes = 1 + 1 + 13 * 8 + 1 + 4 + 4;
 
-void get_bodies(Reader& r, World& world) {
+void get_bodies(SavedReader& r, World& world) {
   const std::size_t count = r.count(kBodyBytes);
   if (count != world.bodies.size()) {
     refuse("has " + std::to_string(count) + " bodies, the world " +
@@ -242,7 +155,7 @@ void get_bodies(Reader& r, World& world) {
   }
 }
 
-void get_touches(Reader& r, const World& world, Memory& memory) {
+void get_touches(SavedReader& r, const World& world, Memory& memory) {
   memory.loads.resize(r.count(kLoadBytes));
   for (Load& load : memory.loads) {
     r.get(load.impulse);
@@ -262,7 +175,7 @@ void get_touches(Reader& r, const World& world, Memory& memory) {
   }
 }
 
-KeptNormal get_normal(Reader& r) {
+KeptNormal get_normal(SavedReader& r) {
   KeptNormal normal;
   std::uint8_t of = 0;
   r.get(of);
@@ -274,7 +187,7 @@ KeptNormal get_normal(Reader& r) {
   return normal;
 }
 
-void get_candidates(Reader& r, const World& world, Memory& memory) {
+void get_candidates(SavedReader& r, const World& world, Memory& memory) {
   memory.normals.resize(r.count(1));
   for (KeptNormal& normal : memory.normals) normal = get_normal(r);
   memory.candidates.resize(r.count(kCandidateBytes));
@@ -302,9 +215,7 @@ void get_candidates(Reader& r, const World& world, Memory& memory) {
 }  // namespace
 
 std::vector<std::uint8_t> save(const World& world) {
-  Writer w;
-  w.bytes.assign(kMagic.begin(), kMagic.end());
-  w.add(kVersion);
+  SavedWriter w(kMagic, kVersion);
   w.add(made_of(world));
   w.add(world.tick);
   const auto add = [&](const auto& x) { w.add(x); };
@@ -339,24 +250,11 @@ std::vector<std::uint8_t> save(const World& world) {
   }
   add_count(memory.met);
   for (const std::uint64_t pair : memory.met) w.add(pair);
-  w.add(hash_of(w.bytes));
-  return std::move(w.bytes);
+  return w.sealed();
 }
 
 World restore(World world, std::span<const std::uint8_t> bytes) {
-  const std::size_t head = kMagic.size() + 1;
-  if (bytes.size() < head + kChecksum || !std::equal(kMagic.begin(), kMagic.end(), bytes.begin())) {
-    refuse("expected the bytes of a saved world, found others");
-  }
-  const std::uint8_t version = bytes[kMagic.size()];
-  if (version != kVersion) {
-    refuse("version " + std::to_string(version) + ", expected " + std::to_string(kVersion));
-  }
-  const std::span<const std::uint8_t> content = bytes.first(bytes.size() - kChecksum);
-  std::uint64_t checksum = 0;
-  Reader(bytes.last(kChecksum)).get(checksum);
-  if (checksum != hash_of(content)) refuse("cut off or changed: its checksum is another");
-  Reader r(content.subspan(head));
+  SavedReader r(bytes, kMagic, kVersion, "saved world");
   std::uint64_t made = 0;
   r.get(made);
   if (made != made_of(world)) refuse("was made of other bodies or parameters");

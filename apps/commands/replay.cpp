@@ -15,6 +15,7 @@
 #include "scene/play/release.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/each_throw.h"
+#include "scene/watch/entered.h"
 #include "scene/watch/recorded.h"
 #include "scene/watch/totals.h"
 #include "scene/watch/trial_writer.h"
@@ -30,6 +31,7 @@ struct ReplayOptions {
   devices::States states = devices::States::changes;
   Condition condition;
   double longest_gap = seconds(devices::kLongestGap);
+  std::optional<double> from_s;
   bool verify = false, each_throw = false, force = false, json = false;
 };
 
@@ -84,11 +86,12 @@ void print_summary(const nlohmann::json& s) {
 /// Stores the events of throws.
 struct ThrowEvents : scene::Observer {
   void tick(const scene::Session& session) override {
+    for (const devices::Event& event : session.events) add(event);
+  }
+  void add(const devices::Event& event) {
     using namespace scene::kind;
-    for (const devices::Event& event : session.events) {
-      for (const std::string_view kept : {version, grab, missed_grab, release, delivery}) {
-        if (event.kind == kept) events.push_back(event);
-      }
+    for (const std::string_view kept : {version, grab, missed_grab, release, delivery}) {
+      if (event.kind == kept) events.push_back(event);
     }
   }
   std::vector<devices::Event> events;
@@ -130,8 +133,9 @@ scene::EachThrow each_throw_of(const scene::Session& session, const scene::Scena
 
 /// Simulates every throw separately, under the trial's condition and the other one.
 void replay_each_throw(const ReplayOptions& options) {
-  if (options.output || options.verify) {
-    throw UsageError("--each-throw excludes -o and --verify: separate throws are not one session");
+  if (options.output || options.verify || options.from_s) {
+    throw UsageError(
+        "--each-throw excludes -o, --verify and --from: separate throws are not one session");
   }
   scene::Recorded recorded = scene::load_trial(options.trial, microseconds(options.longest_gap));
   const devices::TrialSummary& trial = recorded.file.summary();
@@ -166,26 +170,116 @@ void replay_each_throw(const ReplayOptions& options) {
   }
 }
 
+/// A replay: its session, and what has been seen of it.
+struct Run {
+  scene::Session session;
+  std::unique_ptr<devices::TrialPlayer> source;
+  scene::Stopwatch stopwatch{};
+  scene::Totals totals{};
+  ThrowEvents happened{};
+  Time begun{};  ///< time from which it is simulated
+};
+
+void simulate(Run& run, std::vector<scene::Observer*> observers,
+              const std::function<bool(const scene::Session&)>& over) {
+  observers.insert(observers.begin(), {&run.stopwatch, &run.totals, &run.happened});
+  scene::run(run.session, *run.source, run.stopwatch, observers, [&](const scene::Session& s) {
+    check_stop();
+    return over(s);
+  });
+}
+
+/// Enters the trial at the time of `--from`: as recorded up to its last snapshot, simulated as it was
+/// from there, and under the other condition from then on.
+void enter(const ReplayOptions& options, const scene::Recorded& recorded,
+           const scene::Scenario& other, Run& run) {
+  const Time from = microseconds(*options.from_s);
+  const std::int64_t rate_hz = recorded.scenario.rates.physics_hz;
+  const Time end = tick_time(scene::tick_count(recorded.file.summary(), rate_hz), rate_hz);
+  if (from > end) {
+    throw UsageError(fmt::format("--from {:g}: expected a time of the trial, at most {:g} s",
+                                 *options.from_s, seconds(end)));
+  }
+  scene::Entered entered = scene::enter(recorded, from, {.states = options.verify});
+  run.session = std::move(entered.session);
+  run.source = std::move(entered.source);
+  run.begun = run.session.now();
+  for (const devices::Event& event : recorded.file.summary().events) {
+    if (event.tick < 0 || event.tick > run.session.tick) continue;
+    run.totals.add(event);
+    run.happened.add(event);
+  }
+  simulate(run, {}, [&](const scene::Session& s) { return s.next_tick() > from; });
+  try {
+    run.session = scene::under_from_now_on(std::move(run.session), recorded.scenario, other);
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("--from: {}", error.what()));
+  }
+}
+
+nlohmann::json result_of(const ReplayOptions& options, const scene::Recorded& recorded,
+                         const scene::Scenario& other, const Run& run) {
+  nlohmann::json result = scene::summary(run.session, run.totals.score());
+  result.update(scene::whose(options.trial, recorded.file.summary(), options.condition.set));
+  result["output"] = options.output ? nlohmann::json(*options.output) : nlohmann::json();
+  result.update(scene::compared_throws(recorded.file, recorded.scenario, other, run.happened.events,
+                                       [] { check_stop(); }));
+  const std::string why = run.totals.why_nothing_fell();
+  if (!why.empty()) result["why_nothing_fell"] = why;
+  if (options.from_s) {
+    result["from_s"] = *options.from_s;
+    result["simulated_from_s"] = seconds(run.begun);
+  }
+  result["realtime_factor"] = seconds(run.session.now() - run.begun) / run.stopwatch.spent_s();
+  return result;
+}
+
+void print_result(const nlohmann::json& result, const std::vector<devices::Event>& events) {
+  print_summary(result);
+  if (result.contains("from_s")) {
+    fmt::print("{:<18}{:g} s, entered at {:g} s\n", "from", result["from_s"].get<double>(),
+               result["simulated_from_s"].get<double>());
+  }
+  if (result.contains("why_nothing_fell")) {
+    fmt::print("{:<18}{}\n", "nothing fell", result["why_nothing_fell"].get<std::string>());
+  }
+  print_releases(events);
+  print_throws(result);
+  if (result.contains("verified_ticks")) {
+    const auto unverified = result["unverified_ticks"].get<std::int64_t>();
+    fmt::print("{:<18}{} ticks equal the recording{}\n", "verified",
+               result["verified_ticks"].dump(),
+               unverified > 0 ? fmt::format(", {} are not in it", unverified) : "");
+  }
+}
+
 void replay(const ReplayOptions& options) {
   watch_stop_signals();  // before the first output exists
   if (options.each_throw) return replay_each_throw(options);
-  scene::Recorded recorded = scene::load_trial(options.trial, microseconds(options.longest_gap));
+  if (options.from_s && options.output) {
+    throw UsageError("--from excludes -o: a trial starts at its first tick");
+  }
+  const scene::Recorded recorded =
+      scene::load_trial(options.trial, microseconds(options.longest_gap));
   const devices::TrialSummary& trial = recorded.file.summary();
-  const scene::Scenario as_recorded = recorded.scenario;
-  apply_condition(options.condition, recorded.scenario);
-  scene::Session session = scene::make_session(recorded.scenario);
-  const std::int64_t ticks = scene::tick_count(trial, recorded.scenario.rates.physics_hz);
-
-  scene::Stopwatch stopwatch;
-  scene::Totals totals;
-  ThrowEvents happened;
+  scene::Scenario other = recorded.scenario;
+  apply_condition(options.condition, other);
+  Run run;
+  if (options.from_s) {
+    enter(options, recorded, other, run);
+  } else {
+    run.session = scene::make_session(other);
+    run.source = std::make_unique<devices::TrialPlayer>(
+        recorded.file, devices::TrialPlayer::Beside{.states = options.verify});
+  }
+  const std::int64_t ticks = scene::tick_count(trial, other.rates.physics_hz);
   ProgressLine progress("ticks", ticks);
   std::optional<scene::TrialWriter> writer;
   std::optional<scene::Verifier> verifier;
-  std::vector<scene::Observer*> observers = {&stopwatch, &totals, &happened};
+  std::vector<scene::Observer*> observers;
   if (options.output) {
     writer.emplace(
-        *options.output, trial.header, session,
+        *options.output, trial.header, run.session,
         devices::Recorder::Options{
             .overwrite = options.force, .inputs = {options.trial}, .states = options.states});
     for (const devices::Event& event : trial.events) {
@@ -193,43 +287,22 @@ void replay(const ReplayOptions& options) {
     }
     observers.push_back(&*writer);
   }
-  devices::TrialPlayer source(recorded.file, {.states = options.verify});
-  if (options.verify) observers.push_back(&verifier.emplace(options.trial, source, session));
+  if (options.verify) {
+    observers.push_back(&verifier.emplace(options.trial, *run.source, run.session));
+  }
   observers.push_back(&progress);
-
-  scene::run(session, source, stopwatch, observers, [&](const scene::Session& s) {
-    check_stop();
-    return s.tick >= ticks;
-  });
-  if (writer) writer->close(session);
+  simulate(run, observers, [&](const scene::Session& s) { return s.tick >= ticks; });
+  if (writer) writer->close(run.session);
   say_what_is_missing("replay", options.trial, trial);
-  const std::int64_t unverified = verifier ? verifier->finish(trial, session) : 0;
-
-  nlohmann::json result = scene::summary(session, totals.score());
-  result.update(scene::whose(options.trial, trial, options.condition.set));
-  result["output"] = options.output ? nlohmann::json(*options.output) : nlohmann::json();
-  result.update(scene::compared_throws(recorded.file, as_recorded, recorded.scenario,
-                                       happened.events, [] { check_stop(); }));
-  const std::string why = totals.why_nothing_fell();
-  if (!why.empty()) result["why_nothing_fell"] = why;
-  result["realtime_factor"] = seconds(session.now()) / stopwatch.spent_s();
+  const std::int64_t unverified = verifier ? verifier->finish(trial, run.session) : 0;
+  nlohmann::json result = result_of(options, recorded, other, run);
   if (verifier) {
     result["verified_ticks"] = verifier->compared();
     result["unverified_ticks"] = unverified;
   }
-  if (options.json) {
-    print_json(result);
-  } else {
-    print_summary(result);
-    if (!why.empty()) fmt::print("{:<18}{}\n", "nothing fell", why);
-    print_releases(happened.events);
-    print_throws(result);
-    if (verifier) {
-      fmt::print("{:<18}{} ticks equal the recording{}\n", "verified", verifier->compared(),
-                 unverified > 0 ? fmt::format(", {} are not in it", unverified) : "");
-    }
-    if (writer) fmt::print("{:<18}{}\n", "written", *options.output);
-  }
+  if (options.json) return print_json(result);
+  print_result(result, run.happened.events);
+  if (writer) fmt::print("{:<18}{}\n", "written", *options.output);
 }
 
 }  // namespace
@@ -245,6 +318,11 @@ void add_replay(CLI::App& app) {
              {".lcmlog"});
   add_states(*command, options->states);
   command->add_flag("--verify", options->verify, "compare every tick with the states in the trial");
+  command
+      ->add_option("--from", options->from_s,
+                   "start at this time [s], as the session was then, from the last snapshot in the "
+                   "trial; another condition holds from then on")
+      ->check(number_from(0.0, 1e9));
   command->add_flag("--each-throw", options->each_throw,
                     "simulate every recorded throw separately, from its state at the release; "
                     "under another condition each throw then has exactly one counterpart");

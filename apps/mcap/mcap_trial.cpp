@@ -39,10 +39,10 @@ nlohmann::ordered_json numbers_of(const Vec3& v) {
 std::string type_on(std::string_view channel) {
   using namespace devices;
   static const std::map<std::string_view, std::string> types = {
-      {kTrialChannel, "headpin.trial_t"},   {kTrackerChannel, "headpin.tracked_device_t"},
-      {kMouseChannel, "headpin.mouse3d_t"}, {kEventChannel, "headpin.event_t"},
-      {kStateChannel, "headpin.state_t"},   {kStateChangeChannel, "headpin.state_change_t"},
-      {kFrameChannel, "headpin.frame_t"}};
+      {kTrialChannel, "headpin.trial_t"},       {kTrackerChannel, "headpin.tracked_device_t"},
+      {kMouseChannel, "headpin.mouse3d_t"},     {kEventChannel, "headpin.event_t"},
+      {kStateChannel, "headpin.state_t"},       {kStateChangeChannel, "headpin.state_change_t"},
+      {kSnapshotChannel, "headpin.snapshot_t"}, {kFrameChannel, "headpin.frame_t"}};
   if (channel.starts_with(kSessionPrefix)) channel.remove_prefix(kSessionPrefix.size());
   const auto found = types.find(channel);
   return found == types.end() ? "" : found->second;

@@ -68,6 +68,7 @@ class TrialWalk {
 
   std::optional<Message> next() {
     while (std::optional<Message> message = messages_.next()) {
+      if (std::holds_alternative<Snapshot>(*message)) continue;
       const bool misdated = is_misdated();
       if (!make_whole(*message, misdated)) continue;
       if (misdated) {
@@ -347,6 +348,16 @@ void TrialFile::require_trial(Time longest_gap) const {
                     "(--longest-gap accepts more)",
                     path, seconds(gap.length()), seconds(gap.from), seconds(longest_gap)));
   }
+}
+
+std::optional<Snapshot> TrialFile::last_snapshot(Time at) const {
+  std::optional<Snapshot> last;
+  Messages messages(content_->reader(), content_->session);
+  while (std::optional<Message> message = messages.next()) {
+    auto* snapshot = std::get_if<Snapshot>(&*message);
+    if (snapshot && snapshot->time <= at) last = std::move(*snapshot);
+  }
+  return last;
 }
 
 void TrialFile::walk(const std::function<bool(Item&)>& see) const {

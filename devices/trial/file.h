@@ -46,6 +46,10 @@ class TrialFile {
   /// Throws an exception if the log is not a trial that can be simulated, like read_trial.
   void require_trial(Time longest_gap) const;
 
+  /// The last snapshot of at most this time; nothing if there is none.
+  /// @throws std::runtime_error  when the file cannot be read
+  std::optional<Snapshot> last_snapshot(Time at) const;
+
   using Item = std::variant<Sample, TickState, FrameRecord>;
   /// Calls `see` for each message in the order of the log, until it returns false.
   /// @throws std::runtime_error  when the file was changed in the meantime

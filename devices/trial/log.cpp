@@ -196,6 +196,11 @@ void Recorder::write(const FrameRecord& frame) {
   file_->write(kFrameChannel, frame.time, frame);
 }
 
+void Recorder::write(const Snapshot& snapshot) {
+  file_->write(kSnapshotChannel, snapshot.time, snapshot);
+  --file_->count;  // see snapshot_t
+}
+
 void Recorder::require_kept() const {
   file_->output.require_kept(file_->size);
 }

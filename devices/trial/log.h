@@ -81,6 +81,7 @@ class Recorder : public TrialSink {
   void write(const Event& event) override;
   void write(const TickState& state) override;
   void write(const FrameRecord& frame) override;
+  void write(const Snapshot& snapshot) override;
 
   /// @throws std::runtime_error  when the live file was deleted, replaced, moved or cut by another
   void require_kept() const override;

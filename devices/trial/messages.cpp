@@ -8,6 +8,7 @@
 #include <headpin/frame_t.hpp>
 #include <headpin/mouse3d_t.hpp>
 #include <headpin/mouse3d_v1_t.hpp>
+#include <headpin/snapshot_t.hpp>
 #include <headpin/state_change_t.hpp>
 #include <headpin/state_t.hpp>
 #include <headpin/tracked_device_t.hpp>
@@ -232,6 +233,11 @@ std::optional<Message> decode_change(std::span<const std::uint8_t> bytes) {
   return change;
 }
 
+std::optional<Message> decode_snapshot(std::span<const std::uint8_t> bytes) {
+  const auto m = decode_as<snapshot_t>("lln(b)", bytes);
+  return m ? std::optional<Message>(Snapshot{Time{m->utime}, m->tick, m->saved}) : std::nullopt;
+}
+
 std::optional<Message> decode_frame(std::span<const std::uint8_t> bytes) {
   const auto m = decode_as<frame_t>(
       "lll"
@@ -282,6 +288,7 @@ struct Plausible {
            });
   }
   bool operator()(const StateChange& s) const { return plausible_time(s.time); }
+  bool operator()(const Snapshot& s) const { return plausible_time(s.time); }
   bool operator()(const FrameRecord& f) const {
     return plausible_time(f.time) && std::ranges::all_of(f.X_WE, plausible_pose);
   }
@@ -378,6 +385,15 @@ void encode(const StateChange& change, Buffer& out) {
   encode_as(m, out);
 }
 
+void encode(const Snapshot& snapshot, Buffer& out) {
+  snapshot_t m;
+  m.utime = snapshot.time.count();
+  m.tick = snapshot.tick;
+  m.num_bytes = static_cast<std::int32_t>(snapshot.saved.size());
+  m.saved = snapshot.saved;
+  encode_as(m, out);
+}
+
 void encode(const FrameRecord& frame, Buffer& out) {
   frame_t m;
   m.utime = frame.time.count();
@@ -393,7 +409,7 @@ void encode(const FrameRecord& frame, Buffer& out) {
 bool is_trial_channel(std::string_view channel) {
   return channel == kTrialChannel || channel == kTrackerChannel || channel == kMouseChannel ||
          channel == kEventChannel || channel == kStateChannel || channel == kStateChangeChannel ||
-         channel == kFrameChannel;
+         channel == kSnapshotChannel || channel == kFrameChannel;
 }
 
 std::optional<Message> decode(std::string_view channel, std::span<const std::uint8_t> bytes) {
@@ -403,6 +419,7 @@ std::optional<Message> decode(std::string_view channel, std::span<const std::uin
   if (channel == kEventChannel) return decode_event(bytes);
   if (channel == kStateChannel) return decode_state(bytes);
   if (channel == kStateChangeChannel) return decode_change(bytes);
+  if (channel == kSnapshotChannel) return decode_snapshot(bytes);
   if (channel == kFrameChannel) return decode_frame(bytes);
   return std::nullopt;
 }

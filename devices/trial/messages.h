@@ -20,6 +20,7 @@ constexpr std::string_view kMouseChannel = "MOUSE3D";
 constexpr std::string_view kEventChannel = "EVENT";
 constexpr std::string_view kStateChannel = "STATE";
 constexpr std::string_view kStateChangeChannel = "STATE_CHANGE";
+constexpr std::string_view kSnapshotChannel = "SNAPSHOT";
 constexpr std::string_view kFrameChannel = "FRAME";
 
 /// Prefix of the channels of a session's own trial, which distinguishes them from its inputs:
@@ -37,11 +38,12 @@ void encode(const MouseSample& sample, Buffer& out);
 void encode(const Event& event, Buffer& out);
 void encode(const TickState& state, Buffer& out);
 void encode(const StateChange& change, Buffer& out);
+void encode(const Snapshot& snapshot, Buffer& out);
 void encode(const FrameRecord& frame, Buffer& out);
 
 /// Any message of a trial.
 using Message = std::variant<TrialHeader, TrackerSample, MouseSample, Event, TickState, StateChange,
-                             FrameRecord>;
+                             Snapshot, FrameRecord>;
 
 /// Whether headpin decodes messages on `channel`.
 bool is_trial_channel(std::string_view channel);

@@ -14,6 +14,8 @@ class TrialSink {
   virtual void write(const Event& event) = 0;
   virtual void write(const TickState& state) = 0;
   virtual void write(const FrameRecord& frame) = 0;
+  /// Whoever needs no replays that start in the middle may drop it.
+  virtual void write(const Snapshot&) {}
 
   /// The end event, which counts the messages before it.
   virtual void close() = 0;

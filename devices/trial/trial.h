@@ -69,6 +69,14 @@ struct TickState {
   std::vector<BodyState> bodies;
 };
 
+/// A session after one tick, saved: a replay can start there (scene/play/save.h). It is an aid: a
+/// trial without it has the same content, and the end event does not count it.
+struct Snapshot {
+  Time time{};
+  std::int64_t tick = 0;
+  std::vector<std::uint8_t> saved;
+};
+
 /// One rendered frame.
 struct FrameRecord {
   Time time{};

@@ -58,6 +58,7 @@ std::optional<Message> Messages::take(const LogEvent& event) {
     take(*header);
     return std::nullopt;
   }
+  if (std::holds_alternative<Snapshot>(*message)) return message;  // not counted
   const auto* said = std::get_if<Event>(&*message);
   if (said && said->kind == kDrawnByEvent && std::exchange(drawn_by_, true)) return std::nullopt;
   ++taken_;

@@ -20,10 +20,10 @@ class Messages {
   /// @param session  read the trial that a session published, not its inputs
   Messages(LogReader reader, bool session) : reader_(reader), session_(session) {}
 
-  /// The next sample, event, state or frame; nothing at the end or when another trial begins.
+  /// The next sample, event, state, snapshot or frame; nothing at the end or when another trial begins.
   std::optional<Message> next();
 
-  /// Number and time stamp of the current message.
+  /// Number and time stamp of the current message; a snapshot has no number of its own.
   std::int64_t number() const { return taken_ - 1; }
   Time stamp() const { return stamp_; }
   Time since_first() const { return stamp_ - *first_stamp_; }

@@ -15,6 +15,10 @@ namespace headpin::scene {
 /// and the rules put all bodies back.
 class GameHash {
  public:
+  GameHash() = default;
+  /// One that continues from an earlier value.
+  explicit GameHash(std::uint64_t value) : value_(value) {}
+
   /// Adds a tick.
   ///
   /// @param state_hash  hash of the world after the tick

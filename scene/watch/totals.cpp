@@ -47,12 +47,14 @@ bool explains(const devices::Event& event) {
 }  // namespace
 
 void Totals::tick(const Session& session) {
-  for (const devices::Event& event : session.events) {
-    score_.add(event);
-    fell_ |= event.kind == kind::skittle_down && event.detail != "hand";
-    const bool kept = event.kind != kind::ball_touch || before_.size() < kMostTouches;
-    if (!fell_ && kept && explains(event)) before_.push_back(event);
-  }
+  for (const devices::Event& event : session.events) add(event);
+}
+
+void Totals::add(const devices::Event& event) {
+  score_.add(event);
+  fell_ |= event.kind == kind::skittle_down && event.detail != "hand";
+  const bool kept = event.kind != kind::ball_touch || before_.size() < kMostTouches;
+  if (!fell_ && kept && explains(event)) before_.push_back(event);
 }
 
 std::string Totals::why_nothing_fell() const {

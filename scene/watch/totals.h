@@ -15,6 +15,8 @@ namespace headpin::scene {
 class Totals : public Observer {
  public:
   void tick(const Session& session) override;
+  /// Adds an event of a part of the session that is not simulated.
+  void add(const devices::Event& event);
 
   const Score& score() const { return score_; }
   /// See scene/play/outcome.h; by what has happened until now.

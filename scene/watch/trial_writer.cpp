@@ -3,9 +3,16 @@
 #include <nlohmann/json.hpp>
 
 #include "scene/play/events.h"
+#include "scene/play/save.h"
 #include "scene/watch/totals.h"
 
 namespace headpin::scene {
+
+namespace {
+
+constexpr std::int64_t kSnapshotSeconds = 10;  // between two
+
+}  // namespace
 
 devices::TrialHeader header_of(devices::TrialHeader header, const Session& session) {
   header.scenario = to_toml(session.scenario());
@@ -23,6 +30,10 @@ void TrialWriter::tick(const Session& session) {
   for (const devices::Event& event : session.events) sink_->write(event);
   tick_state(session, state_);
   sink_->write(state_);
+  const std::int64_t each = kSnapshotSeconds * session.scenario().rates.physics_hz;
+  if (session.hashes && session.tick > 0 && session.tick % each == 0) {
+    sink_->write(devices::Snapshot{session.now(), session.tick, save(session)});
+  }
 }
 
 void TrialWriter::close(const Session& session) {

@@ -12,7 +12,8 @@ namespace headpin::scene {
 /// A trial's header, with the session's scenario and bodies.
 devices::TrialHeader header_of(devices::TrialHeader header, const Session& session);
 
-/// Writes a session as a trial: its samples, its events and every state.
+/// Writes a session as a trial: its samples, its events, every state, and a snapshot every ten
+/// seconds.
 class TrialWriter : public Observer {
  public:
   /// @param header  participant, condition and seed; the session's scenario and bodies are added

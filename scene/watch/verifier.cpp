@@ -66,7 +66,10 @@ std::optional<std::string> first_different_body(const devices::TickState& a,
 }
 
 Verifier::Verifier(std::string trial, devices::TrialPlayer& recorded, const Session& session)
-    : trial_(std::move(trial)), recorded_(recorded), names_(body_names(*session.stage)) {
+    : trial_(std::move(trial)),
+      recorded_(recorded),
+      names_(body_names(*session.stage)),
+      first_(session.tick) {
   if (!recorded.has_states()) {
     throw std::runtime_error(
         trial_ +
@@ -109,7 +112,7 @@ std::int64_t Verifier::finish(const devices::TrialSummary& trial, const Session&
         "{}: the replayed game differs from the recorded one: expected the game hash {}, found {}",
         trial_, said->hash, found));
   }
-  const std::int64_t ticks = trial.complete ? trial.last_tick : session.tick;
+  const std::int64_t ticks = (trial.complete ? trial.last_tick : session.tick) - first_;
   const std::int64_t unverified = ticks - compared_;
   if (unverified > (trial.complete ? 0 : 1)) {
     throw std::runtime_error(fmt::format(

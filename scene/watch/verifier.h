@@ -65,6 +65,7 @@ class Verifier : public Observer {
   devices::TrialPlayer& recorded_;
   std::vector<std::string> names_;
   devices::TickState state_;
+  std::int64_t first_;  ///< tick before the first compared one
   std::int64_t compared_ = 0;
 };
 

@@ -20,6 +20,7 @@ TYPES = {
     "EVENT": "event_t",
     "STATE": "state_t",
     "STATE_CHANGE": "state_change_t",
+    "SNAPSHOT": "snapshot_t",
     "FRAME": "frame_t",
     "HEAD_POSE": "rigid_transform_t",
     "HAND_POSE": "rigid_transform_t",
