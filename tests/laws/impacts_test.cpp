@@ -1,4 +1,3 @@
-#include <random>
 
 #include <gtest/gtest.h>
 
@@ -102,8 +101,7 @@ TEST(SmoothElasticGame, KeepsItsEnergyForTenSeconds) {
 TEST(SlenderRod, GainsNothingWhenItIsDropped) {
   for (const double slenderness : {30.0, 3.0}) {
     for (const std::string_view response : {"paper", "coulomb"}) {
-      std::mt19937 random(1);
-      std::normal_distribution<double> normal;
+      test::Random random(1);
       for (int drop = 0; drop < 20; ++drop) {
         World world = make_world({.response = response});
         add_body(world, floor_body({0.7, 0.7}));
@@ -113,8 +111,7 @@ TEST(SlenderRod, GainsNothingWhenItIsDropped) {
         rod.mass = m.mass;
         rod.inertia = m.inertia;
         State s;
-        s.X_WB.q =
-            Quat(normal(random), normal(random), normal(random), normal(random)).normalized();
+        s.X_WB.q = random.rotation();
         s.X_WB.p.z() = 0.5;
         add_body(world, rod, s);
         const double start = balance(world).energy;
@@ -162,11 +159,7 @@ double depth_in_floor(const World& world, BodyId i) {
 TEST(FarTurningBody, DoesNotGoIntoWhatItMeets) {
   const Shape shapes[] = {test::box({0.1, 0.06, 0.02}), Cylinder{0.02, 0.12}, Cone{0.06, 0.15},
                           Ellipsoid{{0.1, 0.03, 0.05}}};
-  std::mt19937 random(1);
-  std::normal_distribution<double> normal;
-  const auto direction = [&] {
-    return Vec3(normal(random), normal(random), normal(random)).normalized();
-  };
+  test::Random random(1);
   for (const Shape& shape : shapes) {
     for (const double turn : {0.5, 1.2, 3.0, 10.0}) {  // in a step [rad]
       for (int k = 0; k < 10; ++k) {
@@ -178,9 +171,9 @@ TEST(FarTurningBody, DoesNotGoIntoWhatItMeets) {
         body.mass = m.mass;
         body.inertia = m.inertia;
         State s;
-        s.X_WB = {rotation(3.0 * direction()), Vec3(0.0, 0.0, 0.5)};
+        s.X_WB = {rotation(3.0 * random.direction()), Vec3(0.0, 0.0, 0.5)};
         s.v_WB.z() = -6.0;
-        s.w_WB = 60.0 * turn * direction();
+        s.w_WB = 60.0 * turn * random.direction();
         const BodyId i = add_body(world, body, s);
         const double start = balance(world).energy;
         while (world.tick < 12) {
@@ -231,9 +224,11 @@ TEST(TouchedBody, FallsUnlessItIsCarried) {
 // A step that is not finite throws. One throw in 200 did, by normals of both sides of the wall.
 TEST(PinsThrownAtAThinWall, StayFiniteAndGainNothing) {
   for (const std::string_view response : {"paper", "coulomb"}) {
-    std::mt19937 random(1);
-    std::normal_distribution<double> normal;
-    const auto vector = [&] { return Vec3(normal(random), normal(random), normal(random)); };
+    test::Random random(1);
+    const auto vector = [&] {
+      const double x = random.normal(), y = random.normal(), z = random.normal();
+      return Vec3(x, y, z);
+    };
     for (int k = 0; k < 200; ++k) {
       World world = make_world({.response = response});
       add_body(world, floor_body({0.7, 0.7}));
@@ -243,7 +238,7 @@ TEST(PinsThrownAtAThinWall, StayFiniteAndGainNothing) {
       s.X_WB.p.z() = 1.0;
       add_body(world, wall, s);
       s.X_WB = {rotation(vector()), Vec3(0.0, -0.4, 0.5)};
-      s.v_WB = Vec3(normal(random), 5.0 + normal(random), normal(random));
+      s.v_WB = Vec3(0.0, 5.0, 0.0) + vector();
       s.w_WB = 5.0 * vector();
       const BodyId pin = add_body(world, skittle_body({0.7, 0.7}), s);
       const double start = balance(world).energy;
@@ -288,15 +283,14 @@ TEST(BodyInAChannel, StaysFiniteBetweenTheTwoSidesOfOneOther) {
 
 // A row keeps a gap open only for what will close it.
 TEST(PassingBall, LeavesAlonePreciselyWhatItDoesNotTouch) {
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> uniform;
+  test::Random random(1);
   for (const double gap : {1e-4, 3e-4, 1e-3}) {
     for (int pass = 0; pass < 40; ++pass) {
       World world = make_world({.gravity_W = Vec3::Zero()});
       const BodyId still = add_body(world, ball_body({1.0, 0.7}));
       State s;
-      s.X_WB.p = Vec3(2.0 * kBallRadius + gap, -0.5 - 0.1 * uniform(random), 0.0);
-      s.v_WB.y() = 1.0 + 8.0 * uniform(random);
+      s.X_WB.p = Vec3(2.0 * kBallRadius + gap, -0.5 - random.uniform(0.0, 0.1), 0.0);
+      s.v_WB.y() = random.uniform(1.0, 9.0);
       add_body(world, ball_body({1.0, 0.7}), s);
       run(world, 1.0);
       EXPECT_EQ(world.states[still].v_WB, Vec3::Zero()) << gap << " pass " << pass;

@@ -122,9 +122,9 @@ TEST(PinsDown, AreAsManyAsPeersHaveAndDoNotDependOnTheRate) {
     const double mean = static_cast<double>(down) / throws;
     least = std::min(least, mean);
     most = std::max(most, mean);
-    if (!kThorough) continue;
-    EXPECT_GE(mean, 8.2) << rate;  // peers: 8.41 to 9.07, their means known to 0.2
-    EXPECT_LE(mean, 9.1) << rate;
+    // Peers: 8.41 to 9.07, their means known to 0.2. Six throws, of all forty-one, tell it to half a pin.
+    EXPECT_GE(mean, kThorough ? 8.2 : 7.7) << rate;
+    EXPECT_LE(mean, kThorough ? 9.1 : 9.6) << rate;
   }
   EXPECT_LE(most - least, 0.5);
 }

@@ -1,9 +1,10 @@
 #include "scene/play/hand.h"
 
 #include <cmath>
-#include <random>
 
 #include <gtest/gtest.h>
+
+#include "devices/base/random.h"
 
 namespace headpin::scene {
 namespace {
@@ -70,15 +71,14 @@ double end_slope_deviation(int n, double step, double sigma) {
 /// Root mean square error, along an axis, of many throws that are parabolas but for the noise.
 double release_error(double sigma, Time step, const ReleaseWindow& window) {
   constexpr int kThrows = 400;
-  std::mt19937 random(5);
-  std::normal_distribution<double> noise(0.0, sigma);
+  devices::Random random(5);
   const Vec3 a(1.0, 40.0, -3.0);
   double squares = 0.0;
   for (int i = 0; i < kThrows; ++i) {
     std::vector<Stamped<Pose>> track;
     for (int k = 0; k <= 20; ++k) {
       const double t = seconds(k * step);
-      const Vec3 off(noise(random), noise(random), noise(random));
+      const Vec3 off = sigma * random.normal3();
       track.push_back({k * step, {Quat::Identity(), 0.5 * a * t * t + off}});
     }
     const Vec3 v = release_velocity(track, Vec3::Zero(), window).v;

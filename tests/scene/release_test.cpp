@@ -5,10 +5,10 @@
 #include <array>
 #include <cmath>
 #include <functional>
-#include <random>
 
 #include <gmock/gmock.h>
 
+#include "devices/base/random.h"
 #include "devices/trial/sources.h"
 #include "scene/play/events.h"
 #include "scene/play/score.h"
@@ -73,18 +73,18 @@ std::vector<std::pair<const char*, KnownSwing>> known_swings() {
 
 /// Samples of a swing up to a time, with a Fastrak's noise of 2.5 m away.
 std::vector<Stamped<Pose>> sampled(const KnownSwing& swing, double rate, double phase, double from,
-                                   double to, std::mt19937* random = nullptr) {
+                                   double to, devices::Random* random = nullptr) {
   std::vector<Stamped<Pose>> track;
-  std::normal_distribution<double> metres(0.0, 0.0005), radians(0.0, 0.025 * kDegree);
+  constexpr double kMetres = 0.0005, kRadians = 0.025 * kDegree;
   for (double k = std::ceil((from - phase) * rate); phase + k / rate <= to; k += 1.0) {
     Stamped<Pose> sample{microseconds(phase + k / rate), {}};
     sample.value = swing.hand(seconds(sample.time));
     if (random) {
       for (int axis = 0; axis < 3; ++axis) {
-        sample.value.p[axis] += metres(*random);
-        sample.value.q =
-            (sample.value.q * Quat(Eigen::AngleAxisd(radians(*random), Vec3::Unit(axis))))
-                .normalized();
+        sample.value.p[axis] += kMetres * random->normal();
+        sample.value.q = (sample.value.q *
+                          Quat(Eigen::AngleAxisd(kRadians * random->normal(), Vec3::Unit(axis))))
+                             .normalized();
       }
     }
     track.push_back(sample);
@@ -126,7 +126,7 @@ TEST(MotionAtTheTrigger, IsTheTrueOneOfEverySwing) {
       for (const bool noisy : {false, true}) {
         Errors up, aside, speed, spin;
         for (int i = 0; i < 204; ++i) {
-          std::mt19937 random(static_cast<unsigned>(i));
+          devices::Random random(static_cast<std::uint64_t>(i));
           const double at = swing.release - 0.025 + 0.001 * (i % 51);
           const auto track = sampled(swing, rate, 0.0031 + 0.0007 * (i / 51), at - 0.4,
                                      at + 0.025 - kLatency, noisy ? &random : nullptr);

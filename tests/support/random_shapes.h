@@ -21,6 +21,13 @@ class Random {
   double uniform(double low, double high) {
     return low + (high - low) * static_cast<double>(bits() >> 11) * 0x1p-53;
   }
+  /// Mean 0, deviation 1, |x| <= 6: the sum of twelve uniform ones. The distributions of the standard
+  /// library differ between implementations.
+  double normal() {
+    double sum = -6.0;
+    for (int i = 0; i < 12; ++i) sum += uniform(0.0, 1.0);
+    return sum;
+  }
   int index(int n) { return static_cast<int>(bits() % static_cast<std::uint64_t>(n)); }
 
   /// Evenly over the sphere.
