@@ -68,7 +68,8 @@ void add_condition_options(CLI::App& command, Condition& condition) {
       ->group(group);
 }
 
-void apply_condition(const Condition& condition, scene::Scenario& scenario) {
+void apply_condition(Condition condition, scene::Scenario& scenario) {
+  condition.option = "--set ";
   try {
     scene::apply(condition, scenario);
   } catch (const std::invalid_argument& error) {

@@ -19,6 +19,6 @@ CLI::Option* add_look(CLI::App& command, std::optional<std::string>& value);
 
 /// As scene::apply.
 /// @throws UsageError  where that throws
-void apply_condition(const Condition& condition, scene::Scenario& scenario);
+void apply_condition(Condition condition, scene::Scenario& scenario);
 
 }  // namespace headpin::apps

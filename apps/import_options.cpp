@@ -213,21 +213,44 @@ void read_names(const ImportOptions& options, devices::MotionOptions& motion) {
   }
 }
 
+/// A text that ends in a list of columns.
+std::string with_explain(std::string text) {
+  if (text.ends_with("...")) text += " (--explain shows all)";
+  return text;
+}
+
 /// Says of a told column what the table has instead.
 [[noreturn]] void refuse_column(const devices::WrongColumn& error) {
   const devices::ToldColumn& told = error.told;
   const std::optional<std::string> meant = scene::nearest(told.column, error.known);
   const std::string text =
       meant ? fmt::format("{}: {}; the nearest is {}", told.source, error.wrong, *meant)
-            : error.what();
+            : with_explain(error.what());
   if (told.source.starts_with("--")) throw UsageError(text);
   throw std::invalid_argument(text);
+}
+
+/// What `read()` gives; its errors name the options with which it would succeed.
+auto with_options(const auto& read) {
+  try {
+    return read();
+  } catch (const devices::WrongColumn& error) {
+    refuse_column(error);
+  } catch (const devices::UnclearColumns& error) {
+    throw std::invalid_argument(with_explain(error.what()) +
+                                "; --columns 'time=t, head=HMD_*, right=ctrl_*' says which columns "
+                                "are meant");
+  } catch (const devices::UnclearObjects& error) {
+    throw std::invalid_argument(std::string(error.what()) +
+                                "; --names HEAD,LEFT,RIGHT says which; a hand may be left empty");
+  }
 }
 
 }  // namespace
 
 devices::MotionOptions declared(const ImportOptions& options) {
   devices::MotionOptions motion;
+  motion.names_source = "--names";
   read_columns(options, motion);
   if (!options.units.empty()) read_units({options.units, "--units"}, motion);
   if (!options.time_unit.empty()) read_time_unit({options.time_unit, "--time-unit"}, motion);
@@ -244,20 +267,12 @@ devices::MotionOptions declared(const ImportOptions& options) {
 
 devices::MotionRecording read_declared(const std::string& file,
                                        const devices::MotionOptions& motion) {
-  try {
-    return devices::read_motion(file, motion);
-  } catch (const devices::WrongColumn& error) {
-    refuse_column(error);
-  }
+  return with_options([&] { return devices::read_motion(file, motion); });
 }
 
 devices::TableFindings look_declared(const std::string& file,
                                      const devices::MotionOptions& motion) {
-  try {
-    return devices::format_of(file)->look(file, motion);
-  } catch (const devices::WrongColumn& error) {
-    refuse_column(error);
-  }
+  return with_options([&] { return devices::format_of(file)->look(file, motion); });
 }
 
 namespace {

@@ -13,6 +13,7 @@
 #include "apps/wrap.h"
 #include "apps/wrong_use.h"
 #include "devices/base/version.h"
+#include "devices/trial/log.h"
 #include "files/lock.h"
 
 namespace headpin::apps {
@@ -33,6 +34,14 @@ std::string brief(std::string text) {
   return text + " ...";
 }
 
+/// What went wrong, and the option with which it would not.
+std::string with_option(const std::exception& error) {
+  const std::string what = error.what();
+  if (dynamic_cast<const files::Exists*>(&error)) return what + "; --force replaces it";
+  if (dynamic_cast<const devices::LongGap*>(&error)) return what + "; --longest-gap accepts more";
+  return what;
+}
+
 /// Prints an error with the name of its command; with --json also as an object.
 int fail(const CLI::App& app, bool json, const std::string& why, int code) {
   const std::string name = name_of(app), message = brief(printable(why));
@@ -48,7 +57,7 @@ int run(CLI::App& app, int argc, char** argv) {
     if (stop_signal() != 0) {  // other failures are its consequences
       return fail(app, json, Stopped(stop_signal()).what(), 128 + stop_signal());
     }
-    return fail(app, json, error.what(), code);
+    return fail(app, json, with_option(error), code);
   };
   try {
     if (argc < 2) throw UsageError("expected a command; `headpin --help` lists them");

@@ -13,6 +13,11 @@ struct Busy : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// An output is there already, and it is not to be overwritten.
+struct Exists : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// Locks the file behind `descriptor` for this process until it is closed or the process ends.
 ///
 /// Only callers of this function notice the lock.

@@ -167,7 +167,7 @@ void OutputFile::open_in_folder(bool exists, const fs::path& folder) {
   struct stat old {};
   if (exists) {
     if (!options_.overwrite) {
-      throw std::runtime_error(said_ + ": exists already; --force replaces it");
+      throw Exists(said_ + ": exists already");
     }
     const int there =
         openat(folder_, target_.c_str(), O_WRONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
@@ -217,7 +217,7 @@ void OutputFile::rename_to_target() {
     return;
   }
   if (errno == EEXIST) {
-    throw std::runtime_error(said_ + ": was created in the meantime; --force replaces it");
+    throw Exists(said_ + ": was created in the meantime");
   }
   fail("cannot be given its name");
 }

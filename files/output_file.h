@@ -31,8 +31,9 @@ class OutputFile {
     std::vector<std::filesystem::path> inputs = {};  ///< never to be written to
   };
 
-  /// @throws std::runtime_error  naming the path: it is empty, a folder, an input, an existing file
-  ///                             or write-protected, or cannot be created
+  /// @throws Exists              naming the path: it is there, and not to be overwritten
+  /// @throws std::runtime_error  naming the path: it is empty, a folder, an input or write-protected,
+  ///                             or cannot be created
   /// @throws Busy                when another headpin is writing it
   OutputFile(std::string path, Options options);
 

@@ -151,7 +151,7 @@ void OutputFolder::refuse_foreign(const Options& options) const {
                              ", which headpin did not write there; expected a new or empty folder");
   }
   if (!ours.empty() && !options.overwrite) {
-    throw std::runtime_error(path_ + ": exists already; --force replaces what headpin wrote there");
+    throw Exists(path_ + ": exists already");
   }
 }
 

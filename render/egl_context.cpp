@@ -179,7 +179,7 @@ std::unique_ptr<GlContext> egl_context() {
   if (!draws_on_the_processor(renderer)) {
     throw std::runtime_error(
         "EGL draws by " + renderer +
-        ", expected Mesa's llvmpipe or softpipe; --gl egl:auto uses a graphics card");
+        ", expected Mesa's llvmpipe or softpipe; egl:auto uses a graphics card");
   }
   return context;
 }

@@ -309,5 +309,29 @@ TEST(Layers, FilesAloneRemoveRenameAndCut) {
   EXPECT_GT(in_files, 10) << "nothing was read";
 }
 
+// Options are words of the commands; other programs that use the libraries have no such words.
+TEST(Layers, LibrariesDoNotNameOptions) {
+  static const std::regex option(R"("(?:[^"\\]|\\.)*--[a-z])");
+  const std::set<std::string> may = {
+      "engine/math.h",     // what a compiler is told
+      "sweep/report.cpp",  // the command of each point, for the page of `sweep report`
+  };
+  int read = 0;
+  for (const char* folder : {"files", "engine", "devices", "render", "scene", "study", "sweep"}) {
+    for (const auto& entry :
+         fs::recursive_directory_iterator(HEADPIN_SOURCE_DIR "/" + std::string(folder))) {
+      if (entry.path().extension() != ".cpp" && entry.path().extension() != ".h") continue;
+      ++read;
+      if (may.contains(fs::relative(entry.path(), HEADPIN_SOURCE_DIR).string())) continue;
+      std::ifstream file(entry.path());
+      for (std::string line; std::getline(file, line);) {
+        if (line.find("///") != std::string::npos) continue;
+        EXPECT_FALSE(std::regex_search(line, option)) << entry.path() << ": " << line;
+      }
+    }
+  }
+  EXPECT_GT(read, 300) << "too little was read";
+}
+
 }  // namespace
 }  // namespace headpin

@@ -8,6 +8,7 @@
 #include "apps/python/module.h"
 #include "apps/python/table.h"
 #include "apps/python/values.h"
+#include "files/lock.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/totals.h"
 #include "scene/watch/trial_writer.h"
@@ -120,9 +121,9 @@ scene::TrialWriter open_writer(const Replay& replay, const std::string& path,
                 .overwrite = overwrite,
                 .inputs = {replay.trial->path()},
                 .states = changes ? devices::States::changes : devices::States::all}};
+  } catch (const files::Exists& error) {
+    throw FileIsThere(std::string(error.what()) + "; overwrite=True replaces it");
   } catch (const std::runtime_error& error) {
-    std::error_code none;
-    if (!overwrite && std::filesystem::exists(path, none)) throw FileIsThere(error.what());
     throw NotWritten(error.what());
   }
 }

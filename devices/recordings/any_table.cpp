@@ -314,7 +314,6 @@ std::string names_in(const AnyTable& table) {
     const bool first = names.empty();
     if (names.size() + column.name.size() > kMost) {
       names += first ? "..." : ", ...";
-      names += " (--explain shows all)";
       break;
     }
     names += (first ? "" : ", ") + column.name;

@@ -71,10 +71,8 @@ Parts find_parts(const Tracks& tracks, const MotionOptions& options, const std::
   std::vector<std::string> names;
   for (const auto& [name, track] : tracks) names.push_back(name);
   const auto refuse = [&](const std::string& expected, std::size_t count) {
-    throw std::invalid_argument(
-        fmt::format("{}: expected one {} among {}; found {} (--names HEAD,LEFT,RIGHT says which; a "
-                    "hand may be left empty)",
-                    where, expected,
+    throw UnclearObjects(
+        fmt::format("{}: expected one {} among {}; found {}", where, expected,
                     names.empty() ? "nothing" : fmt::format("{}", fmt::join(names, ", ")), count));
   };
   Parts parts{};

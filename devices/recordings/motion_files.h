@@ -27,6 +27,7 @@ struct MotionOptions {
   /// empty: it was not tracked. All empty: found by name, or sensors 0, 1, 2; of two sensors the
   /// second is the only hand.
   std::array<std::string, 3> names = {};
+  std::string names_source = "names";  ///< where they were told, for errors
   /// Which hand is the only one of a file that does not say it.
   bool only_hand_is_left = false;
   /// Where positions count from, in our frame [m]: a transmitter above the floor.
@@ -40,6 +41,16 @@ struct MotionOptions {
   /// Order of angles ("YXZ" about axes that turn with the body, "yxz" about fixed ones), "vector", or "none".
   std::optional<std::string> rotations = {};
   std::optional<bool> degrees = {};
+};
+
+/// Which columns have the time, the head or a hand was not found, and not told.
+struct UnclearColumns : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
+};
+
+/// Which object is the head or a hand was not found, and not told.
+struct UnclearObjects : std::invalid_argument {
+  using std::invalid_argument::invalid_argument;
 };
 
 /// The tracks by name, and notes about ignored parts of the file.
@@ -125,12 +136,14 @@ MotionTracks parse_motion_bids(std::string_view motion, std::string_view channel
 
 /// Any text table with a time and poses. Axes are RSP unless told, units metres unless the file says them.
 ///
-/// @throws std::invalid_argument  naming file and line: no table, no time, no head or no hand
+/// @throws UnclearColumns         no time, no head or no hand
+/// @throws std::invalid_argument  naming file and line: no table
 MotionTracks parse_motion_table(std::string_view text, std::string_view where,
                                 const MotionOptions& options);
 
 /// Head and hands among tracks, by the given names or by words in theirs.
-/// @throws std::invalid_argument  when there is not one head and at least one hand, or as `together`
+/// @throws UnclearObjects         when there is not one head and at least one hand
+/// @throws std::invalid_argument  as `together`
 MotionRecording recording_of(const MotionTracks& read, const MotionOptions& options,
                              const std::string& where);
 

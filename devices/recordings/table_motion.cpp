@@ -228,7 +228,7 @@ class TableMotion {
     ToldColumns told = options_.columns;
     for (std::size_t part = 0; part < 3; ++part) {
       const std::string& name = options_.names[part];
-      if (!name.empty()) told.push_back({kPartKeys[part], name + "*", "--names"});
+      if (!name.empty()) told.push_back({kPartKeys[part], name + "*", options_.names_source});
     }
     return told;
   }
@@ -239,9 +239,8 @@ class TableMotion {
     if (columns_.time && head && (hand || options_.no_hand)) return;
     // A head that was told need not be found.
     const bool told = columns_.time && options_.p_head && !columns_.parts[0].tracked();
-    throw std::invalid_argument(fmt::format(
-        "{}: {}; --columns 'time=t, head=HMD_*, right=ctrl_*' says which columns are meant; {}",
-        where_, columns_.missing[told ? 1 : 0], names_in(table_)));
+    throw UnclearColumns(
+        fmt::format("{}: {}; {}", where_, columns_.missing[told ? 1 : 0], names_in(table_)));
   }
 
   void find_reading() {

@@ -343,10 +343,9 @@ void TrialFile::require_trial(Time longest_gap) const {
                                          format, kFormatVersion, kChangesFormatVersion));
   }
   if (const Gap& gap = trial.longest_gap; gap.length() > longest_gap) {
-    throw std::runtime_error(
-        fmt::format("{}: no sample for {:.3f} s, from {:.3f} s on; expected {:g} s at most "
-                    "(--longest-gap accepts more)",
-                    path, seconds(gap.length()), seconds(gap.from), seconds(longest_gap)));
+    throw LongGap(
+        fmt::format("{}: no sample for {:.3f} s, from {:.3f} s on; expected {:g} s at most", path,
+                    seconds(gap.length()), seconds(gap.from), seconds(longest_gap)));
   }
 }
 

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <memory>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -14,6 +15,11 @@ namespace headpin::devices {
 
 /// A longer gap between samples means damage, unless the caller accepts it.
 constexpr Time kLongestGap{60'000'000};
+
+/// A gap between samples is longer than what is accepted.
+struct LongGap : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
 
 /// Reads a whole trial.
 ///

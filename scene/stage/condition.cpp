@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "render/data/quality.h"
+#include "scene/scenario/toml_text.h"
 #include "scene/stage/read_scenario.h"
 
 namespace headpin::scene {
@@ -64,7 +65,7 @@ void pass_on_materials(const std::vector<std::string>& assignments, Scenario& sc
 
 void set_under(const Condition& condition, const std::string& assignment, Scenario& scenario) {
   if (condition.where.empty()) {
-    set(scenario, assignment);
+    set(scenario, assignment, condition.option + brief(assignment));
   } else {
     set(scenario, assignment, condition.where);
   }

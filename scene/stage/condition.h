@@ -17,7 +17,8 @@ struct Condition {
   std::optional<bool> warm;
   std::optional<std::string> look;
   std::vector<std::string> set;  ///< any other keys: "KEY=VALUE"
-  std::string where = {};        ///< what messages about these begin with; empty: "--set KEY=VALUE"
+  /// What messages about these begin with; empty: `option`, and then KEY=VALUE.
+  std::string where = {}, option = {};
 };
 
 /// Puts a scenario under the condition. Elasticity, friction and shape go to every version of the game

@@ -182,7 +182,7 @@ void check(const Scenario& scenario, std::string_view where) {
 }
 
 void set(Scenario& scenario, std::string_view assignment) {
-  set(scenario, assignment, fmt::format("--set {}", brief(assignment)));
+  set(scenario, assignment, brief(assignment));
 }
 
 void set(Scenario& scenario, std::string_view assignment, std::string_view where) {

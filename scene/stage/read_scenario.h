@@ -52,7 +52,7 @@ void check(const Scenario& scenario, std::string_view where);
 /// @throws std::invalid_argument  as parse_scenario
 void set(Scenario& scenario, std::string_view assignment);
 
-/// @param where  what messages begin with in place of "--set ball.mass=5"
+/// @param where  what messages begin with in place of "ball.mass=5"
 void set(Scenario& scenario, std::string_view assignment, std::string_view where);
 
 }  // namespace headpin::scene

@@ -420,6 +420,12 @@ TEST_F(ImportTables, AWrongWordIsNamedByItsOption) {
     expect_refusal(import + option, 2, says);
   }
   EXPECT_EQ(headpin("import t.csv --explain --columns time=tt").code, 2);
+  // What is not found can be told.
+  spit(folder_ / "few.csv", "t,a,b,c\n0,1,2,3\n0.1,1,2,3\n");
+  const Result few = headpin("import few.csv -o OUT.lcmlog");
+  EXPECT_EQ(few.code, 1);
+  EXPECT_THAT(few.err, HasSubstr("; the 4 columns are t, a, b, c; --columns 'time=t, head=HMD_*, "
+                                 "right=ctrl_*' says which columns are meant"));
   // A head that was told is not what is missing.
   spit(folder_ / "none.csv", "t,a,b,c\n0,1,2,3\n0.1,1,2,3\n");
   expect_refusal("import none.csv -o OUT.lcmlog --head 0,1.7,0", 1, "none.csv: no hand was found");

@@ -180,6 +180,18 @@ TEST_F(TrialCommands, TheGameHashOfATrialIsVerifiedWhereItSaysOne) {
   EXPECT_THAT(other.err, HasSubstr("expected the game hash 0123456789abcdef"));
 }
 
+TEST_F(TrialCommands, AGapIsRefusedWithTheOptionThatAcceptsIt) {
+  const devices::Trial demo = devices::read_trial(kDemo);
+  devices::Recorder out(folder_ / "gap.lcmlog", demo.header);
+  auto sample = std::get<devices::TrackerSample>(demo.samples.front());
+  sample.sequence += 1;
+  sample.device_time += Time{100'000'000};
+  devices::write(out, std::vector<devices::Sample>{demo.samples.front(), sample}, {});
+  out.close();
+  expect_refusal("replay gap.lcmlog", 1, "expected 60 s at most; --longest-gap accepts more");
+  EXPECT_EQ(headpin("replay gap.lcmlog --longest-gap 200").code, 0);
+}
+
 TEST_F(TrialCommands, InfoTellsWhatIsInATrial) {
   ASSERT_EQ(headpin("replay " + kDemo + " -o game.lcmlog").code, 0);
   const nlohmann::json info = json("info game.lcmlog --json");

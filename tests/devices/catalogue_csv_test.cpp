@@ -60,11 +60,9 @@ TEST(CatalogueCsvTest, RefusesWhatIsNoRecordingAndSaysWhere) {
   std::string text = kGood;
   EXPECT_THAT(
       refused(text.replace(text.find("head_pos_y"), 10, "head_pos_q")),
-      testing::AllOf(
-          HasSubstr("no head was found (x, y and z of one object); --columns 'time=t, head=HMD_*, "
-                    "right=ctrl_*' says which columns are meant; the 22 columns are "
-                    "delta_time_ms, head_pos_x, head_pos_q, "),
-          testing::EndsWith(", ... (--explain shows all)"), testing::SizeIs(testing::Le(300u))));
+      testing::AllOf(HasSubstr("no head was found (x, y and z of one object); the 22 columns are "
+                               "delta_time_ms, head_pos_x, head_pos_q, "),
+                     testing::EndsWith(", ..."), testing::SizeIs(testing::Le(300u))));
 }
 
 // What is wrong in a cell costs its sample, and is said.

@@ -59,7 +59,7 @@ class Replay(unittest.TestCase):
         with open(path, "w", encoding="ascii") as file:
             file.write("mine")
         replay = headpin.Trial(support.DEMO).replay()
-        with self.assertRaisesRegex(FileExistsError, "there.lcmlog"):
+        with self.assertRaisesRegex(FileExistsError, "there.lcmlog.*overwrite=True"):
             replay.save(path)
         with open(path, encoding="ascii") as file:
             self.assertEqual(file.read(), "mine")

@@ -215,19 +215,19 @@ TEST(SetValue, SaysWhatToTypeInstead) {
     return complaint([&] { set(s, assignment); });
   };
   EXPECT_EQ(says("skittle.parts[0].radius=0.05"),
-            "--set skittle.parts[0].radius=0.05: one entry of a list cannot be set; expected the "
+            "skittle.parts[0].radius=0.05: one entry of a list cannot be set; expected the "
             "whole list, skittle.parts=[{...}, ...]");
   EXPECT_THAT(says("rack.spots[2]=[0, 1]"), HasSubstr("the whole list, rack.spots=[[x, y], ...]"));
   EXPECT_THAT(says("ball.home[2]=1"), HasSubstr("the whole list, ball.home=[x, y, z]"));
   EXPECT_THAT(says("ball.mass[0]=1"), HasSubstr("ball.mass is no list; expected ball.mass=VALUE"));
   EXPECT_THAT(says("rack.spot[2]=1"), HasSubstr("'rack.spot'; the nearest is rack.spots"));
   EXPECT_EQ(says("ball..mass=3"),
-            "--set ball..mass=3: expected a name on both sides of a dot, as in ball.mass, found "
+            "ball..mass=3: expected a name on both sides of a dot, as in ball.mass, found "
             "'ball..mass'");
   EXPECT_EQ(says("rack.spots=[[0, 0]"),
-            "--set rack.spots=[[0, 0]: not TOML: column 19: '0]': the text ends within the list");
+            "rack.spots=[[0, 0]: not TOML: column 19: '0]': the text ends within the list");
   EXPECT_EQ(says("ball.mass=3 kg"),
-            "--set ball.mass=3 kg: ball.mass must be a number in kg, found the text '3 kg'; write "
+            "ball.mass=3 kg: ball.mass must be a number in kg, found the text '3 kg'; write "
             "ball.mass = 3");
 }
 

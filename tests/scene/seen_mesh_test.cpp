@@ -336,7 +336,7 @@ TEST(SeenMesh, AGivenHashIsCheckedBeforeAndAfterItsFile) {
   set(seen, file);
   const std::string hash = "skittle.mesh.sha256=" + seen.skittle.mesh.sha256;
   EXPECT_THAT(refusal({}, {file, "skittle.mesh.sha256=abcd"}),
-              HasSubstr("--set skittle.mesh.sha256=abcd: skittle.mesh: "));
+              HasSubstr("skittle.mesh.sha256=abcd: skittle.mesh: "));
   EXPECT_THAT(refusal({}, {file, "skittle.mesh.sha256=abcd"}), HasSubstr("expected abcd"));
   EXPECT_THAT(refusal({}, {"skittle.mesh.sha256=abcd", file}), HasSubstr("expected abcd"));
   EXPECT_EQ(refusal({}, {file, hash}), "");
