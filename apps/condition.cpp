@@ -1,5 +1,6 @@
 #include "apps/condition.h"
 
+#include <initializer_list>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -8,6 +9,23 @@
 #include "engine/response.h"
 
 namespace headpin::apps {
+
+namespace {
+
+using scene::Detection;
+using scene::SkittleShape;
+
+/// Adds an option for one of these values, by its name.
+template <scene::Choice T>
+CLI::Option* add_choice(CLI::App& command, const std::string& option, std::optional<T>& value,
+                        std::initializer_list<T> values, const std::string& text) {
+  std::vector<std::string> names;
+  for (const T one : values) names.emplace_back(scene::name_of(one));
+  const auto take = [&value](const std::string& name) { value = scene::value_named<T>(name); };
+  return command.add_option_function<std::string>(option, take, text)->check(one_of(names));
+}
+
+}  // namespace
 
 CLI::Option* add_look(CLI::App& command, std::optional<std::string>& value) {
   std::string looks = "rendering quality of the pictures:";
@@ -34,9 +52,8 @@ void add_condition_options(CLI::App& command, Condition& condition) {
                   "friction of every object; two objects in contact: the product")
       ->check(number_from(0, 1))
       ->group(group);
-  command
-      .add_option("--shape", condition.shape, "collision shape of the skittles: ellipsoid or true")
-      ->check(one_of({"ellipsoid", "true"}))
+  add_choice(command, "--shape", condition.shape, {SkittleShape::ellipsoid, SkittleShape::parts},
+             "collision shape of the skittles: ellipsoid or true")
       ->group(group);
   std::string laws = "collision response; what each one conserves:";
   std::vector<std::string> names;
@@ -45,10 +62,8 @@ void add_condition_options(CLI::App& command, Condition& condition) {
     names.emplace_back(response.name);
   }
   command.add_option("--response", condition.response, laws)->check(one_of(names))->group(group);
-  command
-      .add_option("--detection", condition.detection,
-                  "collision detection: converged, or with the paper's cap on iterations")
-      ->check(one_of({"converged", "paper"}))
+  add_choice(command, "--detection", condition.detection, {Detection::converged, Detection::paper},
+             "collision detection: converged, or with the paper's cap on iterations")
       ->group(group);
   command
       .add_option("--iterations", condition.iterations,

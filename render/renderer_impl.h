@@ -69,9 +69,6 @@ struct Scene {
 struct Renderer::Impl {
   Impl(std::unique_ptr<GlContext> with, Quality wanted)
       : context(std::move(with)), gl(current_functions(*context)), quality(wanted) {
-    if (quality.light != "pixel" && quality.light != "vertex") {
-      throw std::invalid_argument("light: " + quality.light + ", expected pixel or vertex");
-    }
     if (quality.samples < 1 || quality.samples > 8) {
       throw std::invalid_argument("samples: " + std::to_string(quality.samples) +
                                   ", expected 1 to 8");

@@ -67,7 +67,7 @@ const Program& Renderer::Impl::program_of(const Kept& mesh, bool shaded, bool in
   switch (mesh.surface) {
     case Surface::lit:
       if (in_mirror) return lit->mirrored;
-      return mesh.fine_light && quality.light == "pixel" ? lit->fine : lit->coarse;
+      return mesh.fine_light && quality.light == LightPer::pixel ? lit->fine : lit->coarse;
     case Surface::floor:
       return mirrors(mesh) ? shaded ? floor : polished : shaded ? shadowed : baked;
     case Surface::baked:

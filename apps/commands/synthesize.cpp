@@ -40,7 +40,7 @@ struct SynthesizeOptions {
 double long_enough(const scene::ThrowPlan& plan, const scene::Scenario& scenario) {
   const double further = std::max(0.0, scenario.lane.head_pin - scene::Scenario{}.lane.head_pin);
   const double fallen = plan.duration_s + further / (0.65 * plan.speed);
-  if (!scene::rules_named(scenario.game.rules).counted) return fallen;
+  if (!scene::rules_of(scenario.game.rules).counted) return fallen;
   constexpr double kAfter = 0.5;
   const double release = seconds(scene::ThrowMotion(plan, scenario.hand).release());
   return std::max(fallen, release + scenario.game.ball_back_s + kAfter);

@@ -1,6 +1,7 @@
 #include "apps/python/condition.h"
 
 #include <algorithm>
+#include <initializer_list>
 #include <stdexcept>
 #include <vector>
 
@@ -13,6 +14,8 @@
 namespace headpin::python {
 
 namespace py = pybind11;
+using scene::Detection;
+using scene::SkittleShape;
 
 namespace {
 
@@ -36,6 +39,13 @@ std::string one_of(const std::vector<std::string>& names, const std::string& key
       fmt::format("{}: expected one of {}, found {}", key, fmt::join(names, ", "), found));
 }
 
+template <scene::Choice T>
+T one_of(std::initializer_list<T> values, const std::string& key, const py::handle& value) {
+  std::vector<std::string> names;
+  for (const T one : values) names.emplace_back(scene::name_of(one));
+  return *scene::value_named<T>(one_of(names, key, value));
+}
+
 std::vector<std::string> responses() {
   std::vector<std::string> names;
   for (const engine::Response& response : engine::responses()) names.emplace_back(response.name);
@@ -48,11 +58,11 @@ void take(scene::Condition& condition, const std::string& key, const py::handle&
   } else if (key == "elasticity") {
     condition.elasticity = number(key, value);
   } else if (key == "shape") {
-    condition.shape = one_of({"ellipsoid", "true"}, key, value);
+    condition.shape = one_of({SkittleShape::ellipsoid, SkittleShape::parts}, key, value);
   } else if (key == "response") {
     condition.response = one_of(responses(), key, value);
   } else if (key == "detection") {
-    condition.detection = one_of({"converged", "paper"}, key, value);
+    condition.detection = one_of({Detection::converged, Detection::paper}, key, value);
   } else if (key == "iterations") {
     condition.iterations = cap(value);
   } else if (key == "warm") {

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <pybind11/eigen.h>
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
@@ -14,6 +16,7 @@
 #include "apps/python/response.h"
 #include "engine/save.h"
 #include "engine/workspace.h"
+#include "scene/scenario/choices.h"
 
 namespace headpin::python {
 
@@ -200,11 +203,13 @@ std::unique_ptr<PyWorld> world_of(int rate_hz, const Vec3& gravity, const py::ob
   Parameters p;
   p.rate_hz = rate_hz;
   p.gravity_W = gravity;
-  if (detection != "converged" && detection != "paper") {
-    throw std::invalid_argument("detection: expected one of converged, paper, found '" + detection +
-                                "'");
+  const auto mode = scene::value_named<scene::Detection>(detection);
+  if (!mode) {
+    throw std::invalid_argument(fmt::format("detection: expected one of {}, found '{}'",
+                                            fmt::join(scene::names_of<scene::Detection>(), ", "),
+                                            detection));
   }
-  p.query.mode = detection == "paper" ? Query::paper : Query::converged;
+  p.query.mode = *mode;
   p.query.cap = cap;
   p.query.warm = warm;
   p.sleep = sleep;

@@ -10,7 +10,11 @@ std::span<const Look> looks() {
        {"fast", "one sample per pixel, shadows, no reflections", {.samples = 1, .mirror = false}},
        {"1997",
         "one sample per pixel, light computed per vertex, no shadows, no reflections",
-        {.samples = 1, .contact = false, .shadow = false, .mirror = false, .light = "vertex"}}}};
+        {.samples = 1,
+         .contact = false,
+         .shadow = false,
+         .mirror = false,
+         .light = LightPer::vertex}}}};
   return all;
 }
 

@@ -19,7 +19,8 @@ double how_closed(const Session& session) {
 }  // namespace
 
 bool shows_ellipsoids(const Scenario& scenario) {
-  return scenario.skittle.seen == "collider" && scenario.collision.shape == "ellipsoid";
+  return scenario.skittle.seen == SeenSkittle::collider &&
+         scenario.collision.shape == SkittleShape::ellipsoid;
 }
 
 Glimpse glimpse(const Session& session, const Pose& X_WD) {

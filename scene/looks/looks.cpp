@@ -70,8 +70,8 @@ BodyMeshes skittle_meshes(const MeshKeeper& keeper, const Outline& outline, doub
 
 TurnedPart turned_part(const SkittlePart& part) {
   const double low = part.low, high = part.high, r = part.radius;
-  if (part.shape == "cylinder") return {low, high, [r](double) { return r; }};
-  if (part.shape == "cone") {
+  if (part.shape == PartShape::cylinder) return {low, high, [r](double) { return r; }};
+  if (part.shape == PartShape::cone) {
     return {low, high, [=](double z) { return r * (high - z) / (high - low); }};
   }
   return {low, high, [=](double z) {
@@ -105,7 +105,7 @@ BodyMeshes collider_meshes(const MeshKeeper& keeper, const Skittle& skittle, dou
   render::Mesh solid;
   solid.gloss = 0.5;
   for (const SkittlePart& part : skittle.parts) {
-    if (part.shape == "polyhedron") {
+    if (part.shape == PartShape::polyhedron) {
       append(solid, faces_of(part, origin));
     } else {
       turned.push_back(turned_part(part));
@@ -172,7 +172,7 @@ void Looks::add_skittle(const MeshKeeper& keeper, const Stage& stage) {
   for (const SkittlePart& part : skittle.parts) widest = std::max(widest, part.radius);
   const double height = skittle.height;
   const Outline ellipsoid = ellipsoid_outline(height, widest);
-  if (skittle.seen == "collider") {
+  if (skittle.seen == SeenSkittle::collider) {
     true_skittle = collider_meshes(keeper, skittle, stage.skittle_centre);
   } else if (const auto own = seen_mesh(skittle.mesh, render::srgb(0xf4f1e6), 0.5)) {
     true_skittle = {

@@ -271,7 +271,7 @@ void apply(const Moved& moved, Scenario& scenario) {
   // In quotes, because the name of a shape is "true".
   if (moved.shape) {
     set(scenario, "collision.shape='" + *moved.shape + "'");
-    set_shape(scenario, *moved.shape);
+    set_shape(scenario, scenario.collision.shape);
   }
   if (moved.response) set(scenario, "collision.response='" + *moved.response + "'");
 }

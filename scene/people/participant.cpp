@@ -342,7 +342,7 @@ void Participant::watch(const Session& session, double now) {
   if (acted_ == 0.0 && over) acted_ = now;
   if (acted_ == 0.0 || now < acted_ + 2.0 * plan_.person.reaction_s || now < drawn_until_) return;
   mend();
-  const bool no_game = !rules_named(scenario_.game.rules).counted;  // the ball stays where it is
+  const bool no_game = !rules_of(scenario_.game.rules).counted;  // the ball stays where it is
   const bool enough = no_game || throws_ >= plan_.throws || session.game.over;
   if (!enough) return begin(Doing::walks_to_ball, now);
   ++version_;

@@ -40,7 +40,7 @@ Twist ball_velocity(const MotionRecording& r, Time release, Side side, const Vec
                     const Hand& rules) {
   const std::vector<Pose>& hand = throwing_hand(r, side);
   const ReleaseWindow window = release_window(rules);
-  const bool after = rules.release_at == "trigger";
+  const bool after = rules.release_at == ReleaseAt::trigger;
   const Time last = after ? told_until(release, seconds(kReadLate)) : release;
   std::vector<Stamped<Pose>> track;
   for (std::size_t i = 0; i < r.times.size(); ++i) {

@@ -22,7 +22,7 @@ namespace {
 
 /// Whether the game distinguishes the causes of a skittle's fall.
 bool tells_apart(const Stage& stage) {
-  return stage.scenario.game.hand_fells == "apart";
+  return stage.scenario.game.hand_fells == HandFells::apart;
 }
 
 bool is_free(const engine::World& world, engine::BodyId body) {
@@ -132,7 +132,7 @@ void note_releases(Game& game, const Stage& stage, const engine::World& world, c
         continue;
       if (tells_apart(stage)) game.struck = false;
       const Vec3 p_WB = released_at(out[i]);
-      if (stage.scenario.game.foul == "count" || p_WB.y() <= 0.0) continue;
+      if (stage.scenario.game.foul == FoulBall::count || p_WB.y() <= 0.0) continue;
       game.foul = true;
       devices::Event e = event(moment, kind::foul, world, {ball});
       e.p_W = p_WB;

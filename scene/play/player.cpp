@@ -36,7 +36,7 @@ devices::Event& note(const Scene& scene, std::string_view kind, engine::BodyId b
 
 /// Whether a release uses the hand's velocity at the time of the trigger.
 bool at_trigger(const Hand& hand) {
-  return hand.release_at == "trigger";
+  return hand.release_at == ReleaseAt::trigger;
 }
 
 /// Adds a sample to the track of head or hand, in the tracked space.
@@ -279,7 +279,7 @@ void follow(Player& player, std::span<const devices::Sample> samples, const Scen
   const double dt = 1.0 / static_cast<double>(scenario.rates.physics_hz);
   const std::optional<Pose> X_PD = player.head.at(now);
   if (!X_PD) return;
-  const bool by_hand = scenario.walk.along == "hand";
+  const bool by_hand = scenario.walk.along == WalkAlong::hand;
   const std::optional<Pose> X_PX = by_hand ? player.hand.at(now) : X_PD;
   // Without a pose of the hand there is no direction: the walk does not start, or it stops.
   step(player.walk, scenario, *X_PD, X_PX.value_or(*X_PD), X_PX ? thumbs : 0, dt);

@@ -21,10 +21,10 @@ struct Field {
   std::vector<devices::Event>& out;
 
   const GameRules& plan() const { return stage.scenario.game; }
-  const Rules& rules() const { return rules_named(plan().rules); }
+  const Rules& rules() const { return rules_of(plan().rules); }
   int rack() const { return static_cast<int>(stage.skittles.size()); }
-  bool tells_apart() const { return plan().hand_fells == "apart"; }
-  bool waits_for_rest() const { return plan().ends == "rest"; }
+  bool tells_apart() const { return plan().hand_fells == HandFells::apart; }
+  bool waits_for_rest() const { return plan().ends == BallEnds::rest; }
 };
 
 constexpr Time kFirst{500'000};  // a ball released at rest has not fallen yet
@@ -136,7 +136,7 @@ bool is_dead_wood(const Field& f, engine::BodyId skittle) {
 int count(const Field& f) {
   devices::Event delivery = event(f.moment, kind::delivery, f.world, {});
   devices::Event dead = event(f.moment, kind::dead_wood, f.world, {});
-  const bool costs = f.game.foul && f.plan().foul == "zero";
+  const bool costs = f.game.foul && f.plan().foul == FoulBall::zero;
   for (const engine::BodyId skittle : f.stage.skittles) {
     if (f.game.swept[skittle] || !is_down(f, skittle)) continue;
     const bool is_dead = is_dead_wood(f, skittle);
@@ -255,7 +255,7 @@ bool referee(Game& game, const Stage& stage, engine::World& world, const Moment&
   if (!game.begun) {
     game.begun = true;
     game.frames.assign(1, {});
-    note(f, kind::game, f.rack(), f.plan().rules);
+    note(f, kind::game, f.rack(), std::string(name_of(f.plan().rules)));
   }
   if (f.tells_apart()) tidy(f);
   bool under_way = false;

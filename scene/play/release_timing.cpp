@@ -76,7 +76,7 @@ std::vector<ReleaseTiming> release_timings(const devices::TrialFile& trial,
                                   kAround + microseconds(scenario.rig.delay_s) + window.longest());
   std::vector<ReleaseTiming> found;
   for (const Time time : times) {
-    const ReleaseTiming timing = scenario.hand.release_at == "trigger"
+    const ReleaseTiming timing = scenario.hand.release_at == ReleaseAt::trigger
                                      ? at_milliseconds(track, time, scenario)
                                      : at_samples(track, time, scenario);
     if (timing.fastest_speed > 0.0) found.push_back(timing);

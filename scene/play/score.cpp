@@ -74,22 +74,23 @@ double degrees_from_y(const Vec3& v) {
 }
 
 int points(const Sheet& sheet) {
-  return points(rules_named(sheet.rules), sheet.frames, sheet.rack);
+  return points(rules_of(sheet.rules), sheet.frames, sheet.rack);
 }
 
 std::string in_words(const Sheet& sheet) {
-  const std::string balls = in_words(rules_named(sheet.rules), sheet.frames, sheet.rack);
+  const std::string balls = in_words(rules_of(sheet.rules), sheet.frames, sheet.rack);
   return fmt::format("{}{}{}: {} = {}{}{}{}", sheet.version, sheet.version.empty() ? "" : " ",
-                     sheet.rules, balls.empty() ? "no ball" : balls, points(sheet),
+                     name_of(sheet.rules), balls.empty() ? "no ball" : balls, points(sheet),
                      sheet.over ? "" : " (not over)", sheet.marks.empty() ? "" : "; ",
                      fmt::join(sheet.marks, ", "));
 }
 
 void Score::add_to_game(const devices::Event& event) {
-  if (event.kind == kind::game && is_rules(event.detail)) {
+  const auto rules = event.kind == kind::game ? value_named<GameKind>(event.detail) : std::nullopt;
+  if (rules) {
     if (games.empty()) skittles_down = felled_by_hand = 0;  // earlier falls are in no sheet
     games.push_back({.version = version_,
-                     .rules = event.detail,
+                     .rules = *rules,
                      .rack = static_cast<int>(event.value),
                      .frames = {{}}});
   }

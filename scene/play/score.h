@@ -14,7 +14,7 @@ namespace headpin::scene {
 /// One game of a session.
 struct Sheet {
   std::string version;  ///< red or blue; empty without versions
-  std::string rules;
+  GameKind rules = GameKind::plain;
   int rack = 0;               ///< skittles that are set
   std::vector<Frame> frames;  ///< the last one may be empty or not over
   bool over = false;

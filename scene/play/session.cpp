@@ -37,7 +37,7 @@ std::optional<std::size_t> button_at_hand(const Session& s, Time now) {
 /// Counts the moving ball for the version in which it was thrown. A copy of its world continues
 /// without the player until the ball is counted; the resulting events happen now.
 void count_ahead(const Session& s, const Moment& moment, std::vector<devices::Event>& out) {
-  if (s.scenario().game.ends != "rest" || !s.game.thrown) return;
+  if (s.scenario().game.ends != BallEnds::rest || !s.game.thrown) return;
   engine::World world = s.world;
   Game game = s.game;
   if (s.stage->hand) {

@@ -6,7 +6,7 @@
 
 #include "engine/response.h"
 #include "render/data/hmd.h"
-#include "scene/scenario/rules.h"
+#include "scene/scenario/choices.h"
 #include "scene/scenario/scenario.h"
 
 /// Every key of a scenario, with its range, its meaning and the source of its default.
@@ -19,17 +19,11 @@ inline constexpr Range kAny{-std::numeric_limits<double>::max(),
                             std::numeric_limits<double>::max()};
 inline constexpr Range kUnit{0.0, 1.0};
 
-using Choices = std::vector<std::string_view>;
+using NameList = std::vector<std::string_view>;
 
-inline Choices response_names() {
-  Choices names;
+inline NameList response_names() {
+  NameList names;
   for (const engine::Response& response : engine::responses()) names.push_back(response.name);
-  return names;
-}
-
-inline Choices rules_names() {
-  Choices names;
-  for (const Rules& rules : all_rules()) names.push_back(rules.name);
   return names;
 }
 
@@ -94,8 +88,8 @@ void visit(V& v, Rack& r) {
 
 template <typename V>
 void visit(V& v, SkittlePart& p) {
-  v.field("shape", p.shape, Choices{"ellipsoid", "cylinder", "cone", "polyhedron"}, "");
-  if (p.shape == "polyhedron") {
+  v.field("shape", p.shape, kNames<PartShape>, "");
+  if (p.shape == PartShape::polyhedron) {
     visit(v, p.mesh);
     v.field("corners", p.corners, Range{-2, 2},
             "[x, y, z] from the middle of the base; without corners the file is used");
@@ -118,13 +112,13 @@ void visit(V& v, Skittle& s) {
   v.field("parts", s.parts, kAny, "parts of its true collision shape, from the base upwards");
   v.field("profile", s.profile, kAny, "profile that is drawn: [height above the base, radius]",
           "USBC, necks from pin drawings");
-  v.field("seen", s.seen, Choices{"true", "collider"},
+  v.field("seen", s.seen, kNames<SeenSkittle>,
           "shape that is drawn: true (the profile) or collider (the collision shape); none of six "
           "participants noticed a change of the collision shape (table 4)");
-  v.field("weighed", s.weighed, Choices{"profile", "parts"},
+  v.field("weighed", s.weighed, kNames<Weighed>,
           "source of centre of mass and inertia: the profile that is drawn, or the parts of the "
           "collision shape");
-  v.field("ellipsoid_weighed", s.ellipsoid_weighed, Choices{"alike", "itself"},
+  v.field("ellipsoid_weighed", s.ellipsoid_weighed, kNames<WeighedEllipsoid>,
           "mass properties of a skittle that collides as an ellipsoid. alike: those of the true "
           "shape, so that the paper's factor S changes only the accuracy of collisions; itself: "
           "those of the ellipsoid, as in older trials");
@@ -162,16 +156,15 @@ void visit(V& v, Materials& m) {
 
 template <typename V>
 void visit(V& v, Collision& c) {
-  v.field("shape", c.shape, Choices{"true", "ellipsoid"},
-          "collision shape of the skittles (table 1)");
+  v.field("shape", c.shape, kNames<SkittleShape>, "collision shape of the skittles (table 1)");
   v.field(
-      "detection", c.detection, Choices{"converged", "paper"},
+      "detection", c.detection, kNames<Detection>,
       "paper: the iteration stops at a cap, as in 1997; converged: it goes on until it converges");
   v.field("iterations", c.iterations, Range{5, 20},
           "cap on the iterations of a query; 20 in the paper");
   v.field("warm", c.warm, kAny,
           "warm start: a query of paper detection starts from the last normal; not in the paper");
-  v.field("answer", c.answer, Choices{"best", "last"},
+  v.field("answer", c.answer, kNames<PlaneAtCap>,
           "result of a query of paper detection at its cap. best: the best plane that it tested; "
           "last: the last plane, as in older trials");
   v.field("response", c.response, response_names(), "collision response");
@@ -188,7 +181,7 @@ void visit(V& v, Collision& c) {
 
 template <typename V>
 void visit(V& v, GameRules& g) {
-  v.field("rules", g.rules, rules_names(),
+  v.field("rules", g.rules, kNames<GameKind>,
           "rules of the game; one-throw: no game, so nothing is counted, swept or set again");
   v.field("frames", g.frames, Range{1, 100}, "frames per game; the paper does not say how many");
   v.field("balls", g.balls, Range{1, 10}, "balls per frame");
@@ -197,13 +190,13 @@ void visit(V& v, GameRules& g) {
           "this long after the release");
   v.field("off_spot", g.off_spot, Range{0, 10},
           "an upright skittle further from its spot than this counts as fallen");
-  v.field("ends", g.ends, Choices{"rest", "slow"},
+  v.field("ends", g.ends, kNames<BallEnds>,
           "when a ball ends. rest: when all bodies are at rest and stay so; slow: at the first "
           "tick at which all are slow, even if one is at the top of its flight or in the hand");
-  v.field("hand_fells", g.hand_fells, Choices{"apart", "counted"},
+  v.field("hand_fells", g.hand_fells, kNames<HandFells>,
           "skittles that the hand, or what it carries, knocks down. apart: removed without "
           "counting; counted: counted for the ball");
-  v.field("foul", g.foul, Choices{"note", "zero", "count"},
+  v.field("foul", g.foul, kNames<FoulBall>,
           "ball that is released beyond the foul line. note: there is a foul event, and the ball "
           "counts; zero: there is a foul event, and the ball counts 0; count: no event, and the "
           "ball counts",
@@ -219,8 +212,8 @@ void visit(V& v, Version& version) {
           "Uno & Slater 1997, table 1");
   v.field("friction", version.friction, kUnit, "friction of skittles, ball, lane and walls",
           "Uno & Slater 1997, table 1");
-  v.field("shape", version.shape, Choices{"true", "ellipsoid"}, "collision shape of the skittles");
-  v.field("detection", version.detection, Choices{"collision", "converged", "paper"},
+  v.field("shape", version.shape, kNames<SkittleShape>, "collision shape of the skittles");
+  v.field("detection", version.detection, kNames<std::optional<Detection>>,
           "collision: as in collision.detection");
   v.field("iterations", version.iterations, Range{0, 20},
           "cap on the iterations of a query, 5 to 20 (the paper's pilot study: 5 and 20); 0: as in "
@@ -249,7 +242,7 @@ void visit(V& v, Hand& h) {
           "coefficient of restitution of a solid hand; two bodies in contact: the product");
   v.field("friction", h.friction, kUnit,
           "friction of a solid hand; two bodies in contact: the product");
-  v.field("release_at", h.release_at, Choices{"trigger", "sample"},
+  v.field("release_at", h.release_at, kNames<ReleaseAt>,
           "velocity and spin of a released ball. trigger: those of the hand at the moment of the "
           "trigger, from samples before and after it; sample: those at the last sample before it, "
           "and the ball is carried one tick ahead of the hand, as until 2026");
@@ -271,7 +264,7 @@ void visit(V& v, Hand& h) {
 
 template <typename V>
 void visit(V& v, Walking& w) {
-  v.field("along", w.along, Choices{"gaze", "hand"},
+  v.field("along", w.along, kNames<WalkAlong>,
           "direction of walking: gaze (of the head) or hand; the paper names only the buttons");
   v.field("speed", w.speed, Range{0, 10}, "walking speed with the thumb buttons", "an easy walk");
   v.field("acceleration", w.acceleration, Range{0.1, 1000},
@@ -337,7 +330,7 @@ void visit(V& v, render::Quality& q) {
           "contact shadows: floors are darker beneath and beside bodies");
   v.field("shadow", q.shadow, kAny, "bodies cast shadows on floors and bodies");
   v.field("mirror", q.mirror, kAny, "polished floors reflect what stands on them");
-  v.field("light", q.light, Choices{"pixel", "vertex"},
+  v.field("light", q.light, kNames<render::LightPer>,
           "where the light of the lamps is computed: per pixel or per vertex");
 }
 

@@ -22,7 +22,8 @@ class Lister {
     keys_.push_back({path, kind(value), text(allowed), fallback(value), std::string(meaning),
                      std::string(source)});
     if constexpr (std::is_same_v<T, std::vector<SkittlePart>>) {
-      for (const char* shape : {"ellipsoid", "polyhedron"}) {  // these shapes have other keys
+      for (const PartShape shape :
+           {PartShape::ellipsoid, PartShape::polyhedron}) {  // these shapes have other keys
         SkittlePart part{.shape = shape};
         section(std::string(key) + "[]", "", part);
       }
@@ -58,13 +59,21 @@ class Lister {
   static std::string kind(T) {
     return "whole number";
   }
+  template <Choice T>
+  static std::string kind(T) {
+    return "text";
+  }
 
   static std::string text(Range range) {
     if (range.high == kAny.high) return "";
     return fmt::format("{} to {}", range.low, range.high);
   }
-  static std::string text(const Choices& choices) {
-    return fmt::format("{}", fmt::join(choices, ", "));
+  static std::string text(const NameList& names) {
+    return fmt::format("{}", fmt::join(names, ", "));
+  }
+  template <typename T, std::size_t N>
+  static std::string text(const std::array<Named<T>, N>&) {
+    return text(names_of<T>());
   }
 
   /// The default as text; empty for a list, which is too long.

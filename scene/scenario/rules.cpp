@@ -3,19 +3,17 @@
 #include <algorithm>
 #include <array>
 #include <numeric>
-#include <stdexcept>
 
 namespace headpin::scene {
 
 namespace {
 
-constexpr std::array<Rules, 5> kRules{{
-    {"one-throw", false, false, false, false, "no game: one ball, and nothing is set again"},
-    {"plain", true, false, false, false, "skittles down are counted"},
-    {"ten-pin", true, false, false, true, "a strike adds the next two balls, a spare the next one"},
-    {"ninepins", true, true, false, false, "all skittles are set before every ball"},
-    {"skittles", true, false, true, false,
-     "skittles are set again within a frame when none is left"},
+constexpr std::array<Rules, kNames<GameKind>.size()> kRules{{
+    {GameKind::one_throw, false, false, false, false},
+    {GameKind::plain, true, false, false, false},
+    {GameKind::ten_pin, true, false, false, true},
+    {GameKind::ninepins, true, true, false, false},
+    {GameKind::skittles, true, false, true, false},
 }};
 
 int sum(std::span<const int> rolls) {
@@ -53,19 +51,8 @@ std::string word(const Rules& rules, const Frame& frame, std::size_t ball, int r
 
 }  // namespace
 
-std::span<const Rules> all_rules() {
-  return kRules;
-}
-
-bool is_rules(std::string_view name) {
-  return std::ranges::find(kRules, name, &Rules::name) != kRules.end();
-}
-
-const Rules& rules_named(std::string_view name) {
-  const auto found = std::ranges::find(kRules, name, &Rules::name);
-  if (found == kRules.end())
-    throw std::invalid_argument("no rules are called " + std::string(name));
-  return *found;
+const Rules& rules_of(GameKind kind) {
+  return *std::ranges::find(kRules, kind, &Rules::kind);
 }
 
 bool is_over(const Rules& rules, const Frame& frame, int rack, int balls, bool last) {

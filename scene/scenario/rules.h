@@ -3,26 +3,22 @@
 #include <cstdint>
 #include <span>
 #include <string>
-#include <string_view>
 #include <vector>
+
+#include "scene/scenario/choices.h"
 
 /// Rules of skittles games as data, and scores under these rules. No physics.
 namespace headpin::scene {
 
 struct Rules {
-  std::string_view name;
+  GameKind kind;
   bool counted;    ///< it is a game: balls are counted, skittles swept and set again
   bool full_rack;  ///< all skittles are set before every ball
   bool set_again;  ///< and within a frame when none is left
   bool bonuses;    ///< strikes and spares count the next balls too
-  std::string_view meaning;
 };
 
-/// All rules; "one-throw" is no game: nothing is counted, swept or set again.
-std::span<const Rules> all_rules();
-bool is_rules(std::string_view name);
-/// @throws std::invalid_argument  for another name
-const Rules& rules_named(std::string_view name);
+const Rules& rules_of(GameKind kind);
 
 /// Skittles down by each ball of a frame.
 using Frame = std::vector<int>;

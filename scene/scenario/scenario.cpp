@@ -29,10 +29,11 @@ Scenario::Scenario() : hmd(hmd_of_profile(render::hmd_profiles().front().name)) 
     }
   }
   // Fitted to within 1.9 mm of the profile, with given radius of the base and given height.
-  skittle.parts = {{"cylinder", 0.0258, 0.0, 0.02},     {"cylinder", 0.0287, 0.003, 0.02},
-                   {"ellipsoid", 0.0384, 0.0002, 0.05}, {"ellipsoid", 0.0605, 0.004, 0.229},
-                   {"cone", 0.0605, 0.1335, 0.3131},    {"cylinder", 0.0246, 0.2, 0.33},
-                   {"ellipsoid", 0.0318, 0.272, 0.38},  {"ellipsoid", 0.0323, 0.3164, 0.381}};
+  skittle.parts = {
+      {PartShape::cylinder, 0.0258, 0.0, 0.02},     {PartShape::cylinder, 0.0287, 0.003, 0.02},
+      {PartShape::ellipsoid, 0.0384, 0.0002, 0.05}, {PartShape::ellipsoid, 0.0605, 0.004, 0.229},
+      {PartShape::cone, 0.0605, 0.1335, 0.3131},    {PartShape::cylinder, 0.0246, 0.2, 0.33},
+      {PartShape::ellipsoid, 0.0318, 0.272, 0.38},  {PartShape::ellipsoid, 0.0323, 0.3164, 0.381}};
   const double inch = 0.0254;
   for (const auto& [h, d] : {std::pair{0.0, 2.031},
                              {0.75, 2.828},
@@ -78,7 +79,7 @@ void set_friction(Scenario& scenario, double friction) {
   scenario.version.red.friction = scenario.version.blue.friction = friction;
 }
 
-void set_shape(Scenario& scenario, const std::string& shape) {
+void set_shape(Scenario& scenario, SkittleShape shape) {
   scenario.collision.shape = shape;
   if (!scenario.version.buttons) return;
   scenario.version.red.shape = scenario.version.blue.shape = shape;
@@ -88,7 +89,7 @@ Scenario under(Scenario scenario, const Version& version) {
   set_elasticity(scenario.material, version.elasticity);
   set_friction(scenario.material, version.friction);
   scenario.collision.shape = version.shape;
-  if (version.detection != "collision") scenario.collision.detection = version.detection;
+  if (version.detection) scenario.collision.detection = *version.detection;
   if (version.iterations != 0) scenario.collision.iterations = version.iterations;
   return scenario;
 }

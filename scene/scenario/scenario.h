@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,6 +9,7 @@
 #include "engine/math.h"
 #include "render/data/optics.h"
 #include "render/data/quality.h"
+#include "scene/scenario/choices.h"
 
 /// The data of a session: room, skittles, ball, collision response, rates, rig and display. It is
 /// one TOML file; a trial contains all of it.
@@ -27,13 +29,13 @@ struct MeshFile {
 /// A part of a skittle, measured from its base: a primitive on the skittle's axis, or a convex
 /// polyhedron whose corners come from a file once and are kept here from then on.
 struct SkittlePart {
-  std::string shape = "ellipsoid";  ///< ellipsoid, cylinder, cone or polyhedron
-  double radius = 0.05;             ///< largest radius across the axis
-  double low = 0.0;                 ///< where it begins, above the base
-  double high = 0.1;                ///< where it ends; a cone has its tip there
-  MeshFile mesh = {};               ///< where a polyhedron is from
-  std::vector<Vec3> corners = {};   ///< of a polyhedron; of it, the three measures above
-                                    ///< follow from these
+  PartShape shape = PartShape::ellipsoid;
+  double radius = 0.05;            ///< largest radius across the axis
+  double low = 0.0;                ///< where it begins, above the base
+  double high = 0.1;               ///< where it ends; a cone has its tip there
+  MeshFile mesh = {};              ///< where a polyhedron is from
+  std::vector<Vec3> corners = {};  ///< of a polyhedron; of it, the three measures above
+                                   ///< follow from these
   std::vector<std::vector<std::uint32_t>> faces = {};  ///< counterclockwise from outside
 };
 
@@ -69,13 +71,13 @@ struct Rack {
 struct Skittle {
   double height = 0.381;
   double mass = 1.588;
-  double rolling_arm = 0.008;       ///< what brings a skittle on its side to rest
-  std::vector<SkittlePart> parts;   ///< its true shape, as the collisions see it
-  std::vector<Vec2> profile;        ///< (height above the base, radius), as the eyes see it
-  std::string seen = "true";        ///< by the eyes: "true", or the "collider"
-  std::string weighed = "profile";  ///< what its mass properties are of: "profile" or "parts"
-  std::string ellipsoid_weighed = "alike";  ///< as the true shape, or "itself"
-  MeshFile mesh;                            ///< seen in place of the profile
+  double rolling_arm = 0.008;      ///< what brings a skittle on its side to rest
+  std::vector<SkittlePart> parts;  ///< its true shape, as the collisions see it
+  std::vector<Vec2> profile;       ///< (height above the base, radius), as the eyes see it
+  SeenSkittle seen = SeenSkittle::profile;
+  Weighed weighed = Weighed::profile;
+  WeighedEllipsoid ellipsoid_weighed = WeighedEllipsoid::alike;
+  MeshFile mesh;  ///< seen in place of the profile
 };
 
 struct Ball {
@@ -97,12 +99,12 @@ struct Materials {
 };
 
 struct Collision {
-  std::string shape = "true";           ///< "true": the compound; "ellipsoid": one ellipsoid
-  std::string detection = "converged";  ///< "paper": stops at the cap
-  std::int64_t iterations = 20;         ///< cap on a query's iterations, 5..20
-  bool warm = false;            ///< paper detection starts from the last normal: ours, not of 1997
-  std::string answer = "best";  ///< of paper detection at its cap; "last": as old trials have it
-  std::string response = "paper";      ///< "paper" or "coulomb"
+  SkittleShape shape = SkittleShape::parts;
+  Detection detection = Detection::converged;
+  std::int64_t iterations = 20;  ///< cap on a query's iterations, 5..20
+  bool warm = false;             ///< paper detection starts from the last normal: ours, not of 1997
+  PlaneAtCap answer = PlaneAtCap::best;
+  std::string response = "paper";      ///< name of one of engine::responses()
   double friction_tau_s = 1.0 / 60.0;  ///< in which a lasting contact applies its friction once
   double gravity = 9.81;
   bool sleep = true;
@@ -116,7 +118,7 @@ struct Hand {
   bool solid = true;                     ///< a body that pushes what it touches
   double elasticity = 0.0;               ///< soft: it pushes and does not bat
   double friction = 0.7;
-  std::string release_at = "trigger";    ///< or the "sample" before: what velocity the ball gets
+  ReleaseAt release_at = ReleaseAt::trigger;
   double release_window_s = 0.120;       ///< the release velocity is fitted over this
   double release_window_most_s = 0.240;  ///< and over up to this where the tracker is noisy
   double release_accuracy = 0.3;         ///< that is, while it is known worse than this [m/s]
@@ -126,23 +128,24 @@ struct Hand {
 
 /// The game that is played: see scene/scenario/rules.h.
 struct GameRules {
-  std::string rules = "one-throw";
+  GameKind rules = GameKind::one_throw;
   std::int64_t frames = 5;
-  std::int64_t balls = 2;            ///< of a frame
-  double ball_back_s = 8.0;          ///< it comes back so long after it was let go, at the latest
-  double off_spot = 0.2;             ///< an upright skittle further from its spot is down
-  std::string ends = "rest";         ///< a delivery: at "rest", or when all is "slow" at one tick
-  std::string hand_fells = "apart";  ///< dead wood "apart" from the ball's, or "counted" with it
-  std::string foul = "note";         ///< a ball let go beyond the foul line: count, zero or note
+  std::int64_t balls = 2;    ///< of a frame
+  double ball_back_s = 8.0;  ///< it comes back so long after it was let go, at the latest
+  double off_spot = 0.2;     ///< an upright skittle further from its spot is down
+  BallEnds ends = BallEnds::rest;
+  HandFells hand_fells = HandFells::apart;
+  FoulBall foul = FoulBall::note;
 };
 
 /// One of two versions of the game, which its button starts (Uno & Slater 1997, section 3).
 struct Version {
   Vec3 button = Vec3(-0.55, 0.0, 1.1);      ///< its centre
   double elasticity = 0.7, friction = 0.7;  ///< of skittles, ball, lane and walls
-  std::string shape = "true";               ///< as collision.shape
-  std::string detection = "collision";      ///< as collision.detection, or that one's own
-  std::int64_t iterations = 0;              ///< as collision.iterations, or that one's own
+  SkittleShape shape = SkittleShape::parts;
+  std::optional<Detection> detection =
+      std::nullopt;             ///< collision.detection where it has none of its own
+  std::int64_t iterations = 0;  ///< as collision.iterations, or that one's own
 };
 
 struct Versions {
@@ -153,7 +156,7 @@ struct Versions {
 
 /// Walking with the thumb buttons.
 struct Walking {
-  std::string along = "gaze";  ///< or "hand": where it points
+  WalkAlong along = WalkAlong::gaze;
   double speed = 1.2;
   double acceleration = 3.0;
   double clearance = 0.3;  ///< of the head from walls
@@ -224,7 +227,7 @@ void set_friction(Materials& materials, double friction);
 // `--shape` do.
 void set_elasticity(Scenario& scenario, double elasticity);
 void set_friction(Scenario& scenario, double friction);
-void set_shape(Scenario& scenario, const std::string& shape);
+void set_shape(Scenario& scenario, SkittleShape shape);
 
 /// The scenario with the values of one of its versions.
 Scenario under(Scenario scenario, const Version& version);

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <toml++/toml.h>
 
 #include "scene/scenario/fields.h"
@@ -97,6 +98,11 @@ class Reader {
         "{}: {}{} is missing; a trial must contain its whole scenario", text_.where, entry_, path));
   }
 
+  [[noreturn]] void refuse_name(const toml::node& node, const std::string& path,
+                                const NameList& names) const {
+    refuse(node, path, fmt::format("\"{}\"", fmt::join(names, "\" or \"")));
+  }
+
   static bool is_number(const toml::node& node, Range range) {
     const auto value = node.value<double>();
     const bool typed = node.is_integer() || node.is_floating_point();
@@ -183,16 +189,21 @@ class Reader {
   }
 
   void read(const toml::node& node, const std::string& path, std::string& value,
-            const Choices& choices) const {
-    std::string names;
-    for (const std::string_view name : choices) {
-      if (node.is_string() && *node.value<std::string>() == name) {
-        value = name;
-        return;
-      }
-      names += (names.empty() ? "" : " or ") + fmt::format("\"{}\"", name);
+            const NameList& names) const {
+    const auto* found = node.as_string();
+    if (!found || std::ranges::find(names, found->get()) == names.end()) {
+      refuse_name(node, path, names);
     }
-    refuse(node, path, names);
+    value = found->get();
+  }
+
+  template <Choice T, std::size_t N>
+  void read(const toml::node& node, const std::string& path, T& value,
+            const std::array<Named<T>, N>&) const {
+    const auto* found = node.as_string();
+    const std::optional<T> known = found ? value_named<T>(found->get()) : std::nullopt;
+    if (!known) refuse_name(node, path, names_of<T>());
+    value = *known;
   }
 
   /// Reads the name of a profile, which sets all values of the display.

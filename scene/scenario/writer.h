@@ -79,6 +79,10 @@ class Writer {
     quoted << toml::value<std::string>(value);
     return quoted.str();
   }
+  template <Choice T>
+  static std::string text(T value) {
+    return text(std::string(name_of(value)));
+  }
   static std::string text(const Hmd& hmd) { return text(hmd.profile); }
   static std::string text(const Vec3& v) {
     return fmt::format("[{}, {}, {}]", text(v.x()), text(v.y()), text(v.z()));
@@ -107,7 +111,7 @@ class Writer {
   static std::string text(const std::vector<SkittlePart>& parts) {
     std::string all = "[";
     for (const SkittlePart& p : parts) {
-      if (p.shape == "polyhedron") {
+      if (p.shape == PartShape::polyhedron) {
         all += text_of_hull(p);
         continue;
       }

@@ -18,18 +18,19 @@ Vec3 z(double height) {
 }
 
 engine::Part make_part(const SkittlePart& part) {
-  if (part.shape == "polyhedron") return {engine::Polyhedron(part.corners, part.faces), {}};
+  if (part.shape == PartShape::polyhedron)
+    return {engine::Polyhedron(part.corners, part.faces), {}};
   const double half = 0.5 * (part.high - part.low);
   const Pose X_BG{Quat::Identity(), z(part.low + half)};
-  if (part.shape == "cylinder") return {engine::Cylinder{part.radius, half}, X_BG};
-  if (part.shape == "cone") return {engine::Cone{part.radius, 2.0 * half}, X_BG};
+  if (part.shape == PartShape::cylinder) return {engine::Cylinder{part.radius, half}, X_BG};
+  if (part.shape == PartShape::cone) return {engine::Cone{part.radius, 2.0 * half}, X_BG};
   return {engine::Ellipsoid{Vec3(part.radius, part.radius, half)}, X_BG};
 }
 
 /// Whether all parts are the convex pieces of one mesh file. These touch and do not overlap.
 engine::Overlaps overlaps_of(const std::vector<SkittlePart>& parts) {
   const auto is_piece = [&](const SkittlePart& part) {
-    return part.shape == "polyhedron" && !part.mesh.file.empty() &&
+    return part.shape == PartShape::polyhedron && !part.mesh.file.empty() &&
            part.mesh.file == parts[0].mesh.file && part.mesh.sha256 == parts[0].mesh.sha256;
   };
   return std::all_of(parts.begin(), parts.end(), is_piece) ? engine::Overlaps::none
@@ -44,12 +45,12 @@ engine::MassProperties skittle_mass(const Scenario& scenario, const engine::Comp
     const double volume = engine::mass_properties(parts, 1.0, overlaps).mass;
     return engine::mass_properties(parts, skittle.mass / volume, overlaps);
   };
-  const bool is_true = scenario.collision.shape == "true";
-  if (!is_true && skittle.ellipsoid_weighed == "itself") return of_parts(shape);
-  if (skittle.weighed == "profile") {
+  const bool is_ellipsoid = scenario.collision.shape == SkittleShape::ellipsoid;
+  if (is_ellipsoid && skittle.ellipsoid_weighed == WeighedEllipsoid::itself) return of_parts(shape);
+  if (skittle.weighed == Weighed::profile) {
     return turned_mass(smooth_outline(skittle.profile), skittle.mass);
   }
-  return of_parts(is_true ? shape : skittle_shape(skittle, "true"));
+  return of_parts(is_ellipsoid ? skittle_shape(skittle, SkittleShape::parts) : shape);
 }
 
 engine::Material surface(const Coefficients& material, double rolling_arm = 0.0) {
@@ -96,16 +97,13 @@ engine::Part prism(const Slab& slab) {
 
 }  // namespace
 
-engine::Compound skittle_shape(const Skittle& skittle, const std::string& shape) {
-  if (shape == "ellipsoid") {
+engine::Compound skittle_shape(const Skittle& skittle, SkittleShape shape) {
+  if (shape == SkittleShape::ellipsoid) {
     double radius = 0.0;
     for (const SkittlePart& part : skittle.parts) radius = std::max(radius, part.radius);
     const double half = 0.5 * skittle.height;
     return engine::make_compound(
         {{engine::Ellipsoid{Vec3(radius, radius, half)}, {Quat::Identity(), z(half)}}});
-  }
-  if (shape != "true") {
-    throw std::invalid_argument("skittle shape: expected true or ellipsoid, found " + shape);
   }
   std::vector<engine::Part> parts;
   for (const SkittlePart& part : skittle.parts) parts.push_back(make_part(part));
@@ -210,11 +208,10 @@ engine::Parameters world_parameters(const Scenario& scenario) {
   p.rate_hz = static_cast<int>(scenario.rates.physics_hz);
   p.gravity_W = Vec3(0.0, 0.0, -c.gravity);
   p.response = engine::response_named(c.response).name;
-  p.query.mode =
-      c.detection == "paper" ? engine::Query::Mode::paper : engine::Query::Mode::converged;
+  p.query.mode = c.detection;
   p.query.cap = static_cast<int>(c.iterations);
   p.query.warm = c.warm;
-  p.query.last = c.answer == "last";
+  p.query.last = c.answer == PlaneAtCap::last;
   p.friction_tau = c.friction_tau_s;
   p.sleep = c.sleep;
   p.rules = static_cast<int>(c.rules);

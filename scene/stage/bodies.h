@@ -7,11 +7,7 @@
 namespace headpin::scene {
 
 /// A skittle's shape with its base's middle at the origin and its axis along z.
-///
-/// @param shape  "true": the compound of its parts; "ellipsoid": the one ellipsoid of its height
-///               and largest width (Uno & Slater 1997, table 1)
-/// @throws std::invalid_argument  for another shape
-engine::Compound skittle_shape(const Skittle& skittle, const std::string& shape);
+engine::Compound skittle_shape(const Skittle& skittle, SkittleShape shape);
 
 /// A skittle as a body: origin at its centre of mass, uniform density.
 struct SkittleBody {

@@ -92,7 +92,7 @@ void pass_on_to_versions(const Condition& condition, Scenario& scenario) {
     set_shape(scenario, scenario.collision.shape);
   }
   for (Version* version : {&scenario.version.red, &scenario.version.blue}) {
-    if (detection) version->detection = "collision";
+    if (detection) version->detection.reset();
     if (iterations) version->iterations = 0;
   }
   pass_on_materials(condition.set, scenario);

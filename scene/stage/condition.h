@@ -12,7 +12,9 @@ namespace headpin::scene {
 /// Another condition than the one that a trial was recorded under. What is not given stays.
 struct Condition {
   std::optional<double> elasticity, friction;  ///< of every object; those of a pair multiply
-  std::optional<std::string> shape, response, detection;
+  std::optional<SkittleShape> shape;
+  std::optional<std::string> response;
+  std::optional<Detection> detection;
   std::optional<std::int64_t> iterations;
   std::optional<bool> warm;
   std::optional<std::string> look;

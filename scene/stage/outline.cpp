@@ -143,10 +143,10 @@ double radius_of_section(const SkittlePart& part, double height) {
 
 double radius_of_part(const SkittlePart& part, double height) {
   if (height < part.low || height > part.high) return 0.0;
-  if (part.shape == "polyhedron") return radius_of_section(part, height);
-  if (part.shape == "cylinder") return part.radius;
+  if (part.shape == PartShape::polyhedron) return radius_of_section(part, height);
+  if (part.shape == PartShape::cylinder) return part.radius;
   const double share = (height - part.low) / (part.high - part.low);
-  if (part.shape == "cone") return part.radius * (1.0 - share);
+  if (part.shape == PartShape::cone) return part.radius * (1.0 - share);
   const double across = 2.0 * share - 1.0;
   return part.radius * std::sqrt(std::max(0.0, 1.0 - across * across));
 }

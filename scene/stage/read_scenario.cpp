@@ -35,7 +35,8 @@ void take_parts(Scenario& scenario, ScenarioText& text) {
     if (text.has(key)) {
       const std::size_t most = kMostParts - scenario.skittle.parts.size() - (given.size() - i - 1);
       try {
-        if (given[i].shape == "polyhedron") parts = polyhedra_of_part(given[i], text.folder, most);
+        if (given[i].shape == PartShape::polyhedron)
+          parts = polyhedra_of_part(given[i], text.folder, most);
       } catch (const std::exception& e) {
         throw std::invalid_argument(
             fmt::format("{}: skittle.parts: {}", text.place(key), e.what()));
@@ -67,7 +68,7 @@ void require_skittle_stands(const Scenario& scenario, const ScenarioText& text) 
   MeshMeasure measure;
   for (const SkittlePart& part : scenario.skittle.parts) {
     low = std::min(low, part.low);
-    if (part.shape != "polyhedron") continue;
+    if (part.shape != PartShape::polyhedron) continue;
     points.insert(points.end(), part.corners.begin(), part.corners.end());
     measure = {part.mesh.unit, part.mesh.axes};
   }
@@ -89,7 +90,7 @@ void require_skittle_stands(const Scenario& scenario, const ScenarioText& text) 
 void follow_polyhedra(Scenario& scenario, const ScenarioText& text) {
   Skittle& skittle = scenario.skittle;
   const bool polyhedra = std::ranges::any_of(
-      skittle.parts, [](const SkittlePart& part) { return part.shape == "polyhedron"; });
+      skittle.parts, [](const SkittlePart& part) { return part.shape == PartShape::polyhedron; });
   if (text.whole || text.one_line || !text.has("skittle.parts") || !polyhedra) return;
   if (!text.has("skittle.height")) {
     skittle.height = 0.0;
@@ -100,8 +101,9 @@ void follow_polyhedra(Scenario& scenario, const ScenarioText& text) {
   require_skittle_stands(scenario, text);
   if (text.has("skittle.profile")) return;
   skittle.profile = profile_of_parts(skittle.parts, skittle.height);
-  if (!text.has("skittle.weighed")) skittle.weighed = "parts";
-  if (!text.has("skittle.seen") && !text.has("skittle.mesh.file")) skittle.seen = "collider";
+  if (!text.has("skittle.weighed")) skittle.weighed = Weighed::parts;
+  if (!text.has("skittle.seen") && !text.has("skittle.mesh.file"))
+    skittle.seen = SeenSkittle::collider;
 }
 
 /// Completes the visible meshes: reads files that a text names, and finds those of a trial again. A hash

@@ -85,9 +85,10 @@ class Checker {
 
   void check_rules() const {
     const GameRules& game = s_.game;
-    if (rules_named(game.rules).bonuses && game.balls > 2) {
+    if (rules_of(game.rules).bonuses && game.balls > 2) {
       refuse("game.balls",
-             fmt::format("must be 1 or 2 with game.rules \"{}\", found {}", game.rules, game.balls),
+             fmt::format("must be 1 or 2 with game.rules \"{}\", found {}", name_of(game.rules),
+                         game.balls),
              {"game.rules"});
     }
   }

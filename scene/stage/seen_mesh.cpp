@@ -112,7 +112,7 @@ std::vector<std::string> not_drawn(const Scenario& scenario) {
 std::vector<std::string> not_convex(const Scenario& scenario) {
   std::map<std::string, std::vector<const SkittlePart*>> by_file;
   for (const SkittlePart& part : scenario.skittle.parts) {
-    if (part.shape == "polyhedron" && !part.mesh.file.empty()) {
+    if (part.shape == PartShape::polyhedron && !part.mesh.file.empty()) {
       by_file[part.mesh.file].push_back(&part);
     }
   }

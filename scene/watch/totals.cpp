@@ -92,7 +92,7 @@ nlohmann::json to_json(const std::vector<Sheet>& games) {
     std::vector<Frame> frames = game.frames;
     std::erase_if(frames, [](const Frame& frame) { return frame.empty(); });  // no ball yet
     all.push_back({{"name", game.version},
-                   {"rules", game.rules},
+                   {"rules", name_of(game.rules)},
                    {"rolls", frames},
                    {"points", points(game)},
                    {"over", game.over},
@@ -106,7 +106,7 @@ nlohmann::json conditions(const Scenario& scenario) {
   const auto of = [](const Scenario& one) -> nlohmann::json {
     return {{"elasticity", per_object(one.material, &Coefficients::elasticity)},
             {"friction", per_object(one.material, &Coefficients::friction)},
-            {"shape", one.collision.shape}};
+            {"shape", name_of(one.collision.shape)}};
   };
   const Versions& versions = scenario.version;
   nlohmann::json all = of(versions.buttons ? under(scenario, versions.red) : scenario);
@@ -170,7 +170,7 @@ nlohmann::json summary(const Session& s, const Score& score) {
   nlohmann::json all = conditions(scenario);
   all.update({{"version", devices::software_version()},
               {"response", s.world.parameters.response},
-              {"detection", scenario.collision.detection},
+              {"detection", name_of(scenario.collision.detection)},
               {"skittles", s.stage->skittles.size()},
               {"skittles_down", score.skittles_down},
               {"felled_by_hand", score.felled_by_hand},

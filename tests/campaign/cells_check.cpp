@@ -34,8 +34,9 @@ Scenario scenario_of(const Cell& cell) {
   Scenario scenario;
   set_elasticity(scenario.material, cell.e ? 0.7 : 1.0);
   set_friction(scenario.material, cell.f ? 0.7 : 0.0);
-  scenario.collision.shape = cell.s ? "true" : "ellipsoid";
-  scenario.game.rules = "plain";  // a delivery is counted at rest, or ball_back_s after the release
+  scenario.collision.shape = cell.s ? SkittleShape::parts : SkittleShape::ellipsoid;
+  scenario.game.rules =
+      GameKind::plain;  // a delivery is counted at rest, or ball_back_s after the release
   scenario.game.frames = 1;
   scenario.game.balls = 1;
   return scenario;

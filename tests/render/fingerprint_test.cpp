@@ -21,7 +21,7 @@ TEST(TestPicture, ShowsEveryEffect) {
   std::set<std::uint64_t> hashes;
   for (const Quality& quality :
        {Quality{}, Quality{.samples = 1}, Quality{.contact = false}, Quality{.shadow = false},
-        Quality{.mirror = false}, Quality{.light = "vertex"}}) {
+        Quality{.mirror = false}, Quality{.light = LightPer::vertex}}) {
     Renderer renderer(osmesa_context(), quality);
     hashes.insert(pixel_hash(test_picture(renderer)));
   }

@@ -19,9 +19,9 @@ TEST(SkittleBody, WeighsWhatItsScenarioSaysAndBalancesWhereAPinDoes) {
   EXPECT_NEAR(body.inertia(0, 0), 1.344e-2, 0.1 * 1.344e-2);
   EXPECT_NEAR(body.inertia(2, 2), 1.97e-3, 0.1 * 1.97e-3);
   Scenario ellipsoid = scenario;
-  ellipsoid.collision.shape = "ellipsoid";
+  ellipsoid.collision.shape = SkittleShape::ellipsoid;
   EXPECT_EQ(skittle_body(ellipsoid).centre_height, centre_height);
-  ellipsoid.skittle.ellipsoid_weighed = "itself";
+  ellipsoid.skittle.ellipsoid_weighed = WeighedEllipsoid::itself;
   EXPECT_NEAR(skittle_body(ellipsoid).centre_height, 0.5 * 0.381, 1e-9);
 }
 

@@ -40,7 +40,7 @@ Ran run_with(const Scenario& scenario, const std::vector<devices::Sample>& sampl
 
 Scenario two_versions() {
   Scenario scenario;
-  scenario.game.rules = "plain";
+  scenario.game.rules = GameKind::plain;
   scenario.game.frames = 1;
   scenario.game.balls = 1;
   scenario.version.buttons = true;
@@ -92,7 +92,7 @@ TEST(GameHash, IsOfTheStateHashAndTheVersionOfEveryTick) {
 
 Scenario four_balls() {
   Scenario scenario;
-  scenario.game.rules = "plain";
+  scenario.game.rules = GameKind::plain;
   scenario.game.frames = 2;
   scenario.game.balls = 2;
   return scenario;
@@ -175,8 +175,8 @@ TEST(EachThrow, LosesNoneUnderAConditionThatLosesSome) {
 
 TEST(EachThrow, OfASkittleOfAnotherShapeStandsOnItsBase) {
   Scenario scenario = four_balls(), other = scenario;
-  scenario.skittle.weighed = other.skittle.weighed = "parts";
-  other.collision.shape = "ellipsoid";
+  scenario.skittle.weighed = other.skittle.weighed = Weighed::parts;
+  other.collision.shape = SkittleShape::ellipsoid;
   const HandScript hand = four_throws(scenario);
   EachThrow each(make_session(scenario), other);
   run_with(scenario, hand.samples, &each);
@@ -200,7 +200,7 @@ TEST(Differences, AreTheKeysThatDifferAndBothValues) {
   EXPECT_TRUE(differences(a, b).empty());
   b.ball.mass = 3.0;
   b.collision.gravity = 1.62;
-  b.version.red.shape = "ellipsoid";
+  b.version.red.shape = SkittleShape::ellipsoid;
   std::vector<std::string> keys;
   for (const KeyDifference& one : differences(a, b)) keys.push_back(one.key);
   EXPECT_THAT(keys,

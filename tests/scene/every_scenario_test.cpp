@@ -78,7 +78,7 @@ TEST_P(EveryScenario, AWholeGameIsPlayedInIt) {
       [&](const Session& s) { return participant.finished() || s.now() > 3600s; });
   ASSERT_FALSE(participant.gave_up());
   const Score sheets = score(seen.events);
-  if (scenario.game.rules == "one-throw") {
+  if (scenario.game.rules == GameKind::one_throw) {
     EXPECT_EQ(participant.throws(), 1);
     EXPECT_GT(sheets.skittles_down, 0);
     return;

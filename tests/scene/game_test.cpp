@@ -50,7 +50,7 @@ Played play(const Scenario& scenario, const std::vector<devices::Sample>& sample
 }
 
 TEST(GameTest, BallsComeBackSkittlesAreSweptAndSetAgainAndItEnds) {
-  const Scenario scenario = with_rules("plain", 2, 2);
+  const Scenario scenario = with_rules(GameKind::plain, 2, 2);
   HandScript hand(scenario);
   for (const double x : {0.0, 0.3, -0.1, 0.4, 0.0}) hand.throw_from(x);
   const Played played = play(scenario, hand.samples);
@@ -88,7 +88,7 @@ TEST(GameTest, BallsComeBackSkittlesAreSweptAndSetAgainAndItEnds) {
 }
 
 TEST(GameTest, BetweenFramesTheRackStandsAsAtTheStart) {
-  const Scenario scenario = with_rules("ninepins", 3, 1);
+  const Scenario scenario = with_rules(GameKind::ninepins, 3, 1);
   HandScript hand(scenario);
   hand.throw_from(0.05);
   const Played played = play(scenario, hand.samples);
@@ -105,7 +105,7 @@ TEST(GameTest, BetweenFramesTheRackStandsAsAtTheStart) {
 }
 
 TEST(GameTest, WithoutFrictionNothingRestsAndTheBallComesBackAllTheSame) {
-  Scenario scenario = with_rules("plain", 1, 1);
+  Scenario scenario = with_rules(GameKind::plain, 1, 1);
   set_elasticity(scenario.material, 1.0);
   set_friction(scenario.material, 0.0);
   HandScript hand(scenario);
@@ -119,7 +119,7 @@ TEST(GameTest, WithoutFrictionNothingRestsAndTheBallComesBackAllTheSame) {
 }
 
 TEST(GameTest, AnUprightSkittleFarFromItsSpotIsDown) {
-  Scenario scenario = with_rules("plain", 1, 1);
+  Scenario scenario = with_rules(GameKind::plain, 1, 1);
   scenario.game.off_spot = 1e-6;  // whatever was moved at all
   HandScript hand(scenario);
   hand.throw_from(0.35);
@@ -132,11 +132,11 @@ TEST(GameTest, AnUprightSkittleFarFromItsSpotIsDown) {
 }
 
 Scenario with_buttons() {
-  Scenario scenario = with_rules("plain", 1, 1);
+  Scenario scenario = with_rules(GameKind::plain, 1, 1);
   scenario.version.buttons = true;
   scenario.version.blue.elasticity = 1.0;
   scenario.version.blue.friction = 0.0;
-  scenario.version.blue.shape = "ellipsoid";
+  scenario.version.blue.shape = SkittleShape::ellipsoid;
   return scenario;
 }
 
@@ -157,7 +157,7 @@ TEST(GameTest, AButtonStartsItsVersionAndTheSessionGoesOn) {
   EXPECT_EQ(played.score.games[1].version, "blue");
   EXPECT_TRUE(played.score.games[0].over && played.score.games[1].over);
   EXPECT_EQ(played.session.scenario().material.ball.friction, 0.0);
-  EXPECT_EQ(played.session.scenario().collision.shape, "ellipsoid");
+  EXPECT_EQ(played.session.scenario().collision.shape, SkittleShape::ellipsoid);
   // One clock and one ledger through both.
   EXPECT_EQ(static_cast<std::size_t>(played.session.tick), played.hashes.size());
   EXPECT_EQ(played.session.world.tick, played.session.tick);
@@ -178,7 +178,7 @@ TEST(GameTest, WithButtonsNothingCountsBeforeOneIsTouched) {
 }
 
 TEST(GameTest, AButtonTouchedTooEarlyLeavesTheBallToItsOwnVersion) {
-  Scenario scenario = with_rules("plain", 1, 1);
+  Scenario scenario = with_rules(GameKind::plain, 1, 1);
   scenario.version.buttons = true;
   std::vector<double> counted;
   for (const double wait_s : {9.5, 0.1}) {
@@ -213,7 +213,7 @@ TEST(GameTest, AButtonTouchedTooEarlyLeavesTheBallToItsOwnVersion) {
 }
 
 TEST(GameTest, ABallIsTakenAndLetGoWhereItIs) {
-  const Scenario scenario = with_rules("plain", 1, 1);
+  const Scenario scenario = with_rules(GameKind::plain, 1, 1);
   HandScript hand(scenario);
   hand.throw_from(0.1, 6.0, 0.1);
   const Played played = play(scenario, hand.samples);
@@ -226,16 +226,16 @@ TEST(GameTest, ABallIsTakenAndLetGoWhereItIs) {
 }
 
 TEST(Foul, ABallLetGoBeyondTheLineIsCountedNotedOrCostsTheBall) {
-  for (const std::string rule : {"count", "note", "zero"}) {
-    Scenario scenario = with_rules("plain", 1, 2);
+  for (const FoulBall rule : {FoulBall::count, FoulBall::note, FoulBall::zero}) {
+    Scenario scenario = with_rules(GameKind::plain, 1, 2);
     scenario.game.foul = rule;
     for (const double y : {0.2, -0.4}) {
       HandScript hand(scenario);
       hand.throw_from(0.05, 6.0, 9.5, y);
       const Played played = play(scenario, hand.samples);
-      const bool noted = rule != "count" && y > 0.0;
+      const bool noted = rule != FoulBall::count && y > 0.0;
       const auto fouls = played.of_kind(kind::foul);
-      ASSERT_EQ(fouls.size(), noted ? 1u : 0u) << rule << y;
+      ASSERT_EQ(fouls.size(), noted ? 1u : 0u) << name_of(rule) << y;
       if (noted) {
         EXPECT_NEAR(fouls[0]->value, y + 6.0 / 60.0, 0.01);  // a sample after y, evenly on
         EXPECT_THAT(in_words(played.score.games[0]), testing::HasSubstr("foul (frame 1 ball 1)"));
@@ -243,7 +243,7 @@ TEST(Foul, ABallLetGoBeyondTheLineIsCountedNotedOrCostsTheBall) {
         EXPECT_THAT(in_words(played.score.games[0]), testing::Not(testing::HasSubstr("foul")));
       }
       const devices::Event& delivery = *played.of_kind(kind::delivery).front();
-      const bool costs = rule == "zero" && y > 0.0;
+      const bool costs = rule == FoulBall::zero && y > 0.0;
       ASSERT_FALSE(delivery.bodies.empty());
       EXPECT_EQ(delivery.value, costs ? 0.0 : static_cast<double>(delivery.bodies.size()));
       const Stage& stage = *played.session.stage;
@@ -266,7 +266,7 @@ TEST(Foul, ABallLetGoBeyondTheLineIsCountedNotedOrCostsTheBall) {
 
 // Oracle: the hand script's own law of motion, and the sheet.
 TEST(Throws, AreARowEachWhoseSumsAreTheSheets) {
-  const Scenario scenario = with_rules("ten-pin", 3, 2);
+  const Scenario scenario = with_rules(GameKind::ten_pin, 3, 2);
   HandScript hand(scenario);
   const std::vector<double> speeds = {5.0, 6.0, 7.0, 6.5};
   for (const double speed : speeds) hand.throw_from(0.02 * speed - 0.1, speed);

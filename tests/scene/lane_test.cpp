@@ -104,8 +104,8 @@ double radius_of_parts(const std::vector<SkittlePart>& parts, double height) {
   for (const SkittlePart& part : parts) {
     if (height < part.low || height > part.high) continue;
     const double share = (height - part.low) / (part.high - part.low);
-    const double radius = part.shape == "cylinder" ? part.radius
-                          : part.shape == "cone"
+    const double radius = part.shape == PartShape::cylinder ? part.radius
+                          : part.shape == PartShape::cone
                               ? part.radius * (1.0 - share)
                               : 2.0 * part.radius * std::sqrt(share * (1.0 - share));
     widest = std::max(widest, radius);
@@ -147,7 +147,7 @@ TEST(TenPin, HasTheMassPropertiesOfItsProfile) {
   EXPECT_NEAR(body.inertia(0, 0), 1.344e-2, 0.01 * 1.344e-2);
   EXPECT_NEAR(body.inertia(2, 2), 1.97e-3, 0.01 * 1.97e-3);
   Scenario parts = scenario;
-  parts.skittle.weighed = "parts";
+  parts.skittle.weighed = Weighed::parts;
   EXPECT_NE(skittle_body(parts).centre_height, centre_height);
 }
 
@@ -172,19 +172,20 @@ std::vector<std::string> bundled_files() {
 // Awake, for sleep would hide that something creeps.
 TEST(BundledScenario, StandsUntouchedForAMinute) {
   for (const std::string& file : bundled_files()) {
-    for (const std::string shape : {"true", "ellipsoid"}) {
+    for (const SkittleShape shape : {SkittleShape::parts, SkittleShape::ellipsoid}) {
       Scenario scenario = load_scenario(file);
       scenario.collision.shape = shape;
       const Stage stage = make_stage(scenario);
       engine::World world = stage.world;
-      if (shape == "true") {
+      if (shape == SkittleShape::parts) {
         for (const engine::BodyId skittle : stage.skittles) engine::wake(world, skittle);
       }
       for (int k = 0; k < 60 * 240; ++k) engine::step(world);
       for (const engine::BodyId skittle : stage.skittles) {
         const Pose &now = world.states[skittle].X_WB, &before = stage.world.states[skittle].X_WB;
-        EXPECT_LT((now.p - before.p).norm(), 1e-4) << file << " " << shape << " " << skittle;
-        EXPECT_GT((now.q * Vec3::UnitZ()).z(), 1.0 - 1e-6) << file << " " << shape;
+        EXPECT_LT((now.p - before.p).norm(), 1e-4)
+            << file << " " << name_of(shape) << " " << skittle;
+        EXPECT_GT((now.q * Vec3::UnitZ()).z(), 1.0 - 1e-6) << file << " " << name_of(shape);
       }
     }
   }

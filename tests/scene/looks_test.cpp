@@ -299,10 +299,11 @@ std::vector<double> widths_seen(const Scenario& scenario) {
 // tangent's 0.05 mm.
 TEST(Looks, ShowTheCollidersWhenAsked) {
   Scenario scenario;
-  scenario.skittle.seen = "collider";
-  scenario.skittle.parts = {{.shape = "cylinder", .radius = 0.05, .low = 0.0, .high = 0.1},
-                            {.shape = "cone", .radius = 0.06, .low = 0.1, .high = 0.381},
-                            {.shape = "ellipsoid", .radius = 0.03, .low = 0.28, .high = 0.381}};
+  scenario.skittle.seen = SeenSkittle::collider;
+  scenario.skittle.parts = {
+      {.shape = PartShape::cylinder, .radius = 0.05, .low = 0.0, .high = 0.1},
+      {.shape = PartShape::cone, .radius = 0.06, .low = 0.1, .high = 0.381},
+      {.shape = PartShape::ellipsoid, .radius = 0.03, .low = 0.28, .high = 0.381}};
   const auto expected = [](double z) {
     if (z < 0.0 || z > 0.381) return 0.0;
     if (z < 0.1) return 0.1;
@@ -324,11 +325,11 @@ TEST(Looks, ShowTheCollidersWhenAsked) {
 
 TEST(Looks, TellNothingOfTheCollidersUnlessAsked) {
   Scenario scenario;
-  scenario.collision.shape = "ellipsoid";
+  scenario.collision.shape = SkittleShape::ellipsoid;
   EXPECT_FALSE(glimpse(make_session(scenario), {}).ellipsoids);
-  scenario.skittle.seen = "collider";
+  scenario.skittle.seen = SeenSkittle::collider;
   EXPECT_TRUE(glimpse(make_session(scenario), {}).ellipsoids);
-  scenario.collision.shape = "true";
+  scenario.collision.shape = SkittleShape::parts;
   EXPECT_FALSE(glimpse(make_session(scenario), {}).ellipsoids);
 }
 
@@ -339,8 +340,8 @@ TEST(Looks, ShowSkittlesOfAnotherVersionWhereTheyStand) {
   const View view = seen.views()[0];
   const Mask before = mask(seen.labels(view), kFirstSkittleId);
   Scenario other = seen.scenario;
-  other.collision.shape = "ellipsoid";
-  other.skittle.ellipsoid_weighed = "itself";
+  other.collision.shape = SkittleShape::ellipsoid;
+  other.skittle.ellipsoid_weighed = WeighedEllipsoid::itself;
   const Stage version = make_stage(other);
   ASSERT_GT(version.skittle_centre, seen.stage.skittle_centre + 0.03);
   for (Pose& X_WB : seen.skittles) X_WB.p.z() = version.skittle_centre;

@@ -74,7 +74,7 @@ TEST(PageData, OfAMovedTrialIsWhatAReplayUnderThatConditionGives) {
   Scenario scenario = recorded.scenario;
   set_elasticity(scenario.material, 1.0);
   set_friction(scenario.material, 0.2);
-  scenario.collision.shape = "ellipsoid";
+  scenario.collision.shape = SkittleShape::ellipsoid;
   scenario.collision.response = "coulomb";
   const PageData data = page_data(recorded, PageLooks(recorded), moved, false);
   EXPECT_EQ(data.json["summary"]["state_hash"],

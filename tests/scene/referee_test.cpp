@@ -90,7 +90,7 @@ class ByHand {
 };
 
 TEST(Referee, WhatTheHandTopplesIsNoBallsAndIsSetAside) {
-  ByHand play(with_rules("plain", 2, 2));
+  ByHand play(with_rules(GameKind::plain, 2, 2));
   const engine::BodyId skittle = play.stage().skittles.back();
   const Vec3 spot = play.stage().world.states[skittle].X_WB.p;
   // A solid hand comes from outside of the rack, at the neck of one at its edge, and goes away.
@@ -117,8 +117,8 @@ TEST(Referee, WhatTheHandTopplesIsNoBallsAndIsSetAside) {
   EXPECT_THAT(in_words(play.score().games.front()), testing::HasSubstr("by hand (frame 1 ball 1)"));
   EXPECT_EQ(play.score().skittles_down, 0);
   // As trials of before have it, it is all the ball's.
-  Scenario before = with_rules("plain", 2, 2);
-  before.game.hand_fells = "counted";
+  Scenario before = with_rules(GameKind::plain, 2, 2);
+  before.game.hand_fells = HandFells::counted;
   ByHand counted(before);
   counted.carry(*counted.stage().hand, from, Vec3(-side * 1.5, 0.0, 0.0), 0.25);
   counted.put(*counted.stage().hand, kAway.p, Vec3::Zero());
@@ -129,7 +129,7 @@ TEST(Referee, WhatTheHandTopplesIsNoBallsAndIsSetAside) {
 }
 
 TEST(Referee, ABallThatIsCarriedThroughTheRackFellsNothing) {
-  ByHand play(with_rules("plain", 2, 2));
+  ByHand play(with_rules(GameKind::plain, 2, 2));
   const double head_pin = play.stage().scenario.lane.head_pin;
   play.carry(play.ball(), {0.0, head_pin - 0.5, 0.15}, {0.0, 2.0, 0.0}, 0.7);
   EXPECT_TRUE(play.of_kind(kind::first_contact).empty());
@@ -145,7 +145,7 @@ TEST(Referee, ABallThatIsCarriedThroughTheRackFellsNothing) {
 }
 
 TEST(Referee, ASkittleHeldAsTheBallIsCountedIsTheHandsAndStandsForTheNextFrame) {
-  ByHand play(with_rules("plain", 2, 1));
+  ByHand play(with_rules(GameKind::plain, 2, 1));
   const engine::BodyId held = play.stage().skittles.back();
   const auto rack = static_cast<double>(play.stage().skittles.size());
   const Vec3 in_hand(-1.5, -0.5, 1.0);
@@ -170,7 +170,7 @@ TEST(Referee, ASkittleHeldAsTheBallIsCountedIsTheHandsAndStandsForTheNextFrame) 
 
 // The law of a throw: v / g up, as long down again; it is not counted before it is down.
 TEST(Referee, ABallThrownStraightUpIsCountedOnceItIsDown) {
-  ByHand play(with_rules("plain", 2, 2));
+  ByHand play(with_rules(GameKind::plain, 2, 2));
   const double up = 4.95, low = play.stage().scenario.ball.radius, from = 0.75;
   play.let_fly({-1.0, -1.0, from}, {0.0, 0.0, up});
   play.until([&] { return !play.of_kind(kind::delivery).empty(); }, 10.0);
@@ -182,7 +182,7 @@ TEST(Referee, ABallThrownStraightUpIsCountedOnceItIsDown) {
 }
 
 TEST(Referee, ABallThatIsCaughtAgainWasNotThrown) {
-  ByHand play(with_rules("plain", 2, 2));
+  ByHand play(with_rules(GameKind::plain, 2, 2));
   for (const double after_s : {0.05, 0.3, 1.0}) {  // a slip of the trigger; a toss
     play.let_fly({-1.0, -1.0, 1.2}, {0.0, 0.0, 0.5 * 9.81 * after_s});
     play.wait(after_s);
@@ -199,7 +199,7 @@ TEST(Referee, ABallThatIsCaughtAgainWasNotThrown) {
 // Beyond the foul line a ball is thrown for good after half a second.
 TEST(Referee, ABallTakenBackBeyondTheLineWasNotThrownWithinHalfASecond) {
   for (const double after_s : {0.48, 0.52}) {
-    ByHand play(with_rules("plain", 2, 2));
+    ByHand play(with_rules(GameKind::plain, 2, 2));
     play.let_fly({-1.0, 0.3, 1.2}, {0.0, 0.0, 0.5 * 9.81 * after_s});
     play.wait(after_s);
     engine::set_kind(play.world(), play.ball(), engine::Kind::driven);
@@ -212,25 +212,25 @@ TEST(Referee, ABallTakenBackBeyondTheLineWasNotThrownWithinHalfASecond) {
 
 // A ball that is laid down is at rest at once: what it is given is half a second.
 TEST(Referee, ABallAtRestIsCountedHalfASecondAfterItWasLetGo) {
-  for (const char* ends : {"rest", "slow"}) {
-    Scenario scenario = with_rules("plain", 2, 2);
+  for (const BallEnds ends : {BallEnds::rest, BallEnds::slow}) {
+    Scenario scenario = with_rules(GameKind::plain, 2, 2);
     scenario.game.ends = ends;
     ByHand play(scenario);
     play.let_fly({0.3, 1.0, play.stage().scenario.ball.radius}, Vec3::Zero());
     play.tick();
     const double let_go = seconds(play.now());
     play.until([&] { return !play.of_kind(kind::delivery).empty(); }, 10.0);
-    ASSERT_EQ(play.of_kind(kind::delivery).size(), 1u) << ends;
+    ASSERT_EQ(play.of_kind(kind::delivery).size(), 1u) << name_of(ends);
     EXPECT_NEAR(seconds(play.of_kind(kind::delivery).front()->time), let_go + 0.5,
                 engine::step_seconds(play.world()) + 1e-6)
-        << ends;
+        << name_of(ends);
   }
 }
 
 // Slower than 5 cm/s it tips no skittle. It rolls without slipping here, on one spot.
 TEST(Referee, ABallIsAtRestBelowFiveCentimetresASecond) {
   for (const double speed : {0.049, 0.051}) {
-    ByHand play(with_rules("plain", 2, 2));
+    ByHand play(with_rules(GameKind::plain, 2, 2));
     const double radius = play.stage().scenario.ball.radius;
     play.let_fly({0.3, 1.0, radius}, Vec3::Zero());
     for (double t = 0.0; t < 1.0; t += engine::step_seconds(play.world())) {
@@ -247,22 +247,22 @@ TEST(Referee, ABallIsAtRestBelowFiveCentimetresASecond) {
 
 // As trials of before have it, nothing but the ball's return says that the next one is another.
 TEST(Referee, TheNextBallStrikesForTheFirstTimeAgain) {
-  for (const char* fells : {"counted", "apart"}) {
-    Scenario scenario = with_rules("ninepins", 3, 1);
+  for (const HandFells fells : {HandFells::counted, HandFells::apart}) {
+    Scenario scenario = with_rules(GameKind::ninepins, 3, 1);
     scenario.game.hand_fells = fells;
     ByHand play(scenario);
     for (std::size_t ball = 1; ball <= 2; ++ball) {
       play.let_fly({0.0, 4.5, 0.11}, {0.0, 6.0, 0.0});
       play.until([&] { return play.of_kind(kind::delivery).size() == ball; }, 12.0);
-      EXPECT_EQ(play.of_kind(kind::first_contact).size(), ball) << fells;
-      EXPECT_FALSE(play.game().struck) << fells;
+      EXPECT_EQ(play.of_kind(kind::first_contact).size(), ball) << name_of(fells);
+      EXPECT_FALSE(play.game().struck) << name_of(fells);
       EXPECT_FALSE(play.taken()) << "there is nothing in the hand to be taken";
     }
   }
 }
 
 TEST(Referee, ACarriedSkittleThatMeetsABallIsTheHandsAllTheSame) {
-  ByHand play(with_rules("plain", 2, 2));
+  ByHand play(with_rules(GameKind::plain, 2, 2));
   const engine::BodyId skittle = play.stage().skittles.front();
   const double radius = play.stage().scenario.ball.radius;
   play.let_fly({0.3, 1.0, radius}, Vec3::Zero());
@@ -276,7 +276,7 @@ TEST(Referee, ACarriedSkittleThatMeetsABallIsTheHandsAllTheSame) {
 
 // The ball loses what the skittle gains, against its flight.
 TEST(Referee, TheFirstContactHasTheImpulseThatSlowsTheBallDown) {
-  ByHand play(with_rules("plain", 2, 2));
+  ByHand play(with_rules(GameKind::plain, 2, 2));
   play.let_fly({0.0, 5.0, 0.11}, {0.0, 6.0, 0.0});
   play.until([&] { return !play.of_kind(kind::first_contact).empty(); }, 2.0);
   ASSERT_EQ(play.of_kind(kind::first_contact).size(), 1u);

@@ -336,7 +336,7 @@ struct Played {
   double carried_off = 0.0;  ///< furthest that the ball was from the hand's grip at a tick [m]
 };
 
-Played play(const KnownSwing& swing, double release_s, double delay_s, const char* release_at) {
+Played play(const KnownSwing& swing, double release_s, double delay_s, ReleaseAt release_at) {
   constexpr double kStart = 1.0;  // s, of the swing
   Scenario scenario;
   scenario.rig.delay_s = delay_s;
@@ -379,7 +379,7 @@ TEST(AThrow, LeavesAtTheTimeOfTheTriggerFromWhereTheHandIs) {
   double before = -100.0;
   for (int i = 0; i < 12; ++i) {
     const double at = straight.release + 0.0023 * i;
-    const Played played = play(straight, at, 0.025, "trigger");
+    const Played played = play(straight, at, 0.025, ReleaseAt::trigger);
     ASSERT_EQ(played.release.kind, kind::release);
     EXPECT_EQ(played.release.time, microseconds(1.0 + at) + Time{25'000});
     EXPECT_LT(played.carried_off, 1e-9);
@@ -403,7 +403,7 @@ TEST(AThrow, LeavesAtTheTimeOfTheTriggerFromWhereTheHandIs) {
 
 TEST(AThrow, OfAnOldTrialIsATickAheadOfTheHandAndDoesNotSayHowItIsKnown) {
   const KnownSwing straight = known_swings().front().second;
-  const Played played = play(straight, straight.release, 0.025, "sample");
+  const Played played = play(straight, straight.release, 0.025, ReleaseAt::sample);
   EXPECT_GT(played.carried_off, 0.02);
   EXPECT_FALSE(motion_of(played.release).has_value());
 }

@@ -5,7 +5,7 @@
 namespace headpin::scene {
 namespace {
 
-const Rules& kTenPin = rules_named("ten-pin");
+const Rules& kTenPin = rules_of(GameKind::ten_pin);
 
 /// Plays rolls by the rules as far as they go, setting skittles as those say.
 std::vector<Frame> play(const Rules& rules, const std::vector<int>& rolls, int rack, int balls,
@@ -56,11 +56,11 @@ TEST(Rules, TheLastFrameOfTenPinIsPlayedOut) {
 }
 
 TEST(Rules, NinepinsHasAllBeforeEveryBallAndSkittlesWhenNoneIsLeft) {
-  const Rules& ninepins = rules_named("ninepins");
+  const Rules& ninepins = rules_of(GameKind::ninepins);
   EXPECT_TRUE(is_set_again(ninepins, {4}, 9));
   EXPECT_FALSE(is_over(ninepins, {9}, 9, 2, false));
   EXPECT_EQ(points(ninepins, std::vector<Frame>{{9, 9}, {4, 5}}, 9), 27);
-  const Rules& skittles = rules_named("skittles");
+  const Rules& skittles = rules_of(GameKind::skittles);
   EXPECT_FALSE(is_set_again(skittles, {4}, 9));
   EXPECT_TRUE(is_set_again(skittles, {4, 5}, 9));
   EXPECT_FALSE(is_over(skittles, {9, 9}, 9, 3, false));
@@ -69,10 +69,10 @@ TEST(Rules, NinepinsHasAllBeforeEveryBallAndSkittlesWhenNoneIsLeft) {
   EXPECT_EQ(in_words(skittles, std::vector<Frame>{{9, 0, 3}, {}}, 9), "9 - 3");
 }
 
-TEST(Rules, AreFoundByName) {
-  EXPECT_TRUE(is_rules("plain"));
-  EXPECT_FALSE(is_rules("cricket"));
-  EXPECT_THROW(rules_named("cricket"), std::invalid_argument);
+TEST(Rules, AreTheOnesOfEachName) {
+  EXPECT_EQ(value_named<GameKind>("ten-pin"), GameKind::ten_pin);
+  EXPECT_EQ(value_named<GameKind>("cricket"), std::nullopt);
+  for (const auto& [kind, name] : kNames<GameKind>) EXPECT_EQ(rules_of(kind).kind, kind) << name;
 }
 
 }  // namespace

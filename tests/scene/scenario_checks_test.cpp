@@ -57,7 +57,7 @@ TEST(ScenarioCheck, BonusesAreForFramesOfTwoBalls) {
 TEST(ScenarioCheck, ATrialMayHaveRunUnderWhatIsNotChosenAnyMore) {
   Scenario old;
   old.rig.head_station = old.rig.hand_station = 2;
-  old.game.rules = "ten-pin";
+  old.game.rules = GameKind::ten_pin;
   old.game.balls = 3;
   Scenario read = scenario_of_trial(to_toml(old), "old.lcmlog");
   EXPECT_EQ(read.game.balls, 3);
@@ -323,24 +323,24 @@ TEST(ScenarioOfATrial, WithoutAKeyThatCameLaterRanUnderWhatThenHeld) {
   EXPECT_TRUE(read.lane.masking_panel && read.lane.kick_backs);
   EXPECT_EQ(read.lane.gutter_width, 0.235);
   EXPECT_EQ(read.lane.gutter_depth, 0.0);
-  EXPECT_EQ(read.skittle.weighed, "parts");
-  EXPECT_EQ(read.skittle.ellipsoid_weighed, "itself");
-  EXPECT_EQ(read.collision.answer, "last");
+  EXPECT_EQ(read.skittle.weighed, Weighed::parts);
+  EXPECT_EQ(read.skittle.ellipsoid_weighed, WeighedEllipsoid::itself);
+  EXPECT_EQ(read.collision.answer, PlaneAtCap::last);
 }
 
 // The paper's S is the accuracy of collisions, and not the weight.
 TEST(AnEllipsoid, WeighsAsTheTrueShapeUnlessAnOldTrialSaysNo) {
-  for (const char* weighed : {"profile", "parts"}) {
+  for (const Weighed weighed : {Weighed::profile, Weighed::parts}) {
     Scenario s;
     s.skittle.weighed = weighed;
     const SkittleBody whole = skittle_body(s);
-    s.collision.shape = "ellipsoid";
+    s.collision.shape = SkittleShape::ellipsoid;
     const SkittleBody alike = skittle_body(s);
     EXPECT_EQ(alike.body.shape->parts.size(), 1u);
     EXPECT_EQ(alike.body.mass, whole.body.mass);
     EXPECT_EQ(alike.body.inertia, whole.body.inertia);
     EXPECT_EQ(alike.centre_height, whole.centre_height);
-    s.skittle.ellipsoid_weighed = "itself";
+    s.skittle.ellipsoid_weighed = WeighedEllipsoid::itself;
     EXPECT_NEAR(skittle_body(s).centre_height, 0.5 * s.skittle.height, 1e-9);
   }
 }

@@ -20,7 +20,7 @@ TEST(ScenarioText, GivesBackEveryBit) {
   Scenario s;
   s.ball.mass = 0.1 + 0.2;  // no short decimal
   s.rig.X_WT = {rotation(Vec3(0.1, 0.2, 0.3)), Vec3(1.0 / 3.0, -0.0, 1e-7)};
-  s.collision.shape = "ellipsoid";
+  s.collision.shape = SkittleShape::ellipsoid;
   s.name = "a \"quoted\" name\nand a line";
   s.hmd = hmd_of_profile("flight-helmet-leep");
   s.hmd.optics.eye_distance = 0.0625;
@@ -192,7 +192,7 @@ TEST(SetValue, ChangesOneValueAndChecksIt) {
   set(s, "collision.shape=ellipsoid");
   set(s, "material.lane.friction=0.25");
   EXPECT_EQ(s.ball.mass, 5.0);
-  EXPECT_EQ(s.collision.shape, "ellipsoid");
+  EXPECT_EQ(s.collision.shape, SkittleShape::ellipsoid);
   EXPECT_EQ(s.material.lane.friction, 0.25);
   EXPECT_EQ(s.material.ball.friction, 0.7);
   EXPECT_THROW(set(s, "ball.mass=-1"), std::invalid_argument);

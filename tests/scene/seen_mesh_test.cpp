@@ -90,8 +90,8 @@ TEST(PolyhedronPart, DecidesHeightProfileMassAndLook) {
   };
   const Skittle box = read("").skittle;
   EXPECT_NEAR(box.height, 0.3, 1e-7);
-  EXPECT_EQ(box.weighed, "parts");
-  EXPECT_EQ(box.seen, "collider");
+  EXPECT_EQ(box.weighed, Weighed::parts);
+  EXPECT_EQ(box.seen, SeenSkittle::collider);
   EXPECT_EQ(box.profile.back().x(), box.height);
   for (const Vec2& point : box.profile) EXPECT_NEAR(point.y(), std::hypot(0.05, 0.05), 1e-7);
   EXPECT_NEAR(skittle_body(read("")).centre_height, 0.15, 1e-7);
@@ -99,8 +99,8 @@ TEST(PolyhedronPart, DecidesHeightProfileMassAndLook) {
   const Skittle said =
       read("weighed = 'profile'\nseen = 'true'\nprofile = [[0.0, 0.05], [0.15, 0.06], [0.3, 0.05]]")
           .skittle;
-  EXPECT_EQ(said.weighed, "profile");
-  EXPECT_EQ(said.seen, "true");
+  EXPECT_EQ(said.weighed, Weighed::profile);
+  EXPECT_EQ(said.seen, SeenSkittle::profile);
   EXPECT_EQ(said.profile.size(), 3u);
   EXPECT_THROW(read("height = 0.31"), std::invalid_argument);
   const std::string metres = slurp(folder / "box.obj");
@@ -119,7 +119,7 @@ TEST(PolyhedronPart, DecidesHeightProfileMassAndLook) {
           "[skittle]\nparts = [{shape = 'cylinder', radius = 0.05, low = 0.0, high = 0.381}]", "x")
           .skittle;
   EXPECT_EQ(plain.profile, Scenario{}.skittle.profile);
-  EXPECT_EQ(plain.weighed, "profile");
+  EXPECT_EQ(plain.weighed, Weighed::profile);
 }
 
 /// A square spool in the file's own unit and axes: 300 high, 60 wide at its ends and 24 between them.
@@ -155,7 +155,7 @@ TEST(PolyhedronPart, ThatIsNotConvexIsItsPieces) {
       (folder / "hull.toml").string());
   ASSERT_EQ(scenario.skittle.parts.size(), 4u);
   EXPECT_NEAR(scenario.skittle.parts[1].high, 0.2, 1e-7);
-  EXPECT_EQ(scenario.skittle.parts[3].shape, "cylinder");
+  EXPECT_EQ(scenario.skittle.parts[3].shape, PartShape::cylinder);
   EXPECT_THAT(not_convex(scenario),
               testing::ElementsAre(HasSubstr("hull.obj: not convex: 3 convex pieces collide in its "
                                              "place, with 0.0 % more volume")));

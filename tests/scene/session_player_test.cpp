@@ -101,7 +101,7 @@ TEST(SessionTest, ThumbsWalkAlongTheGaze) {
 
 TEST(SessionTest, ThumbsWalkWhereTheHandPointsWhenAskedTo) {
   Scenario scenario;
-  scenario.walk.along = "hand";
+  scenario.walk.along = WalkAlong::hand;
   const Walker walker;  // looks along y
   std::vector<devices::Sample> samples = walker.samples();
   const auto goes = [&] { return play(scenario, samples, 2.9).session.player.walk.p_WP; };

@@ -49,7 +49,7 @@ LetGo let_go(Scenario scenario, bool falls_at_once, Time shift) {
     advance(session, source);
     for (const devices::Event& event : session.events) {
       if (event.kind != kind::release) continue;
-      const bool at_trigger = scenario.hand.release_at == "trigger";
+      const bool at_trigger = scenario.hand.release_at == ReleaseAt::trigger;
       EXPECT_EQ(event.time, at_trigger ? released : session.now());
       return {session.world.states[session.stage->balls.front()], seconds(session.now() - released),
               event.value};
@@ -66,9 +66,9 @@ TEST(Release, BetweenTwoTicksFallsFromThereOnWhereAsked) {
   const double dt = 1.0 / static_cast<double>(scenario.rates.physics_hz);
   const Vec3 g = make_stage(scenario).world.parameters.gravity_W;
   for (const Time shift : {Time{0}, Time{1000}, Time{2500}, Time{4000}}) {
-    for (const char* release_at : {"trigger", "sample"}) {
+    for (const ReleaseAt release_at : {ReleaseAt::trigger, ReleaseAt::sample}) {
       scenario.hand.release_at = release_at;
-      const bool old = scenario.hand.release_at == "sample";
+      const bool old = release_at == ReleaseAt::sample;
       const LetGo later = let_go(scenario, false, shift), at_once = let_go(scenario, true, shift);
       const double f = at_once.flown;
       EXPECT_NEAR(f, shift == Time{} ? 0.0 : dt - seconds(shift), 1e-6);
@@ -122,7 +122,7 @@ TEST(SessionTest, ACarriedBallStaysOnTheLaneThatTheHandGoesThrough) {
 }
 
 TEST(SessionTest, SkittlesStandUntilTheyAreStruck) {
-  for (const std::string shape : {"true", "ellipsoid"}) {
+  for (const SkittleShape shape : {SkittleShape::parts, SkittleShape::ellipsoid}) {
     Scenario scenario;
     scenario.collision.shape = shape;
     const std::vector<devices::Sample> samples = straight_throw(scenario);
@@ -140,7 +140,7 @@ TEST(SessionTest, SkittlesStandUntilTheyAreStruck) {
         EXPECT_EQ(outcome.session.world.states[skittle].X_WB.p, before.states[skittle].X_WB.p);
       }
     }
-    EXPECT_TRUE(struck) << shape;
+    EXPECT_TRUE(struck) << name_of(shape);
   }
 }
 
@@ -334,18 +334,19 @@ TEST(SessionTest, ASampleInTheWorldsFrameNeedsNoTransmitterAndAnotherFrameIsRefu
 TEST(ReleaseTimingTest, TellsHowLongBeforeTheFastestMomentTheBallWasLetGo) {
   // The hand is ever faster until it stops at 0.72 s; the last sample before that is the 43rd.
   struct Case {
-    const char* release_at;
+    ReleaseAt release_at;
     Time fastest;
     double speed;
     Time within;
     double speed_within;
   };
   // The cubic rounds the corner where the hand stops at once.
-  for (const Case& c : {Case{"sample", tick_time(43, 60), 12.0 * (43.0 / 60.0 - 0.2), Time{}, 1e-4},
-                        Case{"trigger", Time{720'000}, 12.0 * 0.52, Time{12'000}, 0.15}}) {
+  for (const Case& c :
+       {Case{ReleaseAt::sample, tick_time(43, 60), 12.0 * (43.0 / 60.0 - 0.2), Time{}, 1e-4},
+        Case{ReleaseAt::trigger, Time{720'000}, 12.0 * 0.52, Time{12'000}, 0.15}}) {
     Scenario scenario;
     scenario.hand.release_at = c.release_at;
-    scenario.hand.release_window_s = scenario.hand.release_at == "sample" ? 0.06 : 0.12;
+    scenario.hand.release_window_s = scenario.hand.release_at == ReleaseAt::sample ? 0.06 : 0.12;
     scenario.hand.release_window_most_s = 2.0 * scenario.hand.release_window_s;
     const auto samples = straight_throw(scenario);
     devices::TrialHeader header;

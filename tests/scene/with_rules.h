@@ -1,13 +1,11 @@
 #pragma once
 
-#include <string>
-
 #include "scene/scenario/scenario.h"
 
 namespace headpin::scene {
 
 /// The default scenario with a game of these rules.
-inline Scenario with_rules(const std::string& rules, int frames, int balls) {
+inline Scenario with_rules(GameKind rules, int frames, int balls) {
   Scenario scenario;
   scenario.game.rules = rules;
   scenario.game.frames = frames;

@@ -247,7 +247,7 @@ TEST(Apart, ARowOfASweepTellsHowFarItIsFromItsTrial) {
   };
   EXPECT_EQ(cell(0), "0");
   scene::Scenario ellipsoid = trials[0].scenario;
-  ellipsoid.collision.shape = "ellipsoid";
+  ellipsoid.collision.shape = scene::SkittleShape::ellipsoid;
   Played a(trials[0].scenario, trials[0].samples), b(ellipsoid, trials[0].samples);
   Apart apart(a.session, b.session);
   while (seconds(a.session.now()) < 7.0) {

@@ -104,7 +104,7 @@ TEST(ThrowAgain, BeforeTheHandHadTheBallNothingIsReleased) {
 
 TEST(ThrowAgain, SecondThrowsHaveTheRackThatTheFirstLeft) {
   scene::Scenario scenario;
-  scenario.game.rules = "ten-pin";
+  scenario.game.rules = scene::GameKind::ten_pin;
   scene::HandScript hand(scenario);
   hand.throw_from(0.25);
   hand.throw_from(-0.1);
