@@ -10,6 +10,7 @@
 #include "scene/play/presence.h"
 #include "scene/play/score.h"
 #include "scene/stage/read_scenario.h"
+#include "scene/stage/stage.h"
 #include "scene/watch/totals.h"
 
 namespace headpin::apps {
@@ -64,8 +65,9 @@ void add_details(ordered_json& out, const devices::TrialSummary& trial) {
 
 ordered_json result_json(const devices::TrialSummary& trial) {
   const scene::Score r = scene::score(trial.events);
-  const auto skittles = std::ranges::count_if(
-      trial.header.body_names, [](const std::string& name) { return name.starts_with("skittle"); });
+  const auto skittles = std::ranges::count_if(trial.header.body_names, [](const std::string& name) {
+    return scene::role_named(name) == scene::Role::skittle;
+  });
   ordered_json out = {{"skittles", skittles},
                       {"skittles_down", r.skittles_down},
                       {"felled_by_hand", r.felled_by_hand},

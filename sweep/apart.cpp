@@ -56,10 +56,6 @@ void require_same_bodies(const scene::Stage& a, const scene::Stage& b, const Apa
       fmt::format("{}: {}; expected the same balls and skittles", names[1], what));
 }
 
-bool is_ball_or_skittle(const std::string& name) {
-  return name.starts_with("ball") || name.starts_with("skittle");
-}
-
 }  // namespace
 
 std::vector<Place> places_of(const scene::Session& session) {
@@ -219,6 +215,9 @@ void Apart::note_events(const scene::Session& session, bool is_b) {
   std::vector<std::optional<Time>>& contacts = contacts_[is_b];
   for (const devices::Event& event : session.events) {
     if (event.kind != scene::kind::touch && event.kind != scene::kind::first_contact) continue;
+    const auto is_ball_or_skittle = [&](const std::string& name) {
+      return std::ranges::find(bodies_, name, &BodyApart::body) != bodies_.end();
+    };
     if (!std::ranges::all_of(event.bodies, is_ball_or_skittle)) continue;
     for (std::size_t i = 0; i < bodies_.size(); ++i) {
       if (std::ranges::find(event.bodies, bodies_[i].body) == event.bodies.end()) continue;

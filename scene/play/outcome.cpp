@@ -7,6 +7,7 @@
 #include <fmt/ranges.h>
 
 #include "scene/play/events.h"
+#include "scene/stage/stage.h"
 
 namespace headpin::scene {
 
@@ -20,7 +21,7 @@ const devices::Event* first_of(std::span<const devices::Event> events, std::stri
 /// The body that the ball met.
 std::string met_by_ball(const devices::Event& event) {
   for (const std::string& body : event.bodies) {
-    if (!body.starts_with("ball")) return body;
+    if (role_named(body) != Role::ball) return body;
   }
   return "another ball";
 }

@@ -9,6 +9,7 @@
 
 #include "scene/play/events.h"
 #include "scene/play/release.h"
+#include "scene/stage/stage.h"
 
 namespace headpin::scene {
 
@@ -25,10 +26,6 @@ std::optional<Vec3> vector_of(const nlohmann::json& detail, const char* key) {
     v[static_cast<Eigen::Index>(i)] = (*found)[i].get<double>();
   }
   return v;
-}
-
-bool is_of_ball(const devices::Event& event) {
-  return !event.bodies.empty() && event.bodies.front().starts_with("ball");
 }
 
 /// The row of a throw, from the release of its ball.
@@ -62,6 +59,10 @@ std::string mark(const Sheet& game, const std::string& what) {
 }
 
 }  // namespace
+
+bool is_of_ball(const devices::Event& event) {
+  return !event.bodies.empty() && role_named(event.bodies.front()) == Role::ball;
+}
 
 double degrees_from_y(const Vec3& v) {
   const double speed = std::sqrt(v.x() * v.x() + v.y() * v.y());

@@ -48,6 +48,9 @@ struct Score {
 
 Score score(std::span<const devices::Event> events);
 
+/// Whether an event tells of a ball, which it names first.
+bool is_of_ball(const devices::Event& event);
+
 /// The direction of a velocity's level part: the angle from the y axis, positive to the right, in
 /// [-180, 180] degrees; 0 without a level part. It has the same bits on every machine.
 double degrees_from_y(const Vec3& v);

@@ -124,7 +124,7 @@ SkittleBody skittle_body(const Scenario& scenario) {
         "0, or weigh the profile (skittle.weighed)",
         off, tilt, kUpright));
   }
-  return {{.name = "skittle",
+  return {{.name = std::string(kSkittleName),
            .shape = centred.compound,
            .mass = centred.mass,
            .inertia = centred.inertia.asDiagonal(),
@@ -135,7 +135,7 @@ SkittleBody skittle_body(const Scenario& scenario) {
 engine::Body ball_body(const Scenario& scenario) {
   const Ball& ball = scenario.ball;
   const double inertia = 0.4 * ball.mass * ball.radius * ball.radius;
-  return {.name = "ball",
+  return {.name = std::string(kBallName),
           .shape = engine::make_compound({{engine::Ellipsoid{Vec3::Constant(ball.radius)}, {}}}),
           .mass = ball.mass,
           .inertia = Vec3::Constant(inertia).asDiagonal(),
@@ -146,7 +146,7 @@ engine::Body hand_body(const Scenario& scenario) {
   const auto part = [](const Vec3& p_HG, const Vec3& radii) {
     return engine::Part{engine::Ellipsoid{radii}, {Quat::Identity(), p_HG}};
   };
-  return {.name = "hand",
+  return {.name = std::string(kHandName),
           .shape = engine::make_compound({part({0.0, 0.0, -0.005}, {0.042, 0.016, 0.050}),
                                           part({-0.020, 0.0, -0.085}, {0.020, 0.010, 0.042}),
                                           part({0.020, 0.0, -0.080}, {0.020, 0.010, 0.038}),

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string_view>
+
 #include "engine/world.h"
 #include "scene/scenario/scenario.h"
 
@@ -24,6 +26,11 @@ engine::Body hand_body(const Scenario& scenario);
 
 /// The role of a body in the game.
 enum class Role : std::uint8_t { lane, wall, ball, skittle, hand };
+
+// The first words of the names of bodies that move: "ball 2", "skittle 1".
+inline constexpr std::string_view kBallName = "ball";
+inline constexpr std::string_view kSkittleName = "skittle";
+inline constexpr std::string_view kHandName = "hand";
 
 /// A fixed body and its pose.
 struct Fixture {

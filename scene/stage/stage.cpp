@@ -51,7 +51,7 @@ engine::BodyId add_ball(Stage& stage, const Vec3& home) {
 void add_rack(Stage& stage, const Vec2& head_pin) {
   for (const Vec2& spot : stage.scenario.rack.spots) {
     engine::Body body = stage.skittle;
-    body.name = fmt::format("skittle {}", stage.skittles.size() + 1);
+    body.name = fmt::format("{} {}", kSkittleName, stage.skittles.size() + 1);
     const Vec2 p = head_pin + spot;
     const engine::BodyId skittle =
         add(stage, Role::skittle, std::move(body),
@@ -65,6 +65,14 @@ std::vector<std::string> body_names(const Stage& stage) {
   std::vector<std::string> names;
   for (const engine::Body& body : stage.world.bodies) names.push_back(body.name);
   return names;
+}
+
+std::optional<Role> role_named(std::string_view name) {
+  const std::string_view first_word = name.substr(0, name.find(' '));
+  if (first_word == kBallName) return Role::ball;
+  if (first_word == kSkittleName) return Role::skittle;
+  if (first_word == kHandName) return Role::hand;
+  return std::nullopt;
 }
 
 }  // namespace headpin::scene

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "scene/stage/bodies.h"
@@ -44,5 +45,11 @@ void add_rack(Stage& stage, const Vec2& head_pin);
 
 /// Names of the world's bodies, in their order: "lane", "ball", "skittle 1" ...
 std::vector<std::string> body_names(const Stage& stage);
+
+/// The role of the body that a stage gives this name. Trials and their events know bodies by their
+/// names alone.
+///
+/// @return  ball, skittle or hand; nothing for a part of the room or another name
+std::optional<Role> role_named(std::string_view name);
 
 }  // namespace headpin::scene

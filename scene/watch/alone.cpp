@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "scene/play/events.h"
+#include "scene/play/score.h"
 
 namespace headpin::scene {
 
@@ -37,8 +38,7 @@ engine::World moved_into(const engine::World& from, const Stage& before, const S
 }  // namespace
 
 bool is_release_of_ball(const devices::Event& event) {
-  return event.kind == kind::release && !event.bodies.empty() &&
-         event.bodies.front().starts_with("ball");
+  return event.kind == kind::release && is_of_ball(event);
 }
 
 Session on_its_own(Session session, const std::shared_ptr<const Stage>& stage) {

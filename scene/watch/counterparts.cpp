@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scene/play/events.h"
+#include "scene/play/score.h"
 #include "scene/play/session.h"
 
 namespace headpin::scene {
@@ -14,10 +15,6 @@ namespace {
 
 /// Releases in two sessions with different tick rates count as simultaneous within this time.
 constexpr Time kSameMoment{10'000};
-
-bool tells_of_ball(const devices::Event& event) {
-  return !event.bodies.empty() && event.bodies.front().starts_with("ball");
-}
 
 /// The reason why no ball was released at `time`.
 ///
@@ -32,7 +29,7 @@ std::string why_not_thrown(std::span<const devices::Event> events, Time before, 
     return "not thrown: the hand closed on nothing";
   }
   const auto grab = within(kind::grab);
-  if (grab != events.end() && !tells_of_ball(*grab)) return "not thrown: the hand took a skittle";
+  if (grab != events.end() && !is_of_ball(*grab)) return "not thrown: the hand took a skittle";
   return "not thrown";
 }
 
@@ -44,7 +41,7 @@ std::vector<ThrownBall> thrown(std::span<const devices::Event> events) {
   std::size_t counted = 0;  // throws before this one are, or never will be
   for (const devices::Event& event : events) {
     if (event.kind == kind::version) version = event.detail;
-    if (event.kind == kind::release && tells_of_ball(event)) {
+    if (event.kind == kind::release && is_of_ball(event)) {
       all.push_back({static_cast<int>(all.size()) + 1, version, event.time, event.tick, {}});
     }
     if (event.kind == kind::delivery && counted < all.size()) {

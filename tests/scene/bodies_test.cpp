@@ -7,6 +7,7 @@
 
 #include "devices/trial/log.h"
 #include "scene/stage/read_scenario.h"
+#include "scene/stage/stage.h"
 
 namespace headpin::scene {
 namespace {
@@ -23,6 +24,21 @@ TEST(SkittleBody, WeighsWhatItsScenarioSaysAndBalancesWhereAPinDoes) {
   EXPECT_EQ(skittle_body(ellipsoid).centre_height, centre_height);
   ellipsoid.skittle.ellipsoid_weighed = WeighedEllipsoid::itself;
   EXPECT_NEAR(skittle_body(ellipsoid).centre_height, 0.5 * 0.381, 1e-9);
+}
+
+TEST(BodyNames, TellTheRolesOfTheBodiesThatMove) {
+  Scenario scenario;
+  scenario.hand.solid = true;
+  scenario.lane.kick_backs = scenario.lane.masking_panel = true;
+  Stage stage = make_stage(scenario);
+  add_ball(stage, {1.0, 0.0, 1.0});
+  const std::vector<std::string> names = body_names(stage);
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const bool fixed = stage.roles[i] == Role::lane || stage.roles[i] == Role::wall;
+    EXPECT_EQ(role_named(names[i]), fixed ? std::nullopt : std::optional(stage.roles[i]))
+        << names[i];
+  }
+  EXPECT_EQ(role_named("ballast"), std::nullopt);
 }
 
 TEST(RoomFixtures, NothingGetsOutOfTheRoom) {
