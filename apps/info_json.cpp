@@ -29,14 +29,14 @@ ordered_json channels_json(const devices::TrialSummary& trial) {
 
 ordered_json devices_json(const devices::TrialSummary& trial) {
   ordered_json out = ordered_json::array();
-  for (const auto& [station, device] : in_order(trial)) {
-    out.push_back({{"device", devices::device_name(station)},
-                   {"samples", device.samples},
-                   {"rate_hz", rate_hz(device)},
-                   {"longest_gap_s", nearest_seconds(device.longest_gap)},
-                   {"lost", device.lost},
-                   {"bad", device.bad},
-                   {"astray", device.astray}});
+  for (const auto& [device, of] : in_order(trial)) {
+    out.push_back({{"device", devices::device_name(device)},
+                   {"samples", of.samples},
+                   {"rate_hz", rate_hz(of)},
+                   {"longest_gap_s", nearest_seconds(of.longest_gap)},
+                   {"lost", of.lost},
+                   {"bad", of.bad},
+                   {"astray", of.astray}});
   }
   return out;
 }
@@ -133,11 +133,12 @@ Time duration(const devices::TrialSummary& trial) {
   return trial.first ? *trial.last - *trial.first : Time{};
 }
 
-std::vector<std::pair<std::int32_t, devices::DeviceSummary>> in_order(
+std::vector<std::pair<devices::Device, devices::DeviceSummary>> in_order(
     const devices::TrialSummary& trial) {
-  std::vector<std::pair<std::int32_t, devices::DeviceSummary>> all(trial.devices.begin(),
-                                                                   trial.devices.end());
-  std::stable_partition(all.begin(), all.end(), [](const auto& entry) { return entry.first != 0; });
+  std::vector<std::pair<devices::Device, devices::DeviceSummary>> all(trial.devices.begin(),
+                                                                      trial.devices.end());
+  std::stable_partition(all.begin(), all.end(),
+                        [](const auto& entry) { return entry.first != devices::Device::mouse; });
   return all;
 }
 

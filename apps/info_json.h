@@ -18,7 +18,7 @@ double rate_hz(const devices::DeviceSummary& device);
 Time duration(const devices::TrialSummary& trial);
 
 /// Receivers by station, then the mouse.
-std::vector<std::pair<std::int32_t, devices::DeviceSummary>> in_order(
+std::vector<std::pair<devices::Device, devices::DeviceSummary>> in_order(
     const devices::TrialSummary& trial);
 
 /// Release timings of a trial with a complete scenario; empty otherwise.

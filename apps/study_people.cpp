@@ -45,9 +45,9 @@ study::Played measured(const Run& run) {
   played.run = run.name;
   played.is_virtual = run.is_virtual;
   played.longest_gap_s = seconds(trial.longest_gap.length());
-  for (const auto& [station, device] : trial.devices) {
-    played.lost += device.lost;
-    played.bad += device.bad;
+  for (const auto& [device, summary] : trial.devices) {
+    played.lost += summary.lost;
+    played.bad += summary.bad;
   }
   played.frame_rate_hz = frame_rate_of(recorded);
   scene::Session session = scene::make_session(recorded.scenario);

@@ -331,7 +331,8 @@ std::vector<BidsFile> dataset_files(const Design& design, const Questionnaire& q
 std::vector<BidsFile> session_files(const BidsSession& session) {
   std::set<std::int32_t> stations;
   for (const devices::Sample& sample : session.samples) {
-    if (devices::device_of(sample) > 0) stations.insert(devices::device_of(sample));
+    const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
+    if (tracker && tracker->station > 0) stations.insert(tracker->station);
   }
   std::vector<BidsFile> files;
   for (const std::int32_t station : stations) add_tracker(session, station, files);

@@ -115,13 +115,13 @@ void print_trial(const std::string& path, const devices::TrialSummary& trial,
     std::cout << "  no trial: nothing on HEADPIN_TRIAL\n";
   }
   std::cout << "devices\n";
-  for (const auto& [station, device] : in_order(trial)) {
-    std::cout << fmt::format("  {:<12} {:>7} samples", devices::device_name(station),
-                             device.samples);
-    if (station != 0) {
+  for (const auto& [device, summary] : in_order(trial)) {
+    std::cout << fmt::format("  {:<12} {:>7} samples", devices::device_name(device),
+                             summary.samples);
+    if (device != devices::Device::mouse) {
       std::cout << fmt::format("  {:6.1f} Hz  longest gap {:.3f} s  {} lost  {} bad  {} astray",
-                               rate_hz(device), seconds(device.longest_gap), device.lost,
-                               device.bad, device.astray);
+                               rate_hz(summary), seconds(summary.longest_gap), summary.lost,
+                               summary.bad, summary.astray);
     }
     std::cout << "\n";
   }

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <cstdint>
+#include <limits>
+#include <optional>
 #include <string>
 #include <variant>
 
@@ -46,18 +49,32 @@ constexpr std::int32_t kHeadStation = 1;
 constexpr std::int32_t kHandStation = 2;
 constexpr std::int32_t kLeftHandStation = 3;
 
-/// The device of a sample: the station of a tracker, or 0 for the 3D mouse.
-inline std::int32_t device_of(const Sample& sample) {
-  const auto* tracker = std::get_if<TrackerSample>(&sample);
-  return tracker ? tracker->station : 0;
+/// What samples are from: the 3D mouse, or a station of the tracker, whose value is its number. In
+/// order, the mouse is first.
+enum class Device : std::int64_t { mouse = std::numeric_limits<std::int64_t>::min() };
+
+constexpr Device device_at(std::int32_t station) {
+  return Device{station};
 }
 
-/// "head", "right hand", "left hand", "station 4"; 0: "3D mouse".
-inline std::string device_name(std::int32_t device) {
-  if (device == 0) return "3D mouse";
-  if (device == kHeadStation) return "head";
-  if (device == kHandStation) return "right hand";
-  return device == kLeftHandStation ? "left hand" : "station " + std::to_string(device);
+/// Nothing for the mouse.
+constexpr std::optional<std::int32_t> station_of(Device device) {
+  if (device == Device::mouse) return std::nullopt;
+  return static_cast<std::int32_t>(device);
+}
+
+inline Device device_of(const Sample& sample) {
+  const auto* tracker = std::get_if<TrackerSample>(&sample);
+  return tracker ? device_at(tracker->station) : Device::mouse;
+}
+
+/// "head", "right hand", "left hand", "station 4", "3D mouse".
+inline std::string device_name(Device device) {
+  if (device == Device::mouse) return "3D mouse";
+  if (device == device_at(kHeadStation)) return "head";
+  if (device == device_at(kHandStation)) return "right hand";
+  if (device == device_at(kLeftHandStation)) return "left hand";
+  return "station " + std::to_string(*station_of(device));
 }
 
 }  // namespace headpin::devices

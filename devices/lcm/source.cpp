@@ -145,8 +145,8 @@ void LcmSource::take(std::string_view channel, std::span<const std::uint8_t> byt
     sample = *tracker;
   }
   if (const auto* mouse = std::get_if<MouseSample>(&*message)) sample = *mouse;
-  const std::int32_t station = device_of(sample);
-  if (!is_kept(publishers_[station], station, device_time(sample), sender)) {
+  const Device device = device_of(sample);
+  if (!is_kept(publishers_[device], device, device_time(sample), sender)) {
     ++counts_.others;
     return;
   }
@@ -165,9 +165,8 @@ void LcmSource::take(std::string_view channel, std::span<const std::uint8_t> byt
 }
 
 /// Whether a sample is from the publisher of its station, and not from another publisher.
-bool LcmSource::is_kept(Publisher& publisher, std::int32_t station, Time theirs,
-                        std::uint64_t sender) {
-  if (!speaks_for(publisher, station, theirs, sender)) {
+bool LcmSource::is_kept(Publisher& publisher, Device device, Time theirs, std::uint64_t sender) {
+  if (!speaks_for(publisher, device, theirs, sender)) {
     ++publisher.others;
     publisher.other = sender;
     publisher.beside = publisher.sender;
@@ -179,7 +178,7 @@ bool LcmSource::is_kept(Publisher& publisher, std::int32_t station, Time theirs,
     publisher.sender = sender;
     publisher.clock = {};
     publisher.numbers.begin_anew();
-  } else if (is_behind(publisher, station, theirs)) {  // the old publisher is gone
+  } else if (is_behind(publisher, device, theirs)) {  // the old publisher is gone
     publisher.clock = {};
     publisher.numbers.begin_anew();
     ++counts_.clock_jumps;
@@ -188,9 +187,10 @@ bool LcmSource::is_kept(Publisher& publisher, std::int32_t station, Time theirs,
 }
 
 /// Whether a sample is later than those of its publisher, if only this distinguishes publishers.
-bool LcmSource::is_behind(const Publisher& publisher, std::int32_t station, Time theirs) const {
+bool LcmSource::is_behind(const Publisher& publisher, Device device, Time theirs) const {
   const bool known = publisher.sender != 0;
-  if (known || station == kMouse || !publisher.clock.started() || is_unstamped(publisher, theirs)) {
+  if (known || device == Device::mouse || !publisher.clock.started() ||
+      is_unstamped(publisher, theirs)) {
     return false;
   }
   const double late_us = static_cast<double>(receiving_.count()) -
@@ -201,8 +201,8 @@ bool LcmSource::is_behind(const Publisher& publisher, std::int32_t station, Time
 /// Whether the clocks of all active stations show another time.
 bool LcmSource::is_of_another_clock(Time theirs) const {
   bool heard = false;
-  for (const auto& [station, publisher] : publishers_) {
-    if (station == kMouse || receiving_ - publisher.host_time >= kGone) continue;
+  for (const auto& [device, publisher] : publishers_) {
+    if (device == Device::mouse || receiving_ - publisher.host_time >= kGone) continue;
     const double late_us = static_cast<double>(receiving_.count()) -
                            publisher.clock.ours(static_cast<double>(theirs.count()));
     if (std::abs(late_us) <= kAnother_us) return false;
@@ -211,22 +211,22 @@ bool LcmSource::is_of_another_clock(Time theirs) const {
   return heard;
 }
 
-bool LcmSource::speaks_for(const Publisher& publisher, std::int32_t station, Time theirs,
+bool LcmSource::speaks_for(const Publisher& publisher, Device device, Time theirs,
                            std::uint64_t sender) const {
   const bool known = sender != 0;
-  if (known && station == kMouse) {  // it belongs to the sender of the poses
-    for (const auto& [other_station, other] : publishers_) {
-      if (other_station == kMouse) continue;
+  if (known && device == Device::mouse) {  // it belongs to the sender of the poses
+    for (const auto& [other_device, other] : publishers_) {
+      if (other_device == Device::mouse) continue;
       if (other.sender == sender && other.samples > 0) return true;
       if (other.other == sender && receiving_ - other.other_time < kGone) return false;
     }
   }
-  if (!known && station == kMouse && publisher.follows_station &&
+  if (!known && device == Device::mouse && publisher.follows_station &&
       !is_unstamped(publisher, theirs)) {
     return !is_of_another_clock(theirs);
   }
   if (publisher.samples == 0 || receiving_ - publisher.host_time >= kGone) return true;
-  return known ? sender == publisher.sender : !is_behind(publisher, station, theirs);
+  return known ? sender == publisher.sender : !is_behind(publisher, device, theirs);
 }
 
 /// Whether a sample has no time. For the first sample, 0 may be the time.
@@ -245,12 +245,12 @@ Time LcmSource::by_arrival(Publisher& publisher) {
 
 std::int64_t LcmSource::lost() const {
   std::int64_t lost = 0;
-  for (const auto& [station, publisher] : publishers_) lost += publisher.numbers.lost();
+  for (const auto& [device, publisher] : publishers_) lost += publisher.numbers.lost();
   return lost;
 }
 
 void LcmSource::stamp(TrackerSample& sample) {
-  Publisher& publisher = publishers_[sample.station];
+  Publisher& publisher = publishers_[device_at(sample.station)];
   const bool unstamped = is_unstamped(publisher, sample.device_time);
   publisher.numbers.take(sample.sequence, unstamped ? receiving_ : sample.device_time);
   sample.device_time =
@@ -262,7 +262,7 @@ void LcmSource::stamp(TrackerSample& sample) {
 /// shows nearly the same time.
 void LcmSource::stamp(MouseSample& sample) {
   constexpr double kSameClock_us = 1e5;
-  Publisher& mouse = publishers_[kMouse];
+  Publisher& mouse = publishers_[Device::mouse];
   if (is_unstamped(mouse, sample.device_time)) {
     sample.device_time = by_arrival(mouse);
     sample.host_time = receiving_;
@@ -270,8 +270,8 @@ void LcmSource::stamp(MouseSample& sample) {
   }
   const auto theirs_us = static_cast<double>(sample.device_time.count());
   const auto off = [&](const auto& entry) {
-    const auto& [station, publisher] = entry;
-    return station == kMouse || !publisher.clock.started()
+    const auto& [device, publisher] = entry;
+    return device == Device::mouse || !publisher.clock.started()
                ? kSameClock_us
                : std::abs(publisher.clock.ours(theirs_us) -
                           static_cast<double>(receiving_.count()));

@@ -40,7 +40,6 @@ class LcmSource : public Source {
     std::int64_t others = 0;       ///< of a station that another publisher sends
     std::int64_t handovers = 0;    ///< to another publisher, when one had sent nothing
   };
-  static constexpr std::int32_t kMouse = 0;
   /// Who publishes a station, or the mouse.
   struct Publisher {
     ClockOffset clock;
@@ -92,18 +91,17 @@ class LcmSource : public Source {
   const Counts& counts() const { return counts_; }
   /// Samples that did not come, by their stations' sequences.
   std::int64_t lost() const;
-  /// By station; kMouse is the mouse.
-  const std::map<std::int32_t, Publisher>& publishers() const { return publishers_; }
+  const std::map<Device, Publisher>& publishers() const { return publishers_; }
 
  private:
   struct Wire;
   bool take_next(Time now);
   void stamp(TrackerSample& sample);
   void stamp(MouseSample& sample);
-  bool is_kept(Publisher& publisher, std::int32_t station, Time theirs, std::uint64_t sender);
-  bool speaks_for(const Publisher& publisher, std::int32_t station, Time theirs,
+  bool is_kept(Publisher& publisher, Device device, Time theirs, std::uint64_t sender);
+  bool speaks_for(const Publisher& publisher, Device device, Time theirs,
                   std::uint64_t sender) const;
-  bool is_behind(const Publisher& publisher, std::int32_t station, Time theirs) const;
+  bool is_behind(const Publisher& publisher, Device device, Time theirs) const;
   bool is_of_another_clock(Time theirs) const;
   bool is_unstamped(const Publisher& publisher, Time theirs) const;
   Time by_arrival(Publisher& publisher);
@@ -115,7 +113,7 @@ class LcmSource : public Source {
   LcmLink& link_;
   std::size_t queue_;
   std::deque<Sample> waiting_;  // in the order of arrival
-  std::map<std::int32_t, Publisher> publishers_;
+  std::map<Device, Publisher> publishers_;
   std::function<Time()> clock_;
   Genlock* genlock_ = nullptr;
   Time receiving_{}, polled_{};

@@ -46,8 +46,8 @@ class LiveLcm : public LiveSource {
   std::string report(Time now) const override {
     std::string text =
         fmt::format("LCM {} lost on the way, {} dropped", source_.lost(), source_.counts().dropped);
-    for (const auto& [station, publisher] : source_.publishers()) {
-      if (station != LcmSource::kMouse) text += report(now, station, publisher);
+    for (const auto& [device, publisher] : source_.publishers()) {
+      if (const auto station = station_of(device)) text += report(now, *station, publisher);
     }
     return text;
   }
@@ -85,10 +85,10 @@ class LiveLcm : public LiveSource {
   /// The publishers whose samples are skipped, and those whose samples are used.
   std::string others() const {
     std::string text;
-    for (const auto& [station, publisher] : source_.publishers()) {
+    for (const auto& [device, publisher] : source_.publishers()) {
       if (publisher.others == 0) continue;
       text += fmt::format("{}{} has more than one publisher: {} samples left out",
-                          text.empty() ? "" : "; ", device_name(station), publisher.others);
+                          text.empty() ? "" : "; ", device_name(device), publisher.others);
       if (publisher.other == 0) continue;
       text += fmt::format(", the last from {} while {} sent it", sender_name(publisher.other),
                           sender_name(publisher.beside));

@@ -119,8 +119,9 @@ class ForwardRecording {
   bool knows(Time time) const {
     if (ended_) return true;
     for (const auto& [device, summary] : file_->summary().devices) {
-      if (device < 1 || device > kFastrakStations) continue;
-      const std::optional<Time>& newest = newest_[static_cast<std::size_t>(device - 1)];
+      const std::int32_t station = station_of(device).value_or(0);
+      if (station < 1 || station > kFastrakStations) continue;
+      const std::optional<Time>& newest = newest_[static_cast<std::size_t>(station - 1)];
       if (!newest || (*newest <= time && *newest < summary.last)) return false;
     }
     return true;

@@ -93,14 +93,15 @@ class TrialToXdf {
              const std::function<void(std::string_view)>& put)
       : writer_(put, about_trial(trial)), events_(trial.events) {
     for (const auto& [device, summary] : trial.devices) {
-      if (device == 0) continue;
+      const std::optional<std::int32_t> station = station_of(device);
+      if (!station) continue;
       streams_[device] =
           writer_.begin({device_name(device), std::string(kMocap), "double64",
-                         tracker_channels(device_name(device)), about_frame(device, X_WT)});
+                         tracker_channels(device_name(device)), about_frame(*station, X_WT)});
     }
-    if (trial.devices.contains(0)) {
-      streams_[0] =
-          writer_.begin({device_name(0), std::string(kButtons), "double64", kMouseChannels});
+    if (trial.devices.contains(Device::mouse)) {
+      streams_[Device::mouse] = writer_.begin(
+          {device_name(Device::mouse), std::string(kButtons), "double64", kMouseChannels});
     }
     kinds_ = writer_.begin({"events", std::string(kMarkers), "string", kMarkerChannels});
     bodies_ = writer_.begin({"event bodies", std::string(kEventBodies), "string", kBodiesChannels});
@@ -148,7 +149,7 @@ class TrialToXdf {
   void add_one(const TrackerSample& s) {
     const Vec3& p = s.X_TS.p;
     const Quat& q = s.X_TS.q;
-    writer_.add(streams_.at(s.station), nearest_seconds(s.device_time),
+    writer_.add(streams_.at(device_at(s.station)), nearest_seconds(s.device_time),
                 std::array{p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(),
                            s.good() ? 0.0 : static_cast<double>(s.status),
                            static_cast<double>(s.buttons & 1), nearest_seconds(s.host_time),
@@ -158,7 +159,7 @@ class TrialToXdf {
 
   void add_one(const MouseSample& s) {
     const auto number = [](bool pressed) { return pressed ? 1.0 : 0.0; };
-    writer_.add(streams_.at(0), nearest_seconds(s.device_time),
+    writer_.add(streams_.at(Device::mouse), nearest_seconds(s.device_time),
                 std::array{number(s.left_thumb), number(s.right_thumb), number(s.trigger),
                            nearest_seconds(s.host_time), nearest_seconds(s.session_time),
                            static_cast<double>(order_)});
@@ -167,7 +168,7 @@ class TrialToXdf {
   XdfWriter writer_;
   const std::vector<Event>& events_;
   std::size_t next_event_ = 0;
-  std::map<std::int32_t, std::size_t> streams_;
+  std::map<Device, std::size_t> streams_;
   std::size_t kinds_ = 0, bodies_ = 0, details_ = 0, values_ = 0;
   std::int64_t order_ = 0;
   double clock_ = 0.0;
@@ -249,15 +250,18 @@ MouseSample mouse_at(const StreamRow& row) {
   return s;
 }
 
-/// The station with a device_name(); another one if there is none.
-std::int32_t station_called(std::string_view name) {
+/// The station with a device_name(); nothing if there is none.
+std::optional<std::int32_t> station_called(std::string_view name) {
+  const auto is_called = [&](std::int32_t station) {
+    return device_name(device_at(station)) == name;
+  };
   for (const std::int32_t station : {kHeadStation, kHandStation, kLeftHandStation}) {
-    if (device_name(station) == name) return station;
+    if (is_called(station)) return station;
   }
-  std::int32_t number = 0;
-  name.remove_prefix(std::min(name.size(), std::string_view("station ").size()));
-  std::from_chars(name.data(), name.data() + name.size(), number);
-  return number;
+  const std::size_t number = std::min(name.size(), std::string_view("station ").size());
+  std::int32_t station = 0;
+  std::from_chars(name.data() + number, name.data() + name.size(), station);
+  return is_called(station) ? std::optional(station) : std::nullopt;
 }
 
 /// "a;b" as two names.
@@ -307,12 +311,11 @@ class TrialFromXdf {
 
   void take_tracker(const XdfStream& stream) {
     StreamRow row(stream, tracker_channels(stream.name), where_);
-    const std::int32_t station = station_called(stream.name);
-    if (station == 0 || device_name(station) != stream.name)
-      row.fail("expected the name of a receiver");
+    const std::optional<std::int32_t> station = station_called(stream.name);
+    if (!station) row.fail("expected the name of a receiver");
     for (std::size_t i = 0; i < stream.times.size(); ++i) {
       row.go_to(i);
-      samples_.emplace_back(row.whole("order"), tracker_at(row, station));
+      samples_.emplace_back(row.whole("order"), tracker_at(row, *station));
     }
   }
 

@@ -124,9 +124,9 @@ class TrialWalk {
   }
   static std::string name_of(const Message& message) {
     if (const auto* tracker = std::get_if<TrackerSample>(&message)) {
-      return device_name(tracker->station);
+      return device_name(device_at(tracker->station));
     }
-    return std::holds_alternative<MouseSample>(message) ? device_name(0)
+    return std::holds_alternative<MouseSample>(message) ? device_name(Device::mouse)
                                                         : std::string(kStateChannel);
   }
   /// Usual time between a sample's first byte and its use: the rest of the sample on a slow line,
@@ -244,7 +244,7 @@ class Summing {
 
   TrialSummary& into_;
   Time last_available_{};
-  std::map<std::int32_t, Time> last_time_;
+  std::map<Device, Time> last_time_;
   std::map<std::int32_t, SequenceCount> numbers_;
   std::map<std::int32_t, AstrayFinder> places_;
 };

@@ -79,7 +79,7 @@ std::vector<std::int64_t> find_misdated(Messages messages) {
   constexpr double kMostTicks = 1000.0;
   constexpr std::size_t kFewest = 8;  // two presses of a button do not show which of them is wrong
   std::vector<std::int64_t> found;
-  std::map<std::pair<std::int32_t, std::size_t>, LoneFinder> samples;  // each device, all its times
+  std::map<std::pair<Device, std::size_t>, LoneFinder> samples;  // each device, all its times
   LoneFinder times(kMostJump_s, 1, found), ticks(kMostTicks, 1, found);
   std::int64_t states = 0;
   const auto look_at_state = [&](const auto& state) {

@@ -145,9 +145,9 @@ struct TrialSummary {
   TrialHeader header;
   std::vector<Event> events;  ///< without the end event
   std::int64_t sample_count = 0, state_count = 0, frame_count = 0;
-  std::map<std::int32_t, DeviceSummary> devices;  ///< by station; 0 is the 3D mouse
-  std::optional<Time> first, last;                ///< of the times of samples, states and frames
-  Time end{};                                     ///< when the last sample is available
+  std::map<Device, DeviceSummary> devices;
+  std::optional<Time> first, last;  ///< of the times of samples, states and frames
+  Time end{};                       ///< when the last sample is available
   Time disorder{};             ///< most that a sample is available before an earlier one in the log
   std::int64_t last_tick = 0;  ///< of the last state
   std::size_t bodies = 0;      ///< in it

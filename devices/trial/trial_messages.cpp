@@ -69,7 +69,7 @@ std::optional<Message> Messages::take(const LogEvent& event) {
   if (const auto* tracker = std::get_if<TrackerSample>(&*message);
       tracker && !tracker->in_transmitters_frame()) {
     ++counted_.skipped.foreign;
-    note_trouble(counted_, "foreign", device_name(tracker->station), since_first());
+    note_trouble(counted_, "foreign", device_name(device_at(tracker->station)), since_first());
     return std::nullopt;
   }
   return message;

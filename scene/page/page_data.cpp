@@ -99,10 +99,10 @@ json of_trial(const Recorded& recorded) {
               {"skipped", skipped_json<json>(t.skipped)},
               {"trouble", trouble_json<json>(t.trouble, [](Time at) { return seconds(at); })}};
   out["devices"] = json::array();
-  for (const auto& [station, d] : t.devices) {
+  for (const auto& [device, d] : t.devices) {
     const double lasted = seconds(d.last - d.first);
     out["devices"].push_back(
-        {{"device", devices::device_name(station)},
+        {{"device", devices::device_name(device)},
          {"samples", d.samples},
          {"rate_hz", lasted > 0.0 ? static_cast<double>(d.samples - 1) / lasted : 0.0},
          {"longest_gap_s", seconds(d.longest_gap)},

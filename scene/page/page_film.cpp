@@ -96,11 +96,11 @@ Film::Film(const Looks& looks, const devices::TrialSummary& trial, std::int64_t 
                {1, 1, 1, kLengthQuantum, kLengthQuantum, kLengthQuantum, kImpulseQuantum,
                 kImpulseQuantum, kImpulseQuantum, kSpeedQuantum},
                {}};
-  for (const auto& [station, device] : trial.devices) {
-    if (station == 0) continue;  // the mouse sends samples only when something changes
-    Clock& clock = clocks_[station];
-    clock.every = stride(device.samples, kMostClockRows);
-    clock.table = {fmt::format("clock {}", devices::device_name(station)),
+  for (const auto& [device, summary] : trial.devices) {
+    if (device == devices::Device::mouse) continue;  // it sends samples only when something changes
+    Clock& clock = clocks_[device];
+    clock.every = stride(summary.samples, kMostClockRows);
+    clock.table = {fmt::format("clock {}", devices::device_name(device)),
                    {"device_s", "host_after_s", "tick_after_s"},
                    {1e-4, kTimeQuantum, kTimeQuantum},
                    {}};
@@ -215,7 +215,7 @@ void Film::drop_weak_contacts() {
 void Film::note_clocks(const Session& session) {
   for (const devices::Sample& sample : session.samples) {
     const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
-    const auto at = tracker ? clocks_.find(tracker->station) : clocks_.end();
+    const auto at = tracker ? clocks_.find(devices::device_at(tracker->station)) : clocks_.end();
     if (at == clocks_.end()) continue;
     Clock& clock = at->second;
     const bool on_wire = tracker->host_time != Time{};
@@ -248,7 +248,7 @@ std::vector<Table> Film::take_tables() {
   all.push_back(std::move(poses));
   all.push_back(std::move(series_));
   all.push_back(std::move(contacts_));
-  for (auto& [station, clock] : clocks_) all.push_back(std::move(clock.table));
+  for (auto& [device, clock] : clocks_) all.push_back(std::move(clock.table));
   return all;
 }
 

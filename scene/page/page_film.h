@@ -80,7 +80,7 @@ class Film : public Observer {
     std::int64_t every = 1, left = 0;
     std::array<float, 3> latest{};
   };
-  std::map<std::int32_t, Clock> clocks_;  ///< by station
+  std::map<devices::Device, Clock> clocks_;
   struct Hand {
     Time time{};
     Vec3 p_W = Vec3::Zero();

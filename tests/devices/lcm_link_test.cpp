@@ -249,8 +249,8 @@ TEST(LcmLinkTest, NeitherWhatWaitedNorWhoStartedEarlierMakesASampleLate) {
   }
   EXPECT_EQ(source.counts().clock_jumps, 0);
   ASSERT_EQ(source.publishers().size(), 3u);
-  EXPECT_EQ(source.publishers().at(kHeadStation).samples, 999);
-  EXPECT_LE(source.publishers().at(3).late(), Time{7'000});
+  EXPECT_EQ(source.publishers().at(device_at(kHeadStation)).samples, 999);
+  EXPECT_LE(source.publishers().at(device_at(3)).late(), Time{7'000});
 }
 
 TEST(LcmLinkTest, AClockThatDriftsIsFollowed) {
@@ -446,7 +446,7 @@ TEST(LcmLinkTest, OfTwoPublishersOfAStationOneIsKept) {
   play(Time{500'000}, Time{3'000'000}, true, true);
   EXPECT_EQ(samples.size(), 299u);
   EXPECT_EQ(source.counts().others, 250);
-  EXPECT_EQ(source.publishers().at(kHandStation).others, 250);
+  EXPECT_EQ(source.publishers().at(device_at(kHandStation)).others, 250);
   for (std::size_t i = 1; i < samples.size(); ++i) {
     ASSERT_EQ(device_time(samples[i]) - device_time(samples[i - 1]), Time{10'000}) << i;
   }
@@ -485,7 +485,7 @@ TEST(LcmLinkTest, OfTwoMiceTheOneWithTheStationsClockIsKept) {
   play(Time{10'000}, Time{1'500'000}, true, false);
   play(Time{1'500'000}, Time{7'000'000}, true, true);
   EXPECT_EQ(pressed, 4);  // at 0.5, 2.5, 4.5 and 6.5 s, once each
-  EXPECT_EQ(source.publishers().at(LcmSource::kMouse).others, 3);
+  EXPECT_EQ(source.publishers().at(Device::mouse).others, 3);
   play(Time{7'000'000}, Time{11'000'000}, false, true);
   EXPECT_EQ(pressed, 6);
 }

@@ -278,7 +278,7 @@ TEST(LogTest, OneOfTwoPressesIsNeverPassedOver) {
   recorder.close();
   const Trial trial = read_trial(path);
   EXPECT_EQ(trial.skipped.misdated, 0);
-  EXPECT_EQ(trial.devices.at(0).samples, 2);
+  EXPECT_EQ(trial.devices.at(Device::mouse).samples, 2);
 }
 
 TEST(LogTest, SaysWhichMessagesAreAmiss) {

@@ -22,11 +22,25 @@ std::vector<std::int32_t> stations(const std::vector<Sample>& samples) {
 }
 
 TEST(Device, IsCalledByWhatItIsWornOn) {
-  EXPECT_EQ(device_name(0), "3D mouse");
-  EXPECT_EQ(device_name(1), "head");
-  EXPECT_EQ(device_name(2), "right hand");
-  EXPECT_EQ(device_name(3), "left hand");
-  EXPECT_EQ(device_name(4), "station 4");
+  EXPECT_EQ(device_name(Device::mouse), "3D mouse");
+  EXPECT_EQ(device_name(device_at(1)), "head");
+  EXPECT_EQ(device_name(device_at(2)), "right hand");
+  EXPECT_EQ(device_name(device_at(3)), "left hand");
+  EXPECT_EQ(device_name(device_at(4)), "station 4");
+}
+
+// Any number may come in a message.
+TEST(Device, OfAnyStationIsNotTheMouse) {
+  constexpr std::numeric_limits<std::int32_t> kAny;
+  for (const std::int32_t station : {0, -1, kAny.min(), kAny.max()}) {
+    TrackerSample sample;
+    sample.station = station;
+    const Device device = device_of(sample);
+    EXPECT_NE(device, Device::mouse);
+    EXPECT_EQ(station_of(device), station);
+  }
+  EXPECT_EQ(device_of(MouseSample{}), Device::mouse);
+  EXPECT_EQ(station_of(Device::mouse), std::nullopt);
 }
 
 TEST(Available, IsTheLatestOfWhatASampleSays) {

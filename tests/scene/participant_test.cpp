@@ -140,7 +140,8 @@ TEST(ParticipantTest, TheSameSeedGivesTheSameBytesWhateverTheCompiler) {
     devices::Buffer bytes;
     for (const devices::Sample& sample : seen.samples) {
       const bool after = devices::device_time(sample) > release->time;
-      if (after || devices::device_of(sample) == devices::kHeadStation) continue;
+      if (after || devices::device_of(sample) == devices::device_at(devices::kHeadStation))
+        continue;
       std::visit([&](const auto& s) { devices::encode(s, bytes); }, sample);
       for (const std::uint8_t byte : bytes) hash = (hash ^ byte) * 0x100000001b3u;
     }

@@ -238,7 +238,7 @@ TEST(Presence, TheClosestApproachOfASkittleIsThatOfItsSurface) {
     engine::set_state(session.world, skittle, state);
     std::vector<devices::Sample> head = Standing{}.samples();
     std::erase_if(head, [](const devices::Sample& sample) {
-      return devices::device_of(sample) != devices::kHeadStation;
+      return devices::device_of(sample) != devices::device_at(devices::kHeadStation);
     });
     devices::ReplaySource source(head);
     std::optional<double> closest;
