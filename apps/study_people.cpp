@@ -7,13 +7,13 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "apps/command.h"
 #include "apps/options.h"
 #include "apps/stop.h"
 #include "files/input_file.h"
 #include "files/sha256.h"
+#include "scene/play/details.h"
 #include "scene/play/events.h"
 #include "scene/watch/recorded.h"
 
@@ -27,10 +27,9 @@ namespace {
 std::optional<double> frame_rate_of(const scene::Recorded& recorded) {
   for (const devices::Event& event : recorded.file.summary().events) {
     if (event.kind != scene::kind::kept_pace) continue;
-    const nlohmann::json said = nlohmann::json::parse(event.detail, nullptr, false);
-    if (!said.is_object()) return std::nullopt;
-    const double frames = said.value("frames", 0.0), ticks = said.value("ticks", 0.0);
+    const scene::KeptPace pace = scene::kept_pace(event);
     const auto hz = static_cast<double>(recorded.scenario.rates.physics_hz);
+    const auto frames = static_cast<double>(pace.frames), ticks = static_cast<double>(pace.ticks);
     if (ticks > 0.0) return frames * hz / ticks;
   }
   return std::nullopt;

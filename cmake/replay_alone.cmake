@@ -37,7 +37,7 @@ set(parts
   devices/base/genlock devices/base/sequence_count devices/trial/event_log devices/trial/file
   devices/trial/messages devices/trial/misdated devices/trial/resample devices/trial/sources
   devices/trial/state_change devices/trial/trial_messages files/input_file files/sha256 files/temporary
-  render/data/hmd render/eyes scene/play/game scene/play/game_hash scene/play/hand scene/play/outcome scene/play/player
+  render/data/hmd render/eyes scene/play/details scene/play/game scene/play/game_hash scene/play/hand scene/play/outcome scene/play/player
   scene/play/presence scene/play/referee scene/play/release scene/play/run scene/play/score
   scene/play/session scene/play/tracking scene/play/walk scene/scenario/files scene/scenario/keys
   scene/scenario/nearest scene/scenario/rules scene/scenario/scenario scene/scenario/text

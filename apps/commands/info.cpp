@@ -4,17 +4,16 @@
 #include <optional>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "apps/command.h"
 #include "apps/info_json.h"
 #include "apps/options.h"
 #include "apps/streams.h"
 #include "devices/trial/file.h"
+#include "scene/play/details.h"
 #include "scene/play/events.h"
 #include "scene/play/outcome.h"
 #include "scene/play/presence.h"
-#include "scene/play/release.h"
 #include "scene/play/release_timing.h"
 #include "scene/play/score.h"
 #include "scene/stage/read_scenario.h"
@@ -76,14 +75,10 @@ void print_skipped(const devices::TrialSummary& trial) {
 
 /// How well a live session kept real time, as text.
 std::string pace_in_words(const devices::Event& event) {
-  const nlohmann::json pace = nlohmann::json::parse(event.detail, nullptr, false);
-  const auto number = [&](const char* key) {
-    const auto found = pace.is_object() ? pace.find(key) : pace.end();
-    return found != pace.end() && found->is_number_integer() ? found->get<std::int64_t>() : 0;
-  };
+  const scene::KeptPace pace = scene::kept_pace(event);
   return fmt::format("{} ticks, {} overruns; {} frames, {} late; drawing failed {} times",
-                     number("ticks"), number("overruns"), number("frames"), number("late_frames"),
-                     number("drawing_failures"));
+                     pace.ticks, pace.overruns, pace.frames, pace.late_frames,
+                     pace.drawing_failures);
 }
 
 /// The content of an event besides its kind, on one line.

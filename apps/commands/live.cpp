@@ -7,7 +7,6 @@
 #include <thread>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "apps/command.h"
 #include "apps/damage.h"
@@ -24,6 +23,7 @@
 #include "devices/trial/log.h"
 #include "devices/trial/messages.h"
 #include "devices/trial/sources.h"
+#include "scene/play/details.h"
 #include "scene/play/events.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/drawn_by.h"
@@ -39,12 +39,11 @@ devices::Event kept_pace(const Live& live) {
   devices::Event event;
   event.time = live.session.now();
   event.kind = scene::kind::kept_pace;
-  event.detail = nlohmann::json{{"ticks", live.session.tick},
-                                {"overruns", live.pace->overruns()},
-                                {"frames", live.frames},
-                                {"late_frames", live.eyes->late()},
-                                {"drawing_failures", live.drawing_failures}}
-                     .dump();
+  event.detail = scene::to_detail({.ticks = live.session.tick,
+                                   .overruns = live.pace->overruns(),
+                                   .frames = live.frames,
+                                   .late_frames = live.eyes->late(),
+                                   .drawing_failures = live.drawing_failures});
   return event;
 }
 

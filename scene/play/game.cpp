@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include <nlohmann/json.hpp>
-
+#include "scene/play/details.h"
 #include "scene/play/events.h"
 
 namespace headpin::scene {
@@ -55,7 +54,7 @@ void note_contacts(Game& game, const Stage& stage, const engine::World& world, c
       game.struck = true;
       e.kind = kind::first_contact;
       e.value = v_WB.norm();
-      e.detail = nlohmann::json{{"velocity_mps", {v_WB.x(), v_WB.y(), v_WB.z()}}}.dump();
+      e.detail = contact_detail(v_WB);
     }
     out.push_back(std::move(e));
   }
@@ -106,19 +105,9 @@ void note_fallen(Game& game, const Stage& stage, const engine::World& world, con
     devices::Event e = event(moment, kind::skittle_down, world, {skittle});
     e.p_W = X_WB.p;
     e.value = static_cast<double>(std::count(game.down.begin(), game.down.end(), 1));
-    if (tells_apart(stage) && game.moved_by[skittle] != By::nobody) {
-      e.detail = game.moved_by[skittle] == By::hand ? "hand" : "ball";
-    }
+    if (tells_apart(stage)) e.detail = to_detail(game.moved_by[skittle]);
     out.push_back(std::move(e));
   }
-}
-
-/// Position of a body at its release: from the event's detail, otherwise the position at the tick.
-Vec3 released_at(const devices::Event& release) {
-  const nlohmann::json detail = nlohmann::json::parse(release.detail, nullptr, false);
-  const auto p = detail.is_object() ? detail.find("position_m") : detail.end();
-  if (p == detail.end() || p->size() != 3) return release.p_W;
-  return {(*p)[0].get<double>(), (*p)[1].get<double>(), (*p)[2].get<double>()};
 }
 
 /// For each ball that was released in this tick: stores that it has not struck a skittle yet, and
@@ -131,7 +120,7 @@ void note_releases(Game& game, const Stage& stage, const engine::World& world, c
       if (out[i].kind != kind::release || out[i].bodies.front() != world.bodies[ball].name)
         continue;
       if (tells_apart(stage)) game.struck = false;
-      const Vec3 p_WB = released_at(out[i]);
+      const Vec3 p_WB = released(out[i]).p_WB.value_or(out[i].p_W);
       if (stage.scenario.game.foul == FoulBall::count || p_WB.y() <= 0.0) continue;
       game.foul = true;
       devices::Event e = event(moment, kind::foul, world, {ball});

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "scene/play/details.h"
 #include "scene/play/events.h"
 #include "scene/stage/stage.h"
 
@@ -30,7 +31,7 @@ std::string met_by_ball(const devices::Event& event) {
 
 std::string why_nothing_fell(std::span<const devices::Event> events) {
   const bool fell = std::ranges::any_of(events, [](const devices::Event& e) {
-    return e.kind == kind::skittle_down && e.detail != "hand";
+    return e.kind == kind::skittle_down && felled_by(e) != By::hand;
   });
   if (fell) return "";
   if (!first_of(events, kind::grab)) {

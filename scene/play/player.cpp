@@ -5,9 +5,9 @@
 #include <stdexcept>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include "devices/trial/sources.h"
+#include "scene/play/details.h"
 #include "scene/play/events.h"
 #include "scene/play/hand.h"
 #include "scene/play/release.h"
@@ -150,17 +150,6 @@ void grab(Player& player, const Scene& scene, Time time, Time now) {
   if (at_trigger(scene.stage.scenario.hand)) e.time -= now - time;
 }
 
-/// The event's detail for a release: time, place and velocity.
-///
-/// @param time  of the trigger, from its device
-nlohmann::json told_of_release(Time time, const engine::State& state) {
-  const auto numbers = [](const Vec3& v) { return nlohmann::json{v.x(), v.y(), v.z()}; };
-  return {{"trigger_s", nearest_seconds(time)},
-          {"position_m", numbers(state.X_WB.p)},
-          {"velocity_mps", numbers(state.v_WB)},
-          {"spin_radps", numbers(state.w_WB)}};
-}
-
 /// The released body with a change.
 Carried changed(Carried carried, const ReleaseChange& by) {
   if (by == ReleaseChange{}) return carried;
@@ -182,7 +171,13 @@ void release(Player& player, const Scene& scene, Time time, Time now) {
   const Hand& hand = scene.stage.scenario.hand;
   auto [state, motion] =
       changed(carried(player, scene.stage.scenario, time, now), player.release_change);
-  nlohmann::json told = told_of_release(time, state);
+  Released told{.trigger_s = nearest_seconds(time),
+                .p_WB = state.X_WB.p,
+                .v_WB = state.v_WB,
+                .w_WB = state.w_WB,
+                .known = {},
+                .extrapolated = {},
+                .left_out = {}};
   double flown = seconds(now - time);
   if (at_trigger(hand)) flown -= engine::step_seconds(scene.world);
   const Vec3 gained = flown * scene.world.parameters.gravity_W;
@@ -202,9 +197,9 @@ void release(Player& player, const Scene& scene, Time time, Time now) {
   devices::Event& e = note(scene, kind::release, body, speed);
   if (at_trigger(hand)) {
     e.time -= now - time;
-    told.update(nlohmann::json::parse(to_detail(motion)));
+    set_motion(told, motion);
   }
-  e.detail = told.dump();
+  e.detail = to_detail(told);
 }
 
 /// Moves the held body with the hand, outside of fixed bodies now and at the end of the tick.

@@ -6,13 +6,11 @@
 #include <vector>
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace headpin::scene {
 
 namespace {
 
-using nlohmann::ordered_json;
 using Track = std::vector<Stamped<Pose>>;
 // Plain sums in a fixed order, because a library's order of four numbers depends on the processor.
 using Four = std::array<double, 4>;
@@ -315,38 +313,6 @@ Motion motion_at(std::span<const Stamped<Pose>> track, Time at, const Vec3& p_HB
   Motion none;
   none.left_out = near.left_out;
   return none;
-}
-
-std::string to_detail(const Motion& motion) {
-  const auto array = [](const Vec3& v) { return ordered_json{v.x(), v.y(), v.z()}; };
-  return ordered_json{{"known", name_of(motion.known)},
-                      {"extrapolated_s", nearest_seconds(motion.extrapolated)},
-                      {"left_out", motion.left_out},
-                      {"velocity_mps", array(motion.V_WB.v)},
-                      {"spin_radps", array(motion.V_WB.w)}}
-      .dump();
-}
-
-std::optional<Motion> motion_of(const devices::Event& event) {
-  const ordered_json detail = ordered_json::parse(event.detail, nullptr, false);
-  if (!detail.is_object()) return std::nullopt;
-  try {
-    Motion motion;
-    const std::string known = detail.at("known");
-    for (const Known one : {Known::tracked, Known::extrapolated}) {
-      if (known == name_of(one)) motion.known = one;
-    }
-    motion.extrapolated = microseconds(detail.at("extrapolated_s"));
-    motion.left_out = detail.at("left_out");
-    const auto vector = [&](const char* key) {
-      const std::vector<double> v = detail.at(key);
-      return Vec3(v.at(0), v.at(1), v.at(2));
-    };
-    motion.V_WB = {vector("velocity_mps"), vector("spin_radps")};
-    return motion;
-  } catch (const std::exception&) {
-    return std::nullopt;
-  }
 }
 
 std::string in_words(const Motion& motion) {

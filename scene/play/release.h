@@ -54,11 +54,6 @@ struct Motion {
 Motion motion_at(std::span<const Stamped<Pose>> track, Time at, const Vec3& p_HB,
                  const ReleaseWindow& window);
 
-/// Converts this to the detail of the event, and back. Nothing for other events and for older
-/// trials.
-std::string to_detail(const Motion& motion);
-std::optional<Motion> motion_of(const devices::Event& event);
-
 /// "tracked"; "extrapolated by 12 ms, 1 sample left out".
 std::string in_words(const Motion& motion);
 

@@ -5,28 +5,14 @@
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
-#include <nlohmann/json.hpp>
 
+#include "scene/play/details.h"
 #include "scene/play/events.h"
-#include "scene/play/release.h"
 #include "scene/stage/stage.h"
 
 namespace headpin::scene {
 
 namespace {
-
-/// A vector of an event's detail; nothing in older trials.
-std::optional<Vec3> vector_of(const nlohmann::json& detail, const char* key) {
-  if (!detail.is_object()) return std::nullopt;
-  const auto found = detail.find(key);
-  if (found == detail.end() || !found->is_array() || found->size() != 3) return std::nullopt;
-  Vec3 v;
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (!(*found)[i].is_number()) return std::nullopt;
-    v[static_cast<Eigen::Index>(i)] = (*found)[i].get<double>();
-  }
-  return v;
-}
 
 /// The row of a throw, from the release of its ball.
 devices::ThrowRow thrown(const devices::Event& release, const std::string& version) {
@@ -35,15 +21,12 @@ devices::ThrowRow thrown(const devices::Event& release, const std::string& versi
   row.body = release.bodies.front();
   row.release = release.time;
   row.speed = release.value;
-  const nlohmann::json detail = nlohmann::json::parse(release.detail, nullptr, false);
-  row.p_WB = vector_of(detail, "position_m");
-  row.v_WB = vector_of(detail, "velocity_mps");
-  row.w_WB = vector_of(detail, "spin_radps");
-  if (!detail.is_object()) return row;
-  const auto trigger = detail.find("trigger_s");
-  if (trigger != detail.end() && trigger->is_number()) row.trigger_s = trigger->get<double>();
-  const auto known = detail.find("known");
-  if (known != detail.end() && known->is_string()) row.known = known->get<std::string>();
+  const Released told = released(release);
+  row.trigger_s = told.trigger_s;
+  row.p_WB = told.p_WB;
+  row.v_WB = told.v_WB;
+  row.w_WB = told.w_WB;
+  if (told.known) row.known = name_of(*told.known);
   if (const auto motion = motion_of(release)) {
     row.extrapolated_s = nearest_seconds(motion->extrapolated);
     row.left_out = motion->left_out;
@@ -116,7 +99,7 @@ void Score::add_to_throw(const devices::Event& event) {
     if (games.empty()) throws.back().felled_by_ball = throws.back().felled_by_hand = 0;
   }
   if (event.kind == kind::skittle_down && games.empty()) {
-    const bool by_hand = event.detail == "hand";
+    const bool by_hand = felled_by(event) == By::hand;
     ++(by_hand ? felled_by_hand : skittles_down);
     if (!throws.empty()) ++*(by_hand ? throws.back().felled_by_hand : throws.back().felled_by_ball);
   }
@@ -128,7 +111,7 @@ void Score::add_to_throw(const devices::Event& event) {
   if (event.kind == kind::first_contact && !row.entry) {
     row.entry = event.time;
     row.entry_speed = event.value;
-    const auto v = vector_of(nlohmann::json::parse(event.detail, nullptr, false), "velocity_mps");
+    const std::optional<Vec3> v = contact_velocity(event);
     if (v) row.entry_angle_deg = degrees_from_y(*v);
   }
   if (event.kind == kind::dead_wood) row.felled_by_hand = static_cast<int>(event.value);

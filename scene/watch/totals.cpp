@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "devices/base/version.h"
+#include "scene/play/details.h"
 #include "scene/play/events.h"
 #include "scene/play/outcome.h"
 
@@ -52,7 +53,7 @@ void Totals::tick(const Session& session) {
 
 void Totals::add(const devices::Event& event) {
   score_.add(event);
-  fell_ |= event.kind == kind::skittle_down && event.detail != "hand";
+  fell_ |= event.kind == kind::skittle_down && felled_by(event) != By::hand;
   const bool kept = event.kind != kind::ball_touch || before_.size() < kMostTouches;
   if (!fell_ && kept && explains(event)) before_.push_back(event);
 }

@@ -10,6 +10,7 @@
 
 #include "devices/base/random.h"
 #include "devices/trial/sources.h"
+#include "scene/play/details.h"
 #include "scene/play/events.h"
 #include "scene/play/score.h"
 #include "scene/play/session.h"
@@ -267,11 +268,17 @@ TEST(MotionAtTheTrigger, OfASteadyTurnIsExact) {
   EXPECT_LT((found.V_WB.v - (v + w.cross(q * p_HB))).norm(), 1e-4);
 }
 
+std::string detail_with(const Motion& motion) {
+  Released released;
+  set_motion(released, motion);
+  return to_detail(released);
+}
+
 TEST(MotionAtTheTrigger, IsReadBackFromItsEvent) {
   const Motion told{
       {Vec3(0.25, 6.5, -0.125), Vec3(9.0, 0.1, 0.0)}, Known::extrapolated, Time{12'345}, 2};
   devices::Event event;
-  event.detail = to_detail(told);
+  event.detail = detail_with(told);
   const std::optional<Motion> found = motion_of(event);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->V_WB.v, told.V_WB.v);
@@ -319,7 +326,7 @@ TEST(ThrowRow, SaysHowItsReleaseWasKnown) {
   devices::Event& event = events.front();
   event.kind = kind::release;
   event.bodies = {"ball"};
-  event.detail = to_detail({{}, Known::extrapolated, Time{12'345}, 2});
+  event.detail = detail_with({{}, Known::extrapolated, Time{12'345}, 2});
   ASSERT_EQ(score(events).throws.size(), 1u);
   const devices::ThrowRow row = score(events).throws.front();
   EXPECT_EQ(row.known, "extrapolated");
