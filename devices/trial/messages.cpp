@@ -16,6 +16,8 @@
 #include <headpin/trial_t.hpp>
 
 #include "devices/base/bytes.h"
+#include "devices/base/version.h"
+#include "devices/trial/layout.h"
 
 namespace headpin::devices {
 namespace {
@@ -55,52 +57,14 @@ void encode_as(const Lcm& message, Buffer& out) {
   out.resize(static_cast<std::size_t>(written));
 }
 
-/// Length of the fields that `layout` describes, if they lie within `bytes` from `at` on; else -1.
-///
-/// l: 8 bytes, i: 4, b: 1, s: a string (length with its NUL, text, NUL), n(...): an int32 count and
-/// that many times what is in the brackets.
-std::ptrdiff_t extent(std::string_view layout, std::span<const std::uint8_t> bytes,
-                      std::ptrdiff_t at) {
-  const auto size = static_cast<std::ptrdiff_t>(bytes.size());
-  const auto read_int32 = [&](std::ptrdiff_t from) {
-    std::uint32_t value = 0;
-    for (int i = 0; i < 4; ++i) value = value << 8 | bytes[static_cast<std::size_t>(from + i)];
-    return static_cast<std::int32_t>(value);
-  };
-  for (std::size_t i = 0; i < layout.size(); ++i) {
-    const char field = layout[i];
-    if (field == 'l') at += 8;
-    if (field == 'i') at += 4;
-    if (field == 'b') at += 1;
-    if (field == 's' || field == 'n') {
-      if (size - at < 4) return -1;
-      const std::int32_t length = read_int32(at);
-      at += 4;
-      if (field == 's') {
-        if (length < 1 || length > size - at) return -1;
-        at += length;
-        if (bytes[static_cast<std::size_t>(at - 1)] != 0) return -1;
-      } else {
-        const std::size_t close = layout.find(')', i);
-        if (length < 0 || length > size - at) return -1;
-        for (std::int32_t k = 0; k < length; ++k) {
-          at = extent(layout.substr(i + 2, close - i - 2), bytes, at);
-          if (at < 0) return -1;
-        }
-        i = close;
-      }
-    }
-    if (at > size) return -1;
-  }
-  return at;
-}
-
 template <typename Lcm>
-std::optional<Lcm> decode_as(std::string_view layout, std::span<const std::uint8_t> bytes) {
+std::optional<Lcm> decode_as(std::span<const std::uint8_t> bytes) {
+  static const Layouts layouts(schema_text());
+  static const std::string type = Lcm::getTypeName();
   constexpr std::ptrdiff_t kFingerprint = 8;
   const auto size = static_cast<std::ptrdiff_t>(bytes.size());
   if (size < kFingerprint || size > std::numeric_limits<int>::max()) return std::nullopt;
-  if (extent(layout, bytes, kFingerprint) != size) return std::nullopt;
+  if (layouts.end_of(type, bytes, kFingerprint) != size) return std::nullopt;
   Lcm message;
   const int length = static_cast<int>(size);
   if (message.decode(bytes.data(), 0, length) != length) return std::nullopt;
@@ -108,7 +72,7 @@ std::optional<Lcm> decode_as(std::string_view layout, std::span<const std::uint8
 }
 
 std::optional<Message> decode_header(std::span<const std::uint8_t> bytes) {
-  const auto m = decode_as<trial_t>("isssslssn(s)", bytes);
+  const auto m = decode_as<trial_t>(bytes);
   if (!m) return std::nullopt;
   TrialHeader header;
   header.participant = m->participant;
@@ -139,12 +103,12 @@ TrackerSample tracker_sample(const Lcm& m) {
 }
 
 std::optional<Message> decode_tracker(std::span<const std::uint8_t> bytes) {
-  if (const auto m = decode_as<tracked_device_t>("lllilllllllbisl", bytes)) {
+  if (const auto m = decode_as<tracked_device_t>(bytes)) {
     TrackerSample sample = tracker_sample(*m);
     sample.session_time = Time{m->session_utime};
     return sample;
   }
-  const auto v1 = decode_as<tracked_device_v1_t>("lllilllllllbis", bytes);
+  const auto v1 = decode_as<tracked_device_v1_t>(bytes);
   if (!v1) return std::nullopt;
   return tracker_sample(*v1);
 }
@@ -161,36 +125,25 @@ MouseSample mouse_sample(const Lcm& m) {
 }
 
 std::optional<Message> decode_mouse(std::span<const std::uint8_t> bytes) {
-  if (const auto m = decode_as<mouse3d_t>("llbbbl", bytes)) {
+  if (const auto m = decode_as<mouse3d_t>(bytes)) {
     MouseSample sample = mouse_sample(*m);
     sample.session_time = Time{m->session_utime};
     return sample;
   }
-  const auto v1 = decode_as<mouse3d_v1_t>("llbbb", bytes);
+  const auto v1 = decode_as<mouse3d_v1_t>(bytes);
   if (!v1) return std::nullopt;
   return mouse_sample(*v1);
 }
 
 std::optional<Message> decode_event(std::span<const std::uint8_t> bytes) {
-  const auto m = decode_as<event_t>(
-      "llsn(s)"
-      "lll"
-      "lll"
-      "ls",
-      bytes);
+  const auto m = decode_as<event_t>(bytes);
   if (!m) return std::nullopt;
   return Event{Time{m->utime}, m->tick,          m->kind,  m->bodies,
                vec3(m->point), vec3(m->impulse), m->value, m->detail};
 }
 
 std::optional<Message> decode_state(std::span<const std::uint8_t> bytes) {
-  const auto m = decode_as<state_t>(
-      "lllin(lll"
-      "llll"
-      "lll"
-      "lll"
-      "b)",
-      bytes);
+  const auto m = decode_as<state_t>(bytes);
   if (!m) return std::nullopt;
   TickState state{
       Time{m->utime}, m->tick, static_cast<std::uint64_t>(m->hash), m->num_contacts, {}};
@@ -220,7 +173,7 @@ std::optional<BodyChange> take_body(Bytes& bytes, std::int32_t first) {
 }
 
 std::optional<Message> decode_change(std::span<const std::uint8_t> bytes) {
-  const auto m = decode_as<state_change_t>("lllin(b)", bytes);
+  const auto m = decode_as<state_change_t>(bytes);
   if (!m) return std::nullopt;
   StateChange change{
       Time{m->utime}, m->tick, static_cast<std::uint64_t>(m->hash), m->num_contacts, {}};
@@ -234,17 +187,12 @@ std::optional<Message> decode_change(std::span<const std::uint8_t> bytes) {
 }
 
 std::optional<Message> decode_snapshot(std::span<const std::uint8_t> bytes) {
-  const auto m = decode_as<snapshot_t>("lln(b)", bytes);
+  const auto m = decode_as<snapshot_t>(bytes);
   return m ? std::optional<Message>(Snapshot{Time{m->utime}, m->tick, m->saved}) : std::nullopt;
 }
 
 std::optional<Message> decode_frame(std::span<const std::uint8_t> bytes) {
-  const auto m = decode_as<frame_t>(
-      "lll"
-      "lllllll"
-      "lllllll"
-      "ll",
-      bytes);
+  const auto m = decode_as<frame_t>(bytes);
   if (!m) return std::nullopt;
   return FrameRecord{
       Time{m->utime},
