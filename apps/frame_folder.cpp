@@ -9,6 +9,7 @@
 
 #include "files/output_file.h"
 #include "render/flow.h"
+#include "render/png.h"
 #include "scene/looks/looks.h"
 
 namespace headpin::apps {

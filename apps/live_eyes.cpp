@@ -12,6 +12,7 @@
 #include "apps/command.h"
 #include "apps/drawing_process.h"
 #include "apps/streams.h"
+#include "render/png.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/stage/seen_mesh.h"
 #include "scene/watch/viewer.h"

@@ -12,6 +12,7 @@
 
 #include "apps/rsvg.h"
 #include "render/image.h"
+#include "render/png.h"
 
 namespace headpin::apps {
 

@@ -15,6 +15,7 @@
 #include "apps/wrap.h"
 #include "files/output_file.h"
 #include "render/image.h"
+#include "render/png.h"
 #include "scene/looks/scenario_picture.h"
 #include "scene/scenario/files.h"
 #include "scene/stage/read_scenario.h"

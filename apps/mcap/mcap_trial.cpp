@@ -11,7 +11,7 @@
 #include "devices/trial/messages.h"
 #include "render/display.h"
 #include "render/eyes.h"
-#include "render/image.h"
+#include "render/png.h"
 #include "scene/looks/glimpse.h"
 #include "scene/looks/looks.h"
 

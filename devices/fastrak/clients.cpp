@@ -214,7 +214,7 @@ void lina(FastrakLine& line, int, Demands& demands) {
 
 void board_lab(FastrakLine& line, int stations, Demands& demands) {
   line.ask("c", 500ms);
-  line.ask("\x19", 15s);
+  line.ask(std::string{kFastrakReinitialise}, 15s);
   line.flush();
   std::string answer;
   for (int i = 0; i < 3 && answer.empty(); ++i) answer = line.ask("\r", 1s);

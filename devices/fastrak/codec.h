@@ -21,6 +21,10 @@ namespace headpin::devices {
 constexpr int kFastrakStations = 4;
 /// Measurements a second, shared by the receivers (manual p. E-2).
 constexpr std::int64_t kFastrakCycleRate = 120;
+/// Commands of one control byte: go on sending, hold on, start again.
+constexpr char kFastrakResume = 0x11;        ///< ^Q, XON
+constexpr char kFastrakSuspend = 0x13;       ///< ^S, XOFF
+constexpr char kFastrakReinitialise = 0x19;  ///< ^Y
 /// Baud rates of its line (command o, p. 80).
 constexpr std::array<int, 7> kFastrakBauds = {2400, 4800, 9600, 19200, 38400, 57600, 115200};
 constexpr double kMetrePerInch = 0.0254;

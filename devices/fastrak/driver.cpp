@@ -144,13 +144,12 @@ void FastrakDriver::try_again(Time now) {
   }
   stream_->set_baud(baud_);
   if (place == 2 && baud_ == options_.baud) {
-    to_say_.emplace_back("\r\x19");
+    to_say_.push_back({'\r', kFastrakReinitialise});
     enter(Phase::starting_up, now);
     return;
   }
-  to_say_.emplace_back(place % 2 == 1 ? "\x11\rc"
-                                      : "\x11"
-                                        "c");
+  to_say_.push_back(place % 2 == 1 ? std::string{kFastrakResume, '\r', 'c'}
+                                   : std::string{kFastrakResume, 'c'});
   enter(Phase::stopping, now);
 }
 

@@ -69,14 +69,14 @@ bool FastrakEmulator::control(std::uint8_t byte, Time now) {
       if (eeprom_.sync == 1) eeprom_.sync = 0;
       saved_at_ = now + options_.save_time;
       break;
-    case 0x11:  // ^Q
+    case kFastrakResume:
       if (suspended_) line_free_ns_ = std::max<std::int64_t>(line_free_ns_, now.count() * 1000);
       suspended_ = false;
       break;
-    case 0x13:  // ^S
+    case kFastrakSuspend:
       suspended_ = true;
       break;
-    case 0x19:  // ^Y
+    case kFastrakReinitialise:
       start_up(now);
       break;
     default:

@@ -9,6 +9,7 @@
 #include "devices/trial/event_log.h"
 #include "devices/trial/log.h"
 #include "render/image.h"
+#include "render/png.h"
 
 namespace headpin {
 namespace {

@@ -8,6 +8,7 @@
 #include <span>
 
 #include "render/image.h"
+#include "render/png.h"
 #include "tests/apps/trial_commands.h"
 
 namespace headpin {

@@ -6,6 +6,7 @@
 
 #include "devices/trial/log.h"
 #include "render/image.h"
+#include "render/png.h"
 #include "scene/scenario/scenario.h"
 #include "scene/stage/read_scenario.h"
 #include "tests/apps/command_line.h"

@@ -17,6 +17,7 @@
 #include "devices/trial/log.h"
 #include "devices/trial/sources.h"
 #include "render/display.h"
+#include "render/png.h"
 #include "render/video.h"
 #include "scene/looks/eyes.h"
 #include "scene/looks/hand_mesh.h"

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 
+#include "render/png.h"
 #include "render/sample_grid.h"
 #include "tests/support/folder.h"
 #include "tests/support/output_of.h"

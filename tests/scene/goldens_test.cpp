@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "render/png.h"
 #include "scene/looks/eyes.h"
 
 namespace headpin::scene {

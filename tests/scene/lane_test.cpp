@@ -138,7 +138,7 @@ TEST(TenPin, OfPrimitivesIsItsProfileWithinTwoMillimetres) {
   }
 }
 
-// Figures of bowling.md: a uniform solid of the profile, worked out there on its own.
+// A uniform solid of the profile, whose figures were worked out apart from this program.
 TEST(TenPin, HasTheMassPropertiesOfItsProfile) {
   const Scenario scenario;
   const auto [body, centre_height] = skittle_body(scenario);
