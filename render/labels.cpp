@@ -1,13 +1,14 @@
 #include <array>
 #include <limits>
 
-#include "render/renderer_impl.h"
+#include "render/passes.h"
 
 namespace headpin::render {
 
 Labels Renderer::labels(const DrawList& list, const View& view, std::span<const View> shown) {
   Impl& r = *impl_;
   const Gl& gl = r.gl;
+  r.context->make_current();
   r.check(list, view);
   r.start();
   if (r.label == nullptr) {
@@ -22,13 +23,13 @@ Labels Renderer::labels(const DrawList& list, const View& view, std::span<const 
   gl.Clear(GL_DEPTH_BUFFER_BIT);
   r.label->use();
   const Mat4 clip = world_to_clip(view);
-  const std::vector<double> sizes = r.sizes_seen(list, shown);
+  const std::vector<double> sizes = r.meshes.sizes_seen(list, shown);
   for (std::size_t i = 0; i < list.items.size(); ++i) {
     const DrawItem& item = list.items[i];
     const Mat4 mesh_to_clip = clip * matrix(item.X_WG, item.scale);
     r.label->set("to_clip", mesh_to_clip);
     r.label->set("id", item.id);
-    r.draw_elements(r.seen_mesh(item, sizes[i]), mesh_to_clip);
+    r.meshes.draw(r.meshes.seen(item, sizes[i]), mesh_to_clip);
   }
 
   const auto width = static_cast<std::size_t>(view.width);

@@ -1,12 +1,80 @@
 #include "render/renderer.h"
 
-#include <algorithm>
 #include <array>
 #include <stdexcept>
+#include <string>
 
-#include "render/renderer_impl.h"
+#include "render/passes.h"
 
 namespace headpin::render {
+
+namespace {
+
+/// The surfaces in the order of drawing.
+constexpr std::array kTurns = {Surface::lit, Surface::floor, Surface::baked};
+
+Gl current_functions(GlContext& context) {
+  context.make_current();
+  const Gl gl = load_functions(context);
+  check_drawing(gl);
+  return gl;
+}
+
+Quality checked(const Quality& quality) {
+  if (quality.samples >= 1 && quality.samples <= 8) return quality;
+  throw std::invalid_argument("samples: " + std::to_string(quality.samples) + ", expected 1 to 8");
+}
+
+}  // namespace
+
+Renderer::Impl::Impl(std::unique_ptr<GlContext> with, Quality wanted)
+    : context(std::move(with)), gl(current_functions(*context)), quality(checked(wanted)) {}
+
+void Renderer::Impl::check(const DrawList& list, const View& view) const {
+  for (const DrawItem& item : list.items) {
+    for (const int mesh : {item.mesh, item.far_mesh.value_or(item.mesh), faint_mesh(item)}) {
+      if (mesh >= 0 && static_cast<std::size_t>(mesh) < meshes.count()) continue;
+      throw std::invalid_argument("draw list: mesh " + std::to_string(mesh) + " of " +
+                                  std::to_string(meshes.count()));
+    }
+  }
+  if (list.lamps.size() > DrawList::kLamps) {
+    throw std::invalid_argument("draw list: " + std::to_string(list.lamps.size()) +
+                                " lamps, at most " + std::to_string(DrawList::kLamps));
+  }
+  const int most = samples.most_pixels();
+  if (view.width < 1 || view.height < 1 || view.width > most || view.height > most) {
+    throw std::invalid_argument("view: " + std::to_string(view.width) + "x" +
+                                std::to_string(view.height) + " pixels, expected 1 to " +
+                                std::to_string(most));
+  }
+}
+
+void Renderer::Impl::start() const {
+  context->make_current();
+  gl.Enable(GL_DEPTH_TEST);
+  gl.DepthFunc(GL_LEQUAL);
+  gl.Enable(GL_CULL_FACE);
+  gl.CullFace(GL_BACK);
+  gl.FrontFace(GL_CCW);
+  gl.Disable(GL_BLEND);
+  cut_picture(gl, false);
+  gl.PixelStorei(GL_PACK_ALIGNMENT, 1);
+}
+
+void Renderer::Impl::finish(const char* what) const {
+  const GLenum error = gl.GetError();
+  if (error != GL_NO_ERROR) {
+    throw std::runtime_error(std::string("OpenGL error ") + std::to_string(error) + " in " + what);
+  }
+}
+
+void Renderer::Impl::draw_all(const EyeScene& scene) const {
+  for (const Surface surface : kTurns) {
+    surfaces.draw(scene, surface);
+    if (surface == Surface::floor) contact.draw(scene);
+  }
+}
 
 Renderer::Renderer(std::unique_ptr<GlContext> context, Quality quality)
     : impl_(std::make_unique<Impl>(std::move(context), quality)) {}
@@ -28,79 +96,35 @@ const Quality& Renderer::quality() const {
 }
 
 int Renderer::add(const Mesh& mesh) {
-  Impl& r = *impl_;
-  if (std::ranges::find(kTurns, mesh.surface) == kTurns.end()) {
-    throw std::invalid_argument("mesh: unknown surface");
-  }
-  for (const std::uint32_t i : mesh.indices) {
-    if (i >= mesh.vertices.size())
-      throw std::invalid_argument("mesh: an index exceeds the number of vertices");
-  }
-  r.context->make_current();
-  // Floors have small parts, because each one is tested for shadows.
-  const MeshParts parted =
-      mesh.surface == Surface::floor ? part_by_place(mesh, 0.35, 16) : part_by_place(mesh);
-  Kept kept{mesh.surface, mesh.fine_light, mesh.gloss, mesh.takes_shadow, parted.parts, parted.box};
-  r.gl.GenVertexArrays(1, &kept.arrays);
-  r.gl.BindVertexArray(kept.arrays);
-  r.gl.GenBuffers(1, &kept.vertices);
-  r.gl.BindBuffer(GL_ARRAY_BUFFER, kept.vertices);
-  r.gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(mesh.vertices.size() * sizeof(Vertex)),
-                  mesh.vertices.data(), GL_STATIC_DRAW);
-  r.attribute(0, 3, sizeof(Vertex), offsetof(Vertex, p));
-  r.attribute(1, 3, sizeof(Vertex), offsetof(Vertex, n));
-  r.attribute(2, 3, sizeof(Vertex), offsetof(Vertex, colour));
-  r.gl.GenBuffers(1, &kept.indices);
-  r.gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, kept.indices);
-  r.gl.BufferData(GL_ELEMENT_ARRAY_BUFFER,
-                  static_cast<GLsizeiptr>(parted.indices.size() * sizeof(std::uint32_t)),
-                  parted.indices.data(), GL_STATIC_DRAW);
-  r.finish("Renderer::add");
-  r.meshes.push_back(kept);
-  return static_cast<int>(r.meshes.size()) - 1;
+  impl_->context->make_current();
+  const int number = impl_->meshes.add(mesh);
+  impl_->finish("Renderer::add");
+  return number;
 }
 
 void Renderer::draw(const DrawList& list, std::span<const View> views, std::span<Image> out) {
   Impl& r = *impl_;
-  const Gl& gl = r.gl;
   if (views.size() != out.size())
     throw std::invalid_argument("draw: expected one image for each view");
+  r.context->make_current();
   for (const View& view : views) r.check(list, view);
   if (views.empty()) return;
   r.start();
-  r.make_lit_for(list.lamps.size());
-
-  const LightView light = light_view(list.shadow);
-  const Mat4 shadow_view =  // to 0..1, as textures need it
-      matrix({Quat::Identity(), Vec3::Constant(0.5)}, Vec3::Constant(0.5)) * light.to_clip;
-  if (r.quality.shadow) r.make_shadow_map_for(light.size);
-  if (r.quality.shadow && list.shadow.depth > 0.0) r.draw_depth(list, light.to_clip);
-
-  std::vector<ContactVertex> contact;
-  if (r.quality.contact) contact = contact_vertices(list);
-  gl.BindBuffer(GL_ARRAY_BUFFER, r.contact_buffer);
-  gl.BufferData(GL_ARRAY_BUFFER, static_cast<GLsizeiptr>(contact.size() * sizeof(ContactVertex)),
-                contact.data(), GL_STREAM_DRAW);
-
-  const auto contacts = static_cast<GLsizei>(contact.size());
-  const Scene common{.list = &list,
-                     .sizes = r.sizes_seen(list, views),
-                     .shadow_view = shadow_view,
-                     .shades = r.shades_of(list, shadow_view)};
-  std::vector<Scene> scenes(views.size(), common);
-  r.targets.resize(std::max(r.targets.size(), views.size()));
-  r.mirror_images.resize(r.targets.size());
+  r.surfaces.prepare(list.lamps.size());
+  const CastShadow shadow = r.shadow.draw(list, r.meshes);
+  r.contact.load(list);
+  const std::vector<double> sizes = r.meshes.sizes_seen(list, views);
+  std::vector<EyeScene> scenes(views.size(), {.list = &list, .sizes = &sizes, .shadow = &shadow});
   for (std::size_t i = 0; i < views.size(); ++i) {
     scenes[i].world_to_clip = world_to_clip(views[i]);
     scenes[i].eye_W = views[i].X_WE.p;
-    if (r.quality.mirror) r.draw_mirrored(scenes[i], views[i], r.mirror_images[i]);
-    r.draw_part(scenes[i], views[i], whole(views[i]), r.grid, contacts, r.targets[i]);
+    r.mirror.draw(scenes[i], views[i], i);
+    r.samples.draw(scenes[i], views[i], i);
   }
   // Pictures are read after all are submitted, so that one is drawn while the next is prepared.
   for (std::size_t i = 0; i < views.size(); ++i) {
-    out[i] = r.read(*r.targets[i], whole(views[i]), r.grid);
-    if (r.quality.mirror) r.mirror_images[i]->bind();
-    r.refine(scenes[i], views[i], contacts, out[i]);
+    r.mirror.use(i);
+    out[i] = r.samples.read(scenes[i], views[i], i);
   }
   r.finish("Renderer::draw");
 }

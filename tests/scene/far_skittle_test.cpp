@@ -1,4 +1,4 @@
-// What is drawn of a skittle changes with its distance (render/renderer_impl.h); what is seen of it may
+// What is drawn of a skittle changes with its distance (render/meshes.h); what is seen of it may
 // not.
 
 #include <array>
