@@ -57,7 +57,8 @@ Feed feed_of(const FeedOptions& options) {
   return feed;
 }
 
-LcmFeed::LcmFeed(const std::string& url) : source_(devices::open_source("lcm:" + url, {})) {
+LcmFeed::LcmFeed(const std::string& url)
+    : source_(devices::open_source("lcm:" + url, clocks_, {})) {
   for (int s = 0; s < devices::kFastrakStations; ++s) {
     newest_[static_cast<std::size_t>(s)] = devices::still_motion(s + 1, Time{});
   }

@@ -56,6 +56,7 @@ class LcmFeed {
   devices::FastrakTruth at(int station) const;
 
  private:
+  devices::Clocks clocks_;
   std::unique_ptr<devices::LiveSource> source_;
   devices::AmissNews amiss_;
   std::array<devices::FastrakTruth, devices::kFastrakStations> newest_;

@@ -34,7 +34,8 @@ add_custom_target(version
 
 file(GLOB engine CONFIGURE_DEPENDS ${HEADPIN_ROOT}/engine/*.cpp)
 set(parts
-  devices/base/genlock devices/base/sequence_count devices/trial/event_log devices/trial/file devices/trial/layout
+  devices/base/clock_offset devices/base/clocks devices/base/genlock devices/base/sequence_count devices/trial/event_log devices/trial/file
+  devices/trial/layout
   devices/trial/messages devices/trial/misdated devices/trial/resample devices/trial/sources
   devices/trial/state_change devices/trial/trial_messages files/input_file files/sha256 files/temporary
   render/data/hmd render/eyes scene/play/details scene/play/game scene/play/game_hash scene/play/hand scene/play/outcome scene/play/player

@@ -88,14 +88,16 @@ Finding look_at_multicast() {
   const std::string remedy = "ip link set lo multicast on && ip route add 224.0.0.0/4 dev lo";
   try {
     devices::LcmLink link("");
-    devices::LcmSource source(link);
+    devices::Clocks clocks;
+    devices::LcmSource source(link, clocks);
     devices::TrackerSample sample;
     sample.station = 4;
     link.publish(devices::Sample(sample));
     for (int i = 0; i < 50; ++i) {
       std::this_thread::sleep_for(std::chrono::milliseconds(10));
       source.receive(Time{1'000'000});
-      if (source.counts().received > 0) return {"lcm_multicast", true, "a sample came back", ""};
+      if (source.intake().counts().received > 0)
+        return {"lcm_multicast", true, "a sample came back", ""};
     }
     return {"lcm_multicast", false, "what is sent does not come back", remedy};
   } catch (const std::invalid_argument& error) {

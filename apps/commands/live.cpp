@@ -134,7 +134,7 @@ Live open_live(const LiveOptions& options) {
   try {
     const devices::SourceOptions how = source_options(options, live.pace);
     for (const std::string& name : options.sources) {
-      live.sources.push_back(devices::open_source(name, how));
+      live.sources.push_back(devices::open_source(name, live.pace->clocks(), how));
     }
   } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
@@ -145,10 +145,9 @@ Live open_live(const LiveOptions& options) {
   scenario.look.samples = options.samples;
   apply_condition(options.condition, scenario);
   live.session = scene::make_session(scenario);
-  if (!lcm) return live;
+  if (!lcm || lcm->log()) return live;  // a file has no listeners
   live.link = std::make_unique<devices::LcmLink>(*lcm);
-  if (live.link->is_replay()) live.link.reset();  // a file has no listeners
-  if (live.link && !options.no_trial) {
+  if (!options.no_trial) {
     live.session_link = std::make_unique<devices::LcmLink>(*lcm, devices::kSessionPrefix);
     live.publisher = std::make_unique<scene::TrialWriter>(std::make_unique<devices::TrialPublisher>(
         *live.session_link, scene::header_of(live.header, live.session)));
@@ -230,7 +229,7 @@ void go_live(const LiveOptions& options) {
   live.eyes->measure_by(*live.pace);
   live.pace->begin(live.session.scenario().rates.physics_hz);
   go_first();  // and the readers
-  for (const auto& one : live.sources) one->start(live.pace->genlock());
+  for (const auto& one : live.sources) one->start();
   open_recording(options, live);
   write(live, scene::drawn_by_event(live.eyes->drawn_by()));
 

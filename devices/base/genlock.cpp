@@ -21,19 +21,18 @@ Genlock::Genlock(std::int64_t rate_hz)
   if (grid_us_ > kWidestGrid_us) grid_us_ = 1e6 / static_cast<double>(rate_hz);
 }
 
-double Genlock::offset_us(const void* whose, double estimated_us) {
-  if (!held_to_) held_to_ = whose;
-  const bool held = whose && whose == held_to_;
-  if (!held) {
-    const bool same = offset_us_ && std::abs(estimated_us - *offset_us_) < kSameOffset_us;
-    return same ? *offset_us_ : estimated_us;
-  }
+double Genlock::follow(double estimated_us) {
   // Rounded down, so that the session waits for the tracker and not the tracker for the session.
   if (!offset_us_ || std::abs(estimated_us - *offset_us_) > std::max(grid_us_, kSetAnew_us)) {
     offset_us_ = std::floor(estimated_us / grid_us_) * grid_us_;
   }
   off_us_ = estimated_us - *offset_us_;
   return *offset_us_;
+}
+
+double Genlock::same_or_own(double estimated_us) const {
+  const bool same = offset_us_ && std::abs(estimated_us - *offset_us_) < kSameOffset_us;
+  return same ? *offset_us_ : estimated_us;
 }
 
 double Genlock::stretch_us(Time tick) {

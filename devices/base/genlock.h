@@ -22,14 +22,13 @@ class Genlock {
   ///                 a grid step is one tick, and they are the same to a microsecond.
   explicit Genlock(std::int64_t rate_hz);
 
-  /// The offset that is used for a clock against the session's.
-  ///
-  /// The first clock that asks is the reference, also after it jumps. Another clock counts as the
-  /// same one if its offset is equal up to the delay of messages.
-  ///
-  /// @param whose         identifies the clock; null for one that is never the reference
+  /// The offset that is used for the reference's clock against the session's, also after it jumps.
   /// @param estimated_us  its estimated offset, to be added to its times
-  double offset_us(const void* whose, double estimated_us);
+  double follow(double estimated_us);
+
+  /// The same for another clock. It counts as the same one if its offset is equal up to the delay of
+  /// messages, and otherwise keeps its own.
+  double same_or_own(double estimated_us) const;
 
   /// The correction of the next tick's length; negative for a shorter tick.
   ///
@@ -38,9 +37,8 @@ class Genlock {
 
  private:
   double grid_us_;
-  const void* held_to_ = nullptr;
-  std::optional<double> offset_us_;
-  double off_us_ = 0.0;  ///< how far the session's clock is ahead of its target
+  std::optional<double> offset_us_;  ///< of the reference
+  double off_us_ = 0.0;              ///< how far the session's clock is ahead of its target
 };
 
 }  // namespace headpin::devices

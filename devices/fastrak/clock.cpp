@@ -41,19 +41,21 @@ bool came_by_itself(std::span<const Time> arrivals) {
 }  // namespace
 
 FastrakClock::FastrakClock(int active_stations, Time byte_time, std::size_t record_length,
-                           Genlock* genlock)
+                           Clocks& clocks, ClockId cycles)
     : active_(std::max(1, active_stations)),
-      genlock_(genlock),
+      clocks_(clocks),
+      cycles_(cycles),
       lag_us_(kLatency_us + static_cast<double>(byte_time.count())),
       // The last byte of a record leaves while the next record is written.
       line_cycles_(static_cast<double>(record_length - 1) * static_cast<double>(byte_time.count()) /
-                   kCycle_us) {}
+                   kCycle_us) {
+  clocks_.restart(cycles_);
+}
 
 std::optional<Time> FastrakClock::measured(int turn, std::span<const Time> arrivals, Time now) {
   const double seen_us = seen(arrivals, lag_us_);
   const Time waited = now - arrivals.front();
-  const bool first = !started();
-  if (first) {
+  if (!started()) {
     if (waited < kSettling) return std::nullopt;
     cycle_ = turn;
   } else {
@@ -61,23 +63,19 @@ std::optional<Time> FastrakClock::measured(int turn, std::span<const Time> arriv
     const int offset = (turn - turn_ + active_) % active_;
     std::int64_t least = offset > 0 ? offset : active_;
     while (static_cast<double>(least) + kEarly < line_cycles_) least += active_;
-    const double fit = (seen_us - last_us_) / kCycle_us + kEarly;
+    const double fit = (seen_us - clocks_.estimate_us(cycles_)) / kCycle_us + kEarly;
     const auto turns = static_cast<std::int64_t>(std::floor((fit - offset) / active_));
     const std::int64_t cycles = std::max(least, turns * active_ + offset);
     const bool only_late_perhaps = !came_by_itself(arrivals) && waited < kPatience;
     if (cycles > least && only_late_perhaps) return std::nullopt;
     cycle_ += cycles;
   }
-  const double estimate_us = offset_.carry_over(static_cast<double>(cycle_) * kCycle_us, seen_us);
-  last_us_ =
-      first ? estimate_us : std::max(estimate_us, last_us_ + 0.25 * kCycle_us);  // never backwards
   turn_ = turn;
-  if (!genlock_) return Time{std::llround(last_us_)};
-  const Time cycle_time = tick_time(cycle_, kFastrakCycleRate);
-  const double own_us = estimate_us - static_cast<double>(cycle_) * kCycle_us;
-  const Time held = cycle_time + Time{std::llround(genlock_->offset_us(this, own_us))};
-  handed_out_ = first ? held : std::max(held, handed_out_ + Time{1});
-  return handed_out_;
+  return clocks_.date({.clock = cycles_,
+                       .theirs = tick_time(cycle_, kFastrakCycleRate),
+                       .arrived_us = seen_us,
+                       .theirs_us = static_cast<double>(cycle_) * kCycle_us,
+                       .apart_us = 0.25 * kCycle_us});
 }
 
 }  // namespace headpin::devices

@@ -3,16 +3,15 @@
 #include <optional>
 #include <span>
 
-#include "devices/base/clock_offset.h"
-#include "devices/base/genlock.h"
+#include "devices/base/clocks.h"
 #include "engine/math.h"
 
 namespace headpin::devices {
 
 /// Estimates the time of measurement of each record of a Fastrak from its time of arrival.
 ///
-/// The unit measures every 1/120 s, its stations in turn. Its cycles are its clock, and ClockOffset
-/// converts it to ours.
+/// The unit measures every 1/120 s, its stations in turn. Its cycles are a clock of the
+/// session's Clocks.
 ///
 /// If a record is late by a turn or more, either records before it were lost, or it was delayed
 /// together with the records that arrive with it. The next record shows which; until then this
@@ -22,9 +21,10 @@ class FastrakClock {
   /// @param active_stations  1 to 4: they take turns, a cycle each
   /// @param byte_time        of one byte on the line
   /// @param record_length    in bytes; a line too slow for one a cycle makes the unit skip turns
-  /// @param genlock          uses the cycles as the session's clock; may be null
-  FastrakClock(int active_stations, Time byte_time, std::size_t record_length,
-               Genlock* genlock = nullptr);
+  /// @param clocks           must outlive this
+  /// @param cycles           the clock of the unit's cycles there, which restarts
+  FastrakClock(int active_stations, Time byte_time, std::size_t record_length, Clocks& clocks,
+               ClockId cycles);
 
   /// The time of measurement of a record, later than that of the record before.
   ///
@@ -37,16 +37,14 @@ class FastrakClock {
   /// Number of the last record's cycle, the first one's being its turn; a hole is a record that did
   /// not come.
   std::int64_t cycle() const { return cycle_; }
-  bool started() const { return offset_.started(); }
+  bool started() const { return clocks_.started(cycles_); }
 
  private:
   int active_;
-  Genlock* genlock_;
+  Clocks& clocks_;
+  ClockId cycles_;
   double lag_us_;
-  double line_cycles_;    ///< that the line takes for a record
-  ClockOffset offset_;    ///< from its cycles, in microseconds
-  double last_us_ = 0.0;  ///< estimate for the last record
-  Time handed_out_{};     ///< for the last record
+  double line_cycles_;  ///< that the line takes for a record
   int turn_ = 0;
   std::int64_t cycle_ = 0;
 };

@@ -15,8 +15,13 @@ constexpr std::size_t kBufferLimit = 1 << 16;  // bytes; a unit sends 1 % of tha
 
 }  // namespace
 
-FastrakDriver::FastrakDriver(std::unique_ptr<ByteStream> stream, FastrakOptions options)
-    : stream_(std::move(stream)), options_(std::move(options)), baud_(options_.baud) {
+FastrakDriver::FastrakDriver(std::unique_ptr<ByteStream> stream, Clocks& clocks,
+                             FastrakOptions options)
+    : stream_(std::move(stream)),
+      options_(std::move(options)),
+      baud_(options_.baud),
+      clocks_(clocks),
+      cycles_(clocks.add()) {
   check_items(options_.items);
   formats_.fill({options_.items, options_.binary, options_.centimetres});
 }
@@ -46,8 +51,7 @@ std::string FastrakDriver::activity() const {
 void FastrakDriver::poll(Time asked, std::vector<Sample>& out) {
   // A late session asks for a time in the past. The time of the line shows how long the unit has
   // been silent.
-  const Time now = stream_->time(asked);
-  hear(now);
+  const Time now = hear(asked);
   const bool lost = !stream_->trouble().empty();
   if (!begun_ || (lost_ && !lost)) start_over(now);
   begun_ = true;
@@ -64,15 +68,21 @@ void FastrakDriver::poll(Time asked, std::vector<Sample>& out) {
 
 // --- The line --------------------------------------------------------------------------------
 
-void FastrakDriver::hear(Time now) {
+/// Reads what has arrived. @return  the time of the line
+Time FastrakDriver::hear(Time asked) {
   std::array<std::uint8_t, 4096> bytes{};
+  const std::size_t before = buffer_.size();
+  Time now = asked;
   while (buffer_.size() < kBufferLimit) {
-    const std::size_t n = stream_->read(bytes);
-    if (n == 0) return;
-    arrivals_.push_back({position_ + buffer_.size(), stream_->arrived(now)});
-    buffer_.insert(buffer_.end(), bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(n));
-    heard_ = now;
+    const ByteStream::Piece piece = stream_->read_at(asked, bytes);
+    now = piece.arrived;
+    if (piece.size == 0) break;
+    arrivals_.push_back({position_ + buffer_.size(), piece.arrived});
+    buffer_.insert(buffer_.end(), bytes.begin(),
+                   bytes.begin() + static_cast<std::ptrdiff_t>(piece.size));
   }
+  if (buffer_.size() > before) heard_ = now;
+  return now;
 }
 
 void FastrakDriver::speak(Time now) {
@@ -173,7 +183,7 @@ void FastrakDriver::start_stream(Time now) {
   say(stream_commands(options_));
   const auto stations = static_cast<int>(std::count(active_.begin(), active_.end(), true));
   if (clock_) sequence_before_ += clock_->cycle() / std::max(1, stations) + 1;
-  clock_.emplace(stations, byte_time(), fastrak_record_length(formats_[0]), genlock_);
+  clock_.emplace(stations, byte_time(), fastrak_record_length(formats_[0]), clocks_, cycles_);
   in_step_ = true;
   last_record_ = now;
   enter(Phase::streaming, now);
@@ -334,8 +344,7 @@ void FastrakDriver::read_records(Time now) {
     }
     in_step_ = true;
     if (active_[static_cast<std::size_t>(found.record.station - 1)]) {
-      records_.push_back(found.record);
-      record_arrivals_.push_back(arrival_of(position_ + done));
+      records_.push_back({found.record, arrival_of(position_ + done)});
       last_record_ = now;
       attempt_ = 0;
     } else {
@@ -349,9 +358,10 @@ void FastrakDriver::read_records(Time now) {
 void FastrakDriver::hand_out(Time now, std::vector<Sample>& out) {
   const auto stations =
       std::max<std::ptrdiff_t>(1, std::count(active_.begin(), active_.end(), true));
-  const std::vector<Time> arrivals(record_arrivals_.begin(), record_arrivals_.end());
+  std::vector<Time> arrivals;
+  std::ranges::transform(records_, std::back_inserter(arrivals), &Heard::arrived);
   for (std::size_t i = 0; i < arrivals.size(); ++i) {
-    const FastrakRecord& record = records_.front();
+    const FastrakRecord& record = records_.front().record;
     const auto turn = std::count(active_.begin(), active_.begin() + record.station - 1, true);
     const std::int64_t before = clock_->started() ? clock_->cycle() + 1 : turn;
     const std::optional<Time> measured =
@@ -370,7 +380,6 @@ void FastrakDriver::hand_out(Time now, std::vector<Sample>& out) {
     if (!sample.good()) ++statistics_.flagged;
     out.push_back(std::move(sample));
     records_.pop_front();
-    record_arrivals_.pop_front();
   }
 }
 

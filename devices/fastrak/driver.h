@@ -40,11 +40,9 @@ struct FastrakStatistics {
 /// estimate is stable. `sequence` counts the station's cycles; a gap is a missing record.
 class FastrakDriver : public Source {
  public:
+  /// @param clocks  of the session, which date the records; must outlive this
   /// @throws std::invalid_argument  when the list lacks a position, an orientation or an end
-  FastrakDriver(std::unique_ptr<ByteStream> stream, FastrakOptions options = {});
-
-  /// Uses its cycles as the session's clock from the next stream on; null: does not.
-  void hold_to(Genlock* genlock) { genlock_ = genlock; }
+  FastrakDriver(std::unique_ptr<ByteStream> stream, Clocks& clocks, FastrakOptions options = {});
 
   /// With a stream that has its own clock, also returns samples that arrived after `now`.
   void poll(Time now, std::vector<Sample>& out) override;
@@ -75,6 +73,11 @@ class FastrakDriver : public Source {
     std::uint64_t position;
     Time time;
   };
+  /// A whole record that was not handed out yet.
+  struct Heard {
+    FastrakRecord record;
+    Time arrived;  ///< its first byte
+  };
 
   void enter(Phase phase, Time now);
   void start_over(Time now);
@@ -84,7 +87,7 @@ class FastrakDriver : public Source {
   bool set_up(Time now);
   bool begin_checks(Time now);
   std::optional<bool> check(Time now);
-  void hear(Time now);
+  Time hear(Time asked);
   void speak(Time now);
   bool said_all(Time now) const;
   void drain();
@@ -123,9 +126,9 @@ class FastrakDriver : public Source {
   std::uint64_t position_ = 0;  ///< of the buffer's front in all that was read
   std::deque<Arrival> arrivals_;
   bool in_step_ = true;
-  std::deque<FastrakRecord> records_;  ///< whole, not handed out yet
-  std::deque<Time> record_arrivals_;   ///< of each
-  Genlock* genlock_ = nullptr;
+  std::deque<Heard> records_;
+  Clocks& clocks_;
+  ClockId cycles_;  ///< the unit's clock
   std::optional<FastrakClock> clock_;
   std::int64_t sequence_before_ = 0;  ///< start of counting after a restart
   Time last_record_{};

@@ -25,12 +25,12 @@ namespace headpin::devices {
 LcmLink::LcmLink(LcmUrl url, std::string_view prefix, files::OutputFile::Options output)
     : url_(std::move(url)), prefix_(prefix) {
   if (const auto& log = url_.log()) {
-    output.live = true;
-    if (log->written) {
-      written_ = std::make_unique<LogWriter>(log->path, std::move(output));
-    } else {
-      log_ = std::make_unique<LogPlayer>(*log);
+    if (!log->written) {
+      throw std::runtime_error(
+          fmt::format("cannot publish at {}: it is opened for reading", url_.shown()));
     }
+    output.live = true;
+    written_ = std::make_unique<LogWriter>(log->path, std::move(output));
     return;
   }
   lcm_ = std::make_unique<Lcm>();
@@ -49,10 +49,6 @@ LcmLink::LcmLink(const std::string& url, std::string_view prefix, files::OutputF
 LcmLink::~LcmLink() = default;
 
 void LcmLink::send(const std::string& channel, std::span<const std::uint8_t> bytes) {
-  if (log_) {
-    throw std::runtime_error(
-        fmt::format("cannot publish on {} at {}: it is opened for reading", channel, url_.shown()));
-  }
   if (written_) return written_->write(channel, bytes);
   lcm_->require_server(url_);
   do {

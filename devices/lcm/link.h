@@ -17,13 +17,14 @@
 /// Publishes the samples and all other messages of a trial over LCM.
 namespace headpin::devices {
 
-/// A connection to LCM by the provider of its URL: udpm, file, memq, tcpq.
+/// A connection to LCM by the provider of its URL: udpm, memq, tcpq, or file for a log that is
+/// written. LogSource plays one.
 class LcmLink {
  public:
   /// @param prefix  before the channels of a trial's messages
   /// @param output  how a log is written, file://PATH?mode=w: a file as all outputs, there from the
   ///                start
-  /// @throws std::runtime_error  when LCM cannot be opened there
+  /// @throws std::runtime_error  when LCM cannot be opened there, or a log is to be read
   explicit LcmLink(LcmUrl url, std::string_view prefix = "",
                    files::OutputFile::Options output = {});
   /// @param url  as LcmUrl takes it
@@ -50,22 +51,17 @@ class LcmLink {
   void publish_pose(const std::string& channel, Time time, const Pose& pose);
 
   const LcmUrl& url() const { return url_; }
-  /// True for a log that is read: its messages arrive at the recorded times until its end, and
-  /// nothing can be published.
-  bool is_replay() const { return log_ != nullptr; }
 
  private:
   friend class LcmSource;
   struct Lcm;
-  class LogPlayer;
   class LogWriter;
   std::string named(std::string_view channel) const { return prefix_ + std::string(channel); }
   void send(const std::string& channel, std::span<const std::uint8_t> bytes);
 
   LcmUrl url_;
   std::string prefix_;
-  std::unique_ptr<Lcm> lcm_;  // null if a log is read or written, without liblcm
-  std::unique_ptr<LogPlayer> log_;
+  std::unique_ptr<Lcm> lcm_;  // null if a log is written, without liblcm
   std::unique_ptr<LogWriter> written_;
   std::vector<std::uint8_t> bytes_;  // of the current message
 };

@@ -1,14 +1,10 @@
 #pragma once
 
-#include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <memory>
-#include <optional>
 #include <span>
 #include <stdexcept>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include <lcm/lcm.h>
@@ -16,8 +12,6 @@
 
 #include "devices/lcm/link.h"
 #include "devices/trial/event_log.h"
-#include "devices/trial/log.h"
-#include "devices/trial/sources.h"
 
 /// The inside of an LcmLink, for link.cpp and source.cpp.
 namespace headpin::devices {
@@ -64,48 +58,6 @@ class LcmLink::LogWriter {
   files::OutputFile file_;
   std::int64_t number_ = 0;
   std::vector<std::uint8_t> bytes_;
-};
-
-/// A log that is played. Our own reader reads damaged logs safely.
-class LcmLink::LogPlayer {
- public:
-  explicit LogPlayer(const UrlOfLog& log)
-      : file_(log.path), reader_(file_), next_(reader_.next()), speed_(log.speed) {
-    if (!next_) throw std::runtime_error(log.path + ": not an LCM event log: no whole event");
-    while (next_ && next_->time < log.begin) next_ = reader_.next();
-    if (next_) last_ = next_->time;
-  }
-
-  /// The next event that is due by `now`, counted from the first call; valid until the next call.
-  std::optional<LogEvent> due(Time now) {
-    if (!start_) start_ = now;
-    if (!next_) return std::nullopt;
-    // Does not wait for implausibly large gaps between the times of a log.
-    const Time gap = next_->time > last_ ? next_->time - last_ : Time{};
-    const Time at = played_ + (gap > kLongestGap ? Time{} : gap);
-    const double ahead = seconds(now - *start_) * speed_ - seconds(at);
-    if (speed_ > 0.0 && ahead < 0.0) return std::nullopt;
-    played_ = at;
-    last_ = next_->time;
-    // The bytes of an event are valid only until the next one is read.
-    channel_ = next_->channel;
-    data_.assign(next_->data.begin(), next_->data.end());
-    const LogEvent event{next_->number, next_->time, channel_, data_};
-    next_ = reader_.next();
-    return event;
-  }
-  bool ended() const { return !next_; }
-
- private:
-  FileWindow file_;  ///< not mapped, so that a log that is truncated meanwhile just ends
-  LogReader reader_;
-  std::optional<LogEvent> next_;
-  std::string channel_;             ///< of the event played last
-  std::vector<std::uint8_t> data_;  ///< likewise
-  double speed_;
-  std::optional<Time> start_;  ///< on the session's clock
-  Time last_{};                ///< of the last event played, in the log
-  Time played_{};              ///< the same, since the first event
 };
 
 }  // namespace headpin::devices

@@ -21,11 +21,13 @@ class ByteStream {
   /// @return  number of bytes; 0 when nothing has arrived or the other end is closed
   virtual std::size_t read(std::span<std::uint8_t> out) = 0;
 
-  /// The current time, for streams with a better clock than the caller's `now`.
-  virtual Time time(Time now) const { return now; }
-
-  /// A time at which all bytes of the last read, which was at `now`, had arrived.
-  virtual Time arrived(Time now) const { return now; }
+  /// Bytes that have one time of arrival.
+  struct Piece {
+    std::size_t size = 0;
+    Time arrived{};  ///< a time at which all of them had arrived; without any, until when none had
+  };
+  /// Reads a piece. @param now  the time, for streams without a better clock than the caller's
+  virtual Piece read_at(Time now, std::span<std::uint8_t> out) { return {read(out), now}; }
 
   /// Writes as many bytes from the front of `bytes` as the line accepts now.
   /// @return  number of written bytes; the caller offers the rest again

@@ -93,24 +93,19 @@ void StampedStream::take_in() {
 }
 
 /// Reads from one piece at a time, because all bytes of one call have one time stamp.
-std::size_t StampedStream::read(std::span<std::uint8_t> out) {
+ByteStream::Piece StampedStream::read_at(Time, std::span<std::uint8_t> out) {
   const std::lock_guard lock(pile_);
   if (failure_) std::rethrow_exception(failure_);
-  if (pieces_.empty()) return 0;
-  Piece& piece = pieces_.front();
+  if (pieces_.empty()) return {0, heard_out_};
+  Waiting& piece = pieces_.front();
   const std::size_t n = std::min(out.size(), piece.bytes.size());
   const auto end = piece.bytes.begin() + static_cast<std::ptrdiff_t>(n);
   std::copy(piece.bytes.begin(), end, out.begin());
   piece.bytes.erase(piece.bytes.begin(), end);
-  stamp_ = piece.time;
+  const Time arrived = piece.arrived;
   if (piece.bytes.empty()) pieces_.pop_front();
   waiting_ -= n;
-  return n;
-}
-
-Time StampedStream::time(Time) const {
-  const std::lock_guard lock(pile_);
-  return heard_out_;
+  return {n, arrived};
 }
 
 std::size_t StampedStream::write(Bytes bytes) {

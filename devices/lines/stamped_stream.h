@@ -37,18 +37,17 @@ class StampedStream : public ByteStream {
   void listen();
 
   /// @throws  what the stream below threw
-  std::size_t read(std::span<std::uint8_t> out) override;
-  /// The time up to which all arrived bytes have been read.
-  Time time(Time now) const override;
-  Time arrived(Time) const override { return stamp_; }
+  std::size_t read(std::span<std::uint8_t> out) override { return read_at({}, out).size; }
+  /// The same with the time of arrival. @param now  not used
+  Piece read_at(Time now, std::span<std::uint8_t> out) override;
   std::size_t write(Bytes bytes) override;
   bool closed() const override;
   std::string trouble() const override;
   void set_baud(int baud) override;
 
  private:
-  struct Piece {
-    Time time;
+  struct Waiting {
+    Time arrived;
     std::vector<std::uint8_t> bytes;
   };
   /// Something to be written, or a rate.
@@ -63,14 +62,13 @@ class StampedStream : public ByteStream {
   Clock clock_;
   std::unique_ptr<ByteStream> stream_;  ///< used only by the thread that listens
   mutable std::mutex pile_;             ///< for the bytes that were read, and all members below
-  std::deque<Piece> pieces_;
+  std::deque<Waiting> pieces_;
   std::size_t waiting_ = 0;  ///< bytes in them
   std::deque<Order> orders_;
   std::size_t unwritten_ = 0;  ///< bytes in them
   std::string trouble_;
   bool closed_ = false;
   std::exception_ptr failure_;
-  Time stamp_{};      ///< of the bytes that were returned last
   Time heard_out_{};  ///< time at which the line was empty
   std::atomic<bool> stopping_{false};
   std::thread thread_;

@@ -15,11 +15,10 @@ class LiveFastrak : public LiveSource {
  public:
   /// @param line  the stream within the driver, if it has a thread to start; else null
   LiveFastrak(const std::string& name, std::unique_ptr<ByteStream> stream, StampedStream* line,
-              const FastrakOptions& options)
-      : LiveSource(name), line_(line), driver_(std::move(stream), options) {}
+              Clocks& clocks, const FastrakOptions& options)
+      : LiveSource(name), line_(line), driver_(std::move(stream), clocks, options) {}
 
-  void start(Genlock* genlock) override {
-    driver_.hold_to(genlock);
+  void start() override {
     if (line_) line_->start();
   }
   void poll(Time now, std::vector<Sample>& out) override { driver_.poll(now, out); }
@@ -51,7 +50,7 @@ class LiveFastrak : public LiveSource {
 }  // namespace
 
 std::unique_ptr<LiveSource> live_fastrak(const std::string& name, const std::string& line,
-                                         const SourceOptions& options) {
+                                         Clocks& clocks, const SourceOptions& options) {
   if (line.empty()) {
     throw std::invalid_argument(
         name +
@@ -64,7 +63,7 @@ std::unique_ptr<LiveSource> live_fastrak(const std::string& name, const std::str
     stamped = reader.get();
     stream = std::move(reader);
   }
-  return std::make_unique<LiveFastrak>(name, std::move(stream), stamped, options.fastrak);
+  return std::make_unique<LiveFastrak>(name, std::move(stream), stamped, clocks, options.fastrak);
 }
 
 }  // namespace headpin::devices

@@ -39,7 +39,7 @@ class LiveTrial : public LiveSource {
 struct Kind {
   std::string_view prefix;
   std::unique_ptr<LiveSource> (*open)(const std::string& name, const std::string& where,
-                                      const SourceOptions& options);
+                                      Clocks& clocks, const SourceOptions& options);
 };
 
 constexpr std::array kKinds = {
@@ -66,10 +66,11 @@ std::vector<std::string> AmissNews::take_rest(const LiveSource& source) {
   return news;
 }
 
-std::unique_ptr<LiveSource> open_source(const std::string& name, const SourceOptions& options) {
+std::unique_ptr<LiveSource> open_source(const std::string& name, Clocks& clocks,
+                                        const SourceOptions& options) {
   for (const Kind& kind : kKinds) {
     if (name.starts_with(kind.prefix)) {
-      return kind.open(name, name.substr(kind.prefix.size()), options);
+      return kind.open(name, name.substr(kind.prefix.size()), clocks, options);
     }
   }
   const std::size_t colon = name.find(':');

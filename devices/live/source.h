@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "devices/base/genlock.h"
+#include "devices/base/clocks.h"
 #include "devices/base/source.h"
 #include "devices/fastrak/setup.h"
 
@@ -25,8 +25,7 @@ class LiveSource : public Source {
   const std::string& name() const { return name_; }
 
   /// To be called when the session's clock starts; earlier samples are discarded.
-  /// @param genlock  synchronises a tracker's clock with it; must outlive this; null: none
-  virtual void start(Genlock* /*genlock*/ = nullptr) {}
+  virtual void start() {}
 
   /// What it is doing, as text.
   virtual std::string activity() const = 0;
@@ -77,8 +76,10 @@ struct SourceOptions {
 /// Opens `fastrak:LINE` (a serial port, or tcp:HOST:PORT), `lcm:URL` (none: the default one), or a
 /// trial by its path, which plays from the session's start, each sample when it was available.
 ///
+/// @param clocks  of the session, which date what devices measure; must outlive the source
 /// @throws std::runtime_error  when it cannot be opened or is no trial
 /// @throws std::invalid_argument  for a name that no line can have, or a wrong LCM URL
-std::unique_ptr<LiveSource> open_source(const std::string& name, const SourceOptions& options);
+std::unique_ptr<LiveSource> open_source(const std::string& name, Clocks& clocks,
+                                        const SourceOptions& options);
 
 }  // namespace headpin::devices

@@ -48,23 +48,22 @@ std::string what_is_missing(const TrialSummary& trial) {
 
 struct LogContent {
   std::string path;
-  std::unique_ptr<FileWindow> file;     // or else
-  std::span<const std::uint8_t> bytes;  // all of it
+  std::unique_ptr<FileWindow> file = {};     // or else
+  std::span<const std::uint8_t> bytes = {};  // all of it
   bool session = false;
-  std::vector<std::int64_t> misdated;
-  TrialSummary summary;
+  std::vector<std::int64_t> misdated = {};
 
   LogReader reader() const { return file ? LogReader(*file) : LogReader(bytes); }
-  bool looked_through = false;
-
-  void look_through();
 };
 
 /// Iterates over a trial without its misdated messages.
 class TrialWalk {
  public:
-  explicit TrialWalk(const LogContent& content)
-      : content_(content), messages_(content.reader(), content.session) {}
+  /// @param summary  of an earlier walk, whose samples must still be there; null for the first walk
+  TrialWalk(const LogContent& content, const TrialSummary* summary)
+      : content_(content),
+        messages_(content.reader(), content.session),
+        expected_(summary ? std::optional(summary->sample_count) : std::nullopt) {}
 
   std::optional<Message> next() {
     while (std::optional<Message> message = messages_.next()) {
@@ -81,7 +80,7 @@ class TrialWalk {
       if (auto* mouse = std::get_if<MouseSample>(&*message)) date(*mouse);
       return message;
     }
-    if (content_.looked_through && samples_ != content_.summary.sample_count) {
+    if (expected_ && samples_ != *expected_) {
       throw std::runtime_error(content_.path + ": was changed while it was read");
     }
     return std::nullopt;
@@ -147,6 +146,7 @@ class TrialWalk {
 
   const LogContent& content_;
   Messages messages_;
+  std::optional<std::int64_t> expected_;  // number of samples
   std::size_t next_misdated_ = 0;
   std::optional<Time> tick_;  // of the last state
   StateHistory states_;
@@ -265,31 +265,17 @@ std::string why_without_events(const TrialSummary& log, std::size_t bytes) {
   return "not an LCM event log: " + none;
 }
 
-TrialFile::TrialFile(const std::string& path) : content_(std::make_unique<LogContent>()) {
-  content_->path = path;
-  content_->file = std::make_unique<FileWindow>(path);
-  look_through();
-  if (content_->summary.channels.empty()) {
-    throw std::runtime_error(path + ": " +
-                             why_without_events(content_->summary, content_->file->size()));
-  }
+namespace {
+
+std::unique_ptr<const LogContent> look_into(LogContent log) {
+  log.session = holds_session(log.reader());
+  log.misdated = find_misdated(Messages(log.reader(), log.session));
+  return std::make_unique<const LogContent>(std::move(log));
 }
 
-TrialFile::TrialFile(std::span<const std::uint8_t> bytes)
-    : content_(std::make_unique<LogContent>()) {
-  content_->path = "log";
-  content_->bytes = bytes;
-  look_through();
-}
-
-TrialFile::~TrialFile() = default;
-TrialFile::TrialFile(TrialFile&&) noexcept = default;
-TrialFile& TrialFile::operator=(TrialFile&&) noexcept = default;
-
-void LogContent::look_through() {
-  session = holds_session(reader());
-  misdated = find_misdated(Messages(reader(), session));
-  TrialWalk walk(*this);
+/// The summary of one walk through a log, in the order of its messages.
+TrialSummary sum_up(const LogContent& log) {
+  TrialWalk walk(log, nullptr);
   TrialSummary& all = walk.counted();
   Summing summing(all);
   while (std::optional<Message> message = walk.next()) {
@@ -305,28 +291,41 @@ void LogContent::look_through() {
       summing.take(*frame);
     }
   }
-  summary = std::move(all);
-  looked_through = true;
+  return std::move(all);
 }
 
-void TrialFile::look_through() {
-  content_->look_through();
-  if (content_->summary.disorder == Time{}) return;
+}  // namespace
+
+TrialSummary summarise(const LogContent& log) {
+  TrialSummary summary = sum_up(log);
+  if (summary.disorder == Time{}) return summary;
   Gap longest;  // of samples in order
   Time last{};
-  TrialPlayer player(*this);
+  TrialPlayer player(log, summary, {});
   std::vector<Sample> samples;
   while (const std::optional<Time> time = player.next_time()) {
     samples.clear();
     player.poll(*time, samples);
     Summing::extend(longest, last, *time);
   }
-  content_->summary.longest_gap = longest;
+  summary.longest_gap = longest;
+  return summary;
 }
 
-const TrialSummary& TrialFile::summary() const {
-  return content_->summary;
+TrialFile::TrialFile(const std::string& path)
+    : content_(look_into({.path = path, .file = std::make_unique<FileWindow>(path)})),
+      summary_(summarise(*content_)) {
+  if (summary_.channels.empty()) {
+    throw std::runtime_error(path + ": " + why_without_events(summary_, content_->file->size()));
+  }
 }
+
+TrialFile::TrialFile(std::span<const std::uint8_t> bytes)
+    : content_(look_into({.path = "log", .bytes = bytes})), summary_(summarise(*content_)) {}
+
+TrialFile::~TrialFile() = default;
+TrialFile::TrialFile(TrialFile&&) noexcept = default;
+TrialFile& TrialFile::operator=(TrialFile&&) noexcept = default;
 
 void TrialFile::require_trial(Time longest_gap) const {
   const TrialSummary& trial = summary();
@@ -366,8 +365,9 @@ void TrialFile::walk(const std::function<bool(Item&)>& see) const {
   }
 }
 
-TrialItems::TrialItems(const TrialFile& file)
-    : walk_(std::make_unique<TrialWalk>(*file.content_)) {}
+TrialItems::TrialItems(const TrialFile& file) : TrialItems(*file.content_, file.summary_) {}
+TrialItems::TrialItems(const LogContent& log, const TrialSummary& summary)
+    : walk_(std::make_unique<TrialWalk>(log, &summary)) {}
 TrialItems::~TrialItems() = default;
 TrialItems::TrialItems(TrialItems&&) noexcept = default;
 TrialItems& TrialItems::operator=(TrialItems&&) noexcept = default;
@@ -389,14 +389,13 @@ std::optional<TickState> TrialItems::next_state() {
 }
 
 TrialPlayer::TrialPlayer(const TrialFile& file, Beside beside)
-    : walk_(std::make_unique<TrialWalk>(*file.content_)),
-      complete_(file.summary().complete),
-      disorder_(file.summary().disorder) {
-  if (beside.states) states_.left = file.summary().state_count;
-  if (beside.frames) frames_.left = file.summary().frame_count;
-}
+    : TrialPlayer(*file.content_, file.summary_, beside) {}
 
-TrialPlayer::~TrialPlayer() = default;
+TrialPlayer::TrialPlayer(const LogContent& log, const TrialSummary& summary, Beside beside)
+    : items_(log, summary), complete_(summary.complete), disorder_(summary.disorder) {
+  if (beside.states) states_.left = summary.state_count;
+  if (beside.frames) frames_.left = summary.frame_count;
+}
 
 void TrialPlayer::poll(Time now, std::vector<Sample>& out) {
   while (!ended_ && (!newest_ || *newest_ - disorder_ <= now)) read();
@@ -410,21 +409,21 @@ std::optional<Time> TrialPlayer::next_time() {
   return samples_.empty() ? std::nullopt : std::optional(samples_.begin()->first);
 }
 
-/// Reads the next message.
+/// Reads the next sample, state or frame.
 void TrialPlayer::read() {
-  std::optional<Message> message = walk_->next();
-  if (!message) {
+  std::optional<TrialFile::Item> item = items_.next();
+  if (!item) {
     ended_ = true;
     return;
   }
-  if (auto sample = sample_of(*message)) {
+  if (auto* sample = std::get_if<Sample>(&*item)) {
     const Time time = available(*sample);
     newest_ = std::max(newest_.value_or(time), time);
     samples_.emplace(time, std::move(*sample));
-  } else if (auto* state = std::get_if<TickState>(&*message); state && states_.left > 0) {
+  } else if (auto* state = std::get_if<TickState>(&*item); state && states_.left > 0) {
     --states_.left;
     states_.read.push_back(std::move(*state));
-  } else if (const auto* frame = std::get_if<FrameRecord>(&*message); frame && frames_.left > 0) {
+  } else if (const auto* frame = std::get_if<FrameRecord>(&*item); frame && frames_.left > 0) {
     --frames_.left;
     frames_.read.push_back(*frame);
   }

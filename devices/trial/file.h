@@ -19,6 +19,9 @@ namespace headpin::devices {
 struct LogContent;  // content of a TrialFile
 class TrialWalk;    // iterates over it
 
+/// What a log contains. Reads it once, and once more if its samples are out of order.
+TrialSummary summarise(const LogContent& log);
+
 /// Why a log has no events: it is empty, cut short, or no log.
 /// @param bytes  its size
 std::string why_without_events(const TrialSummary& log, std::size_t bytes);
@@ -41,7 +44,7 @@ class TrialFile {
   TrialFile(TrialFile&&) noexcept;
   TrialFile& operator=(TrialFile&&) noexcept;
 
-  const TrialSummary& summary() const;
+  const TrialSummary& summary() const { return summary_; }
 
   /// Throws an exception if the log is not a trial that can be simulated, like read_trial.
   void require_trial(Time longest_gap) const;
@@ -58,9 +61,9 @@ class TrialFile {
  private:
   friend class TrialPlayer;
   friend class TrialItems;
-  void look_through();
 
-  std::unique_ptr<LogContent> content_;
+  std::unique_ptr<const LogContent> content_;
+  TrialSummary summary_;
 };
 
 /// Iterates over the messages that walk() passes.
@@ -80,6 +83,9 @@ class TrialItems {
   std::optional<TickState> next_state();
 
  private:
+  friend class TrialPlayer;
+  TrialItems(const LogContent& log, const TrialSummary& summary);
+
   std::unique_ptr<TrialWalk> walk_;
 };
 
@@ -97,7 +103,6 @@ class TrialPlayer : public Source {
   /// @param beside  whether states or frames will be requested
   explicit TrialPlayer(const TrialFile& file, Beside beside);
   explicit TrialPlayer(const TrialFile& file) : TrialPlayer(file, Beside{}) {}
-  ~TrialPlayer() override;
 
   /// @throws std::runtime_error  when the file is another by now
   void poll(Time now, std::vector<Sample>& out) override;
@@ -119,11 +124,13 @@ class TrialPlayer : public Source {
     std::deque<T> read;
     std::int64_t left = 0;  ///< to be read
   };
+  friend TrialSummary summarise(const LogContent& log);
+  TrialPlayer(const LogContent& log, const TrialSummary& summary, Beside beside);
   template <typename T>
   const T* find(Row<T>& row, std::int64_t tick);
   void read();
 
-  std::unique_ptr<TrialWalk> walk_;
+  TrialItems items_;
   bool complete_;
   Time disorder_{};
   std::optional<Time> newest_;

@@ -7,7 +7,7 @@ namespace headpin::scene {
 
 void RealTime::begin(std::int64_t rate_hz) {
   tick_ = tick_time(1, rate_hz);
-  genlock_.emplace(rate_hz);
+  clocks_.follow_first(rate_hz);
   start_ = Clock::now();
 }
 
@@ -20,7 +20,7 @@ RealTime::Clock::time_point RealTime::at(Time time) const {
 }
 
 void RealTime::wait_for(Time tick) {
-  if (genlock_) stretched_us_ += genlock_->stretch_us(tick_);
+  stretched_us_ += clocks_.stretch_us(tick_);
   behind_us_ = std::llround(stretched_us_);
   const Clock::time_point due = at(tick);
   std::this_thread::sleep_until(due);

@@ -4,10 +4,9 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
-#include <optional>
 #include <span>
 
-#include "devices/base/genlock.h"
+#include "devices/base/clocks.h"
 #include "scene/play/session.h"
 
 /// The loop of every session: live, emulated, imported or replayed. Sessions differ in the source
@@ -43,14 +42,14 @@ class RealTime : public Pace {
   Time now() const;
   Clock::time_point at(Time time) const;
 
-  /// For sources whose clock may be the reference.
-  devices::Genlock* genlock() { return genlock_ ? &*genlock_ : nullptr; }
+  /// Those of the session's sources. From begin() on, the first one is the reference.
+  devices::Clocks& clocks() { return clocks_; }
   std::int64_t overruns() const { return overruns_; }
 
  private:
   Clock::time_point start_ = Clock::now();
   Time tick_{};
-  std::optional<devices::Genlock> genlock_;
+  devices::Clocks clocks_;
   double stretched_us_ = 0.0;              ///< total correction of the ticks' lengths
   std::atomic<std::int64_t> behind_us_{};  ///< the correction, for other threads
   std::int64_t overruns_ = 0;

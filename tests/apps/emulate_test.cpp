@@ -81,7 +81,8 @@ TEST_F(Emulate, ADriverFindsTheUnitAtTheLinkAndTheLinkGoesWithIt) {
   for (const int signal : {SIGINT, SIGTERM}) {
     start({"--link", link(), "--motion", "still", "--faults", "noise=0"});
     ASSERT_TRUE(fs::exists(link()));
-    devices::FastrakDriver driver(devices::open_serial(link(), 115200));
+    devices::Clocks clocks;
+    devices::FastrakDriver driver(devices::open_serial(link(), 115200), clocks);
     const auto samples = listen(driver, 60s);
     EXPECT_GT(samples.size(), 60u);
     for (const devices::Sample& sample : samples) {
@@ -102,7 +103,8 @@ TEST_F(Emulate, ATrialBeginsWhenTheDriverStartsToListen) {
   ASSERT_TRUE(fs::exists(link()));
   devices::FastrakOptions options;
   options.zenith.fill(Vec3::Zero());
-  devices::FastrakDriver driver(devices::open_serial(link(), 115200), options);
+  devices::Clocks clocks;
+  devices::FastrakDriver driver(devices::open_serial(link(), 115200), clocks, options);
   const auto samples = listen(driver, 60s);
   ASSERT_GT(samples.size(), 60u);
   const devices::FastrakMotion recorded =
@@ -122,7 +124,8 @@ TEST_F(Emulate, ADriverAtTheWrongRateFindsTheRightOneAndSetsItsOwn) {
   options.start_up = 100ms;  // the unit cannot hear the ^Y
   options.answer = 150ms;
   options.quiet = 50ms;
-  devices::FastrakDriver driver(devices::open_serial(link(), 115200), options);
+  devices::Clocks clocks;
+  devices::FastrakDriver driver(devices::open_serial(link(), 115200), clocks, options);
   const auto samples = listen(driver, 60s);
   EXPECT_GT(samples.size(), 60u);
   EXPECT_EQ(end(SIGTERM), 0);
@@ -180,7 +183,8 @@ TEST_F(Emulate, OverTcpEachClientGetsARunningTrial) {
   for (int client = 0; client < 2; ++client) {
     devices::FastrakOptions options;
     options.zenith.fill(Vec3::Zero());
-    devices::FastrakDriver driver(devices::open_line(line, 115200), options);
+    devices::Clocks clocks;
+    devices::FastrakDriver driver(devices::open_line(line, 115200), clocks, options);
     const auto samples = listen(driver, 60s);
     ASSERT_GT(samples.size(), 60u);
     const auto& first = std::get<devices::TrackerSample>(samples.front());

@@ -235,7 +235,7 @@ TEST_F(ImportTables, NamesThatAreNotUnderstoodAreNotPassedOverInSilence) {
                     "h",    "i",      "j", "k", "l", "m", "n"};
   write("u.csv", strange);
   expect_refusal("import u.csv -o OUT.lcmlog", 1,
-                 "no column of the time was found; --columns 'time=t,");
+                 "no column of the time was found; the 15 columns are zeit, kopf_x,");
   ASSERT_EQ(headpin("import u.csv --explain -o u.toml").code, 0);
   EXPECT_THAT(slurp(folder_ / "u.toml"), HasSubstr("#   kopf_x"));
 }

@@ -60,7 +60,7 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
   take("import --json " HEADPIN_SOURCE_DIR "/assets/throws/example.csv -o found.lcmlog");
   take("import --json --explain " HEADPIN_SOURCE_DIR "/assets/throws/example.csv --units m");
   take("replay --json throw.lcmlog -o game.lcmlog");
-  take("replay --json game.lcmlog --verify");
+  take("replay --json game.lcmlog --verify --from 1");
   take("replay --json session.lcmlog -o played.lcmlog");
   take("replay --json played.lcmlog --friction 0 --set game.ball_back_s=100");
   take("replay --json played.lcmlog --each-throw");

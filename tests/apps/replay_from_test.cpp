@@ -11,12 +11,12 @@ namespace {
 
 using testing::HasSubstr;
 
-/// A session of one minute: a throw with each of two versions and then another.
+/// A session of one minute, with two throws in each of two versions.
 class ReplayFrom : public TrialCommands {
  protected:
   ReplayFrom() {
-    EXPECT_EQ(headpin("synthesize -o session.lcmlog --participant 7 --throws 2").code, 0);
-    whole_ = json("replay session.lcmlog --json");
+    EXPECT_EQ(headpin("synthesize -o played.lcmlog --participant 7 --throws 2").code, 0);
+    whole_ = json("replay played.lcmlog -o session.lcmlog --json");
   }
 
   /// Copies the session's log; `change` may change the bytes of each snapshot's message.
@@ -90,10 +90,10 @@ TEST_F(ReplayFrom, AnotherConditionHoldsFromThenOn) {
   EXPECT_NE(second["game_hash"], whole_["game_hash"]);
   EXPECT_EQ(second["games"][0], whole_["games"][0]);  // red was over
   EXPECT_EQ(second["versions"]["blue"]["friction"]["ball"], 0.4);
-  // In the blue version the ball, once let go, is the first that differs.
+  // The red ball is the first that differs, when it moves again.
   const Result differs = headpin("replay session.lcmlog --from 25 --friction 0.4 --verify");
   EXPECT_EQ(differs.code, 1);
-  EXPECT_THAT(differs.err, HasSubstr("(37."));
+  EXPECT_THAT(differs.err, HasSubstr("(26."));
   EXPECT_THAT(differs.err, HasSubstr("first difference in the ball"));
 }
 

@@ -98,7 +98,8 @@ double stream_a_minute() {
   devices::FastrakEmulatorOptions options;
   options.receivers = 4;
   devices::FastrakEmulator unit(options, devices::circling_motion);
-  devices::FastrakDriver driver(std::move(host_end));
+  devices::Clocks clocks;
+  devices::FastrakDriver driver(std::move(host_end), clocks);
   std::vector<devices::Sample> samples;
   for (Time now{}; now < 60s; now += 1ms) {
     devices::serve(unit, *unit_end, now);

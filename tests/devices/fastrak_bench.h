@@ -45,7 +45,7 @@ struct Bench {
         FastrakMotion motion = circling_motion)
       : line(std::move(ends.unit)),
         emulator(listened(std::move(unit_options)), std::move(motion)),
-        driver(std::move(ends.host), std::move(options)) {}
+        driver(std::move(ends.host), clocks, std::move(options)) {}
   Bench(const Bench&) = delete;
   Bench& operator=(const Bench&) = delete;
 
@@ -84,6 +84,7 @@ struct Bench {
   Time now{};
   std::unique_ptr<ByteStream> line;
   FastrakEmulator emulator;
+  Clocks clocks;
   FastrakDriver driver;
 };
 

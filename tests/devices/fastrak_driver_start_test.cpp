@@ -199,7 +199,8 @@ class Ethernet : public Adapter {
 void a_line_that_hangs_up_and_comes_back_goes_on(Adapter& adapter) {
   std::unique_ptr<ByteStream> line = adapter.plug_in();
   auto emulator = std::make_unique<FastrakEmulator>(unit("noise=0"), circling_motion);
-  FastrakDriver driver(open_line(adapter.name(), 115200));
+  Clocks clocks;
+  FastrakDriver driver(open_line(adapter.name(), 115200), clocks);
   Time now{};
   std::vector<Sample> samples;
   const auto run_until = [&](auto reached) {

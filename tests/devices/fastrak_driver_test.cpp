@@ -217,7 +217,8 @@ TEST(FastrakDriverTest, AHoleInTheSequenceIsARecordThatWasLost) {
 
 TEST(FastrakDriverTest, NobodyAtTheOtherEndIsNoFailure) {
   auto [here, there] = memory_streams();
-  FastrakDriver driver(std::move(here), {});
+  Clocks clocks;
+  FastrakDriver driver(std::move(here), clocks);
   std::vector<Sample> samples;
   for (Time now{}; now < 120s; now += 10ms) driver.poll(now, samples);
   EXPECT_TRUE(samples.empty());
@@ -231,7 +232,8 @@ TEST(FastrakDriverTest, AListThatCannotBeReadIsRefused) {
   const auto with = [](std::vector<int> items) {
     FastrakOptions options;
     options.items = std::move(items);
-    FastrakDriver driver(std::move(memory_streams().first), options);
+    Clocks clocks;
+    FastrakDriver driver(std::move(memory_streams().first), clocks, options);
   };
   EXPECT_THROW(with({}), std::invalid_argument);
   EXPECT_THROW(with({2, 1}), std::invalid_argument);          // no orientation
@@ -244,7 +246,8 @@ TEST(FastrakDriverTest, AListThatCannotBeReadIsRefused) {
 TEST(FastrakDriverTest, AnyBytesFromTheLineLeaveItAlive) {
   std::mt19937 random(9);
   auto [here, there] = memory_streams();
-  FastrakDriver driver(std::move(here), {});
+  Clocks clocks;
+  FastrakDriver driver(std::move(here), clocks);
   std::vector<Sample> samples;
   const std::string status = encode_status({}), on = encode_active(1, {true, true, false, false});
   const std::string list = encode_list(1, std::vector<int>{2, 11, 16, 1});

@@ -112,7 +112,8 @@ TEST(FastrakDriverTest, TicksThatComeLateBendNoIntervalAndLoseNothing) {
     auto [line, host] = memory_streams();
     auto owned = std::make_unique<StampedStream>(std::move(host), [&now] { return now; });
     StampedStream& stamped = *owned;
-    FastrakDriver driver(std::move(owned));
+    Clocks clocks;
+    FastrakDriver driver(std::move(owned), clocks);
     std::vector<Sample> samples;
     std::int64_t tick = 0;
     while (now < 60s) {
@@ -137,7 +138,8 @@ TEST(FastrakDriverTest, AServerThatIsHeldUpLosesNoRecord) {
   auto [line, host] = memory_streams();
   auto owned = std::make_unique<StampedStream>(std::move(host), [&now] { return now; });
   StampedStream& stamped = *owned;
-  FastrakDriver driver(std::move(owned));
+  Clocks clocks;
+  FastrakDriver driver(std::move(owned), clocks);
   std::vector<Sample> samples;
   for (; now < 30s; now += 1ms) {
     if (now < 5s || now % 2s > 700ms) serve(emulator, *line, now);
@@ -246,7 +248,8 @@ TEST(FastrakDriverTest, NeitherDoesALoadedMachine) {
   {
     auto stamped = std::make_unique<StampedStream>(open_serial(pty.name(), 115200), clock);
     stamped->start();
-    FastrakDriver driver(std::move(stamped));
+    Clocks clocks;
+    FastrakDriver driver(std::move(stamped), clocks);
     const Hogs hogs(2 * static_cast<int>(std::thread::hardware_concurrency()));
     for (std::int64_t tick = 1; samples.size() < 1000; ++tick) {
       std::this_thread::sleep_until(start + tick_time(tick, 240));

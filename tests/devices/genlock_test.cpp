@@ -30,7 +30,6 @@ struct Heard {
 Heard listen(double phase_us, double drift, Time length) {
   Genlock genlock(kRate);
   ClockOffset clock;
-  const int tracker = 0;
   Heard heard;
   const Time tick = tick_time(1, kRate);
   double behind_us = 0.0;
@@ -51,7 +50,7 @@ Heard listen(double phase_us, double drift, Time length) {
       if (measured_us + late_us > machine_us) break;
       const double seen_us = measured_us + late_us - behind_us;
       const double estimated_us = clock.carry_over(theirs, seen_us) - theirs;
-      heard.offset_us = genlock.offset_us(&tracker, estimated_us);
+      heard.offset_us = genlock.follow(estimated_us);
       const Time stamp = tick_time(sent, 60) + Time{std::llround(heard.offset_us)};
       if (sent > 0 && stamp - before != tick_time(sent, 60) - tick_time(sent - 1, 60)) {
         ++heard.other_steps;
@@ -82,22 +81,20 @@ TEST(Genlock, StampsAreWholeStepsOfTheGridAndTrueToAMillisecond) {
 
 TEST(Genlock, AnotherClockKeepsItsOwnOffsetUnlessItIsTheSame) {
   Genlock genlock(kRate);
-  const int first = 1, second = 2;
-  EXPECT_EQ(genlock.offset_us(nullptr, 777.0), 777.0);  // nothing is held to
-  EXPECT_EQ(genlock.offset_us(&first, 30'400.0), 25'000.0);
-  EXPECT_EQ(genlock.offset_us(&second, 26'300.0), 25'000.0);
-  EXPECT_EQ(genlock.offset_us(nullptr, 22'000.0), 25'000.0);
-  EXPECT_EQ(genlock.offset_us(&second, 700'400.0), 700'400.0);
-  EXPECT_EQ(genlock.offset_us(&first, 30'900.0), 25'000.0);  // moves only when it jumps
-  EXPECT_EQ(genlock.offset_us(&first, 1'030'900.0), 1'025'000.0);
+  EXPECT_EQ(genlock.same_or_own(777.0), 777.0);  // there is no reference yet
+  EXPECT_EQ(genlock.follow(30'400.0), 25'000.0);
+  EXPECT_EQ(genlock.same_or_own(26'300.0), 25'000.0);
+  EXPECT_EQ(genlock.same_or_own(22'000.0), 25'000.0);
+  EXPECT_EQ(genlock.same_or_own(700'400.0), 700'400.0);
+  EXPECT_EQ(genlock.follow(30'900.0), 25'000.0);  // moves only when it jumps
+  EXPECT_EQ(genlock.follow(1'030'900.0), 1'025'000.0);
 }
 
 TEST(Genlock, ItsGridIsTheLeastOfWholeTicksThatIsWholeMicroseconds) {
   for (const std::int64_t rate : {120, 240, 250, 960, 1000}) {
     Genlock genlock(rate);
-    const int tracker = 0;
-    const double step = genlock.offset_us(
-        &tracker, 5e6 + 1e6 / static_cast<double>(std::gcd(1'000'000, rate)) - 1e-3);
+    const double step =
+        genlock.follow(5e6 + 1e6 / static_cast<double>(std::gcd(1'000'000, rate)) - 1e-3);
     const Time offset{std::llround(step)};
     const std::int64_t ticks = offset.count() * rate / 1'000'000;
     EXPECT_EQ(tick_time(ticks, rate), offset) << rate;
@@ -108,9 +105,8 @@ TEST(Genlock, ItsGridIsTheLeastOfWholeTicksThatIsWholeMicroseconds) {
 TEST(Genlock, WhereThatWouldBeLongItIsATick) {
   for (const std::int64_t rate : {7, 60, 90, 144}) {
     Genlock genlock(rate);
-    const int tracker = 0;
     const double tick_us = 1e6 / static_cast<double>(rate);
-    const double steps = genlock.offset_us(&tracker, 41.9 * tick_us) / tick_us;
+    const double steps = genlock.follow(41.9 * tick_us) / tick_us;
     EXPECT_NEAR(steps, 41.0, 1e-9) << rate;
   }
 }

@@ -28,7 +28,8 @@ const std::string kGone = ": the LCM server has closed the connection";
 
 TEST(LcmServerTest, WhereNobodyListensThereIsNoSession) {
   const LocalPort closed;
-  EXPECT_EQ(complaint([&] { open_source("lcm:" + closed.url(), {}); }),
+  Clocks clocks;
+  EXPECT_EQ(complaint([&] { open_source("lcm:" + closed.url(), clocks, {}); }),
             "lcm:" + closed.url() + kNobody);
   EXPECT_EQ(complaint([&] { LcmLink link(LcmUrl(closed.url(), "--lcm ")); }),
             "--lcm " + closed.url() + kNobody);
@@ -36,7 +37,8 @@ TEST(LcmServerTest, WhereNobodyListensThereIsNoSession) {
 
 TEST(LcmServerTest, WhoClosesAtOnceIsNoServer) {
   const LocalLcmServer closes(false);
-  EXPECT_EQ(complaint([&] { open_source("lcm:" + closes.url(), {}); }),
+  Clocks clocks;
+  EXPECT_EQ(complaint([&] { open_source("lcm:" + closes.url(), clocks, {}); }),
             "lcm:" + closes.url() + kNobody);
 }
 
@@ -46,7 +48,8 @@ TEST(LcmServerTest, AServerThatGoesAwayEndsTheSessionWithAWord) {
   const __lsan::ScopedDisabler liblcm_leaks;  // eight bytes, when it is closed without its server
 #endif
   LocalLcmServer server(true);
-  const auto source = open_source("lcm:" + server.url(), {});
+  Clocks clocks;
+  const auto source = open_source("lcm:" + server.url(), clocks, {});
   source->start();
   std::vector<Sample> samples;
   source->poll(Time{1000}, samples);

@@ -20,7 +20,8 @@ std::vector<Sample> all_of(Source& source, Time tick) {
 }
 
 TEST(OpenSource, ATrialPlaysAsItIsReplayed) {
-  const std::unique_ptr<LiveSource> trial = open_source(kDemo, {});
+  Clocks clocks;
+  const std::unique_ptr<LiveSource> trial = open_source(kDemo, clocks, {});
   EXPECT_EQ(trial->name(), kDemo);
   EXPECT_EQ(trial->recording(), kDemo);
   EXPECT_EQ(trial->activity(), "playing");
@@ -35,7 +36,9 @@ TEST(OpenSource, ATrialPlaysAsItIsReplayed) {
 }
 
 TEST(OpenSource, ALogIsPlayedOverLcm) {
-  const std::unique_ptr<LiveSource> log = open_source("lcm:file://" + kDemo + "?speed=0", {});
+  Clocks clocks;
+  const std::unique_ptr<LiveSource> log =
+      open_source("lcm:file://" + kDemo + "?speed=0", clocks, {});
   log->start();
   EXPECT_EQ(log->recording(), kDemo);
   EXPECT_EQ(all_of(*log, Time{4166}).size(), read_trial(kDemo).samples.size());
@@ -45,7 +48,8 @@ TEST(OpenSource, ALogIsPlayedOverLcm) {
 TEST(OpenSource, AFastrakIsHeardAtTheEndOfItsLine) {
   PseudoTerminal pty;
   Unit unit;
-  const std::unique_ptr<LiveSource> fastrak = open_source("fastrak:" + pty.name(), {});
+  Clocks clocks;
+  const std::unique_ptr<LiveSource> fastrak = open_source("fastrak:" + pty.name(), clocks, {});
   fastrak->start();
   EXPECT_TRUE(fastrak->has_stylus());
   EXPECT_THAT(fastrak->activity(), testing::Not("streaming"));
@@ -63,9 +67,10 @@ TEST(OpenSource, AFastrakIsHeardAtTheEndOfItsLine) {
 }
 
 TEST(OpenSource, SaysWhatItCannotOpen) {
-  const auto refusal = [](const std::string& name) -> std::string {
+  Clocks clocks;
+  const auto refusal = [&clocks](const std::string& name) -> std::string {
     try {
-      open_source(name, {});
+      open_source(name, clocks, {});
     } catch (const std::exception& error) {
       return error.what();
     }
@@ -74,14 +79,14 @@ TEST(OpenSource, SaysWhatItCannotOpen) {
   EXPECT_THAT(refusal("nobody.lcmlog"), testing::HasSubstr("nobody.lcmlog"));
   EXPECT_THAT(refusal(HEADPIN_SOURCE_DIR "/README.md"), testing::HasSubstr("not an LCM event log"));
   EXPECT_THAT(refusal("fastrak:/dev/nobody"), testing::HasSubstr("/dev/nobody"));
-  EXPECT_THROW(open_source("fastrak:tcp:here:none", {}), std::invalid_argument);
+  EXPECT_THROW(open_source("fastrak:tcp:here:none", clocks, {}), std::invalid_argument);
   EXPECT_EQ(refusal("fastrak:"),
             "fastrak: expected the name of a serial port or tcp:HOST:PORT after the colon, found "
             "nothing");
-  EXPECT_THROW(open_source("fastrak:", {}), std::invalid_argument);
+  EXPECT_THROW(open_source("fastrak:", clocks, {}), std::invalid_argument);
   EXPECT_THAT(refusal("lcm:carrier-pigeon://"),
               testing::HasSubstr("lcm:carrier-pigeon://: expected an LCM URL such as"));
-  EXPECT_THROW(open_source("lcm:foo", {}), std::invalid_argument);
+  EXPECT_THROW(open_source("lcm:foo", clocks, {}), std::invalid_argument);
   EXPECT_THAT(refusal("lcm:file://" + kDemo + "?mode=w"),
               testing::HasSubstr("this would be written; to read a log, expected file://"));
   EXPECT_THAT(refusal("xyz:abc"), testing::HasSubstr("unknown kind of source 'xyz'"));

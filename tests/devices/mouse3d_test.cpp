@@ -100,7 +100,8 @@ TEST(StylusMouseTest, ThePressArrivesThroughTheFastrak) {
     truth.pressed = t >= 5s && t < 6s;
     return truth;
   });
-  StylusMouse source(std::make_unique<FastrakDriver>(std::move(host_end)));
+  Clocks clocks;
+  StylusMouse source(std::make_unique<FastrakDriver>(std::move(host_end), clocks));
   std::vector<Sample> out;
   for (Time now{}; now < 8s; now += 1ms) {
     serve(unit, *unit_end, now);

@@ -9,8 +9,7 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "devices/base/clock_offset.h"
-#include "devices/base/genlock.h"
+#include "devices/base/clocks.h"
 #include "devices/fastrak/driver.h"
 #include "devices/fastrak/emulator.h"
 #include "devices/recordings/recorded_motion.h"
@@ -262,7 +261,6 @@ class ThroughUnit : public devices::Source {
   /// @param phase  of the unit's clock against the session's
   ThroughUnit(const std::vector<devices::Sample>& recorded, const Scenario& scenario, Time phase)
       : recorded_(recorded),
-        genlock_(scenario.rates.physics_hz),
         tick_(tick_time(1, scenario.rates.physics_hz)),
         phase_(phase),
         unit_(options_for(recorded),
@@ -270,8 +268,8 @@ class ThroughUnit : public devices::Source {
                 return motion(station, begin_ && time > *begin_ ? time - *begin_ : Time{});
               }),
         ends_(devices::memory_streams()),
-        driver_(std::move(ends_.second)) {
-    driver_.hold_to(&genlock_);
+        driver_(std::move(ends_.second), clocks_) {
+    clocks_.follow_first(scenario.rates.physics_hz);
     for (const devices::Sample& sample : recorded) {
       if (const auto* mouse = std::get_if<devices::MouseSample>(&sample))
         buttons_.push_back(*mouse);
@@ -279,7 +277,7 @@ class ThroughUnit : public devices::Source {
   }
 
   void poll(Time now, std::vector<devices::Sample>& out) override {
-    behind_us_ += genlock_.stretch_us(tick_);
+    behind_us_ += clocks_.stretch_us(tick_);
     const Time machine = now + phase_ + Time{std::llround(behind_us_)};
     while (served_ < machine) serve(std::min(served_ + Time{1ms}, machine));
     driver_.poll(now, out);
@@ -309,24 +307,23 @@ class ThroughUnit : public devices::Source {
       const Time late = Time{200 + 1300 * static_cast<std::int64_t>(pressed_ % 3)};
       if (*begin_ + mouse.device_time + late > machine) return;
       const Time theirs = *begin_ + mouse.device_time - unit_.stream_zero();
-      const auto theirs_us = static_cast<double>(theirs.count());
-      const double estimated_us =
-          mouse_clock_.carry_over(theirs_us, static_cast<double>(now.count())) - theirs_us;
-      mouse.device_time = theirs + Time{std::llround(genlock_.offset_us(nullptr, estimated_us))};
+      mouse.device_time = clocks_.date({.clock = mouse_clock_,
+                                        .theirs = theirs,
+                                        .arrived_us = static_cast<double>(now.count())});
       mouse.host_time = now;
       out.emplace_back(mouse);
     }
   }
 
   const std::vector<devices::Sample>& recorded_;
-  devices::Genlock genlock_;
+  devices::Clocks clocks_;
+  devices::ClockId mouse_clock_ = clocks_.add(devices::Lead::never);
   Time tick_, phase_;
   std::optional<Time> begin_;
   devices::FastrakEmulator unit_;
   std::pair<std::unique_ptr<devices::ByteStream>, std::unique_ptr<devices::ByteStream>> ends_;
   devices::FastrakDriver driver_;
   std::vector<devices::MouseSample> buttons_;
-  devices::ClockOffset mouse_clock_;
   std::size_t pressed_ = 0;
   Time served_{};
   double behind_us_ = 0.0;

@@ -173,7 +173,8 @@ struct Published : devices::Source {
 
   devices::ReplaySource publisher;
   devices::LcmLink link{"memq://"};
-  devices::LcmSource live{link};
+  devices::Clocks clocks;
+  devices::LcmSource live{link, clocks};
 };
 
 TEST(SessionTest, ALiveSourceAndItsRecordingMakeTheSameGame) {

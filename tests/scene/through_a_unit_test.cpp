@@ -52,7 +52,9 @@ Score play_through_a_unit(const Scenario& scenario, const std::vector<devices::S
       });
   auto ends = devices::memory_streams();
   devices::ByteStream& line = *ends.first;
-  devices::StylusMouse source(std::make_unique<devices::FastrakDriver>(std::move(ends.second)));
+  devices::Clocks clocks;
+  devices::StylusMouse source(
+      std::make_unique<devices::FastrakDriver>(std::move(ends.second), clocks));
   Time served{};
   std::int64_t streams = 0;
   return play(scenario, source, 14s, [&](Time tick) {
