@@ -59,7 +59,8 @@ struct SavedOften {
 };
 
 SavedOften played_by_somebody(const std::string& name, int throws, int saves) {
-  SavedOften played{load_scenario(HEADPIN_SOURCE_DIR "/assets/scenarios/" + name + ".toml"), {}, {}};
+  SavedOften played{
+      load_scenario(HEADPIN_SOURCE_DIR "/assets/scenarios/" + name + ".toml"), {}, {}};
   set_up_for_participants(played.scenario);
   // Twice: the number of its ticks is known after the first.
   std::set<std::size_t> wanted;
