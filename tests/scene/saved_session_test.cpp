@@ -201,6 +201,12 @@ TEST(SavedSession, ChangedWithAChecksumThatFitsIsRefusedOrGoesOn) {
   EXPECT_GT(gone_on, 100);
 }
 
+TEST(SavedSession, OfATickThatNoSessionReachesIsRefused) {
+  Session session = make_session(Scenario{});
+  session.tick = session.world.tick = 4'000'000'000'000'000'000;
+  EXPECT_THROW(restore(make_session(Scenario{}), save(session)), std::invalid_argument);
+}
+
 TEST(SavedSession, WithALawOfOnesOwnIsNotSaved) {
   Session session = make_session(Scenario{});
   session.hashes = false;
