@@ -184,10 +184,12 @@ class Queue {
     std::push_heap(w_.coming.begin(), w_.coming.end(), std::greater<>());
   }
 
-  /// The next meeting, if any. The path of a body that turns far is followed at once, because it
-  /// may meet with points that are not contact points yet.
+  /// The next meeting, if any. The path of a body that turns far is followed at once and to the end
+  /// of the step, because it may meet with points that are not contact points yet.
   std::optional<Meeting> seen_early(Touch& touch) {
-    if (touch.time + trusted_for(world_, touch) >= step_seconds(world_)) {
+    const double trusted = trusted_for(world_, touch);
+    const bool to_the_end = trusted < kNever && world_.parameters.rules > 2;
+    if (!to_the_end && touch.time + trusted >= step_seconds(world_)) {
       return soonest(world_, flight_, touches_, touch, threshold(touch));
     }
     const std::size_t count = touches_.points.size();
@@ -246,7 +248,9 @@ class Queue {
     if (is_mover(world_, i) && flight_.bodies[i].impacts >= limit_) w_.halted.push_back(i);
   }
 
-  /// Removes the points of surfaces that seem to touch slowly but in fact pass each other.
+  /// Removes the points of surfaces that seem to touch slowly but in fact pass each other. Removes
+  /// also those of surfaces that approach fast now but in fact meet slowly: as lasting contacts
+  /// they would be braked at once.
   void leave_out_what_passes(Touch& touch) {
     if (touch.points == 0 || was_loaded(world_.memory, touch)) return;
     if (!soonest(world_, flight_, touches_, touch, 0.0)) return;
@@ -254,7 +258,9 @@ class Queue {
     Touch probe = touch;
     const bool meet = find_meeting(world_, flight_, touches_, probe, 0.0).has_value();
     touches_.points.resize(count);
-    if (meet) return;
+    const bool would_brake =
+        world_.parameters.rules > 2 && soonest(world_, flight_, touches_, touch, threshold(touch));
+    if (meet && !would_brake) return;
     const auto first = touches_.points.begin() + touch.first_point;
     const auto end = std::remove_if(first, first + touch.points,
                                     [](const ContactPoint& p) { return p.depth <= -kMeets; });

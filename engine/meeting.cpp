@@ -112,6 +112,8 @@ std::optional<Meeting> find_meeting(World& world, const Flight& flight, Touches&
   const double trusted = trusted_for(world, touch), step = step_seconds(world);
   const int most = trusted < kNever ? kQueries + 2 * kTurns : kQueries;
   const double least = trusted < kNever ? step / most : 0.0;  // so that it reaches the end
+  const bool to_the_end = trusted < kNever && world.parameters.rules > 2;
+  const bool goes_back = trusted < kNever || world.parameters.rules > 2;
   std::optional<Meeting> m = soonest(world, flight, touches, touch, threshold);
   for (int k = 0; k < most; ++k) {
     if (m && (m->time <= touch.time || -m->point.depth <= kMeets)) {
@@ -119,13 +121,16 @@ std::optional<Meeting> find_meeting(World& world, const Flight& flight, Touches&
       return m;
     }
     const double seen = std::min(m ? m->time : kNever, touch.time + trusted);
-    const double next = std::max(seen, touch.time + least);
-    if (next > step) break;
+    double next = std::max(seen, touch.time + least);
+    if (next > step) {
+      if (!to_the_end || touch.time >= step) break;
+      next = step;  // what turns may have come round by then
+    }
     const Apart before{touch.time, std::max(0.0, -deepest(touches, touch))};
     const bool apart = deepest(touches, touch) <= world.parameters.slop;
     if (k > 0) touches.points.resize(touch.first_point);
     look_again(world, flight, touch, next, touches);
-    if (trusted < kNever && apart) go_back(world, flight, touches, touch, before);
+    if (apart && goes_back) go_back(world, flight, touches, touch, before);
     m = soonest(world, flight, touches, touch, threshold);
   }
   return std::nullopt;

@@ -47,7 +47,8 @@ struct Parameters {
   double sleep_speed = 0.01;  ///< [m/s]
   double sleep_spin = 0.03;   ///< [rad/s]
   double sleep_after = 0.25;  ///< [s]
-  int rules = 2;              ///< 1: the rules of older trials, without the corrections for
+  int rules = 3;              ///< 2: as before, without the corrections for bodies that turn far
+                              ///< within a step; 1: of older trials, also without those for
                               ///< squeezed, just landed and unsupported sleeping bodies
   bool keep_ledger = false;   ///< `World::ledger`; costs about a tenth of a step
 };

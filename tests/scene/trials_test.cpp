@@ -51,5 +51,12 @@ TEST(ATrialOfBefore, ComesToTheHashesOfItsTime) {
             (Hashes{"5b510b5c5a605014", "41d3efc8e187eb85"}));
 }
 
+// Made in November 2026, by the step of rules 2: the ball flies and rolls at 8.5 m/s, so that it turns
+// by a third of a radian in a step. Under rules 3 it ends elsewhere.
+TEST(ATrialOfRules2, ComesToTheHashesOfItsTime) {
+  EXPECT_EQ(replayed(HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-2.lcmlog"),
+            (Hashes{"30768a5cba9cfac4", "b723b2d0cd2bf844"}));
+}
+
 }  // namespace
 }  // namespace headpin::scene
