@@ -57,18 +57,19 @@ Feed feed_of(const FeedOptions& options) {
   return feed;
 }
 
-LcmFeed::LcmFeed(const std::string& url)
-    : source_(devices::open_source("lcm:" + url, clocks_, {})) {
+LcmFeed::LcmFeed(const std::string& url) : lcm_(devices::open_source("lcm:" + url, clocks_, {})) {
   for (int s = 0; s < devices::kFastrakStations; ++s) {
     newest_[static_cast<std::size_t>(s)] = devices::still_motion(s + 1, Time{});
   }
-  source_->start();
+  lcm_.start();
 }
 
 void LcmFeed::poll(Time now) {
   samples_.clear();
-  source_->poll(now, samples_);
-  for (const std::string& what : amiss_.take(*source_, now)) say("headpin emulate: {}\n", what);
+  lcm_.source->poll(now, samples_);
+  for (const std::string& what : faults_.take(lcm_.source->status(now).faults, now)) {
+    say("headpin emulate: {}\n", what);
+  }
   for (const devices::Sample& sample : samples_) {
     if (const auto* mouse = std::get_if<devices::MouseSample>(&sample)) {
       trigger_ = mouse->trigger;

@@ -57,8 +57,8 @@ class LcmFeed {
 
  private:
   devices::Clocks clocks_;
-  std::unique_ptr<devices::LiveSource> source_;
-  devices::AmissNews amiss_;
+  devices::OpenSource lcm_;
+  devices::FaultNews faults_;
   std::array<devices::FastrakTruth, devices::kFastrakStations> newest_;
   bool trigger_ = false;
   std::vector<devices::Sample> samples_;

@@ -43,19 +43,17 @@ devices::Event Reporter::event_now(std::string_view kind, std::string detail) co
   return event;
 }
 
-void Reporter::report_trouble(const devices::LiveSource& source, Said& said) {
-  const std::string trouble = source.trouble();
+void Reporter::report_trouble(const std::string& source, const std::string& trouble, Said& said) {
   if (trouble == said.trouble) return;
   said.trouble = trouble;
   say("{:7.1f} s  {}\n", seconds(live_.session.now()),
-      trouble.empty() ? source.name() + " is back" : trouble);
+      trouble.empty() ? source + " is back" : trouble);
 }
 
 /// Reports faults in received samples, and writes them to the trial.
-void Reporter::report_amiss(const devices::LiveSource& source,
-                            const std::vector<std::string>& news) {
+void Reporter::report_faults(const std::string& source, const std::vector<std::string>& news) {
   for (const std::string& what : news) {
-    const std::string text = fmt::format("from {}, {}", source.name(), what);
+    const std::string text = fmt::format("from {}, {}", source, what);
     say("{:7.1f} s  {}\n", seconds(live_.session.now()), text);
     write(live_, event_now(scene::kind::source_amiss, text));
   }
@@ -65,8 +63,10 @@ void Reporter::report_amiss(const devices::LiveSource& source,
 void Reporter::finish() {
   take_frames();
   take_failures();
-  for (const auto& source : live_.sources) {
-    report_amiss(*source, said_[source.get()].amiss.take_rest(*source));
+  for (std::size_t i = 0; i < said_.size(); ++i) {
+    const devices::OpenSource& one = live_.sources[i];
+    const devices::SourceStatus status = one.source->status(live_.session.now());
+    report_faults(one.name, said_[i].faults.take_rest(status.faults));
   }
 }
 
@@ -91,9 +91,11 @@ void Reporter::tick(const scene::Session& session) {
   });
   take_frames();
   take_failures();
-  for (const auto& source : live_.sources) {
-    report_trouble(*source, said_[source.get()]);
-    report_amiss(*source, said_[source.get()].amiss.take(*source, session.now()));
+  for (std::size_t i = 0; i < said_.size(); ++i) {
+    const devices::OpenSource& one = live_.sources[i];
+    const devices::SourceStatus status = one.source->status(session.now());
+    report_trouble(one.name, status.trouble, said_[i]);
+    report_faults(one.name, said_[i].faults.take(status.faults, session.now()));
   }
   report_loss();
   if (session.now() < next_line_) return;
@@ -112,7 +114,8 @@ void print_line(const Live& live) {
   if (live.bad_samples > 0) {
     text += fmt::format("; {} bad samples, whose status is not a space", live.bad_samples);
   }
-  for (const auto& source : live.sources) text += "; " + source->report(live.session.now());
+  for (const auto& source : live.sources)
+    text += "; " + source.source->status(live.session.now()).line;
   say("{}\n", text);
 }
 
@@ -127,9 +130,10 @@ void print_stages(const scene::FrameLatency& latency) {
 
 namespace {
 
-nlohmann::json summary_of(const devices::LiveSource& source) {
-  nlohmann::json j = {{"source", source.name()}, {"activity", source.activity()}};
-  for (const auto& [name, count] : source.counts()) j[name] = count;
+nlohmann::json summary_of(const devices::OpenSource& source, Time now) {
+  const devices::SourceStatus status = source.source->status(now);
+  nlohmann::json j = {{"source", source.name}, {"activity", status.activity}};
+  for (const auto& [name, count] : status.counts) j[name] = count;
   return j;
 }
 
@@ -155,7 +159,8 @@ nlohmann::json summary(const Live& live, const LiveOptions& options) {
                          {"drawn_s", mean.drawn},
                          {"published_s", mean.published}};
   j["sources"] = nlohmann::json::array();
-  for (const auto& source : live.sources) j["sources"].push_back(summary_of(*source));
+  for (const auto& source : live.sources)
+    j["sources"].push_back(summary_of(source, live.session.now()));
   return j;
 }
 

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <memory>
 #include <string>
 #include <string_view>
@@ -23,7 +22,7 @@ namespace headpin::apps {
 /// The state of a live session.
 struct Live {
   std::shared_ptr<scene::RealTime> pace = std::make_shared<scene::RealTime>();
-  std::vector<std::unique_ptr<devices::LiveSource>> sources;
+  std::vector<devices::OpenSource> sources;
   scene::Session session;
   std::unique_ptr<scene::TrialWriter> writer;
   std::unique_ptr<devices::LcmLink> link, session_link;  ///< to others
@@ -41,7 +40,7 @@ void write(Live& live, const devices::Event& event);
 /// Counts samples and frames, and prints a line about the session every ten seconds.
 class Reporter : public scene::Observer {
  public:
-  explicit Reporter(Live& live) : live_(live) {}
+  explicit Reporter(Live& live) : live_(live), said_(live.sources.size()) {}
   void tick(const scene::Session& session) override;
   void finish();
 
@@ -52,14 +51,14 @@ class Reporter : public scene::Observer {
   /// The last messages about a source.
   struct Said {
     std::string trouble;
-    devices::AmissNews amiss;
+    devices::FaultNews faults;
   };
-  void report_trouble(const devices::LiveSource& source, Said& said);
-  void report_amiss(const devices::LiveSource& source, const std::vector<std::string>& news);
+  void report_trouble(const std::string& source, const std::string& trouble, Said& said);
+  void report_faults(const std::string& source, const std::vector<std::string>& news);
   void report_loss();
 
   Live& live_;
-  std::map<const devices::LiveSource*, Said> said_;
+  std::vector<Said> said_;  ///< of each source
   Time next_line_{10'000'000};
   Time next_look_{};  ///< at the recording
   bool lost_ = false;

@@ -51,7 +51,7 @@ devices::Event kept_pace(const Live& live) {
 void require_samples(const Live& live) {
   if (live.samples > 0) return;
   std::string from;
-  for (const auto& source : live.sources) from += (from.empty() ? "" : " or ") + source->name();
+  for (const auto& source : live.sources) from += (from.empty() ? "" : " or ") + source.name;
   throw std::runtime_error(
       fmt::format("no sample arrived in {:.1f} s from {}", seconds(live.session.now()), from));
 }
@@ -66,11 +66,11 @@ struct Played {
 std::vector<Played> played_by(const Live& live) {
   std::vector<Played> all;
   for (const auto& source : live.sources) {
-    if (source->recording().empty()) continue;
-    const devices::TrialFile file(source->recording());
+    if (source.recording.empty()) continue;
+    const devices::TrialFile file(source.recording);
     if (!file.summary().has_header) continue;
-    say_what_is_missing("live", source->recording(), file.summary());
-    all.push_back({source->recording(), file.summary().header});
+    say_what_is_missing("live", source.recording, file.summary());
+    all.push_back({source.recording, file.summary().header});
   }
   return all;
 }
@@ -159,7 +159,7 @@ Live open_live(const LiveOptions& options) {
 void open_recording(const LiveOptions& options, Live& live) {
   if (!options.record) return;
   std::vector<std::filesystem::path> inputs = {options.scenario};
-  for (const auto& source : live.sources) inputs.push_back(source->recording());
+  for (const auto& source : live.sources) inputs.push_back(source.recording);
   const Time epoch =
       std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
   live.writer =
@@ -176,8 +176,8 @@ std::unique_ptr<devices::Source> source_of(const Live& live) {
   std::vector<devices::Source*> list;
   bool stylus = false;
   for (const auto& source : live.sources) {
-    list.push_back(source.get());
-    stylus = stylus || source->has_stylus();
+    list.push_back(source.source.get());
+    stylus = stylus || source.has_stylus;
   }
   auto merged = std::make_unique<devices::MergedSource>(list);
   if (!stylus) return merged;
@@ -229,7 +229,7 @@ void go_live(const LiveOptions& options) {
   live.eyes->measure_by(*live.pace);
   live.pace->begin(live.session.scenario().rates.physics_hz);
   go_first();  // and the readers
-  for (const auto& one : live.sources) one->start();
+  for (const devices::OpenSource& one : live.sources) one.start();
   open_recording(options, live);
   write(live, scene::drawn_by_event(live.eyes->drawn_by()));
 

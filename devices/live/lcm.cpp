@@ -37,7 +37,7 @@ std::string others(const LcmIntake& intake) {
   return text;
 }
 
-std::vector<LiveSource::Amiss> amiss_in(const LcmIntake& intake) {
+std::vector<SourceFault> faults_in(const LcmIntake& intake) {
   const LcmIntake::Counts& c = intake.counts();
   return {
       {c.undecodable + c.implausible + c.foreign, unusable(c)},
@@ -71,7 +71,7 @@ std::string report_on(Time now, const LcmIntake& intake) {
   return text;
 }
 
-LiveSource::Counts counts_of(const LcmIntake& intake) {
+SourceStatus::Counts counts_of(const LcmIntake& intake) {
   const LcmIntake::Counts& c = intake.counts();
   return {{"dropped_samples", c.dropped},         {"lost_samples", intake.lost()},
           {"other_publishers_samples", c.others}, {"unstamped_samples", c.unstamped},
@@ -79,21 +79,28 @@ LiveSource::Counts counts_of(const LcmIntake& intake) {
           {"implausible", c.implausible},         {"foreign", c.foreign}};
 }
 
+SourceStatus status_of(const char* activity, Time now, const LcmIntake& intake) {
+  return {.activity = activity,
+          .trouble = "",
+          .faults = faults_in(intake),
+          .counts = counts_of(intake),
+          .line = report_on(now, intake)};
+}
+
 /// What others publish now.
 class LiveLcm : public LiveSource {
  public:
-  LiveLcm(const std::string& name, LcmUrl url, Clocks& clocks, const std::function<Time()>& clock)
-      : LiveSource(name), link_(std::move(url)), source_(link_, clocks) {
+  LiveLcm(LcmUrl url, Clocks& clocks, const std::function<Time()>& clock)
+      : link_(std::move(url)), source_(link_, clocks) {
     if (clock) source_.use_clock(clock);
   }
 
-  void start() override { source_.listen(); }
+  void start() { source_.listen(); }
   void poll(Time now, std::vector<Sample>& out) override { source_.poll(now, out); }
   bool exhausted() const override { return source_.exhausted(); }
-  std::string activity() const override { return "listening"; }
-  std::vector<Amiss> amiss() const override { return amiss_in(source_.intake()); }
-  std::string report(Time now) const override { return report_on(now, source_.intake()); }
-  Counts counts() const override { return counts_of(source_.intake()); }
+  SourceStatus status(Time now) const override {
+    return status_of("listening", now, source_.intake());
+  }
 
  private:
   LcmLink link_;
@@ -103,29 +110,31 @@ class LiveLcm : public LiveSource {
 /// What was published, from a log.
 class LivePlayedLog : public LiveSource {
  public:
-  LivePlayedLog(const std::string& name, const UrlOfLog& log)
-      : LiveSource(name), path_(log.path), source_(log) {}
+  explicit LivePlayedLog(const UrlOfLog& log) : source_(log) {}
 
   void poll(Time now, std::vector<Sample>& out) override { source_.poll(now, out); }
   bool exhausted() const override { return source_.exhausted(); }
-  std::string activity() const override { return "playing"; }
-  std::vector<Amiss> amiss() const override { return amiss_in(source_.intake()); }
-  std::string report(Time now) const override { return report_on(now, source_.intake()); }
-  Counts counts() const override { return counts_of(source_.intake()); }
-  std::string recording() const override { return path_; }
+  SourceStatus status(Time now) const override {
+    return status_of("playing", now, source_.intake());
+  }
 
  private:
-  std::string path_;
   LogSource source_;
 };
 
 }  // namespace
 
-std::unique_ptr<LiveSource> live_lcm(const std::string& name, const std::string& url,
-                                     Clocks& clocks, const SourceOptions& options) {
+OpenSource live_lcm(const std::string& name, const std::string& url, Clocks& clocks,
+                    const SourceOptions& options) {
   const LcmUrl at(url, "lcm:", LcmUse::reading);
-  if (at.log()) return std::make_unique<LivePlayedLog>(name, *at.log());
-  return std::make_unique<LiveLcm>(name, at, clocks, options.clock);
+  if (const auto& log = at.log()) {
+    return {.name = name, .source = std::make_unique<LivePlayedLog>(*log), .recording = log->path};
+  }
+  auto source = std::make_unique<LiveLcm>(at, clocks, options.clock);
+  OpenSource opened{.name = name};
+  opened.start = [lcm = source.get()] { lcm->start(); };
+  opened.source = std::move(source);
+  return opened;
 }
 
 }  // namespace headpin::devices

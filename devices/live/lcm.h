@@ -5,7 +5,7 @@
 namespace headpin::devices {
 
 /// TRACKER and MOUSE3D at an LCM URL; a file:// plays at its own pace and ends.
-std::unique_ptr<LiveSource> live_lcm(const std::string& name, const std::string& url,
-                                     Clocks& clocks, const SourceOptions& options);
+OpenSource live_lcm(const std::string& name, const std::string& url, Clocks& clocks,
+                    const SourceOptions& options);
 
 }  // namespace headpin::devices

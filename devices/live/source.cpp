@@ -17,18 +17,19 @@ namespace {
 /// A trial, played by the session's clock.
 class LiveTrial : public LiveSource {
  public:
-  explicit LiveTrial(const std::string& path) : LiveSource(path), file_(path), player_(file_) {
+  explicit LiveTrial(const std::string& path) : file_(path), player_(file_) {
     file_.require_trial(kLongestGap);
   }
 
   void poll(Time now, std::vector<Sample>& out) override { player_.poll(now, out); }
   bool exhausted() const override { return player_.exhausted(); }
-  std::string activity() const override { return exhausted() ? "at its end" : "playing"; }
-  std::string report(Time now) const override {
-    return fmt::format("{} {:.1f} of {:.1f} s", activity(), seconds(now),
-                       seconds(file_.summary().end));
+  SourceStatus status(Time now) const override {
+    SourceStatus status;
+    status.activity = exhausted() ? "at its end" : "playing";
+    status.line = fmt::format("{} {:.1f} of {:.1f} s", status.activity, seconds(now),
+                              seconds(file_.summary().end));
+    return status;
   }
-  std::string recording() const override { return name(); }
 
  private:
   TrialFile file_;
@@ -38,8 +39,8 @@ class LiveTrial : public LiveSource {
 /// A kind of source, by the prefix of its names.
 struct Kind {
   std::string_view prefix;
-  std::unique_ptr<LiveSource> (*open)(const std::string& name, const std::string& where,
-                                      Clocks& clocks, const SourceOptions& options);
+  OpenSource (*open)(const std::string& name, const std::string& where, Clocks& clocks,
+                     const SourceOptions& options);
 };
 
 constexpr std::array kKinds = {
@@ -49,25 +50,23 @@ constexpr std::array kKinds = {
 
 }  // namespace
 
-std::vector<std::string> AmissNews::take(const LiveSource& source, Time now) {
+std::vector<std::string> FaultNews::take(const std::vector<SourceFault>& faults, Time now) {
   if (now < next_) return {};
-  std::vector<std::string> news = take_rest(source);
+  std::vector<std::string> news = take_rest(faults);
   if (!news.empty()) next_ = now + Time{10'000'000};
   return news;
 }
 
-std::vector<std::string> AmissNews::take_rest(const LiveSource& source) {
-  const std::vector<LiveSource::Amiss> amiss = source.amiss();
-  said_.resize(amiss.size());
+std::vector<std::string> FaultNews::take_rest(const std::vector<SourceFault>& faults) {
+  said_.resize(faults.size());
   std::vector<std::string> news;
-  for (std::size_t i = 0; i < amiss.size(); ++i) {
-    if (std::exchange(said_[i], amiss[i].count) != amiss[i].count) news.push_back(amiss[i].what);
+  for (std::size_t i = 0; i < faults.size(); ++i) {
+    if (std::exchange(said_[i], faults[i].count) != faults[i].count) news.push_back(faults[i].what);
   }
   return news;
 }
 
-std::unique_ptr<LiveSource> open_source(const std::string& name, Clocks& clocks,
-                                        const SourceOptions& options) {
+OpenSource open_source(const std::string& name, Clocks& clocks, const SourceOptions& options) {
   for (const Kind& kind : kKinds) {
     if (name.starts_with(kind.prefix)) {
       return kind.open(name, name.substr(kind.prefix.size()), clocks, options);
@@ -79,7 +78,7 @@ std::unique_ptr<LiveSource> open_source(const std::string& name, Clocks& clocks,
         "unknown kind of source '{}'; expected fastrak:LINE, lcm:URL, or the file of a trial",
         name.substr(0, colon)));
   }
-  return std::make_unique<LiveTrial>(name);
+  return {.name = name, .source = std::make_unique<LiveTrial>(name), .recording = name};
 }
 
 }  // namespace headpin::devices

@@ -49,8 +49,9 @@ TEST(LcmServerTest, AServerThatGoesAwayEndsTheSessionWithAWord) {
 #endif
   LocalLcmServer server(true);
   Clocks clocks;
-  const auto source = open_source("lcm:" + server.url(), clocks, {});
-  source->start();
+  const OpenSource opened = open_source("lcm:" + server.url(), clocks, {});
+  LiveSource* const source = opened.source.get();
+  opened.start();
   std::vector<Sample> samples;
   source->poll(Time{1000}, samples);
   server.close_all();

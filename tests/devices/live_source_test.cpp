@@ -21,49 +21,71 @@ std::vector<Sample> all_of(Source& source, Time tick) {
 
 TEST(OpenSource, ATrialPlaysAsItIsReplayed) {
   Clocks clocks;
-  const std::unique_ptr<LiveSource> trial = open_source(kDemo, clocks, {});
-  EXPECT_EQ(trial->name(), kDemo);
-  EXPECT_EQ(trial->recording(), kDemo);
-  EXPECT_EQ(trial->activity(), "playing");
+  const OpenSource trial = open_source(kDemo, clocks, {});
+  EXPECT_EQ(trial.name, kDemo);
+  EXPECT_EQ(trial.recording, kDemo);
+  EXPECT_FALSE(trial.has_stylus);
+  EXPECT_EQ(trial.source->status({}).activity, "playing");
+  EXPECT_THAT(trial.source->status(Time{1'500'000}).line, testing::StartsWith("playing 1.5 of "));
   ReplaySource replay(read_trial(kDemo).samples);
-  const std::vector<Sample> played = all_of(*trial, Time{4166}), expected = all_of(replay, Time{7});
+  const std::vector<Sample> played = all_of(*trial.source, Time{4166}),
+                            expected = all_of(replay, Time{7});
   ASSERT_EQ(played.size(), expected.size());
   for (std::size_t i = 0; i < played.size(); ++i) {
     EXPECT_EQ(available(played[i]), available(expected[i])) << i;
     EXPECT_EQ(device_of(played[i]), device_of(expected[i])) << i;
   }
-  EXPECT_EQ(trial->activity(), "at its end");
+  EXPECT_EQ(trial.source->status({}).activity, "at its end");
 }
 
 TEST(OpenSource, ALogIsPlayedOverLcm) {
   Clocks clocks;
-  const std::unique_ptr<LiveSource> log =
-      open_source("lcm:file://" + kDemo + "?speed=0", clocks, {});
-  log->start();
-  EXPECT_EQ(log->recording(), kDemo);
-  EXPECT_EQ(all_of(*log, Time{4166}).size(), read_trial(kDemo).samples.size());
-  EXPECT_EQ(log->counts().front(), (std::pair<std::string, std::int64_t>("dropped_samples", 0)));
+  const OpenSource log = open_source("lcm:file://" + kDemo + "?speed=0", clocks, {});
+  log.start();
+  EXPECT_EQ(log.recording, kDemo);
+  EXPECT_EQ(all_of(*log.source, Time{4166}).size(), read_trial(kDemo).samples.size());
+  const SourceStatus status = log.source->status(Time{4166});
+  EXPECT_EQ(status.activity, "playing");
+  EXPECT_EQ(status.counts.front(), (std::pair<std::string, std::int64_t>("dropped_samples", 0)));
 }
 
 TEST(OpenSource, AFastrakIsHeardAtTheEndOfItsLine) {
   PseudoTerminal pty;
   Unit unit;
   Clocks clocks;
-  const std::unique_ptr<LiveSource> fastrak = open_source("fastrak:" + pty.name(), clocks, {});
-  fastrak->start();
-  EXPECT_TRUE(fastrak->has_stylus());
-  EXPECT_THAT(fastrak->activity(), testing::Not("streaming"));
+  const OpenSource fastrak = open_source("fastrak:" + pty.name(), clocks, {});
+  fastrak.start();
+  EXPECT_TRUE(fastrak.has_stylus);
+  EXPECT_EQ(fastrak.recording, "");
+  EXPECT_NE(fastrak.source->status({}).activity, "streaming");
   std::vector<Sample> samples;
   // Without a clock of its own, time is what the polls say, however long the machine takes.
   while (samples.size() < 20 && unit.now < Time{60'000'000}) {
     unit.now += Time{1000};
     serve(unit.emulator, pty, unit.now);
-    fastrak->poll(unit.now, samples);
+    fastrak.source->poll(unit.now, samples);
   }
   EXPECT_GE(samples.size(), 20u);
-  EXPECT_EQ(fastrak->activity(), "streaming");
-  EXPECT_EQ(fastrak->counts().front().first, "records");
-  EXPECT_GE(fastrak->counts().front().second, 20);
+  const SourceStatus status = fastrak.source->status(unit.now);
+  EXPECT_EQ(status.activity, "streaming");
+  EXPECT_EQ(status.trouble, "");
+  EXPECT_EQ(status.counts.front().first, "records");
+  EXPECT_GE(status.counts.front().second, 20);
+  EXPECT_THAT(status.line, testing::StartsWith("Fastrak streaming, 0 records missed"));
+}
+
+TEST(FaultNewsTest, TellsAKindAtOnceAndThenAtMostEveryTenSeconds) {
+  FaultNews news;
+  EXPECT_THAT(news.take({{0, "none"}, {0, "none"}}, Time{}), testing::IsEmpty());
+  EXPECT_THAT(news.take({{0, "none"}, {1, "one"}}, Time{1'000'000}), testing::ElementsAre("one"));
+  // Both kinds, when the ten seconds are over; what did not occur again is not repeated.
+  EXPECT_THAT(news.take({{3, "three"}, {2, "two"}}, Time{10'999'999}), testing::IsEmpty());
+  EXPECT_THAT(news.take({{3, "three"}, {2, "two"}}, Time{11'000'000}),
+              testing::ElementsAre("three", "two"));
+  EXPECT_THAT(news.take({{3, "three"}, {2, "two"}}, Time{30'000'000}), testing::IsEmpty());
+  EXPECT_THAT(news.take({{3, "three"}, {9, "nine"}}, Time{30'000'001}),
+              testing::ElementsAre("nine"));
+  EXPECT_THAT(news.take_rest({{4, "four"}, {9, "nine"}}), testing::ElementsAre("four"));
 }
 
 TEST(OpenSource, SaysWhatItCannotOpen) {
