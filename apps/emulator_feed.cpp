@@ -1,5 +1,7 @@
 #include "apps/emulator_feed.h"
 
+#include <memory>
+
 #include <fmt/format.h>
 
 #include "apps/damage.h"
@@ -34,12 +36,13 @@ std::string place_report(const devices::FastrakPlace& place, const devices::Tria
 
 }  // namespace
 
-Feed feed_of(const FeedOptions& options) {
-  Feed feed;
+Played play(const FeedOptions& options) {
+  Played played;
+  devices::Feed& feed = played.feed;
   feed.loop = options.loop;
   if (options.trial.empty()) {
     feed.motion = options.motion == "still" ? devices::still_motion : devices::circling_motion;
-    return feed;
+    return played;
   }
   const auto file = std::make_shared<const devices::TrialFile>(options.trial);
   file->require_trial(microseconds(options.longest_gap));
@@ -48,44 +51,14 @@ Feed feed_of(const FeedOptions& options) {
     throw std::runtime_error(options.trial + ": no device samples in it");
   say_what_is_missing("emulate", options.trial, trial);
   devices::RecordedUnit recorded = devices::recorded_unit(file);
-  if (options.place == "auto") feed.place = recorded.place;
-  feed.motion = devices::seen_from(feed.place, std::move(recorded.motion));
+  if (options.place == "auto") played.place = recorded.place;
+  feed.motion = devices::seen_from(played.place, std::move(recorded.motion));
+  feed.recorded = true;
   feed.length = recorded.length;
   feed.first = recorded.first;
-  feed.says = place_report(feed.place, trial.header, options);
-  if (options.with_buttons) feed.buttons = std::move(recorded.buttons);
-  return feed;
-}
-
-LcmFeed::LcmFeed(const std::string& url) : lcm_(devices::open_source("lcm:" + url, clocks_, {})) {
-  for (int s = 0; s < devices::kFastrakStations; ++s) {
-    newest_[static_cast<std::size_t>(s)] = devices::still_motion(s + 1, Time{});
-  }
-  lcm_.start();
-}
-
-void LcmFeed::poll(Time now) {
-  samples_.clear();
-  lcm_.source->poll(now, samples_);
-  for (const std::string& what : faults_.take(lcm_.source->status(now).faults, now)) {
-    say("headpin emulate: {}\n", what);
-  }
-  for (const devices::Sample& sample : samples_) {
-    if (const auto* mouse = std::get_if<devices::MouseSample>(&sample)) {
-      trigger_ = mouse->trigger;
-      continue;
-    }
-    const auto& tracker = std::get<devices::TrackerSample>(sample);
-    if (tracker.station < 1 || tracker.station > devices::kFastrakStations) continue;
-    newest_[static_cast<std::size_t>(tracker.station - 1)] = {
-        tracker.X_TS, (tracker.buttons & 1) != 0, tracker.status};
-  }
-}
-
-devices::FastrakTruth LcmFeed::at(int station) const {
-  devices::FastrakTruth truth = newest_[static_cast<std::size_t>(station - 1)];
-  truth.pressed = truth.pressed || trigger_;
-  return truth;
+  played.says = place_report(played.place, trial.header, options);
+  played.buttons = std::move(recorded.buttons);
+  return played;
 }
 
 }  // namespace headpin::apps

@@ -12,15 +12,15 @@
 #include <poll.h>
 
 #include "apps/command.h"
-#include "apps/emulator_control.h"
 #include "apps/emulator_feed.h"
-#include "apps/emulator_mouse.h"
 #include "apps/options.h"
 #include "apps/priority.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "devices/fastrak/emulator.h"
+#include "devices/emulated/lcm_feed.h"
+#include "devices/emulated/unit.h"
 #include "devices/lines/byte_stream.h"
+#include "devices/lines/command_pipe.h"
 #include "files/lock.h"
 
 namespace headpin::apps {
@@ -98,7 +98,8 @@ int stylus_of(const EmulateOptions& options) {
   return somebody ? std::min(options.receivers, devices::kHandStation) : 1;
 }
 
-devices::FastrakEmulatorOptions unit_of(const EmulateOptions& options, const Feed& feed) {
+devices::FastrakEmulatorOptions unit_of(const EmulateOptions& options,
+                                        const devices::FastrakPlace& place) {
   devices::FastrakEmulatorOptions unit;
   unit.receivers = options.receivers;
   unit.baud = options.baud;
@@ -106,7 +107,7 @@ devices::FastrakEmulatorOptions unit_of(const EmulateOptions& options, const Fee
   unit.tag_2012 = options.tag_2012;
   unit.firmware = options.firmware;
   unit.seed = options.seed;
-  unit.envelope = feed.place.envelope;
+  unit.envelope = place.envelope;
   unit.stylus = stylus_of(options);
   if (options.stylus) unit.p_SN_stylus = Vec3(2.5 * devices::kMetrePerInch, 0.0, 0.0);
   try {
@@ -118,7 +119,8 @@ devices::FastrakEmulatorOptions unit_of(const EmulateOptions& options, const Fee
 }
 
 /// Prints the name of the line on its own line first, for scripts.
-void introduce(const EmulateOptions& options, const Line& line, const Feed& feed, int stylus) {
+void introduce(const EmulateOptions& options, const Line& line, const std::string& place,
+               int stylus) {
   std::string text = fmt::format("{}\n", line.name());
   text += fmt::format("Fastrak{}, receivers {}, {} baud, measures {}; ends at SIGINT or SIGTERM\n",
                       options.link.empty() ? "" : " at " + options.link, options.receivers,
@@ -126,7 +128,7 @@ void introduce(const EmulateOptions& options, const Line& line, const Feed& feed
                       options.use_lcm              ? "LCM"
                       : options.feed.trial.empty() ? options.feed.motion
                                                    : options.feed.trial);
-  if (!feed.says.empty()) text += feed.says + "\n";
+  if (!place.empty()) text += place + "\n";
   if (stylus > 0) text += fmt::format("receiver {} is a stylus\n", stylus);
   if (options.json) return say(text);
   fmt::print("{}", text);
@@ -151,10 +153,31 @@ void conclude(const EmulateOptions& options, const Line& line, Time lasted,
               {"refused", s.refused}});
 }
 
-void wait_for_bytes(const Line& line, const Control& control) {
+void wait_for_bytes(const Line& line, const devices::CommandPipe& control) {
   std::array<pollfd, 2> wait = {
       {{line.stream().descriptor(), POLLIN, 0}, {control.descriptor(), POLLIN, 0}}};
   ::poll(wait.data(), wait.size(), 1);
+}
+
+/// Carries out the control lines that have come. @return  false after the one that ends the unit
+bool obey(devices::CommandPipe& control, devices::EmulatedUnit& unit, Time now) {
+  const bool told = control.ignored() > 0;
+  const std::vector<std::string> lines = control.lines();
+  if (!told && control.ignored() > 0) {
+    say("headpin emulate: control: lines longer than {} bytes are ignored\n",
+        devices::CommandPipe::kLongest);
+  }
+  for (const std::string& line : lines) {
+    try {
+      if (!unit.obey(line, now)) return false;
+    } catch (const devices::NoSuchButton& missing) {
+      say("headpin emulate: control line '{}': expected {}\n", line,
+          missing.of_thumb ? "the option --mouse" : "--stylus or --mouse");
+    } catch (const std::invalid_argument& error) {
+      say("headpin emulate: {}\n", error.what());
+    }
+  }
+  return true;
 }
 
 void emulate(const EmulateOptions& options) {
@@ -162,56 +185,39 @@ void emulate(const EmulateOptions& options) {
   if (options.use_mouse) {
     to_mouse = lcm_url("--mouse", options.mouse, devices::LcmUse::publishing);
   }
-  Feed feed = feed_of(options.feed);
-  std::unique_ptr<LcmFeed> lcm;
+  Played played = play(options.feed);
+  std::unique_ptr<devices::LcmFeed> lcm;
   if (options.use_lcm) {
     lcm_url("--lcm", options.lcm, devices::LcmUse::reading);  // named as it was given
-    lcm = std::make_unique<LcmFeed>(options.lcm);
-    feed.motion = [&lcm](int station, Time) { return lcm->at(station); };
+    lcm = std::make_unique<devices::LcmFeed>(options.lcm);
+    played.feed.motion = [&lcm](int station, Time) { return lcm->at(station); };
   }
-  const devices::FastrakEmulatorOptions unit = unit_of(options, feed);
-  devices::FastrakEmulator emulator(
-      unit, [&feed](int station, Time time) { return feed.at(station, time); });
+  const devices::FastrakEmulatorOptions how = unit_of(options, played.place);
   watch_stop_signals();
-
-  std::optional<EmulatedMouse> mouse;
-  if (to_mouse) mouse.emplace(*to_mouse, feed.buttons);
-  Control control(options.control);
+  std::unique_ptr<devices::EmulatedMouse> mouse;
+  if (to_mouse) mouse = std::make_unique<devices::EmulatedMouse>(*to_mouse, played.buttons);
+  devices::EmulatedUnit unit(how, played.feed, std::move(mouse));
+  devices::CommandPipe control(options.control);
   const Line line(options);
-  introduce(options, line, feed, unit.stylus);
+  introduce(options, line, played.says, how.stylus);
 
   go_first();  // if allowed: a real unit has its own processor
   const auto start = std::chrono::steady_clock::now();
   const auto clock = [&] {
     return std::chrono::duration_cast<Time>(std::chrono::steady_clock::now() - start);
   };
-  std::int64_t started = 0;
-  bool quit = false;
-  while (!quit && stop_signal() == 0 &&
-         (!options.duration || clock() < microseconds(*options.duration))) {
+  while (stop_signal() == 0 && (!options.duration || clock() < microseconds(*options.duration))) {
     wait_for_bytes(line, control);
     const Time now = clock();
-    for (const std::string& typed : control.lines()) {
-      try {
-        quit = quit || !obey(typed, emulator, feed, options.stylus, mouse ? &*mouse : nullptr, now);
-      } catch (const std::invalid_argument& error) {
-        say("headpin emulate: {}\n", error.what());
-      }
+    const bool goes_on = obey(control, unit, now);
+    if (lcm) {
+      for (const std::string& fault : lcm->poll(now)) say("headpin emulate: {}\n", fault);
     }
-    if (lcm) lcm->poll(now);
-    // A trial begins with the unit's records; its buttons use the clock of these records.
-    const bool of_trial = !options.feed.trial.empty();
-    if (mouse && (started > 0 || !of_trial)) {
-      mouse->publish(of_trial ? now - emulator.stream_zero() : now, feed.within(now));
-    }
-    if (line.pty) line.pty->expect_baud(options.strict_baud ? emulator.baud() : 0);
-    devices::serve(emulator, line.stream(), now);
-    // A recording begins when a client starts the stream, and again for the next client.
-    const std::int64_t streams = emulator.statistics().streams;
-    if (streams > started) feed.begin = devices::begin_of(feed.first, emulator, now);
-    started = streams;
+    if (line.pty) line.pty->expect_baud(options.strict_baud ? unit.emulator().baud() : 0);
+    unit.step(now, line.stream());
+    if (!goes_on) break;
   }
-  conclude(options, line, clock(), emulator.statistics());
+  conclude(options, line, clock(), unit.emulator().statistics());
 }
 
 /// Adds the options for the motion that the unit measures.
@@ -249,7 +255,6 @@ std::function<void()> add_feed_options(CLI::App& command, EmulateOptions& option
   return [&options, lcm, mouse] {
     options.use_lcm = lcm->count() > 0;
     options.use_mouse = mouse->count() > 0;
-    options.feed.with_buttons = options.use_mouse;
   };
 }
 

@@ -1,12 +1,11 @@
-#include "apps/emulator_mouse.h"
+#include "devices/emulated/mouse.h"
 
 #include <algorithm>
 
-namespace headpin::apps {
+namespace headpin::devices {
 
 void EmulatedMouse::publish(Time now, Time at) {
-  const auto later =
-      std::ranges::upper_bound(recorded_, at, {}, &devices::MouseSample::device_time);
+  const auto later = std::ranges::upper_bound(recorded_, at, {}, &MouseSample::device_time);
   const auto until = static_cast<std::size_t>(later - recorded_.begin());
   if (until < told_) told_ = 0;  // the trial has started again
   for (; told_ < until; ++told_) {
@@ -17,7 +16,7 @@ void EmulatedMouse::publish(Time now, Time at) {
 }
 
 void EmulatedMouse::tell(Time time) {
-  devices::MouseSample mouse;
+  MouseSample mouse;
   mouse.device_time = time;
   mouse.left_thumb = typed.left_thumb || then_.left_thumb;
   mouse.right_thumb = typed.right_thumb || then_.right_thumb;
@@ -27,7 +26,7 @@ void EmulatedMouse::tell(Time time) {
   if (state == told_last_ && !again) return;
   told_last_ = state;
   told_at_ = time;
-  link_.publish(devices::Sample(mouse));
+  link_.publish(Sample(mouse));
 }
 
-}  // namespace headpin::apps
+}  // namespace headpin::devices

@@ -7,7 +7,7 @@
 
 #include "devices/lcm/link.h"
 
-namespace headpin::apps {
+namespace headpin::devices {
 
 /// Publishes the buttons of the 3D mouse on MOUSE3D, because a Fastrak's records have no room for
 /// them: at each change, and for a trial also ten times per second, from which listeners estimate
@@ -15,10 +15,10 @@ namespace headpin::apps {
 class EmulatedMouse {
  public:
   /// @param recorded  samples of a trial in order of time, which are replayed
-  EmulatedMouse(const devices::LcmUrl& url, std::vector<devices::MouseSample> recorded)
+  EmulatedMouse(const LcmUrl& url, std::vector<MouseSample> recorded)
       : link_(url), recorded_(std::move(recorded)) {}
 
-  devices::MouseSample typed;  ///< buttons that --control presses
+  MouseSample typed;  ///< buttons that are pressed beside the recorded ones
 
   /// @param now  current time on the clock of the messages
   /// @param at   current time in the trial
@@ -29,12 +29,12 @@ class EmulatedMouse {
 
   static constexpr Time kAgain{100'000};
 
-  devices::LcmLink link_;
-  std::vector<devices::MouseSample> recorded_;
-  std::size_t told_ = 0;       ///< number of them that were published
-  devices::MouseSample then_;  ///< the last published one
+  LcmLink link_;
+  std::vector<MouseSample> recorded_;
+  std::size_t told_ = 0;  ///< number of them that were published
+  MouseSample then_;      ///< the last published one
   std::optional<std::array<bool, 3>> told_last_;
   Time told_at_{};
 };
 
-}  // namespace headpin::apps
+}  // namespace headpin::devices

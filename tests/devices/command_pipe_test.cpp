@@ -1,0 +1,79 @@
+#include "devices/lines/command_pipe.h"
+
+#include <filesystem>
+#include <string>
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "tests/support/folder.h"
+
+namespace headpin::devices {
+namespace {
+
+namespace fs = std::filesystem;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+/// Another program that writes to the pipe.
+void write_to(const fs::path& pipe, const std::string& text) {
+  const int fd = ::open(pipe.c_str(), O_WRONLY | O_NONBLOCK);
+  ASSERT_GE(fd, 0);
+  EXPECT_EQ(::write(fd, text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  ::close(fd);
+}
+
+TEST(CommandPipeTest, GivesWholeLinesAlsoOfOneWriterAfterTheOther) {
+  const fs::path path = fresh_folder("pipe") / "control";
+  CommandPipe pipe(path.string());
+  EXPECT_THAT(pipe.lines(), IsEmpty());
+  write_to(path, "press\nrele");
+  EXPECT_THAT(pipe.lines(), ElementsAre("press"));
+  write_to(path, "ase\n\nquit\n");
+  EXPECT_THAT(pipe.lines(), ElementsAre("release", "", "quit"));
+  EXPECT_THAT(pipe.lines(), IsEmpty());
+  EXPECT_EQ(pipe.ignored(), 0);
+}
+
+TEST(CommandPipeTest, IgnoresWhatIsLongerThanALine) {
+  const fs::path path = fresh_folder("pipe") / "control";
+  CommandPipe pipe(path.string());
+  write_to(path, std::string(CommandPipe::kLongest, 'x') + "\n");
+  EXPECT_THAT(pipe.lines(), ElementsAre(std::string(CommandPipe::kLongest, 'x')));
+  EXPECT_EQ(pipe.ignored(), 0);
+  write_to(path, std::string(CommandPipe::kLongest + 1, 'x') + "\npress\n");
+  EXPECT_THAT(pipe.lines(), ElementsAre("", "press"));
+  EXPECT_EQ(pipe.ignored(), 1);
+}
+
+TEST(CommandPipeTest, RemovesThePipeThatItMadeAndNoOther) {
+  const fs::path folder = fresh_folder("pipe"), made = folder / "made", there = folder / "there";
+  ASSERT_EQ(mkfifo(there.c_str(), 0600), 0);
+  {
+    const CommandPipe new_one(made.string()), old_one(there.string());
+    EXPECT_TRUE(fs::is_fifo(made));
+    EXPECT_GE(old_one.descriptor(), 0);
+  }
+  EXPECT_FALSE(fs::exists(made));
+  EXPECT_TRUE(fs::is_fifo(there));
+}
+
+TEST(CommandPipeTest, RefusesAFileThatIsNoPipeAndLeavesIt) {
+  const fs::path path = fresh_folder("pipe") / "text";
+  spit(path, "a text");
+  EXPECT_EQ(complaint([&] { CommandPipe pipe(path.string()); }),
+            path.string() + ": exists and is not a named pipe");
+  EXPECT_EQ(slurp(path), "a text");
+}
+
+TEST(CommandPipeTest, WithoutAPathNoLineComes) {
+  CommandPipe pipe("");
+  EXPECT_EQ(pipe.descriptor(), -1);
+  EXPECT_THAT(pipe.lines(), IsEmpty());
+}
+
+}  // namespace
+}  // namespace headpin::devices
