@@ -23,6 +23,7 @@ struct FramesOptions {
   std::string layout = "separate", view = "eyes";
   int jobs = 1;
   FrameFiles files;
+  std::vector<std::string> of_pictures;  ///< the given options that pictures depend on, as words
   bool verify = false, as_shown = false, force = false, json = false, no_copy = false,
        resume = false;
 

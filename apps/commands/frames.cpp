@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,7 @@
 #include "apps/frame_outputs.h"
 #include "apps/frame_parts.h"
 #include "apps/frame_ranges.h"
+#include "apps/given_options.h"
 #include "apps/live_eyes.h"
 #include "apps/options.h"
 #include "apps/progress.h"
@@ -211,25 +213,6 @@ Done draw_here(const FramesOptions& options, const Task& task, const scene::Reco
   return done;
 }
 
-/// The options for the processes that draw a part.
-std::vector<std::string> arguments_of_parts(const FramesOptions& options) {
-  std::vector<std::string> words = {"--layout",      options.layout,
-                                    "--view",        options.view,
-                                    "--longest-gap", fmt::format("{}", options.longest_gap)};
-  const auto add = [&](bool there, std::initializer_list<std::string> more) {
-    if (there) words.insert(words.end(), more);
-  };
-  add(options.fps > 0, {"--fps", fmt::format("{}", options.fps)});
-  add(options.look.has_value(), {"--look", options.look.value_or("")});
-  add(options.samples.has_value(), {"--samples", fmt::format("{}", options.samples.value_or(0))});
-  add(!options.gl.empty(), {"--gl", options.gl});
-  add(options.files.depth, {"--depth"});
-  add(options.files.ids, {"--ids"});
-  add(options.files.flow, {"--flow"});
-  add(options.as_shown, {"--as-shown"});
-  return words;
-}
-
 Done draw_apart(const FramesOptions& options, const Task& task, const scene::Recorded& recorded,
                 scene::Session session, scene::Eyes& eyes) {
   const auto total = static_cast<std::int64_t>(task.frames.size());
@@ -248,7 +231,7 @@ Done draw_apart(const FramesOptions& options, const Task& task, const scene::Rec
   const std::int64_t there_already =
       draw_in_parts({.folder = *options.folder,
                      .trial = options.trial,
-                     .arguments = arguments_of_parts(options),
+                     .arguments = options.of_pictures,
                      .frames = task.frames,
                      .flow = options.files.flow,
                      .jobs = options.jobs,
@@ -329,23 +312,29 @@ void draw_frames(const FramesOptions& options) {
   report(options, task, done, trial.complete, eyes);
 }
 
+/// Options of the whole task and not of its pictures: processes that draw a part do not get them.
+using OfTheTask = std::set<const CLI::Option*>;
+
 /// Adds the options for the output.
-void add_output_options(CLI::App& command, FramesOptions& options) {
-  add_output(command, "-o,--output", options.folder,
-             "folder for left_NNNNNN.png, right_NNNNNN.png and frames.csv: a new or empty folder; "
-             "with --force also one that headpin wrote",
-             {});
-  add_output(command, "--video", options.video,
-             "video to write, both eyes side by side, lossless (.mkv); a copy with the ending .mp4 "
-             "plays in any player",
-             {".mkv"})
-      ->check(ending_in(".mkv"));
-  command.add_flag("--no-mp4", options.no_copy, "with --video: do not write the .mp4 copy");
-  add_output(
+void add_output_options(CLI::App& command, FramesOptions& options, OfTheTask& task) {
+  task.insert(add_output(
+      command, "-o,--output", options.folder,
+      "folder for left_NNNNNN.png, right_NNNNNN.png and frames.csv: a new or empty folder; "
+      "with --force also one that headpin wrote",
+      {}));
+  task.insert(
+      add_output(command, "--video", options.video,
+                 "video to write, both eyes side by side, lossless (.mkv); a copy with the ending "
+                 ".mp4 plays in any player",
+                 {".mkv"})
+          ->check(ending_in(".mkv")));
+  task.insert(
+      command.add_flag("--no-mp4", options.no_copy, "with --video: do not write the .mp4 copy"));
+  task.insert(add_output(
       command, "--y4m", options.y4m,
       "raw video to write (YUV4MPEG2, 4:4:4, BT.601), both eyes side by side, for other programs; "
       "- is standard output. Colours are rounded, so do not use it to compare pictures",
-      {".y4m"});
+      {".y4m"}));
   command
       .add_option("--layout", options.layout,
                   "layout of the PNG files: one file per eye, or both eyes in one file")
@@ -361,38 +350,42 @@ void add_output_options(CLI::App& command, FramesOptions& options) {
   command.add_flag("--flow", options.files.flow,
                    "write the displacement of each pixel until the next frame that is drawn: "
                    "NAME.flo has pixels in Middlebury's format; the last frame has none");
-  command.add_option("--flow-to", options.files.flow_to)
-      ->group("");  // internal, not shown in the help: the frame is only for the flow to it
-  add_output(command, "--cameras", options.cameras,
-             "cameras to write (.json): the matrix of each eye, and its pose in each frame, in "
-             "OpenCV's convention",
-             {".json"})
-      ->check(ending_in(".json"));
-  add_output(command, "--colmap", options.colmap,
-             "folder for the same as COLMAP's cameras.txt and images.txt: a new or empty folder; "
-             "with --force also one that headpin wrote",
-             {});
+  // Internal, not shown in the help: the frame is only for the flow to it.
+  task.insert(command.add_option("--flow-to", options.files.flow_to)->group(""));
+  task.insert(
+      add_output(command, "--cameras", options.cameras,
+                 "cameras to write (.json): the matrix of each eye, and its pose in each frame, in "
+                 "OpenCV's convention",
+                 {".json"})
+          ->check(ending_in(".json")));
+  task.insert(
+      add_output(command, "--colmap", options.colmap,
+                 "folder for the same as COLMAP's cameras.txt and images.txt: a new or empty "
+                 "folder; with --force also one that headpin wrote",
+                 {}));
 }
 
 /// Adds the options for the pictures.
-void add_picture_options(CLI::App& command, FramesOptions& options) {
+void add_picture_options(CLI::App& command, FramesOptions& options, OfTheTask& task) {
   command
       .add_option("--view", options.view,
                   "viewpoint: eyes; third-person, from behind the participant; or top, from above")
       ->check(one_of({"eyes", "third-person", "top"}))
       ->capture_default_str();
-  command.add_option("--frames", options.frames, "draw only these frames, such as 10-20,35");
+  task.insert(
+      command.add_option("--frames", options.frames, "draw only these frames, such as 10-20,35"));
   command.add_option("--fps", options.fps, "frame rate; default: that of the scenario")
       ->check(whole_number_from(1, 1000));
-  command
-      .add_option(
-          "--jobs", options.jobs,
-          "number of processes that draw the folder in parallel; the files do not depend on it")
-      ->check(whole_number_from(1, 256))
-      ->capture_default_str();
-  command.add_flag("--resume", options.resume,
-                   "continue an interrupted run: finished parts of the folder are kept in "
-                   "DIR.parts and are not drawn again");
+  task.insert(
+      command
+          .add_option(
+              "--jobs", options.jobs,
+              "number of processes that draw the folder in parallel; the files do not depend on it")
+          ->check(whole_number_from(1, 256))
+          ->capture_default_str());
+  task.insert(command.add_flag("--resume", options.resume,
+                               "continue an interrupted run: finished parts of the folder are kept "
+                               "in DIR.parts and are not drawn again"));
   add_gl(command, options.gl);
   add_look(command, options.look);
   command
@@ -406,9 +399,9 @@ void add_picture_options(CLI::App& command, FramesOptions& options) {
                 "hash; in a video each frame lasts until the next one, and the video begins with "
                 "the trial or, with --frames, with the first of the chosen frames")
       ->excludes("--fps");
-  command.add_flag("--verify", options.verify,
-                   "draw the frames that a live session recorded, and compare the pictures with "
-                   "their recorded hashes");
+  task.insert(command.add_flag("--verify", options.verify,
+                               "draw the frames that a live session recorded, and compare the "
+                               "pictures with their recorded hashes"));
 }
 
 }  // namespace
@@ -417,15 +410,16 @@ void add_frames(CLI::App& app) {
   auto options = std::make_shared<FramesOptions>();
   CLI::App* command =
       app.add_subcommand("frames", "Draw what the participant saw: one picture per eye and frame");
-  command
-      ->add_option("TRIAL", options->trial,
-                   "a trial (.lcmlog), replayed or not; - is standard input")
-      ->required();
-  add_output_options(*command, *options);
-  add_picture_options(*command, *options);
-  add_force(*command, options->force);
+  OfTheTask task;
+  task.insert(command
+                  ->add_option("TRIAL", options->trial,
+                               "a trial (.lcmlog), replayed or not; - is standard input")
+                  ->required());
+  add_output_options(*command, *options, task);
+  add_picture_options(*command, *options, task);
+  task.insert(add_force(*command, options->force));
   add_longest_gap(*command, options->longest_gap);
-  add_json(*command, options->json);
+  task.insert(add_json(*command, options->json));
   command->footer(
       "Display and rendering quality are those of the trial. To use another display, change it "
       "first:\n"
@@ -435,7 +429,10 @@ void add_frames(CLI::App& app) {
       "hmd.eye_distance=0.06.\n\n"
       "Example:\n  headpin frames assets/trials/demo.lcmlog -o frames --video "
       "stereo.mkv");
-  command->callback([options] { draw_frames(*options); });
+  command->callback([options, command, task] {
+    options->of_pictures = given_options(*command, task);
+    draw_frames(*options);
+  });
 }
 
 }  // namespace headpin::apps

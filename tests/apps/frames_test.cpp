@@ -1,7 +1,6 @@
 // What was shown to whoever took part comes back, or is said not to be comparable.
 
 #include <cmath>
-#include <csignal>
 #include <cstring>
 #include <map>
 #include <set>
@@ -14,7 +13,6 @@
 #include "scene/scenario/scenario.h"
 #include "tests/apps/command_line.h"
 #include "tests/apps/decoded.h"
-#include "tests/support/processes.h"
 
 namespace headpin {
 namespace {
@@ -397,66 +395,6 @@ TEST_F(Frames, AVideoComesWithoutItsCopyWhenToldSo) {
   ASSERT_EQ(headpin("frames " + kDemo + " --video film.mkv --no-mp4 --frames 3-9").code, 0);
   EXPECT_TRUE(fs::exists(folder_ / "film.mkv"));
   EXPECT_FALSE(fs::exists(folder_ / "film.mp4"));
-}
-
-/// Every file of a folder with its bytes, but for our own list of them.
-std::map<std::string, std::string> contents(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::directory_iterator(folder)) {
-    files[entry.path().filename()] = slurp(entry.path());
-  }
-  return files;
-}
-
-// 130 frames are three parts.
-TEST_F(Frames, DrawnBySeveralProcessesAreTheSameFiles) {
-  const std::string draw = "frames " + kDemo + " --look 1997 --ids --flow --frames 170-299 -o ";
-  ASSERT_EQ(headpin(draw + "one --cameras one.json --colmap model").code, 0);
-  EXPECT_EQ(json(draw + "three --cameras three.json --colmap models --jobs 3 --json")["frames"],
-            130);
-  EXPECT_EQ(contents(folder_ / "three"), contents(folder_ / "one"));
-  EXPECT_TRUE(fs::exists(folder_ / "one/right_000298.flo"));
-  EXPECT_EQ(slurp(folder_ / "three.json"), slurp(folder_ / "one.json"));
-  EXPECT_EQ(contents(folder_ / "models"), contents(folder_ / "model"));
-  EXPECT_FALSE(fs::exists(folder_ / "three.parts"));
-  expect_refusal(draw + "one --jobs 2", 1, "one: exists already");
-  expect_refusal("frames " + kDemo + " --jobs 2 --video OUT.mkv", 2, "need -o DIR");
-  fs::create_directory(folder_ / "mine.parts");
-  std::ofstream(folder_ / "mine.parts/precious") << "x";
-  expect_refusal(draw + "mine --jobs 2", 1, "mine.parts: exists already, and headpin did not make");
-  EXPECT_EQ(slurp(folder_ / "mine.parts/precious"), "x");
-}
-
-TEST_F(Frames, ProcessesThatDrawDoNotOutliveTheCommand) {
-  const pid_t process = started({"frames", kDemo, "--samples", "4", "-o", "drawn", "--jobs", "2"});
-  std::vector<pid_t> drawers;
-  while (drawers.size() < 2) {
-    usleep(1000);
-    drawers = children_of(process);
-  }
-  kill(process, SIGKILL);
-  waitpid(process, nullptr, 0);
-  for (const pid_t drawer : drawers) wait_for_end(drawer);
-  EXPECT_FALSE(fs::exists(folder_ / "drawn/frames.csv"));
-}
-
-TEST_F(Frames, GoOnWhereTheyWereStopped) {
-  const std::string options = " --look 1997 --frames 100-299 -o drawn --resume";
-  std::ofstream(folder_ / "stop.sh")
-      << "'" HEADPIN_PROGRAM "' frames " << kDemo << options << " & p=$!\n"
-      << "while kill -0 $p && ! [ -e drawn.parts/00000/frames.csv ]; do sleep 0.02; done\n"
-      << "kill -TERM $p; wait $p\n";
-  const int status = std::system(
-      ("cd '" + folder_.string() + "' && sh stop.sh >out.txt 2>err.txt </dev/null").c_str());
-  ASSERT_EQ(WEXITSTATUS(status), 128 + 15) << slurp(folder_ / "err.txt");
-  EXPECT_FALSE(fs::exists(folder_ / "drawn/frames.csv"));
-  expect_refusal("frames " + kDemo + options + " --samples 2", 1, "with other drawing options");
-  const nlohmann::json resumed = json("frames " + kDemo + options + " --jobs 2 --json");
-  EXPECT_EQ(resumed["frames"], 200);
-  EXPECT_GE(resumed["frames_there_already"], 60);
-  ASSERT_EQ(headpin("frames " + kDemo + " --look 1997 --frames 100-299 -o whole").code, 0);
-  EXPECT_EQ(contents(folder_ / "drawn"), contents(folder_ / "whole"));
-  EXPECT_FALSE(fs::exists(folder_ / "drawn.parts"));
 }
 
 }  // namespace
