@@ -2,8 +2,6 @@
 
 #include <array>
 #include <chrono>
-#include <functional>
-#include <future>
 #include <numbers>
 #include <vector>
 
@@ -13,9 +11,9 @@
 #include "apps/drawing_process.h"
 #include "apps/streams.h"
 #include "render/png.h"
+#include "scene/live/lcm_views.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/stage/seen_mesh.h"
-#include "scene/watch/viewer.h"
 
 namespace headpin::apps {
 
@@ -25,35 +23,6 @@ namespace {
 void give_way() {
   setpriority(PRIO_PROCESS, 0, 10);
 }
-
-/// Frames over LCM, raw or as PNG.
-class LcmEyes : public scene::FrameSink {
- public:
-  LcmEyes(const std::string& url, bool png, double pixel_aspect)
-      : link_(url), png_(png), pixel_aspect_(pixel_aspect) {}
-
-  void add(const scene::EyeFrame& frame) override {
-    std::array<std::vector<std::uint8_t>, 2> files;
-    if (png_) {  // side by side
-      auto left = std::async(std::launch::async, render::encode_png, std::cref(frame.images[0]),
-                             pixel_aspect_);
-      files[1] = render::encode_png(frame.images[1], pixel_aspect_);
-      files[0] = left.get();
-    }
-    link_.publish({.sequence = static_cast<std::int32_t>(frame.number),
-                   .time = frame.time,
-                   .width = frame.images[0].width,
-                   .height = frame.images[0].height,
-                   .png = png_,
-                   .left = png_ ? files[0] : frame.images[0].rgb,
-                   .right = png_ ? files[1] : frame.images[1].rgb});
-  }
-
- private:
-  devices::LcmLink link_;
-  bool png_;
-  double pixel_aspect_;
-};
 
 /// The view of a player at the foul line who looks down the lane.
 scene::Glimpse at_the_foul_line(std::shared_ptr<const scene::Stage> stage) {
@@ -91,7 +60,8 @@ std::unique_ptr<scene::FrameDrawer> make_drawer(const DrawingOrder& order) {
   }
   std::unique_ptr<scene::FrameSink> sink;
   if (order.eyes != "none") {
-    sink = std::make_unique<LcmEyes>(order.url, order.eyes == "png", eyes.optics.pixel_aspect());
+    sink = std::make_unique<scene::LcmEyes>(order.url, order.eyes == "png",
+                                            eyes.optics.pixel_aspect());
   }
   return std::make_unique<scene::DrawerHere>(std::move(eyes), std::move(sink));
 }
@@ -121,18 +91,6 @@ std::unique_ptr<scene::FramesBeside> open_eyes(const scene::Stage& stage, const 
                                                bool gives_way) {
   const DrawingOrder order{scene::to_toml(stage.scenario), how, url, gl, gives_way};
   return std::make_unique<scene::FramesBeside>([order] { return draw_in_a_process(order); });
-}
-
-void Viewer::tick(const scene::Session& session) {
-  const std::int64_t fps = session.scenario().rates.frame_hz;
-  if (tick_time(frame_, fps) > session.now()) return;
-  show(session, frame_ % (5 * fps) == 0);
-  ++frame_;
-}
-
-void Viewer::show(const scene::Session& session, bool whole) {
-  if (whole) link_.publish(scene::viewer_links(session));
-  link_.publish(session.now(), scene::viewer_poses(session));
 }
 
 }  // namespace headpin::apps

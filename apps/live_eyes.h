@@ -3,11 +3,9 @@
 #include <memory>
 #include <string>
 
-#include "devices/lcm/link.h"
-#include "scene/play/run.h"
 #include "scene/watch/eye_frames.h"
 
-/// The pictures and the scene of a live session, over LCM.
+/// What draws the pictures of a live session.
 namespace headpin::apps {
 
 /// Draws both eyes in a separate process.
@@ -24,22 +22,5 @@ void say_instead_of(const char* command, const scene::Eyes& eyes);
 
 /// Prints which parts of the scenario's mesh files are not drawn.
 void say_not_drawn(const char* command, const scene::Scenario& scenario);
-
-/// Publishes the scene for Drake's viewer at the frame rate, and all of it every five seconds for
-/// later viewers.
-class Viewer : public scene::Observer {
- public:
-  /// @param link  must outlive this
-  explicit Viewer(devices::LcmLink& link) : link_(link) {}
-
-  void start(const scene::Session& session) override { show(session, true); }
-  void tick(const scene::Session& session) override;
-
- private:
-  void show(const scene::Session& session, bool whole);
-
-  devices::LcmLink& link_;
-  std::int64_t frame_ = 0;
-};
 
 }  // namespace headpin::apps

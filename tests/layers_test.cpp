@@ -40,7 +40,7 @@ std::vector<Include> includes_of(const std::string& folder) {
 
 // Rooms of a folder, the lowest first; those of one row do not know each other.
 const std::map<std::string, std::vector<std::set<std::string>>> kRooms = {
-    {"scene", {{"scenario"}, {"stage"}, {"play"}, {"looks", "people"}, {"watch"}, {"page"}}},
+    {"scene", {{"scenario"}, {"stage"}, {"play"}, {"looks", "people"}, {"watch"}, {"page", "live"}}},
     {"devices", {{"base"}, {"trial", "lines"}, {"fastrak"}, {"lcm", "recordings"}, {"live"}, {"emulated"}}},
 };
 

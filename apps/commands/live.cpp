@@ -4,7 +4,6 @@
 #include <filesystem>
 #include <memory>
 #include <optional>
-#include <thread>
 
 #include <fmt/format.h>
 
@@ -16,199 +15,120 @@
 #include "apps/priority.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "devices/base/mouse3d.h"
 #include "devices/lcm/link.h"
 #include "devices/live/source.h"
-#include "devices/trial/file.h"
 #include "devices/trial/log.h"
 #include "devices/trial/messages.h"
-#include "devices/trial/sources.h"
-#include "scene/play/details.h"
-#include "scene/play/events.h"
+#include "scene/live/lcm_views.h"
+#include "scene/live/monitor.h"
+#include "scene/live/played.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/drawn_by.h"
 #include "scene/watch/totals.h"
-#include "scene/watch/trial_writer.h"
 
 namespace headpin::apps {
 
 namespace {
 
-/// The event that says how well the session kept real time.
-devices::Event kept_pace(const Live& live) {
-  devices::Event event;
-  event.time = live.session.now();
-  event.kind = scene::kind::kept_pace;
-  event.detail = scene::to_detail({.ticks = live.session.tick,
-                                   .overruns = live.pace->overruns(),
-                                   .frames = live.frames,
-                                   .late_frames = live.eyes->late(),
-                                   .drawing_failures = live.drawing_failures});
-  return event;
-}
-
 /// Throws if no sample arrived: such a session has failed.
-void require_samples(const Live& live) {
-  if (live.samples > 0) return;
+void require_samples(const scene::LiveState& state) {
+  if (state.samples > 0) return;
   std::string from;
-  for (const auto& source : live.sources) from += (from.empty() ? "" : " or ") + source.name;
+  for (const auto& [name, status] : state.sources) from += (from.empty() ? "" : " or ") + name;
   throw std::runtime_error(
-      fmt::format("no sample arrived in {:.1f} s from {}", seconds(live.session.now()), from));
-}
-
-/// A trial that is played in addition to devices or instead of them.
-struct Played {
-  std::string path;
-  devices::TrialHeader header;
-};
-
-/// The sources that are logs of trials.
-std::vector<Played> played_by(const Live& live) {
-  std::vector<Played> all;
-  for (const auto& source : live.sources) {
-    if (source.recording.empty()) continue;
-    const devices::TrialFile file(source.recording);
-    if (!file.summary().has_header) continue;
-    say_what_is_missing("live", source.recording, file.summary());
-    all.push_back({source.recording, file.summary().header});
-  }
-  return all;
-}
-
-scene::Scenario scenario_of(const Played& trial) {
-  return scene::scenario_of_trial(trial.header.scenario, trial.path);
+      fmt::format("no sample arrived in {:.1f} s from {}", seconds(state.now), from));
 }
 
 /// Participant and condition of the session: from the options, otherwise from the played trial.
-devices::TrialHeader whose(const LiveOptions& options, std::span<const Played> played) {
-  devices::TrialHeader header;
-  if (!played.empty()) {
-    header.participant = played[0].header.participant;
-    header.condition = played[0].header.condition;
-    header.seed = played[0].header.seed;
-  }
+devices::TrialHeader whose(const LiveOptions& options, std::span<const scene::Played> played) {
+  devices::TrialHeader header = scene::header_from(played);
   if (options.participant) header.participant = *options.participant;
   if (options.condition_name) header.condition = *options.condition_name;
   return header;
 }
 
-/// Prints a message if the samples of a log are used in another scenario than their own.
-void tell_of_another_scenario(const Played& trial, const scene::Scenario& chosen) {
-  try {
-    scene::Scenario its = scenario_of(trial);
-    its.look = chosen.look;  // differences of the rendering quality do not count
-    if (scene::to_toml(its) == scene::to_toml(chosen)) return;
-  } catch (const std::invalid_argument&) {  // not complete, so it is not that of this session
-  }
-  say("headpin live: {} was recorded in another scenario than this session's; without --scenario, "
-      "the session uses the recorded one\n",
-      printable(trial.path));
-}
-
 /// The scenario from the options, otherwise that of a played log, otherwise the paper's room.
-scene::Scenario choose_scenario(const LiveOptions& options, std::span<const Played> played) {
-  if (options.given || !options.scenario.empty()) {
-    const scene::Scenario chosen =
-        options.given ? *options.given : scene::load_scenario(options.scenario);
-    for (const Played& trial : played) tell_of_another_scenario(trial, chosen);
-    return chosen;
+scene::Scenario chosen(const LiveOptions& options, std::span<const scene::Played> played) {
+  if (!options.given && options.scenario.empty()) {
+    return played.empty() ? scene::Scenario{} : scene::scenario_of(played[0]);
   }
-  return played.empty() ? scene::Scenario{} : scenario_of(played[0]);
+  const scene::Scenario scenario =
+      options.given ? *options.given : scene::load_scenario(options.scenario);
+  for (const scene::Played& trial : played) {
+    if (!scene::is_of_another(trial, scenario)) continue;
+    say("headpin live: {} was recorded in another scenario than this session's; without "
+        "--scenario, the session uses the recorded one\n",
+        printable(trial.path));
+  }
+  return scenario;
 }
 
-devices::SourceOptions source_options(const LiveOptions& options,
-                                      const std::shared_ptr<scene::RealTime>& pace) {
-  devices::SourceOptions how;
-  how.clock = [pace] { return pace->now(); };
-  how.fastrak.baud = options.baud;
-  for (const std::string& hemisphere : options.hemispheres) {
-    devices::read_zenith(hemisphere, how.fastrak.zenith);
-  }
-  return how;
+/// The same, in the condition of the options.
+scene::Scenario scenario_of(const LiveOptions& options, std::span<const scene::Played> played) {
+  scene::Scenario scenario = chosen(options, played);
+  scenario.look.samples = options.samples;
+  apply_condition(options.condition, scenario);
+  return scenario;
 }
 
-Live open_live(const LiveOptions& options) {
-  Live live;
-  std::optional<devices::LcmUrl> lcm;
-  if (options.use_lcm) lcm = lcm_url("--lcm", options.lcm, devices::LcmUse::reading);
+std::vector<devices::OpenSource> open_sources(const LiveOptions& options,
+                                              const std::shared_ptr<scene::RealTime>& pace) {
   try {
-    const devices::SourceOptions how = source_options(options, live.pace);
-    for (const std::string& name : options.sources) {
-      live.sources.push_back(devices::open_source(name, live.pace->clocks(), how));
+    devices::SourceOptions how;
+    how.clock = [pace] { return pace->now(); };
+    how.fastrak.baud = options.baud;
+    for (const std::string& hemisphere : options.hemispheres) {
+      devices::read_zenith(hemisphere, how.fastrak.zenith);
     }
+    std::vector<devices::OpenSource> sources;
+    for (const std::string& name : options.sources) {
+      sources.push_back(devices::open_source(name, pace->clocks(), how));
+    }
+    return sources;
   } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }
-  const std::vector<Played> played = played_by(live);
-  live.header = whose(options, played);
-  scene::Scenario scenario = choose_scenario(options, played);
-  scenario.look.samples = options.samples;
-  apply_condition(options.condition, scenario);
-  live.session = scene::make_session(scenario);
-  if (!lcm || lcm->log()) return live;  // a file has no listeners
-  live.link = std::make_unique<devices::LcmLink>(*lcm);
-  if (!options.no_trial) {
-    live.session_link = std::make_unique<devices::LcmLink>(*lcm, devices::kSessionPrefix);
-    live.publisher = std::make_unique<scene::TrialWriter>(std::make_unique<devices::TrialPublisher>(
-        *live.session_link, scene::header_of(live.header, live.session)));
-  }
-  return live;
+}
+
+/// What the session publishes over.
+struct Links {
+  std::unique_ptr<devices::LcmLink> views, trial;
+};
+
+Links open_links(const LiveOptions& options, const std::optional<devices::LcmUrl>& lcm) {
+  Links links;
+  if (!lcm || lcm->log()) return links;  // a file has no listeners
+  links.views = std::make_unique<devices::LcmLink>(*lcm);
+  if (options.no_trial) return links;
+  links.trial = std::make_unique<devices::LcmLink>(*lcm, devices::kSessionPrefix);
+  return links;
 }
 
 /// Begins the recording. This is the last step: programs that wait for its file may then send.
-void open_recording(const LiveOptions& options, Live& live) {
-  if (!options.record) return;
+std::unique_ptr<devices::TrialSink> open_recording(const LiveOptions& options,
+                                                   const scene::LiveSources& sources,
+                                                   const devices::TrialHeader& header) {
   std::vector<std::filesystem::path> inputs = {options.scenario};
-  for (const auto& source : live.sources) inputs.push_back(source.recording);
+  for (const devices::OpenSource& source : sources.each()) inputs.push_back(source.recording);
   const Time epoch =
       std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
-  live.writer =
-      std::make_unique<scene::TrialWriter>(*options.record, live.header, live.session,
-                                           devices::Recorder::Options{.overwrite = options.force,
-                                                                      .live = true,
-                                                                      .inputs = inputs,
-                                                                      .states = options.states,
-                                                                      .epoch = epoch});
+  return std::make_unique<devices::Recorder>(*options.record, header,
+                                             devices::Recorder::Options{.overwrite = options.force,
+                                                                        .live = true,
+                                                                        .inputs = inputs,
+                                                                        .states = options.states,
+                                                                        .epoch = epoch});
 }
 
-/// All sources as one. A stylus switch is the trigger if there is no mouse.
-std::unique_ptr<devices::Source> source_of(const Live& live) {
-  std::vector<devices::Source*> list;
-  bool stylus = false;
-  for (const auto& source : live.sources) {
-    list.push_back(source.source.get());
-    stylus = stylus || source.has_stylus;
+void conclude(const LiveOptions& options, const scene::Session& session,
+              const scene::LiveState& state, const scene::Totals& totals) {
+  print_line(state, totals);
+  print_stages(state);
+  require_samples(state);
+  if (const std::string why = totals.why_nothing_fell(); !why.empty()) {
+    say("{:11}no skittle fell: {}\n", "", printable(why));
   }
-  auto merged = std::make_unique<devices::MergedSource>(list);
-  if (!stylus) return merged;
-  return std::make_unique<devices::StylusMouse>(std::move(merged));
-}
-
-/// Runs the session until it is stopped, and ends the recording properly in any case.
-void run_recorded(Live& live, devices::Source& source, Reporter& reporter,
-                  std::span<scene::Observer* const> observers, Time end) {
-  try {
-    scene::run(live.session, source, *live.pace, observers, [&](const scene::Session& s) {
-      return stop_signal() != 0 || (end != Time{} && s.now() >= end) || source.exhausted();
-    });
-    live.eyes->finish();
-  } catch (...) {
-    const devices::Event pace = kept_pace(live);
-    for (scene::TrialWriter* writer : {live.writer.get(), live.publisher.get()}) {
-      try {
-        if (!writer) continue;
-        writer->write(pace);
-        writer->close(live.session);
-      } catch (const std::exception&) {  // this is the failure itself, or less important
-      }
-    }
-    throw;
-  }
-  heed_stop();
-  reporter.finish();
-  write(live, kept_pace(live));
-  if (live.writer) live.writer->close(live.session);
-  if (live.publisher) live.publisher->close(live.session);
+  if (options.json) print_json(summary(session, state, totals, options));
 }
 
 }  // namespace
@@ -218,37 +138,51 @@ void go_live(const LiveOptions& options) {
     throw UsageError("no source of samples: expected --lcm URL, --fastrak TTY or a SOURCE");
   }
   watch_stop_signals();
-  Live live = open_live(options);
-  const std::unique_ptr<devices::Source> merged = source_of(live);
-  devices::Source& source = *merged;
+  std::optional<devices::LcmUrl> lcm;
+  if (options.use_lcm) lcm = lcm_url("--lcm", options.lcm, devices::LcmUse::reading);
+  const auto pace = std::make_shared<scene::RealTime>();
+  scene::LiveSources sources(open_sources(options, pace));
+  const std::vector<scene::Played> played = scene::played_by(sources);
+  for (const scene::Played& one : played) say_what_is_missing("live", one.path, one.summary);
+  scene::Session session = scene::make_session(scenario_of(options, played));
+  const devices::TrialHeader header = scene::header_of(whose(options, played), session);
+  const Links links = open_links(options, lcm);
+  scene::TrialOutputs trial;
+  if (links.trial) trial.publish(std::make_unique<devices::TrialPublisher>(*links.trial, header));
 
   // Without real-time scheduling, ticks have priority only if the drawing process gives way.
-  live.eyes = open_eyes(*live.session.stage, live.link ? options.eyes : std::string("none"),
-                        options.lcm, options.gl, to_be_had() != Priority::real_time);
-  const Time end = microseconds(options.duration_s.value_or(0.0));
-  live.eyes->measure_by(*live.pace);
-  live.pace->begin(live.session.scenario().rates.physics_hz);
+  const auto eyes = open_eyes(*session.stage, links.views ? options.eyes : std::string("none"),
+                              options.lcm, options.gl, to_be_had() != Priority::real_time);
+  eyes->measure_by(*pace);
+  pace->begin(session.scenario().rates.physics_hz);
   go_first();  // and the readers
-  for (const devices::OpenSource& one : live.sources) one.start();
-  open_recording(options, live);
-  write(live, scene::drawn_by_event(live.eyes->drawn_by()));
+  sources.start();
+  if (options.record) trial.record(open_recording(options, sources, header));
+  trial.write(scene::drawn_by_event(eyes->drawn_by()));
 
-  std::vector<scene::Observer*> observers = {&live.totals};
-  if (live.writer) observers.push_back(live.writer.get());
-  if (live.publisher) observers.push_back(live.publisher.get());
-  observers.push_back(live.eyes.get());
-  std::optional<Viewer> viewer;
-  if (live.link) observers.push_back(&viewer.emplace(*live.link));
-  Reporter reporter(live);
-  observers.push_back(&reporter);
-  run_recorded(live, source, reporter, observers, end);
-  print_line(live);
-  if (!live.latency.each_s.empty()) print_stages(live.latency);
-  require_samples(live);
-  if (const std::string why = live.totals.why_nothing_fell(); !why.empty()) {
-    say("{:11}no skittle fell: {}\n", "", printable(why));
+  scene::Totals totals;
+  scene::LiveMonitor monitor(sources, *pace, *eyes, trial);
+  Reporter reporter(monitor, totals);
+  std::vector<scene::Observer*> observers = {&totals, &trial, eyes.get()};
+  std::optional<scene::LcmScene> view;
+  if (links.views) observers.push_back(&view.emplace(*links.views));
+  observers.insert(observers.end(), {&monitor, &reporter});
+  const Time end = microseconds(options.duration_s.value_or(0.0));
+  try {
+    scene::run(session, sources, *pace, observers, [&](const scene::Session& s) {
+      return stop_signal() != 0 || (end != Time{} && s.now() >= end) || sources.exhausted();
+    });
+    eyes->finish();
+  } catch (...) {  // the recording ends properly in any case
+    reporter.say_news();
+    trial.close_after_failure(session, monitor.kept_pace(session));
+    throw;
   }
-  if (options.json) print_json(summary(live, options));
+  heed_stop();
+  monitor.finish(session);
+  reporter.say_news();
+  trial.close(session, monitor.kept_pace(session));
+  conclude(options, session, monitor.state(session), totals);
 }
 
 std::function<void()> add_source_options(CLI::App& command,

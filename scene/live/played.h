@@ -1,0 +1,32 @@
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "devices/trial/trial.h"
+#include "scene/live/sources.h"
+#include "scene/scenario/scenario.h"
+
+/// Trials that a live session plays in addition to devices or instead of them.
+namespace headpin::scene {
+
+struct Played {
+  std::string path;
+  devices::TrialSummary summary;
+};
+
+/// The sources that are logs of trials.
+std::vector<Played> played_by(const LiveSources& sources);
+
+/// Participant, condition and seed of the first one; none without any.
+devices::TrialHeader header_from(std::span<const Played> played);
+
+/// @throws std::invalid_argument  when its scenario is not complete
+Scenario scenario_of(const Played& trial);
+
+/// Whether a trial was recorded in another scenario; differences of the rendering quality do not
+/// count.
+bool is_of_another(const Played& trial, const Scenario& scenario);
+
+}  // namespace headpin::scene
