@@ -11,6 +11,7 @@
 #include "apps/streams.h"
 #include "devices/trial/log.h"
 #include "files/input_file.h"
+#include "files/output_file.h"
 #include "study/bids.h"
 
 namespace headpin::apps {
@@ -64,7 +65,10 @@ void import_bids_session(const std::string& path, const std::string& output, boo
     throw std::runtime_error((fs::path(path).parent_path() / error.what()).string());
   }
   watch_stop_signals();
-  devices::Recorder recorder(output, trial.header, {.overwrite = overwrite, .inputs = {path}});
+  devices::Recorder recorder(
+      files::OutputFile(output,
+                        {.overwrite = overwrite, .standard_output = true, .inputs = {path}}),
+      trial.header);
   for (const devices::Sample& sample : trial.samples) {
     check_stop();
     recorder.write(sample);

@@ -9,6 +9,7 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "devices/trial/log.h"
+#include "files/output_file.h"
 #include "scene/people/participant.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/totals.h"
@@ -75,8 +76,10 @@ void play_session(const ParticipantSession& options) {
   header.condition = options.condition;
   header.seed = options.seed;
   header.scenario = scene::to_toml(scenario);
-  devices::Recorder recorder(options.output, header,
-                             {.overwrite = options.force, .inputs = {options.scenario}});
+  devices::Recorder recorder(files::OutputFile(options.output, {.overwrite = options.force,
+                                                                .standard_output = true,
+                                                                .inputs = {options.scenario}}),
+                             header);
   scene::Session session = scene::make_session(scenario);
   scene::Participant participant({.person = person, .throws = options.throws}, scenario);
   SampleWriter writer(recorder);

@@ -11,6 +11,7 @@
 #include "devices/recordings/xdf_motion.h"
 #include "devices/recordings/xdf_trial.h"
 #include "devices/trial/log.h"
+#include "files/output_file.h"
 
 namespace headpin::apps {
 
@@ -26,8 +27,10 @@ void import_xdf_session(const ImportOptions& options) {
   const devices::XdfTrial trial = devices::read_xdf_trial(devices::bytes_of(file), options.file);
   if (!options.explain) {
     watch_stop_signals();
-    devices::Recorder recorder(*options.output, trial.header,
-                               {.overwrite = options.force, .inputs = {options.file}});
+    devices::Recorder recorder(files::OutputFile(*options.output, {.overwrite = options.force,
+                                                                   .standard_output = true,
+                                                                   .inputs = {options.file}}),
+                               trial.header);
     devices::write(recorder, trial.samples, trial.events);
     check_stop();
     recorder.close();

@@ -231,6 +231,16 @@ void OutputFile::close_all() {
   if (folder_ >= 0) close(std::exchange(folder_, -1));
 }
 
+OutputFile::OutputFile(OutputFile&& other) noexcept
+    : path_(std::move(other.path_)),
+      said_(std::move(other.said_)),
+      options_(std::move(other.options_)),
+      folder_(std::exchange(other.folder_, -1)),
+      target_(std::move(other.target_)),
+      named_(std::move(other.named_)),
+      part_(std::move(other.part_)),
+      descriptor_(std::exchange(other.descriptor_, -1)) {}
+
 OutputFile::~OutputFile() {
   if (descriptor_ >= 0 && !options_.live) remove_part();
   close_all();

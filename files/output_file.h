@@ -39,9 +39,13 @@ class OutputFile {
 
   /// Without commit(), removes the file, unless it is live.
   ~OutputFile();
-  OutputFile(const OutputFile&) = delete;
-  OutputFile& operator=(const OutputFile&) = delete;
+  OutputFile(OutputFile&& other) noexcept;
+  OutputFile& operator=(OutputFile&&) = delete;
 
+  /// As it was given, also `-`.
+  const std::string& path() const { return path_; }
+  /// Whether it has its final name from the start.
+  bool live() const { return options_.live; }
   /// Open for writing.
   int descriptor() const { return descriptor_; }
   /// The name of the file while it is written, for other programs that write to it.

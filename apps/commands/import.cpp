@@ -19,6 +19,7 @@
 #include "devices/recordings/motion_files.h"
 #include "devices/recordings/text_encoding.h"
 #include "devices/trial/log.h"
+#include "files/output_file.h"
 #include "scene/people/throw.h"
 #include "scene/play/events.h"
 #include "scene/stage/read_scenario.h"
@@ -207,9 +208,11 @@ devices::Recorder recorder_for(const ImportOptions& options, const scene::Scenar
   header.scenario = scene::to_toml(scenario);
   watch_stop_signals();
   return devices::Recorder(
-      *options.output, header,
-      {.overwrite = options.force,
-       .inputs = {options.file, options.scenario, options.events, options.columns}});
+      files::OutputFile(*options.output, {.overwrite = options.force,
+                                          .standard_output = true,
+                                          .inputs = {options.file, options.scenario, options.events,
+                                                     options.columns}}),
+      header);
 }
 
 /// Imports a recording of the head alone: nothing is thrown.

@@ -19,6 +19,7 @@
 #include "devices/live/source.h"
 #include "devices/trial/log.h"
 #include "devices/trial/messages.h"
+#include "files/output_file.h"
 #include "scene/live/lcm_views.h"
 #include "scene/live/monitor.h"
 #include "scene/live/played.h"
@@ -112,12 +113,12 @@ std::unique_ptr<devices::TrialSink> open_recording(const LiveOptions& options,
   for (const devices::OpenSource& source : sources.each()) inputs.push_back(source.recording);
   const Time epoch =
       std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
-  return std::make_unique<devices::Recorder>(*options.record, header,
-                                             devices::Recorder::Options{.overwrite = options.force,
-                                                                        .live = true,
-                                                                        .inputs = inputs,
-                                                                        .states = options.states,
-                                                                        .epoch = epoch});
+  files::OutputFile file(
+      *options.record,
+      {.overwrite = options.force, .live = true, .standard_output = true, .inputs = inputs});
+  return std::make_unique<devices::Recorder>(
+      std::move(file), header,
+      devices::Recorder::Options{.states = options.states, .epoch = epoch});
 }
 
 void conclude(const LiveOptions& options, const scene::Session& session,

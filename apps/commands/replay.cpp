@@ -11,6 +11,8 @@
 #include "apps/progress.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "devices/trial/log.h"
+#include "files/output_file.h"
 #include "scene/play/details.h"
 #include "scene/play/events.h"
 #include "scene/watch/counterparts.h"
@@ -278,10 +280,12 @@ void replay(const ReplayOptions& options) {
   std::optional<scene::Verifier> verifier;
   std::vector<scene::Observer*> observers;
   if (options.output) {
-    writer.emplace(
-        *options.output, trial.header, run.session,
-        devices::Recorder::Options{
-            .overwrite = options.force, .inputs = {options.trial}, .states = options.states});
+    files::OutputFile file(
+        *options.output,
+        {.overwrite = options.force, .standard_output = true, .inputs = {options.trial}});
+    writer.emplace(std::make_unique<devices::Recorder>(
+        std::move(file), scene::header_of(trial.header, run.session),
+        devices::Recorder::Options{.states = options.states}));
     for (const devices::Event& event : trial.events) {
       if (event.tick < 0) writer->write(event);  // found before any simulation
     }

@@ -17,6 +17,7 @@
 #include "devices/lcm/link.h"
 #include "devices/trial/file.h"
 #include "devices/trial/sources.h"
+#include "files/output_file.h"
 #include "scene/play/player.h"
 #include "scene/stage/read_scenario.h"
 
@@ -196,6 +197,15 @@ void print_streamed(const StreamOptions& options, const Streamed& done, std::int
   std::cout << "\n";
 }
 
+std::unique_ptr<devices::LcmLink> open_link(const StreamOptions& options,
+                                            const devices::LcmUrl& url) {
+  const auto& log = url.log();
+  if (!log) return std::make_unique<devices::LcmLink>(url);
+  files::OutputFile file(log->path,
+                         {.overwrite = options.force, .live = true, .inputs = {options.trial}});
+  return std::make_unique<devices::LcmLink>(url, std::move(file));
+}
+
 void stream(const StreamOptions& options) {
   const devices::LcmUrl url = lcm_url("--lcm", options.url, devices::LcmUse::publishing);
   const devices::TrialFile file(options.trial);
@@ -205,16 +215,16 @@ void stream(const StreamOptions& options) {
   const scene::Scenario scenario =
       scene::scenario_of_trial(file.summary().header.scenario, options.trial);
   say_what_is_missing("stream", options.trial, file.summary());
-  devices::LcmLink link(url, "", {.overwrite = options.force, .inputs = {options.trial}});
+  const std::unique_ptr<devices::LcmLink> link = open_link(options, url);
   watch_stop_signals();
 
-  const Streamed done = publish_samples(options, file, scenario, link);
+  const Streamed done = publish_samples(options, file, scenario, *link);
   if (done.sent == all) {
     devices::Event end;
     end.time = done.end;
     end.kind = devices::kEndEvent;
     end.value = static_cast<double>(all + 1);  // with the header
-    link.publish(end);
+    link->publish(end);
   }
   check_stop(fmt::format("after {} of {} samples", done.sent, all));
   print_streamed(options, done, all);

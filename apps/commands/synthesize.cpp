@@ -56,8 +56,10 @@ std::size_t write_trial(const SynthesizeOptions& options, const scene::ThrowMoti
   header.seed = seed;
   header.scenario = scene::to_toml(scenario);
   const std::vector<devices::Sample> samples = scene::sense(motion, scenario.rig, seed);
-  devices::Recorder recorder(*options.output, header,
-                             {.overwrite = options.force, .inputs = {options.scenario}});
+  devices::Recorder recorder(files::OutputFile(*options.output, {.overwrite = options.force,
+                                                                 .standard_output = true,
+                                                                 .inputs = {options.scenario}}),
+                             header);
   devices::write(recorder, samples, {});
   check_stop();
   recorder.close();

@@ -22,15 +22,16 @@
 
 namespace headpin::devices {
 
-LcmLink::LcmLink(LcmUrl url, std::string_view prefix, files::OutputFile::Options output)
-    : url_(std::move(url)), prefix_(prefix) {
+LcmLink::LcmLink(LcmUrl url, files::OutputFile log)
+    : url_(std::move(url)), written_(std::make_unique<LogWriter>(std::move(log))) {}
+
+LcmLink::LcmLink(LcmUrl url, std::string_view prefix) : url_(std::move(url)), prefix_(prefix) {
   if (const auto& log = url_.log()) {
     if (!log->written) {
       throw std::runtime_error(
           fmt::format("cannot publish at {}: it is opened for reading", url_.shown()));
     }
-    output.live = true;
-    written_ = std::make_unique<LogWriter>(log->path, std::move(output));
+    written_ = std::make_unique<LogWriter>(files::OutputFile(log->path, {.live = true}));
     return;
   }
   lcm_ = std::make_unique<Lcm>();
@@ -43,8 +44,7 @@ LcmLink::LcmLink(LcmUrl url, std::string_view prefix, files::OutputFile::Options
   lcm_->require_server(url_);
 }
 
-LcmLink::LcmLink(const std::string& url, std::string_view prefix, files::OutputFile::Options output)
-    : LcmLink(LcmUrl(url), prefix, std::move(output)) {}
+LcmLink::LcmLink(const std::string& url, std::string_view prefix) : LcmLink(LcmUrl(url), prefix) {}
 
 LcmLink::~LcmLink() = default;
 

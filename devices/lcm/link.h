@@ -21,16 +21,16 @@ namespace headpin::devices {
 /// written. LogSource plays one.
 class LcmLink {
  public:
+  /// A log that is written, file://PATH?mode=w, is a new file, there from the start.
+  ///
   /// @param prefix  before the channels of a trial's messages
-  /// @param output  how a log is written, file://PATH?mode=w: a file as all outputs, there from the
-  ///                start
   /// @throws std::runtime_error  when LCM cannot be opened there, or a log is to be read
-  explicit LcmLink(LcmUrl url, std::string_view prefix = "",
-                   files::OutputFile::Options output = {});
+  explicit LcmLink(LcmUrl url, std::string_view prefix = "");
   /// @param url  as LcmUrl takes it
   /// @throws std::invalid_argument  for a wrong URL
-  explicit LcmLink(const std::string& url, std::string_view prefix = "",
-                   files::OutputFile::Options output = {});
+  explicit LcmLink(const std::string& url, std::string_view prefix = "");
+  /// Writes a log. @param log  of the URL, open and empty
+  LcmLink(LcmUrl url, files::OutputFile log);
   ~LcmLink();
   LcmLink(const LcmLink&) = delete;
   LcmLink& operator=(const LcmLink&) = delete;

@@ -44,8 +44,7 @@ struct LcmLink::Lcm {
 /// name and does not report write errors.
 class LcmLink::LogWriter {
  public:
-  LogWriter(const std::string& path, files::OutputFile::Options options)
-      : file_(path, std::move(options)) {}
+  explicit LogWriter(files::OutputFile file) : file_(std::move(file)) {}
 
   void write(const std::string& channel, std::span<const std::uint8_t> bytes) {
     const auto now = std::chrono::system_clock::now().time_since_epoch();  // like liblcm's stamps

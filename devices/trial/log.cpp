@@ -70,9 +70,8 @@ TrialHeader stamped(TrialHeader header, States states) {
 }
 
 struct Recorder::File {
-  std::string path;
-  Options options;
   files::OutputFile output;
+  Options options;
   lcm_eventlog_t* log = nullptr;
   Buffer bytes;            // of the current message
   std::int64_t size = 0;   // of the file, up to the last whole event
@@ -83,20 +82,15 @@ struct Recorder::File {
   std::atomic<bool> unsynced = false;
   std::jthread syncing;  // last member, so that it ends before the others
 
-  File(const std::string& name, const Options& how)
-      : path(name),
-        options(how),
-        output(name, {.overwrite = how.overwrite,
-                      .live = how.live,
-                      .standard_output = true,
-                      .inputs = how.inputs}) {
+  File(files::OutputFile file_to_write, const Options& how)
+      : output(std::move(file_to_write)), options(how) {
     // liblcm can only open a name and would open an existing file. So it opens /dev/null.
     std::FILE* file = fdopen(fcntl(output.descriptor(), F_DUPFD_CLOEXEC, 3), "w");
     log = file ? lcm_eventlog_create("/dev/null", "w") : nullptr;
-    if (!log) throw std::runtime_error(path + ": cannot create: " + std::strerror(errno));
+    if (!log) throw std::runtime_error(output.path() + ": cannot create: " + std::strerror(errno));
     std::fclose(std::exchange(log->f, file));
     setvbuf(log->f, nullptr, _IOFBF, 1 << 16);
-    if (how.live) {
+    if (output.live()) {
       syncing = std::jthread([this](const std::stop_token& stopped) { sync_until(stopped); });
     }
   }
@@ -136,8 +130,9 @@ struct Recorder::File {
 
   template <typename T>
   void write(std::string_view channel, Time time, const T& message) {
-    if (!log) throw std::runtime_error(path + ": is closed; nothing more can be written");
-    if (unsynced) throw std::runtime_error(path + ": the disk did not store what was written");
+    if (!log) throw std::runtime_error(output.path() + ": is closed; nothing more can be written");
+    if (unsynced)
+      throw std::runtime_error(output.path() + ": the disk did not store what was written");
     encode(message, bytes);
     last = std::max(last, time);
     lcm_eventlog_event_t event{};
@@ -159,16 +154,22 @@ struct Recorder::File {
     const bool cut = output.cut_back(size);
     lcm_eventlog_destroy(log);
     log = nullptr;
-    throw std::runtime_error(path + ": cannot write event " + std::to_string(count) + ": " +
-                             std::strerror(error) +
-                             (cut && options.live ? "; the events before it are kept" : ""));
+    throw std::runtime_error(output.path() + ": cannot write event " + std::to_string(count) +
+                             ": " + std::strerror(error) +
+                             (cut && output.live() ? "; the events before it are kept" : ""));
   }
 };
 
-Recorder::Recorder(const std::string& path, const TrialHeader& header, const Options& options)
-    : file_(std::make_unique<File>(path, options)) {
+Recorder::Recorder(files::OutputFile output, const TrialHeader& header, const Options& options)
+    : file_(std::make_unique<File>(std::move(output), options)) {
   file_->write(kTrialChannel, Time{}, stamped(header, options.states));
 }
+
+Recorder::Recorder(files::OutputFile output, const TrialHeader& header)
+    : Recorder(std::move(output), header, Options{}) {}
+
+Recorder::Recorder(const std::string& path, const TrialHeader& header)
+    : Recorder(files::OutputFile(path, {.standard_output = true}), header) {}
 
 Recorder::~Recorder() = default;
 

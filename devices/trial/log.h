@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <memory>
 #include <span>
 #include <stdexcept>
@@ -9,6 +8,10 @@
 
 #include "devices/trial/sink.h"
 #include "devices/trial/trial.h"
+
+namespace headpin::files {
+class OutputFile;
+}
 
 /// A trial on disk: one LCM event log, NAME.lcmlog, that lcm-logplayer can play.
 namespace headpin::devices {
@@ -54,28 +57,24 @@ TrialHeader stamped(TrialHeader header, States states = States::all);
 
 /// Writes a trial through liblcm's event log, each message whole before the next begins.
 ///
-/// The file is a files::OutputFile: complete under its name or absent, unless it is live. Every
-/// message is written at once, so a killed process leaves a log that is readable up to its last
+/// The file is complete under its name or absent, unless it is live. Every message is written at once, so a killed process leaves a log that is readable up to its last
 /// complete event. When the disk is full, the file is truncated to that event.
 class Recorder : public TrialSink {
  public:
   struct Options {
-    bool overwrite = false;  ///< else an existing file is refused
-    bool live = false;       ///< has its final name from the start, so that it survives a crash
-    std::vector<std::filesystem::path> inputs = {};  ///< never to be written to
     States states = States::all;
     Time epoch{};  ///< added to the stamps of LCM's event headers; wall clock of time 0, if any
   };
 
-  /// Opens the file and writes the header, with format, software and schema put in.
+  /// Writes the header, with format, software and schema put in.
   ///
+  /// @param output  open and empty; a live one is synced to the disk every second
+  Recorder(files::OutputFile output, const TrialHeader& header, const Options& options);
+  Recorder(files::OutputFile output, const TrialHeader& header);
+  /// Opens a new file.
   /// @param path  `-` is standard output
-  /// @throws std::runtime_error  when the file exists and is not to be overwritten, or cannot be
-  ///                             made
-  /// @throws files::Busy         when another process is writing it
-  Recorder(const std::string& path, const TrialHeader& header, const Options& options);
-  Recorder(const std::string& path, const TrialHeader& header)
-      : Recorder(path, header, Options{}) {}
+  /// @throws as files::OutputFile
+  Recorder(const std::string& path, const TrialHeader& header);
 
   /// Without close(): a live file stays as it is, another one is removed.
   ~Recorder() override;

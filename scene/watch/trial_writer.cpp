@@ -20,11 +20,6 @@ devices::TrialHeader header_of(devices::TrialHeader header, const Session& sessi
   return header;
 }
 
-TrialWriter::TrialWriter(const std::string& path, devices::TrialHeader header,
-                         const Session& session, devices::Recorder::Options options)
-    : sink_(std::make_unique<devices::Recorder>(path, header_of(std::move(header), session),
-                                                options)) {}
-
 void TrialWriter::tick(const Session& session) {
   for (const devices::Sample& sample : session.samples) sink_->write(sample);
   for (const devices::Event& event : session.events) sink_->write(event);

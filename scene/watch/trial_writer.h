@@ -1,10 +1,9 @@
 #pragma once
 
 #include <memory>
-#include <string>
 #include <utility>
 
-#include "devices/trial/log.h"
+#include "devices/trial/sink.h"
 #include "scene/play/run.h"
 
 namespace headpin::scene {
@@ -16,11 +15,6 @@ devices::TrialHeader header_of(devices::TrialHeader header, const Session& sessi
 /// seconds.
 class TrialWriter : public Observer {
  public:
-  /// @param header  participant, condition and seed; the session's scenario and bodies are added
-  /// @throws std::runtime_error  as devices::Recorder
-  TrialWriter(const std::string& path, devices::TrialHeader header, const Session& session,
-              devices::Recorder::Options options);
-
   /// @param sink  destination, with a header from header_of()
   explicit TrialWriter(std::unique_ptr<devices::TrialSink> sink) : sink_(std::move(sink)) {}
 

@@ -8,6 +8,7 @@
 
 #include "devices/trial/event_log.h"
 #include "devices/trial/log.h"
+#include "files/output_file.h"
 #include "render/image.h"
 #include "render/png.h"
 
@@ -196,7 +197,8 @@ TEST_F(CommandLine, AStateThatWasEditedIsToldFromOneThatDiffers) {
   ASSERT_EQ(headpin("replay " + kDemo + " -o whole.lcmlog").code, 0);
   devices::Trial whole = devices::read_trial(folder_ / "whole.lcmlog");
   const auto write = [&] {
-    devices::Recorder recorder(folder_ / "edited.lcmlog", whole.header, {.overwrite = true});
+    devices::Recorder recorder(files::OutputFile(folder_ / "edited.lcmlog", {.overwrite = true}),
+                               whole.header);
     devices::write(recorder, whole.samples, {});
     for (const devices::TickState& state : whole.states) recorder.write(state);
     recorder.close();

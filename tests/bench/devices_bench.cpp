@@ -18,6 +18,7 @@
 #include "devices/trial/event_log.h"
 #include "devices/trial/log.h"
 #include "devices/trial/sources.h"
+#include "files/output_file.h"
 #include "tests/bench/report.h"
 #include "tests/support/folder.h"
 
@@ -145,7 +146,8 @@ double read_by_liblcm(const std::string& path) {
 
 /// Encodes and writes it, safe after each message.
 double write_whole(const devices::Trial& trial, const std::string& path) {
-  devices::Recorder recorder(path, trial.header, {.overwrite = true, .live = true});
+  devices::Recorder recorder(files::OutputFile(path, {.overwrite = true, .live = true}),
+                             trial.header);
   std::size_t sample = 0;
   for (const devices::TickState& state : trial.states) {
     for (; sample < trial.samples.size(); ++sample) {

@@ -11,6 +11,7 @@
 #include "devices/trial/event_log.h"
 #include "devices/trial/log.h"
 #include "devices/trial/messages.h"
+#include "files/output_file.h"
 #include "tests/support/folder.h"
 
 /// Short trials in a log, and what makes and damages their bytes.
@@ -75,8 +76,8 @@ inline Event event() {
 
 /// A short trial with some of everything: the header, then 12 samples, a button, an event, 6
 /// states, a frame.
-inline void record(const fs::path& path, Recorder::Options options = {}) {
-  Recorder recorder(path, header(), options);
+inline void record(const fs::path& path, const files::OutputFile::Options& options = {}) {
+  Recorder recorder(files::OutputFile(path, options), header());
   for (int i = 0; i < 12; ++i) {
     recorder.write(Sample(tracker(i)));
     if (i % 2 == 0) recorder.write(state(i / 2));

@@ -18,6 +18,7 @@
 #include "devices/trial/event_log.h"
 #include "devices/trial/file.h"
 #include "devices/trial/messages.h"
+#include "files/output_file.h"
 #include "tests/devices/log_fixture.h"
 #include "tests/support/folder.h"
 
@@ -354,7 +355,7 @@ TEST(RecorderTest, KilledAtAnyMomentALiveLogHoldsAllThatWasWritten) {
   const fs::path path = fresh_folder("log") / "live.lcmlog";
   EXPECT_EXIT(
       {
-        Recorder recorder(path, header(), {.live = true});
+        Recorder recorder(files::OutputFile(path, {.live = true}), header());
         for (int tick = 0; tick < 100; ++tick) recorder.write(state(tick));
         raise(SIGKILL);
       },
@@ -373,7 +374,7 @@ TEST(RecorderTest, KilledAtAnyMomentALiveLogHoldsAllThatWasWritten) {
   setrlimit(RLIMIT_FSIZE, &limit);
   int written = 0;
   try {
-    Recorder recorder(path, header(), {.live = true});
+    Recorder recorder(files::OutputFile(path, {.live = true}), header());
     for (;; ++written) recorder.write(state(written));
   } catch (const std::runtime_error& error) {
     std::fprintf(stderr, "%s", error.what());
@@ -390,8 +391,9 @@ TEST(RecorderTest, AFullDiskIsAnErrorThatLosesNothingWrittenBefore) {
   EXPECT_EXIT(record_until_full(path), all_that_was_written,
               "File too large; the events before it are kept");
   EXPECT_TRUE(read_trial(path).skipped.nothing());
-  EXPECT_THROW(Recorder("/dev/full", header(), {.overwrite = true, .live = true}),
-               std::runtime_error);
+  EXPECT_THROW(
+      Recorder(files::OutputFile("/dev/full", {.overwrite = true, .live = true}), header()),
+      std::runtime_error);
 }
 
 }  // namespace

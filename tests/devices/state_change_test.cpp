@@ -13,6 +13,7 @@
 #include "devices/trial/event_log.h"
 #include "devices/trial/log.h"
 #include "devices/trial/messages.h"
+#include "files/output_file.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {
@@ -53,7 +54,7 @@ std::vector<TickState> some_states(int ticks) {
 
 fs::path record(const std::vector<TickState>& states, States how, const char* name) {
   const fs::path path = fresh_folder(name) / "trial.lcmlog";
-  Recorder recorder(path, TrialHeader{}, {.states = how});
+  Recorder recorder(files::OutputFile(path, {}), TrialHeader{}, {.states = how});
   for (const TickState& state : states) recorder.write(state);
   recorder.close();
   return path;

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <utility>
 
 #include <fcntl.h>
 #include <gmock/gmock.h>
@@ -36,6 +37,23 @@ TEST_F(OutputFileTest, AppearsWhenItIsWhole) {
   write(folder_ / "a", "whole", {});
   EXPECT_EQ(slurp(folder_ / "a"), "whole");
   EXPECT_EQ(entries(), 1u);
+}
+
+TEST_F(OutputFileTest, BelongsToWhoeverItIsHandedTo) {
+  {
+    OutputFile opened(folder_ / "a", {.overwrite = true});
+    opened.write("by one, ", 8);
+    OutputFile taken = std::move(opened);
+    EXPECT_EQ(taken.path(), folder_ / "a");
+    taken.write("and the other", 13);
+    taken.commit();
+  }
+  EXPECT_EQ(slurp(folder_ / "a"), "by one, and the other");
+  {
+    OutputFile opened(folder_ / "b", {});
+    const OutputFile taken = std::move(opened);
+  }
+  EXPECT_EQ(entries(), 1u) << "dropped without commit()";
 }
 
 TEST_F(OutputFileTest, APartOfAnotherIsNeverTaken) {

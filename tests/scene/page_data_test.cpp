@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/trial/log.h"
+#include "files/output_file.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/totals.h"
 #include "tests/scene/demo.h"
@@ -101,7 +102,7 @@ std::string trial_with_states(std::int64_t moved_tick) {
   Session session = make_session(recorded.scenario);
   devices::TrialHeader header = recorded.file.summary().header;
   header.body_names = body_names(*session.stage);
-  devices::Recorder recorder(path, header, {.overwrite = true});
+  devices::Recorder recorder(files::OutputFile(path, {.overwrite = true}), header);
   devices::TrialPlayer source(recorded.file);
   devices::TickState state;
   for (int tick = 1; tick <= 300; ++tick) {
@@ -137,7 +138,8 @@ TEST(PageData, ShowsWhatWasRecordedWhereTheReplayDiffersAndSaysWhere) {
 TEST(PageData, OfALongTrialDrawsEveryNthTickAndTheLast) {
   const std::string path = fresh_folder("page") / "long.lcmlog";
   const Recorded demo = load_trial(kDemo);
-  devices::Recorder recorder(path, demo.file.summary().header, {.overwrite = true});
+  devices::Recorder recorder(files::OutputFile(path, {.overwrite = true}),
+                             demo.file.summary().header);
   for (const int second : {0, 40, 80, 131}) {
     devices::TrackerSample head;
     head.station = devices::kHeadStation;
