@@ -55,8 +55,7 @@ bool is_bids_session(const std::string& path) {
   return json.is_object() && json.contains("HeadpinTrial");
 }
 
-void import_bids_session(const std::string& path, const std::string& output, bool overwrite,
-                         bool json) {
+void import_bids_session(const std::string& path, files::OutputFile output, bool json) {
   const fs::path file = fs::absolute(path);
   study::BidsTrial trial;
   try {
@@ -64,18 +63,15 @@ void import_bids_session(const std::string& path, const std::string& output, boo
   } catch (const std::invalid_argument& error) {
     throw std::runtime_error((fs::path(path).parent_path() / error.what()).string());
   }
-  watch_stop_signals();
-  devices::Recorder recorder(
-      files::OutputFile(output,
-                        {.overwrite = overwrite, .standard_output = true, .inputs = {path}}),
-      trial.header);
+  const std::string name = output.path();
+  devices::Recorder recorder(std::move(output), trial.header);
   for (const devices::Sample& sample : trial.samples) {
     check_stop();
     recorder.write(sample);
   }
   recorder.close();
-  if (json) return print_json({{"output", output}, {"samples", trial.samples.size()}});
-  fmt::print("{}\n  samples            {}, a whole session\n", output, trial.samples.size());
+  if (json) return print_json({{"output", name}, {"samples", trial.samples.size()}});
+  fmt::print("{}\n  samples            {}, a whole session\n", name, trial.samples.size());
 }
 
 }  // namespace headpin::apps

@@ -2,6 +2,8 @@
 
 #include <string>
 
+#include "files/output_file.h"
+
 /// Imports sessions that `headpin experiment export` wrote.
 namespace headpin::apps {
 
@@ -10,8 +12,8 @@ bool is_bids_session(const std::string& path);
 
 /// Makes the trial again: the same samples, in the same order, under the same header.
 ///
-/// @param path  the table of one of its trackers
-void import_bids_session(const std::string& path, const std::string& output, bool overwrite,
-                         bool json);
+/// @param path    the table of one of its trackers
+/// @param output  for the trial
+void import_bids_session(const std::string& path, files::OutputFile output, bool json);
 
 }  // namespace headpin::apps

@@ -1,5 +1,7 @@
 #include "apps/camera_sinks.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -36,9 +38,8 @@ nlohmann::ordered_json camera_json(const render::View& view) {
 
 }  // namespace
 
-CamerasFile::CamerasFile(const std::string& path, const std::array<render::View, 2>& views,
-                         const files::OutputFile::Options& options)
-    : file_(path, options) {
+CamerasFile::CamerasFile(files::OutputFile file, const std::array<render::View, 2>& views)
+    : file_(std::move(file)) {
   const nlohmann::ordered_json convention = "OpenCV: x right, y down, z ahead";
   const nlohmann::ordered_json pixels = "the centre of the first pixel, top left, is at (0, 0)";
   const nlohmann::ordered_json world =
@@ -70,9 +71,8 @@ void CamerasFile::close() {
   file_.commit();
 }
 
-ColmapFolder::ColmapFolder(const std::string& path, const std::array<render::View, 2>& views,
-                           const files::OutputFolder::Options& options)
-    : folder_(path, options), images_(folder_.file("images.txt")) {
+ColmapFolder::ColmapFolder(files::OutputFolder& folder, const std::array<render::View, 2>& views)
+    : folder_(folder), images_(folder_.file("images.txt")) {
   files::OutputText cameras(folder_.file("cameras.txt"));
   cameras << "# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY\n";
   for (std::size_t eye = 0; eye < 2; ++eye) {

@@ -2,9 +2,7 @@
 
 #include <array>
 #include <cstdint>
-#include <filesystem>
 #include <string>
-#include <vector>
 
 #include "files/output_file.h"
 #include "files/output_folder.h"
@@ -19,9 +17,7 @@ namespace headpin::apps {
 class CamerasFile : public scene::FrameSink {
  public:
   /// @param views  of both eyes, at any time
-  /// @throws as files::OutputFile
-  CamerasFile(const std::string& path, const std::array<render::View, 2>& views,
-              const files::OutputFile::Options& options);
+  CamerasFile(files::OutputFile file, const std::array<render::View, 2>& views);
 
   void add(const scene::EyeFrame& frame) override;
   void close();
@@ -36,15 +32,15 @@ class CamerasFile : public scene::FrameSink {
 /// The model of COLMAP as text: cameras.txt, images.txt and an empty points3D.txt.
 class ColmapFolder : public scene::FrameSink {
  public:
-  /// @throws as files::OutputFolder
-  ColmapFolder(const std::string& path, const std::array<render::View, 2>& views,
-               const files::OutputFolder::Options& options);
+  /// @param folder  must outlive this
+  /// @param views   of both eyes, at any time
+  ColmapFolder(files::OutputFolder& folder, const std::array<render::View, 2>& views);
 
   void add(const scene::EyeFrame& frame) override;
   void close();
 
  private:
-  files::OutputFolder folder_;
+  files::OutputFolder& folder_;
   files::OutputText images_;
   std::int64_t written_ = 0;  ///< images
 };

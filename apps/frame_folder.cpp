@@ -58,12 +58,8 @@ void write_flo(const std::string& path, const Flow& flow, std::int32_t width, st
 
 }  // namespace
 
-FrameFolder::FrameFolder(const std::string& folder, const FrameFiles& files, double pixel_aspect,
-                         const files::OutputFolder::Options& options)
-    : folder_(folder, options),
-      files_(files),
-      pixel_aspect_(pixel_aspect),
-      index_(folder_.file(kIndex)) {
+FrameFolder::FrameFolder(files::OutputFolder& folder, const FrameFiles& files, double pixel_aspect)
+    : folder_(folder), files_(files), pixel_aspect_(pixel_aspect), index_(folder_.file(kIndex)) {
   index_ << "frame,time_s,tick";
   for (const char* eye : kEyes) {
     for (const char* name : {"x", "y", "z", "qw", "qx", "qy", "qz"})

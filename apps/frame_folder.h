@@ -29,9 +29,8 @@ struct FrameFiles {
 class FrameFolder : public scene::FrameSink {
  public:
   /// Without close(), leaves the folder as it was.
-  /// @throws as files::OutputFolder
-  FrameFolder(const std::string& folder, const FrameFiles& files, double pixel_aspect,
-              const files::OutputFolder::Options& options);
+  /// @param folder  must outlive this
+  FrameFolder(files::OutputFolder& folder, const FrameFiles& files, double pixel_aspect);
 
   /// Takes a frame; its files are written while the next one is drawn.
   void add(const scene::EyeFrame& frame) override;
@@ -46,7 +45,7 @@ class FrameFolder : public scene::FrameSink {
   void write_labels(const render::Labels& labels, const std::string& stem);
   void write_names();
 
-  files::OutputFolder folder_;
+  files::OutputFolder& folder_;
   FrameFiles files_;
   double pixel_aspect_;
   files::OutputText index_;

@@ -18,37 +18,39 @@ files::OutputFolder::Options folder_beside(const FramesOptions& options,
 
 }  // namespace
 
-files::OutputFolder::Options picture_folder_options(const FramesOptions& options) {
-  return folder_beside(options, options.colmap);
+files::OutputFolder open_picture_folder(const FramesOptions& options) {
+  return {*options.folder, folder_beside(options, options.colmap)};
 }
 
 FrameOutputs::FrameOutputs(const FramesOptions& options, const render::Optics& optics,
                            const std::array<render::View, 2>& views, std::int64_t fps) {
+  const files::OutputFile::Options file{.overwrite = options.force, .inputs = {options.trial}};
+  const Timing timing{.fps = fps,
+                      .hold = !options.as_shown        ? Hold::one_each
+                              : options.frames.empty() ? Hold::from_time_zero
+                                                       : Hold::from_first_shown};
   if (options.folder) {
     FrameFiles files = options.files;
     files.side_by_side = options.layout == "side-by-side";
-    sinks_.push_back(&folder_.emplace(*options.folder, files, optics.pixel_aspect(),
-                                      picture_folder_options(options)));
+    pictures_.emplace(*options.folder, folder_beside(options, options.colmap));
+    sinks_.push_back(&folder_.emplace(*pictures_, files, optics.pixel_aspect()));
   }
   if (options.cameras) {
-    const files::OutputFile::Options how{.overwrite = options.force, .inputs = {options.trial}};
-    sinks_.push_back(&cameras_.emplace(*options.cameras, views, how));
+    sinks_.push_back(&cameras_.emplace(files::OutputFile(*options.cameras, file), views));
   }
   if (options.colmap) {
-    sinks_.push_back(
-        &colmap_.emplace(*options.colmap, views, folder_beside(options, options.folder)));
+    models_.emplace(*options.colmap, folder_beside(options, options.folder));
+    sinks_.push_back(&colmap_.emplace(*models_, views));
   }
-  VideoOptions how{.path = options.video.value_or(""),
-                   .fps = fps,
-                   .force = options.force,
-                   .hold = !options.as_shown        ? Hold::one_each
-                           : options.frames.empty() ? Hold::from_time_zero
-                                                    : Hold::from_first_shown,
-                   .copy = !options.no_copy,
-                   .inputs = {options.trial}};
-  if (options.video) sinks_.push_back(&video_.emplace(how, optics));
-  how.path = options.y4m.value_or("");
-  if (options.y4m) sinks_.push_back(&y4m_.emplace(how, optics));
+  if (options.video) {
+    sinks_.push_back(&video_.emplace(render::open_video(*options.video, file, !options.no_copy),
+                                     optics, timing));
+  }
+  if (options.y4m) {
+    files::OutputFile::Options stream = file;
+    stream.standard_output = true;
+    sinks_.push_back(&y4m_.emplace(files::OutputFile(*options.y4m, stream), optics, timing));
+  }
 }
 
 void FrameOutputs::close() {

@@ -33,8 +33,8 @@ struct FramesOptions {
   bool in_parts() const { return jobs > 1 || resume; }
 };
 
-/// For the folder of the pictures.
-files::OutputFolder::Options picture_folder_options(const FramesOptions& options);
+/// The folder of the pictures, in which no other output may be.
+files::OutputFolder open_picture_folder(const FramesOptions& options);
 
 /// The wanted folders and files, opened before anything is drawn.
 class FrameOutputs {
@@ -47,9 +47,10 @@ class FrameOutputs {
   void close();
 
  private:
-  std::optional<FrameFolder> folder_;
+  std::optional<files::OutputFolder> pictures_, models_;
+  std::optional<FrameFolder> folder_;  ///< in pictures_
   std::optional<CamerasFile> cameras_;
-  std::optional<ColmapFolder> colmap_;
+  std::optional<ColmapFolder> colmap_;  ///< in models_
   std::optional<VideoSink> video_;
   std::optional<Y4mSink> y4m_;
   std::vector<scene::FrameSink*> sinks_;

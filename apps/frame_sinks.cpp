@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -46,20 +47,18 @@ void SequenceSink::close() {
   end();
 }
 
-VideoSink::VideoSink(const VideoOptions& options, const render::Optics& optics)
-    : SequenceSink(options),
-      writer_(options.path, 2 * optics.width, optics.height, options.fps, optics.pixel_aspect(),
-              options.force, options.inputs, options.copy) {
+VideoSink::VideoSink(render::VideoFiles files, const render::Optics& optics, const Timing& timing)
+    : SequenceSink(timing),
+      writer_(std::move(files), 2 * optics.width, optics.height, timing.fps,
+              optics.pixel_aspect()) {
   writer_.check_by([] { check_stop(); });
 }
 
-Y4mSink::Y4mSink(const VideoOptions& options, const render::Optics& optics)
-    : SequenceSink(options),
-      file_(options.path,
-            {.overwrite = options.force, .standard_output = true, .inputs = options.inputs}) {
+Y4mSink::Y4mSink(files::OutputFile file, const render::Optics& optics, const Timing& timing)
+    : SequenceSink(timing), file_(std::move(file)) {
   const std::string header = fmt::format(
       "YUV4MPEG2 W{} H{} F{}:1 Ip A{}:10000 C444 XCOLORRANGE=LIMITED\n", 2 * optics.width,
-      optics.height, options.fps, std::lround(10000 * optics.pixel_aspect()));
+      optics.height, timing.fps, std::lround(10000 * optics.pixel_aspect()));
   file_.write(header.data(), header.size());
 }
 

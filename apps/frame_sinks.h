@@ -18,19 +18,15 @@ enum class Hold {
   from_first_shown  ///< likewise, and the first one's time is 0
 };
 
-struct VideoOptions {
-  std::string path;
+struct Timing {
   std::int64_t fps = 60;
-  bool force = false;
   Hold hold = Hold::one_each;
-  bool copy = true;
-  std::vector<std::filesystem::path> inputs = {};
 };
 
 /// A sequence of pictures at a constant frame rate.
 class SequenceSink : public scene::FrameSink {
  public:
-  explicit SequenceSink(const VideoOptions& options) : hold_(options.hold), fps_(options.fps) {}
+  explicit SequenceSink(const Timing& timing) : hold_(timing.hold), fps_(timing.fps) {}
 
   void add(const scene::EyeFrame& frame) final;
   /// After the last one.
@@ -52,7 +48,7 @@ class SequenceSink : public scene::FrameSink {
 /// A video (render/video.h).
 class VideoSink : public SequenceSink {
  public:
-  VideoSink(const VideoOptions& options, const render::Optics& optics);
+  VideoSink(render::VideoFiles files, const render::Optics& optics, const Timing& timing);
 
  private:
   void end() override { writer_.close(); }
@@ -66,8 +62,7 @@ class VideoSink : public SequenceSink {
 /// so it needs no library.
 class Y4mSink : public SequenceSink {
  public:
-  /// @param options  its path may be `-`, standard output
-  Y4mSink(const VideoOptions& options, const render::Optics& optics);
+  Y4mSink(files::OutputFile file, const render::Optics& optics, const Timing& timing);
 
  private:
   void end() override { file_.commit(); }

@@ -120,14 +120,21 @@ std::string text_of(int file) {
 
 }  // namespace
 
-VideoWriter::VideoWriter(const std::filesystem::path& path, int width, int height, std::int64_t fps,
-                         double pixel_aspect, bool force,
-                         const std::vector<std::filesystem::path>& inputs, bool copy)
-    : path_(path), copy_(path), width_(width), height_(height) {
+VideoFiles open_video(const std::filesystem::path& path, files::OutputFile::Options how,
+                      bool copy) {
   if (path.extension() != ".mkv") {
     throw std::invalid_argument("video: expected a name that ends in .mkv, found " + path.string());
   }
-  copy_.replace_extension(".mp4");
+  how.regular = true;
+  VideoFiles files{files::OutputFile(path, how), std::nullopt};
+  std::filesystem::path beside = path;
+  if (copy) files.copy.emplace(beside.replace_extension(".mp4"), how);
+  return files;
+}
+
+VideoWriter::VideoWriter(VideoFiles files, int width, int height, std::int64_t fps,
+                         double pixel_aspect)
+    : path_(files.lossless.path()), files_(std::move(files)), width_(width), height_(height) {
   constexpr int kLargest = 16384;  // the limit of the H.264 encoder
   if (width < 2 || height < 2 || width > kLargest || height > kLargest || fps < 1 ||
       !(pixel_aspect > 0.01 && pixel_aspect < 100.0)) {
@@ -135,10 +142,6 @@ VideoWriter::VideoWriter(const std::filesystem::path& path, int width, int heigh
                                 " pixels, " + std::to_string(fps) + " a second, pixel aspect " +
                                 std::to_string(pixel_aspect));
   }
-  // ffmpeg seeks in its output, so this must be a regular file.
-  const files::OutputFile::Options output{.overwrite = force, .regular = true, .inputs = inputs};
-  path_file_ = std::make_unique<files::OutputFile>(path_, output);
-  if (copy) copy_file_ = std::make_unique<files::OutputFile>(copy_, output);
   // A socket, not a pipe: send() can be told to fail where write() would raise SIGPIPE.
   std::array<int, 2> ends{};
   if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends.data()) != 0) {
@@ -147,8 +150,8 @@ VideoWriter::VideoWriter(const std::filesystem::path& path, int width, int heigh
   socket_ = ends[0];
   try {
     messages_ = files::nameless_file();
-    process_ = spawn(arguments(width, height, fps, pixel_aspect, path_file_->part(),
-                               copy ? copy_file_->part().string() : std::string()),
+    process_ = spawn(arguments(width, height, fps, pixel_aspect, files_->lossless.part(),
+                               files_->copy ? files_->copy->part().string() : std::string()),
                      ends[1], messages_);
   } catch (...) {
     ::close(ends[0]);
@@ -176,7 +179,7 @@ void VideoWriter::add(const Image& image) {
                                 std::to_string(image.height) + " pixels, expected " +
                                 std::to_string(width_) + "x" + std::to_string(height_));
   }
-  if (process_ < 0) throw std::runtime_error(path_.string() + ": the video is finished already");
+  if (process_ < 0) throw std::runtime_error(path_ + ": the video is finished already");
   for (std::size_t sent = 0; sent < image.rgb.size();) {
     const ssize_t n = send(socket_, image.rgb.data() + sent, image.rgb.size() - sent,
                            MSG_NOSIGNAL | MSG_DONTWAIT);
@@ -200,7 +203,7 @@ void VideoWriter::close() {
     kill(process_, SIGKILL);
     wait();
     remove_parts();
-    throw std::runtime_error(path_.string() + ": the video has no pictures");
+    throw std::runtime_error(path_ + ": the video has no pictures");
   }
   ::close(socket_);
   socket_ = -1;
@@ -211,12 +214,14 @@ void VideoWriter::close() {
   }
   process_ = -1;
   if (status != 0) fail();
-  for (const files::OutputFile* file : {path_file_.get(), copy_file_.get()}) {
+  const auto require_bytes = [this](const files::OutputFile& file) {
     struct stat written {};
-    if (file != nullptr && fstat(file->descriptor(), &written) == 0 && written.st_size == 0) fail();
-  }
-  path_file_->commit();
-  if (copy_file_) copy_file_->commit();
+    if (fstat(file.descriptor(), &written) == 0 && written.st_size == 0) fail();
+  };
+  require_bytes(files_->lossless);
+  if (files_->copy) require_bytes(*files_->copy);
+  files_->lossless.commit();
+  if (files_->copy) files_->copy->commit();
 }
 
 /// Ends the connection to ffmpeg and returns its wait status.
@@ -238,13 +243,12 @@ void VideoWriter::fail() {
   }
   remove_parts();
   const std::string said = text_of(messages_);
-  throw std::runtime_error(path_.string() +
+  throw std::runtime_error(path_ +
                            ": ffmpeg has stopped: " + (said.empty() ? "without a message" : said));
 }
 
 void VideoWriter::remove_parts() {
-  path_file_.reset();
-  copy_file_.reset();
+  files_.reset();
 }
 
 }  // namespace headpin::render

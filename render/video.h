@@ -3,33 +3,42 @@
 #include <cstdint>
 #include <filesystem>
 #include <functional>
-#include <memory>
+#include <optional>
+#include <string>
 #include <utility>
-#include <vector>
 
 #include "files/output_file.h"
 #include "render/image.h"
 
 namespace headpin::render {
 
+/// The open files of a video.
+struct VideoFiles {
+  files::OutputFile lossless;             ///< .mkv
+  std::optional<files::OutputFile> copy;  ///< .mp4
+};
+
+/// Opens FILE.mkv and, if it is wanted, FILE.mp4 beside it.
+///
+/// @param how  of both; they are regular files, because ffmpeg seeks in them
+/// @throws std::invalid_argument  for another suffix
+/// @throws as files::OutputFile
+VideoFiles open_video(const std::filesystem::path& path, files::OutputFile::Options how = {},
+                      bool copy = true);
+
 /// Writes pictures as a video, through ffmpeg.
 ///
-/// Writes two files: FILE.mkv is lossless (H.264 in RGB; pixel aspect and stereo mode are in the
-/// container). FILE.mp4 plays in any player (4:2:0, square pixels; the stereo layout is in the
-/// stream). Both are files::OutputFile and get their names in close().
+/// The .mkv file is lossless (H.264 in RGB; pixel aspect and stereo mode are in the container). The
+/// .mp4 file plays in any player (4:2:0, square pixels; the stereo layout is in the stream). Both
+/// get their names in close().
 class VideoWriter {
  public:
-  /// @param path          the lossless file, .mkv
+  /// @param files         as open_video() gives them
   /// @param width         of both eyes side by side [pixels]
   /// @param pixel_aspect  width of a pixel over its height
-  /// @param force         replace existing files
-  /// @param inputs        files never to be written to
-  /// @param copy          write the .mp4 copy
-  /// @throws std::invalid_argument  for another suffix, or an impossible size or frame rate
-  /// @throws std::runtime_error     when the files exist, or ffmpeg cannot be run
-  VideoWriter(const std::filesystem::path& path, int width, int height, std::int64_t fps,
-              double pixel_aspect, bool force = false,
-              const std::vector<std::filesystem::path>& inputs = {}, bool copy = true);
+  /// @throws std::invalid_argument  for an impossible size or frame rate
+  /// @throws std::runtime_error     when ffmpeg cannot be run
+  VideoWriter(VideoFiles files, int width, int height, std::int64_t fps, double pixel_aspect);
 
   /// Without close(), stops ffmpeg and removes its files.
   ~VideoWriter();
@@ -50,16 +59,13 @@ class VideoWriter {
   /// @throws std::runtime_error  with ffmpeg's message when it fails, or when no picture was added
   void close();
 
-  /// The path of the copy.
-  const std::filesystem::path& copy() const { return copy_; }
-
  private:
   int wait();
   void fail();
   void remove_parts();
 
-  std::filesystem::path path_, copy_;
-  std::unique_ptr<files::OutputFile> path_file_, copy_file_;
+  std::string path_;  ///< of the lossless file, in messages
+  std::optional<VideoFiles> files_;
   int width_, height_;
   std::int64_t pictures_ = 0;
   int socket_ = -1;    ///< to ffmpeg's standard input

@@ -168,7 +168,11 @@ void export_trial(const ExportOptions& options) {
   if (options.eyes && !options.mcap) throw UsageError("--eyes needs --mcap");
   if (options.gltf) return export_gltf(options);
   if (options.mcap) {
-    return export_mcap({options.trial, *options.mcap, options.eyes, options.force, options.json});
+    watch_stop_signals();
+    files::OutputFile file(
+        *options.mcap,
+        {.overwrite = options.force, .standard_output = true, .inputs = {options.trial}});
+    return export_mcap(options.trial, std::move(file), options.eyes, options.json);
   }
   if (options.xdf) return export_xdf(options);
   const devices::TrialFile trial(options.trial);

@@ -436,7 +436,11 @@ void add_import(CLI::App& app) {
     if (is_xdf_session(*options)) return import_xdf_session(*options);
     if (options->explain) return explain_import(*options, room_of(*options));
     if (is_bids_session(options->file)) {
-      import_bids_session(options->file, *options->output, options->force, options->json);
+      watch_stop_signals();
+      files::OutputFile file(
+          *options->output,
+          {.overwrite = options->force, .standard_output = true, .inputs = {options->file}});
+      import_bids_session(options->file, std::move(file), options->json);
     } else {
       import_throw(*options);
     }

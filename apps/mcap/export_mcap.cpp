@@ -53,15 +53,15 @@ class McapPictures {
   scene::FrameByFrame frames_;
 };
 
-void report_mcap(const McapOptions& options, const std::vector<McapWriter::Topic>& topics) {
-  if (options.json) {
+void report_mcap(const std::string& file, bool json, const std::vector<McapWriter::Topic>& topics) {
+  if (json) {
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
     for (const auto& [name, messages] : topics)
       all.push_back({{"topic", name}, {"messages", messages}});
-    return print_json({{"mcap", options.file}, {"topics", all}});
+    return print_json({{"mcap", file}, {"topics", all}});
   }
-  if (options.file == "-") return;
-  fmt::print("{}\n", options.file);
+  if (file == "-") return;
+  fmt::print("{}\n", file);
   for (const auto& [name, messages] : topics) {
     fmt::print("  {:<24}{:>8} messages\n", printable(name), messages);
   }
@@ -69,27 +69,23 @@ void report_mcap(const McapOptions& options, const std::vector<McapWriter::Topic
 
 }  // namespace
 
-void export_mcap(const McapOptions& options) {
-  watch_stop_signals();
-  const scene::Recorded recorded = scene::load_trial(options.trial);
+void export_mcap(const std::string& trial, files::OutputFile file, bool with_pictures, bool json) {
+  const scene::Recorded recorded = scene::load_trial(trial);
   const devices::TrialSummary& summary = recorded.file.summary();
-  say_what_is_missing("export", options.trial, summary);
-  files::OutputFile file(
-      options.file,
-      {.overwrite = options.force, .standard_output = true, .inputs = {options.trial}});
+  say_what_is_missing("export", trial, summary);
   scene::Session session = scene::make_session(recorded.scenario);
   const Pose X_WD_first = scene::first_head_pose(recorded.file, recorded.scenario.rig);
   const std::int64_t ticks = scene::tick_count(summary, recorded.scenario.rates.physics_hz);
-  devices::FileWindow log(options.trial);
+  devices::FileWindow log(trial);
   McapWriter writer([&](std::string_view bytes) { file.write(bytes.data(), bytes.size()); });
   McapTrial mcap(writer, session, X_WD_first, summary, log);
   std::vector<scene::Observer*> observers = {&mcap};
   std::optional<McapPictures> pictures;
-  if (options.pictures) {
+  if (with_pictures) {
     observers.push_back(&pictures.emplace(session, ticks, X_WD_first, mcap).observer());
   }
   run_again(recorded, session, observers);
-  mcap.finish(session, {{"trial", options.trial},
+  mcap.finish(session, {{"trial", trial},
                         {"version", devices::software_version()},
                         {"participant", summary.header.participant},
                         {"condition", summary.header.condition},
@@ -97,9 +93,9 @@ void export_mcap(const McapOptions& options) {
   file.commit();
   if (render::has_lens(session.scenario().hmd.optics)) {
     say("headpin export: {}: its display has a lens, so the calibration of the eyes is left out\n",
-        printable(options.trial));
+        printable(trial));
   }
-  report_mcap(options, writer.topics());
+  report_mcap(file.path(), json, writer.topics());
 }
 
 }  // namespace headpin::apps

@@ -2,15 +2,14 @@
 
 #include <string>
 
+#include "files/output_file.h"
+
 namespace headpin::apps {
 
-struct McapOptions {
-  std::string trial, file;
-  bool pictures = false;  ///< of both eyes
-  bool force = false, json = false;
-};
-
-/// Simulates a trial again and writes it as MCAP.
-void export_mcap(const McapOptions& options);
+/// Simulates a trial again, writes it as MCAP and prints what is in it.
+///
+/// @param file      for the result
+/// @param pictures  with those of both eyes
+void export_mcap(const std::string& trial, files::OutputFile file, bool pictures, bool json);
 
 }  // namespace headpin::apps

@@ -236,11 +236,12 @@ double video_ms(Drawn& drawn, bool copy) {
   };
   const double start = children_s() + cpu_s();
   const std::string path = fmt::format("out/bench/render.{}.mkv", getpid());
-  render::VideoWriter video(path, pictures[0].width, pictures[0].height, 60, 1.405, true, {}, copy);
+  render::VideoWriter video(render::open_video(path, {.overwrite = true}, copy), pictures[0].width,
+                            pictures[0].height, 60, 1.405);
   for (int i = 0; i < kCount; ++i) video.add(pictures[static_cast<std::size_t>(i) / 20]);
   video.close();
   std::filesystem::remove(path);
-  if (copy) std::filesystem::remove(video.copy());
+  if (copy) std::filesystem::remove(std::filesystem::path(path).replace_extension(".mp4"));
   return 1e3 * (children_s() + cpu_s() - start) / kCount;
 }
 

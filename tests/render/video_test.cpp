@@ -40,6 +40,7 @@ std::string told(const fs::path& video, const std::string& entries) {
 class Video : public testing::Test {
  protected:
   fs::path file() const { return folder_ / "stereo.mkv"; }
+  fs::path copy() const { return folder_ / "stereo.mp4"; }
 
   /// Puts a program of that name and text before all others.
   void stand_in_for_ffmpeg(const std::string& script) {
@@ -71,7 +72,7 @@ std::string message_of(const std::function<void()>& call) {
 
 TEST_F(Video, DecodesFrameByFrameToThePicturesPutIn) {
   constexpr int kPictures = 30;
-  VideoWriter video(file(), kWidth, kHeight, 60, 1.405);
+  VideoWriter video(open_video(file()), kWidth, kHeight, 60, 1.405);
   for (int i = 0; i < kPictures; ++i) video.add(picture(i));
   video.close();
   const std::string bytes =
@@ -87,7 +88,7 @@ TEST_F(Video, DecodesFrameByFrameToThePicturesPutIn) {
 }
 
 TEST_F(Video, TellsItsRateItsPixelAspectAndThatItIsStereo) {
-  VideoWriter video(file(), kWidth, kHeight, 60, 1.405);
+  VideoWriter video(open_video(file()), kWidth, kHeight, 60, 1.405);
   for (int i = 0; i < 12; ++i) video.add(picture(i));
   video.close();
   const std::string about =
@@ -101,11 +102,11 @@ TEST_F(Video, TellsItsRateItsPixelAspectAndThatItIsStereo) {
 }
 
 TEST_F(Video, HasACopyThatPlaysAnywhere) {
-  VideoWriter video(file(), kWidth, kHeight, 60, 1.405);
+  VideoWriter video(open_video(file()), kWidth, kHeight, 60, 1.405);
   for (int i = 0; i < 12; ++i) video.add(picture(i));
   video.close();
   const std::string about =
-      told(video.copy(), "stream=codec_name,pix_fmt,width,height,sample_aspect_ratio,nb_frames");
+      told(copy(), "stream=codec_name,pix_fmt,width,height,sample_aspect_ratio,nb_frames");
   EXPECT_THAT(about, testing::HasSubstr("codec_name=h264"));
   EXPECT_THAT(about, testing::HasSubstr("pix_fmt=yuv420p"));
   EXPECT_THAT(about, testing::HasSubstr("sample_aspect_ratio=1:1"));
@@ -113,52 +114,51 @@ TEST_F(Video, HasACopyThatPlaysAnywhere) {
   EXPECT_THAT(about, testing::HasSubstr("width=1012"));  // 72 * 10 * 1.405 = 1011.6, made even
   EXPECT_THAT(about, testing::HasSubstr("height=240"));
   // Players that know of stereo find its halves.
-  EXPECT_THAT(
-      output_of("ffprobe -v error -show_frames -read_intervals '%+#1' " + video.copy().string()),
-      testing::HasSubstr("side_data_type=Stereo 3D"));
-  std::ifstream in(video.copy(), std::ios::binary);
+  EXPECT_THAT(output_of("ffprobe -v error -show_frames -read_intervals '%+#1' " + copy().string()),
+              testing::HasSubstr("side_data_type=Stereo 3D"));
+  std::ifstream in(copy(), std::ios::binary);
   const std::string bytes{std::istreambuf_iterator<char>(in), {}};
   EXPECT_LT(bytes.find("moov"), bytes.find("mdat"));  // a player can start before all is there
 }
 
 TEST_F(Video, OfOddSizeIsMade) {
-  VideoWriter video(file(), 33, 17, 60, 1.0);
+  VideoWriter video(open_video(file()), 33, 17, 60, 1.0);
   video.add({33, 17, std::vector<std::uint8_t>(std::size_t{3} * 33 * 17, 99)});
   video.close();
-  EXPECT_THAT(told(video.copy(), "stream=height"), testing::HasSubstr("height=256"));
+  EXPECT_THAT(told(copy(), "stream=height"), testing::HasSubstr("height=256"));
 }
 
 TEST_F(Video, IsNotThereBeforeItIsWhole) {
   {
-    VideoWriter video(file(), kWidth, kHeight, 60, 1.405);
+    VideoWriter video(open_video(file()), kWidth, kHeight, 60, 1.405);
     for (int i = 0; i < 20; ++i) video.add(picture(i));
     EXPECT_FALSE(fs::exists(file()));
-    EXPECT_FALSE(fs::exists(video.copy()));
+    EXPECT_FALSE(fs::exists(copy()));
   }
   EXPECT_EQ(files(), 0u);  // dropped without close()
 }
 
 TEST_F(Video, KeepsAFileThatIsThereUnlessForced) {
   std::ofstream(folder_ / "stereo.mp4") << "precious";
-  EXPECT_THAT(message_of([&] { VideoWriter(file(), kWidth, kHeight, 60, 1.405); }),
+  EXPECT_THAT(message_of([&] { VideoWriter(open_video(file()), kWidth, kHeight, 60, 1.405); }),
               testing::HasSubstr("stereo.mp4: exists already"));
-  VideoWriter video(file(), kWidth, kHeight, 60, 1.405, true);
+  VideoWriter video(open_video(file(), {.overwrite = true}), kWidth, kHeight, 60, 1.405);
   video.add(picture(0));
   video.close();
-  EXPECT_GT(fs::file_size(video.copy()), 8u);
+  EXPECT_GT(fs::file_size(copy()), 8u);
 }
 
 TEST_F(Video, WithoutFfmpegSaysSo) {
   fs::create_directory(folder_ / "empty");
   setenv("PATH", (folder_ / "empty").c_str(), 1);
-  EXPECT_THAT(message_of([&] { VideoWriter(file(), kWidth, kHeight, 60, 1.405); }),
+  EXPECT_THAT(message_of([&] { VideoWriter(open_video(file()), kWidth, kHeight, 60, 1.405); }),
               testing::HasSubstr("cannot run ffmpeg"));
   EXPECT_EQ(files(), 0u);
 }
 
 TEST_F(Video, PassesOnWhatFfmpegSaysWhenItStopsEarly) {
   stand_in_for_ffmpeg("head -c 1000 >/dev/null; echo \"Unknown encoder 'libx264rgb'\" >&2; exit 1");
-  VideoWriter video(file(), kWidth, kHeight, 60, 1.405);
+  VideoWriter video(open_video(file()), kWidth, kHeight, 60, 1.405);
   const std::string message = message_of([&] {
     for (int i = 0; i < 1000; ++i) video.add(picture(0));
   });
@@ -171,7 +171,7 @@ TEST_F(Video, PassesOnWhatFfmpegSaysWhenItStopsEarly) {
 
 TEST_F(Video, FailsWhenFfmpegFailsAtTheEnd) {
   stand_in_for_ffmpeg("cat >/dev/null; exit 1");
-  VideoWriter video(file(), kWidth, kHeight, 60, 1.405);
+  VideoWriter video(open_video(file()), kWidth, kHeight, 60, 1.405);
   video.add(picture(0));
   EXPECT_THAT(message_of([&] { video.close(); }), testing::HasSubstr("ffmpeg has stopped"));
   EXPECT_EQ(files(), 0u);
@@ -179,7 +179,7 @@ TEST_F(Video, FailsWhenFfmpegFailsAtTheEnd) {
 
 TEST_F(Video, FailsWhenFfmpegIsKilled) {
   stand_in_for_ffmpeg("cat >/dev/null; kill -9 $$");
-  VideoWriter video(file(), kWidth, kHeight, 60, 1.405);
+  VideoWriter video(open_video(file()), kWidth, kHeight, 60, 1.405);
   video.add(picture(0));
   EXPECT_THAT(message_of([&] { video.close(); }), testing::HasSubstr("ffmpeg has stopped"));
 }
@@ -188,7 +188,7 @@ TEST_F(Video, LeavesNothingBehindOnAFullDisk) {
   std::signal(SIGXFSZ, SIG_IGN);
   const rlimit small{20000, 20000};  // a disk that is full after 20 kB
   ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
-  VideoWriter video(file(), kWidth, kHeight, 60, 1.405);
+  VideoWriter video(open_video(file()), kWidth, kHeight, 60, 1.405);
   const std::string message = message_of([&] {
     for (int i = 0; i < 200; ++i) video.add(picture(i));
     video.close();
@@ -198,11 +198,11 @@ TEST_F(Video, LeavesNothingBehindOnAFullDisk) {
 }
 
 TEST_F(Video, RefusesWhatIsNoVideo) {
-  EXPECT_THROW(VideoWriter(folder_ / "stereo.mp4", 72, 24, 60, 1.0), std::invalid_argument);
-  EXPECT_THROW(VideoWriter(file(), 0, 24, 60, 1.0), std::invalid_argument);
-  EXPECT_THROW(VideoWriter(file(), 72, 24, 0, 1.0), std::invalid_argument);
-  EXPECT_THROW(VideoWriter(file(), 72, 24, 60, 0.0), std::invalid_argument);
-  VideoWriter video(file(), kWidth, kHeight, 60, 1.0);
+  EXPECT_THROW(open_video(folder_ / "stereo.mp4"), std::invalid_argument);
+  EXPECT_THROW(VideoWriter(open_video(file()), 0, 24, 60, 1.0), std::invalid_argument);
+  EXPECT_THROW(VideoWriter(open_video(file()), 72, 24, 0, 1.0), std::invalid_argument);
+  EXPECT_THROW(VideoWriter(open_video(file()), 72, 24, 60, 0.0), std::invalid_argument);
+  VideoWriter video(open_video(file()), kWidth, kHeight, 60, 1.0);
   EXPECT_THROW(video.add({2, 2, std::vector<std::uint8_t>(12)}), std::invalid_argument);
   EXPECT_THROW(video.close(), std::runtime_error);  // no pictures
   EXPECT_EQ(files(), 0u);
