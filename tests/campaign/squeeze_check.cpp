@@ -11,6 +11,7 @@
 
 #include "engine/free_motion.h"
 #include "engine/world.h"
+#include "tests/support/bowling.h"
 #include "tests/support/random_shapes.h"
 
 // A body stands on a floor or a block, and a driven sphere (a hand) presses it down, then stops. What
@@ -47,12 +48,7 @@ struct Case {
 };
 
 Body body_of(const Shape& shape, const Material& material, Kind kind) {
-  Body body;
-  body.shape = make_compound({{shape, Pose{}}});
-  const MassProperties m = mass_properties(shape, 1000.0);
-  body.mass = 2.0;
-  body.inertia = body.mass / m.mass * m.inertia;
-  body.material = material;
+  Body body = solid(shape, material, 2.0);
   body.kind = kind;
   return body;
 }

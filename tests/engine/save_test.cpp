@@ -121,7 +121,7 @@ TEST(SavedWorld, GoesOnToTheBitFromAnyOf500TicksOfASession) {
 }
 
 TEST(SavedWorld, GoesOnToTheBitFromAnyOf500TicksOfACrowd) {
-  goes_on_from_random_ticks(kThorough ? 9 : 4, kThorough ? 500 : 50);
+  goes_on_from_random_ticks(kThorough ? 9 : 4, cases(500));
 }
 
 // Run once more as a process of its own, which is told where the bytes are.
@@ -218,7 +218,7 @@ TEST(SavedWorld, IsHarmlessWhateverItsBytes) {
   const World& made = at.scene.bowling.world;
   test::Random random(72);
   int refused = 0, stepped = 0;
-  for (int k = 0; k < (kThorough ? 4000 : 1000); ++k) {
+  for (int k = 0; k < cases(4000); ++k) {
     Bytes bytes = at.bytes;
     for (int n = 1 + random.index(3); n > 0; --n) {
       bytes[static_cast<std::size_t>(random.index(static_cast<int>(bytes.size())))] =

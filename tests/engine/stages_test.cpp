@@ -18,10 +18,8 @@ constexpr double kStep = 1.0 / kRate, kG = 9.81, kMass = 7.0;
 World ball_over_lane(double gap, double down = 0.0) {
   World world = make_world({.rate_hz = kRate});
   add_body(world, floor_body({1.0, 0.0}));
-  State state;
-  state.X_WB.p.z() = kBallRadius + gap;
-  state.v_WB.z() = -down;
-  add_body(world, ball_body({1.0, 0.0}), state);
+  add_body(world, ball_body({1.0, 0.0}),
+           at(Vec3(0.0, 0.0, kBallRadius + gap), Vec3(0.0, 0.0, -down)));
   return world;
 }
 
@@ -29,10 +27,9 @@ World ball_over_lane(double gap, double down = 0.0) {
 World two_balls(double gap, double closing) {
   World world = make_world({.rate_hz = kRate, .gravity_W = Vec3::Zero()});
   for (const double side : {-1.0, 1.0}) {
-    State state;
-    state.X_WB.p.x() = side * (kBallRadius + 0.5 * gap);
-    state.v_WB.x() = -side * 0.5 * closing;
-    add_body(world, ball_body({1.0, 0.0}), state);
+    add_body(world, ball_body({1.0, 0.0}),
+             at(Vec3(side * (kBallRadius + 0.5 * gap), 0.0, 0.0),
+                Vec3(-side * 0.5 * closing, 0.0, 0.0)));
   }
   return world;
 }
@@ -119,10 +116,7 @@ TEST(StopSwings, KeepsTheEndOfARodOutOfTheLane) {
   const double half = 0.5;
   rod.shape = make_compound({{Cylinder{0.01, half}, {rotation({0.0, 0.5 * 3.14159265, 0.0}), {}}}});
   rod.inertia = Vec3(1e-3, 0.6, 0.6).asDiagonal();
-  State state;
-  state.X_WB.p.z() = 0.0101;
-  state.w_WB.y() = 20.0;
-  add_body(world, rod, state);
+  add_body(world, rod, at(Vec3(0.0, 0.0, 0.0101), Vec3::Zero(), Vec3(0.0, 20.0, 0.0)));
   Workspace w;
   depart(world, w.flight);
   Touches touches = find_touches(world, w);

@@ -55,8 +55,7 @@ TEST(AddBody, RefusesWhatCannotBeAndSaysWhatAndWhere) {
   b = good;
   b.shape = floor_shape();
   EXPECT_THAT(refusal_of(b), HasSubstr("half-space"));
-  State s;
-  s.X_WB.p.x() = kNan;
+  State s = at(Vec3(kNan, 0.0, 0.0));
   EXPECT_THAT(refusal_of(good, s), HasSubstr("finite"));
   s = {};
   s.w_WB.z() = std::numeric_limits<double>::infinity();
@@ -124,11 +123,9 @@ TEST(StateHash, ChangesWithEveryPartOfTheState) {
 // docs/hash-and-ledger.md says.
 TEST(StateHash, IsFnv1aOfTheBytesOfTheState) {
   World world = make_world({});
-  State s;
-  s.X_WB = {Quat(0.5, 0.5, -0.5, 0.5), Vec3(1.0, -2.0, 3.5)};
-  s.v_WB = Vec3(0.25, -0.0, 7.0);
-  s.w_WB = Vec3(1e-9, 2.0, -3.0);
-  add_body(world, ball_body({}), s);
+  add_body(world, ball_body({}),
+           at(Pose{Quat(0.5, 0.5, -0.5, 0.5), Vec3(1.0, -2.0, 3.5)}, Vec3(0.25, -0.0, 7.0),
+              Vec3(1e-9, 2.0, -3.0)));
   world.tick = 77;
   std::uint64_t hash = 0xcbf29ce484222325;
   const auto add = [&](const void* number) {
@@ -169,20 +166,17 @@ TEST(Sleeper, StandsOnAnythingUntilItIsReallyTouched) {
   add_body(world, floor_body({}));
   Body egg = skittle_body({});
   egg.shape = make_compound({{Ellipsoid{{0.0605, 0.0605, 0.19}}, Pose{}}});
-  State at;
-  at.X_WB.p = Vec3(0, 0, 0.19);
-  const BodyId sleeper = add_body(world, egg, at);
+  const State placed = at(Vec3(0, 0, 0.19));
+  const BodyId sleeper = add_body(world, egg, placed);
   put_to_sleep(world, sleeper);
   // One ball passes at 1 mm, the next one hits.
-  State passing;
-  passing.X_WB.p = Vec3(0.0605 + kBallRadius + 0.001, -1.0, 0.19);
-  passing.v_WB = Vec3(0, 6, 0);
   world.parameters.gravity_W = Vec3::Zero();
+  State passing = at(Vec3(0.0605 + kBallRadius + 0.001, -1.0, 0.19), Vec3(0, 6, 0));
   const BodyId ball = add_body(world, ball_body({}), passing);
   run(world, 0.5);
   EXPECT_GT(world.states[ball].X_WB.p.y(), 1.0);
   EXPECT_TRUE(is_asleep(world, sleeper));
-  EXPECT_EQ(world.states[sleeper].X_WB.p, at.X_WB.p);
+  EXPECT_EQ(world.states[sleeper].X_WB.p, placed.X_WB.p);
   passing.X_WB.p.x() -= 0.003;
   set_state(world, ball, passing);
   run(world, 0.5);
@@ -192,17 +186,12 @@ TEST(Sleeper, StandsOnAnythingUntilItIsReallyTouched) {
 TEST(Sleeper, IsWokenByADrivenBody) {
   World world = make_world({});
   add_body(world, floor_body({}));
-  State at;
-  at.X_WB.p = Vec3(0, 0, kSkittleHeight);
-  const BodyId skittle = add_body(world, skittle_body({}), at);
+  const BodyId skittle = add_body(world, skittle_body({}), at(Vec3(0, 0, kSkittleHeight)));
   run(world, 1.0);
   ASSERT_TRUE(is_asleep(world, skittle));
   Body hand = ball_body({}, 0.05, 1.0);
   hand.kind = Kind::driven;
-  State s;
-  s.X_WB.p = Vec3(-0.2, 0, 0.15);
-  s.v_WB = Vec3(0.5, 0, 0);
-  const BodyId palm = add_body(world, hand, s);
+  const BodyId palm = add_body(world, hand, at(Vec3(-0.2, 0, 0.15), Vec3(0.5, 0, 0)));
   run(world, 0.1);
   EXPECT_TRUE(is_asleep(world, skittle));
   run(world, 0.9);
@@ -213,8 +202,7 @@ TEST(Sleeper, IsWokenByADrivenBody) {
 TEST(SetKind, CarriesABallAndLetsItGoWithTheGivenVelocity) {
   World world = make_world({});
   add_body(world, floor_body({}));
-  State s;
-  s.X_WB.p = Vec3(0, 0, 1.0);
+  State s = at(Vec3(0, 0, 1.0));
   const BodyId ball = add_body(world, ball_body({}), s);
   set_kind(world, ball, Kind::driven);
   for (int i = 0; i < 24; ++i) {
@@ -244,8 +232,7 @@ Plate plate_with_a_sleeper() {
   Body plate = ball_body({});
   plate.shape = make_compound({{Cylinder{0.2, 0.01}, Pose{}}});
   plate.kind = Kind::driven;
-  State s;
-  s.X_WB.p.z() = 1.0;
+  State s = at(Vec3(0.0, 0.0, 1.0));
   p.plate = add_body(p.world, plate, s);
   s.X_WB.p.z() = 1.01 + kSkittleHeight;
   p.sleeper = add_body(p.world, skittle_body({}), s);
@@ -287,8 +274,7 @@ TEST(OutsideFixed, StopsACarriedBallAtTheLaneAndTakesItsSpeedIntoIt) {
   add_body(world, floor_body({}));
   Body wall = floor_body({});  // two millimetres, a metre ahead
   wall.shape = make_compound({{test::box(Vec3(1.0, 0.001, 1.0)), Pose{}}});
-  State s;
-  s.X_WB.p = Vec3(0.0, 1.0, 1.0);
+  State s = at(Vec3(0.0, 1.0, 1.0));
   add_body(world, wall, s);
   s.X_WB.p = Vec3(0.0, 0.0, 0.5);
   const BodyId ball = add_body(world, ball_body({}), s);

@@ -20,9 +20,8 @@ Stack stack(const std::vector<double>& masses, int rate_hz, std::string_view res
     Body body = ball_body(rough, 0.1, masses[i]);
     body.shape = make_compound({{Cylinder{0.1, 0.05}, Pose{}}});
     body.inertia = masses[i] * Vec3(0.0033, 0.0033, 0.005).asDiagonal();
-    State at;
-    at.X_WB.p.z() = 0.05 + 0.1 * static_cast<double>(i);
-    s.bodies.push_back(add_body(s.world, body, at));
+    s.bodies.push_back(
+        add_body(s.world, body, at(Vec3(0.0, 0.0, 0.05 + 0.1 * static_cast<double>(i)))));
   }
   return s;
 }

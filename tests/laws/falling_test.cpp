@@ -15,9 +15,7 @@ Drop ball_above_floor(double height, const Material& material, int rate_hz,
                       std::string_view response = "paper") {
   Drop d{make_world({.rate_hz = rate_hz, .response = response})};
   add_body(d.world, floor_body(material));
-  State s;
-  s.X_WB.p.z() = kBallRadius + height;
-  d.ball = add_body(d.world, ball_body(material), s);
+  d.ball = add_body(d.world, ball_body(material), at(Vec3(0.0, 0.0, kBallRadius + height)));
   return d;
 }
 
@@ -73,9 +71,7 @@ TEST(ElasticBall, KeepsItsHeightOverAHundredBounces) {
 TEST(ThrownBody, FollowsItsParabola) {
   for (const int rate : {10, 60, 240}) {
     World world = make_world({.rate_hz = rate});
-    State s;
-    s.v_WB = Vec3(1.0, 2.0, 3.0);
-    const BodyId ball = add_body(world, ball_body({}), s);
+    const BodyId ball = add_body(world, ball_body({}), at(Vec3::Zero(), Vec3(1.0, 2.0, 3.0)));
     run(world, 2.0);
     EXPECT_NEAR((world.states[ball].X_WB.p - Vec3(2.0, 4.0, 6.0 - 0.5 * 9.81 * 4.0)).norm(), 0.0,
                 1e-12);
@@ -116,9 +112,8 @@ TEST(ElasticBall, LeavesTheCornerOfThreeWallsWithTheEnergyItCameWith) {
       const Vec3 n = Vec3::Unit(axis);
       add_body(world, floor_body({1.0, 0.0}), {{Quat::FromTwoVectors(Vec3::UnitZ(), n), -0.3 * n}});
     }
-    State s;
-    s.v_WB = Vec3(-3.0, -3.0, -3.0);
-    const BodyId ball = add_body(world, ball_body({1.0, 0.0}, 0.1, 1.0), s);
+    const BodyId ball =
+        add_body(world, ball_body({1.0, 0.0}, 0.1, 1.0), at(Vec3::Zero(), Vec3(-3.0, -3.0, -3.0)));
     run(world, 0.2);
     EXPECT_NEAR((world.states[ball].v_WB - Vec3(3.0, 3.0, 3.0)).norm(), 0.0, 1e-9) << rate;
   }
@@ -130,10 +125,8 @@ TEST(FastBall, ReboundsThoughItMeetsWithinTheStep) {
   World world = make_world({});
   world.parameters.gravity_W = Vec3::Zero();
   add_body(world, floor_body({1.0, 0.0}));
-  State s;
-  s.X_WB.p.z() = kBallRadius + 0.005;
-  s.v_WB.z() = -2.0;
-  const BodyId ball = add_body(world, ball_body({1.0, 0.0}), s);
+  const BodyId ball = add_body(world, ball_body({1.0, 0.0}),
+                               at(Vec3(0.0, 0.0, kBallRadius + 0.005), Vec3(0.0, 0.0, -2.0)));
   step(world);
   EXPECT_NEAR(world.states[ball].v_WB.z(), 2.0, 1e-12);
   // 2.5 ms down, then up again: positions know when within the step they met.

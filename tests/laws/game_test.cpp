@@ -184,7 +184,7 @@ TEST(Game, IsTheSameToTheBitWithTheLedger) {
 TEST(Rack, DoesAmongManyWhatItDoesAlone) {
   RackOptions o = throw_number(24);
   Bowling alone = bowling(o);
-  o.racks = kThorough ? 100 : 9;
+  o.racks = cases(100);
   Bowling among = bowling(o);
   run(alone.world, 3.0);
   run(among.world, 3.0);

@@ -32,10 +32,8 @@ Hop after(const Hop& h) {
 std::vector<Hop> landings(double height, double speed, std::size_t count) {
   World world = make_world({.rate_hz = 240});
   add_body(world, floor_body({1.0, 0.7}));
-  State s;
-  s.X_WB.p.z() = kBallRadius + height;
-  s.v_WB = Vec3(0.0, speed, 0.0);
-  const BodyId ball = add_body(world, ball_body({1.0, 0.7}), s);
+  const BodyId ball = add_body(world, ball_body({1.0, 0.7}),
+                               at(Vec3(0.0, 0.0, kBallRadius + height), Vec3(0.0, speed, 0.0)));
   std::vector<Hop> found;
   while (found.size() < count && world.tick < 10'000) {
     const State before = world.states[ball];

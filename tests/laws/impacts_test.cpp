@@ -19,10 +19,9 @@ Line line(int count, double gap, int rate_hz, std::string_view response) {
   const double radius = 0.05;
   Line l{make_world({.rate_hz = rate_hz, .gravity_W = Vec3::Zero(), .response = response})};
   for (int i = 0; i < count; ++i) {
-    State s;
-    s.X_WB.p.y() = i == 0 ? -0.0613 : i * (2.0 * radius + gap);
-    s.v_WB.y() = i == 0 ? 2.0 : 0.0;
-    l.balls.push_back(add_body(l.world, ball_body({1.0, 0.0}, radius, 1.0), s));
+    l.balls.push_back(add_body(l.world, ball_body({1.0, 0.0}, radius, 1.0),
+                               at(Vec3(0.0, i == 0 ? -0.0613 : i * (2.0 * radius + gap), 0.0),
+                                  Vec3(0.0, i == 0 ? 2.0 : 0.0, 0.0))));
   }
   return l;
 }
@@ -105,15 +104,8 @@ TEST(SlenderRod, GainsNothingWhenItIsDropped) {
       for (int drop = 0; drop < 20; ++drop) {
         World world = make_world({.response = response});
         add_body(world, floor_body({0.7, 0.7}));
-        Body rod = skittle_body({0.7, 0.7});
-        rod.shape = make_compound({{Cylinder{0.15 / slenderness, 0.15}, Pose{}}});
-        const MassProperties m = mass_properties(*rod.shape, 1000.0);
-        rod.mass = m.mass;
-        rod.inertia = m.inertia;
-        State s;
-        s.X_WB.q = random.rotation();
-        s.X_WB.p.z() = 0.5;
-        add_body(world, rod, s);
+        add_body(world, solid(Cylinder{0.15 / slenderness, 0.15}, {0.7, 0.7}),
+                 at(Pose{random.rotation(), Vec3(0.0, 0.0, 0.5)}));
         const double start = balance(world).energy;
         double highest = start;
         while (world.tick < 3 * 240) {
@@ -154,27 +146,16 @@ double depth_in_floor(const World& world, BodyId i) {
   return -lowest;
 }
 
-/// An elastic, smooth body of density 1000 kg/m^3.
-Body elastic_body(const Shape& shape) {
-  Body body = ball_body({1.0, 0.0});
-  body.shape = make_compound({{shape, Pose{}}});
-  const MassProperties m = mass_properties(*body.shape, 1000.0);
-  body.mass = m.mass;
-  body.inertia = m.inertia;
-  return body;
-}
-
 /// A random orientation, and 6 m/s downwards with a spin that turns by `turn` in 1/60 s [rad].
 State falling(test::Random& random, double turn) {
-  State s;
-  s.X_WB = {rotation(3.0 * random.direction()), Vec3(0.0, 0.0, 0.5)};
-  s.v_WB.z() = -6.0;
+  State s = at(Pose{rotation(3.0 * random.direction()), Vec3(0.0, 0.0, 0.5)}, Vec3(0.0, 0.0, -6.0));
   s.w_WB = 60.0 * turn * random.direction();
   return s;
 }
 
 const Shape kTurning[] = {test::box({0.1, 0.06, 0.02}), Cylinder{0.02, 0.12}, Cone{0.06, 0.15},
                           Ellipsoid{{0.1, 0.03, 0.05}}};
+constexpr Material kElastic{1.0, 0.0};
 constexpr double kTurns[] = {0.5, 1.2, 3.0, 10.0};  // in 1/60 s [rad]
 
 // What turns far within a step meets with points that were nowhere near when it began: a rod at
@@ -190,7 +171,7 @@ TEST(FarTurningBody, KeepsItsEnergyAndDoesNotGoIntoWhatItMeets) {
         for (int k = 0; k < 10; ++k) {
           World world = make_world({.rate_hz = rate_hz, .gravity_W = Vec3::Zero()});
           add_body(world, floor_body({1.0, 0.0}));
-          const BodyId i = add_body(world, elastic_body(shape), falling(random, turn));
+          const BodyId i = add_body(world, solid(shape, kElastic), falling(random, turn));
           const double start = balance(world).energy;
           double depth = 0.0;
           while (world.tick < rate_hz / 5) {
@@ -218,8 +199,8 @@ TEST(FarTurningBody, KeepsEnergyAndMomentumWithAnotherOne) {
         State s = falling(random, turn);
         s.X_WB.p = Vec3(0.02, 0.01, 0.0);
         s.v_WB = Vec3(0.3, 0.2, 1.0);
-        add_body(world, elastic_body(other), s);
-        const BodyId i = add_body(world, elastic_body(shape), falling(random, turn));
+        add_body(world, solid(other, kElastic), s);
+        const BodyId i = add_body(world, solid(shape, kElastic), falling(random, turn));
         const Vec3 before = world.states[i].v_WB;
         const Balance start = balance(world);
         while (world.tick < 12) step(world);
@@ -241,10 +222,7 @@ TEST(SharedSpeck, KeepsTwoCubesApartLikeAPoint) {
     Body cube = ball_body({0.7, 0.7}, 0.1, 1.0);
     cube.shape = make_compound({{test::box({0.1, 0.1, 0.1}), Pose{}}});
     add_body(world, cube);
-    State s;
-    s.X_WB.p = Vec3(0.2 - speck, 0.2 - speck, 0.2 + 1e-5);
-    s.v_WB.z() = -0.1;
-    add_body(world, cube, s);
+    add_body(world, cube, at(Vec3(0.2 - speck, 0.2 - speck, 0.2 + 1e-5), Vec3(0.0, 0.0, -0.1)));
     const double start = balance(world).energy;
     run(world, 0.2);
     EXPECT_LE(balance(world).energy, start * (1.0 + 1e-9)) << speck;
@@ -256,8 +234,7 @@ TEST(SharedSpeck, KeepsTwoCubesApartLikeAPoint) {
 // was touched hung in the air until its next impact.
 TEST(TouchedBody, FallsUnlessItIsCarried) {
   World world = make_world({.rate_hz = 60});
-  State s;
-  s.v_WB.z() = 5.0;
+  State s = at(Vec3::Zero(), Vec3(0.0, 0.0, 5.0));
   const BodyId heavy = add_body(world, ball_body({0.7, 0.0}, 0.1, 20.0), s);
   s.X_WB.p.x() = 0.2 + 1e-4;
   s.v_WB.x() = -0.1;
@@ -280,8 +257,7 @@ TEST(PinsThrownAtAThinWall, StayFiniteAndGainNothing) {
       add_body(world, floor_body({0.7, 0.7}));
       Body wall = floor_body({0.7, 0.7});
       wall.shape = make_compound({{test::box({1.0, 0.001, 1.0}), Pose{}}});
-      State s;
-      s.X_WB.p.z() = 1.0;
+      State s = at(Vec3(0.0, 0.0, 1.0));
       add_body(world, wall, s);
       s.X_WB = {rotation(vector()), Vec3(0.0, -0.4, 0.5)};
       s.v_WB = Vec3(0.0, 5.0, 0.0) + vector();
@@ -314,9 +290,7 @@ TEST(BodyInAChannel, StaysFiniteBetweenTheTwoSidesOfOneOther) {
           add_body(world, channel);
           Body body = ball_body({0.7, 0.7}, 0.05, 1.0);
           body.shape = make_compound({{shape, Pose{}}});
-          State s;
-          s.v_WB.y() = 0.5;
-          const BodyId i = add_body(world, body, s);
+          const BodyId i = add_body(world, body, at(Vec3::Zero(), Vec3(0.0, 0.5, 0.0)));
           const double start = balance(world).energy;
           run(world, 0.2);
           EXPECT_LE(balance(world).energy, start * (1.0 + 1e-3)) << response << " " << slack;
@@ -334,10 +308,9 @@ TEST(PassingBall, LeavesAlonePreciselyWhatItDoesNotTouch) {
     for (int pass = 0; pass < 40; ++pass) {
       World world = make_world({.gravity_W = Vec3::Zero()});
       const BodyId still = add_body(world, ball_body({1.0, 0.7}));
-      State s;
-      s.X_WB.p = Vec3(2.0 * kBallRadius + gap, -0.5 - random.uniform(0.0, 0.1), 0.0);
-      s.v_WB.y() = random.uniform(1.0, 9.0);
-      add_body(world, ball_body({1.0, 0.7}), s);
+      const double before = 0.5 + random.uniform(0.0, 0.1), speed = random.uniform(1.0, 9.0);
+      add_body(world, ball_body({1.0, 0.7}),
+               at(Vec3(2.0 * kBallRadius + gap, -before, 0.0), Vec3(0.0, speed, 0.0)));
       run(world, 1.0);
       EXPECT_EQ(world.states[still].v_WB, Vec3::Zero()) << gap << " pass " << pass;
     }

@@ -47,10 +47,7 @@ TEST(Ledger, ShowsThatContactsOnlyTakeEnergy) {
 
 TEST(Ledger, ChargesFreeFlightWithNothingButTheFall) {
   World world = make_world({.keep_ledger = true});
-  State s;
-  s.v_WB = Vec3(1.0, 2.0, 3.0);
-  s.w_WB = Vec3(4.0, -5.0, 6.0);
-  add_body(world, skittle_body({}), s);
+  add_body(world, skittle_body({}), at(Vec3::Zero(), Vec3(1.0, 2.0, 3.0), Vec3(4.0, -5.0, 6.0)));
   const Balance start = balance(world);
   run(world, 1.0);
   expect_same(world.ledger.hand, start, 1e-12);  // it was put there
@@ -66,9 +63,8 @@ TEST(Ledger, FindsNoEnergyInTheFallOfABouncingBody) {
   for (const int rate : {60, 240, 1000}) {
     World world = make_world({.rate_hz = rate, .keep_ledger = true});
     add_body(world, floor_body({1.0, 0.0}));
-    State s;
-    s.X_WB = {rotation(Vec3(0.4, 0.3, 0.0)), Vec3(0.0, 0.0, 1.0)};
-    add_body(world, skittle_body({1.0, 0.0}), s);
+    add_body(world, skittle_body({1.0, 0.0}),
+             at(Pose{rotation(Vec3(0.4, 0.3, 0.0)), Vec3(0.0, 0.0, 1.0)}));
     for (int i = 0; i < 3 * rate; ++i) {
       step(world);
       if (world.statistics.contacts > 0) continue;  // carried for a moment
@@ -141,10 +137,7 @@ TEST(Ledger, ChargesAHandWithWhatItGives) {
   const BodyId ball = add_body(world, ball_body(smooth));
   Body hand = ball_body(smooth, 0.05, 1.0);
   hand.kind = Kind::driven;
-  State s;
-  s.X_WB.p = Vec3(-0.3, 0.0, 0.0);
-  s.v_WB = Vec3(2.0, 0.0, 0.0);
-  add_body(world, hand, s);
+  add_body(world, hand, at(Vec3(-0.3, 0.0, 0.0), Vec3(2.0, 0.0, 0.0)));
   run(world, 0.5);
   EXPECT_NEAR(world.states[ball].v_WB.x(), 4.0, 1e-12);
   EXPECT_NEAR(world.ledger.hand.energy, 0.5 * 7.0 * 16.0, 1e-9);
@@ -159,9 +152,7 @@ TEST(Ledger, ChargesATurntableWithTheTurnThatItGives) {
     Body plate = ball_body({0.7, 0.7});
     plate.shape = make_compound({{Cylinder{0.5, 0.01}, Pose{}}});
     plate.kind = Kind::driven;
-    State s;
-    s.X_WB.p.z() = -0.01;
-    s.w_WB.z() = 3.0;
+    State s = at(Vec3(0.0, 0.0, -0.01), Vec3::Zero(), Vec3(0.0, 0.0, 3.0));
     add_body(world, plate, s);
     s = {};
     s.X_WB.p = Vec3(0.1, 0.0, 0.05);
@@ -187,8 +178,7 @@ TEST(Ledger, ChargesATurntableWithTheTurnThatItGives) {
 // A hand that carries a skittle up slowly: its work is the height gained.
 TEST(Ledger, ChargesALiftingHandWithTheHeight) {
   World world = make_world({.keep_ledger = true});
-  State s;
-  s.X_WB.p = Vec3(0.0, 0.0, kSkittleHeight);
+  State s = at(Vec3(0.0, 0.0, kSkittleHeight));
   const BodyId skittle = add_body(world, skittle_body({0.7, 0.7, 0.005}), s);
   Body plate = ball_body({0.7, 0.7});
   plate.shape = make_compound({{Cylinder{0.2, 0.01}, Pose{}}});

@@ -17,10 +17,8 @@ struct Thrown {
 Thrown sliding_ball(int rate_hz, const Material& material, std::string_view response = "paper") {
   Thrown t{make_world({.rate_hz = rate_hz, .response = response})};
   add_body(t.world, floor_body(material));
-  State s;
-  s.X_WB.p.z() = kBallRadius;
-  s.v_WB = Vec3(0.0, 6.0, 0.0);
-  t.ball = add_body(t.world, ball_body(material), s);
+  t.ball =
+      add_body(t.world, ball_body(material), at(Vec3(0.0, 0.0, kBallRadius), Vec3(0.0, 6.0, 0.0)));
   return t;
 }
 
@@ -65,9 +63,7 @@ TEST(BlockOnASlope, CreepsAtTheRateOfThePairAndNotOfTheStep) {
     Body block = ball_body({0.7, 0.7});
     block.shape = make_compound({{Cylinder{0.1, 0.03}, Pose{}}});
     block.inertia = Vec3(0.02, 0.02, 0.035).asDiagonal();
-    State s;
-    s.X_WB.p.z() = 0.03;
-    const BodyId i = add_body(world, block, s);
+    const BodyId i = add_body(world, block, at(Vec3(0.0, 0.0, 0.03)));
     run(world, 1.0);
     const double kept = std::pow(1.0 - mu, 1.0 / (rate * tau));
     const double turns = 1.0 + 7.0 * 0.03 * 0.03 / 0.02;
@@ -135,11 +131,10 @@ TEST(HeavyBall, IsSlowedByItsRollingArmAboutAnyAxis) {
     for (const double way : {0.0, 0.7, 2.0}) {
       World world = make_world({});
       add_body(world, floor_body({0.7, 1.0}));
-      State s;
-      s.X_WB = {rotation(turned), Vec3(0.0, 0.0, kBallRadius)};
-      s.v_WB = v * Vec3(std::cos(way), std::sin(way), 0.0);
-      s.w_WB = v / kBallRadius * Vec3(-std::sin(way), std::cos(way), 0.0);
-      const BodyId i = add_body(world, ball_body({0.7, 1.0, b}), s);
+      const BodyId i = add_body(world, ball_body({0.7, 1.0, b}),
+                                at(Pose{rotation(turned), Vec3(0.0, 0.0, kBallRadius)},
+                                   v * Vec3(std::cos(way), std::sin(way), 0.0),
+                                   v / kBallRadius * Vec3(-std::sin(way), std::cos(way), 0.0)));
       run(world, 2.0);
       EXPECT_NEAR(world.states[i].v_WB.norm(), v - 2.0 * slows, 0.01 * 2.0 * slows) << way;
     }

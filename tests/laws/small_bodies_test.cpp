@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "engine/world.h"
+#include "tests/support/bowling.h"
 #include "tests/support/random_shapes.h"
 #include "tests/support/scale.h"
 
@@ -27,16 +28,6 @@ Vec3 vector(test::Random& random, double most) {
   return {random.uniform(-most, most), random.uniform(-most, most), random.uniform(-most, most)};
 }
 
-Body body_of(const Shape& shape, double mass, const Material& material) {
-  Body body;
-  body.shape = make_compound({{shape, Pose{}}});
-  const MassProperties m = mass_properties(shape, 1000.0);
-  body.mass = mass > 0.0 ? mass : m.mass;
-  body.inertia = body.mass / m.mass * m.inertia;
-  body.material = material;
-  return body;
-}
-
 /// A box of 0.4 g under two that are up to 30 kg and come down on it from both sides.
 World wedge(std::uint64_t seed) {
   test::Random random(seed);
@@ -46,7 +37,7 @@ World wedge(std::uint64_t seed) {
     at.X_WB.q = random.rotation();
     at.v_WB += vector(random, speed);
     at.w_WB = vector(random, 10.0);
-    add_body(world, body_of(test::box(half), mass, {random.uniform(0.0, 1.0), 1.0}), at);
+    add_body(world, solid(test::box(half), {random.uniform(0.0, 1.0), 1.0}, mass), at);
   };
   add(0.03, 4e-4, {{Quat::Identity(), {0.0, 0.0, 0.05}}}, 1.0);
   for (const double side : {-1.0, 1.0}) {
@@ -88,12 +79,11 @@ TEST(ThinEllipsoid, FallsFlatWithoutSinkingIntoTheFloor) {
     const Ellipsoid shape{
         {radius, radius * random.uniform(0.1, 1.0), radius * random.uniform(0.1, 0.15)}};
     World world = floor_at_60_hz(seed % 2 == 0 ? "paper" : "coulomb");
-    State s;
-    s.X_WB = {rotation(vector(random, 0.5)), {0.0, 0.0, 0.03}};
+    State s = at(Pose{rotation(vector(random, 0.5)), {0.0, 0.0, 0.03}});
     s.v_WB = vector(random, 0.3);
     s.w_WB = vector(random, 10.0);
     const Material material{random.uniform(0.0, 1.0), random.uniform(0.0, 1.0)};
-    const BodyId i = add_body(world, body_of(shape, 0.0, material), s);
+    const BodyId i = add_body(world, solid(shape, material), s);
     double deepest = 0.0;
     for (int k = 0; k < 120; ++k) {
       step(world);
@@ -119,9 +109,9 @@ Pressed pressed(double speed, double off, int rate_hz, std::string_view response
   wall.kind = Kind::fixed;
   add_body(p.world, wall);
   add_body(p.world, wall, {{Quat::FromTwoVectors(Vec3::UnitZ(), -Vec3::UnitX()), {0.3, 0.0, 0.0}}});
-  p.box = add_body(p.world, body_of(test::box({0.1, 0.1, 0.1}), 2.0, material),
+  p.box = add_body(p.world, solid(test::box({0.1, 0.1, 0.1}), material, 2.0),
                    {{Quat::Identity(), {0.195, 0.0, 0.1}}});
-  Body hand = body_of(Ellipsoid{{0.05, 0.05, 0.05}}, 1.0, material);
+  Body hand = solid(Ellipsoid{{0.05, 0.05, 0.05}}, material, 1.0);
   hand.kind = Kind::driven;
   p.hand =
       add_body(p.world, hand, {{Quat::Identity(), {0.025, off, 0.1 + off}}, {speed, 0.0, 0.0}});
@@ -179,17 +169,17 @@ Squeezed squeezed(const Squeeze& c, int rate_hz, std::string_view response) {
   Squeezed p{make_world(
       {.rate_hz = rate_hz, .gravity_W = c.gravity_W, .response = response, .keep_ledger = true})};
   const Material material{c.elasticity, c.friction};
-  Body base = c.block ? body_of(test::box({0.5, 0.5, 0.1}), 1.0, material) : Body{};
+  Body base = c.block ? solid(test::box({0.5, 0.5, 0.1}), material, 1.0) : Body{};
   if (!c.block) base.shape = make_compound({{HalfSpace{}, Pose{}}});
   base.material = material;
   base.kind = Kind::fixed;
   add_body(p.world, base, {{Quat::Identity(), {0.0, 0.0, c.block ? -0.1 : 0.0}}});
   const Quat q = Quat::FromTwoVectors(c.up_B, Vec3::UnitZ());
-  p.body = add_body(p.world, body_of(c.shape, 2.0, material), {{q, {0.0, 0.0, c.height}}});
+  p.body = add_body(p.world, solid(c.shape, material, 2.0), {{q, {0.0, 0.0, c.height}}});
   const bool round = std::holds_alternative<Ellipsoid>(c.shape);
   const double r = c.height + kHand;
   const double above = round ? std::sqrt(r * r - c.off * c.off) : r;
-  Body hand = body_of(Ellipsoid{{kHand, kHand, kHand}}, 1.0, material);
+  Body hand = solid(Ellipsoid{{kHand, kHand, kHand}}, material, 1.0);
   hand.kind = Kind::driven;
   p.hand = add_body(
       p.world, hand,

@@ -99,8 +99,7 @@ TEST(RockingSkittle, ComesToRestInATimeThatDoesNotDependOnTheRate) {
 TEST(SlowHand, PushesAStandingSkittleAlong) {
   World world = make_world({});
   add_body(world, floor_body({0.7, 0.7}));
-  State s;
-  s.X_WB.p.z() = kSkittleHeight;
+  State s = at(Vec3(0.0, 0.0, kSkittleHeight));
   const BodyId skittle = add_body(world, skittle_body({0.7, 0.7, 0.005}), s);
   put_to_sleep(world, skittle);
   Body hand = ball_body({0.7, 0.0}, 0.03, 1.0);
@@ -117,9 +116,7 @@ TEST(SlowHand, PushesAStandingSkittleAlong) {
 // What sleeps is carried, and by something that does not move.
 TEST(SlowBody, DriftsOnWithoutGravity) {
   World world = make_world({.gravity_W = Vec3::Zero()});
-  State s;
-  s.v_WB.x() = 0.009;
-  const BodyId ball = add_body(world, ball_body({}), s);
+  const BodyId ball = add_body(world, ball_body({}), at(Vec3::Zero(), Vec3(0.009, 0.0, 0.0)));
   run(world, 2.0);
   EXPECT_NEAR(world.states[ball].X_WB.p.x(), 0.018, 1e-12);
   EXPECT_NEAR(world.states[ball].v_WB.x(), 0.009, 1e-15);
@@ -128,9 +125,7 @@ TEST(SlowBody, DriftsOnWithoutGravity) {
 TEST(SlowBody, FallsHoweverWeakGravityIs) {
   World world = make_world({.gravity_W = Vec3(0.0, 0.0, -0.03)});
   add_body(world, floor_body({}));
-  State s;
-  s.X_WB.p.z() = 1.0 + kBallRadius;
-  const BodyId ball = add_body(world, ball_body({}), s);
+  const BodyId ball = add_body(world, ball_body({}), at(Vec3(0.0, 0.0, 1.0 + kBallRadius)));
   run(world, 5.0);
   EXPECT_NEAR(1.0 + kBallRadius - world.states[ball].X_WB.p.z(), 0.5 * 0.03 * 25.0, 1e-9);
 }
@@ -141,12 +136,9 @@ TEST(SlowPlatform, TakesWhatStandsOnItAlong) {
     Body plate = ball_body({});
     plate.shape = make_compound({{test::box({0.5, 0.5, 0.05}), Pose{}}});
     plate.kind = Kind::driven;
-    State at;
-    at.v_WB.x() = 0.005;
-    const BodyId platform = add_body(world, plate, at);
-    State on;
-    on.X_WB.p.z() = 0.05 + kSkittleHeight;
-    const BodyId skittle = add_body(world, skittle_body({}), on);
+    const BodyId platform = add_body(world, plate, at(Vec3::Zero(), Vec3(0.005, 0.0, 0.0)));
+    const BodyId skittle =
+        add_body(world, skittle_body({}), at(Vec3(0.0, 0.0, 0.05 + kSkittleHeight)));
     run(world, 20.0);
     EXPECT_NEAR(world.states[platform].X_WB.p.x(), 0.1, 1e-9);
     EXPECT_NEAR(world.states[skittle].X_WB.p.x(), 0.1, 1e-3) << response;

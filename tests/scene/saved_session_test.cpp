@@ -101,7 +101,7 @@ void goes_on(const SavedOften& played, std::size_t most) {
   }
 }
 
-constexpr int kSaves = kThorough ? 500 : 30;
+constexpr int kSaves = cases(500);
 constexpr std::size_t kOneSecond = 240;
 
 TEST(SavedSession, GoesOnToTheBitAndWithTheSameEventsInTwoVersions) {
@@ -179,7 +179,7 @@ TEST(SavedSession, ChangedWithAChecksumThatFitsIsRefusedOrGoesOn) {
   Random random(11);
   int refused = 0, gone_on = 0;
   for (const auto& [first, whole] : played.saved) {
-    for (int i = 0; i < (kThorough ? 2000 : 200); ++i) {
+    for (int i = 0; i < cases(2000); ++i) {
       Bytes changed = whole;
       const auto at = static_cast<std::size_t>(random.index(static_cast<int>(whole.size()) - 8));
       changed[at] = random.index(3) == 0 ? static_cast<std::uint8_t>(255)

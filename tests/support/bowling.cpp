@@ -49,6 +49,24 @@ Body floor_body(const Material& material) {
           .kind = Kind::fixed};
 }
 
+Body solid(const Shape& shape, const Material& material, std::optional<double> mass) {
+  Body body;
+  body.shape = make_compound({{shape, Pose{}}});
+  const MassProperties m = mass_properties(*body.shape, 1000.0);
+  body.mass = mass.value_or(m.mass);
+  body.inertia = body.mass / m.mass * m.inertia;
+  body.material = material;
+  return body;
+}
+
+State at(const Pose& X_WB, const Vec3& v_WB, const Vec3& w_WB) {
+  return {X_WB, v_WB, w_WB};
+}
+
+State at(const Vec3& p_WB, const Vec3& v_WB, const Vec3& w_WB) {
+  return at(Pose{Quat::Identity(), p_WB}, v_WB, w_WB);
+}
+
 Bowling bowling(const RackOptions& o) {
   Bowling b;
   b.world = make_world(o.parameters);
@@ -63,17 +81,14 @@ Bowling bowling(const RackOptions& o) {
       for (int k = 0; k <= row; ++k) {
         const Vec3 spot(kSpacing * (k - 0.5 * row), kSpacing * 0.5 * std::sqrt(3.0) * row,
                         kSkittleHeight);
-        State state;
-        state.X_WB.p = origin + spot;
-        b.skittles.push_back(add_body(b.world, skittle, state));
+        b.skittles.push_back(add_body(b.world, skittle, at(origin + spot)));
       }
     }
     if (!o.ball) continue;
-    State state;
-    state.X_WB.p = origin + Vec3(o.ball_offset, -o.ball_distance, kBallRadius);
-    state.v_WB = Vec3(0.0, o.ball_speed, 0.0);
-    state.w_WB = Vec3(-o.ball_speed / kBallRadius, 0.0, 0.0);
-    b.balls.push_back(add_body(b.world, ball_body(o.material), state));
+    b.balls.push_back(
+        add_body(b.world, ball_body(o.material),
+                 at(origin + Vec3(o.ball_offset, -o.ball_distance, kBallRadius),
+                    Vec3(0.0, o.ball_speed, 0.0), Vec3(-o.ball_speed / kBallRadius, 0.0, 0.0))));
   }
   return b;
 }

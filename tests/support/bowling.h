@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "engine/workspace.h"
@@ -22,6 +23,12 @@ inline constexpr double kSpacing = 0.3048;       ///< of the skittles [m]
 Body skittle_body(const Material& material);  ///< 1.5 kg
 Body ball_body(const Material& material, double radius = kBallRadius, double mass = 7.0);
 Body floor_body(const Material& material);
+/// A body of one shape, of a density of 1000 kg/m^3 or of a given mass [kg].
+Body solid(const Shape& shape, const Material& material, std::optional<double> mass = {});
+
+/// The state of a body at a place, with its velocities.
+State at(const Pose& X_WB, const Vec3& v_WB = Vec3::Zero(), const Vec3& w_WB = Vec3::Zero());
+State at(const Vec3& p_WB, const Vec3& v_WB = Vec3::Zero(), const Vec3& w_WB = Vec3::Zero());
 
 struct RackOptions {
   Parameters parameters;
