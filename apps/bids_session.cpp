@@ -9,9 +9,9 @@
 #include "apps/command.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "base/input_file.h"
+#include "base/output_file.h"
 #include "devices/trial/log.h"
-#include "files/input_file.h"
-#include "files/output_file.h"
 #include "study/bids.h"
 
 namespace headpin::apps {
@@ -35,7 +35,7 @@ std::map<std::string, std::string> texts_beside(const fs::path& path) {
   for (const auto& entry : fs::directory_iterator(path.parent_path())) {
     const std::string name = entry.path().filename().string();
     if (run_of(name) != run || name.find("_tracksys-simulated_") != std::string::npos) continue;
-    texts[name] = files::read_text(entry.path().string(), kMostOfTable);
+    texts[name] = base::read_text(entry.path().string(), kMostOfTable);
   }
   return texts;
 }
@@ -51,11 +51,11 @@ bool is_bids_session(const std::string& path) {
   const fs::path sidecar = file.parent_path() / (name.substr(0, system) + run + "events.json");
   if (run.empty() || !fs::is_regular_file(sidecar)) return false;
   const nlohmann::json json =
-      nlohmann::json::parse(files::read_text(sidecar.string(), kMostOfTable), nullptr, false);
+      nlohmann::json::parse(base::read_text(sidecar.string(), kMostOfTable), nullptr, false);
   return json.is_object() && json.contains("HeadpinTrial");
 }
 
-void import_bids_session(const std::string& path, files::OutputFile output, bool json) {
+void import_bids_session(const std::string& path, base::OutputFile output, bool json) {
   const fs::path file = fs::absolute(path);
   study::BidsTrial trial;
   try {

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "files/output_file.h"
+#include "base/output_file.h"
 
 /// Imports sessions that `headpin experiment export` wrote.
 namespace headpin::apps {
@@ -14,6 +14,6 @@ bool is_bids_session(const std::string& path);
 ///
 /// @param path    the table of one of its trackers
 /// @param output  for the trial
-void import_bids_session(const std::string& path, files::OutputFile output, bool json);
+void import_bids_session(const std::string& path, base::OutputFile output, bool json);
 
 }  // namespace headpin::apps

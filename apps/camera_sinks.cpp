@@ -38,7 +38,7 @@ nlohmann::ordered_json camera_json(const render::View& view) {
 
 }  // namespace
 
-CamerasFile::CamerasFile(files::OutputFile file, const std::array<render::View, 2>& views)
+CamerasFile::CamerasFile(base::OutputFile file, const std::array<render::View, 2>& views)
     : file_(std::move(file)) {
   const nlohmann::ordered_json convention = "OpenCV: x right, y down, z ahead";
   const nlohmann::ordered_json pixels = "the centre of the first pixel, top left, is at (0, 0)";
@@ -71,9 +71,9 @@ void CamerasFile::close() {
   file_.commit();
 }
 
-ColmapFolder::ColmapFolder(files::OutputFolder& folder, const std::array<render::View, 2>& views)
+ColmapFolder::ColmapFolder(base::OutputFolder& folder, const std::array<render::View, 2>& views)
     : folder_(folder), images_(folder_.file("images.txt")) {
-  files::OutputText cameras(folder_.file("cameras.txt"));
+  base::OutputText cameras(folder_.file("cameras.txt"));
   cameras << "# CAMERA_ID MODEL WIDTH HEIGHT FX FY CX CY\n";
   for (std::size_t eye = 0; eye < 2; ++eye) {
     const render::Camera camera(views[eye]);
@@ -83,7 +83,7 @@ ColmapFolder::ColmapFolder(files::OutputFolder& folder, const std::array<render:
                            camera.cy + kCentre);
   }
   cameras.close();
-  files::OutputText points(folder_.file("points3D.txt"));
+  base::OutputText points(folder_.file("points3D.txt"));
   points << "# POINT3D_ID X Y Z R G B ERROR TRACK[]\n";
   points.close();
   images_ << "# IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME\n# (no points: an empty line)\n";

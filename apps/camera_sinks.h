@@ -4,9 +4,9 @@
 #include <cstdint>
 #include <string>
 
-#include "files/output_file.h"
-#include "files/output_folder.h"
-#include "files/output_text.h"
+#include "base/output_file.h"
+#include "base/output_folder.h"
+#include "base/output_text.h"
 #include "render/eyes.h"
 #include "scene/watch/eye_frames.h"
 
@@ -17,7 +17,7 @@ namespace headpin::apps {
 class CamerasFile : public scene::FrameSink {
  public:
   /// @param views  of both eyes, at any time
-  CamerasFile(files::OutputFile file, const std::array<render::View, 2>& views);
+  CamerasFile(base::OutputFile file, const std::array<render::View, 2>& views);
 
   void add(const scene::EyeFrame& frame) override;
   void close();
@@ -25,7 +25,7 @@ class CamerasFile : public scene::FrameSink {
  private:
   void write(const std::string& text) { file_.write(text.data(), text.size()); }
 
-  files::OutputFile file_;
+  base::OutputFile file_;
   bool first_ = true;
 };
 
@@ -34,14 +34,14 @@ class ColmapFolder : public scene::FrameSink {
  public:
   /// @param folder  must outlive this
   /// @param views   of both eyes, at any time
-  ColmapFolder(files::OutputFolder& folder, const std::array<render::View, 2>& views);
+  ColmapFolder(base::OutputFolder& folder, const std::array<render::View, 2>& views);
 
   void add(const scene::EyeFrame& frame) override;
   void close();
 
  private:
-  files::OutputFolder& folder_;
-  files::OutputText images_;
+  base::OutputFolder& folder_;
+  base::OutputText images_;
   std::int64_t written_ = 0;  ///< images
 };
 

@@ -7,7 +7,7 @@
 /// The commands of `headpin`: one file each; main.cpp adds them to the program.
 ///
 /// Each adds its subcommand, options and example to `app` and does its work in the callback.
-/// Exceptions and exit codes: UsageError (2), files::Busy if another process uses a file (75),
+/// Exceptions and exit codes: UsageError (2), base::Busy if another process uses a file (75),
 /// Stopped by a signal (128 + its number), any other exception (1). main() prints the message on
 /// standard error.
 namespace headpin::apps {

@@ -7,7 +7,7 @@
 
 #include <fmt/format.h>
 
-#include "files/output_file.h"
+#include "base/output_file.h"
 #include "render/flow.h"
 #include "render/png.h"
 #include "scene/looks/looks.h"
@@ -48,7 +48,7 @@ using Flow = std::vector<std::array<float, 2>>;
 /// pixel.
 void write_flo(const std::string& path, const Flow& flow, std::int32_t width, std::int32_t height) {
   constexpr float kTag = 202021.25F;
-  files::OutputFile file(path, {.overwrite = true, .durable = false});
+  base::OutputFile file(path, {.overwrite = true, .durable = false});
   file.write(&kTag, sizeof kTag);
   file.write(&width, sizeof width);
   file.write(&height, sizeof height);
@@ -58,7 +58,7 @@ void write_flo(const std::string& path, const Flow& flow, std::int32_t width, st
 
 }  // namespace
 
-FrameFolder::FrameFolder(files::OutputFolder& folder, const FrameFiles& files, double pixel_aspect)
+FrameFolder::FrameFolder(base::OutputFolder& folder, const FrameFiles& files, double pixel_aspect)
     : folder_(folder), files_(files), pixel_aspect_(pixel_aspect), index_(folder_.file(kIndex)) {
   index_ << "frame,time_s,tick";
   for (const char* eye : kEyes) {
@@ -71,7 +71,7 @@ FrameFolder::FrameFolder(files::OutputFolder& folder, const FrameFiles& files, d
 }
 
 void FrameFolder::write_names() {
-  files::OutputText names(folder_.file("ids.csv"));
+  base::OutputText names(folder_.file("ids.csv"));
   names << "id,is\n0,nothing\n"
         << fmt::format("{},room\n{},hand\n{},stand\n{},button\n{},head\n", scene::kRoomId,
                        scene::kHandId, scene::kStandId, scene::kButtonId, scene::kHeadId)
@@ -150,8 +150,8 @@ void FrameFolder::write_labels(const render::Labels& labels, const std::string& 
   if (!files_.depth) return;
   std::ranges::transform(labels.depth, values.begin(), millimetres);
   write_grey("depth", values);
-  files::OutputFile raw(folder_.file(stem + "_depth.raw").string(),
-                        {.overwrite = true, .durable = false});
+  base::OutputFile raw(folder_.file(stem + "_depth.raw").string(),
+                       {.overwrite = true, .durable = false});
   raw.write(labels.depth.data(), labels.depth.size() * sizeof(float));
   raw.commit();
 }

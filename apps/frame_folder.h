@@ -6,8 +6,8 @@
 #include <optional>
 #include <string>
 
-#include "files/output_folder.h"
-#include "files/output_text.h"
+#include "base/output_folder.h"
+#include "base/output_text.h"
 #include "scene/watch/eye_frames.h"
 
 namespace headpin::apps {
@@ -30,7 +30,7 @@ class FrameFolder : public scene::FrameSink {
  public:
   /// Without close(), leaves the folder as it was.
   /// @param folder  must outlive this
-  FrameFolder(files::OutputFolder& folder, const FrameFiles& files, double pixel_aspect);
+  FrameFolder(base::OutputFolder& folder, const FrameFiles& files, double pixel_aspect);
 
   /// Takes a frame; its files are written while the next one is drawn.
   void add(const scene::EyeFrame& frame) override;
@@ -45,10 +45,10 @@ class FrameFolder : public scene::FrameSink {
   void write_labels(const render::Labels& labels, const std::string& stem);
   void write_names();
 
-  files::OutputFolder& folder_;
+  base::OutputFolder& folder_;
   FrameFiles files_;
   double pixel_aspect_;
-  files::OutputText index_;
+  base::OutputText index_;
   std::optional<scene::EyeFrame> before_;  // the last frame, for the flow from it
   std::future<void> writing_;  // last member, so that it ends before the folder is destroyed
 };

@@ -7,9 +7,9 @@ namespace headpin::apps {
 namespace {
 
 /// A folder in which no other output may be.
-files::OutputFolder::Options folder_beside(const FramesOptions& options,
-                                           const std::optional<std::string>& other_folder) {
-  files::OutputFolder::Options how{.overwrite = options.force, .others = {options.trial}};
+base::OutputFolder::Options folder_beside(const FramesOptions& options,
+                                          const std::optional<std::string>& other_folder) {
+  base::OutputFolder::Options how{.overwrite = options.force, .others = {options.trial}};
   for (const auto& other : {options.video, options.y4m, options.cameras, other_folder}) {
     if (other && *other != "-") how.others.emplace_back(*other);
   }
@@ -18,13 +18,13 @@ files::OutputFolder::Options folder_beside(const FramesOptions& options,
 
 }  // namespace
 
-files::OutputFolder open_picture_folder(const FramesOptions& options) {
+base::OutputFolder open_picture_folder(const FramesOptions& options) {
   return {*options.folder, folder_beside(options, options.colmap)};
 }
 
 FrameOutputs::FrameOutputs(const FramesOptions& options, const render::Optics& optics,
                            const std::array<render::View, 2>& views, std::int64_t fps) {
-  const files::OutputFile::Options file{.overwrite = options.force, .inputs = {options.trial}};
+  const base::OutputFile::Options file{.overwrite = options.force, .inputs = {options.trial}};
   const Timing timing{.fps = fps,
                       .hold = !options.as_shown        ? Hold::one_each
                               : options.frames.empty() ? Hold::from_time_zero
@@ -36,7 +36,7 @@ FrameOutputs::FrameOutputs(const FramesOptions& options, const render::Optics& o
     sinks_.push_back(&folder_.emplace(*pictures_, files, optics.pixel_aspect()));
   }
   if (options.cameras) {
-    sinks_.push_back(&cameras_.emplace(files::OutputFile(*options.cameras, file), views));
+    sinks_.push_back(&cameras_.emplace(base::OutputFile(*options.cameras, file), views));
   }
   if (options.colmap) {
     models_.emplace(*options.colmap, folder_beside(options, options.folder));
@@ -47,9 +47,9 @@ FrameOutputs::FrameOutputs(const FramesOptions& options, const render::Optics& o
                                      optics, timing));
   }
   if (options.y4m) {
-    files::OutputFile::Options stream = file;
+    base::OutputFile::Options stream = file;
     stream.standard_output = true;
-    sinks_.push_back(&y4m_.emplace(files::OutputFile(*options.y4m, stream), optics, timing));
+    sinks_.push_back(&y4m_.emplace(base::OutputFile(*options.y4m, stream), optics, timing));
   }
 }
 

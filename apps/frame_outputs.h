@@ -34,7 +34,7 @@ struct FramesOptions {
 };
 
 /// The folder of the pictures, in which no other output may be.
-files::OutputFolder open_picture_folder(const FramesOptions& options);
+base::OutputFolder open_picture_folder(const FramesOptions& options);
 
 /// The wanted folders and files, opened before anything is drawn.
 class FrameOutputs {
@@ -47,7 +47,7 @@ class FrameOutputs {
   void close();
 
  private:
-  std::optional<files::OutputFolder> pictures_, models_;
+  std::optional<base::OutputFolder> pictures_, models_;
   std::optional<FrameFolder> folder_;  ///< in pictures_
   std::optional<CamerasFile> cameras_;
   std::optional<ColmapFolder> colmap_;  ///< in models_

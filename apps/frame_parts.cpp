@@ -22,11 +22,11 @@
 
 #include "apps/child_process.h"
 #include "apps/stop.h"
-#include "engine/hash.h"
-#include "files/input_file.h"
-#include "files/output_file.h"
-#include "files/output_text.h"
-#include "files/work_folder.h"
+#include "base/hash.h"
+#include "base/input_file.h"
+#include "base/output_file.h"
+#include "base/output_text.h"
+#include "base/work_folder.h"
 
 namespace headpin::apps {
 
@@ -40,11 +40,11 @@ constexpr std::size_t kMostParts = 64;
 
 std::string text_of_file(const fs::path& path) {
   constexpr std::size_t kMost = 1'000'000'000;
-  return files::read_text(path.string(), kMost);
+  return base::read_text(path.string(), kMost);
 }
 
 std::string hash_of_file(const std::string& path) {
-  const files::InputFile file(path);
+  const base::InputFile file(path);
   std::vector<std::uint8_t> bytes(1 << 20);
   Fnv hash;
   for (std::size_t at = 0; const std::size_t n = file.read(at, bytes); at += n) {
@@ -103,7 +103,7 @@ class PartsFolder {
  private:
   void begin(const std::string& what) {
     try {
-      files::OutputFile file(folder_.file(kWhat).string(), {.overwrite = true});
+      base::OutputFile file(folder_.file(kWhat).string(), {.overwrite = true});
       file.write(what.data(), what.size());
       file.commit();
     } catch (const std::runtime_error& error) {
@@ -113,7 +113,7 @@ class PartsFolder {
     }
   }
 
-  files::WorkFolder folder_;
+  base::WorkFolder folder_;
 };
 
 std::string last_line(std::string text) {
@@ -146,7 +146,7 @@ class Drawers {
         "headpin", "frames", parts_.trial, "-o", folder_.part(part).string(), "--frames", ranges};
     if (flow_to) words.insert(words.end(), {"--flow-to", fmt::format("{}", *flow_to)});
     words.insert(words.end(), parts_.arguments.begin(), parts_.arguments.end());
-    const int in = parts_.trial == "-" ? files::standard_input() : -1;
+    const int in = parts_.trial == "-" ? base::standard_input() : -1;
     const int said = memfd_create("said", MFD_CLOEXEC);  // in memory, because the disk may be full
     const pid_t process =
         said < 0 ? -1 : start_child("/proc/self/exe", words, {.in = in, .err = said}, SIGTERM);
@@ -197,7 +197,7 @@ class Drawers {
     std::string text;
     std::array<std::uint8_t, 4096> bytes{};
     lseek(file, 0, SEEK_SET);
-    while (const std::size_t n = files::read_some(file, bytes, "what a process said")) {
+    while (const std::size_t n = base::read_some(file, bytes, "what a process said")) {
       text.append(reinterpret_cast<const char*>(bytes.data()), n);
     }
     close(file);
@@ -220,8 +220,8 @@ void put(const fs::path& file, const fs::path& to, const std::string& called) {
 }
 
 void put_together(PartsFolder& folder, std::size_t count, const std::string& called,
-                  files::OutputFolder& result) {
-  files::OutputText index(result.file("frames.csv"));
+                  base::OutputFolder& result) {
+  base::OutputText index(result.file("frames.csv"));
   for (std::size_t i = 0; i < count; ++i) {
     for (const auto& entry : fs::directory_iterator(folder.part(i))) {
       const std::string name = entry.path().filename().string();
@@ -238,7 +238,7 @@ void put_together(PartsFolder& folder, std::size_t count, const std::string& cal
 
 }  // namespace
 
-std::int64_t draw_in_parts(const FrameParts& parts, files::OutputFolder& result) {
+std::int64_t draw_in_parts(const FrameParts& parts, base::OutputFolder& result) {
   PartsFolder folder(parts);
   const std::span<const std::int64_t> all = parts.frames;
   const std::size_t size = std::max(kFewest, (all.size() + kMostParts - 1) / kMostParts);

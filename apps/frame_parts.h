@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "files/output_folder.h"
+#include "base/output_folder.h"
 
 /// Draws the frames of a folder in parts, by several processes or after an interruption.
 namespace headpin::apps {
@@ -29,8 +29,8 @@ struct FrameParts {
 /// @return        how many frames were there already
 /// @throws std::runtime_error  with the message of a process that fails, or when existing parts are
 ///                             of another job
-/// @throws files::Busy         when another headpin draws them
+/// @throws base::Busy         when another headpin draws them
 /// @throws Stopped             by a signal; with `resume`, finished parts stay
-std::int64_t draw_in_parts(const FrameParts& parts, files::OutputFolder& result);
+std::int64_t draw_in_parts(const FrameParts& parts, base::OutputFolder& result);
 
 }  // namespace headpin::apps

@@ -54,7 +54,7 @@ VideoSink::VideoSink(render::VideoFiles files, const render::Optics& optics, con
   writer_.check_by([] { check_stop(); });
 }
 
-Y4mSink::Y4mSink(files::OutputFile file, const render::Optics& optics, const Timing& timing)
+Y4mSink::Y4mSink(base::OutputFile file, const render::Optics& optics, const Timing& timing)
     : SequenceSink(timing), file_(std::move(file)) {
   const std::string header = fmt::format(
       "YUV4MPEG2 W{} H{} F{}:1 Ip A{}:10000 C444 XCOLORRANGE=LIMITED\n", 2 * optics.width,

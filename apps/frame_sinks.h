@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "files/output_file.h"
+#include "base/output_file.h"
 #include "render/video.h"
 #include "scene/watch/eye_frames.h"
 
@@ -62,13 +62,13 @@ class VideoSink : public SequenceSink {
 /// so it needs no library.
 class Y4mSink : public SequenceSink {
  public:
-  Y4mSink(files::OutputFile file, const render::Optics& optics, const Timing& timing);
+  Y4mSink(base::OutputFile file, const render::Optics& optics, const Timing& timing);
 
  private:
   void end() override { file_.commit(); }
   void write(const render::Image& both) override;
 
-  files::OutputFile file_;
+  base::OutputFile file_;
   std::vector<std::uint8_t> bytes_;
 };
 

@@ -9,7 +9,7 @@
 
 #include "apps/command.h"
 #include "apps/streams.h"
-#include "files/output_file.h"
+#include "base/output_file.h"
 #include "scene/people/throw.h"
 
 namespace headpin::apps {
@@ -206,8 +206,8 @@ void explain_import(const ImportOptions& options, const scene::Scenario& scenari
     for (const auto& column : found.table->columns) names.push_back(column.name);
     const std::string text = mapping_text(options.file, found.table->mapping, names,
                                           found.recording ? &*found.recording : nullptr);
-    files::OutputFile file(*options.output,
-                           {.overwrite = options.force, .inputs = {options.file, options.columns}});
+    base::OutputFile file(*options.output,
+                          {.overwrite = options.force, .inputs = {options.file, options.columns}});
     file.write(text.data(), text.size());
     file.commit();
   }

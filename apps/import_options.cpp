@@ -11,7 +11,7 @@
 #include <toml++/toml.h>
 
 #include "apps/command.h"
-#include "files/input_file.h"
+#include "base/input_file.h"
 #include "scene/scenario/nearest.h"
 #include "scene/scenario/toml_reading.h"
 
@@ -164,7 +164,7 @@ void take_setting(const std::string& key, const std::string& value, const std::s
 
 void read_mapping(const ImportOptions& options, devices::MotionOptions& motion) {
   const std::string& path = options.columns;
-  const std::string text = files::read_text(path, 1'000'000);
+  const std::string text = base::read_text(path, 1'000'000);
   const toml::table root = scene::parse_toml(text, path);
   const auto take = [&](const std::string& key, const toml::node& node) {
     const std::string source = fmt::format("{}:{}", path, node.source().begin.line);

@@ -12,9 +12,9 @@
 #include "apps/streams.h"
 #include "apps/wrap.h"
 #include "apps/wrong_use.h"
+#include "base/lock.h"
 #include "devices/base/version.h"
 #include "devices/trial/log.h"
-#include "files/lock.h"
 
 namespace headpin::apps {
 namespace {
@@ -37,7 +37,7 @@ std::string brief(std::string text) {
 /// What went wrong, and the option with which it would not.
 std::string with_option(const std::exception& error) {
   const std::string what = error.what();
-  if (dynamic_cast<const files::Exists*>(&error)) return what + "; --force replaces it";
+  if (dynamic_cast<const base::Exists*>(&error)) return what + "; --force replaces it";
   if (dynamic_cast<const devices::LongGap*>(&error)) return what + "; --longest-gap accepts more";
   return what;
 }
@@ -77,7 +77,7 @@ int run(CLI::App& app, int argc, char** argv) {
     return fail(app, json, error.what(), 128 + error.signal);
   } catch (const UsageError& error) {
     return failed(error, 2);
-  } catch (const files::Busy& error) {
+  } catch (const base::Busy& error) {
     return failed(error, 75);
   } catch (const std::filesystem::filesystem_error& error) {
     return failed(std::runtime_error(error.path1().string() + ": " + error.code().message()), 1);

@@ -9,8 +9,8 @@
 #include "apps/command.h"
 #include "apps/reference.h"
 #include "apps/topics.h"
+#include "base/shell_word.h"
 #include "devices/base/version.h"
-#include "files/shell_word.h"
 #include "scene/scenario/files.h"
 #include "scene/scenario/scenario.h"
 
@@ -218,14 +218,14 @@ std::vector<std::string> known_names(const CLI::Option& option) {
 }
 
 std::string in_quotes(const std::vector<std::string>& words) {
-  return files::shell_word(fmt::format("{}", fmt::join(words, " ")));
+  return base::shell_word(fmt::format("{}", fmt::join(words, " ")));
 }
 
 /// A branch of `case`: what may follow an option of a command.
 std::string bash_value(const std::string& command, const CLI::Option& option) {
   std::vector<std::string> patterns;
   for (const std::string& name : names(option)) {
-    patterns.push_back(files::shell_word(command + ":" + name));
+    patterns.push_back(base::shell_word(command + ":" + name));
   }
   std::string then = "files=yes";
   if (const auto of = choices(option); !of.empty()) {
@@ -245,7 +245,7 @@ std::string bash_keys() {
     std::string of = key.kind == "true or false" ? "true false" : key.allowed;
     if (key.kind != "true or false" && (key.kind != "text" || of.empty())) continue;
     std::erase(of, ',');
-    branches += fmt::format("    *:{}) words={} ;;\n", key.key, files::shell_word(of));
+    branches += fmt::format("    *:{}) words={} ;;\n", key.key, base::shell_word(of));
   }
   return branches;
 }
@@ -261,7 +261,7 @@ struct BashTables {
       typed.insert(typed.end(), these.begin(), these.end());
       if (takes_value(*option)) values += bash_value(name, *option);
     }
-    options += fmt::format("      {}) words={} ;;\n", files::shell_word(name), in_quotes(typed));
+    options += fmt::format("      {}) words={} ;;\n", base::shell_word(name), in_quotes(typed));
     for (const CLI::App* one : commands(command)) add(*one, name + " " + one->get_name());
     if (const auto inside = names_of(commands(command)); !inside.empty()) {
       groups += fmt::format("    {}) words={} ;;\n", name, in_quotes(inside));
@@ -335,7 +335,7 @@ std::string zsh_option(const CLI::Option& option) {
   const std::vector<std::string> all = names(option);
   const std::string several = all.size() > 1 ? fmt::format("{{{}}}", fmt::join(all, ",")) : all[0];
   const std::string once =
-      may_be_repeated(option) ? "'*'" : files::shell_word(fmt::format("({})", fmt::join(all, " ")));
+      may_be_repeated(option) ? "'*'" : base::shell_word(fmt::format("({})", fmt::join(all, " ")));
   std::string after = fmt::format("[{}]", zsh_text(option.get_description()));
   if (option.check_name("--set")) {
     std::vector<std::string> keys;
@@ -348,14 +348,14 @@ std::string zsh_option(const CLI::Option& option) {
              : !files.empty() ? fmt::format("{{compadd {}; _files}}", fmt::join(files, " "))
                               : std::string("_files");
   }
-  return fmt::format("        {}{}{} \\\n", once, several, files::shell_word(after));
+  return fmt::format("        {}{}{} \\\n", once, several, base::shell_word(after));
 }
 
 std::string zsh_completion(const CLI::App& app) {
   std::string listed, each;
   for (const CLI::App* command : commands(app)) {
     listed +=
-        "    " + files::shell_word(command->get_name() + ":" + command->get_description()) + "\n";
+        "    " + base::shell_word(command->get_name() + ":" + command->get_description()) + "\n";
     each += "    " + command->get_name() + ")\n      _arguments \\\n";
     for (const CLI::Option* option : options_in(*command)) each += zsh_option(*option);
     if (const auto inside = names_of(commands(*command)); !inside.empty()) {

@@ -8,10 +8,10 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
+#include "base/input_file.h"
 #include "devices/base/bytes.h"
 #include "devices/trial/event_log.h"
 #include "devices/trial/messages.h"
-#include "files/input_file.h"
 #include "scene/scenario/files.h"
 
 namespace headpin::apps {
@@ -92,7 +92,7 @@ std::vector<std::uint8_t> log_of_inputs(const std::string& path) {
 
 std::string page_template(const std::string& path) {
   constexpr std::size_t kMost = 100'000'000;  // it has one of 1.2 million
-  std::string page = files::read_text(path, kMost);
+  std::string page = base::read_text(path, kMost);
   if (page.find(kMark) == std::string::npos) {
     throw std::runtime_error(
         fmt::format("{}: expected a page template with the mark {}, found none", path, kMark));

@@ -8,8 +8,8 @@
 #include "apps/command.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "base/output_file.h"
 #include "devices/trial/log.h"
-#include "files/output_file.h"
 #include "scene/people/participant.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/totals.h"
@@ -76,9 +76,9 @@ void play_session(const ParticipantSession& options) {
   header.condition = options.condition;
   header.seed = options.seed;
   header.scenario = scene::to_toml(scenario);
-  devices::Recorder recorder(files::OutputFile(options.output, {.overwrite = options.force,
-                                                                .standard_output = true,
-                                                                .inputs = {options.scenario}}),
+  devices::Recorder recorder(base::OutputFile(options.output, {.overwrite = options.force,
+                                                               .standard_output = true,
+                                                               .inputs = {options.scenario}}),
                              header);
   scene::Session session = scene::make_session(scenario);
   scene::Participant participant({.person = person, .throws = options.throws}, scenario);

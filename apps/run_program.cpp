@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 #include "apps/child_process.h"
-#include "files/temporary.h"
+#include "base/temporary.h"
 
 namespace headpin::apps {
 
@@ -27,7 +27,7 @@ std::string read_from_start(int file) {
 }  // namespace
 
 std::optional<Ended> run_program(const std::vector<std::string>& words) {
-  const int said = files::nameless_file();
+  const int said = base::nameless_file();
   const pid_t process = start_child(words[0], words, {.out = said, .err = said}, SIGKILL);
   if (process < 0) {
     const int error = errno;

@@ -11,9 +11,9 @@
 #include <unistd.h>
 
 #include "apps/command.h"
+#include "base/input_file.h"
+#include "base/lock.h"
 #include "devices/trial/file.h"
-#include "files/input_file.h"
-#include "files/lock.h"
 #include "scene/play/events.h"
 #include "scene/scenario/files.h"
 
@@ -53,7 +53,7 @@ Run look_into(const fs::path& path) {
 
 std::string read_study_file(const fs::path& path) {
   constexpr std::size_t kMost = 16'000'000;
-  return files::read_text(path.string(), kMost);
+  return base::read_text(path.string(), kMost);
 }
 
 Study open_study(const std::string& folder) {
@@ -117,9 +117,9 @@ StudyLock::StudyLock(const fs::path& path, const std::string& what)
     throw std::runtime_error(
         fmt::format("{}: cannot be opened: {}", path.string(), std::strerror(errno)));
   }
-  if (files::lock(descriptor_)) return;
+  if (base::lock(descriptor_)) return;
   close(descriptor_);
-  throw files::Busy(fmt::format("{}: another headpin is {}", path.string(), what));
+  throw base::Busy(fmt::format("{}: another headpin is {}", path.string(), what));
 }
 
 StudyLock::~StudyLock() {

@@ -62,7 +62,7 @@ std::filesystem::path questionnaire_of(const study::Design& design,
 class StudyLock {
  public:
   /// @param path  of a file or folder that is there
-  /// @throws files::Busy  when another process has locked it
+  /// @throws base::Busy  when another process has locked it
   StudyLock(const std::filesystem::path& path, const std::string& what);
   ~StudyLock();
   StudyLock(const StudyLock&) = delete;

@@ -11,8 +11,8 @@
 #include "apps/command.h"
 #include "apps/options.h"
 #include "apps/stop.h"
-#include "files/input_file.h"
-#include "files/sha256.h"
+#include "base/input_file.h"
+#include "base/sha256.h"
 #include "scene/play/details.h"
 #include "scene/play/events.h"
 #include "scene/watch/recorded.h"
@@ -63,8 +63,8 @@ study::Played measured(const Run& run) {
   });
   played.measures = measurer.measures(session);
   played.replays = said && said->hash == played.measures.game_hash;
-  const std::vector<std::uint8_t> bytes = files::read_bytes(run.path.string(), kMost);
-  played.sha256 = files::sha256({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  const std::vector<std::uint8_t> bytes = base::read_bytes(run.path.string(), kMost);
+  played.sha256 = base::sha256({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   return played;
 }
 

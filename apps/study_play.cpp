@@ -4,9 +4,9 @@
 
 #include <fmt/format.h>
 
-#include "devices/base/random.h"
+#include "base/hash.h"
+#include "base/random.h"
 #include "devices/trial/log.h"
-#include "engine/hash.h"
 #include "scene/people/participant.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/recorded.h"
@@ -39,7 +39,7 @@ class WithoutStates : public devices::TrialSink {
 std::uint64_t person_seed(const Study& study, const std::string& id) {
   Fnv name;
   for (const char c : id) name.add(static_cast<std::uint8_t>(c));
-  return devices::Random(study.design.seed.value_or(1), kPeople, name.value()).next();
+  return Random(study.design.seed.value_or(1), kPeople, name.value()).next();
 }
 
 /// Plays the samples of `source` until `until`, and writes a trial to `path`.

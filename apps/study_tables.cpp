@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "apps/stop.h"
-#include "files/output_file.h"
+#include "base/output_file.h"
 
 namespace headpin::apps {
 
@@ -12,7 +12,7 @@ StudyTables::StudyTables(const std::filesystem::path& folder)
 
 void StudyTables::write(const std::string& name, const std::string& text) {
   check_stop();
-  files::OutputFile file(folder_.file(name).string(), {.overwrite = true, .durable = false});
+  base::OutputFile file(folder_.file(name).string(), {.overwrite = true, .durable = false});
   file.write(text.data(), text.size());
   file.commit();
 }

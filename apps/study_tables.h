@@ -4,21 +4,21 @@
 #include <string>
 
 #include "apps/study_folder.h"
-#include "files/output_folder.h"
+#include "base/output_folder.h"
 
 /// Folders of results of a study: all files of a set are new, or all are old.
 namespace headpin::apps {
 
 class StudyTables {
  public:
-  /// @throws as files::OutputFolder; what headpin wrote there before is replaced
+  /// @throws as base::OutputFolder; what headpin wrote there before is replaced
   explicit StudyTables(const std::filesystem::path& folder);
 
   void write(const std::string& name, const std::string& text);
   void commit(const std::string& last);
 
  private:
-  files::OutputFolder folder_;
+  base::OutputFolder folder_;
 };
 
 /// The design's notes about this table.

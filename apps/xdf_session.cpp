@@ -8,10 +8,10 @@
 #include "apps/command.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "base/output_file.h"
 #include "devices/recordings/xdf_motion.h"
 #include "devices/recordings/xdf_trial.h"
 #include "devices/trial/log.h"
-#include "files/output_file.h"
 
 namespace headpin::apps {
 
@@ -27,9 +27,9 @@ void import_xdf_session(const ImportOptions& options) {
   const devices::XdfTrial trial = devices::read_xdf_trial(devices::bytes_of(file), options.file);
   if (!options.explain) {
     watch_stop_signals();
-    devices::Recorder recorder(files::OutputFile(*options.output, {.overwrite = options.force,
-                                                                   .standard_output = true,
-                                                                   .inputs = {options.file}}),
+    devices::Recorder recorder(base::OutputFile(*options.output, {.overwrite = options.force,
+                                                                  .standard_output = true,
+                                                                  .inputs = {options.file}}),
                                trial.header);
     devices::write(recorder, trial.samples, trial.events);
     check_stop();

@@ -32,12 +32,12 @@ add_custom_target(version
           -DOUTPUT=${CMAKE_BINARY_DIR}/version.cpp -P ${HEADPIN_ROOT}/devices/base/version.cmake
   BYPRODUCTS ${CMAKE_BINARY_DIR}/version.cpp VERBATIM)
 
-file(GLOB engine CONFIGURE_DEPENDS ${HEADPIN_ROOT}/engine/*.cpp)
+file(GLOB engine CONFIGURE_DEPENDS ${HEADPIN_ROOT}/engine/*.cpp ${HEADPIN_ROOT}/base/math.cpp)
 set(parts
   devices/base/clock_offset devices/base/clocks devices/base/genlock devices/base/sequence_count devices/trial/event_log devices/trial/file
   devices/trial/layout
   devices/trial/messages devices/trial/misdated devices/trial/resample devices/trial/sources
-  devices/trial/state_change devices/trial/trial_messages files/input_file files/sha256 files/temporary
+  devices/trial/state_change devices/trial/trial_messages base/input_file base/sha256 base/temporary
   render/data/hmd render/eyes scene/play/details scene/play/game scene/play/game_hash scene/play/hand scene/play/outcome scene/play/player
   scene/play/presence scene/play/referee scene/play/release scene/play/run scene/play/score
   scene/play/session scene/play/tracking scene/play/walk scene/scenario/files scene/scenario/keys
@@ -53,10 +53,10 @@ add_library(headpin_step STATIC ${engine})
 target_compile_features(headpin_step PUBLIC cxx_std_20)
 target_include_directories(headpin_step PUBLIC ${HEADPIN_ROOT})
 target_include_directories(headpin_step SYSTEM PUBLIC ${headers})
-# As in engine/CMakeLists.txt: these carry the promise of equal bits.
+# As in base/CMakeLists.txt: these carry the promise of equal bits.
 target_compile_options(headpin_step PUBLIC -ffp-contract=off -fno-tree-vectorize -fno-tree-slp-vectorize)
 target_compile_definitions(headpin_step PUBLIC EIGEN_DONT_VECTORIZE)
-target_precompile_headers(headpin_step PRIVATE ${HEADPIN_ROOT}/engine/math.h)
+target_precompile_headers(headpin_step PRIVATE ${HEADPIN_ROOT}/base/math.h)
 
 add_library(headpin_replay STATIC ${parts} ${messages} ${CMAKE_BINARY_DIR}/version.cpp)
 add_dependencies(headpin_replay version)

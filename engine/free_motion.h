@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/math.h"
+#include "base/math.h"
 
 /// Free rotation of a body without contacts.
 namespace headpin::engine {

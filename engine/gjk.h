@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/math.h"
+#include "base/math.h"
 
 /// Distance of a convex set from the origin, from its support points alone (Gilbert, Johnson and
 /// Keerthi 1988). The fallback of the non-colliding method.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/math.h"
+#include "base/math.h"
 
 /// Balance of energy and momentum by cause.
 namespace headpin::engine {

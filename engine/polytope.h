@@ -2,7 +2,7 @@
 
 #include <cstdint>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 /// The expanding polytope algorithm, EPA (van den Bergen 2001), with a given depth to beat. Private
 /// to the engine.

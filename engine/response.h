@@ -4,7 +4,7 @@
 #include <span>
 #include <string_view>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 /// Collision response (paper 2.2): the impulse with which two bodies part.
 ///

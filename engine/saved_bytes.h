@@ -11,8 +11,8 @@
 #include <utility>
 #include <vector>
 
-#include "engine/hash.h"
-#include "engine/math.h"
+#include "base/hash.h"
+#include "base/math.h"
 
 /// Numbers as bytes, for whoever saves a state and restores it. Little-endian, the same on every
 /// machine.

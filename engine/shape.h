@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 /// Convex shapes: the paper's primitives, vertex data, and the half-space for floors and walls.
 ///

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/math.h"
+#include "base/math.h"
 #include "engine/non_colliding.h"
 #include "engine/shape.h"
 

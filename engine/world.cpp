@@ -6,8 +6,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/hash.h"
 #include "engine/bodies.h"
-#include "engine/hash.h"
 
 namespace headpin::engine {
 namespace {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 /// The input of a renderer. Colours and light are linear RGB; 1 is white at full light.
 namespace headpin::render {

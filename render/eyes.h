@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "engine/math.h"
+#include "base/math.h"
 #include "render/data/optics.h"
 
 namespace headpin::render {

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "engine/hash.h"
+#include "base/hash.h"
 #include "render/sample_grid.h"
 
 namespace headpin::render {

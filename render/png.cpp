@@ -11,8 +11,8 @@
 #include <libdeflate.h>
 #include <png.h>
 
-#include "files/input_file.h"
-#include "files/output_file.h"
+#include "base/input_file.h"
+#include "base/output_file.h"
 
 namespace headpin::render {
 
@@ -102,7 +102,7 @@ Bytes encoded(const Raster& raster, double pixel_aspect) {
 
 void write_bytes(const std::filesystem::path& path, const Bytes& bytes) {
   // One of many files in a folder; the folder syncs them when it is complete.
-  files::OutputFile file(path, {.overwrite = true, .durable = false});
+  base::OutputFile file(path, {.overwrite = true, .durable = false});
   file.write(bytes.data(), bytes.size());
   file.commit();
 }
@@ -164,7 +164,7 @@ void write_png(const std::filesystem::path& path, const Image& image, double pix
 
 Image read_png(const std::filesystem::path& path) {
   constexpr std::size_t kMost = 2'000'000'000;
-  const Bytes bytes = files::read_bytes(path.string(), kMost);
+  const Bytes bytes = base::read_bytes(path.string(), kMost);
   try {
     return decode_png(bytes);
   } catch (const std::runtime_error& error) {

@@ -20,7 +20,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "files/temporary.h"
+#include "base/temporary.h"
 
 extern char** environ;
 
@@ -120,13 +120,12 @@ std::string text_of(int file) {
 
 }  // namespace
 
-VideoFiles open_video(const std::filesystem::path& path, files::OutputFile::Options how,
-                      bool copy) {
+VideoFiles open_video(const std::filesystem::path& path, base::OutputFile::Options how, bool copy) {
   if (path.extension() != ".mkv") {
     throw std::invalid_argument("video: expected a name that ends in .mkv, found " + path.string());
   }
   how.regular = true;
-  VideoFiles files{files::OutputFile(path, how), std::nullopt};
+  VideoFiles files{base::OutputFile(path, how), std::nullopt};
   std::filesystem::path beside = path;
   if (copy) files.copy.emplace(beside.replace_extension(".mp4"), how);
   return files;
@@ -149,7 +148,7 @@ VideoWriter::VideoWriter(VideoFiles files, int width, int height, std::int64_t f
   }
   socket_ = ends[0];
   try {
-    messages_ = files::nameless_file();
+    messages_ = base::nameless_file();
     process_ = spawn(arguments(width, height, fps, pixel_aspect, files_->lossless.part(),
                                files_->copy ? files_->copy->part().string() : std::string()),
                      ends[1], messages_);
@@ -214,7 +213,7 @@ void VideoWriter::close() {
   }
   process_ = -1;
   if (status != 0) fail();
-  const auto require_bytes = [this](const files::OutputFile& file) {
+  const auto require_bytes = [this](const base::OutputFile& file) {
     struct stat written {};
     if (fstat(file.descriptor(), &written) == 0 && written.st_size == 0) fail();
   };

@@ -7,23 +7,23 @@
 #include <string>
 #include <utility>
 
-#include "files/output_file.h"
+#include "base/output_file.h"
 #include "render/image.h"
 
 namespace headpin::render {
 
 /// The open files of a video.
 struct VideoFiles {
-  files::OutputFile lossless;             ///< .mkv
-  std::optional<files::OutputFile> copy;  ///< .mp4
+  base::OutputFile lossless;             ///< .mkv
+  std::optional<base::OutputFile> copy;  ///< .mp4
 };
 
 /// Opens FILE.mkv and, if it is wanted, FILE.mp4 beside it.
 ///
 /// @param how  of both; they are regular files, because ffmpeg seeks in them
 /// @throws std::invalid_argument  for another suffix
-/// @throws as files::OutputFile
-VideoFiles open_video(const std::filesystem::path& path, files::OutputFile::Options how = {},
+/// @throws as base::OutputFile
+VideoFiles open_video(const std::filesystem::path& path, base::OutputFile::Options how = {},
                       bool copy = true);
 
 /// Writes pictures as a video, through ffmpeg.

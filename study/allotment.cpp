@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "devices/base/random.h"
+#include "base/random.h"
 
 namespace headpin::study {
 
@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t kPlaces = 101, kOrders = 102;
 
 template <typename T>
-void shuffle(std::span<T> all, devices::Random& random) {
+void shuffle(std::span<T> all, Random& random) {
   for (std::size_t i = all.size(); i > 1; --i) std::swap(all[i - 1], all[random.next() % i]);
 }
 
@@ -33,7 +33,7 @@ std::vector<std::size_t> rows_of_block(const Design& design) {
 /// Order and colour of every place, as two bits. In each pair of places, both bits are opposite.
 std::vector<unsigned> orders_of_block(const Design& design, const std::vector<std::size_t>& rows,
                                       std::uint64_t seed, std::int64_t block) {
-  devices::Random random(seed, kOrders, static_cast<std::uint64_t>(block / 4));
+  Random random(seed, kOrders, static_cast<std::uint64_t>(block / 4));
   unsigned pair = random.next() & 1;
   std::vector<unsigned> orders;
   for (std::size_t begin = 0; begin < rows.size();) {
@@ -62,7 +62,7 @@ Allotted allot(const Design& design, std::uint64_t seed, std::int64_t place) {
   const std::vector<unsigned> orders = orders_of_block(design, rows, seed, block);
   std::vector<std::size_t> at(rows.size());
   std::iota(at.begin(), at.end(), std::size_t{0});
-  devices::Random random(seed, kPlaces, static_cast<std::uint64_t>(block));
+  Random random(seed, kPlaces, static_cast<std::uint64_t>(block));
   shuffle(std::span(at), random);
   const std::size_t which = at[static_cast<std::size_t>(place % size)];
   return {rows[which], (orders[which] & 1) != 0, (orders[which] & 2) != 0};

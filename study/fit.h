@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 /// Logistic regression of counts out of n by Newton's method, for simulations. It stays our own
 /// code: it is called thousands of times, and the analysis of a study uses R's glm.

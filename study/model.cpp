@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
-#include "devices/base/random.h"
-#include "engine/hash.h"
+#include "base/hash.h"
+#include "base/random.h"
 #include "study/csv.h"
 
 namespace headpin::study {
@@ -50,18 +50,18 @@ std::string dealt(const PublishedAnswers& published, std::uint64_t seed, std::in
   }
   const auto size = static_cast<std::int64_t>(deck.size());
   const std::uint64_t which = number_of(published.item) + published.changed.value_or(99);
-  devices::Random random(seed, kDealt + which, static_cast<std::uint64_t>(rank / size));
+  Random random(seed, kDealt + which, static_cast<std::uint64_t>(rank / size));
   for (std::size_t i = deck.size(); i > 1; --i) std::swap(deck[i - 1], deck[random.next() % i]);
   return deck[static_cast<std::size_t>(rank % size)];
 }
 
-std::string any_answer(const Item& item, devices::Random& random) {
+std::string any_answer(const Item& item, Random& random) {
   if (!item.is_scale()) return item.choices[random.next() % item.choices.size()].id;
   const auto answers = static_cast<std::uint64_t>(item.high - item.low + 1);
   return fmt::format("{}", item.low + static_cast<int>(random.next() % answers));
 }
 
-std::string scored_answer(const Item& item, double probability, devices::Random& random) {
+std::string scored_answer(const Item& item, double probability, Random& random) {
   const bool high = random.uniform() < probability;
   const int from = high ? *item.counts_from : item.low;
   const int to = high ? item.high : *item.counts_from - 1;
@@ -138,7 +138,7 @@ Answers draw_answers(const Design& design, const Questionnaire& questions, std::
   Answers answers;
   for (const Item& item : questions.items) {
     if (item.counts_from) continue;
-    devices::Random random(seed, kGiven + number_of(item.id), name);
+    Random random(seed, kGiven + number_of(item.id), name);
     std::string answer = any_answer(item, random);
     for (const PublishedAnswers& published : design.published) {
       if (published.item != item.id || (published.changed && *published.changed != changed))
@@ -153,7 +153,7 @@ Answers draw_answers(const Design& design, const Questionnaire& questions, std::
   const double probability = published_probability(design, values.value());
   for (const Item& item : questions.items) {
     if (!item.counts_from) continue;
-    devices::Random random(seed, kGiven + number_of(item.id), name);
+    Random random(seed, kGiven + number_of(item.id), name);
     answers.push_back({item.id, scored_answer(item, probability, random), kDrawn});
   }
   std::ranges::sort(answers, {}, [&](const Answer& answer) { return questions.find(answer.item); });

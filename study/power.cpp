@@ -3,7 +3,7 @@
 #include <cmath>
 #include <string>
 
-#include "devices/base/random.h"
+#include "base/random.h"
 #include "study/fit.h"
 #include "study/model.h"
 
@@ -29,7 +29,7 @@ Eigen::MatrixXd people_of(const Design& design, const Questionnaire& questions, 
 
 /// Draws the number of high answers of every person.
 Eigen::VectorXd scores_of(const Eigen::MatrixXd& x, const Eigen::VectorXd& estimates, int n,
-                          devices::Random& random) {
+                          Random& random) {
   Eigen::VectorXd y = Eigen::VectorXd::Zero(x.rows());
   const Eigen::VectorXd eta = x * estimates;
   for (Eigen::Index i = 0; i < y.size(); ++i) {
@@ -66,8 +66,8 @@ Power power_of(const Design& design, const Questionnaire& questions, int people,
     each();
     const auto number =
         static_cast<std::uint64_t>(study) * 100'000u + static_cast<std::uint64_t>(people);
-    const std::uint64_t its_seed = devices::Random(seed, kStudies, number).next();
-    devices::Random random(its_seed, kAnswers, 0);
+    const std::uint64_t its_seed = Random(seed, kStudies, number).next();
+    Random random(its_seed, kAnswers, 0);
     const Eigen::MatrixXd x = people_of(design, questions, people, its_seed);
     const Eigen::VectorXd y = scores_of(x, published, n, random);
     const Fit full = fit_binomial(x, y, n);

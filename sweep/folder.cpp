@@ -10,10 +10,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "files/input_file.h"
-#include "files/left_parts.h"
-#include "files/output_file.h"
-#include "files/sha256.h"
+#include "base/input_file.h"
+#include "base/left_parts.h"
+#include "base/output_file.h"
+#include "base/sha256.h"
 #include "scene/scenario/nearest.h"
 #include "scene/stage/read_scenario.h"
 #include "study/csv.h"
@@ -28,14 +28,14 @@ namespace {
 constexpr std::size_t kMostText = 4'000'000'000;
 
 void write_file(const fs::path& path, std::string_view text, bool overwrite) {
-  files::OutputFile file(path.string(), {.overwrite = overwrite});
+  base::OutputFile file(path.string(), {.overwrite = overwrite});
   file.write(text.data(), text.size());
   file.commit();
 }
 
 /// Writes a file, unless an interrupted plan has written it already.
 void write_once(const fs::path& path, const std::string& text) {
-  if (fs::exists(path) && files::read_text(path.string(), kMostText) == text) return;
+  if (fs::exists(path) && base::read_text(path.string(), kMostText) == text) return;
   write_file(path, text, false);
 }
 
@@ -119,7 +119,7 @@ std::string_view without_line_end(std::string_view text) {
 /// Compares rows.csv with the rows, line by line.
 /// @return  its SHA-256
 std::string require_rows(const fs::path& path, const Rows& rows) {
-  const std::string text = files::read_text(path.string(), kMostText);
+  const std::string text = base::read_text(path.string(), kMostText);
   std::size_t at = 0;
   const auto require = [&](std::int64_t line, const std::string& expected) {
     const std::string_view rest = std::string_view(text).substr(at);
@@ -139,7 +139,7 @@ std::string require_rows(const fs::path& path, const Rows& rows) {
     throw std::runtime_error(fmt::format("{}:{}: expected {} rows, found more", path.string(),
                                          rows.size() + 2, rows.size()));
   }
-  return files::sha256(text);
+  return base::sha256(text);
 }
 
 }  // namespace
@@ -153,7 +153,7 @@ std::int64_t plan(const fs::path& file, const SweepFolder& at, const std::functi
     throw std::runtime_error(at.root.string() +
                              ": a sweep is there already; expected a new folder");
   }
-  const std::string text = files::read_text(file.string(), 16'000'000);
+  const std::string text = base::read_text(file.string(), 16'000'000);
   const Design design = parse_design(text, file.string());
   require_different_names(design, file.string());
   std::vector<Trial> trials;
@@ -165,10 +165,10 @@ std::int64_t plan(const fs::path& file, const SweepFolder& at, const std::functi
   const Rows rows(design, hashes_of(trials));
   const std::string table = rows_csv(rows, check);
   fs::create_directories(at.trials());
-  files::remove_left_parts(at.root.string());
-  files::remove_left_parts(at.trials().string());
+  base::remove_left_parts(at.root.string());
+  base::remove_left_parts(at.trials().string());
   for (const std::string& trial : design.trials) {
-    write_once(own(at, trial), files::read_text((file.parent_path() / trial).string(), kMostText));
+    write_once(own(at, trial), base::read_text((file.parent_path() / trial).string(), kMostText));
   }
   write_once(at.design(), text);
   fs::create_directories(at.pieces());
@@ -184,7 +184,7 @@ Sweep open_sweep(const fs::path& root) {
         "makes one",
         root.string(), root.string()));
   }
-  const std::string design_text = files::read_text(at.design().string(), 16'000'000);
+  const std::string design_text = base::read_text(at.design().string(), 16'000'000);
   const Design design = parse_design(design_text, at.design().string());
   std::vector<Trial> trials;
   for (const std::string& trial : design.trials) {
@@ -202,7 +202,7 @@ std::optional<PieceEnd> piece_of(const Sweep& sweep, const Piece& piece,
                                  std::vector<std::string>* lines) {
   const fs::path path = sweep.at.piece(piece);
   if (!fs::exists(path)) return std::nullopt;
-  const std::string text = files::read_text(path.string(), kMostText);
+  const std::string text = base::read_text(path.string(), kMostText);
   return read_piece(text, path.string(), sweep.plan, piece, sweep.columns, lines);
 }
 

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "files/sha256.h"
+#include "base/sha256.h"
 
 namespace headpin::sweep {
 
@@ -17,7 +17,7 @@ constexpr std::int64_t kMostRowsOfAPiece = 1000, kPieces = 64;
 std::string last_line(const std::string& plan, const Piece& piece, const PieceEnd& end,
                       std::string_view above) {
   const std::string begin = fmt::format("#,{},{},{},{},", piece.number, end.rows, end.failed, plan);
-  return begin + files::sha256(begin + std::string(above)) + "\n";
+  return begin + base::sha256(begin + std::string(above)) + "\n";
 }
 
 [[noreturn]] void refuse(const std::string& where, const std::string& why) {

@@ -9,7 +9,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "files/shell_word.h"
+#include "base/shell_word.h"
 #include "study/report.h"
 #include "sweep/colours.h"
 #include "sweep/result.h"
@@ -262,7 +262,7 @@ std::string for_a_shell(const std::string& text) {
                          "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_./=+-") ==
                      std::string::npos;
   if (plain && !text.empty()) return text;
-  return files::shell_word(text);
+  return base::shell_word(text);
 }
 
 /// JSON that is safe in a script inside a page.

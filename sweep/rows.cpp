@@ -9,8 +9,8 @@
 
 #include <fmt/format.h>
 
-#include "devices/base/random.h"
-#include "files/sha256.h"
+#include "base/random.h"
+#include "base/sha256.h"
 #include "study/csv.h"
 
 namespace headpin::sweep {
@@ -23,7 +23,7 @@ constexpr std::uint64_t kParts = 201, kPlaces = 202;  // purposes of random numb
 std::vector<std::uint32_t> shuffled(std::int64_t n, std::uint64_t seed, std::uint64_t which) {
   std::vector<std::uint32_t> all(static_cast<std::size_t>(n));
   std::iota(all.begin(), all.end(), 0u);
-  devices::Random random(seed, kParts, which);
+  Random random(seed, kParts, which);
   for (std::size_t i = all.size(); i > 1; --i) std::swap(all[i - 1], all[random.next() % i]);
   return all;
 }
@@ -60,7 +60,7 @@ Rows::Rows(const Design& design, std::vector<std::string> hashes)
 
 std::string Rows::drawn(std::size_t range, std::int64_t draw) const {
   const auto number = static_cast<std::uint64_t>(draw) * 1000u + static_cast<std::uint64_t>(range);
-  double place = devices::Random(design_.seed, kPlaces, number).uniform();
+  double place = Random(design_.seed, kPlaces, number).uniform();
   if (design_.latin_hypercube) {
     place =
         (part_[range][static_cast<std::size_t>(draw)] + place) / static_cast<double>(design_.draws);
@@ -88,7 +88,7 @@ Row Rows::at(std::int64_t number) const {
   for (std::size_t i = 0; i < keys_.size(); ++i) said[keys_[i]] = row.values[i];
   std::string text = hashes_[row.trial] + "\n";
   for (const auto& [key, value] : said) text += key + "=" + value + "\n";
-  row.key = files::sha256(text).substr(0, 16);
+  row.key = base::sha256(text).substr(0, 16);
   return row;
 }
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "base/input_file.h"
+#include "base/sha256.h"
 #include "devices/trial/file.h"
 #include "devices/trial/sources.h"
-#include "files/input_file.h"
-#include "files/sha256.h"
 #include "scene/play/run.h"
 #include "scene/play/session.h"
 #include "scene/stage/read_scenario.h"
@@ -54,10 +54,10 @@ const Frames& own_condition(const Trial& trial) {
 
 Trial read_trial(const std::string& path) {
   constexpr std::size_t kMost = 4'000'000'000;
-  const std::vector<std::uint8_t> bytes = files::read_bytes(path, kMost);
+  const std::vector<std::uint8_t> bytes = base::read_bytes(path, kMost);
   const scene::Recorded recorded = scene::load_trial(bytes, path);
   Trial trial;
-  trial.sha256 = files::sha256({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
+  trial.sha256 = base::sha256({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   trial.scenario = recorded.scenario;
   trial.scenario_text = scene::to_toml(recorded.scenario);
   recorded.file.walk([&](devices::TrialFile::Item& item) {

@@ -3,7 +3,7 @@
 
 usage: mutants.py [--since COMMIT] [--most N] [FILES]
 
-FILES are sources (.cpp) of one folder: files, devices, engine, render, scene or study; without them, those that changed since
+FILES are sources (.cpp) of one folder: base, devices, engine, render, scene or study; without them, those that changed since
 COMMIT (HEAD). Whatever their room is, the tests are those of the folder.
 --most takes N of the faults, evenly spread.
 
@@ -30,7 +30,7 @@ from clang import cindex
 from clang.cindex import CursorKind as Kind
 from clang.cindex import TypeKind
 
-TESTS = {"files": ["files"], "devices": ["devices"], "engine": ["engine", "laws"], "render": ["render"], "scene": ["scene"],
+TESTS = {"base": ["base"], "devices": ["devices"], "engine": ["engine", "laws"], "render": ["render"], "scene": ["scene"],
          "study": ["study"]}
 COPY = "build/mutants"
 OTHER = {"<": "<=", "<=": "<", ">": ">=", ">=": ">", "==": "!=", "!=": "==", "+": "-", "-": "+", "*": "/", "/": "*",

@@ -13,7 +13,7 @@
 #include "apps/progress.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "files/output_file.h"
+#include "base/output_file.h"
 #include "scene/watch/recorded.h"
 #include "study/csv.h"
 
@@ -149,13 +149,13 @@ sweep::Apart apart_of(const Simulated& a, const Simulated& b, const ApartOptions
 
 void tell_apart(const ApartOptions& options) {
   watch_stop_signals();
-  std::optional<files::OutputFile> file;
+  std::optional<base::OutputFile> file;
   if (options.output) {
     std::vector<std::filesystem::path> inputs = {options.a};
     if (options.b) inputs.emplace_back(*options.b);
-    file.emplace(*options.output, files::OutputFile::Options{.overwrite = options.force,
-                                                             .standard_output = !options.json,
-                                                             .inputs = inputs});
+    file.emplace(*options.output, base::OutputFile::Options{.overwrite = options.force,
+                                                            .standard_output = !options.json,
+                                                            .inputs = inputs});
   }
   Simulated a(loaded(options.a, options));
   scene::Recorded other = loaded(options.b.value_or(options.a), options);

@@ -17,11 +17,11 @@
 #include "apps/priority.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "base/lock.h"
 #include "devices/emulated/lcm_feed.h"
 #include "devices/emulated/unit.h"
 #include "devices/lines/byte_stream.h"
 #include "devices/lines/command_pipe.h"
-#include "files/lock.h"
 
 namespace headpin::apps {
 namespace {
@@ -51,8 +51,8 @@ std::unique_ptr<devices::TcpServer> serve_at(const std::string& where) {
     return std::make_unique<devices::TcpServer>(port, where.substr(0, colon));
   } catch (const std::invalid_argument& wrong) {
     throw UsageError(option + wrong.what());
-  } catch (const files::Busy& busy) {
-    throw files::Busy(option + busy.what());
+  } catch (const base::Busy& busy) {
+    throw base::Busy(option + busy.what());
   } catch (const std::runtime_error& failure) {
     throw std::runtime_error(option + failure.what());
   }
@@ -63,8 +63,8 @@ std::unique_ptr<devices::PseudoTerminal> terminal_at(const std::string& link) {
   auto terminal = std::make_unique<devices::PseudoTerminal>();
   try {
     if (!link.empty()) terminal->link_at(link);
-  } catch (const files::Busy& busy) {
-    throw files::Busy(std::string("--link ") + busy.what());
+  } catch (const base::Busy& busy) {
+    throw base::Busy(std::string("--link ") + busy.what());
   } catch (const std::runtime_error& failure) {
     throw std::runtime_error(std::string("--link ") + failure.what());
   }

@@ -11,10 +11,10 @@
 #include "apps/streams.h"
 #include "apps/study_people.h"
 #include "apps/study_tables.h"
-#include "files/input_file.h"
-#include "files/left_parts.h"
-#include "files/output_file.h"
-#include "files/temporary.h"
+#include "base/input_file.h"
+#include "base/left_parts.h"
+#include "base/output_file.h"
+#include "base/temporary.h"
 #include "study/csv.h"
 #include "study/script.h"
 
@@ -66,8 +66,8 @@ std::string whom(const study::CsvTable& people, const Mixing& mixing) {
 bool require_script(const Study& study, const fs::path& path) {
   const std::string script = study::r_script(study.design);
   if (fs::exists(path)) return read_study_file(path) != script;
-  files::remove_left_parts(study.at.root.string());
-  files::OutputFile file(path.string(), {});
+  base::remove_left_parts(study.at.root.string());
+  base::OutputFile file(path.string(), {});
   file.write(script.data(), script.size());
   file.commit();
   return false;
@@ -89,7 +89,7 @@ void run_script(const fs::path& script, const fs::path& people, const std::strin
                 const fs::path& root) {
   StudyTables folder(root / "analysis");
   // R gets its own folder. The R of a command that was killed may still write into an older one.
-  const files::PrivateFolder output;
+  const base::PrivateFolder output;
   const auto ended = run_program(
       {"Rscript", "--vanilla", script.string(), people.string(), output.path().string(), who});
   check_stop();
@@ -111,7 +111,7 @@ void run_script(const fs::path& script, const fs::path& people, const std::strin
   for (const auto& entry : fs::directory_iterator(output.path())) {  // a changed script may add one
     const std::string name = entry.path().filename().string();
     if (name[0] == '.' || !entry.is_regular_file()) continue;
-    folder.write(name, files::read_text(entry.path().string(), kLargestOutput));
+    folder.write(name, base::read_text(entry.path().string(), kLargestOutput));
   }
   folder.commit("fit.csv");
 }

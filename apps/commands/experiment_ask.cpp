@@ -12,7 +12,7 @@
 #include "apps/streams.h"
 #include "apps/study_folder.h"
 #include "apps/study_people.h"
-#include "files/line_file.h"
+#include "base/line_file.h"
 #include "study/answers.h"
 #include "study/csv.h"
 #include "study/model.h"
@@ -86,7 +86,7 @@ class AnswerFile {
 
   std::string id_;
   fs::path path_;
-  std::optional<files::LineFile> file_;
+  std::optional<base::LineFile> file_;
 };
 
 void print_question(const study::Item& item, std::size_t number, std::size_t all,

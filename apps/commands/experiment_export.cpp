@@ -11,10 +11,10 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/study_people.h"
+#include "base/input_file.h"
+#include "base/left_parts.h"
+#include "base/output_file.h"
 #include "devices/base/version.h"
-#include "files/input_file.h"
-#include "files/left_parts.h"
-#include "files/output_file.h"
 #include "scene/watch/recorded.h"
 #include "study/bids.h"
 
@@ -40,9 +40,9 @@ class Dataset {
     check_stop();
     const fs::path path = root_ / name;
     fs::create_directories(path.parent_path());
-    files::remove_left_parts(path.parent_path().string());
+    base::remove_left_parts(path.parent_path().string());
     // Overwrites the files of a killed export.
-    files::OutputFile file(path.string(), {.overwrite = true, .durable = false});
+    base::OutputFile file(path.string(), {.overwrite = true, .durable = false});
     file.write(text.data(), text.size());
     file.commit();
   }
@@ -138,7 +138,7 @@ void copy_trial(Dataset& dataset, const Study& study, const study::Person& perso
   constexpr std::size_t kMost = 4'000'000'000;
   const std::string name = person.played.run + ".lcmlog";
   dataset.write(fmt::format("sourcedata/sub-{}/{}", subject, name),
-                files::read_text((study.at.sessions(person.planned.id) / name).string(), kMost));
+                base::read_text((study.at.sessions(person.planned.id) / name).string(), kMost));
 }
 
 void export_study(const ExportStudyOptions& options) {
@@ -153,7 +153,7 @@ void export_study(const ExportStudyOptions& options) {
   }
   fs::create_directories(root);
   const StudyLock lock(root, "exporting to this folder");
-  files::remove_left_parts(root.string());
+  base::remove_left_parts(root.string());
   const std::string readme = study::bids_readme(study.design, people);
   require_free(root, readme);
   Dataset dataset(root);

@@ -10,8 +10,8 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/study_folder.h"
-#include "files/left_parts.h"
-#include "files/output_file.h"
+#include "base/left_parts.h"
+#include "base/output_file.h"
 #include "scene/scenario/files.h"
 #include "scene/scenario/scenario.h"
 #include "scene/scenario/toml_text.h"
@@ -33,7 +33,7 @@ struct PlanOptions {
 };
 
 void write_text(const fs::path& path, const std::string& text, bool overwrite) {
-  files::OutputFile file(path.string(), {.overwrite = overwrite});
+  base::OutputFile file(path.string(), {.overwrite = overwrite});
   file.write(text.data(), text.size());
   check_stop();
   file.commit();
@@ -146,7 +146,7 @@ void begin_study(const StudyFolder& at, const PlanOptions& options) {
     throw UsageError(fmt::format("--seed: {} has the seed {}", source.string(), *design.seed));
   }
   fs::create_directories(at.root);
-  files::remove_left_parts(at.root.string());
+  base::remove_left_parts(at.root.string());
   write_once(at.questionnaire(), questions);
   write_once(at.scenario(), scene::to_toml(scenario));
   write_text(at.design(), text, false);
@@ -187,7 +187,7 @@ void plan_study(const PlanOptions& options) {
   }
   if (new_one) begin_study(at, options);
   const StudyLock lock(at.design(), "planning this study");
-  files::remove_left_parts(at.root.string());
+  base::remove_left_parts(at.root.string());
   if (!fs::exists(at.plan())) {  // a new study, or interrupted before the plan was written
     const std::string text = read_study_file(at.design());
     write_text(at.plan(), study::to_csv({}, study::parse_design(text, at.design().string())),

@@ -15,7 +15,7 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/study_folder.h"
-#include "files/output_file.h"
+#include "base/output_file.h"
 #include "study/csv.h"
 #include "study/power.h"
 
@@ -111,7 +111,7 @@ void tell_power(PowerOptions options) {
     const std::string text = is_plot(*options.output)
                                  ? plot_file(study::power_svg(all), *options.output)
                                  : power_csv(all, options.seed);
-    files::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
+    base::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
     file.write(text.data(), text.size());
     check_stop();
     file.commit();

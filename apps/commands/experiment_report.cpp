@@ -11,7 +11,7 @@
 #include "apps/streams.h"
 #include "apps/study_people.h"
 #include "apps/trial_page.h"
-#include "files/output_file.h"
+#include "base/output_file.h"
 #include "study/csv.h"
 #include "study/report.h"
 
@@ -104,7 +104,7 @@ void report_study(const ReportStudyOptions& options) {
   if (options.pages) write_pages(study, people, options.page);
   const study::ReportParts parts = parts_of(study, people, counted, *options.output);
   const std::string html = study::html_report(study.design, study.questions, people, parts);
-  files::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
+  base::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
   file.write(html.data(), html.size());
   check_stop();
   file.commit();

@@ -16,8 +16,8 @@
 #include "apps/streams.h"
 #include "apps/study_folder.h"
 #include "apps/study_play.h"
-#include "files/left_parts.h"
-#include "files/lock.h"
+#include "base/left_parts.h"
+#include "base/lock.h"
 #include "scene/watch/totals.h"
 
 namespace headpin::apps {
@@ -37,12 +37,12 @@ struct RunOptions {
 /// the next run.
 class NextRun {
  public:
-  /// @throws files::Busy         when another one plays this participant's session
+  /// @throws base::Busy         when another one plays this participant's session
   /// @throws std::runtime_error  when it has been played
   NextRun(const Study& study, const std::string& id) : folder_(study.at.sessions(id)) {
     fs::create_directories(folder_);
     lock_.emplace(folder_, "playing the session of " + id);
-    files::remove_left_parts(folder_.string());
+    base::remove_left_parts(folder_.string());
     const std::vector<Run> runs = runs_of(study.at, id);
     if (const Run* done = counting(runs)) {
       throw std::runtime_error(
@@ -90,7 +90,7 @@ class VirtualStudy {
     played_.resize(waiting_.size());
   }
 
-  /// @throws  the first failure; files::Busy if other processes were playing some of the sessions
+  /// @throws  the first failure; base::Busy if other processes were playing some of the sessions
   void play() {
     Progress progress("sessions", static_cast<std::int64_t>(waiting_.size()));
     std::vector<std::thread> threads;
@@ -110,7 +110,7 @@ class VirtualStudy {
       }
     }
     if (json) print_json({{"sessions", all}});
-    if (!busy_.empty()) throw files::Busy(busy_);
+    if (!busy_.empty()) throw base::Busy(busy_);
   }
 
  private:
@@ -122,7 +122,7 @@ class VirtualStudy {
           check_stop();
           if (failed_) throw std::runtime_error("another session failed");
         });
-      } catch (const files::Busy& error) {
+      } catch (const base::Busy& error) {
         const std::lock_guard lock(mutex_);
         busy_ = error.what();
       } catch (...) {

@@ -17,13 +17,13 @@
 #include "apps/run_again.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "base/output_file.h"
+#include "base/output_folder.h"
+#include "base/output_text.h"
 #include "devices/base/version.h"
 #include "devices/recordings/xdf_trial.h"
 #include "devices/trial/file.h"
 #include "devices/trial/tables.h"
-#include "files/output_file.h"
-#include "files/output_folder.h"
-#include "files/output_text.h"
 #include "scene/play/score.h"
 #include "scene/scenario/scenario.h"
 #include "scene/stage/read_scenario.h"
@@ -42,9 +42,9 @@ struct ExportOptions {
 };
 
 /// Writes all tables in one pass through the trial.
-nlohmann::ordered_json write_tables(files::OutputFolder& folder, const devices::TrialFile& trial,
+nlohmann::ordered_json write_tables(base::OutputFolder& folder, const devices::TrialFile& trial,
                                     const std::string& path) {
-  std::deque<files::OutputText> files;
+  std::deque<base::OutputText> files;
   std::deque<devices::TableWriter> tables;
   const std::vector<std::string> names = devices::table_names();
   const devices::TableRows::Walk walked = scene::walk_in_time(trial, path);
@@ -98,7 +98,7 @@ void export_gltf(const ExportOptions& options) {
   watch_stop_signals();
   const scene::Recorded recorded = scene::load_trial(options.trial);
   say_what_is_missing("export", options.trial, recorded.file.summary());
-  files::OutputFile file(
+  base::OutputFile file(
       *options.gltf,
       {.overwrite = options.force, .standard_output = true, .inputs = {options.trial}});
   scene::Session session = scene::make_session(recorded.scenario);
@@ -132,7 +132,7 @@ void export_xdf(const ExportOptions& options) {
   trial.require_trial(devices::kLongestGap);
   const devices::TrialSummary& summary = trial.summary();
   say_what_is_missing("export", options.trial, summary);
-  files::OutputFile file(
+  base::OutputFile file(
       *options.xdf,
       {.overwrite = options.force, .standard_output = true, .inputs = {options.trial}});
   const auto streams = devices::write_xdf_trial(
@@ -169,7 +169,7 @@ void export_trial(const ExportOptions& options) {
   if (options.gltf) return export_gltf(options);
   if (options.mcap) {
     watch_stop_signals();
-    files::OutputFile file(
+    base::OutputFile file(
         *options.mcap,
         {.overwrite = options.force, .standard_output = true, .inputs = {options.trial}});
     return export_mcap(options.trial, std::move(file), options.eyes, options.json);
@@ -180,11 +180,11 @@ void export_trial(const ExportOptions& options) {
   const devices::TrialSummary& summary = trial.summary();
   say_what_is_missing("export", options.trial, summary);
   watch_stop_signals();
-  files::OutputFolder folder(*options.folder,
-                             {.overwrite = options.force, .others = {options.trial}});
+  base::OutputFolder folder(*options.folder,
+                            {.overwrite = options.force, .others = {options.trial}});
   const nlohmann::ordered_json rows = write_tables(folder, trial, options.trial);
   const auto write = [&](const std::string& name, const std::string& text) {
-    files::OutputText file(folder.file(name));
+    base::OutputText file(folder.file(name));
     check_stop();
     file << text;
     file.close();

@@ -216,7 +216,7 @@ Done draw_here(const FramesOptions& options, const Task& task, const scene::Reco
 Done draw_apart(const FramesOptions& options, const Task& task, const scene::Recorded& recorded,
                 scene::Session session, scene::Eyes& eyes) {
   const auto total = static_cast<std::int64_t>(task.frames.size());
-  files::OutputFolder folder = open_picture_folder(options);
+  base::OutputFolder folder = open_picture_folder(options);
   // The cameras need no pictures: this process writes them all.
   FramesOptions cameras_alone = options;
   cameras_alone.folder.reset();

@@ -15,11 +15,11 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/xdf_session.h"
+#include "base/output_file.h"
 #include "devices/recordings/marker_file.h"
 #include "devices/recordings/motion_files.h"
 #include "devices/recordings/text_encoding.h"
 #include "devices/trial/log.h"
-#include "files/output_file.h"
 #include "scene/people/throw.h"
 #include "scene/play/events.h"
 #include "scene/stage/read_scenario.h"
@@ -208,10 +208,10 @@ devices::Recorder recorder_for(const ImportOptions& options, const scene::Scenar
   header.scenario = scene::to_toml(scenario);
   watch_stop_signals();
   return devices::Recorder(
-      files::OutputFile(*options.output, {.overwrite = options.force,
-                                          .standard_output = true,
-                                          .inputs = {options.file, options.scenario, options.events,
-                                                     options.columns}}),
+      base::OutputFile(*options.output, {.overwrite = options.force,
+                                         .standard_output = true,
+                                         .inputs = {options.file, options.scenario, options.events,
+                                                    options.columns}}),
       header);
 }
 
@@ -437,7 +437,7 @@ void add_import(CLI::App& app) {
     if (options->explain) return explain_import(*options, room_of(*options));
     if (is_bids_session(options->file)) {
       watch_stop_signals();
-      files::OutputFile file(
+      base::OutputFile file(
           *options->output,
           {.overwrite = options->force, .standard_output = true, .inputs = {options->file}});
       import_bids_session(options->file, std::move(file), options->json);

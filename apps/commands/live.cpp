@@ -15,11 +15,11 @@
 #include "apps/priority.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "base/output_file.h"
 #include "devices/lcm/link.h"
 #include "devices/live/source.h"
 #include "devices/trial/log.h"
 #include "devices/trial/messages.h"
-#include "files/output_file.h"
 #include "scene/live/lcm_views.h"
 #include "scene/live/monitor.h"
 #include "scene/live/played.h"
@@ -113,7 +113,7 @@ std::unique_ptr<devices::TrialSink> open_recording(const LiveOptions& options,
   for (const devices::OpenSource& source : sources.each()) inputs.push_back(source.recording);
   const Time epoch =
       std::chrono::duration_cast<Time>(std::chrono::system_clock::now().time_since_epoch());
-  files::OutputFile file(
+  base::OutputFile file(
       *options.record,
       {.overwrite = options.force, .live = true, .standard_output = true, .inputs = inputs});
   return std::make_unique<devices::Recorder>(

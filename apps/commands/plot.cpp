@@ -15,8 +15,8 @@
 #include "apps/recorded_world.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "base/output_file.h"
 #include "devices/trial/file.h"
-#include "files/output_file.h"
 #include "scene/play/events.h"
 #include "scene/stage/read_scenario.h"
 
@@ -187,7 +187,7 @@ void plot_trial(const PlotOptions& options) {
   RecordedWorld world(scene::scenario_of_trial(trial.header.scenario, options.trial));
   const std::string plot = plot_file(to_svg(chart(options.trial, file, world)), *options.output);
   watch_stop_signals();
-  files::OutputFile out(
+  base::OutputFile out(
       *options.output,
       {.overwrite = options.force, .standard_output = true, .inputs = {options.trial}});
   out.write(plot.data(), plot.size());

@@ -11,8 +11,8 @@
 #include "apps/progress.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "base/output_file.h"
 #include "devices/trial/log.h"
-#include "files/output_file.h"
 #include "scene/play/details.h"
 #include "scene/play/events.h"
 #include "scene/watch/counterparts.h"
@@ -280,7 +280,7 @@ void replay(const ReplayOptions& options) {
   std::optional<scene::Verifier> verifier;
   std::vector<scene::Observer*> observers;
   if (options.output) {
-    files::OutputFile file(
+    base::OutputFile file(
         *options.output,
         {.overwrite = options.force, .standard_output = true, .inputs = {options.trial}});
     writer.emplace(std::make_unique<devices::Recorder>(

@@ -15,10 +15,10 @@
 #include "apps/streams.h"
 #include "apps/trial_page.h"
 #include "apps/whatif.h"
+#include "base/input_file.h"
+#include "base/output_file.h"
+#include "base/shell_word.h"
 #include "devices/base/version.h"
-#include "files/input_file.h"
-#include "files/output_file.h"
-#include "files/shell_word.h"
 #include "scene/page/page_data.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/totals.h"
@@ -34,10 +34,10 @@ constexpr std::size_t kMostEmbedded = 20'000'000;  // bytes; a larger video stay
 constexpr std::size_t kMostRead = 2'000'000'000;   // bytes of a log that goes into a page
 
 std::string command_of(const TrialPage& options) {
-  std::string command = "headpin report " + files::shell_word(options.trial);
-  if (options.other) command += " " + files::shell_word(*options.other);
-  command += " -o " + files::shell_word(*options.output);
-  if (options.video) command += " --video " + files::shell_word(*options.video);
+  std::string command = "headpin report " + base::shell_word(options.trial);
+  if (options.other) command += " " + base::shell_word(*options.other);
+  command += " -o " + base::shell_word(*options.output);
+  if (options.video) command += " --video " + base::shell_word(*options.video);
   if (options.whatif) command += fmt::format(" --whatif {}", *options.whatif);
   return command;
 }
@@ -101,7 +101,7 @@ std::string log_block(const std::string& path, const std::string& game_hash, Tim
   if (scene::in_hex(session.game_hash.value()) == game_hash) {
     return deflated(inputs);
   }
-  return deflated(files::read_bytes(path, kMostRead));
+  return deflated(base::read_bytes(path, kMostRead));
 }
 
 /// Whether a file begins like an MP4 file: with a file type box (ISO 14496-12, 4.3).
@@ -121,7 +121,7 @@ fs::path beside_page(const TrialPage& options) {
 nlohmann::json add_video(const TrialPage& options, const std::vector<fs::path>& inputs,
                          PageBlocks& blocks) {
   if (!options.video) return {};
-  const files::InputFile video(*options.video);
+  const base::InputFile video(*options.video);
   std::vector<std::uint8_t> bytes(std::min(video.size(), kMostEmbedded));
   bytes.resize(video.read(0, bytes));
   if (!is_mp4(bytes)) {
@@ -135,8 +135,8 @@ nlohmann::json add_video(const TrialPage& options, const std::vector<fs::path>& 
     return {{"embedded", true}};
   }
   const fs::path beside = beside_page(options);
-  if (!files::same_file(beside, *options.video)) {
-    files::OutputFile copy(beside.string(), {.overwrite = options.force, .inputs = inputs});
+  if (!base::same_file(beside, *options.video)) {
+    base::OutputFile copy(beside.string(), {.overwrite = options.force, .inputs = inputs});
     for (std::size_t at = 0; const std::size_t n = video.read(at, bytes); at += n) {
       check_stop();
       copy.write(bytes.data(), n);
@@ -177,7 +177,7 @@ nlohmann::json whatif_of(const TrialPage& options) {
 nlohmann::ordered_json write_page(const TrialPage& options) {
   watch_stop_signals();
   if (options.video &&
-      files::follow_links(beside_page(options)) == files::follow_links(*options.output)) {
+      base::follow_links(beside_page(options)) == base::follow_links(*options.output)) {
     throw UsageError(fmt::format(
         "-o {}: a video that is kept beside the page gets this name; expected another, such as "
         "NAME.html",
@@ -223,7 +223,7 @@ nlohmann::ordered_json write_page(const TrialPage& options) {
   for (const auto& input : {options.other, options.video, options.page}) {
     if (input) inputs.emplace_back(*input);
   }
-  files::OutputFile out(
+  base::OutputFile out(
       *options.output,
       {.overwrite = options.force, .standard_output = !options.video, .inputs = inputs});
   about["video"] = add_video(options, inputs, blocks);

@@ -13,7 +13,7 @@
 #include "apps/options.h"
 #include "apps/streams.h"
 #include "apps/wrap.h"
-#include "files/output_file.h"
+#include "base/output_file.h"
 #include "render/image.h"
 #include "render/png.h"
 #include "scene/looks/scenario_picture.h"
@@ -99,8 +99,8 @@ void make_new(const ScenarioOptions& options) {
   scene::Scenario scenario = scene::load_scenario(options.from);
   scenario.name = std::filesystem::path(*options.output).stem().string();
   const std::string text = scene::to_toml(scenario);
-  files::OutputFile file(*options.output, {.overwrite = options.force,
-                                           .inputs = {scene::scenario_path(options.from)}});
+  base::OutputFile file(*options.output, {.overwrite = options.force,
+                                          .inputs = {scene::scenario_path(options.from)}});
   file.write(text.data(), text.size());
   file.commit();
   fmt::print("{}: all keys of {}\n", *options.output, options.from);
@@ -124,8 +124,8 @@ void draw(const ScenarioOptions& options) {
   const scene::Scenario scenario = scene::load_scenario(options.scenario);
   const render::Image picture = scene::picture_of(scenario, options.gl);
   const std::vector<std::uint8_t> png = render::encode_png(picture);
-  files::OutputFile file(*options.output, {.overwrite = options.force,
-                                           .inputs = {scene::scenario_path(options.scenario)}});
+  base::OutputFile file(*options.output, {.overwrite = options.force,
+                                          .inputs = {scene::scenario_path(options.scenario)}});
   file.write(png.data(), png.size());
   file.commit();
   fmt::print("{}: {} from above and from the side; what the left and the right eye see\n",

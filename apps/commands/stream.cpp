@@ -14,10 +14,10 @@
 #include "apps/options.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "base/output_file.h"
 #include "devices/lcm/link.h"
 #include "devices/trial/file.h"
 #include "devices/trial/sources.h"
-#include "files/output_file.h"
 #include "scene/play/player.h"
 #include "scene/stage/read_scenario.h"
 
@@ -201,8 +201,8 @@ std::unique_ptr<devices::LcmLink> open_link(const StreamOptions& options,
                                             const devices::LcmUrl& url) {
   const auto& log = url.log();
   if (!log) return std::make_unique<devices::LcmLink>(url);
-  files::OutputFile file(log->path,
-                         {.overwrite = options.force, .live = true, .inputs = {options.trial}});
+  base::OutputFile file(log->path,
+                        {.overwrite = options.force, .live = true, .inputs = {options.trial}});
   return std::make_unique<devices::LcmLink>(url, std::move(file));
 }
 

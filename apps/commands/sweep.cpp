@@ -11,7 +11,7 @@
 #include "apps/progress.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "files/output_file.h"
+#include "base/output_file.h"
 
 namespace headpin::apps {
 
@@ -72,7 +72,7 @@ struct MergeOptions {
 void merge(const MergeOptions& options) {
   watch_stop_signals();
   const sweep::Sweep sweep = sweep::open_sweep(options.sweep);
-  files::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
+  base::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
   file.write(sweep.columns.data(), sweep.columns.size());
   SweepProgress progress{.rows = sweep.rows.size()};
   std::int64_t first_missing = 0;  // from 1

@@ -11,7 +11,7 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/sweep.h"
-#include "files/output_file.h"
+#include "base/output_file.h"
 #include "study/csv.h"
 #include "sweep/report.h"
 
@@ -73,7 +73,7 @@ void report_sweep(const ReportSweepOptions& options) {
     }
   }
   const std::string html = sweep::html_report(sweep.rows, averages, x, y, options.sweep, done);
-  files::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
+  base::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
   file.write(html.data(), html.size());
   check_stop();
   file.commit();

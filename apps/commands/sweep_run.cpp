@@ -15,7 +15,7 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/sweep.h"
-#include "files/left_parts.h"
+#include "base/left_parts.h"
 
 namespace headpin::apps {
 
@@ -118,7 +118,7 @@ void run_sweep(const RunSweepOptions& options) {
   const Shard shard = parse_shard(options.shard);
   watch_stop_signals();
   const sweep::Sweep sweep = sweep::open_sweep(options.sweep);
-  files::remove_left_parts(sweep.at.pieces().string());
+  base::remove_left_parts(sweep.at.pieces().string());
   std::int64_t rows = 0, missing = 0;
   for (std::int64_t i = shard.rest; i < sweep.pieces.size(); i += shard.of) {
     check_stop();

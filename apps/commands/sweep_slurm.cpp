@@ -11,8 +11,8 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/sweep.h"
-#include "files/output_file.h"
-#include "files/shell_word.h"
+#include "base/output_file.h"
+#include "base/shell_word.h"
 
 namespace headpin::apps {
 
@@ -30,7 +30,7 @@ struct SlurmOptions {
 constexpr int kMostTasks = 1000;  // Slurm's MaxArraySize is 1001 unless a site has another
 
 void write_script(const fs::path& path, const std::string& text, bool force) {
-  files::OutputFile file(path.string(), {.overwrite = force});
+  base::OutputFile file(path.string(), {.overwrite = force});
   file.write(text.data(), text.size());
   file.commit();
 }
@@ -50,8 +50,7 @@ std::string array_script(const fs::path& sweep, const std::string& program, int 
       "#SBATCH --output={}/slurm-%A_%a.txt\n"
       "#SBATCH --open-mode=append\n"
       "exec {} sweep run {} --shard \"$SLURM_ARRAY_TASK_ID/$SLURM_ARRAY_TASK_COUNT\" --jobs 1\n",
-      tasks, minutes, sweep.string(), files::shell_word(program),
-      files::shell_word(sweep.string()));
+      tasks, minutes, sweep.string(), base::shell_word(program), base::shell_word(sweep.string()));
 }
 
 std::string merge_script(const fs::path& sweep, const std::string& program) {
@@ -61,8 +60,8 @@ std::string merge_script(const fs::path& sweep, const std::string& program) {
       "#SBATCH --time=60\n"
       "#SBATCH --output={}/slurm-merge-%j.txt\n"
       "exec {} sweep merge {} -o {} --force\n",
-      sweep.string(), files::shell_word(program), files::shell_word(sweep.string()),
-      files::shell_word((sweep / "results.csv").string()));
+      sweep.string(), base::shell_word(program), base::shell_word(sweep.string()),
+      base::shell_word((sweep / "results.csv").string()));
 }
 
 void write_slurm(const SlurmOptions& options) {

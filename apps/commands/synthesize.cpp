@@ -12,9 +12,9 @@
 #include "apps/participants.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "base/output_file.h"
 #include "devices/recordings/catalogue_csv.h"
 #include "devices/trial/log.h"
-#include "files/output_file.h"
 #include "scene/people/arm_model.h"
 #include "scene/people/throw.h"
 #include "scene/scenario/rules.h"
@@ -56,9 +56,9 @@ std::size_t write_trial(const SynthesizeOptions& options, const scene::ThrowMoti
   header.seed = seed;
   header.scenario = scene::to_toml(scenario);
   const std::vector<devices::Sample> samples = scene::sense(motion, scenario.rig, seed);
-  devices::Recorder recorder(files::OutputFile(*options.output, {.overwrite = options.force,
-                                                                 .standard_output = true,
-                                                                 .inputs = {options.scenario}}),
+  devices::Recorder recorder(base::OutputFile(*options.output, {.overwrite = options.force,
+                                                                .standard_output = true,
+                                                                .inputs = {options.scenario}}),
                              header);
   devices::write(recorder, samples, {});
   check_stop();
@@ -73,8 +73,8 @@ std::size_t write_csv(const SynthesizeOptions& options, const scene::ThrowMotion
                       std::uint64_t seed) {
   const devices::MotionRecording recording = scene::record(motion, seed);
   const std::string text = devices::to_catalogue_csv(recording, 0.01);
-  files::OutputFile file(*options.output,
-                         {.overwrite = options.force, .inputs = {options.scenario}});
+  base::OutputFile file(*options.output,
+                        {.overwrite = options.force, .inputs = {options.scenario}});
   file.write(text.data(), text.size());
   check_stop();
   file.commit();

@@ -10,8 +10,8 @@
 #include "apps/options.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "files/output_folder.h"
-#include "files/output_text.h"
+#include "base/output_folder.h"
+#include "base/output_text.h"
 
 namespace headpin::apps {
 
@@ -23,13 +23,13 @@ struct WhatIfOptions {
   bool force = false, json = false;
 };
 
-void write_file(files::OutputFolder& folder, const std::string& name, const std::string& text) {
-  files::OutputText file(folder.file(name));
+void write_file(base::OutputFolder& folder, const std::string& name, const std::string& text) {
+  base::OutputText file(folder.file(name));
   file << text;
   file.close();
 }
 
-void write_answer(const sweep::WhatIf& whatif, files::OutputFolder& folder) {
+void write_answer(const sweep::WhatIf& whatif, base::OutputFolder& folder) {
   write_file(folder, "moments.csv", sweep::moments_csv(whatif));
   write_file(folder, "moments.svg", sweep::moments_svg(whatif));
   write_file(folder, "releases.csv", sweep::releases_csv(whatif));
@@ -42,9 +42,9 @@ void write_answer(const sweep::WhatIf& whatif, files::OutputFolder& folder) {
 
 void what_if(const WhatIfOptions& options) {
   watch_stop_signals();
-  std::optional<files::OutputFolder> folder;
+  std::optional<base::OutputFolder> folder;
   if (options.output) {
-    files::OutputFolder::Options how{.overwrite = options.force, .others = {}};
+    base::OutputFolder::Options how{.overwrite = options.force, .others = {}};
     for (const std::string& trial : options.question.trials) how.others.emplace_back(trial);
     folder.emplace(*options.output, how);
   }

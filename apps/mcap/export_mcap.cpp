@@ -13,8 +13,8 @@
 #include "apps/run_again.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
+#include "base/output_file.h"
 #include "devices/base/version.h"
-#include "files/output_file.h"
 #include "render/display.h"
 #include "scene/watch/recorded.h"
 
@@ -69,7 +69,7 @@ void report_mcap(const std::string& file, bool json, const std::vector<McapWrite
 
 }  // namespace
 
-void export_mcap(const std::string& trial, files::OutputFile file, bool with_pictures, bool json) {
+void export_mcap(const std::string& trial, base::OutputFile file, bool with_pictures, bool json) {
   const scene::Recorded recorded = scene::load_trial(trial);
   const devices::TrialSummary& summary = recorded.file.summary();
   say_what_is_missing("export", trial, summary);

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "files/output_file.h"
+#include "base/output_file.h"
 
 namespace headpin::apps {
 
@@ -10,6 +10,6 @@ namespace headpin::apps {
 ///
 /// @param file      for the result
 /// @param pictures  with those of both eyes
-void export_mcap(const std::string& trial, files::OutputFile file, bool pictures, bool json);
+void export_mcap(const std::string& trial, base::OutputFile file, bool pictures, bool json);
 
 }  // namespace headpin::apps

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "apps/mcap/protobuf_writer.h"
-#include "engine/math.h"
+#include "base/math.h"
 #include "render/camera.h"
 #include "render/data/mesh.h"
 

@@ -8,9 +8,9 @@
 #include "apps/python/module.h"
 #include "apps/python/table.h"
 #include "apps/python/values.h"
+#include "base/lock.h"
+#include "base/output_file.h"
 #include "devices/trial/log.h"
-#include "files/lock.h"
-#include "files/output_file.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/totals.h"
 #include "scene/watch/trial_writer.h"
@@ -118,13 +118,13 @@ py::dict score_of(const Replay& replay) {
 scene::TrialWriter open_writer(const Replay& replay, const std::string& path,
                                const scene::Session& session, bool overwrite, bool changes) {
   try {
-    files::OutputFile file(
+    base::OutputFile file(
         path, {.overwrite = overwrite, .standard_output = true, .inputs = {replay.trial->path()}});
     return scene::TrialWriter(std::make_unique<devices::Recorder>(
         std::move(file), scene::header_of(replay.trial->summary().header, session),
         devices::Recorder::Options{.states =
                                        changes ? devices::States::changes : devices::States::all}));
-  } catch (const files::Exists& error) {
+  } catch (const base::Exists& error) {
     throw FileIsThere(std::string(error.what()) + "; overwrite=True replaces it");
   } catch (const std::runtime_error& error) {
     throw NotWritten(error.what());

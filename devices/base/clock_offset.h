@@ -3,7 +3,7 @@
 #include <limits>
 #include <optional>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 namespace headpin::devices {
 

@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
+#include "base/math.h"
 #include "devices/base/clock_offset.h"
 #include "devices/base/genlock.h"
-#include "engine/math.h"
 
 namespace headpin::devices {
 

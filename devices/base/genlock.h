@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 namespace headpin::devices {
 

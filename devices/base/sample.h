@@ -6,7 +6,7 @@
 #include <string>
 #include <variant>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 /// Measurements of devices, with their time, frame and quality.
 namespace headpin::devices {

@@ -5,7 +5,7 @@
 #include <optional>
 #include <utility>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 namespace headpin::devices {
 

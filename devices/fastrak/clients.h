@@ -6,8 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/math.h"
 #include "devices/fastrak/codec.h"
-#include "engine/math.h"
 
 /// The bytes that known client programs send to a Fastrak, and the answers that each needs.
 ///

@@ -3,8 +3,8 @@
 #include <optional>
 #include <span>
 
+#include "base/math.h"
 #include "devices/base/clocks.h"
-#include "engine/math.h"
 
 namespace headpin::devices {
 

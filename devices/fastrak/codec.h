@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/math.h"
 #include "devices/base/bytes.h"
-#include "engine/math.h"
 
 /// Encodes and decodes the bytes of the Polhemus 3SPACE FASTRAK. Pure functions.
 ///

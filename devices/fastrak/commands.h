@@ -7,10 +7,10 @@
 #include <string_view>
 #include <vector>
 
+#include "base/math.h"
 #include "devices/fastrak/codec.h"
 #include "devices/fastrak/geometry.h"
 #include "devices/fastrak/replies.h"
-#include "engine/math.h"
 
 /// The settings of a Fastrak, and the line commands that set and read them, independent of time and
 /// line.

@@ -9,6 +9,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/math.h"
 #include "devices/base/sample.h"
 #include "devices/fastrak/codec.h"
 #include "devices/fastrak/commands.h"
@@ -17,7 +18,6 @@
 #include "devices/fastrak/motion.h"
 #include "devices/fastrak/replies.h"
 #include "devices/lines/byte_stream.h"
-#include "engine/math.h"
 
 namespace headpin::devices {
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "devices/base/random.h"
+#include "base/math.h"
+#include "base/random.h"
 #include "devices/fastrak/geometry.h"
-#include "engine/math.h"
 
 namespace headpin::devices {
 

@@ -3,7 +3,7 @@
 #include <array>
 #include <optional>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 /// Changes that a Fastrak makes to a measured pose before output. Lengths in metres.
 ///

@@ -2,7 +2,7 @@
 
 #include <functional>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 /// The true motion of an emulated Fastrak's receivers, as a function of time.
 namespace headpin::devices {

@@ -6,9 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "base/math.h"
 #include "devices/base/bytes.h"
 #include "devices/fastrak/codec.h"
-#include "engine/math.h"
 
 /// The settings that a driver gives to a Fastrak, and how it reads them back.
 namespace headpin::devices {

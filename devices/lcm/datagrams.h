@@ -12,8 +12,8 @@
 #include <thread>
 #include <vector>
 
+#include "base/math.h"
 #include "devices/lcm/url.h"
-#include "engine/math.h"
 
 /// Reads LCM's multicast messages (udpm). This stays our own code, because two datagrams can crash
 /// a process in which liblcm 1.3.1 reads them (pull request 628 of lcm-proj/lcm), and because

@@ -22,7 +22,7 @@
 
 namespace headpin::devices {
 
-LcmLink::LcmLink(LcmUrl url, files::OutputFile log)
+LcmLink::LcmLink(LcmUrl url, base::OutputFile log)
     : url_(std::move(url)), written_(std::make_unique<LogWriter>(std::move(log))) {}
 
 LcmLink::LcmLink(LcmUrl url, std::string_view prefix) : url_(std::move(url)), prefix_(prefix) {
@@ -31,7 +31,7 @@ LcmLink::LcmLink(LcmUrl url, std::string_view prefix) : url_(std::move(url)), pr
       throw std::runtime_error(
           fmt::format("cannot publish at {}: it is opened for reading", url_.shown()));
     }
-    written_ = std::make_unique<LogWriter>(files::OutputFile(log->path, {.live = true}));
+    written_ = std::make_unique<LogWriter>(base::OutputFile(log->path, {.live = true}));
     return;
   }
   lcm_ = std::make_unique<Lcm>();

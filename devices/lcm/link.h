@@ -8,11 +8,11 @@
 #include <string_view>
 #include <vector>
 
+#include "base/output_file.h"
 #include "devices/base/sample.h"
 #include "devices/lcm/url.h"
 #include "devices/lcm/viewer_messages.h"
 #include "devices/trial/sink.h"
-#include "files/output_file.h"
 
 /// Publishes the samples and all other messages of a trial over LCM.
 namespace headpin::devices {
@@ -30,7 +30,7 @@ class LcmLink {
   /// @throws std::invalid_argument  for a wrong URL
   explicit LcmLink(const std::string& url, std::string_view prefix = "");
   /// Writes a log. @param log  of the URL, open and empty
-  LcmLink(LcmUrl url, files::OutputFile log);
+  LcmLink(LcmUrl url, base::OutputFile log);
   ~LcmLink();
   LcmLink(const LcmLink&) = delete;
   LcmLink& operator=(const LcmLink&) = delete;

@@ -44,7 +44,7 @@ struct LcmLink::Lcm {
 /// name and does not report write errors.
 class LcmLink::LogWriter {
  public:
-  explicit LogWriter(files::OutputFile file) : file_(std::move(file)) {}
+  explicit LogWriter(base::OutputFile file) : file_(std::move(file)) {}
 
   void write(const std::string& channel, std::span<const std::uint8_t> bytes) {
     const auto now = std::chrono::system_clock::now().time_since_epoch();  // like liblcm's stamps
@@ -54,7 +54,7 @@ class LcmLink::LogWriter {
   }
 
  private:
-  files::OutputFile file_;
+  base::OutputFile file_;
   std::int64_t number_ = 0;
   std::vector<std::uint8_t> bytes_;
 };

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 /// The URLs of LCM. They are checked here and not by liblcm, which ignores what it does not know: a
 /// session would go on at another place or with another time to live.

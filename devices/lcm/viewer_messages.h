@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 /// What others can look at: shapes and their poses for Drake's viewer, the eyes' pictures.
 ///

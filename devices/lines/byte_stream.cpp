@@ -22,8 +22,8 @@
 #include <termios.h>
 #include <unistd.h>
 
-#include "files/lock.h"
-#include "files/names.h"
+#include "base/lock.h"
+#include "base/names.h"
 
 namespace headpin::devices {
 namespace {
@@ -40,7 +40,7 @@ constexpr std::array<std::pair<int, speed_t>, 7> kRates = {{{2400, B2400},
 constexpr int kSocketBuffer = 4096;
 
 [[noreturn]] void fail(const std::string& what) {
-  if (errno == EADDRINUSE) throw files::Busy(what + ": " + std::strerror(errno));
+  if (errno == EADDRINUSE) throw base::Busy(what + ": " + std::strerror(errno));
   throw std::runtime_error(what + ": " + std::strerror(errno));
 }
 
@@ -106,11 +106,11 @@ class SerialPort : public ByteStream {
     try {
       if (!isatty(fd_)) throw std::runtime_error("expected a serial port, found another device");
       // Before any change that could disturb the program that has it open.
-      if (!files::lock(fd_)) throw files::Busy("in use by another headpin");
+      if (!base::lock(fd_)) throw base::Busy("in use by another headpin");
       make_raw(fd_, baud);
-    } catch (const files::Busy& error) {
+    } catch (const base::Busy& error) {
       ::close(fd_);
-      throw files::Busy(path + ": " + error.what());
+      throw base::Busy(path + ": " + error.what());
     } catch (const std::exception& error) {
       ::close(fd_);
       throw std::runtime_error(path + ": " + error.what());
@@ -233,7 +233,7 @@ bool may_link(const std::string& path) {
 }
 
 /// The whole file, for a lock that belongs to the process that has it open. Clients of a terminal
-/// lock it with files::lock(), which is independent of this lock.
+/// lock it with base::lock(), which is independent of this lock.
 struct flock whole_file() {
   struct flock all {};
   all.l_type = F_WRLCK;
@@ -317,13 +317,13 @@ PseudoTerminal::PseudoTerminal(const std::string& link) {
 
 void PseudoTerminal::link_at(const std::string& link) {
   if (!may_link(link)) throw std::runtime_error(link + ": exists and is not a link to a terminal");
-  if (is_served(link)) throw files::Busy(link + ": another emulator uses it");
-  files::place_link(name_, link);
+  if (is_served(link)) throw base::Busy(link + ": another emulator uses it");
+  base::place_link(name_, link);
   link_ = link;
 }
 
 PseudoTerminal::~PseudoTerminal() {
-  if (!link_.empty()) files::remove_link(name_, link_);
+  if (!link_.empty()) base::remove_link(name_, link_);
   for (const int fd : {watch_, slave_, master_}) {
     if (fd >= 0) ::close(fd);
   }

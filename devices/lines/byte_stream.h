@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "base/math.h"
 #include "devices/base/bytes.h"
-#include "engine/math.h"
 
 namespace headpin::devices {
 
@@ -50,7 +50,7 @@ class ByteStream {
 ///
 /// @param baud  2400, 4800, 9600, 19200, 38400, 57600 or 115200
 /// @throws std::runtime_error  when it cannot be opened or is no terminal
-/// @throws files::Busy         when another headpin has it open, which is not disturbed
+/// @throws base::Busy         when another headpin has it open, which is not disturbed
 /// @throws std::invalid_argument  at another rate
 std::unique_ptr<ByteStream> open_serial(const std::string& path, int baud);
 
@@ -78,7 +78,7 @@ class PseudoTerminal : public ByteStream {
   /// @param link  a symbolic link to make to the terminal; empty for none. One that points nowhere
   ///              or to a terminal is replaced. It is removed at the end.
   /// @throws std::runtime_error  when no terminal can be had, or `link` is another file
-  /// @throws files::Busy         when `link` belongs to another emulator
+  /// @throws base::Busy         when `link` belongs to another emulator
   explicit PseudoTerminal(const std::string& link = "");
   ~PseudoTerminal() override;
   PseudoTerminal(const PseudoTerminal&) = delete;
@@ -121,7 +121,7 @@ class TcpServer : public ByteStream {
  public:
   /// @param port     0 for any free one
   /// @param address  of the interface to serve, a number; the default only this machine
-  /// @throws files::Busy         when the port is taken; these errors name neither address nor port
+  /// @throws base::Busy         when the port is taken; these errors name neither address nor port
   /// @throws std::runtime_error  when the port cannot be opened
   /// @throws std::invalid_argument  when the address is not one of this computer
   explicit TcpServer(int port, const std::string& address = "127.0.0.1");

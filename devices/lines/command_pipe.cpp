@@ -10,7 +10,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-#include "files/names.h"
+#include "base/names.h"
 
 namespace headpin::devices {
 
@@ -36,7 +36,7 @@ CommandPipe::CommandPipe(const std::string& path) {
 }
 
 CommandPipe::~CommandPipe() {
-  if (!made_.empty()) files::remove_pipe(made_, fd_);
+  if (!made_.empty()) base::remove_pipe(made_, fd_);
   if (fd_ > STDIN_FILENO) ::close(fd_);
 }
 

@@ -9,12 +9,12 @@
 #include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
+#include "base/input_file.h"
 #include "devices/recordings/any_table.h"
 #include "devices/recordings/text_encoding.h"
 #include "devices/recordings/text_table.h"
 #include "devices/recordings/xdf_motion.h"
 #include "devices/trial/event_log.h"
-#include "files/input_file.h"
 
 namespace headpin::devices {
 namespace {
@@ -197,7 +197,7 @@ bool is_vrpn(const std::string&, std::string_view begin) {
 
 MotionTracks read_vrpn(const std::string& path, const MotionOptions&) {
   MotionTracks read;
-  read.tracks = parse_vrpn(files::read_bytes(path, kMost), path, 1.0);
+  read.tracks = parse_vrpn(base::read_bytes(path, kMost), path, 1.0);
   read.reading.quaternion = "xyzw";
   return read;
 }

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 /// How the numbers of a recording are read: what its format says, or what the user says.
 namespace headpin::devices {

@@ -8,7 +8,7 @@
 
 #include <iconv.h>
 
-#include "files/input_file.h"
+#include "base/input_file.h"
 
 namespace headpin::devices {
 
@@ -38,7 +38,7 @@ Utf8Text as_utf8(std::string text) {
 }
 
 std::string read_as_utf8(const std::string& path, std::size_t most) {
-  Utf8Text read = as_utf8(files::read_text(path, most));
+  Utf8Text read = as_utf8(base::read_text(path, most));
   if (!read.whole) {
     const auto line = 1 + std::count(read.text.begin(), read.text.end(), '\n');
     throw std::runtime_error(path + ":" + std::to_string(line) +

@@ -7,8 +7,8 @@
 #include <string_view>
 #include <vector>
 
-#include "engine/math.h"
-#include "files/input_file.h"
+#include "base/input_file.h"
+#include "base/math.h"
 
 /// Reads and writes LCM's event logs; damaged logs are read safely.
 ///
@@ -38,7 +38,7 @@ class FileWindow {
   std::span<const std::uint8_t> read(std::size_t at, std::size_t size);
 
  private:
-  files::InputFile file_;
+  base::InputFile file_;
   std::size_t begin_ = 0;
   std::vector<std::uint8_t> piece_;  // from begin_ on
 };

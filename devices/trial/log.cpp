@@ -22,12 +22,12 @@
 #include <stdio_ext.h>
 #include <unistd.h>
 
+#include "base/output_file.h"
 #include "devices/base/version.h"
 #include "devices/trial/file.h"
 #include "devices/trial/messages.h"
 #include "devices/trial/sources.h"
 #include "devices/trial/state_change.h"
-#include "files/output_file.h"
 
 namespace headpin::devices {
 
@@ -70,7 +70,7 @@ TrialHeader stamped(TrialHeader header, States states) {
 }
 
 struct Recorder::File {
-  files::OutputFile output;
+  base::OutputFile output;
   Options options;
   lcm_eventlog_t* log = nullptr;
   Buffer bytes;            // of the current message
@@ -82,7 +82,7 @@ struct Recorder::File {
   std::atomic<bool> unsynced = false;
   std::jthread syncing;  // last member, so that it ends before the others
 
-  File(files::OutputFile file_to_write, const Options& how)
+  File(base::OutputFile file_to_write, const Options& how)
       : output(std::move(file_to_write)), options(how) {
     // liblcm can only open a name and would open an existing file. So it opens /dev/null.
     std::FILE* file = fdopen(fcntl(output.descriptor(), F_DUPFD_CLOEXEC, 3), "w");
@@ -160,16 +160,16 @@ struct Recorder::File {
   }
 };
 
-Recorder::Recorder(files::OutputFile output, const TrialHeader& header, const Options& options)
+Recorder::Recorder(base::OutputFile output, const TrialHeader& header, const Options& options)
     : file_(std::make_unique<File>(std::move(output), options)) {
   file_->write(kTrialChannel, Time{}, stamped(header, options.states));
 }
 
-Recorder::Recorder(files::OutputFile output, const TrialHeader& header)
+Recorder::Recorder(base::OutputFile output, const TrialHeader& header)
     : Recorder(std::move(output), header, Options{}) {}
 
 Recorder::Recorder(const std::string& path, const TrialHeader& header)
-    : Recorder(files::OutputFile(path, {.standard_output = true}), header) {}
+    : Recorder(base::OutputFile(path, {.standard_output = true}), header) {}
 
 Recorder::~Recorder() = default;
 

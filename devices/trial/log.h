@@ -69,11 +69,11 @@ class Recorder : public TrialSink {
   /// Writes the header, with format, software and schema put in.
   ///
   /// @param output  open and empty; a live one is synced to the disk every second
-  Recorder(files::OutputFile output, const TrialHeader& header, const Options& options);
-  Recorder(files::OutputFile output, const TrialHeader& header);
+  Recorder(base::OutputFile output, const TrialHeader& header, const Options& options);
+  Recorder(base::OutputFile output, const TrialHeader& header);
   /// Opens a new file.
   /// @param path  `-` is standard output
-  /// @throws as files::OutputFile
+  /// @throws as base::OutputFile
   Recorder(const std::string& path, const TrialHeader& header);
 
   /// Without close(): a live file stays as it is, another one is removed.

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 namespace headpin::devices {
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "base/math.h"
 #include "devices/base/sample.h"
-#include "engine/math.h"
 
 /// The parts of a trial as plain data: all inputs and outputs of one session.
 namespace headpin::devices {

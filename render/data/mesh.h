@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 namespace headpin::render {
 

@@ -7,12 +7,10 @@
 
 #include <fmt/format.h>
 
-#include "devices/base/random.h"
+#include "base/random.h"
 
 namespace headpin::scene {
 namespace {
-
-using devices::Random;
 
 constexpr double kPi = std::numbers::pi;
 constexpr double kDegree = kPi / 180.0;

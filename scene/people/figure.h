@@ -2,7 +2,7 @@
 
 #include <array>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 /// The body of a virtual participant: joints that move with minimum jerk, and the resulting poses
 /// of head and hand.

@@ -74,7 +74,7 @@ Vec3 rack_middle(const Session& s) {
 }
 
 Posture first_posture(const Person& person) {
-  devices::Random random(person.seed, kThrowsDrawn, 0);
+  Random random(person.seed, kThrowsDrawn, 0);
   const double x = random.uniform(-0.6, 0.3), y = kStartAhead + random.uniform(-0.2, 0.4);
   Posture posture{.x = x, .y = y};
   posture.reach = 0.9 * Build{person.height, person.left_handed}.arm();

@@ -96,7 +96,7 @@ class Participant : public devices::Source, public Observer {
   ParticipantPlan plan_;
   Scenario scenario_;
   ParticipantBody body_;
-  devices::Random chance_;
+  Random chance_;
   Vec2 home_P_;                           ///< of the feet
   double throw_x_ = 0.0, throw_y_ = 0.0;  ///< where the ball is let go, in the world
 

@@ -19,7 +19,7 @@ constexpr std::uint64_t kTremblesDrawn = 2, kNoiseDrawn = 3;
 constexpr double kTurnMost = 6.0;    ///< a fast head [rad/s]
 constexpr double kFollowRate = 9.0;  ///< of the head after the eyes [1/s]
 
-devices::Random trembles_of(const Person& person) {
+Random trembles_of(const Person& person) {
   return {person.seed, kTremblesDrawn, 0};
 }
 
@@ -41,7 +41,7 @@ void Following::step(double target, double dt) {
   angle += speed * dt;
 }
 
-Trembles::Trembles(devices::Random& random, double amplitude, double low_hz, double high_hz) {
+Trembles::Trembles(Random& random, double amplitude, double low_hz, double high_hz) {
   for (std::size_t k = 0; k < amplitude_.size(); ++k) {
     amplitude_[k] = amplitude * random.uniform3(0.5, 1.0);
     rate_[k] = 2.0 * std::numbers::pi * random.uniform3(low_hz, high_hz);
@@ -64,15 +64,15 @@ ParticipantBody::ParticipantBody(const Person& person, const Rig& rig, const Pos
       figure(posture),
       rig_(rig),
       sway_([&] {
-        devices::Random random = trembles_of(person);
+        Random random = trembles_of(person);
         return Trembles(random, person.sway, 0.2, 0.6);
       }()),
       hand_shift_([&] {
-        devices::Random random(person.seed, kTremblesDrawn, 1);
+        Random random(person.seed, kTremblesDrawn, 1);
         return Trembles(random, person.tremor, 7.0, 11.0);
       }()),
       hand_turn_([&] {
-        devices::Random random(person.seed, kTremblesDrawn, 2);
+        Random random(person.seed, kTremblesDrawn, 2);
         return Trembles(random, 6.0 * person.tremor, 7.0, 11.0);
       }()),
       noise_(person.seed, kNoiseDrawn, 0) {}

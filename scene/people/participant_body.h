@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "devices/base/random.h"
+#include "base/random.h"
 #include "devices/base/source.h"
 #include "scene/people/figure.h"
 #include "scene/people/person.h"
@@ -22,7 +22,7 @@ struct Following {
 /// Involuntary small movements: three sines for each of three axes.
 class Trembles {
  public:
-  Trembles(devices::Random& random, double amplitude, double low_hz, double high_hz);
+  Trembles(Random& random, double amplitude, double low_hz, double high_hz);
   Vec3 at(double time) const;
 
  private:
@@ -57,7 +57,7 @@ class ParticipantBody {
 
   Rig rig_;
   Trembles sway_, hand_shift_, hand_turn_;
-  devices::Random noise_;
+  Random noise_;
   Following turn_, pitch_;
   double looked_ = 0.0;  ///< time at which the head was last turned
   devices::MouseSample mouse_;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "devices/base/random.h"
+#include "base/random.h"
 
 namespace headpin::scene {
 
@@ -22,7 +22,7 @@ double by_skill(const Person& person, double novice, double master) {
 void draw_spreads(Person& person) {
   constexpr double kRadian = std::numbers::pi / 180.0;
   constexpr double kAlike = 0.3;  // correlation of any two
-  devices::Random random(person.seed, kPersonsTraits, 1);
+  Random random(person.seed, kPersonsTraits, 1);
   const double common = std::sqrt(12.0) * (0.5 - person.skill);  // mean 0, deviation 1
   const auto spread = [&](double mean, double deviation, double least, double most) {
     const double own = random.normal();
@@ -38,7 +38,7 @@ void draw_spreads(Person& person) {
 
 Person draw_person(std::uint64_t seed) {
   constexpr double kRadian = std::numbers::pi / 180.0;
-  devices::Random random(seed, kPersonsTraits, 0);
+  Random random(seed, kPersonsTraits, 0);
   const auto normal = [&](double mean, double deviation, double least, double most) {
     return std::clamp(mean + deviation * random.normal(), least, most);
   };

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/math.h"
 #include "devices/base/sample.h"
-#include "engine/math.h"
 #include "render/data/optics.h"
 #include "render/data/quality.h"
 #include "scene/scenario/choices.h"

@@ -18,7 +18,7 @@
 #include <assimp/scene.h>
 #include <fmt/format.h>
 
-#include "files/input_file.h"
+#include "base/input_file.h"
 #include "render/data/mesh.h"
 #include "scene/stage/apart.h"
 #include "scene/stage/convex_hull.h"
@@ -400,7 +400,7 @@ std::string read_mesh_file(const std::filesystem::path& path) {
     throw std::runtime_error(
         fmt::format("{}: kind \"{}\", expected .gltf, .glb, .obj, .ply, .stl or .off", name, kind));
   }
-  std::string bytes = files::read_text(name, kMostBytes);
+  std::string bytes = base::read_text(name, kMostBytes);
   if (bytes.empty()) throw std::runtime_error(name + ": expected a mesh, found an empty file");
   return bytes;
 }

@@ -3,7 +3,7 @@
 #include <span>
 #include <string>
 
-#include "engine/math.h"
+#include "base/math.h"
 
 namespace headpin::scene {
 

@@ -7,8 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "base/sha256.h"
 #include "engine/compound.h"
-#include "files/sha256.h"
 #include "scene/scenario/files.h"
 #include "scene/stage/mesh_file.h"
 
@@ -25,7 +25,7 @@ MeshMeasure measure_of(const MeshFile& mesh) {
 /// The bytes of the file. Checks its hash if one is given.
 std::string bytes_of(MeshFile& mesh) {
   std::string bytes = read_mesh_file(mesh.file);
-  const std::string found = files::sha256(bytes);
+  const std::string found = base::sha256(bytes);
   if (!mesh.sha256.empty() && mesh.sha256 != found) {
     throw std::runtime_error(
         fmt::format("{}: SHA-256 {}, expected {}", mesh.file, found, mesh.sha256));

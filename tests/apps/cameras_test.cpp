@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "engine/math.h"
+#include "base/math.h"
 #include "tests/apps/command_line.h"
 #include "tests/apps/decoded.h"
 

@@ -6,9 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "base/output_file.h"
 #include "devices/trial/event_log.h"
 #include "devices/trial/log.h"
-#include "files/output_file.h"
 #include "render/image.h"
 #include "render/png.h"
 
@@ -197,7 +197,7 @@ TEST_F(CommandLine, AStateThatWasEditedIsToldFromOneThatDiffers) {
   ASSERT_EQ(headpin("replay " + kDemo + " -o whole.lcmlog").code, 0);
   devices::Trial whole = devices::read_trial(folder_ / "whole.lcmlog");
   const auto write = [&] {
-    devices::Recorder recorder(files::OutputFile(folder_ / "edited.lcmlog", {.overwrite = true}),
+    devices::Recorder recorder(base::OutputFile(folder_ / "edited.lcmlog", {.overwrite = true}),
                                whole.header);
     devices::write(recorder, whole.samples, {});
     for (const devices::TickState& state : whole.states) recorder.write(state);

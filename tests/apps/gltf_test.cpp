@@ -4,7 +4,7 @@
 #include <set>
 #include <sstream>
 
-#include "engine/math.h"
+#include "base/math.h"
 #include "tests/apps/command_line.h"
 
 namespace headpin {

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "base/output_file.h"
 #include "devices/trial/log.h"
-#include "files/output_file.h"
 #include "render/image.h"
 #include "render/png.h"
 #include "scene/scenario/scenario.h"
@@ -27,8 +27,7 @@ class ScenarioCommands : public CommandLine {
   void write_trial(const std::string& name, const std::string& scenario) const {
     devices::Trial trial = devices::read_trial(kDemo);
     trial.header.scenario = scenario;
-    devices::Recorder recorder(files::OutputFile(folder_ / name, {.overwrite = true}),
-                               trial.header);
+    devices::Recorder recorder(base::OutputFile(folder_ / name, {.overwrite = true}), trial.header);
     devices::write(recorder, trial.samples, trial.events);
     recorder.close();
   }

@@ -36,7 +36,6 @@ namespace {
 
 using namespace headpin;
 using namespace headpin::engine;
-using test::Random;
 using test::ShapeKind;
 
 constexpr int kFrames = 20;
@@ -50,8 +49,8 @@ enum class Distance { separated, near, touching };
 
 Scene scene(Random& random, ShapeKind ka, ShapeKind kb, Distance how) {
   Scene s{random_shape(random, ka), random_shape(random, kb), {}, {}};
-  const Quat q = random.rotation();
-  const Vec3 along = random.direction();
+  const Quat q = any_rotation(random);
+  const Vec3 along = direction(random);
   double meets = 0.0, apart = 3.0;
   for (int k = 0; k < 50; ++k) {
     const double middle = 0.5 * (meets + apart);
@@ -62,9 +61,9 @@ Scene scene(Random& random, ShapeKind ka, ShapeKind kb, Distance how) {
                      : how == Distance::near    ? random.uniform(0.01, 0.1)
                                                 : -random.uniform(0.005, 0.05);
   const Pose X_AB{q, (apart + off) * along};
-  const Pose X_WA{random.rotation(), random.direction()};
+  const Pose X_WA{any_rotation(random), direction(random)};
   // A turn and a shift of a few thousandths a frame: a body in a 240 Hz simulation.
-  const Vec3 turn = 2e-3 * random.direction(), shift = 2e-4 * random.direction();
+  const Vec3 turn = 2e-3 * direction(random), shift = 2e-4 * direction(random);
   for (int f = 0; f < kFrames; ++f) {
     s.X_WA.push_back(X_WA);
     s.X_WB.push_back(X_WA * Pose{(rotation(f * turn) * X_AB.q).normalized(), X_AB.p + f * shift});
@@ -368,8 +367,8 @@ Hall hall(int skittles) {
   for (int step = 0; step < 8; ++step) {
     std::vector<Capsule> bounds;
     for (std::size_t i = 0; i < X_W.size(); ++i) {
-      const Pose tilt{rotation(0.3 * random.uniform(0.0, 1.0) * random.direction()),
-                      X_W[i].p + 0.01 * random.direction()};
+      const Pose tilt{rotation(0.3 * random.uniform(0.0, 1.0) * direction(random)),
+                      X_W[i].p + 0.01 * direction(random)};
       bounds.push_back(tilt * (is_ball[i] ? ball : skittle));
     }
     h.steps.push_back(bounds);

@@ -13,12 +13,12 @@
 #include <lcm/lcm.h>
 #include <nlohmann/json.hpp>
 
+#include "base/output_file.h"
 #include "devices/fastrak/driver.h"
 #include "devices/fastrak/emulator.h"
 #include "devices/trial/event_log.h"
 #include "devices/trial/log.h"
 #include "devices/trial/sources.h"
-#include "files/output_file.h"
 #include "tests/bench/report.h"
 #include "tests/support/folder.h"
 
@@ -146,7 +146,7 @@ double read_by_liblcm(const std::string& path) {
 
 /// Encodes and writes it, safe after each message.
 double write_whole(const devices::Trial& trial, const std::string& path) {
-  devices::Recorder recorder(files::OutputFile(path, {.overwrite = true, .live = true}),
+  devices::Recorder recorder(base::OutputFile(path, {.overwrite = true, .live = true}),
                              trial.header);
   std::size_t sample = 0;
   for (const devices::TickState& state : trial.states) {

@@ -40,7 +40,7 @@ if [ "${1:-}" != --quick ]; then
   done
 fi
 
-# The flags that carry the promise are those of engine/CMakeLists.txt.
+# The flags that carry the promise are those of base/CMakeLists.txt.
 make_one() {
   local name=${1// /} source
   local dir=$work/$name
@@ -54,9 +54,9 @@ make_one() {
   # shellcheck disable=SC2206
   local compile=($1 -std=c++20 -DNDEBUG -DEIGEN_DONT_VECTORIZE -I. $eigen "${own[@]}"
     -ffp-contract=off -fno-tree-vectorize -fno-tree-slp-vectorize)
-  echo '#include "engine/math.h"' >"$dir/all.h"  # Eigen takes most of the time: read once
+  echo '#include "base/math.h"' >"$dir/all.h"  # Eigen takes most of the time: read once
   [[ $1 == em++* ]] || "${compile[@]}" -x c++-header "$dir/all.h" -o "$dir/all.h.gch"
-  for source in engine/*.cpp tests/support/bowling.cpp tests/determinism/state_hash.cpp; do
+  for source in base/math.cpp engine/*.cpp tests/support/bowling.cpp tests/determinism/state_hash.cpp; do
     "${compile[@]}" -include "$dir/all.h" -c "$source" -o "$dir/$(basename "$source").o"
   done
   ${1%% *} "${link[@]}" "$dir"/*.o -o "$dir/state_hash.js"  # a script from em++ only

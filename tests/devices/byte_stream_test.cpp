@@ -13,8 +13,8 @@
 #include <termios.h>
 #include <unistd.h>
 
+#include "base/lock.h"
 #include "devices/lines/lasting_line.h"
-#include "files/lock.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {
@@ -154,7 +154,7 @@ TEST(PseudoTerminalTest, ASecondOneAtALinkIsRefusedAndTheFirstServesOn) {
   {
     PseudoTerminal first(link);
     const auto client = open_serial(link, 115200);
-    EXPECT_THROW(PseudoTerminal second(link), files::Busy);
+    EXPECT_THROW(PseudoTerminal second(link), base::Busy);
     EXPECT_EQ(fs::read_symlink(link), first.name());
     put(*client, "still here");
     EXPECT_EQ(get(first, 10), "still here");
@@ -167,7 +167,7 @@ TEST(SerialTest, ASecondSessionOnALineIsRefusedAndTheFirstHearsOn) {
   PseudoTerminal unit;
   auto first = open_serial(unit.name(), 9600);
   put(unit, "a record");
-  EXPECT_THROW(open_serial(unit.name(), 115200), files::Busy);
+  EXPECT_THROW(open_serial(unit.name(), 115200), base::Busy);
   EXPECT_EQ(unit.client_baud(), 9600);
   EXPECT_EQ(get(*first, 8), "a record");  // not thrown away
   first.reset();
@@ -277,7 +277,7 @@ TEST(TcpServerTest, WhoReadsLateFindsFewRecordsThatWaited) {
 
 TEST(TcpServerTest, ATakenPortIsAnError) {
   TcpServer server(0);
-  EXPECT_THROW(TcpServer second(server.port()), files::Busy);
+  EXPECT_THROW(TcpServer second(server.port()), base::Busy);
   EXPECT_EQ(complaint([&] { TcpServer second(server.port()); }),
             "this port cannot be opened: Address already in use");
   EXPECT_EQ(complaint([] { connect_tcp("127.0.0.1", 1); }),

@@ -8,10 +8,10 @@
 #include <span>
 #include <string>
 
+#include "base/output_file.h"
 #include "devices/trial/event_log.h"
 #include "devices/trial/log.h"
 #include "devices/trial/messages.h"
-#include "files/output_file.h"
 #include "tests/support/folder.h"
 
 /// Short trials in a log, and what makes and damages their bytes.
@@ -76,8 +76,8 @@ inline Event event() {
 
 /// A short trial with some of everything: the header, then 12 samples, a button, an event, 6
 /// states, a frame.
-inline void record(const fs::path& path, const files::OutputFile::Options& options = {}) {
-  Recorder recorder(files::OutputFile(path, options), header());
+inline void record(const fs::path& path, const base::OutputFile::Options& options = {}) {
+  Recorder recorder(base::OutputFile(path, options), header());
   for (int i = 0; i < 12; ++i) {
     recorder.write(Sample(tracker(i)));
     if (i % 2 == 0) recorder.write(state(i / 2));

@@ -14,11 +14,11 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
+#include "base/output_file.h"
 #include "devices/base/version.h"
 #include "devices/trial/event_log.h"
 #include "devices/trial/file.h"
 #include "devices/trial/messages.h"
-#include "files/output_file.h"
 #include "tests/devices/log_fixture.h"
 #include "tests/support/folder.h"
 
@@ -355,7 +355,7 @@ TEST(RecorderTest, KilledAtAnyMomentALiveLogHoldsAllThatWasWritten) {
   const fs::path path = fresh_folder("log") / "live.lcmlog";
   EXPECT_EXIT(
       {
-        Recorder recorder(files::OutputFile(path, {.live = true}), header());
+        Recorder recorder(base::OutputFile(path, {.live = true}), header());
         for (int tick = 0; tick < 100; ++tick) recorder.write(state(tick));
         raise(SIGKILL);
       },
@@ -374,7 +374,7 @@ TEST(RecorderTest, KilledAtAnyMomentALiveLogHoldsAllThatWasWritten) {
   setrlimit(RLIMIT_FSIZE, &limit);
   int written = 0;
   try {
-    Recorder recorder(files::OutputFile(path, {.live = true}), header());
+    Recorder recorder(base::OutputFile(path, {.live = true}), header());
     for (;; ++written) recorder.write(state(written));
   } catch (const std::runtime_error& error) {
     std::fprintf(stderr, "%s", error.what());
@@ -391,9 +391,8 @@ TEST(RecorderTest, AFullDiskIsAnErrorThatLosesNothingWrittenBefore) {
   EXPECT_EXIT(record_until_full(path), all_that_was_written,
               "File too large; the events before it are kept");
   EXPECT_TRUE(read_trial(path).skipped.nothing());
-  EXPECT_THROW(
-      Recorder(files::OutputFile("/dev/full", {.overwrite = true, .live = true}), header()),
-      std::runtime_error);
+  EXPECT_THROW(Recorder(base::OutputFile("/dev/full", {.overwrite = true, .live = true}), header()),
+               std::runtime_error);
 }
 
 }  // namespace

@@ -10,10 +10,10 @@
 
 #include <gtest/gtest.h>
 
+#include "base/output_file.h"
 #include "devices/trial/event_log.h"
 #include "devices/trial/log.h"
 #include "devices/trial/messages.h"
-#include "files/output_file.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {
@@ -54,7 +54,7 @@ std::vector<TickState> some_states(int ticks) {
 
 fs::path record(const std::vector<TickState>& states, States how, const char* name) {
   const fs::path path = fresh_folder(name) / "trial.lcmlog";
-  Recorder recorder(files::OutputFile(path, {}), TrialHeader{}, {.states = how});
+  Recorder recorder(base::OutputFile(path, {}), TrialHeader{}, {.states = how});
   for (const TickState& state : states) recorder.write(state);
   recorder.close();
   return path;

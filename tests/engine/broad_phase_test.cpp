@@ -7,8 +7,6 @@
 namespace headpin::engine {
 namespace {
 
-using test::Random;
-
 Vec3 point(Random& random, double r) {
   return {random.uniform(-r, r), random.uniform(-r, r), random.uniform(-r, r)};
 }
@@ -18,7 +16,7 @@ std::vector<Capsule> random_capsules(Random& random, int n, double room) {
   for (int i = 0; i < n; ++i) {
     const Vec3 a = point(random, room);
     const double length = i % 50 == 0 ? room : i % 3 == 0 ? 0.0 : 0.4;  // walls, balls, skittles
-    capsules.push_back({a, a + length * random.direction(), random.uniform(0.02, 0.15)});
+    capsules.push_back({a, a + length * direction(random), random.uniform(0.02, 0.15)});
   }
   return capsules;
 }
@@ -52,7 +50,7 @@ TEST(BroadPhase, FindsThePairsThatABruteSearchFinds) {
     for (const double margin : {0.0, 0.05}) {
       std::vector<Pair> expected, expected_moving;
       std::vector<std::uint8_t> moving(capsules.size());
-      for (std::uint8_t& m : moving) m = static_cast<std::uint8_t>(random.index(2));
+      for (std::uint8_t& m : moving) m = static_cast<std::uint8_t>(index_below(random, 2));
       for (std::uint32_t i = 0; i < capsules.size(); ++i) {
         for (std::uint32_t j = i + 1; j < capsules.size(); ++j) {
           if (distance(capsules[i], capsules[j]) > margin) continue;

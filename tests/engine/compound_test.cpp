@@ -9,8 +9,6 @@
 namespace headpin::engine {
 namespace {
 
-using test::Random;
-
 constexpr double kInch = 0.0254;
 
 // Height above the base and diameter of a ten pin, inches (reference page "bowling").
@@ -114,12 +112,12 @@ TEST(MassProperties, AgreeWithCountedPoints) {
   std::vector<Compound> compounds;
   for (const test::ShapeKind k : test::kShapeKinds) {
     compounds.push_back(
-        make_compound({{random_shape(random, k), {random.rotation(), {0.1, 0, 0.2}}}}));
+        make_compound({{random_shape(random, k), {any_rotation(random), {0.1, 0, 0.2}}}}));
   }
   compounds.push_back(
-      make_compound({{Cone{0.4, 0.9}, {random.rotation(), {0.2, 0.1, 0}}},
-                     {Ellipsoid{{0.3, 0.5, 0.2}}, {random.rotation(), {0, 0, 0.3}}},
-                     {test::box({0.4, 0.2, 0.1}), {random.rotation(), {0, 0.2, 0}}}}));
+      make_compound({{Cone{0.4, 0.9}, {any_rotation(random), {0.2, 0.1, 0}}},
+                     {Ellipsoid{{0.3, 0.5, 0.2}}, {any_rotation(random), {0, 0, 0.3}}},
+                     {test::box({0.4, 0.2, 0.1}), {any_rotation(random), {0, 0.2, 0}}}}));
   for (const Compound& c : compounds) {
     const MassProperties m = mass_properties(c, 1.0);
     const int n = 400000;
@@ -194,7 +192,7 @@ TEST(AboutCentre, LeavesAxesAloneThatArePrincipalOnes) {
 
 TEST(AboutCentre, HasItsCentreOfMassAtTheOriginAndAxesAlongThePrincipalOnes) {
   Random random(6);
-  const Pose X{random.rotation(), {0.3, -0.4, 0.5}};
+  const Pose X{any_rotation(random), {0.3, -0.4, 0.5}};
   const Compound c = make_compound({{test::box({0.1, 0.3, 0.2}), X}});
   const Centred centred = about_centre(c, mass_properties(c, 500.0));
   const MassProperties m = mass_properties(centred.compound, 500.0);
@@ -221,17 +219,17 @@ TEST(Bounds, HoldEveryPart) {
     const bool coaxial = i % 2 == 0;
     for (int k = 0; k < 3; ++k) {
       Shape shape =
-          random_shape(random, static_cast<test::ShapeKind>(random.index(coaxial ? 3 : 4)));
+          random_shape(random, static_cast<test::ShapeKind>(index_below(random, coaxial ? 3 : 4)));
       if (auto* e = std::get_if<Ellipsoid>(&shape); e && coaxial) e->radii.y() = e->radii.x();
       const Vec3 p(0.0, 0.0, random.uniform(-1.0, 1.0));
       const Pose upside_down{Quat(0.0, 1.0, 0.0, 0.0), p};
       parts.push_back({shape, coaxial ? (k == 1 ? upside_down : Pose{Quat::Identity(), p})
-                                      : Pose{random.rotation(), p + 0.3 * random.direction()}});
+                                      : Pose{any_rotation(random), p + 0.3 * direction(random)}});
     }
     const Compound c = make_compound(parts);
     const Vec3 axis = c.bounds.b - c.bounds.a;
     for (int j = 0; j < 500; ++j) {
-      const Vec3 n = random.direction();
+      const Vec3 n = direction(random);
       for (const Part& part : c.parts) {
         const Vec3 p = part.X_BG * support(part.shape, part.X_BG.q.conjugate() * n);
         EXPECT_LE(p.norm(), c.bounding_radius * (1.0 + 1e-12));

@@ -8,7 +8,6 @@ namespace headpin::engine {
 namespace {
 
 using test::kShapeKinds;
-using test::Random;
 using test::ShapeKind;
 
 std::vector<ContactPoint> contacts(const Shape& a, const Pose& X_WA, const Shape& b,
@@ -27,8 +26,8 @@ TEST(OnAHalfSpace, TheDeepestContactIsTheLowestPoint) {
   for (const ShapeKind k : kShapeKinds) {
     for (int i = 0; i < 200; ++i) {
       const Shape shape = random_shape(random, k);
-      const Pose X_WB{random.rotation(), {0.0, 0.0, 0.2}};
-      const Pose X_WA{random.rotation(), random.uniform(-0.3, 0.3) * random.direction()};
+      const Pose X_WB{any_rotation(random), {0.0, 0.0, 0.2}};
+      const Pose X_WA{any_rotation(random), random.uniform(-0.3, 0.3) * direction(random)};
       const Vec3 up = X_WA.q * Vec3::UnitZ();
       const Vec3 lowest = X_WB * support(shape, X_WB.q.conjugate() * -up);
       const double depth = (X_WA.p - lowest).dot(up);
@@ -107,7 +106,7 @@ TEST(FlatOnFlat, HasPointsToStandOn) {
   for (const Shape& base : bases) {
     for (const Shape& table : tables) {
       for (int i = 0; i < 20; ++i) {
-        const Pose X_WA{random.rotation(), 2.0 * random.direction()};
+        const Pose X_WA{any_rotation(random), 2.0 * direction(random)};
         const double depth = 1e-3 * random.uniform(0.1, 1.0);
         const Pose X_WB =
             X_WA * Pose{rotation({0, 0, random.uniform(0, 6)}), {0.0, 0.0, 0.3 - depth}};
@@ -128,7 +127,7 @@ TEST(FlatOnFlat, HasPointsToStandOn) {
 TEST(SideOnSide, HasBothEndsOfWhatTheyShare) {
   Random random(13);
   for (int i = 0; i < 50; ++i) {
-    const Pose X_WA{random.rotation(), random.direction()};
+    const Pose X_WA{any_rotation(random), direction(random)};
     const Pose X_WB = X_WA * Pose{rotation({0, 0, random.uniform(0, 6)}), {0.199, 0.0, 0.1}};
     const auto points = contacts(Cylinder{0.1, 0.3}, X_WA, Cylinder{0.1, 0.3}, X_WB, 1e-4);
     ASSERT_EQ(points.size(), 2u);

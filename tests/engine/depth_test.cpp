@@ -24,7 +24,6 @@ using test::Least;
 using test::percentile;
 using test::Pool;
 using test::query;
-using test::Random;
 using test::searched;
 using test::Shallow;
 using test::shallow;
@@ -82,8 +81,8 @@ TEST(Depth, OfPolyhedraIsThatOfTheirFacesAndEdges) {
   for (int i = 0; i < 200 / kThin; ++i) {
     const Shape &a = hulls[static_cast<std::size_t>(i % 20)],
                 &b = hulls[static_cast<std::size_t>((7 * i + 3) % 20)];
-    const Quat q = random.rotation();
-    const Vec3 along = random.direction();
+    const Quat q = any_rotation(random);
+    const Vec3 along = direction(random);
     const double t = touching_distance(a, b, q, along) - random.uniform(0.005, 0.05);
     const Pose X_AB{q, t * along};
     const Closest c = query(a, b, X_AB);

@@ -25,7 +25,6 @@ using test::mirrored;
 using test::percentile;
 using test::Pool;
 using test::query;
-using test::Random;
 using test::scaled;
 using test::Shallow;
 using test::shallow;
@@ -55,8 +54,8 @@ TEST(Certificate, HoldsForEverySampledSurfacePoint) {
   int separated = 0;
   for (int i = 0; i < 600 / kThin; ++i) {
     const Shape &a = pool.pick(i % 4), &b = pool.pick(i / 4 % 4);
-    const Pose X_AB{pool.random.rotation(),
-                    pool.random.uniform(0.5, 1.5) * pool.random.direction()};
+    const Pose X_AB{any_rotation(pool.random),
+                    pool.random.uniform(0.5, 1.5) * direction(pool.random)};
     const Closest c = query(a, b, X_AB);
     if (!c.separated) continue;
     ++separated;
@@ -65,7 +64,7 @@ TEST(Certificate, HoldsForEverySampledSurfacePoint) {
     const double plane_a = c.n_AB.dot(c.p_A), plane_b = c.n_AB.dot(c.p_B);
     ASSERT_LT(plane_a, plane_b);
     for (int k = 0; k < 10000; ++k) {
-      const Vec3 d = pool.random.direction();
+      const Vec3 d = direction(pool.random);
       ASSERT_LE(c.n_AB.dot(support(a, d)), plane_a + 1e-12) << kind(a) << " " << kind(b);
       ASSERT_GE(c.n_AB.dot(X_AB * support(b, d)), plane_b - 1e-12) << kind(a) << " " << kind(b);
     }
@@ -81,12 +80,12 @@ TEST(PhantomContact, NeverHappensInAMillionPairs) {
   for (int i = 0; i < 1000000 / kThin; ++i) {
     const Shape &a = pool.pick(i % 4), &b = pool.pick(i / 4 % 4);
     const Vec3 n =
-        pool.random.index(3) ? test::special_normal(pool.random, a) : pool.random.direction();
+        index_below(pool.random, 3) ? test::special_normal(pool.random, a) : direction(pool.random);
     const Vec3 m =
-        pool.random.index(3) ? test::special_normal(pool.random, b) : pool.random.direction();
+        index_below(pool.random, 3) ? test::special_normal(pool.random, b) : direction(pool.random);
     const Quat q = facing(pool.random, n, m);
     const double gap = std::pow(10.0, pool.random.uniform(-6.0, -1.0));
-    const Vec3 aside = (0.1 * pool.random.direction()).cross(n);  // off centre, along the plane
+    const Vec3 aside = (0.1 * direction(pool.random)).cross(n);  // off centre, along the plane
     const Pose X_AB{q, support(a, n) - q * support(b, m) + gap * n + aside};
     const Closest c = query(a, b, X_AB);
     wrong += !c.separated;
@@ -135,7 +134,7 @@ TEST(WarmStart, PastItsCapIsHarmless) {
     if (i % 2) p.X_AB.p *= 1.0 + 0.06 / p.X_AB.p.norm();
     const Closest cold = query(p.a, p.b, p.X_AB);
     for (const int cap : {1, 2, 3, 5}) {
-      KeptNormal n{pool.random.direction(), KeptNormal::met};
+      KeptNormal n{direction(pool.random), KeptNormal::met};
       const Closest c = closest_points(p.a, p.b, p.X_AB, n, {.cap = cap});
       EXPECT_EQ(c.separated, cold.separated) << kind(p.a) << " " << kind(p.b);
       if (!c.separated) {
@@ -152,7 +151,7 @@ TEST(PhantomContact, NeverHappensInTheHardCases) {
       const double gap = std::pow(10.0, random.uniform(-5.9, -1.0));
       const Pose X_AB{c.X_AB.q, c.X_AB.p + gap * c.n};
       // The question is asked in a frame that is turned about, so that rounding takes part.
-      const Pose X_WA{random.rotation(), random.direction()};
+      const Pose X_WA{any_rotation(random), direction(random)};
       const Closest answer = query(c.a, c.b, relative(X_WA, X_WA * X_AB));
       EXPECT_TRUE(answer.separated) << c.name << " at a gap of " << gap;
       const Pose X_in{c.X_AB.q, c.X_AB.p - gap * 0.1 * c.n};
@@ -225,7 +224,7 @@ TEST(Symmetry, AScaledPairIsAsMuchDeeper) {
 // Turning both bodies about turns the answer: the pair's own frame does not know of it.
 TEST(Symmetry, MovingBothBodiesMovesTheAnswer) {
   const Change d = changes(53, [](Random& random, const Shallow& p) {
-    const Pose X_WA{random.rotation(), random.direction()};
+    const Pose X_WA{any_rotation(random), direction(random)};
     return query(p.a, p.b, relative(X_WA, X_WA * p.X_AB), {.margin = 0.2});
   });
   EXPECT_LT(d.depth, 1e-6);
@@ -239,7 +238,7 @@ TEST(WarmStart, GivesTheColdVerdictInFewerEvaluations) {
   for (int i = 0; i < 400 / kThin; ++i) {
     Shallow p = shallow(pool, i % 4, i / 4 % 4);
     KeptNormal n;
-    const Vec3 turn = 3e-3 * pool.random.direction(), shift = 2e-3 * pool.random.direction();
+    const Vec3 turn = 3e-3 * direction(pool.random), shift = 2e-3 * direction(pool.random);
     for (int f = 0; f < 40; ++f) {
       const Pose X{(rotation(f * turn) * p.X_AB.q).normalized(), p.X_AB.p + f * shift};
       const Closest warm = closest_points(p.a, p.b, X, n, {});
@@ -262,7 +261,7 @@ TEST(WarmStart, WithAStaleOppositeOrMeaninglessNormalIsHarmless) {
     Shallow p = shallow(pool, i % 4, i / 4 % 4);
     if (i % 2) p.X_AB.p *= 1.0 + 0.06 / p.X_AB.p.norm();
     const Closest cold = query(p.a, p.b, p.X_AB);
-    for (const Vec3& n : {Vec3(-cold.n_AB), pool.random.direction(), Vec3(nan, 0, 1),
+    for (const Vec3& n : {Vec3(-cold.n_AB), direction(pool.random), Vec3(nan, 0, 1),
                           Vec3(inf, 0, 0), Vec3(1e-300, 0, 0), Vec3(5, 5, 5)}) {
       for (const KeptNormal::Of of : {KeptNormal::none, KeptNormal::apart, KeptNormal::met}) {
         KeptNormal kept{n, of};
@@ -282,14 +281,14 @@ TEST(AKeptPlane, ProvesOnlyWhatIsSo) {
   int proven = 0, apart = 0;
   for (int i = 0; i < 20000 / kThin; ++i) {
     const Shape &a = pool.pick(i % 4), &b = pool.pick(i / 4 % 4);
-    const double margin = pool.random.index(2) * pool.random.uniform(0.0, 0.1);
-    const Pose X_AB{pool.random.rotation(),
-                    pool.random.uniform(0.5, 1.5) * pool.random.direction()};
+    const double margin = index_below(pool.random, 2) * pool.random.uniform(0.0, 0.1);
+    const Pose X_AB{any_rotation(pool.random),
+                    pool.random.uniform(0.5, 1.5) * direction(pool.random)};
     KeptNormal n;
     closest_points(a, b, X_AB, n, {.margin = margin});
-    const Pose X_now{rotation(0.02 * pool.random.direction()) * X_AB.q,
-                     X_AB.p + 0.02 * pool.random.direction()};
-    const Pose X_WA{pool.random.rotation(), pool.random.direction()}, X_WB = X_WA * X_now;
+    const Pose X_now{rotation(0.02 * direction(pool.random)) * X_AB.q,
+                     X_AB.p + 0.02 * direction(pool.random)};
+    const Pose X_WA{any_rotation(pool.random), direction(pool.random)}, X_WB = X_WA * X_now;
     const bool still = still_apart(a, X_WA, b, X_WB, n, margin);
     EXPECT_EQ(still_apart(a, b, X_now.q.toRotationMatrix(), X_now.p, n, margin), still);
     const Closest now = query(a, b, relative(X_WA, X_WB), {.margin = margin});
@@ -316,9 +315,9 @@ TEST(Margin, GivesNearPairsTheirClosestPoints) {
   for (int i = 0; i < 4000 / kThin; ++i) {
     const Shape &a = pool.pick(i % 4), &b = pool.pick(i / 4 % 4);
     const Vec3 n =
-        pool.random.index(2) ? test::special_normal(pool.random, a) : pool.random.direction();
+        index_below(pool.random, 2) ? test::special_normal(pool.random, a) : direction(pool.random);
     const Vec3 m =
-        pool.random.index(2) ? test::special_normal(pool.random, b) : pool.random.direction();
+        index_below(pool.random, 2) ? test::special_normal(pool.random, b) : direction(pool.random);
     const Quat q = facing(pool.random, n, m);
     const double gap = pool.random.uniform(1e-3, 0.09);
     const Pose X_AB{q, support(a, n) - q * support(b, m) + gap * n};
@@ -339,8 +338,8 @@ TEST(DeepOverlap, HasTheRightVerdictAndFiniteNumbers) {
   for (int i = 0; i < 4000 / kThin; ++i) {
     const Shape &a = pool.pick(i % 4), &b = pool.pick(i / 4 % 4);
     const double off = i % 5 == 0 ? 0.0 : pool.random.uniform(0.0, 0.3);
-    const Pose X_AB{i % 3 ? pool.random.rotation() : Quat::Identity(),
-                    off * pool.random.direction()};
+    const Pose X_AB{i % 3 ? any_rotation(pool.random) : Quat::Identity(),
+                    off * direction(pool.random)};
     const Closest c = query(a, b, X_AB);
     EXPECT_FALSE(c.separated) << kind(a) << " " << kind(b);
     EXPECT_TRUE(std::isfinite(c.distance) && c.p_A.allFinite() && c.p_B.allFinite());
@@ -355,7 +354,7 @@ TEST(AHalfSpace, IsMetByWhateverReachesBelowIt) {
   for (const ShapeKind k : kShapeKinds) {
     for (int i = 0; i < 100; ++i) {
       const Shape shape = random_shape(random, k);
-      const Pose X_AB{random.rotation(), {0.3, 0.1, random.uniform(0.0, 1.0)}};
+      const Pose X_AB{any_rotation(random), {0.3, 0.1, random.uniform(0.0, 1.0)}};
       const Vec3 p = X_AB * support(shape, X_AB.q.conjugate() * -Vec3::UnitZ());
       const Closest c = query(HalfSpace{}, shape, X_AB);
       EXPECT_EQ(c.separated, p.z() > 0.0);

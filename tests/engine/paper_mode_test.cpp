@@ -34,8 +34,8 @@ TEST(PaperMode, CallsMoreOfWhatIsApartAContactTheLowerItsCap) {
   int phantom[3] = {0, 0, 0}, pairs = 0;
   for (int i = 0; i < 20000 / kThin; ++i) {
     const Shape &a = pool.pick(i % 3), &b = pool.pick(i / 3 % 3);
-    const Quat q = pool.random.rotation();
-    const Vec3 along = pool.random.direction();
+    const Quat q = any_rotation(pool.random);
+    const Vec3 along = direction(pool.random);
     const double t = touching_distance(a, b, q, along) + pool.random.uniform(0.01, 0.1);
     ++pairs;
     for (int k = 0; k < 3; ++k) {
@@ -64,7 +64,7 @@ TEST(PaperMode, CallsMoreOfWhatIsApartAContactTheLowerItsCap) {
     constexpr int kTries = 200;
     for (int i = 0; i < kTries; ++i) {
       // Leaning a little, as nothing is quite flat in a running world.
-      const Quat lean = rotation(1e-3 * pool.random.direction());
+      const Quat lean = rotation(1e-3 * direction(pool.random));
       const Pose X_AB{lean * c.X_AB.q, c.X_AB.p + 1e-3 * c.n};
       if (!query(c.a, c.b, X_AB).separated) continue;
       for (int k = 0; k < 3; ++k)
@@ -85,9 +85,9 @@ TEST(PaperMode, KnowsNoKeptNormalUnlessAskedTo) {
   int different = 0;
   for (int i = 0; i < 4000 / kThin; ++i) {
     const Shallow p = shallow(pool, i % 4, i / 4 % 4);
-    const Query q{Query::paper, 5 + 5 * pool.random.index(3)};
+    const Query q{Query::paper, 5 + 5 * index_below(pool.random, 3)};
     const Closest cold = query(p.a, p.b, p.X_AB, q);
-    KeptNormal n{pool.random.direction(), KeptNormal::met}, same = n;
+    KeptNormal n{direction(pool.random), KeptNormal::met}, same = n;
     const Closest kept = closest_points(p.a, p.b, p.X_AB, n, q);
     EXPECT_EQ(kept.distance, cold.distance);
     EXPECT_EQ(kept.n_AB, cold.n_AB);
@@ -157,8 +157,8 @@ TEST(PaperMode, EndsAtTheFirstLookThatProvesWhateverTheMargin) {
   int within = 0;
   for (int i = 0; i < 4000 / kThin; ++i) {
     const Shape &a = pool.pick(i % 4), &b = pool.pick(i / 4 % 4);
-    const Pose X_AB{pool.random.rotation(),
-                    pool.random.uniform(0.6, 1.6) * pool.random.direction()};
+    const Pose X_AB{any_rotation(pool.random),
+                    pool.random.uniform(0.6, 1.6) * direction(pool.random)};
     const double gap = -depth_along(a, b, X_AB, line_of_centres(a, b, X_AB));
     if (gap <= 1e-12) continue;
     const Closest c = query(a, b, X_AB, {.mode = Query::paper, .margin = 0.1});
@@ -175,7 +175,7 @@ TEST(PaperMode, StillAnswersFromTheLastPlaneWhereATrialDid) {
   Pool pool(67);
   for (int i = 0; i < 3000 / kThin; ++i) {
     const Shallow p = shallow(pool, i % 3, i / 3 % 3);
-    const int cap = 5 + 5 * pool.random.index(2);
+    const int cap = 5 + 5 * index_below(pool.random, 2);
     Vec3 n = line_of_centres(p.a, p.b, p.X_AB);
     const auto across = [&](const Vec3& m) -> Vec3 {
       return support(p.a, m) - p.X_AB * support(p.b, p.X_AB.q.conjugate() * -m);

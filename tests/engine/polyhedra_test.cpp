@@ -9,8 +9,6 @@
 namespace headpin::engine {
 namespace {
 
-using test::Random;
-
 bool meet(const Shape& a, const Shape& b, const Pose& X_AB) {
   KeptNormal n;
   return !closest_points(a, b, X_AB, n, {}).separated;
@@ -23,7 +21,7 @@ TEST(Polyhedra, MeetOrDoNotWhateverTheMethod) {
   for (int i = 0; i < 2000; ++i) {
     const Polyhedron a = i % 3 ? test::random_hull(random, 30) : test::box({0.5, 0.3, 0.4});
     const Polyhedron b = i % 5 ? test::random_hull(random, 12) : test::box({0.1, 0.6, 0.05});
-    const Pose X_AB{random.rotation(), random.uniform(0.0, 1.3) * random.direction()};
+    const Pose X_AB{any_rotation(random), random.uniform(0.0, 1.3) * direction(random)};
     const bool expected = meet(a, b, X_AB);
     EXPECT_EQ(intersect_by_features(a, b, X_AB, EarlyOut::no), expected);
     EXPECT_EQ(intersect_by_features(a, b, X_AB, EarlyOut::yes), expected);

@@ -11,8 +11,6 @@
 namespace headpin::engine {
 namespace {
 
-using test::Random;
-
 /// Points that stand for A - B.
 struct Cloud {
   std::vector<Vec3> points;
@@ -25,12 +23,12 @@ struct Cloud {
 
 /// Up to a hundred times as long as wide, turned at random.
 Cloud slender(Random& random) {
-  const Quat q = random.rotation();
+  const Quat q = any_rotation(random);
   Vec3 k;
   for (double& x : k) x = std::pow(10.0, random.uniform(-1.0, 1.0));
   Cloud cloud;
-  for (int i = random.index(30) + 6; i > 0; --i) {
-    cloud.points.push_back(q * Vec3(k.cwiseProduct(random.direction())));
+  for (int i = index_below(random, 30) + 6; i > 0; --i) {
+    cloud.points.push_back(q * Vec3(k.cwiseProduct(direction(random))));
   }
   return cloud;
 }
@@ -41,10 +39,10 @@ TEST(PolytopeTest, NeverProvesAWayOutOfWhatIsApart) {
   Random random(11);
   for (int trial = 0; trial < 20'000; ++trial) {
     Cloud cloud = slender(random);
-    const Vec3 across = random.direction(), least = cloud.furthest(across);
+    const Vec3 across = direction(random), least = cloud.furthest(across);
     const double gap = std::pow(10.0, random.uniform(-6.0, -1.0));
     for (Vec3& x : cloud.points) x -= least + gap * across;
-    Vec3 n = (across + random.uniform(0.0, 1.0) * random.direction()).normalized();
+    Vec3 n = (across + random.uniform(0.0, 1.0) * direction(random)).normalized();
     double depth = n.dot(cloud.furthest(n));
     if (depth < 0.0) continue;
     Polytope around(&Cloud::ask, &cloud, n, cloud.furthest(n));
@@ -66,13 +64,13 @@ TEST(PolytopeTest, EndsWithTheLeastWayOut) {
     Vec3 centre = Vec3::Zero();
     for (const Vec3& x : cloud.points) centre += x / static_cast<double>(cloud.points.size());
     for (Vec3& x : cloud.points) x -= centre;
-    Vec3 n = random.direction();
+    Vec3 n = direction(random);
     double depth = n.dot(cloud.furthest(n));
     Polytope around(&Cloud::ask, &cloud, n, cloud.furthest(n));
     while (around.find_shorter((1.0 - 1e-9) * depth, n)) depth = n.dot(cloud.furthest(n));
     ASSERT_FALSE(around.gave_up()) << "trial " << trial;
     for (int i = 0; i < 2000; ++i) {
-      const Vec3 m = random.direction();
+      const Vec3 m = direction(random);
       EXPECT_GE(m.dot(cloud.furthest(m)), (1.0 - 1e-8) * depth) << "trial " << trial;
     }
   }

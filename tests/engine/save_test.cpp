@@ -7,7 +7,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "engine/hash.h"
+#include "base/hash.h"
 #include "engine/workspace.h"
 #include "tests/support/bowling.h"
 #include "tests/support/folder.h"
@@ -87,9 +87,10 @@ void goes_on_from_random_ticks(int racks, int ticks) {
   const Scene scene = make_scene(racks);
   World world = scene.bowling.world;
   Workspace w, other;
-  test::Random random(71);
+  Random random(71);
   std::vector<int> chosen(kTicks);
-  for (int k = 0; k < ticks; ++k) ++chosen[static_cast<std::size_t>(random.index(kTicks - kOn))];
+  for (int k = 0; k < ticks; ++k)
+    ++chosen[static_cast<std::size_t>(index_below(random, kTicks - kOn))];
   std::vector<Bytes> saved;
   std::vector<std::uint64_t> hashes;
   std::vector<Ledger> ledgers;
@@ -216,15 +217,16 @@ bool is_in_reason(const World& world) {
 TEST(SavedWorld, IsHarmlessWhateverItsBytes) {
   const AmongCollisions at;
   const World& made = at.scene.bowling.world;
-  test::Random random(72);
+  Random random(72);
   int refused = 0, stepped = 0;
   for (int k = 0; k < cases(4000); ++k) {
     Bytes bytes = at.bytes;
-    for (int n = 1 + random.index(3); n > 0; --n) {
-      bytes[static_cast<std::size_t>(random.index(static_cast<int>(bytes.size())))] =
-          static_cast<std::uint8_t>(random.bits());
+    for (int n = 1 + index_below(random, 3); n > 0; --n) {
+      bytes[static_cast<std::size_t>(index_below(random, static_cast<int>(bytes.size())))] =
+          static_cast<std::uint8_t>(random.next());
     }
-    if (random.index(4) == 0) bytes.resize(static_cast<std::size_t>(random.index(8000)), 0);
+    if (index_below(random, 4) == 0)
+      bytes.resize(static_cast<std::size_t>(index_below(random, 8000)), 0);
     if (bytes.size() < 8) continue;
     bytes = signed_anew(std::move(bytes));
     try {

@@ -36,7 +36,7 @@ struct Pool {
   }
   const Shape& pick(int kind) {
     const auto& of_kind = shapes[kind];
-    return of_kind[static_cast<std::size_t>(random.index(static_cast<int>(of_kind.size())))];
+    return of_kind[static_cast<std::size_t>(index_below(random, static_cast<int>(of_kind.size())))];
   }
   Random random;
   std::vector<Shape> shapes[4];
@@ -60,8 +60,8 @@ struct Shallow {
 
 inline Shallow shallow(Pool& pool, int ka, int kb) {
   const Shape &a = pool.pick(ka), &b = pool.pick(kb);
-  const Quat q = pool.random.rotation();
-  const Vec3 along = pool.random.direction();
+  const Quat q = any_rotation(pool.random);
+  const Vec3 along = direction(pool.random);
   const double t = touching_distance(a, b, q, along);
   return {a, b, {q, (t - pool.random.uniform(0.005, 0.05)) * along}};
 }
@@ -120,7 +120,7 @@ inline Least searched(Random& random, const Shallow& p, const Vec3& also) {
   double least = depth_along(p.a, p.b, p.X_AB, also);
   Vec3 best = also;
   for (int k = 0; k < 1500; ++k) {
-    const Vec3 n = random.direction();
+    const Vec3 n = direction(random);
     const double d = depth_along(p.a, p.b, p.X_AB, n);
     if (d < least) {
       least = d;
@@ -129,7 +129,7 @@ inline Least searched(Random& random, const Shallow& p, const Vec3& also) {
   }
   double step = 0.1;
   for (int k = 0; k < 1500; ++k) {
-    const Vec3 n = (best + step * random.direction()).normalized();
+    const Vec3 n = (best + step * direction(random)).normalized();
     const double d = depth_along(p.a, p.b, p.X_AB, n);
     if (d < least) {
       least = d;

@@ -11,7 +11,6 @@ namespace headpin::engine {
 namespace {
 
 using test::kShapeKinds;
-using test::Random;
 using test::ShapeKind;
 
 // No point of the shape lies further along n than the support point, and that point is in the
@@ -21,15 +20,15 @@ TEST(Support, IsTheFurthestPointOfTheShape) {
   for (const ShapeKind k : kShapeKinds) {
     for (int i = 0; i < 50; ++i) {
       const Shape shape = random_shape(random, k);
-      const Vec3 n = random.direction();
+      const Vec3 n = direction(random);
       const Vec3 p = support(shape, n);
       EXPECT_TRUE(contains(shape, p, 1e-12)) << kind(shape);
       for (int j = 0; j < 200; ++j) {
-        const Vec3 q = random.uniform(0.0, 0.9) * random.direction();
+        const Vec3 q = random.uniform(0.0, 0.9) * direction(random);
         if (contains(shape, q)) {
           EXPECT_LE(n.dot(q), n.dot(p) + 1e-12) << kind(shape);
         }
-        EXPECT_LE(n.dot(support(shape, random.direction())), n.dot(p) + 1e-12);
+        EXPECT_LE(n.dot(support(shape, direction(random))), n.dot(p) + 1e-12);
       }
     }
   }
@@ -61,7 +60,7 @@ TEST(Clearance, IsTheRadiusOfABallThatTheShapeHolds) {
        {ShapeKind::ellipsoid, ShapeKind::cylinder, ShapeKind::cone, ShapeKind::hull}) {
     for (int i = 0; i < 300; ++i) {
       const Shape shape = random_shape(random, k);
-      const Vec3 p = random.uniform(0.0, 0.7) * random.direction();
+      const Vec3 p = random.uniform(0.0, 0.7) * direction(random);
       const double radius = std::visit(
           [&](const auto& s) {
             if constexpr (std::is_same_v<std::decay_t<decltype(s)>, HalfSpace>)
@@ -74,7 +73,7 @@ TEST(Clearance, IsTheRadiusOfABallThatTheShapeHolds) {
       if (radius < 0.0) continue;
       double reach = 1.0;  // of the ball on its way out, least over many directions
       for (int m = 0; m < 2000; ++m) {
-        const Vec3 n = random.direction();
+        const Vec3 n = direction(random);
         ASSERT_TRUE(contains(shape, p + radius * n, 1e-9)) << kind(shape);
         reach = std::min(reach, n.dot(support(shape, n) - p));
       }
@@ -147,7 +146,7 @@ TEST(Polyhedron, ClimbsToTheFurthestCorner) {
   for (int i = 0; i < 20; ++i) {
     const Polyhedron p = i == 0 ? test::box({1.0, 2.0, 3.0}) : test::random_hull(random, 10 * i);
     for (int j = 0; j < 500; ++j) {
-      const Vec3 n = random.direction();
+      const Vec3 n = direction(random);
       double most = -1e9;
       for (const Vec3& v : p.vertices()) most = std::max(most, n.dot(v));
       EXPECT_NEAR(n.dot(support(p, n)), most, 1e-12);

@@ -100,12 +100,12 @@ TEST(SmoothElasticGame, KeepsItsEnergyForTenSeconds) {
 TEST(SlenderRod, GainsNothingWhenItIsDropped) {
   for (const double slenderness : {30.0, 3.0}) {
     for (const std::string_view response : {"paper", "coulomb"}) {
-      test::Random random(1);
+      Random random(1);
       for (int drop = 0; drop < 20; ++drop) {
         World world = make_world({.response = response});
         add_body(world, floor_body({0.7, 0.7}));
         add_body(world, solid(Cylinder{0.15 / slenderness, 0.15}, {0.7, 0.7}),
-                 at(Pose{random.rotation(), Vec3(0.0, 0.0, 0.5)}));
+                 at(Pose{any_rotation(random), Vec3(0.0, 0.0, 0.5)}));
         const double start = balance(world).energy;
         double highest = start;
         while (world.tick < 3 * 240) {
@@ -147,9 +147,9 @@ double depth_in_floor(const World& world, BodyId i) {
 }
 
 /// A random orientation, and 6 m/s downwards with a spin that turns by `turn` in 1/60 s [rad].
-State falling(test::Random& random, double turn) {
-  State s = at(Pose{rotation(3.0 * random.direction()), Vec3(0.0, 0.0, 0.5)}, Vec3(0.0, 0.0, -6.0));
-  s.w_WB = 60.0 * turn * random.direction();
+State falling(Random& random, double turn) {
+  State s = at(Pose{rotation(3.0 * direction(random)), Vec3(0.0, 0.0, 0.5)}, Vec3(0.0, 0.0, -6.0));
+  s.w_WB = 60.0 * turn * direction(random);
   return s;
 }
 
@@ -165,7 +165,7 @@ constexpr double kTurns[] = {0.5, 1.2, 3.0, 10.0};  // in 1/60 s [rad]
 // than 2e-8 of its energy.
 TEST(FarTurningBody, KeepsItsEnergyAndDoesNotGoIntoWhatItMeets) {
   for (const int rate_hz : {60, 240}) {
-    test::Random random(78);
+    Random random(78);
     for (const Shape& shape : kTurning) {
       for (const double turn : kTurns) {
         for (int k = 0; k < 10; ++k) {
@@ -190,7 +190,7 @@ TEST(FarTurningBody, KeepsItsEnergyAndDoesNotGoIntoWhatItMeets) {
 
 // Of 16,000 such pairs one is off by more than 1e-4 of its energy, by 1.2e-4.
 TEST(FarTurningBody, KeepsEnergyAndMomentumWithAnotherOne) {
-  test::Random random(1);
+  Random random(1);
   int far = 0;
   for (const Shape& shape : kTurning) {
     for (const Shape& other : kTurning) {
@@ -247,7 +247,7 @@ TEST(TouchedBody, FallsUnlessItIsCarried) {
 // A step that is not finite throws. One throw in 200 did, by normals of both sides of the wall.
 TEST(PinsThrownAtAThinWall, StayFiniteAndGainNothing) {
   for (const std::string_view response : {"paper", "coulomb"}) {
-    test::Random random(1);
+    Random random(1);
     const auto vector = [&] {
       const double x = random.normal(), y = random.normal(), z = random.normal();
       return Vec3(x, y, z);
@@ -303,7 +303,7 @@ TEST(BodyInAChannel, StaysFiniteBetweenTheTwoSidesOfOneOther) {
 
 // A row keeps a gap open only for what will close it.
 TEST(PassingBall, LeavesAlonePreciselyWhatItDoesNotTouch) {
-  test::Random random(1);
+  Random random(1);
   for (const double gap : {1e-4, 3e-4, 1e-3}) {
     for (int pass = 0; pass < 40; ++pass) {
       World world = make_world({.gravity_W = Vec3::Zero()});

@@ -24,17 +24,17 @@ World floor_at_60_hz(std::string_view response) {
   return world;
 }
 
-Vec3 vector(test::Random& random, double most) {
+Vec3 vector(Random& random, double most) {
   return {random.uniform(-most, most), random.uniform(-most, most), random.uniform(-most, most)};
 }
 
 /// A box of 0.4 g under two that are up to 30 kg and come down on it from both sides.
 World wedge(std::uint64_t seed) {
-  test::Random random(seed);
+  Random random(seed);
   World world = floor_at_60_hz("coulomb");
   const auto add = [&](double size, double mass, State at, double speed) {
     const Vec3 half = size * Vec3{random.uniform(0.1, 1.0), random.uniform(0.1, 1.0), 1.0};
-    at.X_WB.q = random.rotation();
+    at.X_WB.q = any_rotation(random);
     at.v_WB += vector(random, speed);
     at.w_WB = vector(random, 10.0);
     add_body(world, solid(test::box(half), {random.uniform(0.0, 1.0), 1.0}, mass), at);
@@ -74,7 +74,7 @@ double depth_of(const Ellipsoid& shape, const Pose& X_WB) {
 // the one that goes deep at its end.
 TEST(ThinEllipsoid, FallsFlatWithoutSinkingIntoTheFloor) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
-    test::Random random(seed);
+    Random random(seed);
     const double radius = 0.024;
     const Ellipsoid shape{
         {radius, radius * random.uniform(0.1, 1.0), radius * random.uniform(0.1, 0.15)}};

@@ -44,7 +44,7 @@ read -r -a flags <<<"$(PKG_CONFIG_PATH=$(dirname "$(find "$folder" -name headpin
   pkg-config --cflags headpin-engine)"
 cd "$folder"
 g++ -std=c++20 -O1 "${flags[@]}" -fPIC -shared "$here/plugin/plugin.cpp" -o with_static.so -Wl,--no-undefined \
-  "$archive" "$(dirname "$archive")/libheadpin_math.a"
+  "$archive" "$(dirname "$archive")/libheadpin_base.a"
 g++ -std=c++20 -O1 "${flags[@]}" -fPIC -shared "$here/plugin/plugin.cpp" -o with_shared.so -Wl,--no-undefined \
   -L"$(dirname "$library")" -lheadpin-engine
 g++ "$here/plugin/host.cpp" -o host

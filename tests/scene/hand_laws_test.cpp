@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-#include "devices/base/random.h"
+#include "base/random.h"
 #include "devices/trial/sources.h"
 #include "scene/play/events.h"
 #include "scene/play/session.h"
@@ -132,7 +132,7 @@ TEST(HandLaws, NothingCarriedIsEverBelowTheLaneOrBehindAWall) {
   const double r = scenario.ball.radius, slack = 1e-3;
   const std::vector<Block> blocks = front_blocks(room_measures(scenario));
   for (std::uint64_t seed = 1; seed <= (kThorough ? 3 : 1); ++seed) {
-    devices::Random random(seed);
+    Random random(seed);
     std::vector<Vec3> stops = {scenario.ball.home, scenario.ball.home};
     for (int i = 0; i < 12; ++i) {
       stops.emplace_back(random.uniform(-3.5, 3.5), random.uniform(-4.5, 9.0),

@@ -4,7 +4,7 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/base/random.h"
+#include "base/random.h"
 
 namespace headpin::scene {
 namespace {
@@ -71,7 +71,7 @@ double end_slope_deviation(int n, double step, double sigma) {
 /// Root mean square error, along an axis, of many throws that are parabolas but for the noise.
 double release_error(double sigma, Time step, const ReleaseWindow& window) {
   constexpr int kThrows = 400;
-  devices::Random random(5);
+  Random random(5);
   const Vec3 a(1.0, 40.0, -3.0);
   double squares = 0.0;
   for (int i = 0; i < kThrows; ++i) {

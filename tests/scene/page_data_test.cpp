@@ -8,8 +8,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "base/output_file.h"
 #include "devices/trial/log.h"
-#include "files/output_file.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/totals.h"
 #include "tests/scene/demo.h"
@@ -102,7 +102,7 @@ std::string trial_with_states(std::int64_t moved_tick) {
   Session session = make_session(recorded.scenario);
   devices::TrialHeader header = recorded.file.summary().header;
   header.body_names = body_names(*session.stage);
-  devices::Recorder recorder(files::OutputFile(path, {.overwrite = true}), header);
+  devices::Recorder recorder(base::OutputFile(path, {.overwrite = true}), header);
   devices::TrialPlayer source(recorded.file);
   devices::TickState state;
   for (int tick = 1; tick <= 300; ++tick) {
@@ -138,7 +138,7 @@ TEST(PageData, ShowsWhatWasRecordedWhereTheReplayDiffersAndSaysWhere) {
 TEST(PageData, OfALongTrialDrawsEveryNthTickAndTheLast) {
   const std::string path = fresh_folder("page") / "long.lcmlog";
   const Recorded demo = load_trial(kDemo);
-  devices::Recorder recorder(files::OutputFile(path, {.overwrite = true}),
+  devices::Recorder recorder(base::OutputFile(path, {.overwrite = true}),
                              demo.file.summary().header);
   for (const int second : {0, 40, 80, 131}) {
     devices::TrackerSample head;

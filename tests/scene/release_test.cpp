@@ -8,7 +8,7 @@
 
 #include <gmock/gmock.h>
 
-#include "devices/base/random.h"
+#include "base/random.h"
 #include "devices/trial/sources.h"
 #include "scene/play/details.h"
 #include "scene/play/events.h"
@@ -74,7 +74,7 @@ std::vector<std::pair<const char*, KnownSwing>> known_swings() {
 
 /// Samples of a swing up to a time, with a Fastrak's noise of 2.5 m away.
 std::vector<Stamped<Pose>> sampled(const KnownSwing& swing, double rate, double phase, double from,
-                                   double to, devices::Random* random = nullptr) {
+                                   double to, Random* random = nullptr) {
   std::vector<Stamped<Pose>> track;
   constexpr double kMetres = 0.0005, kRadians = 0.025 * kDegree;
   for (double k = std::ceil((from - phase) * rate); phase + k / rate <= to; k += 1.0) {
@@ -127,7 +127,7 @@ TEST(MotionAtTheTrigger, IsTheTrueOneOfEverySwing) {
       for (const bool noisy : {false, true}) {
         Errors up, aside, speed, spin;
         for (int i = 0; i < 204; ++i) {
-          devices::Random random(static_cast<std::uint64_t>(i));
+          Random random(static_cast<std::uint64_t>(i));
           const double at = swing.release - 0.025 + 0.001 * (i % 51);
           const auto track = sampled(swing, rate, 0.0031 + 0.0007 * (i / 51), at - 0.4,
                                      at + 0.025 - kLatency, noisy ? &random : nullptr);

@@ -6,8 +6,8 @@
 
 #include <gmock/gmock.h>
 
+#include "base/hash.h"
 #include "devices/trial/sources.h"
-#include "engine/hash.h"
 #include "scene/people/participant.h"
 #include "scene/play/events.h"
 #include "scene/play/save.h"
@@ -20,7 +20,6 @@ namespace headpin::scene {
 namespace {
 
 using Bytes = std::vector<std::uint8_t>;
-using engine::test::Random;
 
 /// One tick: what the session got, and what came of it.
 struct Tick {
@@ -77,7 +76,8 @@ SavedOften played_by_somebody(const std::string& name, int throws, int saves) {
     }
     Random random(36);
     for (int i = 0; i < saves; ++i) {
-      wanted.insert(static_cast<std::size_t>(random.index(static_cast<int>(played.ticks.size()))));
+      wanted.insert(
+          static_cast<std::size_t>(index_below(random, static_cast<int>(played.ticks.size()))));
     }
   }
   return played;
@@ -156,8 +156,8 @@ TEST(SavedSession, CutOffOrChangedIsRefused) {
   Random random(5);
   for (int i = 0; i < 200; ++i) {
     Bytes changed = whole;
-    changed[static_cast<std::size_t>(random.index(static_cast<int>(whole.size())))] ^=
-        static_cast<std::uint8_t>(1 << random.index(8));
+    changed[static_cast<std::size_t>(index_below(random, static_cast<int>(whole.size())))] ^=
+        static_cast<std::uint8_t>(1 << index_below(random, 8));
     EXPECT_THROW(restore(made, changed), std::invalid_argument);
   }
 }
@@ -181,9 +181,11 @@ TEST(SavedSession, ChangedWithAChecksumThatFitsIsRefusedOrGoesOn) {
   for (const auto& [first, whole] : played.saved) {
     for (int i = 0; i < cases(2000); ++i) {
       Bytes changed = whole;
-      const auto at = static_cast<std::size_t>(random.index(static_cast<int>(whole.size()) - 8));
-      changed[at] = random.index(3) == 0 ? static_cast<std::uint8_t>(255)
-                                         : static_cast<std::uint8_t>(random.index(256));
+      const auto at =
+          static_cast<std::size_t>(index_below(random, static_cast<int>(whole.size()) - 8));
+      changed[at] = index_below(random, 3) == 0
+                        ? static_cast<std::uint8_t>(255)
+                        : static_cast<std::uint8_t>(index_below(random, 256));
       seal(changed);
       try {
         Session session = restore(made, changed);

@@ -6,7 +6,7 @@
 
 #include <gmock/gmock.h>
 
-#include "devices/base/random.h"
+#include "base/random.h"
 #include "tests/support/folder.h"
 
 namespace headpin::study {
@@ -14,7 +14,7 @@ namespace {
 
 /// Any samples, also such as no device sends.
 std::vector<devices::Sample> any_samples(std::uint64_t seed) {
-  devices::Random random(seed);
+  Random random(seed);
   std::vector<devices::Sample> samples;
   for (int i = 0; i < 200; ++i) {
     const Time time{static_cast<std::int64_t>(random.next() % 4'000'000'000) - 1'000'000};
@@ -98,7 +98,7 @@ TEST_F(MotionBids, EveryRowOfTheEventsHasACellAColumn) {
 }
 
 TEST_F(MotionBids, DamageIsSaidOrReadAndNothingElse) {
-  devices::Random random(3);
+  Random random(3);
   int refused = 0;
   for (int i = 0; i < 300; ++i) {
     auto damaged = texts_;

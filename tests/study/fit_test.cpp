@@ -6,7 +6,7 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/base/random.h"
+#include "base/random.h"
 #include "study/power.h"
 #include "tests/study/study_files.h"
 
@@ -27,7 +27,7 @@ TEST(Fit, OfAConstantIsTheLogitOfTheShare) {
 
 // At the maximum of the likelihood its slope is nothing: X'(y - n p) = 0.
 TEST(Fit, TheSlopeOfTheLikelihoodIsNothing) {
-  devices::Random random(7);
+  Random random(7);
   Eigen::MatrixXd x(60, 4);
   Eigen::VectorXd y(60);
   for (Eigen::Index i = 0; i < x.rows(); ++i) {

@@ -174,13 +174,13 @@ Shape make(Random& random, Form form) {
     case Form::hull:
       break;
   }
-  const Polyhedron p = random_hull(random, 8 + random.index(56));
+  const Polyhedron p = random_hull(random, 8 + index_below(random, 56));
   return stretched(p, k * Vec3(aspect(random), aspect(random), aspect(random)));
 }
 
 /// Normals at which shapes touch along faces, sides and rims; else anywhere.
 Vec3 normal_of(Random& random, const Shape& shape) {
-  if (random.index(3) == 0) return random.direction();
+  if (index_below(random, 3) == 0) return direction(random);
   return special_normal(random, shape);
 }
 
@@ -205,10 +205,10 @@ struct Placed {
 /// A quarter turn, or several, about the frame's axes.
 Quat quarter_turns(Random& random) {
   Quat q = Quat::Identity();
-  for (int k = random.index(4); k > 0; --k) {
+  for (int k = index_below(random, 4); k > 0; --k) {
     Vec3 axis = Vec3::Zero();
-    axis[random.index(3)] = 1.0;
-    q = Quat(Eigen::AngleAxisd(kQuarter * random.index(4), axis)) * q;
+    axis[index_below(random, 3)] = 1.0;
+    q = Quat(Eigen::AngleAxisd(kQuarter * index_below(random, 4), axis)) * q;
   }
   return q;
 }
@@ -231,44 +231,44 @@ void move_in(Placed& p, const Vec3& along, double overlap) {
 }
 
 double gap_or_depth(Random& random, double size) {
-  return (random.index(2) ? 1.0 : -1.0) * size * std::pow(10.0, random.uniform(-7.0, -1.0));
+  return (index_below(random, 2) ? 1.0 : -1.0) * size * std::pow(10.0, random.uniform(-7.0, -1.0));
 }
 
 void place(Random& random, Placed& p) {
   const double gap = gap_or_depth(random, p.size);
-  switch (random.index(4)) {
+  switch (index_below(random, 4)) {
     case 0: {  // normals against each other
       const Vec3 n = normal_of(random, p.a), m = normal_of(random, p.b);
       p.X_AB.q = rotation(random.uniform(0.0, 6.0) * n) * Quat::FromTwoVectors(m, -n);
-      const Vec3 aside = (random.index(2) * p.size * random.direction()).cross(n);
+      const Vec3 aside = (index_below(random, 2) * p.size * direction(random)).cross(n);
       p.X_AB.p = support(p.a, n) - p.X_AB.q * support(p.b, m) + gap * n + aside;
       break;
     }
     case 1:  // first contact
-      p.X_AB = {random.rotation(), Vec3::Zero()};
-      move_in(p, random.direction(), random.uniform(0.005, 0.05) * p.size);
+      p.X_AB = {any_rotation(random), Vec3::Zero()};
+      move_in(p, direction(random), random.uniform(0.005, 0.05) * p.size);
       break;
     case 2: {  // axes along or against each other
       Quat lean = Quat::Identity();
-      if (random.index(2)) {
-        lean = rotation(std::pow(10.0, random.uniform(-15.0, -1.0)) * random.direction());
+      if (index_below(random, 2)) {
+        lean = rotation(std::pow(10.0, random.uniform(-15.0, -1.0)) * direction(random));
       }
       p.X_AB.q = about_z(random.uniform(0.0, 6.0)) * lean * quarter_turns(random) *
                  about_z(random.uniform(0.0, 6.0));
       Vec3 along = Vec3::Zero();
-      along[random.index(3)] = random.index(2) ? 1.0 : -1.0;
-      const double off = random.index(2) * random.uniform(0.0, 1.0) * p.size;
-      p.X_AB.p = off * Vec3(random.direction().cross(along));
+      along[index_below(random, 3)] = index_below(random, 2) ? 1.0 : -1.0;
+      const double off = index_below(random, 2) * random.uniform(0.0, 1.0) * p.size;
+      p.X_AB.p = off * Vec3(direction(random).cross(along));
       move_in(p, along, -gap);
       break;
     }
     default: {  // anywhere
       const double reach = bounding_radius(p.a) + bounding_radius(p.b);
-      p.X_AB = {random.rotation(), random.uniform(0.0, 1.1) * reach * random.direction()};
+      p.X_AB = {any_rotation(random), random.uniform(0.0, 1.1) * reach * direction(random)};
     }
   }
   // The question is asked in a frame that is turned about, so that rounding takes part.
-  const Pose X_WA{random.rotation(), p.size * random.direction()};
+  const Pose X_WA{any_rotation(random), p.size * direction(random)};
   p.X_AB.q.normalize();  // between opposite vectors FromTwoVectors is unit to 1e-9 only
   p.X_AB = relative(X_WA, X_WA * p.X_AB);
 }
@@ -365,14 +365,14 @@ void judge(Random& random, Tally& tally, const Placed& p) {
   judge.depth(cold, {}, tally.deep, "deep");
 
   Placed before = p;
-  before.X_AB.q = (rotation(1e-2 * random.direction()) * p.X_AB.q).normalized();
-  before.X_AB.p += 1e-2 * p.size * random.direction();
+  before.X_AB.q = (rotation(1e-2 * direction(random)) * p.X_AB.q).normalized();
+  before.X_AB.p += 1e-2 * p.size * direction(random);
   KeptNormal of_before;
   before.ask(of_before);
-  const KeptNormal::Of of = random.index(2) ? KeptNormal::met : KeptNormal::apart;
+  const KeptNormal::Of of = index_below(random, 2) ? KeptNormal::met : KeptNormal::apart;
   bool disagreed = false;
   const std::int64_t deep_before = tally.deep_kept;
-  for (const KeptNormal& kept : {left, of_before, KeptNormal{random.direction(), of}}) {
+  for (const KeptNormal& kept : {left, of_before, KeptNormal{direction(random), of}}) {
     KeptNormal n = kept;
     const Closest warm = p.ask(n);
     judge.verdict(warm, kept);
@@ -419,10 +419,10 @@ Tally try_pairs(Form a, Form b, std::int64_t pairs, std::uint64_t seed) {
   }
   Tally tally;
   for (std::int64_t i = 0; i < pairs; ++i) {
-    const int k = random.index(3);
-    const Shape& sa = pool_a[k][static_cast<std::size_t>(random.index(many))];
-    const Shape& sb = pool_b[k][static_cast<std::size_t>(random.index(many))];
-    const bool swapped = random.index(2) != 0;
+    const int k = index_below(random, 3);
+    const Shape& sa = pool_a[k][static_cast<std::size_t>(index_below(random, many))];
+    const Shape& sb = pool_b[k][static_cast<std::size_t>(index_below(random, many))];
+    const bool swapped = index_below(random, 2) != 0;
     Placed p{swapped ? sb : sa,
              swapped ? sa : sb,
              std::min(bounding_radius(sa), bounding_radius(sb)),

@@ -140,7 +140,7 @@ std::vector<std::vector<Pose>> paper_frames(std::uint64_t seed, int frames, doub
     for (std::size_t i = 0; i < objects().size(); ++i) {
       const double r = 0.5 * side;
       const Vec3 p{random.uniform(-r, r), random.uniform(-r, r), random.uniform(-r, r)};
-      poses.push_back({random.rotation(), p});
+      poses.push_back({any_rotation(random), p});
     }
     all.push_back(poses);
   }

@@ -4,31 +4,35 @@
 #include <array>
 #include <set>
 
-namespace headpin::engine::test {
+namespace headpin {
 
-Vec3 Random::direction() {
+Vec3 direction(Random& random) {
   for (;;) {
-    const Vec3 v(uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0));
+    const Vec3 v(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
     const double r2 = v.squaredNorm();
     if (r2 > 1e-4 && r2 <= 1.0) return v / std::sqrt(r2);
   }
 }
 
-Quat Random::rotation() {
+Quat any_rotation(Random& random) {
   for (;;) {
-    const Eigen::Vector4d v(uniform(-1.0, 1.0), uniform(-1.0, 1.0), uniform(-1.0, 1.0),
-                            uniform(-1.0, 1.0));
+    const Eigen::Vector4d v(random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0),
+                            random.uniform(-1.0, 1.0), random.uniform(-1.0, 1.0));
     const double r2 = v.squaredNorm();
     if (r2 > 1e-4 && r2 <= 1.0) return Quat(Eigen::Vector4d(v / std::sqrt(r2)));
   }
 }
+
+}  // namespace headpin
+
+namespace headpin::engine::test {
 
 Polyhedron random_hull(Random& random, int count) {
   // Braces: in order, whoever compiles it.
   const Vec3 radii{random.uniform(0.3, 0.6), random.uniform(0.3, 0.6), random.uniform(0.3, 0.6)};
   std::vector<Vec3> points;
   while (points.size() < static_cast<std::size_t>(count)) {
-    const Vec3 p = radii.cwiseProduct(random.direction());
+    const Vec3 p = radii.cwiseProduct(direction(random));
     const bool close = std::any_of(points.begin(), points.end(),
                                    [&](const Vec3& q) { return (p - q).norm() < 0.02; });
     if (!close) points.push_back(p);
@@ -107,17 +111,19 @@ Polyhedron remade(const Polyhedron& p, const Vec3& factors) {
 
 Vec3 special_normal(Random& random, const Shape& shape) {
   if (const auto* h = std::get_if<Polyhedron>(&shape)) {
-    return h->faces()[static_cast<std::size_t>(random.index(static_cast<int>(h->faces().size())))]
+    return h
+        ->faces()[static_cast<std::size_t>(
+            index_below(random, static_cast<int>(h->faces().size())))]
         .normal;
   }
-  Vec3 level = random.direction();
+  Vec3 level = direction(random);
   level.z() = 0.0;
   level.normalize();
-  if (const auto* c = std::get_if<Cone>(&shape); c && random.index(2)) {
+  if (const auto* c = std::get_if<Cone>(&shape); c && index_below(random, 2)) {
     const double slant = std::sqrt(c->radius * c->radius + c->height * c->height);
     return c->height / slant * level + c->radius / slant * Vec3::UnitZ();
   }
-  if (random.index(2)) return random.index(2) ? Vec3::UnitZ() : Vec3(-Vec3::UnitZ());
+  if (index_below(random, 2)) return index_below(random, 2) ? Vec3::UnitZ() : Vec3(-Vec3::UnitZ());
   return level;
 }
 

@@ -6,7 +6,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "devices/base/random.h"
+#include "base/random.h"
 #include "sweep/rows.h"
 #include "tests/support/folder.h"
 
@@ -135,7 +135,7 @@ TEST(SweepDesign, AnyTextIsReadOrRefused) {
       "trials = ['a.lcmlog', 'b.lcmlog']\n[grid]\nelasticity = {from = 0, to = 1, steps = 5}\n"
       "shape = ['ellipsoid', 'true']\n[random]\ndraws = 3\nmethod = 'uniform'\nseed = 4\n"
       "ball.mass = {from = 5, to = 7}\n";
-  devices::Random random(3);
+  Random random(3);
   int read = 0, refused = 0;
   for (int i = 0; i < 3000; ++i) {
     std::string text = good;

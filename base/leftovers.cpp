@@ -1,0 +1,79 @@
+#include "base/leftovers.h"
+
+#include <cerrno>
+#include <charconv>
+#include <csignal>
+#include <optional>
+#include <string_view>
+
+#include <dirent.h>
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include "base/lock.h"
+
+namespace headpin::base {
+namespace {
+
+/// PROCESS of STEM.PROCESS-N.part; nothing of other names.
+std::optional<pid_t> writer_of(std::string_view name, std::string_view stem) {
+  constexpr std::string_view kEnd = ".part";
+  if (!name.starts_with(stem) || !name.ends_with(kEnd)) return std::nullopt;
+  if (name.size() < stem.size() + 1 + kEnd.size()) return std::nullopt;
+  const std::string_view between =
+      name.substr(stem.size(), name.size() - stem.size() - kEnd.size());
+  if (!between.starts_with('.')) return std::nullopt;
+  const char* const end = between.data() + between.size();
+  pid_t process = 0;
+  int n = 0;
+  const auto first = std::from_chars(between.data() + 1, end, process);
+  if (first.ec != std::errc{} || first.ptr == end || *first.ptr != '-') return std::nullopt;
+  const auto second = std::from_chars(first.ptr + 1, end, n);
+  if (second.ec != std::errc{} || second.ptr != end || process <= 0 || n < 0) return std::nullopt;
+  return process;
+}
+
+bool is_gone(pid_t process) {
+  return kill(process, 0) != 0 && errno == ESRCH;
+}
+
+/// Whether a file is ours and no process writes it. A process on another machine is not visible
+/// here, but it has its file locked.
+bool is_left(int folder, const std::string& name) {
+  const int file = openat(folder, name.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+  if (file < 0) return false;
+  struct stat is {};
+  const bool left =
+      fstat(file, &is) == 0 && S_ISREG(is.st_mode) && is.st_uid == geteuid() && lock(file);
+  close(file);
+  return left;
+}
+
+}  // namespace
+
+std::string part_stem(const std::string& target) {
+  constexpr std::size_t kLongest = 200;  // a file system takes 255 bytes
+  return target.substr(0, kLongest);
+}
+
+std::vector<std::string> remove_leftovers(int folder, const std::string& stem) {
+  std::vector<std::string> found, removed;
+  const int again = openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  DIR* const all = again >= 0 ? fdopendir(again) : nullptr;
+  if (all == nullptr) {
+    if (again >= 0) close(again);
+    return removed;
+  }
+  while (const dirent* one = readdir(all)) {
+    const std::optional<pid_t> writer = writer_of(one->d_name, stem);
+    if (writer && is_gone(*writer)) found.emplace_back(one->d_name);
+  }
+  closedir(all);
+  for (const std::string& name : found) {
+    if (is_left(folder, name) && unlinkat(folder, name.c_str(), 0) == 0) removed.push_back(name);
+  }
+  return removed;
+}
+
+}  // namespace headpin::base

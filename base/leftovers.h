@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace headpin::base {
+
+/// The name of an output while it is written, without the process: NAME of NAME.PROCESS-N.part.
+std::string part_stem(const std::string& target);
+
+/// Removes incomplete outputs of killed runs from an open folder: regular files STEM.PROCESS-N.part
+/// of this user that are not locked and whose process is not running.
+///
+/// @return  the names of the removed files
+std::vector<std::string> remove_leftovers(int folder, const std::string& stem);
+
+}  // namespace headpin::base

@@ -1,0 +1,73 @@
+#include "base/line_file.h"
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+#include <stdexcept>
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include "base/input_file.h"
+#include "base/lock.h"
+
+namespace headpin::base {
+
+namespace {
+
+constexpr std::size_t kMostLines = 16'000'000;  // largest size in bytes
+
+/// Syncs the folder of a new file, so that its name is on the disk.
+void sync_folder_of(const std::string& path) {
+  const std::filesystem::path parent = std::filesystem::path(path).parent_path();
+  const int folder =
+      open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (folder < 0) return;
+  fsync(folder);
+  close(folder);
+}
+
+}  // namespace
+
+void LineFile::fail(const std::string& doing) const {
+  throw std::runtime_error(path_ + ": " + doing + ": " + std::strerror(errno));
+}
+
+LineFile::LineFile(std::string path) : path_(std::move(path)) {
+  descriptor_ = open(path_.c_str(), O_RDWR | O_APPEND | O_CREAT | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) fail("cannot be opened");
+  try {
+    if (!lock(descriptor_)) throw Busy(path_ + ": another headpin is writing it");
+    text_ = read_text(path_, kMostLines);
+    text_.resize(text_.rfind('\n') + 1);  // npos + 1 is 0
+    size_ = static_cast<std::int64_t>(text_.size());
+    if (ftruncate(descriptor_, size_) != 0) fail("cannot be written");
+    sync_folder_of(path_);
+  } catch (...) {
+    close(descriptor_);
+    throw;
+  }
+}
+
+LineFile::~LineFile() {
+  close(descriptor_);
+}
+
+void LineFile::append(const std::string& lines) {
+  std::size_t done = 0;
+  while (done < lines.size()) {
+    const ssize_t n = write(descriptor_, lines.data() + done, lines.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) break;
+    done += static_cast<std::size_t>(n);
+  }
+  if (done < lines.size() || fdatasync(descriptor_) != 0) {
+    const int error = errno;
+    [[maybe_unused]] const int cut = ftruncate(descriptor_, size_);
+    errno = error;
+    fail("cannot be written");
+  }
+  size_ += static_cast<std::int64_t>(lines.size());
+}
+
+}  // namespace headpin::base

@@ -1,0 +1,14 @@
+#include "base/lock.h"
+
+#include <cerrno>
+
+#include <sys/file.h>
+
+namespace headpin::base {
+
+bool lock(int descriptor) {
+  // A file system without locks is no reason to refuse work.
+  return flock(descriptor, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK;
+}
+
+}  // namespace headpin::base

@@ -1,0 +1,133 @@
+// Lines that are on the disk or not there.
+
+#include "base/line_file.h"
+
+#include <cerrno>
+#include <csignal>
+#include <optional>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include "base/left_parts.h"
+#include "base/lock.h"
+#include "tests/base/failing_calls.h"
+#include "tests/support/folder.h"
+
+namespace headpin::base {
+namespace {
+
+TEST(LineFile, LinesAreAddedAndReadAgain) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "lines").string();
+  {
+    LineFile file(path);
+    EXPECT_EQ(file.text(), "");
+    file.append("one\n");
+    file.append("two\nthree\n");
+  }
+  EXPECT_EQ(LineFile(path).text(), "one\ntwo\nthree\n");
+}
+
+TEST(LineFile, HalfALineOfACrashIsCutOff) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "lines").string();
+  spit(path, "one\ntw");
+  {
+    LineFile file(path);
+    EXPECT_EQ(file.text(), "one\n");
+    file.append("two\n");
+  }
+  EXPECT_EQ(slurp(path), "one\ntwo\n");
+  spit(path, "on");
+  EXPECT_EQ(LineFile(path).text(), "");
+}
+
+TEST(LineFile, IsOpenForOneAlone) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "lines").string();
+  std::optional<LineFile> file(path);
+  EXPECT_THROW(LineFile other(path), Busy);
+  file.reset();
+  EXPECT_NO_THROW(LineFile other(path));
+}
+
+// A limit on the size of files is a disk that is full after so many bytes.
+TEST(LineFile, OnAFullDiskTheFileIsAsBefore) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "lines").string();
+  std::signal(SIGXFSZ, SIG_IGN);
+  rlimit before{};
+  getrlimit(RLIMIT_FSIZE, &before);
+  LineFile file(path);
+  file.append("12345\n");
+  const rlimit small{10, before.rlim_max};
+  setrlimit(RLIMIT_FSIZE, &small);
+  EXPECT_NE(complaint([&] { file.append("67890\n"); }), "");
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_EQ(slurp(path), "12345\n");
+  file.append("67890\n");
+  EXPECT_EQ(slurp(path), "12345\n67890\n");
+}
+
+// Whatever the disk does: a line is there to the byte, or none of it is.
+TEST(LineFile, ALineIsWholeWhateverTheDiskDoes) {
+  const TemporaryFolder folder;
+  const std::string path = (folder / "lines").string();
+  LineFile file(path);
+  file.append("one\n");
+  for (const char* call : {"write", "fdatasync"}) {
+    fail_call(call, 0, EIO);
+    EXPECT_THAT(complaint([&] { file.append("two\n"); }),
+                testing::EndsWith("lines: cannot be written: Input/output error"));
+    let_all_succeed();
+    EXPECT_EQ(slurp(path), "one\n") << call;
+  }
+  fail_call("write", 0, EINTR);
+  file.append("two\n");
+  let_all_succeed();
+  write_at_most(4);  // and three in the end
+  file.append("three and four\n");
+  let_all_succeed();
+  EXPECT_EQ(slurp(path), "one\ntwo\nthree and four\n");
+}
+
+TEST(LineFile, ThatIsNewHasItsNameOnTheDisk) {
+  const TemporaryFolder folder;
+  std::vector<std::string> synced;
+  for (const Change& change : changes_of([&] { LineFile((folder / "lines").string()); })) {
+    if (change.kind == Change::kSync) synced.push_back(change.path);
+  }
+  EXPECT_EQ(synced, std::vector<std::string>{folder.path().string()});
+}
+
+TEST(LineFile, ThatCannotBeOpenedIsSaid) {
+  const TemporaryFolder folder;
+  EXPECT_THAT(complaint([&] { LineFile((folder / "none/lines").string()); }),
+              testing::HasSubstr("lines: cannot be opened: No such file"));
+  fail_call("ftruncate", 0, EIO);
+  EXPECT_THAT(complaint([&] { LineFile((folder / "lines").string()); }),
+              testing::HasSubstr("cannot be written: Input/output error"));
+  let_all_succeed();
+  EXPECT_NO_THROW(LineFile((folder / "lines").string()));  // nobody has it locked
+}
+
+TEST(LeftParts, AreRemovedWhereTheirProcessIsGone) {
+  const TemporaryFolder folder;
+  const std::string mine = "a.txt." + std::to_string(getpid()) + "-0.part";
+  for (const std::string& name : {mine, std::string("a.txt.999999999-0.part"),
+                                  std::string("notes.part"), std::string("b.999999999-1.parts")}) {
+    spit(folder / name, "x");
+  }
+  std::filesystem::create_directory(folder / "c.999999999-0.part");
+  remove_left_parts(folder.path().string());
+  EXPECT_TRUE(std::filesystem::exists(folder / "c.999999999-0.part"));
+  EXPECT_TRUE(std::filesystem::exists(folder / mine));
+  EXPECT_FALSE(std::filesystem::exists(folder / "a.txt.999999999-0.part"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "notes.part"));
+  EXPECT_TRUE(std::filesystem::exists(folder / "b.999999999-1.parts"));
+}
+
+}  // namespace
+}  // namespace headpin::base
