@@ -11,7 +11,7 @@
 #include "apps/streams.h"
 #include "base/input_file.h"
 #include "base/output_file.h"
-#include "devices/trial/log.h"
+#include "scene/record/log.h"
 #include "study/bids.h"
 
 namespace headpin::apps {
@@ -64,7 +64,7 @@ void import_bids_session(const std::string& path, base::OutputFile output, bool 
     throw std::runtime_error((fs::path(path).parent_path() / error.what()).string());
   }
   const std::string name = output.path();
-  devices::Recorder recorder(std::move(output), trial.header);
+  scene::Recorder recorder(std::move(output), trial.header);
   for (const devices::Sample& sample : trial.samples) {
     check_stop();
     recorder.write(sample);

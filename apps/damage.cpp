@@ -1,15 +1,15 @@
 #include "apps/damage.h"
 
 #include "apps/streams.h"
-#include "devices/trial/file.h"
+#include "scene/record/file.h"
 
 namespace headpin::apps {
 
 void say_what_is_missing(std::string_view command, const std::string& path,
-                         const devices::TrialSummary& trial) {
+                         const scene::TrialSummary& trial) {
   if (trial.complete) return;
   say("headpin {}: {}: {}; see `headpin info`\n", command, printable(path),
-      devices::what_is_missing(trial));
+      scene::what_is_missing(trial));
 }
 
 }  // namespace headpin::apps

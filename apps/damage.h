@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "devices/trial/trial.h"
+#include "scene/record/trial.h"
 
 namespace headpin::apps {
 
@@ -11,6 +11,6 @@ namespace headpin::apps {
 ///
 /// @param command  name of the command, which continues
 void say_what_is_missing(std::string_view command, const std::string& path,
-                         const devices::TrialSummary& trial);
+                         const scene::TrialSummary& trial);
 
 }  // namespace headpin::apps

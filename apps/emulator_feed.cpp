@@ -6,6 +6,8 @@
 
 #include "apps/damage.h"
 #include "apps/streams.h"
+#include "scene/record/file.h"
+#include "scene/record/unit.h"
 #include "scene/scenario/scenario.h"
 #include "scene/stage/read_scenario.h"
 
@@ -13,7 +15,7 @@ namespace headpin::apps {
 namespace {
 
 /// What a client receives that does not change settings, as text.
-std::string place_report(const devices::FastrakPlace& place, const devices::TrialHeader& header,
+std::string place_report(const devices::FastrakPlace& place, const scene::TrialHeader& header,
                          const FeedOptions& options) {
   std::string text = fmt::format(
       "{}: in inches until a client says otherwise; positions up to {:.2f} m along an axis are not "
@@ -44,13 +46,13 @@ Played play(const FeedOptions& options) {
     feed.motion = options.motion == "still" ? devices::still_motion : devices::circling_motion;
     return played;
   }
-  const auto file = std::make_shared<const devices::TrialFile>(options.trial);
+  const auto file = std::make_shared<const scene::TrialFile>(options.trial);
   file->require_trial(microseconds(options.longest_gap));
-  const devices::TrialSummary& trial = file->summary();
+  const scene::TrialSummary& trial = file->summary();
   if (trial.sample_count == 0)
     throw std::runtime_error(options.trial + ": no device samples in it");
   say_what_is_missing("emulate", options.trial, trial);
-  devices::RecordedUnit recorded = devices::recorded_unit(file);
+  devices::RecordedUnit recorded = scene::recorded_unit(file);
   if (options.place == "auto") played.place = recorded.place;
   feed.motion = devices::seen_from(played.place, std::move(recorded.motion));
   feed.recorded = true;

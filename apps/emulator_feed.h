@@ -5,7 +5,8 @@
 
 #include "devices/emulated/feed.h"
 #include "devices/recordings/recorded_motion.h"
-#include "devices/trial/file.h"
+#include "scene/record/file.h"
+#include "scene/record/unit.h"
 
 /// What `headpin emulate` measures.
 namespace headpin::apps {

@@ -9,7 +9,7 @@
 #include "apps/camera_sinks.h"
 #include "apps/frame_folder.h"
 #include "apps/frame_sinks.h"
-#include "devices/trial/sources.h"
+#include "devices/base/sources.h"
 
 /// The options of `headpin frames`, and its outputs.
 namespace headpin::apps {

@@ -233,7 +233,7 @@ void GltfTrial::add_hand() {
 
 void GltfTrial::add_events() {
   std::size_t number = 0;
-  for (const devices::Event& event : events_) {
+  for (const scene::Event& event : events_) {
     nlohmann::json node =
         placed(fmt::format("event {} {}", ++number, event.kind), {Quat::Identity(), event.p_W});
     node["extras"] = {{"event", event.kind},

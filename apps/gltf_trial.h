@@ -64,7 +64,7 @@ class GltfTrial : public scene::Observer {
   std::vector<std::size_t> hand_meshes_;  ///< from open to closed
   std::vector<std::size_t> grips_;        ///< which of them is seen, one per tick
   Pose X_WD_;
-  std::vector<devices::Event> events_;
+  std::vector<scene::Event> events_;
   std::size_t keys_ = 0;
 };
 

@@ -5,10 +5,10 @@
 #include <nlohmann/json.hpp>
 
 #include "scene/page/trouble_json.h"
-#include "scene/play/events.h"
 #include "scene/play/outcome.h"
 #include "scene/play/presence.h"
 #include "scene/play/score.h"
+#include "scene/record/events.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/stage/stage.h"
 #include "scene/watch/totals.h"
@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::ordered_json;
 
-ordered_json channels_json(const devices::TrialSummary& trial) {
+ordered_json channels_json(const scene::TrialSummary& trial) {
   ordered_json out = ordered_json::object();
   for (const auto& [name, channel] : trial.channels) {
     out[name] = {{"messages", channel.messages}, {"bytes", channel.bytes}};
@@ -27,7 +27,7 @@ ordered_json channels_json(const devices::TrialSummary& trial) {
   return out;
 }
 
-ordered_json devices_json(const devices::TrialSummary& trial) {
+ordered_json devices_json(const scene::TrialSummary& trial) {
   ordered_json out = ordered_json::array();
   for (const auto& [device, of] : in_order(trial)) {
     out.push_back({{"device", devices::device_name(device)},
@@ -41,9 +41,9 @@ ordered_json devices_json(const devices::TrialSummary& trial) {
   return out;
 }
 
-ordered_json events_json(const devices::TrialSummary& trial) {
+ordered_json events_json(const scene::TrialSummary& trial) {
   ordered_json out = ordered_json::array();
-  for (const devices::Event& event : trial.events) {
+  for (const scene::Event& event : trial.events) {
     out.push_back({{"time_s", nearest_seconds(event.time)},
                    {"tick", event.tick},
                    {"kind", event.kind},
@@ -55,15 +55,15 @@ ordered_json events_json(const devices::TrialSummary& trial) {
 }
 
 /// Adds the details of ledger and kept_pace events, each under a key with the kind of the event.
-void add_details(ordered_json& out, const devices::TrialSummary& trial) {
-  for (const devices::Event& event : trial.events) {
+void add_details(ordered_json& out, const scene::TrialSummary& trial) {
+  for (const scene::Event& event : trial.events) {
     if (event.kind != scene::kind::ledger && event.kind != scene::kind::kept_pace) continue;
     const ordered_json detail = ordered_json::parse(event.detail, nullptr, false);
     if (detail.is_object()) out[event.kind] = detail;
   }
 }
 
-ordered_json result_json(const devices::TrialSummary& trial) {
+ordered_json result_json(const scene::TrialSummary& trial) {
   const scene::Score r = scene::score(trial.events);
   const auto skittles = std::ranges::count_if(trial.header.body_names, [](const std::string& name) {
     return scene::role_named(name) == scene::Role::skittle;
@@ -81,7 +81,7 @@ ordered_json result_json(const devices::TrialSummary& trial) {
 }
 
 /// Adds the faults of the recording.
-void add_trouble(ordered_json& out, const devices::TrialSummary& trial) {
+void add_trouble(ordered_json& out, const scene::TrialSummary& trial) {
   out["skipped"] = scene::skipped_json<ordered_json>(trial.skipped);
   out["trouble"] = scene::trouble_json<ordered_json>(trial.trouble, nearest_seconds);
   out["backwards"] = trial.backwards;
@@ -90,7 +90,7 @@ void add_trouble(ordered_json& out, const devices::TrialSummary& trial) {
                         {"to_s", nearest_seconds(trial.longest_gap.to)}};
 }
 
-ordered_json about(const std::string& path, const devices::TrialSummary& trial) {
+ordered_json about(const std::string& path, const scene::TrialSummary& trial) {
   ordered_json out{{"trial", path},
                    {"format_version", trial.header.format_version},
                    {"version", trial.header.software_version},
@@ -123,26 +123,26 @@ ordered_json to_json(const std::vector<scene::ReleaseTiming>& timings) {
 
 }  // namespace
 
-double rate_hz(const devices::DeviceSummary& device) {
+double rate_hz(const scene::DeviceSummary& device) {
   return device.last > device.first
              ? static_cast<double>(device.samples - 1) / seconds(device.last - device.first)
              : 0.0;
 }
 
-Time duration(const devices::TrialSummary& trial) {
+Time duration(const scene::TrialSummary& trial) {
   return trial.first ? *trial.last - *trial.first : Time{};
 }
 
-std::vector<std::pair<devices::Device, devices::DeviceSummary>> in_order(
-    const devices::TrialSummary& trial) {
-  std::vector<std::pair<devices::Device, devices::DeviceSummary>> all(trial.devices.begin(),
-                                                                      trial.devices.end());
+std::vector<std::pair<devices::Device, scene::DeviceSummary>> in_order(
+    const scene::TrialSummary& trial) {
+  std::vector<std::pair<devices::Device, scene::DeviceSummary>> all(trial.devices.begin(),
+                                                                    trial.devices.end());
   std::stable_partition(all.begin(), all.end(),
                         [](const auto& entry) { return entry.first != devices::Device::mouse; });
   return all;
 }
 
-std::vector<scene::ReleaseTiming> timings_of(const devices::TrialFile& file,
+std::vector<scene::ReleaseTiming> timings_of(const scene::TrialFile& file,
                                              const std::string& path) {
   if (!file.summary().has_header) return {};
   try {
@@ -153,7 +153,7 @@ std::vector<scene::ReleaseTiming> timings_of(const devices::TrialFile& file,
   }
 }
 
-ordered_json info_json(const std::string& path, const devices::TrialFile& file) {
+ordered_json info_json(const std::string& path, const scene::TrialFile& file) {
   ordered_json all = about(path, file.summary());
   all["releases"] = to_json(timings_of(file, path));
   return all;

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "apps/condition.h"
-#include "devices/trial/log.h"
+#include "scene/record/log.h"
 
 /// Sessions in real time, for several commands.
 namespace headpin::apps {
@@ -21,7 +21,7 @@ struct LiveOptions {
   int baud = 115200, samples = 1;
   std::optional<double> duration_s;
   bool force = false, json = false, use_lcm = false, no_trial = false;
-  devices::States states = devices::States::changes;
+  scene::States states = scene::States::changes;
   Condition condition;
 };
 

@@ -14,7 +14,7 @@
 #include "apps/wrong_use.h"
 #include "base/lock.h"
 #include "devices/base/version.h"
-#include "devices/trial/log.h"
+#include "scene/record/log.h"
 
 namespace headpin::apps {
 namespace {
@@ -38,7 +38,7 @@ std::string brief(std::string text) {
 std::string with_option(const std::exception& error) {
   const std::string what = error.what();
   if (dynamic_cast<const base::Exists*>(&error)) return what + "; --force replaces it";
-  if (dynamic_cast<const devices::LongGap*>(&error)) return what + "; --longest-gap accepts more";
+  if (dynamic_cast<const scene::LongGap*>(&error)) return what + "; --longest-gap accepts more";
   return what;
 }
 

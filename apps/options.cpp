@@ -98,12 +98,12 @@ CLI::Option* add_gl(CLI::App& command, std::string& value) {
                              "osmesa|egl|egl:auto|egl:N"));
 }
 
-CLI::Option* add_states(CLI::App& command, devices::States& value) {
+CLI::Option* add_states(CLI::App& command, scene::States& value) {
   return command
       .add_option_function<std::string>(
           "--states",
           [&value](const std::string& name) {
-            value = name == "all" ? devices::States::all : devices::States::changes;
+            value = name == "all" ? scene::States::all : scene::States::changes;
           },
           "how the states of the ticks are stored. changes: only what changed, and a whole state "
           "about once a second; all: every state whole, for readers of format 1 [changes]")

@@ -7,7 +7,7 @@
 #include <CLI/CLI.hpp>
 
 #include "devices/lcm/url.h"
-#include "devices/trial/log.h"
+#include "scene/record/log.h"
 
 /// Options of several commands.
 namespace headpin::apps {
@@ -25,7 +25,7 @@ CLI::Option* add_json(CLI::App& command, bool& value);
 CLI::Option* add_gl(CLI::App& command, std::string& value);
 
 /// --states: `changes`, or `all` states whole.
-CLI::Option* add_states(CLI::App& command, devices::States& value);
+CLI::Option* add_states(CLI::App& command, scene::States& value);
 
 /// --longest-gap: longest accepted gap between samples in seconds.
 CLI::Option* add_longest_gap(CLI::App& command, double& value);

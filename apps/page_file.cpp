@@ -10,8 +10,8 @@
 
 #include "base/input_file.h"
 #include "devices/base/bytes.h"
-#include "devices/trial/event_log.h"
-#include "devices/trial/messages.h"
+#include "devices/log/event_log.h"
+#include "scene/record/messages.h"
 #include "scene/scenario/files.h"
 
 namespace headpin::apps {
@@ -79,10 +79,9 @@ std::vector<std::uint8_t> log_of_inputs(const std::string& path) {
   std::vector<std::uint8_t> out;
   std::int64_t number = 0;
   while (auto event = log.next()) {
-    const bool of_simulation = event->channel == devices::kStateChannel ||
-                               event->channel == devices::kStateChangeChannel ||
-                               event->channel == devices::kSnapshotChannel ||
-                               event->channel == devices::kFrameChannel;
+    const bool of_simulation =
+        event->channel == scene::kStateChannel || event->channel == scene::kStateChangeChannel ||
+        event->channel == scene::kSnapshotChannel || event->channel == scene::kFrameChannel;
     if (of_simulation) continue;
     event->number = number++;
     devices::append(*event, out);

@@ -9,8 +9,8 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "base/output_file.h"
-#include "devices/trial/log.h"
 #include "scene/people/participant.h"
+#include "scene/record/log.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/totals.h"
 
@@ -21,7 +21,7 @@ namespace {
 /// Writes the device samples unchanged.
 class SampleWriter : public scene::Observer {
  public:
-  explicit SampleWriter(devices::Recorder& recorder) : recorder_(recorder) {}
+  explicit SampleWriter(scene::Recorder& recorder) : recorder_(recorder) {}
 
   void tick(const scene::Session& session) override {
     for (devices::Sample sample : session.samples) {
@@ -33,7 +33,7 @@ class SampleWriter : public scene::Observer {
   std::int64_t written() const { return written_; }
 
  private:
-  devices::Recorder& recorder_;
+  scene::Recorder& recorder_;
   std::int64_t written_ = 0;
 };
 
@@ -70,16 +70,16 @@ void play_session(const ParticipantSession& options) {
   const scene::Scenario scenario = scenario_to_play(options);
   const scene::Person person = scene::draw_person(options.seed);
   watch_stop_signals();
-  devices::TrialHeader header;
+  scene::TrialHeader header;
   header.participant =
       options.name.empty() ? fmt::format("virtual {}", options.seed) : options.name;
   header.condition = options.condition;
   header.seed = options.seed;
   header.scenario = scene::to_toml(scenario);
-  devices::Recorder recorder(base::OutputFile(options.output, {.overwrite = options.force,
-                                                               .standard_output = true,
-                                                               .inputs = {options.scenario}}),
-                             header);
+  scene::Recorder recorder(base::OutputFile(options.output, {.overwrite = options.force,
+                                                             .standard_output = true,
+                                                             .inputs = {options.scenario}}),
+                           header);
   scene::Session session = scene::make_session(scenario);
   scene::Participant participant({.person = person, .throws = options.throws}, scenario);
   SampleWriter writer(recorder);

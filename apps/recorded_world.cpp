@@ -11,12 +11,12 @@ RecordedWorld::RecordedWorld(const scene::Scenario& scenario)
   }
 }
 
-RecordedWorld::Energy RecordedWorld::energy(const devices::TickState& state) {
+RecordedWorld::Energy RecordedWorld::energy(const scene::TickState& state) {
   engine::World& world = stage_.world;
   Energy energy;
   const std::size_t bodies = std::min(world.states.size(), state.bodies.size());
   for (std::size_t i = 0; i < bodies; ++i) {
-    const devices::BodyState& body = state.bodies[i];
+    const scene::BodyState& body = state.bodies[i];
     world.states[i] = {body.X_WB, body.V_WB.v, body.V_WB.w};
     if (world.bodies[i].kind != engine::Kind::free) continue;
     energy.height -= world.bodies[i].mass * world.parameters.gravity_W.dot(body.X_WB.p);

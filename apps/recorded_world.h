@@ -1,6 +1,6 @@
 #pragma once
 
-#include "devices/trial/trial.h"
+#include "scene/record/trial.h"
 #include "scene/stage/stage.h"
 
 namespace headpin::apps {
@@ -15,7 +15,7 @@ class RecordedWorld {
     double all = 0.0;     ///< of motion and height
     double height = 0.0;  ///< from the lane
   };
-  Energy energy(const devices::TickState& state);
+  Energy energy(const scene::TickState& state);
 
   const scene::Stage& stage() const { return stage_; }
 

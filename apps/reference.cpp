@@ -4,8 +4,8 @@
 
 #include "apps/json_keys.h"
 #include "devices/base/version.h"
-#include "devices/trial/tables.h"
-#include "scene/play/events.h"
+#include "scene/record/events.h"
+#include "scene/record/tables.h"
 #include "scene/scenario/scenario.h"
 
 namespace headpin::apps {
@@ -52,7 +52,7 @@ std::string tables_page() {
       "Every export has this list as `columns.csv`.\n",
       kWritten);
   std::string table;
-  for (const devices::TableColumn& c : devices::table_columns()) {
+  for (const scene::TableColumn& c : scene::table_columns()) {
     if (c.table != table) {
       table = c.table;
       out += fmt::format("\n## {}.csv\n\n| column | kind | unit | meaning |\n|---|---|---|---|\n",

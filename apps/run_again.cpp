@@ -11,7 +11,7 @@ void run_again(const scene::Recorded& trial, scene::Session& session,
       scene::tick_count(trial.file.summary(), trial.scenario.rates.physics_hz);
   ProgressLine progress("ticks", ticks);
   observers.push_back(&progress);
-  devices::TrialPlayer source(trial.file);
+  scene::TrialPlayer source(trial.file);
   scene::NoPace pace;
   scene::run(session, source, pace, observers, [&](const scene::Session& s) {
     check_stop();

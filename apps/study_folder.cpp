@@ -13,8 +13,8 @@
 #include "apps/command.h"
 #include "base/input_file.h"
 #include "base/lock.h"
-#include "devices/trial/file.h"
-#include "scene/play/events.h"
+#include "scene/record/events.h"
+#include "scene/record/file.h"
 #include "scene/scenario/files.h"
 
 namespace headpin::apps {
@@ -36,13 +36,13 @@ std::set<std::string> bundled_names(const fs::path& folder) {
 
 Run look_into(const fs::path& path) {
   Run run{path.stem().string(), path};
-  const devices::TrialFile file(path.string());
-  const devices::TrialSummary& trial = file.summary();
+  const scene::TrialFile file(path.string());
+  const scene::TrialSummary& trial = file.summary();
   run.complete = trial.complete;
   run.seconds = seconds(trial.end);
   run.is_virtual = is_virtual_name(trial.header.participant);
   std::set<std::string> versions;
-  for (const devices::Event& event : trial.events) {
+  for (const scene::Event& event : trial.events) {
     if (event.kind == scene::kind::version) versions.insert(event.detail);
   }
   run.both = versions.size() == 2;

@@ -13,8 +13,8 @@
 #include "apps/stop.h"
 #include "base/input_file.h"
 #include "base/sha256.h"
-#include "scene/play/details.h"
-#include "scene/play/events.h"
+#include "scene/record/details.h"
+#include "scene/record/events.h"
 #include "scene/watch/recorded.h"
 
 namespace headpin::apps {
@@ -25,7 +25,7 @@ namespace {
 
 /// Frame rate of a live session; nothing for other sessions.
 std::optional<double> frame_rate_of(const scene::Recorded& recorded) {
-  for (const devices::Event& event : recorded.file.summary().events) {
+  for (const scene::Event& event : recorded.file.summary().events) {
     if (event.kind != scene::kind::kept_pace) continue;
     const scene::KeptPace pace = scene::kept_pace(event);
     const auto hz = static_cast<double>(recorded.scenario.rates.physics_hz);
@@ -39,7 +39,7 @@ std::optional<double> frame_rate_of(const scene::Recorded& recorded) {
 study::Played measured(const Run& run) {
   constexpr std::size_t kMost = 4'000'000'000;
   const scene::Recorded recorded = scene::load_trial(run.path.string());
-  const devices::TrialSummary& trial = recorded.file.summary();
+  const scene::TrialSummary& trial = recorded.file.summary();
   study::Played played;
   played.run = run.name;
   played.is_virtual = run.is_virtual;
@@ -55,7 +55,7 @@ study::Played measured(const Run& run) {
       said ? said->tick : scene::tick_count(trial, recorded.scenario.rates.physics_hz);
   study::Measurer measurer;
   scene::Observer* const observer = &measurer;
-  devices::TrialPlayer source(recorded.file);
+  scene::TrialPlayer source(recorded.file);
   scene::NoPace pace;
   scene::run(session, source, pace, std::span(&observer, 1), [&](const scene::Session& s) {
     check_stop();

@@ -6,8 +6,8 @@
 
 #include "base/hash.h"
 #include "base/random.h"
-#include "devices/trial/log.h"
 #include "scene/people/participant.h"
+#include "scene/record/log.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/recorded.h"
 #include "scene/watch/totals.h"
@@ -21,19 +21,19 @@ constexpr std::uint64_t kPeople = 103;  ///< purpose of the seeds of virtual par
 
 /// A file with all of a trial except its states, which have twenty times the size of the rest and
 /// which `replay` computes again.
-class WithoutStates : public devices::TrialSink {
+class WithoutStates : public scene::TrialSink {
  public:
-  WithoutStates(const std::string& path, const devices::TrialHeader& header)
+  WithoutStates(const std::string& path, const scene::TrialHeader& header)
       : recorder_(path, header) {}
 
   void write(const devices::Sample& sample) override { recorder_.write(sample); }
-  void write(const devices::Event& event) override { recorder_.write(event); }
-  void write(const devices::TickState&) override {}
-  void write(const devices::FrameRecord& frame) override { recorder_.write(frame); }
+  void write(const scene::Event& event) override { recorder_.write(event); }
+  void write(const scene::TickState&) override {}
+  void write(const scene::FrameRecord& frame) override { recorder_.write(frame); }
   void close() override { recorder_.close(); }
 
  private:
-  devices::Recorder recorder_;
+  scene::Recorder recorder_;
 };
 
 std::uint64_t person_seed(const Study& study, const std::string& id) {
@@ -43,7 +43,7 @@ std::uint64_t person_seed(const Study& study, const std::string& id) {
 }
 
 /// Plays the samples of `source` until `until`, and writes a trial to `path`.
-PlayedSession play(const scene::Scenario& scenario, const devices::TrialHeader& header,
+PlayedSession play(const scene::Scenario& scenario, const scene::TrialHeader& header,
                    const std::string& path, devices::Source& source, scene::Observer* player,
                    const std::function<bool(const scene::Session&)>& until) {
   scene::Session session = scene::make_session(scenario);
@@ -70,7 +70,7 @@ scene::Scenario scenario_of(const Study& study, const study::PlannedParticipant&
     }
   }
   if (!rig_of.empty()) {
-    const devices::TrialFile file(rig_of);
+    const scene::TrialFile file(rig_of);
     scenario.rig = scene::scenario_of_trial(file.summary().header.scenario, rig_of).rig;
   }
   scene::check(scenario, study.at.scenario().string());
@@ -87,7 +87,7 @@ PlayedSession play_virtual(const Study& study, const study::PlannedParticipant& 
   scene::Scenario scenario = scenario_of(study, participant);
   scene::set_up_for_participants(scenario);
   scene::check(scenario, study.at.scenario().string());
-  devices::TrialHeader header;
+  scene::TrialHeader header;
   header.participant = virtual_name(participant.id);
   header.condition = condition_of(study, participant);
   header.seed = person_seed(study, participant.id);
@@ -106,15 +106,15 @@ PlayedSession play_trial(const Study& study, const study::PlannedParticipant& pa
                          const std::string& trial, const std::string& path,
                          const std::function<void()>& each_tick) {
   const scene::Recorded recorded = scene::load_trial(trial);
-  const devices::TrialHeader& its = recorded.file.summary().header;
+  const scene::TrialHeader& its = recorded.file.summary().header;
   const scene::Scenario scenario = scenario_of(study, participant, trial);
-  devices::TrialHeader header;
+  scene::TrialHeader header;
   header.participant =
       is_virtual_name(its.participant) ? virtual_name(participant.id) : participant.id;
   header.condition = condition_of(study, participant);
   header.seed = its.seed;
   const std::int64_t ticks = scene::tick_count(recorded.file.summary(), scenario.rates.physics_hz);
-  devices::TrialPlayer source(recorded.file);
+  scene::TrialPlayer source(recorded.file);
   return play(scenario, header, path, source, nullptr, [&](const scene::Session& session) {
     each_tick();
     return session.tick >= ticks;

@@ -5,7 +5,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "devices/trial/trial.h"
+#include "scene/record/trial.h"
 
 namespace headpin::apps {
 

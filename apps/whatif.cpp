@@ -75,7 +75,7 @@ std::vector<sweep::Situation> throws_of(const std::string& path, const WhatIfQue
   sweep::Situations situations(microseconds(1e-3 * question.within_ms));
   ProgressLine progress("ticks", ticks);
   const std::vector<scene::Observer*> observers = {&situations, &progress};
-  devices::TrialPlayer source(recorded.file);
+  scene::TrialPlayer source(recorded.file);
   scene::NoPace pace;
   scene::run(session, source, pace, observers, [&](const scene::Session& s) {
     check_stop();
@@ -142,7 +142,7 @@ sweep::WhatIf ask_what_if(const WhatIfQuestion& question, std::string_view comma
     std::vector<sweep::Situation> of_trial = throws_of(question.trials[t], question, command);
     const std::string name = std::filesystem::path(question.trials[t]).filename().string();
     for (std::size_t i = 0; i < of_trial.size(); ++i) {
-      const devices::ThrowRow& thrown = of_trial[i].thrown;
+      const scene::ThrowRow& thrown = of_trial[i].thrown;
       whatif.own.push_back({name, static_cast<int>(i) + 1, thrown, sweep::execution_of(thrown)});
     }
     if (t == 0) throws = std::move(of_trial);

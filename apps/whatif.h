@@ -6,7 +6,7 @@
 
 #include "apps/command.h"
 #include "apps/condition.h"
-#include "devices/trial/trial.h"
+#include "scene/record/trial.h"
 #include "sweep/whatif_report.h"
 
 namespace headpin::apps {

@@ -10,8 +10,8 @@
 #include "apps/streams.h"
 #include "base/output_file.h"
 #include "devices/recordings/xdf_motion.h"
-#include "devices/recordings/xdf_trial.h"
-#include "devices/trial/log.h"
+#include "scene/record/log.h"
+#include "scene/record/xdf.h"
 
 namespace headpin::apps {
 
@@ -19,19 +19,19 @@ bool is_xdf_session(const ImportOptions& options) {
   if (!options.axes.empty() || !options.columns.empty() || !options.names.empty()) return false;
   if (!std::filesystem::is_regular_file(options.file)) return false;
   devices::FileWindow file(options.file);
-  return devices::is_xdf_trial(devices::bytes_of(file));
+  return scene::is_xdf_trial(devices::bytes_of(file));
 }
 
 void import_xdf_session(const ImportOptions& options) {
   devices::FileWindow file(options.file);
-  const devices::XdfTrial trial = devices::read_xdf_trial(devices::bytes_of(file), options.file);
+  const scene::XdfTrial trial = scene::read_xdf_trial(devices::bytes_of(file), options.file);
   if (!options.explain) {
     watch_stop_signals();
-    devices::Recorder recorder(base::OutputFile(*options.output, {.overwrite = options.force,
-                                                                  .standard_output = true,
-                                                                  .inputs = {options.file}}),
-                               trial.header);
-    devices::write(recorder, trial.samples, trial.events);
+    scene::Recorder recorder(base::OutputFile(*options.output, {.overwrite = options.force,
+                                                                .standard_output = true,
+                                                                .inputs = {options.file}}),
+                             trial.header);
+    scene::write(recorder, trial.samples, trial.events);
     check_stop();
     recorder.close();
   }

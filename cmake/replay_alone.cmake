@@ -34,11 +34,12 @@ add_custom_target(version
 
 file(GLOB engine CONFIGURE_DEPENDS ${HEADPIN_ROOT}/engine/*.cpp ${HEADPIN_ROOT}/base/math.cpp)
 set(parts
-  devices/base/clock_offset devices/base/clocks devices/base/genlock devices/base/sequence_count devices/trial/event_log devices/trial/file
-  devices/trial/layout
-  devices/trial/messages devices/trial/misdated devices/trial/resample devices/trial/sources
-  devices/trial/state_change devices/trial/trial_messages base/input_file base/sha256 base/temporary
-  render/data/hmd render/eyes scene/play/details scene/play/game scene/play/game_hash scene/play/hand scene/play/outcome scene/play/player
+  base/input_file base/sha256 base/temporary
+  devices/base/clock_offset devices/base/clocks devices/base/genlock devices/base/resample devices/base/sequence_count
+  devices/base/sources devices/log/event_log devices/log/layout devices/log/sample_messages
+  render/data/hmd render/eyes
+  scene/record/details scene/record/file scene/record/messages scene/record/misdated scene/record/state_change
+  scene/record/trial_messages scene/play/game scene/play/game_hash scene/play/hand scene/play/outcome scene/play/player
   scene/play/presence scene/play/referee scene/play/release scene/play/run scene/play/score
   scene/play/session scene/play/tracking scene/play/walk scene/scenario/files scene/scenario/keys
   scene/scenario/nearest scene/scenario/rules scene/scenario/scenario scene/scenario/text

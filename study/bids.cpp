@@ -173,7 +173,7 @@ const std::vector<std::string> kEventColumns = {
     "x",           "y",        "z",          "detail",       "left_thumb",
     "right_thumb", "trigger",  "host_time",  "session_time", "log_index"};
 
-std::string event_row(const devices::Event& event) {
+std::string event_row(const scene::Event& event) {
   std::string bodies;
   for (const std::string& body : event.bodies) bodies += (bodies.empty() ? "" : ";") + body;
   std::vector<std::string> cells = {exact_seconds(event.time), "0", event.kind,
@@ -199,7 +199,7 @@ std::string button_row(const devices::MouseSample& s, std::size_t index) {
 }
 
 /// @param header  of the trial, from which `import` makes it again
-Json events_json(const devices::TrialHeader& header) {
+Json events_json(const scene::TrialHeader& header) {
   const auto says = [](const char* text) { return Json{{"Description", text}}; };
   Json all;
   all["trial_type"] = says("what happened: button, or a kind of headpin's events (docs/events.md)");
@@ -228,8 +228,7 @@ Json events_json(const devices::TrialHeader& header) {
 
 void add_events(const BidsSession& session, std::vector<BidsFile>& files) {
   std::vector<std::pair<Time, std::string>> rows;
-  for (const devices::Event& event : session.events)
-    rows.emplace_back(event.time, event_row(event));
+  for (const scene::Event& event : session.events) rows.emplace_back(event.time, event_row(event));
   for (std::size_t i = 0; i < session.samples.size(); ++i) {
     if (const auto* sample = std::get_if<devices::MouseSample>(&session.samples[i])) {
       rows.emplace_back(sample->device_time, button_row(*sample, i));
@@ -351,7 +350,7 @@ void SimulatedSystem::tick(const scene::Session& session) {
   if (session.tick % every_ != 0) return;
   scene::tick_state(session, state_);
   std::string row = exact_seconds(state_.time);
-  for (const devices::BodyState& body : state_.bodies) {
+  for (const scene::BodyState& body : state_.bodies) {
     const Pose& X = body.X_WB;
     for (const double value : {X.p.x(), X.p.y(), X.p.z(), X.q.w(), X.q.x(), X.q.y(), X.q.z()}) {
       row += fmt::format("\t{:.6g}", value);

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "devices/trial/trial.h"
 #include "scene/play/run.h"
+#include "scene/record/trial.h"
 #include "study/people.h"
 
 /// Writes and reads studies as Motion-BIDS (Brain Imaging Data Structure 1.9 and later).
@@ -19,9 +19,9 @@ using BidsFile = std::pair<std::string, std::string>;
 struct BidsSession {
   std::string subject;  ///< p001
   std::string run;      ///< 01
-  const devices::TrialHeader* header = nullptr;
+  const scene::TrialHeader* header = nullptr;
   std::vector<devices::Sample> samples;  ///< in the order of the log
-  std::vector<devices::Event> events;
+  std::vector<scene::Event> events;
 };
 
 /// The README of the dataset; it does not depend on the participants.
@@ -55,14 +55,14 @@ class SimulatedSystem : public scene::Observer {
  private:
   std::function<void(const std::string&)> take_;
   std::vector<std::string> names_;
-  devices::TickState state_;
+  scene::TickState state_;
   std::int64_t every_ = 4, rows_ = 0;
   double rate_hz_ = 60.0, duration_s_ = 0.0;
 };
 
 /// A session read back from the tables of its trackers and events.
 struct BidsTrial {
-  devices::TrialHeader header;
+  scene::TrialHeader header;
   std::vector<devices::Sample> samples;  ///< in the order of the log
 };
 

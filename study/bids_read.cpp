@@ -131,12 +131,12 @@ std::int32_t station_in(const std::string& name) {
       "{}: expected a tracking system called head, hand or station and a number", name));
 }
 
-devices::TrialHeader header_of(const nlohmann::json& trial) {
+scene::TrialHeader header_of(const nlohmann::json& trial) {
   const auto text = [&](const char* key) {
     return trial.contains(key) && trial[key].is_string() ? trial[key].get<std::string>()
                                                          : std::string();
   };
-  devices::TrialHeader header;
+  scene::TrialHeader header;
   header.participant = text("participant");
   header.condition = text("condition");
   header.scenario = text("scenario");

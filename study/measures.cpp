@@ -4,8 +4,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "scene/play/events.h"
 #include "scene/play/presence.h"
+#include "scene/record/events.h"
 
 namespace headpin::study {
 
@@ -27,7 +27,7 @@ void Measurer::add_paths(const scene::Session& session, VersionMeasures& version
 }
 
 void Measurer::tick(const scene::Session& session) {
-  for (const devices::Event& event : session.events) {
+  for (const scene::Event& event : session.events) {
     score_.add(event);
     if (event.kind == scene::kind::version) {
       version_ = event.detail;
@@ -55,7 +55,7 @@ SessionMeasures Measurer::measures(const scene::Session& session) const {
   for (const scene::Sheet& game : score_.games) {
     if (all.versions.contains(game.version)) all.versions[game.version].skittles += points(game);
   }
-  for (const devices::ThrowRow& one : score_.throws) {
+  for (const scene::ThrowRow& one : score_.throws) {
     if (!all.versions.contains(one.version)) continue;
     VersionMeasures& version = all.versions[one.version];
     ++version.throws;

@@ -33,7 +33,7 @@ struct SessionMeasures {
   std::map<std::string, VersionMeasures> versions;  ///< red, blue
   std::vector<std::string> order;                   ///< order in which they began
   std::int64_t unsolved_islands = 0;
-  std::vector<devices::ThrowRow> throws;
+  std::vector<scene::ThrowRow> throws;
   std::string state_hash, game_hash;
   double duration_s = 0.0;
 };

@@ -45,7 +45,7 @@ std::string table_of(const Table& table, const Design& design) {
 }
 
 /// A picture of a throw from above: release, direction, and skittles knocked down.
-std::string throw_picture(const devices::ThrowRow& one, bool red) {
+std::string throw_picture(const scene::ThrowRow& one, bool red) {
   constexpr double kPerMetre = 10.0, kAcross = 22.0, kFoulLine = 84.0, kAhead = 6.0;
   std::string svg =
       "<svg viewBox='0 0 44 96'><rect x='16.7' y='14' width='10.5' height='70' "
@@ -68,7 +68,7 @@ std::string throws_of(const Person& person, const ReportParts& parts) {
   std::string html = "<div class=throws>";
   const auto page = parts.pages.find(person.planned.id);
   if (page != parts.pages.end()) html += fmt::format("<a href=\"{}\">", escaped(page->second));
-  for (const devices::ThrowRow& one : person.played.measures.throws) {
+  for (const scene::ThrowRow& one : person.played.measures.throws) {
     html += throw_picture(one, one.version == "red");
   }
   if (page != parts.pages.end()) html += "</a>";

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "scene/play/events.h"
+#include "scene/record/events.h"
 
 namespace headpin::sweep {
 
@@ -213,7 +213,7 @@ void Apart::look(const scene::Session& a, const scene::Session& b, const Pose& X
 
 void Apart::note_events(const scene::Session& session, bool is_b) {
   std::vector<std::optional<Time>>& contacts = contacts_[is_b];
-  for (const devices::Event& event : session.events) {
+  for (const scene::Event& event : session.events) {
     if (event.kind != scene::kind::touch && event.kind != scene::kind::first_contact) continue;
     const auto is_ball_or_skittle = [&](const std::string& name) {
       return std::ranges::find(bodies_, name, &BodyApart::body) != bodies_.end();

@@ -36,7 +36,7 @@ const std::vector<ResultColumn>& result_columns() {
 }
 
 void Result::tick(const scene::Session& session) {
-  for (const devices::Event& event : session.events) score_.add(event);
+  for (const scene::Event& event : session.events) score_.add(event);
   if (session.world.statistics.awake > 0) last_awake_ = session.tick;
   const std::optional<std::int64_t> frame = frame_of(session);
   if (!frame || !recorded_ || *frame >= std::ssize(*recorded_)) return;
@@ -53,7 +53,7 @@ std::vector<std::string> Result::cells(const scene::Session& session) const {
   const double lost = -(ledger.impact.energy + ledger.sustained.energy + ledger.correction.energy);
   std::optional<double> angle, ball_speed, rest;
   if (!score_.throws.empty()) {
-    const devices::ThrowRow& first = score_.throws.front();
+    const scene::ThrowRow& first = score_.throws.front();
     angle = first.entry_angle_deg;
     const std::vector<std::string> names = scene::body_names(*session.stage);
     for (std::size_t body = 0; body < names.size(); ++body) {

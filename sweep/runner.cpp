@@ -5,10 +5,10 @@
 
 #include "base/input_file.h"
 #include "base/sha256.h"
-#include "devices/trial/file.h"
-#include "devices/trial/sources.h"
+#include "devices/base/sources.h"
 #include "scene/play/run.h"
 #include "scene/play/session.h"
+#include "scene/record/file.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/recorded.h"
 #include "sweep/result.h"
@@ -60,7 +60,7 @@ Trial read_trial(const std::string& path) {
   trial.sha256 = base::sha256({reinterpret_cast<const char*>(bytes.data()), bytes.size()});
   trial.scenario = recorded.scenario;
   trial.scenario_text = scene::to_toml(recorded.scenario);
-  recorded.file.walk([&](devices::TrialFile::Item& item) {
+  recorded.file.walk([&](scene::TrialFile::Item& item) {
     if (auto* sample = std::get_if<devices::Sample>(&item)) {
       trial.samples.push_back(std::move(*sample));
     }

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "devices/trial/trial.h"
+#include "scene/record/trial.h"
 #include "scene/stage/stage.h"
 #include "sweep/apart.h"
 #include "sweep/rows.h"
@@ -25,7 +25,7 @@ struct Trial {
   scene::Scenario scenario;
   std::string scenario_text;             ///< whole; trials with the same one share stages
   std::vector<devices::Sample> samples;  ///< in the order of the log
-  devices::TrialSummary summary;         ///< says how long a replay is
+  scene::TrialSummary summary;           ///< says how long a replay is
   std::shared_ptr<OwnCondition> own = std::make_shared<OwnCondition>();  ///< for all threads
 };
 

@@ -8,7 +8,7 @@
 #include <system_error>
 #include <thread>
 
-#include "scene/play/events.h"
+#include "scene/record/events.h"
 
 namespace headpin::sweep {
 
@@ -86,7 +86,7 @@ Outcome throw_again(const Situation& situation, const Release& release) {
       if (due) add_opening(alone.session.player, opening);
     }
     alone.step(samples);
-    for (const devices::Event& event : alone.session.events) {
+    for (const scene::Event& event : alone.session.events) {
       if (scene::is_release_of_ball(event) || event.kind == scene::kind::first_contact ||
           event.kind == scene::kind::skittle_down) {
         score.add(event);
@@ -184,7 +184,7 @@ void Situations::begin(Time trigger) {
 
 void Situations::tick(const scene::Session& session) {
   const std::optional<Time> opened = hand_opened(session);
-  for (const devices::Event& event : session.events) {
+  for (const scene::Event& event : session.events) {
     score_.add(event);
     if (scene::is_release_of_ball(event) && opened && !recent_.empty()) begin(*opened);
   }

@@ -8,9 +8,9 @@
 #include <span>
 #include <vector>
 
-#include "devices/trial/tables.h"
 #include "scene/play/run.h"
 #include "scene/play/score.h"
+#include "scene/record/tables.h"
 #include "scene/watch/alone.h"
 
 /// A recorded throw, made again with another release.
@@ -24,8 +24,8 @@ inline constexpr Time kMostShift{500'000};
 struct Situation {
   std::shared_ptr<const scene::Session> before;       ///< the ball is in the hand
   std::vector<std::vector<devices::Sample>> samples;  ///< of each tick from then on
-  Time trigger{};            ///< device time at which the trigger was released
-  devices::ThrowRow thrown;  ///< as in the session
+  Time trigger{};          ///< device time at which the trigger was released
+  scene::ThrowRow thrown;  ///< as in the session
 };
 
 /// Another release: at another moment of the recorded motion, and changed.
@@ -36,9 +36,9 @@ struct Release {
 
 /// The result of a release.
 struct Outcome {
-  bool released = false;     ///< false: the hand did not hold the ball at that moment
-  devices::ThrowRow thrown;  ///< the release, and the first skittle
-  std::int64_t down = 0;     ///< skittles, as the rules count; else all that the ball felled
+  bool released = false;   ///< false: the hand did not hold the ball at that moment
+  scene::ThrowRow thrown;  ///< the release, and the first skittle
+  std::int64_t down = 0;   ///< skittles, as the rules count; else all that the ball felled
 };
 
 /// Simulates the throw with another release. The hand moves as recorded and grabs nothing more, and

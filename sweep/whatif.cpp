@@ -106,7 +106,7 @@ std::optional<Window> window_of_success(std::span<const Release> moments,
                 first == 0 || last + 1 == moments.size()};
 }
 
-std::optional<Execution> execution_of(const devices::ThrowRow& thrown) {
+std::optional<Execution> execution_of(const scene::ThrowRow& thrown) {
   if (!thrown.v_WB) return std::nullopt;
   return Execution{thrown.v_WB->norm(), scene::degrees_from_y(*thrown.v_WB)};
 }

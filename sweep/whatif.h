@@ -62,7 +62,7 @@ struct Execution {
 };
 
 /// Nothing for a throw of a trial that is too old to tell its velocity.
-std::optional<Execution> execution_of(const devices::ThrowRow& thrown);
+std::optional<Execution> execution_of(const scene::ThrowRow& thrown);
 
 /// The release that gives the situation's ball this speed and direction.
 Release release_of(const Execution& execution, const Execution& recorded);

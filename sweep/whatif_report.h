@@ -13,7 +13,7 @@ namespace headpin::sweep {
 struct OwnThrow {
   std::string trial;  ///< name of its file
   int number = 0;     ///< in its trial, from 1
-  devices::ThrowRow thrown;
+  scene::ThrowRow thrown;
   std::optional<Execution> execution;
 };
 
@@ -21,7 +21,7 @@ struct OwnThrow {
 struct WhatIf {
   std::string trial;
   int number = 0;  ///< of the throw in its trial, from 1
-  devices::ThrowRow thrown;
+  scene::ThrowRow thrown;
   Outcome real;              ///< of the release as it was
   std::int64_t rack = 0;     ///< skittles
   std::int64_t success = 0;  ///< so many skittles down are a success

@@ -19,7 +19,7 @@ std::string number(const std::optional<double>& value) {
 }
 
 /// Speed, direction, height and spin of a release.
-void add_release(const devices::ThrowRow& thrown, Cells& cells) {
+void add_release(const scene::ThrowRow& thrown, Cells& cells) {
   cells.push_back(number(thrown.speed));
   if (!thrown.p_WB || !thrown.v_WB || !thrown.w_WB) return cells.resize(cells.size() + 3);
   cells.push_back(number(scene::degrees_from_y(*thrown.v_WB)));

@@ -41,9 +41,15 @@ std::vector<Include> includes_of(const std::string& folder) {
 // Rooms of a folder, the lowest first; those of one row do not know each other.
 const std::map<std::string, std::vector<std::set<std::string>>> kRooms = {
     {"scene",
-     {{"scenario"}, {"stage"}, {"play"}, {"looks", "people"}, {"watch"}, {"page", "live"}}},
+     {{"scenario"},
+      {"record"},
+      {"stage"},
+      {"play"},
+      {"looks", "people"},
+      {"watch"},
+      {"page", "live"}}},
     {"devices",
-     {{"base"}, {"trial", "lines"}, {"fastrak"}, {"lcm", "recordings"}, {"live"}, {"emulated"}}},
+     {{"base"}, {"log", "lines"}, {"fastrak"}, {"lcm", "recordings"}, {"live"}, {"emulated"}}},
 };
 
 TEST(Layers, IncludesPointDownwards) {
@@ -96,7 +102,7 @@ TEST(Layers, RoomsIncludeTheRoomsBelowThem) {
 
 // What collides is not compiled again when it is drawn otherwise.
 TEST(Layers, WhatCollidesKnowsOfDrawingPlainDataAlone) {
-  const std::set<std::string> collide = {"scenario", "stage", "play", "people"};
+  const std::set<std::string> collide = {"scenario", "record", "stage", "play", "people"};
   int data = 0;
   for (const auto& [file, target] : includes_of("scene")) {
     if (!collide.contains(room_of(file)) || !target.starts_with("render/")) continue;
@@ -265,8 +271,8 @@ void add_headers_of(const std::string& file, std::set<std::string>& headers) {
 TEST(Sources, OfAReplayAloneAreListedWithAllThatTheyNeed) {
   // Nothing of these is called, and cmake/no_mesh_files.cpp stands for the last two.
   const std::set<std::string> only_headers = {
-      "devices/trial/log", "devices/trial/tables",  "render/gl_context",       "render/image",
-      "render/renderer",   "scene/stage/mesh_file", "scene/stage/mesh_measure"};
+      "scene/record/log", "scene/record/tables",   "render/gl_context",       "render/image",
+      "render/renderer",  "scene/stage/mesh_file", "scene/stage/mesh_measure"};
   std::set<std::string> listed = parts_in("cmake/replay_alone.cmake");
   EXPECT_GT(listed.size(), 40u);
   const std::set<std::string> of_page = parts_in("apps/report/engine/CMakeLists.txt");

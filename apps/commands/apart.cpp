@@ -34,7 +34,7 @@ struct ApartOptions {
 struct Simulated {
   scene::Recorded recorded;
   scene::Session session;
-  devices::TrialPlayer source;
+  scene::TrialPlayer source;
 
   explicit Simulated(scene::Recorded trial)
       : recorded(std::move(trial)),

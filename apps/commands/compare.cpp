@@ -15,9 +15,9 @@
 #include "apps/recorded_world.h"
 #include "apps/streams.h"
 #include "apps/wrap.h"
-#include "devices/trial/file.h"
 #include "scene/play/game_hash.h"
 #include "scene/play/score.h"
+#include "scene/record/file.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/totals.h"
@@ -35,12 +35,12 @@ struct CompareOptions {
 /// One of the compared trials.
 struct Side {
   std::string path;
-  devices::TrialFile file;
+  scene::TrialFile file;
   scene::Scenario scenario;
 };
 
 Side load(const std::string& path) {
-  devices::TrialFile file(path);
+  scene::TrialFile file(path);
   file.require_trial(Time::max());
   scene::Scenario scenario = scene::scenario_of_trial(file.summary().header.scenario, path);
   if (file.summary().state_count == 0) {
@@ -64,9 +64,9 @@ struct FirstDifference {
 
 /// The first tick in which the bits of a common body differ, or that only one of the trials has.
 std::optional<FirstDifference> first_difference(const Side& a, const Side& b) {
-  devices::TrialItems of_a(a.file), of_b(b.file);
+  scene::TrialItems of_a(a.file), of_b(b.file);
   const scene::SharedBodies shared = bodies_of(a, b);
-  std::optional<devices::TickState> sa = of_a.next_state(), sb = of_b.next_state();
+  std::optional<scene::TickState> sa = of_a.next_state(), sb = of_b.next_state();
   while (sa && sb && sa->tick == sb->tick) {
     const auto body = scene::first_different_body(*sa, *sb, shared);
     if (body) return FirstDifference{sa->tick, seconds(sa->time), *body, ""};
@@ -75,13 +75,13 @@ std::optional<FirstDifference> first_difference(const Side& a, const Side& b) {
   }
   if (!sa && !sb) return std::nullopt;
   const bool only_in_a = !sb || (sa && sa->tick < sb->tick);
-  const devices::TickState& extra = only_in_a ? *sa : *sb;
+  const scene::TickState& extra = only_in_a ? *sa : *sb;
   return FirstDifference{extra.tick, seconds(extra.time), "", only_in_a ? b.path : a.path};
 }
 
 /// @param other  the trial in which the throws of `side` are searched
 nlohmann::json describe(const Side& side, const Side& other) {
-  const devices::TrialSummary& trial = side.file.summary();
+  const scene::TrialSummary& trial = side.file.summary();
   const scene::Score score = scene::score(trial.events);
   const auto number = [](const std::optional<double>& value) {
     return value ? nlohmann::json(*value) : nlohmann::json();
@@ -89,8 +89,8 @@ nlohmann::json describe(const Side& side, const Side& other) {
   RecordedWorld world(side.scenario);
   std::int64_t contacts = 0;
   double highest = 0.0, last = 0.0;
-  devices::TrialItems items(side.file);
-  while (const std::optional<devices::TickState> state = items.next_state()) {
+  scene::TrialItems items(side.file);
+  while (const std::optional<scene::TickState> state = items.next_state()) {
     contacts += state->contacts;
     last = world.energy(*state).all;
     highest = std::max(highest, last);

@@ -99,7 +99,7 @@ Traits traits_of(const scene::Recorded& recorded, const std::vector<devices::Sam
 /// The samples of a trial, as its log has them.
 std::vector<devices::Sample> samples_of(const scene::Recorded& recorded) {
   std::vector<devices::Sample> samples;
-  recorded.file.walk([&](devices::TrialFile::Item& item) {
+  recorded.file.walk([&](scene::TrialFile::Item& item) {
     if (auto* sample = std::get_if<devices::Sample>(&item)) samples.push_back(*sample);
     return true;
   });
@@ -111,8 +111,8 @@ Traits write_session(Dataset& dataset, const Study& study, const study::Person& 
                      const std::string& subject) {
   const fs::path path = study.at.sessions(person.planned.id) / (person.played.run + ".lcmlog");
   const scene::Recorded recorded = scene::load_trial(path.string());
-  const devices::TrialSummary& trial = recorded.file.summary();
-  devices::TrialHeader header = trial.header;
+  const scene::TrialSummary& trial = recorded.file.summary();
+  scene::TrialHeader header = trial.header;
   header.participant = is_virtual_name(header.participant) ? virtual_name(subject) : subject;
   study::BidsSession session{subject, person.played.run.substr(4), &header, samples_of(recorded),
                              trial.events};
@@ -121,7 +121,7 @@ Traits write_session(Dataset& dataset, const Study& study, const study::Person& 
   study::SimulatedSystem simulated([&](const std::string& row) { table += row; });
   scene::Observer* const observer = &simulated;
   scene::Session again = scene::make_session(recorded.scenario);
-  devices::TrialPlayer source(recorded.file);
+  scene::TrialPlayer source(recorded.file);
   scene::NoPace pace;
   const std::int64_t ticks = scene::tick_count(trial, recorded.scenario.rates.physics_hz);
   scene::run(again, source, pace, std::span(&observer, 1), [&](const scene::Session& s) {

@@ -163,7 +163,7 @@ void run_live(const Study& study, const study::PlannedParticipant& who, const Ru
   live.participant = who.id;
   for (const std::string& source : live.sources) {
     if (fs::is_regular_file(source) &&
-        is_virtual_name(devices::TrialFile(source).summary().header.participant)) {
+        is_virtual_name(scene::TrialFile(source).summary().header.participant)) {
       live.participant = virtual_name(who.id);
     }
   }

@@ -21,10 +21,10 @@
 #include "base/output_folder.h"
 #include "base/output_text.h"
 #include "devices/base/version.h"
-#include "devices/recordings/xdf_trial.h"
-#include "devices/trial/file.h"
-#include "devices/trial/tables.h"
 #include "scene/play/score.h"
+#include "scene/record/file.h"
+#include "scene/record/tables.h"
+#include "scene/record/xdf.h"
 #include "scene/scenario/scenario.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/recorded.h"
@@ -42,24 +42,24 @@ struct ExportOptions {
 };
 
 /// Writes all tables in one pass through the trial.
-nlohmann::ordered_json write_tables(base::OutputFolder& folder, const devices::TrialFile& trial,
+nlohmann::ordered_json write_tables(base::OutputFolder& folder, const scene::TrialFile& trial,
                                     const std::string& path) {
   std::deque<base::OutputText> files;
-  std::deque<devices::TableWriter> tables;
-  const std::vector<std::string> names = devices::table_names();
-  const devices::TableRows::Walk walked = scene::walk_in_time(trial, path);
+  std::deque<scene::TableWriter> tables;
+  const std::vector<std::string> names = scene::table_names();
+  const scene::TableRows::Walk walked = scene::walk_in_time(trial, path);
   for (const std::string& name : names) {
     tables.emplace_back(files.emplace_back(folder.file(name + ".csv")).out(), name,
                         trial.summary().header, walked);
   }
-  const std::vector<devices::ThrowRow> throws = scene::score(trial.summary().events).throws;
-  for (devices::TableWriter& table : tables) {
-    for (const devices::Event& event : trial.summary().events) table.add(event);
-    for (const devices::ThrowRow& row : throws) table.add(row);
+  const std::vector<scene::ThrowRow> throws = scene::score(trial.summary().events).throws;
+  for (scene::TableWriter& table : tables) {
+    for (const scene::Event& event : trial.summary().events) table.add(event);
+    for (const scene::ThrowRow& row : throws) table.add(row);
   }
-  trial.walk([&](const devices::TrialFile::Item& item) {
+  trial.walk([&](const scene::TrialFile::Item& item) {
     check_stop();
-    for (devices::TableWriter& table : tables) {
+    for (scene::TableWriter& table : tables) {
       std::visit([&](const auto& one) { table.add(one); }, item);
     }
     return true;
@@ -74,7 +74,7 @@ nlohmann::ordered_json write_tables(base::OutputFolder& folder, const devices::T
 }
 
 /// Data that are in no table: participant, condition, software.
-nlohmann::ordered_json about(const devices::TrialSummary& trial) {
+nlohmann::ordered_json about(const scene::TrialSummary& trial) {
   return {{"participant", trial.header.participant},
           {"condition", trial.header.condition},
           {"seed", trial.header.seed},
@@ -117,7 +117,7 @@ void export_gltf(const ExportOptions& options) {
 }
 
 /// Pose of the transmitter in the world; none if the trial's scenario cannot be read.
-std::optional<Pose> transmitter_of(const devices::TrialHeader& header, const std::string& path) {
+std::optional<Pose> transmitter_of(const scene::TrialHeader& header, const std::string& path) {
   try {
     return scene::scenario_of_trial(header.scenario, path).rig.X_WT;
   } catch (const std::invalid_argument&) {
@@ -128,18 +128,18 @@ std::optional<Pose> transmitter_of(const devices::TrialHeader& header, const std
 /// Writes samples and events as streams.
 void export_xdf(const ExportOptions& options) {
   watch_stop_signals();
-  const devices::TrialFile trial(options.trial);
+  const scene::TrialFile trial(options.trial);
   trial.require_trial(devices::kLongestGap);
-  const devices::TrialSummary& summary = trial.summary();
+  const scene::TrialSummary& summary = trial.summary();
   say_what_is_missing("export", options.trial, summary);
   base::OutputFile file(
       *options.xdf,
       {.overwrite = options.force, .standard_output = true, .inputs = {options.trial}});
-  const auto streams = devices::write_xdf_trial(
-      trial, transmitter_of(summary.header, options.trial), [&](std::string_view bytes) {
-        check_stop();
-        file.write(bytes.data(), bytes.size());
-      });
+  const auto streams = scene::write_xdf_trial(trial, transmitter_of(summary.header, options.trial),
+                                              [&](std::string_view bytes) {
+                                                check_stop();
+                                                file.write(bytes.data(), bytes.size());
+                                              });
   file.commit();
   if (options.json) {
     nlohmann::ordered_json all = nlohmann::ordered_json::array();
@@ -175,9 +175,9 @@ void export_trial(const ExportOptions& options) {
     return export_mcap(options.trial, std::move(file), options.eyes, options.json);
   }
   if (options.xdf) return export_xdf(options);
-  const devices::TrialFile trial(options.trial);
+  const scene::TrialFile trial(options.trial);
   trial.require_trial(devices::kLongestGap);
-  const devices::TrialSummary& summary = trial.summary();
+  const scene::TrialSummary& summary = trial.summary();
   say_what_is_missing("export", options.trial, summary);
   watch_stop_signals();
   base::OutputFolder folder(*options.folder,
@@ -190,7 +190,7 @@ void export_trial(const ExportOptions& options) {
     file.close();
   };
   std::ostringstream columns;
-  devices::write_dictionary(columns);
+  scene::write_dictionary(columns);
   write("columns.csv", columns.str());
   write("scenario.toml", scenario_text(summary.header.scenario, options.trial));
   write(

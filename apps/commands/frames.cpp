@@ -41,7 +41,7 @@ render::Quality look_of(const FramesOptions& options, scene::Scenario scenario) 
 
 /// The reason why the recorded hashes of frames may differ from the new ones; empty if they must be
 /// equal.
-std::string why_not_compared(const devices::TrialSummary& trial, scene::Eyes& eyes,
+std::string why_not_compared(const scene::TrialSummary& trial, scene::Eyes& eyes,
                              const render::Quality& own, bool from_the_head) {
   if (!from_the_head) return "they are not what the eyes saw";
   if (eyes.look != own) return "the look is another than the trial's";
@@ -58,8 +58,8 @@ std::vector<std::int64_t> frames_shown(const scene::Recorded& recorded, const Fr
                                        const std::string& asked) {
   std::vector<std::int64_t> frames;
   std::int64_t first = -1, last = -1;
-  recorded.file.walk([&](const devices::TrialFile::Item& item) {
-    if (const auto* frame = std::get_if<devices::FrameRecord>(&item)) {
+  recorded.file.walk([&](const scene::TrialFile::Item& item) {
+    if (const auto* frame = std::get_if<scene::FrameRecord>(&item)) {
       if (wanted.contains(frame->frame)) frames.push_back(frame->frame);
       if (first < 0) first = frame->frame;
       last = frame->frame;
@@ -161,8 +161,8 @@ FrameOutputs outputs_of(const FramesOptions& options, const Task& task,
 Done watch(const FramesOptions& options, const Task& task, const scene::Recorded& recorded,
            scene::Session session, scene::Eyes& eyes, const FrameOutputs& outputs) {
   scene::FrameExtras extras = extras_of(options, recorded.scenario);
-  devices::TrialPlayer source(recorded.file,
-                              {.states = true, .frames = options.as_shown || options.verify});
+  scene::TrialPlayer source(recorded.file,
+                            {.states = true, .frames = options.as_shown || options.verify});
   Progress progress("frames", static_cast<std::int64_t>(task.frames.size()));
   const auto is_wanted = [&](std::int64_t frame) {
     return std::ranges::binary_search(task.frames, frame);
@@ -281,7 +281,7 @@ void draw_frames(const FramesOptions& options) {
   const FrameRanges wanted = options.frames.empty() ? FrameRanges() : FrameRanges(options.frames);
   const scene::Recorded recorded =
       scene::load_trial(options.trial, microseconds(options.longest_gap));
-  const devices::TrialSummary& trial = recorded.file.summary();
+  const scene::TrialSummary& trial = recorded.file.summary();
   const scene::Rates& rates = recorded.scenario.rates;
   Task task{.frames = {},
             .fps = options.fps > 0 ? options.fps : rates.frame_hz,

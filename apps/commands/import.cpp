@@ -19,9 +19,9 @@
 #include "devices/recordings/marker_file.h"
 #include "devices/recordings/motion_files.h"
 #include "devices/recordings/text_encoding.h"
-#include "devices/trial/log.h"
 #include "scene/people/throw.h"
-#include "scene/play/events.h"
+#include "scene/record/events.h"
+#include "scene/record/log.h"
 #include "scene/stage/read_scenario.h"
 
 namespace headpin::apps {
@@ -146,10 +146,10 @@ void say_doubts(const ImportOptions& options, const Thrown& thrown,
 }
 
 /// Events for what was not measured.
-std::vector<devices::Event> not_measured(const devices::MotionRecording& recording) {
-  std::vector<devices::Event> events;
+std::vector<scene::Event> not_measured(const devices::MotionRecording& recording) {
+  std::vector<scene::Event> events;
   const auto add = [&](const char* detail) {
-    devices::Event e;
+    scene::Event e;
     e.time = recording.times.front();
     e.kind = scene::kind::not_measured;
     e.detail = detail;
@@ -165,11 +165,10 @@ std::vector<devices::Event> not_measured(const devices::MotionRecording& recordi
 }
 
 /// Events for what was found in the recording, so that it is not taken for recorded data.
-std::vector<devices::Event> found_events(const devices::MotionRecording& recording,
-                                         const scene::Throw& found,
-                                         const scene::Scenario& scenario) {
+std::vector<scene::Event> found_events(const devices::MotionRecording& recording,
+                                       const scene::Throw& found, const scene::Scenario& scenario) {
   const auto event = [&](std::string_view kind, std::size_t sample) {
-    devices::Event e;
+    scene::Event e;
     e.time = recording.times[sample];
     e.kind = kind;
     e.bodies = {"ball"};
@@ -177,7 +176,7 @@ std::vector<devices::Event> found_events(const devices::MotionRecording& recordi
             (scene::throwing_hand(recording, found.side)[sample] * scenario.hand.grip);
     return e;
   };
-  std::vector<devices::Event> events = not_measured(recording);
+  std::vector<scene::Event> events = not_measured(recording);
   if (found.by_trigger) return events;
   events.push_back(event(scene::kind::grab_found, found.grab));
   events.back().detail = "where the hand rests lowest; the recording has no buttons";
@@ -200,14 +199,14 @@ void require_throw(const ImportOptions& options, const Thrown& thrown, const sce
 }
 
 /// The header and the file of a trial.
-devices::Recorder recorder_for(const ImportOptions& options, const scene::Scenario& scenario) {
+scene::Recorder recorder_for(const ImportOptions& options, const scene::Scenario& scenario) {
   scene::check(scenario, options.file + " as recorded, in this room");
-  devices::TrialHeader header;
+  scene::TrialHeader header;
   header.participant = options.participant;
   header.condition = options.condition;
   header.scenario = scene::to_toml(scenario);
   watch_stop_signals();
-  return devices::Recorder(
+  return scene::Recorder(
       base::OutputFile(*options.output, {.overwrite = options.force,
                                          .standard_output = true,
                                          .inputs = {options.file, options.scenario, options.events,
@@ -227,13 +226,13 @@ void import_head(const ImportOptions& options, const scene::Scenario& base,
         fmt::format("{}: not a person's head: it is up {:.3g} m at first, expected 1 to 2.2",
                     options.file, height));
   }
-  devices::Recorder recorder =
+  scene::Recorder recorder =
       recorder_for(options, scene::stand_onlooker(base, recording, heading(options.heading)));
-  std::vector<devices::Event> events = not_measured(recording);
+  std::vector<scene::Event> events = not_measured(recording);
   events.emplace_back();
   events.back().kind = scene::kind::not_measured;
   events.back().detail = "the hands: nothing is thrown";
-  devices::write(recorder, scene::head_samples(recording), events);
+  scene::write(recorder, scene::head_samples(recording), events);
   check_stop();
   recorder.close();
   const double duration = nearest_seconds(recording.times.back());
@@ -262,9 +261,9 @@ void import_throw(const ImportOptions& options) {
   say_doubts(options, thrown, doubts);
   const scene::Scenario scenario =
       scene::stand_thrower(base, recording, found, heading(options.heading));
-  devices::Recorder recorder = recorder_for(options, scenario);
-  devices::write(recorder, scene::to_samples(recording, found),
-                 found_events(recording, found, scenario));
+  scene::Recorder recorder = recorder_for(options, scenario);
+  scene::write(recorder, scene::to_samples(recording, found),
+               found_events(recording, found, scenario));
   check_stop();
   recorder.close();
 

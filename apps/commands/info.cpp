@@ -9,13 +9,13 @@
 #include "apps/info_json.h"
 #include "apps/options.h"
 #include "apps/streams.h"
-#include "devices/trial/file.h"
-#include "scene/play/details.h"
-#include "scene/play/events.h"
 #include "scene/play/outcome.h"
 #include "scene/play/presence.h"
 #include "scene/play/release_timing.h"
 #include "scene/play/score.h"
+#include "scene/record/details.h"
+#include "scene/record/events.h"
+#include "scene/record/file.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/drawn_by.h"
 
@@ -37,23 +37,23 @@ void print_timings(const std::vector<scene::ReleaseTiming>& timings) {
 }
 
 /// Prints the messages with faults.
-void print_trouble(const devices::TrialSummary& trial) {
+void print_trouble(const scene::TrialSummary& trial) {
   if (trial.trouble.empty()) return;
   std::cout << "amiss (seconds into the log)\n";
-  for (const devices::Trouble& t : trial.trouble) {
+  for (const scene::Trouble& t : trial.trouble) {
     std::cout << fmt::format("  {:9.3f} s to {:9.3f} s  {:>6} {} of {}\n", nearest_seconds(t.from),
                              nearest_seconds(t.to), t.messages, t.kind, shown(t.device));
   }
-  if (trial.trouble.size() == devices::kMostTroubles) {
+  if (trial.trouble.size() == scene::kMostTroubles) {
     std::cout << "  and maybe more; all are counted above\n";
   }
 }
 
-void print_skipped(const devices::TrialSummary& trial) {
+void print_skipped(const scene::TrialSummary& trial) {
   const auto line = [](std::int64_t count, const char* what) {
     if (count > 0) std::cout << fmt::format("  {} {}\n", count, what);
   };
-  if (const devices::Gap& gap = trial.longest_gap; gap.length() > devices::kLongestGap) {
+  if (const scene::Gap& gap = trial.longest_gap; gap.length() > devices::kLongestGap) {
     std::cout << fmt::format("no sample from {:.3f} s to {:.3f} s\n", seconds(gap.from),
                              seconds(gap.to));
   }
@@ -74,7 +74,7 @@ void print_skipped(const devices::TrialSummary& trial) {
 }
 
 /// How well a live session kept real time, as text.
-std::string pace_in_words(const devices::Event& event) {
+std::string pace_in_words(const scene::Event& event) {
   const scene::KeptPace pace = scene::kept_pace(event);
   return fmt::format("{} ticks, {} overruns; {} frames, {} late; drawing failed {} times",
                      pace.ticks, pace.overruns, pace.frames, pace.late_frames,
@@ -82,7 +82,7 @@ std::string pace_in_words(const devices::Event& event) {
 }
 
 /// The content of an event besides its kind, on one line.
-std::string in_short(const devices::Event& event) {
+std::string in_short(const scene::Event& event) {
   if (event.kind == scene::kind::ledger) return "";
   if (event.kind == scene::kind::kept_pace) return pace_in_words(event);
   if (event.kind == scene::kind::drawn_by) {
@@ -96,7 +96,7 @@ std::string in_short(const devices::Event& event) {
   return event.bodies.empty() ? event.detail : fmt::format("{}", fmt::join(event.bodies, ", "));
 }
 
-void print_trial(const std::string& path, const devices::TrialSummary& trial,
+void print_trial(const std::string& path, const scene::TrialSummary& trial,
                  const std::vector<scene::ReleaseTiming>& timings) {
   std::cout << fmt::format("{}: {:.3f} s, {}\n", path, seconds(duration(trial)),
                            trial.complete ? "complete" : "not complete");
@@ -141,7 +141,7 @@ void print_trial(const std::string& path, const devices::TrialSummary& trial,
   }
   print_timings(timings);
   if (!trial.events.empty()) std::cout << "events\n";
-  for (const devices::Event& event : trial.events) {
+  for (const scene::Event& event : trial.events) {
     std::cout << fmt::format("  {:9.3f} s  {:<14} {}\n", seconds(event.time), shown(event.kind),
                              shown(in_short(event)));
   }
@@ -185,12 +185,12 @@ void add_info(CLI::App& app) {
       "Reads any LCM event log. Of a damaged or incomplete log, it reads what is readable.\n\n"
       "Example:\n  headpin info assets/trials/demo.lcmlog");
   command->callback([options] {
-    const devices::TrialFile file(options->trial);
+    const scene::TrialFile file(options->trial);
     if (options->scenario) {
       file.require_trial(Time::max());
       return print_scenario(file.summary().header.scenario, options->trial);
     }
-    const devices::TrialSummary& trial = file.summary();
+    const scene::TrialSummary& trial = file.summary();
     if (options->json) {
       print_json(info_json(options->trial, file));
     } else {

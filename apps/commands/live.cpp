@@ -18,11 +18,13 @@
 #include "base/output_file.h"
 #include "devices/lcm/link.h"
 #include "devices/live/source.h"
-#include "devices/trial/log.h"
-#include "devices/trial/messages.h"
 #include "scene/live/lcm_views.h"
 #include "scene/live/monitor.h"
 #include "scene/live/played.h"
+#include "scene/record/log.h"
+#include "scene/record/messages.h"
+#include "scene/record/publisher.h"
+#include "scene/record/source.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/drawn_by.h"
 #include "scene/watch/totals.h"
@@ -41,8 +43,8 @@ void require_samples(const scene::LiveState& state) {
 }
 
 /// Participant and condition of the session: from the options, otherwise from the played trial.
-devices::TrialHeader whose(const LiveOptions& options, std::span<const scene::Played> played) {
-  devices::TrialHeader header = scene::header_from(played);
+scene::TrialHeader whose(const LiveOptions& options, std::span<const scene::Played> played) {
+  scene::TrialHeader header = scene::header_from(played);
   if (options.participant) header.participant = *options.participant;
   if (options.condition_name) header.condition = *options.condition_name;
   return header;
@@ -83,7 +85,7 @@ std::vector<devices::OpenSource> open_sources(const LiveOptions& options,
     }
     std::vector<devices::OpenSource> sources;
     for (const std::string& name : options.sources) {
-      sources.push_back(devices::open_source(name, pace->clocks(), how));
+      sources.push_back(scene::open_source(name, pace->clocks(), how));
     }
     return sources;
   } catch (const std::invalid_argument& error) {
@@ -101,14 +103,14 @@ Links open_links(const LiveOptions& options, const std::optional<devices::LcmUrl
   if (!lcm || lcm->log()) return links;  // a file has no listeners
   links.views = std::make_unique<devices::LcmLink>(*lcm);
   if (options.no_trial) return links;
-  links.trial = std::make_unique<devices::LcmLink>(*lcm, devices::kSessionPrefix);
+  links.trial = std::make_unique<devices::LcmLink>(*lcm, scene::kSessionPrefix);
   return links;
 }
 
 /// Begins the recording. This is the last step: programs that wait for its file may then send.
-std::unique_ptr<devices::TrialSink> open_recording(const LiveOptions& options,
-                                                   const scene::LiveSources& sources,
-                                                   const devices::TrialHeader& header) {
+std::unique_ptr<scene::TrialSink> open_recording(const LiveOptions& options,
+                                                 const scene::LiveSources& sources,
+                                                 const scene::TrialHeader& header) {
   std::vector<std::filesystem::path> inputs = {options.scenario};
   for (const devices::OpenSource& source : sources.each()) inputs.push_back(source.recording);
   const Time epoch =
@@ -116,9 +118,8 @@ std::unique_ptr<devices::TrialSink> open_recording(const LiveOptions& options,
   base::OutputFile file(
       *options.record,
       {.overwrite = options.force, .live = true, .standard_output = true, .inputs = inputs});
-  return std::make_unique<devices::Recorder>(
-      std::move(file), header,
-      devices::Recorder::Options{.states = options.states, .epoch = epoch});
+  return std::make_unique<scene::Recorder>(
+      std::move(file), header, scene::Recorder::Options{.states = options.states, .epoch = epoch});
 }
 
 void conclude(const LiveOptions& options, const scene::Session& session,
@@ -146,10 +147,10 @@ void go_live(const LiveOptions& options) {
   const std::vector<scene::Played> played = scene::played_by(sources);
   for (const scene::Played& one : played) say_what_is_missing("live", one.path, one.summary);
   scene::Session session = scene::make_session(scenario_of(options, played));
-  const devices::TrialHeader header = scene::header_of(whose(options, played), session);
+  const scene::TrialHeader header = scene::header_of(whose(options, played), session);
   const Links links = open_links(options, lcm);
   scene::TrialOutputs trial;
-  if (links.trial) trial.publish(std::make_unique<devices::TrialPublisher>(*links.trial, header));
+  if (links.trial) trial.publish(std::make_unique<scene::TrialPublisher>(*links.trial, header));
 
   // Without real-time scheduling, ticks have priority only if the drawing process gives way.
   const auto eyes = open_eyes(*session.stage, links.views ? options.eyes : std::string("none"),

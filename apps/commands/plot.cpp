@@ -16,8 +16,8 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "base/output_file.h"
-#include "devices/trial/file.h"
-#include "scene/play/events.h"
+#include "scene/record/events.h"
+#include "scene/record/file.h"
 #include "scene/stage/read_scenario.h"
 
 namespace headpin::apps {
@@ -112,7 +112,7 @@ std::vector<DrawnBody> drawn_bodies(const scene::Stage& stage) {
 }
 
 /// One value per curve: speeds, heights, energy (total and kinetic), contact points.
-void row_of(const devices::TickState& state, const std::vector<DrawnBody>& bodies,
+void row_of(const scene::TickState& state, const std::vector<DrawnBody>& bodies,
             RecordedWorld& world, std::vector<double>& row) {
   row.clear();
   const auto each = [&](auto value) {
@@ -121,17 +121,17 @@ void row_of(const devices::TickState& state, const std::vector<DrawnBody>& bodie
                                                   : std::numeric_limits<double>::quiet_NaN());
     }
   };
-  each([](const devices::BodyState& b) { return b.V_WB.v.norm(); });
-  each([](const devices::BodyState& b) { return b.X_WB.p.z(); });
+  each([](const scene::BodyState& b) { return b.V_WB.v.norm(); });
+  each([](const scene::BodyState& b) { return b.X_WB.p.z(); });
   const RecordedWorld::Energy energy = world.energy(state);
   row.insert(row.end(), {energy.all, energy.all - energy.height});
   row.push_back(state.contacts);
 }
 
 /// Marks of events. Events of which there are many, such as falls and touches, have no label.
-std::vector<Mark> marks(const devices::TrialSummary& trial) {
+std::vector<Mark> marks(const scene::TrialSummary& trial) {
   std::vector<Mark> all;
-  for (const devices::Event& event : trial.events) {
+  for (const scene::Event& event : trial.events) {
     if (event.tick < 0 || event.kind == scene::kind::touch || event.kind == scene::kind::ledger ||
         event.kind == scene::kind::game_hash)
       continue;
@@ -140,12 +140,12 @@ std::vector<Mark> marks(const devices::TrialSummary& trial) {
   return all;
 }
 
-Chart chart(const std::string& path, const devices::TrialFile& file, RecordedWorld& world) {
+Chart chart(const std::string& path, const scene::TrialFile& file, RecordedWorld& world) {
   const std::vector<DrawnBody> bodies = drawn_bodies(world.stage());
   Thinned ticks(2 * bodies.size() + 3, file.summary().state_count);
   std::vector<double> row;
-  devices::TrialItems items(file);
-  while (const std::optional<devices::TickState> state = items.next_state()) {
+  scene::TrialItems items(file);
+  while (const std::optional<scene::TickState> state = items.next_state()) {
     row_of(*state, bodies, world, row);
     ticks.add(seconds(state->time), row);
   }
@@ -175,9 +175,9 @@ void plot_trial(const PlotOptions& options) {
     throw UsageError("--json and -o - both write to standard output; expected one of them");
   }
   require_plot_library(*options.output);
-  const devices::TrialFile file(options.trial);
+  const scene::TrialFile file(options.trial);
   file.require_trial(devices::kLongestGap);
-  const devices::TrialSummary& trial = file.summary();
+  const scene::TrialSummary& trial = file.summary();
   say_what_is_missing("plot", options.trial, trial);
   if (trial.state_count == 0) {
     throw std::runtime_error(options.trial +

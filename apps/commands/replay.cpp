@@ -12,9 +12,9 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "base/output_file.h"
-#include "devices/trial/log.h"
-#include "scene/play/details.h"
-#include "scene/play/events.h"
+#include "scene/record/details.h"
+#include "scene/record/events.h"
+#include "scene/record/log.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/each_throw.h"
 #include "scene/watch/entered.h"
@@ -30,7 +30,7 @@ namespace {
 struct ReplayOptions {
   std::string trial;
   std::optional<std::string> output;
-  devices::States states = devices::States::changes;
+  scene::States states = scene::States::changes;
   Condition condition;
   double longest_gap = seconds(devices::kLongestGap);
   std::optional<double> from_s;
@@ -88,15 +88,15 @@ void print_summary(const nlohmann::json& s) {
 /// Stores the events of throws.
 struct ThrowEvents : scene::Observer {
   void tick(const scene::Session& session) override {
-    for (const devices::Event& event : session.events) add(event);
+    for (const scene::Event& event : session.events) add(event);
   }
-  void add(const devices::Event& event) {
+  void add(const scene::Event& event) {
     using namespace scene::kind;
     for (const std::string_view kept : {version, grab, missed_grab, release, delivery}) {
       if (event.kind == kept) events.push_back(event);
     }
   }
-  std::vector<devices::Event> events;
+  std::vector<scene::Event> events;
 };
 
 void print_throws(const nlohmann::json& result) {
@@ -110,8 +110,8 @@ void print_throws(const nlohmann::json& result) {
 }
 
 /// Prints the releases with incomplete tracker data.
-void print_releases(const std::vector<devices::Event>& events) {
-  for (const devices::Event& event : events) {
+void print_releases(const std::vector<scene::Event>& events) {
+  for (const scene::Event& event : events) {
     if (event.kind != scene::kind::release) continue;
     const auto motion = scene::motion_of(event);
     if (!motion || (motion->known == scene::Known::tracked && motion->left_out == 0)) continue;
@@ -140,7 +140,7 @@ void replay_each_throw(const ReplayOptions& options) {
         "--each-throw excludes -o, --verify and --from: separate throws are not one session");
   }
   scene::Recorded recorded = scene::load_trial(options.trial, microseconds(options.longest_gap));
-  const devices::TrialSummary& trial = recorded.file.summary();
+  const scene::TrialSummary& trial = recorded.file.summary();
   scene::Scenario other = recorded.scenario;
   apply_condition(options.condition, other);
   scene::Session session = scene::make_session(recorded.scenario);
@@ -148,7 +148,7 @@ void replay_each_throw(const ReplayOptions& options) {
   scene::EachThrow each = each_throw_of(session, other);
   ProgressLine progress("ticks", ticks);
   const std::vector<scene::Observer*> observers = {&each, &progress};
-  devices::TrialPlayer source(recorded.file);
+  scene::TrialPlayer source(recorded.file);
   scene::NoPace pace;
   scene::run(session, source, pace, observers, [&](const scene::Session& s) {
     check_stop();
@@ -175,7 +175,7 @@ void replay_each_throw(const ReplayOptions& options) {
 /// A replay: its session, and what has been seen of it.
 struct Run {
   scene::Session session;
-  std::unique_ptr<devices::TrialPlayer> source;
+  std::unique_ptr<scene::TrialPlayer> source;
   scene::Stopwatch stopwatch{};
   scene::Totals totals{};
   ThrowEvents happened{};
@@ -206,7 +206,7 @@ void enter(const ReplayOptions& options, const scene::Recorded& recorded,
   run.session = std::move(entered.session);
   run.source = std::move(entered.source);
   run.begun = run.session.now();
-  for (const devices::Event& event : recorded.file.summary().events) {
+  for (const scene::Event& event : recorded.file.summary().events) {
     if (event.tick < 0 || event.tick > run.session.tick) continue;
     run.totals.add(event);
     run.happened.add(event);
@@ -236,7 +236,7 @@ nlohmann::json result_of(const ReplayOptions& options, const scene::Recorded& re
   return result;
 }
 
-void print_result(const nlohmann::json& result, const std::vector<devices::Event>& events) {
+void print_result(const nlohmann::json& result, const std::vector<scene::Event>& events) {
   print_summary(result);
   if (result.contains("from_s")) {
     fmt::print("{:<18}{:g} s, entered at {:g} s\n", "from", result["from_s"].get<double>(),
@@ -263,7 +263,7 @@ void replay(const ReplayOptions& options) {
   }
   const scene::Recorded recorded =
       scene::load_trial(options.trial, microseconds(options.longest_gap));
-  const devices::TrialSummary& trial = recorded.file.summary();
+  const scene::TrialSummary& trial = recorded.file.summary();
   scene::Scenario other = recorded.scenario;
   apply_condition(options.condition, other);
   Run run;
@@ -271,8 +271,8 @@ void replay(const ReplayOptions& options) {
     enter(options, recorded, other, run);
   } else {
     run.session = scene::make_session(other);
-    run.source = std::make_unique<devices::TrialPlayer>(
-        recorded.file, devices::TrialPlayer::Beside{.states = options.verify});
+    run.source = std::make_unique<scene::TrialPlayer>(
+        recorded.file, scene::TrialPlayer::Beside{.states = options.verify});
   }
   const std::int64_t ticks = scene::tick_count(trial, other.rates.physics_hz);
   ProgressLine progress("ticks", ticks);
@@ -283,10 +283,10 @@ void replay(const ReplayOptions& options) {
     base::OutputFile file(
         *options.output,
         {.overwrite = options.force, .standard_output = true, .inputs = {options.trial}});
-    writer.emplace(std::make_unique<devices::Recorder>(
+    writer.emplace(std::make_unique<scene::Recorder>(
         std::move(file), scene::header_of(trial.header, run.session),
-        devices::Recorder::Options{.states = options.states}));
-    for (const devices::Event& event : trial.events) {
+        scene::Recorder::Options{.states = options.states}));
+    for (const scene::Event& event : trial.events) {
       if (event.tick < 0) writer->write(event);  // found before any simulation
     }
     observers.push_back(&*writer);

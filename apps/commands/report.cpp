@@ -61,7 +61,7 @@ void add_trial(const std::string& path, const scene::PageData& data, const std::
 
 /// The first difference between the simulations of two trials.
 nlohmann::json first_difference(const scene::Recorded& a, const scene::Recorded& b) {
-  devices::TrialPlayer in_a(a.file), in_b(b.file);
+  scene::TrialPlayer in_a(a.file), in_b(b.file);
   scene::Session sa = scene::make_session(a.scenario), sb = scene::make_session(b.scenario);
   const auto ticks_of = [](const scene::Recorded& r) {
     return scene::tick_count(r.file.summary(), r.scenario.rates.physics_hz);
@@ -69,7 +69,7 @@ nlohmann::json first_difference(const scene::Recorded& a, const scene::Recorded&
   const std::int64_t ticks_a = ticks_of(a), ticks_b = ticks_of(b);
   const scene::SharedBodies shared =
       scene::shared_bodies(scene::body_names(*sa.stage), scene::body_names(*sb.stage));
-  devices::TickState now_a, now_b;
+  scene::TickState now_a, now_b;
   while (sa.tick < std::min(ticks_a, ticks_b)) {
     check_stop();
     scene::advance(sa, in_a);
@@ -90,7 +90,7 @@ std::string log_block(const std::string& path, const std::string& game_hash, Tim
   const std::vector<std::uint8_t> inputs = log_of_inputs(path);
   const scene::Recorded recorded = scene::load_trial(inputs, path, longest_gap);
   scene::Session session = scene::make_session(recorded.scenario);
-  devices::TrialPlayer source(recorded.file);
+  scene::TrialPlayer source(recorded.file);
   scene::NoPace pace;
   const std::int64_t ticks =
       scene::tick_count(recorded.file.summary(), recorded.scenario.rates.physics_hz);
@@ -209,8 +209,8 @@ nlohmann::ordered_json write_page(const TrialPage& options) {
     about["bodies_only_in_b"] = shared.only_in_b;
     about["scenario_differences"] =
         scene::to_json(scene::differences(recorded.scenario, other.scenario));
-    const std::vector<devices::Event> events_a = scene::events_of(recorded, [] { check_stop(); });
-    const std::vector<devices::Event> events_b = scene::events_of(other, [] { check_stop(); });
+    const std::vector<scene::Event> events_a = scene::events_of(recorded, [] { check_stop(); });
+    const std::vector<scene::Event> events_b = scene::events_of(other, [] { check_stop(); });
     about["only_thrown_in_a"] = scene::to_json(scene::without_counterpart(events_a, events_b));
     about["only_thrown_in_b"] = scene::to_json(scene::without_counterpart(events_b, events_a));
   }

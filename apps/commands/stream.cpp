@@ -15,10 +15,11 @@
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "base/output_file.h"
+#include "devices/base/sources.h"
 #include "devices/lcm/link.h"
-#include "devices/trial/file.h"
-#include "devices/trial/sources.h"
 #include "scene/play/player.h"
+#include "scene/record/file.h"
+#include "scene/record/publisher.h"
 #include "scene/stage/read_scenario.h"
 
 namespace headpin::apps {
@@ -103,7 +104,7 @@ class Lateness {
 /// The samples of a trial in the order in which they were available, one by one.
 class InOrder {
  public:
-  explicit InOrder(const devices::TrialFile& file) : player_(file) {}
+  explicit InOrder(const scene::TrialFile& file) : player_(file) {}
 
   /// The next sample, valid until the next call; null at the end.
   const devices::Sample* next() {
@@ -116,7 +117,7 @@ class InOrder {
   }
 
  private:
-  devices::TrialPlayer player_;
+  scene::TrialPlayer player_;
   std::vector<devices::Sample> samples_;  // available at one time
   std::size_t at_ = 0;
 };
@@ -142,7 +143,7 @@ struct Streamed {
 };
 
 /// Publishes the samples, and repeats the header for later listeners.
-Streamed publish_samples(const StreamOptions& options, const devices::TrialFile& file,
+Streamed publish_samples(const StreamOptions& options, const scene::TrialFile& file,
                          const scene::Scenario& scenario, devices::LcmLink& link) {
   Streamed done;
   Follower follower(scenario);
@@ -165,7 +166,7 @@ Streamed publish_samples(const StreamOptions& options, const devices::TrialFile&
       done.lateness.add(std::chrono::duration<double, std::milli>(Clock::now() - due).count());
     }
     if (!announced || Clock::now() - *announced >= std::chrono::seconds(1)) {
-      link.publish(file.summary().header);
+      scene::publish(link, file.summary().header);
       announced = Clock::now();
     }
     link.publish(*sample);
@@ -208,7 +209,7 @@ std::unique_ptr<devices::LcmLink> open_link(const StreamOptions& options,
 
 void stream(const StreamOptions& options) {
   const devices::LcmUrl url = lcm_url("--lcm", options.url, devices::LcmUse::publishing);
-  const devices::TrialFile file(options.trial);
+  const scene::TrialFile file(options.trial);
   file.require_trial(microseconds(options.longest_gap));
   const std::int64_t all = file.summary().sample_count;
   if (all == 0) throw std::runtime_error(options.trial + ": no samples to stream");
@@ -220,11 +221,11 @@ void stream(const StreamOptions& options) {
 
   const Streamed done = publish_samples(options, file, scenario, *link);
   if (done.sent == all) {
-    devices::Event end;
+    scene::Event end;
     end.time = done.end;
-    end.kind = devices::kEndEvent;
+    end.kind = scene::kEndEvent;
     end.value = static_cast<double>(all + 1);  // with the header
-    link->publish(end);
+    scene::publish(*link, end);
   }
   check_stop(fmt::format("after {} of {} samples", done.sent, all));
   print_streamed(options, done, all);

@@ -14,9 +14,9 @@
 #include "apps/streams.h"
 #include "base/output_file.h"
 #include "devices/recordings/catalogue_csv.h"
-#include "devices/trial/log.h"
 #include "scene/people/arm_model.h"
 #include "scene/people/throw.h"
+#include "scene/record/log.h"
 #include "scene/scenario/rules.h"
 #include "scene/stage/read_scenario.h"
 
@@ -50,17 +50,17 @@ double long_enough(const scene::ThrowPlan& plan, const scene::Scenario& scenario
 /// @return  number of samples
 std::size_t write_trial(const SynthesizeOptions& options, const scene::ThrowMotion& motion,
                         const scene::Scenario& scenario, std::uint64_t seed) {
-  devices::TrialHeader header;
+  scene::TrialHeader header;
   header.participant = options.name;
   header.condition = options.condition;
   header.seed = seed;
   header.scenario = scene::to_toml(scenario);
   const std::vector<devices::Sample> samples = scene::sense(motion, scenario.rig, seed);
-  devices::Recorder recorder(base::OutputFile(*options.output, {.overwrite = options.force,
-                                                                .standard_output = true,
-                                                                .inputs = {options.scenario}}),
-                             header);
-  devices::write(recorder, samples, {});
+  scene::Recorder recorder(base::OutputFile(*options.output, {.overwrite = options.force,
+                                                              .standard_output = true,
+                                                              .inputs = {options.scenario}}),
+                           header);
+  scene::write(recorder, samples, {});
   check_stop();
   recorder.close();
   return samples.size();

@@ -71,7 +71,7 @@ void report_mcap(const std::string& file, bool json, const std::vector<McapWrite
 
 void export_mcap(const std::string& trial, base::OutputFile file, bool with_pictures, bool json) {
   const scene::Recorded recorded = scene::load_trial(trial);
-  const devices::TrialSummary& summary = recorded.file.summary();
+  const scene::TrialSummary& summary = recorded.file.summary();
   say_what_is_missing("export", trial, summary);
   scene::Session session = scene::make_session(recorded.scenario);
   const Pose X_WD_first = scene::first_head_pose(recorded.file, recorded.scenario.rig);

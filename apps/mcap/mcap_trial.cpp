@@ -8,12 +8,12 @@
 
 #include "apps/mcap/foxglove.h"
 #include "devices/base/version.h"
-#include "devices/trial/messages.h"
 #include "render/display.h"
 #include "render/eyes.h"
 #include "render/png.h"
 #include "scene/looks/glimpse.h"
 #include "scene/looks/looks.h"
+#include "scene/record/messages.h"
 
 namespace headpin::apps {
 
@@ -38,6 +38,7 @@ nlohmann::ordered_json numbers_of(const Vec3& v) {
 /// Type of the messages on a channel of a trial; empty for channels of others.
 std::string type_on(std::string_view channel) {
   using namespace devices;
+  using namespace scene;
   static const std::map<std::string_view, std::string> types = {
       {kTrialChannel, "headpin.trial_t"},       {kTrackerChannel, "headpin.tracked_device_t"},
       {kMouseChannel, "headpin.mouse3d_t"},     {kEventChannel, "headpin.event_t"},
@@ -51,7 +52,7 @@ std::string type_on(std::string_view channel) {
 }  // namespace
 
 McapTrial::McapTrial(McapWriter& out, const scene::Session& session, const Pose& X_WD_first,
-                     const devices::TrialSummary& trial, devices::FileWindow& log)
+                     const scene::TrialSummary& trial, devices::FileWindow& log)
     : out_(out), X_WD_(X_WD_first), reader_(log), schema_of_log_(trial.header.schema) {
   transforms_ = topic("/tf", "FrameTransforms");
   scene_ = topic("/scene", "SceneUpdate");
@@ -70,10 +71,10 @@ McapTrial::McapTrial(McapWriter& out, const scene::Session& session, const Pose&
   for (const auto& bodies : {session.stage->skittles, session.stage->balls}) {
     for (const engine::BodyId body : bodies) bodies_.push_back({body, names[body]});
   }
-  for (const devices::Event& event : trial.events) {
+  for (const scene::Event& event : trial.events) {
     if (event.tick < 0) outside_.push_back(event);
   }
-  std::ranges::stable_sort(outside_, {}, &devices::Event::time);
+  std::ranges::stable_sort(outside_, {}, &scene::Event::time);
   if (schema_of_log_.empty()) schema_of_log_ = devices::schema_text();
   next_of_log_ = reader_.next();
 }
@@ -174,14 +175,14 @@ void McapTrial::add_hand(const scene::Session& session, ProtobufWriter& transfor
 }
 
 void McapTrial::add_events(const scene::Session& session) {
-  for (const devices::Event& event : session.events) add_event(event);
+  for (const scene::Event& event : session.events) add_event(event);
   for (; next_outside_ < outside_.size() && outside_[next_outside_].time <= session.now();
        ++next_outside_) {
     add_event(outside_[next_outside_]);
   }
 }
 
-void McapTrial::add_event(const devices::Event& event) {
+void McapTrial::add_event(const scene::Event& event) {
   const nlohmann::ordered_json message = {{"event", event.kind},
                                           {"tick", event.tick},
                                           {"bodies", event.bodies},

@@ -10,10 +10,10 @@
 
 #include "apps/mcap/mcap_writer.h"
 #include "apps/mcap/protobuf_writer.h"
-#include "devices/trial/event_log.h"
-#include "devices/trial/trial.h"
+#include "devices/log/event_log.h"
 #include "scene/play/run.h"
 #include "scene/play/session.h"
+#include "scene/record/trial.h"
 #include "scene/watch/eye_frames.h"
 
 namespace headpin::apps {
@@ -27,7 +27,7 @@ class McapTrial : public scene::Observer, public scene::FrameSink {
   /// @param trial  summary of the log
   /// @param log    the log; must outlive this
   McapTrial(McapWriter& out, const scene::Session& session, const Pose& X_WD_first,
-            const devices::TrialSummary& trial, devices::FileWindow& log);
+            const scene::TrialSummary& trial, devices::FileWindow& log);
 
   void start(const scene::Session& session) override;
   void tick(const scene::Session& session) override;
@@ -57,7 +57,7 @@ class McapTrial : public scene::Observer, public scene::FrameSink {
   void add_shapes(const scene::Session& session);
   void add_hand(const scene::Session& session, ProtobufWriter& transforms);
   void add_events(const scene::Session& session);
-  void add_event(const devices::Event& event);
+  void add_event(const scene::Event& event);
   void add_log_until(Time now);
   void add_of_log(const devices::LogEvent& event, Time now);
   Topic& topic_of_log(const std::string& channel);
@@ -72,7 +72,7 @@ class McapTrial : public scene::Observer, public scene::FrameSink {
   std::optional<std::size_t> grip_;    ///< that was written last
   Pose X_WD_;
 
-  std::vector<devices::Event> outside_;  ///< events of the trial that no simulation makes
+  std::vector<scene::Event> outside_;  ///< events of the trial that no simulation makes
   std::size_t next_outside_ = 0;
 
   devices::LogReader reader_;

@@ -7,7 +7,7 @@
 namespace headpin::python {
 
 OpenTrial::OpenTrial(const std::string& path, Time longest_gap)
-    : path_(path), file_(reading<DamagedTrial>(path, [&] { return devices::TrialFile(path); })) {
+    : path_(path), file_(reading<DamagedTrial>(path, [&] { return scene::TrialFile(path); })) {
   try {
     file_.require_trial(longest_gap);
   } catch (const std::runtime_error& error) {
@@ -20,8 +20,7 @@ const scene::Scenario& OpenTrial::scenario() {
   return *scenario_;
 }
 
-Run::Run(const OpenTrial& trial, const scene::Scenario& scenario,
-         devices::TrialPlayer::Beside beside)
+Run::Run(const OpenTrial& trial, const scene::Scenario& scenario, scene::TrialPlayer::Beside beside)
     : session(scene::make_session(scenario)),
       source(trial.file(), beside),
       ticks(scene::tick_count(trial.summary(), scenario.rates.physics_hz)) {

@@ -6,8 +6,8 @@
 #include <string>
 
 #include "apps/python/interrupts.h"
-#include "devices/trial/file.h"
 #include "scene/play/run.h"
+#include "scene/record/file.h"
 #include "scene/scenario/scenario.h"
 
 namespace headpin::python {
@@ -19,8 +19,8 @@ class OpenTrial {
   OpenTrial(const std::string& path, Time longest_gap);
 
   const std::string& path() const { return path_; }
-  const devices::TrialSummary& summary() const { return file_.summary(); }
-  const devices::TrialFile& file() const { return file_; }
+  const scene::TrialSummary& summary() const { return file_.summary(); }
+  const scene::TrialFile& file() const { return file_; }
 
   /// The trial's own scenario; to be called with the file locked.
   /// @throws std::invalid_argument  when it cannot be read
@@ -31,7 +31,7 @@ class OpenTrial {
 
  private:
   std::string path_;
-  devices::TrialFile file_;
+  scene::TrialFile file_;
   std::optional<scene::Scenario> scenario_;
   std::mutex reading_;
 };
@@ -41,13 +41,13 @@ struct Run {
   /// @throws DamagedTrial           when the trial holds no samples
   /// @throws std::invalid_argument  when the scenario cannot be played
   Run(const OpenTrial& trial, const scene::Scenario& scenario,
-      devices::TrialPlayer::Beside beside = {});
+      scene::TrialPlayer::Beside beside = {});
 
   /// Makes all ticks, or until `enough`; stops at Ctrl-C.
   void go(std::span<scene::Observer* const> seen_by, const std::function<bool()>& enough = {});
 
   scene::Session session;
-  devices::TrialPlayer source;
+  scene::TrialPlayer source;
   std::int64_t ticks;
 };
 

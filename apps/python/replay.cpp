@@ -10,7 +10,7 @@
 #include "apps/python/values.h"
 #include "base/lock.h"
 #include "base/output_file.h"
-#include "devices/trial/log.h"
+#include "scene/record/log.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/totals.h"
 #include "scene/watch/trial_writer.h"
@@ -24,21 +24,21 @@ struct Events : scene::Observer {
   void tick(const scene::Session& session) override {
     all.insert(all.end(), session.events.begin(), session.events.end());
   }
-  std::vector<devices::Event> all;
+  std::vector<scene::Event> all;
 };
 
 /// Puts the state of every tick into a table.
 class States : public scene::Observer {
  public:
-  explicit States(devices::TableRows& rows) : rows_(rows) {}
+  explicit States(scene::TableRows& rows) : rows_(rows) {}
   void tick(const scene::Session& session) override {
     scene::tick_state(session, state_);
     rows_.add(state_);
   }
 
  private:
-  devices::TableRows& rows_;
-  devices::TickState state_;
+  scene::TableRows& rows_;
+  scene::TickState state_;
 };
 
 /// What goes wrong while a file is written is an OSError.
@@ -71,10 +71,10 @@ py::object once(Replay& replay, const char* name, const Make& make) {
 }
 
 template <typename Row>
-py::array table_of(const char* name, const devices::TrialHeader& header,
+py::array table_of(const char* name, const scene::TrialHeader& header,
                    const std::vector<Row>& rows) {
   auto table = std::make_unique<Table>(name);
-  devices::TableRows maker(name, header, [&](auto row) { table->add(row); });
+  scene::TableRows maker(name, header, [&](auto row) { table->add(row); });
   for (const Row& row : rows) maker.add(row);
   return Table::view(std::move(table));
 }
@@ -86,7 +86,7 @@ py::array states_of(const Replay& replay) {
     const auto lock = replay.trial->lock();
     Run run(*replay.trial, replay.scenario);
     table->reserve(run.ticks * static_cast<std::int64_t>(replay.header.body_names.size()));
-    devices::TableRows rows("states", replay.header, [&](auto row) { table->add(row); });
+    scene::TableRows rows("states", replay.header, [&](auto row) { table->add(row); });
     States states(rows);
     scene::Observer* const seen_by[] = {&states};
     run.go(seen_by);
@@ -120,10 +120,9 @@ scene::TrialWriter open_writer(const Replay& replay, const std::string& path,
   try {
     base::OutputFile file(
         path, {.overwrite = overwrite, .standard_output = true, .inputs = {replay.trial->path()}});
-    return scene::TrialWriter(std::make_unique<devices::Recorder>(
+    return scene::TrialWriter(std::make_unique<scene::Recorder>(
         std::move(file), scene::header_of(replay.trial->summary().header, session),
-        devices::Recorder::Options{.states =
-                                       changes ? devices::States::changes : devices::States::all}));
+        scene::Recorder::Options{.states = changes ? scene::States::changes : scene::States::all}));
   } catch (const base::Exists& error) {
     throw FileIsThere(std::string(error.what()) + "; overwrite=True replaces it");
   } catch (const std::runtime_error& error) {
@@ -141,7 +140,7 @@ void save(const Replay& replay, const std::filesystem::path& path, bool overwrit
   Run run(*replay.trial, replay.scenario);
   scene::TrialWriter writer =
       open_writer(replay, path.string(), run.session, overwrite, states == "changes");
-  for (const devices::Event& event : replay.trial->summary().events) {
+  for (const scene::Event& event : replay.trial->summary().events) {
     if (event.tick < 0) writing([&] { writer.write(event); });  // found before any simulation
   }
   Writing observer(writer);

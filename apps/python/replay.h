@@ -9,7 +9,7 @@
 #include <pybind11/pybind11.h>
 
 #include "apps/python/open_trial.h"
-#include "devices/trial/tables.h"
+#include "scene/record/tables.h"
 #include "scene/stage/condition.h"
 
 namespace headpin::python {
@@ -18,11 +18,11 @@ namespace headpin::python {
 struct Replay {
   std::shared_ptr<OpenTrial> trial;
   scene::Condition condition;
-  scene::Scenario scenario;            ///< under the condition
-  nlohmann::json result;               ///< scene::summary()
-  devices::TrialHeader header;         ///< with the names of the bodies
-  std::vector<devices::Event> events;  ///< of all ticks
-  std::vector<devices::ThrowRow> throws;
+  scene::Scenario scenario;          ///< under the condition
+  nlohmann::json result;             ///< scene::summary()
+  scene::TrialHeader header;         ///< with the names of the bodies
+  std::vector<scene::Event> events;  ///< of all ticks
+  std::vector<scene::ThrowRow> throws;
   std::map<std::string, pybind11::object> made;  ///< what was asked for, by its name
 };
 

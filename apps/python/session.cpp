@@ -18,7 +18,7 @@
 #include "apps/python/response.h"
 #include "apps/python/samples.h"
 #include "apps/python/values.h"
-#include "devices/trial/sources.h"
+#include "devices/base/sources.h"
 #include "scene/scenario/files.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/totals.h"
@@ -53,7 +53,7 @@ struct PySession {
   scene::Session session;
   PushedSamples source;
   scene::Totals totals;
-  std::vector<devices::Event> events;  ///< of the last call of step()
+  std::vector<scene::Event> events;  ///< of the last call of step()
   bool in_use = false;
   bool broken = false;  ///< a tick was not finished
 
@@ -116,10 +116,10 @@ struct BodyRow {
 };
 
 py::array_t<BodyRow> bodies(PySession& s) {
-  devices::TickState state;
+  scene::TickState state;
   scene::tick_state(s.get(), state);
   std::vector<BodyRow> rows;
-  for (const devices::BodyState& body : state.bodies) {
+  for (const scene::BodyState& body : state.bodies) {
     const Vec3 &p = body.X_WB.p, &v = body.V_WB.v, &w = body.V_WB.w;
     const Quat& q = body.X_WB.q;
     rows.push_back({p.x(), p.y(), p.z(), q.w(), q.x(), q.y(), q.z(), v.x(), v.y(), v.z(), w.x(),
@@ -131,7 +131,7 @@ py::array_t<BodyRow> bodies(PySession& s) {
 py::list events(PySession& s) {
   s.get();
   py::list all;
-  for (const devices::Event& e : s.events) {
+  for (const scene::Event& e : s.events) {
     all.append(py::dict("time_s"_a = nearest_seconds(e.time), "tick"_a = e.tick, "kind"_a = e.kind,
                         "bodies"_a = py::tuple(py::cast(e.bodies)), "x_m"_a = e.p_W.x(),
                         "y_m"_a = e.p_W.y(), "z_m"_a = e.p_W.z(), "impulse_x_ns"_a = e.j_W.x(),

@@ -20,7 +20,7 @@ std::uint64_t one_byte(std::int8_t value) {
 }
 
 /// numpy's name of a column's type.
-const char* type_of(const devices::TableColumn& column) {
+const char* type_of(const scene::TableColumn& column) {
   if (column.kind == "number") return "f8";
   if (column.kind == "whole") return "i8";
   if (column.kind == "hash") return "u8";
@@ -28,7 +28,7 @@ const char* type_of(const devices::TableColumn& column) {
   return column.name == "foul" ? "i1" : "?";  // old trials do not say whether there was a foul
 }
 
-std::uint64_t unknown(const devices::TableColumn& column) {
+std::uint64_t unknown(const scene::TableColumn& column) {
   if (column.kind == "number") {
     return std::bit_cast<std::uint64_t>(std::numeric_limits<double>::quiet_NaN());
   }
@@ -39,7 +39,7 @@ std::uint64_t unknown(const devices::TableColumn& column) {
 }  // namespace
 
 Table::Table(std::string_view name) {
-  for (devices::TableColumn& column : devices::table_columns()) {
+  for (scene::TableColumn& column : scene::table_columns()) {
     if (column.table == name) columns_.push_back(std::move(column));
   }
 }
@@ -48,14 +48,14 @@ void Table::reserve(std::int64_t rows) {
   cells_.reserve(static_cast<std::size_t>(rows) * columns_.size());
 }
 
-void Table::add(std::span<const devices::TableValue> row) {
+void Table::add(std::span<const scene::TableValue> row) {
   for (std::size_t i = 0; i < row.size(); ++i) {
     const bool known = !std::holds_alternative<std::monostate>(row[i]);
     cells_.push_back(known ? cell(row[i]) : unknown(columns_[i]));
   }
 }
 
-std::uint64_t Table::cell(const devices::TableValue& value) {
+std::uint64_t Table::cell(const scene::TableValue& value) {
   if (const auto* number = std::get_if<double>(&value)) {
     return std::bit_cast<std::uint64_t>(*number);
   }

@@ -9,7 +9,7 @@
 
 #include <pybind11/numpy.h>
 
-#include "devices/trial/tables.h"
+#include "scene/record/tables.h"
 
 namespace headpin::python {
 
@@ -20,21 +20,21 @@ namespace headpin::python {
 /// is int8.
 class Table {
  public:
-  /// @param name  as in devices::table_names()
+  /// @param name  as in scene::table_names()
   explicit Table(std::string_view name);
 
   void reserve(std::int64_t rows);
-  void add(std::span<const devices::TableValue> row);
+  void add(std::span<const scene::TableValue> row);
 
   /// A read-only view of the rows; they live as long as it, and what is cut from it.
   static pybind11::array view(std::unique_ptr<Table> table);
 
  private:
-  std::uint64_t cell(const devices::TableValue& value);
+  std::uint64_t cell(const scene::TableValue& value);
   pybind11::dtype type() const;
   void make_texts();
 
-  std::vector<devices::TableColumn> columns_;
+  std::vector<scene::TableColumn> columns_;
   std::vector<std::uint64_t> cells_;                      // row by row
   std::unordered_map<std::string, std::uint64_t> texts_;  // each text once, and its number
   std::vector<pybind11::str> strings_;                    // by their numbers; cells point to them

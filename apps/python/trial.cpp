@@ -37,7 +37,7 @@ struct Trial {
 /// Says that a trial is incomplete, as the commands do.
 void warn(const OpenTrial& trial) {
   if (trial.summary().complete) return;
-  const std::string words = trial.path() + ": " + devices::what_is_missing(trial.summary());
+  const std::string words = trial.path() + ": " + scene::what_is_missing(trial.summary());
   if (PyErr_WarnEx(PyExc_UserWarning, words.c_str(), 1) != 0) throw py::error_already_set();
 }
 
@@ -51,7 +51,7 @@ Trial open(const std::filesystem::path& path, double longest_gap) {
   return trial;
 }
 
-std::int64_t rows_of(const std::string& csv, const devices::TrialSummary& trial) {
+std::int64_t rows_of(const std::string& csv, const scene::TrialSummary& trial) {
   if (csv == "states") return trial.state_count * static_cast<std::int64_t>(trial.bodies);
   if (csv == "frames") return 2 * trial.frame_count;
   return csv == "trackers" ? trial.sample_count : 0;
@@ -62,12 +62,12 @@ std::unique_ptr<Table> read(OpenTrial& trial, const std::string& csv) {
   const auto lock = trial.lock();
   auto table = std::make_unique<Table>(csv);
   table->reserve(rows_of(csv, trial.summary()));
-  devices::TableRows::Walk walk;
+  scene::TableRows::Walk walk;
   if (csv == "trackers") walk = scene::walk_in_time(trial.file(), trial.path());
-  devices::TableRows rows(
+  scene::TableRows rows(
       csv, trial.summary().header, [&](auto row) { table->add(row); }, std::move(walk));
   if (csv == "events") {
-    for (const devices::Event& event : trial.summary().events) rows.add(event);
+    for (const scene::Event& event : trial.summary().events) rows.add(event);
     return table;
   }
   if (csv == "throws") {
@@ -75,7 +75,7 @@ std::unique_ptr<Table> read(OpenTrial& trial, const std::string& csv) {
     return table;
   }
   Interrupts interrupts;
-  trial.file().walk([&](const devices::TrialFile::Item& item) {
+  trial.file().walk([&](const scene::TrialFile::Item& item) {
     interrupts.check();
     std::visit([&](const auto& one) { rows.add(one); }, item);
     return true;
@@ -109,12 +109,12 @@ py::object to_pandas(Trial& trial, const std::optional<std::string>& wanted) {
 }
 
 /// What a table says about its columns, by the names of table and column.
-py::dict words_of_columns(std::string devices::TableColumn::*words) {
-  const std::vector<devices::TableColumn> columns = devices::table_columns();
+py::dict words_of_columns(std::string scene::TableColumn::*words) {
+  const std::vector<scene::TableColumn> columns = scene::table_columns();
   py::dict all;
   for (const auto& [name, csv] : kTables) {
     py::dict of_table;
-    for (const devices::TableColumn& column : columns) {
+    for (const scene::TableColumn& column : columns) {
       if (column.table == csv) of_table[py::str(column.name)] = column.*words;
     }
     all[name] = of_table;
@@ -147,7 +147,7 @@ std::string scenario_text(const OpenTrial& trial) {
 }
 
 std::vector<std::string> warnings_of(const Trial& trial) {
-  const std::string words = devices::what_is_missing(trial.open->summary());
+  const std::string words = scene::what_is_missing(trial.open->summary());
   return words.empty() ? std::vector<std::string>{} : std::vector{words};
 }
 
@@ -216,8 +216,8 @@ void add_tables(py::class_<Trial>& trial) {
   trial.def("to_pandas", &to_pandas, py::arg("table") = py::none(),
             "A table as pandas.DataFrame (a copy), or a dict of all tables. table: \"samples\", "
             "\"buttons\",\n\"events\", \"throws\", \"states\" or \"frames_table\".");
-  trial.attr("units") = words_of_columns(&devices::TableColumn::unit);
-  trial.attr("meanings") = words_of_columns(&devices::TableColumn::meaning);
+  trial.attr("units") = words_of_columns(&scene::TableColumn::unit);
+  trial.attr("meanings") = words_of_columns(&scene::TableColumn::meaning);
 }
 
 }  // namespace
@@ -260,7 +260,7 @@ Poses are in the world frame: x right, y to the skittles, z up, from the middle 
       py::arg("ids") = false, py::arg("fps") = py::none(), py::arg("look") = py::none(),
       py::arg("gl") = "", kFramesWords);
   trial.def("__repr__", [](const Trial& t) {
-    const devices::TrialSummary& all = t.open->summary();
+    const scene::TrialSummary& all = t.open->summary();
     return "<headpin.Trial " + t.open->path() + (all.complete ? "" : ", incomplete") + ", " +
            std::to_string(all.sample_count) + " samples, " + std::to_string(all.state_count) +
            " states>";

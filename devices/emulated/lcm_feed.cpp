@@ -2,7 +2,7 @@
 
 namespace headpin::devices {
 
-LcmFeed::LcmFeed(const std::string& url) : lcm_(open_source("lcm:" + url, clocks_, {})) {
+LcmFeed::LcmFeed(const std::string& url) : lcm_(*open_device("lcm:" + url, clocks_, {})) {
   for (int s = 0; s < kFastrakStations; ++s) {
     newest_[static_cast<std::size_t>(s)] = still_motion(s + 1, Time{});
   }

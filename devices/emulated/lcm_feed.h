@@ -13,7 +13,7 @@ namespace headpin::devices {
 /// The newest samples that others publish on TRACKER and MOUSE3D, as the motion of an emulated unit.
 class LcmFeed {
  public:
-  /// @throws as open_source
+  /// @throws as open_device
   explicit LcmFeed(const std::string& url);
 
   /// Takes what has arrived. @return  faults in it, as FaultNews tells them

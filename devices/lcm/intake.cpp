@@ -5,8 +5,8 @@
 #include <optional>
 #include <variant>
 
-#include "devices/trial/messages.h"
-#include "devices/trial/sources.h"
+#include "devices/base/sources.h"
+#include "devices/log/sample_messages.h"
 
 namespace headpin::devices {
 namespace {
@@ -18,7 +18,7 @@ constexpr double kAnother_us = 500e3;  // later by more: the clock of another pu
 
 void LcmIntake::take(const LcmMessage& message) {
   arrived_ = std::max(message.arrived, handed_out_ + Time{1});
-  const std::optional<Message> read = decode(message.channel, message.data);
+  std::optional<Sample> read = decode_sample(message.channel, message.data);
   if (!read) {
     ++counts_.undecodable;
     return;
@@ -27,15 +27,12 @@ void LcmIntake::take(const LcmMessage& message) {
     ++counts_.implausible;
     return;
   }
-  Sample sample;
-  if (const auto* tracker = std::get_if<TrackerSample>(&*read)) {
-    if (!tracker->in_transmitters_frame()) {
-      ++counts_.foreign;
-      return;
-    }
-    sample = *tracker;
+  Sample& sample = *read;
+  const auto* tracker = std::get_if<TrackerSample>(&sample);
+  if (tracker && !tracker->in_transmitters_frame()) {
+    ++counts_.foreign;
+    return;
   }
-  if (const auto* mouse = std::get_if<MouseSample>(&*read)) sample = *mouse;
   const Device device = device_of(sample);
   if (!is_kept(publisher_of(device), device, device_time(sample), message.sender)) {
     ++counts_.others;

@@ -15,10 +15,8 @@
 
 #include "devices/lcm/provider.h"
 #include "devices/lcm/server.h"
-#include "devices/trial/event_log.h"
-#include "devices/trial/log.h"
-#include "devices/trial/messages.h"
-#include "devices/trial/sources.h"
+#include "devices/log/event_log.h"
+#include "devices/log/sample_messages.h"
 
 namespace headpin::devices {
 
@@ -64,30 +62,14 @@ void LcmLink::send(const std::string& channel, std::span<const std::uint8_t> byt
                                        why ? std::strerror(why) : "refused by LCM", url_.hint()));
 }
 
-void LcmLink::publish(const TrialHeader& header) {
-  encode(header, bytes_);
-  send(named(kTrialChannel), bytes_);
-}
-
 void LcmLink::publish(const Sample& sample) {
   std::visit([&](const auto& s) { encode(s, bytes_); }, sample);
   const bool tracker = std::holds_alternative<TrackerSample>(sample);
   send(named(tracker ? kTrackerChannel : kMouseChannel), bytes_);
 }
 
-void LcmLink::publish(const Event& event) {
-  encode(event, bytes_);
-  send(named(kEventChannel), bytes_);
-}
-
-void LcmLink::publish(const TickState& state) {
-  encode(state, bytes_);
-  send(named(kStateChannel), bytes_);
-}
-
-void LcmLink::publish(const FrameRecord& frame) {
-  encode(frame, bytes_);
-  send(named(kFrameChannel), bytes_);
+void LcmLink::publish(std::string_view channel, std::span<const std::uint8_t> bytes) {
+  send(named(channel), bytes);
 }
 
 void LcmLink::publish(std::span<const ViewerLink> links) {
@@ -114,49 +96,6 @@ void LcmLink::publish_pose(const std::string& channel, Time time, const Pose& po
   bytes_.resize(static_cast<std::size_t>(m.getEncodedSize()));
   m.encode(bytes_.data(), 0, m.getEncodedSize());
   send(channel, bytes_);
-}
-
-TrialPublisher::TrialPublisher(LcmLink& link, const TrialHeader& header)
-    : link_(link), header_(stamped(header)) {
-  link_.publish(header_);
-  next_header_ = Time{1'000'000};
-}
-
-template <typename T>
-void TrialPublisher::send(Time time, const T& message) {
-  last_ = std::max(last_, time);
-  if (last_ >= next_header_) {
-    link_.publish(header_);
-    if (drawn_by_) link_.publish(*drawn_by_);
-    next_header_ = last_ + Time{1'000'000};
-  }
-  link_.publish(message);
-  ++count_;
-}
-
-void TrialPublisher::write(const Sample& sample) {
-  send(available(sample), sample);
-}
-
-void TrialPublisher::write(const Event& event) {
-  send(event.time, event);
-  if (event.kind == kDrawnByEvent) drawn_by_ = event;
-}
-
-void TrialPublisher::write(const TickState& state) {
-  send(state.time, state);
-}
-
-void TrialPublisher::write(const FrameRecord& frame) {
-  send(frame.time, frame);
-}
-
-void TrialPublisher::close() {
-  Event end;
-  end.time = last_;
-  end.kind = kEndEvent;
-  end.value = static_cast<double>(count_);
-  send(end.time, end);
 }
 
 }  // namespace headpin::devices

@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <memory>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -12,9 +11,8 @@
 #include "devices/base/sample.h"
 #include "devices/lcm/url.h"
 #include "devices/lcm/viewer_messages.h"
-#include "devices/trial/sink.h"
 
-/// Publishes the samples and all other messages of a trial over LCM.
+/// Publishes samples and other messages over LCM.
 namespace headpin::devices {
 
 /// A connection to LCM by the provider of its URL: udpm, memq, tcpq, or file for a log that is
@@ -36,11 +34,10 @@ class LcmLink {
   LcmLink& operator=(const LcmLink&) = delete;
 
   /// @throws std::runtime_error  when it cannot be sent, as over multicast without a route
-  void publish(const TrialHeader& header);
   void publish(const Sample& sample);
-  void publish(const Event& event);
-  void publish(const TickState& state);
-  void publish(const FrameRecord& frame);
+
+  /// Any other message, on `channel` behind the prefix.
+  void publish(std::string_view channel, std::span<const std::uint8_t> bytes);
 
   /// For Drake's viewer, and for programs that show the eyes' pictures.
   void publish(std::span<const ViewerLink> links);
@@ -64,31 +61,6 @@ class LcmLink {
   std::unique_ptr<Lcm> lcm_;  // null if a log is written, without liblcm
   std::unique_ptr<LogWriter> written_;
   std::vector<std::uint8_t> bytes_;  // of the current message
-};
-
-/// Publishes a trial while it is made. The header and the event drawn_by are repeated every second
-/// for later listeners.
-class TrialPublisher : public TrialSink {
- public:
-  /// @param link    must outlive this
-  /// @param header  completed as by stamped()
-  TrialPublisher(LcmLink& link, const TrialHeader& header);
-
-  void write(const Sample& sample) override;
-  void write(const Event& event) override;
-  void write(const TickState& state) override;
-  void write(const FrameRecord& frame) override;
-  void close() override;
-
- private:
-  template <typename T>
-  void send(Time time, const T& message);
-
-  LcmLink& link_;
-  TrialHeader header_;
-  std::optional<Event> drawn_by_;
-  std::int64_t count_ = 1;  ///< of messages; repeated ones count once
-  Time last_{}, next_header_{};
 };
 
 }  // namespace headpin::devices

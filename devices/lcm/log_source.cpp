@@ -2,8 +2,7 @@
 
 #include <stdexcept>
 
-#include "devices/trial/log.h"
-#include "devices/trial/messages.h"
+#include "devices/log/sample_messages.h"
 
 namespace headpin::devices {
 

@@ -7,7 +7,7 @@
 #include "devices/base/source.h"
 #include "devices/lcm/intake.h"
 #include "devices/lcm/url.h"
-#include "devices/trial/event_log.h"
+#include "devices/log/event_log.h"
 
 namespace headpin::devices {
 

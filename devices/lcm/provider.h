@@ -11,7 +11,7 @@
 #include <sys/socket.h>
 
 #include "devices/lcm/link.h"
-#include "devices/trial/event_log.h"
+#include "devices/log/event_log.h"
 
 /// The inside of an LcmLink, for link.cpp and source.cpp.
 namespace headpin::devices {

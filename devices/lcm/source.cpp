@@ -10,7 +10,7 @@
 
 #include "devices/lcm/datagrams.h"
 #include "devices/lcm/provider.h"
-#include "devices/trial/messages.h"
+#include "devices/log/sample_messages.h"
 
 namespace headpin::devices {
 

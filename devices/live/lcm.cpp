@@ -9,7 +9,6 @@
 #include "devices/lcm/link.h"
 #include "devices/lcm/log_source.h"
 #include "devices/lcm/source.h"
-#include "devices/trial/trial.h"
 
 namespace headpin::devices {
 namespace {

@@ -1,40 +1,13 @@
 #include "devices/live/source.h"
 
 #include <array>
-#include <filesystem>
-#include <stdexcept>
 #include <string_view>
-
-#include <fmt/format.h>
 
 #include "devices/live/fastrak.h"
 #include "devices/live/lcm.h"
-#include "devices/trial/file.h"
 
 namespace headpin::devices {
 namespace {
-
-/// A trial, played by the session's clock.
-class LiveTrial : public LiveSource {
- public:
-  explicit LiveTrial(const std::string& path) : file_(path), player_(file_) {
-    file_.require_trial(kLongestGap);
-  }
-
-  void poll(Time now, std::vector<Sample>& out) override { player_.poll(now, out); }
-  bool exhausted() const override { return player_.exhausted(); }
-  SourceStatus status(Time now) const override {
-    SourceStatus status;
-    status.activity = exhausted() ? "at its end" : "playing";
-    status.line = fmt::format("{} {:.1f} of {:.1f} s", status.activity, seconds(now),
-                              seconds(file_.summary().end));
-    return status;
-  }
-
- private:
-  TrialFile file_;
-  TrialPlayer player_;
-};
 
 /// A kind of source, by the prefix of its names.
 struct Kind {
@@ -66,19 +39,14 @@ std::vector<std::string> FaultNews::take_rest(const std::vector<SourceFault>& fa
   return news;
 }
 
-OpenSource open_source(const std::string& name, Clocks& clocks, const SourceOptions& options) {
+std::optional<OpenSource> open_device(const std::string& name, Clocks& clocks,
+                                      const SourceOptions& options) {
   for (const Kind& kind : kKinds) {
     if (name.starts_with(kind.prefix)) {
       return kind.open(name, name.substr(kind.prefix.size()), clocks, options);
     }
   }
-  const std::size_t colon = name.find(':');
-  if (colon != std::string::npos && name.find('/') > colon && !std::filesystem::exists(name)) {
-    throw std::invalid_argument(fmt::format(
-        "unknown kind of source '{}'; expected fastrak:LINE, lcm:URL, or the file of a trial",
-        name.substr(0, colon)));
-  }
-  return {.name = name, .source = std::make_unique<LiveTrial>(name), .recording = name};
+  return std::nullopt;
 }
 
 }  // namespace headpin::devices

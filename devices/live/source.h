@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -39,7 +40,7 @@ class LiveSource : public Source {
 
 /// A source that is open, and what is known about it before it is polled.
 struct OpenSource {
-  std::string name;  ///< as open_source takes it
+  std::string name;  ///< as the user gives it
   std::unique_ptr<LiveSource> source = {};
   std::string recording = {};  ///< the log that it plays; empty if it plays none
   bool has_stylus = false;     ///< whether a button of its tracker is the trigger
@@ -67,12 +68,13 @@ struct SourceOptions {
   FastrakOptions fastrak;
 };
 
-/// Opens `fastrak:LINE` (a serial port, or tcp:HOST:PORT), `lcm:URL` (none: the default one), or a
-/// trial by its path, which plays from the session's start, each sample when it was available.
+/// Opens `fastrak:LINE` (a serial port, or tcp:HOST:PORT) or `lcm:URL` (none: the default one).
 ///
 /// @param clocks  of the session, which date what devices measure; must outlive the source
-/// @throws std::runtime_error  when it cannot be opened or is no trial
+/// @return        nothing for the name of something else
+/// @throws std::runtime_error  when it cannot be opened
 /// @throws std::invalid_argument  for a name that no line can have, or a wrong LCM URL
-OpenSource open_source(const std::string& name, Clocks& clocks, const SourceOptions& options);
+std::optional<OpenSource> open_device(const std::string& name, Clocks& clocks,
+                                      const SourceOptions& options);
 
 }  // namespace headpin::devices

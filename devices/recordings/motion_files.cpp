@@ -10,11 +10,11 @@
 #include <nlohmann/json.hpp>
 
 #include "base/input_file.h"
+#include "devices/log/event_log.h"
 #include "devices/recordings/any_table.h"
 #include "devices/recordings/text_encoding.h"
 #include "devices/recordings/text_table.h"
 #include "devices/recordings/xdf_motion.h"
-#include "devices/trial/event_log.h"
 
 namespace headpin::devices {
 namespace {

@@ -8,9 +8,9 @@
 #include <utility>
 #include <vector>
 
+#include "devices/base/resample.h"
 #include "devices/recordings/motion_recording.h"
 #include "devices/recordings/table_columns.h"
-#include "devices/trial/resample.h"
 
 /// Readers for recordings of human motion in foreign formats, with one common frame.
 ///

@@ -2,12 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <memory>
 #include <optional>
 #include <utility>
 
+#include "devices/base/resample.h"
 #include "devices/fastrak/codec.h"
 #include "devices/fastrak/geometry.h"
-#include "devices/trial/resample.h"
 
 namespace headpin::devices {
 namespace {
@@ -89,16 +90,16 @@ struct Recording {
   }
 };
 
-/// A trial on disk; only the part around the requested time is in memory.
+/// A recording on disk; only the part around the requested time is in memory.
 class ForwardRecording {
  public:
-  ForwardRecording(std::shared_ptr<const TrialFile> file, const std::vector<MouseSample>& buttons)
-      : file_(std::move(file)) {
+  ForwardRecording(RecordingOnDisk on_disk, const std::vector<MouseSample>& buttons)
+      : on_disk_(std::move(on_disk)) {
     for (const MouseSample& mouse : buttons) at_start_.take(mouse);
   }
 
   FastrakTruth at(int station, Time time) {
-    if (!items_ || time < latest_ - kKept) rewind(time);
+    if (!next_ || time < latest_ - kKept) rewind(time);
     latest_ = std::max(latest_, time);
     while (!knows(time)) read();
     recording_.forget_before(latest_ - kKept);
@@ -112,35 +113,34 @@ class ForwardRecording {
     recording_ = at_start_;
     newest_ = {};
     latest_ = time;
-    items_.emplace(*file_);
+    next_ = on_disk_.read();
     ended_ = false;
   }
   /// Whether no later sample can change the state at this time.
   bool knows(Time time) const {
     if (ended_) return true;
-    for (const auto& [device, summary] : file_->summary().devices) {
+    for (const auto& [device, last] : on_disk_.last) {
       const std::int32_t station = station_of(device).value_or(0);
       if (station < 1 || station > kFastrakStations) continue;
       const std::optional<Time>& newest = newest_[static_cast<std::size_t>(station - 1)];
-      if (!newest || (*newest <= time && *newest < summary.last)) return false;
+      if (!newest || (*newest <= time && *newest < last)) return false;
     }
     return true;
   }
   void read() {
-    const std::optional<TrialFile::Item> item = items_->next();
-    ended_ = !item;
-    const auto* sample = item ? std::get_if<Sample>(&*item) : nullptr;
-    const auto* tracker = sample ? std::get_if<TrackerSample>(sample) : nullptr;
+    const std::optional<Sample> sample = next_();
+    ended_ = !sample;
+    const auto* tracker = sample ? std::get_if<TrackerSample>(&*sample) : nullptr;
     if (!tracker || tracker->station < 1 || tracker->station > kFastrakStations) return;
     recording_.take(*sample);
     std::optional<Time>& newest = newest_[static_cast<std::size_t>(tracker->station - 1)];
     newest = std::max(newest.value_or(tracker->device_time), tracker->device_time);
   }
 
-  std::shared_ptr<const TrialFile> file_;
+  RecordingOnDisk on_disk_;
   Recording at_start_;  // with all changes of the trigger
   Recording recording_;
-  std::optional<TrialItems> items_;
+  std::function<std::optional<Sample>()> next_;
   std::array<std::optional<Time>, kFastrakStations> newest_;  // of the samples read so far
   Time latest_{};                                             // latest requested time
   bool ended_ = false;
@@ -155,12 +155,10 @@ Samples samples_of(const std::vector<Sample>& samples) {
   };
 }
 
-Samples samples_of(const TrialFile& file) {
-  return [&file](const std::function<void(const Sample&)>& see) {
-    file.walk([&](const TrialFile::Item& item) {
-      if (const auto* sample = std::get_if<Sample>(&item)) see(*sample);
-      return true;
-    });
+Samples samples_of(const RecordingOnDisk& recording) {
+  return [&recording](const std::function<void(const Sample&)>& see) {
+    const auto next = recording.read();
+    while (const std::optional<Sample> sample = next()) see(*sample);
   };
 }
 
@@ -246,12 +244,12 @@ Time last_time(const std::vector<Sample>& samples) {
   return unit.length;
 }
 
-RecordedUnit recorded_unit(std::shared_ptr<const TrialFile> file) {
+RecordedUnit recorded_unit(RecordingOnDisk recording) {
   RecordedUnit unit;
-  look_through(samples_of(*file), unit);
-  unit.place = place_of(samples_of(*file));
-  const auto recording = std::make_shared<ForwardRecording>(std::move(file), unit.buttons);
-  unit.motion = [recording](int station, Time time) { return recording->at(station, time); };
+  look_through(samples_of(recording), unit);
+  unit.place = place_of(samples_of(recording));
+  const auto forward = std::make_shared<ForwardRecording>(std::move(recording), unit.buttons);
+  unit.motion = [forward](int station, Time time) { return forward->at(station, time); };
   return unit;
 }
 

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <memory>
+#include <functional>
+#include <map>
+#include <optional>
 #include <vector>
 
 #include "devices/base/sample.h"
 #include "devices/fastrak/motion.h"
-#include "devices/trial/file.h"
 
 /// The motion of a recording for an emulated Fastrak.
 namespace headpin::devices {
@@ -29,9 +30,16 @@ TrackerSample first_measurement(const std::vector<Sample>& samples);
 /// Time of a recording's last sample.
 Time last_time(const std::vector<Sample>& samples);
 
-/// The same of a trial on disk, which is not kept in memory.
+/// A recording that is not kept in memory.
+struct RecordingOnDisk {
+  /// Begins to read it: each call of the result returns the next sample, nothing at the end.
+  std::function<std::function<std::optional<Sample>()>()> read;
+  std::map<Device, Time> last;  ///< time of the last sample of each device
+};
+
+/// The same of a recording on disk.
 struct RecordedUnit {
-  /// Reads the file forward with the requested times, and from its start again if they go back by
+  /// Reads the recording forward with the requested times, and from its start again if they go back by
   /// more than a second. The part in memory is as long as the longest time without a sample of one
   /// of its receivers.
   FastrakMotion motion;
@@ -40,6 +48,6 @@ struct RecordedUnit {
   Time length{};
   std::vector<MouseSample> buttons;  ///< of the 3D mouse, where they change
 };
-RecordedUnit recorded_unit(std::shared_ptr<const TrialFile> file);
+RecordedUnit recorded_unit(RecordingOnDisk recording);
 
 }  // namespace headpin::devices

@@ -2,9 +2,9 @@
 
 #include <string_view>
 
+#include "devices/log/event_log.h"
 #include "devices/recordings/motion_files.h"
 #include "devices/recordings/xdf_file.h"
-#include "devices/trial/event_log.h"
 
 /// Motion in an XDF file: its streams as one table, whose columns are understood like any other's.
 namespace headpin::devices {

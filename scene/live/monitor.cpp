@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "scene/play/details.h"
-#include "scene/play/events.h"
 #include "scene/play/quantile.h"
+#include "scene/record/details.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 
@@ -62,8 +62,8 @@ LiveState LiveMonitor::state(const Session& session) const {
   return state;
 }
 
-devices::Event LiveMonitor::kept_pace(const Session& session) const {
-  devices::Event event;
+Event LiveMonitor::kept_pace(const Session& session) const {
+  Event event;
   event.time = session.now();
   event.kind = kind::kept_pace;
   event.detail = to_detail({.ticks = session.tick,
@@ -129,7 +129,7 @@ void LiveMonitor::look_at_recording(const Session& session) {
 }
 
 void LiveMonitor::write(const Session& session, std::string_view kind, std::string detail) {
-  devices::Event event;
+  Event event;
   event.time = session.now();
   event.tick = session.tick;
   event.kind = kind;

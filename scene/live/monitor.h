@@ -54,7 +54,7 @@ class LiveMonitor : public Observer {
   LiveState state(const Session& session) const;
 
   /// The event that says how well the session kept real time.
-  devices::Event kept_pace(const Session& session) const;
+  Event kept_pace(const Session& session) const;
 
  private:
   /// The last messages about a source.

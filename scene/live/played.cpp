@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "devices/trial/file.h"
+#include "scene/record/file.h"
 #include "scene/stage/read_scenario.h"
 
 namespace headpin::scene {
@@ -11,14 +11,14 @@ std::vector<Played> played_by(const LiveSources& sources) {
   std::vector<Played> all;
   for (const devices::OpenSource& source : sources.each()) {
     if (source.recording.empty()) continue;
-    const devices::TrialFile file(source.recording);
+    const TrialFile file(source.recording);
     if (file.summary().has_header) all.push_back({source.recording, file.summary()});
   }
   return all;
 }
 
-devices::TrialHeader header_from(std::span<const Played> played) {
-  devices::TrialHeader header;
+TrialHeader header_from(std::span<const Played> played) {
+  TrialHeader header;
   if (played.empty()) return header;
   header.participant = played[0].summary.header.participant;
   header.condition = played[0].summary.header.condition;

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "devices/trial/trial.h"
 #include "scene/live/sources.h"
+#include "scene/record/trial.h"
 #include "scene/scenario/scenario.h"
 
 /// Trials that a live session plays in addition to devices or instead of them.
@@ -13,14 +13,14 @@ namespace headpin::scene {
 
 struct Played {
   std::string path;
-  devices::TrialSummary summary;
+  TrialSummary summary;
 };
 
 /// The sources that are logs of trials.
 std::vector<Played> played_by(const LiveSources& sources);
 
 /// Participant, condition and seed of the first one; none without any.
-devices::TrialHeader header_from(std::span<const Played> played);
+TrialHeader header_from(std::span<const Played> played);
 
 /// @throws std::invalid_argument  when its scenario is not complete
 Scenario scenario_of(const Played& trial);

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "devices/base/mouse3d.h"
-#include "devices/trial/sources.h"
+#include "devices/base/sources.h"
 
 namespace headpin::scene {
 

@@ -3,7 +3,7 @@
 #include <memory>
 #include <optional>
 
-#include "devices/trial/sink.h"
+#include "scene/record/sink.h"
 #include "scene/watch/trial_writer.h"
 
 namespace headpin::scene {
@@ -12,14 +12,14 @@ namespace headpin::scene {
 class TrialOutputs : public Observer {
  public:
   /// @param sink  with a header from header_of()
-  void record(std::unique_ptr<devices::TrialSink> sink) { file_.emplace(std::move(sink)); }
-  void publish(std::unique_ptr<devices::TrialSink> sink) { listeners_.emplace(std::move(sink)); }
+  void record(std::unique_ptr<TrialSink> sink) { file_.emplace(std::move(sink)); }
+  void publish(std::unique_ptr<TrialSink> sink) { listeners_.emplace(std::move(sink)); }
 
   void tick(const Session& session) override;
 
   /// Writes what belongs to no tick.
-  void write(const devices::FrameRecord& frame);
-  void write(const devices::Event& event);
+  void write(const FrameRecord& frame);
+  void write(const Event& event);
 
   /// @throws std::runtime_error  when the file was changed or removed by others
   void require_kept() const;
@@ -27,10 +27,10 @@ class TrialOutputs : public Observer {
   /// Ends the trial after its last tick.
   /// @param last  an event to write before
   /// @throws std::runtime_error  as TrialWriter::close
-  void close(const Session& session, const devices::Event& last);
+  void close(const Session& session, const Event& last);
 
   /// Ends it as far as possible after a failure, which may be one of these outputs.
-  void close_after_failure(const Session& session, const devices::Event& last) noexcept;
+  void close_after_failure(const Session& session, const Event& last) noexcept;
 
  private:
   std::optional<TrialWriter> file_, listeners_;

@@ -12,10 +12,10 @@
 #include "render/eyes.h"
 #include "scene/page/page_film.h"
 #include "scene/page/trouble_json.h"
-#include "scene/play/details.h"
-#include "scene/play/events.h"
 #include "scene/play/outcome.h"
 #include "scene/play/presence.h"
+#include "scene/record/details.h"
+#include "scene/record/events.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/stage/seen_mesh.h"
 #include "scene/watch/counterparts.h"
@@ -39,11 +39,11 @@ json numbers(const Pose& X) {
 /// Compares the run with the states of the trial. The run continues after the first difference.
 class Comparison : public Observer {
  public:
-  Comparison(devices::TrialPlayer& recorded, const Session& session)
+  Comparison(TrialPlayer& recorded, const Session& session)
       : recorded_(recorded), names_(body_names(*session.stage)) {}
 
   void tick(const Session& session) override {
-    const devices::TickState* state = recorded_.state(session.tick);
+    const TickState* state = recorded_.state(session.tick);
     if (!state) return;
     hash_ = state->hash;
     tick_state(session, now_);
@@ -53,7 +53,7 @@ class Comparison : public Observer {
     first_ = {{"tick", now_.tick}, {"time_s", seconds(now_.time)}, {"body", *body}};
   }
 
-  json result(const Session& session, const devices::TrialSummary& trial) const {
+  json result(const Session& session, const TrialSummary& trial) const {
     const std::optional<SaidGameHash> said = said_game_hash(trial);
     return {{"game_replayed", in_hex(session.game_hash.value())},
             {"game_recorded", said ? json(said->hash) : json()},
@@ -64,9 +64,9 @@ class Comparison : public Observer {
   }
 
  private:
-  devices::TrialPlayer& recorded_;
+  TrialPlayer& recorded_;
   std::vector<std::string> names_;
-  devices::TickState now_;
+  TickState now_;
   std::optional<std::uint64_t> hash_;
   std::int64_t verified_ = 0;
   json first_;
@@ -76,12 +76,12 @@ struct Happened : Observer {
   void tick(const Session& session) override {
     events.insert(events.end(), session.events.begin(), session.events.end());
   }
-  std::vector<devices::Event> events;
+  std::vector<Event> events;
 };
 
 json of_trial(const Recorded& recorded) {
-  const devices::TrialSummary& t = recorded.file.summary();
-  const devices::TrialHeader& h = t.header;
+  const TrialSummary& t = recorded.file.summary();
+  const TrialHeader& h = t.header;
   json out = {{"participant", h.participant},
               {"condition", h.condition},
               {"seed", std::to_string(h.seed)},
@@ -113,14 +113,14 @@ json of_trial(const Recorded& recorded) {
 }
 
 /// For a release: how its motion is known, in words. For other events: empty.
-std::string known_of(const devices::Event& event) {
+std::string known_of(const Event& event) {
   const auto motion = event.kind == kind::release ? motion_of(event) : std::nullopt;
   return motion ? in_words(*motion) : "";
 }
 
-json of_events(const std::vector<devices::Event>& events) {
+json of_events(const std::vector<Event>& events) {
   json out = json::array();
-  for (const devices::Event& e : events) {
+  for (const Event& e : events) {
     out.push_back({{"time_s", seconds(e.time)},
                    {"tick", e.tick},
                    {"kind", e.kind},
@@ -288,11 +288,11 @@ PageData page_data(const Recorded& recorded, const PageLooks& page_looks, const 
   const Looks& looks = page_looks.looks;
   Scenario scenario = recorded.scenario;
   apply(moved, scenario);
-  const devices::TrialSummary& trial = recorded.file.summary();
+  const TrialSummary& trial = recorded.file.summary();
   const std::int64_t ticks = tick_count(trial, scenario.rates.physics_hz);
   Session session = make_session(scenario);
 
-  devices::TrialPlayer source(recorded.file, {.states = moved.nothing() && trial.state_count > 0});
+  TrialPlayer source(recorded.file, {.states = moved.nothing() && trial.state_count > 0});
   Comparison comparison(source, session);
   Film film(looks, trial, ticks, moved.nothing() ? &source : nullptr);
   Totals totals;
@@ -306,7 +306,7 @@ PageData page_data(const Recorded& recorded, const PageLooks& page_looks, const 
   const json hash = comparison.result(session, trial);
   const bool as_recorded =
       moved.nothing() && !hash["first_difference"].is_null() && !trial.events.empty();
-  const std::vector<devices::Event>& events = as_recorded ? trial.events : happened.events;
+  const std::vector<Event>& events = as_recorded ? trial.events : happened.events;
   out["trial"] = of_trial(recorded);
   const Score said = as_recorded ? score(trial.events) : totals.score();
   out["summary"] = summary(session, said);

@@ -53,11 +53,11 @@ std::string name_of(std::uint32_t id, const Stage& stage) {
 }
 
 /// Whether the recorded state has as many bodies as the session.
-bool fits(const devices::TickState* recorded, const Session& session) {
+bool fits(const TickState* recorded, const Session& session) {
   return recorded && recorded->bodies.size() == session.world.states.size();
 }
 
-void put_where_recorded(Glimpse& g, const Stage& stage, const devices::TickState& recorded) {
+void put_where_recorded(Glimpse& g, const Stage& stage, const TickState& recorded) {
   for (std::size_t i = 0; i < stage.skittles.size(); ++i) {
     g.X_WB_skittles[i] = recorded.bodies[stage.skittles[i]].X_WB;
   }
@@ -67,7 +67,7 @@ void put_where_recorded(Glimpse& g, const Stage& stage, const devices::TickState
 }
 
 double fastest(const std::vector<engine::BodyId>& bodies, const Session& session,
-               const devices::TickState* recorded) {
+               const TickState* recorded) {
   double speed = 0.0;
   for (const engine::BodyId body : bodies) {
     const Vec3& v = recorded ? recorded->bodies[body].V_WB.v : session.world.states[body].v_WB;
@@ -82,8 +82,7 @@ double impulse_of(const float* row) {
 
 }  // namespace
 
-Film::Film(const Looks& looks, const devices::TrialSummary& trial, std::int64_t ticks,
-           devices::TrialPlayer* recorded)
+Film::Film(const Looks& looks, const TrialSummary& trial, std::int64_t ticks, TrialPlayer* recorded)
     : looks_(looks), recorded_(recorded), ticks_(ticks), every_(stride(ticks, kMostDrawnRows)) {
   series_ = {"series",
              {"ball_mps", "skittle_mps", "hand_mps", "contacts", "gravity_j", "hand_j", "impact_j",
@@ -114,7 +113,7 @@ void Film::start(const Session& session) {
 }
 
 void Film::tick(const Session& session) {
-  const devices::TickState* recorded = recorded_ ? recorded_->state(session.tick) : nullptr;
+  const TickState* recorded = recorded_ ? recorded_->state(session.tick) : nullptr;
   if (!fits(recorded, session)) recorded = nullptr;
   note_contacts(session);
   note_clocks(session);
@@ -128,7 +127,7 @@ void Film::tick(const Session& session) {
   ++rows_;
 }
 
-void Film::draw(const Session& session, const devices::TickState* recorded) {
+void Film::draw(const Session& session, const TickState* recorded) {
   const std::optional<Pose> X_WD = head_pose(session);
   Glimpse g = glimpse(session, X_WD.value_or(Pose{}));
   if (X_WD) g.X_WC = Pose{};  // so that the head is seen
@@ -160,7 +159,7 @@ void Film::draw(const Session& session, const devices::TickState* recorded) {
   seen_as_ = std::move(seen_as);
 }
 
-void Film::measure(const Session& session, const devices::TickState* recorded) {
+void Film::measure(const Session& session, const TickState* recorded) {
   const engine::Ledger& ledger = session.world.ledger;
   double hand = 0.0;
   if (hand_.size() > 1) {

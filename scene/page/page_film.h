@@ -6,9 +6,9 @@
 #include <utility>
 #include <vector>
 
-#include "devices/trial/file.h"
 #include "scene/looks/looks.h"
 #include "scene/play/run.h"
+#include "scene/record/file.h"
 
 /// The motion in a session, stored for the page.
 namespace headpin::scene {
@@ -42,8 +42,7 @@ class Film : public Observer {
  public:
   /// @param recorded  bodies are shown as it has them where it has the tick; may be null
   /// @param ticks     that the session is going to have
-  Film(const Looks& looks, const devices::TrialSummary& trial, std::int64_t ticks,
-       devices::TrialPlayer* recorded);
+  Film(const Looks& looks, const TrialSummary& trial, std::int64_t ticks, TrialPlayer* recorded);
 
   void start(const Session& session) override;
   /// @throws  as TrialPlayer::state
@@ -59,14 +58,14 @@ class Film : public Observer {
   std::vector<Table> take_tables();
 
  private:
-  void draw(const Session& session, const devices::TickState* recorded);
-  void measure(const Session& session, const devices::TickState* recorded);
+  void draw(const Session& session, const TickState* recorded);
+  void measure(const Session& session, const TickState* recorded);
   void note_contacts(const Session& session);
   void note_clocks(const Session& session);
   void drop_weak_contacts();
 
   const Looks& looks_;
-  devices::TrialPlayer* recorded_;
+  TrialPlayer* recorded_;
   std::int64_t ticks_, every_, rows_ = 0;
   std::vector<Actor> actors_;
   std::vector<int> seen_as_;                                       ///< mesh of each actor

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "devices/trial/trial.h"
+#include "scene/record/trial.h"
 
 /// JSON of what was amiss in a trial, as `info` and the page show it.
 namespace headpin::scene {
@@ -10,7 +10,7 @@ namespace headpin::scene {
 /// Numbers of bytes and messages that were left out while a trial was read.
 /// @tparam Json  a class of nlohmann's: sorted or in this order
 template <typename Json>
-Json skipped_json(const devices::Skipped& skipped) {
+Json skipped_json(const Skipped& skipped) {
   return {{"bytes", skipped.bytes},
           {"cut_bytes", skipped.cut_bytes},
           {"undecodable", skipped.undecodable},
@@ -24,9 +24,9 @@ Json skipped_json(const devices::Skipped& skipped) {
 /// Times during which a device was in trouble.
 /// @param seconds  gives a device time in seconds
 template <typename Json, typename Seconds>
-Json trouble_json(const std::vector<devices::Trouble>& trouble, Seconds seconds) {
+Json trouble_json(const std::vector<Trouble>& trouble, Seconds seconds) {
   Json out = Json::array();
-  for (const devices::Trouble& one : trouble) {
+  for (const Trouble& one : trouble) {
     out.push_back({{"kind", one.kind},
                    {"device", one.device},
                    {"messages", one.messages},

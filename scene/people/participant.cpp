@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "scene/people/arm_model.h"
-#include "scene/play/events.h"
+#include "scene/record/events.h"
 #include "scene/scenario/rules.h"
 
 namespace headpin::scene {
@@ -173,7 +173,7 @@ void Participant::act(const Session& session, double now) {
 void Participant::notice(const Session& session, double now) {
   const bool awaited =
       doing_ == Doing::touches || doing_ == Doing::takes || doing_ == Doing::watches;
-  for (const devices::Event& event : session.events) {
+  for (const Event& event : session.events) {
     if (event.kind == kind::release) {
       ++throws_;
       ++all_throws_;

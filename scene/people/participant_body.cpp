@@ -5,8 +5,8 @@
 #include <iterator>
 #include <numbers>
 
+#include "devices/base/sources.h"
 #include "devices/fastrak/geometry.h"
-#include "devices/trial/sources.h"
 #include "scene/people/arm_model.h"
 
 namespace headpin::scene {

@@ -2,14 +2,14 @@
 
 #include <algorithm>
 
-#include "scene/play/details.h"
-#include "scene/play/events.h"
+#include "scene/record/details.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 
-devices::Event event(const Moment& moment, std::string_view kind, const engine::World& world,
-                     std::initializer_list<engine::BodyId> bodies) {
-  devices::Event e;
+Event event(const Moment& moment, std::string_view kind, const engine::World& world,
+            std::initializer_list<engine::BodyId> bodies) {
+  Event e;
   e.time = moment.time;
   e.tick = moment.tick;
   e.kind = kind;
@@ -29,7 +29,7 @@ bool is_free(const engine::World& world, engine::BodyId body) {
 }
 
 void note_contacts(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
-                   std::vector<devices::Event>& out) {
+                   std::vector<Event>& out) {
   for (const engine::ContactEvent& contact : world.events) {
     const Role a = stage.roles[contact.a], b = stage.roles[contact.b];
     const bool of_skittle = a == Role::skittle || b == Role::skittle;
@@ -45,7 +45,7 @@ void note_contacts(Game& game, const Stage& stage, const engine::World& world, c
     const std::string_view what = of_hand      ? kind::hand_touch
                                   : of_skittle ? kind::touch
                                                : kind::ball_touch;
-    devices::Event e = event(moment, what, world, {contact.a, contact.b});
+    Event e = event(moment, what, world, {contact.a, contact.b});
     e.p_W = contact.p_W;
     e.j_W = contact.impulse_W;
     e.value = contact.approach_speed;
@@ -96,13 +96,13 @@ void credit(Game& game, const Stage& stage, const engine::World& world) {
 }
 
 void note_fallen(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
-                 std::vector<devices::Event>& out) {
+                 std::vector<Event>& out) {
   for (const engine::BodyId skittle : stage.skittles) {
     const Pose& X_WB = world.states[skittle].X_WB;
     const bool carried = world.bodies[skittle].kind == engine::Kind::driven;
     if (game.down[skittle] || carried || !has_fallen(X_WB)) continue;
     game.down[skittle] = 1;
-    devices::Event e = event(moment, kind::skittle_down, world, {skittle});
+    Event e = event(moment, kind::skittle_down, world, {skittle});
     e.p_W = X_WB.p;
     e.value = static_cast<double>(std::count(game.down.begin(), game.down.end(), 1));
     if (tells_apart(stage)) e.detail = to_detail(game.moved_by[skittle]);
@@ -113,7 +113,7 @@ void note_fallen(Game& game, const Stage& stage, const engine::World& world, con
 /// For each ball that was released in this tick: stores that it has not struck a skittle yet, and
 /// checks for a foul.
 void note_releases(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
-                   std::vector<devices::Event>& out) {
+                   std::vector<Event>& out) {
   const std::size_t before = out.size();
   for (const engine::BodyId ball : stage.balls) {
     for (std::size_t i = 0; i < before; ++i) {
@@ -123,7 +123,7 @@ void note_releases(Game& game, const Stage& stage, const engine::World& world, c
       const Vec3 p_WB = released(out[i]).p_WB.value_or(out[i].p_W);
       if (stage.scenario.game.foul == FoulBall::count || p_WB.y() <= 0.0) continue;
       game.foul = true;
-      devices::Event e = event(moment, kind::foul, world, {ball});
+      Event e = event(moment, kind::foul, world, {ball});
       e.p_W = p_WB;
       e.value = p_WB.y();
       out.push_back(std::move(e));
@@ -152,7 +152,7 @@ void note_velocities(Game& game, const engine::World& world) {
 }
 
 void note_step(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
-               std::vector<devices::Event>& out) {
+               std::vector<Event>& out) {
   note_releases(game, stage, world, moment, out);
   note_contacts(game, stage, world, moment, out);
   if (tells_apart(stage)) credit(game, stage, world);

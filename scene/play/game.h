@@ -4,18 +4,12 @@
 #include <vector>
 
 #include "scene/play/moment.h"
+#include "scene/record/details.h"
 #include "scene/scenario/rules.h"
 #include "scene/stage/stage.h"
 
 /// The game: contacts and falls of a step, and what the rules do about them.
 namespace headpin::scene {
-
-/// What set a skittle in motion.
-enum class By : std::uint8_t {
-  nobody,
-  ball,  ///< one that was thrown
-  hand   ///< or what it carries
-};
 
 /// The state of the game.
 struct Game {
@@ -49,7 +43,7 @@ void note_velocities(Game& game, const engine::World& world);
 ///
 /// @param out  events of this tick so far; new events are appended in order of time
 void note_step(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
-               std::vector<devices::Event>& out);
+               std::vector<Event>& out);
 
 /// Counts, sweeps and sets skittles again by the scenario's rules, once the thrown ball and all
 /// skittles have been at rest for longer than a ball pauses at the top of its flight, or
@@ -65,6 +59,6 @@ void note_step(Game& game, const Stage& stage, const engine::World& world, const
 /// @param out   events are appended
 /// @return      whether the body was taken out of the hand
 bool referee(Game& game, const Stage& stage, engine::World& world, const Moment& moment,
-             std::optional<engine::BodyId> held, std::vector<devices::Event>& out);
+             std::optional<engine::BodyId> held, std::vector<Event>& out);
 
 }  // namespace headpin::scene

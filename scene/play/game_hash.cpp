@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "scene/play/events.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 
@@ -18,21 +18,21 @@ std::string in_hex(std::uint64_t hash) {
   return fmt::format("{:016x}", hash);
 }
 
-std::optional<SaidGameHash> said_game_hash(const devices::TrialSummary& trial) {
-  for (const devices::Event& event : trial.events) {
+std::optional<SaidGameHash> said_game_hash(const TrialSummary& trial) {
+  for (const Event& event : trial.events) {
     if (event.kind == kind::game_hash) return SaidGameHash{event.tick, event.detail};
   }
   return std::nullopt;
 }
 
-std::optional<std::uint64_t> game_hash_of_states(const devices::TrialFile& trial) {
-  const std::vector<devices::Event>& events = trial.summary().events;
+std::optional<std::uint64_t> game_hash_of_states(const TrialFile& trial) {
+  const std::vector<Event>& events = trial.summary().events;
   auto event = events.begin();
   GameHash hash;
   std::uint64_t version = 0;
   std::int64_t tick = 0;
-  devices::TrialItems items(trial);
-  while (const std::optional<devices::TickState> state = items.next_state()) {
+  TrialItems items(trial);
+  while (const std::optional<TickState> state = items.next_state()) {
     if (state->tick != ++tick) return std::nullopt;
     for (; event != events.end() && event->tick <= tick; ++event) {
       if (event->kind == kind::version) version = event->detail == "red" ? 1 : 2;

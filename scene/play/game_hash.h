@@ -4,7 +4,7 @@
 #include <optional>
 #include <string>
 
-#include "devices/trial/file.h"
+#include "scene/record/file.h"
 
 namespace headpin::scene {
 
@@ -40,11 +40,11 @@ struct SaidGameHash {
   std::string hash;
 };
 /// @return  nothing for a trial that is older than the game hash, or incomplete
-std::optional<SaidGameHash> said_game_hash(const devices::TrialSummary& trial);
+std::optional<SaidGameHash> said_game_hash(const TrialSummary& trial);
 
 /// Computes the game hash from the states of a trial.
 ///
 /// @return  nothing if a state is missing
-std::optional<std::uint64_t> game_hash_of_states(const devices::TrialFile& trial);
+std::optional<std::uint64_t> game_hash_of_states(const TrialFile& trial);
 
 }  // namespace headpin::scene

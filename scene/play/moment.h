@@ -3,8 +3,8 @@
 #include <initializer_list>
 #include <string_view>
 
-#include "devices/trial/trial.h"
 #include "engine/world.h"
+#include "scene/record/trial.h"
 
 namespace headpin::scene {
 
@@ -15,7 +15,7 @@ struct Moment {
 };
 
 /// An event of this tick between the named bodies of a world.
-devices::Event event(const Moment& moment, std::string_view kind, const engine::World& world,
-                     std::initializer_list<engine::BodyId> bodies);
+Event event(const Moment& moment, std::string_view kind, const engine::World& world,
+            std::initializer_list<engine::BodyId> bodies);
 
 }  // namespace headpin::scene

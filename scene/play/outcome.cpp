@@ -6,21 +6,21 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "scene/play/details.h"
-#include "scene/play/events.h"
+#include "scene/record/details.h"
+#include "scene/record/events.h"
 #include "scene/stage/stage.h"
 
 namespace headpin::scene {
 
 namespace {
 
-const devices::Event* first_of(std::span<const devices::Event> events, std::string_view kind) {
-  const auto found = std::ranges::find(events, kind, &devices::Event::kind);
+const Event* first_of(std::span<const Event> events, std::string_view kind) {
+  const auto found = std::ranges::find(events, kind, &Event::kind);
   return found == events.end() ? nullptr : &*found;
 }
 
 /// The body that the ball met.
-std::string met_by_ball(const devices::Event& event) {
+std::string met_by_ball(const Event& event) {
   for (const std::string& body : event.bodies) {
     if (role_named(body) != Role::ball) return body;
   }
@@ -29,13 +29,13 @@ std::string met_by_ball(const devices::Event& event) {
 
 }  // namespace
 
-std::string why_nothing_fell(std::span<const devices::Event> events) {
-  const bool fell = std::ranges::any_of(events, [](const devices::Event& e) {
+std::string why_nothing_fell(std::span<const Event> events) {
+  const bool fell = std::ranges::any_of(events, [](const Event& e) {
     return e.kind == kind::skittle_down && felled_by(e) != By::hand;
   });
   if (fell) return "";
   if (!first_of(events, kind::grab)) {
-    const devices::Event* missed = first_of(events, kind::missed_grab);
+    const Event* missed = first_of(events, kind::missed_grab);
     if (!missed) return "the trigger was never pressed, so the ball stayed where it was";
     return fmt::format(
         "the trigger was pressed at {:.3f} s with the hand {:.2f} m from the {}, "
@@ -43,14 +43,14 @@ std::string why_nothing_fell(std::span<const devices::Event> events) {
         seconds(missed->time), missed->value,
         missed->bodies.empty() ? "ball" : missed->bodies.front());
   }
-  const devices::Event* release = first_of(events, kind::release);
+  const Event* release = first_of(events, kind::release);
   if (!release) return "the ball was taken and never let go";
-  if (const devices::Event* struck = first_of(events, kind::first_contact)) {
+  if (const Event* struck = first_of(events, kind::first_contact)) {
     return fmt::format("the ball met {} at {:.2f} m/s, which did not fell it", met_by_ball(*struck),
                        struck->value);
   }
   std::vector<std::string> met;
-  for (const devices::Event& event : events) {
+  for (const Event& event : events) {
     if (event.kind == kind::ball_touch) met.push_back(met_by_ball(event));
   }
   return fmt::format("the ball was released at {:.2f} m/s and touched {}, but no skittle",

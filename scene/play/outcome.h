@@ -3,12 +3,12 @@
 #include <span>
 #include <string>
 
-#include "devices/trial/trial.h"
+#include "scene/record/trial.h"
 
 namespace headpin::scene {
 
 /// The reason why no skittle fell, from the events of a session: the ball was not grabbed, not
 /// released, missed, or was too slow. One sentence; empty if a skittle fell.
-std::string why_nothing_fell(std::span<const devices::Event> events);
+std::string why_nothing_fell(std::span<const Event> events);
 
 }  // namespace headpin::scene

@@ -6,11 +6,11 @@
 
 #include <fmt/format.h>
 
-#include "devices/trial/sources.h"
-#include "scene/play/details.h"
-#include "scene/play/events.h"
+#include "devices/base/sources.h"
 #include "scene/play/hand.h"
 #include "scene/play/release.h"
+#include "scene/record/details.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 
@@ -23,12 +23,11 @@ struct Scene {
   const Stage& stage;
   engine::World& world;
   const Moment& moment;
-  std::vector<devices::Event>& out;
+  std::vector<Event>& out;
 };
 
-devices::Event& note(const Scene& scene, std::string_view kind, engine::BodyId body,
-                     double value = 0.0) {
-  devices::Event e = event(scene.moment, kind, scene.world, {body});
+Event& note(const Scene& scene, std::string_view kind, engine::BodyId body, double value = 0.0) {
+  Event e = event(scene.moment, kind, scene.world, {body});
   e.p_W = scene.world.states[body].X_WB.p;
   e.value = value;
   return scene.out.emplace_back(std::move(e));
@@ -146,7 +145,7 @@ void grab(Player& player, const Scene& scene, Time time, Time now) {
   player.held = {*nearest, X_WH->q.conjugate() * q_WB};
   player.grip_changed = scene.moment.time;
   engine::set_kind(scene.world, *nearest, engine::Kind::driven);
-  devices::Event& e = note(scene, kind::grab, *nearest);
+  Event& e = note(scene, kind::grab, *nearest);
   if (at_trigger(scene.stage.scenario.hand)) e.time -= now - time;
 }
 
@@ -194,7 +193,7 @@ void release(Player& player, const Scene& scene, Time time, Time now) {
   player.leaving = body;
   engine::set_kind(scene.world, body, engine::Kind::free);
   engine::set_state(scene.world, body, state);
-  devices::Event& e = note(scene, kind::release, body, speed);
+  Event& e = note(scene, kind::release, body, speed);
   if (at_trigger(hand)) {
     e.time -= now - time;
     set_motion(told, motion);
@@ -289,7 +288,7 @@ void forget(Player& player, Time now) {
 }
 
 void drive(Player& player, std::span<const devices::Sample> samples, const Stage& stage,
-           engine::World& world, const Moment& moment, std::vector<devices::Event>& out) {
+           engine::World& world, const Moment& moment, std::vector<Event>& out) {
   const Scene scene{stage, world, moment, out};
   const Time now = moment.time - microseconds(stage.scenario.rig.delay_s);
   follow(player, samples, stage.scenario, now);

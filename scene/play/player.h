@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "devices/trial/resample.h"
+#include "devices/base/resample.h"
 #include "scene/play/moment.h"
 #include "scene/play/walk.h"
 #include "scene/stage/stage.h"
@@ -72,6 +72,6 @@ void forget(Player& player, Time now);
 /// @param out      events are appended
 /// @throws std::runtime_error  as sensor_in_space
 void drive(Player& player, std::span<const devices::Sample> samples, const Stage& stage,
-           engine::World& world, const Moment& moment, std::vector<devices::Event>& out);
+           engine::World& world, const Moment& moment, std::vector<Event>& out);
 
 }  // namespace headpin::scene

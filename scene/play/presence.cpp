@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "engine/non_colliding.h"
-#include "scene/play/events.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 
@@ -151,8 +151,8 @@ double out_of_its_way(const Vec3& a, const Vec3& along_W, const Vec3& p_WB, cons
   return most;
 }
 
-devices::Event seen_event(const Sight& sight, std::string_view kind, engine::BodyId body) {
-  devices::Event e = event(sight.moment, kind, sight.world, {body});
+Event seen_event(const Sight& sight, std::string_view kind, engine::BodyId body) {
+  Event e = event(sight.moment, kind, sight.world, {body});
   e.p_W = sight.world.states[body].X_WB.p;
   return e;
 }
@@ -175,8 +175,8 @@ void follow_approach(Approach& approach, const Sight& sight) {
                                 out_of_its_way(hand, approach.along_W, state.X_WB.p, *sight.p_WH));
 }
 
-devices::Event passed_event(const Sight& sight, const Approach& approach) {
-  devices::Event e = seen_event(sight, kind::passed_player, approach.body);
+Event passed_event(const Sight& sight, const Approach& approach) {
+  Event e = seen_event(sight, kind::passed_player, approach.body);
   e.value = approach.closest;
   const double most = std::max(approach.head_away, approach.hand_away);
   e.detail = nlohmann::json{{"noticed_s", nearest_seconds(approach.noticed)},
@@ -201,9 +201,9 @@ bool is_nobodys(const Own& own, const Sight& sight) {
 }
 
 /// Stores the bodies that the player has released, from the events of this tick so far.
-void keep_own(Presence& presence, const Sight& sight, std::span<const devices::Event> events) {
+void keep_own(Presence& presence, const Sight& sight, std::span<const Event> events) {
   std::erase_if(presence.own, [&](const Own& own) { return is_nobodys(own, sight); });
-  for (const devices::Event& e : events) {
+  for (const Event& e : events) {
     if (e.kind != kind::release || e.tick != sight.moment.tick) continue;
     const auto keep = [&](engine::BodyId body) {
       if (sight.world.bodies[body].name != e.bodies.front()) return;
@@ -215,8 +215,7 @@ void keep_own(Presence& presence, const Sight& sight, std::span<const devices::E
 }
 
 /// Starts an approach if a body begins to fly at the player.
-void notice(Presence& presence, const Sight& sight, engine::BodyId body,
-            std::vector<devices::Event>& out) {
+void notice(Presence& presence, const Sight& sight, engine::BodyId body, std::vector<Event>& out) {
   const engine::State& state = sight.world.states[body];
   if (sight.world.bodies[body].kind != engine::Kind::free || engine::is_asleep(sight.world, body) ||
       is_own(presence, body)) {
@@ -233,7 +232,7 @@ void notice(Presence& presence, const Sight& sight, engine::BodyId body,
                                  .foreseen = *coming,
                                  .along_W = level(state.v_WB).normalized(),
                                  .closest = distance_now(sight, body)});
-  devices::Event e = seen_event(sight, kind::flies_at_player, body);
+  Event e = seen_event(sight, kind::flies_at_player, body);
   e.value = coming->time_s;
   out.push_back(std::move(e));
 }
@@ -273,7 +272,7 @@ bool is_coming(const engine::State& state, const Passing& passing) {
 }
 
 void watch(Presence& presence, const Player& player, const Stage& stage, const engine::World& world,
-           const Moment& moment, std::vector<devices::Event>& out) {
+           const Moment& moment, std::vector<Event>& out) {
   const Time measured = moment.time - microseconds(stage.scenario.rig.delay_s);
   const std::optional<Pose> X_PD = player.head.at(measured);
   if (!X_PD) return;
@@ -293,9 +292,9 @@ void watch(Presence& presence, const Player& player, const Stage& stage, const e
   for (const engine::BodyId skittle : stage.skittles) notice(presence, sight, skittle, out);
 }
 
-nlohmann::json approaches_of(std::span<const devices::Event> events) {
+nlohmann::json approaches_of(std::span<const Event> events) {
   nlohmann::json all = nlohmann::json::array();
-  for (const devices::Event& event : events) {
+  for (const Event& event : events) {
     if (event.kind != kind::passed_player) continue;
     nlohmann::json one = nlohmann::json::parse(event.detail, nullptr, false);
     if (!one.is_object()) continue;  // the log is damaged
@@ -307,7 +306,7 @@ nlohmann::json approaches_of(std::span<const devices::Event> events) {
   return all;
 }
 
-std::vector<std::string> approaches_in_words(std::span<const devices::Event> events) {
+std::vector<std::string> approaches_in_words(std::span<const Event> events) {
   std::vector<std::string> words;
   for (const nlohmann::json& one : approaches_of(events)) {
     const auto number = [&](const char* key) {

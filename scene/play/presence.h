@@ -92,13 +92,13 @@ inline constexpr double kOutOfTheWay = 4.0;
 ///
 /// @param out  events are appended
 void watch(Presence& presence, const Player& player, const Stage& stage, const engine::World& world,
-           const Moment& moment, std::vector<devices::Event>& out);
+           const Moment& moment, std::vector<Event>& out);
 
 /// The bodies that flew at the player, from the events of a session: time, body, closest approach
 /// and the event's further values.
-nlohmann::json approaches_of(std::span<const devices::Event> events);
+nlohmann::json approaches_of(std::span<const Event> events);
 
 /// The same as text, one line each.
-std::vector<std::string> approaches_in_words(std::span<const devices::Event> events);
+std::vector<std::string> approaches_in_words(std::span<const Event> events);
 
 }  // namespace headpin::scene

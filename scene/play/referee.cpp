@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
-#include "scene/play/events.h"
 #include "scene/play/game.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 
@@ -18,7 +18,7 @@ struct Field {
   engine::World& world;
   const Moment& moment;
   std::optional<engine::BodyId> held;
-  std::vector<devices::Event>& out;
+  std::vector<Event>& out;
 
   const GameRules& plan() const { return stage.scenario.game; }
   const Rules& rules() const { return rules_of(plan().rules); }
@@ -30,7 +30,7 @@ struct Field {
 constexpr Time kFirst{500'000};  // a ball released at rest has not fallen yet
 
 void note(const Field& f, std::string_view kind, double value, std::string detail = {}) {
-  devices::Event e = event(f.moment, kind, f.world, {});
+  Event e = event(f.moment, kind, f.world, {});
   e.value = value;
   e.detail = std::move(detail);
   f.out.push_back(std::move(e));
@@ -134,8 +134,8 @@ bool is_dead_wood(const Field& f, engine::BodyId skittle) {
 ///
 /// @return  skittles down that count for the ball that was thrown
 int count(const Field& f) {
-  devices::Event delivery = event(f.moment, kind::delivery, f.world, {});
-  devices::Event dead = event(f.moment, kind::dead_wood, f.world, {});
+  Event delivery = event(f.moment, kind::delivery, f.world, {});
+  Event dead = event(f.moment, kind::dead_wood, f.world, {});
   const bool costs = f.game.foul && f.plan().foul == FoulBall::zero;
   for (const engine::BodyId skittle : f.stage.skittles) {
     if (f.game.swept[skittle] || !is_down(f, skittle)) continue;
@@ -176,7 +176,7 @@ void bring_balls_back(const Field& f) {
   for (const engine::BodyId ball : f.stage.balls) {
     if (f.world.bodies[ball].kind != engine::Kind::free) continue;  // on its stand or carried
     put_back(f, ball);
-    devices::Event back = event(f.moment, kind::ball_back, f.world, {ball});
+    Event back = event(f.moment, kind::ball_back, f.world, {ball});
     back.p_W = f.world.states[ball].X_WB.p;
     f.out.push_back(std::move(back));
   }
@@ -249,7 +249,7 @@ bool is_taken_back(const Field& f, bool under_way) {
 }  // namespace
 
 bool referee(Game& game, const Stage& stage, engine::World& world, const Moment& moment,
-             std::optional<engine::BodyId> held, std::vector<devices::Event>& out) {
+             std::optional<engine::BodyId> held, std::vector<Event>& out) {
   const Field f{game, stage, world, moment, held, out};
   if (!f.rules().counted || game.over) return false;
   if (!game.begun) {

@@ -5,8 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include <fmt/format.h>
-
 namespace headpin::scene {
 
 namespace {
@@ -271,18 +269,6 @@ Fits fits(const Track& track, Time at, const Quat& q_WH, const ReleaseWindow& wi
 
 }  // namespace
 
-std::string_view name_of(Known known) {
-  switch (known) {
-    case Known::tracked:
-      return "tracked";
-    case Known::extrapolated:
-      return "extrapolated";
-    case Known::impossible:
-      break;
-  }
-  return "impossible";
-}
-
 Motion motion_at(std::span<const Stamped<Pose>> track, Time at, const Vec3& p_HB,
                  const ReleaseWindow& window) {
   if (track.empty() || track.back().time < at - window.least) return {};
@@ -313,18 +299,6 @@ Motion motion_at(std::span<const Stamped<Pose>> track, Time at, const Vec3& p_HB
   Motion none;
   none.left_out = near.left_out;
   return none;
-}
-
-std::string in_words(const Motion& motion) {
-  std::string words(name_of(motion.known));
-  if (motion.known == Known::extrapolated) {
-    words += fmt::format(" by {:.0f} ms", 1e3 * seconds(motion.extrapolated));
-  }
-  if (motion.left_out > 0) {
-    words +=
-        fmt::format(", {} sample{} left out", motion.left_out, motion.left_out == 1 ? "" : "s");
-  }
-  return words;
 }
 
 }  // namespace headpin::scene

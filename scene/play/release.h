@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <optional>
 #include <span>
-#include <string>
-#include <string_view>
 
-#include "devices/trial/trial.h"
 #include "scene/play/hand.h"
+#include "scene/record/details.h"
 
 /// Velocity and spin of the ball at the time of the trigger, and how they are known.
 namespace headpin::scene {
@@ -21,23 +19,6 @@ inline constexpr Time kSampleLatency{8'000};
 inline Time told_until(Time time, double delay_s) {
   return time + std::max(Time{}, microseconds(delay_s) - kSampleLatency);
 }
-
-/// How the velocity of a hand at a time is known.
-enum class Known {
-  tracked,       ///< there are samples before and after
-  extrapolated,  ///< the motion is extrapolated from the nearest sample
-  impossible     ///< no plausible sample is near enough
-};
-
-/// "tracked", "extrapolated", "impossible".
-std::string_view name_of(Known known);
-
-struct Motion {
-  Twist V_WB;  ///< [m/s], [rad/s]; zero if impossible
-  Known known = Known::impossible;
-  Time extrapolated{};  ///< time of the extrapolation
-  int left_out = 0;     ///< samples that disagree with the others
-};
 
 /// The velocity of a point of the hand at a time.
 ///
@@ -53,8 +34,5 @@ struct Motion {
 /// @param p_HB   the point in the hand [m]
 Motion motion_at(std::span<const Stamped<Pose>> track, Time at, const Vec3& p_HB,
                  const ReleaseWindow& window);
-
-/// "tracked"; "extrapolated by 12 ms, 1 sample left out".
-std::string in_words(const Motion& motion);
 
 }  // namespace headpin::scene

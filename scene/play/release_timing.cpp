@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <span>
 
-#include "scene/play/events.h"
 #include "scene/play/hand.h"
 #include "scene/play/player.h"
 #include "scene/play/release.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 
@@ -17,10 +17,10 @@ constexpr Time kAround{500'000};
 using Track = std::vector<Stamped<Pose>>;
 
 /// X_PH of the samples that are needed for a release at one of these times.
-Track hand_around(const devices::TrialFile& trial, const Rig& rig, const std::vector<Time>& times,
+Track hand_around(const TrialFile& trial, const Rig& rig, const std::vector<Time>& times,
                   Time before) {
   Track track;
-  trial.walk([&](const devices::TrialFile::Item& item) {
+  trial.walk([&](const TrialFile::Item& item) {
     const auto* sample = std::get_if<devices::Sample>(&item);
     const auto* hand = sample ? std::get_if<devices::TrackerSample>(sample) : nullptr;
     if (!hand || hand->station != rig.hand_station || !hand->good()) return true;
@@ -64,10 +64,9 @@ ReleaseTiming at_milliseconds(const Track& track, Time time, const Scenario& sce
 
 }  // namespace
 
-std::vector<ReleaseTiming> release_timings(const devices::TrialFile& trial,
-                                           const Scenario& scenario) {
+std::vector<ReleaseTiming> release_timings(const TrialFile& trial, const Scenario& scenario) {
   std::vector<Time> times;
-  for (const devices::Event& event : trial.summary().events) {
+  for (const Event& event : trial.summary().events) {
     if (event.kind == kind::release) times.push_back(event.time);
   }
   if (times.empty()) return {};

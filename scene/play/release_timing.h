@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "devices/trial/file.h"
+#include "scene/record/file.h"
 #include "scene/scenario/scenario.h"
 
 namespace headpin::scene {
@@ -17,7 +17,6 @@ struct ReleaseTiming {
 /// The timing of each release of a trial during which the hand was tracked, in order.
 ///
 /// @throws std::runtime_error  when the file was changed in the meantime
-std::vector<ReleaseTiming> release_timings(const devices::TrialFile& trial,
-                                           const Scenario& scenario);
+std::vector<ReleaseTiming> release_timings(const TrialFile& trial, const Scenario& scenario);
 
 }  // namespace headpin::scene

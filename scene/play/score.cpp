@@ -6,8 +6,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "scene/play/details.h"
-#include "scene/play/events.h"
+#include "scene/record/details.h"
+#include "scene/record/events.h"
 #include "scene/stage/stage.h"
 
 namespace headpin::scene {
@@ -15,8 +15,8 @@ namespace headpin::scene {
 namespace {
 
 /// The row of a throw, from the release of its ball.
-devices::ThrowRow thrown(const devices::Event& release, const std::string& version) {
-  devices::ThrowRow row;
+ThrowRow thrown(const Event& release, const std::string& version) {
+  ThrowRow row;
   row.version = version;
   row.body = release.bodies.front();
   row.release = release.time;
@@ -43,7 +43,7 @@ std::string mark(const Sheet& game, const std::string& what) {
 
 }  // namespace
 
-bool is_of_ball(const devices::Event& event) {
+bool is_of_ball(const Event& event) {
   return !event.bodies.empty() && role_named(event.bodies.front()) == Role::ball;
 }
 
@@ -69,7 +69,7 @@ std::string in_words(const Sheet& sheet) {
                      fmt::join(sheet.marks, ", "));
 }
 
-void Score::add_to_game(const devices::Event& event) {
+void Score::add_to_game(const Event& event) {
   const auto rules = event.kind == kind::game ? value_named<GameKind>(event.detail) : std::nullopt;
   if (rules) {
     if (games.empty()) skittles_down = felled_by_hand = 0;  // earlier falls are in no sheet
@@ -93,7 +93,7 @@ void Score::add_to_game(const devices::Event& event) {
   if (event.kind == kind::frame) game.frames.emplace_back();
 }
 
-void Score::add_to_throw(const devices::Event& event) {
+void Score::add_to_throw(const Event& event) {
   if (event.kind == kind::release && is_of_ball(event)) {
     throws.push_back(thrown(event, version_));
     if (games.empty()) throws.back().felled_by_ball = throws.back().felled_by_hand = 0;
@@ -107,7 +107,7 @@ void Score::add_to_throw(const devices::Event& event) {
     if (event.kind == kind::first_contact && !impact_speed) impact_speed = event.value;
     return;
   }
-  devices::ThrowRow& row = throws.back();
+  ThrowRow& row = throws.back();
   if (event.kind == kind::first_contact && !row.entry) {
     row.entry = event.time;
     row.entry_speed = event.value;
@@ -126,16 +126,16 @@ void Score::add_to_throw(const devices::Event& event) {
   impact_speed = throws.front().entry_speed;
 }
 
-void Score::add(const devices::Event& event) {
+void Score::add(const Event& event) {
   if (event.kind == kind::version) version_ = event.detail;
   touches += event.kind == kind::touch || event.kind == kind::first_contact;
   add_to_throw(event);  // it has the number of the next ball
   add_to_game(event);
 }
 
-Score score(std::span<const devices::Event> events) {
+Score score(std::span<const Event> events) {
   Score score;
-  for (const devices::Event& event : events) score.add(event);
+  for (const Event& event : events) score.add(event);
   return score;
 }
 

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "devices/trial/tables.h"
-#include "devices/trial/trial.h"
+#include "scene/record/tables.h"
+#include "scene/record/trial.h"
 #include "scene/scenario/rules.h"
 
 namespace headpin::scene {
@@ -32,24 +32,24 @@ struct Score {
   std::int64_t felled_by_hand = 0;  ///< knocked down by the hand or what it carried
   /// Pairs of bodies that touched, at least one of them a skittle.
   std::int64_t touches = 0;
-  std::optional<double> release_speed;    ///< speed of the first ball at its release [m/s]
-  std::optional<double> impact_speed;     ///< of the same ball just before its first skittle [m/s]
-  std::vector<Sheet> games;               ///< in order; none for a single throw
-  std::vector<devices::ThrowRow> throws;  ///< in their order; the sums above are sums of them
+  std::optional<double> release_speed;  ///< speed of the first ball at its release [m/s]
+  std::optional<double> impact_speed;   ///< of the same ball just before its first skittle [m/s]
+  std::vector<Sheet> games;             ///< in order; none for a single throw
+  std::vector<ThrowRow> throws;         ///< in their order; the sums above are sums of them
 
-  void add(const devices::Event& event);
+  void add(const Event& event);
 
  private:
-  void add_to_game(const devices::Event& event);
-  void add_to_throw(const devices::Event& event);
+  void add_to_game(const Event& event);
+  void add_to_throw(const Event& event);
 
   std::string version_;
 };
 
-Score score(std::span<const devices::Event> events);
+Score score(std::span<const Event> events);
 
 /// Whether an event tells of a ball, which it names first.
-bool is_of_ball(const devices::Event& event);
+bool is_of_ball(const Event& event);
 
 /// The direction of a velocity's level part: the angle from the y axis, positive to the right, in
 /// [-180, 180] degrees; 0 without a level part. It has the same bits on every machine.

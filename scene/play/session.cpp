@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "scene/play/events.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 
@@ -36,7 +36,7 @@ std::optional<std::size_t> button_at_hand(const Session& s, Time now) {
 
 /// Counts the moving ball for the version in which it was thrown. A copy of its world continues
 /// without the player until the ball is counted; the resulting events happen now.
-void count_ahead(const Session& s, const Moment& moment, std::vector<devices::Event>& out) {
+void count_ahead(const Session& s, const Moment& moment, std::vector<Event>& out) {
   if (s.scenario().game.ends != BallEnds::rest || !s.game.thrown) return;
   engine::World world = s.world;
   Game game = s.game;
@@ -49,7 +49,7 @@ void count_ahead(const Session& s, const Moment& moment, std::vector<devices::Ev
     engine::set_state(world, *held, {world.states[*held].X_WB, Vec3::Zero(), Vec3::Zero()});
   }
   engine::Workspace workspace;
-  std::vector<devices::Event> all;
+  std::vector<Event> all;
   Moment later = moment;
   while (game.thrown) {
     note_velocities(game, world);
@@ -58,7 +58,7 @@ void count_ahead(const Session& s, const Moment& moment, std::vector<devices::Ev
     referee(game, *s.stage, world, later, held, all);
     later = {tick_time(later.tick + 1, s.scenario().rates.physics_hz), later.tick + 1};
   }
-  for (devices::Event& e : all) {
+  for (Event& e : all) {
     if (e.kind == kind::ball_back) continue;
     e.time = moment.time;
     e.tick = moment.tick;
@@ -81,7 +81,7 @@ void start_version(Session& s, std::size_t version, const Moment& moment) {
   s.presence = {};
   s.version_begun = true;
   s.version = version + 1;
-  devices::Event e = event(moment, kind::version, s.world, {});
+  Event e = event(moment, kind::version, s.world, {});
   const Versions& v = s.scenario().version;
   e.p_W = version == 0 ? v.red.button : v.blue.button;
   e.value = static_cast<double>(version);
@@ -158,7 +158,7 @@ void advance(Session& s, devices::Source& source) {
   s.game_hash.add(s.state_hash, s.version);
 }
 
-void tick_state(const Session& s, devices::TickState& out) {
+void tick_state(const Session& s, TickState& out) {
   out.time = s.now();
   out.tick = s.tick;
   out.hash = s.state_hash;

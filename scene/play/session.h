@@ -39,7 +39,7 @@ struct Session {
 
   // Input and output of the last tick.
   std::vector<devices::Sample> samples;
-  std::vector<devices::Event> events;
+  std::vector<Event> events;
 
   const Scenario& scenario() const { return stage->scenario; }
   Time now() const { return tick_time(tick, scenario().rates.physics_hz); }
@@ -68,7 +68,7 @@ void set_response(Session& session, const engine::Response& response);
 void advance(Session& session, devices::Source& source);
 
 /// The world after the last tick, for the log.
-void tick_state(const Session& session, devices::TickState& out);
+void tick_state(const Session& session, TickState& out);
 
 /// Current poses of head and hand: interpolated at `rig.delay_s` before now; after the last sample,
 /// that sample's pose.

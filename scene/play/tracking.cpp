@@ -3,7 +3,7 @@
 #include <optional>
 #include <string>
 
-#include "scene/play/events.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 
@@ -11,13 +11,13 @@ namespace {
 
 void watch_receiver(Tracking::Receiver& receiver, const devices::PoseTrack& track,
                     const std::string& name, Time measured, const engine::World& world,
-                    const Moment& moment, std::vector<devices::Event>& out) {
+                    const Moment& moment, std::vector<Event>& out) {
   const std::optional<devices::KnownPose> known = track.read(measured);
   if (!known) return;
   const Time last = known->last;
   const bool lost = measured - last > kTrackingLost;
   if (lost != receiver.lost) {
-    devices::Event e = event(moment, lost ? kind::tracking_lost : kind::tracking_back, world, {});
+    Event e = event(moment, lost ? kind::tracking_lost : kind::tracking_back, world, {});
     e.value = seconds(lost ? measured - last : last - receiver.last);
     e.detail = name;
     out.push_back(std::move(e));
@@ -28,8 +28,7 @@ void watch_receiver(Tracking::Receiver& receiver, const devices::PoseTrack& trac
 }  // namespace
 
 void watch_tracking(Tracking& tracking, const Player& player, Time measured,
-                    const engine::World& world, const Moment& moment,
-                    std::vector<devices::Event>& out) {
+                    const engine::World& world, const Moment& moment, std::vector<Event>& out) {
   watch_receiver(tracking.head, player.head, "head", measured, world, moment, out);
   watch_receiver(tracking.hand, player.hand, "hand", measured, world, moment, out);
 }

@@ -26,7 +26,6 @@ struct Tracking {
 /// @param measured  time of the poses of this tick: `rig.delay_s` before it
 /// @param out       events are appended
 void watch_tracking(Tracking& tracking, const Player& player, Time measured,
-                    const engine::World& world, const Moment& moment,
-                    std::vector<devices::Event>& out);
+                    const engine::World& world, const Moment& moment, std::vector<Event>& out);
 
 }  // namespace headpin::scene

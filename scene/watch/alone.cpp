@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "scene/play/events.h"
 #include "scene/play/score.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 
@@ -37,7 +37,7 @@ engine::World moved_into(const engine::World& from, const Stage& before, const S
 
 }  // namespace
 
-bool is_release_of_ball(const devices::Event& event) {
+bool is_release_of_ball(const Event& event) {
   return event.kind == kind::release && is_of_ball(event);
 }
 
@@ -54,7 +54,7 @@ Session on_its_own(Session session, const std::shared_ptr<const Stage>& stage) {
 void Alone::step(const std::vector<devices::Sample>& samples) {
   Handed source(samples);
   scene::advance(session, source);
-  for (const devices::Event& event : session.events) {
+  for (const Event& event : session.events) {
     result.skittles_down += event.kind == kind::skittle_down;
     if (is_release_of_ball(event) && !result.release_speed) result.release_speed = event.value;
     if (event.kind == kind::first_contact && !result.impact_speed) {

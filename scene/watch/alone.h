@@ -20,7 +20,7 @@ struct ThrowResult {
 };
 
 /// Whether the event is the release of a ball.
-bool is_release_of_ball(const devices::Event& event);
+bool is_release_of_ball(const Event& event);
 
 /// A copy of a session that continues under a stage. Its buttons start no other version. Under
 /// another condition, the bodies stay where they are.

@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "scene/play/events.h"
 #include "scene/play/score.h"
 #include "scene/play/session.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 
@@ -19,9 +19,9 @@ constexpr Time kSameMoment{10'000};
 /// The reason why no ball was released at `time`.
 ///
 /// @param before  time of the previous release
-std::string why_not_thrown(std::span<const devices::Event> events, Time before, Time time) {
+std::string why_not_thrown(std::span<const Event> events, Time before, Time time) {
   const auto within = [&](std::string_view kind) {
-    return std::ranges::find_if(events, [&](const devices::Event& event) {
+    return std::ranges::find_if(events, [&](const Event& event) {
       return event.kind == kind && event.time > before && event.time <= time + kSameMoment;
     });
   };
@@ -35,11 +35,11 @@ std::string why_not_thrown(std::span<const devices::Event> events, Time before, 
 
 }  // namespace
 
-std::vector<ThrownBall> thrown(std::span<const devices::Event> events) {
+std::vector<ThrownBall> thrown(std::span<const Event> events) {
   std::vector<ThrownBall> all;
   std::string version;
   std::size_t counted = 0;  // throws before this one are, or never will be
-  for (const devices::Event& event : events) {
+  for (const Event& event : events) {
     if (event.kind == kind::version) version = event.detail;
     if (event.kind == kind::release && is_of_ball(event)) {
       all.push_back({static_cast<int>(all.size()) + 1, version, event.time, event.tick, {}});
@@ -52,16 +52,16 @@ std::vector<ThrownBall> thrown(std::span<const devices::Event> events) {
   return all;
 }
 
-bool says_events(const devices::TrialSummary& trial) {
+bool says_events(const TrialSummary& trial) {
   return std::ranges::any_of(trial.events, [](const auto& event) { return event.tick >= 0; });
 }
 
-std::vector<devices::Event> events_of(const devices::TrialFile& file, const Scenario& scenario,
-                                      const std::function<void()>& each_tick) {
-  const devices::TrialSummary& trial = file.summary();
+std::vector<Event> events_of(const TrialFile& file, const Scenario& scenario,
+                             const std::function<void()>& each_tick) {
+  const TrialSummary& trial = file.summary();
   if (says_events(trial)) return trial.events;
-  std::vector<devices::Event> events;
-  devices::TrialPlayer source(file);
+  std::vector<Event> events;
+  TrialPlayer source(file);
   Session session = make_session(scenario);
   const std::int64_t ticks = tick_count(trial, scenario.rates.physics_hz);
   while (session.tick < ticks) {
@@ -72,8 +72,7 @@ std::vector<devices::Event> events_of(const devices::TrialFile& file, const Scen
   return events;
 }
 
-std::vector<Unpaired> without_counterpart(std::span<const devices::Event> a,
-                                          std::span<const devices::Event> b) {
+std::vector<Unpaired> without_counterpart(std::span<const Event> a, std::span<const Event> b) {
   std::vector<Unpaired> all;
   const std::vector<ThrownBall> of_b = thrown(b);
   Time before = Time::min();
@@ -95,7 +94,7 @@ std::vector<Unpaired> without_counterpart(std::span<const devices::Event> a,
   return all;
 }
 
-nlohmann::json whose(const std::string& path, const devices::TrialSummary& trial,
+nlohmann::json whose(const std::string& path, const TrialSummary& trial,
                      const std::vector<std::string>& set) {
   return {{"trial", path},
           {"complete", trial.complete},
@@ -105,11 +104,11 @@ nlohmann::json whose(const std::string& path, const devices::TrialSummary& trial
           {"set", set}};
 }
 
-nlohmann::json compared_throws(const devices::TrialFile& file, const Scenario& as_recorded,
-                               const Scenario& replayed, std::span<const devices::Event> again,
+nlohmann::json compared_throws(const TrialFile& file, const Scenario& as_recorded,
+                               const Scenario& replayed, std::span<const Event> again,
                                const std::function<void()>& each_tick) {
   const bool same = differences(as_recorded, replayed).empty();
-  std::vector<devices::Event> events(again.begin(), again.end());
+  std::vector<Event> events(again.begin(), again.end());
   if (!same || says_events(file.summary())) events = events_of(file, as_recorded, each_tick);
   return {{"throws_without_counterpart", to_json(without_counterpart(events, again))},
           {"new_throws", to_json(without_counterpart(again, events))}};

@@ -24,19 +24,19 @@ struct ThrownBall {
 };
 
 /// The throws of a session, in their order.
-std::vector<ThrownBall> thrown(std::span<const devices::Event> events);
+std::vector<ThrownBall> thrown(std::span<const Event> events);
 
 /// Whether a trial has the events of its session; one with only samples does not.
-bool says_events(const devices::TrialSummary& trial);
+bool says_events(const TrialSummary& trial);
 
 /// The events of a recorded session: those of its trial or, if it has only samples, those of a
 /// simulation under the recorded condition.
 ///
 /// @param each_tick  called before each tick that is simulated for that
-std::vector<devices::Event> events_of(const devices::TrialFile& file, const Scenario& scenario,
-                                      const std::function<void()>& each_tick = {});
-inline std::vector<devices::Event> events_of(const Recorded& recorded,
-                                             const std::function<void()>& each_tick = {}) {
+std::vector<Event> events_of(const TrialFile& file, const Scenario& scenario,
+                             const std::function<void()>& each_tick = {});
+inline std::vector<Event> events_of(const Recorded& recorded,
+                                    const std::function<void()>& each_tick = {}) {
   return events_of(recorded.file, recorded.scenario, each_tick);
 }
 
@@ -48,13 +48,12 @@ struct Unpaired {
 
 /// The throws of `a` without a counterpart in `b`: no ball was released at that time in that
 /// version, or the rules counted it only in `a`.
-std::vector<Unpaired> without_counterpart(std::span<const devices::Event> a,
-                                          std::span<const devices::Event> b);
+std::vector<Unpaired> without_counterpart(std::span<const Event> a, std::span<const Event> b);
 
 nlohmann::json to_json(const std::vector<Unpaired>& unpaired);
 
 /// The simulated trial, and what `--set` says, as in `--json`.
-nlohmann::json whose(const std::string& path, const devices::TrialSummary& trial,
+nlohmann::json whose(const std::string& path, const TrialSummary& trial,
                      const std::vector<std::string>& set);
 
 /// The throws of a recorded session that its replay does not have, and the reverse, as in `--json`.
@@ -63,8 +62,8 @@ nlohmann::json whose(const std::string& path, const devices::TrialSummary& trial
 /// @param replayed     that of the replay
 /// @param again        events of the replay
 /// @param each_tick    as for events_of
-nlohmann::json compared_throws(const devices::TrialFile& file, const Scenario& as_recorded,
-                               const Scenario& replayed, std::span<const devices::Event> again,
+nlohmann::json compared_throws(const TrialFile& file, const Scenario& as_recorded,
+                               const Scenario& replayed, std::span<const Event> again,
                                const std::function<void()>& each_tick);
 
 /// One of them: "throw 7 (red, 63.200 s): not thrown: the hand closed on nothing".

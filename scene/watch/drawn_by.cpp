@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "scene/play/events.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 
@@ -17,8 +17,8 @@ nlohmann::json to_json(const render::Fingerprint& f) {
           {"test_picture", fmt::format("{:016x}", f.picture)}};
 }
 
-devices::Event drawn_by_event(const render::Fingerprint& fingerprint) {
-  devices::Event event;
+Event drawn_by_event(const render::Fingerprint& fingerprint) {
+  Event event;
   event.tick = 0;
   event.kind = kind::drawn_by;
   event.detail =
@@ -26,8 +26,8 @@ devices::Event drawn_by_event(const render::Fingerprint& fingerprint) {
   return event;
 }
 
-std::optional<render::Fingerprint> drawn_by(const std::vector<devices::Event>& events) {
-  const auto found = std::ranges::find(events, kind::drawn_by, &devices::Event::kind);
+std::optional<render::Fingerprint> drawn_by(const std::vector<Event>& events) {
+  const auto found = std::ranges::find(events, kind::drawn_by, &Event::kind);
   if (found == events.end()) return std::nullopt;
   try {
     const nlohmann::json j = nlohmann::json::parse(found->detail);

@@ -5,8 +5,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "devices/trial/trial.h"
 #include "render/fingerprint.h"
+#include "scene/record/trial.h"
 
 /// What drew a session's frames, as stored in its trial.
 namespace headpin::scene {
@@ -14,9 +14,9 @@ namespace headpin::scene {
 nlohmann::json to_json(const render::Fingerprint& fingerprint);
 
 /// An event of the kind drawn_by.
-devices::Event drawn_by_event(const render::Fingerprint& fingerprint);
+Event drawn_by_event(const render::Fingerprint& fingerprint);
 
 /// The content of the first such event; nothing if there is no readable one, as in older trials.
-std::optional<render::Fingerprint> drawn_by(const std::vector<devices::Event>& events);
+std::optional<render::Fingerprint> drawn_by(const std::vector<Event>& events);
 
 }  // namespace headpin::scene

@@ -6,7 +6,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "scene/play/events.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 
@@ -45,7 +45,7 @@ std::shared_ptr<const Stage> EachThrow::other_stage(std::uint64_t version) {
   return stage;
 }
 
-void EachThrow::begin(const Session& session, const devices::Event& release) {
+void EachThrow::begin(const Session& session, const Event& release) {
   std::array<Alone, 2>& both = alone_.emplace_back();
   const std::array<std::shared_ptr<const Stage>, 2> stages = {before_->stage,
                                                               other_stage(before_->version)};
@@ -61,7 +61,7 @@ void EachThrow::tick(const Session& session) {
   for (auto& both : alone_) {
     for (Alone& one : both) one.advance(session.samples);
   }
-  for (const devices::Event& event : session.events) {
+  for (const Event& event : session.events) {
     if (is_release_of_ball(event) && before_) begin(session, event);
     if (event.kind == kind::version || event.kind == kind::release ||
         event.kind == kind::delivery) {

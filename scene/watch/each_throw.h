@@ -42,12 +42,12 @@ class EachThrow : public Observer {
 
  private:
   std::shared_ptr<const Stage> other_stage(std::uint64_t version);
-  void begin(const Session& session, const devices::Event& release);
+  void begin(const Session& session, const Event& release);
 
   Scenario other_;
   std::array<std::shared_ptr<const Stage>, 3> stages_;  ///< of the other condition, by version
   std::optional<Session> before_;                       ///< the last tick, while a ball is held
-  std::vector<devices::Event> events_;                  ///< of the session, those of throws
+  std::vector<Event> events_;                           ///< of the session, those of throws
   std::vector<std::array<Alone, 2>> alone_;             ///< as it was, under the other condition
 };
 

@@ -16,7 +16,7 @@ constexpr int kMostTries = 3;  // snapshots of one trial fail together, or one i
 Session at_last_snapshot(const Recorded& trial, Time at) {
   Session session = make_session(trial.scenario);
   for (int i = 0; i < kMostTries; ++i) {
-    const std::optional<devices::Snapshot> snapshot = trial.file.last_snapshot(at);
+    const std::optional<Snapshot> snapshot = trial.file.last_snapshot(at);
     if (!snapshot) break;
     try {
       Session restored = restore(session, snapshot->saved);
@@ -30,9 +30,8 @@ Session at_last_snapshot(const Recorded& trial, Time at) {
 
 }  // namespace
 
-Entered enter(const Recorded& trial, Time at, devices::TrialPlayer::Beside beside) {
-  Entered entered{at_last_snapshot(trial, at),
-                  std::make_unique<devices::TrialPlayer>(trial.file, beside)};
+Entered enter(const Recorded& trial, Time at, TrialPlayer::Beside beside) {
+  Entered entered{at_last_snapshot(trial, at), std::make_unique<TrialPlayer>(trial.file, beside)};
   // A tick at a time, so that states and frames of earlier ticks are not kept.
   std::vector<devices::Sample> used;
   const std::int64_t rate_hz = trial.scenario.rates.physics_hz;

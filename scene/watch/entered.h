@@ -10,7 +10,7 @@ namespace headpin::scene {
 /// A session in the middle of a recorded trial, and the samples that follow.
 struct Entered {
   Session session;
-  std::unique_ptr<devices::TrialPlayer> source;
+  std::unique_ptr<TrialPlayer> source;
 };
 
 /// The session at the last usable snapshot of a trial, with the bits of one that is simulated from the
@@ -22,7 +22,7 @@ struct Entered {
 /// @param at      latest time of the session
 /// @param beside  what the source will be asked for, besides samples
 /// @throws std::runtime_error  when the file was changed or cannot be read
-Entered enter(const Recorded& trial, Time at, devices::TrialPlayer::Beside beside);
+Entered enter(const Recorded& trial, Time at, TrialPlayer::Beside beside);
 
 /// The same session under another scenario from now on: its bodies stay where they are, and its
 /// buttons start the other scenario's versions.

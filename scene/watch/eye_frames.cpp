@@ -37,8 +37,8 @@ FrameStages FrameLatency::mean() const {
   return {total.ticked / n, total.waited / n, total.drawn / n, total.published / n};
 }
 
-devices::FrameRecord record_of(const EyeFrame& frame) {
-  devices::FrameRecord record;
+FrameRecord record_of(const EyeFrame& frame) {
+  FrameRecord record;
   record.time = frame.time;
   record.frame = frame.number;
   record.tick = frame.tick;
@@ -64,7 +64,7 @@ void FrameByFrame::tick(const Session& session) {
   if (session.scenario().rates.physics_hz % plan_.fps != 0) before_.keep(session);
 }
 
-FramesAsShown::FramesAsShown(Eyes& eyes, devices::TrialPlayer& recorded, Plan plan,
+FramesAsShown::FramesAsShown(Eyes& eyes, TrialPlayer& recorded, Plan plan,
                              std::vector<FrameSink*> sinks)
     : eyes_(eyes), recorded_(recorded), plan_(std::move(plan)), sinks_(std::move(sinks)) {
   if (!recorded.has_frames()) {
@@ -74,7 +74,7 @@ FramesAsShown::FramesAsShown(Eyes& eyes, devices::TrialPlayer& recorded, Plan pl
 }
 
 void FramesAsShown::tick(const Session& session) {
-  const devices::FrameRecord* recorded = recorded_.frame(session.tick);
+  const FrameRecord* recorded = recorded_.frame(session.tick);
   if (!recorded || !plan_.wanted(recorded->frame)) return;
   const std::optional<Pose> X_WD = head_pose(session);
   if (!X_WD) return;
@@ -90,8 +90,8 @@ void FramesAsShown::tick(const Session& session) {
   plan_.progress(++drawn_);
 }
 
-void FramesAsShown::compare(const devices::FrameRecord& recorded) const {
-  const devices::FrameRecord drawn = record_of(frame_);
+void FramesAsShown::compare(const FrameRecord& recorded) const {
+  const FrameRecord drawn = record_of(frame_);
   for (std::size_t eye = 0; eye < 2; ++eye) {
     if (drawn.hash[eye] == recorded.hash[eye]) continue;
     throw std::runtime_error(

@@ -11,10 +11,10 @@
 #include <thread>
 #include <vector>
 
-#include "devices/trial/file.h"
 #include "render/fingerprint.h"
 #include "scene/looks/eyes.h"
 #include "scene/play/run.h"
+#include "scene/record/file.h"
 
 /// Frames of both eyes, drawn while a session runs.
 namespace headpin::scene {
@@ -57,7 +57,7 @@ struct FrameLatency {
 };
 
 /// The record of a frame in a trial.
-devices::FrameRecord record_of(const EyeFrame& frame);
+FrameRecord record_of(const EyeFrame& frame);
 
 /// Destination of drawn frames: a folder, a video, LCM.
 class FrameSink {
@@ -111,8 +111,7 @@ class FramesAsShown : public Observer {
   /// @param recorded  with the frames beside it
   /// @param eyes      all must outlive this
   /// @throws std::runtime_error  when there are no frames
-  FramesAsShown(Eyes& eyes, devices::TrialPlayer& recorded, Plan plan,
-                std::vector<FrameSink*> sinks = {});
+  FramesAsShown(Eyes& eyes, TrialPlayer& recorded, Plan plan, std::vector<FrameSink*> sinks = {});
 
   /// @throws std::runtime_error  naming frame and eye of the first that differs
   void tick(const Session& session) override;
@@ -121,10 +120,10 @@ class FramesAsShown : public Observer {
   std::int64_t compared() const { return compared_; }  ///< frames found equal
 
  private:
-  void compare(const devices::FrameRecord& recorded) const;
+  void compare(const FrameRecord& recorded) const;
 
   Eyes& eyes_;
-  devices::TrialPlayer& recorded_;
+  TrialPlayer& recorded_;
   Plan plan_;
   std::vector<FrameSink*> sinks_;
   EyeFrame frame_;
@@ -140,7 +139,7 @@ struct FrameJob {
 
 /// The result.
 struct DrawnFrame {
-  devices::FrameRecord record;
+  FrameRecord record;
   RealTime::Clock::time_point drawn, published;  ///< when both pictures, when the sink had them
 };
 
@@ -180,7 +179,7 @@ class FramesBeside : public Observer {
  public:
   /// What was drawn.
   struct Done {
-    devices::FrameRecord record;
+    FrameRecord record;
     std::optional<FrameStages> stages;  ///< if it showed a new sample
   };
   /// Called in the thread that uses the result.

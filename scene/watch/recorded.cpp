@@ -13,7 +13,7 @@ namespace headpin::scene {
 
 namespace {
 
-Recorded read(devices::TrialFile file, const std::string& name, Time longest_gap) {
+Recorded read(TrialFile file, const std::string& name, Time longest_gap) {
   file.require_trial(longest_gap);
   Scenario scenario = scenario_of_trial(file.summary().header.scenario, name);
   if (file.summary().sample_count == 0) {
@@ -25,30 +25,29 @@ Recorded read(devices::TrialFile file, const std::string& name, Time longest_gap
 }  // namespace
 
 Recorded load_trial(const std::string& path, Time longest_gap) {
-  return read(devices::TrialFile(path), path, longest_gap);
+  return read(TrialFile(path), path, longest_gap);
 }
 
 Recorded load_trial(std::span<const std::uint8_t> bytes, const std::string& name,
                     Time longest_gap) {
-  devices::TrialFile file(bytes);
+  TrialFile file(bytes);
   if (file.summary().channels.empty()) {
-    throw std::runtime_error(name + ": " +
-                             devices::why_without_events(file.summary(), bytes.size()));
+    throw std::runtime_error(name + ": " + why_without_events(file.summary(), bytes.size()));
   }
   return read(std::move(file), name, longest_gap);
 }
 
-std::int64_t tick_count(const devices::TrialSummary& trial, std::int64_t rate_hz) {
+std::int64_t tick_count(const TrialSummary& trial, std::int64_t rate_hz) {
   const Time end = std::max(Time{}, trial.end);
   std::int64_t ticks = end.count() / 1'000'000 * rate_hz;
   while (tick_time(ticks, rate_hz) < end) ++ticks;
   return std::max(ticks, trial.last_tick);
 }
 
-std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const Scenario& scenario) {
+std::vector<Stamped<Vec3>> walk_of(const TrialFile& trial, const Scenario& scenario) {
   std::vector<Stamped<Vec3>> walk = {{Time{}, Vec3::Zero()}};
   const std::int64_t ticks = tick_count(trial.summary(), scenario.rates.physics_hz);
-  devices::TrialPlayer source(trial);
+  TrialPlayer source(trial);
   Player player;
   std::vector<devices::Sample> samples;
   for (std::int64_t tick = 1; tick <= ticks; ++tick) {
@@ -63,7 +62,7 @@ std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const Scenar
   return walk;
 }
 
-std::function<std::optional<Vec3>(Time)> walk_in_time(const devices::TrialFile& trial,
+std::function<std::optional<Vec3>(Time)> walk_in_time(const TrialFile& trial,
                                                       const std::string& path) {
   std::vector<Stamped<Vec3>> walk;
   try {
@@ -76,9 +75,9 @@ std::function<std::optional<Vec3>(Time)> walk_in_time(const devices::TrialFile& 
   };
 }
 
-Pose first_head_pose(const devices::TrialFile& trial, const Rig& rig) {
+Pose first_head_pose(const TrialFile& trial, const Rig& rig) {
   std::optional<Pose> X_WD;
-  trial.walk([&](const devices::TrialFile::Item& item) {
+  trial.walk([&](const TrialFile::Item& item) {
     const auto* sample = std::get_if<devices::Sample>(&item);
     const auto* tracker = sample ? std::get_if<devices::TrackerSample>(sample) : nullptr;
     if (tracker && tracker->station == rig.head_station && tracker->good()) {

@@ -7,18 +7,18 @@
 #include <string>
 #include <vector>
 
-#include "devices/trial/file.h"
+#include "scene/record/file.h"
 #include "scene/scenario/scenario.h"
 
 /// A recorded trial, ready to be simulated again.
 namespace headpin::scene {
 
 struct Recorded {
-  devices::TrialFile file;
+  TrialFile file;
   Scenario scenario;  ///< the trial's own, read
 };
 
-/// @param longest_gap  see devices::read_trial
+/// @param longest_gap  see read_trial
 /// @throws std::runtime_error     naming the file, for one that cannot be read or holds no samples
 /// @throws std::invalid_argument  as parse_scenario
 Recorded load_trial(const std::string& path, Time longest_gap = devices::kLongestGap);
@@ -31,26 +31,26 @@ Recorded load_trial(std::span<const std::uint8_t> bytes, const std::string& name
 /// The number of ticks up to the last sample or to the last recorded tick, whichever is later.
 ///
 /// @param rate_hz  of the simulation
-std::int64_t tick_count(const devices::TrialSummary& trial, std::int64_t rate_hz);
+std::int64_t tick_count(const TrialSummary& trial, std::int64_t rate_hz);
 
 /// The place of the tracked space after walking with the thumb buttons, at each tick in which it
 /// changes.
 ///
 /// @return  p_WP, oldest first; the first entry is for time 0
 /// @throws std::runtime_error  as load_trial, and when the file is another by now
-std::vector<Stamped<Vec3>> walk_of(const devices::TrialFile& trial, const Scenario& scenario);
+std::vector<Stamped<Vec3>> walk_of(const TrialFile& trial, const Scenario& scenario);
 
-/// The same as a function of time, for devices::TableRows. It gives nothing if the trial's scenario
+/// The same as a function of time, for TableRows. It gives nothing if the trial's scenario
 /// cannot be read.
 ///
 /// @param path  name of the trial, for messages
 /// @throws std::runtime_error  as walk_of
-std::function<std::optional<Vec3>(Time)> walk_in_time(const devices::TrialFile& trial,
+std::function<std::optional<Vec3>(Time)> walk_in_time(const TrialFile& trial,
                                                       const std::string& path);
 
 /// X_WD at the first good sample of the head, which is used until then.
 ///
 /// @throws std::runtime_error  without one
-Pose first_head_pose(const devices::TrialFile& trial, const Rig& rig);
+Pose first_head_pose(const TrialFile& trial, const Rig& rig);
 
 }  // namespace headpin::scene

@@ -6,9 +6,9 @@
 #include <nlohmann/json.hpp>
 
 #include "devices/base/version.h"
-#include "scene/play/details.h"
-#include "scene/play/events.h"
 #include "scene/play/outcome.h"
+#include "scene/record/details.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 
@@ -37,7 +37,7 @@ nlohmann::json number(const std::optional<double>& value) {
 constexpr std::size_t kMostTouches = 1000;  // of the ball, that are kept
 
 /// Whether scene::why_nothing_fell looks for such events.
-bool explains(const devices::Event& event) {
+bool explains(const Event& event) {
   for (const std::string_view one :
        {kind::grab, kind::missed_grab, kind::release, kind::first_contact, kind::ball_touch}) {
     if (event.kind == one) return true;
@@ -48,10 +48,10 @@ bool explains(const devices::Event& event) {
 }  // namespace
 
 void Totals::tick(const Session& session) {
-  for (const devices::Event& event : session.events) add(event);
+  for (const Event& event : session.events) add(event);
 }
 
-void Totals::add(const devices::Event& event) {
+void Totals::add(const Event& event) {
   score_.add(event);
   fell_ |= event.kind == kind::skittle_down && felled_by(event) != By::hand;
   const bool kept = event.kind != kind::ball_touch || before_.size() < kMostTouches;
@@ -128,7 +128,7 @@ nlohmann::json to_json(const std::vector<KeyDifference>& differences) {
   return all;
 }
 
-nlohmann::json to_json(const std::vector<devices::ThrowRow>& throws) {
+nlohmann::json to_json(const std::vector<ThrowRow>& throws) {
   nlohmann::json all = nlohmann::json::array();
   const auto whole = [](int n) { return n > 0 ? nlohmann::json(n) : nlohmann::json(); };
   const auto maybe = [](const auto& value) {
@@ -137,7 +137,7 @@ nlohmann::json to_json(const std::vector<devices::ThrowRow>& throws) {
   const auto numbers = [](const std::optional<Vec3>& v) {
     return v ? nlohmann::json{v->x(), v->y(), v->z()} : nlohmann::json();
   };
-  for (const devices::ThrowRow& row : throws) {
+  for (const ThrowRow& row : throws) {
     all.push_back(
         {{"name", row.version},
          {"frame", whole(row.frame)},

@@ -16,7 +16,7 @@ class Totals : public Observer {
  public:
   void tick(const Session& session) override;
   /// Adds an event of a part of the session that is not simulated.
-  void add(const devices::Event& event);
+  void add(const Event& event);
 
   const Score& score() const { return score_; }
   /// See scene/play/outcome.h; by what has happened until now.
@@ -25,7 +25,7 @@ class Totals : public Observer {
  private:
   Score score_;
   bool fell_ = false;
-  std::vector<devices::Event> before_;  ///< what may explain why nothing fell
+  std::vector<Event> before_;  ///< what may explain why nothing fell
 };
 
 /// Measures the computing time of the simulation: as the pace it starts with each tick, as the
@@ -62,7 +62,7 @@ nlohmann::json conditions(const Scenario& scenario);
 nlohmann::json to_json(const std::vector<KeyDifference>& differences);
 
 /// One object per throw.
-nlohmann::json to_json(const std::vector<devices::ThrowRow>& throws);
+nlohmann::json to_json(const std::vector<ThrowRow>& throws);
 
 /// The result of a session, as in `--json` of every command. The hashes are null where it makes none.
 nlohmann::json summary(const Session& session, const Score& score);

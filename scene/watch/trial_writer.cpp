@@ -2,8 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
-#include "scene/play/events.h"
 #include "scene/play/save.h"
+#include "scene/record/events.h"
 #include "scene/watch/totals.h"
 
 namespace headpin::scene {
@@ -14,7 +14,7 @@ constexpr std::int64_t kSnapshotSeconds = 10;  // between two
 
 }  // namespace
 
-devices::TrialHeader header_of(devices::TrialHeader header, const Session& session) {
+TrialHeader header_of(TrialHeader header, const Session& session) {
   header.scenario = to_toml(session.scenario());
   header.body_names = body_names(*session.stage);
   return header;
@@ -22,17 +22,17 @@ devices::TrialHeader header_of(devices::TrialHeader header, const Session& sessi
 
 void TrialWriter::tick(const Session& session) {
   for (const devices::Sample& sample : session.samples) sink_->write(sample);
-  for (const devices::Event& event : session.events) sink_->write(event);
+  for (const Event& event : session.events) sink_->write(event);
   tick_state(session, state_);
   sink_->write(state_);
   const std::int64_t each = kSnapshotSeconds * session.scenario().rates.physics_hz;
   if (session.hashes && session.tick > 0 && session.tick % each == 0) {
-    sink_->write(devices::Snapshot{session.now(), session.tick, save(session)});
+    sink_->write(Snapshot{session.now(), session.tick, save(session)});
   }
 }
 
 void TrialWriter::close(const Session& session) {
-  devices::Event last;
+  Event last;
   last.time = session.now();
   last.tick = session.tick;
   last.kind = kind::ledger;

@@ -11,7 +11,7 @@ namespace headpin::scene {
 
 namespace {
 
-bool same_bits(const devices::BodyState& a, const devices::BodyState& b) {
+bool same_bits(const BodyState& a, const BodyState& b) {
   const auto equal = [](const auto& x, const auto& y) {
     return std::memcmp(x.data(), y.data(), sizeof(double) * static_cast<std::size_t>(x.size())) ==
            0;
@@ -22,8 +22,7 @@ bool same_bits(const devices::BodyState& a, const devices::BodyState& b) {
 
 }  // namespace
 
-std::optional<std::string> first_different_body(const devices::TickState& a,
-                                                const devices::TickState& b,
+std::optional<std::string> first_different_body(const TickState& a, const TickState& b,
                                                 std::span<const std::string> names) {
   const std::size_t bodies = std::min(a.bodies.size(), b.bodies.size());
   for (std::size_t i = 0; i < bodies; ++i) {
@@ -53,8 +52,7 @@ SharedBodies shared_bodies(std::span<const std::string> a, std::span<const std::
   return shared;
 }
 
-std::optional<std::string> first_different_body(const devices::TickState& a,
-                                                const devices::TickState& b,
+std::optional<std::string> first_different_body(const TickState& a, const TickState& b,
                                                 const SharedBodies& shared) {
   if (shared.all()) return first_different_body(a, b, shared.names);
   for (std::size_t i = 0; i < shared.names.size(); ++i) {
@@ -65,7 +63,7 @@ std::optional<std::string> first_different_body(const devices::TickState& a,
   return std::nullopt;
 }
 
-Verifier::Verifier(std::string trial, devices::TrialPlayer& recorded, const Session& session)
+Verifier::Verifier(std::string trial, TrialPlayer& recorded, const Session& session)
     : trial_(std::move(trial)),
       recorded_(recorded),
       names_(body_names(*session.stage)),
@@ -79,7 +77,7 @@ Verifier::Verifier(std::string trial, devices::TrialPlayer& recorded, const Sess
 }
 
 void Verifier::tick(const Session& session) {
-  const devices::TickState* recorded = recorded_.state(session.tick);
+  const TickState* recorded = recorded_.state(session.tick);
   if (!recorded) return;
   tick_state(session, state_);
   const auto body = first_different_body(state_, *recorded, names_);
@@ -104,7 +102,7 @@ void Verifier::tick(const Session& session) {
   ++compared_;
 }
 
-std::int64_t Verifier::finish(const devices::TrialSummary& trial, const Session& session) const {
+std::int64_t Verifier::finish(const TrialSummary& trial, const Session& session) const {
   const std::optional<SaidGameHash> said = said_game_hash(trial);
   const std::string found = in_hex(session.game_hash.value());
   if (said && said->tick == session.tick && said->hash != found) {

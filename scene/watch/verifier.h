@@ -6,16 +6,15 @@
 #include <string>
 #include <vector>
 
-#include "devices/trial/file.h"
 #include "scene/play/run.h"
+#include "scene/record/file.h"
 
 namespace headpin::scene {
 
 /// Compares a state with a recorded one of the same tick: every bit of every body.
 /// @return  the body that differs; empty if only parts differ that the log does not store; nothing
 ///          if equal
-std::optional<std::string> first_different_body(const devices::TickState& a,
-                                                const devices::TickState& b,
+std::optional<std::string> first_different_body(const TickState& a, const TickState& b,
                                                 std::span<const std::string> names);
 
 /// The bodies that two sessions have in common, by name, and those that only one of them has.
@@ -29,8 +28,7 @@ struct SharedBodies {
 SharedBodies shared_bodies(std::span<const std::string> a, std::span<const std::string> b);
 
 /// Like first_different_body, for the common bodies.
-std::optional<std::string> first_different_body(const devices::TickState& a,
-                                                const devices::TickState& b,
+std::optional<std::string> first_different_body(const TickState& a, const TickState& b,
                                                 const SharedBodies& shared);
 
 /// A run differs from the recording.
@@ -44,7 +42,7 @@ class Verifier : public Observer {
   /// @param trial     its name, for errors
   /// @param recorded  with the states beside it; must outlive this
   /// @throws std::runtime_error  when there are none
-  Verifier(std::string trial, devices::TrialPlayer& recorded, const Session& session);
+  Verifier(std::string trial, TrialPlayer& recorded, const Session& session);
 
   /// @throws Differs  naming the trial, the tick, and the first body that differs
   void tick(const Session& session) override;
@@ -56,15 +54,15 @@ class Verifier : public Observer {
   /// @throws Differs             when the game hash differs
   /// @throws std::runtime_error  when states are missing, except for that of the tick in which a
   ///                             recording was cut off
-  std::int64_t finish(const devices::TrialSummary& trial, const Session& session) const;
+  std::int64_t finish(const TrialSummary& trial, const Session& session) const;
 
   std::int64_t compared() const { return compared_; }  ///< ticks found equal
 
  private:
   std::string trial_;
-  devices::TrialPlayer& recorded_;
+  TrialPlayer& recorded_;
   std::vector<std::string> names_;
-  devices::TickState state_;
+  TickState state_;
   std::int64_t first_;  ///< tick before the first compared one
   std::int64_t compared_ = 0;
 };

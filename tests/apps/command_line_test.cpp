@@ -7,10 +7,10 @@
 #include <fmt/format.h>
 
 #include "base/output_file.h"
-#include "devices/trial/event_log.h"
-#include "devices/trial/log.h"
+#include "devices/log/event_log.h"
 #include "render/image.h"
 #include "render/png.h"
+#include "scene/record/log.h"
 
 namespace headpin {
 namespace {
@@ -166,7 +166,7 @@ TEST_F(CommandLine, ACutOffTrialReplaysUpToTheCut) {
 TEST_F(CommandLine, StatesThatAreLostAreNeitherVerifiedNorEqual) {
   ASSERT_EQ(headpin("replay " + kDemo + " -o whole.lcmlog --states all").code, 0);
   std::string log = slurp(folder_ / "whole.lcmlog");
-  const devices::Trial whole = devices::read_trial(folder_ / "whole.lcmlog");
+  const scene::Trial whole = scene::read_trial(folder_ / "whole.lcmlog");
   std::size_t state = 0, lost = 0;
   for (std::size_t at = log.find("STATE"); at != std::string::npos;
        at = log.find("STATE", at + 5)) {
@@ -195,12 +195,12 @@ TEST_F(CommandLine, StatesThatAreLostAreNeitherVerifiedNorEqual) {
 // A number that somebody changed in a state, and not in its hash, is not what the hash tells.
 TEST_F(CommandLine, AStateThatWasEditedIsToldFromOneThatDiffers) {
   ASSERT_EQ(headpin("replay " + kDemo + " -o whole.lcmlog").code, 0);
-  devices::Trial whole = devices::read_trial(folder_ / "whole.lcmlog");
+  scene::Trial whole = scene::read_trial(folder_ / "whole.lcmlog");
   const auto write = [&] {
-    devices::Recorder recorder(base::OutputFile(folder_ / "edited.lcmlog", {.overwrite = true}),
-                               whole.header);
-    devices::write(recorder, whole.samples, {});
-    for (const devices::TickState& state : whole.states) recorder.write(state);
+    scene::Recorder recorder(base::OutputFile(folder_ / "edited.lcmlog", {.overwrite = true}),
+                             whole.header);
+    scene::write(recorder, whole.samples, {});
+    for (const scene::TickState& state : whole.states) recorder.write(state);
     recorder.close();
   };
   const std::string verify = "replay edited.lcmlog --verify";
@@ -218,13 +218,13 @@ TEST_F(CommandLine, AStateThatWasEditedIsToldFromOneThatDiffers) {
 
 // A receiver may report one place far away as good; the log's summary says so.
 TEST_F(CommandLine, ALoneSampleFarAwayIsAstray) {
-  devices::Trial trial = devices::read_trial(kDemo);
+  scene::Trial trial = scene::read_trial(kDemo);
   std::size_t at = 300;
   while (!std::holds_alternative<devices::TrackerSample>(trial.samples[at])) ++at;
   auto& far = std::get<devices::TrackerSample>(trial.samples[at]);
   far.X_TS.p.x() += 50.0;
-  devices::Recorder recorder(folder_ / "far.lcmlog", trial.header);
-  devices::write(recorder, trial.samples, {});
+  scene::Recorder recorder(folder_ / "far.lcmlog", trial.header);
+  scene::write(recorder, trial.samples, {});
   recorder.close();
   const nlohmann::json odd = json("info far.lcmlog --json"),
                        even = json("info " + kDemo + " --json");

@@ -17,7 +17,7 @@
 #include "devices/fastrak/motion.h"
 #include "devices/lines/lasting_line.h"
 #include "devices/recordings/recorded_motion.h"
-#include "devices/trial/log.h"
+#include "scene/record/log.h"
 #include "tests/support/folder.h"
 
 namespace headpin {
@@ -108,7 +108,7 @@ TEST_F(Emulate, ATrialBeginsWhenTheDriverStartsToListen) {
   const auto samples = listen(driver, 60s);
   ASSERT_GT(samples.size(), 60u);
   const devices::FastrakMotion recorded =
-      devices::recorded_motion(devices::read_trial(trial).samples);
+      devices::recorded_motion(scene::read_trial(trial).samples);
   const auto& first = std::get<devices::TrackerSample>(samples.front());
   const Pose truth = recorded(first.station, Time{}).X_TS;
   // Reported with r and -r alike; within the first tenth of a second it has not moved 5 cm.
@@ -177,7 +177,7 @@ TEST_F(Emulate, OverTcpEachClientGetsARunningTrial) {
     return std::string();
   }();
   ASSERT_TRUE(line.starts_with("tcp:127.0.0.1:")) << line;
-  const devices::Trial recorded = devices::read_trial(trial);
+  const scene::Trial recorded = scene::read_trial(trial);
   const devices::FastrakMotion motion = devices::seen_from(
       devices::place_for(recorded.samples), devices::recorded_motion(recorded.samples));
   for (int client = 0; client < 2; ++client) {

@@ -7,9 +7,9 @@
 
 #include <fmt/format.h>
 
-#include "devices/trial/log.h"
-#include "devices/trial/sources.h"
-#include "scene/play/events.h"
+#include "devices/base/sources.h"
+#include "scene/record/events.h"
+#include "scene/record/log.h"
 #include "scene/scenario/scenario.h"
 #include "tests/apps/command_line.h"
 #include "tests/apps/decoded.h"
@@ -21,9 +21,7 @@ using testing::HasSubstr;
 
 class Frames : public CommandLine {
  protected:
-  devices::Trial trial(const std::string& name) const {
-    return devices::read_trial(folder_ / name);
-  }
+  scene::Trial trial(const std::string& name) const { return scene::read_trial(folder_ / name); }
 
   /// A session of 1.2 s of the bundled trial, drawn with one sample a pixel.
   void record_session() const {
@@ -37,14 +35,14 @@ class Frames : public CommandLine {
   /// `shown.lcmlog` as NAME, changed.
   template <typename Change>
   void rewrite(const std::string& name, const Change& change) const {
-    devices::Trial t = trial("shown.lcmlog");
+    scene::Trial t = trial("shown.lcmlog");
     change(t);
-    devices::Recorder recorder(folder_ / name, t.header);
-    for (const devices::Event& event : t.events) {
+    scene::Recorder recorder(folder_ / name, t.header);
+    for (const scene::Event& event : t.events) {
       if (event.kind == scene::kind::drawn_by) recorder.write(event);
     }
-    devices::write(recorder, t.samples, {});
-    for (const devices::FrameRecord& frame : t.frames) recorder.write(frame);
+    scene::write(recorder, t.samples, {});
+    for (const scene::FrameRecord& frame : t.frames) recorder.write(frame);
     recorder.close();
   }
 
@@ -66,14 +64,14 @@ class Frames : public CommandLine {
 
 TEST_F(Frames, AsShownAreThoseThatWereShownAtTheirTicks) {
   record_session();
-  const devices::Trial shown = trial("shown.lcmlog");
+  const scene::Trial shown = trial("shown.lcmlog");
   ASSERT_GT(shown.frames.size(), 2u);
   const nlohmann::json told = json("frames shown.lcmlog --as-shown -o frames --json");
   EXPECT_EQ(told["frames"], shown.frames.size());
   EXPECT_EQ(told["verified_frames"], shown.frames.size());
   const auto rows = index("frames");
   ASSERT_EQ(rows.size(), shown.frames.size());
-  for (const devices::FrameRecord& frame : shown.frames) {
+  for (const scene::FrameRecord& frame : shown.frames) {
     const auto& [time, tick, left, right] = rows.at(frame.frame);
     EXPECT_NEAR(std::stod(time), seconds(frame.time), 1e-6);
     EXPECT_EQ(std::stoll(tick), frame.tick);
@@ -93,7 +91,7 @@ TEST_F(Frames, AsShownAreThoseThatWereShownAtTheirTicks) {
 TEST_F(Frames, TheFirstPictureThatDiffersIsNamed) {
   record_session();
   std::int64_t number = 0;
-  rewrite("other.lcmlog", [&](devices::Trial& t) {
+  rewrite("other.lcmlog", [&](scene::Trial& t) {
     number = t.frames[1].frame;
     for (std::size_t i = 1; i < t.frames.size(); ++i) t.frames[i].hash[1] ^= 1;
   });
@@ -105,15 +103,15 @@ TEST_F(Frames, TheFirstPictureThatDiffersIsNamed) {
 // Another Mesa, processor or setting may draw other bits: a test picture decides whether it does.
 TEST_F(Frames, DrawnElsewhereAreNotComparedAndItIsSaidWhy) {
   record_session();
-  rewrite("elsewhere.lcmlog", [](devices::Trial& t) {
-    for (devices::Event& event : t.events) {
+  rewrite("elsewhere.lcmlog", [](scene::Trial& t) {
+    for (scene::Event& event : t.events) {
       if (event.kind != scene::kind::drawn_by) continue;
       nlohmann::json who = nlohmann::json::parse(event.detail);
       who["renderer"] = "OSMesa, llvmpipe of another day";
       who["test_picture"] = "0123456789abcdef";
       event.detail = who.dump();
     }
-    for (devices::FrameRecord& frame : t.frames) frame.hash[0] ^= 1;
+    for (scene::FrameRecord& frame : t.frames) frame.hash[0] ^= 1;
   });
   const Result drawn = headpin("frames elsewhere.lcmlog --as-shown -o frames");
   EXPECT_EQ(drawn.code, 0) << drawn.err;
@@ -260,9 +258,9 @@ TEST_F(Frames, AsShownAreInTheVideoAtTheirTimes) {
             0);
   const std::string film = decoded(folder_ / "film.mkv", "rgb24");
   constexpr std::size_t kPicture = std::size_t{3} * 720 * 240;
-  const devices::Trial shown = trial("shown.lcmlog");
+  const scene::Trial shown = trial("shown.lcmlog");
   std::vector<std::string> pictures;
-  for (const devices::FrameRecord& frame : shown.frames) {
+  for (const scene::FrameRecord& frame : shown.frames) {
     pictures.push_back(both_eyes(folder_ / "out", frame.frame));
   }
   const double end = seconds(shown.frames.back().time);

@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "devices/base/resample.h"
 #include "devices/recordings/motion_files.h"
-#include "devices/trial/resample.h"
 #include "tests/apps/foreign_tables.h"
 #include "tests/apps/trial_commands.h"
 #include "tests/support/output_of.h"
@@ -310,7 +310,7 @@ TEST_F(ImportTables, WhatWasNotMeasuredIsAllowedAndSaidInTheTrial) {
   write("places.csv", places);
   const auto not_measured = [&](const std::string& name) {
     std::string said;
-    for (const devices::Event& event : trial(name).events) {
+    for (const scene::Event& event : trial(name).events) {
       if (event.kind == "not_measured") said += event.detail + "\n";
     }
     return said;

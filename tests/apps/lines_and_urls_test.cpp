@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <fstream>
 
-#include "devices/trial/log.h"
+#include "scene/record/log.h"
 #include "tests/apps/command_line.h"
 #include "tests/support/lcm_server.h"
 
@@ -45,7 +45,7 @@ TEST_F(LinesAndUrls, AServerOfLcmThatGoesAwayEndsASessionInOrder) {
   ASSERT_EQ(waitpid(process, &status, 0), process);
   ASSERT_TRUE(WIFEXITED(status)) << status;
   EXPECT_EQ(WEXITSTATUS(status), 1);
-  EXPECT_TRUE(devices::read_trial(record).complete);
+  EXPECT_TRUE(scene::read_trial(record).complete);
 }
 
 TEST_F(LinesAndUrls, AWrongUrlOfLcmIsRefusedWithItsOption) {

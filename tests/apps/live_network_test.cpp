@@ -1,7 +1,7 @@
 // A session in real time in a network of its own: fed by LCM's own player, kept by its logger.
 
-#include "devices/trial/event_log.h"
-#include "devices/trial/log.h"
+#include "devices/log/event_log.h"
+#include "scene/record/log.h"
 #include "tests/apps/live_sessions.h"
 
 namespace headpin {
@@ -54,13 +54,13 @@ TEST_F(Live, AnInterruptEndsItCleanlyAndAKillLosesNothingWritten) {
       "ended.lcmlog 200000\n"
       "kill -INT $!\nwait $!");
   EXPECT_EQ(ended.code, 1) << ended.err;  // whole, but nobody took part
-  EXPECT_TRUE(devices::read_trial((folder_ / "ended.lcmlog").string()).complete);
+  EXPECT_TRUE(scene::read_trial((folder_ / "ended.lcmlog").string()).complete);
 
   alone(
       "$headpin live --lcm '' --record killed.lcmlog --eyes none 2>/dev/null &\nwritten "
       "killed.lcmlog 200000\n"
       "kill -KILL $!\nwait $!");
-  const devices::Trial killed = devices::read_trial((folder_ / "killed.lcmlog").string());
+  const scene::Trial killed = scene::read_trial((folder_ / "killed.lcmlog").string());
   EXPECT_FALSE(killed.complete);
   EXPECT_GT(killed.states.size(), 50u);  // some 2000 bytes each
   EXPECT_EQ(killed.states.back().tick, static_cast<std::int64_t>(killed.states.size()));
@@ -121,7 +121,7 @@ TEST_F(Live, OfTwoPublishersOfTheSameStationsOneIsKeptAndSaid) {
                               "right hand has more than one publisher: [0-9]+ samples left "
                               "out, the last from [0-9.]+:[0-9]+ while [0-9.]+:[0-9]+ sent it"));
   std::string said;
-  for (const devices::Event& event : trial("live.lcmlog").events) {
+  for (const scene::Event& event : trial("live.lcmlog").events) {
     if (event.kind == "source_amiss") said += event.detail;
   }
   EXPECT_THAT(said, testing::HasSubstr("more than one publisher"));
@@ -185,8 +185,8 @@ TEST_F(Live, WhatALoggerKeepsOfASessionIsATrial) {
   };
   const auto who_drew = [&](const std::string& log) {
     std::vector<std::string> all;
-    for (const devices::Event& event : trial(log).events) {
-      if (event.kind == devices::kDrawnByEvent) all.push_back(event.detail);
+    for (const scene::Event& event : trial(log).events) {
+      if (event.kind == scene::kDrawnByEvent) all.push_back(event.detail);
     }
     EXPECT_EQ(all.size(), 1u) << log;
     return all;

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <string>
 
-#include "devices/trial/log.h"
+#include "scene/record/log.h"
 #include "scene/scenario/scenario.h"
 #include "scene/stage/read_scenario.h"
 #include "tests/apps/command_line.h"
@@ -54,9 +54,9 @@ class Sessions : public CommandLine {
     head.X_TS.p = Vec3(0.8, 0.1, -0.6);
     hand.station = devices::kHandStation;
     hand.X_TS.p = kBehind;
-    devices::TrialHeader header;
+    scene::TrialHeader header;
     header.scenario = scene::to_toml(scene::Scenario{});
-    devices::Recorder recorder(folder_ / "behind.lcmlog", header);
+    scene::Recorder recorder(folder_ / "behind.lcmlog", header);
     recorder.write(head);
     recorder.write(hand);
     recorder.close();
@@ -67,9 +67,7 @@ class Sessions : public CommandLine {
     fs::copy(folder_ / "out.txt", folder_ / "room.toml");
   }
 
-  devices::Trial trial(const std::string& name) const {
-    return devices::read_trial(folder_ / name);
-  }
+  scene::Trial trial(const std::string& name) const { return scene::read_trial(folder_ / name); }
 };
 
 }  // namespace headpin

@@ -1,6 +1,6 @@
 // A session in real time: stopped by signals, drawn by a process of its own, replayed to the bit.
 
-#include "devices/trial/log.h"
+#include "scene/record/log.h"
 #include "scene/scenario/scenario.h"
 #include "scene/stage/read_scenario.h"
 #include "tests/apps/live_sessions.h"
@@ -28,12 +28,12 @@ TEST_F(LiveFastrak, ASessionThatNobodyTakesPartInHasFailed) {
 // A message whose status was left at 0 is the commonest mistake of a publisher.
 TEST_F(LiveFastrak, ASessionOfBadSamplesSaysSo) {
   ASSERT_EQ(headpin("synthesize -o good.lcmlog").code, 0);
-  devices::Trial made = trial("good.lcmlog");
+  scene::Trial made = trial("good.lcmlog");
   for (devices::Sample& sample : made.samples) {
     if (auto* tracker = std::get_if<devices::TrackerSample>(&sample)) tracker->status = '\0';
   }
-  devices::Recorder recorder((folder_ / "bad.lcmlog").string(), made.header, {});
-  devices::write(recorder, made.samples, {});
+  scene::Recorder recorder((folder_ / "bad.lcmlog").string(), made.header);
+  scene::write(recorder, made.samples, {});
   recorder.close();
   const std::string live = "live --eyes none --duration 0.5 --lcm file://";
   EXPECT_THAT(headpin(live + "bad.lcmlog").err,
@@ -83,7 +83,7 @@ TEST_F(LiveFastrak, ASessionReplaysToTheSameHashes) {
   const Result result =
       shell(fastrak_session(kDemo, "--scenario room.toml --set rig.delay_s=0", 400));
   ASSERT_EQ(result.code, 0) << result.err;
-  const devices::Trial live = trial("live.lcmlog");
+  const scene::Trial live = trial("live.lcmlog");
   EXPECT_TRUE(std::ranges::any_of(live.events, [](const auto& e) { return e.kind == "grab"; }));
   const nlohmann::json replayed = json("replay live.lcmlog -o again.lcmlog --verify --json");
   EXPECT_EQ(replayed["verified_ticks"], live.states.size());
@@ -312,13 +312,13 @@ TEST_F(LiveFastrak, RecordedFramesAreDrawnAgainToThePixel) {
                 testing::HasSubstr("[look]"));
   }
   // Another look is another picture, and said to be.
-  devices::Trial other = trial("1.lcmlog");
+  scene::Trial other = trial("1.lcmlog");
   scene::Scenario scenario = scene::scenario_of_trial(other.header.scenario, "1.lcmlog");
   scenario.look.samples = 2;
   other.header.scenario = scene::to_toml(scenario);
-  devices::Recorder recorder(folder_ / "other.lcmlog", other.header);
-  devices::write(recorder, other.samples, {});
-  for (const devices::FrameRecord& frame : other.frames) recorder.write(frame);
+  scene::Recorder recorder(folder_ / "other.lcmlog", other.header);
+  scene::write(recorder, other.samples, {});
+  for (const scene::FrameRecord& frame : other.frames) recorder.write(frame);
   recorder.close();
   expect_refusal("frames other.lcmlog --verify", 1,
                  "differs from the recording, first difference in the left");
@@ -347,7 +347,7 @@ TEST_F(LiveFastrak, WhatDrawsMayCrashAndTheSessionGoesOn) {
   EXPECT_THAT(result.err, testing::ContainsRegex("the process that draws has ended, " + how +
                                                  "; it is started again"));
   EXPECT_GT(live["late_frames"], 0);
-  const devices::Trial recorded = trial("live.lcmlog");
+  const scene::Trial recorded = trial("live.lcmlog");
   EXPECT_TRUE(recorded.complete);
   EXPECT_EQ(recorded.samples.size(), live["samples"]);
   ASSERT_FALSE(recorded.states.empty());
@@ -375,7 +375,7 @@ TEST_F(LiveFastrak, WhatDrawsMayCrashAgainAndAgain) {
             "interrupt $live; code=$?\ninterrupt $unit\nexit $code");
   ASSERT_EQ(result.code, 0) << result.err;
   EXPECT_THAT(result.err, testing::HasSubstr("times without a picture and is not started again"));
-  const devices::Trial recorded = trial("live.lcmlog");
+  const scene::Trial recorded = trial("live.lcmlog");
   EXPECT_TRUE(recorded.complete);
   EXPECT_EQ(recorded.states.back().tick, recorded.states.size());
 }

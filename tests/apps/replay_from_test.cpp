@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "devices/trial/event_log.h"
-#include "devices/trial/messages.h"
+#include "devices/log/event_log.h"
+#include "scene/record/messages.h"
 #include "tests/apps/trial_commands.h"
 
 namespace headpin {
@@ -27,7 +27,7 @@ class ReplayFrom : public TrialCommands {
     std::vector<std::uint8_t> out;
     while (const auto event = log.next()) {
       std::vector<std::uint8_t> data(event->data.begin(), event->data.end());
-      if (event->channel == devices::kSnapshotChannel) change(data);
+      if (event->channel == scene::kSnapshotChannel) change(data);
       if (!data.empty()) devices::append({event->number, event->time, event->channel, data}, out);
     }
     std::ofstream(folder_ / name, std::ios::binary)

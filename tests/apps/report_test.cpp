@@ -1,7 +1,7 @@
 #include <map>
 
 #include "apps/page_file.h"
-#include "devices/trial/log.h"
+#include "scene/record/log.h"
 #include "tests/apps/command_line.h"
 
 namespace headpin {
@@ -39,13 +39,13 @@ class Report : public CommandLine {
 };
 
 TEST_F(Report, HoldsTheTrialAsTextThatNoBrowserReadsAsHtml) {
-  const devices::Trial demo = devices::read_trial(kDemo);
-  devices::TrialHeader header = demo.header;
+  const scene::Trial demo = scene::read_trial(kDemo);
+  scene::TrialHeader header = demo.header;
   header.participant = "</script><script>alert('\"1\"')</script>" + std::string(10'000, 'x');
   header.condition = "--><!--headpin:data-->\x01\xff";
   {
-    devices::Recorder recorder(folder_ / "hostile.lcmlog", header);
-    devices::write(recorder, demo.samples, demo.events);
+    scene::Recorder recorder(folder_ / "hostile.lcmlog", header);
+    scene::write(recorder, demo.samples, demo.events);
     recorder.close();
   }
   ASSERT_EQ(headpin("report hostile.lcmlog -o out.html --page page.html").code, 0);

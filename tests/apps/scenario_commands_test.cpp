@@ -5,9 +5,9 @@
 #include <fmt/format.h>
 
 #include "base/output_file.h"
-#include "devices/trial/log.h"
 #include "render/image.h"
 #include "render/png.h"
+#include "scene/record/log.h"
 #include "scene/scenario/scenario.h"
 #include "scene/stage/read_scenario.h"
 #include "tests/apps/command_line.h"
@@ -25,14 +25,14 @@ class ScenarioCommands : public CommandLine {
   }
   /// The bundled trial with another scenario in it.
   void write_trial(const std::string& name, const std::string& scenario) const {
-    devices::Trial trial = devices::read_trial(kDemo);
+    scene::Trial trial = scene::read_trial(kDemo);
     trial.header.scenario = scenario;
-    devices::Recorder recorder(base::OutputFile(folder_ / name, {.overwrite = true}), trial.header);
-    devices::write(recorder, trial.samples, trial.events);
+    scene::Recorder recorder(base::OutputFile(folder_ / name, {.overwrite = true}), trial.header);
+    scene::write(recorder, trial.samples, trial.events);
     recorder.close();
   }
   scene::Scenario scenario_of(const std::string& name) const {
-    return scene::scenario_of_trial(devices::read_trial(folder_ / name).header.scenario, name);
+    return scene::scenario_of_trial(scene::read_trial(folder_ / name).header.scenario, name);
   }
 };
 
@@ -113,10 +113,10 @@ TEST_F(ScenarioCommands, AGameOfTwoVersionsIsScoredReplayedAndVerified) {
   hand.throw_from(0.2);
   hand.touch(scenario.version.blue.button);
   hand.throw_from(0.0);
-  devices::TrialHeader header;
+  scene::TrialHeader header;
   header.scenario = scene::to_toml(scenario);
-  devices::Recorder recorder(folder_ / "hand.lcmlog", header);
-  devices::write(recorder, hand.samples, {});
+  scene::Recorder recorder(folder_ / "hand.lcmlog", header);
+  scene::write(recorder, hand.samples, {});
   recorder.close();
   const nlohmann::json played = json("replay hand.lcmlog -o game.lcmlog --json");
   ASSERT_EQ(played["games"].size(), 2u);
@@ -163,7 +163,7 @@ TEST_F(ScenarioCommands, WhatDoesNotFitIsRefusedByAllAlike) {
 TEST_F(ScenarioCommands, ATrialWithoutItsWholeScenarioIsRefusedByAll) {
   std::string deep = "a";
   for (int i = 0; i < 50'000; ++i) deep += ".a";
-  const std::string whole = devices::read_trial(kDemo).header.scenario;
+  const std::string whole = scene::read_trial(kDemo).header.scenario;
   std::string cut = whole;
   cut[cut.find("gravity")] = '#';
   for (const auto& [text, says] :

@@ -3,7 +3,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "devices/trial/log.h"
+#include "scene/record/log.h"
 #include "tests/apps/command_line.h"
 
 namespace headpin {
@@ -21,9 +21,7 @@ class TrialCommands : public CommandLine {
             slurp(folder_ / "err.txt")};
   }
 
-  devices::Trial trial(const std::string& name) const {
-    return devices::read_trial(folder_ / name);
-  }
+  scene::Trial trial(const std::string& name) const { return scene::read_trial(folder_ / name); }
 };
 
 }  // namespace headpin

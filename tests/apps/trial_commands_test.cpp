@@ -6,8 +6,8 @@
 
 #include <sys/resource.h>
 
-#include "devices/trial/event_log.h"
-#include "devices/trial/log.h"
+#include "devices/log/event_log.h"
+#include "scene/record/log.h"
 #include "scene/scenario/scenario.h"
 
 namespace headpin {
@@ -157,18 +157,18 @@ TEST_F(TrialCommands, AScenarioIsMeantByItsNameOrItsFile) {
 // The last events of a trial say its game hash; trials from before there was one are read without.
 TEST_F(TrialCommands, TheGameHashOfATrialIsVerifiedWhereItSaysOne) {
   const nlohmann::json game = json("replay " + kDemo + " -o game.lcmlog --json");
-  const devices::Trial whole = trial("game.lcmlog");
+  const scene::Trial whole = trial("game.lcmlog");
   ASSERT_EQ(whole.events.back().kind, "game_hash");
   EXPECT_EQ(whole.events.back().detail, game["game_hash"]);
   const auto write_with = [&](const std::string& name, const std::string& hash) {
-    devices::Recorder out(folder_ / name, whole.header);
-    std::vector<devices::Event> events = whole.events;
+    scene::Recorder out(folder_ / name, whole.header);
+    std::vector<scene::Event> events = whole.events;
     if (hash.empty())
       events.pop_back();
     else
       events.back().detail = hash;
-    devices::write(out, whole.samples, events);
-    for (const devices::TickState& state : whole.states) out.write(state);
+    scene::write(out, whole.samples, events);
+    for (const scene::TickState& state : whole.states) out.write(state);
     out.close();
   };
   write_with("old.lcmlog", "");
@@ -181,12 +181,12 @@ TEST_F(TrialCommands, TheGameHashOfATrialIsVerifiedWhereItSaysOne) {
 }
 
 TEST_F(TrialCommands, AGapIsRefusedWithTheOptionThatAcceptsIt) {
-  const devices::Trial demo = devices::read_trial(kDemo);
-  devices::Recorder out(folder_ / "gap.lcmlog", demo.header);
+  const scene::Trial demo = scene::read_trial(kDemo);
+  scene::Recorder out(folder_ / "gap.lcmlog", demo.header);
   auto sample = std::get<devices::TrackerSample>(demo.samples.front());
   sample.sequence += 1;
   sample.device_time += Time{100'000'000};
-  devices::write(out, std::vector<devices::Sample>{demo.samples.front(), sample}, {});
+  scene::write(out, std::vector<devices::Sample>{demo.samples.front(), sample}, {});
   out.close();
   expect_refusal("replay gap.lcmlog", 1, "expected 60 s at most; --longest-gap accepts more");
   EXPECT_EQ(headpin("replay gap.lcmlog --longest-gap 200").code, 0);
@@ -256,10 +256,10 @@ TEST_F(TrialCommands, AStreamedTrialIsTheTrial) {
 
 TEST_F(TrialCommands, AStreamedHeadWalksAsInTheSession) {
   scene::Scenario scenario;
-  devices::TrialHeader header;
+  scene::TrialHeader header;
   header.scenario = scene::to_toml(scenario);
   {
-    devices::Recorder recorder(folder_ / "walk.lcmlog", header);
+    scene::Recorder recorder(folder_ / "walk.lcmlog", header);
     for (int i = 0; i <= 180; ++i) {  // looks along y; the left thumb is down for a second
       devices::TrackerSample head;
       head.device_time = tick_time(i, 60);
@@ -368,7 +368,7 @@ TEST_F(PrivateNetwork, WhatLcmLoggerMakesOfAStreamOrAPlayedTrialReplaysTheSame) 
       std::filesystem::remove(log);
       const Result result = shell(script);
       ASSERT_EQ(result.code, 0) << result.err;
-      if (devices::read_log(log).complete) return;
+      if (scene::read_log(log).complete) return;
     }
     FAIL() << player << " never came through whole";
   };

@@ -44,7 +44,7 @@ void expect_same_sample(const devices::Sample& a, const devices::Sample& b) {
 
 TEST_F(XdfCommands, ATrialComesBackWithEverySampleAndTheSameGame) {
   EXPECT_EQ(headpin("import game.xdf -o back.lcmlog").code, 0);
-  const devices::Trial before = trial("game.lcmlog"), after = trial("back.lcmlog");
+  const scene::Trial before = trial("game.lcmlog"), after = trial("back.lcmlog");
   ASSERT_EQ(after.samples.size(), before.samples.size());
   for (std::size_t i = 0; i < before.samples.size(); ++i)
     expect_same_sample(before.samples[i], after.samples[i]);
@@ -152,7 +152,7 @@ TEST_F(XdfCommands, ACutTrialIsReadToWhereItIsWhole) {
   EXPECT_EQ(result.code, 0);
   EXPECT_THAT(result.err, HasSubstr("the file ends inside a chunk"));
   EXPECT_THAT(result.err, HasSubstr("7 of 7 streams have no footer"));
-  const devices::Trial before = trial("game.lcmlog"), after = trial("cut.lcmlog");
+  const scene::Trial before = trial("game.lcmlog"), after = trial("cut.lcmlog");
   ASSERT_GT(after.samples.size(), before.samples.size() / 3);
   ASSERT_LT(after.samples.size(), before.samples.size());
   const auto in_half_seconds = [](const devices::Sample& sample) {

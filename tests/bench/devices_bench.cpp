@@ -16,9 +16,8 @@
 #include "base/output_file.h"
 #include "devices/fastrak/driver.h"
 #include "devices/fastrak/emulator.h"
-#include "devices/trial/event_log.h"
-#include "devices/trial/log.h"
-#include "devices/trial/sources.h"
+#include "devices/log/event_log.h"
+#include "scene/record/log.h"
 #include "tests/bench/report.h"
 #include "tests/support/folder.h"
 
@@ -121,7 +120,7 @@ struct Folder {
 
 /// Reads it as its users do, message by message into a trial; returns the states.
 double read_whole(const std::string& path) {
-  return static_cast<double>(headpin::devices::read_trial(path).states.size());
+  return static_cast<double>(headpin::scene::read_trial(path).states.size());
 }
 
 /// Finds the events only.
@@ -145,18 +144,17 @@ double read_by_liblcm(const std::string& path) {
 }
 
 /// Encodes and writes it, safe after each message.
-double write_whole(const devices::Trial& trial, const std::string& path) {
-  devices::Recorder recorder(base::OutputFile(path, {.overwrite = true, .live = true}),
-                             trial.header);
+double write_whole(const scene::Trial& trial, const std::string& path) {
+  scene::Recorder recorder(base::OutputFile(path, {.overwrite = true, .live = true}), trial.header);
   std::size_t sample = 0;
-  for (const devices::TickState& state : trial.states) {
+  for (const scene::TickState& state : trial.states) {
     for (; sample < trial.samples.size(); ++sample) {
       if (devices::available(trial.samples[sample]) > state.time) break;
       recorder.write(trial.samples[sample]);
     }
     recorder.write(state);
   }
-  for (const devices::Event& event : trial.events) recorder.write(event);
+  for (const scene::Event& event : trial.events) recorder.write(event);
   recorder.close();
   return static_cast<double>(sample);
 }
@@ -204,7 +202,7 @@ std::vector<bench::Row> logs(const Folder& folder) {
                                   "/assets/trials/demo.lcmlog -o trial.lcmlog >/dev/null")) {
     throw std::runtime_error("headpin replay failed");
   }
-  const devices::Trial trial = devices::read_trial(log);
+  const scene::Trial trial = scene::read_trial(log);
   std::vector<RawEvent> events = raw_events(log);
   const std::vector<double> s =
       bench::interleaved({{"read", [&] { return read_whole(log); }},

@@ -14,14 +14,14 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include "devices/trial/log.h"
-#include "devices/trial/sources.h"
+#include "devices/base/sources.h"
 #include "render/display.h"
 #include "render/png.h"
 #include "render/video.h"
 #include "scene/looks/eyes.h"
 #include "scene/looks/hand_mesh.h"
 #include "scene/looks/skittle_mesh.h"
+#include "scene/record/log.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/recorded.h"
 #include "tests/bench/mujoco_pictures.h"
@@ -43,8 +43,7 @@ struct Throw {
   std::vector<scene::Glimpse> at;
 
   Throw() {
-    const devices::Trial trial =
-        devices::read_trial(HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog");
+    const scene::Trial trial = scene::read_trial(HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog");
     scene::Session session =
         scene::make_session(scene::scenario_of_trial(trial.header.scenario, "demo.lcmlog"));
     stage = session.stage;

@@ -12,7 +12,7 @@
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include "devices/trial/sources.h"
+#include "devices/base/sources.h"
 #include "study/csv.h"
 #include "sweep/folder.h"
 #include "sweep/runner.h"

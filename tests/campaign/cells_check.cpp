@@ -6,12 +6,12 @@
 #include <string>
 #include <vector>
 
+#include "devices/base/sources.h"
 #include "devices/recordings/motion_files.h"
-#include "devices/trial/sources.h"
 #include "scene/people/arm_model.h"
 #include "scene/people/throw.h"
-#include "scene/play/events.h"
 #include "scene/play/run.h"
+#include "scene/record/events.h"
 
 // Whether each cell of Table 1 (Uno & Slater 1997) is a game: how many throws reach the skittles of
 // the paper's room, and how many fall.
@@ -53,7 +53,7 @@ Outcome play(const Scenario& scenario, const std::vector<devices::Sample>& sampl
   Outcome outcome;
   while (!session.game.over && session.now() < Time{30'000'000}) {
     advance(session, source);
-    for (const devices::Event& event : session.events) {
+    for (const scene::Event& event : session.events) {
       if (event.kind == kind::first_contact) outcome.reached = true;
       if (event.kind == kind::delivery) outcome.down = static_cast<int>(event.value);
     }

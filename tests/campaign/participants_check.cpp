@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 
 #include "scene/people/participant.h"
-#include "scene/play/events.h"
+#include "scene/record/events.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/totals.h"
 
@@ -33,7 +33,7 @@ using namespace headpin;
 using namespace headpin::scene;
 
 /// What came of one throw.
-struct ThrowRow {
+struct PlayedThrow {
   std::string version;
   int throw_number = 0;
   double speed = 0.0, impact = NAN;
@@ -44,13 +44,13 @@ struct ThrowRow {
 class ThrowRows : public Observer {
  public:
   void tick(const Session& session) override {
-    for (const devices::Event& event : session.events) add(event);
+    for (const scene::Event& event : session.events) add(event);
   }
-  std::vector<ThrowRow> rows;
-  std::vector<devices::Event> approaches;
+  std::vector<PlayedThrow> rows;
+  std::vector<scene::Event> approaches;
 
  private:
-  void add(const devices::Event& event) {
+  void add(const scene::Event& event) {
     if (event.kind == kind::version) version_ = event.detail, number_ = 0;
     if (event.kind == kind::release) {
       rows.push_back({.version = version_, .throw_number = ++number_, .speed = event.value});
@@ -142,10 +142,10 @@ std::string panel(double top, const std::string& title, double low, double width
   return svg;
 }
 
-std::string picture(const std::vector<ThrowRow>& rows, long long people,
+std::string picture(const std::vector<PlayedThrow>& rows, long long people,
                     const Versions& versions_of) {
   std::map<std::string, std::vector<double>> speeds, impacts, firsts;
-  for (const ThrowRow& row : rows) {
+  for (const PlayedThrow& row : rows) {
     speeds[row.version].push_back(row.speed);
     if (std::isfinite(row.impact)) impacts[row.version].push_back(row.impact);
     if (row.frame_ball == 1) firsts[row.version].push_back(row.down);
@@ -206,7 +206,7 @@ int main(int count, char** arguments) {
   csv << "participant,version,throw,ball_of_frame,release_mps,impact_mps,skittles_down\n";
   std::ofstream flights(folder + "/approaches.csv");
   flights << "participant,time_s,body,time_to_contact_s,closest_m,head_away_mps2,hand_away_mps2\n";
-  std::vector<ThrowRow> all;
+  std::vector<PlayedThrow> all;
   long long faults = 0, approaches = 0, moved = 0;
   double simulated = 0.0, spent = 0.0;
   for (long long seed = first; seed < first + people; ++seed) {
@@ -235,7 +235,7 @@ int main(int count, char** arguments) {
       fmt::print("participant {}: {} throws{}, {:.1f} s\n", seed, participant.throws(),
                  participant.gave_up() ? ", gave up" : "", seconds(session.now()));
     }
-    for (const ThrowRow& row : rows.rows) {
+    for (const PlayedThrow& row : rows.rows) {
       csv << fmt::format("{},{},{},{},{:.3f},{:.3f},{}\n", seed, row.version, row.throw_number,
                          row.frame_ball, row.speed, row.impact, row.down);
     }

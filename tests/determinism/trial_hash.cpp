@@ -17,7 +17,7 @@ using namespace headpin;
 void replay(const char* path) {
   const scene::Recorded recorded = scene::load_trial(path);
   scene::Session session = scene::make_session(recorded.scenario);
-  devices::TrialPlayer source(recorded.file, {.states = true});
+  scene::TrialPlayer source(recorded.file, {.states = true});
   scene::Totals totals;
   scene::Verifier verifier(path, source, session);
   scene::Observer* const observers[] = {&totals, &verifier};

@@ -14,8 +14,8 @@
 #include "devices/emulated/lcm_feed.h"
 #include "devices/emulated/unit.h"
 #include "devices/fastrak/driver.h"
-#include "devices/trial/log.h"
 #include "tests/support/folder.h"
+#include "tests/support/samples_of_log.h"
 
 namespace headpin::devices {
 namespace {
@@ -159,7 +159,7 @@ TEST(EmulatedUnitTest, SaysWhatItCannotObey) {
 
 std::vector<MouseSample> mouse_in(const std::filesystem::path& log) {
   std::vector<MouseSample> all;
-  for (const Sample& sample : read_log(log.string()).samples) {
+  for (const Sample& sample : test::samples_of(log.string())) {
     if (const auto* mouse = std::get_if<MouseSample>(&sample)) all.push_back(*mouse);
   }
   return all;

@@ -10,7 +10,7 @@
 #include "devices/fastrak/clients.h"
 #include "devices/fastrak/emulator.h"
 #include "devices/recordings/recorded_motion.h"
-#include "devices/trial/log.h"
+#include "tests/support/samples_of_log.h"
 
 /// The start-up of every known Fastrak client, byte for byte, over a real pseudo-terminal: each
 /// gets what it needs to go on, and then the whole bundled trial.
@@ -232,10 +232,11 @@ TEST_P(FastrakClientTest, GetsWhatItNeedsToGoOn) {
 // A unit as `emulate TRIAL` makes it, at clients that set neither envelope nor, most, hemisphere.
 TEST_P(FastrakClientTest, GetsTheWholeBundledTrial) {
   const FastrakClient& client = client_named(GetParam());
-  const Trial trial = read_trial(HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog");
-  const FastrakPlace place = place_for(trial.samples);
-  const Time length = last_time(trial.samples);
-  const FastrakMotion played = seen_from(place, recorded_motion(trial.samples));
+  const std::vector<Sample> samples =
+      test::samples_of(HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog");
+  const FastrakPlace place = place_for(samples);
+  const Time length = last_time(samples);
+  const FastrakMotion played = seen_from(place, recorded_motion(samples));
   const auto motion = [&](int station, Time t) { return played(station, t % length); };
 
   std::vector<FastrakSent> sent;

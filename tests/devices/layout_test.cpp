@@ -1,6 +1,6 @@
 // Layouts of messages against messages that lcm-gen's code encodes.
 
-#include "devices/trial/layout.h"
+#include "devices/log/layout.h"
 
 #include <stdexcept>
 

@@ -11,14 +11,13 @@
 #include <lcm/lcm.h>
 #include <sys/time.h>
 
+#include "devices/base/sources.h"
 #include "devices/lcm/link.h"
 #include "devices/lcm/log_source.h"
 #include "devices/lcm/source.h"
-#include "devices/trial/event_log.h"
-#include "devices/trial/log.h"
-#include "devices/trial/messages.h"
-#include "devices/trial/sources.h"
+#include "devices/log/event_log.h"
 #include "tests/support/folder.h"
+#include "tests/support/samples_of_log.h"
 
 namespace headpin::devices {
 namespace {
@@ -54,35 +53,6 @@ TEST(LcmLinkTest, WhatIsPublishedArrivesOnTheSessionsClock) {
   EXPECT_EQ(mouse.device_time, Time{58'000});  // 8 ms after the first, as the publisher says
   EXPECT_TRUE(mouse.trigger);
   EXPECT_EQ(source.intake().counts().received, 2);
-}
-
-// Who listens in later finds the header within a second, and with it what draws.
-TEST(LcmLinkTest, APublishedTrialSaysItsHeaderEverySecond) {
-  const std::filesystem::path path = fresh_folder("link") / "trial.log";
-  {
-    LcmLink log("file://" + path.string() + "?mode=w");
-    TrialPublisher trial(log, TrialHeader{});
-    Event drawn;
-    drawn.time = Time{50'000};
-    drawn.kind = kDrawnByEvent;
-    trial.write(drawn);
-    for (int i = 1; i <= 35; ++i) {
-      TickState state;
-      state.time = Time{100'000 * i};
-      state.tick = i;
-      state.bodies.resize(1);
-      trial.write(state);
-    }
-    trial.close();
-  }
-  const Trial heard = read_log(path.string());
-  std::int64_t headers = 0, events = 0;
-  for (const auto& [name, channel] : heard.channels) {
-    if (name.ends_with(kTrialChannel)) headers += channel.messages;
-    if (name.ends_with(kEventChannel)) events += channel.messages;
-  }
-  EXPECT_EQ(headers, 1 + 3);  // at 1, 2 and 3 s
-  EXPECT_EQ(events, 1 + 3 + 1);
 }
 
 TEST(LcmLinkTest, ALogEndsAndIsNotWrittenTo) {
@@ -150,7 +120,9 @@ TEST(LcmLinkTest, ASmallLogThatIsCutToNothingWhileItPlaysIsPlayedWhole) {
 // At its pace on the session's clock, however late the session is.
 TEST(LcmLinkTest, ALogPlaysAtItsPace) {
   const std::string demo = HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog";
-  const Trial trial = read_trial(demo);
+  FileWindow file(demo);
+  const Time begin = LogReader(file).next()->time;
+  const std::vector<Stamped<Sample>> expected = test::stamped_samples_of(demo);
   for (const double speed : {1.0, 4.0}) {
     LogSource source({.path = demo, .speed = speed});
     Time last{};
@@ -159,11 +131,9 @@ TEST(LcmLinkTest, ALogPlaysAtItsPace) {
       source.poll(now, out);
       last = now;
     }
-    EXPECT_EQ(out.size(), trial.samples.size());
+    EXPECT_EQ(out.size(), expected.size());
     const double took = seconds(last) * speed;
-    EXPECT_NEAR(
-        took, seconds(trial.channels.at("TRACKER").last - trial.channels.at("HEADPIN_TRIAL").first),
-        0.05);
+    EXPECT_NEAR(took, seconds(expected.back().time - begin), 0.05);
   }
 }
 

@@ -29,7 +29,7 @@ const std::string kGone = ": the LCM server has closed the connection";
 TEST(LcmServerTest, WhereNobodyListensThereIsNoSession) {
   const LocalPort closed;
   Clocks clocks;
-  EXPECT_EQ(complaint([&] { open_source("lcm:" + closed.url(), clocks, {}); }),
+  EXPECT_EQ(complaint([&] { open_device("lcm:" + closed.url(), clocks, {}); }),
             "lcm:" + closed.url() + kNobody);
   EXPECT_EQ(complaint([&] { LcmLink link(LcmUrl(closed.url(), "--lcm ")); }),
             "--lcm " + closed.url() + kNobody);
@@ -38,7 +38,7 @@ TEST(LcmServerTest, WhereNobodyListensThereIsNoSession) {
 TEST(LcmServerTest, WhoClosesAtOnceIsNoServer) {
   const LocalLcmServer closes(false);
   Clocks clocks;
-  EXPECT_EQ(complaint([&] { open_source("lcm:" + closes.url(), clocks, {}); }),
+  EXPECT_EQ(complaint([&] { open_device("lcm:" + closes.url(), clocks, {}); }),
             "lcm:" + closes.url() + kNobody);
 }
 
@@ -49,7 +49,7 @@ TEST(LcmServerTest, AServerThatGoesAwayEndsTheSessionWithAWord) {
 #endif
   LocalLcmServer server(true);
   Clocks clocks;
-  const OpenSource opened = open_source("lcm:" + server.url(), clocks, {});
+  const OpenSource opened = *open_device("lcm:" + server.url(), clocks, {});
   LiveSource* const source = opened.source.get();
   opened.start();
   std::vector<Sample> samples;

@@ -1,4 +1,4 @@
-#include "devices/trial/resample.h"
+#include "devices/base/resample.h"
 
 #include <tuple>
 

@@ -1,8 +1,8 @@
-#include "devices/trial/sources.h"
+#include "devices/base/sources.h"
 
 #include <gtest/gtest.h>
 
-#include "devices/trial/messages.h"
+#include "devices/log/sample_messages.h"
 
 namespace headpin::devices {
 namespace {
@@ -62,9 +62,10 @@ TEST(Available, OfASessionsSampleComesBackFromItsMessage) {
   mouse.session_time = Time{8333};
   Buffer bytes;
   encode(tracker, bytes);
-  EXPECT_EQ(std::get<TrackerSample>(*decode(kTrackerChannel, bytes)).session_time, Time{4166});
+  EXPECT_EQ(std::get<TrackerSample>(*decode_sample(kTrackerChannel, bytes)).session_time,
+            Time{4166});
   encode(mouse, bytes);
-  EXPECT_EQ(std::get<MouseSample>(*decode(kMouseChannel, bytes)).session_time, Time{8333});
+  EXPECT_EQ(std::get<MouseSample>(*decode_sample(kMouseChannel, bytes)).session_time, Time{8333});
 }
 
 /// Hands out what it was given, all at once, whatever the time.

@@ -1,5 +1,7 @@
 // XDF, as bytes of its specification: chunks, clocks, streams of motion.
 
+#include "scene/record/xdf.h"
+
 #include <cmath>
 #include <random>
 
@@ -8,7 +10,6 @@
 
 #include "devices/recordings/xdf_clock.h"
 #include "devices/recordings/xdf_motion.h"
-#include "devices/recordings/xdf_trial.h"
 #include "tests/support/xdf_bytes.h"
 
 namespace headpin::devices {

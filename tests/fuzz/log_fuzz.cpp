@@ -1,32 +1,32 @@
 #include <cstdlib>
 
-#include "devices/trial/file.h"
-#include "devices/trial/log.h"
-#include "devices/trial/messages.h"
-#include "devices/trial/sources.h"
-#include "devices/trial/state_change.h"
+#include "devices/base/sources.h"
+#include "scene/record/file.h"
+#include "scene/record/log.h"
+#include "scene/record/messages.h"
+#include "scene/record/state_change.h"
 
 using namespace headpin;
 
 namespace {
 
 /// A state that can be told by what is new in it comes back as it was.
-void expect_told(const devices::TickState& state, devices::StateHistory& writing,
-                 devices::StateHistory& reading) {
-  const std::optional<devices::StateChange> change = writing.change_to(state);
+void expect_told(const scene::TickState& state, scene::StateHistory& writing,
+                 scene::StateHistory& reading) {
+  const std::optional<scene::StateChange> change = writing.change_to(state);
   if (!change) {
     writing.begin(state);
     reading.begin(state);
     return;
   }
   devices::Buffer bytes, expected, found;
-  devices::encode(*change, bytes);
-  const auto again = devices::decode(devices::kStateChangeChannel, bytes);
+  encode(*change, bytes);
+  const auto again = scene::decode(scene::kStateChangeChannel, bytes);
   if (!again) std::abort();
-  const auto* told = reading.go_on(std::get<devices::StateChange>(*again));
+  const auto* told = reading.go_on(std::get<scene::StateChange>(*again));
   if (!told) std::abort();
-  devices::encode(state, expected);
-  devices::encode(*told, found);
+  encode(state, expected);
+  encode(*told, found);
   if (expected != found) std::abort();
 }
 
@@ -35,25 +35,25 @@ void expect_told(const devices::TickState& state, devices::StateHistory& writing
 // Whatever a log holds: read_log comes back, and all it lets through can be written, read again
 // and replayed.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  const devices::Trial trial = devices::read_log({data, size});
+  const scene::Trial trial = scene::read_log({data, size});
 
   devices::Buffer bytes;
   for (const devices::Sample& sample : trial.samples) {
-    std::visit([&](const auto& s) { devices::encode(s, bytes); }, sample);
+    std::visit([&](const auto& s) { encode(s, bytes); }, sample);
     const bool tracker = std::holds_alternative<devices::TrackerSample>(sample);
     const auto again =
-        devices::decode(tracker ? devices::kTrackerChannel : devices::kMouseChannel, bytes);
-    if (!again || !devices::plausible(*again)) std::abort();
+        scene::decode(tracker ? devices::kTrackerChannel : devices::kMouseChannel, bytes);
+    if (!again || !scene::plausible(*again)) std::abort();
   }
-  devices::StateHistory writing, reading;
-  for (const devices::TickState& state : trial.states) {
-    devices::encode(state, bytes);
-    if (!devices::decode(devices::kStateChannel, bytes)) std::abort();
+  scene::StateHistory writing, reading;
+  for (const scene::TickState& state : trial.states) {
+    encode(state, bytes);
+    if (!scene::decode(scene::kStateChannel, bytes)) std::abort();
     expect_told(state, writing, reading);
   }
 
-  const devices::TrialFile file({data, size});
-  devices::TrialPlayer player(file);
+  const scene::TrialFile file({data, size});
+  scene::TrialPlayer player(file);
   std::int64_t samples = 0;
   std::vector<devices::Sample> some;
   while (const std::optional<Time> time = player.next_time()) {

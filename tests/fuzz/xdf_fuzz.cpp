@@ -2,7 +2,7 @@
 #include <stdexcept>
 
 #include "devices/recordings/xdf_motion.h"
-#include "devices/recordings/xdf_trial.h"
+#include "scene/record/xdf.h"
 
 using namespace headpin;
 
@@ -22,7 +22,7 @@ void look_at_motion(const devices::XdfBytes& bytes) {
 }
 
 void look_at_trial(const devices::XdfBytes& bytes) {
-  for (const devices::Sample& sample : devices::read_xdf_trial(bytes, "fuzz.xdf").samples) {
+  for (const devices::Sample& sample : scene::read_xdf_trial(bytes, "fuzz.xdf").samples) {
     const auto* tracker = std::get_if<devices::TrackerSample>(&sample);
     if (tracker && !tracker->X_TS.p.allFinite()) std::abort();
   }

@@ -4,10 +4,10 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/trial/log.h"
-#include "devices/trial/messages.h"
-#include "devices/trial/resample.h"
+#include "devices/base/resample.h"
 #include "scene/play/release.h"
+#include "scene/record/log.h"
+#include "scene/record/messages.h"
 #include "scene/stage/read_scenario.h"
 
 namespace headpin::scene {
@@ -72,7 +72,7 @@ TEST(ArmModelTest, TheSameSeedGivesTheSameBytesWhateverTheCompiler) {
     devices::Buffer bytes;
     for (const devices::Sample& sample :
          sense(ThrowMotion({.seed = seed}, Hand{}), synthetic_rig(), seed)) {
-      std::visit([&](const auto& s) { devices::encode(s, bytes); }, sample);
+      std::visit([&](const auto& s) { encode(s, bytes); }, sample);
       for (const std::uint8_t byte : bytes) hash = (hash ^ byte) * 0x100000001b3u;
     }
     return hash;
@@ -83,7 +83,7 @@ TEST(ArmModelTest, TheSameSeedGivesTheSameBytesWhateverTheCompiler) {
 }
 
 TEST(ArmModelTest, TheBundledTrialIsTheThrowOfItsSeed) {
-  const devices::Trial trial = devices::read_trial(HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog");
+  const Trial trial = read_trial(HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog");
   EXPECT_TRUE(trial.complete);
   const Scenario scenario = parse_scenario(trial.header.scenario, "demo.lcmlog");
   const std::vector<devices::Sample> expected = sense(
@@ -91,8 +91,8 @@ TEST(ArmModelTest, TheBundledTrialIsTheThrowOfItsSeed) {
   ASSERT_EQ(trial.samples.size(), expected.size());
   devices::Buffer found_bytes, expected_bytes;
   for (std::size_t i = 0; i < expected.size(); ++i) {
-    std::visit([&](const auto& s) { devices::encode(s, found_bytes); }, trial.samples[i]);
-    std::visit([&](const auto& s) { devices::encode(s, expected_bytes); }, expected[i]);
+    std::visit([&](const auto& s) { encode(s, found_bytes); }, trial.samples[i]);
+    std::visit([&](const auto& s) { encode(s, expected_bytes); }, expected[i]);
     ASSERT_EQ(found_bytes, expected_bytes) << "sample " << i;
   }
 }

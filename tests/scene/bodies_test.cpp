@@ -5,7 +5,7 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/trial/log.h"
+#include "scene/record/log.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/stage/stage.h"
 
@@ -93,8 +93,7 @@ TEST(RoomFixtures, OfThePapersRoomAreFloorWallsAndCeiling) {
 
 // Whatever the defaults are, a trial of before these keys has the room it was made in.
 TEST(RoomFixtures, OfATrialFromBeforeTheirKeysAreThoseOfThen) {
-  const devices::Trial trial =
-      devices::read_trial(HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-1.lcmlog");
+  const Trial trial = read_trial(HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-1.lcmlog");
   const Scenario scenario = scenario_of_trial(trial.header.scenario, "rules-1.lcmlog");
   EXPECT_EQ(names_of(room_fixtures(scenario)),
             (std::set<std::string>{"lane", "left wall", "right wall", "wall behind", "wall ahead",

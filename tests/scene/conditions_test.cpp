@@ -3,8 +3,8 @@
 
 #include <gmock/gmock.h>
 
-#include "devices/trial/sources.h"
-#include "scene/play/events.h"
+#include "devices/base/sources.h"
+#include "scene/record/events.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/each_throw.h"
 #include "tests/support/hand_script.h"
@@ -17,7 +17,7 @@ struct Watched : Observer {
     events.insert(events.end(), now.events.begin(), now.events.end());
     states.push_back(engine::state_hash(now.world));
   }
-  std::vector<devices::Event> events;
+  std::vector<Event> events;
   std::vector<std::uint64_t> states;
 };
 
@@ -79,7 +79,7 @@ TEST(GameHash, IsOfTheStateHashAndTheVersionOfEveryTick) {
   std::vector<std::uint64_t> numbers;
   std::uint64_t version = 0;
   for (std::size_t i = 0; i < now.watched.states.size(); ++i) {
-    for (const devices::Event& event : now.watched.events) {
+    for (const Event& event : now.watched.events) {
       if (event.kind != kind::version || event.tick != static_cast<std::int64_t>(i) + 1) continue;
       version = event.detail == "red" ? 1 : 2;
     }
@@ -104,9 +104,9 @@ HandScript four_throws(const Scenario& scenario) {
   return hand;
 }
 
-std::vector<int> felled(const std::vector<devices::Event>& events) {
+std::vector<int> felled(const std::vector<Event>& events) {
   std::vector<int> all;
-  for (const devices::Event& event : events) {
+  for (const Event& event : events) {
     if (event.kind == kind::delivery) all.push_back(static_cast<int>(event.value));
   }
   return all;

@@ -7,10 +7,10 @@
 
 #include <gmock/gmock.h>
 
-#include "devices/trial/sources.h"
+#include "devices/base/sources.h"
 #include "scene/people/participant.h"
-#include "scene/play/events.h"
 #include "scene/play/score.h"
+#include "scene/record/events.h"
 #include "scene/stage/read_scenario.h"
 #include "tests/support/scale.h"
 
@@ -38,7 +38,7 @@ struct EventsSeen : Observer {
   void tick(const Session& session) override {
     events.insert(events.end(), session.events.begin(), session.events.end());
   }
-  std::vector<devices::Event> events;
+  std::vector<Event> events;
 };
 
 Scenario to_be_played(const std::string& name) {
@@ -56,7 +56,7 @@ TEST_P(EveryScenario, StandsUntouchedForAMinute) {
   EventsSeen seen;
   Observer* const observers[] = {&seen};
   run(session, nothing, pace, observers, [](const Session& s) { return s.now() >= 60s; });
-  for (const devices::Event& event : seen.events) EXPECT_EQ(event.kind, kind::game);
+  for (const Event& event : seen.events) EXPECT_EQ(event.kind, kind::game);
   ASSERT_EQ(session.stage->skittles.size(), session.scenario().rack.spots.size());
   for (const engine::BodyId skittle : session.stage->skittles) {
     const Vec3 moved = session.world.states[skittle].X_WB.p - before[skittle].X_WB.p;

@@ -8,7 +8,7 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/trial/sources.h"
+#include "devices/base/sources.h"
 
 namespace headpin::scene {
 namespace {

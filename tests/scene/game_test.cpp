@@ -6,10 +6,10 @@
 #include <fmt/format.h>
 #include <gmock/gmock.h>
 
-#include "devices/trial/sources.h"
-#include "scene/play/events.h"
+#include "devices/base/sources.h"
 #include "scene/play/run.h"
 #include "scene/play/score.h"
+#include "scene/record/events.h"
 #include "tests/scene/with_rules.h"
 #include "tests/support/hand_script.h"
 
@@ -18,21 +18,21 @@ namespace {
 
 struct Played : Observer {
   void tick(const Session& now) override {
-    for (const devices::Event& event : now.events) {
+    for (const Event& event : now.events) {
       events.push_back(event);
       score.add(event);
     }
     hashes.push_back(engine::state_hash(now.world));
   }
-  std::vector<const devices::Event*> of_kind(std::string_view kind) const {
-    std::vector<const devices::Event*> found;
-    for (const devices::Event& event : events) {
+  std::vector<const Event*> of_kind(std::string_view kind) const {
+    std::vector<const Event*> found;
+    for (const Event& event : events) {
       if (event.kind == kind) found.push_back(&event);
     }
     return found;
   }
   Session session;
-  std::vector<devices::Event> events;
+  std::vector<Event> events;
   std::vector<std::uint64_t> hashes;
   Score score;
 };
@@ -74,7 +74,7 @@ TEST(GameTest, BallsComeBackSkittlesAreSweptAndSetAgainAndItEnds) {
   const Sheet& sheet = played.score.games.front();
   EXPECT_TRUE(sheet.over);
   double sum = 0.0;
-  for (const devices::Event* delivery : deliveries) {
+  for (const Event* delivery : deliveries) {
     sum += delivery->value;
     EXPECT_EQ(delivery->bodies.size(), delivery->value);
   }
@@ -201,7 +201,7 @@ TEST(GameTest, AButtonTouchedTooEarlyLeavesTheBallToItsOwnVersion) {
     EXPECT_EQ(played.score.throws[0].counted, counted.back());
     // What is counted ahead happens when the button is touched.
     Time before{};
-    for (const devices::Event& event : played.events) {
+    for (const Event& event : played.events) {
       if (event.kind != kind::release) {
         EXPECT_GE(event.time, before) << event.kind;
       }
@@ -242,7 +242,7 @@ TEST(Foul, ABallLetGoBeyondTheLineIsCountedNotedOrCostsTheBall) {
       } else {
         EXPECT_THAT(in_words(played.score.games[0]), testing::Not(testing::HasSubstr("foul")));
       }
-      const devices::Event& delivery = *played.of_kind(kind::delivery).front();
+      const Event& delivery = *played.of_kind(kind::delivery).front();
       const bool costs = rule == FoulBall::zero && y > 0.0;
       ASSERT_FALSE(delivery.bodies.empty());
       EXPECT_EQ(delivery.value, costs ? 0.0 : static_cast<double>(delivery.bodies.size()));
@@ -256,7 +256,7 @@ TEST(Foul, ABallLetGoBeyondTheLineIsCountedNotedOrCostsTheBall) {
         }
       }
       ASSERT_EQ(played.score.throws.size(), 1u);
-      const devices::ThrowRow& row = played.score.throws[0];
+      const ThrowRow& row = played.score.throws[0];
       EXPECT_EQ(row.foul, y > 0.0);
       EXPECT_EQ(row.counted, delivery.value);
       EXPECT_EQ(row.felled_by_ball, static_cast<int>(delivery.bodies.size()));
@@ -276,7 +276,7 @@ TEST(Throws, AreARowEachWhoseSumsAreTheSheets) {
   int sum = 0;
   std::size_t struck = 0;
   for (std::size_t i = 0; i < speeds.size(); ++i) {
-    const devices::ThrowRow& row = score.throws[i];
+    const ThrowRow& row = score.throws[i];
     ASSERT_TRUE(row.p_WB && row.v_WB && row.w_WB);
     // The trigger is one sample after the last that is known, and the hand gained speed evenly.
     EXPECT_NEAR(row.v_WB->y(), speeds[i] + speeds[i] / 0.5 / 60.0, 0.01);
@@ -306,13 +306,13 @@ TEST(Throws, AreARowEachWhoseSumsAreTheSheets) {
 TEST(Throws, EnterAtTheAngleOfTheirVelocityAllAround) {
   for (int degree = -179; degree <= 180; ++degree) {
     const double angle = degree * std::numbers::pi / 180.0;
-    devices::Event release, contact;
+    Event release, contact;
     release.kind = kind::release;
     contact.kind = kind::first_contact;
     release.bodies = contact.bodies = {"ball"};
     contact.detail = fmt::format(R"({{"velocity_mps":[{},{},0.3]}})", 4.0 * std::sin(angle),
                                  4.0 * std::cos(angle));
-    const std::vector<devices::Event> events = {release, contact};
+    const std::vector<Event> events = {release, contact};
     const Score score = scene::score(events);
     ASSERT_EQ(score.throws.size(), 1u);
     EXPECT_NEAR(score.throws[0].entry_angle_deg.value(), degree, 1e-12);

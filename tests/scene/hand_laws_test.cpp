@@ -7,9 +7,9 @@
 #include <gmock/gmock.h>
 
 #include "base/random.h"
-#include "devices/trial/sources.h"
-#include "scene/play/events.h"
+#include "devices/base/sources.h"
 #include "scene/play/session.h"
+#include "scene/record/events.h"
 #include "scene/stage/room.h"
 #include "tests/support/scale.h"
 
@@ -39,7 +39,7 @@ void add_trigger(std::vector<devices::Sample>& samples, double time_s, bool down
 
 struct Handled {
   Session session;
-  std::vector<devices::Event> releases, grabs;
+  std::vector<Event> releases, grabs;
 };
 
 Handled handle(const Scenario& scenario, const std::vector<devices::Sample>& samples, double end_s,
@@ -48,7 +48,7 @@ Handled handle(const Scenario& scenario, const std::vector<devices::Sample>& sam
   devices::ReplaySource source(samples);
   while (handled.session.now() < microseconds(end_s)) {
     advance(handled.session, source);
-    for (const devices::Event& event : handled.session.events) {
+    for (const Event& event : handled.session.events) {
       if (event.kind == kind::release) handled.releases.push_back(event);
       if (event.kind == kind::grab) handled.grabs.push_back(event);
     }
@@ -174,8 +174,7 @@ TEST(HandLaws, TwoBallsCannotBeTakenAtOnce) {
   int grabs = 0;
   while (session.now() < Time{1'500'000}) {
     advance(session, source);
-    grabs +=
-        static_cast<int>(std::ranges::count(session.events, kind::grab, &devices::Event::kind));
+    grabs += static_cast<int>(std::ranges::count(session.events, kind::grab, &Event::kind));
     int carried = 0;  // away from its stand
     for (const engine::BodyId ball : session.stage->balls) {
       carried += session.world.states[ball].X_WB.p != session.stage->world.states[ball].X_WB.p;

@@ -13,15 +13,18 @@
 
 #include "devices/emulated/unit.h"
 #include "devices/lcm/link.h"
-#include "devices/trial/log.h"
-#include "devices/trial/messages.h"
+#include "devices/log/sample_messages.h"
 #include "scene/live/lcm_views.h"
 #include "scene/live/monitor.h"
 #include "scene/live/played.h"
 #include "scene/live/sources.h"
 #include "scene/live/trial_outputs.h"
-#include "scene/play/details.h"
-#include "scene/play/events.h"
+#include "scene/record/details.h"
+#include "scene/record/events.h"
+#include "scene/record/log.h"
+#include "scene/record/messages.h"
+#include "scene/record/publisher.h"
+#include "scene/record/source.h"
 #include "scene/watch/trial_writer.h"
 #include "tests/scene/session_fixture.h"
 #include "tests/support/folder.h"
@@ -45,20 +48,20 @@ struct TestSource : devices::LiveSource {
 };
 
 /// Keeps the events that are written, or refuses them.
-struct TestSink : devices::TrialSink {
+struct TestSink : TrialSink {
   struct Got {
-    std::vector<devices::Event> events;
+    std::vector<Event> events;
     int frames = 0, states = 0, closed = 0;
     bool refuses = false, lost = false;
   };
   explicit TestSink(Got& kept) : got(kept) {}
   void write(const devices::Sample&) override {}
-  void write(const devices::Event& event) override {
+  void write(const Event& event) override {
     if (got.refuses) throw std::runtime_error("nothing more can be written");
     got.events.push_back(event);
   }
-  void write(const devices::TickState&) override { ++got.states; }
-  void write(const devices::FrameRecord&) override { ++got.frames; }
+  void write(const TickState&) override { ++got.states; }
+  void write(const FrameRecord&) override { ++got.frames; }
   void close() override { ++got.closed; }
   void require_kept() const override {
     if (got.lost) throw std::runtime_error("session.lcmlog: was deleted");
@@ -94,7 +97,7 @@ TEST(LiveSourcesTest, ThePressedSwitchOfAFastrakIsTheTrigger) {
   devices::PseudoTerminal terminal;
   devices::Clocks clocks;
   std::vector<devices::OpenSource> opened;
-  opened.push_back(devices::open_source("fastrak:" + terminal.name(), clocks, {}));
+  opened.push_back(open_source("fastrak:" + terminal.name(), clocks, {}));
   LiveSources sources(std::move(opened));
   sources.start();
   std::vector<devices::Sample> samples;
@@ -139,13 +142,13 @@ TEST(PlayedTrials, GiveTheSessionTheirScenarioAndWhoTookPart) {
   devices::Clocks clocks;
   std::vector<devices::OpenSource> opened;
   opened.push_back(open_as("fastrak:here", std::make_unique<TestSource>()));
-  opened.push_back(devices::open_source(kDemoTrial, clocks, {}));
+  opened.push_back(open_source(kDemoTrial, clocks, {}));
   const LiveSources sources(std::move(opened));
   const std::vector<Played> played = played_by(sources);
   ASSERT_EQ(played.size(), 1u);
   EXPECT_EQ(played[0].path, kDemoTrial);
-  const devices::TrialHeader recorded = devices::read_trial(kDemoTrial).header;
-  const devices::TrialHeader header = header_from(played);
+  const TrialHeader recorded = read_trial(kDemoTrial).header;
+  const TrialHeader header = header_from(played);
   EXPECT_EQ(header.participant, recorded.participant);
   EXPECT_EQ(header.condition, recorded.condition);
   EXPECT_EQ(header.seed, recorded.seed);
@@ -163,38 +166,37 @@ TEST(TrialOutputsTest, GiveTheFileAndTheListenersTheSameTrial) {
   const fs::path folder = fresh_folder("outputs");
   const fs::path file = folder / "trial.lcmlog", heard = folder / "heard.log";
   Session session = make_session(Scenario{});
-  const devices::TrialHeader header = header_of({}, session);
+  const TrialHeader header = header_of({}, session);
   {
-    devices::LcmLink link("file://" + heard.string() + "?mode=w", devices::kSessionPrefix);
+    devices::LcmLink link("file://" + heard.string() + "?mode=w", kSessionPrefix);
     TrialOutputs outputs;
-    outputs.publish(std::make_unique<devices::TrialPublisher>(link, header));
-    outputs.record(std::make_unique<devices::Recorder>(file, header));
+    outputs.publish(std::make_unique<TrialPublisher>(link, header));
+    outputs.record(std::make_unique<Recorder>(file, header));
     devices::ReplaySource source(test::straight_throw(session.scenario()));
     for (int tick = 0; tick < 100; ++tick) {
       advance(session, source);
       outputs.tick(session);
     }
-    outputs.write(devices::FrameRecord{});
-    devices::Event last;
+    outputs.write(FrameRecord{});
+    Event last;
     last.time = session.now();
     last.kind = kind::kept_pace;
     last.detail = to_detail(KeptPace{.ticks = session.tick});
     outputs.close(session, last);
   }
-  const devices::Trial recorded = devices::read_trial(file);
+  const Trial recorded = read_trial(file);
   EXPECT_EQ(recorded.states.size(), 100u);
   EXPECT_EQ(recorded.frames.size(), 1u);
   EXPECT_TRUE(recorded.complete);
-  const auto pace = std::ranges::find(recorded.events, kind::kept_pace, &devices::Event::kind);
+  const auto pace = std::ranges::find(recorded.events, kind::kept_pace, &Event::kind);
   ASSERT_NE(pace, recorded.events.end());
   EXPECT_EQ(kept_pace(*pace).ticks, 100);
-  const auto sent = devices::read_log(heard).channels;
-  const auto stored = devices::read_log(file).channels;
-  for (const std::string_view channel : {devices::kStateChannel, devices::kTrackerChannel,
-                                         devices::kMouseChannel, devices::kFrameChannel}) {
+  const auto sent = read_log(heard).channels;
+  const auto stored = read_log(file).channels;
+  for (const std::string_view channel :
+       {kStateChannel, devices::kTrackerChannel, devices::kMouseChannel, kFrameChannel}) {
     const std::string name(channel);
-    EXPECT_EQ(sent.at(std::string(devices::kSessionPrefix) + name).messages,
-              stored.at(name).messages)
+    EXPECT_EQ(sent.at(std::string(kSessionPrefix) + name).messages, stored.at(name).messages)
         << name;
   }
 }
@@ -206,7 +208,7 @@ TEST(TrialOutputsTest, CloseTheOtherOneAfterOneHasFailed) {
   outputs.publish(std::make_unique<TestSink>(listeners));
   file.refuses = true;
   const Session session = make_session(Scenario{});
-  devices::Event last;
+  Event last;
   last.kind = kind::kept_pace;
   EXPECT_THROW(outputs.write(last), std::runtime_error);
   outputs.close_after_failure(session, last);
@@ -327,7 +329,7 @@ TEST(LcmViewsTest, LaterViewersGetTheWholeScene) {
     view.start(session);
     for (; session.tick < 6 * rates.physics_hz; ++session.tick) view.tick(session);
   }
-  auto channels = devices::read_log(log).channels;
+  auto channels = read_log(log).channels;
   EXPECT_EQ(channels["DRAKE_VIEWER_LOAD_ROBOT"].messages, 1 + 2);
   EXPECT_EQ(channels["DRAKE_VIEWER_DRAW"].messages, 1 + 6 * rates.frame_hz);
 }
@@ -342,7 +344,7 @@ TEST(LcmViewsTest, PicturesArePublishedRawAndAsPng) {
       LcmEyes eyes("file://" + log.string() + "?mode=w", png, 1.0);
       eyes.add(frame);
     }
-    EXPECT_EQ(devices::read_log(log).channels.at("HEADPIN_EYES").messages, 1);
+    EXPECT_EQ(read_log(log).channels.at("HEADPIN_EYES").messages, 1);
     bytes[png] = slurp(log);
     fs::remove(log);
   }

@@ -9,7 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "base/output_file.h"
-#include "devices/trial/log.h"
+#include "scene/record/log.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/totals.h"
 #include "tests/scene/demo.h"
@@ -39,7 +39,7 @@ float at(const PageData& data, const std::string& name, std::int64_t row,
 /// The trial simulated to its end.
 Session played(const Recorded& recorded, const Scenario& scenario) {
   Session session = make_session(scenario);
-  devices::TrialPlayer source(recorded.file);
+  TrialPlayer source(recorded.file);
   NoPace pace;
   const std::int64_t ticks = tick_count(recorded.file.summary(), scenario.rates.physics_hz);
   run(session, source, pace, {}, [&](const Session& s) { return s.tick >= ticks; });
@@ -100,11 +100,11 @@ std::string trial_with_states(std::int64_t moved_tick) {
   const std::string path = fresh_folder("page") / "states.lcmlog";
   const Recorded recorded = load_trial(kDemo);
   Session session = make_session(recorded.scenario);
-  devices::TrialHeader header = recorded.file.summary().header;
+  TrialHeader header = recorded.file.summary().header;
   header.body_names = body_names(*session.stage);
-  devices::Recorder recorder(base::OutputFile(path, {.overwrite = true}), header);
-  devices::TrialPlayer source(recorded.file);
-  devices::TickState state;
+  Recorder recorder(base::OutputFile(path, {.overwrite = true}), header);
+  TrialPlayer source(recorded.file);
+  TickState state;
   for (int tick = 1; tick <= 300; ++tick) {
     advance(session, source);
     for (const devices::Sample& sample : session.samples) recorder.write(sample);
@@ -138,8 +138,7 @@ TEST(PageData, ShowsWhatWasRecordedWhereTheReplayDiffersAndSaysWhere) {
 TEST(PageData, OfALongTrialDrawsEveryNthTickAndTheLast) {
   const std::string path = fresh_folder("page") / "long.lcmlog";
   const Recorded demo = load_trial(kDemo);
-  devices::Recorder recorder(base::OutputFile(path, {.overwrite = true}),
-                             demo.file.summary().header);
+  Recorder recorder(base::OutputFile(path, {.overwrite = true}), demo.file.summary().header);
   for (const int second : {0, 40, 80, 131}) {
     devices::TrackerSample head;
     head.station = devices::kHeadStation;
@@ -172,11 +171,11 @@ TEST(PageData, ShowsOurOwnShapeAndSaysSoWhereAMeshFileIsGone) {
   std::filesystem::copy_file(HEADPIN_SOURCE_DIR "/assets/meshes/skittle_hull.obj",
                              folder / "pin.obj");
   const Recorded demo = load_trial(kDemo);
-  devices::TrialHeader header = demo.file.summary().header;
+  TrialHeader header = demo.file.summary().header;
   header.scenario = to_toml(
       parse_scenario("[skittle]\nmesh = {file = 'pin.obj'}\n", (folder / "pin.toml").string()));
   const std::string path = (folder / "pin.lcmlog").string();
-  devices::Recorder recorder(path, header);
+  Recorder recorder(path, header);
   recorder.write(devices::Sample(devices::TrackerSample{}));
   recorder.close();
 

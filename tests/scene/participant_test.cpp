@@ -10,13 +10,13 @@
 #include <nlohmann/json.hpp>
 
 #include "devices/base/clocks.h"
+#include "devices/base/sources.h"
 #include "devices/fastrak/driver.h"
 #include "devices/fastrak/emulator.h"
 #include "devices/recordings/recorded_motion.h"
-#include "devices/trial/messages.h"
-#include "devices/trial/sources.h"
-#include "scene/play/events.h"
 #include "scene/play/score.h"
+#include "scene/record/events.h"
+#include "scene/record/messages.h"
 #include "scene/stage/read_scenario.h"
 #include "tests/support/scale.h"
 
@@ -50,11 +50,11 @@ struct SessionSeen : Observer {
     return words;
   }
   int count(std::string_view kind) const {
-    return static_cast<int>(std::ranges::count(events, kind, &devices::Event::kind));
+    return static_cast<int>(std::ranges::count(events, kind, &Event::kind));
   }
   std::function<void(const Session&)> each;
   std::vector<devices::Sample> samples;
-  std::vector<devices::Event> events;
+  std::vector<Event> events;
   std::vector<std::uint64_t> hashes;
 };
 
@@ -79,7 +79,7 @@ SessionSeen replayed(const Scenario& scenario, const SessionSeen& played) {
   return seen;
 }
 
-bool same_event(const devices::Event& a, const devices::Event& b) {
+bool same_event(const Event& a, const Event& b) {
   return a.time == b.time && a.tick == b.tick && a.kind == b.kind && a.bodies == b.bodies &&
          a.p_W == b.p_W && a.j_W == b.j_W && a.value == b.value && a.detail == b.detail;
 }
@@ -99,7 +99,7 @@ TEST(ParticipantTest, PlaysBothVersionsByTheDevicesAlone) {
   EXPECT_EQ(seen.count(kind::missed_grab), 0);
   EXPECT_GE(seen.count(kind::delivery), 4);
   std::vector<std::string> versions;
-  for (const devices::Event& event : seen.events) {
+  for (const Event& event : seen.events) {
     if (event.kind == kind::version) versions.push_back(event.detail);
   }
   EXPECT_THAT(versions, testing::ElementsAre("red", "blue"));
@@ -134,14 +134,14 @@ TEST(ParticipantTest, TheSameSeedGivesTheSameBytesWhateverTheCompiler) {
   const auto fingerprint = [](std::uint64_t seed) {
     SessionSeen seen;
     let_play(participants_room(), draw_person(seed), 1, seen);
-    const auto release = std::ranges::find(seen.events, kind::release, &devices::Event::kind);
+    const auto release = std::ranges::find(seen.events, kind::release, &Event::kind);
     std::uint64_t hash = 0xcbf29ce484222325u;  // FNV-1a
     devices::Buffer bytes;
     for (const devices::Sample& sample : seen.samples) {
       const bool after = devices::device_time(sample) > release->time;
       if (after || devices::device_of(sample) == devices::device_at(devices::kHeadStation))
         continue;
-      std::visit([&](const auto& s) { devices::encode(s, bytes); }, sample);
+      std::visit([&](const auto& s) { encode(s, bytes); }, sample);
       for (const std::uint8_t byte : bytes) hash = (hash ^ byte) * 0x100000001b3u;
     }
     return hash;
@@ -349,7 +349,7 @@ TEST(ParticipantTest, ItPlaysTheSameSheetsThroughAUnit) {
     ASSERT_EQ(seen.events.size(), played.events.size()) << phase.count();
     const std::int64_t later = seen.events.at(0).tick - played.events.at(0).tick;
     for (std::size_t i = 0; i < seen.events.size(); ++i) {
-      const devices::Event &here = played.events[i], &there = seen.events[i];
+      const Event &here = played.events[i], &there = seen.events[i];
       ASSERT_EQ(there.kind, here.kind) << phase.count() << ' ' << i;
       ASSERT_EQ(there.tick, here.tick + later) << phase.count() << ' ' << i;
       ASSERT_EQ(there.value, here.value) << phase.count() << ' ' << here.kind;

@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "devices/trial/sources.h"
-#include "scene/play/events.h"
+#include "devices/base/sources.h"
 #include "scene/play/session.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 namespace {
@@ -39,8 +39,8 @@ struct Standing {
 };
 
 /// A ball in the air without gravity, from 3 m ahead towards a point beside the one who stands.
-std::vector<devices::Event> events_of_flight(const std::vector<devices::Sample>& samples,
-                                             const Vec3& beside, double speed) {
+std::vector<Event> events_of_flight(const std::vector<devices::Sample>& samples, const Vec3& beside,
+                                    double speed) {
   Scenario scenario;
   scenario.collision.gravity = 0.0;
   scenario.hand.solid = false;
@@ -52,10 +52,10 @@ std::vector<devices::Event> events_of_flight(const std::vector<devices::Sample>&
   engine::set_kind(session.world, ball, engine::Kind::free);
   engine::set_state(session.world, ball, state);
   devices::ReplaySource source(samples);
-  std::vector<devices::Event> events;
+  std::vector<Event> events;
   while (session.now() < Time{1'900'000}) {
     advance(session, source);
-    for (const devices::Event& event : session.events) {
+    for (const Event& event : session.events) {
       if (event.kind == kind::flies_at_player || event.kind == kind::passed_player) {
         events.push_back(event);
       }
@@ -65,18 +65,17 @@ std::vector<devices::Event> events_of_flight(const std::vector<devices::Sample>&
   return events;
 }
 
-std::vector<devices::Event> flown_at(const Standing& standing, const Vec3& beside,
-                                     double speed = kFlight) {
+std::vector<Event> flown_at(const Standing& standing, const Vec3& beside, double speed = kFlight) {
   return events_of_flight(standing.samples(), beside, speed);
 }
 
-nlohmann::json found_of(const devices::Event& event) {
+nlohmann::json found_of(const Event& event) {
   return nlohmann::json::parse(event.detail);
 }
 
 TEST(Presence, ABallThatComesIsForeseenAndItsClosestApproachIsKept) {
   const double r = Scenario{}.ball.radius;
-  const std::vector<devices::Event> events = flown_at({}, Vec3(-0.3, 0.0, -0.1));
+  const std::vector<Event> events = flown_at({}, Vec3(-0.3, 0.0, -0.1));
   ASSERT_EQ(events.size(), 2u);
   EXPECT_EQ(events[0].kind, kind::flies_at_player);
   EXPECT_EQ(events[0].bodies, std::vector<std::string>{"ball"});
@@ -158,7 +157,7 @@ TEST(Presence, WhatRollsAtTheFeetFliesAtThePlayer) {
 }
 
 struct OwnThrow {
-  std::vector<devices::Event> events;
+  std::vector<Event> events;
   bool leaving;  ///< at its end the ball still counts as about to leave the hand
 };
 
@@ -190,7 +189,7 @@ OwnThrow own_throw(bool solid, const Vec3& beside, const Vec3& v_W, double until
   OwnThrow seen;
   while (session.now() < microseconds(until_s)) {
     advance(session, source);
-    for (const devices::Event& e : session.events) {
+    for (const Event& e : session.events) {
       if (e.kind == kind::release || e.kind == kind::flies_at_player) seen.events.push_back(e);
     }
   }
@@ -244,7 +243,7 @@ TEST(Presence, TheClosestApproachOfASkittleIsThatOfItsSurface) {
     std::optional<double> closest;
     while (!closest && session.now() < Time{1'800'000}) {
       advance(session, source);
-      for (const devices::Event& e : session.events) {
+      for (const Event& e : session.events) {
         if (e.kind == kind::passed_player && e.bodies.front() == session.world.bodies[skittle].name)
           closest = e.value;
       }
@@ -269,7 +268,7 @@ TEST(Presence, WhatHasPassedIsToldOnce) {
   int passed = 0;
   while (session.now() < Time{700'000}) {  // then it is back from the wall
     advance(session, source);
-    for (const devices::Event& event : session.events) passed += event.kind == kind::passed_player;
+    for (const Event& event : session.events) passed += event.kind == kind::passed_player;
   }
   EXPECT_EQ(passed, 1);
   EXPECT_TRUE(session.presence.approaches.empty());

@@ -5,9 +5,9 @@
 
 #include <gmock/gmock.h>
 
-#include "scene/play/events.h"
 #include "scene/play/score.h"
 #include "scene/play/session.h"
+#include "scene/record/events.h"
 #include "tests/scene/with_rules.h"
 
 namespace headpin::scene {
@@ -22,12 +22,12 @@ class ByHand {
   engine::World& world() { return session_.world; }
   Game& game() { return session_.game; }
   engine::BodyId ball() const { return stage().balls.front(); }
-  const std::vector<devices::Event>& events() const { return events_; }
+  const std::vector<Event>& events() const { return events_; }
   Time now() const { return session_.now(); }
 
-  std::vector<const devices::Event*> of_kind(std::string_view kind) const {
-    std::vector<const devices::Event*> found;
-    for (const devices::Event& event : events_) {
+  std::vector<const Event*> of_kind(std::string_view kind) const {
+    std::vector<const Event*> found;
+    for (const Event& event : events_) {
       if (event.kind == kind) found.push_back(&event);
     }
     return found;
@@ -85,7 +85,7 @@ class ByHand {
 
  private:
   Session session_;
-  std::vector<devices::Event> events_;
+  std::vector<Event> events_;
   bool taken_ = false;
 };
 
@@ -102,7 +102,7 @@ TEST(Referee, WhatTheHandTopplesIsNoBallsAndIsSetAside) {
   play.wait(2.0);
   const auto fallen = play.of_kind(kind::skittle_down);
   ASSERT_FALSE(fallen.empty());
-  for (const devices::Event* e : fallen) EXPECT_EQ(e->detail, "hand");
+  for (const Event* e : fallen) EXPECT_EQ(e->detail, "hand");
   const std::vector<std::string> first_fallen = fallen.front()->bodies;
   EXPECT_TRUE(play.of_kind(kind::delivery).empty());
   play.miss();  // events that `fallen` points to move
@@ -280,7 +280,7 @@ TEST(Referee, TheFirstContactHasTheImpulseThatSlowsTheBallDown) {
   play.let_fly({0.0, 5.0, 0.11}, {0.0, 6.0, 0.0});
   play.until([&] { return !play.of_kind(kind::first_contact).empty(); }, 2.0);
   ASSERT_EQ(play.of_kind(kind::first_contact).size(), 1u);
-  const devices::Event& contact = *play.of_kind(kind::first_contact).front();
+  const Event& contact = *play.of_kind(kind::first_contact).front();
   const double mass = play.stage().scenario.ball.mass;
   EXPECT_GT(std::abs(contact.j_W.y()), 0.1 * mass);
   EXPECT_LT(contact.j_W.norm(), 2.0 * mass * 6.0);  // as from a wall

@@ -9,11 +9,11 @@
 #include <gmock/gmock.h>
 
 #include "base/random.h"
-#include "devices/trial/sources.h"
-#include "scene/play/details.h"
-#include "scene/play/events.h"
+#include "devices/base/sources.h"
 #include "scene/play/score.h"
 #include "scene/play/session.h"
+#include "scene/record/details.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 namespace {
@@ -277,7 +277,7 @@ std::string detail_with(const Motion& motion) {
 TEST(MotionAtTheTrigger, IsReadBackFromItsEvent) {
   const Motion told{
       {Vec3(0.25, 6.5, -0.125), Vec3(9.0, 0.1, 0.0)}, Known::extrapolated, Time{12'345}, 2};
-  devices::Event event;
+  Event event;
   event.detail = detail_with(told);
   const std::optional<Motion> found = motion_of(event);
   ASSERT_TRUE(found);
@@ -322,13 +322,13 @@ TEST(MotionAtTheTrigger, ThatIsExtrapolatedStillKnowsTheWholeWindow) {
 
 // A study can leave a throw out by what its row says.
 TEST(ThrowRow, SaysHowItsReleaseWasKnown) {
-  std::array<devices::Event, 1> events;
-  devices::Event& event = events.front();
+  std::array<Event, 1> events;
+  Event& event = events.front();
   event.kind = kind::release;
   event.bodies = {"ball"};
   event.detail = detail_with({{}, Known::extrapolated, Time{12'345}, 2});
   ASSERT_EQ(score(events).throws.size(), 1u);
-  const devices::ThrowRow row = score(events).throws.front();
+  const ThrowRow row = score(events).throws.front();
   EXPECT_EQ(row.known, "extrapolated");
   EXPECT_EQ(row.extrapolated_s, 0.012345);
   EXPECT_EQ(row.left_out, 2);
@@ -339,7 +339,7 @@ TEST(ThrowRow, SaysHowItsReleaseWasKnown) {
 /// A swing in a session: the ball is taken where the hand rests before it.
 struct Played {
   Session session;
-  devices::Event release;
+  Event release;
   double carried_off = 0.0;  ///< furthest that the ball was from the hand's grip at a tick [m]
 };
 
@@ -367,7 +367,7 @@ Played play(const KnownSwing& swing, double release_s, double delay_s, ReleaseAt
   devices::ReplaySource source(samples);
   while (played.release.kind.empty()) {
     advance(played.session, source);
-    for (const devices::Event& event : played.session.events) {
+    for (const Event& event : played.session.events) {
       if (event.kind == kind::release) played.release = event;
     }
     const std::optional<Pose> X_WH = hand_pose(played.session);

@@ -7,10 +7,10 @@
 #include <gmock/gmock.h>
 
 #include "base/hash.h"
-#include "devices/trial/sources.h"
+#include "devices/base/sources.h"
 #include "scene/people/participant.h"
-#include "scene/play/events.h"
 #include "scene/play/save.h"
+#include "scene/record/events.h"
 #include "scene/stage/read_scenario.h"
 #include "tests/scene/session_fixture.h"
 #include "tests/support/random_shapes.h"
@@ -28,9 +28,9 @@ struct Tick {
   std::vector<std::string> events;
 };
 
-std::vector<std::string> in_words(const std::vector<devices::Event>& events) {
+std::vector<std::string> in_words(const std::vector<Event>& events) {
   std::vector<std::string> words;
-  for (const devices::Event& e : events) {
+  for (const Event& e : events) {
     words.push_back(e.kind + " " + (e.bodies.empty() ? "" : e.bodies.front()) + " " +
                     std::to_string(e.value) + " " + e.detail);
   }

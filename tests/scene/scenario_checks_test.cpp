@@ -9,7 +9,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "devices/trial/log.h"
+#include "scene/record/log.h"
 #include "scene/scenario/scenario.h"
 #include "scene/stage/bodies.h"
 #include "scene/stage/read_scenario.h"
@@ -359,7 +359,7 @@ TEST(AVersion, HasACapOfZeroOrOneThatDetectionHas) {
 }
 
 TEST(ScenarioOfATrial, TheBundledTrialIsRead) {
-  const devices::Trial trial = devices::read_trial(HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog");
+  const Trial trial = read_trial(HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog");
   EXPECT_EQ(complaint([&] { scenario_of_trial(trial.header.scenario, "demo.lcmlog"); }), "");
 }
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "devices/base/sample.h"
-#include "devices/trial/sources.h"
+#include "devices/base/sources.h"
 #include "scene/play/session.h"
 
 /// Sessions that are fed the samples of a throw.
@@ -44,7 +44,7 @@ inline std::vector<devices::Sample> straight_throw(const Scenario& scenario, dou
 
 struct Outcome {
   Session session;
-  std::vector<devices::Event> events;
+  std::vector<Event> events;
   std::vector<std::uint64_t> hashes;
 };
 
@@ -61,9 +61,9 @@ inline Outcome play(const Scenario& scenario, const std::vector<devices::Sample>
   return outcome;
 }
 
-inline std::vector<const devices::Event*> of_kind(const Outcome& outcome, const std::string& kind) {
-  std::vector<const devices::Event*> found;
-  for (const devices::Event& event : outcome.events) {
+inline std::vector<const Event*> of_kind(const Outcome& outcome, const std::string& kind) {
+  std::vector<const Event*> found;
+  for (const Event& event : outcome.events) {
     if (event.kind == kind) found.push_back(&event);
   }
   return found;

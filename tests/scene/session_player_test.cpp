@@ -7,10 +7,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "devices/trial/log.h"
-#include "devices/trial/sources.h"
+#include "devices/base/sources.h"
 #include "scene/play/score.h"
 #include "scene/play/session.h"
+#include "scene/record/log.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/recorded.h"
 #include "tests/scene/session_fixture.h"
@@ -122,14 +122,14 @@ TEST(SessionTest, ThumbsWalkWhereTheHandPointsWhenAskedTo) {
 // Up to speed, on, and to rest: speed times the second that the thumb is down.
 TEST(SessionTest, AnExportKnowsWhereTheWalkHadTheTrackedSpace) {
   const Scenario scenario;
-  devices::TrialHeader header;
+  TrialHeader header;
   header.scenario = to_toml(scenario);
   const TemporaryFolder folder;
   const std::string path = (folder.path() / "walk.lcmlog").string();
-  devices::Recorder recorder(path, header);
+  Recorder recorder(path, header);
   for (const devices::Sample& sample : Walker{}.samples()) recorder.write(sample);
   recorder.close();
-  const auto walk = walk_of(devices::TrialFile(path), scenario);
+  const auto walk = walk_of(TrialFile(path), scenario);
   ASSERT_GT(walk.size(), 100u);
   EXPECT_EQ(walk.front().value, Vec3::Zero());
   EXPECT_NEAR(seconds(walk[1].time), 0.1, 2.0 / 240.0);
@@ -211,12 +211,12 @@ TEST(SessionTest, AHandThroughTheRackKnocksItOverAndTouchesAreEvents) {
       hand_moves(Vec3(0.02, head_pin - 0.5, 0.25), Vec3(0.02, head_pin + 1.0, 0.25), 0.2, 1.2);
   const Outcome pushed = play(scenario, through, 2.4);
   std::vector<std::string> down;
-  for (const devices::Event* event : of_kind(pushed, "skittle_down")) {
+  for (const Event* event : of_kind(pushed, "skittle_down")) {
     down.push_back(event->bodies.front());
   }
   EXPECT_THAT(down, testing::IsSupersetOf({"skittle 1", "skittle 5"}));  // in its way
   ASSERT_FALSE(of_kind(pushed, "hand_touch").empty());
-  const devices::Event& first = *of_kind(pushed, "hand_touch").front();
+  const Event& first = *of_kind(pushed, "hand_touch").front();
   EXPECT_THAT(first.bodies, testing::UnorderedElementsAre("hand", "skittle 1"));
   EXPECT_NEAR(first.value, 1.5, 0.2);  // as fast as the hand goes
   EXPECT_NEAR(first.p_W.y(), head_pin, 0.1);

@@ -7,14 +7,14 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "devices/base/sources.h"
 #include "devices/lcm/link.h"
 #include "devices/lcm/source.h"
-#include "devices/trial/log.h"
-#include "devices/trial/sources.h"
-#include "scene/play/events.h"
 #include "scene/play/release_timing.h"
 #include "scene/play/run.h"
 #include "scene/play/score.h"
+#include "scene/record/events.h"
+#include "scene/record/log.h"
 #include "scene/stage/read_scenario.h"
 #include "tests/scene/session_fixture.h"
 #include "tests/support/folder.h"
@@ -47,7 +47,7 @@ LetGo let_go(Scenario scenario, bool falls_at_once, Time shift) {
   Session session = make_session(scenario);
   while (session.tick < 1000) {
     advance(session, source);
-    for (const devices::Event& event : session.events) {
+    for (const Event& event : session.events) {
       if (event.kind != kind::release) continue;
       const bool at_trigger = scenario.hand.release_at == ReleaseAt::trigger;
       EXPECT_EQ(event.time, at_trigger ? released : session.now());
@@ -132,9 +132,8 @@ TEST(SessionTest, SkittlesStandUntilTheyAreStruck) {
     bool struck = false;
     while (!struck && seconds(outcome.session.now()) < 3.0) {
       advance(outcome.session, source);
-      struck = std::ranges::any_of(outcome.session.events, [](const devices::Event& e) {
-        return e.kind == "first_contact";
-      });
+      struck = std::ranges::any_of(outcome.session.events,
+                                   [](const Event& e) { return e.kind == "first_contact"; });
       if (struck) break;
       for (const engine::BodyId skittle : outcome.session.stage->skittles) {
         EXPECT_EQ(outcome.session.world.states[skittle].X_WB.p, before.states[skittle].X_WB.p);
@@ -287,7 +286,7 @@ TEST(SessionTest, TwoBallsAndTwoRacksAreThrownOneAfterTheOther) {
   EXPECT_EQ(of_kind(outcome, "grab")[0]->bodies, std::vector<std::string>{"ball"});
   EXPECT_EQ(of_kind(outcome, "grab")[1]->bodies, std::vector<std::string>{"ball 2"});
   std::array<int, 2> down{};
-  for (const devices::Event* event : of_kind(outcome, "skittle_down")) {
+  for (const Event* event : of_kind(outcome, "skittle_down")) {
     ++down[event->p_W.x() > 2.0];
   }
   EXPECT_GT(down[0], 3);
@@ -350,14 +349,14 @@ TEST(ReleaseTimingTest, TellsHowLongBeforeTheFastestMomentTheBallWasLetGo) {
     scenario.hand.release_window_s = scenario.hand.release_at == ReleaseAt::sample ? 0.06 : 0.12;
     scenario.hand.release_window_most_s = 2.0 * scenario.hand.release_window_s;
     const auto samples = straight_throw(scenario);
-    devices::TrialHeader header;
+    TrialHeader header;
     header.scenario = to_toml(scenario);
     const TemporaryFolder folder;
     const std::string path = (folder.path() / "throw.lcmlog").string();
-    devices::Recorder recorder(path, header);
-    devices::write(recorder, samples, play(scenario, samples, 1.0).events);
+    Recorder recorder(path, header);
+    write(recorder, samples, play(scenario, samples, 1.0).events);
     recorder.close();
-    const std::vector<ReleaseTiming> found = release_timings(devices::TrialFile(path), scenario);
+    const std::vector<ReleaseTiming> found = release_timings(TrialFile(path), scenario);
     ASSERT_EQ(found.size(), 1u);
     EXPECT_EQ(found[0].release, Time{700'000});
     EXPECT_LE(std::abs((found[0].fastest - c.fastest).count()), c.within.count());

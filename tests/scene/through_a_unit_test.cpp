@@ -6,13 +6,13 @@
 #include <gtest/gtest.h>
 
 #include "devices/base/mouse3d.h"
+#include "devices/base/sources.h"
 #include "devices/fastrak/driver.h"
 #include "devices/fastrak/emulator.h"
 #include "devices/recordings/recorded_motion.h"
-#include "devices/trial/log.h"
-#include "devices/trial/sources.h"
 #include "scene/play/score.h"
 #include "scene/play/session.h"
+#include "scene/record/log.h"
 #include "scene/watch/recorded.h"
 #include "tests/scene/demo.h"
 
@@ -24,7 +24,7 @@ using namespace std::chrono_literals;
 Score play(const Scenario& scenario, devices::Source& source, Time until,
            const std::function<void(Time)>& before_tick = {}) {
   Session session = make_session(scenario);
-  std::vector<devices::Event> events;
+  std::vector<Event> events;
   while (session.now() < until) {
     if (before_tick) before_tick(session.next_tick());
     advance(session, source);
@@ -86,7 +86,7 @@ std::vector<devices::Sample> released_at_another_time(std::vector<devices::Sampl
 // later; not every throw does.
 TEST(ThroughAUnit, TheSameThrowIsTheSameGameWhereverItsCycleIs) {
   const Scenario scenario = load_trial(kDemo).scenario;
-  const std::vector<devices::Sample> recorded = devices::read_trial(kDemo).samples;
+  const std::vector<devices::Sample> recorded = read_trial(kDemo).samples;
   devices::ReplaySource replay(recorded);
   const Score wanted = play(scenario, replay, 10s);
   ASSERT_GT(wanted.skittles_down, 0);
@@ -111,7 +111,7 @@ TEST(ThroughAUnit, TheSameThrowIsTheSameGameWhereverItsCycleIs) {
 // nothing is known of the hand after that. By docs/release.md, 0.4 m/s at most.
 TEST(ThroughAUnit, TheThrowIsTheSameWhenTheUnitsProcessStandsStill) {
   const Scenario scenario = load_trial(kDemo).scenario;
-  const std::vector<devices::Sample> recorded = devices::read_trial(kDemo).samples;
+  const std::vector<devices::Sample> recorded = read_trial(kDemo).samples;
   const double wanted = *play_through_a_unit(scenario, recorded, {}).release_speed;
   int tracked_ones = 0;
   for (Time from = 3300ms; from < 4s; from += 60ms) {

@@ -10,8 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "devices/base/resample.h"
 #include "devices/recordings/motion_files.h"
-#include "devices/trial/resample.h"
 #include "scene/people/arm_model.h"
 #include "scene/play/hand.h"
 #include "tests/support/scale.h"

@@ -6,20 +6,19 @@
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
-#include "devices/trial/file.h"
-#include "devices/trial/log.h"
-#include "scene/play/details.h"
-#include "scene/play/events.h"
 #include "scene/play/game_hash.h"
 #include "scene/play/outcome.h"
 #include "scene/play/presence.h"
 #include "scene/play/score.h"
+#include "scene/record/details.h"
+#include "scene/record/events.h"
+#include "scene/record/file.h"
+#include "scene/record/log.h"
 #include "tests/support/folder.h"
 
 namespace headpin::scene {
 namespace {
 
-using devices::Event;
 using testing::HasSubstr;
 
 Event told(std::string_view kind, std::vector<std::string> bodies = {}, double value = 0.0,
@@ -83,12 +82,12 @@ std::optional<std::uint64_t> hash_of(const std::vector<std::int64_t>& ticks,
                                      const std::vector<Event>& events) {
   const TemporaryFolder folder;
   const std::string path = (folder.path() / "trial.lcmlog").string();
-  devices::Recorder recorder(path, {});
+  Recorder recorder(path, {});
   for (const std::int64_t tick : ticks) {
     for (const Event& event : events) {
       if (event.tick == tick) recorder.write(event);
     }
-    devices::TickState state;
+    TickState state;
     state.time = tick_time(tick, 240);
     state.tick = tick;
     state.hash = 1000u + static_cast<std::uint64_t>(tick);
@@ -96,7 +95,7 @@ std::optional<std::uint64_t> hash_of(const std::vector<std::int64_t>& ticks,
     recorder.write(state);
   }
   recorder.close();
-  return game_hash_of_states(devices::TrialFile(path));
+  return game_hash_of_states(TrialFile(path));
 }
 
 TEST(GameHashTest, OfATrialsStatesIsThatOfTheSession) {
@@ -114,7 +113,7 @@ TEST(GameHashTest, OfATrialsStatesIsThatOfTheSession) {
 }
 
 TEST(GameHashTest, OfATrialIsWhatItsEventSays) {
-  devices::TrialSummary trial;
+  TrialSummary trial;
   EXPECT_FALSE(said_game_hash(trial));
   trial.events = {told(kind::release), told(kind::game_hash, {}, 0.0, "00ff")};
   trial.events.back().tick = 77;
@@ -335,7 +334,7 @@ TEST(Throws, AreOfBallsAndTakeTheirFirstContactAndDelivery) {
                                      told(kind::delivery, {"c"}, 1.0)};
   const Score found = score(events);
   ASSERT_EQ(found.throws.size(), 1u);
-  const devices::ThrowRow& row = found.throws.front();
+  const ThrowRow& row = found.throws.front();
   EXPECT_EQ(row.body, "ball");
   EXPECT_EQ(row.trigger_s, 0.5);
   EXPECT_EQ(row.known, "tracked");

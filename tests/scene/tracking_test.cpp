@@ -6,9 +6,9 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/trial/sources.h"
-#include "scene/play/events.h"
+#include "devices/base/sources.h"
 #include "scene/play/session.h"
+#include "scene/record/events.h"
 
 namespace headpin::scene {
 namespace {
@@ -27,13 +27,13 @@ std::vector<devices::Sample> samples(const std::function<bool(devices::TrackerSa
   return all;
 }
 
-std::vector<devices::Event> events_of(std::vector<devices::Sample> all) {
+std::vector<Event> events_of(std::vector<devices::Sample> all) {
   Session session = make_session(Scenario{});
   devices::ReplaySource source(std::move(all));
-  std::vector<devices::Event> events;
+  std::vector<Event> events;
   while (session.now() < Time{2'900'000}) {
     advance(session, source);
-    for (const devices::Event& event : session.events) {
+    for (const Event& event : session.events) {
       if (event.kind == kind::tracking_lost || event.kind == kind::tracking_back) {
         events.push_back(event);
       }

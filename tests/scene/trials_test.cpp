@@ -23,7 +23,7 @@ struct Hashes {
 Hashes replayed(const std::string& path) {
   const Recorded recorded = load_trial(path);
   Session session = make_session(recorded.scenario);
-  devices::TrialPlayer source(recorded.file);
+  TrialPlayer source(recorded.file);
   NoPace pace;
   const std::int64_t ticks =
       tick_count(recorded.file.summary(), recorded.scenario.rates.physics_hz);

@@ -8,11 +8,11 @@
 
 #include <gtest/gtest.h>
 
-#include "devices/trial/log.h"
-#include "devices/trial/sources.h"
-#include "devices/trial/trial.h"
+#include "devices/base/sources.h"
 #include "scene/looks/eyes.h"
 #include "scene/play/run.h"
+#include "scene/record/log.h"
+#include "scene/record/trial.h"
 #include "scene/scenario/scenario.h"
 #include "scene/stage/read_scenario.h"
 #include "tests/support/scale.h"
@@ -149,7 +149,7 @@ Pose gaze_at(const Vec3& p_WD, const Vec3& target_W) {
 
 // The ball on its stand, in the hand, rolling, among the skittles, and what lies when all is over.
 TEST(Ids, AreWhereThePhysicsHasBallAndSkittles) {
-  const devices::Trial trial = devices::read_trial(HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog");
+  const Trial trial = read_trial(HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog");
   Scenario scenario;  // of today: in the trial's, parts keep less well to the profile
   scenario.rig = scenario_of_trial(trial.header.scenario, "demo.lcmlog").rig;
   Session session = make_session(scenario);

@@ -64,7 +64,7 @@ class MotionBids : public testing::Test {
     header_.participant = "p001";
     header_.seed = 18446744073709551615u;
     header_.scenario = "name = 'a \"room\"'\n[lane]\n";
-    devices::Event event;
+    scene::Event event;
     event.kind = "version";
     event.detail = "{\"with\":\ta tab\nand a line}";
     event.bodies = {"ball", "skittle 1"};
@@ -73,7 +73,7 @@ class MotionBids : public testing::Test {
       texts_[name.substr(name.rfind('/') + 1)] = text;
     }
   }
-  devices::TrialHeader header_;
+  scene::TrialHeader header_;
   std::map<std::string, std::string> texts_;
 };
 

@@ -10,8 +10,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "devices/trial/sources.h"
-#include "scene/play/events.h"
+#include "devices/base/sources.h"
+#include "scene/record/events.h"
 #include "sweep/result.h"
 #include "sweep/runner.h"
 #include "tests/support/folder.h"
@@ -187,7 +187,7 @@ TEST(Apart, TheFirstContactIsWhenTheFirstSkittleIsStruck) {
     apart.tick(a.session, b.session);
     for (const auto& [session, when] :
          {std::pair(&a.session, &struck[0]), {&b.session, &struck[1]}}) {
-      for (const devices::Event& event : session->events) {
+      for (const scene::Event& event : session->events) {
         if (event.kind == scene::kind::first_contact && !*when) *when = event.time;
       }
     }

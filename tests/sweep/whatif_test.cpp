@@ -13,7 +13,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "devices/trial/sources.h"
+#include "devices/base/sources.h"
 #include "scene/play/score.h"
 #include "sweep/runner.h"
 #include "sweep/whatif_report.h"
@@ -39,7 +39,7 @@ scene::Score played(const scene::Scenario& scenario, const std::vector<devices::
   scene::Score score;
   while (seconds(session.now()) < seconds_long) {
     scene::advance(session, source);
-    for (const devices::Event& event : session.events) score.add(event);
+    for (const scene::Event& event : session.events) score.add(event);
     if (situations) situations->tick(session);
   }
   return score;
@@ -55,7 +55,7 @@ const Situation& demo_throw() {
   return all.front();
 }
 
-void expect_same_throw(const Outcome& again, const devices::ThrowRow& whole) {
+void expect_same_throw(const Outcome& again, const scene::ThrowRow& whole) {
   EXPECT_TRUE(again.released);
   EXPECT_EQ(again.thrown.release, whole.release);
   EXPECT_EQ(again.thrown.speed, whole.speed);

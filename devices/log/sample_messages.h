@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "devices/base/sample.h"
+
+/// Samples <-> the bytes of LCM messages; pure functions.
+namespace headpin::devices {
+
+constexpr std::string_view kTrackerChannel = "TRACKER";
+constexpr std::string_view kMouseChannel = "MOUSE3D";
+
+using Buffer = std::vector<std::uint8_t>;
+
+/// Writes the message into `out`, which is resized; its memory is reused.
+void encode(const TrackerSample& sample, Buffer& out);
+void encode(const MouseSample& sample, Buffer& out);
+
+/// Decodes a message on one of the two channels; nothing on another, and nothing if its type, its size
+/// or a length is wrong.
+std::optional<Sample> decode_sample(std::string_view channel, std::span<const std::uint8_t> bytes);
+
+/// Whether numbers are finite, quaternions unit to 1e-3, times less than 126 years from 0, counts
+/// not negative.
+bool plausible(const Sample& sample);
+
+}  // namespace headpin::devices

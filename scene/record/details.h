@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "scene/record/trial.h"
+
+/// The details of events as data. An event itself has them as text, as a trial stores it; these
+/// functions write it and read it, and nothing else does. Values that a text does not have, as in
+/// older or damaged trials, are not there.
+namespace headpin::scene {
+
+/// How the velocity of a hand at a time is known.
+enum class Known {
+  tracked,       ///< there are samples before and after
+  extrapolated,  ///< the motion is extrapolated from the nearest sample
+  impossible     ///< no plausible sample is near enough
+};
+
+/// "tracked", "extrapolated", "impossible".
+std::string_view name_of(Known known);
+
+struct Motion {
+  Twist V_WB;  ///< [m/s], [rad/s]; zero if impossible
+  Known known = Known::impossible;
+  Time extrapolated{};  ///< time of the extrapolation
+  int left_out = 0;     ///< samples that disagree with the others
+};
+
+/// "tracked"; "extrapolated by 12 ms, 1 sample left out".
+std::string in_words(const Motion& motion);
+
+/// What set a skittle in motion.
+enum class By : std::uint8_t {
+  nobody,
+  ball,  ///< one that was thrown
+  hand   ///< or what it carries
+};
+
+/// Of a release: when, where and how the body left the hand.
+struct Released {
+  std::optional<double> trigger_s;       ///< time of the trigger, from its device
+  std::optional<Vec3> p_WB, v_WB, w_WB;  ///< [m], [m/s], [rad/s]
+  std::optional<Known> known;            ///< how its velocity is known
+  std::optional<Time> extrapolated;
+  std::optional<int> left_out;
+};
+std::string to_detail(const Released& released);
+Released released(const Event& event);
+
+/// Puts a motion in place of the velocities, and says how it is known.
+void set_motion(Released& released, const Motion& motion);
+/// Nothing unless the event has all of it.
+std::optional<Motion> motion_of(const Event& event);
+
+/// Of a first contact: the velocity of the ball just before it [m/s].
+std::string contact_detail(const Vec3& v_WB);
+std::optional<Vec3> contact_velocity(const Event& event);
+
+/// Of a skittle that fell: its cause.
+std::string to_detail(By by);
+By felled_by(const Event& event);
+
+/// Of a live session that ended: how well it kept up with real time.
+struct KeptPace {
+  std::int64_t ticks = 0, overruns = 0;
+  std::int64_t frames = 0, late_frames = 0, drawing_failures = 0;
+};
+std::string to_detail(const KeptPace& pace);
+KeptPace kept_pace(const Event& event);
+
+}  // namespace headpin::scene
