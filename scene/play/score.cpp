@@ -26,7 +26,7 @@ ThrowRow thrown(const Event& release, const std::string& version) {
   row.p_WB = told.p_WB;
   row.v_WB = told.v_WB;
   row.w_WB = told.w_WB;
-  if (told.known) row.known = name_of(*told.known);
+  row.known = known_word(told);
   if (const auto motion = motion_of(release)) {
     row.extrapolated_s = nearest_seconds(motion->extrapolated);
     row.left_out = motion->left_out;

@@ -39,13 +39,17 @@ std::optional<Vec3> vector_in(const nlohmann::json& detail, const char* key) {
   return v;
 }
 
-std::optional<Known> known_in(const nlohmann::json& detail) {
+void read_known(const nlohmann::json& detail, Released& released) {
   const auto found = detail.find("known");
-  if (found == detail.end() || !found->is_string()) return std::nullopt;
-  for (const Known one : {Known::tracked, Known::extrapolated}) {
-    if (*found == name_of(one)) return one;
+  if (found == detail.end() || !found->is_string() || *found == "") return;
+  released.known = Known::impossible;
+  for (const Known one : {Known::tracked, Known::extrapolated, Known::impossible}) {
+    if (*found == name_of(one)) {
+      released.known = one;
+      return;
+    }
   }
-  return Known::impossible;
+  released.other_known = found->get<std::string>();
 }
 
 }  // namespace
@@ -74,13 +78,18 @@ std::string in_words(const Motion& motion) {
   return words;
 }
 
+std::string known_word(const Released& released) {
+  if (!released.other_known.empty() || !released.known) return released.other_known;
+  return std::string(name_of(*released.known));
+}
+
 std::string to_detail(const Released& released) {
   nlohmann::json detail = nlohmann::json::object();
   if (released.trigger_s) detail["trigger_s"] = *released.trigger_s;
   if (released.p_WB) detail["position_m"] = as_list(*released.p_WB);
   if (released.v_WB) detail["velocity_mps"] = as_list(*released.v_WB);
   if (released.w_WB) detail["spin_radps"] = as_list(*released.w_WB);
-  if (released.known) detail["known"] = name_of(*released.known);
+  if (released.known) detail["known"] = known_word(released);
   if (released.extrapolated) detail["extrapolated_s"] = nearest_seconds(*released.extrapolated);
   if (released.left_out) detail["left_out"] = *released.left_out;
   return detail.dump();
@@ -92,9 +101,10 @@ Released released(const Event& event) {
                  .p_WB = vector_in(detail, "position_m"),
                  .v_WB = vector_in(detail, "velocity_mps"),
                  .w_WB = vector_in(detail, "spin_radps"),
-                 .known = known_in(detail),
+                 .known = std::nullopt,
                  .extrapolated = std::nullopt,
                  .left_out = std::nullopt};
+  read_known(detail, found);
   if (const auto seconds = number_in(detail, "extrapolated_s")) {
     found.extrapolated = microseconds(*seconds);
   }
@@ -106,6 +116,7 @@ void set_motion(Released& released, const Motion& motion) {
   released.v_WB = motion.V_WB.v;
   released.w_WB = motion.V_WB.w;
   released.known = motion.known;
+  released.other_known.clear();
   released.extrapolated = motion.extrapolated;
   released.left_out = motion.left_out;
 }

@@ -46,7 +46,10 @@ struct Released {
   std::optional<Known> known;            ///< how its velocity is known
   std::optional<Time> extrapolated;
   std::optional<int> left_out;
+  std::string other_known = {};  ///< the word in place of a Known, which is then `impossible`
 };
+/// How its velocity is known, in the word of the text; empty where nothing tells.
+std::string known_word(const Released& released);
 std::string to_detail(const Released& released);
 Released released(const Event& event);
 

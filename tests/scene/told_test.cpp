@@ -247,6 +247,14 @@ TEST(Details, OfADamagedTrialAreMissing) {
   EXPECT_EQ(felled_by(told(kind::skittle_down, {}, 0.0, "wind")), By::nobody);
 }
 
+// As of a flipped bit, or of another program.
+TEST(Details, AWordThatIsNoneOfOursIsShownAsItIs) {
+  const Event event = told(kind::release, {"ball"}, 6.0, R"({"known":"trackgd"})");
+  EXPECT_EQ(released(event).known, Known::impossible);
+  EXPECT_EQ(to_detail(released(event)), event.detail);
+  EXPECT_EQ(score(std::vector{event}).throws.at(0).known, "trackgd");
+}
+
 TEST(MotionAtTheTrigger, IsNotReadFromADetailThatLacksAPart) {
   Released with_motion;
   set_motion(with_motion, {{}, Known::tracked, Time{}, 0});
