@@ -7,13 +7,12 @@
 
 namespace headpin::scene {
 
-Event event(const Moment& moment, std::string_view kind, const engine::World& world,
-            std::initializer_list<engine::BodyId> bodies) {
+Event event(const Tick& tick, std::string_view kind, std::initializer_list<engine::BodyId> bodies) {
   Event e;
-  e.time = moment.time;
-  e.tick = moment.tick;
+  e.time = tick.moment.time;
+  e.tick = tick.moment.tick;
   e.kind = kind;
-  for (const engine::BodyId body : bodies) e.bodies.push_back(world.bodies[body].name);
+  for (const engine::BodyId body : bodies) e.bodies.push_back(tick.world.bodies[body].name);
   return e;
 }
 
@@ -28,24 +27,23 @@ bool is_free(const engine::World& world, engine::BodyId body) {
   return world.bodies[body].kind == engine::Kind::free;
 }
 
-void note_contacts(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
-                   std::vector<Event>& out) {
-  for (const engine::ContactEvent& contact : world.events) {
-    const Role a = stage.roles[contact.a], b = stage.roles[contact.b];
+void note_contacts(Game& game, const Tick& tick) {
+  for (const engine::ContactEvent& contact : tick.world.events) {
+    const Role a = tick.stage.roles[contact.a], b = tick.stage.roles[contact.b];
     const bool of_skittle = a == Role::skittle || b == Role::skittle;
     const bool of_ball = a == Role::ball || b == Role::ball;
     const bool of_hand = a == Role::hand || b == Role::hand;
     const engine::BodyId ball = a == Role::ball ? contact.a : contact.b;
     // A ball in the hand is not thrown. A thrown ball may meet a body that it touched in the hand
     // before.
-    const bool thrown = of_ball && (!tells_apart(stage) || is_free(world, ball));
+    const bool thrown = of_ball && (!tells_apart(tick.stage) || is_free(tick.world, ball));
     const bool strikes = of_skittle && thrown && !game.struck;
-    const bool met = contact.first || (strikes && tells_apart(stage));
+    const bool met = contact.first || (strikes && tells_apart(tick.stage));
     if (!met || (!of_skittle && !of_ball)) continue;
     const std::string_view what = of_hand      ? kind::hand_touch
                                   : of_skittle ? kind::touch
                                                : kind::ball_touch;
-    Event e = event(moment, what, world, {contact.a, contact.b});
+    Event e = event(tick, what, {contact.a, contact.b});
     e.p_W = contact.p_W;
     e.j_W = contact.impulse_W;
     e.value = contact.approach_speed;
@@ -56,7 +54,7 @@ void note_contacts(Game& game, const Stage& stage, const engine::World& world, c
       e.value = v_WB.norm();
       e.detail = contact_detail(v_WB);
     }
-    out.push_back(std::move(e));
+    tick.events.push_back(std::move(e));
   }
 }
 
@@ -95,38 +93,37 @@ void credit(Game& game, const Stage& stage, const engine::World& world) {
   }
 }
 
-void note_fallen(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
-                 std::vector<Event>& out) {
-  for (const engine::BodyId skittle : stage.skittles) {
-    const Pose& X_WB = world.states[skittle].X_WB;
-    const bool carried = world.bodies[skittle].kind == engine::Kind::driven;
+void note_fallen(Game& game, const Tick& tick) {
+  for (const engine::BodyId skittle : tick.stage.skittles) {
+    const Pose& X_WB = tick.world.states[skittle].X_WB;
+    const bool carried = tick.world.bodies[skittle].kind == engine::Kind::driven;
     if (game.down[skittle] || carried || !has_fallen(X_WB)) continue;
     game.down[skittle] = 1;
-    Event e = event(moment, kind::skittle_down, world, {skittle});
+    Event e = event(tick, kind::skittle_down, {skittle});
     e.p_W = X_WB.p;
     e.value = static_cast<double>(std::count(game.down.begin(), game.down.end(), 1));
-    if (tells_apart(stage)) e.detail = to_detail(game.moved_by[skittle]);
-    out.push_back(std::move(e));
+    if (tells_apart(tick.stage)) e.detail = to_detail(game.moved_by[skittle]);
+    tick.events.push_back(std::move(e));
   }
 }
 
 /// For each ball that was released in this tick: stores that it has not struck a skittle yet, and
 /// checks for a foul.
-void note_releases(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
-                   std::vector<Event>& out) {
-  const std::size_t before = out.size();
-  for (const engine::BodyId ball : stage.balls) {
+void note_releases(Game& game, const Tick& tick) {
+  const std::size_t before = tick.events.size();
+  for (const engine::BodyId ball : tick.stage.balls) {
     for (std::size_t i = 0; i < before; ++i) {
-      if (out[i].kind != kind::release || out[i].bodies.front() != world.bodies[ball].name)
+      if (tick.events[i].kind != kind::release ||
+          tick.events[i].bodies.front() != tick.world.bodies[ball].name)
         continue;
-      if (tells_apart(stage)) game.struck = false;
-      const Vec3 p_WB = released(out[i]).p_WB.value_or(out[i].p_W);
-      if (stage.scenario.game.foul == FoulBall::count || p_WB.y() <= 0.0) continue;
+      if (tells_apart(tick.stage)) game.struck = false;
+      const Vec3 p_WB = released(tick.events[i]).p_WB.value_or(tick.events[i].p_W);
+      if (tick.stage.scenario.game.foul == FoulBall::count || p_WB.y() <= 0.0) continue;
       game.foul = true;
-      Event e = event(moment, kind::foul, world, {ball});
+      Event e = event(tick, kind::foul, {ball});
       e.p_W = p_WB;
       e.value = p_WB.y();
-      out.push_back(std::move(e));
+      tick.events.push_back(std::move(e));
     }
   }
 }
@@ -151,12 +148,11 @@ void note_velocities(Game& game, const engine::World& world) {
   for (const engine::State& state : world.states) game.velocities.push_back(state.v_WB);
 }
 
-void note_step(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
-               std::vector<Event>& out) {
-  note_releases(game, stage, world, moment, out);
-  note_contacts(game, stage, world, moment, out);
-  if (tells_apart(stage)) credit(game, stage, world);
-  note_fallen(game, stage, world, moment, out);
+void note_step(Game& game, const Tick& tick) {
+  note_releases(game, tick);
+  note_contacts(game, tick);
+  if (tells_apart(tick.stage)) credit(game, tick.stage, tick.world);
+  note_fallen(game, tick);
 }
 
 }  // namespace headpin::scene

@@ -3,7 +3,7 @@
 #include <optional>
 #include <vector>
 
-#include "scene/play/moment.h"
+#include "scene/play/tick.h"
 #include "scene/record/details.h"
 #include "scene/scenario/rules.h"
 #include "scene/stage/stage.h"
@@ -41,9 +41,8 @@ void note_velocities(Game& game, const engine::World& world);
 /// The cause of a fall is what set the skittle in motion: the last ball or hand that touched it, or
 /// else the cause of the skittle that touched it first. A carried body counts as the hand.
 ///
-/// @param out  events of this tick so far; new events are appended in order of time
-void note_step(Game& game, const Stage& stage, const engine::World& world, const Moment& moment,
-               std::vector<Event>& out);
+/// @param tick  gets the events, in order of time
+void note_step(Game& game, const Tick& tick);
 
 /// Counts, sweeps and sets skittles again by the scenario's rules, once the thrown ball and all
 /// skittles have been at rest for longer than a ball pauses at the top of its flight, or
@@ -56,9 +55,7 @@ void note_step(Game& game, const Stage& stage, const engine::World& world, const
 ///
 /// @param held  the body in the hand, which is not moved, except for a skittle when all are set for
 ///              the next frame
-/// @param out   events are appended
 /// @return      whether the body was taken out of the hand
-bool referee(Game& game, const Stage& stage, engine::World& world, const Moment& moment,
-             std::optional<engine::BodyId> held, std::vector<Event>& out);
+bool referee(Game& game, const Tick& tick, std::optional<engine::BodyId> held);
 
 }  // namespace headpin::scene

@@ -18,19 +18,11 @@ namespace {
 
 constexpr Time kMemory{1'000'000};  ///< how long poses are stored
 
-/// The arguments of one call of `drive`.
-struct Scene {
-  const Stage& stage;
-  engine::World& world;
-  const Moment& moment;
-  std::vector<Event>& out;
-};
-
-Event& note(const Scene& scene, std::string_view kind, engine::BodyId body, double value = 0.0) {
-  Event e = event(scene.moment, kind, scene.world, {body});
-  e.p_W = scene.world.states[body].X_WB.p;
+Event& note(const Tick& tick, std::string_view kind, engine::BodyId body, double value = 0.0) {
+  Event e = event(tick, kind, {body});
+  e.p_W = tick.world.states[body].X_WB.p;
   e.value = value;
-  return scene.out.emplace_back(std::move(e));
+  return tick.events.emplace_back(std::move(e));
 }
 
 /// Whether a release uses the hand's velocity at the time of the trigger.
@@ -121,32 +113,32 @@ double gap_to(const Stage& stage, const engine::World& world, engine::BodyId bod
 }
 
 /// Grabs the nearest ball or skittle, if it is within reach.
-void grab(Player& player, const Scene& scene, Time time, Time now) {
+void grab(Player& player, const Tick& tick, Time time, Time now) {
   const std::optional<Pose> X_WH = hand_at(player, time, now);
   if (!X_WH) return;
   std::optional<engine::BodyId> nearest;
   double least = std::numeric_limits<double>::max();
   const auto consider = [&](engine::BodyId body) {
-    const double gap = gap_to(scene.stage, scene.world, body, X_WH->p);
+    const double gap = gap_to(tick.stage, tick.world, body, X_WH->p);
     if (gap > least) return;
     nearest = body;
     least = gap;
   };
-  for (const engine::BodyId ball : scene.stage.balls) consider(ball);
-  if (scene.stage.scenario.hand.takes_skittles) {
-    for (const engine::BodyId skittle : scene.stage.skittles) consider(skittle);
+  for (const engine::BodyId ball : tick.stage.balls) consider(ball);
+  if (tick.stage.scenario.hand.takes_skittles) {
+    for (const engine::BodyId skittle : tick.stage.skittles) consider(skittle);
   }
   if (!nearest) return;
-  if (least > scene.stage.scenario.hand.reach) {
-    note(scene, kind::missed_grab, *nearest, least);
+  if (least > tick.stage.scenario.hand.reach) {
+    note(tick, kind::missed_grab, *nearest, least);
     return;
   }
-  const Quat& q_WB = scene.world.states[*nearest].X_WB.q;
+  const Quat& q_WB = tick.world.states[*nearest].X_WB.q;
   player.held = {*nearest, X_WH->q.conjugate() * q_WB};
-  player.grip_changed = scene.moment.time;
-  engine::set_kind(scene.world, *nearest, engine::Kind::driven);
-  Event& e = note(scene, kind::grab, *nearest);
-  if (at_trigger(scene.stage.scenario.hand)) e.time -= now - time;
+  player.grip_changed = tick.moment.time;
+  engine::set_kind(tick.world, *nearest, engine::Kind::driven);
+  Event& e = note(tick, kind::grab, *nearest);
+  if (at_trigger(tick.stage.scenario.hand)) e.time -= now - time;
 }
 
 /// The released body with a change.
@@ -165,11 +157,11 @@ Carried changed(Carried carried, const ReleaseChange& by) {
 /// Releases the ball at `time` and lets it fly until `now`, which is less than a tick later. With
 /// release at the trigger, it flies only until the start of the tick that the step will make; this
 /// may be before the release.
-void release(Player& player, const Scene& scene, Time time, Time now) {
+void release(Player& player, const Tick& tick, Time time, Time now) {
   const engine::BodyId body = player.held->body;
-  const Hand& hand = scene.stage.scenario.hand;
+  const Hand& hand = tick.stage.scenario.hand;
   auto [state, motion] =
-      changed(carried(player, scene.stage.scenario, time, now), player.release_change);
+      changed(carried(player, tick.stage.scenario, time, now), player.release_change);
   Released told{.trigger_s = nearest_seconds(time),
                 .p_WB = state.X_WB.p,
                 .v_WB = state.v_WB,
@@ -178,22 +170,22 @@ void release(Player& player, const Scene& scene, Time time, Time now) {
                 .extrapolated = {},
                 .left_out = {}};
   double flown = seconds(now - time);
-  if (at_trigger(hand)) flown -= engine::step_seconds(scene.world);
-  const Vec3 gained = flown * scene.world.parameters.gravity_W;
+  if (at_trigger(hand)) flown -= engine::step_seconds(tick.world);
+  const Vec3 gained = flown * tick.world.parameters.gravity_W;
   state.X_WB.p += flown * state.v_WB;
   if (at_trigger(hand)) {
     state.X_WB.q = (rotation(flown * state.w_WB) * state.X_WB.q).normalized();
   }
   if (hand.falls_at_once) state.X_WB.p += 0.5 * flown * gained;
-  state = engine::outside_fixed(scene.world, body, state);
+  state = engine::outside_fixed(tick.world, body, state);
   const double speed = state.v_WB.norm();
   if (hand.falls_at_once) state.v_WB += gained;
   player.held.reset();
-  player.grip_changed = scene.moment.time;
+  player.grip_changed = tick.moment.time;
   player.leaving = body;
-  engine::set_kind(scene.world, body, engine::Kind::free);
-  engine::set_state(scene.world, body, state);
-  Event& e = note(scene, kind::release, body, speed);
+  engine::set_kind(tick.world, body, engine::Kind::free);
+  engine::set_state(tick.world, body, state);
+  Event& e = note(tick, kind::release, body, speed);
   if (at_trigger(hand)) {
     e.time -= now - time;
     set_motion(told, motion);
@@ -202,12 +194,12 @@ void release(Player& player, const Scene& scene, Time time, Time now) {
 }
 
 /// Moves the held body with the hand, outside of fixed bodies now and at the end of the tick.
-void carry(const Player& player, const Scene& scene, Time now) {
+void carry(const Player& player, const Tick& tick, Time now) {
   const engine::BodyId body = player.held->body;
-  engine::World& world = scene.world;
-  const Hand& hand = scene.stage.scenario.hand;
+  engine::World& world = tick.world;
+  const Hand& hand = tick.stage.scenario.hand;
   const double dt = engine::step_seconds(world);
-  engine::State state = carried(player, scene.stage.scenario, now, now).state;
+  engine::State state = carried(player, tick.stage.scenario, now, now).state;
   const engine::State there = state;
   if (at_trigger(hand)) state = ending_at(state, dt);
   state = engine::outside_fixed(world, body, state);
@@ -229,23 +221,23 @@ bool clear_of(const Player& player, const engine::World& world, const Pose& X_WH
 }
 
 /// Moves the hand's body to the hand, or away.
-void place_hand(Player& player, const Scene& scene, Time now) {
+void place_hand(Player& player, const Tick& tick, Time now) {
   constexpr double kOpenHand = 0.13;  // from the palm's middle to the fingertips [m]
   const std::optional<Pose> X_WH = hand_at(player, now, now);
   const double hand_radius =
-      scene.stage.hand ? scene.world.bodies[*scene.stage.hand].shape->bounding_radius : kOpenHand;
-  if (X_WH && clear_of(player, scene.world, *X_WH, hand_radius)) player.leaving.reset();
-  if (!scene.stage.hand) return;
-  const engine::BodyId body = *scene.stage.hand;
+      tick.stage.hand ? tick.world.bodies[*tick.stage.hand].shape->bounding_radius : kOpenHand;
+  if (X_WH && clear_of(player, tick.world, *X_WH, hand_radius)) player.leaving.reset();
+  if (!tick.stage.hand) return;
+  const engine::BodyId body = *tick.stage.hand;
   if (!X_WH || player.held || player.leaving) {
-    if (scene.world.states[body].X_WB.p == kAway.p) return;
-    return engine::set_state(scene.world, body, {kAway, Vec3::Zero(), Vec3::Zero()});
+    if (tick.world.states[body].X_WB.p == kAway.p) return;
+    return engine::set_state(tick.world, body, {kAway, Vec3::Zero(), Vec3::Zero()});
   }
-  const Hand& hand = scene.stage.scenario.hand;
-  const Twist V_PH = hand_motion(player, scene.stage.scenario, Vec3::Zero(), now).V_WB;
+  const Hand& hand = tick.stage.scenario.hand;
+  const Twist V_PH = hand_motion(player, tick.stage.scenario, Vec3::Zero(), now).V_WB;
   const engine::State state{*X_WH, player.walk.v_WP + V_PH.v, V_PH.w};
-  const double dt = engine::step_seconds(scene.world);
-  engine::set_state(scene.world, body, at_trigger(hand) ? ending_at(state, dt) : state);
+  const double dt = engine::step_seconds(tick.world);
+  engine::set_state(tick.world, body, at_trigger(hand) ? ending_at(state, dt) : state);
 }
 
 }  // namespace
@@ -287,21 +279,20 @@ void forget(Player& player, Time now) {
   player.hand.forget_before(now - kMemory);
 }
 
-void drive(Player& player, std::span<const devices::Sample> samples, const Stage& stage,
-           engine::World& world, const Moment& moment, std::vector<Event>& out) {
-  const Scene scene{stage, world, moment, out};
-  const Time now = moment.time - microseconds(stage.scenario.rig.delay_s);
-  follow(player, samples, stage.scenario, now);
+void drive(Player& player, std::span<const devices::Sample> samples, const Tick& tick) {
+  const Scenario& scenario = tick.stage.scenario;
+  const Time now = tick.moment.time - microseconds(scenario.rig.delay_s);
+  follow(player, samples, scenario, now);
   for (const devices::MouseSample& button : player.buttons) {
     if (button.device_time > now) break;
     if (button.trigger && !player.trigger && !player.held) {
-      grab(player, scene, button.device_time, now);
+      grab(player, tick, button.device_time, now);
     }
-    if (!button.trigger && player.held) release(player, scene, button.device_time, now);
+    if (!button.trigger && player.held) release(player, tick, button.device_time, now);
     player.trigger = button.trigger;
   }
-  if (player.held) carry(player, scene, now);
-  place_hand(player, scene, now);
+  if (player.held) carry(player, tick, now);
+  place_hand(player, tick, now);
   forget(player, now);
 }
 

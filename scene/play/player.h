@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "devices/base/resample.h"
-#include "scene/play/moment.h"
+#include "scene/play/tick.h"
 #include "scene/play/walk.h"
 #include "scene/stage/stage.h"
 
@@ -69,9 +69,7 @@ void forget(Player& player, Time now);
 /// body is clear of the hand again.
 ///
 /// @param samples  samples that became known at this tick
-/// @param out      events are appended
 /// @throws std::runtime_error  as sensor_in_space
-void drive(Player& player, std::span<const devices::Sample> samples, const Stage& stage,
-           engine::World& world, const Moment& moment, std::vector<Event>& out);
+void drive(Player& player, std::span<const devices::Sample> samples, const Tick& tick);
 
 }  // namespace headpin::scene

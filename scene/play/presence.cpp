@@ -25,12 +25,9 @@ constexpr double kOnItsWay = 0.05;    ///< this near to its path, both sides cou
 /// Joint of head and neck, from between the eyes. Turning the head does not move it [m].
 const Vec3 kNeckJoint(0.0, -0.08, 0.10);
 
-/// The data of one call of `watch`.
-struct Sight {
+/// A tick, and where the player is.
+struct Sight : Tick {
   const Player& player;
-  const Stage& stage;
-  const engine::World& world;
-  const Moment& moment;
   Time measured{};           ///< time at which the present poses were measured
   Vec3 p_WD;                 ///< head
   std::optional<Vec3> p_WH;  ///< hand
@@ -152,7 +149,7 @@ double out_of_its_way(const Vec3& a, const Vec3& along_W, const Vec3& p_WB, cons
 }
 
 Event seen_event(const Sight& sight, std::string_view kind, engine::BodyId body) {
-  Event e = event(sight.moment, kind, sight.world, {body});
+  Event e = event(sight, kind, {body});
   e.p_W = sight.world.states[body].X_WB.p;
   return e;
 }
@@ -201,9 +198,9 @@ bool is_nobodys(const Own& own, const Sight& sight) {
 }
 
 /// Stores the bodies that the player has released, from the events of this tick so far.
-void keep_own(Presence& presence, const Sight& sight, std::span<const Event> events) {
+void keep_own(Presence& presence, const Sight& sight) {
   std::erase_if(presence.own, [&](const Own& own) { return is_nobodys(own, sight); });
-  for (const Event& e : events) {
+  for (const Event& e : sight.events) {
     if (e.kind != kind::release || e.tick != sight.moment.tick) continue;
     const auto keep = [&](engine::BodyId body) {
       if (sight.world.bodies[body].name != e.bodies.front()) return;
@@ -215,7 +212,7 @@ void keep_own(Presence& presence, const Sight& sight, std::span<const Event> eve
 }
 
 /// Starts an approach if a body begins to fly at the player.
-void notice(Presence& presence, const Sight& sight, engine::BodyId body, std::vector<Event>& out) {
+void notice(Presence& presence, const Sight& sight, engine::BodyId body) {
   const engine::State& state = sight.world.states[body];
   if (sight.world.bodies[body].kind != engine::Kind::free || engine::is_asleep(sight.world, body) ||
       is_own(presence, body)) {
@@ -234,7 +231,7 @@ void notice(Presence& presence, const Sight& sight, engine::BodyId body, std::ve
                                  .closest = distance_now(sight, body)});
   Event e = seen_event(sight, kind::flies_at_player, body);
   e.value = coming->time_s;
-  out.push_back(std::move(e));
+  sight.events.push_back(std::move(e));
 }
 
 }  // namespace
@@ -271,25 +268,25 @@ bool is_coming(const engine::State& state, const Passing& passing) {
          level(state.v_WB).norm() > alarm.fast;
 }
 
-void watch(Presence& presence, const Player& player, const Stage& stage, const engine::World& world,
-           const Moment& moment, std::vector<Event>& out) {
-  const Time measured = moment.time - microseconds(stage.scenario.rig.delay_s);
+void watch(Presence& presence, const Player& player, const Tick& tick) {
+  const Time now = tick.moment.time;
+  const Time measured = now - microseconds(tick.stage.scenario.rig.delay_s);
   const std::optional<Pose> X_PD = player.head.at(measured);
   if (!X_PD) return;
-  Sight sight{player, stage, world, moment, measured, player.walk.X_WP() * X_PD->p, {}};
+  Sight sight{tick, player, measured, player.walk.X_WP() * X_PD->p, {}};
   if (const auto X_PH = player.hand.at(measured)) sight.p_WH = player.walk.X_WP() * X_PH->p;
   for (Approach& approach : presence.approaches) {
     follow_approach(approach, sight);
-    if (approach.passed && moment.time >= *approach.passed + kAfterwards) {
-      out.push_back(passed_event(sight, approach));
+    if (approach.passed && now >= *approach.passed + kAfterwards) {
+      tick.events.push_back(passed_event(sight, approach));
     }
   }
   std::erase_if(presence.approaches, [&](const Approach& approach) {
-    return approach.passed && moment.time >= *approach.passed + kAfterwards;
+    return approach.passed && now >= *approach.passed + kAfterwards;
   });
-  keep_own(presence, sight, out);
-  for (const engine::BodyId ball : stage.balls) notice(presence, sight, ball, out);
-  for (const engine::BodyId skittle : stage.skittles) notice(presence, sight, skittle, out);
+  keep_own(presence, sight);
+  for (const engine::BodyId ball : tick.stage.balls) notice(presence, sight, ball);
+  for (const engine::BodyId skittle : tick.stage.skittles) notice(presence, sight, skittle);
 }
 
 nlohmann::json approaches_of(std::span<const Event> events) {

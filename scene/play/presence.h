@@ -7,8 +7,8 @@
 
 #include <nlohmann/json_fwd.hpp>
 
-#include "scene/play/moment.h"
 #include "scene/play/player.h"
+#include "scene/play/tick.h"
 
 /// Behavioural presence: does the player move head or hand away from a body that flies at them? Uno
 /// & Slater 1997 saw people do so ("This is dangerous!") and left it for later. This measure is our
@@ -89,10 +89,7 @@ inline constexpr double kOutOfTheWay = 4.0;
 /// or up or down if the body passes within 0.5 m of the height. The head's acceleration is measured
 /// at its joint with the neck, so turning the head does not count. A hand that swings, by more than
 /// 0.3 m in that time, does not count.
-///
-/// @param out  events are appended
-void watch(Presence& presence, const Player& player, const Stage& stage, const engine::World& world,
-           const Moment& moment, std::vector<Event>& out);
+void watch(Presence& presence, const Player& player, const Tick& tick);
 
 /// The bodies that flew at the player, from the events of a session: time, body, closest approach
 /// and the event's further values.

@@ -11,14 +11,10 @@ namespace headpin::scene {
 
 namespace {
 
-/// The data of one call of `referee`.
-struct Field {
+/// A tick, and the game that is played.
+struct Field : Tick {
   Game& game;
-  const Stage& stage;
-  engine::World& world;
-  const Moment& moment;
   std::optional<engine::BodyId> held;
-  std::vector<Event>& out;
 
   const GameRules& plan() const { return stage.scenario.game; }
   const Rules& rules() const { return rules_of(plan().rules); }
@@ -30,10 +26,10 @@ struct Field {
 constexpr Time kFirst{500'000};  // a ball released at rest has not fallen yet
 
 void note(const Field& f, std::string_view kind, double value, std::string detail = {}) {
-  Event e = event(f.moment, kind, f.world, {});
+  Event e = event(f, kind, {});
   e.value = value;
   e.detail = std::move(detail);
-  f.out.push_back(std::move(e));
+  f.events.push_back(std::move(e));
 }
 
 bool is_still(const engine::World& world, engine::BodyId body) {
@@ -134,8 +130,8 @@ bool is_dead_wood(const Field& f, engine::BodyId skittle) {
 ///
 /// @return  skittles down that count for the ball that was thrown
 int count(const Field& f) {
-  Event delivery = event(f.moment, kind::delivery, f.world, {});
-  Event dead = event(f.moment, kind::dead_wood, f.world, {});
+  Event delivery = event(f, kind::delivery, {});
+  Event dead = event(f, kind::dead_wood, {});
   const bool costs = f.game.foul && f.plan().foul == FoulBall::zero;
   for (const engine::BodyId skittle : f.stage.skittles) {
     if (f.game.swept[skittle] || !is_down(f, skittle)) continue;
@@ -154,8 +150,8 @@ int count(const Field& f) {
       fmt::format("frame {} ball {}", f.game.frames.size(), f.game.frames.back().size() + 1);
   dead.value = static_cast<double>(dead.bodies.size());
   dead.detail = delivery.detail;
-  if (!dead.bodies.empty()) f.out.push_back(std::move(dead));
-  f.out.push_back(std::move(delivery));
+  if (!dead.bodies.empty()) f.events.push_back(std::move(dead));
+  f.events.push_back(std::move(delivery));
   return static_cast<int>(felled);
 }
 
@@ -176,9 +172,9 @@ void bring_balls_back(const Field& f) {
   for (const engine::BodyId ball : f.stage.balls) {
     if (f.world.bodies[ball].kind != engine::Kind::free) continue;  // on its stand or carried
     put_back(f, ball);
-    Event back = event(f.moment, kind::ball_back, f.world, {ball});
+    Event back = event(f, kind::ball_back, {ball});
     back.p_W = f.world.states[ball].X_WB.p;
-    f.out.push_back(std::move(back));
+    f.events.push_back(std::move(back));
   }
   f.game.struck = false;
 }
@@ -248,9 +244,8 @@ bool is_taken_back(const Field& f, bool under_way) {
 
 }  // namespace
 
-bool referee(Game& game, const Stage& stage, engine::World& world, const Moment& moment,
-             std::optional<engine::BodyId> held, std::vector<Event>& out) {
-  const Field f{game, stage, world, moment, held, out};
+bool referee(Game& game, const Tick& tick, std::optional<engine::BodyId> held) {
+  const Field f{tick, game, held};
   if (!f.rules().counted || game.over) return false;
   if (!game.begun) {
     game.begun = true;
@@ -259,10 +254,10 @@ bool referee(Game& game, const Stage& stage, engine::World& world, const Moment&
   }
   if (f.tells_apart()) tidy(f);
   bool under_way = false;
-  for (const engine::BodyId ball : stage.balls) {
-    if (world.bodies[ball].kind != engine::Kind::free) continue;
+  for (const engine::BodyId ball : f.stage.balls) {
+    if (f.world.bodies[ball].kind != engine::Kind::free) continue;
     under_way = true;
-    game.beyond |= game.thrown && world.states[ball].X_WB.p.y() > 0.0;
+    game.beyond |= game.thrown && f.world.states[ball].X_WB.p.y() > 0.0;
   }
   if (under_way && !game.thrown) begin_delivery(f);
   if (!game.thrown) return false;
@@ -272,7 +267,7 @@ bool referee(Game& game, const Stage& stage, engine::World& world, const Moment&
     return false;
   }
   const bool rests = f.waits_for_rest() ? stays_at_rest(f) : all_at_rest(f);
-  const Time since = moment.time - *game.thrown;
+  const Time since = f.moment.time - *game.thrown;
   if (since < microseconds(f.plan().ball_back_s) && (since < kFirst || !rests)) return false;
   game.thrown.reset();
   return end_delivery(f);

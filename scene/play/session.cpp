@@ -8,6 +8,10 @@ namespace headpin::scene {
 
 namespace {
 
+Tick tick_at(Session& s, const Moment& moment) {
+  return {*s.stage, s.world, moment, s.events};
+}
+
 /// A pose of the tracked space at `now`, in the world.
 std::optional<Pose> in_room(const Session& s, const devices::PoseTrack& track, Time now) {
   const std::optional<Pose> X_PX = track.at(now - microseconds(s.scenario().rig.delay_s));
@@ -50,13 +54,14 @@ void count_ahead(const Session& s, const Moment& moment, std::vector<Event>& out
   }
   engine::Workspace workspace;
   std::vector<Event> all;
-  Moment later = moment;
+  Tick tick{*s.stage, world, moment, all};
   while (game.thrown) {
     note_velocities(game, world);
     engine::step(world, workspace);
-    note_step(game, *s.stage, world, later, all);
-    referee(game, *s.stage, world, later, held, all);
-    later = {tick_time(later.tick + 1, s.scenario().rates.physics_hz), later.tick + 1};
+    note_step(game, tick);
+    referee(game, tick, held);
+    const std::int64_t next = tick.moment.tick + 1;
+    tick.moment = {tick_time(next, s.scenario().rates.physics_hz), next};
   }
   for (Event& e : all) {
     if (e.kind == kind::ball_back) continue;
@@ -81,7 +86,7 @@ void start_version(Session& s, std::size_t version, const Moment& moment) {
   s.presence = {};
   s.version_begun = true;
   s.version = version + 1;
-  Event e = event(moment, kind::version, s.world, {});
+  Event e = event(tick_at(s, moment), kind::version, {});
   const Versions& v = s.scenario().version;
   e.p_W = version == 0 ? v.red.button : v.blue.button;
   e.value = static_cast<double>(version);
@@ -136,20 +141,21 @@ void advance(Session& s, devices::Source& source) {
   for (devices::Sample& sample : s.samples) {
     std::visit([&](auto& one) { one.session_time = moment.time; }, sample);
   }
-  drive(s.player, s.samples, *s.stage, s.world, moment, s.events);
+  drive(s.player, s.samples, tick_at(s, moment));
   watch_tracking(s.tracking, s.player, moment.time - microseconds(s.scenario().rig.delay_s),
-                 s.world, moment, s.events);
-  touch_buttons(s, moment);
+                 tick_at(s, moment));
+  touch_buttons(s, moment);  // may begin a version, which has a stage of its own
+  const Tick tick = tick_at(s, moment);
   note_velocities(s.game, s.world);
   engine::step(s.world, s.workspace);
   s.tick = moment.tick;
   s.statistics += s.world.statistics;
-  note_step(s.game, *s.stage, s.world, moment, s.events);
-  watch(s.presence, s.player, *s.stage, s.world, moment, s.events);
+  note_step(s.game, tick);
+  watch(s.presence, s.player, tick);
   const std::optional<engine::BodyId> held =
       s.player.held ? std::optional(s.player.held->body) : std::nullopt;
   const bool counts = !has_buttons(s) || s.version_begun;
-  if (counts && referee(s.game, *s.stage, s.world, moment, held, s.events)) {
+  if (counts && referee(s.game, tick, held)) {
     s.player.held.reset();
     s.player.grip_changed = moment.time;
   }

@@ -10,27 +10,25 @@ namespace headpin::scene {
 namespace {
 
 void watch_receiver(Tracking::Receiver& receiver, const devices::PoseTrack& track,
-                    const std::string& name, Time measured, const engine::World& world,
-                    const Moment& moment, std::vector<Event>& out) {
+                    const std::string& name, Time measured, const Tick& tick) {
   const std::optional<devices::KnownPose> known = track.read(measured);
   if (!known) return;
   const Time last = known->last;
   const bool lost = measured - last > kTrackingLost;
   if (lost != receiver.lost) {
-    Event e = event(moment, lost ? kind::tracking_lost : kind::tracking_back, world, {});
+    Event e = event(tick, lost ? kind::tracking_lost : kind::tracking_back, {});
     e.value = seconds(lost ? measured - last : last - receiver.last);
     e.detail = name;
-    out.push_back(std::move(e));
+    tick.events.push_back(std::move(e));
   }
   receiver = {last, lost};
 }
 
 }  // namespace
 
-void watch_tracking(Tracking& tracking, const Player& player, Time measured,
-                    const engine::World& world, const Moment& moment, std::vector<Event>& out) {
-  watch_receiver(tracking.head, player.head, "head", measured, world, moment, out);
-  watch_receiver(tracking.hand, player.hand, "hand", measured, world, moment, out);
+void watch_tracking(Tracking& tracking, const Player& player, Time measured, const Tick& tick) {
+  watch_receiver(tracking.head, player.head, "head", measured, tick);
+  watch_receiver(tracking.hand, player.hand, "hand", measured, tick);
 }
 
 }  // namespace headpin::scene

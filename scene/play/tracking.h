@@ -24,8 +24,6 @@ struct Tracking {
 
 /// Reports when head or hand is lost, and when it is back; one that was never seen is not lost.
 /// @param measured  time of the poses of this tick: `rig.delay_s` before it
-/// @param out       events are appended
-void watch_tracking(Tracking& tracking, const Player& player, Time measured,
-                    const engine::World& world, const Moment& moment, std::vector<Event>& out);
+void watch_tracking(Tracking& tracking, const Player& player, Time measured, const Tick& tick);
 
 }  // namespace headpin::scene

@@ -66,8 +66,9 @@ class ByHand {
     note_velocities(s.game, s.world);
     engine::step(s.world);
     s.tick = moment.tick;
-    note_step(s.game, *s.stage, s.world, moment, s.events);
-    if (referee(s.game, *s.stage, s.world, moment, held, s.events)) taken_ = true;
+    const Tick tick{*s.stage, s.world, moment, s.events};
+    note_step(s.game, tick);
+    if (referee(s.game, tick, held)) taken_ = true;
     events_.insert(events_.end(), s.events.begin(), s.events.end());
     s.player.held.reset();
   }
