@@ -43,7 +43,7 @@ void require_samples(const scene::LiveState& state) {
 }
 
 /// Participant and condition of the session: from the options, otherwise from the played trial.
-scene::TrialHeader whose(const LiveOptions& options, std::span<const scene::Played> played) {
+scene::TrialHeader whose(const LiveOptions& options, std::span<const scene::PlayedTrial> played) {
   scene::TrialHeader header = scene::header_from(played);
   if (options.participant) header.participant = *options.participant;
   if (options.condition_name) header.condition = *options.condition_name;
@@ -51,13 +51,13 @@ scene::TrialHeader whose(const LiveOptions& options, std::span<const scene::Play
 }
 
 /// The scenario from the options, otherwise that of a played log, otherwise the paper's room.
-scene::Scenario chosen(const LiveOptions& options, std::span<const scene::Played> played) {
+scene::Scenario chosen(const LiveOptions& options, std::span<const scene::PlayedTrial> played) {
   if (!options.given && options.scenario.empty()) {
     return played.empty() ? scene::Scenario{} : scene::scenario_of(played[0]);
   }
   const scene::Scenario scenario =
       options.given ? *options.given : scene::load_scenario(options.scenario);
-  for (const scene::Played& trial : played) {
+  for (const scene::PlayedTrial& trial : played) {
     if (!scene::is_of_another(trial, scenario)) continue;
     say("headpin live: {} was recorded in another scenario than this session's; without "
         "--scenario, the session uses the recorded one\n",
@@ -67,7 +67,8 @@ scene::Scenario chosen(const LiveOptions& options, std::span<const scene::Played
 }
 
 /// The same, in the condition of the options.
-scene::Scenario scenario_of(const LiveOptions& options, std::span<const scene::Played> played) {
+scene::Scenario scenario_of(const LiveOptions& options,
+                            std::span<const scene::PlayedTrial> played) {
   scene::Scenario scenario = chosen(options, played);
   scenario.look.samples = options.samples;
   apply_condition(options.condition, scenario);
@@ -144,8 +145,8 @@ void go_live(const LiveOptions& options) {
   if (options.use_lcm) lcm = lcm_url("--lcm", options.lcm, devices::LcmUse::reading);
   const auto pace = std::make_shared<scene::RealTime>();
   scene::LiveSources sources(open_sources(options, pace));
-  const std::vector<scene::Played> played = scene::played_by(sources);
-  for (const scene::Played& one : played) say_what_is_missing("live", one.path, one.summary);
+  const std::vector<scene::PlayedTrial> played = scene::played_by(sources);
+  for (const scene::PlayedTrial& one : played) say_what_is_missing("live", one.path, one.summary);
   scene::Session session = scene::make_session(scenario_of(options, played));
   const scene::TrialHeader header = scene::header_of(whose(options, played), session);
   const Links links = open_links(options, lcm);

@@ -7,8 +7,8 @@
 
 namespace headpin::scene {
 
-std::vector<Played> played_by(const LiveSources& sources) {
-  std::vector<Played> all;
+std::vector<PlayedTrial> played_by(const LiveSources& sources) {
+  std::vector<PlayedTrial> all;
   for (const devices::OpenSource& source : sources.each()) {
     if (source.recording.empty()) continue;
     const TrialFile file(source.recording);
@@ -17,7 +17,7 @@ std::vector<Played> played_by(const LiveSources& sources) {
   return all;
 }
 
-TrialHeader header_from(std::span<const Played> played) {
+TrialHeader header_from(std::span<const PlayedTrial> played) {
   TrialHeader header;
   if (played.empty()) return header;
   header.participant = played[0].summary.header.participant;
@@ -26,11 +26,11 @@ TrialHeader header_from(std::span<const Played> played) {
   return header;
 }
 
-Scenario scenario_of(const Played& trial) {
+Scenario scenario_of(const PlayedTrial& trial) {
   return scenario_of_trial(trial.summary.header.scenario, trial.path);
 }
 
-bool is_of_another(const Played& trial, const Scenario& scenario) {
+bool is_of_another(const PlayedTrial& trial, const Scenario& scenario) {
   try {
     Scenario its = scenario_of(trial);
     its.look = scenario.look;

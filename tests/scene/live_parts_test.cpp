@@ -144,7 +144,7 @@ TEST(PlayedTrials, GiveTheSessionTheirScenarioAndWhoTookPart) {
   opened.push_back(open_as("fastrak:here", std::make_unique<TestSource>()));
   opened.push_back(open_source(kDemoTrial, clocks, {}));
   const LiveSources sources(std::move(opened));
-  const std::vector<Played> played = played_by(sources);
+  const std::vector<PlayedTrial> played = played_by(sources);
   ASSERT_EQ(played.size(), 1u);
   EXPECT_EQ(played[0].path, kDemoTrial);
   const TrialHeader recorded = read_trial(kDemoTrial).header;
