@@ -13,6 +13,7 @@
 #include "base/output_file.h"
 #include "scene/record/log.h"
 #include "study/bids.h"
+#include "study/bids_read.h"
 
 namespace headpin::apps {
 

@@ -11,6 +11,8 @@
 #include "apps/streams.h"
 #include "base/output_file.h"
 #include "scene/people/throw.h"
+#include "scene/people/throw_checks.h"
+#include "scene/people/throw_readings.h"
 
 namespace headpin::apps {
 namespace {

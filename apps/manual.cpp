@@ -12,6 +12,7 @@
 #include "base/shell_word.h"
 #include "devices/base/version.h"
 #include "scene/scenario/files.h"
+#include "scene/scenario/keys.h"
 #include "scene/scenario/scenario.h"
 
 // Manual pages and shell completion, generated from the parser's own options so that they always

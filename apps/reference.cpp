@@ -6,6 +6,7 @@
 #include "devices/base/version.h"
 #include "scene/record/events.h"
 #include "scene/record/tables.h"
+#include "scene/scenario/keys.h"
 #include "scene/scenario/scenario.h"
 
 namespace headpin::apps {

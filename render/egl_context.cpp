@@ -1,3 +1,5 @@
+#include "render/egl_context.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -5,8 +7,6 @@
 #include <stdexcept>
 #include <string>
 #include <vector>
-
-#include "render/gl_context.h"
 
 #ifdef HEADPIN_EGL
 

@@ -14,6 +14,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "render/egl_context.h"
 #include "render/gl_functions.h"
 
 namespace headpin::render {

@@ -14,8 +14,10 @@
 #include <thread>
 #include <vector>
 
+#include "render/egl_context.h"
 #include "render/egl_devices.h"
 #include "render/gl_functions.h"
+#include "render/osmesa_context.h"
 
 #ifdef HEADPIN_SANITIZED
 // Mesa and its compiler do not free some memory before the end of the process. Nor does fontconfig,

@@ -42,24 +42,6 @@ class GlContext {
   void (*let_go_)();
 };
 
-/// OSMesa, which draws on the processor. It is loaded at run time. Mesa 25.1 does not have it any
-/// more.
-///
-/// @throws std::runtime_error  when the library is missing, when environment variables would crash
-///                             Mesa, or when there is no OpenGL 3.3 core context
-std::unique_ptr<GlContext> osmesa_context();
-
-/// EGL without a surface: Mesa on the processor, whatever else is installed. It is loaded at run
-/// time.
-/// @throws as osmesa_context(); also where something else than Mesa's software draws
-std::unique_ptr<GlContext> egl_context();
-
-/// One of the devices that EGL lists, a graphics card or the processor (render/egl_devices.h).
-/// @throws as osmesa_context()
-std::unique_ptr<GlContext> egl_device_context(int device);
-int egl_device_count();
-std::optional<int> cuda_number(int device);  ///< its CUDA number, if it has one
-
 /// The names that open_context() tries by default, in this order.
 std::span<const std::string_view> context_names();
 

@@ -1,9 +1,9 @@
+#include "render/osmesa_context.h"
+
 #include <array>
 #include <cstdint>
 #include <stdexcept>
 #include <string>
-
-#include "render/gl_context.h"
 
 #ifdef HEADPIN_OSMESA
 

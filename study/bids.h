@@ -60,15 +60,4 @@ class SimulatedSystem : public scene::Observer {
   double rate_hz_ = 60.0, duration_s_ = 0.0;
 };
 
-/// A session read back from the tables of its trackers and events.
-struct BidsTrial {
-  scene::TrialHeader header;
-  std::vector<devices::Sample> samples;  ///< in the order of the log
-};
-
-/// @param texts  by name, as session_files() gives them, the folders left out
-/// @throws std::invalid_argument  naming file and line: a table that does not fit its channels, what
-///                                is no number, a session that headpin did not write
-BidsTrial session_of(const std::map<std::string, std::string>& texts);
-
 }  // namespace headpin::study

@@ -1,3 +1,5 @@
+#include "study/bids_read.h"
+
 #include <algorithm>
 #include <charconv>
 #include <stdexcept>
@@ -5,7 +7,6 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "study/bids.h"
 #include "study/csv.h"
 
 namespace headpin::study {

@@ -1,10 +1,11 @@
+#include "study/paper_tables.h"
+
 #include <algorithm>
 #include <numeric>
 
 #include <fmt/format.h>
 
 #include "study/csv.h"
-#include "study/people.h"
 
 namespace headpin::study {
 

@@ -1,10 +1,11 @@
+#include "study/power_plot.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 
 #include <fmt/format.h>
 
-#include "study/power.h"
 #include "study/report.h"
 
 namespace headpin::study {

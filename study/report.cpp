@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "study/paper_tables.h"
+
 namespace headpin::study {
 
 namespace {

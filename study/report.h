@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "study/paper_tables.h"
 #include "study/people.h"
 
 namespace headpin::study {

@@ -11,6 +11,7 @@
 
 #include "base/random.h"
 #include "base/sha256.h"
+#include "scene/scenario/keys.h"
 #include "study/csv.h"
 
 namespace headpin::sweep {

@@ -35,24 +35,4 @@ struct WhatIf {
   std::vector<std::size_t> in_costs;  ///< which of `own`, in the order of `costs->down`
 };
 
-/// A column of the three tables.
-struct WhatIfColumn {
-  const char* name;  ///< with the unit last
-  const char* unit;
-  const char* meaning;
-};
-
-/// Columns of every release, behind those that say which one it is.
-const std::vector<WhatIfColumn>& release_columns();
-
-/// CSV with a line of names.
-std::string moments_csv(const WhatIf& whatif);
-std::string releases_csv(const WhatIf& whatif);
-std::string throws_csv(const WhatIf& whatif);
-
-/// SVG documents: skittles, speed and direction over the moment of the release; and skittles over
-/// direction and speed, a map for each height and spin, with the participant's own throws.
-std::string moments_svg(const WhatIf& whatif);
-std::string map_svg(const WhatIf& whatif);
-
 }  // namespace headpin::sweep

@@ -1,3 +1,5 @@
+#include "sweep/whatif_svg.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -6,7 +8,6 @@
 #include "scene/play/score.h"
 #include "study/report.h"
 #include "sweep/colours.h"
-#include "sweep/whatif_report.h"
 
 namespace headpin::sweep {
 

@@ -1,8 +1,9 @@
+#include "sweep/whatif_tables.h"
+
 #include <fmt/format.h>
 
 #include "scene/play/score.h"
 #include "study/csv.h"
-#include "sweep/whatif_report.h"
 
 namespace headpin::sweep {
 

@@ -16,6 +16,7 @@
 #include "base/output_file.h"
 #include "base/temporary.h"
 #include "study/csv.h"
+#include "study/paper_tables.h"
 #include "study/script.h"
 
 namespace headpin::apps {

@@ -18,6 +18,7 @@
 #include "base/output_file.h"
 #include "study/csv.h"
 #include "study/power.h"
+#include "study/power_plot.h"
 
 namespace headpin::apps {
 

@@ -13,6 +13,7 @@
 #include "apps/trial_page.h"
 #include "base/output_file.h"
 #include "study/csv.h"
+#include "study/paper_tables.h"
 #include "study/report.h"
 
 namespace headpin::apps {

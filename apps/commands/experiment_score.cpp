@@ -12,6 +12,7 @@
 #include "apps/study_people.h"
 #include "apps/study_tables.h"
 #include "study/csv.h"
+#include "study/paper_tables.h"
 
 namespace headpin::apps {
 

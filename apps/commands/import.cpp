@@ -20,6 +20,8 @@
 #include "devices/recordings/motion_files.h"
 #include "devices/recordings/text_encoding.h"
 #include "scene/people/throw.h"
+#include "scene/people/throw_checks.h"
+#include "scene/people/throw_readings.h"
 #include "scene/record/events.h"
 #include "scene/record/log.h"
 #include "scene/stage/read_scenario.h"

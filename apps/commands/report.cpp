@@ -23,6 +23,7 @@
 #include "scene/watch/counterparts.h"
 #include "scene/watch/totals.h"
 #include "scene/watch/verifier.h"
+#include "sweep/whatif_svg.h"
 
 namespace headpin::apps {
 

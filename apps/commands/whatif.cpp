@@ -12,6 +12,8 @@
 #include "apps/streams.h"
 #include "base/output_folder.h"
 #include "base/output_text.h"
+#include "sweep/whatif_svg.h"
+#include "sweep/whatif_tables.h"
 
 namespace headpin::apps {
 

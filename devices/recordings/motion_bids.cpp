@@ -1,5 +1,7 @@
 // Motion-BIDS: numbers in ..._motion.tsv, their meanings in ..._channels.tsv.
 
+#include "devices/recordings/motion_bids.h"
+
 #include <algorithm>
 #include <array>
 #include <numbers>
@@ -8,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "devices/recordings/motion_files.h"
 #include "devices/recordings/text_table.h"
 
 namespace headpin::devices {

@@ -12,8 +12,12 @@
 #include "base/input_file.h"
 #include "devices/log/event_log.h"
 #include "devices/recordings/any_table.h"
+#include "devices/recordings/motion_bids.h"
+#include "devices/recordings/table_motion.h"
 #include "devices/recordings/text_encoding.h"
 #include "devices/recordings/text_table.h"
+#include "devices/recordings/uxf.h"
+#include "devices/recordings/vrpn_log.h"
 #include "devices/recordings/xdf_motion.h"
 
 namespace headpin::devices {

@@ -104,58 +104,11 @@ const MotionFormat* format_of(const std::string& path);
 ///                                seems to be; else as MotionFormat::read
 MotionRecording read_motion(const std::string& path, const MotionOptions& options);
 
-// The readers' parts that see bytes alone, for tests.
-
-/// One object's poses of a UXF folder, a `trackers/OBJECT_movement_T001.csv`.
-///
-/// Unity's frame is left-handed, y up, +z ahead, its Euler angles are degrees about z, x and y, in
-/// this order; metres. The z axis is turned round. A last line that does not end may be cut inside
-/// a number: it is left out.
-PoseTrack parse_uxf(std::string_view text, std::string_view where, std::vector<std::string>& notes);
-
-/// The sensors of a VRPN log, by DEVICE:NUMBER, as they are written there; time since the first.
-std::vector<std::pair<std::string, PoseTrack>> parse_vrpn(std::span<const std::uint8_t> bytes,
-                                                          std::string_view where, double unit_m);
-
-/// What stands beside a ..._motion.tsv.
-struct BidsFrame {
-  std::string axes = {};  ///< where +x, +y and +z point, as MotionOptions has it
-  std::string rotation_order =
-      {};                    ///< of Euler angles: about the frame's fixed axes, the first first
-  bool left_handed = false;  ///< its rotation rule
-  double rate_hz = 0.0;      ///< of the samples, where no LATENCY channel has their times
-};
-
-/// The tracked points of a Motion-BIDS recording, in our frame. Samples with n/a in them, and those
-/// at the time of the one before, are left out.
-///
-/// @param motion    the ..._motion.tsv, numbers only
-/// @param channels  the ..._channels.tsv that names its columns
-MotionTracks parse_motion_bids(std::string_view motion, std::string_view channels,
-                               std::string_view where, const BidsFrame& frame);
-
-/// Any text table with a time and poses. Axes are RSP unless told, units metres unless the file says them.
-///
-/// @throws UnclearColumns         no time, no head or no hand
-/// @throws std::invalid_argument  naming file and line: no table
-MotionTracks parse_motion_table(std::string_view text, std::string_view where,
-                                const MotionOptions& options);
-
 /// Head and hands among tracks, by the given names or by words in theirs.
 /// @throws UnclearObjects         when there is not one head and at least one hand
 /// @throws std::invalid_argument  as `together`
 MotionRecording recording_of(const MotionTracks& read, const MotionOptions& options,
                              const std::string& where);
-
-/// What is understood of a text table.
-/// @throws std::invalid_argument  no table, or told columns that are not there
-TableFindings look_at_table(std::string_view text, std::string_view where,
-                            const MotionOptions& options);
-
-/// The same of a table that was read.
-MotionTracks tracks_in(const AnyTable& table, std::string_view where, const MotionOptions& options);
-TableFindings findings_in(const AnyTable& table, std::string_view where,
-                          const MotionOptions& options);
 
 /// Head and hands at the same times: the times of the head while all are tracked, with interpolated
 /// hands.

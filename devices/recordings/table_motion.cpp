@@ -1,5 +1,7 @@
 // Any text table with a time and poses: its cells by any_table.h, their meaning by table_columns.h.
 
+#include "devices/recordings/table_motion.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -11,7 +13,6 @@
 #include "devices/recordings/any_table.h"
 #include "devices/recordings/catalogue_csv.h"
 #include "devices/recordings/marker_file.h"
-#include "devices/recordings/motion_files.h"
 #include "devices/recordings/table_columns.h"
 #include "devices/recordings/table_time.h"
 

@@ -1,4 +1,4 @@
-// Tracker files of the Unity Experiment Framework.
+#include "devices/recordings/uxf.h"
 
 #include <numbers>
 #include <stdexcept>
@@ -6,7 +6,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "devices/recordings/motion_files.h"
 #include "devices/recordings/text_table.h"
 
 namespace headpin::devices {

@@ -3,6 +3,8 @@
 // says. Names of types and senders are also messages, of type -2 and -1; their sender is the number
 // that gets the name.
 
+#include "devices/recordings/vrpn_log.h"
+
 #include <bit>
 #include <map>
 #include <stdexcept>
@@ -10,7 +12,6 @@
 #include <fmt/format.h>
 
 #include "devices/base/bytes.h"
-#include "devices/recordings/motion_files.h"
 
 namespace headpin::devices {
 namespace {

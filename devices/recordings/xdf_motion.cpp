@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "devices/recordings/marker_file.h"
+#include "devices/recordings/table_motion.h"
 #include "devices/recordings/text_table.h"
 #include "devices/recordings/xdf_clock.h"
 

@@ -43,57 +43,10 @@ const std::vector<Pose>& throwing_hand(const devices::MotionRecording& recording
 Throw find_throw(const devices::MotionRecording& recording, const Hand& hand,
                  Side side = Side::right);
 
-/// The reasons why a recording is not a person's throw: sentences with what was found and what was
-/// expected. Empty for a person's throw.
-///
-/// Checks length and rate, height and tilt of the head, reach and speed of the hands, the direction
-/// of the gaze, and the side of the throwing hand.
-std::vector<std::string> why_no_throw(const devices::MotionRecording& recording, const Hand& hand,
-                                      Side side = Side::right);
-
-/// Reasons why the release is less accurate: a low sample rate, long gaps, repeated poses. Sentences; empty for a
-/// good recording.
-std::vector<std::string> doubts(const devices::MotionRecording& recording);
-
 /// Splits a recording into its throws; each begins after the follow-through of the one before. The
 /// times of each begin at 0. A recording with one throw is returned unchanged.
 std::vector<devices::MotionRecording> split_throws(const devices::MotionRecording& recording,
                                                    Side side);
-
-/// The hand with which the recording is a person's throw; or else the faster hand.
-Side throwing_side(const devices::MotionRecording& recording, const Hand& hand);
-
-/// A recording of which the rotation of the head was not measured, with a head that looks level along
-/// the throw. Others are returned unchanged.
-devices::MotionRecording looking_along(devices::MotionRecording recording, const Hand& hand,
-                                       Side side);
-
-/// A recording that cannot be a person's throw.
-struct NoThrow : std::invalid_argument {
-  using std::invalid_argument::invalid_argument;
-  /// How the file's numbers would be a person's throw, if there is such a way.
-  std::optional<devices::Reading> would_be = {};
-};
-
-/// Throws an exception if the recording cannot be a person's throw.
-///
-/// If it would be one with other units, axes, times or quaternions, or by the other hand, the message
-/// says so.
-///
-/// @param where  name of the file, for the message
-/// @throws NoThrow
-void require_throw(const devices::MotionRecording& recording, const Hand& hand,
-                   const std::string& where, Side side = Side::right);
-
-/// How the file's numbers would be a person's throw: one change of unit, of time, of the quaternion's
-/// order, of axes (of positions and rotations, or of one of them), or of unit and axes together.
-/// @param what  in words, such as "in centimetres"
-std::optional<devices::Reading> reading_of_a_throw(const devices::MotionRecording& recording,
-                                                   const Hand& hand, Side side, std::string& what);
-
-/// A reading in other axes, units and so on, of the same recording.
-devices::MotionRecording read_again(devices::MotionRecording recording,
-                                    const devices::Reading& reading);
 
 enum class Heading {
   release,  ///< the ball leaves straight down the lane

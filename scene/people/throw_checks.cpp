@@ -1,10 +1,11 @@
+#include "scene/people/throw_checks.h"
+
 #include <algorithm>
 #include <functional>
 #include <stdexcept>
 
 #include <fmt/format.h>
 
-#include "scene/people/throw.h"
 #include "scene/people/throw_motion.h"
 #include "scene/play/quantile.h"
 

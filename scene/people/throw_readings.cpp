@@ -1,10 +1,12 @@
+#include "scene/people/throw_readings.h"
+
 #include <algorithm>
 #include <array>
 #include <initializer_list>
 
 #include <fmt/format.h>
 
-#include "scene/people/throw.h"
+#include "scene/people/throw_checks.h"
 #include "scene/people/throw_motion.h"
 
 // Finds out whether a recording would be a person's throw if its numbers were read in another way.

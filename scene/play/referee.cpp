@@ -1,10 +1,11 @@
+#include "scene/play/referee.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include <fmt/format.h>
 
-#include "scene/play/game.h"
 #include "scene/record/events.h"
 
 namespace headpin::scene {

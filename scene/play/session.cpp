@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "scene/play/referee.h"
 #include "scene/record/events.h"
 
 namespace headpin::scene {

@@ -1,10 +1,11 @@
+#include "scene/scenario/keys.h"
+
 #include <algorithm>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include "scene/scenario/fields.h"
-#include "scene/scenario/scenario.h"
 #include "scene/scenario/writer.h"
 
 // Lists the keys of a scenario from the list of its fields.

@@ -206,19 +206,6 @@ struct Scenario {
 /// The whole scenario as TOML, with comments; parse_scenario reads it back to the same bits.
 std::string to_toml(const Scenario& scenario);
 
-/// One key of a scenario, for documentation.
-struct ScenarioKey {
-  std::string key;       ///< as it is written: "ball.mass"; `[]` stands for an entry of a list
-  std::string kind;      ///< of its value; "table" for a section that has something to say
-  std::string allowed;   ///< range or choices; empty where anything of the kind goes
-  std::string fallback;  ///< value where the scenario leaves it out; empty for lists
-  std::string meaning;   ///< empty where the name says it
-  std::string source;    ///< of the default, where it has one
-};
-
-/// All keys, in the order of to_toml.
-std::vector<ScenarioKey> scenario_keys();
-
 /// Gives every object the same elasticity or friction.
 void set_elasticity(Materials& materials, double elasticity);
 void set_friction(Materials& materials, double friction);

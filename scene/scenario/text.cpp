@@ -10,6 +10,7 @@
 #include <toml++/toml.h>
 
 #include "scene/scenario/fields.h"
+#include "scene/scenario/keys.h"
 #include "scene/scenario/keys_since.h"
 #include "scene/scenario/nearest.h"
 #include "scene/scenario/scenario.h"

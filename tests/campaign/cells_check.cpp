@@ -10,6 +10,7 @@
 #include "devices/recordings/motion_files.h"
 #include "scene/people/arm_model.h"
 #include "scene/people/throw.h"
+#include "scene/people/throw_checks.h"
 #include "scene/play/run.h"
 #include "scene/record/events.h"
 

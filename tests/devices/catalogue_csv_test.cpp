@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/recordings/motion_files.h"
+#include "devices/recordings/table_motion.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {

@@ -9,7 +9,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "devices/recordings/motion_bids.h"
 #include "devices/recordings/reading.h"
+#include "devices/recordings/uxf.h"
+#include "devices/recordings/vrpn_log.h"
 #include "tests/support/folder.h"
 
 namespace headpin::devices {

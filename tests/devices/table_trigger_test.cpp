@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/recordings/motion_files.h"
+#include "devices/recordings/table_motion.h"
 
 namespace headpin::devices {
 namespace {

@@ -1,7 +1,10 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "devices/recordings/motion_bids.h"
 #include "devices/recordings/motion_files.h"
+#include "devices/recordings/uxf.h"
+#include "devices/recordings/vrpn_log.h"
 
 using namespace headpin;
 

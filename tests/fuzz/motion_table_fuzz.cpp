@@ -3,6 +3,7 @@
 
 #include "devices/recordings/marker_file.h"
 #include "devices/recordings/motion_files.h"
+#include "devices/recordings/table_motion.h"
 
 using namespace headpin;
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "render/osmesa_context.h"
 #include "render/renderer.h"
 
 /// Small scenes to draw, and what is read off their pictures.

@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include "render/osmesa_context.h"
+
 namespace headpin::render {
 namespace {
 

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include "render/osmesa_context.h"
 #include "tests/render/drawn_scenes.h"
 
 namespace headpin::render {

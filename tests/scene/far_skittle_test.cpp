@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "render/image.h"
+#include "render/osmesa_context.h"
 #include "scene/looks/looks.h"
 
 namespace headpin::scene {

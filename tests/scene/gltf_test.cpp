@@ -10,6 +10,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "render/osmesa_context.h"
 #include "scene/looks/eyes.h"
 #include "scene/stage/mesh_file.h"
 #include "scene/stage/read_scenario.h"

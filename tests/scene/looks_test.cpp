@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include "render/osmesa_context.h"
 #include "scene/looks/eyes.h"
 #include "scene/looks/hand_mesh.h"
 #include "scene/looks/room_mesh.h"

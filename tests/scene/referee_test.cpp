@@ -1,5 +1,7 @@
 // What the referee counts: whose a fallen skittle is, and when a ball was thrown.
 
+#include "scene/play/referee.h"
+
 #include <cmath>
 #include <optional>
 

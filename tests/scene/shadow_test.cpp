@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "render/osmesa_context.h"
 #include "scene/looks/looks.h"
 #include "scene/scenario/files.h"
 #include "scene/stage/read_scenario.h"

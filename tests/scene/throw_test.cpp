@@ -12,7 +12,10 @@
 
 #include "devices/base/resample.h"
 #include "devices/recordings/motion_files.h"
+#include "devices/recordings/table_motion.h"
 #include "scene/people/arm_model.h"
+#include "scene/people/throw_checks.h"
+#include "scene/people/throw_readings.h"
 #include "scene/play/hand.h"
 #include "tests/support/scale.h"
 

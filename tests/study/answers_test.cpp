@@ -8,6 +8,7 @@
 
 #include "study/csv.h"
 #include "study/model.h"
+#include "study/paper_tables.h"
 #include "study/people.h"
 #include "study/report.h"
 #include "tests/study/study_files.h"

@@ -7,6 +7,7 @@
 #include <gmock/gmock.h>
 
 #include "base/random.h"
+#include "study/bids_read.h"
 #include "tests/support/folder.h"
 
 namespace headpin::study {

@@ -17,6 +17,7 @@
 #include "scene/play/score.h"
 #include "sweep/runner.h"
 #include "sweep/whatif_report.h"
+#include "sweep/whatif_tables.h"
 #include "tests/support/folder.h"
 #include "tests/support/hand_script.h"
 

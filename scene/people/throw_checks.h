@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "scene/people/throw.h"
+
+/// Whether a recording is a person's throw.
+namespace headpin::scene {
+
+/// The reasons why a recording is not a person's throw: sentences with what was found and what was
+/// expected. Empty for a person's throw.
+///
+/// Checks length and rate, height and tilt of the head, reach and speed of the hands, the direction
+/// of the gaze, and the side of the throwing hand.
+std::vector<std::string> why_no_throw(const devices::MotionRecording& recording, const Hand& hand,
+                                      Side side = Side::right);
+
+/// Reasons why the release is less accurate: a low sample rate, long gaps, repeated poses. Sentences; empty for a
+/// good recording.
+std::vector<std::string> doubts(const devices::MotionRecording& recording);
+
+/// The hand with which the recording is a person's throw; or else the faster hand.
+Side throwing_side(const devices::MotionRecording& recording, const Hand& hand);
+
+/// A recording of which the rotation of the head was not measured, with a head that looks level along
+/// the throw. Others are returned unchanged.
+devices::MotionRecording looking_along(devices::MotionRecording recording, const Hand& hand,
+                                       Side side);
+
+}  // namespace headpin::scene

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "study/bids.h"
+
+namespace headpin::study {
+
+/// A session read back from the tables of its trackers and events.
+struct BidsTrial {
+  scene::TrialHeader header;
+  std::vector<devices::Sample> samples;  ///< in the order of the log
+};
+
+/// @param texts  by name, as session_files() gives them, the folders left out
+/// @throws std::invalid_argument  naming file and line: a table that does not fit its channels, what
+///                                is no number, a session that headpin did not write
+BidsTrial session_of(const std::map<std::string, std::string>& texts);
+
+}  // namespace headpin::study
