@@ -1,6 +1,10 @@
 // A session in real time in a network of its own: fed by LCM's own player, kept by its logger.
 
+#include <algorithm>
+#include <chrono>
+
 #include "devices/log/event_log.h"
+#include "scene/record/events.h"
 #include "scene/record/log.h"
 #include "tests/apps/live_sessions.h"
 
@@ -24,6 +28,20 @@ class Live : public Sessions {
   }
 };
 
+/// Whether each sample around the release was used at the first tick after it was measured. Where
+/// other programs keep the processor busy, some come later; the hand's velocity is then another.
+bool came_in_time(const scene::Trial& trial) {
+  constexpr Time kTick{4167}, kAround{300'000};
+  const auto release = std::ranges::find(trial.events, scene::kind::release, &scene::Event::kind);
+  return release != trial.events.end() &&
+         std::ranges::all_of(trial.samples, [&](const devices::Sample& sample) {
+           const Time measured = devices::device_time(sample);
+           if (std::chrono::abs(measured - release->time) > kAround) return true;
+           const Time used = std::visit([](const auto& s) { return s.session_time; }, sample);
+           return used - measured <= kTick;
+         });
+}
+
 TEST_F(Live, FedByLcmLogplayerItReplaysToTheSameHashes) {
   const Result result = alone(
       "$headpin live --lcm '' --scenario room.toml --record live.lcmlog --eyes png --json "
@@ -35,7 +53,8 @@ TEST_F(Live, FedByLcmLogplayerItReplaysToTheSameHashes) {
   // 843 were sent; a machine that is busy with more loses datagrams before anybody gets them.
   EXPECT_THAT(live["samples"].get<int>(), testing::AllOf(testing::Gt(600), testing::Le(843)));
   EXPECT_EQ(live["sources"][0]["dropped_samples"], 0);
-  if (live["samples"] == 843) {  // at the same places between the ticks, whenever it was sent
+  // At the same places between the ticks, whenever it was sent.
+  if (live["samples"] == 843 && came_in_time(trial("live.lcmlog"))) {
     EXPECT_EQ(live["release_speed_mps"],
               json("replay " + kDemo + " -o demo.lcmlog --json")["release_speed_mps"]);
   }
