@@ -83,7 +83,8 @@ TEST(MotionFiles, AxesAreLettersAndEachPairOnce) {
   expect_near(ours.p, Vec3(-2, 3, -1));
   expect_near(ours.q * kAhead, -kRight);
   expect_near(ours.q * kUp, kUp);
-  const Pose mirrored = Axes("RSA", "x").ours({Quat(std::sqrt(0.5), 0, std::sqrt(0.5), 0), {}});
+  const Pose mirrored =
+      Axes("RSA", "x").ours(Pose{Quat(std::sqrt(0.5), 0, std::sqrt(0.5), 0), Vec3::Zero()});
   expect_near(mirrored.q * kAhead, kRight);  // left-handed: about up is to the right
   EXPECT_EQ(Axes("RSP", "x").ours(turned_left).q.coeffs(), turned_left.q.coeffs());
   for (const char* wrong : {"", "RS", "RSX", "RLS", "RSPA", "rsp"}) {

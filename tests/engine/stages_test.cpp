@@ -114,7 +114,8 @@ TEST(StopSwings, KeepsTheEndOfARodOutOfTheLane) {
   add_body(world, floor_body({0.0, 0.0}));
   Body rod = ball_body({0.0, 0.0});
   const double half = 0.5;
-  rod.shape = make_compound({{Cylinder{0.01, half}, {rotation({0.0, 0.5 * 3.14159265, 0.0}), {}}}});
+  rod.shape = make_compound(
+      {{Cylinder{0.01, half}, {rotation({0.0, 0.5 * 3.14159265, 0.0}), Vec3::Zero()}}});
   rod.inertia = Vec3(1e-3, 0.6, 0.6).asDiagonal();
   add_body(world, rod, at(Vec3(0.0, 0.0, 0.0101), Vec3::Zero(), Vec3(0.0, 20.0, 0.0)));
   Workspace w;
