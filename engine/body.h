@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "engine/compound.h"
 
@@ -16,6 +17,14 @@ struct Material {
   /// Rolling resistance: distance of the supporting force from the foot of the normal [m]. Those of
   /// a pair are added. Zero rolls freely; with some millimetres a body comes to rest.
   double rolling_arm = 0.0;
+};
+
+/// An area of a fixed body with a friction of its own, as oil on a lane: between it and whatever
+/// touches it, in place of the product of both materials. A body that crosses the edge of an area
+/// within a step has the mean of both over its way.
+struct FrictionArea {
+  Vec2 low, high;         ///< opposite corners, in the body's x and y [m]; without `high` itself
+  double friction = 0.0;  ///< as Material::friction
 };
 
 /// Pose and velocity of a body. The origin of B is the centre of mass.
@@ -57,6 +66,7 @@ struct Body {
   Mat3 inertia = Mat3::Identity();  ///< about the centre of mass, along the axes of B [kg m^2]
   Material material = {};
   Kind kind = Kind::free;
+  std::vector<FrictionArea> areas = {};  ///< of a fixed body; of two that overlap, the first counts
 };
 
 }  // namespace headpin::engine

@@ -1,11 +1,56 @@
 #include "engine/touching.h"
 
+#include <algorithm>
+
 namespace headpin::engine::detail {
 namespace {
 
 /// Reverses the normals, if A of the touch is B of the candidate.
 void turn_normals(std::span<ContactPoint> points) {
   for (ContactPoint& p : points) p.n_AB_W = -p.n_AB_W;
+}
+
+/// The friction that a body has at a place in its x and y.
+double friction_at(const std::vector<FrictionArea>& areas, const Vec2& p, double elsewhere) {
+  for (const FrictionArea& area : areas) {
+    const bool inside = p.x() >= area.low.x() && p.x() < area.high.x() && p.y() >= area.low.y() &&
+                        p.y() < area.high.y();
+    if (inside) return area.friction;
+  }
+  return elsewhere;
+}
+
+/// The mean friction on the way of a touch's deepest point over B, until the end of the step.
+double friction_on_the_way(const World& world, const Touches& touches, const Touch& touch,
+                           double elsewhere) {
+  constexpr int kPlaces = 4;
+  const std::span<const ContactPoint> points = points_of(touches, touch);
+  const auto deepest = std::max_element(
+      points.begin(), points.end(),
+      [](const ContactPoint& p, const ContactPoint& q) { return p.depth < q.depth; });
+  const Pose X_BW = world.states[touch.b].X_WB.inverse();
+  const double left = step_seconds(world) - touch.time;
+  const Vec2 from = (X_BW * deepest->p_W).head<2>();
+  const Vec2 way = left * (X_BW.q * world.states[touch.a].v_WB).head<2>();
+  double sum = 0.0;
+  for (int k = 0; k < kPlaces; ++k) {
+    const Vec2 p = from + (k + 0.5) / kPlaces * way;
+    sum += friction_at(world.bodies[touch.b].areas, p, elsewhere);
+  }
+  return sum / kPlaces;
+}
+
+/// Elasticity and friction of a touch: the products of both materials (paper 2.2 b), or the friction
+/// of the areas of B.
+Coefficients coefficients_of(const World& world, const Touches& touches, const Touch& touch) {
+  const Body& a = world.bodies[touch.a];
+  const Body& b = world.bodies[touch.b];
+  Coefficients pair{a.material.elasticity * b.material.elasticity,
+                    a.material.friction * b.material.friction};
+  if (!b.areas.empty() && touch.points > 0) {
+    pair.friction = friction_on_the_way(world, touches, touch, pair.friction);
+  }
+  return pair;
 }
 
 }  // namespace
@@ -71,9 +116,7 @@ bool add_touch(World& world, const Flight& flight, std::uint32_t candidate, doub
   touch.w_WB = swapped ? w_WA : w_WB;
   touch.fresh = true;
   if (swapped) turn_normals(std::span(touches.points).subspan(first));
-  const Material& ma = world.bodies[touch.a].material;
-  const Material& mb = world.bodies[touch.b].material;
-  touch.pair = {ma.elasticity * mb.elasticity, ma.friction * mb.friction};
+  touch.pair = coefficients_of(world, touches, touch);
   return true;
 }
 
@@ -89,6 +132,11 @@ void look_again(World& world, const Flight& flight, Touch& touch, double t, Touc
               swapped ? a.X_WB : b.X_WB, reach(world, flight, touch.a, touch.b), touches.points);
   touch.points = static_cast<std::uint32_t>(touches.points.size()) - touch.first_point;
   if (swapped) turn_normals(std::span(touches.points).subspan(touch.first_point));
+  if (world.bodies[touch.b].areas.empty()) return;
+  const Coefficients pair = coefficients_of(world, touches, touch);
+  if (pair.friction == touch.pair.friction) return;
+  touch.pair = pair;
+  touch.sliding = sliding_of(world, touch);
 }
 
 }  // namespace headpin::engine::detail

@@ -49,12 +49,27 @@ bool is_bounded(const Body& body) {
   return std::isfinite(body.shape->bounding_radius);
 }
 
+/// Checks the areas of a body that have a friction of their own.
+void check_areas(const Body& body, const std::string& who) {
+  if (!body.areas.empty() && body.kind != Kind::fixed) {
+    throw std::invalid_argument(who + ": areas of friction: expected a fixed body");
+  }
+  for (const FrictionArea& area : body.areas) {
+    expect_between(area.friction, 0.0, 1.0, who + ": friction of an area");
+    for (int k = 0; k < 2; ++k) {
+      expect(area.low[k] < area.high[k], who + ": high corner of an area of friction [m]",
+             "above " + number(area.low[k]), area.high[k]);
+    }
+  }
+}
+
 void check_body(const Body& body, const std::string& who) {
   const Material& m = body.material;
   expect_between(m.elasticity, 0.0, 1.0, who + ": elasticity");
   expect_between(m.friction, 0.0, 1.0, who + ": friction");
   expect_between(m.rolling_arm, 0.0, 1.0, who + ": rolling_arm [m]");
   if (body.shape->parts.empty()) throw std::invalid_argument(who + ": expected a shape with parts");
+  check_areas(body, who);
   if (body.kind == Kind::fixed) return;
   if (!is_bounded(body)) {
     throw std::invalid_argument(who + ": a half-space must be fixed");

@@ -215,6 +215,7 @@ void Looks::add_room(const MeshKeeper& keeper, const Scenario& scenario) {
     room.items.push_back(item);
   };
   still(meshes.lane, false);
+  if (!meshes.oil.indices.empty()) still(meshes.oil, false);
   still(meshes.approach, false);
   still(meshes.beside, false);
   still(meshes.front, true);

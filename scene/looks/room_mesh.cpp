@@ -86,8 +86,11 @@ class Builder {
   }
 
   /// Boards along y from lo to hi, made of planks of about a metre that differ in colour.
-  void boards(Mesh& mesh, const Vec2& lo, const Vec2& hi, int count, const Vec3& albedo,
-              double contrast, int seed) const {
+  ///
+  /// @param put  put(corner, width, end, albedo) adds a plank
+  template <typename F>
+  void boards(const Vec2& lo, const Vec2& hi, int count, const Vec3& albedo, double contrast,
+              int seed, F&& put) const {
     const double width = (hi.x() - lo.x()) / count;
     for (int board = 0; board < count; ++board) {
       const double x = lo.x() + width * board;
@@ -98,11 +101,15 @@ class Builder {
         const double end = hi.y() - y - length < 0.2 ? hi.y() : y + length;
         const double shade = 1.0 + contrast * speckle(board + 64 * plank, seed + 1);
         const double warm = 1.0 + 0.3 * contrast * speckle(board + 64 * plank, seed + 2);
-        panel(mesh, {x, y, 0.0}, {width, 0.0, 0.0}, {0.0, end - y, 0.0},
-              shade * albedo.cwiseProduct(Vec3(warm, 1.0, 1.0 / warm)), 0.5);
+        put(Vec2(x, y), width, end, shade * albedo.cwiseProduct(Vec3(warm, 1.0, 1.0 / warm)));
         y = end;
       }
     }
+  }
+
+  void plank(Mesh& mesh, const Vec2& corner, double width, double end, const Vec3& albedo) const {
+    panel(mesh, {corner.x(), corner.y(), 0.0}, {width, 0.0, 0.0}, {0.0, end - corner.y(), 0.0},
+          albedo, 0.5);
   }
 
   /// A flat shape on the lane: a fan of corners around the first, seen from above.
@@ -218,7 +225,10 @@ Mesh approach_mesh(const RoomMeasures& room, const Builder& build) {
   Mesh mesh;
   mesh.surface = Surface::floor;
   const double w = 0.5 * room.width;
-  build.boards(mesh, {-w, -room.behind}, {w, -0.03}, 60, kApproach, 0.10, 1);
+  build.boards({-w, -room.behind}, {w, -0.03}, 60, kApproach, 0.10, 1,
+               [&](const Vec2& corner, double width, double end, const Vec3& albedo) {
+                 build.plank(mesh, corner, width, end, albedo);
+               });
   build.panel(mesh, {-w, -0.03, 0}, {room.width, 0, 0}, {0, 0.03, 0}, srgb(0x1c1a1a));  // foul line
   for (const double y : {-0.12, -1.8}) {
     for (int i = -3; i <= 3; ++i) {
@@ -259,12 +269,49 @@ Mesh beside_mesh(const RoomMeasures& room, const Builder& build) {
   return mesh;
 }
 
-Mesh lane_mesh(const RoomMeasures& room, const Builder& build) {
-  Mesh mesh;
-  mesh.surface = Surface::floor;
+/// A plank of the lane in pieces along it: each with oil or without.
+///
+/// @param put  put(from, to, oil): the area of the oil, or none
+template <typename F>
+void each_piece(const RoomMeasures& room, double x, double from, double to, F&& put) {
+  while (from < to) {
+    const OiledArea* oil = nullptr;
+    double end = to;
+    for (const OiledArea& area : room.oil) {
+      if (x < area.low.x() || x >= area.high.x() || area.high.y() <= from) continue;
+      if (area.low.y() <= from) {
+        oil = &area;
+        end = std::min(to, area.high.y());
+        break;
+      }
+      end = std::min(end, area.low.y());
+    }
+    put(from, end, oil);
+    from = end;
+  }
+}
+
+/// The wood under oil: darker and colder, the more slippery it is.
+Vec3 oiled(const Vec3& albedo, const OiledArea& oil, double dry) {
+  const double share = std::clamp(1.0 - oil.friction / std::max(dry, 1e-9), 0.0, 1.0);
+  return albedo.cwiseProduct(Vec3(1.0 - 0.34 * share, 1.0 - 0.24 * share, 1.0 - 0.06 * share));
+}
+
+/// The lane, and its oil as a mesh of its own.
+std::pair<Mesh, Mesh> lane_meshes(const RoomMeasures& room, const Builder& build) {
+  Mesh mesh, oil;
+  mesh.surface = oil.surface = Surface::floor;
   mesh.gloss = 0.05;
-  const double w = 0.5 * room.lane_width, board = room.lane_width / 39;
-  build.boards(mesh, {-w, 0.0}, {w, room.deck_end}, 39, kLane, 0.11, 7);
+  oil.gloss = 0.22;
+  const double w = 0.5 * room.lane_width, board = room.lane_width / kBoards;
+  build.boards({-w, 0.0}, {w, room.deck_end}, kBoards, kLane, 0.11, 7,
+               [&](const Vec2& corner, double width, double end, const Vec3& albedo) {
+                 each_piece(room, corner.x() + 0.5 * width, corner.y(), end,
+                            [&](double from, double to, const OiledArea* area) {
+                              build.plank(area ? oil : mesh, {corner.x(), from}, width, to,
+                                          area ? oiled(albedo, *area, room.dry) : albedo);
+                            });
+               });
   const Vec3 dark = srgb(0x4a2a12);
   // Seven arrows, five boards apart, the middle one farthest, and ten dots nearer to the player. On
   // a shorter lane, distances are scaled (USBC: arrows 12 to 16 ft from the foul line, of 60 ft).
@@ -280,7 +327,7 @@ Mesh lane_mesh(const RoomMeasures& room, const Builder& build) {
   for (const Vec2& spot : room.spots) {
     build.dot(mesh, {spot.x(), room.head_pin + spot.y()}, 0.0286, srgb(0xa98a60));
   }
-  return mesh;
+  return {mesh, oil};
 }
 
 Mesh wall_mesh(const RoomMeasures& room, const Builder& build) {
@@ -405,8 +452,9 @@ Ambient room_ambient() {
 
 RoomMeshes room_meshes(const RoomMeasures& room) {
   const Builder build(room);
-  return {lane_mesh(room, build), approach_mesh(room, build), beside_mesh(room, build),
-          wall_mesh(room, build), front_mesh(room, build)};
+  auto [lane, oil] = lane_meshes(room, build);
+  return {std::move(lane),          std::move(oil),         approach_mesh(room, build),
+          beside_mesh(room, build), wall_mesh(room, build), front_mesh(room, build)};
 }
 
 std::vector<Patch> floor_patches(const RoomMeasures& room) {

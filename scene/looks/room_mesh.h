@@ -11,6 +11,7 @@ namespace headpin::scene {
 
 struct RoomMeshes {
   render::Mesh lane;      ///< polished
+  render::Mesh oil;       ///< the parts of the lane with oil, more polished; empty without oil
   render::Mesh approach;  ///< where the player walks
   render::Mesh beside;    ///< gutters, carpet, and the floor behind the lane
   render::Mesh walls;     ///< with the ceiling and its lamps

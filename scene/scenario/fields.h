@@ -65,6 +65,31 @@ void visit(V& v, Room& r) {
 }
 
 template <typename V>
+void visit(V& v, OilZone& z) {
+  constexpr Range kOnLane{1, kBoards};
+  v.field("first_board", z.first_board, kOnLane,
+          "number of its first board; board 1 is at the right gutter, 20 in the middle");
+  v.field("last_board", z.last_board, kOnLane, "number of its last board");
+  v.field("from", z.from, Range{0, 50}, "distance of its near end from the foul line");
+  v.field("to", z.to, Range{0, 50}, "distance of its far end from the foul line");
+  v.field("friction", z.friction, kUnit,
+          "friction of whatever touches the lane there, in place of the product of both "
+          "materials: Coulomb's coefficient, or the paper's rate with collision.response 'paper'");
+}
+
+template <typename V>
+void visit(V& v, Oil& o) {
+  v.field("zones", o.zones, kAny,
+          "zones of the oil pattern: they do not overlap and leave no hole; empty: no oil");
+  v.field("dry", o.dry, kUnit,
+          "friction of whatever touches the lane where a pattern has no oil, from the foul line to "
+          "the skittles; without zones it has no effect",
+          "Frohlich 2004");
+  v.field("mirrored", o.mirrored, kAny,
+          "true: the boards of the zones count from the left gutter, for left-handed players");
+}
+
+template <typename V>
 void visit(V& v, Lane& l) {
   v.field("width", l.width, Range{0.2, 20}, "", "41.5 in: USBC");
   v.field("head_pin", l.head_pin, Range{0.5, 50},
@@ -78,6 +103,7 @@ void visit(V& v, Lane& l) {
           "mention gutters");
   v.field("gutter_depth", l.gutter_depth, Range{0, 0.5},
           "0: the gutters are only painted on a flat floor; usual: 0.048 (1 7/8 in)");
+  v.section("oil", "oil on the lane; the paper does not mention any", l.oil);
 }
 
 template <typename V>

@@ -29,6 +29,10 @@ class Lister {
         section(std::string(key) + "[]", "", part);
       }
     }
+    if constexpr (std::is_same_v<T, std::vector<OilZone>>) {
+      OilZone zone;
+      section(std::string(key) + "[]", "", zone);
+    }
   }
 
   template <typename T>
@@ -56,6 +60,7 @@ class Lister {
     return "list of lists of whole numbers";
   }
   static std::string kind(const std::vector<SkittlePart>&) { return "list of tables"; }
+  static std::string kind(const std::vector<OilZone>&) { return "list of tables"; }
   template <std::integral T>
   static std::string kind(T) {
     return "whole number";

@@ -39,6 +39,9 @@ struct SkittlePart {
   std::vector<std::vector<std::uint32_t>> faces = {};  ///< counterclockwise from outside
 };
 
+/// Of a lane, side by side across its width (USBC).
+inline constexpr int kBoards = 39;
+
 struct Rates {
   std::int64_t physics_hz = 240;
   std::int64_t frame_hz = 60;
@@ -53,6 +56,21 @@ struct Room {
   MeshFile mesh;  ///< seen in place of the walls and the ceiling
 };
 
+/// A rectangle of the lane with oil. Boards count from the right gutter, 1 to 39; both ends belong to
+/// it.
+struct OilZone {
+  std::int64_t first_board = 1, last_board = kBoards;
+  double from = 0.0, to = 1.0;  ///< from the foul line
+  double friction = 0.04;       ///< between the lane there and what touches it
+};
+
+/// The oil on the lane: none without zones.
+struct Oil {
+  std::vector<OilZone> zones;
+  double dry = 0.2;       ///< friction where the lane before the skittles has none
+  bool mirrored = false;  ///< boards count from the left gutter, for a left-handed player
+};
+
 /// The paper mentions only a room and a game of bowling. So other parts of an alley exist only if a
 /// scenario has them.
 struct Lane {
@@ -62,6 +80,7 @@ struct Lane {
   bool kick_backs = false;     ///< walls beside the skittles
   double gutter_width = 0.0;   ///< of each; 0 for none
   double gutter_depth = 0.0;   ///< 0: painted on the floor
+  Oil oil;
 };
 
 struct Rack {

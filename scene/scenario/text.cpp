@@ -269,6 +269,22 @@ class Reader {
     }
   }
 
+  void read(const toml::node& node, const std::string& path, std::vector<OilZone>& value, Range) {
+    const toml::array* array = node.as_array();
+    if (!array || array->size() > 1000) refuse(node, path, "a list of 1000 zones at most");
+    value.clear();
+    for (const toml::node& item : *array) {
+      const std::string zone = fmt::format("{}, zone {}", path, value.size() + 1);
+      if (!item.is_table()) {
+        refuse(item, zone, "a table {first_board, last_board, from, to, friction}");
+      }
+      Reader inner(*item.as_table(), text_, "", zone + ": ");
+      visit(inner, value.emplace_back());
+      note_line(item, fmt::format("{}[{}]", path, value.size()));
+      inner.finish();
+    }
+  }
+
   void read(const toml::node& node, const std::string& path, std::vector<Vec3>& value,
             Range range) const {
     const toml::array* array = node.as_array();

@@ -120,6 +120,15 @@ class Writer {
     }
     return all + "\n]";
   }
+  static std::string text(const std::vector<OilZone>& zones) {
+    std::string all;
+    for (const OilZone& z : zones) {
+      all += fmt::format(
+          "\n  {{first_board = {}, last_board = {}, from = {}, to = {}, friction = {}}},",
+          z.first_board, z.last_board, text(z.from), text(z.to), text(z.friction));
+    }
+    return "[" + all + (zones.empty() ? "]" : "\n]");
+  }
 
  private:
   /// On one line, as TOML wants a table in a list.

@@ -95,6 +95,17 @@ engine::Part prism(const Slab& slab) {
           {Quat::Identity(), Vec3(middle.x(), slab.begin + half, middle.y())}};
 }
 
+/// The areas of an oiled lane: the oil, then the whole lane before the skittles, which is dry where
+/// there is no oil.
+std::vector<engine::FrictionArea> areas_of_lane(const RoomMeasures& room) {
+  std::vector<engine::FrictionArea> areas;
+  for (const OiledArea& oil : room.oil) areas.push_back({oil.low, oil.high, oil.friction});
+  if (areas.empty()) return areas;
+  const double half = 0.5 * room.lane_width;
+  areas.push_back({{-half, 0.0}, {half, room.deck_begin()}, room.dry});
+  return areas;
+}
+
 }  // namespace
 
 engine::Compound skittle_shape(const Skittle& skittle, SkittleShape shape) {
@@ -187,6 +198,7 @@ std::vector<Fixture> room_fixtures(const Scenario& scenario) {
     }
     add_plane("gutters", Role::lane, Vec3::Zero(), {0.0, 0.0, -measures.gutter_depth});
   }
+  fixtures.front().body.areas = areas_of_lane(measures);  // its frame is the world's
   add_plane("left wall", Role::wall, {0.0, quarter, 0.0}, {-0.5 * room.width, 0.0, 0.0});
   add_plane("right wall", Role::wall, {0.0, -quarter, 0.0}, {0.5 * room.width, 0.0, 0.0});
   add_plane("wall behind", Role::wall, {-quarter, 0.0, 0.0}, {0.0, -room.behind, 0.0});

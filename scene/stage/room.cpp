@@ -1,8 +1,29 @@
 #include "scene/stage/room.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace headpin::scene {
+
+namespace {
+
+std::vector<OiledArea> oiled_areas(const Lane& lane) {
+  std::vector<OiledArea> areas;
+  const double board = lane.width / kBoards;
+  for (const OilZone& zone : lane.oil.zones) {
+    double low = 0.5 * lane.width - board * static_cast<double>(zone.last_board);
+    double high = 0.5 * lane.width - board * static_cast<double>(zone.first_board - 1);
+    if (lane.oil.mirrored) {
+      low = -low;
+      high = -high;
+      std::swap(low, high);
+    }
+    areas.push_back({{low, zone.from}, {high, zone.to}, zone.friction});
+  }
+  return areas;
+}
+
+}  // namespace
 
 double RoomMeasures::portal() const {
   return head_pin - 0.35;
@@ -21,6 +42,8 @@ RoomMeasures room_measures(const Scenario& scenario) {
   room.kick_backs = scenario.lane.kick_backs;
   room.masking_panel = scenario.lane.masking_panel;
   room.spots = scenario.rack.spots;
+  room.oil = oiled_areas(scenario.lane);
+  room.dry = scenario.lane.oil.dry;
   double last_row = 0.0;
   for (const Vec2& spot : room.spots) last_row = std::max(last_row, spot.y());
   room.deck_end = std::min(room.head_pin + last_row + 0.25, room.ahead);

@@ -7,6 +7,12 @@
 /// Measures of the room and its fixed parts, for looks and bodies.
 namespace headpin::scene {
 
+/// A rectangle of the lane with oil, by its corners (x, y) in the world [m].
+struct OiledArea {
+  Vec2 low, high;
+  double friction;  ///< between the lane there and what touches it
+};
+
 /// The room [m], in the world: the lane's middle at x = 0, foul line at y = 0, lane and approach at
 /// z = 0.
 struct RoomMeasures {
@@ -21,8 +27,10 @@ struct RoomMeasures {
   double gutter_depth = 0.0;  ///< 0: the floor is one plane, with gutters drawn on it
   bool kick_backs = false;
   bool masking_panel = false;
-  double masking_low = 0.85;  ///< lower edge of the panel that hangs before the skittles
-  std::vector<Vec2> spots;    ///< of the skittles, from the head pin's: x right, y away
+  double masking_low = 0.85;   ///< lower edge of the panel that hangs before the skittles
+  std::vector<Vec2> spots;     ///< of the skittles, from the head pin's: x right, y away
+  std::vector<OiledArea> oil;  ///< none where the lane has no oil
+  double dry = 0.0;            ///< friction of the lane beside the oil
 
   /// Outer edge of the right gutter; of the lane, where there is none.
   double gutter_edge() const { return 0.5 * lane_width + gutter_width; }
@@ -32,6 +40,8 @@ struct RoomMeasures {
   double kick_back_side() const { return gutter_edge() + 0.06; }
   /// Where the masking panel hangs and the kick-backs begin.
   double portal() const;
+  /// Where the skittles' part of the lane begins, which no oil pattern covers.
+  double deck_begin() const { return head_pin - 0.1; }
 };
 
 RoomMeasures room_measures(const Scenario& scenario);

@@ -1,6 +1,7 @@
 #include "scene/stage/scenario_checks.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <stdexcept>
@@ -48,6 +49,7 @@ class Checker {
     check_parts();
     check_profile();
     check_room();
+    check_oil();
     check_spots();
     check_ball();
     if (s_.version.buttons) check_buttons();
@@ -176,6 +178,97 @@ class Checker {
              fmt::format("must stand on the lane beside its gutters: x within {:.4g}, found {:.4g}",
                          side, s_.rack.spots[i].x()),
              {"lane.width", "lane.gutter_depth"});
+    }
+  }
+
+  /// Checks that the zones of an oil pattern lie on the lane before the skittles, one beside another.
+  void check_oil() const {
+    const double deck = room_measures(s_).deck_begin();
+    std::size_t number = 0;
+    for (const OilZone& z : s_.lane.oil.zones) {
+      const std::string key = key_of_zone(++number);
+      if (z.first_board > z.last_board) {
+        refuse(key, fmt::format("must have first_board at or before last_board, found {} and {} in "
+                                "zone {}",
+                                z.first_board, z.last_board, number));
+      }
+      if (!(z.from < z.to)) {
+        refuse(key, fmt::format("must have from below to, found {} and {} in zone {}", z.from, z.to,
+                                number));
+      }
+      if (z.to > deck) {
+        refuse(key,
+               fmt::format("must end before the skittles, at {:.6g} m; found {} in zone {}", deck,
+                           z.to, number),
+               {"lane.head_pin"});
+      }
+    }
+    check_oil_has_no_hole(oil_by_place());
+  }
+
+  /// A pattern as a table: the number of the zone of each board, for each distance at which a zone
+  /// begins or ends; 0 for none.
+  struct OilTable {
+    std::vector<double> distances;
+    std::vector<std::array<std::size_t, kBoards>> zones;  // from each distance to the next one
+  };
+
+  static std::string key_of_zone(std::size_t number) {
+    return fmt::format("lane.oil.zones[{}]", number);
+  }
+
+  OilTable oil_by_place() const {
+    OilTable table;
+    for (const OilZone& z : s_.lane.oil.zones) {
+      table.distances.insert(table.distances.end(), {z.from, z.to});
+    }
+    std::ranges::sort(table.distances);
+    table.zones.resize(table.distances.size());
+    std::size_t number = 0;
+    for (const OilZone& z : s_.lane.oil.zones) {
+      ++number;
+      for (std::size_t row = 0; row < table.distances.size(); ++row) {
+        if (table.distances[row] < z.from || table.distances[row] >= z.to) continue;
+        for (std::int64_t board = z.first_board; board <= z.last_board; ++board) {
+          std::size_t& zone = table.zones[row][static_cast<std::size_t>(board - 1)];
+          if (zone != 0) {
+            refuse(key_of_zone(number),
+                   fmt::format("must not overlap, found zones {} and {} on board {} at {} m", zone,
+                               number, board, table.distances[row]));
+          }
+          zone = number;
+        }
+      }
+    }
+    return table;
+  }
+
+  /// Refuses places without oil that have some on both sides, along a board or across the lane.
+  void check_oil_has_no_hole(const OilTable& table) const {
+    struct Cell {
+      std::size_t row, board;
+    };
+    const auto check_line = [&](std::size_t count, auto&& cell_at) {
+      std::size_t last = count;  // with oil
+      for (std::size_t k = 0; k < count; ++k) {
+        const Cell cell = cell_at(k);
+        const std::size_t zone = table.zones[cell.row][cell.board];
+        if (zone == 0) continue;
+        if (last < count && k > last + 1) {
+          const Cell hole = cell_at(last + 1);
+          refuse(key_of_zone(zone),
+                 fmt::format("must leave no hole, found one before zone {}: board {} at {} m", zone,
+                             hole.board + 1, table.distances[hole.row]));
+        }
+        last = k;
+      }
+    };
+    const std::size_t rows = table.zones.size();
+    for (std::size_t row = 0; row < rows; ++row) {
+      check_line(kBoards, [&](std::size_t board) { return Cell{row, board}; });
+    }
+    for (std::size_t board = 0; board < kBoards; ++board) {
+      check_line(rows, [&](std::size_t row) { return Cell{row, board}; });
     }
   }
 

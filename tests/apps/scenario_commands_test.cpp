@@ -48,9 +48,9 @@ TEST_F(ScenarioCommands, ThoseThatComeAlongAreListedShownAndChecked) {
     shown["file"] = one["file"];
     EXPECT_EQ(shown, one);
   }
-  EXPECT_THAT(names, testing::ElementsAre("english-skittles", "german-ninepins", "paper-experiment",
-                                          "paper-objects", "paper-room", "regulation-ten-pin",
-                                          "uno-slater-1997"));
+  EXPECT_THAT(names, testing::ElementsAre("english-skittles", "german-ninepins", "house-oil",
+                                          "paper-experiment", "paper-objects", "paper-room",
+                                          "regulation-ten-pin", "sport-oil", "uno-slater-1997"));
   EXPECT_THAT(headpin("scenario check german-ninepins").out, HasSubstr("9 skittles of "));
   write("bad.toml", "name = 'bad'\n[ball]\nmas = 5\n");
   expect_refusal("scenario check bad.toml", 1, "bad.toml:3: unknown key 'ball.mas'");

@@ -149,8 +149,8 @@ TEST_F(TrialCommands, AScenarioIsMeantByItsNameOrItsFile) {
   EXPECT_EQ(slurp(folder_ / "a.lcmlog"), slurp(folder_ / "c.lcmlog"));
   expect_refusal("synthesize -o OUT.lcmlog --scenario ninepins", 1,
                  "no scenario is called 'ninepins'; expected a TOML file (./ninepins if it is one) "
-                 "or one of: english-skittles, german-ninepins, paper-experiment, paper-objects, "
-                 "paper-room, regulation-ten-pin, uno-slater-1997");
+                 "or one of: english-skittles, german-ninepins, house-oil, paper-experiment, "
+                 "paper-objects, paper-room, regulation-ten-pin, sport-oil, uno-slater-1997");
   expect_refusal("synthesize -o OUT.lcmlog --scenario ./ninepins", 1, "./ninepins: cannot be read");
 }
 

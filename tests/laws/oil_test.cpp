@@ -1,0 +1,188 @@
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "tests/support/bowling.h"
+#include "tests/support/folder.h"
+
+namespace headpin::engine {
+namespace {
+
+constexpr double kGravity = 9.81, kLength = 18.288, kHalf = 5.0;
+
+/// A lane with oil as far as `end`, then dry.
+Body lane_with_oil(double end, double oil, double dry) {
+  Body lane = floor_body({0.7, 0.7});
+  lane.areas = {{{-kHalf, 0.0}, {kHalf, end}, oil}, {{-kHalf, end}, {kHalf, kLength}, dry}};
+  return lane;
+}
+
+/// Where a ball is that slides on oil, then on dry wood, then rolls: in closed form. The slip of a
+/// uniform ball keeps its direction, so friction does too (Hopkins and Patterson, Am. J. Phys. 45,
+/// 1977): on each part of the lane the path is a parabola.
+class SlidingPath {
+ public:
+  SlidingPath(const State& start, double end, double oil, double dry)
+      : p_(start.X_WB.p.head<2>()), v_(start.v_WB.head<2>()), end_(end), oil_(oil), dry_(dry) {
+    const Vec2 slip = v_ + kBallRadius * Vec2(-start.w_WB.y(), start.w_WB.x());
+    slip_ = slip.norm();
+    along_ = slip / slip_;
+  }
+
+  Vec2 at(double time) {
+    if (p_.y() < end_) {
+      const double on_oil = std::min(time, until_end());
+      slide(oil_, on_oil);
+      time -= on_oil;
+    }
+    slide(dry_, time);
+    return p_;
+  }
+
+ private:
+  /// Time until y = end_, while it slides on oil; endless if it is to roll before.
+  double until_end() const {
+    const double a = -oil_ * kGravity * along_.y(), v = v_.y(), y = end_ - p_.y();
+    return 2.0 * y / (v + std::sqrt(v * v + 2.0 * a * y));
+  }
+
+  void slide(double friction, double time) {
+    const double until_rolls = 2.0 / 7.0 * slip_ / (friction * kGravity);
+    const double t = std::min(time, until_rolls);
+    const Vec2 a = -friction * kGravity * along_;
+    p_ += t * v_ + 0.5 * t * t * a;
+    v_ += t * a;
+    slip_ -= 3.5 * friction * kGravity * t;
+    p_ += (time - t) * v_;
+  }
+
+  Vec2 p_, v_, along_;
+  double slip_, end_, oil_, dry_;
+};
+
+/// A ball as a bowler releases it: 7 to 9 m/s, 200 to 450 rpm, its axis turned by 20 to 70 degrees.
+State released(std::mt19937& random) {
+  const auto between = [&](double low, double high) {
+    return low + (high - low) * static_cast<double>(random()) / 4294967296.0;
+  };
+  const double speed = between(7.0, 9.0), side = between(-0.03, 0.03);
+  const double spin = between(200.0, 450.0) * 2.0 * std::numbers::pi / 60.0;
+  const double turn = between(20.0, 70.0) * std::numbers::pi / 180.0;
+  State s;
+  s.X_WB.p = Vec3(between(-0.2, 0.2), 0.0, kBallRadius);
+  s.v_WB = speed * Vec3(std::sin(side), std::cos(side), 0.0);
+  s.w_WB = spin * Vec3(-std::cos(turn), -std::sin(turn), 0.0);
+  return s;
+}
+
+/// The largest distance from the closed form after 2 s [m]. A step moves a ball with the velocity at
+/// its end, so a ball is off by half a step times what its velocity changed: of this, what is left.
+struct Worst {
+  double all = 0.0, left = 0.0;
+};
+Worst worst_of_throws(int rate_hz, int throws) {
+  std::mt19937 random(5);
+  Worst worst;
+  for (int i = 0; i < throws; ++i) {
+    const double end = 9.0 + 0.1 * i, oil = 0.04, dry = 0.2;
+    const State start = released(random);
+    World world = make_world({.rate_hz = rate_hz, .response = "coulomb"});
+    add_body(world, lane_with_oil(end, oil, dry));
+    const BodyId ball = add_body(world, ball_body({0.7, 0.7}), start);
+    run(world, 2.0);
+    const Vec2 expected = SlidingPath(start, end, oil, dry).at(2.0);
+    const State& s = world.states[ball];
+    const Vec2 off = s.X_WB.p.head<2>() - expected;
+    const Vec2 of_step = 0.5 / rate_hz * (s.v_WB - start.v_WB).head<2>();
+    worst.all = std::max(worst.all, off.norm());
+    worst.left = std::max(worst.left, (off - of_step).norm());
+  }
+  return worst;
+}
+
+TEST(OiledLane, BendsThePathAsInClosedForm) {
+  const Worst coarse = worst_of_throws(240, 30), fine = worst_of_throws(960, 30);
+  RecordProperty("worst_mm_240", std::to_string(1000 * coarse.all));
+  RecordProperty("left_mm_240", std::to_string(1000 * coarse.left));
+  RecordProperty("left_mm_960", std::to_string(1000 * fine.left));
+  EXPECT_LT(coarse.all, 0.0045);
+  EXPECT_LT(fine.all, 0.3 * coarse.all);
+  EXPECT_LT(coarse.left, 0.0008);
+}
+
+/// A ball that slides to the left over the edge between oil, on the right, and dry wood.
+State run_over_an_edge(double side, double edge) {
+  World world = make_world({.rate_hz = 240, .response = "coulomb"});
+  Body lane = floor_body({0.7, 0.7});
+  const double low = side > 0.0 ? edge : -kHalf, high = side > 0.0 ? kHalf : -edge;
+  lane.areas = {{{low, 0.0}, {high, kLength}, 0.04}, {{-kHalf, 0.0}, {kHalf, kLength}, 0.2}};
+  add_body(world, lane);
+  const BodyId ball = add_body(world, ball_body({0.7, 0.7}),
+                               at(Vec3(side * 0.3, 0.0, kBallRadius), Vec3(-side, 8.0, 0.0),
+                                  Vec3(-20.0, -side * 30.0, 0.0)));
+  run(world, 1.0);
+  return world.states[ball];
+}
+
+TEST(OiledLane, OfALeftHanderIsTheMirrorImage) {
+  const State right = run_over_an_edge(1.0, 0.1), left = run_over_an_edge(-1.0, 0.1);
+  EXPECT_NEAR(left.X_WB.p.x(), -right.X_WB.p.x(), 1e-9);
+  EXPECT_NEAR(left.X_WB.p.y(), right.X_WB.p.y(), 1e-9);
+  EXPECT_NEAR(left.w_WB.y(), -right.w_WB.y(), 1e-9);
+  EXPECT_GT((run_over_an_edge(1.0, 0.2).X_WB.p - right.X_WB.p).norm(), 0.001);
+}
+
+// On oil, the paper's friction is a rate as everywhere: per 1/60 s that part of the slip goes.
+TEST(OiledLane, HasTheRateOfItsAreaUnderThePapersResponse) {
+  World world = make_world({.rate_hz = 240});
+  Body lane = floor_body({0.7, 0.7});
+  lane.areas = {{{-1.0, -1.0}, {1.0, 1.0}, 0.04}};
+  add_body(world, lane);
+  const BodyId ball =
+      add_body(world, ball_body({0.7, 0.7}), at(Vec3(0, 0, kBallRadius), Vec3(0, 6, 0)));
+  run(world, 0.1);
+  const State& s = world.states[ball];
+  const double slip = s.v_WB.y() + s.w_WB.x() * kBallRadius;
+  EXPECT_NEAR(slip, 6.0 * std::pow(0.96, 6.0), 1e-6);
+}
+
+// Where areas overlap, the first counts; where there is none, the product of the materials.
+TEST(OiledLane, OutsideOfItsAreasHasTheFrictionOfItsMaterial) {
+  const auto slowed = [](double y) {
+    World world = make_world({.rate_hz = 240, .response = "coulomb"});
+    Body lane = floor_body({0.7, 0.5});
+    lane.areas = {{{-1.0, 0.0}, {1.0, 2.0}, 0.1}, {{-1.0, 0.0}, {1.0, 4.0}, 0.2}};
+    add_body(world, lane);
+    const BodyId ball =
+        add_body(world, ball_body({0.7, 0.6}), at(Vec3(0, y, kBallRadius), Vec3(0, 3, 0)));
+    run(world, 0.1);
+    return (3.0 - world.states[ball].v_WB.y()) / (0.1 * kGravity);
+  };
+  EXPECT_NEAR(slowed(1.0), 0.1, 1e-9);
+  EXPECT_NEAR(slowed(3.0), 0.2, 1e-9);
+  EXPECT_NEAR(slowed(5.0), 0.3, 1e-9);
+}
+
+TEST(OiledLane, RefusesAreasThatAreNone) {
+  const auto complaint_about = [](const FrictionArea& area, Kind kind = Kind::fixed) {
+    World world = make_world({});
+    Body lane = solid(Ellipsoid{Vec3::Constant(0.1)}, {});
+    lane.name = "lane";
+    lane.kind = kind;
+    lane.areas = {area};
+    return complaint([&] { add_body(world, lane); });
+  };
+  EXPECT_EQ(complaint_about({{0, 0}, {1, 1}, 0.1}), "");
+  EXPECT_EQ(complaint_about({{0, 0}, {1, 1}, 1.1}),
+            "body 0 'lane': friction of an area: expected 0 to 1, found 1.1");
+  EXPECT_EQ(complaint_about({{0, 1}, {1, 1}, 0.1}),
+            "body 0 'lane': high corner of an area of friction [m]: expected above 1, found 1");
+  EXPECT_EQ(complaint_about({{0, 0}, {1, 1}, 0.1}, Kind::free),
+            "body 0 'lane': areas of friction: expected a fixed body");
+}
+
+}  // namespace
+}  // namespace headpin::engine
