@@ -159,6 +159,18 @@ void visit(V& v, Ball& b) {
           "8.54 in");
   v.field("mass", b.mass, Range{0.01, 100}, "USBC allows 16 lb", "15 lb");
   v.field("home", b.home, Range{-100, 100}, "place of its centre on the stand, in the world");
+  v.field("rg", b.rg, Range{0, 1},
+          "radius of gyration of its core about the pin axis, the smallest one; 0: even density; "
+          "USBC allows 2.46 to 2.80 in (0.0625 to 0.0711)");
+  v.field("differential", b.differential, Range{0, 0.1},
+          "largest radius of gyration less rg; USBC allows 0.060 in (0.0015)");
+  v.field(
+      "intermediate", b.intermediate, Range{0, 0.1},
+      "largest radius of gyration less that about the mass bias; 0: as large, a symmetric core");
+  v.field("pin", b.pin, Range{-1, 1},
+          "direction from the centre to the pin while the ball is on its stand; any length");
+  v.field("mass_bias", b.mass_bias, Range{-1, 1},
+          "direction from the centre to the mass bias, across the pin axis");
   v.section("mesh", "mesh that is drawn instead; its origin is the ball's centre", b.mesh);
 }
 

@@ -103,7 +103,12 @@ struct Ball {
   double radius = 0.1085;
   double mass = 6.8;
   Vec3 home = Vec3(0.35, -0.25, 0.85);  ///< p_WB of the ball on its stand
-  MeshFile mesh;                        ///< seen in place of the marbled one
+  double rg = 0.0;  ///< radius of gyration about the pin axis; 0 for a ball without a core
+  double differential = 0.0;       ///< the largest one is so much more
+  double intermediate = 0.0;       ///< and that about the mass bias so much less than the largest
+  Vec3 pin = Vec3::UnitZ();        ///< direction of the pin from the centre, in B
+  Vec3 mass_bias = Vec3::UnitX();  ///< and of the mass bias; its part across the pin axis counts
+  MeshFile mesh;                   ///< seen in place of the marbled one
 };
 
 /// Restitution and friction of each object (Uno & Slater 1997, table 1). Two bodies in contact have

@@ -106,6 +106,21 @@ std::vector<engine::FrictionArea> areas_of_lane(const RoomMeasures& room) {
   return areas;
 }
 
+/// About the centre, along the axes of B [kg m^2]. Radii of gyration are smallest about the pin axis
+/// and largest across it and the mass bias (USBC, Equipment Specifications Manual).
+Mat3 ball_inertia(const Ball& ball) {
+  if (ball.rg == 0.0) {
+    return Vec3::Constant(0.4 * ball.mass * ball.radius * ball.radius).asDiagonal();
+  }
+  const double largest = ball.rg + ball.differential;
+  const Vec3 radii(ball.rg, largest, largest - ball.intermediate);
+  Mat3 axes;  // pin, across both, mass bias
+  axes.col(0) = ball.pin.normalized();
+  axes.col(1) = ball.mass_bias.cross(axes.col(0)).normalized();
+  axes.col(2) = axes.col(0).cross(axes.col(1));
+  return axes * (ball.mass * radii.cwiseAbs2()).asDiagonal() * axes.transpose();
+}
+
 }  // namespace
 
 engine::Compound skittle_shape(const Skittle& skittle, SkittleShape shape) {
@@ -145,11 +160,10 @@ SkittleBody skittle_body(const Scenario& scenario) {
 
 engine::Body ball_body(const Scenario& scenario) {
   const Ball& ball = scenario.ball;
-  const double inertia = 0.4 * ball.mass * ball.radius * ball.radius;
   return {.name = std::string(kBallName),
           .shape = engine::make_compound({{engine::Ellipsoid{Vec3::Constant(ball.radius)}, {}}}),
           .mass = ball.mass,
-          .inertia = Vec3::Constant(inertia).asDiagonal(),
+          .inertia = ball_inertia(ball),
           .material = surface(scenario.material.ball)};
 }
 

@@ -52,6 +52,7 @@ class Checker {
     check_oil();
     check_spots();
     check_ball();
+    check_core();
     if (s_.version.buttons) check_buttons();
   }
 
@@ -342,6 +343,32 @@ class Checker {
             "ball.home",
             fmt::format("must hold the ball clear of the skittles, found it in skittle {}", i + 1));
       }
+    }
+  }
+
+  /// Checks the core of a ball: that it is one, and that it has axes.
+  void check_core() const {
+    const Ball& ball = s_.ball;
+    if (ball.rg == 0.0) {
+      if (ball.differential == 0.0 && ball.intermediate == 0.0) return;
+      refuse("ball.rg", "must be above 0 where the ball has a differential, found 0",
+             {"ball.differential", "ball.intermediate"});
+    }
+    if (ball.rg >= ball.radius) {
+      refuse("ball.rg", fmt::format("must be less than the ball's radius, {}; found {}",
+                                    ball.radius, ball.rg));
+    }
+    if (ball.intermediate > ball.differential) {
+      refuse("ball.intermediate",
+             fmt::format("must be at most ball.differential, {}; found {}", ball.differential,
+                         ball.intermediate),
+             {"ball.differential"});
+    }
+    constexpr double kShortest = 1e-3;
+    if (ball.pin.norm() < kShortest) refuse("ball.pin", "must be a direction, found none");
+    if (ball.mass_bias.cross(ball.pin.normalized()).norm() < kShortest) {
+      refuse("ball.mass_bias", "must be another direction than ball.pin, found the same",
+             {"ball.pin"});
     }
   }
 
