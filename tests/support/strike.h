@@ -18,7 +18,7 @@
 namespace headpin::scene {
 
 struct Rolling {
-  double board = 17.5;  ///< of its centre when it touches the head pin
+  double board = 17.5;  ///< where its way crosses the row of the head pin
   double angle_deg = 6.0;
   double speed = 7.6;        ///< [m/s]
   double spot_off = 0.0008;  ///< deviation of each pin from its spot, along x and y [m]
@@ -58,22 +58,53 @@ inline void set_pins(const Stage& stage, engine::World& world, double off, Rando
 
 inline void set_rolling(const Stage& stage, engine::World& world, const Rolling& rolling) {
   const Scenario& s = stage.scenario;
-  constexpr double kBefore = 0.4;  // the touch [m]
-  const double r = s.ball.radius, reach = r + stage.widest_skittle;
-  const double x = middle_of_board(s.lane, rolling.board);
-  const double y = s.lane.head_pin - std::sqrt(std::max(0.0, reach * reach - x * x));
+  constexpr double kBefore = 0.6;  // that row [m]
+  const double r = s.ball.radius;
+  const Vec3 crossing(middle_of_board(s.lane, rolling.board), s.lane.head_pin, r);
   const SinCos turn = sin_cos(rolling.angle_deg * std::numbers::pi / 180.0);
   const Vec3 ahead(-turn.sin, turn.cos, 0.0);
   engine::State state;
-  state.X_WB.p = Vec3(x, y, r) - kBefore * ahead;
+  state.X_WB.p = crossing - kBefore * ahead;
   state.v_WB = rolling.speed * ahead;
   state.w_WB = Vec3::UnitZ().cross(state.v_WB) / r;
   engine::set_kind(world, stage.balls.front(), engine::Kind::free);
   engine::set_state(world, stage.balls.front(), state);
 }
 
-/// Rolls the ball until all rest, 6 s at most. A ball that left the deck falls into the pit: it is
-/// taken away.
+/// What leaves the deck behind falls into the pit: it is taken away, far from all others.
+inline void take_away(const Stage& stage, engine::World& world, engine::BodyId body) {
+  engine::State state;
+  state.X_WB.p = Vec3(static_cast<double>(body), stage.scenario.room.ahead + 10.0, 1.0);
+  engine::set_kind(world, body, engine::Kind::driven);
+  engine::set_state(world, body, state);
+}
+
+/// The numbers of the pins that stand near their spots.
+inline std::vector<int> standing(const Stage& stage, const engine::World& world) {
+  std::vector<int> pins;
+  for (std::size_t k = 0; k < stage.skittles.size(); ++k) {
+    const Pose& X_WB = world.states[stage.skittles[k]].X_WB;
+    const Vec3& spot = stage.world.states[stage.skittles[k]].X_WB.p;
+    const bool moved = (X_WB.p - spot).head<2>().norm() > stage.scenario.game.off_spot;
+    if (!moved && !has_fallen(X_WB)) pins.push_back(static_cast<int>(k) + 1);
+  }
+  return pins;
+}
+
+/// Notes the pins that the ball touched in a step.
+inline void note_touched(const Stage& stage, const engine::World& world,
+                         std::vector<int>& touched) {
+  const engine::BodyId ball = stage.balls.front();
+  for (const engine::ContactEvent& event : world.events) {
+    if (!event.first || (event.a != ball && event.b != ball)) continue;
+    const engine::BodyId other = event.a == ball ? event.b : event.a;
+    const auto pin = std::find(stage.skittles.begin(), stage.skittles.end(), other);
+    if (pin == stage.skittles.end()) continue;
+    touched.push_back(static_cast<int>(pin - stage.skittles.begin()) + 1);
+  }
+}
+
+/// Rolls the ball until it is a strike or all that is left on the lane rests, 6 s at most.
 inline Fallen roll(const Stage& stage, const Rolling& rolling, Random random) {
   engine::World world = stage.world;
   engine::Workspace workspace;
@@ -82,30 +113,18 @@ inline Fallen roll(const Stage& stage, const Rolling& rolling, Random random) {
   const engine::BodyId ball = stage.balls.front();
   const double deck_end = room_measures(stage.scenario).deck_end;
   Fallen fallen;
-  const std::int64_t most = 6 * world.parameters.rate_hz;
-  while (world.tick < most && (world.statistics.awake > 0 || world.tick == 0)) {
+  do {
     engine::step(world, workspace);
-    for (const engine::ContactEvent& event : world.events) {
-      if (!event.first || (event.a != ball && event.b != ball)) continue;
-      const engine::BodyId other = event.a == ball ? event.b : event.a;
-      const auto pin = std::find(stage.skittles.begin(), stage.skittles.end(), other);
-      if (pin == stage.skittles.end()) continue;
-      fallen.touched.push_back(static_cast<int>(pin - stage.skittles.begin()) + 1);
+    note_touched(stage, world, fallen.touched);
+    for (engine::BodyId body = 0; body < world.bodies.size(); ++body) {
+      const Vec3 p = world.states[body].X_WB.p;
+      if (world.bodies[body].kind != engine::Kind::free || p.y() < deck_end) continue;
+      if (body == ball) fallen.exit_board = board_at(stage.scenario.lane, p.x());
+      take_away(stage, world, body);
     }
-    const Vec3& p = world.states[ball].X_WB.p;
-    if (fallen.exit_board == 0.0 && p.y() > deck_end) {
-      fallen.exit_board = board_at(stage.scenario.lane, p.x());
-      engine::set_kind(world, ball, engine::Kind::driven);
-      engine::set_state(world, ball, stage.world.states[ball]);
-    }
-  }
-  for (std::size_t k = 0; k < stage.skittles.size(); ++k) {
-    const Pose& X_WB = world.states[stage.skittles[k]].X_WB;
-    const Vec3& spot = stage.world.states[stage.skittles[k]].X_WB.p;
-    if (has_fallen(X_WB) || (X_WB.p - spot).head<2>().norm() > stage.scenario.game.off_spot)
-      continue;
-    fallen.standing.push_back(static_cast<int>(k) + 1);
-  }
+    fallen.standing = standing(stage, world);
+    if (fallen.strike() && fallen.exit_board != 0.0) break;
+  } while (world.tick < 6 * world.parameters.rate_hz && world.statistics.awake > 0);
   return fallen;
 }
 
