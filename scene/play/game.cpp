@@ -1,6 +1,7 @@
 #include "scene/play/game.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "scene/record/details.h"
 #include "scene/record/events.h"
@@ -128,6 +129,54 @@ void note_releases(Game& game, const Tick& tick) {
   }
 }
 
+/// The state of a ball when the hand let it go, as far as its event tells; else its present one.
+engine::State state_at_release(const Event& release, const engine::State& now) {
+  const Released told = released(release);
+  engine::State state = now;
+  if (told.p_WB && told.v_WB && told.w_WB) {
+    state.X_WB.p = *told.p_WB;
+    state.v_WB = *told.v_WB;
+    state.w_WB = *told.w_WB;
+  }
+  return state;
+}
+
+bool touches_skittle(const Tick& tick, engine::BodyId ball) {
+  return std::ranges::any_of(tick.world.events, [&](const engine::ContactEvent& contact) {
+    const engine::BodyId other = contact.a == ball ? contact.b : contact.a;
+    return (contact.a == ball || contact.b == ball) && tick.stage.roles[other] == Role::skittle;
+  });
+}
+
+/// Begins to watch the balls that were released in this tick; of two, the second.
+void watch_released(Game& game, const Tick& tick) {
+  const std::size_t before = tick.events.size();
+  for (std::size_t i = 0; i < before; ++i) {
+    if (tick.events[i].kind != kind::release) continue;
+    for (const engine::BodyId ball : tick.stage.balls) {
+      if (tick.events[i].bodies.front() != tick.world.bodies[ball].name) continue;
+      end_ball_path(game, tick);
+      const engine::State at = state_at_release(tick.events[i], tick.world.states[ball]);
+      game.watched = {ball, watch_ball(tick.stage.room, at)};
+    }
+  }
+}
+
+/// Follows the watched ball until it leaves the lane, rests or is taken.
+void follow_ball(Game& game, const Tick& tick) {
+  watch_released(game, tick);
+  if (!game.watched) return;
+  const engine::BodyId ball = game.watched->body;
+  const bool free = is_free(tick.world, ball);
+  if (free) {
+    see(game.watched->watch, tick.stage.room, tick.stage.scenario.ball.radius,
+        tick.world.states[ball], touches_skittle(tick, ball));
+  }
+  if (!free || game.watched->watch.over || engine::is_asleep(tick.world, ball)) {
+    end_ball_path(game, tick);
+  }
+}
+
 }  // namespace
 
 Game make_game(const Stage& stage) {
@@ -148,11 +197,21 @@ void note_velocities(Game& game, const engine::World& world) {
   for (const engine::State& state : world.states) game.velocities.push_back(state.v_WB);
 }
 
+void end_ball_path(Game& game, const Tick& tick) {
+  if (!game.watched) return;
+  const WatchedBall watched = *std::exchange(game.watched, std::nullopt);
+  Event e = event(tick, kind::ball_path, {watched.body});
+  e.p_W = watched.watch.last.X_WB.p;
+  e.detail = to_detail(watched.watch.path);
+  tick.events.push_back(std::move(e));
+}
+
 void note_step(Game& game, const Tick& tick) {
   note_releases(game, tick);
   note_contacts(game, tick);
   if (tells_apart(tick.stage)) credit(game, tick.stage, tick.world);
   note_fallen(game, tick);
+  follow_ball(game, tick);
 }
 
 }  // namespace headpin::scene

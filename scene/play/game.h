@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "scene/play/ball_path.h"
 #include "scene/play/tick.h"
 #include "scene/record/details.h"
 #include "scene/scenario/rules.h"
@@ -10,6 +11,12 @@
 
 /// The game: contacts and falls of a step, and what the rules do about them.
 namespace headpin::scene {
+
+/// A thrown ball whose way is watched.
+struct WatchedBall {
+  engine::BodyId body = 0;
+  BallWatch watch;
+};
 
 /// The state of the game.
 struct Game {
@@ -26,9 +33,13 @@ struct Game {
   bool foul = false;                ///< the current ball was released beyond the foul line
   bool beyond = false;              ///< the current ball has been beyond the foul line
   bool begun = false, over = false;
+  std::optional<WatchedBall> watched;  ///< the last ball that was thrown, while it is on its way
 };
 
 Game make_game(const Stage& stage);
+
+/// Reports the way of the ball that is watched, and watches it no longer.
+void end_ball_path(Game& game, const Tick& tick);
 
 /// Whether a skittle has fallen over: its axis leans by more than 20 degrees.
 bool has_fallen(const Pose& X_WB);

@@ -131,6 +131,7 @@ bool is_dead_wood(const Field& f, engine::BodyId skittle) {
 ///
 /// @return  skittles down that count for the ball that was thrown
 int count(const Field& f) {
+  end_ball_path(f.game, f);
   Event delivery = event(f, kind::delivery, {});
   Event dead = event(f, kind::dead_wood, {});
   const bool costs = f.game.foul && f.plan().foul == FoulBall::zero;

@@ -17,7 +17,7 @@ namespace headpin::scene {
 namespace {
 
 constexpr std::string_view kSavedSession = "HPSESSION";
-constexpr std::uint8_t kSavedVersion = 1;
+constexpr std::uint8_t kSavedVersion = 2;
 constexpr std::uint8_t kNoButton = 2;  // in place of a touched button's number
 
 template <typename S, typename T>
@@ -97,6 +97,46 @@ void each_member(F& f, S& s) {
   f(s.own);
 }
 
+template <typename F, Like<engine::State> S>
+void each_member(F& f, S& s) {
+  f(s.X_WB);
+  f(s.v_WB);
+  f(s.w_WB);
+}
+
+template <typename F, Like<Delivered> S>
+void each_member(F& f, S& s) {
+  f(s.board);
+  f(s.angle_deg);
+  f(s.speed);
+  f(s.revs_per_min);
+  f(s.rotation_deg);
+  f(s.tilt_deg);
+}
+
+template <typename F, Like<LanePlace> S>
+void each_member(F& f, S& s) {
+  f(s.board);
+  f(s.distance);
+}
+
+template <typename F, Like<WatchedBall> S>
+void each_member(F& f, S& s) {
+  f(s.body);
+  auto& path = s.watch.path;
+  f(path.release);
+  f(path.loft_end);
+  f(path.skid_end);
+  f(path.hook_end);
+  f(path.breakpoint);
+  f(path.entry);
+  f(path.exit_board);
+  f(path.gutter);
+  f(s.watch.last);
+  f(s.watch.landed_deg);
+  f(s.watch.over);
+}
+
 template <typename F, Like<Game> S>
 void each_member(F& f, S& s) {
   f(s.down);
@@ -111,6 +151,7 @@ void each_member(F& f, S& s) {
   f(s.beyond);
   f(s.begun);
   f(s.over);
+  f(s.watched);
 }
 
 /// The player without its tracks and the change of its releases.
@@ -232,6 +273,7 @@ bool is_consistent(const Session& s) {
   const Player& player = s.player;
   const bool lists = of_all(game.down) && of_all(game.moved_by) && of_all(game.swept) &&
                      (of_all(game.velocities) || game.velocities.empty());
+  const bool watched = !game.watched || there(game.watched->body);
   const bool frames = std::ranges::all_of(game.frames, [](const Frame& frame) {
     return std::ranges::all_of(frame, [](int down) { return down >= 0 && down <= 1000; });
   });
@@ -242,7 +284,7 @@ bool is_consistent(const Session& s) {
                       std::ranges::all_of(s.presence.own, there, &Own::body);
   constexpr std::int64_t kMostTicks = 1'000'000'000'000;  // their time has no overflow
   const bool ticks = s.tick == s.world.tick && s.tick <= kMostTicks;
-  return lists && frames && in_hand && flying && ticks;
+  return lists && watched && frames && in_hand && flying && ticks;
 }
 
 }  // namespace

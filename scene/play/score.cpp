@@ -126,10 +126,46 @@ void Score::add_to_throw(const Event& event) {
   impact_speed = throws.front().entry_speed;
 }
 
+/// What the ball of the last throw did on its way.
+void Score::add_to_way(const Event& event) {
+  if (throws.empty()) return;
+  ThrowRow& row = throws.back();
+  if (event.kind == kind::ball_path && !event.bodies.empty() && event.bodies.front() == row.body) {
+    row.path = ball_path(event);
+  }
+  const bool met = event.kind == kind::touch || event.kind == kind::first_contact;
+  if (!met || row.frame != 0 || event.bodies.size() != 2) return;
+  const bool is_first = event.bodies[0] == row.body;
+  if (!is_first && event.bodies[1] != row.body) return;
+  const std::optional<int> number = skittle_number(event.bodies[is_first ? 1 : 0]);
+  if (number && std::ranges::find(row.touched, *number) == row.touched.end()) {
+    row.touched.push_back(*number);
+  }
+}
+
+/// What stands when a ball is counted. A rack of which all are down is set again.
+void Score::add_to_leave(const Event& event) {
+  if (event.kind == kind::game || event.kind == kind::frame) down_.clear();
+  const bool removes =
+      event.kind == kind::dead_wood || (event.kind == kind::delivery && event.value > 0.0);
+  if (removes) down_.insert(down_.end(), event.bodies.begin(), event.bodies.end());
+  if (event.kind != kind::delivery || throws.empty() || games.empty()) return;
+  std::vector<int> standing;
+  for (int number = 1; number <= games.back().rack; ++number) {
+    if (std::ranges::find(down_, name_of_skittle(number)) == down_.end()) {
+      standing.push_back(number);
+    }
+  }
+  throws.back().leave = fmt::format("{}", fmt::join(standing, "-"));
+  if (standing.empty()) down_.clear();
+}
+
 void Score::add(const Event& event) {
   if (event.kind == kind::version) version_ = event.detail;
   touches += event.kind == kind::touch || event.kind == kind::first_contact;
+  add_to_way(event);
   add_to_throw(event);  // it has the number of the next ball
+  add_to_leave(event);
   add_to_game(event);
 }
 

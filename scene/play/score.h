@@ -42,8 +42,11 @@ struct Score {
  private:
   void add_to_game(const Event& event);
   void add_to_throw(const Event& event);
+  void add_to_way(const Event& event);
+  void add_to_leave(const Event& event);
 
   std::string version_;
+  std::vector<std::string> down_;  ///< skittles counted since the rack was set
 };
 
 Score score(std::span<const Event> events);

@@ -1,5 +1,7 @@
 #include "scene/record/details.h"
 
+#include <utility>
+
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -133,6 +135,71 @@ std::string contact_detail(const Vec3& v_WB) {
 
 std::optional<Vec3> contact_velocity(const Event& event) {
   return vector_in(object_in(event), "velocity_mps");
+}
+
+namespace {
+
+/// The keys of a Delivered, each with its member.
+constexpr std::pair<const char*, double Delivered::*> kDelivered[] = {
+    {"board", &Delivered::board},
+    {"angle_deg", &Delivered::angle_deg},
+    {"speed_mps", &Delivered::speed},
+    {"revs_per_min", &Delivered::revs_per_min},
+    {"rotation_deg", &Delivered::rotation_deg},
+    {"tilt_deg", &Delivered::tilt_deg}};
+
+/// The keys of single numbers of a way.
+constexpr std::pair<const char*, std::optional<double> BallPath::*> kOfPath[] = {
+    {"loft_end_m", &BallPath::loft_end},
+    {"skid_end_m", &BallPath::skid_end},
+    {"hook_end_m", &BallPath::hook_end},
+    {"exit_board", &BallPath::exit_board},
+    {"gutter_m", &BallPath::gutter}};
+
+nlohmann::json to_json(const Delivered& delivered) {
+  nlohmann::json all;
+  for (const auto& [key, member] : kDelivered) all[key] = delivered.*member;
+  return all;
+}
+
+std::optional<Delivered> delivered_in(const nlohmann::json& detail, const char* key) {
+  const auto found = detail.find(key);
+  if (found == detail.end() || !found->is_object()) return std::nullopt;
+  Delivered delivered;
+  for (const auto& [name, member] : kDelivered) {
+    const std::optional<double> value = number_in(*found, name);
+    if (!value) return std::nullopt;
+    delivered.*member = *value;
+  }
+  return delivered;
+}
+
+}  // namespace
+
+std::string to_detail(const BallPath& path) {
+  nlohmann::json detail{{"release", to_json(path.release)}};
+  for (const auto& [key, member] : kOfPath) {
+    if (path.*member) detail[key] = *(path.*member);
+  }
+  if (path.breakpoint) {
+    detail["breakpoint_board"] = path.breakpoint->board;
+    detail["breakpoint_m"] = path.breakpoint->distance;
+  }
+  if (path.entry) detail["entry"] = to_json(*path.entry);
+  return detail.dump();
+}
+
+std::optional<BallPath> ball_path(const Event& event) {
+  const nlohmann::json detail = object_in(event);
+  const std::optional<Delivered> release = delivered_in(detail, "release");
+  if (!release) return std::nullopt;
+  BallPath path;
+  path.release = *release;
+  for (const auto& [key, member] : kOfPath) path.*member = number_in(detail, key);
+  const auto board = number_in(detail, "breakpoint_board"), at = number_in(detail, "breakpoint_m");
+  if (board && at) path.breakpoint = LanePlace{*board, *at};
+  path.entry = delivered_in(detail, "entry");
+  return path;
 }
 
 std::string to_detail(By by) {

@@ -62,6 +62,43 @@ std::optional<Motion> motion_of(const Event& event);
 std::string contact_detail(const Vec3& v_WB);
 std::optional<Vec3> contact_velocity(const Event& event);
 
+// The way of a thrown ball, in the words of coaches. Boards count from the right gutter, 1 to 39; 20 is
+// the middle of the lane. Distances are from the foul line [m], angles to the right of the lane's axis.
+
+/// How a ball moves at a place.
+struct Delivered {
+  double board = 0.0;         ///< of its centre
+  double angle_deg = 0.0;     ///< of its level velocity
+  double speed = 0.0;         ///< level [m/s]
+  double revs_per_min = 0.0;  ///< of its spin about any axis
+  /// Of the spin's level part: 0 rolls ahead, 90 hooks to the left with all of it, -90 to the right.
+  double rotation_deg = 0.0;
+  double tilt_deg = 0.0;  ///< of the spin's axis out of the level: 90 spins like a top
+};
+
+/// A place on the lane.
+struct LanePlace {
+  double board = 0.0, distance = 0.0;
+};
+
+/// What is not there did not happen.
+struct BallPath {
+  Delivered release;
+  std::optional<double> loft_end;  ///< distance at which it first touches the lane
+  /// Distance at which its direction has changed by a degree since then: until here it skids, and
+  /// then hooks.
+  std::optional<double> skid_end;
+  /// Distance at which its lowest point slips by less than a fiftieth of its speed: from here it rolls.
+  std::optional<double> hook_end;
+  std::optional<LanePlace> breakpoint;  ///< where its velocity turns to the other side of the lane
+  std::optional<Delivered> entry;    ///< before its first skittle, or where it passes the head pin
+  std::optional<double> exit_board;  ///< where it leaves the lane behind the skittles
+  std::optional<double> gutter;      ///< distance at which it leaves the lane sideways
+};
+std::string to_detail(const BallPath& path);
+/// Nothing unless the event has a release.
+std::optional<BallPath> ball_path(const Event& event);
+
 /// Of a skittle that fell: its cause.
 std::string to_detail(By by);
 By felled_by(const Event& event);

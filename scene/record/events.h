@@ -23,6 +23,7 @@ inline constexpr std::string_view ball_back = "ball_back";
 inline constexpr std::string_view foul = "foul";
 inline constexpr std::string_view dead_wood = "dead_wood";
 inline constexpr std::string_view delivery = "delivery";
+inline constexpr std::string_view ball_path = "ball_path";
 inline constexpr std::string_view frame = "frame";
 inline constexpr std::string_view game_over = "game_over";
 inline constexpr std::string_view flies_at_player = "flies_at_player";
@@ -81,6 +82,11 @@ inline constexpr auto kEventKinds = std::to_array<EventKind>({
      "", "their number"},
     {kind::delivery, "a ball was counted; bodies has the skittles that it knocked down", "",
      "number that counts: 0 after a foul if the rules say so"},
+    {kind::ball_path,
+     "a thrown ball left the lane, came to rest or was counted; detail has its way in the words of "
+     "coaches as JSON: release, end of loft, skid and hook, breakpoint, entry, exit; boards count "
+     "from the right gutter, distances from the foul line, angles to the right",
+     "its centre", ""},
     {kind::ball_back, "a ball came back to its stand", "its stand", ""},
     {kind::frame, "a frame of the game ended", "", "its number, from 1"},
     {kind::game_over, "the last frame ended; detail has the score sheet", "", "points"},

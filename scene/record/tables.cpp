@@ -9,6 +9,7 @@
 #include <fmt/ranges.h>
 
 #include "devices/base/sources.h"
+#include "scene/record/table_fields.h"
 
 namespace headpin::scene {
 
@@ -37,66 +38,6 @@ struct CsvText {
   std::string operator()(Time time) const { return decimal_seconds(time); }
   std::string operator()(const std::string& text) const { return csv_quoted(text); }
 };
-
-/// A column of a table whose rows are Row, and its value in a row.
-template <typename Row>
-struct Field {
-  const char *name, *kind, *unit, *meaning;
-  TableValue (*value)(const Row&);
-};
-
-template <typename Row>
-std::vector<Field<Row>> operator+(std::vector<Field<Row>> a, const std::vector<Field<Row>>& b) {
-  a.insert(a.end(), b.begin(), b.end());
-  return a;
-}
-
-/// The columns of a vector or quaternion that `Of` finds in a row.
-template <auto Of, typename Row>
-std::vector<Field<Row>> vector_fields(const char* x, const char* y, const char* z, const char* unit,
-                                      const char* meaning) {
-  return {{x, "number", unit, meaning, [](const Row& r) -> TableValue { return Of(r).x(); }},
-          {y, "number", unit, "", [](const Row& r) -> TableValue { return Of(r).y(); }},
-          {z, "number", unit, "", [](const Row& r) -> TableValue { return Of(r).z(); }}};
-}
-
-template <auto Of, typename Row>
-std::vector<Field<Row>> pose_fields(const char* position, const char* rotation) {
-  constexpr auto kPosition = [](const Row& r) -> const Vec3& { return Of(r).p; };
-  return vector_fields<kPosition, Row>("x_m", "y_m", "z_m", "m", position) +
-         std::vector<Field<Row>>{
-             {"qw", "number", "", rotation, [](const Row& r) -> TableValue { return Of(r).q.w(); }},
-             {"qx", "number", "", "", [](const Row& r) -> TableValue { return Of(r).q.x(); }},
-             {"qy", "number", "", "", [](const Row& r) -> TableValue { return Of(r).q.y(); }},
-             {"qz", "number", "", "", [](const Row& r) -> TableValue { return Of(r).q.z(); }}};
-}
-
-/// A value that may not be known.
-template <typename T>
-TableValue maybe(const std::optional<T>& value) {
-  return value ? TableValue(*value) : TableValue();
-}
-
-/// A part of a vector that `Of` may find in a row.
-template <auto Of, int I, typename Row>
-TableValue part(const Row& row) {
-  const std::optional<Vec3> v = Of(row);
-  return v ? TableValue((*v)[I]) : TableValue();
-}
-
-/// A number that counts from 1; 0 is not known.
-TableValue counted(int number) {
-  return number > 0 ? TableValue(std::int64_t{number}) : TableValue();
-}
-
-/// The columns of such a vector.
-template <auto Of, typename Row>
-std::vector<Field<Row>> maybe_vector_fields(const char* x, const char* y, const char* z,
-                                            const char* unit, const char* meaning) {
-  return {{x, "number", unit, meaning, part<Of, 0, Row>},
-          {y, "number", unit, "", part<Of, 1, Row>},
-          {z, "number", unit, "", part<Of, 2, Row>}};
-}
 
 /// A sample, and the place of the tracked space when it was used.
 struct TrackerRow {
@@ -189,69 +130,6 @@ std::vector<Field<Event>> event_fields() {
                                   [](const Row& r) -> TableValue { return r.value; }},
                                  {"detail", "text", "", "depends on the kind",
                                   [](const Row& r) -> TableValue { return r.detail; }}};
-}
-
-std::vector<Field<ThrowRow>> throw_fields() {
-  using Row = ThrowRow;
-  return std::vector<Field<Row>>{
-             {"version", "text", "",
-              "version of the game: red or blue; empty if there are no versions",
-              [](const Row& r) -> TableValue { return r.version; }},
-             {"frame", "whole", "", "frame of the game, from 1; empty if the throw was not counted",
-              [](const Row& r) { return counted(r.frame); }},
-             {"ball", "whole", "", "ball of the frame, from 1; empty if the throw was not counted",
-              [](const Row& r) { return counted(r.ball); }},
-             {"body", "text", "", "name of the ball",
-              [](const Row& r) -> TableValue { return r.body; }},
-             {"release_time_s", "number", "s",
-              "time of the tick of the release, on the trial's clock",
-              [](const Row& r) -> TableValue { return r.release; }},
-             {"trigger_time_s", "number", "s",
-              "time at which the trigger was released, as its device measured it; empty in older "
-              "trials, like the vectors",
-              [](const Row& r) { return maybe(r.trigger_s); }}} +
-         maybe_vector_fields<[](const Row& r) { return r.p_WB; }, Row>(
-             "x_m", "y_m", "z_m", "m", "centre of the ball at that time, in the world") +
-         maybe_vector_fields<[](const Row& r) { return r.v_WB; }, Row>(
-             "vx_mps", "vy_mps", "vz_mps", "m/s", "velocity of the ball at that time") +
-         maybe_vector_fields<[](const Row& r) { return r.w_WB; }, Row>(
-             "wx_radps", "wy_radps", "wz_radps", "rad/s",
-             "angular velocity of the ball at that time") +
-         std::vector<Field<Row>>{
-             {"speed_mps", "number", "m/s", "speed of the ball at its release",
-              [](const Row& r) -> TableValue { return r.speed; }},
-             {"known", "text", "",
-              "how the release is known: tracked, extrapolated or impossible; empty if the trial "
-              "does not say",
-              [](const Row& r) -> TableValue { return r.known; }},
-             {"extrapolated_s", "number", "s",
-              "time over which the hand's motion was extrapolated from its nearest sample",
-              [](const Row& r) { return maybe(r.extrapolated_s); }},
-             {"samples_left_out", "whole", "",
-              "samples of the hand that were left out because they disagree with their neighbours",
-              [](const Row& r) { return maybe(r.left_out); }},
-             {"entry_time_s", "number", "s",
-              "time at which the ball touched its first skittle; empty if it touched none",
-              [](const Row& r) { return maybe(r.entry); }},
-             {"entry_speed_mps", "number", "m/s", "speed of the ball just before that",
-              [](const Row& r) { return maybe(r.entry_speed); }},
-             {"entry_angle_deg", "number", "degree",
-              "direction of its horizontal velocity just before that, to the right of the lane's "
-              "axis",
-              [](const Row& r) { return maybe(r.entry_angle_deg); }},
-             {"felled_by_ball", "whole", "",
-              "skittles that the ball knocked down: in a game until it was counted, else until the "
-              "next throw",
-              [](const Row& r) { return maybe(r.felled_by_ball); }},
-             {"felled_by_hand", "whole", "",
-              "skittles that the hand, or what it carried, knocked down in this time",
-              [](const Row& r) { return maybe(r.felled_by_hand); }},
-             {"counted", "whole", "",
-              "skittles that the score sheet counts (after a foul perhaps 0); empty without a game",
-              [](const Row& r) { return maybe(r.counted); }},
-             {"foul", "yes/no", "",
-              "whether the ball was released beyond the foul line; empty if the trial does not say",
-              [](const Row& r) { return maybe(r.foul); }}};
 }
 
 std::vector<Field<StateRow>> state_fields() {

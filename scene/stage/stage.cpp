@@ -23,6 +23,7 @@ std::string numbered(const std::string& name, std::size_t before) {
 Stage make_stage(const Scenario& scenario) {
   Stage stage;
   stage.scenario = scenario;
+  stage.room = room_measures(scenario);
   stage.world = engine::make_world(world_parameters(scenario));
   SkittleBody skittle = skittle_body(scenario);
   stage.skittle = std::move(skittle.body);
@@ -51,7 +52,7 @@ engine::BodyId add_ball(Stage& stage, const Vec3& home) {
 void add_rack(Stage& stage, const Vec2& head_pin) {
   for (const Vec2& spot : stage.scenario.rack.spots) {
     engine::Body body = stage.skittle;
-    body.name = fmt::format("{} {}", kSkittleName, stage.skittles.size() + 1);
+    body.name = name_of_skittle(static_cast<int>(stage.skittles.size()) + 1);
     const Vec2 p = head_pin + spot;
     const engine::BodyId skittle =
         add(stage, Role::skittle, std::move(body),
@@ -65,6 +66,22 @@ std::vector<std::string> body_names(const Stage& stage) {
   std::vector<std::string> names;
   for (const engine::Body& body : stage.world.bodies) names.push_back(body.name);
   return names;
+}
+
+std::string name_of_skittle(int number) {
+  return fmt::format("{} {}", kSkittleName, number);
+}
+
+std::optional<int> skittle_number(std::string_view name) {
+  if (role_named(name) != Role::skittle) return std::nullopt;
+  const std::size_t space = name.find(' ');
+  if (space == std::string_view::npos) return std::nullopt;
+  int number = 0;
+  for (const char c : name.substr(space + 1)) {
+    if (c < '0' || c > '9' || number > 1'000'000) return std::nullopt;
+    number = 10 * number + (c - '0');
+  }
+  return number;
 }
 
 std::optional<Role> role_named(std::string_view name) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "scene/stage/bodies.h"
+#include "scene/stage/room.h"
 
 /// The initial state of a scenario, built once and shared by runs.
 namespace headpin::scene {
@@ -16,6 +17,7 @@ namespace headpin::scene {
 /// Bodies are identified by their role, never by their number.
 struct Stage {
   Scenario scenario;
+  RoomMeasures room;        ///< of the scenario
   engine::World world;      ///< at its start; a session steps a copy of it
   std::vector<Role> roles;  ///< of the world's bodies, same numbers
   engine::Body skittle;     ///< what each skittle is made as: its mass properties are found once
@@ -51,5 +53,9 @@ std::vector<std::string> body_names(const Stage& stage);
 ///
 /// @return  ball, skittle or hand; nothing for a part of the room or another name
 std::optional<Role> role_named(std::string_view name);
+
+/// "skittle 3", and back: nothing for another name.
+std::string name_of_skittle(int number);
+std::optional<int> skittle_number(std::string_view name);
 
 }  // namespace headpin::scene

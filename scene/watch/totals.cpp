@@ -128,6 +128,13 @@ nlohmann::json to_json(const std::vector<KeyDifference>& differences) {
   return all;
 }
 
+/// Of a number or a text.
+nlohmann::json to_json(const TableValue& value) {
+  if (const auto* number = std::get_if<double>(&value)) return *number;
+  if (const auto* text = std::get_if<std::string>(&value)) return *text;
+  return {};
+}
+
 nlohmann::json to_json(const std::vector<ThrowRow>& throws) {
   nlohmann::json all = nlohmann::json::array();
   const auto whole = [](int n) { return n > 0 ? nlohmann::json(n) : nlohmann::json(); };
@@ -159,6 +166,7 @@ nlohmann::json to_json(const std::vector<ThrowRow>& throws) {
          {"felled_by_hand", maybe(row.felled_by_hand)},
          {"counted", maybe(row.counted)},
          {"foul", maybe(row.foul)}});
+    for (const auto& [name, value] : lane_values(row)) all.back()[name] = to_json(value);
   }
   return all;
 }

@@ -1,0 +1,105 @@
+#include "scene/play/ball_path.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "scene/play/score.h"
+#include "scene/scenario/scenario.h"
+
+namespace headpin::scene {
+
+namespace {
+
+constexpr double kOnLane = 1e-3;      // of the ball's lowest point above it [m]
+constexpr double kHooked = 1.0;       // turned by this [degrees]
+constexpr double kRollsAlong = 0.02;  // slip, of the speed
+constexpr double kLeast = 0.1;        // slower than this, a ball has no direction [m/s]
+
+/// The angle between two directions, in [-180, 180] degrees.
+double turned_deg(double from_deg, double to_deg) {
+  return std::remainder(to_deg - from_deg, 360.0);
+}
+
+/// The angle of the right triangle with these sides, in [-180, 180] degrees. The same bits on every
+/// machine.
+double angle_deg(double opposite, double adjacent) {
+  return degrees_from_y(Vec3(opposite, adjacent, 0.0));
+}
+
+void find_hook(BallWatch& watch, const engine::State& now, double radius) {
+  BallPath& path = watch.path;
+  const double speed = now.v_WB.head<2>().norm(), distance = now.X_WB.p.y();
+  if (speed < kLeast) return;
+  const double direction = degrees_from_y(now.v_WB);
+  if (!path.skid_end && std::abs(turned_deg(watch.landed_deg, direction)) >= kHooked) {
+    path.skid_end = distance;
+  }
+  const Vec3 slip = engine::velocity_at(now, Vec3(0.0, 0.0, -radius));
+  if (!path.hook_end && slip.head<2>().norm() < kRollsAlong * speed) path.hook_end = distance;
+}
+
+/// The part of the way before the skittles.
+void find_on_lane(BallWatch& watch, const RoomMeasures& room, double radius,
+                  const engine::State& now) {
+  BallPath& path = watch.path;
+  const Vec3& p = now.X_WB.p;
+  if (!path.loft_end && p.z() < radius + kOnLane) {
+    path.loft_end = p.y();
+    watch.landed_deg = degrees_from_y(now.v_WB);
+  }
+  if (!path.breakpoint && watch.last.v_WB.x() * now.v_WB.x() < 0.0) {
+    path.breakpoint = LanePlace{board_at(room, p.x()), p.y()};
+  }
+  if (!path.loft_end) return;
+  find_hook(watch, now, radius);
+  if (std::abs(p.x()) <= 0.5 * room.lane_width) return;
+  path.gutter = p.y();
+  watch.over = true;
+}
+
+}  // namespace
+
+double board_at(const RoomMeasures& room, double x) {
+  return (0.5 * room.lane_width - x) / (room.lane_width / kBoards) + 0.5;
+}
+
+Delivered delivered(const RoomMeasures& room, const engine::State& s) {
+  Delivered d;
+  d.board = board_at(room, s.X_WB.p.x());
+  d.angle_deg = degrees_from_y(s.v_WB);
+  const Vec2 level = s.v_WB.head<2>();
+  d.speed = level.norm();
+  d.revs_per_min = s.w_WB.norm() * 30.0 / std::numbers::pi;
+  if (d.speed <= 0.0 || s.w_WB.isZero(0.0)) return d;
+  const Vec2 along = level / d.speed, right(along.y(), -along.x());
+  const double ahead = -s.w_WB.head<2>().dot(right);  // rolls ahead
+  const double side = -s.w_WB.head<2>().dot(along);   // hooks to the left
+  if (ahead != 0.0 || side != 0.0) d.rotation_deg = angle_deg(side, ahead);
+  d.tilt_deg = angle_deg(s.w_WB.z(), s.w_WB.head<2>().norm());
+  return d;
+}
+
+BallWatch watch_ball(const RoomMeasures& room, const engine::State& release) {
+  BallWatch watch;
+  watch.path.release = delivered(room, release);
+  watch.last = release;
+  return watch;
+}
+
+void see(BallWatch& watch, const RoomMeasures& room, double radius, const engine::State& now,
+         bool has_struck) {
+  if (watch.over) return;
+  BallPath& path = watch.path;
+  const Vec3& p = now.X_WB.p;
+  if (!path.entry && (has_struck || p.y() > room.head_pin)) {
+    path.entry = delivered(room, watch.last);
+  }
+  if (!path.entry) find_on_lane(watch, room, radius, now);
+  if (p.y() > room.deck_end) {
+    if (std::abs(p.x()) <= 0.5 * room.lane_width) path.exit_board = board_at(room, p.x());
+    watch.over = true;
+  }
+  watch.last = now;
+}
+
+}  // namespace headpin::scene

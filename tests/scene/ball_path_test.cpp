@@ -1,0 +1,178 @@
+// The way of a ball in the words of coaches, held against its closed form.
+
+#include "scene/play/ball_path.h"
+
+#include <cmath>
+#include <numbers>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "scene/play/score.h"
+#include "scene/record/events.h"
+#include "scene/stage/read_scenario.h"
+#include "scene/stage/stage.h"
+
+namespace headpin::scene {
+namespace {
+
+constexpr double kFriction = 0.2, kGravity = 9.81;
+
+/// A regulation lane without oil, under Coulomb's friction.
+Scenario even_lane() {
+  Scenario scenario = load_scenario(HEADPIN_SOURCE_DIR "/assets/scenarios/regulation-ten-pin.toml");
+  scenario.collision.response = "coulomb";
+  set_friction(scenario, std::sqrt(kFriction));
+  return scenario;
+}
+
+/// 8 m/s, 2 degrees to the right from board 12, 300 rpm with 60 degrees of axis rotation: it hooks to
+/// the left.
+engine::State hooking(const Stage& stage) {
+  const double radian = std::numbers::pi / 180.0, spin = 300.0 * 2.0 * std::numbers::pi / 60.0;
+  engine::State s;
+  s.X_WB.p = Vec3((20.0 - 12.0) * stage.room.lane_width / 39.0, 0.2, stage.scenario.ball.radius);
+  s.v_WB = 8.0 * Vec3(std::sin(2.0 * radian), std::cos(2.0 * radian), 0.0);
+  const Vec3 right(std::cos(2.0 * radian), -std::sin(2.0 * radian), 0.0);
+  s.w_WB = -spin * (std::cos(60.0 * radian) * right + std::sin(60.0 * radian) * s.v_WB / 8.0);
+  return s;
+}
+
+/// What is seen of a ball until it leaves the lane, 5 s at most.
+BallWatch way_of(Stage& stage, const engine::State& start) {
+  const engine::BodyId ball = stage.balls.front();
+  engine::World& world = stage.world;
+  engine::set_kind(world, ball, engine::Kind::free);
+  engine::set_state(world, ball, start);
+  BallWatch watch = watch_ball(stage.room, start);
+  while (!watch.over && world.tick < 5 * world.parameters.rate_hz) {
+    engine::step(world);
+    see(watch, stage.room, stage.scenario.ball.radius, world.states[ball], false);
+  }
+  return watch;
+}
+
+TEST(BallPath, TellsTheReleaseAsCoachesDo) {
+  const Stage stage = make_stage(even_lane());
+  const Delivered release = delivered(stage.room, hooking(stage));
+  EXPECT_NEAR(release.board, 12.0, 1e-9);
+  EXPECT_NEAR(release.angle_deg, 2.0, 1e-9);
+  EXPECT_NEAR(release.speed, 8.0, 1e-12);
+  EXPECT_NEAR(release.revs_per_min, 300.0, 1e-9);
+  EXPECT_NEAR(release.rotation_deg, 60.0, 1e-9);
+  EXPECT_NEAR(release.tilt_deg, 0.0, 1e-9);
+  engine::State other = hooking(stage);
+  other.w_WB = Vec3(-3.0, 3.0, 3.0 * std::sqrt(2.0));
+  other.v_WB = Vec3(0.0, 5.0, -1.0);
+  EXPECT_NEAR(delivered(stage.room, other).rotation_deg, -45.0, 1e-9) << "hooks to the right";
+  EXPECT_NEAR(delivered(stage.room, other).tilt_deg, 45.0, 1e-9);
+}
+
+// The slip keeps its direction while the ball slides, so its velocity changes evenly: it crosses the
+// lane's axis after v / a, has turned by a degree where that follows from both velocities, and rolls
+// when 2/7 of the slip is gone (Hopkins and Patterson 1977).
+TEST(BallPath, HasBreakpointSkidAndHookAsInClosedForm) {
+  Stage stage = make_stage(even_lane());
+  const engine::State start = hooking(stage);
+  const double r = stage.scenario.ball.radius;
+  const Vec2 v = start.v_WB.head<2>();
+  const Vec2 slip = v + r * Vec2(-start.w_WB.y(), start.w_WB.x());
+  const Vec2 a = -kFriction * kGravity * slip.normalized();
+  const auto at = [&](double t) -> Vec2 {
+    return start.X_WB.p.head<2>() + t * v + 0.5 * t * t * a;
+  };
+  const double breaks = -v.x() / a.x();
+  const double slope = std::tan(std::numbers::pi / 180.0);  // 2 degrees to the right become 1
+  const double hooks = (v.x() - slope * v.y()) / (slope * a.y() - a.x());
+  const double rolls = 2.0 / 7.0 * slip.norm() / (kFriction * kGravity);
+  constexpr double kWay = 0.04;  // of a step [m]
+  const BallPath path = way_of(stage, start).path;
+  ASSERT_TRUE(path.breakpoint && path.skid_end && path.hook_end && path.entry);
+  EXPECT_NEAR(path.breakpoint->distance, at(breaks).y(), kWay);
+  EXPECT_NEAR(path.breakpoint->board, 20.0 - at(breaks).x() / stage.room.lane_width * 39.0, 0.2);
+  EXPECT_NEAR(*path.skid_end, at(hooks).y(), kWay);
+  EXPECT_NEAR(*path.hook_end, at(rolls).y(), 0.03 * at(rolls).y());
+  EXPECT_EQ(path.gutter, std::nullopt);
+  EXPECT_LT(path.entry->angle_deg, -1.0);
+  EXPECT_NEAR(path.entry->rotation_deg, 0.0, 1.0) << "it rolls";
+  EXPECT_LT(*path.loft_end, 0.25);
+}
+
+TEST(BallPath, EndsInTheGutterOrBehindTheSkittles) {
+  Stage stage = make_stage(even_lane());
+  engine::State start = hooking(stage);
+  start.v_WB = Vec3(1.0, 5.0, 0.0);
+  const BallPath wide = way_of(stage, start).path;
+  ASSERT_TRUE(wide.gutter);
+  EXPECT_GT(*wide.gutter, 0.5);
+  EXPECT_FALSE(wide.entry || wide.exit_board);
+
+  Stage other = make_stage(even_lane());
+  start = hooking(other);
+  start.X_WB.p.x() = 0.0;
+  start.v_WB = Vec3(0.0, 9.0, 0.0);
+  start.w_WB = Vec3(-9.0 / other.scenario.ball.radius, 0.0, 0.0);
+  const BallWatch straight = way_of(other, start);
+  EXPECT_TRUE(straight.over);
+  ASSERT_TRUE(straight.path.exit_board);
+  EXPECT_NEAR(*straight.path.exit_board, 20.0, 8.0);
+  EXPECT_FALSE(straight.path.breakpoint || straight.path.gutter);
+}
+
+TEST(BallPath, IsWrittenAndReadAgain) {
+  BallPath path;
+  path.release = {12.5, -1.25, 7.5, 300.0, 45.0, 10.0};
+  path.skid_end = 8.125;
+  path.breakpoint = LanePlace{7.5, 12.0};
+  path.exit_board = 19.25;
+  Event event;
+  event.detail = to_detail(path);
+  const std::optional<BallPath> again = ball_path(event);
+  ASSERT_TRUE(again);
+  EXPECT_EQ(to_detail(*again), to_detail(path));
+  EXPECT_EQ(again->release.rotation_deg, 45.0);
+  EXPECT_EQ(again->breakpoint->distance, 12.0);
+  EXPECT_FALSE(again->entry || again->gutter || again->hook_end);
+  for (const char* text : {"", "{", "{\"release\": 3}", "{\"release\": {\"board\": 3}}", "[]"}) {
+    event.detail = text;
+    EXPECT_FALSE(ball_path(event)) << text;
+  }
+}
+
+Event of(std::string_view kind, std::vector<std::string> bodies, double value = 0.0) {
+  Event event;
+  event.kind = kind;
+  event.bodies = std::move(bodies);
+  event.value = value;
+  return event;
+}
+
+// The pins that the ball touched, in order, and those that stand when it was counted.
+TEST(BallPath, OfAThrowHasWhatItTouchedAndWhatItLeft) {
+  Score score;
+  Event game = of(kind::game, {}, 10.0);
+  game.detail = "ten-pin";
+  score.add(game);
+  score.add(of(kind::release, {"ball"}, 7.0));
+  for (const char* pin : {"skittle 1", "skittle 3", "skittle 3"}) {
+    score.add(of(kind::touch, {"ball", pin}));
+  }
+  score.add(of(kind::touch, {"skittle 5", "ball"}));
+  score.add(of(kind::touch, {"skittle 1", "skittle 2"}));
+  std::vector<std::string> most;
+  for (const int pin : {1, 2, 3, 5, 6, 8, 9, 10}) most.push_back(name_of_skittle(pin));
+  score.add(of(kind::delivery, most, 8.0));
+  ASSERT_EQ(score.throws.size(), 1u);
+  EXPECT_EQ(score.throws[0].touched, (std::vector{1, 3, 5}));
+  EXPECT_EQ(score.throws[0].leave, "4-7");
+  score.add(of(kind::release, {"ball"}, 7.0));
+  score.add(of(kind::delivery, {"skittle 4"}, 1.0));
+  EXPECT_EQ(score.throws[1].leave, "7");
+  EXPECT_EQ(skittle_number("skittle 12"), 12);
+  for (const char* name : {"ball 3", "skittle", "skittle x", "lane", ""}) {
+    EXPECT_EQ(skittle_number(name), std::nullopt) << name;
+  }
+}
+
+}  // namespace
+}  // namespace headpin::scene
