@@ -59,12 +59,49 @@ export function sheets(summary) {
   });
 }
 
+/** The columns of the throws: heading, value in a throw. Boards count from the right gutter. */
+const kThrowColumns = [
+  ['Board', ({ board }) => fixed(board, 1)],
+  ['Angle', ({ launch_angle_deg: angle }) => aside(angle)],
+  ['Speed [m/s]', ({ level_speed_mps: speed }) => fixed(speed, 2)],
+  ['Revolutions [1/min]', ({ revs_per_min: revs }) => fixed(revs, 0)],
+  ['Axis rotation, tilt', ({ axis_rotation_deg: rotation, axis_tilt_deg: tilt }) => `${fixed(rotation, 0)}°, ${fixed(tilt, 0)}°`],
+  ['Touches the lane at [m]', ({ loft_end_m: at }) => fixed(at, 1)],
+  ['Hooks from, rolls from [m]', ({ skid_end_m: hooks, hook_end_m: rolls }) => `${fixed(hooks, 1)}, ${fixed(rolls, 1)}`],
+  ['Breakpoint', ({ breakpoint_board: board, breakpoint_m: at }) => (known(board) ? `board ${fixed(board, 1)} at ${fixed(at, 1)} m` : kNone)],
+  ['Entry', ({ entry_board: board, entry_angle_deg: angle }) => (known(board) ? `board ${fixed(board, 1)}${known(angle) ? `, ${aside(angle)}` : ''}` : kNone)],
+  ['Touched', ({ touched }) => touched || kNone],
+  ['Left', ({ leave, counted }) => leave || (counted ? 'none' : kNone)],
+  ['Exit board', ({ exit_board: board, gutter_m: gutter }) => (known(gutter) ? `gutter at ${fixed(gutter, 1)} m` : fixed(board, 1))],
+];
+
+const known = (value) => value !== null && value !== undefined;
+
+function fixed(value, digits) {
+  return known(value) ? value.toFixed(digits) : kNone;
+}
+
+/** "2.0° right" */
+function aside(degrees) {
+  if (!known(degrees)) return kNone;
+  return `${Math.abs(degrees).toFixed(1)}° ${degrees < 0 ? 'left' : 'right'}`;
+}
+
+/** The way of each ball, in the words of coaches. Nothing of trials that do not say it. */
+export function throwsTable({ throws }) {
+  const told = throws.map((one, i) => [i + 1, one]).filter(([, one]) => known(one.board));
+  return told.length === 0 ? [] : [table('The ways of the balls (boards from the right gutter, 20 is the middle)',
+    ['Throw', ...kThrowColumns.map(([heading]) => heading)],
+    told.map(([i, one]) => [i, ...kThrowColumns.map(([, of]) => of(one))]))];
+}
+
 export function showResult(trial) {
   const { summary, approaches, why_nothing_fell: why } = trial.json;
   find('result-body').replaceChildren(
     make('p', { class: 'verdict', id: 'verdict' }, hashInWords(trial)),
     ...(why ? [make('p', {}, why)] : []),
     ...sheets(summary),
+    ...throwsTable(summary),
     ...approaches.map((line) => make('p', {}, line)),
     resultTable('The trial in numbers', [['Value', trial]]));
 }
