@@ -18,10 +18,10 @@
 #include "scene/play/game_hash.h"
 #include "scene/play/score.h"
 #include "scene/record/file.h"
+#include "scene/record/first_difference.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/totals.h"
-#include "scene/watch/verifier.h"
 
 namespace headpin::apps {
 
@@ -48,35 +48,6 @@ Side load(const std::string& path) {
                              path + " -o OUT.lcmlog` writes them");
   }
   return {path, std::move(file), std::move(scenario)};
-}
-
-scene::SharedBodies bodies_of(const Side& a, const Side& b) {
-  return scene::shared_bodies(a.file.summary().header.body_names,
-                              b.file.summary().header.body_names);
-}
-
-struct FirstDifference {
-  std::int64_t tick;
-  double time_s;
-  std::string body;
-  std::string lacks;  ///< the trial without a state of that tick; empty if both have one
-};
-
-/// The first tick in which the bits of a common body differ, or that only one of the trials has.
-std::optional<FirstDifference> first_difference(const Side& a, const Side& b) {
-  scene::TrialItems of_a(a.file), of_b(b.file);
-  const scene::SharedBodies shared = bodies_of(a, b);
-  std::optional<scene::TickState> sa = of_a.next_state(), sb = of_b.next_state();
-  while (sa && sb && sa->tick == sb->tick) {
-    const auto body = scene::first_different_body(*sa, *sb, shared);
-    if (body) return FirstDifference{sa->tick, seconds(sa->time), *body, ""};
-    sa = of_a.next_state();
-    sb = of_b.next_state();
-  }
-  if (!sa && !sb) return std::nullopt;
-  const bool only_in_a = !sb || (sa && sa->tick < sb->tick);
-  const scene::TickState& extra = only_in_a ? *sa : *sb;
-  return FirstDifference{extra.tick, seconds(extra.time), "", only_in_a ? b.path : a.path};
 }
 
 /// @param other  the trial in which the throws of `side` are searched
@@ -251,7 +222,8 @@ void compare(const CompareOptions& options) {
   for (const Side* side : {&a, &b}) {
     say_what_is_missing("compare", side->path, side->file.summary());
   }
-  const scene::SharedBodies shared = bodies_of(a, b);
+  const scene::SharedBodies shared =
+      scene::shared_bodies(a.file.summary().header.body_names, b.file.summary().header.body_names);
   nlohmann::json result = {
       {"a", describe(a, b)},
       {"b", describe(b, a)},
@@ -262,11 +234,16 @@ void compare(const CompareOptions& options) {
       {"first_difference_s", nullptr},
       {"first_difference_body", nullptr},
       {"first_difference_lacking", nullptr}};
-  if (const auto difference = first_difference(a, b)) {
+  scene::TrialItems of_a(a.file), of_b(b.file);
+  const auto difference =
+      scene::compare([&] { return of_a.next_state(); }, [&] { return of_b.next_state(); }, shared);
+  if (difference) {
+    using Lacks = scene::FirstDifference::Lacks;
     result["first_difference_tick"] = difference->tick;
-    result["first_difference_s"] = difference->time_s;
+    result["first_difference_s"] = seconds(difference->time);
     result["first_difference_body"] = difference->body;
-    if (!difference->lacks.empty()) result["first_difference_lacking"] = difference->lacks;
+    if (difference->lacks == Lacks::a) result["first_difference_lacking"] = a.path;
+    if (difference->lacks == Lacks::b) result["first_difference_lacking"] = b.path;
   }
   if (options.json) {
     print_json(result);

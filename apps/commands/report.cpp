@@ -20,9 +20,9 @@
 #include "base/shell_word.h"
 #include "devices/base/version.h"
 #include "scene/page/page_data.h"
+#include "scene/record/first_difference.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/totals.h"
-#include "scene/watch/verifier.h"
 #include "sweep/whatif_svg.h"
 
 namespace headpin::apps {
@@ -60,29 +60,31 @@ void add_trial(const std::string& path, const scene::PageData& data, const std::
   blocks["numbers" + which] = deflated(in_quanta(data));
 }
 
-/// The first difference between the simulations of two trials.
-nlohmann::json first_difference(const scene::Recorded& a, const scene::Recorded& b) {
+/// Simulates a trial and gives the state of each tick.
+scene::NextState simulated(const scene::Recorded& recorded, scene::Session& session,
+                           scene::TrialPlayer& source) {
+  const std::int64_t ticks =
+      scene::tick_count(recorded.file.summary(), recorded.scenario.rates.physics_hz);
+  return [&session, &source, ticks]() -> std::optional<scene::TickState> {
+    check_stop();
+    if (session.tick >= ticks) return std::nullopt;
+    scene::advance(session, source);
+    scene::TickState state;
+    scene::tick_state(session, state);
+    return state;
+  };
+}
+
+/// The first difference between the simulations of two trials, and the bodies of only one of them.
+void add_comparison(const scene::Recorded& a, const scene::Recorded& b, nlohmann::json& about) {
   scene::TrialPlayer in_a(a.file), in_b(b.file);
   scene::Session sa = scene::make_session(a.scenario), sb = scene::make_session(b.scenario);
-  const auto ticks_of = [](const scene::Recorded& r) {
-    return scene::tick_count(r.file.summary(), r.scenario.rates.physics_hz);
-  };
-  const std::int64_t ticks_a = ticks_of(a), ticks_b = ticks_of(b);
   const scene::SharedBodies shared =
       scene::shared_bodies(scene::body_names(*sa.stage), scene::body_names(*sb.stage));
-  scene::TickState now_a, now_b;
-  while (sa.tick < std::min(ticks_a, ticks_b)) {
-    check_stop();
-    scene::advance(sa, in_a);
-    scene::advance(sb, in_b);
-    scene::tick_state(sa, now_a);
-    scene::tick_state(sb, now_b);
-    if (const auto body = scene::first_different_body(now_a, now_b, shared)) {
-      return {{"tick", sa.tick}, {"time_s", seconds(sa.now())}, {"body", *body}};
-    }
-  }
-  if (ticks_a == ticks_b) return {};
-  return {{"tick", sa.tick + 1}, {"time_s", seconds(sa.next_tick())}, {"body", ""}};
+  const auto difference = scene::compare(simulated(a, sa, in_a), simulated(b, sb, in_b), shared);
+  about["first_difference"] = difference ? scene::to_json(*difference) : nlohmann::json();
+  about["bodies_only_in_a"] = shared.only_in_a;
+  about["bodies_only_in_b"] = shared.only_in_b;
 }
 
 /// The log without its states, if its simulation has the same bits. Only for old logs it does not,
@@ -202,12 +204,7 @@ nlohmann::ordered_json write_page(const TrialPage& options) {
         recorded.file.summary().header.scenario == other.file.summary().header.scenario;
     add_trial(*options.other, scene::page_data(other, scene::PageLooks(other), {}, !looks_alike),
               "-other", blocks);
-    about["first_difference"] = first_difference(recorded, other);
-    const scene::SharedBodies shared =
-        scene::shared_bodies(scene::body_names(scene::make_stage(recorded.scenario)),
-                             scene::body_names(scene::make_stage(other.scenario)));
-    about["bodies_only_in_a"] = shared.only_in_a;
-    about["bodies_only_in_b"] = shared.only_in_b;
+    add_comparison(recorded, other, about);
     about["scenario_differences"] =
         scene::to_json(scene::differences(recorded.scenario, other.scenario));
     const std::vector<scene::Event> events_a = scene::events_of(recorded, [] { check_stop(); });

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -16,11 +17,11 @@
 #include "scene/play/presence.h"
 #include "scene/record/details.h"
 #include "scene/record/events.h"
+#include "scene/record/first_difference.h"
 #include "scene/stage/read_scenario.h"
 #include "scene/stage/seen_mesh.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/totals.h"
-#include "scene/watch/verifier.h"
 
 namespace headpin::scene {
 
@@ -40,17 +41,17 @@ json numbers(const Pose& X) {
 class Comparison : public Observer {
  public:
   Comparison(TrialPlayer& recorded, const Session& session)
-      : recorded_(recorded), names_(body_names(*session.stage)) {}
+      : recorded_(recorded),
+        bodies_(shared_bodies(body_names(*session.stage), body_names(*session.stage))) {}
 
   void tick(const Session& session) override {
     const TickState* state = recorded_.state(session.tick);
     if (!state) return;
     hash_ = state->hash;
+    if (first_) return;
     tick_state(session, now_);
-    const auto body = first_different_body(now_, *state, names_);
-    if (!body && first_.is_null()) ++verified_;
-    if (!body || !first_.is_null()) return;
-    first_ = {{"tick", now_.tick}, {"time_s", seconds(now_.time)}, {"body", *body}};
+    first_ = compare(now_, *state, bodies_);
+    if (!first_) ++verified_;
   }
 
   json result(const Session& session, const TrialSummary& trial) const {
@@ -60,16 +61,16 @@ class Comparison : public Observer {
             {"replayed", fmt::format("{:016x}", engine::state_hash(session.world))},
             {"recorded", hash_ ? json(fmt::format("{:016x}", *hash_)) : json()},
             {"verified_ticks", verified_},
-            {"first_difference", first_}};
+            {"first_difference", first_ ? to_json(*first_) : json()}};
   }
 
  private:
   TrialPlayer& recorded_;
-  std::vector<std::string> names_;
+  SharedBodies bodies_;  // all of them
   TickState now_;
   std::optional<std::uint64_t> hash_;
   std::int64_t verified_ = 0;
-  json first_;
+  std::optional<FirstDifference> first_;
 };
 
 struct Happened : Observer {

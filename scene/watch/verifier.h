@@ -1,35 +1,13 @@
 #pragma once
 
-#include <optional>
-#include <span>
 #include <stdexcept>
 #include <string>
-#include <vector>
 
 #include "scene/play/run.h"
 #include "scene/record/file.h"
+#include "scene/record/first_difference.h"
 
 namespace headpin::scene {
-
-/// Compares a state with a recorded one of the same tick: every bit of every body.
-/// @return  the body that differs; empty if only parts differ that the log does not store; nothing
-///          if equal
-std::optional<std::string> first_different_body(const TickState& a, const TickState& b,
-                                                std::span<const std::string> names);
-
-/// The bodies that two sessions have in common, by name, and those that only one of them has.
-struct SharedBodies {
-  std::vector<std::string> names;
-  std::vector<std::size_t> in_a, in_b;  ///< their numbers, as `names`
-  std::vector<std::string> only_in_a, only_in_b;
-
-  bool all() const { return only_in_a.empty() && only_in_b.empty(); }
-};
-SharedBodies shared_bodies(std::span<const std::string> a, std::span<const std::string> b);
-
-/// Like first_different_body, for the common bodies.
-std::optional<std::string> first_different_body(const TickState& a, const TickState& b,
-                                                const SharedBodies& shared);
 
 /// A run differs from the recording.
 struct Differs : std::runtime_error {
@@ -61,7 +39,7 @@ class Verifier : public Observer {
  private:
   std::string trial_;
   TrialPlayer& recorded_;
-  std::vector<std::string> names_;
+  SharedBodies bodies_;  ///< all of them
   TickState state_;
   std::int64_t first_;  ///< tick before the first compared one
   std::int64_t compared_ = 0;

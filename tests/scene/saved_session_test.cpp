@@ -28,7 +28,7 @@ struct Tick {
   std::vector<std::string> events;
 };
 
-std::vector<std::string> words_of_events(const std::vector<Event>& events) {
+std::vector<std::string> shown_events(const std::vector<Event>& events) {
   std::vector<std::string> words;
   for (const Event& e : events) {
     words.push_back(e.kind + " " + (e.bodies.empty() ? "" : e.bodies.front()) + " " +
@@ -72,7 +72,7 @@ SavedOften played_by_somebody(const std::string& name, int throws, int saves) {
       advance(session, participant);
       participant.tick(session);
       played.ticks.push_back(
-          {session.samples, session.game_hash.value(), words_of_events(session.events)});
+          {session.samples, session.game_hash.value(), shown_events(session.events)});
     }
     Random random(36);
     for (int i = 0; i < saves; ++i) {
@@ -95,7 +95,7 @@ void goes_on(const SavedOften& played, std::size_t most) {
       advance(session, source);
       ASSERT_EQ(session.game_hash.value(), played.ticks[tick].game_hash)
           << "from " << first << " at " << tick;
-      ASSERT_EQ(words_of_events(session.events), played.ticks[tick].events)
+      ASSERT_EQ(shown_events(session.events), played.ticks[tick].events)
           << "from " << first << " at " << tick;
     }
   }
@@ -126,7 +126,7 @@ SavedOften one_throw() {
     if (tick % 80 == 40) played.saved[tick] = save(session);
     advance(session, source);
     played.ticks.push_back(
-        {session.samples, session.game_hash.value(), words_of_events(session.events)});
+        {session.samples, session.game_hash.value(), shown_events(session.events)});
   }
   return played;
 }
