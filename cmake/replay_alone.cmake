@@ -40,7 +40,7 @@ set(parts
   render/data/hmd render/eyes
   scene/record/details scene/record/file scene/record/first_difference scene/record/messages scene/record/misdated
   scene/record/state_change
-  scene/record/trial_messages scene/play/ball_path scene/play/game scene/play/game_hash scene/play/hand scene/play/outcome scene/play/player
+  scene/record/trial_messages scene/play/ball_path scene/play/game scene/play/game_hash scene/play/hand scene/play/outcome scene/play/parabola scene/play/player
   scene/play/presence scene/play/referee scene/play/release scene/play/run scene/play/score
   scene/play/session scene/play/tracking scene/play/walk scene/scenario/files scene/scenario/keys
   scene/scenario/nearest scene/scenario/rules scene/scenario/scenario scene/scenario/text

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include "scene/play/parabola.h"
+
 namespace headpin::scene {
 
 namespace {
@@ -24,28 +26,18 @@ struct Slope {
 /// @return   per second
 Slope slope_at_end(std::span<const double> t, std::span<const Vec3> y) {
   const int terms = t.size() >= 4 ? 3 : 2;
-  const double scale = -t.front();  // t / scale lies in -1 .. 0
-  Mat3 normal = Mat3::Identity();   // of 1, x, x^2; the identity where a term is left out
-  normal.topLeftCorner(terms, terms).setZero();
-  Mat3 right = Mat3::Zero();
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    const double x = t[i] / scale;
-    Vec3 powers(1.0, x, x * x);
-    powers.tail(3 - terms).setZero();
-    normal.topLeftCorner(terms, terms) += (powers * powers.transpose()).topLeftCorner(terms, terms);
-    right += powers * y[i].transpose();
-  }
-  const Mat3 inverse = normal.inverse();
-  const Mat3 coefficients = inverse * right;
-  Slope slope{coefficients.row(1).transpose() / scale};
+  const double scale = -t.front();
+  std::vector<double> x;  // in -1 .. 0
+  for (const double ti : t) x.push_back(ti / scale);
+  const Parabola fit = fit_parabola(x, y, terms);
+  Slope slope{fit.coefficients.row(1).transpose() / scale};
   if (terms < 3) return slope;
   double squares = 0.0;  // sum of squared residuals, on three axes
-  for (std::size_t i = 0; i < t.size(); ++i) {
-    const double x = t[i] / scale;
-    squares += (y[i] - coefficients.transpose() * Vec3(1.0, x, x * x)).squaredNorm();
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    squares += (y[i] - fit.coefficients.transpose() * Vec3(1.0, x[i], x[i] * x[i])).squaredNorm();
   }
-  const double variance = squares / (3.0 * static_cast<double>(t.size() - 3));
-  slope.deviation = std::sqrt(variance * inverse(1, 1)) / scale;
+  const double variance = squares / (3.0 * static_cast<double>(x.size() - 3));
+  slope.deviation = std::sqrt(variance * fit.inverse(1, 1)) / scale;
   return slope;
 }
 

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <limits>
 #include <span>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "engine/non_colliding.h"
+#include "scene/play/parabola.h"
 #include "scene/record/events.h"
 
 namespace headpin::scene {
@@ -108,21 +110,17 @@ double distance_now(const Sight& sight, engine::BodyId body) {
 /// Acceleration of a tracked point in the tracked space, from the samples before `now`; zero if
 /// there are too few [m/s^2].
 Vec3 acceleration(std::span<const Stamped<Pose>> track, const Vec3& p_SQ, Time now) {
-  Mat3 normal = Mat3::Zero(), right = Mat3::Zero();  // of 1, t, t^2
-  int count = 0;
+  constexpr std::size_t kFewest = 6;
+  const double unit = seconds(kFitted);
+  std::vector<double> t;  // of kFitted, from now
+  std::vector<Vec3> p;
   for (const Stamped<Pose>& sample : track) {
     if (sample.time > now || sample.time < now - kFitted) continue;
-    const double t = seconds(sample.time - now) / seconds(kFitted);
-    const Vec3 powers(1.0, t, t * t);
-    normal += powers * powers.transpose();
-    right += powers * (sample.value * p_SQ).transpose();
-    ++count;
+    t.push_back(seconds(sample.time - now) / unit);
+    p.push_back(sample.value * p_SQ);
   }
-  constexpr int kFewest = 6;
-  if (count < kFewest) return Vec3::Zero();
-  const Mat3 coefficients = normal.inverse() * right;
-  const double unit = seconds(kFitted);
-  return 2.0 / (unit * unit) * coefficients.row(2).transpose();
+  if (t.size() < kFewest) return Vec3::Zero();
+  return 2.0 / (unit * unit) * fit_parabola(t, p).coefficients.row(2).transpose();
 }
 
 /// Whether a hand moves far, as in a throw.
