@@ -4,7 +4,6 @@
 #include <array>
 #include <cmath>
 #include <filesystem>
-#include <set>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -277,15 +276,13 @@ std::string in_script(const nlohmann::json& value) {
 }  // namespace
 
 std::string command_of(const Rows& rows, const Row& row, const std::string& folder) {
-  static const std::set<std::string> kOptions = {"elasticity", "friction",  "shape",
-                                                 "response",   "detection", "iterations"};
   const std::filesystem::path trial = rows.design().trials[row.trial];
   std::string command =
       "headpin replay " +
       for_a_shell((std::filesystem::path(folder) / "trials" / trial.filename()).string());
   for (std::size_t i = 0; i < row.values.size(); ++i) {
     const std::string& key = rows.keys()[i];
-    command += kOptions.contains(key)
+    command += std::ranges::find(kOptionKeys, key) != kOptionKeys.end()
                    ? fmt::format(" --{} {}", key, for_a_shell(row.values[i]))
                    : fmt::format(" --set {}", for_a_shell(key + "=" + row.values[i]));
   }

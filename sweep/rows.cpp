@@ -94,8 +94,7 @@ Row Rows::at(std::int64_t number) const {
 }
 
 std::vector<std::string> keys_of_conditions() {
-  std::vector<std::string> keys = {"elasticity", "friction",  "shape",
-                                   "response",   "detection", "iterations"};
+  std::vector<std::string> keys(kOptionKeys.begin(), kOptionKeys.end());
   for (const scene::ScenarioKey& key : scene::scenario_keys()) {
     const bool in_a_list = key.key.find('[') != std::string::npos;
     if (key.kind != "table" && !in_a_list) keys.push_back(key.key);

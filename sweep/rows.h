@@ -1,7 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "scene/stage/condition.h"
@@ -42,11 +44,14 @@ class Rows {
   std::int64_t size_ = 0;
 };
 
+/// The keys of a design that are the names of options; others are keys of a scenario.
+inline constexpr auto kOptionKeys = std::to_array<std::string_view>(
+    {"elasticity", "friction", "shape", "response", "detection", "iterations"});
+
 /// The keys that condition_of() knows.
 std::vector<std::string> keys_of_conditions();
 
-/// The condition of a row: elasticity, friction, shape, response, detection and iterations by these
-/// names, and every other value by its scenario key.
+/// The condition of a row.
 ///
 /// @throws std::invalid_argument  for a value that is none of its key
 scene::Condition condition_of(const std::vector<std::string>& keys,

@@ -238,11 +238,6 @@ void pack(std::vector<Table> tables, PageData& data) {
   }
 }
 
-void check_share(const char* name, const std::optional<double>& value) {
-  if (!value || (*value >= 0.0 && *value <= 1.0)) return;
-  throw std::invalid_argument(fmt::format("{}: expected 0 to 1, found {}", name, *value));
-}
-
 /// The scenario without the mesh files that cannot be read.
 Scenario with_own_shapes(Scenario scenario, std::vector<std::string>& missing) {
   const std::pair<const char*, MeshFile*> seen[] = {{"skittles", &scenario.skittle.mesh},
@@ -264,19 +259,6 @@ Scenario with_own_shapes(Scenario scenario, std::vector<std::string>& missing) {
 
 }  // namespace
 
-void apply(const Moved& moved, Scenario& scenario) {
-  check_share("elasticity", moved.elasticity);
-  check_share("friction", moved.friction);
-  if (moved.elasticity) set_elasticity(scenario, *moved.elasticity);
-  if (moved.friction) set_friction(scenario, *moved.friction);
-  // In quotes, because the name of a shape is "true".
-  if (moved.shape) {
-    set(scenario, "collision.shape='" + *moved.shape + "'");
-    set_shape(scenario, scenario.collision.shape);
-  }
-  if (moved.response) set(scenario, "collision.response='" + *moved.response + "'");
-}
-
 PageLooks::PageLooks(const Recorded& recorded)
     : looks(MeshKeeper{[this](const render::Mesh& mesh) {
               meshes.push_back(mesh);
@@ -284,18 +266,19 @@ PageLooks::PageLooks(const Recorded& recorded)
             }},
             make_stage(with_own_shapes(recorded.scenario, missing))) {}
 
-PageData page_data(const Recorded& recorded, const PageLooks& page_looks, const Moved& moved,
-                   bool meshes) {
+PageData page_data(const Recorded& recorded, const PageLooks& page_looks,
+                   const Condition& condition, bool meshes) {
   const Looks& looks = page_looks.looks;
   Scenario scenario = recorded.scenario;
-  apply(moved, scenario);
+  apply(condition, scenario);
+  const bool unchanged = condition == Condition{};
   const TrialSummary& trial = recorded.file.summary();
   const std::int64_t ticks = tick_count(trial, scenario.rates.physics_hz);
   Session session = make_session(scenario);
 
-  TrialPlayer source(recorded.file, {.states = moved.nothing() && trial.state_count > 0});
+  TrialPlayer source(recorded.file, {.states = unchanged && trial.state_count > 0});
   Comparison comparison(source, session);
-  Film film(looks, trial, ticks, moved.nothing() ? &source : nullptr);
+  Film film(looks, trial, ticks, unchanged ? &source : nullptr);
   Totals totals;
   Happened happened;
   NoPace pace;
@@ -306,7 +289,7 @@ PageData page_data(const Recorded& recorded, const PageLooks& page_looks, const 
   json& out = data.json;
   const json hash = comparison.result(session, trial);
   const bool as_recorded =
-      moved.nothing() && !hash["first_difference"].is_null() && !trial.events.empty();
+      unchanged && !hash["first_difference"].is_null() && !trial.events.empty();
   const std::vector<Event>& events = as_recorded ? trial.events : happened.events;
   out["trial"] = of_trial(recorded);
   const Score said = as_recorded ? score(trial.events) : totals.score();
@@ -315,7 +298,7 @@ PageData page_data(const Recorded& recorded, const PageLooks& page_looks, const 
   out["scenario_differences"] = to_json(differences(recorded.scenario, scenario));
   out["throw_count"] = thrown(happened.events).size();
   out["throws_without_counterpart"] =
-      moved.nothing() && !says_events(trial)
+      unchanged && !says_events(trial)
           ? json::array()
           : to_json(without_counterpart(events_of(recorded), happened.events));
   out["rate_hz"] = scenario.rates.physics_hz;

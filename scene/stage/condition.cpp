@@ -4,11 +4,13 @@
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <type_traits>
 
 #include <fmt/format.h>
 
 #include "render/data/quality.h"
 #include "scene/scenario/toml_text.h"
+#include "scene/stage/condition_fields.h"
 #include "scene/stage/read_scenario.h"
 
 namespace headpin::scene {
@@ -36,7 +38,7 @@ void pass_on_materials(const std::vector<std::string>& assignments, Scenario& sc
     const std::string key = key_of(assignment);
     if (!is_in(key, "material")) continue;
     const std::size_t last = key.rfind('.');
-    if (std::ranges::count(key, '.') != 2) {
+    if (std::count(key.begin(), key.end(), '.') != 2) {
       throw std::invalid_argument(
           fmt::format("{}: expected one value a time where the scenario has versions, such as "
                       "material.ball.friction=0.5",
@@ -101,9 +103,22 @@ void pass_on_to_versions(const Condition& condition, Scenario& scenario) {
   }
 }
 
+struct ValueChecker {
+  template <typename T, typename Allowed>
+  void field(std::string_view name, const std::optional<T>& value, const Allowed& allowed,
+             const std::string& /*meaning*/) {
+    // What is a choice or a yes or no cannot be out of range.
+    if constexpr (!Choice<T> && !std::is_same_v<T, bool>) {
+      if (value) expect_value(name, *value, allowed);
+    }
+  }
+};
+
 }  // namespace
 
 void apply(const Condition& condition, Scenario& scenario) {
+  ValueChecker checker;
+  visit_values(checker, condition);
   if (condition.elasticity) set_elasticity(scenario.material, *condition.elasticity);
   if (condition.friction) set_friction(scenario.material, *condition.friction);
   if (condition.shape) scenario.collision.shape = *condition.shape;

@@ -11,16 +11,19 @@ namespace headpin::scene {
 
 /// Another condition than the one that a trial was recorded under. What is not given stays.
 struct Condition {
-  std::optional<double> elasticity, friction;  ///< of every object; those of a pair multiply
-  std::optional<SkittleShape> shape;
-  std::optional<std::string> response;
-  std::optional<Detection> detection;
-  std::optional<std::int64_t> iterations;
-  std::optional<bool> warm;
-  std::optional<std::string> look;
-  std::vector<std::string> set;  ///< any other keys: "KEY=VALUE"
+  std::optional<double> elasticity = {},
+                        friction = {};  ///< of every object; those of a pair multiply
+  std::optional<SkittleShape> shape = {};
+  std::optional<std::string> response = {};
+  std::optional<Detection> detection = {};
+  std::optional<std::int64_t> iterations = {};
+  std::optional<bool> warm = {};
+  std::optional<std::string> look = {};
+  std::vector<std::string> set = {};  ///< any other keys: "KEY=VALUE"
   /// What messages about these begin with; empty: `option`, and then KEY=VALUE.
   std::string where = {}, option = {};
+
+  bool operator==(const Condition&) const = default;
 };
 
 /// Puts a scenario under the condition. Elasticity, friction and shape go to every version of the game

@@ -68,31 +68,19 @@ TEST(PageData, ShowsEveryBodyWhereTheReplayLeavesIt) {
             static_cast<float>(session.world.ledger.impact.energy));
 }
 
-TEST(PageData, OfAMovedTrialIsWhatAReplayUnderThatConditionGives) {
+TEST(PageData, UnderAnotherConditionIsWhatAReplayUnderItGives) {
   const Recorded recorded = load_trial(kDemo);
-  const Moved moved{
-      .elasticity = 1.0, .friction = 0.2, .shape = "ellipsoid", .response = "coulomb"};
+  const Condition condition{
+      .elasticity = 1.0, .friction = 0.2, .shape = SkittleShape::ellipsoid, .response = "coulomb"};
   Scenario scenario = recorded.scenario;
   set_elasticity(scenario.material, 1.0);
   set_friction(scenario.material, 0.2);
   scenario.collision.shape = SkittleShape::ellipsoid;
   scenario.collision.response = "coulomb";
-  const PageData data = page_data(recorded, PageLooks(recorded), moved, false);
+  const PageData data = page_data(recorded, PageLooks(recorded), condition, false);
   EXPECT_EQ(data.json["summary"]["state_hash"],
             summary(played(recorded, scenario), {})["state_hash"]);
   EXPECT_TRUE(data.json["meshes"].empty());
-}
-
-TEST(PageData, RefusesWhatCannotBeMovedTo) {
-  Moved elasticity, friction, shape, response;
-  elasticity.elasticity = 1.1;
-  friction.friction = std::nan("");
-  shape.shape = "cube";
-  response.response = "newton";
-  for (const Moved& moved : {elasticity, friction, shape, response}) {
-    Scenario scenario;
-    EXPECT_THROW(apply(moved, scenario), std::invalid_argument);
-  }
 }
 
 /// The bundled trial with the states of a replay, the ball in one of them a little elsewhere.

@@ -61,24 +61,28 @@ void read(std::optional<T>& into, const std::string& name, const nlohmann::json&
 }
 
 /// {"friction": 0.5, "shape": "true", ...}
-scene::Moved moved_by(const std::vector<std::uint8_t>& question) {
+scene::Condition condition_of(const std::vector<std::uint8_t>& question) {
   const nlohmann::json asked = nlohmann::json::parse(question);
-  scene::Moved moved;
+  scene::Condition condition;
+  const auto read_name = [&](const std::string& key, const nlohmann::json& value) {
+    std::optional<std::string> name;
+    read(name, key, value);
+    // In quotes, because the name of a shape is "true".
+    condition.set.push_back("collision." + key + "='" + *name + "'");
+  };
   for (const auto& [name, value] : asked.items()) {
     if (name == "elasticity") {
-      read(moved.elasticity, name, value);
+      read(condition.elasticity, name, value);
     } else if (name == "friction") {
-      read(moved.friction, name, value);
-    } else if (name == "shape") {
-      read(moved.shape, name, value);
-    } else if (name == "response") {
-      read(moved.response, name, value);
+      read(condition.friction, name, value);
+    } else if (name == "shape" || name == "response") {
+      read_name(name, value);
     } else {
       throw std::invalid_argument("expected elasticity, friction, shape or response, found " +
                                   name);
     }
   }
-  return moved;
+  return condition;
 }
 
 }  // namespace
@@ -105,8 +109,8 @@ EMSCRIPTEN_KEEPALIVE bool headpin_load() {
 EMSCRIPTEN_KEEPALIVE bool headpin_simulate(bool meshes) {
   return attempt([&] {
     if (!opened) throw std::logic_error("no trial is open");
-    const scene::Moved moved = moved_by(std::exchange(given, {}));
-    scene::PageData data = scene::page_data(opened->recorded, opened->looks, moved, meshes);
+    const scene::Condition condition = condition_of(std::exchange(given, {}));
+    scene::PageData data = scene::page_data(opened->recorded, opened->looks, condition, meshes);
     text = data.json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     floats = std::move(data.floats);
   });
