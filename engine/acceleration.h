@@ -88,11 +88,11 @@ class Acceleration {
     const double keep = last_ > 0.0 && now < last_ ? now / last_ : 0.0;
     last_ = now;
     n = 0;
-    each_impulse(island_, [&](double& impulse, double, auto&& push) {
+    each_impulse(island_, [&](double& impulse, double, auto&& apply) {
       const double more = keep > 0.0 ? keep * s_.along[n] : 0.0;
       s_.along[n] = more + impulse - s_.before[n];
       ++n;
-      if (more != 0.0) push(more);
+      if (more != 0.0) apply(more);
     });
   }
 

@@ -101,7 +101,7 @@ void recall(const World& world, Touch& touch, std::size_t& last) {
 
 /// Finds the touches of the candidates. @return whether a body woke up: then all must be found
 /// again
-bool find_contacts(World& world, const Flight& flight, Touches& touches) {
+bool test_candidates(World& world, const Flight& flight, Touches& touches) {
   bool woken = false;
   touches.all.clear();
   touches.points.clear();
@@ -133,7 +133,7 @@ Touches& find_touches(World& world, Workspace& w) {
   do {
     depart(world, w.flight);
     find_pairs(world, w.flight, w);
-  } while (find_contacts(world, w.flight, w.touches));
+  } while (test_candidates(world, w.flight, w.touches));
   return w.touches;
 }
 

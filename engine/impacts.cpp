@@ -23,7 +23,7 @@ void advance(World& world, Flight& flight, BodyId i, double t) {
 }
 
 /// Applies an impulse to a body that is at the time of its impact. From then on it falls freely.
-void push(World& world, Flight& flight, BodyId i, const Vec3& F, const Vec3& r) {
+void apply_impulse(World& world, Flight& flight, BodyId i, const Vec3& F, const Vec3& r) {
   world.states[i].v_WB += flight.mobility[i].inv_mass * F;
   world.states[i].w_WB += flight.mobility[i].inv_inertia_W * r.cross(F);
   flight.bodies[i].falls = true;
@@ -72,7 +72,7 @@ Vec3 squeezing_impulse(const World& world, const Mobility& m, const Touch& touch
 }
 
 /// Moves the two bodies to the time of impact and applies their impulse.
-void strike(World& world, Workspace& w, const Touch& touch, Approach& kept,
+void strike(World& world, Workspace& w, const Touch& touch, QueuedTouch& kept,
             const Meeting& meeting) {
   Flight& flight = w.flight;
   const ContactPoint& point = meeting.point;
@@ -100,8 +100,8 @@ void strike(World& world, Workspace& w, const Touch& touch, Approach& kept,
       ++world.statistics.pulls;
     }
   }
-  push(world, flight, touch.a, F, ra);
-  if (touch.b_moves) push(world, flight, touch.b, -F, rb);
+  apply_impulse(world, flight, touch.a, F, ra);
+  if (touch.b_moves) apply_impulse(world, flight, touch.b, -F, rb);
   if (approach <= 0.0) return;
   if (world.parameters.keep_ledger) book(world, w, touch, e, F, point.p_W, rb);
   world.events.push_back({touch.a, touch.b, point.p_W, point.n_AB_W, F, meeting.approach, false});
@@ -207,9 +207,9 @@ class Queue {
   /// Follows the touch that seems next, and strikes if it is next. @return whether it woke a body
   bool handle(std::uint32_t k) {
     Touch& touch = touches_.all[k];
-    Approach& approach = flight_.touches[k];
+    QueuedTouch& queued = flight_.touches[k];
     if (std::max(flight_.bodies[touch.a].impacts, flight_.bodies[touch.b].impacts) >= limit_) {
-      approach.due = kNever;
+      queued.due = kNever;
       world_.statistics.unfinished_impacts = 1;
       halt(touch.a);
       halt(touch.b);
@@ -219,11 +219,11 @@ class Queue {
         find_meeting(world_, flight_, touches_, touch, threshold(touch));
     if (!meeting) {
       touch.points = 0;  // they pass each other
-      approach.due = kNever;
+      queued.due = kNever;
       return false;
     }
     if (!w_.coming.empty() && meeting->time > w_.coming.front().first) {
-      if (meeting->time > approach.due) {
+      if (meeting->time > queued.due) {
         set_due(k, meeting->time);  // others come first
         return false;
       }
@@ -233,7 +233,7 @@ class Queue {
       start_over(world_, w_);
       return true;
     }
-    strike(world_, w_, touch, approach, *meeting);
+    strike(world_, w_, touch, queued, *meeting);
     const BodyId a = touch.a, b = touch.b;
     const bool b_moves = touch.b_moves;
     turned(a, k);

@@ -182,12 +182,12 @@ HEADPIN_OUT_OF_LINE void try_from_centres(const A& a, const B& b, const Pose& X_
 
 /// Continues from a normal that does not prove separation, until the closest points are found and
 /// proven. In paper mode it stops at the cap.
-template <typename A, typename B, typename Look>
+template <typename A, typename B, typename Supports>
 HEADPIN_FLATTEN HEADPIN_OUT_OF_LINE Closest carry_on(const A& a, const B& b, const Pose& X_AB,
-                                                     Look& look, const Vec3& n,
+                                                     Supports& supports, const Vec3& n,
                                                      const Support& first, bool warm,
                                                      const Query& q) {
-  auto&& search = look.search();
+  auto&& search = supports.search();
   if (q.mode == Query::paper) {
     return q.last ? paper_last(search, n, first, q.cap)
                   : paper(search, n, first, centre(a), centre_B(b, X_AB), q.cap);
@@ -224,7 +224,7 @@ HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, KeptNo
     n = Vec3::UnitZ();
     n2 = 1.0;
   }
-  auto look = [&] {
+  auto supports = [&] {
     if constexpr (hull) {
       return Search{posed::pose_A(a), posed::pose_B(b, X_AB)};  // it remembers the vertex
     } else {
@@ -232,18 +232,18 @@ HEADPIN_FLATTEN Closest closest(const A& a, const B& b, const Pose& X_AB, KeptNo
     }
   }();
   Support first;
-  const bool looked = hull || !met || q.mode == Query::paper;
-  if (looked) first = look(n);
+  const bool evaluated = hull || !met || q.mode == Query::paper;
+  if (evaluated) first = supports(n);
   if (met || std::abs(n2 - 1.0) > 1e-14) {
     const double inverse = 1.0 / std::sqrt(n2);
     n *= inverse;
     first.h *= inverse;
   }
-  if (looked && first.h < -q.margin) {
+  if (evaluated && first.h < -q.margin) {
     kept = {n, KeptNormal::apart};
     return {first.h < 0.0, -first.h, first.s_A, -first.s_B, n, 1, false};
   }
-  const Closest c = carry_on(a, b, X_AB, look, n, first, warm, q);
+  const Closest c = carry_on(a, b, X_AB, supports, n, first, warm, q);
   kept = {c.n_AB, c.distance > q.margin ? KeptNormal::apart : KeptNormal::met};
   return c;
 }

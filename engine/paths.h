@@ -19,8 +19,8 @@ void depart(World& world, Flight& flight);
 inline void note_speed(const World& world, Flight& flight, BodyId i) {
   const State& s = world.states[i];
   Flyer& flyer = flight.bodies[i];
-  flyer.swing = s.w_WB.norm() * world.bodies[i].shape->bounding_radius;
-  flyer.top_speed = s.v_WB.norm() + flyer.swing;
+  flyer.spin_speed = s.w_WB.norm() * world.bodies[i].shape->bounding_radius;
+  flyer.top_speed = s.v_WB.norm() + flyer.spin_speed;
 }
 
 /// Acceleration of a body by gravity on its way to the next impact [m/s^2].

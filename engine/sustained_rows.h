@@ -27,7 +27,8 @@ inline Other other_of(const World& world, const Touch& touch) {
   return world.bodies[touch.b].kind == Kind::driven ? Other::driven : Other::still;
 }
 
-inline void push(State& state, const Mobility& m, const Vec3& F, const Vec3& inv_inertia_torque) {
+inline void apply_impulse(State& state, const Mobility& m, const Vec3& F,
+                          const Vec3& inv_inertia_torque) {
   state.v_WB += m.inv_mass * F;
   state.w_WB += inv_inertia_torque;
 }
@@ -69,9 +70,11 @@ struct Pushed {
 
 template <Other other>
 void push_by(const Pushed& bodies, const Touch& touch, const NormalRow& row, double impulse) {
-  push(bodies.states[touch.a], bodies.mobility[touch.a], -impulse * row.n, -impulse * row.ia);
+  apply_impulse(bodies.states[touch.a], bodies.mobility[touch.a], -impulse * row.n,
+                -impulse * row.ia);
   if constexpr (other == Other::moving) {
-    push(bodies.states[touch.b], bodies.mobility[touch.b], impulse * row.n, impulse * row.ib);
+    apply_impulse(bodies.states[touch.b], bodies.mobility[touch.b], impulse * row.n,
+                  impulse * row.ib);
   }
 }
 
@@ -262,11 +265,11 @@ inline void add_side(const FrictionRows& f, FrictionSide& side, const Mobility& 
 template <Other other>
 void push_along(const Pushed& bodies, const Touch& touch, const FrictionRows& f, const Vec2& slip) {
   const Vec3 F = slip[0] * f.t[0] + slip[1] * f.t[1];
-  push(bodies.states[touch.a], bodies.mobility[touch.a], F,
-       slip[0] * f.a.i[0] + slip[1] * f.a.i[1]);
+  apply_impulse(bodies.states[touch.a], bodies.mobility[touch.a], F,
+                slip[0] * f.a.i[0] + slip[1] * f.a.i[1]);
   if constexpr (other == Other::moving) {
-    push(bodies.states[touch.b], bodies.mobility[touch.b], -F,
-         -slip[0] * f.b.i[0] - slip[1] * f.b.i[1]);
+    apply_impulse(bodies.states[touch.b], bodies.mobility[touch.b], -F,
+                  -slip[0] * f.b.i[0] - slip[1] * f.b.i[1]);
   }
 }
 

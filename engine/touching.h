@@ -12,7 +12,8 @@ inline constexpr double kMargin = 1e-3;
 /// The next step includes the effect of an impact within this step.
 inline double reach(const World& world, const Flight& flight, BodyId a, BodyId b) {
   const double drift = (world.states[a].v_WB - world.states[b].v_WB).norm();
-  return kMargin + (drift + flight.bodies[a].swing + flight.bodies[b].swing) * step_seconds(world) +
+  return kMargin +
+         (drift + flight.bodies[a].spin_speed + flight.bodies[b].spin_speed) * step_seconds(world) +
          flight.fall;
 }
 

@@ -52,12 +52,12 @@ struct Touches {
 
 /// A body on its way through the step.
 struct Flyer {
-  double clock = 0.0;                   ///< time within the step at which its state holds [s]
-  double swing = 0.0, top_speed = 0.0;  ///< bounds for its points: by spin; in all [m/s]
-  double sought = 0.0;                  ///< distance from its start that was searched for pairs [m]
+  double clock = 0.0;                        ///< time within the step at which its state holds [s]
+  double spin_speed = 0.0, top_speed = 0.0;  ///< bounds for its points: by spin; in all [m/s]
+  double sought = 0.0;  ///< distance from its start that was searched for pairs [m]
   int impacts = 0;
   std::uint32_t place_struck = 0;  ///< in `Flight::struck`, once it is there
-  std::uint32_t first_touch = 0;   ///< in a list through `Approach::next`
+  std::uint32_t first_touch = 0;   ///< in a list through `QueuedTouch::next`
   bool falls = false;              ///< gravity moves it: nothing carries it
 };
 
@@ -68,7 +68,7 @@ struct Mobility {
 };
 
 /// Data of a touch in the queue of impacts.
-struct Approach {
+struct QueuedTouch {
   double due = 0.0;                     ///< time of its next possible impact; infinity: never
   std::array<std::uint32_t, 2> next{};  ///< next touch in the list of A, and in that of B
   bool struck = false;                  ///< it has brought an impact in this step
@@ -78,7 +78,7 @@ struct Approach {
 struct Flight {
   std::vector<Flyer> bodies;
   std::vector<Mobility> mobility;                ///< of the bodies; meaningless if they do not move
-  std::vector<Approach> touches;                 ///< of the touches, same numbers
+  std::vector<QueuedTouch> touches;              ///< of the touches, same numbers
   std::vector<std::pair<BodyId, State>> struck;  ///< states before the first impact
   double lasting_speed = 0.0;  ///< largest approach speed of a lasting contact [m/s]
   double fall = 0.0;           ///< most that gravity adds to a distance within the step [m]
