@@ -30,11 +30,11 @@ struct Explained {
 };
 
 /// Where a level direction points, seen along another one.
-std::string towards(const Vec3& look, const Vec3& along) {
-  const Vec3 level(look.x(), 0.0, look.z()), ahead(along.x(), 0.0, along.z());
-  const double up = std::asin(std::clamp(look.y(), -1.0, 1.0)) * 57.29577951308232;
+std::string towards(const Vec3& gaze, const Vec3& along) {
+  const Vec3 level(gaze.x(), 0.0, gaze.z()), ahead(along.x(), 0.0, along.z());
+  const double up = std::asin(std::clamp(gaze.y(), -1.0, 1.0)) * 57.29577951308232;
   std::string where = "down the lane";
-  if (level.norm() < 0.2) return look.y() < 0.0 ? "at the floor" : "at the ceiling";
+  if (level.norm() < 0.2) return gaze.y() < 0.0 ? "at the floor" : "at the ceiling";
   const double c = level.normalized().dot(ahead.normalized());
   const double side = ahead.cross(Vec3::UnitY()).dot(level);
   if (c < -0.7)
@@ -94,14 +94,14 @@ void judge(const ImportOptions& options, const scene::Hand& hand, Explained& fou
 
 bool has_columns(const std::string& file) {
   const devices::MotionFormat* format = devices::format_of(file);
-  return format && format->look;
+  return format && format->inspect;
 }
 
 Explained find_out(const ImportOptions& options, const scene::Hand& hand) {
   Explained found;
   const devices::MotionOptions motion = declared(options);
   try {
-    if (has_columns(options.file)) found.table = look_declared(options.file, motion);
+    if (has_columns(options.file)) found.table = inspect_declared(options.file, motion);
     found.recording = read_declared(options.file, motion);
     if (options.no_trigger) found.recording->triggers = {};
     judge(options, hand, found);

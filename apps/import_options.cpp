@@ -270,9 +270,9 @@ devices::MotionRecording read_declared(const std::string& file,
   return with_options([&] { return devices::read_motion(file, motion); });
 }
 
-devices::TableFindings look_declared(const std::string& file,
-                                     const devices::MotionOptions& motion) {
-  return with_options([&] { return devices::format_of(file)->look(file, motion); });
+devices::TableFindings inspect_declared(const std::string& file,
+                                        const devices::MotionOptions& motion) {
+  return with_options([&] { return devices::format_of(file)->inspect(file, motion); });
 }
 
 namespace {

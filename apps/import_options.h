@@ -29,7 +29,8 @@ devices::MotionRecording read_declared(const std::string& file,
                                        const devices::MotionOptions& motion);
 
 /// What is understood of the columns of a file whose format has some; throws as read_declared().
-devices::TableFindings look_declared(const std::string& file, const devices::MotionOptions& motion);
+devices::TableFindings inspect_declared(const std::string& file,
+                                        const devices::MotionOptions& motion);
 
 /// The options that make one reading of another, such as "--units cm --axes RSA".
 std::string options_between(const devices::Reading& was, const devices::Reading& is);

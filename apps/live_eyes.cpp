@@ -86,9 +86,9 @@ void say_not_drawn(const char* command, const scene::Scenario& scenario) {
   }
 }
 
-std::unique_ptr<scene::FramesBeside> open_eyes(const scene::Stage& stage, const std::string& how,
-                                               const std::string& url, const std::string& gl,
-                                               bool gives_way) {
+std::unique_ptr<scene::FramesBeside> open_live_eyes(const scene::Stage& stage,
+                                                    const std::string& how, const std::string& url,
+                                                    const std::string& gl, bool gives_way) {
   const DrawingOrder order{scene::to_toml(stage.scenario), how, url, gl, gives_way};
   return std::make_unique<scene::FramesBeside>([order] { return draw_in_a_process(order); });
 }

@@ -15,12 +15,12 @@ namespace headpin::render {
 
 inline constexpr double kSmall = 16.0;  // pixels across: smaller objects are drawn again
 
-/// Pixels of a view, from its lower left corner.
-struct Part {
+/// A rectangle of pixels of a view, from its lower left corner.
+struct PixelRect {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
-inline Part whole(const View& view) {
+inline PixelRect whole(const View& view) {
   return {0, 0, view.width, view.height};
 }
 
@@ -42,21 +42,21 @@ inline std::optional<Eigen::AlignedBox2d> pixels_of(const Eigen::AlignedBox3d& b
 }
 
 /// The pixels of a view that a box covers, if any.
-inline std::optional<Part> part_of(const View& view, const Eigen::AlignedBox2d& pixels) {
+inline std::optional<PixelRect> part_of(const View& view, const Eigen::AlignedBox2d& pixels) {
   if (pixels.isEmpty()) return std::nullopt;
   const auto inside = [](double at, int most) {
     return static_cast<int>(std::clamp<double>(at, 0.0, most));
   };
   const int x = inside(std::floor(pixels.min().x()), view.width),
             y = inside(std::floor(pixels.min().y()), view.height);
-  const Part part{x, y, inside(std::ceil(pixels.max().x()), view.width) - x,
-                  inside(std::ceil(pixels.max().y()), view.height) - y};
+  const PixelRect part{x, y, inside(std::ceil(pixels.max().x()), view.width) - x,
+                       inside(std::ceil(pixels.max().y()), view.height) - y};
   if (part.width == 0 || part.height == 0) return std::nullopt;
   return part;
 }
 
 /// The view of the same eye for a part.
-inline View view_of(const View& whole, const Part& part) {
+inline View view_of(const View& whole, const PixelRect& part) {
   View view = whole;
   const Frustum& f = whole.frustum;
   const double x = (f.right - f.left) / whole.width, y = (f.top - f.bottom) / whole.height;
@@ -70,7 +70,7 @@ inline View view_of(const View& whole, const Part& part) {
 }
 
 /// Copies the picture of a part to its place.
-inline void paste(const Image& fine, const Part& part, Image& whole_view) {
+inline void paste(const Image& fine, const PixelRect& part, Image& whole_view) {
   const auto row = static_cast<std::ptrdiff_t>(3) * part.width;
   const int above = whole_view.height - part.y - part.height;  // rows of pictures are from the top
   for (int y = 0; y < part.height; ++y) {
@@ -83,7 +83,7 @@ inline void paste(const Image& fine, const Part& part, Image& whole_view) {
 /// The finest grid whose samples are at most a quarter of those of the whole view, if it is finer
 /// than the view's.
 inline std::optional<SampleGrid> finer_grid(const SampleGrid& grid, const View& view,
-                                            const Part& part) {
+                                            const PixelRect& part) {
   const double most = 0.25 * grid.a_pixel() * view.width * view.height;
   for (SampleGrid finer{8}; finer.n > grid.n; --finer.n) {
     if (static_cast<double>(finer.a_pixel()) * part.width * part.height <= most) return finer;

@@ -36,8 +36,8 @@ std::map<std::uint32_t, Motion> motions(std::span<const DrawItem> before,
 
 }  // namespace
 
-std::vector<std::array<float, 2>> flow(const Moment& before, const Labels& seen,
-                                       const Moment& after) {
+std::vector<std::array<float, 2>> flow(const DrawnView& before, const Labels& seen,
+                                       const DrawnView& after) {
   const Camera from(before.view), to(after.view);
   const Pose X_WC = from.X_CW.inverse();
   const std::map<std::uint32_t, Motion> moved = motions(before.items, after.items);

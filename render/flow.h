@@ -14,8 +14,8 @@ namespace headpin::render {
 /// Both components of a pixel whose flow is unknown; above the 1e9 of the Middlebury format.
 inline constexpr float kUnknownFlow = 1e10F;
 
-/// A view at one moment, and the objects then.
-struct Moment {
+/// A view, and the objects that are drawn in it.
+struct DrawnView {
   const View& view;
   std::span<const DrawItem> items;
 };
@@ -28,7 +28,7 @@ struct Moment {
 /// object is no longer drawn or has another mesh, and where it is then nearer than the near plane.
 ///
 /// @param seen  the labels of the view `before`
-std::vector<std::array<float, 2>> flow(const Moment& before, const Labels& seen,
-                                       const Moment& after);
+std::vector<std::array<float, 2>> flow(const DrawnView& before, const Labels& seen,
+                                       const DrawnView& after);
 
 }  // namespace headpin::render

@@ -16,7 +16,7 @@ void SamplePass::draw(const EyeScene& scene, const View& view, std::size_t numbe
 Image SamplePass::read(const EyeScene& scene, const View& view, std::size_t number) {
   Image image = read_part(*targets_[number], whole(view), grid_);
   if (grid_.n == 1) return image;
-  const std::optional<Part> part = small_part(scene, view);
+  const std::optional<PixelRect> part = small_part(scene, view);
   if (!part) return image;
   const std::optional<SampleGrid> finer = finer_grid(grid_, view, *part);
   if (!finer) return image;
@@ -28,7 +28,7 @@ Image SamplePass::read(const EyeScene& scene, const View& view, std::size_t numb
 /// Rotates the picture into the grid of its samples; samples outside of it are not drawn.
 ///
 /// @param part  part of the view for which the reflection was drawn
-void SamplePass::lay_grid(EyeScene& scene, const View& whole, const Part& part,
+void SamplePass::lay_grid(EyeScene& scene, const View& whole, const PixelRect& part,
                           const SampleGrid& laid) const {
   const double n = laid.n, w = part.width, h = part.height;
   const int across = laid.width(part.width, part.height);
@@ -48,7 +48,7 @@ void SamplePass::lay_grid(EyeScene& scene, const View& whole, const Part& part,
   cut_picture(gl_, laid.turn() == 1);
 }
 
-void SamplePass::draw_part(EyeScene scene, const View& whole, const Part& part,
+void SamplePass::draw_part(EyeScene scene, const View& whole, const PixelRect& part,
                            const SampleGrid& laid, std::unique_ptr<Target>& target) const {
   const int width = laid.width(part.width, part.height);
   const int height = laid.height(part.width, part.height);
@@ -62,7 +62,7 @@ void SamplePass::draw_part(EyeScene scene, const View& whole, const Part& part,
   draw_all_(scene);
 }
 
-Image SamplePass::read_part(const Target& target, const Part& part, const SampleGrid& laid) {
+Image SamplePass::read_part(const Target& target, const PixelRect& part, const SampleGrid& laid) {
   target.use();
   const int width = laid.width(part.width, part.height);
   const int height = laid.height(part.width, part.height);
@@ -73,7 +73,7 @@ Image SamplePass::read_part(const Target& target, const Part& part, const Sample
 }
 
 /// The part of a view with small bodies, which are those that cast shadows.
-std::optional<Part> SamplePass::small_part(const EyeScene& scene, const View& view) const {
+std::optional<PixelRect> SamplePass::small_part(const EyeScene& scene, const View& view) const {
   Eigen::AlignedBox2d all;
   for (std::size_t i = 0; i < scene.list->items.size(); ++i) {
     const DrawItem& item = scene.list->items[i];

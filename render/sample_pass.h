@@ -35,11 +35,12 @@ class SamplePass {
   Image read(const EyeScene& scene, const View& view, std::size_t number);
 
  private:
-  void lay_grid(EyeScene& scene, const View& whole, const Part& part, const SampleGrid& laid) const;
-  void draw_part(EyeScene scene, const View& whole, const Part& part, const SampleGrid& laid,
+  void lay_grid(EyeScene& scene, const View& whole, const PixelRect& part,
+                const SampleGrid& laid) const;
+  void draw_part(EyeScene scene, const View& whole, const PixelRect& part, const SampleGrid& laid,
                  std::unique_ptr<Target>& target) const;
-  Image read_part(const Target& target, const Part& part, const SampleGrid& laid);
-  std::optional<Part> small_part(const EyeScene& scene, const View& view) const;
+  Image read_part(const Target& target, const PixelRect& part, const SampleGrid& laid);
+  std::optional<PixelRect> small_part(const EyeScene& scene, const View& view) const;
 
   const Gl& gl_;
   const Meshes& meshes_;

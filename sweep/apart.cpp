@@ -165,11 +165,11 @@ std::array<std::vector<bool>, 2> Apart::seen(const scene::Session& a, const scen
   return found;
 }
 
-void Apart::look(const scene::Session& a, const scene::Session& b, const Pose& X_WD) {
+void Apart::measure_frame(const scene::Session& a, const scene::Session& b, const Pose& X_WD) {
   ++frames_;
   const std::vector<Place> in_a = places_of(a), in_b = places_of(b);
   const auto views = render::eyes(X_WD, a.scenario().hmd.optics);
-  Moment now{a.now(), {}, {}};
+  Directions now{a.now(), {}, {}};
   for (std::size_t i = 0; i < in_a.size(); ++i) {
     now.towards_a.push_back(middle(in_a[i]) - X_WD.p);
     now.towards_b.push_back(middle(in_b[i]) - X_WD.p);
@@ -180,7 +180,7 @@ void Apart::look(const scene::Session& a, const scene::Session& b, const Pose& X
   }
   if (in_a == in_b) return;
   const auto shown = seen(a, b, X_WD);
-  const Moment& then = recent_.front();
+  const Directions& then = recent_.front();
   const double since = seconds(now.time - then.time);
   for (std::size_t i = 0; i < bodies_.size(); ++i) {
     if (!shown[0][i] && !shown[1][i]) continue;
@@ -281,7 +281,7 @@ void Apart::tick(const scene::Session& a, const scene::Session& b) {
         "{} and {}: their heads are at different places at {:.3f} s; expected one recording",
         names_[0], names_[1], seconds(a.now())));
   }
-  look(a, b, *head);
+  measure_frame(a, b, *head);
 }
 
 namespace {

@@ -97,7 +97,7 @@ class Apart {
 
  private:
   /// Measures one frame.
-  void look(const scene::Session& a, const scene::Session& b, const Pose& X_WD);
+  void measure_frame(const scene::Session& a, const scene::Session& b, const Pose& X_WD);
   void note_events(const scene::Session& session, bool is_b);
   void note_bounces(const scene::Session& session, bool is_b);
   std::array<std::vector<bool>, 2> seen(const scene::Session& a, const scene::Session& b,
@@ -110,7 +110,7 @@ class Apart {
     bool falls = false, rises = false;
   };
   /// Directions from the head in the last 100 ms, oldest first.
-  struct Moment {
+  struct Directions {
     Time time{};
     std::vector<Vec3> towards_a, towards_b;
   };
@@ -123,7 +123,7 @@ class Apart {
   std::vector<BodyApart> bodies_;
   std::array<std::vector<std::optional<Time>>, 2> contacts_;
   std::array<std::vector<Bounce>, 2> bounces_;
-  std::vector<Moment> recent_;
+  std::vector<Directions> recent_;
 };
 
 /// The first difference above its threshold and the largest one, a sentence each; one sentence where

@@ -154,8 +154,8 @@ void go_live(const LiveOptions& options) {
   if (links.trial) trial.publish(std::make_unique<scene::TrialPublisher>(*links.trial, header));
 
   // Without real-time scheduling, ticks have priority only if the drawing process gives way.
-  const auto eyes = open_eyes(*session.stage, links.views ? options.eyes : std::string("none"),
-                              options.lcm, options.gl, to_be_had() != Priority::real_time);
+  const auto eyes = open_live_eyes(*session.stage, links.views ? options.eyes : std::string("none"),
+                                   options.lcm, options.gl, to_be_had() != Priority::real_time);
   eyes->measure_by(*pace);
   pace->begin(session.scenario().rates.physics_hz);
   go_first();  // and the readers

@@ -43,9 +43,9 @@ class Replays {
 
   /// Runs without the interpreter's lock.
   ///
-  /// @param look  called ten times a second with the number of finished replays; may throw
-  /// @throws  what `look` throws, after all threads have ended; or the first exception of a thread
-  void run(unsigned threads, const std::function<void(std::size_t)>& look) {
+  /// @param poll  called ten times a second with the number of finished replays; may throw
+  /// @throws  what `poll` throws, after all threads have ended; or the first exception of a thread
+  void run(unsigned threads, const std::function<void(std::size_t)>& poll) {
     block_ = std::clamp<std::size_t>(plan_.size() / (8 * threads), 1, 16);
     running_ = threads;
     std::vector<std::thread> all;
@@ -55,7 +55,7 @@ class Replays {
       while (running_ > 0) {
         ended_.wait_for(lock, std::chrono::milliseconds(100));
         lock.unlock();
-        look(done_);
+        poll(done_);
         lock.lock();
       }
     } catch (...) {

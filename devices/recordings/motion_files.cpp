@@ -228,8 +228,8 @@ MotionTracks read_table(const std::string& path, const MotionOptions& options) {
   return parse_motion_table(text_of(path), path, options);
 }
 
-TableFindings look_at_text(const std::string& path, const MotionOptions& options) {
-  return look_at_table(text_of(path), path, options);
+TableFindings inspect_text(const std::string& path, const MotionOptions& options) {
+  return inspect_table(text_of(path), path, options);
 }
 
 // XDF.
@@ -243,18 +243,18 @@ MotionTracks read_xdf_file(const std::string& path, const MotionOptions& options
   return parse_xdf_motion(bytes_of(file), path, options);
 }
 
-TableFindings look_at_xdf_file(const std::string& path, const MotionOptions& options) {
+TableFindings inspect_xdf_file(const std::string& path, const MotionOptions& options) {
   FileWindow file(path);
-  return look_at_xdf(bytes_of(file), path, options);
+  return inspect_xdf(bytes_of(file), path, options);
 }
 
 constexpr std::array<MotionFormat, 5> kFormats = {{
     {"UXF", "a session's folder, or one of its OBJECT_movement_T001.csv", is_uxf, read_uxf},
     {"Motion-BIDS", "..._motion.tsv", is_motion_bids, read_motion_bids},
     {"VRPN", "a connection's log", is_vrpn, read_vrpn},
-    {"XDF", "a recording of LabRecorder", is_xdf, read_xdf_file, look_at_xdf_file},
+    {"XDF", "a recording of LabRecorder", is_xdf, read_xdf_file, inspect_xdf_file},
     {"table", "any text table with a time and the poses of head and hand", is_table, read_table,
-     look_at_text},
+     inspect_text},
 }};
 
 /// The kind of a file of another format that is known by its first bytes; empty if it is none.

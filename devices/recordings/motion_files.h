@@ -88,7 +88,7 @@ struct MotionFormat {
   /// @throws std::runtime_error     for a file that cannot be read
   MotionTracks (*read)(const std::string& path, const MotionOptions& options);
   /// What is understood of its columns; null where the format has none that a user could tell.
-  TableFindings (*look)(const std::string& path, const MotionOptions& options) = nullptr;
+  TableFindings (*inspect)(const std::string& path, const MotionOptions& options) = nullptr;
 };
 
 std::span<const MotionFormat> motion_formats();

@@ -420,7 +420,7 @@ MotionTracks tracks_in(const AnyTable& table, std::string_view where,
   return TableMotion(table, options, where).read();
 }
 
-TableFindings look_at_table(std::string_view text, std::string_view where,
+TableFindings inspect_table(std::string_view text, std::string_view where,
                             const MotionOptions& options) {
   return findings_in(read_any_table(text, where), where, options);
 }

@@ -15,7 +15,7 @@ MotionTracks parse_motion_table(std::string_view text, std::string_view where,
 
 /// What is understood of a text table.
 /// @throws std::invalid_argument  no table, or told columns that are not there
-TableFindings look_at_table(std::string_view text, std::string_view where,
+TableFindings inspect_table(std::string_view text, std::string_view where,
                             const MotionOptions& options);
 
 /// The same of a table that was read.

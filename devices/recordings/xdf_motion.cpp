@@ -277,7 +277,7 @@ MotionTracks parse_xdf_motion(const XdfBytes& bytes, std::string_view where,
   return tracks_in(read.table(), where, read.options());
 }
 
-TableFindings look_at_xdf(const XdfBytes& bytes, std::string_view where,
+TableFindings inspect_xdf(const XdfBytes& bytes, std::string_view where,
                           const MotionOptions& options) {
   const StreamTable read(bytes, where, options);
   return findings_in(read.table(), where, read.options());

@@ -23,7 +23,7 @@ MotionTracks parse_xdf_motion(const XdfBytes& bytes, std::string_view where,
                               const MotionOptions& options);
 
 /// What is understood of its streams.
-TableFindings look_at_xdf(const XdfBytes& bytes, std::string_view where,
+TableFindings inspect_xdf(const XdfBytes& bytes, std::string_view where,
                           const MotionOptions& options);
 
 }  // namespace headpin::devices

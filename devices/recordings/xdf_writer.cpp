@@ -51,9 +51,9 @@ std::size_t XdfWriter::begin(const Stream& stream) {
     channels += fmt::format("<type>{}</type><unit>{}</unit></channel>", xml_escaped(channel.type),
                             xml_escaped(channel.unit));
   }
-  const std::size_t number = parts_.size();
-  parts_.emplace_back();
-  parts_.back().count.name = stream.name;
+  const std::size_t number = states_.size();
+  states_.emplace_back();
+  states_.back().count.name = stream.name;
   put_chunk(XdfTag::stream,
             of_stream(number) +
                 fmt::format("{}<info><name>{}</name><type>{}</type><channel_count>{}"
@@ -75,13 +75,13 @@ void XdfWriter::put_chunk(XdfTag tag, std::string_view content) {
 }
 
 std::string& XdfWriter::begin_sample(std::size_t stream, double time) {
-  Part& part = parts_[stream];
-  if (part.count.samples++ == 0) part.first = time;
-  part.last = time;
-  ++part.waiting_count;
-  part.waiting += '\x08';
-  put_real(time, part.waiting);
-  return part.waiting;
+  StreamState& state = states_[stream];
+  if (state.count.samples++ == 0) state.first = time;
+  state.last = time;
+  ++state.waiting_count;
+  state.waiting += '\x08';
+  put_real(time, state.waiting);
+  return state.waiting;
 }
 
 void XdfWriter::add(std::size_t stream, double time, std::span<const double> numbers) {
@@ -98,19 +98,19 @@ void XdfWriter::add(std::size_t stream, double time, std::span<const std::string
 }
 
 void XdfWriter::put_samples() {
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
-    Part& part = parts_[i];
-    if (part.waiting_count == 0) continue;
+  for (std::size_t i = 0; i < states_.size(); ++i) {
+    StreamState& state = states_[i];
+    if (state.waiting_count == 0) continue;
     std::string chunk = of_stream(i) + '\x04';
-    put_number(part.waiting_count, 4, chunk);
-    put_chunk(XdfTag::samples, chunk + part.waiting);
-    part.waiting.clear();
-    part.waiting_count = 0;
+    put_number(state.waiting_count, 4, chunk);
+    put_chunk(XdfTag::samples, chunk + state.waiting);
+    state.waiting.clear();
+    state.waiting_count = 0;
   }
 }
 
 void XdfWriter::put_offsets() {
-  for (std::size_t i = 0; i < parts_.size(); ++i) {
+  for (std::size_t i = 0; i < states_.size(); ++i) {
     std::string chunk = of_stream(i);
     put_real(next_offset_, chunk);
     put_real(0.0, chunk);
@@ -137,7 +137,7 @@ void XdfWriter::advance(double time) {
 }
 
 void XdfWriter::put_footer(std::size_t stream) {
-  const Part& part = parts_[stream];
+  const StreamState& state = states_[stream];
   std::string offsets;
   for (double time = first_offset_; begun_ && time < next_offset_; time += kOffsetsEvery) {
     offsets += fmt::format("<offset><time>{}</time><value>0</value></offset>", time);
@@ -147,18 +147,18 @@ void XdfWriter::put_footer(std::size_t stream) {
                 fmt::format("{}<info><first_timestamp>{}</first_timestamp><last_timestamp>{}"
                             "</last_timestamp><sample_count>{}</sample_count><clock_offsets>{}"
                             "</clock_offsets></info>",
-                            kXml, part.first, part.last, part.count.samples, offsets));
+                            kXml, state.first, state.last, state.count.samples, offsets));
 }
 
 void XdfWriter::finish() {
   put_samples();
   put_chunk(XdfTag::boundary, kXdfBoundary);
-  for (std::size_t i = 0; i < parts_.size(); ++i) put_footer(i);
+  for (std::size_t i = 0; i < states_.size(); ++i) put_footer(i);
 }
 
 std::vector<XdfWriter::Count> XdfWriter::counts() const {
   std::vector<Count> all;
-  for (const Part& part : parts_) all.push_back(part.count);
+  for (const StreamState& state : states_) all.push_back(state.count);
   return all;
 }
 

@@ -50,7 +50,7 @@ class XdfWriter {
   std::vector<Count> counts() const;
 
  private:
-  struct Part {
+  struct StreamState {
     Count count;
     double first = 0.0, last = 0.0;
     std::string waiting;  ///< samples that are not in a chunk yet
@@ -63,7 +63,7 @@ class XdfWriter {
   std::string& begin_sample(std::size_t stream, double time);
 
   std::function<void(std::string_view)> put_;
-  std::vector<Part> parts_;
+  std::vector<StreamState> states_;
   bool begun_ = false;
   double first_offset_ = 0.0, next_offset_ = 0.0, next_boundary_ = 0.0, next_samples_ = 0.0;
 };

@@ -123,15 +123,15 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
   const double aim = plan.aim + 0.3 * kDegree * random.normal();
   const double back_swing = -75.0 * kDegree + 3.0 * kDegree * random.normal();
   grab_ = microseconds(kGrabTime);
-  Swing wanted{speed, back_swing, kReleaseAngle, 0.0};
-  double swing_s = swing(wanted, hand);
+  WantedRelease wanted{speed, back_swing, kReleaseAngle, 0.0};
+  double swing_s = fit_joints(wanted, hand);
   if (plan.height) {
     const double height = *plan.height + 0.01 * random.normal();
     for (int i = 0; i < 8; ++i) {
       const Vec3 v = ball_at_release(hand);
       wanted.released -= v.z() / v.norm();
       wanted.stoop += (this->hand(release_) * hand.grip).z() - height;
-      swing_s = swing(wanted, hand);
+      swing_s = fit_joints(wanted, hand);
     }
   }
   duration_ = microseconds(plan.duration_s);
@@ -156,7 +156,7 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
 
 /// Sets the joints for a swing that releases the ball at the wanted speed.
 /// @return  duration of the swing [s]
-double ThrowMotion::swing(const Swing& wanted, const Hand& hand) {
+double ThrowMotion::fit_joints(const WantedRelease& wanted, const Hand& hand) {
   const double released =
       (wanted.released - wanted.back_swing) / (kFollowThrough - wanted.back_swing);
   double low = 0.0, high = 1.0;  // part of the swing's time by which the arm is at that angle

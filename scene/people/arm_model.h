@@ -84,12 +84,12 @@ class ThrowMotion {
 
   static Joints joints(double forward_swing_s, double back_swing, double stoop);
   Vec3 ball_at_release(const Hand& hand) const;  ///< its velocity
-  struct Swing {
+  struct WantedRelease {
     double speed, back_swing;  ///< [m/s], arm against the vertical [rad]
     /// Angle of the arm at the release [rad]; how far the trunk is lowered [m].
     double released, stoop;
   };
-  double swing(const Swing& wanted, const Hand& hand);
+  double fit_joints(const WantedRelease& wanted, const Hand& hand);
   Vec3 trunk(double t) const;
   Pose hand_in_model(double t) const;  ///< X_MH
   Vec3 looked_at(double t) const;      ///< in M

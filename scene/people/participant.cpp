@@ -127,7 +127,7 @@ void Participant::tick(const Session& session) {
   notice(session, now);
   act(session, now);
   draw_back(session, now);
-  look(session, now);
+  turn_gaze(session, now);
 }
 
 void Participant::act(const Session& session, double now) {
@@ -156,7 +156,7 @@ void Participant::act(const Session& session, double now) {
       address(session, now);
       break;
     case Doing::swings:
-      swing(now);
+      throw_ball(now);
       break;
     case Doing::watches:
       watch(session, now);
@@ -324,7 +324,7 @@ void Participant::address(const Session& session, double now) {
   begin(Doing::swings, now);
 }
 
-void Participant::swing(double now) {
+void Participant::throw_ball(double now) {
   const double forward = since_ + swing_.back_s;
   if (acted_ == 0.0 && now >= forward) {
     acted_ = forward;
@@ -395,9 +395,9 @@ void Participant::walk_by_thumbs(const Session& session, const Vec2& way, double
     const Vec3 p_WD = walk.p_WP + X_PD.p;
     gaze_W_ = p_WD + Vec3(3.0 * ahead.x(), 3.0 * ahead.y(), -0.6);
   }
-  Vec2 look = level_of(X_PD.q * -Vec3::UnitZ());
-  look.normalize();
-  const Vec2 goes = (backward_ ? -1.0 : 1.0) * look;
+  Vec2 gaze = level_of(X_PD.q * -Vec3::UnitZ());
+  gaze.normalize();
+  const Vec2 goes = (backward_ ? -1.0 : 1.0) * gaze;
   const double speed = walk.v_WP.norm();
   const double stops =
       speed * speed / (2.0 * scenario_.walk.acceleration) + speed * (scenario_.rig.delay_s + 0.01);
@@ -453,7 +453,7 @@ void Participant::draw_back(const Session& session, double now) {
   }
 }
 
-void Participant::look(const Session& session, double now) {
+void Participant::turn_gaze(const Session& session, double now) {
   Vec3 at_W = gaze_W_;
   const bool follows =
       doing_ == Doing::watches || (doing_ == Doing::swings && !session.player.held);

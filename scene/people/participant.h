@@ -73,13 +73,13 @@ class Participant : public devices::Source, public Observer {
   void give_up(double now);
   void notice(const Session& session, double now);
   void act(const Session& session, double now);
-  void look(const Session& session, double now);
+  void turn_gaze(const Session& session, double now);
 
   void touch(const Session& session, double now);
   void wait_for_ball(const Session& session, double now);
   void take(const Session& session, double now);
   void address(const Session& session, double now);
-  void swing(double now);
+  void throw_ball(double now);
   void watch(const Session& session, double now);
   void mend();
 

@@ -165,7 +165,7 @@ Scenario stand_thrower(Scenario scenario, const MotionRecording& recording, cons
                        Heading heading) {
   Vec3 ahead = -Vec3::UnitZ();
   if (heading == Heading::release) ahead = horizontal(found.V_TB.v).normalized();
-  if (heading == Heading::gaze) ahead = horizontal(mean_look(recording, found)).normalized();
+  if (heading == Heading::gaze) ahead = horizontal(mean_gaze(recording, found)).normalized();
   const Quat q_WT = turned_ahead(ahead);
 
   scenario.hand.grip = grip_of(scenario.hand, found.side);
@@ -179,12 +179,12 @@ Scenario stand_thrower(Scenario scenario, const MotionRecording& recording, cons
 Scenario stand_onlooker(Scenario scenario, const MotionRecording& recording, Heading heading) {
   Vec3 ahead = -Vec3::UnitZ();
   if (heading != Heading::keep) {
-    Vec3 look = Vec3::Zero();
+    Vec3 gaze = Vec3::Zero();
     for (std::size_t i = 0; i < recording.times.size() && recording.times[i] < Time{1'000'000};
          ++i) {
-      look += horizontal(recording.head[i].q * -Vec3::UnitZ());
+      gaze += horizontal(recording.head[i].q * -Vec3::UnitZ());
     }
-    if (look.norm() > 0.0) ahead = look.normalized();
+    if (gaze.norm() > 0.0) ahead = gaze.normalized();
   }
   use_recorded_rig(scenario, turned_ahead(ahead), recording.head.front().p);
   return scenario;

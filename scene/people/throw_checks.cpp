@@ -25,9 +25,9 @@ constexpr double kSlowestTriggered = 1.0;                     // m/s, ball as th
 constexpr double kFastestHead = 3.0;                          // m/s
 constexpr double kLeastUpright = 0.7;  // cosine of the head's mean tilt before the release
 constexpr double kMostRoll = 0.4;      // sine of the head's roll, but for a tenth of the time
-constexpr double kMostUpward = 0.2;    // sine of its mean look upward: the target is on the floor
-constexpr double kLeastAtBall = 0.5;   // cosine between look and ball as it is taken
-constexpr double kLeastAlong = 0.906;  // cosine between look and throw from above, 25 degrees
+constexpr double kMostUpward = 0.2;    // sine of its mean gaze upward: the target is on the floor
+constexpr double kLeastAtBall = 0.5;   // cosine between gaze and ball as it is taken
+constexpr double kLeastAlong = 0.906;  // cosine between gaze and throw from above, 25 degrees
 constexpr double kLowestRate = 45.0, kHighestRate = 250.0;  // Hz
 constexpr double kUsualRate = 59.0;                         // Hz; head-mounted displays: 60 and up
 constexpr double kLongestGap = 0.1, kUsualGap = 0.05;       // s
@@ -64,8 +64,8 @@ double mean_side(const MotionRecording& r, const Throw& found, const std::vector
   const auto [begin, end] = samples_of_swing(r, found);
   double sum = 0.0;
   for (std::size_t i = begin; i < end; ++i) {
-    const Vec3 look = horizontal(r.head[i].q * -Vec3::UnitZ()).normalized();
-    sum += (hand[i].p - r.head[i].p).dot(look.cross(kUp));
+    const Vec3 gaze = horizontal(r.head[i].q * -Vec3::UnitZ()).normalized();
+    sum += (hand[i].p - r.head[i].p).dot(gaze.cross(kUp));
   }
   return sum / static_cast<double>(end - begin);
 }
@@ -159,16 +159,16 @@ void check_head(const MotionRecording& r, const Throw& found, const Hand& hand, 
         "than {}",
         roll, kMostRoll);
   });
-  const Vec3 look = mean_look(r, found);
-  out.claim(look.y() < kMostUpward, [&] {
+  const Vec3 gaze = mean_gaze(r, found);
+  out.claim(gaze.y() < kMostUpward, [&] {
     return fmt::format("the head looks up ({:.2f} of its line of sight), expected less than {}",
-                       look.y(), kMostUpward);
+                       gaze.y(), kMostUpward);
   });
   const Vec3 along = horizontal(hand_velocity_at(r, found, hand)).normalized();
-  out.claim(horizontal(look).normalized().dot(along) > kLeastAlong, [&] {
+  out.claim(horizontal(gaze).normalized().dot(along) > kLeastAlong, [&] {
     return fmt::format(
         "the head looks towards x {:.2f}, z {:.2f}, not along the throw towards x {:.2f}, z {:.2f}",
-        look.x(), look.z(), along.x(), along.z());
+        gaze.x(), gaze.z(), along.x(), along.z());
   });
   const Pose& head = r.head[found.grab];
   const Vec3 at_ball = (throwing_hand(r, found.side)[found.grab].p - head.p).normalized();

@@ -62,7 +62,7 @@ std::pair<std::size_t, std::size_t> samples_of_swing(const MotionRecording& r, c
   return {begin, found.release + 1};
 }
 
-Vec3 mean_look(const MotionRecording& r, const Throw& found) {
+Vec3 mean_gaze(const MotionRecording& r, const Throw& found) {
   const auto [begin, end] = samples_of_swing(r, found);
   Vec3 sum = Vec3::Zero();
   for (std::size_t i = begin; i < end; ++i) sum += r.head[i].q * -Vec3::UnitZ();

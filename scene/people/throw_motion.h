@@ -41,6 +41,6 @@ std::pair<std::size_t, std::size_t> samples_of_swing(const devices::MotionRecord
                                                      const Throw& found);
 
 /// The mean direction of sight in that second; not of unit length.
-Vec3 mean_look(const devices::MotionRecording& r, const Throw& found);
+Vec3 mean_gaze(const devices::MotionRecording& r, const Throw& found);
 
 }  // namespace headpin::scene

@@ -182,10 +182,10 @@ MotionRecording read_again(MotionRecording r, const Reading& reading) {
 std::optional<Reading> reading_of_a_throw(const MotionRecording& recording, const Hand& hand,
                                           Side side, std::string& what) {
   const MotionRecording part = around_the_throw(recording, side);
-  const bool look = part.head_turns && part.head_moves;  // else many axes would do
+  const bool all_axes = part.head_turns && part.head_moves;  // else many axes would do
   for (const auto& candidates :
        {other_units, other_times, other_quaternions, other_axes, other_units_and_axes}) {
-    if (!look && (candidates == other_axes || candidates == other_units_and_axes)) continue;
+    if (!all_axes && (candidates == other_axes || candidates == other_units_and_axes)) continue;
     for (const Candidate& other : candidates(part.reading)) {
       if (!why_no_throw(read_again(part, other.reading), hand, side).empty()) continue;
       what = other.what;

@@ -11,7 +11,7 @@ using namespace headpin;
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   const std::string_view text(reinterpret_cast<const char*>(data), size);
   try {
-    devices::look_at_table(text, "fuzz.csv", {});
+    devices::inspect_table(text, "fuzz.csv", {});
   } catch (const std::invalid_argument&) {
   }
   try {

@@ -43,7 +43,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     }
   }
   try {
-    devices::look_at_xdf(bytes, "fuzz.xdf", {});
+    devices::inspect_xdf(bytes, "fuzz.xdf", {});
   } catch (const std::invalid_argument&) {
   }
   return 0;
