@@ -208,10 +208,9 @@ void explain_import(const ImportOptions& options, const scene::Scenario& scenari
     for (const auto& column : found.table->columns) names.push_back(column.name);
     const std::string text = mapping_text(options.file, found.table->mapping, names,
                                           found.recording ? &*found.recording : nullptr);
-    base::OutputFile file(*options.output,
-                          {.overwrite = options.force, .inputs = {options.file, options.columns}});
-    file.write(text.data(), text.size());
-    file.commit();
+    base::write_text(
+        {*options.output, {.overwrite = options.force, .inputs = {options.file, options.columns}}},
+        text);
   }
   options.json ? print_as_json(options, found) : print_explained(options, found);
 }

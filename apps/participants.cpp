@@ -1,6 +1,7 @@
 #include "apps/participants.h"
 
 #include <array>
+#include <utility>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -8,7 +9,6 @@
 #include "apps/command.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
-#include "base/output_file.h"
 #include "scene/people/participant.h"
 #include "scene/record/log.h"
 #include "scene/stage/read_scenario.h"
@@ -37,14 +37,6 @@ class SampleWriter : public scene::Observer {
   std::int64_t written_ = 0;
 };
 
-scene::Scenario scenario_to_play(const ParticipantSession& options) {
-  const std::string name = options.scenario.empty() ? "paper-experiment" : options.scenario;
-  scene::Scenario scenario = scene::load_scenario(name);
-  scene::set_up_for_participants(scenario);
-  scene::check(scenario, name);
-  return scenario;
-}
-
 void print_person(const scene::Person& person) {
   fmt::print("  who                {}-handed, {:.2f} m tall, skill {:.2f}\n",
              person.left_handed ? "left" : "right", person.height, person.skill);
@@ -62,26 +54,25 @@ void print_throws(const scene::Participant& participant) {
 
 }  // namespace
 
-void play_session(const ParticipantSession& options) {
-  if (options.output.ends_with(".csv")) {
-    throw UsageError(
-        "a session has buttons, which a recording (.csv) cannot hold; expected .lcmlog");
-  }
-  const scene::Scenario scenario = scenario_to_play(options);
-  const scene::Person person = scene::draw_person(options.seed);
-  watch_stop_signals();
+scene::Scenario scenario_to_play(std::string name) {
+  if (name.empty()) name = "paper-experiment";
+  scene::Scenario scenario = scene::load_scenario(name);
+  scene::set_up_for_participants(scenario);
+  scene::check(scenario, name);
+  return scenario;
+}
+
+void play_session(const ParticipantSession& plan, base::OutputFile output, bool json) {
+  const std::string path = output.path();
+  const scene::Person person = scene::draw_person(plan.seed);
   scene::TrialHeader header;
-  header.participant =
-      options.name.empty() ? fmt::format("virtual {}", options.seed) : options.name;
-  header.condition = options.condition;
-  header.seed = options.seed;
-  header.scenario = scene::to_toml(scenario);
-  scene::Recorder recorder(base::OutputFile(options.output, {.overwrite = options.force,
-                                                             .standard_output = true,
-                                                             .inputs = {options.scenario}}),
-                           header);
-  scene::Session session = scene::make_session(scenario);
-  scene::Participant participant({.person = person, .throws = options.throws}, scenario);
+  header.participant = plan.name.empty() ? fmt::format("virtual {}", plan.seed) : plan.name;
+  header.condition = plan.condition;
+  header.seed = plan.seed;
+  header.scenario = scene::to_toml(plan.scenario);
+  scene::Recorder recorder(std::move(output), header);
+  scene::Session session = scene::make_session(plan.scenario);
+  scene::Participant participant({.person = person, .throws = plan.throws}, plan.scenario);
   SampleWriter writer(recorder);
   scene::Totals totals;
   scene::Stopwatch stopwatch;
@@ -93,8 +84,8 @@ void play_session(const ParticipantSession& options) {
   recorder.close();
 
   nlohmann::ordered_json result = {
-      {"output", options.output},
-      {"seed", options.seed},
+      {"output", path},
+      {"seed", plan.seed},
       {"samples", writer.written()},
       {"duration_s", seconds(session.now())},
       {"left_handed", person.left_handed},
@@ -105,10 +96,10 @@ void play_session(const ParticipantSession& options) {
       {"gave_up", participant.gave_up()},
       {"games", scene::to_json(totals.score().games)},
       {"realtime_factor", seconds(session.now()) / stopwatch.spent_s()}};
-  if (options.json) return print_json(result);
+  if (json) return print_json(result);
   fmt::print(
       "{}\n  samples            {} of head, hand and buttons\n  duration           {:.3f} s\n",
-      options.output, writer.written(), seconds(session.now()));
+      path, writer.written(), seconds(session.now()));
   print_person(person);
   print_throws(participant);
   for (const scene::Sheet& game : totals.score().games) {

@@ -3,17 +3,25 @@
 #include <cstdint>
 #include <string>
 
+#include "base/output_file.h"
+#include "scene/scenario/scenario.h"
+
 namespace headpin::apps {
 
 struct ParticipantSession {
-  std::string output, scenario, name, condition;
+  scene::Scenario scenario;  ///< as scenario_to_play() gives it
+  std::string name, condition;
   std::uint64_t seed = 1;
   int throws = 10;
-  bool force = false, json = false;
 };
+
+/// @param name  of a scenario or its file; empty: paper-experiment
+scene::Scenario scenario_to_play(std::string name);
 
 /// Lets the virtual participant of a seed play a session, writes its device samples and prints the
 /// result, like `headpin synthesize --participant`.
-void play_session(const ParticipantSession& options);
+///
+/// @param json  prints JSON
+void play_session(const ParticipantSession& plan, base::OutputFile output, bool json);
 
 }  // namespace headpin::apps

@@ -12,9 +12,7 @@ StudyTables::StudyTables(const std::filesystem::path& folder)
 
 void StudyTables::write(const std::string& name, const std::string& text) {
   check_stop();
-  base::OutputFile file(folder_.file(name).string(), {.overwrite = true, .durable = false});
-  file.write(text.data(), text.size());
-  file.commit();
+  base::write_text({folder_.file(name).string(), {.overwrite = true, .durable = false}}, text);
 }
 
 void StudyTables::commit(const std::string& last) {

@@ -75,6 +75,11 @@ int rename_new(int from_folder, const std::string& from, int to_folder, const st
   return unlinkat(from_folder, from.c_str(), 0);
 }
 
+void write_text(OutputFile file, std::string_view text) {
+  file.write(text.data(), text.size());
+  file.commit();
+}
+
 bool same_file(const fs::path& a, const fs::path& b) {
   struct stat sa {
   }, sb{};

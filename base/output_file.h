@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/lock.h"
@@ -93,6 +94,10 @@ class OutputFile {
   std::filesystem::path part_;
   int descriptor_ = -1;
 };
+
+/// Writes a text as the whole file, and completes it.
+/// @throws std::runtime_error  as write() and commit()
+void write_text(OutputFile file, std::string_view text);
 
 /// Whether two names refer to the same file, through links of any kind.
 bool same_file(const std::filesystem::path& a, const std::filesystem::path& b);

@@ -27,16 +27,10 @@ namespace {
 
 constexpr std::size_t kMostText = 4'000'000'000;
 
-void write_file(const fs::path& path, std::string_view text, bool overwrite) {
-  base::OutputFile file(path.string(), {.overwrite = overwrite});
-  file.write(text.data(), text.size());
-  file.commit();
-}
-
 /// Writes a file, unless an interrupted plan has written it already.
 void write_once(const fs::path& path, const std::string& text) {
   if (fs::exists(path) && base::read_text(path.string(), kMostText) == text) return;
-  write_file(path, text, false);
+  base::write_text({path.string(), {}}, text);
 }
 
 std::string rows_csv(const Rows& rows, const std::function<void()>& check) {
@@ -172,7 +166,7 @@ std::int64_t plan(const fs::path& file, const SweepFolder& at, const std::functi
   }
   write_once(at.design(), text);
   fs::create_directories(at.pieces());
-  write_file(at.rows(), table, false);
+  base::write_text({at.rows().string(), {}}, table);
   return rows.size();
 }
 
@@ -241,8 +235,8 @@ void run_piece(const Sweep& sweep, const Piece& piece, Runner& runner,
     }
   }
   if (std::ssize(lines) > had) {
-    write_file(sweep.at.piece(piece), piece_text(sweep.plan, piece, sweep.columns, lines, failed),
-               true);
+    const std::string text = piece_text(sweep.plan, piece, sweep.columns, lines, failed);
+    base::write_text({sweep.at.piece(piece).string(), {.overwrite = true}}, text);
   }
   if (stopped) std::rethrow_exception(stopped);
 }

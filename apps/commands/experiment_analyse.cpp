@@ -68,9 +68,7 @@ bool require_script(const Study& study, const fs::path& path) {
   const std::string script = study::r_script(study.design);
   if (fs::exists(path)) return read_study_file(path) != script;
   base::remove_left_parts(study.at.root.string());
-  base::OutputFile file(path.string(), {});
-  file.write(script.data(), script.size());
-  file.commit();
+  base::write_text({path.string(), {}}, script);
   return false;
 }
 

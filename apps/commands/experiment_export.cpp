@@ -42,9 +42,7 @@ class Dataset {
     fs::create_directories(path.parent_path());
     base::remove_left_parts(path.parent_path().string());
     // Overwrites the files of a killed export.
-    base::OutputFile file(path.string(), {.overwrite = true, .durable = false});
-    file.write(text.data(), text.size());
-    file.commit();
+    base::write_text({path.string(), {.overwrite = true, .durable = false}}, text);
   }
 
   const fs::path& root() const { return root_; }

@@ -32,17 +32,11 @@ struct PlanOptions {
   bool design_given = false, json = false;
 };
 
-void write_text(const fs::path& path, const std::string& text, bool overwrite) {
-  base::OutputFile file(path.string(), {.overwrite = overwrite});
-  file.write(text.data(), text.size());
-  check_stop();
-  file.commit();
-}
-
 /// Writes a file of a study. An interrupted earlier run may have written it already.
 void write_once(const fs::path& path, const std::string& text) {
   if (fs::exists(path) && read_study_file(path) == text) return;
-  write_text(path, text, false);
+  check_stop();
+  base::write_text({path.string(), {}}, text);
 }
 
 /// The scenario that a design names.
@@ -149,7 +143,8 @@ void begin_study(const StudyFolder& at, const PlanOptions& options) {
   base::remove_left_parts(at.root.string());
   write_once(at.questionnaire(), questions);
   write_once(at.scenario(), scene::to_toml(scenario));
-  write_text(at.design(), text, false);
+  check_stop();
+  base::write_text({at.design().string(), {}}, text);
 }
 
 void refuse_other_design(const Study& study, const PlanOptions& options) {
@@ -190,8 +185,9 @@ void plan_study(const PlanOptions& options) {
   base::remove_left_parts(at.root.string());
   if (!fs::exists(at.plan())) {  // a new study, or interrupted before the plan was written
     const std::string text = read_study_file(at.design());
-    write_text(at.plan(), study::to_csv({}, study::parse_design(text, at.design().string())),
-               false);
+    const std::string none = study::to_csv({}, study::parse_design(text, at.design().string()));
+    check_stop();
+    base::write_text({at.plan().string(), {}}, none);
   }
   Study study = open_study(at.root.string());
   refuse_other_design(study, options);
@@ -206,7 +202,9 @@ void plan_study(const PlanOptions& options) {
     throw UsageError(fmt::format("{}: {}", at.plan().string(), error.what()));
   }
   if (study.plan.size() != before) {
-    write_text(at.plan(), study::to_csv(study.plan, study.design), true);
+    const std::string plan = study::to_csv(study.plan, study.design);
+    check_stop();
+    base::write_text({at.plan().string(), {.overwrite = true}}, plan);
   }
   if (options.json) {
     return print_json({{"output", at.root.string()},

@@ -99,10 +99,9 @@ void make_new(const ScenarioOptions& options) {
   scene::Scenario scenario = scene::load_scenario(options.from);
   scenario.name = std::filesystem::path(*options.output).stem().string();
   const std::string text = scene::to_toml(scenario);
-  base::OutputFile file(*options.output, {.overwrite = options.force,
-                                          .inputs = {scene::scenario_path(options.from)}});
-  file.write(text.data(), text.size());
-  file.commit();
+  base::write_text({*options.output,
+                    {.overwrite = options.force, .inputs = {scene::scenario_path(options.from)}}},
+                   text);
   fmt::print("{}: all keys of {}\n", *options.output, options.from);
 }
 

@@ -29,12 +29,6 @@ struct SlurmOptions {
 
 constexpr int kMostTasks = 1000;  // Slurm's MaxArraySize is 1001 unless a site has another
 
-void write_script(const fs::path& path, const std::string& text, bool force) {
-  base::OutputFile file(path.string(), {.overwrite = force});
-  file.write(text.data(), text.size());
-  file.commit();
-}
-
 /// Each task of the array simulates its part. Slurm sends SIGTERM a minute before the end of the
 /// time, and the finished rows are kept.
 std::string array_script(const fs::path& sweep, const std::string& program, int tasks,
@@ -88,10 +82,11 @@ void write_slurm(const SlurmOptions& options) {
   }
   const std::string program = fs::read_symlink("/proc/self/exe").string();
   const fs::path array = folder / "sweep.sbatch", merge = folder / "merge.sbatch";
-  write_script(array,
-               array_script(folder, program, tasks, static_cast<std::int64_t>(std::ceil(minutes))),
-               options.force);
-  write_script(merge, merge_script(folder, program), options.force);
+  const base::OutputFile::Options how{.overwrite = options.force};
+  const std::string run =
+      array_script(folder, program, tasks, static_cast<std::int64_t>(std::ceil(minutes)));
+  base::write_text({array.string(), how}, run);
+  base::write_text({merge.string(), how}, merge_script(folder, program));
   const std::string submit = fmt::format("sbatch --dependency=afterok:$(sbatch --parsable {}) {}",
                                          array.string(), merge.string());
   if (options.json) {

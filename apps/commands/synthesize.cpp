@@ -81,17 +81,26 @@ std::size_t write_csv(const SynthesizeOptions& options, const scene::ThrowMotion
   return recording.times.size();
 }
 
-void synthesize(const SynthesizeOptions& options) {
-  if (options.participant) {
-    return play_session({.output = *options.output,
-                         .scenario = options.scenario,
-                         .name = options.name,
-                         .condition = options.condition,
-                         .seed = *options.participant,
-                         .throws = options.throws,
-                         .force = options.force,
-                         .json = options.json});
+void synthesize_session(const SynthesizeOptions& options) {
+  if (options.output->ends_with(".csv")) {
+    throw UsageError(
+        "a session has buttons, which a recording (.csv) cannot hold; expected .lcmlog");
   }
+  const ParticipantSession plan{.scenario = scenario_to_play(options.scenario),
+                                .name = options.name,
+                                .condition = options.condition,
+                                .seed = *options.participant,
+                                .throws = options.throws};
+  watch_stop_signals();
+  play_session(
+      plan,
+      {*options.output,
+       {.overwrite = options.force, .standard_output = true, .inputs = {options.scenario}}},
+      options.json);
+}
+
+void synthesize(const SynthesizeOptions& options) {
+  if (options.participant) return synthesize_session(options);
   constexpr double kDegree = std::numbers::pi / 180.0;
   scene::ThrowPlan plan = options.plan;
   plan.aim = options.aim_deg * kDegree;
