@@ -4,7 +4,12 @@
 #include <stdexcept>
 #include <string>
 
-#include "render/passes.h"
+#include "render/contact_pass.h"
+#include "render/label_pass.h"
+#include "render/mesh_pass.h"
+#include "render/mirror_pass.h"
+#include "render/sample_pass.h"
+#include "render/shadow_pass.h"
 
 namespace headpin::render {
 
@@ -26,6 +31,33 @@ Quality checked(const Quality& quality) {
 }
 
 }  // namespace
+
+/// The context, its meshes, and the passes in the order in which a picture is drawn.
+struct Renderer::Impl {
+  Impl(std::unique_ptr<GlContext> with, Quality wanted);
+  ~Impl() { context->make_current(); }
+
+  /// @throws std::invalid_argument  as Renderer::draw
+  void check(const DrawList& list, const View& view) const;
+  /// Sets the OpenGL state for the start of a picture.
+  void start() const;
+  /// Throws an exception if there was an OpenGL error since the last call.
+  void finish(const char* what) const;
+  /// All surfaces of a scene, and what follows them.
+  void draw_all(const EyeScene& scene) const;
+
+  std::unique_ptr<GlContext> context;
+  Gl gl;
+  Quality quality;
+  Meshes meshes{gl};
+  ShadowPass shadow{gl, quality.shadow};
+  MeshPass surfaces{gl, meshes, quality};
+  MirrorPass mirror{gl, surfaces, quality.mirror};
+  ContactPass contact{gl, quality.contact};
+  SamplePass samples{gl, meshes, quality.samples,
+                     [this](const EyeScene& scene) { draw_all(scene); }};
+  LabelPass labels{gl, meshes};
+};
 
 Renderer::Impl::Impl(std::unique_ptr<GlContext> with, Quality wanted)
     : context(std::move(with)), gl(current_functions(*context)), quality(checked(wanted)) {}
@@ -127,6 +159,16 @@ void Renderer::draw(const DrawList& list, std::span<const View> views, std::span
     out[i] = r.samples.read(scenes[i], views[i], i);
   }
   r.finish("Renderer::draw");
+}
+
+Labels Renderer::labels(const DrawList& list, const View& view, std::span<const View> shown) {
+  Impl& r = *impl_;
+  r.context->make_current();
+  r.check(list, view);
+  r.start();
+  Labels labels = r.labels.draw(list, view, shown);
+  r.finish("Renderer::labels");
+  return labels;
 }
 
 }  // namespace headpin::render
