@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "devices/fastrak/serving.h"
+
 namespace headpin::devices {
 
 EmulatedUnit::EmulatedUnit(FastrakEmulatorOptions options, Feed feed,

@@ -21,7 +21,8 @@ namespace headpin::devices {
 constexpr int kFastrakStations = 4;
 /// Measurements a second, shared by the receivers (manual p. E-2).
 constexpr std::int64_t kFastrakCycleRate = 120;
-/// Commands of one control byte: go on sending, hold on, start again.
+/// Commands of one control byte: save, go on sending, hold on, start again.
+constexpr char kFastrakSave = 0x0B;          ///< ^K
 constexpr char kFastrakResume = 0x11;        ///< ^Q, XON
 constexpr char kFastrakSuspend = 0x13;       ///< ^S, XOFF
 constexpr char kFastrakReinitialise = 0x19;  ///< ^Y

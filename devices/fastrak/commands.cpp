@@ -383,6 +383,25 @@ bool is_fastrak_line_command(char letter) {
   return std::ranges::find(kCommands, letter, &Command::letter) != kCommands.end();
 }
 
+bool switch_setting(char letter, FastrakSetup& setup) {
+  switch (letter) {
+    case 'F':
+    case 'f':
+      setup.binary = letter == 'f';
+      return true;
+    case 'U':
+    case 'u':
+      setup.centimetres = letter == 'u';
+      return true;
+    case 'D':
+    case 'd':
+      setup.compensation = letter == 'D';
+      return true;
+    default:
+      return false;
+  }
+}
+
 std::string carry_out(std::string_view text, FastrakMemory& memory) {
   const Line line(text);
   const auto command = std::ranges::find(kCommands, line.letter, &Command::letter);

@@ -73,6 +73,10 @@ struct FastrakRefused {
 /// Whether a command with this letter ends with its line.
 bool is_fastrak_line_command(char letter);
 
+/// Makes the setting of an immediate command: F, f, U, u, D or d.
+/// @return  false for another letter
+bool switch_setting(char letter, FastrakSetup& setup);
+
 /// Executes a line, which has no line end.
 ///
 /// @param line  begins with the letter of a line command

@@ -13,9 +13,7 @@ constexpr Time kCycle{8333};                // 1 / kFastrakCycleRate
 constexpr Time kSolutionReady{5500};        // after the start of the field (p. E-2)
 constexpr Time kMidSampling{5500 - 3750};   // effective latency 3.75 ms (p. E-4)
 constexpr std::int64_t kSwitchCycles = 40;  // between readings of the stylus switch
-constexpr std::size_t kOutboxLimit = 1024;  // bytes that a reader may leave
-constexpr Time kPiece{50'000};              // no line fills the outbox in this time
-constexpr std::size_t kQueueLimit = 8192;   // bytes of answers waiting for the line
+constexpr std::size_t kHeldLimit = 1024;    // bytes of commands waiting for ^K
 
 // Purposes of random numbers.
 constexpr std::uint64_t kNoise = 0, kFaults = 16;
@@ -82,7 +80,7 @@ void FastrakEmulator::start_up(Time now) {
     memory_.setup.stations[s].on = memory_.setup.stations[s].on && plugged(s, now);
   }
   memory_.port = {options_.baud, 8, false};
-  drop_unsent();
+  sending_.drop_unsent(false);
   listening_from_ = now + options_.boot_time;
   saved_at_ = Time{0};
   held_.clear();
@@ -94,14 +92,13 @@ void FastrakEmulator::start_up(Time now) {
   switch_was_down_ = switched_off_ = false;
   memory_.guided.reset();
   expected_.reset();
-  suspended_ = false;
-  line_.clear();
-  swallow_ = Swallow::nothing;
+  sending_.start();
 }
 
 void FastrakEmulator::power_cycle(Time now) {
   advance(now);
-  queue_.clear();
+  sending_.drop_all();
+  hearing_ = {};
   start_up(now_);
 }
 
@@ -120,12 +117,7 @@ void FastrakEmulator::receive(Bytes bytes, Time now) {
 
 Bytes FastrakEmulator::due(Time now) {
   advance(now);
-  return outbox_;
-}
-
-void FastrakEmulator::taken(std::size_t count) {
-  outbox_.erase(outbox_.begin(),
-                outbox_.begin() + static_cast<std::ptrdiff_t>(std::min(count, outbox_.size())));
+  return sending_.out();
 }
 
 void FastrakEmulator::advance(Time now) {
@@ -169,7 +161,7 @@ std::optional<Time> FastrakEmulator::next_measured(int station, Time from) const
 
 void FastrakEmulator::measure(std::size_t station, Time at) {
   const int number = static_cast<int>(station) + 1;
-  Solution& solution = solutions_[station];
+  FastrakSolution& solution = solutions_[station];
   const bool pulled_out = !plugged(station, at);
   Time when = at;
   for (const StationFault& stuck : options_.faults.stuck) {
@@ -235,35 +227,18 @@ void FastrakEmulator::look_at_switch(Time now) {
 }
 
 void FastrakEmulator::pump(Time now) {
-  const std::int64_t now_ns = now.count() * 1000;
-  const int baud = options_.faults.slow_baud > 0
-                       ? std::min(memory_.port.baud, options_.faults.slow_baud)
-                       : memory_.port.baud;
-  const int bits =
-      1 + memory_.port.bits + (memory_.port.parity ? 1 : 0) + 1;  // start, data, parity, stop
-  const std::int64_t byte_ns = bits * 1'000'000'000LL / baud;
-  while (!queue_.empty() && !suspended_ && outbox_.size() < kOutboxLimit) {
-    Message& message = queue_.front();
-    const std::int64_t start_ns = std::max(line_free_ns_, message.due.count() * 1000);
-    if (message.sent == 0) {
-      if (start_ns > now_ns) return;
-      if (silent(Time{start_ns / 1000})) {
-        queue_.pop_front();
-        continue;
-      }
-    }
-    if (start_ns + byte_ns > now_ns) return;
-    const std::uint8_t byte = message.bytes[message.sent++];
-    outbox_.push_back(memory_.port.bits == 7 ? byte & 0x7F : byte);
-    line_free_ns_ = start_ns + byte_ns;
-    if (message.sent < message.bytes.size()) continue;
-    statistics_.records += static_cast<std::int64_t>(message.records.size());
-    statistics_.garbage_bytes += static_cast<std::int64_t>(message.garbage);
-    for (const FastrakSent& record : message.records) {
-      if (record.damaged) ++statistics_.damaged;
-      if (options_.on_record) options_.on_record(record);
-    }
-    queue_.pop_front();
+  FastrakPort port = memory_.port;
+  if (options_.faults.slow_baud > 0) port.baud = std::min(port.baud, options_.faults.slow_baud);
+  sending_.pump(now, {port, [this](Time t) { return silent(t); },
+                      [this](const FastrakMessage& message) { count_sent(message); }});
+}
+
+void FastrakEmulator::count_sent(const FastrakMessage& message) {
+  statistics_.records += static_cast<std::int64_t>(message.records.size());
+  statistics_.garbage_bytes += static_cast<std::int64_t>(message.garbage);
+  for (const FastrakSent& record : message.records) {
+    if (record.damaged) ++statistics_.damaged;
+    if (options_.on_record) options_.on_record(record);
   }
 }
 
@@ -277,62 +252,30 @@ std::optional<std::size_t> FastrakEmulator::next_active(std::size_t after) const
   return std::nullopt;
 }
 
-bool FastrakEmulator::line_free() const {
-  if (suspended_ || outbox_.size() >= kOutboxLimit) return false;
-  // The last byte needs no more waiting; the next record may be written after it.
-  return queue_.empty() ||
-         (queue_.size() == 1 && queue_.front().sent + 1 >= queue_.front().bytes.size());
-}
-
 FastrakFormat FastrakEmulator::format_of(std::size_t station) const {
   return {memory_.setup.stations[station].items, memory_.setup.binary, memory_.setup.centimetres};
 }
 
 Pose FastrakEmulator::outcome(std::size_t station) const {
-  const FastrakStationSetup& setup = memory_.setup.stations[station];
-  Pose X = solutions_[station].X_TS;
-  X.p = X * setup.p_SN;
-  X = frame_through(setup.p_TA[0], setup.p_TA[1], setup.p_TA[2]).value().inverse() * X;
-  X = Pose{from_angles_deg(setup.mounting_deg), Vec3::Zero()} * X;
-  return X;
+  return pose_reported(memory_.setup.stations[station], solutions_[station].X_TS);
 }
 
 FastrakRecord FastrakEmulator::record_of(std::size_t station) {
-  const FastrakStationSetup& setup = memory_.setup.stations[station];
-  Pose X = outcome(station);
-  if (setup.q_boresight) {
-    X.q = X.q * setup.q_boresight->conjugate() * from_angles_deg(setup.boresight_deg);
-  }
-  X.q.normalize();
-  if (X.q.w() < 0.0) X.q.coeffs() = -X.q.coeffs();
-  const double unit = format_of(station).metre_per_unit();
-
-  FastrakRecord record;
+  const FastrakSolution& solution = solutions_[station];
+  std::optional<Vec3>& last = last_output_[station];
+  FastrakRecord record =
+      devices::record_of(memory_.setup.stations[station], solution, last.value_or(Vec3::Zero()),
+                         format_of(station).metre_per_unit());
   record.station = static_cast<int>(station) + 1;
-  record.error = solutions_[station].error;
-  record.position = X.p / unit;
-  record.relative = (X.p - last_output_[station].value_or(Vec3::Zero())) / unit;
-  record.angles_deg = angles_deg(X.q);
-  record.attitude = X.q.toRotationMatrix();
-  record.quaternion = {X.q.w(), X.q.x(), X.q.y(), X.q.z()};
-  record.pressed = solutions_[station].pressed;
-
-  const auto outside = [](const Vec3& v, const std::array<Vec3, 2>& box) {
-    return (v.array() > box[0].array()).any() || (v.array() < box[1].array()).any();
-  };
-  if (record.error == ' ') {
-    if (outside(X.p, setup.position_envelope)) record.error = 'x';
-    if (outside(record.angles_deg, setup.angle_envelope_deg)) record.error = 'y';
-    if (record.error != ' ') memory_.error = static_cast<unsigned char>(record.error);
-  }
-  last_output_[station] = X.p;
+  if (record.error != solution.error) memory_.error = static_cast<unsigned char>(record.error);
+  last = outcome(station).p;
   return record;
 }
 
 void FastrakEmulator::offer(std::size_t station, Time now) {
   if (!memory_.setup.continuous || switched_off_) return;
   if (!expected_ || !active(*expected_)) expected_ = next_active(kFastrakStations - 1);
-  if (station != *expected_ || !line_free()) {
+  if (station != *expected_ || !sending_.is_free()) {
     ++statistics_.dropped;
     return;
   }
@@ -348,14 +291,14 @@ void FastrakEmulator::offer(std::size_t station, Time now) {
     ++statistics_.lost;
     return;
   }
-  Message message;
+  FastrakMessage message;
   message.due = now;
   message.stream = true;
   add_record(station, message);
   queue(std::move(message));
 }
 
-void FastrakEmulator::add_record(std::size_t station, Message& message) {
+void FastrakEmulator::add_record(std::size_t station, FastrakMessage& message) {
   Random random(options_.seed, kFaults + 1, outputs_++);
   if (random.uniform() < options_.faults.garbage) {
     const std::size_t count = 1 + random.next() % 8;
@@ -382,7 +325,7 @@ void FastrakEmulator::send_point(Time now) {
     point_of_alignment(now);
     return;
   }
-  Message message;
+  FastrakMessage message;
   message.due = now + kCycle;
   for (std::size_t s = 0; s < kFastrakStations; ++s) {
     if (!active(s)) continue;
@@ -393,52 +336,156 @@ void FastrakEmulator::send_point(Time now) {
 }
 
 void FastrakEmulator::reply(const std::string& line, Time now) {
-  Message message;
+  FastrakMessage message;
   message.due = now + kCycle;
   message.bytes.assign(line.begin(), line.end());
   queue(std::move(message));
 }
 
-void FastrakEmulator::queue(Message message) {
-  if (message.bytes.empty()) return;
-  std::size_t waiting = message.bytes.size();
-  for (const Message& other : queue_) waiting += other.bytes.size() - other.sent;
-  if (waiting > kQueueLimit) {
-    statistics_.dropped += static_cast<std::int64_t>(message.records.size());
+void FastrakEmulator::queue(FastrakMessage message) {
+  const auto records = static_cast<std::int64_t>(message.records.size());
+  if (!sending_.add(std::move(message))) statistics_.dropped += records;
+}
+
+// --- Commands --------------------------------------------------------------------------------
+
+void FastrakEmulator::hear_all(Bytes bytes, Time now) {
+  for (std::size_t i = 0; i < bytes.size(); ++i) {
+    if (silent(now)) return;
+    if (now < saved_at_) {
+      const std::size_t room = kHeldLimit - std::min(kHeldLimit, held_.size());
+      const Bytes rest = bytes.subspan(i, std::min(room, bytes.size() - i));
+      held_.insert(held_.end(), rest.begin(), rest.end());
+      return;
+    }
+    act_on(hearing_.hear(memory_.port.bits == 7 ? bytes[i] & 0x7F : bytes[i]), now);
+  }
+}
+
+void FastrakEmulator::act_on(const FastrakHeard& heard, Time now) {
+  switch (heard.kind) {
+    case FastrakHeard::Kind::control:
+      return control(heard.text[0], now);
+    case FastrakHeard::Kind::immediate:
+      return immediate(heard.text[0], now);
+    case FastrakHeard::Kind::line:
+      return run_line(heard.text, now);
+    case FastrakHeard::Kind::unknown:
+      return refuse(heard.text, FastrakRefusal::unknown_command, 0, 0, 1, now);
+    case FastrakHeard::Kind::nothing:
+      return;
+  }
+}
+
+void FastrakEmulator::control(char c, Time now) {
+  ++statistics_.commands;
+  if (c == kFastrakSave) save(now);
+  if (c == kFastrakResume) sending_.resume(now);
+  if (c == kFastrakSuspend) sending_.suspend();
+  if (c == kFastrakReinitialise) start_up(now);
+}
+
+void FastrakEmulator::save(Time now) {
+  eeprom_ = memory_.setup;
+  for (FastrakStationSetup& station : eeprom_.stations) {
+    station.q_boresight.reset();
+  }
+  for (std::size_t s = 0; s < kFastrakStations; ++s) {
+    eeprom_.stations[s].p_SN = factory_setup(now).stations[s].p_SN;
+  }
+  if (eeprom_.sync == 1) eeprom_.sync = 0;
+  saved_at_ = now + options_.save_time;
+}
+
+void FastrakEmulator::stream() {
+  ++statistics_.streams;
+  if (!memory_.setup.continuous) expected_.reset();
+  memory_.setup.continuous = true;
+  switched_off_ = false;
+  if (const auto station = expected_ ? expected_ : next_active(kFastrakStations - 1)) {
+    stream_zero_ = *next_measured(static_cast<int>(*station) + 1, Time{});
+  }
+}
+
+FastrakStatus FastrakEmulator::status(Time now) const {
+  FastrakStatus status;
+  status.binary = memory_.setup.binary;
+  status.centimetres = memory_.setup.centimetres;
+  status.compensation = memory_.setup.compensation;
+  status.continuous = memory_.setup.continuous;
+  status.error = memory_.error;
+  status.firmware = options_.firmware;
+  status.identification = memory_.setup.identification;
+  if (options_.tag_2012) {
+    // The coding of the sensor map is not known. Our choice: one hex digit, bit 0 for station 1.
+    int map = 0;
+    for (std::size_t s = 0; s < kFastrakStations; ++s) map |= plugged(s, now) ? 1 << s : 0;
+    status.tag = std::string("F3") + "0123456789ABCDEF"[map];
+  }
+  return status;
+}
+
+void FastrakEmulator::immediate(char command, Time now) {
+  ++statistics_.commands;
+  if (switch_setting(command, memory_.setup)) return;
+  switch (command) {
+    case 'P':
+      return send_point(now);
+    case 'C':
+      return stream();
+    case 'c':
+      memory_.setup.continuous = false;
+      switched_off_ = false;
+      return sending_.drop_unsent(true);
+    case 'S':
+      if (++status_requests_ > options_.faults.deaf) reply(encode_status(status(now)), now);
+      return;
+    case 'W':
+      memory_.setup = factory_setup(now);
+      return sending_.drop_unsent(true);
+    default:
+      return;
+  }
+}
+
+void FastrakEmulator::refuse(std::string_view command, FastrakRefusal why, std::size_t position,
+                             std::size_t field, int station, Time now) {
+  ++statistics_.refused;
+  if (!memory_.setup.binary) reply(encode_refusal(command, why, position, field, station), now);
+}
+
+void FastrakEmulator::run_line(const std::string& line, Time now) {
+  if (line.size() > kFastrakLongestLine) {
+    refuse(line, FastrakRefusal::buffer_limit, kFastrakLongestLine, 0, 1, now);
     return;
   }
-  queue_.push_back(std::move(message));
+  commanded_ = now;
+  try {
+    const std::string answer = carry_out(line, memory_);
+    if (!answer.empty()) reply(answer, now);
+    ++statistics_.commands;
+  } catch (const FastrakRefused& refused) {
+    refuse(line, refused.why, refused.position, refused.field, refused.station, now);
+  }
+  for (std::size_t s = 0; s < kFastrakStations; ++s) {
+    if (!active(s)) solutions_[s].valid = false;
+  }
 }
 
-void FastrakEmulator::drop_unsent() {
-  std::erase_if(queue_, [](const Message& message) { return message.sent == 0; });
-}
-
-Time begin_of(const TrackerSample& first, const FastrakEmulator& emulator, Time now) {
-  const Time three_cycles = tick_time(3, kFastrakCycleRate);
-  const Time wanted = now + first.device_time;
-  const std::optional<Time> next = emulator.next_measured(first.station, wanted);
-  for (std::optional<Time> at = next; at && *at <= wanted + 4 * three_cycles;
-       at = emulator.next_measured(first.station, *at + Time{1})) {
-    const Time begin = *at - first.device_time;
-    if ((begin - emulator.stream_zero()) % three_cycles == Time{0}) return begin;
+void FastrakEmulator::point_of_alignment(Time now) {
+  if (!solutions_[0].valid) measure(0, now);
+  memory_.guided->push_back(solutions_[0].X_TS * memory_.setup.stations[0].p_SN);
+  if (memory_.guided->size() < 3) return;
+  const std::array<Vec3, 3> points = {(*memory_.guided)[0], (*memory_.guided)[1],
+                                      (*memory_.guided)[2]};
+  memory_.guided.reset();
+  for (FastrakStationSetup& station : memory_.setup.stations) {
+    if (!align(station, points)) {
+      refuse("A0", FastrakRefusal::out_of_range, 1, 0, 1, now);
+      return;
+    }
   }
-  return next.value_or(wanted) - first.device_time;
-}
-
-void serve(FastrakEmulator& emulator, ByteStream& stream, Time now) {
-  // After a delay of the server, the bytes that would have left by now are passed on in pieces.
-  // They may be more than the outbox can hold, although no reader was late.
-  for (Time then = emulator.now() + kPiece; then < now; then += kPiece) {
-    emulator.taken(stream.write(emulator.due(then)));
-  }
-  std::array<std::uint8_t, 512> heard{};
-  while (const std::size_t n = stream.read(heard)) {
-    emulator.receive(Bytes(heard).first(n), now);
-    if (n < heard.size()) break;
-  }
-  const Bytes due = emulator.due(now);
-  if (!due.empty()) emulator.taken(stream.write(due));
+  reply(alignment_answer(memory_, 0), now);  // shows the new frame
 }
 
 }  // namespace headpin::devices

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <deque>
 #include <functional>
 #include <optional>
 #include <string>
@@ -15,19 +14,13 @@
 #include "devices/fastrak/commands.h"
 #include "devices/fastrak/faults.h"
 #include "devices/fastrak/geometry.h"
+#include "devices/fastrak/hearing.h"
 #include "devices/fastrak/motion.h"
 #include "devices/fastrak/replies.h"
-#include "devices/lines/byte_stream.h"
+#include "devices/fastrak/sending.h"
+#include "devices/fastrak/solution.h"
 
 namespace headpin::devices {
-
-/// A data record that was sent, for comparisons.
-struct FastrakSent {
-  int station = 1;
-  Time measured{};                  ///< mid-sampling
-  std::vector<std::uint8_t> bytes;  ///< the record itself
-  bool damaged = false;             ///< by a fault
-};
 
 struct FastrakEmulatorOptions {
   int receivers = 2;                ///< plugged in, from station 1 on
@@ -97,7 +90,7 @@ class FastrakEmulator {
 
   /// Removes the first `count` bytes, which the reader took. If a reader leaves more than a
   /// kilobyte, whole records are dropped.
-  void taken(std::size_t count);
+  void taken(std::size_t count) { sending_.taken(count); }
 
   /// The time of measurement of the first record of the current continuous output, from which
   /// drivers count cycles.
@@ -120,24 +113,6 @@ class FastrakEmulator {
   int baud() const { return memory_.port.baud; }
 
  private:
-  /// Bytes that are sent in one piece.
-  struct Message {
-    std::vector<std::uint8_t> bytes;
-    Time due{};                        ///< not before
-    std::size_t sent = 0;              ///< bytes that have left
-    bool stream = false;               ///< a record of the continuous output
-    std::vector<FastrakSent> records;  ///< the data records in it
-    std::size_t garbage = 0;           ///< bytes in it that belong to no record
-  };
-  /// The newest measurement of a station.
-  struct Solution {
-    Time measured{};
-    Pose X_TS;  ///< after hemisphere and filters
-    char error = ' ';
-    bool pressed = false;
-    bool valid = false;
-  };
-
   // Time.
   void advance(Time now);
   void run_cycles(Time now);
@@ -154,21 +129,23 @@ class FastrakEmulator {
   Pose outcome(std::size_t station) const;
   FastrakRecord record_of(std::size_t station);
   void offer(std::size_t station, Time now);
-  void add_record(std::size_t station, Message& message);
+  void add_record(std::size_t station, FastrakMessage& message);
   void send_point(Time now);
   void reply(const std::string& line, Time now);
-  void queue(Message message);
-  void drop_unsent();
-  bool line_free() const;
+  void queue(FastrakMessage message);
+  void count_sent(const FastrakMessage& message);
   bool active(std::size_t station) const { return memory_.setup.stations[station].on; }
   std::optional<std::size_t> next_active(std::size_t after) const;
 
   // Commands.
   void hear_all(Bytes bytes, Time now);
-  void hear(std::uint8_t byte, Time now);
-  bool control(std::uint8_t byte, Time now);
+  void act_on(const FastrakHeard& heard, Time now);
+  void control(char c, Time now);
+  void save(Time now);
   void immediate(char command, Time now);
-  void run_line(Time now);
+  void stream();
+  FastrakStatus status(Time now) const;
+  void run_line(const std::string& line, Time now);
   void refuse(std::string_view command, FastrakRefusal why, std::size_t position, std::size_t field,
               int station, Time now);
   void point_of_alignment(Time now);
@@ -187,7 +164,7 @@ class FastrakEmulator {
   Time saved_at_{};                 ///< ^K: nothing measured, and commands wait, before
   std::vector<std::uint8_t> held_;  ///< bytes that arrived while saving
   std::size_t measured_ = kFastrakStations - 1;  ///< station of the last measurement
-  std::array<Solution, kFastrakStations> solutions_;
+  std::array<FastrakSolution, kFastrakStations> solutions_;
   std::array<AdaptiveWeight, kFastrakStations> position_weights_, attitude_weights_;
   std::array<std::optional<Vec3>, kFastrakStations> last_output_;  ///< position reported [m]
   int status_requests_ = 0;                                        ///< heard so far
@@ -196,29 +173,10 @@ class FastrakEmulator {
 
   Time stream_zero_{};
   std::optional<std::size_t> expected_;  ///< station whose record continuous output sends next
-  bool suspended_ = false;               ///< between ^S and ^Q
   std::uint64_t outputs_ = 0;            ///< records made, for the seeds of the faults
-  std::deque<Message> queue_;
-  std::int64_t line_free_ns_ = 0;     ///< when the last byte has left
-  std::vector<std::uint8_t> outbox_;  ///< bytes that have left and are not taken yet
 
-  std::string line_;  ///< command letter and what followed, up to now
-  enum class Swallow { nothing, any_end, line_feed, carriage_return } swallow_ = Swallow::nothing;
+  FastrakHearing hearing_;
+  FastrakSending sending_;
 };
-
-/// The time from `now` on at which a recording should begin, so that the unit's cycles coincide
-/// with its samples.
-///
-/// Measurements between the samples change the throw: for the bundled trial, the release speed by
-/// some centimetres per second, and 6 to 10 skittles fall instead of 9. If the stations' turns allow it, the
-/// recording begins a multiple of three cycles after the first record. That is a whole number of
-/// microseconds, so all times of a recording from a real unit are shifted by the same amount.
-///
-/// @param first  measurement in the recording
-Time begin_of(const TrackerSample& first, const FastrakEmulator& emulator, Time now);
-
-/// Passes bytes from the stream to the emulator and back. To be called about every millisecond,
-/// which determines the timing of the bytes.
-void serve(FastrakEmulator& emulator, ByteStream& stream, Time now);
 
 }  // namespace headpin::devices

@@ -15,7 +15,7 @@
 
 #include "base/output_file.h"
 #include "devices/fastrak/driver.h"
-#include "devices/fastrak/emulator.h"
+#include "devices/fastrak/serving.h"
 #include "devices/log/event_log.h"
 #include "scene/record/log.h"
 #include "tests/bench/report.h"

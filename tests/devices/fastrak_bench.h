@@ -9,7 +9,7 @@
 #include <poll.h>
 
 #include "devices/fastrak/driver.h"
-#include "devices/fastrak/emulator.h"
+#include "devices/fastrak/serving.h"
 
 /// An emulated unit and a driver on one line.
 namespace headpin::devices::test {

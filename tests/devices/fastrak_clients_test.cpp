@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 #include "devices/fastrak/clients.h"
-#include "devices/fastrak/emulator.h"
+#include "devices/fastrak/serving.h"
 #include "devices/recordings/recorded_motion.h"
 #include "tests/support/samples_of_log.h"
 

@@ -11,7 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/fastrak/driver.h"
-#include "devices/fastrak/emulator.h"
+#include "devices/fastrak/serving.h"
 #include "devices/lines/lasting_line.h"
 #include "tests/devices/fastrak_bench.h"
 #include "tests/support/folder.h"

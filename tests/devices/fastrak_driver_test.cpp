@@ -7,8 +7,8 @@
 #include <poll.h>
 
 #include "devices/fastrak/driver.h"
-#include "devices/fastrak/emulator.h"
 #include "devices/fastrak/geometry.h"
+#include "devices/fastrak/serving.h"
 #include "tests/devices/fastrak_bench.h"
 
 namespace headpin::devices {

@@ -20,7 +20,7 @@
 #include <unistd.h>
 
 #include "devices/fastrak/driver.h"
-#include "devices/fastrak/emulator.h"
+#include "devices/fastrak/serving.h"
 #include "devices/lines/stamped_stream.h"
 #include "tests/devices/fastrak_bench.h"
 

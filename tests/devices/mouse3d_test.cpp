@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/fastrak/driver.h"
-#include "devices/fastrak/emulator.h"
+#include "devices/fastrak/serving.h"
 
 namespace headpin::devices {
 namespace {

@@ -1,6 +1,7 @@
 #include <gmock/gmock.h>
 
 #include "devices/base/sources.h"
+#include "devices/fastrak/serving.h"
 #include "scene/record/log.h"
 #include "scene/record/source.h"
 #include "tests/devices/fastrak_unit.h"

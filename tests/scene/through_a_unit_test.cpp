@@ -8,7 +8,7 @@
 #include "devices/base/mouse3d.h"
 #include "devices/base/sources.h"
 #include "devices/fastrak/driver.h"
-#include "devices/fastrak/emulator.h"
+#include "devices/fastrak/serving.h"
 #include "devices/recordings/recorded_motion.h"
 #include "scene/play/score.h"
 #include "scene/play/session.h"
