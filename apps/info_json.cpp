@@ -49,7 +49,7 @@ ordered_json events_json(const scene::TrialSummary& trial) {
                    {"kind", event.kind},
                    {"bodies", event.bodies},
                    {"value", event.value},
-                   {"detail", event.detail}});
+                   {"detail", event.detail.text()}});
   }
   return out;
 }
@@ -58,7 +58,7 @@ ordered_json events_json(const scene::TrialSummary& trial) {
 void add_details(ordered_json& out, const scene::TrialSummary& trial) {
   for (const scene::Event& event : trial.events) {
     if (event.kind != scene::kind::ledger && event.kind != scene::kind::kept_pace) continue;
-    const ordered_json detail = ordered_json::parse(event.detail, nullptr, false);
+    const auto detail = scene::stored_json<ordered_json>(event.detail);
     if (detail.is_object()) out[event.kind] = detail;
   }
 }

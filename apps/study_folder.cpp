@@ -43,7 +43,7 @@ Run look_into(const fs::path& path) {
   run.is_virtual = is_virtual_name(trial.header.participant);
   std::set<std::string> versions;
   for (const scene::Event& event : trial.events) {
-    if (event.kind == scene::kind::version) versions.insert(event.detail);
+    if (event.kind == scene::kind::version) versions.insert(event.detail.text());
   }
   run.both = versions.size() == 2;
   return run;

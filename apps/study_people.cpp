@@ -27,7 +27,7 @@ namespace {
 std::optional<double> frame_rate_of(const scene::Recorded& recorded) {
   for (const scene::Event& event : recorded.file.summary().events) {
     if (event.kind != scene::kind::kept_pace) continue;
-    const scene::KeptPace pace = scene::kept_pace(event);
+    const auto pace = event.detail.value_or(scene::KeptPace{});
     const auto hz = static_cast<double>(recorded.scenario.rates.physics_hz);
     const auto frames = static_cast<double>(pace.frames), ticks = static_cast<double>(pace.ticks);
     if (ticks > 0.0) return frames * hz / ticks;

@@ -181,7 +181,7 @@ std::string event_row(const scene::Event& event) {
   for (const double value : {event.p_W.x(), event.p_W.y(), event.p_W.z()}) {
     cells.push_back(fmt::format("{}", value));
   }
-  cells.push_back(cell_of(event.detail));
+  cells.push_back(cell_of(event.detail.text()));
   cells.resize(kEventColumns.size(), kNoAnswer);
   return line(cells);
 }

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 
-#include <nlohmann/json.hpp>
-
-#include "scene/play/presence.h"
 #include "scene/record/events.h"
 
 namespace headpin::study {
@@ -30,19 +27,18 @@ void Measurer::tick(const scene::Session& session) {
   for (const scene::Event& event : session.events) {
     score_.add(event);
     if (event.kind == scene::kind::version) {
-      version_ = event.detail;
+      version_ = event.detail.text();
       if (std::ranges::find(so_far_.order, version_) == so_far_.order.end()) {
         so_far_.order.push_back(version_);
       }
       head_W_.reset();
       hand_W_.reset();
     }
-    if (event.kind != scene::kind::passed_player || version_.empty()) continue;
+    const auto* passed = event.detail.get_if<scene::PassedPlayer>();
+    if (!passed || version_.empty()) continue;
     VersionMeasures& version = so_far_.versions[version_];
-    for (const nlohmann::json& one : scene::approaches_of(std::span(&event, 1))) {
-      ++version.approaches;
-      version.evaded += one.value("moved", false);
-    }
+    ++version.approaches;
+    version.evaded += passed->moved;
   }
   if (version_.empty()) return;
   VersionMeasures& version = so_far_.versions[version_];

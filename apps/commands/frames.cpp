@@ -263,7 +263,8 @@ void report(const FramesOptions& options, const Task& task, const Done& done, bo
                 {"width", eyes.optics.width},
                 {"height", eyes.optics.height},
                 {"renderer", eyes.renderer.description()},
-                {"drawn_by", scene::to_json(render::fingerprint(eyes.renderer))}});
+                {"drawn_by",
+                 scene::stored_json<nlohmann::ordered_json>(render::fingerprint(eyes.renderer))}});
     return;
   }
   if (task.compares && task.why_not.empty()) {

@@ -17,7 +17,6 @@
 #include "scene/record/events.h"
 #include "scene/record/file.h"
 #include "scene/stage/read_scenario.h"
-#include "scene/watch/drawn_by.h"
 
 namespace headpin::apps {
 namespace {
@@ -74,8 +73,7 @@ void print_skipped(const scene::TrialSummary& trial) {
 }
 
 /// How well a live session kept real time, as text.
-std::string pace_in_words(const scene::Event& event) {
-  const scene::KeptPace pace = scene::kept_pace(event);
+std::string pace_in_words(const scene::KeptPace& pace) {
   return fmt::format("{} ticks, {} overruns; {} frames, {} late; drawing failed {} times",
                      pace.ticks, pace.overruns, pace.frames, pace.late_frames,
                      pace.drawing_failures);
@@ -84,16 +82,19 @@ std::string pace_in_words(const scene::Event& event) {
 /// The content of an event besides its kind, on one line.
 std::string in_short(const scene::Event& event) {
   if (event.kind == scene::kind::ledger) return "";
-  if (event.kind == scene::kind::kept_pace) return pace_in_words(event);
+  if (event.kind == scene::kind::kept_pace) {
+    return pace_in_words(event.detail.value_or(scene::KeptPace{}));
+  }
   if (event.kind == scene::kind::drawn_by) {
-    const std::optional<render::Fingerprint> who = scene::drawn_by({event});
+    const auto* who = event.detail.get_if<render::Fingerprint>();
     return who ? who->renderer : "";
   }
-  if (const auto motion = scene::motion_of(event); motion && event.kind == scene::kind::release) {
+  if (const auto motion = scene::motion_of(event.detail)) {
     return fmt::format("{}, {:.2f} m/s, {}", fmt::join(event.bodies, ", "), event.value,
                        scene::in_words(*motion));
   }
-  return event.bodies.empty() ? event.detail : fmt::format("{}", fmt::join(event.bodies, ", "));
+  return event.bodies.empty() ? event.detail.text()
+                              : fmt::format("{}", fmt::join(event.bodies, ", "));
 }
 
 void print_trial(const std::string& path, const scene::TrialSummary& trial,

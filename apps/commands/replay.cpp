@@ -112,8 +112,7 @@ void print_throws(const nlohmann::json& result) {
 /// Prints the releases with incomplete tracker data.
 void print_releases(const std::vector<scene::Event>& events) {
   for (const scene::Event& event : events) {
-    if (event.kind != scene::kind::release) continue;
-    const auto motion = scene::motion_of(event);
+    const auto motion = scene::motion_of(event.detail);
     if (!motion || (motion->known == scene::Known::tracked && motion->left_out == 0)) continue;
     fmt::print("{:<18}of {} at {:.3f} s: {}\n", "release", event.bodies.front(),
                seconds(event.time), scene::in_words(*motion));

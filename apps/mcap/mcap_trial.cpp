@@ -189,7 +189,7 @@ void McapTrial::add_event(const scene::Event& event) {
                                           {"point", numbers_of(event.p_W)},
                                           {"impulse", numbers_of(event.j_W)},
                                           {"value", event.value},
-                                          {"detail", event.detail}};
+                                          {"detail", event.detail.text()}};
   const std::string kind = nlohmann::ordered_json::parse(utf8_of(event.kind)).get<std::string>();
   const Time time = std::max(event.time, Time{});
   add(events_, time, foxglove::log(time, kind, utf8_of(message)));

@@ -136,7 +136,7 @@ py::list events(PySession& s) {
                         "bodies"_a = py::tuple(py::cast(e.bodies)), "x_m"_a = e.p_W.x(),
                         "y_m"_a = e.p_W.y(), "z_m"_a = e.p_W.z(), "impulse_x_ns"_a = e.j_W.x(),
                         "impulse_y_ns"_a = e.j_W.y(), "impulse_z_ns"_a = e.j_W.z(),
-                        "value"_a = e.value, "detail"_a = e.detail));
+                        "value"_a = e.value, "detail"_a = e.detail.text()));
   }
   return all;
 }

@@ -66,11 +66,11 @@ Event LiveMonitor::kept_pace(const Session& session) const {
   Event event;
   event.time = session.now();
   event.kind = kind::kept_pace;
-  event.detail = to_detail({.ticks = session.tick,
-                            .overruns = pace_.overruns(),
-                            .frames = frames_,
-                            .late_frames = eyes_.late(),
-                            .drawing_failures = drawing_failures_});
+  event.detail = KeptPace{.ticks = session.tick,
+                          .overruns = pace_.overruns(),
+                          .frames = frames_,
+                          .late_frames = eyes_.late(),
+                          .drawing_failures = drawing_failures_};
   return event;
 }
 

@@ -115,7 +115,7 @@ json of_trial(const Recorded& recorded) {
 
 /// For a release: how its motion is known, in words. For other events: empty.
 std::string known_of(const Event& event) {
-  const auto motion = event.kind == kind::release ? motion_of(event) : std::nullopt;
+  const auto motion = motion_of(event.detail);
   return motion ? in_words(*motion) : "";
 }
 
@@ -129,7 +129,7 @@ json of_events(const std::vector<Event>& events) {
                    {"p", numbers(e.p_W)},
                    {"j", numbers(e.j_W)},
                    {"value", e.value},
-                   {"detail", e.detail},
+                   {"detail", e.detail.text()},
                    {"known", known_of(e)}});
   }
   return out;

@@ -53,7 +53,7 @@ void note_contacts(Game& game, const Tick& tick) {
       game.struck = true;
       e.kind = kind::first_contact;
       e.value = v_WB.norm();
-      e.detail = contact_detail(v_WB);
+      e.detail = FirstContact{v_WB};
     }
     tick.events.push_back(std::move(e));
   }
@@ -103,7 +103,7 @@ void note_fallen(Game& game, const Tick& tick) {
     Event e = event(tick, kind::skittle_down, {skittle});
     e.p_W = X_WB.p;
     e.value = static_cast<double>(std::count(game.down.begin(), game.down.end(), 1));
-    if (tells_apart(tick.stage)) e.detail = to_detail(game.moved_by[skittle]);
+    if (tells_apart(tick.stage)) e.detail = game.moved_by[skittle];
     tick.events.push_back(std::move(e));
   }
 }
@@ -118,7 +118,8 @@ void note_releases(Game& game, const Tick& tick) {
           tick.events[i].bodies.front() != tick.world.bodies[ball].name)
         continue;
       if (tells_apart(tick.stage)) game.struck = false;
-      const Vec3 p_WB = released(tick.events[i]).p_WB.value_or(tick.events[i].p_W);
+      const Vec3 p_WB =
+          tick.events[i].detail.value_or(Released{}).p_WB.value_or(tick.events[i].p_W);
       if (tick.stage.scenario.game.foul == FoulBall::count || p_WB.y() <= 0.0) continue;
       game.foul = true;
       Event e = event(tick, kind::foul, {ball});
@@ -131,13 +132,12 @@ void note_releases(Game& game, const Tick& tick) {
 
 /// The state of a ball when the hand let it go, as far as its event tells; else its present one.
 engine::State state_at_release(const Event& release, const engine::State& now) {
-  const Released told = released(release);
   engine::State state = now;
-  if (told.p_WB && told.v_WB && told.w_WB) {
-    state.X_WB.p = *told.p_WB;
-    state.v_WB = *told.v_WB;
-    state.w_WB = *told.w_WB;
-  }
+  const auto* told = release.detail.get_if<Released>();
+  if (!told || !told->p_WB || !told->v_WB || !told->w_WB) return state;
+  state.X_WB.p = *told->p_WB;
+  state.v_WB = *told->v_WB;
+  state.w_WB = *told->w_WB;
   return state;
 }
 
@@ -202,7 +202,7 @@ void end_ball_path(Game& game, const Tick& tick) {
   const WatchedBall watched = *std::exchange(game.watched, std::nullopt);
   Event e = event(tick, kind::ball_path, {watched.body});
   e.p_W = watched.watch.last.X_WB.p;
-  e.detail = to_detail(watched.watch.path);
+  e.detail = watched.watch.path;
   tick.events.push_back(std::move(e));
 }
 

@@ -20,7 +20,7 @@ std::string in_hex(std::uint64_t hash) {
 
 std::optional<SaidGameHash> said_game_hash(const TrialSummary& trial) {
   for (const Event& event : trial.events) {
-    if (event.kind == kind::game_hash) return SaidGameHash{event.tick, event.detail};
+    if (event.kind == kind::game_hash) return SaidGameHash{event.tick, event.detail.text()};
   }
   return std::nullopt;
 }
@@ -35,7 +35,8 @@ std::optional<std::uint64_t> game_hash_of_states(const TrialFile& trial) {
   while (const std::optional<TickState> state = items.next_state()) {
     if (state->tick != ++tick) return std::nullopt;
     for (; event != events.end() && event->tick <= tick; ++event) {
-      if (event->kind == kind::version) version = event->detail == "red" ? 1 : 2;
+      if (event->kind != kind::version) continue;
+      version = event->detail.value_or(Colour::blue) == Colour::red ? 1 : 2;
     }
     hash.add(state->hash, version);
   }

@@ -31,7 +31,7 @@ std::string met_by_ball(const Event& event) {
 
 std::string why_nothing_fell(std::span<const Event> events) {
   const bool fell = std::ranges::any_of(events, [](const Event& e) {
-    return e.kind == kind::skittle_down && felled_by(e) != By::hand;
+    return e.kind == kind::skittle_down && e.detail.value_or(By::nobody) != By::hand;
   });
   if (fell) return "";
   if (!first_of(events, kind::grab)) {

@@ -190,7 +190,7 @@ void release(Player& player, const Tick& tick, Time time, Time now) {
     e.time -= now - time;
     set_motion(told, motion);
   }
-  e.detail = to_detail(told);
+  e.detail = told;
 }
 
 /// Moves the held body with the hand, outside of fixed bodies now and at the end of the tick.

@@ -174,14 +174,13 @@ Event passed_event(const Sight& sight, const Approach& approach) {
   Event e = seen_event(sight, kind::passed_player, approach.body);
   e.value = approach.closest;
   const double most = std::max(approach.head_away, approach.hand_away);
-  e.detail = nlohmann::json{{"noticed_s", nearest_seconds(approach.noticed)},
-                            {"time_to_contact_s", approach.foreseen.time_s},
-                            {"foreseen_m", approach.foreseen.distance},
-                            {"at_hand", approach.foreseen.at_hand},
-                            {"head_away_mps2", approach.head_away},
-                            {"hand_away_mps2", approach.hand_away},
-                            {"moved", most >= kOutOfTheWay}}
-                 .dump();
+  e.detail = PassedPlayer{.noticed_s = nearest_seconds(approach.noticed),
+                          .time_to_contact_s = approach.foreseen.time_s,
+                          .foreseen_m = approach.foreseen.distance,
+                          .at_hand = approach.foreseen.at_hand,
+                          .head_away_mps2 = approach.head_away,
+                          .hand_away_mps2 = approach.hand_away,
+                          .moved = most >= kOutOfTheWay};
   return e;
 }
 
@@ -290,9 +289,8 @@ void watch(Presence& presence, const Player& player, const Tick& tick) {
 nlohmann::json approaches_of(std::span<const Event> events) {
   nlohmann::json all = nlohmann::json::array();
   for (const Event& event : events) {
-    if (event.kind != kind::passed_player) continue;
-    nlohmann::json one = nlohmann::json::parse(event.detail, nullptr, false);
-    if (!one.is_object()) continue;  // the log is damaged
+    if (!event.detail.get_if<PassedPlayer>()) continue;
+    auto one = stored_json<nlohmann::json>(event.detail);
     one["time_s"] = nearest_seconds(event.time);
     one["body"] = event.bodies.empty() ? "" : event.bodies.front();
     one["closest_m"] = event.value;
@@ -303,20 +301,16 @@ nlohmann::json approaches_of(std::span<const Event> events) {
 
 std::vector<std::string> approaches_in_words(std::span<const Event> events) {
   std::vector<std::string> words;
-  for (const nlohmann::json& one : approaches_of(events)) {
-    const auto number = [&](const char* key) {
-      const auto found = one.find(key);
-      return found != one.end() && found->is_number() ? found->get<double>() : 0.0;
-    };
-    const auto moved = one.find("moved");
+  for (const Event& event : events) {
+    const auto* passed = event.detail.get_if<PassedPlayer>();
+    if (!passed) continue;
     words.push_back(
         fmt::format("{} flew at the player: noticed at {:.3f} s, {:.2f} s ahead, {:.2f} m off at "
                     "the closest; {} "
                     "(head {:.1f}, hand {:.1f} m/s2 out of its way)",
-                    one["body"].get<std::string>(), number("noticed_s"),
-                    number("time_to_contact_s"), one["closest_m"].get<double>(),
-                    moved != one.end() && *moved == true ? "evaded" : "not evaded",
-                    number("head_away_mps2"), number("hand_away_mps2")));
+                    event.bodies.empty() ? "" : event.bodies.front(), passed->noticed_s,
+                    passed->time_to_contact_s, event.value, passed->moved ? "evaded" : "not evaded",
+                    passed->head_away_mps2, passed->hand_away_mps2));
   }
   return words;
 }

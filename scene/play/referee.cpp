@@ -4,8 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include <fmt/format.h>
-
 #include "scene/record/events.h"
 
 namespace headpin::scene {
@@ -26,7 +24,7 @@ struct Field : Tick {
 
 constexpr Time kFirst{500'000};  // a ball released at rest has not fallen yet
 
-void note(const Field& f, std::string_view kind, double value, std::string detail = {}) {
+void note(const Field& f, std::string_view kind, double value, Detail detail = {}) {
   Event e = event(f, kind, {});
   e.value = value;
   e.detail = std::move(detail);
@@ -148,8 +146,7 @@ int count(const Field& f) {
   }
   const std::size_t felled = costs ? 0 : delivery.bodies.size();
   delivery.value = static_cast<double>(felled);
-  delivery.detail =
-      fmt::format("frame {} ball {}", f.game.frames.size(), f.game.frames.back().size() + 1);
+  delivery.detail = BallOfFrame{f.game.frames.size(), f.game.frames.back().size() + 1};
   dead.value = static_cast<double>(dead.bodies.size());
   dead.detail = delivery.detail;
   if (!dead.bodies.empty()) f.events.push_back(std::move(dead));
@@ -252,7 +249,7 @@ bool referee(Game& game, const Tick& tick, std::optional<engine::BodyId> held) {
   if (!game.begun) {
     game.begun = true;
     game.frames.assign(1, {});
-    note(f, kind::game, f.rack(), std::string(name_of(f.plan().rules)));
+    note(f, kind::game, f.rack(), f.plan().rules);
   }
   if (f.tells_apart()) tidy(f);
   bool under_way = false;

@@ -21,13 +21,13 @@ ThrowRow thrown(const Event& release, const std::string& version) {
   row.body = release.bodies.front();
   row.release = release.time;
   row.speed = release.value;
-  const Released told = released(release);
+  const Released told = release.detail.value_or(Released{});
   row.trigger_s = told.trigger_s;
   row.p_WB = told.p_WB;
   row.v_WB = told.v_WB;
   row.w_WB = told.w_WB;
   row.known = known_word(told);
-  if (const auto motion = motion_of(release)) {
+  if (const auto motion = motion_of(release.detail)) {
     row.extrapolated_s = nearest_seconds(motion->extrapolated);
     row.left_out = motion->left_out;
   }
@@ -70,8 +70,7 @@ std::string in_words(const Sheet& sheet) {
 }
 
 void Score::add_to_game(const Event& event) {
-  const auto rules = event.kind == kind::game ? value_named<GameKind>(event.detail) : std::nullopt;
-  if (rules) {
+  if (const auto* rules = event.detail.get_if<GameKind>()) {
     if (games.empty()) skittles_down = felled_by_hand = 0;  // earlier falls are in no sheet
     games.push_back({.version = version_,
                      .rules = *rules,
@@ -99,7 +98,7 @@ void Score::add_to_throw(const Event& event) {
     if (games.empty()) throws.back().felled_by_ball = throws.back().felled_by_hand = 0;
   }
   if (event.kind == kind::skittle_down && games.empty()) {
-    const bool by_hand = felled_by(event) == By::hand;
+    const bool by_hand = event.detail.value_or(By::nobody) == By::hand;
     ++(by_hand ? felled_by_hand : skittles_down);
     if (!throws.empty()) ++*(by_hand ? throws.back().felled_by_hand : throws.back().felled_by_ball);
   }
@@ -111,8 +110,8 @@ void Score::add_to_throw(const Event& event) {
   if (event.kind == kind::first_contact && !row.entry) {
     row.entry = event.time;
     row.entry_speed = event.value;
-    const std::optional<Vec3> v = contact_velocity(event);
-    if (v) row.entry_angle_deg = degrees_from_y(*v);
+    const auto* contact = event.detail.get_if<FirstContact>();
+    if (contact) row.entry_angle_deg = degrees_from_y(contact->v_WB);
   }
   if (event.kind == kind::dead_wood) row.felled_by_hand = static_cast<int>(event.value);
   if (event.kind == kind::delivery && !games.empty() && row.frame == 0) {
@@ -131,7 +130,7 @@ void Score::add_to_way(const Event& event) {
   if (throws.empty()) return;
   ThrowRow& row = throws.back();
   if (event.kind == kind::ball_path && !event.bodies.empty() && event.bodies.front() == row.body) {
-    row.path = ball_path(event);
+    if (const auto* path = event.detail.get_if<BallPath>()) row.path = *path;
   }
   const bool met = event.kind == kind::touch || event.kind == kind::first_contact;
   if (!met || row.frame != 0 || event.bodies.size() != 2) return;
@@ -161,7 +160,7 @@ void Score::add_to_leave(const Event& event) {
 }
 
 void Score::add(const Event& event) {
-  if (event.kind == kind::version) version_ = event.detail;
+  if (event.kind == kind::version) version_ = event.detail.text();
   touches += event.kind == kind::touch || event.kind == kind::first_contact;
   add_to_way(event);
   add_to_throw(event);  // it has the number of the next ball

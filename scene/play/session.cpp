@@ -91,7 +91,7 @@ void start_version(Session& s, std::size_t version, const Moment& moment) {
   const Versions& v = s.scenario().version;
   e.p_W = version == 0 ? v.red.button : v.blue.button;
   e.value = static_cast<double>(version);
-  e.detail = version == 0 ? "red" : "blue";
+  e.detail = version == 0 ? Colour::red : Colour::blue;
   s.events.push_back(std::move(e));
 }
 

@@ -1,7 +1,6 @@
 #include "scene/play/tracking.h"
 
 #include <optional>
-#include <string>
 
 #include "scene/record/events.h"
 
@@ -9,8 +8,8 @@ namespace headpin::scene {
 
 namespace {
 
-void watch_receiver(Tracking::Receiver& receiver, const devices::PoseTrack& track,
-                    const std::string& name, Time measured, const Tick& tick) {
+void watch_receiver(Tracking::Receiver& receiver, const devices::PoseTrack& track, TrackedPart part,
+                    Time measured, const Tick& tick) {
   const std::optional<devices::KnownPose> known = track.read(measured);
   if (!known) return;
   const Time last = known->last;
@@ -18,7 +17,7 @@ void watch_receiver(Tracking::Receiver& receiver, const devices::PoseTrack& trac
   if (lost != receiver.lost) {
     Event e = event(tick, lost ? kind::tracking_lost : kind::tracking_back, {});
     e.value = seconds(lost ? measured - last : last - receiver.last);
-    e.detail = name;
+    e.detail = part;
     tick.events.push_back(std::move(e));
   }
   receiver = {last, lost};
@@ -27,8 +26,8 @@ void watch_receiver(Tracking::Receiver& receiver, const devices::PoseTrack& trac
 }  // namespace
 
 void watch_tracking(Tracking& tracking, const Player& player, Time measured, const Tick& tick) {
-  watch_receiver(tracking.head, player.head, "head", measured, tick);
-  watch_receiver(tracking.hand, player.hand, "hand", measured, tick);
+  watch_receiver(tracking.head, player.head, TrackedPart::head, measured, tick);
+  watch_receiver(tracking.hand, player.hand, TrackedPart::hand, measured, tick);
 }
 
 }  // namespace headpin::scene

@@ -51,7 +51,7 @@ std::optional<Message> decode_event(std::span<const std::uint8_t> bytes) {
   const auto m = decode_as<event_t>(bytes);
   if (!m) return std::nullopt;
   return Event{Time{m->utime}, m->tick,          m->kind,  m->bodies,
-               vec3(m->point), vec3(m->impulse), m->value, m->detail};
+               vec3(m->point), vec3(m->impulse), m->value, Detail::read(m->kind, m->detail)};
 }
 
 std::optional<Message> decode_state(std::span<const std::uint8_t> bytes) {
@@ -161,7 +161,7 @@ void encode(const Event& event, devices::Buffer& out) {
   put(event.p_W, m.point);
   put(event.j_W, m.impulse);
   m.value = event.value;
-  m.detail = event.detail;
+  m.detail = event.detail.text();
   encode_as(m, out);
 }
 

@@ -129,7 +129,7 @@ std::vector<Field<Event>> event_fields() {
          std::vector<Field<Row>>{{"value", "number", "", "depends on the kind",
                                   [](const Row& r) -> TableValue { return r.value; }},
                                  {"detail", "text", "", "depends on the kind",
-                                  [](const Row& r) -> TableValue { return r.detail; }}};
+                                  [](const Row& r) -> TableValue { return r.detail.text(); }}};
 }
 
 std::vector<Field<StateRow>> state_fields() {

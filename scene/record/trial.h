@@ -8,6 +8,7 @@
 
 #include "base/math.h"
 #include "devices/base/sample.h"
+#include "scene/record/details.h"
 
 /// The parts of a trial as plain data: all inputs and outputs of one session.
 namespace headpin::scene {
@@ -41,7 +42,7 @@ struct Event {
   Vec3 p_W = Vec3::Zero();  ///< where [m]
   Vec3 j_W = Vec3::Zero();  ///< impulse on the first body [N s]
   double value = 0.0;       ///< what the kind says
-  std::string detail;
+  Detail detail;
 };
 
 /// Kind of the last event of a finished log; its value counts the messages before it.

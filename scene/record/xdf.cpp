@@ -140,7 +140,7 @@ class TrialToXdf {
     writer_.advance(clock_);
     writer_.add(kinds_, time, std::array{event.kind});
     writer_.add(bodies_, time, std::array{fmt::format("{}", fmt::join(event.bodies, ";"))});
-    writer_.add(details_, time, std::array{event.detail});
+    writer_.add(details_, time, std::array{event.detail.text()});
     writer_.add(
         values_, time,
         std::array{static_cast<double>(event.tick), event.p_W.x(), event.p_W.y(), event.p_W.z(),
@@ -352,7 +352,7 @@ class TrialFromXdf {
       event.time = kind.time();
       event.kind = kind.word("kind");
       event.bodies = bodies_of(body.word("bodies"));
-      event.detail = detail.word("detail");
+      event.detail = Detail::read(event.kind, detail.word("detail"));
       event.p_W = {value.number("x_m"), value.number("y_m"), value.number("z_m")};
       event.j_W = {value.number("impulse_x_ns"), value.number("impulse_y_ns"),
                    value.number("impulse_z_ns")};

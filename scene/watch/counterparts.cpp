@@ -40,7 +40,7 @@ std::vector<ThrownBall> thrown(std::span<const Event> events) {
   std::string version;
   std::size_t counted = 0;  // throws before this one are, or never will be
   for (const Event& event : events) {
-    if (event.kind == kind::version) version = event.detail;
+    if (event.kind == kind::version) version = event.detail.text();
     if (event.kind == kind::release && is_of_ball(event)) {
       all.push_back({static_cast<int>(all.size()) + 1, version, event.time, event.tick, {}});
     }

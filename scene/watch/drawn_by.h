@@ -3,15 +3,11 @@
 #include <optional>
 #include <vector>
 
-#include <nlohmann/json_fwd.hpp>
-
-#include "render/fingerprint.h"
+#include "render/data/fingerprint.h"
 #include "scene/record/trial.h"
 
 /// What drew a session's frames, as stored in its trial.
 namespace headpin::scene {
-
-nlohmann::json to_json(const render::Fingerprint& fingerprint);
 
 /// An event of the kind drawn_by.
 Event drawn_by_event(const render::Fingerprint& fingerprint);

@@ -53,7 +53,7 @@ void Totals::tick(const Session& session) {
 
 void Totals::add(const Event& event) {
   score_.add(event);
-  fell_ |= event.kind == kind::skittle_down && felled_by(event) != By::hand;
+  fell_ |= event.kind == kind::skittle_down && event.detail.value_or(By::nobody) != By::hand;
   const bool kept = event.kind != kind::ball_touch || before_.size() < kMostTouches;
   if (!fell_ && kept && explains(event)) before_.push_back(event);
 }
@@ -79,12 +79,12 @@ nlohmann::json in_short(const nlohmann::json& each) {
   return all;
 }
 
-nlohmann::json to_json(const engine::Ledger& l) {
-  return {{"gravity_j", l.gravity.energy},
-          {"hand_j", l.hand.energy},
-          {"impact_j", l.impact.energy},
-          {"sustained_j", l.sustained.energy},
-          {"correction_j", l.correction.energy}};
+PhaseEnergies energies_of(const engine::Ledger& ledger) {
+  return {.gravity_j = ledger.gravity.energy,
+          .hand_j = ledger.hand.energy,
+          .impact_j = ledger.impact.energy,
+          .sustained_j = ledger.sustained.energy,
+          .correction_j = ledger.correction.energy};
 }
 
 nlohmann::json to_json(const std::vector<Sheet>& games) {
@@ -189,7 +189,7 @@ nlohmann::json summary(const Session& s, const Score& score) {
               {"impact_speed_mps", number(score.impact_speed)},
               {"simulated_s", seconds(s.now())},
               {"ticks", s.tick},
-              {"ledger", to_json(s.world.ledger)},
+              {"ledger", to_json(energies_of(s.world.ledger))},
               {"statistics", to_json(s.statistics)},
               {"state_hash", hash(s.state_hash)},
               {"game_hash", hash(s.game_hash.value())}});

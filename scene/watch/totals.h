@@ -48,8 +48,8 @@ nlohmann::json per_object(const Materials& materials, double Coefficients::*coef
 /// The same as text: the common number, or else each number with its object's name.
 nlohmann::json in_short(const nlohmann::json& per_object);
 
-/// Energy that each phase of the steps has added [J]; the sum is the total change.
-nlohmann::json to_json(const engine::Ledger& ledger);
+/// Energy that each phase of the steps has added; the sum is the total change.
+PhaseEnergies energies_of(const engine::Ledger& ledger);
 
 /// Score sheets.
 nlohmann::json to_json(const std::vector<Sheet>& games);

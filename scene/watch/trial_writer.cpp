@@ -1,7 +1,5 @@
 #include "scene/watch/trial_writer.h"
 
-#include <nlohmann/json.hpp>
-
 #include "scene/play/save.h"
 #include "scene/record/events.h"
 #include "scene/watch/totals.h"
@@ -36,7 +34,7 @@ void TrialWriter::close(const Session& session) {
   last.time = session.now();
   last.tick = session.tick;
   last.kind = kind::ledger;
-  last.detail = to_json(session.world.ledger).dump();
+  last.detail = energies_of(session.world.ledger);
   sink_->write(last);
   last.kind = kind::game_hash;
   last.detail = in_hex(session.game_hash.value());

@@ -106,10 +106,10 @@ TEST_F(Frames, DrawnElsewhereAreNotComparedAndItIsSaidWhy) {
   rewrite("elsewhere.lcmlog", [](scene::Trial& t) {
     for (scene::Event& event : t.events) {
       if (event.kind != scene::kind::drawn_by) continue;
-      nlohmann::json who = nlohmann::json::parse(event.detail);
-      who["renderer"] = "OSMesa, llvmpipe of another day";
-      who["test_picture"] = "0123456789abcdef";
-      event.detail = who.dump();
+      auto who = event.detail.value_or(render::Fingerprint{});
+      who.renderer = "OSMesa, llvmpipe of another day";
+      who.picture = 0x0123456789abcdef;
+      event.detail = who;
     }
     for (scene::FrameRecord& frame : t.frames) frame.hash[0] ^= 1;
   });

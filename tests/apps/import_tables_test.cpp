@@ -311,7 +311,7 @@ TEST_F(ImportTables, WhatWasNotMeasuredIsAllowedAndSaidInTheTrial) {
   const auto not_measured = [&](const std::string& name) {
     std::string said;
     for (const scene::Event& event : trial(name).events) {
-      if (event.kind == "not_measured") said += event.detail + "\n";
+      if (event.kind == "not_measured") said += event.detail.text() + "\n";
     }
     return said;
   };

@@ -141,7 +141,7 @@ TEST_F(Live, OfTwoPublishersOfTheSameStationsOneIsKeptAndSaid) {
                               "out, the last from [0-9.]+:[0-9]+ while [0-9.]+:[0-9]+ sent it"));
   std::string said;
   for (const scene::Event& event : trial("live.lcmlog").events) {
-    if (event.kind == "source_amiss") said += event.detail;
+    if (event.kind == "source_amiss") said += event.detail.text();
   }
   EXPECT_THAT(said, testing::HasSubstr("more than one publisher"));
   // A machine that is busy with more loses datagrams; then it is not the same throw.
@@ -205,7 +205,7 @@ TEST_F(Live, WhatALoggerKeepsOfASessionIsATrial) {
   const auto who_drew = [&](const std::string& log) {
     std::vector<std::string> all;
     for (const scene::Event& event : trial(log).events) {
-      if (event.kind == scene::kDrawnByEvent) all.push_back(event.detail);
+      if (event.kind == scene::kDrawnByEvent) all.push_back(event.detail.text());
     }
     EXPECT_EQ(all.size(), 1u) << log;
     return all;

@@ -159,7 +159,7 @@ TEST_F(TrialCommands, TheGameHashOfATrialIsVerifiedWhereItSaysOne) {
   const nlohmann::json game = json("replay " + kDemo + " -o game.lcmlog --json");
   const scene::Trial whole = trial("game.lcmlog");
   ASSERT_EQ(whole.events.back().kind, "game_hash");
-  EXPECT_EQ(whole.events.back().detail, game["game_hash"]);
+  EXPECT_EQ(whole.events.back().detail.text(), game["game_hash"]);
   const auto write_with = [&](const std::string& name, const std::string& hash) {
     scene::Recorder out(folder_ / name, whole.header);
     std::vector<scene::Event> events = whole.events;

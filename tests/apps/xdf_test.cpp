@@ -71,7 +71,7 @@ TEST_F(XdfCommands, EventsOutsideTheSimulationComeBack) {
     EXPECT_EQ(after[i].bodies, before[i].bodies);
     EXPECT_EQ(after[i].p_W, before[i].p_W);
     EXPECT_EQ(after[i].value, before[i].value);
-    EXPECT_EQ(after[i].detail, before[i].detail);
+    EXPECT_EQ(after[i].detail.text(), before[i].detail.text());
   }
 }
 

@@ -51,7 +51,7 @@ class ThrowRows : public Observer {
 
  private:
   void add(const scene::Event& event) {
-    if (event.kind == kind::version) version_ = event.detail, number_ = 0;
+    if (event.kind == kind::version) version_ = event.detail.text(), number_ = 0;
     if (event.kind == kind::release) {
       rows.push_back({.version = version_, .throw_number = ++number_, .speed = event.value});
     }
@@ -60,7 +60,7 @@ class ThrowRows : public Observer {
     if (event.kind == kind::first_contact) rows.back().impact = event.value;
     if (event.kind == kind::delivery) {
       rows.back().down = static_cast<int>(event.value);
-      rows.back().frame_ball = event.detail.back() - '0';
+      rows.back().frame_ball = static_cast<int>(event.detail.value_or(BallOfFrame{}).ball);
     }
   }
   std::string version_;

@@ -125,17 +125,13 @@ TEST(BallPath, IsWrittenAndReadAgain) {
   path.skid_end = 8.125;
   path.breakpoint = LanePlace{7.5, 12.0};
   path.exit_board = 19.25;
-  Event event;
-  event.detail = to_detail(path);
-  const std::optional<BallPath> again = ball_path(event);
-  ASSERT_TRUE(again);
-  EXPECT_EQ(to_detail(*again), to_detail(path));
-  EXPECT_EQ(again->release.rotation_deg, 45.0);
-  EXPECT_EQ(again->breakpoint->distance, 12.0);
-  EXPECT_FALSE(again->entry || again->gutter || again->hook_end);
+  const auto again = Detail::read(kind::ball_path, Detail(path).text());
+  ASSERT_TRUE(again.get_if<BallPath>());
+  EXPECT_EQ(*again.get_if<BallPath>(), path);
   for (const char* text : {"", "{", "{\"release\": 3}", "{\"release\": {\"board\": 3}}", "[]"}) {
-    event.detail = text;
-    EXPECT_FALSE(ball_path(event)) << text;
+    const Detail foreign = Detail::read(kind::ball_path, text);
+    EXPECT_FALSE(foreign.get_if<BallPath>()) << text;
+    EXPECT_EQ(foreign.text(), text);
   }
 }
 
@@ -151,7 +147,7 @@ Event of(std::string_view kind, std::vector<std::string> bodies, double value = 
 TEST(BallPath, OfAThrowHasWhatItTouchedAndWhatItLeft) {
   Score score;
   Event game = of(kind::game, {}, 10.0);
-  game.detail = "ten-pin";
+  game.detail = GameKind::ten_pin;
   score.add(game);
   score.add(of(kind::release, {"ball"}, 7.0));
   for (const char* pin : {"skittle 1", "skittle 3", "skittle 3"}) {

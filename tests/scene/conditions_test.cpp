@@ -81,7 +81,7 @@ TEST(GameHash, IsOfTheStateHashAndTheVersionOfEveryTick) {
   for (std::size_t i = 0; i < now.watched.states.size(); ++i) {
     for (const Event& event : now.watched.events) {
       if (event.kind != kind::version || event.tick != static_cast<std::int64_t>(i) + 1) continue;
-      version = event.detail == "red" ? 1 : 2;
+      version = event.detail.text() == "red" ? 1 : 2;
     }
     numbers.push_back(now.watched.states[i]);
     numbers.push_back(version);

@@ -150,8 +150,8 @@ TEST(GameTest, AButtonStartsItsVersionAndTheSessionGoesOn) {
   const Played played = play(scenario, hand.samples);
   const auto versions = played.of_kind(kind::version);
   ASSERT_EQ(versions.size(), 2u);
-  EXPECT_EQ(versions[0]->detail, "red");
-  EXPECT_EQ(versions[1]->detail, "blue");
+  EXPECT_EQ(versions[0]->detail.text(), "red");
+  EXPECT_EQ(versions[1]->detail.text(), "blue");
   ASSERT_EQ(played.score.games.size(), 2u);
   EXPECT_EQ(played.score.games[0].version, "red");
   EXPECT_EQ(played.score.games[1].version, "blue");
@@ -310,8 +310,7 @@ TEST(Throws, EnterAtTheAngleOfTheirVelocityAllAround) {
     release.kind = kind::release;
     contact.kind = kind::first_contact;
     release.bodies = contact.bodies = {"ball"};
-    contact.detail = fmt::format(R"({{"velocity_mps":[{},{},0.3]}})", 4.0 * std::sin(angle),
-                                 4.0 * std::cos(angle));
+    contact.detail = FirstContact{Vec3(4.0 * std::sin(angle), 4.0 * std::cos(angle), 0.3)};
     const std::vector<Event> events = {release, contact};
     const Score score = scene::score(events);
     ASSERT_EQ(score.throws.size(), 1u);

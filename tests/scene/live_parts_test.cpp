@@ -181,7 +181,7 @@ TEST(TrialOutputsTest, GiveTheFileAndTheListenersTheSameTrial) {
     Event last;
     last.time = session.now();
     last.kind = kind::kept_pace;
-    last.detail = to_detail(KeptPace{.ticks = session.tick});
+    last.detail = KeptPace{.ticks = session.tick};
     outputs.close(session, last);
   }
   const Trial recorded = read_trial(file);
@@ -190,7 +190,7 @@ TEST(TrialOutputsTest, GiveTheFileAndTheListenersTheSameTrial) {
   EXPECT_TRUE(recorded.complete);
   const auto pace = std::ranges::find(recorded.events, kind::kept_pace, &Event::kind);
   ASSERT_NE(pace, recorded.events.end());
-  EXPECT_EQ(kept_pace(*pace).ticks, 100);
+  EXPECT_EQ(pace->detail.value_or(KeptPace{}).ticks, 100);
   const auto sent = read_log(heard).channels;
   const auto stored = read_log(file).channels;
   for (const std::string_view channel :
@@ -271,7 +271,7 @@ TEST(LiveMonitorTest, WritesFaultsOfASourceIntoTheTrialAlsoTheLastOnes) {
   ASSERT_EQ(live.file.events.size(), 2u);
   EXPECT_EQ(live.file.events[0].kind, kind::source_amiss);
   EXPECT_EQ(live.file.events[0].tick, 1);
-  EXPECT_EQ(live.file.events[1].detail, "from the source, 2 samples left out");
+  EXPECT_EQ(live.file.events[1].detail.text(), "from the source, 2 samples left out");
   EXPECT_EQ(live.monitor->take_news().size(), 1u);
 }
 
@@ -312,7 +312,7 @@ TEST(LiveMonitorTest, CountsSamplesAndPictures) {
   EXPECT_EQ(state.now, live.session.now());
   ASSERT_EQ(state.sources.size(), 1u);
   EXPECT_EQ(state.sources[0].name, "the source");
-  const KeptPace pace = kept_pace(live.monitor->kept_pace(live.session));
+  const auto pace = live.monitor->kept_pace(live.session).detail.value_or(KeptPace{});
   EXPECT_EQ(pace.ticks, live.session.tick);
   EXPECT_EQ(pace.frames, 1);
   EXPECT_EQ(pace.drawing_failures, 1);

@@ -100,7 +100,7 @@ TEST(ParticipantTest, PlaysBothVersionsByTheDevicesAlone) {
   EXPECT_GE(seen.count(kind::delivery), 4);
   std::vector<std::string> versions;
   for (const Event& event : seen.events) {
-    if (event.kind == kind::version) versions.push_back(event.detail);
+    if (event.kind == kind::version) versions.push_back(event.detail.text());
   }
   EXPECT_THAT(versions, testing::ElementsAre("red", "blue"));
   // It walked up by the thumbs.

@@ -69,8 +69,8 @@ std::vector<Event> flown_at(const Standing& standing, const Vec3& beside, double
   return events_of_flight(standing.samples(), beside, speed);
 }
 
-nlohmann::json found_of(const Event& event) {
-  return nlohmann::json::parse(event.detail);
+PassedPlayer found_of(const Event& event) {
+  return event.detail.value_or(PassedPlayer{});
 }
 
 TEST(Presence, ABallThatComesIsForeseenAndItsClosestApproachIsKept) {
@@ -84,27 +84,27 @@ TEST(Presence, ABallThatComesIsForeseenAndItsClosestApproachIsKept) {
   EXPECT_NEAR(events[0].p_W.y(), kStandsAt.y() + kFlight * events[0].value, 0.02);
   EXPECT_EQ(events[1].kind, kind::passed_player);
   EXPECT_NEAR(events[1].value, 0.3 - r, 1e-3);
-  const nlohmann::json found = found_of(events[1]);
-  EXPECT_NEAR(found["foreseen_m"].get<double>(), 0.3 - r, 1e-9);
-  EXPECT_EQ(found["time_to_contact_s"], events[0].value);
-  EXPECT_NEAR(found["noticed_s"].get<double>(), seconds(events[0].time), 1e-9);
-  EXPECT_FALSE(found["moved"].get<bool>());
-  EXPECT_LT(found["head_away_mps2"].get<double>(), 1e-6);
+  const PassedPlayer found = found_of(events[1]);
+  EXPECT_NEAR(found.foreseen_m, 0.3 - r, 1e-9);
+  EXPECT_EQ(found.time_to_contact_s, events[0].value);
+  EXPECT_NEAR(found.noticed_s, seconds(events[0].time), 1e-9);
+  EXPECT_FALSE(found.moved);
+  EXPECT_LT(found.head_away_mps2, 1e-6);
 }
 
 TEST(Presence, GettingOutOfItsWayIsAnAccelerationAwayFromIt) {
   const Vec3 beside(-0.2, 0.0, -0.1);  // it passes on the left
   const double a = 5.0;
   for (const Vec3& way : {Vec3(1.0, 0.0, 0.0), Vec3(0.0, -1.0, 0.0), Vec3(0.0, 0.0, 1.0)}) {
-    const nlohmann::json found = found_of(flown_at({.a = a * way}, beside).back());
-    EXPECT_TRUE(found["moved"].get<bool>()) << way.transpose();
-    EXPECT_NEAR(found["head_away_mps2"].get<double>(), a, 0.02 * a) << way.transpose();
+    const PassedPlayer found = found_of(flown_at({.a = a * way}, beside).back());
+    EXPECT_TRUE(found.moved) << way.transpose();
+    EXPECT_NEAR(found.head_away_mps2, a, 0.02 * a) << way.transpose();
   }
   // Into its way, or towards it, is not.
   for (const Vec3& way : {Vec3(-1.0, 0.0, 0.0), Vec3(0.0, 1.0, 0.0)}) {
-    const nlohmann::json found =
+    const PassedPlayer found =
         found_of(flown_at({.for_s = 0.2, .a = 5.0 * way}, Vec3(-0.4, 0.0, -1.2)).back());
-    EXPECT_LT(found["head_away_mps2"].get<double>(), 1.0) << way.transpose();
+    EXPECT_LT(found.head_away_mps2, 1.0) << way.transpose();
   }
 }
 
@@ -120,17 +120,17 @@ TEST(Presence, TurningTheHeadIsNoWayOut) {
     const Quat q = rotation(Vec3(0.0, 0.0, angle)) * rotation(Vec3(1.2, 0.0, 0.0));
     tracker.X_TS = {q, Vec3(kStandsAt + q * Vec3(0.0, 0.08, -0.10))};
   }
-  const nlohmann::json found =
+  const PassedPlayer found =
       found_of(events_of_flight(turning, Vec3(-0.3, 0.0, -0.1), kFlight).back());
-  EXPECT_LT(found["head_away_mps2"].get<double>(), 1e-6);
+  EXPECT_LT(found.head_away_mps2, 1e-6);
 }
 
 TEST(Presence, TheHandCountsToo) {
-  const nlohmann::json found =
+  const PassedPlayer found =
       found_of(flown_at({.a_hand = Vec3(5.0, 0.0, 0.0)}, Vec3(-0.2, 0.0, -0.1)).back());
-  EXPECT_TRUE(found["moved"].get<bool>());
-  EXPECT_NEAR(found["hand_away_mps2"].get<double>(), 5.0, 0.1);
-  EXPECT_LT(found["head_away_mps2"].get<double>(), 0.01);
+  EXPECT_TRUE(found.moved);
+  EXPECT_NEAR(found.hand_away_mps2, 5.0, 0.1);
+  EXPECT_LT(found.head_away_mps2, 0.01);
 }
 
 TEST(Presence, WhatPassesFarOffSlowlyOrGoesAwayFliesAtNobody) {

@@ -105,7 +105,7 @@ TEST(Referee, WhatTheHandTopplesIsNoBallsAndIsSetAside) {
   play.wait(2.0);
   const auto fallen = play.of_kind(kind::skittle_down);
   ASSERT_FALSE(fallen.empty());
-  for (const Event* e : fallen) EXPECT_EQ(e->detail, "hand");
+  for (const Event* e : fallen) EXPECT_EQ(e->detail.value_or(By::nobody), By::hand);
   const std::vector<std::string> first_fallen = fallen.front()->bodies;
   EXPECT_TRUE(play.of_kind(kind::delivery).empty());
   play.miss();  // events that `fallen` points to move
@@ -195,7 +195,7 @@ TEST(Referee, ABallThatIsCaughtAgainWasNotThrown) {
     EXPECT_TRUE(play.of_kind(kind::delivery).empty()) << after_s;
   }
   play.miss();
-  EXPECT_EQ(play.of_kind(kind::delivery).front()->detail, "frame 1 ball 1");
+  EXPECT_EQ(play.of_kind(kind::delivery).front()->detail.text(), "frame 1 ball 1");
   EXPECT_FALSE(play.taken()) << "it stays in the hand";
 }
 

@@ -268,18 +268,18 @@ TEST(MotionAtTheTrigger, OfASteadyTurnIsExact) {
   EXPECT_LT((found.V_WB.v - (v + w.cross(q * p_HB))).norm(), 1e-4);
 }
 
-std::string detail_with(const Motion& motion) {
+Released released_with(const Motion& motion) {
   Released released;
   set_motion(released, motion);
-  return to_detail(released);
+  return released;
 }
 
 TEST(MotionAtTheTrigger, IsReadBackFromItsEvent) {
   const Motion told{
       {Vec3(0.25, 6.5, -0.125), Vec3(9.0, 0.1, 0.0)}, Known::extrapolated, Time{12'345}, 2};
   Event event;
-  event.detail = detail_with(told);
-  const std::optional<Motion> found = motion_of(event);
+  event.detail = released_with(told);
+  const std::optional<Motion> found = motion_of(event.detail);
   ASSERT_TRUE(found);
   EXPECT_EQ(found->V_WB.v, told.V_WB.v);
   EXPECT_EQ(found->V_WB.w, told.V_WB.w);
@@ -288,7 +288,7 @@ TEST(MotionAtTheTrigger, IsReadBackFromItsEvent) {
   EXPECT_EQ(found->left_out, 2);
   EXPECT_EQ(in_words(told), "extrapolated by 12 ms, 2 samples left out");
   event.detail = "";
-  EXPECT_FALSE(motion_of(event));
+  EXPECT_FALSE(motion_of(event.detail));
 }
 
 // A bad sample of a hand that has been gone for long is nobody's business.
@@ -326,7 +326,7 @@ TEST(ThrowRow, SaysHowItsReleaseWasKnown) {
   Event& event = events.front();
   event.kind = kind::release;
   event.bodies = {"ball"};
-  event.detail = detail_with({{}, Known::extrapolated, Time{12'345}, 2});
+  event.detail = released_with({{}, Known::extrapolated, Time{12'345}, 2});
   ASSERT_EQ(score(events).throws.size(), 1u);
   const ThrowRow row = score(events).throws.front();
   EXPECT_EQ(row.known, "extrapolated");
@@ -391,7 +391,7 @@ TEST(AThrow, LeavesAtTheTimeOfTheTriggerFromWhereTheHandIs) {
     EXPECT_EQ(played.release.time, microseconds(1.0 + at) + Time{25'000});
     EXPECT_LT(played.carried_off, 1e-9);
     const Vec3 v = straight.velocity(at, grip);
-    const std::optional<Motion> motion = motion_of(played.release);
+    const std::optional<Motion> motion = motion_of(played.release.detail);
     ASSERT_TRUE(motion);
     EXPECT_EQ(motion->known, Known::tracked);
     EXPECT_NEAR(elevation(motion->V_WB.v), elevation(v), 0.5);
@@ -412,7 +412,7 @@ TEST(AThrow, OfAnOldTrialIsATickAheadOfTheHandAndDoesNotSayHowItIsKnown) {
   const KnownSwing straight = known_swings().front().second;
   const Played played = play(straight, straight.release, 0.025, ReleaseAt::sample);
   EXPECT_GT(played.carried_off, 0.02);
-  EXPECT_FALSE(motion_of(played.release).has_value());
+  EXPECT_FALSE(motion_of(played.release.detail).has_value());
 }
 
 }  // namespace

@@ -32,7 +32,7 @@ std::vector<std::string> shown_events(const std::vector<Event>& events) {
   std::vector<std::string> words;
   for (const Event& e : events) {
     words.push_back(e.kind + " " + (e.bodies.empty() ? "" : e.bodies.front()) + " " +
-                    std::to_string(e.value) + " " + e.detail);
+                    std::to_string(e.value) + " " + e.detail.text());
   }
   return words;
 }

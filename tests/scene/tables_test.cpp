@@ -232,7 +232,7 @@ TEST(Tables, EventsReadBackToTheBit) {
   expect_vector(rows[0], {"x_m", "y_m", "z_m"}, expected.p_W);
   expect_vector(rows[0], {"impulse_x_ns", "impulse_y_ns", "impulse_z_ns"}, expected.j_W);
   expect_bits(number<double>(rows[0].at("value")), expected.value);
-  EXPECT_EQ(rows[0].at("detail"), expected.detail);
+  EXPECT_EQ(rows[0].at("detail"), expected.detail.text());
 }
 
 TEST(Tables, StatesAndFramesReadBackToTheBit) {

@@ -27,7 +27,7 @@ Event told(std::string_view kind, std::vector<std::string> bodies = {}, double v
   event.kind = kind;
   event.bodies = std::move(bodies);
   event.value = value;
-  event.detail = detail;
+  event.detail = Detail::read(kind, detail);
   return event;
 }
 
@@ -201,71 +201,6 @@ TEST(Passing, FallsOnTheWayAndRollsOnTheFloor) {
     const double to_head = 1.0 - radius;
     EXPECT_NEAR(found->distance, std::min(to_hand, to_head), 1e-12) << z;
   }
-}
-
-TEST(MotionAtTheTrigger, IsToldInWords) {
-  EXPECT_EQ(in_words({{}, Known::tracked, Time{}, 0}), "tracked");
-  EXPECT_EQ(in_words({{}, Known::tracked, Time{}, 1}), "tracked, 1 sample left out");
-  EXPECT_EQ(in_words({{}, Known::extrapolated, Time{20'000}, 0}), "extrapolated by 20 ms");
-  EXPECT_EQ(in_words({{}, Known::impossible, Time{}, 3}), "impossible, 3 samples left out");
-}
-
-// The texts are those of trials since they have them, so they never change.
-TEST(Details, AreWrittenAndReadBack) {
-  Event event = told(kind::release);
-  const Released release{.trigger_s = 0.5,
-                         .p_WB = Vec3(0.1, 0.2, 0.3),
-                         .v_WB = Vec3(0.0, 5.0, -0.5),
-                         .w_WB = Vec3(1.0, 2.0, 3.0),
-                         .known = Known::extrapolated,
-                         .extrapolated = Time{12'345},
-                         .left_out = 2};
-  event.detail = to_detail(release);
-  EXPECT_EQ(event.detail,
-            R"({"extrapolated_s":0.012345,"known":"extrapolated","left_out":2,)"
-            R"("position_m":[0.1,0.2,0.3],"spin_radps":[1.0,2.0,3.0],"trigger_s":0.5,)"
-            R"("velocity_mps":[0.0,5.0,-0.5]})");
-  EXPECT_EQ(to_detail(released(event)), event.detail);
-  event.detail = contact_detail(Vec3(0.5, 4.5, 0.0));
-  EXPECT_EQ(event.detail, R"({"velocity_mps":[0.5,4.5,0.0]})");
-  EXPECT_EQ(contact_velocity(event), Vec3(0.5, 4.5, 0.0));
-  event.detail = to_detail(KeptPace{240, 1, 60, 2, 3});
-  EXPECT_EQ(event.detail,
-            R"({"drawing_failures":3,"frames":60,"late_frames":2,"overruns":1,"ticks":240})");
-  EXPECT_EQ(to_detail(kept_pace(event)), event.detail);
-  for (const By by : {By::nobody, By::ball, By::hand}) {
-    event.detail = to_detail(by);
-    EXPECT_EQ(felled_by(event), by) << event.detail;
-  }
-}
-
-TEST(Details, OfADamagedTrialAreMissing) {
-  const Event cut = told(kind::release, {}, 0.0, R"({"trigger_s":0.)");
-  EXPECT_EQ(to_detail(released(cut)), "{}");
-  EXPECT_EQ(contact_velocity(cut), std::nullopt);
-  EXPECT_EQ(kept_pace(cut).ticks, 0);
-  EXPECT_EQ(felled_by(told(kind::skittle_down, {}, 0.0, "wind")), By::nobody);
-}
-
-// As of a flipped bit, or of another program.
-TEST(Details, AWordThatIsNoneOfOursIsShownAsItIs) {
-  const Event event = told(kind::release, {"ball"}, 6.0, R"({"known":"trackgd"})");
-  EXPECT_EQ(released(event).known, Known::impossible);
-  EXPECT_EQ(to_detail(released(event)), event.detail);
-  EXPECT_EQ(score(std::vector{event}).throws.at(0).known, "trackgd");
-}
-
-TEST(MotionAtTheTrigger, IsNotReadFromADetailThatLacksAPart) {
-  Released with_motion;
-  set_motion(with_motion, {{}, Known::tracked, Time{}, 0});
-  const nlohmann::json whole = nlohmann::json::parse(to_detail(with_motion));
-  ASSERT_TRUE(motion_of(told(kind::release, {}, 0.0, whole.dump())));
-  for (const auto& [key, value] : whole.items()) {
-    nlohmann::json cut = whole;
-    cut.erase(key);
-    EXPECT_FALSE(motion_of(told(kind::release, {}, 0.0, cut.dump()))) << key;
-  }
-  EXPECT_FALSE(motion_of(told(kind::release, {}, 0.0, "[1]")));
 }
 
 const Event kGame = told(kind::game, {}, 10.0, "ten-pin");

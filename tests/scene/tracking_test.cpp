@@ -53,11 +53,11 @@ TEST(Tracking, OfAReceiverThatIsPulledOutIsLostAndBack) {
   }));
   ASSERT_EQ(events.size(), 2u);
   EXPECT_EQ(events[0].kind, kind::tracking_lost);
-  EXPECT_EQ(events[0].detail, "hand");
+  EXPECT_EQ(events[0].detail.text(), "hand");
   EXPECT_GT(events[0].value, 0.25);
   EXPECT_LT(events[0].value, 0.26);
   EXPECT_EQ(events[1].kind, kind::tracking_back);
-  EXPECT_EQ(events[1].detail, "hand");
+  EXPECT_EQ(events[1].detail.text(), "hand");
   // The hand's samples are half a period behind the head's: 0.992 s is the last, 1.608 s the next.
   EXPECT_NEAR(events[1].value, 0.6167, 1e-4);
   const double delay_s = static_cast<double>(Scenario{}.rig.delay_s);
@@ -74,7 +74,7 @@ TEST(Tracking, OfAHeadOutOfReachIsLost) {
   }));
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(events[0].kind, kind::tracking_lost);
-  EXPECT_EQ(events[0].detail, "head");
+  EXPECT_EQ(events[0].detail.text(), "head");
 }
 
 TEST(Tracking, IsNotLostInAShortHoleAndBeforeTheFirstSample) {
