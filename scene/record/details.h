@@ -168,8 +168,9 @@ struct KeptPace {
 ///     if (const auto* told = event.detail.get_if<Released>()) ...
 class Detail {
  public:
-  /// Text stays text where it is for people (a score sheet, a reason), and where a trial has another
-  /// than the kind's own: a damaged one, or a foreign one.
+  /// It is text where it is for people (a score sheet, a reason), where it is a hash, which is only
+  /// shown and compared, and where a trial has a text that its kind does not know: a damaged one, or
+  /// a foreign one.
   using Value = std::variant<std::string, By, Colour, GameKind, TrackedPart, BallOfFrame, Released,
                              FirstContact, BallPath, PassedPlayer, PhaseEnergies, KeptPace,
                              render::Fingerprint>;

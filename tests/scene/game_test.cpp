@@ -3,7 +3,6 @@
 #include <cmath>
 #include <numbers>
 
-#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include "devices/base/sources.h"

@@ -3,7 +3,6 @@
 #include "scene/play/presence.h"
 
 #include <gmock/gmock.h>
-#include <nlohmann/json.hpp>
 
 #include "devices/base/sources.h"
 #include "scene/play/session.h"
