@@ -51,6 +51,7 @@ constexpr std::array kTopics = {
     Topic{"physics", "physics.md", "The physics in two pages"},
     Topic{"paper", "paper.md", "The paper, claim by claim"},
     Topic{"cells", "cells.md", "All eight conditions of Table 1 can be played"},
+    Topic{"pins", "pins.md", "How the pins fall"},
     Topic{"release", "release.md", "How the ball leaves the hand"},
     Topic{"threads", "threads.md", "Threads and processes"},
     Topic{"performance", "performance.md", "Performance"},

@@ -50,8 +50,11 @@ void Table::reserve(std::int64_t rows) {
 
 void Table::add(std::span<const scene::TableValue> row) {
   for (std::size_t i = 0; i < row.size(); ++i) {
-    const bool known = !std::holds_alternative<std::monostate>(row[i]);
-    cells_.push_back(known ? cell(row[i]) : unknown(columns_[i]));
+    if (!std::holds_alternative<std::monostate>(row[i])) {
+      cells_.push_back(cell(row[i]));
+    } else {
+      cells_.push_back(columns_[i].kind == "text" ? cell(std::string()) : unknown(columns_[i]));
+    }
   }
 }
 

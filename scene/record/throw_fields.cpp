@@ -45,7 +45,7 @@ std::vector<Field<ThrowRow>> lane_fields() {
        of_release<&Delivered::revs_per_min>},
       {"axis_rotation_deg", "number", "degree",
        "axis rotation then: 0 rolls ahead, 90 has all its level spin to hook to the left, -90 to the "
-       "right",
+       "right, 180 spins back",
        of_release<&Delivered::rotation_deg>},
       {"axis_tilt_deg", "number", "degree", "tilt of the spin's axis out of the level then",
        of_release<&Delivered::tilt_deg>},

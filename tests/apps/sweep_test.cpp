@@ -196,8 +196,10 @@ TEST_F(SweepCommands, WhatCannotBeIsRefusedBeforeAnythingIsMade) {
           plan_says + "unknown key 'frition'; the nearest is friction\n");
   refuses("[grid]\nshape = ['cube']\n", 1,
           plan_says + "shape must be \"true\" or \"ellipsoid\", found 'cube'\n");
-  refuses("[grid]\nball.colour = [1]\n", 1,
-          plan_says + "unknown key 'ball.colour'; known here: home, mass, mesh, radius\n");
+  refuses(
+      "[grid]\nball.colour = [1]\n", 1,
+      plan_says +
+          "unknown key 'ball.colour'; known here: differential, home, intermediate, mass, mass_bias, mesh, pin, radius, rg\n");
   refuses("[grid]\nball.mass = ['5\\nlane.width=3']\n", 1, plan_says + "ball.mass must be");
   refuses("[random]\nball.mass = {from = -1, to = 7}\n", 1,
           plan_says + "ball.mass must be a number from 0.01 to 100, found -1\n");

@@ -187,7 +187,7 @@ int check_all(int throws, const char* path) {
                  "exit_board,leaves\n");
   }
   for (const Condition& condition : kConditions) {
-    std::printf("### %s, elasticity %g, friction %g: %.2f and %.2f for a pair\n\n",
+    std::printf("### Response %s, elasticity %g, friction %g: %.2f and %.2f for a pair\n\n",
                 condition.response.data(), condition.elasticity, condition.friction,
                 condition.elasticity * condition.elasticity,
                 condition.friction * condition.friction);

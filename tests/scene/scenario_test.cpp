@@ -133,8 +133,9 @@ TEST(ScenarioText, AnUnknownKeyIsToldWithTheNearestOrThoseOfItsName) {
             "lane.toml:1: unknown key 'ball_mass'; the nearest is ball.mass");
   EXPECT_EQ(refusal("mass = 3"),
             "lane.toml:1: unknown key 'mass'; keys of that name are skittle.mass, ball.mass");
-  EXPECT_EQ(refusal("ball.colour = 3"),
-            "lane.toml:1: unknown key 'ball.colour'; known here: home, mass, mesh, radius");
+  EXPECT_EQ(
+      refusal("ball.colour = 3"),
+      "lane.toml:1: unknown key 'ball.colour'; known here: differential, home, intermediate, mass, mass_bias, mesh, pin, radius, rg");
   EXPECT_EQ(refusal("[skittle]\nparts = [{low = 0, high = 0.1},\n{lo = 0, high = 0.1}]"),
             "lane.toml:3: skittle.parts, part 2: unknown key 'lo'; the nearest is low");
 }
@@ -251,7 +252,7 @@ TEST(ScenarioFiles, AreAcceptedAndThePapersRoomIsTheDefault) {
     EXPECT_EQ(s.name, entry.path().stem().string());
     ++files;
   }
-  EXPECT_EQ(files, 7);
+  EXPECT_EQ(files, 9);
   EXPECT_EQ(to_toml(load_scenario((folder / "paper-room.toml").string())), to_toml(Scenario{}));
 }
 

@@ -8,9 +8,9 @@
 
 #include "base/random.h"
 #include "engine/workspace.h"
+#include "scene/play/ball_path.h"
 #include "scene/play/game.h"
 #include "scene/scenario/scenario.h"
-#include "scene/stage/room.h"
 #include "scene/stage/stage.h"
 
 /// A ball that rolls into a rack of ten, for what is published about pins and balls. Boards count from
@@ -38,10 +38,7 @@ inline std::string name_of_leave(const std::vector<int>& standing) {
   return name.empty() ? "strike" : name;
 }
 
-/// The board at a place across the lane, and the place of a board's middle [m].
-inline double board_at(const Lane& lane, double x) {
-  return (0.5 * lane.width - x) / (lane.width / kBoards) + 0.5;
-}
+/// Where the middle of a board is across the lane [m].
 inline double middle_of_board(const Lane& lane, double board) {
   return 0.5 * lane.width - (board - 0.5) * lane.width / kBoards;
 }
@@ -111,15 +108,14 @@ inline Fallen roll(const Stage& stage, const Rolling& rolling, Random random) {
   set_pins(stage, world, rolling.spot_off, random);
   set_rolling(stage, world, rolling);
   const engine::BodyId ball = stage.balls.front();
-  const double deck_end = room_measures(stage.scenario).deck_end;
   Fallen fallen;
   do {
     engine::step(world, workspace);
     note_touched(stage, world, fallen.touched);
     for (engine::BodyId body = 0; body < world.bodies.size(); ++body) {
       const Vec3 p = world.states[body].X_WB.p;
-      if (world.bodies[body].kind != engine::Kind::free || p.y() < deck_end) continue;
-      if (body == ball) fallen.exit_board = board_at(stage.scenario.lane, p.x());
+      if (world.bodies[body].kind != engine::Kind::free || p.y() < stage.room.deck_end) continue;
+      if (body == ball) fallen.exit_board = board_at(stage.room, p.x());
       take_away(stage, world, body);
     }
     fallen.standing = standing(stage, world);
