@@ -39,7 +39,7 @@ set(parts
   devices/base/sources devices/log/event_log devices/log/layout devices/log/sample_messages
   render/data/hmd render/eyes
   scene/record/details scene/record/file scene/record/first_difference scene/record/messages scene/record/misdated
-  scene/record/state_change
+  scene/record/state_change scene/record/throw_fields
   scene/record/trial_messages scene/play/ball_path scene/play/game scene/play/game_hash scene/play/hand scene/play/outcome scene/play/parabola scene/play/player
   scene/play/presence scene/play/referee scene/play/release scene/play/run scene/play/score
   scene/play/session scene/play/tracking scene/play/walk scene/scenario/files scene/scenario/keys

@@ -270,14 +270,9 @@ void add_headers_of(const std::string& file, std::set<std::string>& headers) {
 // The page and other processors build a part of the sources; no build here would miss one of them.
 TEST(Sources, OfAReplayAloneAreListedWithAllThatTheyNeed) {
   // Nothing of these is called, and cmake/no_mesh_files.cpp stands for the last two.
-  const std::set<std::string> only_headers = {"scene/record/log",
-                                              "scene/record/tables",
-                                              "scene/record/throw_fields",
-                                              "render/gl_context",
-                                              "render/image",
-                                              "render/renderer",
-                                              "scene/stage/mesh_file",
-                                              "scene/stage/mesh_measure"};
+  const std::set<std::string> only_headers = {
+      "scene/record/log", "scene/record/tables",   "render/gl_context",       "render/image",
+      "render/renderer",  "scene/stage/mesh_file", "scene/stage/mesh_measure"};
   std::set<std::string> listed = parts_in("cmake/replay_alone.cmake");
   EXPECT_GT(listed.size(), 40u);
   const std::set<std::string> of_page = parts_in("apps/report/engine/CMakeLists.txt");

@@ -58,9 +58,9 @@ struct EyeRow {
   std::size_t eye;
 };
 
-std::vector<Field<TrackerRow>> tracker_fields() {
+std::vector<TableField<TrackerRow>> tracker_fields() {
   using Row = TrackerRow;
-  return std::vector<Field<Row>>{
+  return std::vector<TableField<Row>>{
              {"device_time_s", "number", "s", "when it was measured, on the trial's clock",
               [](const Row& r) -> TableValue { return r.sample.device_time; }},
              {"host_time_s", "number", "s",
@@ -74,7 +74,7 @@ std::vector<Field<TrackerRow>> tracker_fields() {
               [](const Row& r) -> TableValue { return r.sample.frame; }}} +
          pose_fields<[](const Row& r) -> const Pose& { return r.sample.X_TS; }, Row>(
              "position of the receiver in that frame", "its rotation, a unit quaternion") +
-         std::vector<Field<Row>>{
+         std::vector<TableField<Row>>{
              {"status", "text", "",
               "empty if the sample is good, else the error letter of the Fastrak",
               [](const Row& r) -> TableValue {
@@ -91,7 +91,7 @@ std::vector<Field<TrackerRow>> tracker_fields() {
              "buttons; X_WS is X_WP X_WT X_TS; empty if the trial's scenario cannot be read");
 }
 
-std::vector<Field<devices::MouseSample>> button_fields() {
+std::vector<TableField<devices::MouseSample>> button_fields() {
   using Row = devices::MouseSample;
   return {
       {"device_time_s", "number", "s", "when it changed, on the trial's clock",
@@ -108,9 +108,9 @@ std::vector<Field<devices::MouseSample>> button_fields() {
        [](const Row& r) -> TableValue { return r.session_time; }}};
 }
 
-std::vector<Field<Event>> event_fields() {
+std::vector<TableField<Event>> event_fields() {
   using Row = Event;
-  return std::vector<Field<Row>>{
+  return std::vector<TableField<Row>>{
              {"time_s", "number", "s", "time on the trial's clock",
               [](const Row& r) -> TableValue { return r.time; }},
              {"tick", "whole", "", "tick of the simulation; -1 outside it",
@@ -126,15 +126,15 @@ std::vector<Field<Event>> event_fields() {
          vector_fields<[](const Row& r) -> const Vec3& { return r.j_W; }, Row>(
              "impulse_x_ns", "impulse_y_ns", "impulse_z_ns", "N s",
              "impulse on the first body, in the world frame") +
-         std::vector<Field<Row>>{{"value", "number", "", "depends on the kind",
-                                  [](const Row& r) -> TableValue { return r.value; }},
-                                 {"detail", "text", "", "depends on the kind",
-                                  [](const Row& r) -> TableValue { return r.detail.text(); }}};
+         std::vector<TableField<Row>>{{"value", "number", "", "depends on the kind",
+                                       [](const Row& r) -> TableValue { return r.value; }},
+                                      {"detail", "text", "", "depends on the kind",
+                                       [](const Row& r) -> TableValue { return r.detail.text(); }}};
 }
 
-std::vector<Field<StateRow>> state_fields() {
+std::vector<TableField<StateRow>> state_fields() {
   using Row = StateRow;
-  return std::vector<Field<Row>>{
+  return std::vector<TableField<Row>>{
              {"tick", "whole", "", "tick of the simulation",
               [](const Row& r) -> TableValue { return r.tick.tick; }},
              {"time_s", "number", "s", "time at the end of the tick, on the trial's clock",
@@ -152,15 +152,15 @@ std::vector<Field<StateRow>> state_fields() {
              "vx_mps", "vy_mps", "vz_mps", "m/s", "velocity of the centre of mass in the world") +
          vector_fields<[](const Row& r) -> const Vec3& { return r.body.V_WB.w; }, Row>(
              "wx_radps", "wy_radps", "wz_radps", "rad/s", "angular velocity in the world") +
-         std::vector<Field<Row>>{
+         std::vector<TableField<Row>>{
              {"asleep", "yes/no", "",
               "sleeping: the body is at rest and not simulated until something touches it",
               [](const Row& r) -> TableValue { return r.body.asleep; }}};
 }
 
-std::vector<Field<EyeRow>> frame_fields() {
+std::vector<TableField<EyeRow>> frame_fields() {
   using Row = EyeRow;
-  return std::vector<Field<Row>>{
+  return std::vector<TableField<Row>>{
              {"frame", "whole", "", "number of the frame, from 0",
               [](const Row& r) -> TableValue { return r.frame.frame; }},
              {"time_s", "number", "s", "time on the trial's clock",
@@ -172,13 +172,15 @@ std::vector<Field<EyeRow>> frame_fields() {
          pose_fields<[](const Row& r) -> const Pose& { return r.frame.X_WE[r.eye]; }, Row>(
              "position of the eye in the world",
              "rotation of the eye, a unit quaternion: x right, y up, it looks along -z") +
-         std::vector<Field<Row>>{{"pixels", "hash", "", "FNV-1a of the picture's RGB bytes",
-                                  [](const Row& r) -> TableValue { return r.frame.hash[r.eye]; }}};
+         std::vector<TableField<Row>>{
+             {"pixels", "hash", "", "FNV-1a of the picture's RGB bytes",
+              [](const Row& r) -> TableValue { return r.frame.hash[r.eye]; }}};
 }
 
 template <typename Row>
-void list(std::vector<TableColumn>& all, const char* table, const std::vector<Field<Row>>& fields) {
-  for (const Field<Row>& f : fields) all.push_back({table, f.name, f.kind, f.unit, f.meaning});
+void list(std::vector<TableColumn>& all, const char* table,
+          const std::vector<TableField<Row>>& fields) {
+  for (const TableField<Row>& f : fields) all.push_back({table, f.name, f.kind, f.unit, f.meaning});
 }
 
 }  // namespace
@@ -207,7 +209,7 @@ std::vector<std::string> table_names() {
 
 struct TableRows::Table {
   template <typename Row>
-  using Fields = std::vector<Field<Row>>;
+  using Fields = std::vector<TableField<Row>>;
   using Any = std::variant<Fields<TrackerRow>, Fields<devices::MouseSample>, Fields<Event>,
                            Fields<ThrowRow>, Fields<StateRow>, Fields<EyeRow>>;
 
@@ -227,7 +229,7 @@ struct TableRows::Table {
     const auto* own = std::get_if<Fields<Row>>(&fields);
     if (!own) return;
     values.clear();
-    for (const Field<Row>& field : *own) values.push_back(field.value(row));
+    for (const TableField<Row>& field : *own) values.push_back(field.value(row));
     take(values);
   }
 

@@ -31,7 +31,7 @@ TableValue of_breakpoint(const ThrowRow& r) {
 }
 
 /// The words of coaches. Boards count from the right gutter.
-std::vector<Field<ThrowRow>> lane_fields() {
+std::vector<TableField<ThrowRow>> lane_fields() {
   return {
       {"board", "number", "",
        "board of the ball's centre at its release: 1 is at the right gutter, 20 in the middle; "
@@ -86,9 +86,9 @@ std::vector<Field<ThrowRow>> lane_fields() {
 
 }  // namespace
 
-std::vector<Field<ThrowRow>> throw_fields() {
+std::vector<TableField<ThrowRow>> throw_fields() {
   using Row = ThrowRow;
-  return std::vector<Field<Row>>{
+  return std::vector<TableField<Row>>{
              {"version", "text", "",
               "version of the game: red or blue; empty if there are no versions",
               [](const Row& r) -> TableValue { return r.version; }},
@@ -112,7 +112,7 @@ std::vector<Field<ThrowRow>> throw_fields() {
          maybe_vector_fields<[](const Row& r) { return r.w_WB; }, Row>(
              "wx_radps", "wy_radps", "wz_radps", "rad/s",
              "angular velocity of the ball at that time") +
-         std::vector<Field<Row>>{
+         std::vector<TableField<Row>>{
              {"speed_mps", "number", "m/s", "speed of the ball at its release",
               [](const Row& r) -> TableValue { return r.speed; }},
              {"known", "text", "",
@@ -152,7 +152,7 @@ std::vector<Field<ThrowRow>> throw_fields() {
 
 std::vector<std::pair<std::string, TableValue>> lane_values(const ThrowRow& row) {
   std::vector<std::pair<std::string, TableValue>> values;
-  for (const Field<ThrowRow>& field : lane_fields())
+  for (const TableField<ThrowRow>& field : lane_fields())
     values.emplace_back(field.name, field.value(row));
   return values;
 }
