@@ -59,13 +59,13 @@ export function sheets(summary) {
   });
 }
 
-/** The columns of the throws: heading, value in a throw. Boards count from the right gutter. */
-const kThrowColumns = [
+/** What is told of a throw: name, value. Boards count from the right gutter. */
+const kOfThrow = [
   ['Board', ({ board }) => fixed(board, 1)],
   ['Angle', ({ launch_angle_deg: angle }) => aside(angle)],
   ['Speed [m/s]', ({ level_speed_mps: speed }) => fixed(speed, 2)],
   ['Revolutions [1/min]', ({ revs_per_min: revs }) => fixed(revs, 0)],
-  ['Axis rotation, tilt', ({ axis_rotation_deg: rotation, axis_tilt_deg: tilt }) => `${fixed(rotation, 0)}°, ${fixed(tilt, 0)}°`],
+  ['Axis rotation, tilt', ({ axis_rotation_deg: rotation, axis_tilt_deg: tilt }) => `${whole(rotation)}°, ${whole(tilt)}°`],
   ['Touches the lane at [m]', ({ loft_end_m: at }) => fixed(at, 1)],
   ['Hooks from, rolls from [m]', ({ skid_end_m: hooks, hook_end_m: rolls }) => `${fixed(hooks, 1)}, ${fixed(rolls, 1)}`],
   ['Breakpoint', ({ breakpoint_board: board, breakpoint_m: at }) => (known(board) ? `board ${fixed(board, 1)} at ${fixed(at, 1)} m` : kNone)],
@@ -81,6 +81,11 @@ function fixed(value, digits) {
   return known(value) ? value.toFixed(digits) : kNone;
 }
 
+/** Without a sign before 0. */
+function whole(value) {
+  return known(value) ? Math.round(value) || 0 : kNone;
+}
+
 /** "2.0° right" */
 function aside(degrees) {
   if (!known(degrees)) return kNone;
@@ -90,9 +95,9 @@ function aside(degrees) {
 /** The way of each ball, in the words of coaches. Nothing of trials that do not say it. */
 export function throwsTable({ throws }) {
   const told = throws.map((one, i) => [i + 1, one]).filter(([, one]) => known(one.board));
-  return told.length === 0 ? [] : [table('The ways of the balls (boards from the right gutter, 20 is the middle)',
-    ['Throw', ...kThrowColumns.map(([heading]) => heading)],
-    told.map(([i, one]) => [i, ...kThrowColumns.map(([, of]) => of(one))]))];
+  return told.length === 0 ? [] : [table('The ways of the balls; board 1 is at the right gutter, 20 in the middle',
+    ['Throw', ...told.map(([i]) => i)],
+    kOfThrow.map(([name, of]) => [name, ...told.map(([, one]) => of(one))]))];
 }
 
 export function showResult(trial) {
