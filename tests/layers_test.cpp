@@ -267,6 +267,27 @@ void add_headers_of(const std::string& file, std::set<std::string>& headers) {
   }
 }
 
+// A check that nobody can call checks nothing.
+TEST(Dev, RunsEveryCheckThatItHas) {
+  const std::vector<std::string> lines = lines_of(HEADPIN_SOURCE_DIR "/dev");
+  std::string called;
+  bool inside = false;
+  for (const std::string& line : lines) {
+    if (line == "check() {") inside = true;
+    if (inside) called += line + "\n";
+    if (line == "}") inside = false;
+  }
+  const std::regex defined(R"(^check_(\w+)\(\) \{)");
+  int checks = 0;
+  for (const std::string& line : lines) {
+    std::smatch match;
+    if (!std::regex_search(line, match, defined)) continue;
+    ++checks;
+    EXPECT_TRUE(std::regex_search(called, std::regex("\\b" + match[1].str() + "\\b"))) << line;
+  }
+  EXPECT_GT(checks, 15);
+}
+
 // The page and other processors build a part of the sources; no build here would miss one of them.
 TEST(Sources, OfAReplayAloneAreListedWithAllThatTheyNeed) {
   // Nothing of these is called, and cmake/no_mesh_files.cpp stands for the last two.

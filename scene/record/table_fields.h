@@ -55,11 +55,6 @@ TableValue part(const Row& row) {
   return v ? TableValue((*v)[I]) : TableValue();
 }
 
-/// A number that counts from 1; 0 is not known.
-TableValue counted(int number) {
-  return number > 0 ? TableValue(std::int64_t{number}) : TableValue();
-}
-
 /// The columns of such a vector.
 template <auto Of, typename Row>
 std::vector<TableField<Row>> maybe_vector_fields(const char* x, const char* y, const char* z,

@@ -9,6 +9,11 @@ namespace headpin::scene {
 
 namespace {
 
+/// A number that counts from 1; 0 is not known.
+TableValue counted(int number) {
+  return number > 0 ? TableValue(std::int64_t{number}) : TableValue();
+}
+
 /// A number of a ball's way.
 template <auto Of>
 TableValue of_path(const ThrowRow& r) {
@@ -35,7 +40,7 @@ std::vector<TableField<ThrowRow>> lane_fields() {
   return {
       {"board", "number", "",
        "board of the ball's centre at its release: 1 is at the right gutter, 20 in the middle; "
-       "empty in older trials, like all that follows",
+       "empty in older trials, like all that follows but touched and leave",
        of_release<&Delivered::board>},
       {"launch_angle_deg", "number", "degree",
        "direction of its level velocity then, to the right of the lane's axis",

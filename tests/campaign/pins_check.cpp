@@ -13,6 +13,9 @@
 #include <tuple>
 #include <vector>
 
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
 #include "scene/stage/read_scenario.h"
 #include "tests/support/strike.h"
 
@@ -54,7 +57,7 @@ struct Cell {
     down += 10.0 - static_cast<double>(fallen.standing.size());
     strikes += fallen.strike() ? 1 : 0;
     flush += touches_flush(fallen.touched) ? 1 : 0;
-    if (!fallen.strike()) ++leaves[name_of_leave(fallen.standing)];
+    if (!fallen.strike()) ++leaves[fmt::format("{}", fmt::join(fallen.standing, "-"))];
     if (fallen.exit_board == 0.0) return;
     ++left_deck;
     exit_board += fallen.exit_board;
@@ -132,12 +135,11 @@ std::string leaves_in_words(const Cell& cell, std::size_t most) {
   std::vector<std::pair<int, std::string>> sorted;
   for (const auto& [name, count] : cell.leaves) sorted.emplace_back(-count, name);
   std::sort(sorted.begin(), sorted.end());
-  std::string words;
+  std::vector<std::string> words;
   for (std::size_t i = 0; i < std::min(most, sorted.size()); ++i) {
-    words += (i == 0 ? "" : ", ") + sorted[i].second + " (" +
-             std::to_string(static_cast<int>(cell.share(-sorted[i].first) + 0.5)) + " %)";
+    words.push_back(fmt::format("{} ({:.0f} %)", sorted[i].second, cell.share(-sorted[i].first)));
   }
-  return words.empty() ? "-" : words;
+  return words.empty() ? "-" : fmt::format("{}", fmt::join(words, ", "));
 }
 
 void print_hits(const Map& map) {

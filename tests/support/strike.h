@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <string>
 #include <vector>
 
 #include "base/random.h"
@@ -30,13 +29,6 @@ struct Fallen {
   double exit_board = 0.0;    ///< where the ball left the deck; 0 if it did not
   bool strike() const { return standing.empty(); }
 };
-
-/// "10", "4-7", "strike".
-inline std::string name_of_leave(const std::vector<int>& standing) {
-  std::string name;
-  for (const int pin : standing) name += (name.empty() ? "" : "-") + std::to_string(pin);
-  return name.empty() ? "strike" : name;
-}
 
 /// Where the middle of a board is across the lane [m].
 inline double middle_of_board(const Lane& lane, double board) {
