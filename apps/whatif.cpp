@@ -54,10 +54,13 @@ sweep::ReleaseGrid grid_of(const WhatIfQuestion& question) {
   grid.direction_deg = axis_of("--direction", question.direction, -180.0, 180.0);
   grid.height = axis_of("--height", question.height, -2.0, 2.0);
   grid.spin = axis_of("--spin", question.spin, -1000.0, 1000.0);
+  grid.boards = axis_of("--board", question.board, -scene::kBoards, scene::kBoards);
+  grid.revs = axis_of("--revs", question.revs, 0.0, 100.0);
+  grid.rotation_deg = axis_of("--rotation", question.rotation, -180.0, 180.0);
   if (grid.size() > kMostReleases) {
     throw UsageError(
-        fmt::format("--speed, --direction, --height, --spin: expected at most {} "
-                    "releases, found {}",
+        fmt::format("--speed, --direction, --height, --spin, --board, --revs, --rotation: expected "
+                    "at most {} releases, found {}",
                     kMostReleases, grid.size()));
   }
   return grid;
@@ -132,6 +135,31 @@ double milliseconds(Time time) {
   return 1e3 * seconds(time);
 }
 
+nlohmann::ordered_json to_json(const std::optional<sweep::MissRoom>& room) {
+  if (!room) return nullptr;
+  return {{"boards", room->boards()},
+          {"from_boards", room->from},
+          {"to_boards", room->to},
+          {"turned_deg", room->direction_deg},
+          {"cut", room->cut}};
+}
+
+std::string in_words(const sweep::MissRoom& room) {
+  return fmt::format("{:g} boards ({:+g} to {:+g}{})", room.boards(), room.from, room.to,
+                     room.cut ? ", and perhaps beyond" : "");
+}
+
+std::string in_words(const sweep::MissRooms& rooms) {
+  std::string words = rooms.own ? in_words(*rooms.own) + " in the direction of the throw" : "none";
+  if (!rooms.widest || rooms.widest == rooms.own) return words;
+  const double turned = rooms.widest->direction_deg;
+  return words + fmt::format("; widest {}{}", in_words(*rooms.widest),
+                             turned == 0.0
+                                 ? ""
+                                 : fmt::format(" at {:g} degrees further to the {}",
+                                               std::abs(turned), turned < 0.0 ? "left" : "right"));
+}
+
 }  // namespace
 
 sweep::WhatIf ask_what_if(const WhatIfQuestion& question, std::string_view command) {
@@ -170,6 +198,9 @@ sweep::WhatIf ask_what_if(const WhatIfQuestion& question, std::string_view comma
   whatif.of_moments = simulate(whatif.moments);
   whatif.window = sweep::window_of_success(whatif.moments, whatif.of_moments, whatif.success);
   whatif.of_grid = simulate(sweep::releases_of(whatif.grid));
+  if (whatif.grid.boards.size() > 1) {
+    whatif.miss = sweep::miss_rooms(whatif.grid, whatif.of_grid, whatif.success);
+  }
   if (question.costs) whatif.costs = costs_of(whatif, simulate);
   return whatif;
 }
@@ -185,11 +216,17 @@ nlohmann::ordered_json to_json(const sweep::WhatIf& whatif) {
                                  {"window", nullptr},
                                  {"grid_releases", whatif.of_grid.size()},
                                  {"success_share", share_of_success(whatif)},
+                                 {"miss_room", nullptr},
+                                 {"widest_miss_room", nullptr},
                                  {"costs", nullptr}};
   if (whatif.window) {
     json["window"] = {{"from_ms", milliseconds(whatif.window->from)},
                       {"to_ms", milliseconds(whatif.window->to)},
                       {"cut", whatif.window->cut}};
+  }
+  if (whatif.miss) {
+    json["miss_room"] = to_json(whatif.miss->own);
+    json["widest_miss_room"] = to_json(whatif.miss->widest);
   }
   if (whatif.costs) {
     json["costs"] = {{"of_throws", whatif.in_costs.size()},
@@ -223,11 +260,16 @@ std::vector<std::pair<std::string, std::string>> in_lines(const sweep::WhatIf& w
                          whatif.success, whatif.window->cut ? ", and perhaps beyond" : "");
   }
   lines.emplace_back("window of success", window);
-  lines.emplace_back(
-      "releases",
-      fmt::format("{} of speed, direction, height and spin; {:.0f} % of them with "
-                  "at least {} down",
-                  whatif.of_grid.size(), 100.0 * share_of_success(whatif), whatif.success));
+  std::string axes = "speed, direction, height and spin";
+  for (const auto& [axis, name] : {std::pair(&whatif.grid.boards, ", and of the board"),
+                                   {&whatif.grid.revs, ", and of the revs"},
+                                   {&whatif.grid.rotation_deg, ", and of the axis rotation"}}) {
+    if (axis->size() > 1) axes += name;
+  }
+  lines.emplace_back("releases", fmt::format("{} of {}; {:.0f} % of them with at least {} down",
+                                             whatif.of_grid.size(), axes,
+                                             100.0 * share_of_success(whatif), whatif.success));
+  if (whatif.miss) lines.emplace_back("miss room", in_words(*whatif.miss));
   if (const auto& costs = whatif.costs) {
     lines.emplace_back("throws", fmt::format("{}, {:.2f} down on average in this situation",
                                              whatif.in_costs.size(), costs->mean));

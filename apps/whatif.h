@@ -18,6 +18,7 @@ struct WhatIfQuestion {
   std::string option = "--throw";   ///< that gives the number, for messages
   double within_ms = 150.0, step_ms = 1.0;
   std::string speed = "0.8:1.2:9", direction = "-4:4:17", height = "-0.1:0.1:3", spin = "-10:10:3";
+  std::string board = "0", revs = "1", rotation = "0";
   std::optional<std::int64_t> success;
   bool costs = false;
   int jobs = 1;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <stdexcept>
 
 #include "scene/play/score.h"
@@ -12,7 +11,6 @@ namespace headpin::sweep {
 
 namespace {
 
-constexpr double kRadiansPerDegree = std::numbers::pi / 180.0;
 constexpr int kSizes = 20;  ///< steps by which a set shrinks to its mean
 
 Execution mean_of(std::span<const Execution> throws) {
@@ -64,20 +62,47 @@ std::vector<double> evenly(double from, double to, int steps) {
   return values;
 }
 
+std::size_t ReleaseGrid::size() const {
+  std::size_t all = 1;
+  for (const auto* axis : axes()) all *= axis->size();
+  return all;
+}
+
+std::size_t ReleaseGrid::number(const std::array<std::size_t, 7>& places) const {
+  std::size_t number = 0;
+  for (std::size_t i = places.size(); i-- > 0;) number = number * axes()[i]->size() + places[i];
+  return number;
+}
+
+std::array<std::size_t, 7> ReleaseGrid::unchanged() const {
+  constexpr std::array<double, 7> kUnchanged = {1.0, 0.0, 0.0, 0.0, 0.0, 1.0, 0.0};
+  std::array<std::size_t, 7> places{};
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const auto nearest = std::ranges::min_element(
+        *axes()[i], {}, [&](double value) { return std::abs(value - kUnchanged[i]); });
+    places[i] = static_cast<std::size_t>(nearest - axes()[i]->begin());
+  }
+  return places;
+}
+
 std::vector<Release> releases_of(const ReleaseGrid& grid) {
   std::vector<Release> releases;
   releases.reserve(grid.size());
-  for (const double spin : grid.spin) {
-    for (const double height : grid.height) {
-      for (const double direction : grid.direction_deg) {
-        for (const double speed : grid.speed) {
-          releases.push_back({.change = {.speed = speed,
-                                         .direction = direction * kRadiansPerDegree,
-                                         .height = height,
-                                         .spin = spin}});
-        }
-      }
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    std::size_t rest = i;
+    std::array<double, 7> of{};
+    for (std::size_t k = 0; k < of.size(); ++k) {
+      const std::vector<double>& axis = *grid.axes()[k];
+      of[k] = axis[rest % axis.size()];
+      rest /= axis.size();
     }
+    releases.push_back({.change = {.speed = of[ReleaseGrid::kSpeed],
+                                   .direction_deg = of[ReleaseGrid::kDirection],
+                                   .height = of[ReleaseGrid::kHeight],
+                                   .boards = of[ReleaseGrid::kBoards],
+                                   .revs = of[ReleaseGrid::kRevs],
+                                   .rotation_deg = of[ReleaseGrid::kRotation],
+                                   .spin = of[ReleaseGrid::kSpin]}});
   }
   return releases;
 }
@@ -106,6 +131,55 @@ std::optional<Window> window_of_success(std::span<const Release> moments,
                 first == 0 || last + 1 == moments.size()};
 }
 
+namespace {
+
+/// The runs of neighbouring boards that succeed in one direction, all else unchanged.
+///
+/// @param places  of the direction
+std::vector<MissRoom> runs_of(const ReleaseGrid& grid, std::span<const Outcome> outcomes,
+                              std::int64_t success, std::array<std::size_t, 7> places) {
+  std::vector<MissRoom> runs;
+  bool in_run = false;
+  for (std::size_t b = 0; b < grid.boards.size(); ++b) {
+    places[ReleaseGrid::kBoards] = b;
+    const Outcome& outcome = outcomes[grid.number(places)];
+    const bool succeeds = outcome.released && outcome.down >= success;
+    if (succeeds && !in_run) {
+      runs.push_back({.direction_deg = grid.direction_deg[places[ReleaseGrid::kDirection]],
+                      .from = grid.boards[b],
+                      .to = 0.0,
+                      .cut = b == 0});
+    }
+    if (succeeds) {
+      runs.back().to = grid.boards[b];
+      if (b + 1 == grid.boards.size()) runs.back().cut = true;
+    }
+    in_run = succeeds;
+  }
+  return runs;
+}
+
+}  // namespace
+
+MissRooms miss_rooms(const ReleaseGrid& grid, std::span<const Outcome> outcomes,
+                     std::int64_t success) {
+  MissRooms rooms;
+  std::array<std::size_t, 7> places = grid.unchanged();
+  for (std::size_t d = 0; d < grid.direction_deg.size(); ++d) {
+    places[ReleaseGrid::kDirection] = d;
+    for (const MissRoom& run : runs_of(grid, outcomes, success, places)) {
+      const bool holds_own = run.direction_deg == 0.0 && run.from <= 0.0 && run.to >= 0.0;
+      if (holds_own) rooms.own = run;
+      const auto& best = rooms.widest;
+      const bool nearer = best && std::abs(run.direction_deg) < std::abs(best->direction_deg);
+      if (!best || run.boards() > best->boards() || (run.boards() == best->boards() && nearer)) {
+        rooms.widest = run;
+      }
+    }
+  }
+  return rooms;
+}
+
 std::optional<Execution> execution_of(const scene::ThrowRow& thrown) {
   if (!thrown.v_WB) return std::nullopt;
   return Execution{thrown.v_WB->norm(), scene::degrees_from_y(*thrown.v_WB)};
@@ -114,7 +188,7 @@ std::optional<Execution> execution_of(const scene::ThrowRow& thrown) {
 Release release_of(const Execution& execution, const Execution& recorded) {
   Release release;
   release.change.speed = std::max(0.0, execution.speed / recorded.speed);
-  release.change.direction = (execution.direction_deg - recorded.direction_deg) * kRadiansPerDegree;
+  release.change.direction_deg = execution.direction_deg - recorded.direction_deg;
   return release;
 }
 

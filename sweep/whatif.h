@@ -17,23 +17,28 @@ namespace headpin::sweep {
 /// Simulates releases in their order; throw_again() with its threads and progress.
 using Simulate = std::function<std::vector<Outcome>(std::span<const Release>)>;
 
-/// The axes of a grid of releases, in the order of its axes: changes of the recorded release.
+/// The axes of a grid of releases: changes of the recorded release, as scene::ReleaseChange.
 struct ReleaseGrid {
-  std::vector<double> speed;          ///< factors
-  std::vector<double> direction_deg;  ///< to the right
-  std::vector<double> height;         ///< [m]
-  std::vector<double> spin;           ///< [rad/s], as scene::ReleaseChange
+  std::vector<double> speed;                 ///< factors
+  std::vector<double> direction_deg;         ///< to the right
+  std::vector<double> height;                ///< [m]
+  std::vector<double> spin;                  ///< [rad/s]
+  std::vector<double> boards = {0.0};        ///< to the left
+  std::vector<double> revs = {1.0};          ///< factors
+  std::vector<double> rotation_deg = {0.0};  ///< to the left
 
-  std::size_t size() const {
-    return speed.size() * direction_deg.size() * height.size() * spin.size();
+  /// The order of axes().
+  enum : std::size_t { kSpeed, kDirection, kHeight, kSpin, kBoards, kRevs, kRotation };
+
+  /// All axes; the first one changes fastest from a release to the next.
+  std::array<const std::vector<double>*, 7> axes() const {
+    return {&speed, &direction_deg, &height, &spin, &boards, &revs, &rotation_deg};
   }
-  /// The number of a point; the speed changes fastest, then the direction.
-  std::size_t number(std::size_t speed_at, std::size_t direction_at, std::size_t height_at,
-                     std::size_t spin_at) const {
-    return ((spin_at * height.size() + height_at) * direction_deg.size() + direction_at) *
-               speed.size() +
-           speed_at;
-  }
+  std::size_t size() const;
+  /// The number of a point, by its place on each axis.
+  std::size_t number(const std::array<std::size_t, 7>& places) const;
+  /// The places of the point that changes least.
+  std::array<std::size_t, 7> unchanged() const;
 };
 
 /// Values from `from` to `to` at even distances.
@@ -54,6 +59,26 @@ struct Window {
 /// real one. Nothing if the real one fells fewer.
 std::optional<Window> window_of_success(std::span<const Release> moments,
                                         std::span<const Outcome> outcomes, std::int64_t success);
+
+/// The boards over which a throw succeeds, in one direction: the room to miss, as coaches say.
+struct MissRoom {
+  double direction_deg = 0.0;   ///< change of the direction, to the right
+  double from = 0.0, to = 0.0;  ///< changes of the board: the first and the last that succeed
+  bool cut = false;             ///< it may go on beyond the simulated boards
+
+  double boards() const { return to - from; }
+  bool operator==(const MissRoom&) const = default;
+};
+
+/// The miss rooms of a grid, all else as it was. Both are nothing where no release succeeds.
+struct MissRooms {
+  std::optional<MissRoom> own;     ///< of the direction of the throw, around its board
+  std::optional<MissRoom> widest;  ///< of all directions; of equal ones, the one nearest to its own
+};
+
+/// @param success  so many skittles down are a success
+MissRooms miss_rooms(const ReleaseGrid& grid, std::span<const Outcome> outcomes,
+                     std::int64_t success);
 
 /// One throw as two variables: those of the tolerance, noise and covariation costs.
 struct Execution {

@@ -30,7 +30,8 @@ struct WhatIf {
   std::optional<Window> window;
   ReleaseGrid grid;
   std::vector<Outcome> of_grid;
-  std::vector<OwnThrow> own;  ///< of all trials that were given
+  std::optional<MissRooms> miss;  ///< nothing where the grid has one board
+  std::vector<OwnThrow> own;      ///< of all trials that were given
   std::optional<Costs> costs;
   std::vector<std::size_t> in_costs;  ///< which of `own`, in the order of `costs->down`
 };

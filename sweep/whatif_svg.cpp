@@ -144,20 +144,73 @@ std::string title_of(const WhatIf& whatif) {
                      whatif.real.thrown.speed, whatif.real.down);
 }
 
-/// The maps of a grid, side by side: spins to the right, heights up.
+/// What the maps of a picture show: directions to the right, another axis up; and of two more axes
+/// each value a column or a row of maps.
+struct MapAxes {
+  std::size_t up, column, row;  ///< of ReleaseGrid::axes()
+  double unchanged;             ///< the value of `up` that changes nothing
+  const char* label;            ///< of `up`
+  /// Where a throw is on `up`, beside the recorded one.
+  std::optional<double> (*place)(const scene::ThrowRow& own, const scene::ThrowRow& recorded);
+  std::string (*title)(double of_column, double of_row);
+  std::string (*cell)(double of_up);
+};
+
+const MapAxes& over_speed() {
+  static const MapAxes axes = {
+      ReleaseGrid::kSpeed,
+      ReleaseGrid::kSpin,
+      ReleaseGrid::kHeight,
+      1.0,
+      "part of the speed",
+      [](const scene::ThrowRow& own, const scene::ThrowRow& recorded) {
+        return std::optional(execution_of(own)->speed / execution_of(recorded)->speed);
+      },
+      [](double spin, double height) {
+        return fmt::format("{:+.3g} m, {:+.3g} rad/s", height, spin);
+      },
+      [](double speed) { return fmt::format("{:.4g} of the speed", speed); }};
+  return axes;
+}
+
+const MapAxes& over_boards() {
+  static const MapAxes axes = {
+      ReleaseGrid::kBoards,
+      ReleaseGrid::kSpeed,
+      ReleaseGrid::kRevs,
+      0.0,
+      "boards to the left",
+      [](const scene::ThrowRow& own, const scene::ThrowRow& recorded) {
+        if (!own.path || !recorded.path) return std::optional<double>();
+        return std::optional(own.path->release.board - recorded.path->release.board);
+      },
+      [](double speed, double revs) {
+        return fmt::format("{:.3g} of the speed, {:.3g} of the revs", speed, revs);
+      },
+      [](double boards) { return fmt::format("{:+.3g} boards", boards); }};
+  return axes;
+}
+
+/// The maps of a grid, side by side; what they do not show is as it was.
 class Maps {
  public:
-  explicit Maps(const WhatIf& whatif) : whatif_(whatif), grid_(whatif.grid) {}
+  Maps(const WhatIf& whatif, const MapAxes& axes)
+      : whatif_(whatif),
+        axes_(axes),
+        up_(*whatif.grid.axes()[axes.up]),
+        columns_(*whatif.grid.axes()[axes.column]),
+        rows_(*whatif.grid.axes()[axes.row]),
+        right_(whatif.grid.direction_deg) {}
 
   std::string svg() const {
-    const auto columns = static_cast<double>(grid_.spin.size());
-    const auto rows = static_cast<double>(grid_.height.size());
+    const auto columns = static_cast<double>(columns_.size());
+    const auto rows = static_cast<double>(rows_.size());
     const double width = std::max(560.0, kMargin + columns * kEach);
     std::string svg = begin(width, kHead + rows * kTall + 20);
     svg += text(16, 22, "start", title_of(whatif_));
     svg += scale();
-    for (std::size_t h = 0; h < grid_.height.size(); ++h) {
-      for (std::size_t s = 0; s < grid_.spin.size(); ++s) svg += map(h, s);
+    for (std::size_t row = 0; row < rows_.size(); ++row) {
+      for (std::size_t column = 0; column < columns_.size(); ++column) svg += map(row, column);
     }
     return svg + "</svg>\n";
   }
@@ -195,17 +248,18 @@ class Maps {
     const std::optional<Execution> recorded = execution_of(whatif_.thrown);
     for (const OwnThrow& own : whatif_.own) {
       if (!own.execution || !recorded) continue;
-      const double x =
-          place(grid_.direction_deg, own.execution->direction_deg - recorded->direction_deg);
-      const double y = place(grid_.speed, own.execution->speed / recorded->speed);
+      const std::optional<double> up = axes_.place(own.thrown, whatif_.thrown);
+      if (!up) continue;
+      const double x = place(right_, own.execution->direction_deg - recorded->direction_deg);
+      const double y = place(up_, *up);
       if (std::min(x, y) < 0.0 || std::max(x, y) > 1.0) continue;
       svg += fmt::format(
           "<circle cx='{:.1f}' cy='{:.1f}' r='3.5' fill='none' stroke='#fff' stroke-width='3'/>"
           "<circle cx='{:.1f}' cy='{:.1f}' r='3.5' fill='none' stroke='#000'/>\n",
           left + kPlot * x, top + kPlot * (1.0 - y), left + kPlot * x, top + kPlot * (1.0 - y));
     }
-    const double x = left + kPlot * place(grid_.direction_deg, 0.0);
-    const double y = top + kPlot * (1.0 - place(grid_.speed, 1.0));
+    const double x = left + kPlot * place(right_, 0.0);
+    const double y = top + kPlot * (1.0 - place(up_, axes_.unchanged));
     for (const auto& [stroke, wide] : {std::pair("#fff", 4.0), {kReal, 2.0}}) {
       svg += fmt::format(
           "<path d='M{0:.1f} {2:.1f}H{1:.1f}M{3:.1f} {4:.1f}V{5:.1f}' stroke='{6}' "
@@ -215,44 +269,54 @@ class Maps {
     return svg;
   }
 
-  std::string map(std::size_t h, std::size_t s) const {
-    const double left = kMargin + 34 + kEach * static_cast<double>(s);
-    const double top = kHead + 24 + kTall * static_cast<double>(grid_.height.size() - 1 - h);
-    std::string svg = text(left, top - 8, "start",
-                           fmt::format("{:+.3g} m, {:+.3g} rad/s", grid_.height[h], grid_.spin[s]));
-    const double wide = kPlot / static_cast<double>(grid_.direction_deg.size());
-    const double tall = kPlot / static_cast<double>(grid_.speed.size());
-    for (std::size_t d = 0; d < grid_.direction_deg.size(); ++d) {
-      for (std::size_t v = 0; v < grid_.speed.size(); ++v) {
-        const Outcome& outcome = whatif_.of_grid[grid_.number(v, d, h, s)];
+  std::string cells(std::size_t row, std::size_t column, double left, double top) const {
+    std::string svg;
+    const double wide = kPlot / static_cast<double>(right_.size());
+    const double tall = kPlot / static_cast<double>(up_.size());
+    auto places = whatif_.grid.unchanged();
+    places[axes_.row] = row;
+    places[axes_.column] = column;
+    for (std::size_t d = 0; d < right_.size(); ++d) {
+      places[ReleaseGrid::kDirection] = d;
+      for (std::size_t u = 0; u < up_.size(); ++u) {
+        places[axes_.up] = u;
+        const Outcome& outcome = whatif_.of_grid[whatif_.grid.number(places)];
         svg += fmt::format(
             "<rect x='{:.2f}' y='{:.2f}' width='{:.2f}' height='{:.2f}' fill='{}'><title>{}"
             "</title></rect>\n",
-            left + wide * static_cast<double>(d), top + kPlot - tall * static_cast<double>(v + 1),
+            left + wide * static_cast<double>(d), top + kPlot - tall * static_cast<double>(u + 1),
             wide + 0.3, tall + 0.3, outcome.released ? colour(part(outcome.down)) : "#eee",
-            escaped(fmt::format("{:.4g} of the speed, {:+.3g} degrees: {} down", grid_.speed[v],
-                                grid_.direction_deg[d], outcome.down)));
+            escaped(fmt::format("{}, {:+.3g} degrees: {} down", axes_.cell(up_[u]), right_[d],
+                                outcome.down)));
       }
     }
+    return svg;
+  }
+
+  std::string map(std::size_t row, std::size_t column) const {
+    const double left = kMargin + 34 + kEach * static_cast<double>(column);
+    const double top = kHead + 24 + kTall * static_cast<double>(rows_.size() - 1 - row);
+    std::string svg = text(left, top - 8, "start", axes_.title(columns_[column], rows_[row]));
+    svg += cells(row, column, left, top);
     const double bottom = top + kPlot;
-    for (const double value : ticks(grid_.direction_deg.front(), grid_.direction_deg.back())) {
-      svg += text(left + kPlot * place(grid_.direction_deg, value), bottom + 15, "middle",
+    for (const double value : ticks(right_.front(), right_.back())) {
+      svg += text(left + kPlot * place(right_, value), bottom + 15, "middle",
                   fmt::format("{:g}", value));
     }
-    for (const double value : ticks(grid_.speed.front(), grid_.speed.back())) {
-      svg += text(left - 4, top + kPlot * (1.0 - place(grid_.speed, value)) + 4, "end",
+    for (const double value : ticks(up_.front(), up_.back())) {
+      svg += text(left - 4, top + kPlot * (1.0 - place(up_, value)) + 4, "end",
                   fmt::format("{:g}", value));
     }
     svg += text(left + kPlot / 2, bottom + 31, "middle", "turned to the right [degrees]");
     svg += fmt::format(
-        "<text transform='translate({:.1f} {:.1f}) rotate(-90)' text-anchor='middle'>part of the "
-        "speed</text>\n",
-        left - 36, top + kPlot / 2);
+        "<text transform='translate({:.1f} {:.1f}) rotate(-90)' text-anchor='middle'>{}</text>\n",
+        left - 36, top + kPlot / 2, axes_.label);
     return svg + own_throws(left, top);
   }
 
   const WhatIf& whatif_;
-  const ReleaseGrid& grid_;
+  const MapAxes& axes_;
+  const std::vector<double>&up_, &columns_, &rows_, &right_;
 };
 
 }  // namespace
@@ -288,7 +352,11 @@ std::string moments_svg(const WhatIf& whatif) {
 }
 
 std::string map_svg(const WhatIf& whatif) {
-  return Maps(whatif).svg();
+  return Maps(whatif, over_speed()).svg();
+}
+
+std::string boards_svg(const WhatIf& whatif) {
+  return Maps(whatif, over_boards()).svg();
 }
 
 }  // namespace headpin::sweep

@@ -74,18 +74,15 @@ std::string moments_csv(const WhatIf& whatif) {
 }
 
 std::string releases_csv(const WhatIf& whatif) {
-  std::string text = first_line({"speed_factor", "turn_deg", "raised_m", "added_spin_radps"});
+  std::string text = first_line({"speed_factor", "turn_deg", "raised_m", "added_spin_radps",
+                                 "moved_boards", "revs_factor", "added_rotation_deg"});
   const ReleaseGrid& grid = whatif.grid;
   for (std::size_t i = 0; i < grid.size(); ++i) {
     std::size_t rest = i;
-    const auto next = [&](const std::vector<double>& axis) {
-      const double value = axis[rest % axis.size()];
-      rest /= axis.size();
-      return number(value);
-    };
     Cells cells;
-    for (const auto* axis : {&grid.speed, &grid.direction_deg, &grid.height, &grid.spin}) {
-      cells.push_back(next(*axis));
+    for (const auto* axis : grid.axes()) {
+      cells.push_back(number((*axis)[rest % axis->size()]));
+      rest /= axis->size();
     }
     add_outcome(whatif.of_grid[i], cells);
     text += study::csv_line(cells);

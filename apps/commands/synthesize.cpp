@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <iostream>
 #include <memory>
 #include <numbers>
@@ -10,12 +11,15 @@
 #include "apps/command.h"
 #include "apps/options.h"
 #include "apps/participants.h"
+#include "apps/quantity.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "base/output_file.h"
 #include "devices/recordings/catalogue_csv.h"
 #include "scene/people/arm_model.h"
+#include "scene/people/coach.h"
 #include "scene/people/throw.h"
+#include "scene/play/ball_path.h"
 #include "scene/record/log.h"
 #include "scene/scenario/rules.h"
 #include "scene/stage/read_scenario.h"
@@ -23,16 +27,48 @@
 namespace headpin::apps {
 namespace {
 
+constexpr auto kSpeeds = std::to_array<Unit>({{"m/s", 1.0}, {"mph", 0.44704}, {"km/h", 1.0 / 3.6}});
+constexpr auto kRevs = std::to_array<Unit>({{"rpm", 1.0}});
+constexpr auto kDegrees = std::to_array<Unit>({{"deg", 1.0}});
+constexpr auto kLengths = std::to_array<Unit>({{"m", 1.0}, {"cm", 0.01}, {"ft", 0.3048}});
+
+/// A throw as it is typed: "17.9mph", "416+-20".
+struct TypedThrow {
+  std::optional<std::string> speed, revs, rotation, tilt, board, angle, loft;
+};
+
 struct SynthesizeOptions {
   std::optional<std::string> output;
   std::string scenario, name, condition;
   std::optional<std::uint64_t> participant;
   int throws = 10;
   scene::ThrowPlan plan;
-  double aim_deg = 0.0;
+  TypedThrow typed;
   std::optional<double> duration_s;
   bool force = false, json = false;
 };
+
+/// The words of an option; nothing if it was not given.
+std::optional<scene::Wanted> wanted_of(const char* option, const std::optional<std::string>& typed,
+                                       std::span<const Unit> units, double least, double most) {
+  if (!typed) return std::nullopt;
+  return wanted(option, *typed, {units, least, most});
+}
+
+scene::CoachedThrow coached(const TypedThrow& typed) {
+  constexpr double kSide = scene::kWidestAim_deg;
+  const auto of = wanted_of;
+  const auto or_0 = [](const std::optional<scene::Wanted>& wanted) {
+    return wanted.value_or(scene::Wanted{});
+  };
+  return {.speed = of("--speed", typed.speed, kSpeeds, scene::kSlowestPlan, scene::kFastestPlan),
+          .revs_per_min = of("--revs", typed.revs, kRevs, 0.0, scene::kMostRevs),
+          .rotation_deg = or_0(of("--rotation", typed.rotation, kDegrees, -180.0, 180.0)),
+          .tilt_deg = or_0(of("--tilt", typed.tilt, kDegrees, -90.0, 90.0)),
+          .board = of("--board", typed.board, {}, 1.0, scene::kBoards),
+          .angle_deg = of("--angle", typed.angle, kDegrees, -kSide, kSide),
+          .loft = of("--loft", typed.loft, kLengths, 0.0, scene::kFurthestLoft)};
+}
 
 /// Time for the ball to reach the skittles and for them to fall [s]: that of the plan for the
 /// paper's room, plus the time on a longer lane at two thirds of the initial speed. In a game, it
@@ -99,37 +135,50 @@ void synthesize_session(const SynthesizeOptions& options) {
       options.json);
 }
 
+/// The motion of the throw; the scenario gets what the throw needs of it.
+scene::ThrowMotion motion_of(const SynthesizeOptions& options, scene::Scenario& scenario) {
+  try {
+    auto [plan, spin] = scene::draw(coached(options.typed), options.plan, scenario);
+    plan.duration_s = options.duration_s ? *options.duration_s : long_enough(plan, scenario);
+    scene::ThrowMotion motion(plan, scenario.hand);
+    scene::set_up(scenario, motion);
+    if (spin) scenario.hand.spin = scene::fingers_spin(motion, scenario.hand, *spin);
+    return motion;
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(error.what());
+  }
+}
+
 void synthesize(const SynthesizeOptions& options) {
   if (options.participant) return synthesize_session(options);
-  constexpr double kDegree = std::numbers::pi / 180.0;
-  scene::ThrowPlan plan = options.plan;
-  plan.aim = options.aim_deg * kDegree;
+  const bool csv = options.output->ends_with(".csv");
+  if (csv && options.typed.revs) {
+    throw UsageError("--revs: a recording (.csv) cannot hold what fingers do; expected .lcmlog");
+  }
   scene::Scenario scenario =
       options.scenario.empty() ? scene::Scenario{} : scene::load_scenario(options.scenario);
-  const scene::ThrowMotion motion = [&] {
-    try {
-      plan.duration_s = options.duration_s ? *options.duration_s : long_enough(plan, scenario);
-      scene::ThrowMotion made(plan, scenario.hand);
-      scene::set_up(scenario, made);
-      return made;
-    } catch (const std::invalid_argument& error) {
-      throw UsageError(error.what());
-    }
-  }();
+  const scene::ThrowMotion motion = motion_of(options, scenario);
   scene::check(scenario, options.scenario.empty() ? "the paper's room" : options.scenario);
 
   watch_stop_signals();
-  const bool csv = options.output->ends_with(".csv");
-  const std::size_t samples = csv ? write_csv(options, motion, plan.seed)
-                                  : write_trial(options, motion, scenario, plan.seed);
+  const std::uint64_t seed = options.plan.seed;
+  const std::size_t samples =
+      csv ? write_csv(options, motion, seed) : write_trial(options, motion, scenario, seed);
+  const scene::Delivered ball = scene::delivered_by(motion, scenario);
   if (options.json) {
     print_json({{"output", *options.output},
-                {"seed", plan.seed},
+                {"seed", seed},
                 {"samples", samples},
                 {"duration_s", seconds(motion.duration())},
                 {"grab_s", seconds(motion.grab())},
                 {"release_s", seconds(motion.release())},
-                {"planned_speed_mps", motion.ball_speed()}});
+                {"planned_speed_mps", motion.ball_speed()},
+                {"level_speed_mps", ball.speed},
+                {"board", ball.board},
+                {"launch_angle_deg", ball.angle_deg},
+                {"revs_per_min", ball.revs_per_min},
+                {"axis_rotation_deg", ball.rotation_deg},
+                {"axis_tilt_deg", ball.tilt_deg}});
     return;
   }
   std::cout << fmt::format(
@@ -142,6 +191,12 @@ void synthesize(const SynthesizeOptions& options) {
       *options.output, samples, csv ? "head and both hands" : "head, hand and trigger",
       seconds(motion.duration()), seconds(motion.grab()), seconds(motion.release()),
       motion.ball_speed());
+  if (csv) return;
+  std::cout << fmt::format(
+      "  planned way        board {:.1f}, {:.1f} degrees to the {}\n"
+      "  planned spin       {:.0f} rpm, axis rotation {:.0f}, tilt {:.0f} degrees\n",
+      ball.board, std::abs(ball.angle_deg), ball.angle_deg < 0.0 ? "left" : "right",
+      ball.revs_per_min, ball.rotation_deg, ball.tilt_deg);
 }
 
 }  // namespace
@@ -158,20 +213,35 @@ void add_synthesize(CLI::App& app) {
       command->add_option("--seed", options->plan.seed, "seed of swing, tremor and noise")
           ->check(seed())
           ->capture_default_str();
+  const auto typed = [&](const char* names, std::optional<std::string>& value, const char* help) {
+    return command->add_option(names, value, help);
+  };
+  TypedThrow& coached = options->typed;
   auto* speed =
-      command->add_option("--speed", options->plan.speed, "speed of the ball at its release [m/s]")
-          ->check(number_from(4, 9))
-          ->capture_default_str();
+      typed("--speed", coached.speed, "speed of the ball at its release, 4 to 9 m/s; default: 6.5");
+  auto* aim = typed("--angle,--aim", coached.angle,
+                    "direction of the ball to the right of the lane's axis, up to 10deg");
+  auto* board =
+      typed("--board", coached.board,
+            "board of the ball at its release: 1 is at the right gutter, 20 in the middle");
+  auto* revs =
+      typed("--revs", coached.revs,
+            "revolutions per minute of the ball, up to 1000rpm; default: those of the hand");
+  auto* rotation =
+      typed("--rotation", coached.rotation, "axis rotation: 0 rolls ahead, 90deg hooks to the left")
+          ->needs(revs);
+  auto* tilt = typed("--tilt", coached.tilt, "axis tilt: 90deg spins like a top")->needs(revs);
+  auto* loft = typed("--loft", coached.loft,
+                     "how far beyond the foul line the ball first touches the lane, up to 3m; "
+                     "default: an upright throw from 0.58 m");
+  // A thrower who misses by a centimetre does not go below this one.
+  constexpr double kLowestThrow = 0.12;
   auto* height = command
                      ->add_option("--height", options->plan.height,
                                   "height of the ball's centre when it is released with a level "
-                                  "velocity [m]; default: an upright throw from 0.58 m")
-                     ->check(number_from(scene::kLowestRelease, scene::kHighestRelease));
-  auto* aim = command
-                  ->add_option("--aim", options->aim_deg,
-                               "direction of the throw to the right of the lane's axis [degrees]")
-                  ->check(number_from(-10, 10))
-                  ->capture_default_str();
+                                  "velocity [m], in place of the loft")
+                     ->check(number_from(kLowestThrow, scene::kHighestRelease))
+                     ->excludes(loft);
   auto* duration =
       add_duration(*command, options->duration_s,
                    "duration of the trial [s]; default: 7 in the paper's room, more if the lane is "
@@ -184,7 +254,7 @@ void add_synthesize(CLI::App& app) {
                        "make a whole session of the virtual participant with this seed instead of "
                        "one throw; default scenario: paper-experiment")
           ->check(seed())
-          ->excludes(seeded, speed, height, aim, duration);
+          ->excludes(seeded, speed, aim, board, revs, rotation, tilt, loft, height, duration);
   command->add_option("--throws", options->throws, "throws of the participant with each version")
       ->check(whole_number_from(1, 1000))
       ->needs(participant)
@@ -197,12 +267,16 @@ void add_synthesize(CLI::App& app) {
       "The arm follows a minimum-jerk trajectory with tremor; a tracker with two receivers "
       "measures it with\nnoise. The same seed gives the same throw on every computer. The mounting "
       "of the tracker and the\nplace of the ball are the model's own, unless the scenario says "
-      "otherwise.\n\nA virtual participant walks to the ball, touches the red button, throws, "
+      "otherwise.\n\nSpeed, angle, board, revs, rotation, tilt and loft may have a unit and a "
+      "standard deviation: 17.9mph,\n416+-20, 0.3m+-5cm. Without one, speed and angle have the "
+      "errors of the thrower: 1 % and 0.3 degrees.\n\nA virtual participant walks to the ball, touches the red button, throws, "
       "touches the blue button, and\nthrows. The trial has head, hand and buttons as a Fastrak and "
       "a 3D mouse would measure them. The\nsimulation runs at the same time, so that the "
       "participant can react to what it sees.\n\nExamples:\n  headpin synthesize -o session.lcmlog "
       "--participant 7\n"
-      "  headpin synthesize -o trial.lcmlog --seed 7 --speed 6.5 --aim 1");
+      "  headpin synthesize -o trial.lcmlog --seed 7 --speed 6.5 --angle 1\n"
+      "  headpin synthesize -o hook.lcmlog --scenario house-oil --speed 17.9mph --revs 416+-20 "
+      "--rotation 45 \\\n    --tilt 10 --board 28 --angle 1.8 --loft 0.3m");
   command->callback([options] { synthesize(*options); });
 }
 

@@ -36,6 +36,7 @@ void write_answer(const sweep::WhatIf& whatif, base::OutputFolder& folder) {
   write_file(folder, "moments.svg", sweep::moments_svg(whatif));
   write_file(folder, "releases.csv", sweep::releases_csv(whatif));
   write_file(folder, "map.svg", sweep::map_svg(whatif));
+  if (whatif.miss) write_file(folder, "boards.svg", sweep::boards_svg(whatif));
   write_file(folder, "throws.csv", sweep::throws_csv(whatif));
   write_file(folder, "whatif.json", to_json(whatif).dump(2) + "\n");
   check_stop();
@@ -94,6 +95,13 @@ void add_whatif(CLI::App& app) {
                    "added spin about the level direction of the throw [rad/s]; positive curves "
                    "to the right")
       ->capture_default_str();
+  command->add_option("--board", question.board, "boards to the left")->capture_default_str();
+  command->add_option("--revs", question.revs, "factors of the spin, before --spin is added")
+      ->capture_default_str();
+  command
+      ->add_option("--rotation", question.rotation,
+                   "turns of the spin's axis to the left, seen from above [degrees]")
+      ->capture_default_str();
   command
       ->add_option("--success", options->question.success,
                    "skittles down that are a success; by default, as many as the throw felled")
@@ -108,9 +116,12 @@ void add_whatif(CLI::App& app) {
   add_condition_options(*command, question.condition);
   command->footer(
       "The hand moves as recorded; the ball leaves it at another moment, or with another speed, "
-      "direction, height\nor spin. The release as it was has the bits of the recorded throw.\n\n"
+      "direction, height,\nspin or board. With several boards it tells the room to miss: the boards "
+      "that succeed. The release as it was has the bits of the recorded throw.\n\n"
       "Example:\n  headpin whatif assets/trials/demo.lcmlog -o whatif\n"
-      "  headpin whatif session.lcmlog --throw 3 --costs --success 10");
+      "  headpin whatif session.lcmlog --throw 3 --costs --success 10\n"
+      "  headpin whatif hook.lcmlog -o room --board -4:4:17 --direction -3:3:25 --speed 1 --height 0 "
+      "--spin 0 \\\n    --success 10");
   command->callback([options] { what_if(*options); });
 }
 

@@ -90,13 +90,15 @@ ThrowMotion::Joints ThrowMotion::joints(double forward_swing_s, double back_swin
 
 ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
     : joints_(joints(0.75, -75.0 * kDegree, 0.0)), p_HB_(hand.grip) {
-  if (!(plan.speed >= 4.0 && plan.speed <= 9.0)) {
+  if (!(plan.speed >= kSlowestPlan && plan.speed <= kFastestPlan)) {
     throw std::invalid_argument(
-        fmt::format("speed of the throw: expected 4 to 9 m/s, found {} m/s", plan.speed));
+        fmt::format("speed of the throw: expected {} to {} m/s, found {} m/s", kSlowestPlan,
+                    kFastestPlan, plan.speed));
   }
-  if (!(std::abs(plan.aim) <= 10.0 * kDegree)) {
-    throw std::invalid_argument(fmt::format(
-        "aim: expected at most 10 degrees to each side, found {:.3g}", plan.aim / kDegree));
+  if (!(std::abs(plan.aim) <= kWidestAim_deg * kDegree)) {
+    throw std::invalid_argument(
+        fmt::format("aim: expected at most {} degrees to each side, found {:.3g}", kWidestAim_deg,
+                    plan.aim / kDegree));
   }
   if (plan.height && !(*plan.height >= kLowestRelease && *plan.height <= kHighestRelease)) {
     throw std::invalid_argument(
@@ -119,14 +121,14 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
   head_turn_ = trembling(0.3 * kDegree, 0.3, 1.5);
 
   // The duration of the swing follows from the speed: a slower swing takes longer.
-  const double speed = plan.speed * (1.0 + 0.01 * random.normal());
-  const double aim = plan.aim + 0.3 * kDegree * random.normal();
+  const double speed = plan.speed * (1.0 + plan.errors.speed * random.normal());
+  const double aim = plan.aim + plan.errors.aim * random.normal();
   const double back_swing = -75.0 * kDegree + 3.0 * kDegree * random.normal();
   grab_ = microseconds(kGrabTime);
   WantedRelease wanted{speed, back_swing, kReleaseAngle, 0.0};
   double swing_s = fit_joints(wanted, hand);
   if (plan.height) {
-    const double height = *plan.height + 0.01 * random.normal();
+    const double height = *plan.height + plan.errors.height * random.normal();
     for (int i = 0; i < 8; ++i) {
       const Vec3 v = ball_at_release(hand);
       wanted.released -= v.z() / v.norm();
@@ -141,8 +143,7 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
         "a duration of {} s; expected {:.1f} s (the throw) to 600 s", plan.duration_s, shortest));
   }
 
-  // Place the model so that the ball leaves above the middle of the foul line, in the aimed
-  // direction.
+  // Place the model so that the ball leaves above the foul line, in the aimed direction.
   const Vec3 v_MB = ball_at_release(hand);
   speed_ = v_MB.norm();
   const Vec3 ahead = Vec3(v_MB.x(), v_MB.y(), 0.0).normalized();
@@ -151,7 +152,7 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
   p_MB_release_ = this->hand(release_) * hand.grip;
   X_WM_.q = (about_z(-aim) * Quat(R_MA.transpose())).normalized();
   const Vec3 p = X_WM_.q * (this->hand(release_) * hand.grip);
-  X_WM_.p = Vec3(-p.x(), -p.y(), 0.0);
+  X_WM_.p = Vec3(plan.aside - p.x(), -p.y(), 0.0);
 }
 
 /// Sets the joints for a swing that releases the ball at the wanted speed.
@@ -178,6 +179,13 @@ Vec3 ThrowMotion::ball_at_release(const Hand& hand) const {
   const Vec3 p_before = this->hand(release_ - kStep) * hand.grip;
   const Vec3 p_after = this->hand(release_ + kStep) * hand.grip;
   return (p_after - p_before) / seconds(2 * kStep);
+}
+
+Twist ThrowMotion::ball_and_hand(const Hand& hand) const {
+  constexpr Time kStep{1000};
+  const Quat q_before = this->hand(release_ - kStep).q, q_after = this->hand(release_ + kStep).q;
+  return {ball_at_release(hand),
+          rotation_vector(q_after * q_before.conjugate()) / seconds(2 * kStep)};
 }
 
 Vec3 ThrowMotion::trunk(double t) const {

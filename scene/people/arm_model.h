@@ -18,18 +18,27 @@
 namespace headpin::scene {
 
 /// Range of heights of the ball's centre at the release of a thrower who bends down [m].
-inline constexpr double kLowestRelease = 0.12, kHighestRelease = 0.5;
+inline constexpr double kLowestRelease = 0.1, kHighestRelease = 0.5;
+inline constexpr double kSlowestPlan = 4.0, kFastestPlan = 9.0;  ///< speeds of the ball [m/s]
+inline constexpr double kWidestAim_deg = 10.0;                   ///< to each side
+
+/// How far a thrower misses the plan: standard deviations.
+struct ThrowErrors {
+  double speed = 0.01;                            ///< of the speed
+  double aim = 0.3 * (std::numbers::pi / 180.0);  ///< [rad]
+  double height = 0.01;                           ///< [m]
+};
 
 struct ThrowPlan {
   std::uint64_t seed = 1;
-  double speed = 6.5;  ///< speed of the ball at its release [m/s]; accurate to about 1 %
-  /// Direction of the ball, to the right of the lane's axis [rad]; accurate to 0.3 deg.
-  double aim = 0.0;
-  /// Height of the ball's centre at its release with a level velocity [m], accurate to about 1 cm:
-  /// the thrower bends down. Without it the thrower stands upright, and releases the ball slightly
-  /// upward from 0.58 m.
+  double speed = 6.5;  ///< of the ball at its release [m/s]
+  double aim = 0.0;    ///< direction of the ball, to the right of the lane's axis [rad]
+  double aside = 0.0;  ///< place of the ball at its release, to the right of the lane's middle [m]
+  /// Height of the ball's centre at its release with a level velocity [m]: the thrower bends down.
+  /// Without it the thrower stands upright, and releases the ball slightly upward from 0.58 m.
   std::optional<double> height = {};
   double duration_s = 7.0;  ///< total duration; after the throw the thrower stands still
+  ThrowErrors errors = {};
 };
 
 /// Values that are reached one after the other, with a rest at each.
@@ -62,6 +71,9 @@ class ThrowMotion {
   Time release() const { return release_; }  ///< in the forward swing, at or past its lowest point
   Time duration() const { return duration_; }
   double ball_speed() const { return speed_; }  ///< at its release [m/s]
+
+  /// Velocity of the ball and angular velocity of the hand at the release, in the world.
+  Twist ball_and_hand(const Hand& hand) const;
 
  private:
   /// A sum of three sines for each of three axes.

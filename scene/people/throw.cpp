@@ -21,6 +21,12 @@ Vec3 grip_of(const Hand& hand, Side side) {
   return side == Side::left ? Vec3(-p.x(), p.y(), p.z()) : p;
 }
 
+/// The same of what the fingers add to the spin.
+Vec3 spin_of(const Hand& hand, Side side) {
+  const Vec3& w = hand.spin;
+  return side == Side::left ? Vec3(w.x(), -w.y(), -w.z()) : w;
+}
+
 template <typename Score>
 std::size_t best(std::size_t begin, std::size_t end, const Score& score) {
   std::size_t best = begin;
@@ -169,6 +175,7 @@ Scenario stand_thrower(Scenario scenario, const MotionRecording& recording, cons
   const Quat q_WT = turned_ahead(ahead);
 
   scenario.hand.grip = grip_of(scenario.hand, found.side);
+  scenario.hand.spin = spin_of(scenario.hand, found.side);
   const std::vector<Pose>& track = throwing_hand(recording, found.side);
   const Vec3 p_TB = track[found.release] * scenario.hand.grip;
   use_recorded_rig(scenario, q_WT, p_TB);

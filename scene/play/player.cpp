@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <numbers>
 #include <stdexcept>
 
 #include <fmt/format.h>
@@ -141,17 +142,41 @@ void grab(Player& player, const Tick& tick, Time time, Time now) {
   if (at_trigger(tick.stage.scenario.hand)) e.time -= now - time;
 }
 
-/// The released body with a change.
-Carried changed(Carried carried, const ReleaseChange& by) {
+/// A ball as it leaves the fingers, which turn it more than the hand does.
+Carried from_fingers(Carried carried, const Player& player, const Hand& hand) {
+  const bool at_rest = at_trigger(hand) && carried.motion.known == Known::impossible;
+  if (at_rest || hand.spin.isZero(0.0)) return carried;
+  const Quat q_WH = carried.state.X_WB.q * player.held->q_HB.conjugate();
+  carried.state.w_WB += q_WH * hand.spin;
+  carried.motion.V_WB.w = carried.state.w_WB;
+  return carried;
+}
+
+/// A ball that leaves the hand with a change.
+///
+/// @param board  width of a board of the lane [m]
+Carried changed(Carried carried, const ReleaseChange& by, double board) {
   if (by == ReleaseChange{}) return carried;
+  constexpr double kRadian = std::numbers::pi / 180.0;
   engine::State& state = carried.state;
   const Vec3 up(0.0, 0.0, 1.0);
-  state.v_WB = by.speed * (rotation(-by.direction * up) * state.v_WB);
-  state.X_WB.p += by.height * up;
+  state.v_WB = by.speed * (rotation(-(by.direction_deg * kRadian) * up) * state.v_WB);
+  state.X_WB.p += Vec3(-by.boards * board, 0.0, by.height);
+  state.w_WB = by.revs * (rotation(by.rotation_deg * kRadian * up) * state.w_WB);
   const Vec3 level(state.v_WB.x(), state.v_WB.y(), 0.0);
   if (level.norm() > 0.0) state.w_WB += by.spin * level.normalized();
   carried.motion.V_WB = {state.v_WB, state.w_WB};
   return carried;
+}
+
+/// The body as it leaves the hand, with all that the scenario and the player change.
+Carried let_go(const Player& player, const Tick& tick, Time time, Time now) {
+  const Scenario& scenario = tick.stage.scenario;
+  const Carried held = carried(player, scenario, time, now);
+  if (tick.stage.roles[player.held->body] != Role::ball) return held;
+  const double board = scenario.lane.width / kBoards;
+  const Carried own = from_fingers(held, player, scenario.hand);
+  return changed(changed(own, scenario.release, board), player.release_change, board);
 }
 
 /// Releases the ball at `time` and lets it fly until `now`, which is less than a tick later. With
@@ -160,8 +185,7 @@ Carried changed(Carried carried, const ReleaseChange& by) {
 void release(Player& player, const Tick& tick, Time time, Time now) {
   const engine::BodyId body = player.held->body;
   const Hand& hand = tick.stage.scenario.hand;
-  auto [state, motion] =
-      changed(carried(player, tick.stage.scenario, time, now), player.release_change);
+  auto [state, motion] = let_go(player, tick, time, now);
   Released told{.trigger_s = nearest_seconds(time),
                 .p_WB = state.X_WB.p,
                 .v_WB = state.v_WB,

@@ -18,18 +18,6 @@ struct Held {
   Quat q_HB = Quat::Identity();  ///< its orientation in the hand since the grab
 };
 
-/// How a release differs from the hand's own. Everything else stays as the hand has it.
-struct ReleaseChange {
-  double speed = 1.0;      ///< factor of the ball's velocity
-  double direction = 0.0;  ///< turn of the velocity to the right, seen from above [rad]
-  double height = 0.0;     ///< the ball is this much higher [m]
-  /// Added to the spin about the level direction of the throw [rad/s]; with friction, the ball then
-  /// curves to the right.
-  double spin = 0.0;
-
-  bool operator==(const ReleaseChange&) const = default;
-};
-
 /// The state of the player, from the samples.
 struct Player {
   Walk walk;                                     ///< X_WP, from walking with the thumb buttons
@@ -42,7 +30,7 @@ struct Player {
   std::optional<Held> held;
   std::optional<Time> grip_changed;       ///< tick of the last grab or release
   std::optional<engine::BodyId> leaving;  ///< body that was released and still touches the hand
-  ReleaseChange release_change;           ///< of every release
+  ReleaseChange release_change;           ///< of every release, after that of the scenario
 };
 
 /// X_PS: pose of a sensor in the tracked space, which is the world until the player walks.

@@ -275,6 +275,9 @@ void visit(V& v, Hand& h) {
   v.field("takes_skittles", h.takes_skittles, kAny,
           "true: it can grab skittles too; false: only balls");
   v.field("grip", h.grip, Range{-1, 1}, "centre of the carried ball in the frame of the hand");
+  v.field("spin", h.spin, Range{-200, 200},
+          "spin that the fingers add to a released ball, in the frame of the hand [rad/s]: no "
+          "receiver on the back of a hand can measure it");
   v.field("solid", h.solid, kAny,
           "true: it pushes the bodies that it touches, except while it carries one");
   v.field("elasticity", h.elasticity, kUnit,
@@ -299,6 +302,21 @@ void visit(V& v, Hand& h) {
             "mesh that is drawn instead of the open and the gripping hand; its origin is the "
             "middle of the palm, the fingers point ahead",
             h.mesh);
+}
+
+template <typename V>
+void visit(V& v, ReleaseChange& r) {
+  v.field("speed", r.speed, Range{0, 10}, "factor of its velocity");
+  v.field("direction_deg", r.direction_deg, Range{-180, 180}, "turn of its velocity to the right");
+  v.field("height", r.height, Range{-2, 2}, "it is released so much higher");
+  v.field("boards", r.boards, Range{-kBoards, kBoards},
+          "it is released so many boards further to the left");
+  v.field("revs", r.revs, Range{0, 100}, "factor of its spin");
+  v.field("rotation_deg", r.rotation_deg, Range{-180, 180},
+          "turn of the axis of its spin to the left, seen from above: more axis rotation");
+  v.field("spin", r.spin, Range{-1000, 1000},
+          "spin about the level direction of the throw that is then added [rad/s]; with friction, "
+          "the ball curves to the right");
 }
 
 template <typename V>
@@ -387,6 +405,8 @@ void visit(V& v, Scenario& s) {
   v.section("game", "", s.game);
   v.section("version", "", s.version);
   v.section("hand", "", s.hand);
+  v.section("release", "what if a ball left the hand differently from how the hand moved",
+            s.release);
   v.section("walk", "", s.walk);
   v.section("rig", "", s.rig);
   v.section("hmd", "", s.hmd);

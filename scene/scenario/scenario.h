@@ -138,6 +138,7 @@ struct Collision {
 struct Hand {
   double reach = 0.18;                   ///< what has its surface nearer than this is grabbed
   Vec3 grip = Vec3(0.0, -0.03, -0.115);  ///< p_HB of the carried ball
+  Vec3 spin = Vec3::Zero();              ///< what the fingers add to a ball's as it leaves [rad/s]
   bool takes_skittles = true;            ///< or balls alone
   bool solid = true;                     ///< a body that pushes what it touches
   double elasticity = 0.0;               ///< soft: it pushes and does not bat
@@ -148,6 +149,21 @@ struct Hand {
   double release_accuracy = 0.3;         ///< that is, while it is known worse than this [m/s]
   bool falls_at_once = false;            ///< what is let go between two ticks falls from then on
   MeshFile mesh;                         ///< seen in place of ours, open and gripping
+};
+
+/// How the release of a ball differs from the hand's own: "what if". All else stays as the hand has it.
+struct ReleaseChange {
+  double speed = 1.0;          ///< factor of the ball's velocity
+  double direction_deg = 0.0;  ///< turn of the velocity to the right, seen from above
+  double height = 0.0;         ///< the ball is this much higher [m]
+  double boards = 0.0;         ///< and so many boards further to the left
+  double revs = 1.0;           ///< factor of the ball's spin
+  double rotation_deg = 0.0;   ///< turn of the spin's axis to the left, seen from above
+  /// Then added to the spin about the level direction of the throw [rad/s]; with friction, the ball
+  /// curves to the right.
+  double spin = 0.0;
+
+  bool operator==(const ReleaseChange&) const = default;
 };
 
 /// The game that is played: see scene/scenario/rules.h.
@@ -219,6 +235,7 @@ struct Scenario {
   GameRules game;
   Versions version;
   Hand hand;
+  ReleaseChange release;
   Walking walk;
   Rig rig;
   Hmd hmd;

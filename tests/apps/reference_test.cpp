@@ -104,7 +104,8 @@ TEST_F(Reference, EveryJsonKeyIsTold) {
   take("sweep slurm --json sweep --minutes 5");
   take("apart --json throw.lcmlog --friction 0");
   take(
-      "whatif --json played.lcmlog --costs --within 2 --speed 1 --direction 0 --height 0 --spin 0");
+      "whatif --json played.lcmlog --costs --within 2 --speed 1 --direction 0 --height 0 --spin 0 "
+      "--board -1:1:3");
   take("scenario list --json");
   take("emulate --json --motion still --duration 0.1");
   collect(nlohmann::json::parse(headpin("info --json missing.lcmlog").out), names);

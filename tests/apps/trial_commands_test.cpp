@@ -119,6 +119,40 @@ TEST_F(TrialCommands, ASeedIsAThrow) {
   expect_refusal("synthesize -o OUT.lcmlog --speed 20", 2, "from 4 to 9");
 }
 
+// In the words of coaches; the session finds again what was asked for.
+TEST_F(TrialCommands, ACoachSaysHowTheBallLeaves) {
+  const nlohmann::json made = json(
+      "synthesize --json -o hook.lcmlog --scenario house-oil --seed 2 --speed 17.9mph+-0 --revs "
+      "416rpm --rotation 45deg --tilt 10 --board 28 --angle '1.8 deg±0' --loft 40cm");
+  EXPECT_NEAR(made["level_speed_mps"].get<double>(), 8.002, 0.01);
+  EXPECT_NEAR(made["revs_per_min"].get<double>(), 416.0, 1e-6);
+  EXPECT_NEAR(made["axis_rotation_deg"].get<double>(), 45.0, 1e-6);
+  EXPECT_NEAR(made["axis_tilt_deg"].get<double>(), 10.0, 1e-6);
+  EXPECT_NEAR(made["board"].get<double>(), 28.0, 1e-6);
+  EXPECT_NEAR(made["launch_angle_deg"].get<double>(), 1.8, 1e-6);
+  const nlohmann::json found = json("replay --json hook.lcmlog")["throws"][0];
+  for (const auto& [key, off] : {std::pair("level_speed_mps", 0.2),
+                                 {"revs_per_min", 4.0},
+                                 {"axis_rotation_deg", 1.0},
+                                 {"axis_tilt_deg", 1.0},
+                                 {"board", 0.3},
+                                 {"launch_angle_deg", 0.8}}) {
+    EXPECT_NEAR(found[key].get<double>(), made[key].get<double>(), off) << key;
+  }
+  EXPECT_NEAR(found["loft_end_m"].get<double>(), 0.4, 0.15);
+  for (const char* wrong :
+       {"17.9mp", "3.9", "mph", "", "8+-", "8+--1", "8+-1+-1", "nan", "1e400"}) {
+    expect_refusal(std::string("synthesize -o OUT.lcmlog --speed '") + wrong + "'", 2,
+                   "--speed: expected a number from 4 to 9 m/s, or in mph, km/h");
+  }
+  expect_refusal("synthesize -o OUT.lcmlog --board 0.5", 2,
+                 "--board: expected a number from 1 to 39,");
+  expect_refusal("synthesize -o OUT.lcmlog --tilt 5", 2, "--revs");
+  expect_refusal("synthesize -o OUT.lcmlog --loft 1 --height 0.2", 2, "--loft");
+  expect_refusal("synthesize -o OUT.csv --revs 100", 2, "--revs: a recording (.csv)");
+  expect_refusal("synthesize -o OUT.lcmlog --loft 2.9 --speed 5", 2, "loft: expected");
+}
+
 // On 18 m as on the paper's 6 m the ball arrives before the trial ends.
 TEST_F(TrialCommands, AThrowDownALongLaneLastsLonger) {
   std::ofstream(folder_ / "long.toml") << "[room]\nahead = 20.0\n[lane]\nhead_pin = 18.288\n";

@@ -245,7 +245,7 @@ const std::set<std::string>& later_keys() {
   // clang-format off
   static const std::set<std::string> keys = {
       "hand.release_at", "hand.release_window_most_s", "hand.release_accuracy",
-      "hand.falls_at_once", "hand.takes_skittles", "hand.solid", "hand.elasticity",
+      "hand.falls_at_once", "hand.spin", "release.speed", "release.direction_deg", "release.height", "release.boards", "release.revs", "release.rotation_deg", "release.spin", "hand.takes_skittles", "hand.solid", "hand.elasticity",
       "hand.friction", "rig.head_station", "rig.hand_station", "collision.warm",
       "collision.friction_tau_s", "collision.rules", "look.samples", "look.contact",
       "look.shadow", "look.mirror", "look.light", "walk.speed", "walk.acceleration",

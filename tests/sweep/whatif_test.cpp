@@ -128,8 +128,7 @@ TEST(ThrowAgain, AChangeIsTheChangeThatWasAskedFor) {
   const Outcome faster = throw_again(demo_throw(), {.change = {.speed = 1.25}});
   EXPECT_NEAR(faster.thrown.speed, 1.25 * real.thrown.speed, 1e-12);
   EXPECT_LT(*faster.thrown.entry, *real.thrown.entry);
-  const Outcome turned =
-      throw_again(demo_throw(), {.change = {.direction = 2.0 * std::numbers::pi / 180.0}});
+  const Outcome turned = throw_again(demo_throw(), {.change = {.direction_deg = 2.0}});
   EXPECT_NEAR(scene::degrees_from_y(*turned.thrown.v_WB), direction + 2.0, 1e-9);
   EXPECT_NEAR(turned.thrown.speed, real.thrown.speed, 1e-12);
   EXPECT_EQ(turned.thrown.v_WB->z(), real.thrown.v_WB->z());
@@ -182,9 +181,9 @@ TEST(WhatIf, AxesHaveTheirEndsAndTheirMiddle) {
   const ReleaseGrid grid{{0.9, 1.0, 1.1}, {-1, 1}, {0.0}, {-5, 0, 5, 10}};
   const std::vector<Release> releases = releases_of(grid);
   ASSERT_EQ(releases.size(), grid.size());
-  const scene::ReleaseChange& change = releases[grid.number(2, 0, 0, 3)].change;
+  const scene::ReleaseChange& change = releases[grid.number({2, 0, 0, 3})].change;
   EXPECT_EQ(change.speed, 1.1);
-  EXPECT_NEAR(change.direction, -std::numbers::pi / 180.0, 1e-15);
+  EXPECT_EQ(change.direction_deg, -1.0);
   EXPECT_EQ(change.spin, 10.0);
 }
 
@@ -215,6 +214,55 @@ TEST(WhatIf, TheWindowIsTheRunAroundTheRealMoment) {
   ASSERT_TRUE(after_grab);
   EXPECT_EQ(after_grab->from, Time{-1000});
   EXPECT_FALSE(after_grab->cut);
+}
+
+TEST(WhatIf, TheMissRoomIsTheRunOfBoardsAroundTheThrow) {
+  ReleaseGrid grid{{0.9, 1.0}, {-1, 0, 1}, {0.0}, {0.0}};
+  grid.boards = {-2, -1, 0, 1, 2};
+  /// Skittles down over board and direction, at the unchanged speed; at the other none fall.
+  const auto rooms = [&](const std::array<std::array<std::int64_t, 5>, 3>& down) {
+    std::vector<Outcome> outcomes(grid.size());
+    for (std::size_t d = 0; d < 3; ++d) {
+      for (std::size_t b = 0; b < 5; ++b) {
+        Outcome& outcome = outcomes[grid.number({1, d, 0, 0, b})];
+        outcome.released = true;
+        outcome.down = down[d][b];
+      }
+    }
+    return miss_rooms(grid, outcomes, 10);
+  };
+  const MissRooms found = rooms({{{10, 10, 10, 10, 9}, {3, 10, 10, 9, 10}, {10, 9, 10, 9, 9}}});
+  ASSERT_TRUE(found.own && found.widest);
+  EXPECT_EQ(found.own->from, -1.0);
+  EXPECT_EQ(found.own->to, 0.0);
+  EXPECT_FALSE(found.own->cut);
+  EXPECT_EQ(found.widest->direction_deg, -1.0);
+  EXPECT_EQ(found.widest->boards(), 3.0);
+  EXPECT_TRUE(found.widest->cut);
+  // The throw itself fails; of two rooms of one width, the nearer direction counts.
+  const MissRooms failed = rooms({{{9, 10, 10, 9, 9}, {10, 10, 9, 9, 9}, {9, 9, 9, 9, 9}}});
+  EXPECT_FALSE(failed.own);
+  EXPECT_EQ(failed.widest->direction_deg, 0.0);
+  EXPECT_EQ(failed.widest->to, -1.0);
+  EXPECT_FALSE(rooms({}).widest);
+}
+
+TEST(WhatIf, BoardRevsAndRotationChangeTheReleaseByWhatTheySay) {
+  const Outcome real = throw_again(demo_throw(), {});
+  const Outcome moved = throw_again(demo_throw(), {.change = {.boards = 2.0}});
+  const double board = 1.0541 / 39.0;
+  EXPECT_NEAR((*moved.thrown.p_WB - *real.thrown.p_WB - Vec3(-2.0 * board, 0.0, 0.0)).norm(), 0.0,
+              1e-12);
+  EXPECT_EQ(*moved.thrown.v_WB, *real.thrown.v_WB);
+  const Outcome faster = throw_again(demo_throw(), {.change = {.revs = 3.0}});
+  EXPECT_NEAR((*faster.thrown.w_WB - 3.0 * *real.thrown.w_WB).norm(), 0.0, 1e-12);
+  const Outcome turned = throw_again(demo_throw(), {.change = {.rotation_deg = 90.0}});
+  const Vec3 &w = *real.thrown.w_WB, &w90 = *turned.thrown.w_WB;
+  EXPECT_NEAR(w90.x(), -w.y(), 1e-12);
+  EXPECT_NEAR(w90.y(), w.x(), 1e-12);
+  EXPECT_NEAR(w90.z(), w.z(), 1e-12);
+  EXPECT_NEAR(turned.thrown.path->release.rotation_deg,
+              std::remainder(real.thrown.path->release.rotation_deg + 90.0, 360.0), 1e-9);
 }
 
 TEST(WhatIf, TheBestAssignmentIsTheBestOfAllPermutations) {
@@ -253,9 +301,8 @@ Costs costs_under(const std::function<double(double, double)>& law,
     for (std::size_t i = 0; i < releases.size(); ++i) {
       const scene::ReleaseChange& change = releases[i].change;
       outcomes[i].released = true;
-      outcomes[i].down =
-          std::lround(law(recorded.speed * change.speed,
-                          recorded.direction_deg + change.direction * 180.0 / std::numbers::pi));
+      outcomes[i].down = std::lround(
+          law(recorded.speed * change.speed, recorded.direction_deg + change.direction_deg));
     }
     return outcomes;
   });
