@@ -14,7 +14,7 @@ namespace headpin::scene {
 namespace {
 
 constexpr std::uint64_t kCoachedThrow = 401;  // purpose of random numbers
-constexpr double kRadian = std::numbers::pi / 180.0;
+constexpr double kDegreeInRad = std::numbers::pi / 180.0;
 
 /// Which number of a throw is drawn.
 enum class Word : std::uint64_t { speed, revs, rotation, tilt, board, angle, loft };
@@ -53,7 +53,7 @@ TriedThrow draw(const CoachedThrow& wanted, ThrowPlan plan, const Scenario& scen
   }
   if (wanted.angle_deg) {
     const double most = kWidestAim_deg;
-    plan.aim = kRadian * draw_one(*wanted.angle_deg, seed, Word::angle, -most, most);
+    plan.aim = kDegreeInRad * draw_one(*wanted.angle_deg, seed, Word::angle, -most, most);
     if (wanted.angle_deg->deviation) plan.errors.aim = 0.0;
   }
   if (wanted.board) {
@@ -73,8 +73,8 @@ TriedThrow draw(const CoachedThrow& wanted, ThrowPlan plan, const Scenario& scen
 Vec3 fingers_spin(const ThrowMotion& motion, const Hand& hand, const Delivered& spin) {
   const Twist released = motion.ball_and_hand(hand);
   const Vec2 along = released.v.head<2>().normalized(), right(along.y(), -along.x());
-  const SinCos turned = sin_cos(spin.rotation_deg * kRadian);
-  const SinCos tilted = sin_cos(spin.tilt_deg * kRadian);
+  const SinCos turned = sin_cos(spin.rotation_deg * kDegreeInRad);
+  const SinCos tilted = sin_cos(spin.tilt_deg * kDegreeInRad);
   const Vec2 level = -tilted.cos * (turned.cos * right + turned.sin * along);
   const double rate = spin.revs_per_min * std::numbers::pi / 30.0;
   const Vec3 w_WB = rate * Vec3(level.x(), level.y(), tilted.sin);
