@@ -23,20 +23,20 @@ Scenario house_oil() {
   return load_scenario(HEADPIN_SOURCE_DIR "/assets/scenarios/house-oil.toml");
 }
 
-struct Thrown {
+struct FoundThrow {
   std::optional<Delivered> release;
   std::optional<double> loft_end;
 };
 
 /// What a session finds of the throw in the half second after its release.
-Thrown thrown(const CoachedThrow& wanted, std::uint64_t seed, Scenario scenario) {
+FoundThrow found_throw(const CoachedThrow& wanted, std::uint64_t seed, Scenario scenario) {
   auto [plan, spin] = draw(wanted, {.seed = seed}, scenario);
   const ThrowMotion motion(plan, scenario.hand);
   set_up(scenario, motion);
   if (spin) scenario.hand.spin = fingers_spin(motion, scenario.hand, *spin);
   Session session = make_session(scenario);
   devices::ReplaySource source(sense(motion, scenario.rig, seed));
-  Thrown found;
+  FoundThrow found;
   std::optional<BallWatch> watch;
   while (session.now() < motion.release() + Time{500'000}) {
     advance(session, source);
@@ -70,7 +70,7 @@ TEST(ACoachedThrow, LeavesAsItIsWantedThroughTrackerAndNoise) {
                               .angle_deg = Wanted{hand * 1.8, 0.0},
                               .loft = Wanted{0.4}};
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
-      const Thrown found = thrown(wanted, seed, house_oil());
+      const FoundThrow found = found_throw(wanted, seed, house_oil());
       ASSERT_TRUE(found.release) << seed;
       EXPECT_NEAR(found.release->speed, 8.0, 0.2) << seed;
       EXPECT_NEAR(found.release->revs_per_min, 416.0, 4.0) << seed;
