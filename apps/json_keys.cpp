@@ -391,8 +391,8 @@ constexpr auto kKeys = std::to_array<JsonKey>({
      "stretches of undecodable, implausible, foreign, baseless, misdated, late, lost or astray "
      "messages"},
     {"try", "options with which the file would be a person's throw"},
-    {"undecodable", "messages with another type or size"},
     {"turned_deg", "direction of a miss room, to the right of the real one"},
+    {"undecodable", "messages with another type or size"},
     {"unfinished_impacts", "steps in which a body reached the limit of impacts"},
     {"unit", "unit of a column, if the file says it"},
     {"unsolved_islands", "islands that the solver left unconverged at its last pass"},
