@@ -66,6 +66,7 @@ void find_pairs(World& world, const Flight& flight, Workspace& w) {
   Touches& touches = w.touches;
   touches.candidates.clear();
   touches.normals.clear();
+  world.statistics.pairs = 0;  // they are found again where a body wakes
   std::size_t last = 0;
   for (const BodyId i : roll.movers) {
     for (const BodyId wall : roll.unbounded) {

@@ -25,6 +25,20 @@ void let_rest(Memory& memory) {
   memory.loads.clear();
 }
 
+struct Met {
+  detail::Touches& touches;
+  const detail::Flight& flight;
+};
+
+/// Touches and impacts; found again while an impact wakes a body.
+Met meet(World& world, Workspace& w) {
+  for (;;) {
+    detail::Touches& touches = detail::find_touches(world, w);
+    const detail::Flight* flight = detail::resolve_impacts(world, touches, w);
+    if (flight) return {touches, *flight};
+  }
+}
+
 void stop_if_not_finite(const World& world) {
   for (const BodyId i : world.roll.movers) {
     const State& s = world.states[i];
@@ -68,27 +82,22 @@ void step(World& world, Workspace& w) {
     ++world.tick;
     return;
   }
-  Touches* touches = nullptr;
-  const Flight* flight = nullptr;
-  while (flight == nullptr) {  // if a body woke up, repeat with its contacts
-    touches = &find_touches(world, w);
-    flight = resolve_impacts(world, *touches, w);
-  }
+  const auto [touches, flight] = meet(world, w);
   books.book_impacts();
-  apply_gravity(world, *flight);
+  apply_gravity(world, flight);
   books.begin();
-  Solved& solved = sustain(world, *touches, *flight, w);
-  stop_swings(world, *touches, *flight, solved, w);
+  Solved& solved = sustain(world, touches, flight, w);
+  stop_swings(world, touches, flight, solved, w);
   books.end(world.ledger.sustained);
-  move(world, *flight, solved);
+  move(world, flight, solved);
   stop_if_not_finite(world);
   books.begin();
-  push_apart(world, *touches, *flight, solved, w);
+  push_apart(world, touches, flight, solved, w);
   books.end(world.ledger.correction);
-  fall_asleep(world, *touches, *flight, solved);
+  fall_asleep(world, touches, flight, solved);
   books.end(world.ledger.sustained);
   books.close();
-  remember(world, *touches, *flight, solved);
+  remember(world, touches, flight, solved);
   ++world.tick;
 }
 

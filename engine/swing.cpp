@@ -50,41 +50,6 @@ bool stop_at(World& world, const Flight& flight, Balance& pushed, const Touch& t
 
 }  // namespace
 
-std::span<const ContactPoint> points_at_end(World& world, const Touches& touches,
-                                            const Touch& touch, const Pose& X_WA, const Pose& X_WB,
-                                            Workspace& w) {
-  const Candidate& c = touches.candidates[touch.candidate];
-  const auto kept = touches.normals.begin() + c.first_normal;
-  w.end_normals.assign(kept, kept + c.normals);
-  w.end_points.clear();
-  const bool swapped = c.a != touch.a;
-  contacts_of(world, c, w.end_normals, swapped ? X_WB : X_WA, swapped ? X_WA : X_WB, 0.0,
-              w.end_points);
-  for (ContactPoint& p : w.end_points) {
-    if (swapped) p.n_AB_W = -p.n_AB_W;
-  }
-  return w.end_points;
-}
-
-NormalRow row_at(const Flight& flight, const Touch& touch, const ContactPoint& point,
-                 const Vec3& p_WA, const Vec3& p_WB) {
-  const Mobility& ma = flight.mobility[touch.a];
-  NormalRow row;
-  row.n = point.n_AB_W;
-  row.ra_n = (point.p_W - p_WA).cross(row.n);
-  row.rb_n = (point.p_W - p_WB).cross(row.n);
-  row.ia = ma.inv_inertia_W * row.ra_n;
-  row.ib = Vec3::Zero();
-  double k_nn = ma.inv_mass + row.ra_n.dot(row.ia);
-  if (touch.b_moves) {
-    const Mobility& mb = flight.mobility[touch.b];
-    row.ib = mb.inv_inertia_W * row.rb_n;
-    k_nn += mb.inv_mass + row.rb_n.dot(row.ib);
-  }
-  row.mass = 1.0 / k_nn;
-  return row;
-}
-
 void stop_swings(World& world, const Touches& touches, const Flight& flight, Solved& solved,
                  Workspace& w) {
   for (std::size_t k = 0; k < touches.all.size(); ++k) {
@@ -93,8 +58,8 @@ void stop_swings(World& world, const Touches& touches, const Flight& flight, Sol
     SolvedTouch& s = solved.touches[k];
     s.swings = swings(world, flight, touch, s.depth);
     for (int round = 0; s.swings && round < kRounds; ++round) {
-      const Pose X_WA = pose_at_end(world, flight, solved, touch.a);
-      const Pose X_WB = pose_at_end(world, flight, solved, touch.b);
+      const Pose X_WA = state_at_end(world, flight, solved, touch.a).X_WB;
+      const Pose X_WB = state_at_end(world, flight, solved, touch.b).X_WB;
       const ContactPoint* worst = nullptr;
       for (const ContactPoint& p : points_at_end(world, touches, touch, X_WA, X_WB, w)) {
         const double least = worst ? worst->depth : s.depth + world.parameters.slop;

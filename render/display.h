@@ -2,7 +2,7 @@
 
 #include "render/eyes.h"
 #include "render/image.h"
-#include "render/renderer.h"
+#include "render/labels.h"
 
 /// Converts a perspective picture to that of a display: scaled to its pixels, with the inverse of
 /// its lens distortion.

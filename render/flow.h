@@ -6,7 +6,7 @@
 
 #include "render/draw_list.h"
 #include "render/eyes.h"
-#include "render/renderer.h"
+#include "render/labels.h"
 
 /// Optical flow: how far what a pixel shows moves in the picture.
 namespace headpin::render {

@@ -3,9 +3,11 @@
 #include <memory>
 #include <span>
 
+#include "render/draw_list.h"
+#include "render/eyes.h"
 #include "render/gl_objects.h"
+#include "render/labels.h"
 #include "render/meshes.h"
-#include "render/renderer.h"
 
 namespace headpin::render {
 

@@ -12,16 +12,9 @@
 #include "render/eyes.h"
 #include "render/gl_context.h"
 #include "render/image.h"
+#include "render/labels.h"
 
 namespace headpin::render {
-
-/// The object and the depth at the centre of each pixel.
-struct Labels {
-  int width = 0;
-  int height = 0;
-  std::vector<std::uint32_t> id;  ///< DrawItem::id, or 0 without an object; rows from the top
-  std::vector<float> depth;       ///< along the eye's -z [m], infinite without an object
-};
 
 /// Draws lists with one OpenGL context. Equal calls give equal bytes, independent of earlier calls.
 class Renderer {

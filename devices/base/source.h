@@ -13,8 +13,9 @@ class Source {
  public:
   virtual ~Source() = default;
 
-  /// Appends all samples measured up to and including `now` that were not handed out before, in
-  /// the order of their device time (equal times: in the order they came). Never blocks.
+  /// Appends the samples that a session may use by `now` (`available`, sources.h) and that were not
+  /// handed out before, in the order of that time (equal times: in the order they came). A device
+  /// may hand some out early: MergedSource holds them back. Never blocks.
   virtual void poll(Time now, std::vector<Sample>& out) = 0;
 
   /// True when no sample will ever come again.

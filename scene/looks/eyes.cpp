@@ -83,7 +83,7 @@ std::array<render::View, 2> views_of(const Eyes& eyes, const Glimpse& g) {
 }
 
 render::DrawList list_of(const Eyes& eyes, const Glimpse& g) {
-  return draw_list(eyes.looks, moving(g));
+  return draw_list(eyes.looks, g);
 }
 
 std::array<render::View, 2> see(Eyes& eyes, const Glimpse& g, std::array<render::Image, 2>& out) {

@@ -4,7 +4,7 @@
 #include <string_view>
 
 #include "render/eyes.h"
-#include "scene/looks/glimpse.h"
+#include "scene/looks/looks.h"
 
 /// The pictures that the participant's eyes see.
 namespace headpin::scene {

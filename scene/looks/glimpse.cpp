@@ -37,16 +37,6 @@ Glimpse glimpse(const Session& session, const Pose& X_WD) {
   return g;
 }
 
-Moving moving(const Glimpse& g) {
-  return {.X_WB_skittles = g.X_WB_skittles,
-          .ellipsoids = g.ellipsoids,
-          .skittle_centre = g.skittle_centre,
-          .X_WB_balls = g.X_WB_balls,
-          .X_WH = g.X_WH,
-          .closed = g.closed,
-          .X_WD = g.X_WC ? std::optional(g.X_WD) : std::nullopt};
-}
-
 void BetweenTicks::keep(const Session& session) {
   stage_ = session.stage;
   time_ = session.now();

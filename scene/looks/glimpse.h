@@ -4,7 +4,6 @@
 #include <optional>
 #include <vector>
 
-#include "scene/looks/looks.h"
 #include "scene/play/session.h"
 
 /// What is visible at one moment of a session, independent of the renderer.
@@ -14,10 +13,11 @@ namespace headpin::scene {
 struct Glimpse {
   Pose X_WD = {};  ///< head display
   std::vector<Pose> X_WB_skittles = {}, X_WB_balls = {};
-  bool ellipsoids = false;
-  double skittle_centre = 0.0;
-  std::optional<Pose> X_WH = {};
-  double closed = 0.0;            ///< the hand, see Moving
+  bool ellipsoids = false;  ///< skittles are drawn as ellipsoids
+  double skittle_centre =
+      0.0;  ///< of their bodies above their base: a version may have its own [m]
+  std::optional<Pose> X_WH = {};  ///< without it no hand is drawn
+  double closed = 0.0;            ///< the hand: 0 is open, 1 around the ball
   std::optional<Pose> X_WC = {};  ///< another camera, which shows the head too
 };
 
@@ -25,9 +25,6 @@ Glimpse glimpse(const Session& session, const Pose& X_WD);
 
 /// Whether skittles are drawn as the ellipsoids that collide.
 bool shows_ellipsoids(const Scenario& scenario);
-
-/// The poses that are drawn.
-Moving moving(const Glimpse& glimpse);
 
 /// What is visible between two ticks: poses of bodies and hand are interpolated.
 class BetweenTicks {

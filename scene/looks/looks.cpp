@@ -253,7 +253,7 @@ void Looks::add_buttons(const MeshKeeper& keeper, const Versions& versions) {
   }
 }
 
-DrawList draw_list(const Looks& looks, const Moving& moving) {
+DrawList draw_list(const Looks& looks, const Glimpse& g) {
   DrawList list = looks.room;
   const auto add = [&](const BodyMeshes& meshes, const Pose& X_WG, std::uint32_t id) {
     DrawItem item;
@@ -267,22 +267,21 @@ DrawList draw_list(const Looks& looks, const Moving& moving) {
     list.items.push_back(item);
   };
   std::uint32_t skittle = kFirstSkittleId, ball = kFirstBallId;
-  const double lower = moving.ellipsoids ? 0.0 : looks.skittle_centre - moving.skittle_centre;
-  for (Pose X_WB : moving.X_WB_skittles) {
+  const double lower = g.ellipsoids ? 0.0 : looks.skittle_centre - g.skittle_centre;
+  for (Pose X_WB : g.X_WB_skittles) {
     if (lower != 0.0) X_WB.p = X_WB * Vec3(0.0, 0.0, lower);
-    add(moving.ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle, X_WB, skittle++);
-    append_occluders(list, moving.ellipsoids ? looks.ellipsoid_occluders : looks.true_occluders,
-                     X_WB);
+    add(g.ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle, X_WB, skittle++);
+    append_occluders(list, g.ellipsoids ? looks.ellipsoid_occluders : looks.true_occluders, X_WB);
   }
-  for (const Pose& X_WB : moving.X_WB_balls) {
+  for (const Pose& X_WB : g.X_WB_balls) {
     add(looks.ball, X_WB, ball++);
     list.occluders.push_back({X_WB.p, looks.ball_radius});
   }
-  if (moving.X_WH) {
-    add({looks.hands[hand_at(moving.closed, looks.hands.size())]}, *moving.X_WH, kHandId);
-    list.occluders.push_back({moving.X_WH->p, 0.05});
+  if (g.X_WH) {
+    add({looks.hands[hand_at(g.closed, looks.hands.size())]}, *g.X_WH, kHandId);
+    list.occluders.push_back({g.X_WH->p, 0.05});
   }
-  if (moving.X_WD) add({looks.head}, *moving.X_WD, kHeadId);
+  if (g.X_WC) add({looks.head}, g.X_WD, kHeadId);
   return list;
 }
 

@@ -6,6 +6,7 @@
 
 #include "render/draw_list.h"
 #include "render/renderer.h"
+#include "scene/looks/glimpse.h"
 #include "scene/stage/stage.h"
 
 /// From the bodies of a world to what is drawn.
@@ -59,18 +60,7 @@ struct Looks {
   void add_buttons(const MeshKeeper& keeper, const Versions& versions);
 };
 
-/// The moving objects at one moment.
-struct Moving {
-  std::span<const Pose> X_WB_skittles;
-  bool ellipsoids = false;  ///< skittles are drawn as ellipsoids
-  double skittle_centre =
-      0.0;  ///< of their bodies above their base: a version may have its own [m]
-  std::span<const Pose> X_WB_balls;
-  std::optional<Pose> X_WH;       ///< without it no hand is drawn
-  double closed = 0.0;            ///< the hand: 0 is open, 1 around the ball
-  std::optional<Pose> X_WD = {};  ///< without it no head is drawn
-};
-
-render::DrawList draw_list(const Looks& looks, const Moving& moving);
+/// What a glimpse shows. The head is drawn for another camera alone: an eye is in it.
+render::DrawList draw_list(const Looks& looks, const Glimpse& glimpse);
 
 }  // namespace headpin::scene

@@ -132,7 +132,7 @@ void Film::draw(const Session& session, const TickState* recorded) {
   Glimpse g = glimpse(session, X_WD.value_or(Pose{}));
   if (X_WD) g.X_WC = Pose{};  // so that the head is seen
   if (recorded) put_where_recorded(g, *session.stage, *recorded);
-  const render::DrawList list = draw_list(looks_, moving(g));
+  const render::DrawList list = draw_list(looks_, g);
 
   std::vector<int> seen_as(actors_.size(), -1);
   std::map<std::uint32_t, int> of_id;

@@ -41,13 +41,11 @@ double light_at(render::Renderer& renderer, const Looks& looks, const Scenario& 
         {-edge, edge, -edge, edge},
         240,
         240};
-    const std::array<Pose, 1> skittle{Pose{rotation(Vec3(0.0, 0.0, 2.4 * i)), p_WB}};
-    Moving moving;
-    moving.skittle_centre = centre;
+    Glimpse glimpse{.skittle_centre = centre};
     std::array<render::Image, 2> images;  // with it, without
-    renderer.draw(draw_list(looks, moving), {&view, 1}, {&images[1], 1});
-    moving.X_WB_skittles = skittle;
-    renderer.draw(draw_list(looks, moving), {&view, 1}, {&images[0], 1});
+    renderer.draw(draw_list(looks, glimpse), {&view, 1}, {&images[1], 1});
+    glimpse.X_WB_skittles = {Pose{rotation(Vec3(0.0, 0.0, 2.4 * i)), p_WB}};
+    renderer.draw(draw_list(looks, glimpse), {&view, 1}, {&images[0], 1});
     sum += all_light(images[0]) - all_light(images[1]);
   }
   return sum / kPlaces * away * away;

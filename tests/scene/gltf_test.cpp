@@ -133,10 +133,8 @@ Looked looked_at(const std::filesystem::path& path) {
   set(scenario, "ball.mesh.file='" + path.string() + "'");
   render::Renderer renderer{render::osmesa_context()};
   const Looks looks{renderer, make_stage(scenario)};
-  const std::array<Pose, 1> ball{Pose{Quat::Identity(), Vec3(0.0, 3.0, 1.0)}};
-  Moving moving;
-  moving.X_WB_balls = ball;
-  const render::DrawList list = draw_list(looks, moving);
+  const Glimpse glimpse{.X_WB_balls = {Pose{Quat::Identity(), Vec3(0.0, 3.0, 1.0)}}};
+  const render::DrawList list = draw_list(looks, glimpse);
   const render::View view{{rotation(Vec3(0.5 * std::numbers::pi, 0.0, 0.0)), Vec3(0.0, 2.5, 1.0)},
                           {-0.5, 0.5, -0.5, 0.5},
                           100,

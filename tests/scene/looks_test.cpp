@@ -26,25 +26,23 @@ struct Seen {
   render::Renderer renderer{render::osmesa_context()};
   Stage stage = make_stage(scenario);
   Looks looks{renderer, stage};
-  std::vector<Pose> skittles, balls{1};
-  Moving moving;
+  Glimpse glimpse{.X_WB_balls = std::vector<Pose>(1)};
+  std::vector<Pose>&skittles = glimpse.X_WB_skittles, &balls = glimpse.X_WB_balls;
 
   explicit Seen(const Scenario& of = {}) : scenario(of) {
     for (const Vec2& spot : scenario.rack.spots) {
       skittles.push_back({Quat::Identity(),
                           Vec3(spot.x(), scenario.lane.head_pin + spot.y(), stage.skittle_centre)});
     }
-    moving.X_WB_skittles = skittles;
     balls[0].p = scenario.ball.home;
-    moving.X_WB_balls = balls;
-    moving.skittle_centre = stage.skittle_centre;
+    glimpse.skittle_centre = stage.skittle_centre;
   }
   /// A head at the foul line, looking a little down at the skittles.
   std::array<View, 2> views() const {
     return render::eyes({rotation(Vec3(0.5 * std::numbers::pi - 0.15, 0, 0)), Vec3(0, -0.5, 1.65)},
                         {});
   }
-  Labels labels(const View& view) { return renderer.labels(draw_list(looks, moving), view); }
+  Labels labels(const View& view) { return renderer.labels(draw_list(looks, glimpse), view); }
 };
 
 Vec2 project(const View& view, const Vec3& p_W) {
@@ -95,7 +93,7 @@ TEST(Looks, ShowEverySkittleThatStandsWhereItStands) {
 
 TEST(Looks, ShowNoSkittleThatIsNotThere) {
   Seen seen;
-  seen.moving.X_WB_skittles = std::span(seen.skittles).first(3);
+  seen.skittles.resize(3);
   const Labels labels = seen.labels(seen.views()[0]);
   EXPECT_GT(mask(labels, kFirstSkittleId + 2).count, 0);
   EXPECT_EQ(mask(labels, kFirstSkittleId + 3).count, 0);
@@ -210,10 +208,8 @@ double between_the_eyes_at_18_m(const render::Quality& look, int finer) {
   const Stage stage = make_stage(bundled("regulation-ten-pin"));
   render::Renderer renderer(render::osmesa_context(), look);
   const Looks looks(renderer, stage);
-  const std::array<Pose, 1> skittle{
-      Pose{Quat::Identity(), Vec3(0.0, 18.288, stage.skittle_centre)}};
-  Moving moving;
-  moving.skittle_centre = stage.skittle_centre;
+  const Pose skittle{Quat::Identity(), Vec3(0.0, 18.288, stage.skittle_centre)};
+  Glimpse glimpse{.skittle_centre = stage.skittle_centre};
   double squares = 0.0;
   constexpr int kPlaces = 24;
   for (int i = 0; i < kPlaces; ++i) {
@@ -222,12 +218,12 @@ double between_the_eyes_at_18_m(const render::Quality& look, int finer) {
     std::array<double, 2> light{};
     std::size_t eye = 0;
     for (const View& whole : render::eyes(X_WD, {})) {
-      const View view = around(whole, skittle[0].p, finer);
+      const View view = around(whole, skittle.p, finer);
       std::array<Image, 1> with, without;
-      moving.X_WB_skittles = skittle;
-      renderer.draw(draw_list(looks, moving), {&view, 1}, with);
-      moving.X_WB_skittles = {};
-      renderer.draw(draw_list(looks, moving), {&view, 1}, without);
+      glimpse.X_WB_skittles = {skittle};
+      renderer.draw(draw_list(looks, glimpse), {&view, 1}, with);
+      glimpse.X_WB_skittles.clear();
+      renderer.draw(draw_list(looks, glimpse), {&view, 1}, without);
       light.at(eye++) = light_of(with[0]) - light_of(without[0]);
     }
     const double off = 2.0 * (light[0] - light[1]) / (light[0] + light[1]);
@@ -279,7 +275,6 @@ std::vector<double> widths_seen(const Scenario& scenario) {
   Seen seen(scenario);
   seen.skittles.resize(1);
   seen.skittles[0].p = Vec3(0.0, 3.0, seen.stage.skittle_centre);
-  seen.moving.X_WB_skittles = seen.skittles;
   constexpr int kPixels = 800;
   constexpr double kHalf = 0.2;  // of the picture, at the axis [m]
   const View view{{rotation(Vec3(0.5 * std::numbers::pi, 0, 0)), Vec3(0.0, -7.0, 0.19)},
@@ -346,7 +341,7 @@ TEST(Looks, ShowSkittlesOfAnotherVersionWhereTheyStand) {
   const Stage version = make_stage(other);
   ASSERT_GT(version.skittle_centre, seen.stage.skittle_centre + 0.03);
   for (Pose& X_WB : seen.skittles) X_WB.p.z() = version.skittle_centre;
-  seen.moving.skittle_centre = version.skittle_centre;
+  seen.glimpse.skittle_centre = version.skittle_centre;
   const Mask after = mask(seen.labels(view), kFirstSkittleId);
   EXPECT_EQ(after.count, before.count);
   EXPECT_EQ(after.lo, before.lo);
@@ -357,10 +352,10 @@ TEST(Looks, ShowSkittlesOfAnotherVersionWhereTheyStand) {
 TEST(Looks, HideWhatTheHandIsInFrontOfInBothEyes) {
   Seen seen;
   seen.balls[0].p = Vec3(0.0, 0.5, 1.45);
-  seen.moving.X_WH = Pose{rotation(Vec3(0.5 * std::numbers::pi, 0, 0)), Vec3(0.0, 0.1, 1.5)};
+  seen.glimpse.X_WH = Pose{rotation(Vec3(0.5 * std::numbers::pi, 0, 0)), Vec3(0.0, 0.1, 1.5)};
   for (const View& view : seen.views()) {
     const Labels labels = seen.labels(view);
-    const Vec2 hand = project(view, seen.moving.X_WH->p);
+    const Vec2 hand = project(view, seen.glimpse.X_WH->p);
     const auto at = static_cast<std::size_t>(static_cast<int>(hand.y()) * labels.width +
                                              static_cast<int>(hand.x()));
     EXPECT_EQ(labels.id[at], kHandId);
@@ -372,8 +367,8 @@ TEST(Looks, HideWhatTheHandIsInFrontOfInBothEyes) {
 TEST(Looks, PutTheBallInTheHandThatGripsIt) {
   Seen seen;
   const Pose X_WH{rotation(Vec3(0.5 * std::numbers::pi, 0, 0)), Vec3(0.1, 0.2, 1.4)};
-  seen.moving.X_WH = X_WH;
-  seen.moving.closed = 1.0;
+  seen.glimpse.X_WH = X_WH;
+  seen.glimpse.closed = 1.0;
   seen.balls[0] = {X_WH.q, X_WH * seen.scenario.hand.grip};
   const Labels labels = seen.labels(seen.views()[0]);
   EXPECT_GT(mask(labels, kFirstBallId).count, 300);

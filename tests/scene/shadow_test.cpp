@@ -43,10 +43,7 @@ struct Counted {
 
 /// Pixels of the floor that a ball shades or does not, and those where the picture says otherwise.
 Counted counted(render::Renderer& renderer, const Looks& looks, const Vec3& p_WB) {
-  const std::array<Pose, 1> ball{Pose{Quat::Identity(), p_WB}};
-  Moving moving;
-  moving.X_WB_balls = ball;
-  render::DrawList list = draw_list(looks, moving);
+  render::DrawList list = draw_list(looks, {.X_WB_balls = {Pose{Quat::Identity(), p_WB}}});
   for (render::DrawItem& item : list.items) item.casts_shadow = item.id == kFirstBallId;
   const Vec3 n_W = looks.room.shadow.n_W;
   const Vec3 foot = p_WB - p_WB.z() / n_W.z() * n_W;

@@ -1,0 +1,72 @@
+#include "engine/at_end.h"
+
+namespace headpin::engine::detail {
+namespace {
+
+// Velocities are those at the end of the step. A falling body moves with the mean of the velocities
+// at the start and the end. A carried body moves with the end velocity, for which its contacts were
+// solved. A partly carried body moves with a velocity in between, which keeps its energy.
+void move_to_end(const World& world, const Flight& flight, const Solved& solved, BodyId i,
+                 Pose& X_WB, Vec3& w_WB) {
+  const double left = step_seconds(world) - flight.bodies[i].clock;
+  const double falls = 1.0 - solved.carried[i];
+  X_WB.p += left * world.states[i].v_WB;
+  if (falls > 0.0) X_WB.p -= (0.5 * falls * left * left) * world.parameters.gravity_W;
+  turn_freely(X_WB.q, w_WB, world.inertias[i], left);
+}
+
+void drive_to_end(const World& world, BodyId i, Pose& X_WB) {
+  const State& state = world.states[i];
+  const double dt = step_seconds(world);
+  X_WB.p += dt * state.v_WB;
+  X_WB.q = (rotation(dt * state.w_WB) * X_WB.q).normalized();
+}
+
+}  // namespace
+
+State state_at_end(const World& world, const Flight& flight, const Solved& solved, BodyId i) {
+  State s = world.states[i];
+  if (is_mover(world, i)) {
+    move_to_end(world, flight, solved, i, s.X_WB, s.w_WB);
+  } else if (world.bodies[i].kind == Kind::driven) {
+    drive_to_end(world, i, s.X_WB);
+  }
+  return s;
+}
+
+std::span<const ContactPoint> points_at_end(World& world, const Touches& touches,
+                                            const Touch& touch, const Pose& X_WA, const Pose& X_WB,
+                                            Workspace& w) {
+  const Candidate& c = touches.candidates[touch.candidate];
+  const auto kept = touches.normals.begin() + c.first_normal;
+  w.end_normals.assign(kept, kept + c.normals);
+  w.end_points.clear();
+  const bool swapped = c.a != touch.a;
+  contacts_of(world, c, w.end_normals, swapped ? X_WB : X_WA, swapped ? X_WA : X_WB, 0.0,
+              w.end_points);
+  for (ContactPoint& p : w.end_points) {
+    if (swapped) p.n_AB_W = -p.n_AB_W;
+  }
+  return w.end_points;
+}
+
+NormalRow row_at(const Flight& flight, const Touch& touch, const ContactPoint& point,
+                 const Vec3& p_WA, const Vec3& p_WB) {
+  const Mobility& ma = flight.mobility[touch.a];
+  NormalRow row;
+  row.n = point.n_AB_W;
+  row.ra_n = (point.p_W - p_WA).cross(row.n);
+  row.rb_n = (point.p_W - p_WB).cross(row.n);
+  row.ia = ma.inv_inertia_W * row.ra_n;
+  row.ib = Vec3::Zero();
+  double k_nn = ma.inv_mass + row.ra_n.dot(row.ia);
+  if (touch.b_moves) {
+    const Mobility& mb = flight.mobility[touch.b];
+    row.ib = mb.inv_inertia_W * row.rb_n;
+    k_nn += mb.inv_mass + row.rb_n.dot(row.ib);
+  }
+  row.mass = 1.0 / k_nn;
+  return row;
+}
+
+}  // namespace headpin::engine::detail
