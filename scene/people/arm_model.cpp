@@ -143,16 +143,17 @@ ThrowMotion::ThrowMotion(const ThrowPlan& plan, const Hand& hand)
         "a duration of {} s; expected {:.1f} s (the throw) to 600 s", plan.duration_s, shortest));
   }
 
-  // Place the model so that the ball leaves above the foul line, in the aimed direction.
+  // Place the model so that the ball leaves where it should, in the aimed direction.
   const Vec3 v_MB = ball_at_release(hand);
   speed_ = v_MB.norm();
   const Vec3 ahead = Vec3(v_MB.x(), v_MB.y(), 0.0).normalized();
   Mat3 R_MA;  // A: y where the ball goes
   R_MA << ahead.cross(Vec3::UnitZ()), ahead, Vec3::UnitZ();
-  p_MB_release_ = this->hand(release_) * hand.grip;
+  p_MB_release_ = this->hand(release_) * hand.grip;  // X_WM_ is still the identity
   X_WM_.q = (about_z(-aim) * Quat(R_MA.transpose())).normalized();
   const Vec3 p = X_WM_.q * (this->hand(release_) * hand.grip);
-  X_WM_.p = Vec3(plan.aside - p.x(), -p.y(), 0.0);
+  X_WM_.p = Vec3(-p.x(), -p.y(), 0.0);
+  if (plan.p_WB) X_WM_.p.head<2>() = *plan.p_WB - (X_WM_.q * p_MB_release_).head<2>();
 }
 
 /// Sets the joints for a swing that releases the ball at the wanted speed.

@@ -18,7 +18,7 @@
 namespace headpin::scene {
 
 /// Range of heights of the ball's centre at the release of a thrower who bends down [m].
-inline constexpr double kLowestRelease = 0.1, kHighestRelease = 0.5;
+inline constexpr double kLowestRelease = 0.105, kHighestRelease = 0.5;
 inline constexpr double kSlowestPlan = 4.0, kFastestPlan = 9.0;  ///< speeds of the ball [m/s]
 inline constexpr double kWidestAim_deg = 10.0;                   ///< to each side
 
@@ -33,7 +33,9 @@ struct ThrowPlan {
   std::uint64_t seed = 1;
   double speed = 6.5;  ///< of the ball at its release [m/s]
   double aim = 0.0;    ///< direction of the ball, to the right of the lane's axis [rad]
-  double aside = 0.0;  ///< place of the ball at its release, to the right of the lane's middle [m]
+  /// Where the ball is at its release, seen from above [m]. Without it, it is over the middle of the
+  /// foul line, to about a centimetre.
+  std::optional<Vec2> p_WB = {};
   /// Height of the ball's centre at its release with a level velocity [m]: the thrower bends down.
   /// Without it the thrower stands upright, and releases the ball slightly upward from 0.58 m.
   std::optional<double> height = {};

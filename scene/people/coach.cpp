@@ -32,9 +32,12 @@ Delivered draw_spin(const CoachedThrow& wanted, std::uint64_t seed) {
   return spin;
 }
 
-/// Height from which a ball that leaves level flies so far before it touches the lane.
+constexpr double kBeforeLine = 0.05;  // a coached ball leaves so far before the foul line [m]
+
+/// Height from which a ball that leaves level, before the line, first touches the lane so far beyond
+/// it.
 double height_for(double loft, double speed, const Scenario& scenario) {
-  const double time = loft / speed;
+  const double time = (kBeforeLine + loft) / speed;
   const double height = scenario.ball.radius + 0.5 * scenario.collision.gravity * time * time;
   if (height >= kLowestRelease && height <= kHighestRelease) return height;
   throw std::invalid_argument(
@@ -56,9 +59,11 @@ TriedThrow draw(const CoachedThrow& wanted, ThrowPlan plan, const Scenario& scen
     plan.aim = kDegreeInRad * draw_one(*wanted.angle_deg, seed, Word::angle, -most, most);
     if (wanted.angle_deg->deviation) plan.errors.aim = 0.0;
   }
-  if (wanted.board) {
-    const double board = draw_one(*wanted.board, seed, Word::board, 1.0, kBoards);
-    plan.aside = (0.5 * (kBoards + 1) - board) * scenario.lane.width / kBoards;
+  if (wanted.board || wanted.loft) {
+    constexpr double kMiddle = 0.5 * (kBoards + 1);
+    const double board =
+        draw_one(wanted.board.value_or(Wanted{kMiddle}), seed, Word::board, 1.0, kBoards);
+    plan.p_WB = Vec2((kMiddle - board) * scenario.lane.width / kBoards, -kBeforeLine);
   }
   if (wanted.loft) {
     const double loft = draw_one(*wanted.loft, seed, Word::loft, 0.0, kFurthestLoft);

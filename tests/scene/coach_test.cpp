@@ -26,6 +26,7 @@ Scenario house_oil() {
 struct FoundThrow {
   std::optional<Delivered> release;
   std::optional<double> loft_end;
+  double beyond_line = 0.0;  ///< of the ball at its release [m]
 };
 
 /// What a session finds of the throw in the half second after its release.
@@ -47,6 +48,7 @@ FoundThrow found_throw(const CoachedThrow& wanted, std::uint64_t seed, Scenario 
       const auto& told = *event.detail.get_if<Released>();
       engine::State let_go;
       let_go.X_WB.p = *told.p_WB;
+      found.beyond_line = told.p_WB->y();
       let_go.v_WB = *told.v_WB;
       let_go.w_WB = *told.w_WB;
       watch = watch_ball(session.stage->room, let_go);
@@ -81,6 +83,7 @@ TEST(ACoachedThrow, LeavesAsItIsWantedThroughTrackerAndNoise) {
       ASSERT_TRUE(found.loft_end) << seed;
       // It falls 12 mm in 50 ms; a millimetre of height or 0.05 m/s upward are some centimetres.
       EXPECT_NEAR(*found.loft_end, 0.4, 0.15) << seed;
+      EXPECT_LT(found.beyond_line, 0.0) << seed;
     }
   }
 }
@@ -98,7 +101,9 @@ TEST(ACoachedThrow, KeepsTheThrowersOwnErrorsWhereNoneAreSaid) {
   const ThrowMotion motion(draw(exact, {.seed = 3}, scenario).plan, scenario.hand);
   EXPECT_NEAR(motion.ball_speed(), 7.0, 1e-3);
   EXPECT_NEAR(delivered_by(motion, scenario).angle_deg, 1.0, 1e-9);
-  EXPECT_NEAR(delivered_by(motion, scenario).board, 20.0, 1e-9);
+  const CoachedThrow aside{.board = Wanted{31.0}};
+  const ThrowMotion beside(draw(aside, {.seed = 3}, scenario).plan, scenario.hand);
+  EXPECT_NEAR(delivered_by(beside, scenario).board, 31.0, 1e-9);
 }
 
 TEST(ACoachedThrow, ScattersAsItIsSaidAndEachValueByItself) {

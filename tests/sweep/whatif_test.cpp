@@ -14,6 +14,7 @@
 #include <gtest/gtest.h>
 
 #include "devices/base/sources.h"
+#include "scene/play/ball_path.h"
 #include "scene/play/score.h"
 #include "sweep/runner.h"
 #include "sweep/whatif_report.h"
@@ -261,8 +262,13 @@ TEST(WhatIf, BoardRevsAndRotationChangeTheReleaseByWhatTheySay) {
   EXPECT_NEAR(w90.x(), -w.y(), 1e-12);
   EXPECT_NEAR(w90.y(), w.x(), 1e-12);
   EXPECT_NEAR(w90.z(), w.z(), 1e-12);
-  EXPECT_NEAR(turned.thrown.path->release.rotation_deg,
-              std::remainder(real.thrown.path->release.rotation_deg + 90.0, 360.0), 1e-9);
+  const auto axis_rotation = [](const Outcome& outcome) {
+    engine::State let_go;
+    let_go.v_WB = *outcome.thrown.v_WB;
+    let_go.w_WB = *outcome.thrown.w_WB;
+    return scene::delivered({}, let_go).rotation_deg;
+  };
+  EXPECT_NEAR(std::remainder(axis_rotation(turned) - axis_rotation(real) - 90.0, 360.0), 0.0, 1e-9);
 }
 
 TEST(WhatIf, TheBestAssignmentIsTheBestOfAllPermutations) {
