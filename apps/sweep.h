@@ -16,6 +16,10 @@ void add_sweep_status(CLI::App& group);
 /// Adds the folder of a sweep, which every command of the group takes.
 CLI::Option* add_sweep_folder(CLI::App& command, std::string& folder);
 
+/// Opens a sweep that was planned.
+/// @throws std::runtime_error  as sweep::open_sweep, and naming what makes a sweep where there is none
+sweep::Sweep open_planned(const std::string& folder);
+
 /// How long a row takes on one core of this machine [s], from a few that are tried: their mean.
 double seconds_per_row(const sweep::Sweep& sweep);
 

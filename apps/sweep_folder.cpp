@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <filesystem>
+#include <stdexcept>
 
 #include <fmt/format.h>
 
@@ -11,6 +13,15 @@ namespace headpin::apps {
 
 CLI::Option* add_sweep_folder(CLI::App& command, std::string& folder) {
   return command.add_option("SWEEP", folder, "the sweep's folder")->required();
+}
+
+sweep::Sweep open_planned(const std::string& folder) {
+  if (!std::filesystem::exists(sweep::SweepFolder{folder}.rows())) {
+    throw std::runtime_error(fmt::format(
+        "{0}: expected a sweep, found no rows.csv; `headpin sweep plan SWEEP.toml -o {0}` makes one",
+        folder));
+  }
+  return sweep::open_sweep(folder);
 }
 
 double seconds_per_row(const sweep::Sweep& sweep) {

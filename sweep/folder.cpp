@@ -173,10 +173,7 @@ std::int64_t plan(const fs::path& file, const SweepFolder& at, const std::functi
 Sweep open_sweep(const fs::path& root) {
   const SweepFolder at{root};
   if (!fs::exists(at.rows())) {
-    throw std::runtime_error(fmt::format(
-        "{}: expected a sweep, found no rows.csv; `headpin sweep plan SWEEP.toml -o {}` "
-        "makes one",
-        root.string(), root.string()));
+    throw std::runtime_error(root.string() + ": expected a sweep, found no rows.csv");
   }
   const std::string design_text = base::read_text(at.design().string(), 16'000'000);
   const Design design = parse_design(design_text, at.design().string());

@@ -50,7 +50,7 @@ struct StatusSweepOptions {
 
 void tell_status(const StatusSweepOptions& options) {
   watch_stop_signals();
-  const sweep::Sweep sweep = sweep::open_sweep(options.sweep);
+  const sweep::Sweep sweep = open_planned(options.sweep);
   const SweepProgress progress = progress_of(sweep);
   if (options.json) {
     return print_json(
@@ -71,7 +71,7 @@ struct MergeOptions {
 
 void merge(const MergeOptions& options) {
   watch_stop_signals();
-  const sweep::Sweep sweep = sweep::open_sweep(options.sweep);
+  const sweep::Sweep sweep = open_planned(options.sweep);
   base::OutputFile file(*options.output, {.overwrite = options.force, .standard_output = true});
   file.write(sweep.columns.data(), sweep.columns.size());
   SweepProgress progress{.rows = sweep.rows.size()};

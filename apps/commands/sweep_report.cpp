@@ -46,7 +46,7 @@ std::size_t axis_of(const sweep::Design& design, const char* option, const std::
 
 void report_sweep(const ReportSweepOptions& options) {
   watch_stop_signals();
-  const sweep::Sweep sweep = sweep::open_sweep(options.sweep);
+  const sweep::Sweep sweep = open_planned(options.sweep);
   if (sweep.rows.design().grid.empty()) {
     throw std::runtime_error(sweep.at.design().string() +
                              ": expected a [grid] to draw maps over, found none");

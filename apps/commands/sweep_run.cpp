@@ -117,7 +117,7 @@ class Workers {
 void run_sweep(const RunSweepOptions& options) {
   const Shard shard = parse_shard(options.shard);
   watch_stop_signals();
-  const sweep::Sweep sweep = sweep::open_sweep(options.sweep);
+  const sweep::Sweep sweep = open_planned(options.sweep);
   base::remove_left_parts(sweep.at.pieces().string());
   std::int64_t rows = 0, missing = 0;
   for (std::int64_t i = shard.rest; i < sweep.pieces.size(); i += shard.of) {

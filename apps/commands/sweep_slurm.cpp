@@ -60,7 +60,7 @@ std::string merge_script(const fs::path& sweep, const std::string& program) {
 
 void write_slurm(const SlurmOptions& options) {
   watch_stop_signals();
-  const sweep::Sweep sweep = sweep::open_sweep(options.sweep);
+  const sweep::Sweep sweep = open_planned(options.sweep);
   const int most = static_cast<int>(std::min<std::int64_t>(kMostTasks, sweep.pieces.size()));
   const int tasks = options.tasks.value_or(most);
   if (tasks > most) {

@@ -34,7 +34,7 @@ void LcmIntake::take(const LcmMessage& message) {
     return;
   }
   const Device device = device_of(sample);
-  if (!is_kept(publisher_of(device), device, device_time(sample), message.sender)) {
+  if (!admit(publisher_of(device), device, device_time(sample), message.sender)) {
     ++counts_.others;
     return;
   }
@@ -64,8 +64,9 @@ double LcmIntake::late_us(const Publisher& publisher, Time theirs) const {
          clocks_.ours_us(publisher.clock, static_cast<double>(theirs.count()));
 }
 
-/// Whether a sample is from the publisher of its station, and not from another publisher.
-bool LcmIntake::is_kept(Publisher& publisher, Device device, Time theirs, std::uint64_t sender) {
+/// Takes the sender of a sample as the publisher of its station, or counts it as another one.
+/// @return  whether the sample is taken
+bool LcmIntake::admit(Publisher& publisher, Device device, Time theirs, std::uint64_t sender) {
   if (!speaks_for(publisher, device, theirs, sender)) {
     ++publisher.others;
     publisher.other = sender;

@@ -25,8 +25,8 @@ struct LcmMessage {
 /// Makes samples of the messages that others publish on TRACKER and MOUSE3D.
 ///
 /// Each station has a publisher with its own clock. Clocks converts it to the session's clock from
-/// the first sample on. It starts again when it jumps by more than a second. Both times of a sample
-/// are then on the session's clock. The mouse has few messages, so it uses the offset of the station
+/// the first sample on. It starts again when it jumps by more than a second, or by half a second if
+/// nothing else tells the sender. Both times of a sample are then on the session's clock. The mouse has few messages, so it uses the offset of the station
 /// with nearly the same clock. Samples without times (0) get their time of arrival.
 ///
 /// A station has one publisher: the first one, until it has been silent for a second. Samples of
@@ -87,7 +87,7 @@ class LcmIntake {
   void stamp(TrackerSample& sample);
   void stamp(MouseSample& sample);
   Publisher& publisher_of(Device device);
-  bool is_kept(Publisher& publisher, Device device, Time theirs, std::uint64_t sender);
+  bool admit(Publisher& publisher, Device device, Time theirs, std::uint64_t sender);
   bool speaks_for(const Publisher& publisher, Device device, Time theirs,
                   std::uint64_t sender) const;
   bool is_behind(const Publisher& publisher, Device device, Time theirs) const;

@@ -36,10 +36,10 @@ inline ReleaseWindow release_window(const Hand& hand) {
 /// slope. If it is too large, or the window has only one sample, the window is extended by one
 /// sample, and so on.
 ///
-/// @param track   hand poses X_WH, oldest first; the last one is the release
+/// @param track   hand poses X_PH, oldest first; the last one is the release
 /// @param p_HB    centre of the ball in the hand [m]
 /// @param window  lengths of the window
-/// @return        v_WB [m/s] and w_WB [rad/s]
+/// @return        in the tracked space, v_PB [m/s] and w_WB [rad/s]
 /// @throws std::invalid_argument  with fewer than two samples in the longest window
 Twist release_velocity(std::span<const Stamped<Pose>> track, const Vec3& p_HB,
                        const ReleaseWindow& window);

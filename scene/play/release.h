@@ -30,7 +30,8 @@ inline Time told_until(Time time, double delay_s) {
 /// the time, the fit is extrapolated for 30 ms after the last sample; then the velocity stays
 /// constant. A sample older than `window.least` is not used.
 ///
-/// @param track  hand poses X_WH, oldest first, as far as they are known
+/// @param track  hand poses X_PH in the tracked space, oldest first, as far as they are known; the
+///               motion is in that space too, and the walk is to be added
 /// @param p_HB   the point in the hand [m]
 Motion motion_at(std::span<const Stamped<Pose>> track, Time at, const Vec3& p_HB,
                  const ReleaseWindow& window);

@@ -69,7 +69,7 @@ FramesAsShown::FramesAsShown(Eyes& eyes, TrialPlayer& recorded, Plan plan,
     : eyes_(eyes), recorded_(recorded), plan_(std::move(plan)), sinks_(std::move(sinks)) {
   if (!recorded.has_frames()) {
     throw std::runtime_error(
-        "the trial has no recorded frames; expected a recording of `headpin live`");
+        "the trial has no recorded frames; expected one that was recorded live");
   }
 }
 

@@ -16,8 +16,7 @@ Verifier::Verifier(std::string trial, TrialPlayer& recorded, const Session& sess
   if (!recorded.has_states()) {
     throw std::runtime_error(
         trial_ +
-        ": holds no states to compare with; expected a trial made by `headpin replay -o` "
-        "or `headpin live`");
+        ": holds no states to compare with; expected a trial that was replayed or recorded live");
   }
 }
 
