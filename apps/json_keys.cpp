@@ -141,6 +141,8 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"first_difference_s", "time of the first difference"},
     {"first_difference_tick", "tick of the first difference; null if there is none"},
     {"first_s", "time at which a difference was first above its threshold; null if it never was"},
+    {"flare_mm",
+     "track flare: largest distance on a ball between its first ring of oil and a later one"},
     {"foreign", "samples in another frame than that of the transmitter"},
     {"foreseen_m", "closest approach that was expected at `noticed_s`"},
     {"format_version", "format of the trial"},

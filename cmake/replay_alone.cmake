@@ -40,11 +40,11 @@ set(parts
   render/data/hmd render/eyes
   scene/record/details scene/record/file scene/record/first_difference scene/record/messages scene/record/misdated
   scene/record/state_change scene/record/throw_fields
-  scene/record/trial_messages scene/play/ball_path scene/play/game scene/play/game_hash scene/play/hand scene/play/outcome scene/play/parabola scene/play/player
+  scene/record/trial_messages scene/play/ball_path scene/play/game scene/play/game_hash scene/play/hand scene/play/lane_wear scene/play/outcome scene/play/parabola scene/play/player
   scene/play/presence scene/play/referee scene/play/release scene/play/run scene/play/score
-  scene/play/session scene/play/tracking scene/play/walk scene/scenario/files scene/scenario/keys
+  scene/play/session scene/play/track_flare scene/play/tracking scene/play/walk scene/scenario/files scene/scenario/keys
   scene/scenario/nearest scene/scenario/rules scene/scenario/scenario scene/scenario/text
-  scene/scenario/toml_reading scene/scenario/toml_text scene/scenario/units scene/stage/bodies scene/stage/outline scene/stage/read_scenario scene/stage/room
+  scene/scenario/toml_reading scene/scenario/toml_text scene/scenario/units scene/stage/bodies scene/stage/oil_table scene/stage/outline scene/stage/read_scenario scene/stage/room
   scene/stage/scenario_checks scene/stage/seen_mesh scene/stage/stage scene/watch/recorded
   scene/watch/totals scene/watch/verifier)
 list(TRANSFORM parts PREPEND ${HEADPIN_ROOT}/)

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "engine/compound.h"
+#include "engine/friction_table.h"
 
 /// Bodies: properties and state.
 namespace headpin::engine {
@@ -67,6 +68,7 @@ struct Body {
   Material material = {};
   Kind kind = Kind::free;
   std::vector<FrictionArea> areas = {};  ///< of a fixed body; of two that overlap, the first counts
+  std::shared_ptr<const FrictionTable> table = {};  ///< of a fixed body; counts before its areas
 };
 
 }  // namespace headpin::engine

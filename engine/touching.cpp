@@ -10,9 +10,16 @@ void turn_normals(std::span<ContactPoint> points) {
   for (ContactPoint& p : points) p.n_AB_W = -p.n_AB_W;
 }
 
+bool has_places(const Body& body) {
+  return !body.areas.empty() || body.table != nullptr;
+}
+
 /// The friction that a body has at a place in its x and y.
-double friction_at(const std::vector<FrictionArea>& areas, const Vec2& p, double elsewhere) {
-  for (const FrictionArea& area : areas) {
+double friction_at(const Body& body, const Vec2& p, double elsewhere) {
+  if (body.table) {
+    if (const std::optional<double> friction = friction_at(*body.table, p)) return *friction;
+  }
+  for (const FrictionArea& area : body.areas) {
     const bool inside = p.x() >= area.low.x() && p.x() < area.high.x() && p.y() >= area.low.y() &&
                         p.y() < area.high.y();
     if (inside) return area.friction;
@@ -35,19 +42,19 @@ double friction_on_the_way(const World& world, const Touches& touches, const Tou
   double sum = 0.0;
   for (int k = 0; k < kPlaces; ++k) {
     const Vec2 p = from + (k + 0.5) / kPlaces * way;
-    sum += friction_at(world.bodies[touch.b].areas, p, elsewhere);
+    sum += friction_at(world.bodies[touch.b], p, elsewhere);
   }
   return sum / kPlaces;
 }
 
 /// Elasticity and friction of a touch: the products of both materials (paper 2.2 b), or the friction
-/// of the areas of B.
+/// that B has at this place.
 Coefficients coefficients_of(const World& world, const Touches& touches, const Touch& touch) {
   const Body& a = world.bodies[touch.a];
   const Body& b = world.bodies[touch.b];
   Coefficients pair{a.material.elasticity * b.material.elasticity,
                     a.material.friction * b.material.friction};
-  if (!b.areas.empty() && touch.points > 0) {
+  if (has_places(b) && touch.points > 0) {
     pair.friction = friction_on_the_way(world, touches, touch, pair.friction);
   }
   return pair;
@@ -132,7 +139,7 @@ void look_again(World& world, const Flight& flight, Touch& touch, double t, Touc
               swapped ? a.X_WB : b.X_WB, reach(world, flight, touch.a, touch.b), touches.points);
   touch.points = static_cast<std::uint32_t>(touches.points.size()) - touch.first_point;
   if (swapped) turn_normals(std::span(touches.points).subspan(touch.first_point));
-  if (world.bodies[touch.b].areas.empty()) return;
+  if (!has_places(world.bodies[touch.b])) return;
   const Coefficients pair = coefficients_of(world, touches, touch);
   if (pair.friction == touch.pair.friction) return;
   touch.pair = pair;

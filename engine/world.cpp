@@ -5,6 +5,7 @@
 #include <cstring>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "base/hash.h"
 #include "engine/bodies.h"
@@ -63,6 +64,26 @@ void check_areas(const Body& body, const std::string& who) {
   }
 }
 
+/// Checks the table of friction of a body.
+void check_table(const Body& body, const std::string& who) {
+  if (!body.table) return;
+  const FrictionTable& table = *body.table;
+  if (body.kind != Kind::fixed) {
+    throw std::invalid_argument(who + ": table of friction: expected a fixed body");
+  }
+  expect(table.width > 0.0, who + ": width of a column of friction [m]", "above 0", table.width);
+  for (std::size_t i = 1; i < table.edges.size(); ++i) {
+    expect(table.edges[i - 1] < table.edges[i], who + ": edge of a row of friction [m]",
+           "above " + number(table.edges[i - 1]), table.edges[i]);
+  }
+  const std::size_t rows = table.edges.empty() ? 0 : table.edges.size() - 1;
+  expect(table.friction.size() == rows * table.columns, who + ": cells of friction",
+         std::to_string(rows * table.columns), static_cast<double>(table.friction.size()));
+  for (const double friction : table.friction) {
+    expect_between(friction, 0.0, 1.0, who + ": friction of a cell");
+  }
+}
+
 void check_body(const Body& body, const std::string& who) {
   const Material& m = body.material;
   expect_between(m.elasticity, 0.0, 1.0, who + ": elasticity");
@@ -70,6 +91,7 @@ void check_body(const Body& body, const std::string& who) {
   expect_between(m.rolling_arm, 0.0, 1.0, who + ": rolling_arm [m]");
   if (body.shape->parts.empty()) throw std::invalid_argument(who + ": expected a shape with parts");
   check_areas(body, who);
+  check_table(body, who);
   if (body.kind == Kind::fixed) return;
   if (!is_bounded(body)) {
     throw std::invalid_argument(who + ": a half-space must be fixed");
@@ -319,6 +341,19 @@ void forget_meetings(World& world, BodyId body) {
   std::erase_if(world.memory.met, [&](std::uint64_t pair) { return concerns(pair, body); });
   for (PastTouch& touch : world.memory.touches) {
     if (concerns(touch.key, body)) touch.met = false;
+  }
+}
+
+void set_friction(World& world, BodyId body, std::shared_ptr<const FrictionTable> table) {
+  check_number(world, body);
+  Body& changed = world.bodies[body];
+  const std::shared_ptr<const FrictionTable> before =
+      std::exchange(changed.table, std::move(table));
+  try {
+    check_table(changed, detail::title(world, body));
+  } catch (...) {
+    changed.table = before;
+    throw;
   }
 }
 

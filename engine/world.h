@@ -173,6 +173,11 @@ void set_response(World& world, const Response& response);
 /// @throws std::invalid_argument  for an unknown body
 void forget_meetings(World& world, BodyId body);
 
+/// Gives a fixed body another table of friction, from the next step on; none removes it.
+///
+/// @throws std::invalid_argument  for an unknown or a movable body, and for a table that is none
+void set_friction(World& world, BodyId body, std::shared_ptr<const FrictionTable> table);
+
 /// Copies states, kinds, sleep, meetings, tick and ledger from another world with the same bodies,
 /// which may have other shapes, masses and materials. Impulses and normals for the warm start are
 /// not copied, because they belong to the other shapes.

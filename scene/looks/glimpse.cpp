@@ -16,6 +16,19 @@ double how_closed(const Session& session) {
   return player.held ? share : 1.0 - share;
 }
 
+/// The rings of oil that the last throw left on its ball.
+void add_rings(const Session& session, Glimpse& g) {
+  if (!session.game.ringed) return;
+  const RingedBall& ringed = *session.game.ringed;
+  const std::vector<engine::BodyId>& balls = session.stage->balls;
+  g.ringed = static_cast<std::size_t>(std::ranges::find(balls, ringed.body) - balls.begin());
+  const double radius = session.scenario().ball.radius;
+  for (const OilRing& ring : ringed.rings) {
+    g.X_BG_rings.push_back(
+        {Quat::FromTwoVectors(Vec3::UnitZ(), ring.n_B), radius * ring.height * ring.n_B});
+  }
+}
+
 }  // namespace
 
 bool shows_ellipsoids(const Scenario& scenario) {
@@ -34,6 +47,7 @@ Glimpse glimpse(const Session& session, const Pose& X_WD) {
   };
   poses_of(session.stage->skittles, g.X_WB_skittles);
   poses_of(session.stage->balls, g.X_WB_balls);
+  add_rings(session, g);
   return g;
 }
 

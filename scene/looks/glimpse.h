@@ -13,7 +13,9 @@ namespace headpin::scene {
 struct Glimpse {
   Pose X_WD = {};  ///< head display
   std::vector<Pose> X_WB_skittles = {}, X_WB_balls = {};
-  bool ellipsoids = false;  ///< skittles are drawn as ellipsoids
+  std::size_t ringed = 0;             ///< of the balls, the one with rings of oil
+  std::vector<Pose> X_BG_rings = {};  ///< each about its z axis, with its centre in its plane
+  bool ellipsoids = false;            ///< skittles are drawn as ellipsoids
   double skittle_centre =
       0.0;  ///< of their bodies above their base: a version may have its own [m]
   std::optional<Pose> X_WH = {};  ///< without it no hand is drawn

@@ -145,6 +145,7 @@ Looks::Looks(const MeshKeeper& keeper, const Stage& stage)
             keeper.add(ball_mesh(ball_radius, holes, 20, 12)),
             keeper.add(ball_mesh(ball_radius, {}, 14, 8))};
   }
+  if (scenario.ball.rings) oil_ring = keeper.add(oil_ring_mesh());
   add_hands(keeper, scenario);
   head = keeper.add(head_mesh());
   add_room(keeper, scenario);
@@ -253,6 +254,27 @@ void Looks::add_buttons(const MeshKeeper& keeper, const Versions& versions) {
   }
 }
 
+namespace {
+
+/// The rings of oil on a ball.
+void append_rings(DrawList& list, const Looks& looks, const Glimpse& g) {
+  if (!looks.oil_ring || g.ringed >= g.X_WB_balls.size()) return;
+  const Pose& X_WB = g.X_WB_balls[g.ringed];
+  for (const Pose& X_BG : g.X_BG_rings) {
+    const double r = looks.ball_radius;
+    const double across = std::sqrt(std::max(0.0, r * r - X_BG.p.squaredNorm()));
+    DrawItem item;
+    item.mesh = *looks.oil_ring;
+    item.X_WG = X_WB * X_BG;
+    item.scale = Vec3(across, across, 1.0);
+    item.id = kFirstBallId + static_cast<std::uint32_t>(g.ringed);
+    item.mirrored = true;
+    list.items.push_back(item);
+  }
+}
+
+}  // namespace
+
 DrawList draw_list(const Looks& looks, const Glimpse& g) {
   DrawList list = looks.room;
   const auto add = [&](const BodyMeshes& meshes, const Pose& X_WG, std::uint32_t id) {
@@ -277,6 +299,7 @@ DrawList draw_list(const Looks& looks, const Glimpse& g) {
     add(looks.ball, X_WB, ball++);
     list.occluders.push_back({X_WB.p, looks.ball_radius});
   }
+  append_rings(list, looks, g);
   if (g.X_WH) {
     add({looks.hands[hand_at(g.closed, looks.hands.size())]}, *g.X_WH, kHandId);
     list.occluders.push_back({g.X_WH->p, 0.05});

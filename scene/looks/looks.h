@@ -47,6 +47,7 @@ struct Looks {
       : Looks(MeshKeeper{[&](const render::Mesh& mesh) { return renderer.add(mesh); }}, stage) {}
 
   BodyMeshes true_skittle, ellipsoid_skittle, ball;
+  std::optional<int> oil_ring;  ///< where the scenario has rings on balls
   int head;
   std::vector<int> hands;  ///< from open to closed around the ball
   render::DrawList room;   ///< the parts that do not move, with light, patches and shadow box

@@ -149,4 +149,21 @@ Mesh ball_mesh(double radius, std::span<const Vec3> holes, int sides, int rings)
   return mesh;
 }
 
+Mesh oil_ring_mesh() {
+  constexpr double kThick = 0.012, kHalfHeight = 0.0015;  // of the radius; [m]
+  constexpr int kAround = 6, kSides = 64;
+  const Vec3 oil = srgb(0xe8e2c4);
+  std::vector<Ring> tube;
+  for (int i = 0; i <= kAround; ++i) {
+    const double t = (2.0 * i / kAround - 1.0) * std::numbers::pi;
+    tube.push_back({kHalfHeight * std::sin(t),
+                    1.0 + kThick * std::cos(t),
+                    {kHalfHeight * std::cos(t), kThick * std::sin(t)},
+                    oil});
+  }
+  Mesh mesh = render::turned(tube, kSides);
+  mesh.gloss = 0.5;
+  return mesh;
+}
+
 }  // namespace headpin::scene

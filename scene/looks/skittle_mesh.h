@@ -27,4 +27,7 @@ render::Mesh edged_skittle_mesh(const Outline& outline, double origin, double of
 /// @param rings  and from pole to pole
 render::Mesh ball_mesh(double radius, std::span<const Vec3> holes, int sides = 32, int rings = 20);
 
+/// A ring of oil about the z axis, to be scaled: its radius is 1, its height that of a real one.
+render::Mesh oil_ring_mesh();
+
 }  // namespace headpin::scene

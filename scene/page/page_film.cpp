@@ -131,6 +131,7 @@ void Film::draw(const Session& session, const TickState* recorded) {
   const std::optional<Pose> X_WD = head_pose(session);
   Glimpse g = glimpse(session, X_WD.value_or(Pose{}));
   if (X_WD) g.X_WC = Pose{};  // so that the head is seen
+  g.X_BG_rings.clear();       // the page does not show them
   if (recorded) put_where_recorded(g, *session.stage, *recorded);
   const render::DrawList list = draw_list(looks_, g);
 

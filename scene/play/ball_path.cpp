@@ -10,7 +10,6 @@ namespace headpin::scene {
 
 namespace {
 
-constexpr double kOnLane = 1e-3;      // of the ball's lowest point above it [m]
 constexpr double kHooked = 1.0;       // turned by this [degrees]
 constexpr double kRollsAlong = 0.02;  // slip, of the speed
 constexpr double kLeast = 0.1;        // slower than this, a ball has no direction [m/s]
@@ -43,7 +42,7 @@ void find_on_lane(BallWatch& watch, const RoomMeasures& room, double radius,
                   const engine::State& now) {
   BallPath& path = watch.path;
   const Vec3& p = now.X_WB.p;
-  if (!path.loft_end && p.z() < radius + kOnLane) {
+  if (!path.loft_end && is_on_lane(radius, now)) {
     path.loft_end = p.y();
     watch.landed_deg = degrees_from_y(now.v_WB);
   }

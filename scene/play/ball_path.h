@@ -10,6 +10,13 @@ namespace headpin::scene {
 /// The board at a place across the lane: 20 in the middle, a half between two boards.
 double board_at(const RoomMeasures& room, double x);
 
+/// Whether a ball touches the lane, or is no more than a millimetre above it.
+///
+/// @param radius  of the ball [m]
+inline bool is_on_lane(double radius, const engine::State& s) {
+  return s.X_WB.p.z() < radius + 1e-3;
+}
+
 /// How a ball moves.
 Delivered delivered(const RoomMeasures& room, const engine::State& s);
 

@@ -157,9 +157,31 @@ void watch_released(Game& game, const Tick& tick) {
       if (tick.events[i].bodies.front() != tick.world.bodies[ball].name) continue;
       end_ball_path(game, tick);
       const engine::State at = state_at_release(tick.events[i], tick.world.states[ball]);
-      game.watched = {ball, watch_ball(tick.stage.room, at)};
+      game.watched = {ball, watch_ball(tick.stage.room, at), {}, {}};
+      if (tick.stage.scenario.ball.rings) game.ringed = {ball, {}};
     }
   }
+}
+
+/// Notes where the watched ball touched a lane with wear in this step.
+void note_touched(WatchedBall& watched, const Tick& tick) {
+  if (!tick.stage.fresh_lane || watched.watch.over) return;
+  const double radius = tick.stage.scenario.ball.radius;
+  const engine::State& now = tick.world.states[watched.body];
+  if (!is_on_lane(radius, now)) return;
+  const engine::State& from = is_on_lane(radius, watched.watch.last) ? watched.watch.last : now;
+  add_way(watched.touched, *tick.stage.fresh_lane, from.X_WB.p.head<2>(), now.X_WB.p.head<2>());
+}
+
+/// Adds to the rings of the watched ball until it meets the skittles.
+void note_rings(Game& game, const Tick& tick) {
+  WatchedBall& watched = *game.watched;
+  if (watched.watch.over || watched.watch.path.entry) return;
+  const double radius = tick.stage.scenario.ball.radius;
+  const engine::State& now = tick.world.states[watched.body];
+  const bool leaves = is_on_lane(radius, now) && leaves_rings(tick.stage.room, now.X_WB.p);
+  add_contact(watched.rings, now, leaves, radius, engine::step_seconds(tick.world));
+  if (watched.rings.newest && game.ringed) game.ringed->rings.push_back(*watched.rings.newest);
 }
 
 /// Follows the watched ball until it leaves the lane, rests or is taken.
@@ -169,6 +191,8 @@ void follow_ball(Game& game, const Tick& tick) {
   const engine::BodyId ball = game.watched->body;
   const bool free = is_free(tick.world, ball);
   if (free) {
+    note_touched(*game.watched, tick);
+    note_rings(game, tick);
     see(game.watched->watch, tick.stage.room, tick.stage.scenario.ball.radius,
         tick.world.states[ball], touches_skittle(tick, ball));
   }
@@ -199,7 +223,9 @@ void note_velocities(Game& game, const engine::World& world) {
 
 void end_ball_path(Game& game, const Tick& tick) {
   if (!game.watched) return;
-  const WatchedBall watched = *std::exchange(game.watched, std::nullopt);
+  WatchedBall watched = *std::exchange(game.watched, std::nullopt);
+  if (watched.rings.flare) watched.watch.path.flare_mm = 1e3 * *watched.rings.flare;
+  wear_lane(tick.world, tick.stage, watched.touched);
   Event e = event(tick, kind::ball_path, {watched.body});
   e.p_W = watched.watch.last.X_WB.p;
   e.detail = watched.watch.path;

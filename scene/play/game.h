@@ -4,7 +4,9 @@
 #include <vector>
 
 #include "scene/play/ball_path.h"
+#include "scene/play/lane_wear.h"
 #include "scene/play/tick.h"
+#include "scene/play/track_flare.h"
 #include "scene/record/details.h"
 #include "scene/scenario/rules.h"
 #include "scene/stage/stage.h"
@@ -16,6 +18,14 @@ namespace headpin::scene {
 struct WatchedBall {
   engine::BodyId body = 0;
   BallWatch watch;
+  TouchedCells touched;  ///< of a lane with wear
+  OilRings rings;
+};
+
+/// A ball with the rings of its last throw, for the eyes.
+struct RingedBall {
+  engine::BodyId body = 0;
+  std::vector<OilRing> rings;
 };
 
 /// The state of the game.
@@ -34,11 +44,12 @@ struct Game {
   bool beyond = false;              ///< the current ball has been beyond the foul line
   bool begun = false, over = false;
   std::optional<WatchedBall> watched;  ///< the last ball that was thrown, while it is on its way
+  std::optional<RingedBall> ringed;    ///< until the next throw, where the scenario has rings
 };
 
 Game make_game(const Stage& stage);
 
-/// Reports the way of the ball that is watched, and watches it no longer.
+/// Reports the way of the ball that is watched, wears the lane, and watches the ball no longer.
 void end_ball_path(Game& game, const Tick& tick);
 
 /// Whether a skittle has fallen over: its axis leans by more than 20 degrees.

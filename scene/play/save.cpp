@@ -17,7 +17,7 @@ namespace headpin::scene {
 namespace {
 
 constexpr std::string_view kSavedSession = "HPSESSION";
-constexpr std::uint8_t kSavedVersion = 2;
+constexpr std::uint8_t kSavedVersion = 3;
 constexpr std::uint8_t kNoButton = 2;  // in place of a touched button's number
 
 template <typename S, typename T>
@@ -120,6 +120,12 @@ void each_member(F& f, S& s) {
   f(s.distance);
 }
 
+template <typename F, Like<OilRing> S>
+void each_member(F& f, S& s) {
+  f(s.n_B);
+  f(s.height);
+}
+
 template <typename F, Like<WatchedBall> S>
 void each_member(F& f, S& s) {
   f(s.body);
@@ -132,9 +138,39 @@ void each_member(F& f, S& s) {
   f(path.entry);
   f(path.exit_board);
   f(path.gutter);
+  f(path.flare_mm);
   f(s.watch.last);
   f(s.watch.landed_deg);
   f(s.watch.over);
+  f(s.touched);
+  auto& rings = s.rings;
+  f(rings.begin_B);
+  f(rings.last_B);
+  f(rings.area_B);
+  f(rings.sum_B);
+  f(rings.places);
+  f(rings.turned);
+  f(rings.first);
+  f(rings.flare);
+  f(rings.newest);
+}
+
+template <typename F, Like<RingedBall> S>
+void each_member(F& f, S& s) {
+  f(s.body);
+  f(s.rings);
+}
+
+/// A cell of the lane whose friction is not that of the fresh lane.
+struct WornCell {
+  std::uint32_t cell = 0;
+  double friction = 0.0;
+};
+
+template <typename F, Like<WornCell> S>
+void each_member(F& f, S& s) {
+  f(s.cell);
+  f(s.friction);
 }
 
 template <typename F, Like<Game> S>
@@ -152,6 +188,7 @@ void each_member(F& f, S& s) {
   f(s.begun);
   f(s.over);
   f(s.watched);
+  f(s.ringed);
 }
 
 /// The player without its tracks and the change of its releases.
@@ -264,6 +301,31 @@ void restore_track(Restoring& in, devices::PoseTrack& track) {
   }
 }
 
+std::vector<WornCell> worn_cells(const Session& s) {
+  std::vector<WornCell> cells;
+  if (!s.stage->fresh_lane) return cells;
+  const std::vector<double>& fresh = s.stage->fresh_lane->friction;
+  const std::vector<double>& now = lane_of(s.world, *s.stage).friction;
+  for (std::uint32_t cell = 0; cell < now.size(); ++cell) {
+    if (now[cell] != fresh[cell]) cells.push_back({cell, now[cell]});
+  }
+  return cells;
+}
+
+void restore_worn_cells(Restoring& in, Session& s) {
+  std::vector<WornCell> cells;
+  in(cells);
+  if (cells.empty()) return;
+  if (!s.stage->fresh_lane) in.in.refuse("is of a lane with wear");
+  auto lane = std::make_shared<engine::FrictionTable>(*s.stage->fresh_lane);
+  for (const WornCell& worn : cells) {
+    if (worn.cell >= lane->friction.size())
+      in.in.refuse("has a part of the lane that there is not");
+    lane->friction[worn.cell] = worn.friction;
+  }
+  engine::set_friction(s.world, s.stage->lane, std::move(lane));
+}
+
 /// What the rest of the program relies on: numbers of bodies that are there, as many entries as bodies.
 bool is_consistent(const Session& s) {
   const std::size_t bodies = s.world.bodies.size();
@@ -273,7 +335,12 @@ bool is_consistent(const Session& s) {
   const Player& player = s.player;
   const bool lists = of_all(game.down) && of_all(game.moved_by) && of_all(game.swept) &&
                      (of_all(game.velocities) || game.velocities.empty());
-  const bool watched = !game.watched || there(game.watched->body);
+  const std::size_t cells = s.stage->fresh_lane ? s.stage->fresh_lane->friction.size() : 0;
+  const bool watched =
+      !game.watched || (there(game.watched->body) &&
+                        std::ranges::all_of(game.watched->touched,
+                                            [&](std::uint32_t cell) { return cell < cells; }));
+  const bool ringed = !game.ringed || there(game.ringed->body);
   const bool frames = std::ranges::all_of(game.frames, [](const Frame& frame) {
     return std::ranges::all_of(frame, [](int down) { return down >= 0 && down <= 1000; });
   });
@@ -284,7 +351,7 @@ bool is_consistent(const Session& s) {
                       std::ranges::all_of(s.presence.own, there, &Own::body);
   constexpr std::int64_t kMostTicks = 1'000'000'000'000;  // their time has no overflow
   const bool ticks = s.tick == s.world.tick && s.tick <= kMostTicks;
-  return lists && watched && frames && in_hand && flying && ticks;
+  return lists && watched && ringed && frames && in_hand && flying && ticks;
 }
 
 }  // namespace
@@ -295,6 +362,7 @@ std::vector<std::uint8_t> save(const Session& session) {
   Saving f{out};
   f(session.version);
   f(engine::save(session.world));
+  f(worn_cells(session));
   f(static_cast<std::uint8_t>(session.touched.value_or(kNoButton)));
   each_member(f, session);
   f(session.player.head.samples());
@@ -311,6 +379,7 @@ Session restore(Session s, std::span<const std::uint8_t> bytes) {
   if (s.version > 0) s.stage = s.versions[s.version - 1];
   if (!s.stage) in.refuse("is of a game with two versions");
   s.world = engine::restore(s.stage->world, in.bytes(in.count(1)));
+  restore_worn_cells(f, s);
   std::uint8_t touched = 0;
   f(touched);
   if (touched > kNoButton) in.refuse("has a button that there is not");

@@ -1,6 +1,7 @@
 #include "scene/play/session.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "scene/play/referee.h"
 #include "scene/record/events.h"
@@ -41,9 +42,11 @@ std::optional<std::size_t> button_at_hand(const Session& s, Time now) {
 
 /// Counts the moving ball for the version in which it was thrown. A copy of its world continues
 /// without the player until the ball is counted; the resulting events happen now.
-void count_ahead(const Session& s, const Moment& moment, std::vector<Event>& out) {
-  if (s.scenario().game.ends != BallEnds::rest || !s.game.thrown) return;
+///
+/// @return  the world after that
+engine::World count_ahead(const Session& s, const Moment& moment, std::vector<Event>& out) {
   engine::World world = s.world;
+  if (s.scenario().game.ends != BallEnds::rest || !s.game.thrown) return world;
   Game game = s.game;
   if (s.stage->hand) {
     engine::set_state(world, *s.stage->hand, {kAway, Vec3::Zero(), Vec3::Zero()});
@@ -70,14 +73,16 @@ void count_ahead(const Session& s, const Moment& moment, std::vector<Event>& out
     e.tick = moment.tick;
     out.push_back(std::move(e));
   }
+  return world;
 }
 
 /// Sets up the world of a version. Tick and ledger continue.
 void start_version(Session& s, std::size_t version, const Moment& moment) {
-  count_ahead(s, moment, s.events);
-  engine::World before = std::move(s.world);
-  s.stage = s.versions[version];
+  const engine::World ahead = count_ahead(s, moment, s.events);
+  const engine::World before = std::move(s.world);
+  const std::shared_ptr<const Stage> last = std::exchange(s.stage, s.versions[version]);
   s.world = s.stage->world;
+  take_over_wear(s.world, *s.stage, ahead, *last);
   s.world.tick = before.tick;
   s.world.ledger = before.ledger;
   s.world.memory.balance = before.memory.balance;  // the next step books the difference

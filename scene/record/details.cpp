@@ -48,11 +48,9 @@ constexpr std::pair<const char*, double Delivered::*> kDelivered[] = {
 
 /// The keys of single numbers of a way.
 constexpr std::pair<const char*, std::optional<double> BallPath::*> kOfPath[] = {
-    {"loft_end_m", &BallPath::loft_end},
-    {"skid_end_m", &BallPath::skid_end},
-    {"hook_end_m", &BallPath::hook_end},
-    {"exit_board", &BallPath::exit_board},
-    {"gutter_m", &BallPath::gutter}};
+    {"loft_end_m", &BallPath::loft_end}, {"skid_end_m", &BallPath::skid_end},
+    {"hook_end_m", &BallPath::hook_end}, {"exit_board", &BallPath::exit_board},
+    {"gutter_m", &BallPath::gutter},     {"flare_mm", &BallPath::flare_mm}};
 
 json to_json(const Delivered& delivered) {
   json object;

@@ -101,6 +101,8 @@ struct BallPath {
   std::optional<Delivered> entry;    ///< before its first skittle, or where it passes the head pin
   std::optional<double> exit_board;  ///< where it leaves the lane behind the skittles
   std::optional<double> gutter;      ///< distance at which it leaves the lane sideways
+  /// Track flare: largest distance on the ball between its first ring of oil and a later one.
+  std::optional<double> flare_mm;
 
   bool operator==(const BallPath&) const = default;
 };

@@ -78,6 +78,10 @@ std::vector<TableField<ThrowRow>> lane_fields() {
        of_path<[](const BallPath& p) { return p.exit_board; }>},
       {"gutter_m", "number", "m", "distance at which it left the lane sideways",
        of_path<[](const BallPath& p) { return p.gutter; }>},
+      {"flare_mm", "number", "mm",
+       "track flare: largest distance on the ball between its first ring of oil and a later one; "
+       "empty with fewer than two rings, and in older trials",
+       of_path<[](const BallPath& p) { return p.flare_mm; }>},
       {"touched", "text", "",
        "numbers of the skittles that the ball touched, in this order: 1-3-5-9",
        [](const ThrowRow& r) -> TableValue {

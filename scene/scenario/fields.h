@@ -87,6 +87,12 @@ void visit(V& v, Oil& o) {
           "Frohlich 2004");
   v.field("mirrored", o.mirrored, kAny,
           "true: the boards of the zones count from the left gutter, for left-handed players");
+  v.field("wear", o.wear, kUnit,
+          "part of the oil that a thrown ball takes off each board and foot that it touches; the "
+          "next throw feels it; 0: the pattern stays as it is");
+  v.field("carry_down", o.carry_down, kUnit,
+          "part of the oil taken that the ball lays down on dry boards; without wear it has no "
+          "effect");
 }
 
 template <typename V>
@@ -171,6 +177,10 @@ void visit(V& v, Ball& b) {
           "direction from the centre to the pin while the ball is on its stand; any length");
   v.field("mass_bias", b.mass_bias, Range{-1, 1},
           "direction from the centre to the mass bias, across the pin axis");
+  v.field(
+      "rings", b.rings, kAny,
+      "true: the eyes see a ring on the ball for each revolution of its last throw on oil; on a "
+      "lane without oil, for each on the lane");
   v.section("mesh", "mesh that is drawn instead; its origin is the ball's centre", b.mesh);
 }
 

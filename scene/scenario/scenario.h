@@ -67,8 +67,10 @@ struct OilZone {
 /// The oil on the lane: none without zones.
 struct Oil {
   std::vector<OilZone> zones;
-  double dry = 0.2;       ///< friction where the lane before the skittles has none
-  bool mirrored = false;  ///< boards count from the left gutter, for a left-handed player
+  double dry = 0.2;         ///< friction where the lane before the skittles has none
+  bool mirrored = false;    ///< boards count from the left gutter, for a left-handed player
+  double wear = 0.0;        ///< part of the oil that a ball takes where it touches the lane
+  double carry_down = 0.1;  ///< part of this that it lays down on dry boards
 };
 
 /// The paper mentions only a room and a game of bowling. So other parts of an alley exist only if a
@@ -108,6 +110,7 @@ struct Ball {
   double intermediate = 0.0;       ///< and that about the mass bias so much less than the largest
   Vec3 pin = Vec3::UnitZ();        ///< direction of the pin from the centre, in B
   Vec3 mass_bias = Vec3::UnitX();  ///< and of the mass bias; its part across the pin axis counts
+  bool rings = false;              ///< the eyes see the rings of oil of its last throw
   MeshFile mesh;                   ///< seen in place of the marbled one
 };
 

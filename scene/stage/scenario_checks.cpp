@@ -184,6 +184,11 @@ class Checker {
 
   /// Checks that the zones of an oil pattern lie on the lane before the skittles, one beside another.
   void check_oil() const {
+    if (s_.lane.oil.wear > 0.0 && s_.lane.oil.zones.empty()) {
+      refuse("lane.oil.wear",
+             fmt::format("must be 0 on a lane without zones of oil, found {}", s_.lane.oil.wear),
+             {"lane.oil.zones"});
+    }
     const double deck = room_measures(s_).deck_begin();
     std::size_t number = 0;
     for (const OilZone& z : s_.lane.oil.zones) {

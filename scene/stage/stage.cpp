@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "scene/stage/oil_table.h"
+
 namespace headpin::scene {
 
 namespace {
@@ -33,6 +35,11 @@ Stage make_stage(const Scenario& scenario) {
   }
   for (Fixture& fixture : room_fixtures(scenario)) {
     add(stage, fixture.role, std::move(fixture.body), fixture.X_WB);
+  }
+  stage.lane =
+      static_cast<engine::BodyId>(std::ranges::find(stage.roles, Role::lane) - stage.roles.begin());
+  if (scenario.lane.oil.wear > 0.0) {
+    stage.fresh_lane = std::make_shared<const engine::FrictionTable>(oil_table(stage.room));
   }
   add_ball(stage, scenario.ball.home);
   add_rack(stage, {0.0, scenario.lane.head_pin});

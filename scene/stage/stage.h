@@ -27,6 +27,9 @@ struct Stage {
   // Bodies of a role, in the order they were added.
   std::vector<engine::BodyId> balls, skittles;
   std::optional<engine::BodyId> hand;  ///< where the scenario has a solid one
+  engine::BodyId lane = 0;
+  /// The friction of the lane before the first throw, if throws wear it; else none.
+  std::shared_ptr<const engine::FrictionTable> fresh_lane;
 };
 
 /// The pose of an absent hand: below the floor.

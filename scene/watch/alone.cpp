@@ -26,6 +26,7 @@ class Handed : public devices::Source {
 engine::World moved_into(const engine::World& from, const Stage& before, const Stage& stage) {
   engine::World world = stage.world;
   engine::take_over(world, from);
+  take_over_wear(world, stage, from, before);
   // A skittle of another shape may have another centre of mass; its base stays in place.
   const Vec3 higher(0.0, 0.0, stage.skittle_centre - before.skittle_centre);
   for (const engine::BodyId skittle : stage.skittles) {

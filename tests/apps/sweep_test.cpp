@@ -199,7 +199,7 @@ TEST_F(SweepCommands, WhatCannotBeIsRefusedBeforeAnythingIsMade) {
   refuses(
       "[grid]\nball.colour = [1]\n", 1,
       plan_says +
-          "unknown key 'ball.colour'; known here: differential, home, intermediate, mass, mass_bias, mesh, pin, radius, rg\n");
+          "unknown key 'ball.colour'; known here: differential, home, intermediate, mass, mass_bias, mesh, pin, radius, rg, rings\n");
   refuses("[grid]\nball.mass = ['5\\nlane.width=3']\n", 1, plan_says + "ball.mass must be");
   refuses("[random]\nball.mass = {from = -1, to = 7}\n", 1,
           plan_says + "ball.mass must be a number from 0.01 to 100, found -1\n");

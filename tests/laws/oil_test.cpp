@@ -1,4 +1,5 @@
 #include <cmath>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <vector>
@@ -191,6 +192,61 @@ TEST(OiledLane, OutsideOfItsAreasHasTheFrictionOfItsMaterial) {
   EXPECT_NEAR(slowed(1.0), 0.1, 1e-9);
   EXPECT_NEAR(slowed(3.0), 0.2, 1e-9);
   EXPECT_NEAR(slowed(5.0), 0.3, 1e-9);
+}
+
+// A table counts before the areas, cell by cell; beside it the areas count.
+TEST(OiledLane, HasTheFrictionOfItsTableWhereThereIsOne) {
+  const auto slowed = [](double x, double y) {
+    World world = make_world({.rate_hz = 240, .response = "coulomb"});
+    Body lane = floor_body({0.7, 0.5});
+    lane.areas = {{{-1.0, 0.0}, {1.0, 9.0}, 0.2}};
+    const BodyId body = add_body(world, lane);
+    FrictionTable table{-0.5, 0.5, 2, {2.0, 3.0, 5.0}, {0.01, 0.02, 0.03, 0.04}};
+    set_friction(world, body, std::make_shared<const FrictionTable>(table));
+    const BodyId ball =
+        add_body(world, ball_body({0.7, 0.6}), at(Vec3(x, y, kBallRadius), Vec3(0, 3, 0)));
+    run(world, 0.1);
+    return (3.0 - world.states[ball].v_WB.y()) / (0.1 * kGravity);
+  };
+  EXPECT_NEAR(slowed(-0.25, 2.1), 0.01, 1e-9);
+  EXPECT_NEAR(slowed(0.25, 2.1), 0.02, 1e-9);
+  EXPECT_NEAR(slowed(-0.25, 4.0), 0.03, 1e-9);
+  EXPECT_NEAR(slowed(0.25, 3.1), 0.04, 1e-9);
+  EXPECT_NEAR(slowed(0.25, 1.0), 0.2, 1e-9);
+  EXPECT_NEAR(slowed(0.6, 4.0), 0.2, 1e-9);
+}
+
+TEST(OiledLane, RefusesATableThatIsNone) {
+  const FrictionTable good{0.0, 1.0, 2, {0.0, 1.0}, {0.1, 0.2}};
+  const auto complaint_about = [](FrictionTable table, Kind kind = Kind::fixed) {
+    World world = make_world({});
+    Body lane = solid(Ellipsoid{Vec3::Constant(0.1)}, {});
+    lane.name = "lane";
+    lane.kind = kind;
+    const BodyId body = add_body(world, lane);
+    const std::string said =
+        complaint([&] { set_friction(world, body, std::make_shared<const FrictionTable>(table)); });
+    EXPECT_EQ(world.bodies[body].table == nullptr, !said.empty());
+    return said;
+  };
+  EXPECT_EQ(complaint_about(good), "");
+  EXPECT_EQ(complaint_about(good, Kind::free),
+            "body 0 'lane': table of friction: expected a fixed body");
+  FrictionTable table = good;
+  table.friction[1] = 1.5;
+  EXPECT_EQ(complaint_about(table),
+            "body 0 'lane': friction of a cell: expected 0 to 1, found 1.5");
+  table = good;
+  table.edges[1] = 0.0;
+  EXPECT_EQ(complaint_about(table),
+            "body 0 'lane': edge of a row of friction [m]: expected above 0, found 0");
+  table = good;
+  table.columns = 3;
+  EXPECT_EQ(complaint_about(table), "body 0 'lane': cells of friction: expected 3, found 2");
+  table = good;
+  table.width = 0.0;
+  EXPECT_EQ(complaint_about(table),
+            "body 0 'lane': width of a column of friction [m]: expected above 0, found 0");
 }
 
 TEST(OiledLane, RefusesAreasThatAreNone) {

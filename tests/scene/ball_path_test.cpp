@@ -129,6 +129,7 @@ TEST(BallPath, IsWrittenAndReadAgain) {
   path.skid_end = 8.125;
   path.breakpoint = LanePlace{7.5, 12.0};
   path.exit_board = 19.25;
+  path.flare_mm = 120.5;
   const auto again = Detail::read(kind::ball_path, Detail(path).text());
   ASSERT_TRUE(again.get_if<BallPath>());
   EXPECT_EQ(*again.get_if<BallPath>(), path);

@@ -57,9 +57,12 @@ struct SavedOften {
   std::map<std::size_t, Bytes> saved;  ///< by the number of ticks before
 };
 
-SavedOften played_by_somebody(const std::string& name, int throws, int saves) {
-  SavedOften played{
-      load_scenario(HEADPIN_SOURCE_DIR "/assets/scenarios/" + name + ".toml"), {}, {}};
+Scenario bundled(const std::string& name) {
+  return load_scenario(HEADPIN_SOURCE_DIR "/assets/scenarios/" + name + ".toml");
+}
+
+SavedOften played_by_somebody(const Scenario& scenario, int throws, int saves) {
+  SavedOften played{scenario, {}, {}};
   set_up_for_participants(played.scenario);
   // Twice: the number of its ticks is known after the first.
   std::set<std::size_t> wanted;
@@ -105,17 +108,37 @@ constexpr int kSaves = cases(500);
 constexpr std::size_t kOneSecond = 240;
 
 TEST(SavedSession, GoesOnToTheBitAndWithTheSameEventsInTwoVersions) {
-  const SavedOften played = played_by_somebody("paper-experiment", 2, kSaves);
+  const SavedOften played = played_by_somebody(bundled("paper-experiment"), 2, kSaves);
   goes_on(played, kOneSecond);
 }
 
 TEST(SavedSession, GoesOnToTheBitAndWithTheSameEventsInAGame) {
-  const SavedOften played = played_by_somebody("regulation-ten-pin", kThorough ? 4 : 1, kSaves);
+  const SavedOften played =
+      played_by_somebody(bundled("regulation-ten-pin"), kThorough ? 4 : 1, kSaves);
   goes_on(played, kOneSecond);
 }
 
+// With the wear of the throws before, and of the one on its way.
+TEST(SavedSession, GoesOnToTheBitAndWithTheSameEventsOnALaneWithWear) {
+  Scenario scenario = bundled("house-oil");
+  scenario.lane.oil.wear = 0.5;
+  const SavedOften worn = played_by_somebody(scenario, 3, kSaves / 4);
+  goes_on(worn, kOneSecond);
+  scenario.lane.oil.wear = 0.0;
+  const SavedOften fresh = played_by_somebody(scenario, 3, 0);
+  EXPECT_NE(worn.ticks.back().game_hash, fresh.ticks.back().game_hash);
+  EXPECT_EQ(worn.ticks[2 * kOneSecond].game_hash, fresh.ticks[2 * kOneSecond].game_hash);
+}
+
+TEST(SavedSession, GoesOnToTheBitOnALaneWithWearInTwoVersions) {
+  Scenario scenario = bundled("paper-experiment");
+  scenario.lane.oil.zones = {{1, 39, 0.0, 5.0, 0.04}};
+  scenario.lane.oil.wear = 0.5;
+  goes_on(played_by_somebody(scenario, 2, kSaves / 4), kOneSecond);
+}
+
 TEST(SavedSession, GoesOnToTheEnd) {
-  goes_on(played_by_somebody("paper-experiment", 1, 8), 1'000'000);
+  goes_on(played_by_somebody(bundled("paper-experiment"), 1, 8), 1'000'000);
 }
 
 SavedOften one_throw() {
@@ -141,7 +164,7 @@ TEST(SavedSession, IsRefusedByAnotherScenario) {
 }
 
 TEST(SavedSession, OfTwoVersionsIsRefusedByAGameOfOne) {
-  const SavedOften played = played_by_somebody("paper-experiment", 1, 8);
+  const SavedOften played = played_by_somebody(bundled("paper-experiment"), 1, 8);
   EXPECT_THROW(restore(make_session(Scenario{}), played.saved.rbegin()->second),
                std::invalid_argument);
 }

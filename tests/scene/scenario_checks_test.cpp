@@ -260,8 +260,8 @@ const std::set<std::string>& later_keys() {
       "skittle.mesh.file", "skittle.mesh.unit", "skittle.mesh.axes", "skittle.mesh.sha256",
       "ball.mesh.file", "ball.mesh.unit", "ball.mesh.axes", "ball.mesh.sha256", "hand.mesh.file",
       "hand.mesh.unit", "hand.mesh.axes", "hand.mesh.sha256", "collision.answer",
-      "lane.oil.zones", "lane.oil.dry", "lane.oil.mirrored", "ball.rg", "ball.differential",
-      "ball.intermediate", "ball.pin", "ball.mass_bias",
+      "lane.oil.zones", "lane.oil.dry", "lane.oil.mirrored", "lane.oil.wear", "lane.oil.carry_down", "ball.rg", "ball.differential",
+      "ball.intermediate", "ball.pin", "ball.mass_bias", "ball.rings",
       "skittle.ellipsoid_weighed", "version.red.detection", "version.red.iterations",
       "version.blue.detection", "version.blue.iterations", "walk.along", "game.ends",
       "game.hand_fells", "game.foul", "skittle.weighed"};

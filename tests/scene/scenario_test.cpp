@@ -135,7 +135,7 @@ TEST(ScenarioText, AnUnknownKeyIsToldWithTheNearestOrThoseOfItsName) {
             "lane.toml:1: unknown key 'mass'; keys of that name are skittle.mass, ball.mass");
   EXPECT_EQ(
       refusal("ball.colour = 3"),
-      "lane.toml:1: unknown key 'ball.colour'; known here: differential, home, intermediate, mass, mass_bias, mesh, pin, radius, rg");
+      "lane.toml:1: unknown key 'ball.colour'; known here: differential, home, intermediate, mass, mass_bias, mesh, pin, radius, rg, rings");
   EXPECT_EQ(refusal("[skittle]\nparts = [{low = 0, high = 0.1},\n{lo = 0, high = 0.1}]"),
             "lane.toml:3: skittle.parts, part 2: unknown key 'lo'; the nearest is low");
 }

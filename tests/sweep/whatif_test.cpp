@@ -123,6 +123,31 @@ TEST(ThrowAgain, SecondThrowsHaveTheRackThatTheFirstLeft) {
   EXPECT_LE(*whole.throws[0].counted + *whole.throws[1].counted, 10);
 }
 
+TEST(ThrowAgain, SecondThrowsHaveTheLaneThatTheFirstWore) {
+  std::vector<double> entry_speeds;
+  for (const double wear : {0.5, 0.0}) {
+    scene::Scenario scenario;
+    scenario.game.rules = scene::GameKind::ten_pin;
+    scenario.game.balls = 1;  // each at a full rack
+    scenario.collision.response = "coulomb";
+    scenario.lane.oil.zones = {{1, 39, 0.0, 4.0, 0.04}};
+    scenario.lane.oil.wear = wear;
+    scene::HandScript hand(scenario);
+    hand.throw_from(0.25);
+    hand.throw_from(0.25);
+    Situations situations(Time{100'000});
+    const scene::Score whole = played(scenario, hand.samples, 30.0, &situations);
+    ASSERT_EQ(whole.throws.size(), 2u);
+    ASSERT_EQ(situations.all().size(), 2u);
+    expect_same_throw(throw_again(situations.all()[1], {}), whole.throws[1]);
+    for (const scene::ThrowRow& row : whole.throws) {
+      entry_speeds.push_back(row.entry_speed.value_or(0.0));
+    }
+  }
+  EXPECT_EQ(entry_speeds[0], entry_speeds[2]) << "the first throw feels no wear";
+  EXPECT_LT(entry_speeds[1], entry_speeds[3] - 0.01);
+}
+
 TEST(ThrowAgain, AChangeIsTheChangeThatWasAskedFor) {
   const Outcome real = throw_again(demo_throw(), {});
   const double direction = scene::degrees_from_y(*real.thrown.v_WB);

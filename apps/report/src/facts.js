@@ -70,6 +70,7 @@ const kOfThrow = [
   ['Hooks from, rolls from [m]', ({ skid_end_m: hooks, hook_end_m: rolls }) => `${fixed(hooks, 1)}, ${fixed(rolls, 1)}`],
   ['Breakpoint', ({ breakpoint_board: board, breakpoint_m: at }) => (known(board) ? `board ${fixed(board, 1)} at ${fixed(at, 1)} m` : kNone)],
   ['Entry', ({ entry_board: board, entry_angle_deg: angle }) => (known(board) ? `board ${fixed(board, 1)}${known(angle) ? `, ${aside(angle)}` : ''}` : kNone)],
+  ['Track flare [mm]', ({ flare_mm: flare }) => fixed(flare, 0)],
   ['Touched', ({ touched }) => touched || kNone],
   ['Left', ({ leave, counted }) => leave || (counted ? 'none' : kNone)],
   ['Exit board', ({ exit_board: board, gutter_m: gutter }) => (known(gutter) ? `gutter at ${fixed(gutter, 1)} m` : fixed(board, 1))],

@@ -368,6 +368,7 @@ test('of two sessions it is told what differs, which throws are lost, and what i
   assert.ok(throws.length > 1 && throws.every(({ board }) => board !== null));
   assert.deepEqual(await told('Exit board'), throws.map(({ exit_board: board, gutter_m: gutter }) =>
     (gutter === null ? board?.toFixed(1) ?? '–' : `gutter at ${gutter.toFixed(1)} m`)));
+  assert.deepEqual(await told('Track flare'), throws.map(({ flare_mm: flare }) => flare?.toFixed(0) ?? '–'));
   assert.deepEqual(await told('Touched'), throws.map(({ touched }) => touched || '–'));
   assert.equal(await text('game-hash'), a.game_hash);
   assert.notEqual(a.game_hash, b.game_hash);
