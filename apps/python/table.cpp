@@ -13,7 +13,7 @@ namespace py = pybind11;
 namespace {
 
 /// A cell's first byte, whatever the byte order.
-std::uint64_t one_byte(std::int8_t value) {
+std::uint64_t cell_of(std::int8_t value) {
   std::uint64_t cell = 0;
   std::memcpy(&cell, &value, 1);
   return cell;
@@ -33,7 +33,7 @@ std::uint64_t unknown(const scene::TableColumn& column) {
     return std::bit_cast<std::uint64_t>(std::numeric_limits<double>::quiet_NaN());
   }
   if (column.kind == "whole") return std::bit_cast<std::uint64_t>(std::int64_t{-1});
-  return one_byte(-1);
+  return cell_of(-1);
 }
 
 }  // namespace
@@ -69,7 +69,7 @@ std::uint64_t Table::cell(const scene::TableValue& value) {
     return std::bit_cast<std::uint64_t>(*whole);
   }
   if (const auto* hash = std::get_if<std::uint64_t>(&value)) return *hash;
-  if (const auto* yes = std::get_if<bool>(&value)) return one_byte(*yes ? 1 : 0);
+  if (const auto* yes = std::get_if<bool>(&value)) return cell_of(*yes ? 1 : 0);
   return texts_.try_emplace(std::get<std::string>(value), texts_.size()).first->second;
 }
 

@@ -151,7 +151,7 @@ std::vector<std::string> warnings_of(const Trial& trial) {
   return words.empty() ? std::vector<std::string>{} : std::vector{words};
 }
 
-py::object summary_of(const Trial& trial) {
+py::object contents_of(const Trial& trial) {
   nlohmann::ordered_json all;
   {
     const py::gil_scoped_release released;
@@ -189,7 +189,7 @@ void add_header(py::class_<Trial>& trial) {
           "warnings", &warnings_of,
           "What is wrong with the trial, in the words of the commands; empty for "
           "a complete one.")
-      .def_property_readonly("summary", &summary_of,
+      .def_property_readonly("summary", &contents_of,
                              "What the trial contains, with the keys of `headpin info --json`.");
 }
 

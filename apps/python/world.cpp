@@ -84,7 +84,7 @@ py::array_t<StateRow> states(PyWorld& w) {
   return array_of(rows);
 }
 
-py::array_t<EventRow> events(PyWorld& w) {
+py::array_t<EventRow> events_of_step(PyWorld& w) {
   std::vector<EventRow> rows;
   for (const ContactEvent& e : w.get().events) {
     rows.push_back(
@@ -348,7 +348,7 @@ void add_world_views(py::class_<PyWorld>& c) {
           "States by the bodies' numbers: structured array (bodies,) of position (3,) [m], "
           "quaternion "
           "(4,),\nvelocity (3,) [m/s], angular_velocity (3,) [rad/s], asleep. A copy.")
-      .def_property_readonly("events", events,
+      .def_property_readonly("events", &events_of_step,
                              "What met in the last step, in order: structured array of a, b "
                              "(numbers of bodies), position "
                              "(3,) [m],\nnormal (3,) from a to b, impulse (3,) on a [N s], "
