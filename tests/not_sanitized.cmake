@@ -1,0 +1,41 @@
+# Left out under sanitizers: they take longest there, and run code that shorter tests run too.
+set(HEADPIN_NOT_SANITIZED
+  Apart.ARowOfASweepTellsHowFarItIsFromItsTrial
+  Apart.TheFirstContactIsWhenTheFirstSkittleIsStruck
+  BoxBetweenHandAndWall.GetsNoFasterThanTheHandWouldThrowIt
+  CapsuleDistance.IsThatOfTheNearestSamples
+  Counterparts.AThrowWhoseBallWasNotBackIsTold
+  Depth.OfPolyhedraIsThatOfTheirFacesAndEdges
+  EachThrow.LosesNoneUnderAConditionThatLosesSome
+  EachThrow.OfASkittleOfAnotherShapeStandsOnItsBase
+  FastrakDriverTest.AnHourOfStreamingLosesNothing
+  FastrakDriverTest.TheEstimateIsTheMeasurementsTimeWithinAMillisecond
+  FastrakDriverTest.TicksThatComeLateBendNoIntervalAndLoseNothing
+  Frames.AreInTheLosslessVideoToTheBitForEveryDisplay
+  ImportTables.SoIsARealOne
+  MassProperties.AgreeWithCountedPoints
+  PaperDetection.PlaysTheSameGamesAtEveryCapAndAddsNoEnergy
+  ParticipantCommands.OptionsActOnEveryVersionAndSetOnTheOneItNames
+  ParticipantCommands.ThrowsThatAnotherConditionLosesAreToldAndMadeOnTheirOwn
+  ParticipantCommands.ThrowsThatTheGameLeavesNoTimeForAreTold
+  ParticipantCommands.WhatDiffersBetweenTwoTrialsIsNamed
+  ParticipantTest.ItPlaysTheSameSheetsThroughAUnit
+  ParticipantTest.ItsSamplesReplayToTheSameStatesEventsAndSheets
+  Picture.OfABallTellsWhereItIsFrom1To5Metres
+  Polyhedra.MeetOrDoNotWhateverTheMethod
+  Power.GrowsWithPeopleAndIsChanceWithoutAnEffect
+  Reference.EveryJsonKeyIsTold
+  SavedWorld.GoesOnToTheBitFromAnyOf500TicksOfACrowd
+  SavedWorld.GoesOnToTheBitFromAnyOf500TicksOfASession
+  StudyAnswers.AreScoredBesideWhatTheSessionsCameTo
+  StudyAnswers.PowerIsThatOfTheLikelihoodRatiosOwnDistribution
+  StudyUnderStress.KilledAnywhereItEndsWithTheSameBytes
+  SweepCommands.StoppedOrKilledAnywhereItEndsWithTheSameBytes
+  SweepCommands.TheScriptsForSlurmRunEveryPart
+  SweepCommands.TheTableDoesNotDependOnWhoSimulatedWhichRow
+  ThroughAUnit.TheSameThrowIsTheSameGameWhereverItsCycleIs
+  ThrowAgain.AtAnotherMomentIsTheSessionWhoseTriggerOpensThen
+  ThrowAgain.ManyThreadsGiveTheOutcomesOfOne
+  WhatIf.CostsOfARealThrowAreNeverNegativeAndItsOwnCountIsThere
+)
+list(JOIN HEADPIN_NOT_SANITIZED ":" HEADPIN_NOT_SANITIZED)
