@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iostream>
 #include <memory>
 #include <numbers>
@@ -196,7 +197,7 @@ void synthesize(const SynthesizeOptions& options) {
       "  planned way        board {:.1f}, {:.1f} degrees to the {}\n"
       "  planned spin       {:.0f} rpm, axis rotation {:.0f}, tilt {:.0f} degrees\n",
       ball.board, std::abs(ball.angle_deg), ball.angle_deg < 0.0 ? "left" : "right",
-      ball.revs_per_min, ball.rotation_deg, ball.tilt_deg);
+      ball.revs_per_min, std::round(ball.rotation_deg) + 0.0, std::round(ball.tilt_deg) + 0.0);
 }
 
 }  // namespace
