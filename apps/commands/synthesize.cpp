@@ -5,6 +5,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <vector>
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -200,6 +201,41 @@ void synthesize(const SynthesizeOptions& options) {
       ball.revs_per_min, std::round(ball.rotation_deg) + 0.0, std::round(ball.tilt_deg) + 0.0);
 }
 
+/// The options that say how the ball leaves the hand.
+std::vector<CLI::Option*> add_throw(CLI::App& command, SynthesizeOptions& options) {
+  TypedThrow& coached = options.typed;
+  auto* speed = command.add_option("--speed", coached.speed,
+                                   "speed of the ball at its release, 4 to 9 m/s; default: 6.5");
+  auto* angle =
+      command.add_option("--angle,--aim", coached.angle,
+                         "direction of the ball to the right of the lane's axis, up to 10deg");
+  auto* board = command.add_option(
+      "--board", coached.board,
+      "board of the ball at its release: 1 is at the right gutter, 20 in the middle");
+  auto* revs = command.add_option(
+      "--revs", coached.revs,
+      "revolutions per minute of the ball, up to 1000rpm; default: those of the hand");
+  auto* rotation = command
+                       .add_option("--rotation", coached.rotation,
+                                   "axis rotation: 0 rolls ahead, 90deg hooks to the left")
+                       ->needs(revs);
+  auto* tilt =
+      command.add_option("--tilt", coached.tilt, "axis tilt: 90deg spins like a top")->needs(revs);
+  auto* loft =
+      command.add_option("--loft", coached.loft,
+                         "how far beyond the foul line the ball first touches the lane, up "
+                         "to 3m; default: an upright throw from 0.58 m");
+  // A thrower who misses by a centimetre does not go below this one.
+  constexpr double kLowestThrow = 0.12;
+  auto* height = command
+                     .add_option("--height", options.plan.height,
+                                 "height of the ball's centre when it is released with a level "
+                                 "velocity [m], in place of the loft")
+                     ->check(number_from(kLowestThrow, scene::kHighestRelease))
+                     ->excludes(loft);
+  return {speed, angle, board, revs, rotation, tilt, loft, height};
+}
+
 }  // namespace
 
 void add_synthesize(CLI::App& app) {
@@ -214,35 +250,7 @@ void add_synthesize(CLI::App& app) {
       command->add_option("--seed", options->plan.seed, "seed of swing, tremor and noise")
           ->check(seed())
           ->capture_default_str();
-  const auto typed = [&](const char* names, std::optional<std::string>& value, const char* help) {
-    return command->add_option(names, value, help);
-  };
-  TypedThrow& coached = options->typed;
-  auto* speed =
-      typed("--speed", coached.speed, "speed of the ball at its release, 4 to 9 m/s; default: 6.5");
-  auto* aim = typed("--angle,--aim", coached.angle,
-                    "direction of the ball to the right of the lane's axis, up to 10deg");
-  auto* board =
-      typed("--board", coached.board,
-            "board of the ball at its release: 1 is at the right gutter, 20 in the middle");
-  auto* revs =
-      typed("--revs", coached.revs,
-            "revolutions per minute of the ball, up to 1000rpm; default: those of the hand");
-  auto* rotation =
-      typed("--rotation", coached.rotation, "axis rotation: 0 rolls ahead, 90deg hooks to the left")
-          ->needs(revs);
-  auto* tilt = typed("--tilt", coached.tilt, "axis tilt: 90deg spins like a top")->needs(revs);
-  auto* loft = typed("--loft", coached.loft,
-                     "how far beyond the foul line the ball first touches the lane, up to 3m; "
-                     "default: an upright throw from 0.58 m");
-  // A thrower who misses by a centimetre does not go below this one.
-  constexpr double kLowestThrow = 0.12;
-  auto* height = command
-                     ->add_option("--height", options->plan.height,
-                                  "height of the ball's centre when it is released with a level "
-                                  "velocity [m], in place of the loft")
-                     ->check(number_from(kLowestThrow, scene::kHighestRelease))
-                     ->excludes(loft);
+  const std::vector<CLI::Option*> of_throw = add_throw(*command, *options);
   auto* duration =
       add_duration(*command, options->duration_s,
                    "duration of the trial [s]; default: 7 in the paper's room, more if the lane is "
@@ -255,7 +263,8 @@ void add_synthesize(CLI::App& app) {
                        "make a whole session of the virtual participant with this seed instead of "
                        "one throw; default scenario: paper-experiment")
           ->check(seed())
-          ->excludes(seeded, speed, aim, board, revs, rotation, tilt, loft, height, duration);
+          ->excludes(seeded, duration);
+  for (CLI::Option* option : of_throw) participant->excludes(option);
   command->add_option("--throws", options->throws, "throws of the participant with each version")
       ->check(whole_number_from(1, 1000))
       ->needs(participant)
@@ -270,7 +279,8 @@ void add_synthesize(CLI::App& app) {
       "of the tracker and the\nplace of the ball are the model's own, unless the scenario says "
       "otherwise.\n\nSpeed, angle, board, revs, rotation, tilt and loft may have a unit and a "
       "standard deviation: 17.9mph,\n416+-20, 0.3m+-5cm. Without one, speed and angle have the "
-      "errors of the thrower: 1 % and 0.3 degrees.\n\nA virtual participant walks to the ball, touches the red button, throws, "
+      "errors of the thrower: 1 % and 0.3 degrees.\n\nA virtual participant walks to the ball, "
+      "touches the red button, throws, "
       "touches the blue button, and\nthrows. The trial has head, hand and buttons as a Fastrak and "
       "a 3D mouse would measure them. The\nsimulation runs at the same time, so that the "
       "participant can react to what it sees.\n\nExamples:\n  headpin synthesize -o session.lcmlog "
