@@ -71,11 +71,11 @@ TEST_F(WhatIfCommand, TheNumberOfJobsDoesNotChangeAByte) {
 
 // The scenario's own change of the release is the same as that of the grid.
 TEST_F(WhatIfCommand, SeveralBoardsTellTheRoomToMiss) {
-  const nlohmann::json whatif = json("whatif '" + kDemo + "' -o OUT --within 0" + kOne +
+  const nlohmann::json whatif = json("whatif '" + kDemo + "' -o room --within 0" + kOne +
                                      " --board -2:2:3 --revs 0:1:2 --rotation 30 --json");
   EXPECT_EQ(whatif["grid_releases"], 6);
   ASSERT_FALSE(whatif["widest_miss_room"].is_null());
-  auto grid = csv_rows(slurp(folder_ / "OUT/releases.csv"));
+  auto grid = csv_rows(slurp(folder_ / "room/releases.csv"));
   ASSERT_EQ(grid.size(), 6u);
   EXPECT_EQ(grid[5]["moved_boards"], "2");
   EXPECT_EQ(grid[5]["revs_factor"], "1");
@@ -83,10 +83,10 @@ TEST_F(WhatIfCommand, SeveralBoardsTellTheRoomToMiss) {
                                      "' --json --set release.boards=2 --set "
                                      "release.rotation_deg=30");
   EXPECT_EQ(std::stod(grid[5]["entry_speed_mps"]), replay["impact_speed_mps"]);
-  EXPECT_THAT(slurp(folder_ / "OUT/boards.svg"), testing::EndsWith("</svg>\n"));
+  EXPECT_THAT(slurp(folder_ / "room/boards.svg"), testing::EndsWith("</svg>\n"));
   EXPECT_THAT(headpin("whatif '" + kDemo + "' --within 0 --board -1:1:3" + kOne).out,
               HasSubstr("\nmiss room         "));
-  expect_refusal("whatif '" + kDemo + "' -o OUT2 --board 40", 2, "--board: expected FROM:TO:STEPS");
+  expect_refusal("whatif '" + kDemo + "' -o OUT --board 40", 2, "--board: expected FROM:TO:STEPS");
 }
 
 TEST_F(WhatIfCommand, RefusesWhatCannotBe) {
