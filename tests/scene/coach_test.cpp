@@ -139,7 +139,8 @@ TEST(ACoachedThrow, RefusesALoftOutOfReach) {
     return "";
   };
   EXPECT_EQ(complaint(1.5), "");
-  EXPECT_THAT(complaint(3.0), HasSubstr("loft: expected that of a ball released 0.105 to 0.5 m up"));
+  EXPECT_THAT(complaint(3.0),
+              HasSubstr("loft: expected that of a ball released 0.105 to 0.5 m up"));
 }
 
 }  // namespace
