@@ -96,13 +96,13 @@ std::vector<Release> releases_of(const ReleaseGrid& grid) {
       of[k] = axis[rest % axis.size()];
       rest /= axis.size();
     }
-    releases.push_back({.change = {.speed = of[ReleaseGrid::kSpeed],
-                                   .direction_deg = of[ReleaseGrid::kDirection],
-                                   .height = of[ReleaseGrid::kHeight],
-                                   .boards = of[ReleaseGrid::kBoards],
-                                   .revs = of[ReleaseGrid::kRevs],
-                                   .rotation_deg = of[ReleaseGrid::kRotation],
-                                   .spin = of[ReleaseGrid::kSpin]}});
+    releases.push_back({.change = {.speed = of[ReleaseGrid::kSpeedAxis],
+                                   .direction_deg = of[ReleaseGrid::kDirectionAxis],
+                                   .height = of[ReleaseGrid::kHeightAxis],
+                                   .boards = of[ReleaseGrid::kBoardsAxis],
+                                   .revs = of[ReleaseGrid::kRevsAxis],
+                                   .rotation_deg = of[ReleaseGrid::kRotationAxis],
+                                   .spin = of[ReleaseGrid::kSpinAxis]}});
   }
   return releases;
 }
@@ -141,11 +141,11 @@ std::vector<MissRoom> runs_of(const ReleaseGrid& grid, std::span<const Outcome> 
   std::vector<MissRoom> runs;
   bool in_run = false;
   for (std::size_t b = 0; b < grid.boards.size(); ++b) {
-    places[ReleaseGrid::kBoards] = b;
+    places[ReleaseGrid::kBoardsAxis] = b;
     const Outcome& outcome = outcomes[grid.number(places)];
     const bool succeeds = outcome.released && outcome.down >= success;
     if (succeeds && !in_run) {
-      runs.push_back({.direction_deg = grid.direction_deg[places[ReleaseGrid::kDirection]],
+      runs.push_back({.direction_deg = grid.direction_deg[places[ReleaseGrid::kDirectionAxis]],
                       .from = grid.boards[b],
                       .to = 0.0,
                       .cut = b == 0});
@@ -166,7 +166,7 @@ MissRooms miss_rooms(const ReleaseGrid& grid, std::span<const Outcome> outcomes,
   MissRooms rooms;
   std::array<std::size_t, 7> places = grid.unchanged();
   for (std::size_t d = 0; d < grid.direction_deg.size(); ++d) {
-    places[ReleaseGrid::kDirection] = d;
+    places[ReleaseGrid::kDirectionAxis] = d;
     for (const MissRoom& run : runs_of(grid, outcomes, success, places)) {
       const bool holds_own = run.direction_deg == 0.0 && run.from <= 0.0 && run.to >= 0.0;
       if (holds_own) rooms.own = run;

@@ -28,7 +28,15 @@ struct ReleaseGrid {
   std::vector<double> rotation_deg = {0.0};  ///< to the left
 
   /// The order of axes().
-  enum : std::size_t { kSpeed, kDirection, kHeight, kSpin, kBoards, kRevs, kRotation };
+  enum : std::size_t {
+    kSpeedAxis,
+    kDirectionAxis,
+    kHeightAxis,
+    kSpinAxis,
+    kBoardsAxis,
+    kRevsAxis,
+    kRotationAxis
+  };
 
   /// All axes; the first one changes fastest from a release to the next.
   std::array<const std::vector<double>*, 7> axes() const {

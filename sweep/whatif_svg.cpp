@@ -158,9 +158,9 @@ struct MapAxes {
 
 const MapAxes& over_speed() {
   static const MapAxes axes = {
-      ReleaseGrid::kSpeed,
-      ReleaseGrid::kSpin,
-      ReleaseGrid::kHeight,
+      ReleaseGrid::kSpeedAxis,
+      ReleaseGrid::kSpinAxis,
+      ReleaseGrid::kHeightAxis,
       1.0,
       "part of the speed",
       [](const scene::ThrowRow& own, const scene::ThrowRow& recorded) {
@@ -175,9 +175,9 @@ const MapAxes& over_speed() {
 
 const MapAxes& over_boards() {
   static const MapAxes axes = {
-      ReleaseGrid::kBoards,
-      ReleaseGrid::kSpeed,
-      ReleaseGrid::kRevs,
+      ReleaseGrid::kBoardsAxis,
+      ReleaseGrid::kSpeedAxis,
+      ReleaseGrid::kRevsAxis,
       0.0,
       "boards to the left",
       [](const scene::ThrowRow& own, const scene::ThrowRow& recorded) {
@@ -277,7 +277,7 @@ class Maps {
     places[axes_.row] = row;
     places[axes_.column] = column;
     for (std::size_t d = 0; d < right_.size(); ++d) {
-      places[ReleaseGrid::kDirection] = d;
+      places[ReleaseGrid::kDirectionAxis] = d;
       for (std::size_t u = 0; u < up_.size(); ++u) {
         places[axes_.up] = u;
         const Outcome& outcome = whatif_.of_grid[whatif_.grid.number(places)];
