@@ -43,7 +43,7 @@ double take_oil(engine::FrictionTable& lane, const TouchedRow& row, const Oil& o
 /// Lays oil down on cells that are dry on a fresh lane. @return  how much, as above
 double lay_oil(engine::FrictionTable& lane, const engine::FrictionTable& fresh,
                const TouchedRow& row, double on_ball, const Oil& oil) {
-  const double least = *std::ranges::min_element(fresh.friction);
+  const double least = *std::min_element(fresh.friction.begin(), fresh.friction.end());
   const double share = std::min(1.0, row.length / kComesOff);
   double laid = 0.0;
   for (const std::uint32_t cell : row.cells) {
