@@ -78,7 +78,7 @@ struct MissRoom {
   bool operator==(const MissRoom&) const = default;
 };
 
-/// The miss rooms of a grid, all else as it was. Both are nothing where no release succeeds.
+/// The miss rooms of a grid, all else as near to the throw as the grid has it. Both are nothing where no release succeeds.
 struct MissRooms {
   std::optional<MissRoom> own;     ///< of the direction of the throw, around its board
   std::optional<MissRoom> widest;  ///< of all directions; of equal ones, the one nearest to its own

@@ -18,7 +18,7 @@
 namespace headpin::scene {
 
 /// Range of heights of the ball's centre at the release of a thrower who bends down [m].
-inline constexpr double kLowestRelease = 0.105, kHighestRelease = 0.5;
+inline constexpr double kLowestRelease = 0.06, kHighestRelease = 0.5;
 inline constexpr double kSlowestPlan = 4.0, kFastestPlan = 9.0;  ///< speeds of the ball [m/s]
 inline constexpr double kWidestAim_deg = 10.0;                   ///< to each side
 

@@ -185,7 +185,7 @@ TEST(ArmModelTest, RefusesWhatNoArmDoes) {
   EXPECT_THROW(motion({.speed = 3.0}), std::invalid_argument);
   EXPECT_THROW(motion({.speed = std::nan("")}), std::invalid_argument);
   EXPECT_THROW(motion({.aim = 1.0}), std::invalid_argument);
-  EXPECT_THROW(motion({.height = 0.1}), std::invalid_argument);
+  EXPECT_THROW(motion({.height = 0.05}), std::invalid_argument);
   EXPECT_THROW(motion({.height = std::nan("")}), std::invalid_argument);
   EXPECT_THROW(motion({.duration_s = 4.0}), std::invalid_argument);
   EXPECT_THROW(motion({.duration_s = 1e9}), std::invalid_argument);
