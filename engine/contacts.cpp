@@ -18,12 +18,13 @@ using footing::Side;
 
 /// Adds all points of a contact, given its deepest point. Works in A's frame.
 int add_points(const Shape& a, const Shape& b, const Pose& X_WA, const Pose& X_AB, const Closest& c,
-               double margin, std::vector<ContactPoint>& out) {
+               const Query& query, std::vector<ContactPoint>& out) {
   const Vec3 n_AB_W = X_WA.q * c.n_AB;
   const Vec3 middle = 0.5 * (c.p_A + c.p_B);
   const Vec3 n_B = X_AB.q.conjugate() * -c.n_AB;
-  const auto facing = [](const Shape& s, const Vec3& n) {
-    return std::visit([&](const auto& shape) { return patch(shape, n); }, s);
+  const auto facing = [&](const Shape& s, const Vec3& n) {
+    const double flat = query.steady ? kSteady : 1e-9;
+    return std::visit([&](const auto& shape) { return patch(shape, n, flat); }, s);
   };
   const auto one = [&] {
     out.push_back({X_WA * middle, n_AB_W, -c.distance, 0});
@@ -41,15 +42,12 @@ int add_points(const Shape& a, const Shape& b, const Pose& X_WA, const Pose& X_A
   Candidate all[2 * kMaxCorners + 2];
   int count = shared(patch_a, patch_b, lay(patch_a, frame), lay(patch_b, frame), all);
   if (count == 0) return one();
-  int first = 0;
-  for (int i = 1; i < count; ++i) {
-    if (all[i].depth > all[first].depth) first = i;
-  }
+  int first = deepest(all, count, frame, query.steady);
   // Adds the deepest point itself if no corner is nearly as deep.
   double extent = 0.0;
   for (int i = 0; i < count; ++i) extent = std::max(extent, all[i].x.norm());
   if (all[first].depth < -c.distance - 1e-3 * extent) {
-    all[count] = {Vec2::Zero(), 0.0, -c.distance};
+    all[count] = {Vec2::Zero(), 0.0, -c.distance, kInside};
     first = count++;
   }
   int chosen[kMaxPoints];
@@ -57,10 +55,10 @@ int add_points(const Shape& a, const Shape& b, const Pose& X_WA, const Pose& X_A
   int added = 0;
   for (int i = 0; i < points; ++i) {
     const Candidate& x = all[chosen[i]];
-    if (x.depth < -margin) continue;
+    if (x.depth < -query.margin) continue;
     const Vec3 p_A = frame.origin + x.x.x() * frame.u + x.x.y() * frame.v + x.height * frame.n;
-    out.push_back(
-        {X_WA * p_A, n_AB_W, std::min(x.depth, -c.distance), static_cast<std::uint32_t>(i)});
+    const auto feature = query.steady ? x.feature : static_cast<std::uint32_t>(i);
+    out.push_back({X_WA * p_A, n_AB_W, std::min(x.depth, -c.distance), feature});
     ++added;
   }
   return added > 0 ? added : one();
@@ -84,7 +82,7 @@ int meet(const Shape& a, PoseOfA&& pose_of_a, const Shape& b, const Pose& X_AB, 
     out.push_back({X_WA * (0.5 * (c.p_A + c.p_B)), X_WA.q * c.n_AB, -c.distance, 0, c.capped});
     return 1;
   }
-  return add_points(a, b, X_WA, X_AB, c, margin, out);
+  return add_points(a, b, X_WA, X_AB, c, near, out);
 }
 
 }  // namespace

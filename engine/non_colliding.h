@@ -99,6 +99,8 @@ struct Query {
   bool last =
       false;  ///< paper mode answers from the last plane and only makes steps towards a proof,
               ///< as in older trials
+  bool steady = true;  ///< points of faces keep their numbers from step to step; in older trials
+                       ///< they are numbered from the deepest
   /// Converged mode stops at the proof of a gap of more than this; a closer pair gets its closest
   /// points, apart or not [m].
   double margin = 0.0;

@@ -75,6 +75,41 @@ inline double load_of(const Island& s, const SolvedTouch& touch) {
   return load;
 }
 
+/// The impulse of at most this size that takes most energy: friction is then opposite to the slip
+/// that remains.
+///
+/// @param free  the impulse that leaves no slip, larger than `most`
+inline Vec2 friction_at_limit(const Eigen::Matrix2d& inverse, const Vec2& free, double most) {
+  const Eigen::Matrix2d A = inverse.inverse();
+  const Vec2 g = A * free;
+  double more = 0.0;  // (A + more) F = A free, where |F| = most
+  Vec2 F = free;
+  for (int round = 0; round < 8; ++round) {
+    const double p = A(0, 0) + more, q = A(1, 1) + more, off = A(0, 1);
+    const double det = p * q - off * off;
+    F = Vec2(q * g[0] - off * g[1], p * g[1] - off * g[0]) / det;
+    const double size = F.norm();
+    if (size <= most * (1.0 + 1e-12)) break;
+    const double falls = (q * F[0] * F[0] - 2.0 * off * F[0] * F[1] + p * F[1] * F[1]) / det;
+    more += size * size * (size - most) / (most * falls);  // Newton's method for 1 / size
+  }
+  return most / F.norm() * F;
+}
+
+/// Slip along the two tangents [m/s].
+template <Other other>
+Vec2 slip_of(const FrictionRows& f, const State& sa, const State& sb) {
+  Vec2 slip;
+  for (int i = 0; i < 2; ++i) {
+    const auto u = static_cast<std::size_t>(i);
+    slip[i] = f.t[u].dot(sa.v_WB) + f.a.r_t[u].dot(sa.w_WB);
+    if constexpr (other != Other::still) {
+      slip[i] -= f.t[u].dot(sb.v_WB) + f.b.r_t[u].dot(sb.w_WB);
+    }
+  }
+  return slip;
+}
+
 template <Other other>
 double solve_friction(const Island& s, const Touch& touch, FrictionRows& f, double load) {
   const State &sa = s.bodies.states[touch.a], &sb = s.bodies.states[touch.b];
@@ -85,17 +120,12 @@ double solve_friction(const Island& s, const Touch& touch, FrictionRows& f, doub
   const double most = touch.sliding.limit * load;
   Vec2 F = Vec2::Zero();
   if (carries) {
-    Vec2 slip;
-    for (int i = 0; i < 2; ++i) {
-      const auto u = static_cast<std::size_t>(i);
-      slip[i] = f.t[u].dot(sa.v_WB) + f.a.r_t[u].dot(sa.w_WB);
-      if constexpr (other != Other::still) {
-        slip[i] -= f.t[u].dot(sb.v_WB) + f.b.r_t[u].dot(sb.w_WB);
-      }
-    }
+    const Vec2 slip = slip_of<other>(f, sa, sb);
     F = f.impulse - f.inverse * (slip + f.softness * f.impulse);
-    const double size = F.norm();
-    if (size > most) F *= most / size;
+    if (const double size = F.norm(); size > most) {
+      F = s.world.parameters.rules > 3 ? friction_at_limit(f.inverse, F, most)
+                                       : Vec2(most / size * F);
+    }
   }
   const Vec2 more = F - f.impulse;
   f.impulse = F;
@@ -136,10 +166,11 @@ double solve(const Island& s, const Touch& touch, const SolvedTouch& solved,
 struct Passes {
   int count = 0;
   double worst = 0.0;
+  bool solved = false;
 };
 
-inline Passes pass_over(const Island& s, bool sped_up, int most) {
-  const Parameters& p = s.world.parameters;
+/// @param enough  solved when no velocity changes by more in a pass [m/s]
+inline Passes pass_over(const Island& s, bool sped_up, int most, double enough) {
   Passes done;
   double best = std::numeric_limits<double>::infinity();
   bool plain = !sped_up;
@@ -159,7 +190,8 @@ inline Passes pass_over(const Island& s, bool sped_up, int most) {
                             }));
     }
     ++done.count;
-    if (done.worst <= p.solver_residual || done.count >= most) return done;
+    done.solved = done.worst <= enough;
+    if (done.solved || done.count >= most) return done;
     best = std::min(best, done.worst);
     plain = plain || done.worst > kAstray * best;
     if (done.count > kPlainPasses && !plain) faster.after_pass();

@@ -12,6 +12,10 @@ namespace headpin::engine::patches {
 inline constexpr double kFacing = 0.1;
 inline constexpr int kMaxCorners = 64;
 
+/// Faces that lean by less against each other count as flat on each other where one of their
+/// corners is chosen as the deepest. So the choice is the same in each step [rad].
+inline constexpr double kSteady = 1e-4;
+
 /// The flat or straight part of a surface that faces a direction: a polygon, a segment or a point.
 struct Patch {
   Vec3 corner[kMaxCorners];
@@ -23,30 +27,32 @@ struct Patch {
   }
 };
 
-inline Patch patch(const Ellipsoid&, const Vec3&) {
+inline Patch patch(const Ellipsoid&, const Vec3&, double) {
   return {};
 }
-inline Patch patch(const HalfSpace&, const Vec3&) {
+inline Patch patch(const HalfSpace&, const Vec3&, double) {
   return {};
 }
 
-// A disc becomes a polygon with corners on its rim, one of them furthest along n.
-inline void add_disc(Patch& out, double radius, double z, const Vec3& n) {
+/// A disc becomes a polygon with corners on its rim, one of them furthest along n.
+///
+/// @param flat  if n leans by less, the corners are always the same
+inline void add_disc(Patch& out, double radius, double z, const Vec3& n, double flat) {
   constexpr int kRim = 16;
   constexpr double kCos = 0.92387953251128675613, kSin = 0.38268343236508977173;  // of 2 pi / 16
   const double rho = std::sqrt(n.x() * n.x() + n.y() * n.y());
-  Vec2 u = rho > 1e-9 ? Vec2(n.x() / rho, n.y() / rho) : Vec2(Vec2::UnitX());
+  Vec2 u = rho > flat ? Vec2(n.x() / rho, n.y() / rho) : Vec2(Vec2::UnitX());
   for (int i = 0; i < kRim; ++i) {
     out.add({radius * u.x(), radius * u.y(), z});
     u = {kCos * u.x() - kSin * u.y(), kSin * u.x() + kCos * u.y()};
   }
 }
 
-inline Patch patch(const Cylinder& s, const Vec3& n) {
+inline Patch patch(const Cylinder& s, const Vec3& n, double flat) {
   Patch out;
   const double rho = std::sqrt(n.x() * n.x() + n.y() * n.y());
   if (rho < kFacing) {
-    add_disc(out, s.radius, n.z() < 0.0 ? -s.half_height : s.half_height, n);
+    add_disc(out, s.radius, n.z() < 0.0 ? -s.half_height : s.half_height, n, flat);
   } else if (std::abs(n.z()) < kFacing) {
     const double k = s.radius / rho;
     out.add({k * n.x(), k * n.y(), -s.half_height});
@@ -56,12 +62,12 @@ inline Patch patch(const Cylinder& s, const Vec3& n) {
   return out;
 }
 
-inline Patch patch(const Cone& s, const Vec3& n) {
+inline Patch patch(const Cone& s, const Vec3& n, double flat) {
   Patch out;
   const double rho = std::sqrt(n.x() * n.x() + n.y() * n.y());
   const double slant = std::sqrt(s.radius * s.radius + s.height * s.height);
   if (rho < kFacing && n.z() < 0.0) {
-    add_disc(out, s.radius, -0.5 * s.height, n);
+    add_disc(out, s.radius, -0.5 * s.height, n, flat);
   } else if (std::abs(s.height * n.z() - s.radius * rho) < kFacing * slant) {
     const double k = s.radius / rho;
     out.add({0.0, 0.0, 0.5 * s.height});
@@ -71,7 +77,7 @@ inline Patch patch(const Cone& s, const Vec3& n) {
   return out;
 }
 
-inline Patch patch(const Polyhedron& s, const Vec3& n) {
+inline Patch patch(const Polyhedron& s, const Vec3& n, double) {
   Patch out;
   const std::uint32_t v = s.furthest(n);
   const Polyhedron::Face* facing = nullptr;
@@ -117,6 +123,7 @@ struct Frame {
 /// A patch in the contact plane, with its height there: height(x) = level + slope . x.
 struct Sheet {
   Vec2 corner[2 * kMaxCorners];
+  std::uint32_t edge_of[2 * kMaxCorners];  // number of the edge that starts at a corner
   int count = 0;
   double level = 0.0;
   Vec2 slope = Vec2::Zero();
@@ -132,7 +139,10 @@ inline double cross(const Vec2& a, const Vec2& b) {
 inline Sheet lay(const Patch& patch, const Frame& frame) {
   Sheet s;
   s.count = patch.count;
-  for (int i = 0; i < patch.count; ++i) s.corner[i] = frame.flat(patch.corner[i]);
+  for (int i = 0; i < patch.count; ++i) {
+    s.corner[i] = frame.flat(patch.corner[i]);
+    s.edge_of[i] = static_cast<std::uint32_t>(i);
+  }
   if (patch.count == 2) {
     const Vec2 d = s.corner[1] - s.corner[0];
     const double rise = frame.height(patch.corner[1]) - frame.height(patch.corner[0]);
@@ -149,30 +159,39 @@ inline Sheet lay(const Patch& patch, const Frame& frame) {
   return s;
 }
 
-/// The part of a convex polygon or segment to the left of the line through p along d.
-inline void cut(Sheet& s, const Vec2& p, const Vec2& d) {
+/// The part of a convex polygon or segment to the left of the line through p along d, which becomes
+/// an edge with this number.
+inline void cut(Sheet& s, const Vec2& p, const Vec2& d, std::uint32_t edge) {
   Vec2 kept[2 * kMaxCorners];
+  std::uint32_t edge_of[2 * kMaxCorners];
   int count = 0;
   const int edges = s.count == 2 ? 1 : s.count;
-  const auto keep = [&](const Vec2& x) {
-    if (count < 2 * kMaxCorners) kept[count++] = x;
+  const auto keep = [&](const Vec2& x, std::uint32_t starts) {
+    if (count == 2 * kMaxCorners) return;
+    kept[count] = x;
+    edge_of[count++] = starts;
   };
   for (int i = 0; i < s.count; ++i) {
     const Vec2 &a = s.corner[i], &b = s.corner[(i + 1) % s.count];
     const double side_a = cross(d, a - p), side_b = cross(d, b - p);
-    if (side_a >= 0.0) keep(a);
+    if (side_a >= 0.0) keep(a, s.edge_of[i]);
     if (i < edges && (side_a >= 0.0) != (side_b >= 0.0)) {
-      keep(a + side_a / (side_a - side_b) * (b - a));
+      keep(a + side_a / (side_a - side_b) * (b - a), side_a >= 0.0 ? edge : s.edge_of[i]);
     }
   }
   s.count = count;
   std::copy(kept, kept + count, s.corner);
+  std::copy(edge_of, edge_of + count, s.edge_of);
 }
 
 struct Candidate {
   Vec2 x;
   double height = 0.0, depth = 0.0;
+  std::uint32_t feature = 0;  // its two edges, or its end of a common segment
 };
+
+/// The feature of a deepest point that is no corner: no two edges have it.
+inline constexpr std::uint32_t kInside = 0xffff;
 
 /// The common area of two patches, as corners in the contact plane. Returns their number.
 inline int shared(const Patch& of_a, const Patch& of_b, const Sheet& a, const Sheet& b,
@@ -194,19 +213,38 @@ inline int shared(const Patch& of_a, const Patch& of_b, const Sheet& a, const Sh
       const double e2 = (xa - xb).squaredNorm();
       const double ha = a.height(xa), hb = b.height(xb);
       const double lost = e2 / (2.0 * (of_a.radius + of_b.radius) + std::sqrt(e2) + 1e-300);
-      out[count++] = {0.5 * (xa + xb), 0.5 * (ha + hb), ha - hb - lost};
+      const auto end = static_cast<std::uint32_t>(count);
+      out[count++] = {0.5 * (xa + xb), 0.5 * (ha + hb), ha - hb - lost, end};
     }
     return count;
   }
   const bool a_first = of_a.count == 2 || of_b.count != 2;  // a segment is cut by the polygon
   Sheet s = a_first ? a : b;
   const Sheet& knife = a_first ? b : a;
-  for (int i = 0; i < knife.count && s.count > 0; ++i) cut(s, knife.corner[i], knife.edge(i));
+  for (int i = 0; i < knife.count && s.count > 0; ++i) {
+    cut(s, knife.corner[i], knife.edge(i), static_cast<std::uint32_t>(kMaxCorners + i));
+  }
   for (int i = 0; i < s.count; ++i) {
     const double ha = a.height(s.corner[i]), hb = b.height(s.corner[i]);
-    out[count++] = {s.corner[i], 0.5 * (ha + hb), ha - hb};
+    const std::uint32_t ends = s.edge_of[(i + s.count - 1) % s.count];
+    out[count++] = {s.corner[i], 0.5 * (ha + hb), ha - hb, 2 * kMaxCorners * ends + s.edge_of[i]};
   }
   return count;
+}
+
+/// The deepest candidate. If the choice is to be steady, it is the deepest one after the surfaces
+/// leaned a little more, always towards the same side of A.
+inline int deepest(const Candidate* all, int count, const Frame& frame, bool steady) {
+  const Vec3 side(0.36, 0.48, 0.8);
+  const Vec2 lean =
+      steady ? Vec2(kSteady * Vec2(frame.u.dot(side), frame.v.dot(side))) : Vec2::Zero();
+  int first = 0;
+  for (int i = 1; i < count; ++i) {
+    const bool deeper =
+        all[i].depth + lean.dot(all[i].x) > all[first].depth + lean.dot(all[first].x);
+    if (deeper) first = i;
+  }
+  return first;
 }
 
 /// Chooses up to four candidates: the first, the furthest from it, and the furthest on each side of

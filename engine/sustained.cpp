@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "engine/direct.h"
 #include "engine/inlining.h"
 #include "engine/islands.h"
 #include "engine/passes.h"
@@ -14,8 +15,24 @@ namespace {
 constexpr double kSoft = 0.01;
 constexpr int kSoftPasses = 4;
 
+/// After the plain passes, an island is solved directly this many times at most, each time with less
+/// compliance.
+constexpr int kDirectRounds = 10;
+constexpr double kSoftest = 1e-3, kHardest = 1e-6;
+constexpr int kQuick = 3;  // Newton's steps after which the next compliance may be smaller
+
+/// A crowd is solved when no velocity changes by more than this part of what gravity adds in a step.
+constexpr double kCrowd = 0.01;
+
 /// Energy that an unsolved island may gain, as a fraction of its kinetic energy.
 constexpr double kGain = 1e-9;
+
+/// More passes over an island that was not solved.
+void go_on(const Island& s, Passes& done, bool sped_up, int most, double enough) {
+  const int count = done.count;
+  done = pass_over(s, sped_up, most, enough);
+  done.count += count;
+}
 
 /// Energy and momentum that driven bodies give through the island's contacts.
 Balance given_by_driven(const Island& s) {
@@ -59,6 +76,7 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
 /// every pass removes energy. If the island still gains energy, it has no friction in this step.
 [[gnu::noinline]] void take_back_gain(const Island& s, Passes& done) {
   World& world = s.world;
+  const Parameters& p = world.parameters;
   std::vector<BodyId>& bodies = s.rows.bodies;
   bodies.clear();
   for (const std::uint32_t k : s.each) {
@@ -86,10 +104,7 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
     each_impulse(s, [&](double& x, double, auto&&) { x = before[n++]; });
     return;
   }
-  const auto once_more = [&] {
-    const Passes more = pass_over(s, false, world.parameters.solver_iterations);
-    done = {done.count + more.count, more.worst};
-  };
+  const auto once_more = [&] { go_on(s, done, false, p.solver_iterations, p.solver_residual); };
   for (FrictionRows& f : s.rows.friction) f.hold(0.0);
   once_more();
   for (FrictionRows& f : s.rows.friction) f.hold(load_of(s, s.solved[f.touch]));
@@ -105,8 +120,45 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
   bool softer = false;
   for (FrictionRows& f : s.rows.friction) softer = soften(f, kSoft) || softer;
   if (!softer) return;
-  const Passes more = pass_over(s, true, kSoftPasses * s.world.parameters.solver_iterations);
-  done = {done.count + more.count, more.worst};
+  const Parameters& p = s.world.parameters;
+  go_on(s, done, true, kSoftPasses * p.solver_iterations, p.solver_residual);
+}
+
+/// Direct solutions of an island, until a pass finds it solved.
+[[gnu::noinline]] void solve_in_rounds(const Island& s, Passes& done) {
+  const double residual = s.world.parameters.solver_residual;
+  double compliance = kSoftest;
+  for (int round = 0; round < kDirectRounds && !done.solved; ++round) {
+    const int steps = solve_directly(s, s.rows.direct, compliance, residual);
+    if (steps == 0) {
+      compliance *= 10.0;
+      continue;
+    }
+    if (steps <= kQuick) compliance = std::max(kHardest, 0.1 * compliance);
+    go_on(s, done, false, 1, residual);
+  }
+}
+
+/// A few plain passes, then direct solutions. Where these fail, more passes. A crowd, for which
+/// they are too expensive, needs to be solved less well.
+Passes solve_rows(const Island& s) {
+  const Parameters& p = s.world.parameters;
+  if (p.rules < 4) {
+    Passes done = pass_over(s, true, p.solver_iterations, p.solver_residual);
+    if (!done.solved) solve_softly(s, done);
+    return done;
+  }
+  const int few = std::min(kPlainPasses, p.solver_iterations);
+  Passes done = pass_over(s, false, few, p.solver_residual);
+  if (done.solved) return done;
+  double enough = p.solver_residual;
+  if (plan_direct(s, s.rows.direct)) {
+    solve_in_rounds(s, done);
+  } else {
+    enough = std::max(enough, kCrowd * p.gravity_W.norm() * step_seconds(s.world));
+  }
+  if (!done.solved) go_on(s, done, true, p.solver_iterations, enough);
+  return done;
 }
 
 /// Stores the results of an island's contacts for later stages: loads, friction and deep points.
@@ -192,22 +244,20 @@ HEADPIN_FLATTEN void solve_island(Island& s, Workspace& w) {
   const Parameters& p = world.parameters;
   Squeeze squeeze(s);
   add_rows(s);
-  Passes done = pass_over(s, true, p.solver_iterations);
-  if (done.worst > p.solver_residual) solve_softly(s, done);
-  if (squeeze.is_found(done.worst <= p.solver_residual)) {
+  Passes done = solve_rows(s);
+  if (squeeze.is_found(done.solved)) {
     squeeze.yield();
-    const Passes more = pass_over(s, true, p.solver_iterations);
-    done = {done.count + more.count, more.worst};
-    if (done.worst > p.solver_residual) take_back_gain(s, done);
+    go_on(s, done, true, p.solver_iterations, p.solver_residual);
+    if (!done.solved) take_back_gain(s, done);
     squeeze.insist();
-  } else if (done.worst > p.solver_residual) {
+  } else if (!done.solved) {
     take_back_gain(s, done);
   }
   keep(s, w.met_now);
   if (p.keep_ledger && !world.roll.driven.empty()) w.pushed += given_by_driven(s);
   ++world.statistics.islands;
   world.statistics.solver_iterations += done.count;
-  world.statistics.unsolved += done.worst > p.solver_residual ? 1 : 0;
+  world.statistics.unsolved += done.solved ? 0 : 1;
   world.statistics.residual = std::max(world.statistics.residual, done.worst);
 }
 

@@ -176,12 +176,56 @@ struct Solved {
 
 // Buffers.
 
+using Vec6 = Eigen::Matrix<double, 6, 1>;  ///< linear, then angular
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+/// A row of the direct solution: an impulse, and the velocity that it resists.
+struct DirectRow {
+  /// A normal; the first and the second of two rows with a common limit; a row with its own limit.
+  enum Kind : std::uint8_t { normal, pair, second, single } kind = normal;
+  std::uint32_t a = 0, b = 0;        ///< numbers of the bodies; kNone if B does not move
+  Vec6 ja, jb;                       ///< velocity = ja . v_A + jb . v_B
+  double velocity = 0.0;             ///< now
+  double change = 0.0;               ///< by the step that Newton's method is about to take
+  double compliance = 0.0;           ///< velocity over change of the impulse
+  Vec2 softness = Vec2::Zero();      ///< velocity over impulse; of a pair: over both impulses
+  double before = 0.0, limit = 0.0;  ///< impulse before; largest impulse
+  double impulse = 0.0;              ///< now
+  int directions = 0;                ///< along which it resists a change: 0, 1, of a pair up to 2
+  Vec2 direction = Vec2::Zero();     ///< one of them, times the root of its stiffness
+};
+
+struct DirectMass {
+  double mass = 0.0;
+  Mat3 inertia_W = Mat3::Zero();
+};
+
+/// A body is eliminated; its neighbours `later[first]` to `later[first + count - 1]` are eliminated
+/// after it.
+struct DirectElimination {
+  std::uint32_t body = 0, first = 0, count = 0;
+};
+
+/// Buffers for the direct solution of an island.
+struct Direct {
+  std::vector<BodyId> bodies;  ///< of the island, sorted; elsewhere they are known by numbers in it
+  std::vector<std::uint32_t> place, neighbours;  ///< place among the eliminations; how many left
+  std::vector<std::uint32_t> block_of;  ///< index of a row's and a column's block, in a table
+  std::vector<DirectElimination> eliminations;
+  std::vector<std::uint32_t> later;
+  std::vector<Mat6> blocks;
+  std::vector<DirectMass> masses;
+  std::vector<DirectRow> rows;
+  std::vector<Vec6> changes, step;  ///< of velocities: up to now; by Newton's method
+};
+
 /// Buffers for the solution of an island.
 struct Rows {
   std::vector<NormalRow> normals;
   std::vector<Block> blocks;
   std::vector<FrictionRows> friction;
-  std::vector<double> before, along;               ///< impulses: before a pass; search direction
+  std::vector<double> before, along;  ///< impulses: before a pass; search direction
+  Direct direct;
   std::vector<BodyId> bodies;                      ///< of an island that its passes did not solve
   std::vector<State> unsolved;                     ///< states of these bodies after the passes
   std::vector<std::pair<BodyId, State>> pressed;   ///< states of an island before it is solved

@@ -38,18 +38,21 @@ struct Parameters {
   double friction_tau = 1.0 / 60.0;  ///< time in which a lasting contact applies its rate once [s]
   double impact_speed = 0.15;        ///< slower approaches are solved as lasting contacts [m/s]
   int impacts = 64;                  ///< most impacts of one body within a step
-  int solver_iterations = 200;       ///< most passes over the lasting contacts of an island; if
-                                     ///< not solved then, up to four times as many with relaxation
-  double solver_residual = 1e-6;     ///< solved when no velocity changes by more in a pass [m/s]
-  double slop = 5e-5;                ///< overlap that is not corrected [m]
+  int solver_iterations = 200;       ///< most passes over the lasting contacts of an island
+  double solver_residual = 1e-6;     ///< solved when no velocity changes by more in a pass [m/s]; a
+      ///< crowd of many bodies when none does by more than a hundredth
+      ///< of what gravity adds in a step
+  double slop = 5e-5;         ///< overlap that is not corrected [m]
   double push = 0.2;          ///< part of the remaining overlap that is corrected each 1/240 s
   bool sleep = true;          ///< islands at rest sleep until a moving body touches them
   double sleep_speed = 0.01;  ///< [m/s]
   double sleep_spin = 0.03;   ///< [rad/s]
   double sleep_after = 0.25;  ///< [s]
-  int rules = 3;              ///< 2: as before, without the corrections for bodies that turn far
-                              ///< within a step; 1: of older trials, also without those for
-                              ///< squeezed, just landed and unsupported sleeping bodies
+  int rules = 4;              ///< of older trials: 3, without the direct solution and with friction
+                              ///< that is not quite opposite to the slip; 2, also without the
+                              ///< corrections for bodies that turn far within a step; 1, also
+                              ///< without those for squeezed, just landed and unsupported sleeping
+                              ///< bodies
   bool keep_ledger = false;   ///< `World::ledger`; costs about a tenth of a step
 };
 

@@ -221,11 +221,13 @@ void visit(V& v, Collision& c) {
   v.field("gravity", c.gravity, Range{0, 1000}, "acceleration of gravity [m/s2]");
   v.field("sleep", c.sleep, kAny,
           "sleeping: bodies at rest are not simulated until something touches them");
-  v.field("rules", c.rules, Range{1, 3},
-          "rules of the simulation step. 3: today's; 2: as before, with errors for bodies that "
-          "turn far within a step; 1: those of trials without this key, also with errors for "
-          "squeezed bodies, for bodies that land just after a step, and for unsupported sleeping "
-          "bodies");
+  v.field(
+      "rules", c.rules, Range{1, 4},
+      "rules of the simulation step. 4: today's; 3: as before, with crowds that creep and fall, "
+      "and friction not quite opposite to the slip; 2: also with errors for bodies that turn far "
+      "within a step; 1: those of trials without this key, also with errors for "
+      "squeezed bodies, for bodies that land just after a step, and for unsupported sleeping "
+      "bodies");
 }
 
 template <typename V>
