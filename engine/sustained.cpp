@@ -21,8 +21,9 @@ constexpr int kDirectRounds = 10;
 constexpr double kSoftest = 1e-3, kHardest = 1e-6;
 constexpr int kQuick = 3;  // Newton's steps after which the next compliance may be smaller
 
-/// A crowd is solved when no velocity changes by more than this part of what gravity adds in a step.
-constexpr double kCrowd = 0.01;
+/// What is left is solved when no velocity changes by more than this part of what gravity adds in a
+/// step: an island that direct solutions did not solve better, and a crowd, which has none.
+constexpr double kNearly = 5e-4, kCrowd = 1e-2;
 
 /// Energy that an unsolved island may gain, as a fraction of its kinetic energy.
 constexpr double kGain = 1e-9;
@@ -116,12 +117,12 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
 }
 
 /// Continues with softer friction where passes did not converge, if any friction can be softer.
-[[gnu::noinline]] void solve_softly(const Island& s, Passes& done) {
+[[gnu::noinline]] void solve_softly(const Island& s, Passes& done, double enough) {
   bool softer = false;
   for (FrictionRows& f : s.rows.friction) softer = soften(f, kSoft) || softer;
   if (!softer) return;
   const Parameters& p = s.world.parameters;
-  go_on(s, done, true, kSoftPasses * p.solver_iterations, p.solver_residual);
+  go_on(s, done, true, kSoftPasses * p.solver_iterations, enough);
 }
 
 /// Direct solutions of an island, until a pass finds it solved.
@@ -139,25 +140,24 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
   }
 }
 
-/// A few plain passes, then direct solutions. Where these fail, more passes. A crowd, for which
-/// they are too expensive, needs to be solved less well.
+/// A few plain passes, then direct solutions. Where these fail, or are too expensive, more passes,
+/// which need not solve the island as well. What is not solved then gets softer friction.
 Passes solve_rows(const Island& s) {
   const Parameters& p = s.world.parameters;
   if (p.rules < 4) {
     Passes done = pass_over(s, true, p.solver_iterations, p.solver_residual);
-    if (!done.solved) solve_softly(s, done);
+    if (!done.solved) solve_softly(s, done, p.solver_residual);
     return done;
   }
   const int few = std::min(kPlainPasses, p.solver_iterations);
   Passes done = pass_over(s, false, few, p.solver_residual);
   if (done.solved) return done;
-  double enough = p.solver_residual;
-  if (plan_direct(s, s.rows.direct)) {
-    solve_in_rounds(s, done);
-  } else {
-    enough = std::max(enough, kCrowd * p.gravity_W.norm() * step_seconds(s.world));
-  }
+  const bool planned = plan_direct(s, s.rows.direct);
+  if (planned) solve_in_rounds(s, done);
+  const double falls = p.gravity_W.norm() * step_seconds(s.world);
+  const double enough = std::max(p.solver_residual, (planned ? kNearly : kCrowd) * falls);
   if (!done.solved) go_on(s, done, true, p.solver_iterations, enough);
+  if (!done.solved) solve_softly(s, done, enough);
   return done;
 }
 

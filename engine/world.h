@@ -39,10 +39,9 @@ struct Parameters {
   double impact_speed = 0.15;        ///< slower approaches are solved as lasting contacts [m/s]
   int impacts = 64;                  ///< most impacts of one body within a step
   int solver_iterations = 200;       ///< most passes over the lasting contacts of an island
-  double solver_residual = 1e-6;     ///< solved when no velocity changes by more in a pass [m/s]; a
-      ///< crowd of many bodies when none does by more than a hundredth
-      ///< of what gravity adds in a step
-  double slop = 5e-5;         ///< overlap that is not corrected [m]
+  double solver_residual = 1e-6;     ///< solved when no velocity changes by more in a pass [m/s];
+                                     ///< for crowds a part of what gravity adds in a step
+  double slop = 5e-5;                ///< overlap that is not corrected [m]
   double push = 0.2;          ///< part of the remaining overlap that is corrected each 1/240 s
   bool sleep = true;          ///< islands at rest sleep until a moving body touches them
   double sleep_speed = 0.01;  ///< [m/s]

@@ -54,6 +54,14 @@ TEST(ATrialOfBefore, ComesToTheHashesOfItsTime) {
             (Hashes{"5b510b5c5a605014", "41d3efc8e187eb85"}));
 }
 
+// Made in November 2026, by the step of rules 3: skittles meet skittles and lie on each other.
+TEST(ATrialOfRules3, ComesToTheHashesOfItsTimeAndToOthersUnderRules4) {
+  const std::string path = HEADPIN_SOURCE_DIR "/tests/scene/trials/rules-3.lcmlog";
+  const Hashes made{"16ae71203af1a272", "aec21f5eb33a163c"};
+  EXPECT_EQ(replayed(path), made);
+  EXPECT_FALSE(replayed(path, 4) == made);
+}
+
 // Made in November 2026, by the step of rules 2: the ball flies and rolls at 8.5 m/s, so that it turns
 // by a third of a radian in a step.
 TEST(ATrialOfRules2, ComesToTheHashesOfItsTimeAndToOthersUnderRules3) {
