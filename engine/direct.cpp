@@ -9,7 +9,9 @@
 namespace headpin::engine::detail {
 namespace {
 
-/// Most multiplications of a factorisation: 100 bodies on each other, or 25 that all touch.
+/// Multiplications of a body's elimination: its own block, and for each neighbour and each two.
+constexpr double kOwn = 72.0, kNeighbour = 216.0, kTwo = 216.0;
+/// Most multiplications of a factorisation: 100 bodies on each other, or 10 that all touch.
 constexpr double kMostProducts = 5e4;
 constexpr int kNewtonSteps = 12;
 constexpr int kSearches = 20;  // for the length of a step
@@ -380,9 +382,10 @@ void apply(const Island& s, const DirectRow*& row, const Touch& touch, const Sol
 }  // namespace
 
 bool plan_direct(const Island& s, Direct& d) {
-  if (static_cast<double>(s.each.size()) * 36.0 > kMostProducts) return false;
   list_bodies(s, d.bodies);
   const std::size_t n = d.bodies.size();
+  // All but the last have a neighbour that is eliminated later.
+  if (static_cast<double>(n - 1) * (kOwn + kNeighbour + kTwo) > kMostProducts) return false;
   mark_neighbours(s, d);
   d.place.assign(n, kNone);
   d.eliminations.clear();
@@ -391,7 +394,7 @@ bool plan_direct(const Island& s, Direct& d) {
   for (std::size_t k = 0; k < n && products <= kMostProducts; ++k) {
     eliminate_next(d);
     const double count = d.eliminations.back().count;
-    products += 72.0 + 216.0 * count + 108.0 * count * (count + 1.0);
+    products += kOwn + kNeighbour * count + 0.5 * kTwo * count * (count + 1.0);
   }
   if (products > kMostProducts) return false;
   std::uint32_t blocks = 0;
