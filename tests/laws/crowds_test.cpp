@@ -3,6 +3,7 @@
 #include "tests/support/bowling.h"
 #include "tests/support/random_shapes.h"
 #include "tests/support/scale.h"
+#include "tests/support/structures.h"
 
 namespace headpin::engine {
 namespace {
@@ -53,43 +54,6 @@ TEST(Stack, CarriesAHundredfoldMassUnderCoulomb) {
   }
 }
 
-/// A world of bodies that should stand, without sleep, and where they were put.
-struct Structure {
-  World world;
-  std::vector<BodyId> bodies = {};
-  std::vector<Vec3> start = {};
-  Statistics sum = {};
-};
-
-Structure on_floor(const Material& material, int rate_hz, std::string_view response) {
-  Structure s{make_world({.rate_hz = rate_hz, .response = response, .sleep = false})};
-  add_body(s.world, floor_body(material));
-  return s;
-}
-
-void put(Structure& s, const Body& body, const Pose& X_WB) {
-  s.bodies.push_back(add_body(s.world, body, at(X_WB)));
-  s.start.push_back(X_WB.p);
-}
-
-void run(Structure& s, double seconds) {
-  Workspace workspace;
-  const std::int64_t end = s.world.tick + std::llround(seconds * s.world.parameters.rate_hz);
-  while (s.world.tick < end) {
-    step(s.world, workspace);
-    s.sum += s.world.statistics;
-  }
-}
-
-/// How far the body that moved most is from where it was put [m].
-double moved(const Structure& s) {
-  double most = 0.0;
-  for (std::size_t k = 0; k < s.bodies.size(); ++k) {
-    most = std::max(most, (s.world.states[s.bodies[k]].X_WB.p - s.start[k]).norm());
-  }
-  return most;
-}
-
 /// The impulse that the last step gave a body by its touch with a fixed body whose normal is known.
 Vec3 pushed_by(const World& world, BodyId fixed, BodyId body, const Vec3& outward) {
   Vec3 sum = Vec3::Zero();
@@ -101,26 +65,6 @@ Vec3 pushed_by(const World& world, BodyId fixed, BodyId body, const Vec3& outwar
     sum += touch.friction_W;
   }
   return sum;
-}
-
-/// Half an arch of a circle: stones of equal angles, 0.26 as thick as their mean radius of 0.5 m.
-Structure arch(int stones, int rate_hz) {
-  const Material rough{0.0, 0.9};
-  Structure s = on_floor(rough, rate_hz, "coulomb");
-  for (int k = 0; k < stones; ++k) {
-    std::vector<Vec3> corners;
-    for (int i = 0; i < 8; ++i) {
-      const double angle = kPi * (k + (i & 4 ? 1 : 0)) / stones, radius = i & 1 ? 0.565 : 0.435;
-      corners.emplace_back(radius * std::cos(angle), i & 2 ? 0.1 : -0.1, radius * std::sin(angle));
-    }
-    const std::vector<std::vector<std::uint32_t>> faces = {
-        {0, 2, 3, 1}, {4, 5, 7, 6}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 4, 6, 2}, {1, 3, 7, 5}};
-    const Vec3 centre =
-        mass_properties(*solid(Polyhedron(corners, faces), rough).shape, 1.0).centre;
-    for (Vec3& corner : corners) corner -= centre;
-    put(s, solid(Polyhedron(corners, faces), rough), Pose{Quat::Identity(), centre});
-  }
-  return s;
 }
 
 // For ten minutes. At rest the springings carry its weight, and their thrusts are opposite.
@@ -140,29 +84,6 @@ TEST(AnArch, StandsAndCarriesItself) {
   }
 }
 
-/// Two storeys of playing cards that lean by 0.35 rad: two pairs, a card across, and a pair on it.
-Structure card_house(int rate_hz) {
-  const Material card{0.0, 0.7};
-  Structure s = on_floor(card, rate_hz, "coulomb");
-  const double length = 0.09, thickness = 0.0006, lean = 0.35;
-  const Body body = solid(test::box({0.5 * thickness, 0.03, 0.5 * length}), card, 0.002);
-  const auto put_card = [&](double x, double z, double angle) {
-    put(s, body, Pose{Quat(Eigen::AngleAxisd(angle, Vec3::UnitY())), Vec3(x, 0.0, z)});
-  };
-  const double up = 0.5 * (length * std::cos(lean) + thickness * std::sin(lean));
-  const double aside = 0.5 * (length * std::sin(lean) + thickness * std::cos(lean));
-  const auto put_pair = [&](double x, double z) {
-    put_card(x - aside, z + up, lean);
-    put_card(x + aside, z + up, -lean);
-  };
-  const double span = 4.0 * aside + 0.002;
-  put_pair(-0.5 * span, 0.0);
-  put_pair(0.5 * span, 0.0);
-  put_card(0.0, 2.0 * up + 0.5 * thickness, 0.5 * kPi);
-  put_pair(0.0, 2.0 * up + thickness);
-  return s;
-}
-
 TEST(ACardHouse, OfTwoStoreysStandsForTenMinutes) {
   Structure s = card_house(240);
   run(s, kThorough ? 600.0 : 10.0);
@@ -174,14 +95,7 @@ TEST(ACardHouse, OfTwoStoreysStandsForTenMinutes) {
 // one, and so needs few passes.
 TEST(BoxesOnEachOther, StandAndAreSolvedInFewPasses) {
   for (const std::string_view response : {"coulomb", "paper"}) {
-    const Material rough{0.5, 0.7};
-    Structure s = on_floor(rough, 240, response);
-    const Body box = solid(test::box({0.1, 0.1, 0.05}), rough, 1.0);
-    Random random{7};
-    for (int k = 0; k < 20; ++k) {
-      const double x = 0.005 * random.uniform(-1.0, 1.0), y = 0.005 * random.uniform(-1.0, 1.0);
-      put(s, box, Pose{Quat::Identity(), Vec3(x, y, 0.05 + 0.1 * k)});
-    }
+    Structure s = boxes_on_each_other(20, 240, response);
     const bool creeps = response == "paper";  // its friction does not hold what leans
     run(s, kThorough && !creeps ? 60.0 : 5.0);
     EXPECT_LE(moved(s), creeps ? 1e-3 : 1e-4) << response;
@@ -194,24 +108,10 @@ TEST(BoxesOnEachOther, StandAndAreSolvedInFewPasses) {
 
 // Poured into a bin they come to rest, fall asleep, and floor and walls carry their weight.
 TEST(SkittlesInABin, ComeToRest) {
-  const Material rough{0.7, 0.7};
-  World world = make_world({.rate_hz = 240, .response = "coulomb"});
-  const Body wall = floor_body(rough);
   const double half = 0.3;
-  add_body(world, wall);
-  for (const Vec3& inward : {Vec3(1, 0, 0), Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, -1, 0)}) {
-    const Quat q = Quat::FromTwoVectors(Vec3::UnitZ(), inward);
-    add_body(world, wall, at(Pose{q, -half * inward}));
-  }
-  Material heavy = rough;
-  heavy.rolling_arm = 0.008;
-  Random random{3};
-  std::vector<BodyId> skittles;
-  const int count = kThorough ? 40 : 12;
-  for (int k = 0; k < count; ++k) {
-    const Vec3 p(k % 2 ? 0.12 : -0.12, k / 2 % 2 ? 0.12 : -0.12, 0.4 + 0.42 * (k / 4));
-    skittles.push_back(add_body(world, skittle_body(heavy), at(Pose{any_rotation(random), p})));
-  }
+  Structure s = skittles_in_a_bin(kThorough ? 40 : 12, half, "coulomb");
+  World& world = s.world;
+  world.parameters.sleep = true;
   Workspace workspace;
   Vec3 carried = Vec3::Zero();
   Statistics sum;
@@ -221,16 +121,16 @@ TEST(SkittlesInABin, ComeToRest) {
     if (world.statistics.awake == 0) break;
     carried = Vec3::Zero();
     for (BodyId fixed = 0; fixed < 5; ++fixed) {
-      for (const BodyId i : skittles) {
+      for (const BodyId i : s.bodies) {
         carried += pushed_by(world, fixed, i, world.states[fixed].X_WB.q * Vec3::UnitZ());
       }
     }
   }
   EXPECT_EQ(world.statistics.awake, 0);
   EXPECT_LE(sum.unsolved * 20, sum.islands);
-  const Vec3 weight(0.0, 0.0, count * 1.5 * 9.81 / 240);
+  const Vec3 weight(0.0, 0.0, static_cast<double>(s.bodies.size()) * 1.5 * 9.81 / 240);
   EXPECT_LE((carried - weight).norm(), 0.02 * weight.z()) << carried.transpose();
-  for (const BodyId i : skittles) {
+  for (const BodyId i : s.bodies) {
     const Vec3& p = world.states[i].X_WB.p;
     EXPECT_TRUE(std::abs(p.x()) < half && std::abs(p.y()) < half && p.z() > 0.0);
   }
