@@ -22,9 +22,8 @@ int add_points(const Shape& a, const Shape& b, const Pose& X_WA, const Pose& X_A
   const Vec3 n_AB_W = X_WA.q * c.n_AB;
   const Vec3 middle = 0.5 * (c.p_A + c.p_B);
   const Vec3 n_B = X_AB.q.conjugate() * -c.n_AB;
-  const auto facing = [&](const Shape& s, const Vec3& n) {
-    const double flat = query.steady ? kSteady : 1e-9;
-    return std::visit([&](const auto& shape) { return patch(shape, n, flat); }, s);
+  const auto facing = [](const Shape& s, const Vec3& n) {
+    return std::visit([&](const auto& shape) { return patch(shape, n); }, s);
   };
   const auto one = [&] {
     out.push_back({X_WA * middle, n_AB_W, -c.distance, 0});
@@ -42,7 +41,9 @@ int add_points(const Shape& a, const Shape& b, const Pose& X_WA, const Pose& X_A
   Candidate all[2 * kMaxCorners + 2];
   int count = shared(patch_a, patch_b, lay(patch_a, frame), lay(patch_b, frame), all);
   if (count == 0) return one();
-  int first = deepest(all, count, frame, query.steady);
+  // A rim pivots about its deepest point, however little it leans.
+  const bool steady = query.steady && count > kMaxPoints && !patch_a.round && !patch_b.round;
+  int first = deepest(all, count, frame, steady);
   // Adds the deepest point itself if no corner is nearly as deep.
   double extent = 0.0;
   for (int i = 0; i < count; ++i) extent = std::max(extent, all[i].x.norm());

@@ -12,8 +12,8 @@ namespace headpin::engine::patches {
 inline constexpr double kFacing = 0.1;
 inline constexpr int kMaxCorners = 64;
 
-/// Faces that lean by less against each other count as flat on each other where one of their
-/// corners is chosen as the deepest. So the choice is the same in each step [rad].
+/// Faces of polyhedra that lean by less against each other count as flat on each other where one of
+/// their corners is chosen as the deepest. So the choice is the same in each step [rad].
 inline constexpr double kSteady = 1e-4;
 
 /// The flat or straight part of a surface that faces a direction: a polygon, a segment or a point.
@@ -21,38 +21,38 @@ struct Patch {
   Vec3 corner[kMaxCorners];
   int count = 0;        // 1 point, 2 segment, 3.. polygon
   double radius = 0.0;  // of the surface across a segment
+  bool round = false;   // the corners are those of a rim
 
   void add(const Vec3& p) {
     if (count < kMaxCorners) corner[count++] = p;
   }
 };
 
-inline Patch patch(const Ellipsoid&, const Vec3&, double) {
+inline Patch patch(const Ellipsoid&, const Vec3&) {
   return {};
 }
-inline Patch patch(const HalfSpace&, const Vec3&, double) {
+inline Patch patch(const HalfSpace&, const Vec3&) {
   return {};
 }
 
 /// A disc becomes a polygon with corners on its rim, one of them furthest along n.
-///
-/// @param flat  if n leans by less, the corners are always the same
-inline void add_disc(Patch& out, double radius, double z, const Vec3& n, double flat) {
+inline void add_disc(Patch& out, double radius, double z, const Vec3& n) {
   constexpr int kRim = 16;
+  out.round = true;
   constexpr double kCos = 0.92387953251128675613, kSin = 0.38268343236508977173;  // of 2 pi / 16
   const double rho = std::sqrt(n.x() * n.x() + n.y() * n.y());
-  Vec2 u = rho > flat ? Vec2(n.x() / rho, n.y() / rho) : Vec2(Vec2::UnitX());
+  Vec2 u = rho > 1e-9 ? Vec2(n.x() / rho, n.y() / rho) : Vec2(Vec2::UnitX());
   for (int i = 0; i < kRim; ++i) {
     out.add({radius * u.x(), radius * u.y(), z});
     u = {kCos * u.x() - kSin * u.y(), kSin * u.x() + kCos * u.y()};
   }
 }
 
-inline Patch patch(const Cylinder& s, const Vec3& n, double flat) {
+inline Patch patch(const Cylinder& s, const Vec3& n) {
   Patch out;
   const double rho = std::sqrt(n.x() * n.x() + n.y() * n.y());
   if (rho < kFacing) {
-    add_disc(out, s.radius, n.z() < 0.0 ? -s.half_height : s.half_height, n, flat);
+    add_disc(out, s.radius, n.z() < 0.0 ? -s.half_height : s.half_height, n);
   } else if (std::abs(n.z()) < kFacing) {
     const double k = s.radius / rho;
     out.add({k * n.x(), k * n.y(), -s.half_height});
@@ -62,12 +62,12 @@ inline Patch patch(const Cylinder& s, const Vec3& n, double flat) {
   return out;
 }
 
-inline Patch patch(const Cone& s, const Vec3& n, double flat) {
+inline Patch patch(const Cone& s, const Vec3& n) {
   Patch out;
   const double rho = std::sqrt(n.x() * n.x() + n.y() * n.y());
   const double slant = std::sqrt(s.radius * s.radius + s.height * s.height);
   if (rho < kFacing && n.z() < 0.0) {
-    add_disc(out, s.radius, -0.5 * s.height, n, flat);
+    add_disc(out, s.radius, -0.5 * s.height, n);
   } else if (std::abs(s.height * n.z() - s.radius * rho) < kFacing * slant) {
     const double k = s.radius / rho;
     out.add({0.0, 0.0, 0.5 * s.height});
@@ -77,7 +77,7 @@ inline Patch patch(const Cone& s, const Vec3& n, double flat) {
   return out;
 }
 
-inline Patch patch(const Polyhedron& s, const Vec3& n, double) {
+inline Patch patch(const Polyhedron& s, const Vec3& n) {
   Patch out;
   const std::uint32_t v = s.furthest(n);
   const Polyhedron::Face* facing = nullptr;
