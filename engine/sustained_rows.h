@@ -49,17 +49,24 @@ Arms arms_of(const World& world, const Flight& flight, const Touch& touch) {
 }
 
 /// Impulse of a point of the touch in the last step: that of the k-th point, or of the point with
-/// this feature if the order changed.
-inline double last_impulse(const Memory& memory, const Touch& touch, std::uint32_t k,
-                           std::uint32_t feature) {
+/// this feature if the order changed. A new point in place of one that is gone gets its impulse: an
+/// edge may have been found as a part of another face.
+inline double last_impulse(const World& world, const Touch& touch,
+                           std::span<const ContactPoint> points, std::uint32_t k) {
   if (touch.fresh) return 0.0;
+  const Memory& memory = world.memory;
+  const std::uint32_t feature = points[k].feature;
   const PastTouch& last = memory.touches[touch.last];
   const auto loads = std::span(memory.loads).subspan(last.first_load, last.loads);
   if (k < loads.size() && loads[k].feature == feature) return loads[k].impulse;
   for (const Load& load : loads) {
     if (load.feature == feature) return load.impulse;
   }
-  return 0.0;
+  if (k >= loads.size() || world.parameters.rules < 4) return 0.0;
+  for (const ContactPoint& point : points) {
+    if (point.feature == loads[k].feature) return 0.0;
+  }
+  return loads[k].impulse;
 }
 
 /// The bodies that impulses act on.
@@ -115,7 +122,7 @@ void add_normal_rows(const Island& s, const Touch& touch, const SolvedTouch& sol
     }
     row.mass = 1.0 / k_nn;
     row.allowed = p.depth < 0.0 ? -p.depth / left : 0.0;
-    row.impulse = last_impulse(world.memory, touch, k, p.feature);
+    row.impulse = last_impulse(world, touch, {points, touch.points}, k);
     if (row.impulse > 0.0) push_by<other>(s.bodies, touch, row, row.impulse);
   }
 }
