@@ -38,17 +38,6 @@ void each_touch(const Island& s, F&& f) {
   }
 }
 
-void list_bodies(const Island& s, std::vector<BodyId>& bodies) {
-  bodies.clear();
-  for (const std::uint32_t k : s.each) {
-    const Touch& touch = s.touches[k];
-    bodies.push_back(touch.a);
-    if (touch.b_moves) bodies.push_back(touch.b);
-  }
-  std::sort(bodies.begin(), bodies.end());
-  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
-}
-
 /// Marks which bodies touch: `block_of` is 0 where they do, kNone elsewhere.
 void mark_neighbours(const Island& s, Direct& d) {
   const std::size_t n = d.bodies.size();

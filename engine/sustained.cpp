@@ -79,14 +79,7 @@ double energy_of(const World& world, std::span<const BodyId> bodies) {
   World& world = s.world;
   const Parameters& p = world.parameters;
   std::vector<BodyId>& bodies = s.rows.bodies;
-  bodies.clear();
-  for (const std::uint32_t k : s.each) {
-    const Touch& touch = s.touches[k];
-    bodies.push_back(touch.a);
-    if (touch.b_moves) bodies.push_back(touch.b);
-  }
-  std::sort(bodies.begin(), bodies.end());
-  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+  list_bodies(s, bodies);
   std::vector<State>& unsolved = s.rows.unsolved;
   unsolved.clear();
   for (const BodyId i : bodies) unsolved.push_back(world.states[i]);

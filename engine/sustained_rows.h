@@ -99,6 +99,18 @@ struct Island {
   std::span<NormalRow> normals = {};         ///< rows of its touches, set by add_rows
 };
 
+/// The island's bodies that move, sorted.
+inline void list_bodies(const Island& s, std::vector<BodyId>& bodies) {
+  bodies.clear();
+  for (const std::uint32_t k : s.each) {
+    const Touch& touch = s.touches[k];
+    bodies.push_back(touch.a);
+    if (touch.b_moves) bodies.push_back(touch.b);
+  }
+  std::sort(bodies.begin(), bodies.end());
+  bodies.erase(std::unique(bodies.begin(), bodies.end()), bodies.end());
+}
+
 template <Other other>
 void add_normal_rows(const Island& s, const Touch& touch, const SolvedTouch& solved) {
   World& world = s.world;

@@ -38,7 +38,9 @@ struct Parameters {
   double friction_tau = 1.0 / 60.0;  ///< time in which a lasting contact applies its rate once [s]
   double impact_speed = 0.15;        ///< slower approaches are solved as lasting contacts [m/s]
   int impacts = 64;                  ///< most impacts of one body within a step
-  int solver_iterations = 200;       ///< most passes over the lasting contacts of an island
+  int solver_iterations = 200;       ///< most passes over the lasting contacts of an island; if
+                                     ///< not solved then, up to four times as many more with softer
+                                     ///< friction
   double solver_residual = 1e-6;     ///< solved when no velocity changes by more in a pass [m/s];
                                      ///< for crowds a part of what gravity adds in a step
   double slop = 5e-5;                ///< overlap that is not corrected [m]

@@ -119,17 +119,21 @@ TEST(BoxesOnEachOther, StandAndAreSolvedInFewPasses) {
   }
 }
 
-// Poured into a bin they come to rest, fall asleep, and floor and walls carry their weight.
+// Poured into a bin they only lose energy, come to rest and fall asleep, and floor and walls carry
+// their weight.
 TEST(SkittlesInABin, ComeToRest) {
   const double half = 0.3;
   Structure s = skittles_in_a_bin(kThorough ? 40 : 12, half, "coulomb");
   World& world = s.world;
   world.parameters.sleep = true;
+  world.parameters.keep_ledger = true;
   Workspace workspace;
   Vec3 carried = Vec3::Zero();
   Statistics sum;
   while (world.tick < 20 * 240) {
+    const double before = world.ledger.sustained.energy;
     step(world, workspace);
+    ASSERT_LE(world.ledger.sustained.energy - before, 1e-9) << world.tick;
     sum += world.statistics;
     if (world.statistics.awake == 0) break;
     carried = Vec3::Zero();
