@@ -30,6 +30,7 @@ void add_import(CLI::App& app);
 void add_info(CLI::App& app);
 void add_live(CLI::App& app);
 void add_manual(CLI::App& app);
+void add_play(CLI::App& app);
 void add_plot(CLI::App& app);
 void add_replay(CLI::App& app);
 void add_report(CLI::App& app);

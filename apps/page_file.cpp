@@ -99,10 +99,12 @@ std::string page_template(const std::string& path) {
   return page;
 }
 
-std::string page_template() {
+namespace {
+
+std::string built_template(const std::string& name) {
   std::vector<fs::path> places;
-  for (const fs::path& data : scene::data_folders()) places.push_back(data / "page.html");
-  places.push_back((scene::program_folder() / "../report/page.html").lexically_normal());
+  for (const fs::path& data : scene::data_folders()) places.push_back(data / name);
+  places.push_back((scene::program_folder() / "../report" / name).lexically_normal());
   std::error_code none;
   for (const fs::path& place : places) {
     if (fs::is_regular_file(place, none)) return page_template(place.string());
@@ -110,6 +112,16 @@ std::string page_template() {
   throw std::runtime_error(
       "the page template has not been built; `./dev page` in headpin's sources builds it (needs "
       "nodejs and npm)");
+}
+
+}  // namespace
+
+std::string page_template() {
+  return built_template("page.html");
+}
+
+std::string play_template() {
+  return built_template("play.html");
 }
 
 std::string filled(const std::string& page, const PageBlocks& blocks) {

@@ -6,9 +6,9 @@
 #include <string>
 #include <vector>
 
-#include "scene/page/page_data.h"
+#include "scene/page/page_parts.h"
 
-/// Writes the file of `headpin report`: a page template with the data of a trial.
+/// Writes the files of `headpin report` and `headpin play`: page templates with data.
 namespace headpin::apps {
 
 /// The data in a page, by name: base64 of deflated bytes, so that text of a trial is never parsed
@@ -31,10 +31,12 @@ std::vector<std::uint8_t> in_quanta(const scene::PageData& data);
 /// @throws std::runtime_error  when there is no such file
 std::vector<std::uint8_t> log_of_inputs(const std::string& path);
 
-/// The installed page template, or the one in the build folder.
+/// The installed page template of `headpin report`, or the one in the build folder.
 ///
 /// @throws std::runtime_error  without one, naming the command that makes it
 std::string page_template();
+/// The same of `headpin play`.
+std::string play_template();
 /// @throws std::runtime_error  naming the file, when it cannot be read or takes no data
 std::string page_template(const std::string& path);
 

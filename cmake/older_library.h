@@ -25,10 +25,10 @@ auto find_if(R&& range, F is, P of = {}) {
                       [&](const auto& x) { return std::invoke(is, std::invoke(of, x)); });
 }
 
-template <typename R, typename F>
-bool all_of(R&& range, F is) {
+template <typename R, typename F, typename P = std::identity>
+bool all_of(R&& range, F is, P of = {}) {
   return std::all_of(std::begin(range), std::end(range),
-                     [&](const auto& x) { return std::invoke(is, x); });
+                     [&](const auto& x) { return std::invoke(is, std::invoke(of, x)); });
 }
 
 template <typename R, typename F>

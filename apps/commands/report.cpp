@@ -195,15 +195,16 @@ nlohmann::ordered_json write_page(const TrialPage& options) {
                           {"commit", devices::software_commit()},
                           {"command", command_of(options)},
                           {"first_difference", nullptr}};
-  const scene::PageData data = scene::page_data(recorded, scene::PageLooks(recorded));
+  const scene::PageData data = scene::page_data(recorded, scene::PageLooks(recorded.scenario));
   add_trial(options.trial, data, "", blocks);
   if (options.other) {
     const scene::Recorded other = scene::load_trial(*options.other, longest_gap);
     say_what_is_missing("report", *options.other, other.file.summary());
     const bool looks_alike =
         recorded.file.summary().header.scenario == other.file.summary().header.scenario;
-    add_trial(*options.other, scene::page_data(other, scene::PageLooks(other), {}, !looks_alike),
-              "-other", blocks);
+    add_trial(*options.other,
+              scene::page_data(other, scene::PageLooks(other.scenario), {}, !looks_alike), "-other",
+              blocks);
     add_comparison(recorded, other, about);
     about["scenario_differences"] =
         scene::to_json(scene::differences(recorded.scenario, other.scenario));

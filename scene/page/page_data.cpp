@@ -10,8 +10,8 @@
 #include <fmt/format.h>
 
 #include "engine/response.h"
-#include "render/eyes.h"
 #include "scene/page/page_film.h"
+#include "scene/page/page_parts.h"
 #include "scene/page/trouble_json.h"
 #include "scene/play/outcome.h"
 #include "scene/play/presence.h"
@@ -19,7 +19,6 @@
 #include "scene/record/events.h"
 #include "scene/record/first_difference.h"
 #include "scene/stage/read_scenario.h"
-#include "scene/stage/seen_mesh.h"
 #include "scene/watch/counterparts.h"
 #include "scene/watch/totals.h"
 
@@ -28,14 +27,6 @@ namespace headpin::scene {
 namespace {
 
 using nlohmann::json;
-
-json numbers(const Vec3& v) {
-  return {v.x(), v.y(), v.z()};
-}
-
-json numbers(const Pose& X) {
-  return {X.q.w(), X.q.x(), X.q.y(), X.q.z(), X.p.x(), X.p.y(), X.p.z()};
-}
 
 /// Compares the run with the states of the trial. The run continues after the first difference.
 class Comparison : public Observer {
@@ -135,79 +126,13 @@ json of_events(const std::vector<Event>& events) {
   return out;
 }
 
-json of_eyes(const render::Optics& optics) {
-  json out = json::array();
-  for (const render::View& view : render::eyes({}, optics)) {
-    const render::Frustum& f = view.frustum;
-    out.push_back({{"X_DE", numbers(view.X_WE)},
-                   {"width", view.width},
-                   {"height", view.height},
-                   {"frustum",
-                    {{"left", f.left},
-                     {"right", f.right},
-                     {"bottom", f.bottom},
-                     {"top", f.top},
-                     {"near", f.near},
-                     {"far", f.far}}}});
-  }
-  return out;
-}
-
-json of_light(const render::DrawList& room) {
-  json out = {{"sky", numbers(room.sky)},
-              {"ground", numbers(room.ground)},
-              {"background", numbers(room.background)},
-              {"towards", numbers(room.shadow.n_W)},
-              {"shadow", room.shadow.depth},
-              {"lamps", json::array()}};
-  for (const render::Lamp& lamp : room.lamps) {
-    out["lamps"].push_back({{"p", numbers(lamp.p_W)}, {"power", numbers(lamp.power)}});
-  }
-  return out;
-}
-
-const char* name_of(render::Surface surface) {
-  if (surface == render::Surface::lit) return "lit";
-  return surface == render::Surface::baked ? "baked" : "floor";
-}
-
-Table vertices_of(const render::Mesh& mesh, int number) {
-  constexpr double kPlace = 1.0 / 16384.0, kNormal = 1.0 / 128.0, kLight = 1.0 / 512.0;
-  Table table{fmt::format("mesh {} vertices", number), {}, {}, {}};
-  for (const char* kind : {"p", "n", "colour"}) {
-    for (const char* axis : {"x", "y", "z"}) {
-      table.columns.push_back(fmt::format("{}{}", kind, axis));
-      table.quanta.push_back(kind[0] == 'p' ? kPlace : kind[0] == 'n' ? kNormal : kLight);
-    }
-  }
-  for (const render::Vertex& v : mesh.vertices) {
-    for (const Eigen::Vector3f& part : {v.p, v.n, v.colour}) {
-      table.values.insert(table.values.end(), part.data(), part.data() + 3);
-    }
-  }
-  return table;
-}
-
-Table triangles_of(const render::Mesh& mesh, int number) {
-  Table table{fmt::format("mesh {} triangles", number), {"a", "b", "c"}, {1, 1, 1}, {}};
-  table.values.assign(mesh.indices.begin(), mesh.indices.end());
-  return table;
-}
-
-/// Adds the visible meshes, by their numbers.
-void add_meshes(const std::vector<render::Mesh>& meshes, const Film& film,
-                const render::DrawList& room, json& out, std::vector<Table>& tables) {
+/// Numbers of the visible meshes.
+std::set<int> meshes_of(const Film& film, const render::DrawList& room) {
   std::set<int> seen;
   for (const Show& show : film.shows()) seen.insert(show.mesh);
   for (const render::DrawItem& item : room.items) seen.insert(item.mesh);
   seen.erase(-1);
-  for (const int number : seen) {
-    const render::Mesh& mesh = meshes[static_cast<std::size_t>(number)];
-    out["meshes"].push_back(
-        {{"number", number}, {"surface", name_of(mesh.surface)}, {"gloss", mesh.gloss}});
-    tables.push_back(vertices_of(mesh, number));
-    tables.push_back(triangles_of(mesh, number));
-  }
+  return seen;
 }
 
 void add_film(const Film& film, std::int64_t ticks, json& out) {
@@ -225,46 +150,7 @@ void add_film(const Film& film, std::int64_t ticks, json& out) {
   }
 }
 
-void pack(std::vector<Table> tables, PageData& data) {
-  data.json["sections"] = json::array();
-  for (Table& table : tables) {
-    data.json["sections"].push_back({{"name", table.name},
-                                     {"offset", data.floats.size()},
-                                     {"rows", table.rows()},
-                                     {"columns", table.columns},
-                                     {"quanta", table.quanta}});
-    data.floats.insert(data.floats.end(), table.values.begin(), table.values.end());
-    table = {};
-  }
-}
-
-/// The scenario without the mesh files that cannot be read.
-Scenario with_own_shapes(Scenario scenario, std::vector<std::string>& missing) {
-  const std::pair<const char*, MeshFile*> seen[] = {{"skittles", &scenario.skittle.mesh},
-                                                    {"ball", &scenario.ball.mesh},
-                                                    {"hand", &scenario.hand.mesh},
-                                                    {"walls", &scenario.room.mesh}};
-  for (const auto& [what, mesh] : seen) {
-    try {
-      seen_mesh(*mesh, Vec3::Zero(), 0.0);
-    } catch (const std::runtime_error& e) {
-      missing.push_back(
-          fmt::format("Not as the trial's eyes saw it: the {}, shown in headpin's own shape ({}).",
-                      what, e.what()));
-      *mesh = {};
-    }
-  }
-  return scenario;
-}
-
 }  // namespace
-
-PageLooks::PageLooks(const Recorded& recorded)
-    : looks(MeshKeeper{[this](const render::Mesh& mesh) {
-              meshes.push_back(mesh);
-              return static_cast<int>(meshes.size()) - 1;
-            }},
-            make_stage(with_own_shapes(recorded.scenario, missing))) {}
 
 PageData page_data(const Recorded& recorded, const PageLooks& page_looks,
                    const Condition& condition, bool meshes) {
@@ -316,19 +202,12 @@ PageData page_data(const Recorded& recorded, const PageLooks& page_looks,
   out["eyes"] = of_eyes(scenario.hmd.optics);
   out["light"] = of_light(looks.room);
   out["missing_meshes"] = page_looks.missing;
-  out["room"] = {{"width", scenario.room.width},
-                 {"height", scenario.room.height},
-                 {"behind", scenario.room.behind},
-                 {"ahead", scenario.room.ahead},
-                 {"head_pin", scenario.lane.head_pin}};
-  out["still"] = json::array();
-  for (const render::DrawItem& item : looks.room.items) {
-    out["still"].push_back({{"mesh", item.mesh}, {"X_WG", numbers(item.X_WG)}});
-  }
+  out["room"] = of_room(scenario);
+  out["still"] = of_still(looks.room);
   add_film(film, ticks, out);
   std::vector<Table> tables = film.take_tables();
   out["meshes"] = json::array();
-  if (meshes) add_meshes(page_looks.meshes, film, looks.room, out, tables);
+  if (meshes) add_meshes(page_looks.meshes, meshes_of(film, looks.room), out, tables);
   pack(std::move(tables), data);
   return data;
 }

@@ -1,34 +1,11 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
-#include <nlohmann/json.hpp>
-
-#include "scene/looks/looks.h"
+#include "scene/page/page_parts.h"
 #include "scene/stage/condition.h"
 #include "scene/watch/recorded.h"
 
 /// The data of a trial for the page: short parts as JSON, long parts as rows of numbers.
 namespace headpin::scene {
-
-/// The meshes of all objects of a trial. Making them takes longer than most simulations, so they
-/// are made once for all simulations of the trial. If a mesh file cannot be read, the program's own
-/// mesh is used.
-struct PageLooks {
-  std::vector<render::Mesh> meshes;
-  std::vector<std::string> missing;  ///< a sentence for each such file
-  Looks looks;                       ///< by their numbers
-
-  explicit PageLooks(const Recorded& recorded);
-};
-
-/// `json.sections` tells what `floats` are: each has a name, the offset of its first number, rows
-/// and columns, and for each column the quantum its numbers may be rounded to.
-struct PageData {
-  nlohmann::json json;
-  std::vector<float> floats;
-};
 
 /// Simulates a trial, under its own condition or another one, and stores what is visible and measured.
 ///

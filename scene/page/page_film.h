@@ -6,22 +6,12 @@
 #include <utility>
 #include <vector>
 
-#include "scene/looks/looks.h"
+#include "scene/page/page_parts.h"
 #include "scene/play/run.h"
 #include "scene/record/file.h"
 
 /// The motion in a session, stored for the page.
 namespace headpin::scene {
-
-/// A table of numbers for the page.
-struct Table {
-  std::string name;
-  std::vector<std::string> columns;
-  std::vector<double> quanta;  ///< of each column: what it may be rounded to
-  std::vector<float> values;   ///< row after row
-
-  std::size_t rows() const { return columns.empty() ? 0 : values.size() / columns.size(); }
-};
 
 /// A visible object, with one mesh at a time.
 struct Actor {

@@ -35,6 +35,9 @@ inline constexpr std::string_view game_hash = "game_hash";
 inline constexpr std::string_view drawn_by = kDrawnByEvent;
 inline constexpr std::string_view drawing_failed = "drawing_failed";
 inline constexpr std::string_view kept_pace = "kept_pace";
+inline constexpr std::string_view played_with = "played_with";
+inline constexpr std::string_view recentred = "recentred";
+inline constexpr std::string_view paused = "paused";
 inline constexpr std::string_view source_amiss = "source_amiss";
 inline constexpr std::string_view grab_found = "grab_found";
 inline constexpr std::string_view release_found = "release_found";
@@ -115,6 +118,18 @@ inline constexpr auto kEventKinds = std::to_array<EventKind>({
      "the process that draws a live session's frames ended or failed, and was started again; the "
      "session continued; detail has the reason",
      "", ""},
+    {kind::played_with,
+     "in a session that a browser played: detail has the device, the browser, and of a headset its "
+     "name, frame rate and the angles of its views, as JSON",
+     "", ""},
+    {kind::recentred,
+     "in a session that a browser played: from here on, poses count from another place; detail has "
+     "its pose in the headset's own space as JSON",
+     "", ""},
+    {kind::paused,
+     "in a session that a browser played: the session's clock stood still here, because the page "
+     "was hidden or made no ticks for over 0.25 s",
+     "", "its length [s]"},
     {kind::source_amiss,
      "a live session left out samples of a source, or had to set their times itself: detail has "
      "the source, the reason and the number so far; at most every ten seconds",

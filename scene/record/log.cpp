@@ -10,6 +10,7 @@
 #include <cstdio>
 #include <cstring>
 #include <mutex>
+#include <optional>
 #include <stdexcept>
 #include <stop_token>
 #include <thread>
@@ -24,7 +25,6 @@
 
 #include "base/output_file.h"
 #include "devices/base/sources.h"
-#include "devices/base/version.h"
 #include "scene/record/file.h"
 #include "scene/record/messages.h"
 #include "scene/record/state_change.h"
@@ -62,29 +62,15 @@ Trial read_trial(const std::string& path, Time longest_gap) {
   return whole(file);
 }
 
-TrialHeader stamped(TrialHeader header, States states) {
-  header.format_version = states == States::all ? kFormatVersion : kChangesFormatVersion;
-  header.software_version = devices::software_version();
-  header.software_commit = devices::software_commit();
-  header.schema = devices::schema_text();
-  return header;
-}
-
 struct Recorder::File {
   base::OutputFile output;
-  Options options;
   lcm_eventlog_t* log = nullptr;
-  devices::Buffer bytes;   // of the current message
-  std::int64_t size = 0;   // of the file, up to the last whole event
-  std::int64_t count = 0;  // of messages
-  Time last{};
-  StateHistory states;
-  Time whole_due{};  // time of the next whole state
+  std::int64_t size = 0;  // of the file, up to the last whole event
+  std::optional<TrialEvents> events;
   std::atomic<bool> unsynced = false;
   std::jthread syncing;  // last member, so that it ends before the others
 
-  File(base::OutputFile file_to_write, const Options& how)
-      : output(std::move(file_to_write)), options(how) {
+  explicit File(base::OutputFile file_to_write) : output(std::move(file_to_write)) {
     // liblcm can only open a name and would open an existing file. So it opens /dev/null.
     std::FILE* file = fdopen(fcntl(output.descriptor(), F_DUPFD_CLOEXEC, 3), "w");
     log = file ? lcm_eventlog_create("/dev/null", "w") : nullptr;
@@ -118,52 +104,41 @@ struct Recorder::File {
     }
   }
 
-  /// The changes of a state; nothing if it must be stored whole.
-  std::optional<StateChange> change_to(const TickState& state) {
-    if (options.states == States::all) return std::nullopt;
-    if (state.time < whole_due) {
-      if (auto change = states.change_to(state)) return change;
-    }
-    states.begin(state);
-    whole_due = state.time + Time{1'000'000};
-    return std::nullopt;
-  }
-
-  template <typename T>
-  void write(std::string_view channel, Time time, const T& message) {
+  void write(const devices::LogEvent& event) {
     if (!log) throw std::runtime_error(output.path() + ": is closed; nothing more can be written");
     if (unsynced)
       throw std::runtime_error(output.path() + ": the disk did not store what was written");
-    encode(message, bytes);
-    last = std::max(last, time);
-    lcm_eventlog_event_t event{};
-    event.timestamp = (options.epoch + last).count();
-    event.channellen = static_cast<std::int32_t>(channel.size());
-    event.datalen = static_cast<std::int32_t>(bytes.size());
-    event.channel = const_cast<char*>(channel.data());
-    event.data = bytes.data();
-    if (lcm_eventlog_write_event(log, &event) != 0 || std::fflush(log->f) != 0) cut_back();
+    lcm_eventlog_event_t out{};
+    out.timestamp = event.time.count();
+    out.channellen = static_cast<std::int32_t>(event.channel.size());
+    out.datalen = static_cast<std::int32_t>(event.data.size());
+    out.channel = const_cast<char*>(event.channel.data());
+    out.data = const_cast<std::uint8_t*>(event.data.data());
+    if (lcm_eventlog_write_event(log, &out) != 0 || std::fflush(log->f) != 0) {
+      cut_back(event.number);
+    }
     constexpr std::int64_t kEventHeader = 28;
-    size += kEventHeader + event.channellen + event.datalen;
-    ++count;
+    size += kEventHeader + out.channellen + out.datalen;
   }
 
   /// After a failed write, truncates the file to its complete events.
-  [[noreturn]] void cut_back() {
+  [[noreturn]] void cut_back(std::int64_t number) {
     const int error = errno;
     __fpurge(log->f);  // otherwise close would try again
     const bool cut = output.cut_back(size);
     lcm_eventlog_destroy(log);
     log = nullptr;
-    throw std::runtime_error(output.path() + ": cannot write event " + std::to_string(count) +
+    throw std::runtime_error(output.path() + ": cannot write event " + std::to_string(number) +
                              ": " + std::strerror(error) +
                              (cut && output.live() ? "; the events before it are kept" : ""));
   }
 };
 
 Recorder::Recorder(base::OutputFile output, const TrialHeader& header, const Options& options)
-    : file_(std::make_unique<File>(std::move(output), options)) {
-  file_->write(kTrialChannel, Time{}, stamped(header, options.states));
+    : file_(std::make_unique<File>(std::move(output))) {
+  file_->events.emplace(header, options, [file = file_.get()](const devices::LogEvent& event) {
+    file->write(event);
+  });
 }
 
 Recorder::Recorder(base::OutputFile output, const TrialHeader& header)
@@ -175,33 +150,23 @@ Recorder::Recorder(const std::string& path, const TrialHeader& header)
 Recorder::~Recorder() = default;
 
 void Recorder::write(const devices::Sample& sample) {
-  if (const auto* tracker = std::get_if<devices::TrackerSample>(&sample)) {
-    file_->write(devices::kTrackerChannel, devices::available(sample), *tracker);
-  } else {
-    file_->write(devices::kMouseChannel, devices::available(sample),
-                 std::get<devices::MouseSample>(sample));
-  }
+  file_->events->write(sample);
 }
 
 void Recorder::write(const Event& event) {
-  file_->write(kEventChannel, event.time, event);
+  file_->events->write(event);
 }
 
 void Recorder::write(const TickState& state) {
-  if (const auto change = file_->change_to(state)) {
-    file_->write(kStateChangeChannel, state.time, *change);
-  } else {
-    file_->write(kStateChannel, state.time, state);
-  }
+  file_->events->write(state);
 }
 
 void Recorder::write(const FrameRecord& frame) {
-  file_->write(kFrameChannel, frame.time, frame);
+  file_->events->write(frame);
 }
 
 void Recorder::write(const Snapshot& snapshot) {
-  file_->write(kSnapshotChannel, snapshot.time, snapshot);
-  --file_->count;  // see snapshot_t
+  file_->events->write(snapshot);
 }
 
 void Recorder::require_kept() const {
@@ -209,11 +174,7 @@ void Recorder::require_kept() const {
 }
 
 void Recorder::close() {
-  Event end;
-  end.time = file_->last;
-  end.kind = kEndEvent;
-  end.value = static_cast<double>(file_->count);
-  write(end);
+  file_->events->close();
   require_kept();
   file_->syncing = {};
   lcm_eventlog_destroy(file_->log);

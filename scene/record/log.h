@@ -9,6 +9,7 @@
 #include "devices/log/event_log.h"
 #include "scene/record/sink.h"
 #include "scene/record/trial.h"
+#include "scene/record/trial_events.h"
 
 namespace headpin::base {
 class OutputFile;
@@ -47,22 +48,13 @@ Trial read_log(const std::string& path);
 /// The same from the bytes of a log; never throws for what is in them.
 Trial read_log(std::span<const std::uint8_t> bytes);
 
-/// How states are stored: all of them whole, or most of them as changes (state_change_t).
-enum class States { all, changes };
-
-/// The header with this program's format, version, commit and schema.
-TrialHeader stamped(TrialHeader header, States states = States::all);
-
 /// Writes a trial through liblcm's event log, each message whole before the next begins.
 ///
 /// The file is complete under its name or absent, unless it is live. Every message is written at once, so a killed process leaves a log that is readable up to its last
 /// complete event. When the disk is full, the file is truncated to that event.
 class Recorder : public TrialSink {
  public:
-  struct Options {
-    States states = States::all;
-    Time epoch{};  ///< added to the stamps of LCM's event headers; wall clock of time 0, if any
-  };
+  using Options = TrialEvents::Options;
 
   /// Writes the header, with format, software and schema put in.
   ///

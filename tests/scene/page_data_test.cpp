@@ -48,7 +48,7 @@ Session played(const Recorded& recorded, const Scenario& scenario) {
 
 TEST(PageData, ShowsEveryBodyWhereTheReplayLeavesIt) {
   const Recorded recorded = load_trial(kDemo);
-  const PageData data = page_data(recorded, PageLooks(recorded));
+  const PageData data = page_data(recorded, PageLooks(recorded.scenario));
   const Session session = played(recorded, recorded.scenario);
   ASSERT_EQ(data.json["drawn"]["every"], 1);
   const std::int64_t last = data.json["drawn"]["rows"].get<std::int64_t>() - 1;
@@ -77,7 +77,7 @@ TEST(PageData, UnderAnotherConditionIsWhatAReplayUnderItGives) {
   set_friction(scenario.material, 0.2);
   scenario.collision.shape = SkittleShape::ellipsoid;
   scenario.collision.response = "coulomb";
-  const PageData data = page_data(recorded, PageLooks(recorded), condition, false);
+  const PageData data = page_data(recorded, PageLooks(recorded.scenario), condition, false);
   EXPECT_EQ(data.json["summary"]["state_hash"],
             summary(played(recorded, scenario), {})["state_hash"]);
   EXPECT_TRUE(data.json["meshes"].empty());
@@ -106,7 +106,7 @@ std::string trial_with_states(std::int64_t moved_tick) {
 
 TEST(PageData, TellsWhetherTheRecordedStatesCameBack) {
   const Recorded recorded = load_trial(trial_with_states(-1));
-  const PageData data = page_data(recorded, PageLooks(recorded), {}, false);
+  const PageData data = page_data(recorded, PageLooks(recorded.scenario), {}, false);
   const nlohmann::json& hash = data.json["hash"];
   EXPECT_EQ(hash["verified_ticks"], 300);
   EXPECT_EQ(hash["recorded"], hash["replayed"]);
@@ -115,7 +115,7 @@ TEST(PageData, TellsWhetherTheRecordedStatesCameBack) {
 
 TEST(PageData, ShowsWhatWasRecordedWhereTheReplayDiffersAndSaysWhere) {
   const Recorded recorded = load_trial(trial_with_states(120));
-  const PageData data = page_data(recorded, PageLooks(recorded), {}, false);
+  const PageData data = page_data(recorded, PageLooks(recorded.scenario), {}, false);
   const nlohmann::json& first = data.json["hash"]["first_difference"];
   EXPECT_EQ(first["tick"], 120);
   EXPECT_EQ(first["body"], "ball");
@@ -136,7 +136,7 @@ TEST(PageData, OfALongTrialDrawsEveryNthTickAndTheLast) {
   }
   recorder.close();
   const Recorded recorded = load_trial(path);
-  const PageData data = page_data(recorded, PageLooks(recorded), {}, false);
+  const PageData data = page_data(recorded, PageLooks(recorded.scenario), {}, false);
   const nlohmann::json& drawn = data.json["drawn"];
   EXPECT_EQ(drawn["every"], 2);  // 31440 ticks are more than 24000
   EXPECT_EQ(drawn["last_tick"], data.json["ticks"]);
@@ -148,8 +148,8 @@ TEST(PageData, OfTheBytesOfALogIsThatOfTheFile) {
   std::ifstream file(kDemo, std::ios::binary);
   const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
   const Recorded from_file = load_trial(kDemo), from_memory = load_trial(bytes, "demo");
-  const PageData a = page_data(from_file, PageLooks(from_file)),
-                 b = page_data(from_memory, PageLooks(from_memory));
+  const PageData a = page_data(from_file, PageLooks(from_file.scenario)),
+                 b = page_data(from_memory, PageLooks(from_memory.scenario));
   EXPECT_EQ(a.json, b.json);
   EXPECT_EQ(a.floats, b.floats);
 }
@@ -170,13 +170,13 @@ TEST(PageData, ShowsOurOwnShapeAndSaysSoWhereAMeshFileIsGone) {
   const auto skittle_of = [](const PageLooks& looks) {
     return looks.meshes[static_cast<std::size_t>(looks.looks.true_skittle.mesh)].vertices.size();
   };
-  const PageLooks there(load_trial(path)), own{demo};
+  const PageLooks there(load_trial(path).scenario), own{demo.scenario};
   EXPECT_TRUE(there.missing.empty());
   EXPECT_NE(skittle_of(there), skittle_of(own));
 
   std::filesystem::remove(folder / "pin.obj");
   const Recorded recorded = load_trial(path);
-  const PageLooks gone(recorded);
+  const PageLooks gone(recorded.scenario);
   ASSERT_EQ(gone.missing.size(), 1u);
   EXPECT_THAT(gone.missing[0], AllOf(HasSubstr("skittles"), HasSubstr("pin.obj")));
   EXPECT_EQ(skittle_of(gone), skittle_of(own));
