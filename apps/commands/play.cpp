@@ -36,8 +36,9 @@ void write_play_page(const PlayOptions& options) {
   }
   data.json["version"] = devices::software_version();
   data.json["commit"] = devices::software_commit();
-  const PageBlocks blocks = {{"play", deflated(data.json.dump())},
-                             {"play-numbers", deflated(in_quanta(data))}};
+  const PageBlocks blocks = {
+      {"play", deflated(data.json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace))},
+      {"play-numbers", deflated(in_quanta(data))}};
   std::vector<std::filesystem::path> inputs = {options.scenario};
   if (options.page) inputs.emplace_back(*options.page);
   base::OutputFile out(*options.output,

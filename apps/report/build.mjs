@@ -1,7 +1,8 @@
-// Makes the page that `headpin report` fills in: one file, with styles, scripts and engine in it.
+// Makes the pages that `headpin report` and `headpin play` fill in, each one file, with styles,
+// scripts and engine in it: OUT.html, and play.html beside it.
 //
 //   node build.mjs OUT.html [ENGINE_FOLDER]
-import { existsSync, mkdirSync, readFileSync, renameSync, writeFileSync } from 'node:fs';
+import { existsSync, mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { fileURLToPath } from 'node:url';
 import { deflateSync } from 'node:zlib';
@@ -31,27 +32,17 @@ async function bundle(name) {
   return result.outputFiles[0].contents;
 }
 
-/** The engine, where it was built: its blocks; else nothing, and the page does without. */
-async function engineBlocks(folder) {
-  if (!folder || !existsSync(join(folder, 'engine.wasm'))) return '';
-  const blocks = {
-    'engine-js': readFileSync(join(folder, 'engine.js')),
-    'engine-wasm': readFileSync(join(folder, 'engine.wasm')),
-    'engine-worker': await bundle('worker.js'),
-  };
-  return Object.entries(blocks).map(([name, bytes]) =>
-    `<script type="text/plain" data-block="${name}">${deflated(bytes)}</script>`).join('\n');
-}
+const blocksOf = (blocks) => Object.entries(blocks).map(([name, bytes]) =>
+  `<script type="text/plain" data-block="${name}">${deflated(bytes)}</script>`).join('\n');
 
-const styles = readFileSync(join(here, 'node_modules/uplot/dist/uPlot.min.css'), 'utf8') + source('style.css');
-const replacements = {
-  '/*headpin:style*/': styles,
-  '/*headpin:page*/': deflated(await bundle('main.js')),
-  '<!--headpin:engine-->': await engineBlocks(engineFolder),
-};
+const hasEngine = engineFolder !== undefined && existsSync(join(engineFolder, 'engine.wasm'));
+const engine = hasEngine ? {
+  'engine-js': readFileSync(join(engineFolder, 'engine.js')),
+  'engine-wasm': readFileSync(join(engineFolder, 'engine.wasm')),
+} : {};
 
 /** What of others is in the page, and its licences in full, as the packages have them. */
-function notices(hasEngine) {
+function notices() {
   const cmake = join(here, '../../cmake');
   const places = hasEngine ? ['page', "the page's engine"] : ['page'];
   const parts = JSON.parse(readFileSync(join(cmake, 'third_parties.json'), 'utf8'))
@@ -70,11 +61,30 @@ function notices(hasEngine) {
   return `headpin: MIT, ${own[1]}\n${list.join('')}\n${licences.join('\n')}`.replaceAll('--', '- -');
 }
 
-const hasEngine = replacements['<!--headpin:engine-->'] !== '';
-let page = source('index.html').replace('<head>', () => `<head>\n<!--\nIn this page:\n${notices(hasEngine)}-->`);
-for (const [mark, text] of Object.entries(replacements)) page = page.replace(mark, () => text);
+/** Fills a template of ours and writes it. */
+function write(file, template, replacements) {
+  let page = source(template).replace('<head>', () => `<head>\n<!--\nIn this page:\n${notices()}-->`);
+  for (const [mark, text] of Object.entries(replacements)) page = page.replace(mark, () => text);
+  mkdirSync(dirname(file), { recursive: true });
+  writeFileSync(`${file}.part`, page);
+  renameSync(`${file}.part`, file);
+  console.log(`${file}: ${page.length} bytes${hasEngine ? '' : ', without the engine'}`);
+}
 
-mkdirSync(dirname(out), { recursive: true });
-writeFileSync(`${out}.part`, page);
-renameSync(`${out}.part`, out);
-console.log(`${out}: ${page.length} bytes${hasEngine ? '' : ', without the engine'}`);
+const plots = readFileSync(join(here, 'node_modules/uplot/dist/uPlot.min.css'), 'utf8');
+write(out, 'index.html', {
+  '/*headpin:style*/': plots + source('style.css'),
+  '/*headpin:page*/': deflated(await bundle('main.js')),
+  '<!--headpin:engine-->': hasEngine ? blocksOf({ ...engine, 'engine-worker': await bundle('worker.js') }) : '',
+});
+const play = join(dirname(out), 'play.html');
+if (hasEngine) {
+  write(play, 'play/play.html', {
+    '/*headpin:style*/': source('style.css') + source('play/play.css'),
+    '/*headpin:page*/': deflated(await bundle('play/main.js')),
+    '<!--headpin:engine-->': blocksOf({ ...engine, 'store-worker': await bundle('play/store_worker.js') }),
+  });
+} else {
+  rmSync(play, { force: true });
+  console.log(`${play}: not made, it needs the engine`);
+}

@@ -5,6 +5,7 @@ import { Mesh, NearestFilter, OrthographicCamera, PerspectiveCamera, PlaneGeomet
 
 import { Orbit } from './orbit.js';
 import { Contacts, Frusta, Trails } from './overlays.js';
+import { lookAtWebGl } from './webgl.js';
 import { Cast, Looks, makeRoom } from './world.js';
 
 // Colours are coded by our own shaders or given coded: three.js has nothing to convert.
@@ -13,24 +14,6 @@ ColorManagement.enabled = false;
 const kSettled = 200;  // ms after the last change
 const kCoarse = 0.4;   // pixels of the picture a pixel of the screen, while it changes, in software
 const kOtherTint = [0.55, 0.8, 1.25];
-
-/** What a browser says, which may be a list of several lines, as part of a sentence. */
-function inBrief(text) {
-  return text.replace(/\s+/g, ' ').replace(/(\.| |\(\))+$/, '');
-}
-
-/** Whether the browser draws with a processor alone, and why it does not draw at all. */
-function lookAtWebGl() {
-  const canvas = document.createElement('canvas');
-  let why = '';
-  canvas.addEventListener('webglcontextcreationerror', (event) => { why = event.statusMessage; });
-  const gl = canvas.getContext('webgl2');
-  if (!gl) return { why: inBrief(why) || 'it is switched off, or there is no driver for it' };
-  const who = gl.getExtension('WEBGL_debug_renderer_info');
-  const name = who ? gl.getParameter(who.UNMASKED_RENDERER_WEBGL) : '';
-  gl.getExtension('WEBGL_lose_context')?.loseContext();
-  return { software: /swiftshader|llvmpipe|software/i.test(name) };
-}
 
 /** Width of a display's pixel over its height, by the tangents it is seen under. */
 function pixelShapeOf({ frustum: { left, right, bottom, top }, width, height }) {

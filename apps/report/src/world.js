@@ -124,25 +124,42 @@ export class Cast {
     shown.objects.get(mesh).visible = true;
   }
 
-  /** Balls and skittles keep light from the floor: one ball each will do from here. */
+  /** Balls and skittles keep light from the floor. */
   castShade(tick) {
-    const { occluders: { value: occluders }, shaded: { value: shaded } } = this.looks.light;
-    const reach = 0.6;  // m, beyond which it is too faint to see
-    shaded.set(Infinity, Infinity, -Infinity, -Infinity);
-    let used = 0;
-    for (const [role, radius, lower] of [['ball', 0.1, 0], ['skittle', 0.055, 0.1]]) {
-      for (const actor of this.trial.actors(role)) {
-        if (used === occluders.length) return;
-        const p = this.trial.pose(actor, tick, this.pose);
-        // A skittle's lower part shades: its axis is the third of its turn.
-        const [w, x, y, z] = p;
-        const one = occluders[used++].set(
-          p[4] - lower * 2 * (x * z + w * y), p[5] - lower * 2 * (y * z - w * x),
-          p[6] - lower * (1 - 2 * (x * x + y * y)), radius);
-        shaded.set(Math.min(shaded.x, one.x - reach), Math.min(shaded.y, one.y - reach),
-          Math.max(shaded.z, one.x + reach), Math.max(shaded.w, one.y + reach));
-      }
+    const shade = new Shade(this.looks.light);
+    for (const role of ['ball', 'skittle']) {
+      for (const actor of this.trial.actors(role)) shade.add(role, this.trial.pose(actor, tick, this.pose));
     }
+  }
+}
+
+/** The light that balls and skittles keep from the floor: one ball each will do from here. */
+export class Shade {
+  static reach = 0.6;  // m, beyond which it is too faint to see
+  static of = { ball: { radius: 0.1, lower: 0 }, skittle: { radius: 0.055, lower: 0.1 } };  // m
+
+  constructor({ occluders, shaded }) {
+    this.occluders = occluders.value;
+    this.shaded = shaded.value;
+    this.clear();
+  }
+
+  clear() {
+    this.shaded.set(Infinity, Infinity, -Infinity, -Infinity);
+    this.used = 0;
+  }
+
+  add(role, p) {
+    const { occluders, shaded } = this;
+    if (this.used === occluders.length) return;
+    const { radius, lower } = Shade.of[role];
+    // A skittle's lower part shades: its axis is the third of its turn.
+    const [w, x, y, z] = p;
+    const one = occluders[this.used++].set(
+      p[4] - lower * 2 * (x * z + w * y), p[5] - lower * 2 * (y * z - w * x),
+      p[6] - lower * (1 - 2 * (x * x + y * y)), radius);
+    shaded.set(Math.min(shaded.x, one.x - Shade.reach), Math.min(shaded.y, one.y - Shade.reach),
+      Math.max(shaded.z, one.x + Shade.reach), Math.max(shaded.w, one.y + Shade.reach));
   }
 }
 

@@ -1,0 +1,252 @@
+// The virtual hand without a headset: a pointer or keys move it, and the pose of the head stays where
+// the player stands. All poses are in the tracked space T: x right, y up, z back.
+import { Quaternion, Vector3 } from 'three';
+
+import { inView, poseAt } from './scene.js';
+
+const kEyeHeight = 1.75, kEyeBehind = 1.4;  // m: so far behind that ball and skittles are in the picture
+const kFromWall = 0.75;           // m that the ball's stand and the wall behind need of the room
+const kLookDown = 0.38;           // rad
+const kTurn = 0.35;               // rad/s, while a key is down
+const kNear = 0.2;                // m from the pointer's ray: the hand goes there
+const kReached = 3;               // m from the eye, beyond which the hand goes nowhere
+const kHover = -0.2;              // z of the hand that is nowhere [m]
+const kForward = 2.2, kAcross = 0.9;  // m that the swinging hand moves for the picture's height
+const kDrawnBack = 0.6;           // m behind the stand, where a swing begins
+const kDrawBack = 100_000;        // us, the time in which it is drawn back to 1/e
+const kLow = 0.2;                 // height of the ball's centre where it is let go [m]
+const kLowered = 0.45;            // m of the swing in which it gets there
+const kQuiet = 50_000;            // us without a move of the pointer, after which it stands still
+const kSilent = 60_000;           // us after a release: what the pointer does then is no swing
+const kStep = 8_000;              // us between samples of a hand that keys move
+const kSwing = 350_000;           // us that a swing by keys takes
+const kSlowest = 4, kFastest = 8; // m/s of that swing
+
+const identity = [1, 0, 0, 0];
+const smooth = (s) => (s <= 0 ? 0 : s >= 1 ? 1 : s * s * (3 - 2 * s));
+
+export class HandByPointer {
+  constructor(game, room, canvas) {
+    this.game = game;
+    this.room = room;
+    this.canvas = canvas;
+    this.yaw = 0;
+    this.keys = new Set();
+    this.pointer = null;   // [x, y] on the canvas, -1 to 1, y up
+    this.swing = null;     // while something is taken
+    this.silentUntil = 0;
+    this.framed = 0;
+    this.place = [0.3, 1.0, kHover];
+    this.abort = new AbortController();
+    this.listen();
+  }
+
+  listen() {
+    const on = (target, kind, act) => target.addEventListener(kind, act, { signal: this.abort.signal });
+    on(this.canvas, 'pointermove', (event) => this.moved(event));
+    on(this.canvas, 'pointerdown', (event) => this.pressed(event));
+    on(this.canvas, 'pointerup', (event) => this.lifted(event));
+    on(this.canvas, 'pointercancel', (event) => this.lifted(event));
+    on(this.canvas, 'keydown', (event) => this.key(event, true));
+    on(this.canvas, 'keyup', (event) => this.key(event, false));
+    on(this.canvas, 'blur', () => this.keys.clear());
+  }
+
+  end() {
+    this.abort.abort();
+  }
+
+  /** X_TD */
+  head() {
+    const q = new Quaternion().setFromAxisAngle(new Vector3(0, 1, 0), this.yaw)
+      .multiply(new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), -kLookDown));
+    const behind = Math.min(kEyeBehind, this.game.json.room.behind - kFromWall);
+    return [q.w, q.x, q.y, q.z, 0, kEyeHeight, behind];
+  }
+
+  /** A point of the world in T. */
+  inT(p) {
+    return this.room.rig.worldToLocal(new Vector3(...p));
+  }
+
+  /** Places that the hand goes to: where it would grab a ball, or touch a button. */
+  targets() {
+    const { json, view, grip } = this.game;
+    const balls = json.actors.flatMap(({ role }, i) =>
+      (role === 'ball' ? [this.inT(poseAt(view, inView.bodies + 7 * i).subarray(4))] : []));
+    return [...balls.map((at) => ({ at, hand: at.clone().sub(new Vector3(...grip)) })),
+      ...json.buttons.map(({ p }) => ({ at: this.inT(p), hand: this.inT(p) }))];
+  }
+
+  /** Where the hand is for a pointer that takes nothing. */
+  hovering() {
+    const { camera, rig } = this.room;
+    if (!this.pointer) return this.place;
+    const from = rig.worldToLocal(camera.getWorldPosition(new Vector3()));
+    const through = rig.worldToLocal(new Vector3(...this.pointer, 0.5).unproject(camera));
+    const along = through.sub(from).normalize();
+    const off = ({ at }) => at.clone().sub(from).cross(along).length();
+    const near = this.targets().filter(({ at }) => at.distanceTo(from) < kReached)
+      .sort((a, b) => off(a) - off(b))[0];
+    if (near && off(near) < kNear) return near.hand.toArray();
+    const far = along.z < -0.05 ? Math.min((kHover - from.z) / along.z, kReached) : kReached;
+    const p = from.addScaledVector(along, far);
+    return [Math.max(-1.2, Math.min(1.2, p.x)), Math.max(0.15, Math.min(2.2, p.y)), p.z];
+  }
+
+  /** Where the hand is in a swing, for the pointer's way since it was pressed, in picture heights. */
+  swinging(across, up, time) {
+    const { from, began } = this.swing;
+    const drawn = 1 - Math.exp(-(time - began) / kDrawBack);
+    const forward = kForward * up;
+    const centre = from.y + this.game.grip[1];
+    const lower = (centre - kLow) * smooth(forward / kLowered);
+    const lift = forward < 0 ? 0.15 * forward * forward : 0;
+    const ahead = forward - kDrawnBack * drawn;
+    const side = kAcross * across;
+    return [from.x * (1 - drawn) + side * Math.cos(this.yaw) - ahead * Math.sin(this.yaw),
+      from.y - lower + lift,
+      from.z - ahead * Math.cos(this.yaw) - side * Math.sin(this.yaw)];
+  }
+
+  sendHand(place, time) {
+    this.place = place;
+    this.game.tracker(this.game.handStation, [...identity, ...place], time);
+  }
+
+  locate(event) {
+    const box = this.canvas.getBoundingClientRect();
+    return [(2 * (event.clientX - box.left)) / box.width - 1, 1 - (2 * (event.clientY - box.top)) / box.height];
+  }
+
+  /** Where the hand is now that the pointer is there. */
+  follow(at, time) {
+    this.pointer = at;
+    this.pointed = time;
+    if (time < this.silentUntil || this.swing?.byKeys) return;
+    if (!this.swing) return this.sendHand(this.hovering(), time);
+    const aspect = this.canvas.clientWidth / this.canvas.clientHeight;
+    const [x, y] = this.swing.pointer;
+    this.sendHand(this.swinging(((at[0] - x) * aspect) / 2, (at[1] - y) / 2, time), time);
+  }
+
+  /** The pointer stands still; the hand may still be drawn back. */
+  stay(now) {
+    const { pointed } = this;
+    this.follow(this.pointer, now);
+    this.pointed = pointed;
+  }
+
+  moved(event) {
+    const parts = event.getCoalescedEvents?.() ?? [];
+    for (const part of parts.length ? parts : [event]) this.follow(this.locate(part), this.game.at(part.timeStamp));
+  }
+
+  take(time) {
+    this.swing = { pointer: this.pointer, from: new Vector3(...this.place), began: time };
+    this.press(true, time);
+  }
+
+  press(trigger, time) {
+    this.trigger = trigger;
+    this.tellButtons(time);
+  }
+
+  pressed(event) {
+    if (event.button !== 0 || this.swing) return;
+    this.canvas.focus();
+    this.canvas.setPointerCapture(event.pointerId);
+    const time = this.game.at(event.timeStamp);
+    this.silentUntil = 0;
+    this.follow(this.locate(event), time);
+    this.take(time);
+    event.preventDefault();
+  }
+
+  lifted(event) {
+    if (!this.swing || this.swing.byKeys) return;
+    const time = this.game.at(event.timeStamp);
+    this.follow(this.locate(event), time);
+    this.letGo(time);
+  }
+
+  letGo(time) {
+    this.press(false, time);
+    this.swing = null;
+    this.silentUntil = time + kSilent;
+  }
+
+  key(event, down) {
+    const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
+    const known = ['w', 'a', 's', 'd', 'ArrowUp', 'ArrowDown', 'ArrowLeft', 'ArrowRight', ' '];
+    if (!known.includes(key) || event.ctrlKey || event.altKey || event.metaKey) return;
+    event.preventDefault();
+    if (event.repeat) return;
+    if (down) this.keys.add(key);
+    else this.keys.delete(key);
+    const time = this.game.at(event.timeStamp);
+    if (key === ' ') this.throwKey(down, time);
+    this.tellButtons(time);
+  }
+
+  /** Down: takes the first ball and draws it back; up: swings, the faster the longer it was down. */
+  throwKey(down, time) {
+    if (down && !this.swing) {
+      this.sendHand(this.targets()[0].hand.toArray(), time);
+      this.take(time);
+      this.swing.byKeys = { sent: time };
+    } else if (!down && this.swing?.byKeys && !this.swing.byKeys.go) {
+      const held = Math.min(1, (time - this.swing.began) / 1e6);
+      this.swing.byKeys.go = Math.max(time, this.swing.byKeys.sent);
+      this.swing.byKeys.speed = kSlowest + (kFastest - kSlowest) * held;
+    }
+  }
+
+  /** Samples of a hand that keys move, up to a time. */
+  keysTo(now) {
+    const keys = this.swing.byKeys;
+    while (keys.sent + kStep <= now) {
+      keys.sent += kStep;
+      // It speeds up evenly until it lets go.
+      const s = keys.go ? (keys.sent - keys.go) / kSwing : 0;
+      const way = 0.5 * keys.speed * (kSwing / 1e6);  // m
+      const forward = s > 0 ? way * Math.min(s, 1) ** 2 : 0;
+      this.sendHand(this.swinging(0, forward / kForward, keys.sent), keys.sent);
+      if (s >= 1) return this.letGo(keys.sent);
+    }
+  }
+
+  tellButtons(time) {
+    const pad = this.pad ?? {};
+    this.game.buttons({
+      left: this.keys.has('w') || this.keys.has('ArrowUp') || pad.up === true,
+      right: this.keys.has('s') || this.keys.has('ArrowDown') || pad.down === true,
+      trigger: this.trigger === true,
+    }, time);
+  }
+
+  readGamepad(now) {
+    const pad = navigator.getGamepads?.().find((one) => one?.mapping === 'standard');
+    if (!pad) return;
+    const before = this.pad ?? {};
+    this.pad = { up: pad.axes[1] < -0.5, down: pad.axes[1] > 0.5, throw: pad.buttons[0].pressed,
+      turn: Math.abs(pad.axes[2]) > 0.2 ? -pad.axes[2] : 0 };
+    if (this.pad.throw !== (before.throw === true)) this.throwKey(this.pad.throw, now);
+    this.tellButtons(now);
+  }
+
+  /** Before the ticks of a picture: turns the head, and says where head and hand are. */
+  frame() {
+    const now = this.game.now();
+    this.readGamepad(now);
+    const left = this.keys.has('a') || this.keys.has('ArrowLeft');
+    const right = this.keys.has('d') || this.keys.has('ArrowRight');
+    const turn = Number(left) - Number(right) + (this.pad?.turn ?? 0);
+    this.yaw += kTurn * turn * Math.min(0.1, (now - this.framed) / 1e6);
+    this.framed = now;
+    this.game.tracker(1, this.head(), now);
+    if (this.swing?.byKeys) this.keysTo(now);
+    else if (!this.pointer) this.sendHand(this.place, now);
+    else if (now - this.pointed > kQuiet) this.stay(now);
+  }
+}

@@ -1,0 +1,225 @@
+// The page of a game: a room, one session at a time, and the logs that are kept.
+import { block, hasBlock, jsonBlock, numbersOf } from '../data.js';
+import { find, make } from '../elements.js';
+import { Game } from './game.js';
+import { HandByPointer } from './hand.js';
+import { inView, poseOf, Room } from './scene.js';
+import { keptLogs, removeLog, save, Store } from './store.js';
+import { XrPlay, xrOffered } from './xr.js';
+
+const kPiece = 400;  // ms between pieces of the log: a crash loses less than a second
+
+async function startEngine() {
+  const code = new TextDecoder().decode(await block('engine-js'));
+  const script = document.createElement('script');
+  script.textContent = `${code}\nwindow.headpinEngine = headpinEngine;`;
+  document.body.append(script);
+  return window.headpinEngine({ wasmBinary: await block('engine-wasm') });
+}
+
+function scoreInWords({ skittles_down: down, sheets }) {
+  return sheets.length > 0 ? sheets[sheets.length - 1] : `Skittles down: ${down}`;
+}
+
+const megabytes = (bytes) => `${(bytes / 1e6).toFixed(1)} MB`;
+
+class Page {
+  async open() {
+    const json = await jsonBlock('play');
+    this.json = json;
+    find('title').textContent = `Play: ${json.scenario.name}`;
+    find('version').textContent = json.version;
+    find('buttons-note').hidden = json.buttons.length === 0;
+    const sections = new Map(json.sections.map((section) => [section.name, section]));
+    const numbers = numbersOf(await block('play-numbers'), json.sections);
+    this.room = new Room(find('view'), { json, numbers, sections });
+    this.engine = await startEngine();
+    find('start').addEventListener('click', () => this.guard(this.playHere()));
+    find('vr').addEventListener('click', () => this.guard(this.playWithHeadset()));
+    find('end').addEventListener('click', () => this.guard(this.end()));
+    addEventListener('beforeunload', (event) => {
+      if (this.game || this.unsaved) event.preventDefault();
+    });
+    this.showRoom();
+    await this.listFiles();
+    await this.lookForHeadset();
+    document.documentElement.dataset.ready = 'yes';
+  }
+
+  async lookForHeadset() {
+    const offered = await xrOffered();
+    find('vr').hidden = !offered;
+    find('no-vr').textContent = offered ? '' : 'No headset is connected to this browser.';
+  }
+
+  /** The room before a game. */
+  showRoom() {
+    const game = new Game(this.engine, this.json, { device: 'mouse' });
+    this.room.put(game.view);
+    this.room.putRig(game.view, game.X_WT);
+    this.room.scene.updateMatrixWorld();
+    const hand = new HandByPointer(game, this.room, find('view'));
+    hand.end();
+    this.room.draw(hand.head());
+  }
+
+  async begin(device) {
+    const leftHand = document.querySelector('#hands input:checked').value === 'left';
+    const participant = find('participant').value.trim();
+    this.trouble = '';
+    this.store = new Store(participant, (sentence) => { this.trouble = sentence; this.tellKept(); });
+    await this.store.start();
+    this.game = new Game(this.engine, this.json,
+      { device, leftHand, participant, keep: (piece) => this.store.add(piece) });
+    this.game.onNews((news) => this.tellNews(news));
+    this.pieces = setInterval(() => { this.game.keepLog(); this.tellKept(); }, kPiece);
+    find('before').hidden = true;
+    find('during').hidden = false;
+    find('score').textContent = '';
+    return this.game;
+  }
+
+  async playHere() {
+    const game = await this.begin('mouse');
+    game.note('played_with', JSON.stringify({ device: 'mouse', browser: navigator.userAgent }));
+    this.hand = new HandByPointer(game, this.room, find('view'));
+    find('view').focus();
+    this.tellNext();
+    const draw = () => {
+      if (this.game !== game) return;
+      requestAnimationFrame(draw);
+      this.guard(this.drawHere());
+    };
+    draw();
+  }
+
+  /** A picture: the hand's samples, the ticks that are due, and what they made. */
+  async drawHere() {
+    const { game, hand, room } = this;
+    hand.frame();
+    const view = game.advance();
+    room.put(view);
+    room.putRig(view, game.X_WT);
+    room.draw(hand.head());
+    const { matrixWorld } = room.camera;
+    game.frame([poseOf(matrixWorld), poseOf(matrixWorld)], this.isLate());
+    this.tellNext();
+  }
+
+  isLate() {
+    const now = performance.now();
+    const late = this.drawnAt !== undefined && now - this.drawnAt > 1.5 * (1000 / this.json.frame_hz);
+    this.drawnAt = now;
+    return late;
+  }
+
+  async playWithHeadset() {
+    const xr = new XrPlay(this.room, this.json);
+    await xr.request();  // first, while the browser still knows of the click
+    const game = await this.begin('generic-webxr');
+    this.xr = xr;
+    find('hint').textContent = 'You are playing with the headset.';
+    xr.onEnd = () => this.guard(this.end());
+    xr.onTrouble = (error) => this.fail(error);
+    await xr.play(game);
+  }
+
+  async end() {
+    const { game, store } = this;
+    if (!game) return;
+    this.game = null;
+    clearInterval(this.pieces);
+    this.hand?.end();
+    this.hand = null;
+    this.xr?.end();
+    this.xr = null;
+    const result = game.finish();
+    const log = await store.finish();
+    this.last = { ...result, name: store.name, log };
+    this.unsaved = store.failed === true;
+    find('before').hidden = false;
+    find('during').hidden = true;
+    find('hint').textContent = `The game is over. ${scoreInWords(game.score)}.`;
+    find('score').textContent = '';
+    this.tellEnd();
+    await this.listFiles();
+    find('save-last').focus();
+  }
+
+  tellEnd() {
+    const { name, log } = this.last;
+    const button = make('button', { type: 'button', id: 'save-last', onclick: () => {
+      save(name, log);
+      this.unsaved = false;
+    } }, `Save the game (${megabytes(log.size)})`);
+    find('kept').replaceChildren(`${this.trouble} `.trimStart(), button, ` Then: headpin replay ${name} --verify`);
+  }
+
+  tellNews({ score }) {
+    find('score').textContent = scoreInWords(score);
+  }
+
+  tellKept() {
+    if (this.game) find('kept').textContent = this.trouble || `Stored so far: ${megabytes(this.store.stored)}.`;
+  }
+
+  /** What the player should do now. */
+  tellNext() {
+    const { view, score } = this.game;
+    let hint = 'Press on the ball and hold.';
+    if (view[inView.held] > 0) hint = 'Swing: move quickly up, and let go while you move.';
+    else if (score.over) hint = 'The game is over. End it, and save it.';
+    if (find('hint').textContent !== hint) find('hint').textContent = hint;
+  }
+
+  async listFiles() {
+    const logs = await keptLogs();
+    const rows = logs.map(({ name, file, playing }) => {
+      const row = make('li', {}, `${name}, ${megabytes(file.size)} `);
+      if (playing) row.append('(is being played)');
+      else row.append(
+        make('button', { type: 'button', onclick: () => save(name, file) }, 'Save ', make('span', { class: 'hidden' }, name)),
+        make('button', { type: 'button', onclick: () => this.guard(this.remove(name)) }, 'Delete ', make('span', { class: 'hidden' }, name)));
+      return row;
+    });
+    find('files-body').replaceChildren(rows.length ? make('ul', {}, ...rows) : make('p', {}, 'None.'));
+  }
+
+  async remove(name) {
+    if (!confirm(`Delete ${name}? It cannot be brought back.`)) return;
+    await removeLog(name);
+    await this.listFiles();
+  }
+
+  async guard(work) {
+    try {
+      await work;
+    } catch (error) {
+      this.fail(error);
+    }
+  }
+
+  /** What went wrong; the log up to here is kept. */
+  fail(error) {
+    find('trouble').hidden = false;
+    find('trouble').textContent = `The game stopped: ${error.message}`;
+    this.hand?.end();
+    this.xr?.end();
+    if (this.game) {
+      clearInterval(this.pieces);
+      this.game.keepLog();
+      this.game = null;
+      find('before').hidden = false;
+      find('during').hidden = true;
+    }
+  }
+}
+
+const page = new Page();
+window.headpin = page;  // for those who look from the console, and for tests
+page.open().catch((error) => {
+  find('trouble').hidden = false;
+  find('trouble').textContent = hasBlock('play') ? `This page cannot show the game: ${error.message}`
+    : 'This file is a template: headpin play fills it.';
+  throw error;
+});

@@ -1,0 +1,109 @@
+// Where a game's log is kept while it grows: the browser's own file system (OPFS), and memory.
+import { block } from '../data.js';
+
+const kFolder = 'headpin';
+const lockOf = (name) => `headpin ${name}`;
+
+async function folderOf(create) {
+  const root = await navigator.storage.getDirectory();
+  return root.getDirectoryHandle(kFolder, { create });
+}
+
+/** Logs that earlier pages left: [{name, file, playing}], the newest first. */
+export async function keptLogs() {
+  try {
+    const held = (await navigator.locks.query()).held.map(({ name }) => name);
+    const all = [];
+    for await (const [name, handle] of (await folderOf(true)).entries()) {
+      if (!name.endsWith('.lcmlog')) continue;
+      all.push({ name, file: await handle.getFile(), playing: held.includes(lockOf(name)) });
+    }
+    return all.sort((a, b) => (a.name < b.name ? 1 : -1));
+  } catch {
+    return [];  // there is no such file system
+  }
+}
+
+export async function removeLog(name) {
+  await (await folderOf(false)).removeEntry(name);
+}
+
+/** Offers a file to the person. */
+export function save(name, blob) {
+  const url = URL.createObjectURL(blob);
+  const link = document.createElement('a');
+  link.href = url;
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(url), 60_000);
+}
+
+/** 2026-01-31T12-34-56-NAME.lcmlog: a name that no other game has. */
+function newName(participant) {
+  const time = new Date().toISOString().slice(0, 23).replace(/[:.]/g, '-');
+  const who = participant.replace(/[^\p{L}\p{N}_-]+/gu, '_').slice(0, 40);
+  return `${time}${who ? `-${who}` : ''}.lcmlog`;
+}
+
+/** The log of one game. */
+export class Store {
+  /** @param onTrouble  told once, in a sentence, when the log is kept in memory alone */
+  constructor(participant, onTrouble) {
+    this.name = newName(participant);
+    this.onTrouble = onTrouble;
+    this.pieces = [];  // all of them: what could not be stored is saved from here
+    this.stored = 0;   // bytes on the disk
+    this.asked = 0;
+    this.open = new Map();
+  }
+
+  async start() {
+    try {
+      await folderOf(true);
+      const code = new TextDecoder().decode(await block('store-worker'));
+      this.worker = new Worker(URL.createObjectURL(new Blob([code], { type: 'text/javascript' })));
+      this.worker.onmessage = ({ data }) => this.open.get(data.id)(data);
+      navigator.locks.request(lockOf(this.name), () => new Promise((resolve) => { this.unlock = resolve; }));
+      await this.ask({ kind: 'open', name: this.name });
+    } catch (error) {
+      this.fail(error);
+    }
+  }
+
+  ask(question) {
+    const id = ++this.asked;
+    return new Promise((resolve, reject) => {
+      this.open.set(id, (answer) => {
+        this.open.delete(id);
+        if (answer.error) reject(new Error(answer.error));
+        else resolve(answer);
+      });
+      this.worker.postMessage({ id, ...question });
+    });
+  }
+
+  fail(error) {
+    if (this.failed) return;
+    this.failed = true;
+    this.worker?.terminate();
+    this.onTrouble(/quota/i.test(error.message)
+      ? 'The browser has no room left for this game on the disk. The game goes on, and is kept in memory: do not close the page before you have saved it.'
+      : 'This browser keeps the game in memory alone: do not close the page before you have saved it.');
+  }
+
+  /** Takes a piece of the log. */
+  add(piece) {
+    this.pieces.push(piece);
+    if (this.failed) return;
+    this.ask({ kind: 'write', piece })
+      .then(({ size }) => { this.stored = size; })
+      .catch((error) => this.fail(error));
+  }
+
+  /** The whole log, once the disk has all of it or has failed. */
+  async finish() {
+    if (!this.failed) await this.ask({ kind: 'close' }).catch((error) => this.fail(error));
+    this.unlock?.();
+    return new Blob(this.pieces, { type: 'application/octet-stream' });
+  }
+}

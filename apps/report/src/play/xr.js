@@ -1,0 +1,186 @@
+// A headset of WebXR: its poses and buttons become samples of the session, and its own views are drawn.
+import { Matrix4 } from 'three';
+
+import { poseOf } from './scene.js';
+
+const kStations = { right: 2, left: 3 };
+const kStick = 0.5;
+const kRecentre = 4;          // the lower button (A, X) of a controller: WebXR Gamepads Module
+const kWatched = 90, kMostLate = 9;  // frames that are looked at, and how many of them may be late
+
+const degrees = (tangent) => (180 / Math.PI) * Math.atan(tangent);
+
+/** Whether a headset can be used here. */
+export async function xrOffered() {
+  try {
+    return await navigator.xr.isSessionSupported('immersive-vr');
+  } catch {
+    return false;  // the browser has no WebXR, or this page may not use it
+  }
+}
+
+/** [w, x, y, z, px, py, pz] of a rigid transform. */
+function numbersOf({ position: p, orientation: q }) {
+  return [q.w, q.x, q.y, q.z, p.x, p.y, p.z];
+}
+
+/** What a view sees, from its projection: angles to each side [degrees]. */
+function anglesOf(view) {
+  const m = view.projectionMatrix;
+  return { eye: view.eye, left: degrees((m[8] - 1) / m[0]), right: degrees((m[8] + 1) / m[0]),
+    down: degrees((m[9] - 1) / m[5]), up: degrees((m[9] + 1) / m[5]) };
+}
+
+export class XrPlay {
+  constructor(room, json) {
+    this.room = room;
+    this.json = json;
+    this.pressed = new Set();  // names of events that hold the trigger: select, squeeze
+    this.late = [];
+    this.onEnd = () => {};
+    this.onTrouble = () => {};
+  }
+
+  /** Asks for the headset; to be called while the browser knows of a click. */
+  async request() {
+    this.session = await navigator.xr.requestSession('immersive-vr',
+      { requiredFeatures: ['local-floor'], optionalFeatures: ['hand-tracking'] });
+    this.session.addEventListener('end', () => this.ended());
+  }
+
+  /** Plays until the session ends. */
+  async play(game) {
+    const { renderer } = this.room;
+    const { session } = this;
+    this.game = game;
+    this.floor = await session.requestReferenceSpace('local-floor');
+    this.space = this.floor;
+    for (const [start, end, name] of [['selectstart', 'selectend', 'select'], ['squeezestart', 'squeezeend', 'squeeze']]) {
+      session.addEventListener(start, (event) => this.trigger(event, name, true));
+      session.addEventListener(end, (event) => this.trigger(event, name, false));
+    }
+    renderer.xr.enabled = true;
+    renderer.xr.setReferenceSpaceType('local-floor');
+    await renderer.xr.setSession(session);
+    renderer.setAnimationLoop((time, frame) => {
+      try {
+        if (frame) this.frame(time, frame);
+      } catch (error) {
+        this.onTrouble(error);
+      }
+    });
+  }
+
+  end() {
+    this.session?.end().catch(() => {});  // it may have ended by itself
+  }
+
+  ended() {
+    const { renderer } = this.room;
+    renderer.setAnimationLoop(null);
+    renderer.xr.enabled = false;
+    this.session = null;
+    this.onEnd();
+  }
+
+  /** From here on, poses count from below the viewer, who looks along -z. */
+  recentre(frame) {
+    const pose = frame.getViewerPose(this.floor);
+    if (!pose) return;
+    const { position: p, orientation: q } = pose.transform;
+    const ahead = { x: -2 * (q.x * q.z + q.w * q.y), z: -(1 - 2 * (q.x * q.x + q.y * q.y)) };
+    const yaw = Math.atan2(-ahead.x, -ahead.z);
+    const turn = { x: 0, y: Math.sin(yaw / 2), z: 0, w: Math.cos(yaw / 2) };
+    const offset = new XRRigidTransform({ x: p.x, y: 0, z: p.z }, turn);
+    this.space = this.floor.getOffsetReferenceSpace(offset);
+    this.room.renderer.xr.setReferenceSpace(this.space);
+    this.game.note('recentred', JSON.stringify({ q: [turn.w, 0, turn.y, 0], p: [p.x, 0, p.z] }));
+  }
+
+  /** What it is played with. */
+  tell(frame) {
+    const { session } = this;
+    const pose = frame.getViewerPose(this.space);
+    if (!pose) return;
+    this.told = true;
+    this.period = 1000 / (session.frameRate ?? this.json.frame_hz);
+    this.game.note('played_with', JSON.stringify({
+      device: 'generic-webxr',
+      browser: navigator.userAgent,
+      inputs: [...session.inputSources].map(({ handedness, profiles }) => ({ handedness, profiles })),
+      frame_rate_hz: session.frameRate ?? null,
+      views: pose.views.map(anglesOf),
+    }));
+  }
+
+  isPlayed({ handedness }) {
+    return handedness === (this.game.leftHand ? 'left' : 'right');
+  }
+
+  trigger({ inputSource, frame, timeStamp }, name, down) {
+    if (!this.isPlayed(inputSource)) return;
+    if (down) this.pressed.add(name);
+    else this.pressed.delete(name);
+    this.tellButtons(this.game.at(frame?.predictedDisplayTime ?? timeStamp));
+  }
+
+  tellButtons(time) {
+    this.game.buttons({ left: this.forward === true, right: this.backward === true, trigger: this.pressed.size > 0 }, time);
+  }
+
+  readStick({ gamepad }, time) {
+    const axis = gamepad?.axes[3] ?? 0;
+    [this.forward, this.backward] = [axis < -kStick, axis > kStick];
+    this.tellButtons(time);
+  }
+
+  /** Whether a controller's lower button was pressed since the last frame. */
+  wantsRecentre(inputs) {
+    const down = inputs.some(({ gamepad }) => gamepad?.buttons[kRecentre]?.pressed);
+    const pressed = down && !this.recentreDown;
+    this.recentreDown = down;
+    return pressed;
+  }
+
+  sample(station, pose, time) {
+    if (pose) this.game.tracker(station, numbersOf(pose.transform), time, !pose.emulatedPosition);
+  }
+
+  frame(time, frame) {
+    const { game, room, session } = this;
+    const inputs = [...session.inputSources];
+    if (this.space === this.floor || this.wantsRecentre(inputs)) this.recentre(frame);
+    if (!this.told) this.tell(frame);
+    const valid = game.at(frame.predictedDisplayTime ?? time);
+    const viewer = frame.getViewerPose(this.space);
+    this.sample(1, viewer, valid);
+    for (const input of inputs) {
+      const station = kStations[input.handedness];
+      if (!station || !input.gripSpace) continue;
+      this.sample(station, frame.getPose(input.gripSpace, this.space), valid);
+      if (this.isPlayed(input)) this.readStick(input, valid);
+    }
+    const view = game.advance();
+    room.put(view);
+    room.putRig(view, game.X_WT);
+    room.renderer.render(room.scene, room.camera);
+    if (viewer) this.tellFrame(viewer, time);
+  }
+
+  /** Keeps where the eyes were, and draws less while frames come late. */
+  tellFrame(viewer, time) {
+    const { room } = this;
+    room.rig.updateMatrixWorld();
+    const eyes = viewer.views.slice(0, 2).map(({ transform }) =>
+      poseOf(new Matrix4().multiplyMatrices(room.rig.matrixWorld, new Matrix4().fromArray(transform.matrix))));
+    const late = this.drawnAt !== undefined && time - this.drawnAt > 1.5 * this.period;
+    this.drawnAt = time;
+    this.game.frame([eyes[0], eyes[1] ?? eyes[0]], late);
+    this.late.push(late);
+    if (this.late.length > kWatched) this.late.shift();
+    if (this.late.filter(Boolean).length > kMostLate) {
+      room.thin(true);
+      this.late = [];
+    }
+  }
+}
