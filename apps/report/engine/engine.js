@@ -10,7 +10,7 @@
 // Of a game, with times in microseconds of the session's clock and poses [w, x, y, z, px, py, pz]:
 //
 //   begin({scenario, device, left_hand, participant, condition, seed, epoch_us})
-//   tracker(station, deviceTime, hostTime, pose, good)
+//   tracker(station, deviceTime, hostTime, pose)
 //   buttons(deviceTime, hostTime, leftThumb, rightThumb, trigger)
 //   note(kind, detail, value)          an event that belongs to no tick
 //   frame(time, number, [left, right]) a frame was drawn, with the eyes there
@@ -57,9 +57,9 @@
 
   Module['begin'] = (options) => ask(json(options), () => _headpin_begin());
   Module['note'] = (kind, detail, value) => ask(json({ 'kind': kind, 'detail': detail, 'value': value }), () => _headpin_note());
-  Module['tracker'] = (station, deviceTime, hostTime, pose, good) => stopped(() => {
+  Module['tracker'] = (station, deviceTime, hostTime, pose) => stopped(() => {
     put([pose]);
-    return failed(_headpin_tracker(station, deviceTime, hostTime, good));
+    return failed(_headpin_tracker(station, deviceTime, hostTime));
   });
   Module['buttons'] = (...state) => stopped(() => failed(_headpin_buttons(...state)));
   Module['frame'] = (time, number, eyes) => stopped(() => {

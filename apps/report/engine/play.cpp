@@ -16,8 +16,6 @@ namespace {
 using namespace headpin;
 using namespace headpin::page;
 
-constexpr char kGood = ' ', kGuessed = 'e';  // status of a pose; guessed: the headset estimates it
-
 std::unique_ptr<scene::PageSession> playing;
 
 scene::PageSession& game() {
@@ -63,16 +61,15 @@ EMSCRIPTEN_KEEPALIVE bool headpin_begin() {
   });
 }
 
-/// @param good  false: the pose is an estimate of the headset
+/// Takes a pose, of the poses that the page has put in.
 EMSCRIPTEN_KEEPALIVE bool headpin_tracker(std::int32_t station, double device_time,
-                                          double host_time, bool good) {
+                                          double host_time) {
   return attempt([=] {
     devices::TrackerSample sample;
     sample.device_time = time_of(device_time);
     sample.host_time = time_of(host_time);
     sample.station = station;
     sample.X_TS = pose_of(numbers_given);
-    sample.status = good ? kGood : kGuessed;
     game().take(sample);
   });
 }

@@ -54,7 +54,7 @@ function wear({ inputs }) {
 
   /** Moves a hand: its axes as those of the room, its place p in T; the grip is told from the ray. */
   const move = (hand, p, grip) => {
-    const q_HS = hand === 'left' ? [0.5, -0.5, 0.5, -0.5] : [0.5, 0.5, 0.5, 0.5];
+    const q_HS = hand === 'left' ? [0.5, 0.5, -0.5, -0.5] : [0.5, 0.5, 0.5, 0.5];
     const q = times(times(yaw, q_HS), [grip.q[0], -grip.q[1], -grip.q[2], -grip.q[3]]);
     const [dx, dy, dz] = turned(q, grip.p);
     const [x, y, z] = inRoom(p);
@@ -66,10 +66,13 @@ function wear({ inputs }) {
     const { session } = window.headpin.xr;
     const look = (time, frame) => {
       const source = [...session.inputSources].find(({ handedness }) => handedness === hand);
-      const pose = source && frame.getPose(source.gripSpace, source.targetRaySpace);
-      if (!pose) return session.requestAnimationFrame(look);
-      const { position: p, orientation: o } = pose.transform;
-      return resolve({ q: [o.w, o.x, o.y, o.z], p: [p.x, p.y, p.z] });
+      const { floor } = window.headpin.xr;
+      const [ray, grip] = ['targetRaySpace', 'gripSpace'].map((space) => source && frame.getPose(source[space], floor)?.transform);
+      if (!ray || !grip) return session.requestAnimationFrame(look);
+      const [q, r] = [ray, grip].map(({ orientation: o }) => [o.w, o.x, o.y, o.z]);
+      const back = [q[0], -q[1], -q[2], -q[3]];
+      const off = ['x', 'y', 'z'].map((axis) => grip.position[axis] - ray.position[axis]);
+      return resolve({ q: times(back, r), p: turned(back, off) });
     };
     session.requestAnimationFrame(look);
   });

@@ -52,11 +52,10 @@ export class Game {
     this.listeners.push(listener);
   }
 
-  /** @param good  false: the device says that the pose is an estimate */
-  tracker(station, pose, deviceTime, good = true) {
+  tracker(station, pose, deviceTime) {
     if (deviceTime <= (this.latest.get(station) ?? -1)) return;
     this.latest.set(station, deviceTime);
-    checked(this.engine.tracker(station, deviceTime, this.now(), pose, good));
+    checked(this.engine.tracker(station, deviceTime, this.now(), pose));
   }
 
   buttons(state, deviceTime) {

@@ -92,11 +92,18 @@ export class Room {
     }
   }
 
-  /** Puts the tracked space where the player has walked to. */
-  putRig(view, X_WT) {
-    place(this.rig, X_WT);
-    this.rig.position.x += view[kView.X_WP + 4];
-    this.rig.position.y += view[kView.X_WP + 5];
+  /**
+   * Puts the tracked space where the player has walked to.
+   * @param X_TF  a space in it, in which the camera is instead
+   */
+  putRig(view, X_WT, X_TF = null) {
+    const { rig } = this;
+    place(rig, X_WT);
+    rig.position.x += view[kView.X_WP + 4];
+    rig.position.y += view[kView.X_WP + 5];
+    if (!X_TF) return;
+    rig.updateMatrix();
+    rig.matrix.multiply(X_TF).decompose(rig.position, rig.quaternion, rig.scale);
   }
 
   /** Draws on the canvas, from a head in the tracked space. */

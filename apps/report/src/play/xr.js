@@ -1,5 +1,5 @@
 // A headset of WebXR: its poses and buttons become samples of the session, and its own views are drawn.
-import { Matrix4 } from 'three';
+import { Matrix4, Quaternion, Vector3 } from 'three';
 
 import { poseOf } from './scene.js';
 
@@ -19,11 +19,6 @@ export async function xrOffered() {
   }
 }
 
-/** [w, x, y, z, px, py, pz] of a rigid transform. */
-function numbersOf({ position: p, orientation: q }) {
-  return [q.w, q.x, q.y, q.z, p.x, p.y, p.z];
-}
-
 /** What a view sees, from its projection: angles to each side [degrees]. */
 function anglesOf(view) {
   const m = view.projectionMatrix;
@@ -35,7 +30,9 @@ export class XrPlay {
   constructor(room, json) {
     this.room = room;
     this.json = json;
+    this.X_TF = null;           // the headset's floor space F in the tracked space T
     this.pressed = new Set();  // names of events that hold the trigger: select, squeeze
+    this.estimated = new Set();  // stations whose place the headset has only estimated
     this.late = [];
     this.onEnd = () => {};
     this.onTrouble = () => {};
@@ -54,7 +51,6 @@ export class XrPlay {
     const { session } = this;
     this.game = game;
     this.floor = await session.requestReferenceSpace('local-floor');
-    this.space = this.floor;
     for (const [start, end, name] of [['selectstart', 'selectend', 'select'], ['squeezestart', 'squeezeend', 'squeeze']]) {
       session.addEventListener(start, (event) => this.trigger(event, name, true));
       session.addEventListener(end, (event) => this.trigger(event, name, false));
@@ -88,19 +84,22 @@ export class XrPlay {
     const pose = frame.getViewerPose(this.floor);
     if (!pose) return;
     const { position: p, orientation: q } = pose.transform;
-    const ahead = { x: -2 * (q.x * q.z + q.w * q.y), z: -(1 - 2 * (q.x * q.x + q.y * q.y)) };
-    const yaw = Math.atan2(-ahead.x, -ahead.z);
-    const turn = { x: 0, y: Math.sin(yaw / 2), z: 0, w: Math.cos(yaw / 2) };
-    const offset = new XRRigidTransform({ x: p.x, y: 0, z: p.z }, turn);
-    this.space = this.floor.getOffsetReferenceSpace(offset);
-    this.room.renderer.xr.setReferenceSpace(this.space);
-    this.game.note('recentred', JSON.stringify({ q: [turn.w, 0, turn.y, 0], p: [p.x, 0, p.z] }));
+    const yaw = Math.atan2(2 * (q.x * q.z + q.w * q.y), 1 - 2 * (q.x * q.x + q.y * q.y));
+    const q_FT = new Quaternion().setFromAxisAngle(new Vector3(0, 1, 0), yaw);
+    const X_FT = new Matrix4().compose(new Vector3(p.x, 0, p.z), q_FT, new Vector3(1, 1, 1));
+    this.X_TF = X_FT.clone().invert();
+    this.game.note('recentred', JSON.stringify({ X_FT: poseOf(X_FT) }));
+  }
+
+  /** The pose in T of what a transform has in F. */
+  inT(transform) {
+    return poseOf(new Matrix4().multiplyMatrices(this.X_TF, new Matrix4().fromArray(transform.matrix)));
   }
 
   /** What it is played with. */
   tell(frame) {
     const { session } = this;
-    const pose = frame.getViewerPose(this.space);
+    const pose = frame.getViewerPose(this.floor);
     if (!pose) return;
     this.told = true;
     this.period = 1000 / (session.frameRate ?? this.json.frame_hz);
@@ -143,26 +142,31 @@ export class XrPlay {
   }
 
   sample(station, pose, time) {
-    if (pose) this.game.tracker(station, numbersOf(pose.transform), time, !pose.emulatedPosition);
+    if (!pose) return;
+    this.game.tracker(station, this.inT(pose.transform), time);
+    if (!pose.emulatedPosition || this.estimated.has(station)) return;
+    this.estimated.add(station);
+    this.game.note('source_amiss', `station ${station}: its place is the headset's estimate, from here or from time to time`);
   }
 
   frame(time, frame) {
     const { game, room, session } = this;
     const inputs = [...session.inputSources];
-    if (this.space === this.floor || this.wantsRecentre(inputs)) this.recentre(frame);
+    if (!this.X_TF || this.wantsRecentre(inputs)) this.recentre(frame);
+    if (!this.X_TF) return;  // it is not tracked yet
     if (!this.told) this.tell(frame);
     const valid = game.at(frame.predictedDisplayTime ?? time);
-    const viewer = frame.getViewerPose(this.space);
+    const viewer = frame.getViewerPose(this.floor);
     this.sample(1, viewer, valid);
     for (const input of inputs) {
       const station = kStations[input.handedness];
       if (!station || !input.gripSpace) continue;
-      this.sample(station, frame.getPose(input.gripSpace, this.space), valid);
+      this.sample(station, frame.getPose(input.gripSpace, this.floor), valid);
       if (this.isPlayed(input)) this.readStick(input, valid);
     }
     const view = game.advance();
     room.put(view);
-    room.putRig(view, game.X_WT);
+    room.putRig(view, game.X_WT, this.X_TF);
     room.renderer.render(room.scene, room.camera);
     if (viewer) this.tellFrame(viewer, time);
   }
