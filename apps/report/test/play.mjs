@@ -76,19 +76,19 @@ export async function inputOf(page, device) {
 }
 
 const kSwing = 0.2;   // s, up
-const kUp = 0.27;     // picture heights
+const kUp = 0.35;     // picture heights
 const kBefore = 0.1;  // s from now to the first event: all are there in time on a busy machine
 
 /** Moves up faster and faster, and lets go. The browser has the 60 events a second at once, as after a long frame. */
-export async function flick(send, [x, y, height], back = 0) {
+export async function flick(send, [x, y, height], { back = 0, up: most = kUp } = {}) {
   const begin = Date.now() / 1000 + kBefore;
   const sent = [];
   const move = (up, time) => sent.push(send('move', x, y - up * height, begin + time));
   const down = back ? 12 : 0;
   for (let i = 1; i <= down; ++i) move((-back * i) / down, (i * kSwing) / 12);
   const from = (down * kSwing) / 12;
-  for (let i = 1; i <= 12; ++i) move(-back + (kUp + back) * (i / 12) ** 2, from + (i * kSwing) / 12);
-  sent.push(send('up', x, y - kUp * height, begin + from + kSwing));
+  for (let i = 1; i <= 12; ++i) move(-back + (most + back) * (i / 12) ** 2, from + (i * kSwing) / 12);
+  sent.push(send('up', x, y - most * height, begin + from + kSwing));
   await Promise.all(sent);
 }
 

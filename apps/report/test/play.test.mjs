@@ -39,7 +39,7 @@ const hint = (page) => page.textContent('#hint');
 const infoOf = (name) => JSON.parse(headpin('info', name, '--json'));
 
 /** Takes the ball, and throws it. */
-async function throwBy(page, device, back) {
+async function throwBy(page, device, how) {
   const send = await inputOf(page, device);
   const at = await onPage(page, kHome);
   if (device === 'mouse') await send('move', at[0], at[1]);
@@ -47,7 +47,7 @@ async function throwBy(page, device, back) {
   await send('down', at[0], at[1]);
   await held(page);
   await pictures(page, 10);
-  await flick(send, at, back);
+  await flick(send, at, how);
 }
 
 test('it is no larger than a mail takes', () => {
@@ -67,8 +67,9 @@ test('a throw by mouse fells skittles, and its log replays to the bit', async ()
   assert.equal(replayed.state_hash, result.state);
   assert.equal(replayed.verified_ticks, result.ticks);
   assert.equal(replayed.skittles_down, result.down);
-  const { release_speed_mps: speed } = replayed;
+  const [{ release_speed_mps: speed, velocity_mps: v }] = replayed.throws;
   assert.ok(speed > 4 && speed < 8, `${speed} m/s`);
+  assert.ok(Math.abs(v[2]) < 1, `${v[2]} m/s up`);
   const info = infoOf('mouse.lcmlog');
   assert.equal(info.participant, 'Ünal / 7');
   assert.ok(info.complete);
@@ -79,12 +80,13 @@ test('a throw by mouse fells skittles, and its log replays to the bit', async ()
 test('a swing that goes back first', async () => {
   const { page, context } = await open();
   await startGame(page);
-  await throwBy(page, 'mouse', 0.15);
+  await throwBy(page, 'mouse', { back: 0.1 });
   await felled(page);
   await endAndSave(page, 'back.lcmlog');
   const [thrown] = verified('back.lcmlog').throws;
   assert.ok(thrown.release_speed_mps > 4 && thrown.release_speed_mps < 12, `${thrown.release_speed_mps} m/s`);
   assert.ok(thrown.position_m[2] < 0.5, `${thrown.position_m[2]} m above the lane`);
+  assert.ok(Math.abs(thrown.velocity_mps[2]) < 1, `${thrown.velocity_mps[2]} m/s up`);
   await context.close();
 });
 
@@ -123,9 +125,9 @@ test('a ball that is out of reach is not taken by a key', async () => {
 test('a key that is down when the page loses the keys does not walk on', async () => {
   const { page, context } = await open();
   await startGame(page);
-  const walked = () => page.evaluate(() => window.headpin.game.view[6]);
+  const walked = () => page.evaluate(() => window.headpin.game.view[10]);  // y of X_WP
   await page.keyboard.down('w');
-  await until(page, () => window.headpin.game.view[6] > 0.05);
+  await until(page, () => window.headpin.game.view[10] > 0.05);
   await page.focus('#end');
   await until(page, () => !window.headpin.game.pressed.left);
   await pictures(page, 10);
@@ -182,7 +184,19 @@ test('a version by keys alone: it counts, and the ball comes back', async () => 
   assert.match(await page.textContent('#score'), /^blue /);
   await until(page, () => /^Press on the ball/.test(document.getElementById('hint').textContent));
   const { game } = await endAndSave(page, 'version.lcmlog');
-  assert.equal(verified('version.lcmlog').game_hash, game);
+  const replayed = verified('version.lcmlog');
+  assert.equal(replayed.game_hash, game);
+  assert.equal(replayed.throws[0].foul, false);
+  await context.close();
+});
+
+test('a foul is told', async () => {
+  const { page, context } = await open({ viewport: { width: 640, height: 640 } }, 'experiment.html');
+  await startGame(page);
+  await page.keyboard.press('r', { delay: 100 });
+  await until(page, () => window.headpin.game.score.sheets.length > 0);
+  await throwBy(page, 'mouse', { up: 0.6 });
+  await until(page, () => /^You let go beyond the foul line/.test(document.getElementById('hint').textContent));
   await context.close();
 });
 

@@ -11,15 +11,15 @@ const kTurn = 0.35;               // rad/s, while a key is down
 const kNear = 0.2;                // m from the pointer's ray: the hand goes there
 const kReached = 3;               // m from the eye, beyond which the hand goes nowhere
 const kHover = -0.2;              // z of the hand that is nowhere [m]
-const kForward = 2.2, kAcross = 0.9;  // m that the swinging hand moves for the picture's height
-const kDrawnBack = 0.6;           // m behind the stand, where a swing begins
+const kForward = 1.9, kAcross = 0.9;  // m that the swinging hand moves for the picture's height
+const kDrawnBack = 0.7;           // m behind the stand, where a swing begins: long before the foul line
 const kDrawBack = 100_000;        // us, the time in which it is drawn back to 1/e
 const kLow = 0.2;                 // height of the ball's centre where it is let go [m]
-const kLowered = 0.45;            // m of the swing in which it gets there
+const kLowered = 0.2;             // m ahead, from where it was farthest back, in which it gets there: slowly yet
 const kQuiet = 50_000;            // us after which no more moves of the pointer are heard of
 const kSilent = 60_000;           // us after a release: what the pointer does then is no swing
 const kStep = 8_000;              // us between samples of a hand that keys move
-const kSwing = 350_000;           // us that a swing by keys takes
+const kWay = 0.85;                // m of a swing by keys
 const kSlowest = 4, kFastest = 8; // m/s of that swing
 
 const identity = [1, 0, 0, 0];
@@ -115,11 +115,12 @@ export class HandByPointer {
 
   /** Where the hand is in a swing, for the pointer's way since it was pressed, in picture heights. */
   swinging(across, up, time) {
-    const { from, began } = this.swing;
+    const { from, began, back } = this.swing;
     const drawn = 1 - Math.exp(-(time - began) / kDrawBack);
     const forward = kForward * up;
     const centre = from.y + this.game.grip[1];
-    const lower = (centre - kLow) * smooth(forward / kLowered);
+    this.swing.back = Math.min(back, forward);
+    const lower = (centre - kLow) * smooth((forward - this.swing.back) / kLowered);
     const lift = forward < 0 ? 0.15 * forward * forward : 0;
     const ahead = forward - kDrawnBack * drawn;
     const side = kAcross * across;
@@ -164,7 +165,7 @@ export class HandByPointer {
   }
 
   take(time) {
-    this.swing = { pointer: this.pointer, from: new Vector3(...this.place), began: time };
+    this.swing = { pointer: this.pointer, from: new Vector3(...this.place), began: time, back: 0 };
     this.press(true, time);
   }
 
@@ -257,9 +258,9 @@ export class HandByPointer {
     while (keys.sent + kStep <= now) {
       keys.sent += kStep;
       // It speeds up evenly until it lets go.
-      const s = keys.go ? (keys.sent - keys.go) / kSwing : 0;
-      const way = 0.5 * keys.speed * (kSwing / 1e6);  // m
-      const forward = s > 0 ? way * Math.min(s, 1) ** 2 : 0;
+      const takes = (1e6 * 2 * kWay) / keys.speed;
+      const s = keys.go ? (keys.sent - keys.go) / takes : 0;
+      const forward = s > 0 ? kWay * Math.min(s, 1) ** 2 : 0;
       this.sendHand(this.swinging(0, forward / kForward, keys.sent), keys.sent);
       if (s >= 1) return this.letGo(keys.sent);
     }

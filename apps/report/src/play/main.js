@@ -67,6 +67,7 @@ class Page {
     const leftHand = document.querySelector('#hands input:checked').value === 'left';
     const participant = find('participant').value.trim();
     this.trouble = '';
+    this.foul = false;
     this.store = new Store(participant, (sentence) => { this.trouble = sentence; this.tellKept(); });
     await this.store.start();
     this.game = new Game(this.engine, this.json,
@@ -161,7 +162,11 @@ class Page {
     find('kept').replaceChildren(`${this.trouble} `.trimStart(), button, ` Then: headpin replay ${name} --verify`);
   }
 
-  tellNews({ score }) {
+  tellNews({ score, events }) {
+    for (const { kind } of events) {
+      if (kind === 'foul') this.foul = true;
+      if (kind === 'grab') this.foul = false;
+    }
     const words = scoreInWords(score);
     if (find('score').textContent !== words) find('score').textContent = words;
   }
@@ -184,8 +189,9 @@ class Page {
     }
     if (score.over) return 'The game is over. End it, and save it.';
     if (json.buttons.length > 0 && score.sheets.length === 0) return 'Press on the red or the blue ball: a game begins. Or press the key R or B.';
-    if (hand.balls().length > 0) return 'Press on the ball and hold. Or hold the space bar.';
-    return score.sheets.length > 0 ? 'Wait: the ball comes back.' : 'The ball is thrown. End the game, and save it.';
+    const foul = this.foul ? 'You let go beyond the foul line. Let go earlier. ' : '';
+    if (hand.balls().length > 0) return `${foul}Press on the ball and hold. Or hold the space bar.`;
+    return foul + (score.sheets.length > 0 ? 'Wait: the ball comes back.' : 'The ball is thrown. End the game, and save it.');
   }
 
   async listFiles() {
