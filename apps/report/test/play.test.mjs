@@ -1,13 +1,16 @@
 // The page of `headpin play` in a real Chromium, played by mouse, touch and keys.
 import assert from 'node:assert/strict';
+import { statSync } from 'node:fs';
+import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 
 import { launch } from './chromium.mjs';
 import { axeFinds, until } from './page.mjs';
-import { endAndSave, onPage, openGame, pictures, serve, verified } from './play.mjs';
-import { headpin } from './program.mjs';
+import { endAndSave, flick, inputOf, onPage, openGame, pictures, saveBy, serve, startGame, verified } from './play.mjs';
+import { folder, headpin, urlOf } from './program.mjs';
 
 const kHome = [0.35, -0.25, 0.85];  // m: the ball on its stand
+const kRed = [-0.55, 0, 1.1];       // m: the button that begins the red version
 
 let browser;
 let server;
@@ -23,72 +26,77 @@ after(async () => {
   server?.close();
 });
 
+const contextOf = (options) => browser.newContext({ viewport: { width: 640, height: 480 }, acceptDownloads: true, ...options });
+
 async function open(options = {}, file = 'room.html') {
-  const context = await browser.newContext({ viewport: { width: 640, height: 480 }, acceptDownloads: true, ...options });
+  const context = await contextOf(options);
   return { context, ...(await openGame(context, `${server.url}/${file}`)) };
 }
 
-const down = (page) => page.evaluate(() => window.headpin.game.score.skittles_down);
 const held = (page) => until(page, () => window.headpin.game.view[4] > 0);
 const felled = (page) => until(page, () => window.headpin.game.score.skittles_down > 0);
+const hint = (page) => page.textContent('#hint');
+const infoOf = (name) => JSON.parse(headpin('info', name, '--json'));
 
-/** Moves a pointer as a person does, with time stamps of its own: 60 of them a second. */
-async function flick(send, [x, y, height]) {
-  const begin = Date.now() / 1000;
-  for (let i = 0; i <= 12; ++i) {
-    // It speeds up to 2.7 picture heights a second: 6 m/s.
-    const up = 1.35 * height * 0.2 * (i / 12) ** 2;
-    await send('move', x, y - up, begin + (i * 0.2) / 12);
-  }
-  await send('up', x, y - 0.27 * height, begin + 0.2);
-}
-
-/** Sends the mouse through the browser's own input, each event with its time. */
-async function mouseOf(page) {
-  const client = await page.context().newCDPSession(page);
-  const types = { move: 'mouseMoved', down: 'mousePressed', up: 'mouseReleased' };
-  return (kind, x, y, timestamp = Date.now() / 1000) => client.send('Input.dispatchMouseEvent',
-    { type: types[kind], x, y, timestamp, button: kind === 'move' ? 'none' : 'left', buttons: kind === 'up' ? 0 : 1, clickCount: 1 });
-}
-
-test('a throw by mouse fells skittles, and its log replays to the bit', async () => {
-  const { page, said, context } = await open();
-  await page.fill('#participant', 'Ünal / 7');
-  await page.click('#start');
-  await pictures(page);
-  const send = await mouseOf(page);
+/** Takes the ball, and throws it. */
+async function throwBy(page, device, how) {
+  const send = await inputOf(page, device);
   const at = await onPage(page, kHome);
-  await send('move', at[0], at[1]);
+  if (device === 'mouse') await send('move', at[0], at[1]);
   await pictures(page);
   await send('down', at[0], at[1]);
   await held(page);
   await pictures(page, 10);
-  await flick(send, at);
+  await flick(send, at, how);
+}
+
+test('it is no larger than a mail takes', () => {
+  assert.ok(statSync(join(folder, 'room.html')).size < 1.6e6);
+});
+
+test('a throw by mouse fells skittles, and its log replays to the bit', async () => {
+  const { page, said, context } = await open();
+  await page.fill('#participant', 'Ünal / 7');
+  await startGame(page);
+  await throwBy(page, 'mouse');
   await felled(page);
-  await pictures(page);
-  assert.match(await page.textContent('#score'), /^Skittles down: [1-9]/);
+  await until(page, () => /^Skittles down: [1-9]/.test(document.getElementById('score').textContent));
   const result = await endAndSave(page, 'mouse.lcmlog');
   const replayed = verified('mouse.lcmlog');
   assert.equal(replayed.game_hash, result.game);
   assert.equal(replayed.state_hash, result.state);
   assert.equal(replayed.verified_ticks, result.ticks);
   assert.equal(replayed.skittles_down, result.down);
-  assert.ok(replayed.throws[0].speed_mps > 3 && replayed.throws[0].speed_mps < 9, `${replayed.throws[0].speed_mps} m/s`);
-  const info = JSON.parse(headpin('info', 'mouse.lcmlog', '--json'));
+  const [{ release_speed_mps: speed, velocity_mps: v }] = replayed.throws;
+  assert.ok(speed > 4 && speed < 8, `${speed} m/s`);
+  assert.ok(Math.abs(v[2]) < 1, `${v[2]} m/s up`);
+  const info = infoOf('mouse.lcmlog');
   assert.equal(info.participant, 'Ünal / 7');
   assert.ok(info.complete);
   assert.deepEqual(said, []);
   await context.close();
 });
 
+test('a swing that goes back first', async () => {
+  const { page, context } = await open();
+  await startGame(page);
+  await throwBy(page, 'mouse', { back: 0.1 });
+  await felled(page);
+  await endAndSave(page, 'back.lcmlog');
+  const [thrown] = verified('back.lcmlog').throws;
+  assert.ok(thrown.release_speed_mps > 4 && thrown.release_speed_mps < 12, `${thrown.release_speed_mps} m/s`);
+  assert.ok(thrown.position_m[2] < 0.5, `${thrown.position_m[2]} m above the lane`);
+  assert.ok(Math.abs(thrown.velocity_mps[2]) < 1, `${thrown.velocity_mps[2]} m/s up`);
+  await context.close();
+});
+
 test('by keys alone: a throw, the end, and the file', async () => {
   const { page, said, context } = await open();
   await page.focus('#start');
-  await page.keyboard.press('Enter');
-  await pictures(page);
+  await startGame(page, () => page.keyboard.press('Enter'));
   await page.keyboard.down(' ');
   await held(page);
-  await pictures(page, 10);
+  await until(page, () => /^Let the space bar go/.test(document.getElementById('hint').textContent));
   await page.keyboard.up(' ');
   await felled(page);
   await page.focus('#end');
@@ -99,58 +107,129 @@ test('by keys alone: a throw, the end, and the file', async () => {
   await context.close();
 });
 
-test('on a phone held upright, by touch', async () => {
-  const { page, said, context } = await open({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
-  await page.tap('#start');
-  await pictures(page);
-  const at = await onPage(page, kHome);
-  const client = await page.context().newCDPSession(page);
-  const types = { move: 'touchMove', down: 'touchStart', up: 'touchEnd' };
-  const send = (kind, x, y, timestamp = Date.now() / 1000) => client.send('Input.dispatchTouchEvent',
-    { type: types[kind], timestamp, touchPoints: kind === 'up' ? [] : [{ x, y }] });
-  await send('down', at[0], at[1]);
+test('a ball that is out of reach is not taken by a key', async () => {
+  const { page, context } = await open();
+  await startGame(page);
+  await page.keyboard.down(' ');
   await held(page);
-  await pictures(page, 10);
-  await flick(send, at);
+  await page.keyboard.up(' ');
   await felled(page);
-  assert.ok(await down(page) > 0);
+  assert.match(await hint(page), /The ball is thrown/);
+  await page.keyboard.down(' ');
+  const made = await page.evaluate(() => window.headpin.game.made);
+  await until(page, (since) => window.headpin.game.made > since + 200_000, made);
+  assert.equal(await page.evaluate(() => window.headpin.game.view[4]), 0);
+  await context.close();
+});
+
+test('a key that is down when the page loses the keys does not walk on', async () => {
+  const { page, context } = await open();
+  await startGame(page);
+  const walked = () => page.evaluate(() => window.headpin.game.view[10]);  // y of X_WP
+  await page.keyboard.down('w');
+  await until(page, () => window.headpin.game.view[10] > 0.05);
+  await page.focus('#end');
+  await until(page, () => !window.headpin.game.pressed.left);
+  await pictures(page, 10);
+  const stopped = await walked();
+  await pictures(page, 20);
+  assert.equal(await walked(), stopped);
+  await context.close();
+});
+
+test('on a phone held upright, by touch; a second finger changes nothing', async () => {
+  const { page, said, context } = await open({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+  assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+  await startGame(page, () => page.tap('#start'));
+  await throwBy(page, 'touch');
+  await felled(page);
+  await page.evaluate(() => {
+    const { hand } = window.headpin;
+    hand.finger = 7;
+    hand.moved(new PointerEvent('pointermove', { pointerId: 8, clientX: 1, clientY: 1 }));
+    hand.lifted(new PointerEvent('pointerup', { pointerId: 8 }));
+    if (hand.finger !== 7) throw new Error('the second finger let go');
+  });
   assert.deepEqual(said, []);
   await context.close();
 });
 
-test('the red button begins its version', async () => {
+test('the red button begins its version when it is pressed, and no pointer that passes does', async () => {
   const { page, context } = await open({}, 'experiment.html');
-  await page.click('#start');
-  await pictures(page);
-  const send = await mouseOf(page);
-  const at = await onPage(page, [-0.55, 0, 1.1]);
+  await startGame(page);
+  assert.match(await hint(page), /^Press on the red or the blue ball/);
+  const send = await inputOf(page, 'mouse');
+  const at = await onPage(page, kRed);
   await send('move', at[0], at[1]);
+  const made = await page.evaluate(() => window.headpin.game.made);
+  await until(page, (since) => window.headpin.game.made > since + 300_000, made);
+  assert.equal(await page.evaluate(() => window.headpin.game.score.sheets.length), 0);
+  await send('down', at[0], at[1]);
   await until(page, () => window.headpin.game.score.sheets.length > 0);
+  await send('up', at[0], at[1]);
   assert.match(await page.textContent('#score'), /^red /);
+  await context.close();
+});
+
+test('a version by keys alone: it counts, and the ball comes back', async () => {
+  const { page, context } = await open({}, 'experiment.html');
+  await startGame(page);
+  await page.keyboard.down('b');
+  await until(page, () => window.headpin.game.score.sheets.length > 0);
+  await page.keyboard.up('b');
+  await page.keyboard.down(' ');
+  await held(page);
+  await page.keyboard.up(' ');
+  await until(page, () => !/no ball/.test(document.getElementById('score').textContent));
+  assert.match(await page.textContent('#score'), /^blue /);
+  await until(page, () => /^Press on the ball/.test(document.getElementById('hint').textContent));
+  const { game } = await endAndSave(page, 'version.lcmlog');
+  const replayed = verified('version.lcmlog');
+  assert.equal(replayed.game_hash, game);
+  assert.equal(replayed.throws[0].foul, false);
+  await context.close();
+});
+
+test('a foul is told', async () => {
+  const { page, context } = await open({ viewport: { width: 640, height: 640 } }, 'experiment.html');
+  await startGame(page);
+  await page.keyboard.press('r', { delay: 100 });
+  await until(page, () => window.headpin.game.score.sheets.length > 0);
+  await throwBy(page, 'mouse', { up: 0.6 });
+  await until(page, () => /^You let go beyond the foul line/.test(document.getElementById('hint').textContent));
   await context.close();
 });
 
 test('a page that is closed in a game leaves its log to the next one', async () => {
   const { page, context } = await open();
-  await page.click('#start');
-  await pictures(page);
+  await startGame(page);
   await page.keyboard.down(' ');
   await held(page);
   await until(page, () => window.headpin.store.stored > 100_000);
-  const stored = await page.evaluate(() => [window.headpin.store.name, window.headpin.store.stored]);
+  const name = await page.evaluate(() => window.headpin.store.name);
   await page.close({ runBeforeUnload: false });
   const next = (await openGame(context, `${server.url}/room.html`)).page;
-  await until(next, () => document.querySelector('#files button') !== null);
-  assert.ok((await next.textContent('#files-body')).includes(stored[0]));
-  const [download] = await Promise.all([next.waitForEvent('download'), next.click('#files button >> nth=0')]);
-  const { join } = await import('node:path');
-  const { folder } = await import('./program.mjs');
-  await download.saveAs(join(folder, 'left.lcmlog'));
-  const replayed = verified('left.lcmlog');
-  assert.ok(replayed.verified_ticks > 100);
-  next.on('dialog', (dialog) => dialog.accept());
+  await next.waitForSelector('#files button');
+  assert.equal(await saveBy(next, '#files button >> nth=0', 'left.lcmlog'), name);
+  assert.equal(infoOf('left.lcmlog').complete, false);
+  assert.ok(verified('left.lcmlog').verified_ticks > 100);
+  next.once('dialog', (dialog) => dialog.dismiss());
+  await next.click('#files button >> nth=1');
+  assert.ok((await next.textContent('#files-body')).includes(name));
+  next.once('dialog', (dialog) => dialog.accept());
   await next.click('#files button >> nth=1');
   await until(next, () => document.querySelector('#files button') === null);
+  await context.close();
+});
+
+test('two clicks begin one game', async () => {
+  const { page, context } = await open();
+  await startGame(page, () => page.evaluate(() => {
+    for (let i = 0; i < 2; ++i) document.getElementById('start').click();
+  }));
+  await endAndSave(page, 'once.lcmlog');
+  assert.equal(await page.locator('#files li').count(), 1);
+  assert.ok(verified('once.lcmlog').complete);
   await context.close();
 });
 
@@ -158,27 +237,64 @@ test('a full disk is told, and the game can still be saved', async () => {
   const { page, context } = await open();
   const client = await page.context().newCDPSession(page);
   await client.send('Storage.overrideQuotaForOrigin', { origin: server.url, quotaSize: 100_000 });
-  await page.click('#start');
+  await startGame(page);
   await until(page, () => /no room left/.test(document.getElementById('kept').textContent));
   const made = await page.evaluate(() => window.headpin.game.made);
-  await page.evaluate((before) => new Promise((resolve) => {
-    const look = () => (window.headpin.game.made > before + 500_000 ? resolve() : requestAnimationFrame(look));
-    look();
-  }), made);
+  await until(page, (since) => window.headpin.game.made > since + 500_000, made);
   const result = await endAndSave(page, 'full.lcmlog');
+  assert.match(await page.textContent('#kept'), /no room left/);
   assert.equal(verified('full.lcmlog').verified_ticks, result.ticks);
   await context.close();
 });
 
-test('axe finds nothing wrong', async () => {
-  const { page, asked, context } = await open();
-  assert.deepEqual(await axeFinds(page), []);
-  await page.click('#start');
-  await pictures(page);
-  assert.deepEqual(await axeFinds(page), []);
-  await page.click('#end');
-  await page.waitForSelector('#save-last');
-  assert.deepEqual(await axeFinds(page), []);
-  assert.deepEqual(asked(), []);
+test('a page that is opened from a file says that it stores nothing, and can be played', async () => {
+  const context = await contextOf();
+  const { page } = await openGame(context, urlOf('room.html'));
+  await startGame(page);
+  await until(page, () => /stores no games of a page that is opened from a file/.test(document.getElementById('kept').textContent));
+  await endAndSave(page, 'file.lcmlog');
+  assert.ok(verified('file.lcmlog').complete);
   await context.close();
 });
+
+test('a pause is left out of the session', async () => {
+  const { page, context } = await open();
+  await startGame(page);
+  const made = await page.evaluate(() => {
+    for (const from = performance.now(); performance.now() < from + 2000;);  // as a hidden page: nothing is drawn
+    return window.headpin.game.made;
+  });
+  await until(page, (since) => window.headpin.game.made > since + 500_000, made);
+  await endAndSave(page, 'pause.lcmlog');
+  const { events } = infoOf('pause.lcmlog');
+  const longest = Math.max(...events.filter(({ kind }) => kind === 'paused').map(({ value }) => value));
+  assert.ok(longest > 1.5, `${longest} s`);
+  assert.deepEqual(events.filter(({ kind }) => kind === 'tracking_lost'), []);
+  assert.ok(verified('pause.lcmlog').complete);
+  await context.close();
+});
+
+test('an engine that stops is told, and the log up to there can be saved', async () => {
+  const { page, context } = await open();
+  await startGame(page);
+  await until(page, () => window.headpin.game.made > 300_000);
+  await page.evaluate(() => { window.headpin.game.engine.advance = () => ({ error: 'of this test' }); });
+  assert.equal(await saveBy(page, '#save-last', 'stopped.lcmlog'), await page.evaluate(() => window.headpin.last.name));
+  assert.match(await page.textContent('#trouble'), /of this test/);
+  assert.ok(verified('stopped.lcmlog').verified_ticks > 60);
+  await context.close();
+});
+
+for (const options of [{}, { viewport: { width: 390, height: 844 } }, { colorScheme: 'dark' }]) {
+  test(`axe finds nothing wrong: ${JSON.stringify(options)}`, async () => {
+    const { page, asked, context } = await open(options, 'experiment.html');
+    assert.deepEqual(await axeFinds(page), []);
+    await startGame(page);
+    assert.deepEqual(await axeFinds(page), []);
+    await page.click('#end');
+    await page.waitForSelector('#save-last');
+    assert.deepEqual(await axeFinds(page), []);
+    assert.deepEqual(asked(), []);
+    await context.close();
+  });
+}

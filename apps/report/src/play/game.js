@@ -1,5 +1,6 @@
 // A session that is played: samples go in, ticks are made, the log comes out in pieces.
 const kMostAtOnce = 250_000;  // us of ticks in one call; what is more is a pause
+const kAfterPause = 100_000;  // us of ticks after one: less than after which the tracking counts as lost
 
 const same = (a, b) => a && a.left === b.left && a.right === b.right && a.trigger === b.trigger;
 
@@ -41,11 +42,20 @@ export class Game {
 
   /** The session's time of a time stamp of the browser's clock [ms], in whole microseconds. */
   at(milliseconds) {
+    this.leaveOutPause();
     return Math.max(0, Math.round(1e3 * (milliseconds - this.start)));
   }
 
   now() {
     return this.at(performance.now());
+  }
+
+  /** After a pause the session goes on where it stood: as if the pause had not been. */
+  leaveOutPause() {
+    const due = 1e3 * (performance.now() - this.start) - this.made;
+    if (due <= kMostAtOnce) return;
+    this.start += (due - kAfterPause) / 1e3;
+    this.note('paused', '', (due - kAfterPause) / 1e6);
   }
 
   onNews(listener) {
@@ -74,13 +84,8 @@ export class Game {
     if (late) ++this.lateFrames;
   }
 
-  /** Makes the ticks that are due. After a pause the session goes on where it stood. */
+  /** Makes the ticks that are due. */
   advance() {
-    const over = this.now() - this.made - kMostAtOnce;
-    if (over > 0) {
-      this.start += over / 1e3;
-      this.note('paused', '', over / 1e6);
-    }
     const until = this.now();
     const { view, news } = checked(this.engine.advance(until));
     this.made = until;

@@ -11,15 +11,15 @@ const kTurn = 0.35;               // rad/s, while a key is down
 const kNear = 0.2;                // m from the pointer's ray: the hand goes there
 const kReached = 3;               // m from the eye, beyond which the hand goes nowhere
 const kHover = -0.2;              // z of the hand that is nowhere [m]
-const kForward = 2.2, kAcross = 0.9;  // m that the swinging hand moves for the picture's height
-const kDrawnBack = 0.6;           // m behind the stand, where a swing begins
+const kForward = 1.9, kAcross = 0.9;  // m that the swinging hand moves for the picture's height
+const kDrawnBack = 0.7;           // m behind the stand, where a swing begins: long before the foul line
 const kDrawBack = 100_000;        // us, the time in which it is drawn back to 1/e
 const kLow = 0.2;                 // height of the ball's centre where it is let go [m]
-const kLowered = 0.45;            // m of the swing in which it gets there
-const kQuiet = 50_000;            // us without a move of the pointer, after which it stands still
+const kLowered = 0.2;             // m ahead, from where it was farthest back, in which it gets there: slowly yet
+const kQuiet = 50_000;            // us after which no more moves of the pointer are heard of
 const kSilent = 60_000;           // us after a release: what the pointer does then is no swing
 const kStep = 8_000;              // us between samples of a hand that keys move
-const kSwing = 350_000;           // us that a swing by keys takes
+const kWay = 0.85;                // m of a swing by keys
 const kSlowest = 4, kFastest = 8; // m/s of that swing
 
 const identity = [1, 0, 0, 0];
@@ -34,6 +34,8 @@ export class HandByPointer {
     this.keys = new Set();
     this.pointer = null;   // [x, y] on the canvas, -1 to 1, y up
     this.swing = null;     // while something is taken
+    this.touched = null;   // the place of the button that is pressed
+    this.finger = null;    // the pointer that is down
     this.silentUntil = 0;
     this.framed = 0;
     this.place = [0.3, 1.0, kHover];
@@ -49,7 +51,7 @@ export class HandByPointer {
     on(this.canvas, 'pointercancel', (event) => this.lifted(event));
     on(this.canvas, 'keydown', (event) => this.key(event, true));
     on(this.canvas, 'keyup', (event) => this.key(event, false));
-    on(this.canvas, 'blur', () => this.keys.clear());
+    on(this.canvas, 'blur', () => this.letKeysGo());
   }
 
   end() {
@@ -69,26 +71,43 @@ export class HandByPointer {
     return this.room.rig.worldToLocal(new Vector3(...p));
   }
 
-  /** Places that the hand goes to: where it would grab a ball, or touch a button. */
-  targets() {
+  /** Balls that can be reached, the nearest first, and where the hand would grab each. */
+  balls() {
     const { json, view, grip } = this.game;
-    const balls = json.actors.flatMap(({ role }, i) =>
-      (role === 'ball' ? [this.inT(poseAt(view, inView.bodies + 7 * i).subarray(4))] : []));
-    return [...balls.map((at) => ({ at, hand: at.clone().sub(new Vector3(...grip)) })),
-      ...json.buttons.map(({ p }) => ({ at: this.inT(p), hand: this.inT(p) }))];
+    const [, , , , ...eye] = this.head();
+    const away = ({ at }) => at.distanceTo(new Vector3(...eye));
+    return json.actors.flatMap(({ role }, i) => (role === 'ball' ? [poseAt(view, inView.bodies + 7 * i).subarray(4)] : []))
+      .map((p) => ({ at: this.inT(p), hand: this.inT(p).sub(new Vector3(...grip)) }))
+      .filter((ball) => away(ball) < kReached)
+      .sort((a, b) => away(a) - away(b));
+  }
+
+  /** The buttons; the hand goes there only where one is pressed. */
+  buttons() {
+    return this.game.json.buttons.map(({ colour, p }) => ({ colour, at: this.inT(p), hand: this.inT(p) }));
+  }
+
+  /** The pointer's ray in T. */
+  ray() {
+    const { camera, rig } = this.room;
+    const from = rig.worldToLocal(camera.getWorldPosition(new Vector3()));
+    const through = rig.worldToLocal(new Vector3(...this.pointer, 0.5).unproject(camera));
+    return { from, along: through.sub(from).normalize() };
+  }
+
+  /** What the pointer is at, of places; undefined where there is none. */
+  pointedAt(places) {
+    const { from, along } = this.ray();
+    const off = ({ at }) => at.clone().sub(from).cross(along).length();
+    return places.filter((place) => off(place) < kNear).sort((a, b) => off(a) - off(b))[0];
   }
 
   /** Where the hand is for a pointer that takes nothing. */
   hovering() {
-    const { camera, rig } = this.room;
     if (!this.pointer) return this.place;
-    const from = rig.worldToLocal(camera.getWorldPosition(new Vector3()));
-    const through = rig.worldToLocal(new Vector3(...this.pointer, 0.5).unproject(camera));
-    const along = through.sub(from).normalize();
-    const off = ({ at }) => at.clone().sub(from).cross(along).length();
-    const near = this.targets().filter(({ at }) => at.distanceTo(from) < kReached)
-      .sort((a, b) => off(a) - off(b))[0];
-    if (near && off(near) < kNear) return near.hand.toArray();
+    const near = this.pointedAt(this.balls());
+    if (near) return near.hand.toArray();
+    const { from, along } = this.ray();
     const far = along.z < -0.05 ? Math.min((kHover - from.z) / along.z, kReached) : kReached;
     const p = from.addScaledVector(along, far);
     return [Math.max(-1.2, Math.min(1.2, p.x)), Math.max(0.15, Math.min(2.2, p.y)), p.z];
@@ -96,11 +115,12 @@ export class HandByPointer {
 
   /** Where the hand is in a swing, for the pointer's way since it was pressed, in picture heights. */
   swinging(across, up, time) {
-    const { from, began } = this.swing;
+    const { from, began, back } = this.swing;
     const drawn = 1 - Math.exp(-(time - began) / kDrawBack);
     const forward = kForward * up;
     const centre = from.y + this.game.grip[1];
-    const lower = (centre - kLow) * smooth(forward / kLowered);
+    this.swing.back = Math.min(back, forward);
+    const lower = (centre - kLow) * smooth((forward - this.swing.back) / kLowered);
     const lift = forward < 0 ? 0.15 * forward * forward : 0;
     const ahead = forward - kDrawnBack * drawn;
     const side = kAcross * across;
@@ -124,26 +144,28 @@ export class HandByPointer {
     this.pointer = at;
     this.pointed = time;
     if (time < this.silentUntil || this.swing?.byKeys) return;
+    if (this.touched) return this.sendHand(this.touched, time);
     if (!this.swing) return this.sendHand(this.hovering(), time);
     const aspect = this.canvas.clientWidth / this.canvas.clientHeight;
     const [x, y] = this.swing.pointer;
     this.sendHand(this.swinging(((at[0] - x) * aspect) / 2, (at[1] - y) / 2, time), time);
   }
 
-  /** The pointer stands still; the hand may still be drawn back. */
-  stay(now) {
+  /** The pointer stood still up to then; the hand may still be drawn back. */
+  stay(time) {
     const { pointed } = this;
-    this.follow(this.pointer, now);
+    this.follow(this.pointer, time);
     this.pointed = pointed;
   }
 
   moved(event) {
+    if (this.finger !== null && event.pointerId !== this.finger) return;
     const parts = event.getCoalescedEvents?.() ?? [];
     for (const part of parts.length ? parts : [event]) this.follow(this.locate(part), this.game.at(part.timeStamp));
   }
 
   take(time) {
-    this.swing = { pointer: this.pointer, from: new Vector3(...this.place), began: time };
+    this.swing = { pointer: this.pointer, from: new Vector3(...this.place), began: time, back: 0 };
     this.press(true, time);
   }
 
@@ -153,32 +175,37 @@ export class HandByPointer {
   }
 
   pressed(event) {
-    if (event.button !== 0 || this.swing) return;
+    if (event.button !== 0 || this.swing || this.touched) return;
+    event.preventDefault();
     this.canvas.focus();
     this.canvas.setPointerCapture(event.pointerId);
+    this.finger = event.pointerId;
     const time = this.game.at(event.timeStamp);
     this.silentUntil = 0;
-    this.follow(this.locate(event), time);
-    this.take(time);
-    event.preventDefault();
+    this.pointer = this.locate(event);
+    this.touched = this.pointedAt(this.buttons())?.hand.toArray() ?? null;
+    this.follow(this.pointer, time);
+    if (!this.touched) this.take(time);
   }
 
   lifted(event) {
-    if (!this.swing || this.swing.byKeys) return;
+    if (event.pointerId !== this.finger) return;
+    this.finger = null;
     const time = this.game.at(event.timeStamp);
     this.follow(this.locate(event), time);
     this.letGo(time);
   }
 
   letGo(time) {
-    this.press(false, time);
+    if (this.swing) this.press(false, time);
     this.swing = null;
+    this.touched = null;
     this.silentUntil = time + kSilent;
   }
 
   key(event, down) {
     const key = event.key.length === 1 ? event.key.toLowerCase() : event.key;
-    const known = ['w', 'a', 's', 'd', 'ArrowUp', 'ArrowDown', 'ArrowLeft', 'ArrowRight', ' '];
+    const known = ['w', 'a', 's', 'd', 'ArrowUp', 'ArrowDown', 'ArrowLeft', 'ArrowRight', ' ', 'r', 'b'];
     if (!known.includes(key) || event.ctrlKey || event.altKey || event.metaKey) return;
     event.preventDefault();
     if (event.repeat) return;
@@ -186,13 +213,36 @@ export class HandByPointer {
     else this.keys.delete(key);
     const time = this.game.at(event.timeStamp);
     if (key === ' ') this.throwKey(down, time);
+    if (key === 'r') this.touchKey('red', down, time);
+    if (key === 'b') this.touchKey('blue', down, time);
     this.tellButtons(time);
   }
 
-  /** Down: takes the first ball and draws it back; up: swings, the faster the longer it was down. */
+  /** Keys that are let go elsewhere are not heard of. */
+  letKeysGo() {
+    this.keys.clear();
+    const now = this.game.now();
+    if (this.finger === null) this.touched = null;
+    this.tellButtons(now);
+  }
+
+  /** Down: the hand goes to the button of a colour. From here on it is not where the pointer was. */
+  touchKey(colour, down, time) {
+    if (this.swing || this.finger !== null) return;
+    const button = this.buttons().find((one) => one.colour === colour);
+    if (!button || (!down && !this.touched)) return;
+    this.pointer = null;
+    this.touched = down ? button.hand.toArray() : null;
+    this.sendHand(button.hand.toArray(), time);
+  }
+
+  /** Down: takes the nearest ball and draws it back; up: swings, the faster the longer it was down. */
   throwKey(down, time) {
-    if (down && !this.swing) {
-      this.sendHand(this.targets()[0].hand.toArray(), time);
+    if (down && !this.swing && !this.touched) {
+      const [ball] = this.balls();
+      if (!ball) return;
+      this.pointer = null;
+      this.sendHand(ball.hand.toArray(), time);
       this.take(time);
       this.swing.byKeys = { sent: time };
     } else if (!down && this.swing?.byKeys && !this.swing.byKeys.go) {
@@ -208,9 +258,9 @@ export class HandByPointer {
     while (keys.sent + kStep <= now) {
       keys.sent += kStep;
       // It speeds up evenly until it lets go.
-      const s = keys.go ? (keys.sent - keys.go) / kSwing : 0;
-      const way = 0.5 * keys.speed * (kSwing / 1e6);  // m
-      const forward = s > 0 ? way * Math.min(s, 1) ** 2 : 0;
+      const takes = (1e6 * 2 * kWay) / keys.speed;
+      const s = keys.go ? (keys.sent - keys.go) / takes : 0;
+      const forward = s > 0 ? kWay * Math.min(s, 1) ** 2 : 0;
       this.sendHand(this.swinging(0, forward / kForward, keys.sent), keys.sent);
       if (s >= 1) return this.letGo(keys.sent);
     }
@@ -230,8 +280,11 @@ export class HandByPointer {
     if (!pad) return;
     const before = this.pad ?? {};
     this.pad = { up: pad.axes[1] < -0.5, down: pad.axes[1] > 0.5, throw: pad.buttons[0].pressed,
-      turn: Math.abs(pad.axes[2]) > 0.2 ? -pad.axes[2] : 0 };
+      red: pad.buttons[1].pressed, blue: pad.buttons[2].pressed, turn: Math.abs(pad.axes[2]) > 0.2 ? -pad.axes[2] : 0 };
     if (this.pad.throw !== (before.throw === true)) this.throwKey(this.pad.throw, now);
+    for (const colour of ['red', 'blue']) {
+      if (this.pad[colour] !== (before[colour] === true)) this.touchKey(colour, this.pad[colour], now);
+    }
     this.tellButtons(now);
   }
 
@@ -247,6 +300,6 @@ export class HandByPointer {
     this.game.tracker(1, this.head(), now);
     if (this.swing?.byKeys) this.keysTo(now);
     else if (!this.pointer) this.sendHand(this.place, now);
-    else if (now - this.pointed > kQuiet) this.stay(now);
+    else if (now - this.pointed > kQuiet) this.stay(now - kQuiet);
   }
 }

@@ -34,8 +34,8 @@ class Page {
     const numbers = numbersOf(await block('play-numbers'), json.sections);
     this.room = new Room(find('view'), { json, numbers, sections });
     this.engine = await startEngine();
-    find('start').addEventListener('click', () => this.guard(this.playHere()));
-    find('vr').addEventListener('click', () => this.guard(this.playWithHeadset()));
+    find('start').addEventListener('click', () => this.once(() => this.playHere()));
+    find('vr').addEventListener('click', () => this.once(() => this.playWithHeadset()));
     find('end').addEventListener('click', () => this.guard(this.end()));
     addEventListener('beforeunload', (event) => {
       if (this.game || this.unsaved) event.preventDefault();
@@ -67,6 +67,7 @@ class Page {
     const leftHand = document.querySelector('#hands input:checked').value === 'left';
     const participant = find('participant').value.trim();
     this.trouble = '';
+    this.foul = false;
     this.store = new Store(participant, (sentence) => { this.trouble = sentence; this.tellKept(); });
     await this.store.start();
     this.game = new Game(this.engine, this.json,
@@ -134,16 +135,22 @@ class Page {
     this.xr?.end();
     this.xr = null;
     const result = game.finish();
+    await this.keepLast(result);
+    find('hint').textContent = `The game is over. ${scoreInWords(game.score)}.`;
+    find('score').textContent = '';
+    find('save-last').focus();
+  }
+
+  /** The log of the game that ended is whole: it can be saved. */
+  async keepLast(result) {
+    const { store } = this;
     const log = await store.finish();
     this.last = { ...result, name: store.name, log };
     this.unsaved = store.failed === true;
     find('before').hidden = false;
     find('during').hidden = true;
-    find('hint').textContent = `The game is over. ${scoreInWords(game.score)}.`;
-    find('score').textContent = '';
     this.tellEnd();
     await this.listFiles();
-    find('save-last').focus();
   }
 
   tellEnd() {
@@ -155,8 +162,13 @@ class Page {
     find('kept').replaceChildren(`${this.trouble} `.trimStart(), button, ` Then: headpin replay ${name} --verify`);
   }
 
-  tellNews({ score }) {
-    find('score').textContent = scoreInWords(score);
+  tellNews({ score, events }) {
+    for (const { kind } of events) {
+      if (kind === 'foul') this.foul = true;
+      if (kind === 'grab') this.foul = false;
+    }
+    const words = scoreInWords(score);
+    if (find('score').textContent !== words) find('score').textContent = words;
   }
 
   tellKept() {
@@ -165,11 +177,21 @@ class Page {
 
   /** What the player should do now. */
   tellNext() {
-    const { view, score } = this.game;
-    let hint = 'Press on the ball and hold.';
-    if (view[inView.held] > 0) hint = 'Swing: move quickly up, and let go while you move.';
-    else if (score.over) hint = 'The game is over. End it, and save it.';
+    const hint = this.next();
     if (find('hint').textContent !== hint) find('hint').textContent = hint;
+  }
+
+  next() {
+    const { game: { view, score, json }, hand } = this;
+    if (view[inView.held] > 0) {
+      return hand.swing?.byKeys ? 'Let the space bar go: the hand swings, and throws.'
+        : 'Swing: move quickly up, and let go while you move.';
+    }
+    if (score.over) return 'The game is over. End it, and save it.';
+    if (json.buttons.length > 0 && score.sheets.length === 0) return 'Press on the red or the blue ball: a game begins. Or press the key R or B.';
+    const foul = this.foul ? 'You let go beyond the foul line. Let go earlier. ' : '';
+    if (hand.balls().length > 0) return `${foul}Press on the ball and hold. Or hold the space bar.`;
+    return foul + (score.sheets.length > 0 ? 'Wait: the ball comes back.' : 'The ball is thrown. End the game, and save it.');
   }
 
   async listFiles() {
@@ -191,6 +213,15 @@ class Page {
     await this.listFiles();
   }
 
+  /** Begins a game, and no second one meanwhile. */
+  async once(play) {
+    if (this.beginning || this.game) return;
+    this.beginning = true;
+    find('trouble').hidden = true;
+    await this.guard(play());
+    this.beginning = false;
+  }
+
   async guard(work) {
     try {
       await work;
@@ -203,15 +234,17 @@ class Page {
   fail(error) {
     find('trouble').hidden = false;
     find('trouble').textContent = `The game stopped: ${error.message}`;
+    const { game } = this;
+    this.game = null;
+    clearInterval(this.pieces);
     this.hand?.end();
+    this.hand = null;
     this.xr?.end();
-    if (this.game) {
-      clearInterval(this.pieces);
-      this.game.keepLog();
-      this.game = null;
-      find('before').hidden = false;
-      find('during').hidden = true;
-    }
+    this.xr = null;
+    if (!game) return;
+    game.keepLog();
+    find('hint').textContent = '';
+    this.keepLast({});
   }
 }
 

@@ -45,6 +45,12 @@ function newName(participant) {
   return `${time}${who ? `-${who}` : ''}.lcmlog`;
 }
 
+function whyInMemory(error) {
+  if (error.cause?.full) return 'The browser has no room left for this game on the disk. You can go on.';
+  if (location.protocol === 'file:') return 'This browser stores no games of a page that is opened from a file.';
+  return 'This browser stores no games.';
+}
+
 /** The log of one game. */
 export class Store {
   /** @param onTrouble  told once, in a sentence, when the log is kept in memory alone */
@@ -62,7 +68,8 @@ export class Store {
       await folderOf(true);
       const code = new TextDecoder().decode(await block('store-worker'));
       this.worker = new Worker(URL.createObjectURL(new Blob([code], { type: 'text/javascript' })));
-      this.worker.onmessage = ({ data }) => this.open.get(data.id)(data);
+      this.worker.onmessage = ({ data }) => this.open.get(data.id)?.(data);
+      this.worker.onerror = ({ message }) => this.fail(new Error(message));
       navigator.locks.request(lockOf(this.name), () => new Promise((resolve) => { this.unlock = resolve; }));
       await this.ask({ kind: 'open', name: this.name });
     } catch (error) {
@@ -75,7 +82,7 @@ export class Store {
     return new Promise((resolve, reject) => {
       this.open.set(id, (answer) => {
         this.open.delete(id);
-        if (answer.error) reject(new Error(answer.error));
+        if (answer.error) reject(new Error(answer.error, { cause: answer }));
         else resolve(answer);
       });
       this.worker.postMessage({ id, ...question });
@@ -86,9 +93,8 @@ export class Store {
     if (this.failed) return;
     this.failed = true;
     this.worker?.terminate();
-    this.onTrouble(/quota/i.test(error.message)
-      ? 'The browser has no room left for this game on the disk. The game goes on, and is kept in memory: do not close the page before you have saved it.'
-      : 'This browser keeps the game in memory alone: do not close the page before you have saved it.');
+    for (const answered of [...this.open.values()]) answered({ error: error.message });
+    this.onTrouble(`${whyInMemory(error)} The game is kept in memory: do not close the page before you have saved it.`);
   }
 
   /** Takes a piece of the log. */

@@ -1,4 +1,6 @@
 // Writes a game's log into the browser's own file system, each piece to the disk at once.
+const kFull = 'QuotaExceededError';  // some browsers throw it, others store less than they were given
+
 let handle = null;
 let at = 0;
 
@@ -14,7 +16,7 @@ function write(piece) {
   const written = handle.write(piece, { at });
   if (written !== piece.length) {
     handle.truncate(at);
-    throw new Error(`${written} of ${piece.length} bytes were stored`);
+    throw new DOMException(`${written} of ${piece.length} bytes were stored`, kFull);
   }
   at += written;
   handle.flush();
@@ -27,6 +29,6 @@ self.onmessage = async ({ data: { id, kind, name, piece } }) => {
     if (kind === 'close') handle.close();
     self.postMessage({ id, size: at });
   } catch (error) {
-    self.postMessage({ id, error: `${error.name}: ${error.message}` });
+    self.postMessage({ id, error: `${error.name}: ${error.message}`, full: error.name === kFull });
   }
 };
