@@ -1,14 +1,16 @@
-// The page of `headpin play` with a headset: IWER emulates a Quest 3, its motion is computed here.
+// The page of `headpin play` with a headset that IWER emulates.
 import assert from 'node:assert/strict';
 import { createRequire } from 'node:module';
 import { after, before, test } from 'node:test';
 
 import { launch } from './chromium.mjs';
+import { stepClock, wear } from './headset.mjs';
 import { until } from './page.mjs';
-import { endAndSave, openGame, serve, verified } from './play.mjs';
+import { openGame, saved, serve, verified } from './play.mjs';
 import { headpin } from './program.mjs';
 
 const iwer = createRequire(import.meta.url).resolve('iwer/build/iwer.min.js');
+const kRate = 72;  // frames a second
 
 let browser;
 let server;
@@ -24,120 +26,9 @@ after(async () => {
   server?.close();
 });
 
-/** Runs in the page: a headset, and a person who wears it, as a function of time. */
-function wear({ inputs }) {
-  const device = new window.IWER.XRDevice(window.IWER.metaQuest3);
-  device.installRuntime({ forceInstall: true });  // over Chromium's own, which has no headset
-  device.primaryInputMode = inputs;
-  device.stereoEnabled = true;
-  window.worn = { device };
-
-  // The wearer stands somewhere in the room and looks to the side: the page has to recentre.
-  const turn = 0.5;
-  const stands = [0.4, 0, -0.3];
-  const [c, s] = [Math.cos(turn), Math.sin(turn)];
-  const inRoom = ([x, y, z]) => [stands[0] + c * x + s * z, y, stands[2] - s * x + c * z];
-  const yaw = [Math.cos(turn / 2), 0, Math.sin(turn / 2), 0];
-  const times = (a, b) => [
-    a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3], a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
-    a[0] * b[2] - a[1] * b[3] + a[2] * b[0] + a[3] * b[1], a[0] * b[3] + a[1] * b[2] - a[2] * b[1] + a[3] * b[0]];
-  const turned = (q, [x, y, z]) => times(times(q, [0, x, y, z]), [q[0], -q[1], -q[2], -q[3]]).slice(1);
-  const put = (object, q, p) => {
-    object.position.set(...p);
-    object.quaternion.set(q[1], q[2], q[3], q[0]);
-  };
-  put(device, yaw, inRoom([0, 1.7, 0]));
-
-  const input = (hand) => (inputs === 'hand' ? device.hands[hand] : device.controllers[hand]);
-  const press = (hand, down) => (inputs === 'hand' ? input(hand).updatePinchValue(down ? 1 : 0)
-    : input(hand).updateButtonValue('trigger', down ? 1 : 0));
-
-  /** Moves a hand: its axes as those of the room, its place p in T; the grip is told from the ray. */
-  const move = (hand, p, grip) => {
-    const q_HS = hand === 'left' ? [0.5, 0.5, -0.5, -0.5] : [0.5, 0.5, 0.5, 0.5];
-    const q = times(times(yaw, q_HS), [grip.q[0], -grip.q[1], -grip.q[2], -grip.q[3]]);
-    const [dx, dy, dz] = turned(q, grip.p);
-    const [x, y, z] = inRoom(p);
-    put(input(hand), q, [x - dx, y - dy, z - dz]);
-  };
-
-  /** Where a grip is seen from the ray that it belongs to. */
-  const gripOf = (hand) => new Promise((resolve) => {
-    const { session } = window.headpin.xr;
-    const look = (time, frame) => {
-      const source = [...session.inputSources].find(({ handedness }) => handedness === hand);
-      const { floor } = window.headpin.xr;
-      const [ray, grip] = ['targetRaySpace', 'gripSpace'].map((space) => source && frame.getPose(source[space], floor)?.transform);
-      if (!ray || !grip) return session.requestAnimationFrame(look);
-      const [q, r] = [ray, grip].map(({ orientation: o }) => [o.w, o.x, o.y, o.z]);
-      const back = [q[0], -q[1], -q[2], -q[3]];
-      const off = ['x', 'y', 'z'].map((axis) => grip.position[axis] - ray.position[axis]);
-      return resolve({ q: times(back, r), p: turned(back, off) });
-    };
-    session.requestAnimationFrame(look);
-  });
-
-  /** Calls `at(seconds)` before each frame until it gives true. */
-  const during = (at) => new Promise((resolve) => {
-    let start;
-    const step = (time) => {
-      start ??= time;
-      if (at((time - start) / 1e3)) resolve();
-      else requestAnimationFrame(step);
-    };
-    requestAnimationFrame(step);
-  });
-
-  const smooth = (x) => (x <= 0 ? 0 : x >= 1 ? 1 : x ** 3 * (10 + x * (6 * x - 15)));
-  const inT = ([x, y, z]) => {
-    const [, , , , ox, oy] = window.headpin.game.X_WT;
-    return [x - ox, z, -(y - oy)];
-  };
-
-  /** Touches a place of the world with the open hand. */
-  window.worn.touch = async (hand, place) => {
-    const grip = await gripOf(hand);
-    const to = inT(place);
-    const from = [to[0], to[1], to[2] + 0.4];
-    await during((t) => {
-      move(hand, from.map((x, i) => x + smooth(t) * (to[i] - x)), grip);
-      return t > 1.2;
-    });
-    await during((t) => {
-      move(hand, to.map((x, i) => x + smooth(t) * (from[i] - x)), grip);
-      return t > 1.2;
-    });
-  };
-
-  /** Takes the ball, swings it along the lane at 16 m/s2 and lets it go after 0.4 s. */
-  window.worn.throwBall = async (hand) => {
-    const { game, json } = window.headpin;
-    const grip = await gripOf(hand);
-    const home = json.ball.homes[0];
-    const reach = (ball) => move(hand, inT(ball).map((x, i) => x - game.grip[i]), grip);
-    await during((t) => {
-      reach(home.map((x, i) => x + [0, -0.3, 0.4][i] * (1 - smooth(t))));
-      return t > 1.3;
-    });
-    press(hand, true);
-    await during(() => {
-      reach(home);
-      return game.view[4] > 0;
-    });
-    let on = true;
-    await during((t) => {
-      const s = Math.max(0, t - 0.3);
-      const across = Math.min(1, s / 0.3);
-      const swung = Math.min(s, 0.6);
-      reach([(1 - across) * home[0], home[1] + 8 * swung ** 2, home[2] - 0.6 * across]);
-      if (on && s >= 0.4) press(hand, on = false);
-      return s > 1;
-    });
-  };
-}
-
 async function enter(inputs, { left = false, file = 'room.html' } = {}) {
-  const context = await browser.newContext({ viewport: { width: 480, height: 300 }, acceptDownloads: true });
+  const context = await browser.newContext({ viewport: { width: 320, height: 160 }, acceptDownloads: true });
+  await context.addInitScript(stepClock, { hz: kRate });
   await context.addInitScript({ path: iwer });
   await context.addInitScript(wear, { inputs });
   const opened = await openGame(context, `${server.url}/${file}`);
@@ -148,42 +39,144 @@ async function enter(inputs, { left = false, file = 'room.html' } = {}) {
   return { context, ...opened };
 }
 
-async function felled(page) {
-  await until(page, () => window.headpin.game.score.skittles_down > 0);
+/** The wearer leaves; the game must be the same to the bit in a replay. */
+async function leave({ page, context, said }, name) {
+  await page.evaluate(() => window.headpin.xr.session.end());
+  const result = await saved(page, name);
+  assert.deepEqual(said.filter((line) => !/GPU stall|GL Driver/.test(line)), []);
+  await context.close();
+  const replayed = verified(name);
+  assert.equal(replayed.game_hash, result.game);
+  assert.equal(replayed.verified_ticks, result.ticks);
+  assert.equal(replayed.skittles_down, result.down);
+  const { complete, events } = JSON.parse(headpin('info', name, '--json'));
+  assert.ok(complete);
+  const told = (kind) => events.filter((event) => event.kind === kind);
+  return { result, told };
 }
 
-for (const [inputs, hand] of [['controller', 'right'], ['controller', 'left'], ['hand', 'right']]) {
+for (const [inputs, hand] of [['controller', 'right'], ['controller', 'left'], ['hand', 'right'], ['hand', 'left']]) {
   test(`a throw with the ${hand} ${inputs}`, async () => {
-    const { page, said, context } = await enter(inputs, { left: hand === 'left' });
+    const opened = await enter(inputs, { left: hand === 'left' });
+    const { page } = opened;
     await page.evaluate((which) => window.worn.throwBall(which), hand);
-    await felled(page);
-    const result = await endAndSave(page, `${inputs}-${hand}.lcmlog`);
-    const replayed = verified(`${inputs}-${hand}.lcmlog`);
-    assert.equal(replayed.game_hash, result.game);
-    assert.equal(replayed.verified_ticks, result.ticks);
-    assert.equal(replayed.skittles_down, result.down);
-    const info = JSON.parse(headpin('info', `${inputs}-${hand}.lcmlog`, '--json'));
-    assert.ok(info.complete);
-    const told = info.events.filter(({ kind }) => kind === 'played_with');
-    assert.equal(told.length, 1);
-    const { views, inputs: sources } = JSON.parse(told[0].detail);
-    assert.deepEqual(views.map(({ eye }) => eye), ['left', 'right']);
-    assert.ok(views.every(({ left, right, up, down }) => left < -30 && right > 30 && up > 30 && down < -30), JSON.stringify(views));
-    assert.equal(sources.length, 2);
-    assert.equal(info.events.filter(({ kind }) => kind === 'recentred').length, 1);
-    // The hand does 6.4 m/s as it lets go; the frame that tells of it may be late.
-    const [{ value: speed }] = info.events.filter(({ kind }) => kind === 'release');
-    assert.ok(speed > 4.5 && speed < 10, `${speed} m/s`);
-    assert.deepEqual(said.filter((line) => !/GPU stall|GL Driver/.test(line)), []);
-    await context.close();
+    await until(page, () => window.headpin.game.score.skittles_down > 0);
+    const { told } = await leave(opened, `${inputs}-${hand}.lcmlog`);
+    const [{ value: speed }, ...more] = told('release');
+    assert.equal(more.length, 0);
+    assert.ok(Math.abs(speed - 6.4) < 0.3, `${speed} m/s: the hand moved at 6.4 m/s as it let go`);
+    assert.equal(told('paused').length, 0);
+    assert.equal(told('recentred').length, 1);
+    const [{ late_frames: late, frames }] = told('kept_pace').map(({ detail }) => JSON.parse(detail));
+    assert.equal(late, 0);
+    assert.ok(frames > 2 * kRate);
   });
 }
 
+test('the log tells what is worn', async () => {
+  const opened = await enter('controller');
+  const { told } = await leave(opened, 'worn.lcmlog');
+  const [{ detail }, ...more] = told('played_with');
+  assert.equal(more.length, 0);
+  const { device, inputs, frame_rate_hz: rate, frame_rates_hz: rates, views } = JSON.parse(detail);
+  assert.equal(device, 'generic-webxr');
+  assert.deepEqual(inputs.map(({ handedness }) => handedness).sort(), ['left', 'right']);
+  assert.ok(inputs.every(({ profiles }) => profiles.includes('meta-quest-touch-plus')), JSON.stringify(inputs));
+  assert.ok(rates.includes(rate), `${rate} is none of ${rates}`);
+  assert.deepEqual(views.map(({ eye }) => eye), ['left', 'right']);
+  const [from, to] = views.map(({ offset }) => offset);
+  assert.ok(Math.abs(to[0] - from[0] - 0.063) < 0.002, `the eyes are ${from} and ${to}`);
+  assert.ok(views.every(({ left, right, up, down }) => left < -30 && right > 30 && up > 30 && down < -30), JSON.stringify(views));
+});
+
+test('each eye has a picture of its own', async () => {
+  const { page, context } = await enter('controller');
+  const [left, right] = await page.evaluate(() => window.worn.seen());
+  for (const eye of [left, right]) {
+    const colours = new Set();
+    for (let i = 0; i < eye.length; i += 4) colours.add(eye.slice(i, i + 3).join());
+    assert.ok(colours.size > 50, `${colours.size} colours`);
+  }
+  const other = left.filter((x, i) => Math.abs(x - right[i]) > 8).length / left.length;
+  assert.ok(other > 0.005 && other < 0.5, `${100 * other} % are other numbers`);
+  await context.close();
+});
+
 test('the hand touches the red button, and its version begins', async () => {
-  const { page, context } = await enter('controller', { file: 'experiment.html' });
-  await page.evaluate(() => window.worn.touch('right', [-0.55, 0, 1.1]));
+  const opened = await enter('controller', { file: 'experiment.html' });
+  const { page } = opened;
+  await page.evaluate(() => window.worn.touch('right', window.headpin.json.buttons.find(({ colour }) => colour === 'red').p));
   await until(page, () => window.headpin.game.score.sheets.length > 0);
   assert.match(await page.textContent('#score'), /^red /);
-  await page.screenshot({ path: process.env.XR_PICTURE ?? '/dev/null', type: 'png' }).catch(() => {});
-  await context.close();
+  await page.evaluate(() => window.worn.throwBall('right'));
+  await until(page, () => window.headpin.game.score.skittles_down > 0);
+  const { told } = await leave(opened, 'red.lcmlog');
+  assert.deepEqual(told('version').map(({ detail }) => detail), ['red']);
+});
+
+/** The head in W: how far from where the tracked space stands [m], and how far to the side it looks. */
+const head = () => {
+  const { view, X_WT } = window.headpin.game;
+  const [w, x, y, z, px, py] = view.subarray(19, 26);
+  return { away: Math.hypot(px - X_WT[4], py - X_WT[5]), aside: Math.abs(-2 * (x * z + w * y)) };
+};
+
+test('recentring puts the wearer in front of the lane: by a button, and by the headset itself', async () => {
+  const opened = await enter('controller');
+  const { page } = opened;
+  const inFront = async () => {
+    const { away, aside } = await page.evaluate(head);
+    return away < 1e-3 && aside < 1e-3;
+  };
+  const drawn = (more) => page.evaluate((frames) => window.worn.during((t) => t > frames / 72), more);
+  await drawn(10);
+  assert.ok(await inFront());
+  await page.evaluate(() => window.worn.stand(-1, [-0.5, 0.8]));
+  await drawn(10);
+  assert.ok(!(await inFront()));
+  await page.evaluate(() => window.worn.device.controllers.right.updateButtonValue('a-button', 1));
+  await drawn(20);
+  assert.ok(await inFront());
+  await page.evaluate(() => window.worn.device.controllers.right.updateButtonValue('a-button', 0));
+  await page.evaluate(() => window.worn.stand(0.7, [0.2, 0.1]));
+  await drawn(10);
+  await page.evaluate(() => window.worn.device.recenter());
+  await drawn(20);
+  assert.ok(await inFront());
+  const { told } = await leave(opened, 'recentred.lcmlog');
+  assert.equal(told('recentred').length, 3);
+});
+
+test('the stick walks, and stops when its controller goes', async () => {
+  const opened = await enter('controller');
+  const { page } = opened;
+  const at = () => page.evaluate(() => window.headpin.game.view[5 + 5]);  // y of X_WP
+  await page.evaluate(() => window.worn.device.controllers.right.updateAxes('thumbstick', 0, -1));
+  await until(page, () => window.headpin.game.view[10] > 0.2);
+  await page.evaluate(() => { window.worn.device.controllers.right.connected = false; });
+  await page.evaluate(() => window.worn.during((t) => t > 0.5));
+  const stood = await at();
+  await page.evaluate(() => window.worn.during((t) => t > 0.5));
+  assert.equal(await at(), stood);
+  await page.evaluate(() => { window.worn.device.controllers.right.connected = true; });
+  await page.evaluate(() => window.worn.during((t) => t > 0.5));
+  const { told } = await leave(opened, 'walked.lcmlog');
+  assert.deepEqual(told('tracking_lost').map(({ detail }) => detail), ['hand']);
+  assert.deepEqual(told('tracking_back').map(({ detail }) => detail), ['hand']);
+  assert.deepEqual(told('played_with').map(({ detail }) => JSON.parse(detail).inputs.length), [2, 1, 2]);
+});
+
+test('late frames are counted, and a pause is told', async () => {
+  const opened = await enter('controller');
+  const { page } = opened;
+  for (const late of [50, 50, 2000]) {
+    await page.evaluate((by) => window.comeLate(by), late);
+    await page.evaluate(() => window.worn.during((t) => t > 0.1));
+  }
+  const { told } = await leave(opened, 'late.lcmlog');
+  const [{ value: length }, ...more] = told('paused');
+  assert.equal(more.length, 0);
+  assert.ok(length > 1.8 && length < 2.1, `${length} s`);
+  assert.equal(JSON.parse(told('kept_pace')[0].detail).late_frames, 3);
+  assert.equal(told('tracking_lost').length, 0);
 });

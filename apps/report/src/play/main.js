@@ -117,8 +117,8 @@ class Page {
   async playWithHeadset() {
     const xr = new XrPlay(this.room, this.json);
     await xr.request();  // first, while the browser still knows of the click
-    const game = await this.begin('generic-webxr');
     this.xr = xr;
+    const game = await this.begin('generic-webxr');
     find('hint').textContent = 'You are playing with the headset.';
     xr.onEnd = () => this.guard(this.end());
     xr.onTrouble = (error) => this.fail(error);

@@ -8,6 +8,9 @@ const kStick = 0.5;
 const kRecentre = 4;          // the lower button (A, X) of a controller: WebXR Gamepads Module
 const kWatched = 90, kMostLate = 9;  // frames that are looked at, and how many of them may be late
 
+/** What moment the poses of a frame are for. Some browsers do not say it, or say 0. */
+const timeOf = (frame, otherwise) => frame?.predictedDisplayTime || otherwise;
+
 const degrees = (tangent) => (180 / Math.PI) * Math.atan(tangent);
 
 /** Whether a headset can be used here. */
@@ -19,10 +22,12 @@ export async function xrOffered() {
   }
 }
 
-/** What a view sees, from its projection: angles to each side [degrees]. */
-function anglesOf(view) {
+/** Where a view is from the viewer [m], and what it sees, from its projection: angles to each side [degrees]. */
+function described(view, viewer) {
   const m = view.projectionMatrix;
-  return { eye: view.eye, left: degrees((m[8] - 1) / m[0]), right: degrees((m[8] + 1) / m[0]),
+  const from = new Matrix4().fromArray(viewer.transform.inverse.matrix);
+  const offset = poseOf(from.multiply(new Matrix4().fromArray(view.transform.matrix))).slice(4);
+  return { eye: view.eye, offset, left: degrees((m[8] - 1) / m[0]), right: degrees((m[8] + 1) / m[0]),
     down: degrees((m[9] - 1) / m[5]), up: degrees((m[9] + 1) / m[5]) };
 }
 
@@ -55,6 +60,12 @@ export class XrPlay {
       session.addEventListener(start, (event) => this.trigger(event, name, true));
       session.addEventListener(end, (event) => this.trigger(event, name, false));
     }
+    // The wearer has recentred the headset itself: its floor space has moved.
+    this.floor.addEventListener('reset', () => { this.X_TF = null; });
+    session.addEventListener('inputsourceschange', (event) => this.changed(event));
+    session.addEventListener('visibilitychange', () => {
+      if (session.visibilityState !== 'visible') this.letGo();
+    });
     renderer.xr.enabled = true;
     renderer.xr.setReferenceSpaceType('local-floor');
     await renderer.xr.setSession(session);
@@ -108,7 +119,8 @@ export class XrPlay {
       browser: navigator.userAgent,
       inputs: [...session.inputSources].map(({ handedness, profiles }) => ({ handedness, profiles })),
       frame_rate_hz: session.frameRate ?? null,
-      views: pose.views.map(anglesOf),
+      frame_rates_hz: [...session.supportedFrameRates ?? []],
+      views: pose.views.map((view) => described(view, pose)),
     }));
   }
 
@@ -116,11 +128,24 @@ export class XrPlay {
     return handedness === (this.game.leftHand ? 'left' : 'right');
   }
 
+  /** Controllers may come after the first frame, go, and turn into hands. */
+  changed({ removed }) {
+    this.told = false;
+    if ([...removed].some((input) => this.isPlayed(input))) this.letGo();
+  }
+
+  /** Nothing is pressed any more: nobody would tell when it is released. */
+  letGo() {
+    this.pressed.clear();
+    [this.forward, this.backward] = [false, false];
+    this.tellButtons(Math.max(this.game.now(), this.valid ?? 0));
+  }
+
   trigger({ inputSource, frame, timeStamp }, name, down) {
     if (!this.isPlayed(inputSource)) return;
     if (down) this.pressed.add(name);
     else this.pressed.delete(name);
-    this.tellButtons(this.game.at(frame?.predictedDisplayTime ?? timeStamp));
+    this.tellButtons(this.game.at(timeOf(frame, timeStamp)));
   }
 
   tellButtons(time) {
@@ -155,7 +180,8 @@ export class XrPlay {
     if (!this.X_TF || this.wantsRecentre(inputs)) this.recentre(frame);
     if (!this.X_TF) return;  // it is not tracked yet
     if (!this.told) this.tell(frame);
-    const valid = game.at(frame.predictedDisplayTime ?? time);
+    const valid = game.at(timeOf(frame, time));
+    this.valid = valid;
     const viewer = frame.getViewerPose(this.floor);
     this.sample(1, viewer, valid);
     for (const input of inputs) {
