@@ -108,7 +108,7 @@ export function wear({ inputs }) {
     });
   };
 
-  /** Takes the ball, swings it along the lane at 16 m/s2 and lets it go after 0.4 s. */
+  /** Takes the ball, swings it back and then along the lane at 16 m/s2, and lets it go after 0.4 s. */
   const throwBall = async (hand) => {
     const { game, json } = window.headpin;
     const grip = await gripOf(hand);
@@ -125,9 +125,9 @@ export function wear({ inputs }) {
     });
     let on = true;
     await during((t) => {
-      const s = Math.max(0, t - 0.3);
-      const across = Math.min(1, s / 0.3);
-      reach([(1 - across) * home[0], home[1] + 8 * Math.min(s, 0.6) ** 2, home[2] - 0.6 * across]);
+      const low = smooth(t / 0.8);
+      const s = Math.max(0, t - 0.8);
+      reach([(1 - low) * home[0], home[1] - 1.2 * low + 8 * Math.min(s, 0.6) ** 2, home[2] - 0.6 * low]);
       if (on && s >= 0.4) press(hand, on = false);
       return s > 1;
     });

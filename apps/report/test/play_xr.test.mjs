@@ -1,13 +1,15 @@
 // The page of `headpin play` with a headset that IWER emulates.
 import assert from 'node:assert/strict';
 import { createRequire } from 'node:module';
+import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 
 import { launch } from './chromium.mjs';
 import { stepClock, wear } from './headset.mjs';
 import { until } from './page.mjs';
 import { openGame, saved, serve, verified } from './play.mjs';
-import { headpin } from './program.mjs';
+import { readPng } from './png.mjs';
+import { folder, headpin } from './program.mjs';
 
 const iwer = createRequire(import.meta.url).resolve('iwer/build/iwer.min.js');
 const kRate = 72;  // frames a second
@@ -65,6 +67,7 @@ for (const [inputs, hand] of [['controller', 'right'], ['controller', 'left'], [
     const [{ value: speed }, ...more] = told('release');
     assert.equal(more.length, 0);
     assert.ok(Math.abs(speed - 6.4) < 0.3, `${speed} m/s: the hand moved at 6.4 m/s as it let go`);
+    assert.equal(told('foul').length, 0);
     assert.equal(told('paused').length, 0);
     assert.equal(told('recentred').length, 1);
     const [{ late_frames: late, frames }] = told('kept_pace').map(({ detail }) => JSON.parse(detail));
@@ -89,16 +92,26 @@ test('the log tells what is worn', async () => {
   assert.ok(views.every(({ left, right, up, down }) => left < -30 && right > 30 && up > 30 && down < -30), JSON.stringify(views));
 });
 
-test('each eye has a picture of its own', async () => {
+/** How many colours a picture has. */
+function coloursOf(pixels, channels) {
+  const colours = new Set();
+  for (let i = 0; i < pixels.length; i += channels) colours.add(pixels.slice(i, i + 3).join());
+  return colours.size;
+}
+
+test('each eye has a picture of its own, and the page has one afterwards', async () => {
   const { page, context } = await enter('controller');
   const [left, right] = await page.evaluate(() => window.worn.seen());
-  for (const eye of [left, right]) {
-    const colours = new Set();
-    for (let i = 0; i < eye.length; i += 4) colours.add(eye.slice(i, i + 3).join());
-    assert.ok(colours.size > 50, `${colours.size} colours`);
-  }
+  for (const eye of [left, right]) assert.ok(coloursOf(eye, 4) > 50, `${coloursOf(eye, 4)} colours`);
   const other = left.filter((x, i) => Math.abs(x - right[i]) > 8).length / left.length;
   assert.ok(other > 0.005 && other < 0.5, `${100 * other} % are other numbers`);
+  await page.evaluate(() => window.headpin.xr.session.end());
+  await page.waitForSelector('#save-last');
+  await page.evaluate(() => window.worn.during((t) => t > 0.1));
+  const picture = join(folder, 'after.png');
+  await page.locator('#view').screenshot({ path: picture });
+  const { values, channels } = readPng(picture);
+  assert.ok(coloursOf(values, channels) > 50, `${coloursOf(values, channels)} colours`);
   await context.close();
 });
 
@@ -121,7 +134,7 @@ const head = () => {
   return { away: Math.hypot(px - X_WT[4], py - X_WT[5]), aside: Math.abs(-2 * (x * z + w * y)) };
 };
 
-test('recentring puts the wearer in front of the lane: by a button, and by the headset itself', async () => {
+test('recentring puts the wearer in front of the lane: by a button, a key and the headset itself', async () => {
   const opened = await enter('controller');
   const { page } = opened;
   const inFront = async () => {
@@ -138,32 +151,50 @@ test('recentring puts the wearer in front of the lane: by a button, and by the h
   await drawn(20);
   assert.ok(await inFront());
   await page.evaluate(() => window.worn.device.controllers.right.updateButtonValue('a-button', 0));
+  await page.evaluate(() => window.worn.stand(0.2, [-0.5, 0.3]));
+  await drawn(10);
+  assert.ok(!(await inFront()));
+  await page.keyboard.press('r');
+  await drawn(20);
+  assert.ok(await inFront());
   await page.evaluate(() => window.worn.stand(0.7, [0.2, 0.1]));
   await drawn(10);
   await page.evaluate(() => window.worn.device.recenter());
   await drawn(20);
   assert.ok(await inFront());
   const { told } = await leave(opened, 'recentred.lcmlog');
-  assert.equal(told('recentred').length, 3);
+  assert.equal(told('recentred').length, 4);
 });
 
-test('the stick walks, and stops when its controller goes', async () => {
+test('the stick walks, and stops when its controller goes or the headset shows its menu', async () => {
   const opened = await enter('controller');
   const { page } = opened;
-  const at = () => page.evaluate(() => window.headpin.game.view[5 + 5]);  // y of X_WP
-  await page.evaluate(() => window.worn.device.controllers.right.updateAxes('thumbstick', 0, -1));
+  const at = () => page.evaluate(() => window.headpin.game.view[10]);  // y of X_WP
+  const later = () => page.evaluate(() => window.worn.during((t) => t > 0.5));
+  const push = (y) => page.evaluate((to) => window.worn.device.controllers.right.updateAxes('thumbstick', 0, to), y);
+  const stands = async () => {
+    await later();
+    const before = await at();
+    await later();
+    return (await at()) === before;
+  };
+  await push(-1);
   await until(page, () => window.headpin.game.view[10] > 0.2);
+  await page.evaluate(() => window.worn.device.updateVisibilityState('visible-blurred'));
+  assert.ok(await stands());
+  await page.evaluate(() => window.worn.device.updateVisibilityState('visible'));
+  await later();
+  assert.ok(!(await stands()));
   await page.evaluate(() => { window.worn.device.controllers.right.connected = false; });
-  await page.evaluate(() => window.worn.during((t) => t > 0.5));
-  const stood = await at();
-  await page.evaluate(() => window.worn.during((t) => t > 0.5));
-  assert.equal(await at(), stood);
+  assert.ok(await stands());
+  await push(0);
   await page.evaluate(() => { window.worn.device.controllers.right.connected = true; });
-  await page.evaluate(() => window.worn.during((t) => t > 0.5));
+  await later();
   const { told } = await leave(opened, 'walked.lcmlog');
-  assert.deepEqual(told('tracking_lost').map(({ detail }) => detail), ['hand']);
-  assert.deepEqual(told('tracking_back').map(({ detail }) => detail), ['hand']);
-  assert.deepEqual(told('played_with').map(({ detail }) => JSON.parse(detail).inputs.length), [2, 1, 2]);
+  for (const kind of ['tracking_lost', 'tracking_back']) {
+    assert.deepEqual(told(kind).map(({ detail }) => detail), ['hand', 'hand']);
+  }
+  assert.deepEqual(told('played_with').map(({ detail }) => JSON.parse(detail).inputs.length), [2, 0, 2, 1, 2]);
 });
 
 test('late frames are counted, and a pause is told', async () => {

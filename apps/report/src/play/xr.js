@@ -39,6 +39,7 @@ export class XrPlay {
     this.pressed = new Set();  // names of events that hold the trigger: select, squeeze
     this.estimated = new Set();  // stations whose place the headset has only estimated
     this.late = [];
+    this.keys = (event) => { if (event.key.toLowerCase() === 'r') this.asked = true; };
     this.onEnd = () => {};
     this.onTrouble = () => {};
   }
@@ -63,9 +64,10 @@ export class XrPlay {
     // The wearer has recentred the headset itself: its floor space has moved.
     this.floor.addEventListener('reset', () => { this.X_TF = null; });
     session.addEventListener('inputsourceschange', (event) => this.changed(event));
-    session.addEventListener('visibilitychange', () => {
+    session.addEventListener('visibilitychange', () => {  // as when the headset shows its menu
       if (session.visibilityState !== 'visible') this.letGo();
     });
+    addEventListener('keydown', this.keys);  // of somebody who looks on
     renderer.xr.enabled = true;
     renderer.xr.setReferenceSpaceType('local-floor');
     await renderer.xr.setSession(session);
@@ -84,10 +86,20 @@ export class XrPlay {
 
   ended() {
     const { renderer } = this.room;
+    removeEventListener('keydown', this.keys);
     renderer.setAnimationLoop(null);
     renderer.xr.enabled = false;
     this.session = null;
+    requestAnimationFrame(() => this.drawLast());  // three.js first gives the canvas its own size again
     this.onEnd();
+  }
+
+  /** On the page is what the wearer saw last. */
+  drawLast() {
+    const { game, head, room } = this;
+    if (!head) return;
+    room.putRig(game.view, game.X_WT);
+    room.draw(head);
   }
 
   /** From here on, poses count from below the viewer, who looks along -z. */
@@ -158,12 +170,13 @@ export class XrPlay {
     this.tellButtons(time);
   }
 
-  /** Whether a controller's lower button was pressed since the last frame. */
+  /** Whether a controller's lower button or the key was pressed since the last frame. */
   wantsRecentre(inputs) {
     const down = inputs.some(({ gamepad }) => gamepad?.buttons[kRecentre]?.pressed);
-    const pressed = down && !this.recentreDown;
+    const wanted = this.asked || (down && !this.recentreDown);
     this.recentreDown = down;
-    return pressed;
+    this.asked = false;
+    return wanted;
   }
 
   sample(station, pose, time) {
@@ -184,11 +197,12 @@ export class XrPlay {
     this.valid = valid;
     const viewer = frame.getViewerPose(this.floor);
     this.sample(1, viewer, valid);
+    if (viewer) this.head = this.inT(viewer.transform);
     for (const input of inputs) {
       const station = kStations[input.handedness];
       if (!station || !input.gripSpace) continue;
       this.sample(station, frame.getPose(input.gripSpace, this.floor), valid);
-      if (this.isPlayed(input)) this.readStick(input, valid);
+      if (this.isPlayed(input) && session.visibilityState === 'visible') this.readStick(input, valid);
     }
     const view = game.advance();
     room.put(view);
