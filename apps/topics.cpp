@@ -24,7 +24,7 @@ constexpr std::array kTopics = {
     Topic{"scenarios", "guides/scenes.md", "Make your own scene"},
     Topic{"meshes", "guides/meshes.md", "Use your own meshes"},
     Topic{"sessions", "guides/live.md", "A live session"},
-    Topic{"play", "guides/play.md", "Play in a browser: with a headset, a mouse, a finger or keys"},
+    Topic{"browser", "guides/play.md", "Play in a browser: with a headset, a mouse, a finger or keys"},
     Topic{"lcm-spy", "guides/spy.md", "See the channels in lcm-spy"},
     Topic{"trackers", "guides/trackers.md", "Add a tracker"},
     Topic{"fastrak", "guides/fastrak.md", "Emulate a Fastrak"},

@@ -103,6 +103,11 @@ export async function saveBy(page, button, name) {
 /** Ends the game and keeps its log in the tests' folder. */
 export async function endAndSave(page, name) {
   await page.click('#end');
+  return saved(page, name);
+}
+
+/** Keeps the log of a game that has ended. */
+export async function saved(page, name) {
   await saveBy(page, '#save-last', name);
   return page.evaluate(() => {
     const { game_hash: game, state_hash: state, ticks, skittles_down: down } = window.headpin.last;
