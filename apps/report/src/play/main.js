@@ -67,7 +67,7 @@ class Page {
 
   /** The room while no game goes on. */
   drawStill() {
-    if (!this.game) this.room.draw(this.X_TD);
+    if (!this.game && !this.room.renderer.xr.isPresenting) this.room.draw(this.X_TD);
   }
 
   /** Shows the controls of a game, or those before one. */
