@@ -4,6 +4,7 @@
 #include <cmath>
 #include <set>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -186,7 +187,8 @@ TEST(PageSession, APredictedPoseCountsFromTheMomentThatItIsFor) {
 
 TEST(PlayPage, HasAllThatASessionShows) {
   for (const char* name : {"paper-room", "paper-experiment", "german-ninepins"}) {
-    const Scenario scenario = load_scenario(name);
+    const Scenario scenario =
+        load_scenario(fmt::format("{}/assets/scenarios/{}.toml", HEADPIN_SOURCE_DIR, name));
     const PageData data = play_page(scenario);
     const nlohmann::json& json = data.json;
     std::set<int> meshes;

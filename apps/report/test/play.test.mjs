@@ -90,6 +90,18 @@ test('a swing that goes back first', async () => {
   await context.close();
 });
 
+test('a throw with the left hand', async () => {
+  const { page, context } = await open();
+  await page.check('#hands [value=left]');
+  await startGame(page);
+  await throwBy(page, 'mouse');
+  await felled(page);
+  await endAndSave(page, 'left_hand.lcmlog');
+  const [{ position_m: [x] }] = verified('left_hand.lcmlog').throws;
+  assert.ok(Math.abs(x) < 0.02, `${x} m beside the middle of the lane`);
+  await context.close();
+});
+
 test('by keys alone: a throw, the end, and the file', async () => {
   const { page, said, context } = await open();
   await page.focus('#start');
@@ -140,6 +152,8 @@ test('a key that is down when the page loses the keys does not walk on', async (
 test('on a phone held upright, by touch; a second finger changes nothing', async () => {
   const { page, said, context } = await open({ viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
   assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth));
+  const start = await page.locator('#start').boundingBox();
+  assert.ok(start.y + start.height < 844, `the button is at ${start.y}`);
   await startGame(page, () => page.tap('#start'));
   await throwBy(page, 'touch');
   await felled(page);
@@ -182,6 +196,8 @@ test('a version by keys alone: it counts, and the ball comes back', async () => 
   await page.keyboard.up(' ');
   await until(page, () => !/no ball/.test(document.getElementById('score').textContent));
   assert.match(await page.textContent('#score'), /^blue /);
+  // On its way the hand has touched no other button.
+  assert.equal(await page.evaluate(() => window.headpin.game.score.sheets.length), 1);
   await until(page, () => /^Press on the ball/.test(document.getElementById('hint').textContent));
   const { game } = await endAndSave(page, 'version.lcmlog');
   const replayed = verified('version.lcmlog');
@@ -220,6 +236,15 @@ test('a page that is closed in a game leaves its log to the next one', async () 
   await next.click('#files button >> nth=1');
   await until(next, () => document.querySelector('#files button') === null);
   await context.close();
+});
+
+test('a browser that cannot draw says so', async () => {
+  const flat = await launch(['--disable-gpu', '--disable-software-rasterizer']);
+  const page = await flat.newPage();
+  await page.goto(`${server.url}/room.html`);
+  await page.waitForSelector('#trouble:not([hidden])');
+  assert.match(await page.textContent('#trouble'), /cannot draw in 3D/);
+  await flat.close();
 });
 
 test('two clicks begin one game', async () => {

@@ -22,7 +22,11 @@ const kStep = 8_000;              // us between samples of a hand that keys move
 const kWay = 0.85;                // m of a swing by keys
 const kSlowest = 4, kFastest = 8; // m/s of that swing
 
+const kTouch = 50_000;            // us that a button is touched at least
+const kFront = 0.35;              // m before a button, from where the hand goes there
+
 const identity = [1, 0, 0, 0];
+const inFront = ([x, y, z]) => [x, y, z + kFront];
 const smooth = (s) => (s <= 0 ? 0 : s >= 1 ? 1 : s * s * (3 - 2 * s));
 
 export class HandByPointer {
@@ -30,6 +34,7 @@ export class HandByPointer {
     this.game = game;
     this.room = room;
     this.canvas = canvas;
+    this.middle = -game.X_WT[4];  // x of the lane's middle, where the player stands and swings
     this.yaw = 0;
     this.keys = new Set();
     this.pointer = null;   // [x, y] on the canvas, -1 to 1, y up
@@ -38,7 +43,8 @@ export class HandByPointer {
     this.finger = null;    // the pointer that is down
     this.silentUntil = 0;
     this.framed = 0;
-    this.place = [0.3, 1.0, kHover];
+    this.place = [this.middle + 0.3, 1.0, kHover];
+    this.sent = -kStep;  // us: the time of the latest sample of the hand
     this.abort = new AbortController();
     this.listen();
   }
@@ -63,7 +69,7 @@ export class HandByPointer {
     const q = new Quaternion().setFromAxisAngle(new Vector3(0, 1, 0), this.yaw)
       .multiply(new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), -kLookDown));
     const behind = Math.min(kEyeBehind, this.game.json.room.behind - kFromWall);
-    return [q.w, q.x, q.y, q.z, 0, kEyeHeight, behind];
+    return [q.w, q.x, q.y, q.z, this.middle, kEyeHeight, behind];
   }
 
   /** A point of the world in T. */
@@ -110,7 +116,7 @@ export class HandByPointer {
     const { from, along } = this.ray();
     const far = along.z < -0.05 ? Math.min((kHover - from.z) / along.z, kReached) : kReached;
     const p = from.addScaledVector(along, far);
-    return [Math.max(-1.2, Math.min(1.2, p.x)), Math.max(0.15, Math.min(2.2, p.y)), p.z];
+    return [Math.max(this.middle - 1.2, Math.min(this.middle + 1.2, p.x)), Math.max(0.15, Math.min(2.2, p.y)), p.z];
   }
 
   /** Where the hand is in a swing, for the pointer's way since it was pressed, in picture heights. */
@@ -124,13 +130,14 @@ export class HandByPointer {
     const lift = forward < 0 ? 0.15 * forward * forward : 0;
     const ahead = forward - kDrawnBack * drawn;
     const side = kAcross * across;
-    return [from.x * (1 - drawn) + side * Math.cos(this.yaw) - ahead * Math.sin(this.yaw),
+    return [from.x + (this.middle - from.x) * drawn + side * Math.cos(this.yaw) - ahead * Math.sin(this.yaw),
       from.y - lower + lift,
       from.z - ahead * Math.cos(this.yaw) - side * Math.sin(this.yaw)];
   }
 
   sendHand(place, time) {
     this.place = place;
+    this.sent = Math.max(this.sent, time);
     this.game.tracker(this.game.handStation, [...identity, ...place], time);
   }
 
@@ -169,6 +176,22 @@ export class HandByPointer {
     this.press(true, time);
   }
 
+  /** Goes to a button from the front: the straight way may lead through another one. */
+  touch(place, time) {
+    this.touched = place;
+    this.sendHand(inFront(place), time);
+    this.sendHand(place, time + kStep);
+  }
+
+  /** Goes back to the front. */
+  leave(time) {
+    const end = Math.max(time, this.sent + kTouch);
+    this.sendHand(this.touched, end);
+    this.sendHand(inFront(this.touched), end + kStep);
+    this.touched = null;
+    this.silentUntil = end + kSilent;
+  }
+
   press(trigger, time) {
     this.trigger = trigger;
     this.tellButtons(time);
@@ -183,23 +206,24 @@ export class HandByPointer {
     const time = this.game.at(event.timeStamp);
     this.silentUntil = 0;
     this.pointer = this.locate(event);
-    this.touched = this.pointedAt(this.buttons())?.hand.toArray() ?? null;
+    const button = this.pointedAt(this.buttons());
+    if (button) return this.touch(button.hand.toArray(), time);
     this.follow(this.pointer, time);
-    if (!this.touched) this.take(time);
+    this.take(time);
   }
 
   lifted(event) {
     if (event.pointerId !== this.finger) return;
     this.finger = null;
     const time = this.game.at(event.timeStamp);
+    if (this.touched) return this.leave(time);
     this.follow(this.locate(event), time);
     this.letGo(time);
   }
 
   letGo(time) {
-    if (this.swing) this.press(false, time);
+    this.press(false, time);
     this.swing = null;
-    this.touched = null;
     this.silentUntil = time + kSilent;
   }
 
@@ -222,18 +246,21 @@ export class HandByPointer {
   letKeysGo() {
     this.keys.clear();
     const now = this.game.now();
-    if (this.finger === null) this.touched = null;
+    if (this.finger === null && this.touched) this.leave(now);
     this.tellButtons(now);
   }
 
   /** Down: the hand goes to the button of a colour. From here on it is not where the pointer was. */
   touchKey(colour, down, time) {
     if (this.swing || this.finger !== null) return;
+    if (this.touched) {
+      if (!down) this.leave(time);
+      return;
+    }
     const button = this.buttons().find((one) => one.colour === colour);
-    if (!button || (!down && !this.touched)) return;
+    if (!button || !down) return;
     this.pointer = null;
-    this.touched = down ? button.hand.toArray() : null;
-    this.sendHand(button.hand.toArray(), time);
+    this.touch(button.hand.toArray(), time);
   }
 
   /** Down: takes the nearest ball and draws it back; up: swings, the faster the longer it was down. */
@@ -242,9 +269,10 @@ export class HandByPointer {
       const [ball] = this.balls();
       if (!ball) return;
       this.pointer = null;
-      this.sendHand(ball.hand.toArray(), time);
-      this.take(time);
-      this.swing.byKeys = { sent: time };
+      const from = Math.max(time, this.sent + kStep);
+      this.sendHand(ball.hand.toArray(), from);
+      this.take(from);
+      this.swing.byKeys = { sent: from };
     } else if (!down && this.swing?.byKeys && !this.swing.byKeys.go) {
       const held = Math.min(1, (time - this.swing.began) / 1e6);
       this.swing.byKeys.go = Math.max(time, this.swing.byKeys.sent);

@@ -41,6 +41,7 @@ class Page {
       if (this.game || this.unsaved) event.preventDefault();
     });
     this.showRoom();
+    addEventListener('resize', () => this.drawStill());
     await this.listFiles();
     await this.lookForHeadset();
     document.documentElement.dataset.ready = 'yes';
@@ -60,7 +61,21 @@ class Page {
     this.room.scene.updateMatrixWorld();
     const hand = new HandByPointer(game, this.room, find('view'));
     hand.end();
-    this.room.draw(hand.head());
+    this.X_TD = hand.head();
+    this.drawStill();
+  }
+
+  /** The room while no game goes on. */
+  drawStill() {
+    if (!this.game && !this.room.renderer.xr.isPresenting) this.room.draw(this.X_TD);
+  }
+
+  /** Shows the controls of a game, or those before one. */
+  showControls(playing) {
+    find('before').hidden = playing;
+    find('during').hidden = !playing;
+    document.documentElement.toggleAttribute('data-playing', playing);
+    this.drawStill();
   }
 
   async begin(device) {
@@ -74,8 +89,7 @@ class Page {
       { device, leftHand, participant, keep: (piece) => this.store.add(piece) });
     this.game.onNews((news) => this.tellNews(news));
     this.pieces = setInterval(() => { this.game.keepLog(); this.tellKept(); }, kPiece);
-    find('before').hidden = true;
-    find('during').hidden = false;
+    this.showControls(true);
     find('score').textContent = '';
     return this.game;
   }
@@ -101,7 +115,8 @@ class Page {
     const view = game.advance();
     room.put(view);
     room.putRig(view, game.X_WT);
-    room.draw(hand.head());
+    this.X_TD = hand.head();
+    room.draw(this.X_TD);
     const { matrixWorld } = room.camera;
     game.frame([poseOf(matrixWorld), poseOf(matrixWorld)], this.isLate());
     this.tellNext();
@@ -132,6 +147,7 @@ class Page {
     clearInterval(this.pieces);
     this.hand?.end();
     this.hand = null;
+    this.X_TD = this.xr?.head ?? this.X_TD;
     this.xr?.end();
     this.xr = null;
     const result = game.finish();
@@ -147,8 +163,7 @@ class Page {
     const log = await store.finish();
     this.last = { ...result, name: store.name, log };
     this.unsaved = store.failed === true;
-    find('before').hidden = false;
-    find('during').hidden = true;
+    this.showControls(false);
     this.tellEnd();
     await this.listFiles();
   }

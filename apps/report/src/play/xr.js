@@ -36,10 +36,12 @@ export class XrPlay {
     this.room = room;
     this.json = json;
     this.X_TF = null;           // the headset's floor space F in the tracked space T
+    this.head = null;           // X_TD of the last frame
     this.pressed = new Set();  // names of events that hold the trigger: select, squeeze
     this.estimated = new Set();  // stations whose place the headset has only estimated
     this.late = [];
     this.keys = (event) => { if (event.key.toLowerCase() === 'r') this.asked = true; };
+    this.leave = () => this.ended();
     this.onEnd = () => {};
     this.onTrouble = () => {};
   }
@@ -48,7 +50,7 @@ export class XrPlay {
   async request() {
     this.session = await navigator.xr.requestSession('immersive-vr',
       { requiredFeatures: ['local-floor'], optionalFeatures: ['hand-tracking'] });
-    this.session.addEventListener('end', () => this.ended());
+    this.session.addEventListener('end', this.leave);
   }
 
   /** Plays until the session ends. */
@@ -71,6 +73,8 @@ export class XrPlay {
     renderer.xr.enabled = true;
     renderer.xr.setReferenceSpaceType('local-floor');
     await renderer.xr.setSession(session);
+    session.removeEventListener('end', this.leave);
+    session.addEventListener('end', this.leave);  // now after three.js, which gives the canvas its own size again
     renderer.setAnimationLoop((time, frame) => {
       try {
         if (frame) this.frame(time, frame);
@@ -90,16 +94,8 @@ export class XrPlay {
     renderer.setAnimationLoop(null);
     renderer.xr.enabled = false;
     this.session = null;
-    requestAnimationFrame(() => this.drawLast());  // three.js first gives the canvas its own size again
+    if (this.head) this.room.putRig(this.game.view, this.game.X_WT);
     this.onEnd();
-  }
-
-  /** On the page is what the wearer saw last. */
-  drawLast() {
-    const { game, head, room } = this;
-    if (!head) return;
-    room.putRig(game.view, game.X_WT);
-    room.draw(head);
   }
 
   /** From here on, poses count from below the viewer, who looks along -z. */
