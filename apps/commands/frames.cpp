@@ -21,6 +21,7 @@
 #include "apps/streams.h"
 #include "render/data/hmd.h"
 #include "render/display.h"
+#include "scene/record/events.h"
 #include "scene/watch/drawn_by.h"
 #include "scene/watch/eye_frames.h"
 #include "scene/watch/recorded.h"
@@ -44,6 +45,10 @@ render::Quality look_of(const FramesOptions& options, scene::Scenario scenario) 
 std::string why_not_compared(const scene::TrialSummary& trial, scene::Eyes& eyes,
                              const render::Quality& own, bool from_the_head) {
   if (!from_the_head) return "they are not what the eyes saw";
+  if (std::ranges::find(trial.events, scene::kind::played_with, &scene::Event::kind) !=
+      trial.events.end()) {
+    return "a browser drew them, and its log has no hashes of pictures";
+  }
   if (eyes.look != own) return "the look is another than the trial's";
   const std::optional<render::Fingerprint> then = scene::drawn_by(trial.events);
   if (!then) return "";  // an older trial does not say it; the comparison will show

@@ -62,9 +62,10 @@ function notices() {
 }
 
 /** Fills a template of ours and writes it. */
-function write(file, template, replacements) {
+async function write(file, template, replacements) {
+  const all = { ...replacements, '/*headpin:loader*/': new TextDecoder().decode(await bundle('loader.js')) };
   let page = source(template).replace('<head>', () => `<head>\n<!--\nIn this page:\n${notices()}-->`);
-  for (const [mark, text] of Object.entries(replacements)) page = page.replace(mark, () => text);
+  for (const [mark, text] of Object.entries(all)) page = page.replace(mark, () => text);
   mkdirSync(dirname(file), { recursive: true });
   writeFileSync(`${file}.part`, page);
   renameSync(`${file}.part`, file);
@@ -72,14 +73,14 @@ function write(file, template, replacements) {
 }
 
 const plots = readFileSync(join(here, 'node_modules/uplot/dist/uPlot.min.css'), 'utf8');
-write(out, 'index.html', {
+await write(out, 'index.html', {
   '/*headpin:style*/': plots + source('style.css'),
   '/*headpin:page*/': deflated(await bundle('main.js')),
   '<!--headpin:engine-->': hasEngine ? blocksOf({ ...engine, 'engine-worker': await bundle('worker.js') }) : '',
 });
 const play = join(dirname(out), 'play.html');
 if (hasEngine) {
-  write(play, 'play/play.html', {
+  await write(play, 'play/play.html', {
     '/*headpin:style*/': source('style.css') + source('play/play.css'),
     '/*headpin:page*/': deflated(await bundle('play/main.js')),
     '<!--headpin:engine-->': blocksOf({ ...engine, 'store-worker': await bundle('play/store_worker.js') }),

@@ -1,5 +1,6 @@
 #include <fstream>
 
+#include "scene/page/page_session.h"
 #include "tests/apps/command_line.h"
 
 namespace headpin {
@@ -23,6 +24,44 @@ TEST_F(Play, WritesAPageOfAnyScenario) {
   EXPECT_LT(page.size(), 200'000u);  // beside the page itself
   ASSERT_EQ(headpin("play paper-experiment -o - --page page.html").out, page);
   ASSERT_NE(headpin("play paper-experiment --set ball.mass=5 -o - --page page.html").out, page);
+}
+
+/// The log of a page in which nobody did anything for a second.
+std::vector<std::uint8_t> log_of_a_page() {
+  scene::PageSession::Options options;
+  options.device = "mouse";
+  scene::PageSession session(to_toml(scene::Scenario{}), options);
+  session.note("played_with", R"({"device":"mouse"})", 0.0);
+  for (std::int64_t frame = 0; frame <= 60; ++frame) {
+    devices::TrackerSample head;
+    head.station = 1;
+    head.device_time = head.host_time = Time{frame * 1'000'000 / 60};
+    head.X_TS.p = Vec3(0.0, 1.7, 0.0);
+    session.take(head);
+    session.advance(head.device_time);
+    scene::FrameRecord drawn;
+    drawn.time = head.device_time;
+    drawn.frame = frame;
+    session.drew(drawn);
+  }
+  session.finish(61, 0);
+  return session.take_log();
+}
+
+TEST_F(Play, ItsTrialIsOneForEveryCommand) {
+  const std::vector<std::uint8_t> log = log_of_a_page();
+  std::ofstream(folder_ / "played.lcmlog", std::ios::binary)
+      .write(reinterpret_cast<const char*>(log.data()), static_cast<std::streamsize>(log.size()));
+  EXPECT_EQ(json("replay played.lcmlog --verify --json")["verified_ticks"], 240);
+  EXPECT_EQ(headpin("report played.lcmlog -o trial.html --page page.html").code, 0);
+  EXPECT_EQ(headpin("export played.lcmlog -o tables").code, 0);
+  EXPECT_EQ(headpin("compare played.lcmlog played.lcmlog").code, 0);
+  EXPECT_EQ(headpin("frames played.lcmlog --frames 0-1 -o eyes").code, 0);
+  // The browser's pictures cannot be compared with ours.
+  expect_refusal("frames played.lcmlog --verify", 1, "a browser drew them");
+  const Result shown = headpin("frames played.lcmlog --as-shown --frames 1-2 -o shown");
+  EXPECT_EQ(shown.code, 0) << shown.err;
+  EXPECT_THAT(shown.err, HasSubstr("a browser drew them"));
 }
 
 TEST_F(Play, RefusesInWords) {

@@ -3,11 +3,12 @@ import { readFileSync } from 'node:fs';
 import { createServer } from 'node:http';
 import { join } from 'node:path';
 
+import { launch } from './chromium.mjs';
 import { kWait, listened, until } from './page.mjs';
 import { folder, headpin } from './program.mjs';
 
 /** Serves the folder of the tests: the browser's own file system needs an origin. */
-export async function serve() {
+async function serve() {
   const server = createServer((request, response) => {
     try {
       const bytes = readFileSync(join(folder, request.url.slice(1)));
@@ -20,6 +21,13 @@ export async function serve() {
   });
   await new Promise((resolve) => server.listen(0, '127.0.0.1', resolve));
   return { url: `http://127.0.0.1:${server.address().port}`, close: () => server.close() };
+}
+
+/** A browser, and a server with the pages of two rooms. */
+export async function rooms() {
+  headpin('play', '-o', 'room.html');
+  headpin('play', 'paper-experiment', '-o', 'experiment.html');
+  return { browser: await launch(), server: await serve() };
 }
 
 /** Opens a page of a game; what it says is kept. */

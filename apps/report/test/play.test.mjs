@@ -6,7 +6,7 @@ import { after, before, test } from 'node:test';
 
 import { launch } from './chromium.mjs';
 import { axeFinds, until } from './page.mjs';
-import { endAndSave, flick, inputOf, onPage, openGame, pictures, saveBy, serve, startGame, verified } from './play.mjs';
+import { endAndSave, flick, inputOf, onPage, openGame, pictures, rooms, saveBy, startGame, verified } from './play.mjs';
 import { folder, headpin, urlOf } from './program.mjs';
 
 const kHome = [0.35, -0.25, 0.85];  // m: the ball on its stand
@@ -15,12 +15,7 @@ const kRed = [-0.55, 0, 1.1];       // m: the button that begins the red version
 let browser;
 let server;
 
-before(async () => {
-  headpin('play', '-o', 'room.html');
-  headpin('play', 'paper-experiment', '-o', 'experiment.html');
-  browser = await launch();
-  server = await serve();
-});
+before(async () => ({ browser, server } = await rooms()));
 after(async () => {
   await browser?.close();
   server?.close();

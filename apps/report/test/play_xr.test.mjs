@@ -4,10 +4,9 @@ import { createRequire } from 'node:module';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 
-import { launch } from './chromium.mjs';
 import { stepClock, wear } from './headset.mjs';
 import { until } from './page.mjs';
-import { openGame, saved, serve, verified } from './play.mjs';
+import { openGame, rooms, saved, verified } from './play.mjs';
 import { readPng } from './png.mjs';
 import { folder, headpin } from './program.mjs';
 
@@ -17,12 +16,7 @@ const kRate = 72;  // frames a second
 let browser;
 let server;
 
-before(async () => {
-  headpin('play', '-o', 'room.html');
-  headpin('play', 'paper-experiment', '-o', 'experiment.html');
-  browser = await launch();
-  server = await serve();
-});
+before(async () => ({ browser, server } = await rooms()));
 after(async () => {
   await browser?.close();
   server?.close();

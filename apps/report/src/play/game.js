@@ -4,11 +4,8 @@ const kAfterPause = 100_000;  // us of ticks after one: less than after which th
 
 const same = (a, b) => a && a.left === b.left && a.right === b.right && a.trigger === b.trigger;
 
-/** A finished or running game that cannot go on. */
-class GameError extends Error {}
-
 function checked(answer) {
-  if (answer.error) throw new GameError(answer.error);
+  if (answer.error) throw new Error(answer.error);
   return answer;
 }
 

@@ -259,7 +259,7 @@ class Page {
     if (!game) return;
     game.keepLog();
     find('hint').textContent = '';
-    this.keepLast({});
+    this.keepLast({}).catch(() => {});  // the first trouble is told already
   }
 }
 
