@@ -35,6 +35,7 @@ void add_plot(CLI::App& app);
 void add_replay(CLI::App& app);
 void add_report(CLI::App& app);
 void add_scenario(CLI::App& app);
+void add_serve(CLI::App& app);
 void add_stream(CLI::App& app);
 void add_sweep(CLI::App& app);
 void add_synthesize(CLI::App& app);

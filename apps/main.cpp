@@ -111,6 +111,7 @@ int main(int argc, char** argv) {
   apps::add_compare(app);
   apps::add_export(app);
   apps::add_play(app);
+  apps::add_serve(app);
   apps::add_plot(app);
   apps::add_report(app);
   apps::add_live(app);

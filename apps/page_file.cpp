@@ -124,6 +124,10 @@ std::string play_template() {
   return built_template("play.html");
 }
 
+std::string watch_template() {
+  return built_template("watch.html");
+}
+
 std::string filled(const std::string& page, const PageBlocks& blocks) {
   std::string data;
   for (const auto& [name, base64_text] : blocks) {

@@ -37,6 +37,8 @@ std::vector<std::uint8_t> log_of_inputs(const std::string& path);
 std::string page_template();
 /// The same of `headpin play`.
 std::string play_template();
+/// The same of the operator's view of `headpin serve`.
+std::string watch_template();
 /// @throws std::runtime_error  naming the file, when it cannot be read or takes no data
 std::string page_template(const std::string& path);
 

@@ -25,6 +25,7 @@ install(DIRECTORY assets/scenarios assets/designs assets/questionnaires assets/m
         PATTERN "*.cpp" EXCLUDE)
 # What `headpin report` fills in, where `./dev page` has built it.
 install(FILES ${PROJECT_SOURCE_DIR}/build/report/page.html ${PROJECT_SOURCE_DIR}/build/report/play.html
+  ${PROJECT_SOURCE_DIR}/build/report/watch.html
         DESTINATION ${CMAKE_INSTALL_DATADIR}/headpin COMPONENT program OPTIONAL)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/packages/copyright
               ${CMAKE_CURRENT_BINARY_DIR}/packages/headpin.spdx.json

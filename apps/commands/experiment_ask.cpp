@@ -6,13 +6,13 @@
 #include <nlohmann/json.hpp>
 #include <unistd.h>
 
+#include "apps/answer_file.h"
 #include "apps/experiment.h"
 #include "apps/options.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/study_folder.h"
 #include "apps/study_people.h"
-#include "base/line_file.h"
 #include "study/answers.h"
 #include "study/csv.h"
 #include "study/model.h"
@@ -26,67 +26,6 @@ namespace {
 struct AskOptions {
   std::string study, participant, from, language;
   bool is_virtual = false, all = false, json = false;
-};
-
-/// Throws if other answers would change existing ones.
-void refuse_others(const study::Answers& there, const study::Answers& others,
-                   const std::string& from, const fs::path& path, const std::string& id) {
-  for (const study::Answer& answer : others) {
-    const study::Answer* before = study::find(there, answer.item);
-    if (!before || before->answer == answer.answer) continue;
-    throw std::runtime_error(fmt::format("{}: {} has answered {} to {}; {} says {}", path.string(),
-                                         id, before->answer, answer.item, from, answer.answer));
-  }
-}
-
-/// The file of a participant's answers; answers can be added.
-class AnswerFile {
- public:
-  AnswerFile(const Study& study, const std::string& id) : id_(id), path_(study.at.answers(id)) {
-    fs::create_directories(path_.parent_path());
-    file_.emplace(path_.string());
-    answers = study::parse_answers(file_->text(), path_.string(), study.questions, id);
-    require_commas();
-  }
-
-  /// Adds new answers, all or none.
-  void add(const study::Answers& more) {
-    std::string lines;
-    if (answers.empty() && file_->text().empty()) lines = study::answers_heading();
-    for (const study::Answer& answer : more) lines += study::answer_line(id_, answer);
-    file_->append(lines);
-    answers.insert(answers.end(), more.begin(), more.end());
-  }
-
-  /// Adds the answers that do not exist yet.
-  /// @return  their number
-  /// @throws std::runtime_error  if an existing answer is different; then none is added
-  std::size_t add_all(const study::Answers& others, const std::string& from) {
-    refuse_others(answers, others, from, path_, id_);
-    study::Answers more;
-    for (const study::Answer& answer : others) {
-      if (!study::find(answers, answer.item)) more.push_back(answer);
-    }
-    check_stop();
-    if (!more.empty()) add(more);
-    return more.size();
-  }
-
-  study::Answers answers;
-
- private:
-  /// Lines are added as answer_line() writes them.
-  void require_commas() const {
-    const std::string& text = file_->text();
-    if (text.empty() || study::parse_csv(text, path_.string()).separator == ',') return;
-    throw std::runtime_error(path_.string() +
-                             ":1: expected commas between the columns, found semicolons or tabs; "
-                             "save the file as CSV with commas");
-  }
-
-  std::string id_;
-  fs::path path_;
-  std::optional<base::LineFile> file_;
 };
 
 void print_question(const study::Item& item, std::size_t number, std::size_t all,
@@ -153,6 +92,7 @@ void take_forms(const Study& study, const AskOptions& options) {
   }
   std::size_t added = 0;
   for (const auto& [id, answers] : forms) {
+    check_stop();
     added += AnswerFile(study, id).add_all(answers, options.from);
   }
   if (options.json) return print_json({{"participants", forms.size()}, {"new_answers", added}});
@@ -172,6 +112,7 @@ void draw(const Study& study, const AskOptions& options) {
       throw UsageError(fmt::format("{} is no virtual participant: {} is a person's", one.id,
                                    runs.front().path.string()));
     }
+    check_stop();
     try {
       added += AnswerFile(study, one.id)
                    .add_all(study::draw_answers(study.design, study.questions,

@@ -10,13 +10,13 @@
 
 #include "apps/experiment.h"
 #include "apps/live.h"
+#include "apps/next_run.h"
 #include "apps/options.h"
 #include "apps/progress.h"
 #include "apps/stop.h"
 #include "apps/streams.h"
 #include "apps/study_folder.h"
 #include "apps/study_play.h"
-#include "base/left_parts.h"
 #include "base/lock.h"
 #include "scene/watch/totals.h"
 
@@ -26,41 +26,13 @@ namespace fs = std::filesystem;
 
 namespace {
 
+constexpr const char* kCommand = "headpin experiment run";
+
 struct RunOptions {
   std::string study, participant, trial;
   bool is_virtual = false, all = false, json = false;
   int jobs = 1;
   std::shared_ptr<LiveOptions> live = std::make_shared<LiveOptions>();
-};
-
-/// A participant's folder of sessions, locked during the lifetime of this object, and the name of
-/// the next run.
-class NextRun {
- public:
-  /// @throws base::Busy         when another one plays this participant's session
-  /// @throws std::runtime_error  when it has been played
-  NextRun(const Study& study, const std::string& id) : folder_(study.at.sessions(id)) {
-    fs::create_directories(folder_);
-    lock_.emplace(folder_, "playing the session of " + id);
-    base::remove_left_parts(folder_.string());
-    const std::vector<Run> runs = runs_of(study.at, id);
-    if (const Run* done = counting(runs)) {
-      throw std::runtime_error(
-          fmt::format("{}: {} has played already ({:.1f} s); a session is played only once",
-                      done->path.string(), id, done->seconds));
-    }
-    for (const Run& run : runs) {
-      say("headpin experiment run: {} is kept: {}\n", run.path.string(),
-          run.complete ? "not both versions were played" : "it was interrupted");
-    }
-    path_ = (folder_ / fmt::format("run-{:02}.lcmlog", runs.size() + 1)).string();
-  }
-  const std::string& path() const { return path_; }
-
- private:
-  fs::path folder_;
-  std::optional<StudyLock> lock_;
-  std::string path_;
 };
 
 nlohmann::ordered_json to_json(const std::string& id, bool is_virtual,
@@ -117,7 +89,7 @@ class VirtualStudy {
   void work(Progress& progress) {
     for (std::size_t i = next_++; i < waiting_.size() && !failed_; i = next_++) {
       try {
-        const NextRun run(study_, waiting_[i]->id);
+        const NextRun run(study_, waiting_[i]->id, kCommand);
         played_[i] = play_virtual(study_, *waiting_[i], run.path(), [this] {
           check_stop();
           if (failed_) throw std::runtime_error("another session failed");
@@ -185,7 +157,7 @@ void run_one(const Study& study, const RunOptions& options) {
         fmt::format("--participant: {} was replaced by {}; expected {} or another name of {}",
                     who.id, by, by, study.at.plan().string()));
   }
-  const NextRun run(study, who.id);
+  const NextRun run(study, who.id, kCommand);
   if (!options.live->sources.empty()) return run_live(study, who, options, run);
   const auto each_tick = [] { check_stop(); };
   const PlayedSession session = options.is_virtual

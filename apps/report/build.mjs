@@ -1,5 +1,5 @@
-// Makes the pages that `headpin report` and `headpin play` fill in, each one file, with styles,
-// scripts and engine in it: OUT.html, and play.html beside it.
+// Makes the pages that `headpin report`, `play` and `serve` fill in, each one file, with styles,
+// scripts and engine in it: OUT.html, and play.html and watch.html, of `headpin serve`, beside it.
 //
 //   node build.mjs OUT.html [ENGINE_FOLDER]
 import { existsSync, mkdirSync, readFileSync, renameSync, rmSync, writeFileSync } from 'node:fs';
@@ -77,6 +77,10 @@ await write(out, 'index.html', {
   '/*headpin:style*/': plots + source('style.css'),
   '/*headpin:page*/': deflated(await bundle('main.js')),
   '<!--headpin:engine-->': hasEngine ? blocksOf({ ...engine, 'engine-worker': await bundle('worker.js') }) : '',
+});
+await write(join(dirname(out), 'watch.html'), 'watch/watch.html', {
+  '/*headpin:style*/': source('style.css') + source('play/play.css'),
+  '/*headpin:page*/': deflated(await bundle('watch/main.js')),
 });
 const play = join(dirname(out), 'play.html');
 if (hasEngine) {

@@ -10,8 +10,8 @@ import re
 import subprocess
 import sys
 
-LINKED = {"png", "zlib", "lcm", "osmesa", "egl", "deflate", "assimp", "qhull_r", "threads", "zstd", "pkgconfig",
-          "python3"}  # when it runs
+LINKED = {"png", "zlib", "lcm", "osmesa", "egl", "deflate", "assimp", "qhull_r", "threads", "zstd", "microhttpd",
+          "gnutls", "pkgconfig", "python3"}  # when it runs
 OURS = {"eigen3": "eigen", "nlohmann_json": "nlohmann-json", "cli11": "cli11", "fmt": "fmt",
         "tomlplusplus": "tomlplusplus"}
 

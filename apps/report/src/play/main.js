@@ -3,7 +3,9 @@ import { block, hasBlock, jsonBlock, numbersOf } from '../data.js';
 import { find, make } from '../elements.js';
 import { Game } from './game.js';
 import { HandByPointer } from './hand.js';
+import { ask } from './questions.js';
 import { inView, poseOf, Room } from './scene.js';
+import { Sender } from './sender.js';
 import { keptLogs, removeLog, save, Store } from './store.js';
 import { XrPlay, xrOffered } from './xr.js';
 
@@ -38,8 +40,9 @@ class Page {
     find('vr').addEventListener('click', () => this.once(() => this.playWithHeadset()));
     find('end').addEventListener('click', () => this.guard(this.end()));
     addEventListener('beforeunload', (event) => {
-      if (this.game || this.unsaved) event.preventDefault();
+      if (this.game || this.unsaved || this.isSending()) event.preventDefault();
     });
+    this.showGuest();
     this.showRoom();
     addEventListener('resize', () => this.drawStill());
     await this.listFiles();
@@ -51,6 +54,27 @@ class Page {
     const offered = await xrOffered();
     find('vr').hidden = !offered;
     find('no-vr').textContent = offered ? '' : 'No headset is connected to this browser.';
+  }
+
+  /** What a page of `headpin serve` says otherwise. */
+  showGuest() {
+    const { guest } = this.json;
+    if (!guest) return;
+    find('network').textContent = 'This page sends the game to the computer that it came from.';
+    find('who').hidden = guest.participant !== '';
+    if (guest.hint) find('hint').textContent = `${guest.hint} Press Play here.`;
+  }
+
+  isSending() {
+    return this.sender !== undefined && !this.sender.over;
+  }
+
+  tellSent() {
+    const { sent, made, trouble, over, failed } = this.sender;
+    const note = find('sent');
+    note.hidden = false;
+    note.textContent = over && !failed ? `All is sent: ${megabytes(sent)}.`
+      : `Sent: ${megabytes(sent)} of ${megabytes(made)}. ${trouble}`;
   }
 
   /** The room before a game. */
@@ -80,18 +104,29 @@ class Page {
 
   async begin(device) {
     const leftHand = document.querySelector('#hands input:checked').value === 'left';
-    const participant = find('participant').value.trim();
+    const { guest } = this.json;
+    const participant = guest?.participant || find('participant').value.trim();
+    if (guest) {
+      const sender = new Sender(() => this.tellSent());
+      await sender.begin();
+      this.sender = sender;
+    }
     this.trouble = '';
     this.foul = false;
     this.store = new Store(participant, (sentence) => { this.trouble = sentence; this.tellKept(); });
     await this.store.start();
     this.game = new Game(this.engine, this.json,
-      { device, leftHand, participant, keep: (piece) => this.store.add(piece) });
+      { device, leftHand, participant, condition: guest?.condition, keep: (piece) => this.keep(piece) });
     this.game.onNews((news) => this.tellNews(news));
     this.pieces = setInterval(() => { this.game.keepLog(); this.tellKept(); }, kPiece);
     this.showControls(true);
     find('score').textContent = '';
     return this.game;
+  }
+
+  keep(piece) {
+    this.store.add(piece);
+    this.sender?.add(piece);
   }
 
   async playHere() {
@@ -155,6 +190,7 @@ class Page {
     find('hint').textContent = `The game is over. ${scoreInWords(game.score)}.`;
     find('score').textContent = '';
     find('save-last').focus();
+    await this.endVisit();
   }
 
   /** The log of the game that ended is whole: it can be saved. */
@@ -166,6 +202,15 @@ class Page {
     this.showControls(false);
     this.tellEnd();
     await this.listFiles();
+  }
+
+  /** A link is for one game; what a study asks comes after it. */
+  async endVisit() {
+    if (!this.sender) return;
+    for (const id of ['start', 'vr']) find(id).disabled = true;
+    await this.sender.finish();
+    const { questions } = this.json.guest;
+    if (questions && !this.sender.failed) await ask(questions, (answers) => this.sender.answer(answers));
   }
 
   tellEnd() {
@@ -203,7 +248,7 @@ class Page {
         : 'Swing: move quickly up, and let go while you move.';
     }
     if (score.over) return 'The game is over. End it, and save it.';
-    if (json.buttons.length > 0 && score.sheets.length === 0) return 'Press on the red or the blue ball: a game begins. Or press the key R or B.';
+    if (json.buttons.length > 0 && score.sheets.length === 0) return this.json.guest?.hint || 'Press on the red or the blue ball: a game begins. Or press the key R or B.';
     const foul = this.foul ? 'You let go beyond the foul line. Let go earlier. ' : '';
     if (hand.balls().length > 0) return `${foul}Press on the ball and hold. Or hold the space bar.`;
     return foul + (score.sheets.length > 0 ? 'Wait: the ball comes back.' : 'The ball is thrown. End the game, and save it.');
@@ -259,7 +304,7 @@ class Page {
     if (!game) return;
     game.keepLog();
     find('hint').textContent = '';
-    this.keepLast({}).catch(() => {});  // the first trouble is told already
+    this.keepLast({}).then(() => this.endVisit()).catch(() => {});  // the first trouble is told already
   }
 }
 

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "apps/study_folder.h"
+#include "base/line_file.h"
+#include "study/answers.h"
+
+namespace headpin::apps {
+
+/// Throws if other answers would change existing ones.
+/// @param from  where the others come from
+void refuse_others(const study::Answers& there, const study::Answers& others,
+                   const std::string& from, const std::filesystem::path& path,
+                   const std::string& id);
+
+/// The file of a participant's answers; answers can be added.
+class AnswerFile {
+ public:
+  /// @throws base::Busy             when another headpin has it open
+  /// @throws std::runtime_error     when it cannot be opened, or has no commas
+  /// @throws std::invalid_argument  as study::parse_answers()
+  AnswerFile(const Study& study, const std::string& id);
+
+  /// Adds new answers, all or none.
+  void add(const study::Answers& more);
+
+  /// Adds the answers that do not exist yet.
+  /// @return  their number
+  /// @throws std::runtime_error  if an existing answer is different; then none is added
+  std::size_t add_all(const study::Answers& others, const std::string& from);
+
+  study::Answers answers;
+
+ private:
+  void require_commas() const;
+
+  std::string id_;
+  std::filesystem::path path_;
+  std::optional<base::LineFile> file_;
+};
+
+}  // namespace headpin::apps

@@ -1,0 +1,31 @@
+#include "apps/next_run.h"
+
+#include <stdexcept>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "apps/streams.h"
+#include "base/left_parts.h"
+
+namespace headpin::apps {
+
+NextRun::NextRun(const Study& study, const std::string& id, const std::string& command)
+    : folder_(study.at.sessions(id)) {
+  std::filesystem::create_directories(folder_);
+  lock_.emplace(folder_, "playing the session of " + id);
+  base::remove_left_parts(folder_.string());
+  const std::vector<Run> runs = runs_of(study.at, id);
+  if (const Run* done = counting(runs)) {
+    throw std::runtime_error(
+        fmt::format("{}: {} has played already ({:.1f} s); a session is played only once",
+                    done->path.string(), id, done->seconds));
+  }
+  for (const Run& run : runs) {
+    say("{}: {} is kept: {}\n", command, run.path.string(),
+        run.complete ? "not both versions were played" : "it was interrupted");
+  }
+  path_ = (folder_ / fmt::format("run-{:02}.lcmlog", runs.size() + 1)).string();
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,48 @@
+// The questionnaire of a study, asked after the game.
+import { find, make } from '../elements.js';
+
+const kNone = 'n/a';
+
+function choicesOf(item, language) {
+  if (item.choices.length > 0) return item.choices.map(({ id, text }) => [id, text[language]]);
+  const numbers = [];
+  for (let i = item.low; i <= item.high; ++i) numbers.push([String(i), String(i)]);
+  return numbers;
+}
+
+function question(item, number, language) {
+  const scale = item.choices.length === 0;
+  const answers = [...choicesOf(item, language), [kNone, 'no answer']].map(([value, text]) =>
+    make('label', {}, make('input', { type: 'radio', name: item.id, value, required: '' }), ` ${text}`));
+  const ends = scale ? [make('p', { class: 'note' },
+    `${item.low}: ${item.low_end[language]}. ${item.high}: ${item.high_end[language]}.`)] : [];
+  return make('fieldset', { class: 'question' },
+    make('legend', {}, `${number}. ${item.text[language]}`), ...ends, make('div', { class: 'answers' }, ...answers));
+}
+
+/**
+ * Shows the questions, and waits until all are answered.
+ * @param store  takes the answers by item; may throw in words, then it is tried again
+ */
+export function ask({ items, languages }, store) {
+  const language = languages.find((one) => navigator.language.startsWith(one)) ?? languages[0];
+  const trouble = make('p', { role: 'alert' });
+  const form = make('form', { id: 'questions-form', lang: language },
+    ...items.map((item, i) => question(item, i + 1, language)),
+    make('button', { type: 'submit', class: 'main', id: 'send-answers' }, 'Send the answers'), trouble);
+  find('questions').hidden = false;
+  find('questions-body').replaceChildren(form);
+  find('questions-heading').focus();
+  return new Promise((resolve) => {
+    form.addEventListener('submit', async (event) => {
+      event.preventDefault();
+      try {
+        await store(Object.fromEntries(new FormData(form)));
+        find('questions-body').replaceChildren(make('p', {}, 'Thank you. The answers are stored.'));
+        resolve();
+      } catch (error) {
+        trouble.textContent = `The answers were not stored: ${error.message}. Please try again.`;
+      }
+    });
+  });
+}

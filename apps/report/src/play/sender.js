@@ -1,0 +1,102 @@
+// Sends a game's log to the machine that the page came from, while it grows.
+const kMostAtOnce = 1_000_000;             // bytes of a request
+const kWaits = [250, 500, 1000, 2000, 4000];  // ms before the next try
+const kSilence = 15_000;                   // ms, after which a request has failed
+
+const sleep = (ms) => new Promise((resolve) => { setTimeout(resolve, ms); });
+
+function newKey() {
+  const bytes = crypto.getRandomValues(new Uint8Array(16));
+  return Array.from(bytes, (byte) => byte.toString(16).padStart(2, '0')).join('');
+}
+
+/** An answer that trying again will not change. */
+class No extends Error {}
+
+export class Sender {
+  /** @param onState  told whenever `sent`, `trouble` or `over` changes */
+  constructor(onState) {
+    this.onState = onState;
+    this.key = newKey();
+    this.pieces = [];
+    this.made = 0;       // bytes
+    this.sent = 0;       // of them, that are there
+    this.trouble = '';   // why nothing gets there now
+    this.wake = () => {};
+  }
+
+  async post(doing, { at, body } = {}) {
+    const query = at === undefined ? '' : `&at=${at}`;
+    const answer = await fetch(`${location.pathname}/${doing}?key=${this.key}${query}`,
+      { method: 'POST', body, signal: AbortSignal.timeout(kSilence) });
+    if (answer.ok) return answer.json();
+    const why = (await answer.text()).trim();
+    const final = answer.status === 400 || answer.status === 403 || answer.status === 413;
+    throw new (final ? No : Error)(why);
+  }
+
+  /** The link is used from now on. @throws  in words, when it was used before */
+  async begin() {
+    await this.post('begin');
+    this.working = this.work();
+  }
+
+  add(piece) {
+    this.pieces.push(piece);
+    this.made += piece.length;
+    this.wake();
+  }
+
+  /** All pieces are there, and the log is known to be whole. */
+  async finish() {
+    this.ending = true;
+    this.wake();
+    await this.working;
+  }
+
+  tell(trouble) {
+    this.trouble = trouble;
+    this.onState();
+  }
+
+  async work() {
+    let failures = 0;
+    while (!this.over) {
+      try {
+        await this.step(failures > 0);
+        failures = 0;
+        if (this.trouble) this.tell('');
+      } catch (error) {
+        if (error instanceof No) {
+          this.over = true;
+          this.failed = true;
+          this.tell(`Nothing more can be sent: ${error.message}.`);
+          return;
+        }
+        this.tell('The connection is interrupted. It will be tried again.');
+        await sleep(kWaits[Math.min(failures++, kWaits.length - 1)]);
+      }
+    }
+  }
+
+  async step(again) {
+    // What arrived, although its answer did not, need not be sent again.
+    if (again) this.sent = (await this.post('begin')).size;
+    if (this.sent < this.made) {
+      const body = new Blob(this.pieces).slice(this.sent, this.sent + kMostAtOnce);
+      this.sent = (await this.post('log', { at: this.sent, body })).size;
+      this.onState();
+    } else if (this.ending) {
+      await this.post('end', { at: this.made });
+      this.over = true;
+      this.onState();
+    } else {
+      await new Promise((resolve) => { this.wake = resolve; });
+    }
+  }
+
+  /** @throws  in words, for answers that are not taken */
+  async answer(answers) {
+    await this.post('answers', { body: JSON.stringify(answers) });
+  }
+}

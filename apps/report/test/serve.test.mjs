@@ -1,0 +1,148 @@
+// `headpin serve` with a real Chromium: a guest plays, an operator watches, the line is cut.
+import assert from 'node:assert/strict';
+import { readFileSync } from 'node:fs';
+import { join } from 'node:path';
+import { after, before, test } from 'node:test';
+
+import { launch } from './chromium.mjs';
+import { axeFinds, until } from './page.mjs';
+import { endAndSave, flick, inputOf, onPage, openGame, pictures, startGame, verified } from './play.mjs';
+import { folder, headpin } from './program.mjs';
+import { lineTo, serving } from './serve.mjs';
+
+const kHome = [0.35, -0.25, 0.85];  // m: the ball on its stand
+
+let browser;
+
+before(async () => { browser = await launch(); });
+after(async () => { await browser?.close(); });
+
+const contextOf = (options) => browser.newContext({ viewport: { width: 640, height: 480 }, acceptDownloads: true, ...options });
+
+async function throwIt(page) {
+  const send = await inputOf(page, 'mouse');
+  const at = await onPage(page, kHome);
+  await send('move', at[0], at[1]);
+  await pictures(page);
+  await send('down', at[0], at[1]);
+  await until(page, () => window.headpin.game.view[4] > 0);
+  await pictures(page, 10);
+  await flick(send, at);
+}
+
+const sentMore = (page) => page.evaluate(() => window.headpin.sender.sent)
+  .then((before) => until(page, (least) => window.headpin.sender.sent > least, before));
+
+async function cutFor(page, line) {
+  await sentMore(page);
+  line.cut();
+  await until(page, () => window.headpin.sender.trouble !== '' && window.headpin.sender.made > window.headpin.sender.sent + 20_000);
+  line.mend();
+  await sentMore(page);
+}
+
+test('a game over a line that is cut three times is here as it is there; the operator sees it', async () => {
+  const server = await serving('paper-room', '-o', 'games');
+  const line = await lineTo(Number(new URL(server.operator).port));
+  const context = await contextOf();
+  const operator = await context.newPage();
+  await operator.goto(server.operator);
+  await operator.waitForSelector('html[data-ready]');
+  assert.match(await operator.textContent('#guests'), /invited/);
+
+  const link = server.links[0].replace(/:\d+/, `:${line.port}`);
+  const { page, said } = await openGame(context, link);
+  await page.fill('#participant', 'Ada');
+  await startGame(page);
+  await cutFor(page, line);
+  await throwIt(page);
+  await cutFor(page, line);
+  await until(page, () => window.headpin.game.score.skittles_down > 0);
+  await until(operator, () => /[1-9] down/.test(document.getElementById('now').textContent));
+  const seen = await operator.evaluate(async () => (await (await fetch(`/state${location.search}`)).json()).guests[0].game);
+  assert.ok(Math.abs(seen.head[6] - 1.7) < 0.1 && Math.abs(seen.hand[6] - 1.0) < 0.6, `${seen.head}; ${seen.hand}`);
+  assert.match(await operator.textContent('#guests'), /Ada.*playing.*no gaps.*guest-01\.lcmlog/s);
+  await operator.screenshot({ path: join(folder, 'operator.png'), fullPage: true });
+  if (process.env.KEEP) await operator.screenshot({ path: join(process.env.KEEP, 'operator.png'), fullPage: true });
+  await cutFor(page, line);
+
+  const result = await endAndSave(page, 'there.lcmlog');
+  await until(page, () => /^All is sent/.test(document.getElementById('sent').textContent));
+  assert.ok(readFileSync(join(folder, 'games/guest-01.lcmlog')).equals(readFileSync(join(folder, 'there.lcmlog'))));
+  const replayed = verified('games/guest-01.lcmlog');
+  assert.equal(replayed.game_hash, result.game);
+  assert.equal(replayed.skittles_down, result.down);
+  await until(operator, () => /ended/.test(document.getElementById('guests').textContent));
+  // The browser itself says that requests failed while the line was cut.
+  assert.deepEqual(said.filter((text) => !/Failed to load resource|ERR_/.test(text)), []);
+
+  const again = await page.context().newPage();
+  assert.equal((await again.goto(server.links[0])).status(), 403);
+  await operator.click('#new-link');
+  await operator.waitForSelector('#link a');
+  assert.equal((await again.goto(await operator.getAttribute('#link a', 'href'))).status(), 200);
+  assert.deepEqual(await axeFinds(operator), []);
+  line.close();
+  await context.close();
+  assert.equal(await server.stop(), 0);
+});
+
+test('two pages of one link: the second is told', async () => {
+  const server = await serving('paper-room', '-o', 'twice');
+  const context = await contextOf();
+  const { page: first } = await openGame(context, server.links[0]);
+  const { page: second } = await openGame(context, server.links[0]);
+  await startGame(first);
+  await second.click('#start');
+  await second.waitForSelector('#trouble:not([hidden])');
+  assert.match(await second.textContent('#trouble'), /this link was used already/);
+  await context.close();
+  await server.stop();
+});
+
+test('a participant of a study plays, and answers', async () => {
+  headpin('experiment', 'plan', '-o', 'study');
+  const server = await serving('study', '--links', '2');
+  assert.equal(server.links.length, 2);
+  const context = await contextOf();
+  const { page, said } = await openGame(context, server.links[0]);
+  assert.match(await page.textContent('#hint'), /Touch the (red|blue) button first/);
+  assert.equal(await page.isVisible('#participant'), false);
+  await startGame(page);
+  for (const key of ['r', 'b']) {
+    const games = await page.evaluate(() => window.headpin.game.score.sheets.length);
+    await page.keyboard.press(key);
+    await until(page, (before) => window.headpin.game.score.sheets.length > before, games);
+  }
+  await page.click('#end');
+  await page.waitForSelector('#questions-form');
+  assert.deepEqual(await axeFinds(page), []);
+  if (process.env.KEEP) await page.screenshot({ path: join(process.env.KEEP, 'questions.png'), fullPage: true });
+  for (const item of await page.locator('#questions-form fieldset').all()) await item.locator('input').nth(2).check();
+  await page.click('#send-answers');
+  await page.waitForSelector('text=The answers are stored');
+  const status = headpin('experiment', 'status', 'study');
+  const answers = readFileSync(join(folder, 'study/answers/p001.csv'), 'utf8');
+  assert.match(answers, /p001,presence1,3,asked/);
+  const { participant, condition } = JSON.parse(headpin('info', 'study/sessions/p001/run-01.lcmlog', '--json'));
+  assert.equal(participant, 'p001');
+  assert.match(condition, /cell \d{3} of EFS/);
+  assert.match(status, /p001/);
+  verified('study/sessions/p001/run-01.lcmlog');
+  assert.deepEqual(said, []);
+  await context.close();
+  await server.stop();
+});
+
+test('by HTTPS to other machines: the page has what a headset needs', async () => {
+  const server = await serving('paper-room', '-o', 'https', '--bind', '0.0.0.0');
+  assert.match(server.links[0], /^https:/);
+  assert.match(server.certificate_sha256, /^([0-9A-F]{2}:){31}[0-9A-F]{2}$/);
+  const context = await contextOf({ ignoreHTTPSErrors: true });
+  const { page } = await openGame(context, server.links[0].replace(/\/\/[^:/]+/, '//127.0.0.1'));
+  assert.ok(await page.evaluate(() => isSecureContext && 'xr' in navigator));
+  await startGame(page);
+  await until(page, () => window.headpin.sender.sent > 0 && window.headpin.store.stored > 0);
+  await context.close();
+  await server.stop();
+});

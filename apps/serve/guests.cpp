@@ -1,0 +1,168 @@
+#include "apps/serve/guests.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <sys/random.h>
+
+#include "apps/streams.h"
+
+namespace headpin::apps {
+
+namespace {
+
+constexpr std::int64_t kLongestLog = 2'000'000'000;  // bytes: two days
+
+/// Who it is, for the operator.
+std::string name_of(const Guest& guest) {
+  if (!guest.place.participant.empty()) return guest.place.participant;
+  return guest.log ? guest.log->path() : "a guest";
+}
+
+const char* word(Guest::State state) {
+  if (state == Guest::State::invited) return "invited";
+  return state == Guest::State::playing ? "playing" : "ended";
+}
+
+}  // namespace
+
+std::string random_token() {
+  std::array<std::uint8_t, 16> bytes{};
+  if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size())) {
+    throw std::runtime_error(std::string("the system gives no random numbers: ") +
+                             std::strerror(errno));
+  }
+  std::string token;
+  for (const std::uint8_t byte : bytes) token += fmt::format("{:02x}", byte);
+  return token;
+}
+
+bool is_token(std::string_view text) {
+  return text.size() == 32 && text.find_first_not_of("0123456789abcdef") == text.npos;
+}
+
+Guest& Guests::invite() {
+  Place place = next_();
+  Guest& guest = guests_.emplace_back();
+  guest.token = random_token();
+  guest.followed = scene::FollowedLog(place.scenario.rig.X_WT.q);
+  guest.place = std::move(place);
+  return guest;
+}
+
+Guest& Guests::find(std::string_view token) {
+  const auto found = std::ranges::find(guests_, token, &Guest::token);
+  if (found == guests_.end()) throw Refused(403, "this link is not known here");
+  return *found;
+}
+
+Guest& Guests::still_open(std::string_view token) {
+  Guest& guest = find(token);
+  if (guest.state != Guest::State::invited) {
+    throw Refused(403, "this link was used already; ask for another one");
+  }
+  return guest;
+}
+
+std::int64_t Guests::begin(std::string_view token, const std::string& key) {
+  if (!is_token(key)) throw Refused(400, "key: expected 32 hexadecimal digits");
+  Guest& guest = find(token);
+  if (guest.state == Guest::State::playing && guest.key == key) return guest.log->size();
+  still_open(token);
+  try {
+    guest.log = guest.place.open();
+  } catch (const std::exception& error) {
+    tell_(error.what());
+    throw Refused(500, "the game cannot be recorded here; tell the people who invited you");
+  }
+  guest.key = key;
+  guest.state = Guest::State::playing;
+  guest.heard = std::chrono::steady_clock::now();
+  tell_(fmt::format("{} plays", name_of(guest)));
+  return 0;
+}
+
+Guest& Guests::playing(std::string_view token, const std::string& key) {
+  Guest& guest = find(token);
+  if (guest.state == Guest::State::invited || guest.key != key) {
+    throw Refused(403, "another page plays with this link");
+  }
+  return guest;
+}
+
+std::int64_t Guests::add(std::string_view token, const std::string& key, std::int64_t at,
+                         std::span<const std::uint8_t> piece) {
+  Guest& guest = playing(token, key);
+  if (guest.state == Guest::State::ended) throw Refused(409, "this game has ended");
+  if (at + static_cast<std::int64_t>(piece.size()) > kLongestLog) {
+    throw Refused(413, fmt::format("the log is longer than {} bytes", kLongestLog));
+  }
+  try {
+    guest.followed.add(guest.log->add(at, piece));
+  } catch (const WrongPlace& error) {
+    throw Refused(409, error.what());
+  } catch (const std::runtime_error& error) {
+    if (guest.trouble != error.what()) tell_(error.what());
+    guest.trouble = error.what();
+    throw Refused(507, "the game cannot be stored here");
+  }
+  guest.trouble.clear();
+  guest.heard = std::chrono::steady_clock::now();
+  return guest.log->size();
+}
+
+void Guests::end(std::string_view token, const std::string& key, std::int64_t size) {
+  Guest& guest = playing(token, key);
+  if (guest.log->size() != size) {
+    throw Refused(409, fmt::format("expected {} bytes, found {}", size, guest.log->size()));
+  }
+  if (guest.state == Guest::State::ended) return;
+  try {
+    guest.log->close();
+  } catch (const std::runtime_error& error) {
+    tell_(error.what());
+    throw Refused(507, "the game cannot be stored here");
+  }
+  guest.state = Guest::State::ended;
+  tell_(fmt::format("{} has ended: {}, {} bytes", name_of(guest), guest.log->path(), size));
+}
+
+void Guests::answer(std::string_view token, const std::string& key, const nlohmann::json& answers) {
+  Guest& guest = playing(token, key);
+  if (!guest.place.answer) throw Refused(404, "nothing is asked here");
+  try {
+    guest.place.answer(answers);
+  } catch (const std::exception& error) {
+    tell_(fmt::format("{}: {}", name_of(guest), printable(error.what())));
+    throw Refused(400, error.what());
+  }
+  guest.answered = true;
+  tell_(fmt::format("{} has answered the questions", name_of(guest)));
+}
+
+nlohmann::json Guests::state() const {
+  nlohmann::json all = nlohmann::json::array();
+  for (const Guest& guest : guests_) {
+    nlohmann::json one = {{"token", guest.token},
+                          {"participant", guest.place.participant},
+                          {"condition", guest.place.condition},
+                          {"state", word(guest.state)},
+                          {"answered", guest.answered},
+                          {"trouble", guest.trouble}};
+    if (guest.log) {
+      const auto silent = std::chrono::steady_clock::now() - guest.heard;
+      one["file"] = guest.log->path();
+      one["bytes"] = guest.log->size();
+      one["silent_s"] = std::chrono::duration<double>(silent).count();
+      one["game"] = guest.followed.state();
+    }
+    all.push_back(std::move(one));
+  }
+  return all;
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,107 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <list>
+#include <memory>
+#include <optional>
+#include <span>
+#include <stdexcept>
+#include <string>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "apps/serve/incoming_log.h"
+#include "scene/scenario/scenario.h"
+#include "scene/watch/followed_log.h"
+
+/// The people who play over the network, one link each.
+namespace headpin::apps {
+
+/// 128 random bits of the system, as 32 hexadecimal digits.
+std::string random_token();
+/// Whether a text could be one.
+bool is_token(std::string_view text);
+
+/// A request that is answered with no, and why.
+struct Refused : std::runtime_error {
+  Refused(int status_code, const std::string& why) : std::runtime_error(why), status(status_code) {}
+  int status;  ///< of HTTP
+};
+
+/// What a guest plays, and where the log goes.
+struct Place {
+  std::string participant = {};  ///< of the plan; empty where the guest says who it is
+  std::string condition = {};
+  scene::Scenario scenario;
+  std::string hint = {};  ///< for the guest, before the game
+  /// Opens the log when the game begins.
+  /// @throws  when this place has been played, or its file cannot be opened
+  std::function<std::unique_ptr<IncomingLog>()> open = {};
+  /// Stores the answers of the questionnaire; null without one.
+  std::function<void(const nlohmann::json&)> answer = {};
+};
+
+struct Guest {
+  enum class State { invited, playing, ended };
+
+  std::string token;
+  Place place;
+  State state = State::invited;
+  std::string key;  ///< made by the page that began the game; only it can send the log
+  std::unique_ptr<IncomingLog> log;
+  scene::FollowedLog followed;
+  std::chrono::steady_clock::time_point heard;  ///< when the last piece came
+  std::string trouble;                          ///< the last refusal of a piece
+  bool answered = false;
+};
+
+/// All guests. One thread uses it.
+class Guests {
+ public:
+  /// @param next  the place of the next guest; throws Refused when there is none
+  /// @param tell  takes a sentence for the operator
+  Guests(std::function<Place()> next, std::function<void(const std::string&)> tell)
+      : next_(std::move(next)), tell_(std::move(tell)) {}
+
+  /// Makes a link for one more guest.
+  Guest& invite();
+
+  /// @throws Refused  403 for an unknown token
+  Guest& find(std::string_view token);
+  /// @throws Refused  403 for a link that was used
+  Guest& still_open(std::string_view token);
+
+  /// The link is used from now on. The same key may begin again, as its page may not have got the
+  /// answer.
+  ///
+  /// @return  bytes of the log that are here
+  /// @throws Refused  403 for a used link, 400 for what is no key
+  std::int64_t begin(std::string_view token, const std::string& key);
+
+  /// @return  bytes of the log that are here
+  /// @throws Refused  403 for another key; 409 for a piece that does not follow; 413 for too long a
+  ///                  log; 507 where the disk takes no more
+  std::int64_t add(std::string_view token, const std::string& key, std::int64_t at,
+                   std::span<const std::uint8_t> piece);
+
+  /// @param size  of the whole log
+  /// @throws Refused  403; 409 when some of it is missing
+  void end(std::string_view token, const std::string& key, std::int64_t size);
+
+  /// @throws Refused  403; 400 for answers that are none
+  void answer(std::string_view token, const std::string& key, const nlohmann::json& answers);
+
+  /// For the operator: all guests and how they do.
+  nlohmann::json state() const;
+
+ private:
+  Guest& playing(std::string_view token, const std::string& key);
+
+  std::function<Place()> next_;
+  std::function<void(const std::string&)> tell_;
+  std::list<Guest> guests_;
+};
+
+}  // namespace headpin::apps

@@ -1,0 +1,55 @@
+#include "apps/serve/incoming_log.h"
+
+#include <algorithm>
+#include <vector>
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include "base/input_file.h"
+
+namespace headpin::apps {
+
+IncomingLog::IncomingLog(const std::string& path) : file_(path, {.live = true, .regular = true}) {}
+
+std::span<const std::uint8_t> IncomingLog::add(std::int64_t at,
+                                               std::span<const std::uint8_t> piece) {
+  if (at < 0 || at > size_) {
+    throw WrongPlace(fmt::format("expected a piece from byte {} on, found one from {}", size_, at));
+  }
+  const std::size_t known = std::min(piece.size(), static_cast<std::size_t>(size_ - at));
+  require_same(at, piece.first(known));
+  const std::span<const std::uint8_t> fresh = piece.subspan(known);
+  try {
+    file_.write(fresh.data(), fresh.size());
+  } catch (const std::runtime_error&) {
+    file_.cut_back(size_);
+    throw;
+  }
+  size_ += static_cast<std::int64_t>(fresh.size());
+  const auto now = std::chrono::steady_clock::now();
+  if (now - synced_ >= std::chrono::seconds(1)) {
+    file_.require_kept(size_);
+    file_.sync();
+    synced_ = now;
+  }
+  return fresh;
+}
+
+void IncomingLog::require_same(std::int64_t at, std::span<const std::uint8_t> piece) const {
+  if (piece.empty()) return;
+  base::InputFile there(file_.path());
+  std::vector<std::uint8_t> bytes(piece.size());
+  const std::size_t read = there.read(static_cast<std::size_t>(at), bytes);
+  if (read != piece.size() || !std::ranges::equal(bytes, piece)) {
+    throw WrongPlace(fmt::format("the bytes from {} on are not those that are there", at));
+  }
+}
+
+void IncomingLog::close() {
+  file_.require_kept(size_);
+  file_.commit();
+}
+
+}  // namespace headpin::apps

@@ -1,0 +1,118 @@
+#include "apps/serve/places.h"
+
+#include <memory>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "apps/answer_file.h"
+#include "apps/next_run.h"
+#include "apps/study_play.h"
+#include "base/output_file.h"
+
+namespace headpin::apps {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+constexpr int kMostGuests = 9999;
+constexpr const char* kCommand = "headpin serve";
+
+/// A new file with the next free number.
+std::unique_ptr<IncomingLog> open_next(const fs::path& folder) {
+  fs::create_directories(folder);
+  for (int number = 1; number <= kMostGuests; ++number) {
+    const fs::path path = folder / fmt::format("guest-{:02}.lcmlog", number);
+    try {
+      return std::make_unique<IncomingLog>(path.string());
+    } catch (const base::Exists&) {
+      continue;
+    }
+  }
+  throw std::runtime_error(fmt::format("{}: has {} games already", folder.string(), kMostGuests));
+}
+
+/// The answers that a page sent; all questions must be answered.
+study::Answers answers_in(const nlohmann::json& given, const study::Questionnaire& questions) {
+  study::Answers answers;
+  for (const study::Item& item : questions.items) {
+    const auto found = given.find(item.id);
+    const std::string text =
+        found != given.end() && found->is_string() ? found->get<std::string>() : "";
+    const auto answer = study::answer_of(item, text);
+    if (!answer) {
+      throw std::invalid_argument(fmt::format("{}: expected {}, found '{}'", item.id,
+                                              study::allowed(item), study::shown(text)));
+    }
+    answers.push_back({item.id, *answer, study::kAsked});
+  }
+  return answers;
+}
+
+Place place_of(const Study& study, const study::PlannedParticipant& who) {
+  const std::string id = who.id;
+  Place place;
+  place.participant = id;
+  place.condition = condition_of(study, who);
+  place.scenario = scenario_of(study, who);
+  const bool red = study::games_of(study.design, who.allotted)[0].red;
+  place.hint = fmt::format("Touch the {} button first, and play. Then touch the {} one.",
+                           red ? "red" : "blue", red ? "blue" : "red");
+  // The lock of the participant's folder is kept as long as the place.
+  place.open = [&study, id, run = std::make_shared<std::optional<NextRun>>()] {
+    run->emplace(study, id, kCommand);
+    return std::make_unique<IncomingLog>((*run)->path());
+  };
+  place.answer = [&study, id](const nlohmann::json& given) {
+    AnswerFile(study, id).add_all(answers_in(given, study.questions), "the page");
+  };
+  return place;
+}
+
+nlohmann::json texts(const study::Texts& of) {
+  return nlohmann::json(of);
+}
+
+}  // namespace
+
+std::function<Place()> places_of(const scene::Scenario& scenario, const fs::path& folder) {
+  return [scenario, folder] {
+    return Place{.scenario = scenario, .open = [folder] { return open_next(folder); }};
+  };
+}
+
+std::function<Place()> places_of(const Study& study) {
+  return [&study, invited = std::make_shared<std::set<std::string>>()] {
+    const auto replaced = study::replaced(study.plan);
+    for (const study::PlannedParticipant& who : study.plan) {
+      if (replaced.contains(who.id) || invited->contains(who.id)) continue;
+      if (counting(runs_of(study.at, who.id)) != nullptr) continue;
+      Place place = place_of(study, who);
+      invited->insert(who.id);
+      return place;
+    }
+    throw Refused(404, "everybody of the plan has played or has a link");
+  };
+}
+
+nlohmann::json questions_in_json(const study::Questionnaire& questions) {
+  nlohmann::json items = nlohmann::json::array();
+  for (const study::Item& item : questions.items) {
+    nlohmann::json choices = nlohmann::json::array();
+    for (const study::Choice& choice : item.choices) {
+      choices.push_back({{"id", choice.id}, {"text", texts(choice.text)}});
+    }
+    items.push_back({{"id", item.id},
+                     {"text", texts(item.text)},
+                     {"low", item.low},
+                     {"high", item.high},
+                     {"low_end", texts(item.low_end)},
+                     {"high_end", texts(item.high_end)},
+                     {"choices", std::move(choices)}});
+  }
+  return {{"languages", questions.languages}, {"items", std::move(items)}};
+}
+
+}  // namespace headpin::apps

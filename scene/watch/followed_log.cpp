@@ -1,0 +1,156 @@
+#include "scene/watch/followed_log.h"
+
+#include <algorithm>
+
+#include <nlohmann/json.hpp>
+
+#include "devices/base/sample.h"
+#include "scene/record/events.h"
+
+namespace headpin::scene {
+
+namespace {
+
+using nlohmann::json;
+
+constexpr std::size_t kMostRest = 8'000'000;  // bytes: no event of ours is so long
+constexpr Time kRecently{2'000'000};
+constexpr std::size_t kMostFrames = 1000;  // that are counted as recent
+
+json numbers(const Pose& X) {
+  return {X.q.w(), X.q.x(), X.q.y(), X.q.z(), X.p.x(), X.p.y(), X.p.z()};
+}
+
+json numbers(const std::optional<Pose>& X) {
+  return X ? numbers(*X) : json();
+}
+
+json sheets_of(const Score& score) {
+  json out = json::array();
+  for (const Sheet& sheet : score.games) out.push_back(in_words(sheet));
+  return out;
+}
+
+}  // namespace
+
+void FollowedLog::add(std::span<const std::uint8_t> piece) {
+  rest_.insert(rest_.end(), piece.begin(), piece.end());
+  devices::LogReader reader(rest_);
+  while (const auto event = reader.next()) take(*event);
+  unusable_ += reader.skipped_bytes();
+  const auto cut = static_cast<std::ptrdiff_t>(reader.cut_bytes());
+  rest_.erase(rest_.begin(), rest_.end() - cut);
+  if (rest_.size() <= kMostRest) return;
+  unusable_ += static_cast<std::int64_t>(rest_.size());
+  rest_.clear();
+}
+
+void FollowedLog::take(const devices::LogEvent& event) {
+  if (!is_trial_channel(event.channel)) return;
+  const std::optional<Message> message = decode(event.channel, event.data);
+  if (!message || !plausible(*message)) {
+    ++unusable_;
+    return;
+  }
+  std::visit([this](const auto& one) { take(one); }, *message);
+}
+
+void FollowedLog::take(const TrialHeader& header) {
+  if (!header_) header_ = header;
+}
+
+void FollowedLog::take(const devices::TrackerSample& sample) {
+  const bool known = sample.station == devices::kHeadStation ||
+                     sample.station == devices::kHandStation ||
+                     sample.station == devices::kLeftHandStation;
+  if (known && sample.good()) X_TS_[sample.station] = sample.X_TS;
+}
+
+void FollowedLog::take(const Event& event) {
+  if (event.kind == kEndEvent) ended_ = true;
+  if (event.kind == kind::tracking_lost) {
+    ++times_lost_;
+    lost_.insert(event.detail.text());
+  }
+  if (event.kind == kind::tracking_back) lost_.erase(event.detail.text());
+  if (event.kind == kind::paused) ++pauses_;
+  if (event.kind == kind::played_with) played_with_ = event.detail.text();
+  score_.add(event);
+}
+
+void FollowedLog::take(const TickState& state) {
+  last_ = state;
+  history_.begin(state);
+}
+
+void FollowedLog::take(const StateChange& change) {
+  if (const TickState* state = history_.go_on(change)) {
+    last_ = *state;
+  } else {
+    ++unusable_;
+  }
+}
+
+void FollowedLog::take(const FrameRecord& frame) {
+  ++frames_;
+  frame_ = frame;
+  frame_times_.push_back(frame.time);
+  while (frame_times_.size() > kMostFrames ||
+         (frame_times_.size() > 1 && frame.time - frame_times_.front() > kRecently)) {
+    frame_times_.pop_front();
+  }
+}
+
+double FollowedLog::frame_rate_hz() const {
+  if (frame_times_.size() < 2) return 0.0;
+  const Time took = frame_times_.back() - frame_times_.front();
+  return took > Time{} ? static_cast<double>(frame_times_.size() - 1) / seconds(took) : 0.0;
+}
+
+std::optional<Pose> FollowedLog::head() const {
+  if (!frame_) return std::nullopt;
+  return Pose{frame_->X_WE[0].q, 0.5 * (frame_->X_WE[0].p + frame_->X_WE[1].p)};
+}
+
+/// Where the hand's sensor is beside the head's.
+std::optional<Pose> FollowedLog::hand() const {
+  const std::optional<Pose> X_WD = head();
+  const auto its_head = X_TS_.find(devices::kHeadStation);
+  auto its_hand = X_TS_.find(devices::kHandStation);
+  if (its_hand == X_TS_.end()) its_hand = X_TS_.find(devices::kLeftHandStation);
+  if (!X_WD || its_head == X_TS_.end() || its_hand == X_TS_.end()) return std::nullopt;
+  return Pose{R_WT_ * its_hand->second.q,
+              X_WD->p + R_WT_ * (its_hand->second.p - its_head->second.p)};
+}
+
+json FollowedLog::state() const {
+  json bodies = json::object();
+  if (header_) {
+    const std::size_t count = std::min(header_->body_names.size(), last_.bodies.size());
+    for (std::size_t i = 0; i < count; ++i) {
+      bodies[header_->body_names[i]] = numbers(last_.bodies[i].X_WB);
+    }
+  }
+  json lost = json::array();
+  for (const std::string& what : lost_) lost.push_back(what);
+  const json played_with = json::parse(played_with_, nullptr, false);
+  return {{"tick", last_.tick},
+          {"time_s", seconds(last_.time)},
+          {"participant", header_ ? header_->participant : ""},
+          {"played_with", played_with.is_discarded() ? json() : played_with},
+          {"skittles_down", score_.skittles_down},
+          {"throws", score_.throws.size()},
+          {"sheets", sheets_of(score_)},
+          {"frames", frames_},
+          {"frame_rate_hz", frame_rate_hz()},
+          {"lost_now", std::move(lost)},
+          {"times_lost", times_lost_},
+          {"pauses", pauses_},
+          {"unusable", unusable_},
+          {"ended", ended_},
+          {"head", numbers(head())},
+          {"hand", numbers(hand())},
+          {"bodies", std::move(bodies)}};
+}
+
+}  // namespace headpin::scene

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <nlohmann/json_fwd.hpp>
+
+#include "devices/log/event_log.h"
+#include "scene/play/score.h"
+#include "scene/record/messages.h"
+
+namespace headpin::scene {
+
+/// A log that is read while it comes in, for those who watch the session. Memory does not grow with
+/// the log, but for its throws. It accepts any bytes.
+class FollowedLog {
+ public:
+  /// @param R_WT  of the tracked space that the log's samples are in
+  explicit FollowedLog(const Quat& R_WT = Quat::Identity()) : R_WT_(R_WT) {}
+
+  /// @param piece  the bytes that follow those before
+  void add(std::span<const std::uint8_t> piece);
+
+  /// How the session is going: tick, time, score, frames, tracking, and where everything is
+  /// (quaternion w, x, y, z, then place [m], in the world).
+  nlohmann::json state() const;
+
+  /// Whether the log's end has come.
+  bool ended() const { return ended_; }
+
+ private:
+  void take(const devices::LogEvent& event);
+  void take(const TrialHeader& header);
+  void take(const devices::TrackerSample& sample);
+  void take(const devices::MouseSample&) {}
+  void take(const Event& event);
+  void take(const TickState& state);
+  void take(const StateChange& change);
+  void take(const Snapshot&) {}
+  void take(const FrameRecord& frame);
+
+  std::optional<Pose> head() const;
+  std::optional<Pose> hand() const;
+  double frame_rate_hz() const;
+
+  Quat R_WT_;
+  std::vector<std::uint8_t> rest_;  ///< an event that is not whole yet
+  std::int64_t unusable_ = 0;       ///< bytes and messages that cannot be read
+  bool ended_ = false;
+  std::optional<TrialHeader> header_;
+  StateHistory history_;
+  TickState last_;
+  Score score_;
+  std::map<std::int32_t, Pose> X_TS_;  ///< of each station, the last good one
+  std::set<std::string> lost_;         ///< what is not tracked now
+  std::int64_t times_lost_ = 0, pauses_ = 0, frames_ = 0;
+  std::deque<Time> frame_times_;  ///< of the last ones
+  std::optional<FrameRecord> frame_;
+  std::string played_with_;
+};
+
+}  // namespace headpin::scene

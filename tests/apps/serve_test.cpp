@@ -1,0 +1,309 @@
+#include <array>
+#include <fstream>
+#include <list>
+#include <thread>
+
+#include <fmt/format.h>
+
+#include "tests/apps/command_line.h"
+#include "tests/apps/http.h"
+#include "tests/support/lcm_server.h"
+
+namespace headpin {
+namespace {
+
+using testing::HasSubstr;
+
+const std::string kDemoLog = HEADPIN_SOURCE_DIR "/assets/trials/demo.lcmlog";
+const std::string kKey(32, 'a'), kOtherKey(32, 'b');
+const std::string kNowhere = "/play/" + std::string(32, '0');
+
+/// `headpin serve` in the test's folder. The pages are made elsewhere; here stand their marks.
+class Serve : public CommandLine {
+ protected:
+  Serve() {
+    for (const char* name : {"page.html", "watch.html"}) {
+      std::ofstream(folder_ / name) << "<html>img-src data: blob:<!--headpin:data--></html>";
+    }
+  }
+  ~Serve() override {
+    if (process_ > 0) stop(SIGKILL);
+  }
+
+  /// Starts it, and waits until it says where it is.
+  /// @param before  of the shell, such as a limit
+  void start(const std::string& words, const std::string& before = "") {
+    const std::string command = fmt::format(
+        "cd '{}' && {} exec '{}' serve --json --port 0 --page page.html --watch-page watch.html {} "
+        ">said.json 2>said.txt </dev/null",
+        folder_.string(), before, HEADPIN_PROGRAM, words);
+    process_ = fork();
+    if (process_ == 0) {
+      execl("/bin/bash", "bash", "-c", command.c_str(), nullptr);
+      _exit(127);
+    }
+    while (slurp(folder_ / "said.json").find('\n') == std::string::npos) {
+      if (waitpid(process_, nullptr, WNOHANG) != 0) {
+        process_ = 0;
+        FAIL() << slurp(folder_ / "said.txt");
+      }
+      std::this_thread::yield();
+    }
+    const auto said = nlohmann::json::parse(slurp(folder_ / "said.json"));
+    operator_ = said["operator"];
+    for (const std::string link : said["links"]) links_.push_back(path_of(link));
+    const std::size_t colon = operator_.find(':', 8);
+    port_ = std::stoi(operator_.substr(colon + 1));
+    operator_ = path_of(operator_);
+  }
+
+  static std::string path_of(const std::string& url) { return url.substr(url.find('/', 8)); }
+
+  /// @return  the exit code
+  int stop(int signal = SIGTERM) {
+    kill(process_, signal);
+    int status = 0;
+    waitpid(std::exchange(process_, 0), &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 1000 + status;
+  }
+
+  Reply ask(const std::string& method, const std::string& target, const std::string& body = "") {
+    Connection connection(port_);
+    connection.send(request(method, target, body));
+    return reply_of(connection.rest());
+  }
+
+  Reply post(const std::string& link, const std::string& doing, const std::string& body = "",
+             const std::string& key = kKey) {
+    return ask(
+        "POST",
+        fmt::format("{}/{}&key={}", link, doing.find('?') == doing.npos ? doing + "?" : doing, key),
+        body);
+  }
+
+  std::string state_query() const { return "/state" + operator_.substr(1); }
+  nlohmann::json guest(std::size_t number) {
+    return nlohmann::json::parse(ask("GET", state_query()).body)["guests"][number];
+  }
+
+  std::int64_t most_memory_kb() const {
+    const std::string status = slurp(fmt::format("/proc/{}/status", process_));
+    return std::stoll(status.substr(status.find("VmHWM:") + 6));
+  }
+
+  std::size_t files_in(const std::string& folder) const {
+    std::size_t count = 0;
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(folder_ / folder, none)) {
+      count += entry.exists() ? 1 : 0;
+    }
+    return count;
+  }
+
+  pid_t process_ = 0;
+  int port_ = 0;
+  std::string operator_;
+  std::vector<std::string> links_;
+};
+
+TEST_F(Serve, NothingIsSaidWithoutAToken) {
+  start("paper-room -o games");
+  EXPECT_EQ(ask("GET", operator_).status, 200);
+  EXPECT_EQ(ask("GET", links_[0]).status, 200);
+  const std::string wrong = "?token=" + std::string(32, '0');
+  for (const std::string& target :
+       {std::string("/"), "/" + wrong, "/state" + wrong, std::string("/state"), kNowhere,
+        std::string("/play/"), links_[0] + "x", links_[0].substr(0, 20), std::string("/page.html"),
+        std::string("/../../../etc/passwd"), std::string("/play/../page.html"),
+        std::string("/play/%2e%2e/page.html"), std::string("/said.json") + operator_.substr(1),
+        links_[0] + "/log", std::string("*"), "/" + std::string(20'000, 'x')}) {
+    const Reply reply = ask("GET", target);
+    EXPECT_GE(reply.status, 400) << target;
+    EXPECT_LT(reply.status, 500) << target;
+    EXPECT_EQ(reply.body.find("headpin:data"), reply.body.npos) << target;
+    if (target.size() < 100 && target != "*") EXPECT_EQ(reply.status, 403) << target;
+  }
+  for (const std::string& method : {"PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "NONSENSE"}) {
+    EXPECT_EQ(ask(method, links_[0]).status, 403) << method;
+    EXPECT_EQ(ask(method, "/").status, 403) << method;
+  }
+  EXPECT_EQ(files_in("games"), 0u);
+  EXPECT_EQ(stop(), 0);
+}
+
+TEST_F(Serve, TheLogThatCameInPiecesIsTheLog) {
+  start("paper-room -o games --links 2");
+  const std::string log = slurp(kDemoLog);
+  EXPECT_EQ(post(links_[0], "log?at=0", "x").status, 403);  // nobody has begun
+  EXPECT_EQ(post(links_[0], "begin").body, R"({"size":0})");
+  const auto piece = [&](std::size_t at, std::size_t size) {
+    return post(links_[0], fmt::format("log?at={}", at), log.substr(at, size));
+  };
+  EXPECT_EQ(piece(0, 1000).body, R"({"size":1000})");
+  EXPECT_EQ(piece(0, 1000).body, R"({"size":1000})");    // its answer was lost
+  EXPECT_EQ(piece(500, 1000).body, R"({"size":1500})");  // some of it is there
+  EXPECT_EQ(piece(2000, 10).status, 409);                // a gap
+  EXPECT_EQ(post(links_[0], "log?at=1400", std::string(200, 'x')).status, 409);  // other bytes
+  EXPECT_EQ(post(links_[0], "log?at=-5", "x").status, 400);
+  EXPECT_EQ(post(links_[0], "log?at=9999999999999999999", "x").status, 400);
+  EXPECT_EQ(post(links_[0], "log", "x").status, 400);
+  EXPECT_EQ(post(links_[0], "begin").body, R"({"size":1500})");  // where it goes on
+  EXPECT_EQ(piece(1500, log.size()).status, 200);
+  EXPECT_EQ(post(links_[0], "end?at=7").status, 409);
+  EXPECT_FALSE(guest(0)["state"] == "ended");
+  EXPECT_EQ(post(links_[0], fmt::format("end?at={}", log.size())).status, 200);
+  EXPECT_EQ(post(links_[0], fmt::format("end?at={}", log.size())).status, 200);
+  EXPECT_EQ(post(links_[0], fmt::format("log?at={}", log.size()), "more").status, 409);
+  EXPECT_EQ(slurp(folder_ / "games/guest-01.lcmlog"), log);
+  EXPECT_EQ(guest(0)["state"], "ended");
+  EXPECT_EQ(guest(0)["game"]["participant"], "demo");
+  EXPECT_EQ(guest(1)["state"], "invited");
+  EXPECT_EQ(stop(), 0);
+  EXPECT_EQ(json("info --json games/guest-01.lcmlog")["complete"], true);
+}
+
+TEST_F(Serve, ALinkWorksOnce) {
+  start("paper-room -o games");
+  EXPECT_EQ(post(links_[0], "begin", "", "short").status, 400);
+  EXPECT_EQ(post(links_[0], "begin").status, 200);
+  EXPECT_EQ(ask("GET", links_[0]).status, 403);
+  EXPECT_EQ(post(links_[0], "begin", "", kOtherKey).status, 403);
+  EXPECT_EQ(post(links_[0], "log?at=0", "x", kOtherKey).status, 403);
+  EXPECT_EQ(post(links_[0], "end?at=0", "", kOtherKey).status, 403);
+  const std::string more = ask("POST", "/links" + operator_.substr(1)).body;
+  const std::string link = nlohmann::json::parse(more)["path"];
+  EXPECT_EQ(ask("GET", link).status, 200);
+  EXPECT_EQ(ask("POST", "/links").status, 403);
+  EXPECT_EQ(post(link, "begin").status, 200);
+  EXPECT_EQ(files_in("games"), 2u);
+}
+
+TEST_F(Serve, ExistingLogsAreKept) {
+  fs::create_directory(folder_ / "games");
+  std::ofstream(folder_ / "games/guest-01.lcmlog") << "yesterday";
+  start("paper-room -o games");
+  EXPECT_EQ(post(links_[0], "begin").status, 200);
+  EXPECT_EQ(post(links_[0], "log?at=0", "today").status, 200);
+  EXPECT_EQ(slurp(folder_ / "games/guest-01.lcmlog"), "yesterday");
+  EXPECT_EQ(slurp(folder_ / "games/guest-02.lcmlog"), "today");
+  stop(SIGKILL);
+  EXPECT_EQ(slurp(folder_ / "games/guest-02.lcmlog"), "today");
+}
+
+TEST_F(Serve, TooLongBodiesAreRefusedInFlatMemory) {
+  start("paper-room -o games");
+  post(links_[0], "begin");
+  const std::string head =
+      "POST " + links_[0] + "/log?at=0&key=" + kKey + " HTTP/1.1\r\nHost: x\r\n";
+  {  // It says how long it is.
+    Connection connection(port_);
+    connection.send(head + "Content-Length: 1000000000\r\n\r\n");
+    EXPECT_EQ(reply_of(connection.rest()).status, 413);
+  }
+  {  // It does not say.
+    Connection connection(port_);
+    connection.send(head + "Connection: close\r\nTransfer-Encoding: chunked\r\n\r\n");
+    const std::string chunk = "100000\r\n" + std::string(0x100000, 'x') + "\r\n";
+    for (int i = 0; i < 200; ++i) connection.send(chunk);
+    connection.send("0\r\n\r\n");
+    EXPECT_EQ(reply_of(connection.rest()).status, 413);
+  }
+  for (const std::string& start : {std::string("GET /"), head + "X: "}) {  // A line without an end.
+    Connection connection(port_);
+    const std::string more(1'000'000, 'x');
+    connection.send(start);
+    for (int i = 0; i < 200 && connection.send(more); ++i) continue;
+    EXPECT_EQ(connection.rest().find("200 OK"), std::string::npos);
+  }
+  EXPECT_EQ(guest(0)["bytes"], 0);
+  EXPECT_LT(most_memory_kb(), 400'000);  // under sanitizers too
+  EXPECT_EQ(ask("GET", operator_).status, 200);
+}
+
+TEST_F(Serve, ManyAndSlowConnectionsAreAnswered) {
+  start("paper-room -o games");
+  const std::string whole = request("GET", state_query());
+  std::list<Connection> slow;
+  for (int i = 0; i < 200; ++i) slow.emplace_back(port_).send(whole.substr(0, 10));
+  EXPECT_EQ(ask("GET", links_[0]).status, 200);  // meanwhile
+  for (Connection& connection : slow) connection.send(whole.substr(10));
+  for (Connection& connection : slow) EXPECT_EQ(reply_of(connection.rest()).status, 200);
+}
+
+TEST_F(Serve, AFullDiskIsSaidAndTheRestIsKept) {
+  start("paper-room -o games", "trap '' XFSZ; ulimit -f 8;");
+  post(links_[0], "begin");
+  const std::string piece(6000, 'x');
+  EXPECT_EQ(post(links_[0], "log?at=0", piece).status, 200);
+  EXPECT_EQ(post(links_[0], "log?at=6000", piece).status, 507);
+  EXPECT_EQ(post(links_[0], "log?at=6000", "short").status, 200);
+  EXPECT_EQ(slurp(folder_ / "games/guest-01.lcmlog"), piece + "short");
+  EXPECT_EQ(stop(), 0);
+  EXPECT_THAT(slurp(folder_ / "said.txt"), HasSubstr("guest-01.lcmlog: cannot be written"));
+}
+
+TEST_F(Serve, AStudysPlanIsFollowed) {
+  ASSERT_EQ(headpin("experiment plan -o study").code, 0);
+  start("study --links 3");
+  ASSERT_EQ(links_.size(), 3u);
+  EXPECT_EQ(guest(0)["participant"], "p001");
+  EXPECT_EQ(guest(2)["participant"], "p003");
+  EXPECT_THAT(guest(1)["condition"].get<std::string>(), HasSubstr("of EFS"));
+  EXPECT_EQ(post(links_[1], "begin").status, 200);
+  EXPECT_EQ(post(links_[1], "log?at=0", slurp(kDemoLog)).status, 200);
+  // Another command does not play the same session meanwhile.
+  expect_refusal("experiment run study --participant p002 --virtual", 75, "p002");
+  EXPECT_EQ(post(links_[1], "answers", "no").status, 400);
+  EXPECT_EQ(post(links_[1], "answers", R"({"presence1":"9"})").status, 400);
+  EXPECT_FALSE(fs::exists(folder_ / "study/answers/p002.csv"));
+  nlohmann::json answers;
+  for (int i = 1; i <= 6; ++i) answers[fmt::format("presence{}", i)] = "6";
+  for (const char* item : {"sickness", "noticed", "vr_before", "sex", "occupation"}) {
+    answers[item] = "n/a";
+  }
+  const Reply stored = post(links_[1], "answers", answers.dump());
+  EXPECT_EQ(stored.status, 200) << stored.body;
+  EXPECT_THAT(slurp(folder_ / "study/answers/p002.csv"), HasSubstr("p002,presence1,6,asked"));
+  answers["presence1"] = "2";
+  EXPECT_EQ(post(links_[1], "answers", answers.dump()).status, 400);  // answered once
+  EXPECT_EQ(stop(), 0);
+  EXPECT_EQ(slurp(folder_ / "study/sessions/p002/run-01.lcmlog"), slurp(kDemoLog));
+}
+
+TEST_F(Serve, HasACertificateForOtherMachines) {
+  start("paper-room -o games --bind 0.0.0.0");
+  const auto said = nlohmann::json::parse(slurp(folder_ / "said.json"));
+  EXPECT_THAT(said["operator"].get<std::string>(), testing::StartsWith("https://"));
+  const std::string ask = fmt::format(
+      "import ssl, hashlib, urllib.request as u\n"
+      "pem = ssl.get_server_certificate(('127.0.0.1', {0}))\n"
+      "print(hashlib.sha256(ssl.PEM_cert_to_DER_cert(pem)).hexdigest().upper())\n"
+      "open('pem', 'w').write(pem)\n"
+      "own = ssl.create_default_context(cafile='pem')\n"
+      "print(u.urlopen('https://localhost:{0}{1}', context=own).status)\n",
+      port_, operator_);
+  std::ofstream(folder_ / "ask.py") << ask;
+  const std::string command = "cd '" + folder_.string() + "' && python3 ask.py >asked.txt 2>&1";
+  ASSERT_EQ(std::system(command.c_str()), 0) << slurp(folder_ / "asked.txt");
+  std::string sha = said["certificate_sha256"];
+  std::erase(sha, ':');
+  EXPECT_EQ(slurp(folder_ / "asked.txt"), sha + "\n200\n");
+}
+
+TEST_F(Serve, RefusesInWords) {
+  const std::string pages = " --page page.html --watch-page watch.html ";
+  expect_refusal("serve" + pages, 2, "--output");
+  expect_refusal("serve -o OUT --key k.pem" + pages, 2, "--certificate and --key");
+  expect_refusal("serve -o OUT --bind nowhere" + pages, 2, "--bind");
+  expect_refusal("serve -o OUT --port 70000" + pages, 2, "70000");
+  expect_refusal("serve -o OUT --certificate page.html --key page.html" + pages, 1, "certificate");
+  expect_refusal("serve no-such-room -o OUT" + pages, 1, "no-such-room");
+  expect_refusal("serve -o OUT --page said.txt --watch-page watch.html", 1, "said.txt");
+  ASSERT_EQ(headpin("experiment plan -o study").code, 0);
+  expect_refusal("serve study -o OUT" + pages, 2, "--output");
+  start("paper-room -o games");
+  expect_refusal(fmt::format("serve -o OUT --port {}", port_) + pages, 1, "Address already in use");
+}
+
+}  // namespace
+}  // namespace headpin

@@ -1,0 +1,151 @@
+#include "scene/watch/followed_log.h"
+
+#include <algorithm>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "base/random.h"
+#include "scene/play/run.h"
+#include "scene/record/events.h"
+#include "scene/record/trial_events.h"
+#include "scene/watch/recorded.h"
+#include "scene/watch/totals.h"
+#include "scene/watch/trial_writer.h"
+#include "tests/scene/demo.h"
+
+namespace headpin::scene {
+namespace {
+
+constexpr std::int64_t kTicks = 1680, kTicksAFrame = 8;  // 240 Hz, 30 Hz
+
+/// The demo's throw with frames, as the bytes of a log, and what is true at its end.
+struct Played {
+  std::vector<std::uint8_t> log;
+  Score score;
+  std::vector<std::pair<std::string, Pose>> bodies;
+};
+
+Played played() {
+  Played out;
+  const Recorded recorded = load_trial(kDemo);
+  Session session = make_session(recorded.scenario);
+  const auto keep = [&](const devices::LogEvent& event) { devices::append(event, out.log); };
+  TrialHeader header;
+  header.participant = "Ada";
+  TrialWriter writer(
+      std::make_unique<TrialEvents>(header_of(header, session), TrialEvents::Options{}, keep));
+  Totals totals;
+  TrialPlayer source(recorded.file);
+  NoPace pace;
+  Observer* const observers[] = {&writer, &totals};
+  for (std::int64_t tick = 0; tick < kTicks; tick += kTicksAFrame) {
+    run(session, source, pace, observers,
+        [&](const Session& s) { return s.tick >= tick + kTicksAFrame; });
+    FrameRecord frame;
+    frame.time = session.now();
+    frame.frame = tick / kTicksAFrame;
+    frame.tick = session.tick;
+    for (Pose& X_WE : frame.X_WE) X_WE.p = Vec3(0.0, -2.0, 1.7);
+    writer.write(frame);
+  }
+  writer.close(session);
+  out.score = totals.score();
+  for (std::size_t i = 0; i < session.world.bodies.size(); ++i) {
+    out.bodies.emplace_back(session.world.bodies[i].name, session.world.states[i].X_WB);
+  }
+  return out;
+}
+
+const Played& throw_of_the_demo() {
+  static const Played once = played();
+  return once;
+}
+
+nlohmann::json followed(std::span<const std::uint8_t> log, std::size_t piece) {
+  FollowedLog follow;
+  for (std::size_t at = 0; at < log.size(); at += piece) {
+    follow.add(log.subspan(at, std::min(piece, log.size() - at)));
+  }
+  return follow.state();
+}
+
+TEST(FollowedLog, TellsWhatTheSessionCameTo) {
+  const Played& played = throw_of_the_demo();
+  ASSERT_GT(played.score.skittles_down, 0);
+  const nlohmann::json state = followed(played.log, played.log.size());
+  EXPECT_EQ(state["participant"], "Ada");
+  EXPECT_EQ(state["tick"], kTicks);
+  EXPECT_EQ(state["skittles_down"], played.score.skittles_down);
+  EXPECT_EQ(state["throws"], 1);
+  EXPECT_TRUE(state["ended"]);
+  EXPECT_EQ(state["unusable"], 0);
+  EXPECT_EQ(state["frames"], kTicks / kTicksAFrame);
+  EXPECT_NEAR(state["frame_rate_hz"].get<double>(), 30.0, 1e-3);
+  ASSERT_EQ(state["bodies"].size(), played.bodies.size());
+  for (const auto& [name, X_WB] : played.bodies) {
+    const nlohmann::json& pose = state["bodies"][name];
+    for (int i = 0; i < 3; ++i) EXPECT_EQ(pose[static_cast<std::size_t>(4 + i)], X_WB.p[i]) << name;
+    EXPECT_EQ(pose[0], X_WB.q.w()) << name;
+  }
+}
+
+TEST(FollowedLog, PiecesOfAnySizeAreTheSame) {
+  const Played& played = throw_of_the_demo();
+  const nlohmann::json whole = followed(played.log, played.log.size());
+  for (const std::size_t piece : {7, 64, 1000, 4096, 99'991}) {
+    EXPECT_EQ(followed(played.log, piece), whole) << piece;
+  }
+  // Byte by byte up to the first states, as a slow line brings it.
+  const std::span<const std::uint8_t> first = std::span(played.log).first(40'000);
+  EXPECT_EQ(followed(first, 1), followed(first, first.size()));
+}
+
+TEST(FollowedLog, TrackingThatIsLostIsSaid) {
+  std::vector<std::uint8_t> log;
+  TrialEvents writer(TrialHeader{}, {},
+                     [&](const devices::LogEvent& event) { devices::append(event, log); });
+  const auto add = [&](std::string_view kind, const std::string& what) {
+    Event event;
+    event.kind = kind;
+    event.detail = what;
+    writer.write(event);
+  };
+  add(kind::tracking_lost, "head");
+  add(kind::tracking_lost, "hand");
+  add(kind::tracking_back, "head");
+  FollowedLog follow;
+  follow.add(log);
+  EXPECT_EQ(follow.state()["times_lost"], 2);
+  EXPECT_EQ(follow.state()["lost_now"], nlohmann::json::array({"hand"}));
+  EXPECT_FALSE(follow.ended());
+}
+
+TEST(FollowedLog, AnyBytesAreTaken) {
+  const Played& played = throw_of_the_demo();
+  Random random(3, 1, 4);
+  for (int run = 0; run < 40; ++run) {
+    std::vector<std::uint8_t> bytes(played.log.begin(), played.log.begin() + 60'000);
+    const int changes = 1 << (run % 8);
+    for (int i = 0; i < changes; ++i) {
+      bytes[random.next() % bytes.size()] = static_cast<std::uint8_t>(random.next());
+    }
+    const nlohmann::json state = followed(bytes, 4096);
+    EXPECT_LE(state["bodies"].size(), played.bodies.size());
+  }
+  // An event that claims two gigabytes is not waited for.
+  std::vector<std::uint8_t> claims = {0xed, 0xa1, 0xda, 0x01};
+  claims.resize(20);
+  for (const int byte : {0, 0, 0, 5, 0x7f, 0xff, 0xff, 0xf0}) {
+    claims.push_back(static_cast<std::uint8_t>(byte));
+  }
+  FollowedLog follow;
+  follow.add(claims);
+  for (int i = 0; i < 12; ++i) follow.add(std::vector<std::uint8_t>(1'000'000));
+  follow.add(played.log);
+  EXPECT_EQ(follow.state()["skittles_down"], played.score.skittles_down);
+  EXPECT_GT(follow.state()["unusable"], 0);
+}
+
+}  // namespace
+}  // namespace headpin::scene
