@@ -55,6 +55,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"can_be_imported", "true: the file can be imported as it is understood"},
     {"capped_queries", "detection queries that stopped at the cap on iterations"},
     {"cell", "cell of the experiment's design: one digit per factor"},
+    {"certificate_sha256", "fingerprint of the certificate that a server made for its run; empty without one"},
     {"changed", "parameter that differs between a participant's two versions"},
     {"channels", "channels of a log, by name"},
     {"clock_jumps", "number of jumps of a publisher's clock against the session's clock"},
@@ -217,6 +218,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"limit_arcmin",
      "threshold of an angle: the larger of a pixel and the smallest detail that the eye resolves"},
     {"line", "terminal or port of an emulated unit"},
+    {"links", "addresses of the pages of guests, each for one game"},
     {"loft_end_m", "distance at which a ball first touched the lane"},
     {"longest_gap", "longest stretch of a log without a sample of any device"},
     {"longest_gap_s", "longest time between two samples of a device"},
@@ -262,6 +264,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"off_view_deg",
      "angle of a body from the middle of the view when its place was first above the threshold, or "
      "else when it differed most"},
+    {"operator", "address of the operator's page"},
     {"other_condition", "result of a separate throw under the condition that was given"},
     {"other_publishers_samples",
      "samples that were left out because another publisher sends the same station"},

@@ -26,6 +26,7 @@ constexpr std::array kTopics = {
     Topic{"sessions", "guides/live.md", "A live session"},
     Topic{"browser", "guides/play.md",
           "Play in a browser: with a headset, a mouse, a finger or keys"},
+    Topic{"network", "guides/serve.md", "Let people with headsets play, and record them here"},
     Topic{"lcm-spy", "guides/spy.md", "See the channels in lcm-spy"},
     Topic{"trackers", "guides/trackers.md", "Add a tracker"},
     Topic{"fastrak", "guides/fastrak.md", "Emulate a Fastrak"},

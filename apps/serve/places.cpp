@@ -66,7 +66,8 @@ Place place_of(const Study& study, const study::PlannedParticipant& who) {
     return std::make_unique<IncomingLog>((*run)->path());
   };
   place.answer = [&study, id](const nlohmann::json& given) {
-    AnswerFile(study, id).add_all(answers_in(given, study.questions), "the page");
+    const study::Answers answers = answers_in(given, study.questions);
+    AnswerFile(study, id).add_all(answers, "the page");
   };
   return place;
 }

@@ -156,7 +156,6 @@ WebServer::WebServer(const Options& options, Most most, Answer answer)
       {MHD_OPTION_CONNECTION_LIMIT, kMostConnections, nullptr},
       {MHD_OPTION_CONNECTION_TIMEOUT, kSilence, nullptr},
       {MHD_OPTION_CONNECTION_MEMORY_LIMIT, static_cast<std::intptr_t>(kConnection), nullptr},
-      {MHD_OPTION_LISTENING_ADDRESS_REUSE, 1, nullptr},
       {MHD_OPTION_NOTIFY_COMPLETED, reinterpret_cast<std::intptr_t>(&Daemon::on_end), nullptr}};
   if (options.certificate) {
     flags |= MHD_USE_TLS;

@@ -121,9 +121,10 @@ TEST_F(Serve, NothingIsSaidWithoutAToken) {
     EXPECT_GE(reply.status, 400) << target;
     EXPECT_LT(reply.status, 500) << target;
     EXPECT_EQ(reply.body.find("headpin:data"), reply.body.npos) << target;
-    if (target.size() < 100 && target != "*") EXPECT_EQ(reply.status, 403) << target;
+    const bool plain = target.size() < 100 && target != "*";
+    EXPECT_TRUE(reply.status == 403 || !plain) << target;
   }
-  for (const std::string& method : {"PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "NONSENSE"}) {
+  for (const char* const method : {"PUT", "DELETE", "PATCH", "OPTIONS", "TRACE", "NONSENSE"}) {
     EXPECT_EQ(ask(method, links_[0]).status, 403) << method;
     EXPECT_EQ(ask(method, "/").status, 403) << method;
   }
@@ -258,7 +259,7 @@ TEST_F(Serve, AStudysPlanIsFollowed) {
   EXPECT_FALSE(fs::exists(folder_ / "study/answers/p002.csv"));
   nlohmann::json answers;
   for (int i = 1; i <= 6; ++i) answers[fmt::format("presence{}", i)] = "6";
-  for (const char* item : {"sickness", "noticed", "vr_before", "sex", "occupation"}) {
+  for (const char* item : {"sick", "noticed", "vrbefore", "sex", "occupation"}) {
     answers[item] = "n/a";
   }
   const Reply stored = post(links_[1], "answers", answers.dump());

@@ -20,14 +20,14 @@ namespace {
 constexpr std::int64_t kTicks = 1680, kTicksAFrame = 8;  // 240 Hz, 30 Hz
 
 /// The demo's throw with frames, as the bytes of a log, and what is true at its end.
-struct Played {
+struct PlayedDemo {
   std::vector<std::uint8_t> log;
   Score score;
   std::vector<std::pair<std::string, Pose>> bodies;
 };
 
-Played played() {
-  Played out;
+PlayedDemo played_demo() {
+  PlayedDemo out;
   const Recorded recorded = load_trial(kDemo);
   Session session = make_session(recorded.scenario);
   const auto keep = [&](const devices::LogEvent& event) { devices::append(event, out.log); };
@@ -57,8 +57,8 @@ Played played() {
   return out;
 }
 
-const Played& throw_of_the_demo() {
-  static const Played once = played();
+const PlayedDemo& throw_of_the_demo() {
+  static const PlayedDemo once = played_demo();
   return once;
 }
 
@@ -71,7 +71,7 @@ nlohmann::json followed(std::span<const std::uint8_t> log, std::size_t piece) {
 }
 
 TEST(FollowedLog, TellsWhatTheSessionCameTo) {
-  const Played& played = throw_of_the_demo();
+  const PlayedDemo& played = throw_of_the_demo();
   ASSERT_GT(played.score.skittles_down, 0);
   const nlohmann::json state = followed(played.log, played.log.size());
   EXPECT_EQ(state["participant"], "Ada");
@@ -91,7 +91,7 @@ TEST(FollowedLog, TellsWhatTheSessionCameTo) {
 }
 
 TEST(FollowedLog, PiecesOfAnySizeAreTheSame) {
-  const Played& played = throw_of_the_demo();
+  const PlayedDemo& played = throw_of_the_demo();
   const nlohmann::json whole = followed(played.log, played.log.size());
   for (const std::size_t piece : {7, 64, 1000, 4096, 99'991}) {
     EXPECT_EQ(followed(played.log, piece), whole) << piece;
@@ -122,7 +122,7 @@ TEST(FollowedLog, TrackingThatIsLostIsSaid) {
 }
 
 TEST(FollowedLog, AnyBytesAreTaken) {
-  const Played& played = throw_of_the_demo();
+  const PlayedDemo& played = throw_of_the_demo();
   Random random(3, 1, 4);
   for (int run = 0; run < 40; ++run) {
     std::vector<std::uint8_t> bytes(played.log.begin(), played.log.begin() + 60'000);
