@@ -19,6 +19,7 @@
 #include "scene/watch/each_throw.h"
 #include "scene/watch/entered.h"
 #include "scene/watch/recorded.h"
+#include "scene/watch/recorded_display.h"
 #include "scene/watch/totals.h"
 #include "scene/watch/trial_writer.h"
 #include "scene/watch/verifier.h"
@@ -130,6 +131,19 @@ scene::EachThrow each_throw_of(const scene::Session& session, const scene::Scena
   } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }
+}
+
+/// The condition, with the trial's own headset in place of the profile `recorded`.
+Condition with_display(Condition condition, const scene::TrialSummary& trial) {
+  const auto asked = std::ranges::find(condition.set, "hmd.profile=recorded");
+  if (asked == condition.set.end()) return condition;
+  try {
+    const std::vector<std::string> keys = scene::recorded_display(trial.events);
+    condition.set.insert(condition.set.erase(asked), keys.begin(), keys.end());
+  } catch (const std::invalid_argument& error) {
+    throw UsageError(fmt::format("--set: {}", error.what()));
+  }
+  return condition;
 }
 
 /// Simulates every throw separately, under the trial's condition and the other one.
@@ -264,7 +278,7 @@ void replay(const ReplayOptions& options) {
       scene::load_trial(options.trial, microseconds(options.longest_gap));
   const scene::TrialSummary& trial = recorded.file.summary();
   scene::Scenario other = recorded.scenario;
-  apply_condition(options.condition, other);
+  apply_condition(with_display(options.condition, trial), other);
   Run run;
   if (options.from_s) {
     enter(options, recorded, other, run);

@@ -27,11 +27,11 @@ TEST_F(Play, WritesAPageOfAnyScenario) {
 }
 
 /// The log of a page in which nobody did anything for a second.
-std::vector<std::uint8_t> log_of_a_page() {
+std::vector<std::uint8_t> log_of_a_page(std::string played_with = R"({"device":"mouse"})") {
   scene::PageSession::Options options;
   options.device = "mouse";
   scene::PageSession session(to_toml(scene::Scenario{}), options);
-  session.note("played_with", R"({"device":"mouse"})", 0.0);
+  session.note("played_with", std::move(played_with), 0.0);
   for (std::int64_t frame = 0; frame <= 60; ++frame) {
     devices::TrackerSample head;
     head.station = 1;
@@ -62,6 +62,30 @@ TEST_F(Play, ItsTrialIsOneForEveryCommand) {
   const Result shown = headpin("frames played.lcmlog --as-shown --frames 1-2 -o shown");
   EXPECT_EQ(shown.code, 0) << shown.err;
   EXPECT_THAT(shown.err, HasSubstr("a browser drew them"));
+}
+
+TEST_F(Play, IsDrawnThroughTheHeadsetsOwnViews) {
+  const std::vector<std::uint8_t> log = log_of_a_page(
+      R"({"device":"generic-webxr","views":[
+      {"eye":"left","offset":[-0.03,0,0],"left":-50,"right":40,"down":-45,"up":45,"width":200,"height":180},
+      {"eye":"right","offset":[0.03,0,0],"left":-40,"right":50,"down":-45,"up":45,"width":200,"height":180}]})");
+  std::ofstream(folder_ / "worn.lcmlog", std::ios::binary)
+      .write(reinterpret_cast<const char*>(log.data()), static_cast<std::streamsize>(log.size()));
+  ASSERT_EQ(
+      headpin("replay worn.lcmlog --set hmd.profile=recorded --set hmd.height=150 -o own.lcmlog")
+          .code,
+      0);
+  const nlohmann::json drawn =
+      json("frames own.lcmlog --frames 1 -o eyes --cameras eyes.json --json");
+  EXPECT_EQ(drawn["width"], 200);
+  EXPECT_EQ(drawn["height"], 150);
+  const std::string page_of_a_mouse =
+      "replay mouse.lcmlog --set hmd.profile=recorded -o OUT.lcmlog";
+  const std::vector<std::uint8_t> mouse = log_of_a_page();
+  std::ofstream(folder_ / "mouse.lcmlog", std::ios::binary)
+      .write(reinterpret_cast<const char*>(mouse.data()),
+             static_cast<std::streamsize>(mouse.size()));
+  expect_refusal(page_of_a_mouse, 2, "no event played_with with the views of two eyes");
 }
 
 TEST_F(Play, RefusesInWords) {

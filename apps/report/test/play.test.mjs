@@ -233,6 +233,31 @@ test('a page that is closed in a game leaves its log to the next one', async () 
   await context.close();
 });
 
+test('a page that is killed at any of twenty moments leaves all but its last second', async () => {
+  const { context, page: watcher } = await open();
+  const lost = [];
+  for (let i = 0; i < 20; ++i) {
+    const { page } = await openGame(context, `${server.url}/room.html`);
+    await startGame(page);
+    await page.keyboard.down(' ');
+    // 0.1 to 3.9 s into the game, in an order without pattern.
+    const moment = 100_000 + 200_000 * ((7 * i + 3) % 20);
+    await until(page, (least) => window.headpin.game.made > least && window.headpin.store.stored > 0, moment);
+    const { made, name } = await page.evaluate(() => ({ made: window.headpin.game.made, name: window.headpin.store.name }));
+    const client = await context.newCDPSession(page);
+    await Promise.all([page.waitForEvent('crash'), client.send('Page.crash').catch(() => {})]);
+    await page.close();
+    await watcher.reload();
+    await watcher.waitForSelector('#files button');
+    assert.equal(await saveBy(watcher, '#files button >> nth=0', 'killed.lcmlog'), name);
+    const { verified_ticks: ticks, unverified_ticks: without } = verified('killed.lcmlog');
+    lost.push((made * 240) / 1e6 - ticks);
+    assert.ok(ticks > 0 && without <= 240, `${ticks} ticks, ${without} without a state`);
+  }
+  assert.ok(Math.max(...lost) <= 240, `ticks lost: ${lost.map(Math.round)}`);
+  await context.close();
+});
+
 test('a browser that cannot draw says so', async () => {
   const flat = await launch(['--disable-gpu', '--disable-software-rasterizer']);
   const page = await flat.newPage();

@@ -10,8 +10,14 @@ function newKey() {
   return Array.from(bytes, (byte) => byte.toString(16).padStart(2, '0')).join('');
 }
 
-/** An answer that trying again will not change. */
-class No extends Error {}
+/** The server has said no. */
+class No extends Error {
+  /** @param final  trying again will not change it */
+  constructor(why, final) {
+    super(why);
+    this.final = final;
+  }
+}
 
 export class Sender {
   /** @param onState  told whenever `sent`, `trouble` or `over` changes */
@@ -32,7 +38,7 @@ export class Sender {
     if (answer.ok) return answer.json();
     const why = (await answer.text()).trim();
     const final = answer.status === 400 || answer.status === 403 || answer.status === 413;
-    throw new (final ? No : Error)(why);
+    throw new No(why, final);
   }
 
   /** The link is used from now on. @throws  in words, when it was used before */
@@ -67,13 +73,14 @@ export class Sender {
         failures = 0;
         if (this.trouble) this.tell('');
       } catch (error) {
-        if (error instanceof No) {
+        if (error.final) {
           this.over = true;
           this.failed = true;
           this.tell(`Nothing more can be sent: ${error.message}.`);
           return;
         }
-        this.tell('The connection is interrupted. It will be tried again.');
+        const why = error instanceof No ? error.message : 'the connection is interrupted';
+        this.tell(`Nothing is stored there now: ${why}. It will be tried again.`);
         await sleep(kWaits[Math.min(failures++, kWaits.length - 1)]);
       }
     }

@@ -22,13 +22,13 @@ export async function xrOffered() {
   }
 }
 
-/** Where a view is from the viewer [m], and what it sees, from its projection: angles to each side [degrees]. */
-function described(view, viewer) {
+/** Where a view is from the viewer [m], what it sees, from its projection: angles to each side [degrees], and its pixels. */
+function described(view, viewer, { width, height }) {
   const m = view.projectionMatrix;
   const from = new Matrix4().fromArray(viewer.transform.inverse.matrix);
   const offset = poseOf(from.multiply(new Matrix4().fromArray(view.transform.matrix))).slice(4);
   return { eye: view.eye, offset, left: degrees((m[8] - 1) / m[0]), right: degrees((m[8] + 1) / m[0]),
-    down: degrees((m[9] - 1) / m[5]), up: degrees((m[9] + 1) / m[5]) };
+    down: degrees((m[9] - 1) / m[5]), up: degrees((m[9] + 1) / m[5]), width, height };
 }
 
 export class XrPlay {
@@ -128,7 +128,7 @@ export class XrPlay {
       inputs: [...session.inputSources].map(({ handedness, profiles }) => ({ handedness, profiles })),
       frame_rate_hz: session.frameRate ?? null,
       frame_rates_hz: [...session.supportedFrameRates ?? []],
-      views: pose.views.map((view) => described(view, pose)),
+      views: pose.views.map((view) => described(view, pose, session.renderState.baseLayer?.getViewport(view) ?? {})),
     }));
   }
 
