@@ -1,6 +1,7 @@
 #include "apps/frame_outputs.h"
 
 #include <initializer_list>
+#include <utility>
 
 namespace headpin::apps {
 
@@ -10,7 +11,8 @@ namespace {
 base::OutputFolder::Options folder_beside(const FramesOptions& options,
                                           const std::optional<std::string>& other_folder) {
   base::OutputFolder::Options how{.overwrite = options.force, .others = {options.trial}};
-  for (const auto& other : {options.video, options.y4m, options.cameras, other_folder}) {
+  for (const auto& other :
+       {options.video, options.y4m, options.sound, options.cameras, other_folder}) {
     if (other && *other != "-") how.others.emplace_back(*other);
   }
   return how;
@@ -22,13 +24,18 @@ base::OutputFolder open_picture_folder(const FramesOptions& options) {
   return {*options.folder, folder_beside(options, options.colmap)};
 }
 
+Timing timing_of(const FramesOptions& options, std::int64_t fps) {
+  return {.fps = fps,
+          .hold = !options.as_shown        ? Hold::one_each
+                  : options.frames.empty() ? Hold::from_time_zero
+                                           : Hold::from_first_shown};
+}
+
 FrameOutputs::FrameOutputs(const FramesOptions& options, const render::Optics& optics,
-                           const std::array<render::View, 2>& views, std::int64_t fps) {
+                           const std::array<render::View, 2>& views, std::int64_t fps,
+                           const std::optional<Heard>& heard) {
   const base::OutputFile::Options file{.overwrite = options.force, .inputs = {options.trial}};
-  const Timing timing{.fps = fps,
-                      .hold = !options.as_shown        ? Hold::one_each
-                              : options.frames.empty() ? Hold::from_time_zero
-                                                       : Hold::from_first_shown};
+  const Timing timing = timing_of(options, fps);
   if (options.folder) {
     FrameFiles files = options.files;
     files.side_by_side = options.layout == "side-by-side";
@@ -42,20 +49,27 @@ FrameOutputs::FrameOutputs(const FramesOptions& options, const render::Optics& o
     models_.emplace(*options.colmap, folder_beside(options, options.folder));
     sinks_.push_back(&colmap_.emplace(*models_, views));
   }
-  if (options.video) {
-    sinks_.push_back(&video_.emplace(render::open_video(*options.video, file, !options.no_copy),
-                                     optics, timing));
-  }
+  std::optional<base::OutputFile> raw;
+  std::optional<render::VideoFiles> video;
+  if (options.sound) sound_.emplace(*options.sound, file);
+  if (options.video) video.emplace(render::open_video(*options.video, file, !options.no_copy));
   if (options.y4m) {
     base::OutputFile::Options stream = file;
     stream.standard_output = true;
-    sinks_.push_back(&y4m_.emplace(base::OutputFile(*options.y4m, stream), optics, timing));
+    raw.emplace(*options.y4m, stream);
   }
+  if (heard) track_.emplace(*heard, sound_ ? &*sound_ : nullptr);  // all files are open by now
+  if (video) {
+    const int sound = track_ ? track_->descriptor() : -1;
+    sinks_.push_back(&video_.emplace(std::move(*video), optics, timing, sound));
+  }
+  if (raw) sinks_.push_back(&y4m_.emplace(std::move(*raw), optics, timing));
 }
 
 void FrameOutputs::close() {
   if (y4m_) y4m_->close();
   if (video_) video_->close();
+  if (sound_) sound_->commit();
   if (cameras_) cameras_->close();
   if (colmap_) colmap_->close();
   if (folder_) folder_->close();

@@ -9,6 +9,7 @@
 #include "apps/camera_sinks.h"
 #include "apps/frame_folder.h"
 #include "apps/frame_sinks.h"
+#include "apps/sound_track.h"
 #include "devices/base/sources.h"
 
 /// The options of `headpin frames`, and its outputs.
@@ -16,7 +17,7 @@ namespace headpin::apps {
 
 struct FramesOptions {
   std::string trial, frames, gl;
-  std::optional<std::string> folder, video, y4m, cameras, colmap, look;
+  std::optional<std::string> folder, video, y4m, sound, cameras, colmap, look;
   std::optional<int> samples;
   std::int64_t fps = 0;
   double longest_gap = seconds(devices::kLongestGap);
@@ -29,9 +30,12 @@ struct FramesOptions {
 
   bool writes_pictures() const { return folder || video || y4m; }
   bool writes_cameras() const { return cameras || colmap; }
-  bool writes() const { return writes_pictures() || writes_cameras(); }
+  bool writes() const { return writes_pictures() || writes_cameras() || sound; }
   bool in_parts() const { return jobs > 1 || resume; }
 };
+
+/// How pictures follow each other in a video.
+Timing timing_of(const FramesOptions& options, std::int64_t fps);
 
 /// The folder of the pictures, in which no other output may be.
 base::OutputFolder open_picture_folder(const FramesOptions& options);
@@ -40,8 +44,10 @@ base::OutputFolder open_picture_folder(const FramesOptions& options);
 class FrameOutputs {
  public:
   /// @param views  of both eyes, at any time
+  /// @param heard  the sound, for a file or a video; nothing for none
   FrameOutputs(const FramesOptions& options, const render::Optics& optics,
-               const std::array<render::View, 2>& views, std::int64_t fps);
+               const std::array<render::View, 2>& views, std::int64_t fps,
+               const std::optional<Heard>& heard);
 
   const std::vector<scene::FrameSink*>& sinks() const { return sinks_; }
   void close();
@@ -51,6 +57,8 @@ class FrameOutputs {
   std::optional<FrameFolder> folder_;  ///< in pictures_
   std::optional<CamerasFile> cameras_;
   std::optional<ColmapFolder> colmap_;  ///< in models_
+  std::optional<base::OutputFile> sound_;
+  std::optional<SoundTrack> track_;  ///< of the video
   std::optional<VideoSink> video_;
   std::optional<Y4mSink> y4m_;
   std::vector<scene::FrameSink*> sinks_;

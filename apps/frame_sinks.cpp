@@ -21,6 +21,15 @@ std::int64_t picture_at(Time time, std::int64_t fps) {
 
 }  // namespace
 
+std::int64_t PictureNumbers::next(Time time) {
+  std::int64_t at = picture_at(time, timing_.fps);
+  if (!start_) start_ = timing_.hold == Hold::from_time_zero ? 0 : at;
+  at -= *start_;
+  if (at == last_) ++at;
+  last_ = std::max(at, last_);
+  return last_;
+}
+
 void SequenceSink::show_until(std::int64_t picture) {
   for (; written_ < picture; ++written_) write(newest_);
 }
@@ -28,29 +37,23 @@ void SequenceSink::show_until(std::int64_t picture) {
 void SequenceSink::add(const scene::EyeFrame& frame) {
   render::Image both = render::side_by_side(frame.images[0], frame.images[1]);
   if (hold_ == Hold::one_each) return write(both);
-  std::int64_t at = picture_at(frame.time, fps_);
-  if (!start_) {
-    start_ = hold_ == Hold::from_time_zero ? 0 : at;
+  if (!numbers_.begun()) {
     newest_ = {both.width, both.height, std::vector<std::uint8_t>(both.rgb.size(), 0)};
-    at_ = -1;
   }
-  at -= *start_;
-  if (at == at_) ++at;     // two frames at one picture: the second is shown one later
-  at = std::max(at, at_);  // if that is still too early, it replaces the one before
-  show_until(at);
-  at_ = at;
+  show_until(numbers_.next(frame.time));
   newest_ = std::move(both);
 }
 
 void SequenceSink::close() {
-  if (start_) show_until(at_ + 1);
+  if (numbers_.begun()) show_until(numbers_.last() + 1);
   end();
 }
 
-VideoSink::VideoSink(render::VideoFiles files, const render::Optics& optics, const Timing& timing)
+VideoSink::VideoSink(render::VideoFiles files, const render::Optics& optics, const Timing& timing,
+                     int sound)
     : SequenceSink(timing),
-      writer_(std::move(files), 2 * optics.width, optics.height, timing.fps,
-              optics.pixel_aspect()) {
+      writer_(std::move(files), 2 * optics.width, optics.height, timing.fps, optics.pixel_aspect(),
+              sound) {
   writer_.check_by([] { check_stop(); });
 }
 

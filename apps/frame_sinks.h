@@ -23,10 +23,30 @@ struct Timing {
   Hold hold = Hold::one_each;
 };
 
+/// The pictures at which frames are shown first, where each frame lasts until the next one.
+class PictureNumbers {
+ public:
+  explicit PictureNumbers(const Timing& timing) : timing_(timing) {}
+
+  /// Of the next frame, counted from the first picture. If two frames are at one picture, the second
+  /// is shown one later; if that is still too early, it replaces the one before.
+  std::int64_t next(Time time);
+
+  bool begun() const { return start_.has_value(); }
+  /// The first picture, counted from time 0.
+  std::int64_t start() const { return start_.value_or(0); }
+  std::int64_t last() const { return last_; }
+
+ private:
+  Timing timing_;
+  std::optional<std::int64_t> start_;
+  std::int64_t last_ = -1;
+};
+
 /// A sequence of pictures at a constant frame rate.
 class SequenceSink : public scene::FrameSink {
  public:
-  explicit SequenceSink(const Timing& timing) : hold_(timing.hold), fps_(timing.fps) {}
+  explicit SequenceSink(const Timing& timing) : hold_(timing.hold), numbers_(timing) {}
 
   void add(const scene::EyeFrame& frame) final;
   /// After the last one.
@@ -38,17 +58,17 @@ class SequenceSink : public scene::FrameSink {
   virtual void end() = 0;
 
   Hold hold_;
-  std::int64_t fps_;
-  std::int64_t written_ = 0;           ///< pictures
-  std::optional<std::int64_t> start_;  ///< picture that the first one is counted from
-  std::int64_t at_ = 0;                ///< picture at which the newest one is shown first
+  PictureNumbers numbers_;
+  std::int64_t written_ = 0;  ///< pictures
   render::Image newest_;
 };
 
 /// A video (render/video.h).
 class VideoSink : public SequenceSink {
  public:
-  VideoSink(render::VideoFiles files, const render::Optics& optics, const Timing& timing);
+  /// @param sound  as VideoWriter
+  VideoSink(render::VideoFiles files, const render::Optics& optics, const Timing& timing,
+            int sound);
 
  private:
   void end() override { writer_.close(); }

@@ -348,6 +348,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"skittles_down",
      "skittles that balls knocked down; with games: those that the score sheets count"},
     {"solver_iterations", "passes of the solver for lasting contacts, sum over all ticks"},
+    {"sound", "sound that was written (`--sound`); null without one"},
     {"source", "name of a source, as in `headpin live SOURCE`"},
     {"sources", "sources of a live session"},
     {"speed",

@@ -22,11 +22,11 @@ namespace headpin::apps {
 namespace {
 
 /// File name endings of known kinds of files.
-constexpr std::array<std::string_view, 33> kKindsOfFiles = {
+constexpr std::array<std::string_view, 34> kKindsOfFiles = {
     ".avi", ".bmp",  ".c3d",  ".csv",  ".eps",  ".fbx",    ".gif",  ".glb",  ".gltf",
     ".htm", ".html", ".jpeg", ".jpg",  ".json", ".lcmlog", ".mcap", ".mkv",  ".mov",
     ".mp4", ".pdf",  ".png",  ".ps",   ".svg",  ".tif",    ".tiff", ".toml", ".tsv",
-    ".txt", ".webm", ".webp", ".xlsx", ".y4m",  ".zip"};
+    ".txt", ".wav",  ".webm", ".webp", ".xlsx", ".y4m",    ".zip"};
 
 /// Reads all of a text as a number.
 template <typename T>

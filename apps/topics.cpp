@@ -20,6 +20,7 @@ constexpr std::array kTopics = {
     Topic{"conditions", "guides/replay.md", "Replay a trial and compare conditions"},
     Topic{"page", "guides/page.md", "One page to look at and to send"},
     Topic{"pictures", "guides/frames.md", "See what the participant saw"},
+    Topic{"sound", "guides/sound.md", "Hear what happens"},
     Topic{"recordings", "guides/recordings.md", "Bring in your recording"},
     Topic{"scenarios", "guides/scenes.md", "Make your own scene"},
     Topic{"meshes", "guides/meshes.md", "Use your own meshes"},

@@ -45,8 +45,15 @@ std::string ratio(double x) {
   return std::to_string(best_over) + "/" + std::to_string(best_under);
 }
 
+constexpr int kSoundInput = 3;  // the descriptor of the sound in ffmpeg
+
+void append(std::vector<std::string>& words, const std::vector<std::string>& more) {
+  words.insert(words.end(), more.begin(), more.end());
+}
+
 std::vector<std::string> arguments(int width, int height, std::int64_t fps, double pixel_aspect,
-                                   const std::string& lossless_path, const std::string& copy_path) {
+                                   const std::string& lossless_path, const std::string& copy_path,
+                                   bool sound) {
   // With `file:`, because ffmpeg would take the part before a colon for a protocol.
   const std::string lossless = "file:" + lossless_path, copy = "file:" + copy_path;
   // The copy has at least 240 lines, square pixels, and even width and height for 4:2:0.
@@ -57,31 +64,35 @@ std::vector<std::string> arguments(int width, int height, std::int64_t fps, doub
   const std::string scale = "scale=" + std::to_string(copy_width) + ":" +
                             std::to_string(copy_height) +
                             ":flags=bicubic:out_color_matrix=bt709:out_range=tv,setsar=1";
-  std::vector<std::string> words = {
-      "ffmpeg", "-hide_banner", "-nostdin", "-loglevel", "error", "-xerror", "-y",
-      // The input.
-      "-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size", size, "-framerate", std::to_string(fps),
-      "-i", "pipe:0",
-      // The lossless output.
-      "-map", "0:v", "-vf", "setsar=" + ratio(pixel_aspect) + ":max=255", "-c:v", "libx264rgb",
-      "-preset", "ultrafast", "-qp", "0", "-metadata:s:v:0", "stereo_mode=left_right", "-fflags",
-      "+bitexact", "-f", "matroska", lossless};
-  const std::vector<std::string> to_look_at = {
-      // The copy, marked for players as side by side.
-      "-map", "0:v", "-vf", scale, "-c:v", "libx264", "-x264-params", "frame-packing=3",
-      // Fast, and a tenth of the size of the lossless file.
-      "-preset", "superfast", "-crf", "18", "-pix_fmt", "yuv420p", "-colorspace", "bt709",
-      "-color_primaries", "bt709", "-color_trc", "bt709", "-movflags", "+faststart", "-fflags",
-      "+bitexact", "-f", "mp4", copy};
-  if (!copy_path.empty()) words.insert(words.end(), to_look_at.begin(), to_look_at.end());
+  std::vector<std::string> words = {"ffmpeg", "-hide_banner", "-nostdin", "-loglevel", "error",
+                                    "-xerror", "-y",
+                                    // The input.
+                                    "-f", "rawvideo", "-pix_fmt", "rgb24", "-video_size", size,
+                                    "-framerate", std::to_string(fps), "-i", "pipe:0"};
+  if (sound) append(words, {"-f", "wav", "-i", "pipe:" + std::to_string(kSoundInput)});
+  // The lossless output.
+  append(words, {"-map", "0:v"});
+  if (sound) append(words, {"-map", "1:a", "-c:a", "pcm_s16le"});
+  append(words, {"-vf", "setsar=" + ratio(pixel_aspect) + ":max=255", "-c:v", "libx264rgb",
+                 "-preset", "ultrafast", "-qp", "0", "-metadata:s:v:0", "stereo_mode=left_right",
+                 "-fflags", "+bitexact", "-f", "matroska", lossless});
+  if (copy_path.empty()) return words;
+  // The copy, marked for players as side by side.
+  append(words, {"-map", "0:v"});
+  if (sound) append(words, {"-map", "1:a", "-c:a", "aac", "-b:a", "192k"});
+  append(words, {"-vf", scale, "-c:v", "libx264", "-x264-params", "frame-packing=3",
+                 // Fast, and a tenth of the size of the lossless file.
+                 "-preset", "superfast", "-crf", "18", "-pix_fmt", "yuv420p", "-colorspace",
+                 "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-movflags",
+                 "+faststart", "-fflags", "+bitexact", "-f", "mp4", copy});
   return words;
 }
 
 constexpr int kMostNaps = 200;
 constexpr int kNap_ms = 10;  // between two calls of the check
 
-/// Runs ffmpeg between two files. Returns its process id.
-int spawn(std::vector<std::string> words, int input, int messages) {
+/// Runs ffmpeg between two files; `sound` is a third, or -1. Returns its process id.
+int spawn(std::vector<std::string> words, int input, int messages, int sound) {
   std::vector<char*> argv;
   argv.reserve(words.size() + 1);
   for (std::string& word : words) argv.push_back(word.data());
@@ -91,6 +102,7 @@ int spawn(std::vector<std::string> words, int input, int messages) {
   posix_spawn_file_actions_adddup2(&actions, input, STDIN_FILENO);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
   posix_spawn_file_actions_adddup2(&actions, messages, STDERR_FILENO);
+  if (sound >= 0) posix_spawn_file_actions_adddup2(&actions, sound, kSoundInput);
   pid_t process = -1;
   // In its own process group, so that an interrupt from the terminal does not stop ffmpeg.
   posix_spawnattr_t attributes;
@@ -132,7 +144,7 @@ VideoFiles open_video(const std::filesystem::path& path, base::OutputFile::Optio
 }
 
 VideoWriter::VideoWriter(VideoFiles files, int width, int height, std::int64_t fps,
-                         double pixel_aspect)
+                         double pixel_aspect, int sound)
     : path_(files.lossless.path()), files_(std::move(files)), width_(width), height_(height) {
   constexpr int kLargest = 16384;  // the limit of the H.264 encoder
   if (width < 2 || height < 2 || width > kLargest || height > kLargest || fps < 1 ||
@@ -149,9 +161,11 @@ VideoWriter::VideoWriter(VideoFiles files, int width, int height, std::int64_t f
   socket_ = ends[0];
   try {
     messages_ = base::nameless_file();
-    process_ = spawn(arguments(width, height, fps, pixel_aspect, files_->lossless.part(),
-                               files_->copy ? files_->copy->part().string() : std::string()),
-                     ends[1], messages_);
+    if (sound >= 0) lseek(sound, 0, SEEK_SET);
+    process_ =
+        spawn(arguments(width, height, fps, pixel_aspect, files_->lossless.part(),
+                        files_->copy ? files_->copy->part().string() : std::string(), sound >= 0),
+              ends[1], messages_, sound);
   } catch (...) {
     ::close(ends[0]);
     ::close(ends[1]);

@@ -29,16 +29,20 @@ VideoFiles open_video(const std::filesystem::path& path, base::OutputFile::Optio
 /// Writes pictures as a video, through ffmpeg.
 ///
 /// The .mkv file is lossless (H.264 in RGB; pixel aspect and stereo mode are in the container). The
-/// .mp4 file plays in any player (4:2:0, square pixels; the stereo layout is in the stream). Both
-/// get their names in close().
+/// .mp4 file plays in any player (4:2:0, square pixels; the stereo layout is in the stream). Sound is
+/// a second stream: in the .mkv file the same samples, in the .mp4 file AAC. Both files get their
+/// names in close().
 class VideoWriter {
  public:
   /// @param files         as open_video() gives them
   /// @param width         of both eyes side by side [pixels]
   /// @param pixel_aspect  width of a pixel over its height
+  /// @param sound         descriptor of a WAV file, whole and as long as the video; -1 for none. It is
+  ///                      read from its start while pictures are added
   /// @throws std::invalid_argument  for an impossible size or frame rate
   /// @throws std::runtime_error     when ffmpeg cannot be run
-  VideoWriter(VideoFiles files, int width, int height, std::int64_t fps, double pixel_aspect);
+  VideoWriter(VideoFiles files, int width, int height, std::int64_t fps, double pixel_aspect,
+              int sound = -1);
 
   /// Without close(), stops ffmpeg and removes its files.
   ~VideoWriter();

@@ -45,7 +45,7 @@ const std::map<std::string, std::vector<std::set<std::string>>> kRooms = {
       {"record"},
       {"stage"},
       {"play"},
-      {"looks", "people"},
+      {"looks", "people", "sound"},
       {"watch"},
       {"page", "live"}}},
     {"devices",
@@ -102,7 +102,7 @@ TEST(Layers, RoomsIncludeTheRoomsBelowThem) {
 
 // What collides is not compiled again when it is drawn otherwise.
 TEST(Layers, WhatCollidesKnowsOfDrawingPlainDataAlone) {
-  const std::set<std::string> collide = {"scenario", "record", "stage", "play", "people"};
+  const std::set<std::string> collide = {"scenario", "record", "stage", "play", "people", "sound"};
   int data = 0;
   for (const auto& [file, target] : includes_of("scene")) {
     if (!collide.contains(room_of(file)) || !target.starts_with("render/")) continue;

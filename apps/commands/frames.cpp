@@ -95,8 +95,8 @@ std::vector<std::int64_t> frames_until(Time end, std::int64_t fps, const FrameRa
 void check_use(const FramesOptions& options) {
   if (!options.writes() && !options.verify) {
     throw UsageError(
-        "nothing to write: expected -o DIR, --video FILE, --y4m FILE, --cameras FILE, --colmap DIR "
-        "or --verify");
+        "nothing to write: expected -o DIR, --video FILE, --y4m FILE, --sound FILE, --cameras FILE, "
+        "--colmap DIR or --verify");
   }
   if (options.verify && (options.look || options.samples || options.view != "eyes")) {
     throw UsageError(
@@ -111,6 +111,13 @@ void check_use(const FramesOptions& options) {
   if (options.in_parts() && (!options.folder || options.video || options.y4m || options.verify)) {
     throw UsageError("--jobs and --resume need -o DIR, without --video, --y4m or --verify");
   }
+}
+
+void check_has_sound(const FramesOptions& options, const scene::Scenario& scenario) {
+  if (!options.sound || scenario.sound.on) return;
+  throw std::runtime_error(fmt::format(
+      "{}: its scenario has no sound: for --sound expected sound.on = true, found false",
+      printable(options.trial)));
 }
 
 /// A lens bends the picture, which a camera's matrix cannot describe.
@@ -155,11 +162,31 @@ std::string check_comparable(const FramesOptions& options, const scene::Recorded
   return why_not;
 }
 
+/// The parts of the sound that belong to the frames.
+std::vector<SoundPart> sound_parts(const FramesOptions& options, const Task& task,
+                                   const scene::Recorded& recorded) {
+  if (!options.as_shown) return sound_of_frames(task.frames, task.fps);
+  std::vector<Time> times;
+  recorded.file.walk([&](const scene::TrialFile::Item& item) {
+    const auto* frame = std::get_if<scene::FrameRecord>(&item);
+    if (frame && std::ranges::binary_search(task.frames, frame->frame)) {
+      times.push_back(tick_time(frame->tick, recorded.scenario.rates.physics_hz));
+    }
+    return true;
+  });
+  return sound_as_shown(times, timing_of(options, task.fps));
+}
+
 /// Opens the outputs before anything is drawn.
 FrameOutputs outputs_of(const FramesOptions& options, const Task& task,
-                        const scene::Recorded& recorded, const scene::Eyes& eyes) {
+                        const scene::Recorded& recorded, const scene::Session& session,
+                        const scene::Eyes& eyes) {
   const scene::FrameExtras extras = extras_of(options, recorded.scenario);
-  return {options, eyes.optics, scene::views_of(eyes, {.X_WC = extras.X_WC}), task.fps};
+  std::optional<Heard> heard;
+  if (options.sound || (options.video && recorded.scenario.sound.on)) {
+    heard.emplace(Heard{recorded, session, task.ticks, sound_parts(options, task, recorded)});
+  }
+  return {options, eyes.optics, scene::views_of(eyes, {.X_WC = extras.X_WC}), task.fps, heard};
 }
 
 /// Runs the session and gives the frames to the outputs.
@@ -212,7 +239,7 @@ Done watch(const FramesOptions& options, const Task& task, const scene::Recorded
 
 Done draw_here(const FramesOptions& options, const Task& task, const scene::Recorded& recorded,
                scene::Session session, scene::Eyes& eyes) {
-  FrameOutputs outputs = outputs_of(options, task, recorded, eyes);
+  FrameOutputs outputs = outputs_of(options, task, recorded, session, eyes);
   const Done done = watch(options, task, recorded, std::move(session), eyes, outputs);
   outputs.close();
   return done;
@@ -227,7 +254,7 @@ Done draw_apart(const FramesOptions& options, const Task& task, const scene::Rec
   cameras_alone.folder.reset();
   Task without_pictures = task;
   without_pictures.compares = false;
-  FrameOutputs cameras = outputs_of(cameras_alone, task, recorded, eyes);
+  FrameOutputs cameras = outputs_of(cameras_alone, task, recorded, session, eyes);
   if (options.writes_cameras()) {
     watch(cameras_alone, without_pictures, recorded, std::move(session), eyes, cameras);
   }
@@ -258,6 +285,7 @@ void report(const FramesOptions& options, const Task& task, const Done& done, bo
                 {"output", path(options.folder)},
                 {"video", path(options.video)},
                 {"y4m", path(options.y4m)},
+                {"sound", path(options.sound)},
                 {"cameras", path(options.cameras)},
                 {"colmap", path(options.colmap)},
                 {"complete", complete},
@@ -276,9 +304,11 @@ void report(const FramesOptions& options, const Task& task, const Done& done, bo
     fmt::print("{} frames equal the recording\n", done.compared);
   }
   if (!options.writes()) return;
-  fmt::print(
-      "{} frames of two eyes, {}x{} each, {}\n", done.drawn, eyes.optics.width, eyes.optics.height,
-      options.writes_pictures() ? "drawn by " + eyes.renderer.description() : "their cameras only");
+  fmt::print("{} frames of two eyes, {}x{} each, {}\n", done.drawn, eyes.optics.width,
+             eyes.optics.height,
+             options.writes_pictures()  ? "drawn by " + eyes.renderer.description()
+             : options.writes_cameras() ? "their cameras only"
+                                        : "their sound only");
   if (done.there_already > 0) fmt::print("{} of them were there already\n", done.there_already);
 }
 
@@ -307,6 +337,7 @@ void draw_frames(const FramesOptions& options) {
   scene::Eyes eyes =
       scene::open_eyes(*session.stage, look_of(options, recorded.scenario), options.gl);
   check_pinhole(options, eyes.optics);
+  check_has_sound(options, recorded.scenario);
   say_instead_of("frames", eyes);
   say_not_drawn("frames", recorded.scenario);
   if (task.compares) task.why_not = check_comparable(options, recorded, eyes);
@@ -330,8 +361,8 @@ void add_output_options(CLI::App& command, FramesOptions& options, OfTheTask& ta
       {}));
   task.insert(
       add_output(command, "--video", options.video,
-                 "video to write, both eyes side by side, lossless (.mkv); a copy with the ending "
-                 ".mp4 plays in any player",
+                 "video to write, both eyes side by side, lossless (.mkv), with sound if the "
+                 "scenario has sound.on = true; a copy with the ending .mp4 plays in any player",
                  {".mkv"})
           ->check(ending_in(".mkv")));
   task.insert(
@@ -341,6 +372,11 @@ void add_output_options(CLI::App& command, FramesOptions& options, OfTheTask& ta
       "raw video to write (YUV4MPEG2, 4:4:4, BT.601), both eyes side by side, for other programs; "
       "- is standard output. Colours are rounded, so do not use it to compare pictures",
       {".y4m"}));
+  task.insert(add_output(command, "--sound", options.sound,
+                         "sound of the frames to write, as a video has it: WAV, 48 kHz, 16 bits, "
+                         "two ears",
+                         {".wav"})
+                  ->check(ending_in(".wav")));
   command
       .add_option("--layout", options.layout,
                   "layout of the PNG files: one file per eye, or both eyes in one file")

@@ -59,6 +59,7 @@ PageSession::PageSession(std::string_view scenario, const Options& options)
   header.seed = options.seed;
   const auto keep = [this](const devices::LogEvent& event) { devices::append(event, log_); };
   const TrialEvents::Options how{.states = States::changes, .epoch = options.epoch};
+  if (session_.scenario().sound.on) hearing_.emplace(session_);
   writer_.emplace(std::make_unique<TrialEvents>(header_of(header, session_), how, keep));
 }
 
@@ -95,6 +96,7 @@ std::int64_t PageSession::advance(Time until) {
     scene::advance(session_, samples_);
     writer_->tick(session_);
     totals_.tick(session_);
+    if (hearing_) hearing_->tick(session_, heard_);
     news_.insert(news_.end(), session_.events.begin(), session_.events.end());
   }
   return session_.tick - before;
@@ -133,6 +135,10 @@ nlohmann::json PageSession::take_news() {
       {"events", std::move(events)},
       {"score",
        {{"skittles_down", score.skittles_down}, {"sheets", std::move(sheets)}, {"over", over}}}};
+}
+
+std::vector<StereoSample> PageSession::take_sound() {
+  return std::exchange(heard_, {});
 }
 
 std::vector<std::uint8_t> PageSession::take_log() {

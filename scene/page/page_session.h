@@ -12,6 +12,7 @@
 #include "devices/base/sources.h"
 #include "scene/play/session.h"
 #include "scene/record/trial_events.h"
+#include "scene/sound/hearing.h"
 #include "scene/watch/totals.h"
 #include "scene/watch/trial_writer.h"
 
@@ -69,6 +70,9 @@ class PageSession {
   /// Events since the last call, and the score; null without an event.
   nlohmann::json take_news();
 
+  /// What the player heard since the last call; nothing if the scenario has no sound.
+  std::vector<StereoSample> take_sound();
+
   /// The bytes of the log since the last call.
   std::vector<std::uint8_t> take_log();
 
@@ -88,6 +92,8 @@ class PageSession {
   std::map<std::int32_t, std::int64_t> sequence_;  ///< of each station
   Totals totals_;
   std::vector<Event> news_;
+  std::optional<Hearing> hearing_;  ///< if the scenario has sound
+  std::vector<StereoSample> heard_;
 };
 
 }  // namespace headpin::scene

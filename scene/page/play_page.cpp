@@ -69,6 +69,7 @@ PageData play_page(const Scenario& scenario) {
   out["scenario"] = {{"name", scenario.name}, {"text", to_toml(scenario)}};
   out["rate_hz"] = scenario.rates.physics_hz;
   out["frame_hz"] = scenario.rates.frame_hz;
+  out["sound"] = scenario.sound.on;
   out["X_WT"] = numbers(right.rig.X_WT);
   out["hand"] = {{"grip", numbers(right.hand.grip)}, {"reach", right.hand.reach}};
   out["left_handed"] = {{"X_WT", numbers(left.rig.X_WT)}, {"grip", numbers(left.hand.grip)}};

@@ -404,6 +404,14 @@ void visit(V& v, render::Quality& q) {
 }
 
 template <typename V>
+void visit(V& v, Sound& s) {
+  v.field(
+      "on", s.on, kAny,
+      "true: balls, skittles and lane sound when they collide, and a ball when it rolls: in the "
+      "videos of `headpin frames` and in the page of `headpin play`");
+}
+
+template <typename V>
 void visit(V& v, Scenario& s) {
   v.field("name", s.name, kAny, "");
   v.section("rates", "", s.rates);
@@ -423,6 +431,7 @@ void visit(V& v, Scenario& s) {
   v.section("rig", "", s.rig);
   v.section("hmd", "", s.hmd);
   v.section("look", "rendering quality of the pictures", s.look);
+  v.section("sound", "", s.sound);
 }
 
 }  // namespace headpin::scene

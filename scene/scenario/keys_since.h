@@ -105,6 +105,7 @@ inline constexpr std::pair<std::string_view, std::string_view> kKeysSince[] = {
     {"hand.mesh.unit", "1.0"},
     {"hand.mesh.axes", "'RAS'"},
     {"hand.mesh.sha256", "''"},
+    {"sound.on", "false"},
 };
 
 }  // namespace headpin::scene

@@ -225,6 +225,11 @@ struct Hmd {
 /// @throws std::invalid_argument  naming the profiles there are
 Hmd hmd_of_profile(std::string_view name);
 
+/// What the participant hears. The paper mentions no sound.
+struct Sound {
+  bool on = false;
+};
+
 struct Scenario {
   std::string name = "paper-room";
   Rates rates;
@@ -243,6 +248,7 @@ struct Scenario {
   Rig rig;
   Hmd hmd;
   render::Quality look;
+  Sound sound;
 
   Scenario();  ///< ten pins as in assets/scenarios/paper-room.toml
 };

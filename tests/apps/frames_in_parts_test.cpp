@@ -59,9 +59,9 @@ std::set<std::string> words_of_a_drawer(pid_t command) {
 
 // An option that is new is in none of the two lists: is it of the pictures, or of the whole task?
 TEST_F(FramesInParts, ProcessesThatDrawGetEveryOptionOfThePictures) {
-  const std::set<std::string> of_task = {"help",    "output", "video",  "no-mp4", "y4m",
-                                         "cameras", "colmap", "frames", "jobs",   "resume",
-                                         "verify",  "force",  "json"};
+  const std::set<std::string> of_task = {"help",    "output", "video", "no-mp4", "y4m",
+                                         "cameras", "colmap", "sound", "frames", "jobs",
+                                         "resume",  "verify", "force", "json"};
   const std::map<std::string, std::string> of_pictures = {
       {"layout", "side-by-side"}, {"depth", "true"},    {"ids", "true"},
       {"flow", "true"},           {"view", "top"},      {"fps", "100"},

@@ -1,8 +1,10 @@
 #include "render/video.h"
 
+#include <array>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <fstream>
 #include <random>
 #include <string>
@@ -10,7 +12,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
+#include <unistd.h>
 
+#include "base/temporary.h"
 #include "tests/support/folder.h"
 #include "tests/support/output_of.h"
 
@@ -126,6 +130,46 @@ TEST_F(Video, OfOddSizeIsMade) {
   video.add({33, 17, std::vector<std::uint8_t>(std::size_t{3} * 33 * 17, 99)});
   video.close();
   EXPECT_THAT(told(copy(), "stream=height"), testing::HasSubstr("height=256"));
+}
+
+/// A WAV file of a tone, in a file without a name.
+int tone(int samples) {
+  const auto number = [](std::uint32_t value, int size) {
+    std::string bytes;
+    for (int i = 0; i < size; ++i) bytes += static_cast<char>(value >> 8 * i & 0xff);
+    return bytes;
+  };
+  const auto size = static_cast<std::uint32_t>(4 * samples);
+  std::string wav = "RIFF" + number(size + 36, 4) + "WAVEfmt " + number(16, 4) + number(1, 2) +
+                    number(2, 2) + number(48000, 4) + number(192000, 4) + number(4, 2) +
+                    number(16, 2) + "data" + number(size, 4);
+  for (int i = 0; i < samples; ++i) {
+    wav += number(static_cast<std::uint32_t>(80 * i), 2) + number(static_cast<std::uint32_t>(i), 2);
+  }
+  const int file = base::nameless_file();
+  EXPECT_EQ(write(file, wav.data(), wav.size()), static_cast<ssize_t>(wav.size()));
+  return file;
+}
+
+TEST_F(Video, HasSoundAsItsSecondStream) {
+  const int sound = tone(16000);  // a third of a second
+  VideoWriter video(open_video(file()), kWidth, kHeight, 60, 1.405, sound);
+  for (int i = 0; i < 20; ++i) video.add(picture(i));
+  video.close();
+  const std::string heard =
+      output_of("ffmpeg -v error -i " + file().string() + " -map 0:a -f s16le -");
+  ASSERT_EQ(heard.size(), 64000u);
+  for (int i = 0; i < 16000; ++i) {
+    std::array<std::int16_t, 2> ears{};
+    std::memcpy(ears.data(), heard.data() + 4 * i, 4);
+    ASSERT_EQ(ears[0], static_cast<std::int16_t>(80 * i)) << i;
+    ASSERT_EQ(ears[1], i) << i;
+  }
+  for (const fs::path& one : {file(), copy()}) {
+    EXPECT_THAT(told(one, "stream=index,codec_type"),
+                testing::HasSubstr("index=0\ncodec_type=video\nindex=1\ncodec_type=audio"));
+  }
+  close(sound);
 }
 
 TEST_F(Video, IsNotThereBeforeItIsWhole) {

@@ -185,6 +185,18 @@ TEST(PageSession, APredictedPoseCountsFromTheMomentThatItIsFor) {
   EXPECT_NEAR(seen_x(Time{150'000}), 1.0, 1e-6);
 }
 
+TEST(PageSession, OfARoomWithSoundIsHeardAsLongAsItIsPlayed) {
+  Scenario loud;
+  loud.sound.on = true;
+  PageSession heard(to_toml(loud), options_of("mouse")),
+      silent(to_toml(Scenario{}), options_of("mouse"));
+  ASSERT_EQ(heard.advance(Time{100'000}), 24);
+  ASSERT_EQ(silent.advance(Time{100'000}), 24);
+  EXPECT_EQ(heard.take_sound().size(), std::size_t{kSoundRate / 10});
+  EXPECT_TRUE(heard.take_sound().empty());
+  EXPECT_TRUE(silent.take_sound().empty());
+}
+
 TEST(PlayPage, HasAllThatASessionShows) {
   for (const char* name : {"paper-room", "paper-experiment", "german-ninepins"}) {
     const Scenario scenario =

@@ -15,6 +15,7 @@
 //   note(kind, detail, value)          an event that belongs to no tick
 //   frame(time, number, [left, right]) a frame was drawn, with the eyes there
 //   advance(until)                     {ticks, view, news}: view is valid until the next call
+//   takeSound()                        what was heard since the last call: Int16Array, left and right in turn
 //   takeLog()                          the log's bytes since the last call
 //   finish(frames, lateFrames)         {json}: how many were drawn, and how many of them late
 {
@@ -73,10 +74,14 @@
     const from = _headpin_floats() >> 2;
     return { ticks, view: HEAPF32.subarray(from, from + _headpin_floats_size()), news: said ? JSON.parse(said) : null };
   });
-  Module['takeLog'] = () => {
-    _headpin_take_log();
+  const taken = () => {
     const from = _headpin_bytes();
     return HEAPU8.slice(from, from + _headpin_bytes_size());
+  };
+  Module['takeSound'] = () => stopped(() => (_headpin_take_sound() ? new Int16Array(taken().buffer) : { error: text() }));
+  Module['takeLog'] = () => {
+    _headpin_take_log();
+    return taken();
   };
   Module['finish'] = (frames, lateFrames) => ask(new Uint8Array(0), () => _headpin_finish(frames, lateFrames));
 

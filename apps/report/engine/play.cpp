@@ -2,6 +2,8 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include <emscripten/emscripten.h>
 #include <nlohmann/json.hpp>
@@ -118,6 +120,21 @@ EMSCRIPTEN_KEEPALIVE std::int32_t headpin_advance(double until) {
     game().see(floats());
   });
   return static_cast<std::int32_t>(ticks);
+}
+
+/// The bytes are what the player heard since the last call: 16 bits of the left and the right ear in
+/// turn, 48000 times a second.
+EMSCRIPTEN_KEEPALIVE bool headpin_take_sound() {
+  return attempt([] {
+    std::vector<std::uint8_t> bytes;
+    for (const scene::StereoSample& both : game().take_sound()) {
+      for (const std::int16_t ear : both) {
+        bytes.push_back(static_cast<std::uint8_t>(ear & 0xff));
+        bytes.push_back(static_cast<std::uint8_t>(ear >> 8 & 0xff));
+      }
+    }
+    answer_bytes(std::move(bytes));
+  });
 }
 
 /// The bytes are those of the log since the last call.

@@ -1,6 +1,6 @@
 // The page of `headpin play` in a real Chromium, played by mouse, touch and keys.
 import assert from 'node:assert/strict';
-import { statSync } from 'node:fs';
+import { readFileSync, statSync } from 'node:fs';
 import { join } from 'node:path';
 import { after, before, test } from 'node:test';
 
@@ -69,6 +69,53 @@ test('a throw by mouse fells skittles, and its log replays to the bit', async ()
   assert.equal(info.participant, 'Ünal / 7');
   assert.ok(info.complete);
   assert.deepEqual(said, []);
+  await context.close();
+});
+
+test('in a room with sound the page plays, to the bit, what `frames --sound` writes of its log', async () => {
+  headpin('play', '--set', 'sound.on=true', '-o', 'loud.html');
+  const { page, said, context } = await open({}, 'loud.html');
+  await page.evaluate(() => {
+    const { sound } = window.headpin;
+    const play = sound.play.bind(sound);
+    window.samples = [];
+    sound.play = (samples) => {
+      window.samples.push(...samples);
+      play(samples);
+    };
+  });
+  await startGame(page);
+  assert.equal(await page.isVisible('#mute'), true);
+  await throwBy(page, 'mouse');
+  await felled(page);
+  await until(page, () => window.headpin.sound.played > 48_000);
+  const volume = () => page.evaluate(() => window.headpin.sound.volume.gain.value);
+  assert.equal(await volume(), 1);
+  await page.keyboard.press('m');
+  assert.equal(await volume(), 0);
+  assert.equal(await page.getAttribute('#mute', 'aria-pressed'), 'true');
+  await page.click('#mute');
+  assert.equal(await volume(), 1);
+  const { ticks } = await endAndSave(page, 'loud.lcmlog');
+  const heard = await page.evaluate(() => window.samples);
+  assert.equal(heard.length, 2 * 200 * ticks);  // 48000 Hz over 240 Hz, two ears
+  headpin('frames', 'loud.lcmlog', '--sound', 'loud.wav');
+  const wav = readFileSync(join(folder, 'loud.wav'));
+  const written = new Int16Array(wav.buffer.slice(wav.byteOffset + 44, wav.byteOffset + wav.length));
+  const common = Math.min(heard.length, written.length);
+  assert.ok(common > 0.9 * heard.length);
+  const differs = heard.findIndex((sample, i) => i < common && sample !== written[i]);
+  assert.equal(differs, -1);
+  assert.ok(heard.some((sample) => Math.abs(sample) > 1000));  // the ball has struck
+  assert.deepEqual(said, []);
+  await context.close();
+});
+
+test('a room without sound offers none', async () => {
+  const { page, context } = await open();
+  await startGame(page);
+  assert.equal(await page.isVisible('#mute'), false);
+  assert.equal(await page.evaluate(() => window.headpin.sound.context), undefined);
   await context.close();
 });
 

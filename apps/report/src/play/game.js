@@ -16,11 +16,13 @@ export class Game {
    * @param json    the page's scenario
    * @param device  'mouse' or 'generic-webxr'
    * @param keep    takes the pieces of the log, as Uint8Array
+   * @param hear    takes what the player hears, as Int16Array
    */
-  constructor(engine, json, { device, leftHand = false, participant = '', condition = '', keep = () => {} }) {
+  constructor(engine, json, { device, leftHand = false, participant = '', condition = '', keep = () => {}, hear = () => {} }) {
     this.engine = engine;
     this.json = json;
     this.keep = keep;
+    this.hear = hear;
     this.leftHand = leftHand;
     this.X_WT = leftHand ? json.left_handed.X_WT : json.X_WT;
     this.grip = leftHand ? json.left_handed.grip : json.hand.grip;
@@ -87,6 +89,7 @@ export class Game {
     const { view, news } = checked(this.engine.advance(until));
     this.made = until;
     this.view.set(view);
+    if (this.json.sound) this.hear(checked(this.engine.takeSound()));
     if (news) {
       this.score = news.score;
       for (const listener of this.listeners) listener(news);

@@ -6,6 +6,7 @@ import { HandByPointer } from './hand.js';
 import { ask } from './questions.js';
 import { inView, poseOf, Room } from './scene.js';
 import { Sender } from './sender.js';
+import { Sound } from './sound.js';
 import { keptLogs, removeLog, save, Store } from './store.js';
 import { XrPlay, xrOffered } from './xr.js';
 
@@ -39,6 +40,7 @@ class Page {
     find('start').addEventListener('click', () => this.once(() => this.playHere()));
     find('vr').addEventListener('click', () => this.once(() => this.playWithHeadset()));
     find('end').addEventListener('click', () => this.guard(this.end()));
+    this.offerSound();
     addEventListener('beforeunload', (event) => {
       if (this.game || this.unsaved || this.isSending()) event.preventDefault();
     });
@@ -48,6 +50,23 @@ class Page {
     await this.listFiles();
     await this.lookForHeadset();
     document.documentElement.dataset.ready = 'yes';
+  }
+
+  /** The button and the key that turn the sound off and on. */
+  offerSound() {
+    this.sound = new Sound();
+    const button = find('mute');
+    button.hidden = find('sound-note').hidden = !this.json.sound;
+    if (!this.json.sound) return;
+    const turn = () => {
+      this.sound.mute(!this.sound.muted);
+      button.setAttribute('aria-pressed', String(this.sound.muted));
+    };
+    button.addEventListener('click', turn);
+    addEventListener('keydown', (event) => {
+      const elsewhere = event.target.matches?.('input') || event.ctrlKey || event.altKey || event.metaKey;
+      if (event.key.toLowerCase() === 'm' && !event.repeat && !elsewhere) turn();
+    });
   }
 
   async lookForHeadset() {
@@ -103,6 +122,7 @@ class Page {
   }
 
   async begin(device) {
+    if (this.json.sound) this.sound.begin();
     const leftHand = document.querySelector('#hands input:checked').value === 'left';
     const { guest } = this.json;
     const participant = guest?.participant || find('participant').value.trim();
@@ -116,7 +136,8 @@ class Page {
     this.store = new Store(participant, (sentence) => { this.trouble = sentence; this.tellKept(); });
     await this.store.start();
     this.game = new Game(this.engine, this.json,
-      { device, leftHand, participant, condition: guest?.condition, keep: (piece) => this.keep(piece) });
+      { device, leftHand, participant, condition: guest?.condition,
+        keep: (piece) => this.keep(piece), hear: (samples) => this.sound.play(samples) });
     this.game.onNews((news) => this.tellNews(news));
     this.pieces = setInterval(() => { this.game.keepLog(); this.tellKept(); }, kPiece);
     this.showControls(true);
@@ -180,6 +201,7 @@ class Page {
     if (!game) return;
     this.game = null;
     clearInterval(this.pieces);
+    this.sound.end();
     this.hand?.end();
     this.hand = null;
     this.X_TD = this.xr?.head ?? this.X_TD;
@@ -297,6 +319,7 @@ class Page {
     const { game } = this;
     this.game = null;
     clearInterval(this.pieces);
+    this.sound?.end();
     this.hand?.end();
     this.hand = null;
     this.xr?.end();
