@@ -137,7 +137,8 @@ double contact_time(const ContactSurface& a, const ContactSurface& b, double mas
 
 double part_of_impulse(double frequency, double touching) {
   const double half_waves = 2.0 * frequency * touching;
-  return 1.0 / (1.0 + half_waves * half_waves);
+  const double square = half_waves * half_waves;
+  return 1.0 / std::sqrt(1.0 + square * square);
 }
 
 }  // namespace headpin::scene

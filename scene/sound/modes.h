@@ -43,8 +43,10 @@ ContactSurface surface_of_hand();  ///< soft
 /// @param speed  they approach with [m/s]
 double contact_time(const ContactSurface& a, const ContactSurface& b, double mass, double speed);
 
-/// Part of an impulse that reaches a mode when it is not short against a period: the envelope of the
-/// spectrum of half a sine.
+/// Part of an impulse that reaches a mode when it is not short against a period.
+///
+/// The force is half a sine. The maxima of its spectrum are met within 3 dB; its zeros are left out,
+/// because the force of a real contact has none.
 ///
 /// @param touching  the contact time [s]
 double part_of_impulse(double frequency, double touching);

@@ -104,6 +104,17 @@ TEST(ContactTime, IsThatOfHertz) {
   EXPECT_NEAR(contact_time(a, b, mass, speed), t, 0.005 * t);  // 2.87 has three digits
 }
 
+// The spectrum of half a sine of length T is |cos(pi f T) / (1 - (2 f T)^2)|, in parts of its impulse.
+TEST(PartOfAnImpulse, IsThatOfHalfASineAtTheMaximaOfItsSpectrum) {
+  constexpr double kTouching = 0.001;
+  EXPECT_NEAR(part_of_impulse(1.0, kTouching), 1.0, 1e-9);
+  for (const double half_waves : {2.0, 4.0, 6.0, 8.0}) {
+    const double law = 1.0 / (half_waves * half_waves - 1.0);
+    const double part = part_of_impulse(0.5 * half_waves / kTouching, kTouching);
+    EXPECT_LT(std::abs(20.0 * std::log10(part / law)), 3.0) << half_waves;
+  }
+}
+
 TEST(Ears, HearASoundAtTheRightEarlierAndLouderThere) {
   const std::array<Way, 2> ways = ways_to_ears({}, Vec3(3.0, 0.0, kHeadRadius));
   EXPECT_NEAR(ways[kLeftEar].delay - ways[kRightEar].delay,
@@ -240,6 +251,27 @@ TEST(Hearing, IsHalfAsLoudAtTwiceTheDistance) {
     return loudest(listen(with_ball(kAboveLane), X_WD, 0.2).samples, kLeftEar);
   };
   EXPECT_NEAR(at(4.0), 0.5 * at(2.0), 0.02 * at(2.0));  // the ball rises a little meanwhile
+}
+
+/// Amplitude at a frequency.
+double amplitude(const std::vector<StereoSample>& samples, double frequency) {
+  double cosine = 0.0, sine = 0.0;
+  for (std::size_t n = 0; n < samples.size(); ++n) {
+    const double angle = 2.0 * std::numbers::pi * frequency * static_cast<double>(n) / kRate;
+    cosine += samples[n][0] * std::cos(angle);
+    sine += samples[n][0] * std::sin(angle);
+  }
+  return std::hypot(cosine, sine);
+}
+
+TEST(Hearing, OfABallThatFallsOnTheLaneHasTheModesOfBoth) {
+  const Session session = with_ball(kAboveLane);
+  const HeardDrop heard = listen(session, head_at(Vec3(0.0, 1.0, 0.5)), 0.15);
+  const double lane = modes_of_lane(session.stage->room).front().frequency,
+               ball = modes_of_ball(session.scenario().ball).front().frequency;
+  for (const double mode : {lane, ball}) {
+    EXPECT_GT(amplitude(heard.samples, mode), 1.5 * amplitude(heard.samples, 1.5 * mode)) << mode;
+  }
 }
 
 TEST(Hearing, OfEqualSessionsIsEqual) {
