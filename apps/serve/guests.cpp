@@ -10,6 +10,7 @@
 #include <sys/random.h>
 
 #include "apps/streams.h"
+#include "scene/page/browser_device.h"
 
 namespace headpin::apps {
 
@@ -49,7 +50,9 @@ Guest& Guests::invite() {
   Place place = next_();
   Guest& guest = guests_.emplace_back();
   guest.token = random_token();
-  guest.followed = scene::FollowedLog(place.scenario.rig.X_WT.q);
+  const scene::Scenario played =
+      scene::played_with(place.scenario, scene::browser_devices().front(), false);
+  guest.followed = scene::FollowedLog(played.rig.X_WT.q);
   guest.place = std::move(place);
   return guest;
 }

@@ -101,6 +101,34 @@ TEST(FollowedLog, PiecesOfAnySizeAreTheSame) {
   EXPECT_EQ(followed(first, 1), followed(first, first.size()));
 }
 
+TEST(FollowedLog, TheHandIsWhereItIsBesideTheHead) {
+  std::vector<std::uint8_t> log;
+  TrialEvents writer(TrialHeader{}, {},
+                     [&](const devices::LogEvent& event) { devices::append(event, log); });
+  // In a tracked space with y up: 0.3 m to the right of the head, 0.2 m below and 0.5 m ahead of it.
+  for (const auto& [station, p] : {std::pair{devices::kHeadStation, Vec3(0.0, 1.7, 0.1)},
+                                   {devices::kHandStation, Vec3(0.3, 1.5, -0.4)}}) {
+    devices::TrackerSample sample;
+    sample.station = station;
+    sample.X_TS.p = p;
+    writer.write(devices::Sample(sample));
+  }
+  FrameRecord frame;
+  for (Pose& X_WE : frame.X_WE) X_WE.p = Vec3(1.0, -2.0, 1.7);
+  writer.write(frame);
+  Mat3 R_WT;
+  R_WT << 1.0, 0.0, 0.0,  //
+      0.0, 0.0, -1.0,     //
+      0.0, 1.0, 0.0;
+  FollowedLog follow{Quat(R_WT)};
+  follow.add(log);
+  const nlohmann::json hand = follow.state()["hand"];
+  ASSERT_EQ(hand.size(), 7u);
+  EXPECT_NEAR(hand[4].get<double>(), 1.3, 1e-12);
+  EXPECT_NEAR(hand[5].get<double>(), -1.5, 1e-12);
+  EXPECT_NEAR(hand[6].get<double>(), 1.5, 1e-12);
+}
+
 TEST(FollowedLog, TrackingThatIsLostIsSaid) {
   std::vector<std::uint8_t> log;
   TrialEvents writer(TrialHeader{}, {},
