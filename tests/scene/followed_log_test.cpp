@@ -93,7 +93,7 @@ TEST(FollowedLog, TellsWhatTheSessionCameTo) {
 TEST(FollowedLog, PiecesOfAnySizeAreTheSame) {
   const PlayedDemo& played = throw_of_the_demo();
   const nlohmann::json whole = followed(played.log, played.log.size());
-  for (const std::size_t piece : {7, 64, 1000, 4096, 99'991}) {
+  for (const std::size_t piece : {7u, 64u, 1000u, 4096u, 99'991u}) {
     EXPECT_EQ(followed(played.log, piece), whole) << piece;
   }
   // Byte by byte up to the first states, as a slow line brings it.
