@@ -28,7 +28,9 @@ struct ValueOptions {
   }
   void field(const std::string& name, std::optional<bool>& value, const scene::Range& /*any*/,
              const std::string& meaning) {
-    command.add_flag("--" + name, value, meaning)->group(group);
+    // CLI11's flag of an optional is false, not nothing, when it is not given.
+    const auto take = [&value](std::int64_t) { value = true; };
+    command.add_flag_function("--" + name, take, meaning)->group(group);
   }
   void field(const std::string& name, std::optional<std::string>& value,
              const scene::NameList& allowed, const std::string& meaning) {

@@ -56,6 +56,10 @@ Offered offered(const ServeOptions& options) {
     if (options.output) {
       throw UsageError("--output: the logs of a study are in its folder; expected no --output");
     }
+    if (options.condition != Condition{}) {
+      throw UsageError(
+          "the plan of a study says its conditions; expected no --set, --friction or the like");
+    }
     out.study = std::make_unique<Study>(open_study(options.what));
     out.next = places_of(*out.study);
     out.pages.questions = questions_in_json(out.study->questions);

@@ -72,10 +72,6 @@ Place place_of(const Study& study, const study::PlannedParticipant& who) {
   return place;
 }
 
-nlohmann::json texts(const study::Texts& of) {
-  return nlohmann::json(of);
-}
-
 }  // namespace
 
 std::function<Place()> places_of(const scene::Scenario& scenario, const fs::path& folder) {
@@ -103,14 +99,14 @@ nlohmann::json questions_in_json(const study::Questionnaire& questions) {
   for (const study::Item& item : questions.items) {
     nlohmann::json choices = nlohmann::json::array();
     for (const study::Choice& choice : item.choices) {
-      choices.push_back({{"id", choice.id}, {"text", texts(choice.text)}});
+      choices.push_back({{"id", choice.id}, {"text", choice.text}});
     }
     items.push_back({{"id", item.id},
-                     {"text", texts(item.text)},
+                     {"text", item.text},
                      {"low", item.low},
                      {"high", item.high},
-                     {"low_end", texts(item.low_end)},
-                     {"high_end", texts(item.high_end)},
+                     {"low_end", item.low_end},
+                     {"high_end", item.high_end},
                      {"choices", std::move(choices)}});
   }
   return {{"languages", questions.languages}, {"items", std::move(items)}};

@@ -302,6 +302,7 @@ TEST_F(Serve, RefusesInWords) {
   expect_refusal("serve -o OUT --page said.txt --watch-page watch.html", 1, "said.txt");
   ASSERT_EQ(headpin("experiment plan -o study").code, 0);
   expect_refusal("serve study -o OUT" + pages, 2, "--output");
+  expect_refusal("serve study --friction 0.1" + pages, 2, "the plan of a study");
   start("paper-room -o games");
   expect_refusal(fmt::format("serve -o OUT --port {}", port_) + pages, 1, "Address already in use");
 }

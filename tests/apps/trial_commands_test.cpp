@@ -35,6 +35,17 @@ double peak_MB(std::vector<std::string> words) {
 }
 
 // A session's length costs no memory: ten times as long, 17 MB more on disk, hardly a megabyte more.
+TEST_F(TrialCommands, AWarmStartIsKeptWithoutBeingAskedForAgain) {
+  ASSERT_EQ(headpin("replay " HEADPIN_SOURCE_DIR
+                    "/assets/trials/demo.lcmlog --detection paper --warm -o warm.lcmlog")
+                .code,
+            0);
+  const Result again = headpin("replay warm.lcmlog --verify");
+  EXPECT_EQ(again.code, 0) << again.err;
+  const nlohmann::json cold = json("replay warm.lcmlog --json --set collision.warm=false");
+  EXPECT_NE(cold["game_hash"], json("replay warm.lcmlog --json")["game_hash"]);
+}
+
 TEST_F(TrialCommands, MemoryDoesNotGrowWithATrial) {
 #ifdef HEADPIN_SANITIZED
   GTEST_SKIP() << "AddressSanitizer keeps what was freed";
