@@ -12,6 +12,14 @@ namespace headpin::apps {
 
 namespace {
 
+/// A flag is given alone; "=true" and "=false" say the same in words.
+const CLI::Validator kNoValue(
+    [](const std::string& given) {
+      const bool known = given == "true" || given == "false";
+      return known ? std::string() : "expected no value, found " + given;
+    },
+    "");
+
 /// Adds an option for each value.
 struct ValueOptions {
   CLI::App& command;
@@ -29,8 +37,8 @@ struct ValueOptions {
   void field(const std::string& name, std::optional<bool>& value, const scene::Range& /*any*/,
              const std::string& meaning) {
     // CLI11's flag of an optional is false, not nothing, when it is not given.
-    const auto take = [&value](std::int64_t) { value = true; };
-    command.add_flag_function("--" + name, take, meaning)->group(group);
+    const auto take = [&value](std::int64_t given) { value = given > 0; };
+    command.add_flag_function("--" + name, take, meaning)->check(kNoValue)->group(group);
   }
   void field(const std::string& name, std::optional<std::string>& value,
              const scene::NameList& allowed, const std::string& meaning) {
