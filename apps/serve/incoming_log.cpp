@@ -21,20 +21,24 @@ std::span<const std::uint8_t> IncomingLog::add(std::int64_t at,
   const std::size_t known = std::min(piece.size(), static_cast<std::size_t>(size_ - at));
   require_same(at, piece.first(known));
   const std::span<const std::uint8_t> fresh = piece.subspan(known);
+  const std::int64_t size = size_ + static_cast<std::int64_t>(fresh.size());
   try {
     file_.write(fresh.data(), fresh.size());
+    sync_each_second(size);
   } catch (const std::runtime_error&) {
     file_.cut_back(size_);
     throw;
   }
-  size_ += static_cast<std::int64_t>(fresh.size());
-  const auto now = std::chrono::steady_clock::now();
-  if (now - synced_ >= std::chrono::seconds(1)) {
-    file_.require_kept(size_);
-    file_.sync();
-    synced_ = now;
-  }
+  size_ = size;
   return fresh;
+}
+
+void IncomingLog::sync_each_second(std::int64_t size) {
+  const auto now = std::chrono::steady_clock::now();
+  if (now - synced_ < std::chrono::seconds(1)) return;
+  file_.require_kept(size);
+  file_.sync();
+  synced_ = now;
 }
 
 void IncomingLog::require_same(std::int64_t at, std::span<const std::uint8_t> piece) const {

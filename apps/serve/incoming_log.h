@@ -38,6 +38,7 @@ class IncomingLog {
   void close();
 
  private:
+  void sync_each_second(std::int64_t size);
   void require_same(std::int64_t at, std::span<const std::uint8_t> piece) const;
 
   base::OutputFile file_;

@@ -5,7 +5,9 @@
 #include <nlohmann/json.hpp>
 
 #include "devices/base/sample.h"
+#include "scene/looks/glimpse.h"
 #include "scene/record/events.h"
+#include "scene/stage/read_scenario.h"
 
 namespace headpin::scene {
 
@@ -56,14 +58,21 @@ void FollowedLog::take(const devices::LogEvent& event) {
 }
 
 void FollowedLog::take(const TrialHeader& header) {
-  if (!header_) header_ = header;
+  if (header_) return;
+  header_ = header;
+  try {
+    scenario_ = scenario_of_trial(header.scenario, "log");
+  } catch (const std::exception&) {  // the room is then drawn as it is without versions
+  }
 }
 
 void FollowedLog::take(const devices::TrackerSample& sample) {
-  const bool known = sample.station == devices::kHeadStation ||
-                     sample.station == devices::kHandStation ||
-                     sample.station == devices::kLeftHandStation;
-  if (known && sample.good()) X_TS_[sample.station] = sample.X_TS;
+  const bool on_head = sample.station == devices::kHeadStation;
+  const bool in_hand =
+      sample.station == devices::kHandStation || sample.station == devices::kLeftHandStation;
+  if ((on_head && sample.good()) || (in_hand && sample.places_hand())) {
+    X_TS_[sample.station] = sample.X_TS;
+  }
 }
 
 void FollowedLog::take(const Event& event) {
@@ -75,6 +84,10 @@ void FollowedLog::take(const Event& event) {
   if (event.kind == kind::tracking_back) lost_.erase(event.detail.text());
   if (event.kind == kind::paused) ++pauses_;
   if (event.kind == kind::played_with) played_with_ = event.detail.text();
+  if (event.kind == kind::version && scenario_) {
+    const Versions& versions = scenario_->version;
+    scenario_ = under(*scenario_, event.detail.text() == "red" ? versions.red : versions.blue);
+  }
   score_.add(event);
 }
 
@@ -105,6 +118,10 @@ double FollowedLog::frame_rate_hz() const {
   if (frame_times_.size() < 2) return 0.0;
   const Time took = frame_times_.back() - frame_times_.front();
   return took > Time{} ? static_cast<double>(frame_times_.size() - 1) / seconds(took) : 0.0;
+}
+
+bool FollowedLog::shows_ellipsoids() const {
+  return scenario_ && scene::shows_ellipsoids(*scenario_);
 }
 
 std::optional<Pose> FollowedLog::head() const {
@@ -150,6 +167,7 @@ json FollowedLog::state() const {
           {"ended", ended_},
           {"head", numbers(head())},
           {"hand", numbers(hand())},
+          {"ellipsoids", shows_ellipsoids()},
           {"bodies", std::move(bodies)}};
 }
 

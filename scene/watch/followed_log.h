@@ -15,6 +15,7 @@
 #include "devices/log/event_log.h"
 #include "scene/play/score.h"
 #include "scene/record/messages.h"
+#include "scene/scenario/scenario.h"
 
 namespace headpin::scene {
 
@@ -46,6 +47,7 @@ class FollowedLog {
   void take(const Snapshot&) {}
   void take(const FrameRecord& frame);
 
+  bool shows_ellipsoids() const;
   std::optional<Pose> head() const;
   std::optional<Pose> hand() const;
   double frame_rate_hz() const;
@@ -55,6 +57,7 @@ class FollowedLog {
   std::int64_t unusable_ = 0;       ///< bytes and messages that cannot be read
   bool ended_ = false;
   std::optional<TrialHeader> header_;
+  std::optional<Scenario> scenario_;  ///< of the version that is played; none if it cannot be read
   StateHistory history_;
   TickState last_;
   Score score_;

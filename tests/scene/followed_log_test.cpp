@@ -129,6 +129,31 @@ TEST(FollowedLog, TheHandIsWhereItIsBesideTheHead) {
   EXPECT_NEAR(hand[6].get<double>(), 1.5, 1e-12);
 }
 
+TEST(FollowedLog, SkittlesLookLikeThoseOfTheVersionThatIsPlayed) {
+  Scenario scenario;
+  scenario.skittle.seen = SeenSkittle::collider;
+  scenario.collision.shape = scenario.version.red.shape = SkittleShape::parts;
+  scenario.version.buttons = true;
+  scenario.version.blue.shape = SkittleShape::ellipsoid;
+  TrialHeader header;
+  header.scenario = to_toml(scenario);
+  FollowedLog follow;
+  TrialEvents writer(header, {}, [&](const devices::LogEvent& event) {
+    std::vector<std::uint8_t> piece;
+    devices::append(event, piece);
+    follow.add(piece);
+  });
+  EXPECT_FALSE(follow.state()["ellipsoids"]);
+  for (const auto& [colour, ellipsoids] : {std::pair{"blue", true}, {"red", false}}) {
+    Event begins;
+    begins.kind = kind::version;
+    begins.detail = colour;
+    writer.write(begins);
+    EXPECT_EQ(follow.state()["ellipsoids"], ellipsoids) << colour;
+  }
+  EXPECT_EQ(follow.state()["unusable"], 0);
+}
+
 TEST(FollowedLog, TrackingThatIsLostIsSaid) {
   std::vector<std::uint8_t> log;
   TrialEvents writer(TrialHeader{}, {},

@@ -115,9 +115,10 @@ class Watch {
   }
 
   /** What PageSession::see would say of this state. */
-  viewOf({ bodies, head, hand }) {
+  viewOf({ bodies, head, hand, ellipsoids }) {
     const view = new Float32Array(inView.bodies + kPose * this.bodies.length);
     const put = (at, pose) => view.set(pose ?? [1, 0, 0, 0, 0, 0, 0], at);
+    view[inView.ellipsoids] = ellipsoids ? 1 : 0;
     view[inView.handSeen] = hand ? 1 : 0;
     put(inView.X_WP, null);
     put(inView.X_WH, hand);
