@@ -88,19 +88,21 @@ void GltfTrial::add_looks(const scene::Stage& stage) {
     node["mesh"] = add_mesh(item.mesh, name);
     add_node(node);
   }
-  const bool ellipsoids = scene::shows_ellipsoids(stage.scenario);
-  const std::size_t skittle =
-      add_mesh((ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle).mesh, "skittle");
-  const std::size_t ball = add_mesh(looks.ball.mesh, "ball");
+  const auto mesh_of = [&](const scene::BodyMeshes& of) {
+    return meshes[static_cast<std::size_t>(of.mesh)];
+  };
+  true_skittle_ = mesh_of(looks.true_skittle);
+  ellipsoid_skittle_ = mesh_of(looks.ellipsoid_skittle);
+  ball_mesh_ = add_mesh(looks.ball.mesh, "ball");
+  drawn_centre_ = looks.skittle_centre;
+  skittles_ = stage.skittles.size();
   for (const int hand : looks.hands) hand_meshes_.push_back(add_mesh(hand, "hand"));
   const std::vector<std::string> names = scene::body_names(stage);
-  const auto add_body = [&](engine::BodyId body, std::size_t mesh, double radius) {
+  const auto add_body = [&](engine::BodyId body, double radius) {
     bodies_.push_back({names[body], radius, {}});
-    meshes_.push_back(mesh);
   };
-  const double tall = stage.scenario.skittle.height;
-  for (const engine::BodyId body : stage.skittles) add_body(body, skittle, tall);
-  for (const engine::BodyId body : stage.balls) add_body(body, ball, stage.scenario.ball.radius);
+  for (const engine::BodyId body : stage.skittles) add_body(body, stage.scenario.skittle.height);
+  for (const engine::BodyId body : stage.balls) add_body(body, stage.scenario.ball.radius);
   hand_ = {"virtual hand", 0.1, {}};  // "hand" is the body that collides
 }
 
@@ -140,6 +142,7 @@ void GltfTrial::keep(const scene::Session& session) {
       bodies_[i++].X_WN.push_back(session.world.states[body].X_WB);
     }
   }
+  looks_.push_back(scene::skittle_look(*session.stage, drawn_centre_));
   // An absent hand waits where it is first seen.
   if (const auto X_WH = scene::hand_pose(session)) {
     if (hand_.X_WN.empty()) hand_.X_WN.assign(times_.size() - 1, *X_WH);
@@ -212,22 +215,61 @@ std::size_t GltfTrial::add_track(const Track& track, nlohmann::json more) {
   return node;
 }
 
+/// Adds one of several shapes of a node.
+/// @param seen  whether it is this one, one per tick
+void GltfTrial::add_shape(std::size_t parent, nlohmann::json node, const std::vector<bool>& seen) {
+  if (std::ranges::find(seen, true) == seen.end()) return;
+  std::vector<std::size_t> changes = {0};
+  std::vector<float> sizes;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (i > 0 && seen[i] != seen[i - 1]) changes.push_back(i);
+    sizes.insert(sizes.end(), 3, seen[i] ? 1.0F : 0.0F);
+  }
+  node["scale"] = {sizes[0], sizes[1], sizes[2]};
+  const std::size_t number = glb_.add("nodes", std::move(node));
+  glb_.json["nodes"][parent]["children"].push_back(number);
+  if (changes.size() > 1) add_channel(number, "scale", changes, sizes, "STEP");
+}
+
+/// The mesh in the file, which has those alone that are seen.
+std::size_t GltfTrial::skittle_mesh(bool ellipsoid) {
+  const auto [found, is_new] = skittle_meshes_.try_emplace(ellipsoid);
+  if (is_new) {
+    found->second = ellipsoid ? glb_.add_mesh(ellipsoid_skittle_, "ellipsoid skittle")
+                              : glb_.add_mesh(true_skittle_, "skittle");
+  }
+  return found->second;
+}
+
+void GltfTrial::add_skittle(std::size_t body) {
+  std::vector<scene::SkittleLook> all;
+  for (const scene::SkittleLook& look : looks_) {
+    if (std::ranges::find(all, look) == all.end()) all.push_back(look);
+  }
+  if (all == std::vector{scene::SkittleLook{all[0].ellipsoid, 0.0}}) {
+    add_track(bodies_[body], {{"mesh", skittle_mesh(all[0].ellipsoid)}});
+    return;
+  }
+  const std::size_t parent = add_track(bodies_[body], nlohmann::json::object());
+  for (std::size_t shape = 0; shape < all.size(); ++shape) {
+    nlohmann::json node = placed(fmt::format("{} shape {}", bodies_[body].name, shape + 1),
+                                 {Quat::Identity(), Vec3(0.0, 0.0, all[shape].raised)});
+    node["mesh"] = skittle_mesh(all[shape].ellipsoid);
+    std::vector<bool> seen;
+    for (const scene::SkittleLook& look : looks_) seen.push_back(look == all[shape]);
+    add_shape(parent, std::move(node), seen);
+  }
+}
+
 void GltfTrial::add_hand() {
   const std::size_t hand = add_track(hand_, nlohmann::json::object());
-  std::vector<std::size_t> changes = {0};
-  for (std::size_t i = 1; i < grips_.size(); ++i) {
-    if (grips_[i] != grips_[i - 1]) changes.push_back(i);
-  }
   for (std::size_t grip = 0; grip < hand_meshes_.size(); ++grip) {
-    if (std::ranges::find(grips_, grip) == grips_.end()) continue;
-    std::vector<float> sizes;
-    for (const std::size_t seen : grips_) sizes.insert(sizes.end(), 3, seen == grip ? 1.0F : 0.0F);
-    const std::size_t node =
-        glb_.add("nodes", {{"name", fmt::format("hand {} of {}", grip + 1, hand_meshes_.size())},
-                           {"mesh", hand_meshes_[grip]},
-                           {"scale", {sizes[0], sizes[1], sizes[2]}}});
-    glb_.json["nodes"][hand]["children"].push_back(node);
-    if (changes.size() > 1) add_channel(node, "scale", changes, sizes, "STEP");
+    std::vector<bool> seen;
+    for (const std::size_t shown : grips_) seen.push_back(shown == grip);
+    add_shape(hand,
+              {{"name", fmt::format("hand {} of {}", grip + 1, hand_meshes_.size())},
+               {"mesh", hand_meshes_[grip]}},
+              seen);
   }
 }
 
@@ -246,7 +288,12 @@ void GltfTrial::add_events() {
 }
 
 std::string GltfTrial::file(const scene::Session& session, nlohmann::json about) {
-  for (std::size_t i = 0; i < bodies_.size(); ++i) add_track(bodies_[i], {{"mesh", meshes_[i]}});
+  for (std::size_t i = 0; i < bodies_.size(); ++i) {
+    if (i < skittles_)
+      add_skittle(i);
+    else
+      add_track(bodies_[i], {{"mesh", ball_mesh_}});
+  }
   if (!hand_.X_WN.empty()) add_hand();
   for (std::size_t eye = 0; eye < 2; ++eye) add_track(eyes_[eye], {{"camera", eye}});
   add_events();

@@ -1,11 +1,13 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "apps/glb.h"
+#include "scene/looks/looks.h"
 #include "scene/play/run.h"
 #include "scene/play/session.h"
 
@@ -27,8 +29,8 @@ std::vector<std::size_t> kept_keys(
 
 /// Makes a trial into a glTF file: room, bodies, hand and both eyes, with one animation.
 ///
-/// The hand has one node per mesh from open to closed; all but one are scaled to nothing, because the core
-/// of glTF has no other way to hide a node. A version that begins does not change a shape.
+/// The hand has one node per mesh from open to closed, and a skittle one per shape that versions give it;
+/// all but one are scaled to nothing, because the core of glTF has no other way to hide a node.
 class GltfTrial : public scene::Observer {
  public:
   /// @param tolerance  of the thinned keys [m]; 0 keeps the key of every tick
@@ -49,7 +51,10 @@ class GltfTrial : public scene::Observer {
   void add_cameras(const render::Optics& optics);
   void add_node(nlohmann::json node);
   std::size_t add_track(const Track& track, nlohmann::json more);
+  void add_skittle(std::size_t body);
+  std::size_t skittle_mesh(bool ellipsoid);
   void add_hand();
+  void add_shape(std::size_t parent, nlohmann::json node, const std::vector<bool>& seen);
   void animate(const Track& track, std::size_t node);
   void add_channel(std::size_t node, const char* path, std::span<const std::size_t> kept,
                    const std::vector<float>& values, const char* between = "LINEAR");
@@ -60,9 +65,14 @@ class GltfTrial : public scene::Observer {
   std::vector<float> times_;
   std::vector<Track> bodies_, eyes_;
   Track hand_;
-  std::vector<std::size_t> meshes_;       ///< of bodies_
-  std::vector<std::size_t> hand_meshes_;  ///< from open to closed
-  std::vector<std::size_t> grips_;        ///< which of them is seen, one per tick
+  std::size_t skittles_ = 0;  ///< of bodies_, the first ones
+  std::size_t ball_mesh_ = 0;
+  render::Mesh true_skittle_, ellipsoid_skittle_;
+  std::map<bool, std::size_t> skittle_meshes_;  ///< whether an ellipsoid: the mesh in the file
+  double drawn_centre_ = 0.0;                   ///< as Looks::skittle_centre
+  std::vector<scene::SkittleLook> looks_;       ///< of the skittles, one per tick
+  std::vector<std::size_t> hand_meshes_;        ///< from open to closed
+  std::vector<std::size_t> grips_;              ///< which of them is seen, one per tick
   Pose X_WD_;
   std::vector<scene::Event> events_;
   std::size_t keys_ = 0;

@@ -128,15 +128,31 @@ void McapTrial::add_shapes(const scene::Session& session) {
     foxglove::add_triangles(room, meshes[static_cast<std::size_t>(item.mesh)], item.X_WG);
   }
   add_scene(kWorldFrame, "room", room);
-  const bool ellipsoids = scene::shows_ellipsoids(stage.scenario);
   const ProtobufWriter ball = shape_of(looks.ball.mesh);
-  const ProtobufWriter skittle =
-      shape_of((ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle).mesh);
-  for (std::size_t i = 0; i < bodies_.size(); ++i) {
-    const bool is_skittle = i < stage.skittles.size();
-    add_scene(bodies_[i].name, bodies_[i].name, is_skittle ? skittle : ball);
+  for (std::size_t i = stage.skittles.size(); i < bodies_.size(); ++i) {
+    add_scene(bodies_[i].name, bodies_[i].name, ball);
   }
+  const auto mesh_of = [&](const scene::BodyMeshes& of) {
+    return meshes[static_cast<std::size_t>(of.mesh)];
+  };
+  true_skittle_ = mesh_of(looks.true_skittle);
+  ellipsoid_skittle_ = mesh_of(looks.ellipsoid_skittle);
+  drawn_centre_ = looks.skittle_centre;
   for (const int hand : looks.hands) hands_.push_back(shape_of(hand));
+}
+
+/// The skittles' shape when that is another one: a version may have its own.
+void McapTrial::add_skittles(const scene::Session& session) {
+  const scene::SkittleLook look = scene::skittle_look(*session.stage, drawn_centre_);
+  if (look == skittles_) return;
+  skittles_ = look;
+  ProtobufWriter shape;
+  foxglove::add_triangles(shape, look.ellipsoid ? ellipsoid_skittle_ : true_skittle_,
+                          {Quat::Identity(), Vec3(0.0, 0.0, look.raised)});
+  for (std::size_t i = 0; i < session.stage->skittles.size(); ++i) {
+    const std::string& name = bodies_[i].name;
+    add(scene_, session.now(), foxglove::scene_update(session.now(), name, name, shape));
+  }
 }
 
 void McapTrial::tick(const scene::Session& session) {
@@ -156,6 +172,7 @@ void McapTrial::tick(const scene::Session& session) {
     place(eyes_[eye].camera, render::Camera(views[eye]).X_CW.inverse());
     add(eyes_[eye].pose, now, foxglove::pose_in_frame(now, kWorldFrame, views[eye].X_WE));
   }
+  add_skittles(session);
   add_hand(session, transforms);
   add(transforms_, now, transforms.bytes());
   add_events(session);

@@ -11,6 +11,7 @@
 #include "apps/mcap/mcap_writer.h"
 #include "apps/mcap/protobuf_writer.h"
 #include "devices/log/event_log.h"
+#include "scene/looks/looks.h"
 #include "scene/play/run.h"
 #include "scene/play/session.h"
 #include "scene/record/trial.h"
@@ -55,6 +56,7 @@ class McapTrial : public scene::Observer, public scene::FrameSink {
   Topic topic(const std::string& name, std::string_view schema);
   void add(Topic& topic, Time time, std::string_view data);
   void add_shapes(const scene::Session& session);
+  void add_skittles(const scene::Session& session);
   void add_hand(const scene::Session& session, ProtobufWriter& transforms);
   void add_events(const scene::Session& session);
   void add_event(const scene::Event& event);
@@ -68,8 +70,11 @@ class McapTrial : public scene::Observer, public scene::FrameSink {
   std::array<Eye, 2> eyes_;
   std::vector<Body> bodies_;
 
-  std::vector<ProtobufWriter> hands_;  ///< shapes of the hand, from open to closed
-  std::optional<std::size_t> grip_;    ///< that was written last
+  render::Mesh true_skittle_, ellipsoid_skittle_;
+  double drawn_centre_ = 0.0;                   ///< as Looks::skittle_centre
+  std::optional<scene::SkittleLook> skittles_;  ///< that was written last
+  std::vector<ProtobufWriter> hands_;           ///< shapes of the hand, from open to closed
+  std::optional<std::size_t> grip_;             ///< that was written last
   Pose X_WD_;
 
   std::vector<scene::Event> outside_;  ///< events of the trial that no simulation makes

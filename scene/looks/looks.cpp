@@ -275,6 +275,11 @@ void append_rings(DrawList& list, const Looks& looks, const Glimpse& g) {
 
 }  // namespace
 
+SkittleLook skittle_look(const Stage& stage, double drawn_centre) {
+  const bool ellipsoid = shows_ellipsoids(stage.scenario);
+  return {ellipsoid, ellipsoid ? 0.0 : drawn_centre - stage.skittle_centre};
+}
+
 DrawList draw_list(const Looks& looks, const Glimpse& g) {
   DrawList list = looks.room;
   const auto add = [&](const BodyMeshes& meshes, const Pose& X_WG, std::uint32_t id) {

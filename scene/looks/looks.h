@@ -61,6 +61,18 @@ struct Looks {
   void add_buttons(const MeshKeeper& keeper, const Versions& versions);
 };
 
+/// How a skittle is drawn: as the ellipsoid that collides, or true; and how high its mesh is in the
+/// body's frame, as a version may weigh it elsewhere [m].
+struct SkittleLook {
+  bool ellipsoid = false;
+  double raised = 0.0;
+
+  bool operator==(const SkittleLook&) const = default;
+};
+
+/// @param drawn_centre  Looks::skittle_centre
+SkittleLook skittle_look(const Stage& stage, double drawn_centre);
+
 /// What a glimpse shows. The head is drawn for another camera alone: an eye is in it.
 render::DrawList draw_list(const Looks& looks, const Glimpse& glimpse);
 

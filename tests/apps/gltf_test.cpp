@@ -1,11 +1,13 @@
 // The animated scene of a trial, read back from its bytes.
 
+#include <algorithm>
 #include <cstring>
 #include <set>
 #include <sstream>
 
 #include "base/math.h"
 #include "tests/apps/command_line.h"
+#include "tests/apps/two_versions.h"
 
 namespace headpin {
 namespace {
@@ -99,6 +101,35 @@ TEST_F(Gltf, ATrialThatWasCutIsWrittenAsFarAsItGoesAndSaidToBeIncomplete) {
   const ReadGlb glb(slurp(folder_ / "cut.glb"));
   EXPECT_GT(glb.json["asset"]["extras"]["ticks"], 0);
   EXPECT_LT(glb.json["asset"]["extras"]["ticks"], 1682);
+}
+
+TEST_F(Gltf, SkittlesHaveTheShapeOfTheVersionThatIsPlayed) {
+  write_two_versions(folder_ / "versions.lcmlog");
+  ASSERT_EQ(headpin("export versions.lcmlog --gltf versions.glb").code, 0);
+  const ReadGlb glb(slurp(folder_ / "versions.glb"));
+  const auto& nodes = glb.json["nodes"];
+  const auto skittle = std::ranges::find_if(
+      nodes, [](const nlohmann::json& node) { return node["name"] == "skittle 1"; });
+  ASSERT_NE(skittle, nodes.end());
+  EXPECT_FALSE(skittle->contains("mesh"));
+  ASSERT_EQ((*skittle)["children"].size(), 2u);
+  for (std::size_t shape = 0; shape < 2; ++shape) {
+    const auto number = (*skittle)["children"][shape].get<std::size_t>();
+    const nlohmann::json& node = nodes[number];
+    EXPECT_EQ(glb.json["meshes"][node["mesh"].get<std::size_t>()]["name"],
+              shape == 0 ? "skittle" : "ellipsoid skittle");
+    EXPECT_EQ(node["scale"][0], shape == 0 ? 1.0 : 0.0);
+    int channels = 0;
+    for (const nlohmann::json& channel : glb.json["animations"][0]["channels"]) {
+      if (channel["target"]["node"] != number || channel["target"]["path"] != "scale") continue;
+      const auto which = channel["sampler"].get<std::size_t>();
+      const nlohmann::json& sampler = glb.json["animations"][0]["samplers"][which];
+      EXPECT_NEAR(glb.value(sampler["input"], 1), kTouchesBlue, 0.05);
+      EXPECT_EQ(glb.value(sampler["output"], 3), shape == 0 ? 0.0 : 1.0);
+      ++channels;
+    }
+    EXPECT_EQ(channels, 1);
+  }
 }
 
 TEST_F(Gltf, ExistingFilesAndWrongUseAreRefused) {

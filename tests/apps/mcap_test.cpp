@@ -10,6 +10,7 @@
 #include <zstd.h>
 
 #include "tests/apps/command_line.h"
+#include "tests/apps/two_versions.h"
 #include "tests/support/csv_rows.h"
 
 namespace headpin {
@@ -207,6 +208,28 @@ TEST_F(Mcap, EveryBodyIsWhereTheTableOfStatesHasItToTheLastBit) {
     }
   }
   EXPECT_EQ(compared, 1682u * 11u);  // every tick; the ball and ten skittles
+}
+
+TEST_F(Mcap, SkittlesHaveTheShapeOfTheVersionThatIsPlayed) {
+  write_two_versions(folder_ / "versions.lcmlog");
+  ASSERT_EQ(headpin("export versions.lcmlog --mcap versions.mcap").code, 0);
+  ReadMcap mcap(slurp(folder_ / "versions.mcap"));
+  std::vector<std::pair<double, std::size_t>> shapes;  // of a skittle: from when, how long
+  for (const McapMessage& message : mcap.messages) {
+    if (message.topic != "/scene") continue;
+    const auto update = mcap.decoded(message);
+    const auto* reflection = update->GetReflection();
+    const auto* list = field(*update, "entities");
+    for (int i = 0; i < reflection->FieldSize(*update, list); ++i) {
+      const pb::Message& entity = reflection->GetRepeatedMessage(*update, list, i);
+      if (text(entity, "id") != "skittle 1") continue;
+      shapes.emplace_back(1e-9 * static_cast<double>(message.log_ns), entity.ByteSizeLong());
+    }
+  }
+  ASSERT_EQ(shapes.size(), 2u);
+  EXPECT_EQ(shapes[0].first, 0.0);
+  EXPECT_NEAR(shapes[1].first, kTouchesBlue, 0.05);
+  EXPECT_NE(shapes[0].second, shapes[1].second);
 }
 
 /// The table without its last column, whose cells can have commas; and without the rows that say how the
