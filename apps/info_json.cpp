@@ -36,6 +36,7 @@ ordered_json devices_json(const scene::TrialSummary& trial) {
                    {"longest_gap_s", nearest_seconds(of.longest_gap)},
                    {"lost", of.lost},
                    {"bad", of.bad},
+                   {"estimated", of.estimated},
                    {"astray", of.astray}});
   }
   return out;

@@ -118,6 +118,7 @@ constexpr auto kKeys = std::to_array<JsonKey>({
     {"entry_s", "time at which the ball met its first skittle"},
     {"environment", "environment variables that Mesa reads: LP_*, GALLIUM_*, MESA_*"},
     {"error", "reason of a failure"},
+    {"estimated", "samples whose position the device did not track, but estimate"},
     {"events", "events of a trial"},
     {"exit_board", "board at which a ball left the lane behind the skittles"},
     {"exit_code", "exit code of a command that failed"},

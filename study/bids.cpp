@@ -77,7 +77,10 @@ std::vector<Channel> tracker_channels(const std::string& point) {
                                     {"stylus", "n/a"},
                                     {"host_time", "s"},
                                     {"session_time", "s"},
-                                    {"log_index", "n/a"}}) {
+                                    {"log_index", "n/a"},
+                                    {"sent_time", "s"},
+                                    {"position_estimated", "n/a"},
+                                    {"orientation_estimated", "n/a"}}) {
     channels.push_back({name, kNoAnswer, "MISC", point, units});
   }
   return channels;
@@ -139,6 +142,10 @@ std::string tracker_row(const devices::TrackerSample& s, std::size_t index) {
   cells.push_back(exact_seconds(s.host_time));
   cells.push_back(exact_seconds(s.session_time));
   cells.push_back(fmt::format("{}", index));
+  cells.push_back(exact_seconds(s.sent_time));
+  for (const bool estimated : {s.position_estimated, s.orientation_estimated}) {
+    cells.emplace_back(estimated ? "1" : "0");
+  }
   return line(cells);
 }
 

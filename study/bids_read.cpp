@@ -66,11 +66,11 @@ using Indexed = std::vector<std::pair<std::int64_t, devices::Sample>>;
 
 void read_tracker(const std::string& name, const std::string& text, std::int32_t station,
                   Indexed& samples) {
-  constexpr std::size_t kColumns = 14;
+  constexpr std::size_t kColumns = 17, kColumnsOnce = 14;
   TabRows rows(name, text);
   std::vector<std::string_view> cells;
   while (rows.next(cells)) {
-    if (cells.size() != kColumns) {
+    if (cells.size() != kColumns && cells.size() != kColumnsOnce) {
       rows.refuse(fmt::format("{} cells", kColumns), fmt::format("{}", cells.size()));
     }
     const auto number = [&](std::size_t i) { return rows.number<double>(cells[i]); };
@@ -84,6 +84,11 @@ void read_tracker(const std::string& name, const std::string& text, std::int32_t
     s.buttons = rows.number<std::uint8_t>(cells[10]);
     s.host_time = rows.time(cells[11]);
     s.session_time = rows.time(cells[12]);
+    if (cells.size() == kColumns) {
+      s.sent_time = rows.time(cells[14]);
+      s.position_estimated = cells[15] == "1";
+      s.orientation_estimated = cells[16] == "1";
+    }
     samples.emplace_back(rows.number<std::int64_t>(cells[13]), s);
   }
 }

@@ -118,6 +118,9 @@ void print_trial(const std::string& path, const scene::TrialSummary& trial,
       std::cout << fmt::format("  {:6.1f} Hz  longest gap {:.3f} s  {} lost  {} bad  {} astray",
                                rate_hz(summary), seconds(summary.longest_gap), summary.lost,
                                summary.bad, summary.astray);
+      if (summary.estimated > 0) {
+        std::cout << fmt::format("  {} with an estimated position", summary.estimated);
+      }
     }
     std::cout << "\n";
   }

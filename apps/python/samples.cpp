@@ -8,6 +8,7 @@
 #include <pybind11/stl.h>
 
 #include "apps/python/engine.h"
+#include "devices/log/sample_messages.h"
 
 namespace headpin::python {
 
@@ -22,16 +23,23 @@ void check(const TrackerSample& s) {
     throw std::invalid_argument(
         "sample: expected a finite position and a unit quaternion (w, x, y, z)");
   }
-  if (s.station < 1 || s.station > 4) {
-    throw std::invalid_argument("sample: station: expected 1 to 4, found " +
+  if (s.station < 1) {
+    throw std::invalid_argument("sample: station: expected 1 or more, found " +
                                 std::to_string(s.station));
+  }
+  if (!devices::plausible(devices::Sample(s))) {
+    throw std::invalid_argument(
+        "sample: sent_time_us: expected at most 1 s from time_us, and both times, the sequence and "
+        "the position within the limits of a log");
   }
 }
 
 TrackerSample tracker_sample(std::int32_t station, std::int64_t time_us, const Vec3& position,
                              const Quaternion& quaternion, std::uint8_t buttons,
                              const std::string& status, std::int64_t sequence,
-                             std::int64_t host_time_us, std::int64_t session_time_us) {
+                             std::int64_t host_time_us, std::int64_t session_time_us,
+                             std::int64_t sent_time_us, bool position_estimated,
+                             bool orientation_estimated) {
   if (status.size() > 1) {
     throw std::invalid_argument("sample: status: expected one letter or none, found '" + status +
                                 "'");
@@ -40,6 +48,9 @@ TrackerSample tracker_sample(std::int32_t station, std::int64_t time_us, const V
   s.device_time = Time{time_us};
   s.host_time = Time{host_time_us};
   s.session_time = Time{session_time_us};
+  s.sent_time = Time{sent_time_us};
+  s.position_estimated = position_estimated;
+  s.orientation_estimated = orientation_estimated;
   s.sequence = sequence;
   s.station = station;
   s.X_TS = pose_of(position, quaternion);
@@ -68,6 +79,7 @@ struct Cells {
   T at(const char* name) const {
     return row[py::str(name)].attr("item")().cast<T>();
   }
+  bool has(const char* name) const { return row.attr("dtype").attr("names").contains(name); }
   Time time(const char* name) const { return microseconds(at<double>(name)); }
   std::string text(const char* name) const { return py::str(row[py::str(name)]); }
 };
@@ -85,6 +97,11 @@ devices::Sample tracker_in(const Cells& c) {
   const std::string status = c.text("status");
   s.status = status.empty() ? ' ' : status[0];
   s.buttons = c.at<bool>("stylus") ? 1 : 0;
+  if (c.has("sent_time_s")) {  // not in tables of older versions
+    s.sent_time = c.time("sent_time_s");
+    s.position_estimated = c.at<bool>("position_estimated");
+    s.orientation_estimated = c.at<bool>("orientation_estimated");
+  }
   check(s);
   return s;
 }
@@ -143,15 +160,20 @@ void add_samples(py::module_& module) {
   py::class_<TrackerSample> tracker(
       module, "TrackerSample", "A pose that a tracker measured, in the transmitter's frame T.");
   tracker
-      .def(py::init(&tracker_sample), "station"_a, "time_us"_a, "position"_a, "quaternion"_a,
-           "buttons"_a = 0, py::kw_only(), "status"_a = "", "sequence"_a = 0, "host_time_us"_a = 0,
-           "session_time_us"_a = 0,
-           "station: 1 head, 2 right hand, 3 left hand, 4 (a scenario may say otherwise).\n"
-           "time_us: when it was measured, on the session's clock [microseconds].\n"
-           "position: (3,) [m]. quaternion: (4,), w, x, y, z.\nbuttons: 1 while the stylus' switch "
-           "is "
-           "pressed. status: empty, or the Fastrak's error letter.\nhost_time_us: when it arrived; "
-           "session_time_us: when a recorded session used it; 0: at once.")
+      .def(
+          py::init(&tracker_sample), "station"_a, "time_us"_a, "position"_a, "quaternion"_a,
+          "buttons"_a = 0, py::kw_only(), "status"_a = "", "sequence"_a = 0, "host_time_us"_a = 0,
+          "session_time_us"_a = 0, "sent_time_us"_a = 0, "position_estimated"_a = false,
+          "orientation_estimated"_a = false,
+          "station: 1 head, 2 right hand, 3 left hand, or others (a scenario may say otherwise).\n"
+          "time_us: when it was measured, or what time it was predicted for, on the session's clock "
+          "[microseconds].\n"
+          "position: (3,) [m]. quaternion: (4,), w, x, y, z.\nbuttons: 1 while the stylus' switch "
+          "is "
+          "pressed. status: empty, or the Fastrak's error letter.\nhost_time_us: when it arrived; "
+          "session_time_us: when a recorded session used it; 0: at once.\n"
+          "sent_time_us: when a device that predicts told it; 0: at time_us. position_estimated: the "
+          "device did not track it, the hand is not moved; orientation_estimated likewise.")
       .def_readonly("station", &TrackerSample::station, "Number of the receiver, from 1.")
       .def_property_readonly(
           "time_us", [](const TrackerSample& s) { return s.device_time.count(); }, kTimeWords)

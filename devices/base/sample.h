@@ -13,17 +13,24 @@ namespace headpin::devices {
 
 /// One measurement of one tracked sensor.
 struct TrackerSample {
-  Time device_time{};         ///< when it was measured, on the session's clock
-  Time host_time{};           ///< when its first byte arrived; 0 if it was not transmitted
+  Time device_time{};  ///< when the pose is valid: it was measured then, or predicted for then
+  Time host_time{};    ///< when its first byte arrived; 0 if it was not transmitted
   std::int64_t sequence = 0;  ///< number per station; a gap is a lost sample
-  std::int32_t station = 1;   ///< 1..4
+  std::int32_t station = 1;   ///< from 1; a Fastrak has four
   Pose X_TS;                  ///< sensor in the transmitter's frame [m]
   char status = ' ';          ///< ' ' good, else the Fastrak's error letter
   std::uint8_t buttons = 0;   ///< bit 0: stylus switch
   std::string frame = "T";    ///< frame the pose is given in; "T", or nothing, the transmitter's
   Time session_time{};        ///< time of the tick at which a session used it; 0 outside a session
+  Time sent_time{};  ///< when the device told it; 0: at `device_time`, nothing is predicted
+  /// The device did not track it at that time, and tells what it estimates.
+  bool position_estimated = false, orientation_estimated = false;
 
   bool good() const { return status == ' '; }
+  /// Whether it shows where a hand is.
+  bool places_hand() const { return good() && !position_estimated; }
+  /// When the device told it, by its own clock.
+  Time told() const { return sent_time == Time{} ? device_time : sent_time; }
   /// The only supported frame; sources skip and count samples in other frames.
   bool in_transmitters_frame() const { return frame.empty() || frame == "T"; }
 };
@@ -36,12 +43,18 @@ struct MouseSample {
   bool right_thumb = false;  ///< walk backward
   bool trigger = false;      ///< grab
   Time session_time{};       ///< as in TrackerSample
+
+  Time told() const { return device_time; }
 };
 
 using Sample = std::variant<TrackerSample, MouseSample>;
 
 inline Time device_time(const Sample& sample) {
   return std::visit([](const auto& s) { return s.device_time; }, sample);
+}
+
+inline Time told(const Sample& sample) {
+  return std::visit([](const auto& s) { return s.told(); }, sample);
 }
 
 // Where headpin's own units have them; a scenario's rig says what is worn where.

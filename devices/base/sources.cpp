@@ -6,7 +6,7 @@
 namespace headpin::devices {
 
 Time arrival(const Sample& sample) {
-  return std::visit([](const auto& s) { return std::max(s.device_time, s.host_time); }, sample);
+  return std::visit([](const auto& s) { return std::max(s.told(), s.host_time); }, sample);
 }
 
 Time available(const Sample& sample) {

@@ -7,7 +7,8 @@
 /// Sources that replay recordings or merge other sources, by the same rule.
 namespace headpin::devices {
 
-/// The time of arrival of a sample, or its time of measurement if it was not transmitted.
+/// The time of arrival of a sample, or the time at which its device told it if it was not
+/// transmitted. A predicted pose arrives before the time that it is for.
 Time arrival(const Sample& sample);
 
 /// The time from which a session may use a sample: its arrival, or the time at which a recorded

@@ -34,7 +34,7 @@ void LcmIntake::take(const LcmMessage& message) {
     return;
   }
   const Device device = device_of(sample);
-  if (!admit(publisher_of(device), device, device_time(sample), message.sender)) {
+  if (!admit(publisher_of(device), device, told(sample), message.sender)) {
     ++counts_.others;
     return;
   }
@@ -139,14 +139,16 @@ std::int64_t LcmIntake::lost() const {
 
 void LcmIntake::stamp(TrackerSample& sample) {
   Publisher& publisher = publisher_of(device_at(sample.station));
-  const bool unstamped = is_unstamped(publisher, sample.device_time);
-  publisher.numbers.take(sample.sequence, unstamped ? arrived_ : sample.device_time);
+  const Time told = sample.told();
+  const bool unstamped = is_unstamped(publisher, told);
+  publisher.numbers.take(sample.sequence, unstamped ? arrived_ : told);
   if (unstamped) {
     date_by_arrival(publisher);
   } else {
-    date(publisher, sample.device_time);
+    date(publisher, told);
   }
-  sample.device_time = publisher.device_time;
+  sample.device_time += publisher.told - told;
+  if (sample.sent_time != Time{}) sample.sent_time = publisher.told;
   sample.host_time = arrived_;
 }
 
@@ -165,7 +167,7 @@ void LcmIntake::stamp(MouseSample& sample) {
   if (is_unstamped(mouse, sample.device_time)) {
     date_by_arrival(mouse);
   } else if (off_us(*nearest) < kSameClock_us) {
-    mouse.device_time = clocks_.date_like(nearest->second.clock, mouse.clock, sample.device_time);
+    mouse.told = clocks_.date_like(nearest->second.clock, mouse.clock, sample.device_time);
     mouse.theirs = sample.device_time;
     mouse.host_time = arrived_;
     mouse.follows_station = true;
@@ -174,7 +176,7 @@ void LcmIntake::stamp(MouseSample& sample) {
     mouse.follows_station = false;
     date(mouse, sample.device_time);
   }
-  sample.device_time = mouse.device_time;
+  sample.device_time = mouse.told;
   sample.host_time = arrived_;
 }
 
@@ -182,7 +184,7 @@ void LcmIntake::stamp(MouseSample& sample) {
 void LcmIntake::date_by_arrival(Publisher& publisher) {
   ++counts_.unstamped;
   ++publisher.samples;
-  publisher.device_time = clocks_.date_by_arrival(publisher.clock, arrived_);
+  publisher.told = clocks_.date_by_arrival(publisher.clock, arrived_);
   publisher.host_time = arrived_;
 }
 
@@ -194,9 +196,9 @@ void LcmIntake::date(Publisher& publisher, Time theirs) {
   }
   ++publisher.samples;
   publisher.theirs = theirs;
-  publisher.device_time = clocks_.date({.clock = publisher.clock,
-                                        .theirs = theirs,
-                                        .arrived_us = static_cast<double>(arrived_.count())});
+  publisher.told = clocks_.date({.clock = publisher.clock,
+                                 .theirs = theirs,
+                                 .arrived_us = static_cast<double>(arrived_.count())});
   publisher.host_time = arrived_;
 }
 

@@ -25,9 +25,11 @@ struct LcmMessage {
 /// Makes samples of the messages that others publish on TRACKER and MOUSE3D.
 ///
 /// Each station has a publisher with its own clock. Clocks converts it to the session's clock from
-/// the first sample on. It starts again when it jumps by more than a second, or by half a second if
-/// nothing else tells the sender. Both times of a sample are then on the session's clock. The mouse has few messages, so it uses the offset of the station
-/// with nearly the same clock. Samples without times (0) get their time of arrival.
+/// the first sample on, by the times at which samples were told: a predicted pose stays ahead of
+/// them. It starts again when it jumps by more than a second, or by half a second if nothing else
+/// tells the sender. All times of a sample are then on the session's clock. The mouse has few
+/// messages, so it uses the offset of the station with nearly the same clock. Samples without times
+/// (0) get their time of arrival.
 ///
 /// A station has one publisher: the first one, until it has been silent for a second. Samples of
 /// other publishers for this station are skipped. Over multicast, publishers are distinguished by
@@ -50,8 +52,8 @@ class LcmIntake {
     ClockId clock{};
     SequenceCount numbers;
     std::int64_t samples = 0;
-    Time theirs{};                 ///< time of its newest sample as published
-    Time device_time{};            ///< the same on the session's clock
+    Time theirs{};                 ///< when it told its newest sample, as published
+    Time told{};                   ///< the same on the session's clock
     Time host_time{};              ///< its time of arrival
     std::uint64_t sender = 0;      ///< where it sends from; 0: unknown
     bool follows_station = false;  ///< of the mouse: its clock is that of a station
@@ -61,7 +63,7 @@ class LcmIntake {
     std::int64_t others = 0;
     /// How much later it came than the sample with the least delay. If less than 0, its time is
     /// ahead of the session's clock, which waits for it.
-    Time late() const { return host_time - device_time; }
+    Time late() const { return host_time - told; }
   };
 
   /// @param clocks  date the samples; must outlive this

@@ -51,7 +51,7 @@ std::vector<SourceFault> faults_in(const LcmIntake& intake) {
 }
 
 std::string report_on(Time now, std::int32_t station, const Publisher& publisher) {
-  const Time ahead = publisher.device_time - now;
+  const Time ahead = publisher.told - now;
   if (ahead > Time{}) {
     return fmt::format(", station {} {:.0f} ms ahead of the session's clock", station,
                        1e3 * seconds(ahead));

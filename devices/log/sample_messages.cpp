@@ -4,13 +4,14 @@
 #include <headpin/mouse3d_v1_t.hpp>
 #include <headpin/tracked_device_t.hpp>
 #include <headpin/tracked_device_v1_t.hpp>
+#include <headpin/tracked_device_v2_t.hpp>
 
 #include "devices/log/lcm_message.h"
 
 namespace headpin::devices {
 namespace {
 
-/// The fields that both versions of the type have.
+/// The fields that all versions of the type have.
 template <typename Lcm>
 TrackerSample tracker_sample(const Lcm& m) {
   TrackerSample sample;
@@ -27,6 +28,14 @@ TrackerSample tracker_sample(const Lcm& m) {
 
 std::optional<Sample> decode_tracker(std::span<const std::uint8_t> bytes) {
   if (const auto m = decode_as<tracked_device_t>(bytes)) {
+    TrackerSample sample = tracker_sample(*m);
+    sample.session_time = Time{m->session_utime};
+    sample.sent_time = Time{m->sent_utime};
+    sample.position_estimated = m->position_estimated != 0;
+    sample.orientation_estimated = m->orientation_estimated != 0;
+    return sample;
+  }
+  if (const auto m = decode_as<tracked_device_v2_t>(bytes)) {
     TrackerSample sample = tracker_sample(*m);
     sample.session_time = Time{m->session_utime};
     return sample;
@@ -63,13 +72,19 @@ bool plausible_times(const auto& sample) {
          plausible(sample.session_time);
 }
 
+/// Whether what a device tells is for a time at most a second away.
+bool near(Time valid, Time told) {
+  constexpr Time kMost{1'000'000};
+  return told - kMost <= valid && valid <= told + kMost;
+}
+
 struct PlausibleSample {
   bool operator()(const TrackerSample& s) const {
     constexpr std::int64_t kMostSamples = 1'000'000'000'000'000;
     constexpr double kReachOfEarth = 1e8;  // from any origin on Earth [m]
-    return plausible_times(s) && plausible(s.X_TS) &&
-           s.X_TS.p.cwiseAbs().maxCoeff() <= kReachOfEarth && s.sequence >= 0 &&
-           s.sequence < kMostSamples;
+    return plausible_times(s) && plausible(s.sent_time) && near(s.device_time, s.told()) &&
+           plausible(s.X_TS) && s.X_TS.p.cwiseAbs().maxCoeff() <= kReachOfEarth &&
+           s.sequence >= 0 && s.sequence < kMostSamples;
   }
   bool operator()(const MouseSample& s) const { return plausible_times(s); }
 };
@@ -87,6 +102,9 @@ void encode(const TrackerSample& sample, Buffer& out) {
   m.buttons = sample.buttons;
   m.frame = sample.frame;
   m.session_utime = sample.session_time.count();
+  m.sent_utime = sample.sent_time.count();
+  m.position_estimated = sample.position_estimated;
+  m.orientation_estimated = sample.orientation_estimated;
   encode_as(m, out);
 }
 

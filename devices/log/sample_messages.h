@@ -24,8 +24,8 @@ void encode(const MouseSample& sample, Buffer& out);
 /// or a length is wrong.
 std::optional<Sample> decode_sample(std::string_view channel, std::span<const std::uint8_t> bytes);
 
-/// Whether numbers are finite, quaternions unit to 1e-3, times less than 126 years from 0, counts
-/// not negative.
+/// Whether numbers are finite, quaternions unit to 1e-3, times less than 126 years from 0, a pose is
+/// for at most a second from when it was told, counts not negative.
 bool plausible(const Sample& sample);
 
 }  // namespace headpin::devices

@@ -38,9 +38,9 @@ constexpr double kMouseWindow = 0.05;  // of the velocity at a release [s]
 std::span<const BrowserDevice> browser_devices() {
   static const std::array<BrowserDevice, 2> kAll = {{
       {"mouse", "the page computes the pose of the virtual hand from the pointer or from keys",
-       Pose{}, 0.020, false},
+       Pose{}, 0.020, 0.0, false},
       {"generic-webxr", "WebXR Device API: grip space", Pose{hand_in_grip(), Vec3::Zero()}, 0.017,
-       true},
+       0.1, true},
   }};
   return kAll;
 }
@@ -66,6 +66,7 @@ Scenario played_with(Scenario scenario, const BrowserDevice& device, bool left_h
   rig.X_SD = {};
   rig.X_SH = left_hand ? of_left_hand(device.X_SH) : device.X_SH;
   rig.delay_s = device.delay_s;
+  rig.away_after_s = device.away_after_s;
   Hand& hand = scenario.hand;
   if (!device.solid_hand) {
     hand.solid = false;

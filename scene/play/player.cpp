@@ -34,7 +34,8 @@ bool at_trigger(const Hand& hand) {
 /// Adds a sample to the track of head or hand, in the tracked space.
 void take(Player& player, const Rig& rig, const devices::TrackerSample& sample) {
   const bool on_head = sample.station == rig.head_station;
-  if (!sample.good() || (!on_head && sample.station != rig.hand_station)) return;
+  const bool in_hand = sample.station == rig.hand_station && sample.places_hand();
+  if (!sample.good() || (!on_head && !in_hand)) return;
   const Pose X_PS = sensor_in_space(sample, rig);
   if (on_head) {
     player.head.push(sample.device_time, X_PS * rig.X_SD);
@@ -116,7 +117,7 @@ double gap_to(const Stage& stage, const engine::World& world, engine::BodyId bod
 /// Grabs the nearest ball or skittle, if it is within reach.
 void grab(Player& player, const Tick& tick, Time time, Time now) {
   const std::optional<Pose> X_WH = hand_at(player, time, now);
-  if (!X_WH) return;
+  if (!X_WH || hand_is_away(player, tick.stage.scenario.rig, now)) return;
   std::optional<engine::BodyId> nearest;
   double least = std::numeric_limits<double>::max();
   const auto consider = [&](engine::BodyId body) {
@@ -247,7 +248,8 @@ bool clear_of(const Player& player, const engine::World& world, const Pose& X_WH
 /// Moves the hand's body to the hand, or away.
 void place_hand(Player& player, const Tick& tick, Time now) {
   constexpr double kOpenHand = 0.13;  // from the palm's middle to the fingertips [m]
-  const std::optional<Pose> X_WH = hand_at(player, now, now);
+  const bool away = hand_is_away(player, tick.stage.scenario.rig, now);
+  const std::optional<Pose> X_WH = away ? std::nullopt : hand_at(player, now, now);
   const double hand_radius =
       tick.stage.hand ? tick.world.bodies[*tick.stage.hand].shape->bounding_radius : kOpenHand;
   if (X_WH && clear_of(player, tick.world, *X_WH, hand_radius)) player.leaving.reset();
@@ -265,6 +267,12 @@ void place_hand(Player& player, const Tick& tick, Time now) {
 }
 
 }  // namespace
+
+bool hand_is_away(const Player& player, const Rig& rig, Time now) {
+  if (rig.away_after_s == 0.0) return false;
+  const std::optional<devices::KnownPose> known = player.hand.read(now);
+  return known && now - known->last > microseconds(rig.away_after_s);
+}
 
 Pose sensor_in_space(const devices::TrackerSample& sample, const Rig& rig) {
   if (sample.in_transmitters_frame()) return rig.X_WT * sample.X_TS;

@@ -38,6 +38,12 @@ struct Player {
 /// @throws std::runtime_error  for a sample in a frame other than T and P, naming it
 Pose sensor_in_space(const devices::TrackerSample& sample, const Rig& rig);
 
+/// Whether nothing has shown for too long where the hand is: it is nowhere, and what it holds stays
+/// where it is.
+///
+/// @param now  time of the poses, `rig.delay_s` before the tick
+bool hand_is_away(const Player& player, const Rig& rig, Time now);
+
 /// Takes the new samples and walks for a tick; drive() does this first. It needs no world. Buttons
 /// stay in the player.
 ///
@@ -54,7 +60,7 @@ void forget(Player& player, Time now);
 /// Poses are those of `rig.delay_s` before now; a ball that was released between two ticks flies
 /// from then on. A carried body stays outside of fixed bodies when the hand moves through the lane
 /// or a wall. A solid hand pushes what it touches, except while it carries a body, and until that
-/// body is clear of the hand again.
+/// body is clear of the hand again. A sample whose position is estimated does not move the hand.
 ///
 /// @param samples  samples that became known at this tick
 /// @throws std::runtime_error  as sensor_in_space

@@ -23,7 +23,7 @@ Track hand_around(const TrialFile& trial, const Rig& rig, const std::vector<Time
   trial.walk([&](const TrialFile::Item& item) {
     const auto* sample = std::get_if<devices::Sample>(&item);
     const auto* hand = sample ? std::get_if<devices::TrackerSample>(sample) : nullptr;
-    if (!hand || hand->station != rig.hand_station || !hand->good()) return true;
+    if (!hand || hand->station != rig.hand_station || !hand->places_hand()) return true;
     const Time time = hand->device_time;
     const bool matters = std::ranges::any_of(
         times, [&](Time t) { return time >= t - before && time <= t + kAround; });

@@ -195,6 +195,8 @@ std::optional<Pose> head_pose(const Session& s, Time at) {
 }
 
 std::optional<Pose> hand_pose(const Session& s) {
+  const Rig& rig = s.scenario().rig;
+  if (hand_is_away(s.player, rig, s.now() - microseconds(rig.delay_s))) return std::nullopt;
   return in_room(s, s.player.hand, s.now());
 }
 

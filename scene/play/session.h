@@ -73,7 +73,7 @@ void tick_state(const Session& session, TickState& out);
 /// Current poses of head and hand: interpolated at `rig.delay_s` before now; after the last sample,
 /// that sample's pose.
 std::optional<Pose> head_pose(const Session& session);  ///< X_WD
-std::optional<Pose> hand_pose(const Session& session);  ///< X_WH
+std::optional<Pose> hand_pose(const Session& session);  ///< X_WH; nothing while it is away
 /// The head's pose at a time after the previous tick, from the samples that are known now.
 std::optional<Pose> head_pose(const Session& session, Time at);
 

@@ -7,11 +7,13 @@
 #include "scene/stage/stage.h"
 
 /// Whether head and hand are where they are seen. A receiver that is pulled out, or out of reach of
-/// its transmitter, gives no usable sample; its last pose stays.
+/// its transmitter, gives no usable sample; its last pose stays, or the hand is away
+/// (`rig.away_after_s`).
 namespace headpin::scene {
 
 /// A receiver without a usable sample for as long as this is lost. The slowest Fastrak, with four
-/// receivers, gives one each 33 ms; a line may deliver them late.
+/// receivers, gives one each 33 ms; a line may deliver them late. `rig.away_after_s` takes its place
+/// for the hand.
 inline constexpr Time kTrackingLost{250'000};
 
 struct Tracking {

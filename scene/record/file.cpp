@@ -243,6 +243,7 @@ class Summing {
     d.lost += found.lost;
     d.astray += found.astray;
     d.bad += !sample.good();
+    d.estimated += sample.good() && sample.position_estimated;
     return found;
   }
 

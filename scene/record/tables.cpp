@@ -61,7 +61,8 @@ struct EyeRow {
 std::vector<TableField<TrackerRow>> tracker_fields() {
   using Row = TrackerRow;
   return std::vector<TableField<Row>>{
-             {"device_time_s", "number", "s", "when it was measured, on the trial's clock",
+             {"device_time_s", "number", "s",
+              "when it was measured, or what time it was predicted for, on the trial's clock",
               [](const Row& r) -> TableValue { return r.sample.device_time; }},
              {"host_time_s", "number", "s",
               "when its first byte arrived; 0 if it never crossed a wire",
@@ -82,6 +83,14 @@ std::vector<TableField<TrackerRow>> tracker_fields() {
               }},
              {"stylus", "yes/no", "", "state of the stylus switch",
               [](const Row& r) -> TableValue { return (r.sample.buttons & 1) != 0; }},
+             {"sent_time_s", "number", "s",
+              "when a device that predicts told it; 0: at device_time_s",
+              [](const Row& r) -> TableValue { return r.sample.sent_time; }},
+             {"position_estimated", "yes/no", "",
+              "the device did not track the position then; a hand is not moved by it",
+              [](const Row& r) -> TableValue { return r.sample.position_estimated; }},
+             {"orientation_estimated", "yes/no", "", "the device did not track the rotation then",
+              [](const Row& r) -> TableValue { return r.sample.orientation_estimated; }},
              {"session_time_s", "number", "s",
               "when the session used it (session_utime of the message); 0 outside a session",
               [](const Row& r) -> TableValue { return r.sample.session_time; }}} +

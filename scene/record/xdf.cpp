@@ -19,7 +19,10 @@ constexpr std::string_view kMocap = "MoCap", kButtons = "Buttons", kMarkers = "M
                            kEventBodies = "EventBodies", kEventDetails = "EventDetails",
                            kEventValues = "EventValues";
 
-/// Channels of a receiver. `order` is the number of the sample among all of the trial.
+/// Older files have no channels after `order`, the number of the sample among all of the trial.
+constexpr std::ptrdiff_t kTrackerChannelsSince = 3;
+
+/// Channels of a receiver.
 std::vector<devices::XdfChannel> tracker_channels(const std::string& object) {
   std::vector<devices::XdfChannel> channels = {
       {"x_m", "PositionX", "meters", ""},
@@ -34,7 +37,10 @@ std::vector<devices::XdfChannel> tracker_channels(const std::string& object) {
       {"host_time_s", "Time", "s", ""},
       {"session_time_s", "Time", "s", ""},
       {"sequence", "Count", "", ""},
-      {"order", "Count", "", ""}};
+      {"order", "Count", "", ""},
+      {"sent_time_s", "Time", "s", ""},
+      {"position_estimated", "Status", "0/1", ""},
+      {"orientation_estimated", "Status", "0/1", ""}};
   for (devices::XdfChannel& channel : channels) channel.object = object;
   return channels;
 }
@@ -155,7 +161,8 @@ class TrialToXdf {
                            s.good() ? 0.0 : static_cast<double>(s.status),
                            static_cast<double>(s.buttons & 1), nearest_seconds(s.host_time),
                            nearest_seconds(s.session_time), static_cast<double>(s.sequence),
-                           static_cast<double>(order_)});
+                           static_cast<double>(order_), nearest_seconds(s.sent_time),
+                           s.position_estimated ? 1.0 : 0.0, s.orientation_estimated ? 1.0 : 0.0});
   }
 
   void add_one(const devices::MouseSample& s) {
@@ -191,6 +198,7 @@ class StreamRow {
   }
 
   void go_to(std::size_t row) { row_ = row; }
+  bool has(std::string_view label) const { return column(label) < stream_.channels.size(); }
   std::size_t row() const { return row_; }
 
   double number(std::string_view label) const {
@@ -240,6 +248,10 @@ devices::TrackerSample tracker_at(const StreamRow& row, std::int32_t station) {
   if (status < 0 || status > 127) row.fail("expected a status");
   s.status = status == 0 ? ' ' : static_cast<char>(status);
   s.buttons = row.whole("stylus") == 0 ? 0 : 1;
+  if (!row.has("sent_time_s")) return s;
+  s.sent_time = row.time("sent_time_s");
+  s.position_estimated = row.whole("position_estimated") != 0;
+  s.orientation_estimated = row.whole("orientation_estimated") != 0;
   return s;
 }
 
@@ -315,7 +327,12 @@ class TrialFromXdf {
   }
 
   void take_tracker(const devices::XdfStream& stream) {
-    StreamRow row(stream, tracker_channels(stream.name), where_);
+    std::vector<devices::XdfChannel> expected = tracker_channels(stream.name);
+    const auto since = expected.end() - kTrackerChannelsSince;
+    if (stream.channels.size() == expected.size() - std::size_t{kTrackerChannelsSince}) {
+      expected.erase(since, expected.end());
+    }
+    StreamRow row(stream, expected, where_);
     const std::optional<std::int32_t> station = station_called(stream.name);
     if (!station) row.fail("expected the name of a receiver");
     for (std::size_t i = 0; i < stream.times.size(); ++i) {

@@ -344,8 +344,8 @@ void visit(V& v, Walking& w) {
 
 template <typename V>
 void visit(V& v, Rig& r) {
-  v.field("head_station", r.head_station, Range{1, 4}, "station of the receiver on the head");
-  v.field("hand_station", r.hand_station, Range{1, 4},
+  v.field("head_station", r.head_station, Range{1, 64}, "station of the receiver on the head");
+  v.field("hand_station", r.hand_station, Range{1, 64},
           "station of the receiver on the 3D mouse in the hand");
   v.field("X_WT", r.X_WT, kAny,
           "pose of the transmitter in the world, before any walk; q is w, x, y, z");
@@ -353,6 +353,8 @@ void visit(V& v, Rig& r) {
   v.field("X_SH", r.X_SH, kAny, "pose of the virtual hand in the frame of the hand's receiver");
   v.field("delay_s", r.delay_s, Range{0, 1},
           "poses are interpolated this long before the present; 0: the last sample is used");
+  v.field("away_after_s", r.away_after_s, Range{0, 10},
+          "a hand that nothing has shown for longer is nowhere; 0: it stays at its last pose");
 }
 
 template <typename V>

@@ -106,6 +106,7 @@ inline constexpr std::pair<std::string_view, std::string_view> kKeysSince[] = {
     {"hand.mesh.axes", "'RAS'"},
     {"hand.mesh.sha256", "''"},
     {"sound.on", "false"},
+    {"rig.away_after_s", "0.0"},
 };
 
 }  // namespace headpin::scene

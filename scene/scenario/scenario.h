@@ -214,6 +214,7 @@ struct Rig {
   Pose X_SD;                  ///< head's receiver -> display
   Pose X_SH;                  ///< hand's receiver -> virtual hand
   double delay_s = 0.0;       ///< poses are read this long before now; 0 holds the last sample
+  double away_after_s = 0.0;  ///< a hand not seen for longer is nowhere; 0: its last pose stays
 };
 
 /// The display: a profile of render/data/hmd.h, and its values where nothing else is asked for.

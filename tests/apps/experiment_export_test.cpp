@@ -120,7 +120,7 @@ TEST_F(StudyExport, WhatIsNoSessionIsRefusedWithFileAndLine) {
   const std::string line = "import data/sub-p001/motion/" + head + " -o OUT.lcmlog";
   const auto with = [&](const std::string& text) { std::ofstream(motion / head) << text; };
   with("1.0\t2\n" + whole);
-  expect_refusal(line, 1, head + ":1: expected 14 cells, found '2'");
+  expect_refusal(line, 1, head + ":1: expected 17 cells, found '2'");
   with("x" + whole);
   expect_refusal(line, 1, head + ":1: expected a number, found 'x");
 }

@@ -26,10 +26,11 @@ void expect_same_sample(const devices::Sample& a, const devices::Sample& b) {
   ASSERT_EQ(a.index(), b.index());
   if (const auto* s = std::get_if<devices::TrackerSample>(&a)) {
     const auto& t = std::get<devices::TrackerSample>(b);
-    EXPECT_EQ(std::tie(s->device_time, s->host_time, s->session_time, s->sequence, s->station,
-                       s->status, s->buttons),
-              std::tie(t.device_time, t.host_time, t.session_time, t.sequence, t.station, t.status,
-                       t.buttons));
+    EXPECT_EQ(
+        std::tie(s->device_time, s->host_time, s->session_time, s->sequence, s->station, s->status,
+                 s->buttons, s->sent_time, s->position_estimated, s->orientation_estimated),
+        std::tie(t.device_time, t.host_time, t.session_time, t.sequence, t.station, t.status,
+                 t.buttons, t.sent_time, t.position_estimated, t.orientation_estimated));
     EXPECT_EQ(s->X_TS.p, t.X_TS.p);
     EXPECT_EQ(s->X_TS.q.coeffs(), t.X_TS.q.coeffs());
   } else {
@@ -55,6 +56,17 @@ TEST_F(XdfCommands, ATrialComesBackWithEverySampleAndTheSameGame) {
                        back = json("replay back.lcmlog --json");
   EXPECT_EQ(back["state_hash"], game["state_hash"]);
   EXPECT_EQ(back["game_hash"], game["game_hash"]);
+}
+
+// Written before samples said when they were told and what is estimated.
+TEST_F(XdfCommands, AnOlderFileIsRead) {
+  const std::string trials = HEADPIN_SOURCE_DIR "/tests/scene/trials/";
+  EXPECT_EQ(headpin("import " + trials + "older.xdf -o back.lcmlog").code, 0);
+  const scene::Trial before = scene::read_trial(trials + "rules-1.lcmlog"),
+                     after = trial("back.lcmlog");
+  ASSERT_EQ(after.samples.size(), before.samples.size());
+  for (std::size_t i = 0; i < before.samples.size(); ++i)
+    expect_same_sample(before.samples[i], after.samples[i]);
 }
 
 TEST_F(XdfCommands, EventsOutsideTheSimulationComeBack) {

@@ -1,8 +1,10 @@
 #include "devices/base/sources.h"
 
 #include <gtest/gtest.h>
+#include <headpin/tracked_device_v1_t.hpp>
+#include <headpin/tracked_device_v2_t.hpp>
 
-#include "devices/log/sample_messages.h"
+#include "devices/log/lcm_message.h"
 
 namespace headpin::devices {
 namespace {
@@ -66,6 +68,80 @@ TEST(Available, OfASessionsSampleComesBackFromItsMessage) {
             Time{4166});
   encode(mouse, bytes);
   EXPECT_EQ(std::get<MouseSample>(*decode_sample(kMouseChannel, bytes)).session_time, Time{8333});
+}
+
+// A headset tells poses for a time to come.
+TEST(Available, OfAPredictedPoseIsWhenItWasTold) {
+  TrackerSample s = sample(1, 130'000, 101'000);
+  s.sent_time = Time{100'000};
+  EXPECT_EQ(available(s), Time{101'000});
+  s.host_time = Time{};
+  EXPECT_EQ(available(s), Time{100'000});
+}
+
+/// A message with what all versions of the type have, and its session's time if it has one.
+template <typename Lcm>
+Lcm message_of(const TrackerSample& s) {
+  Lcm m;
+  m.device_utime = s.device_time.count();
+  m.host_utime = s.host_time.count();
+  m.sequence = s.sequence;
+  m.station = s.station;
+  put(s.X_TS, m.position, m.quaternion);
+  m.status = static_cast<std::int8_t>(s.status);
+  m.buttons = s.buttons;
+  m.frame = s.frame;
+  return m;
+}
+
+TEST(SampleMessages, OfOlderVersionsAreRead) {
+  TrackerSample s = sample(7, 1000, 2000);
+  s.sequence = 5;
+  s.X_TS = {rotation(Vec3(0.1, 0.2, 0.3)), Vec3(1.0, 2.0, 3.0)};
+  auto v2 = message_of<headpin::tracked_device_v2_t>(s);
+  v2.session_utime = 4166;
+  Buffer first, second;
+  encode_as(message_of<headpin::tracked_device_v1_t>(s), first);
+  encode_as(v2, second);
+  for (const Buffer& bytes : {first, second}) {
+    const auto read = std::get<TrackerSample>(*decode_sample(kTrackerChannel, bytes));
+    EXPECT_EQ(read.device_time, s.device_time);
+    EXPECT_EQ(read.host_time, s.host_time);
+    EXPECT_EQ(read.station, 7);
+    EXPECT_EQ(read.X_TS.p, s.X_TS.p);
+    EXPECT_EQ(read.session_time, Time{bytes == second ? 4166 : 0});
+    EXPECT_EQ(read.sent_time, Time{});
+    EXPECT_FALSE(read.position_estimated || read.orientation_estimated);
+  }
+}
+
+TEST(SampleMessages, TellWhatIsPredictedAndEstimated) {
+  TrackerSample s = sample(2, 130'000, 101'000);
+  s.sent_time = Time{100'000};
+  for (const auto& [position, orientation] : {std::pair(true, false), {false, true}}) {
+    s.position_estimated = position;
+    s.orientation_estimated = orientation;
+    Buffer bytes;
+    encode(s, bytes);
+    const auto read = std::get<TrackerSample>(*decode_sample(kTrackerChannel, bytes));
+    EXPECT_EQ(read.sent_time, s.sent_time);
+    EXPECT_EQ(read.position_estimated, position);
+    EXPECT_EQ(read.orientation_estimated, orientation);
+    EXPECT_EQ(read.places_hand(), !position);
+  }
+}
+
+TEST(SampleMessages, OfAPoseFarFromWhenItWasToldAreImplausible) {
+  TrackerSample s = sample(2, 5'000'000);
+  EXPECT_TRUE(plausible(s));  // not predicted
+  for (const auto& [sent, is_near] : {std::pair{4'000'000, true},
+                                      {6'000'000, true},
+                                      {3'999'999, false},
+                                      {6'000'001, false},
+                                      {1, false}}) {
+    s.sent_time = Time{sent};
+    EXPECT_EQ(plausible(s), is_near) << sent;
+  }
 }
 
 /// Hands out what it was given, all at once, whatever the time.

@@ -108,6 +108,9 @@ public class ReadTrial {
     t.numbers(TURN, m.quaternion);
     t.text("status", m.status == ' ' ? "" : String.valueOf((char) m.status));
     t.flag("stylus", (m.buttons & 1) != 0);
+    t.time("sent_time_s", m.sent_utime);
+    t.flag("position_estimated", m.position_estimated);
+    t.flag("orientation_estimated", m.orientation_estimated);
     ++t.next;
   }
 

@@ -34,6 +34,9 @@ def samples_of(folder):
             sequence=int(r["sequence"]),
             host_time_us=us(r["host_time_s"]),
             session_time_us=us(r["session_time_s"]),
+            sent_time_us=us(r["sent_time_s"]),
+            position_estimated=r["position_estimated"] == "1",
+            orientation_estimated=r["orientation_estimated"] == "1",
         )
         for r in rows(os.path.join(folder, "trackers.csv"))
     ]
@@ -205,7 +208,16 @@ class OfAScenario(unittest.TestCase):
     def test_refuses_samples_that_cannot_be(self):
         session = headpin.Session(SCENARIO)
         for wrong, words in (
-            (lambda: headpin.TrackerSample(5, 0, [0, 0, 0], [1, 0, 0, 0]), "station: expected 1 to 4"),
+            (
+                lambda: headpin.TrackerSample(0, 0, [0, 0, 0], [1, 0, 0, 0]),
+                "station: expected 1 or more",
+            ),
+            (
+                lambda: headpin.TrackerSample(
+                    1, 2_000_001, [0, 0, 0], [1, 0, 0, 0], sent_time_us=1_000_000
+                ),
+                "sent_time_us: expected at most 1 s from time_us",
+            ),
             (lambda: headpin.TrackerSample(1, 0, [0, 0, np.nan], [1, 0, 0, 0]), "finite position"),
             (lambda: headpin.TrackerSample(1, 0, [0, 0, 0], [1, 1, 0, 0]), "unit quaternion"),
             (lambda: session.push("sample"), "expected a TrackerSample or a MouseSample"),

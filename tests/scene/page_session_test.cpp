@@ -165,12 +165,12 @@ TEST(PageSession, RefusesADeviceThatIsNotKnown) {
               ThrowsMessage<std::invalid_argument>(HasSubstr("mouse, generic-webxr")));
 }
 
-TEST(PageSession, APredictedPoseCountsFromTheMomentThatItIsFor) {
+TEST(PageSession, APredictedPoseIsKnownAtOnceAndThereWhenItIsFor) {
   const Scenario played = played_room("generic-webxr", false);
   PageSession session(to_toml(Scenario{}), options_of("generic-webxr"));
   const auto head_at = [&](double x, Time valid, Time got) {
     devices::TrackerSample s = sample(1, valid, {Quat::Identity(), Vec3(x, 1.7, 0.0)});
-    s.host_time = got;
+    s.host_time = s.sent_time = got;
     session.take(s);
   };
   head_at(0.0, Time{0}, Time{0});
@@ -181,7 +181,9 @@ TEST(PageSession, APredictedPoseCountsFromTheMomentThatItIsFor) {
     session.see(view);
     return static_cast<double>(view[19 + 4]) - played.rig.X_WT.p.x();
   };
-  EXPECT_NEAR(seen_x(Time{125'000}), 0.0, 1e-6);  // got long ago, and not valid yet
+  const double delay = played.rig.delay_s;
+  EXPECT_NEAR(seen_x(Time{100'000 - 5'000}), 0.0, 1e-6);  // not known yet
+  EXPECT_NEAR(seen_x(Time{125'000}), (0.125 - delay) / 0.130, 1e-6);
   EXPECT_NEAR(seen_x(Time{150'000}), 1.0, 1e-6);
 }
 

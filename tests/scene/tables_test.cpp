@@ -110,6 +110,8 @@ Trial odd_trial() {
   tracker.X_TS = pose;
   tracker.status = ',';
   tracker.buttons = 1;
+  tracker.sent_time = Time{1'000'333};
+  tracker.position_estimated = true;
   devices::MouseSample mouse;
   mouse.device_time = Time{-3};
   mouse.right_thumb = mouse.trigger = true;
@@ -156,6 +158,9 @@ TEST(Tables, SamplesReadBackToTheBit) {
   expect_pose(row, expected.X_TS);
   EXPECT_EQ(row.at("status"), std::string(1, expected.status));
   EXPECT_EQ(row.at("stylus"), "1");
+  EXPECT_EQ(time(row.at("sent_time_s")), expected.sent_time);
+  EXPECT_EQ(row.at("position_estimated"), "1");
+  EXPECT_EQ(row.at("orientation_estimated"), "0");
   EXPECT_EQ(trackers[1].at("status"), "");
   EXPECT_EQ(time(buttons[0].at("device_time_s")), Time{-3});
   EXPECT_EQ(buttons[0].at("left_thumb"), "0");

@@ -27,8 +27,8 @@ std::vector<devices::Sample> samples(const std::function<bool(devices::TrackerSa
   return all;
 }
 
-std::vector<Event> events_of(std::vector<devices::Sample> all) {
-  Session session = make_session(Scenario{});
+std::vector<Event> events_of(std::vector<devices::Sample> all, const Scenario& scenario = {}) {
+  Session session = make_session(scenario);
   devices::ReplaySource source(std::move(all));
   std::vector<Event> events;
   while (session.now() < Time{2'900'000}) {
@@ -83,6 +83,69 @@ TEST(Tracking, IsNotLostInAShortHoleAndBeforeTheFirstSample) {
                                                    : !within(sample, 1.0, 1.23);
   }));
   EXPECT_TRUE(events.empty());
+}
+
+/// The hand's positions are estimated, and wrong, from 1.0 to 1.6 s.
+bool estimates_hand(devices::TrackerSample& sample) {
+  sample.position_estimated = sample.station == devices::kHandStation && within(sample, 1.0, 1.6);
+  if (sample.position_estimated) sample.X_TS.p = Vec3(0.0, 5.0, 0.5);
+  return true;
+}
+
+/// X_WH, or nothing, after a time.
+std::optional<Pose> hand_after(const Scenario& scenario, Time time) {
+  Session session = make_session(scenario);
+  devices::ReplaySource source(samples(estimates_hand));
+  while (session.now() < time) advance(session, source);
+  return hand_pose(session);
+}
+
+TEST(Tracking, OfAHandWhosePlaceIsEstimatedIsLost) {
+  const auto events = events_of(samples(estimates_hand));
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_EQ(events[0].kind, kind::tracking_lost);
+  EXPECT_NEAR(events[1].value, 0.6167, 1e-4);
+  const std::optional<Pose> X_WH = hand_after(Scenario{}, Time{1'550'000});
+  ASSERT_TRUE(X_WH);  // it stays
+  EXPECT_NEAR((X_WH->p - hand_after(Scenario{}, Time{900'000})->p).norm(), 0.0, 1e-12);
+}
+
+TEST(Tracking, OfAHandMayBeAwayAfterAShorterTime) {
+  Scenario scenario;
+  scenario.rig.away_after_s = 0.1;
+  const auto events = events_of(samples(estimates_hand), scenario);
+  ASSERT_EQ(events.size(), 2u);
+  EXPECT_GT(events[0].value, 0.1);
+  EXPECT_LT(events[0].value, 0.105);
+  const Time last{991'667}, delay = microseconds(scenario.rig.delay_s);
+  EXPECT_TRUE(hand_after(scenario, last + delay + Time{95'000}));
+  EXPECT_FALSE(hand_after(scenario, last + delay + Time{110'000}));
+  EXPECT_TRUE(hand_after(scenario, Time{1'608'334} + delay + Time{10'000}));
+}
+
+TEST(Tracking, OfAHandThatIsAwayTakesNothingAndKeepsWhatItHolds) {
+  Scenario scenario;
+  scenario.rig.away_after_s = 0.1;
+  const Vec3 home = scenario.ball.home - scenario.hand.grip;
+  const auto play = [&](double pressed_s) {
+    std::vector<devices::Sample> all = samples([&](devices::TrackerSample& sample) {
+      sample.position_estimated =
+          sample.station == devices::kHandStation && within(sample, 1.0, 1.6);
+      if (sample.station == devices::kHandStation) sample.X_TS.p = home;
+      return true;
+    });
+    all.emplace_back(devices::MouseSample{.device_time = microseconds(pressed_s), .trigger = true});
+    Session session = make_session(scenario);
+    devices::ReplaySource source(std::move(all));
+    while (session.now() < Time{1'550'000}) advance(session, source);
+    return session;
+  };
+  EXPECT_FALSE(play(1.3).player.held);
+  const Session held = play(0.5);
+  ASSERT_TRUE(held.player.held);
+  EXPECT_FALSE(hand_pose(held));
+  EXPECT_NEAR((held.world.states[held.player.held->body].X_WB.p - scenario.ball.home).norm(), 0.0,
+              0.01);
 }
 
 }  // namespace

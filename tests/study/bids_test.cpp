@@ -37,6 +37,9 @@ std::vector<devices::Sample> any_samples(std::uint64_t seed) {
     tracker.X_TS.q = Quat(random.normal(), random.normal(), 1e-300, random.normal()).normalized();
     tracker.status = random.next() % 4 == 0 ? 'C' : ' ';
     tracker.buttons = random.next() % 2;
+    tracker.sent_time = time - Time{static_cast<std::int64_t>(random.next() % 90'000)};
+    tracker.position_estimated = random.next() % 2 == 0;
+    tracker.orientation_estimated = random.next() % 2 == 0;
     samples.emplace_back(tracker);
   }
   return samples;
@@ -50,7 +53,9 @@ bool equal(const devices::Sample& a, const devices::Sample& b) {
            s->session_time == t.session_time && s->sequence == t.sequence &&
            s->station == t.station && s->X_TS.p == t.X_TS.p &&
            s->X_TS.q.coeffs() == t.X_TS.q.coeffs() && s->status == t.status &&
-           s->buttons == t.buttons;
+           s->buttons == t.buttons && s->sent_time == t.sent_time &&
+           s->position_estimated == t.position_estimated &&
+           s->orientation_estimated == t.orientation_estimated;
   }
   const auto& s = std::get<devices::MouseSample>(a);
   const auto& t = std::get<devices::MouseSample>(b);
@@ -88,6 +93,37 @@ TEST_F(MotionBids, EveryFieldOfEverySampleComesBackInItsOrder) {
   EXPECT_EQ(back.header.participant, "p001");
   EXPECT_EQ(back.header.seed, header_.seed);
   EXPECT_EQ(back.header.scenario, header_.scenario);
+}
+
+/// A table without its last columns.
+std::string without_last(const std::string& text, int columns) {
+  std::istringstream lines(text);
+  std::string rest;
+  for (std::string line; std::getline(lines, line);) {
+    for (int i = 0; i < columns; ++i) line.resize(line.rfind('\t'));
+    rest += line + "\n";
+  }
+  return rest;
+}
+
+TEST_F(MotionBids, OfOlderVersionsHasNoTimesOfSendingAndNoEstimates) {
+  for (auto& [name, text] : texts_) {
+    if (name.ends_with("_motion.tsv") && name.find("simulated") == std::string::npos) {
+      text = without_last(text, 3);
+    }
+  }
+  std::vector<devices::Sample> expected = any_samples(7);
+  for (devices::Sample& sample : expected) {
+    if (auto* tracker = std::get_if<devices::TrackerSample>(&sample)) {
+      tracker->sent_time = Time{};
+      tracker->position_estimated = tracker->orientation_estimated = false;
+    }
+  }
+  const BidsTrial back = session_of(texts_);
+  ASSERT_EQ(back.samples.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i) {
+    EXPECT_TRUE(equal(back.samples[i], expected[i])) << i;
+  }
 }
 
 // A tab or a line within a text would be another cell or row.

@@ -58,9 +58,9 @@
 
   Module['begin'] = (options) => ask(json(options), () => _headpin_begin());
   Module['note'] = (kind, detail, value) => ask(json({ 'kind': kind, 'detail': detail, 'value': value }), () => _headpin_note());
-  Module['tracker'] = (station, deviceTime, hostTime, pose) => stopped(() => {
+  Module['tracker'] = (station, deviceTime, hostTime, pose, estimated) => stopped(() => {
     put([pose]);
-    return failed(_headpin_tracker(station, deviceTime, hostTime));
+    return failed(_headpin_tracker(station, deviceTime, hostTime, estimated));
   });
   Module['buttons'] = (...state) => stopped(() => failed(_headpin_buttons(...state)));
   Module['frame'] = (time, number, eyes) => stopped(() => {

@@ -64,12 +64,15 @@ EMSCRIPTEN_KEEPALIVE bool headpin_begin() {
 }
 
 /// Takes a pose, of the poses that the page has put in.
+/// @param estimated  the browser does not track the position now
 EMSCRIPTEN_KEEPALIVE bool headpin_tracker(std::int32_t station, double device_time,
-                                          double host_time) {
+                                          double host_time, bool estimated) {
   return attempt([=] {
     devices::TrackerSample sample;
     sample.device_time = time_of(device_time);
     sample.host_time = time_of(host_time);
+    if (sample.device_time > sample.host_time) sample.sent_time = sample.host_time;  // predicted
+    sample.position_estimated = estimated;
     sample.station = station;
     sample.X_TS = pose_of(numbers_given);
     game().take(sample);

@@ -1,5 +1,6 @@
 // A session that is played: samples go in, ticks are made, the log comes out in pieces.
 const kMostAtOnce = 250_000;  // us of ticks in one call; what is more is a pause
+const kMostAhead = 1_000_000;  // us that a pose may be ahead, as in the log; a browser may give a time that no display has
 const kAfterPause = 100_000;  // us of ticks after one: less than after which the tracking counts as lost
 
 const same = (a, b) => a && a.left === b.left && a.right === b.right && a.trigger === b.trigger;
@@ -61,10 +62,13 @@ export class Game {
     this.listeners.push(listener);
   }
 
-  tracker(station, pose, deviceTime) {
-    if (deviceTime <= (this.latest.get(station) ?? -1)) return;
-    this.latest.set(station, deviceTime);
-    checked(this.engine.tracker(station, deviceTime, this.now(), pose));
+  /** @param estimated  the device does not track the position now, and tells its estimate */
+  tracker(station, pose, deviceTime, estimated = false) {
+    const now = this.now();
+    const valid = Math.min(deviceTime, now + kMostAhead);
+    if (valid <= (this.latest.get(station) ?? -1)) return;
+    this.latest.set(station, valid);
+    checked(this.engine.tracker(station, valid, now, pose, estimated));
   }
 
   buttons(state, deviceTime) {

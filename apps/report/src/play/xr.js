@@ -177,10 +177,10 @@ export class XrPlay {
 
   sample(station, pose, time) {
     if (!pose) return;
-    this.game.tracker(station, this.inT(pose.transform), time);
+    this.game.tracker(station, this.inT(pose.transform), time, pose.emulatedPosition === true);
     if (!pose.emulatedPosition || this.estimated.has(station)) return;
     this.estimated.add(station);
-    this.game.note('source_amiss', `station ${station}: its place is the headset's estimate, from here or from time to time`);
+    this.game.note('source_amiss', `station ${station}: from here or from time to time, the headset does not track its place; a hand is then not moved`);
   }
 
   frame(time, frame) {
