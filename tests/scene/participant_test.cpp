@@ -25,7 +25,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::uint64_t kSessionOfSeven = 14883108980842567057u;
+constexpr std::uint64_t kSessionOfSeven = 5063779778851053477u;
 
 Scenario participants_room() {
   Scenario scenario = load_scenario(HEADPIN_SOURCE_DIR "/assets/scenarios/paper-experiment.toml");
