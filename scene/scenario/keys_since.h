@@ -106,6 +106,7 @@ inline constexpr std::pair<std::string_view, std::string_view> kKeysSince[] = {
     {"hand.mesh.axes", "'RAS'"},
     {"hand.mesh.sha256", "''"},
     {"sound.on", "false"},
+    {"game.show_score", "false"},
 };
 
 }  // namespace headpin::scene
