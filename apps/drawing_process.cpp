@@ -166,7 +166,7 @@ template <typename Pack, typename Glimpse>
 void fields_of_glimpse(Pack&& each, Glimpse& g) {
   each(g.X_WD), each(g.X_WB_skittles), each(g.X_WB_balls), each(g.ellipsoids);
   each(g.skittle_centre), each(g.X_WH), each(g.closed), each(g.X_WC);
-  each(g.ringed), each(g.X_BG_rings);
+  each(g.ringed), each(g.X_BG_rings), each(g.board);
 }
 
 template <typename Pack, typename Record>

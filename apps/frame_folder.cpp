@@ -73,8 +73,9 @@ FrameFolder::FrameFolder(base::OutputFolder& folder, const FrameFiles& files, do
 void FrameFolder::write_names() {
   base::OutputText names(folder_.file("ids.csv"));
   names << "id,is\n0,nothing\n"
-        << fmt::format("{},room\n{},hand\n{},stand\n{},button\n{},head\n", scene::kRoomId,
-                       scene::kHandId, scene::kStandId, scene::kButtonId, scene::kHeadId)
+        << fmt::format("{},room\n{},hand\n{},stand\n{},button\n{},head\n{},score board\n",
+                       scene::kRoomId, scene::kHandId, scene::kStandId, scene::kButtonId,
+                       scene::kHeadId, scene::kBoardId)
         << fmt::format("{} and on,balls\n{} and on,skittles\n", scene::kFirstBallId,
                        scene::kFirstSkittleId);
   names.close();

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "scene/looks/score_board.h"
+
 namespace headpin::scene {
 
 namespace {
@@ -41,7 +43,8 @@ Glimpse glimpse(const Session& session, const Pose& X_WD) {
             .ellipsoids = shows_ellipsoids(session.scenario()),
             .skittle_centre = session.stage->skittle_centre,
             .X_WH = hand_pose(session),
-            .closed = how_closed(session)};
+            .closed = how_closed(session),
+            .board = board_text(session)};
   const auto poses_of = [&](const std::vector<engine::BodyId>& bodies, std::vector<Pose>& poses) {
     for (const engine::BodyId body : bodies) poses.push_back(session.world.states[body].X_WB);
   };
@@ -80,6 +83,7 @@ Glimpse BetweenTicks::glimpse(const Session& session, Time at, const Pose& X_WD)
   };
   mix(session.stage->skittles, seen_.X_WB_skittles, now.X_WB_skittles);
   mix(session.stage->balls, seen_.X_WB_balls, now.X_WB_balls);
+  now.board = seen_.board;
   now.closed = seen_.closed + s * (now.closed - seen_.closed);
   if (now.X_WH && seen_.X_WH) now.X_WH = interpolate(*seen_.X_WH, *now.X_WH, s);
   return now;

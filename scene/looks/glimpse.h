@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "scene/play/session.h"
@@ -18,9 +19,10 @@ struct Glimpse {
   bool ellipsoids = false;            ///< skittles are drawn as ellipsoids
   double skittle_centre =
       0.0;  ///< of their bodies above their base: a version may have its own [m]
-  std::optional<Pose> X_WH = {};  ///< without it no hand is drawn
-  double closed = 0.0;            ///< the hand: 0 is open, 1 around the ball
-  std::optional<Pose> X_WC = {};  ///< another camera, which shows the head too
+  std::optional<Pose> X_WH = {};        ///< without it no hand is drawn
+  double closed = 0.0;                  ///< the hand: 0 is open, 1 around the ball
+  std::optional<Pose> X_WC = {};        ///< another camera, which shows the head too
+  std::vector<std::string> board = {};  ///< rows of the score board, as board_text
 };
 
 Glimpse glimpse(const Session& session, const Pose& X_WD);

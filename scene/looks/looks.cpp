@@ -164,6 +164,7 @@ Looks::Looks(const MeshKeeper& keeper, const Stage& stage)
   }
 
   if (scenario.version.buttons) add_buttons(keeper, scenario.version);
+  if (scenario.game.show_score) add_board(keeper, stage.room);
 }
 
 void Looks::add_skittle(const MeshKeeper& keeper, const Stage& stage) {
@@ -254,7 +255,42 @@ void Looks::add_buttons(const MeshKeeper& keeper, const Versions& versions) {
   }
 }
 
+void Looks::add_board(const MeshKeeper& keeper, const RoomMeasures& measures) {
+  board = BoardLooks{board_measures(measures), {}};
+  for (const char character : board_characters()) {
+    board->meshes[character] = keeper.add(character_mesh(character, board->measures.dot));
+  }
+  DrawItem item;
+  item.mesh = keeper.add(board_mesh(board->measures));
+  item.id = kBoardId;
+  item.mirrored = true;
+  room.items.push_back(item);
+}
+
+std::vector<BoardCharacter> BoardLooks::characters(std::span<const std::string> text) const {
+  std::vector<BoardCharacter> all;
+  for (std::size_t row = 0; row < text.size(); ++row) {
+    for (std::size_t column = 0; column < text[row].size(); ++column) {
+      const auto mesh = meshes.find(text[row][column]);
+      if (mesh != meshes.end()) all.push_back({mesh->second, measures.cell(row, column)});
+    }
+  }
+  return all;
+}
+
 namespace {
+
+void append_board(DrawList& list, const Looks& looks, const Glimpse& g) {
+  if (!looks.board) return;
+  for (const BoardCharacter& character : looks.board->characters(g.board)) {
+    DrawItem item;
+    item.mesh = character.mesh;
+    item.X_WG.p = character.p_WG;
+    item.id = kBoardId;
+    item.mirrored = true;
+    list.items.push_back(item);
+  }
+}
 
 /// The rings of oil on a ball.
 void append_rings(DrawList& list, const Looks& looks, const Glimpse& g) {
@@ -305,6 +341,7 @@ DrawList draw_list(const Looks& looks, const Glimpse& g) {
     list.occluders.push_back({X_WB.p, looks.ball_radius});
   }
   append_rings(list, looks, g);
+  append_board(list, looks, g);
   if (g.X_WH) {
     add({looks.hands[hand_at(g.closed, looks.hands.size())]}, *g.X_WH, kHandId);
     list.occluders.push_back({g.X_WH->p, 0.05});

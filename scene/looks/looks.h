@@ -1,12 +1,16 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "render/draw_list.h"
 #include "render/renderer.h"
 #include "scene/looks/glimpse.h"
+#include "scene/looks/score_board.h"
 #include "scene/stage/stage.h"
 
 /// From the bodies of a world to what is drawn.
@@ -18,6 +22,7 @@ inline constexpr std::uint32_t kHandId = 2;
 inline constexpr std::uint32_t kStandId = 3;
 inline constexpr std::uint32_t kButtonId = 4;
 inline constexpr std::uint32_t kHeadId = 5;
+inline constexpr std::uint32_t kBoardId = 6;
 inline constexpr std::uint32_t kFirstBallId = 10;
 inline constexpr std::uint32_t kFirstSkittleId = 100;
 
@@ -30,6 +35,21 @@ struct MeshKeeper {
 struct BodyMeshes {
   int mesh = 0;
   std::optional<int> far_mesh = {}, faint_mesh = {};
+};
+
+/// A character of the score board where it is drawn.
+struct BoardCharacter {
+  int mesh = 0;
+  Vec3 p_WG = Vec3::Zero();
+};
+
+/// The meshes of the score board's characters, and where they are put.
+struct BoardLooks {
+  BoardMeasures measures;
+  std::map<char, int> meshes;
+
+  /// The characters of a text; blanks have none.
+  std::vector<BoardCharacter> characters(std::span<const std::string> text) const;
 };
 
 /// Which of the hands is drawn.
@@ -47,7 +67,8 @@ struct Looks {
       : Looks(MeshKeeper{[&](const render::Mesh& mesh) { return renderer.add(mesh); }}, stage) {}
 
   BodyMeshes true_skittle, ellipsoid_skittle, ball;
-  std::optional<int> oil_ring;  ///< where the scenario has rings on balls
+  std::optional<int> oil_ring;      ///< where the scenario has rings on balls
+  std::optional<BoardLooks> board;  ///< where the scenario has a score board
   int head;
   std::vector<int> hands;  ///< from open to closed around the ball
   render::DrawList room;   ///< the parts that do not move, with light, patches and shadow box
@@ -58,6 +79,7 @@ struct Looks {
   void add_skittle(const MeshKeeper& keeper, const Stage& stage);
   void add_hands(const MeshKeeper& keeper, const Scenario& scenario);
   void add_room(const MeshKeeper& keeper, const Scenario& scenario);
+  void add_board(const MeshKeeper& keeper, const RoomMeasures& measures);
   void add_buttons(const MeshKeeper& keeper, const Versions& versions);
 };
 

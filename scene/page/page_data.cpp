@@ -127,10 +127,13 @@ json of_events(const std::vector<Event>& events) {
 }
 
 /// Numbers of the visible meshes.
-std::set<int> meshes_of(const Film& film, const render::DrawList& room) {
+std::set<int> meshes_of(const Film& film, const Looks& looks) {
   std::set<int> seen;
   for (const Show& show : film.shows()) seen.insert(show.mesh);
-  for (const render::DrawItem& item : room.items) seen.insert(item.mesh);
+  for (const render::DrawItem& item : looks.room.items) seen.insert(item.mesh);
+  if (looks.board) {
+    for (const auto& [character, mesh] : looks.board->meshes) seen.insert(mesh);
+  }
   seen.erase(-1);
   return seen;
 }
@@ -147,6 +150,11 @@ void add_film(const Film& film, std::int64_t ticks, json& out) {
   out["shows"] = json::array();
   for (const Show& show : film.shows()) {
     out["shows"].push_back({show.row, show.actor, show.mesh});
+  }
+  if (out["board"].is_null()) return;
+  out["board"]["texts"] = json::array();
+  for (const BoardChange& change : film.board_changes()) {
+    out["board"]["texts"].push_back({change.row, change.text});
   }
 }
 
@@ -204,10 +212,11 @@ PageData page_data(const Recorded& recorded, const PageLooks& page_looks,
   out["missing_meshes"] = page_looks.missing;
   out["room"] = of_room(scenario);
   out["still"] = of_still(looks.room);
+  out["board"] = of_board(looks);
   add_film(film, ticks, out);
   std::vector<Table> tables = film.take_tables();
   out["meshes"] = json::array();
-  if (meshes) add_meshes(page_looks.meshes, meshes_of(film, looks.room), out, tables);
+  if (meshes) add_meshes(page_looks.meshes, meshes_of(film, looks), out, tables);
   pack(std::move(tables), data);
   return data;
 }

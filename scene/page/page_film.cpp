@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include <fmt/format.h>
 
@@ -130,8 +131,11 @@ void Film::tick(const Session& session) {
 void Film::draw(const Session& session, const TickState* recorded) {
   const std::optional<Pose> X_WD = head_pose(session);
   Glimpse g = glimpse(session, X_WD.value_or(Pose{}));
-  if (X_WD) g.X_WC = Pose{};  // so that the head is seen
-  g.X_BG_rings.clear();       // the page does not show them
+  if (X_WD) g.X_WC = Pose{};                                         // so that the head is seen
+  g.X_BG_rings.clear();                                              // the page does not show them
+  const std::vector<std::string> text = std::exchange(g.board, {});  // it has no actors
+  const bool changed = board_changes_.empty() ? !text.empty() : text != board_changes_.back().text;
+  if (changed) board_changes_.push_back({rows_, text});
   if (recorded) put_where_recorded(g, *session.stage, *recorded);
   const render::DrawList list = draw_list(looks_, g);
 

@@ -26,6 +26,12 @@ struct Show {
   int mesh = -1;
 };
 
+/// From a row on, the score board has another text.
+struct BoardChange {
+  std::int64_t row = 0;
+  std::vector<std::string> text;
+};
+
 /// Observes a session and stores what is visible and measured. Its memory is limited by the size of
 /// a page: of a long session, it stores every n-th tick.
 class Film : public Observer {
@@ -42,6 +48,7 @@ class Film : public Observer {
   std::int64_t rows() const { return rows_; }    ///< the last one is the last tick's
   const std::vector<Actor>& actors() const { return actors_; }
   const std::vector<Show>& shows() const { return shows_; }
+  const std::vector<BoardChange>& board_changes() const { return board_changes_; }
   std::int64_t contacts_left_out() const { return contacts_left_out_; }
 
   /// Poses, series, contacts, and the clocks of each tracker; to be asked for at the end, once.
@@ -61,6 +68,7 @@ class Film : public Observer {
   std::vector<int> seen_as_;                                       ///< mesh of each actor
   std::map<std::pair<std::uint32_t, int>, std::size_t> actor_of_;  ///< by id, and which of that id
   std::vector<Show> shows_;
+  std::vector<BoardChange> board_changes_;
   Table series_, contacts_;
   std::int64_t contacts_left_out_ = 0;
 

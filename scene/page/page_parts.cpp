@@ -125,6 +125,22 @@ json of_still(const render::DrawList& room) {
   return out;
 }
 
+json of_board(const Looks& looks) {
+  if (!looks.board) return nullptr;
+  json out = {{"characters", json::object()}, {"cells", json::array()}};
+  for (const auto& [character, mesh] : looks.board->meshes) {
+    out["characters"][std::string(1, character)] = mesh;
+  }
+  for (std::size_t row = 0; row < kBoardRows; ++row) {
+    json cells = json::array();
+    for (std::size_t column = 0; column < kBoardColumns; ++column) {
+      cells.push_back(numbers(looks.board->measures.cell(row, column)));
+    }
+    out["cells"].push_back(std::move(cells));
+  }
+  return out;
+}
+
 void add_meshes(const std::vector<render::Mesh>& meshes, const std::set<int>& wanted, json& out,
                 std::vector<Table>& tables) {
   for (const int number : wanted) {

@@ -49,6 +49,8 @@ nlohmann::json of_light(const render::DrawList& room);
 nlohmann::json of_room(const Scenario& scenario);
 /// The objects that never move.
 nlohmann::json of_still(const render::DrawList& room);
+/// The score board's characters, by their meshes, and the places of its rows; null without a board.
+nlohmann::json of_board(const Looks& looks);
 
 /// Adds meshes, by their numbers, to `out["meshes"]` and to the tables.
 void add_meshes(const std::vector<render::Mesh>& meshes, const std::set<int>& wanted,

@@ -8,6 +8,7 @@
 
 #include "devices/log/sample_messages.h"
 #include "scene/looks/glimpse.h"
+#include "scene/looks/score_board.h"
 #include "scene/page/browser_device.h"
 #include "scene/record/events.h"
 #include "scene/stage/read_scenario.h"
@@ -131,10 +132,10 @@ nlohmann::json PageSession::take_news() {
     sheets.push_back(in_words(sheet));
     over = sheet.over;
   }
-  return {
-      {"events", std::move(events)},
-      {"score",
-       {{"skittles_down", score.skittles_down}, {"sheets", std::move(sheets)}, {"over", over}}}};
+  return {{"events", std::move(events)},
+          {"score",
+           {{"skittles_down", score.skittles_down}, {"sheets", std::move(sheets)}, {"over", over}}},
+          {"board", board_text(session_)}};
 }
 
 std::vector<StereoSample> PageSession::take_sound() {

@@ -67,7 +67,7 @@ class PageSession {
   /// X_WP, X_WH, X_WD, each skittle, each ball.
   void see(std::vector<float>& out) const;
 
-  /// Events since the last call, and the score; null without an event.
+  /// Events since the last call, the score, and the text of the score board; null without an event.
   nlohmann::json take_news();
 
   /// What the player heard since the last call; nothing if the scenario has no sound.

@@ -52,6 +52,8 @@ std::set<int> meshes_in(const json& out) {
     for (const int mesh : actor["meshes"]) all.insert(mesh);
   }
   for (const json& still : out["still"]) all.insert(still["mesh"].get<int>());
+  if (out["board"].is_null()) return all;
+  for (const json& mesh : out["board"]["characters"]) all.insert(mesh.get<int>());
   return all;
 }
 
@@ -81,6 +83,7 @@ PageData play_page(const Scenario& scenario) {
   out["missing_meshes"] = page_looks.missing;
   out["still"] = of_still(looks.room);
   out["actors"] = of_actors(looks, stage);
+  out["board"] = of_board(looks);
   out["meshes"] = json::array();
   std::vector<Table> tables;
   add_meshes(page_looks.meshes, meshes_in(out), out, tables);

@@ -38,6 +38,7 @@ struct Game {
   // Of a game with rules.
   std::vector<std::uint8_t> swept;  ///< 1 for a skittle that was counted and removed; same numbers
   std::vector<Frame> frames;        ///< frames so far; the last one is being played
+  std::vector<std::uint8_t> fouls;  ///< of the balls of all frames, in order: 1 for a foul
   std::optional<Time> thrown;       ///< release time of the current ball
   std::optional<Time> quiet;        ///< time since which all bodies have been at rest
   bool foul = false;                ///< the current ball was released beyond the foul line

@@ -191,6 +191,7 @@ bool end_delivery(const Field& f) {
   const Rules& rules = f.rules();
   std::vector<Frame>& frames = f.game.frames;
   frames.back().push_back(count(f));
+  f.game.fouls.push_back(f.game.foul ? 1 : 0);
   bring_balls_back(f);
   f.game.foul = false;
   const bool last = static_cast<std::int64_t>(frames.size()) == f.plan().frames;

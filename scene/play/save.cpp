@@ -17,7 +17,7 @@ namespace headpin::scene {
 namespace {
 
 constexpr std::string_view kSavedSession = "HPSESSION";
-constexpr std::uint8_t kSavedVersion = 3;
+constexpr std::uint8_t kSavedVersion = 4;
 constexpr std::uint8_t kNoButton = 2;  // in place of a touched button's number
 
 template <typename S, typename T>
@@ -181,6 +181,7 @@ void each_member(F& f, S& s) {
   f(s.velocities);
   f(s.swept);
   f(s.frames);
+  f(s.fouls);
   f(s.thrown);
   f(s.quiet);
   f(s.foul);
@@ -344,6 +345,8 @@ bool is_consistent(const Session& s) {
   const bool frames = std::ranges::all_of(game.frames, [](const Frame& frame) {
     return std::ranges::all_of(frame, [](int down) { return down >= 0 && down <= 1000; });
   });
+  std::size_t balls = 0;
+  for (const Frame& frame : game.frames) balls += frame.size();
   const bool in_hand = (!player.held || (there(player.held->body) &&
                                          std::abs(player.held->q_HB.norm() - 1.0) < 1e-3)) &&
                        (!player.leaving || there(*player.leaving));
@@ -351,7 +354,8 @@ bool is_consistent(const Session& s) {
                       std::ranges::all_of(s.presence.own, there, &Own::body);
   constexpr std::int64_t kMostTicks = 1'000'000'000'000;  // their time has no overflow
   const bool ticks = s.tick == s.world.tick && s.tick <= kMostTicks;
-  return lists && watched && ringed && frames && in_hand && flying && ticks;
+  return lists && watched && ringed && frames && balls == game.fouls.size() && in_hand && flying &&
+         ticks;
 }
 
 }  // namespace

@@ -252,6 +252,8 @@ void visit(V& v, GameRules& g) {
           "counts; zero: there is a foul event, and the ball counts 0; count: no event, and the "
           "ball counts",
           "the paper is silent");
+  v.field("show_score", g.show_score, kAny,
+          "true: a score board hangs in the room; only pictures change");
 }
 
 template <typename V>

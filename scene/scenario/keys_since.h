@@ -107,6 +107,7 @@ inline constexpr std::pair<std::string_view, std::string_view> kKeysSince[] = {
     {"hand.mesh.sha256", "''"},
     {"sound.on", "false"},
     {"rig.away_after_s", "0.0"},
+    {"game.show_score", "false"},
 };
 
 }  // namespace headpin::scene

@@ -38,17 +38,6 @@ int next_balls(std::span<const Frame> later, int count) {
   return all;
 }
 
-std::string word(const Rules& rules, const Frame& frame, std::size_t ball, int rack) {
-  const int roll = frame[ball];
-  if (rules.bonuses) {
-    const Frame before(frame.begin(), frame.begin() + static_cast<std::ptrdiff_t>(ball));
-    const int down = before.empty() ? rack : down_since_set(before, rack);
-    if (down == rack && roll == rack) return "X";
-    if (down < rack && down + roll == rack) return "/";
-  }
-  return roll == 0 ? "-" : std::to_string(roll);
-}
-
 }  // namespace
 
 const Rules& rules_of(GameKind kind) {
@@ -83,6 +72,17 @@ int points(const Rules& rules, std::span<const Frame> frames, int rack) {
   return all;
 }
 
+std::string ball_in_words(const Rules& rules, const Frame& frame, std::size_t ball, int rack) {
+  const int roll = frame[ball];
+  if (rules.bonuses) {
+    const Frame before(frame.begin(), frame.begin() + static_cast<std::ptrdiff_t>(ball));
+    const int down = before.empty() ? rack : down_since_set(before, rack);
+    if (down == rack && roll == rack) return "X";
+    if (down < rack && down + roll == rack) return "/";
+  }
+  return roll == 0 ? "-" : std::to_string(roll);
+}
+
 std::string in_words(const Rules& rules, std::span<const Frame> frames, int rack) {
   std::string text;
   for (const Frame& frame : frames) {
@@ -90,7 +90,7 @@ std::string in_words(const Rules& rules, std::span<const Frame> frames, int rack
     if (!text.empty()) text += " | ";
     for (std::size_t ball = 0; ball < frame.size(); ++ball) {
       if (ball > 0) text += ' ';
-      text += word(rules, frame, ball, rack);
+      text += ball_in_words(rules, frame, ball, rack);
     }
   }
   return text;

@@ -36,6 +36,9 @@ bool is_set_again(const Rules& rules, const Frame& frame, int rack);
 /// The points of the frames so far, without bonuses of future balls.
 int points(const Rules& rules, std::span<const Frame> frames, int rack);
 
+/// One ball of a frame: "X", "7", "/" or "-".
+std::string ball_in_words(const Rules& rules, const Frame& frame, std::size_t ball, int rack);
+
 /// "X | 7 / | 9 -": with strikes and spares if the rules have them; a dash is 0.
 std::string in_words(const Rules& rules, std::span<const Frame> frames, int rack);
 

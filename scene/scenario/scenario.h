@@ -179,6 +179,7 @@ struct GameRules {
   BallEnds ends = BallEnds::rest;
   HandFells hand_fells = HandFells::apart;
   FoulBall foul = FoulBall::note;
+  bool show_score = false;  ///< a score board hangs in the room
 };
 
 /// One of two versions of the game, which its button starts (Uno & Slater 1997, section 3).

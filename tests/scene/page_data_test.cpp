@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
+#include <set>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -66,6 +67,26 @@ TEST(PageData, ShowsEveryBodyWhereTheReplayLeavesIt) {
   EXPECT_EQ(at(data, "poses", last, "head z"), static_cast<float>(head_pose(session)->p.z()));
   EXPECT_EQ(at(data, "series", last, "impact_j"),
             static_cast<float>(session.world.ledger.impact.energy));
+}
+
+TEST(PageData, HasTheScoreBoardsTextsAndCharacters) {
+  Recorded recorded = load_trial(kDemo);
+  EXPECT_TRUE(page_data(recorded, PageLooks(recorded.scenario)).json["board"].is_null());
+  recorded.scenario.game.rules = GameKind::ten_pin;
+  recorded.scenario.game.ball_back_s = 2.5;  // within the trial
+  recorded.scenario.game.show_score = true;
+  const nlohmann::json json = page_data(recorded, PageLooks(recorded.scenario)).json;
+  const nlohmann::json& texts = json["board"]["texts"];
+  ASSERT_GE(texts.size(), 2u);
+  EXPECT_EQ(texts[0], nlohmann::json({1, {"_", "F1       0"}}));
+  const Session session = played(recorded, recorded.scenario);
+  EXPECT_EQ(texts.back()[1], nlohmann::json(board_text(session)));
+  std::set<int> meshes;
+  for (const nlohmann::json& mesh : json["meshes"]) meshes.insert(mesh["number"].get<int>());
+  for (const nlohmann::json& mesh : json["board"]["characters"]) {
+    EXPECT_TRUE(meshes.contains(mesh.get<int>()));
+  }
+  for (const nlohmann::json& actor : json["actors"]) EXPECT_NE(actor["name"], "score board");
 }
 
 TEST(PageData, UnderAnotherConditionIsWhatAReplayUnderItGives) {

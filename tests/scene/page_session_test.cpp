@@ -199,6 +199,19 @@ TEST(PageSession, OfARoomWithSoundIsHeardAsLongAsItIsPlayed) {
   EXPECT_TRUE(silent.take_sound().empty());
 }
 
+TEST(PageSession, SaysWhatTheScoreBoardShows) {
+  Scenario alley;
+  alley.game.rules = GameKind::ten_pin;
+  for (const bool shown : {true, false}) {
+    alley.game.show_score = shown;
+    PageSession session(to_toml(alley), options_of("mouse"));
+    session.advance(Time{100'000});
+    const nlohmann::json news = session.take_news();
+    const nlohmann::json none = nlohmann::json::array();
+    EXPECT_EQ(news["board"], shown ? nlohmann::json({"_", "F1       0"}) : none);
+  }
+}
+
 TEST(PlayPage, HasAllThatASessionShows) {
   for (const char* name : {"paper-room", "paper-experiment", "german-ninepins"}) {
     const Scenario scenario =
@@ -214,6 +227,13 @@ TEST(PlayPage, HasAllThatASessionShows) {
       bodies += actor["role"] == "skittle" || actor["role"] == "ball";
     }
     EXPECT_EQ(json["buttons"].size(), scenario.version.buttons ? 2u : 0u);
+    ASSERT_EQ(json["board"].is_null(), !scenario.game.show_score);
+    if (scenario.game.show_score) {
+      EXPECT_EQ(json["board"]["cells"].size(), 2u);
+      for (const nlohmann::json& mesh : json["board"]["characters"]) {
+        EXPECT_TRUE(meshes.contains(mesh.get<int>()));
+      }
+    }
 
     PageSession session(json["scenario"]["text"].get<std::string>(), options_of("mouse"));
     std::vector<float> view;

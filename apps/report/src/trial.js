@@ -67,6 +67,12 @@ export class Trial {
     return meshes;
   }
 
+  /** The rows of the score board at a tick. */
+  boardAt(tick) {
+    const { row } = this.rowsAt(tick);
+    return this.json.board.texts.findLast(([from]) => from <= row)?.[1] ?? [];
+  }
+
   /** All values of a column: [x of each row in seconds, value of each row]. */
   column(sectionName, column) {
     const section = this.sections.get(sectionName);

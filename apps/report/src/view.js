@@ -6,7 +6,7 @@ import { Mesh, NearestFilter, OrthographicCamera, PerspectiveCamera, PlaneGeomet
 import { Orbit } from './orbit.js';
 import { Contacts, Frusta, Trails } from './overlays.js';
 import { lookAtWebGl } from './webgl.js';
-import { Cast, Looks, makeRoom } from './world.js';
+import { Board, Cast, Looks, makeRoom } from './world.js';
 
 // Colours are coded by our own shaders or given coded: three.js has nothing to convert.
 ColorManagement.enabled = false;
@@ -146,6 +146,8 @@ class View {
     this.scene = makeRoom(trial, this.looks);
     this.scene.background = null;
     this.cast = new Cast(trial, this.looks);
+    this.board = new Board(trial, this.looks);
+    this.scene.add(this.board.group);
     this.eyes = trial.json.eyes.map((eye) => new Eye(eye));
     this.background = new Color(...trial.json.light.background).convertLinearToSRGB();
     this.overlays = {};
@@ -218,6 +220,7 @@ class View {
     }
     this.cast.thin(this.coarse);
     this.cast.put(this.tick);
+    if (this.trial.json.board) this.board.put(this.trial.boardAt(this.tick));
     this.cast.castShade(this.tick);
     if (this.otherCast) {
       this.otherCast.thin(this.coarse);

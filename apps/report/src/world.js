@@ -163,6 +163,33 @@ export class Shade {
   }
 }
 
+/** The characters of the score board: none where a room has no board. */
+export class Board {
+  constructor({ json: { board } }, looks) {
+    this.looks = looks;
+    this.group = new Group();
+    this.characters = board?.characters ?? {};
+    this.cells = (board?.cells ?? []).map((row) => row.map((p) => this.cell(p)));
+  }
+
+  cell(p) {
+    const object = this.looks.mesh(this.characters['0']);
+    object.visible = false;
+    object.position.set(...p);
+    this.group.add(object);
+    return object;
+  }
+
+  /** @param text  its rows */
+  put(text) {
+    this.cells.forEach((row, i) => row.forEach((object, j) => {
+      const number = this.characters[text[i]?.[j]];
+      object.visible = number !== undefined;
+      if (object.visible) object.geometry = this.looks.geometry(number, false);
+    }));
+  }
+}
+
 export function makeRoom(trial, looks) {
   const scene = new Scene();
   for (const { mesh, X_WG } of trial.json.still) {

@@ -61,6 +61,28 @@ test('ball and skittle are where the trial has them, as the eyes see them, at th
   await page.context().close();
 });
 
+test('the score board has the text of the tick, as the eyes see it', async () => {
+  headpin('replay', demo, ...['rules=ten-pin', 'ball_back_s=2.5', 'show_score=true'].flatMap((key) => ['--set', `game.${key}`]),
+    '-o', 'board.lcmlog');
+  headpin('report', 'board.lcmlog', '-o', 'board.html');
+  const { events } = JSON.parse(headpin('info', 'board.lcmlog', '--json'));
+  const counted = Math.ceil(events.find(({ kind }) => kind === 'delivery').tick / 4);
+  const frames = [counted - 5, counted + 5];
+  headpin('frames', 'board.lcmlog', '-o', 'board', '--frames', frames.join(','), '--ids');
+  const { page } = await open(browser, 'board.html');
+  await page.evaluate(() => window.headpin.setMode('left'));
+  for (const [frame, other] of [frames, frames.toReversed()]) {
+    const pixels = pixelsOf(join(folder, 'board', `left_${String(frame).padStart(6, '0')}`), 6);
+    assert.ok(pixels.mask.length > 300, `${pixels.mask.length} pixels`);
+    await drawnAt(page, 4 * frame);
+    const there = await differenceOver(page, pixels);
+    await drawnAt(page, 4 * other);
+    const then = await differenceOver(page, pixels);
+    assert.ok(there < 26 && then > 1.2 * there, `${there} levels off in frame ${frame}, ${then} with the text of ${other}`);
+  }
+  await page.context().close();
+});
+
 test('every tick is reached by keys', async () => {
   const { page } = await open(browser, 'game.html');
   const tick = () => page.evaluate(() => window.headpin.clock.tick);

@@ -111,6 +111,29 @@ test('in a room with sound the page plays, to the bit, what `frames --sound` wri
   await context.close();
 });
 
+/** The text that the score board of the page shows. */
+const boardOf = (page) => page.evaluate(() => {
+  const { board } = window.headpin.room;
+  const known = Object.entries(board.characters);
+  const characterOf = ({ visible, geometry }) => (visible ? known.find(([, number]) => board.looks.geometry(number) === geometry)[0] : ' ');
+  return board.cells.map((row) => row.map(characterOf).join(''));
+});
+
+test('the score board has what the ball counts', async () => {
+  headpin('play', '--set', 'game.rules=ten-pin', '--set', 'game.show_score=true', '-o', 'board.html');
+  const { page, said, context } = await open({}, 'board.html');
+  await startGame(page);
+  assert.deepEqual(await boardOf(page), ['_         ', 'F1       0']);
+  await throwBy(page, 'mouse');
+  await until(page, () => / = [1-9]/.test(window.headpin.game.score.sheets[0]));
+  const [, points] = /ten-pin: \S+ = (\d+)/.exec(await page.evaluate(() => window.headpin.game.score.sheets[0]));
+  const [balls, total] = await boardOf(page);
+  assert.match(balls, points === '10' ? /^F?X _/ : new RegExp(`^F?${points}_`));
+  assert.equal(total.slice(-3).trim(), points);
+  assert.deepEqual(said, []);
+  await context.close();
+});
+
 test('a room without sound offers none', async () => {
   const { page, context } = await open();
   await startGame(page);

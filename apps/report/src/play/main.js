@@ -141,6 +141,7 @@ class Page {
     this.game.onNews((news) => this.tellNews(news));
     this.pieces = setInterval(() => { this.game.keepLog(); this.tellKept(); }, kPiece);
     this.showControls(true);
+    this.room.board.put([]);
     find('score').textContent = '';
     return this.game;
   }
@@ -244,7 +245,8 @@ class Page {
     find('kept').replaceChildren(`${this.trouble} `.trimStart(), button, ` Then: headpin replay ${name} --verify`);
   }
 
-  tellNews({ score, events }) {
+  tellNews({ score, board, events }) {
+    this.room.board.put(board);
     for (const { kind } of events) {
       if (kind === 'foul') this.foul = true;
       if (kind === 'grab') this.foul = false;

@@ -3,7 +3,7 @@ import { Color, ColorManagement, Group, LinearSRGBColorSpace, PerspectiveCamera,
   Vector3, WebGLRenderer } from 'three';
 
 import { lookAtWebGl } from '../webgl.js';
-import { Looks, makeRoom, place, Shade } from '../world.js';
+import { Board, Looks, makeRoom, place, Shade } from '../world.js';
 
 ColorManagement.enabled = false;  // as in view.js
 
@@ -45,6 +45,8 @@ export class Room {
     this.rig.add(this.camera);
     this.scene.add(this.rig);
     this.shade = new Shade(this.looks.light);
+    this.board = new Board(page, this.looks);
+    this.scene.add(this.board.group);
     const moving = page.json.actors.filter(({ role }) => role === 'skittle' || role === 'ball');
     this.bodies = moving.map((actor) => this.actor(actor));
     this.hand = this.actor(page.json.actors.find(({ role }) => role === 'hand'));
