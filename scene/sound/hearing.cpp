@@ -39,10 +39,12 @@ SoundingBody sounding(const Stage& stage, engine::BodyId body) {
   return source;
 }
 
-bool falls_silent(SoundingBody& source) {
-  bool silent = true;
-  for (Resonator& resonator : source.resonators) silent = resonator.fade() && silent;
-  return silent;
+/// Those of a body's resonators that sound: all of a ball that rolls.
+void find_ringing(SoundingBody& source, bool rolls, std::vector<Resonator*>& ringing) {
+  ringing.clear();
+  for (Resonator& resonator : source.resonators) {
+    if (!resonator.fade() || rolls) ringing.push_back(&resonator);
+  }
 }
 
 /// Speed of a ball that rolls on the lane; 0 of any other body.
@@ -110,7 +112,8 @@ void Hearing::tick(const Session& session, std::vector<StereoSample>& out) {
 /// Adds what the ears hear of a body between the last tick and this one.
 void Hearing::sound(SoundingBody& source, const Session& session, const Pose& X_WD) {
   const double speed = rolling_speed(source, session.world);
-  if (!falls_silent(source) || speed > 0.0) {
+  find_ringing(source, speed > 0.0, ringing_);
+  if (!ringing_.empty()) {
     source.heard_for = static_cast<std::int64_t>(source.line.size() + mix_.size());
   }
   const Vec3 p_W = session.world.states[source.body].X_WB.p;
@@ -124,7 +127,7 @@ void Hearing::sound(SoundingBody& source, const Session& session, const Pose& X_
   source.heard_for -= static_cast<std::int64_t>(mix_.size());
   for (std::size_t i = 0; i < mix_.size(); ++i) {
     double pressure = 0.0;
-    for (Resonator& resonator : source.resonators) pressure += resonator.next();
+    for (Resonator* const resonator : ringing_) pressure += resonator->next();
     source.line.add(pressure);
     if (speed > 0.0) {
       const double impulse = source.rolling->after(speed * kSampleTime) * kSampleTime;

@@ -67,6 +67,7 @@ class Hearing {
   std::optional<Pose> X_WD_;
   std::int64_t samples_ = 0;
   std::vector<std::array<double, 2>> mix_;  ///< of this tick [Pa]
+  std::vector<Resonator*> ringing_;         ///< of the body that is sounded now
 };
 
 }  // namespace headpin::scene
