@@ -104,13 +104,15 @@ BoardMeasures board_measures(const RoomMeasures& room) {
   const Vec2 pixel(0.004263, 0.003033);
   constexpr double kPixelsAcross = 1.5, kPixelsUp = 8.0 / kDotsUp;    // of a dot
   constexpr double kAhead = 0.06, kToWalls = 0.1, kToCeiling = 0.06;  // [m]
+  constexpr double kLow = 1.5;  // a head that looks down at the skittles sees it too [m]
   BoardMeasures board;
   const double y = (room.masking_panel ? room.portal() : room.ahead) - kAhead;
   board.dot =
       Vec2(std::min(kPixelsAcross * pixel.x() * y, (room.width - 2.0 * kToWalls) / kBoardWidth),
            std::min(kPixelsUp * pixel.y() * y, 0.5 * room.height / kBoardHeight));
   board.size = board.dot.cwiseProduct(Vec2(kBoardWidth, kBoardHeight));
-  board.p_W = Vec3(-0.5 * board.size.x(), y, room.height - kToCeiling - board.size.y());
+  board.p_W =
+      Vec3(-0.5 * board.size.x(), y, std::min(kLow, room.height - kToCeiling - board.size.y()));
   return board;
 }
 

@@ -23,8 +23,8 @@ std::vector<std::string> board_text(const GameRules& plan, const Game& game, int
 /// The same for the session's game; none without a board.
 std::vector<std::string> board_text(const Session& session);
 
-/// The board's place. It hangs from the ceiling before the masking panel, else before the wall behind
-/// the skittles, and is turned to the player.
+/// The board's place. It hangs above the masking panel, else before the wall behind the skittles,
+/// and is turned to the player.
 struct BoardMeasures {
   Vec3 p_W = Vec3::Zero();   ///< lower left corner of its front, seen by the player
   Vec2 dot = Vec2::Zero();   ///< width and height of a dot: a character has 3 by 5 dots [m]

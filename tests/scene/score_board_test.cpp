@@ -237,8 +237,8 @@ TEST(ScoreBoard, HasCharactersOfSevenPixelsAndMoreFromTheFoulLine) {
     EXPECT_GE(-size.y(), 7.0) << name;
     EXPECT_GE(size.x(), 3.0) << name;
     const double below_ceiling = alley.scenario.room.height - (board.p_W.z() + board.size.y());
-    EXPECT_GT(below_ceiling, 0.03) << name;  // its rim
-    EXPECT_LT(below_ceiling, 0.10) << name;
+    EXPECT_GT(below_ceiling, 0.03) << name;        // its rim
+    EXPECT_NEAR(board.p_W.z(), 1.5, 0.2) << name;  // about the height of the eyes
     EXPECT_GT(board.p_W.y(), alley.scenario.lane.head_pin - 0.5) << name;
     EXPECT_LT(board.p_W.y(), alley.scenario.room.ahead) << name;
     EXPECT_LT(board.size.x(), alley.scenario.room.width);
