@@ -74,7 +74,7 @@ if(EMSCRIPTEN)
   # Its library has no algorithms over ranges yet.
   target_compile_options(headpin_step PUBLIC -fwasm-exceptions -include ${HEADPIN_ROOT}/cmake/older_library.h)
   target_link_options(headpin_step PUBLIC -fwasm-exceptions)
-  target_compile_options(headpin_replay PUBLIC -Os)  # nothing here is hot, and a page carries it
+  target_compile_options(headpin_replay PUBLIC -O2)  # -Os is a sixth smaller and four times slower
   # Another node than Debian's does not look for acorn where Debian has it.
   set_property(GLOBAL PROPERTY RULE_LAUNCH_LINK "${CMAKE_COMMAND} -E env NODE_PATH=/usr/share/nodejs")
 endif()
