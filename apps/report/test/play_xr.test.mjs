@@ -160,6 +160,40 @@ test('recentring puts the wearer in front of the lane: by a button, a key and th
   assert.equal(told('recentred').length, 4);
 });
 
+test('a hand whose place the headset only estimates does not move, and is away after 0.1 s', async () => {
+  const opened = await enter('controller');
+  const { page } = opened;
+  const later = () => page.evaluate(() => window.worn.during((t) => t > 0.3));
+  const isSeen = () => page.evaluate(() => window.headpin.game.view[2] > 0);
+  const estimate = (on) => page.evaluate((estimated) => {
+    XRFrame.prototype.measuredPose ??= XRFrame.prototype.getPose;
+    XRFrame.prototype.getPose = function (...of) {
+      const pose = this.measuredPose(...of);
+      if (pose) Object.defineProperty(pose, 'emulatedPosition', { value: estimated });
+      return pose;
+    };
+  }, on);
+  await estimate(false);
+  await later();
+  assert.ok(await isSeen());
+  await estimate(true);
+  await later();
+  assert.ok(!(await isSeen()));
+  await estimate(false);
+  await later();
+  assert.ok(await isSeen());
+  const { told } = await leave(opened, 'estimated.lcmlog');
+  const [{ value: after, detail }, ...more] = told('tracking_lost');
+  assert.equal(more.length, 0);
+  assert.equal(detail, 'hand');
+  assert.ok(after > 0.1 && after < 0.11, `lost after ${after} s`);
+  assert.equal(told('tracking_back').length, 1);
+  assert.equal(told('source_amiss').length, 2);  // of both hands, as IWER says it at first
+  const hands = JSON.parse(headpin('info', 'estimated.lcmlog', '--json')).devices.filter(({ device }) => device.endsWith('hand'));
+  assert.equal(hands.length, 2);
+  for (const { estimated } of hands) assert.ok(estimated > 15 && estimated < 40, `${estimated} samples`);
+});
+
 test('the stick walks, and stops when its controller goes or the headset shows its menu', async () => {
   const opened = await enter('controller');
   const { page } = opened;

@@ -38,6 +38,7 @@ export class XrPlay {
     this.X_TF = null;           // the headset's floor space F in the tracked space T
     this.head = null;           // X_TD of the last frame
     this.pressed = new Set();  // names of events that hold the trigger: select, squeeze
+    this.tracked = new Set();    // stations whose place the headset has tracked
     this.estimated = new Set();  // stations whose place the headset has only estimated
     this.late = [];
     this.keys = (event) => { if (event.key.toLowerCase() === 'r') this.asked = true; };
@@ -177,10 +178,13 @@ export class XrPlay {
 
   sample(station, pose, time) {
     if (!pose) return;
-    this.game.tracker(station, this.inT(pose.transform), time, pose.emulatedPosition === true);
-    if (!pose.emulatedPosition || this.estimated.has(station)) return;
+    const estimated = pose.emulatedPosition === true;
+    if (!estimated) this.tracked.add(station);
+    // Some browsers call every place estimated, also a tracked one. It then tells nothing.
+    this.game.tracker(station, this.inT(pose.transform), time, estimated && this.tracked.has(station));
+    if (!estimated || this.estimated.has(station)) return;
     this.estimated.add(station);
-    this.game.note('source_amiss', `station ${station}: from here or from time to time, the headset does not track its place; a hand is then not moved`);
+    this.game.note('source_amiss', `station ${station}: its place is the headset's estimate, from here or from time to time`);
   }
 
   frame(time, frame) {
