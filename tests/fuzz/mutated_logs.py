@@ -89,7 +89,8 @@ CHEAP = ("hmd.width=24", "hmd.height=16", "look.samples=1", "look.mirror=false",
 # What is kept of the throw [us], and by how much it comes sooner: the grab, and the swing's end.
 KEPT = ((1_150_000, 1_300_000, 1_100_000), (3_700_000, 4_050_000, 3_350_000))
 END = 1_800_000  # by then the ball has met the skittles
-TIMES = {"TRACKER": (8, 16, -8), "MOUSE3D": (8, 16, -8)}  # of device, host and session in a message
+# Where a message has the times of device, host, session and sending.
+TIMES = {"TRACKER": (8, 16, -18, -10), "MOUSE3D": (8, 16, -8)}
 FRAME = bytes.fromhex("1bf925c665cbce1c")
 
 
