@@ -102,11 +102,11 @@ BoardMeasures board_measures(const RoomMeasures& room) {
   // What a pixel in the middle of the paper's display sees at 1 m: 2 tan(75 deg / 2) / 360 and
   // 2 tan(40 deg / 2) / 240 [m].
   const Vec2 pixel(0.004263, 0.003033);
-  constexpr double kPixelsAcross = 1.5, kPixelsUp = 8.0 / kDotsUp;    // of a dot
-  constexpr double kAhead = 0.06, kToWalls = 0.1, kToCeiling = 0.06;  // [m]
+  constexpr double kPixelsAcross = 1.5, kPixelsUp = 8.0 / kDotsUp;     // of a dot
+  constexpr double kBefore = 0.06, kToWalls = 0.1, kToCeiling = 0.06;  // [m]
   constexpr double kLow = 1.5;  // a head that looks down at the skittles sees it too [m]
   BoardMeasures board;
-  const double y = (room.masking_panel ? room.portal() : room.ahead) - kAhead;
+  const double y = (room.masking_panel ? room.portal() : room.ahead) - kBefore;
   board.dot =
       Vec2(std::min(kPixelsAcross * pixel.x() * y, (room.width - 2.0 * kToWalls) / kBoardWidth),
            std::min(kPixelsUp * pixel.y() * y, 0.5 * room.height / kBoardHeight));
