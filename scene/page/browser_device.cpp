@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <numbers>
 #include <stdexcept>
 #include <string>
@@ -57,7 +58,8 @@ const BrowserDevice& browser_device(std::string_view name) {
 
 Scenario played_with(Scenario scenario, const BrowserDevice& device, bool left_hand) {
   const double side = left_hand ? -1.0 : 1.0;
-  const Vec3& home = scenario.ball.home;
+  Vec3& home = scenario.ball.home;
+  home.x() = side * std::abs(home.x());
   Rig& rig = scenario.rig;
   rig.head_station = devices::kHeadStation;
   rig.hand_station = left_hand ? devices::kLeftHandStation : devices::kHandStation;

@@ -27,7 +27,7 @@ const BrowserDevice& browser_device(std::string_view name);
 /// The scenario as it is played with a device. The tracked space is WebXR's `local-floor` (x right, y
 /// up, z back), which stands where an arm reaches the first ball. Stations are those of the Fastrak.
 ///
-/// @param left_hand  the left hand takes the ball
+/// @param left_hand  the left hand takes the ball, which waits on the left then
 Scenario played_with(Scenario scenario, const BrowserDevice& device, bool left_hand);
 
 }  // namespace headpin::scene

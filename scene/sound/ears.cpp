@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "scene/play/score.h"
-#include "scene/sound/modal.h"
 
 namespace headpin::scene {
 
@@ -40,28 +39,11 @@ std::array<Way, 2> ways_to_ears(const Pose& X_WD, const Vec3& p_W) {
 DelayLine::DelayLine(double longest)
     : samples_(std::bit_ceil(static_cast<std::size_t>(longest) + 3), 0.0), longest_(longest) {}
 
-void DelayLine::add(double sample) {
-  newest_ = (newest_ + 1) & (samples_.size() - 1);
-  samples_[newest_] = sample;
-}
-
-double DelayLine::at(double delay) const {
-  const double back = std::min(delay, longest_);
-  const auto whole = static_cast<std::size_t>(back);
-  const double rest = back - static_cast<double>(whole);
-  const std::size_t mask = samples_.size() - 1, newer = (newest_ - whole) & mask;
-  return (1.0 - rest) * samples_[newer] + rest * samples_[(newer - 1) & mask];
-}
-
-double HeadShadow::filter(double sample, double bright) {
-  // H(s) = (1 + bright s / 2 w0) / (1 + s / 2 w0) with w0 = c / a, by the bilinear transformation.
-  constexpr double kCorner = 2.0 * kSpeedOfSound / kHeadRadius;
-  constexpr double kTwice = 2.0 * static_cast<double>(kSoundRate);
-  const double high = bright * kTwice;
-  out_ = ((kCorner + high) * sample + (kCorner - high) * in_ - (kCorner - kTwice) * out_) /
-         (kCorner + kTwice);
-  in_ = sample;
-  return out_;
+void DelayLine::add(std::span<const double> samples) {
+  for (const double sample : samples) {
+    newest_ = (newest_ + 1) & (samples_.size() - 1);
+    samples_[newest_] = sample;
+  }
 }
 
 }  // namespace headpin::scene

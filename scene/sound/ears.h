@@ -2,9 +2,12 @@
 
 #include <array>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/math.h"
+#include "scene/sound/modal.h"
 
 /// How a sound reaches the two ears.
 namespace headpin::scene {
@@ -32,9 +35,16 @@ class DelayLine {
  public:
   /// @param longest  delay [samples]
   explicit DelayLine(double longest);
-  void add(double sample);
+  void add(std::span<const double> samples);
   /// @param delay  [samples] before the newest one; a longer one than the longest becomes that
-  double at(double delay) const;
+  double at(double delay) const {
+    const double back = delay < longest_ ? delay : longest_;
+    const auto whole = static_cast<std::int32_t>(back);
+    const double rest = back - whole;
+    const std::size_t mask = samples_.size() - 1;
+    const std::size_t newer = (newest_ - static_cast<std::size_t>(whole)) & mask;
+    return (1.0 - rest) * samples_[newer] + rest * samples_[(newer - 1) & mask];
+  }
   std::size_t size() const { return samples_.size(); }
 
  private:
@@ -44,9 +54,18 @@ class DelayLine {
 };
 
 /// The filter of the head's shadow: one pole, one zero.
+///
+/// H(s) = (1 + bright s / 2 w0) / (1 + s / 2 w0) with w0 = c / a, by the bilinear transformation.
 class HeadShadow {
  public:
-  double filter(double sample, double bright);
+  double filter(double sample, double bright) {
+    constexpr double kCorner = 2.0 * kSpeedOfSound / kHeadRadius;
+    constexpr double kTwice = 2.0 * static_cast<double>(kSoundRate);
+    constexpr double kLow = kCorner / (kCorner + kTwice), kHigh = kTwice / (kCorner + kTwice);
+    out_ = kLow * (sample + in_) + kHigh * bright * (sample - in_) + (kHigh - kLow) * out_;
+    in_ = sample;
+    return out_;
+  }
 
  private:
   double in_ = 0.0, out_ = 0.0;

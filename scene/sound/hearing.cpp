@@ -14,10 +14,10 @@ std::int64_t samples_until(const Session& session, std::int64_t tick) {
   return tick * kSoundRate / session.scenario().rates.physics_hz;
 }
 
-/// The longest way of a sound in a room [samples].
-double longest_way(const RoomMeasures& room) {
+/// The longest way of a sound in a room, and a tick more [samples].
+double longest_delay(const RoomMeasures& room, int ticks_hz) {
   const double diagonal = Vec3(room.width, room.behind + room.ahead, room.height).norm();
-  return 1.1 * diagonal / kSpeedOfSound * static_cast<double>(kSoundRate);
+  return (1.1 * diagonal / kSpeedOfSound + 1.0 / ticks_hz) * static_cast<double>(kSoundRate);
 }
 
 SoundingBody sounding(const Stage& stage, engine::BodyId body) {
@@ -27,7 +27,7 @@ SoundingBody sounding(const Stage& stage, engine::BodyId body) {
       .body = body,
       .surface = is_ball ? surface_of_ball(scenario.ball) : surface_of_skittle(scenario.skittle),
       .modes = is_ball ? modes_of_ball(scenario.ball) : modes_of_skittle(scenario.skittle),
-      .line = DelayLine(longest_way(stage.room))};
+      .line = DelayLine(longest_delay(stage.room, scenario.rates.physics_hz))};
   source.own = source.modes.size();
   for (const Mode& mode : modes_of_lane(stage.room)) source.modes.push_back(mode);
   std::erase_if(source.modes, [](const Mode& m) { return m.frequency > 0.4 * kSoundRate; });
@@ -60,19 +60,18 @@ double mobility(const engine::Body& body) {
   return body.kind == engine::Kind::free ? 1.0 / body.mass : 0.0;
 }
 
-Way between(const Way& a, const Way& b, double s) {
-  return {a.delay + s * (b.delay - a.delay), a.gain + s * (b.gain - a.gain),
-          a.bright + s * (b.bright - a.bright)};
-}
-
 }  // namespace
 
 std::int16_t limited(double pressure) {
   constexpr double kKnee = 0.5, kLargest = 32767.0;
   const double part = std::abs(pressure) / kFullScale;
-  const double over = (part - kKnee) / (1.0 - kKnee);
-  const double sample = part <= kKnee ? part : kKnee + (1.0 - kKnee) * over / (1.0 + over);
-  return static_cast<std::int16_t>(std::lround(std::copysign(kLargest * sample, pressure)));
+  double sample = part;
+  if (part > kKnee) {
+    const double over = (part - kKnee) / (1.0 - kKnee);
+    sample = kKnee + (1.0 - kKnee) * over / (1.0 + over);
+  }
+  const auto rounded = static_cast<std::int16_t>(kLargest * sample + 0.5);
+  return pressure < 0.0 ? static_cast<std::int16_t>(-rounded) : rounded;
 }
 
 Hearing::Hearing(const Session& session, std::optional<Pose> X_WD)
@@ -125,22 +124,40 @@ void Hearing::sound(SoundingBody& source, const Session& session, const Pose& X_
   source.p_W = p_W;
   if (source.heard_for <= 0) return;
   source.heard_for -= static_cast<std::int64_t>(mix_.size());
-  for (std::size_t i = 0; i < mix_.size(); ++i) {
-    double pressure = 0.0;
-    for (Resonator* const resonator : ringing_) pressure += resonator->next();
-    source.line.add(pressure);
-    if (speed > 0.0) {
-      const double impulse = source.rolling->after(speed * kSampleTime) * kSampleTime;
-      for (std::size_t k = 0; k < source.modes.size(); ++k) {
-        source.resonators[k].strike(source.modes[k].pressure * impulse);
-      }
-    }
-    const double s = static_cast<double>(i + 1) / static_cast<double>(mix_.size());
-    for (std::size_t ear = 0; ear < 2; ++ear) {
-      const Way way = between(ways_before[ear], ways[ear], s);
-      mix_[i][ear] += source.shadows[ear].filter(way.gain * source.line.at(way.delay), way.bright);
-    }
+  ring(source, speed);
+  source.line.add(pressures_);
+  for (std::size_t ear = 0; ear < 2; ++ear) hear(source, ways_before[ear], ear);
+}
+
+/// Adds what an ear hears of a body, while the way to it changes to that of now.
+void Hearing::hear(SoundingBody& source, Way way, std::size_t ear) {
+  const double samples = static_cast<double>(mix_.size());
+  const Way& to = source.ways[ear];
+  // Each sample is heard later, and nearer to the newest one.
+  const double later = (to.delay - way.delay) / samples - 1.0;
+  const double louder = (to.gain - way.gain) / samples;
+  const double brighter = (to.bright - way.bright) / samples;
+  way.delay += samples - 1.0;
+  HeadShadow shadow = source.shadows[ear];
+  for (std::array<double, 2>& ears : mix_) {
+    ears[ear] += shadow.filter(way.gain * source.line.at(way.delay), way.bright);
+    way.delay += later;
+    way.gain += louder;
+    way.bright += brighter;
   }
+  source.shadows[ear] = shadow;
+}
+
+/// Makes the pressures of a body between the last tick and this one.
+/// @param speed  that it rolls with [m/s], 0 if it does not
+void Hearing::ring(SoundingBody& source, double speed) {
+  pressures_.assign(mix_.size(), 0.0);
+  if (speed <= 0.0) return scene::ring(ringing_, pressures_);
+  impulses_.resize(mix_.size());
+  for (double& impulse : impulses_) {
+    impulse = source.rolling->after(speed * kSampleTime) * kSampleTime;
+  }
+  scene::ring(ringing_, impulses_, pressures_);
 }
 
 /// The impacts of this tick.

@@ -57,6 +57,8 @@ class Hearing {
  private:
   void take_bodies(const Session& session);
   void sound(SoundingBody& source, const Session& session, const Pose& X_WD);
+  void ring(SoundingBody& source, double speed);
+  void hear(SoundingBody& source, Way way, std::size_t ear);
   void strike(const Session& session);
   void strike(SoundingBody& source, const ContactSurface& other, bool on_lane, double impulse,
               double mass, double speed);
@@ -68,6 +70,8 @@ class Hearing {
   std::int64_t samples_ = 0;
   std::vector<std::array<double, 2>> mix_;  ///< of this tick [Pa]
   std::vector<Resonator*> ringing_;         ///< of the body that is sounded now
+  std::vector<double> pressures_;           ///< of it at 1 m, in each sample of this tick [Pa]
+  std::vector<double> impulses_;            ///< of its rolling, before each of them [N s]
 };
 
 }  // namespace headpin::scene

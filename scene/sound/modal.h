@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <span>
 
 /// Modes of vibration, and a recurrence that makes their samples.
 namespace headpin::scene {
@@ -36,13 +38,30 @@ class Resonator {
     return now;
   }
 
+  /// The same after a blow.
+  /// @param impulse  [N s]
+  double next(double impulse) {
+    const double now = by_last_ * last_ + (by_before_ * before_ + by_impulse_ * impulse);
+    before_ = last_;
+    last_ = now;
+    return now;
+  }
+
   /// Whether nothing of it is heard any more: it is then silent until the next strike.
   bool fade();
 
  private:
-  double by_last_, by_before_;
+  double by_last_, by_before_, by_impulse_;
   double last_of_one_, before_of_one_;  ///< samples before a strike with A = 1, as if it rang
   double last_ = 0.0, before_ = 0.0;    ///< the newest sample and the one before
 };
+
+/// Adds the next samples of resonators to a sum.
+void ring(std::span<Resonator* const> resonators, std::span<double> sum);
+
+/// The same, with a blow before each sample.
+/// @param impulses  of the blows [N s], as many as samples
+void ring(std::span<Resonator* const> resonators, std::span<const double> impulses,
+          std::span<double> sum);
 
 }  // namespace headpin::scene

@@ -141,13 +141,15 @@ TEST(BrowserDevice, AGripThatPointsAheadIsAHandThatDoes) {
 
 TEST(BrowserDevice, TheTrackedSpaceStandsUprightBehindTheFoulLine) {
   for (const bool left_hand : {false, true}) {
-    const Pose X_WT = played_room("generic-webxr", left_hand).rig.X_WT;
+    const Scenario played = played_room("generic-webxr", left_hand);
+    const Pose& X_WT = played.rig.X_WT;
     EXPECT_TRUE((X_WT.q * Vec3::UnitY()).isApprox(Vec3::UnitZ(), 1e-12));
     EXPECT_TRUE((X_WT.q * -Vec3::UnitZ()).isApprox(Vec3::UnitY(), 1e-12));
     EXPECT_LT(X_WT.p.y(), 0.0);
     EXPECT_EQ(X_WT.p.z(), 0.0);
-    const double beside = Scenario{}.ball.home.x() - X_WT.p.x();
+    const double beside = played.ball.home.x() - X_WT.p.x();
     EXPECT_GT(left_hand ? -beside : beside, 0.0) << "the ball is on the side of its hand";
+    EXPECT_LT(std::abs(X_WT.p.x()), 0.05) << "the player is in the middle of the lane";
   }
 }
 

@@ -140,7 +140,7 @@ TEST(Ears, OfAHeadInAnotherPlaceHearTheSameFromTheSameSide) {
 
 TEST(DelayLine, GivesASampleBetweenTwo) {
   DelayLine line(100.0);
-  for (int n = 0; n <= 250; ++n) line.add(n);
+  for (double n = 0.0; n <= 250.0; ++n) line.add(std::array{n});
   EXPECT_EQ(line.at(0.0), 250.0);
   EXPECT_NEAR(line.at(40.25), 209.75, 1e-12);
   EXPECT_NEAR(line.at(100.0), 150.0, 1e-12);

@@ -112,7 +112,8 @@ export function wear({ inputs }) {
   const throwBall = async (hand) => {
     const { game, json } = window.headpin;
     const grip = await gripOf(hand);
-    const home = json.ball.homes[0];
+    const [right, ...rest] = json.ball.homes[0];
+    const home = [hand === 'left' ? -right : right, ...rest];
     const reach = (ball) => move(hand, inT(ball).map((x, i) => x - game.grip[i]), grip);
     await during((t) => {
       reach(home.map((x, i) => x + [0, -0.3, 0.4][i] * (1 - smooth(t))));
