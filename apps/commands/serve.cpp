@@ -74,32 +74,46 @@ Offered offered(const ServeOptions& options) {
   return out;
 }
 
+/// An address that other machines of a network can reach; empty for those of this machine or link.
+std::string networked(const sockaddr& address) {
+  std::array<char, INET6_ADDRSTRLEN> text{};
+  if (address.sa_family == AF_INET) {
+    const in_addr& v4 = reinterpret_cast<const sockaddr_in&>(address).sin_addr;
+    inet_ntop(AF_INET, &v4, text.data(), text.size());
+  } else {
+    const in6_addr& v6 = reinterpret_cast<const sockaddr_in6&>(address).sin6_addr;
+    if (IN6_IS_ADDR_LINKLOCAL(&v6)) return "";
+    inet_ntop(AF_INET6, &v6, text.data(), text.size());
+  }
+  return is_loopback(text.data()) ? "" : text.data();
+}
+
+/// The address that other machines know: of 0.0.0.0 and :: the first of a network.
+std::string reachable(const std::string& bound) {
+  const bool all_v4 = bound == "0.0.0.0", all_v6 = bound == "::";
+  ifaddrs* all = nullptr;
+  if ((!all_v4 && !all_v6) || getifaddrs(&all) != 0) return bound;
+  std::string found;
+  for (const ifaddrs* one = all; one != nullptr && found.empty(); one = one->ifa_next) {
+    if (one->ifa_addr == nullptr) continue;
+    if (one->ifa_addr->sa_family == (all_v4 ? AF_INET : AF_INET6))
+      found = networked(*one->ifa_addr);
+  }
+  freeifaddrs(all);
+  return found.empty() ? bound : found;
+}
+
+std::string in_url(const std::string& address) {
+  return address.find(':') == address.npos ? address : "[" + address + "]";
+}
+
 std::optional<Certificate> certificate_for(const ServeOptions& options) {
   if (options.certificate.has_value() != options.key.has_value()) {
     throw UsageError("--certificate and --key: expected both or none");
   }
   if (options.certificate) return read_certificate(*options.certificate, *options.key);
   if (is_loopback(options.bind)) return std::nullopt;
-  return self_signed(options.bind);
-}
-
-/// The address that other machines know: of 0.0.0.0 the first of a network.
-std::string reachable(const std::string& bound) {
-  if (bound != "0.0.0.0") return bound.find(':') == bound.npos ? bound : "[" + bound + "]";
-  ifaddrs* all = nullptr;
-  if (getifaddrs(&all) != 0) return bound;
-  std::string found = bound;
-  for (const ifaddrs* one = all; one != nullptr; one = one->ifa_next) {
-    if (one->ifa_addr == nullptr || one->ifa_addr->sa_family != AF_INET) continue;
-    std::array<char, INET_ADDRSTRLEN> text{};
-    const auto* const address = reinterpret_cast<const sockaddr_in*>(one->ifa_addr);
-    inet_ntop(AF_INET, &address->sin_addr, text.data(), text.size());
-    if (is_loopback(text.data())) continue;
-    found = text.data();
-    break;
-  }
-  freeifaddrs(all);
-  return found;
+  return self_signed(reachable(options.bind));
 }
 
 void print_start(const ServeOptions& options, const std::string& origin,
@@ -147,7 +161,7 @@ void serve(const ServeOptions& options) {
       [&](const WebRequest& request) { return player.most(request); },
       [&](const WebRequest& request) { return player.answer(request); });
   const std::string origin = fmt::format("{}://{}:{}", certificate ? "https" : "http",
-                                         reachable(options.bind), server.port());
+                                         in_url(reachable(options.bind)), server.port());
   print_start(options, origin, player.operator_token(), links, certificate);
   while (stop_signal() == 0) std::this_thread::sleep_for(std::chrono::milliseconds(50));
   heed_stop();

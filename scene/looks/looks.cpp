@@ -311,9 +311,12 @@ void append_rings(DrawList& list, const Looks& looks, const Glimpse& g) {
 
 }  // namespace
 
+SkittleLook skittle_look(bool ellipsoid, double centre, double drawn_centre) {
+  return {ellipsoid, ellipsoid ? 0.0 : drawn_centre - centre};
+}
+
 SkittleLook skittle_look(const Stage& stage, double drawn_centre) {
-  const bool ellipsoid = shows_ellipsoids(stage.scenario);
-  return {ellipsoid, ellipsoid ? 0.0 : drawn_centre - stage.skittle_centre};
+  return skittle_look(shows_ellipsoids(stage.scenario), stage.skittle_centre, drawn_centre);
 }
 
 DrawList draw_list(const Looks& looks, const Glimpse& g) {
@@ -330,9 +333,9 @@ DrawList draw_list(const Looks& looks, const Glimpse& g) {
     list.items.push_back(item);
   };
   std::uint32_t skittle = kFirstSkittleId, ball = kFirstBallId;
-  const double lower = g.ellipsoids ? 0.0 : looks.skittle_centre - g.skittle_centre;
+  const double raised = skittle_look(g.ellipsoids, g.skittle_centre, looks.skittle_centre).raised;
   for (Pose X_WB : g.X_WB_skittles) {
-    if (lower != 0.0) X_WB.p = X_WB * Vec3(0.0, 0.0, lower);
+    if (raised != 0.0) X_WB.p = X_WB * Vec3(0.0, 0.0, raised);
     add(g.ellipsoids ? looks.ellipsoid_skittle : looks.true_skittle, X_WB, skittle++);
     append_occluders(list, g.ellipsoids ? looks.ellipsoid_occluders : looks.true_occluders, X_WB);
   }

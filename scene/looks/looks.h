@@ -92,7 +92,9 @@ struct SkittleLook {
   bool operator==(const SkittleLook&) const = default;
 };
 
-/// @param drawn_centre  Looks::skittle_centre
+/// @param centre        height of the body's origin above the skittle's base now [m]
+/// @param drawn_centre  that of the mesh: Looks::skittle_centre
+SkittleLook skittle_look(bool ellipsoid, double centre, double drawn_centre);
 SkittleLook skittle_look(const Stage& stage, double drawn_centre);
 
 /// What a glimpse shows. The head is drawn for another camera alone: an eye is in it.

@@ -30,6 +30,7 @@ Pose of_left_hand(const Pose& X_SH) {
           Vec3(-X_SH.p.x(), X_SH.p.y(), X_SH.p.z())};
 }
 
+constexpr double kFrame = 0.017;       // s, of a headset with 60 frames a second
 constexpr double kReach = 0.35;        // the first ball is so far to the side of the player [m]
 constexpr double kBehind = 0.20;       // and so far ahead
 constexpr double kMouseWindow = 0.05;  // of the velocity at a release [s]
@@ -37,11 +38,14 @@ constexpr double kMouseWindow = 0.05;  // of the velocity at a release [s]
 }  // namespace
 
 std::span<const BrowserDevice> browser_devices() {
-  static const std::array<BrowserDevice, 2> kAll = {{
+  static const std::array<BrowserDevice, 3> kAll = {{
       {"mouse", "the page computes the pose of the virtual hand from the pointer or from keys",
-       Pose{}, 0.020, 0.0, false},
-      {"generic-webxr", "WebXR Device API: grip space", Pose{hand_in_grip(), Vec3::Zero()}, 0.017,
-       0.1, true},
+       Pose{}, 0.020, 0.0, 0.0, false},
+      {"generic-webxr", "WebXR Device API: grip space", Pose{hand_in_grip(), Vec3::Zero()}, kFrame,
+       0.0, 0.1, true},
+      {"predicting-webxr",
+       "WebXR Device API: grip space; XRFrame.predictedDisplayTime is 25 ms ahead or more",
+       Pose{hand_in_grip(), Vec3::Zero()}, 0.0, 0.025, 0.1, true},
   }};
   return kAll;
 }
@@ -68,6 +72,7 @@ Scenario played_with(Scenario scenario, const BrowserDevice& device, bool left_h
   rig.X_SD = {};
   rig.X_SH = left_hand ? of_left_hand(device.X_SH) : device.X_SH;
   rig.delay_s = device.delay_s;
+  rig.predicted_s = device.predicted_s;
   rig.away_after_s = device.away_after_s;
   Hand& hand = scenario.hand;
   if (!device.solid_hand) {

@@ -14,6 +14,7 @@ struct BrowserDevice {
   std::string_view source;  ///< where its frames are defined
   Pose X_SH;                ///< what is tracked on the right hand -> virtual hand
   double delay_s;           ///< poses are read this long before now
+  double predicted_s;       ///< and are told this long before the time that they are for
   double away_after_s;      ///< a hand that is not tracked for longer is nowhere; 0: never
   bool solid_hand;          ///< the hand pushes what it touches
 };

@@ -114,9 +114,9 @@ void PageSession::see(std::vector<float>& out) const {
   append(session_.player.walk.X_WP(), out);
   append(g.X_WH.value_or(Pose{}), out);
   append(g.X_WD, out);
-  const double lower = g.ellipsoids ? 0.0 : drawn_centre_ - g.skittle_centre;
+  const double raised = skittle_look(g.ellipsoids, g.skittle_centre, drawn_centre_).raised;
   for (const Pose& X_WB : g.X_WB_skittles) {
-    append({X_WB.q, X_WB * Vec3(0.0, 0.0, lower)}, out);
+    append({X_WB.q, X_WB * Vec3(0.0, 0.0, raised)}, out);
   }
   for (const Pose& X_WB : g.X_WB_balls) append(X_WB, out);
 }

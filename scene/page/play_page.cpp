@@ -69,6 +69,7 @@ PageData play_page(const Scenario& scenario) {
   PageData data;
   json& out = data.json;
   out["scenario"] = {{"name", scenario.name}, {"text", to_toml(scenario)}};
+  out["not_stored"] = name_of(scenario.game.not_stored);
   out["rate_hz"] = scenario.rates.physics_hz;
   out["frame_hz"] = scenario.rates.frame_hz;
   out["sound"] = scenario.sound.on;

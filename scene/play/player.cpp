@@ -73,7 +73,7 @@ Twist velocity_at_sample(const Player& player, const Hand& hand, const Vec3& p_H
 Motion hand_motion(const Player& player, const Scenario& scenario, const Vec3& p_HB, Time time) {
   const Hand& hand = scenario.hand;
   if (!at_trigger(hand)) return {velocity_at_sample(player, hand, p_HB, time)};
-  const Time last = told_until(time, scenario.rig.delay_s);
+  const Time last = told_until(time, scenario.rig.delay_s + scenario.rig.predicted_s);
   const std::vector<Stamped<Pose>>& track = player.hand.samples();
   const auto end = std::ranges::upper_bound(track, last, {}, &Stamped<Pose>::time);
   const auto told = std::span(track).first(static_cast<std::size_t>(end - track.begin()));

@@ -13,11 +13,11 @@ namespace headpin::scene {
 /// Longest delay of a sample: that of a Fastrak at 115200 baud.
 inline constexpr Time kSampleLatency{8'000};
 
-/// The time of the last sample that is used for a release at `time`, when poses are read
-/// `rig.delay_s` late: only samples that have arrived in any case, so that a throw does not depend
-/// on the arrival times.
-inline Time told_until(Time time, double delay_s) {
-  return time + std::max(Time{}, microseconds(delay_s) - kSampleLatency);
+/// The time of the last sample that is used for a release at `time`, when poses are told so long
+/// before they are read (`rig.delay_s` and `rig.predicted_s`): only samples that have arrived in any
+/// case, so that a throw does not depend on the arrival times.
+inline Time told_until(Time time, double before_s) {
+  return time + std::max(Time{}, microseconds(before_s) - kSampleLatency);
 }
 
 /// The velocity of a point of the hand at a time.

@@ -38,6 +38,7 @@ inline constexpr std::string_view kept_pace = "kept_pace";
 inline constexpr std::string_view played_with = "played_with";
 inline constexpr std::string_view recentred = "recentred";
 inline constexpr std::string_view paused = "paused";
+inline constexpr std::string_view not_stored = "not_stored";
 inline constexpr std::string_view source_amiss = "source_amiss";
 inline constexpr std::string_view grab_found = "grab_found";
 inline constexpr std::string_view release_found = "release_found";
@@ -131,6 +132,10 @@ inline constexpr auto kEventKinds = std::to_array<EventKind>({
      "in a session that a browser played: the session's clock stood still here, because the page "
      "was hidden or made no ticks for over 0.25 s",
      "", "its length [s]"},
+    {kind::not_stored,
+     "in a session that a browser played: from here on the browser could not store the log, which "
+     "was kept in memory; detail has the reason",
+     "", ""},
     {kind::source_amiss,
      "a live session left out samples of a source, or had to set their times itself: detail has "
      "the source, the reason and the number so far; at most every ten seconds",

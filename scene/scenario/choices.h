@@ -143,6 +143,15 @@ template <>
 inline constexpr auto kNames<HandFells> =
     std::to_array<Named<HandFells>>({{HandFells::apart, "apart"}, {HandFells::counted, "counted"}});
 
+/// What a page does with a game that its browser cannot store.
+enum class NotStored : std::uint8_t {
+  goes_on,  ///< it is kept in memory alone, and the player is told so
+  ends      ///< the game ends, or does not begin
+};
+template <>
+inline constexpr auto kNames<NotStored> =
+    std::to_array<Named<NotStored>>({{NotStored::goes_on, "goes-on"}, {NotStored::ends, "ends"}});
+
 /// A ball that is released beyond the foul line.
 enum class FoulBall : std::uint8_t {
   note,  ///< there is a foul event, and the ball counts

@@ -254,6 +254,10 @@ void visit(V& v, GameRules& g) {
           "the paper is silent");
   v.field("show_score", g.show_score, kAny,
           "true: a score board hangs in the room; only pictures change");
+  v.field("not_stored", g.not_stored, kNames<NotStored>,
+          "a game that is played in a page, when the browser cannot store it (the disk is full, or "
+          "there is none). goes-on: it is kept in memory, and the player is told; ends: it ends "
+          "there, or does not begin");
 }
 
 template <typename V>
@@ -355,6 +359,9 @@ void visit(V& v, Rig& r) {
   v.field("X_SH", r.X_SH, kAny, "pose of the virtual hand in the frame of the hand's receiver");
   v.field("delay_s", r.delay_s, Range{0, 1},
           "poses are interpolated this long before the present; 0: the last sample is used");
+  v.field("predicted_s", r.predicted_s, Range{0, 1},
+          "the device predicts: it tells poses at least this long before the time that they are "
+          "for; a release uses them up to then");
   v.field("away_after_s", r.away_after_s, Range{0, 10},
           "a hand that nothing has shown for longer is nowhere; 0: it stays at its last pose");
 }

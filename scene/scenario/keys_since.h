@@ -108,6 +108,8 @@ inline constexpr std::pair<std::string_view, std::string_view> kKeysSince[] = {
     {"sound.on", "false"},
     {"rig.away_after_s", "0.0"},
     {"game.show_score", "false"},
+    {"game.not_stored", "'goes-on'"},
+    {"rig.predicted_s", "0.0"},
 };
 
 }  // namespace headpin::scene

@@ -180,6 +180,7 @@ struct GameRules {
   HandFells hand_fells = HandFells::apart;
   FoulBall foul = FoulBall::note;
   bool show_score = false;  ///< a score board hangs in the room
+  NotStored not_stored = NotStored::goes_on;
 };
 
 /// One of two versions of the game, which its button starts (Uno & Slater 1997, section 3).
@@ -215,6 +216,8 @@ struct Rig {
   Pose X_SD;                  ///< head's receiver -> display
   Pose X_SH;                  ///< hand's receiver -> virtual hand
   double delay_s = 0.0;       ///< poses are read this long before now; 0 holds the last sample
+  double predicted_s =
+      0.0;  ///< poses are told at least this long before the time that they are for
   double away_after_s = 0.0;  ///< a hand not seen for longer is nowhere; 0: its last pose stays
 };
 

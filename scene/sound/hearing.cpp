@@ -15,9 +15,10 @@ std::int64_t samples_until(const Session& session, std::int64_t tick) {
 }
 
 /// The longest way of a sound in a room, and a tick more [samples].
-double longest_delay(const RoomMeasures& room, int ticks_hz) {
+double longest_delay(const RoomMeasures& room, std::int64_t ticks_hz) {
   const double diagonal = Vec3(room.width, room.behind + room.ahead, room.height).norm();
-  return (1.1 * diagonal / kSpeedOfSound + 1.0 / ticks_hz) * static_cast<double>(kSoundRate);
+  return (1.1 * diagonal / kSpeedOfSound + 1.0 / static_cast<double>(ticks_hz)) *
+         static_cast<double>(kSoundRate);
 }
 
 SoundingBody sounding(const Stage& stage, engine::BodyId body) {

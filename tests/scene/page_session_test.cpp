@@ -47,7 +47,8 @@ devices::TrackerSample sample(std::int32_t station, Time time, const Pose& X_TS)
   return s;
 }
 
-/// Throws the ball with samples of both stations at 60 Hz. The hand's axes are those of the world.
+/// Throws the ball with samples of both stations at 60 Hz, which a device that predicts tells before
+/// their time. The hand's axes are those of the world.
 void throw_ball(PageSession& session, const Scenario& played) {
   const Rig& rig = played.rig;
   const Pose X_TW = rig.X_WT.inverse();
@@ -55,13 +56,18 @@ void throw_ball(PageSession& session, const Scenario& played) {
   for (std::int64_t frame = 0; frame <= static_cast<std::int64_t>(60 * kEnds); ++frame) {
     const double t = static_cast<double>(frame) / 60.0;
     const Time now = microseconds(t);
+    const auto take = [&](std::int64_t station, const Pose& X_TS) {
+      devices::TrackerSample s = sample(static_cast<std::int32_t>(station),
+                                        now + microseconds(rig.predicted_s), X_TS);
+      s.host_time = s.sent_time = now;
+      session.take(s);
+    };
     const Pose X_WD{rotation(Vec3(0.5 * M_PI, 0.0, 0.0)), rig.X_WT.p + Vec3(0.0, 0.0, 1.7)};
-    session.take(sample(static_cast<std::int32_t>(rig.head_station), now, X_TW * X_WD));
+    take(rig.head_station, X_TW * X_WD);
     // Fingers ahead, the back of the hand up.
     Pose X_WH{rotation(Vec3(0.5 * M_PI, 0.0, 0.0)), Vec3::Zero()};
-    X_WH.p = wanted_ball(played, std::min(t, 1.9)) - X_WH.q * played.hand.grip;
-    session.take(
-        sample(static_cast<std::int32_t>(rig.hand_station), now, X_TW * X_WH * rig.X_SH.inverse()));
+    X_WH.p = wanted_ball(played, std::min(t + rig.predicted_s, 1.9)) - X_WH.q * played.hand.grip;
+    take(rig.hand_station, X_TW * X_WH * rig.X_SH.inverse());
     if (const bool press = t >= kTakes && t < kLetsGo; press != pressed) {
       session.take(devices::MouseSample{.device_time = now, .host_time = now, .trigger = press});
       pressed = press;
@@ -123,6 +129,7 @@ TEST_P(PageSessionThrow, ReplaysToTheBitAndFliesAsTheHandMoved) {
 INSTANTIATE_TEST_SUITE_P(Devices, PageSessionThrow,
                          testing::Values(std::pair{"mouse", false},
                                          std::pair{"generic-webxr", false},
+                                         std::pair{"predicting-webxr", false},
                                          std::pair{"generic-webxr", true}));
 
 TEST(BrowserDevice, AGripThatPointsAheadIsAHandThatDoes) {
@@ -163,8 +170,9 @@ TEST(PageSession, RefusesWhatIsNoSample) {
 }
 
 TEST(PageSession, RefusesADeviceThatIsNotKnown) {
-  EXPECT_THAT([] { PageSession(to_toml(Scenario{}), options_of("glove")); },
-              ThrowsMessage<std::invalid_argument>(HasSubstr("mouse, generic-webxr")));
+  EXPECT_THAT(
+      [] { PageSession(to_toml(Scenario{}), options_of("glove")); },
+      ThrowsMessage<std::invalid_argument>(HasSubstr("mouse, generic-webxr, predicting-webxr")));
 }
 
 TEST(PageSession, APredictedPoseIsKnownAtOnceAndThereWhenItIsFor) {

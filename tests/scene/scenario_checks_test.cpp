@@ -264,7 +264,8 @@ const std::set<std::string>& later_keys() {
       "ball.intermediate", "ball.pin", "ball.mass_bias", "ball.rings",
       "skittle.ellipsoid_weighed", "version.red.detection", "version.red.iterations",
       "version.blue.detection", "version.blue.iterations", "walk.along", "game.ends",
-      "game.hand_fells", "game.foul", "skittle.weighed", "sound.on", "rig.away_after_s", "game.show_score"};
+      "game.hand_fells", "game.foul", "skittle.weighed", "sound.on", "rig.away_after_s", "game.show_score",
+      "game.not_stored", "rig.predicted_s"};
   // clang-format on
   return keys;
 }

@@ -21,9 +21,13 @@ export function stepClock({ hz }) {
 }
 
 /** A headset, and somebody who wears it. */
-export function wear({ inputs }) {
+export function wear({ inputs, ahead = 0 }) {
   const device = new window.IWER.XRDevice(window.IWER.metaQuest3);
   device.installRuntime({ forceInstall: true });  // over Chromium's own, which has no headset
+  if (ahead > 0) {  // poses are predicted by so much [ms]
+    const { get } = Object.getOwnPropertyDescriptor(XRFrame.prototype, 'predictedDisplayTime');
+    Object.defineProperty(XRFrame.prototype, 'predictedDisplayTime', { get() { return get.call(this) + ahead; } });
+  }
   device.primaryInputMode = inputs;
   device.stereoEnabled = true;
   for (const hand of ['left', 'right']) device.hands[hand].poseId = 'pinch';  // a grip that stays when it pinches

@@ -34,9 +34,9 @@ const hint = (page) => page.textContent('#hint');
 const infoOf = (name) => JSON.parse(headpin('info', name, '--json'));
 
 /** Takes the ball, and throws it. */
-async function throwBy(page, device, how) {
+async function throwBy(page, device, how, home = kHome) {
   const send = await inputOf(page, device);
-  const at = await onPage(page, kHome);
+  const at = await onPage(page, home);
   if (device === 'mouse') await send('move', at[0], at[1]);
   await pictures(page);
   await send('down', at[0], at[1]);
@@ -159,7 +159,7 @@ test('a throw with the left hand', async () => {
   const { page, context } = await open();
   await page.check('#hands [value=left]');
   await startGame(page);
-  await throwBy(page, 'mouse');
+  await throwBy(page, 'mouse', undefined, [-kHome[0], kHome[1], kHome[2]]);
   await felled(page);
   await endAndSave(page, 'left_hand.lcmlog');
   const [{ position_m: [x] }] = verified('left_hand.lcmlog').throws;
@@ -360,7 +360,30 @@ test('a full disk is told, and the game can still be saved', async () => {
   const result = await endAndSave(page, 'full.lcmlog');
   assert.match(await page.textContent('#kept'), /no room left/);
   assert.equal(verified('full.lcmlog').verified_ticks, result.ticks);
+  const { events } = infoOf('full.lcmlog');
+  assert.match(events.find(({ kind }) => kind === 'not_stored').detail, /no room left/);
   await context.close();
+});
+
+test('a scenario can say that a game ends with the room on the disk', async () => {
+  headpin('play', '--set', 'game.not_stored=ends', '-o', 'ends.html');
+  const { page, context } = await open({}, 'ends.html');
+  const client = await page.context().newCDPSession(page);
+  await client.send('Storage.overrideQuotaForOrigin', { origin: server.url, quotaSize: 100_000 });
+  await startGame(page);
+  await page.waitForSelector('#save-last');
+  assert.match(await page.textContent('#kept'), /no room left/);
+  await saveBy(page, '#save-last', 'ends.lcmlog');
+  assert.ok(verified('ends.lcmlog').complete);
+  await context.close();
+  // Nothing begins where nothing can be stored.
+  const fromFile = await contextOf();
+  const opened = await openGame(fromFile, urlOf('ends.html'));
+  await opened.page.click('#start');
+  await opened.page.waitForSelector('#trouble:not([hidden])');
+  assert.match(await opened.page.textContent('#trouble'), /stores no games of a page that is opened from a file/);
+  assert.equal(await opened.page.evaluate(() => window.headpin.game ?? null), null);
+  await fromFile.close();
 });
 
 test('a page that is opened from a file says that it stores nothing, and can be played', async () => {

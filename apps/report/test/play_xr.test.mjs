@@ -22,11 +22,11 @@ after(async () => {
   server?.close();
 });
 
-async function enter(inputs, { left = false, file = 'room.html' } = {}) {
+async function enter(inputs, { left = false, file = 'room.html', ahead = 0 } = {}) {
   const context = await browser.newContext({ viewport: { width: 320, height: 160 }, acceptDownloads: true });
   await context.addInitScript(stepClock, { hz: kRate });
   await context.addInitScript({ path: iwer });
-  await context.addInitScript(wear, { inputs });
+  await context.addInitScript(wear, { inputs, ahead });
   const opened = await openGame(context, `${server.url}/${file}`);
   const { page } = opened;
   if (left) await page.check('#hands input[value=left]');
@@ -69,6 +69,26 @@ for (const [inputs, hand] of [['controller', 'right'], ['controller', 'left'], [
     assert.ok(frames > 2 * kRate);
   });
 }
+
+test('the samples of a page make the same game in `headpin live`', () => {
+  headpin('live', 'controller-right.lcmlog', '--eyes', 'none', '--record', 'live.lcmlog');
+  assert.equal(verified('live.lcmlog').game_hash, verified('controller-right.lcmlog').game_hash);
+});
+
+test('poses that are predicted are for their own time; the trigger is pulled now', async () => {
+  const kAhead = 30;
+  const opened = await enter('controller', { ahead: kAhead });
+  const { page } = opened;
+  await page.evaluate(() => window.worn.throwBall('right'));
+  await until(page, () => window.headpin.game.score.skittles_down > 0);
+  const { told } = await leave(opened, 'predicted.lcmlog');
+  assert.equal(JSON.parse(told('played_with')[0].detail).device, 'predicting-webxr');
+  const [{ value: speed }] = told('release');
+  const law = 16 * (0.4 - kAhead / 1000);  // where the hand was when the trigger was let go
+  assert.ok(Math.abs(speed - law) < 0.3, `${speed} m/s, expected ${law}`);
+  const { devices } = JSON.parse(headpin('info', 'predicted.lcmlog', '--json'));
+  assert.ok(devices.length > 2, JSON.stringify(devices));
+});
 
 test('the log tells what is worn', async () => {
   const opened = await enter('controller');

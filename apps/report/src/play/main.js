@@ -126,24 +126,36 @@ class Page {
     const leftHand = document.querySelector('#hands input:checked').value === 'left';
     const { guest } = this.json;
     const participant = guest?.participant || find('participant').value.trim();
+    this.trouble = '';
+    this.foul = false;
+    this.store = new Store(participant, (why) => this.notStored(why));
+    await this.store.start();
+    if (this.store.failed && this.json.not_stored === 'ends') throw new Error(this.trouble);
     if (guest) {
       const sender = new Sender(() => this.tellSent());
       await sender.begin();
       this.sender = sender;
     }
-    this.trouble = '';
-    this.foul = false;
-    this.store = new Store(participant, (sentence) => { this.trouble = sentence; this.tellKept(); });
-    await this.store.start();
     this.game = new Game(this.engine, this.json,
       { device, leftHand, participant, condition: guest?.condition,
         keep: (piece) => this.keep(piece), hear: (samples) => this.sound.play(samples) });
+    if (this.trouble) this.game.note('not_stored', this.trouble);
     this.game.onNews((news) => this.tellNews(news));
     this.pieces = setInterval(() => { this.game.keepLog(); this.tellKept(); }, kPiece);
     this.showControls(true);
     this.room.board.put([]);
     find('score').textContent = '';
     return this.game;
+  }
+
+  /** The game is in memory alone from now on, or ends. */
+  notStored(why) {
+    const ends = this.json.not_stored === 'ends';
+    this.trouble = ends ? why
+      : `${why} You can go on. The game is kept in memory: do not close the page before you have saved it.`;
+    this.game?.note('not_stored', this.trouble);
+    this.tellKept();
+    if (this.game && ends) this.guard(this.end());
   }
 
   keep(piece) {
@@ -190,11 +202,12 @@ class Page {
     const xr = new XrPlay(this.room, this.json);
     await xr.request();  // first, while the browser still knows of the click
     this.xr = xr;
-    const game = await this.begin('generic-webxr');
+    xr.onTrouble = (error) => this.fail(error);
+    const device = await xr.start();
+    const game = await this.begin(device);
     find('hint').textContent = 'You are playing with the headset.';
     xr.onEnd = () => this.guard(this.end());
-    xr.onTrouble = (error) => this.fail(error);
-    await xr.play(game);
+    xr.play(game, device);
   }
 
   async end() {

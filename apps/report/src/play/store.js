@@ -45,15 +45,15 @@ function newName(participant) {
   return `${time}${who ? `-${who}` : ''}.lcmlog`;
 }
 
-function whyInMemory(error) {
-  if (error.cause?.full) return 'The browser has no room left for this game on the disk. You can go on.';
+function whyNotStored(error) {
+  if (error.cause?.full) return 'The browser has no room left for this game on the disk.';
   if (location.protocol === 'file:') return 'This browser stores no games of a page that is opened from a file.';
   return 'This browser stores no games.';
 }
 
 /** The log of one game. */
 export class Store {
-  /** @param onTrouble  told once, in a sentence, when the log is kept in memory alone */
+  /** @param onTrouble  told once, in a sentence, why the log is kept in memory alone */
   constructor(participant, onTrouble) {
     this.name = newName(participant);
     this.onTrouble = onTrouble;
@@ -94,7 +94,7 @@ export class Store {
     this.failed = true;
     this.worker?.terminate();
     for (const answered of [...this.open.values()]) answered({ error: error.message });
-    this.onTrouble(`${whyInMemory(error)} The game is kept in memory: do not close the page before you have saved it.`);
+    this.onTrouble(whyNotStored(error));
   }
 
   /** Takes a piece of the log. */

@@ -6,6 +6,7 @@ import { poseOf } from './scene.js';
 const kStations = { right: 2, left: 3 };
 const kStick = 0.5;
 const kRecentre = 4;          // the lower button (A, X) of a controller: WebXR Gamepads Module
+const kPredicted = 25;        // ms that a pose is ahead in a browser that predicts, as in scene/page/browser_device.cpp
 const kWatched = 90, kMostLate = 9;  // frames that are looked at, and how many of them may be late
 
 /** What moment the poses of a frame are for. Some browsers do not say it, or say 0. */
@@ -54,11 +55,10 @@ export class XrPlay {
     this.session.addEventListener('end', this.leave);
   }
 
-  /** Plays until the session ends. */
-  async play(game) {
+  /** Begins the headset's frames. @returns  the name of the device, once the first of them has come */
+  async start() {
     const { renderer } = this.room;
     const { session } = this;
-    this.game = game;
     this.floor = await session.requestReferenceSpace('local-floor');
     for (const [start, end, name] of [['selectstart', 'selectend', 'select'], ['squeezestart', 'squeezeend', 'squeeze']]) {
       session.addEventListener(start, (event) => this.trigger(event, name, true));
@@ -68,7 +68,7 @@ export class XrPlay {
     this.floor.addEventListener('reset', () => { this.X_TF = null; });
     session.addEventListener('inputsourceschange', (event) => this.changed(event));
     session.addEventListener('visibilitychange', () => {  // as when the headset shows its menu
-      if (session.visibilityState !== 'visible') this.letGo();
+      if (this.game && session.visibilityState !== 'visible') this.letGo();
     });
     addEventListener('keydown', this.keys);  // of somebody who looks on
     renderer.xr.enabled = true;
@@ -76,7 +76,23 @@ export class XrPlay {
     await renderer.xr.setSession(session);
     session.removeEventListener('end', this.leave);
     session.addEventListener('end', this.leave);  // now after three.js, which gives the canvas its own size again
-    renderer.setAnimationLoop((time, frame) => {
+    return new Promise((resolve, reject) => {
+      this.onEnd = () => reject(new Error('the headset was put away before the game began'));
+      renderer.setAnimationLoop((time, frame) => {
+        if (frame) resolve(this.deviceOf(frame));
+      });
+    });
+  }
+
+  deviceOf(frame) {
+    return timeOf(frame, 0) - performance.now() >= kPredicted ? 'predicting-webxr' : 'generic-webxr';
+  }
+
+  /** Plays until the session ends. */
+  play(game, device) {
+    this.game = game;
+    this.device = device;
+    this.room.renderer.setAnimationLoop((time, frame) => {
       try {
         if (frame) this.frame(time, frame);
       } catch (error) {
@@ -124,7 +140,7 @@ export class XrPlay {
     this.told = true;
     this.period = 1000 / (session.frameRate ?? this.json.frame_hz);
     this.game.note('played_with', JSON.stringify({
-      device: 'generic-webxr',
+      device: this.device,
       browser: navigator.userAgent,
       inputs: [...session.inputSources].map(({ handedness, profiles }) => ({ handedness, profiles })),
       frame_rate_hz: session.frameRate ?? null,
@@ -139,6 +155,7 @@ export class XrPlay {
 
   /** Controllers may come after the first frame, go, and turn into hands. */
   changed({ removed }) {
+    if (!this.game) return;
     this.told = false;
     if ([...removed].some((input) => this.isPlayed(input))) this.letGo();
   }
@@ -147,11 +164,11 @@ export class XrPlay {
   letGo() {
     this.pressed.clear();
     [this.forward, this.backward] = [false, false];
-    this.tellButtons(Math.max(this.game.now(), this.valid ?? 0));
+    this.tellButtons(this.game.now());
   }
 
   trigger({ inputSource, frame, timeStamp }, name, down) {
-    if (!this.isPlayed(inputSource)) return;
+    if (!this.game || !this.isPlayed(inputSource)) return;
     if (down) this.pressed.add(name);
     else this.pressed.delete(name);
     this.tellButtons(this.game.at(timeOf(frame, timeStamp)));
@@ -194,7 +211,6 @@ export class XrPlay {
     if (!this.X_TF) return;  // it is not tracked yet
     if (!this.told) this.tell(frame);
     const valid = game.at(timeOf(frame, time));
-    this.valid = valid;
     const viewer = frame.getViewerPose(this.floor);
     this.sample(1, viewer, valid);
     if (viewer) this.head = this.inT(viewer.transform);
