@@ -82,6 +82,26 @@ void add_condition_options(CLI::App& command, Condition& condition) {
       ->group(group);
 }
 
+namespace {
+
+/// Refuses options of the paper's detection where none of it is used.
+void expect_paper_detection(const Condition& condition, const scene::Scenario& scenario) {
+  const scene::Versions& versions = scenario.version;
+  for (const auto& detection : {std::optional(scenario.collision.detection), versions.red.detection,
+                                versions.blue.detection}) {
+    if (detection == scene::Detection::paper) return;
+  }
+  for (const auto& [given, option] : {std::pair{condition.iterations.has_value(), "--iterations"},
+                                      {condition.warm.has_value(), "--warm"}}) {
+    if (!given) continue;
+    throw UsageError(fmt::format(
+        "{}: expected --detection paper beside it; converged detection has no cap and no start",
+        option));
+  }
+}
+
+}  // namespace
+
 void apply_condition(Condition condition, scene::Scenario& scenario) {
   condition.option = "--set ";
   try {
@@ -89,6 +109,7 @@ void apply_condition(Condition condition, scene::Scenario& scenario) {
   } catch (const std::invalid_argument& error) {
     throw UsageError(error.what());
   }
+  expect_paper_detection(condition, scenario);
 }
 
 }  // namespace headpin::apps

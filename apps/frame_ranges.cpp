@@ -10,12 +10,13 @@ namespace headpin::apps {
 
 namespace {
 
-std::int64_t frame_number(std::string_view text, const std::string& all) {
+/// @param item  of the whole text, for messages
+std::int64_t frame_number(std::string_view text, std::string_view item, const std::string& all) {
   std::int64_t value = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
   if (error != std::errc{} || end != text.data() + text.size() || value < 0) {
     throw UsageError(fmt::format(
-        "--frames {}: expected numbers and ranges such as 10-20,35, found '{}'", all, text));
+        "--frames {}: expected numbers and ranges such as 10-20,35, found '{}'", all, item));
   }
   return value;
 }
@@ -28,9 +29,9 @@ FrameRanges::FrameRanges(const std::string& text) {
     const std::size_t comma = rest.find(',');
     const std::string_view item = rest.substr(0, comma);
     const std::size_t dash = item.find('-');
-    const std::int64_t first = frame_number(item.substr(0, dash), text);
+    const std::int64_t first = frame_number(item.substr(0, dash), item, text);
     const std::int64_t last =
-        dash == std::string_view::npos ? first : frame_number(item.substr(dash + 1), text);
+        dash == std::string_view::npos ? first : frame_number(item.substr(dash + 1), item, text);
     if (last < first)
       throw UsageError(fmt::format("--frames {}: '{}' ends before it begins", text, item));
     ranges_.push_back({first, last});

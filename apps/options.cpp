@@ -166,7 +166,9 @@ CLI::Validator one_of(std::vector<std::string> words) {
   return CLI::Validator(
       [words = std::move(words)](std::string& text) {
         if (std::ranges::count(words, text) > 0) return std::string();
-        const std::optional<std::string> meant = scene::nearest(text, words);
+        const bool number = text.find_first_not_of("0123456789.") == text.npos;
+        const std::optional<std::string> meant =
+            number ? std::nullopt : scene::nearest(text, words);
         return fmt::format("expected {}, found {}{}", either_of(words), text,
                            meant ? fmt::format("; the nearest is {}", *meant) : "");
       },

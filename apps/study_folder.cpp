@@ -34,7 +34,7 @@ std::set<std::string> bundled_names(const fs::path& folder) {
   return names;
 }
 
-Run look_into(const fs::path& path) {
+Run look_into(const fs::path& path) try {
   Run run{path.stem().string(), path};
   const scene::TrialFile file(path.string());
   const scene::TrialSummary& trial = file.summary();
@@ -47,6 +47,8 @@ Run look_into(const fs::path& path) {
   }
   run.both = versions.size() == 2;
   return run;
+} catch (const scene::NotBegun&) {
+  return {.name = path.stem().string(), .path = path, .begun = false};
 }
 
 }  // namespace

@@ -76,7 +76,8 @@ class StudyLock {
 struct Run {
   std::string name;  ///< run-01
   std::filesystem::path path;
-  bool complete = false;  ///< the recording has its end
+  bool begun = true;      ///< the recording has its beginning
+  bool complete = false;  ///< and its end
   bool both = false;      ///< both versions were begun
   double seconds = 0.0;
   bool is_virtual = false;

@@ -113,7 +113,8 @@ PlayedSession play_trial(const Study& study, const study::PlannedParticipant& pa
       is_virtual_name(its.participant) ? virtual_name(participant.id) : participant.id;
   header.condition = condition_of(study, participant);
   header.seed = its.seed;
-  const std::int64_t ticks = scene::tick_count(recorded.file.summary(), scenario.rates.physics_hz);
+  const std::int64_t ticks = scene::tick_count(recorded.file.summary(), scenario.rates.physics_hz,
+                                               recorded.scenario.rates.physics_hz);
   scene::TrialPlayer source(recorded.file);
   return play(scenario, header, path, source, nullptr, [&](const scene::Session& session) {
     each_tick();

@@ -66,15 +66,14 @@ sweep::ReleaseGrid grid_of(const WhatIfQuestion& question) {
   return grid;
 }
 
-/// The throws of a trial, replayed under the condition.
-std::vector<sweep::Situation> throws_of(const std::string& path, const WhatIfQuestion& question,
-                                        std::string_view command) {
-  scene::Recorded recorded = scene::load_trial(path, microseconds(question.longest_gap));
-  apply_condition(question.condition, recorded.scenario);
-  scene::Session session = scene::make_session(recorded.scenario);
+/// The throws of a trial, replayed under a scenario.
+std::vector<sweep::Situation> throws_under(const scene::Scenario& scenario,
+                                           const scene::Recorded& recorded,
+                                           const WhatIfQuestion& question) {
+  scene::Session session = scene::make_session(scenario);
   session.hashes = false;
-  const std::int64_t ticks =
-      scene::tick_count(recorded.file.summary(), recorded.scenario.rates.physics_hz);
+  const std::int64_t ticks = scene::tick_count(recorded.file.summary(), scenario.rates.physics_hz,
+                                               recorded.scenario.rates.physics_hz);
   sweep::Situations situations(microseconds(1e-3 * question.within_ms));
   ProgressLine progress("ticks", ticks);
   const std::vector<scene::Observer*> observers = {&situations, &progress};
@@ -84,8 +83,60 @@ std::vector<sweep::Situation> throws_of(const std::string& path, const WhatIfQue
     check_stop();
     return s.tick >= ticks;
   });
-  if (!command.empty()) say_what_is_missing(command, path, recorded.file.summary());
   return situations.all();
+}
+
+/// A throw of a trial under the condition.
+struct NumberedThrow {
+  int number = 0;  ///< among the recorded throws, from 1
+  sweep::Situation situation;
+};
+
+struct ThrowsOfTrial {
+  std::size_t recorded = 0;        ///< their number
+  std::vector<NumberedThrow> all;  ///< those that are also thrown under the condition
+};
+
+/// The throws of a trial under the condition. Some may be lost, because no ball is within reach then.
+/// The trigger tells which is which.
+ThrowsOfTrial throws_of(const std::string& path, const WhatIfQuestion& question,
+                        std::string_view command) {
+  const scene::Recorded recorded = scene::load_trial(path, microseconds(question.longest_gap));
+  if (!command.empty()) say_what_is_missing(command, path, recorded.file.summary());
+  std::vector<sweep::Situation> own = throws_under(recorded.scenario, recorded, question);
+  ThrowsOfTrial throws{.recorded = own.size(), .all = {}};
+  if (question.condition == Condition{}) {
+    for (sweep::Situation& one : own) {
+      throws.all.push_back({static_cast<int>(throws.all.size()) + 1, std::move(one)});
+    }
+    return throws;
+  }
+  scene::Scenario other = recorded.scenario;
+  apply_condition(question.condition, other);
+  for (sweep::Situation& one : throws_under(other, recorded, question)) {
+    const auto same = std::ranges::find(own, one.trigger, &sweep::Situation::trigger);
+    if (same == own.end()) continue;
+    throws.all.push_back({static_cast<int>(same - own.begin()) + 1, std::move(one)});
+  }
+  return throws;
+}
+
+/// The throw that the question is about.
+const sweep::Situation& asked_throw(const ThrowsOfTrial& throws, const WhatIfQuestion& question) {
+  const std::string& trial = question.trials.front();
+  if (throws.recorded == 0) {
+    throw std::runtime_error(trial +
+                             ": has no throw; expected a trial in which a ball is released");
+  }
+  if (question.number < 1 || question.number > static_cast<int>(throws.recorded)) {
+    throw UsageError(fmt::format("{}: expected a throw of {} from 1 to {}, found {}",
+                                 question.option, trial, throws.recorded, question.number));
+  }
+  const auto found = std::ranges::find(throws.all, question.number, &NumberedThrow::number);
+  if (found != throws.all.end()) return found->situation;
+  throw std::runtime_error(
+      fmt::format("{}: throw {} is lost under this condition: no ball is in the hand when it opens",
+                  trial, question.number));
 }
 
 /// Simulates with all jobs and shows the progress.
@@ -165,27 +216,18 @@ std::string in_words(const sweep::MissRooms& rooms) {
 sweep::WhatIf ask_what_if(const WhatIfQuestion& question, std::string_view command) {
   sweep::WhatIf whatif;
   whatif.grid = grid_of(question);
-  std::vector<sweep::Situation> throws;
+  ThrowsOfTrial throws;
   for (std::size_t t = 0; t < question.trials.size(); ++t) {
-    std::vector<sweep::Situation> of_trial = throws_of(question.trials[t], question, command);
+    ThrowsOfTrial of_trial = throws_of(question.trials[t], question, command);
     const std::string name = std::filesystem::path(question.trials[t]).filename().string();
-    for (std::size_t i = 0; i < of_trial.size(); ++i) {
-      const scene::ThrowRow& thrown = of_trial[i].thrown;
-      whatif.own.push_back({name, static_cast<int>(i) + 1, thrown, sweep::execution_of(thrown)});
+    for (const auto& [number, situation] : of_trial.all) {
+      const scene::ThrowRow& thrown = situation.thrown;
+      whatif.own.push_back({name, number, thrown, sweep::execution_of(thrown)});
     }
     if (t == 0) throws = std::move(of_trial);
   }
-  if (throws.empty()) {
-    throw std::runtime_error(question.trials.front() +
-                             ": has no throw; expected a trial in which a ball is released");
-  }
-  if (question.number < 1 || question.number > std::ssize(throws)) {
-    throw UsageError(fmt::format("{}: expected a throw of {} from 1 to {}, found {}",
-                                 question.option, question.trials.front(), throws.size(),
-                                 question.number));
-  }
+  const sweep::Situation& situation = asked_throw(throws, question);
   if (question.costs) whatif.in_costs = throws_with_velocity(whatif);
-  const sweep::Situation& situation = throws[static_cast<std::size_t>(question.number - 1)];
   whatif.trial = whatif.own.front().trial;
   whatif.number = question.number;
   whatif.thrown = situation.thrown;

@@ -320,12 +320,23 @@ std::vector<Told> all_told(const Apart& apart) {
   return all;
 }
 
+/// "the ball", "skittle 1".
+std::string with_article(const std::string& body) {
+  return body.find(' ') == body.npos ? "the " + body : body;
+}
+
 std::string times_seen(const Told& told) {
-  return fmt::format("the {}'s {} at {:.2f} s, {:.2g} times what is seen", told.body, told.words,
-                     seconds(told.difference.at), told.difference.times);
+  return fmt::format("{}'s {} at {:.2f} s, {} times what is seen", with_article(told.body),
+                     told.words, seconds(told.difference.at),
+                     times_in_words(told.difference.times));
 }
 
 }  // namespace
+
+std::string times_in_words(double times) {
+  if (times > 0.0 && times < 0.01) return "less than 0.01";
+  return times < 100.0 ? fmt::format("{:.2g}", times) : fmt::format("{:.0f}", times);
+}
 
 std::vector<std::string> in_sentences(const Apart& apart) {
   const std::vector<Told> all = all_told(apart);

@@ -126,6 +126,9 @@ class Apart {
   std::vector<Directions> recent_;
 };
 
+/// How many times as large as what is seen.
+std::string times_in_words(double times);
+
 /// The first difference above its threshold and the largest one, a sentence each; one sentence where
 /// nothing is above.
 std::vector<std::string> in_sentences(const Apart& apart);

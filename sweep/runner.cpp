@@ -95,8 +95,8 @@ std::vector<std::string> Replayer::run(std::size_t number, const std::vector<std
     Result sum(&own_condition(trial));
     scene::NoPace pace;
     scene::Observer* const observer = &sum;
-    const std::int64_t ticks =
-        scene::tick_count(trial.summary, session.scenario().rates.physics_hz);
+    const std::int64_t ticks = scene::tick_count(trial.summary, session.scenario().rates.physics_hz,
+                                                 trial.scenario.rates.physics_hz);
     scene::run(session, source, pace, std::span(&observer, 1), [&](const scene::Session& s) {
       try {
         check();

@@ -33,11 +33,13 @@ struct ApartOptions {
 /// One of the two sessions.
 struct Simulated {
   scene::Recorded recorded;
+  std::int64_t recorded_hz;
   scene::Session session;
   scene::TrialPlayer source;
 
-  explicit Simulated(scene::Recorded trial)
+  Simulated(scene::Recorded trial, std::int64_t trial_hz)
       : recorded(std::move(trial)),
+        recorded_hz(trial_hz),
         session(scene::make_session(recorded.scenario)),
         source(recorded.file) {
     session.hashes = false;
@@ -45,7 +47,8 @@ struct Simulated {
   Simulated(const Simulated&) = delete;
   Simulated& operator=(const Simulated&) = delete;
   std::int64_t ticks() const {
-    return scene::tick_count(recorded.file.summary(), recorded.scenario.rates.physics_hz);
+    return scene::tick_count(recorded.file.summary(), recorded.scenario.rates.physics_hz,
+                             recorded_hz);
   }
 };
 
@@ -125,7 +128,7 @@ void print_table(const sweep::Apart& apart) {
   fmt::print("{:<14}{:>20}{:>14}{:>12}{:>10}{:>12}{:>10}\n", "body", "left, right [arcmin]",
              "times seen", "from [s]", "speed", "contact", "bounce");
   const auto times = [](const std::optional<sweep::Difference>& difference) {
-    return difference ? fmt::format("{:.2g}", difference->times) : std::string("-");
+    return difference ? sweep::times_in_words(difference->times) : std::string("-");
   };
   for (const sweep::BodyApart& body : apart.bodies()) {
     if (!differs(body)) continue;
@@ -157,10 +160,13 @@ void tell_apart(const ApartOptions& options) {
                                                             .standard_output = !options.json,
                                                             .inputs = inputs});
   }
-  Simulated a(loaded(options.a, options));
+  scene::Recorded one = loaded(options.a, options);
+  const std::int64_t one_hz = one.scenario.rates.physics_hz;
+  Simulated a(std::move(one), one_hz);
   scene::Recorded other = loaded(options.b.value_or(options.a), options);
+  const std::int64_t other_hz = other.scenario.rates.physics_hz;
   apply_condition(options.condition, other.scenario);
-  Simulated b(std::move(other));
+  Simulated b(std::move(other), other_hz);
   say_what_is_missing("apart", options.a, a.recorded.file.summary());
   if (options.b) say_what_is_missing("apart", *options.b, b.recorded.file.summary());
   sweep::Apart apart = apart_of(a, b, options);

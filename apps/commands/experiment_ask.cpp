@@ -106,7 +106,8 @@ void draw(const Study& study, const AskOptions& options) {
   for (const study::PlannedParticipant& one : study.plan) {
     if (!options.all && one.id != options.participant) continue;
     const std::vector<Run> runs = runs_of(study.at, one.id);
-    const bool person = std::ranges::any_of(runs, [](const Run& run) { return !run.is_virtual; });
+    const bool person =
+        std::ranges::any_of(runs, [](const Run& run) { return run.begun && !run.is_virtual; });
     if (person && options.all) continue;
     if (person) {
       throw UsageError(fmt::format("{} is no virtual participant: {} is a person's", one.id,

@@ -179,6 +179,11 @@ void export_trial(const ExportOptions& options) {
   trial.require_trial(devices::kLongestGap);
   const scene::TrialSummary& summary = trial.summary();
   say_what_is_missing("export", options.trial, summary);
+  if (summary.state_count == 0) {
+    say("headpin export: {}: has no states, as before a replay; `headpin replay {} -o FILE` makes a "
+        "trial with them\n",
+        printable(options.trial), printable(options.trial));
+  }
   watch_stop_signals();
   base::OutputFolder folder(*options.folder,
                             {.overwrite = options.force, .others = {options.trial}});

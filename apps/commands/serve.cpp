@@ -208,7 +208,7 @@ void add_serve(CLI::App& app) {
       "Each link is for one game of one person. The operator's page makes more links. It shows who "
       "is playing, and the room. With a study,\neach link is for the next participant of the plan; "
       "the questions are asked in the page after the game.\n\n"
-      "Example:\n  headpin serve ten-pin -o games --bind 0.0.0.0\n  headpin serve study --port 9000");
+      "Example:\n  headpin serve regulation-ten-pin -o games --bind 0.0.0.0\n  headpin serve study --port 9000");
   command->callback([options] { serve(*options); });
 }
 

@@ -20,10 +20,11 @@ const scene::Scenario& OpenTrial::scenario() {
   return *scenario_;
 }
 
-Run::Run(const OpenTrial& trial, const scene::Scenario& scenario, scene::TrialPlayer::Beside beside)
+Run::Run(OpenTrial& trial, const scene::Scenario& scenario, scene::TrialPlayer::Beside beside)
     : session(scene::make_session(scenario)),
       source(trial.file(), beside),
-      ticks(scene::tick_count(trial.summary(), scenario.rates.physics_hz)) {
+      ticks(scene::tick_count(trial.summary(), scenario.rates.physics_hz,
+                              trial.scenario().rates.physics_hz)) {
   if (trial.summary().sample_count > 0) return;
   throw DamagedTrial(trial.path() + ": expected samples of a tracker, found none");
 }

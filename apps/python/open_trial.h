@@ -40,7 +40,7 @@ class OpenTrial {
 struct Run {
   /// @throws DamagedTrial           when the trial holds no samples
   /// @throws std::invalid_argument  when the scenario cannot be played
-  Run(const OpenTrial& trial, const scene::Scenario& scenario,
+  Run(OpenTrial& trial, const scene::Scenario& scenario,
       scene::TrialPlayer::Beside beside = {});
 
   /// Makes all ticks, or until `enough`; stops at Ctrl-C.

@@ -61,12 +61,13 @@ std::optional<Parts> numbered(const Tracks& tracks, bool only_hand_is_left) {
   return parts;
 }
 
-Parts find_parts(const Tracks& tracks, const MotionOptions& options, const std::string& where) {
+Parts find_parts(const MotionTracks& read, const MotionOptions& options, const std::string& where) {
+  const Tracks& tracks = read.tracks;
   const bool named = std::ranges::any_of(options.names, [](auto& name) { return !name.empty(); });
   std::array<std::vector<const PoseTrack*>, 3> found;
   for (std::size_t part = 0; part < 3; ++part) {
     if (named && options.names[part].empty()) continue;  // not tracked
-    found[part] = tracks_of(tracks, part, options.names[part]);
+    found[part] = tracks_of(tracks, part, read.by_part ? "" : options.names[part]);
   }
   const bool none = std::ranges::all_of(found, [](const auto& all) { return all.empty(); });
   if (none && !named) {
@@ -369,7 +370,7 @@ const MotionFormat* format_of(const std::string& path) {
 
 MotionRecording recording_of(const MotionTracks& read, const MotionOptions& options,
                              const std::string& where) {
-  const auto [head, left, right] = find_parts(read.tracks, options, where);
+  const auto [head, left, right] = find_parts(read, options, where);
   const PoseTrack fixed = options.p_head && (left || right)
                               ? standing(*options.p_head - options.p_origin, left ? *left : *right)
                               : PoseTrack{};

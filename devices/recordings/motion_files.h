@@ -56,6 +56,7 @@ struct UnclearObjects : std::invalid_argument {
 /// The tracks by name, and notes about ignored parts of the file.
 struct MotionTracks {
   bool since_start = false;  ///< times count from the start of the recording, so they are kept
+  bool by_part = false;  ///< the tracks have the names of head and hands, whatever the file says
   std::vector<std::pair<std::string, PoseTrack>> tracks;
   std::vector<std::string> notes;
   Reading reading = {};  ///< how the format says that its numbers are read

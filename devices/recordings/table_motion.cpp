@@ -218,6 +218,7 @@ class TableMotion {
     for (std::size_t part = 0; part < 3; ++part) {
       if (columns_.parts[part].tracked()) read_part(part);
     }
+    tracks_.by_part = true;
     return std::move(tracks_);
   }
 

@@ -167,7 +167,8 @@ PageData page_data(const Recorded& recorded, const PageLooks& page_looks,
   apply(condition, scenario);
   const bool unchanged = condition == Condition{};
   const TrialSummary& trial = recorded.file.summary();
-  const std::int64_t ticks = tick_count(trial, scenario.rates.physics_hz);
+  const std::int64_t ticks =
+      tick_count(trial, scenario.rates.physics_hz, recorded.scenario.rates.physics_hz);
   Session session = make_session(scenario);
 
   TrialPlayer source(recorded.file, {.states = unchanged && trial.state_count > 0});

@@ -78,11 +78,17 @@ Quat turned_ahead(const Vec3& ahead) {
   return Quat(R_TW.transpose());
 }
 
-void use_recorded_rig(Scenario& scenario, const Quat& q_WT, const Vec3& p_over_foul_line) {
+std::int32_t station_of(Side side) {
+  return side == Side::left ? devices::kLeftHandStation : devices::kHandStation;
+}
+
+/// @param side  of the hand that throws
+void use_recorded_rig(Scenario& scenario, const Quat& q_WT, const Vec3& p_over_foul_line,
+                      Side side) {
   const Vec3 p_W = q_WT * -horizontal(p_over_foul_line);
   scenario.rig.X_WT = {q_WT.normalized(), Vec3(p_W.x(), p_W.y(), 0.0)};
   scenario.rig.head_station = devices::kHeadStation;  // as in to_samples
-  scenario.rig.hand_station = devices::kHandStation;
+  scenario.rig.hand_station = station_of(side);
   scenario.rig.X_SD = {};
   scenario.rig.X_SH = {};
   scenario.rig.delay_s = nearest_seconds(kReadLate);
@@ -178,7 +184,7 @@ Scenario stand_thrower(Scenario scenario, const MotionRecording& recording, cons
   scenario.hand.spin = spin_of(scenario.hand, found.side);
   const std::vector<Pose>& track = throwing_hand(recording, found.side);
   const Vec3 p_TB = track[found.release] * scenario.hand.grip;
-  use_recorded_rig(scenario, q_WT, p_TB);
+  use_recorded_rig(scenario, q_WT, p_TB, found.side);
   scenario.ball.home = scenario.rig.X_WT * (track[found.grab] * scenario.hand.grip);
   return scenario;
 }
@@ -193,7 +199,7 @@ Scenario stand_onlooker(Scenario scenario, const MotionRecording& recording, Hea
     }
     if (gaze.norm() > 0.0) ahead = gaze.normalized();
   }
-  use_recorded_rig(scenario, turned_ahead(ahead), recording.head.front().p);
+  use_recorded_rig(scenario, turned_ahead(ahead), recording.head.front().p, Side::right);
   return scenario;
 }
 
@@ -206,7 +212,6 @@ std::vector<devices::Sample> head_samples(const MotionRecording& recording) {
 }
 
 std::vector<devices::Sample> to_samples(const MotionRecording& recording, const Throw& found) {
-  constexpr std::int32_t kOtherHandStation = 3;
   const Side other = found.side == Side::left ? Side::right : Side::left;
   std::vector<devices::Sample> samples;
   for (std::size_t i = 0; i < recording.times.size(); ++i) {
@@ -214,9 +219,9 @@ std::vector<devices::Sample> to_samples(const MotionRecording& recording, const 
       samples.emplace_back(tracker(recording, i, station, X_TS));
     };
     add(devices::kHeadStation, recording.head[i]);
-    add(devices::kHandStation, throwing_hand(recording, found.side)[i]);
+    add(station_of(found.side), throwing_hand(recording, found.side)[i]);
     const std::vector<Pose>& resting = throwing_hand(recording, other);
-    if (!resting.empty()) add(kOtherHandStation, resting[i]);
+    if (!resting.empty()) add(station_of(other), resting[i]);
     for (const bool pressed : {true, false}) {
       if (i != (pressed ? found.grab : found.release)) continue;
       devices::MouseSample mouse;

@@ -37,12 +37,17 @@ void find_hook(BallWatch& watch, const engine::State& now, double radius) {
   if (!path.hook_end && slip.head<2>().norm() < kRollsAlong * speed) path.hook_end = distance;
 }
 
+/// Whether a ball has touched the lane in the last step: it lies there, or was thrown up again.
+bool has_touched_lane(const engine::State& last, const engine::State& now, double radius) {
+  return is_on_lane(radius, now) || now.v_WB.z() > last.v_WB.z();
+}
+
 /// The part of the way before the skittles.
 void find_on_lane(BallWatch& watch, const RoomMeasures& room, double radius,
                   const engine::State& now) {
   BallPath& path = watch.path;
   const Vec3& p = now.X_WB.p;
-  if (!path.loft_end && is_on_lane(radius, now)) {
+  if (!path.loft_end && has_touched_lane(watch.last, now, radius)) {
     path.loft_end = p.y();
     watch.landed_deg = degrees_from_y(now.v_WB);
   }
@@ -74,6 +79,7 @@ Delivered delivered(const RoomMeasures& room, const engine::State& s) {
   const double ahead = -s.w_WB.head<2>().dot(right);  // rolls ahead
   const double side = -s.w_WB.head<2>().dot(along);   // hooks to the left
   if (ahead != 0.0 || side != 0.0) d.rotation_deg = angle_deg(side, ahead);
+  if (d.rotation_deg == -180.0) d.rotation_deg = 180.0;
   d.tilt_deg = angle_deg(s.w_WB.z(), s.w_WB.head<2>().norm());
   return d;
 }

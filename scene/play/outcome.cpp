@@ -53,9 +53,9 @@ std::string why_nothing_fell(std::span<const Event> events) {
   for (const Event& event : events) {
     if (event.kind == kind::ball_touch) met.push_back(met_by_ball(event));
   }
-  return fmt::format("the ball was released at {:.2f} m/s and touched {}, but no skittle",
-                     release->value,
-                     met.empty() ? "nothing" : fmt::format("{}", fmt::join(met, ", ")));
+  const std::string thrown = fmt::format("the ball was released at {:.2f} m/s", release->value);
+  if (met.empty()) return thrown + " and touched nothing until the end";
+  return fmt::format("{} and touched {}, but no skittle", thrown, fmt::join(met, ", "));
 }
 
 }  // namespace headpin::scene

@@ -323,7 +323,10 @@ TrialFile::TrialFile(const std::string& path)
     : content_(look_into({.path = path, .file = std::make_unique<devices::FileWindow>(path)})),
       summary_(summarise(*content_)) {
   if (summary_.channels.empty()) {
-    throw std::runtime_error(path + ": " + why_without_events(summary_, content_->file->size()));
+    const std::size_t bytes = content_->file->size();
+    const std::string why = path + ": " + why_without_events(summary_, bytes);
+    if (bytes == 0 || summary_.skipped.cut_bytes >= 4) throw NotBegun(why);
+    throw std::runtime_error(why);
   }
 }
 

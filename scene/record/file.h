@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <variant>
 #include <vector>
@@ -30,12 +31,18 @@ std::string why_without_events(const TrialSummary& log, std::size_t bytes);
 /// 12 bytes of it cannot be read". Empty for a complete one.
 std::string what_is_missing(const TrialSummary& trial);
 
+/// A log that ends before its first event is whole: nothing more was written yet.
+struct NotBegun : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
 /// A log that has been scanned once.
 ///
 /// See read_log for what is skipped. It stores the summary, and which messages have a time that
 /// disagrees with their neighbours.
 class TrialFile {
  public:
+  /// @throws NotBegun            when it ends before its first event is whole
   /// @throws std::runtime_error  when there is no such file or no event in it
   explicit TrialFile(const std::string& path);
   /// The same from the bytes of a log, which must outlive the object.

@@ -67,12 +67,9 @@ void FollowedLog::take(const TrialHeader& header) {
 }
 
 void FollowedLog::take(const devices::TrackerSample& sample) {
-  const bool on_head = sample.station == devices::kHeadStation;
   const bool in_hand =
       sample.station == devices::kHandStation || sample.station == devices::kLeftHandStation;
-  if ((on_head && sample.good()) || (in_hand && sample.places_hand())) {
-    X_TS_[sample.station] = sample.X_TS;
-  }
+  if (in_hand ? sample.places_hand() : sample.good()) X_TS_[sample.station] = sample.X_TS;
 }
 
 void FollowedLog::take(const Event& event) {
@@ -132,9 +129,9 @@ std::optional<Pose> FollowedLog::head() const {
 /// Where the hand's sensor is beside the head's.
 std::optional<Pose> FollowedLog::hand() const {
   const std::optional<Pose> X_WD = head();
-  const auto its_head = X_TS_.find(devices::kHeadStation);
-  auto its_hand = X_TS_.find(devices::kHandStation);
-  if (its_hand == X_TS_.end()) its_hand = X_TS_.find(devices::kLeftHandStation);
+  const Rig rig = scenario_ ? scenario_->rig : Rig{};
+  const auto its_head = X_TS_.find(static_cast<std::int32_t>(rig.head_station));
+  const auto its_hand = X_TS_.find(static_cast<std::int32_t>(rig.hand_station));
   if (!X_WD || its_head == X_TS_.end() || its_hand == X_TS_.end()) return std::nullopt;
   return Pose{R_WT_ * its_hand->second.q,
               X_WD->p + R_WT_ * (its_hand->second.p - its_head->second.p)};

@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "scene/play/game_hash.h"
 #include "scene/play/player.h"
 #include "scene/stage/read_scenario.h"
 
@@ -37,11 +38,33 @@ Recorded load_trial(std::span<const std::uint8_t> bytes, const std::string& name
   return read(std::move(file), name, longest_gap);
 }
 
-std::int64_t tick_count(const TrialSummary& trial, std::int64_t rate_hz) {
-  const Time end = std::max(Time{}, trial.end);
-  std::int64_t ticks = end.count() / 1'000'000 * rate_hz;
+namespace {
+
+std::int64_t ticks_until(Time end, std::int64_t rate_hz) {
+  std::int64_t ticks = std::max(Time{}, end).count() / 1'000'000 * rate_hz;
   while (tick_time(ticks, rate_hz) < end) ++ticks;
-  return std::max(ticks, trial.last_tick);
+  return ticks;
+}
+
+/// The last tick that a recording tells. That of a session may be later than its last sample; one
+/// that is much later is damage.
+std::int64_t last_told(const TrialSummary& trial, std::int64_t rate_hz) {
+  constexpr Time kPlausible{1'000'000};
+  const std::optional<SaidGameHash> said = said_game_hash(trial);
+  const bool plausible = said && said->tick <= ticks_until(trial.end + kPlausible, rate_hz);
+  return std::max(trial.last_tick, plausible ? said->tick : 0);
+}
+
+}  // namespace
+
+std::int64_t tick_count(const TrialSummary& trial, std::int64_t rate_hz, std::int64_t recorded_hz) {
+  const std::int64_t told = last_told(trial, recorded_hz);
+  if (rate_hz == recorded_hz) return std::max(ticks_until(trial.end, rate_hz), told);
+  return ticks_until(std::max(trial.end, tick_time(told, recorded_hz)), rate_hz);
+}
+
+std::int64_t tick_count(const TrialSummary& trial, std::int64_t rate_hz) {
+  return tick_count(trial, rate_hz, rate_hz);
 }
 
 std::vector<Stamped<Vec3>> walk_of(const TrialFile& trial, const Scenario& scenario) {

@@ -30,7 +30,9 @@ Recorded load_trial(std::span<const std::uint8_t> bytes, const std::string& name
 
 /// The number of ticks up to the last sample or to the last recorded tick, whichever is later.
 ///
-/// @param rate_hz  of the simulation
+/// @param rate_hz      of the simulation
+/// @param recorded_hz  of the trial, where it is another one
+std::int64_t tick_count(const TrialSummary& trial, std::int64_t rate_hz, std::int64_t recorded_hz);
 std::int64_t tick_count(const TrialSummary& trial, std::int64_t rate_hz);
 
 /// The place of the tracked space after walking with the thumb buttons, at each tick in which it

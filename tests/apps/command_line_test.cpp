@@ -126,6 +126,8 @@ TEST_F(CommandLine, WrongUseIsTwo) {
                  "--iterations: expected a whole number from 5 to 20, found 5.5");
   expect_refusal("replay " + kDemo + " --iterations 21", 2, "from 5 to 20, found 21");
   expect_refusal("replay " + kDemo + " --iterations 1e99999", 2, "found 1e99999");
+  expect_refusal("apart " + kDemo + " --iterations 5", 2,
+                 "--iterations: expected --detection paper beside it");
   expect_refusal("replay " + kDemo + " --set ball.weight=3", 2,
                  "--set ball.weight=3: unknown key 'ball.weight'");
   expect_refusal("replay " + kDemo + " --set ball.mass=-3", 2, "ball.mass must be a number");

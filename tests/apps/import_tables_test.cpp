@@ -396,6 +396,18 @@ TEST_F(ImportTables, ExplainSaysWhatIsUnderstoodAndWritesItsColumns) {
                  "expected quaternions to read as xyzw");
 }
 
+TEST_F(ImportTables, NamesSayWhichColumnsAreHeadAndHands) {
+  write("t.csv", table("plain"));
+  std::string text = slurp(folder_ / "t.csv");
+  for (const auto& [from, to] : {std::pair{"HMD_", "A_"}, {"ctrl_right_", "C_"}}) {
+    text = std::regex_replace(text, std::regex(from), to);
+  }
+  spit(folder_ / "named.csv", text);
+  EXPECT_EQ(headpin("import named.csv -o OUT.lcmlog").code, 1);
+  EXPECT_EQ(json("import named.csv --names A,,C -o named.lcmlog --json")["release_speed_mps"],
+            json("import t.csv -o own.lcmlog --json")["release_speed_mps"]);
+}
+
 TEST_F(ImportTables, AWrongWordIsNamedByItsOption) {
   write("t.csv", table("plain"));
   const std::string import = "import t.csv -o OUT.lcmlog ";

@@ -46,6 +46,29 @@ TEST_F(TrialCommands, AWarmStartIsKeptWithoutBeingAskedForAgain) {
   EXPECT_EQ(cold["game_hash"], json("replay warm.lcmlog --json --warm=false")["game_hash"]);
 }
 
+TEST_F(TrialCommands, AReplayAtAnotherRateLastsAsLong) {
+  ASSERT_EQ(headpin("replay '" + kDemo + "' -o r.lcmlog").code, 0);
+  for (const char* rate : {"120", "240", "480"}) {
+    const nlohmann::json again =
+        json(std::string("replay r.lcmlog --json --set rates.physics_hz=") + rate);
+    EXPECT_NEAR(again["simulated_s"].get<double>(), 7.008, 0.01) << rate;
+  }
+}
+
+// A session of a virtual participant ends a tick after its last sample.
+TEST_F(TrialCommands, ASessionIsReplayedToTheTickThatItTells) {
+  ASSERT_EQ(headpin("experiment plan -o study --people 3 --seed 7").code, 0);
+  ASSERT_EQ(headpin("experiment run study --all --virtual").code, 0);
+  for (const char* who : {"p001", "p002", "p003"}) {
+    const std::string run = std::string("study/sessions/") + who + "/run-01.lcmlog";
+    std::string told;
+    for (const auto& event : json("info " + run + " --json")["events"]) {
+      if (event["kind"] == "game_hash") told = event["detail"];
+    }
+    EXPECT_EQ(json("replay " + run + " --json")["game_hash"], told) << who;
+  }
+}
+
 // A session's length costs no memory: ten times as long, 17 MB more on disk, hardly a megabyte more.
 TEST_F(TrialCommands, MemoryDoesNotGrowWithATrial) {
 #ifdef HEADPIN_SANITIZED

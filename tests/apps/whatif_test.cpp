@@ -55,6 +55,43 @@ TEST_F(WhatIfCommand, IsAskedUnderAnyCondition) {
   EXPECT_EQ(whatif["moments"], 1);
 }
 
+// Under another condition a ball may be elsewhere, so that a throw is lost: the others keep their numbers.
+TEST_F(WhatIfCommand, ThrowsKeepTheirNumbersUnderACondition) {
+  ASSERT_EQ(headpin("synthesize -o s.lcmlog --participant 11 --throws 3").code, 0);
+  const std::string ask = "whatif s.lcmlog --within 0" + kOne;
+  const Result none = headpin(ask + " --throw 99");
+  EXPECT_EQ(none.code, 2);
+  int lost = 0, throws = 0;
+  for (int number = 1; number <= 6; ++number) {
+    const std::string its = " --throw " + std::to_string(number) + " --json";
+    const nlohmann::json own = json(ask + its);
+    const Result other = headpin(ask + its + " --friction 1");
+    if (other.code != 0) {
+      EXPECT_THAT(other.out, HasSubstr("is lost under this condition"));
+      ++lost;
+      continue;
+    }
+    const nlohmann::json same = nlohmann::json::parse(other.out);
+    EXPECT_EQ(same["throw"], number);
+    EXPECT_EQ(same["release_speed_mps"], own["release_speed_mps"]) << number;
+    ++throws;
+  }
+  EXPECT_GT(lost, 0);
+  EXPECT_GT(throws, 2);
+}
+
+// A hand lower than the lane lets the ball go on it.
+TEST_F(WhatIfCommand, ARowHasTheHeightThatTheBallReallyHad) {
+  ASSERT_EQ(headpin("whatif '" + kDemo +
+                    "' -o low --within 0 --speed 1 --direction 0 --spin 0 "
+                    "--height -2:0:3")
+                .code,
+            0);
+  for (auto& row : csv_rows(slurp(folder_ / "low/releases.csv"))) {
+    EXPECT_GT(std::stod(row["height_m"]), 0.108) << row["raised_m"];
+  }
+}
+
 TEST_F(WhatIfCommand, TheNumberOfJobsDoesNotChangeAByte) {
   for (const char* jobs : {"1", "3"}) {
     const Result result = headpin("whatif '" + kDemo + "' -o w" + jobs + " --jobs " + jobs +

@@ -102,6 +102,21 @@ TEST(BallPath, HasBreakpointSkidAndHookAsInClosedForm) {
   EXPECT_LT(*path.loft_end, 0.25);
 }
 
+// It is thrown up again within a tick: at no tick's end it lies on the lane.
+TEST(BallPath, HasTheFirstTouchOfABallThatBounces) {
+  for (const double height : {0.28, 0.30, 0.32, 0.34}) {
+    Stage stage = make_stage(even_lane());
+    engine::State start = hooking(stage);
+    start.X_WB.p.z() += height;
+    start.v_WB = Vec3(0.0, 5.0, 0.0);
+    start.w_WB = Vec3::Zero();
+    const double falls = std::sqrt(2.0 * height / kGravity);
+    const BallPath path = way_of(stage, start).path;
+    ASSERT_TRUE(path.loft_end) << height;
+    EXPECT_NEAR(*path.loft_end, start.X_WB.p.y() + 5.0 * falls, 0.04) << height;
+  }
+}
+
 TEST(BallPath, EndsInTheGutterOrBehindTheSkittles) {
   Stage stage = make_stage(even_lane());
   engine::State start = hooking(stage);

@@ -72,7 +72,10 @@ for (const [inputs, hand] of [['controller', 'right'], ['controller', 'left'], [
 
 test('the samples of a page make the same game in `headpin live`', () => {
   headpin('live', 'controller-right.lcmlog', '--eyes', 'none', '--record', 'live.lcmlog');
-  assert.equal(verified('live.lcmlog').game_hash, verified('controller-right.lcmlog').game_hash);
+  // The two end some ticks apart; up to there each state is the same.
+  const { a, b, first_difference_tick: first } = JSON.parse(headpin('compare', 'controller-right.lcmlog', 'live.lcmlog', '--json'));
+  assert.ok(first === null || first > Math.min(a.ticks, b.ticks), `they differ in tick ${first} of ${a.ticks} and ${b.ticks}`);
+  assert.ok(a.ticks - b.ticks < 24 && a.throw_count === 1);
 });
 
 test('poses that are predicted are for their own time; the trigger is pulled now', async () => {
