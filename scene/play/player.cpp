@@ -204,7 +204,7 @@ void release(Player& player, const Tick& tick, Time time, Time now) {
   if (hand.falls_at_once) state.X_WB.p += 0.5 * flown * gained;
   const Vec3 p_in_hand = state.X_WB.p;
   state = engine::outside_fixed(tick.world, body, state);
-  told.p_WB += state.X_WB.p - p_in_hand;
+  *told.p_WB += state.X_WB.p - p_in_hand;
   const double speed = state.v_WB.norm();
   if (hand.falls_at_once) state.v_WB += gained;
   player.held.reset();
