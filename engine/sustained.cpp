@@ -232,7 +232,7 @@ void add_rows(Island& s) {
   }
 }
 
-HEADPIN_FLATTEN void solve_island(Island& s, Workspace& w) {
+HEADPIN_ALSO_AVX HEADPIN_FLATTEN void solve_island(Island& s, Workspace& w) {
   World& world = s.world;
   const Parameters& p = world.parameters;
   Squeeze squeeze(s);
