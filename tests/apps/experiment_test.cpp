@@ -169,19 +169,19 @@ TEST_F(Experiment, ASessionThatWasCutOffStaysAndTheNextIsAnotherRun) {
 
 TEST_F(Experiment, ARecordingThatHasNotBegunBlocksNothing) {
   ASSERT_EQ(headpin("experiment plan -o a --people 1").code, 0);
-  fs::create_directories((folder_ / "a/sessions/p001"));
-  std::ofstream((folder_ / "a/sessions/p001/run-01.lcmlog")) << "";
-  std::ofstream((folder_ / "a/sessions/p001/run-02.lcmlog")) << slurp(kDemo).substr(0, 1000);
+  fs::create_directories(folder_ / "a/sessions/p001");
+  std::ofstream(folder_ / "a/sessions/p001/run-01.lcmlog") << "";
+  std::ofstream(folder_ / "a/sessions/p001/run-02.lcmlog") << slurp(kDemo).substr(0, 1000);
   EXPECT_THAT(headpin("experiment status a").out, HasSubstr("run-02, 0.0 s, cut off"));
   const Result ran = headpin("experiment run a --participant p001 --virtual");
   EXPECT_EQ(ran.code, 0) << ran.err;
   EXPECT_THAT(ran.err, testing::AllOf(HasSubstr("run-01.lcmlog is kept: it was interrupted"),
                                       HasSubstr("run-02.lcmlog is kept: it was interrupted")));
-  EXPECT_TRUE(fs::exists((folder_ / "a/sessions/p001/run-03.lcmlog")));
+  EXPECT_TRUE(fs::exists(folder_ / "a/sessions/p001/run-03.lcmlog"));
   EXPECT_EQ(headpin("experiment ask a --participant p001 --virtual").code, 0);
   EXPECT_EQ(headpin("experiment score a").code, 0);
   // What is no recording is an error: something else is amiss.
-  std::ofstream((folder_ / "a/sessions/p001/run-02.lcmlog")) << std::string(1000, 'x');
+  std::ofstream(folder_ / "a/sessions/p001/run-02.lcmlog") << std::string(1000, 'x');
   EXPECT_THAT(headpin("experiment status a").err, HasSubstr("run-02.lcmlog: not an LCM event log"));
 }
 
