@@ -36,6 +36,24 @@ class WithoutStates : public scene::TrialSink {
   scene::Recorder recorder_;
 };
 
+/// The samples of a participant. A session ends in a tick that has one: then a replay of its samples
+/// has as many ticks.
+class Sensed : public devices::Source {
+ public:
+  explicit Sensed(scene::Participant& person) : person_(person) {}
+
+  void poll(Time now, std::vector<devices::Sample>& out) override {
+    const std::size_t before = out.size();
+    person_.poll(now, out);
+    any_ = out.size() > before;
+  }
+  bool exhausted() const override { return any_ && person_.finished(); }
+
+ private:
+  scene::Participant& person_;
+  bool any_ = false;
+};
+
 std::uint64_t person_seed(const Study& study, const std::string& id) {
   Fnv name;
   for (const char c : id) name.add(static_cast<std::uint8_t>(c));
@@ -96,9 +114,10 @@ PlayedSession play_virtual(const Study& study, const study::PlannedParticipant& 
                              .throws = study.design.throws,
                              .blue_first = !games[0].red},
                             scenario);
-  return play(scenario, header, path, person, &person, [&](const scene::Session&) {
+  Sensed source(person);
+  return play(scenario, header, path, source, &person, [&](const scene::Session&) {
     each_tick();
-    return person.finished();
+    return source.exhausted();
   });
 }
 

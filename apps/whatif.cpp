@@ -124,7 +124,7 @@ ThrowsOfTrial throws_of(const std::string& path, const WhatIfQuestion& question,
 /// The throw that the question is about.
 const sweep::Situation& asked_throw(const ThrowsOfTrial& throws, const WhatIfQuestion& question) {
   const std::string& trial = question.trials.front();
-  if (throws.recorded == 0) {
+  if (throws.all.empty()) {
     throw std::runtime_error(trial +
                              ": has no throw; expected a trial in which a ball is released");
   }

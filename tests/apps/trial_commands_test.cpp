@@ -55,14 +55,14 @@ TEST_F(TrialCommands, AReplayAtAnotherRateLastsAsLong) {
   }
 }
 
-// A session of a virtual participant ends a tick after its last sample.
 TEST_F(TrialCommands, ASessionIsReplayedToTheTickThatItTells) {
   ASSERT_EQ(headpin("experiment plan -o study --people 3 --seed 7").code, 0);
   ASSERT_EQ(headpin("experiment run study --all --virtual").code, 0);
   for (const char* who : {"p001", "p002", "p003"}) {
     const std::string run = std::string("study/sessions/") + who + "/run-01.lcmlog";
     std::string told;
-    for (const auto& event : json("info " + run + " --json")["events"]) {
+    const nlohmann::json info = json("info " + run + " --json");
+    for (const auto& event : info["events"]) {
       if (event["kind"] == "game_hash") told = event["detail"];
     }
     EXPECT_EQ(json("replay " + run + " --json")["game_hash"], told) << who;

@@ -226,7 +226,8 @@ TEST_P(ThrowTest, ALeftHandersIsOneByTheLeftHand) {
   const Vec3 p_WB = s.rig.X_WT * (left.left_hand[b.release] * s.hand.grip);
   EXPECT_NEAR(p_WB.x(), 0.0, 1e-12);
   const auto hand = std::get<devices::TrackerSample>(to_samples(left, b)[1]);
-  EXPECT_EQ(hand.station, devices::kHandStation);
+  EXPECT_EQ(hand.station, devices::kLeftHandStation);
+  EXPECT_EQ(s.rig.hand_station, devices::kLeftHandStation);
   EXPECT_EQ(hand.X_TS.p, left.left_hand[0].p);
 }
 

@@ -54,7 +54,7 @@ TEST(WhyNothingFell, IsTheFirstThingThatWasAmiss) {
   const Event grab = told(kind::grab, {"ball"}), release = told(kind::release, {"ball"}, 3.0);
   EXPECT_EQ(why({missed, grab}), "the ball was taken and never let go");
   EXPECT_EQ(why({grab, release}),
-            "the ball was released at 3.00 m/s and touched nothing, but no skittle");
+            "the ball was released at 3.00 m/s and touched nothing until the end");
   EXPECT_EQ(why({grab, release, told(kind::ball_touch, {"lane", "ball"}),
                  told(kind::ball_touch, {"ball", "ball 2"}), told(kind::touch, {"x", "y"})}),
             "the ball was released at 3.00 m/s and touched lane, another ball, but no skittle");
