@@ -71,12 +71,10 @@ export class Game {
     checked(this.engine.tracker(station, valid, now, pose, estimated));
   }
 
-  /** Poses may be predicted; what is pressed has happened. */
   buttons(state, deviceTime) {
     if (same(this.pressed, state)) return;
     this.pressed = { ...state };
-    const now = this.now();
-    checked(this.engine.buttons(Math.min(deviceTime, now), now, state.left, state.right, state.trigger));
+    checked(this.engine.buttons(deviceTime, this.now(), state.left, state.right, state.trigger));
   }
 
   note(kind, detail, value = 0) {

@@ -174,8 +174,10 @@ export class XrPlay {
     this.tellButtons(this.game.at(timeOf(frame, timeStamp)));
   }
 
+  /** Poses are predicted; what is pressed has happened. */
   tellButtons(time) {
-    this.game.buttons({ left: this.forward === true, right: this.backward === true, trigger: this.pressed.size > 0 }, time);
+    this.game.buttons({ left: this.forward === true, right: this.backward === true, trigger: this.pressed.size > 0 },
+      Math.min(time, this.game.now()));
   }
 
   readStick({ gamepad }, time) {
