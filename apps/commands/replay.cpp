@@ -287,8 +287,8 @@ void replay(const ReplayOptions& options) {
     run.source = std::make_unique<scene::TrialPlayer>(
         recorded.file, scene::TrialPlayer::Beside{.states = options.verify});
   }
-  const std::int64_t ticks = scene::tick_count(trial, other.rates.physics_hz,
-                                               recorded.scenario.rates.physics_hz);
+  const std::int64_t ticks =
+      scene::tick_count(trial, other.rates.physics_hz, recorded.scenario.rates.physics_hz);
   ProgressLine progress("ticks", ticks);
   std::optional<scene::TrialWriter> writer;
   std::optional<scene::Verifier> verifier;

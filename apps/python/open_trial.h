@@ -40,8 +40,7 @@ class OpenTrial {
 struct Run {
   /// @throws DamagedTrial           when the trial holds no samples
   /// @throws std::invalid_argument  when the scenario cannot be played
-  Run(OpenTrial& trial, const scene::Scenario& scenario,
-      scene::TrialPlayer::Beside beside = {});
+  Run(OpenTrial& trial, const scene::Scenario& scenario, scene::TrialPlayer::Beside beside = {});
 
   /// Makes all ticks, or until `enough`; stops at Ctrl-C.
   void go(std::span<scene::Observer* const> seen_by, const std::function<bool()>& enough = {});

@@ -57,8 +57,8 @@ void throw_ball(PageSession& session, const Scenario& played) {
     const double t = static_cast<double>(frame) / 60.0;
     const Time now = microseconds(t);
     const auto take = [&](std::int64_t station, const Pose& X_TS) {
-      devices::TrackerSample s = sample(static_cast<std::int32_t>(station),
-                                        now + microseconds(rig.predicted_s), X_TS);
+      devices::TrackerSample s =
+          sample(static_cast<std::int32_t>(station), now + microseconds(rig.predicted_s), X_TS);
       s.host_time = s.sent_time = now;
       session.take(s);
     };
