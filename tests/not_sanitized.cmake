@@ -36,6 +36,8 @@ set(HEADPIN_NOT_SANITIZED
   ThroughAUnit.TheSameThrowIsTheSameGameWhereverItsCycleIs
   ThrowAgain.AtAnotherMomentIsTheSessionWhoseTriggerOpensThen
   ThrowAgain.ManyThreadsGiveTheOutcomesOfOne
+  TrialCommands.ASessionIsReplayedToTheTickThatItTells
   WhatIf.CostsOfARealThrowAreNeverNegativeAndItsOwnCountIsThere
+  WhatIfCommand.ThrowsKeepTheirNumbersUnderACondition
 )
 list(JOIN HEADPIN_NOT_SANITIZED ":" HEADPIN_NOT_SANITIZED)
