@@ -262,12 +262,17 @@ std::optional<devices::Sample> sample_of(Message& message) {
   return std::nullopt;
 }
 
+/// Whether a log without events is empty or ends within its first one.
+bool has_not_begun(const TrialSummary& log, std::size_t bytes) {
+  return bytes == 0 || log.skipped.cut_bytes >= 4;
+}
+
 }  // namespace
 
 std::string why_without_events(const TrialSummary& log, std::size_t bytes) {
   const std::string none = "no whole event in " + std::to_string(bytes) + " bytes";
   if (bytes == 0) return "is empty; expected an LCM event log";
-  if (log.skipped.cut_bytes >= 4) return "is cut short within its first event: " + none;
+  if (has_not_begun(log, bytes)) return "is cut short within its first event: " + none;
   return "not an LCM event log: " + none;
 }
 
@@ -325,7 +330,7 @@ TrialFile::TrialFile(const std::string& path)
   if (summary_.channels.empty()) {
     const std::size_t bytes = content_->file->size();
     const std::string why = path + ": " + why_without_events(summary_, bytes);
-    if (bytes == 0 || summary_.skipped.cut_bytes >= 4) throw NotBegun(why);
+    if (has_not_begun(summary_, bytes)) throw NotBegun(why);
     throw std::runtime_error(why);
   }
 }

@@ -216,8 +216,7 @@ struct Rig {
   Pose X_SD;                  ///< head's receiver -> display
   Pose X_SH;                  ///< hand's receiver -> virtual hand
   double delay_s = 0.0;       ///< poses are read this long before now; 0 holds the last sample
-  double predicted_s =
-      0.0;  ///< poses are told at least this long before the time that they are for
+  double predicted_s = 0.0;   ///< poses are told at least this long before their time
   double away_after_s = 0.0;  ///< a hand not seen for longer is nowhere; 0: its last pose stays
 };
 
