@@ -7,8 +7,7 @@ namespace headpin::apps {
 
 void run_again(const scene::Recorded& trial, scene::Session& session,
                std::vector<scene::Observer*> observers) {
-  const std::int64_t ticks =
-      scene::tick_count(trial.file.summary(), trial.scenario.rates.physics_hz);
+  const std::int64_t ticks = trial.ticks();
   ProgressLine progress("ticks", ticks);
   observers.push_back(&progress);
   scene::TrialPlayer source(trial.file);

@@ -51,8 +51,7 @@ study::Played measured(const Run& run) {
   played.frame_rate_hz = frame_rate_of(recorded);
   scene::Session session = scene::make_session(recorded.scenario);
   const auto said = scene::said_game_hash(trial);
-  const std::int64_t ticks =
-      said ? said->tick : scene::tick_count(trial, recorded.scenario.rates.physics_hz);
+  const std::int64_t ticks = said ? said->tick : recorded.ticks();
   study::Measurer measurer;
   scene::Observer* const observer = &measurer;
   scene::TrialPlayer source(recorded.file);

@@ -72,8 +72,7 @@ std::vector<sweep::Situation> throws_under(const scene::Scenario& scenario,
                                            const WhatIfQuestion& question) {
   scene::Session session = scene::make_session(scenario);
   session.hashes = false;
-  const std::int64_t ticks = scene::tick_count(recorded.file.summary(), scenario.rates.physics_hz,
-                                               recorded.scenario.rates.physics_hz);
+  const std::int64_t ticks = recorded.ticks(scenario.rates.physics_hz);
   sweep::Situations situations(microseconds(1e-3 * question.within_ms));
   ProgressLine progress("ticks", ticks);
   const std::vector<scene::Observer*> observers = {&situations, &progress};

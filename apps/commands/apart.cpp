@@ -33,23 +33,17 @@ struct ApartOptions {
 /// One of the two sessions.
 struct Simulated {
   scene::Recorded recorded;
-  std::int64_t recorded_hz;
   scene::Session session;
   scene::TrialPlayer source;
 
-  Simulated(scene::Recorded trial, std::int64_t trial_hz)
+  explicit Simulated(scene::Recorded trial)
       : recorded(std::move(trial)),
-        recorded_hz(trial_hz),
         session(scene::make_session(recorded.scenario)),
         source(recorded.file) {
     session.hashes = false;
   }
   Simulated(const Simulated&) = delete;
   Simulated& operator=(const Simulated&) = delete;
-  std::int64_t ticks() const {
-    return scene::tick_count(recorded.file.summary(), recorded.scenario.rates.physics_hz,
-                             recorded_hz);
-  }
 };
 
 scene::Recorded loaded(const std::string& path, const ApartOptions& options) {
@@ -160,17 +154,14 @@ void tell_apart(const ApartOptions& options) {
                                                             .standard_output = !options.json,
                                                             .inputs = inputs});
   }
-  scene::Recorded one = loaded(options.a, options);
-  const std::int64_t one_hz = one.scenario.rates.physics_hz;
-  Simulated a(std::move(one), one_hz);
+  Simulated a(loaded(options.a, options));
   scene::Recorded other = loaded(options.b.value_or(options.a), options);
-  const std::int64_t other_hz = other.scenario.rates.physics_hz;
   apply_condition(options.condition, other.scenario);
-  Simulated b(std::move(other), other_hz);
+  Simulated b(std::move(other));
   say_what_is_missing("apart", options.a, a.recorded.file.summary());
   if (options.b) say_what_is_missing("apart", *options.b, b.recorded.file.summary());
   sweep::Apart apart = apart_of(a, b, options);
-  const std::int64_t ticks = std::min(a.ticks(), b.ticks());
+  const std::int64_t ticks = std::min(a.recorded.ticks(), b.recorded.ticks());
   {
     Progress progress("ticks", ticks);
     while (a.session.tick < ticks) {

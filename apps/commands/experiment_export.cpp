@@ -121,7 +121,7 @@ Traits write_session(Dataset& dataset, const Study& study, const study::Person& 
   scene::Session again = scene::make_session(recorded.scenario);
   scene::TrialPlayer source(recorded.file);
   scene::NoPace pace;
-  const std::int64_t ticks = scene::tick_count(trial, recorded.scenario.rates.physics_hz);
+  const std::int64_t ticks = recorded.ticks();
   scene::run(again, source, pace, std::span(&observer, 1), [&](const scene::Session& s) {
     check_stop();
     return s.tick >= ticks;

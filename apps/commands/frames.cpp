@@ -321,7 +321,7 @@ void draw_frames(const FramesOptions& options) {
   const scene::Rates& rates = recorded.scenario.rates;
   Task task{.frames = {},
             .fps = options.fps > 0 ? options.fps : rates.frame_hz,
-            .ticks = scene::tick_count(trial, rates.physics_hz),
+            .ticks = recorded.ticks(),
             .compares = options.verify || options.as_shown,
             .why_not = ""};
   const Time end = tick_time(task.ticks, rates.physics_hz);

@@ -157,7 +157,7 @@ void replay_each_throw(const ReplayOptions& options) {
   scene::Scenario other = recorded.scenario;
   apply_condition(options.condition, other);
   scene::Session session = scene::make_session(recorded.scenario);
-  const std::int64_t ticks = scene::tick_count(trial, recorded.scenario.rates.physics_hz);
+  const std::int64_t ticks = recorded.ticks();
   scene::EachThrow each = each_throw_of(session, other);
   ProgressLine progress("ticks", ticks);
   const std::vector<scene::Observer*> observers = {&each, &progress};
@@ -210,7 +210,7 @@ void enter(const ReplayOptions& options, const scene::Recorded& recorded,
            const scene::Scenario& other, Run& run) {
   const Time from = microseconds(*options.from_s);
   const std::int64_t rate_hz = recorded.scenario.rates.physics_hz;
-  const Time end = tick_time(scene::tick_count(recorded.file.summary(), rate_hz), rate_hz);
+  const Time end = tick_time(recorded.ticks(), rate_hz);
   if (from > end) {
     throw UsageError(fmt::format("--from {:g}: expected a time of the trial, at most {:g} s",
                                  *options.from_s, seconds(end)));
@@ -287,8 +287,7 @@ void replay(const ReplayOptions& options) {
     run.source = std::make_unique<scene::TrialPlayer>(
         recorded.file, scene::TrialPlayer::Beside{.states = options.verify});
   }
-  const std::int64_t ticks =
-      scene::tick_count(trial, other.rates.physics_hz, recorded.scenario.rates.physics_hz);
+  const std::int64_t ticks = recorded.ticks(other.rates.physics_hz);
   ProgressLine progress("ticks", ticks);
   std::optional<scene::TrialWriter> writer;
   std::optional<scene::Verifier> verifier;

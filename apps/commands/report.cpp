@@ -63,8 +63,7 @@ void add_trial(const std::string& path, const scene::PageData& data, const std::
 /// Simulates a trial and gives the state of each tick.
 scene::NextState simulated(const scene::Recorded& recorded, scene::Session& session,
                            scene::TrialPlayer& source) {
-  const std::int64_t ticks =
-      scene::tick_count(recorded.file.summary(), recorded.scenario.rates.physics_hz);
+  const std::int64_t ticks = recorded.ticks();
   return [&session, &source, ticks]() -> std::optional<scene::TickState> {
     check_stop();
     if (session.tick >= ticks) return std::nullopt;
@@ -95,8 +94,7 @@ std::string log_block(const std::string& path, const std::string& game_hash, Tim
   scene::Session session = scene::make_session(recorded.scenario);
   scene::TrialPlayer source(recorded.file);
   scene::NoPace pace;
-  const std::int64_t ticks =
-      scene::tick_count(recorded.file.summary(), recorded.scenario.rates.physics_hz);
+  const std::int64_t ticks = recorded.ticks();
   scene::run(session, source, pace, {}, [&](const scene::Session& s) {
     check_stop();
     return s.tick >= ticks;

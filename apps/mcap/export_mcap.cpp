@@ -75,7 +75,7 @@ void export_mcap(const std::string& trial, base::OutputFile file, bool with_pict
   say_what_is_missing("export", trial, summary);
   scene::Session session = scene::make_session(recorded.scenario);
   const Pose X_WD_first = scene::first_head_pose(recorded.file, recorded.scenario.rig);
-  const std::int64_t ticks = scene::tick_count(summary, recorded.scenario.rates.physics_hz);
+  const std::int64_t ticks = recorded.ticks();
   devices::FileWindow log(trial);
   McapWriter writer([&](std::string_view bytes) { file.write(bytes.data(), bytes.size()); });
   McapTrial mcap(writer, session, X_WD_first, summary, log);

@@ -20,7 +20,8 @@ Recorded read(TrialFile file, const std::string& name, Time longest_gap) {
   if (file.summary().sample_count == 0) {
     throw std::runtime_error(name + ": expected samples of a tracker, found none");
   }
-  return {std::move(file), std::move(scenario)};
+  const std::int64_t recorded_hz = scenario.rates.physics_hz;
+  return {std::move(file), std::move(scenario), recorded_hz};
 }
 
 }  // namespace
@@ -65,6 +66,10 @@ std::int64_t tick_count(const TrialSummary& trial, std::int64_t rate_hz, std::in
 
 std::int64_t tick_count(const TrialSummary& trial, std::int64_t rate_hz) {
   return tick_count(trial, rate_hz, rate_hz);
+}
+
+std::int64_t Recorded::ticks(std::int64_t rate_hz) const {
+  return tick_count(file.summary(), rate_hz, recorded_hz);
 }
 
 std::vector<Stamped<Vec3>> walk_of(const TrialFile& trial, const Scenario& scenario) {

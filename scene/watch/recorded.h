@@ -15,7 +15,12 @@ namespace headpin::scene {
 
 struct Recorded {
   TrialFile file;
-  Scenario scenario;  ///< the trial's own, read
+  Scenario scenario;             ///< the trial's own, read; whoever replays it may change it
+  std::int64_t recorded_hz = 0;  ///< ticks per second when it was recorded
+
+  /// The number of ticks of a replay under `scenario`, or at another rate: tick_count().
+  std::int64_t ticks() const { return ticks(scenario.rates.physics_hz); }
+  std::int64_t ticks(std::int64_t rate_hz) const;
 };
 
 /// @param longest_gap  see read_trial

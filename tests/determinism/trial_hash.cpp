@@ -22,8 +22,7 @@ void replay(const char* path) {
   scene::Verifier verifier(path, source, session);
   scene::Observer* const observers[] = {&totals, &verifier};
   scene::NoPace pace;
-  const std::int64_t ticks =
-      scene::tick_count(recorded.file.summary(), recorded.scenario.rates.physics_hz);
+  const std::int64_t ticks = recorded.ticks();
   scene::run(session, source, pace, observers,
              [&](const scene::Session& s) { return s.tick >= ticks; });
   std::printf("%s: %016llx after %lld ticks, %lld verified, %lld down\n", path,

@@ -28,8 +28,7 @@ Hashes replayed(const std::string& path, std::optional<std::int64_t> rules = {})
   Session session = make_session(scenario);
   TrialPlayer source(recorded.file);
   NoPace pace;
-  const std::int64_t ticks =
-      tick_count(recorded.file.summary(), recorded.scenario.rates.physics_hz);
+  const std::int64_t ticks = recorded.ticks();
   run(session, source, pace, {}, [&](const Session& s) { return s.tick >= ticks; });
   return {in_hex(session.state_hash), in_hex(session.game_hash.value())};
 }
