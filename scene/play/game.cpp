@@ -1,6 +1,7 @@
 #include "scene/play/game.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "scene/record/details.h"
@@ -22,6 +23,12 @@ namespace {
 /// Whether the game distinguishes the causes of a skittle's fall.
 bool tells_apart(const Stage& stage) {
   return stage.scenario.game.hand_fells == HandFells::apart;
+}
+
+/// Whether the game distinguishes what a stray ball knocks down.
+bool tells_strays_apart(const Stage& stage) {
+  const GameRules& game = stage.scenario.game;
+  return rules_of(game.rules).counted && game.stray_fells == StrayFells::apart;
 }
 
 bool is_free(const engine::World& world, engine::BodyId body) {
@@ -66,7 +73,8 @@ By who(const Game& game, const Stage& stage, const engine::World& world, engine:
     case Role::hand:
       return By::hand;
     case Role::ball:
-      return is_free(world, body) ? By::ball : By::hand;
+      if (!is_free(world, body)) return By::hand;
+      return game.stray[body] ? By::stray_ball : By::ball;
     case Role::skittle:
       return is_free(world, body) ? game.moved_by[body] : By::hand;
     default:
@@ -103,8 +111,37 @@ void note_fallen(Game& game, const Tick& tick) {
     Event e = event(tick, kind::skittle_down, {skittle});
     e.p_W = X_WB.p;
     e.value = static_cast<double>(std::count(game.down.begin(), game.down.end(), 1));
-    if (tells_apart(tick.stage)) e.detail = game.moved_by[skittle];
+    const By by = game.moved_by[skittle];
+    if (tells_apart(tick.stage) || by == By::stray_ball) e.detail = by;
     tick.events.push_back(std::move(e));
+  }
+}
+
+/// Whether a ball lies beside the lane, not on the approach.
+bool is_beside_lane(const RoomMeasures& room, double radius, const engine::State& ball) {
+  const Vec3& p = ball.X_WB.p;
+  return p.y() > 0.0 && std::abs(p.x()) > 0.5 * room.lane_width && is_on_lane(radius, ball);
+}
+
+/// Whether a ball moves towards the player from behind the last row.
+bool comes_back(const RoomMeasures& room, const engine::State& ball) {
+  double last_row = 0.0;
+  for (const Vec2& spot : room.spots) last_row = std::max(last_row, spot.y());
+  return ball.X_WB.p.y() > room.head_pin + last_row && ball.v_WB.y() < 0.0;
+}
+
+/// Stores which balls are stray after this step.
+void note_strays(Game& game, const Tick& tick) {
+  const RoomMeasures& room = tick.stage.room;
+  const double radius = tick.stage.scenario.ball.radius;
+  for (const engine::BodyId ball : tick.stage.balls) {
+    const engine::State& now = tick.world.states[ball];
+    const bool left = !game.struck && is_beside_lane(room, radius, now);
+    if (!is_free(tick.world, ball)) {
+      game.stray[ball] = 0;
+    } else if (left || comes_back(room, now)) {
+      game.stray[ball] = 1;
+    }
   }
 }
 
@@ -207,6 +244,7 @@ Game make_game(const Stage& stage) {
   Game game;
   game.down.assign(stage.roles.size(), 0);
   game.swept.assign(stage.roles.size(), 0);
+  game.stray.assign(stage.roles.size(), 0);
   game.moved_by.assign(stage.roles.size(), By::nobody);
   return game;
 }
@@ -235,7 +273,9 @@ void end_ball_path(Game& game, const Tick& tick) {
 void note_step(Game& game, const Tick& tick) {
   note_releases(game, tick);
   note_contacts(game, tick);
-  if (tells_apart(tick.stage)) credit(game, tick.stage, tick.world);
+  const bool strays = tells_strays_apart(tick.stage);
+  if (tells_apart(tick.stage) || strays) credit(game, tick.stage, tick.world);
+  if (strays) note_strays(game, tick);
   note_fallen(game, tick);
   follow_ball(game, tick);
 }

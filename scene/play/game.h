@@ -33,7 +33,9 @@ struct Game {
   std::vector<std::uint8_t> down;  ///< 1 for a skittle that has fallen; by the number of its body
   std::vector<By> moved_by;        ///< for the skittles; same numbers
   bool struck = false;             ///< a ball has touched a skittle
-  std::vector<Vec3> velocities;    ///< of the bodies before the step [m/s], same numbers
+  std::vector<std::uint8_t>
+      stray;                     ///< 1 for a thrown ball that is stray; by the number of its body
+  std::vector<Vec3> velocities;  ///< of the bodies before the step [m/s], same numbers
 
   // Of a game with rules.
   std::vector<std::uint8_t> swept;  ///< 1 for a skittle that was counted and removed; same numbers
@@ -62,7 +64,9 @@ void note_velocities(Game& game, const engine::World& world);
 /// Reports the events of a step: touches, fallen skittles with their cause, and fouls.
 ///
 /// The cause of a fall is what set the skittle in motion: the last ball or hand that touched it, or
-/// else the cause of the skittle that touched it first. A carried body counts as the hand.
+/// else the cause of the skittle that touched it first. A carried body counts as the hand. In a game
+/// whose rules say so, a ball is stray after it left the lane before it touched a skittle, or came
+/// back from behind the last row (USBC rules, illegal pinfall).
 ///
 /// @param tick  gets the events, in order of time
 void note_step(Game& game, const Tick& tick);

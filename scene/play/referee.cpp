@@ -124,20 +124,25 @@ bool is_dead_wood(const Field& f, engine::BodyId skittle) {
   return by == By::hand || (by == By::nobody && !f.game.struck);
 }
 
-/// Removes the skittles that are down. After a foul with which the ball does not count, its
-/// skittles are set up again.
+/// Removes the skittles that are down. Those of a stray ball, and after a foul with which the ball
+/// does not count, its own, are set up again.
 ///
 /// @return  skittles down that count for the ball that was thrown
 int count(const Field& f) {
   end_ball_path(f.game, f);
   Event delivery = event(f, kind::delivery, {});
   Event dead = event(f, kind::dead_wood, {});
+  Event set_again = event(f, kind::set_again, {});
   const bool costs = f.game.foul && f.plan().foul == FoulBall::zero;
   for (const engine::BodyId skittle : f.stage.skittles) {
     if (f.game.swept[skittle] || !is_down(f, skittle)) continue;
     const bool is_dead = is_dead_wood(f, skittle);
-    (is_dead ? dead : delivery).bodies.push_back(f.world.bodies[skittle].name);
-    if (costs && !is_dead && skittle != f.held) {
+    const bool by_stray = f.game.moved_by[skittle] == By::stray_ball;
+    (is_dead    ? dead
+     : by_stray ? set_again
+                : delivery)
+        .bodies.push_back(f.world.bodies[skittle].name);
+    if ((by_stray || (costs && !is_dead)) && skittle != f.held) {
       set_up(f, skittle);
       continue;
     }
@@ -149,7 +154,10 @@ int count(const Field& f) {
   delivery.detail = BallOfFrame{f.game.frames.size(), f.game.frames.back().size() + 1};
   dead.value = static_cast<double>(dead.bodies.size());
   dead.detail = delivery.detail;
+  set_again.value = static_cast<double>(set_again.bodies.size());
+  set_again.detail = delivery.detail;
   if (!dead.bodies.empty()) f.events.push_back(std::move(dead));
+  if (!set_again.bodies.empty()) f.events.push_back(std::move(set_again));
   f.events.push_back(std::move(delivery));
   return static_cast<int>(felled);
 }

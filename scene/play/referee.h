@@ -10,7 +10,7 @@ namespace headpin::scene {
 /// skittles have been at rest for longer than a ball pauses at the top of its flight, or
 /// `game.ball_back_s` after the release (with friction 0, bodies never rest). A skittle is down if
 /// it has fallen or stands further from its spot than `game.off_spot`. Skittles that the hand
-/// knocked down are dead wood.
+/// knocked down are dead wood; those of a stray ball are set up again and do not count.
 ///
 /// A ball that the hand grabs again does not count as thrown, if it has touched no skittle and has
 /// not crossed the foul line, or within half a second.

@@ -17,7 +17,7 @@ namespace headpin::scene {
 namespace {
 
 constexpr std::string_view kSavedSession = "HPSESSION";
-constexpr std::uint8_t kSavedVersion = 4;
+constexpr std::uint8_t kSavedVersion = 5;
 constexpr std::uint8_t kNoButton = 2;  // in place of a touched button's number
 
 template <typename S, typename T>
@@ -178,6 +178,7 @@ void each_member(F& f, S& s) {
   f(s.down);
   f(s.moved_by);
   f(s.struck);
+  f(s.stray);
   f(s.velocities);
   f(s.swept);
   f(s.frames);
@@ -265,7 +266,8 @@ struct Restoring {
   void operator()(By& x) {
     std::uint8_t by = 0;
     in.get(by);
-    if (by > static_cast<std::uint8_t>(By::hand)) in.refuse("what moved a skittle is unknown");
+    if (by > static_cast<std::uint8_t>(By::stray_ball))
+      in.refuse("what moved a skittle is unknown");
     x = static_cast<By>(by);
   }
   template <typename T>
@@ -335,7 +337,7 @@ bool is_consistent(const Session& s) {
   const Game& game = s.game;
   const Player& player = s.player;
   const bool lists = of_all(game.down) && of_all(game.moved_by) && of_all(game.swept) &&
-                     (of_all(game.velocities) || game.velocities.empty());
+                     of_all(game.stray) && (of_all(game.velocities) || game.velocities.empty());
   const std::size_t cells = s.stage->fresh_lane ? s.stage->fresh_lane->friction.size() : 0;
   const bool watched =
       !game.watched || (there(game.watched->body) &&

@@ -84,6 +84,9 @@ void Score::add_to_game(const Event& event) {
     game.marks.push_back(mark(game, fmt::format("{} by hand", event.value)));
     felled_by_hand += static_cast<std::int64_t>(event.value);
   }
+  if (event.kind == kind::set_again) {
+    game.marks.push_back(mark(game, fmt::format("{} by a stray ball", event.value)));
+  }
   if (event.kind == kind::delivery) {
     game.frames.back().push_back(static_cast<int>(event.value));
     skittles_down += static_cast<std::int64_t>(event.value);

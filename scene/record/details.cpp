@@ -292,6 +292,7 @@ constexpr auto kDetailKinds = std::to_array<DetailKind>({
     {kind::game, in_name<GameKind>},
     {kind::delivery, counted_ball_in},
     {kind::dead_wood, counted_ball_in},
+    {kind::set_again, counted_ball_in},
     {kind::passed_player, in_object<passed_player_in>},
     {kind::tracking_lost, in_name<TrackedPart>},
     {kind::tracking_back, in_name<TrackedPart>},

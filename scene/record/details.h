@@ -110,12 +110,13 @@ struct BallPath {
 /// Of a skittle that fell: what set it in motion.
 enum class By : std::uint8_t {
   nobody,
-  ball,  ///< one that was thrown
-  hand   ///< or what it carries
+  ball,       ///< one that was thrown
+  hand,       ///< or what it carries
+  stray_ball  ///< left the lane before it touched a skittle, or came back from behind them
 };
 template <>
-inline constexpr auto kNames<By> =
-    std::to_array<Named<By>>({{By::nobody, ""}, {By::ball, "ball"}, {By::hand, "hand"}});
+inline constexpr auto kNames<By> = std::to_array<Named<By>>(
+    {{By::nobody, ""}, {By::ball, "ball"}, {By::hand, "hand"}, {By::stray_ball, "stray ball"}});
 
 /// Of a version that begins: the colour of its button.
 enum class Colour : std::uint8_t { red, blue };

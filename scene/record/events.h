@@ -22,6 +22,7 @@ inline constexpr std::string_view game = "game";
 inline constexpr std::string_view ball_back = "ball_back";
 inline constexpr std::string_view foul = "foul";
 inline constexpr std::string_view dead_wood = "dead_wood";
+inline constexpr std::string_view set_again = "set_again";
 inline constexpr std::string_view delivery = "delivery";
 inline constexpr std::string_view ball_path = "ball_path";
 inline constexpr std::string_view frame = "frame";
@@ -72,8 +73,8 @@ inline constexpr auto kEventKinds = std::to_array<EventKind>({
     {kind::missed_grab, "the trigger was pressed, but no body was within the hand's reach",
      "the centre of the nearest body", "distance of its surface from the hand [m]"},
     {kind::skittle_down,
-     "a skittle leaned by more than 20 degrees; detail has the cause: ball, hand or what the hand "
-     "carries",
+     "a skittle leaned by more than 20 degrees; detail has the cause: ball, hand (or what it carries) "
+     "or stray ball",
      "the skittle's centre of mass", "number of skittles down so far"},
     {kind::version, "the hand touched a button: that version begins (detail: red or blue)",
      "the button", ""},
@@ -83,6 +84,10 @@ inline constexpr auto kEventKinds = std::to_array<EventKind>({
     {kind::dead_wood,
      "when a ball was counted, the skittles that the hand or what it carried had knocked down were "
      "removed; bodies has their names",
+     "", "their number"},
+    {kind::set_again,
+     "when a ball was counted, the skittles that it had knocked down as a stray ball were set up "
+     "again; bodies has their names",
      "", "their number"},
     {kind::delivery, "a ball was counted; bodies has the skittles that it knocked down", "",
      "number that counts: 0 after a foul if the rules say so"},

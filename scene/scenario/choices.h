@@ -143,6 +143,12 @@ template <>
 inline constexpr auto kNames<HandFells> =
     std::to_array<Named<HandFells>>({{HandFells::apart, "apart"}, {HandFells::counted, "counted"}});
 
+/// Skittles that a stray ball knocks down: set up again without counting, or counted.
+enum class StrayFells : std::uint8_t { apart, counted };
+template <>
+inline constexpr auto kNames<StrayFells> = std::to_array<Named<StrayFells>>(
+    {{StrayFells::apart, "apart"}, {StrayFells::counted, "counted"}});
+
 /// What a page does with a game that its browser cannot store.
 enum class NotStored : std::uint8_t {
   goes_on,  ///< it is kept in memory alone, and the player is told so

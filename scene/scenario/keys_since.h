@@ -110,6 +110,7 @@ inline constexpr std::pair<std::string_view, std::string_view> kKeysSince[] = {
     {"game.show_score", "false"},
     {"game.not_stored", "'goes-on'"},
     {"rig.predicted_s", "0.0"},
+    {"game.stray_fells", "'counted'"},
 };
 
 }  // namespace headpin::scene

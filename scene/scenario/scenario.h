@@ -178,6 +178,7 @@ struct GameRules {
   double off_spot = 0.2;     ///< an upright skittle further from its spot is down
   BallEnds ends = BallEnds::rest;
   HandFells hand_fells = HandFells::apart;
+  StrayFells stray_fells = StrayFells::apart;
   FoulBall foul = FoulBall::note;
   bool show_score = false;  ///< a score board hangs in the room
   NotStored not_stored = NotStored::goes_on;

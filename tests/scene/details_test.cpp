@@ -49,11 +49,13 @@ const std::vector<Stored> kStored = {
     {kind::skittle_down, By::nobody, ""},
     {kind::skittle_down, By::ball, "ball"},
     {kind::skittle_down, By::hand, "hand"},
+    {kind::skittle_down, By::stray_ball, "stray ball"},
     {kind::version, Colour::red, "red"},
     {kind::version, Colour::blue, "blue"},
     {kind::game, GameKind::ten_pin, "ten-pin"},
     {kind::delivery, BallOfFrame{10, 3}, "frame 10 ball 3"},
     {kind::dead_wood, BallOfFrame{1, 2}, "frame 1 ball 2"},
+    {kind::set_again, BallOfFrame{1, 2}, "frame 1 ball 2"},
     {kind::game_over, "X | 9 /", "X | 9 /"},
     {kind::passed_player, PassedPlayer{1.5, 0.75, 0.1, true, 5.25, 0.3, true},
      R"({"at_hand":true,"foreseen_m":0.1,"hand_away_mps2":0.3,"head_away_mps2":5.25,)"

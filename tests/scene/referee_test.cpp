@@ -147,6 +147,67 @@ TEST(Referee, ABallThatIsCarriedThroughTheRackFellsNothing) {
   EXPECT_GE(play.of_kind(kind::dead_wood).front()->value, static_cast<double>(fallen));
 }
 
+// USBC, illegal pinfall: a ball that leaves the lane before it reaches the pins. Here it comes back to them over a flat floor.
+TEST(Referee, WhatABallKnocksDownAfterItLeftTheLaneStandsAgain) {
+  for (const StrayFells fells : {StrayFells::apart, StrayFells::counted}) {
+    Scenario scenario = with_rules(GameKind::plain, 2, 2);
+    scenario.game.stray_fells = fells;
+    ByHand play(scenario);
+    const double beside = 0.5 * scenario.lane.width + 0.2, head_pin = scenario.lane.head_pin;
+    play.let_fly({beside, head_pin - 2.0, scenario.ball.radius}, {-0.33 * beside * 8.0, 8.0, 0.0});
+    play.until([&] { return !play.of_kind(kind::delivery).empty(); }, 12.0);
+    const auto fallen = play.of_kind(kind::skittle_down);
+    ASSERT_GT(fallen.size(), 1u) << name_of(fells);
+    ASSERT_EQ(play.of_kind(kind::delivery).size(), 1u) << name_of(fells);
+    if (fells == StrayFells::counted) {
+      EXPECT_GE(play.of_kind(kind::delivery).front()->value, static_cast<double>(fallen.size()));
+      EXPECT_TRUE(play.of_kind(kind::set_again).empty());
+      continue;
+    }
+    for (const Event* e : fallen) EXPECT_EQ(e->detail.value_or(By::nobody), By::stray_ball);
+    EXPECT_EQ(play.of_kind(kind::delivery).front()->value, 0.0);
+    EXPECT_TRUE(play.of_kind(kind::dead_wood).empty());
+    EXPECT_GE(play.of_kind(kind::set_again).front()->value, static_cast<double>(fallen.size()));
+    EXPECT_THAT(in_words(play.score().games.front()),
+                testing::HasSubstr("by a stray ball (frame 1 ball 1)"));
+    for (const engine::BodyId skittle : play.stage().skittles) {
+      EXPECT_EQ(play.world().states[skittle].X_WB.p, play.stage().world.states[skittle].X_WB.p);
+    }
+    // The second ball has all of them before it, and counts.
+    play.let_fly({0.0, head_pin - 1.5, 0.11}, {0.0, 8.0, 0.0});
+    play.until([&] { return play.of_kind(kind::delivery).size() > 1; }, 12.0);
+    EXPECT_GT(play.of_kind(kind::delivery).back()->value, 1.0);
+    EXPECT_EQ(play.of_kind(kind::set_again).size(), 1u);
+  }
+}
+
+// The same: a ball that rebounds from the rear cushion.
+TEST(Referee, WhatABallKnocksDownOnItsWayBackStandsAgain) {
+  ByHand play(with_rules(GameKind::plain, 2, 2));
+  play.let_fly({0.0, 7.3, 0.11}, {0.0, -6.0, 0.0});
+  play.until([&] { return !play.of_kind(kind::delivery).empty(); }, 12.0);
+  ASSERT_GT(play.of_kind(kind::skittle_down).size(), 1u);
+  EXPECT_EQ(play.of_kind(kind::delivery).front()->value, 0.0);
+  ASSERT_EQ(play.of_kind(kind::set_again).size(), 1u);
+  EXPECT_GE(play.of_kind(kind::set_again).front()->value, 2.0);
+}
+
+// A ball on the approach has not left the lane, nor has one that touched a skittle first, nor one in the air.
+TEST(Referee, ABallThatReachesTheSkittlesIsNotStray) {
+  const Scenario scenario = with_rules(GameKind::plain, 2, 2);
+  const double half = 0.5 * scenario.lane.width, low = scenario.ball.radius;
+  const auto fallen_and_counted = [&](const Vec3& from, const Vec3& v) {
+    ByHand play(scenario);
+    play.let_fly(from, v);
+    play.until([&] { return !play.of_kind(kind::delivery).empty(); }, 12.0);
+    EXPECT_TRUE(play.of_kind(kind::set_again).empty());
+    EXPECT_GT(play.of_kind(kind::delivery).front()->value, 0.0);
+  };
+  fallen_and_counted({half + 0.1, -0.4, low}, {-(half + 0.1) * 8.0 / 6.4, 8.0, 0.0});
+  fallen_and_counted({half + 0.1, 4.0, 0.4}, {-(half + 0.1) * 8.0 / 2.0, 8.0, 0.0});
+  fallen_and_counted({0.0, 4.5, low}, {0.6, 8.0, 0.0});
+}
+
 TEST(Referee, ASkittleHeldAsTheBallIsCountedIsTheHandsAndStandsForTheNextFrame) {
   ByHand play(with_rules(GameKind::plain, 2, 1));
   const engine::BodyId held = play.stage().skittles.back();

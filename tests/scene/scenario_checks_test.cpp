@@ -265,7 +265,7 @@ const std::set<std::string>& later_keys() {
       "skittle.ellipsoid_weighed", "version.red.detection", "version.red.iterations",
       "version.blue.detection", "version.blue.iterations", "walk.along", "game.ends",
       "game.hand_fells", "game.foul", "skittle.weighed", "sound.on", "rig.away_after_s", "game.show_score",
-      "game.not_stored", "rig.predicted_s"};
+      "game.not_stored", "rig.predicted_s", "game.stray_fells"};
   // clang-format on
   return keys;
 }
