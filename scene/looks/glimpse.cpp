@@ -1,6 +1,7 @@
 #include "scene/looks/glimpse.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "scene/looks/score_board.h"
 
@@ -52,6 +53,10 @@ Glimpse glimpse(const Session& session, const Pose& X_WD) {
   poses_of(session.stage->balls, g.X_WB_balls);
   add_rings(session, g);
   return g;
+}
+
+double ring_radius(double ball_radius, const Pose& X_BG) {
+  return std::sqrt(std::max(0.0, ball_radius * ball_radius - X_BG.p.squaredNorm()));
 }
 
 void BetweenTicks::keep(const Session& session) {

@@ -27,6 +27,11 @@ struct Glimpse {
 
 Glimpse glimpse(const Session& session, const Pose& X_WD);
 
+/// The radius of a ring of oil on a ball.
+///
+/// @param X_BG  of Glimpse::X_BG_rings
+double ring_radius(double ball_radius, const Pose& X_BG);
+
 /// Whether skittles are drawn as the ellipsoids that collide.
 bool shows_ellipsoids(const Scenario& scenario);
 

@@ -297,8 +297,7 @@ void append_rings(DrawList& list, const Looks& looks, const Glimpse& g) {
   if (!looks.oil_ring || g.ringed >= g.X_WB_balls.size()) return;
   const Pose& X_WB = g.X_WB_balls[g.ringed];
   for (const Pose& X_BG : g.X_BG_rings) {
-    const double r = looks.ball_radius;
-    const double across = std::sqrt(std::max(0.0, r * r - X_BG.p.squaredNorm()));
+    const double across = ring_radius(looks.ball_radius, X_BG);
     DrawItem item;
     item.mesh = *looks.oil_ring;
     item.X_WG = X_WB * X_BG;

@@ -131,6 +131,7 @@ std::set<int> meshes_of(const Film& film, const Looks& looks) {
   std::set<int> seen;
   for (const Show& show : film.shows()) seen.insert(show.mesh);
   for (const render::DrawItem& item : looks.room.items) seen.insert(item.mesh);
+  if (looks.oil_ring) seen.insert(*looks.oil_ring);
   if (looks.board) {
     for (const auto& [character, mesh] : looks.board->meshes) seen.insert(mesh);
   }
@@ -151,6 +152,10 @@ void add_film(const Film& film, std::int64_t ticks, json& out) {
   for (const Show& show : film.shows()) {
     out["shows"].push_back({show.row, show.actor, show.mesh});
   }
+  out["rings"]["changes"] = json::array();
+  for (const RingChange& change : film.ring_changes()) {
+    out["rings"]["changes"].push_back({change.row, change.actor, change.kept, change.added});
+  }
   if (out["board"].is_null()) return;
   out["board"]["texts"] = json::array();
   for (const BoardChange& change : film.board_changes()) {
@@ -167,8 +172,7 @@ PageData page_data(const Recorded& recorded, const PageLooks& page_looks,
   apply(condition, scenario);
   const bool unchanged = condition == Condition{};
   const TrialSummary& trial = recorded.file.summary();
-  const std::int64_t ticks =
-      tick_count(trial, scenario.rates.physics_hz, recorded.scenario.rates.physics_hz);
+  const std::int64_t ticks = recorded.ticks(scenario.rates.physics_hz);
   Session session = make_session(scenario);
 
   TrialPlayer source(recorded.file, {.states = unchanged && trial.state_count > 0});
@@ -214,6 +218,7 @@ PageData page_data(const Recorded& recorded, const PageLooks& page_looks,
   out["room"] = of_room(scenario);
   out["still"] = of_still(looks.room);
   out["board"] = of_board(looks);
+  out["rings"] = {{"mesh", of_ring_mesh(looks)}};
   add_film(film, ticks, out);
   std::vector<Table> tables = film.take_tables();
   out["meshes"] = json::array();

@@ -10,6 +10,8 @@
 
 namespace headpin::scene {
 
+using nlohmann::json;
+
 namespace {
 
 constexpr std::int64_t kMostDrawnRows = 24'000;   // 100 s of every tick
@@ -131,9 +133,10 @@ void Film::tick(const Session& session) {
 void Film::draw(const Session& session, const TickState* recorded) {
   const std::optional<Pose> X_WD = head_pose(session);
   Glimpse g = glimpse(session, X_WD.value_or(Pose{}));
-  if (X_WD) g.X_WC = Pose{};                                         // so that the head is seen
-  g.X_BG_rings.clear();                                              // the page does not show them
-  const std::vector<std::string> text = std::exchange(g.board, {});  // it has no actors
+  if (X_WD) g.X_WC = Pose{};  // so that the head is seen
+  const json rings = of_rings(g, looks_.ball_radius);
+  g.X_BG_rings.clear();                                              // they are no actors
+  const std::vector<std::string> text = std::exchange(g.board, {});  // nor is it
   const bool changed = board_changes_.empty() ? !text.empty() : text != board_changes_.back().text;
   if (changed) board_changes_.push_back({rows_, text});
   if (recorded) put_where_recorded(g, *session.stage, *recorded);
@@ -162,6 +165,21 @@ void Film::draw(const Session& session, const TickState* recorded) {
     }
   }
   seen_as_ = std::move(seen_as);
+  note_rings(rings, g.ringed);
+}
+
+/// Rings are added one by one, until the next throw.
+void Film::note_rings(const nlohmann::json& rings, std::size_t ball) {
+  if (rings == rings_) return;
+  const auto same = std::ranges::mismatch(rings_, rings);
+  const bool more = ball == ringed_ && same.in1 == rings_.end();
+  const std::size_t kept = more ? rings_.size() : 0;
+  json added = json::array();
+  for (std::size_t i = kept; i < rings.size(); ++i) added.push_back(rings[i]);
+  const std::size_t actor = actor_of_.at({kFirstBallId + static_cast<std::uint32_t>(ball), 0});
+  ring_changes_.push_back({rows_, actor, kept, std::move(added)});
+  rings_ = rings;
+  ringed_ = ball;
 }
 
 void Film::measure(const Session& session, const TickState* recorded) {

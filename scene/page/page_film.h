@@ -32,6 +32,14 @@ struct BoardChange {
   std::vector<std::string> text;
 };
 
+/// From a row on, a ball has the first `kept` of its rings of oil, and then the added ones.
+struct RingChange {
+  std::int64_t row = 0;
+  std::size_t actor = 0;  ///< the ball
+  std::size_t kept = 0;
+  nlohmann::json added;  ///< as of_rings()
+};
+
 /// Observes a session and stores what is visible and measured. Its memory is limited by the size of
 /// a page: of a long session, it stores every n-th tick.
 class Film : public Observer {
@@ -49,6 +57,7 @@ class Film : public Observer {
   const std::vector<Actor>& actors() const { return actors_; }
   const std::vector<Show>& shows() const { return shows_; }
   const std::vector<BoardChange>& board_changes() const { return board_changes_; }
+  const std::vector<RingChange>& ring_changes() const { return ring_changes_; }
   std::int64_t contacts_left_out() const { return contacts_left_out_; }
 
   /// Poses, series, contacts, and the clocks of each tracker; to be asked for at the end, once.
@@ -56,6 +65,7 @@ class Film : public Observer {
 
  private:
   void draw(const Session& session, const TickState* recorded);
+  void note_rings(const nlohmann::json& rings, std::size_t ball);
   void measure(const Session& session, const TickState* recorded);
   void note_contacts(const Session& session);
   void note_clocks(const Session& session);
@@ -69,6 +79,9 @@ class Film : public Observer {
   std::map<std::pair<std::uint32_t, int>, std::size_t> actor_of_;  ///< by id, and which of that id
   std::vector<Show> shows_;
   std::vector<BoardChange> board_changes_;
+  std::vector<RingChange> ring_changes_;
+  std::size_t ringed_ = 0;  ///< the ball with rings in the last row
+  nlohmann::json rings_ = nlohmann::json::array();
   Table series_, contacts_;
   std::int64_t contacts_left_out_ = 0;
 

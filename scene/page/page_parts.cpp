@@ -141,6 +141,19 @@ json of_board(const Looks& looks) {
   return out;
 }
 
+json of_ring_mesh(const Looks& looks) {
+  return looks.oil_ring ? json(*looks.oil_ring) : json();
+}
+
+json of_rings(const Glimpse& g, double ball_radius) {
+  json out = json::array();
+  for (const Pose& X_BG : g.X_BG_rings) {
+    out.push_back(numbers(X_BG));
+    out.back().push_back(ring_radius(ball_radius, X_BG));
+  }
+  return out;
+}
+
 void add_meshes(const std::vector<render::Mesh>& meshes, const std::set<int>& wanted, json& out,
                 std::vector<Table>& tables) {
   for (const int number : wanted) {

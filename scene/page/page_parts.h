@@ -7,6 +7,7 @@
 #include <nlohmann/json.hpp>
 
 #include "render/data/optics.h"
+#include "scene/looks/glimpse.h"
 #include "scene/looks/looks.h"
 #include "scene/scenario/scenario.h"
 
@@ -51,6 +52,10 @@ nlohmann::json of_room(const Scenario& scenario);
 nlohmann::json of_still(const render::DrawList& room);
 /// The score board's characters, by their meshes, and the places of its rows; null without a board.
 nlohmann::json of_board(const Looks& looks);
+/// The mesh of a ring of oil on a ball; null where the scenario has none.
+nlohmann::json of_ring_mesh(const Looks& looks);
+/// The rings of oil on a ball: of each its pose on the ball (w, x, y, z, p) and its radius.
+nlohmann::json of_rings(const Glimpse& g, double ball_radius);
 
 /// Adds meshes, by their numbers, to `out["meshes"]` and to the tables.
 void add_meshes(const std::vector<render::Mesh>& meshes, const std::set<int>& wanted,

@@ -8,8 +8,8 @@
 
 #include "devices/log/sample_messages.h"
 #include "scene/looks/glimpse.h"
-#include "scene/looks/score_board.h"
 #include "scene/page/browser_device.h"
+#include "scene/page/page_parts.h"
 #include "scene/record/events.h"
 #include "scene/stage/read_scenario.h"
 
@@ -122,7 +122,9 @@ void PageSession::see(std::vector<float>& out) const {
 }
 
 nlohmann::json PageSession::take_news() {
-  if (news_.empty()) return nullptr;
+  const Glimpse g = glimpse(session_, {});
+  if (news_.empty() && g.X_BG_rings.size() == told_rings_) return nullptr;
+  told_rings_ = g.X_BG_rings.size();
   nlohmann::json events = nlohmann::json::array();
   for (const Event& event : std::exchange(news_, {})) events.push_back(to_news(event));
   const Score& score = totals_.score();
@@ -135,7 +137,8 @@ nlohmann::json PageSession::take_news() {
   return {{"events", std::move(events)},
           {"score",
            {{"skittles_down", score.skittles_down}, {"sheets", std::move(sheets)}, {"over", over}}},
-          {"board", board_text(session_)}};
+          {"board", g.board},
+          {"rings", {{"ball", g.ringed}, {"each", of_rings(g, session_.scenario().ball.radius)}}}};
 }
 
 std::vector<StereoSample> PageSession::take_sound() {

@@ -67,7 +67,8 @@ class PageSession {
   /// X_WP, X_WH, X_WD, each skittle, each ball.
   void see(std::vector<float>& out) const;
 
-  /// Events since the last call, the score, and the text of the score board; null without an event.
+  /// Events since the last call, the score, the text of the score board, and the rings of oil on a
+  /// ball (its number among the balls, and of_rings()); null if there is no event, nor another ring.
   nlohmann::json take_news();
 
   /// What the player heard since the last call; nothing if the scenario has no sound.
@@ -92,6 +93,7 @@ class PageSession {
   std::map<std::int32_t, std::int64_t> sequence_;  ///< of each station
   Totals totals_;
   std::vector<Event> news_;
+  std::size_t told_rings_ = 0;
   std::optional<Hearing> hearing_;  ///< if the scenario has sound
   std::vector<StereoSample> heard_;
 };

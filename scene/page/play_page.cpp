@@ -52,6 +52,7 @@ std::set<int> meshes_in(const json& out) {
     for (const int mesh : actor["meshes"]) all.insert(mesh);
   }
   for (const json& still : out["still"]) all.insert(still["mesh"].get<int>());
+  if (const json& ring = out["rings"]["mesh"]; !ring.is_null()) all.insert(ring.get<int>());
   if (out["board"].is_null()) return all;
   for (const json& mesh : out["board"]["characters"]) all.insert(mesh.get<int>());
   return all;
@@ -85,6 +86,7 @@ PageData play_page(const Scenario& scenario) {
   out["still"] = of_still(looks.room);
   out["actors"] = of_actors(looks, stage);
   out["board"] = of_board(looks);
+  out["rings"] = {{"mesh", of_ring_mesh(looks)}};
   out["meshes"] = json::array();
   std::vector<Table> tables;
   add_meshes(page_looks.meshes, meshes_in(out), out, tables);

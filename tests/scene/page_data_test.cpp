@@ -42,7 +42,7 @@ Session played(const Recorded& recorded, const Scenario& scenario) {
   Session session = make_session(scenario);
   TrialPlayer source(recorded.file);
   NoPace pace;
-  const std::int64_t ticks = tick_count(recorded.file.summary(), scenario.rates.physics_hz);
+  const std::int64_t ticks = recorded.ticks(scenario.rates.physics_hz);
   run(session, source, pace, {}, [&](const Session& s) { return s.tick >= ticks; });
   return session;
 }
@@ -87,6 +87,36 @@ TEST(PageData, HasTheScoreBoardsTextsAndCharacters) {
     EXPECT_TRUE(meshes.contains(mesh.get<int>()));
   }
   for (const nlohmann::json& actor : json["actors"]) EXPECT_NE(actor["name"], "score board");
+}
+
+TEST(PageData, HasTheRingsOfOilOneByOne) {
+  Recorded recorded = load_trial(kDemo);
+  EXPECT_TRUE(page_data(recorded, PageLooks(recorded.scenario)).json["rings"]["mesh"].is_null());
+  recorded.scenario.ball.rings = true;
+  const nlohmann::json json = page_data(recorded, PageLooks(recorded.scenario)).json;
+  const nlohmann::json& rings = json["rings"];
+  std::set<int> meshes;
+  for (const nlohmann::json& mesh : json["meshes"]) meshes.insert(mesh["number"].get<int>());
+  EXPECT_TRUE(meshes.contains(rings["mesh"].get<int>()));
+  const Session session = played(recorded, recorded.scenario);
+  const std::vector<OilRing>& told = session.game.ringed.value().rings;
+  ASSERT_GE(told.size(), 3u);
+  ASSERT_EQ(rings["changes"].size(), told.size());
+  const double radius = recorded.scenario.ball.radius;
+  std::int64_t row = 0;
+  for (std::size_t i = 0; i < told.size(); ++i) {
+    const nlohmann::json& change = rings["changes"][i];
+    EXPECT_GT(change[0], row);
+    row = change[0];
+    EXPECT_EQ(json["actors"][change[1].get<std::size_t>()]["name"], "ball");
+    EXPECT_EQ(change[2], i);
+    ASSERT_EQ(change[3].size(), 1u);
+    const nlohmann::json& ring = change[3][0];
+    for (int axis = 0; axis < 3; ++axis) {
+      EXPECT_NEAR(ring[4 + axis], radius * told[i].height * told[i].n_B[axis], 1e-12);
+    }
+    EXPECT_NEAR(ring[7], radius * std::sqrt(1.0 - told[i].height * told[i].height), 1e-12);
+  }
 }
 
 TEST(PageData, UnderAnotherConditionIsWhatAReplayUnderItGives) {

@@ -160,6 +160,24 @@ TEST(BrowserDevice, TheTrackedSpaceStandsUprightBehindTheFoulLine) {
   }
 }
 
+TEST(PageSession, TellsTheRingsOfOilOfTheLastThrow) {
+  Scenario scenario;
+  scenario.ball.rings = true;
+  PageSession session(to_toml(scenario), options_of("mouse"));
+  const nlohmann::json before = session.take_news();
+  EXPECT_TRUE(before.is_null() || before["rings"]["each"].empty());
+  throw_ball(session, played_with(scenario, browser_device("mouse"), false));
+  const nlohmann::json rings = session.take_news()["rings"];
+  EXPECT_EQ(rings["ball"], 0);
+  EXPECT_GE(rings["each"].size(), 2u);
+  for (const nlohmann::json& ring : rings["each"]) {
+    ASSERT_EQ(ring.size(), 8u);
+    const Vec3 centre(ring[4], ring[5], ring[6]);
+    EXPECT_NEAR(std::hypot(centre.norm(), ring[7].get<double>()), scenario.ball.radius, 1e-9);
+  }
+  EXPECT_TRUE(session.take_news().is_null()) << "nothing is told twice";
+}
+
 TEST(PageSession, RefusesWhatIsNoSample) {
   PageSession session(to_toml(Scenario{}), options_of("mouse"));
   devices::TrackerSample bad = sample(1, Time{1000}, {});

@@ -10,6 +10,7 @@ export class Trial {
     this.sections = new Map(json.sections.map((section) => [section.name, section]));
     this.poses = this.sections.get('poses');
     this.lastTick = json.ticks;
+    this.ringed = { last: -1, ball: -1, each: [] };
     this.rate = json.rate_hz;
   }
 
@@ -71,6 +72,19 @@ export class Trial {
   boardAt(tick) {
     const { row } = this.rowsAt(tick);
     return this.json.board.texts.findLast(([from]) => from <= row)?.[1] ?? [];
+  }
+
+  /** The rings of oil at a tick, and the actor that has them. */
+  ringsAt(tick) {
+    const { row } = this.rowsAt(tick);
+    const { changes } = this.json.rings;
+    const last = changes.findLastIndex(([from]) => from <= row);
+    if (last !== this.ringed.last) {
+      const each = [];
+      for (const [, , kept, added] of changes.slice(0, last + 1)) each.splice(kept, Infinity, ...added);
+      this.ringed = { last, ball: changes[last]?.[1] ?? -1, each };
+    }
+    return this.ringed;
   }
 
   /** All values of a column: [x of each row in seconds, value of each row]. */

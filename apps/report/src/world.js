@@ -81,6 +81,31 @@ export class Looks {
   }
 }
 
+/** The rings of oil that the last throw left on its ball: none where a room has none. */
+export class Rings {
+  constructor({ json: { rings } }, looks, style = {}) {
+    this.number = looks.meshes.has(rings?.mesh) ? rings.mesh : -1;
+    this.looks = looks;
+    this.style = style;
+    this.group = new Group();
+    this.each = [];
+  }
+
+  /** @param each  of each ring its pose on the ball, and its radius */
+  put(each) {
+    if (this.number < 0 || each === this.each) return;
+    this.each = each;
+    const { children } = this.group;
+    while (children.length < each.length) this.group.add(this.looks.mesh(this.number, this.style));
+    children.forEach((ring, i) => {
+      ring.visible = i < each.length;
+      if (!ring.visible) return;
+      place(ring, each[i]);
+      ring.scale.set(each[i][7], each[i][7], 1);
+    });
+  }
+}
+
 /** What moves of one trial: skittles, balls, hand and head. */
 export class Cast {
   constructor(trial, looks, style = {}) {
@@ -90,6 +115,8 @@ export class Cast {
     this.group = new Group();
     this.shown = trial.json.actors.map(() => ({ mesh: -1, objects: new Map() }));
     this.pose = new Float32Array(7);
+    this.rings = new Rings(trial, looks, style);
+    this.group.add(this.rings.group);
   }
 
   /** Draws rough shapes, or again whole ones. */
@@ -109,6 +136,9 @@ export class Cast {
       object.visible = !without.includes(this.trial.json.actors[actor].role);
       place(object, this.trial.pose(actor, tick, this.pose));
     });
+    const { ball, each } = this.trial.ringsAt(tick);
+    this.rings.put(each);
+    if (ball >= 0) place(this.rings.group, this.trial.pose(ball, tick, this.pose));
   }
 
   change(shown, mesh) {

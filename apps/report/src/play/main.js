@@ -144,6 +144,7 @@ class Page {
     this.pieces = setInterval(() => { this.game.keepLog(); this.tellKept(); }, kPiece);
     this.showControls(true);
     this.room.board.put([]);
+    this.room.putRings({ ball: 0, each: [] });
     find('score').textContent = '';
     return this.game;
   }
@@ -258,8 +259,9 @@ class Page {
     find('kept').replaceChildren(`${this.trouble} `.trimStart(), button, ` Then: headpin replay ${name} --verify`);
   }
 
-  tellNews({ score, board, events }) {
+  tellNews({ score, board, rings, events }) {
     this.room.board.put(board);
+    this.room.putRings(rings);
     for (const { kind } of events) {
       if (kind === 'foul') this.foul = true;
       if (kind === 'grab') this.foul = false;

@@ -3,7 +3,7 @@ import { Color, ColorManagement, Group, LinearSRGBColorSpace, PerspectiveCamera,
   Vector3, WebGLRenderer } from 'three';
 
 import { lookAtWebGl } from '../webgl.js';
-import { Board, Looks, makeRoom, place, Shade } from '../world.js';
+import { Board, Looks, makeRoom, place, Rings, Shade } from '../world.js';
 
 ColorManagement.enabled = false;  // as in view.js
 
@@ -50,6 +50,9 @@ export class Room {
     const moving = page.json.actors.filter(({ role }) => role === 'skittle' || role === 'ball');
     this.bodies = moving.map((actor) => this.actor(actor));
     this.hand = this.actor(page.json.actors.find(({ role }) => role === 'hand'));
+    this.balls = this.bodies.filter(({ role }) => role === 'ball');
+    this.rings = new Rings(page, this.looks);
+    this.balls[0]?.objects[0].add(this.rings.group);
     this.rough = false;
     this.thin(software === true);
   }
@@ -66,6 +69,12 @@ export class Room {
   show({ objects }, which, pose) {
     objects.forEach((object, i) => { object.visible = i === which; });
     place(objects[which], pose);
+  }
+
+  /** Puts rings of oil on a ball, as the news have them. */
+  putRings({ ball, each }) {
+    this.rings.put(each);
+    this.balls[ball]?.objects[0].add(this.rings.group);
   }
 
   /** Draws fewer triangles, or all of them again. */
