@@ -101,9 +101,8 @@ Thrown read_thrown(const ImportOptions& options, const scene::Hand& hand) {
   }
   const auto wanted = static_cast<std::size_t>(*options.which);
   if (wanted > throws.size()) {
-    throw std::runtime_error(
-        fmt::format("{}: --throw {}: expected 1 to {}, the number of its throws", options.file,
-                    wanted, throws.size()));
+    throw UsageError(fmt::format("{}: --throw {}: expected 1 to {}, the number of its throws",
+                                 options.file, wanted, throws.size()));
   }
   thrown.recording = std::move(throws[wanted - 1]);
   thrown.side = side_of(options, thrown.recording, hand);
@@ -191,8 +190,13 @@ std::vector<scene::Event> found_events(const devices::MotionRecording& recording
 
 /// Refuses a recording that is no throw, and names the options that would make it one.
 void require_throw(const ImportOptions& options, const Thrown& thrown, const scene::Hand& hand) {
+  std::string name = options.file;
+  if (options.which) {
+    name += fmt::format(", throw {}, which begins at {:.3f} s", *options.which,
+                        nearest_seconds(thrown.recording.start));
+  }
   try {
-    scene::require_throw(thrown.recording, hand, options.file, thrown.side);
+    scene::require_throw(thrown.recording, hand, name, thrown.side);
   } catch (const scene::NoThrow& error) {
     if (!error.would_be) throw;
     throw std::runtime_error(fmt::format(

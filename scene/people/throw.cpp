@@ -78,6 +78,40 @@ Quat turned_ahead(const Vec3& ahead) {
   return Quat(R_TW.transpose());
 }
 
+constexpr Time kApart{1'500'000};  // longer than back swing to throw, shorter than between throws
+constexpr Time kFollowThrough{1'000'000};
+
+/// The samples at which a hand is fastest in each of its throws.
+std::vector<std::size_t> throw_peaks(const MotionRecording& r, Side side) {
+  const std::vector<Pose>& track = throwing_hand(r, side);
+  std::vector<std::size_t> peaks;
+  std::vector<double> speeds;
+  for (std::size_t i = 0; i < track.size(); ++i) {
+    speeds.push_back(track.size() < 2 ? 0.0 : horizontal(velocity(r.times, track, i)).norm());
+  }
+  for (std::size_t i = 0; i < track.size(); ++i) {
+    if (speeds[i] < kSlowestThrow) continue;
+    if (peaks.empty() || r.times[i] - r.times[peaks.back()] > kApart) {
+      peaks.push_back(i);
+    } else if (speeds[i] > speeds[peaks.back()]) {
+      peaks.back() = i;
+    }
+  }
+  return peaks;
+}
+
+/// The part of [begin, end) between the gaps before the swing and after the follow-through of the
+/// throw that is fastest at `peak`.
+std::pair<std::size_t, std::size_t> between_gaps(const std::vector<Time>& times, Time peak,
+                                                 std::size_t begin, std::size_t end) {
+  for (std::size_t i = begin + 1; i < end; ++i) {
+    if (seconds(times[i] - times[i - 1]) <= kLongestGap) continue;
+    if (times[i] <= peak - kApart) begin = i;
+    if (times[i - 1] >= peak + kFollowThrough) return {begin, i};
+  }
+  return {begin, end};
+}
+
 std::int32_t station_of(Side side) {
   return side == Side::left ? devices::kLeftHandStation : devices::kHandStation;
 }
@@ -141,34 +175,26 @@ Throw find_throw(const MotionRecording& r, const Hand& hand, Side side) {
 }
 
 std::vector<MotionRecording> split_throws(const MotionRecording& r, Side side) {
-  constexpr Time kApart{1'500'000};  // longer than back swing to throw, shorter than between throws
-  const std::vector<Pose>& track = throwing_hand(r, side);
-  std::vector<std::size_t> peaks;
-  std::vector<double> speeds;
-  for (std::size_t i = 0; i < track.size(); ++i) {
-    speeds.push_back(track.size() < 2 ? 0.0 : horizontal(velocity(r.times, track, i)).norm());
-  }
-  for (std::size_t i = 0; i < track.size(); ++i) {
-    if (speeds[i] < kSlowestThrow) continue;
-    if (peaks.empty() || r.times[i] - r.times[peaks.back()] > kApart) {
-      peaks.push_back(i);
-    } else if (speeds[i] > speeds[peaks.back()]) {
-      peaks.back() = i;
-    }
-  }
+  const std::vector<std::size_t> peaks = throw_peaks(r, side);
   if (peaks.size() < 2) return {r};
+  const auto first_after = [&](Time time) {
+    return static_cast<std::size_t>(std::ranges::upper_bound(r.times, time) - r.times.begin());
+  };
   std::vector<MotionRecording> all;
   std::size_t begin = 0;
   for (std::size_t k = 0; k < peaks.size(); ++k) {
-    std::size_t end = track.size();
+    const Time peak = r.times[peaks[k]];
+    std::size_t end = r.times.size(), next_begin = end;
     if (k + 1 < peaks.size()) {
-      // The follow-through belongs to this throw, the way back to the ball to the next one.
-      const Time until = r.times[peaks[k]] +
-                         std::min(Time{1'000'000}, (r.times[peaks[k + 1]] - r.times[peaks[k]]) / 2);
-      end = static_cast<std::size_t>(std::ranges::upper_bound(r.times, until) - r.times.begin());
+      // The follow-through belongs to this throw, the way back to the ball to both.
+      const Time next = r.times[peaks[k + 1]];
+      const Time follows = peak + std::min(kFollowThrough, (next - peak) / 2);
+      next_begin = first_after(follows);
+      end = first_after(std::max(follows, next - kApart));
     }
-    all.push_back(samples_of(r, begin, end));
-    begin = end;
+    const auto [from, to] = between_gaps(r.times, peak, begin, end);
+    all.push_back(samples_of(r, from, to));
+    begin = next_begin;
   }
   return all;
 }

@@ -30,7 +30,7 @@ constexpr double kLeastAtBall = 0.5;   // cosine between gaze and ball as it is 
 constexpr double kLeastAlong = 0.906;  // cosine between gaze and throw from above, 25 degrees
 constexpr double kLowestRate = 45.0, kHighestRate = 250.0;  // Hz
 constexpr double kUsualRate = 59.0;                         // Hz; head-mounted displays: 60 and up
-constexpr double kLongestGap = 0.1, kUsualGap = 0.05;       // s
+constexpr double kUsualGap = 0.05;                          // s
 constexpr double kMostRepeated = 0.1;
 constexpr double kShortestDuration = 2.0;  // s
 

@@ -11,6 +11,7 @@ namespace headpin::scene {
 
 inline const Vec3 kUp = Vec3::UnitY();
 inline constexpr double kSlowestThrow = 3.0;  ///< least top speed of the hand in a throw [m/s]
+inline constexpr double kLongestGap = 0.1;    ///< between two samples of a throw [s]
 inline constexpr Time kReadLate{28'000};      ///< a pose is used this long after its sample
 
 inline Vec3 horizontal(const Vec3& v) {

@@ -231,6 +231,21 @@ TEST_P(ThrowTest, ALeftHandersIsOneByTheLeftHand) {
   EXPECT_EQ(hand.X_TS.p, left.left_hand[0].p);
 }
 
+/// The sample at which the right hand is fastest.
+std::size_t fastest_sample(const devices::MotionRecording& r) {
+  std::size_t found = 0;
+  double fastest = 0.0;
+  for (std::size_t i = 1; i + 1 < r.times.size(); ++i) {
+    const Vec3 way = r.right_hand[i + 1].p - r.right_hand[i - 1].p;
+    const double speed =
+        Vec3(way.x(), 0.0, way.z()).norm() / seconds(r.times[i + 1] - r.times[i - 1]);
+    if (speed <= fastest) continue;
+    fastest = speed;
+    found = i;
+  }
+  return found;
+}
+
 TEST_P(ThrowTest, SeveralThrowsInAFileAreTakenApart) {
   const devices::MotionRecording one = good();
   devices::MotionRecording all = one;
@@ -260,6 +275,22 @@ TEST_P(ThrowTest, SeveralThrowsInAFileAreTakenApart) {
     EXPECT_EQ(r.times.front(), Time{});
     EXPECT_NEAR(find_throw(r, Hand{}).V_TB.v.norm(), speed, 1e-9);
   }
+  // The first one's ball has until the next swing to reach the skittles.
+  const Time next_fastest = later + one.times[fastest_sample(one)];
+  EXPECT_GT(apart[0].times.back(), next_fastest - Time{1'600'000});
+  EXPECT_LE(apart[0].times.back(), next_fastest - Time{1'500'000});
+  EXPECT_LT(apart[1].start, apart[0].times.back());
+  // A gap on the way back stops neither.
+  const std::size_t gap = one.times.size() + kBack / 2;
+  for (std::size_t i = gap; i < all.times.size(); ++i) all.times[i] += Time{3'000'000};
+  const std::vector<devices::MotionRecording> around_gap = split_throws(all, Side::right);
+  ASSERT_EQ(around_gap.size(), 2u);
+  for (const devices::MotionRecording& r : around_gap) {
+    EXPECT_NO_THROW(require_throw(r, Hand{}, "throw.csv"));
+    EXPECT_NEAR(find_throw(r, Hand{}).V_TB.v.norm(), speed, 1e-9);
+  }
+  EXPECT_EQ(around_gap[0].times.size(), gap);
+  EXPECT_EQ(around_gap[1].start, all.start + all.times[gap]);
 }
 
 TEST_P(ThrowTest, FewSamplesAndShortHolesAreTakenWithAWord) {
