@@ -65,14 +65,16 @@ scene::Scenario scenario_to_play(std::string name) {
 void play_session(const ParticipantSession& plan, base::OutputFile output, bool json) {
   const std::string path = output.path();
   const scene::Person person = scene::draw_person(plan.seed);
+  scene::Scenario scenario = plan.scenario;
+  scene::set_up_hand(scenario, person);
   scene::TrialHeader header;
   header.participant = plan.name.empty() ? fmt::format("virtual {}", plan.seed) : plan.name;
   header.condition = plan.condition;
   header.seed = plan.seed;
-  header.scenario = scene::to_toml(plan.scenario);
+  header.scenario = scene::to_toml(scenario);
   scene::Recorder recorder(std::move(output), header);
-  scene::Session session = scene::make_session(plan.scenario);
-  scene::Participant participant({.person = person, .throws = plan.throws}, plan.scenario);
+  scene::Session session = scene::make_session(scenario);
+  scene::Participant participant({.person = person, .throws = plan.throws}, scenario);
   SampleWriter writer(recorder);
   scene::Totals totals;
   scene::Stopwatch stopwatch;

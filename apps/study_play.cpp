@@ -103,17 +103,17 @@ std::string condition_of(const Study& study, const study::PlannedParticipant& pa
 PlayedSession play_virtual(const Study& study, const study::PlannedParticipant& participant,
                            const std::string& path, const std::function<void()>& each_tick) {
   scene::Scenario scenario = scenario_of(study, participant);
-  scene::set_up_for_participants(scenario);
-  scene::check(scenario, study.at.scenario().string());
   scene::TrialHeader header;
   header.participant = virtual_name(participant.id);
   header.condition = condition_of(study, participant);
   header.seed = person_seed(study, participant.id);
+  const scene::Person drawn = scene::draw_person(header.seed);
+  scene::set_up_for_participants(scenario);
+  scene::set_up_hand(scenario, drawn);
+  scene::check(scenario, study.at.scenario().string());
   const auto games = study::games_of(study.design, participant.allotted);
-  scene::Participant person({.person = scene::draw_person(header.seed),
-                             .throws = study.design.throws,
-                             .blue_first = !games[0].red},
-                            scenario);
+  scene::Participant person(
+      {.person = drawn, .throws = study.design.throws, .blue_first = !games[0].red}, scenario);
   Sensed source(person);
   return play(scenario, header, path, source, &person, [&](const scene::Session&) {
     each_tick();
@@ -132,8 +132,7 @@ PlayedSession play_trial(const Study& study, const study::PlannedParticipant& pa
       is_virtual_name(its.participant) ? virtual_name(participant.id) : participant.id;
   header.condition = condition_of(study, participant);
   header.seed = its.seed;
-  const std::int64_t ticks = scene::tick_count(recorded.file.summary(), scenario.rates.physics_hz,
-                                               recorded.scenario.rates.physics_hz);
+  const std::int64_t ticks = recorded.ticks(scenario.rates.physics_hz);
   scene::TrialPlayer source(recorded.file);
   return play(scenario, header, path, source, nullptr, [&](const scene::Session& session) {
     each_tick();

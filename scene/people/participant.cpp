@@ -97,6 +97,13 @@ void set_up_for_participants(Scenario& scenario) {
   scenario.rig.X_WT = {Quat(0.0, h, -h, 0.0), Vec3(-0.15, kStartAhead + 1.5, 1.0)};
 }
 
+void set_up_hand(Scenario& scenario, const Person& person) {
+  Rig& rig = scenario.rig;
+  const bool usual =
+      rig.head_station == devices::kHeadStation && rig.hand_station == devices::kHandStation;
+  if (person.left_handed && usual) rig.hand_station = devices::kLeftHandStation;
+}
+
 Participant::Participant(const ParticipantPlan& plan, const Scenario& scenario)
     : plan_(plan),
       scenario_(scenario),

@@ -131,4 +131,7 @@ inline constexpr double kStepsAside = 0.3;
 /// them, where its noise is smallest at the release.
 void set_up_for_participants(Scenario& scenario);
 
+/// Gives the hand of a left-handed person station 3, if the scenario has the usual stations.
+void set_up_hand(Scenario& scenario, const Person& person);
+
 }  // namespace headpin::scene

@@ -1,5 +1,7 @@
 // Virtual participants as a user meets them: synthesized, replayed, compared.
 
+#include <fmt/format.h>
+
 #include "tests/apps/command_line.h"
 
 namespace headpin {
@@ -66,6 +68,19 @@ TEST_F(ParticipantCommands, OptionsActOnEveryVersionAndSetOnTheOneItNames) {
   const std::string words = headpin("replay s.lcmlog --friction 0").out;
   EXPECT_THAT(words, testing::HasSubstr("red version       elasticity 0.7 each, friction 0 each"));
   EXPECT_THAT(words, testing::HasSubstr("blue version      elasticity 0.7 each, friction 0 each"));
+}
+
+TEST_F(ParticipantCommands, ALeftHandedOnesHandIsTheLeftHand) {
+  for (const char* seed : {"7", "11"}) {
+    const bool left = json(fmt::format(
+        "synthesize --participant {0} --throws 1 -o {0}.lcmlog --json", seed))["left_handed"];
+    EXPECT_EQ(left, seed == std::string("11"));
+    const std::string scenario = headpin(fmt::format("info {}.lcmlog --scenario", seed)).out;
+    EXPECT_THAT(scenario, testing::HasSubstr(left ? "hand_station = 3" : "hand_station = 2"));
+    const std::string words = headpin(fmt::format("info {}.lcmlog", seed)).out;
+    EXPECT_THAT(words, testing::HasSubstr(left ? "left hand" : "right hand"));
+    EXPECT_THAT(words, testing::Not(testing::HasSubstr(left ? "right hand" : "left hand")));
+  }
 }
 
 TEST_F(ParticipantCommands, WhatDiffersBetweenTwoTrialsIsNamed) {
