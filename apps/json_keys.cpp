@@ -268,6 +268,8 @@ constexpr auto kKeys = std::to_array<JsonKey>({
      "else when it differed most"},
     {"operator", "address of the operator's page"},
     {"other_condition", "result of a separate throw under the condition that was given"},
+    {"other_order",
+     "participants who played the two versions in another order than planned; they count"},
     {"other_publishers_samples",
      "samples that were left out because another publisher sends the same station"},
     {"other_trials", "messages of another trial in the same file"},

@@ -21,6 +21,13 @@ std::string yes_no(bool yes) {
   return yes ? "yes" : "no";
 }
 
+/// Whether the changed version was played first; nothing if none was played.
+std::optional<bool> played_changed_first(const Person& p) {
+  const auto& order = p.played.measures.order;
+  if (order.empty()) return std::nullopt;
+  return (order[0] == "red") != p.planned.allotted.base_is_red;
+}
+
 std::string number(const std::optional<double>& value) {
   return value ? fmt::format("{}", *value) : std::string(kNoAnswer);
 }
@@ -52,9 +59,9 @@ void add_plan(const Design& design, const Questionnaire& questions, std::vector<
   text("planned_first", "text", "version that was to be played first: base or changed",
        [](const Person& p) { return p.planned.allotted.changed_first ? "changed" : "base"; });
   text("played_first", "text", "version that was played first", [](const Person& p) -> std::string {
-    const auto& order = p.played.measures.order;
-    if (order.empty()) return kNoAnswer;
-    return (order[0] == "red") == p.planned.allotted.base_is_red ? "base" : "changed";
+    const std::optional<bool> changed = played_changed_first(p);
+    if (!changed) return kNoAnswer;
+    return *changed ? "changed" : "base";
   });
   text("base_colour", "text", "button of the base version",
        [](const Person& p) { return p.planned.allotted.base_is_red ? "red" : "blue"; });
@@ -163,6 +170,11 @@ std::vector<Filled> columns_of(const Design& design, const Questionnaire& questi
 bool Person::is_virtual() const {
   return played.is_virtual ||
          std::ranges::any_of(answers, [](const Answer& answer) { return answer.source == kDrawn; });
+}
+
+bool is_in_other_order(const Person& person) {
+  const std::optional<bool> changed = played_changed_first(person);
+  return changed && *changed != person.planned.allotted.changed_first;
 }
 
 std::string why_not(const Design& design, const Questionnaire& questions, const Person& person) {

@@ -34,6 +34,9 @@ struct Person {
   bool is_virtual() const;  ///< a virtual participant played a session, or an answer was drawn
 };
 
+/// Whether a session was played in another order than the plan has. It counts all the same.
+bool is_in_other_order(const Person& person);
+
 /// The reason why a participant does not count; empty for one who counts.
 std::string why_not(const Design& design, const Questionnaire& questions, const Person& person);
 

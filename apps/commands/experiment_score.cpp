@@ -3,6 +3,7 @@
 #include <memory>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <nlohmann/json.hpp>
 
 #include "apps/experiment.h"
@@ -58,16 +59,19 @@ void score(const ScoreOptions& options) {
       study::paper_tables(study.design, study.questions, counted.people, counted.of);
   write_tables(study, people, tables);
   nlohmann::ordered_json not_counted = nlohmann::ordered_json::array();
+  std::vector<std::string> other_order;
   for (const study::Person& person : people) {
     const std::string why = study::why_not(study.design, study.questions, person);
     if (!why.empty()) not_counted.push_back({{"participant", person.planned.id}, {"why_not", why}});
+    if (study::is_in_other_order(person)) other_order.push_back(person.planned.id);
   }
   if (options.json) {
     return print_json({{"output", (study.at.root / "tables").string()},
                        {"participants", people.size()},
                        {"counted", counted.people.size()},
                        {"of_virtual", counted.of},
-                       {"not_counted", not_counted}});
+                       {"not_counted", not_counted},
+                       {"other_order", other_order}});
   }
   fmt::print("{} of {} participants count{}\n", counted.people.size(), people.size(),
              counted.of == "no"    ? ""
@@ -76,6 +80,10 @@ void score(const ScoreOptions& options) {
   for (const auto& one : not_counted) {
     fmt::print("  not {}: {}\n", one["participant"].get<std::string>(),
                one["why_not"].get<std::string>());
+  }
+  if (!other_order.empty()) {
+    fmt::print("  played in another order than planned: {} (see planned_first and played_first)\n",
+               fmt::join(other_order, ", "));
   }
   for (const study::Table& table : tables) {
     fmt::print("\n{}: {}", table.name, study::in_words(table));
