@@ -119,6 +119,12 @@ std::size_t write_csv(const SynthesizeOptions& options, const scene::ThrowMotion
   return recording.times.size();
 }
 
+/// To show: without -0, and 180 for -180.
+double whole_degrees(double degrees) {
+  const double whole = std::round(degrees) + 0.0;
+  return whole == -180.0 ? 180.0 : whole;
+}
+
 void synthesize_session(const SynthesizeOptions& options) {
   if (options.output->ends_with(".csv")) {
     throw UsageError(
@@ -198,7 +204,7 @@ void synthesize(const SynthesizeOptions& options) {
       "  planned way        board {:.1f}, {:.1f} degrees to the {}\n"
       "  planned spin       {:.0f} rpm, axis rotation {:.0f}, tilt {:.0f} degrees\n",
       ball.board, std::abs(ball.angle_deg), ball.angle_deg < 0.0 ? "left" : "right",
-      ball.revs_per_min, std::round(ball.rotation_deg) + 0.0, std::round(ball.tilt_deg) + 0.0);
+      ball.revs_per_min, whole_degrees(ball.rotation_deg), whole_degrees(ball.tilt_deg));
 }
 
 /// The options that say how the ball leaves the hand.
@@ -252,9 +258,11 @@ void add_synthesize(CLI::App& app) {
           ->capture_default_str();
   const std::vector<CLI::Option*> of_throw = add_throw(*command, *options);
   auto* duration =
-      add_duration(*command, options->duration_s,
-                   "duration of the trial [s]; default: 7 in the paper's room, more if the lane is "
-                   "longer or the game counts balls");
+      command
+          ->add_option("--duration", options->duration_s,
+                       "duration of the trial [s], at least that of the throw (about 5); default: "
+                       "7 in the paper's room, more if the lane is longer or the game counts balls")
+          ->check(number_from(1.0, 600.0));
   command->add_option("--scenario", options->scenario,
                       "name of a bundled scenario or a TOML file; default: the paper's room");
   auto* participant =
