@@ -3,11 +3,11 @@
 # (AArch64 and RISC-V under qemu, WebAssembly under node), plays the same games with each and compares
 # the hash of every tick; then replays whole trials on them (trial_matrix.sh).
 # Usage: build_matrix.sh [--quick]
-#   --quick  one low and one high level of each compiler instead of all, no other machine, no trials
+#   --quick  one low and one high level of each compiler instead of all, no other machine, no trials;
+#            the presets release (g++, -O3) and asan (clang++, -O1, sanitizers) are used where they were built
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/../.."
 levels=(-O1 -O2 -O3)
-[ "${1:-}" = --quick ] && levels=(-O1 -O3)
 work=build/matrix
 mkdir -p "$work"
 eigen=$(pkg-config --cflags eigen3)
@@ -15,14 +15,16 @@ avx2=() fma=()
 grep -qs avx2 /proc/cpuinfo && avx2=(-mavx2)
 grep -qsw fma /proc/cpuinfo && fma=(-mfma)
 
-variants=()
+variants=() presets=()
 for compiler in g++ clang++; do
   command -v "$compiler" >/dev/null || { echo "skipped: no $compiler"; continue; }
+  if [ "${1:-}" = --quick ]; then
+    [ $compiler = g++ ] && preset=release || preset=asan
+    grep -qs "state_hash" "build/$preset/build.ninja" && presets+=("$preset") || variants+=("$compiler -O1")
+    variants+=("$compiler -O3 ${avx2[*]} ${fma[*]}")
+    continue
+  fi
   for level in "${levels[@]}"; do
-    if [ "${1:-}" = --quick ]; then
-      [ $level = -O1 ] && variants+=("$compiler -O1") || variants+=("$compiler -O3 ${avx2[*]} ${fma[*]}")
-      continue
-    fi
     variants+=("$compiler $level")
     [ ${#avx2[@]} -eq 0 ] || variants+=("$compiler $level ${avx2[*]}")
     [ ${#fma[@]} -eq 0 ] || variants+=("$compiler $level ${avx2[*]} ${fma[*]}")
@@ -65,6 +67,12 @@ make_one() {
 export -f make_one
 export work eigen
 printf '%s\0' "${variants[@]}" | xargs -0 -P "$(nproc)" -I{} bash -euo pipefail -c 'make_one "{}"'
+
+for preset in "${presets[@]}"; do
+  cmake --build "build/$preset" --target state_hash >"$work/$preset.log" || { cat "$work/$preset.log"; exit 1; }
+  "build/$preset/tests/state_hash" >"$work/$preset.txt"
+done
+variants+=("${presets[@]}")
 
 reference=${variants[0]// /}
 cat "$work/$reference.txt"
