@@ -256,6 +256,12 @@ void OutputFile::sync() const {
   if (fdatasync(descriptor_) != 0 && errno != EINVAL && errno != EROFS) fail("cannot be written");
 }
 
+std::int64_t OutputFile::length() const {
+  struct stat now {};
+  if (fstat(descriptor_, &now) != 0) fail("cannot be read");
+  return now.st_size;
+}
+
 bool OutputFile::cut_back(std::int64_t size) const {
   return ftruncate(descriptor_, size) == 0;
 }

@@ -62,6 +62,10 @@ class OutputFile {
   /// @throws std::runtime_error  saying what happened to it: deleted, replaced, moved or truncated
   void require_kept(std::int64_t size) const;
 
+  /// Bytes that the file has now, whoever wrote or truncated it.
+  /// @throws std::runtime_error  when the disk fails
+  std::int64_t length() const;
+
   /// Truncates the file to `size` bytes.
   bool cut_back(std::int64_t size) const;
 

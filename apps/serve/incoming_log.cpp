@@ -13,24 +13,31 @@ namespace headpin::apps {
 
 IncomingLog::IncomingLog(const std::string& path) : file_(path, {.live = true, .regular = true}) {}
 
+std::int64_t IncomingLog::size() {
+  return size_ = std::min(size_, file_.length());
+}
+
 std::span<const std::uint8_t> IncomingLog::add(std::int64_t at,
                                                std::span<const std::uint8_t> piece) {
-  if (at < 0 || at > size_) {
-    throw WrongPlace(fmt::format("expected a piece from byte {} on, found one from {}", size_, at));
+  const std::int64_t there = size();
+  if (at < 0 || at > there) {
+    throw WrongPlace(fmt::format("expected a piece from byte {} on, found one from {}", there, at));
   }
-  const std::size_t known = std::min(piece.size(), static_cast<std::size_t>(size_ - at));
+  const std::size_t known = std::min(piece.size(), static_cast<std::size_t>(there - at));
   require_same(at, piece.first(known));
   const std::span<const std::uint8_t> fresh = piece.subspan(known);
-  const std::int64_t size = size_ + static_cast<std::int64_t>(fresh.size());
+  const std::int64_t size = there + static_cast<std::int64_t>(fresh.size());
   try {
     file_.write(fresh.data(), fresh.size());
     sync_each_second(size);
   } catch (const std::runtime_error&) {
-    file_.cut_back(size_);
+    file_.cut_back(there);
     throw;
   }
   size_ = size;
-  return fresh;
+  const auto seen = static_cast<std::size_t>(longest_ - at);
+  longest_ = std::max(longest_, size_);
+  return piece.subspan(std::min(piece.size(), seen));
 }
 
 void IncomingLog::sync_each_second(std::int64_t size) {

@@ -23,13 +23,13 @@ class IncomingLog {
   explicit IncomingLog(const std::string& path);
 
   const std::string& path() const { return file_.path(); }
-  /// Bytes that are there.
-  std::int64_t size() const { return size_; }
+  /// Bytes of it that are there. What somebody else has truncated is expected again.
+  std::int64_t size();
 
   /// Adds a piece. What is there already, as of a piece that is sent again, must be the same.
   ///
   /// @param at  where the piece begins [bytes]
-  /// @return    the bytes of it that are new
+  /// @return    the bytes of it that have never come before
   /// @throws WrongPlace          for a piece that leaves a gap, or differs from what is there
   /// @throws std::runtime_error  when it cannot be written; then nothing of it stays
   std::span<const std::uint8_t> add(std::int64_t at, std::span<const std::uint8_t> piece);
@@ -42,7 +42,8 @@ class IncomingLog {
   void require_same(std::int64_t at, std::span<const std::uint8_t> piece) const;
 
   base::OutputFile file_;
-  std::int64_t size_ = 0;
+  std::int64_t size_ = 0;     ///< without what was truncated
+  std::int64_t longest_ = 0;  ///< that it ever was
   std::chrono::steady_clock::time_point synced_ = std::chrono::steady_clock::now();
 };
 

@@ -243,6 +243,29 @@ TEST_F(Serve, AFullDiskIsSaidAndTheRestIsKept) {
   EXPECT_THAT(slurp(folder_ / "said.txt"), HasSubstr("guest-01.lcmlog: cannot be written"));
 }
 
+// Somebody truncates the log: the page is asked for the rest again.
+TEST_F(Serve, WhatSomebodyTruncatesComesAgain) {
+  start("paper-room -o games");
+  const std::string log = slurp(kDemoLog), path = folder_ / "games/guest-01.lcmlog";
+  post(links_[0], "begin");
+  const auto piece = [&](std::size_t at, std::size_t size) {
+    return post(links_[0], fmt::format("log?at={}", at), log.substr(at, size));
+  };
+  EXPECT_EQ(piece(0, 20000).status, 200);
+  fs::resize_file(path, 300);
+  EXPECT_EQ(piece(20000, 1000).status, 409);
+  EXPECT_EQ(slurp(path), log.substr(0, 300));
+  EXPECT_EQ(post(links_[0], "begin").body, R"({"size":300})");
+  EXPECT_EQ(piece(300, log.size()).status, 200);
+  fs::resize_file(path, 5000);
+  EXPECT_EQ(post(links_[0], fmt::format("end?at={}", log.size())).status, 409);
+  EXPECT_EQ(piece(5000, log.size()).status, 200);
+  EXPECT_EQ(post(links_[0], fmt::format("end?at={}", log.size())).status, 200);
+  EXPECT_EQ(slurp(path), log);
+  EXPECT_EQ(guest(0)["game"]["participant"], "demo");
+  EXPECT_EQ(stop(), 0);
+}
+
 TEST_F(Serve, AStudysPlanIsFollowed) {
   ASSERT_EQ(headpin("experiment plan -o study").code, 0);
   start("study --links 3");
