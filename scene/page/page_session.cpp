@@ -123,8 +123,10 @@ void PageSession::see(std::vector<float>& out) const {
 
 nlohmann::json PageSession::take_news() {
   const Glimpse g = glimpse(session_, {});
-  if (news_.empty() && g.X_BG_rings.size() == told_rings_) return nullptr;
+  const bool same = g.X_BG_rings.size() == told_rings_ && g.board == told_board_;
+  if (news_.empty() && same) return nullptr;
   told_rings_ = g.X_BG_rings.size();
+  told_board_ = g.board;
   nlohmann::json events = nlohmann::json::array();
   for (const Event& event : std::exchange(news_, {})) events.push_back(to_news(event));
   const Score& score = totals_.score();

@@ -68,7 +68,7 @@ class PageSession {
   void see(std::vector<float>& out) const;
 
   /// Events since the last call, the score, the text of the score board, and the rings of oil on a
-  /// ball (its number among the balls, and of_rings()); null if there is no event, nor another ring.
+  /// ball (its number among the balls, and of_rings()); null if nothing of it is new.
   nlohmann::json take_news();
 
   /// What the player heard since the last call; nothing if the scenario has no sound.
@@ -94,6 +94,7 @@ class PageSession {
   Totals totals_;
   std::vector<Event> news_;
   std::size_t told_rings_ = 0;
+  std::vector<std::string> told_board_;
   std::optional<Hearing> hearing_;  ///< if the scenario has sound
   std::vector<StereoSample> heard_;
 };

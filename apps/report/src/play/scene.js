@@ -53,8 +53,9 @@ export class Room {
     this.balls = this.bodies.filter(({ role }) => role === 'ball');
     this.rings = new Rings(page, this.looks);
     this.balls[0]?.objects[0].add(this.rings.group);
+    this.software = software === true;
     this.rough = false;
-    this.thin(software === true);
+    this.thin(this.software);
   }
 
   actor({ role, meshes }) {

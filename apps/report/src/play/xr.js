@@ -111,6 +111,7 @@ export class XrPlay {
     renderer.setAnimationLoop(null);
     renderer.xr.enabled = false;
     this.session = null;
+    this.room.thin(this.room.software);
     if (this.head) this.room.putRig(this.game.view, this.game.X_WT);
     this.onEnd();
   }
@@ -241,7 +242,7 @@ export class XrPlay {
     this.late.push(late);
     if (this.late.length > kWatched) this.late.shift();
     if (this.late.filter(Boolean).length > kMostLate) {
-      room.thin(true);
+      room.thin(true);  // until the headset is put away
       this.late = [];
     }
   }
